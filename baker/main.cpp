@@ -1,0 +1,183 @@
+#include "baker/bake.h"
+#include "baker/inspect.h"
+#include "core/error.h"
+#include "formats/preset_file.h"
+#include "formats/whole_file.h"
+
+#include <CLI/CLI.hpp>
+#include <fmt/format.h>
+#include <malloc.h>
+#include <nlohmann/json.hpp>
+
+// The command line: words in, exit code out. What the commands do lies behind bake.h and inspect.h.
+
+namespace paperbake {
+namespace {
+
+constexpr int gate_missed = 4;
+
+std::pair<std::string, std::string> key_and_value(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Error(Fault::command, "--set " + text, "A key and a value are needed.", "Write --set key=value, for instance --set thickness=90e-6.");
+  return {text.substr(0, equals), text.substr(equals + 1)};
+}
+
+std::set<std::string> parse_formats(const std::string& text) {
+  const std::vector<std::string> known{"abc", "maps", "cert"};
+  std::set<std::string> formats;
+  for (std::size_t from = 0; from <= text.size();) {
+    const std::size_t comma = std::min(text.find(',', from), text.size());
+    const std::string name = text.substr(from, comma - from);
+    if (std::find(known.begin(), known.end(), name) == known.end())
+      throw Error(Fault::command, "--formats", fmt::format("Unknown format \"{}\".", name), fmt::format("This version writes: {}.", fmt::join(known, ", ")));
+    formats.insert(name);
+    from = comma + 1;
+  }
+  return formats;
+}
+
+/// What the words of `bake` were, before they are understood.
+struct BakeWords {
+  std::vector<std::string> set;
+  std::string formats = "abc,maps,cert", frames, map_frames, mesh = "render";
+  bool dry_run = false;
+  ProgressMode progress = ProgressMode::automatic;
+};
+
+void add_reading_options(CLI::App& command, SceneOptions& options) {
+  command.add_option("--fps", options.fps, "Frames a second, instead of the file's own (glTF has none: else paper_fps, else 24)")->check(CLI::PositiveNumber);
+  command.add_option("--start-frame", options.start_frame, "Frame of the first key (FBX hides it; else 1)");
+  command.add_option("--unit-scale", options.unit_scale, "Length of one unit of the file in metres")->check(CLI::PositiveNumber);
+  command.add_option("--take", options.take, "Name of the one animation to use; else all are merged");
+}
+
+void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
+  CLI::App& bake = *app.add_subcommand("bake", "Simulate the sheets of a scene and write cache, maps and certificate");
+  bake.add_option("SCENE", s.scene, "An .fbx, .glb or .gltf file with a sheet and animated handles")->required();
+  bake.add_option("-o,--output", s.output, "Output folder; made when missing")->required();
+  bake.add_option("--preset", s.preset, "Paper grade (see `paperbake presets`) or a preset file; replaces the scene's");
+  bake.add_option("--set", words.set, "key=value: one number of the paper, over preset and scene");
+  bake.add_option("--method", s.method, "How to simulate: fem")->capture_default_str();
+  bake.add_option("--seed", s.seed, "Seed of all that is random; else the sheet's paper_seed, else 0");
+  bake.add_option("--triangles", s.triangles, "Triangles of fem's mesh, within 10 %")->capture_default_str()->check(CLI::Range(2, 400000));
+  bake.add_option("--mesh", words.mesh, "Mesh in the cache: render or simulation (one and the same for fem)")->capture_default_str()->check(CLI::IsMember({"render", "simulation"}));
+  bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert")->capture_default_str();
+  bake.add_option("--gravity", s.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0");
+  bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(CLI::PositiveNumber);
+  bake.add_option("--dynamics", s.dynamics, "Inertia: auto (quasi-static), off, on")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Dynamics>{{"auto", Dynamics::automatic}, {"off", Dynamics::off}, {"on", Dynamics::on}}));
+  bake.add_option("--frames", words.frames, "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key handles rest");
+  bake.add_option("--map-size", s.map_size, "Texels on a side of the maps")->capture_default_str()->check(CLI::Range(1, 16384));
+  bake.add_option("--map-frames", words.map_frames, "Frames with a map: A-BxN,...; the final one always (default: every 12th)");
+  bake.add_option("--max-stretch", s.max_stretch_pct, "Gate: longest or shortest edge in percent of its rest length")->capture_default_str()->check(CLI::PositiveNumber);
+  bake.add_flag("--strict", s.strict, "Refuse handles that ask the impossible, instead of meeting them as far as paper can");
+  bake.add_option("--threads", s.threads, "Threads; the result does not depend on them")->capture_default_str()->check(CLI::PositiveNumber);
+  bake.add_option("--progress", words.progress, "auto, plain, json, none; on stderr")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressMode>{{"auto", ProgressMode::automatic}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}}));
+  bake.add_flag("--dry-run", words.dry_run, "Check everything and print the job, but write nothing");
+  add_reading_options(bake, s.reading);
+}
+
+int run_bake(BakeSettings settings, const BakeWords& words) {
+  for (const std::string& text : words.set) settings.set.push_back(key_and_value(text));
+  settings.formats = parse_formats(words.formats);
+  if (!words.frames.empty()) settings.frames = parse_frames(words.frames, "--frames");
+  if (!words.map_frames.empty()) settings.map_frames = parse_frame_list(words.map_frames, "--map-frames");
+  const BakePlan plan = plan_bake(settings);
+
+  const FrameSpan& f = plan.frames;
+  Progress progress(words.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1));
+  for (const std::string& warning : plan.warnings) progress.say(warning);
+  for (const SheetImpossible& pair : plan.impossible) progress.say(describe(pair));
+  if (words.dry_run) {
+    fmt::print("{}", lock_text(plan));
+    return plan.impossible.empty() ? 0 : gate_missed;
+  }
+  const BakeOutcome outcome = bake(settings, plan, progress);
+  for (const std::string& sentence : outcome.missed) progress.say("gate missed: " + sentence);
+  for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
+  return outcome.exit_code;
+}
+
+int run_inspect(const std::filesystem::path& scene, const SceneOptions& options, bool json, const std::optional<std::string>& tracks) {
+  if (tracks) {
+    const std::string csv = tracks_csv(scene, options);
+    if (*tracks == "-") fmt::print("{}", csv);
+    else write_whole_file(*tracks, csv);
+    return 0;
+  }
+  fmt::print("{}", inspect_scene(scene, options, json));
+  return 0;
+}
+
+int run_presets(const std::optional<std::string>& name, bool json) {
+  if (name && !json) {
+    fmt::print("{}", read_preset(*name).text);
+    return 0;
+  }
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const std::string& grade : name ? std::vector<std::string>{*name} : preset_names()) {
+    const Preset preset = read_preset(grade);
+    nlohmann::ordered_json entries = nlohmann::ordered_json::object();
+    for (const Preset::Entry& e : preset.entries)
+      entries[e.key] = {{"value", e.value}, {"unit", e.unit}, {"source", e.source}, {"mark", e.mark}};
+    all.push_back({{"name", preset.paper.name}, {"values", entries}});
+    if (!json) fmt::print("{:<10} {:>5g} g/m2  {:>4g} um  D {:g} N m\n", preset.paper.name, 1e3 * preset.paper.area_density, 1e6 * preset.paper.thickness, preset.paper.bending_stiffness);
+  }
+  if (json) fmt::print("{}\n", (name ? all.front() : all).dump(1));
+  return 0;
+}
+
+int run(int argc, char** argv) {
+  CLI::App app("Bakes paper animation from handles keyed in a DCC.", "paperbake");
+  app.set_version_flag("--version", "paperbake " PAPERBAKE_VERSION);
+  app.require_subcommand(1);
+
+  BakeSettings settings;
+  BakeWords words;
+  add_bake(app, settings, words);
+
+  CLI::App& inspect = *app.add_subcommand("inspect", "What is in a scene, what is wrong with it, where each value came from");
+  std::filesystem::path scene;
+  SceneOptions reading;
+  bool json = false;
+  std::optional<std::string> tracks;
+  inspect.add_option("SCENE", scene, "An .fbx, .glb or .gltf file")->required();
+  inspect.add_flag("--json", json, "As JSON");
+  inspect.add_option("--tracks", tracks, "Write frame,node,x,y,z of every node to this file (world, z up, metres); - for stdout");
+  add_reading_options(inspect, reading);
+
+  CLI::App& presets = *app.add_subcommand("presets", "List the paper grades, or print one with its sources");
+  std::optional<std::string> grade;
+  bool grades_json = false;
+  presets.add_option("NAME", grade, "A grade or a preset file");
+  presets.add_flag("--json", grades_json, "As JSON");
+
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : static_cast<int>(Fault::command);
+  }
+  if (app.got_subcommand("bake")) return run_bake(std::move(settings), words);
+  if (app.got_subcommand("inspect")) return run_inspect(scene, reading, json, tracks);
+  return run_presets(grade, grades_json);
+}
+
+}  // namespace
+}  // namespace paperbake
+
+int main(int argc, char** argv) {
+  // factors come and go by the megabyte: keep their memory instead of asking the kernel for zeroed pages every time
+  mallopt(M_MMAP_THRESHOLD, 1 << 28);
+  mallopt(M_TRIM_THRESHOLD, 1 << 28);
+  try {
+    return paperbake::run(argc, argv);
+  } catch (const paperbake::Error& error) {
+    fmt::print(stderr, "paperbake: {}\n", error.what());
+    return static_cast<int>(error.fault);
+  } catch (const std::exception& error) {
+    fmt::print(stderr, "paperbake: {}\n", error.what());
+    return static_cast<int>(paperbake::Fault::simulation);
+  }
+}

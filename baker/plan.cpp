@@ -1,0 +1,169 @@
+#include "baker/plan.h"
+
+#include "core/error.h"
+#include "formats/murmur.h"
+#include "formats/preset_file.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace paperbake {
+namespace {
+
+Method choose_method(const BakeSettings& settings) {
+  if (settings.method == "fem") return fem(settings.triangles);
+  throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has one method: fem.");
+}
+
+/// Bytes of numbers, for hashing.
+template <class Matrix>
+void append_bytes(std::string& bytes, const Matrix& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()), sizeof(typename Matrix::Scalar) * values.size());
+}
+
+std::string start_bytes(const Shot& shot, unsigned seed, const std::string& settings) {
+  std::string bytes = settings + shot.sheet_name + fmt::format("/{}/", seed);
+  for (const Vector2d& p : shot.pattern.outline) append_bytes(bytes, p);
+  for (const auto& hole : shot.pattern.holes)
+    for (const Vector2d& p : hole) append_bytes(bytes, p);
+  append_bytes(bytes, shot.start.pattern);
+  append_bytes(bytes, shot.start.x);
+  append_bytes(bytes, shot.start.triangles);
+  for (const Handle& handle : shot.handles) {
+    bytes += fmt::format("{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame, handle.release_frame, handle.radius.value_or(-1));
+    append_bytes(bytes, handle.pattern);
+  }
+  return bytes;
+}
+
+void settle_frames(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
+  plan.frames = settings.frames.value_or(FrameSpan{scene.first_frame, scene.last_frame, 1});
+  if (plan.frames.last < scene.first_frame)
+    throw Error(Fault::command, "--frames", fmt::format("The scene begins at frame {}, the range ends at {}.", scene.first_frame, plan.frames.last),
+                fmt::format("The keys cover frames {}-{}.", scene.first_frame, scene.last_frame));
+  if (plan.frames.first < scene.first_frame) {
+    plan.warnings.push_back(fmt::format("--frames begins at {}, before the scene's first frame {}: baked from {}.", plan.frames.first,
+                                        scene.first_frame, scene.first_frame));
+    while (plan.frames.first < scene.first_frame) plan.frames.first += plan.frames.step;
+  }
+  plan.frames.last -= (plan.frames.last - plan.frames.first) % plan.frames.step;
+  plan.map_frames = settings.map_frames.value_or(std::vector<FrameSpan>{{plan.frames.first, plan.frames.last, 12}});
+  plan.animation.first_frame = scene.first_frame;
+  plan.animation.last_frame = plan.frames.last;
+}
+
+void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
+  const auto said = [](bool by_command) { return by_command ? "command line" : "default"; };
+  const BakeSettings defaults;
+  const auto origin = [&](const char* key, bool by_command) {
+    if (by_command) return std::string("command line");
+    const auto found = scene.origin.find(key);
+    return found == scene.origin.end() ? std::string("scene") : found->second;
+  };
+  auto& used = plan.used;
+  used.push_back({"scene.file", toml_string(scene.source), "command line"});
+  used.push_back({"scene.fps", toml_number(scene.fps), origin("fps", settings.reading.fps.has_value())});
+  used.push_back({"scene.first_frame", std::to_string(scene.first_frame), origin("first_frame", settings.reading.start_frame.has_value())});
+  used.push_back({"scene.last_frame", std::to_string(scene.last_frame), "scene"});
+  used.push_back({"bake.method", toml_string(settings.method), said(settings.method != defaults.method)});
+  used.push_back({"bake.triangles", std::to_string(settings.triangles), said(settings.triangles != defaults.triangles)});
+  used.push_back({"bake.stop", toml_number(settings.stop), said(settings.stop != defaults.stop)});
+  used.push_back({"bake.gravity", toml_number(plan.animation.elastic.gravity),
+                  settings.gravity ? "command line" : scene.gravity ? "scene" : "default"});
+  used.push_back({"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
+                  settings.dynamics == Dynamics::automatic ? "auto" : "command line"});
+  used.push_back({"bake.frames", toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
+                  settings.frames ? "command line" : "scene"});
+  used.push_back({"bake.map_size", std::to_string(settings.map_size), said(settings.map_size != defaults.map_size)});
+  used.push_back({"bake.max_stretch", toml_number(settings.max_stretch_pct), said(settings.max_stretch_pct != defaults.max_stretch_pct)});
+  used.push_back({"bake.strict", settings.strict ? "true" : "false", said(settings.strict)});
+}
+
+Shot make_shot(SceneSheet&& sheet, const Paper& paper, std::vector<std::string>& warnings) {
+  for (const Handle& handle : sheet.handles)
+    if (handle.stiffness > 0)
+      warnings.push_back(fmt::format("Handle \"{}\" asks for paper_stiffness; this version holds every handle hard.", handle.name));
+  return {std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper};
+}
+
+}  // namespace
+
+std::string describe(const SheetImpossible& impossible) {
+  const ImpossiblePair& p = impossible.pair;
+  const double over = p.apart - p.allowed;
+  return fmt::format("Handles \"{}\" and \"{}\" of sheet \"{}\" are too far apart in frames {}-{}: at frame {} they are asked to be {:.2f} mm apart, "
+                     "the paper between them is {:.2f} mm long: overshoot {:.2f} mm ({:.1f} %).",
+                     p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart, 1e3 * p.allowed, 1e3 * over, 100 * over / p.allowed);
+}
+
+std::string frame_input_hash(const std::string& before, const Shot& shot, int frame, int first_frame) {
+  std::string bytes = before;
+  for (const Handle& handle : shot.handles) {
+    append_bytes(bytes, keyed_position(handle, frame - first_frame));
+    bytes += handle.held(frame) ? 'h' : 'f';
+  }
+  return hex(murmur(bytes));
+}
+
+BakePlan plan_bake(const BakeSettings& settings) {
+  BakePlan plan;
+  plan.name = settings.scene.stem().string();
+  plan.method = choose_method(settings);
+  Scene scene = read_scene(settings.scene, settings.reading);
+  plan.warnings = scene.warnings;
+  plan.animation.fps = scene.fps;
+  plan.animation.elastic.stop = settings.stop;
+  plan.animation.elastic.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
+  plan.animation.elastic.inertia = settings.dynamics == Dynamics::on ? Inertia::dynamic : Inertia::quasi_static;
+  settle_frames(settings, scene, plan);
+  note_used(settings, scene, plan);
+  if (settings.preset)  // an unknown grade is an error even if no sheet were there to use it
+    read_preset(*settings.preset);
+
+  std::string job;
+  for (SceneSheet& sheet : scene.sheets) {
+    const ResolvedPaper resolved = resolve_paper(settings, sheet);
+    const unsigned seed = settings.seed.value_or(sheet.seed.value_or(0));
+    plan.used.insert(plan.used.end(), resolved.used.begin(), resolved.used.end());
+    plan.used.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
+                         settings.seed ? "command line" : sheet.seed ? "scene" : "default"});
+    plan.seeds.push_back(seed);
+    plan.presets.push_back(resolved.paper.name);
+    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, plan.warnings));
+  }
+
+  std::string values = PAPERBAKE_VERSION "\n";
+  for (const UsedValue& value : plan.used)
+    if (value.key != "scene.file") values += value.key + " = " + value.value + "\n";
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
+    const Shot& shot = plan.shots[s];
+    plan.start_hash.push_back(hex(murmur(start_bytes(shot, plan.seeds[s], values))));
+    std::string hash = plan.start_hash.back();
+    for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
+      hash = frame_input_hash(hash, shot, f, plan.animation.first_frame);
+    job += hash;
+    for (ImpossiblePair& pair : Reach(shot.pattern, shot.handles).impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
+      plan.impossible.push_back({shot.sheet_name, std::move(pair)});
+  }
+  plan.job_hash = hex(murmur(job));
+  if (settings.strict && !plan.impossible.empty()) {
+    const ImpossiblePair& pair = plan.impossible.front().pair;
+    throw Error(Fault::scene, fmt::format("{}, handles \"{}\" and \"{}\", frames {}-{}", settings.scene.string(), pair.a, pair.b, pair.first, pair.last),
+                describe(plan.impossible.front()), "Bring the handles closer together, or bake without --strict: then they are met as far as paper can.");
+  }
+  return plan;
+}
+
+std::string lock_text(const BakePlan& plan) {
+  std::string text = "# Every value of this bake and, behind it, where it came from.\n";
+  text += fmt::format("program = \"paperbake\"\nversion = \"{}\"\njob_hash = \"{}\"\n", PAPERBAKE_VERSION, plan.job_hash);
+  std::string table;
+  for (const UsedValue& value : plan.used) {
+    const std::size_t dot = value.key.rfind('.');
+    if (value.key.substr(0, dot) != table) text += fmt::format("\n[{}]\n", table = value.key.substr(0, dot));
+    text += fmt::format("{} = {}  # {}\n", value.key.substr(dot + 1), value.value, value.origin);
+  }
+  return text;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,48 @@
+#pragma once
+
+#include "baker/settings.h"
+#include "core/animate.h"
+#include "core/reach.h"
+
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// A pair of handles that asks the impossible, and of which sheet.
+struct SheetImpossible {
+  std::string sheet;
+  ImpossiblePair pair;
+};
+
+/// All that a bake will do, decided before anything is simulated or written.
+struct BakePlan {
+  std::string name;                    // stem of the scene file: begins the names of the output files
+  std::vector<Shot> shots;             // one a sheet
+  std::vector<unsigned> seeds;         // of each sheet
+  std::vector<std::string> presets;    // of each sheet
+  AnimateOptions animation;            // simulated from the scene's first frame to the last one written
+  FrameSpan frames;                    // written
+  std::vector<FrameSpan> map_frames;
+  Method method;
+  std::vector<SheetImpossible> impossible;
+  std::vector<std::string> warnings;
+  std::vector<UsedValue> used;         // every value and where it came from, for job.lock.toml
+  std::vector<std::string> start_hash; // of each sheet: version, settings, paper, pattern, start shape, handle points
+  std::string job_hash;                // over the whole job: input of all sheets and frames; no threads, formats or paths
+};
+
+/// Reads the scene and settles every value. throws Error: scene unusable, unknown preset, unknown method, and with `strict`
+/// handles that ask the impossible
+BakePlan plan_bake(const BakeSettings&);
+
+/// One sentence about such a pair: frames, names, overshoot.
+std::string describe(const SheetImpossible&);
+
+/// Hash of what frame `frame` of a sheet depends on beyond `before`, the hash of the frame before it: keys and grips.
+std::string frame_input_hash(const std::string& before, const Shot&, int frame, int first_frame);
+
+/// job.lock.toml.
+std::string lock_text(const BakePlan&);
+
+}  // namespace paperbake

@@ -1,0 +1,106 @@
+#include "baker/summary.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fstream>
+#include <functional>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+namespace paperbake {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+/// Mean and largest of one number over the frames, with the frame of the largest.
+Json spread(const std::vector<FrameRecord>& frames, const std::function<double(const FrameRecord&)>& value) {
+  double sum = 0, largest = 0;
+  int at = frames.empty() ? 0 : frames.front().frame;
+  for (const FrameRecord& f : frames) {
+    sum += value(f);
+    if (value(f) > largest) largest = value(f), at = f.frame;
+  }
+  return {{"mean", frames.empty() ? 0 : sum / frames.size()}, {"max", largest}, {"frame_of_max", at}};
+}
+
+Json machine() {
+  std::string cpu = "unknown", line;
+  std::ifstream info("/proc/cpuinfo");
+  while (std::getline(info, line))
+    if (line.rfind("model name", 0) == 0) {
+      cpu = line.substr(line.find(':') + 2);
+      break;
+    }
+  return {{"cpu", cpu}, {"cores", std::thread::hardware_concurrency()}};
+}
+
+Json models(const BakePlan& plan) {
+  const ElasticOptions& elastic = plan.animation.elastic;
+  const bool dynamic = elastic.inertia == Inertia::dynamic;
+  const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
+  return {{"dynamics", model(dynamic, dynamic ? "asked for with --dynamics on" : "quasi-static: handles move slowly against the sheet's own waves")},
+          {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
+          {"plasticity", model(false, "method fem is elastic")},
+          {"singular_points", model(false, "method fem makes none")},
+          {"contact", model(false, "not in this version; crossings are counted in every frame")},
+          {"colliders", model(false, "not in this version")}};
+}
+
+}  // namespace
+
+std::vector<std::string> missed_gates(const Gates& gates, const std::vector<FrameRecord>& frames, const BakePlan& plan) {
+  std::vector<std::string> missed;
+  const auto check = [&](double limit, const std::function<double(const FrameRecord&)>& value, const char* sentence) {
+    const auto worst = std::max_element(frames.begin(), frames.end(),
+                                        [&](const FrameRecord& a, const FrameRecord& b) { return value(a) < value(b); });
+    if (worst != frames.end() && value(*worst) > limit)
+      missed.push_back(fmt::format(fmt::runtime(sentence), fmt::arg("frame", worst->frame), fmt::arg("value", value(*worst)), fmt::arg("limit", limit)));
+  };
+  check(gates.mean_stretch_pct, [](const FrameRecord& f) { return f.stretch_mean_pct; }, "Frame {frame}: mean stretch {value:.2f} %, more than {limit:g} %.");
+  check(gates.max_stretch_pct, [](const FrameRecord& f) { return f.stretch_max_pct; }, "Frame {frame}: an edge is off by {value:.2f} %, more than {limit:g} %.");
+  check(gates.handle_err_mm, [](const FrameRecord& f) { return f.handle_err_max_mm; }, "Frame {frame}: a handle is off by {value:.2f} mm, more than {limit:g} mm.");
+  check(0, [](const FrameRecord& f) { return double(f.crossings); }, "Frame {frame}: {value:.0f} pairs of triangles pass through each other.");
+  if (!plan.impossible.empty())
+    missed.push_back(fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}", plan.impossible.size(),
+                                 describe(plan.impossible.front())));
+  return missed;
+}
+
+std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, const std::vector<std::string>& missed) {
+  Json sheets = Json::array(), impossible = Json::array(), settings = Json::object();
+  for (std::size_t s = 0; s < plan.shots.size(); ++s)
+    sheets.push_back({{"name", plan.shots[s].sheet_name}, {"preset", plan.presets[s]}, {"seed", plan.seeds[s]},
+                      {"width_m", extent(plan.shots[s].pattern).x()}, {"height_m", extent(plan.shots[s].pattern).y()},
+                      {"handles", plan.shots[s].handles.size()}});
+  for (const SheetImpossible& i : plan.impossible)
+    impossible.push_back({{"sheet", i.sheet}, {"handles", {i.pair.a, i.pair.b}}, {"frame", i.pair.frame}, {"frames", {i.pair.first, i.pair.last}},
+                          {"apart_mm", 1e3 * i.pair.apart}, {"paper_mm", 1e3 * i.pair.allowed}, {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)}});
+  for (const UsedValue& value : plan.used) settings[value.key] = value.value;
+  const auto count = [&](auto test) { return std::count_if(frames.begin(), frames.end(), test); };
+  int singular = 0, crossings = 0;
+  for (const FrameRecord& f : frames) singular += f.new_singular, crossings = std::max(crossings, f.crossings);
+
+  const Json summary{
+      {"program", "paperbake"}, {"version", PAPERBAKE_VERSION}, {"job_hash", plan.job_hash}, {"method", plan.method.name},
+      {"fps", plan.animation.fps}, {"first_frame", plan.frames.first}, {"last_frame", plan.frames.last},
+      {"frames", frames.size()}, {"sheets", sheets},
+      {"triangles", spread(frames, [](const FrameRecord& f) { return double(f.triangles); })},
+      {"stretch_mean_pct", spread(frames, [](const FrameRecord& f) { return f.stretch_mean_pct; })},
+      {"stretch_max_pct", spread(frames, [](const FrameRecord& f) { return f.stretch_max_pct; })},
+      {"angle_defect_max_deg", spread(frames, [](const FrameRecord& f) { return f.angle_defect_max_deg; })},
+      {"handle_err_max_mm", spread(frames, [](const FrameRecord& f) { return f.handle_err_max_mm; })},
+      {"render_stretch_mean_pct", spread(frames, [](const FrameRecord& f) { return f.render_stretch_mean_pct; })},
+      {"render_stretch_max_pct", spread(frames, [](const FrameRecord& f) { return f.render_stretch_max_pct; })},
+      {"elastic_ms", spread(frames, [](const FrameRecord& f) { return f.elastic_ms; })},
+      {"geometry_ms", spread(frames, [](const FrameRecord& f) { return f.geometry_ms; })},
+      {"newton_iterations", spread(frames, [](const FrameRecord& f) { return double(f.newton_iterations); })},
+      {"energy_J", spread(frames, [](const FrameRecord& f) { return f.energy_J; })},
+      {"singular", singular}, {"crossings", crossings},
+      {"not_converged", count([](const FrameRecord& f) { return !f.converged; })},
+      {"jammed_frames", count([](const FrameRecord& f) { return !f.jammed.empty(); })},
+      {"impossible_handles", impossible}, {"gates_missed", missed}, {"exit_code", missed.empty() ? 0 : 4},
+      {"models", models(plan)}, {"warnings", plan.warnings}, {"settings", settings}, {"machine", machine()}};
+  return summary.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+}  // namespace paperbake

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "baker/plan.h"
+#include "formats/certificate.h"
+
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// What a bake must keep to end with exit code 0, and whether it did.
+struct Gates {
+  double mean_stretch_pct = 2;      // c_m of any frame
+  double max_stretch_pct = 5;       // any edge of any frame
+  double handle_err_mm = 1;
+};
+
+/// One sentence for each gate that was missed, with its worst frame. Empty: all kept.
+std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&, const BakePlan&);
+
+/// cert/summary.json: the certificate over the whole shot.
+std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, const std::vector<std::string>& missed);
+
+}  // namespace paperbake

@@ -1,0 +1,67 @@
+#pragma once
+
+#include "core/handles.h"
+#include "core/methods/method.h"
+#include "core/paper.h"
+#include "core/pattern.h"
+#include "core/step1_elastic/elastic.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// One sheet and what is done to it.
+struct Shot {
+  std::string sheet_name;
+  Pattern pattern;
+  Sheet start;                  // a mesh of the sheet at the first frame: pattern, x, triangles
+  std::vector<Handle> handles;  // row 0 of keyed = first_frame
+  Paper paper;
+};
+
+struct AnimateOptions {
+  ElasticOptions elastic;
+  double fps = 24;              // [1/s]
+  int first_frame = 1, last_frame = 1;
+  unsigned seed = 0;            // of the noise that lets a flat sheet buckle
+};
+
+/// A handle at one frame.
+struct HandleFrame {
+  enum State { free, held, jammed } state = free;
+  Vector3d keyed{0, 0, 0};      // [m] where it is asked to be; a relative handle: grab position + motion since
+  Vector3d at{0, 0, 0};         // [m] where its sheet point is
+};
+
+/// One frame as it was simulated.
+struct AnimatedFrame {
+  int frame = 0;
+  const Sheet* sheet = nullptr;          // belongs to animate; copy what is kept
+  std::vector<HandleFrame> handles;      // as in Shot::handles
+  double elastic_ms = 0, geometry_ms = 0;  // CPU time of this frame: step 1; everything else that touches the sheet
+  int substeps = 1, newton_iterations = 0;
+  bool converged = true;
+  double energy = 0, membrane_energy = 0;  // [J] stored in the sheet; its stretching part
+  int new_singular = 0;
+  std::string note;
+};
+
+/// The loop over frames: handles -> step 1 -> method -> frame. Handle points and the rims of their discs are vertices of the
+/// first mesh. A step that fails is taken in halves, down to 1/256 of a frame.
+///
+/// on_frame  called for every frame in order; returns false to stop
+/// throws    Error(Fault::simulation) when the sheet cannot follow its handles; frames handed out before stay good
+/// source    the loop of [Schreck 2015], section 2
+void animate(const Shot&, const Method&, const AnimateOptions&, const std::function<bool(const AnimatedFrame&)>& on_frame);
+
+/// The first mesh with the start shape on it. A flat start gets 1e-6 m of noise along its normal, seeded by vertex.
+struct StartedSheet {
+  Sheet sheet;
+  std::vector<int> handle_vertex;      // of each handle
+  std::vector<double> stiffening;      // |T| factor on bending: 10 inside the discs of handles
+};
+StartedSheet start_sheet(const Shot&, const Method&, unsigned seed);
+
+}  // namespace paperbake

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "core/sheet.h"
+
+namespace paperbake {
+
+/// How well a sheet keeps the lengths of its pattern.
+struct LengthDistortion {
+  double mean = 0;       // c_m = mean over edges of |l - L|/L [1], [Schreck 2015] table 2
+  double largest = 0;    // [1]
+  Vector2d where{0, 0};  // [m] middle of the worst edge, on the pattern
+};
+LengthDistortion length_distortion(const Sheet&);
+
+/// Largest |2 pi - sum of angles| over the vertices inside the sheet that are no singular points: 0 for a developable. [rad]
+double angle_defect_max(const Sheet&);
+
+/// Unit normals of the vertices, weighted by the angles of their triangles. |V|x3
+Points3 vertex_normals(const Points3& x, const Triangles&);
+
+/// Pairs of triangles that pass through each other (touching in a shared vertex or edge does not count).
+int crossings(const Sheet&);
+
+}  // namespace paperbake

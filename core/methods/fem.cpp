@@ -1,0 +1,17 @@
+#include "core/methods/method.h"
+
+#include "core/pattern_mesh.h"
+
+namespace paperbake {
+
+Method fem(int triangles) {
+  Method method;
+  method.name = "fem";
+  method.first_mesh = [triangles](const Pattern& pattern, const std::vector<Vector2d>& points) {
+    PatternMesh mesh = mesh_pattern_with(pattern, triangles, points);
+    return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+  };
+  return method;
+}
+
+}  // namespace paperbake

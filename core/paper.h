@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+namespace paperbake {
+
+/// The material of one sheet, isotropic. Values of a grade come from presets/*.toml, with their sources.
+struct Paper {
+  std::string name = "copy70";
+  double thickness = 90e-6;          // h      [m]
+  double bending_stiffness = 2.7e-4; // D      [N m]    per unit width, E h^3 / 12(1-nu^2)
+  double membrane_stiffness = 3.6e5; // E h    [N/m]
+  double poisson = 0.3;              // nu     [1]
+  double area_density = 0.070;       // rho    [kg/m2]
+  double apex_scatter = 0.005;       // sigma  [m]      deviation of a new singular point, [Schreck 2015] fig. 3
+};
+
+}  // namespace paperbake

@@ -1,0 +1,238 @@
+#include "core/pattern_mesh.h"
+
+#include "core/error.h"
+
+#include <CGAL/Constrained_Delaunay_triangulation_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_vertex_base_with_info_2.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
+using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
+using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel>;
+using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
+                                                       CGAL::No_constraint_intersection_requiring_constructions_tag>;
+
+double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d d = b - a;
+  const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+  return (p - a - t * d).norm();
+}
+
+/// The points of a mesh under construction: border polygons first, then required points inside, then free ones.
+struct Cloud {
+  std::vector<Vector2d> points;
+  std::vector<std::pair<int, int>> border;  // segments
+  Pattern polygons;                         // what the border segments enclose
+  std::vector<int> point_vertex;
+  int fixed = 0;                            // the first so many may not move
+};
+
+/// A closed polygon without the vertices that a coarser one does not need: the skipped ones stay within `tolerance` of it
+/// and no side grows beyond `longest` by skipping.
+std::vector<Vector2d> coarsen(const std::vector<Vector2d>& polygon, double longest, double tolerance) {
+  const std::size_t n = polygon.size();
+  std::vector<Vector2d> kept{polygon[0]};
+  for (std::size_t from = 0; from < n;) {
+    std::size_t to = from + 1;
+    while (to < n) {
+      const Vector2d& a = polygon[from];
+      const Vector2d& b = polygon[(to + 1) % n];
+      if ((b - a).norm() > longest) break;
+      bool near = (b - a).norm() > 0;
+      for (std::size_t k = from + 1; near && k <= to; ++k) near = distance_to_segment(polygon[k], a, b) <= tolerance;
+      if (!near) break;
+      ++to;
+    }
+    if (to < n) kept.push_back(polygon[to]);
+    from = to;
+  }
+  return kept.size() < 3 ? polygon : kept;
+}
+
+/// One border polygon in parts of about `edge`, with the required points that lie on it as vertices.
+void sample_border(const std::vector<Vector2d>& polygon, double edge, const std::vector<Vector2d>& required, double snap,
+                   Cloud& cloud) {
+  const int first = static_cast<int>(cloud.points.size());
+  for (std::size_t s = 0; s < polygon.size(); ++s) {
+    const Vector2d a = polygon[s], b = polygon[(s + 1) % polygon.size()], d = b - a;
+    const double length = d.norm();
+    std::vector<double> stops{0.0, length};
+    for (std::size_t k = 0; k < required.size(); ++k) {
+      const double at = (required[k] - a).dot(d) / length;
+      if (at > snap && at < length - snap && distance_to_segment(required[k], a, b) <= snap) stops.push_back(at);
+    }
+    std::sort(stops.begin(), stops.end());
+    stops.erase(std::unique(stops.begin(), stops.end(), [&](double p, double q) { return q - p <= snap; }), stops.end());
+    for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
+      const int parts = std::max(1, static_cast<int>(std::lround((stops[k + 1] - stops[k]) / edge)));
+      for (int i = 0; i < parts; ++i)
+        cloud.points.push_back(a + d * ((stops[k] + (stops[k + 1] - stops[k]) * i / parts) / length));
+    }
+  }
+  const int last = static_cast<int>(cloud.points.size());
+  for (int i = first; i < last; ++i) cloud.border.emplace_back(i, i + 1 < last ? i + 1 : first);
+}
+
+void add_required(const std::vector<Vector2d>& required, double snap, Cloud& cloud) {
+  for (const Vector2d& p : required) {
+    int nearest = -1;
+    double least = snap;
+    for (std::size_t i = 0; i < cloud.points.size(); ++i)
+      if ((cloud.points[i] - p).norm() <= least) least = (cloud.points[i] - p).norm(), nearest = static_cast<int>(i);
+    if (nearest < 0) {
+      nearest = static_cast<int>(cloud.points.size());
+      cloud.points.push_back(p);
+    }
+    cloud.point_vertex.push_back(nearest);
+  }
+  cloud.fixed = static_cast<int>(cloud.points.size());
+}
+
+/// Unit vector along the longest side of the outline.
+Vector2d grain(const std::vector<Vector2d>& outline) {
+  Vector2d best(0, 0);
+  for (std::size_t s = 0; s < outline.size(); ++s) {
+    const Vector2d d = outline[(s + 1) % outline.size()] - outline[s];
+    if (d.norm() > best.norm() * (1 + 1e-9)) best = d;
+  }
+  return best.normalized();
+}
+
+/// Fills the inside with rows of equilateral triangles that fit the extent of the outline along its longest side.
+void add_lattice(double edge, Cloud& cloud) {
+  const Vector2d along = grain(cloud.polygons.outline), across(-along.y(), along.x());
+  Eigen::AlignedBox2d box;
+  for (const Vector2d& p : cloud.polygons.outline) box.extend(Vector2d(p.dot(along), p.dot(across)));
+  const Vector2d size = box.sizes();
+  const int columns = std::max(1, static_cast<int>(std::lround(size.x() / edge)));
+  const int rows = std::max(1, static_cast<int>(std::lround(size.y() / (edge * std::sqrt(0.75)))));
+  const Vector2d step(size.x() / columns, size.y() / rows);
+
+  const double clear = 0.6 * edge, clear_border = 0.4 * edge;
+  // fixed points in cells of the clearance, so that only nine cells are asked
+  std::multimap<std::pair<int, int>, int> cells;
+  const auto cell = [&](const Vector2d& p) { return std::make_pair(int(std::floor(p.x() / clear)), int(std::floor(p.y() / clear))); };
+  for (int i = 0; i < cloud.fixed; ++i) cells.emplace(cell(cloud.points[i]), i);
+  const auto crowded = [&](const Vector2d& p) {
+    const auto [cx, cy] = cell(p);
+    for (int x = cx - 1; x <= cx + 1; ++x)
+      for (int y = cy - 1; y <= cy + 1; ++y) {
+        const auto range = cells.equal_range({x, y});
+        for (auto it = range.first; it != range.second; ++it)
+          if ((cloud.points[it->second] - p).norm() < clear) return true;
+      }
+    return false;
+  };
+  for (int r = 0; r <= rows; ++r)
+    for (int c = 0; c <= columns; ++c) {
+      const double offset = r % 2 ? 0.5 : 0.0;
+      const Vector2d local = box.min() + Vector2d((c + offset) * step.x(), r * step.y());
+      const Vector2d p = local.x() * along + local.y() * across;
+      if (!contains(cloud.polygons, p) || crowded(p)) continue;
+      if ((nearest_border_point(cloud.polygons, p) - p).norm() < clear_border) continue;
+      cloud.points.push_back(p);
+    }
+}
+
+Triangles triangulate(const Cloud& cloud) {
+  Cdt cdt;
+  std::vector<Cdt::Vertex_handle> handles(cloud.points.size());
+  try {
+    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
+      handles[i] = cdt.insert(Kernel::Point_2(cloud.points[i].x(), cloud.points[i].y()));
+      handles[i]->info() = static_cast<int>(i);
+    }
+    for (const auto& [a, b] : cloud.border) cdt.insert_constraint(handles[a], handles[b]);
+  } catch (const std::exception&) {
+    throw Error(Fault::scene, "outline of the sheet", "The outline crosses itself.", "Repair the sheet mesh in the DCC.");
+  }
+  std::vector<int> flat;
+  for (auto face = cdt.finite_faces_begin(); face != cdt.finite_faces_end(); ++face) {
+    Vector2d centre(0, 0);
+    for (int i = 0; i < 3; ++i) centre += cloud.points[face->vertex(i)->info()] / 3;
+    if (!contains(cloud.polygons, centre)) continue;
+    for (int i = 0; i < 3; ++i) flat.push_back(face->vertex(i)->info());
+  }
+  return Eigen::Map<Triangles>(flat.data(), static_cast<int>(flat.size() / 3), 3);
+}
+
+/// One step of optimal-Delaunay smoothing of the free points: each goes to the area-weighted mean of the circumcentres round
+/// it; where that would leave its triangles' hull the mean of their centroids serves. source [Chen 2004]
+void smooth(const Triangles& triangles, Cloud& cloud) {
+  std::vector<Vector2d> sum(cloud.points.size(), Vector2d::Zero()), centroid = sum;
+  std::vector<double> weight(cloud.points.size(), 0.0);
+  std::vector<char> obtuse(cloud.points.size(), 0);
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Vector2d a = cloud.points[triangles(t, 0)], b = cloud.points[triangles(t, 1)], c = cloud.points[triangles(t, 2)];
+    const Vector2d u = b - a, v = c - a;
+    const double cross = u.x() * v.y() - u.y() * v.x();
+    const Vector2d centre = a + Vector2d(v.y() * u.squaredNorm() - u.y() * v.squaredNorm(),
+                                         u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) / (2 * cross);
+    const Vector2d middle = (a + b + c) / 3;
+    const bool far = (centre - middle).squaredNorm() > 0.25 * std::abs(cross);
+    for (int i = 0; i < 3; ++i) {
+      const int p = triangles(t, i);
+      sum[p] += 0.5 * cross * centre;
+      centroid[p] += 0.5 * cross * middle;
+      weight[p] += 0.5 * cross;
+      obtuse[p] |= far;
+    }
+  }
+  for (std::size_t p = cloud.fixed; p < cloud.points.size(); ++p)
+    if (weight[p] > 0) cloud.points[p] = (obtuse[p] ? centroid[p] : sum[p]) / weight[p];
+}
+
+}  // namespace
+
+PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<Vector2d>& points) {
+  constexpr int smoothing_passes = 6;
+  const double snap = 1e-6 * longer_side(pattern);
+  Cloud cloud;
+  cloud.polygons.outline = coarsen(pattern.outline, 1.2 * edge, 0.02 * edge);
+  for (const auto& hole : pattern.holes) cloud.polygons.holes.push_back(coarsen(hole, 1.2 * edge, 0.02 * edge));
+  // a required point on a coarsened border lies beside it by up to the tolerance: bring it onto the polygon
+  std::vector<Vector2d> required = points;
+  for (Vector2d& p : required) {
+    const Vector2d onto = nearest_border_point(cloud.polygons, p);
+    if ((onto - p).norm() <= 0.03 * edge && (nearest_border_point(pattern, p) - p).norm() <= snap) p = onto;
+  }
+  sample_border(cloud.polygons.outline, edge, required, snap, cloud);
+  for (const auto& hole : cloud.polygons.holes) sample_border(hole, edge, required, snap, cloud);
+  add_required(required, snap, cloud);
+  add_lattice(edge, cloud);
+
+  Triangles triangles = triangulate(cloud);
+  for (int pass = 0; pass < smoothing_passes; ++pass) {
+    smooth(triangles, cloud);
+    triangles = triangulate(cloud);
+  }
+  PatternMesh mesh;
+  mesh.vertices.resize(static_cast<int>(cloud.points.size()), 2);
+  for (std::size_t i = 0; i < cloud.points.size(); ++i) mesh.vertices.row(i) = cloud.points[i];
+  mesh.triangles = std::move(triangles);
+  mesh.point_vertex = std::move(cloud.point_vertex);
+  return mesh;
+}
+
+PatternMesh mesh_pattern_with(const Pattern& pattern, int triangles, const std::vector<Vector2d>& points) {
+  double edge = std::sqrt(area(pattern) / (triangles * std::sqrt(3.0) / 4));
+  PatternMesh best = mesh_pattern(pattern, edge, points);
+  const auto miss = [&](const PatternMesh& m) { return std::abs(std::log(double(m.triangles.rows()) / triangles)); };
+  for (int k = 0; k < 6 && miss(best) > 0.02; ++k) {
+    edge *= std::sqrt(double(best.triangles.rows()) / triangles);
+    PatternMesh mesh = mesh_pattern(pattern, edge, points);
+    if (miss(mesh) >= miss(best)) break;
+    best = std::move(mesh);
+  }
+  return best;
+}
+
+}  // namespace paperbake

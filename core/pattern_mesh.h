@@ -1,0 +1,26 @@
+#pragma once
+
+#include "core/pattern.h"
+
+#include <vector>
+
+namespace paperbake {
+
+/// A triangulation of the pattern.
+struct PatternMesh {
+  Points2 vertices;               // |V|x2 [m]
+  Triangles triangles;            // |T|x3 counter-clockwise
+  std::vector<int> point_vertex;  // which vertex each required point became; equal points share one
+};
+
+/// Near-equilateral triangles: rows of a lattice along the longest side of the outline, the border in equal parts, and every
+/// required point a vertex; smoothed where lattice, border and points meet.
+/// edge    [m] aimed at; borders finer than that are followed to a fiftieth of it
+/// points  [m] inside the pattern or on its border
+/// throws Error(Fault::scene) when the outline crosses itself
+PatternMesh mesh_pattern(const Pattern&, double edge, const std::vector<Vector2d>& points);
+
+/// The same with about `triangles` triangles (within 10 % where the outline and the points leave that choice).
+PatternMesh mesh_pattern_with(const Pattern&, int triangles, const std::vector<Vector2d>& points);
+
+}  // namespace paperbake

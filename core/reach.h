@@ -1,0 +1,44 @@
+#pragma once
+
+#include "core/handles.h"
+#include "core/pattern.h"
+
+#include <Eigen/Core>
+
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// Two absolute handles that are asked to be farther apart than paper between them is long: the worst frame of the pair.
+struct ImpossiblePair {
+  std::string a, b;
+  int frame;          // where the overshoot is largest
+  int first, last;    // first and last frame with any overshoot
+  double apart;       // [m] keyed distance at that frame
+  double allowed;     // [m] length of paper between them
+};
+
+/// How far paper lets handles be apart.
+class Reach {
+ public:
+  /// Paper itself stretches by this much before anyone sees it: what is asked below it is held as it is.
+  static constexpr double tolerance = 5e-4;
+
+  Reach(const Pattern&, const std::vector<Handle>&);
+
+  /// Absolute handles held at the same time that overshoot by more than the tolerance, by pair.
+  /// first_frame: frame of row 0 of Handle::keyed; frames are looked at up to `last_frame`
+  std::vector<ImpossiblePair> impossible_pairs(const std::vector<Handle>&, int first_frame, int last_frame) const;
+
+  /// Draws the targets of the given handles together, evenly, until no pair is farther apart than paper allows.
+  /// handles  indices into the handles given to the constructor
+  /// targets  |handles|x3 [m]
+  /// returns  the largest distance that a target was moved [m]
+  double project(const std::vector<int>& handles, Points3& targets) const;
+
+ private:
+  Eigen::MatrixXd allowed_;  // [m] between handles i, j, tolerance included
+};
+
+}  // namespace paperbake

@@ -1,0 +1,32 @@
+#pragma once
+
+#include <Eigen/Geometry>
+
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+using Eigen::Vector2d;
+using Eigen::Vector3d;
+using Points2 = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
+using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
+using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// The apex of a d-cone: paper broken at a point. It stays for ever, at its place on the pattern [Schreck 2015, step 2].
+struct SingularPoint {
+  Vector2d pattern;   // [m]
+  int frame_of_birth;
+  std::string cause;
+};
+
+/// A sheet of paper at one moment: the flat pattern and where it is in space.
+struct Sheet {
+  Points2 pattern;                      // |V|x2 [m]    flat rest shape
+  Points3 x;                            // |V|x3 [m]    where the vertices are now
+  Points3 v;                            // |V|x3 [m/s]
+  Triangles triangles;                  // |T|x3        counter-clockwise in the pattern
+  std::vector<SingularPoint> singular;  // apices in order of birth; paper does not heal, so it only grows
+};
+
+}  // namespace paperbake

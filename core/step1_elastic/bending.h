@@ -1,0 +1,64 @@
+#pragma once
+
+#include "core/paper.h"
+#include "core/sheet.h"
+#include "core/step1_elastic/membrane.h"
+
+#include <array>
+#include <vector>
+
+namespace paperbake {
+
+/// Two triangles that share an edge: edge 0-1, wing 2 on its left (counter-clockwise side of the first), wing 3 on its right.
+struct Hinge {
+  std::array<int, 4> vertices;
+  std::array<int, 2> triangles;  // left, right
+};
+
+/// All inner edges of a mesh; `of_triangle[t][i]` is the hinge on the edge opposite corner i of triangle t, -1 on the border.
+struct Hinges {
+  std::vector<Hinge> hinges;
+  std::vector<std::array<int, 3>> of_triangle;
+};
+/// throws Error(Fault::simulation) when an edge has more than two triangles
+Hinges find_hinges(const Triangles&);
+
+/// Dihedral angle of a hinge and its gradient; 0 = flat, > 0 = bulges towards the normals, in (-pi, pi]. source [Bridson 2003]
+struct Fold {
+  double theta;                       // [rad]
+  Eigen::Matrix<double, 4, 3> slope;  // [1/m] row k: d theta / d x_k
+};
+double fold_angle(const Points3& x, const Hinge&);
+Fold fold(const Points3& x, const Hinge&);
+
+/// What one wing (x0, x1, wing) of a hinge adds to the second derivative of its angle, symmetrised. The two wings of a
+/// hinge add up to d2 theta / dx2 exactly; each lives on the corners of its own triangle.
+/// left  true when `wing` lies on the left of x0 -> x1
+/// returns 9x9 [1/m2] in the order x0, x1, wing
+Matrix9 fold_hessian_of_wing(const Vector3d& x0, const Vector3d& x1, const Vector3d& wing, bool left);
+
+/// Bending of one triangle from its shape operator: the material does not change with the mesh.
+///
+///   S = sum_i theta_i l_i/(2A) n_i n_i^T,   E = D/2 A ( nu (tr S')^2 + (1-nu) |S'|^2 ),   S' = S - Sp
+///     = 1/2 theta^T K theta - b^T theta + c
+///
+/// theta_i, l_i, n_i: angle, pattern length and pattern normal of the edge opposite corner i; Sp: plastic curvature.
+/// source  [Grinspun 2006] operator, algorithm.md B1 of this project's measurements
+struct RestBending {
+  Matrix3 stiffness;                  // K [J]  zero rows for border edges
+  Eigen::Matrix3d operator_of_theta;  // columns: l_i/(2A) (n_x^2, n_x n_y, n_y^2)  [1/m]
+  double area;                        // [m2]
+  double rigidity;                    // D of this triangle [N m]
+  double poisson;
+};
+/// stiffening [1]: factor on D (the finger-sized disc of a handle)
+RestBending rest_bending(const Paper&, const Points2& pattern, const Eigen::RowVector3i& corners,
+                         const std::array<int, 3>& hinges, double stiffening);
+
+/// Energy of one triangle and the moments that its three angles feel.
+/// theta    [rad] angles of its hinges, 0 on the border
+/// plastic  Sp, [1/m] Sxx, Sxy, Syy
+/// moment   dE/dtheta [J], overwritten; may be null
+double bending_energy(const RestBending&, const Vector3d& theta, const Vector3d& plastic, Vector3d* moment = nullptr);
+
+}  // namespace paperbake

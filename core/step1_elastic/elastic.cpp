@@ -1,0 +1,213 @@
+#include "core/step1_elastic/elastic.h"
+
+#include "core/error.h"
+#include "core/step1_elastic/elastic_energy.h"
+#include "core/step1_elastic/predictor.h"
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+constexpr double quasi_static_mass = 0.01;  // share of the true mass; 1 ... 1e-5 give the same shapes to 4 digits
+constexpr double velocity_kept = 0.98;
+constexpr double sufficient_decrease = 1e-4;
+constexpr int max_halvings = 30;
+
+/// The incremental potential of one step over all vertices; held ones are left out by whoever solves.
+struct IncrementalPotential {
+  const ElasticEnergy& elastic;
+  const Eigen::VectorXd& mass;  // [kg] of the vertices
+  Points3 xhat;
+  double inertia;               // [1/s2] factor on the mass
+  double gravity;
+
+  double operator()(const Points3& x) const { return elastic.energy(x) + inertia_and_weight(x); }
+
+  double inertia_and_weight(const Points3& x) const {
+    return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + gravity * x.col(2));
+  }
+
+  /// Value; gradient |V|x3 overwritten; second derivative into the matrix.
+  double differentiate(const Points3& x, const std::vector<int>& block_of, HessianForm form, Points3& gradient,
+                       BlockCholesky& matrix) const {
+    matrix.set_zero();
+    const double value = elastic.hessian(x, form, gradient, matrix) + inertia_and_weight(x);
+    for (int v = 0; v < x.rows(); ++v) {
+      gradient.row(v) += mass[v] * (inertia * (x.row(v) - xhat.row(v)) + gravity * Eigen::RowVector3d::UnitZ());
+      matrix.add(matrix.slot(block_of[v], block_of[v]), Matrix3(mass[v] * inertia * Matrix3::Identity()));
+    }
+    return value;
+  }
+};
+
+double largest_row(const Points3& d) { return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0; }
+
+}  // namespace
+
+struct Elastic::Impl {
+  Paper paper;
+  ElasticOptions options;
+
+  std::optional<ElasticEnergy> energy;
+  Eigen::VectorXd mass;
+  double mean_edge = 0;
+  std::deque<Points3> past;  // positions before this step, newest first; emptied when the mesh changes
+
+  // belongs to the mesh and the set of held vertices
+  std::vector<int> held;
+  std::vector<int> block_of;
+  std::unique_ptr<BlockCholesky> matrix;
+  std::unique_ptr<Predictor> predictor;
+
+  void hold(const Sheet& sheet, const std::vector<int>& vertices) {
+    if (matrix && vertices == held) return;
+    held = vertices;
+    block_of.assign(sheet.x.rows(), 0);
+    for (int v : held) block_of[v] = -1;
+    int blocks = 0;
+    for (int& b : block_of)
+      if (b == 0) b = blocks++;
+    std::vector<std::pair<int, int>> coupled;
+    for (const auto& [i, j] : energy->coupled_vertices())
+      if (block_of[i] >= 0 && block_of[j] >= 0) coupled.emplace_back(block_of[i], block_of[j]);
+    matrix = blocks ? std::make_unique<BlockCholesky>(blocks, std::move(coupled)) : nullptr;
+    if (matrix) energy->bind(*matrix, block_of);
+    predictor = std::make_unique<Predictor>(sheet.pattern, sheet.triangles, held);
+  }
+
+  /// Newton's direction at x; falls back to the projected second derivative, then to a growing multiple of the identity.
+  Points3 direction(const IncrementalPotential& W, const Points3& x, HessianForm& form, double& value, Points3& gradient) {
+    for (;; form = HessianForm::projected) {
+      value = W.differentiate(x, block_of, form, gradient, *matrix);
+      if (!std::isfinite(value)) throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
+      bool definite = matrix->factorise();
+      if (!definite && form == HessianForm::exact) continue;
+      for (double shift = 1e-8 * paper.membrane_stiffness; !definite; shift *= 100) {
+        matrix->shift_diagonal(shift);
+        definite = matrix->factorise();
+      }
+      Eigen::VectorXd right(3 * (x.rows() - static_cast<int>(held.size())));
+      for (int v = 0; v < x.rows(); ++v)
+        if (block_of[v] >= 0) right.segment<3>(3 * block_of[v]) = -gradient.row(v).transpose();
+      const Eigen::VectorXd& d = matrix->solve(right);
+      if (form == HessianForm::exact && d.dot(right) <= 0) continue;
+      Points3 move = Points3::Zero(x.rows(), 3);
+      for (int v = 0; v < x.rows(); ++v)
+        if (block_of[v] >= 0) move.row(v) = d.segment<3>(3 * block_of[v]).transpose();
+      return move;
+    }
+  }
+
+  /// Length along `move` that lowers W enough; 0 when there is none.
+  static double line_search(const IncrementalPotential& W, const Points3& x, const Points3& move, double value, double slope) {
+    // below the rounding of W itself nothing can be compared: a full step is as good as any
+    if (-slope < 1e-13 * std::abs(value)) return 1;
+    double length = 1;
+    for (int k = 0; k < max_halvings; ++k, length *= 0.5)
+      if (W(x + length * move) <= value + sufficient_decrease * length * slope) return length;
+    return 0;
+  }
+
+  void minimise(const IncrementalPotential& W, Points3& x, ElasticReport& report) {
+    const double longest_move = 2 * mean_edge;
+    double last = 0;
+    report.converged = false;
+    HessianForm form = HessianForm::exact;
+    Points3 gradient;
+    while (report.iterations < options.max_iterations) {
+      double value;
+      Points3 move = direction(W, x, form, value, gradient);
+      ++report.iterations;
+      const double asked = largest_row(move);
+      if (asked > longest_move) move *= longest_move / asked;
+      const double slope = gradient.cwiseProduct(move).sum();
+      const double length = line_search(W, x, move, value, slope);
+      if (length == 0) {
+        if (asked < options.stop || form == HessianForm::projected) {
+          report.converged = asked < options.stop;
+          return;
+        }
+        form = HessianForm::projected;
+        continue;
+      }
+      x += length * move;
+      const double done = length * std::min(asked, longest_move);
+      // Newton's steps shrink at least as fast as their last ratio: the next one bounds the distance to the minimum
+      const bool whole = length == 1 && asked <= longest_move;
+      const double ahead = last > 0 ? done * std::min(1.0, done / last) : done;
+      if (whole && (ahead < options.stop || done < options.stop)) {
+        report.converged = true;
+        return;
+      }
+      last = whole ? done : 0;
+      form = HessianForm::exact;
+    }
+  }
+};
+
+Elastic::Elastic(const Paper& paper, const ElasticOptions& options) : impl_(std::make_unique<Impl>()) {
+  impl_->paper = paper;
+  impl_->options = options;
+}
+Elastic::~Elastic() = default;
+
+void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening) {
+  Impl& s = *impl_;
+  s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, stiffening);
+  s.matrix.reset();
+  s.past.clear();
+  s.mass = Eigen::VectorXd::Zero(sheet.pattern.rows());
+  double edges = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const double area = rest_triangle(sheet.pattern, sheet.triangles.row(t)).area;
+    for (int i = 0; i < 3; ++i) {
+      s.mass[sheet.triangles(t, i)] += s.paper.area_density * area / 3;
+      edges += (sheet.pattern.row(sheet.triangles(t, i)) - sheet.pattern.row(sheet.triangles(t, (i + 1) % 3))).norm();
+    }
+  }
+  s.mean_edge = edges / (3 * std::max<long>(1, sheet.triangles.rows()));
+}
+
+void Elastic::set_plastic_curvature(const Points3& plastic) { impl_->energy->plastic_curvature = plastic; }
+
+ElasticReport Elastic::look(const Sheet& sheet) const {
+  const ElasticEnergy::Parts parts = impl_->energy->parts(sheet.x);
+  ElasticReport report;
+  report.membrane = parts.membrane;
+  report.energy = parts.membrane + parts.bending;
+  return report;
+}
+
+ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
+  Impl& s = *impl_;
+  s.hold(sheet, held.vertices);
+  const bool dynamic = s.options.inertia == Inertia::dynamic;
+  const Points3 before = sheet.x;
+  const IncrementalPotential W{*s.energy, s.mass, dynamic ? Points3(before + dt * sheet.v) : before,
+                               (dynamic ? 1 : quasi_static_mass) / (dt * dt), s.options.gravity};
+
+  // start from the guess of least potential
+  double least = std::numeric_limits<double>::infinity();
+  for (const Points3& guess : s.predictor->guesses(before, s.past, held.targets)) {
+    const double value = W(guess);
+    if (value < least) least = value, sheet.x = guess;
+  }
+  if (!std::isfinite(least)) throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
+
+  ElasticReport report;
+  if (s.matrix) s.minimise(W, sheet.x, report);
+  const ElasticReport stored = look(sheet);
+  report.membrane = stored.membrane;
+  report.energy = stored.energy;
+
+  sheet.v = (dynamic ? velocity_kept : 1.0) / dt * (sheet.x - before);
+  s.past.push_front(before);
+  if (s.past.size() > 2) s.past.pop_back();
+  return report;
+}
+
+}  // namespace paperbake

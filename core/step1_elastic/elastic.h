@@ -1,0 +1,68 @@
+#pragma once
+
+#include "core/paper.h"
+#include "core/sheet.h"
+
+#include <memory>
+#include <vector>
+
+namespace paperbake {
+
+enum class Inertia { quasi_static, dynamic };
+
+struct ElasticOptions {
+  double stop = 1e-5;          // [m]    Newton ends when no vertex is farther than this from the minimum, as far as it can tell
+  int max_iterations = 60;     // [1]    an unfinished minimisation goes on in the next step
+  double gravity = 0;          // [m/s2] along -z
+  Inertia inertia = Inertia::quasi_static;
+};
+
+/// Vertices that are held, and where.
+struct Held {
+  std::vector<int> vertices;   // each at most once
+  Points3 targets;             // |vertices|x3 [m]
+};
+
+struct ElasticReport {
+  int iterations = 0;          // factorisations of the second derivative
+  bool converged = true;
+  double energy = 0;           // [J] membrane + bending
+  double membrane = 0;         // [J] its membrane part
+};
+
+/// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
+///
+/// A step is the minimum over the free vertices of the incremental potential of backward Euler
+///
+///   W(x) = sum_i m_i/(2 dt^2) |x_i - xhat_i|^2 + E_membrane(x) + E_bending(x) + sum_i m_i g z_i
+///
+/// dynamic:      xhat = x + dt v, m the mass of the paper
+/// quasi-static: xhat = x and a hundredth of the mass: just enough that a sheet that swings freely has one answer
+///
+/// found by Newton's method with the exact second derivative (projected where that is not positive definite), a
+/// backtracking line search and handles eliminated. source [Martin 2011]; damping of the velocity 0.98 a step
+class Elastic {
+ public:
+  Elastic(const Paper&, const ElasticOptions&);
+  ~Elastic();
+
+  /// To be called for the first mesh and after every change of pattern or connectivity.
+  /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
+  void set_mesh(const Sheet&, const std::vector<double>& stiffening = {});
+
+  /// Moves sheet.x to the minimum with the held vertices at their targets, and sheet.v to (x_new - x_old)/dt.
+  /// The positions need not be near the minimum. throws Error(Fault::simulation) when the energy is not finite.
+  ElasticReport step(Sheet&, const Held&, double dt);
+
+  /// What is stored in the sheet as it is. `iterations` 0.
+  ElasticReport look(const Sheet&) const;
+
+  /// Plastic curvature of the triangles, |T|x3 [1/m] Sxx, Sxy, Syy, in the next steps.
+  void set_plastic_curvature(const Points3&);
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace paperbake

@@ -1,0 +1,63 @@
+#pragma once
+
+#include "core/step1_elastic/bending.h"
+#include "core/step1_elastic/block_cholesky.h"
+#include "core/step1_elastic/membrane.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace paperbake {
+
+/// Membrane + bending energy of a whole mesh, with everything that depends on the pattern alone computed once.
+class ElasticEnergy {
+ public:
+  /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
+  ElasticEnergy(const Paper&, const Points2& pattern, const Triangles&, const std::vector<double>& stiffening = {});
+
+  /// Energy at x. [J]
+  double energy(const Points3& x) const;
+
+  /// The two parts of it. [J]
+  struct Parts {
+    double membrane, bending;
+  };
+  Parts parts(const Points3& x) const;
+
+  /// Energy at x [J]; gradient |V|x3 [N] is overwritten.
+  double gradient(const Points3& x, Points3& gradient) const;
+
+  /// Pairs of vertices that share a non-zero block of the second derivative.
+  std::vector<std::pair<int, int>> coupled_vertices() const;
+
+  /// Remembers where the blocks of `matrix` lie. block_of[v]: block row of vertex v, -1 when it is held.
+  void bind(const BlockCholesky& matrix, const std::vector<int>& block_of);
+  /// gradient() that also adds the second derivative [N/m] to the bound matrix.
+  double hessian(const Points3& x, HessianForm, Points3& gradient, BlockCholesky& matrix) const;
+
+  /// Plastic curvature of each triangle, |T|x3 [1/m] Sxx, Sxy, Syy; zero at first.
+  Points3 plastic_curvature;
+
+  const Hinges& hinges() const { return hinges_; }
+
+ private:
+  struct Stencil {                  // a triangle and the wings across its edges
+    std::array<int, 6> vertices;    // corners 0-2, wings 3-5 (wing 3+i across the edge opposite corner i), -1: border
+    std::array<BlockCholesky::Slot, 21> slots;  // upper half, row by row
+  };
+  double evaluate(const Points3& x, HessianForm, Points3* gradient, BlockCholesky* matrix) const;
+  /// Adds to the matrix what triangle t contributes: `own`, of its corners alone, and its bending over the whole stencil.
+  void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&, const Vector3d& edge_moment,
+                   HessianForm, BlockCholesky&) const;
+  Matrix3 corners(const Points3& x, int t) const;
+
+  Paper paper_;
+  Triangles triangles_;
+  Hinges hinges_;
+  std::vector<RestTriangle> rest_;
+  std::vector<RestBending> bend_;
+  std::vector<Stencil> stencils_;
+};
+
+}  // namespace paperbake

@@ -1,0 +1,34 @@
+#pragma once
+
+#include "core/paper.h"
+#include "core/sheet.h"
+
+namespace paperbake {
+
+using Matrix3 = Eigen::Matrix3d;
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+
+/// Exact second derivative, or the nearest cheap one that has no negative eigenvalue.
+enum class HessianForm { exact, projected };
+
+/// A triangle of the pattern: gradients of its three linear shape functions and its area.
+struct RestTriangle {
+  Eigen::Matrix<double, 3, 2> g;  // [1/m] row i: gradient of the function that is 1 at corner i
+  double area;                    // [m2]
+};
+RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& corners);
+
+/// Stretching energy of one triangle: constant strain, St. Venant-Kirchhoff, plane stress.
+///
+///   F = sum_i x_i g_i^T,   G = (F^T F - I)/2,   W = A ( lambda/2 (tr G)^2 + mu |G|^2 )
+///   lambda = Eh nu/(1-nu^2),  mu = Eh/(2(1+nu))
+///
+/// x          3x3 [m]    row i: position of corner i
+/// gradient   3x3 [N]    dW/dx is added to it; may be null
+/// hessian    9x9 [N/m]  d2W/dx2 is added to it, corner by corner; may be null
+/// returns        [J]
+/// source     [Volino 2009]; the projected form keeps only the tensile part of the stress in the geometric term
+double membrane_energy(const Paper&, const RestTriangle&, const Matrix3& x, Matrix3* gradient = nullptr,
+                       Matrix9* hessian = nullptr, HessianForm = HessianForm::exact);
+
+}  // namespace paperbake

@@ -1,0 +1,62 @@
+#pragma once
+
+#include "core/sheet.h"
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace paperbake {
+
+/// Settings of a whole cache. Nothing with a date, a path or a host name goes into the file.
+struct CacheInfo {
+  double fps = 24;
+  int first_frame = 1;
+  int frame_step = 1;  // frames from one sample to the next
+  std::vector<std::pair<std::string, std::string>> metadata;  // extra archive metadata: key, value (job hash, version)
+};
+
+/// One frame of one mesh, in world space: z up, metres. Turned into y up and clockwise faces by the writer. The number of
+/// vertices and the triangles may change from frame to frame.
+struct CacheFrame {
+  Points3 x;             // |V|x3 [m]
+  Points3 velocity;      // |V|x3 [m/s]  may be empty: then none is written
+  Points3 normal;        // |V|x3        unit, per vertex; may be empty
+  Triangles triangles;   // |T|x3        counter-clockwise; stored once while it does not change
+  Points2 uv;            // |V|x2        per vertex, v up; may be empty; stored once while it does not change
+};
+
+/// Writes an Alembic (Ogawa) file with one Xform + PolyMesh for each sheet, frame by frame. The file gets its name when
+/// finish() is called; before that it is NAME.part, and it is removed when the writer goes without finish().
+///
+/// Sample i is at (first_frame + i) / fps seconds. Numbers are stored as 32-bit floats. The same calls write the same
+/// bytes. Values that were stored before, of whatever sheet and frame, are not stored again; only where each sample lies
+/// and its key stay in memory (under 1 kB per sheet and frame).
+class AlembicWriter {
+ public:
+  /// sheet_names: unique; a name is that of the Xform, the mesh under it is called NAME + "Shape". Characters that hosts
+  /// refuse (dot, space, slash, colon, ...) become `_`; names that are the same after that get `_2`, `_3`, ...
+  /// throws Error(Fault::folder) when the file cannot be made.
+  AlembicWriter(const std::filesystem::path&, const CacheInfo&, const std::vector<std::string>& sheet_names);
+  ~AlembicWriter();
+
+  /// Appends the next frame of sheet `sheet` (index into sheet_names).
+  /// throws Error(Fault::simulation) when a value is not finite as a float: the frame leaves no trace then, and finish()
+  /// may still keep those before it; Error(Fault::folder) when the disk is full: the writer can only be destroyed then.
+  /// returns the 128-bit content key of the stored positions, 32 hex digits.
+  std::string add_frame(std::size_t sheet, const CacheFrame&);
+
+  /// Writes the rest, syncs, and gives the file its name; the last call. Frames not given for every sheet are left out;
+  /// there should be one at least.
+  void finish();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace paperbake

@@ -1,0 +1,70 @@
+#pragma once
+
+#include "core/sheet.h"
+
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// A handle that could not get where it was asked to.
+struct Jam {
+  std::string handle;
+  double off_mm;
+};
+
+/// How good one frame of one sheet is. One line of cert/frames.jsonl, keys in this order and with these names.
+struct FrameRecord {
+  int frame = 0;
+  std::string sheet;
+  int triangles = 0;
+  double stretch_mean_pct = 0;         // c_m = mean |l-L|/L over edges, simulation mesh after step 3
+  double stretch_max_pct = 0;
+  double angle_defect_max_deg = 0;
+  double handle_err_max_mm = 0;        // against the keyed positions
+  int singular = 0, new_singular = 0;
+  double elastic_ms = 0, geometry_ms = 0;  // CPU time over all threads
+  int substeps = 1, newton_iterations = 0;
+  bool converged = true;
+  double energy_J = 0;
+  int render_triangles = 0;
+  double render_stretch_mean_pct = 0, render_stretch_max_pct = 0, render_ms = 0;
+  int crossings = 0;                   // pairs of triangles that pass through each other
+  std::vector<Jam> jammed;
+  std::string note;
+  std::string input_hash, content_hash;
+};
+
+/// One row of cert/handles.csv.
+struct HandleRecord {
+  int frame = 0;
+  std::string sheet, handle;
+  Vector2d pattern = Vector2d::Zero();  // [m]
+  Vector3d keyed = Vector3d::Zero();    // [m]
+  Vector3d held = Vector3d::Zero();     // [m] where its sheet point is
+  enum State { held_state, free_state, jammed_state } state = held_state;
+};
+
+/// One row of singular.csv.
+struct SingularRecord {
+  std::string sheet;
+  SingularPoint point;
+};
+
+// The text of the three files. Numbers are the shortest that read back as the same double. Each function
+// throws Error(Fault::simulation), naming frame, sheet and field, when a number is NaN or infinite.
+
+/// One JSON object, without a newline. `jammed` is a list of [handle, mm]. Bytes of a name that are not UTF-8 become U+FFFD.
+std::string frame_line(const FrameRecord&);
+
+/// frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state   all lengths in m; state: held, free, jammed.
+/// Names with commas, quotes or line ends are quoted as RFC 4180 says; lines end with \n.
+std::string handles_csv(const std::vector<HandleRecord>&);
+
+/// id,sheet,frame,u,v,cause   id counts from 1 in order of birth over all sheets; within a frame, in the order given.
+std::string singular_csv(const std::vector<SingularRecord>&);
+
+/// A field of a CSV file, quoted where RFC 4180 asks for it.
+std::string csv_field(const std::string& text);
+
+}  // namespace paperbake

@@ -1,0 +1,174 @@
+#include "formats/scene_file.h"
+
+#include "core/error.h"
+#include "formats/scene_handles.h"
+#include "formats/scene_nodes.h"
+#include "formats/scene_properties.h"
+#include "formats/scene_sheet.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+constexpr double longest_sheet = 5, shortest_sheet = 0.005;  // [m] beyond them the unit of the file is wrong
+constexpr double size_agreement = 0.01;                      // of paper_size
+
+std::string metres(const Vector2d& size) { return fmt::format("{:.4g} x {:.4g} m", size.x(), size.y()); }
+
+/// The sides of the sheet after paper_size, turned as the sheet lies; none when there is no such property.
+std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& measured) {
+  const auto list = list_property(node, "paper_size");
+  if (list.size() < 2 || !(list[0] > 0) || !(list[1] > 0)) return std::nullopt;
+  const Vector2d stated(list[0], list[1]), turned(list[1], list[0]);
+  const auto off = [&](const Vector2d& size) { return (measured.cwiseQuotient(size).array().log()).matrix().squaredNorm(); };
+  return off(turned) < off(stated) ? turned : stated;
+}
+
+/// The power of ten that makes the longer side what paper_size says, or else a handy size.
+double likely_factor(double longer, const std::optional<Vector2d>& stated) {
+  if (stated) return std::pow(10, std::round(std::log10(stated->maxCoeff() / longer)));
+  for (double factor : {0.01, 100.0, 0.001, 1000.0, 0.1, 10.0})  // centimetres and millimetres first
+    if (0.05 <= longer * factor && longer * factor <= 2) return factor;
+  return std::pow(10, std::round(std::log10(0.2 / longer)));
+}
+
+/// "The file is probably in centimetres: bake with --unit-scale 0.01, ..."
+std::string unit_remedy(const SceneNodes& scene, double factor) {
+  const double unit = scene.unit * factor;
+  const auto is = [&](double known) { return std::abs(unit / known - 1) < 1e-6; };
+  const std::string guess = is(0.01) ? "The file is probably in centimetres" : is(0.001) ? "The file is probably in millimetres"
+                            : is(1)  ? "The file is probably in metres" : "The unit of the file is probably wrong";
+  return fmt::format("{}: bake with --unit-scale {:.6g}, or export {:.6g} times as large.", guess, unit, factor);
+}
+
+void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2d& size, const SceneOptions& options) {
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  const double longer = size.maxCoeff();
+  const auto stated = stated_size(node, size);
+  if (!options.unit_scale && (longer > longest_sheet || longer < shortest_sheet))
+    throw Error(Fault::scene, place, fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.", metres(size)),
+                unit_remedy(scene, likely_factor(longer, stated)));
+  if (!stated || (size.cwiseQuotient(*stated).array() - 1).abs().maxCoeff() <= size_agreement) return;
+  const double ratio = std::log10(stated->maxCoeff() / longer), power = std::round(ratio);
+  const bool wrong_unit = power != 0 && std::abs(ratio - power) < size_agreement;
+  throw Error(Fault::scene, place,
+              fmt::format("The sheet is {}, but its property paper_size says {}.", metres(size), metres(*stated)),
+              wrong_unit ? unit_remedy(scene,
+                                       std::pow(10, power)) : "Correct paper_size or the mesh; they must agree within 1 %.");
+}
+
+SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world, const SceneOptions& options,
+                      std::vector<std::string>& warnings) {
+  const ImportedNode& node = scene.file.nodes[index];
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  FlatSheet flat = flat_sheet(scene.file, index, world, place);
+  SceneSheet sheet;
+  sheet.name = node.name;
+  sheet.pattern = std::move(flat.pattern);
+  sheet.start = std::move(flat.start);
+  check_size(scene, node, extent(sheet.pattern), options);
+  sheet.preset = text_property(node, "paper_preset");
+  sheet.grammage = positive_property(scene.source, node, "paper_gsm");
+  sheet.thickness = positive_property(scene.source, node, "paper_thickness");
+  if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
+    if (*seed < 0) throw Error(Fault::scene, place, fmt::format("paper_seed is {}.", *seed),
+                               "It can be a whole number from 0 on.");
+    sheet.seed = static_cast<unsigned>(*seed);
+  }
+  for (int m : node.meshes)
+    if (scene.file.meshes[m].deformed) {
+      warnings.push_back(fmt::format("Bones and blend shapes of the sheet \"{}\" are not followed: it starts undeformed.",
+                                     node.name));
+      break;
+    }
+  return sheet;
+}
+
+[[noreturn]] void reject_without_sheet(const SceneNodes& scene) {
+  std::vector<std::string> meshes;
+  for (const ImportedNode& node : scene.file.nodes)
+    if (!node.meshes.empty() && meshes.size() < 8) meshes.push_back('"' + node.name + '"');
+  throw Error(Fault::scene, scene.source, "The scene has no sheet: no mesh whose name starts with \"paper\".",
+              meshes.empty() ? "It has no mesh at all: was the sheet exported?"
+                             : fmt::format("Rename the mesh that is the sheet; the meshes are {}.", fmt::join(meshes, ", ")));
+}
+
+std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions& options, std::vector<std::string>& warnings) {
+  const auto world = world_at(scene, scene.first_frame);
+  std::vector<SceneSheet> sheets;
+  std::set<std::string> names;
+  for (int i = 0; i < static_cast<int>(scene.file.nodes.size()); ++i) {
+    const ImportedNode& node = scene.file.nodes[i];
+    if (node.meshes.empty() || !name_begins_with(node.name, "paper")) continue;
+    if (!names.insert(node.name).second)
+      throw Error(Fault::scene, place_of(scene.source, "sheet", node.name), "Two sheets have this name.",
+                  "Give every sheet a name of its own and export again.");
+    sheets.push_back(read_sheet(scene, i, world[i], options, warnings));
+  }
+  if (sheets.empty()) reject_without_sheet(scene);
+  return sheets;
+}
+
+void warn_of_colliders(const SceneNodes& scene, std::vector<std::string>& warnings) {
+  std::vector<std::string> names;
+  for (const ImportedNode& node : scene.file.nodes) {
+    const bool collider = flag_property(node, "paper_collider") || name_begins_with(node.name, "collider");
+    if (collider && !node.meshes.empty()) names.push_back('"' + node.name + '"');
+  }
+  if (!names.empty()) warnings.push_back(fmt::format("Colliders are ignored: {}.", fmt::join(names, ", ")));
+}
+
+std::optional<double> gravity_of(const SceneNodes& scene, std::map<std::string, std::string>& origin) {
+  for (const ImportedNode& node : scene.file.nodes)
+    if (const auto gravity = number_property(scene.source, node, "paper_gravity")) {
+      origin["gravity"] = fmt::format("paper_gravity of \"{}\"", node.name);
+      return gravity;
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Scene read_scene(const std::filesystem::path& path, const SceneOptions& options) {
+  SceneNodes nodes = read_scene_nodes(path, options);
+  Scene scene;
+  scene.source = nodes.source;
+  scene.fps = nodes.fps;
+  scene.first_frame = nodes.first_frame;
+  scene.last_frame = nodes.last_frame;
+  scene.origin = nodes.origin;
+  scene.warnings = nodes.warnings;
+  for (std::string& warning : unknown_properties(nodes.file.nodes)) scene.warnings.push_back(std::move(warning));
+  scene.sheets = read_sheets(nodes, options, scene.warnings);
+  add_handles(nodes, scene.sheets, scene.warnings);
+  warn_of_colliders(nodes, scene.warnings);
+  scene.gravity = gravity_of(nodes, scene.origin);
+  return scene;
+}
+
+Tracks read_tracks(const std::filesystem::path& path, const SceneOptions& options) {
+  const SceneNodes scene = read_scene_nodes(path, options);
+  const int frames = scene.last_clip_frame - scene.first_clip_frame + 1;
+  Tracks tracks;
+  tracks.first_frame = scene.first_clip_frame;
+  std::vector<int> listed;
+  for (int i = 0; i < static_cast<int>(scene.file.nodes.size()); ++i) {
+    if (scene.file.nodes[i].pivot) continue;
+    listed.push_back(i);
+    tracks.names.push_back(scene.file.nodes[i].name);
+    tracks.positions.emplace_back(frames, 3);
+  }
+  for (int f = 0; f < frames; ++f) {
+    const auto world = world_at(scene, scene.first_clip_frame + f);
+    for (std::size_t i = 0; i < listed.size(); ++i) tracks.positions[i].row(f) = origin_of(scene, world, listed[i]);
+  }
+  return tracks;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,58 @@
+#pragma once
+
+#include "core/handles.h"
+#include "core/pattern.h"
+
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// What the command line may say about a scene file; what it leaves open is taken from the file.
+struct SceneOptions {
+  std::optional<double> fps;          // [1/s]   else FBX's own, else paper_fps, else 24 with a warning
+  std::optional<int> start_frame;     // frame of the first key; FBX through assimp hides it
+  std::optional<double> unit_scale;   // [m]     length of one unit of the file, replaces the file's own
+  std::optional<std::string> take;    // name of the one animation to use; else all are merged
+};
+
+/// One sheet of the scene with the handles that hold it.
+struct SceneSheet {
+  std::string name;                   // full name of the node
+  Pattern pattern;                    // outline and holes of the imported mesh
+  Sheet start;                        // the imported mesh, welded, at the first frame: pattern, x, triangles
+  std::vector<Handle> handles;        // in order of the file
+  std::optional<std::string> preset;  // paper_preset
+  std::optional<double> grammage;     // paper_gsm, as in the file       [g/m2]
+  std::optional<double> thickness;    // paper_thickness                 [m]
+  std::optional<unsigned> seed;       // paper_seed
+};
+
+/// A DCC file as the baker needs it. World space: right-handed, z up, metres; whole frames.
+struct Scene {
+  std::string source;                 // file name without folder: for messages
+  std::vector<SceneSheet> sheets;
+  double fps = 24;                    // [1/s]
+  int first_frame = 1, last_frame = 1;
+  std::optional<double> gravity;      // paper_gravity [m/s2], positive = downwards
+  std::vector<std::string> warnings;  // one sentence each
+  std::map<std::string, std::string> origin;  // fps, first_frame, unit, up axis, ...: where each value came from
+};
+
+/// Reads an FBX, glTF or GLB file.
+/// throws Error(Fault::scene): missing or unreadable file, no sheet, no handle, a node twice, a size that cannot be paper,
+/// a handle that jumps more than 4 diagonals of the sheet in one frame. source: design.md, import.md
+Scene read_scene(const std::filesystem::path&, const SceneOptions& = {});
+
+/// World positions of the origin of every node and bone at every whole frame of the clip, raw names. Needs no sheet.
+struct Tracks {
+  int first_frame = 1;
+  std::vector<std::string> names;
+  std::vector<Points3> positions;     // per node |F|x3 [m], z up
+};
+Tracks read_tracks(const std::filesystem::path&, const SceneOptions& = {});
+
+}  // namespace paperbake

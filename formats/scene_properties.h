@@ -1,0 +1,34 @@
+#pragma once
+
+#include "formats/scene_import.h"
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace paperbake {
+
+/// Names as they are matched, not as they identify: lower case, `_` and `-` as `.`, no namespace in front ("rig:"),
+/// no Blender number behind (".001"). "Rig:Handle_Left.001" -> "handle.left"
+std::string matched_name(std::string_view raw);
+bool name_begins_with(std::string_view raw, std::string_view prefix);
+
+/// Where an error is, for its first line: shot.fbx, handle "corner"
+std::string place_of(const std::string& source, std::string_view kind, std::string_view name);
+
+/// Custom properties, tolerant of the type a DCC and a format made of them: 24, 24.0 and "24" are one number.
+/// none when the node has no such property or its text is empty. `source` is the file's name for messages.
+/// throws Error(Fault::scene) that names file, node and key: the value cannot be read as what is asked for.
+std::optional<double> number_property(const std::string& source, const ImportedNode&, const std::string& key);
+std::optional<int> whole_property(const std::string& source, const ImportedNode&, const std::string& key);
+std::optional<double> positive_property(const std::string& source, const ImportedNode&, const std::string& key);    // > 0
+std::optional<double> nonnegative_property(const std::string& source, const ImportedNode&, const std::string& key); // >= 0
+std::optional<std::string> text_property(const ImportedNode&, const std::string& key);
+std::vector<double> list_property(const ImportedNode&, const std::string& key);  // empty when it is no list
+bool flag_property(const ImportedNode&, const std::string& key);                 // false when there is none
+
+/// One sentence for each paper_* property that has no meaning here.
+std::vector<std::string> unknown_properties(const std::vector<ImportedNode>&);
+
+}  // namespace paperbake

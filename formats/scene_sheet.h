@@ -1,0 +1,27 @@
+#pragma once
+
+#include "core/pattern.h"
+#include "core/sheet.h"
+#include "formats/scene_nodes.h"
+
+#include <Eigen/Geometry>
+
+#include <string>
+
+namespace paperbake {
+
+/// A mesh of the scene as a sheet of paper.
+struct FlatSheet {
+  Pattern pattern;        // true corners only: border vertices on a straight line, within 1e-6 of the size, are left out
+  Sheet start;            // vertices welded, where they are in the world; at rest; the mesh's front is the pattern's front
+  bool from_uv = false;   // else unrolled
+};
+
+/// Makes a sheet of all faces of a node. Vertices are welded within 1e-6 of the size (and 1e-4 of uv where the pattern comes
+/// from the UVs: a sheet that is cut in its UVs stays cut).
+/// world: transform of the node in metres
+/// throws Error(Fault::scene) at `place`: no faces, faces without area, several pieces, edges of three faces, faces that
+/// disagree about the front, no border, not developable, overlapping itself when laid flat
+FlatSheet flat_sheet(const ImportedFile&, int node, const Eigen::Affine3d& world, const std::string& place);
+
+}  // namespace paperbake

@@ -1,0 +1,57 @@
+#include "formats/whole_file.h"
+
+#include "core/error.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <unistd.h>
+
+namespace paperbake {
+
+WholeFile::WholeFile(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
+  part_ += ".part";
+  file_ = std::fopen(part_.c_str(), "wb+");
+  if (!file_) fail("made");
+}
+
+WholeFile::~WholeFile() {
+  if (!file_) return;
+  std::fclose(file_);
+  std::error_code ignored;
+  std::filesystem::remove(part_, ignored);
+}
+
+void WholeFile::write(const void* bytes, std::size_t count) {
+  if (std::fwrite(bytes, 1, count, file_) != count) fail("written");
+}
+
+void WholeFile::write_at(std::uint64_t position, const void* bytes, std::size_t count) {
+  if (std::fseek(file_, static_cast<long>(position), SEEK_SET) != 0) fail("written");
+  write(bytes, count);
+  if (std::fseek(file_, 0, SEEK_END) != 0) fail("written");
+}
+
+void WholeFile::commit() {
+  if (std::fflush(file_) != 0) fail("written");
+  // a library may have written the file by name, behind our descriptor: sync what the name stands for
+  const int fd = ::open(part_.c_str(), O_RDONLY);
+  if (fd < 0 || ::fsync(fd) != 0) fail("written to disk");
+  ::close(fd);
+  if (std::rename(part_.c_str(), path_.c_str()) != 0) fail("given its name");
+  std::fclose(file_);
+  file_ = nullptr;
+}
+
+void WholeFile::fail(const char* doing) const {
+  throw Error(Fault::folder, path_.string(), std::string("The file cannot be ") + doing + ": " + std::strerror(errno) + ".",
+              "Check free space and write permission of the folder, or choose another with -o.");
+}
+
+void write_whole_file(const std::filesystem::path& path, std::string_view text) {
+  WholeFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace paperbake
