@@ -157,7 +157,8 @@ int run(int argc, char** argv) {
   try {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
-    return app.exit(error) == 0 ? 0 : static_cast<int>(Fault::command);
+    if (error.get_exit_code() == 0) return app.exit(error);  // help and version
+    throw Error(Fault::command, "command line", fmt::format("{}.", error.what()), "paperbake --help and paperbake COMMAND --help say what there is.");
   }
   if (app.got_subcommand("bake")) return run_bake(std::move(settings), words);
   if (app.got_subcommand("inspect")) return run_inspect(scene, reading, json, tracks);

@@ -15,7 +15,7 @@ void make_folder(const std::filesystem::path& path) {
   std::error_code failed;
   std::filesystem::create_directories(path, failed);
   if (failed || !std::filesystem::is_directory(path))
-    throw Error(Fault::folder, path.string(), "The output folder cannot be made: " + (failed ? failed.message() : std::string("a file is in the way")) + ".",
+    throw Error(Fault::folder, path.string(), "The output folder cannot be made: " + (failed && failed != std::errc::not_a_directory ? failed.message() : std::string("a file is in the way")) + ".",
                 "Choose another with -o.");
 }
 

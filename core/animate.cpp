@@ -236,6 +236,8 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.converged = step.converged;
     result.energy = step.last.energy;
     result.membrane_energy = step.last.membrane;
+    if (step.last.lower_branch > 1e-3)
+      result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";
     if (!on_frame(result)) return;
   }
 }

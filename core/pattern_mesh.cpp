@@ -107,8 +107,8 @@ Vector2d grain(const std::vector<Vector2d>& outline) {
 }
 
 /// Fills the inside with rows of equilateral triangles that fit the extent of the outline along its longest side.
-void add_lattice(double edge, Cloud& cloud) {
-  const Vector2d along = grain(cloud.polygons.outline), across(-along.y(), along.x());
+void add_lattice(double edge, double turn, Cloud& cloud) {
+  const Vector2d along = Eigen::Rotation2Dd(turn) * grain(cloud.polygons.outline), across(-along.y(), along.x());
   Eigen::AlignedBox2d box;
   for (const Vector2d& p : cloud.polygons.outline) box.extend(Vector2d(p.dot(along), p.dot(across)));
   const Vector2d size = box.sizes();
@@ -192,7 +192,7 @@ void smooth(const Triangles& triangles, Cloud& cloud) {
 
 }  // namespace
 
-PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<Vector2d>& points) {
+PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<Vector2d>& points, double turn) {
   constexpr int smoothing_passes = 6;
   const double snap = 1e-6 * longer_side(pattern);
   Cloud cloud;
@@ -207,7 +207,7 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   sample_border(cloud.polygons.outline, edge, required, snap, cloud);
   for (const auto& hole : cloud.polygons.holes) sample_border(hole, edge, required, snap, cloud);
   add_required(required, snap, cloud);
-  add_lattice(edge, cloud);
+  add_lattice(edge, turn, cloud);
 
   Triangles triangles = triangulate(cloud);
   for (int pass = 0; pass < smoothing_passes; ++pass) {

@@ -131,8 +131,8 @@ struct Hierarchy {
       throw Error(Fault::scene, fmt::format("node \"{}\"", copy.name), "Its transform contains a value that is not a number.");
     copy.meshes.assign(node.mMeshes, node.mMeshes + node.mNumMeshes);
     for (unsigned i = 0; node.mMetaData && i < node.mMetaData->mNumProperties; ++i)
-      if (const auto value = property(node.mMetaData->mValues[i])) copy.properties.emplace(node.mMetaData->mKeys[i].C_Str(),
-                                                                                           *value);
+      if (const auto value = property(node.mMetaData->mValues[i]))
+        copy.properties.emplace(node.mMetaData->mKeys[i].C_Str(), *value);
     const int index = static_cast<int>(file.nodes.size());
     first_of_name.emplace(copy.name, index);
     const std::size_t mark = copy.name.find(pivot_mark);
@@ -165,8 +165,8 @@ ImportedMesh copy_mesh(const aiMesh& mesh) {
     copy.x.row(i) = vector(mesh.mVertices[i]);
     if (copy.uv.rows() > 0) copy.uv.row(i) = vector(mesh.mTextureCoords[0][i]).head<2>();
   }
-  if (!copy.x.allFinite() || !copy.uv.allFinite()) throw Error(Fault::scene, where(),
-                                                               "A vertex contains a value that is not a number.");
+  if (!copy.x.allFinite() || !copy.uv.allFinite())
+    throw Error(Fault::scene, where(), "A vertex contains a value that is not a number.");
   std::vector<int> corners;
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const aiFace& face = mesh.mFaces[i];
@@ -273,8 +273,8 @@ ImportedFile copy_scene(const aiScene& scene, bool fbx) {
   Hierarchy hierarchy{file, {}};
   hierarchy.add(*scene.mRootNode, -1, is_real_root(scene, fbx));
   for (unsigned i = 0; i < scene.mNumMeshes; ++i) file.meshes.push_back(copy_mesh(*scene.mMeshes[i]));
-  for (unsigned i = 0; i < scene.mNumAnimations; ++i) file.takes.push_back(copy_take(*scene.mAnimations[i],
-                                                                                     hierarchy.first_of_name));
+  for (unsigned i = 0; i < scene.mNumAnimations; ++i)
+    file.takes.push_back(copy_take(*scene.mAnimations[i], hierarchy.first_of_name));
   return file;
 }
 

@@ -100,8 +100,8 @@ std::vector<const Take*> merge_takes(SceneNodes& scene, const SceneOptions& opti
     const Choice choice = choose_take(takes, group);
     if (!choice.take) continue;
     if (std::find(used.begin(), used.end(), choice.take) == used.end()) used.push_back(choice.take);
-    if (choice.moving_takes > 1) contested.push_back(fmt::format("\"{}\" (\"{}\" is used)", scene.file.nodes[group.front()].name,
-                                                                 choice.take->name));
+    const std::string& name = scene.file.nodes[group.front()].name;
+    if (choice.moving_takes > 1) contested.push_back(fmt::format("\"{}\" (\"{}\" is used)", name, choice.take->name));
     for (int node : group) {
       const auto motion = choice.take->motions.find(node);
       if (motion != choice.take->motions.end()) scene.motions[node] = motion->second;
@@ -134,9 +134,8 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
   if (options.fps) return set(*options.fps, "command line");
   if (scene.file.fps > 0) return set(scene.file.fps, "file");
   for (const ImportedNode& node : scene.file.nodes)
-    if (const auto fps = positive_property(scene.source, node, "paper_fps")) return set(*fps,
-                                                                                        fmt::format("paper_fps of \"{}\"",
-                                                                                                    node.name));
+    if (const auto fps = positive_property(scene.source, node, "paper_fps"))
+      return set(*fps, fmt::format("paper_fps of \"{}\"", node.name));
   set(24, "default");
   scene.warnings.push_back("The file does not say its frame rate: 24 frames per second are assumed; "
                            "--fps N or a property paper_fps sets it.");
@@ -168,8 +167,8 @@ int first_frame_shift(SceneNodes& scene, const SceneOptions& options, const Span
   if (options.start_frame) {
     scene.origin["first_frame"] = "command line";
     // FBX through assimp begins at 0 whenever its clip begins; glTF keeps the time line of the DCC
-    return scene.file.fbx ? *options.start_frame : *options.start_frame - static_cast<int>(std::floor(to_frame(keys.first,
-                                                                                                               scene.fps, 0)));
+    const double first_key = scene.file.fbx ? 0 : std::floor(to_frame(keys.first, scene.fps, 0));
+    return *options.start_frame - static_cast<int>(first_key);
   }
   scene.origin["first_frame"] = scene.file.fbx ? "default" : "file";
   if (!scene.file.fbx) return 0;

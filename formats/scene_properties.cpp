@@ -77,8 +77,8 @@ std::optional<double> number_property(const std::string& source, const ImportedN
 std::optional<int> whole_property(const std::string& source, const ImportedNode& node, const std::string& key) {
   const auto number = number_property(source, node, key);
   if (!number) return std::nullopt;
-  if (*number != std::round(*number) || std::abs(*number) > std::numeric_limits<int>::max()) reject(source, node, key,
-                                                                                                    "a whole number");
+  if (*number != std::round(*number) || std::abs(*number) > std::numeric_limits<int>::max())
+    reject(source, node, key, "a whole number");
   return static_cast<int>(*number);
 }
 

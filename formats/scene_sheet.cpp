@@ -123,15 +123,19 @@ Edges edges_of(const Triangles& triangles) {
 void check_mesh(const WeldedMesh& mesh, const std::string& place) {
   const auto reject = [&](const std::string& cause, const char* remedy) { throw Error(Fault::scene, place, cause, remedy); };
   const int flat = triangles_without_area(mesh);
-  if (flat > 0) reject(fmt::format("{} of the {} triangles of the mesh have no area.", flat, mesh.triangles.rows()),
-                       "Merge doubled vertices and dissolve degenerate faces in the DCC.");
+  if (flat > 0)
+    reject(fmt::format("{} of the {} triangles of the mesh have no area.", flat, mesh.triangles.rows()),
+           "Merge doubled vertices and dissolve degenerate faces in the DCC.");
   const Edges edges = edges_of(mesh.triangles);
-  if (edges.crowded > 0) reject(fmt::format("{} edges of the mesh belong to three or more faces.", edges.crowded),
-                                "A sheet is one layer of paper: remove the extra faces.");
-  if (edges.pieces > 1) reject(fmt::format("The mesh is made of {} pieces.", edges.pieces),
-                               "Make each sheet an object of its own, or merge the vertices where the pieces meet.");
-  if (edges.twisted > 0) reject(fmt::format("The faces at {} edges of the mesh disagree about the front.", edges.twisted),
-                                "Recalculate the normals in the DCC; a sheet has two sides.");
+  if (edges.crowded > 0)
+    reject(fmt::format("Three or more faces meet at {} of the mesh's edges.", edges.crowded),
+           "A sheet is one layer of paper: remove the extra faces.");
+  if (edges.pieces > 1)
+    reject(fmt::format("The mesh is made of {} pieces.", edges.pieces),
+           "Make each sheet an object of its own, or merge the vertices where the pieces meet.");
+  if (edges.twisted > 0)
+    reject(fmt::format("The faces at {} of the mesh's edges disagree about the front.", edges.twisted),
+           "Recalculate the normals in the DCC; a sheet has two sides.");
 }
 
 /// True when the mesh can be a sheet without a word to the artist.
@@ -152,8 +156,8 @@ std::vector<Loop> border_loops(const Triangles& triangles, const std::string& pl
       throw Error(Fault::scene, place, "The border of the mesh touches itself at a vertex.",
                   "Split that vertex, or join the faces there by an edge.");
   }
-  if (next.empty()) throw Error(Fault::scene, place, "The mesh is closed: a sheet of paper has a border.",
-                                "Cut it open along edges.");
+  if (next.empty())
+    throw Error(Fault::scene, place, "The mesh is closed: a sheet of paper has a border.", "Cut it open along edges.");
   std::vector<Loop> loops;
   while (!next.empty()) {
     loops.emplace_back();
@@ -185,8 +189,8 @@ std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double s
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Vector2d& next = points[(i + 1) % points.size()];
     bool on_line = true;
-    for (std::size_t k = kept + 1; k <= i; ++k) on_line = on_line && distance_to_line(points[k], points[kept],
-                                                                                      next) <= straight * size;
+    for (std::size_t k = kept + 1; k <= i; ++k)
+      on_line = on_line && distance_to_line(points[k], points[kept], next) <= straight * size;
     if (on_line) continue;
     kept = i;
     corners.push_back(points[i]);

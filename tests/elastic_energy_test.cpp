@@ -135,8 +135,12 @@ double cylinder_ratio(Sheet sheet, double length) {
     double x = 0;
     for (int i = 0; i < 3; ++i) x += sheet.pattern(sheet.triangles(t, i), 0) / 3;
     if (x < 0.15 * length || x > 0.85 * length) continue;
-    const RestBending rest = rest_bending(paper, sheet.pattern, sheet.triangles.row(t), hinges.of_triangle[t], 1);
     Vector3d theta;
+    std::array<double, 3> shared{0, 0, 0};
+    for (int i = 0; i < 3; ++i)
+      if (const int h = hinges.of_triangle[t][i]; h >= 0)
+        for (int side : hinges.hinges[h].triangles) shared[i] += rest_triangle(sheet.pattern, sheet.triangles.row(side)).area;
+    const RestBending rest = rest_bending(paper, sheet.pattern, sheet.triangles.row(t), shared, 1);
     for (int i = 0; i < 3; ++i)
       theta[i] = hinges.of_triangle[t][i] < 0 ? 0 : fold_angle(sheet.x, hinges.hinges[hinges.of_triangle[t][i]]);
     sum += bending_energy(rest, theta, Vector3d::Zero());

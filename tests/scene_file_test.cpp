@@ -142,8 +142,7 @@ TEST_P(SceneFile, TracksAreWhereBlenderHadThem) {
   EXPECT_LE(worst, GetParam().tolerance());
   EXPECT_TRUE(std::count(tracks.names.begin(), tracks.names.end(), "paper"));
   for (const std::string& name : tracks.names) EXPECT_EQ(name.find("$AssimpFbx$"), std::string::npos);
-  EXPECT_FALSE(std::count(tracks.names.begin(), tracks.names.end(), "RootNode") || std::count(tracks.names.begin(),
-                                                                                              tracks.names.end(), "ROOT"));
+  for (const char* root : {"RootNode", "ROOT"}) EXPECT_FALSE(std::count(tracks.names.begin(), tracks.names.end(), root));
 }
 
 TEST_P(SceneFile, SheetIsWeldedAndItsPatternKnown) {
@@ -313,6 +312,16 @@ TEST(SceneFileFbx, NamesTwice) {
   EXPECT_ERROR(temporary("twice.fbx", fbx), "handle \"handle.corner.0\"\n  Two handles");
 }
 
+TEST(SceneFileFbx, KeyedScaleReleasesWithoutTheProperty) {
+  for (const char* extension : {".fbx", ".glb"}) {
+    std::string file = whole(sample(std::string("S3_unload") + extension));
+    for (std::size_t at; (at = file.find("paper_release_frame")) != std::string::npos;) file.replace(at, 5, "other");
+    const Scene scene = read_scene(temporary(std::string("unnamed_release") + extension, file));
+    EXPECT_EQ(handle(scene, "handle.left.5").release_frame, 61) << extension;
+    EXPECT_TRUE(handle(scene, "handle.left.0").held(96)) << extension;
+  }
+}
+
 // ---- files made by hand ------------------------------------------------------------------------------------------------
 
 /// A square of 0.2 m under two handles, one of which moves 2 cm from frame 1 to 5.
@@ -414,7 +423,7 @@ TEST(SceneFileByHand, MeshesThatAreNoSheetAreNamed) {
   fin.x.push_back({0.1, 0.1, 0.1});
   fin.uv.push_back({0, 0});
   fin.corners.insert(fin.corners.end(), {1, 4, 9});
-  EXPECT_ERROR(Fixture(fin).write("fin.gltf"), "three or more faces");
+  EXPECT_ERROR(Fixture(fin).write("fin.gltf"), "Three or more faces");
   FlatMesh thin = grid(2, 2, 0.2, 0.2);
   thin.corners.insert(thin.corners.end(), {0, 1, 2});
   EXPECT_ERROR(Fixture(thin).write("thin.gltf"), "no area");

@@ -102,21 +102,34 @@ Matrix9 fold_hessian_of_wing(const Vector3d& x0, const Vector3d& x1, const Vecto
 }
 
 RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen::RowVector3i& corners,
-                         const std::array<int, 3>& hinges, double stiffening) {
+                         const std::array<double, 3>& shared_area, double stiffening) {
   RestBending rest;
   const Vector2d p[3] = {pattern.row(corners[0]), pattern.row(corners[1]), pattern.row(corners[2])};
   const Vector2d u = p[1] - p[0], v = p[2] - p[0];
   rest.area = 0.5 * (u.x() * v.y() - u.y() * v.x());
   rest.rigidity = stiffening * paper.bending_stiffness;
   rest.poisson = paper.poisson;
+  const Vector3d frobenius(1, 2, 1);  // weights of Sxx, Sxy, Syy in the product of two tensors
+  std::vector<Vector3d> unseen;       // orthonormal tensors that border edges would add
   rest.operator_of_theta.setZero();
   for (int i = 0; i < 3; ++i) {
-    if (hinges[i] < 0) continue;
     const Vector2d edge = p[(i + 2) % 3] - p[(i + 1) % 3];
     const double length = edge.norm();
     const Vector2d n(edge.y() / length, -edge.x() / length);
-    rest.operator_of_theta.col(i) = length / (2 * rest.area) * Vector3d(n.x() * n.x(), n.x() * n.y(), n.y() * n.y());
+    Vector3d tensor(n.x() * n.x(), n.x() * n.y(), n.y() * n.y());
+    if (shared_area[i] > 0) {
+      rest.operator_of_theta.col(i) = length / shared_area[i] * tensor;
+      continue;
+    }
+    for (const Vector3d& u : unseen) tensor -= tensor.cwiseProduct(frobenius).dot(u) * u;
+    const double norm = std::sqrt(tensor.cwiseProduct(frobenius).dot(tensor));
+    if (norm > 1e-9) unseen.push_back(tensor / norm);
   }
+  for (const Vector3d& u : unseen)
+    for (int i = 0; i < 3; ++i) {
+      const double part = rest.operator_of_theta.col(i).cwiseProduct(frobenius).dot(u);
+      rest.operator_of_theta.col(i) -= part * u;
+    }
   // K = D A ( nu tr^T tr + (1-nu) S^T diag(1,2,1) S ) in the three angles
   const Eigen::RowVector3d trace = rest.operator_of_theta.row(0) + rest.operator_of_theta.row(2);
   const Eigen::Matrix3d weighted = Vector3d(1, 2, 1).asDiagonal() * rest.operator_of_theta;

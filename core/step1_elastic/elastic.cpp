@@ -17,6 +17,10 @@ constexpr double velocity_kept = 0.98;
 constexpr double sufficient_decrease = 1e-4;
 constexpr int max_halvings = 30;
 
+// A step that needs more iterations than this leaves an unstable shape, and the nearest minimum may be a poor one.
+constexpr int restless = 15;
+constexpr double softening = 100;  // of the membrane: its landscape has few valleys
+
 /// The incremental potential of one step over all vertices; held ones are left out by whoever solves.
 struct IncrementalPotential {
   const ElasticEnergy& elastic;
@@ -52,7 +56,7 @@ struct Elastic::Impl {
   Paper paper;
   ElasticOptions options;
 
-  std::optional<ElasticEnergy> energy;
+  std::optional<ElasticEnergy> energy, softened;
   Eigen::VectorXd mass;
   double mean_edge = 0;
   std::deque<Points3> past;  // positions before this step, newest first; emptied when the mesh changes
@@ -75,7 +79,7 @@ struct Elastic::Impl {
     for (const auto& [i, j] : energy->coupled_vertices())
       if (block_of[i] >= 0 && block_of[j] >= 0) coupled.emplace_back(block_of[i], block_of[j]);
     matrix = blocks ? std::make_unique<BlockCholesky>(blocks, std::move(coupled)) : nullptr;
-    if (matrix) energy->bind(*matrix, block_of);
+    if (matrix) energy->bind(*matrix, block_of), softened->bind(*matrix, block_of);
     predictor = std::make_unique<Predictor>(sheet.pattern, sheet.triangles, held);
   }
 
@@ -147,6 +151,20 @@ struct Elastic::Impl {
       form = HessianForm::exact;
     }
   }
+
+  /// A second way down from `start`, first with the softened membrane; kept when it ends lower.
+  void start_again(const IncrementalPotential& W, const Points3& start, Points3& x, ElasticReport& report) {
+    ElasticReport soft, stiff;
+    Points3 other = start;
+    minimise({*softened, mass, W.xhat, W.inertia, W.gravity}, other, soft);
+    minimise(W, other, stiff);
+    report.iterations += soft.iterations + stiff.iterations;
+    const double here = W(x), there = W(other);
+    if (there >= here) return;
+    report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
+    report.converged = stiff.converged;
+    x = std::move(other);
+  }
 };
 
 Elastic::Elastic(const Paper& paper, const ElasticOptions& options) : impl_(std::make_unique<Impl>()) {
@@ -158,6 +176,9 @@ Elastic::~Elastic() = default;
 void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening) {
   Impl& s = *impl_;
   s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, stiffening);
+  Paper soft = s.paper;
+  soft.membrane_stiffness /= softening;
+  s.softened.emplace(soft, sheet.pattern, sheet.triangles, stiffening);
   s.matrix.reset();
   s.past.clear();
   s.mass = Eigen::VectorXd::Zero(sheet.pattern.rows());
@@ -172,7 +193,9 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.mean_edge = edges / (3 * std::max<long>(1, sheet.triangles.rows()));
 }
 
-void Elastic::set_plastic_curvature(const Points3& plastic) { impl_->energy->plastic_curvature = plastic; }
+void Elastic::set_plastic_curvature(const Points3& plastic) {
+  impl_->energy->plastic_curvature = impl_->softened->plastic_curvature = plastic;
+}
 
 ElasticReport Elastic::look(const Sheet& sheet) const {
   const ElasticEnergy::Parts parts = impl_->energy->parts(sheet.x);
@@ -192,7 +215,8 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
 
   // start from the guess of least potential
   double least = std::numeric_limits<double>::infinity();
-  for (const Points3& guess : s.predictor->guesses(before, s.past, held.targets)) {
+  const std::vector<Points3> guesses = s.predictor->guesses(before, s.past, held.targets);
+  for (const Points3& guess : guesses) {
     const double value = W(guess);
     if (value < least) least = value, sheet.x = guess;
   }
@@ -200,6 +224,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
 
   ElasticReport report;
   if (s.matrix) s.minimise(W, sheet.x, report);
+  if (report.iterations > restless) s.start_again(W, guesses.front(), sheet.x, report);
   const ElasticReport stored = look(sheet);
   report.membrane = stored.membrane;
   report.energy = stored.energy;

@@ -28,6 +28,7 @@ struct ElasticReport {
   bool converged = true;
   double energy = 0;           // [J] membrane + bending
   double membrane = 0;         // [J] its membrane part
+  double lower_branch = 0;     // [1] by how much of the potential a second start was lower, when it was taken
 };
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
@@ -40,7 +41,9 @@ struct ElasticReport {
 /// quasi-static: xhat = x and a hundredth of the mass: just enough that a sheet that swings freely has one answer
 ///
 /// found by Newton's method with the exact second derivative (projected where that is not positive definite), a
-/// backtracking line search and handles eliminated. source [Martin 2011]; damping of the velocity 0.98 a step
+/// backtracking line search and handles eliminated. A step that takes many iterations leaves an unstable shape (a snap): it
+/// is started a second time with a softened membrane, and the lower end is kept.
+/// source [Martin 2011]; damping of the velocity 0.98 a step
 class Elastic {
  public:
   Elastic(const Paper&, const ElasticOptions&);

@@ -13,48 +13,14 @@ missing: then the cache must not have them. The name is the one stored in the ca
 """
 
 import json
-import math
 import sys
 
 from alembic3d import Abc, AbcGeom
 
-TOLERANCE = 1e-6  # relative to values over 1: the cache holds 32-bit floats, whose step is 1.2e-7
+from judgement import Judgement
+
 TIME_TOLERANCE = 1e-9  # [s] start + i / fps in doubles
 EXISTING = Abc.WrapExistingFlag.kWrapExisting
-
-
-class Judgement:
-    def __init__(self):
-        self.failures, self.compared, self.largest_error = [], {}, 0.0
-
-    def check(self, right, what):
-        if not right:
-            self.failures.append(what)
-        return right
-
-    def near(self, found, expected, kind, where):
-        """Compares rows of numbers; counts them under `kind`."""
-        if not self.check(len(found) == len(expected), f"{where}: {len(found)} {kind}, expected {len(expected)}"):
-            return
-        worst, at = 0.0, None
-        for row, (a, b) in enumerate(zip(found, expected)):
-            for x, y in zip(a, b):
-                error = abs(x - y) / max(1.0, abs(y))
-                if not error <= worst:
-                    worst, at = (error if error == error else math.inf), row  # NaN is as wrong as can be
-        self.check(worst <= TOLERANCE, f"{where}: {kind} {at} is off by {worst:.3g}")
-        self.largest_error = max(self.largest_error, worst)
-        self.compared[kind] = self.compared.get(kind, 0) + len(found)
-
-    def conclude(self, needed):
-        for kind in needed:
-            self.check(self.compared.get(kind, 0) > 0, f"no {kind} were compared")
-        for failure in self.failures:
-            print(failure)
-        if not self.failures:
-            counts = ", ".join(f"{count} {kind}" for kind, count in self.compared.items())
-            print(f"Alembic agrees on {counts}; largest error {self.largest_error:.2g}")
-        return 1 if self.failures else 0
 
 
 def z_up(vectors):
@@ -112,7 +78,7 @@ def judge_faces(judgement, sample, frame, where):
         return
     wanted = [corner for triangle in frame["triangles"] for corner in reversed(triangle)]
     judgement.check(indices == wanted, f"{where}: faces are not the triangles in clockwise order")
-    judgement.compared["triangles"] = judgement.compared.get("triangles", 0) + len(counts)
+    judgement.count("triangles", len(counts))
 
 
 def judge_bounds(judgement, box, points, where):
@@ -220,7 +186,7 @@ def main(arguments):
             judge_archive(judgement, Abc.IArchive(arguments[0]), expected)
     except RuntimeError as error:
         judgement.check(False, f"Alembic refuses {arguments[0]}: {error}")
-    return judgement.conclude(("positions", "triangles"))
+    return judgement.conclude("Alembic", ("positions", "triangles"))
 
 
 if __name__ == "__main__":

@@ -16,40 +16,9 @@ import sys
 import bpy
 import numpy
 
-TOLERANCE = 1e-6  # relative to values over 1: floats
+from judgement import Judgement
+
 NORMAL_TOLERANCE = 1e-3  # [rad] Blender keeps custom normals as two 16-bit angles
-
-
-class Judgement:
-    def __init__(self):
-        self.failures, self.compared, self.largest_error = [], {}, {}
-
-    def check(self, right, what):
-        if not right:
-            self.failures.append(what)
-        return bool(right)
-
-    def near(self, found, expected, kind, where, tolerance=TOLERANCE):
-        """Compares rows of numbers; counts them under `kind`."""
-        found, expected = numpy.asarray(found, dtype=float), numpy.asarray(expected, dtype=float)
-        if not self.check(found.shape == expected.shape, f"{where}: {len(found)} {kind}, expected {len(expected)}"):
-            return
-        error = numpy.nan_to_num(abs(found - expected) / numpy.maximum(1, abs(expected)), nan=math.inf)
-        worst = float(error.max(initial=0))
-        at = numpy.unravel_index(error.argmax(), error.shape)[0] if error.size else None
-        self.check(worst <= tolerance, f"{where}: {kind} {at} is off by {worst:.3g}")
-        self.largest_error[kind] = max(self.largest_error.get(kind, 0), worst)
-        self.compared[kind] = self.compared.get(kind, 0) + len(found)
-
-    def conclude(self, needed):
-        for kind in needed:
-            self.check(self.compared.get(kind, 0) > 0, f"no {kind} were compared")
-        for failure in self.failures:
-            print(failure)
-        if not self.failures:
-            print(f"Blender {bpy.app.version_string} agrees on " + ", ".join(
-                f"{count} {kind} (largest error {self.largest_error[kind]:.2g})" for kind, count in self.compared.items()))
-        return 1 if self.failures else 0
 
 
 def floats(collection, attribute, width):
@@ -161,7 +130,7 @@ def main(arguments):
     if judgement.check(expected["sheets"], f"{arguments[1]} expects nothing") and judgement.check(
             imported(arguments[0]), f"Blender does not import {arguments[0]}"):
         judge_scene(judgement, scene, expected)
-    return judgement.conclude(("positions", "face normals"))
+    return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "face normals"))
 
 
 if __name__ == "__main__":

@@ -1,0 +1,42 @@
+# What samples/run and tests/run share: packages, configuration, build. Sourced in the root of the clone.
+
+fail() {
+  echo "${0##*/}: $*" >&2
+  exit 1
+}
+
+# packages GROUP...: the names in these groups of packages.txt
+packages() {
+  sed 's/#.*//' packages.txt | awk -v groups=" $* " 'NF && /^\[/ { on = index(groups, " " substr($1, 2, length($1) - 2) " "); next } NF && on { print $1 }'
+}
+
+# missing_packages GROUP...: those of them that are not installed
+missing_packages() {
+  local wanted
+  wanted=$(packages "$@" | sort -u)
+  comm -23 <(echo "$wanted") <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' $wanted 2>/dev/null | sed -n 's/^installed //p' | sort -u)
+}
+
+# install_packages GROUP...: asks apt only when something is missing, and never asks the user
+install_packages() {
+  local missing as_root=(env DEBIAN_FRONTEND=noninteractive)
+  mapfile -t missing < <(missing_packages "$@")
+  ((${#missing[@]})) || return 0
+  ((EUID == 0)) || as_root=(sudo -n "${as_root[@]}")
+  echo "Installing ${missing[*]}"
+  "${as_root[@]}" apt-get update && "${as_root[@]}" apt-get install -y --no-install-recommends "${missing[@]}" ||
+    fail "These Debian packages are missing and could not be installed from here; install them and run this again: ${missing[*]}"
+}
+
+# configure TESTS: ON or OFF; a build folder that has the tests already serves both
+configure() {
+  if [[ -f build/build.ninja ]]; then
+    [[ $1 == OFF ]] || grep -q '^PAPERBAKE_TESTS:BOOL=ON$' build/CMakeCache.txt && return
+  fi
+  cmake -S . -B build -G Ninja -DPAPERBAKE_TESTS="$1"
+}
+
+# build [TARGET]: everything when no target is named
+build() {
+  cmake --build build --target "${1:-all}"
+}

@@ -1,0 +1,155 @@
+// The layers of the source tree, read off its #include lines: core <- formats <- baker <- main; the steps know nothing of
+// each other and show one header each.
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct Source {
+  std::string path;                   // from the root of the project
+  std::vector<std::string> includes;  // what stands between the quotes or angle brackets
+  std::string code;                   // without comments
+};
+
+const std::vector<std::string> layers{"core", "formats", "baker"};  // from the bottom up
+
+int layer_of(const std::string& path) {
+  for (std::size_t i = 0; i < layers.size(); ++i)
+    if (path.rfind(layers[i] + "/", 0) == 0) return static_cast<int>(i);
+  return -1;
+}
+
+/// "core/step1_elastic" of a path below it; empty outside the steps.
+std::string step_of(const std::string& path) {
+  std::smatch found;
+  return std::regex_search(path, found, std::regex("^core/step[0-9]_[^/]+(?=/)")) ? found.str() : "";
+}
+
+/// Comments may speak of what code may not do.
+std::string without_comments(std::string text) {
+  const auto blank = [&](const char* from, const char* to) {
+    for (std::size_t begin = 0; (begin = text.find(from, begin)) != std::string::npos;)
+      text.erase(begin, std::min(text.find(to, begin), text.size()) - begin);
+  };
+  blank("/*", "*/");
+  blank("//", "\n");
+  return text;
+}
+
+Source read_source(const fs::path& path) {
+  std::ifstream file(path);
+  Source source{fs::relative(path, PAPERBAKE_SOURCE).generic_string(), {}, without_comments({std::istreambuf_iterator<char>(file), {}})};
+  const std::regex line(R"(#[ \t]*include[ \t]*[<"]([^>"]+)[>"])");
+  for (std::sregex_iterator it(source.code.begin(), source.code.end(), line), end; it != end; ++it) source.includes.push_back((*it)[1]);
+  return source;
+}
+
+std::vector<Source> sources_of(const std::string& layer) {
+  std::vector<Source> sources;
+  for (const auto& entry : fs::recursive_directory_iterator(fs::path(PAPERBAKE_SOURCE) / layer))
+    if (entry.path().extension() == ".cpp" || entry.path().extension() == ".h") sources.push_back(read_source(entry.path()));
+  return sources;
+}
+
+std::vector<Source> all_sources() {
+  std::vector<Source> all;
+  for (const std::string& layer : layers)
+    for (Source& source : sources_of(layer)) all.push_back(std::move(source));
+  return all;
+}
+
+class Layering : public testing::Test {
+ protected:
+  /// A folder that was not found, or moved, must not make these tests pass.
+  void SetUp() override {
+    for (const std::string& layer : layers) ASSERT_GT(sources_of(layer).size(), 5u) << "no sources in " << layer << "/ of " << PAPERBAKE_SOURCE;
+    std::size_t own = 0;
+    for (const Source& source : all_sources())
+      for (const std::string& include : source.includes) own += layer_of(include) >= 0;
+    ASSERT_GT(own, 50u) << "hardly an #include of a file of ours was found";
+  }
+};
+
+TEST_F(Layering, CoreKnowsNothingOfFormatsAndFormatsNothingOfTheBaker) {
+  for (const Source& source : all_sources())
+    for (const std::string& include : source.includes)
+      EXPECT_LE(layer_of(include), layer_of(source.path)) << source.path << " includes " << include;
+}
+
+TEST_F(Layering, AFileOfOursIsIncludedByItsPathFromTheRoot) {
+  for (const Source& source : all_sources())
+    for (const std::string& include : source.includes) {
+      const bool from_root = layer_of(include) >= 0, beside = fs::exists((fs::path(PAPERBAKE_SOURCE) / source.path).parent_path() / include);
+      EXPECT_TRUE(!from_root || fs::exists(fs::path(PAPERBAKE_SOURCE) / include)) << source.path << " includes " << include;
+      EXPECT_FALSE(beside) << source.path << " includes " << include;
+    }
+}
+
+TEST_F(Layering, TheStepsNeverIncludeEachOther) {
+  int steps = 0;
+  for (const Source& source : sources_of("core")) {
+    if (step_of(source.path).empty()) continue;
+    ++steps;
+    for (const std::string& include : source.includes)
+      EXPECT_TRUE(step_of(include).empty() || step_of(include) == step_of(source.path)) << source.path << " includes " << include;
+  }
+  EXPECT_GT(steps, 2);
+}
+
+TEST_F(Layering, AStepIsEnteredThroughItsOneDoor) {
+  int doors = 0;
+  for (const Source& source : all_sources())
+    for (const std::string& include : source.includes) {
+      const std::string step = step_of(include);
+      if (step.empty() || step == step_of(source.path)) continue;
+      ++doors;
+      const std::string door = step + step.substr(step.rfind('_')).replace(0, 1, "/") + ".h";  // core/step1_elastic/elastic.h
+      EXPECT_EQ(include, door) << source.path;
+    }
+  EXPECT_GT(doors, 0);
+}
+
+TEST_F(Layering, CoreReadsNoFilesAndPrintsNothing) {
+  const std::regex header("iostream|fstream|filesystem|fmt/.*|nlohmann/.*|toml.*|CLI/.*|assimp/.*|Imf.*");
+  const std::regex call(R"(\bv?f?printf\s*\(|\bfmt::print\b|\bstd::c(out|err|log)\b|\bputs\s*\(|\bfopen\s*\(|\bexit\s*\()");
+  for (const Source& source : sources_of("core")) {
+    for (const std::string& include : source.includes) EXPECT_FALSE(std::regex_match(include, header)) << source.path << " includes " << include;
+    std::smatch found;
+    EXPECT_FALSE(std::regex_search(source.code, found, call)) << source.path << ": " << found.str();
+  }
+}
+
+TEST_F(Layering, TheOnlyClockOfCoreIsInAnimate) {
+  const std::regex clock(R"(<(chrono|ctime|time\.h|sys/time\.h|sys/resource\.h)>|\bclock(_gettime)?\s*\(|)"
+                         R"(\btime\s*\(\s*(NULL|nullptr|0)\s*\)|\bgettimeofday\b|\bgetrusage\b|_clock::now\b)");
+  bool animate_has_one = false;
+  for (const Source& source : sources_of("core")) {
+    std::smatch found;
+    const bool has = std::regex_search(source.code, found, clock);
+    if (source.path == "core/animate.cpp") animate_has_one = has;
+    else EXPECT_FALSE(has) << source.path << ": " << found.str();
+  }
+  EXPECT_TRUE(animate_has_one) << "the timers are gone, or this test no longer knows a clock when it sees one";
+}
+
+TEST_F(Layering, MainIsTheOnlyFileThatParsesTheCommandLine) {
+  std::vector<std::string> who;
+  for (const Source& source : all_sources())
+    for (const std::string& include : source.includes)
+      if (include.rfind("CLI/", 0) == 0) who.push_back(source.path);
+  EXPECT_EQ(who, std::vector<std::string>{"baker/main.cpp"});
+}
+
+}  // namespace
+}  // namespace paperbake
