@@ -76,29 +76,24 @@ Fold fold(const Points3& x, const Hinge& hinge) {
   return result;
 }
 
-Matrix9 fold_hessian_of_wing(const Vector3d& x0, const Vector3d& x1, const Vector3d& wing, bool left) {
-  // The wing's part of the slope is (-(1-t), -t, 1) (x) w with w = -|e| n/|n|^2, n = +-(e x a), a = wing - x0,
-  // t = a.e/|e|^2. Differentiate w and t by the three points.
-  const Vector3d e = x1 - x0, a = wing - x0;
-  const Vector3d n = left ? Vector3d(e.cross(a)) : Vector3d(a.cross(e));
-  const double length = e.norm(), n2 = n.squaredNorm();
-  const Vector3d w = -length / n2 * n;
-  const double t = a.dot(e) / (length * length);
-
+WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left) {
+  // The wing's part of the slope is -t w by e and w by a, with w = -|e| n/|n|^2, n = +-(e x a), t = a.e/|e|^2.
+  // What is skew in its derivative by a twice and e twice cancels against the other wing; the rest are dyads with n.
   const double sign = left ? 1 : -1;
-  const Eigen::Matrix3d dn_e = -sign * cross_matrix(a), dn_a = sign * cross_matrix(e);
-  const Eigen::Matrix3d dw_n = -length / n2 * (Eigen::Matrix3d::Identity() - 2 / n2 * n * n.transpose());
-  const Eigen::Matrix3d dw_e = dw_n * dn_e - (1 / (length * n2)) * n * e.transpose(), dw_a = dw_n * dn_a;
-  const Vector3d dt_e = (a - 2 * t * e) / (length * length), dt_a = e / (length * length);
+  const Vector3d cross = sign * e.cross(a);
+  const double area2 = cross.norm(), length = e.norm(), t = a.dot(e) / (length * length);
+  const Vector3d n = cross / area2;
+  const Vector3d by_e = sign * a.cross(n), by_a = sign * n.cross(e);  // gradients of |e x a|
+  const double c = length / (area2 * area2);
+  const Vector3d bend_e = 2 * c * by_e - e / (length * area2);
+  const Vector3d q = (a - 2 * t * e) / (length * area2) - t * bend_e;
+  const Vector3d p = e / (length * area2) - 2 * t * c * by_a;
 
-  // e = x1 - x0, a = wing - x0
-  const Eigen::Matrix3d dw[3] = {-dw_e - dw_a, dw_e, dw_a};
-  const Vector3d dt[3] = {-dt_e - dt_a, dt_e, dt_a};
-  const double weight[3] = {t - 1, -t, 1}, weight_t[3] = {1, -1, 0};
-  Matrix9 h;
-  for (int p = 0; p < 3; ++p)
-    for (int q = 0; q < 3; ++q) h.block<3, 3>(3 * p, 3 * q) = weight[p] * dw[q] + weight_t[p] * w * dt[q].transpose();
-  return 0.5 * (h + h.transpose());
+  WingHessian h;
+  h.ee = 0.5 * (n * q.transpose() + q * n.transpose());
+  h.aa = c * (n * by_a.transpose() + by_a * n.transpose());
+  h.ea = 0.5 * (n * p.transpose() + bend_e * n.transpose() - sign * c * cross_matrix(a - t * e));
+  return h;
 }
 
 RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen::RowVector3i& corners,

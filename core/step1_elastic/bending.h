@@ -31,11 +31,14 @@ struct Fold {
 double fold_angle(const Points3& x, const Hinge&);
 Fold fold(const Points3& x, const Hinge&);
 
-/// What one wing (x0, x1, wing) of a hinge adds to the second derivative of its angle, symmetrised. The two wings of a
-/// hinge add up to d2 theta / dx2 exactly; each lives on the corners of its own triangle.
-/// left  true when `wing` lies on the left of x0 -> x1
-/// returns 9x9 [1/m2] in the order x0, x1, wing
-Matrix9 fold_hessian_of_wing(const Vector3d& x0, const Vector3d& x1, const Vector3d& wing, bool left);
+/// What one wing of a hinge adds to the second derivative of its angle, by the edge e = x1 - x0 and the arm a = wing - x0;
+/// `ae` is the transpose of `ea`. The two wings add up to d2 theta exactly, and each lives on the corners of its own triangle:
+/// a sheet needs no block between the two wings for it.
+/// left  true when the wing lies on the left of x0 -> x1
+struct WingHessian {
+  Matrix3 ee, ea, aa;  // [1/m2]
+};
+WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left);
 
 /// Bending of one triangle from its shape operator: the material does not change with the mesh.
 ///

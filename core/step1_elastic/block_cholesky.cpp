@@ -10,8 +10,6 @@
 namespace paperbake {
 namespace {
 
-constexpr int simplicial_below = 260;  // blocks; measured: see bench_elastic
-
 /// Sums must not depend on a number of threads, and threads of such small loops only wait for each other: OpenBLAS, where it
 /// is the BLAS behind CHOLMOD, and the OpenMP loops of CHOLMOD's supernodal part stay on the caller's thread.
 void stay_on_this_thread() {
@@ -99,7 +97,7 @@ BlockCholesky::BlockCholesky(int blocks, std::vector<std::pair<int, int>> couple
   c->nmethods = 1;
   c->method[0].ordering = CHOLMOD_NATURAL;
   c->postorder = 0;
-  c->supernodal = blocks < simplicial_below ? CHOLMOD_SIMPLICIAL : CHOLMOD_SUPERNODAL;
+  c->supernodal = CHOLMOD_SUPERNODAL;  // 3x3 blocks make supernodes pay even on a hundred triangles
   factor_.reset(cholmod_analyze(matrix_.get(), c));
   rhs_.reset(cholmod_allocate_dense(3 * blocks, 1, 3 * blocks, CHOLMOD_REAL, c));
   if (!factor_ || !rhs_) throw Error(Fault::simulation, "elastic step", "The matrix could not be laid out: out of memory.");

@@ -109,10 +109,20 @@ void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own, const std
     for (int k = 0; k < 4; ++k) J.block<3, 1>(3 * at[k], i) = folds[h].slope.row(k);
     if (form == HessianForm::projected) continue;
     // the hinge's own second derivative: the part of this wing lives on the triangle's corners
-    const Matrix9 wing = edge_moment[i] * fold_hessian_of_wing(c.row(at[0]), c.row(at[1]), c.row(i), left);
-    const int place[3] = {at[0], at[1], i};
-    for (int p = 0; p < 3; ++p)
-      for (int q = 0; q < 3; ++q) own.block<3, 3>(3 * place[p], 3 * place[q]) += wing.block<3, 3>(3 * p, 3 * q);
+    const int x0 = at[0], x1 = at[1];
+    const WingHessian w = fold_hessian_of_wing((c.row(x1) - c.row(x0)).transpose(), (c.row(i) - c.row(x0)).transpose(), left);
+    const Matrix3 ee = edge_moment[i] * w.ee, ea = edge_moment[i] * w.ea, aa = edge_moment[i] * w.aa;
+    const Matrix3 by_1 = ee + ea.transpose(), by_wing = ea + aa;  // minus the row of x0
+    const auto block = [&](int p, int q) { return own.block<3, 3>(3 * p, 3 * q); };
+    block(x0, x0) += by_1 + by_wing;
+    block(x0, x1) -= by_1;
+    block(x0, i) -= by_wing;
+    block(x1, x0) -= by_1.transpose();
+    block(i, x0) -= by_wing.transpose();
+    block(x1, x1) += ee;
+    block(x1, i) += ea;
+    block(i, x1) += ea.transpose();
+    block(i, i) += aa;
   }
   const Eigen::Matrix<double, 18, 3> JK = J.lazyProduct(bend_[t].stiffness);
   Matrix18 full = J.lazyProduct(JK.transpose());

@@ -53,11 +53,12 @@ double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matri
   const Eigen::Matrix3d FFt = F * F.transpose();
   const Eigen::Matrix3d Fg = F * rest.g.transpose();  // column i: F g_i
   for (int i = 0; i < 3; ++i)
-    for (int j = 0; j < 3; ++j) {
+    for (int j = i; j < 3; ++j) {
       Eigen::Matrix3d block = metric(i, j) * FFt + (rest.area * lambda) * Fg.col(i) * Fg.col(j).transpose() +
                               (rest.area * mu) * Fg.col(j) * Fg.col(i).transpose();
       block.diagonal().array() += geometric(i, j);
       hessian->block<3, 3>(3 * i, 3 * j) += block;
+      if (i != j) hessian->block<3, 3>(3 * j, 3 * i) += block.transpose();
     }
   return energy;
 }
