@@ -39,9 +39,9 @@ struct Certificate {
 class SheetOutput {
  public:
   SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, AlembicWriter* cache,
-              std::filesystem::path map_stem, Certificate& certificate)
+              std::filesystem::path map_stem, Certificate& certificate, std::vector<std::filesystem::path>& files)
       : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), cache_(cache), map_stem_(std::move(map_stem)),
-        certificate_(certificate), input_hash_(plan.start_hash[sheet]) {}
+        certificate_(certificate), files_(files), input_hash_(plan.start_hash[sheet]) {}
 
   const FrameRecord* take(const AnimatedFrame& frame) {
     input_hash_ = frame_input_hash(input_hash_, shot_, frame.frame, plan_.animation.first_frame);
@@ -59,12 +59,13 @@ class SheetOutput {
     return &certificate_.frames.back();
   }
 
-  void finish(std::vector<std::filesystem::path>& files) {
+  void finish() {
     release_waiting(nullptr);
     if (!map_) return;
-    files.push_back(map_stem_.string() + ".final.exr");
-    map_->write(files.back(), map_info(last_map_frame_));
+    files_.push_back(map_stem_.string() + ".final.exr");
+    map_->write(files_.back(), map_info(last_map_frame_));
   }
+
 
  private:
   FrameRecord judge(const AnimatedFrame& frame) const {
@@ -120,8 +121,9 @@ class SheetOutput {
     map_->record(*frame.sheet, vertex_curvature(*frame.sheet));
     last_map_frame_ = frame.frame;
     const bool wanted = std::any_of(plan_.map_frames.begin(), plan_.map_frames.end(), [&](const FrameSpan& s) { return s.contains(frame.frame); });
-    if (wanted && frame.frame >= plan_.frames.first)
-      map_->write(fmt::format("{}.{:04}.exr", map_stem_.string(), frame.frame), map_info(frame.frame));
+    if (!wanted || frame.frame < plan_.frames.first) return;
+    files_.push_back(fmt::format("{}.{:04}.exr", map_stem_.string(), frame.frame));
+    map_->write(files_.back(), map_info(frame.frame));
   }
 
   MapInfo map_info(int frame) const {
@@ -158,6 +160,7 @@ class SheetOutput {
   AlembicWriter* cache_;
   std::filesystem::path map_stem_;
   Certificate& certificate_;
+  std::vector<std::filesystem::path>& files_;  // what was written
   std::string input_hash_;
   std::size_t known_singular_ = 0;
   std::optional<CreaseMap> map_;
@@ -169,6 +172,18 @@ class SheetOutput {
 std::string sheet_file_name(std::string name) {
   std::replace_if(name.begin(), name.end(), [](char c) { return c == '/' || c == '.' || c == ':' || c == ' '; }, '_');
   return name;
+}
+
+/// Maps and certificate of an earlier bake of the same name would be taken for this one's.
+void remove_stale(const OutputFolder& folder, const std::string& name, const std::vector<std::filesystem::path>& written) {
+  std::error_code ignored;
+  for (const char* sub : {"maps", "cert"})
+    for (const auto& entry : std::filesystem::directory_iterator(folder.path() / sub, ignored)) {
+      const std::string file = entry.path().filename().string();
+      const bool ours = sub == std::string("maps") ? file.rfind(name + ".", 0) == 0 && entry.path().extension() == ".exr"
+                                                   : file == "frames.jsonl" || file == "handles.csv" || file == "summary.json";
+      if (ours && std::find(written.begin(), written.end(), entry.path()) == written.end()) std::filesystem::remove(entry.path(), ignored);
+    }
 }
 
 void write_certificate(const OutputFolder& folder, const BakeSettings& settings, const BakePlan& plan, Certificate& certificate,
@@ -185,10 +200,13 @@ void write_certificate(const OutputFolder& folder, const BakeSettings& settings,
   const auto cert = folder.sub("cert");
   std::string lines;
   for (const FrameRecord& record : certificate.frames) lines += frame_line(record) + "\n";
-  write_whole_file(cert / "frames.jsonl", lines);
-  write_whole_file(cert / "handles.csv", handles_csv(certificate.handles));
-  write_whole_file(cert / "summary.json", summary_json(plan, certificate.frames, outcome.missed));
-  outcome.files.push_back(cert / "summary.json");
+  const std::pair<const char*, std::string> texts[] = {{"frames.jsonl", std::move(lines)},
+                                                       {"handles.csv", handles_csv(certificate.handles)},
+                                                       {"summary.json", summary_json(plan, certificate.frames, outcome.missed)}};
+  for (const auto& [file, text] : texts) {
+    outcome.files.push_back(cert / file);
+    write_whole_file(outcome.files.back(), text);
+  }
 }
 
 }  // namespace
@@ -212,7 +230,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     const Shot& shot = plan.shots[s];
     const std::string suffix = plan.shots.size() > 1 ? "." + sheet_file_name(shot.sheet_name) : "";
     const auto map_stem = settings.formats.count("maps") ? folder.sub("maps") / (plan.name + suffix) : std::filesystem::path();
-    SheetOutput output(settings, plan, s, cache.get(), map_stem, certificate);
+    SheetOutput output(settings, plan, s, cache.get(), map_stem, certificate, outcome.files);
     AnimateOptions animation = plan.animation;
     animation.seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
     try {
@@ -225,10 +243,11 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
       if (error.fault != Fault::simulation || certificate.frames.empty()) throw;
       failure = error;  // what was baked so far is kept
     }
-    output.finish(outcome.files);
+    output.finish();
   }
   if (cache) cache->finish();
   write_certificate(folder, settings, plan, certificate, outcome);
+  remove_stale(folder, plan.name, outcome.files);
   if (failure)
     throw Error(failure->fault, failure->place, failure->cause,
                 fmt::format("Frames up to {} are kept. {}", certificate.frames.back().frame, failure->remedy));

@@ -5,6 +5,7 @@
 #include "formats/whole_file.h"
 
 #include <CLI/CLI.hpp>
+#include <cmath>
 #include <fmt/format.h>
 #include <malloc.h>
 #include <nlohmann/json.hpp>
@@ -37,6 +38,16 @@ std::set<std::string> parse_formats(const std::string& text) {
   return formats;
 }
 
+/// Numbers as people write them: finite, and where it says so above zero.
+const CLI::Validator finite([](std::string& text) {
+  double value;
+  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? std::string() : "\"" + text + "\" is not a number";
+}, "", "finite");
+const CLI::Validator positive([](std::string& text) {
+  double value;
+  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0 ? std::string() : "\"" + text + "\" is not a number above zero";
+}, "", "positive");
+
 /// What the words of `bake` were, before they are understood.
 struct BakeWords {
   std::vector<std::string> set;
@@ -46,9 +57,9 @@ struct BakeWords {
 };
 
 void add_reading_options(CLI::App& command, SceneOptions& options) {
-  command.add_option("--fps", options.fps, "Frames a second, instead of the file's own (glTF has none: else paper_fps, else 24)")->check(CLI::PositiveNumber);
+  command.add_option("--fps", options.fps, "Frames a second, instead of the file's own (glTF has none: else paper_fps, else 24)")->check(positive);
   command.add_option("--start-frame", options.start_frame, "Frame of the first key (FBX hides it; else 1)");
-  command.add_option("--unit-scale", options.unit_scale, "Length of one unit of the file in metres")->check(CLI::PositiveNumber);
+  command.add_option("--unit-scale", options.unit_scale, "Length of one unit of the file in metres")->check(positive);
   command.add_option("--take", options.take, "Name of the one animation to use; else all are merged");
 }
 
@@ -63,16 +74,16 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("--triangles", s.triangles, "Triangles of fem's mesh, within 10 %")->capture_default_str()->check(CLI::Range(2, 400000));
   bake.add_option("--mesh", words.mesh, "Mesh in the cache: render or simulation (one and the same for fem)")->capture_default_str()->check(CLI::IsMember({"render", "simulation"}));
   bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert")->capture_default_str();
-  bake.add_option("--gravity", s.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0");
-  bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(CLI::PositiveNumber);
+  bake.add_option("--gravity", s.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0")->check(finite);
+  bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(positive);
   bake.add_option("--dynamics", s.dynamics, "Inertia: auto (quasi-static), off, on")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Dynamics>{{"auto", Dynamics::automatic}, {"off", Dynamics::off}, {"on", Dynamics::on}}));
   bake.add_option("--frames", words.frames, "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key handles rest");
   bake.add_option("--map-size", s.map_size, "Texels on a side of the maps")->capture_default_str()->check(CLI::Range(1, 16384));
   bake.add_option("--map-frames", words.map_frames, "Frames with a map: A-BxN,...; the final one always (default: every 12th)");
-  bake.add_option("--max-stretch", s.max_stretch_pct, "Gate: longest or shortest edge in percent of its rest length")->capture_default_str()->check(CLI::PositiveNumber);
+  bake.add_option("--max-stretch", s.max_stretch_pct, "Gate: longest or shortest edge in percent of its rest length")->capture_default_str()->check(positive);
   bake.add_flag("--strict", s.strict, "Refuse handles that ask the impossible, instead of meeting them as far as paper can");
-  bake.add_option("--threads", s.threads, "Threads; the result does not depend on them")->capture_default_str()->check(CLI::PositiveNumber);
+  bake.add_option("--threads", s.threads, "Threads; the result does not depend on them")->capture_default_str()->check(positive);
   bake.add_option("--progress", words.progress, "auto, plain, json, none; on stderr")
       ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressMode>{{"auto", ProgressMode::automatic}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}}));
   bake.add_flag("--dry-run", words.dry_run, "Check everything and print the job, but write nothing");
@@ -88,8 +99,8 @@ int run_bake(BakeSettings settings, const BakeWords& words) {
 
   const FrameSpan& f = plan.frames;
   Progress progress(words.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1));
-  for (const std::string& warning : plan.warnings) progress.say(warning);
-  for (const SheetImpossible& pair : plan.impossible) progress.say(describe(pair));
+  for (const std::string& warning : plan.warnings) progress.say("warning: " + warning);
+  for (const SheetImpossible& pair : plan.impossible) progress.say("warning: " + describe(pair));
   if (words.dry_run) {
     fmt::print("{}", lock_text(plan));
     return plan.impossible.empty() ? 0 : gate_missed;

@@ -41,6 +41,9 @@ void settle_frames(const BakeSettings& settings, const Scene& scene, BakePlan& p
   if (plan.frames.last < scene.first_frame)
     throw Error(Fault::command, "--frames", fmt::format("The scene begins at frame {}, the range ends at {}.", scene.first_frame, plan.frames.last),
                 fmt::format("The keys cover frames {}-{}.", scene.first_frame, scene.last_frame));
+  constexpr int longest = 100000;
+  if (plan.frames.last - scene.first_frame >= longest)
+    throw Error(Fault::command, "--frames", fmt::format("The range ends at {}: that is more than {} frames.", plan.frames.last, longest));
   if (plan.frames.first < scene.first_frame) {
     plan.warnings.push_back(fmt::format("--frames begins at {}, before the scene's first frame {}: baked from {}.", plan.frames.first,
                                         scene.first_frame, scene.first_frame));

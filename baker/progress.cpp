@@ -62,7 +62,7 @@ void Progress::say(const std::string& sentence) {
   }
   if (bar_open_) fmt::print(stderr, "\n");
   bar_open_ = false;
-  fmt::print(stderr, "paperbake: {}\n", sentence);
+  fmt::print(stderr, "{}\n", sentence);
 }
 
 }  // namespace paperbake

@@ -117,9 +117,10 @@ class Grip {
   std::vector<std::optional<Vector3d>> anchor_;  // [m] what is added to a relative handle's own position
 };
 
-/// The start shape is the first frame as it was modelled, unless a handle is keyed away from it there already.
-bool in_place(Sheet& sheet, const Held& held) {
-  constexpr double same = 1e-5;  // [m] rounding of the file
+/// The start shape is the first frame as it was modelled, unless a handle is keyed away from it there already. A slight arch
+/// that tells which way to buckle would be lost if it were relaxed: handles that were left lying under it are no reason to.
+bool in_place(Sheet& sheet, const Held& held, double side) {
+  const double same = 5e-4 * side;  // [m]
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     if ((sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm() > same) return false;
   for (std::size_t k = 0; k < held.vertices.size(); ++k) sheet.x.row(held.vertices[k]) = held.targets.row(k);
@@ -219,7 +220,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     const std::string where = "frame " + std::to_string(frame) + " of " + std::to_string(options.last_frame);
     const Held held = grip.held(frame);
     SteppedFrame step;
-    if (frame == options.first_frame && in_place(sheet, held)) step.last = elastic.look(sheet);
+    if (frame == options.first_frame && in_place(sheet, held, longer_side(shot.pattern))) step.last = elastic.look(sheet);
     else step = follow(elastic, sheet, held, 1 / options.fps, 0, where);
     result.elastic_ms = cpu_ms() - begun;
 

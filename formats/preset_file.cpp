@@ -170,6 +170,8 @@ Preset read_preset(const std::string& name_or_file) {
     if (name_or_file == built_in_presets[i].name)
       return read_text(fmt::format("presets/{}.toml", name_or_file), built_in_presets[i].text);
 
+  if (name_or_file.find('/') != std::string::npos || std::filesystem::path(name_or_file).extension() == ".toml")
+    throw Error(Fault::command, name_or_file, "There is no such preset file.", "`paperbake presets` lists the grades that are built in.");
   const std::vector<std::string> names = preset_names();
   throw Error(Fault::command, fmt::format("preset \"{}\"", name_or_file),
               fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),

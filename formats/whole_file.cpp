@@ -9,7 +9,11 @@
 
 namespace paperbake {
 
-WholeFile::WholeFile(std::filesystem::path path) : path_(std::move(path)), part_(path_) {
+WholeFile::WholeFile(std::filesystem::path path) : path_(std::move(path)), part_(path_), file_(nullptr) {
+  if (std::filesystem::is_directory(path_)) {  // else it would be noticed only when the work is done
+    errno = EISDIR;
+    fail("made");
+  }
   part_ += ".part";
   file_ = std::fopen(part_.c_str(), "wb+");
   if (!file_) fail("made");

@@ -1,7 +1,5 @@
 #include "core/animate.h"
 
-#include "core/error.h"
-#include "core/locate.h"
 #include "core/measure.h"
 #include "tests/test_meshes.h"
 #include "tests/test_shots.h"
@@ -53,17 +51,6 @@ TEST(Animate, SameSeedGivesTheSamePositionsToTheLastBit) {
   ASSERT_GT(one.col(2).cwiseAbs().maxCoeff(), 1e-3);
   EXPECT_TRUE(one == end(1));
   EXPECT_FALSE(one == end(2));
-}
-
-/// Height of the sheet over a grid of the pattern.
-Eigen::VectorXd heights(const Sheet& sheet) {
-  constexpr int n = 41;
-  const Locator locator(sheet.pattern, sheet.triangles);
-  Eigen::VectorXd z(n * n);
-  for (int i = 0; i < n; ++i)
-    for (int j = 0; j < n; ++j)
-      z[i * n + j] = interpolate(locator.locate({0.1 * i / (n - 1), 0.1 * j / (n - 1)}), sheet.triangles, sheet.x).z();
-  return z;
 }
 
 TEST(Animate, FemConvergesOnTheArchWithTheSquareOfTheEdge) {
@@ -129,6 +116,17 @@ TEST(Animate, FirstFrameIsTheSheetAsItWasModelled) {
   const Played played = play(test::s1_push(), 300, 1);
   EXPECT_EQ(played.frames[0].newton_iterations, 0);
   EXPECT_NEAR(played.sheets[0].x.col(2).maxCoeff(), 1e-4, 1e-6);
+}
+
+TEST(Animate, SlightArchTellsTheSheetWhichWayToBuckleThoughItsHandlesLieFlat) {
+  // as in scene S8: the handles are keyed at z = 0, up to 16 um under the sheet they hold
+  for (const double side : {1.0, -1.0}) {
+    Shot shot = test::s1_push();
+    shot.start.x.col(2) *= side;
+    for (Handle& handle : shot.handles) handle.keyed.col(2).array() -= 1.6e-5 * side;
+    const Played played = play(shot, 300, 8);
+    EXPECT_GT(side * played.sheets.back().x.col(2).mean(), 0.005);
+  }
 }
 
 TEST(Animate, StopsWhenAskedTo) {

@@ -95,6 +95,8 @@ struct SampleFile {
   double tolerance() const { return extension == ".fbx" ? sample.fbx_tolerance : 1e-6; }
 };
 
+void PrintTo(const SampleFile& file, std::ostream* out) { *out << file.sample.name << file.extension; }
+
 std::vector<SampleFile> sample_files() {
   std::vector<SampleFile> files;
   for (const Sample& sample : samples)
