@@ -191,17 +191,17 @@ TEST_F(CommandLine, AFrameRangeThatIsNoneEndsWithTwo) {
 TEST_F(CommandLine, ANumberThatIsNoneEndsWithTwo) {
   for (const char* option : {"--stop", "--gravity", "--fps", "--max-stretch"})
     for (const char* text : {"nan", "inf", "soon"}) EXPECT_TRUE(is_error(bake({option, text}), 2, "command line", text)) << option;
-  EXPECT_TRUE(is_error(bake({"--frames", "1-2000000000"}), 2, "--frames", "100000"));
+  EXPECT_TRUE(is_error(run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--frames", "1-2000000000"}), 2, "--frames", "100000"));
   EXPECT_TRUE(is_error(bake({"--preset", "missing/copy70.toml"}), 2, "missing/copy70.toml", "no such preset file"));
 }
 
 TEST_F(CommandLine, MapsAndCertificateOfAnEarlierBakeDoNotStayBesideANewOne) {
-  ASSERT_EQ(bake({"--frames", "1-3", "--map-frames", "1-3"}).code, 0);
+  ASSERT_EQ(bake({"--map-frames", "1-2"}).code, 0);
   const fs::path maps = fs::path(output()) / "maps", cert = fs::path(output()) / "cert";
   write(maps / "notes.txt", "mine");
-  ASSERT_TRUE(fs::exists(maps / "S4_crumple.0003.exr"));
+  ASSERT_TRUE(fs::exists(maps / "S4_crumple.0002.exr"));
   ASSERT_EQ(bake({"--formats", "abc,maps"}).code, 0);
-  EXPECT_FALSE(fs::exists(maps / "S4_crumple.0003.exr"));
+  EXPECT_FALSE(fs::exists(maps / "S4_crumple.0002.exr"));
   EXPECT_FALSE(fs::exists(cert / "frames.jsonl"));
   EXPECT_TRUE(fs::exists(maps / "S4_crumple.0001.exr"));
   EXPECT_TRUE(fs::exists(maps / "notes.txt"));
