@@ -37,15 +37,19 @@ int crossings(const Sheet& sheet) {
   }
   int count = 0;
   CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
+    int shared = 0, of_a = -1, of_b = -1;  // corners in common; the last of them
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        if (sheet.triangles(a.info(), i) == sheet.triangles(b.info(), j)) return;  // neighbours touch
+        if (sheet.triangles(a.info(), i) == sheet.triangles(b.info(), j)) ++shared, of_a = i, of_b = j;
+    if (shared > 1) return;
+    // round a shared corner only the edges opposite to it can pass through the other triangle
     const auto p = triangle(a.info()), q = triangle(b.info());
-    for (int i = 0; i < 3; ++i)
-      if (pierces(p[i], p[(i + 1) % 3], q) || pierces(q[i], q[(i + 1) % 3], p)) {
-        ++count;
-        return;
-      }
+    bool crossing = false;
+    for (int i = 0; i < 3; ++i) {
+      if (shared == 0 || i == of_a) crossing |= pierces(p[(i + 1) % 3], p[(i + 2) % 3], q);
+      if (shared == 0 || i == of_b) crossing |= pierces(q[(i + 1) % 3], q[(i + 2) % 3], p);
+    }
+    count += crossing;
   });
   return count;
 }

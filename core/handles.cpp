@@ -33,21 +33,25 @@ std::vector<Vector2d> disc_rim(const Pattern& pattern, const Vector2d& centre, d
     const int parts = std::max(1, static_cast<int>(std::lround((to - from) / (samples / 6.0))));
     for (int i = 0; i < parts + (closed ? 0 : 1); ++i) rim.push_back(at(from + (to - from) * i / parts));
   };
+  const auto end = [&](double inside, double outside) {  // where the arc meets the border between two samples
+    for (int halving = 0; halving < 40; ++halving) {
+      const double middle = 0.5 * (inside + outside);
+      (contains(pattern, at(middle), 1e-6 * radius) ? inside : outside) = middle;
+    }
+    return inside;
+  };
   const int out = static_cast<int>(std::find(in.begin(), in.end(), 0) - in.begin());
-  if (out == samples) {
-    add_arc(0, samples, true);
-    return rim;
-  }
-  // walk once round from a sample outside; an arc ends where the next sample is outside, the end lies on the border
-  for (int k = out, start = -1; k <= out + samples; ++k) {
+  if (out == samples) add_arc(0, samples, true);
+  // walk once round from a sample outside; an arc ends where the next sample is outside
+  for (int k = out, start = -1; out < samples && k <= out + samples; ++k) {
     const bool inside = in[k % samples];
     if (inside && start < 0) start = k;
     if (!inside && start >= 0) {
-      add_arc(start, k - 1, false);
+      add_arc(end(start, start - 1), end(k - 1, k), false);
       start = -1;
     }
   }
-  for (Vector2d& p : rim) {  // ends were found to half a degree
+  for (Vector2d& p : rim) {  // no slivers of triangles between rim and border
     const Vector2d border = nearest_border_point(pattern, p);
     if ((border - p).norm() < 0.02 * radius) p = border;
   }

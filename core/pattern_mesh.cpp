@@ -198,11 +198,12 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   Cloud cloud;
   cloud.polygons.outline = coarsen(pattern.outline, 1.2 * edge, 0.02 * edge);
   for (const auto& hole : pattern.holes) cloud.polygons.holes.push_back(coarsen(hole, 1.2 * edge, 0.02 * edge));
-  // a required point on a coarsened border lies beside it by up to the tolerance: bring it onto the polygon
+  // a coarsened border passes beside its required points, or cuts those near it off: bring them onto the polygon
   std::vector<Vector2d> required = points;
   for (Vector2d& p : required) {
     const Vector2d onto = nearest_border_point(cloud.polygons, p);
-    if ((onto - p).norm() <= 0.03 * edge && (nearest_border_point(pattern, p) - p).norm() <= snap) p = onto;
+    const bool beside = (nearest_border_point(pattern, p) - p).norm() <= snap || !contains(cloud.polygons, p);
+    if (beside && (onto - p).norm() <= 0.03 * edge) p = onto;
   }
   sample_border(cloud.polygons.outline, edge, required, snap, cloud);
   for (const auto& hole : cloud.polygons.holes) sample_border(hole, edge, required, snap, cloud);

@@ -7,10 +7,10 @@ namespace paperbake {
 
 Reach::Reach(const Pattern& pattern, const std::vector<Handle>& handles) {
   const int n = static_cast<int>(handles.size());
-  allowed_.setZero(n, n);
+  paper_.setZero(n, n);
   for (int i = 0; i < n; ++i)
     for (int j = 0; j < i; ++j)
-      allowed_(i, j) = allowed_(j, i) = (1 + tolerance) * paper_distance(pattern, handles[i].pattern, handles[j].pattern);
+      paper_(i, j) = paper_(j, i) = paper_distance(pattern, handles[i].pattern, handles[j].pattern);
 }
 
 std::vector<ImpossiblePair> Reach::impossible_pairs(const std::vector<Handle>& handles, int first_frame, int last_frame) const {
@@ -20,12 +20,12 @@ std::vector<ImpossiblePair> Reach::impossible_pairs(const std::vector<Handle>& h
       const Handle &a = handles[i], &b = handles[j];
       if (a.mode == HandleMode::relative || b.mode == HandleMode::relative) continue;
       if (a.stiffness > 0 || b.stiffness > 0) continue;  // a soft handle gives way
-      ImpossiblePair pair{a.name, b.name, 0, 0, 0, 0, allowed_(i, j) / (1 + tolerance)};
+      ImpossiblePair pair{a.name, b.name, 0, 0, 0, 0, paper_(i, j)};
       double worst = 0;
       for (int frame = first_frame; frame <= last_frame; ++frame) {
         if (!a.held(frame) || !b.held(frame)) continue;
         const double apart = (keyed_position(a, frame - first_frame) - keyed_position(b, frame - first_frame)).norm();
-        const double over = apart - allowed_(i, j);
+        const double over = apart - limit(i, j);
         if (over <= 0) continue;
         if (worst == 0) pair.first = frame;
         pair.last = frame;
@@ -48,7 +48,7 @@ double Reach::project(const std::vector<int>& handles, Points3& targets) const {
     for (std::size_t i = 0; i < handles.size(); ++i)
       for (std::size_t j = 0; j < i; ++j) {
         const Eigen::RowVector3d d = targets.row(i) - targets.row(j);
-        const double apart = d.norm(), over = apart - allowed_(handles[i], handles[j]);
+        const double apart = d.norm(), over = apart - limit(handles[i], handles[j]);
         if (over <= settled) continue;
         worst = std::max(worst, over);
         targets.row(i) -= 0.5 * over / apart * d;

@@ -24,6 +24,8 @@ class Reach {
  public:
   /// Paper itself stretches by this much before anyone sees it: what is asked below it is held as it is.
   static constexpr double tolerance = 5e-4;
+  /// So far two handles on one point of the sheet may be apart: their keys come from 32-bit files. [m]
+  static constexpr double rounding = 1e-6;
 
   Reach(const Pattern&, const std::vector<Handle>&);
 
@@ -38,7 +40,9 @@ class Reach {
   double project(const std::vector<int>& handles, Points3& targets) const;
 
  private:
-  Eigen::MatrixXd allowed_;  // [m] between handles i, j, tolerance included
+  double limit(int i, int j) const { return (1 + tolerance) * paper_(i, j) + rounding; }
+
+  Eigen::MatrixXd paper_;  // [m] length of paper between handles i, j
 };
 
 }  // namespace paperbake

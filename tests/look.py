@@ -32,7 +32,7 @@ def paper_material():
     material = bpy.data.materials.new("paper")
     material.use_nodes = True
     shader = material.node_tree.nodes["Principled BSDF"]
-    shader.inputs["Base Color"].default_value = (0.86, 0.84, 0.78, 1)
+    shader.inputs["Base Color"].default_value = (0.9, 0.88, 0.82, 1)
     shader.inputs["Roughness"].default_value = 0.8
     return material
 
@@ -40,7 +40,7 @@ def paper_material():
 def aim(camera, low, high, view):
     middle, size = (low + high) / 2, (high - low).length
     direction = Vector(view).normalized()
-    camera.location = middle + 2.2 * size * direction
+    camera.location = middle + 2.3 * size * direction
     camera.rotation_euler = (-direction).to_track_quat("-Z", "Y").to_euler()
     camera.data.lens = 70
     camera.data.clip_start = 0.01 * size
@@ -69,10 +69,10 @@ def main():
     scene.render.resolution_x, scene.render.resolution_y = 900, 640
     scene.world = bpy.data.worlds.new("world")
     scene.world.use_nodes = True
-    scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.35, 0.37, 0.4, 1)
+    scene.world.node_tree.nodes["Background"].inputs[0].default_value = (0.10, 0.11, 0.13, 1)
     lamp = bpy.data.objects.new("lamp", bpy.data.lights.new("lamp", "SUN"))
-    lamp.data.energy, lamp.data.angle = 3.0, 0.05
-    lamp.rotation_euler = (math.radians(55), math.radians(12), math.radians(-60))
+    lamp.data.energy, lamp.data.angle = 4.0, 0.05
+    lamp.rotation_euler = (math.radians(62), 0, math.radians(-75))
     camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
     for o in (lamp, camera):
         scene.collection.objects.link(o)
