@@ -1,5 +1,6 @@
 #include "baker/bake.h"
 
+#include "baker/frame_queue.h"
 #include "baker/output_folder.h"
 #include "baker/summary.h"
 #include "core/curvature.h"
@@ -233,16 +234,18 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     SheetOutput output(settings, plan, s, cache.get(), map_stem, certificate, outcome.files);
     AnimateOptions animation = plan.animation;
     animation.seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
+    FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) {
+      if (const FrameRecord* record = output.take(frame))
+        progress.frame(shot.sheet_name, record->frame, record->stretch_mean_pct, record->triangles, record->singular);
+    });
     try {
-      animate(shot, plan.method, animation, [&](const AnimatedFrame& frame) {
-        if (const FrameRecord* record = output.take(frame))
-          progress.frame(shot.sheet_name, record->frame, record->stretch_mean_pct, record->triangles, record->singular);
-        return true;
-      });
+      animate(shot, plan.method, animation, [&](const AnimatedFrame& frame) { return queue.push(frame); });
     } catch (const Error& error) {
-      if (error.fault != Fault::simulation || certificate.frames.empty()) throw;
+      if (error.fault != Fault::simulation) throw;
       failure = error;  // what was baked so far is kept
     }
+    queue.finish();
+    if (failure && certificate.frames.empty()) throw *failure;
     output.finish();
   }
   if (cache) cache->finish();

@@ -1,6 +1,8 @@
 #include "core/curvature.h"
 
-#include <Eigen/Geometry>
+#include "core/hinges.h"
+
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -8,64 +10,83 @@
 namespace paperbake {
 namespace {
 
-/// One side of an edge: triangle (a, b, opposite), counter-clockwise in the pattern.
-struct HalfEdge {
-  int a, b, opposite;
-  int low() const { return std::min(a, b); }
-  int high() const { return std::max(a, b); }
-};
-
-/// Half-edges sorted so that the two sides of an edge are neighbours.
-std::vector<HalfEdge> sorted_half_edges(const Triangles& triangles) {
-  std::vector<HalfEdge> sides;
-  sides.reserve(3 * triangles.rows());
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-    for (int k = 0; k < 3; ++k)
-      sides.push_back({triangles(t, k), triangles(t, (k + 1) % 3), triangles(t, (k + 2) % 3)});
-  std::sort(sides.begin(), sides.end(), [](const HalfEdge& p, const HalfEdge& q) {
-    if (p.low() != q.low()) return p.low() < q.low();
-    if (p.high() != q.high()) return p.high() < q.high();
-    return p.a < q.a;
-  });
-  return sides;
+/// Where the triangle's plane has the slope of a round surface through its corners: the circumcentre, as its distance from
+/// the edge ab. Negative beyond the edge. [m]
+double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+  const Vector2d u = a - c, v = b - c;
+  return 0.5 * (b - a).norm() * u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
 }
 
-/// Angle by which the normal turns from one side of the edge to the other; > 0 where the sheet bulges to its normal. [rad]
-double dihedral_angle(const Points3& x, const HalfEdge& left, const HalfEdge& right) {
-  const Vector3d a = x.row(left.a), b = x.row(left.b), c = x.row(left.opposite), d = x.row(right.opposite);
-  const Vector3d e = b - a;
-  const Vector3d n_left = e.cross(c - a), n_right = (d - a).cross(e);
-  // both arguments carry |n_left||n_right|, so the normals need not be unit, and a collapsed triangle turns nothing
-  return std::atan2(n_left.cross(n_right).dot(e.normalized()), n_left.dot(n_right));
+using Eigen::Matrix2d;
+
+Matrix2d matrix(const Eigen::RowVector3d& t) {
+  Matrix2d m;
+  m << t[0], t[1], t[1], t[2];
+  return m;
+}
+
+/// What a ring tells of the curvature, from the sum of its folds and what a round surface would give; both over its area.
+struct Ring {
+  Matrix2d curvature;
+  Matrix2d blind;  // projector on the directions in which the ring has next to no folds
+};
+Ring judge(const Matrix2d& folds, const Matrix2d& round) {
+  constexpr double least_seen = 0.25;
+  const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(round);
+  Matrix2d root = Matrix2d::Zero(), blind = Matrix2d::Zero();
+  for (int i = 0; i < 2; ++i) {
+    const Vector2d u = solver.eigenvectors().col(i);
+    if (solver.eigenvalues()[i] < least_seen) blind += u * u.transpose();
+    else root += u * u.transpose() / std::sqrt(solver.eigenvalues()[i]);
+  }
+  return {root * folds * root, blind};
 }
 
 }  // namespace
 
 Points3 vertex_curvature(const Sheet& sheet) {
-  Points3 S = Points3::Zero(sheet.pattern.rows(), 3);
+  const Hinges hinges = find_hinges(sheet.triangles);
+  const auto at = [&](int v) -> Vector2d { return sheet.pattern.row(v); };
+  Points3 folds = Points3::Zero(sheet.pattern.rows(), 3), seen = folds;
   Eigen::VectorXd area = Eigen::VectorXd::Zero(sheet.pattern.rows());
-  for (Eigen::Index t = 0; t < sheet.triangles.rows(); ++t) {
-    const Eigen::RowVector3i v = sheet.triangles.row(t);
-    const Vector2d p = sheet.pattern.row(v[1]) - sheet.pattern.row(v[0]), q = sheet.pattern.row(v[2]) - sheet.pattern.row(v[0]);
-    const double A = 0.5 * (p.x() * q.y() - p.y() * q.x());
-    for (int k = 0; k < 3; ++k) area[v[k]] += A;
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const Vector2d p = at(sheet.triangles(t, 1)) - at(sheet.triangles(t, 0)), q = at(sheet.triangles(t, 2)) - at(sheet.triangles(t, 0));
+    for (int k = 0; k < 3; ++k) area[sheet.triangles(t, k)] += 0.5 * (p.x() * q.y() - p.y() * q.x());
   }
+  for (const Hinge& hinge : hinges.hinges) {
+    const auto& v = hinge.vertices;
+    const Vector2d along = at(v[1]) - at(v[0]);
+    const Eigen::RowVector3d nn = Eigen::RowVector3d(along.y() * along.y(), -along.x() * along.y(), along.x() * along.x()) / along.norm();
+    const double turn = fold_angle(sheet.x, hinge);
+    const double round = circumcentre_height(at(v[0]), at(v[1]), at(v[2])) + circumcentre_height(at(v[0]), at(v[1]), at(v[3]));
+    for (int k = 0; k < 4; ++k) {
+      const double share = k < 2 ? 1.0 : 0.5;  // a spoke of its ends, a link of the wings
+      folds.row(v[k]) += share * turn * nn;
+      seen.row(v[k]) += share * round * nn;
+    }
+  }
+  std::vector<Ring> rings(sheet.pattern.rows(), {Matrix2d::Zero(), Matrix2d::Identity()});
+  for (std::size_t v = 0; v < rings.size(); ++v)
+    if (area[v] > 0) rings[v] = judge(matrix(folds.row(v)) / area[v], matrix(seen.row(v)) / area[v]);
 
-  const std::vector<HalfEdge> sides = sorted_half_edges(sheet.triangles);
-  for (std::size_t i = 0; i + 1 < sides.size(); ++i) {
-    const HalfEdge &left = sides[i], &right = sides[i + 1];
-    if (left.low() != right.low() || left.high() != right.high()) continue;  // a border edge
-    const Vector2d along = sheet.pattern.row(left.b) - sheet.pattern.row(left.a);
-    const double l = along.norm();
-    if (l == 0) continue;
-    const double turn = dihedral_angle(sheet.x, left, right) / l;  // n = (-along.y, along.x) / l
-    const Eigen::RowVector3d theta_l_nn(turn * along.y() * along.y(), -turn * along.x() * along.y(), turn * along.x() * along.x());
-    for (const int end : {left.a, left.b}) S.row(end) += theta_l_nn;                                   // a spoke of its ends
-    for (const int across : {left.opposite, right.opposite}) S.row(across) += 0.5 * theta_l_nn;       // a link of the others
+  // a ring that is blind in a direction takes that part from its neighbours
+  std::vector<Matrix2d> around(rings.size(), Matrix2d::Zero());
+  std::vector<int> neighbours(rings.size(), 0);
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int v = sheet.triangles(t, i), other = sheet.triangles(t, j);
+        if (!rings[other].blind.isZero(0)) continue;
+        around[v] += rings[other].curvature;
+        ++neighbours[v];
+      }
+  Points3 result(sheet.pattern.rows(), 3);
+  for (std::size_t v = 0; v < rings.size(); ++v) {
+    Matrix2d s = rings[v].curvature;
+    if (neighbours[v] > 0) s += rings[v].blind * around[v] * rings[v].blind / neighbours[v];
+    result.row(v) << s(0, 0), s(0, 1), s(1, 1);
   }
-  for (Eigen::Index v = 0; v < S.rows(); ++v)
-    if (area[v] > 0) S.row(v) /= area[v];
-  return S;
+  return result;
 }
 
 Principal principal_curvature(const Vector3d& tensor) {

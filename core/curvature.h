@@ -6,10 +6,12 @@ namespace paperbake {
 
 /// Curvature tensor of the sheet at each vertex, in pattern coordinates, averaged over its one-ring:
 ///
-///   S_v = [ sum_spokes theta l n (x) n  +  1/2 sum_link theta l n (x) n ] / sum A(one-ring)
+///   S_v = C^(-1/2) [ sum_spokes theta l n (x) n  +  1/2 sum_link theta l n (x) n ] C^(-1/2) / A,   A = area of the one-ring
 ///
-/// theta the dihedral angle, l the length and n the unit normal of an edge in the pattern. A sheet that bulges towards
-/// its normal (counter-clockwise side) has positive curvature. Border edges turn nothing.
+/// theta the dihedral angle, l the length and n the unit normal of an edge in the pattern. C is what the same sum gives for
+/// a surface of curvature 1 in all directions: the identity inside a regular mesh, less where the ring is cut by the border,
+/// whose edges turn nothing; a direction that a ring sees less than a quarter of is taken from its neighbours.
+/// A sheet that bulges towards its normal (counter-clockwise side) has positive curvature.
 /// returns  |V|x3 [1/m]  Sxx, Sxy, Syy
 Points3 vertex_curvature(const Sheet&);
 

@@ -4,6 +4,7 @@
 
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
@@ -16,7 +17,7 @@ namespace {
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
-using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel>;
+using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel, CGAL::Triangulation_face_base_with_info_2<int, Kernel>>;
 using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
                                                        CGAL::No_constraint_intersection_requiring_constructions_tag>;
 
@@ -142,6 +143,28 @@ void add_lattice(double edge, double turn, Cloud& cloud) {
     }
 }
 
+Error crossed_outline() {
+  return Error(Fault::scene, "outline of the sheet", "The outline crosses or touches itself.", "Repair the sheet mesh in the DCC.");
+}
+
+/// Marks the faces by 1 on the paper, 0 beside it: on the way in from infinity each border that is crossed changes the side.
+/// (To ask where a centroid lies is not enough: three points of one side may span a triangle of 1e-23 m2 beside the paper.)
+void mark_paper(Cdt& cdt) {
+  for (auto face : cdt.all_face_handles()) face->info() = -1;
+  std::vector<Cdt::Face_handle> open{cdt.infinite_face()};
+  open.front()->info() = 0;
+  while (!open.empty()) {
+    const Cdt::Face_handle face = open.back();
+    open.pop_back();
+    for (int i = 0; i < 3; ++i) {
+      const Cdt::Face_handle next = face->neighbor(i);
+      if (next->info() >= 0) continue;
+      next->info() = face->is_constrained(i) ? 1 - face->info() : face->info();
+      open.push_back(next);
+    }
+  }
+}
+
 Triangles triangulate(const Cloud& cloud) {
   Cdt cdt;
   std::vector<Cdt::Vertex_handle> handles(cloud.points.size());
@@ -152,15 +175,18 @@ Triangles triangulate(const Cloud& cloud) {
     }
     for (const auto& [a, b] : cloud.border) cdt.insert_constraint(handles[a], handles[b]);
   } catch (const std::exception&) {
-    throw Error(Fault::scene, "outline of the sheet", "The outline crosses itself.", "Repair the sheet mesh in the DCC.");
+    throw crossed_outline();
   }
+  // a crossing right in a vertex is no exception: the vertex is there once, or in the way of a border segment
+  if (cdt.number_of_vertices() < cloud.points.size()) throw crossed_outline();
+  for (const auto& [a, b] : cloud.border)
+    if (!cdt.is_edge(handles[a], handles[b])) throw crossed_outline();
+
+  mark_paper(cdt);
   std::vector<int> flat;
-  for (auto face = cdt.finite_faces_begin(); face != cdt.finite_faces_end(); ++face) {
-    Vector2d centre(0, 0);
-    for (int i = 0; i < 3; ++i) centre += cloud.points[face->vertex(i)->info()] / 3;
-    if (!contains(cloud.polygons, centre)) continue;
-    for (int i = 0; i < 3; ++i) flat.push_back(face->vertex(i)->info());
-  }
+  for (auto face : cdt.finite_face_handles())
+    if (face->info() == 1)
+      for (int i = 0; i < 3; ++i) flat.push_back(face->vertex(i)->info());
   return Eigen::Map<Triangles>(flat.data(), static_cast<int>(flat.size() / 3), 3);
 }
 
@@ -224,6 +250,7 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
 }
 
 PatternMesh mesh_pattern_with(const Pattern& pattern, int triangles, const std::vector<Vector2d>& points) {
+  if (area(pattern) <= 0) throw crossed_outline();
   double edge = std::sqrt(area(pattern) / (triangles * std::sqrt(3.0) / 4));
   PatternMesh best = mesh_pattern(pattern, edge, points);
   const auto miss = [&](const PatternMesh& m) { return std::abs(std::log(double(m.triangles.rows()) / triangles)); };

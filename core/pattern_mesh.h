@@ -18,7 +18,7 @@ struct PatternMesh {
 /// edge    [m] aimed at; borders finer than that are followed to a fiftieth of it
 /// points  [m] inside the pattern or on its border
 /// turn    [rad] of the lattice against the longest side
-/// throws Error(Fault::scene) when the outline crosses itself
+/// throws Error(Fault::scene) when the outline crosses or touches itself
 PatternMesh mesh_pattern(const Pattern&, double edge, const std::vector<Vector2d>& points, double turn = 0);
 
 /// The same with about `triangles` triangles (within 10 % where the outline and the points leave that choice).

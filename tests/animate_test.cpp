@@ -1,5 +1,6 @@
 #include "core/animate.h"
 
+#include "core/error.h"
 #include "core/measure.h"
 #include "tests/test_meshes.h"
 #include "tests/test_shots.h"
@@ -127,6 +128,22 @@ TEST(Animate, SlightArchTellsTheSheetWhichWayToBuckleThoughItsHandlesLieFlat) {
     const Played played = play(shot, 300, 8);
     EXPECT_GT(side * played.sheets.back().x.col(2).mean(), 0.005);
   }
+}
+
+TEST(Animate, FrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
+  Shot shot = test::s1_push();
+  shot.handles[5].keyed(6, 1) = std::numeric_limits<double>::quiet_NaN();
+  int frames = 0;
+  AnimateOptions options;
+  options.last_frame = 20;
+  try {
+    animate(shot, fem(100), options, [&](const AnimatedFrame&) { return ++frames, true; });
+    FAIL() << "no error";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.fault, Fault::simulation);
+    EXPECT_EQ(error.place, "frame 7 of 20");
+  }
+  EXPECT_EQ(frames, 6);
 }
 
 TEST(Animate, StopsWhenAskedTo) {

@@ -73,21 +73,31 @@ TEST(Curvature, ACylinderHasOneOverItsRadiusAcrossAndNothingAlong) {
 }
 
 TEST(Curvature, AFoldOfThetaSpreadsOverTheAreaOfTheRing) {
-  // two cells of side h folded by theta along the middle line x = h: every term of the formula by hand
-  Sheet sheet = flat_grid(0.02, 2);
+  // folded by theta along the middle line x = 2h of four cells: every term of the formula by hand, the ring is whole
+  Sheet sheet = flat_grid(0.04, 4);
   const double h = 0.01, theta = 0.3;
-  for (int v = 0; v < 9; ++v) {
-    const double s = sheet.pattern(v, 0) - h;
-    if (s > 0) sheet.x.row(v) << h + s * std::cos(theta), sheet.pattern(v, 1), -s * std::sin(theta);
+  const int centre = 12;
+  for (int v = 0; v < 25; ++v) {
+    const double s = sheet.pattern(v, 0) - 2 * h;
+    if (s > 1e-9) sheet.x.row(v) << 2 * h + s * std::cos(theta), sheet.pattern(v, 1), -s * std::sin(theta);
   }
   const Points3 S = vertex_curvature(sheet);
-  // centre vertex 4: both halves of the fold are spokes; its ring is all 4 triangles that touch it or 8, by the diagonals
+  // both halves of the fold are spokes of the centre; its ring is all 4 triangles that touch it or 8, by the diagonals
   double ring = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t)
-    if ((sheet.triangles.row(t).array() == 4).any()) ring += 0.5 * h * h;
-  EXPECT_NEAR(S(4, 0), theta * 2 * h / ring, 1e-9);
-  EXPECT_NEAR(S(4, 1), 0, 1e-9);
-  EXPECT_NEAR(S(4, 2), 0, 1e-9);
+    if ((sheet.triangles.row(t).array() == centre).any()) ring += 0.5 * h * h;
+  EXPECT_NEAR(S(centre, 0), theta * 2 * h / ring, 1e-9);
+  EXPECT_NEAR(S(centre, 1), 0, 1e-9);
+  EXPECT_NEAR(S(centre, 2), 0, 1e-9);
+}
+
+TEST(Curvature, ABorderSeesTheBendingAcrossItToo) {
+  const double k = 20;
+  Sheet sheet = flat_grid(0.1, 20);
+  roll(sheet, k, 0);  // the borders x = 0 and x = 0.1 are rulings: half of each ring there is missing, and its folds
+  const Points3 S = vertex_curvature(sheet);
+  for (int j = 1; j < 20; ++j)
+    for (const int i : {0, 1, 19, 20}) EXPECT_NEAR(S(j * 21 + i, 0), k, 0.15 * k) << i << " " << j;
 }
 
 TEST(Curvature, RigidMotionDoesNotChangeIt) {

@@ -235,7 +235,7 @@ TEST(Crossings, TwoTrianglesRoundOneVertexMayStillPassThroughEachOther) {
 TEST(Crossings, AStripThatPassesThroughItselfCrossesInThreePairs) {
   // a loop whose two legs cross within one cell each; two triangles of each, and of the four pairs one lies apart: the
   // diagonals of the cells cut the line of the crossing at different places
-  const auto loop = [](double t) { return Vector2d(0.1 * (t - 0.2 * std::sin(2 * M_PI * (t + 0.013)) * 2), 0.05 * std::cos(2 * M_PI * t)); };
+  const auto loop = [](double t) { return Vector2d(0.1 * (t + 0.4 * std::sin(2 * M_PI * (t + 0.013))), 0.05 * std::cos(2 * M_PI * t)); };
   EXPECT_EQ(crossings(strip_along(41, loop)), 3);
 }
 

@@ -204,7 +204,7 @@ TEST(PresetFile, AnEmptyFileMissesItsName) {
 }
 
 TEST(PresetFile, AFolderIsNotAPreset) {
-  EXPECT_NE(error_of(std::filesystem::temp_directory_path().string()).cause.find("Unknown paper"), std::string::npos);
+  EXPECT_NE(error_of(std::filesystem::temp_directory_path().string()).cause.find("no such preset file"), std::string::npos);
 }
 
 TEST(PresetFile, NearestWordAcceptsSlipsAndNothingElse) {

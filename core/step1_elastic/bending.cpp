@@ -1,9 +1,6 @@
 #include "core/step1_elastic/bending.h"
 
-#include "core/error.h"
-
 #include <cmath>
-#include <unordered_map>
 
 namespace paperbake {
 namespace {
@@ -14,61 +11,20 @@ Eigen::Matrix3d cross_matrix(const Vector3d& a) {
   return m;
 }
 
-struct FoldNormals {
-  Vector3d e, n_left, n_right;  // edge, normals of the wings (length 2 x area)
-};
-
-FoldNormals fold_normals(const Points3& x, const Hinge& hinge) {
-  const auto at = [&](int k) -> Vector3d { return x.row(hinge.vertices[k]); };
-  const Vector3d x0 = at(0), e = at(1) - x0;
-  return {e, e.cross(at(2) - x0), (at(3) - x0).cross(e)};
-}
-
-double angle_between(const FoldNormals& f) {
-  return std::atan2(f.n_left.cross(f.n_right).dot(f.e) / f.e.norm(), f.n_left.dot(f.n_right));
-}
-
 }  // namespace
 
-Hinges find_hinges(const Triangles& triangles) {
-  struct Side {
-    int triangle, corner;
-  };
-  Hinges result;
-  result.of_triangle.assign(triangles.rows(), {-1, -1, -1});
-  std::unordered_map<std::uint64_t, Side> open;
-  open.reserve(2 * triangles.rows());
-  const auto key = [](std::uint32_t a, std::uint32_t b) { return (std::uint64_t(a) << 32) | b; };
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const int a = triangles(t, (i + 1) % 3), b = triangles(t, (i + 2) % 3);
-      const auto twin = open.find(key(b, a));
-      if (twin == open.end()) {
-        if (!open.emplace(key(a, b), Side{t, i}).second)
-          throw Error(Fault::simulation, "mesh", "An edge of the mesh has more than two triangles, or two with opposite sides up.");
-        continue;
-      }
-      const auto [other, corner] = twin->second;
-      result.of_triangle[other][corner] = result.of_triangle[t][i] = static_cast<int>(result.hinges.size());
-      result.hinges.push_back({{b, a, triangles(other, corner), triangles(t, i)}, {other, t}});
-      open.erase(twin);
-    }
-  return result;
-}
-
-double fold_angle(const Points3& x, const Hinge& hinge) { return angle_between(fold_normals(x, hinge)); }
-
 Fold fold(const Points3& x, const Hinge& hinge) {
-  const FoldNormals f = fold_normals(x, hinge);
-  const double length = f.e.norm();
-  const Vector3d x0 = x.row(hinge.vertices[0]);
-  const Vector3d g2 = -length / f.n_left.squaredNorm() * f.n_left;
-  const Vector3d g3 = -length / f.n_right.squaredNorm() * f.n_right;
+  const auto at = [&](int k) -> Vector3d { return x.row(hinge.vertices[k]); };
+  const Vector3d x0 = at(0), e = at(1) - x0;
+  const Vector3d left = e.cross(at(2) - x0), right = (at(3) - x0).cross(e);
+  const double length = e.norm();
+  const Vector3d g2 = -length / left.squaredNorm() * left;
+  const Vector3d g3 = -length / right.squaredNorm() * right;
   // where the heights of the wings meet the edge, as a fraction of it
-  const double t2 = (x.row(hinge.vertices[2]).transpose() - x0).dot(f.e) / (length * length);
-  const double t3 = (x.row(hinge.vertices[3]).transpose() - x0).dot(f.e) / (length * length);
+  const double t2 = (at(2) - x0).dot(e) / (length * length);
+  const double t3 = (at(3) - x0).dot(e) / (length * length);
   Fold result;
-  result.theta = angle_between(f);
+  result.theta = std::atan2(left.cross(right).dot(e) / length, left.dot(right));
   result.slope.row(0) = -(1 - t2) * g2 - (1 - t3) * g3;
   result.slope.row(1) = -t2 * g2 - t3 * g3;
   result.slope.row(2) = g2;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/hinges.h"
 #include "core/paper.h"
 #include "core/sheet.h"
 #include "core/step1_elastic/membrane.h"
@@ -9,26 +10,11 @@
 
 namespace paperbake {
 
-/// Two triangles that share an edge: edge 0-1, wing 2 on its left (counter-clockwise side of the first), wing 3 on its right.
-struct Hinge {
-  std::array<int, 4> vertices;
-  std::array<int, 2> triangles;  // left, right
-};
-
-/// All inner edges of a mesh; `of_triangle[t][i]` is the hinge on the edge opposite corner i of triangle t, -1 on the border.
-struct Hinges {
-  std::vector<Hinge> hinges;
-  std::vector<std::array<int, 3>> of_triangle;
-};
-/// throws Error(Fault::simulation) when an edge has more than two triangles
-Hinges find_hinges(const Triangles&);
-
-/// Dihedral angle of a hinge and its gradient; 0 = flat, > 0 = bulges towards the normals, in (-pi, pi]. source [Bridson 2003]
+/// Dihedral angle of a hinge and its gradient. source [Bridson 2003]
 struct Fold {
   double theta;                       // [rad]
   Eigen::Matrix<double, 4, 3> slope;  // [1/m] row k: d theta / d x_k
 };
-double fold_angle(const Points3& x, const Hinge&);
 Fold fold(const Points3& x, const Hinge&);
 
 /// What one wing of a hinge adds to the second derivative of its angle, by the edge e = x1 - x0 and the arm a = wing - x0;

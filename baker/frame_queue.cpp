@@ -1,0 +1,64 @@
+#include "baker/frame_queue.h"
+
+namespace paperbake {
+
+FrameQueue::FrameQueue(int threads, std::function<void(const AnimatedFrame&)> consumer) : consumer_(std::move(consumer)) {
+  if (threads > 1) thread_ = std::thread([this] { consume(); });
+}
+
+FrameQueue::~FrameQueue() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+}
+
+bool FrameQueue::push(const AnimatedFrame& frame) {
+  constexpr std::size_t most = 8;  // a few megabytes
+  if (!thread_.joinable()) {
+    consumer_(frame);
+    return true;
+  }
+  std::unique_lock lock(mutex_);
+  changed_.wait(lock, [&] { return items_.size() < most || failure_; });
+  if (failure_) return false;
+  items_.push_back({frame, *frame.sheet});
+  changed_.notify_all();
+  return true;
+}
+
+void FrameQueue::finish() {
+  {
+    const std::lock_guard lock(mutex_);
+    closed_ = true;
+  }
+  changed_.notify_all();
+  if (thread_.joinable()) thread_.join();
+  if (failure_) std::rethrow_exception(failure_);
+}
+
+void FrameQueue::consume() {
+  for (;;) {
+    std::unique_lock lock(mutex_);
+    changed_.wait(lock, [&] { return !items_.empty() || closed_; });
+    if (items_.empty()) return;
+    Item item = std::move(items_.front());
+    items_.pop_front();
+    lock.unlock();
+    changed_.notify_all();
+    item.frame.sheet = &item.sheet;
+    try {
+      consumer_(item.frame);
+    } catch (...) {
+      const std::lock_guard failed(mutex_);
+      failure_ = std::current_exception();
+      items_.clear();
+      changed_.notify_all();
+      return;
+    }
+  }
+}
+
+}  // namespace paperbake
