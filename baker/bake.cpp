@@ -239,7 +239,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
         progress.frame(shot.sheet_name, record->frame, record->stretch_mean_pct, record->triangles, record->singular);
     });
     try {
-      animate(shot, plan.method, animation, [&](const AnimatedFrame& frame) { return queue.push(frame); });
+      animate(shot, plan.methods[s], animation, [&](const AnimatedFrame& frame) { return queue.push(frame); });
     } catch (const Error& error) {
       if (error.fault != Fault::simulation) throw;
       failure = error;  // what was baked so far is kept

@@ -10,9 +10,18 @@
 namespace paperbake {
 namespace {
 
-Method choose_method(const BakeSettings& settings) {
-  if (settings.method == "fem") return fem(settings.triangles);
-  throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has one method: fem.");
+void check_method(const BakeSettings& settings) {
+  if (settings.method != "fem" && settings.method != "hybrid")
+    throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has: fem, hybrid.");
+}
+
+int triangles_wanted(const BakeSettings& settings) { return settings.triangles.value_or(settings.method == "hybrid" ? 250 : 1700); }
+
+Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed, std::size_t sheet) {
+  if (settings.method == "fem") return fem(triangles_wanted(settings));
+  CrumpleOptions options;
+  options.most_triangles = triangles_wanted(settings);
+  return hybrid(shot.pattern, shot.paper, settings.base_triangles, options, seed, static_cast<std::uint32_t>(sheet));
 }
 
 /// Bytes of numbers, for hashing.
@@ -69,7 +78,9 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"scene.first_frame", std::to_string(scene.first_frame), origin("first_frame", settings.reading.start_frame.has_value())});
   used.push_back({"scene.last_frame", std::to_string(scene.last_frame), "scene"});
   used.push_back({"bake.method", toml_string(settings.method), said(settings.method != defaults.method)});
-  used.push_back({"bake.triangles", std::to_string(settings.triangles), said(settings.triangles != defaults.triangles)});
+  used.push_back({"bake.triangles", std::to_string(triangles_wanted(settings)), said(settings.triangles.has_value())});
+  if (settings.method == "hybrid")
+    used.push_back({"bake.base_triangles", std::to_string(settings.base_triangles), said(settings.base_triangles != defaults.base_triangles)});
   used.push_back({"bake.stop", toml_number(settings.stop), said(settings.stop != defaults.stop)});
   used.push_back({"bake.gravity", toml_number(plan.animation.elastic.gravity),
                   settings.gravity ? "command line" : scene.gravity ? "scene" : "default"});
@@ -111,13 +122,14 @@ std::string frame_input_hash(const std::string& before, const Shot& shot, int fr
 BakePlan plan_bake(const BakeSettings& settings) {
   BakePlan plan;
   plan.name = settings.scene.stem().string();
-  plan.method = choose_method(settings);
+  check_method(settings);
   Scene scene = read_scene(settings.scene, settings.reading);
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;
   plan.animation.elastic.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
   plan.animation.elastic.inertia = settings.dynamics == Dynamics::on ? Inertia::dynamic : Inertia::quasi_static;
+  plan.animation.memory = settings.method == "hybrid" ? Memory::plastic : Memory::none;
   settle_frames(settings, scene, plan);
   note_used(settings, scene, plan);
   if (settings.preset)  // an unknown grade is an error even if no sheet were there to use it
@@ -133,6 +145,7 @@ BakePlan plan_bake(const BakeSettings& settings) {
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, plan.warnings));
+    plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
 
   std::string values = PAPERBAKE_VERSION "\n";

@@ -24,7 +24,7 @@ struct BakePlan {
   AnimateOptions animation;            // simulated from the scene's first frame to the last one written
   FrameSpan frames;                    // written
   std::vector<FrameSpan> map_frames;
-  Method method;
+  std::vector<Method> methods;         // of each sheet
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;         // every value and where it came from, for job.lock.toml

@@ -17,7 +17,8 @@ struct PaperKey {
 constexpr PaperKey paper_keys[] = {
     {"thickness", &Paper::thickness},           {"bending_stiffness", &Paper::bending_stiffness},
     {"membrane_stiffness", &Paper::membrane_stiffness}, {"poisson", &Paper::poisson},
-    {"area_density", &Paper::area_density},     {"apex_scatter", &Paper::apex_scatter}};
+    {"area_density", &Paper::area_density},     {"apex_scatter", &Paper::apex_scatter},
+    {"yield_strain", &Paper::yield_strain},     {"hardening", &Paper::hardening}};
 
 /// Reads an integer at the front of text and takes it off.
 bool take_int(std::string_view& text, int& value) {
@@ -138,8 +139,8 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
       if (&find_key(name) == &key) {
         paper.*key.field = parse_number(name, text);
         origin = "command line";
-        const bool may_be_zero = key.field == &Paper::apex_scatter || key.field == &Paper::poisson;
-        if (paper.*key.field < 0 || (!may_be_zero && paper.*key.field == 0) || paper.poisson >= 0.5)
+        const bool may_be_zero = key.field == &Paper::apex_scatter || key.field == &Paper::poisson || key.field == &Paper::hardening;
+        if (paper.*key.field < 0 || (!may_be_zero && paper.*key.field == 0) || paper.poisson >= 0.5 || paper.hardening >= 1)
           throw Error(Fault::command, "--set " + name, fmt::format("{} cannot be {}.", name, text));
       }
     resolved.used.push_back({prefix + key.name, toml_number(paper.*key.field), origin});

@@ -33,7 +33,8 @@ struct BakeSettings {
   std::vector<std::pair<std::string, std::string>> set;  // --set key=value, in order
   std::string method = "fem";
   std::optional<unsigned> seed;
-  int triangles = 1700;
+  std::optional<int> triangles;                          // fem: its mesh (1,700); hybrid: its cap (250)
+  int base_triangles = 120;                              // of the hybrid
   std::optional<double> gravity;                         // [m/s2]
   double stop = 1e-5;                                    // [m]
   Dynamics dynamics = Dynamics::automatic;

@@ -37,11 +37,12 @@ Json machine() {
 Json models(const BakePlan& plan) {
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
+  const bool hybrid = plan.methods.front().name == "hybrid";
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {{"dynamics", model(dynamic, dynamic ? "asked for with --dynamics on" : "quasi-static: handles move slowly against the sheet's own waves")},
           {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
-          {"plasticity", model(false, "method fem is elastic")},
-          {"singular_points", model(false, "method fem makes none")},
+          {"plasticity", model(hybrid, hybrid ? "paper that yields keeps its creases" : "method fem is elastic")},
+          {"singular_points", model(hybrid, hybrid ? "two bending directions may conflict" : "method fem makes none")},
           {"contact", model(false, "not in this version; crossings are counted in every frame")},
           {"colliders", model(false, "not in this version")}};
 }
@@ -81,7 +82,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
   for (const FrameRecord& f : frames) singular += f.new_singular, crossings = std::max(crossings, f.crossings);
 
   const Json summary{
-      {"program", "paperbake"}, {"version", PAPERBAKE_VERSION}, {"job_hash", plan.job_hash}, {"method", plan.method.name},
+      {"program", "paperbake"}, {"version", PAPERBAKE_VERSION}, {"job_hash", plan.job_hash}, {"method", plan.methods.front().name},
       {"fps", plan.animation.fps}, {"first_frame", plan.frames.first}, {"last_frame", plan.frames.last},
       {"frames", frames.size()}, {"sheets", sheets},
       {"triangles", spread(frames, [](const FrameRecord& f) { return double(f.triangles); })},

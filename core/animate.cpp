@@ -3,6 +3,8 @@
 #include "core/error.h"
 #include "core/locate.h"
 #include "core/measure.h"
+#include "core/plastic_grid.h"
+#include "core/random.h"
 #include "core/reach.h"
 
 #include <Eigen/Eigenvalues>
@@ -11,6 +13,7 @@
 #include <cmath>
 #include <cstdio>
 #include <ctime>
+#include <limits>
 #include <map>
 #include <optional>
 
@@ -29,23 +32,26 @@ double cpu_ms() {
   return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
 }
 
-/// A number in [-1, 1) that depends on seed and index alone. source [SplitMix64, Steele 2014]
-double noise(unsigned seed, std::uint64_t index) {
-  std::uint64_t z = (std::uint64_t(seed) << 32) + (index + 1) * 0x9e3779b97f4a7c15ull;
-  z = (z ^ (z >> 30)) * 0xbf58476d1ce4e5b9ull;
-  z = (z ^ (z >> 27)) * 0x94d049bb133111ebull;
-  z ^= z >> 31;
-  return static_cast<double>(z >> 11) * 0x1p-52 - 1;
+/// A few long waves over the pattern, of size 1, that depend on the seed and not on the mesh: every mesh buckles to the same side.
+double ripple(const Vector2d& p, double side, unsigned seed) {
+  constexpr int waves = 6;
+  double sum = 0;
+  for (int k = 0; k < waves; ++k) {
+    const Vector2d direction(uniform(seed, 3 * k), uniform(seed, 3 * k + 1));
+    sum += std::sin(2 * M_PI * (1.5 * direction.dot(p) / side + uniform(seed, 3 * k + 2))) / waves;
+  }
+  return sum;
 }
 
-/// Adds noise along the common normal when all points lie in one plane.
-void disturb_if_flat(Points3& x, double size, unsigned seed) {
+/// Adds a ripple along the common normal when all points lie in one plane.
+void disturb_if_flat(Sheet& sheet, double side, unsigned seed) {
+  Points3& x = sheet.x;
   const Eigen::RowVector3d centre = x.colwise().mean();
   const Eigen::Matrix3d scatter = (x.rowwise() - centre).transpose() * (x.rowwise() - centre);
   const Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
-  if (((x.rowwise() - centre) * normal).cwiseAbs().maxCoeff() > 1e-7 * size) return;
+  if (((x.rowwise() - centre) * normal).cwiseAbs().maxCoeff() > 1e-7 * side) return;
   const Vector3d up = normal.z() < 0 ? Vector3d(-normal) : normal;  // the side an eigenvector points to is an accident
-  for (int v = 0; v < x.rows(); ++v) x.row(v) += start_noise * noise(seed, v) * up.transpose();
+  for (int v = 0; v < x.rows(); ++v) x.row(v) += start_noise * ripple(sheet.pattern.row(v), side, seed) * up.transpose();
 }
 
 /// Handles of the shot as the loop needs them: where they are asked to be, and which vertices that holds.
@@ -117,6 +123,22 @@ class Grip {
   std::vector<std::optional<Vector3d>> anchor_;  // [m] what is added to a relative handle's own position
 };
 
+/// Factor on the bending stiffness of each triangle: more inside the discs of handles.
+std::vector<double> disc_factors(const Sheet& sheet, const Shot& shot) {
+  std::vector<double> factors(sheet.triangles.rows(), 1.0);
+  for (std::size_t h = 0; h < shot.handles.size(); ++h) {
+    const double radius = disc_radius(shot.handles, h, shot.pattern);
+    if (radius <= 0) continue;
+    for (int t = 0; t < sheet.triangles.rows(); ++t) {
+      bool within = true;
+      for (int i = 0; i < 3; ++i)
+        within &= (sheet.pattern.row(sheet.triangles(t, i)).transpose() - shot.handles[h].pattern).norm() <= 1.001 * radius;
+      if (within) factors[t] = disc_stiffening;
+    }
+  }
+  return factors;
+}
+
 /// The start shape is the first frame as it was modelled, unless a handle is keyed away from it there already. A slight arch
 /// that tells which way to buckle would be lost if it were relaxed: handles that were left lying under it are no reason to.
 bool in_place(Sheet& sheet, const Held& held, double side) {
@@ -127,6 +149,15 @@ bool in_place(Sheet& sheet, const Held& held, double side) {
   return true;
 }
 
+/// How far the sheet is from rest: the largest move of a handle that is asked for, or of a vertex in the last step. [m]
+double unrest(const Sheet& sheet, const Held& held, const Points3& before) {
+  double most = 0;
+  for (std::size_t k = 0; k < held.vertices.size(); ++k)
+    most = std::max(most, (sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm());
+  if (before.rows() != sheet.x.rows()) return std::numeric_limits<double>::infinity();
+  return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
+}
+
 /// The elastic step of one frame, in halves where a whole one fails.
 struct SteppedFrame {
   int substeps = 0, iterations = 0;
@@ -134,8 +165,10 @@ struct SteppedFrame {
   ElasticReport last;
 };
 
-SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double dt, int halvings, const std::string& where) {
+SteppedFrame follow(Elastic& elastic, PlasticGrid* memory, Sheet& sheet, const Held& held, double dt, int halvings, const std::string& where) {
   const Sheet before = sheet;
+  std::optional<PlasticGrid> remembered;
+  if (memory) remembered = *memory;
   SteppedFrame result;
   std::string failure;
   try {
@@ -156,11 +189,15 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double dt,
     throw Error(Fault::simulation, where, failure.empty() ? cause : failure, "Move the handles more slowly before this frame.");
   }
   sheet = before;
+  if (memory) {
+    *memory = *remembered;
+    elastic.remember_in(memory);
+  }
   Held half = held;
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     half.targets.row(k) = 0.5 * (before.x.row(held.vertices[k]) + held.targets.row(k));
-  const SteppedFrame first = follow(elastic, sheet, half, 0.5 * dt, halvings + 1, where);
-  SteppedFrame second = follow(elastic, sheet, held, 0.5 * dt, halvings + 1, where);
+  const SteppedFrame first = follow(elastic, memory, sheet, half, 0.5 * dt, halvings + 1, where);
+  SteppedFrame second = follow(elastic, memory, sheet, held, 0.5 * dt, halvings + 1, where);
   second.substeps += first.substeps;
   second.iterations += first.iterations + result.iterations;
   second.converged &= first.converged;
@@ -171,13 +208,9 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double dt,
 
 StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed) {
   std::vector<Vector2d> points;
-  std::vector<double> radius;
-  for (std::size_t h = 0; h < shot.handles.size(); ++h) {
-    points.push_back(shot.handles[h].pattern);
-    radius.push_back(disc_radius(shot.handles, h, shot.pattern));
-  }
+  for (const Handle& handle : shot.handles) points.push_back(handle.pattern);
   for (std::size_t h = 0; h < shot.handles.size(); ++h)
-    for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern, radius[h])) points.push_back(p);
+    for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern, disc_radius(shot.handles, h, shot.pattern))) points.push_back(p);
 
   Method::FirstMesh mesh = method.first_mesh(shot.pattern, points);
   StartedSheet started;
@@ -190,16 +223,11 @@ StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed) 
   const Locator locator(shot.start.pattern, shot.start.triangles);
   for (int v = 0; v < sheet.pattern.rows(); ++v)
     sheet.x.row(v) = interpolate(locator.locate(sheet.pattern.row(v)), shot.start.triangles, shot.start.x);
-  disturb_if_flat(sheet.x, longer_side(shot.pattern), seed);
+  disturb_if_flat(sheet, longer_side(shot.pattern), seed);
 
-  started.stiffening.assign(sheet.triangles.rows(), 1.0);
-  for (int t = 0; t < sheet.triangles.rows(); ++t)
-    for (std::size_t h = 0; h < shot.handles.size(); ++h) {
-      bool within = radius[h] > 0;
-      for (int i = 0; i < 3; ++i)
-        within &= (sheet.pattern.row(sheet.triangles(t, i)).transpose() - shot.handles[h].pattern).norm() <= 1.001 * radius[h];
-      if (within) started.stiffening[t] = disc_stiffening;
-    }
+  started.fixed.assign(sheet.pattern.rows(), 0);
+  for (const int v : mesh.point_vertex) started.fixed[v] = 1;
+  started.stiffening = disc_factors(sheet, shot);
   return started;
 }
 
@@ -209,26 +237,47 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   StartedSheet started = start_sheet(shot, method, options.seed);
   Sheet& sheet = started.sheet;
   Elastic elastic(shot.paper, options.elastic);
+  std::optional<PlasticGrid> memory;
+  if (options.memory == Memory::plastic) elastic.remember_in(&memory.emplace(shot.pattern));
   elastic.set_mesh(sheet, started.stiffening);
   Grip grip(shot, started.handle_vertex, options.first_frame);
   double geometry_ms = cpu_ms() - begun;
 
+  constexpr double still = 2e-4, asleep = 1e-5;  // [1] of the longer side: no method touches the mesh; nothing is solved either
+  const double side = longer_side(shot.pattern);
+  Points3 before;       // [m] positions one frame ago
+  std::vector<int> held_before;
+  int quiet_frames = 0;
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
     result.frame = frame;
-    begun = cpu_ms();
-    const std::string where = "frame " + std::to_string(frame) + " of " + std::to_string(options.last_frame);
     const Held held = grip.held(frame);
-    SteppedFrame step;
-    if (frame == options.first_frame && in_place(sheet, held, longer_side(shot.pattern))) step.last = elastic.look(sheet);
-    else step = follow(elastic, sheet, held, 1 / options.fps, 0, where);
-    result.elastic_ms = cpu_ms() - begun;
+    const bool first = frame == options.first_frame;
 
     begun = cpu_ms();
-    if (method.after_step && method.after_step(sheet)) elastic.set_mesh(sheet);
-    grip.anchor(sheet.x, frame);
+    const std::size_t born = sheet.singular.size();
+    const double moved = held.vertices == held_before ? unrest(sheet, held, before) : std::numeric_limits<double>::infinity();
+    quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
+    before = sheet.x;
+    held_before = held.vertices;
+    if (method.remesh && !first && method.remesh(sheet, started.fixed, frame, moved > still * side))
+      elastic.set_mesh(sheet, disc_factors(sheet, shot));
+    result.new_singular = static_cast<int>(sheet.singular.size() - born);
     result.geometry_ms = geometry_ms + cpu_ms() - begun;
     geometry_ms = 0;
+
+    begun = cpu_ms();
+    const std::string where = "frame " + std::to_string(frame) + " of " + std::to_string(options.last_frame);
+    SteppedFrame step;
+    const bool sleeps = quiet_frames >= 2 && options.elastic.inertia == Inertia::quasi_static;
+    if (sleeps || (first && in_place(sheet, held, side))) {
+      step.last = elastic.look(sheet);
+      sheet.v.setZero();
+    } else {
+      step = follow(elastic, memory ? &*memory : nullptr, sheet, held, 1 / options.fps, 0, where);
+    }
+    result.elastic_ms = cpu_ms() - begun;
+    grip.anchor(sheet.x, frame);
 
     result.sheet = &sheet;
     result.handles = grip.report(sheet.x, frame);
@@ -237,6 +286,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.converged = step.converged;
     result.energy = step.last.energy;
     result.membrane_energy = step.last.membrane;
+    result.plastic = memory ? memory->integral() : 0;
     if (step.last.lower_branch > 1e-3)
       result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";
     if (!on_frame(result)) return;

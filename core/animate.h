@@ -21,11 +21,15 @@ struct Shot {
   Paper paper;
 };
 
+/// Does paper keep what it was bent to?
+enum class Memory { none, plastic };
+
 struct AnimateOptions {
   ElasticOptions elastic;
   double fps = 24;              // [1/s]
   int first_frame = 1, last_frame = 1;
-  unsigned seed = 0;            // of the noise that lets a flat sheet buckle
+  unsigned seed = 0;            // of the ripple that lets a flat sheet buckle
+  Memory memory = Memory::none; // plastic: beyond the yield strain of the grade, on the pattern, for ever
 };
 
 /// A handle at one frame.
@@ -44,6 +48,7 @@ struct AnimatedFrame {
   int substeps = 1, newton_iterations = 0;
   bool converged = true;
   double energy = 0, membrane_energy = 0;  // [J] stored in the sheet; its stretching part
+  double plastic = 0;                      // [m rad] integral of the plastic curvature over the pattern so far
   int new_singular = 0;
   std::string note;
 };
@@ -56,10 +61,12 @@ struct AnimatedFrame {
 /// source    the loop of [Schreck 2015], section 2
 void animate(const Shot&, const Method&, const AnimateOptions&, const std::function<bool(const AnimatedFrame&)>& on_frame);
 
-/// The first mesh with the start shape on it. A flat start gets 1e-6 m of noise along its normal, seeded by vertex.
+/// The first mesh with the start shape on it. A flat start gets a ripple of 1e-6 m along its normal that depends on the
+/// seed, not on the mesh.
 struct StartedSheet {
   Sheet sheet;
   std::vector<int> handle_vertex;      // of each handle
+  std::vector<char> fixed;             // |V| vertices that handles and the rims of their discs need where they are
   std::vector<double> stiffening;      // |T| factor on bending: 10 inside the discs of handles
 };
 StartedSheet start_sheet(const Shot&, const Method&, unsigned seed);

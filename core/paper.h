@@ -13,6 +13,8 @@ struct Paper {
   double poisson = 0.3;              // nu     [1]
   double area_density = 0.070;       // rho    [kg/m2]
   double apex_scatter = 0.005;       // sigma  [m]      deviation of a new singular point, [Schreck 2015] fig. 3
+  double yield_strain = 0.0045;      // eps_y  [1]      of the outer fibre, h k/2, where bending stays: k_y = 2 eps_y/h
+  double hardening = 0.3;            // eta    [1]      share of D that is left beyond yield, in [0, 1)
 };
 
 }  // namespace paperbake

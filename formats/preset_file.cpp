@@ -35,6 +35,8 @@ constexpr Quantity quantities[] = {
     {"poisson", &Paper::poisson, "1", 0, 0.49},
     {"area_density", &Paper::area_density, "kg/m2", 1e-3, 10},
     {"apex_scatter", &Paper::apex_scatter, "m", 0, 0.1},
+    {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
+    {"hardening", &Paper::hardening, "1", 0, 0.9},
 };
 
 /// A file as TOML, and how to speak of places in it.

@@ -18,7 +18,8 @@ namespace paperbake {
 struct Preset {
   Paper paper;
   struct Entry {
-    std::string key;     // thickness, bending_stiffness, membrane_stiffness, poisson, area_density, apex_scatter
+    std::string key;     // thickness, bending_stiffness, membrane_stiffness, poisson, area_density, apex_scatter,
+                         // yield_strain, hardening
     double value;        // SI
     std::string unit, source, mark;  // mark: read | derived | assumed
   };

@@ -176,6 +176,7 @@ TEST_F(CommandLine, AnUnknownKeyOfSetEndsWithTwoAndTheNearestName) {
   EXPECT_TRUE(is_error(bake({"--set", "thicknes=9e-5"}), 2, "--set thicknes", "Did you mean \"thickness\"?"));
   EXPECT_TRUE(is_error(bake({"--set", "thickness=thin"}), 2, "--set thickness", "\"thin\" is not a number"));
   EXPECT_TRUE(is_error(bake({"--set", "thickness=-1"}), 2, "--set thickness", "-1"));
+  EXPECT_TRUE(is_error(bake({"--set", "hardening=1"}), 2, "--set hardening", "cannot be 1"));
   EXPECT_TRUE(is_error(bake({"--set", "thickness"}), 2, "--set thickness", "value"));
 }
 

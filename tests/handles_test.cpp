@@ -142,6 +142,14 @@ TEST(DiscRim, BetweenTwoBordersHasTwoArcs) {
   EXPECT_EQ(on_border(strip, rim), 4);
 }
 
+TEST(DiscRim, APointThatNearlyTouchesTheBorderIsPutOnIt) {
+  const Pattern sheet = rectangle(0.1, 0.1);
+  const std::vector<Vector2d> rim = disc_rim(sheet, {0.0101, 0.05}, 0.01);  // a hundredth of the radius away
+  ASSERT_EQ(rim.size(), 6u);
+  EXPECT_EQ(on_border(sheet, rim), 1);
+  EXPECT_EQ(on_border(sheet, disc_rim(sheet, {0.0103, 0.05}, 0.01)), 0);
+}
+
 TEST(DiscRim, GoesRoundAHole) {
   Pattern sheet = rectangle(0.1, 0.1);
   sheet.holes = {{{0.05, 0.04}, {0.05, 0.06}, {0.07, 0.06}, {0.07, 0.04}}};

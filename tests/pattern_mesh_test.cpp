@@ -172,6 +172,15 @@ TEST(PatternMesh, IsNearEquilateralOnPlainShapes) {
     }
 }
 
+TEST(PatternMesh, LatticeAndRoundBorderAreSmoothedTogether) {
+  for (const int count : {600, 1700, 6000}) {
+    const PatternMesh mesh = mesh_pattern_with(disc(), count, {});
+    double least = 180;
+    for (int t = 0; t < mesh.triangles.rows(); ++t) least = std::min(least, smallest_angle(mesh, t));
+    EXPECT_GT(least, 31) << count;  // 27 to 30 where the lattice was only cut off at the border
+  }
+}
+
 TEST(PatternMesh, AFinerEdgeMakesMoreTrianglesOfThatSize) {
   for (const double edge : {0.02, 0.01, 0.004}) {
     const PatternMesh mesh = mesh_pattern(rectangle(0.210, 0.297), edge, {});

@@ -55,11 +55,15 @@ TEST(PresetFile, TheBuiltInGradesHaveTheDocumentedValues) {
   EXPECT_EQ(light.poisson, 0.3);
   EXPECT_EQ(light.area_density, 0.070);
   EXPECT_EQ(light.apex_scatter, 0.005);
+  EXPECT_EQ(light.yield_strain, 0.0045);
+  EXPECT_EQ(light.hardening, 0.3);
   EXPECT_EQ(heavy.name, "copy90");
   EXPECT_EQ(heavy.thickness, 104e-6);
   EXPECT_EQ(heavy.bending_stiffness, 4.1e-4);
   EXPECT_EQ(heavy.membrane_stiffness, 4.2e5);
   EXPECT_EQ(heavy.area_density, 0.090);
+  EXPECT_EQ(heavy.yield_strain, 0.0045);
+  EXPECT_EQ(heavy.hardening, 0.3);
 }
 
 TEST(PresetFile, TheDefaultPaperOfTheCoreIsCopy70) {
@@ -71,6 +75,8 @@ TEST(PresetFile, TheDefaultPaperOfTheCoreIsCopy70) {
   EXPECT_EQ(file.poisson, core.poisson);
   EXPECT_EQ(file.area_density, core.area_density);
   EXPECT_EQ(file.apex_scatter, core.apex_scatter);
+  EXPECT_EQ(file.yield_strain, core.yield_strain);
+  EXPECT_EQ(file.hardening, core.hardening);
 }
 
 TEST(PresetFile, EveryBuiltInGradeAgreesWithThePlateFormula) {
@@ -86,13 +92,14 @@ TEST(PresetFile, EveryBuiltInGradeAgreesWithThePlateFormula) {
 
 TEST(PresetFile, EntriesKeepTheOrderOfTheFileAndTheirEvidence) {
   const Preset preset = read_preset("copy90");
-  ASSERT_EQ(preset.entries.size(), 6u);
+  ASSERT_EQ(preset.entries.size(), 8u);
   EXPECT_EQ(preset.entries[0].key, "thickness");
   EXPECT_EQ(preset.entries[0].unit, "m");
   EXPECT_EQ(preset.entries[0].mark, "read");
   EXPECT_NE(preset.entries[0].source.find("GPO O-63"), std::string::npos);
   EXPECT_EQ(preset.entries[5].key, "apex_scatter");
   EXPECT_EQ(preset.entries[5].mark, "assumed");
+  EXPECT_EQ(preset.entries[7].key, "hardening");
 }
 
 TEST(PresetFile, AFileIsReadWithItsOwnValuesAndText) {
@@ -143,9 +150,9 @@ TEST(PresetFile, AMissingKeyIsNamedWithItsTable) {
 
 TEST(PresetFile, AMissingTableIsNamed) {
   const PresetFile whole;
-  const std::size_t at = whole.text.find("[apex_scatter]");
+  const std::size_t at = whole.text.find("[hardening]");
   const PresetFile file(whole.text.substr(at), "");
-  EXPECT_EQ(error_of(file.path).cause, "The key \"apex_scatter\" is missing.");
+  EXPECT_EQ(error_of(file.path).cause, "The key \"hardening\" is missing.");
 }
 
 TEST(PresetFile, AWrongTypeIsNamedAtTheValue) {

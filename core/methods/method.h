@@ -1,16 +1,20 @@
 #pragma once
 
+#include "core/paper.h"
 #include "core/pattern.h"
 #include "core/sheet.h"
+#include "core/step2_crumple/crumple.h"
 
+#include <cstdint>
 #include <functional>
 #include <string>
 #include <vector>
 
 namespace paperbake {
 
-/// All that differs between methods: what the first mesh is, and what happens to the sheet after each elastic step. The
-/// elastic solver, handles, time step, tolerances and timers are the same for all and live in `animate`.
+/// All that differs between methods: what the first mesh is, and what happens to the mesh between elastic steps. The elastic
+/// solver, handles, time step, tolerances and timers are the same for all and live in `animate`.
+/// A method belongs to one sheet of one shot: it may remember.
 struct Method {
   std::string name;
 
@@ -22,11 +26,19 @@ struct Method {
   };
   std::function<FirstMesh(const Pattern&, const std::vector<Vector2d>& points)> first_mesh;
 
-  /// May change positions and mesh of the sheet. returns true when the mesh changed. Empty: nothing happens.
-  std::function<bool(Sheet&)> after_step;
+  /// Before the elastic step of a frame: may change the mesh of the sheet as the step before left it, so that every frame that
+  /// leaves the loop is a minimum on its own mesh. Vertices keep their numbers, new ones are appended. Empty: nothing happens.
+  /// fixed   vertices that keep their place on the pattern
+  /// moving  false: neither handles nor sheet moved since the frame before
+  std::function<bool(Sheet&, const std::vector<char>& fixed, int frame, bool moving)> remesh;  // returns: did the mesh change?
 };
 
 /// Standard finite elements: step 1 alone on a fixed mesh of about `triangles` near-equilateral triangles.
 Method fem(int triangles);
+
+/// The hybrid of [Schreck 2015]: a coarse mesh of about `base_triangles` whose edges follow the rulings and which gets singular
+/// points where bending directions conflict, up to options.most_triangles.
+/// seed, sheet  what the draws of singular points depend on
+Method hybrid(const Pattern&, const Paper&, int base_triangles, const CrumpleOptions&, std::uint32_t seed, std::uint32_t sheet);
 
 }  // namespace paperbake

@@ -11,6 +11,20 @@ Eigen::Matrix3d cross_matrix(const Vector3d& a) {
   return m;
 }
 
+/// S' = S - Sp and q of it.
+struct ElasticCurvature {
+  Vector3d S;
+  double trace, q_squared;
+};
+ElasticCurvature elastic_curvature(const RestBending& rest, const Vector3d& theta, const Vector3d& plastic) {
+  ElasticCurvature e;
+  e.S = rest.operator_of_theta * theta - rest.seen * plastic;
+  e.trace = e.S[0] + e.S[2];
+  const double norm2 = e.S[0] * e.S[0] + 2 * e.S[1] * e.S[1] + e.S[2] * e.S[2];
+  e.q_squared = rest.poisson * e.trace * e.trace + (1 - rest.poisson) * norm2;
+  return e;
+}
+
 }  // namespace
 
 Fold fold(const Points3& x, const Hinge& hinge) {
@@ -60,6 +74,7 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen
   rest.area = 0.5 * (u.x() * v.y() - u.y() * v.x());
   rest.rigidity = stiffening * paper.bending_stiffness;
   rest.poisson = paper.poisson;
+  rest.hardening = paper.hardening;
   const Vector3d frobenius(1, 2, 1);  // weights of Sxx, Sxy, Syy in the product of two tensors
   std::vector<Vector3d> unseen;       // orthonormal tensors that border edges would add
   rest.operator_of_theta.setZero();
@@ -76,11 +91,14 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen
     const double norm = std::sqrt(tensor.cwiseProduct(frobenius).dot(tensor));
     if (norm > 1e-9) unseen.push_back(tensor / norm);
   }
-  for (const Vector3d& u : unseen)
+  rest.seen.setIdentity();
+  for (const Vector3d& u : unseen) {
+    rest.seen -= u * u.cwiseProduct(frobenius).transpose();
     for (int i = 0; i < 3; ++i) {
       const double part = rest.operator_of_theta.col(i).cwiseProduct(frobenius).dot(u);
       rest.operator_of_theta.col(i) -= part * u;
     }
+  }
   // K = D A ( nu tr^T tr + (1-nu) S^T diag(1,2,1) S ) in the three angles
   const Eigen::RowVector3d trace = rest.operator_of_theta.row(0) + rest.operator_of_theta.row(2);
   const Eigen::Matrix3d weighted = Vector3d(1, 2, 1).asDiagonal() * rest.operator_of_theta;
@@ -89,17 +107,32 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen
   return rest;
 }
 
-double bending_energy(const RestBending& rest, const Vector3d& theta, const Vector3d& plastic, Vector3d* moment) {
-  const Vector3d S = rest.operator_of_theta * theta - plastic;
-  const double trace = S[0] + S[2];
+double bending_energy(const RestBending& rest, const Vector3d& theta, const PlasticState& plastic, Vector3d* moment,
+                      Matrix3* tangent) {
+  const auto [S, trace, q_squared] = elastic_curvature(rest, theta, plastic.curvature);
   const double scale = rest.rigidity * rest.area;
-  if (moment) {
-    const Vector3d couple(rest.poisson * trace + (1 - rest.poisson) * S[0], 2 * (1 - rest.poisson) * S[1],
-                          rest.poisson * trace + (1 - rest.poisson) * S[2]);
-    *moment = scale * rest.operator_of_theta.transpose() * couple;
+  const bool yields = q_squared > plastic.yield * plastic.yield;
+  const Vector3d couple(rest.poisson * trace + (1 - rest.poisson) * S[0], 2 * (1 - rest.poisson) * S[1],
+                        rest.poisson * trace + (1 - rest.poisson) * S[2]);
+  const Vector3d m = scale * rest.operator_of_theta.transpose() * couple;
+  if (!yields) {
+    if (moment) *moment = m;
+    if (tangent) *tangent = rest.stiffness;
+    return 0.5 * scale * q_squared;
   }
-  const double norm2 = S[0] * S[0] + 2 * S[1] * S[1] + S[2] * S[2];
-  return 0.5 * scale * (rest.poisson * trace * trace + (1 - rest.poisson) * norm2);
+  const double q = std::sqrt(q_squared), q_y = plastic.yield, eta = rest.hardening, beyond = q - q_y;
+  const double phi = (q_y + eta * beyond) / q;
+  if (moment) *moment = phi * m;
+  if (tangent) *tangent = phi * rest.stiffness + (eta - phi) / (scale * q_squared) * m * m.transpose();
+  return scale * (0.5 * q_y * q_y + q_y * beyond + 0.5 * eta * beyond * beyond);
+}
+
+PlasticGain plastic_gain(const RestBending& rest, const Vector3d& theta, const PlasticState& plastic) {
+  const ElasticCurvature e = elastic_curvature(rest, theta, plastic.curvature);
+  const double q = std::sqrt(e.q_squared);
+  if (!(q > plastic.yield)) return {};
+  const double flowed = (1 - rest.hardening) * (q - plastic.yield);  // q - q_el
+  return {flowed / q * e.S, flowed};
 }
 
 }  // namespace paperbake

@@ -6,6 +6,7 @@
 #include "core/step1_elastic/membrane.h"
 
 #include <array>
+#include <limits>
 #include <vector>
 
 namespace paperbake {
@@ -38,6 +39,7 @@ WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left
 /// A border edge has no angle; the part of S that it alone could tell, n n^T, is left out: no moment crosses a free border.
 /// (With that part kept, triangles along the border store 1/12 too much; the arch of 232 triangles 3 % instead of 0.3 %.
 /// With each fold given to both sides by halves, irregular meshes are 6 % too stiff instead of 3 %.)
+/// What a triangle cannot tell of S it does not take from Sp either.
 /// source  [Grinspun 2006] for the operator; the two rules are this project's
 struct RestBending {
   Matrix3 stiffness;                  // K [J]  zero rows for border edges
@@ -45,16 +47,38 @@ struct RestBending {
   double area;                        // [m2]
   double rigidity;                    // D of this triangle [N m]
   double poisson;
+  double hardening;                   // eta
+  Eigen::Matrix3d seen;               // projects Sp on what the three angles can tell: the identity inside the sheet
 };
 /// shared_area  [m2] A_i; 0: border
 /// stiffening   [1]  factor on D (the finger-sized disc of a handle)
 RestBending rest_bending(const Paper&, const Points2& pattern, const Eigen::RowVector3i& corners,
                          const std::array<double, 3>& shared_area, double stiffening);
 
-/// Energy of one triangle and the moments that its three angles feel.
+/// What a triangle brings along from its past.
+struct PlasticState {
+  Vector3d curvature{0, 0, 0};                             // Sp [1/m] Sxx, Sxy, Syy
+  double yield = std::numeric_limits<double>::infinity();  // q_y [1/m]; infinite: elastic
+};
+
+/// Energy of one triangle and the moments that its three angles feel, with the flow of this step inside: linear hardening
+/// by radial return, which does not depend on the rate.
+///
+///   q = sqrt(nu (tr S')^2 + (1-nu) |S'|^2)     the curvature itself when S' is a cylinder
+///   E = D A psi(q),   psi = q^2/2 up to q_y,   q_y^2/2 + q_y (q - q_y) + eta (q - q_y)^2/2 beyond
+///
 /// theta    [rad] angles of its hinges, 0 on the border
-/// plastic  Sp, [1/m] Sxx, Sxy, Syy
 /// moment   dE/dtheta [J], overwritten; may be null
-double bending_energy(const RestBending&, const Vector3d& theta, const Vector3d& plastic, Vector3d* moment = nullptr);
+/// tangent  d2E/dtheta2 [J], overwritten; may be null; never indefinite
+double bending_energy(const RestBending&, const Vector3d& theta, const PlasticState& = {}, Vector3d* moment = nullptr,
+                      Matrix3* tangent = nullptr);
+
+/// What a triangle gains when it is left in this shape: Sp += S' (1 - q_el/q), alpha += q - q_el, q_el = q_y + eta (q - q_y);
+/// zero below yield. With alpha the yield grows to q_el, so that a step may be cut in pieces.
+struct PlasticGain {
+  Vector3d curvature{0, 0, 0};  // [1/m]
+  double hardening = 0;         // [1/m]
+};
+PlasticGain plastic_gain(const RestBending&, const Vector3d& theta, const PlasticState&);
 
 }  // namespace paperbake

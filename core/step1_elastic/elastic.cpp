@@ -35,15 +35,19 @@ struct IncrementalPotential {
     return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + gravity * x.col(2));
   }
 
+  void add_inertia_and_weight(const Points3& x, Points3& gradient) const {
+    for (int v = 0; v < x.rows(); ++v)
+      gradient.row(v) += mass[v] * (inertia * (x.row(v) - xhat.row(v)) + gravity * Eigen::RowVector3d::UnitZ());
+  }
+
   /// Value; gradient |V|x3 overwritten; second derivative into the matrix.
   double differentiate(const Points3& x, const std::vector<int>& block_of, HessianForm form, Points3& gradient,
                        BlockCholesky& matrix) const {
     matrix.set_zero();
     const double value = elastic.hessian(x, form, gradient, matrix) + inertia_and_weight(x);
-    for (int v = 0; v < x.rows(); ++v) {
-      gradient.row(v) += mass[v] * (inertia * (x.row(v) - xhat.row(v)) + gravity * Eigen::RowVector3d::UnitZ());
+    add_inertia_and_weight(x, gradient);
+    for (int v = 0; v < x.rows(); ++v)
       matrix.add(matrix.slot(block_of[v], block_of[v]), Matrix3(mass[v] * inertia * Matrix3::Identity()));
-    }
     return value;
   }
 };
@@ -59,13 +63,32 @@ struct Elastic::Impl {
   std::optional<ElasticEnergy> energy, softened;
   Eigen::VectorXd mass;
   double mean_edge = 0;
-  std::deque<Points3> past;  // positions before this step, newest first; emptied when the mesh changes
+  std::deque<Points3> past;  // positions before this step, newest first; emptied when the number of vertices changes
+  PlasticGrid* grid = nullptr;
+  Points2 pattern;
+  Triangles triangles;
+  PlasticGrid::Cover cover;  // of the grid by the triangles
 
   // belongs to the mesh and the set of held vertices
   std::vector<int> held;
   std::vector<int> block_of;
   std::unique_ptr<BlockCholesky> matrix;
   std::unique_ptr<Predictor> predictor;
+
+  void recall() { energy->memory = softened->memory = grid ? grid->read(cover) : PlasticMemory{}; }
+
+  void find_cover() {
+    if (grid) cover = grid->cover(pattern, triangles);
+    recall();
+  }
+
+  /// What has flowed goes to the grid and comes back as the past of the next step. returns the growth of the integral [m rad]
+  double remember(const Points3& x) {
+    if (!grid) return 0;
+    const double growth = grid->write(cover, energy->gained(x));
+    recall();
+    return growth;
+  }
 
   void hold(const Sheet& sheet, const std::vector<int>& vertices) {
     if (matrix && vertices == held) return;
@@ -94,16 +117,22 @@ struct Elastic::Impl {
         matrix->shift_diagonal(shift);
         definite = matrix->factorise();
       }
-      Eigen::VectorXd right(3 * (x.rows() - static_cast<int>(held.size())));
-      for (int v = 0; v < x.rows(); ++v)
-        if (block_of[v] >= 0) right.segment<3>(3 * block_of[v]) = -gradient.row(v).transpose();
-      const Eigen::VectorXd& d = matrix->solve(right);
-      if (form == HessianForm::exact && d.dot(right) <= 0) continue;
-      Points3 move = Points3::Zero(x.rows(), 3);
-      for (int v = 0; v < x.rows(); ++v)
-        if (block_of[v] >= 0) move.row(v) = d.segment<3>(3 * block_of[v]).transpose();
+      Points3 move = downhill(gradient);
+      if (form == HessianForm::exact && gradient.cwiseProduct(move).sum() >= 0) continue;
       return move;
     }
+  }
+
+  /// The last factor's answer to a gradient; held vertices stay.
+  Points3 downhill(const Points3& gradient) {
+    Eigen::VectorXd right(3 * (gradient.rows() - static_cast<int>(held.size())));
+    for (int v = 0; v < gradient.rows(); ++v)
+      if (block_of[v] >= 0) right.segment<3>(3 * block_of[v]) = -gradient.row(v).transpose();
+    const Eigen::VectorXd& d = matrix->solve(right);
+    Points3 move = Points3::Zero(gradient.rows(), 3);
+    for (int v = 0; v < gradient.rows(); ++v)
+      if (block_of[v] >= 0) move.row(v) = d.segment<3>(3 * block_of[v]).transpose();
+    return move;
   }
 
   /// Length along `move` that lowers W enough; 0 when there is none.
@@ -180,7 +209,10 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   soft.membrane_stiffness /= softening;
   s.softened.emplace(soft, sheet.pattern, sheet.triangles, stiffening);
   s.matrix.reset();
-  s.past.clear();
+  if (!s.past.empty() && s.past.front().rows() != sheet.pattern.rows()) s.past.clear();
+  s.pattern = sheet.pattern;
+  s.triangles = sheet.triangles;
+  s.find_cover();
   s.mass = Eigen::VectorXd::Zero(sheet.pattern.rows());
   double edges = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
@@ -193,8 +225,9 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.mean_edge = edges / (3 * std::max<long>(1, sheet.triangles.rows()));
 }
 
-void Elastic::set_plastic_curvature(const Points3& plastic) {
-  impl_->energy->plastic_curvature = impl_->softened->plastic_curvature = plastic;
+void Elastic::remember_in(PlasticGrid* grid) {
+  impl_->grid = grid;
+  if (impl_->energy) impl_->find_cover();
 }
 
 ElasticReport Elastic::look(const Sheet& sheet) const {
@@ -225,6 +258,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   ElasticReport report;
   if (s.matrix) s.minimise(W, sheet.x, report);
   if (report.iterations > restless) s.start_again(W, guesses.front(), sheet.x, report);
+  report.plastic_flow = s.remember(sheet.x);
   const ElasticReport stored = look(sheet);
   report.membrane = stored.membrane;
   report.energy = stored.energy;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/paper.h"
+#include "core/plastic_grid.h"
 #include "core/sheet.h"
 
 #include <memory>
@@ -28,6 +29,7 @@ struct ElasticReport {
   bool converged = true;
   double energy = 0;           // [J] membrane + bending
   double membrane = 0;         // [J] its membrane part
+  double plastic_flow = 0;     // [m rad] by how much the plastic integral grew in this step
   double lower_branch = 0;     // [1] by how much of the potential a second start was lower, when it was taken
 };
 
@@ -43,13 +45,16 @@ struct ElasticReport {
 /// found by Newton's method with the exact second derivative (projected where that is not positive definite), a
 /// backtracking line search and handles eliminated. A step that takes many iterations leaves an unstable shape (a snap): it
 /// is started a second time with a softened membrane, and the lower end is kept.
+///
+/// With a memory, E_bending yields inside the step (bending.h), and what has flowed at its end is remembered.
 /// source [Martin 2011]; damping of the velocity 0.98 a step
 class Elastic {
  public:
   Elastic(const Paper&, const ElasticOptions&);
   ~Elastic();
 
-  /// To be called for the first mesh and after every change of pattern or connectivity.
+  /// To be called for the first mesh and after every change of pattern or connectivity. As long as the number of vertices
+  /// stays, so does what the next guess knows of their past positions.
   /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
   void set_mesh(const Sheet&, const std::vector<double>& stiffening = {});
 
@@ -60,8 +65,10 @@ class Elastic {
   /// What is stored in the sheet as it is. `iterations` 0.
   ElasticReport look(const Sheet&) const;
 
-  /// Plastic curvature of the triangles, |T|x3 [1/m] Sxx, Sxy, Syy, in the next steps.
-  void set_plastic_curvature(const Points3&);
+  /// Lets the paper yield: the memory is read here and by set_mesh, and every step that returns writes to it. To be called
+  /// again when the grid was changed by others, as when a step is taken back. It must outlive this object or its replacement.
+  /// Null, as at first: paper that springs back whatever is done to it.
+  void remember_in(PlasticGrid*);
 
  private:
   struct Impl;

@@ -16,8 +16,7 @@ std::array<int, 4> hinge_in_stencil(int i, bool left) {
 
 ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const Triangles& triangles,
                              const std::vector<double>& stiffening)
-    : plastic_curvature(Points3::Zero(triangles.rows(), 3)), paper_(paper), triangles_(triangles),
-      hinges_(find_hinges(triangles)), stencils_(triangles.rows()) {
+    : paper_(paper), triangles_(triangles), hinges_(find_hinges(triangles)), stencils_(triangles.rows()) {
   for (int t = 0; t < triangles.rows(); ++t) rest_.push_back(rest_triangle(pattern, triangles.row(t)));
   for (int t = 0; t < triangles.rows(); ++t) {
     std::array<double, 3> shared_area{0, 0, 0};
@@ -39,6 +38,27 @@ Matrix3 ElasticEnergy::corners(const Points3& x, int t) const {
   return c;
 }
 
+PlasticState ElasticEnergy::past(int t) const {
+  if (memory.hardening.size() == 0) return {};
+  const double eta = paper_.hardening, first_yield = 2 * paper_.yield_strain / paper_.thickness;
+  return {memory.curvature.row(t), first_yield + eta / (1 - eta) * memory.hardening[t]};
+}
+
+PlasticMemory ElasticEnergy::gained(const Points3& x) const {
+  PlasticMemory sum{Points3(triangles_.rows(), 3), Eigen::VectorXd(triangles_.rows())};
+  for (int t = 0; t < triangles_.rows(); ++t) {
+    Vector3d angles;
+    for (int i = 0; i < 3; ++i) {
+      const int h = hinges_.of_triangle[t][i];
+      angles[i] = h < 0 ? 0 : fold_angle(x, hinges_.hinges[h]);
+    }
+    const PlasticGain gain = plastic_gain(bend_[t], angles, past(t));
+    sum.curvature.row(t) = gain.curvature;
+    sum.hardening[t] = gain.hardening;
+  }
+  return sum;
+}
+
 double ElasticEnergy::energy(const Points3& x) const {
   const Parts p = parts(x);
   return p.membrane + p.bending;
@@ -52,7 +72,7 @@ ElasticEnergy::Parts ElasticEnergy::parts(const Points3& x) const {
     sum.membrane += membrane_energy(paper_, rest_[t], corners(x, t));
     Vector3d angles;
     for (int i = 0; i < 3; ++i) angles[i] = hinges_.of_triangle[t][i] < 0 ? 0 : theta[hinges_.of_triangle[t][i]];
-    sum.bending += bending_energy(bend_[t], angles, plastic_curvature.row(t));
+    sum.bending += bending_energy(bend_[t], angles, past(t));
   }
   return sum;
 }
@@ -73,10 +93,11 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
   // an angle feels the moments of both its triangles
   double sum = 0;
   std::vector<double> moment(folds.size(), 0.0);
+  std::vector<Matrix3> tangent(matrix ? triangles_.rows() : 0);
   for (int t = 0; t < triangles_.rows(); ++t) {
     Vector3d angles, m;
     for (int i = 0; i < 3; ++i) angles[i] = hinges_.of_triangle[t][i] < 0 ? 0 : folds[hinges_.of_triangle[t][i]].theta;
-    sum += bending_energy(bend_[t], angles, plastic_curvature.row(t), &m);
+    sum += bending_energy(bend_[t], angles, past(t), &m, matrix ? &tangent[t] : nullptr);
     for (int i = 0; i < 3; ++i)
       if (hinges_.of_triangle[t][i] >= 0) moment[hinges_.of_triangle[t][i]] += m[i];
   }
@@ -92,13 +113,13 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
     if (!matrix) continue;
     Vector3d edge_moment;
     for (int i = 0; i < 3; ++i) edge_moment[i] = hinges_.of_triangle[t][i] < 0 ? 0 : moment[hinges_.of_triangle[t][i]];
-    add_element(t, c, k, folds, edge_moment, form, *matrix);
+    add_element(t, c, k, folds, tangent[t], edge_moment, form, *matrix);
   }
   return sum;
 }
 
-void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own, const std::vector<Fold>& folds, const Vector3d& edge_moment,
-                                HessianForm form, BlockCholesky& matrix) const {
+void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own, const std::vector<Fold>& folds, const Matrix3& tangent,
+                                const Vector3d& edge_moment, HessianForm form, BlockCholesky& matrix) const {
   // d theta / dx of the three angles of this triangle, over the six vertices of its stencil
   Eigen::Matrix<double, 18, 3> J = Eigen::Matrix<double, 18, 3>::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -124,7 +145,7 @@ void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own, const std
     block(i, x1) += ea.transpose();
     block(i, i) += aa;
   }
-  const Eigen::Matrix<double, 18, 3> JK = J.lazyProduct(bend_[t].stiffness);
+  const Eigen::Matrix<double, 18, 3> JK = J.lazyProduct(tangent);
   Matrix18 full = J.lazyProduct(JK.transpose());
   full.topLeftCorner<9, 9>() += own;
   for (int p = 0, k = 0; p < 6; ++p)

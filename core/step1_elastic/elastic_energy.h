@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/plastic_grid.h"
 #include "core/step1_elastic/bending.h"
 #include "core/step1_elastic/block_cholesky.h"
 #include "core/step1_elastic/membrane.h"
@@ -36,8 +37,11 @@ class ElasticEnergy {
   /// gradient() that also adds the second derivative [N/m] to the bound matrix.
   double hessian(const Points3& x, HessianForm, Points3& gradient, BlockCholesky& matrix) const;
 
-  /// Plastic curvature of each triangle, |T|x3 [1/m] Sxx, Sxy, Syy; zero at first.
-  Points3 plastic_curvature;
+  /// What the triangles remember. Empty at first: paper that springs back whatever is done to it.
+  PlasticMemory memory;
+
+  /// What they gain when the sheet is left at x.
+  PlasticMemory gained(const Points3& x) const;
 
   const Hinges& hinges() const { return hinges_; }
 
@@ -48,9 +52,11 @@ class ElasticEnergy {
   };
   double evaluate(const Points3& x, HessianForm, Points3* gradient, BlockCholesky* matrix) const;
   /// Adds to the matrix what triangle t contributes: `own`, of its corners alone, and its bending over the whole stencil.
-  void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&, const Vector3d& edge_moment,
-                   HessianForm, BlockCholesky&) const;
+  /// tangent  d2E/dtheta2 of its bending; edge_moment: what its angles feel from both sides
+  void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&, const Matrix3& tangent,
+                   const Vector3d& edge_moment, HessianForm, BlockCholesky&) const;
   Matrix3 corners(const Points3& x, int t) const;
+  PlasticState past(int t) const;
 
   Paper paper_;
   Triangles triangles_;

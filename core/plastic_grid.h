@@ -1,0 +1,57 @@
+#pragma once
+
+#include "core/pattern.h"
+#include "core/sheet.h"
+
+#include <vector>
+
+namespace paperbake {
+
+/// What the bending of each triangle remembers.
+struct PlasticMemory {
+  Points3 curvature;          // |T|x3 [1/m] Sp: Sxx, Sxy, Syy; the curvature to which the triangle springs back
+  Eigen::VectorXd hardening;  // |T|   [1/m] alpha: plastic curvature added up along the way, there and back
+};
+
+/// The plastic memory of a sheet: square cells on its pattern, 64 along the longer side, that outlive every mesh.
+///
+/// A triangle reads the mean of its cells and writes what it gained to all of them alike. So what lies between the cells of
+/// one triangle is kept, and nothing spreads when meshes follow one another. Plain values: a copy taken before a step that
+/// fails is the way back.
+class PlasticGrid {
+ public:
+  explicit PlasticGrid(const Pattern&);
+
+  /// The cells of each triangle of a mesh: those with their centre in it; the nearest one for a triangle that has none.
+  struct Cover {
+    std::vector<int> first;     // |T|+1: the cells of triangle t are cell[first[t]] ... cell[first[t+1]-1]
+    std::vector<int> cell;
+    std::vector<double> share;  // [1] of what the triangle writes to that cell: 1, less where triangles have to share it
+  };
+  Cover cover(const Points2& pattern, const Triangles&) const;
+
+  PlasticMemory read(const Cover&) const;
+
+  /// Adds to the memory what triangles gained.
+  /// returns  by how much integral() grew [m rad]
+  double write(const Cover&, const PlasticMemory& gained);
+
+  /// Integral of |Sp| (Frobenius) over the pattern: length of crease x angle kept in it. [m rad]
+  double integral() const;
+
+ private:
+  struct Cell {
+    Eigen::Vector4d memory = Eigen::Vector4d::Zero();  // [1/m] Sxx, Sxy, Syy, alpha
+    bool inside = false;                               // its centre lies in the pattern
+    int nearest = -1;                                  // about the nearest cell that is inside; itself when it is
+  };
+  Vector2d centre(int column, int row) const { return size_ * Vector2d(column + 0.5, row + 0.5); }
+  std::vector<int> centres_in(const Vector2d (&corner)[3]) const;
+
+  double size_;              // [m] of a cell
+  int columns_, rows_;
+  double area_inside_;       // [m2] of the pattern per inside cell
+  std::vector<Cell> cells_;  // row by row from (0, 0)
+};
+
+}  // namespace paperbake

@@ -1,0 +1,50 @@
+#include "core/step2_crumple/crumple.h"
+
+#include "core/curvature.h"
+#include "core/step2_crumple/flips.h"
+#include "core/step2_crumple/singular_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+
+Crumple::Crumple(const Pattern& pattern, const Paper& paper, const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet)
+    : pattern_(pattern), paper_(paper), options_(options), seed_(seed), sheet_(sheet) {}
+
+CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int frame, bool moving) {
+  CrumpleReport report;
+  if (!moving) return report;
+  const Points3 curvature = vertex_curvature(sheet);
+
+  // a conflict counts when it was there in the frame before; the worst vertex and those about it are one conflict
+  Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
+  in_conflict_.resize(sheet.pattern.rows(), 0);
+  int worst = -1;
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if (conflicts.beyond[v] && in_conflict_[v] && (worst < 0 || conflicts.turn[v] > conflicts.turn[worst])) worst = v;
+  in_conflict_ = conflicts.beyond;
+  const bool room = static_cast<int>(sheet.singular.size()) < options_.most_points && sheet.triangles.rows() + 2 <= options_.most_triangles;
+  if (worst >= 0 && room) {
+    double ring = 0;  // [m] size of the worst vertex's ring: its longest edge
+    for (int t = 0; t < sheet.triangles.rows(); ++t)
+      for (int i = 0; i < 3; ++i)
+        if (sheet.triangles(t, i) == worst)
+          for (int j = 0; j < 3; ++j) ring = std::max(ring, (sheet.pattern.row(sheet.triangles(t, j)) - sheet.pattern.row(worst)).norm());
+    std::vector<int> members;
+    for (int v = 0; v < sheet.pattern.rows(); ++v)
+      if (conflicts.beyond[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= 1.2 * ring) members.push_back(v);
+    const auto event = static_cast<std::uint32_t>(sheet.singular.size());
+    if (const auto p = draw_singular_point(sheet, pattern_, paper_, conflicts, members, options_, seed_, sheet_, event)) {
+      insert_vertex(sheet, *p, fixed);
+      const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
+      sheet.singular.push_back({*p, frame, "bends " + std::to_string(degrees) + " degrees in the second direction"});
+      in_conflict_.assign(sheet.pattern.rows(), 0);
+      ++report.births;
+    }
+  }
+  if (frame % 2 == 0 || report.births > 0) report.flips = flip_towards_rulings(sheet, vertex_curvature(sheet), options_.flip_gain);
+  return report;
+}
+
+}  // namespace paperbake

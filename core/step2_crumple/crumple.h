@@ -1,0 +1,50 @@
+#pragma once
+
+#include "core/paper.h"
+#include "core/pattern.h"
+#include "core/sheet.h"
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// When bending directions conflict, where a singular point is born, when an edge turns. Angles in radians, lengths in metres.
+struct CrumpleOptions {
+  double conflict_turn = 0.14;     // [rad] turning angle |k2| sqrt(A) in the second direction that paper does not do (8 degrees)
+  double conflict_ratio = 0.15;    // [1]   and |k2| must be more than this share of |k1|
+  double absorbed_turn = 0.35;     // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
+  double min_spacing = 0.006;      // [m]   between singular points
+  double border_share = 0.03;      // [1]   of the longer side: as near as a point may come to the border
+  double flip_gain = 0.8;          // [1]   an edge turns when the other diagonal has less than this share of its sagitta
+  int most_points = 40;            // [1]   on one sheet
+  int most_triangles = 250;        // [1]   no point is born beyond
+};
+
+struct CrumpleReport {
+  int flips = 0, births = 0;
+  bool mesh_changed() const { return flips > 0 || births > 0; }
+};
+
+/// Step 2 of [Schreck 2015], the robust part: the mesh follows the bending by edge flips, and where two bending directions
+/// conflict in two frames in a row a singular point is born, at a place drawn from the paper's own law.
+class Crumple {
+ public:
+  /// seed, sheet  what the draws depend on, besides the number of the event
+  Crumple(const Pattern&, const Paper&, const CrumpleOptions&, std::uint32_t seed, std::uint32_t sheet);
+
+  /// Looks at the sheet as step 1 left it and changes its mesh for the next step. Vertices keep their numbers, new ones are
+  /// appended; fixed vertices (handles and the rims of their discs) keep their place on the pattern.
+  /// moving  false: the sheet is at rest, nothing is done
+  CrumpleReport operate(Sheet&, const std::vector<char>& fixed, int frame, bool moving);
+
+ private:
+  Pattern pattern_;
+  Paper paper_;
+  CrumpleOptions options_;
+  std::uint32_t seed_, sheet_;
+  std::vector<char> in_conflict_;  // of the frame before, by vertex
+};
+
+}  // namespace paperbake

@@ -1,0 +1,159 @@
+#include "core/step2_crumple/singular_points.h"
+
+#include "core/curvature.h"
+#include "core/hinges.h"
+#include "core/locate.h"
+#include "core/random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+std::vector<char> border_vertices(const Triangles& triangles, const Hinges& hinges, long count) {
+  std::vector<char> border(count, 0);
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (hinges.of_triangle[t][i] < 0) border[triangles(t, (i + 1) % 3)] = border[triangles(t, (i + 2) % 3)] = 1;
+  return border;
+}
+
+std::vector<char> singular_vertices(const Sheet& sheet) {
+  std::vector<char> singular(sheet.pattern.rows(), 0);
+  for (const SingularPoint& s : sheet.singular)
+    for (int v = 0; v < sheet.pattern.rows(); ++v)
+      if ((sheet.pattern.row(v).transpose() - s.pattern).norm() < 1e-9) singular[v] = 1;
+  return singular;
+}
+
+std::vector<double> ring_areas(const Sheet& sheet) {
+  std::vector<double> area(sheet.pattern.rows(), 0.0);
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const Vector2d u = (sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
+    const Vector2d v = (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
+    for (int i = 0; i < 3; ++i) area[sheet.triangles(t, i)] += (u.x() * v.y() - u.y() * v.x()) / 6;
+  }
+  return area;
+}
+
+template <class Matrix, class Row>
+void append(Matrix& matrix, const Row& row) {
+  matrix.conservativeResize(matrix.rows() + 1, Eigen::NoChange);
+  matrix.row(matrix.rows() - 1) = row;
+}
+
+}  // namespace
+
+Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions& options) {
+  const Hinges hinges = find_hinges(sheet.triangles);
+  const std::vector<char> border = border_vertices(sheet.triangles, hinges, sheet.pattern.rows());
+  const std::vector<char> singular = singular_vertices(sheet);
+  const std::vector<double> area = ring_areas(sheet);
+  std::vector<char> beside(sheet.pattern.rows(), 0);
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) beside[sheet.triangles(t, i)] |= singular[sheet.triangles(t, j)];
+
+  Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.0), std::vector<char>(sheet.pattern.rows(), 0)};
+  for (int v = 0; v < sheet.pattern.rows(); ++v) {
+    if (border[v] || singular[v] || (v < static_cast<int>(fixed.size()) && fixed[v])) continue;
+    const Principal p = principal_curvature(curvature.row(v));
+    conflicts.turn[v] = std::abs(p.k2) * std::sqrt(area[v]);
+    conflicts.beyond[v] = conflicts.turn[v] > (beside[v] ? options.absorbed_turn : options.conflict_turn) &&
+                          std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1);
+  }
+  return conflicts;
+}
+
+std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& pattern, const Paper& paper, const Conflicts& conflicts,
+                                            const std::vector<int>& members, const CrumpleOptions& options, std::uint32_t seed,
+                                            std::uint32_t sheet_number, std::uint32_t event) {
+  constexpr int tries = 20;
+  Vector2d middle(0, 0);
+  double weight = 0;
+  for (const int v : members) {
+    const double w = conflicts.turn[v] * conflicts.turn[v];
+    middle += w * sheet.pattern.row(v).transpose();
+    weight += w;
+  }
+  middle /= weight;
+  const auto clear = [&](const Vector2d& p) {
+    return std::none_of(sheet.singular.begin(), sheet.singular.end(),
+                        [&](const SingularPoint& s) { return (s.pattern - p).norm() < options.min_spacing; });
+  };
+  const double margin = options.border_share * longer_side(pattern);
+  for (std::uint32_t attempt = 0; attempt < tries; ++attempt) {
+    const Vector2d p = middle + paper.apex_scatter * gaussian(seed, sheet_number, event, attempt);
+    if (contains(pattern, p) && (nearest_border_point(pattern, p) - p).norm() >= margin && clear(p)) return p;
+  }
+  if (!clear(middle)) return std::nullopt;
+  return middle;
+}
+
+int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixed) {
+  constexpr double near_edge = 0.15;  // barycentric weight under which p counts as lying on the opposite edge
+  const Place place = Locator(sheet.pattern, sheet.triangles).locate(p);
+  const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(), v = interpolate(place, sheet.triangles, sheet.v).transpose();
+  const Hinges hinges = find_hinges(sheet.triangles);
+  const std::vector<char> border = border_vertices(sheet.triangles, hinges, sheet.pattern.rows()), singular = singular_vertices(sheet);
+  const auto movable = [&](int k) { return !border[k] && !singular[k] && !(k < static_cast<int>(fixed.size()) && fixed[k]); };
+
+  // the nearest corner, when it may move there without turning a triangle over
+  int corner;
+  place.weights.maxCoeff(&corner);
+  const int candidate = sheet.triangles(place.triangle, corner);
+  if (place.weights[corner] > 0.6 && movable(candidate)) {
+    const Eigen::RowVector2d old = sheet.pattern.row(candidate);
+    const auto area = [&](int t) {
+      const Vector2d u = (sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
+      const Vector2d w = (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
+      return u.x() * w.y() - u.y() * w.x();
+    };
+    bool good = true;
+    for (int t = 0; t < sheet.triangles.rows() && good; ++t) {
+      if (!(sheet.triangles.row(t).array() == candidate).any()) continue;
+      const double before = area(t);
+      sheet.pattern.row(candidate) = p.transpose();
+      good = area(t) > 0.3 * before;
+      sheet.pattern.row(candidate) = old;
+    }
+    if (good) {
+      sheet.pattern.row(candidate) = p.transpose();
+      sheet.x.row(candidate) = x;
+      sheet.v.row(candidate) = v;
+      return candidate;
+    }
+  }
+
+  const int added = static_cast<int>(sheet.pattern.rows());
+  append(sheet.pattern, p.transpose());
+  append(sheet.x, x);
+  append(sheet.v, v);
+  int edge;
+  const bool on_edge = place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0;
+  std::vector<int> split{place.triangle};
+  if (on_edge) {
+    const auto& sides = hinges.hinges[hinges.of_triangle[place.triangle][edge]].triangles;
+    split.push_back(sides[0] == place.triangle ? sides[1] : sides[0]);
+  }
+  for (const int t : split) {
+    const Eigen::RowVector3i c = sheet.triangles.row(t);
+    int left_out = -1;  // the split edge's opposite corner
+    if (on_edge)
+      for (int i = 0; i < 3; ++i)
+        if (hinges.of_triangle[t][i] == hinges.of_triangle[place.triangle][edge]) left_out = i;
+    bool first = true;
+    for (int i = 0; i < 3; ++i) {
+      if (i == left_out) continue;
+      const Eigen::RowVector3i part(c[(i + 1) % 3], c[(i + 2) % 3], added);  // the edge opposite corner i, and p
+      if (first) sheet.triangles.row(t) = part;
+      else append(sheet.triangles, part);
+      first = false;
+    }
+  }
+  return added;
+}
+
+}  // namespace paperbake
