@@ -276,5 +276,36 @@ TEST(Hybrid, ACrushedSheetGetsSingularPointsThatStayAndAreItsOwnBySeed) {
   for (const HandleFrame& handle : a.frames.back().handles) EXPECT_LT((handle.at - handle.keyed).norm(), 1e-4);
 }
 
+TEST(Hybrid, OptionsBoundHowManyPointsAreBorn) {
+  const Shot shot = crush();
+  const auto born = [&](const CrumpleOptions& options) {
+    return play(shot, hybrid(shot.pattern, shot.paper, 120, options, 1, 0), 30).sheets.back().singular.size();
+  };
+  CrumpleOptions one, full;
+  one.most_points = 1;
+  full.most_triangles = 60;  // fewer than the first mesh has
+  EXPECT_EQ(born(one), 1u);
+  EXPECT_EQ(born(full), 0u);
+}
+
+TEST(Conflict, BesideASingularPointMoreIsAbsorbed) {
+  Sheet saddle = test::hex_sheet(0.1, 0.1, 10);
+  for (int v = 0; v < saddle.x.rows(); ++v) {
+    const double a = saddle.pattern(v, 0) - 0.05, b = saddle.pattern(v, 1) - 0.05;
+    saddle.x(v, 2) = 12 * (a * a - b * b);
+  }
+  int inner = 0;
+  for (int v = 0; v < saddle.pattern.rows(); ++v)
+    if ((saddle.pattern.row(v) - Eigen::RowVector2d(0.05, 0.05)).norm() < (saddle.pattern.row(inner) - Eigen::RowVector2d(0.05, 0.05)).norm()) inner = v;
+  saddle.singular.push_back({saddle.pattern.row(inner).transpose(), 1, "test"});
+  const auto beyond = [&](double absorbed_turn) {
+    CrumpleOptions options;
+    options.absorbed_turn = absorbed_turn;
+    const Conflicts c = find_conflicts(saddle, vertex_curvature(saddle), {}, options);
+    return std::count(c.beyond.begin(), c.beyond.end(), 1);
+  };
+  EXPECT_EQ(beyond(0.14) - beyond(1.0), 6);  // the neighbours of the point in a lattice of six
+}
+
 }  // namespace
 }  // namespace paperbake
