@@ -21,11 +21,7 @@ namespace {
 
 /// A fold on the maps is as wide as 2 % of the sheet, but never narrower than the mesh can show.
 double fold_width(const Pattern& pattern, const Sheet& mesh) {
-  double edge = 0;
-  for (int t = 0; t < mesh.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) edge += (mesh.pattern.row(mesh.triangles(t, i)) - mesh.pattern.row(mesh.triangles(t, (i + 1) % 3))).norm();
-  edge /= 3 * mesh.triangles.rows();
-  return std::max(0.02 * shorter_side(pattern), 1.3 * edge);
+  return std::max(0.02 * shorter_side(pattern), 1.3 * mean_edge(mesh.pattern, mesh.triangles));
 }
 
 /// Everything the shot leaves behind; shared by its sheets.

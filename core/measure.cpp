@@ -33,6 +33,13 @@ LengthDistortion length_distortion(const Sheet& sheet) {
   return result;
 }
 
+double mean_edge(const Points2& pattern, const Triangles& triangles) {
+  double sum = 0;
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) sum += (pattern.row(triangles(t, i)) - pattern.row(triangles(t, (i + 1) % 3))).norm();
+  return sum / (3 * std::max<long>(1, triangles.rows()));
+}
+
 double angle_defect_max(const Sheet& sheet) {
   const long n = sheet.x.rows();
   std::vector<double> angle(n, 0.0), flat(n, 0.0);

@@ -12,6 +12,9 @@ struct LengthDistortion {
 };
 LengthDistortion length_distortion(const Sheet&);
 
+/// Mean length of the edges on the pattern, each counted once for every triangle it belongs to. [m]
+double mean_edge(const Points2& pattern, const Triangles&);
+
 /// Largest |2 pi - sum of angles| over the vertices inside the sheet that are no singular points: 0 for a developable. [rad]
 double angle_defect_max(const Sheet&);
 

@@ -1,6 +1,7 @@
 #include "core/step1_elastic/elastic.h"
 
 #include "core/error.h"
+#include "core/measure.h"
 #include "core/step1_elastic/elastic_energy.h"
 #include "core/step1_elastic/predictor.h"
 
@@ -214,15 +215,11 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.triangles = sheet.triangles;
   s.find_cover();
   s.mass = Eigen::VectorXd::Zero(sheet.pattern.rows());
-  double edges = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const double area = rest_triangle(sheet.pattern, sheet.triangles.row(t)).area;
-    for (int i = 0; i < 3; ++i) {
-      s.mass[sheet.triangles(t, i)] += s.paper.area_density * area / 3;
-      edges += (sheet.pattern.row(sheet.triangles(t, i)) - sheet.pattern.row(sheet.triangles(t, (i + 1) % 3))).norm();
-    }
+    for (int i = 0; i < 3; ++i) s.mass[sheet.triangles(t, i)] += s.paper.area_density * area / 3;
   }
-  s.mean_edge = edges / (3 * std::max<long>(1, sheet.triangles.rows()));
+  s.mean_edge = mean_edge(sheet.pattern, sheet.triangles);
 }
 
 void Elastic::remember_in(PlasticGrid* grid) {
