@@ -258,5 +258,47 @@ TEST(ElasticEnergy, CylinderHasItsExactEnergyOnAnyKindOfMesh) {
   EXPECT_NEAR(cylinder_ratio(test::strip_sheet(0.1, 0.1, 20), 0.1), 1, 0.01);
 }
 
+/// A sheet that is bent, sheared and stretched everywhere.
+Sheet bent_sheet() {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.2);
+  test::roll(sheet, 0.05);
+  sheet.x.col(1) *= 1.02;
+  return sheet;
+}
+
+TEST(ElasticEnergy, PredictedStressIsThatOfTheNewPlaceToFirstOrder) {
+  const Sheet sheet = bent_sheet();
+  const ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
+  Points3 move(sheet.x.rows(), 3);
+  for (int v = 0; v < move.rows(); ++v) move.row(v) << std::sin(50 * sheet.x(v, 1)), std::cos(40 * sheet.x(v, 0)), std::sin(70 * sheet.x(v, 0));
+  const auto error = [&](double step) {  // largest difference over the triangles [N/m]
+    const MembraneStress predicted = energy.stress(sheet.x, step * move), there = energy.stress(sheet.x + step * move, 0 * move);
+    double most = 0;
+    for (std::size_t t = 0; t < there.size(); ++t) most = std::max(most, (predicted[t] - there[t]).norm());
+    return most;
+  };
+  ASSERT_GT(energy.stress(sheet.x, 0 * move)[0].norm(), 1000);  // 2 % of 3.6e5 N/m
+  EXPECT_NEAR(error(1e-5) / error(5e-6), 4, 0.01);              // what is left out is of second order
+}
+
+TEST(ElasticEnergy, OwnStressGivesTheOwnSecondDerivative) {
+  const Sheet sheet = bent_sheet();
+  ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
+  const int n = static_cast<int>(sheet.x.rows());
+  std::vector<int> block_of(n);
+  std::iota(block_of.begin(), block_of.end(), 0);
+  const MembraneStress own = energy.stress(sheet.x, Points3::Zero(n, 3)), none(own.size(), Eigen::Matrix2d::Zero());
+  const auto second_derivative = [&](const MembraneStress* stress) {
+    BlockCholesky matrix(n, energy.coupled_vertices());
+    energy.bind(matrix, block_of);
+    Points3 gradient;
+    energy.hessian(sheet.x, HessianForm::exact, gradient, matrix, stress);
+    return matrix.dense();
+  };
+  const Eigen::MatrixXd exact = second_derivative(nullptr);
+  EXPECT_LT((second_derivative(&own) - exact).norm(), 1e-12 * exact.norm());
+  EXPECT_GT((second_derivative(&none) - exact).norm(), 1e-4 * exact.norm());
+}
+
 }  // namespace
 }  // namespace paperbake

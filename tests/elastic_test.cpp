@@ -233,5 +233,30 @@ TEST(Elastic, UnfinishedMinimisationIsReportedAndGoesOn) {
   EXPECT_TRUE(converged);
 }
 
+TEST(Elastic, ClosingArchTakesFewIterationsAStep) {
+  // what plain Newton is held back from by the membrane: the ends of an arch come together by 2 mm a step
+  ElasticOptions options;
+  Sheet sheet = hex_sheet(0.1, 0.05, 10);
+  for (int v = 0; v < sheet.x.rows(); ++v) sheet.x(v, 2) = 1e-3 * std::sin(M_PI * sheet.pattern(v, 0) / 0.1);
+  Elastic elastic(Paper{}, options);
+  elastic.set_mesh(sheet);
+  Held held;
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9) held.vertices.push_back(v);
+  held.targets.resize(held.vertices.size(), 3);
+  for (int step = 0; step < 15; ++step) {
+    for (std::size_t k = 0; k < held.vertices.size(); ++k) {
+      const Vector2d p = sheet.pattern.row(held.vertices[k]);
+      held.targets.row(k) << p.x() - (p.x() > 0.05 ? 0.002 * step : 0), p.y(), 0;
+    }
+    const ElasticReport report = elastic.step(sheet, held, 1 / 24.0);
+    EXPECT_TRUE(report.converged);
+    if (step > 2) {
+      EXPECT_LE(report.iterations, 4) << "step " << step;
+    }
+  }
+  EXPECT_GT(sheet.x.col(2).cwiseAbs().maxCoeff(), 0.03);
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -43,9 +43,9 @@ struct IncrementalPotential {
 
   /// Value; gradient |V|x3 overwritten; second derivative into the matrix.
   double differentiate(const Points3& x, const std::vector<int>& block_of, HessianForm form, Points3& gradient,
-                       BlockCholesky& matrix) const {
+                       BlockCholesky& matrix, const MembraneStress* stress = nullptr) const {
     matrix.set_zero();
-    const double value = elastic.hessian(x, form, gradient, matrix) + inertia_and_weight(x);
+    const double value = elastic.hessian(x, form, gradient, matrix, stress) + inertia_and_weight(x);
     add_inertia_and_weight(x, gradient);
     for (int v = 0; v < x.rows(); ++v)
       matrix.add(matrix.slot(block_of[v], block_of[v]), Matrix3(mass[v] * inertia * Matrix3::Identity()));
@@ -64,6 +64,7 @@ struct Elastic::Impl {
   std::optional<ElasticEnergy> energy, softened;
   Eigen::VectorXd mass;
   double mean_edge = 0;
+  bool remeshed = true;      // since the last step
   std::deque<Points3> past;  // positions before this step, newest first; emptied when the number of vertices changes
   PlasticGrid* grid = nullptr;
   Points2 pattern;
@@ -108,9 +109,9 @@ struct Elastic::Impl {
   }
 
   /// Newton's direction at x; falls back to the projected second derivative, then to a growing multiple of the identity.
-  Points3 direction(const IncrementalPotential& W, const Points3& x, HessianForm& form, double& value, Points3& gradient) {
+  Points3 direction(const IncrementalPotential& W, const Points3& x, HessianForm& form, double& value, Points3& gradient, const MembraneStress* stress = nullptr) {
     for (;; form = HessianForm::projected) {
-      value = W.differentiate(x, block_of, form, gradient, *matrix);
+      value = W.differentiate(x, block_of, form, gradient, *matrix, stress);
       if (!std::isfinite(value)) throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
       bool definite = matrix->factorise();
       if (!definite && form == HessianForm::exact) continue;
@@ -146,7 +147,49 @@ struct Elastic::Impl {
     return 0;
   }
 
-  void minimise(const IncrementalPotential& W, Points3& x, ElasticReport& report) {
+  /// Newton's method with the membrane stress as an unknown of its own, eliminated triangle by triangle: the stress in the
+  /// second derivative is the one that the last step predicted, not the one that its quadratic error in length pretends. Paper
+  /// is so stiff in its plane that plain Newton can only creep along the isometric shapes; this one strides, up and down in W.
+  /// stress   where the membrane is before the first step; overwritten
+  /// returns  false when it did not get to a place to stay, x is then anywhere
+  /// source   [Magisano 2017]
+  bool stride(const IncrementalPotential& W, MembraneStress stress, Points3& x, ElasticReport& report) {
+    constexpr int most_iterations = 25, most_crawling = 8;
+    constexpr double torn = 0.005;  // [1] strain beyond which descent does better
+    const double longest_move = 2 * mean_edge, first_value = W(x), first_strain = largest_strain(stress);
+    Points3 gradient;
+    double last = 0, value;
+    int crawling = 0;
+    for (int k = 0; k < std::min(most_iterations, 2 * options.max_iterations / 3); ++k) {  // the rest is for the way that gets there
+      HessianForm form = HessianForm::exact;
+      Points3 move = direction(W, x, form, value, gradient, &stress);
+      ++report.iterations;
+      const double asked = largest_row(move);
+      if (asked > longest_move) move *= longest_move / asked;
+      stress = W.elastic.stress(x, move);
+      x += move;
+      // steps shrink at least as fast as their last ratio: the next one bounds the distance to the minimum
+      const double ahead = last > 0 ? asked * std::min(1.0, asked / last) : asked;
+      if (asked < options.stop || (form == HessianForm::exact && ahead < options.stop)) {
+        report.converged = W(x) <= first_value && largest_strain(stress) < std::max(torn, 2 * first_strain);
+        return report.converged;
+      }
+      // the crest between two valleys: descent is as slow there, but gets down
+      crawling = form == HessianForm::projected && asked > 0.5 * last && asked < 0.1 * mean_edge ? crawling + 1 : 0;
+      if (crawling == most_crawling) return false;
+      last = asked;
+    }
+    return false;
+  }
+
+  double largest_strain(const MembraneStress& stress) const {
+    double most = 0;
+    for (const Eigen::Matrix2d& s : stress) most = std::max(most, s.norm() / paper.membrane_stiffness);
+    return most;
+  }
+
+  /// Newton's method that goes downhill only.
+  void descend(const IncrementalPotential& W, Points3& x, ElasticReport& report) {
     const double longest_move = 2 * mean_edge;
     double last = 0;
     report.converged = false;
@@ -182,12 +225,21 @@ struct Elastic::Impl {
     }
   }
 
+  /// The minimum of W from x. stress: of the membrane where x came from
+  void minimise(const IncrementalPotential& W, const MembraneStress& stress, Points3& x, ElasticReport& report) {
+    const Points3 start = x;
+    if (stride(W, stress, x, report)) return;
+    x = start;
+    descend(W, x, report);
+  }
+
   /// A second way down from `start`, first with the softened membrane; kept when it ends lower.
   void start_again(const IncrementalPotential& W, const Points3& start, Points3& x, ElasticReport& report) {
     ElasticReport soft, stiff;
     Points3 other = start;
-    minimise({*softened, mass, W.xhat, W.inertia, W.gravity}, other, soft);
-    minimise(W, other, stiff);
+    const MembraneStress none(triangles.rows(), Eigen::Matrix2d::Zero());
+    minimise({*softened, mass, W.xhat, W.inertia, W.gravity}, none, other, soft);
+    minimise(W, softened->stress(other, Points3::Zero(other.rows(), 3)), other, stiff);
     report.iterations += soft.iterations + stiff.iterations;
     const double here = W(x), there = W(other);
     if (there >= here) return;
@@ -210,6 +262,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   soft.membrane_stiffness /= softening;
   s.softened.emplace(soft, sheet.pattern, sheet.triangles, stiffening);
   s.matrix.reset();
+  s.remeshed = true;
   if (!s.past.empty() && s.past.front().rows() != sheet.pattern.rows()) s.past.clear();
   s.pattern = sheet.pattern;
   s.triangles = sheet.triangles;
@@ -253,7 +306,12 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   if (!std::isfinite(least)) throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
 
   ElasticReport report;
-  if (s.matrix) s.minimise(W, sheet.x, report);
+  if (s.matrix) {
+    MembraneStress stress = s.energy->stress(before, Points3::Zero(before.rows(), 3));
+    if (s.remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());  // not in equilibrium: what the mesh did
+    s.minimise(W, stress, sheet.x, report);
+  }
+  s.remeshed = false;
   if (report.iterations > restless) s.start_again(W, guesses.front(), sheet.x, report);
   report.plastic_flow = s.remember(sheet.x);
   const ElasticReport stored = look(sheet);

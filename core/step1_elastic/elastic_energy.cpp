@@ -81,11 +81,18 @@ double ElasticEnergy::gradient(const Points3& x, Points3& gradient) const {
   return evaluate(x, HessianForm::exact, &gradient, nullptr);
 }
 
-double ElasticEnergy::hessian(const Points3& x, HessianForm form, Points3& gradient, BlockCholesky& matrix) const {
-  return evaluate(x, form, &gradient, &matrix);
+double ElasticEnergy::hessian(const Points3& x, HessianForm form, Points3& gradient, BlockCholesky& matrix, const MembraneStress* stress) const {
+  return evaluate(x, form, &gradient, &matrix, stress);
 }
 
-double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* gradient, BlockCholesky* matrix) const {
+MembraneStress ElasticEnergy::stress(const Points3& x, const Points3& move) const {
+  MembraneStress all;
+  all.reserve(triangles_.rows());
+  for (int t = 0; t < triangles_.rows(); ++t) all.push_back(membrane_stress(paper_, rest_[t], corners(x, t), corners(move, t)));
+  return all;
+}
+
+double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* gradient, BlockCholesky* matrix, const MembraneStress* stress) const {
   gradient->setZero(x.rows(), 3);
   std::vector<Fold> folds(hinges_.hinges.size());
   for (std::size_t h = 0; h < folds.size(); ++h) folds[h] = fold(x, hinges_.hinges[h]);
@@ -108,7 +115,7 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
     Matrix3 g = Matrix3::Zero();
     Matrix9 k = Matrix9::Zero();
     const Matrix3 c = corners(x, t);
-    sum += membrane_energy(paper_, rest_[t], c, &g, matrix ? &k : nullptr, form);
+    sum += membrane_energy(paper_, rest_[t], c, &g, matrix ? &k : nullptr, form, stress ? &(*stress)[t] : nullptr);
     for (int i = 0; i < 3; ++i) gradient->row(triangles_(t, i)) += g.row(i);
     if (!matrix) continue;
     Vector3d edge_moment;

@@ -11,6 +11,8 @@
 
 namespace paperbake {
 
+using MembraneStress = std::vector<Eigen::Matrix2d>;  // by triangle, second Piola-Kirchhoff [N/m]
+
 /// Membrane + bending energy of a whole mesh, with everything that depends on the pattern alone computed once.
 class ElasticEnergy {
  public:
@@ -35,7 +37,12 @@ class ElasticEnergy {
   /// Remembers where the blocks of `matrix` lie. block_of[v]: block row of vertex v, -1 when it is held.
   void bind(const BlockCholesky& matrix, const std::vector<int>& block_of);
   /// gradient() that also adds the second derivative [N/m] to the bound matrix.
-  double hessian(const Points3& x, HessianForm, Points3& gradient, BlockCholesky& matrix) const;
+  /// stress  |T| what it takes for the stress of the membrane [N/m]; null: the stress at x
+  double hessian(const Points3& x, HessianForm, Points3& gradient, BlockCholesky& matrix,
+                 const MembraneStress* stress = nullptr) const;
+
+  /// Stress of the membrane at x + move, to first order in move. |T| [N/m]
+  MembraneStress stress(const Points3& x, const Points3& move) const;
 
   /// What the triangles remember. Empty at first: paper that springs back whatever is done to it.
   PlasticMemory memory;
@@ -50,7 +57,7 @@ class ElasticEnergy {
     std::array<int, 6> vertices;    // corners 0-2, wings 3-5 (wing 3+i across the edge opposite corner i), -1: border
     std::array<BlockCholesky::Slot, 21> slots;  // upper half, row by row
   };
-  double evaluate(const Points3& x, HessianForm, Points3* gradient, BlockCholesky* matrix) const;
+  double evaluate(const Points3& x, HessianForm, Points3* gradient, BlockCholesky* matrix, const MembraneStress* stress = nullptr) const;
   /// Adds to the matrix what triangle t contributes: `own`, of its corners alone, and its bending over the whole stencil.
   /// tangent  d2E/dtheta2 of its bending; edge_moment: what its angles feel from both sides
   void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&, const Matrix3& tangent,

@@ -17,6 +17,10 @@ Eigen::Matrix2d tensile_part(const Eigen::Matrix2d& s) {
   return (s - low * Eigen::Matrix2d::Identity()) * (high / (high - low));
 }
 
+/// lambda of plane stress and mu, times the thickness. [N/m]
+double lame_modulus(const Paper& paper) { return paper.membrane_stiffness * paper.poisson / (1 - paper.poisson * paper.poisson); }
+double shear_modulus(const Paper& paper) { return paper.membrane_stiffness / (2 * (1 + paper.poisson)); }
+
 }  // namespace
 
 RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& corners) {
@@ -33,21 +37,17 @@ RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& cor
 }
 
 double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matrix3& x, Matrix3* gradient, Matrix9* hessian,
-                       HessianForm form) {
-  const double nu = paper.poisson;
-  const double lambda = paper.membrane_stiffness * nu / (1 - nu * nu);
-  const double mu = paper.membrane_stiffness / (2 * (1 + nu));
-
+                       HessianForm form, const Eigen::Matrix2d* given_stress) {
+  const double mu = shear_modulus(paper), lambda = lame_modulus(paper);
   const Eigen::Matrix<double, 3, 2> F = x.transpose() * rest.g;
   const Eigen::Matrix2d G = 0.5 * (F.transpose() * F - Eigen::Matrix2d::Identity());
+  const Eigen::Matrix2d S = lambda * G.trace() * Eigen::Matrix2d::Identity() + 2 * mu * G;
   const double energy = rest.area * (0.5 * lambda * G.trace() * G.trace() + mu * G.squaredNorm());
-  if (!gradient && !hessian) return energy;
-
-  const Eigen::Matrix2d S = lambda * G.trace() * Eigen::Matrix2d::Identity() + 2 * mu * G;  // second Piola-Kirchhoff, N/m
   if (gradient) gradient->noalias() += rest.area * rest.g * S * F.transpose();
   if (!hessian) return energy;
 
-  const Eigen::Matrix2d stress = form == HessianForm::exact ? S : tensile_part(S);
+  const Eigen::Matrix2d& felt = given_stress ? *given_stress : S;
+  const Eigen::Matrix2d stress = form == HessianForm::exact ? felt : tensile_part(felt);
   const Eigen::Matrix3d geometric = rest.area * rest.g * stress * rest.g.transpose();
   const Eigen::Matrix3d metric = rest.area * mu * rest.g * rest.g.transpose();
   const Eigen::Matrix3d FFt = F * F.transpose();
@@ -61,6 +61,13 @@ double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matri
       if (i != j) hessian->block<3, 3>(3 * j, 3 * i) += block.transpose();
     }
   return energy;
+}
+
+Eigen::Matrix2d membrane_stress(const Paper& paper, const RestTriangle& rest, const Matrix3& x, const Matrix3& move) {
+  const Eigen::Matrix<double, 3, 2> F = x.transpose() * rest.g, change = move.transpose() * rest.g;
+  const Eigen::Matrix2d first_order = F.transpose() * change;
+  const Eigen::Matrix2d G = 0.5 * (F.transpose() * F - Eigen::Matrix2d::Identity() + first_order + first_order.transpose());
+  return lame_modulus(paper) * G.trace() * Eigen::Matrix2d::Identity() + 2 * shear_modulus(paper) * G;
 }
 
 }  // namespace paperbake
