@@ -2,7 +2,9 @@
 
 #include "core/error.h"
 #include "core/measure.h"
+#include "core/step1_elastic/contact.h"
 #include "core/step1_elastic/elastic_energy.h"
+#include "core/step1_elastic/handle_springs.h"
 #include "core/step1_elastic/predictor.h"
 
 #include <algorithm>
@@ -29,8 +31,15 @@ struct IncrementalPotential {
   Points3 xhat;
   double inertia;               // [1/s2] factor on the mass
   double gravity;
+  const std::vector<HandleSpring>& springs;
+  Contact* contact;             // null: the sheet does not feel itself
 
-  double operator()(const Points3& x) const { return elastic.energy(x) + inertia_and_weight(x); }
+  double operator()(const Points3& x) const {
+    double value = elastic.energy(x) + inertia_and_weight(x);
+    if (!springs.empty()) value += energy(springs, x);
+    if (contact) value += contact->energy(x);
+    return value;
+  }
 
   double inertia_and_weight(const Points3& x) const {
     return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + gravity * x.col(2));
@@ -45,13 +54,27 @@ struct IncrementalPotential {
   double differentiate(const Points3& x, const std::vector<int>& block_of, HessianForm form, Points3& gradient,
                        BlockCholesky& matrix, const MembraneStress* stress = nullptr) const {
     matrix.set_zero();
-    const double value = elastic.hessian(x, form, gradient, matrix, stress) + inertia_and_weight(x);
+    double value = elastic.hessian(x, form, gradient, matrix, stress) + inertia_and_weight(x);
     add_inertia_and_weight(x, gradient);
+    if (!springs.empty()) value += paperbake::differentiate(springs, x, block_of, gradient, matrix);
+    if (contact) value += contact->differentiate(x, gradient, &matrix);
     for (int v = 0; v < x.rows(); ++v)
       matrix.add(matrix.slot(block_of[v], block_of[v]), Matrix3(mass[v] * inertia * Matrix3::Identity()));
     return value;
   }
 };
+
+/// Those of the handles that are hard.
+Gripped hard_handles(const Held& held) {
+  Gripped hard{{}, Points3(held.targets.rows(), 3)};
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
+    if (!held.stiffness.empty() && held.stiffness[k] > 0) continue;
+    hard.targets.row(hard.vertices.size()) = held.targets.row(k);
+    hard.vertices.push_back(held.vertices[k]);
+  }
+  hard.targets.conservativeResize(hard.vertices.size(), 3);
+  return hard;
+}
 
 double largest_row(const Points3& d) { return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0; }
 
@@ -71,10 +94,15 @@ struct Elastic::Impl {
   Triangles triangles;
   PlasticGrid::Cover cover;  // of the grid by the triangles
 
+  std::optional<Contact> contact;
+  bool touching = false;     // at the end of the last step
+
   // belongs to the mesh and the set of held vertices
-  std::vector<int> held;
+  std::vector<int> held;     // left out of the solve
+  std::vector<int> guided;   // taken along by the predictor
   std::vector<int> block_of;
   std::unique_ptr<BlockCholesky> matrix;
+  bool matrix_of_contact = false;
   std::unique_ptr<Predictor> predictor;
 
   void recall() { energy->memory = softened->memory = grid ? grid->read(cover) : PlasticMemory{}; }
@@ -92,20 +120,25 @@ struct Elastic::Impl {
     return growth;
   }
 
-  void hold(const Sheet& sheet, const std::vector<int>& vertices) {
-    if (matrix && vertices == held) return;
-    held = vertices;
+  /// touching: pairs of vertices that contact couples
+  void hold(const Sheet& sheet, const std::vector<int>& fixed, const std::vector<int>& hard, const std::vector<std::pair<int, int>>& touching) {
+    if (!predictor || guided != hard) predictor = std::make_unique<Predictor>(sheet.pattern, sheet.triangles, guided = hard);
+    if (matrix && fixed == held && !matrix_of_contact && touching.empty()) return;
+    held = fixed;
+    matrix_of_contact = !touching.empty();
     block_of.assign(sheet.x.rows(), 0);
     for (int v : held) block_of[v] = -1;
     int blocks = 0;
     for (int& b : block_of)
       if (b == 0) b = blocks++;
     std::vector<std::pair<int, int>> coupled;
-    for (const auto& [i, j] : energy->coupled_vertices())
-      if (block_of[i] >= 0 && block_of[j] >= 0) coupled.emplace_back(block_of[i], block_of[j]);
+    const auto couple = [&](const std::pair<int, int>& pair) {
+      if (const int i = block_of[pair.first], j = block_of[pair.second]; i >= 0 && j >= 0) coupled.emplace_back(i, j);
+    };
+    for (const auto& pair : energy->coupled_vertices()) couple(pair);
+    for (const auto& pair : touching) couple(pair);
     matrix = blocks ? std::make_unique<BlockCholesky>(blocks, std::move(coupled)) : nullptr;
     if (matrix) energy->bind(*matrix, block_of), softened->bind(*matrix, block_of);
-    predictor = std::make_unique<Predictor>(sheet.pattern, sheet.triangles, held);
   }
 
   /// Newton's direction at x; falls back to the projected second derivative, then to a growing multiple of the identity.
@@ -156,7 +189,7 @@ struct Elastic::Impl {
   bool stride(const IncrementalPotential& W, MembraneStress stress, Points3& x, ElasticReport& report) {
     constexpr int most_iterations = 25, most_crawling = 8;
     constexpr double torn = 0.005;  // [1] strain beyond which descent does better
-    const double longest_move = 2 * mean_edge, first_value = W(x), first_strain = largest_strain(stress);
+    const double longest = longest_move(W), first_value = covered(W, x), first_strain = largest_strain(stress);
     Points3 gradient;
     double last = 0, value;
     int crawling = 0;
@@ -165,13 +198,16 @@ struct Elastic::Impl {
       Points3 move = direction(W, x, form, value, gradient, &stress);
       ++report.iterations;
       const double asked = largest_row(move);
-      if (asked > longest_move) move *= longest_move / asked;
+      if (asked > longest) move *= longest / asked;
+      const double free = free_way(W, x, move);
+      move *= free;
       stress = W.elastic.stress(x, move);
       x += move;
+      if (W.contact) W.contact->arrived(x);
       // steps shrink at least as fast as their last ratio: the next one bounds the distance to the minimum
       const double ahead = last > 0 ? asked * std::min(1.0, asked / last) : asked;
-      if (asked < options.stop || (form == HessianForm::exact && ahead < options.stop)) {
-        report.converged = W(x) <= first_value && largest_strain(stress) < std::max(torn, 2 * first_strain);
+      if (free == 1 && (asked < options.stop || (form == HessianForm::exact && ahead < options.stop))) {
+        report.converged = covered(W, x) <= first_value && largest_strain(stress) < std::max(torn, 2 * first_strain);
         return report.converged;
       }
       // the crest between two valleys: descent is as slow there, but gets down
@@ -190,7 +226,8 @@ struct Elastic::Impl {
 
   /// Newton's method that goes downhill only.
   void descend(const IncrementalPotential& W, Points3& x, ElasticReport& report) {
-    const double longest_move = 2 * mean_edge;
+    const double longest = longest_move(W);
+    covered(W, x);
     double last = 0;
     report.converged = false;
     HessianForm form = HessianForm::exact;
@@ -200,7 +237,9 @@ struct Elastic::Impl {
       Points3 move = direction(W, x, form, value, gradient);
       ++report.iterations;
       const double asked = largest_row(move);
-      if (asked > longest_move) move *= longest_move / asked;
+      if (asked > longest) move *= longest / asked;
+      const double free = free_way(W, x, move);
+      move *= free;
       const double slope = gradient.cwiseProduct(move).sum();
       const double length = line_search(W, x, move, value, slope);
       if (length == 0) {
@@ -212,9 +251,10 @@ struct Elastic::Impl {
         continue;
       }
       x += length * move;
-      const double done = length * std::min(asked, longest_move);
+      if (W.contact) W.contact->arrived(x);
+      const double done = length * free * std::min(asked, longest);
       // Newton's steps shrink at least as fast as their last ratio: the next one bounds the distance to the minimum
-      const bool whole = length == 1 && asked <= longest_move;
+      const bool whole = length == 1 && free == 1 && asked <= longest;
       const double ahead = last > 0 ? done * std::min(1.0, done / last) : done;
       if (whole && (ahead < options.stop || done < options.stop)) {
         report.converged = true;
@@ -223,6 +263,23 @@ struct Elastic::Impl {
       last = whole ? done : 0;
       form = HessianForm::exact;
     }
+  }
+
+  /// A value of W at a place that contact has not been asked about.
+  static double covered(const IncrementalPotential& W, const Points3& x) {
+    if (W.contact) W.contact->cover(x, Points3::Zero(x.rows(), 3));
+    return W(x);
+  }
+
+  /// Share of the move on which nothing meets.
+  static double free_way(const IncrementalPotential& W, const Points3& x, const Points3& move) {
+    if (!W.contact) return 1;
+    W.contact->cover(x, move);
+    return W.contact->free_way(x, move);
+  }
+
+  double longest_move(const IncrementalPotential& W) const {
+    return W.contact ? std::min(2 * mean_edge, 2.5 * W.contact->reach()) : 2 * mean_edge;
   }
 
   /// The minimum of W from x. stress: of the membrane where x came from
@@ -238,14 +295,61 @@ struct Elastic::Impl {
     ElasticReport soft, stiff;
     Points3 other = start;
     const MembraneStress none(triangles.rows(), Eigen::Matrix2d::Zero());
-    minimise({*softened, mass, W.xhat, W.inertia, W.gravity}, none, other, soft);
+    minimise({*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, W.contact}, none, other, soft);
     minimise(W, softened->stress(other, Points3::Zero(other.rows(), 3)), other, stiff);
     report.iterations += soft.iterations + stiff.iterations;
-    const double here = W(x), there = W(other);
+    const double here = covered(W, x), there = covered(W, other);
     if (there >= here) return;
     report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
     report.converged = stiff.converged;
     x = std::move(other);
+  }
+
+  /// One step; `feels` is null for a sheet that does not feel itself.
+  ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels) {
+    std::vector<HandleSpring> springs;
+    for (std::size_t k = 0; k < handles.vertices.size(); ++k) {
+      const double k_soft = handles.stiffness.empty() ? 0 : handles.stiffness[k];
+      if (k_soft > 0) springs.push_back(soft_spring(handles.vertices[k], handles.targets.row(k), k_soft));
+      else if (feels) springs.push_back(yielding_spring(handles.vertices[k], handles.targets.row(k)));
+    }
+    if (feels) feels->begin(sheet.x, hard);
+    hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
+         feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
+    if (feels && matrix) feels->bind(*matrix, block_of);
+
+    const bool dynamic = options.inertia == Inertia::dynamic;
+    const Points3 before = sheet.x;
+    const IncrementalPotential W{*energy, mass, dynamic ? Points3(before + dt * sheet.v) : before,
+                                 (dynamic ? 1 : quasi_static_mass) / (dt * dt), options.gravity, springs, feels};
+
+    // start from the guess of least potential
+    double least = std::numeric_limits<double>::infinity();
+    std::vector<Points3> guesses = predictor->guesses(before, past, hard.targets);
+    for (Points3& guess : guesses) {
+      if (feels) {
+        const Points3 move = guess - before;
+        feels->cover(before, move);
+        guess = before + feels->free_way(before, move) * move;
+      }
+      const double value = W(guess);
+      if (value < least) least = value, sheet.x = guess;
+    }
+    if (!std::isfinite(least)) throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
+
+    ElasticReport report;
+    if (matrix) {
+      MembraneStress stress = energy->stress(before, Points3::Zero(before.rows(), 3));
+      if (remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());  // not in equilibrium: what the mesh did
+      minimise(W, stress, sheet.x, report);
+    }
+    if (report.iterations > restless) start_again(W, guesses.front(), sheet.x, report);
+    if (feels) {
+      feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
+      report.contact = true;
+      report.touching = feels->active(sheet.x);
+    }
+    return report;
   }
 };
 
@@ -263,6 +367,8 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.softened.emplace(soft, sheet.pattern, sheet.triangles, stiffening);
   s.matrix.reset();
   s.remeshed = true;
+  s.predictor.reset();
+  if (s.options.contact == SelfContact::automatic) s.contact.emplace(sheet.pattern, sheet.triangles);
   if (!s.past.empty() && s.past.front().rows() != sheet.pattern.rows()) s.past.clear();
   s.pattern = sheet.pattern;
   s.triangles = sheet.triangles;
@@ -290,29 +396,20 @@ ElasticReport Elastic::look(const Sheet& sheet) const {
 
 ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   Impl& s = *impl_;
-  s.hold(sheet, held.vertices);
   const bool dynamic = s.options.inertia == Inertia::dynamic;
   const Points3 before = sheet.x;
-  const IncrementalPotential W{*s.energy, s.mass, dynamic ? Points3(before + dt * sheet.v) : before,
-                               (dynamic ? 1 : quasi_static_mass) / (dt * dt), s.options.gravity};
-
-  // start from the guess of least potential
-  double least = std::numeric_limits<double>::infinity();
-  const std::vector<Points3> guesses = s.predictor->guesses(before, s.past, held.targets);
-  for (const Points3& guess : guesses) {
-    const double value = W(guess);
-    if (value < least) least = value, sheet.x = guess;
-  }
-  if (!std::isfinite(least)) throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
-
+  Gripped hard = hard_handles(held);
   ElasticReport report;
-  if (s.matrix) {
-    MembraneStress stress = s.energy->stress(before, Points3::Zero(before.rows(), 3));
-    if (s.remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());  // not in equilibrium: what the mesh did
-    s.minimise(W, stress, sheet.x, report);
+  const bool may_touch = s.options.contact == SelfContact::automatic;
+  if (!may_touch || !s.touching) report = s.solve(sheet, held, hard, dt, nullptr);
+  if (may_touch && (s.touching || !s.contact->clear(before, sheet.x, hard))) {
+    const int in_vain = report.iterations;
+    sheet.x = before;
+    report = s.solve(sheet, held, hard, dt, &*s.contact);
+    report.iterations += in_vain;
+    s.touching = report.touching > 0;
   }
   s.remeshed = false;
-  if (report.iterations > restless) s.start_again(W, guesses.front(), sheet.x, report);
   report.plastic_flow = s.remember(sheet.x);
   const ElasticReport stored = look(sheet);
   report.membrane = stored.membrane;

@@ -10,18 +10,21 @@
 namespace paperbake {
 
 enum class Inertia { quasi_static, dynamic };
+enum class SelfContact { automatic, off };  // automatic: in the steps in which the sheet comes near itself
 
 struct ElasticOptions {
   double stop = 1e-5;          // [m]    Newton ends when no vertex is farther than this from the minimum, as far as it can tell
   int max_iterations = 60;     // [1]    an unfinished minimisation goes on in the next step
   double gravity = 0;          // [m/s2] along -z
   Inertia inertia = Inertia::quasi_static;
+  SelfContact contact = SelfContact::automatic;
 };
 
 /// Vertices that are held, and where.
 struct Held {
   std::vector<int> vertices;   // each at most once
   Points3 targets;             // |vertices|x3 [m]
+  std::vector<double> stiffness;  // |vertices| [N/m] of soft handles, 0: hard; empty: all are hard
 };
 
 struct ElasticReport {
@@ -31,6 +34,8 @@ struct ElasticReport {
   double membrane = 0;         // [J] its membrane part
   double plastic_flow = 0;     // [m rad] by how much the plastic integral grew in this step
   double lower_branch = 0;     // [1] by how much of the potential a second start was lower, when it was taken
+  bool contact = false;        // the sheet came near itself: the step was taken with contact
+  int touching = 0;            // pairs of vertex and triangle, or edge and edge, that push each other at its end
 };
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
@@ -50,6 +55,10 @@ struct ElasticReport {
 /// and the lower end is kept.
 ///
 /// With a memory, E_bending yields inside the step (bending.h), and what has flowed at its end is remembered.
+/// A step that brings parts of the sheet near each other is taken with self-contact (contact.h): the barrier is part of W, no
+/// iteration passes through anything, and handles pull with springs that give way where the paper is jammed
+/// (handle_springs.h). A step in which nothing comes near is the same to the last bit as without contact.
+///
 /// source [Martin 2011]; damping of the velocity 0.98 a step
 class Elastic {
  public:

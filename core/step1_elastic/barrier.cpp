@@ -1,0 +1,49 @@
+#include "core/step1_elastic/barrier.h"
+
+#include "core/proximity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace paperbake {
+
+Barrier barrier(double d, double reach) {
+  constexpr double kappa = 50;  // [N/m]
+  if (d >= reach) return {0, 0, 0};
+  if (d <= 0) return {std::numeric_limits<double>::infinity(), 0, 0};
+  const double in = d - reach, logarithm = std::log(d / reach);
+  return {-kappa * in * in * logarithm, -kappa * (2 * in * logarithm + in * in / d),
+          -kappa * (2 * logarithm + 4 * in / d - in * in / (d * d))};
+}
+
+double relative_move(const std::array<Vector3d, 4>& moves, bool edges) {
+  double most = 0;
+  for (int i = 0; i < (edges ? 2 : 1); ++i)
+    for (int j = edges ? 2 : 1; j < 4; ++j) most = std::max(most, (moves[i] - moves[j]).squaredNorm());
+  return std::sqrt(most);
+}
+
+double free_way(const std::array<Vector3d, 4>& corners, const std::array<Vector3d, 4>& moves, bool edges) {
+  constexpr double gap_kept = 0.2, of_the_way = 0.9;
+  constexpr int most_steps = 60;
+  const double speed = relative_move(moves, edges);
+  const auto distance = [&](const std::array<Vector3d, 4>& x) { return (edges ? edge_to_edge(x) : vertex_to_triangle(x)).distance(); };
+  double d = distance(corners);
+  const double kept = gap_kept * d;
+  if (speed == 0 || d - speed > kept) return 1;
+  double t = 0;
+  for (int k = 0; k < most_steps; ++k) {
+    const double step = of_the_way * (d - kept) / speed;
+    if (!(step > 0)) return t;
+    if (k > 0 && d - kept < 0.01 * kept) return t;
+    t += step;
+    if (t >= 1) return 1;
+    std::array<Vector3d, 4> x;
+    for (int i = 0; i < 4; ++i) x[i] = corners[i] + t * moves[i];
+    d = distance(x);
+  }
+  return t;
+}
+
+}  // namespace paperbake

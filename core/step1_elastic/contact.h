@@ -1,0 +1,106 @@
+#pragma once
+
+#include "core/step1_elastic/block_cholesky.h"
+#include "core/step1_elastic/near_triangles.h"
+
+#include <array>
+#include <utility>
+#include <vector>
+
+namespace paperbake {
+
+/// Where handles hold the sheet, as far as contact has to know: what they bring together is their own business.
+struct Gripped {
+  std::vector<int> vertices;
+  Points3 targets;              // |vertices|x3 [m]
+};
+
+/// Two features that may touch: a vertex and a triangle it is no corner of, or two edges without a common vertex.
+struct ContactPair {
+  std::array<int, 4> vertices;  // vertex, triangle; or edge, edge
+  bool edges;
+  double reach;                 // [m] d^ of this pair
+};
+
+/// Self-contact of one mesh: a barrier (barrier.h) for every pair of features within reach.
+///
+/// Every pair has its own reach d^ = min(d^ of the sheet, 0.3 x distance of the two features on the pattern): neighbours do not
+/// repel each other, and a fold cannot pass through pi. Left out are pairs held in every corner; pairs that handles bring
+/// together (held vertices on both sides: d^ is 0.9 x their distance at most, and nothing under 1 % of it); and, until they
+/// are apart, pairs that touch, or belong to triangles that pass through each other, as a step begins.
+/// Two sides of a cut in the pattern have no distance there: nothing keeps them apart.
+class Contact {
+ public:
+  Contact(const Points2& pattern, const Triangles&);
+
+  /// d^ of the sheet: 2 mm; 1 % of the side of a square of its area where that is less. [m]
+  double reach() const { return reach_; }
+
+  /// True when nothing meets on the straight way from `from` to `to` and no pair is within reach at its end: then contact
+  /// would not have changed a thing. What the triangles round a vertex do among each other is looked at only where they turn
+  /// by more than 60 degrees from their mean.
+  bool clear(const Points3& from, const Points3& to, const Gripped&);
+
+  /// Begins a step from x.
+  void begin(const Points3& x, const Gripped&);
+
+  /// Finds every pair that can meet or come within reach on the way from y to y + move. To be called before any function
+  /// below is asked about a place on that way; it costs little while the sheet stays near the way covered last.
+  void cover(const Points3& y, const Points3& move);
+  /// The sheet has gone the way covered last, up to here.
+  void arrived(const Points3& y);
+
+  /// Share of the move that leaves a fifth of every gap.
+  double free_way(const Points3& y, const Points3& move) const;
+
+  double energy(const Points3& y) const;  // [J]
+  /// The energy; its derivative is added to the gradient and b'' w_i w_j n n^T, which is never indefinite, to the bound matrix.
+  double differentiate(const Points3& y, Points3& gradient, BlockCholesky* matrix);
+
+  /// Vertices of pairs within 1.5 d^, each with each.
+  std::vector<std::pair<int, int>> coupled_vertices(const Points3& y) const;
+  /// block_of[v]: block row of vertex v, -1 when it is held. Blocks that the matrix has not are passed by.
+  void bind(const BlockCholesky&, const std::vector<int>& block_of);
+
+  const std::vector<ContactPair>& pairs() const { return pairs_; }
+  int active(const Points3& y) const;  // pairs within reach
+
+ private:
+  using Slots = std::array<BlockCholesky::Slot, 10>;  // upper half, row by row
+
+  void judge_by(const Points3& start, const Gripped&);
+  void find_entangled(const Points3& x);
+  bool entangled(const std::array<int, 4>& vertices, bool edges) const;
+  void gather(const Points3& y, const Points3& move);
+  template <class Visit>
+  void for_each_pair(int a, int b, Visit) const;
+  double reach_of(const std::array<int, 4>& vertices, bool edges) const;
+  double reach_of_grips(const std::array<int, 4>& vertices, bool edges, double reach) const;
+  bool meets(const Points3& from, const Points3& to, const std::array<int, 4>& vertices, bool edges) const;
+  double slack(const Points3& y) const;
+  template <class Visit>
+  void for_each_active(const Points3& y, double share_of_reach, Visit) const;
+
+  Points2 pattern_;
+  Triangles triangles_;
+  NearTriangles near_;
+  double reach_;
+  double tube_;                                 // [m] how far from the way covered last the list is good
+
+  std::vector<int> grip_;                       // |V| index into gripped_; -1
+  Gripped gripped_;
+  Points3 start_;                               // [m] as the step began
+  std::vector<std::pair<int, int>> entangled_;  // triangles that pass through each other as the step begins
+
+  std::vector<ContactPair> pairs_;
+  std::vector<double> spare_;                   // [m] least distance on the way less reach, by pair
+  Points3 reference_;                           // [m] the list is good within tube_ of it
+  bool swept_ = false;                          // ... and of the way that begins there
+
+  const BlockCholesky* matrix_ = nullptr;
+  std::vector<int> block_of_;
+  std::vector<Slots> slots_;                    // of pairs_, found when they are first needed
+  std::vector<char> placed_;
+};
+
+}  // namespace paperbake
