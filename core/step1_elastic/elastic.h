@@ -24,7 +24,7 @@ struct ElasticOptions {
 struct Held {
   std::vector<int> vertices;   // each at most once
   Points3 targets;             // |vertices|x3 [m]
-  std::vector<double> stiffness;  // |vertices| [N/m] of soft handles, 0: hard; empty: all are hard
+  std::vector<double> stiffness = {};  // |vertices| [N/m] of soft handles, 0: hard; empty: all are hard
 };
 
 struct ElasticReport {
