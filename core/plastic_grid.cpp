@@ -90,11 +90,16 @@ PlasticGrid::Cover PlasticGrid::cover(const Points2& pattern, const Triangles& t
 
 PlasticMemory PlasticGrid::read(const Cover& cover) const {
   const int triangles = static_cast<int>(cover.first.size()) - 1;
-  PlasticMemory memory{Points3(triangles, 3), Eigen::VectorXd(triangles)};
+  PlasticMemory memory(triangles);
   for (int t = 0; t < triangles; ++t) {
     Eigen::Vector4d sum = Eigen::Vector4d::Zero();
-    for (int k = cover.first[t]; k < cover.first[t + 1]; ++k) sum += cells_[cover.cell[k]].memory;
+    double ridge = 0;
+    for (int k = cover.first[t]; k < cover.first[t + 1]; ++k) {
+      sum += cells_[cover.cell[k]].memory;
+      ridge += cells_[cover.cell[k]].ridge;
+    }
     sum /= cover.first[t + 1] - cover.first[t];
+    memory.ridge[t] = ridge / (cover.first[t + 1] - cover.first[t]);
     memory.curvature.row(t) = sum.head<3>();
     memory.hardening[t] = sum[3];
   }
@@ -112,6 +117,8 @@ double PlasticGrid::write(const Cover& cover, const PlasticMemory& gained) {
       growth -= frobenius(memory);
       memory += cover.share[k] * gain;
       growth += frobenius(memory);
+      double& ridge = cells_[cover.cell[k]].ridge;
+      ridge = std::max(ridge, gained.ridge[t]);
     }
   }
   return area_inside_ * growth;

@@ -11,6 +11,12 @@ namespace paperbake {
 struct PlasticMemory {
   Points3 curvature;          // |T|x3 [1/m] Sp: Sxx, Sxy, Syy; the curvature to which the triangle springs back
   Eigen::VectorXd hardening;  // |T|   [1/m] alpha: plastic curvature added up along the way, there and back
+  Eigen::VectorXd ridge;      // |T|   [1]   s in [0, 1]: how much of a sharp ridge it was while it flowed (step1_elastic/ridges.h)
+
+  PlasticMemory() = default;
+  /// Of triangles to which nothing has happened.
+  explicit PlasticMemory(int triangles)
+      : curvature(Points3::Zero(triangles, 3)), hardening(Eigen::VectorXd::Zero(triangles)), ridge(Eigen::VectorXd::Zero(triangles)) {}
 };
 
 /// The plastic memory of a sheet: square cells on its pattern, 64 along the longer side, that outlive every mesh.
@@ -32,7 +38,7 @@ class PlasticGrid {
 
   PlasticMemory read(const Cover&) const;
 
-  /// Adds to the memory what triangles gained.
+  /// Adds to the memory what triangles gained; of what was a ridge, the most is kept.
   /// returns  by how much integral() grew [m rad]
   double write(const Cover&, const PlasticMemory& gained);
 
@@ -42,6 +48,7 @@ class PlasticGrid {
  private:
   struct Cell {
     Eigen::Vector4d memory = Eigen::Vector4d::Zero();  // [1/m] Sxx, Sxy, Syy, alpha
+    double ridge = 0;                                  // [1]   s
     bool inside = false;                               // its centre lies in the pattern
     int nearest = -1;                                  // about the nearest cell that is inside; itself when it is
   };

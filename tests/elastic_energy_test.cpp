@@ -31,7 +31,7 @@ Paper soft_paper() {
 
 PlasticMemory some_memory(const Sheet& sheet) {
   const int n = static_cast<int>(sheet.triangles.rows());
-  PlasticMemory memory{Points3(n, 3), Eigen::VectorXd(n)};
+  PlasticMemory memory(n);
   for (int t = 0; t < n; ++t) {
     memory.curvature.row(t) << 10 * std::sin(t), 5 * std::cos(2 * t), -8 * std::sin(3 * t);
     memory.hardening[t] = 10 + 10 * std::cos(5 * t);
@@ -107,7 +107,8 @@ TEST(ElasticEnergy, PaperThatNeverYieldsHasTheElasticEnergyToTheLastBit) {
   paper.yield_strain = std::numeric_limits<double>::infinity();
   ElasticEnergy with(paper, sheet.pattern, sheet.triangles);
   const int n = static_cast<int>(sheet.triangles.rows());
-  with.memory = {Points3::Zero(n, 3), some_memory(sheet).hardening};
+  with.memory = PlasticMemory(n);
+  with.memory.hardening = some_memory(sheet).hardening;
   ASSERT_GT(without.parts(sheet.x).bending, 1e-4);
   EXPECT_EQ(with.energy(sheet.x), without.energy(sheet.x));
   EXPECT_EQ(dense_hessian(with, sheet.x, HessianForm::exact), dense_hessian(without, sheet.x, HessianForm::exact));
@@ -174,7 +175,7 @@ TEST(ElasticEnergy, SheetInItsPlasticShapeIsAtRestUpToItsBorders) {
   // the last triangles have no fold that could tell the curvature across the border: they must not take it from Sp either
   Sheet sheet = test::strip_sheet(0.03, 0.015, 40);
   ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
-  energy.memory = {Points3::Zero(80, 3), Eigen::VectorXd::Zero(80)};
+  energy.memory = PlasticMemory(80);
   energy.memory.curvature.col(0).setConstant(200);
   const double flat = energy.parts(sheet.x).bending;
   ASSERT_GT(flat, 1e-4);

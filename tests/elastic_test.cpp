@@ -172,7 +172,7 @@ TEST(Elastic, FreeSheetFallsWithGravityWhenInertiaIsOn) {
 
 TEST(Elastic, PlasticCurvatureIsTheShapeASheetTakesWhenItIsFree) {
   Sheet sheet = strip_sheet(0.1, 0.03, 20);
-  PlasticMemory bent{Points3::Zero(sheet.triangles.rows(), 3), Eigen::VectorXd::Zero(sheet.triangles.rows())};
+  PlasticMemory bent(static_cast<int>(sheet.triangles.rows()));
   bent.curvature.col(0).setConstant(1 / 0.08);
   PlasticGrid grid(test::rectangle(0.1, 0.03));
   grid.write(grid.cover(sheet.pattern, sheet.triangles), bent);

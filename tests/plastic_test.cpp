@@ -145,7 +145,7 @@ TEST(Plastic, StepThatIsTakenBackLeavesNoTraceWithACopyOfTheGrid) {
 /// A smooth field of plastic curvature, up to 60 1/m, at the middle of every triangle.
 PlasticMemory field(const Sheet& sheet) {
   const int n = static_cast<int>(sheet.triangles.rows());
-  PlasticMemory memory{Points3(n, 3), Eigen::VectorXd(n)};
+  PlasticMemory memory(n);
   for (int t = 0; t < n; ++t) {
     Eigen::RowVector2d p(0, 0);
     for (int i = 0; i < 3; ++i) p += sheet.pattern.row(sheet.triangles(t, i)) / 3;
@@ -249,7 +249,8 @@ TEST(Plastic, CellsOutsideThePatternAreNeverRead) {
   for (int r = 0; r < 64; ++r)
     for (int c = 0; c < 64; ++c) EXPECT_EQ(readers[64 * r + c], r < 32 || c < 32 ? 1 : 0) << "row " << r << ", column " << c;
   const int n = static_cast<int>(mesh.triangles.rows());
-  PlasticMemory gain{Points3::Zero(n, 3), Eigen::VectorXd::Constant(n, 10)};
+  PlasticMemory gain(n);
+  gain.hardening.setConstant(10);
   gain.curvature.col(1).setConstant(10);
   EXPECT_NEAR(grid.write(cover, gain) / (std::sqrt(2) * 10 * area(shape)), 1, 1e-9);
 }
@@ -261,7 +262,8 @@ TEST(Plastic, TrianglesThatShareACellDoNotAddUp) {
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
   const int n = static_cast<int>(sheet.triangles.rows());
   ASSERT_GT(n, 3 * 64 * 32);
-  PlasticMemory gain{Points3::Zero(n, 3), Eigen::VectorXd::Constant(n, 10)};
+  PlasticMemory gain(n);
+  gain.hardening.setConstant(10);
   gain.curvature.col(0).setConstant(10);
   grid.write(cover, gain);
   EXPECT_NEAR(grid.integral() / (10 * length * width), 1, 1e-9);

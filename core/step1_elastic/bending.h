@@ -58,7 +58,7 @@ RestBending rest_bending(const Paper&, const Points2& pattern, const Eigen::RowV
 /// What a triangle brings along from its past.
 struct PlasticState {
   Vector3d curvature{0, 0, 0};                             // Sp [1/m] Sxx, Sxy, Syy
-  double yield = std::numeric_limits<double>::infinity();  // q_y [1/m]; infinite: elastic
+  double yield = std::numeric_limits<double>::infinity();  // q_y [1/m] = k_y/m + eta/(1-eta) alpha, m the focus of ridges.h; infinite: elastic
 };
 
 /// Energy of one triangle and the moments that its three angles feel, with the flow of this step inside: linear hardening

@@ -112,6 +112,11 @@ struct Elastic::Impl {
     recall();
   }
 
+  /// Where the sheet bends in two directions as a step begins, it yields as ridges do.
+  void look_for_ridges(const Sheet& sheet, const std::vector<int>& vertices) {
+    if (grid) energy->ridges = softened->ridges = find_ridges(sheet, paper, vertices, energy->memory.ridge);
+  }
+
   /// What has flowed goes to the grid and comes back as the past of the next step. returns the growth of the integral [m rad]
   double remember(const Points3& x) {
     if (!grid) return 0;
@@ -399,6 +404,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   const bool dynamic = s.options.inertia == Inertia::dynamic;
   const Points3 before = sheet.x;
   Gripped hard = hard_handles(held);
+  s.look_for_ridges(sheet, held.vertices);
   ElasticReport report;
   const bool may_touch = s.options.contact == SelfContact::automatic;
   if (!may_touch || !s.touching) report = s.solve(sheet, held, hard, dt, nullptr);

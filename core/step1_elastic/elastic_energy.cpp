@@ -40,12 +40,13 @@ Matrix3 ElasticEnergy::corners(const Points3& x, int t) const {
 
 PlasticState ElasticEnergy::past(int t) const {
   if (memory.hardening.size() == 0) return {};
-  const double eta = paper_.hardening, first_yield = 2 * paper_.yield_strain / paper_.thickness;
+  const double eta = paper_.hardening, focus = ridges.focus.size() ? ridges.focus[t] : 1;
+  const double first_yield = 2 * paper_.yield_strain / (paper_.thickness * focus);
   return {memory.curvature.row(t), first_yield + eta / (1 - eta) * memory.hardening[t]};
 }
 
 PlasticMemory ElasticEnergy::gained(const Points3& x) const {
-  PlasticMemory sum{Points3(triangles_.rows(), 3), Eigen::VectorXd(triangles_.rows())};
+  PlasticMemory sum(static_cast<int>(triangles_.rows()));
   for (int t = 0; t < triangles_.rows(); ++t) {
     Vector3d angles;
     for (int i = 0; i < 3; ++i) {
@@ -55,6 +56,7 @@ PlasticMemory ElasticEnergy::gained(const Points3& x) const {
     const PlasticGain gain = plastic_gain(bend_[t], angles, past(t));
     sum.curvature.row(t) = gain.curvature;
     sum.hardening[t] = gain.hardening;
+    if (gain.hardening > 0 && ridges.share.size()) sum.ridge[t] = ridges.share[t];
   }
   return sum;
 }

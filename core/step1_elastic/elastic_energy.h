@@ -4,6 +4,7 @@
 #include "core/step1_elastic/bending.h"
 #include "core/step1_elastic/block_cholesky.h"
 #include "core/step1_elastic/membrane.h"
+#include "core/step1_elastic/ridges.h"
 
 #include <array>
 #include <utility>
@@ -46,6 +47,8 @@ class ElasticEnergy {
 
   /// What the triangles remember. Empty at first: paper that springs back whatever is done to it.
   PlasticMemory memory;
+  /// How sharply they bend within; empty: evenly.
+  Ridges ridges;
 
   /// What they gain when the sheet is left at x.
   PlasticMemory gained(const Points3& x) const;

@@ -1,0 +1,80 @@
+#include "core/step1_elastic/ridges.h"
+
+#include "core/curvature.h"
+#include "core/hinges.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+constexpr double smooth_turn = 6 * M_PI / 180, ridge_turn = 15 * M_PI / 180;
+constexpr double width_factor = 0.4, neighbourhood = 0.5;
+constexpr int least_ends = 4;
+
+double triangle_area(const Sheet& sheet, int t) {
+  const Vector2d u = (sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
+  const Vector2d v = (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
+  return 0.5 * (u.x() * v.y() - u.y() * v.x());
+}
+
+/// s of each vertex alone.
+Eigen::VectorXd sharpness(const Sheet& sheet, const Points3& curvature, const std::vector<double>& area, const std::vector<int>& held) {
+  Eigen::VectorXd ring = Eigen::VectorXd::Zero(sheet.pattern.rows()), s(sheet.pattern.rows());
+  const Hinges hinges = find_hinges(sheet.triangles);
+  std::vector<char> left_out(sheet.pattern.rows(), 0);
+  for (const int v : held) left_out[v] = 1;
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      ring[sheet.triangles(t, i)] += area[t] / 3;
+      if (hinges.of_triangle[t][i] < 0) left_out[sheet.triangles(t, (i + 1) % 3)] = left_out[sheet.triangles(t, (i + 2) % 3)] = 1;
+    }
+  for (int v = 0; v < s.size(); ++v) {
+    const double turn = std::abs(principal_curvature(curvature.row(v)).k2) * std::sqrt(ring[v]);
+    s[v] = left_out[v] ? 0 : std::clamp((turn - smooth_turn) / (ridge_turn - smooth_turn), 0.0, 1.0);
+  }
+  return s;
+}
+
+/// Size of a triangle across the ruling through it.
+double size_across(const Sheet& sheet, int t, const Vector2d& across, double area) {
+  const Vector2d along(-across.y(), across.x());
+  double low = 1e300, high = -1e300;
+  for (int i = 0; i < 3; ++i) {
+    const double p = along.dot(sheet.pattern.row(sheet.triangles(t, i)));
+    low = std::min(low, p), high = std::max(high, p);
+  }
+  return 2 * area / (high - low);
+}
+
+}  // namespace
+
+Ridges find_ridges(const Sheet& sheet, const Paper& paper, const std::vector<int>& held, const Eigen::VectorXd& remembered) {
+  const int triangles = static_cast<int>(sheet.triangles.rows());
+  const Points3 curvature = vertex_curvature(sheet);
+  std::vector<double> area(triangles);
+  double whole = 0;
+  for (int t = 0; t < triangles; ++t) whole += area[t] = triangle_area(sheet, t);
+  const Eigen::VectorXd s = sharpness(sheet, curvature, area, held);
+
+  Ridges ridges{remembered, Eigen::VectorXd::Ones(triangles)};
+  const int ends = std::max<int>(least_ends, static_cast<int>(held.size() + sheet.singular.size()));
+  const double X = std::sqrt(whole / ends);
+  const double width = width_factor * std::cbrt(paper.thickness) * std::pow(X, 2.0 / 3);
+  for (int t = 0; t < triangles; ++t) {
+    Eigen::RowVector2d centre(0, 0);
+    for (int i = 0; i < 3; ++i) centre += sheet.pattern.row(sheet.triangles(t, i)) / 3;
+    for (int i = 0; i < 3; ++i) ridges.share[t] = std::max(ridges.share[t], s[sheet.triangles(t, i)]);
+    for (int v = 0; v < s.size(); ++v)
+      if (s[v] > ridges.share[t] && (sheet.pattern.row(v) - centre).norm() < neighbourhood * X) ridges.share[t] = s[v];
+    if (ridges.share[t] <= 0) continue;
+    Vector3d tensor = Vector3d::Zero();
+    for (int i = 0; i < 3; ++i) tensor += curvature.row(sheet.triangles(t, i)).transpose() / 3;
+    const double across = size_across(sheet, t, principal_curvature(tensor).across, area[t]);
+    ridges.focus[t] = 1 - ridges.share[t] + ridges.share[t] * std::max(1.0, across / width);
+  }
+  return ridges;
+}
+
+}  // namespace paperbake
