@@ -222,6 +222,29 @@ TEST_F(CommandLine, AFileInTheWayOfAParentFolderEndsWithSix) {
   EXPECT_TRUE(is_error(bake({}), 6, output(), "file is in the way"));
 }
 
+TEST_F(CommandLine, DebugPicturesAreOfTheFramesOfTheMapsAndOfTheLast) {
+  const std::string pictures = folder / "pictures" / "here";
+  ASSERT_EQ(bake({"--frames", "1-9", "--debug-pictures", pictures}).code, 0);
+  std::set<std::string> found;
+  for (const auto& entry : fs::directory_iterator(pictures)) found.insert(entry.path().filename());
+  EXPECT_EQ(found, (std::set<std::string>{"S4_crumple.0001.png", "S4_crumple.0007.png", "S4_crumple.0009.png"}));
+  const std::string bytes = read(pictures + "/S4_crumple.0007.png");
+  EXPECT_EQ(bytes.substr(1, 3), "PNG");
+
+  const std::string others = folder / "others";
+  ASSERT_EQ(bake({"--frames", "1-9", "--map-frames", "3-7x4", "--debug-pictures", others, "--threads", "1"}).code, 0);
+  EXPECT_FALSE(fs::exists(others + "/S4_crumple.0001.png"));
+  EXPECT_TRUE(fs::exists(others + "/S4_crumple.0003.png"));
+  EXPECT_EQ(read(others + "/S4_crumple.0007.png"), bytes) << "same frame, same picture";
+}
+
+TEST_F(CommandLine, AFileInTheWayOfTheDebugPicturesEndsWithSix) {
+  write(folder / "pictures", "I was here first.");
+  const Ended ended = bake({"--debug-pictures", folder / "pictures"});
+  EXPECT_TRUE(is_error(ended, 6, folder / "pictures", "file is in the way"));
+  EXPECT_NE(ended.err.find("--debug-pictures"), std::string::npos) << ended.err;
+}
+
 TEST_F(CommandLine, AFolderInTheWayOfAnOutputFileEndsWithSix) {
   fs::create_directories(fs::path(output()) / "S4_crumple.abc" / "full");
   EXPECT_TRUE(is_error(bake({}), 6, output() + "/S4_crumple.abc", ""));
