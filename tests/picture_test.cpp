@@ -156,7 +156,7 @@ TEST(Picture, LettersAreReadable) {
 class PictureFile : public testing::Test {
  protected:
   void SetUp() override {
-    folder = fs::path(testing::TempDir()) / "paperbake_picture";
+    folder = fs::path(testing::TempDir()) / testing::UnitTest::GetInstance()->current_test_info()->name();
     fs::remove_all(folder);
     fs::create_directories(folder);
   }
