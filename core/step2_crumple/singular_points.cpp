@@ -74,7 +74,8 @@ Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std
     conflicts.turn[v] = std::abs(p.k2) * std::sqrt(area[v]);
     conflicts.beyond[v] = conflicts.turn[v] > (beside[v] ? options.absorbed_turn : options.conflict_turn) &&
                           std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1);
-    conflicts.core[v] = area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
+    // what bulges beside a singular point is that point's own cone: it would draw the next one there
+    if (!beside[v] || conflicts.beyond[v]) conflicts.core[v] = area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
   }
   return conflicts;
 }

@@ -14,7 +14,7 @@ namespace paperbake {
 struct Conflicts {
   std::vector<double> turn;  // [rad] q_v = |k2| sqrt(A_v), the turning angle in the second direction; 0 where nothing may be born
   std::vector<char> beyond;  // more than paper does
-  std::vector<double> core = {};  // [1/m2] A_v max(0, k1 k2)^2: how much it looks like the core of a d-cone; 0 where turn is
+  std::vector<double> core = {};  // [1/m2] A_v max(0, k1 k2)^2: how much it looks like the core of a new d-cone; 0 where turn is
 };
 /// fixed  vertices that are held: a point load is no d-cone
 Conflicts find_conflicts(const Sheet&, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions&);
