@@ -1,5 +1,6 @@
 #include "baker/bake.h"
 
+#include "baker/debug_pictures.h"
 #include "baker/frame_queue.h"
 #include "baker/output_folder.h"
 #include "baker/summary.h"
@@ -35,14 +36,15 @@ struct Certificate {
 /// its successor, so that its velocity is the central difference of the true motion.
 class SheetOutput {
  public:
-  SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, AlembicWriter* cache,
+  SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, AlembicWriter* cache, std::string suffix,
               std::filesystem::path map_stem, Certificate& certificate, std::vector<std::filesystem::path>& files)
-      : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), cache_(cache), map_stem_(std::move(map_stem)),
+      : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), cache_(cache), suffix_(std::move(suffix)), map_stem_(std::move(map_stem)),
         certificate_(certificate), files_(files), input_hash_(plan.start_hash[sheet]) {}
 
   const FrameRecord* take(const AnimatedFrame& frame) {
     input_hash_ = frame_input_hash(input_hash_, shot_, frame.frame, plan_.animation.first_frame);
     draw_map(frame);
+    draw_debug_picture(frame);
     release_waiting(&*frame.sheet);
     before_ = now_;
     now_ = frame.sheet->x;
@@ -123,6 +125,14 @@ class SheetOutput {
     map_->write(files_.back(), map_info(frame.frame));
   }
 
+  void draw_debug_picture(const AnimatedFrame& frame) const {
+    if (!settings_.debug_pictures || frame.frame < plan_.frames.first) return;
+    const bool listed = std::any_of(plan_.debug_frames.begin(), plan_.debug_frames.end(), [&](const FrameSpan& s) { return s.contains(frame.frame); });
+    if (!listed && frame.new_singular == 0 && frame.frame != plan_.frames.last) return;
+    const std::string title = fmt::format("{}, {}, {}, frame {}", plan_.name, shot_.sheet_name, plan_.methods[sheet_].name, frame.frame);
+    write_png(*settings_.debug_pictures / fmt::format("{}{}.{:04}.png", plan_.name, suffix_, frame.frame), debug_picture(shot_, frame, title));
+  }
+
   MapInfo map_info(int frame) const {
     return {frame, plan_.animation.fps, plan_.seeds[sheet_], plan_.presets[sheet_]};
   }
@@ -155,6 +165,7 @@ class SheetOutput {
   std::size_t sheet_;
   const Shot& shot_;
   AlembicWriter* cache_;
+  std::string suffix_;                         // of file names, when there are several sheets
   std::filesystem::path map_stem_;
   Certificate& certificate_;
   std::vector<std::filesystem::path>& files_;  // what was written
@@ -210,6 +221,7 @@ void write_certificate(const OutputFolder& folder, const BakeSettings& settings,
 
 BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& progress) {
   const OutputFolder folder(settings.output);
+  if (settings.debug_pictures) make_folder(*settings.debug_pictures, "--debug-pictures");
   BakeOutcome outcome;
   Certificate certificate;
   std::unique_ptr<AlembicWriter> cache;
@@ -227,7 +239,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     const Shot& shot = plan.shots[s];
     const std::string suffix = plan.shots.size() > 1 ? "." + sheet_file_name(shot.sheet_name) : "";
     const auto map_stem = settings.formats.count("maps") ? folder.sub("maps") / (plan.name + suffix) : std::filesystem::path();
-    SheetOutput output(settings, plan, s, cache.get(), map_stem, certificate, outcome.files);
+    SheetOutput output(settings, plan, s, cache.get(), suffix, map_stem, certificate, outcome.files);
     AnimateOptions animation = plan.animation;
     animation.seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
     FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) {

@@ -1,4 +1,5 @@
 #include "baker/bake.h"
+#include "baker/experiment.h"
 #include "baker/inspect.h"
 #include "core/error.h"
 #include "formats/preset_file.h"
@@ -10,7 +11,7 @@
 #include <malloc.h>
 #include <nlohmann/json.hpp>
 
-// The command line: words in, exit code out. What the commands do lies behind bake.h and inspect.h.
+// The command line: words in, exit code out. What the commands do lies behind bake.h, inspect.h and experiment.h.
 
 namespace paperbake {
 namespace {
@@ -82,6 +83,7 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("--frames", words.frames, "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key handles rest");
   bake.add_option("--map-size", s.map_size, "Texels on a side of the maps")->capture_default_str()->check(CLI::Range(1, 16384));
   bake.add_option("--map-frames", words.map_frames, "Frames with a map: A-BxN,...; the final one always (default: every 12th)");
+  bake.add_option("--debug-pictures", s.debug_pictures, "Folder for pictures of pattern mesh and sheet: of the frames of --map-frames (else every 6th), of births and of the last");
   bake.add_option("--max-stretch", s.max_stretch_pct, "Gate: longest or shortest edge in percent of its rest length")->capture_default_str()->check(positive);
   bake.add_flag("--strict", s.strict, "Refuse handles that ask the impossible, instead of meeting them as far as paper can");
   bake.add_option("--threads", s.threads, "Threads; the result does not depend on them")->capture_default_str()->check(positive);
@@ -141,6 +143,48 @@ int run_presets(const std::optional<std::string>& name, bool json) {
   return 0;
 }
 
+struct FitWords {
+  std::optional<std::string> scatter, from, experiment;
+  std::filesystem::path output;
+  int sheets = 20;
+};
+
+void add_fit(CLI::App& app, FitWords& words) {
+  CLI::App& fit = *app.add_subcommand("fit", "The experiment that tells how first singular points scatter, and the grade that fits it");
+  fit.add_option("SCATTER", words.scatter, "A file of measured points, u,v in metres: not in this version");
+  fit.add_option("--from", words.from, "The grade to begin with: not in this version");
+  fit.add_option("--experiment", words.experiment, "Push sheets of this grade until their first singular point");
+  fit.add_option("--sheets", words.sheets, "How many")->capture_default_str()->check(CLI::Range(1, 100000));
+  fit.add_option("-o,--output", words.output, "u,v,seed,frame of each sheet (.csv); a picture beside it (.png)")->required();
+}
+
+int run_fit(const FitWords& words) {
+  if (words.scatter || words.from || !words.experiment)
+    throw Error(Fault::command, "fit", "Fitting a grade to measured points is not in this version.",
+                "paperbake fit --experiment copy70 --sheets 20 -o scatter.csv repeats the experiment.");
+  const Paper paper = read_preset(*words.experiment).paper;
+  auto picture = words.output;
+  picture.replace_extension(".png");
+  if (picture == words.output) throw Error(Fault::command, "-o " + words.output.string(), "The picture beside it would have the same name.", "Write -o NAME.csv.");
+  write_whole_file(words.output, scatter_csv({}));  // known to be writable before the work begins
+  std::vector<FirstPoint> points;
+  for (int sheet = 1; sheet <= words.sheets; ++sheet) {
+    const auto point = first_singular_point(paper, sheet);
+    if (point) points.push_back(*point);
+    fmt::print(stderr, "sheet {} of {}: {}\n", sheet, words.sheets,
+               point ? fmt::format("frame {}, ({:.1f}, {:.1f}) mm", point->frame, 1e3 * point->pattern.x(), 1e3 * point->pattern.y()) : "no singular point");
+  }
+  if (points.empty())
+    throw Error(Fault::simulation, fmt::format("{}, {} sheets", paper.name, words.sheets), fmt::format("No sheet got a singular point in {} frames.", experiment_frames));
+  const Scatter scatter = scatter_of(points);
+  fmt::print(stderr, "{} of {} sheets: mean ({:.2f}, {:.2f}) mm, deviation {:.2f} mm; apex_scatter of {}: {:.2f} mm\n", points.size(), words.sheets,
+             1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(), 1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter);
+  write_whole_file(words.output, scatter_csv(points));
+  write_png(picture, scatter_picture(paper, points));
+  fmt::print("{}\n{}\n", words.output.string(), picture.string());
+  return 0;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Bakes paper animation from handles keyed in a DCC.", "paperbake");
   app.set_version_flag("--version", "paperbake " PAPERBAKE_VERSION);
@@ -160,6 +204,9 @@ int run(int argc, char** argv) {
   inspect.add_option("--tracks", tracks, "Write frame,node,x,y,z of every node to this file (world, z up, metres); - for stdout");
   add_reading_options(inspect, reading);
 
+  FitWords fit;
+  add_fit(app, fit);
+
   CLI::App& presets = *app.add_subcommand("presets", "List the paper grades, or print one with its sources");
   std::optional<std::string> grade;
   bool grades_json = false;
@@ -174,6 +221,7 @@ int run(int argc, char** argv) {
   }
   if (app.got_subcommand("bake")) return run_bake(std::move(settings), words);
   if (app.got_subcommand("inspect")) return run_inspect(scene, reading, json, tracks);
+  if (app.got_subcommand("fit")) return run_fit(fit);
   return run_presets(grade, grades_json);
 }
 

@@ -9,17 +9,17 @@
 #include <unistd.h>
 
 namespace paperbake {
-namespace {
 
-void make_folder(const std::filesystem::path& path) {
+void make_folder(const std::filesystem::path& path, const char* option) {
   std::error_code failed;
   std::filesystem::create_directories(path, failed);
   if (failed || !std::filesystem::is_directory(path))
     throw Error(Fault::folder, path.string(), "The output folder cannot be made: " + (failed && failed != std::errc::not_a_directory ? failed.message() : std::string("a file is in the way")) + ".",
-                "Choose another with -o.");
+                std::string("Choose another with ") + option + ".");
+  if (::access(path.c_str(), W_OK) != 0)
+    throw Error(Fault::folder, path.string(), std::string("The output folder is not writable: ") + std::strerror(errno) + ".",
+                std::string("Choose another with ") + option + ".");
 }
-
-}  // namespace
 
 OutputFolder::OutputFolder(const std::filesystem::path& path) : path_(path) {
   make_folder(path_);

@@ -4,6 +4,11 @@
 
 namespace paperbake {
 
+/// Makes a folder with its parents when it is missing.
+/// option  the one that names another folder
+/// throws Error(Fault::folder): cannot be made, or not writable
+void make_folder(const std::filesystem::path&, const char* option = "-o");
+
 /// The folder a bake writes into, made with its parents and locked against a second bake for as long as this lives.
 class OutputFolder {
  public:

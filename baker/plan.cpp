@@ -1,5 +1,6 @@
 #include "baker/plan.h"
 
+#include "baker/debug_pictures.h"
 #include "core/error.h"
 #include "formats/murmur.h"
 #include "formats/preset_file.h"
@@ -60,6 +61,7 @@ void settle_frames(const BakeSettings& settings, const Scene& scene, BakePlan& p
   }
   plan.frames.last -= (plan.frames.last - plan.frames.first) % plan.frames.step;
   plan.map_frames = settings.map_frames.value_or(std::vector<FrameSpan>{{plan.frames.first, plan.frames.last, 12}});
+  plan.debug_frames = settings.map_frames.value_or(std::vector<FrameSpan>{{plan.frames.first, plan.frames.last, debug_picture_step}});
   plan.animation.first_frame = scene.first_frame;
   plan.animation.last_frame = plan.frames.last;
 }

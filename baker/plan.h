@@ -24,6 +24,7 @@ struct BakePlan {
   AnimateOptions animation;            // simulated from the scene's first frame to the last one written
   FrameSpan frames;                    // written
   std::vector<FrameSpan> map_frames;
+  std::vector<FrameSpan> debug_frames; // with a debug picture, besides the last and those with a birth
   std::vector<Method> methods;         // of each sheet
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;

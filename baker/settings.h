@@ -42,6 +42,7 @@ struct BakeSettings {
   std::set<std::string> formats{"abc", "maps", "cert"};
   int map_size = 1024;                                   // [texels]
   std::optional<std::vector<FrameSpan>> map_frames;      // none: every 12th
+  std::optional<std::filesystem::path> debug_pictures;   // folder
   double max_stretch_pct = 5;
   bool strict = false;
   int threads = 2;

@@ -222,6 +222,36 @@ TEST_F(CommandLine, AFileInTheWayOfAParentFolderEndsWithSix) {
   EXPECT_TRUE(is_error(bake({}), 6, output(), "file is in the way"));
 }
 
+TEST_F(CommandLine, DebugPicturesAreOfTheFramesOfTheMapsAndOfTheLast) {
+  const std::string pictures = folder / "pictures" / "here";
+  const Words words{"bake", samples + "/S4_crumple.glb", "-o", output(), "--triangles", "100", "--frames", "1-9", "--map-size", "8", "--debug-pictures"};
+  const auto draw = [&](const std::string& into, const Words& more) {
+    Words all = words;
+    all.push_back(into);
+    all.insert(all.end(), more.begin(), more.end());
+    return run(all).code;
+  };
+  ASSERT_EQ(draw(pictures, {}), 0);
+  std::set<std::string> found;
+  for (const auto& entry : fs::directory_iterator(pictures)) found.insert(entry.path().filename());
+  EXPECT_EQ(found, (std::set<std::string>{"S4_crumple.0001.png", "S4_crumple.0007.png", "S4_crumple.0009.png"}));
+  const std::string bytes = read(pictures + "/S4_crumple.0007.png");
+  EXPECT_EQ(bytes.substr(1, 3), "PNG");
+
+  const std::string others = folder / "others";
+  ASSERT_EQ(draw(others, {"--map-frames", "3-7x4", "--threads", "1"}), 0);
+  EXPECT_FALSE(fs::exists(others + "/S4_crumple.0001.png"));
+  EXPECT_TRUE(fs::exists(others + "/S4_crumple.0003.png"));
+  EXPECT_EQ(read(others + "/S4_crumple.0007.png"), bytes) << "same frame, same picture";
+}
+
+TEST_F(CommandLine, AFileInTheWayOfTheDebugPicturesEndsWithSix) {
+  write(folder / "pictures", "I was here first.");
+  const Ended ended = bake({"--debug-pictures", folder / "pictures"});
+  EXPECT_TRUE(is_error(ended, 6, folder / "pictures", "file is in the way"));
+  EXPECT_NE(ended.err.find("--debug-pictures"), std::string::npos) << ended.err;
+}
+
 TEST_F(CommandLine, AFolderInTheWayOfAnOutputFileEndsWithSix) {
   fs::create_directories(fs::path(output()) / "S4_crumple.abc" / "full");
   EXPECT_TRUE(is_error(bake({}), 6, output() + "/S4_crumple.abc", ""));
@@ -316,6 +346,30 @@ TEST_F(CommandLine, AnInspectionAsJsonSaysWhatIsInTheScene) {
   EXPECT_EQ(sheet.at("handles").size(), 23u);
   for (const auto& handle : sheet["handles"])
     EXPECT_EQ(handle.at("mode"), handle.at("name") == "handle.mid.0" ? "relative" : "absolute") << handle;
+}
+
+TEST_F(CommandLine, TheExperimentWritesAPointForEachSheetAndAPicture) {
+  const std::string csv = folder / "scatter.csv";
+  const Ended ended = run({"fit", "--experiment", "copy70", "--sheets", "2", "-o", csv});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(ended.out, csv + "\n" + (folder / "scatter.png").string() + "\n");
+  const std::vector<std::string> lines = lines_of(read(csv));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0], "u,v,seed,frame");
+  for (int sheet : {1, 2}) {
+    const auto row = fields_of(lines[sheet]);
+    EXPECT_NEAR(std::stod(row.at(0)), 0.05, 0.03);
+    EXPECT_NEAR(std::stod(row.at(1)), 0.015, 0.03);
+    EXPECT_EQ(row.at(2), std::to_string(sheet));
+    EXPECT_GT(std::stoi(row.at(3)), 24) << "after the squeeze";
+  }
+  EXPECT_EQ(read(folder / "scatter.png").substr(1, 3), "PNG");
+}
+
+TEST_F(CommandLine, FittingAGradeIsNotThereYetAndEndsWithTwo) {
+  EXPECT_TRUE(is_error(run({"fit", "points.csv", "--from", "copy70", "-o", folder / "my.toml"}), 2, "fit", "not in this version"));
+  EXPECT_TRUE(is_error(run({"fit", "--experiment", "copi70", "-o", folder / "a.csv"}), 2, "preset \"copi70\"", "Did you mean"));
+  EXPECT_TRUE(is_error(run({"fit", "--experiment", "copy70", "-o", folder / "missing" / "a.csv"}), 6, folder / "missing" / "a.csv", ""));
 }
 
 TEST_F(CommandLine, PresetsAreListedAndOnePrintedIsAPresetFile) {

@@ -128,6 +128,78 @@ TEST(SingularPoint, LawScattersByThePapersDeviationAboutTheMiddleOfTheConflict) 
   EXPECT_NEAR(std::sqrt(variance) / paper.apex_scatter, 1, 0.05);
 }
 
+/// 200 draws about one vertex: mean and deviation of each direction.
+struct Draws {
+  Vector2d mean{0, 0}, deviation{0, 0};  // [m]
+};
+constexpr int draws = 200;
+Draws draw_about(const Vector2d& middle, const Paper& paper) {
+  const Pattern pattern = test::rectangle(0.1, 0.1);
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
+  int member = 0;
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if ((sheet.pattern.row(v).transpose() - middle).norm() < (sheet.pattern.row(member).transpose() - middle).norm()) member = v;
+  sheet.pattern.row(member) = middle.transpose();
+  const Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.2), std::vector<char>(sheet.pattern.rows(), 1)};
+  Draws result;
+  std::vector<Vector2d> points;
+  for (unsigned seed = 0; seed < draws; ++seed) points.push_back(*draw_singular_point(sheet, pattern, paper, conflicts, {member}, {}, seed, 0, 0));
+  for (const Vector2d& p : points) result.mean += p / draws;
+  for (const Vector2d& p : points) result.deviation += (p - result.mean).cwiseAbs2() / (draws - 1);
+  result.deviation = result.deviation.cwiseSqrt();
+  return result;
+}
+
+// of 200 normal draws the deviation is known to 1/sqrt(2 x 199) = 5 %, the mean to 1/sqrt(200) deviations; 3.3 of these: 99.9 %
+TEST(SingularPoint, TwoHundredDrawsHaveTheDeviationOfTheGrade) {
+  for (const double sigma : {0.002, 0.005, 0.010}) {
+    Paper paper;
+    paper.apex_scatter = sigma;
+    const Draws inside = draw_about({0.05, 0.05}, paper);
+    for (int i : {0, 1}) {
+      EXPECT_NEAR(inside.deviation[i] / sigma, 1, 3.3 / std::sqrt(2.0 * (draws - 1))) << sigma;
+      EXPECT_NEAR(inside.mean[i], 0.05, 3.3 * sigma / std::sqrt(double(draws))) << sigma;
+    }
+  }
+}
+
+// refused draws are drawn anew: a normal law cut off at a = (3 mm - middle)/sigma has the mean sigma m, m = phi(a)/(1 - Phi(a)),
+// and the variance sigma^2 (1 + a m - m^2)
+TEST(SingularPoint, NearTheBorderTheLawIsTheGaussianCutOffAtTheMargin) {
+  const Paper paper;
+  const double sigma = paper.apex_scatter, margin = CrumpleOptions{}.border_share * 0.1;
+  for (const double v : {0.005, 0.008, 0.012}) {
+    const Draws near = draw_about({0.05, v}, paper);
+    const double a = (margin - v) / sigma;
+    const double m = std::exp(-0.5 * a * a) / std::sqrt(2 * M_PI) / (0.5 * std::erfc(a / std::sqrt(2.0)));
+    const double mean = v + sigma * m, deviation = sigma * std::sqrt(1 + a * m - m * m);
+    ASSERT_LT(deviation, 0.97 * sigma) << "the border is not felt: this proves nothing";
+    EXPECT_NEAR(near.mean.y(), mean, 3.3 * deviation / std::sqrt(double(draws))) << v;
+    EXPECT_NEAR(near.deviation.y() / deviation, 1, 0.2) << v;  // a cut normal has lighter tails than 3.3 x 5 % = 17 % allows for
+    EXPECT_NEAR(near.mean.x(), 0.05, 3.3 * sigma / std::sqrt(double(draws))) << v;
+    EXPECT_NEAR(near.deviation.x() / sigma, 1, 3.3 / std::sqrt(2.0 * (draws - 1))) << v;
+  }
+}
+
+TEST(SingularPoint, TheMiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
+  const Vector2d core(0.043, 0.052);
+  for (int v = 0; v < sheet.x.rows(); ++v)  // a dome of 12 mm: positive curvature in it, negative round it
+    sheet.x(v, 2) = 0.004 * std::exp(-(sheet.pattern.row(v).transpose() - core).squaredNorm() / (2 * 0.012 * 0.012));
+  const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), {}, {});
+  std::vector<int> members;
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if (conflicts.beyond[v]) members.push_back(v);
+  ASSERT_FALSE(members.empty());
+  const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) { return conflicts.turn[a] < conflicts.turn[b]; });
+  EXPECT_GT((sheet.pattern.row(worst).transpose() - core).norm(), 0.002);  // cells of 10 mm
+  EXPECT_LT((middle_of_conflict(sheet, conflicts, members) - core).norm(), 0.0015);
+
+  Conflicts saddle = conflicts;  // where nothing bulges the turning angles decide
+  std::fill(saddle.core.begin(), saddle.core.end(), 0.0);
+  EXPECT_LT((middle_of_conflict(sheet, saddle, {worst}) - sheet.pattern.row(worst).transpose()).norm(), 1e-12);
+}
+
 TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const Pattern pattern = test::rectangle(0.1, 0.1);

@@ -38,6 +38,16 @@ std::vector<double> ring_areas(const Sheet& sheet) {
   return area;
 }
 
+/// Length of the longest edge at a vertex. [m]
+double ring_size(const Sheet& sheet, int vertex) {
+  double size = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    if (!(sheet.triangles.row(t).array() == vertex).any()) continue;
+    for (int i = 0; i < 3; ++i) size = std::max(size, (sheet.pattern.row(sheet.triangles(t, i)) - sheet.pattern.row(vertex)).norm());
+  }
+  return size;
+}
+
 template <class Matrix, class Row>
 void append(Matrix& matrix, const Row& row) {
   matrix.conservativeResize(matrix.rows() + 1, Eigen::NoChange);
@@ -56,29 +66,44 @@ Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) beside[sheet.triangles(t, i)] |= singular[sheet.triangles(t, j)];
 
-  Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.0), std::vector<char>(sheet.pattern.rows(), 0)};
+  const std::vector<double> none(sheet.pattern.rows(), 0.0);
+  Conflicts conflicts{none, std::vector<char>(sheet.pattern.rows(), 0), none};
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     if (border[v] || singular[v] || (v < static_cast<int>(fixed.size()) && fixed[v])) continue;
     const Principal p = principal_curvature(curvature.row(v));
     conflicts.turn[v] = std::abs(p.k2) * std::sqrt(area[v]);
     conflicts.beyond[v] = conflicts.turn[v] > (beside[v] ? options.absorbed_turn : options.conflict_turn) &&
                           std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1);
+    // what bulges beside a singular point is that point's own cone: it would draw the next one there
+    if (!beside[v] || conflicts.beyond[v]) conflicts.core[v] = area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
   }
   return conflicts;
+}
+
+Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts, const std::vector<int>& members) {
+  constexpr double rings = 1.6;
+  Vector2d by_core(0, 0), by_turn(0, 0);
+  double core = 0, turn = 0;
+  const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) { return conflicts.turn[a] < conflicts.turn[b]; });
+  const double reach = rings * ring_size(sheet, worst);
+  for (int v = 0; v < static_cast<int>(conflicts.core.size()); ++v) {
+    if ((sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() > reach) continue;
+    by_core += conflicts.core[v] * sheet.pattern.row(v).transpose();
+    core += conflicts.core[v];
+  }
+  if (core > 0) return by_core / core;
+  for (const int v : members) {
+    by_turn += conflicts.turn[v] * conflicts.turn[v] * sheet.pattern.row(v).transpose();
+    turn += conflicts.turn[v] * conflicts.turn[v];
+  }
+  return by_turn / turn;
 }
 
 std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& pattern, const Paper& paper, const Conflicts& conflicts,
                                             const std::vector<int>& members, const CrumpleOptions& options, std::uint32_t seed,
                                             std::uint32_t sheet_number, std::uint32_t event) {
   constexpr int tries = 20;
-  Vector2d middle(0, 0);
-  double weight = 0;
-  for (const int v : members) {
-    const double w = conflicts.turn[v] * conflicts.turn[v];
-    middle += w * sheet.pattern.row(v).transpose();
-    weight += w;
-  }
-  middle /= weight;
+  const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
   const auto clear = [&](const Vector2d& p) {
     return std::none_of(sheet.singular.begin(), sheet.singular.end(),
                         [&](const SingularPoint& s) { return (s.pattern - p).norm() < options.min_spacing; });
