@@ -202,6 +202,8 @@ Elastic::Elastic(const Paper& paper, const ElasticOptions& options) : impl_(std:
   impl_->options = options;
 }
 Elastic::~Elastic() = default;
+Elastic::Elastic(Elastic&&) = default;
+Elastic& Elastic::operator=(Elastic&&) = default;
 
 void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening) {
   Impl& s = *impl_;
@@ -232,7 +234,27 @@ ElasticReport Elastic::look(const Sheet& sheet) const {
   ElasticReport report;
   report.membrane = parts.membrane;
   report.energy = parts.membrane + parts.bending;
+  report.potential = report.energy + impl_->options.gravity * impl_->mass.dot(sheet.x.col(2));
   return report;
+}
+
+ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt) {
+  Impl& s = *impl_;
+  s.hold(sheet, held.vertices);
+  sheet.x = s.predictor->guesses(sheet.x, {}, held.targets).front();
+  ElasticReport report;
+  const double inertia = (s.options.inertia == Inertia::dynamic ? 1 : quasi_static_mass) / (dt * dt);
+  if (s.matrix) s.minimise({*s.energy, s.mass, sheet.x, inertia, s.options.gravity}, sheet.x, report);
+  const ElasticReport stored = look(sheet);
+  report.energy = stored.energy;
+  report.membrane = stored.membrane;
+  report.potential = stored.potential;
+  return report;
+}
+
+void Elastic::continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried) {
+  impl_->past.clear();
+  for (const Points3& x : other.impl_->past) impl_->past.push_back(carried(x));
 }
 
 ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
@@ -259,6 +281,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   const ElasticReport stored = look(sheet);
   report.membrane = stored.membrane;
   report.energy = stored.energy;
+  report.potential = stored.potential;
 
   sheet.v = (dynamic ? velocity_kept : 1.0) / dt * (sheet.x - before);
   s.past.push_front(before);
