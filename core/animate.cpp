@@ -6,6 +6,7 @@
 #include "core/plastic_grid.h"
 #include "core/random.h"
 #include "core/reach.h"
+#include "core/transfer.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -158,6 +159,48 @@ double unrest(const Sheet& sheet, const Held& held, const Points3& before) {
   return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
 }
 
+/// Vertices that a handle is about to move while no other point of the sheet is held near by.
+std::vector<int> pulled_alone(const Sheet& sheet, const Held& held, double least_move, double apart) {
+  std::vector<int> pulled;
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
+    const auto p = sheet.pattern.row(held.vertices[k]);
+    bool alone = (sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm() > least_move;
+    for (std::size_t j = 0; j < held.vertices.size() && alone; ++j) alone = j == k || (sheet.pattern.row(held.vertices[j]) - p).norm() > apart;
+    if (alone) pulled.push_back(held.vertices[k]);
+  }
+  return pulled;
+}
+
+/// Relaxes a proposed mesh where the handles were and takes it, with the elastic solver that goes with it, when it is the same
+/// sheet still: at a minimum, of nearly the same potential and nowhere far from where it was. Nothing flows. Refused, it leaves
+/// no trace.
+struct Verdict {
+  bool accepted = false;
+  double rise = 0;  // [1] of the potential, as a share of the energy that was stored
+};
+Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const Held& held, const Shot& shot, const AnimateOptions& options,
+                      PlasticGrid* memory) {
+  constexpr double most_rise = 0.05, most_move = 0.02;           // [1] of the energy; of the longer side
+  const double noise = 0.004 * shot.paper.bending_stiffness;     // [J] a sheet that is nearly flat
+  const Points3 carried = proposal.x;
+  Elastic trial(shot.paper, options.elastic);
+  trial.remember_in(memory);
+  trial.set_mesh(proposal, disc_factors(proposal, shot));
+  const ElasticReport settled = trial.settle(proposal, held, 1 / options.fps), stored = elastic.look(sheet);
+  Verdict verdict;
+  const double rise = settled.potential - stored.potential;
+  verdict.rise = rise / std::max(stored.energy, noise);
+  const Transfer onto(sheet.pattern, sheet.triangles, proposal.pattern), back(proposal.pattern, proposal.triangles, sheet.pattern);
+  const double move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(), (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff());
+  verdict.accepted = settled.converged && rise <= most_rise * stored.energy + noise && move <= most_move * longer_side(shot.pattern);
+  if (!verdict.accepted) return verdict;
+  // the past is moved along with the present, so that velocities are carried over and the jump of the exchange is none
+  trial.continue_from(elastic, [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });
+  elastic = std::move(trial);
+  sheet = std::move(proposal);
+  return verdict;
+}
+
 /// The elastic step of one frame, in halves where a whole one fails.
 struct SteppedFrame {
   int substeps = 0, iterations = 0;
@@ -246,7 +289,8 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   constexpr double still = 2e-4, asleep = 1e-5;  // [1] of the longer side: no method touches the mesh; nothing is solved either
   const double side = longer_side(shot.pattern);
   Points3 before;       // [m] positions one frame ago
-  std::vector<int> held_before;
+  Held held_before;
+  bool at_minimum = false;
   int quiet_frames = 0;
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
@@ -256,11 +300,19 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
 
     begun = cpu_ms();
     const std::size_t born = sheet.singular.size();
-    const double moved = held.vertices == held_before ? unrest(sheet, held, before) : std::numeric_limits<double>::infinity();
+    const double moved = held.vertices == held_before.vertices ? unrest(sheet, held, before) : std::numeric_limits<double>::infinity();
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
+    const bool moving = moved > still * side;
+    if (method.propose && !first && moving && at_minimum)
+      if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), frame)) {
+        const Verdict verdict = exchange_mesh(sheet, elastic, std::move(*proposal), held_before, shot, options, memory ? &*memory : nullptr);
+        method.judged(verdict.accepted, frame);
+        result.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
+        result.remesh_rise = verdict.rise;
+      }
     before = sheet.x;
-    held_before = held.vertices;
-    if (method.remesh && !first && method.remesh(sheet, started.fixed, frame, moved > still * side))
+    held_before = held;
+    if (method.remesh && !first && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, started.fixed, frame, moving))
       elastic.set_mesh(sheet, disc_factors(sheet, shot));
     result.new_singular = static_cast<int>(sheet.singular.size() - born);
     result.geometry_ms = geometry_ms + cpu_ms() - begun;
@@ -277,6 +329,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step = follow(elastic, memory ? &*memory : nullptr, sheet, held, 1 / options.fps, 0, where);
     }
     result.elastic_ms = cpu_ms() - begun;
+    at_minimum = step.converged;
     grip.anchor(sheet.x, frame);
 
     result.sheet = &sheet;

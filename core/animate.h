@@ -50,6 +50,8 @@ struct AnimatedFrame {
   double energy = 0, membrane_energy = 0;  // [J] stored in the sheet; its stretching part
   double plastic = 0;                      // [m rad] integral of the plastic curvature over the pattern so far
   int new_singular = 0;
+  enum Remesh { none, accepted, rejected } remesh = none;  // what became of the mesh that the method proposed
+  double remesh_rise = 0;                  // [1] by how much of the stored energy the potential rose with it
   std::string note;
 };
 

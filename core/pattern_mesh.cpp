@@ -1,11 +1,7 @@
 #include "core/pattern_mesh.h"
 
+#include "core/constrained_delaunay.h"
 #include "core/error.h"
-
-#include <CGAL/Constrained_Delaunay_triangulation_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
-#include <CGAL/Triangulation_face_base_with_info_2.h>
-#include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
 #include <cmath>
@@ -14,12 +10,6 @@
 
 namespace paperbake {
 namespace {
-
-using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
-using VertexBase = CGAL::Triangulation_vertex_base_with_info_2<int, Kernel>;
-using FaceBase = CGAL::Constrained_triangulation_face_base_2<Kernel, CGAL::Triangulation_face_base_with_info_2<int, Kernel>>;
-using Cdt = CGAL::Constrained_Delaunay_triangulation_2<Kernel, CGAL::Triangulation_data_structure_2<VertexBase, FaceBase>,
-                                                       CGAL::No_constraint_intersection_requiring_constructions_tag>;
 
 double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const Vector2d d = b - a;
@@ -147,47 +137,10 @@ Error crossed_outline() {
   return Error(Fault::scene, "outline of the sheet", "The outline crosses or touches itself.", "Repair the sheet mesh in the DCC.");
 }
 
-/// Marks the faces by 1 on the paper, 0 beside it: on the way in from infinity each border that is crossed changes the side.
-/// (To ask where a centroid lies is not enough: three points of one side may span a triangle of 1e-23 m2 beside the paper.)
-void mark_paper(Cdt& cdt) {
-  for (auto face : cdt.all_face_handles()) face->info() = -1;
-  std::vector<Cdt::Face_handle> open{cdt.infinite_face()};
-  open.front()->info() = 0;
-  while (!open.empty()) {
-    const Cdt::Face_handle face = open.back();
-    open.pop_back();
-    for (int i = 0; i < 3; ++i) {
-      const Cdt::Face_handle next = face->neighbor(i);
-      if (next->info() >= 0) continue;
-      next->info() = face->is_constrained(i) ? 1 - face->info() : face->info();
-      open.push_back(next);
-    }
-  }
-}
-
 Triangles triangulate(const Cloud& cloud) {
-  Cdt cdt;
-  std::vector<Cdt::Vertex_handle> handles(cloud.points.size());
-  try {
-    for (std::size_t i = 0; i < cloud.points.size(); ++i) {
-      handles[i] = cdt.insert(Kernel::Point_2(cloud.points[i].x(), cloud.points[i].y()));
-      handles[i]->info() = static_cast<int>(i);
-    }
-    for (const auto& [a, b] : cloud.border) cdt.insert_constraint(handles[a], handles[b]);
-  } catch (const std::exception&) {
-    throw crossed_outline();
-  }
-  // a crossing right in a vertex is no exception: the vertex is there once, or in the way of a border segment
-  if (cdt.number_of_vertices() < cloud.points.size()) throw crossed_outline();
-  for (const auto& [a, b] : cloud.border)
-    if (!cdt.is_edge(handles[a], handles[b])) throw crossed_outline();
-
-  mark_paper(cdt);
-  std::vector<int> flat;
-  for (auto face : cdt.finite_face_handles())
-    if (face->info() == 1)
-      for (int i = 0; i < 3; ++i) flat.push_back(face->vertex(i)->info());
-  return Eigen::Map<Triangles>(flat.data(), static_cast<int>(flat.size() / 3), 3);
+  auto triangles = constrained_delaunay(cloud.points, cloud.border);
+  if (!triangles) throw crossed_outline();
+  return std::move(*triangles);
 }
 
 /// One step of optimal-Delaunay smoothing of the free points: each goes to the area-weighted mean of the circumcentres round

@@ -5,19 +5,46 @@
 #include <memory>
 
 namespace paperbake {
+namespace {
+
+/// Renumbers the vertices so that the required points come first, in the order of the points.
+/// returns  how many vertices they are
+int required_first(PatternMesh& mesh) {
+  std::vector<int> number(mesh.vertices.rows(), -1);
+  int next = 0;
+  for (const int v : mesh.point_vertex)
+    if (number[v] < 0) number[v] = next++;
+  const int required = next;
+  for (int& n : number)
+    if (n < 0) n = next++;
+  const Points2 old = mesh.vertices;
+  for (int v = 0; v < old.rows(); ++v) mesh.vertices.row(number[v]) = old.row(v);
+  for (int t = 0; t < mesh.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) mesh.triangles(t, i) = number[mesh.triangles(t, i)];
+  for (int& v : mesh.point_vertex) v = number[v];
+  return required;
+}
+
+}  // namespace
 
 Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, const CrumpleOptions& options, std::uint32_t seed,
               std::uint32_t sheet) {
   Method method;
   method.name = "hybrid";
-  method.first_mesh = [base_triangles](const Pattern& cut, const std::vector<Vector2d>& points) {
+  const auto crumple = std::make_shared<Crumple>(pattern, paper, options, seed, sheet);
+  method.first_mesh = [crumple, base_triangles](const Pattern& cut, const std::vector<Vector2d>& points) {
     PatternMesh mesh = mesh_pattern_with(cut, base_triangles, points);
+    const int required = required_first(mesh);
+    crumple->begin_with(mesh.vertices, mesh.triangles, required);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };
-  const auto crumple = std::make_shared<Crumple>(pattern, paper, options, seed, sheet);
   method.remesh = [crumple](Sheet& sheet_now, const std::vector<char>& fixed, int frame, bool moving) {
     return crumple->operate(sheet_now, fixed, frame, moving).mesh_changed();
   };
+  method.propose = [crumple](const Sheet& sheet_now, const std::vector<int>& pulled, int frame) {
+    return crumple->propose(sheet_now, pulled, frame);
+  };
+  method.judged = [crumple](bool accepted, int frame) { crumple->judged(accepted, frame); };
   return method;
 }
 

@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -31,6 +32,13 @@ struct Method {
   /// fixed   vertices that keep their place on the pattern
   /// moving  false: neither handles nor sheet moved since the frame before
   std::function<bool(Sheet&, const std::vector<char>& fixed, int frame, bool moving)> remesh;  // returns: did the mesh change?
+
+  /// Before `remesh`, while the sheet moves and is at its minimum: may propose a wholly new mesh, with positions carried over
+  /// from the old one. Vertices that are fixed in the first mesh keep their numbers. The loop relaxes the proposal where the
+  /// handles were and takes it or not; then `remesh` is left out. Empty: nothing is proposed.
+  /// pulled  vertices that lone handles are about to move
+  std::function<std::optional<Sheet>(const Sheet&, const std::vector<int>& pulled, int frame)> propose;
+  std::function<void(bool accepted, int frame)> judged;  // after every proposal: what became of it
 };
 
 /// Standard finite elements: step 1 alone on a fixed mesh of about `triangles` near-equilateral triangles.

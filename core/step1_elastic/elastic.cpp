@@ -24,6 +24,8 @@ constexpr int max_halvings = 30;
 constexpr int restless = 15;
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
 
+enum class SecondStart { when_restless, never };
+
 /// The incremental potential of one step over all vertices; held ones are left out by whoever solves.
 struct IncrementalPotential {
   const ElasticEnergy& elastic;
@@ -311,7 +313,8 @@ struct Elastic::Impl {
   }
 
   /// One step; `feels` is null for a sheet that does not feel itself.
-  ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels) {
+  ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels,
+                      SecondStart second = SecondStart::when_restless) {
     std::vector<HandleSpring> springs;
     for (std::size_t k = 0; k < handles.vertices.size(); ++k) {
       const double k_soft = handles.stiffness.empty() ? 0 : handles.stiffness[k];
@@ -348,7 +351,7 @@ struct Elastic::Impl {
       if (remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());  // not in equilibrium: what the mesh did
       minimise(W, stress, sheet.x, report);
     }
-    if (report.iterations > restless) start_again(W, guesses.front(), sheet.x, report);
+    if (second == SecondStart::when_restless && report.iterations > restless) start_again(W, guesses.front(), sheet.x, report);
     if (feels) {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
       report.contact = true;
@@ -363,6 +366,8 @@ Elastic::Elastic(const Paper& paper, const ElasticOptions& options) : impl_(std:
   impl_->options = options;
 }
 Elastic::~Elastic() = default;
+Elastic::Elastic(Elastic&&) = default;
+Elastic& Elastic::operator=(Elastic&&) = default;
 
 void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening) {
   Impl& s = *impl_;
@@ -396,7 +401,26 @@ ElasticReport Elastic::look(const Sheet& sheet) const {
   ElasticReport report;
   report.membrane = parts.membrane;
   report.energy = parts.membrane + parts.bending;
+  report.potential = report.energy + impl_->options.gravity * impl_->mass.dot(sheet.x.col(2));
   return report;
+}
+
+ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt) {
+  Impl& s = *impl_;
+  const Points3 before = sheet.x;
+  const Gripped hard = hard_handles(held);
+  ElasticReport report = s.solve(sheet, held, hard, dt, nullptr, SecondStart::never);
+  if (s.contact && !s.contact->clear(before, sheet.x, hard)) report.converged = false;  // not the same sheet: it passes through itself
+  const ElasticReport stored = look(sheet);
+  report.energy = stored.energy;
+  report.membrane = stored.membrane;
+  report.potential = stored.potential;
+  return report;
+}
+
+void Elastic::continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried) {
+  impl_->past.clear();
+  for (const Points3& x : other.impl_->past) impl_->past.push_back(carried(x));
 }
 
 ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
@@ -420,6 +444,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   const ElasticReport stored = look(sheet);
   report.membrane = stored.membrane;
   report.energy = stored.energy;
+  report.potential = stored.potential;
 
   sheet.v = (dynamic ? velocity_kept : 1.0) / dt * (sheet.x - before);
   s.past.push_front(before);

@@ -4,6 +4,7 @@
 #include "core/plastic_grid.h"
 #include "core/sheet.h"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -31,6 +32,7 @@ struct ElasticReport {
   int iterations = 0;          // factorisations of the second derivative
   bool converged = true;
   double energy = 0;           // [J] membrane + bending
+  double potential = 0;        // [J] energy + weight x height
   double membrane = 0;         // [J] its membrane part
   double plastic_flow = 0;     // [m rad] by how much the plastic integral grew in this step
   double lower_branch = 0;     // [1] by how much of the potential a second start was lower, when it was taken
@@ -64,6 +66,8 @@ class Elastic {
  public:
   Elastic(const Paper&, const ElasticOptions&);
   ~Elastic();
+  Elastic(Elastic&&);
+  Elastic& operator=(Elastic&&);
 
   /// To be called for the first mesh and after every change of pattern or connectivity. As long as the number of vertices
   /// stays, so does what the next guess knows of their past positions.
@@ -73,6 +77,14 @@ class Elastic {
   /// Moves sheet.x to the minimum with the held vertices at their targets, and sheet.v to (x_new - x_old)/dt.
   /// The positions need not be near the minimum. throws Error(Fault::simulation) when the energy is not finite.
   ElasticReport step(Sheet&, const Held&, double dt);
+
+  /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing else: no second start, no
+  /// change of sheet.v, nothing flows and nothing is remembered. For a sheet whose mesh was exchanged where it is.
+  ElasticReport settle(Sheet&, const Held&, double dt);
+
+  /// Takes over what another one, on another mesh, knows of past positions.
+  /// carried  maps |V|x3 of the other mesh to this one
+  void continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried);
 
   /// What is stored in the sheet as it is. `iterations` 0.
   ElasticReport look(const Sheet&) const;

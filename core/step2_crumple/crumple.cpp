@@ -3,6 +3,7 @@
 #include "core/curvature.h"
 #include "core/step2_crumple/flips.h"
 #include "core/step2_crumple/singular_points.h"
+#include "core/transfer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +11,53 @@
 namespace paperbake {
 
 Crumple::Crumple(const Pattern& pattern, const Paper& paper, const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet)
-    : pattern_(pattern), paper_(paper), options_(options), seed_(seed), sheet_(sheet) {}
+    : pattern_(pattern), paper_(paper), options_(options), seed_(seed), sheet_(sheet), regions_(pattern, options.rulings) {}
+
+void Crumple::begin_with(const Points2& pattern, const Triangles& triangles, int required) {
+  base_ = base_mesh(pattern, triangles);
+  required_ = required;
+}
+
+std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>& pulled, int frame) {
+  RulingOptions options = options_.rulings;
+  if (options.facet_turn <= 0 || required_ < 0) return std::nullopt;
+  const BendingField field(sheet, vertex_curvature(sheet));
+  regions_.follow(field);
+  if (!when_.due(mesh_fit(sheet, field, regions_), frame, options.facet_turn)) return std::nullopt;
+
+  std::vector<Vector2d> required, singular;
+  for (int v = 0; v < required_; ++v) required.push_back(sheet.pattern.row(v));
+  for (const SingularPoint& s : sheet.singular) singular.push_back(s.pattern);
+  std::vector<Disc> guards;
+  for (const int v : pulled) guards.push_back({sheet.pattern.row(v), options.guard * shorter_side(pattern_)});
+  std::optional<RuledMesh> mesh;
+  for (int attempt = 0; attempt < 3; ++attempt, options.facet_turn *= 1.35) {
+    proposed_ = lay_rulings(base_.polygons, field, regions_, guards, base_.h, options);
+    if (proposed_.empty()) return std::nullopt;
+    mesh = ruled_mesh(base_, required, singular, proposed_, guards, options);
+    if (mesh && mesh->triangles.rows() <= options.most_share * base_.triangles + 2 * singular.size()) break;
+  }
+  if (!mesh) {
+    when_.judged(false, frame);
+    return std::nullopt;
+  }
+  Sheet proposal;
+  const Transfer onto(sheet.pattern, sheet.triangles, mesh->pattern);
+  proposal.x = onto(sheet.x);
+  proposal.v = onto(sheet.v);
+  proposal.pattern = std::move(mesh->pattern);
+  proposal.triangles = std::move(mesh->triangles);
+  proposal.singular = sheet.singular;
+  flip_towards_rulings(proposal, onto(vertex_curvature(sheet)), options_.flip_gain);
+  return proposal;
+}
+
+void Crumple::judged(bool accepted, int frame) {
+  when_.judged(accepted, frame);
+  if (!accepted) return;
+  rulings_ = proposed_;
+  in_conflict_.clear();
+}
 
 CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int frame, bool moving) {
   CrumpleReport report;

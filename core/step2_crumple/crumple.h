@@ -3,8 +3,11 @@
 #include "core/paper.h"
 #include "core/pattern.h"
 #include "core/sheet.h"
+#include "core/step2_crumple/ruled_mesh.h"
+#include "core/step2_crumple/remesh_when.h"
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -20,6 +23,7 @@ struct CrumpleOptions {
   double flip_gain = 0.8;          // [1]   an edge turns when the other diagonal has less than this share of its sagitta
   int most_points = 40;            // [1]   on one sheet
   int most_triangles = 250;        // [1]   no point is born beyond
+  RulingOptions rulings;
 };
 
 struct CrumpleReport {
@@ -27,8 +31,9 @@ struct CrumpleReport {
   bool mesh_changed() const { return flips > 0 || births > 0; }
 };
 
-/// Step 2 of [Schreck 2015], the robust part: the mesh follows the bending by edge flips, and where two bending directions
-/// conflict in two frames in a row a singular point is born, at a place drawn from the paper's own law.
+/// Step 2 of [Schreck 2015] on one mesh. The robust part: the mesh follows the bending by edge flips, and where two bending
+/// directions conflict in two frames in a row a singular point is born, at a place drawn from the paper's own law. On top of
+/// it, as a proposal: a mesh whose edges are the rulings of the curved regions.
 class Crumple {
  public:
   /// seed, sheet  what the draws depend on, besides the number of the event
@@ -39,12 +44,31 @@ class Crumple {
   /// moving  false: the sheet is at rest, nothing is done
   CrumpleReport operate(Sheet&, const std::vector<char>& fixed, int frame, bool moving);
 
+  /// The mesh that every ruled one goes back to. To be called once, before `propose`.
+  /// required  how many vertices, from number 0 on, hold what a ruled mesh must keep as it is
+  void begin_with(const Points2& pattern, const Triangles&, int required);
+
+  /// Before `operate`, from a sheet at its minimum: looks for curved regions and, when the mesh does not follow their rulings,
+  /// proposes one that does, with positions and velocities carried over. The required vertices keep their numbers.
+  /// pulled  vertices that a lone handle moves
+  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, int frame);
+  /// What became of the proposal.
+  void judged(bool accepted, int frame);
+
+  const Regions& regions() const { return regions_; }
+  const std::vector<Ruling>& rulings() const { return rulings_; }  // of the last proposal that was accepted
+
  private:
   Pattern pattern_;
   Paper paper_;
   CrumpleOptions options_;
   std::uint32_t seed_, sheet_;
   std::vector<char> in_conflict_;  // of the frame before, by vertex
+  BaseMesh base_;
+  int required_ = 0;
+  Regions regions_;
+  std::vector<Ruling> proposed_, rulings_;
+  RemeshWhen when_;
 };
 
 }  // namespace paperbake

@@ -1,0 +1,46 @@
+#include "core/step2_crumple/remesh_when.h"
+
+#include "core/hinges.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+
+MeshFit mesh_fit(const Sheet& sheet, const BendingField& field, const Regions& regions) {
+  std::vector<char> singular(sheet.pattern.rows(), 0);
+  for (const SingularPoint& s : sheet.singular)
+    for (int v = 0; v < sheet.pattern.rows(); ++v)
+      if ((sheet.pattern.row(v).transpose() - s.pattern).norm() < 1e-9) singular[v] = 1;
+  MeshFit fit;
+  double off = 0, all = 0;
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
+    const Vector2d a = sheet.pattern.row(hinge.vertices[0]), b = sheet.pattern.row(hinge.vertices[1]), middle = 0.5 * (a + b);
+    const int place = regions.grid().nearest(middle);
+    if (place < 0 || regions.of_place()[place] < 0) continue;
+    const double theta = std::abs(fold_angle(sheet.x, hinge)), weight = theta * (b - a).norm();
+    off += weight * std::abs((b - a).normalized().dot(field.at(middle).across));
+    all += weight;
+    if (!singular[hinge.vertices[0]] && !singular[hinge.vertices[1]]) fit.largest_fold = std::max(fit.largest_fold, theta);
+  }
+  fit.misalignment = all > 0 ? off / all : 0;
+  return fit;
+}
+
+bool RemeshWhen::due(const MeshFit& fit, int frame, double facet_turn) const {
+  if (frame < not_before_) return false;
+  const int age = frame - last_;
+  return (age >= 2 && fit.misalignment > 0.3) || (age >= 4 && fit.largest_fold > 2 * facet_turn) || (age >= 6 && fit.misalignment > 0.12);
+}
+
+void RemeshWhen::judged(bool accepted, int frame) {
+  if (accepted) {
+    last_ = frame;
+    wait_ = 1;
+    return;
+  }
+  wait_ *= 2;
+  not_before_ = frame + wait_;
+}
+
+}  // namespace paperbake

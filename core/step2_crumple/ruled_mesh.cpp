@@ -1,0 +1,265 @@
+#include "core/step2_crumple/ruled_mesh.h"
+
+#include "core/constrained_delaunay.h"
+#include "core/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double along(const Vector2d& p, const Vector2d& a, const Vector2d& b) { return (p - a).dot(b - a) / (b - a).squaredNorm(); }
+
+double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  return (p - a - std::clamp(along(p, a, b), 0.0, 1.0) * (b - a)).norm();
+}
+
+/// A polygon without the vertices in which it hardly turns.
+std::vector<Vector2d> corners_of(const std::vector<Vector2d>& polygon) {
+  constexpr double straight = 1e-6;  // [1] sine of the turn
+  std::vector<Vector2d> corners;
+  const std::size_t n = polygon.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const Vector2d in = (polygon[i] - polygon[(i + n - 1) % n]).normalized(), out = (polygon[(i + 1) % n] - polygon[i]).normalized();
+    if (std::abs(cross(in, out)) > straight || in.dot(out) < 0) corners.push_back(polygon[i]);
+  }
+  return corners;
+}
+
+/// Collects the points and edges of a ruled mesh.
+class Builder {
+ public:
+  Builder(const BaseMesh& base, const std::vector<Vector2d>& required, const RulingOptions& options)
+      : base_(base), options_(options), points_(required), tolerance_(options.merge * base.h) {
+    add_polygon(base.polygons.outline);
+    for (const auto& hole : base.polygons.holes) add_polygon(hole);
+  }
+
+  void add_singular(const std::vector<Vector2d>& singular) {
+    for (const Vector2d& p : singular) point_at(p, exact());
+    fixed_ = points_.size();
+  }
+
+  void add_rulings(const std::vector<Ruling>& rulings) {
+    std::vector<std::pair<int, int>> ends;
+    for (const Ruling& r : rulings) ends.emplace_back(ruling_end(r.a), ruling_end(r.b));
+    for (const auto& [a, b] : ends) add_ruling(a, b);
+    const auto legs = legs_;
+    for (const auto& [a, b] : legs) subdivide(a, b);
+  }
+
+  void fill(const std::vector<Disc>& guards) {
+    for (Side& side : sides_) fill_border(side);
+    const std::size_t before = points_.size();
+    for (const Vector2d& p : base_.inner) {
+      const bool guarded = std::any_of(guards.begin(), guards.end(), [&](const Disc& d) { return (p - d.centre).norm() < d.radius; });
+      const double clear = (guarded ? 0.4 : 0.6) * base_.h;
+      bool free = true;
+      for (std::size_t i = 0; i < before && free; ++i) free = (points_[i] - p).norm() >= clear;
+      for (const auto& [a, b] : legs_) free = free && distance_to_segment(p, points_[a], points_[b]) >= 0.75 * clear;
+      if (free) points_.push_back(p);
+    }
+  }
+
+  std::optional<RuledMesh> triangulate() const {
+    std::vector<std::pair<int, int>> border;
+    for (const Side& side : sides_)
+      for (std::size_t k = 0; k + 1 < side.stops.size(); ++k) border.emplace_back(side.stops[k].second, side.stops[k + 1].second);
+    auto triangles = constrained_delaunay(points_, border, pieces_);
+    if (!triangles) return std::nullopt;
+    RuledMesh mesh;
+    mesh.pattern.resize(static_cast<int>(points_.size()), 2);
+    for (std::size_t i = 0; i < points_.size(); ++i) mesh.pattern.row(i) = points_[i];
+    mesh.triangles = std::move(*triangles);
+    return mesh;
+  }
+
+ private:
+  struct Side {  // of a border polygon
+    Vector2d a, b;
+    std::vector<std::pair<double, int>> stops;  // place along it in [0, 1], point
+  };
+
+  double exact() const { return 1e-7 * base_.h; }
+
+  void add_polygon(const std::vector<Vector2d>& polygon) {
+    const std::size_t first = sides_.size();
+    for (std::size_t i = 0; i < polygon.size(); ++i) {
+      const Vector2d& a = polygon[i];
+      const Vector2d& b = polygon[(i + 1) % polygon.size()];
+      sides_.push_back({a, b, {{0.0, point_at(a, exact())}}});
+    }
+    for (std::size_t s = first; s < sides_.size(); ++s) {
+      Side& side = sides_[s];
+      side.stops.emplace_back(1.0, s + 1 < sides_.size() ? sides_[s + 1].stops[0].second : sides_[first].stops[0].second);
+      for (std::size_t i = 0; i < points_.size(); ++i) {
+        const double t = along(points_[i], side.a, side.b);
+        const bool inside = t * (side.b - side.a).norm() > exact() && (1 - t) * (side.b - side.a).norm() > exact();
+        if (inside && distance_to_segment(points_[i], side.a, side.b) <= 10 * exact()) side.stops.emplace_back(t, static_cast<int>(i));
+      }
+      std::sort(side.stops.begin(), side.stops.end());
+    }
+  }
+
+  int point_at(const Vector2d& p, double tolerance) {
+    int nearest = -1;
+    double least = tolerance;
+    for (std::size_t i = 0; i < points_.size(); ++i)
+      if ((points_[i] - p).norm() <= least) least = (points_[i] - p).norm(), nearest = static_cast<int>(i);
+    if (nearest >= 0) return nearest;
+    points_.push_back(p);
+    return static_cast<int>(points_.size()) - 1;
+  }
+
+  /// The point where a ruling ends: one that is there already, or a new one, on the border if that is near.
+  int ruling_end(const Vector2d& p) {
+    const std::size_t before = points_.size();
+    const int point = point_at(p, tolerance_);
+    if (points_.size() == before) return point;
+    for (Side& side : sides_) {
+      if (distance_to_segment(p, side.a, side.b) > 0.7 * tolerance_) continue;
+      const double t = along(p, side.a, side.b);
+      points_[point] = side.a + t * (side.b - side.a);
+      side.stops.emplace_back(t, point);
+      std::sort(side.stops.begin(), side.stops.end());
+      return point;
+    }
+    return point;
+  }
+
+  /// From end to end by way of the points that lie on the line or nearly so.
+  void add_ruling(int a, int b) {
+    if (a == b) return;
+    std::vector<std::pair<double, int>> stops{{0.0, a}, {1.0, b}};
+    const double length = (points_[b] - points_[a]).norm();
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+      const double t = along(points_[i], points_[a], points_[b]);
+      if (int(i) == a || int(i) == b || t * length < exact() || (1 - t) * length < exact()) continue;
+      if (distance_to_segment(points_[i], points_[a], points_[b]) < 0.9 * tolerance_) stops.emplace_back(t, static_cast<int>(i));
+    }
+    std::sort(stops.begin(), stops.end());
+    for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
+      const std::pair<int, int> leg = std::minmax(stops[k].second, stops[k + 1].second);
+      if (on_one_side(leg) || crosses_another(leg) || std::count(legs_.begin(), legs_.end(), leg)) continue;
+      legs_.push_back(leg);
+    }
+  }
+
+  bool on_one_side(const std::pair<int, int>& leg) const {
+    return std::any_of(sides_.begin(), sides_.end(), [&](const Side& side) {
+      const auto is = [&](int p) { return [p](const std::pair<double, int>& stop) { return stop.second == p; }; };
+      return std::any_of(side.stops.begin(), side.stops.end(), is(leg.first)) && std::any_of(side.stops.begin(), side.stops.end(), is(leg.second));
+    });
+  }
+
+  bool crosses_another(const std::pair<int, int>& leg) const {
+    const Vector2d a = points_[leg.first], b = points_[leg.second];
+    return std::any_of(legs_.begin(), legs_.end(), [&](const std::pair<int, int>& other) {
+      if (other.first == leg.first || other.first == leg.second || other.second == leg.first || other.second == leg.second) return false;
+      const Vector2d c = points_[other.first], d = points_[other.second];
+      return cross(b - a, c - a) * cross(b - a, d - a) <= 0 && cross(d - c, a - c) * cross(d - c, b - c) <= 0;
+    });
+  }
+
+  void subdivide(int a, int b) {
+    const double length = (points_[b] - points_[a]).norm();
+    const int parts = std::max(1, static_cast<int>(std::ceil(length / (options_.along_most * base_.h) - 0.1)));
+    int last = a;
+    for (int k = 1; k < parts; ++k) {
+      const Vector2d p = points_[a] + (points_[b] - points_[a]) * k / parts;
+      const std::size_t before = points_.size();
+      const int point = point_at(p, 0.25 * base_.h);
+      if (points_.size() == before) continue;  // beside the apex of a fan
+      pieces_.emplace_back(last, point);
+      last = point;
+    }
+    pieces_.emplace_back(last, b);
+  }
+
+  void fill_border(Side& side) {
+    std::vector<std::pair<double, int>> filled;
+    const double length = (side.b - side.a).norm();
+    for (std::size_t k = 0; k + 1 < side.stops.size(); ++k) {
+      const double from = side.stops[k].first, to = side.stops[k + 1].first;
+      const int parts = std::max(1, static_cast<int>(std::lround((to - from) * length / base_.h)));
+      filled.push_back(side.stops[k]);
+      for (int i = 1; i < parts; ++i) {
+        const double t = from + (to - from) * i / parts;
+        filled.emplace_back(t, static_cast<int>(points_.size()));
+        points_.push_back(side.a + t * (side.b - side.a));
+      }
+    }
+    filled.push_back(side.stops.back());
+    side.stops = std::move(filled);
+  }
+
+  const BaseMesh& base_;
+  const RulingOptions& options_;
+  std::vector<Vector2d> points_;
+  double tolerance_;
+  std::size_t fixed_ = 0;
+  std::vector<Side> sides_;
+  std::vector<std::pair<int, int>> legs_, pieces_;
+};
+
+/// Least altitude of a triangle. [m]
+double least_altitude(const RuledMesh& mesh) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int t = 0; t < mesh.triangles.rows(); ++t) {
+    const Vector2d a = mesh.pattern.row(mesh.triangles(t, 0)), b = mesh.pattern.row(mesh.triangles(t, 1)), c = mesh.pattern.row(mesh.triangles(t, 2));
+    least = std::min(least, cross(b - a, c - a) / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}));
+  }
+  return least;
+}
+
+}  // namespace
+
+BaseMesh base_mesh(const Points2& pattern, const Triangles& triangles) {
+  std::set<std::pair<int, int>> border;
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const std::pair<int, int> edge{triangles(t, i), triangles(t, (i + 1) % 3)};
+      if (!border.erase({edge.second, edge.first})) border.insert(edge);
+    }
+  std::map<int, int> next(border.begin(), border.end());
+  std::vector<char> outside(pattern.rows(), 0);
+  BaseMesh base;
+  while (!next.empty()) {
+    std::vector<Vector2d> loop;
+    double twice_area = 0;
+    for (int v = next.begin()->first; next.count(v);) {
+      loop.push_back(pattern.row(v));
+      outside[v] = 1;
+      const int to = next[v];
+      next.erase(v);
+      twice_area += cross(loop.back(), pattern.row(to).transpose());
+      v = to;
+    }
+    if (twice_area > 0) base.polygons.outline = corners_of(loop);
+    else base.polygons.holes.push_back(corners_of(loop));
+  }
+  for (int v = 0; v < pattern.rows(); ++v)
+    if (!outside[v]) base.inner.push_back(pattern.row(v));
+  base.h = mean_edge(pattern, triangles);
+  base.triangles = static_cast<int>(triangles.rows());
+  return base;
+}
+
+std::optional<RuledMesh> ruled_mesh(const BaseMesh& base, const std::vector<Vector2d>& required, const std::vector<Vector2d>& singular,
+                                    const std::vector<Ruling>& rulings, const std::vector<Disc>& guards, const RulingOptions& options) {
+  constexpr double needle = 0.03;  // [h]
+  Builder builder(base, required, options);
+  builder.add_singular(singular);
+  builder.add_rulings(rulings);
+  builder.fill(guards);
+  auto mesh = builder.triangulate();
+  if (!mesh || least_altitude(*mesh) < needle * base.h) return std::nullopt;
+  return mesh;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,187 @@
+#include "core/step2_crumple/rulings.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+Vector2d turned(const Vector2d& d) { return {-d.y(), d.x()}; }
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d d = b - a;
+  const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+  return (p - a - t * d).norm();
+}
+
+/// Where a ray meets a segment, as a length along the (unit) ray.
+std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d& a, const Vector2d& b) {
+  const Vector2d side = b - a;
+  const double turn = cross(d, side);
+  if (std::abs(turn) < 1e-12 * side.norm()) return std::nullopt;
+  const double t = cross(a - p, side) / turn, s = cross(a - p, d) / turn;
+  if (t < 0 || s < -1e-9 || s > 1 + 1e-9) return std::nullopt;
+  return t;
+}
+
+/// Lays the rulings of one sheet; remembers those that lie already.
+class Layer {
+ public:
+  Layer(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards, double h,
+        const RulingOptions& options)
+      : polygons_(polygons), field_(field), regions_(regions), guards_(guards), h_(h), options_(options),
+        window_(options.window * std::sqrt(area(polygons))), size_(shorter_side(polygons)) {}
+
+  std::vector<Ruling> lay() {
+    const auto& bending = regions_.bending();
+    std::vector<int> order(regions_.grid().count());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return std::abs(bending[i].k1) > std::abs(bending[j].k1); });
+    for (const int seed : order) {
+      if (regions_.of_place()[seed] < 0) continue;
+      const Vector2d p = regions_.grid().places[seed];
+      if (!free(p, 0.6 * spacing(bending[seed].k1))) continue;
+      march_from(p, regions_.of_place()[seed], turned(bending[seed].across));
+    }
+    return std::move(laid_);
+  }
+
+ private:
+  double spacing(double k) const {
+    return std::clamp(options_.facet_turn / std::max(std::abs(k), 1e-9), options_.across_least * h_, options_.across_most * h_);
+  }
+
+  bool free(const Vector2d& p, double clear) const {
+    for (const Disc& disc : guards_)
+      if ((p - disc.centre).norm() < disc.radius) return false;
+    return std::none_of(laid_.begin(), laid_.end(), [&](const Ruling& r) { return distance_to_segment(p, r.a, r.b) < clear; });
+  }
+
+  int region_at(const Vector2d& p) const {
+    if (!contains(polygons_, p)) return -1;
+    const int place = regions_.grid().nearest(p);
+    return place < 0 ? -1 : regions_.of_place()[place];
+  }
+
+  void march_from(const Vector2d& seed, int region, const Vector2d& direction) {
+    const std::optional<Ruling> first = ruling_at(seed, region, direction);
+    if (!first) return;
+    laid_.push_back(*first);
+    for (const double side : {1.0, -1.0}) {
+      Ruling last = *first;
+      for (int guard = 0; guard < 200; ++guard) {
+        const Vector2d middle = 0.5 * (last.a + last.b), d = (last.b - last.a).normalized();
+        double step = spacing(last.k);
+        const double ahead = field_.at(middle + side * step * turned(d)).k1;
+        step = spacing(0.5 * (std::abs(last.k) + std::abs(ahead)));
+        const Vector2d next = middle + side * step * turned(d);
+        if (region_at(next) != region || !free(next, 0.6 * step)) break;
+        const std::optional<Ruling> ruling = ruling_at(next, region, d);
+        if (!ruling) break;
+        laid_.push_back(*ruling);
+        last = *ruling;
+        if ((last.b - last.a).dot(d) < 0) std::swap(last.a, last.b);
+      }
+    }
+  }
+
+  std::optional<Ruling> ruling_at(const Vector2d& p, int region, Vector2d direction) const {
+    for (int k = 0; k < 2; ++k) {
+      const Vector2d d = fit_cone_at(regions_, region, p, direction, window_, options_).ruling(p);
+      direction = d.dot(direction) < 0 ? Vector2d(-d) : d;
+    }
+    double sum = 0;
+    int count = 0;
+    const double ahead = reach(p, direction, sum, count), behind = reach(p, -direction, sum, count);
+    if (ahead + behind < 0.8 * h_ || count == 0) return std::nullopt;
+    return Ruling{p - behind * direction, p + ahead * direction, sum / count, region};
+  }
+
+  /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up the curvature on the way.
+  double reach(const Vector2d& p, const Vector2d& d, double& sum, int& count) const {
+    constexpr int most_bad = 2;
+    double end = std::numeric_limits<double>::infinity();
+    for (const auto* polygon : all_polygons())
+      for (std::size_t s = 0; s < polygon->size(); ++s)
+        if (const auto t = meets(p, d, (*polygon)[s], (*polygon)[(s + 1) % polygon->size()])) end = std::min(end, *t);
+    if (!std::isfinite(end)) return 0;
+    const double border = end;
+    end = std::min(end, obstacle(p, d));
+    const double k = field_.at(p).k1, step = size_ / 30;
+    double good = 0;
+    int bad = 0;
+    for (double t = step; t < end && bad < most_bad; t += step) {
+      const Principal here = field_.at(p + t * d);
+      const double least = std::max(0.25 * std::abs(k), 0.7 * options_.flat_below * options_.curved_above / longer_side(polygons_));
+      const bool along = here.k1 * k > 0 && std::abs(here.k1) > least && std::abs(turned(here.across).dot(d)) > 0.866 &&
+                         std::abs(here.k2) < options_.coherent * std::abs(here.k1);
+      bad = along ? 0 : bad + 1;
+      if (!along) continue;
+      good = t;
+      sum += here.k1;
+      ++count;
+    }
+    if (bad < most_bad) return end;
+    if (end == border && border - good < 0.5 * h_) return border;
+    return good;
+  }
+
+  /// Length along a ray to the first guard or ruling; a little less, but for the end of a ruling, where fans meet.
+  double obstacle(const Vector2d& p, const Vector2d& d) const {
+    double end = std::numeric_limits<double>::infinity();
+    for (const Disc& disc : guards_) {
+      const double along = (disc.centre - p).dot(d), off = std::abs(cross(disc.centre - p, d));
+      if (along > 0 && off < disc.radius) end = std::min(end, along - std::sqrt(disc.radius * disc.radius - off * off));
+    }
+    for (const Ruling& r : laid_)
+      if (const auto t = meets(p, d, r.a, r.b)) end = std::min(end, std::max(0.0, *t - 0.4 * h_));
+    return end;
+  }
+
+  std::vector<const std::vector<Vector2d>*> all_polygons() const {
+    std::vector<const std::vector<Vector2d>*> all{&polygons_.outline};
+    for (const auto& hole : polygons_.holes) all.push_back(&hole);
+    return all;
+  }
+
+  const Pattern& polygons_;
+  const BendingField& field_;
+  const Regions& regions_;
+  const std::vector<Disc>& guards_;
+  double h_;
+  const RulingOptions& options_;
+  double window_, size_;
+  std::vector<Ruling> laid_;
+};
+
+}  // namespace
+
+Cone fit_cone_at(const Regions& regions, int region, const Vector2d& p, const Vector2d& direction, double window, const RulingOptions& options) {
+  constexpr double aligned = 0.64;
+  const Vector2d e = turned(direction);
+  std::vector<RulingSample> samples;
+  for (int i = 0; i < regions.grid().count(); ++i) {
+    if (regions.of_place()[i] != region) continue;
+    const Vector2d& place = regions.grid().places[i];
+    const Principal& bend = regions.bending()[i];
+    const double offset = (place - p).dot(e) / window;
+    if (std::abs(offset) > 2 || std::abs(bend.across.dot(e)) < aligned) continue;
+    samples.push_back({place, bend.across, bend.k1 * bend.k1 * std::exp(-offset * offset)});
+  }
+  if (samples.size() < 4) {
+    Cone cylinder;
+    cylinder.apex << direction, 0;
+    return cylinder;
+  }
+  return fit_cone(samples, window, options.pull);
+}
+
+std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards,
+                                double h, const RulingOptions& options) {
+  return Layer(polygons, field, regions, guards, h, options).lay();
+}
+
+}  // namespace paperbake
