@@ -201,6 +201,15 @@ Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const Held
   return verdict;
 }
 
+/// The sheet as the method hands it on. What touches itself is not moved through itself.
+Sheet finished(const Method& method, const Sheet& sheet, const Held& held, bool touching) {
+  Sheet shown = sheet;
+  if (!method.finish) return shown;
+  method.finish(shown, held.vertices);
+  if (touching && crossings(shown) > crossings(sheet)) return sheet;
+  return shown;
+}
+
 /// The elastic step of one frame, in halves where a whole one fails.
 struct SteppedFrame {
   int substeps = 0, iterations = 0;
@@ -289,6 +298,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   constexpr double still = 2e-4, asleep = 1e-5;  // [1] of the longer side: no method touches the mesh; nothing is solved either
   const double side = longer_side(shot.pattern);
   Points3 before;       // [m] positions one frame ago
+  Sheet shown;          // what is handed on
   Held held_before;
   bool at_minimum = false;
   int quiet_frames = 0;
@@ -332,8 +342,12 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     at_minimum = step.converged;
     grip.anchor(sheet.x, frame);
 
-    result.sheet = &sheet;
-    result.handles = grip.report(sheet.x, frame);
+    begun = cpu_ms();
+    if (!sleeps || first) shown = finished(method, sheet, held, step.last.touching > 0);
+    result.geometry_ms += cpu_ms() - begun;
+
+    result.sheet = &shown;
+    result.handles = grip.report(shown.x, frame);
     result.substeps = step.substeps;
     result.newton_iterations = step.iterations;
     result.converged = step.converged;

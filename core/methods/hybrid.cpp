@@ -1,6 +1,7 @@
 #include "core/methods/method.h"
 
 #include "core/pattern_mesh.h"
+#include "core/step3_developable/developable.h"
 
 #include <memory>
 
@@ -45,6 +46,7 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
     return crumple->propose(sheet_now, pulled, frame);
   };
   method.judged = [crumple](bool accepted, int frame) { crumple->judged(accepted, frame); };
+  method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };
   return method;
 }
 

@@ -39,6 +39,10 @@ struct Method {
   /// pulled  vertices that lone handles are about to move
   std::function<std::optional<Sheet>(const Sheet&, const std::vector<int>& pulled, int frame)> propose;
   std::function<void(bool accepted, int frame)> judged;  // after every proposal: what became of it
+
+  /// After the elastic step of a frame, on the copy of the sheet that is handed on: the step that begins the next frame starts
+  /// from the equilibrium. Empty: the sheet is handed on as it is.
+  std::function<void(Sheet&, const std::vector<int>& held)> finish;
 };
 
 /// Standard finite elements: step 1 alone on a fixed mesh of about `triangles` near-equilateral triangles.

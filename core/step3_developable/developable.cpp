@@ -1,0 +1,154 @@
+#include "core/step3_developable/developable.h"
+
+#include <Eigen/SparseCholesky>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace paperbake {
+namespace {
+
+struct Edge {
+  int i, j;
+  double length;  // [m] on the pattern
+  double area;    // [m2] a third of its triangles
+};
+
+struct Weighted {
+  std::vector<Edge> edges;
+  std::vector<double> area;  // [m2] of the vertices
+};
+
+Weighted weigh(const Sheet& sheet) {
+  Weighted result;
+  result.area.assign(sheet.pattern.rows(), 0.0);
+  std::map<std::pair<int, int>, double> shares;
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const auto at = [&](int k) -> Vector2d { return sheet.pattern.row(sheet.triangles(t, k)); };
+    const Vector2d u = at(1) - at(0), v = at(2) - at(0);
+    const double third = std::abs(u.x() * v.y() - u.y() * v.x()) / 6;
+    for (int k = 0; k < 3; ++k) {
+      const int a = sheet.triangles(t, k), b = sheet.triangles(t, (k + 1) % 3);
+      shares[{std::min(a, b), std::max(a, b)}] += third;
+      result.area[a] += third;
+    }
+  }
+  for (const auto& [ends, area] : shares)
+    result.edges.push_back({ends.first, ends.second, (sheet.pattern.row(ends.first) - sheet.pattern.row(ends.second)).norm(), area});
+  return result;
+}
+
+double stretch(const Edge& e, const Points3& x) { return (x.row(e.i) - x.row(e.j)).norm() / e.length - 1; }
+
+double worst(const std::vector<Edge>& edges, const Points3& x) {
+  double most = 0;
+  for (const Edge& e : edges) most = std::max(most, std::abs(stretch(e, x)));
+  return most;
+}
+
+/// What of a stretch is more than is left alone.
+double excess(double stretch, double left_alone) { return stretch - std::clamp(stretch, -left_alone, left_alone); }
+
+double misfit(const std::vector<Edge>& edges, const Points3& x, double left_alone) {
+  double sum = 0;
+  for (const Edge& e : edges) sum += e.area * std::pow(excess(stretch(e, x), left_alone), 2);
+  return sum;
+}
+
+/// The normal equations of one iteration over the free vertices.
+class Iteration {
+ public:
+  Iteration(const Weighted& sheet, std::vector<int> place, int free, double left_alone)
+      : sheet_(sheet), place_(std::move(place)), left_alone_(left_alone), right_(3 * free) {
+    double mean = 0;
+    for (const double a : sheet.area) mean += a / sheet.area.size();
+    stay_.assign(free, 0.0);
+    for (std::size_t v = 0; v < place_.size(); ++v)
+      if (place_[v] >= 0) stay_[place_[v]] = sheet.area[v] / mean;
+  }
+
+  /// Moves x; false when the equations cannot be solved.
+  bool move(Points3& x, double anchor) {
+    std::vector<Eigen::Triplet<double>> entries;
+    right_.setZero();
+    for (std::size_t k = 0; k < stay_.size(); ++k)
+      for (int c = 0; c < 3; ++c) entries.emplace_back(3 * k + c, 3 * k + c, anchor * stay_[k]);
+    for (const Edge& e : sheet_.edges) add(e, x, entries);
+    Eigen::SparseMatrix<double> matrix(right_.size(), right_.size());
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    if (solver_.rows() == 0) solver_.analyzePattern(matrix);
+    solver_.factorize(matrix);
+    if (solver_.info() != Eigen::Success) return false;
+    const Eigen::VectorXd d = solver_.solve(right_);
+    for (int v = 0; v < x.rows(); ++v)
+      if (place_[v] >= 0) x.row(v) += d.segment<3>(3 * place_[v]).transpose();
+    return true;
+  }
+
+ private:
+  void add(const Edge& e, const Points3& x, std::vector<Eigen::Triplet<double>>& entries) {
+    const Vector3d span = (x.row(e.i) - x.row(e.j)).transpose();
+    const double length = span.norm(), weight = e.area / (e.length * e.length);
+    if (length < 1e-3 * e.length) return;  // it has no direction
+    const Vector3d n = span / length;
+    const double pull = weight * e.length * excess(length / e.length - 1, left_alone_);
+    const Eigen::Matrix3d block = weight * n * n.transpose();
+    const int ends[2] = {place_[e.i], place_[e.j]};
+    for (int a = 0; a < 2; ++a) {
+      if (ends[a] < 0) continue;
+      right_.segment<3>(3 * ends[a]) -= (a == 0 ? pull : -pull) * n;
+      for (int b = 0; b < 2; ++b) {
+        if (ends[b] < 0 || ends[b] > ends[a]) continue;  // the lower triangle
+        for (int r = 0; r < 3; ++r)
+          for (int c = 0; c < 3; ++c)
+            if (ends[a] != ends[b] || c <= r) entries.emplace_back(3 * ends[a] + r, 3 * ends[b] + c, (a == b ? 1 : -1) * block(r, c));
+      }
+    }
+  }
+
+  const Weighted& sheet_;
+  std::vector<int> place_;  // of a free vertex; -1: held
+  double left_alone_;
+  std::vector<double> stay_;
+  Eigen::VectorXd right_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+};
+
+}  // namespace
+
+Restored restore_lengths(Sheet& sheet, const std::vector<int>& held, const DevelopableOptions& options) {
+  const Weighted weighted = weigh(sheet);
+  Restored result;
+  result.before = result.after = worst(weighted.edges, sheet.x);
+  if (result.before <= options.left_alone) return result;
+  std::vector<int> place(sheet.x.rows(), 0);
+  for (const int v : held) place[v] = -1;
+  int free = 0;
+  for (int& p : place)
+    if (p == 0) p = free++;
+  if (free == 0) return result;
+
+  Iteration iteration(weighted, place, free, options.left_alone);
+  Points3 best = sheet.x;
+  const double size = (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).norm();
+  const double first = misfit(weighted.edges, best, options.left_alone);
+  double least = first;
+  for (double anchor = 1e-6; least > 1e-4 * first && result.iterations < options.max_iterations; ++result.iterations) {
+    Points3 x = best;
+    const double now = iteration.move(x, anchor) ? misfit(weighted.edges, x, options.left_alone) : least;
+    if (now < least && (x - sheet.x).rowwise().norm().maxCoeff() <= options.most_move * size) {
+      least = now;
+      best = x;
+      anchor *= 0.1;
+    } else {
+      anchor *= 30;
+    }
+  }
+  result.after = worst(weighted.edges, best);
+  result.moved = (best - sheet.x).rowwise().norm().maxCoeff();
+  sheet.x = best;
+  return result;
+}
+
+}  // namespace paperbake
