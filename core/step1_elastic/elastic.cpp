@@ -238,13 +238,16 @@ ElasticReport Elastic::look(const Sheet& sheet) const {
   return report;
 }
 
-ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt) {
+ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, int most_iterations) {
   Impl& s = *impl_;
   s.hold(sheet, held.vertices);
   sheet.x = s.predictor->guesses(sheet.x, {}, held.targets).front();
   ElasticReport report;
   const double inertia = (s.options.inertia == Inertia::dynamic ? 1 : quasi_static_mass) / (dt * dt);
+  const int usual = s.options.max_iterations;
+  s.options.max_iterations = std::min(usual, most_iterations);
   if (s.matrix) s.minimise({*s.energy, s.mass, sheet.x, inertia, s.options.gravity}, sheet.x, report);
+  s.options.max_iterations = usual;
   const ElasticReport stored = look(sheet);
   report.energy = stored.energy;
   report.membrane = stored.membrane;
