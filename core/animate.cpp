@@ -1,6 +1,7 @@
 #include "core/animate.h"
 
 #include "core/error.h"
+#include "core/hinges.h"
 #include "core/locate.h"
 #include "core/measure.h"
 #include "core/plastic_grid.h"
@@ -171,6 +172,14 @@ std::vector<int> pulled_alone(const Sheet& sheet, const Held& held, double least
   return pulled;
 }
 
+/// Sum over the edges of |fold| x length. [m rad]
+double fold_integral(const Sheet& sheet) {
+  double sum = 0;
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
+    sum += std::abs(fold_angle(sheet.x, hinge)) * (sheet.pattern.row(hinge.vertices[1]) - sheet.pattern.row(hinge.vertices[0])).norm();
+  return sum;
+}
+
 /// Relaxes a proposed mesh where the handles were and takes it, with the elastic solver that goes with it, when it is the same
 /// sheet still: at a minimum, of nearly the same potential and nowhere far from where it was. Nothing flows. Refused, it leaves
 /// no trace.
@@ -181,12 +190,13 @@ struct Verdict {
 Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const Held& held, const Shot& shot, const AnimateOptions& options,
                       PlasticGrid* memory) {
   constexpr double most_rise = 0.05, most_move = 0.02;           // [1] of the energy; of the longer side
+  constexpr int most_iterations = 40;                            // what needs more has landed somewhere else
   const double noise = 0.004 * shot.paper.bending_stiffness;     // [J] a sheet that is nearly flat
   const Points3 carried = proposal.x;
   Elastic trial(shot.paper, options.elastic);
   trial.remember_in(memory);
   trial.set_mesh(proposal, disc_factors(proposal, shot));
-  const ElasticReport settled = trial.settle(proposal, held, 1 / options.fps), stored = elastic.look(sheet);
+  const ElasticReport settled = trial.settle(proposal, held, 1 / options.fps, most_iterations), stored = elastic.look(sheet);
   Verdict verdict;
   const double rise = settled.potential - stored.potential;
   verdict.rise = rise / std::max(stored.energy, noise);
@@ -300,7 +310,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   Points3 before;       // [m] positions one frame ago
   Sheet shown;          // what is handed on
   Held held_before;
-  bool at_minimum = false;
+  bool at_minimum = false;  // and not flowing
   int quiet_frames = 0;
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
@@ -339,7 +349,9 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step = follow(elastic, memory ? &*memory : nullptr, sheet, held, 1 / options.fps, 0, where);
     }
     result.elastic_ms = cpu_ms() - begun;
-    at_minimum = step.converged;
+    // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
+    constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
+    at_minimum = step.converged && (step.last.plastic_flow <= 0 || step.last.plastic_flow <= most_flow * fold_integral(sheet));
     grip.anchor(sheet.x, frame);
 
     begun = cpu_ms();

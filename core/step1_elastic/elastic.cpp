@@ -405,11 +405,14 @@ ElasticReport Elastic::look(const Sheet& sheet) const {
   return report;
 }
 
-ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt) {
+ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, int most_iterations) {
   Impl& s = *impl_;
   const Points3 before = sheet.x;
   const Gripped hard = hard_handles(held);
+  const int usual = s.options.max_iterations;
+  s.options.max_iterations = std::min(usual, most_iterations);
   ElasticReport report = s.solve(sheet, held, hard, dt, nullptr, SecondStart::never);
+  s.options.max_iterations = usual;
   if (s.contact && !s.contact->clear(before, sheet.x, hard)) report.converged = false;  // not the same sheet: it passes through itself
   const ElasticReport stored = look(sheet);
   report.energy = stored.energy;

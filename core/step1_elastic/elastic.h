@@ -80,7 +80,7 @@ class Elastic {
 
   /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing else: no second start, no
   /// change of sheet.v, nothing flows and nothing is remembered. For a sheet whose mesh was exchanged where it is.
-  ElasticReport settle(Sheet&, const Held&, double dt);
+  ElasticReport settle(Sheet&, const Held&, double dt, int most_iterations);
 
   /// Takes over what another one, on another mesh, knows of past positions.
   /// carried  maps |V|x3 of the other mesh to this one

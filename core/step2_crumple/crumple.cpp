@@ -23,7 +23,7 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
   if (options.facet_turn <= 0 || required_ < 0) return std::nullopt;
   const BendingField field(sheet, vertex_curvature(sheet));
   regions_.follow(field);
-  if (!when_.due(mesh_fit(sheet, field, regions_), frame, options.facet_turn)) return std::nullopt;
+  if (!when_.due(mesh_fit(sheet, field, regions_), frame, options.stale_fold * options.facet_turn)) return std::nullopt;
 
   std::vector<Vector2d> required, singular;
   for (int v = 0; v < required_; ++v) required.push_back(sheet.pattern.row(v));

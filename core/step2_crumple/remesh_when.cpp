@@ -27,19 +27,20 @@ MeshFit mesh_fit(const Sheet& sheet, const BendingField& field, const Regions& r
   return fit;
 }
 
-bool RemeshWhen::due(const MeshFit& fit, int frame, double facet_turn) const {
+bool RemeshWhen::due(const MeshFit& fit, int frame, double most_fold) const {
   if (frame < not_before_) return false;
   const int age = frame - last_;
-  return (age >= 2 && fit.misalignment > 0.3) || (age >= 4 && fit.largest_fold > 2 * facet_turn) || (age >= 6 && fit.misalignment > 0.12);
+  return (age >= 2 && fit.misalignment > 0.3) || (age >= 4 && fit.largest_fold > most_fold) || (age >= 6 && fit.misalignment > 0.12);
 }
 
 void RemeshWhen::judged(bool accepted, int frame) {
+  constexpr int longest_wait = 16;
   if (accepted) {
     last_ = frame;
     wait_ = 1;
     return;
   }
-  wait_ *= 2;
+  wait_ = std::min(2 * wait_, longest_wait);
   not_before_ = frame + wait_;
 }
 

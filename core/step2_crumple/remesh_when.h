@@ -14,14 +14,14 @@ MeshFit mesh_fit(const Sheet&, const BendingField&, const Regions&);
 /// When a new ruled mesh is worth its pop: rarely, and the less the more often it was refused.
 class RemeshWhen {
  public:
-  bool due(const MeshFit&, int frame, double facet_turn) const;
+  bool due(const MeshFit&, int frame, double most_fold) const;
   /// What became of a mesh that was due.
   void judged(bool accepted, int frame);
 
  private:
   int last_ = -1000;      // frame of the last ruled mesh
   int not_before_ = 0;    // frame until which nothing is tried
-  int wait_ = 1;          // [frames] after the next refusal: 2, 4, 8 ...
+  int wait_ = 1;          // [frames] after the next refusal: 2, 4, 8, 16
 };
 
 }  // namespace paperbake

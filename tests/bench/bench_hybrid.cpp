@@ -8,7 +8,7 @@
 //   jit    rms of x_f - 2 x_{f-1} + x_{f-2}: median / 90 % quantile over the frames
 //   ruled  ruling remeshes accepted - rejected, and the largest rise of the potential at an accepted one
 // Environment: BENCH_BASES="60 75 90" base densities; BENCH_CACHE=DIR keeps the runs of fem there for the next time;
-// BENCH_RULINGS=0 the robust mesh alone.
+// BENCH_SET="facet_turn=0.2 flip_gain=0.5" options; facet_turn=0: the robust mesh alone.
 
 #include "core/animate.h"
 #include "core/locate.h"
@@ -21,6 +21,7 @@
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
+#include <map>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -140,6 +141,23 @@ Run run_fem(const Shot& shot, int triangles, const Case& c, double fps) {
   return r;
 }
 
+CrumpleOptions options_set() {
+  CrumpleOptions o;
+  RulingOptions& r = o.rulings;
+  const std::map<std::string, double*> by_name{{"flip_gain", &o.flip_gain},           {"conflict_turn", &o.conflict_turn}, {"facet_turn", &r.facet_turn},
+                                               {"curved_above", &r.curved_above}, {"coherent", &r.coherent},           {"window", &r.window},
+                                               {"pull", &r.pull},                 {"across_most", &r.across_most},     {"across_least", &r.across_least},
+                                               {"along_most", &r.along_most},     {"merge", &r.merge},                 {"guard", &r.guard},
+                                               {"stale_fold", &r.stale_fold},     {"most_share", &r.most_share}};
+  const char* given = std::getenv("BENCH_SET");
+  std::istringstream words(given ? given : "");
+  for (std::string word; words >> word;) {
+    const std::size_t equals = word.find('=');
+    *by_name.at(word.substr(0, equals)) = std::stod(word.substr(equals + 1));
+  }
+  return o;
+}
+
 std::vector<int> bases() {
   const char* given = std::getenv("BENCH_BASES");
   std::istringstream words(given ? given : "100 120 140");
@@ -155,14 +173,16 @@ void compare(const Case& c, int reference_triangles) {
   const Run reference = run_fem(shot, reference_triangles, c, scene.fps);
   print_row("fem", reference, reference, side);
   print_row("fem", run_fem(shot, 1700, c, scene.fps), reference, side);
-  CrumpleOptions options;
-  if (const char* rulings = std::getenv("BENCH_RULINGS"); rulings && rulings[0] == '0') options.rulings.facet_turn = 0;
+  const CrumpleOptions options = options_set();
   Numbers mean;
   double sum = 0, normals = 0, least = 1e9, most = 0;
   for (const int base : bases()) {
     const Run h = run(shot, hybrid(shot.pattern, shot.paper, base, options, 0, 0), c, scene.fps);
     const double rms = rms_pct(h, reference, side);
     print_row("hybrid " + std::to_string(base), h, reference, side);
+    if (std::getenv("BENCH_FRAMES"))
+      for (std::size_t f = 0; f < h.frames.size(); ++f)
+        std::printf("    frame %2zu rms %.3f %%\n", f + 1, 100 / side * std::sqrt((h.frames[f] - reference.frames[f]).rowwise().squaredNorm().mean()));
     sum += rms, least = std::min(least, rms), most = std::max(most, rms);
     normals += normals_deg(h, reference), mean.triangles += h.triangles, mean.elastic_ms += h.elastic_ms, mean.geometry_ms += h.geometry_ms;
   }
