@@ -22,6 +22,7 @@ constexpr int max_halvings = 30;
 
 // A step that needs more iterations than this leaves an unstable shape, and the nearest minimum may be a poor one.
 constexpr int restless = 15;
+constexpr double jam_stretch = 0.01; // [1] no shape of paper has an edge stretched more: what holds it gives way
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
 
 /// The incremental potential of one step over all vertices; held ones are left out by whoever solves.
@@ -94,7 +95,7 @@ struct Elastic::Impl {
   PlasticGrid::Cover cover;  // of the grid by the triangles
 
   std::optional<Contact> contact;
-  bool touching = false;     // at the end of the last step
+  bool careful = false;      // the last step ended with parts touching, or with handles that the paper does not follow
 
   // belongs to the mesh and the set of held vertices
   std::vector<int> held;     // left out of the solve
@@ -281,6 +282,7 @@ struct Elastic::Impl {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
       report.contact = true;
       report.touching = feels->active(sheet.x);
+      report.yielding = static_cast<int>(std::count_if(springs.begin(), springs.end(), [&](const HandleSpring& s) { return yields(s, sheet.x); }));
     }
     return report;
   }
@@ -333,13 +335,13 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   Gripped hard = hard_handles(held);
   ElasticReport report;
   const bool may_touch = s.options.contact == SelfContact::automatic;
-  if (!may_touch || !s.touching) report = s.solve(sheet, held, hard, dt, nullptr);
-  if (may_touch && (s.touching || !s.contact->clear(before, sheet.x, hard))) {
+  if (!may_touch || !s.careful) report = s.solve(sheet, held, hard, dt, nullptr);
+  if (may_touch && (s.careful || length_distortion(sheet).largest > jam_stretch || !s.contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
     report = s.solve(sheet, held, hard, dt, &*s.contact);
     report.iterations += in_vain;
-    s.touching = report.touching > 0;
+    s.careful = report.touching > 0 || report.yielding > 0;
   }
   report.plastic_flow = s.remember(sheet.x);
   const ElasticReport stored = look(sheet);
