@@ -22,7 +22,7 @@ constexpr int max_halvings = 30;
 
 // A step that needs more iterations than this leaves an unstable shape, and the nearest minimum may be a poor one.
 constexpr int restless = 15;
-constexpr double jam_stretch = 0.01; // [1] no shape of paper has an edge stretched more: what holds it gives way
+constexpr double jam_stretch = 0.01;  // [1] of an edge: paper tears before; what holds it gives way
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
 
 /// The incremental potential of one step over all vertices; held ones are left out by whoever solves.
@@ -75,6 +75,18 @@ Gripped hard_handles(const Held& held) {
   }
   hard.targets.conservativeResize(hard.vertices.size(), 3);
   return hard;
+}
+
+/// Of the edges: (l - L)/L, least 0. [1]
+double largest_stretch(const Sheet& sheet) {
+  double largest = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
+      const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).squaredNorm(), now = (sheet.x.row(a) - sheet.x.row(b)).squaredNorm();
+      largest = std::max(largest, now / rest);
+    }
+  return largest > 1 ? std::sqrt(largest) - 1 : 0;
 }
 
 double largest_row(const Points3& d) { return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0; }
@@ -336,7 +348,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   ElasticReport report;
   const bool may_touch = s.options.contact == SelfContact::automatic;
   if (!may_touch || !s.careful) report = s.solve(sheet, held, hard, dt, nullptr);
-  if (may_touch && (s.careful || length_distortion(sheet).largest > jam_stretch || !s.contact->clear(before, sheet.x, hard))) {
+  if (may_touch && (s.careful || (s.matrix && largest_stretch(sheet) > jam_stretch) || !s.contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
     report = s.solve(sheet, held, hard, dt, &*s.contact);
