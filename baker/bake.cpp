@@ -93,6 +93,7 @@ class SheetOutput {
     r.converged = frame.converged;
     r.energy_J = frame.energy;
     r.crossings = crossings(sheet);
+    r.touching = frame.touching;
     r.note = frame.note;
     r.input_hash = input_hash_;
     return r;

@@ -40,7 +40,8 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
   append_bytes(bytes, shot.start.x);
   append_bytes(bytes, shot.start.triangles);
   for (const Handle& handle : shot.handles) {
-    bytes += fmt::format("{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame, handle.release_frame, handle.radius.value_or(-1));
+    bytes += fmt::format("{}/{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame, handle.release_frame, handle.radius.value_or(-1),
+                         handle.stiffness);
     append_bytes(bytes, handle.pattern);
   }
   return bytes;
@@ -95,10 +96,7 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"bake.strict", settings.strict ? "true" : "false", said(settings.strict)});
 }
 
-Shot make_shot(SceneSheet&& sheet, const Paper& paper, std::vector<std::string>& warnings) {
-  for (const Handle& handle : sheet.handles)
-    if (handle.stiffness > 0)
-      warnings.push_back(fmt::format("Handle \"{}\" asks for paper_stiffness; this version holds every handle hard.", handle.name));
+Shot make_shot(SceneSheet&& sheet, const Paper& paper) {
   return {std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper};
 }
 
@@ -146,7 +144,7 @@ BakePlan plan_bake(const BakeSettings& settings) {
                          settings.seed ? "command line" : sheet.seed ? "scene" : "default"});
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
-    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, plan.warnings));
+    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper));
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
 

@@ -34,7 +34,8 @@ Json machine() {
   return {{"cpu", cpu}, {"cores", std::thread::hardware_concurrency()}};
 }
 
-Json models(const BakePlan& plan) {
+Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
+  const auto touching = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.touching > 0; });
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const bool hybrid = plan.methods.front().name == "hybrid";
@@ -43,7 +44,8 @@ Json models(const BakePlan& plan) {
           {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
           {"plasticity", model(hybrid, hybrid ? "paper that yields keeps its creases" : "method fem is elastic")},
           {"singular_points", model(hybrid, hybrid ? "two bending directions may conflict" : "method fem makes none")},
-          {"contact", model(false, "not in this version; crossings are counted in every frame")},
+          {"contact", model(touching > 0, touching > 0 ? fmt::format("the sheet comes near itself in {} frames", touching)
+                                                       : "the sheet never comes near itself")},
           {"colliders", model(false, "not in this version")}};
 }
 
@@ -100,7 +102,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"not_converged", count([](const FrameRecord& f) { return !f.converged; })},
       {"jammed_frames", count([](const FrameRecord& f) { return !f.jammed.empty(); })},
       {"impossible_handles", impossible}, {"gates_missed", missed}, {"exit_code", missed.empty() ? 0 : 4},
-      {"models", models(plan)}, {"warnings", plan.warnings}, {"settings", settings}, {"machine", machine()}};
+      {"models", models(plan, frames)}, {"warnings", plan.warnings}, {"settings", settings}, {"machine", machine()}};
   return summary.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 

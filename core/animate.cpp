@@ -83,24 +83,35 @@ class Grip {
 
   /// Held vertices and their targets at a frame, drawn together where paper cannot reach.
   Held held(int frame) const {
-    std::vector<int> who;
+    std::vector<int> hard, soft;
     for (std::size_t h = 0; h < handles_.size(); ++h)
-      if (holds(h, frame)) who.push_back(static_cast<int>(h));
-    Points3 targets(who.size(), 3);
-    for (std::size_t k = 0; k < who.size(); ++k) targets.row(k) = keyed(who[k], frame);
-    reach_.project(who, targets);
-    // two handles on one point of the sheet hold it where they agree best
-    std::map<int, std::pair<Eigen::RowVector3d, int>> by_vertex;
-    for (std::size_t k = 0; k < who.size(); ++k) {
-      auto& [sum, count] = by_vertex.try_emplace(vertex_[who[k]], Eigen::RowVector3d::Zero(), 0).first->second;
-      sum += targets.row(k);
-      ++count;
+      if (holds(h, frame)) (handles_[h].stiffness > 0 ? soft : hard).push_back(static_cast<int>(h));
+    Points3 targets(hard.size(), 3);
+    for (std::size_t k = 0; k < hard.size(); ++k) targets.row(k) = keyed(hard[k], frame);
+    reach_.project(hard, targets);
+    // two handles on one point of the sheet hold it where they agree best; a soft one has no say beside a hard one
+    struct Pull {
+      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();  // of targets; of soft handles, stiffness x target
+      double weight = 0, stiffness = 0;
+    };
+    std::map<int, Pull> by_vertex;
+    for (std::size_t k = 0; k < hard.size(); ++k) {
+      Pull& pull = by_vertex[vertex_[hard[k]]];
+      pull.sum += targets.row(k);
+      pull.weight += 1;
+    }
+    for (const int h : soft) {
+      Pull& pull = by_vertex[vertex_[h]];
+      if (pull.weight > pull.stiffness) continue;  // held hard
+      pull.sum += handles_[h].stiffness * keyed(h, frame).transpose();
+      pull.weight = pull.stiffness += handles_[h].stiffness;
     }
     Held held;
     held.targets.resize(by_vertex.size(), 3);
-    for (const auto& [vertex, mean] : by_vertex) {
-      held.targets.row(held.vertices.size()) = mean.first / mean.second;
+    for (const auto& [vertex, pull] : by_vertex) {
+      held.targets.row(held.vertices.size()) = pull.sum / pull.weight;
       held.vertices.push_back(vertex);
+      held.stiffness.push_back(pull.stiffness);
     }
     return held;
   }
@@ -112,7 +123,8 @@ class Grip {
       frames[h].keyed = keyed(h, frame);
       frames[h].at = x.row(vertex_[h]);
       if (!holds(h, frame)) continue;
-      frames[h].state = (frames[h].at - frames[h].keyed).norm() > exact ? HandleFrame::jammed : HandleFrame::held;
+      const bool soft = handles_[h].stiffness > 0;  // it is meant to lag
+      frames[h].state = !soft && (frames[h].at - frames[h].keyed).norm() > exact ? HandleFrame::jammed : HandleFrame::held;
     }
     return frames;
   }
@@ -152,10 +164,9 @@ bool in_place(Sheet& sheet, const Held& held, double side) {
 }
 
 /// How far the sheet is from rest: the largest move of a handle that is asked for, or of a vertex in the last step. [m]
-double unrest(const Sheet& sheet, const Held& held, const Points3& before) {
-  double most = 0;
-  for (std::size_t k = 0; k < held.vertices.size(); ++k)
-    most = std::max(most, (sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm());
+double unrest(const Sheet& sheet, const Held& held, const Held& held_before, const Points3& before) {
+  if (held.vertices != held_before.vertices) return std::numeric_limits<double>::infinity();
+  double most = held.targets.rows() ? (held.targets - held_before.targets).rowwise().norm().maxCoeff() : 0;
   if (before.rows() != sheet.x.rows()) return std::numeric_limits<double>::infinity();
   return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
 }
@@ -320,7 +331,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
 
     begun = cpu_ms();
     const std::size_t born = sheet.singular.size();
-    const double moved = held.vertices == held_before.vertices ? unrest(sheet, held, before) : std::numeric_limits<double>::infinity();
+    const double moved = unrest(sheet, held, held_before, before);
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
     const bool moving = moved > still * side;
     if (method.propose && !first && moving && at_minimum)
@@ -365,6 +376,8 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.converged = step.converged;
     result.energy = step.last.energy;
     result.membrane_energy = step.last.membrane;
+    result.contact = step.last.contact;
+    result.touching = step.last.touching;
     result.plastic = memory ? memory->integral() : 0;
     if (step.last.lower_branch > 1e-3)
       result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";

@@ -34,7 +34,7 @@ struct AnimateOptions {
 
 /// A handle at one frame.
 struct HandleFrame {
-  enum State { free, held, jammed } state = free;
+  enum State { free, held, jammed } state = free;  // jammed: the paper does not follow; a soft handle never is
   Vector3d keyed{0, 0, 0};      // [m] where it is asked to be; a relative handle: grab position + motion since
   Vector3d at{0, 0, 0};         // [m] where its sheet point is
 };
@@ -49,6 +49,8 @@ struct AnimatedFrame {
   bool converged = true;
   double energy = 0, membrane_energy = 0;  // [J] stored in the sheet; its stretching part
   double plastic = 0;                      // [m rad] integral of the plastic curvature over the pattern so far
+  bool contact = false;                    // the sheet came near itself: it was kept from passing through
+  int touching = 0;                        // pairs of features that push each other
   int new_singular = 0;
   enum Remesh { none, accepted, rejected } remesh = none;  // what became of the mesh that the method proposed
   double remesh_rise = 0;                  // [1] by how much of the stored energy the potential rose with it

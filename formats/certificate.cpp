@@ -53,6 +53,7 @@ std::string frame_line(const FrameRecord& r) {
   add("render_stretch_max_pct", r.render_stretch_max_pct);
   add("render_ms", r.render_ms);
   line["crossings"] = r.crossings;
+  line["touching"] = r.touching;
   line["jammed"] = nlohmann::ordered_json::array();
   for (const Jam& jam : r.jammed)
     line["jammed"].push_back(nlohmann::ordered_json::array({jam.handle, finite(jam.off_mm, "jammed", r.frame, r.sheet)}));

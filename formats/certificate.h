@@ -30,6 +30,7 @@ struct FrameRecord {
   int render_triangles = 0;
   double render_stretch_mean_pct = 0, render_stretch_max_pct = 0, render_ms = 0;
   int crossings = 0;                   // pairs of triangles that pass through each other
+  int touching = 0;                    // pairs of features of the mesh that contact keeps apart
   std::vector<Jam> jammed;
   std::string note;
   std::string input_hash, content_hash;

@@ -35,6 +35,7 @@ FrameRecord full_record() {
   r.render_stretch_max_pct = 2.5;
   r.render_ms = 3;
   r.crossings = 4;
+  r.touching = 7;
   r.jammed = {{"handle_a", 1.25}, {"handle_b", 2.0 / 3}};
   r.note = "a snap";
   r.input_hash = "00ff";
@@ -49,7 +50,7 @@ TEST(Certificate, AFrameLineHasItsKeysInTheDocumentedOrder) {
   EXPECT_EQ(keys, (std::vector<std::string>{
       "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
       "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
-      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "crossings", "jammed", "note", "input_hash", "content_hash"}));
+      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "crossings", "touching", "jammed", "note", "input_hash", "content_hash"}));
 }
 
 TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
@@ -77,6 +78,7 @@ TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
   EXPECT_EQ(line["render_stretch_max_pct"], 2.5);
   EXPECT_EQ(line["render_ms"], 3.0);
   EXPECT_EQ(line["crossings"], 4);
+  EXPECT_EQ(line["touching"], 7);
   EXPECT_EQ(line["jammed"].dump(), nlohmann::json::parse("[[\"handle_a\",1.25],[\"handle_b\",0.6666666666666666]]").dump());
   EXPECT_EQ(line["note"], "a snap");
   EXPECT_EQ(line["input_hash"], "00ff");

@@ -26,17 +26,18 @@ double relative_move(const std::array<Vector3d, 4>& moves, bool edges) {
 
 double free_way(const std::array<Vector3d, 4>& corners, const std::array<Vector3d, 4>& moves, bool edges) {
   constexpr double gap_kept = 0.2, of_the_way = 0.9;
+  constexpr double tight = 1e-7, tight_kept = 0.95;  // [m] and of a gap like that: it must not be used up fifth by fifth
   constexpr int most_steps = 60;
   const double speed = relative_move(moves, edges);
   const auto distance = [&](const std::array<Vector3d, 4>& x) { return (edges ? edge_to_edge(x) : vertex_to_triangle(x)).distance(); };
   double d = distance(corners);
-  const double kept = gap_kept * d;
+  const double kept = std::max(gap_kept * d, tight_kept * std::min(d, tight));
   if (speed == 0 || d - speed > kept) return 1;
   double t = 0;
   for (int k = 0; k < most_steps; ++k) {
     const double step = of_the_way * (d - kept) / speed;
     if (!(step > 0)) return t;
-    if (k > 0 && d - kept < 0.01 * kept) return t;
+    if (k > 0 && d - kept < 0.01 * gap_kept * d) return t;
     t += step;
     if (t >= 1) return 1;
     std::array<Vector3d, 4> x;

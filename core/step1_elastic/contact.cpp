@@ -11,7 +11,7 @@ namespace paperbake {
 namespace {
 
 constexpr double pattern_share = 0.3;  // of the distance on the pattern
-constexpr double touching = 1e-6;      // [1] of the reach: nearer than this there is no direction to push in
+constexpr double touching = 1e-12;     // [m] nearer than this there is no direction to push in
 constexpr double spaced = 1.5;         // [1] of the reach: such pairs get their blocks in the matrix
 
 Nearness nearness(const std::array<Vector3d, 4>& x, bool edges) { return edges ? edge_to_edge(x) : vertex_to_triangle(x); }
@@ -130,7 +130,7 @@ bool Contact::meets(const Points3& from, const Points3& to, const std::array<int
   const bool free = d0 + d1 > relative_move(move, edges);
   if (d1 >= reach_ && free) return false;
   const double reach = reach_of(v, edges);
-  if (reach == 0 || d0 <= touching * reach) return false;
+  if (reach == 0 || d0 <= touching) return false;
   return d1 < reach || (!free && paperbake::free_way(begin, move, edges) < 1);
 }
 
@@ -193,7 +193,7 @@ void Contact::gather(const Points3& y, const Points3& move) {
       const double least = d - relative_move(moves(y, end, v), edges);
       if (least > reach_ + 2 * tube_ || entangled(v, edges)) return;
       const double reach = reach_of(v, edges);
-      if (reach == 0 || least > reach + 2 * tube_ || d <= touching * reach) return;
+      if (reach == 0 || least > reach + 2 * tube_ || d <= touching) return;
       pairs_.push_back({v, edges, reach});
       spare_.push_back(least - reach);
     });
@@ -222,7 +222,7 @@ double Contact::free_way(const Points3& y, const Points3& move) const {
   double share = 1;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const ContactPair& pair = pairs_[k];
-    if (0.8 * (spare_[k] + pair.reach - off) > fastest) continue;
+    if (const double d = spare_[k] + pair.reach - off; d > 1e-6 && 0.8 * d > fastest) continue;  // a gap that is tight counts otherwise
     auto move_of = moves(y, end, pair.vertices);
     for (Vector3d& m : move_of) m *= share;
     share *= paperbake::free_way(corners(y, pair.vertices), move_of, pair.edges);

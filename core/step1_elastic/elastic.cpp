@@ -22,6 +22,7 @@ constexpr int max_halvings = 30;
 
 // A step that needs more iterations than this leaves an unstable shape, and the nearest minimum may be a poor one.
 constexpr int restless = 15;
+constexpr double jam_stretch = 0.01;  // [1] of an edge: paper tears before; what holds it gives way
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
 
 enum class SecondStart { when_restless, never };
@@ -78,6 +79,18 @@ Gripped hard_handles(const Held& held) {
   return hard;
 }
 
+/// Of the edges: (l - L)/L, least 0. [1]
+double largest_stretch(const Sheet& sheet) {
+  double largest = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
+      const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).squaredNorm(), now = (sheet.x.row(a) - sheet.x.row(b)).squaredNorm();
+      largest = std::max(largest, now / rest);
+    }
+  return largest > 1 ? std::sqrt(largest) - 1 : 0;
+}
+
 double largest_row(const Points3& d) { return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0; }
 
 }  // namespace
@@ -97,7 +110,7 @@ struct Elastic::Impl {
   PlasticGrid::Cover cover;  // of the grid by the triangles
 
   std::optional<Contact> contact;
-  bool touching = false;     // at the end of the last step
+  bool careful = false;      // the last step ended with parts touching, or with handles that the paper does not follow
 
   // belongs to the mesh and the set of held vertices
   std::vector<int> held;     // left out of the solve
@@ -356,6 +369,7 @@ struct Elastic::Impl {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
       report.contact = true;
       report.touching = feels->active(sheet.x);
+      report.yielding = static_cast<int>(std::count_if(springs.begin(), springs.end(), [&](const HandleSpring& s) { return yields(s, sheet.x); }));
     }
     return report;
   }
@@ -434,13 +448,13 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   s.look_for_ridges(sheet, held.vertices);
   ElasticReport report;
   const bool may_touch = s.options.contact == SelfContact::automatic;
-  if (!may_touch || !s.touching) report = s.solve(sheet, held, hard, dt, nullptr);
-  if (may_touch && (s.touching || !s.contact->clear(before, sheet.x, hard))) {
+  if (!may_touch || !s.careful) report = s.solve(sheet, held, hard, dt, nullptr);
+  if (may_touch && (s.careful || (s.matrix && largest_stretch(sheet) > jam_stretch) || !s.contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
     report = s.solve(sheet, held, hard, dt, &*s.contact);
     report.iterations += in_vain;
-    s.touching = report.touching > 0;
+    s.careful = report.touching > 0 || report.yielding > 0;
   }
   s.remeshed = false;
   report.plastic_flow = s.remember(sheet.x);

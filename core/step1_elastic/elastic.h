@@ -38,6 +38,7 @@ struct ElasticReport {
   double lower_branch = 0;     // [1] by how much of the potential a second start was lower, when it was taken
   bool contact = false;        // the sheet came near itself: the step was taken with contact
   int touching = 0;            // pairs of vertex and triangle, or edge and edge, that push each other at its end
+  int yielding = 0;            // hard handles that the paper does not follow
 };
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.

@@ -19,6 +19,8 @@ HandleSpring soft_spring(int vertex, const Vector3d& target, double stiffness) {
 
 HandleSpring yielding_spring(int vertex, const Vector3d& target) { return {vertex, target, hard, yield_force}; }
 
+bool yields(const HandleSpring& s, const Points3& x) { return (x.row(s.vertex).transpose() - s.target).norm() * s.stiffness > s.yield_force; }
+
 double energy(const std::vector<HandleSpring>& springs, const Points3& x) {
   double sum = 0;
   for (const HandleSpring& s : springs) {

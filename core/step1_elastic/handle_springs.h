@@ -26,6 +26,9 @@ struct HandleSpring {
 HandleSpring soft_spring(int vertex, const Vector3d& target, double stiffness);
 HandleSpring yielding_spring(int vertex, const Vector3d& target);
 
+/// The spring pulls with more than its yield force.
+bool yields(const HandleSpring&, const Points3& x);
+
 double energy(const std::vector<HandleSpring>&, const Points3& x);  // [J]
 /// The energy; its derivative is added to the gradient and its second derivative, never indefinite, to the matrix.
 double differentiate(const std::vector<HandleSpring>&, const Points3& x, const std::vector<int>& block_of, Points3& gradient,

@@ -2,6 +2,7 @@
 
 #include "core/curvature.h"
 #include "core/hinges.h"
+#include "core/proximity.h"
 
 #include <algorithm>
 #include <array>
@@ -34,6 +35,14 @@ bool may_flip(const Sheet& sheet, const std::array<int, 4>& v) {
   return std::abs(fold_angle(sheet.x, turned)) <= most_fold;
 }
 
+/// The sheet passes through nothing when it turns that edge.
+bool has_room(const Sheet& sheet, const Hinge& hinge) {
+  constexpr double clearance = 0.005;  // of the new edge
+  const auto& v = hinge.vertices;
+  const auto at = [&](int k) -> Vector3d { return sheet.x.row(v[k]); };
+  return tetrahedron_is_empty(sheet, v, {at(0), at(1), at(2), at(3)}, {hinge.triangles[0], hinge.triangles[1]}, clearance * (at(2) - at(3)).norm());
+}
+
 }  // namespace
 
 int flip_towards_rulings(Sheet& sheet, const Points3& curvature, double gain) {
@@ -53,7 +62,7 @@ int flip_towards_rulings(Sheet& sheet, const Points3& curvature, double gain) {
       const Matrix2d M = 0.25 * (metric[v[0]] + metric[v[1]] + metric[v[2]] + metric[v[3]]);
       const Vector2d old_edge = (sheet.pattern.row(v[1]) - sheet.pattern.row(v[0])).transpose();
       const Vector2d new_edge = (sheet.pattern.row(v[3]) - sheet.pattern.row(v[2])).transpose();
-      if (new_edge.dot(M * new_edge) >= gain * old_edge.dot(M * old_edge) || !may_flip(sheet, v)) continue;
+      if (new_edge.dot(M * new_edge) >= gain * old_edge.dot(M * old_edge) || !may_flip(sheet, v) || !has_room(sheet, hinge)) continue;
       sheet.triangles.row(left) << v[0], v[3], v[2];
       sheet.triangles.row(right) << v[3], v[1], v[2];
       touched[left] = touched[right] = 1;

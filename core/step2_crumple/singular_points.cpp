@@ -3,6 +3,7 @@
 #include "core/curvature.h"
 #include "core/hinges.h"
 #include "core/locate.h"
+#include "core/proximity.h"
 #include "core/random.h"
 
 #include <algorithm>
@@ -52,6 +53,24 @@ template <class Matrix, class Row>
 void append(Matrix& matrix, const Row& row) {
   matrix.conservativeResize(matrix.rows() + 1, Eigen::NoChange);
   matrix.row(matrix.rows() - 1) = row;
+}
+
+/// The ring of a vertex passes through nothing when it goes from where it is to `end` (neither do the tetrahedra over its
+/// edges), and no edge of it gets shorter than paper does: one that would cut a fold short.
+bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end, const Vector3d& end) {
+  constexpr double most_compression = 0.03;
+  std::vector<int> ring;
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    if ((sheet.triangles.row(t).array() == vertex).any()) ring.push_back(t);
+  const auto at = [&](int v) -> Vector3d { return sheet.x.row(v); };
+  return std::all_of(ring.begin(), ring.end(), [&](int t) {
+    int i = 0;
+    while (sheet.triangles(t, i) != vertex) ++i;
+    const int a = sheet.triangles(t, (i + 1) % 3), b = sheet.triangles(t, (i + 2) % 3);
+    for (const int v : {a, b})
+      if ((at(v) - end).norm() < (1 - most_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm()) return false;
+    return tetrahedron_is_empty(sheet, {a, b, vertex, -1}, {at(a), at(b), at(vertex), end}, ring, 0);
+  });
 }
 
 }  // namespace
@@ -144,7 +163,7 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
       good = area(t) > 0.3 * before;
       sheet.pattern.row(candidate) = old;
     }
-    if (good) {
+    if (good && ring_has_room(sheet, candidate, p, x.transpose())) {
       sheet.pattern.row(candidate) = p.transpose();
       sheet.x.row(candidate) = x;
       sheet.v.row(candidate) = v;
@@ -157,7 +176,14 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
   append(sheet.x, x);
   append(sheet.v, v);
   int edge;
-  const bool on_edge = place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0;
+  bool on_edge = place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0;
+  if (on_edge) {  // the triangle beyond the edge comes up to the new vertex, if nothing lies between
+    const Hinge& hinge = hinges.hinges[hinges.of_triangle[place.triangle][edge]];
+    const int beyond = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];
+    const auto at = [&](int k) -> Vector3d { return sheet.x.row(k); };
+    on_edge = tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
+                                   {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)}, {hinge.triangles[0], hinge.triangles[1]}, 0);
+  }
   std::vector<int> split{place.triangle};
   if (on_edge) {
     const auto& sides = hinges.hinges[hinges.of_triangle[place.triangle][edge]].triangles;
