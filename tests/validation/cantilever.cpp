@@ -1,0 +1,74 @@
+#include "core/pattern_mesh.h"
+#include "core/step1_elastic/elastic.h"
+#include "tests/test_meshes.h"
+#include "tests/test_shots.h"
+#include "tests/validation/cases.h"
+
+namespace paperbake::validation {
+namespace {
+
+constexpr double L = 0.1;          // [m] from the clamp line, in the middle of the first cell, to the free end
+constexpr int cells = 16;
+constexpr double h = L / (cells - 0.5);
+
+/// Near-equilateral triangles in a lattice turned by `angle`, the first two cells the same in all; angle < 0: ruling strips.
+Sheet strip(double angle) {
+  if (angle < 0) return test::strip_sheet(cells * h, 4 * h, cells);
+  std::vector<Vector2d> clamped;
+  for (int j = 0; j <= 8; ++j)
+    for (double x : {0.0, h, 2 * h}) clamped.emplace_back(x, 0.5 * j * h);
+  PatternMesh mesh = mesh_pattern(test::rectangle(cells * h, 4 * h), h, clamped, angle);
+  return test::flat_sheet(std::move(mesh.vertices), std::move(mesh.triangles));
+}
+
+struct Hang {
+  double drop, angle;  // over L; degrees
+};
+Hang hang(Sheet sheet, double lam) {
+  Paper paper;
+  paper.poisson = 0;  // the closed form is that of a strip which is free to curl across
+  ElasticOptions options;
+  options.stop = 1e-9;
+  options.max_iterations = 200;
+  Held held;
+  held.vertices = vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1.01 * h; });
+  held.targets.resize(held.vertices.size(), 3);
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) held.targets.row(k) = sheet.x.row(held.vertices[k]);
+  constexpr int steps = 16;
+  for (int step = 1; step <= steps; ++step) {
+    options.gravity = lam * paper.bending_stiffness / (paper.area_density * std::pow(L, 3)) * step / steps;
+    Elastic elastic(paper, options);
+    elastic.set_mesh(sheet);
+    for (int rest = 0; rest < (step == steps ? 4 : 1); ++rest) elastic.step(sheet, held, 1.0);
+  }
+  // place and slope of the free end by a straight line through its last two cells, where nothing bends
+  double n = 0, s = 0, ss = 0;
+  Eigen::Vector2d p = Eigen::Vector2d::Zero(), sp = p;
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    const double a = sheet.pattern(v, 0) - cells * h;
+    if (a < -1.6 * h) continue;
+    const Eigen::Vector2d q(sheet.x(v, 0), sheet.x(v, 2));
+    n += 1, s += a, ss += a * a, p += q, sp += a * q;
+  }
+  const Eigen::Vector2d slope = (n * sp - s * p) / (n * ss - s * s), tip = (p - slope * s) / n;
+  return {-tip.y() / L, std::atan2(-slope.y(), slope.x()) * 180 / M_PI};
+}
+
+}  // namespace
+
+Rows cantilever() {
+  // heavy elastica, solved to 5 digits: lam, tip drop/L, tip angle
+  constexpr double table[][3] = {{0.5, 0.06231, 4.763}, {2, 0.23851, 18.426}, {8, 0.64063, 53.865}, {32, 0.87846, 83.730}};
+  Rows rows;
+  for (const auto& [lam, drop, angle] : table) {
+    const Hang got = hang(strip(-1), lam);
+    const std::string name = "16 ruling strips, lam " + std::to_string(lam).substr(0, 4);
+    rows.push_back({name, "tip drop / L", drop, got.drop, 0.01, "V2: heavy elastica", ""});
+    rows.push_back({name, "tip angle, degrees", angle, got.angle, 0.01, "V2: heavy elastica", ""});
+  }
+  for (const double degrees : {0.0, 30.0, 45.0})
+    rows.push_back({"lattice at " + std::to_string(int(degrees)) + " degrees, lam 8", "tip drop / L", 0.64063, hang(strip(degrees * M_PI / 180), 8).drop, 0.02, "V2: heavy elastica", ""});
+  return rows;
+}
+
+}  // namespace paperbake::validation

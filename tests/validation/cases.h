@@ -1,0 +1,41 @@
+#pragma once
+
+#include "core/sheet.h"
+
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace paperbake::validation {
+
+/// One line of the table.
+struct Row {
+  std::string name;      // case, mesh or method
+  std::string quantity;
+  double expected = 0, got = 0;
+  double tolerance = 0;  // relative; where `expected` is 0, absolute. 0: not judged, only told
+  std::string source;
+  std::string cannot;    // what a method cannot do, and why; nothing was measured then
+
+  bool judged() const { return cannot.empty() && tolerance > 0; }
+  double off() const { return expected == 0 ? got : got / expected - 1; }
+  bool passed() const { return !judged() || std::abs(off()) <= tolerance; }
+};
+using Rows = std::vector<Row>;
+
+Rows elastica();     // V1
+Rows cantilever();   // V2
+Rows d_cone();       // V3
+Rows moebius();      // V6
+Rows wound_strip();  // V7
+
+/// Vertices at which `test` is true of the pattern.
+template <class Test>
+std::vector<int> vertices_where(const Sheet& sheet, const Test& test) {
+  std::vector<int> found;
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if (test(Vector2d(sheet.pattern.row(v)))) found.push_back(v);
+  return found;
+}
+
+}  // namespace paperbake::validation
