@@ -255,6 +255,13 @@ ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, int mos
   return report;
 }
 
+Elastic Elastic::on_mesh(const Sheet& sheet, const std::vector<double>& stiffening) const {
+  Elastic other(impl_->paper, impl_->options);
+  other.remember_in(impl_->grid);
+  other.set_mesh(sheet, stiffening);
+  return other;
+}
+
 void Elastic::continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried) {
   impl_->past.clear();
   for (const Points3& x : other.impl_->past) impl_->past.push_back(carried(x));

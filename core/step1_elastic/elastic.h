@@ -70,6 +70,9 @@ class Elastic {
   /// change of sheet.v, nothing flows and nothing is remembered. For a sheet whose mesh was exchanged where it is.
   ElasticReport settle(Sheet&, const Held&, double dt, int most_iterations);
 
+  /// Another one, of the same paper, options and memory.
+  Elastic on_mesh(const Sheet&, const std::vector<double>& stiffening = {}) const;
+
   /// Takes over what another one, on another mesh, knows of past positions.
   /// carried  maps |V|x3 of the other mesh to this one
   void continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried);
