@@ -244,10 +244,12 @@ ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, int mos
   sheet.x = s.predictor->guesses(sheet.x, {}, held.targets).front();
   ElasticReport report;
   const double inertia = (s.options.inertia == Inertia::dynamic ? 1 : quasi_static_mass) / (dt * dt);
-  const int usual = s.options.max_iterations;
-  s.options.max_iterations = std::min(usual, most_iterations);
+  constexpr double coarser = 10;  // the next step goes on from here
+  const ElasticOptions usual = s.options;
+  s.options.max_iterations = std::min(usual.max_iterations, most_iterations);
+  s.options.stop *= coarser;
   if (s.matrix) s.minimise({*s.energy, s.mass, sheet.x, inertia, s.options.gravity}, sheet.x, report);
-  s.options.max_iterations = usual;
+  s.options = usual;
   const ElasticReport stored = look(sheet);
   report.energy = stored.energy;
   report.membrane = stored.membrane;

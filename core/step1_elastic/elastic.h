@@ -67,7 +67,7 @@ class Elastic {
   ElasticReport step(Sheet&, const Held&, double dt);
 
   /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing else: no second start, no
-  /// change of sheet.v, nothing flows and nothing is remembered. For a sheet whose mesh was exchanged where it is.
+  /// change of sheet.v, nothing flows and nothing is remembered. For a sheet whose mesh was exchanged where it is; to ten times `stop`.
   ElasticReport settle(Sheet&, const Held&, double dt, int most_iterations);
 
   /// Another one, of the same paper, options and memory.
