@@ -1,13 +1,13 @@
 #include "core/animate.h"
 
 #include "core/error.h"
+#include "core/exchange.h"
 #include "core/hinges.h"
 #include "core/locate.h"
 #include "core/measure.h"
 #include "core/plastic_grid.h"
 #include "core/random.h"
 #include "core/reach.h"
-#include "core/transfer.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -191,37 +191,6 @@ double fold_integral(const Sheet& sheet) {
   return sum;
 }
 
-/// Relaxes a proposed mesh where the handles were and takes it, with the elastic solver that goes with it, when it is the same
-/// sheet still: at a minimum, of nearly the same potential and nowhere far from where it was. Nothing flows. Refused, it leaves
-/// no trace.
-struct Verdict {
-  bool accepted = false;
-  double rise = 0;  // [1] of the potential, as a share of the energy that was stored
-};
-Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const Held& held, const Shot& shot, const AnimateOptions& options,
-                      PlasticGrid* memory) {
-  constexpr double most_rise = 0.05, most_move = 0.02;           // [1] of the energy; of the longer side
-  constexpr int most_iterations = 40;                            // what needs more has landed somewhere else
-  const double noise = 0.004 * shot.paper.bending_stiffness;     // [J] a sheet that is nearly flat
-  const Points3 carried = proposal.x;
-  Elastic trial(shot.paper, options.elastic);
-  trial.remember_in(memory);
-  trial.set_mesh(proposal, disc_factors(proposal, shot));
-  const ElasticReport settled = trial.settle(proposal, held, 1 / options.fps, most_iterations), stored = elastic.look(sheet);
-  Verdict verdict;
-  const double rise = settled.potential - stored.potential;
-  verdict.rise = rise / std::max(stored.energy, noise);
-  const Transfer onto(sheet.pattern, sheet.triangles, proposal.pattern), back(proposal.pattern, proposal.triangles, sheet.pattern);
-  const double move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(), (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff());
-  verdict.accepted = settled.converged && rise <= most_rise * stored.energy + noise && move <= most_move * longer_side(shot.pattern);
-  if (!verdict.accepted) return verdict;
-  // the past is moved along with the present, so that velocities are carried over and the jump of the exchange is none
-  trial.continue_from(elastic, [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });
-  elastic = std::move(trial);
-  sheet = std::move(proposal);
-  return verdict;
-}
-
 /// The sheet as the method hands it on. What touches itself is not moved through itself.
 Sheet finished(const Method& method, const Sheet& sheet, const Held& held, bool touching) {
   Sheet shown = sheet;
@@ -336,7 +305,8 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     const bool moving = moved > still * side;
     if (method.propose && !first && moving && at_minimum)
       if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), frame)) {
-        const Verdict verdict = exchange_mesh(sheet, elastic, std::move(*proposal), held_before, shot, options, memory ? &*memory : nullptr);
+        const std::vector<double> stiffening = disc_factors(*proposal, shot);
+        const Verdict verdict = exchange_mesh(sheet, elastic, std::move(*proposal), stiffening, held_before, 1 / options.fps);
         method.judged(verdict.accepted, frame);
         result.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
         result.remesh_rise = verdict.rise;

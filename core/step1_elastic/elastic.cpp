@@ -423,16 +423,25 @@ ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, int mos
   Impl& s = *impl_;
   const Points3 before = sheet.x;
   const Gripped hard = hard_handles(held);
-  const int usual = s.options.max_iterations;
-  s.options.max_iterations = std::min(usual, most_iterations);
+  constexpr double coarser = 10;  // the next step goes on from here
+  const ElasticOptions usual = s.options;
+  s.options.max_iterations = std::min(usual.max_iterations, most_iterations);
+  s.options.stop *= coarser;
   ElasticReport report = s.solve(sheet, held, hard, dt, nullptr, SecondStart::never);
-  s.options.max_iterations = usual;
+  s.options = usual;
   if (s.contact && !s.contact->clear(before, sheet.x, hard)) report.converged = false;  // not the same sheet: it passes through itself
   const ElasticReport stored = look(sheet);
   report.energy = stored.energy;
   report.membrane = stored.membrane;
   report.potential = stored.potential;
   return report;
+}
+
+Elastic Elastic::on_mesh(const Sheet& sheet, const std::vector<double>& stiffening) const {
+  Elastic other(impl_->paper, impl_->options);
+  other.remember_in(impl_->grid);
+  other.set_mesh(sheet, stiffening);
+  return other;
 }
 
 void Elastic::continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried) {

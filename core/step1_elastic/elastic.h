@@ -80,8 +80,11 @@ class Elastic {
   ElasticReport step(Sheet&, const Held&, double dt);
 
   /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing else: no second start, no
-  /// change of sheet.v, nothing flows and nothing is remembered. For a sheet whose mesh was exchanged where it is.
+  /// change of sheet.v, nothing flows and nothing is remembered. For a sheet whose mesh was exchanged where it is; to ten times `stop`.
   ElasticReport settle(Sheet&, const Held&, double dt, int most_iterations);
+
+  /// Another one, of the same paper, options and memory.
+  Elastic on_mesh(const Sheet&, const std::vector<double>& stiffening = {}) const;
 
   /// Takes over what another one, on another mesh, knows of past positions.
   /// carried  maps |V|x3 of the other mesh to this one

@@ -20,7 +20,7 @@ struct CrumpleOptions {
   double absorbed_turn = 0.35;     // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
   double min_spacing = 0.006;      // [m]   between singular points
   double border_share = 0.03;      // [1]   of the longer side: as near as a point may come to the border
-  double flip_gain = 0.5;          // [1]   an edge turns when the other diagonal has less than this share of its sagitta
+  double flip_gain = 0.65;         // [1]   an edge turns when the other diagonal has less than this share of its sagitta
   int most_points = 40;            // [1]   on one sheet
   int most_triangles = 250;        // [1]   no point is born beyond
   RulingOptions rulings;

@@ -43,7 +43,7 @@ class Layer {
     for (const int seed : order) {
       if (regions_.of_place()[seed] < 0) continue;
       const Vector2d p = regions_.grid().places[seed];
-      if (!free(p, 0.6 * spacing(bending[seed].k1))) continue;
+      if (!free(p, 0.8 * spacing(bending[seed].k1))) continue;  // a gap of less than 1.6 strips stays
       march_from(p, regions_.of_place()[seed], turned(bending[seed].across));
     }
     return std::move(laid_);
@@ -93,15 +93,15 @@ class Layer {
       const Vector2d d = fit_cone_at(regions_, region, p, direction, window_, options_).ruling(p);
       direction = d.dot(direction) < 0 ? Vector2d(-d) : d;
     }
-    double sum = 0;
+    double radii = 0;  // [m]
     int count = 0;
-    const double ahead = reach(p, direction, sum, count), behind = reach(p, -direction, sum, count);
+    const double ahead = reach(p, direction, radii, count), behind = reach(p, -direction, radii, count);
     if (ahead + behind < 0.8 * h_ || count == 0) return std::nullopt;
-    return Ruling{p - behind * direction, p + ahead * direction, sum / count, region};
+    return Ruling{p - behind * direction, p + ahead * direction, count / radii, region};
   }
 
-  /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up the curvature on the way.
-  double reach(const Vector2d& p, const Vector2d& d, double& sum, int& count) const {
+  /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up the radii on the way.
+  double reach(const Vector2d& p, const Vector2d& d, double& radii, int& count) const {
     constexpr int most_bad = 2;
     double end = std::numeric_limits<double>::infinity();
     for (const auto* polygon : all_polygons())
@@ -121,7 +121,7 @@ class Layer {
       bad = along ? 0 : bad + 1;
       if (!along) continue;
       good = t;
-      sum += here.k1;
+      radii += 1 / here.k1;
       ++count;
     }
     if (bad < most_bad) return end;

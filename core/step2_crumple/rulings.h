@@ -9,7 +9,7 @@ namespace paperbake {
 /// A straight line along which paper does not bend.
 struct Ruling {
   Vector2d a, b;   // [m] on the pattern
-  double k = 0;    // [1/m] mean curvature across it
+  double k = 0;    // [1/m] curvature across it: 1 over the mean radius, which on a cone is that of its middle
   int region = 0;  // number in Regions::all()
   double length() const { return (b - a).norm(); }
 };

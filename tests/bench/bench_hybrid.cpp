@@ -160,7 +160,7 @@ CrumpleOptions options_set() {
 
 std::vector<int> bases() {
   const char* given = std::getenv("BENCH_BASES");
-  std::istringstream words(given ? given : "100 120 140");
+  std::istringstream words(given ? given : "75 90 105");
   return {std::istream_iterator<int>(words), {}};
 }
 

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "core/step1_elastic/elastic.h"
+
+#include <vector>
+
+namespace paperbake {
+
+struct Verdict {
+  bool accepted = false;
+  double rise = 0;       // [1] of the potential, as a share of the energy that was stored
+  double move = 0;       // [1] of the longer side: farthest that a vertex of either mesh lies from the other surface
+};
+
+/// Puts a sheet on another mesh of its pattern, if it stays the same sheet. The proposal is relaxed with the handles where they
+/// are, and taken when that ends at a minimum, the potential rises by no more than 5 % of the energy that is stored + 1e-6 J,
+/// and nothing moves farther than 2 %. With it comes a solver that remembers the past of the old one, carried over.
+/// Nothing flows. Refused, a proposal leaves no trace.
+/// proposal    the sheet on its new mesh, positions and velocities carried over
+/// stiffening  as in Elastic::set_mesh, of the new mesh
+/// held        vertices of the new mesh, at the positions of the old one
+Verdict exchange_mesh(Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt);
+
+}  // namespace paperbake
