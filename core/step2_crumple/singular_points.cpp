@@ -47,7 +47,7 @@ void append(Matrix& matrix, const Row& row) {
 
 /// An edge from v to that point would be shorter than paper gets: it cuts a fold short.
 bool cuts_short(const Sheet& sheet, int v, const Vector2d& pattern_end, const Vector3d& end) {
-  constexpr double most_compression = 0.03;
+  constexpr double most_compression = 0.005;
   return (sheet.x.row(v).transpose() - end).norm() < (1 - most_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm();
 }
 
@@ -117,7 +117,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
 
 int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixed) {
   constexpr double near_edge = 0.15;  // barycentric weight under which p counts as lying on the opposite edge
-  const Place place = Locator(sheet.pattern, sheet.triangles).locate(p);
+  Place place = Locator(sheet.pattern, sheet.triangles).locate(p);
   const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(), v = interpolate(place, sheet.triangles, sheet.v).transpose();
   const Hinges hinges = find_hinges(sheet.triangles);
   const std::vector<char> border = border_vertices(sheet.triangles, hinges, sheet.pattern.rows()), singular = singular_vertices(sheet);
@@ -162,7 +162,16 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
     const auto at = [&](int k) -> Vector3d { return sheet.x.row(k); };
     on_edge = !cuts_short(sheet, beyond, p, x.transpose()) &&
               tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
-                                  {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)}, {hinge.triangles[0], hinge.triangles[1]}, 0);
+                                   {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)}, {hinge.triangles[0], hinge.triangles[1]}, 0);
+    if (!on_edge) {  // further in, so that the triangle at the edge is none too thin
+      place.weights *= (1 - near_edge) / (1 - place.weights[edge]);
+      place.weights[edge] = near_edge;
+      Points3 flat = Points3::Zero(sheet.pattern.rows(), 3);
+      flat.leftCols<2>() = sheet.pattern;
+      sheet.pattern.row(added) = interpolate(place, sheet.triangles, flat).head<2>().transpose();
+      sheet.x.row(added) = interpolate(place, sheet.triangles, sheet.x).transpose();
+      sheet.v.row(added) = interpolate(place, sheet.triangles, sheet.v).transpose();
+    }
   }
   std::vector<int> split{place.triangle};
   if (on_edge) {
