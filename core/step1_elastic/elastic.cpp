@@ -347,6 +347,10 @@ struct Elastic::Impl {
     // start from the guess of least potential
     double least = std::numeric_limits<double>::infinity();
     std::vector<Points3> guesses = predictor->guesses(before, past, hard.targets);
+    if (feels) {  // where handles lag behind, they need not jump
+      if (!past.empty()) guesses.push_back(2 * before - past[0]);
+      guesses.push_back(before);
+    }
     for (Points3& guess : guesses) {
       if (feels) {
         const Points3 move = guess - before;

@@ -83,9 +83,9 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int
       if (conflicts.beyond[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= 1.2 * ring) members.push_back(v);
     const auto event = static_cast<std::uint32_t>(sheet.singular.size());
     if (const auto p = draw_singular_point(sheet, pattern_, paper_, conflicts, members, options_, seed_, sheet_, event)) {
-      insert_vertex(sheet, *p, fixed);
+      const int born = insert_vertex(sheet, *p, fixed);
       const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
-      sheet.singular.push_back({*p, frame, "bends " + std::to_string(degrees) + " degrees in the second direction"});
+      sheet.singular.push_back({sheet.pattern.row(born).transpose(), frame, "bends " + std::to_string(degrees) + " degrees in the second direction"});
       in_conflict_.assign(sheet.pattern.rows(), 0);
       ++report.births;
     }

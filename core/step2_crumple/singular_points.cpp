@@ -55,10 +55,15 @@ void append(Matrix& matrix, const Row& row) {
   matrix.row(matrix.rows() - 1) = row;
 }
 
+/// An edge from v to that point would be shorter than paper gets: it cuts a fold short.
+bool cuts_short(const Sheet& sheet, int v, const Vector2d& pattern_end, const Vector3d& end) {
+  constexpr double most_compression = 0.005;
+  return (sheet.x.row(v).transpose() - end).norm() < (1 - most_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm();
+}
+
 /// The ring of a vertex passes through nothing when it goes from where it is to `end` (neither do the tetrahedra over its
-/// edges), and no edge of it gets shorter than paper does: one that would cut a fold short.
+/// edges) and cuts no fold short.
 bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end, const Vector3d& end) {
-  constexpr double most_compression = 0.03;
   std::vector<int> ring;
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     if ((sheet.triangles.row(t).array() == vertex).any()) ring.push_back(t);
@@ -67,8 +72,7 @@ bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end, 
     int i = 0;
     while (sheet.triangles(t, i) != vertex) ++i;
     const int a = sheet.triangles(t, (i + 1) % 3), b = sheet.triangles(t, (i + 2) % 3);
-    for (const int v : {a, b})
-      if ((at(v) - end).norm() < (1 - most_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm()) return false;
+    if (cuts_short(sheet, a, pattern_end, end) || cuts_short(sheet, b, pattern_end, end)) return false;
     return tetrahedron_is_empty(sheet, {a, b, vertex, -1}, {at(a), at(b), at(vertex), end}, ring, 0);
   });
 }
@@ -138,7 +142,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
 
 int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixed) {
   constexpr double near_edge = 0.15;  // barycentric weight under which p counts as lying on the opposite edge
-  const Place place = Locator(sheet.pattern, sheet.triangles).locate(p);
+  Place place = Locator(sheet.pattern, sheet.triangles).locate(p);
   const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(), v = interpolate(place, sheet.triangles, sheet.v).transpose();
   const Hinges hinges = find_hinges(sheet.triangles);
   const std::vector<char> border = border_vertices(sheet.triangles, hinges, sheet.pattern.rows()), singular = singular_vertices(sheet);
@@ -181,8 +185,18 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
     const Hinge& hinge = hinges.hinges[hinges.of_triangle[place.triangle][edge]];
     const int beyond = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];
     const auto at = [&](int k) -> Vector3d { return sheet.x.row(k); };
-    on_edge = tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
+    on_edge = !cuts_short(sheet, beyond, p, x.transpose()) &&
+              tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
                                    {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)}, {hinge.triangles[0], hinge.triangles[1]}, 0);
+    if (!on_edge) {  // further in, so that the triangle at the edge is none too thin
+      place.weights *= (1 - near_edge) / (1 - place.weights[edge]);
+      place.weights[edge] = near_edge;
+      Points3 flat = Points3::Zero(sheet.pattern.rows(), 3);
+      flat.leftCols<2>() = sheet.pattern;
+      sheet.pattern.row(added) = interpolate(place, sheet.triangles, flat).head<2>().transpose();
+      sheet.x.row(added) = interpolate(place, sheet.triangles, sheet.x).transpose();
+      sheet.v.row(added) = interpolate(place, sheet.triangles, sheet.v).transpose();
+    }
   }
   std::vector<int> split{place.triangle};
   if (on_edge) {

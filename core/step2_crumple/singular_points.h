@@ -37,7 +37,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet&, const Pattern&, const 
 
 /// Makes p a vertex of the mesh: a free inner vertex nearby moves there on the pattern, else the edge or the triangle under p
 /// is split. Position and velocity are interpolated. Where that would take the sheet through itself, the triangle under p is
-/// split in three: that moves nothing. returns the vertex
+/// split in three: that moves nothing, but the vertex may come to lie a little beside p. returns the vertex
 int insert_vertex(Sheet&, const Vector2d& p, const std::vector<char>& fixed);
 
 }  // namespace paperbake
