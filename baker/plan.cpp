@@ -13,7 +13,7 @@ namespace {
 
 void check_method(const BakeSettings& settings) {
   if (settings.method != "fem" && settings.method != "hybrid")
-    throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has: fem, hybrid.");
+    throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has: hybrid, fem.");
 }
 
 int triangles_wanted(const BakeSettings& settings) { return settings.triangles.value_or(settings.method == "hybrid" ? 250 : 1700); }

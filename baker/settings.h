@@ -31,7 +31,7 @@ struct BakeSettings {
   SceneOptions reading;
   std::optional<std::string> preset;                     // grade or file
   std::vector<std::pair<std::string, std::string>> set;  // --set key=value, in order
-  std::string method = "fem";
+  std::string method = "hybrid";
   std::optional<unsigned> seed;
   std::optional<int> triangles;                          // fem: its mesh (1,700); hybrid: its cap (250)
   int base_triangles = 120;                              // of the hybrid

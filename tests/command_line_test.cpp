@@ -402,7 +402,7 @@ class ABake : public CommandLine {
     ASSERT_EQ(ended.code, 0) << ended.err;
   }
   static Words job(const std::string& scene, const std::string& folder, const std::string& frames) {
-    return {"bake", samples + "/" + scene, "-o", folder, "--triangles", "200", "--frames", frames, "--map-size", "64"};
+    return {"bake", samples + "/" + scene, "-o", folder, "--method", "fem", "--triangles", "200", "--frames", frames, "--map-size", "64"};
   }
   std::string text(const char* file) const { return read(fs::path(output()) / file); }
 
@@ -482,7 +482,7 @@ TEST_F(ABake, SumsUpTheShotAsItsFramesSay) {
 TEST_F(ABake, KeepsAListOfSingularPointsAndOfEveryValueWithItsOrigin) {
   EXPECT_EQ(lines_of(text("singular.csv")).at(0), "id,sheet,frame,u,v,cause");
   const std::string lock = text("job.lock.toml");
-  for (const char* line : {"triangles = 200  # command line", "method = \"fem\"  # default", "frames = \"1-6x1\"  # command line",
+  for (const char* line : {"triangles = 200  # command line", "method = \"fem\"  # command line", "frames = \"1-6x1\"  # command line",
                            "seed = 0  # default"})
     EXPECT_NE(lock.find(line), std::string::npos) << line << " is not in\n" << lock;
 }
