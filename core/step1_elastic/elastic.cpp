@@ -65,30 +65,6 @@ struct IncrementalPotential {
   }
 };
 
-/// Those of the handles that are hard.
-Gripped hard_handles(const Held& held) {
-  Gripped hard{{}, Points3(held.targets.rows(), 3)};
-  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
-    if (!held.stiffness.empty() && held.stiffness[k] > 0) continue;
-    hard.targets.row(hard.vertices.size()) = held.targets.row(k);
-    hard.vertices.push_back(held.vertices[k]);
-  }
-  hard.targets.conservativeResize(hard.vertices.size(), 3);
-  return hard;
-}
-
-/// Of the edges: (l - L)/L, least 0. [1]
-double largest_stretch(const Sheet& sheet) {
-  double largest = 0;
-  for (int t = 0; t < sheet.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
-      const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).squaredNorm(), now = (sheet.x.row(a) - sheet.x.row(b)).squaredNorm();
-      largest = std::max(largest, now / rest);
-    }
-  return largest > 1 ? std::sqrt(largest) - 1 : 0;
-}
-
 double largest_row(const Points3& d) { return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0; }
 
 }  // namespace
@@ -236,19 +212,14 @@ struct Elastic::Impl {
     }
   }
 
-  static double covered(const IncrementalPotential& W, const Points3& x) {
-    if (W.contact) W.contact->cover(x, Points3::Zero(x.rows(), 3));
-    return W(x);
-  }
-
   /// A second way down from `start`, first with the softened membrane; kept when it ends lower.
   void start_again(const IncrementalPotential& W, const Points3& start, Points3& x, ElasticReport& report) {
     ElasticReport soft, stiff;
     Points3 other = start;
-    minimise({*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, W.contact}, other, soft);
+    minimise({*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, nullptr}, other, soft);
     minimise(W, other, stiff);
     report.iterations += soft.iterations + stiff.iterations;
-    const double here = covered(W, x), there = covered(W, other);
+    const double here = W(x), there = W(other);
     if (there >= here) return;
     report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
     report.converged = stiff.converged;
@@ -257,12 +228,7 @@ struct Elastic::Impl {
 
   /// One step; `feels` is null for a sheet that does not feel itself.
   ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels) {
-    std::vector<HandleSpring> springs;
-    for (std::size_t k = 0; k < handles.vertices.size(); ++k) {
-      const double k_soft = handles.stiffness.empty() ? 0 : handles.stiffness[k];
-      if (k_soft > 0) springs.push_back(soft_spring(handles.vertices[k], handles.targets.row(k), k_soft));
-      else if (feels) springs.push_back(yielding_spring(handles.vertices[k], handles.targets.row(k)));
-    }
+    const std::vector<HandleSpring> springs = handle_springs(handles, feels ? HardHandles::may_yield : HardHandles::are_held);
     if (feels) feels->begin(sheet.x, hard);
     hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
          feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
@@ -293,7 +259,8 @@ struct Elastic::Impl {
 
     ElasticReport report;
     if (matrix) minimise(W, sheet.x, report);
-    if (report.iterations > restless) start_again(W, guesses.front(), sheet.x, report);
+    // beside itself the softened sheet soon meets its own parts: a second start finds nothing better there
+    if (report.iterations > restless && !feels) start_again(W, guesses.front(), sheet.x, report);
     if (feels) {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
       report.contact = true;
