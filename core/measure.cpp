@@ -33,6 +33,17 @@ LengthDistortion length_distortion(const Sheet& sheet) {
   return result;
 }
 
+double largest_stretch(const Sheet& sheet) {
+  double largest = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
+      const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).squaredNorm(), now = (sheet.x.row(a) - sheet.x.row(b)).squaredNorm();
+      largest = std::max(largest, now / rest);
+    }
+  return largest > 1 ? std::sqrt(largest) - 1 : 0;
+}
+
 double mean_edge(const Points2& pattern, const Triangles& triangles) {
   double sum = 0;
   for (int t = 0; t < triangles.rows(); ++t)

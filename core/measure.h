@@ -12,6 +12,9 @@ struct LengthDistortion {
 };
 LengthDistortion length_distortion(const Sheet&);
 
+/// How much the most stretched edge is longer than on the pattern: (l - L)/L, at least 0. [1]
+double largest_stretch(const Sheet&);
+
 /// Mean length of the edges on the pattern, each counted once for every triangle it belongs to. [m]
 double mean_edge(const Points2& pattern, const Triangles&);
 

@@ -162,6 +162,14 @@ TEST(VertexNormals, OfATriangleFoldedShutUponItselfAreUnit) {
   EXPECT_NEAR(normals(3, 2), -1, exact);
 }
 
+TEST(Measure, LargestStretchIsThatOfTheLongestEdgeAndNothingForASheetThatIsOnlyCompressed) {
+  Sheet sheet = test::strip_sheet(0.1, 0.02, 5);
+  sheet.x.col(0) *= 0.9;
+  EXPECT_EQ(largest_stretch(sheet), 0);
+  sheet.x.col(1) *= 1.03;
+  EXPECT_NEAR(largest_stretch(sheet), 0.03, 1e-12);  // the edges across; the diagonals are shorter than they were
+}
+
 // ---- crossings ---------------------------------------------------------------------------------------------------------
 
 /// Separate triangles: rows of x, three by three.

@@ -36,7 +36,7 @@ TEST(SelfContact, AShotInWhichNothingTouchesIsTheSameToTheLastBit) {
   for (std::size_t f = 0; f < with.size(); ++f) ASSERT_TRUE(with[f] == without[f]) << f;
 }
 
-/// Eight handles round a sheet of 21 cm come together to 55 % of their distance from the centre in 30 frames.
+/// Eight handles round a sheet of 21 cm come together to 45 % of their distance from the centre in 30 frames.
 Shot crumple() {
   const int frames = 34;
   const double side = 0.21;
@@ -47,7 +47,7 @@ Shot crumple() {
       Handle handle = test::bare_handle("handle." + std::to_string(3 * i + j), {0.5 * side * i, 0.5 * side * j}, frames);
       handle.radius.reset();
       for (int f = 0; f < frames; ++f) {
-        const double share = 1 - 0.45 * std::min(f, 30) / 30.0, middle = 0.5 * side;
+        const double share = 1 - 0.55 * std::min(f, 30) / 30.0, middle = 0.5 * side;
         handle.keyed.row(f) << middle + share * middle * (i - 1), middle + share * middle * (j - 1), 0.02 * std::min(f, 30) / 30.0 * ((i + j) % 2);
       }
       shot.handles.push_back(handle);

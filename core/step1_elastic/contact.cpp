@@ -186,12 +186,23 @@ void Contact::begin(const Points3& x, const Gripped& gripped) {
 void Contact::gather(const Points3& y, const Points3& move) {
   pairs_.clear();
   spare_.clear();
-  const Points3 end = y + move;
-  for (const auto& [a, b] : near_.find(y, move, 0.5 * reach_ + tube_)) {
+  const Points3 end = y + move, low = y.cwiseMin(end), high = y.cwiseMax(end);
+  const double within = reach_ + 2 * tube_;
+  const auto boxes_apart = [&](const std::array<int, 4>& v, bool edges) {
+    for (int k = 0; k < 3; ++k) {
+      double low_a = low(v[0], k), high_a = high(v[0], k), low_b = std::min(low(v[2], k), low(v[3], k)), high_b = std::max(high(v[2], k), high(v[3], k));
+      if (edges) low_a = std::min(low_a, low(v[1], k)), high_a = std::max(high_a, high(v[1], k));
+      else low_b = std::min(low_b, low(v[1], k)), high_b = std::max(high_b, high(v[1], k));
+      if (low_b - high_a > within || low_a - high_b > within) return true;
+    }
+    return false;
+  };
+  for (const auto& [a, b] : near_.find(y, move, 0.5 * within)) {
     for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) {
+      if (boxes_apart(v, edges)) return;
       const double d = nearness(corners(y, v), edges).distance();
       const double least = d - relative_move(moves(y, end, v), edges);
-      if (least > reach_ + 2 * tube_ || entangled(v, edges)) return;
+      if (least > within || entangled(v, edges)) return;
       const double reach = reach_of(v, edges);
       if (reach == 0 || least > reach + 2 * tube_ || d <= touching) return;
       pairs_.push_back({v, edges, reach});

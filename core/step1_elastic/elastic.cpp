@@ -5,6 +5,7 @@
 #include "core/step1_elastic/contact.h"
 #include "core/step1_elastic/elastic_energy.h"
 #include "core/step1_elastic/handle_springs.h"
+#include "core/step1_elastic/newton.h"
 #include "core/step1_elastic/predictor.h"
 
 #include <algorithm>
@@ -17,81 +18,17 @@ namespace {
 
 constexpr double quasi_static_mass = 0.01;  // share of the true mass; 1 ... 1e-5 give the same shapes to 4 digits
 constexpr double velocity_kept = 0.98;
-constexpr double sufficient_decrease = 1e-4;
-constexpr int max_halvings = 30;
 
 // A step that needs more iterations than this leaves an unstable shape, and the nearest minimum may be a poor one.
 constexpr int restless = 15;
+
+// A sheet that pushes itself has no end of small moves: what is not finished goes on in the next frame.
+constexpr int most_iterations_in_touch = 20;
+
 constexpr double jam_stretch = 0.01;  // [1] of an edge: paper tears before; what holds it gives way
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
 
 enum class SecondStart { when_restless, never };
-
-/// The incremental potential of one step over all vertices; held ones are left out by whoever solves.
-struct IncrementalPotential {
-  const ElasticEnergy& elastic;
-  const Eigen::VectorXd& mass;  // [kg] of the vertices
-  Points3 xhat;
-  double inertia;               // [1/s2] factor on the mass
-  double gravity;
-  const std::vector<HandleSpring>& springs;
-  Contact* contact;             // null: the sheet does not feel itself
-
-  double operator()(const Points3& x) const {
-    double value = elastic.energy(x) + inertia_and_weight(x);
-    if (!springs.empty()) value += energy(springs, x);
-    if (contact) value += contact->energy(x);
-    return value;
-  }
-
-  double inertia_and_weight(const Points3& x) const {
-    return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + gravity * x.col(2));
-  }
-
-  void add_inertia_and_weight(const Points3& x, Points3& gradient) const {
-    for (int v = 0; v < x.rows(); ++v)
-      gradient.row(v) += mass[v] * (inertia * (x.row(v) - xhat.row(v)) + gravity * Eigen::RowVector3d::UnitZ());
-  }
-
-  /// Value; gradient |V|x3 overwritten; second derivative into the matrix.
-  double differentiate(const Points3& x, const std::vector<int>& block_of, HessianForm form, Points3& gradient,
-                       BlockCholesky& matrix, const MembraneStress* stress = nullptr) const {
-    matrix.set_zero();
-    double value = elastic.hessian(x, form, gradient, matrix, stress) + inertia_and_weight(x);
-    add_inertia_and_weight(x, gradient);
-    if (!springs.empty()) value += paperbake::differentiate(springs, x, block_of, gradient, matrix);
-    if (contact) value += contact->differentiate(x, gradient, &matrix);
-    for (int v = 0; v < x.rows(); ++v)
-      matrix.add(matrix.slot(block_of[v], block_of[v]), Matrix3(mass[v] * inertia * Matrix3::Identity()));
-    return value;
-  }
-};
-
-/// Those of the handles that are hard.
-Gripped hard_handles(const Held& held) {
-  Gripped hard{{}, Points3(held.targets.rows(), 3)};
-  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
-    if (!held.stiffness.empty() && held.stiffness[k] > 0) continue;
-    hard.targets.row(hard.vertices.size()) = held.targets.row(k);
-    hard.vertices.push_back(held.vertices[k]);
-  }
-  hard.targets.conservativeResize(hard.vertices.size(), 3);
-  return hard;
-}
-
-/// Of the edges: (l - L)/L, least 0. [1]
-double largest_stretch(const Sheet& sheet) {
-  double largest = 0;
-  for (int t = 0; t < sheet.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
-      const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).squaredNorm(), now = (sheet.x.row(a) - sheet.x.row(b)).squaredNorm();
-      largest = std::max(largest, now / rest);
-    }
-  return largest > 1 ? std::sqrt(largest) - 1 : 0;
-}
-
-double largest_row(const Points3& d) { return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0; }
 
 }  // namespace
 
@@ -161,164 +98,20 @@ struct Elastic::Impl {
     if (matrix) energy->bind(*matrix, block_of), softened->bind(*matrix, block_of);
   }
 
-  /// Newton's direction at x; falls back to the projected second derivative, then to a growing multiple of the identity.
-  Points3 direction(const IncrementalPotential& W, const Points3& x, HessianForm& form, double& value, Points3& gradient, const MembraneStress* stress = nullptr) {
-    for (;; form = HessianForm::projected) {
-      value = W.differentiate(x, block_of, form, gradient, *matrix, stress);
-      if (!std::isfinite(value)) throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
-      bool definite = matrix->factorise();
-      if (!definite && form == HessianForm::exact) continue;
-      for (double shift = 1e-8 * paper.membrane_stiffness; !definite; shift *= 100) {
-        matrix->shift_diagonal(shift);
-        definite = matrix->factorise();
-      }
-      Points3 move = downhill(gradient);
-      if (form == HessianForm::exact && gradient.cwiseProduct(move).sum() >= 0) continue;
-      return move;
-    }
-  }
-
-  /// The last factor's answer to a gradient; held vertices stay.
-  Points3 downhill(const Points3& gradient) {
-    Eigen::VectorXd right(3 * (gradient.rows() - static_cast<int>(held.size())));
-    for (int v = 0; v < gradient.rows(); ++v)
-      if (block_of[v] >= 0) right.segment<3>(3 * block_of[v]) = -gradient.row(v).transpose();
-    const Eigen::VectorXd& d = matrix->solve(right);
-    Points3 move = Points3::Zero(gradient.rows(), 3);
-    for (int v = 0; v < gradient.rows(); ++v)
-      if (block_of[v] >= 0) move.row(v) = d.segment<3>(3 * block_of[v]).transpose();
-    return move;
-  }
-
-  /// Length along `move` that lowers W enough; 0 when there is none.
-  static double line_search(const IncrementalPotential& W, const Points3& x, const Points3& move, double value, double slope) {
-    // below the rounding of W itself nothing can be compared: a full step is as good as any
-    if (-slope < 1e-13 * std::abs(value)) return 1;
-    double length = 1;
-    for (int k = 0; k < max_halvings; ++k, length *= 0.5)
-      if (W(x + length * move) <= value + sufficient_decrease * length * slope) return length;
-    return 0;
-  }
-
-  /// Newton's method with the membrane stress as an unknown of its own, eliminated triangle by triangle: the stress in the
-  /// second derivative is the one that the last step predicted, not the one that its quadratic error in length pretends. Paper
-  /// is so stiff in its plane that plain Newton can only creep along the isometric shapes; this one strides, up and down in W.
-  /// stress   where the membrane is before the first step; overwritten
-  /// returns  false when it did not get to a place to stay, x is then anywhere
-  /// source   [Magisano 2017]
-  bool stride(const IncrementalPotential& W, MembraneStress stress, Points3& x, ElasticReport& report) {
-    constexpr int most_iterations = 25, most_crawling = 8;
-    constexpr double torn = 0.005;  // [1] strain beyond which descent does better
-    const double longest = longest_move(W), first_value = covered(W, x), first_strain = largest_strain(stress);
-    Points3 gradient;
-    double last = 0, value;
-    int crawling = 0;
-    for (int k = 0; k < std::min(most_iterations, 2 * options.max_iterations / 3); ++k) {  // the rest is for the way that gets there
-      HessianForm form = HessianForm::exact;
-      Points3 move = direction(W, x, form, value, gradient, &stress);
-      ++report.iterations;
-      const double asked = largest_row(move);
-      if (asked > longest) move *= longest / asked;
-      const double free = free_way(W, x, move);
-      move *= free;
-      stress = W.elastic.stress(x, move);
-      x += move;
-      if (W.contact) W.contact->arrived(x);
-      // steps shrink at least as fast as their last ratio: the next one bounds the distance to the minimum
-      const double ahead = last > 0 ? asked * std::min(1.0, asked / last) : asked;
-      if (free == 1 && (asked < options.stop || (form == HessianForm::exact && ahead < options.stop))) {
-        report.converged = covered(W, x) <= first_value && largest_strain(stress) < std::max(torn, 2 * first_strain);
-        return report.converged;
-      }
-      // the crest between two valleys: descent is as slow there, but gets down
-      crawling = form == HessianForm::projected && asked > 0.5 * last && asked < 0.1 * mean_edge ? crawling + 1 : 0;
-      if (crawling == most_crawling) return false;
-      last = asked;
-    }
-    return false;
-  }
-
-  double largest_strain(const MembraneStress& stress) const {
-    double most = 0;
-    for (const Eigen::Matrix2d& s : stress) most = std::max(most, s.norm() / paper.membrane_stiffness);
-    return most;
-  }
-
-  /// Newton's method that goes downhill only.
-  void descend(const IncrementalPotential& W, Points3& x, ElasticReport& report) {
-    const double longest = longest_move(W);
-    covered(W, x);
-    double last = 0;
-    report.converged = false;
-    HessianForm form = HessianForm::exact;
-    Points3 gradient;
-    while (report.iterations < options.max_iterations) {
-      double value;
-      Points3 move = direction(W, x, form, value, gradient);
-      ++report.iterations;
-      const double asked = largest_row(move);
-      if (asked > longest) move *= longest / asked;
-      const double free = free_way(W, x, move);
-      move *= free;
-      const double slope = gradient.cwiseProduct(move).sum();
-      const double length = line_search(W, x, move, value, slope);
-      if (length == 0) {
-        if (asked < options.stop || form == HessianForm::projected) {
-          report.converged = asked < options.stop;
-          return;
-        }
-        form = HessianForm::projected;
-        continue;
-      }
-      x += length * move;
-      if (W.contact) W.contact->arrived(x);
-      const double done = length * free * std::min(asked, longest);
-      // Newton's steps shrink at least as fast as their last ratio: the next one bounds the distance to the minimum
-      const bool whole = length == 1 && free == 1 && asked <= longest;
-      const double ahead = last > 0 ? done * std::min(1.0, done / last) : done;
-      if (whole && (ahead < options.stop || done < options.stop)) {
-        report.converged = true;
-        return;
-      }
-      last = whole ? done : 0;
-      form = HessianForm::exact;
-    }
-  }
-
-  /// A value of W at a place that contact has not been asked about.
-  static double covered(const IncrementalPotential& W, const Points3& x) {
-    if (W.contact) W.contact->cover(x, Points3::Zero(x.rows(), 3));
-    return W(x);
-  }
-
-  /// Share of the move on which nothing meets.
-  static double free_way(const IncrementalPotential& W, const Points3& x, const Points3& move) {
-    if (!W.contact) return 1;
-    W.contact->cover(x, move);
-    return W.contact->free_way(x, move);
-  }
-
-  double longest_move(const IncrementalPotential& W) const {
-    return W.contact ? std::min(2 * mean_edge, 2.5 * W.contact->reach()) : 2 * mean_edge;
-  }
-
-  /// The minimum of W from x. stress: of the membrane where x came from
-  void minimise(const IncrementalPotential& W, const MembraneStress& stress, Points3& x, ElasticReport& report) {
-    const Points3 start = x;
-    if (stride(W, stress, x, report)) return;
-    x = start;
-    descend(W, x, report);
+  /// stress  of the membrane where x came from
+  NewtonReport minimise(const IncrementalPotential& W, const MembraneStress& stress, Points3& x) {
+    const int most = W.contact ? std::min(options.max_iterations, most_iterations_in_touch) : options.max_iterations;
+    return paperbake::minimise({W, *matrix, block_of, mean_edge, paper.membrane_stiffness}, {options.stop, most}, stress, x);
   }
 
   /// A second way down from `start`, first with the softened membrane; kept when it ends lower.
   void start_again(const IncrementalPotential& W, const Points3& start, Points3& x, ElasticReport& report) {
-    ElasticReport soft, stiff;
     Points3 other = start;
     const MembraneStress none(triangles.rows(), Eigen::Matrix2d::Zero());
-    minimise({*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, W.contact}, none, other, soft);
-    minimise(W, softened->stress(other, Points3::Zero(other.rows(), 3)), other, stiff);
+    const NewtonReport soft = minimise({*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, nullptr}, none, other);
+    const NewtonReport stiff = minimise(W, softened->stress(other, Points3::Zero(other.rows(), 3)), other);
     report.iterations += soft.iterations + stiff.iterations;
-    const double here = covered(W, x), there = covered(W, other);
+    const double here = W(x), there = W(other);
     if (there >= here) return;
     report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
     report.converged = stiff.converged;
@@ -328,12 +121,7 @@ struct Elastic::Impl {
   /// One step; `feels` is null for a sheet that does not feel itself.
   ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels,
                       SecondStart second = SecondStart::when_restless) {
-    std::vector<HandleSpring> springs;
-    for (std::size_t k = 0; k < handles.vertices.size(); ++k) {
-      const double k_soft = handles.stiffness.empty() ? 0 : handles.stiffness[k];
-      if (k_soft > 0) springs.push_back(soft_spring(handles.vertices[k], handles.targets.row(k), k_soft));
-      else if (feels) springs.push_back(yielding_spring(handles.vertices[k], handles.targets.row(k)));
-    }
+    const std::vector<HandleSpring> springs = handle_springs(handles, feels ? HardHandles::may_yield : HardHandles::are_held);
     if (feels) feels->begin(sheet.x, hard);
     hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
          feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
@@ -366,9 +154,12 @@ struct Elastic::Impl {
     if (matrix) {
       MembraneStress stress = energy->stress(before, Points3::Zero(before.rows(), 3));
       if (remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());  // not in equilibrium: what the mesh did
-      minimise(W, stress, sheet.x, report);
+      const NewtonReport newton = minimise(W, stress, sheet.x);
+      report.iterations = newton.iterations;
+      report.converged = newton.converged;
     }
-    if (second == SecondStart::when_restless && report.iterations > restless) start_again(W, guesses.front(), sheet.x, report);
+    // beside itself the softened sheet soon meets its own parts: a second start finds nothing better there
+    if (second == SecondStart::when_restless && report.iterations > restless && !feels) start_again(W, guesses.front(), sheet.x, report);
     if (feels) {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
       report.contact = true;

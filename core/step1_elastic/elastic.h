@@ -60,7 +60,7 @@ struct ElasticReport {
 /// With a memory, E_bending yields inside the step (bending.h), and what has flowed at its end is remembered.
 /// A step that brings parts of the sheet near each other is taken with self-contact (contact.h): the barrier is part of W, no
 /// iteration passes through anything, and handles pull with springs that give way where the paper is jammed
-/// (handle_springs.h). A step in which nothing comes near is the same to the last bit as without contact.
+/// (handle_springs.h); it has no second start. A step in which nothing comes near is the same to the last bit as without contact.
 ///
 /// source [Martin 2011]; damping of the velocity 0.98 a step
 class Elastic {

@@ -19,6 +19,27 @@ HandleSpring soft_spring(int vertex, const Vector3d& target, double stiffness) {
 
 HandleSpring yielding_spring(int vertex, const Vector3d& target) { return {vertex, target, hard, yield_force}; }
 
+Gripped hard_handles(const Held& held) {
+  Gripped hard{{}, Points3(held.targets.rows(), 3)};
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
+    if (!held.stiffness.empty() && held.stiffness[k] > 0) continue;
+    hard.targets.row(hard.vertices.size()) = held.targets.row(k);
+    hard.vertices.push_back(held.vertices[k]);
+  }
+  hard.targets.conservativeResize(hard.vertices.size(), 3);
+  return hard;
+}
+
+std::vector<HandleSpring> handle_springs(const Held& held, HardHandles hard) {
+  std::vector<HandleSpring> springs;
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
+    const double soft = held.stiffness.empty() ? 0 : held.stiffness[k];
+    if (soft > 0) springs.push_back(soft_spring(held.vertices[k], held.targets.row(k), soft));
+    else if (hard == HardHandles::may_yield) springs.push_back(yielding_spring(held.vertices[k], held.targets.row(k)));
+  }
+  return springs;
+}
+
 bool yields(const HandleSpring& s, const Points3& x) { return (x.row(s.vertex).transpose() - s.target).norm() * s.stiffness > s.yield_force; }
 
 double energy(const std::vector<HandleSpring>& springs, const Points3& x) {

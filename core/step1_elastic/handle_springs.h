@@ -2,6 +2,8 @@
 
 #include "core/sheet.h"
 #include "core/step1_elastic/block_cholesky.h"
+#include "core/step1_elastic/contact.h"
+#include "core/step1_elastic/elastic.h"
 
 #include <vector>
 
@@ -25,6 +27,13 @@ struct HandleSpring {
 /// The spring of a soft handle, or of a hard one on a sheet that touches itself.
 HandleSpring soft_spring(int vertex, const Vector3d& target, double stiffness);
 HandleSpring yielding_spring(int vertex, const Vector3d& target);
+
+/// Those of the handles that are hard.
+Gripped hard_handles(const Held&);
+
+/// Springs of the soft handles and, on a sheet that touches itself or is jammed, of the hard ones.
+enum class HardHandles { are_held, may_yield };
+std::vector<HandleSpring> handle_springs(const Held&, HardHandles);
 
 /// The spring pulls with more than its yield force.
 bool yields(const HandleSpring&, const Points3& x);
