@@ -219,6 +219,7 @@ TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
 }
 
 TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
+  int exact = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.1, seed);
     test::roll(sheet, 0.05);
@@ -226,14 +227,39 @@ TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
     for (int k = 0; k < 5; ++k) {
       const Vector2d p(0.05 + 0.04 * uniform(seed, 2 * k), 0.05 + 0.04 * uniform(seed, 2 * k + 1));
       const int v = insert_vertex(sheet, p, fixed);
-      EXPECT_LT((sheet.pattern.row(v).transpose() - p).norm(), 1e-15);
-      sheet.singular.push_back({p, 1, "test"});
-      EXPECT_NEAR(sheet.x(v, 1), p.y(), 2e-3);  // on the cylinder's chord
+      const double beside = (sheet.pattern.row(v).transpose() - p).norm();
+      EXPECT_LT(beside, 0.2 * 0.0167);  // of a height: further in where a fold would be cut short
+      exact += beside < 1e-15;
+      sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
+      EXPECT_NEAR(sheet.x(v, 1), sheet.pattern(v, 1), 2e-3);  // on the cylinder's chord
       EXPECT_EQ(sheet.v.rows(), sheet.pattern.rows());
       fixed.resize(sheet.pattern.rows(), 0);
     }
     expect_sound(sheet, 0.01);
   }
+  EXPECT_GT(exact, 0.7 * 60 * 5);
+}
+
+TEST(SingularPoint, AFoldedRingIsNotCutShortAndAFlipNotTakenThroughAnotherLayer) {
+  // two triangles folded by 90 degrees: a point just beyond the fold stays in its own triangle
+  Sheet bent = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.08, 0.05, -0.08).finished(), (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());
+  bent.x.row(3) << 0.05, 0, -0.08;
+  insert_vertex(bent, {0.05, 0.004}, {});
+  EXPECT_LT(length_distortion(bent).largest, 1e-12);
+  EXPECT_EQ(bent.triangles.rows(), 4);
+
+  // a saddle of two triangles over a longer diagonal, and a blade that stands between the two diagonals
+  Sheet pair = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.03, 0.05, -0.03).finished(), (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());
+  pair.x.row(2)[2] = pair.x.row(3)[2] = 0.004;
+  Sheet bladed = pair;
+  bladed.pattern.conservativeResize(7, 2);
+  bladed.pattern.bottomRows<3>() << 1, 0, 1.1, 0, 1, 0.1;
+  bladed.x.conservativeResize(7, 3);
+  bladed.x.bottomRows<3>() << 0.03, 0, 0.002, 0.07, 0, 0.002, 0.05, 0, 0.0025;
+  bladed.triangles.conservativeResize(3, 3);
+  bladed.triangles.row(2) << 4, 5, 6;
+  EXPECT_EQ(flip_towards_rulings(pair, Points3::Zero(4, 3), 0.8), 1);
+  EXPECT_EQ(flip_towards_rulings(bladed, Points3::Zero(7, 3), 0.8), 0);
 }
 
 struct Played {
