@@ -76,7 +76,7 @@ struct NewtonReport {
 ///    plane that plain Newton can only creep along the isometric shapes; this one strides, up and down in W. [Magisano 2017]
 /// 2. Downhill only: the exact second derivative (projected where it is not positive definite), a backtracking line search.
 ///
-/// With contact no iteration passes through anything.
+/// With contact only the second way is taken, and no iteration passes through anything.
 /// stress  of the membrane where x came from
 /// throws  Error(Fault::simulation) when W is not finite
 NewtonReport minimise(const NewtonSystem&, const NewtonOptions&, const MembraneStress& stress, Points3& x);
