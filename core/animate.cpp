@@ -25,6 +25,8 @@ namespace {
 constexpr double disc_stiffening = 10;
 constexpr double start_noise = 1e-6;     // [m] lets a flat sheet choose a side
 constexpr int max_halvings = 8;
+constexpr double most_leap = 0.02;        // [1] of the longer side, in one step
+constexpr int most_halvings_of_a_leap = 5;
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
 
 /// CPU time of this thread. [ms]
@@ -191,6 +193,18 @@ double fold_integral(const Sheet& sheet) {
   return sum;
 }
 
+/// How far held points are asked to go against each other since the frame before. [m]
+double leap_of(const Sheet& sheet, const Held& held, const Held& held_before) {
+  Points3 way(held.vertices.size(), 3);
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
+    const auto was = std::find(held_before.vertices.begin(), held_before.vertices.end(), held.vertices[k]);
+    const Eigen::RowVector3d from = was == held_before.vertices.end() ? Eigen::RowVector3d(sheet.x.row(held.vertices[k]))
+                                                                       : Eigen::RowVector3d(held_before.targets.row(was - held_before.vertices.begin()));
+    way.row(k) = held.targets.row(k) - from;
+  }
+  return way.rows() ? (way.rowwise() - way.colwise().mean().eval()).rowwise().norm().maxCoeff() : 0;
+}
+
 /// The sheet as the method hands it on. What touches itself is not moved through itself.
 Sheet finished(const Method& method, const Sheet& sheet, const Held& held, bool touching) {
   Sheet shown = sheet;
@@ -207,13 +221,16 @@ struct SteppedFrame {
   ElasticReport last;
 };
 
-SteppedFrame follow(Elastic& elastic, PlasticGrid* memory, Sheet& sheet, const Held& held, double dt, int halvings, const std::string& where) {
+/// leap  [1] how far the handles go against each other; more than a whole step takes: it is halved before it is tried
+SteppedFrame follow(Elastic& elastic, PlasticGrid* memory, Sheet& sheet, const Held& held, double leap, double dt, int halvings,
+                    const std::string& where) {
   const Sheet before = sheet;
   std::optional<PlasticGrid> remembered;
   if (memory) remembered = *memory;
   SteppedFrame result;
   std::string failure;
-  try {
+  const bool too_far = leap > most_leap && halvings < most_halvings_of_a_leap;
+  if (!too_far) try {
     result.last = elastic.step(sheet, held, dt);
     result.substeps = 1;
     result.iterations = result.last.iterations;
@@ -221,9 +238,9 @@ SteppedFrame follow(Elastic& elastic, PlasticGrid* memory, Sheet& sheet, const H
   } catch (const Error& error) {
     failure = error.cause;
   }
-  if (failure.empty() && result.converged) return result;
+  if (!too_far && failure.empty() && result.converged) return result;
   const LengthDistortion distortion = length_distortion(sheet);
-  if (failure.empty() && distortion.largest < torn) return result;
+  if (!too_far && failure.empty() && distortion.largest < torn) return result;
   if (halvings == max_halvings) {
     char cause[200];
     std::snprintf(cause, sizeof cause, "The sheet cannot follow the handles: %d halvings of the time step, worst stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
@@ -238,8 +255,8 @@ SteppedFrame follow(Elastic& elastic, PlasticGrid* memory, Sheet& sheet, const H
   Held half = held;
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     half.targets.row(k) = 0.5 * (before.x.row(held.vertices[k]) + held.targets.row(k));
-  const SteppedFrame first = follow(elastic, memory, sheet, half, 0.5 * dt, halvings + 1, where);
-  SteppedFrame second = follow(elastic, memory, sheet, held, 0.5 * dt, halvings + 1, where);
+  const SteppedFrame first = follow(elastic, memory, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, where);
+  SteppedFrame second = follow(elastic, memory, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, where);
   second.substeps += first.substeps;
   second.iterations += first.iterations + result.iterations;
   second.converged &= first.converged;
@@ -311,6 +328,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
         result.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
         result.remesh_rise = verdict.rise;
       }
+    const double leap = leap_of(sheet, held, held_before) / side;
     before = sheet.x;
     held_before = held;
     if (method.remesh && !first && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, started.fixed, frame, moving))
@@ -327,7 +345,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step.last = elastic.look(sheet);
       sheet.v.setZero();
     } else {
-      step = follow(elastic, memory ? &*memory : nullptr, sheet, held, 1 / options.fps, 0, where);
+      step = follow(elastic, memory ? &*memory : nullptr, sheet, held, leap, 1 / options.fps, 0, where);
     }
     result.elastic_ms = cpu_ms() - begun;
     // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone

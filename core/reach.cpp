@@ -41,22 +41,29 @@ std::vector<ImpossiblePair> Reach::impossible_pairs(const std::vector<Handle>& h
 
 double Reach::project(const std::vector<int>& handles, Points3& targets) const {
   constexpr int sweeps = 2000;
-  constexpr double settled = 1e-9;  // [m] overshoot that nobody can see
+  constexpr double settled = 1e-9;  // [m] what nobody can see
   const Points3 asked = targets;
+  // [Dykstra 1983]: each pair takes back what it did in the sweep before; else the end is within reach, but not the nearest
+  const int n = static_cast<int>(handles.size());
+  Points3 correction = Points3::Zero(n * n, 3);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
-    double worst = 0;
-    for (std::size_t i = 0; i < handles.size(); ++i)
-      for (std::size_t j = 0; j < i; ++j) {
-        const Eigen::RowVector3d d = targets.row(i) - targets.row(j);
+    double change = 0;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < i; ++j) {
+        auto mine = correction.row(i * n + j);  // that of j is its opposite
+        const Eigen::RowVector3d d = targets.row(i) - targets.row(j) + 2 * mine;
         const double apart = d.norm(), over = apart - limit(handles[i], handles[j]);
-        if (over <= settled) continue;
-        worst = std::max(worst, over);
-        targets.row(i) -= 0.5 * over / apart * d;
-        targets.row(j) += 0.5 * over / apart * d;
+        const Eigen::RowVector3d now = over > 0 ? Eigen::RowVector3d(0.5 * over / apart * d) : Eigen::RowVector3d::Zero();
+        const Eigen::RowVector3d move = mine - now;
+        if (move.isZero(0)) continue;
+        targets.row(i) += move;
+        targets.row(j) -= move;
+        mine = now;
+        change = std::max(change, move.norm());
       }
-    if (worst == 0) break;
+    if (change <= settled) break;
   }
-  return handles.empty() ? 0 : std::sqrt((targets - asked).rowwise().squaredNorm().maxCoeff());
+  return n == 0 ? 0 : std::sqrt((targets - asked).rowwise().squaredNorm().maxCoeff());
 }
 
 }  // namespace paperbake

@@ -33,7 +33,8 @@ class Reach {
   /// first_frame: frame of row 0 of Handle::keyed; frames are looked at up to `last_frame`
   std::vector<ImpossiblePair> impossible_pairs(const std::vector<Handle>&, int first_frame, int last_frame) const;
 
-  /// Draws the targets of the given handles together, evenly, until no pair is farther apart than paper allows.
+  /// Moves the targets of the given handles to the nearest places, in the least-square sense, at which no pair is farther apart
+  /// than paper allows.
   /// handles  indices into the handles given to the constructor
   /// targets  |handles|x3 [m]
   /// returns  the largest distance that a target was moved [m]
