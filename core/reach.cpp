@@ -40,20 +40,22 @@ std::vector<ImpossiblePair> Reach::impossible_pairs(const std::vector<Handle>& h
 }
 
 double Reach::project(const std::vector<int>& handles, Points3& targets) const {
-  constexpr int sweeps = 2000;
-  constexpr double settled = 1e-9;  // [m] what nobody can see
+  constexpr int towards = 300, sweeps = 2000;
+  constexpr double settled = 1e-9;  // [m] overshoot that nobody can see
   const Points3 asked = targets;
-  // [Dykstra 1983]: each pair takes back what it did in the sweep before; else the end is within reach, but not the nearest
   const int n = static_cast<int>(handles.size());
+  // [Dykstra 1983]: each pair takes back what it did in the sweep before, else the end is within reach but not the nearest;
+  // the last sweeps leave that out and end within reach
   Points3 correction = Points3::Zero(n * n, 3);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     double change = 0;
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < i; ++j) {
         auto mine = correction.row(i * n + j);  // that of j is its opposite
+        if (sweep >= towards) mine.setZero();
         const Eigen::RowVector3d d = targets.row(i) - targets.row(j) + 2 * mine;
         const double apart = d.norm(), over = apart - limit(handles[i], handles[j]);
-        const Eigen::RowVector3d now = over > 0 ? Eigen::RowVector3d(0.5 * over / apart * d) : Eigen::RowVector3d::Zero();
+        const Eigen::RowVector3d now = over > (sweep < towards ? 0 : settled) ? Eigen::RowVector3d(0.5 * over / apart * d) : Eigen::RowVector3d::Zero();
         const Eigen::RowVector3d move = mine - now;
         if (move.isZero(0)) continue;
         targets.row(i) += move;
@@ -61,7 +63,8 @@ double Reach::project(const std::vector<int>& handles, Points3& targets) const {
         mine = now;
         change = std::max(change, move.norm());
       }
-    if (change <= settled) break;
+    if (change == 0) break;
+    if (change <= settled) sweep = std::max(sweep, towards - 1);
   }
   return n == 0 ? 0 : std::sqrt((targets - asked).rowwise().squaredNorm().maxCoeff());
 }
