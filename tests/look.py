@@ -1,8 +1,9 @@
 """Pictures of a bake, to be looked at: the sheet at some frames, and the mesh of its pattern.
 
-    .venv/bin/python tests/look.py CACHE.abc PICTURE_STEM FRAME... [--mesh] [--view X Y Z]
+    .venv/bin/python tests/look.py CACHE.abc PICTURE_STEM FRAME... [--crease DEGREES] [--mesh] [--view X Y Z]
 
-Writes PICTURE_STEM.####.png for each frame (Cycles, light at a grazing angle, flat shading where the mesh is flat), and with
+Writes PICTURE_STEM.####.png for each frame (Cycles, light at a grazing angle, normals of the cache;
+with --crease, normals of its own, split where the mesh folds by more than that), and with
 --mesh PICTURE_STEM.mesh.png, the triangles of the pattern at the first of the frames.
 """
 import argparse
@@ -47,6 +48,20 @@ def aim(camera, low, high, view):
     return size
 
 
+def creased(sheet, degrees, material):
+    """A copy of a sheet as it is now, with normals that are split at its folds."""
+    data = sheet.evaluated_get(bpy.context.evaluated_depsgraph_get()).data
+    copy = bpy.data.meshes.new("creased")
+    copy.from_pydata([v.co[:] for v in data.vertices], [], [p.vertices[:] for p in data.polygons])
+    copy.polygons.foreach_set("use_smooth", [True] * len(copy.polygons))
+    copy.set_sharp_from_angle(angle=math.radians(degrees))
+    copy.materials.append(material)
+    shown = bpy.data.objects.new("creased", copy)
+    shown.matrix_world = sheet.matrix_world
+    bpy.context.scene.collection.objects.link(shown)
+    return shown
+
+
 def render(path):
     bpy.context.scene.render.filepath = path
     bpy.ops.render.render(write_still=True)
@@ -57,6 +72,7 @@ def main():
     parser.add_argument("cache")
     parser.add_argument("stem")
     parser.add_argument("frames", nargs="+", type=int)
+    parser.add_argument("--crease", type=float)
     parser.add_argument("--mesh", action="store_true")
     parser.add_argument("--view", nargs=3, type=float, default=(-0.6, -1.0, 0.55))
     arguments = parser.parse_args(sys.argv[1:])
@@ -85,7 +101,15 @@ def main():
     for frame in arguments.frames:
         scene.frame_set(frame)
         aim(camera, *box(meshes()), arguments.view)
+        copies = []
+        if arguments.crease is not None:
+            sheets = list(meshes())
+            copies = [creased(o, arguments.crease, material) for o in sheets]
+            for o in sheets:
+                o.hide_render = True
         render(f"{arguments.stem}.{frame:04d}.png")
+        for o in copies:
+            bpy.data.objects.remove(o)
 
     if arguments.mesh:
         scene.frame_set(arguments.frames[0])
