@@ -1,140 +1,27 @@
+// What the texels of a crease map say of the sheet. See crease_map_file_test.cpp for the file around them.
+
 #include "formats/crease_map.h"
 
 #include "core/curvature.h"
 #include "core/error.h"
+#include "tests/crease_map_fixture.h"
 
-#include <ImfChannelList.h>
-#include <ImfFloatAttribute.h>
-#include <ImfFrameBuffer.h>
-#include <ImfHeader.h>
-#include <ImfInputFile.h>
-#include <ImfIntAttribute.h>
-#include <ImfRationalAttribute.h>
-#include <ImfStringAttribute.h>
-#include <ImfThreading.h>
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <csignal>
-#include <filesystem>
-#include <fstream>
-#include <functional>
-#include <iterator>
-#include <sys/resource.h>
 
 namespace paperbake {
 namespace {
 
-constexpr double fold_width = 0.002;          // [m]
-constexpr double angle_step = 1.0 / 16384;    // [rad] of the file
-
-Pattern rectangle(double width, double height) { return {{{0, 0}, {width, 0}, {width, height}, {0, height}}, {}}; }
-
-/// Flat grid over the rectangle, cells nearly square with side `edge`.
-Sheet flat_sheet(double width, double height, double edge) {
-  const int nx = std::lround(width / edge), ny = std::lround(height / edge), row = nx + 1;
-  Sheet sheet;
-  sheet.pattern.resize((nx + 1) * (ny + 1), 2);
-  sheet.triangles.resize(2 * nx * ny, 3);
-  for (int j = 0; j <= ny; ++j)
-    for (int i = 0; i <= nx; ++i) sheet.pattern.row(j * row + i) << width * i / nx, height * j / ny;
-  for (int j = 0, t = 0; j < ny; ++j)
-    for (int i = 0; i < nx; ++i, t += 2) {
-      const int a = j * row + i, b = a + 1, c = b + row, d = a + row;
-      sheet.triangles.row(t) << a, b, c;
-      sheet.triangles.row(t + 1) << a, c, d;
-    }
-  sheet.x = Points3::Zero(sheet.pattern.rows(), 3);
-  sheet.x.leftCols<2>() = sheet.pattern;
-  return sheet;
-}
-
-/// Rolled about the y axis to curvature k [1/m], bulging to its normal when k > 0.
-Sheet rolled(Sheet sheet, double k) {
-  for (int v = 0; v < sheet.pattern.rows(); ++v) {
-    const double s = sheet.pattern(v, 0);
-    sheet.x.row(v) << std::sin(k * s) / k, sheet.pattern(v, 1), (std::cos(k * s) - 1) / k;
-  }
-  return sheet;
-}
-
-/// Vertex tensors k(p) across x, as if measured on a sheet.
-Points3 tensors(const Sheet& sheet, const std::function<double(Vector2d)>& k) {
-  Points3 S = Points3::Zero(sheet.pattern.rows(), 3);
-  for (int v = 0; v < S.rows(); ++v) S(v, 0) = k(sheet.pattern.row(v).transpose());
-  return S;
-}
-
-/// A folder that goes when the test ends.
-struct Folder {
-  std::filesystem::path path = std::filesystem::temp_directory_path() /
-                               (std::string("paperbake_maps_") + testing::UnitTest::GetInstance()->current_test_info()->name());
-  Folder() { std::filesystem::remove_all(path), std::filesystem::create_directories(path); }
-  ~Folder() { std::filesystem::remove_all(path); }
-};
-
-struct Image {
-  int size;
-  std::vector<float> angle, peak, distance;
-  float at(const std::vector<float>& channel, int i, int j) const { return channel[j * size + i]; }
-};
-
-Image read_image(const std::filesystem::path& path) {
-  Imf::InputFile file(path.c_str());
-  const Imath::Box2i window = file.header().dataWindow();
-  Image image{window.max.x + 1, {}, {}, {}};
-  EXPECT_EQ(window, Imath::Box2i({0, 0}, {image.size - 1, image.size - 1}));
-  Imf::FrameBuffer frame_buffer;
-  for (auto [name, channel] : {std::pair("fold.angle", &image.angle), {"fold.peak", &image.peak}, {"apex.dist", &image.distance}}) {
-    channel->assign(image.size * image.size, -99);
-    frame_buffer.insert(name, Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(channel->data()), 4, 4 * image.size));
-  }
-  file.setFrameBuffer(frame_buffer);
-  file.readPixels(0, image.size - 1);
-  return image;
-}
-
-Image written(const CreaseMap& map) {
-  const Folder folder;
-  map.write(folder.path / "map.exr", {});
-  return read_image(folder.path / "map.exr");
-}
-
-std::string bytes_of(const std::filesystem::path& path) {
-  std::ifstream stream(path, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
-
-TEST(CreaseMap, TheFileHasThreeFloatChannelsAndItsHeaderAndNothingElse) {
-  const Folder folder;
-  CreaseMap map(rectangle(0.2, 0.1), 64, fold_width);
-  const Sheet sheet = flat_sheet(0.2, 0.1, 0.02);
-  map.record(sheet, vertex_curvature(sheet));
-  map.write(folder.path / "map.exr", {37, 29.97, 4000000000u, "copy90"});
-
-  Imf::InputFile file((folder.path / "map.exr").c_str());
-  const Imf::Header& header = file.header();
-  std::vector<std::string> channels, attributes;
-  for (auto c = header.channels().begin(); c != header.channels().end(); ++c) {
-    channels.push_back(c.name());
-    EXPECT_EQ(c.channel().type, Imf::FLOAT);
-  }
-  for (auto a = header.begin(); a != header.end(); ++a) attributes.push_back(a.name());
-  std::sort(attributes.begin(), attributes.end());
-  EXPECT_EQ(channels, (std::vector<std::string>{"apex.dist", "fold.angle", "fold.peak"}));
-  EXPECT_EQ(attributes, (std::vector<std::string>{
-      "channels", "compression", "dataWindow", "displayWindow", "foldWidth", "frame", "framesPerSecond", "lineOrder",
-      "pixelAspectRatio", "preset", "screenWindowCenter", "screenWindowWidth", "seed", "texelSize"}));
-  EXPECT_EQ(header.compression(), Imf::ZIP_COMPRESSION);
-  EXPECT_EQ(header.typedAttribute<Imf::IntAttribute>("frame").value(), 37);
-  EXPECT_EQ(static_cast<unsigned>(header.typedAttribute<Imf::IntAttribute>("seed").value()), 4000000000u);
-  EXPECT_EQ(header.typedAttribute<Imf::StringAttribute>("preset").value(), "copy90");
-  EXPECT_EQ(header.typedAttribute<Imf::RationalAttribute>("framesPerSecond").value().n, 30000);
-  EXPECT_EQ(header.typedAttribute<Imf::RationalAttribute>("framesPerSecond").value().d, 1001u);
-  EXPECT_FLOAT_EQ(header.typedAttribute<Imf::FloatAttribute>("texelSize").value(), 0.2f / 64);
-  EXPECT_FLOAT_EQ(header.typedAttribute<Imf::FloatAttribute>("foldWidth").value(), 0.002f);
-}
+using test::angle_step;
+using test::flat_sheet;
+using test::fold_width;
+using test::Image;
+using test::rectangle;
+using test::rolled;
+using test::tensors;
+using test::written;
 
 TEST(CreaseMap, ACylinderTurnsByTheFoldWidthOverItsRadius) {
   for (const double radius : {0.05, -0.05}) {
@@ -319,63 +206,6 @@ TEST(CreaseMap, AHoleOfThePatternIsOutside) {
   EXPECT_EQ(image.at(image.angle, 34, 50), 0);       // 5 texels into the hole
   EXPECT_GT(image.at(image.angle, 33, 50), 0.17f);   // 4 texels: padding
   EXPECT_GT(image.at(image.angle, 29, 50), 0.17f);
-}
-
-TEST(CreaseMap, TheSameInputGivesTheSameBytesAtAnyThreadCount) {
-  const Folder folder;
-  Sheet sheet = rolled(flat_sheet(0.1, 0.1, 0.004), 30);
-  sheet.singular = {{Vector2d(0.03, 0.04), 1, "a"}};
-  std::string bytes[3];
-  for (int run = 0; run < 3; ++run) {
-    Imf::setGlobalThreadCount(2 * run);  // 0, 2, 4
-    CreaseMap map(rectangle(0.1, 0.1), 300, fold_width);
-    map.record(sheet, vertex_curvature(sheet));
-    const std::filesystem::path path = folder.path / (std::to_string(run) + ".exr");
-    map.write(path, {});
-    bytes[run] = bytes_of(path);
-  }
-  Imf::setGlobalThreadCount(0);
-  ASSERT_GT(bytes[0].size(), 1000u);
-  EXPECT_EQ(bytes[0], bytes[1]);
-  EXPECT_EQ(bytes[0], bytes[2]);
-}
-
-TEST(CreaseMap, AFolderThatIsNotThereIsAFolderError) {
-  const Folder folder;
-  CreaseMap map(rectangle(0.1, 0.1), 16, fold_width);
-  try {
-    map.write(folder.path / "missing" / "map.exr", {});
-    FAIL();
-  } catch (const Error& error) {
-    EXPECT_EQ(error.fault, Fault::folder);
-    EXPECT_NE(error.place.find("map.exr"), std::string::npos);
-  }
-}
-
-TEST(CreaseMap, AFullDiskIsAFolderErrorAndLeavesNoFile) {
-  const Folder folder;
-  // a flat sheet: the file is so small that all of it waits in a buffer until the end, where errors are easily lost
-  CreaseMap map(rectangle(0.1, 0.1), 64, fold_width);
-  const Sheet sheet = flat_sheet(0.1, 0.1, 0.01);
-  map.record(sheet, vertex_curvature(sheet));
-  map.write(folder.path / "map.exr", {});
-  ASSERT_GT(std::filesystem::remove_all(folder.path / "map.exr"), 0u);
-
-  rlimit before;
-  getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit small{512, before.rlim_max};  // stands for a disk with 512 bytes left
-  const auto old = std::signal(SIGXFSZ, SIG_IGN);
-  setrlimit(RLIMIT_FSIZE, &small);
-  bool folder_error = false;
-  try {
-    map.write(folder.path / "map.exr", {});
-  } catch (const Error& error) {
-    folder_error = error.fault == Fault::folder;
-  }
-  setrlimit(RLIMIT_FSIZE, &before);
-  std::signal(SIGXFSZ, old);
-  EXPECT_TRUE(folder_error);
-  EXPECT_TRUE(std::filesystem::is_empty(folder.path));
 }
 
 TEST(CreaseMap, ACurvatureThatIsNotANumberIsRefused) {

@@ -151,5 +151,14 @@ TEST_F(Layering, MainIsTheOnlyFileThatParsesTheCommandLine) {
   EXPECT_EQ(who, std::vector<std::string>{"baker/main.cpp"});
 }
 
+TEST_F(Layering, AFileIsOneIdeaInFewerThanFourHundredLines) {
+  for (const Source& source : all_sources()) {
+    std::ifstream file(fs::path(PAPERBAKE_SOURCE) / source.path);
+    const auto lines = std::count(std::istreambuf_iterator<char>(file), {}, '\n');
+    EXPECT_GT(lines, 0) << source.path;
+    EXPECT_LT(lines, 400) << source.path;
+  }
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -1,0 +1,167 @@
+// What a bake leaves in its output folder and says of it. Everything is checked from outside.
+
+#include "tests/program_fixture.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandLine;
+using test::Ended;
+using test::fields_of;
+using test::lines_of;
+using test::read;
+using test::samples;
+using test::Words;
+using test::write;
+
+using Record = nlohmann::json;
+std::vector<Record> frames_of(const fs::path& folder) {
+  std::vector<Record> frames;
+  for (const std::string& line : lines_of(read(folder / "cert" / "frames.jsonl"))) frames.push_back(Record::parse(line));
+  return frames;
+}
+
+class ABake : public CommandLine {
+ protected:
+  void SetUp() override {
+    CommandLine::SetUp();
+    ended = run(job("S4_crumple.glb", output(), "1-6"));
+    ASSERT_EQ(ended.code, 0) << ended.err;
+  }
+  static Words job(const std::string& scene, const std::string& folder, const std::string& frames) {
+    return {"bake", samples + "/" + scene, "-o", folder, "--method", "fem", "--triangles", "200", "--frames", frames, "--map-size", "64"};
+  }
+  std::string text(const char* file) const { return read(fs::path(output()) / file); }
+
+  Ended ended{};
+};
+
+TEST_F(ABake, LeavesTheFilesOfTheDesignAndNoPart) {
+  std::set<std::string> found;
+  for (const auto& entry : fs::recursive_directory_iterator(output()))
+    if (entry.is_regular_file()) found.insert(fs::relative(entry.path(), output()).generic_string());
+  for (const char* file : {"S4_crumple.abc", "maps/S4_crumple.0001.exr", "maps/S4_crumple.final.exr", "cert/frames.jsonl",
+                           "cert/handles.csv", "cert/summary.json", "singular.csv", "job.lock.toml"})
+    EXPECT_TRUE(found.count(file)) << file;
+  for (const std::string& file : found) {
+    EXPECT_EQ(file.find(".part"), std::string::npos) << file;
+    const bool wanted_map = file == "maps/S4_crumple.0001.exr" || file == "maps/S4_crumple.final.exr";
+    EXPECT_TRUE(wanted_map || file.rfind("maps/", 0) != 0) << file << " is one map too many";
+  }
+}
+
+TEST_F(ABake, PrintsTheFilesOnStdoutAndTheFramesOnStderr) {
+  const std::vector<std::string> files = lines_of(ended.out);
+  EXPECT_FALSE(files.empty());
+  for (const std::string& file : files) EXPECT_TRUE(fs::exists(file)) << file;
+  EXPECT_NE(ended.err.find("frame 6"), std::string::npos) << ended.err;
+}
+
+TEST_F(ABake, HasALineAFrameWithAllKeysOfTheDesignInTheirOrder) {
+  const std::vector<std::string> keys{
+      "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
+      "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
+      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "crossings", "touching", "jammed", "note", "input_hash", "content_hash"};
+  const std::vector<std::string> lines = lines_of(text("cert/frames.jsonl"));
+  ASSERT_EQ(lines.size(), 6u);
+  std::set<std::string> contents;
+  for (std::size_t i = 0; i < lines.size(); ++i) {
+    const auto line = nlohmann::ordered_json::parse(lines[i]);
+    std::vector<std::string> found;
+    for (const auto& [key, value] : line.items()) found.push_back(key);
+    EXPECT_EQ(found, keys);
+    EXPECT_EQ(line["frame"], i + 1);
+    EXPECT_EQ(line["sheet"], "paper");
+    EXPECT_NEAR(line["triangles"], 200, 20);
+    contents.insert(line["content_hash"]);
+  }
+  EXPECT_EQ(contents.size(), 6u) << "the sheet moves, so no two frames are alike";
+}
+
+TEST_F(ABake, HasARowAFrameAndHandle) {
+  const std::vector<std::string> rows = lines_of(text("cert/handles.csv"));
+  EXPECT_EQ(rows.at(0), "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state");
+  const auto handles = nlohmann::json::parse(run({"inspect", samples + "/S4_crumple.glb", "--json"}).out)["sheets"][0]["handles"];
+  EXPECT_EQ(rows.size(), 1 + 6 * handles.size());
+  for (std::size_t i = 1; i < rows.size(); ++i) {
+    const auto row = fields_of(rows[i]);
+    ASSERT_EQ(row.size(), 12u) << rows[i];
+    EXPECT_TRUE(row[11] == "held" || row[11] == "free" || row[11] == "jammed") << rows[i];
+    for (int axis = 0; axis < 3 && row[11] == "held"; ++axis)
+      EXPECT_NEAR(std::stod(row[5 + axis]), std::stod(row[8 + axis]), 1e-9) << rows[i];
+  }
+}
+
+TEST_F(ABake, SumsUpTheShotAsItsFramesSay) {
+  const auto summary = nlohmann::json::parse(text("cert/summary.json"));
+  EXPECT_EQ(summary.at("exit_code"), ended.code);
+  EXPECT_EQ(summary.at("frames"), 6);
+  EXPECT_EQ(summary.at("method"), "fem");
+  for (const char* key : {"version", "settings", "machine", "models", "job_hash", "sheets"}) EXPECT_TRUE(summary.contains(key)) << key;
+  for (const char* key : {"stretch_mean_pct", "stretch_max_pct", "handle_err_max_mm", "angle_defect_max_deg"}) {
+    double largest = 0;
+    for (const Record& frame : frames_of(output())) largest = std::max(largest, double(frame[key]));
+    EXPECT_DOUBLE_EQ(summary[key].at("max"), largest) << key;
+  }
+  EXPECT_GT(double(summary["stretch_mean_pct"]["max"]), 0);
+}
+
+TEST_F(ABake, KeepsAListOfSingularPointsAndOfEveryValueWithItsOrigin) {
+  EXPECT_EQ(lines_of(text("singular.csv")).at(0), "id,sheet,frame,u,v,cause");
+  const std::string lock = text("job.lock.toml");
+  for (const char* line : {"triangles = 200  # command line", "method = \"fem\"  # command line", "frames = \"1-6x1\"  # command line",
+                           "seed = 0  # default"})
+    EXPECT_NE(lock.find(line), std::string::npos) << line << " is not in\n" << lock;
+}
+
+TEST_F(ABake, OfEverySecondFrameHasEverySecondFrameOfTheWhole) {
+  std::map<int, std::string> whole;
+  for (const Record& frame : frames_of(output())) whole[frame["frame"]] = frame["content_hash"];
+  const fs::path other = folder / "sparse";
+  ASSERT_EQ(run(job("S4_crumple.glb", other, "2-6x2")).code, 0);
+  std::vector<int> frames;
+  for (const Record& frame : frames_of(other)) {
+    frames.push_back(frame["frame"]);
+    EXPECT_EQ(frame["content_hash"], whole[frames.back()]) << "the same frame, whichever others are written";
+  }
+  EXPECT_EQ(frames, (std::vector<int>{2, 4, 6}));
+}
+
+TEST_F(ABake, PutsWholeFilesOverThoseOfTheBakeBefore) {
+  const std::string before = text("S4_crumple.abc");
+  write(fs::path(output()) / "notes.txt", "of the artist");
+  ASSERT_EQ(run(job("S4_crumple.glb", output(), "1-6")).code, 0);
+  EXPECT_EQ(text("S4_crumple.abc"), before);
+  EXPECT_EQ(text("notes.txt"), "of the artist");
+}
+
+TEST_F(ABake, OfAnFbxIsTheSameAsOfTheGlb) {
+  const fs::path other = folder / "fbx";
+  Words words = job("S4_crumple.fbx", other, "1-6");
+  words.insert(words.end(), {"--start-frame", "1"});
+  ASSERT_EQ(run(words).code, 0);
+  const auto held = [](const std::string& csv) {
+    std::map<std::string, double> z;
+    for (const std::string& line : lines_of(csv))
+      if (const auto row = fields_of(line); row.at(11) == "held") z[row[0] + " " + row[2]] = std::stod(row[10]);
+    return z;
+  };
+  const auto glb = held(text("cert/handles.csv")), fbx = held(read(other / "cert" / "handles.csv"));
+  ASSERT_EQ(glb.size(), fbx.size());
+  ASSERT_GT(glb.size(), 20u);
+  for (const auto& [key, z] : glb) EXPECT_NEAR(fbx.at(key), z, 2e-4) << key;  // the FBX keeps its keys a little coarser
+}
+
+}  // namespace
+}  // namespace paperbake
