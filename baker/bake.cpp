@@ -7,6 +7,7 @@
 #include "core/curvature.h"
 #include "core/error.h"
 #include "core/measure.h"
+#include "core/transfer.h"
 #include "formats/alembic_cache.h"
 #include "formats/certificate.h"
 #include "formats/crease_map.h"
@@ -46,8 +47,8 @@ class SheetOutput {
     draw_map(frame);
     draw_debug_picture(frame);
     release_waiting(&*frame.sheet);
-    before_ = now_;
-    now_ = frame.sheet->x;
+    before_ = std::move(now_);
+    now_ = *frame.sheet;
     for (std::size_t k = known_singular_; k < frame.sheet->singular.size(); ++k)
       certificate_.singular.push_back({shot_.sheet_name, frame.sheet->singular[k]});
     known_singular_ = frame.sheet->singular.size();
@@ -148,17 +149,23 @@ class SheetOutput {
     waiting_ = std::move(frame);
   }
 
+  /// Central difference of the true motion of the sheet points that are vertices of the waiting frame, `now_`.
   /// next: the sheet one frame later; null at the end of the shot.
   void release_waiting(const Sheet* next) {
     if (!waiting_) return;
     const double fps = plan_.animation.fps;
-    const bool has_before = before_.rows() == waiting_->x.rows();
-    const bool has_next = next && next->x.rows() == waiting_->x.rows() && next->triangles == waiting_->triangles;
-    if (has_before && has_next) waiting_->velocity = 0.5 * fps * (next->x - before_);
-    else if (has_next) waiting_->velocity = fps * (next->x - waiting_->x);
-    else if (has_before) waiting_->velocity = fps * (waiting_->x - before_);
+    const bool has_before = before_.x.rows() > 0;
+    if (has_before && next) waiting_->velocity = 0.5 * fps * (carried(*next) - carried(before_));
+    else if (next) waiting_->velocity = fps * (carried(*next) - now_.x);
+    else if (has_before) waiting_->velocity = fps * (now_.x - carried(before_));
     certificate_.frames.back().content_hash = cache_->add_frame(sheet_, *waiting_);
     waiting_.reset();
+  }
+
+  /// Where the vertices of now_ are in another frame, whatever its mesh. |V|x3 [m]
+  Points3 carried(const Sheet& other) const {
+    const bool same = other.pattern.rows() == now_.pattern.rows() && other.pattern == now_.pattern;
+    return same ? other.x : Transfer(other.pattern, other.triangles, now_.pattern)(other.x);
   }
 
   const BakeSettings& settings_;
@@ -174,7 +181,7 @@ class SheetOutput {
   std::size_t known_singular_ = 0;
   std::optional<CreaseMap> map_;
   int last_map_frame_ = 0;
-  Points3 before_, now_;                 // [m] positions one frame before the waiting one, and of it
+  Sheet before_, now_;                   // one frame before the waiting one, and that
   std::optional<CacheFrame> waiting_;
 };
 
