@@ -159,8 +159,7 @@ struct Elastic::Impl {
       report.converged = newton.converged;
     }
     // beside itself the softened sheet soon meets its own parts: a second start finds nothing better there
-    const bool again = second == SecondStart::when_restless && report.iterations > restless && !feels;
-    if (again && !(contact && !contact->clear(before, sheet.x, hard))) start_again(W, guesses.front(), sheet.x, report);
+    if (second == SecondStart::when_restless && report.iterations > restless && !feels) start_again(W, guesses.front(), sheet.x, report);
     if (feels) {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
       report.contact = true;
