@@ -7,7 +7,7 @@
 namespace paperbake {
 
 Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt) {
-  constexpr double most_rise = 0.05, most_move = 0.02;  // [1] of the energy; of the longer side
+  constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
   constexpr double noise = 1e-6;                        // [J] of a sheet that is nearly flat
   constexpr int most_iterations = 40;                   // what needs more has landed somewhere else
   const Points3 carried = proposal.x;

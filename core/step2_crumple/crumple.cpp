@@ -28,6 +28,8 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
   std::vector<Vector2d> required, singular;
   for (int v = 0; v < required_; ++v) required.push_back(sheet.pattern.row(v));
   for (const SingularPoint& s : sheet.singular) singular.push_back(s.pattern);
+  for (const Suspicion& s : suspicions_)  // a mesh without that vertex would not show whether the conflict lasts
+    if (std::none_of(singular.begin(), singular.end(), [&](const Vector2d& p) { return (p - s.p).norm() < 0.5 * base_.h; })) singular.push_back(s.p);
   std::vector<Disc> guards;
   for (const int v : pulled) guards.push_back({sheet.pattern.row(v), options.guard * shorter_side(pattern_)});
   std::optional<RuledMesh> mesh;
@@ -56,37 +58,56 @@ void Crumple::judged(bool accepted, int frame) {
   when_.judged(accepted, frame);
   if (!accepted) return;
   rulings_ = proposed_;
-  in_conflict_.clear();
 }
+
+namespace {
+
+/// Length of the longest edge at each vertex. [m]
+std::vector<double> ring_sizes(const Sheet& sheet) {
+  std::vector<double> size(sheet.pattern.rows(), 0.0);
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
+      const double length = (sheet.pattern.row(a) - sheet.pattern.row(b)).norm();
+      size[a] = std::max(size[a], length);
+      size[b] = std::max(size[b], length);
+    }
+  return size;
+}
+
+}  // namespace
 
 CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int frame, bool moving) {
   CrumpleReport report;
   if (!moving) return report;
   const Points3 curvature = vertex_curvature(sheet);
 
-  // a conflict counts when it was there in the frame before; the worst vertex and those about it are one conflict
-  Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
-  in_conflict_.resize(sheet.pattern.rows(), 0);
+  // a conflict counts when it has lasted, on whatever mesh; the worst vertex and those about it are one conflict
+  const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
+  const std::vector<double> ring = ring_sizes(sheet);
+  std::vector<Suspicion> now;
   int worst = -1;
-  for (int v = 0; v < sheet.pattern.rows(); ++v)
-    if (conflicts.beyond[v] && in_conflict_[v] && (worst < 0 || conflicts.turn[v] > conflicts.turn[worst])) worst = v;
-  in_conflict_ = conflicts.beyond;
+  for (int v = 0; v < sheet.pattern.rows(); ++v) {
+    if (!conflicts.beyond[v]) continue;
+    Suspicion s{sheet.pattern.row(v), 1};
+    for (const Suspicion& old : suspicions_)
+      if ((old.p - s.p).norm() < 0.6 * ring[v]) s.frames = std::max(s.frames, old.frames + 1);
+    now.push_back(s);
+    const bool lasted = s.frames >= (conflicts.sharp[v] ? options_.lasting_sharp : options_.lasting);
+    if (lasted && (worst < 0 || conflicts.turn[v] > conflicts.turn[worst])) worst = v;
+  }
+  suspicions_ = std::move(now);
   const bool room = static_cast<int>(sheet.singular.size()) < options_.most_points && sheet.triangles.rows() + 2 <= options_.most_triangles;
   if (worst >= 0 && room) {
-    double ring = 0;  // [m] size of the worst vertex's ring: its longest edge
-    for (int t = 0; t < sheet.triangles.rows(); ++t)
-      for (int i = 0; i < 3; ++i)
-        if (sheet.triangles(t, i) == worst)
-          for (int j = 0; j < 3; ++j) ring = std::max(ring, (sheet.pattern.row(sheet.triangles(t, j)) - sheet.pattern.row(worst)).norm());
     std::vector<int> members;
     for (int v = 0; v < sheet.pattern.rows(); ++v)
-      if (conflicts.beyond[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= 1.2 * ring) members.push_back(v);
+      if (conflicts.beyond[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= 1.2 * ring[worst]) members.push_back(v);
     const auto event = static_cast<std::uint32_t>(sheet.singular.size());
     if (const auto p = draw_singular_point(sheet, pattern_, paper_, conflicts, members, options_, seed_, sheet_, event)) {
       const int born = insert_vertex(sheet, *p, fixed);
       const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
       sheet.singular.push_back({sheet.pattern.row(born).transpose(), frame, "bends " + std::to_string(degrees) + " degrees in the second direction"});
-      in_conflict_.assign(sheet.pattern.rows(), 0);
+      suspicions_.clear();
       ++report.births;
     }
   }

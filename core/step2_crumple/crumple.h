@@ -17,7 +17,11 @@ namespace paperbake {
 struct CrumpleOptions {
   double conflict_turn = 0.14;     // [rad] turning angle |k2| sqrt(A) in the second direction that paper does not do (8 degrees)
   double conflict_ratio = 0.15;    // [1]   and |k2| must be more than this share of |k1|
+  double conflict_folds = 0.23;    // [rad] of both signs that meet in a vertex: the other way to see one (13 degrees)
   double absorbed_turn = 0.35;     // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
+  double absorbed_folds = 0.52;    // [rad] (30 degrees)
+  int lasting = 15;                // [1]   frames after which what lasts is no accident of the mesh ...
+  int lasting_sharp = 3;           // [1]   ... and where it is as sharp as beside a singular point
   double min_spacing = 0.006;      // [m]   between singular points
   double border_share = 0.03;      // [1]   of the longer side: as near as a point may come to the border
   double flip_gain = 0.65;         // [1]   an edge turns when the other diagonal has less than this share of its sagitta
@@ -32,7 +36,7 @@ struct CrumpleReport {
 };
 
 /// Step 2 of [Schreck 2015] on one mesh. The robust part: the mesh follows the bending by edge flips, and where two bending
-/// directions conflict in two frames in a row a singular point is born, at a place drawn from the paper's own law. On top of
+/// directions conflict for long enough a singular point is born, at a place drawn from the paper's own law. On top of
 /// it, as a proposal: a mesh whose edges are the rulings of the curved regions.
 class Crumple {
  public:
@@ -63,7 +67,11 @@ class Crumple {
   Paper paper_;
   CrumpleOptions options_;
   std::uint32_t seed_, sheet_;
-  std::vector<char> in_conflict_;  // of the frame before, by vertex
+  struct Suspicion {
+    Vector2d p;        // [m]
+    int frames;        // how long there has been a conflict about there
+  };
+  std::vector<Suspicion> suspicions_;
   BaseMesh base_;
   int required_ = 0;
   Regions regions_;

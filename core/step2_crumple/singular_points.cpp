@@ -39,6 +39,20 @@ std::vector<double> ring_areas(const Sheet& sheet) {
   return area;
 }
 
+/// Of each vertex: the largest positive fold at it or the largest negative one, whichever is less. [rad]
+std::vector<double> folds_of_both_signs(const Sheet& sheet, const Hinges& hinges) {
+  std::vector<double> up(sheet.pattern.rows(), 0.0), down = up;
+  for (const Hinge& hinge : hinges.hinges) {
+    const double fold = fold_angle(sheet.x, hinge);
+    for (int k = 0; k < 2; ++k) {
+      double& most = (fold > 0 ? up : down)[hinge.vertices[k]];
+      most = std::max(most, std::abs(fold));
+    }
+  }
+  for (std::size_t v = 0; v < up.size(); ++v) up[v] = std::min(up[v], down[v]);
+  return up;
+}
+
 /// Length of the longest edge at a vertex. [m]
 double ring_size(const Sheet& sheet, int vertex) {
   double size = 0;
@@ -90,13 +104,15 @@ Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std
       for (int j = 0; j < 3; ++j) beside[sheet.triangles(t, i)] |= singular[sheet.triangles(t, j)];
 
   const std::vector<double> none(sheet.pattern.rows(), 0.0);
-  Conflicts conflicts{none, std::vector<char>(sheet.pattern.rows(), 0), none};
+  const std::vector<double> folds = folds_of_both_signs(sheet, hinges);
+  Conflicts conflicts{none, std::vector<char>(sheet.pattern.rows(), 0), none, std::vector<char>(sheet.pattern.rows(), 0)};
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     if (border[v] || singular[v] || (v < static_cast<int>(fixed.size()) && fixed[v])) continue;
     const Principal p = principal_curvature(curvature.row(v));
-    conflicts.turn[v] = std::abs(p.k2) * std::sqrt(area[v]);
-    conflicts.beyond[v] = conflicts.turn[v] > (beside[v] ? options.absorbed_turn : options.conflict_turn) &&
-                          std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1);
+    const double turn = std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1) ? std::abs(p.k2) * std::sqrt(area[v]) : 0;
+    conflicts.turn[v] = std::max(turn, folds[v]);
+    conflicts.sharp[v] = turn > options.absorbed_turn || folds[v] > options.absorbed_folds;
+    conflicts.beyond[v] = conflicts.sharp[v] || (!beside[v] && (turn > options.conflict_turn || folds[v] > options.conflict_folds));
     // what bulges beside a singular point is that point's own cone: it would draw the next one there
     if (!beside[v] || conflicts.beyond[v]) conflicts.core[v] = area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
   }

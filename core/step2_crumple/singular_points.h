@@ -10,11 +10,14 @@
 
 namespace paperbake {
 
-/// Where paper bends in two directions at once, by vertex.
+/// Where paper bends in two directions at once, by vertex. It shows in two ways: as a second curvature, and where folds of both
+/// signs meet in one vertex, as the ridges and the valley of a d-cone do; along a ruling all folds have one sign.
 struct Conflicts {
-  std::vector<double> turn;  // [rad] q_v = |k2| sqrt(A_v), the turning angle in the second direction; 0 where nothing may be born
+  std::vector<double> turn;  // [rad] q_v = |k2| sqrt(A_v), the turning angle in the second direction, or the smaller one of the largest
+                             //       folds of either sign, whichever is more; 0 where nothing may be born
   std::vector<char> beyond;  // more than paper does
   std::vector<double> core = {};  // [1/m2] A_v max(0, k1 k2)^2: how much it looks like the core of a new d-cone; 0 where turn is
+  std::vector<char> sharp = {};   // as much as only a singular point can take
 };
 /// fixed  vertices that are held: a point load is no d-cone
 Conflicts find_conflicts(const Sheet&, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions&);
