@@ -50,6 +50,7 @@ Shot closing_strip(double clamp) {
 void judge(Rows& rows, const std::string& name, const Method& method, const Shot& shot, const char* source, const Vector3d& expected_box, double expected_energy,
            int last_frame) {
   AnimateOptions options;
+  options.elastic.contact = SelfContact::off;  // the seam lies on itself
   options.last_frame = last_frame;
   options.elastic.stop = 1e-6;
   Sheet sheet;
