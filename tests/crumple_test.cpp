@@ -86,6 +86,61 @@ TEST(Conflict, ACylinderHasNoneASaddleHas) {
   EXPECT_EQ(std::count(held.beyond.begin(), held.beyond.end(), 1), 0);
 }
 
+/// A crease along a row that is a ridge on the right and a valley on the left: the two meet in the middle.
+Sheet ridge_and_valley() {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
+  int middle = 0;
+  (sheet.pattern.rowwise() - Eigen::RowVector2d(0.05, 0.05)).rowwise().norm().minCoeff(&middle);
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    sheet.x(v, 2) = 40 * std::abs(sheet.pattern(v, 1) - sheet.pattern(middle, 1)) * (sheet.pattern(v, 0) - sheet.pattern(middle, 0));  // 0.4 rad on the next edges
+  return sheet;
+}
+
+TEST(Conflict, ShowsWhereFoldsOfBothSignsMeet) {
+  Sheet sheet = ridge_and_valley();
+  const Points3 curvature = vertex_curvature(sheet);
+  CrumpleOptions folds_alone;
+  folds_alone.conflict_turn = folds_alone.absorbed_turn = 10;
+  const auto count = [&](const CrumpleOptions& options) {
+    const Conflicts c = find_conflicts(sheet, curvature, {}, options);
+    return std::count(c.beyond.begin(), c.beyond.end(), 1);
+  };
+  EXPECT_GE(count(folds_alone), 1);
+  const Conflicts c = find_conflicts(sheet, curvature, {}, folds_alone);
+  for (int v = 0; v < sheet.pattern.rows(); ++v) {
+    if (!c.beyond[v]) continue;
+    EXPECT_LT((sheet.pattern.row(v) - Eigen::RowVector2d(0.05, 0.05)).norm(), 0.021);  // not all along the crease
+  }
+  CrumpleOptions blind = folds_alone;
+  blind.conflict_folds = blind.absorbed_folds = 10;
+  EXPECT_EQ(count(blind), 0);
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if (c.beyond[v]) sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
+  CrumpleOptions greedy = folds_alone;
+  greedy.absorbed_folds = 0.01;
+  EXPECT_GT(count(greedy), count(folds_alone));  // beside a singular point
+}
+
+TEST(Conflict, BringsAPointWhenItHasLastedSoonerWhereItIsSharp) {
+  const Sheet sheet = ridge_and_valley();
+  const auto frames_to_birth = [&](const CrumpleOptions& options) {
+    Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, options, 1, 0);
+    for (int frame = 1; frame <= 40; ++frame) {
+      Sheet now = sheet;  // the conflict is the same in every frame
+      if (crumple.operate(now, {}, frame, true).births > 0) return frame;
+    }
+    return 0;
+  };
+  CrumpleOptions options;
+  options.conflict_turn = options.absorbed_turn = options.absorbed_folds = 10;
+  options.most_triangles = 1000;
+  options.lasting = 5;
+  EXPECT_EQ(frames_to_birth(options), 5);
+  options.absorbed_folds = 0.2;
+  options.lasting_sharp = 2;
+  EXPECT_EQ(frames_to_birth(options), 2);
+}
+
 TEST(Random, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
   constexpr int n = 20000;
   Vector2d mean(0, 0);
