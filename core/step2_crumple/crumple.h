@@ -19,9 +19,9 @@ struct CrumpleOptions {
   double conflict_ratio = 0.15;    // [1]   and |k2| must be more than this share of |k1|
   double conflict_folds = 0.23;    // [rad] of both signs that meet in a vertex: the other way to see one (13 degrees)
   double absorbed_turn = 0.35;     // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
-  double absorbed_folds = 0.52;    // [rad] (30 degrees)
+  double absorbed_folds = 0.4;      // [rad] (23 degrees)
   int lasting = 15;                // [1]   frames after which what lasts is no accident of the mesh ...
-  int lasting_sharp = 3;           // [1]   ... and where it is as sharp as beside a singular point
+  int lasting_sharp = 2;           // [1]   ... and where it is as sharp as beside a singular point
   double min_spacing = 0.006;      // [m]   between singular points
   double border_share = 0.03;      // [1]   of the longer side: as near as a point may come to the border
   double flip_gain = 0.65;         // [1]   an edge turns when the other diagonal has less than this share of its sagitta
