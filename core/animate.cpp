@@ -25,7 +25,7 @@ namespace {
 constexpr double disc_stiffening = 10;
 constexpr double start_noise = 1e-6;     // [m] lets a flat sheet choose a side
 constexpr int max_halvings = 8;
-constexpr double most_leap = 0.02;        // [1] of the longer side, in one step
+constexpr double most_leap = 0.03;        // [1] of the longer side, in one step
 constexpr int most_halvings_of_a_leap = 5;
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
 

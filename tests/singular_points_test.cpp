@@ -172,6 +172,22 @@ TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
   EXPECT_GT(exact, 0.7 * 60 * 5);
 }
 
+TEST(SingularPoint, BesideTheEndOfAnEdgeNoTriangleIsTurnedOver) {
+  // a long triangle and a steep one on its base: from its tip a point above the end of the base is out of sight
+  Points2 pattern(4, 2);
+  pattern << 0, 0, 1, 0, 0.1, 0.5, 0.6, -0.1;
+  Triangles triangles(2, 3);
+  triangles << 0, 1, 2, 1, 0, 3;
+  for (int k = 1; k < 20; ++k)
+    for (const double up : {0.01, 0.03, 0.05, 0.07}) {
+      Sheet sheet = test::flat_sheet(pattern, triangles);
+      const Vector2d p(0.05 * k, up);
+      if (5 * p.x() < p.y() + 1e-6 || 0.5 * (1 - p.x()) / 0.9 < p.y() + 1e-6) continue;  // outside
+      insert_vertex(sheet, p, {1, 1, 1, 1});
+      test::expect_sound(sheet, 0.5 * (0.5 + 0.1));
+    }
+}
+
 TEST(SingularPoint, AFoldedRingIsNotCutShortAndAFlipNotTakenThroughAnotherLayer) {
   // two triangles folded by 90 degrees: a point just beyond the fold stays in its own triangle
   Sheet bent = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.08, 0.05, -0.08).finished(), (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());

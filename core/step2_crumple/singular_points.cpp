@@ -91,6 +91,15 @@ bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end, 
   });
 }
 
+/// From `beyond`, p lies well between a and b on the pattern: the triangle beyond the edge a-b can come up to it.
+bool sees_both(const Sheet& sheet, int beyond, int a, int b, const Vector2d& p) {
+  constexpr double least_share = 0.1;
+  const Vector2d o = sheet.pattern.row(beyond), u = sheet.pattern.row(a).transpose() - o, w = sheet.pattern.row(b).transpose() - o, q = p - o;
+  const auto cross = [](const Vector2d& m, const Vector2d& n) { return m.x() * n.y() - m.y() * n.x(); };
+  const double whole = cross(u, w);
+  return cross(u, q) / whole > least_share && cross(q, w) / whole > least_share;
+}
+
 }  // namespace
 
 Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions& options) {
@@ -201,7 +210,7 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
     const Hinge& hinge = hinges.hinges[hinges.of_triangle[place.triangle][edge]];
     const int beyond = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];
     const auto at = [&](int k) -> Vector3d { return sheet.x.row(k); };
-    on_edge = !cuts_short(sheet, beyond, p, x.transpose()) &&
+    on_edge = sees_both(sheet, beyond, hinge.vertices[0], hinge.vertices[1], p) && !cuts_short(sheet, beyond, p, x.transpose()) &&
               tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
                                    {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)}, {hinge.triangles[0], hinge.triangles[1]}, 0);
     if (!on_edge) {  // further in, so that the triangle at the edge is none too thin
