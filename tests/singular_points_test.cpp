@@ -172,19 +172,18 @@ TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
   EXPECT_GT(exact, 0.7 * 60 * 5);
 }
 
-TEST(SingularPoint, BesideTheEndOfAnEdgeNoTriangleIsTurnedOver) {
-  // a long triangle and a steep one on its base: from its tip a point above the end of the base is out of sight
+TEST(SingularPoint, BesideAnEdgeNoTriangleIsTurnedOver) {
+  // the lower triangle is so flat that its tip does not see what lies above the left half of the common edge
   Points2 pattern(4, 2);
-  pattern << 0, 0, 1, 0, 0.1, 0.5, 0.6, -0.1;
+  pattern << 0, 0, 1, 0, 0.3, 0.5, -0.8, -0.1;
   Triangles triangles(2, 3);
   triangles << 0, 1, 2, 1, 0, 3;
-  for (int k = 1; k < 20; ++k)
-    for (const double up : {0.01, 0.03, 0.05, 0.07}) {
+  for (double x = 0.05; x < 0.95; x += 0.05)
+    for (const double y : {0.01, 0.03, 0.05, 0.07}) {
       Sheet sheet = test::flat_sheet(pattern, triangles);
-      const Vector2d p(0.05 * k, up);
-      if (5 * p.x() < p.y() + 1e-6 || 0.5 * (1 - p.x()) / 0.9 < p.y() + 1e-6) continue;  // outside
-      insert_vertex(sheet, p, {1, 1, 1, 1});
-      test::expect_sound(sheet, 0.5 * (0.5 + 0.1));
+      sheet.x(3, 2) = -0.01;  // a fold
+      insert_vertex(sheet, {x, y}, {1, 1, 1, 1});
+      test::expect_sound(sheet, 0.3);
     }
 }
 
