@@ -229,18 +229,21 @@ SteppedFrame follow(Elastic& elastic, PlasticGrid* memory, Sheet& sheet, const H
   if (memory) remembered = *memory;
   SteppedFrame result;
   std::string failure;
+  LengthDistortion distortion;
   const bool too_far = leap > most_leap && halvings < most_halvings_of_a_leap;
-  if (!too_far) try {
-    result.last = elastic.step(sheet, held, dt);
-    result.substeps = 1;
-    result.iterations = result.last.iterations;
-    result.converged = result.last.converged;
-  } catch (const Error& error) {
-    failure = error.cause;
+  if (!too_far) {
+    try {
+      result.last = elastic.step(sheet, held, dt);
+      result.substeps = 1;
+      result.iterations = result.last.iterations;
+      result.converged = result.last.converged;
+    } catch (const Error& error) {
+      failure = error.cause;
+    }
+    if (failure.empty() && result.converged) return result;
+    distortion = length_distortion(sheet);
+    if (failure.empty() && distortion.largest < torn) return result;
   }
-  if (!too_far && failure.empty() && result.converged) return result;
-  const LengthDistortion distortion = length_distortion(sheet);
-  if (!too_far && failure.empty() && distortion.largest < torn) return result;
   if (halvings == max_halvings) {
     char cause[200];
     std::snprintf(cause, sizeof cause, "The sheet cannot follow the handles: %d halvings of the time step, worst stretch %.0f %% at pattern (%.1f cm, %.1f cm).",

@@ -60,23 +60,6 @@ void Crumple::judged(bool accepted, int frame) {
   rulings_ = proposed_;
 }
 
-namespace {
-
-/// Length of the longest edge at each vertex. [m]
-std::vector<double> ring_sizes(const Sheet& sheet) {
-  std::vector<double> size(sheet.pattern.rows(), 0.0);
-  for (int t = 0; t < sheet.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
-      const double length = (sheet.pattern.row(a) - sheet.pattern.row(b)).norm();
-      size[a] = std::max(size[a], length);
-      size[b] = std::max(size[b], length);
-    }
-  return size;
-}
-
-}  // namespace
-
 CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int frame, bool moving) {
   CrumpleReport report;
   if (!moving) return report;
@@ -84,14 +67,14 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int
 
   // a conflict counts when it has lasted, on whatever mesh; the worst vertex and those about it are one conflict
   const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
-  const std::vector<double> ring = ring_sizes(sheet);
   std::vector<Suspicion> now;
   int worst = -1;
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     if (!conflicts.beyond[v]) continue;
     Suspicion s{sheet.pattern.row(v), 1};
+    const double ring = ring_size(sheet, v);
     for (const Suspicion& old : suspicions_)
-      if ((old.p - s.p).norm() < 0.6 * ring[v]) s.frames = std::max(s.frames, old.frames + 1);
+      if ((old.p - s.p).norm() < 0.6 * ring) s.frames = std::max(s.frames, old.frames + 1);
     now.push_back(s);
     const bool lasted = s.frames >= (conflicts.sharp[v] ? options_.lasting_sharp : options_.lasting);
     if (lasted && (worst < 0 || conflicts.turn[v] > conflicts.turn[worst])) worst = v;
@@ -100,8 +83,9 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int
   const bool room = static_cast<int>(sheet.singular.size()) < options_.most_points && sheet.triangles.rows() + 2 <= options_.most_triangles;
   if (worst >= 0 && room) {
     std::vector<int> members;
+    const double reach = 1.2 * ring_size(sheet, worst);
     for (int v = 0; v < sheet.pattern.rows(); ++v)
-      if (conflicts.beyond[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= 1.2 * ring[worst]) members.push_back(v);
+      if (conflicts.beyond[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach) members.push_back(v);
     const auto event = static_cast<std::uint32_t>(sheet.singular.size());
     if (const auto p = draw_singular_point(sheet, pattern_, paper_, conflicts, members, options_, seed_, sheet_, event)) {
       const int born = insert_vertex(sheet, *p, fixed);

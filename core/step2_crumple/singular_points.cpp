@@ -53,16 +53,6 @@ std::vector<double> folds_of_both_signs(const Sheet& sheet, const Hinges& hinges
   return up;
 }
 
-/// Length of the longest edge at a vertex. [m]
-double ring_size(const Sheet& sheet, int vertex) {
-  double size = 0;
-  for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    if (!(sheet.triangles.row(t).array() == vertex).any()) continue;
-    for (int i = 0; i < 3; ++i) size = std::max(size, (sheet.pattern.row(sheet.triangles(t, i)) - sheet.pattern.row(vertex)).norm());
-  }
-  return size;
-}
-
 template <class Matrix, class Row>
 void append(Matrix& matrix, const Row& row) {
   matrix.conservativeResize(matrix.rows() + 1, Eigen::NoChange);
@@ -101,6 +91,15 @@ bool sees_both(const Sheet& sheet, int beyond, int a, int b, const Vector2d& p) 
 }
 
 }  // namespace
+
+double ring_size(const Sheet& sheet, int vertex) {
+  double size = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    if (!(sheet.triangles.row(t).array() == vertex).any()) continue;
+    for (int i = 0; i < 3; ++i) size = std::max(size, (sheet.pattern.row(sheet.triangles(t, i)) - sheet.pattern.row(vertex)).norm());
+  }
+  return size;
+}
 
 Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions& options) {
   const Hinges hinges = find_hinges(sheet.triangles);

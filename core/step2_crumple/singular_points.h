@@ -22,6 +22,9 @@ struct Conflicts {
 /// fixed  vertices that are held: a point load is no d-cone
 Conflicts find_conflicts(const Sheet&, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions&);
 
+/// Length of the longest edge at a vertex, on the pattern. [m]
+double ring_size(const Sheet&, int vertex);
+
 /// Where a conflict points to. The vertices are too coarse to say it by the worst one: a d-cone shows as positive Gauss curvature
 /// in its core, between saddles, so its middle is the mean of the free vertices within 1.6 rings of the worst, weighted with
 /// `core`; where nothing bulges, the mean of the members weighted with the square of the turning angle.
