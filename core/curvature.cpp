@@ -2,91 +2,59 @@
 
 #include "core/hinges.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <vector>
 
 namespace paperbake {
 namespace {
 
-/// Where the triangle's plane has the slope of a round surface through its corners: the circumcentre, as its distance from
-/// the edge ab. Negative beyond the edge. [m]
-double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
-  const Vector2d u = a - c, v = b - c;
-  return 0.5 * (b - a).norm() * u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
-}
-
 using Eigen::Matrix2d;
 
-Matrix2d matrix(const Eigen::RowVector3d& t) {
-  Matrix2d m;
-  m << t[0], t[1], t[1], t[2];
-  return m;
-}
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// What a ring tells of the curvature, from the sum of its folds and what a round surface would give; both over its area.
-struct Ring {
-  Matrix2d curvature;
-  Matrix2d blind;  // projector on the directions in which the ring has next to no folds
-};
-Ring judge(const Matrix2d& folds, const Matrix2d& round) {
-  constexpr double least_seen = 0.25;
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(round);
-  Matrix2d root = Matrix2d::Zero(), blind = Matrix2d::Zero();
-  for (int i = 0; i < 2; ++i) {
-    const Vector2d u = solver.eigenvectors().col(i);
-    if (solver.eigenvalues()[i] < least_seen) blind += u * u.transpose();
-    else root += u * u.transpose() / std::sqrt(solver.eigenvalues()[i]);
-  }
-  return {root * folds * root, blind};
+/// What a border edge with the normal b adds to a n (x) n + c m (x) m of the two other edges, so that the determinant vanishes.
+Matrix2d completion(double a, const Vector2d& n, double c, const Vector2d& m, const Vector2d& b) {
+  if (a * c <= 0) return Matrix2d::Zero();
+  const double nm = cross(n, m), nb = cross(n, b), mb = cross(m, b);
+  return -a * c * nm * nm / (a * nb * nb + c * mb * mb) * b * b.transpose();
 }
 
 }  // namespace
 
 Points3 vertex_curvature(const Sheet& sheet) {
   const Hinges hinges = find_hinges(sheet.triangles);
-  const auto at = [&](int v) -> Vector2d { return sheet.pattern.row(v); };
-  Points3 folds = Points3::Zero(sheet.pattern.rows(), 3), seen = folds;
-  Eigen::VectorXd area = Eigen::VectorXd::Zero(sheet.pattern.rows());
+  const auto corner = [&](int t, int i) -> Vector2d { return sheet.pattern.row(sheet.triangles(t, i % 3)); };
+  const auto area = [&](int t) { return 0.5 * cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0)); };
+  std::vector<double> bend;  // theta/A of each hinge [1/m2]
+  for (const Hinge& hinge : hinges.hinges) bend.push_back(fold_angle(sheet.x, hinge) / (area(hinge.triangles[0]) + area(hinge.triangles[1])));
+
+  Points3 sum = Points3::Zero(sheet.pattern.rows(), 3);
+  Eigen::VectorXd weight = Eigen::VectorXd::Zero(sheet.pattern.rows());
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    const Vector2d p = at(sheet.triangles(t, 1)) - at(sheet.triangles(t, 0)), q = at(sheet.triangles(t, 2)) - at(sheet.triangles(t, 0));
-    for (int k = 0; k < 3; ++k) area[sheet.triangles(t, k)] += 0.5 * (p.x() * q.y() - p.y() * q.x());
-  }
-  for (const Hinge& hinge : hinges.hinges) {
-    const auto& v = hinge.vertices;
-    const Vector2d along = at(v[1]) - at(v[0]);
-    const Eigen::RowVector3d nn = Eigen::RowVector3d(along.y() * along.y(), -along.x() * along.y(), along.x() * along.x()) / along.norm();
-    const double turn = fold_angle(sheet.x, hinge);
-    const double round = circumcentre_height(at(v[0]), at(v[1]), at(v[2])) + circumcentre_height(at(v[0]), at(v[1]), at(v[3]));
-    for (int k = 0; k < 4; ++k) {
-      const double share = k < 2 ? 1.0 : 0.5;  // a spoke of its ends, a link of the wings
-      folds.row(v[k]) += share * turn * nn;
-      seen.row(v[k]) += share * round * nn;
+    Matrix2d S = Matrix2d::Zero();
+    std::vector<std::pair<double, Vector2d>> told;
+    std::vector<Vector2d> border;
+    for (int i = 0; i < 3; ++i) {
+      const Vector2d edge = corner(t, i + 2) - corner(t, i + 1), n = Vector2d(edge.y(), -edge.x()).normalized();
+      const int h = hinges.of_triangle[t][i];
+      if (h < 0) {
+        border.push_back(n);
+        continue;
+      }
+      told.emplace_back(bend[h] * edge.norm(), n);
+      S += told.back().first * n * n.transpose();
+    }
+    if (border.size() == 1) S += completion(told[0].first, told[0].second, told[1].first, told[1].second, border[0]);
+    for (int i = 0; i < 3; ++i) {
+      sum.row(sheet.triangles(t, i)) += area(t) * Eigen::RowVector3d(S(0, 0), S(0, 1), S(1, 1));
+      weight[sheet.triangles(t, i)] += area(t);
     }
   }
-  std::vector<Ring> rings(sheet.pattern.rows(), {Matrix2d::Zero(), Matrix2d::Identity()});
-  for (std::size_t v = 0; v < rings.size(); ++v)
-    if (area[v] > 0) rings[v] = judge(matrix(folds.row(v)) / area[v], matrix(seen.row(v)) / area[v]);
-
-  // a ring that is blind in a direction takes that part from its neighbours
-  std::vector<Matrix2d> around(rings.size(), Matrix2d::Zero());
-  std::vector<int> neighbours(rings.size(), 0);
-  for (int t = 0; t < sheet.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) {
-        const int v = sheet.triangles(t, i), other = sheet.triangles(t, j);
-        if (!rings[other].blind.isZero(0)) continue;
-        around[v] += rings[other].curvature;
-        ++neighbours[v];
-      }
-  Points3 result(sheet.pattern.rows(), 3);
-  for (std::size_t v = 0; v < rings.size(); ++v) {
-    Matrix2d s = rings[v].curvature;
-    if (neighbours[v] > 0) s += rings[v].blind * around[v] * rings[v].blind / neighbours[v];
-    result.row(v) << s(0, 0), s(0, 1), s(1, 1);
-  }
-  return result;
+  for (int v = 0; v < sum.rows(); ++v)
+    if (weight[v] > 0) sum.row(v) /= weight[v];
+  return sum;
 }
 
 Principal principal_curvature(const Vector3d& tensor) {

@@ -88,7 +88,7 @@ WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left
 }
 
 RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen::RowVector3i& corners,
-                         const std::array<double, 3>& shared_area, double stiffening, Span span) {
+                         const std::array<double, 3>& shared_area, double stiffening) {
   RestBending rest;
   const Vector2d p[3] = {pattern.row(corners[0]), pattern.row(corners[1]), pattern.row(corners[2])};
   const Vector2d u = p[1] - p[0], v = p[2] - p[0];
@@ -110,7 +110,7 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen
   }
   rest.seen.setIdentity();
   constexpr double slender = 0.7;  // [1] width by span: a zigzag is 9 % too stiff then
-  const bool strip = span == Span::across && told.size() == 2 && width * width < slender * 2 * rest.area;
+  const bool strip = told.size() == 2 && width * width < slender * 2 * rest.area;
   for (const Vector3d& u : strip ? std::vector<Vector3d>{perpendicular(told[0], told[1])} : orthonormal(border)) {
     const Matrix3 leave_out = Matrix3::Identity() - u * u.cwiseProduct(frobenius).transpose();
     rest.seen = leave_out * rest.seen;

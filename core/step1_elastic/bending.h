@@ -39,10 +39,9 @@ WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left
 /// A border edge has no angle; the part of S that it alone could tell, n n^T, is left out: no moment crosses a free border.
 /// (With that part kept, triangles along the border store 1/12 too much; the arch of 232 triangles 3 % instead of 0.3 %.
 /// With each fold given to both sides by halves, irregular meshes are 6 % too stiff instead of 3 %.)
-/// A triangle of a ruling strip, that reaches from border to border without a vertex inside the sheet, keeps its S whole: one of
-/// its folds is the ruling of a cylinder, the other flat. (With that part left out, rulings 40 degrees off the perpendicular are
-/// too soft by a third.) It has to be slender: where both edges fold, a zigzag of equilateral triangles, S gains (e/2w)^2 across
-/// the border, e its edge there and w its span.
+/// A slender triangle, that stands on the border with its short edge, belongs to a ruling strip and keeps its S whole: one of its
+/// folds is the ruling, the other flat. (With that part left out, rulings 40 degrees off the perpendicular are too soft by a
+/// third.) In a zigzag, where both edges fold, S gains (e/2w)^2 across the border, e the edge there and w the height on it.
 /// What a triangle cannot tell of S it does not take from Sp either.
 /// source  [Grinspun 2006] for the operator; the three rules are this project's
 struct RestBending {
@@ -54,13 +53,10 @@ struct RestBending {
   double hardening;                   // eta
   Eigen::Matrix3d seen;               // projects Sp on what the three angles can tell: the identity inside the sheet
 };
-/// Where a triangle lies; across: an edge is on the border and the corner opposite too.
-enum class Span { inside, across };
 /// shared_area  [m2] A_i; 0: border
 /// stiffening   [1]  factor on D (the finger-sized disc of a handle)
-/// span         of a triangle with two edges on the border: no matter
 RestBending rest_bending(const Paper&, const Points2& pattern, const Eigen::RowVector3i& corners,
-                         const std::array<double, 3>& shared_area, double stiffening, Span span = Span::inside);
+                         const std::array<double, 3>& shared_area, double stiffening);
 
 /// What a triangle brings along from its past.
 struct PlasticState {

@@ -18,18 +18,12 @@ ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const T
                              const std::vector<double>& stiffening)
     : paper_(paper), triangles_(triangles), hinges_(find_hinges(triangles)), stencils_(triangles.rows()) {
   for (int t = 0; t < triangles.rows(); ++t) rest_.push_back(rest_triangle(pattern, triangles.row(t)));
-  std::vector<char> on_border(pattern.rows(), 0);
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      if (hinges_.of_triangle[t][i] < 0) on_border[triangles(t, (i + 1) % 3)] = on_border[triangles(t, (i + 2) % 3)] = 1;
   for (int t = 0; t < triangles.rows(); ++t) {
     std::array<double, 3> shared_area{0, 0, 0};
     for (int i = 0; i < 3; ++i)
       if (const int h = hinges_.of_triangle[t][i]; h >= 0)
         shared_area[i] = rest_[hinges_.hinges[h].triangles[0]].area + rest_[hinges_.hinges[h].triangles[1]].area;
-    bool across = true;
-    for (int i = 0; i < 3; ++i) across &= on_border[triangles(t, i)] != 0;
-    bend_.push_back(rest_bending(paper, pattern, triangles.row(t), shared_area, stiffening.empty() ? 1 : stiffening[t], across ? Span::across : Span::inside));
+    bend_.push_back(rest_bending(paper, pattern, triangles.row(t), shared_area, stiffening.empty() ? 1 : stiffening[t]));
     for (int i = 0; i < 3; ++i) {
       stencils_[t].vertices[i] = triangles(t, i);
       const int h = hinges_.of_triangle[t][i];
