@@ -2,9 +2,8 @@
 
 #include "core/hinges.h"
 
-#include <algorithm>
+#include <array>
 #include <cmath>
-#include <utility>
 #include <vector>
 
 namespace paperbake {
@@ -14,11 +13,17 @@ using Eigen::Matrix2d;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// What a border edge with the normal b adds to a n (x) n + c m (x) m of the two other edges, so that the determinant vanishes.
-Matrix2d completion(double a, const Vector2d& n, double c, const Vector2d& m, const Vector2d& b) {
-  if (a * c <= 0) return Matrix2d::Zero();
-  const double nm = cross(n, m), nb = cross(n, b), mb = cross(m, b);
-  return -a * c * nm * nm / (a * nb * nb + c * mb * mb) * b * b.transpose();
+/// A fold spread over its two triangles, as one of the terms of S.
+struct Term {
+  double k;    // [1/m]
+  Vector2d n;  // unit
+};
+
+/// What a border edge with the normal b adds to the terms of the two other edges, so that the determinant vanishes.
+Matrix2d completion(const Term& p, const Term& q, const Vector2d& b) {
+  if (p.k * q.k <= 0) return Matrix2d::Zero();
+  const double pq = cross(p.n, q.n), pb = cross(p.n, b), qb = cross(q.n, b);
+  return -p.k * q.k * pq * pq / (p.k * pb * pb + q.k * qb * qb) * b * b.transpose();
 }
 
 }  // namespace
@@ -34,19 +39,20 @@ Points3 vertex_curvature(const Sheet& sheet) {
   Eigen::VectorXd weight = Eigen::VectorXd::Zero(sheet.pattern.rows());
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     Matrix2d S = Matrix2d::Zero();
-    std::vector<std::pair<double, Vector2d>> told;
-    std::vector<Vector2d> border;
+    std::array<Term, 3> terms;
+    Vector2d border;
+    int told = 0;
     for (int i = 0; i < 3; ++i) {
       const Vector2d edge = corner(t, i + 2) - corner(t, i + 1), n = Vector2d(edge.y(), -edge.x()).normalized();
       const int h = hinges.of_triangle[t][i];
       if (h < 0) {
-        border.push_back(n);
+        border = n;
         continue;
       }
-      told.emplace_back(bend[h] * edge.norm(), n);
-      S += told.back().first * n * n.transpose();
+      terms[told] = {bend[h] * edge.norm(), n};
+      S += terms[told++].k * n * n.transpose();
     }
-    if (border.size() == 1) S += completion(told[0].first, told[0].second, told[1].first, told[1].second, border[0]);
+    if (told == 2) S += completion(terms[0], terms[1], border);
     for (int i = 0; i < 3; ++i) {
       sum.row(sheet.triangles(t, i)) += area(t) * Eigen::RowVector3d(S(0, 0), S(0, 1), S(1, 1));
       weight[sheet.triangles(t, i)] += area(t);

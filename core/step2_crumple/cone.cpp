@@ -26,8 +26,11 @@ Cone fit_cone(const std::vector<RulingSample>& samples, double scale, double pul
   Eigen::Matrix3d M = Eigen::Matrix3d::Zero();
   for (const RulingSample& s : samples) {
     const Vector3d q(s.across.x(), s.across.y(), -s.across.dot(s.p - cone.centre) / scale);
-    M += s.weight / weight * q * q.transpose();
+    const Vector3d w = s.weight * q;
+    for (int c = 0; c < 3; ++c)
+      for (int r = 0; r <= c; ++r) M(c, r) += w[c] * q[r];  // the solver reads the lower triangle
   }
+  M /= weight;
   M(2, 2) += pull;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.compute(M);

@@ -33,7 +33,12 @@ class Layer {
   Layer(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards, double h,
         const RulingOptions& options)
       : polygons_(polygons), field_(field), regions_(regions), guards_(guards), h_(h), options_(options),
-        window_(options.window * std::sqrt(area(polygons))), size_(shorter_side(polygons)) {}
+        window_(options.window * std::sqrt(area(polygons))), size_(shorter_side(polygons)), samples_(regions.all().size()) {
+    for (int i = 0; i < regions.grid().count(); ++i) {
+      const Principal& bend = regions.bending()[i];
+      if (const int region = regions.of_place()[i]; region >= 0) samples_[region].push_back({regions.grid().places[i], bend.across, bend.k1 * bend.k1});
+    }
+  }
 
   std::vector<Ruling> lay() {
     const auto& bending = regions_.bending();
@@ -90,7 +95,7 @@ class Layer {
 
   std::optional<Ruling> ruling_at(const Vector2d& p, int region, Vector2d direction) const {
     for (int k = 0; k < 2; ++k) {
-      const Vector2d d = fit_cone_at(regions_, region, p, direction, window_, options_).ruling(p);
+      const Vector2d d = cone_at(p, region, direction).ruling(p);
       direction = d.dot(direction) < 0 ? Vector2d(-d) : d;
     }
     double radii = 0;  // [m]
@@ -98,6 +103,23 @@ class Layer {
     const double ahead = reach(p, direction, radii, count), behind = reach(p, -direction, radii, count);
     if (ahead + behind < 0.8 * h_ || count == 0) return std::nullopt;
     return Ruling{p - behind * direction, p + ahead * direction, count / radii, region};
+  }
+
+  /// The cone whose rulings run nearly along `direction` at p: fitted to the places of the region within a window across.
+  Cone cone_at(const Vector2d& p, int region, const Vector2d& direction) const {
+    constexpr double aligned = 0.64;
+    const Vector2d e = turned(direction);
+    near_.clear();
+    for (const RulingSample& s : samples_[region]) {
+      const double offset = (s.p - p).dot(e) / window_;
+      if (std::abs(offset) > 2 || std::abs(s.across.dot(e)) < aligned) continue;
+      near_.push_back(s);
+      near_.back().weight *= std::exp(-offset * offset);
+    }
+    if (near_.size() >= 4) return fit_cone(near_, window_, options_.pull);
+    Cone cylinder;
+    cylinder.apex << direction, 0;
+    return cylinder;
   }
 
   /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up the radii on the way.
@@ -154,30 +176,12 @@ class Layer {
   double h_;
   const RulingOptions& options_;
   double window_, size_;
+  std::vector<std::vector<RulingSample>> samples_;  // of each region
+  mutable std::vector<RulingSample> near_;          // of the last fit: its memory
   std::vector<Ruling> laid_;
 };
 
 }  // namespace
-
-Cone fit_cone_at(const Regions& regions, int region, const Vector2d& p, const Vector2d& direction, double window, const RulingOptions& options) {
-  constexpr double aligned = 0.64;
-  const Vector2d e = turned(direction);
-  std::vector<RulingSample> samples;
-  for (int i = 0; i < regions.grid().count(); ++i) {
-    if (regions.of_place()[i] != region) continue;
-    const Vector2d& place = regions.grid().places[i];
-    const Principal& bend = regions.bending()[i];
-    const double offset = (place - p).dot(e) / window;
-    if (std::abs(offset) > 2 || std::abs(bend.across.dot(e)) < aligned) continue;
-    samples.push_back({place, bend.across, bend.k1 * bend.k1 * std::exp(-offset * offset)});
-  }
-  if (samples.size() < 4) {
-    Cone cylinder;
-    cylinder.apex << direction, 0;
-    return cylinder;
-  }
-  return fit_cone(samples, window, options.pull);
-}
 
 std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards,
                                 double h, const RulingOptions& options) {

@@ -20,9 +20,6 @@ struct Disc {
   double radius;  // [m]
 };
 
-/// The cone whose rulings run nearly along `direction` at p: fitted to the places of the region within a window across.
-Cone fit_cone_at(const Regions&, int region, const Vector2d& p, const Vector2d& direction, double window, const RulingOptions&);
-
 /// Rulings all over the curved regions, so that the sheet turns by facet_turn from one to the next. From the strongest bending
 /// outwards: each is the ruling of the cone fitted there, as far as the sheet bends as it says, and the next one begins
 /// facet_turn/k from its middle. So cylinders get parallel rulings, cones get fans, and no two of them cross.
