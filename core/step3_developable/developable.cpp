@@ -3,6 +3,7 @@
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 
@@ -56,29 +57,43 @@ double misfit(const std::vector<Edge>& edges, const Points3& x, double left_alon
   return sum;
 }
 
-/// The normal equations of one iteration over the free vertices.
+/// The normal equations of one iteration over the free vertices: the lower triangle, whose places are looked up once.
 class Iteration {
  public:
   Iteration(const Weighted& sheet, std::vector<int> place, int free, double left_alone)
-      : sheet_(sheet), place_(std::move(place)), left_alone_(left_alone), right_(3 * free) {
+      : sheet_(sheet), place_(std::move(place)), left_alone_(left_alone), right_(3 * free), matrix_(3 * free, 3 * free) {
     double mean = 0;
     for (const double a : sheet.area) mean += a / sheet.area.size();
     stay_.assign(free, 0.0);
     for (std::size_t v = 0; v < place_.size(); ++v)
       if (place_[v] >= 0) stay_[place_[v]] = sheet.area[v] / mean;
+
+    std::vector<Eigen::Triplet<double>> entries;
+    for (int k = 0; k < free; ++k)
+      for (int c = 0; c < 3; ++c)
+        for (int r = c; r < 3; ++r) entries.emplace_back(3 * k + r, 3 * k + c, 0);
+    for (const Edge& e : sheet.edges)
+      if (const auto [low, high] = std::minmax(place_[e.i], place_[e.j]); low >= 0)
+        for (int c = 0; c < 3; ++c)
+          for (int r = 0; r < 3; ++r) entries.emplace_back(3 * high + r, 3 * low + c, 0);
+    matrix_.setFromTriplets(entries.begin(), entries.end());
+    solver_.analyzePattern(matrix_);
+    for (const Edge& e : sheet.edges) {
+      std::array<double*, 3> columns{};
+      if (const auto [low, high] = std::minmax(place_[e.i], place_[e.j]); low >= 0)
+        for (int c = 0; c < 3; ++c) columns[c] = &matrix_.coeffRef(3 * high, 3 * low + c);
+      between_.push_back(columns);
+    }
   }
 
   /// Moves x; false when the equations cannot be solved.
   bool move(Points3& x, double anchor) {
-    std::vector<Eigen::Triplet<double>> entries;
+    matrix_.coeffs().setZero();
     right_.setZero();
     for (std::size_t k = 0; k < stay_.size(); ++k)
-      for (int c = 0; c < 3; ++c) entries.emplace_back(3 * k + c, 3 * k + c, anchor * stay_[k]);
-    for (const Edge& e : sheet_.edges) add(e, x, entries);
-    Eigen::SparseMatrix<double> matrix(right_.size(), right_.size());
-    matrix.setFromTriplets(entries.begin(), entries.end());
-    if (solver_.rows() == 0) solver_.analyzePattern(matrix);
-    solver_.factorize(matrix);
+      for (int c = 0; c < 3; ++c) *diagonal(k, c) = anchor * stay_[k];
+    for (std::size_t k = 0; k < sheet_.edges.size(); ++k) add(sheet_.edges[k], between_[k], x);
+    solver_.factorize(matrix_);
     if (solver_.info() != Eigen::Success) return false;
     const Eigen::VectorXd d = solver_.solve(right_);
     for (int v = 0; v < x.rows(); ++v)
@@ -87,7 +102,10 @@ class Iteration {
   }
 
  private:
-  void add(const Edge& e, const Points3& x, std::vector<Eigen::Triplet<double>>& entries) {
+  /// Entry (c, c) of the block of a free vertex, the rest of its column after it.
+  double* diagonal(int k, int c) { return matrix_.valuePtr() + matrix_.outerIndexPtr()[3 * k + c]; }
+
+  void add(const Edge& e, const std::array<double*, 3>& between, const Points3& x) {
     const Vector3d span = (x.row(e.i) - x.row(e.j)).transpose();
     const double length = span.norm(), weight = e.area / (e.length * e.length);
     if (length < 1e-3 * e.length) return;  // it has no direction
@@ -98,13 +116,11 @@ class Iteration {
     for (int a = 0; a < 2; ++a) {
       if (ends[a] < 0) continue;
       right_.segment<3>(3 * ends[a]) -= (a == 0 ? pull : -pull) * n;
-      for (int b = 0; b < 2; ++b) {
-        if (ends[b] < 0 || ends[b] > ends[a]) continue;  // the lower triangle
-        for (int r = 0; r < 3; ++r)
-          for (int c = 0; c < 3; ++c)
-            if (ends[a] != ends[b] || c <= r) entries.emplace_back(3 * ends[a] + r, 3 * ends[b] + c, (a == b ? 1 : -1) * block(r, c));
-      }
+      for (int c = 0; c < 3; ++c)
+        for (int r = c; r < 3; ++r) diagonal(ends[a], c)[r - c] += block(r, c);
     }
+    for (int c = 0; between[0] && c < 3; ++c)
+      for (int r = 0; r < 3; ++r) between[c][r] -= block(r, c);
   }
 
   const Weighted& sheet_;
@@ -112,6 +128,8 @@ class Iteration {
   double left_alone_;
   std::vector<double> stay_;
   Eigen::VectorXd right_;
+  Eigen::SparseMatrix<double> matrix_;
+  std::vector<std::array<double*, 3>> between_;  // of each edge: the columns of the block of its ends, null when one is held
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };
 
