@@ -52,7 +52,8 @@ TEST(Rulings, OfACylinderAreParallelAndTurnEqually) {
     const double u = c * sheet.pattern(v, 0) + s * sheet.pattern(v, 1), w = -s * sheet.pattern(v, 0) + c * sheet.pattern(v, 1);
     sheet.x.row(v) << R * std::sin(u / R), w, R * (std::cos(u / R) - 1);
   }
-  const RulingOptions options;
+  RulingOptions options;
+  options.across_least = 0.3;  // 4.5 mm; the turn alone asks for 4.8
   const std::vector<Ruling> rulings = rulings_of(sheet, options);
   ASSERT_GE(rulings.size(), 12u);
   expect_no_crossings(rulings);
@@ -90,13 +91,16 @@ TEST(Rulings, OptionsSetTheirDistance) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   test::roll(sheet, 0.06);
   const auto count = [&](const RulingOptions& options) { return rulings_of(sheet, options).size(); };
-  RulingOptions coarse, near, far;
-  coarse.facet_turn = 0.2;
-  near.across_most = 0.35;  // 5.2 mm; the turn alone would allow 6.6
+  RulingOptions usual;
+  usual.across_least = 0.2;  // 3 mm; the turn alone asks for 4.8
+  RulingOptions coarse = usual, near = usual, far = usual;
+  coarse.facet_turn = 2 * usual.facet_turn;
+  near.across_most = 0.25;  // 3.8 mm
   far.across_least = 0.75;
+  far.across_most = 1;
   far.facet_turn = 0.01;
-  EXPECT_NEAR(double(count({})) / count(coarse), 0.2 / RulingOptions{}.facet_turn, 0.3);
-  EXPECT_GT(count(near), 1.15 * count({}));
+  EXPECT_NEAR(double(count(usual)) / count(coarse), 2, 0.3);
+  EXPECT_GT(count(near), 1.15 * count(usual));
   EXPECT_LT(count(far), 0.1 / (0.7 * 0.75 * h));
 }
 
