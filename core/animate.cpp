@@ -361,6 +361,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.geometry_ms += cpu_ms() - begun;
 
     result.sheet = &shown;
+    if (method.parts) result.parts = method.parts(sheet);
     result.handles = grip.report(shown.x, frame);
     result.substeps = step.substeps;
     result.newton_iterations = step.iterations;

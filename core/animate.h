@@ -54,6 +54,7 @@ struct AnimatedFrame {
   int new_singular = 0;
   enum Remesh { none, accepted, rejected } remesh = none;  // what became of the mesh that the method proposed
   double remesh_rise = 0;                  // [1] by how much of the stored energy the potential rose with it
+  BentParts parts;                         // rulings and curved regions, if the method knows of any
   std::string note;
 };
 

@@ -37,6 +37,19 @@ PatternMesh first_mesh_with(const Pattern& pattern, int triangles, const std::ve
   return coarsest.triangles.rows() > triangles ? coarsest : mesh_pattern_with(pattern, triangles, points);
 }
 
+BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
+  BentParts parts;
+  for (const Ruling& ruling : crumple.rulings()) parts.rulings.emplace_back(ruling.a, ruling.b);
+  const Regions& regions = crumple.regions();
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const Eigen::RowVector3i corners = sheet.triangles.row(t);
+    const Vector2d centre = (sheet.pattern.row(corners[0]) + sheet.pattern.row(corners[1]) + sheet.pattern.row(corners[2])) / 3;
+    const int place = regions.grid().nearest(centre), region = place < 0 ? -1 : regions.of_place()[place];
+    parts.region.push_back(region < 0 ? -1 : regions.all()[region].id);
+  }
+  return parts;
+}
+
 }  // namespace
 
 Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, const CrumpleOptions& options, std::uint32_t seed,
@@ -58,6 +71,7 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
   };
   method.judged = [crumple](bool accepted, int frame) { crumple->judged(accepted, frame); };
   method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };
+  method.parts = [crumple](const Sheet& sheet_now) { return bent_parts(*crumple, sheet_now); };
   return method;
 }
 

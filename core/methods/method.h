@@ -9,9 +9,16 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace paperbake {
+
+/// How a method divides the sheet, for those who draw it.
+struct BentParts {
+  std::vector<std::pair<Vector2d, Vector2d>> rulings;  // [m] segments on the pattern
+  std::vector<int> region;                             // |T| number of its curved region, -1: flat; empty: there are no regions
+};
 
 /// All that differs between methods: what the first mesh is, and what happens to the mesh between elastic steps. The elastic
 /// solver, handles, time step, tolerances and timers are the same for all and live in `animate`.
@@ -43,6 +50,9 @@ struct Method {
   /// After the elastic step of a frame, on the copy of the sheet that is handed on: the step that begins the next frame starts
   /// from the equilibrium. Empty: the sheet is handed on as it is.
   std::function<void(Sheet&, const std::vector<int>& held)> finish;
+
+  /// Of the sheet as it is, on its mesh. Empty: the method knows of no parts.
+  std::function<BentParts(const Sheet&)> parts;
 };
 
 /// Standard finite elements: step 1 alone on a fixed mesh of about `triangles` near-equilateral triangles.
