@@ -1,7 +1,6 @@
 #include "core/step1_elastic/ridges.h"
 
 #include "core/curvature.h"
-#include "core/hinges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -20,20 +19,11 @@ double triangle_area(const Sheet& sheet, int t) {
 }
 
 /// s of each vertex alone.
-Eigen::VectorXd sharpness(const Sheet& sheet, const Points3& curvature, const std::vector<double>& area, const std::vector<int>& held) {
-  Eigen::VectorXd ring = Eigen::VectorXd::Zero(sheet.pattern.rows()), s(sheet.pattern.rows());
-  const Hinges hinges = find_hinges(sheet.triangles);
-  std::vector<char> left_out(sheet.pattern.rows(), 0);
-  for (const int v : held) left_out[v] = 1;
-  for (int t = 0; t < sheet.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      ring[sheet.triangles(t, i)] += area[t] / 3;
-      if (hinges.of_triangle[t][i] < 0) left_out[sheet.triangles(t, (i + 1) % 3)] = left_out[sheet.triangles(t, (i + 2) % 3)] = 1;
-    }
-  for (int v = 0; v < s.size(); ++v) {
-    const double turn = std::abs(principal_curvature(curvature.row(v)).k2) * std::sqrt(ring[v]);
-    s[v] = left_out[v] ? 0 : std::clamp((turn - smooth_turn) / (ridge_turn - smooth_turn), 0.0, 1.0);
-  }
+Eigen::VectorXd sharpness(const Sheet& sheet, const Points3& curvature, const std::vector<int>& held) {
+  const SecondTurn second = second_turn(sheet, curvature);
+  Eigen::VectorXd s(sheet.pattern.rows());
+  for (int v = 0; v < s.size(); ++v) s[v] = second.border[v] ? 0 : std::clamp((second.turn[v] - smooth_turn) / (ridge_turn - smooth_turn), 0.0, 1.0);
+  for (const int v : held) s[v] = 0;
   return s;
 }
 
@@ -56,7 +46,7 @@ Ridges find_ridges(const Sheet& sheet, const Paper& paper, const std::vector<int
   std::vector<double> area(triangles);
   double whole = 0;
   for (int t = 0; t < triangles; ++t) whole += area[t] = triangle_area(sheet, t);
-  const Eigen::VectorXd s = sharpness(sheet, curvature, area, held);
+  const Eigen::VectorXd s = sharpness(sheet, curvature, held);
 
   Ridges ridges{remembered, Eigen::VectorXd::Ones(triangles)};
   const int ends = std::max<int>(least_ends, static_cast<int>(held.size() + sheet.singular.size()));
