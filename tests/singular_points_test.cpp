@@ -145,7 +145,7 @@ TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
   for (unsigned seed = 0; seed < 500; ++seed) {
     const auto p = draw_singular_point(sheet, pattern, Paper{}, conflicts, members, options, seed, 0, 1);
     if (!p) continue;
-    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), options.min_spacing);
+    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), least_spacing(pattern, Paper{}, options));
     EXPECT_GE((nearest_border_point(pattern, *p) - *p).norm(), options.border_share * 0.1 - 1e-12);
   }
 }

@@ -9,7 +9,7 @@ namespace paperbake {
 namespace {
 
 constexpr double smooth_turn = 6 * M_PI / 180, ridge_turn = 15 * M_PI / 180;
-constexpr double width_factor = 0.4, neighbourhood = 0.5;
+constexpr double neighbourhood = 0.5;  // of X
 constexpr int least_ends = 4;
 
 double triangle_area(const Sheet& sheet, int t) {
@@ -51,7 +51,7 @@ Ridges find_ridges(const Sheet& sheet, const Paper& paper, const std::vector<int
   Ridges ridges{remembered, Eigen::VectorXd::Ones(triangles)};
   const int ends = std::max<int>(least_ends, static_cast<int>(held.size() + sheet.singular.size()));
   const double X = std::sqrt(whole / ends);
-  const double width = width_factor * std::cbrt(paper.thickness) * std::pow(X, 2.0 / 3);
+  const double width = ridge_width(paper, X);
   for (int t = 0; t < triangles; ++t) {
     Eigen::RowVector2d centre(0, 0);
     for (int i = 0; i < 3; ++i) centre += sheet.pattern.row(sheet.triangles(t, i)) / 3;
@@ -61,7 +61,7 @@ Ridges find_ridges(const Sheet& sheet, const Paper& paper, const std::vector<int
     if (ridges.share[t] <= 0) continue;
     Vector3d tensor = Vector3d::Zero();
     for (int i = 0; i < 3; ++i) tensor += curvature.row(sheet.triangles(t, i)).transpose() / 3;
-    const double across = size_across(sheet, t, principal_curvature(tensor).across, area[t]);
+    const double across = std::max(size_across(sheet, t, principal_curvature(tensor).across, area[t]), neighbourhood * X);
     ridges.focus[t] = 1 - ridges.share[t] + ridges.share[t] * std::max(1.0, across / width);
   }
   return ridges;

@@ -68,8 +68,8 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   // a conflict counts when it has lasted, on whatever mesh; the worst vertex and those about it are one conflict
   const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
   std::vector<Suspicion> seen;
+  std::vector<int> ripe;
   const double rounding = 1e-3 * now.dt;
-  int worst = -1;
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     if (!conflicts.beyond[v]) continue;
     Suspicion s{sheet.pattern.row(v), now.dt};
@@ -78,11 +78,13 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
       if ((old.p - s.p).norm() < 0.6 * ring) s.seconds = std::max(s.seconds, old.seconds + now.dt);
     seen.push_back(s);
     const bool lasted = s.seconds + rounding >= (conflicts.sharp[v] ? options_.lasting_sharp : options_.lasting);
-    if (lasted && (worst < 0 || conflicts.turn[v] > conflicts.turn[worst])) worst = v;
+    if (lasted) ripe.push_back(v);
   }
   suspicions_ = std::move(seen);
+  std::stable_sort(ripe.begin(), ripe.end(), [&](int a, int b) { return conflicts.turn[a] > conflicts.turn[b]; });
   const bool room = static_cast<int>(sheet.singular.size()) < options_.most_points && sheet.triangles.rows() + 2 <= options_.most_triangles;
-  if (worst >= 0 && room) {
+  for (const int worst : ripe) {  // the first that has room for a point
+    if (!room || report.births > 0) break;
     std::vector<int> members;
     const double reach = 1.2 * ring_size(sheet, worst);
     for (int v = 0; v < sheet.pattern.rows(); ++v)

@@ -22,11 +22,11 @@ struct CrumpleOptions {
   double absorbed_folds = 0.4;      // [rad] (23 degrees)
   double lasting = 15 / 24.0;      // [s]   after which what lasts is no accident of the mesh ...
   double lasting_sharp = 2 / 24.0; // [s]   ... and where it is as sharp as beside a singular point
-  double min_spacing = 0.006;      // [m]   between singular points
+  double spacing = 2;              // [1]   between singular points, in widths of the longest ridge that the sheet can have
   double border_share = 0.03;      // [1]   of the longer side: as near as a point may come to the border
   double flip_gain = 0.65;         // [1]   an edge turns when the other diagonal has less than this share of its sagitta ...
   double flip_period = 2 / 24.0;   // [s]   ... looked at this often
-  int most_points = 40;            // [1]   on one sheet
+  int most_points = 1000;          // [1]   on one sheet
   int most_triangles = 250;        // [1]   no point is born beyond
   RulingOptions rulings;
 };

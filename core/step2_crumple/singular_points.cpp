@@ -135,14 +135,19 @@ Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts, cons
   return by_turn / turn;
 }
 
+double least_spacing(const Pattern& pattern, const Paper& paper, const CrumpleOptions& options) {
+  return options.spacing * ridge_width(paper, std::sqrt(area(pattern)));
+}
+
 std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& pattern, const Paper& paper, const Conflicts& conflicts,
                                             const std::vector<int>& members, const CrumpleOptions& options, std::uint32_t seed,
                                             std::uint32_t sheet_number, std::uint32_t event) {
   constexpr int tries = 20;
   const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
+  const double spacing = least_spacing(pattern, paper, options);
   const auto clear = [&](const Vector2d& p) {
     return std::none_of(sheet.singular.begin(), sheet.singular.end(),
-                        [&](const SingularPoint& s) { return (s.pattern - p).norm() < options.min_spacing; });
+                        [&](const SingularPoint& s) { return (s.pattern - p).norm() < spacing; });
   };
   const double margin = options.border_share * longer_side(pattern);
   for (std::uint32_t attempt = 0; attempt < tries; ++attempt) {
