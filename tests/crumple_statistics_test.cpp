@@ -92,7 +92,7 @@ TEST(CrumpleStatistics, TwelveBallsLetGoNeverCrossKeepTheirLengthsAndAreBrokenIn
   std::sort(edges.begin(), edges.end());
   EXPECT_LE(edges[6], 0.01);
   EXPECT_LE(edges.back(), 0.02);
-  EXPECT_NEAR(mean(all, births), 33, 6);  // the mean of 12 seeds scatters by 2
+  EXPECT_NEAR(mean(all, births), 37, 8);  // a seed scatters by 8, so the mean of 12 by 2.3; 3.3 of these: 99.9 %
 }
 
 TEST(CrumpleStatistics, TwiceTheFrameRateGivesTheSameCrumples) {

@@ -25,7 +25,7 @@ struct Ridges {
 ///
 /// A mesh finer than facets spreads the fold of a ridge over several triangles, each of which then yields no later than the one of
 /// a coarse mesh: half a facet has one ridge, whatever the number of triangles in it.
-/// (S4, 185/320/635 triangles, plastic turn of frame 48: 0.80, 0.47, 0.42 m rad by d alone, 0.87, 0.73, 0.70 with X/2.)
+/// (S4, 185/320/635 triangles, plastic turn of frame 48: 0.80, 0.47, 0.42 m rad by d alone, 0.88, 0.71, 0.72 with X/2.)
 /// Vertices that are held or on the border do not count: a point load is no ridge.
 /// remembered  |T| s of earlier frames
 /// source      this project's, angles measured on S4
