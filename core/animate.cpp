@@ -315,6 +315,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
     result.frame = frame;
+    const Moment now{frame, 1 / options.fps};
     const Held held = grip.held(frame);
     const bool first = frame == options.first_frame;
 
@@ -324,17 +325,17 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
     const bool moving = moved > still * side;
     if (method.propose && !first && moving && at_minimum)
-      if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), frame)) {
+      if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), now)) {
         const std::vector<double> stiffening = disc_factors(*proposal, shot);
         const Verdict verdict = exchange_mesh(sheet, elastic, std::move(*proposal), stiffening, held_before, 1 / options.fps);
-        method.judged(verdict.accepted, frame);
+        method.judged(verdict.accepted, now);
         result.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
         result.remesh_rise = verdict.rise;
       }
     const double leap = leap_of(sheet, held, held_before) / side;
     before = sheet.x;
     held_before = held;
-    if (method.remesh && !first && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, started.fixed, frame, moving))
+    if (method.remesh && !first && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, started.fixed, now, moving))
       elastic.set_mesh(sheet, disc_factors(sheet, shot));
     result.new_singular = static_cast<int>(sheet.singular.size() - born);
     result.geometry_ms = geometry_ms + cpu_ms() - begun;
