@@ -77,7 +77,7 @@ void draw_legend(Canvas& canvas, double full, double left, double top) {
   draw_text(canvas, left - 32, top + 1, 1.6, "k1", ink);
 }
 
-void draw_pattern(Canvas& canvas, const Shot& shot, const AnimatedFrame& frame, const PatternOverlay& overlay) {
+void draw_pattern(Canvas& canvas, const Shot& shot, const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   const Camera camera = fit_camera(sheet.pattern, left_panel);
   const Points3 curvature = vertex_curvature(sheet);
@@ -87,7 +87,7 @@ void draw_pattern(Canvas& canvas, const Shot& shot, const AnimatedFrame& frame, 
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const Vector3d mean = (curvature.row(sheet.triangles(t, 0)) + curvature.row(sheet.triangles(t, 1)) + curvature.row(sheet.triangles(t, 2))) / 3;
     face[t] = curvature_colour(principal_curvature(mean).k1, full);
-    if (!overlay.region.empty() && overlay.region[t] >= 0) face[t] = mix(face[t], region_colour(overlay.region[t]), 0.5);
+    if (!frame.parts.region.empty() && frame.parts.region[t] >= 0) face[t] = mix(face[t], region_colour(frame.parts.region[t]), 0.5);
   }
   Points3 flat_x = Points3::Zero(sheet.pattern.rows(), 3);
   flat_x.leftCols<2>() = sheet.pattern;
@@ -102,7 +102,7 @@ void draw_pattern(Canvas& canvas, const Shot& shot, const AnimatedFrame& frame, 
     const Vector2d at = sheet.pattern.row(v), along(-p.across.y(), p.across.x());
     draw_line(canvas, camera, on_pattern(at - reach * along), on_pattern(at + reach * along), 1.8 * fine, stroke);
   }
-  for (const auto& [from, to] : overlay.rulings) draw_line(canvas, camera, on_pattern(from), on_pattern(to), 2, ruling_line);
+  for (const auto& [from, to] : frame.parts.rulings) draw_line(canvas, camera, on_pattern(from), on_pattern(to), 2, ruling_line);
 
   for (std::size_t h = 0; h < shot.handles.size(); ++h) {
     const Vector2d& at = shot.handles[h].pattern;
@@ -152,9 +152,9 @@ void draw_captions(Canvas& canvas, const AnimatedFrame& frame, const std::string
 
 }  // namespace
 
-Image debug_picture(const Shot& shot, const AnimatedFrame& frame, const std::string& title, const PatternOverlay& overlay) {
+Image debug_picture(const Shot& shot, const AnimatedFrame& frame, const std::string& title) {
   Canvas canvas(width, height, background);
-  draw_pattern(canvas, shot, frame, overlay);
+  draw_pattern(canvas, shot, frame);
   draw_sheet(canvas, frame);
   draw_captions(canvas, frame, title);
   return develop(canvas);

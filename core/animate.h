@@ -30,6 +30,7 @@ struct AnimateOptions {
   int first_frame = 1, last_frame = 1;
   unsigned seed = 0;            // of the ripple that lets a flat sheet buckle
   Memory memory = Memory::none; // plastic: beyond the yield strain of the grade, on the pattern, for ever
+  int probe_every = 0;          // [frames] from one search for another branch (branches.h) to the next; 0: none
 };
 
 /// A handle at one frame.
@@ -54,6 +55,7 @@ struct AnimatedFrame {
   int new_singular = 0;
   enum Remesh { none, accepted, rejected } remesh = none;  // what became of the mesh that the method proposed
   double remesh_rise = 0;                  // [1] by how much of the stored energy the potential rose with it
+  BentParts parts;                         // rulings and curved regions, if the method knows of any
   std::string note;
 };
 

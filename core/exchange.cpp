@@ -13,10 +13,9 @@ Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std:
   };
   constexpr Limit limits[] = {{0, 0, 0.015}, {0.05, 1e-6, 0.01}, {0.15, 0, 0.003}};
   constexpr double noise = 1e-6;       // [J] what a rise is at least compared with
-  constexpr int most_iterations = 40;  // what needs more has landed somewhere else
   const Points3 carried = proposal.x;
   Elastic trial = elastic.on_mesh(proposal, stiffening);
-  const ElasticReport settled = trial.settle(proposal, held, dt, most_iterations), stored = elastic.look(sheet);
+  const ElasticReport settled = trial.settle(proposal, held, dt, Settling::briefly), stored = elastic.look(sheet);
 
   const Transfer onto(sheet.pattern, sheet.triangles, proposal.pattern), back(proposal.pattern, proposal.triangles, sheet.pattern);
   const double side = (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
@@ -24,7 +23,7 @@ Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std:
   Verdict verdict;
   verdict.rise = rise / std::max(stored.energy, noise);
   verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(), (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) / side;
-  verdict.accepted = settled.converged && std::any_of(std::begin(limits), std::end(limits), [&](const Limit& limit) {
+  verdict.accepted = settled.converged && !settled.contact && std::any_of(std::begin(limits), std::end(limits), [&](const Limit& limit) {
     return rise <= limit.rise * stored.energy + limit.noise && verdict.move <= limit.move;
   });
   if (!verdict.accepted) return verdict;

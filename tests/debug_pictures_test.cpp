@@ -20,7 +20,7 @@ struct Wound {
     frame.sheet = &sheet;
     frame.handles.push_back({HandleFrame::held, sheet.x.row(0), sheet.x.row(0)});
   }
-  Image draw(const PatternOverlay& overlay = {}) const { return debug_picture(shot, frame, "wound", overlay); }
+  Image draw() const { return debug_picture(shot, frame, "wound"); }
 };
 
 int count(const Image& image, const std::function<bool(const Colour&)>& wanted) {
@@ -66,16 +66,15 @@ TEST(DebugPicture, AJammedHandleHasAnotherColourThanAHeldOne) {
 }
 
 TEST(DebugPicture, RulingsAndRegionsOfAMethodAreDrawnOnThePattern) {
-  const Wound wound(0.05);
+  Wound wound(0.05);
   const Image plain = wound.draw();
-  PatternOverlay overlay;
-  overlay.rulings.push_back({{0.05, 0}, {0.05, 0.1}});
-  EXPECT_GT(different(plain, wound.draw(overlay)), 690);  // a line from top to bottom of the panel
-  PatternOverlay regions;
-  regions.region.assign(wound.sheet.triangles.rows(), -1);
-  EXPECT_EQ(different(plain, wound.draw(regions)), 0);
-  regions.region[0] = 3;
-  EXPECT_GT(different(plain, wound.draw(regions)), 500);  // a triangle of 690/12 px
+  wound.frame.parts.rulings.push_back({{0.05, 0}, {0.05, 0.1}});
+  EXPECT_GT(different(plain, wound.draw()), 690);  // a line from top to bottom of the panel
+  wound.frame.parts = {};
+  wound.frame.parts.region.assign(wound.sheet.triangles.rows(), -1);
+  EXPECT_EQ(different(plain, wound.draw()), 0);
+  wound.frame.parts.region[0] = 3;
+  EXPECT_GT(different(plain, wound.draw()), 500);  // a triangle of 690/12 px
 }
 
 }  // namespace

@@ -46,6 +46,18 @@ TEST(Hybrid, ArchOfAHundredTrianglesIsNearlyTheElastica) {
   EXPECT_TRUE(sheet.singular.empty());
 }
 
+TEST(Hybrid, FramesTellTheRulingsAndRegionsOfAnArch) {
+  const Shot shot = test::s1_push();  // bends about lines across the push, along y
+  const Played played = play(shot, hybrid_of(shot), 24);
+  const BentParts& parts = played.frames.back().parts;
+  ASSERT_GT(parts.rulings.size(), 5u);
+  for (const auto& [a, b] : parts.rulings) EXPECT_LT(std::abs((b - a).normalized().x()), 0.1);
+  ASSERT_EQ(static_cast<Eigen::Index>(parts.region.size()), played.sheets.back().triangles.rows());
+  const std::set<int> curved(parts.region.begin(), parts.region.end());
+  EXPECT_GE(*curved.rbegin(), 0);
+  EXPECT_LE(curved.size(), 5u);  // an arch with its feet, and what is flat
+}
+
 TEST(Hybrid, NothingChangesWhileNothingMoves) {
   Shot shot = test::s1_push();
   for (Handle& handle : shot.handles)  // at rest from frame 12 on

@@ -37,6 +37,19 @@ PatternMesh first_mesh_with(const Pattern& pattern, int triangles, const std::ve
   return coarsest.triangles.rows() > triangles ? coarsest : mesh_pattern_with(pattern, triangles, points);
 }
 
+BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
+  BentParts parts;
+  for (const Ruling& ruling : crumple.rulings()) parts.rulings.emplace_back(ruling.a, ruling.b);
+  const Regions& regions = crumple.regions();
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const Eigen::RowVector3i corners = sheet.triangles.row(t);
+    const Vector2d centre = (sheet.pattern.row(corners[0]) + sheet.pattern.row(corners[1]) + sheet.pattern.row(corners[2])) / 3;
+    const int place = regions.grid().nearest(centre), region = place < 0 ? -1 : regions.of_place()[place];
+    parts.region.push_back(region < 0 ? -1 : regions.all()[region].id);
+  }
+  return parts;
+}
+
 }  // namespace
 
 Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, const CrumpleOptions& options, std::uint32_t seed,
@@ -50,14 +63,15 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
     crumple->begin_with(mesh.vertices, mesh.triangles, required);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };
-  method.remesh = [crumple](Sheet& sheet_now, const std::vector<char>& fixed, int frame, bool moving) {
-    return crumple->operate(sheet_now, fixed, frame, moving).mesh_changed();
+  method.remesh = [crumple](Sheet& sheet_now, const std::vector<char>& fixed, const Moment& now, bool moving) {
+    return crumple->operate(sheet_now, fixed, now, moving).mesh_changed();
   };
-  method.propose = [crumple](const Sheet& sheet_now, const std::vector<int>& pulled, int frame) {
-    return crumple->propose(sheet_now, pulled, frame);
+  method.propose = [crumple](const Sheet& sheet_now, const std::vector<int>& pulled, const Moment& now) {
+    return crumple->propose(sheet_now, pulled, now);
   };
-  method.judged = [crumple](bool accepted, int frame) { crumple->judged(accepted, frame); };
+  method.judged = [crumple](bool accepted, const Moment& now) { crumple->judged(accepted, now); };
   method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };
+  method.parts = [crumple](const Sheet& sheet_now) { return bent_parts(*crumple, sheet_now); };
   return method;
 }
 
