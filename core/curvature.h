@@ -6,14 +6,13 @@
 
 namespace paperbake {
 
-/// Curvature tensor of the sheet at each vertex, in pattern coordinates: what its triangles tell, by least squares,
+/// Curvature tensor of the sheet at each vertex, in pattern coordinates, averaged over its one-ring:
 ///
-///   S_t = sum_i theta_i l_i/A_i n_i (x) n_i  +  c n_b (x) n_b,     S_v minimises sum_t area_t |S_v - S_t|^2
+///   S_v = C^(-1/2) [ sum_spokes theta l n (x) n  +  1/2 sum_link theta l n (x) n ] C^(-1/2) / A,   A = area of the one-ring
 ///
-/// theta_i the dihedral angle, l_i the length and n_i the unit normal of an edge in the pattern, A_i the area of its two
-/// triangles. A border edge b has no angle: c is such that det S_t = 0 where the two folds bulge to one side, as paper that does
-/// not stretch has it, and 0 where they do not; exact on the strips between rulings and on zigzags. Being a guess, that part of
-/// S_v - S_t counts only 1/20: where other triangles of the ring know it, they tell; where none does, the neighbours that know.
+/// theta the dihedral angle, l the length and n the unit normal of an edge in the pattern. C is what the same sum gives for
+/// a surface of curvature 1 in all directions: the identity inside a regular mesh, less where the ring is cut by the border,
+/// whose edges turn nothing; a direction that a ring sees less than a quarter of is taken from its neighbours.
 /// A sheet that bulges towards its normal (counter-clockwise side) has positive curvature.
 /// returns  |V|x3 [1/m]  Sxx, Sxy, Syy
 Points3 vertex_curvature(const Sheet&);

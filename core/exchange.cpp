@@ -3,16 +3,12 @@
 #include "core/transfer.h"
 
 #include <algorithm>
-#include <iterator>
 
 namespace paperbake {
 
 Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt) {
-  struct Limit {
-    double rise, noise, move;  // [1] of the energy, [J] of a sheet that is nearly flat, [1] of the longer side
-  };
-  constexpr Limit limits[] = {{0, 0, 0.015}, {0.05, 1e-6, 0.01}, {0.15, 0, 0.003}};
-  constexpr double noise = 1e-6;       // [J] what a rise is at least compared with
+  constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
+  constexpr double noise = 1e-6;                        // [J] of a sheet that is nearly flat
   const Points3 carried = proposal.x;
   Elastic trial = elastic.on_mesh(proposal, stiffening);
   const ElasticReport settled = trial.settle(proposal, held, dt, Settling::briefly), stored = elastic.look(sheet);
@@ -23,9 +19,7 @@ Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std:
   Verdict verdict;
   verdict.rise = rise / std::max(stored.energy, noise);
   verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(), (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) / side;
-  verdict.accepted = settled.converged && !settled.contact && std::any_of(std::begin(limits), std::end(limits), [&](const Limit& limit) {
-    return rise <= limit.rise * stored.energy + limit.noise && verdict.move <= limit.move;
-  });
+  verdict.accepted = settled.converged && !settled.contact && rise <= most_rise * stored.energy + noise && verdict.move <= most_move;
   if (!verdict.accepted) return verdict;
   // the past is moved along with the present, so that velocities are carried over and the jump of the exchange is none
   trial.continue_from(elastic, [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });

@@ -13,11 +13,8 @@ struct Verdict {
 };
 
 /// Puts a sheet on another mesh of its pattern, if it stays the same sheet. The proposal is relaxed with the handles where they
-/// are, and taken when that ends at a minimum, and
-///   nothing moves farther than 1.5 % of the longer side and the potential falls, or
-///   nothing moves farther than 1.0 % and the potential rises by no more than 5 % of the energy that is stored + 1e-6 J, or
-///   nothing moves farther than 0.3 % and the potential rises by no more than 15 %: the old mesh has gone soft.
-/// With it comes a solver that remembers the past of the old one, carried over.
+/// are, and taken when that ends at a minimum, the potential rises by no more than 5 % of the energy that is stored + 1e-6 J,
+/// and nothing moves farther than 1 %. With it comes a solver that remembers the past of the old one, carried over.
 /// Nothing flows. Refused, a proposal leaves no trace.
 /// proposal    the sheet on its new mesh, positions and velocities carried over
 /// stiffening  as in Elastic::set_mesh, of the new mesh

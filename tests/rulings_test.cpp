@@ -92,6 +92,7 @@ TEST(Rulings, OptionsSetTheirDistance) {
   test::roll(sheet, 0.06);
   const auto count = [&](const RulingOptions& options) { return rulings_of(sheet, options).size(); };
   RulingOptions usual;
+  usual.facet_turn = 0.08;
   usual.across_least = 0.2;  // 3 mm; the turn alone asks for 4.8
   RulingOptions coarse = usual, near = usual, far = usual;
   coarse.facet_turn = 2 * usual.facet_turn;

@@ -109,7 +109,7 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen
     else width = length;
   }
   rest.seen.setIdentity();
-  constexpr double slender = 0.7;  // [1] width by span: a zigzag is 9 % too stiff then
+  constexpr double slender = 0.4;  // [1] width by span: a zigzag is 4 % too stiff then
   const bool strip = told.size() == 2 && width * width < slender * 2 * rest.area;
   for (const Vector3d& u : strip ? std::vector<Vector3d>{perpendicular(told[0], told[1])} : orthonormal(border)) {
     const Matrix3 leave_out = Matrix3::Identity() - u * u.cwiseProduct(frobenius).transpose();

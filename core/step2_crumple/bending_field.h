@@ -11,7 +11,7 @@ namespace paperbake {
 /// How the sheet bends at any point of its pattern: the curvature tensors of its vertices, interpolated.
 class BendingField {
  public:
-  /// curvature  |V|x3 [1/m] as from vertex_curvature
+  /// curvature  |V|x3 [1/m] as from developable_curvature
   BendingField(const Sheet& sheet, const Points3& curvature)
       : locator_(sheet.pattern, sheet.triangles), triangles_(sheet.triangles), curvature_(curvature) {}
   Principal at(const Vector2d& p) const { return principal_curvature(interpolate(locator_.locate(p), triangles_, curvature_)); }

@@ -1,6 +1,7 @@
 #include "core/step2_crumple/crumple.h"
 
 #include "core/curvature.h"
+#include "core/developable_curvature.h"
 #include "core/step2_crumple/flips.h"
 #include "core/step2_crumple/singular_points.h"
 #include "core/transfer.h"
@@ -9,6 +10,12 @@
 #include <cmath>
 
 namespace paperbake {
+namespace {
+
+/// What rulings and flips follow. About a singular point a sheet of a few triangles is not developable.
+Points3 bending_of(const Sheet& sheet) { return sheet.singular.empty() ? developable_curvature(sheet) : vertex_curvature(sheet); }
+
+}  // namespace
 
 Crumple::Crumple(const Pattern& pattern, const Paper& paper, const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet)
     : pattern_(pattern), paper_(paper), options_(options), seed_(seed), sheet_(sheet), regions_(pattern, options.rulings) {}
@@ -21,7 +28,8 @@ void Crumple::begin_with(const Points2& pattern, const Triangles& triangles, int
 std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>& pulled, const Moment& now) {
   RulingOptions options = options_.rulings;
   if (options.facet_turn <= 0 || required_ < 0) return std::nullopt;
-  const BendingField field(sheet, vertex_curvature(sheet));
+  const Points3 curvature = bending_of(sheet);
+  const BendingField field(sheet, curvature);
   regions_.follow(field);
   if (!when_.due(mesh_fit(sheet, field, regions_), now, options.stale_fold * options.facet_turn)) return std::nullopt;
 
@@ -50,7 +58,7 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
   proposal.pattern = std::move(mesh->pattern);
   proposal.triangles = std::move(mesh->triangles);
   proposal.singular = sheet.singular;
-  flip_towards_rulings(proposal, onto(vertex_curvature(sheet)), options_.flip_gain);
+  flip_towards_rulings(proposal, onto(curvature), options_.flip_gain);
   return proposal;
 }
 
@@ -100,7 +108,7 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   }
   const auto periods = [&](double time) { return std::floor((time + rounding) / options_.flip_period); };
   const bool time_to_flip = periods(now.seconds()) > periods(now.seconds() - now.dt);
-  if (time_to_flip || report.births > 0) report.flips = flip_towards_rulings(sheet, vertex_curvature(sheet), options_.flip_gain);
+  if (time_to_flip || report.births > 0) report.flips = flip_towards_rulings(sheet, bending_of(sheet), options_.flip_gain);
   return report;
 }
 

@@ -4,7 +4,7 @@ namespace paperbake {
 
 /// Curved regions and their rulings. Lengths in spacings h of the base mesh, curvatures by the size of the sheet.
 struct RulingOptions {
-  double facet_turn = 0.08;    // [rad] how far the sheet turns from ruling to ruling (5 degrees); 0: no rulings
+  double facet_turn = 0.1;     // [rad] how far the sheet turns from ruling to ruling (6 degrees); 0: no rulings
   double curved_above = 0.3;   // [rad] the sheet is curved where it turns this much over its longer side ...
   double flat_below = 0.6;     // [1]   ... until it turns less than this share of it
   double coherent = 0.6;       // [1]   share of the first curvature that the second may have where there are rulings
