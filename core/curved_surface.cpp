@@ -109,7 +109,7 @@ CurvedSurface curve(const Sheet& sheet, const std::vector<int>& exact) {
   Points3 curvature = vertex_curvature(sheet.pattern, sheet.triangles, folded.hinges, turns);
   for (int v = 0; v < curvature.rows(); ++v) curvature.row(v) = developable(curvature.row(v));
 
-  CurvedSurface surface{sheet.triangles, sheet.x, Points3::Zero(3 * sheet.triangles.rows(), 3)};
+  CurvedSurface surface{sheet.triangles, sheet.x, Points3::Zero(3 * sheet.triangles.rows(), 3), curvature};
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       const int h = folded.hinges.of_triangle[t][i];

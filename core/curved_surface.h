@@ -24,6 +24,7 @@ struct CurvedSurface {
   Triangles triangles;
   Points3 corners;  // |V|x3   [m]
   Points3 bulge;    // 3|T|x3  [m] d of the edge opposite corner i of triangle t in row 3t + i
+  Points3 curvature;// |V|x3   [1/m] S: Sxx, Sxy, Syy
 
   /// The surface at a place; weights may lie outside [0, 1], where a finer border does.
   Vector3d at(const Place&) const;

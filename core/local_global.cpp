@@ -53,8 +53,12 @@ LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles, con
     const Vector2d p[4] = {at(hinge.vertices[0]), at(hinge.vertices[1]), at(hinge.vertices[2]), at(hinge.vertices[3])};
     const double left0 = cotangent(p[0], p[1], p[2]), left1 = cotangent(p[1], p[0], p[2]);
     const double right0 = cotangent(p[0], p[1], p[3]), right1 = cotangent(p[1], p[0], p[3]);
-    const Bend bend{{left1 + right1, left0 + right0, -left0 - left1, -right0 - right1},
-                    ell2 * ell2 / (areas[hinge.triangles[0]] + areas[hinge.triangles[1]])};
+    Bend bend{{left1 + right1, left0 + right0, -left0 - left1, -right0 - right1}, {0, 0, 0},
+              ell2 * ell2 / (areas[hinge.triangles[0]] + areas[hinge.triangles[1]])};
+    for (int i = 1; i < 4; ++i) {  // about p[0]
+      const Vector2d q = p[i] - p[0];
+      bend.of_curvature -= 0.5 * bend.k[i] * Vector3d(q.x() * q.x(), 2 * q.x() * q.y(), q.y() * q.y());
+    }
     for (int i = 0; i < 4; ++i)
       for (int j = 0; j < 4; ++j) entries.emplace_back(hinge.vertices[i], hinge.vertices[j], bend.weight * bend.k[i] * bend.k[j]);
     bends_.push_back(bend);
@@ -85,16 +89,8 @@ void LocalGlobal::hold(const std::vector<int>& vertices) {
   factor_.emplace(lower);
 }
 
-Points3 LocalGlobal::residual(const Points3& x, const Points3& y, const Points3& bend) const {
-  Points3 r(x.rows(), 3);
-  for (int v = 0; v < x.rows(); ++v) r.row(v) = area_[v] * (y.row(v) - x.row(v));
-  for (std::size_t h = 0; h < bends_.size(); ++h) {
-    const auto& v = hinges_.hinges[h].vertices;
-    const auto& k = bends_[h].k;
-    const Eigen::RowVector3d pull =
-        bends_[h].weight * (bend.row(h) - (k[0] * x.row(v[0]) + k[1] * x.row(v[1]) + k[2] * x.row(v[2]) + k[3] * x.row(v[3])));
-    for (int i = 0; i < 4; ++i) r.row(v[i]) += k[i] * pull;
-  }
+Points3 LocalGlobal::stretch_pull(const Points3& x) const {
+  Points3 r = Points3::Zero(x.rows(), 3);
   for (const Face& face : faces_) {
     Eigen::Matrix<double, 3, 2> F = Eigen::Matrix<double, 3, 2>::Zero();
     for (int i = 0; i < 3; ++i) F += x.row(face.v[i]).transpose() * face.slope.row(i);
@@ -104,17 +100,42 @@ Points3 LocalGlobal::residual(const Points3& x, const Points3& y, const Points3&
   return r;
 }
 
-Points3 LocalGlobal::operator()(const Points3& y) const {
-  Points3 bend(bends_.size(), 3);  // c K y
+Points3 LocalGlobal::first_pull(const Points3& y, const Points3& bend) const {
+  Points3 r = stretch_pull(y);
   for (std::size_t h = 0; h < bends_.size(); ++h) {
     const auto& v = hinges_.hinges[h].vertices;
     const auto& k = bends_[h].k;
-    const double c = crease_share(fold_angle(y, hinges_.hinges[h]));
-    bend.row(h) = c * (k[0] * y.row(v[0]) + k[1] * y.row(v[1]) + k[2] * y.row(v[2]) + k[3] * y.row(v[3]));
+    const Eigen::RowVector3d pull =
+        bends_[h].weight * (bend.row(h) - (k[0] * y.row(v[0]) + k[1] * y.row(v[1]) + k[2] * y.row(v[2]) + k[3] * y.row(v[3])));
+    for (int i = 0; i < 4; ++i) r.row(v[i]) += k[i] * pull;
   }
+  return r;
+}
+
+Points3 LocalGlobal::bend(const Points3& y, const Points3& curvature) const {
+  Points3 normal(faces_.size(), 3);
+  for (std::size_t t = 0; t < faces_.size(); ++t) {
+    const Vector3d a = y.row(faces_[t].v[0]), b = y.row(faces_[t].v[1]), c = y.row(faces_[t].v[2]);
+    normal.row(t) = (b - a).cross(c - a).normalized();
+  }
+  Points3 result(bends_.size(), 3);
+  for (std::size_t h = 0; h < bends_.size(); ++h) {
+    const auto& v = hinges_.hinges[h].vertices;
+    const auto& k = bends_[h].k;
+    const auto& t = hinges_.hinges[h].triangles;
+    const double c = crease_share(fold_angle(y, hinges_.hinges[h]));
+    const Eigen::RowVector3d n = (normal.row(t[0]) + normal.row(t[1])).normalized();
+    const double curved = 0.5 * (curvature.row(v[0]) + curvature.row(v[1])).dot(bends_[h].of_curvature);
+    result.row(h) = (1 - c) * curved * n;
+    if (c > 0) result.row(h) += c * (k[0] * y.row(v[0]) + k[1] * y.row(v[1]) + k[2] * y.row(v[2]) + k[3] * y.row(v[3]));
+  }
+  return result;
+}
+
+Points3 LocalGlobal::operator()(const Points3& y, const Points3& curvature) const {
   Points3 x = y;
   for (int step = 0; step < options_.steps && factor_; ++step) {
-    const Points3 all = residual(x, y, bend);
+    const Points3 all = step == 0 ? first_pull(y, bend(y, curvature)) : stretch_pull(x);
     Points3 right(free_.size(), 3);
     for (std::size_t k = 0; k < free_.size(); ++k) right.row(k) = all.row(free_[k]);
     const Points3 move = factor_->solve(right);

@@ -51,12 +51,15 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
     for (int i = 0; i < 3; ++i)
       if (places[v].weights[i] > 1 - 1e-6) exact.push_back(sheet.triangles(places[v].triangle, i));
   const CurvedSurface surface = curve(sheet, exact);
-  Points3 y(coarse_.pattern.rows(), 3);
-  for (int v = 0; v < y.rows(); ++v) y.row(v) = surface.at(places[v]);
+  Points3 y(coarse_.pattern.rows(), 3), curvature = y;
+  for (int v = 0; v < y.rows(); ++v) {
+    y.row(v) = surface.at(places[v]);
+    curvature.row(v) = interpolate(places[v], sheet.triangles, surface.curvature);
+  }
   for (std::size_t k = 0; k < held_.size(); ++k) y.row(held_[k]) = held_at.row(k);
 
   RenderFrame frame;
-  frame.x = local_global_(y);
+  frame.x = local_global_(y, curvature);
   frame.normals = coarse_normals_.normals(frame.x);
   if (fine_) {
     frame.x = fine_->positions(frame.x, frame.normals);
@@ -71,7 +74,7 @@ RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& feat
   const double edge = (quality == Quality::draft ? 0.005 : 0.002) * longer_side(pattern) / 0.2;
   const int refine = quality == Quality::hero ? 1 : 0;
   LocalGlobalOptions options;
-  options.length = simulated_edge / 3;
+  options.length = simulated_edge / 2;
   return RenderSheet(mesh_for_render(pattern, edge, features, most_triangles >> (2 * refine)), options, refine);
 }
 
