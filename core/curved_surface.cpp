@@ -79,10 +79,27 @@ Folded look(const Sheet& sheet) {
   return folded;
 }
 
-/// The nearest tensor that bends across one direction only.
-Vector3d developable(const Vector3d& tensor) {
-  const Principal p = principal_curvature(tensor);
-  return p.k1 * Vector3d(p.across.x() * p.across.x(), p.across.x() * p.across.y(), p.across.y() * p.across.y());
+constexpr double most_turn = 0.8;  // [rad] along an edge: what turns more is a crease, or the error of a needle
+
+/// The nearest tensors that bend across one direction only, and by no more than that over the edges of their vertex.
+Points3 developable(const Sheet& sheet, const Points3& tensors) {
+  std::vector<Principal> principal;
+  for (int v = 0; v < tensors.rows(); ++v) principal.push_back(principal_curvature(tensors.row(v)));
+  Eigen::VectorXd reach = Eigen::VectorXd::Zero(tensors.rows()), edges = reach;  // of the edges, across
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      for (const int k : {1, 2}) {
+        const int v = sheet.triangles(t, i);
+        reach[v] += std::abs((sheet.pattern.row(sheet.triangles(t, (i + k) % 3)) - sheet.pattern.row(v)).dot(principal[v].across));
+        edges[v] += 1;
+      }
+  Points3 result(tensors.rows(), 3);
+  for (int v = 0; v < tensors.rows(); ++v) {
+    const Vector2d& n = principal[v].across;
+    const double most = most_turn * edges[v] / std::max(reach[v], 1e-12);
+    result.row(v) = std::clamp(principal[v].k1, -most, most) * Eigen::RowVector3d(n.x() * n.x(), n.x() * n.y(), n.y() * n.y());
+  }
+  return result;
 }
 
 }  // namespace
@@ -106,8 +123,7 @@ CurvedSurface curve(const Sheet& sheet, const std::vector<int>& exact) {
   const Folded folded = look(sheet);
   std::vector<double> turns(folded.theta.size());
   for (std::size_t h = 0; h < turns.size(); ++h) turns[h] = (1 - folded.share[h]) * folded.theta[h];
-  Points3 curvature = vertex_curvature(sheet.pattern, sheet.triangles, folded.hinges, turns);
-  for (int v = 0; v < curvature.rows(); ++v) curvature.row(v) = developable(curvature.row(v));
+  const Points3 curvature = developable(sheet, vertex_curvature(sheet.pattern, sheet.triangles, folded.hinges, turns));
 
   CurvedSurface surface{sheet.triangles, sheet.x, Points3::Zero(3 * sheet.triangles.rows(), 3), curvature};
   for (int t = 0; t < sheet.triangles.rows(); ++t)
@@ -119,7 +135,8 @@ CurvedSurface curve(const Sheet& sheet, const std::vector<int>& exact) {
       const Vector3d s = 0.5 * (curvature.row(a) + curvature.row(b));
       const Vector3d n = (folded.normals.row(3 * t + j) + folded.normals.row(3 * t + k)).transpose().stableNormalized();
       const double open = h < 0 ? 1 : 1 - folded.share[h];
-      const Vector3d d = 0.5 * open * (s[0] * e.x() * e.x() + 2 * s[1] * e.x() * e.y() + s[2] * e.y() * e.y()) * n;
+      const double turn = (s[0] * e.x() * e.x() + 2 * s[1] * e.x() * e.y() + s[2] * e.y() * e.y()) / e.norm();
+      const Vector3d d = 0.5 * open * std::clamp(turn, -most_turn, most_turn) * e.norm() * n;
       surface.bulge.row(3 * t + i) = d;
       if (h < 0) continue;
       const int other = folded.hinges.hinges[h].triangles[1];

@@ -17,6 +17,7 @@ double crease_share(double theta);
 ///
 /// c  corner, drawn in by half of what the patches round it stand out (a polyline of true lengths lies outside its arc)
 /// e  edge ij on the pattern;  S  developable curvature tensor, mean of the two ends;  n  unit normal there
+///    (no more than 0.8 rad along an edge: a needle's folds over its small area tell of any curvature)
 /// s  crease_share of the edge: a crease stays straight and sharp, and what lies beyond it has no say in S and n
 ///
 /// source  algorithm E2.3 "b1 + shift"; patches with common edges and soft creases are this project's
