@@ -32,8 +32,9 @@ LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles, con
   const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
   const double ell2 = options.length * options.length;
   std::vector<double> areas(triangles.rows());
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(9 * triangles.rows() + 16 * hinges_.hinges.size() + pattern.rows());
+  std::vector<Eigen::Triplet<double>> entries, stretch;
+  entries.reserve(16 * hinges_.hinges.size() + pattern.rows());
+  stretch.reserve(9 * triangles.rows());
   for (int t = 0; t < triangles.rows(); ++t) {
     Face face;
     for (int i = 0; i < 3; ++i) face.v[i] = triangles(t, i);
@@ -46,7 +47,7 @@ LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles, con
     }
     face.weight = options.stretch * ell2 * areas[t];
     for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j) entries.emplace_back(face.v[i], face.v[j], face.weight * face.slope.row(i).dot(face.slope.row(j)));
+      for (int j = 0; j < 3; ++j) stretch.emplace_back(face.v[i], face.v[j], face.weight * face.slope.row(i).dot(face.slope.row(j)));
     faces_.push_back(face);
   }
   for (const Hinge& hinge : hinges_.hinges) {
@@ -64,8 +65,11 @@ LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles, con
     bends_.push_back(bend);
   }
   for (int v = 0; v < pattern.rows(); ++v) entries.emplace_back(v, v, area_[v]);
-  matrix_.resize(pattern.rows(), pattern.rows());
-  matrix_.setFromTriplets(entries.begin(), entries.end());
+  smooth_.resize(pattern.rows(), pattern.rows());
+  smooth_.setFromTriplets(entries.begin(), entries.end());
+  stiff_.resize(pattern.rows(), pattern.rows());
+  stiff_.setFromTriplets(stretch.begin(), stretch.end());
+  stiff_ += smooth_;
 }
 
 void LocalGlobal::hold(const std::vector<int>& vertices) {
@@ -79,14 +83,19 @@ void LocalGlobal::hold(const std::vector<int>& vertices) {
       place[v] = static_cast<int>(free_.size());
       free_.push_back(static_cast<int>(v));
     }
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(matrix_.nonZeros());
-  for (const int v : free_)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix_, v); it; ++it)
-      if (place[it.row()] >= place[v]) entries.emplace_back(place[it.row()], place[v], it.value());
-  Eigen::SparseMatrix<double> lower(free_.size(), free_.size());
-  lower.setFromTriplets(entries.begin(), entries.end());
-  factor_.emplace(lower);
+  if (free_.empty()) return;
+  const auto factored = [&](const Eigen::SparseMatrix<double>& all) {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(all.nonZeros());
+    for (const int v : free_)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(all, v); it; ++it)
+        if (place[it.row()] >= place[v]) entries.emplace_back(place[it.row()], place[v], it.value());
+    Eigen::SparseMatrix<double> lower(free_.size(), free_.size());
+    lower.setFromTriplets(entries.begin(), entries.end());
+    return ColumnCholesky(lower);
+  };
+  smooth_factor_.emplace(factored(smooth_));
+  stiff_factor_.emplace(factored(stiff_));
 }
 
 Points3 LocalGlobal::stretch_pull(const Points3& x) const {
@@ -100,8 +109,8 @@ Points3 LocalGlobal::stretch_pull(const Points3& x) const {
   return r;
 }
 
-Points3 LocalGlobal::first_pull(const Points3& y, const Points3& bend) const {
-  Points3 r = stretch_pull(y);
+Points3 LocalGlobal::bend_pull(const Points3& y, const Points3& bend) const {
+  Points3 r = Points3::Zero(y.rows(), 3);
   for (std::size_t h = 0; h < bends_.size(); ++h) {
     const auto& v = hinges_.hinges[h].vertices;
     const auto& k = bends_[h].k;
@@ -132,15 +141,18 @@ Points3 LocalGlobal::bend(const Points3& y, const Points3& curvature) const {
   return result;
 }
 
+void LocalGlobal::move(Points3& x, const Points3& pull, const ColumnCholesky& factor) const {
+  Points3 right(free_.size(), 3);
+  for (std::size_t k = 0; k < free_.size(); ++k) right.row(k) = pull.row(free_[k]);
+  const Points3 way = factor.solve(right);
+  for (std::size_t k = 0; k < free_.size(); ++k) x.row(free_[k]) += way.row(k);
+}
+
 Points3 LocalGlobal::operator()(const Points3& y, const Points3& curvature) const {
   Points3 x = y;
-  for (int step = 0; step < options_.steps && factor_; ++step) {
-    const Points3 all = step == 0 ? first_pull(y, bend(y, curvature)) : stretch_pull(x);
-    Points3 right(free_.size(), 3);
-    for (std::size_t k = 0; k < free_.size(); ++k) right.row(k) = all.row(free_[k]);
-    const Points3 move = factor_->solve(right);
-    for (std::size_t k = 0; k < free_.size(); ++k) x.row(free_[k]) += move.row(k);
-  }
+  if (free_.empty()) return x;
+  move(x, bend_pull(y, bend(y, curvature)), *smooth_factor_);
+  for (int step = 0; step < options_.steps; ++step) move(x, stretch_pull(x), *stiff_factor_);
   return x;
 }
 

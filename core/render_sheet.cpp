@@ -74,7 +74,7 @@ RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& feat
   const double edge = (quality == Quality::draft ? 0.005 : 0.002) * longer_side(pattern) / 0.2;
   const int refine = quality == Quality::hero ? 1 : 0;
   LocalGlobalOptions options;
-  options.length = simulated_edge / 2;
+  options.length = simulated_edge / 6;
   return RenderSheet(mesh_for_render(pattern, edge, features, most_triangles >> (2 * refine)), options, refine);
 }
 

@@ -53,7 +53,7 @@ class RenderSheet {
 
 /// The render mesh of a shot. Edges of 5, 2 or 1 mm on a sheet of 0.2 m, and as much longer as it is larger; at most 400,000
 /// triangles. Hero is shot in four.
-/// simulated_edge  [m] mean edge of the meshes that were simulated: half of it is what is smoothed over
+/// simulated_edge  [m] mean edge of the meshes that were simulated: a sixth of it is what is smoothed over
 RenderSheet make_render_sheet(const Pattern&, const RenderFeatures&, double simulated_edge, Quality);
 
 }  // namespace paperbake
