@@ -3,6 +3,7 @@
 #include "baker/debug_pictures.h"
 #include "baker/frame_queue.h"
 #include "baker/output_folder.h"
+#include "baker/render_pass.h"
 #include "baker/summary.h"
 #include "core/curvature.h"
 #include "core/error.h"
@@ -33,19 +34,21 @@ struct Certificate {
   std::vector<SingularRecord> singular;
 };
 
-/// Takes the frames of one sheet as they are simulated and hands them on to cache, maps and certificate. A frame waits for
-/// its successor, so that its velocity is the central difference of the true motion.
+/// Takes the frames of one sheet as they are simulated and hands them on to maps and certificate. The cache of a render mesh
+/// gets its frames when all are known; that of the simulation mesh as they come: there a frame waits for its successor, so
+/// that its velocity is the central difference of the true motion.
 class SheetOutput {
  public:
   SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, AlembicWriter* cache, std::string suffix,
               std::filesystem::path map_stem, Certificate& certificate, std::vector<std::filesystem::path>& files)
       : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), cache_(cache), suffix_(std::move(suffix)), map_stem_(std::move(map_stem)),
-        certificate_(certificate), files_(files), input_hash_(plan.start_hash[sheet]) {}
+        certificate_(certificate), files_(files), first_record_(certificate.frames.size()), input_hash_(plan.start_hash[sheet]) {}
 
   const FrameRecord* take(const AnimatedFrame& frame) {
     input_hash_ = frame_input_hash(input_hash_, shot_, frame.frame, plan_.animation.first_frame);
     draw_map(frame);
     draw_debug_picture(frame);
+    if (cache_ && settings_.mesh == CacheMesh::render) record_.add(frame);
     release_waiting(&*frame.sheet);
     before_ = std::move(now_);
     now_ = *frame.sheet;
@@ -55,17 +58,17 @@ class SheetOutput {
     if (!plan_.frames.contains(frame.frame)) return nullptr;
     certificate_.frames.push_back(judge(frame));
     record_handles(frame);
-    if (cache_) wait(*frame.sheet);
+    if (cache_ && settings_.mesh == CacheMesh::simulation) wait(*frame.sheet);
     return &certificate_.frames.back();
   }
 
   void finish() {
     release_waiting(nullptr);
+    write_render_frames();
     if (!map_) return;
     files_.push_back(map_stem_.string() + ".final.exr");
     map_->write(files_.back(), map_info(last_map_frame_));
   }
-
 
  private:
   FrameRecord judge(const AnimatedFrame& frame) const {
@@ -135,6 +138,20 @@ class SheetOutput {
     write_png(*settings_.debug_pictures / fmt::format("{}{}.{:04}.png", plan_.name, suffix_, frame.frame), debug_picture(shot_, frame, title));
   }
 
+  /// The second pass: what was recorded, on one mesh.
+  void write_render_frames() {
+    if (record_.frames().empty()) return;
+    std::size_t at = first_record_;
+    render_shot(record_, shot_, settings_.quality, plan_.frames, plan_.animation.fps, [&](int, const CacheFrame& frame, const RenderNumbers& numbers) {
+      FrameRecord& r = certificate_.frames[at++];
+      r.render_triangles = numbers.triangles;
+      r.render_stretch_mean_pct = numbers.stretch_mean_pct;
+      r.render_stretch_max_pct = numbers.stretch_max_pct;
+      r.render_ms = numbers.ms;
+      r.content_hash = cache_->add_frame(sheet_, frame);
+    });
+  }
+
   MapInfo map_info(int frame) const {
     return {frame, plan_.animation.fps, plan_.seeds[sheet_], plan_.presets[sheet_]};
   }
@@ -177,7 +194,9 @@ class SheetOutput {
   std::filesystem::path map_stem_;
   Certificate& certificate_;
   std::vector<std::filesystem::path>& files_;  // what was written
+  std::size_t first_record_;                   // of this sheet among those of the certificate
   std::string input_hash_;
+  ShotRecord record_;                          // for the render mesh
   std::size_t known_singular_ = 0;
   std::optional<CreaseMap> map_;
   int last_map_frame_ = 0;

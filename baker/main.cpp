@@ -52,7 +52,7 @@ const CLI::Validator positive([](std::string& text) {
 /// What the words of `bake` were, before they are understood.
 struct BakeWords {
   std::vector<std::string> set;
-  std::string formats = "abc,maps,cert", frames, map_frames, mesh = "render";
+  std::string formats = "abc,maps,cert", frames, map_frames;
   bool dry_run = false;
   ProgressMode progress = ProgressMode::automatic;
 };
@@ -74,7 +74,10 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("--seed", s.seed, "Seed of all that is random; else the sheet's paper_seed, else 0");
   bake.add_option("--triangles", s.triangles, "Triangles of fem's mesh, within 10 % (1700); the most that hybrid may have (250)")->check(CLI::Range(2, 400000));
   bake.add_option("--base-triangles", s.base_triangles, "Triangles that hybrid begins with")->capture_default_str()->check(CLI::Range(2, 100000));
-  bake.add_option("--mesh", words.mesh, "Mesh in the cache: render or simulation (one and the same for fem)")->capture_default_str()->check(CLI::IsMember({"render", "simulation"}));
+  bake.add_option("--mesh", s.mesh, "Mesh in the cache: render (one for the whole shot, the default), simulation (as it is simulated)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, CacheMesh>{{"render", CacheMesh::render}, {"simulation", CacheMesh::simulation}}));
+  bake.add_option("--quality", s.quality, "Edges of the render mesh on a sheet of 0.2 m: draft 5 mm, shot 2 mm (the default), hero 1 mm")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Quality>{{"draft", Quality::draft}, {"shot", Quality::shot}, {"hero", Quality::hero}}));
   bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert")->capture_default_str();
   bake.add_option("--gravity", s.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0")->check(finite);
   bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(positive);

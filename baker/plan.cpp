@@ -90,6 +90,10 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"bake.triangles", std::to_string(triangles_wanted(settings)), said(settings.triangles.has_value())});
   if (settings.method == "hybrid")
     used.push_back({"bake.base_triangles", std::to_string(settings.base_triangles), said(settings.base_triangles != defaults.base_triangles)});
+  used.push_back({"bake.mesh", settings.mesh == CacheMesh::render ? "\"render\"" : "\"simulation\"", said(settings.mesh != defaults.mesh)});
+  if (settings.mesh == CacheMesh::render)
+    used.push_back({"bake.quality", toml_string(settings.quality == Quality::draft ? "draft" : settings.quality == Quality::hero ? "hero" : "shot"),
+                    said(settings.quality != defaults.quality)});
   used.push_back({"bake.stop", toml_number(settings.stop), said(settings.stop != defaults.stop)});
   used.push_back({"bake.gravity", toml_number(plan.animation.elastic.gravity),
                   settings.gravity ? "command line" : scene.gravity ? "scene" : "default"});

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/paper.h"
+#include "core/render_sheet.h"
 #include "core/step1_elastic/elastic.h"
 #include "formats/scene_file.h"
 
@@ -23,6 +24,7 @@ FrameSpan parse_frames(const std::string& text, const std::string& option);
 /// Spans separated by commas. throws as above
 std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& option);
 
+enum class CacheMesh { render, simulation };
 enum class Dynamics { automatic, off, on };
 
 /// What the command line says about a bake. An empty option leaves the choice to scene, preset or default.
@@ -40,6 +42,8 @@ struct BakeSettings {
   Dynamics dynamics = Dynamics::automatic;
   int probe_every = 0;                                   // [frames] 0: never
   std::optional<FrameSpan> frames;
+  CacheMesh mesh = CacheMesh::render;                    // one for the whole shot, or as it is simulated
+  Quality quality = Quality::shot;                       // of the render mesh
   std::set<std::string> formats{"abc", "maps", "cert"};
   int map_size = 1024;                                   // [texels]
   std::optional<std::vector<FrameSpan>> map_frames;      // none: every 12th

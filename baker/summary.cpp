@@ -94,6 +94,8 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"handle_err_max_mm", spread(frames, [](const FrameRecord& f) { return f.handle_err_max_mm; })},
       {"render_stretch_mean_pct", spread(frames, [](const FrameRecord& f) { return f.render_stretch_mean_pct; })},
       {"render_stretch_max_pct", spread(frames, [](const FrameRecord& f) { return f.render_stretch_max_pct; })},
+      {"render_triangles", spread(frames, [](const FrameRecord& f) { return double(f.render_triangles); })},
+      {"render_ms", spread(frames, [](const FrameRecord& f) { return f.render_ms; })},
       {"elastic_ms", spread(frames, [](const FrameRecord& f) { return f.elastic_ms; })},
       {"geometry_ms", spread(frames, [](const FrameRecord& f) { return f.geometry_ms; })},
       {"newton_iterations", spread(frames, [](const FrameRecord& f) { return double(f.newton_iterations); })},

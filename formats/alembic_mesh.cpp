@@ -16,6 +16,8 @@ constexpr const char* point_meaning = "geoScope=vtx;interpretation=point";
 constexpr const char* velocity_meaning = "interpretation=vector";
 constexpr const char* normal_meaning =
     "arrayExtent=1;geoScope=vtx;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_t";
+constexpr const char* corner_normal_meaning =
+    "arrayExtent=1;geoScope=fvr;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_t";
 constexpr const char* uv_meaning =
     "arrayExtent=1;geoScope=fvr;interpretation=vector;isGeomParam=true;podExtent=2;podName=float32_t;sourceName=UVMap";
 
@@ -58,6 +60,7 @@ Box around(const Box& a, const Box& b) {
 MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
   const Floats3 points = y_up(frame.x), velocities = y_up(frame.velocity), normals = y_up(frame.normal);
   const Triangles triangles = clockwise(frame.triangles);
+  const Triangles normal_of_corner = clockwise(frame.normal_of_corner);
   const std::vector<std::int32_t> corners_of_faces(triangles.rows(), 3);
   const Floats2 uv = (frame.uv.cast<float>().array() + 0.0f).matrix();
 
@@ -67,6 +70,7 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
   samples.points = store(archive, raw(points));
   samples.velocities = store(archive, raw(velocities));
   samples.normals = store(archive, raw(normals));
+  samples.normal_indices = store(archive, raw(normal_of_corner));
   samples.indices = store(archive, raw(triangles));
   samples.counts = store(archive, raw(corners_of_faces));
   samples.uv = store(archive, raw(uv));
@@ -119,7 +123,11 @@ Property geometry(const std::vector<MeshFrame>& frames) {
   };
   if (ever_given(frames, &MeshFrame::velocities))
     members.push_back(array(".velocities", velocity_meaning, Pod::f32, 3, &MeshFrame::velocities));
-  if (ever_given(frames, &MeshFrame::normals))
+  if (ever_given(frames, &MeshFrame::normal_indices))
+    members.push_back(compound("N", corner_normal_meaning,
+                               {array(".vals", corner_normal_meaning, Pod::f32, 3, &MeshFrame::normals),
+                                array(".indices", "", Pod::u32, 1, &MeshFrame::normal_indices)}));
+  else if (ever_given(frames, &MeshFrame::normals))
     members.push_back(array("N", normal_meaning, Pod::f32, 3, &MeshFrame::normals));
   if (ever_given(frames, &MeshFrame::uv))
     members.push_back(compound("uv", uv_meaning,
