@@ -2,6 +2,7 @@
 
 #include "core/paper.h"
 #include "core/step1_elastic/elastic.h"
+#include "formats/map_info.h"
 #include "formats/scene_file.h"
 
 #include <filesystem>
@@ -41,6 +42,7 @@ struct BakeSettings {
   std::optional<FrameSpan> frames;
   std::set<std::string> formats{"abc", "maps", "cert"};
   int map_size = 1024;                                   // [texels]
+  MapLayout map_layout = MapLayout::scanline;
   std::optional<std::vector<FrameSpan>> map_frames;      // none: every 12th
   std::optional<std::filesystem::path> debug_pictures;   // folder
   double max_stretch_pct = 5;

@@ -371,6 +371,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.contact = step.last.contact;
     result.touching = step.last.touching;
     result.plastic = memory ? memory->integral() : 0;
+    if (memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);
     if (step.last.lower_branch > 1e-3)
       result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";
     if (!on_frame(result)) return;
