@@ -47,7 +47,7 @@ std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const
     const auto& v = hinge.vertices;
     const Vector2d along = at(v[1]) - at(v[0]);
     const double length = along.norm();
-    // the edge stands for a third of each of its triangles
+    // what an edge of a mesh of equal triangles stands for; half as much again where edges run along the rulings
     const double wings = 0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)), width = 2.0 / 3 * wings / length;
     double kept = turn - law.yield_curvature * width;
     if (plastic.rows() > 0) {

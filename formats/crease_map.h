@@ -49,7 +49,7 @@ struct CreaseMapOptions {
 ///
 /// Texels outside the pattern, up to 4 texels away from it, continue it (so that a texture lookup at the border finds paper): A is
 /// 0, the shape is that of the nearest point of the border. Beyond them every layer is 0 or what says "none" above.
-/// Angles are rounded to 2^-14 rad, strains to 2^-12 %, directions to 2^-12, distances to at most 1/8 texel.
+/// Angles are rounded to 2^-12 rad, strains to 2^-12 %, directions to 2^-10, distances to at most 1/8 texel.
 class CreaseMap {
  public:
   CreaseMap(const Pattern&, const CreaseMapOptions&);

@@ -8,12 +8,13 @@ namespace paperbake {
 namespace {
 
 // Digits below what a render can show are noise to the compressor: rounding halves the time and quarters the file.
-constexpr float angle_step = 1.0f / 16384;   // [rad] 0.0035 degrees
+constexpr float angle_step = 1.0f / 4096;    // [rad] 0.014 degrees
 constexpr float strain_step = 1.0f / 4096;   // [%]
-constexpr float unit_step = 1.0f / 4096;     // [1] of a direction
+constexpr float unit_step = 1.0f / 1024;     // [1] of a direction
 
 constexpr double curved[2] = {0.18, 0.3};    // [rad] |k1| x longer side: B rises from 0 to 1, as core finds curved regions
 constexpr double one_way[2] = {0.5, 0.7};    // [1] |k2 / k1|: and falls to 0 where paper bends both ways
+constexpr double isotropic = 0.02;           // [1] of k1: a bowl has no ruling
 constexpr double least_radius = 0.75;        // [texel] of a line: thinner ones would go missing between centres
 constexpr double age_margin = 1.5;           // [texel] age.crease reaches beyond R, so that no lookup under R meets "none"
 constexpr int block = 16;                    // [texel] side of the squares that share one list of near apices
@@ -44,7 +45,7 @@ void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
   texel.fold_plastic = rounded(larger_principal(f[3], f[4], f[5]) * scene.fold_width, angle_step);
   const double k2 = f[0] + f[2] - k1, bent = std::abs(k1) * scene.side;
   const double coherent = (one_way[1] - std::abs(k2 / k1)) / (one_way[1] - one_way[0]);
-  if (bent > curved[0] && (f[0] != f[2] || f[1] != 0)) {
+  if (bent > curved[0] && std::abs(k1 - k2) > isotropic * std::abs(k1)) {
     texel.b = static_cast<float>(std::clamp((bent - curved[0]) / (curved[1] - curved[0]), 0.0, 1.0) * std::clamp(coherent, 0.0, 1.0));
     const Vector2d along = ruling(f[0], f[1], f[2]);
     texel.dir_x = rounded(along.x(), unit_step);
