@@ -1,7 +1,5 @@
 #include "formats/fold_peak.h"
 
-#include <utility>
-
 namespace paperbake {
 namespace {
 
@@ -21,7 +19,8 @@ Between between(int i, int fine, int coarse) {
 }  // namespace
 
 FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side, int size)
-    : side_(side), rows_{std::min(size, most_texels), 0, std::min(size, most_texels)}, loops_(loops), peak_(rows_.count(), 0.0f) {
+    : side_(side), rows_{std::min(size, most_texels), 0, std::min(size, most_texels)}, loops_(loops), bulge_(rows_.count(), 0.0f),
+      hollow_(rows_.count(), 0.0f) {
   for (auto& loop : loops_)
     for (Vector2d& p : loop) p = to_texels(p, side, rows_.size);
   wanted_ = wanted_texels(loops_, area_coverage(loops_, rows_), rows_);
@@ -29,8 +28,9 @@ FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side,
 
 void FoldPeak::record(const MapFields& fields, double fold_width) {
   for_each_texel(fields, side_, loops_, rows_, wanted_, [&](int index, const Fields& f) {
-    const float angle = static_cast<float>(larger_principal(f[0], f[1], f[2]) * fold_width);
-    if (std::abs(angle) > std::abs(peak_[index])) peak_[index] = angle;
+    const double k1 = larger_principal(f[0], f[1], f[2]), k2 = f[0] + f[2] - k1;
+    bulge_[index] = std::max(bulge_[index], static_cast<float>(std::max(k1, k2) * fold_width));
+    hollow_[index] = std::max(hollow_[index], static_cast<float>(-std::min(k1, k2) * fold_width));
   });
 }
 
@@ -38,16 +38,17 @@ std::vector<float> FoldPeak::row(int row, int size) const {
   const int coarse = rows_.size;
   const Between y = between(row, size, coarse);
   // first down the columns of the memory, then along the row
-  std::vector<float> sum(coarse), magnitude(coarse), peaks(size);
-  for (int i = 0; i < coarse; ++i) {
-    const float a = peak_[y.first * coarse + i], b = peak_[y.second * coarse + i];
-    sum[i] = a + y.weight * (b - a);
-    magnitude[i] = std::abs(a) + y.weight * (std::abs(b) - std::abs(a));
-  }
+  std::vector<float> bulge(coarse), hollow(coarse), peaks(size);
+  const auto down = [&](const std::vector<float>& grid, int i) {
+    const float a = grid[y.first * coarse + i], b = grid[y.second * coarse + i];
+    return a + y.weight * (b - a);
+  };
+  for (int i = 0; i < coarse; ++i) bulge[i] = down(bulge_, i), hollow[i] = down(hollow_, i);
   for (int i = 0; i < size; ++i) {
     const Between x = between(i, size, coarse);
-    const float signed_sum = sum[x.first] + x.weight * (sum[x.second] - sum[x.first]);
-    peaks[i] = std::copysign(magnitude[x.first] + x.weight * (magnitude[x.second] - magnitude[x.first]), signed_sum);
+    const auto along = [&](const std::vector<float>& v) { return v[x.first] + x.weight * (v[x.second] - v[x.first]); };
+    const float up = along(bulge), down = along(hollow);
+    peaks[i] = up >= down ? up : -down;
   }
   return peaks;
 }

@@ -13,8 +13,7 @@ class FoldPeak {
 
   void record(const MapFields&, double fold_width);
 
-  /// The peak between the texels of the memory, for a row of a map of `size` texels. Its magnitude is interpolated apart from
-  /// its sign, so that no line of zero appears where the sign flips. [rad]
+  /// The peak between the texels of the memory, for a row of a map of `size` texels. [rad]
   std::vector<float> row(int row, int size) const;
 
  private:
@@ -22,7 +21,9 @@ class FoldPeak {
   MapRows rows_;
   std::vector<std::vector<Vector2d>> loops_;  // [texel]
   std::vector<char> wanted_;
-  std::vector<float> peak_;                   // [rad]
+  // Both principal values are continuous on a sheet, the larger one of them is not where its sign flips. So the largest of each
+  // is remembered and interpolated, and which of them is the peak is decided at the texel of the map: no stairs, no line of zero.
+  std::vector<float> bulge_, hollow_;         // [rad] at least 0
 };
 
 }  // namespace paperbake
