@@ -80,6 +80,7 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(positive);
   bake.add_option("--dynamics", s.dynamics, "Inertia: auto (quasi-static), off, on")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Dynamics>{{"auto", Dynamics::automatic}, {"off", Dynamics::off}, {"on", Dynamics::on}}));
+  bake.add_option("--probe", s.probe_every, "Every N frames, look for another shape of less energy under the same handles, and take it; 0: never")->capture_default_str()->check(CLI::Range(0, 100000));
   bake.add_option("--frames", words.frames, "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key handles rest");
   bake.add_option("--map-size", s.map_size, "Texels on a side of the maps")->capture_default_str()->check(CLI::Range(1, 16384));
   bake.add_option("--map-layout", s.map_layout, "scanline; tiled-mip: 64 x 64 tiles with mip levels, for renderers")

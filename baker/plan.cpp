@@ -16,6 +16,12 @@ void check_method(const BakeSettings& settings) {
     throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has: hybrid, fem.");
 }
 
+void check_probe(const BakeSettings& settings) {
+  if (settings.probe_every > 0 && settings.dynamics == Dynamics::on)
+    throw Error(Fault::command, "--probe", "With inertia a sheet swings between its shapes: there is no lower one to look for.",
+                "Bake without --dynamics on, or without --probe.");
+}
+
 int triangles_wanted(const BakeSettings& settings) { return settings.triangles.value_or(settings.method == "hybrid" ? 250 : 1700); }
 
 Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed, std::size_t sheet) {
@@ -89,6 +95,7 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
                   settings.gravity ? "command line" : scene.gravity ? "scene" : "default"});
   used.push_back({"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
                   settings.dynamics == Dynamics::automatic ? "auto" : "command line"});
+  if (settings.probe_every > 0) used.push_back({"bake.probe", std::to_string(settings.probe_every), "command line"});
   used.push_back({"bake.frames", toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
                   settings.frames ? "command line" : "scene"});
   used.push_back({"bake.map_size", std::to_string(settings.map_size), said(settings.map_size != defaults.map_size)});
@@ -124,12 +131,14 @@ BakePlan plan_bake(const BakeSettings& settings) {
   BakePlan plan;
   plan.name = settings.scene.stem().string();
   check_method(settings);
+  check_probe(settings);
   Scene scene = read_scene(settings.scene, settings.reading);
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;
   plan.animation.elastic.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
   plan.animation.elastic.inertia = settings.dynamics == Dynamics::on ? Inertia::dynamic : Inertia::quasi_static;
+  plan.animation.probe_every = settings.probe_every;
   plan.animation.memory = settings.method == "hybrid" ? Memory::plastic : Memory::none;
   settle_frames(settings, scene, plan);
   note_used(settings, scene, plan);

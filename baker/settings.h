@@ -39,6 +39,7 @@ struct BakeSettings {
   std::optional<double> gravity;                         // [m/s2]
   double stop = 1e-5;                                    // [m]
   Dynamics dynamics = Dynamics::automatic;
+  int probe_every = 0;                                   // [frames] 0: never
   std::optional<FrameSpan> frames;
   std::set<std::string> formats{"abc", "maps", "cert"};
   int map_size = 1024;                                   // [texels]

@@ -1,13 +1,14 @@
 #include "core/animate.h"
 
+#include "core/branches.h"
 #include "core/error.h"
 #include "core/exchange.h"
 #include "core/hinges.h"
 #include "core/locate.h"
 #include "core/measure.h"
 #include "core/plastic_grid.h"
-#include "core/random.h"
 #include "core/reach.h"
+#include "core/ripple.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -34,17 +35,6 @@ double cpu_ms() {
   timespec t;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
-}
-
-/// A few long waves over the pattern, of size 1, that depend on the seed and not on the mesh: every mesh buckles to the same side.
-double ripple(const Vector2d& p, double side, unsigned seed) {
-  constexpr int waves = 6;
-  double sum = 0;
-  for (int k = 0; k < waves; ++k) {
-    const Vector2d direction(uniform(seed, 3 * k), uniform(seed, 3 * k + 1));
-    sum += std::sin(2 * M_PI * (1.5 * direction.dot(p) / side + uniform(seed, 3 * k + 2))) / waves;
-  }
-  return sum;
 }
 
 /// Adds a ripple along the common normal when all points lie in one plane.
@@ -222,11 +212,9 @@ struct SteppedFrame {
 };
 
 /// leap  [1] how far the handles go against each other; more than a whole step takes: it is halved before it is tried
-SteppedFrame follow(Elastic& elastic, PlasticGrid* memory, Sheet& sheet, const Held& held, double leap, double dt, int halvings,
-                    const std::string& where) {
+SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double leap, double dt, int halvings, const std::string& where) {
   const Sheet before = sheet;
-  std::optional<PlasticGrid> remembered;
-  if (memory) remembered = *memory;
+  const ElasticPast past = elastic.past();
   SteppedFrame result;
   std::string failure;
   LengthDistortion distortion;
@@ -251,15 +239,12 @@ SteppedFrame follow(Elastic& elastic, PlasticGrid* memory, Sheet& sheet, const H
     throw Error(Fault::simulation, where, failure.empty() ? cause : failure, "Move the handles more slowly before this frame.");
   }
   sheet = before;
-  if (memory) {
-    *memory = *remembered;
-    elastic.remember_in(memory);
-  }
+  elastic.take_back(past);
   Held half = held;
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     half.targets.row(k) = 0.5 * (before.x.row(held.vertices[k]) + held.targets.row(k));
-  const SteppedFrame first = follow(elastic, memory, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, where);
-  SteppedFrame second = follow(elastic, memory, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, where);
+  const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, where);
+  SteppedFrame second = follow(elastic, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, where);
   second.substeps += first.substeps;
   second.iterations += first.iterations + result.iterations;
   second.converged &= first.converged;
@@ -311,10 +296,12 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   Sheet shown;          // what is handed on
   Held held_before;
   bool at_minimum = false;  // and not flowing
+  bool leaving = false;     // an unstable shape: nobody draws conclusions from the way down
   int quiet_frames = 0;
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
     result.frame = frame;
+    const Moment now{frame, 1 / options.fps};
     const Held held = grip.held(frame);
     const bool first = frame == options.first_frame;
 
@@ -324,17 +311,17 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
     const bool moving = moved > still * side;
     if (method.propose && !first && moving && at_minimum)
-      if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), frame)) {
+      if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), now)) {
         const std::vector<double> stiffening = disc_factors(*proposal, shot);
         const Verdict verdict = exchange_mesh(sheet, elastic, std::move(*proposal), stiffening, held_before, 1 / options.fps);
-        method.judged(verdict.accepted, frame);
+        method.judged(verdict.accepted, now);
         result.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
         result.remesh_rise = verdict.rise;
       }
     const double leap = leap_of(sheet, held, held_before) / side;
     before = sheet.x;
     held_before = held;
-    if (method.remesh && !first && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, started.fixed, frame, moving))
+    if (method.remesh && !first && !leaving && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, started.fixed, now, moving))
       elastic.set_mesh(sheet, disc_factors(sheet, shot));
     result.new_singular = static_cast<int>(sheet.singular.size() - born);
     result.geometry_ms = geometry_ms + cpu_ms() - begun;
@@ -348,12 +335,23 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step.last = elastic.look(sheet);
       sheet.v.setZero();
     } else {
-      step = follow(elastic, memory ? &*memory : nullptr, sheet, held, leap, 1 / options.fps, 0, where);
+      step = follow(elastic, sheet, held, leap, 1 / options.fps, 0, where);
     }
-    result.elastic_ms = cpu_ms() - begun;
     // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
-    at_minimum = step.converged && (step.last.plastic_flow <= 0 || step.last.plastic_flow <= most_flow * fold_integral(sheet));
+    leaving = step.last.leaving;
+    at_minimum = step.converged && !leaving && (step.last.plastic_flow <= 0 || step.last.plastic_flow <= most_flow * fold_integral(sheet));
+    if (step.last.lower_branch > 1e-3)
+      result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";
+    if (options.probe_every > 0 && !sleeps && (frame - options.first_frame + 1) % options.probe_every == 0) {
+      const Branches found = probe_branches(sheet, elastic, held, 1 / options.fps, options.seed, frame);
+      if (found.taken || found.finished) {
+        const ElasticReport stored = elastic.look(sheet);
+        step.last.energy = stored.energy, step.last.membrane = stored.membrane;
+      }
+      if (const std::string note = note_of(found); !note.empty()) result.note += (result.note.empty() ? "" : "; ") + note;
+    }
+    result.elastic_ms = cpu_ms() - begun;
     grip.anchor(sheet.x, frame);
 
     begun = cpu_ms();
@@ -372,8 +370,6 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.touching = step.last.touching;
     result.plastic = memory ? memory->integral() : 0;
     if (memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);
-    if (step.last.lower_branch > 1e-3)
-      result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";
     if (!on_frame(result)) return;
   }
 }

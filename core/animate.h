@@ -30,6 +30,7 @@ struct AnimateOptions {
   int first_frame = 1, last_frame = 1;
   unsigned seed = 0;            // of the ripple that lets a flat sheet buckle
   Memory memory = Memory::none; // plastic: beyond the yield strain of the grade, on the pattern, for ever
+  int probe_every = 0;          // [frames] from one search for another branch (branches.h) to the next; 0: none
 };
 
 /// A handle at one frame.

@@ -97,4 +97,21 @@ Principal principal_curvature(const Vector3d& tensor) {
   return {mean - radius, mean + radius, {-std::sin(phi), std::cos(phi)}};
 }
 
+SecondTurn second_turn(const Sheet& sheet, const Points3& curvature) {
+  const std::size_t vertices = sheet.pattern.rows();
+  SecondTurn second{std::vector<char>(vertices, 0), std::vector<double>(vertices, 0.0), std::vector<double>(vertices, 0.0)};
+  const Hinges hinges = find_hinges(sheet.triangles);
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const auto corner = sheet.triangles.row(t);
+    const Vector2d u = (sheet.pattern.row(corner[1]) - sheet.pattern.row(corner[0])).transpose();
+    const Vector2d v = (sheet.pattern.row(corner[2]) - sheet.pattern.row(corner[0])).transpose();
+    for (int i = 0; i < 3; ++i) {
+      second.area[corner[i]] += (u.x() * v.y() - u.y() * v.x()) / 6;
+      if (hinges.of_triangle[t][i] < 0) second.border[corner[(i + 1) % 3]] = second.border[corner[(i + 2) % 3]] = 1;
+    }
+  }
+  for (std::size_t v = 0; v < vertices; ++v) second.turn[v] = std::abs(principal_curvature(curvature.row(v)).k2) * std::sqrt(second.area[v]);
+  return second;
+}
+
 }  // namespace paperbake

@@ -2,6 +2,8 @@
 
 #include "core/sheet.h"
 
+#include <vector>
+
 namespace paperbake {
 
 /// Curvature tensor of the sheet at each vertex, in pattern coordinates, averaged over its one-ring:
@@ -21,5 +23,14 @@ struct Principal {
   Vector2d across;     // unit, pattern; the ruling is perpendicular to it
 };
 Principal principal_curvature(const Vector3d& tensor);
+
+/// How far each vertex turns in its second direction.
+struct SecondTurn {
+  std::vector<char> border;     // the vertex lies on the border
+  std::vector<double> area;     // A_v [m2] a third of the triangles round it
+  std::vector<double> turn;     // |k2| sqrt(A_v) [rad]
+};
+/// curvature  |V|x3 [1/m] of the vertices
+SecondTurn second_turn(const Sheet&, const Points3& curvature);
 
 }  // namespace paperbake

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <string>
 
 namespace paperbake {
@@ -16,5 +17,9 @@ struct Paper {
   double yield_strain = 0.0045;      // eps_y  [1]      of the outer fibre, h k/2, where bending stays: k_y = 2 eps_y/h
   double hardening = 0.3;            // eta    [1]      share of D that is left beyond yield, in [0, 1)
 };
+
+/// Width of a ridge of length X between flat facets: 0.4 h^(1/3) X^(2/3). [m]
+/// source  exponents of the stretching ridge [Lobkovsky 1996]; the prefactor is this project's, measured on S4
+inline double ridge_width(const Paper& paper, double X) { return 0.4 * std::cbrt(paper.thickness) * std::pow(X, 2.0 / 3); }
 
 }  // namespace paperbake

@@ -13,6 +13,13 @@ using Points2 = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
+/// A frame of the animation and how long it is.
+struct Moment {
+  int frame = 1;
+  double dt = 1 / 24.0;                          // [s] from the frame before
+  double seconds() const { return frame * dt; }  // [s] since frame 0
+};
+
 /// The apex of a d-cone: paper broken at a point. It stays for ever, at its place on the pattern [Schreck 2015, step 2].
 struct SingularPoint {
   Vector2d pattern;   // [m]

@@ -93,6 +93,14 @@ TEST_F(CommandLine, ANumberThatIsNoneEndsWithTwo) {
   EXPECT_TRUE(is_error(bake({"--preset", "missing/copy70.toml"}), 2, "missing/copy70.toml", "no such preset file"));
 }
 
+TEST_F(CommandLine, AProbeOfSheetsThatSwingEndsWithTwo) {
+  EXPECT_TRUE(is_error(bake({"--probe", "6", "--dynamics", "on"}), 2, "--probe", "inertia"));
+  EXPECT_TRUE(is_error(bake({"--probe", "-1"}), 2, "command line", "--probe"));
+  const Ended ended = bake({"--dry-run", "--probe", "6"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(ended.out.find("probe = 6  # command line"), std::string::npos) << ended.out;
+}
+
 TEST_F(CommandLine, AnUnknownFormatEndsWithTwo) { EXPECT_TRUE(is_error(bake({"--formats", "abc,gif"}), 2, "--formats", "gif")); }
 
 TEST_F(CommandLine, ADryRunPrintsTheJobAndWritesNothing) {

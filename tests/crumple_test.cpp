@@ -107,22 +107,25 @@ TEST(Conflict, ShowsWhereFoldsOfBothSignsMeet) {
 
 TEST(Conflict, BringsAPointWhenItHasLastedSoonerWhereItIsSharp) {
   const Sheet sheet = ridge_and_valley();
-  const auto frames_to_birth = [&](const CrumpleOptions& options) {
+  const auto frames_to_birth = [&](const CrumpleOptions& options, double dt = 1 / 24.0) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, options, 1, 0);
-    for (int frame = 1; frame <= 40; ++frame) {
+    for (int frame = 1; frame <= 80; ++frame) {
       Sheet now = sheet;  // the conflict is the same in every frame
-      if (crumple.operate(now, {}, frame, true).births > 0) return frame;
+      if (crumple.operate(now, {}, {frame, dt}, true).births > 0) return frame;
     }
     return 0;
   };
   CrumpleOptions options;
   options.conflict_turn = options.absorbed_turn = options.absorbed_folds = 10;
   options.most_triangles = 1000;
-  options.lasting = 5;
+  options.lasting = 5 / 24.0;
   EXPECT_EQ(frames_to_birth(options), 5);
+  EXPECT_EQ(frames_to_birth(options, 1 / 48.0), 10);
+  EXPECT_EQ(frames_to_birth(options, 1 / 12.0), 3);  // the frame after
   options.absorbed_folds = 0.2;
-  options.lasting_sharp = 2;
+  options.lasting_sharp = 2 / 24.0;
   EXPECT_EQ(frames_to_birth(options), 2);
+  EXPECT_EQ(frames_to_birth(options, 1 / 120.0), 10);
 }
 
 TEST(Conflict, BesideASingularPointMoreIsAbsorbed) {

@@ -233,6 +233,74 @@ TEST(Elastic, UnfinishedMinimisationIsReportedAndGoesOn) {
   EXPECT_TRUE(converged);
 }
 
+/// Scene S1 on a coarse mesh: the borders of a sheet of 10 cm come together by 10 mm in 24 steps, then the middle of the front
+/// border is carried down by 20 mm in 36, past several snaps, and held there.
+struct Snapping {
+  Sheet sheet = hex_sheet(0.1, 0.1, 7, 0.1);
+  Elastic elastic{Paper{}, {}};
+  Held held;
+  ElasticReport report;
+  int steps = 0;
+
+  Snapping() {
+    for (int v = 0; v < sheet.x.rows(); ++v) sheet.x(v, 2) = 1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / 0.1);
+    held.vertices = vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1e-9 || p.x() > 0.1 - 1e-9; });
+    held.targets.resize(held.vertices.size(), 3);
+    elastic.set_mesh(sheet);
+  }
+  void step() {
+    ++steps;
+    if (steps == 25) {
+      held.vertices.push_back(vertices_where(sheet, [](const Vector2d& p) { return p.y() < 1e-9 && std::abs(p.x() - 0.05) < 0.008; }).at(0));
+      held.targets.conservativeResize(held.vertices.size(), 3);
+      held.targets.bottomRows<1>() = sheet.x.row(held.vertices.back());
+    }
+    if (steps > 24 && steps <= 60) held.targets(held.targets.rows() - 1, 2) -= 0.02 / 36;
+    for (std::size_t k = 0; k < held.vertices.size(); ++k)
+      if (const auto p = sheet.pattern.row(held.vertices[k]); p.x() < 1e-9 || p.x() > 0.1 - 1e-9)
+        held.targets.row(k) << p.x() - (p.x() > 0.05 ? 0.01 * std::min(steps, 24) / 24 : 0), p.y(), 0;
+    report = elastic.step(sheet, held, 1 / 24.0);
+  }
+};
+
+TEST(Elastic, NoStepOfACoarseMeshWaitsForASnap) {
+  Snapping s;
+  int most = 0, leaving = 0;
+  for (int k = 0; k < 80; ++k) {
+    s.step();
+    if (k > 2) most = std::max(most, s.report.iterations), leaving += s.report.leaving;
+  }
+  EXPECT_GT(leaving, 0);  // else nothing snapped
+  EXPECT_LE(most, 42);
+  EXPECT_TRUE(s.report.converged);  // what was left to later steps is done
+  EXPECT_FALSE(s.report.leaving);
+}
+
+TEST(Elastic, StepThatIsTakenBackLeavesNoTrace) {
+  Snapping s;
+  int snaps = 0, other = 0;
+  for (int k = 0; k < 60; ++k) {
+    const Sheet before = s.sheet;
+    const Held held = s.held;
+    const ElasticPast past = s.elastic.past();
+    s.step();
+    const Points3 x = s.sheet.x;
+    const ElasticReport report = s.report;
+    if (k == 30 || report.leaving) {
+      ++snaps;
+      const auto again = [&] { s.sheet = before, s.held = held, --s.steps, s.step(); };
+      again();  // with the past of a step that was not to be
+      other += !(s.sheet.x == x);
+      s.elastic.take_back(past);
+      again();
+      EXPECT_TRUE(s.sheet.x == x) << k;  // to the last bit
+      EXPECT_EQ(s.report.iterations, report.iterations) << k;
+    }
+  }
+  EXPECT_GT(snaps, 1);
+  EXPECT_GT(other, 0);  // so it does matter
+}
+
 TEST(Elastic, ClosingArchTakesFewIterationsAStep) {
   // what plain Newton is held back from by the membrane: the ends of an arch come together by 2 mm a step
   ElasticOptions options;

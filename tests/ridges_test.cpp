@@ -36,14 +36,20 @@ TEST(Ridges, SheetThatBendsInTwoDirectionsIsFocusedToTheWidthOfARidge) {
   const Sheet sheet = doubly_curved(40, -40);  // 40 1/m over a cell of 12 mm: 28 degrees
   const Ridges ridges = ridges_of(sheet);
   EXPECT_EQ(ridges.share.maxCoeff(), 1);
-  // X = sqrt(0.01 m2 / 4) = 50 mm, w = 0.4 (90 um)^(1/3) X^(2/3) = 2.43 mm; a triangle of 12.5 mm is 5.4 to 12.5 mm wide
+  // X = sqrt(0.01 m2 / 4) = 50 mm, w = 0.4 (90 um)^(1/3) X^(2/3) = 2.43 mm; a triangle of 12.5 mm is 5.4 to 12.5 mm wide: X/2 counts
   const double width = 0.4 * std::cbrt(90e-6) * std::pow(0.05, 2.0 / 3);
   EXPECT_NEAR(width, 2.43e-3, 1e-5);
   for (int t = 0; t < ridges.focus.size(); ++t) {
     if (ridges.share[t] < 1) continue;
-    EXPECT_GE(ridges.focus[t], 0.005 / width);
-    EXPECT_LE(ridges.focus[t], 0.0131 / width);
+    EXPECT_NEAR(ridges.focus[t], 0.025 / width, 1e-9 * ridges.focus[t]);
   }
+}
+
+TEST(Ridges, TrianglesLargerThanHalfAFacetFocusOverTheirOwnSize) {
+  const Sheet sheet = doubly_curved(40, -40, 2);  // cells of 50 mm, X/2 = 25 mm
+  const Ridges ridges = ridges_of(sheet);
+  ASSERT_EQ(ridges.share.maxCoeff(), 1);
+  EXPECT_GT(ridges.focus.maxCoeff(), 1.2 * 0.025 / ridge_width(Paper{}, 0.05));
 }
 
 TEST(Ridges, PointLoadIsNone) {

@@ -176,27 +176,30 @@ TEST(MeshFit, SeesEdgesAcrossTheBendingAndLargeFolds) {
 }
 
 TEST(RemeshWhen, RefusalsMakeItWaitAndAnAcceptedOneForgives) {
-  RemeshWhen when;
-  const MeshFit bad{0.5, 1.0};
-  const auto wait = [&](int frame) {
-    when.judged(false, frame);
-    int next = frame;
-    while (!when.due(bad, next, 0.2)) ++next;
-    return next - frame;
-  };
-  EXPECT_TRUE(when.due(bad, 1, 0.2));
-  EXPECT_FALSE(when.due({0.05, 0.1}, 1, 0.2));
-  EXPECT_EQ(wait(1), 2);
-  EXPECT_EQ(wait(3), 4);
-  EXPECT_EQ(wait(7), 8);
-  when.judged(true, 20);
-  EXPECT_FALSE(when.due(bad, 21, 0.2));
-  EXPECT_TRUE(when.due(bad, 22, 0.2));
-  EXPECT_FALSE(when.due({0.0, 0.3}, 23, 0.2));  // a large fold alone waits four frames,
-  EXPECT_TRUE(when.due({0.0, 0.3}, 24, 0.2));
-  EXPECT_FALSE(when.due({0.2, 0.0}, 25, 0.2));  // a slight misalignment six
-  EXPECT_TRUE(when.due({0.2, 0.0}, 26, 0.2));
-  EXPECT_EQ(wait(30), 2);
+  for (const int rate : {1, 2, 5}) {  // in seconds, whatever the frames
+    const double dt = 1 / (24.0 * rate);
+    RemeshWhen when;
+    const MeshFit bad{0.5, 1.0};
+    const auto wait = [&](int frame) {
+      when.judged(false, Moment{frame, dt});
+      int next = frame;
+      while (!when.due(bad, Moment{next, dt}, 0.2)) ++next;
+      return next - frame;
+    };
+    EXPECT_TRUE(when.due(bad, Moment{1 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.05, 0.1}, Moment{1 * rate, dt}, 0.2));
+    EXPECT_EQ(wait(1 * rate), 2 * rate);
+    EXPECT_EQ(wait(3 * rate), 4 * rate);
+    EXPECT_EQ(wait(7 * rate), 8 * rate);
+    when.judged(true, Moment{20 * rate, dt});
+    EXPECT_FALSE(when.due(bad, Moment{21 * rate, dt}, 0.2));
+    EXPECT_TRUE(when.due(bad, Moment{22 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.0, 0.3}, Moment{23 * rate, dt}, 0.2));  // a large fold alone waits four frames,
+    EXPECT_TRUE(when.due({0.0, 0.3}, Moment{24 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.2, 0.0}, Moment{25 * rate, dt}, 0.2));  // a slight misalignment six
+    EXPECT_TRUE(when.due({0.2, 0.0}, Moment{26 * rate, dt}, 0.2));
+    EXPECT_EQ(wait(30 * rate), 2 * rate);
+  }
 }
 
 }  // namespace

@@ -132,6 +132,18 @@ TEST(SingularPoint, TheMiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) 
   EXPECT_LT((middle_of_conflict(sheet, saddle, {worst}) - sheet.pattern.row(worst).transpose()).norm(), 1e-12);
 }
 
+TEST(SingularPoint, SpacingGrowsWithThePaperAndWithTheSheet) {
+  const Paper paper;
+  Paper card;
+  card.thickness *= 8;
+  const auto spacing = [](double side, const Paper& grade) { return least_spacing(test::rectangle(side, side), grade, {}); };
+  EXPECT_NEAR(spacing(0.21, paper), 0.0127, 1e-4);  // 2 x 0.4 (90 um)^(1/3) (0.21 m)^(2/3)
+  EXPECT_NEAR(spacing(0.21, card) / spacing(0.21, paper), 2, 1e-12);
+  EXPECT_NEAR(spacing(1.68, paper) / spacing(0.21, paper), 4, 1e-12);
+  EXPECT_LT(spacing(0.002, paper), 0.3 * 0.002);  // a stamp has room for some points,
+  EXPECT_GT(spacing(10, paper), 0.01 * 10);       // and those of a sail are worth their triangles
+}
+
 TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const Pattern pattern = test::rectangle(0.1, 0.1);
@@ -145,7 +157,7 @@ TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
   for (unsigned seed = 0; seed < 500; ++seed) {
     const auto p = draw_singular_point(sheet, pattern, Paper{}, conflicts, members, options, seed, 0, 1);
     if (!p) continue;
-    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), options.min_spacing);
+    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), least_spacing(pattern, Paper{}, options));
     EXPECT_GE((nearest_border_point(pattern, *p) - *p).norm(), options.border_share * 0.1 - 1e-12);
   }
 }

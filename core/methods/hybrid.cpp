@@ -63,13 +63,13 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
     crumple->begin_with(mesh.vertices, mesh.triangles, required);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };
-  method.remesh = [crumple](Sheet& sheet_now, const std::vector<char>& fixed, int frame, bool moving) {
-    return crumple->operate(sheet_now, fixed, frame, moving).mesh_changed();
+  method.remesh = [crumple](Sheet& sheet_now, const std::vector<char>& fixed, const Moment& now, bool moving) {
+    return crumple->operate(sheet_now, fixed, now, moving).mesh_changed();
   };
-  method.propose = [crumple](const Sheet& sheet_now, const std::vector<int>& pulled, int frame) {
-    return crumple->propose(sheet_now, pulled, frame);
+  method.propose = [crumple](const Sheet& sheet_now, const std::vector<int>& pulled, const Moment& now) {
+    return crumple->propose(sheet_now, pulled, now);
   };
-  method.judged = [crumple](bool accepted, int frame) { crumple->judged(accepted, frame); };
+  method.judged = [crumple](bool accepted, const Moment& now) { crumple->judged(accepted, now); };
   method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };
   method.parts = [crumple](const Sheet& sheet_now) { return bent_parts(*crumple, sheet_now); };
   return method;

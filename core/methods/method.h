@@ -38,14 +38,14 @@ struct Method {
   /// leaves the loop is a minimum on its own mesh. Vertices keep their numbers, new ones are appended. Empty: nothing happens.
   /// fixed   vertices that keep their place on the pattern
   /// moving  false: neither handles nor sheet moved since the frame before
-  std::function<bool(Sheet&, const std::vector<char>& fixed, int frame, bool moving)> remesh;  // returns: did the mesh change?
+  std::function<bool(Sheet&, const std::vector<char>& fixed, const Moment&, bool moving)> remesh;  // returns: did the mesh change?
 
   /// Before `remesh`, while the sheet moves and is at its minimum: may propose a wholly new mesh, with positions carried over
   /// from the old one. Vertices that are fixed in the first mesh keep their numbers. The loop relaxes the proposal where the
   /// handles were and takes it or not; then `remesh` is left out. Empty: nothing is proposed.
   /// pulled  vertices that lone handles are about to move
-  std::function<std::optional<Sheet>(const Sheet&, const std::vector<int>& pulled, int frame)> propose;
-  std::function<void(bool accepted, int frame)> judged;  // after every proposal: what became of it
+  std::function<std::optional<Sheet>(const Sheet&, const std::vector<int>& pulled, const Moment&)> propose;
+  std::function<void(bool accepted, const Moment&)> judged;  // after every proposal: what became of it
 
   /// After the elastic step of a frame, on the copy of the sheet that is handed on: the step that begins the next frame starts
   /// from the equilibrium. Empty: the sheet is handed on as it is.

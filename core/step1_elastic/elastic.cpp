@@ -23,12 +23,23 @@ constexpr double velocity_kept = 0.98;
 constexpr int restless = 15;
 
 // A sheet that pushes itself has no end of small moves: what is not finished goes on in the next frame.
-constexpr int most_iterations_in_touch = 20;
+constexpr int most_iterations_in_touch = 20, most_in_touch_coarse = 15;
 
 constexpr double jam_stretch = 0.01;  // [1] of an edge: paper tears before; what holds it gives way
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
 
-enum class SecondStart { when_restless, never };
+// A coarse mesh is animated to be looked at while one works: a snap goes on in the next frames. [triangles]
+constexpr int coarse = 400;
+struct Patience {
+  int in_all, on_the_first;               // [1] iterations of a step; of them, on the first way
+};
+constexpr Patience at_first{70, 30};      // of three steps: a flat sheet that chooses a side is to be done with it
+constexpr Patience later{42, 36}, beside_another{42, 15};
+constexpr int usual_iterations = 60;    // of the options, for which these hold
+constexpr int worth_a_try = 10;         // [1] iterations
+constexpr int most_tries = 4;           // of a leg of the second way
+
+enum class SecondWays { where_restless, none };
 
 }  // namespace
 
@@ -39,15 +50,13 @@ struct Elastic::Impl {
   std::optional<ElasticEnergy> energy, softened;
   Eigen::VectorXd mass;
   double mean_edge = 0;
-  bool remeshed = true;      // since the last step
-  std::deque<Points3> past;  // positions before this step, newest first; emptied when the number of vertices changes
+  ElasticPast past;          // positions are emptied when the number of vertices changes
   PlasticGrid* grid = nullptr;
   Points2 pattern;
   Triangles triangles;
   PlasticGrid::Cover cover;  // of the grid by the triangles
 
   std::optional<Contact> contact;
-  bool careful = false;      // the last step ended with parts touching, or with handles that the paper does not follow
 
   // belongs to the mesh and the set of held vertices
   std::vector<int> held;     // left out of the solve
@@ -98,29 +107,63 @@ struct Elastic::Impl {
     if (matrix) energy->bind(*matrix, block_of), softened->bind(*matrix, block_of);
   }
 
-  /// stress  of the membrane where x came from
-  NewtonReport minimise(const IncrementalPotential& W, const MembraneStress& stress, Points3& x) {
-    const int most = W.contact ? std::min(options.max_iterations, most_iterations_in_touch) : options.max_iterations;
-    return paperbake::minimise({W, *matrix, block_of, mean_edge, paper.membrane_stiffness}, {options.stop, most}, stress, x);
+  bool is_coarse() const { return triangles.rows() <= coarse; }
+  Patience patience() const { return past.second ? beside_another : past.steps < 3 ? at_first : later; }
+  int most_iterations() const {
+    return is_coarse() ? std::max(1, patience().on_the_first * options.max_iterations / usual_iterations) : options.max_iterations;
   }
 
-  /// A second way down from `start`, first with the softened membrane; kept when it ends lower.
-  void start_again(const IncrementalPotential& W, const Points3& start, Points3& x, ElasticReport& report) {
-    Points3 other = start;
-    const MembraneStress none(triangles.rows(), Eigen::Matrix2d::Zero());
-    const NewtonReport soft = minimise({*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, nullptr}, none, other);
-    const NewtonReport stiff = minimise(W, softened->stress(other, Points3::Zero(other.rows(), 3)), other);
-    report.iterations += soft.iterations + stiff.iterations;
-    const double here = W(x), there = W(other);
-    if (there >= here) return;
-    report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
-    report.converged = stiff.converged;
-    x = std::move(other);
+  /// stress  of the membrane where x came from
+  NewtonReport minimise(const IncrementalPotential& W, const NewtonOptions& how, const MembraneStress& stress, Points3& x) {
+    return paperbake::minimise({W, *matrix, block_of, mean_edge, paper.membrane_stiffness}, how, stress, x);
+  }
+
+  /// The next leg of the second way, as far as `most` iterations take it. On a coarse mesh it is one of the two ways down.
+  void go_on(SecondWay& way, const IncrementalPotential& W, int most, ElasticReport& report) {
+    const bool soft = way.leg == SecondWay::soft;
+    const IncrementalPotential gentle{*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, nullptr};
+    const MembraneStress stress = soft ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
+                                       : softened->stress(way.x, Points3::Zero(way.x.rows(), 3));
+    const auto ways = !is_coarse() ? NewtonOptions::both : way.tries == 0 ? NewtonOptions::stride : NewtonOptions::descend;
+    const NewtonReport newton = minimise(soft ? gentle : W, {options.stop, most, std::min(25, is_coarse() ? most : 2 * most / 3), ways}, stress, way.x);
+    report.iterations += newton.iterations;
+    way.converged = newton.converged;
+    if (!way.converged && is_coarse() && ++way.tries < most_tries) return;
+    way.leg = soft ? SecondWay::stiff : SecondWay::done;
+    way.tries = 0;
+  }
+
+  /// A second way down from an unstable shape, first with the softened membrane; taken when it ends lower.
+  /// before  where this step began
+  /// start   the guess from there
+  void second_way(const IncrementalPotential& W, const Points3& before, const Points3& start, const Gripped& hard, Points3& x, ElasticReport& report) {
+    const auto passes = [&](const Points3& to) { return options.contact == SelfContact::automatic && !contact->clear(before, to, hard); };
+    std::optional<SecondWay>& way = past.second;
+    const bool leaves = report.iterations > restless || (is_coarse() && !report.converged);
+    const bool begun_before = way.has_value();
+    const int in_all = patience().in_all * options.max_iterations / usual_iterations;
+    if (way) way->x = predictor->guesses(way->x, {}, hard.targets).front();
+    else if (!leaves || (report.converged && passes(x))) return;  // what meets itself is not going to stay where it is
+    else way = SecondWay{start};
+    while (way->leg != SecondWay::done) {
+      const int left = is_coarse() ? std::min(options.max_iterations, in_all - report.iterations) : options.max_iterations;
+      if (left < std::min(options.max_iterations, worth_a_try)) return;
+      go_on(*way, W, left, report);
+    }
+    const double here = W(x), there = W(way->x);
+    if (there < here && !passes(way->x)) {
+      report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
+      report.converged = way->converged;
+      past.descending = false;
+      x = std::move(way->x);
+      way.reset();
+    } else if (begun_before && leaves) way = SecondWay{start};  // from where the first way has got to since
+    else way.reset();
   }
 
   /// One step; `feels` is null for a sheet that does not feel itself.
-  ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels,
-                      SecondStart second = SecondStart::when_restless) {
+  ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels, const NewtonOptions& how,
+                      SecondWays second) {
     const std::vector<HandleSpring> springs = handle_springs(handles, feels ? HardHandles::may_yield : HardHandles::are_held);
     if (feels) feels->begin(sheet.x, hard);
     hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
@@ -134,9 +177,9 @@ struct Elastic::Impl {
 
     // start from the guess of least potential
     double least = std::numeric_limits<double>::infinity();
-    std::vector<Points3> guesses = predictor->guesses(before, past, hard.targets);
+    std::vector<Points3> guesses = predictor->guesses(before, past.positions, hard.targets);
     if (feels) {  // where handles lag behind, they need not jump
-      if (!past.empty()) guesses.push_back(2 * before - past[0]);
+      if (!past.positions.empty()) guesses.push_back(2 * before - past.positions[0]);
       guesses.push_back(before);
     }
     for (Points3& guess : guesses) {
@@ -153,13 +196,16 @@ struct Elastic::Impl {
     ElasticReport report;
     if (matrix) {
       MembraneStress stress = energy->stress(before, Points3::Zero(before.rows(), 3));
-      if (remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());  // not in equilibrium: what the mesh did
-      const NewtonReport newton = minimise(W, stress, sheet.x);
+      if (past.remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());  // not in equilibrium: what the mesh did
+      const NewtonReport newton = minimise(W, how, stress, sheet.x);
       report.iterations = newton.iterations;
       report.converged = newton.converged;
+      if (second == SecondWays::where_restless) {
+        past.descending = newton.descended && !newton.converged;
+        if (!newton.in_vain) second_way(W, before, guesses.front(), hard, sheet.x, report);
+        report.leaving = past.descending || past.second;
+      }
     }
-    // beside itself the softened sheet soon meets its own parts: a second start finds nothing better there
-    if (second == SecondStart::when_restless && report.iterations > restless && !feels) start_again(W, guesses.front(), sheet.x, report);
     if (feels) {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
       report.contact = true;
@@ -185,10 +231,12 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   soft.membrane_stiffness /= softening;
   s.softened.emplace(soft, sheet.pattern, sheet.triangles, stiffening);
   s.matrix.reset();
-  s.remeshed = true;
+  s.past.remeshed = true;
   s.predictor.reset();
   if (s.options.contact == SelfContact::automatic) s.contact.emplace(sheet.pattern, sheet.triangles);
-  if (!s.past.empty() && s.past.front().rows() != sheet.pattern.rows()) s.past.clear();
+  std::deque<Points3>& positions = s.past.positions;
+  if (!positions.empty() && positions.front().rows() != sheet.pattern.rows()) positions.clear();
+  if (s.past.second && s.past.second->x.rows() != sheet.pattern.rows()) s.past.second.reset();
   s.pattern = sheet.pattern;
   s.triangles = sheet.triangles;
   s.find_cover();
@@ -214,17 +262,22 @@ ElasticReport Elastic::look(const Sheet& sheet) const {
   return report;
 }
 
-ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, int most_iterations) {
+ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, Settling settling) {
   Impl& s = *impl_;
   const Points3 before = sheet.x;
   const Gripped hard = hard_handles(held);
   constexpr double coarser = 10;  // the next step goes on from here
-  const ElasticOptions usual = s.options;
-  s.options.max_iterations = std::min(usual.max_iterations, most_iterations);
-  s.options.stop *= coarser;
-  ElasticReport report = s.solve(sheet, held, hard, dt, nullptr, SecondStart::never);
-  s.options = usual;
-  if (s.contact && !s.contact->clear(before, sheet.x, hard)) report.converged = false;  // not the same sheet: it passes through itself
+  const bool briefly = settling == Settling::briefly;
+  NewtonOptions how{s.options.stop, s.options.max_iterations};
+  if (briefly) {
+    how.stop *= coarser;
+    how.max_iterations = how.max_strides = 20;
+    how.ways = NewtonOptions::stride;
+    const double far = 0.03 * (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
+    how.in_vain = [&, far](const Points3& x) { return (x - before).rowwise().norm().maxCoeff() > far; };
+  }
+  ElasticReport report = s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::none);
+  report.contact = s.contact && !s.contact->clear(before, sheet.x, hard);
   const ElasticReport stored = look(sheet);
   report.energy = stored.energy;
   report.membrane = stored.membrane;
@@ -240,8 +293,27 @@ Elastic Elastic::on_mesh(const Sheet& sheet, const std::vector<double>& stiffeni
 }
 
 void Elastic::continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried) {
-  impl_->past.clear();
-  for (const Points3& x : other.impl_->past) impl_->past.push_back(carried(x));
+  ElasticPast &here = impl_->past, &there = other.impl_->past;
+  here.positions.clear();
+  for (const Points3& x : there.positions) here.positions.push_back(carried(x));
+  here.steps = there.steps;
+  here.second = there.second;
+  if (here.second) here.second->x = carried(there.second->x);
+}
+
+ElasticPast Elastic::past() const {
+  ElasticPast copy = impl_->past;
+  if (impl_->grid) copy.grid = *impl_->grid;
+  return copy;
+}
+
+void Elastic::take_back(const ElasticPast& past) {
+  Impl& s = *impl_;
+  s.past = past;
+  if (!s.grid) return;
+  *s.grid = *past.grid;
+  s.past.grid.reset();
+  s.recall();
 }
 
 ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
@@ -252,15 +324,26 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   s.look_for_ridges(sheet, held.vertices);
   ElasticReport report;
   const bool may_touch = s.options.contact == SelfContact::automatic;
-  if (!may_touch || !s.careful) report = s.solve(sheet, held, hard, dt, nullptr);
-  if (may_touch && (s.careful || (s.matrix && largest_stretch(sheet) > jam_stretch) || !s.contact->clear(before, sheet.x, hard))) {
+  const double stop = s.options.stop;
+  if (!may_touch || !s.past.careful) {
+    const int most = s.most_iterations();
+    NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (s.is_coarse() ? 5 : 0)}), s.is_coarse() && s.past.descending ? NewtonOptions::descend : NewtonOptions::both};
+    if (may_touch) how.in_vain = [&](const Points3& x) { return !s.contact->clear(before, x, hard); };
+    report = s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::where_restless);
+  }
+  if (may_touch && (s.past.careful || (s.matrix && largest_stretch(sheet) > jam_stretch) || !s.contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
-    report = s.solve(sheet, held, hard, dt, &*s.contact);
+    // beside itself the softened sheet soon meets its own parts: a second start finds nothing better there
+    const NewtonOptions how{stop, std::min(s.options.max_iterations, s.is_coarse() ? most_in_touch_coarse : most_iterations_in_touch)};
+    report = s.solve(sheet, held, hard, dt, &*s.contact, how, SecondWays::none);
     report.iterations += in_vain;
-    s.careful = report.touching > 0 || report.yielding > 0;
+    s.past.second.reset();
+    s.past.descending = false;
+    s.past.careful = report.touching > 0 || report.yielding > 0;
   }
-  s.remeshed = false;
+  s.past.remeshed = false;
+  ++s.past.steps;
   report.plastic_flow = s.remember(sheet.x);
   const ElasticReport stored = look(sheet);
   report.membrane = stored.membrane;
@@ -268,8 +351,8 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   report.potential = stored.potential;
 
   sheet.v = (dynamic ? velocity_kept : 1.0) / dt * (sheet.x - before);
-  s.past.push_front(before);
-  if (s.past.size() > 2) s.past.pop_back();
+  s.past.positions.push_front(before);
+  if (s.past.positions.size() > 2) s.past.positions.pop_back();
   return report;
 }
 

@@ -4,8 +4,10 @@
 #include "core/plastic_grid.h"
 #include "core/sheet.h"
 
+#include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <vector>
 
 namespace paperbake {
@@ -35,10 +37,34 @@ struct ElasticReport {
   double potential = 0;        // [J] energy + weight x height
   double membrane = 0;         // [J] its membrane part
   double plastic_flow = 0;     // [m rad] by how much the plastic integral grew in this step
+  bool leaving = false;        // it is on its way down from an unstable shape: what it looks like is not to be relied on
   double lower_branch = 0;     // [1] by how much of the potential a second start was lower, when it was taken
   bool contact = false;        // the sheet came near itself: the step was taken with contact
   int touching = 0;            // pairs of vertex and triangle, or edge and edge, that push each other at its end
   int yielding = 0;            // hard handles that the paper does not follow
+};
+
+/// briefly: the first way alone, to ten times `stop`, 20 iterations; what needs more has landed somewhere else, and so has what
+/// leaves its place by 3 % of the longer side. fully: both ways, to `stop`.
+enum class Settling { briefly, fully };
+
+/// A second way down from an unstable shape, gone beside the first: with a softened membrane, then with the paper's own.
+struct SecondWay {
+  Points3 x;                     // |V|x3 [m] how far it got
+  enum Leg { soft, stiff, done } leg = soft;
+  int tries = 0;                 // of this leg, that got nowhere near its end
+  bool converged = false;
+};
+
+/// What the solver knows of the steps before, and all that a step changes besides its sheet.
+struct ElasticPast {
+  std::deque<Points3> positions;    // |V|x3 [m] before the last step, before the one before that
+  int steps = 0;                    // so far
+  bool remeshed = true;             // the mesh has changed since the last step
+  bool careful = false;             // the last step ended with parts touching, or with handles that the paper does not follow
+  bool descending = false;          // ... on its way down to a minimum
+  std::optional<SecondWay> second;  // not yet at its end
+  std::optional<PlasticGrid> grid;  // in a copy that is to take a step back
 };
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
@@ -76,12 +102,15 @@ class Elastic {
   void set_mesh(const Sheet&, const std::vector<double>& stiffening = {});
 
   /// Moves sheet.x to the minimum with the held vertices at their targets, and sheet.v to (x_new - x_old)/dt.
-  /// The positions need not be near the minimum. throws Error(Fault::simulation) when the energy is not finite.
+  /// The positions need not be near the minimum.
+  /// On a coarse mesh (400 triangles) no frame waits for a snap: after the first three a step ends with 42 iterations, and
+  /// both its ways down go on in the next one. throws Error(Fault::simulation) when the energy is not finite.
   ElasticReport step(Sheet&, const Held&, double dt);
 
   /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing else: no second start, no
-  /// change of sheet.v, nothing flows and nothing is remembered. For a sheet whose mesh was exchanged where it is; to ten times `stop`.
-  ElasticReport settle(Sheet&, const Held&, double dt, int most_iterations);
+  /// change of sheet.v, nothing flows and nothing is remembered. For a sheet that was put where it is.
+  /// report.contact: it came near itself, which a sheet that settles does not feel.
+  ElasticReport settle(Sheet&, const Held&, double dt, Settling);
 
   /// Another one, of the same paper, options and memory.
   Elastic on_mesh(const Sheet&, const std::vector<double>& stiffening = {}) const;
@@ -93,8 +122,12 @@ class Elastic {
   /// What is stored in the sheet as it is. `iterations` 0.
   ElasticReport look(const Sheet&) const;
 
+  /// A copy, the plastic grid with it, and the way back to it while the mesh is the same: the steps in between leave no trace.
+  ElasticPast past() const;
+  void take_back(const ElasticPast&);
+
   /// Lets the paper yield: the memory is read here and by set_mesh, and every step that returns writes to it. To be called
-  /// again when the grid was changed by others, as when a step is taken back. It must outlive this object or its replacement.
+  /// again when the grid was changed by others. It must outlive this object or its replacement.
   /// Null, as at first: paper that springs back whatever is done to it.
   void remember_in(PlasticGrid*);
 

@@ -10,6 +10,7 @@ namespace {
 
 constexpr double sufficient_decrease = 1e-4;
 constexpr int max_halvings = 30;
+constexpr int asked_every = 4;  // [1] iterations
 
 double largest_row(const Points3& d) { return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0; }
 
@@ -47,6 +48,9 @@ class Newton {
     const double free = W_.contact->free_way(x, move);
     move *= free;
     return free;
+  }
+  bool in_vain(int iteration, const Points3& x) {
+    return report.in_vain = options_.in_vain && iteration > 0 && iteration % asked_every == 0 && options_.in_vain(x);
   }
   void go(Points3& x, const Points3& move) const {
     x += move;
@@ -111,12 +115,13 @@ double Newton::line_search(const Points3& x, const Points3& move) const {
 }
 
 bool Newton::stride(MembraneStress stress, Points3& x) {
-  constexpr int most_iterations = 25, most_crawling = 8;
+  constexpr int most_crawling = 8;
   constexpr double torn = 0.005;  // [1] strain beyond which descent does better
   const double first_value = covered(x), first_strain = largest_strain(stress);
   double last = 0;
   int crawling = 0;
-  for (int k = 0; k < std::min(most_iterations, 2 * options_.max_iterations / 3); ++k) {  // the rest is for the way that gets there
+  for (int k = 0; k < options_.max_strides; ++k) {
+    if (options_.ways == NewtonOptions::stride && in_vain(k, x)) return false;
     HessianForm form = HessianForm::exact;
     Points3 move = direction(x, form, &stress);
     const double asked = largest_row(move);
@@ -143,7 +148,9 @@ void Newton::descend(Points3& x) {
   double last = 0;
   report.converged = false;
   HessianForm form = HessianForm::exact;
-  while (report.iterations < options_.max_iterations) {
+  report.descended = true;
+  for (int k = 1; report.iterations < options_.max_iterations; ++k) {
+    if (in_vain(k, x)) return;
     Points3 move = direction(x, form, nullptr);
     const double asked = largest_row(move);
     if (asked > longest_move_) move *= longest_move_ / asked;
@@ -176,8 +183,9 @@ NewtonReport minimise(const NewtonSystem& system, const NewtonOptions& options, 
   Newton newton(system, options);
   const Points3 start = x;
   // between barriers a stride is cut short before it gets anywhere
-  if (!system.W.contact && newton.stride(stress, x)) return newton.report;
+  if (!system.W.contact && options.ways != NewtonOptions::descend && newton.stride(stress, x)) return newton.report;
   x = start;
+  if (options.ways == NewtonOptions::stride) return newton.report;
   newton.descend(x);
   return newton.report;
 }

@@ -4,6 +4,8 @@
 #include "core/step1_elastic/elastic_energy.h"
 #include "core/step1_elastic/handle_springs.h"
 
+#include <algorithm>
+#include <functional>
 #include <vector>
 
 namespace paperbake {
@@ -62,11 +64,16 @@ struct NewtonSystem {
 struct NewtonOptions {
   double stop;                       // [m] it ends when no vertex is farther than this from the minimum, as far as it can tell
   int max_iterations;                // [1] factorisations
+  int max_strides = std::min(25, 2 * max_iterations / 3);  // [1] of them on the first way: the rest is for the one that gets there
+  enum Ways { both, stride, descend } ways = both;
+  std::function<bool(const Points3&)> in_vain = nullptr;  // asked now and then on the last way: true ends it
 };
 
 struct NewtonReport {
   int iterations = 0;
   bool converged = false;
+  bool descended = false;            // the second way was taken
+  bool in_vain = false;              // it was given up
 };
 
 /// Moves x to a minimum of W near by. Two ways, the second where the first does not arrive:

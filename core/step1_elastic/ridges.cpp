@@ -1,7 +1,6 @@
 #include "core/step1_elastic/ridges.h"
 
 #include "core/curvature.h"
-#include "core/hinges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,7 +9,7 @@ namespace paperbake {
 namespace {
 
 constexpr double smooth_turn = 6 * M_PI / 180, ridge_turn = 15 * M_PI / 180;
-constexpr double width_factor = 0.4, neighbourhood = 0.5;
+constexpr double neighbourhood = 0.5;  // of X
 constexpr int least_ends = 4;
 
 double triangle_area(const Sheet& sheet, int t) {
@@ -20,20 +19,11 @@ double triangle_area(const Sheet& sheet, int t) {
 }
 
 /// s of each vertex alone.
-Eigen::VectorXd sharpness(const Sheet& sheet, const Points3& curvature, const std::vector<double>& area, const std::vector<int>& held) {
-  Eigen::VectorXd ring = Eigen::VectorXd::Zero(sheet.pattern.rows()), s(sheet.pattern.rows());
-  const Hinges hinges = find_hinges(sheet.triangles);
-  std::vector<char> left_out(sheet.pattern.rows(), 0);
-  for (const int v : held) left_out[v] = 1;
-  for (int t = 0; t < sheet.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) {
-      ring[sheet.triangles(t, i)] += area[t] / 3;
-      if (hinges.of_triangle[t][i] < 0) left_out[sheet.triangles(t, (i + 1) % 3)] = left_out[sheet.triangles(t, (i + 2) % 3)] = 1;
-    }
-  for (int v = 0; v < s.size(); ++v) {
-    const double turn = std::abs(principal_curvature(curvature.row(v)).k2) * std::sqrt(ring[v]);
-    s[v] = left_out[v] ? 0 : std::clamp((turn - smooth_turn) / (ridge_turn - smooth_turn), 0.0, 1.0);
-  }
+Eigen::VectorXd sharpness(const Sheet& sheet, const Points3& curvature, const std::vector<int>& held) {
+  const SecondTurn second = second_turn(sheet, curvature);
+  Eigen::VectorXd s(sheet.pattern.rows());
+  for (int v = 0; v < s.size(); ++v) s[v] = second.border[v] ? 0 : std::clamp((second.turn[v] - smooth_turn) / (ridge_turn - smooth_turn), 0.0, 1.0);
+  for (const int v : held) s[v] = 0;
   return s;
 }
 
@@ -56,12 +46,12 @@ Ridges find_ridges(const Sheet& sheet, const Paper& paper, const std::vector<int
   std::vector<double> area(triangles);
   double whole = 0;
   for (int t = 0; t < triangles; ++t) whole += area[t] = triangle_area(sheet, t);
-  const Eigen::VectorXd s = sharpness(sheet, curvature, area, held);
+  const Eigen::VectorXd s = sharpness(sheet, curvature, held);
 
   Ridges ridges{remembered, Eigen::VectorXd::Ones(triangles)};
   const int ends = std::max<int>(least_ends, static_cast<int>(held.size() + sheet.singular.size()));
   const double X = std::sqrt(whole / ends);
-  const double width = width_factor * std::cbrt(paper.thickness) * std::pow(X, 2.0 / 3);
+  const double width = ridge_width(paper, X);
   for (int t = 0; t < triangles; ++t) {
     Eigen::RowVector2d centre(0, 0);
     for (int i = 0; i < 3; ++i) centre += sheet.pattern.row(sheet.triangles(t, i)) / 3;
@@ -71,7 +61,7 @@ Ridges find_ridges(const Sheet& sheet, const Paper& paper, const std::vector<int
     if (ridges.share[t] <= 0) continue;
     Vector3d tensor = Vector3d::Zero();
     for (int i = 0; i < 3; ++i) tensor += curvature.row(sheet.triangles(t, i)).transpose() / 3;
-    const double across = size_across(sheet, t, principal_curvature(tensor).across, area[t]);
+    const double across = std::max(size_across(sheet, t, principal_curvature(tensor).across, area[t]), neighbourhood * X);
     ridges.focus[t] = 1 - ridges.share[t] + ridges.share[t] * std::max(1.0, across / width);
   }
   return ridges;

@@ -18,12 +18,12 @@ void Crumple::begin_with(const Points2& pattern, const Triangles& triangles, int
   required_ = required;
 }
 
-std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>& pulled, int frame) {
+std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>& pulled, const Moment& now) {
   RulingOptions options = options_.rulings;
   if (options.facet_turn <= 0 || required_ < 0) return std::nullopt;
   const BendingField field(sheet, vertex_curvature(sheet));
   regions_.follow(field);
-  if (!when_.due(mesh_fit(sheet, field, regions_), frame, options.stale_fold * options.facet_turn)) return std::nullopt;
+  if (!when_.due(mesh_fit(sheet, field, regions_), now, options.stale_fold * options.facet_turn)) return std::nullopt;
 
   std::vector<Vector2d> required, singular;
   for (int v = 0; v < required_; ++v) required.push_back(sheet.pattern.row(v));
@@ -40,7 +40,7 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
     if (mesh && mesh->triangles.rows() <= options.most_share * base_.triangles + 2 * singular.size()) break;
   }
   if (!mesh) {
-    when_.judged(false, frame);
+    when_.judged(false, now);
     return std::nullopt;
   }
   Sheet proposal;
@@ -54,34 +54,37 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
   return proposal;
 }
 
-void Crumple::judged(bool accepted, int frame) {
-  when_.judged(accepted, frame);
+void Crumple::judged(bool accepted, const Moment& now) {
+  when_.judged(accepted, now);
   if (!accepted) return;
   rulings_ = proposed_;
 }
 
-CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int frame, bool moving) {
+CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, const Moment& now, bool moving) {
   CrumpleReport report;
   if (!moving) return report;
   const Points3 curvature = vertex_curvature(sheet);
 
   // a conflict counts when it has lasted, on whatever mesh; the worst vertex and those about it are one conflict
   const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
-  std::vector<Suspicion> now;
-  int worst = -1;
+  std::vector<Suspicion> seen;
+  std::vector<int> ripe;
+  const double rounding = 1e-3 * now.dt;
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     if (!conflicts.beyond[v]) continue;
-    Suspicion s{sheet.pattern.row(v), 1};
+    Suspicion s{sheet.pattern.row(v), now.dt};
     const double ring = ring_size(sheet, v);
     for (const Suspicion& old : suspicions_)
-      if ((old.p - s.p).norm() < 0.6 * ring) s.frames = std::max(s.frames, old.frames + 1);
-    now.push_back(s);
-    const bool lasted = s.frames >= (conflicts.sharp[v] ? options_.lasting_sharp : options_.lasting);
-    if (lasted && (worst < 0 || conflicts.turn[v] > conflicts.turn[worst])) worst = v;
+      if ((old.p - s.p).norm() < 0.6 * ring) s.seconds = std::max(s.seconds, old.seconds + now.dt);
+    seen.push_back(s);
+    const bool lasted = s.seconds + rounding >= (conflicts.sharp[v] ? options_.lasting_sharp : options_.lasting);
+    if (lasted) ripe.push_back(v);
   }
-  suspicions_ = std::move(now);
+  suspicions_ = std::move(seen);
+  std::stable_sort(ripe.begin(), ripe.end(), [&](int a, int b) { return conflicts.turn[a] > conflicts.turn[b]; });
   const bool room = static_cast<int>(sheet.singular.size()) < options_.most_points && sheet.triangles.rows() + 2 <= options_.most_triangles;
-  if (worst >= 0 && room) {
+  for (const int worst : ripe) {  // the first that has room for a point
+    if (!room || report.births > 0) break;
     std::vector<int> members;
     const double reach = 1.2 * ring_size(sheet, worst);
     for (int v = 0; v < sheet.pattern.rows(); ++v)
@@ -90,12 +93,14 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, int
     if (const auto p = draw_singular_point(sheet, pattern_, paper_, conflicts, members, options_, seed_, sheet_, event)) {
       const int born = insert_vertex(sheet, *p, fixed);
       const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
-      sheet.singular.push_back({sheet.pattern.row(born).transpose(), frame, "bends " + std::to_string(degrees) + " degrees in the second direction"});
+      sheet.singular.push_back({sheet.pattern.row(born).transpose(), now.frame, "bends " + std::to_string(degrees) + " degrees in the second direction"});
       suspicions_.clear();
       ++report.births;
     }
   }
-  if (frame % 2 == 0 || report.births > 0) report.flips = flip_towards_rulings(sheet, vertex_curvature(sheet), options_.flip_gain);
+  const auto periods = [&](double time) { return std::floor((time + rounding) / options_.flip_period); };
+  const bool time_to_flip = periods(now.seconds()) > periods(now.seconds() - now.dt);
+  if (time_to_flip || report.births > 0) report.flips = flip_towards_rulings(sheet, vertex_curvature(sheet), options_.flip_gain);
   return report;
 }
 

@@ -20,12 +20,13 @@ struct CrumpleOptions {
   double conflict_folds = 0.23;    // [rad] of both signs that meet in a vertex: the other way to see one (13 degrees)
   double absorbed_turn = 0.35;     // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
   double absorbed_folds = 0.4;      // [rad] (23 degrees)
-  int lasting = 15;                // [1]   frames after which what lasts is no accident of the mesh ...
-  int lasting_sharp = 2;           // [1]   ... and where it is as sharp as beside a singular point
-  double min_spacing = 0.006;      // [m]   between singular points
+  double lasting = 15 / 24.0;      // [s]   after which what lasts is no accident of the mesh ...
+  double lasting_sharp = 2 / 24.0; // [s]   ... and where it is as sharp as beside a singular point
+  double spacing = 2;              // [1]   between singular points, in widths of the longest ridge that the sheet can have
   double border_share = 0.03;      // [1]   of the longer side: as near as a point may come to the border
-  double flip_gain = 0.65;         // [1]   an edge turns when the other diagonal has less than this share of its sagitta
-  int most_points = 40;            // [1]   on one sheet
+  double flip_gain = 0.65;         // [1]   an edge turns when the other diagonal has less than this share of its sagitta ...
+  double flip_period = 2 / 24.0;   // [s]   ... looked at this often
+  int most_points = 1000;          // [1]   on one sheet
   int most_triangles = 250;        // [1]   no point is born beyond
   RulingOptions rulings;
 };
@@ -46,7 +47,7 @@ class Crumple {
   /// Looks at the sheet as step 1 left it and changes its mesh for the next step. Vertices keep their numbers, new ones are
   /// appended; fixed vertices (handles and the rims of their discs) keep their place on the pattern.
   /// moving  false: the sheet is at rest, nothing is done
-  CrumpleReport operate(Sheet&, const std::vector<char>& fixed, int frame, bool moving);
+  CrumpleReport operate(Sheet&, const std::vector<char>& fixed, const Moment&, bool moving);
 
   /// The mesh that every ruled one goes back to. To be called once, before `propose`.
   /// required  how many vertices, from number 0 on, hold what a ruled mesh must keep as it is
@@ -55,9 +56,9 @@ class Crumple {
   /// Before `operate`, from a sheet at its minimum: looks for curved regions and, when the mesh does not follow their rulings,
   /// proposes one that does, with positions and velocities carried over. The required vertices keep their numbers.
   /// pulled  vertices that a lone handle moves
-  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, int frame);
+  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, const Moment&);
   /// What became of the proposal.
-  void judged(bool accepted, int frame);
+  void judged(bool accepted, const Moment&);
 
   const Regions& regions() const { return regions_; }
   const std::vector<Ruling>& rulings() const { return rulings_; }  // of the last proposal that was accepted
@@ -69,7 +70,7 @@ class Crumple {
   std::uint32_t seed_, sheet_;
   struct Suspicion {
     Vector2d p;        // [m]
-    int frames;        // how long there has been a conflict about there
+    double seconds;    // how long there has been a conflict about there
   };
   std::vector<Suspicion> suspicions_;
   BaseMesh base_;

@@ -27,21 +27,22 @@ MeshFit mesh_fit(const Sheet& sheet, const BendingField& field, const Regions& r
   return fit;
 }
 
-bool RemeshWhen::due(const MeshFit& fit, int frame, double most_fold) const {
-  if (frame < not_before_) return false;
-  const int age = frame - last_;
-  return (age >= 2 && fit.misalignment > 0.3) || (age >= 4 && fit.largest_fold > most_fold) || (age >= 6 && fit.misalignment > 0.12);
+bool RemeshWhen::due(const MeshFit& fit, const Moment& now, double most_fold) const {
+  constexpr double soon = 2 / 24.0, later = 4 / 24.0, late = 6 / 24.0;  // [s] age of the mesh
+  const double time = now.seconds() + 1e-3 * now.dt;                    // what is due now is not put off by rounding
+  if (time < not_before_) return false;
+  const double age = time - last_;
+  return (age >= soon && fit.misalignment > 0.3) || (age >= later && fit.largest_fold > most_fold) || (age >= late && fit.misalignment > 0.12);
 }
 
-void RemeshWhen::judged(bool accepted, int frame) {
-  constexpr int longest_wait = 16;
+void RemeshWhen::judged(bool accepted, const Moment& now) {
   if (accepted) {
-    last_ = frame;
-    wait_ = 1;
+    last_ = now.seconds();
+    wait_ = shortest_wait;
     return;
   }
-  wait_ = std::min(2 * wait_, longest_wait);
-  not_before_ = frame + wait_;
+  wait_ = std::min(2 * wait_, 16 * shortest_wait);
+  not_before_ = now.seconds() + wait_;
 }
 
 }  // namespace paperbake

@@ -2,6 +2,8 @@
 
 #include "core/step2_crumple/regions.h"
 
+#include <limits>
+
 namespace paperbake {
 
 /// How well the edges of a mesh follow the bending of its curved regions.
@@ -14,14 +16,15 @@ MeshFit mesh_fit(const Sheet&, const BendingField&, const Regions&);
 /// When a new ruled mesh is worth its pop: rarely, and the less the more often it was refused.
 class RemeshWhen {
  public:
-  bool due(const MeshFit&, int frame, double most_fold) const;
+  bool due(const MeshFit&, const Moment&, double most_fold) const;
   /// What became of a mesh that was due.
-  void judged(bool accepted, int frame);
+  void judged(bool accepted, const Moment&);
 
  private:
-  int last_ = -1000;      // frame of the last ruled mesh
-  int not_before_ = 0;    // frame until which nothing is tried
-  int wait_ = 1;          // [frames] after the next refusal: 2, 4, 8, 16
+  static constexpr double shortest_wait = 1 / 24.0;       // [s]
+  double last_ = -std::numeric_limits<double>::infinity();  // [s] time of the last ruled mesh
+  double not_before_ = last_;                               // [s] until then nothing is tried
+  double wait_ = shortest_wait;                             // [s] twice as long after every refusal, up to 16 times
 };
 
 }  // namespace paperbake

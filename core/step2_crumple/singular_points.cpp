@@ -29,16 +29,6 @@ std::vector<char> singular_vertices(const Sheet& sheet) {
   return singular;
 }
 
-std::vector<double> ring_areas(const Sheet& sheet) {
-  std::vector<double> area(sheet.pattern.rows(), 0.0);
-  for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    const Vector2d u = (sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
-    const Vector2d v = (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
-    for (int i = 0; i < 3; ++i) area[sheet.triangles(t, i)] += (u.x() * v.y() - u.y() * v.x()) / 6;
-  }
-  return area;
-}
-
 /// Of each vertex: the largest positive fold at it or the largest negative one, whichever is less. [rad]
 std::vector<double> folds_of_both_signs(const Sheet& sheet, const Hinges& hinges) {
   std::vector<double> up(sheet.pattern.rows(), 0.0), down = up;
@@ -103,9 +93,8 @@ double ring_size(const Sheet& sheet, int vertex) {
 
 Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions& options) {
   const Hinges hinges = find_hinges(sheet.triangles);
-  const std::vector<char> border = border_vertices(sheet.triangles, hinges, sheet.pattern.rows());
+  const SecondTurn second = second_turn(sheet, curvature);
   const std::vector<char> singular = singular_vertices(sheet);
-  const std::vector<double> area = ring_areas(sheet);
   std::vector<char> beside(sheet.pattern.rows(), 0);
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
@@ -115,14 +104,14 @@ Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std
   const std::vector<double> folds = folds_of_both_signs(sheet, hinges);
   Conflicts conflicts{none, std::vector<char>(sheet.pattern.rows(), 0), none, std::vector<char>(sheet.pattern.rows(), 0)};
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
-    if (border[v] || singular[v] || (v < static_cast<int>(fixed.size()) && fixed[v])) continue;
+    if (second.border[v] || singular[v] || (v < static_cast<int>(fixed.size()) && fixed[v])) continue;
     const Principal p = principal_curvature(curvature.row(v));
-    const double turn = std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1) ? std::abs(p.k2) * std::sqrt(area[v]) : 0;
+    const double turn = std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1) ? second.turn[v] : 0;
     conflicts.turn[v] = std::max(turn, folds[v]);
     conflicts.sharp[v] = turn > options.absorbed_turn || folds[v] > options.absorbed_folds;
     conflicts.beyond[v] = conflicts.sharp[v] || (!beside[v] && (turn > options.conflict_turn || folds[v] > options.conflict_folds));
     // what bulges beside a singular point is that point's own cone: it would draw the next one there
-    if (!beside[v] || conflicts.beyond[v]) conflicts.core[v] = area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
+    if (!beside[v] || conflicts.beyond[v]) conflicts.core[v] = second.area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
   }
   return conflicts;
 }
@@ -146,14 +135,19 @@ Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts, cons
   return by_turn / turn;
 }
 
+double least_spacing(const Pattern& pattern, const Paper& paper, const CrumpleOptions& options) {
+  return options.spacing * ridge_width(paper, std::sqrt(area(pattern)));
+}
+
 std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& pattern, const Paper& paper, const Conflicts& conflicts,
                                             const std::vector<int>& members, const CrumpleOptions& options, std::uint32_t seed,
                                             std::uint32_t sheet_number, std::uint32_t event) {
   constexpr int tries = 20;
   const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
+  const double spacing = least_spacing(pattern, paper, options);
   const auto clear = [&](const Vector2d& p) {
     return std::none_of(sheet.singular.begin(), sheet.singular.end(),
-                        [&](const SingularPoint& s) { return (s.pattern - p).norm() < options.min_spacing; });
+                        [&](const SingularPoint& s) { return (s.pattern - p).norm() < spacing; });
   };
   const double margin = options.border_share * longer_side(pattern);
   for (std::uint32_t attempt = 0; attempt < tries; ++attempt) {

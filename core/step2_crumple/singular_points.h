@@ -33,6 +33,10 @@ double ring_size(const Sheet&, int vertex);
 /// members  vertices of the conflict, at least one
 Vector2d middle_of_conflict(const Sheet&, const Conflicts&, const std::vector<int>& members);
 
+/// How near singular points may come: each ends ridges half as wide as a ridge across the whole sheet, with as much of a facet
+/// between them. So heavier paper has larger facets, and a large sheet larger ones than a small sheet. [m]
+double least_spacing(const Pattern&, const Paper&, const CrumpleOptions&);
+
 /// The law of [Schreck 2015]: a point drawn from a Gaussian about the middle of the conflict, with the deviation of the paper
 /// grade, within the sheet and not too near to border and other points; after 20 refused draws the middle itself.
 /// members  vertices of the conflict

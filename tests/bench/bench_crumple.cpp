@@ -6,6 +6,7 @@
 // density of the mesh; then what a heavier grade does.
 
 #include "core/animate.h"
+#include "core/hinges.h"
 #include "core/measure.h"
 #include "formats/scene_file.h"
 
@@ -25,7 +26,27 @@ struct Run {
   int frames = 0, crossed = 0, births = 0, unfinished = 0;
   std::map<int, double> plastic;  // [m rad] by frame
   double facet = 0;               // [m] sqrt(area / singular points)
+  double crease = 0;              // [m] mean length of the creases at the end
 };
+
+/// Mean length of a crease: a chain of edges folded by more than 20 degrees, from one singular point, junction or end to the next. [m]
+double mean_crease(const Sheet& sheet) {
+  constexpr double folded = 0.35;
+  double length = 0;
+  std::vector<int> creases_at(sheet.pattern.rows(), 0);
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
+    if (std::abs(fold_angle(sheet.x, hinge)) < folded) continue;
+    for (int k : {0, 1}) ++creases_at[hinge.vertices[k]];
+    length += (sheet.pattern.row(hinge.vertices[1]) - sheet.pattern.row(hinge.vertices[0])).norm();
+  }
+  int ends = 0;
+  for (int v = 0; v < sheet.pattern.rows(); ++v) {
+    const bool singular = std::any_of(sheet.singular.begin(), sheet.singular.end(),
+                                      [&](const SingularPoint& s) { return (s.pattern.transpose() - sheet.pattern.row(v)).norm() < 1e-9; });
+    if (creases_at[v] != 2 || singular) ends += creases_at[v];
+  }
+  return length / std::max(1.0, 0.5 * ends);
+}
 
 Run run(const std::string& name, const Paper& paper, int base_triangles, int most_triangles, unsigned seed) {
   const Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + name + ".glb");
@@ -55,6 +76,7 @@ Run run(const std::string& name, const Paper& paper, int base_triangles, int mos
     r.crossed += crossings(*f.sheet) > 0;
     r.unfinished += !f.converged;
     r.births = static_cast<int>(f.sheet->singular.size());
+    if (f.frame == options.last_frame) r.crease = mean_crease(*f.sheet);
     r.plastic[f.frame] = f.plastic;
     return true;
   });
@@ -99,17 +121,20 @@ void by_density(int seeds) {
 }
 
 void by_grade(int seeds) {
-  // twice as thick as copy70: eight times the bending stiffness
-  Paper heavy;
-  heavy.thickness *= 2, heavy.area_density *= 2, heavy.membrane_stiffness *= 2, heavy.bending_stiffness *= 8;
-  std::printf("S4: heavier paper has larger facets, mean of %d seeds\n", seeds);
-  for (const Paper& paper : {Paper{}, heavy}) {
-    double births = 0, facet = 0, plastic = 0;
+  std::printf("S4r: heavier paper of the same fibres has larger facets, mean of %d seeds\n", seeds);
+  for (const double grammage : {70, 105, 140, 200, 250, 300}) {
+    Paper paper;
+    const double factor = grammage / 70;
+    paper.thickness *= factor, paper.area_density *= factor, paper.membrane_stiffness *= factor;
+    paper.bending_stiffness *= factor * factor * factor;
+    double births = 0, facet = 0, crease = 0, plastic = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
-      const Run r = run("S4_crumple", paper, 120, 250, seed);
-      births += double(r.births) / seeds, facet += r.facet / seeds, plastic += r.plastic.rbegin()->second / seeds;
+      const Run r = run("S4r_release", paper, 120, 250, seed);
+      births += double(r.births) / seeds, facet += r.facet / seeds, crease += r.crease / seeds, plastic += r.plastic.rbegin()->second / seeds;
     }
-    std::printf("  %.0f um: %.1f singular points, %.0f mm apart, plastic turn %.2f m rad\n", 1e6 * paper.thickness, births, 1e3 * facet, plastic);
+    std::printf("  %3.0f g/m2, %3.0f um: %.1f singular points, %.0f mm apart, creases %.1f mm, plastic turn %.2f m rad\n", grammage,
+                1e6 * paper.thickness, births, 1e3 * facet, 1e3 * crease, plastic);
+    std::fflush(stdout);
   }
 }
 
@@ -120,6 +145,6 @@ int main(int argc, char** argv) {
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 12;
   paperbake::by_seed("S4r_release", seeds);
   paperbake::by_seed("S9_unload", std::min(seeds, 3));
-  paperbake::by_density(std::min(seeds, 3));
-  paperbake::by_grade(std::min(seeds, 5));
+  paperbake::by_density(std::min(seeds, 4));
+  paperbake::by_grade(std::min(seeds, 6));
 }
