@@ -22,9 +22,16 @@
 namespace paperbake {
 namespace {
 
-/// A fold on the maps is as wide as 2 % of the sheet, but never narrower than the mesh can show.
-double fold_width(const Pattern& pattern, const Sheet& mesh) {
-  return std::max(0.02 * shorter_side(pattern), 1.3 * mean_edge(mesh.pattern, mesh.triangles));
+CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot, const Sheet& mesh) {
+  CreaseMapOptions options;
+  options.size = settings.map_size;
+  options.layout = settings.map_layout;
+  options.threads = settings.threads;
+  // a fold is as wide as 2 % of the sheet, but never narrower than the mesh can show
+  options.fold_width = std::max(0.02 * shorter_side(shot.pattern), 1.3 * mean_edge(mesh.pattern, mesh.triangles));
+  options.crease_width = 6 * shot.paper.thickness;  // the fibres of a sharp crease break over a few thicknesses
+  options.law.yield_curvature = 2 * shot.paper.yield_strain / shot.paper.thickness;
+  return options;
 }
 
 /// Everything the shot leaves behind; shared by its sheets.
@@ -121,8 +128,8 @@ class SheetOutput {
 
   void draw_map(const AnimatedFrame& frame) {
     if (!settings_.formats.count("maps")) return;
-    if (!map_) map_.emplace(shot_.pattern, settings_.map_size, fold_width(shot_.pattern, *frame.sheet));
-    map_->record(*frame.sheet, vertex_curvature(*frame.sheet));
+    if (!map_) map_.emplace(shot_.pattern, map_options(settings_, shot_, *frame.sheet));
+    map_->record(frame.frame, *frame.sheet, vertex_curvature(*frame.sheet), frame.plastic_curvature);
     last_map_frame_ = frame.frame;
     const bool wanted = std::any_of(plan_.map_frames.begin(), plan_.map_frames.end(), [&](const FrameSpan& s) { return s.contains(frame.frame); });
     if (!wanted || frame.frame < plan_.frames.first) return;

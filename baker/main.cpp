@@ -86,6 +86,8 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("--probe", s.probe_every, "Every N frames, look for another shape of less energy under the same handles, and take it; 0: never")->capture_default_str()->check(CLI::Range(0, 100000));
   bake.add_option("--frames", words.frames, "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key handles rest");
   bake.add_option("--map-size", s.map_size, "Texels on a side of the maps")->capture_default_str()->check(CLI::Range(1, 16384));
+  bake.add_option("--map-layout", s.map_layout, "scanline; tiled-mip: 64 x 64 tiles with mip levels, for renderers")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, MapLayout>{{"scanline", MapLayout::scanline}, {"tiled-mip", MapLayout::tiled_mip}}));
   bake.add_option("--map-frames", words.map_frames, "Frames with a map: A-BxN,...; the final one always (default: every 12th)");
   bake.add_option("--debug-pictures", s.debug_pictures, "Folder for pictures of pattern mesh and sheet: of the frames of --map-frames (else every 6th), of births and of the last");
   bake.add_option("--max-stretch", s.max_stretch_pct, "Gate: longest or shortest edge in percent of its rest length")->capture_default_str()->check(positive);

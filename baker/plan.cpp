@@ -103,6 +103,7 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"bake.frames", toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
                   settings.frames ? "command line" : "scene"});
   used.push_back({"bake.map_size", std::to_string(settings.map_size), said(settings.map_size != defaults.map_size)});
+  used.push_back({"bake.map_layout", settings.map_layout == MapLayout::scanline ? "\"scanline\"" : "\"tiled-mip\"", said(settings.map_layout != defaults.map_layout)});
   used.push_back({"bake.max_stretch", toml_number(settings.max_stretch_pct), said(settings.max_stretch_pct != defaults.max_stretch_pct)});
   used.push_back({"bake.strict", settings.strict ? "true" : "false", said(settings.strict)});
 }

@@ -3,6 +3,7 @@
 #include "core/paper.h"
 #include "core/render_sheet.h"
 #include "core/step1_elastic/elastic.h"
+#include "formats/map_info.h"
 #include "formats/scene_file.h"
 
 #include <filesystem>
@@ -46,6 +47,7 @@ struct BakeSettings {
   Quality quality = Quality::shot;                       // of the render mesh
   std::set<std::string> formats{"abc", "maps", "cert"};
   int map_size = 1024;                                   // [texels]
+  MapLayout map_layout = MapLayout::scanline;
   std::optional<std::vector<FrameSpan>> map_frames;      // none: every 12th
   std::optional<std::filesystem::path> debug_pictures;   // folder
   double max_stretch_pct = 5;

@@ -54,7 +54,7 @@ std::pair<double, double> bending(const Sheet& sheet, const std::vector<int>& ve
     if (std::find(held.vertices.begin(), held.vertices.end(), v) == held.vertices.end()) held.vertices.push_back(v);
   held.targets.resize(held.vertices.size(), 3);
   for (std::size_t k = 0; k < held.vertices.size(); ++k) held.targets.row(k) = sheet.x.row(held.vertices[k]);
-  const ElasticReport after = elastic.settle(polished, held, 1.0 / 24, 60);
+  const ElasticReport after = elastic.settle(polished, held, 1.0 / 24, Settling::fully);
   return {before.energy - before.membrane, after.energy - after.membrane};
 }
 
