@@ -1,9 +1,11 @@
 #include "baker/bake.h"
 
+#include "baker/cache_measure.h"
 #include "baker/debug_pictures.h"
 #include "baker/frame_queue.h"
 #include "baker/output_folder.h"
 #include "baker/summary.h"
+#include "baker/verify.h"
 #include "core/curvature.h"
 #include "core/error.h"
 #include "core/measure.h"
@@ -145,6 +147,9 @@ class SheetOutput {
     frame.normal = vertex_normals(sheet.x, sheet.triangles);
     frame.triangles = sheet.triangles;
     frame.uv = sheet.pattern / longer_side(shot_.pattern);
+    const LengthDistortion stored = cache_distortion(frame, longer_side(shot_.pattern));
+    certificate_.frames.back().render_stretch_mean_pct = 100 * stored.mean;
+    certificate_.frames.back().render_stretch_max_pct = 100 * stored.largest;
     frame.velocity = sheet.v;  // backward difference, where neighbours cannot be compared
     waiting_ = std::move(frame);
   }
@@ -216,13 +221,15 @@ void write_certificate(const OutputFolder& folder, const BakeSettings& settings,
   const auto cert = folder.sub("cert");
   std::string lines;
   for (const FrameRecord& record : certificate.frames) lines += frame_line(record) + "\n";
-  const std::pair<const char*, std::string> texts[] = {{"frames.jsonl", std::move(lines)},
-                                                       {"handles.csv", handles_csv(certificate.handles)},
-                                                       {"summary.json", summary_json(plan, certificate.frames, outcome.missed)}};
-  for (const auto& [file, text] : texts) {
+  for (const auto& [file, text] : {std::pair<const char*, std::string>{"frames.jsonl", std::move(lines)}, {"handles.csv", handles_csv(certificate.handles)}}) {
     outcome.files.push_back(cert / file);
     write_whole_file(outcome.files.back(), text);
   }
+  std::map<std::string, std::string> hashes;
+  for (const auto& file : outcome.files) hashes[std::filesystem::relative(file, folder.path()).generic_string()] = file_hash(file);
+  for (const char* file : {"singular.csv", "job.lock.toml"}) hashes[file] = file_hash(folder.path() / file);
+  outcome.files.push_back(cert / "summary.json");
+  write_whole_file(outcome.files.back(), summary_json(plan, certificate.frames, outcome.missed, hashes));
 }
 
 }  // namespace
