@@ -4,6 +4,7 @@
 #include "baker/debug_pictures.h"
 #include "baker/frame_queue.h"
 #include "baker/output_folder.h"
+#include "baker/report.h"
 #include "baker/summary.h"
 #include "baker/verify.h"
 #include "core/curvature.h"
@@ -39,9 +40,9 @@ struct Certificate {
 /// its successor, so that its velocity is the central difference of the true motion.
 class SheetOutput {
  public:
-  SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, AlembicWriter* cache, std::string suffix,
+  SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, AlembicWriter* cache, Report* report, std::string suffix,
               std::filesystem::path map_stem, Certificate& certificate, std::vector<std::filesystem::path>& files)
-      : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), cache_(cache), suffix_(std::move(suffix)), map_stem_(std::move(map_stem)),
+      : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), cache_(cache), report_(report), suffix_(std::move(suffix)), map_stem_(std::move(map_stem)),
         certificate_(certificate), files_(files), input_hash_(plan.start_hash[sheet]) {}
 
   const FrameRecord* take(const AnimatedFrame& frame) {
@@ -57,7 +58,7 @@ class SheetOutput {
     if (!plan_.frames.contains(frame.frame)) return nullptr;
     certificate_.frames.push_back(judge(frame));
     record_handles(frame);
-    if (cache_) wait(*frame.sheet);
+    if (cache_ || report_) wait(*frame.sheet);
     return &certificate_.frames.back();
   }
 
@@ -163,7 +164,8 @@ class SheetOutput {
     if (has_before && next) waiting_->velocity = 0.5 * fps * (carried(*next) - carried(before_));
     else if (next) waiting_->velocity = fps * (carried(*next) - now_.x);
     else if (has_before) waiting_->velocity = fps * (now_.x - carried(before_));
-    certificate_.frames.back().content_hash = cache_->add_frame(sheet_, *waiting_);
+    if (cache_) certificate_.frames.back().content_hash = cache_->add_frame(sheet_, *waiting_);
+    if (report_) report_->add_frame(sheet_, *waiting_);
     waiting_.reset();
   }
 
@@ -178,6 +180,7 @@ class SheetOutput {
   std::size_t sheet_;
   const Shot& shot_;
   AlembicWriter* cache_;
+  Report* report_;
   std::string suffix_;                         // of file names, when there are several sheets
   std::filesystem::path map_stem_;
   Certificate& certificate_;
@@ -208,13 +211,17 @@ void remove_stale(const OutputFolder& folder, const std::string& name, const std
 }
 
 void write_certificate(const OutputFolder& folder, const BakeSettings& settings, const BakePlan& plan, Certificate& certificate,
-                       BakeOutcome& outcome) {
+                       const Report* report, BakeOutcome& outcome) {
   std::stable_sort(certificate.frames.begin(), certificate.frames.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
   std::stable_sort(certificate.handles.begin(), certificate.handles.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
   Gates gates;
   gates.max_stretch_pct = settings.max_stretch_pct;
   outcome.missed = missed_gates(gates, certificate.frames, plan);
   outcome.exit_code = outcome.missed.empty() ? 0 : 4;
+  if (report) {
+    outcome.files.push_back(folder.path() / "report.html");
+    write_whole_file(outcome.files.back(), report->html(certificate.frames, outcome.missed));
+  }
   write_whole_file(folder.path() / "singular.csv", singular_csv(certificate.singular));
   write_whole_file(folder.path() / "job.lock.toml", lock_text(plan));
   if (!settings.formats.count("cert")) return;
@@ -249,12 +256,15 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     outcome.files.push_back(cache_file);
   }
 
+  std::optional<Report> report;
+  if (settings.formats.count("report")) report.emplace(plan, (plan.frames.last - plan.frames.first) / plan.frames.step + 1);
+
   std::optional<Error> failure;
   for (std::size_t s = 0; s < plan.shots.size() && !failure; ++s) {
     const Shot& shot = plan.shots[s];
     const std::string suffix = plan.shots.size() > 1 ? "." + sheet_file_name(shot.sheet_name) : "";
     const auto map_stem = settings.formats.count("maps") ? folder.sub("maps") / (plan.name + suffix) : std::filesystem::path();
-    SheetOutput output(settings, plan, s, cache.get(), suffix, map_stem, certificate, outcome.files);
+    SheetOutput output(settings, plan, s, cache.get(), report ? &*report : nullptr, suffix, map_stem, certificate, outcome.files);
     AnimateOptions animation = plan.animation;
     animation.seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
     FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) {
@@ -272,7 +282,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     output.finish();
   }
   if (cache) cache->finish();
-  write_certificate(folder, settings, plan, certificate, outcome);
+  write_certificate(folder, settings, plan, certificate, report ? &*report : nullptr, outcome);
   remove_stale(folder, plan.name, outcome.files);
   if (failure)
     throw Error(failure->fault, failure->place, failure->cause,

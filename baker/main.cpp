@@ -27,7 +27,7 @@ std::pair<std::string, std::string> key_and_value(const std::string& text) {
 }
 
 std::set<std::string> parse_formats(const std::string& text) {
-  const std::vector<std::string> known{"abc", "maps", "cert"};
+  const std::vector<std::string> known{"abc", "maps", "cert", "report"};
   std::set<std::string> formats;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
