@@ -1,6 +1,7 @@
 #include "baker/bake.h"
 #include "baker/experiment.h"
 #include "baker/inspect.h"
+#include "baker/verify.h"
 #include "core/error.h"
 #include "formats/preset_file.h"
 #include "formats/whole_file.h"
@@ -26,7 +27,7 @@ std::pair<std::string, std::string> key_and_value(const std::string& text) {
 }
 
 std::set<std::string> parse_formats(const std::string& text) {
-  const std::vector<std::string> known{"abc", "maps", "cert"};
+  const std::vector<std::string> known{"abc", "maps", "cert", "report", "usd", "pc2"};
   std::set<std::string> formats;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
@@ -52,7 +53,7 @@ const CLI::Validator positive([](std::string& text) {
 /// What the words of `bake` were, before they are understood.
 struct BakeWords {
   std::vector<std::string> set;
-  std::string formats = "abc,maps,cert", frames, map_frames;
+  std::string formats = "abc,maps,cert,report", frames, map_frames;
   bool dry_run = false;
   ProgressMode progress = ProgressMode::automatic;
 };
@@ -78,7 +79,7 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
       ->transform(CLI::CheckedTransformer(std::map<std::string, CacheMesh>{{"render", CacheMesh::render}, {"simulation", CacheMesh::simulation}}));
   bake.add_option("--quality", s.quality, "Edges of the render mesh on a sheet of 0.2 m: draft 5 mm, shot 2 mm (the default), hero 1 mm")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Quality>{{"draft", Quality::draft}, {"shot", Quality::shot}, {"hero", Quality::hero}}));
-  bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert")->capture_default_str();
+  bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert,report,usd,pc2")->capture_default_str();
   bake.add_option("--gravity", s.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0")->check(finite);
   bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(positive);
   bake.add_option("--dynamics", s.dynamics, "Inertia: auto (quasi-static), off, on")
@@ -127,7 +128,8 @@ int run_inspect(const std::filesystem::path& scene, const SceneOptions& options,
     else write_whole_file(*tracks, csv);
     return 0;
   }
-  fmt::print("{}", inspect_scene(scene, options, json));
+  const bool cache = scene.extension() == ".abc";
+  fmt::print("{}", cache ? inspect_cache(scene, json) : inspect_scene(scene, options, json));
   return 0;
 }
 
@@ -191,6 +193,13 @@ int run_fit(const FitWords& words) {
   return 0;
 }
 
+int run_verify(const std::filesystem::path& folder, bool json, bool estimate) {
+  if (estimate) throw Error(Fault::command, "--estimate", "Error estimates are not in this version.", "paperbake verify DIR compares the files with the certificate.");
+  const Verification verification = verify(folder);
+  fmt::print("{}", json ? verification_json(verification) : verification_text(folder, verification));
+  return verification.differences.empty() ? 0 : gate_missed;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Bakes paper animation from handles keyed in a DCC.", "paperbake");
   app.set_version_flag("--version", "paperbake " PAPERBAKE_VERSION);
@@ -200,18 +209,25 @@ int run(int argc, char** argv) {
   BakeWords words;
   add_bake(app, settings, words);
 
-  CLI::App& inspect = *app.add_subcommand("inspect", "What is in a scene, what is wrong with it, where each value came from");
+  CLI::App& inspect = *app.add_subcommand("inspect", "What is in a scene or a baked cache, what is wrong with it, where each value came from");
   std::filesystem::path scene;
   SceneOptions reading;
   bool json = false;
   std::optional<std::string> tracks;
-  inspect.add_option("SCENE", scene, "An .fbx, .glb or .gltf file")->required();
+  inspect.add_option("FILE", scene, "An .fbx, .glb or .gltf scene, or an .abc cache")->required();
   inspect.add_flag("--json", json, "As JSON");
   inspect.add_option("--tracks", tracks, "Write frame,node,x,y,z of every node to this file (world, z up, metres); - for stdout");
   add_reading_options(inspect, reading);
 
   FitWords fit;
   add_fit(app, fit);
+
+  CLI::App& judged = *app.add_subcommand("verify", "Compare a baked folder with its certificate, from the files alone");
+  std::filesystem::path folder;
+  bool verdict_json = false, estimate = false;
+  judged.add_option("DIR", folder, "The output folder of a bake")->required();
+  judged.add_flag("--json", verdict_json, "As JSON");
+  judged.add_flag("--estimate", estimate, "How far the shapes are from a finer mesh's: not in this version");
 
   CLI::App& presets = *app.add_subcommand("presets", "List the paper grades, or print one with its sources");
   std::optional<std::string> grade;
@@ -228,6 +244,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("bake")) return run_bake(std::move(settings), words);
   if (app.got_subcommand("inspect")) return run_inspect(scene, reading, json, tracks);
   if (app.got_subcommand("fit")) return run_fit(fit);
+  if (app.got_subcommand("verify")) return run_verify(folder, verdict_json, estimate);
   return run_presets(grade, grades_json);
 }
 

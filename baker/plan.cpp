@@ -136,6 +136,8 @@ BakePlan plan_bake(const BakeSettings& settings) {
   plan.name = settings.scene.stem().string();
   check_method(settings);
   check_probe(settings);
+  if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation && settings.method != "fem")
+    throw Error(Fault::command, "--formats pc2", "A point cache has one mesh for the whole shot, and the simulated one changes.", "Leave out --mesh simulation, or pc2.");
   Scene scene = read_scene(settings.scene, settings.reading);
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;

@@ -1,6 +1,6 @@
 #include "baker/render_pass.h"
 
-#include "core/measure.h"
+#include "baker/cache_measure.h"
 
 #include <ctime>
 #include <optional>
@@ -42,9 +42,9 @@ class Renderer {
   std::vector<Place> places_;
 };
 
-RenderNumbers judge(const Sheet& sheet, double ms) {
-  const LengthDistortion length = length_distortion(sheet);
-  return {static_cast<int>(sheet.triangles.rows()), 100 * length.mean, 100 * length.largest, ms};
+RenderNumbers judge(const CacheFrame& frame, double longer_side, double ms) {
+  const LengthDistortion length = cache_distortion(frame, longer_side);
+  return {static_cast<int>(frame.triangles.rows()), 100 * length.mean, 100 * length.largest, ms};
 }
 
 }  // namespace
@@ -55,7 +55,6 @@ void render_shot(const ShotRecord& record, const Shot& shot, Quality quality, co
   if (recorded.empty()) return;
   RenderSheet render = make_render_sheet(shot.pattern, record.features(shot), record.edge(), quality);
   Renderer renderer(record, render);
-  Sheet sheet{render.mesh().pattern, {}, {}, render.mesh().triangles, {}};
   CacheFrame cached;
   cached.triangles = render.mesh().triangles;
   cached.normal_of_corner = render.normal_of_corner();
@@ -78,8 +77,8 @@ void render_shot(const ShotRecord& record, const Shot& shot, Quality quality, co
     else cached.velocity = Points3::Zero(shown.x.rows(), 3);
     cached.x = shown.x;
     cached.normal = shown.normals;
-    sheet.x = shown.x;
-    write(recorded[k].frame, cached, judge(sheet, now->ms));
+    cached.crease = shown.crease;
+    write(recorded[k].frame, cached, judge(cached, longer_side(shot.pattern), now->ms));
   }
 }
 

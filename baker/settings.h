@@ -45,7 +45,7 @@ struct BakeSettings {
   std::optional<FrameSpan> frames;
   CacheMesh mesh = CacheMesh::render;                    // one for the whole shot, or as it is simulated
   Quality quality = Quality::shot;                       // of the render mesh
-  std::set<std::string> formats{"abc", "maps", "cert"};
+  std::set<std::string> formats{"abc", "maps", "cert", "report"};
   int map_size = 1024;                                   // [texels]
   MapLayout map_layout = MapLayout::scanline;
   std::optional<std::vector<FrameSpan>> map_frames;      // none: every 12th

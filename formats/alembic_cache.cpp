@@ -105,6 +105,7 @@ std::string AlembicWriter::add_frame(std::size_t sheet, const CacheFrame& frame)
   refuse_unless_finite(frame.velocity, "velocity", place);
   refuse_unless_finite(frame.normal, "normal", place);
   refuse_unless_finite(frame.uv, "uv", place);
+  refuse_unless_finite(frame.crease, "crease", place);
 
   mesh.frames.push_back(alembic::store_frame(impl_->archive, frame));
   return hex(mesh.frames.back().points.key);

@@ -21,6 +21,9 @@ constexpr const char* corner_normal_meaning =
 constexpr const char* uv_meaning =
     "arrayExtent=1;geoScope=fvr;interpretation=vector;isGeomParam=true;podExtent=2;podName=float32_t;sourceName=UVMap";
 
+constexpr const char* colour_meaning =
+    "arrayExtent=1;geoScope=vtx;interpretation=rgba;isGeomParam=true;podExtent=4;podName=float32_t";
+
 using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
@@ -31,6 +34,14 @@ Floats3 y_up(const Points3& rows) {
   turned << rows.col(0).cast<float>(), rows.col(2).cast<float>(), -rows.col(1).cast<float>();
   turned.array() += 0.0f;  // -0 becomes 0: equal values have equal keys
   return turned;
+}
+
+/// Grey: white where the sheet is folded by a right angle or more.
+Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colours(const Eigen::VectorXd& crease) {
+  Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> rgba(crease.size(), 4);
+  rgba.leftCols<3>() = (crease / (M_PI / 2)).cwiseMin(1.0).cast<float>().replicate<1, 3>();
+  rgba.col(3).setOnes();
+  return rgba;
 }
 
 /// The corners in reverse: seen from its front, an Alembic face runs clockwise.
@@ -71,6 +82,7 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
   samples.velocities = store(archive, raw(velocities));
   samples.normals = store(archive, raw(normals));
   samples.normal_indices = store(archive, raw(normal_of_corner));
+  samples.colours = store(archive, raw(colours(frame.crease)));
   samples.indices = store(archive, raw(triangles));
   samples.counts = store(archive, raw(corners_of_faces));
   samples.uv = store(archive, raw(uv));
@@ -133,6 +145,8 @@ Property geometry(const std::vector<MeshFrame>& frames) {
     members.push_back(compound("uv", uv_meaning,
                                {array(".vals", uv_meaning, Pod::f32, 2, &MeshFrame::uv),
                                 array(".indices", "", Pod::u32, 1, &MeshFrame::uv_indices)}));
+  if (ever_given(frames, &MeshFrame::colours))
+    members.push_back(compound(".arbGeomParams", "", {array("crease", colour_meaning, Pod::f32, 4, &MeshFrame::colours)}));
   return compound(".geom", mesh_schema, std::move(members));
 }
 
