@@ -11,6 +11,10 @@ namespace paperbake {
 /// throws Error(Fault::scene) as read_scene does
 std::string inspect_scene(const std::filesystem::path&, const SceneOptions&, bool json);
 
+/// What an artist wants to know of a cache that was baked: sheets, frames, meshes, channels, size.
+/// throws Error(Fault::scene) as AlembicReader does
+std::string inspect_cache(const std::filesystem::path&, bool json);
+
 /// frame,node,x,y,z of every node and bone at every whole frame; world, z up, metres.
 std::string tracks_csv(const std::filesystem::path&, const SceneOptions&);
 

@@ -1,6 +1,7 @@
 #include "baker/bake.h"
 #include "baker/experiment.h"
 #include "baker/inspect.h"
+#include "baker/verify.h"
 #include "core/error.h"
 #include "formats/preset_file.h"
 #include "formats/whole_file.h"
@@ -26,7 +27,7 @@ std::pair<std::string, std::string> key_and_value(const std::string& text) {
 }
 
 std::set<std::string> parse_formats(const std::string& text) {
-  const std::vector<std::string> known{"abc", "maps", "cert"};
+  const std::vector<std::string> known{"abc", "maps", "cert", "report", "usd", "pc2"};
   std::set<std::string> formats;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
@@ -52,7 +53,7 @@ const CLI::Validator positive([](std::string& text) {
 /// What the words of `bake` were, before they are understood.
 struct BakeWords {
   std::vector<std::string> set;
-  std::string formats = "abc,maps,cert", frames, map_frames, mesh = "render";
+  std::string formats = "abc,maps,cert,report", frames, map_frames;
   bool dry_run = false;
   ProgressMode progress = ProgressMode::automatic;
 };
@@ -74,8 +75,11 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("--seed", s.seed, "Seed of all that is random; else the sheet's paper_seed, else 0");
   bake.add_option("--triangles", s.triangles, "Triangles of fem's mesh, within 10 % (1700); the most that hybrid may have (250)")->check(CLI::Range(2, 400000));
   bake.add_option("--base-triangles", s.base_triangles, "Triangles that hybrid begins with")->capture_default_str()->check(CLI::Range(2, 100000));
-  bake.add_option("--mesh", words.mesh, "Mesh in the cache: render or simulation (one and the same for fem)")->capture_default_str()->check(CLI::IsMember({"render", "simulation"}));
-  bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert")->capture_default_str();
+  bake.add_option("--mesh", s.mesh, "Mesh in the cache: render (one for the whole shot, the default), simulation (as it is simulated)")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, CacheMesh>{{"render", CacheMesh::render}, {"simulation", CacheMesh::simulation}}));
+  bake.add_option("--quality", s.quality, "Edges of the render mesh on a sheet of 0.2 m: draft 5 mm, shot 2 mm (the default), hero 1 mm")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, Quality>{{"draft", Quality::draft}, {"shot", Quality::shot}, {"hero", Quality::hero}}));
+  bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert,report,usd,pc2")->capture_default_str();
   bake.add_option("--gravity", s.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0")->check(finite);
   bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(positive);
   bake.add_option("--dynamics", s.dynamics, "Inertia: auto (quasi-static), off, on")
@@ -83,6 +87,8 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("--probe", s.probe_every, "Every N frames, look for another shape of less energy under the same handles, and take it; 0: never")->capture_default_str()->check(CLI::Range(0, 100000));
   bake.add_option("--frames", words.frames, "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key handles rest");
   bake.add_option("--map-size", s.map_size, "Texels on a side of the maps")->capture_default_str()->check(CLI::Range(1, 16384));
+  bake.add_option("--map-layout", s.map_layout, "scanline; tiled-mip: 64 x 64 tiles with mip levels, for renderers")
+      ->transform(CLI::CheckedTransformer(std::map<std::string, MapLayout>{{"scanline", MapLayout::scanline}, {"tiled-mip", MapLayout::tiled_mip}}));
   bake.add_option("--map-frames", words.map_frames, "Frames with a map: A-BxN,...; the final one always (default: every 12th)");
   bake.add_option("--debug-pictures", s.debug_pictures, "Folder for pictures of pattern mesh and sheet: of the frames of --map-frames (else every 6th), of births and of the last");
   bake.add_option("--max-stretch", s.max_stretch_pct, "Gate: longest or shortest edge in percent of its rest length")->capture_default_str()->check(positive);
@@ -122,7 +128,8 @@ int run_inspect(const std::filesystem::path& scene, const SceneOptions& options,
     else write_whole_file(*tracks, csv);
     return 0;
   }
-  fmt::print("{}", inspect_scene(scene, options, json));
+  const bool cache = scene.extension() == ".abc";
+  fmt::print("{}", cache ? inspect_cache(scene, json) : inspect_scene(scene, options, json));
   return 0;
 }
 
@@ -186,6 +193,13 @@ int run_fit(const FitWords& words) {
   return 0;
 }
 
+int run_verify(const std::filesystem::path& folder, bool json, bool estimate) {
+  if (estimate) throw Error(Fault::command, "--estimate", "Error estimates are not in this version.", "paperbake verify DIR compares the files with the certificate.");
+  const Verification verification = verify(folder);
+  fmt::print("{}", json ? verification_json(verification) : verification_text(folder, verification));
+  return verification.differences.empty() ? 0 : gate_missed;
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Bakes paper animation from handles keyed in a DCC.", "paperbake");
   app.set_version_flag("--version", "paperbake " PAPERBAKE_VERSION);
@@ -195,18 +209,25 @@ int run(int argc, char** argv) {
   BakeWords words;
   add_bake(app, settings, words);
 
-  CLI::App& inspect = *app.add_subcommand("inspect", "What is in a scene, what is wrong with it, where each value came from");
+  CLI::App& inspect = *app.add_subcommand("inspect", "What is in a scene or a baked cache, what is wrong with it, where each value came from");
   std::filesystem::path scene;
   SceneOptions reading;
   bool json = false;
   std::optional<std::string> tracks;
-  inspect.add_option("SCENE", scene, "An .fbx, .glb or .gltf file")->required();
+  inspect.add_option("FILE", scene, "An .fbx, .glb or .gltf scene, or an .abc cache")->required();
   inspect.add_flag("--json", json, "As JSON");
   inspect.add_option("--tracks", tracks, "Write frame,node,x,y,z of every node to this file (world, z up, metres); - for stdout");
   add_reading_options(inspect, reading);
 
   FitWords fit;
   add_fit(app, fit);
+
+  CLI::App& judged = *app.add_subcommand("verify", "Compare a baked folder with its certificate, from the files alone");
+  std::filesystem::path folder;
+  bool verdict_json = false, estimate = false;
+  judged.add_option("DIR", folder, "The output folder of a bake")->required();
+  judged.add_flag("--json", verdict_json, "As JSON");
+  judged.add_flag("--estimate", estimate, "How far the shapes are from a finer mesh's: not in this version");
 
   CLI::App& presets = *app.add_subcommand("presets", "List the paper grades, or print one with its sources");
   std::optional<std::string> grade;
@@ -223,6 +244,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("bake")) return run_bake(std::move(settings), words);
   if (app.got_subcommand("inspect")) return run_inspect(scene, reading, json, tracks);
   if (app.got_subcommand("fit")) return run_fit(fit);
+  if (app.got_subcommand("verify")) return run_verify(folder, verdict_json, estimate);
   return run_presets(grade, grades_json);
 }
 

@@ -90,6 +90,10 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"bake.triangles", std::to_string(triangles_wanted(settings)), said(settings.triangles.has_value())});
   if (settings.method == "hybrid")
     used.push_back({"bake.base_triangles", std::to_string(settings.base_triangles), said(settings.base_triangles != defaults.base_triangles)});
+  used.push_back({"bake.mesh", settings.mesh == CacheMesh::render ? "\"render\"" : "\"simulation\"", said(settings.mesh != defaults.mesh)});
+  if (settings.mesh == CacheMesh::render)
+    used.push_back({"bake.quality", toml_string(settings.quality == Quality::draft ? "draft" : settings.quality == Quality::hero ? "hero" : "shot"),
+                    said(settings.quality != defaults.quality)});
   used.push_back({"bake.stop", toml_number(settings.stop), said(settings.stop != defaults.stop)});
   used.push_back({"bake.gravity", toml_number(plan.animation.elastic.gravity),
                   settings.gravity ? "command line" : scene.gravity ? "scene" : "default"});
@@ -99,6 +103,7 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"bake.frames", toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
                   settings.frames ? "command line" : "scene"});
   used.push_back({"bake.map_size", std::to_string(settings.map_size), said(settings.map_size != defaults.map_size)});
+  used.push_back({"bake.map_layout", settings.map_layout == MapLayout::scanline ? "\"scanline\"" : "\"tiled-mip\"", said(settings.map_layout != defaults.map_layout)});
   used.push_back({"bake.max_stretch", toml_number(settings.max_stretch_pct), said(settings.max_stretch_pct != defaults.max_stretch_pct)});
   used.push_back({"bake.strict", settings.strict ? "true" : "false", said(settings.strict)});
 }
@@ -131,6 +136,8 @@ BakePlan plan_bake(const BakeSettings& settings) {
   plan.name = settings.scene.stem().string();
   check_method(settings);
   check_probe(settings);
+  if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation && settings.method != "fem")
+    throw Error(Fault::command, "--formats pc2", "A point cache has one mesh for the whole shot, and the simulated one changes.", "Leave out --mesh simulation, or pc2.");
   Scene scene = read_scene(settings.scene, settings.reading);
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;

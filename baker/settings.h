@@ -1,7 +1,9 @@
 #pragma once
 
 #include "core/paper.h"
+#include "core/render_sheet.h"
 #include "core/step1_elastic/elastic.h"
+#include "formats/map_info.h"
 #include "formats/scene_file.h"
 
 #include <filesystem>
@@ -23,6 +25,7 @@ FrameSpan parse_frames(const std::string& text, const std::string& option);
 /// Spans separated by commas. throws as above
 std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& option);
 
+enum class CacheMesh { render, simulation };
 enum class Dynamics { automatic, off, on };
 
 /// What the command line says about a bake. An empty option leaves the choice to scene, preset or default.
@@ -40,8 +43,11 @@ struct BakeSettings {
   Dynamics dynamics = Dynamics::automatic;
   int probe_every = 0;                                   // [frames] 0: never
   std::optional<FrameSpan> frames;
-  std::set<std::string> formats{"abc", "maps", "cert"};
+  CacheMesh mesh = CacheMesh::render;                    // one for the whole shot, or as it is simulated
+  Quality quality = Quality::shot;                       // of the render mesh
+  std::set<std::string> formats{"abc", "maps", "cert", "report"};
   int map_size = 1024;                                   // [texels]
+  MapLayout map_layout = MapLayout::scanline;
   std::optional<std::vector<FrameSpan>> map_frames;      // none: every 12th
   std::optional<std::filesystem::path> debug_pictures;   // folder
   double max_stretch_pct = 5;

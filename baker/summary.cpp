@@ -1,5 +1,7 @@
 #include "baker/summary.h"
 
+#include "baker/verify.h"
+
 #include <algorithm>
 #include <fmt/format.h>
 #include <fstream>
@@ -69,7 +71,8 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   return missed;
 }
 
-std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, const std::vector<std::string>& missed) {
+std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, const std::vector<std::string>& missed,
+                         const std::map<std::string, std::string>& files) {
   Json sheets = Json::array(), impossible = Json::array(), settings = Json::object();
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     sheets.push_back({{"name", plan.shots[s].sheet_name}, {"preset", plan.presets[s]}, {"seed", plan.seeds[s]},
@@ -94,6 +97,8 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"handle_err_max_mm", spread(frames, [](const FrameRecord& f) { return f.handle_err_max_mm; })},
       {"render_stretch_mean_pct", spread(frames, [](const FrameRecord& f) { return f.render_stretch_mean_pct; })},
       {"render_stretch_max_pct", spread(frames, [](const FrameRecord& f) { return f.render_stretch_max_pct; })},
+      {"render_triangles", spread(frames, [](const FrameRecord& f) { return double(f.render_triangles); })},
+      {"render_ms", spread(frames, [](const FrameRecord& f) { return f.render_ms; })},
       {"elastic_ms", spread(frames, [](const FrameRecord& f) { return f.elastic_ms; })},
       {"geometry_ms", spread(frames, [](const FrameRecord& f) { return f.geometry_ms; })},
       {"newton_iterations", spread(frames, [](const FrameRecord& f) { return double(f.newton_iterations); })},
@@ -102,8 +107,8 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"not_converged", count([](const FrameRecord& f) { return !f.converged; })},
       {"jammed_frames", count([](const FrameRecord& f) { return !f.jammed.empty(); })},
       {"impossible_handles", impossible}, {"gates_missed", missed}, {"exit_code", missed.empty() ? 0 : 4},
-      {"models", models(plan, frames)}, {"warnings", plan.warnings}, {"settings", settings}, {"machine", machine()}};
-  return summary.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+      {"models", models(plan, frames)}, {"warnings", plan.warnings}, {"settings", settings}, {"machine", machine()}, {"files", files}};
+  return sealed(summary.dump(1, ' ', false, Json::error_handler_t::replace));
 }
 
 }  // namespace paperbake

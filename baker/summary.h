@@ -3,6 +3,7 @@
 #include "baker/plan.h"
 #include "formats/certificate.h"
 
+#include <map>
 #include <string>
 #include <vector>
 
@@ -19,6 +20,8 @@ struct Gates {
 std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&, const BakePlan&);
 
 /// cert/summary.json: the certificate over the whole shot.
-std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, const std::vector<std::string>& missed);
+/// files  of the bake, relative to its folder, and the keys of their bytes
+std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, const std::vector<std::string>& missed,
+                         const std::map<std::string, std::string>& files);
 
 }  // namespace paperbake

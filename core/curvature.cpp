@@ -46,18 +46,24 @@ Ring judge(const Matrix2d& folds, const Matrix2d& round) {
 
 Points3 vertex_curvature(const Sheet& sheet) {
   const Hinges hinges = find_hinges(sheet.triangles);
-  const auto at = [&](int v) -> Vector2d { return sheet.pattern.row(v); };
-  Points3 folds = Points3::Zero(sheet.pattern.rows(), 3), seen = folds;
-  Eigen::VectorXd area = Eigen::VectorXd::Zero(sheet.pattern.rows());
-  for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    const Vector2d p = at(sheet.triangles(t, 1)) - at(sheet.triangles(t, 0)), q = at(sheet.triangles(t, 2)) - at(sheet.triangles(t, 0));
-    for (int k = 0; k < 3; ++k) area[sheet.triangles(t, k)] += 0.5 * (p.x() * q.y() - p.y() * q.x());
+  std::vector<double> turns;
+  for (const Hinge& hinge : hinges.hinges) turns.push_back(fold_angle(sheet.x, hinge));
+  return vertex_curvature(sheet.pattern, sheet.triangles, hinges, turns);
+}
+
+Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, const Hinges& hinges, const std::vector<double>& turns) {
+  const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
+  Points3 folds = Points3::Zero(pattern.rows(), 3), seen = folds;
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(pattern.rows());
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Vector2d p = at(triangles(t, 1)) - at(triangles(t, 0)), q = at(triangles(t, 2)) - at(triangles(t, 0));
+    for (int k = 0; k < 3; ++k) area[triangles(t, k)] += 0.5 * (p.x() * q.y() - p.y() * q.x());
   }
-  for (const Hinge& hinge : hinges.hinges) {
-    const auto& v = hinge.vertices;
+  for (std::size_t h = 0; h < turns.size(); ++h) {
+    const auto& v = hinges.hinges[h].vertices;
     const Vector2d along = at(v[1]) - at(v[0]);
     const Eigen::RowVector3d nn = Eigen::RowVector3d(along.y() * along.y(), -along.x() * along.y(), along.x() * along.x()) / along.norm();
-    const double turn = fold_angle(sheet.x, hinge);
+    const double turn = turns[h];
     const double round = circumcentre_height(at(v[0]), at(v[1]), at(v[2])) + circumcentre_height(at(v[0]), at(v[1]), at(v[3]));
     for (int k = 0; k < 4; ++k) {
       const double share = k < 2 ? 1.0 : 0.5;  // a spoke of its ends, a link of the wings
@@ -65,22 +71,22 @@ Points3 vertex_curvature(const Sheet& sheet) {
       seen.row(v[k]) += share * round * nn;
     }
   }
-  std::vector<Ring> rings(sheet.pattern.rows(), {Matrix2d::Zero(), Matrix2d::Identity()});
+  std::vector<Ring> rings(pattern.rows(), {Matrix2d::Zero(), Matrix2d::Identity()});
   for (std::size_t v = 0; v < rings.size(); ++v)
     if (area[v] > 0) rings[v] = judge(matrix(folds.row(v)) / area[v], matrix(seen.row(v)) / area[v]);
 
   // a ring that is blind in a direction takes that part from its neighbours
   std::vector<Matrix2d> around(rings.size(), Matrix2d::Zero());
   std::vector<int> neighbours(rings.size(), 0);
-  for (int t = 0; t < sheet.triangles.rows(); ++t)
+  for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j) {
-        const int v = sheet.triangles(t, i), other = sheet.triangles(t, j);
+        const int v = triangles(t, i), other = triangles(t, j);
         if (!rings[other].blind.isZero(0)) continue;
         around[v] += rings[other].curvature;
         ++neighbours[v];
       }
-  Points3 result(sheet.pattern.rows(), 3);
+  Points3 result(pattern.rows(), 3);
   for (std::size_t v = 0; v < rings.size(); ++v) {
     Matrix2d s = rings[v].curvature;
     if (neighbours[v] > 0) s += rings[v].blind * around[v] * rings[v].blind / neighbours[v];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/hinges.h"
 #include "core/sheet.h"
 
 #include <vector>
@@ -16,6 +17,9 @@ namespace paperbake {
 /// A sheet that bulges towards its normal (counter-clockwise side) has positive curvature.
 /// returns  |V|x3 [1/m]  Sxx, Sxy, Syy
 Points3 vertex_curvature(const Sheet&);
+
+/// The same of given turns. turns  [rad] of each hinge of the mesh, in place of its dihedral angle
+Points3 vertex_curvature(const Points2& pattern, const Triangles&, const Hinges&, const std::vector<double>& turns);
 
 /// Principal curvatures of one such tensor, |k1| >= |k2|, and the direction across which the sheet bends most.
 struct Principal {

@@ -2,6 +2,7 @@
 
 #include "core/constrained_delaunay.h"
 #include "core/error.h"
+#include "core/smooth_points.h"
 
 #include <algorithm>
 #include <cmath>
@@ -143,40 +144,14 @@ Triangles triangulate(const Cloud& cloud) {
   return std::move(*triangles);
 }
 
-/// One step of optimal-Delaunay smoothing of the free points: each goes to the area-weighted mean of the circumcentres round
-/// it; where that would leave its triangles' hull the mean of their centroids serves. source [Chen 2004]
-void smooth(const Triangles& triangles, Cloud& cloud) {
-  std::vector<Vector2d> sum(cloud.points.size(), Vector2d::Zero()), centroid = sum;
-  std::vector<double> weight(cloud.points.size(), 0.0);
-  std::vector<char> obtuse(cloud.points.size(), 0);
-  for (int t = 0; t < triangles.rows(); ++t) {
-    const Vector2d a = cloud.points[triangles(t, 0)], b = cloud.points[triangles(t, 1)], c = cloud.points[triangles(t, 2)];
-    const Vector2d u = b - a, v = c - a;
-    const double cross = u.x() * v.y() - u.y() * v.x();
-    const Vector2d centre = a + Vector2d(v.y() * u.squaredNorm() - u.y() * v.squaredNorm(),
-                                         u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) / (2 * cross);
-    const Vector2d middle = (a + b + c) / 3;
-    const bool far = (centre - middle).squaredNorm() > 0.25 * std::abs(cross);
-    for (int i = 0; i < 3; ++i) {
-      const int p = triangles(t, i);
-      sum[p] += 0.5 * cross * centre;
-      centroid[p] += 0.5 * cross * middle;
-      weight[p] += 0.5 * cross;
-      obtuse[p] |= far;
-    }
-  }
-  for (std::size_t p = cloud.fixed; p < cloud.points.size(); ++p)
-    if (weight[p] > 0) cloud.points[p] = (obtuse[p] ? centroid[p] : sum[p]) / weight[p];
-}
-
 }  // namespace
 
-PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<Vector2d>& points, double turn) {
+PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<Vector2d>& points, double turn, double border) {
   constexpr int smoothing_passes = 6;
   const double snap = 1e-6 * longer_side(pattern);
   Cloud cloud;
-  cloud.polygons.outline = coarsen(pattern.outline, 1.2 * edge, 0.02 * edge);
-  for (const auto& hole : pattern.holes) cloud.polygons.holes.push_back(coarsen(hole, 1.2 * edge, 0.02 * edge));
+  cloud.polygons.outline = coarsen(pattern.outline, 1.2 * edge, border * edge);
+  for (const auto& hole : pattern.holes) cloud.polygons.holes.push_back(coarsen(hole, 1.2 * edge, border * edge));
   // a coarsened border passes beside its required points, or cuts those near it off: bring them onto the polygon
   std::vector<Vector2d> required = points;
   for (Vector2d& p : required) {
@@ -191,7 +166,7 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
 
   Triangles triangles = triangulate(cloud);
   for (int pass = 0; pass < smoothing_passes; ++pass) {
-    smooth(triangles, cloud);
+    smooth_points(triangles, cloud.points, cloud.fixed);
     triangles = triangulate(cloud);
   }
   PatternMesh mesh;

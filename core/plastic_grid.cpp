@@ -106,6 +106,23 @@ PlasticMemory PlasticGrid::read(const Cover& cover) const {
   return memory;
 }
 
+Points3 PlasticGrid::at_vertices(const Points2& pattern, const Triangles& triangles) const {
+  const Points3 kept = read(cover(pattern, triangles)).curvature;
+  Points3 sum = Points3::Zero(pattern.rows(), 3);
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(pattern.rows());
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Vector2d corner[3] = {pattern.row(triangles(t, 0)), pattern.row(triangles(t, 1)), pattern.row(triangles(t, 2))};
+    const double weight = 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]);
+    for (int k = 0; k < 3; ++k) {
+      sum.row(triangles(t, k)) += weight * kept.row(t);
+      area[triangles(t, k)] += weight;
+    }
+  }
+  for (int v = 0; v < sum.rows(); ++v)
+    if (area[v] > 0) sum.row(v) /= area[v];
+  return sum;
+}
+
 double PlasticGrid::write(const Cover& cover, const PlasticMemory& gained) {
   double growth = 0;
   for (int t = 0; t < gained.hardening.size(); ++t) {

@@ -38,6 +38,11 @@ class PlasticGrid {
 
   PlasticMemory read(const Cover&) const;
 
+  /// What the vertices of a mesh remember: the mean over the triangles around them, weighted by area, as core/curvature
+  /// averages what they show.
+  /// returns  |V|x3 [1/m] Sxx, Sxy, Syy
+  Points3 at_vertices(const Points2& pattern, const Triangles&) const;
+
   /// Adds to the memory what triangles gained; of what was a ridge, the most is kept.
   /// returns  by how much integral() grew [m rad]
   double write(const Cover&, const PlasticMemory& gained);

@@ -73,7 +73,10 @@ void refuse_unless_finite(const Rows& rows, const char* what, const std::string&
 [[maybe_unused]] bool fits_together(const CacheFrame& frame) {
   const Eigen::Index vertices = frame.x.rows();
   const auto all_or_none = [&](Eigen::Index rows) { return rows == 0 || rows == vertices; };
-  return all_or_none(frame.velocity.rows()) && all_or_none(frame.normal.rows()) && all_or_none(frame.uv.rows()) &&
+  const Triangles& n = frame.normal_of_corner;
+  const bool normals = n.size() == 0 ? all_or_none(frame.normal.rows())
+                                     : n.rows() == frame.triangles.rows() && n.minCoeff() >= 0 && n.maxCoeff() < frame.normal.rows();
+  return all_or_none(frame.velocity.rows()) && normals && all_or_none(frame.uv.rows()) &&
          (frame.triangles.size() == 0 || (frame.triangles.minCoeff() >= 0 && frame.triangles.maxCoeff() < vertices));
 }
 
@@ -102,6 +105,7 @@ std::string AlembicWriter::add_frame(std::size_t sheet, const CacheFrame& frame)
   refuse_unless_finite(frame.velocity, "velocity", place);
   refuse_unless_finite(frame.normal, "normal", place);
   refuse_unless_finite(frame.uv, "uv", place);
+  refuse_unless_finite(frame.crease, "crease", place);
 
   mesh.frames.push_back(alembic::store_frame(impl_->archive, frame));
   return hex(mesh.frames.back().points.key);

@@ -25,7 +25,9 @@ struct CacheInfo {
 struct CacheFrame {
   Points3 x;             // |V|x3 [m]
   Points3 velocity;      // |V|x3 [m/s]  may be empty: then none is written
-  Points3 normal;        // |V|x3        unit, per vertex; may be empty
+  Points3 normal;        // |V|x3        unit, per vertex; with normal_of_corner any number of them; may be empty
+  Triangles normal_of_corner;  // |T|x3  which normal each corner has; may be empty; stored once while it does not change
+  Eigen::VectorXd crease;  // |V| [rad] how sharply the sheet is folded there; may be empty: then no colour is written
   Triangles triangles;   // |T|x3        counter-clockwise; stored once while it does not change
   Points2 uv;            // |V|x2        per vertex, v up; may be empty; stored once while it does not change
 };

@@ -16,8 +16,13 @@ constexpr const char* point_meaning = "geoScope=vtx;interpretation=point";
 constexpr const char* velocity_meaning = "interpretation=vector";
 constexpr const char* normal_meaning =
     "arrayExtent=1;geoScope=vtx;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_t";
+constexpr const char* corner_normal_meaning =
+    "arrayExtent=1;geoScope=fvr;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_t";
 constexpr const char* uv_meaning =
     "arrayExtent=1;geoScope=fvr;interpretation=vector;isGeomParam=true;podExtent=2;podName=float32_t;sourceName=UVMap";
+
+constexpr const char* colour_meaning =
+    "arrayExtent=1;geoScope=vtx;interpretation=rgba;isGeomParam=true;podExtent=4;podName=float32_t";
 
 using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
@@ -29,6 +34,14 @@ Floats3 y_up(const Points3& rows) {
   turned << rows.col(0).cast<float>(), rows.col(2).cast<float>(), -rows.col(1).cast<float>();
   turned.array() += 0.0f;  // -0 becomes 0: equal values have equal keys
   return turned;
+}
+
+/// Grey: white where the sheet is folded by a right angle or more.
+Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colours(const Eigen::VectorXd& crease) {
+  Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> rgba(crease.size(), 4);
+  rgba.leftCols<3>() = (crease / (M_PI / 2)).cwiseMin(1.0).cast<float>().replicate<1, 3>();
+  rgba.col(3).setOnes();
+  return rgba;
 }
 
 /// The corners in reverse: seen from its front, an Alembic face runs clockwise.
@@ -58,6 +71,7 @@ Box around(const Box& a, const Box& b) {
 MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
   const Floats3 points = y_up(frame.x), velocities = y_up(frame.velocity), normals = y_up(frame.normal);
   const Triangles triangles = clockwise(frame.triangles);
+  const Triangles normal_of_corner = clockwise(frame.normal_of_corner);
   const std::vector<std::int32_t> corners_of_faces(triangles.rows(), 3);
   const Floats2 uv = (frame.uv.cast<float>().array() + 0.0f).matrix();
 
@@ -67,6 +81,8 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
   samples.points = store(archive, raw(points));
   samples.velocities = store(archive, raw(velocities));
   samples.normals = store(archive, raw(normals));
+  samples.normal_indices = store(archive, raw(normal_of_corner));
+  samples.colours = store(archive, raw(colours(frame.crease)));
   samples.indices = store(archive, raw(triangles));
   samples.counts = store(archive, raw(corners_of_faces));
   samples.uv = store(archive, raw(uv));
@@ -119,12 +135,18 @@ Property geometry(const std::vector<MeshFrame>& frames) {
   };
   if (ever_given(frames, &MeshFrame::velocities))
     members.push_back(array(".velocities", velocity_meaning, Pod::f32, 3, &MeshFrame::velocities));
-  if (ever_given(frames, &MeshFrame::normals))
+  if (ever_given(frames, &MeshFrame::normal_indices))
+    members.push_back(compound("N", corner_normal_meaning,
+                               {array(".vals", corner_normal_meaning, Pod::f32, 3, &MeshFrame::normals),
+                                array(".indices", "", Pod::u32, 1, &MeshFrame::normal_indices)}));
+  else if (ever_given(frames, &MeshFrame::normals))
     members.push_back(array("N", normal_meaning, Pod::f32, 3, &MeshFrame::normals));
   if (ever_given(frames, &MeshFrame::uv))
     members.push_back(compound("uv", uv_meaning,
                                {array(".vals", uv_meaning, Pod::f32, 2, &MeshFrame::uv),
                                 array(".indices", "", Pod::u32, 1, &MeshFrame::uv_indices)}));
+  if (ever_given(frames, &MeshFrame::colours))
+    members.push_back(compound(".arbGeomParams", "", {array("crease", colour_meaning, Pod::f32, 4, &MeshFrame::colours)}));
   return compound(".geom", mesh_schema, std::move(members));
 }
 

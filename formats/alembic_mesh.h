@@ -21,7 +21,7 @@ struct Box {
 /// The samples of one mesh at one frame.
 struct MeshFrame {
   Box box;
-  Sample bounds, points, velocities, normals, indices, counts, uv, uv_indices;
+  Sample bounds, points, velocities, normals, normal_indices, indices, counts, uv, uv_indices, colours;
 };
 
 struct Mesh {

@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
 namespace paperbake {
@@ -26,6 +27,28 @@ const char* state_name(HandleRecord::State state) {
     case HandleRecord::jammed_state: return "jammed";
   }
   return "";
+}
+
+/// The rows of a CSV text as RFC 4180 has them; what is quoted may hold commas and line ends.
+std::vector<std::vector<std::string>> parse_csv(const std::string& text) {
+  std::vector<std::vector<std::string>> rows;
+  std::vector<std::string> row{""};
+  bool quoted = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (quoted && c == '"' && i + 1 < text.size() && text[i + 1] == '"') row.back() += text[++i];
+    else if (c == '"') quoted = !quoted;
+    else if (c == ',' && !quoted) row.emplace_back();
+    else if (c == '\n' && !quoted) rows.push_back(std::move(row)), row.assign(1, "");
+    else row.back() += c;
+  }
+  if (row.size() > 1) rows.push_back(std::move(row));
+  return rows;
+}
+
+bool read_number(const std::string& text, double& value) {
+  const auto [end, problem] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return problem == std::errc() && end == text.data() + text.size() && std::isfinite(value);
 }
 
 }  // namespace
@@ -81,6 +104,28 @@ std::string handles_csv(const std::vector<HandleRecord>& records) {
                        number(r.held.y(), "held_y"), number(r.held.z(), "held_z"), state_name(r.state));
   }
   return csv;
+}
+
+std::vector<HandleRecord> parse_handles_csv(const std::string& text) {
+  std::vector<HandleRecord> records;
+  const std::vector<std::vector<std::string>> rows = parse_csv(text);
+  for (std::size_t k = 1; k < rows.size(); ++k) {
+    const std::vector<std::string>& f = rows[k];
+    HandleRecord r;
+    double n[9];
+    bool good = f.size() == 12 && read_number(f[0], n[0]);
+    for (int i = 0; i < 8 && good; ++i) good = read_number(f[3 + i], n[1 + i]);
+    if (!good || (f[11] != "held" && f[11] != "free" && f[11] != "jammed"))
+      throw Error(Fault::scene, fmt::format("handles.csv, row {}", k + 1), "It is not a row that this version writes.");
+    r.frame = static_cast<int>(n[0]);
+    r.sheet = f[1], r.handle = f[2];
+    r.pattern << n[1], n[2];
+    r.keyed << n[3], n[4], n[5];
+    r.held << n[6], n[7], n[8];
+    r.state = f[11] == "held" ? HandleRecord::held_state : f[11] == "free" ? HandleRecord::free_state : HandleRecord::jammed_state;
+    records.push_back(std::move(r));
+  }
+  return records;
 }
 
 std::string singular_csv(const std::vector<SingularRecord>& records) {

@@ -62,6 +62,9 @@ std::string frame_line(const FrameRecord&);
 /// Names with commas, quotes or line ends are quoted as RFC 4180 says; lines end with \n.
 std::string handles_csv(const std::vector<HandleRecord>&);
 
+/// Reads such a text. throws Error(Fault::scene) that names the line
+std::vector<HandleRecord> parse_handles_csv(const std::string& text);
+
 /// id,sheet,frame,u,v,cause   id counts from 1 in order of birth over all sheets; within a frame, in the order given.
 std::string singular_csv(const std::vector<SingularRecord>&);
 

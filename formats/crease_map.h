@@ -2,70 +2,72 @@
 
 #include "core/pattern.h"
 #include "core/sheet.h"
+#include "formats/crease_history.h"
+#include "formats/map_info.h"
 
 #include <filesystem>
-#include <string>
-#include <vector>
+#include <memory>
 
 namespace paperbake {
 
-/// What stands in the header of every map, as attributes of the file:
-/// frame (int), framesPerSecond (rational), seed (int: the 32 bits of the seed), preset (string); and from the map itself
-/// texelSize (float, m) and foldWidth (float, m). Nothing that tells when, where or by whom.
-struct MapInfo {
-  int frame = 1;
-  double fps = 24;
-  unsigned seed = 0;
-  std::string preset;
+struct CreaseMapOptions {
+  int size = 1024;                            // texels on a side, at least 1
+  double fold_width = 0.002;                  // [m] across what width a turn counts as one fold
+  double crease_width = 0.0005;               // [m] of the lines of R; never drawn thinner than 1.5 texel
+  CreaseLaw law;
+  MapLayout layout = MapLayout::scanline;
+  int threads = 1;                            // the bytes do not depend on them
 };
 
 /// Crease and apex maps of one sheet as textures: a square of size x size texels over the render uv (pattern / longer side),
 /// v up: texel (i, j) of the file, j counted from the top row, has its centre at u = (i+0.5)/size, v = 1 - (j+0.5)/size.
 ///
-///   fold.angle  [rad] signed turn of the sheet across one fold width at this frame: k1 * fold_width, k1 the principal
-///               curvature of larger magnitude of the vertex tensors, interpolated; > 0 where it bulges to its normal
-///   fold.peak   [rad] the fold.angle of largest magnitude so far, with its sign; never smaller than |fold.angle|. Earlier
-///               frames are remembered at a spacing of longer side / min(size, 256) and interpolated
-///   apex.dist   [m]   distance to the nearest singular point so far; the sheet's diagonal where there is none
+/// R, G, B and A are HALF, apex.id is UINT, everything else FLOAT. "So far": in any recorded frame up to this one.
 ///
-/// Texels outside the pattern carry the value of the nearest texel inside, up to 4 texels away (so that a texture lookup at
-/// the border finds paper), else 0 (apex.dist: the diagonal). Texels inside that no triangle covers take the nearest value.
-/// Angles are rounded to 2^-14 rad, distances to at most 1/8 texel.
+///   R            [0, 1] crease strength: the largest |fold angle| so far of the creases that run through here, over a right
+///                angle; lines of creaseWidth, anti-aliased. What counts as a crease: crease_history.h
+///   G            [0, 1] apex mask: a disc of radius creaseWidth around every singular point so far
+///   B            [0, 1] curved one way at this frame, as a cone is: 0 where |k1| x longer side is under 0.18 rad (flat) or
+///                |k2/k1| above 0.7 (crumpled), 1 above 0.3 rad and below 0.5
+///   A            [0, 1] coverage: how much of the texel is pattern, exactly. R, G and B are not multiplied by it
+///   fold.angle   [rad] signed turn of the sheet across one fold width at this frame: k1 x foldWidth, k1 the principal curvature
+///                of larger magnitude of the vertex tensors, interpolated; > 0 where it bulges to its normal
+///   fold.plastic [rad] the same of the curvature that the paper has kept: what it would spring back to; 0 without plasticity
+///   fold.peak    [rad] the fold.angle of largest magnitude so far, with its sign; never smaller than |fold.angle|
+///   age.crease   [s]   since the first crease that runs through here appeared; -1 where there is none. Reaches 1.5 texels beyond
+///                the lines of R, so that a filtered lookup under R never meets the -1
+///   age.apex     [s]   since the birth of the nearest singular point; -1 where there is none
+///   apex.dist    [m]   distance to the nearest singular point so far; the sheet's diagonal where there is none
+///   apex.id      [1]   number of that point among those of its sheet, in order of birth, from 1: for a shot of one sheet, its id
+///                in singular.csv; 0 where there is none. Never filtered
+///   apex.cone    [rad] turn of the sheet about that point at this frame: sum of |fold angle| over the mesh edges that meet there;
+///                0 where it lies flat, or where there is none
+///   dir.x, dir.y [1]   unit direction of the ruling on the pattern (x right, v up), x >= 0; (0, 0) where it is flat, as for B. A
+///                line has no head: filter (x^2 - y^2, 2 x y), as the levels of tiled_mip are
+///   strain.min, strain.max  [%] smallest and largest principal stretch - 1 at this frame, averaged over the triangles around each
+///                vertex and interpolated; < 0 where shortened
+///
+/// Texels outside the pattern, up to 4 texels away from it, continue it (so that a texture lookup at the border finds paper): A is
+/// 0, the shape is that of the nearest point of the border. Beyond them every layer is 0 or what says "none" above.
+/// Angles are rounded to 2^-12 rad, strains to 2^-12 %, directions to 2^-10, distances to at most 1/8 texel.
 class CreaseMap {
  public:
-  /// size: texels on a side, at least 1. fold_width [m]: across what width a turn counts as one fold
-  CreaseMap(const Pattern&, int size, double fold_width);
+  CreaseMap(const Pattern&, const CreaseMapOptions&);
+  ~CreaseMap();
 
-  /// To be called for every frame in order: remembers fold.peak. The sheet may be meshed anew between frames.
-  /// vertex_curvature: |V|x3 [1/m], of core/curvature. throws Error(Fault::simulation) when it is not finite
-  void record(const Sheet&, const Points3& vertex_curvature);
+  /// To be called for every frame in order: remembers creases and fold.peak. The sheet may be meshed anew between frames.
+  /// curvature  |V|x3 [1/m], of core/curvature
+  /// plastic    |V|x3 [1/m], what the paper has kept of it; empty without plasticity
+  /// throws Error(Fault::simulation) when one of them is not finite
+  void record(int frame, const Sheet&, const Points3& curvature, const Points3& plastic = {});
 
-  /// The maps of the last recorded frame, whole or not at all; the same bytes at any thread count.
+  /// The map of the last recorded frame with the history of all of them, whole or not at all. Ages are up to info.frame.
   /// throws Error(Fault::folder)
   void write(const std::filesystem::path&, const MapInfo&) const;
 
  private:
-  struct Copy { int to, from; };   // texels, counted along the rows
-  struct Grid {
-    int size;                      // texels on a side
-    std::vector<char> inside;      // is the texel's centre in the pattern?
-    std::vector<Copy> padding;     // texels outside, with the nearest one inside
-  };
-  using Texels = std::vector<float>;
-
-  static Grid make_grid(const Pattern&, int size);
-  static std::vector<Copy> copies_from_nearest(const std::vector<char>& covered, const std::vector<char>& wanted, int size);
-
-  Texels fold_angle(const Grid&) const;     // 0 outside
-  Texels fold_peak(Texels angle) const;     // 0 outside
-  Texels apex_distance() const;             // the diagonal outside
-  std::string encode(const Texels& angle, const Texels& peak, const Texels& distance, const MapInfo&) const;
-
-  double side_, diagonal_, fold_width_;     // [m]
-  Grid fine_, coarse_;                      // of the file; of the memory between maps
-  Texels peak_;                             // on coarse_
-  Sheet last_;                              // of the last frame: pattern, triangles and singular only
-  Points3 curvature_;                       // of the last frame
+  struct State;
+  std::unique_ptr<State> state_;
 };
 
 }  // namespace paperbake

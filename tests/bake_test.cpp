@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -136,6 +137,37 @@ TEST_F(ABake, OfEverySecondFrameHasEverySecondFrameOfTheWhole) {
     EXPECT_EQ(frame["content_hash"], whole[frames.back()]) << "the same frame, whichever others are written";
   }
   EXPECT_EQ(frames, (std::vector<int>{2, 4, 6}));
+}
+
+TEST_F(ABake, HasOneRenderMeshForTheWholeShotAsFineAsTheQualitySays) {
+  const auto triangles = [](const std::vector<Record>& frames) {
+    std::set<int> all;
+    for (const Record& frame : frames) all.insert(int(frame["render_triangles"]));
+    return all;
+  };
+  const auto shot = triangles(frames_of(output()));
+  ASSERT_EQ(shot.size(), 1u);
+  const double equilateral = 2 / (std::sqrt(0.75) * 0.01 * 0.01);  // of the square sheet, with edges of a hundredth of its side
+  EXPECT_NEAR(*shot.begin(), equilateral, 0.1 * equilateral);
+  for (const Record& frame : frames_of(output())) {
+    EXPECT_GT(double(frame["render_ms"]), 0);
+    EXPECT_LT(double(frame["render_stretch_mean_pct"]), 0.3);
+    EXPECT_NE(frame["render_stretch_mean_pct"], frame["stretch_mean_pct"]);
+  }
+  const fs::path draft = folder / "draft", hero = folder / "hero", simulation = folder / "simulation";
+  const auto bake_with = [&](const fs::path& to, const Words& more) {
+    Words words = job("S4_crumple.glb", to, "1-2");
+    words.insert(words.end(), more.begin(), more.end());
+    EXPECT_EQ(run(words).code, 0);
+    return frames_of(to);
+  };
+  EXPECT_NEAR(*triangles(bake_with(draft, {"--quality", "draft"})).begin(), equilateral / 6.25, 0.1 * equilateral / 6.25);
+  EXPECT_EQ(*triangles(bake_with(hero, {"--quality", "hero"})).begin(), 4 * *shot.begin());
+  for (const Record& frame : bake_with(simulation, {"--mesh", "simulation"})) {
+    EXPECT_EQ(frame["render_triangles"], frame["triangles"]);
+    EXPECT_EQ(frame["render_stretch_mean_pct"], frame["stretch_mean_pct"]);
+    EXPECT_EQ(frame["render_ms"], 0);
+  }
 }
 
 TEST_F(ABake, PutsWholeFilesOverThoseOfTheBakeBefore) {

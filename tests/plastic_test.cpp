@@ -218,6 +218,36 @@ struct Held200 {
   }
 };
 
+TEST(Plastic, AVertexRemembersTheMeanOfTheTrianglesAroundIt) {
+  const Sheet sheet = near_equilateral(60);
+  PlasticGrid grid(test::rectangle(length, width));
+  const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
+  PlasticMemory gained(static_cast<int>(sheet.triangles.rows()));
+  gained.curvature.col(0).setConstant(70);
+  gained.curvature.col(1).setConstant(-20);
+  grid.write(cover, gained);
+  const Points3 same = grid.at_vertices(sheet.pattern, sheet.triangles);
+  ASSERT_EQ(same.rows(), sheet.pattern.rows());
+  for (int v = 0; v < same.rows(); ++v) EXPECT_LT((same.row(v) - Eigen::RowVector3d(70, -20, 0)).norm(), 1e-9) << v;
+
+  // one triangle more: only its corners learn of it, each as much as it is of their ring
+  PlasticMemory more(static_cast<int>(sheet.triangles.rows()));
+  more.curvature(7, 2) = 50;
+  grid.write(cover, more);
+  const Points3 after = grid.at_vertices(sheet.pattern, sheet.triangles);
+  const auto area = [&](int t) {
+    const Eigen::RowVector2d a = sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0));
+    const Eigen::RowVector2d b = sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0));
+    return 0.5 * (a.x() * b.y() - a.y() * b.x());
+  };
+  for (int v = 0; v < after.rows(); ++v) {
+    double ring = 0, own = 0;
+    for (int t = 0; t < sheet.triangles.rows(); ++t)
+      if ((sheet.triangles.row(t).array() == v).any()) ring += area(t), own += t == 7 ? area(t) : 0;
+    EXPECT_NEAR(after(v, 2), 50 * own / ring, 1e-9) << v;
+  }
+}
+
 TEST(Plastic, RemeshingAReleasedSheetChangesLittleOfWhatItKeeps) {
   const double same = Held200().release();
   ASSERT_NEAR(same, 70, 1);

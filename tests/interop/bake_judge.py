@@ -34,6 +34,18 @@ class Cache:
     corners: list  # vertices of the faces of each frame, in a row
     sizes: list  # corners of each face of each frame
     corner_uv: numpy.ndarray  # of the first frame
+    corner_normals: numpy.ndarray  # of the last frame
+
+
+def corner_normals(schema, time, sample):
+    from alembic3d import AbcGeom
+
+    from alembic_judge import selector, z_up
+
+    normals = schema.getNormalsParam().getExpandedValue(selector(time))
+    values = numpy.array(z_up(normals.getVals()))
+    of_corners = normals.getScope() == AbcGeom.GeometryScope.kFacevaryingScope
+    return values if of_corners else values[numpy.array(sample.getFaceIndices())]
 
 
 def read_with_alembic(path, fps):
@@ -50,7 +62,7 @@ def read_with_alembic(path, fps):
     uv = schema.getUVsParam().getExpandedValue(selector(times[0])).getVals()
     return Cache(xform.getName(), times, [numpy.array(z_up(s.getPositions())) for s in samples],
                  [numpy.array(s.getFaceIndices()) for s in samples], [numpy.array(s.getFaceCounts()) for s in samples],
-                 numpy.array([(p.x, p.y) for p in uv]))
+                 numpy.array([(p.x, p.y) for p in uv]), corner_normals(schema, times[-1], samples[-1]))
 
 
 def read_with_blender(path, fps):
@@ -62,7 +74,7 @@ def read_with_blender(path, fps):
     if not imported(path):
         raise RuntimeError("Blender does not import it")
     (sheet,) = (o for o in scene.objects if o.type == "MESH")
-    cache = Cache(sheet.name, [], [], [], [], None)
+    cache = Cache(sheet.name, [], [], [], [], None, None)
     for frame in range(scene.frame_start, scene.frame_end + 1):
         scene.frame_set(frame)
         evaluated = sheet.evaluated_get(bpy.context.evaluated_depsgraph_get())
@@ -73,6 +85,7 @@ def read_with_blender(path, fps):
         cache.sizes.append(integers(mesh.polygons, "loop_total"))
         if cache.corner_uv is None:
             cache.corner_uv = floats(mesh.uv_layers.active.uv, "vector", 2)
+        cache.corner_normals = floats(mesh.corner_normals, "vector", 3)
         evaluated.to_mesh_clear()
     return cache
 
@@ -113,6 +126,19 @@ def judge_mesh(judgement, cache, summary, changing):
     kept = min(len(positions) for positions in cache.positions)  # a method may add vertices behind the first
     motion = max(abs(positions[:kept] - cache.positions[0][:kept]).max() for positions in cache.positions)
     judgement.check(motion > LEAST_MOTION, f"nothing moves more than {motion} m")
+
+
+def judge_normals(judgement, cache, clockwise):
+    """Unit, and on the side of the face: that of its corners in the order of the file, or against it."""
+    corners = cache.positions[-1][cache.corners[-1]].reshape(-1, 3, 3)
+    faces = numpy.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]) * (-1 if clockwise else 1)
+    faces = numpy.repeat(faces / numpy.linalg.norm(faces, axis=1)[:, None], 3, axis=0)
+    if not judgement.check(len(cache.corner_normals) == len(faces), f"{len(cache.corner_normals)} normals for {len(faces)} corners"):
+        return
+    judgement.check(abs(numpy.linalg.norm(cache.corner_normals, axis=1) - 1).max() < 1e-3, "a normal is not of unit length")
+    along = (cache.corner_normals * faces).sum(axis=1)
+    judgement.check(along.mean() > 0.9, f"the normals are not those of the faces: {along.mean()}")
+    judgement.count("normals", len(faces))
 
 
 def vertex_at(judgement, pattern, row):
@@ -169,6 +195,7 @@ def main():
     frames = sorted({frame for frame, _ in truth})
     judge_clock(judgement, cache, frames, arguments.fps)
     judge_mesh(judgement, cache, summary, arguments.changing_mesh)
+    judge_normals(judgement, cache, arguments.reader == "alembic")
     pattern = numpy.zeros((len(cache.positions[0]), 2))
     pattern[cache.corners[0]] = cache.corner_uv * max(summary["sheets"][0]["width_m"], summary["sheets"][0]["height_m"])
     if not judgement.failures:

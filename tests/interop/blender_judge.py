@@ -1,6 +1,6 @@
 """Judges a cache with Blender itself (PyPI: bpy 4.5, CPython 3.11): imports it and looks at every frame.
 
-    blender_judge.py FILE.abc EXPECTED.json
+    blender_judge.py FILE.abc|FILE.usda EXPECTED.json
 
 Prints one line for each check that failed and exits with 1, or what was compared and exits with 0.
 EXPECTED.json is described in alembic_judge.py; metadata, and that "velocity" and "normal" are absent, is judged only there.
@@ -48,6 +48,8 @@ def imported(path):
     verdicts = os.dup(1)
     os.dup2(2, 1)
     try:
+        if path.endswith(".usda"):
+            return "FINISHED" in bpy.ops.wm.usd_import(filepath=os.path.abspath(path))
         return "FINISHED" in bpy.ops.wm.alembic_import(filepath=os.path.abspath(path), as_background_job=False)
     except RuntimeError:
         return False
@@ -67,7 +69,7 @@ def face_normals(frame):
     return normals / doubled_areas[:, None], 1e-6 + 4 * rounding / (doubled_areas / longest).min()
 
 
-def judge_faces(judgement, mesh, frame, where):
+def judge_faces(judgement, mesh, turn, frame, where):
     """Blender's faces are counter-clockwise again, and their front is the sheet's front."""
     found = integers(mesh.loops, "vertex_index").reshape(-1, 3)
     right = numpy.array_equal(integers(mesh.polygons, "loop_total"), [3] * len(frame["triangles"]))
@@ -77,28 +79,29 @@ def judge_faces(judgement, mesh, frame, where):
     wanted = [tuple(numpy.roll(triangle, -triangle.index(min(triangle)))) for triangle in frame["triangles"]]
     judgement.check(turned == wanted, f"{where}: faces are not the counter-clockwise triangles")
     normals, tolerance = face_normals(frame)
-    judgement.near(floats(mesh.polygons, "normal", 3), normals, "face normals", where, tolerance)
+    judgement.near(floats(mesh.polygons, "normal", 3) @ turn, normals, "face normals", where, tolerance)
     return True
 
 
-def judge_corners(judgement, mesh, frame, where):
+def judge_corners(judgement, mesh, turn, frame, where):
     corners = integers(mesh.loops, "vertex_index")
     if "uv" in frame and judgement.check(mesh.uv_layers.active, f"{where}: no uv"):
         judgement.near(floats(mesh.uv_layers.active.uv, "vector", 2), numpy.asarray(frame["uv"])[corners], "corner uvs", where)
     if "normal" in frame and judgement.check(mesh.has_custom_normals, f"{where}: no normals"):
-        judgement.near(floats(mesh.corner_normals, "vector", 3), numpy.asarray(frame["normal"])[corners], "corner normals",
+        judgement.near(floats(mesh.corner_normals, "vector", 3) @ turn, numpy.asarray(frame["normal"])[corners], "corner normals",
                        where, NORMAL_TOLERANCE)
 
 
 def judge_frame(judgement, blender_object, frame, where):
     mesh = blender_object.to_mesh()
-    world = numpy.array(blender_object.matrix_world)
-    positions = floats(mesh.vertices, "co", 3) @ world[:3, :3].T + world[:3, 3]
+    world = numpy.array(blender_object.matrix_world)  # of a USD layer: from y up to z up
+    turn = world[:3, :3].T
+    positions = floats(mesh.vertices, "co", 3) @ turn + world[:3, 3]
     judgement.near(positions, frame["x"], "positions", where)
     if "velocity" in frame and judgement.check("velocity" in mesh.attributes, f"{where}: no velocities"):
-        judgement.near(floats(mesh.attributes["velocity"].data, "vector", 3), frame["velocity"], "velocities", where)
-    if judge_faces(judgement, mesh, frame, where):
-        judge_corners(judgement, mesh, frame, where)
+        judgement.near(floats(mesh.attributes["velocity"].data, "vector", 3) @ turn, frame["velocity"], "velocities", where)
+    if judge_faces(judgement, mesh, turn, frame, where):
+        judge_corners(judgement, mesh, turn, frame, where)
     blender_object.to_mesh_clear()
 
 

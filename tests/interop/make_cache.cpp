@@ -1,10 +1,13 @@
 // Writes two caches and what foreign readers must find in them, for alembic_judge.py and blender_judge.py:
 //
-//   make_cache FOLDER    ->  constant.abc constant.json    two sheets: one turning, one that jumps once and rests
-//                            varying.abc  varying.json     one sheet that is cut anew at some frames
+//   make_cache FOLDER    ->  constant.abc .usda .json          two sheets: one turning, one that jumps once and rests
+//                            constant.pc2 constant.rest.obj    the first of them
+//                            varying.abc .usda .json           one sheet that is cut anew at some frames
 
 #include "core/error.h"
 #include "formats/alembic_cache.h"
+#include "formats/pc2_cache.h"
+#include "formats/usd_cache.h"
 
 #include <Eigen/Geometry>
 
@@ -119,6 +122,10 @@ void write_case(const std::filesystem::path& stem, const CacheInfo& info, const 
   for (std::size_t f = 0; f < sheets[0].frames.size(); ++f)
     for (std::size_t i = 0; i < sheets.size(); ++i) writer.add_frame(i, sheets[i].frames[f]);
   writer.finish();
+  UsdWriter layer(stem.string() + ".usda", info, names);
+  for (std::size_t f = 0; f < sheets[0].frames.size(); ++f)
+    for (std::size_t i = 0; i < sheets.size(); ++i) layer.add_frame(i, sheets[i].frames[f]);
+  layer.finish();
 
   std::ofstream expected(stem.string() + ".json");
   expected.precision(17);
@@ -132,7 +139,11 @@ int main(int argc, char** argv) {
   const std::filesystem::path folder = argv[1];
   try {
     const CacheInfo constant{29.97, 1001, 1, {{"paperbake_job", "0123abcd"}, {"paperbake_version", "1.0"}}};
-    write_case(folder / "constant", constant, constant_topology(constant.fps));
+    const std::vector<Sequence> sheets = constant_topology(constant.fps);
+    write_case(folder / "constant", constant, sheets);
+    Pc2Writer points(folder / "constant.pc2", folder / "constant.rest.obj", constant);
+    for (const CacheFrame& frame : sheets[0].frames) points.add_frame(frame, 0.297);
+    points.finish();
     const CacheInfo varying{25, 101, 1, {{"paperbake_job", "4567cdef"}}};
     write_case(folder / "varying", varying, varying_topology(varying.fps));
   } catch (const Error& error) {

@@ -1,8 +1,9 @@
 """Judges the maps of a bake with the programs of OpenEXR (Debian package openexr): headers by exrheader and exrinfo, texels by
 exrmaketiled, which has to decode every one.
 
-    map_judge.py FOLDER NAME --size N --fps FPS --seed SEED --preset PRESET --side METRES --frames FRAME...
+    map_judge.py FOLDER NAME --size N --fps FPS --seed SEED --preset PRESET --side METRES [--layout LAYOUT] --frames FRAME...
 
+LAYOUT    scanline (default) or tiled-mip
 FOLDER    as paperbake bake writes it; its maps are those of --frames, and the final one, which is of the last of --frames
 Prints one line for each check that failed and exits with 1, or what was compared and exits with 0.
 """
@@ -16,10 +17,13 @@ import tempfile
 
 from judgement import Judgement
 
-CHANNELS = {"apex.dist": "32-bit floating-point, sampling 1 1", "fold.angle": "32-bit floating-point, sampling 1 1",
-            "fold.peak": "32-bit floating-point, sampling 1 1"}
+HALF, FLOAT, UINT = (f"{kind}, sampling 1 1" for kind in ("16-bit floating-point", "32-bit floating-point", "32-bit unsigned integer"))
+CHANNELS = {**{name: HALF for name in "RGBA"}, "apex.id": UINT,
+            **{name: FLOAT for name in ("fold.angle", "fold.plastic", "fold.peak", "age.crease", "age.apex", "apex.dist", "apex.cone",
+                                        "dir.x", "dir.y", "strain.min", "strain.max")}}
 OF_EVERY_EXR = {"channels", "compression", "dataWindow", "displayWindow", "lineOrder", "pixelAspectRatio",
                 "screenWindowCenter", "screenWindowWidth", "type"}
+TILED = {"tiles"}
 
 
 def run(judgement, path, *words):
@@ -44,11 +48,14 @@ def judge_map(judgement, path, frame, expected):
         judgement.check(attributes.get(name) == value, f"{path.name}: {name} is {attributes.get(name)}, expected {value}")
         judgement.count("attributes", 1)
     # what says when, where or by whom the file was made would be one more
-    extra = set(attributes) - OF_EVERY_EXR - set(wanted) - {"texelSize", "foldWidth"}
+    tiled_file = expected.layout == "tiled-mip"
+    judgement.check(("tiles" in attributes) == tiled_file, f"{path.name}: tiles {attributes.get('tiles')}")
+    extra = set(attributes) - OF_EVERY_EXR - (TILED if tiled_file else set()) - set(wanted) - {"texelSize", "foldWidth", "creaseWidth"}
     judgement.check(not extra, f"{path.name}: unexpected attributes {sorted(extra)}")
     texel = float(attributes.get("texelSize", "nan"))
     judgement.near([[texel * expected.size]], [[expected.side]], "texel sizes", path.name)
-    judgement.check(0 < float(attributes.get("foldWidth", "nan")) < expected.side, f"{path.name}: foldWidth {attributes.get('foldWidth')}")
+    for width in ("foldWidth", "creaseWidth"):
+        judgement.check(0 < float(attributes.get(width, "nan")) < expected.side, f"{path.name}: {width} {attributes.get(width)}")
     run(judgement, path, "exrinfo", "-s", path)
     with tempfile.TemporaryDirectory() as folder:
         tiled = pathlib.Path(folder) / path.name
@@ -66,6 +73,7 @@ def main():
     parser.add_argument("--seed", type=int, required=True)
     parser.add_argument("--preset", required=True)
     parser.add_argument("--side", type=float, required=True)
+    parser.add_argument("--layout", choices=("scanline", "tiled-mip"), default="scanline")
     parser.add_argument("--frames", type=int, nargs="+", required=True)
     expected = parser.parse_args()
 

@@ -1,0 +1,85 @@
+#include "baker/render_pass.h"
+
+#include "baker/cache_measure.h"
+
+#include <ctime>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+/// CPU time of this thread. [ms]
+double cpu_ms() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
+}
+
+struct Shown {
+  RenderFrame frame;
+  double ms;
+};
+
+/// Frames of a record on the render mesh, asked for in order.
+class Renderer {
+ public:
+  Renderer(const ShotRecord& record, RenderSheet& sheet) : record_(record), sheet_(sheet) {}
+
+  Shown operator()(const RecordedFrame& recorded) {
+    sheet_.hold(recorded.held);  // dear, but seldom: not this frame's time
+    const double begun = cpu_ms();
+    const Sheet simulated = record_.sheet(recorded);
+    if (recorded.mesh != mesh_) places_ = sheet_.places_on(simulated.pattern, simulated.triangles);
+    mesh_ = recorded.mesh;
+    RenderFrame frame = sheet_.frame(simulated, places_, recorded.held_at);
+    return {std::move(frame), cpu_ms() - begun};
+  }
+
+ private:
+  const ShotRecord& record_;
+  RenderSheet& sheet_;
+  int mesh_ = -1;
+  std::vector<Place> places_;
+};
+
+RenderNumbers judge(const CacheFrame& frame, double longer_side, double ms) {
+  const LengthDistortion length = cache_distortion(frame, longer_side);
+  return {static_cast<int>(frame.triangles.rows()), 100 * length.mean, 100 * length.largest, ms};
+}
+
+}  // namespace
+
+void render_shot(const ShotRecord& record, const Shot& shot, Quality quality, const FrameSpan& frames, double fps,
+                 const std::function<void(int frame, const CacheFrame&, const RenderNumbers&)>& write) {
+  const auto& recorded = record.frames();
+  if (recorded.empty()) return;
+  RenderSheet render = make_render_sheet(shot.pattern, record.features(shot), record.edge(), quality);
+  Renderer renderer(record, render);
+  CacheFrame cached;
+  cached.triangles = render.mesh().triangles;
+  cached.normal_of_corner = render.normal_of_corner();
+  cached.uv = render.mesh().pattern / longer_side(shot.pattern);
+
+  std::optional<Shown> before, now, next;
+  const int last = static_cast<int>(recorded.size()) - 1;
+  for (int k = 0; k <= last; ++k) {
+    before = std::move(now);
+    now = std::move(next);
+    next.reset();
+    if (!frames.contains(recorded[k].frame)) continue;
+    if (k > 0 && !before) before = renderer(recorded[k - 1]);
+    if (!now) now = renderer(recorded[k]);
+    if (k < last) next = renderer(recorded[k + 1]);
+    const RenderFrame& shown = now->frame;
+    if (before && next) cached.velocity = 0.5 * fps * (next->frame.x - before->frame.x);
+    else if (next) cached.velocity = fps * (next->frame.x - shown.x);
+    else if (before) cached.velocity = fps * (shown.x - before->frame.x);
+    else cached.velocity = Points3::Zero(shown.x.rows(), 3);
+    cached.x = shown.x;
+    cached.normal = shown.normals;
+    cached.crease = shown.crease;
+    write(recorded[k].frame, cached, judge(cached, longer_side(shot.pattern), now->ms));
+  }
+}
+
+}  // namespace paperbake

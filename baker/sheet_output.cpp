@@ -1,0 +1,179 @@
+#include "baker/sheet_output.h"
+
+#include "baker/cache_measure.h"
+#include "baker/debug_pictures.h"
+#include "baker/render_pass.h"
+#include "core/curvature.h"
+#include "core/measure.h"
+#include "core/transfer.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace paperbake {
+namespace {
+
+CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot, const Sheet& mesh) {
+  CreaseMapOptions options;
+  options.size = settings.map_size;
+  options.layout = settings.map_layout;
+  options.threads = settings.threads;
+  // a fold is as wide as 2 % of the sheet, but never narrower than the mesh can show
+  options.fold_width = std::max(0.02 * shorter_side(shot.pattern), 1.3 * mean_edge(mesh.pattern, mesh.triangles));
+  options.crease_width = 6 * shot.paper.thickness;  // the fibres of a sharp crease break over a few thicknesses
+  options.law.yield_curvature = 2 * shot.paper.yield_strain / shot.paper.thickness;
+  return options;
+}
+
+}  // namespace
+
+SheetOutput::SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, Caches& caches, std::string suffix,
+                         std::filesystem::path map_stem, Certificate& certificate, std::vector<std::filesystem::path>& files)
+    : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), caches_(caches), suffix_(std::move(suffix)), map_stem_(std::move(map_stem)),
+      certificate_(certificate), files_(files), first_record_(certificate.frames.size()), input_hash_(plan.start_hash[sheet]) {}
+
+const FrameRecord* SheetOutput::take(const AnimatedFrame& frame) {
+  input_hash_ = frame_input_hash(input_hash_, shot_, frame.frame, plan_.animation.first_frame);
+  draw_map(frame);
+  draw_debug_picture(frame);
+  if (caches_.any() && settings_.mesh == CacheMesh::render) record_.add(frame);
+  release_waiting(&*frame.sheet);
+  before_ = std::move(now_);
+  now_ = *frame.sheet;
+  for (std::size_t k = known_singular_; k < frame.sheet->singular.size(); ++k)
+    certificate_.singular.push_back({shot_.sheet_name, frame.sheet->singular[k]});
+  known_singular_ = frame.sheet->singular.size();
+  if (!plan_.frames.contains(frame.frame)) return nullptr;
+  certificate_.frames.push_back(judge(frame));
+  record_handles(frame);
+  if (caches_.any() && settings_.mesh == CacheMesh::simulation) wait(*frame.sheet);
+  return &certificate_.frames.back();
+}
+
+void SheetOutput::finish() {
+  release_waiting(nullptr);
+  write_render_frames();
+  if (!map_) return;
+  files_.push_back(map_stem_.string() + ".final.exr");
+  map_->write(files_.back(), map_info(last_map_frame_));
+}
+
+FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
+  const Sheet& sheet = *frame.sheet;
+  const LengthDistortion length = length_distortion(sheet);
+  FrameRecord r;
+  r.frame = frame.frame;
+  r.sheet = shot_.sheet_name;
+  r.triangles = r.render_triangles = static_cast<int>(sheet.triangles.rows());
+  r.stretch_mean_pct = r.render_stretch_mean_pct = 100 * length.mean;
+  r.stretch_max_pct = r.render_stretch_max_pct = 100 * length.largest;
+  r.angle_defect_max_deg = angle_defect_max(sheet) * 180 / M_PI;
+  for (std::size_t h = 0; h < frame.handles.size(); ++h) {
+    const HandleFrame& handle = frame.handles[h];
+    if (handle.state == HandleFrame::free) continue;
+    const double off_mm = 1e3 * (handle.at - handle.keyed).norm();
+    r.handle_err_max_mm = std::max(r.handle_err_max_mm, off_mm);
+    if (handle.state == HandleFrame::jammed) r.jammed.push_back({shot_.handles[h].name, off_mm});
+  }
+  r.singular = static_cast<int>(sheet.singular.size());
+  r.new_singular = frame.new_singular;
+  r.elastic_ms = frame.elastic_ms;
+  r.geometry_ms = frame.geometry_ms;
+  r.substeps = frame.substeps;
+  r.newton_iterations = frame.newton_iterations;
+  r.converged = frame.converged;
+  r.energy_J = frame.energy;
+  r.crossings = crossings(sheet);
+  r.touching = frame.touching;
+  r.note = frame.note;
+  r.input_hash = input_hash_;
+  return r;
+}
+
+void SheetOutput::record_handles(const AnimatedFrame& frame) {
+  for (std::size_t h = 0; h < frame.handles.size(); ++h) {
+    const HandleFrame& handle = frame.handles[h];
+    HandleRecord r;
+    r.frame = frame.frame;
+    r.sheet = shot_.sheet_name;
+    r.handle = shot_.handles[h].name;
+    r.pattern = shot_.handles[h].pattern;
+    r.keyed = handle.keyed;
+    r.held = handle.at;
+    r.state = handle.state == HandleFrame::held ? HandleRecord::held_state
+              : handle.state == HandleFrame::free ? HandleRecord::free_state : HandleRecord::jammed_state;
+    certificate_.handles.push_back(std::move(r));
+  }
+}
+
+void SheetOutput::draw_map(const AnimatedFrame& frame) {
+  if (!settings_.formats.count("maps")) return;
+  if (!map_) map_.emplace(shot_.pattern, map_options(settings_, shot_, *frame.sheet));
+  map_->record(frame.frame, *frame.sheet, vertex_curvature(*frame.sheet), frame.plastic_curvature);
+  last_map_frame_ = frame.frame;
+  const bool wanted = std::any_of(plan_.map_frames.begin(), plan_.map_frames.end(), [&](const FrameSpan& s) { return s.contains(frame.frame); });
+  if (!wanted || frame.frame < plan_.frames.first) return;
+  files_.push_back(fmt::format("{}.{:04}.exr", map_stem_.string(), frame.frame));
+  map_->write(files_.back(), map_info(frame.frame));
+}
+
+void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) const {
+  if (!settings_.debug_pictures || frame.frame < plan_.frames.first) return;
+  const bool listed = std::any_of(plan_.debug_frames.begin(), plan_.debug_frames.end(), [&](const FrameSpan& s) { return s.contains(frame.frame); });
+  if (!listed && frame.new_singular == 0 && frame.frame != plan_.frames.last) return;
+  const std::string title = fmt::format("{}, {}, {}, frame {}", plan_.name, shot_.sheet_name, plan_.methods[sheet_].name, frame.frame);
+  write_png(*settings_.debug_pictures / fmt::format("{}{}.{:04}.png", plan_.name, suffix_, frame.frame), debug_picture(shot_, frame, title));
+}
+
+/// The second pass: what was recorded, on one mesh.
+void SheetOutput::write_render_frames() {
+  if (record_.frames().empty()) return;
+  std::size_t at = first_record_;
+  render_shot(record_, shot_, settings_.quality, plan_.frames, plan_.animation.fps, [&](int, const CacheFrame& frame, const RenderNumbers& numbers) {
+    FrameRecord& r = certificate_.frames[at++];
+    r.render_triangles = numbers.triangles;
+    r.render_stretch_mean_pct = numbers.stretch_mean_pct;
+    r.render_stretch_max_pct = numbers.stretch_max_pct;
+    r.render_ms = numbers.ms;
+    r.content_hash = caches_.add_frame(sheet_, frame);
+  });
+}
+
+MapInfo SheetOutput::map_info(int frame) const {
+  return {frame, plan_.animation.fps, plan_.seeds[sheet_], plan_.presets[sheet_]};
+}
+
+void SheetOutput::wait(const Sheet& sheet) {
+  CacheFrame frame;
+  frame.x = sheet.x;
+  frame.normal = vertex_normals(sheet.x, sheet.triangles);
+  frame.triangles = sheet.triangles;
+  frame.uv = sheet.pattern / longer_side(shot_.pattern);
+  frame.velocity = sheet.v;  // backward difference, where neighbours cannot be compared
+  waiting_ = std::move(frame);
+}
+
+/// Central difference of the true motion of the sheet points that are vertices of the waiting frame, `now_`.
+/// next: the sheet one frame later; null at the end of the shot.
+void SheetOutput::release_waiting(const Sheet* next) {
+  if (!waiting_) return;
+  const double fps = plan_.animation.fps;
+  const bool has_before = before_.x.rows() > 0;
+  if (has_before && next) waiting_->velocity = 0.5 * fps * (carried(*next) - carried(before_));
+  else if (next) waiting_->velocity = fps * (carried(*next) - now_.x);
+  else if (has_before) waiting_->velocity = fps * (now_.x - carried(before_));
+  FrameRecord& r = certificate_.frames.back();
+  const LengthDistortion stored = cache_distortion(*waiting_, longer_side(shot_.pattern));
+  r.render_stretch_mean_pct = 100 * stored.mean;
+  r.render_stretch_max_pct = 100 * stored.largest;
+  r.content_hash = caches_.add_frame(sheet_, *waiting_);
+  waiting_.reset();
+}
+
+/// Where the vertices of now_ are in another frame, whatever its mesh. |V|x3 [m]
+Points3 SheetOutput::carried(const Sheet& other) const {
+  const bool same = other.pattern.rows() == now_.pattern.rows() && other.pattern == now_.pattern;
+  return same ? other.x : Transfer(other.pattern, other.triangles, now_.pattern)(other.x);
+}
+
+}  // namespace paperbake

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// Something in an output folder that is not as the certificate says.
+struct Difference {
+  std::optional<int> frame;  // none: of the file as a whole
+  std::string file, what;    // relative to the folder; one sentence
+};
+
+struct Verification {
+  int frames = 0, files = 0;            // that were looked at
+  std::vector<Difference> differences;  // those of single frames first, in their order
+};
+
+/// Makes the certificate's render numbers, handle errors and hashes anew from the files alone, and compares: lengths to
+/// 0.001 %, places to 0.001 mm, hashes exactly. Every file that the bake wrote is looked at to its last byte. A folder without
+/// a whole certificate is a difference, not an error.
+/// throws Error(Fault::command) when there is no such folder
+Verification verify(const std::filesystem::path& folder);
+
+/// For people, and as JSON: {agrees, frames, files, first_frame_off, differences: [{frame, file, what}]}.
+std::string verification_text(const std::filesystem::path& folder, const Verification&);
+std::string verification_json(const Verification&);
+
+/// The last line of summary.json holds the key of all text before it, so that the certificate tells when it was changed itself.
+std::string sealed(std::string summary_text);
+bool seal_holds(const std::string& summary_text);
+
+/// The key of a file's bytes: 32 hex digits. throws Error(Fault::folder) when it cannot be read
+std::string file_hash(const std::filesystem::path&);
+
+}  // namespace paperbake

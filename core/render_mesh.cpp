@@ -1,0 +1,182 @@
+#include "core/render_mesh.h"
+
+#include "core/pattern_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+constexpr double merge = 0.31;   // [edges] points of creases nearer than this are one
+constexpr double spacing = 0.66; // [edges] at most, between points of a crease
+constexpr double border = 1e-3;  // [edges] how near the mesh follows it
+
+/// Points no two of which are nearer than a radius, found again by cells of it.
+class Sites {
+ public:
+  explicit Sites(double radius) : radius_(radius) {}
+  int nearest(const Vector2d& p) const {
+    const auto [cx, cy] = cell(p);
+    int best = -1;
+    double least = radius_;
+    for (int x = cx - 1; x <= cx + 1; ++x)
+      for (int y = cy - 1; y <= cy + 1; ++y) {
+        const auto range = cells_.equal_range({x, y});
+        for (auto it = range.first; it != range.second; ++it)
+          if ((points[it->second] - p).norm() < least) least = (points[it->second] - p).norm(), best = it->second;
+      }
+    return best;
+  }
+  int add(const Vector2d& p) {
+    cells_.emplace(cell(p), static_cast<int>(points.size()));
+    points.push_back(p);
+    return static_cast<int>(points.size()) - 1;
+  }
+  int nearest_or_new(const Vector2d& p) {
+    const int known = nearest(p);
+    return known >= 0 ? known : add(p);
+  }
+  std::vector<Vector2d> points;
+
+ private:
+  std::pair<int, int> cell(const Vector2d& p) const { return {int(std::floor(p.x() / radius_)), int(std::floor(p.y() / radius_))}; }
+  double radius_;
+  std::multimap<std::pair<int, int>, int> cells_;
+};
+
+/// Where segment a crosses segment b, along a in (0, 1); negative: nowhere.
+double crossing(const CreaseLine& a, const CreaseLine& b) {
+  const Vector2d d = a.b - a.a, e = b.b - b.a, w = b.a - a.a;
+  const double det = d.x() * e.y() - d.y() * e.x();
+  if (std::abs(det) < 1e-6 * d.norm() * e.norm()) return -1;
+  const double s = (w.x() * e.y() - w.y() * e.x()) / det, t = (w.x() * d.y() - w.y() * d.x()) / det;
+  return s > 0 && s < 1 && t >= 0 && t <= 1 ? s : -1;
+}
+
+/// The creases that there is room for, heaviest first.
+std::vector<CreaseLine> chosen(std::vector<CreaseLine> creases, double room) {
+  std::stable_sort(creases.begin(), creases.end(), [](const CreaseLine& a, const CreaseLine& b) { return a.weight > b.weight; });
+  double length = 0;
+  const auto full = std::find_if(creases.begin(), creases.end(), [&](const CreaseLine& c) { return (length += (c.b - c.a).norm()) > room; });
+  creases.erase(full, creases.end());
+  return creases;
+}
+
+/// The sites of one crease in a row; -1 where it runs so near the border that there is room for none.
+std::vector<int> lay(const CreaseLine& crease, const std::vector<CreaseLine>& all, const Pattern& pattern, double edge, Sites& sites) {
+  std::vector<double> stops{0, 1};
+  for (const CreaseLine& other : all) {
+    const double at = crossing(crease, other);
+    if (at > 0) stops.push_back(at);
+  }
+  std::sort(stops.begin(), stops.end());
+  const Vector2d d = crease.b - crease.a;
+  std::vector<int> row;
+  const auto put = [&](double t, bool end) {
+    Vector2d p = crease.a + t * d;
+    const Vector2d border = nearest_border_point(pattern, p);
+    if ((border - p).norm() < merge * edge || !contains(pattern, p)) {
+      if (!end && sites.nearest(p) < 0) return row.push_back(-1);
+      if (end) p = border;
+    }
+    row.push_back(sites.nearest_or_new(p));
+  };
+  put(0, true);
+  for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
+    const int parts = static_cast<int>(std::ceil((stops[k + 1] - stops[k]) * d.norm() / (spacing * edge) - 1e-9));
+    for (int i = 1; i <= parts; ++i) put(stops[k] + (stops[k + 1] - stops[k]) * i / parts, i == parts);
+  }
+  return row;
+}
+
+/// Edges of a triangulation, to be asked for.
+class Edges {
+ public:
+  explicit Edges(const Triangles& triangles) {
+    for (int t = 0; t < triangles.rows(); ++t)
+      for (int i = 0; i < 3; ++i) {
+        const int a = triangles(t, i), b = triangles(t, (i + 1) % 3);
+        around_[a].insert(b);
+        around_[b].insert(a);
+      }
+  }
+  bool has(int a, int b) const { return around_.at(a).count(b) > 0; }
+  /// A vertex between two that are no neighbours, and nearer than `off` to the way.
+  int between(int a, int b, const Points2& pattern, double off) const {
+    const Vector2d d = (pattern.row(b) - pattern.row(a)).normalized();
+    for (const int v : around_.at(a)) {
+      const Vector2d p = pattern.row(v) - pattern.row(a);
+      if (has(v, b) && std::abs(p.x() * d.y() - p.y() * d.x()) < off) return v;
+    }
+    return -1;
+  }
+
+ private:
+  std::map<int, std::set<int>> around_;
+};
+
+}  // namespace
+
+RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  const double exact = 1e-6 * longer_side(pattern);
+  Sites sites(merge * edge);
+  std::vector<int> site_of_point;
+  for (const Vector2d& p : features.points) {
+    // a handle keeps its place though another point is near
+    const int known = sites.nearest(p);
+    site_of_point.push_back(known >= 0 && (sites.points[known] - p).norm() <= exact ? known : sites.add(p));
+  }
+  const std::size_t given = sites.points.size();
+  // creases end in corners of the border, not beside them
+  for (const Vector2d& p : pattern.outline) sites.nearest_or_new(p);
+  for (const auto& hole : pattern.holes)
+    for (const Vector2d& p : hole) sites.nearest_or_new(p);
+  const std::vector<CreaseLine> creases = chosen(features.creases, 0.5 * area(pattern) / edge);
+  std::vector<std::vector<int>> rows;
+  for (const CreaseLine& crease : creases) rows.push_back(lay(crease, creases, pattern, edge, sites));
+
+  std::vector<int> number(sites.points.size(), -1);  // of a site that is needed, among the required points
+  std::vector<Vector2d> required(sites.points.begin(), sites.points.begin() + given);
+  for (std::size_t s = 0; s < given; ++s) number[s] = static_cast<int>(s);
+  for (const std::vector<int>& row : rows)
+    for (const int s : row)
+      if (s >= 0 && number[s] < 0) {
+        number[s] = static_cast<int>(required.size());
+        required.push_back(sites.points[s]);
+      }
+  PatternMesh mesh = mesh_pattern(pattern, edge, required, 0, border);
+  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}};
+  for (const int site : site_of_point) result.point_vertex.push_back(mesh.point_vertex[number[site]]);
+  const Edges edges(result.triangles);
+  std::set<std::pair<int, int>> found;
+  for (const std::vector<int>& row : rows)
+    for (std::size_t k = 0; k + 1 < row.size(); ++k) {
+      if (row[k] < 0 || row[k + 1] < 0) continue;
+      const int a = mesh.point_vertex[number[row[k]]], b = mesh.point_vertex[number[row[k + 1]]];
+      if (a == b) continue;
+      if (edges.has(a, b)) {
+        found.insert(std::minmax(a, b));
+      } else if (const int v = edges.between(a, b, result.pattern, merge * edge); v >= 0) {
+        found.insert(std::minmax(a, v));
+        found.insert(std::minmax(v, b));
+      }
+    }
+  result.creases.assign(found.begin(), found.end());
+  return result;
+}
+
+RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features, int most_triangles) {
+  // so many fit without features; with them one more turn or two
+  edge = std::max(edge, std::sqrt(area(pattern) / most_triangles / (std::sqrt(3.0) / 4)));
+  RenderMesh mesh = mesh_for_render(pattern, edge, features);
+  while (mesh.triangles.rows() > most_triangles) {
+    edge *= 1.02 * std::sqrt(double(mesh.triangles.rows()) / most_triangles);
+    mesh = mesh_for_render(pattern, edge, features);
+  }
+  return mesh;
+}
+
+}  // namespace paperbake

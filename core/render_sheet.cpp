@@ -1,0 +1,81 @@
+#include "core/render_sheet.h"
+
+#include "core/curved_surface.h"
+
+#include <algorithm>
+
+namespace paperbake {
+
+RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine)
+    : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options), coarse_normals_(coarse_.triangles, coarse_.creases) {
+  local_global_.hold({});
+  if (refine == 0) return;
+  fine_ = subdivide(coarse_, coarse_normals_.of_corner());
+  fine_normals_.emplace(fine_->mesh.triangles, fine_->mesh.creases);
+}
+
+std::vector<Place> RenderSheet::places_on(const Points2& pattern, const Triangles& triangles) const {
+  const Locator locator(pattern, triangles);
+  std::vector<Place> places;
+  places.reserve(coarse_.pattern.rows());
+  for (int v = 0; v < coarse_.pattern.rows(); ++v) {
+    const Vector2d p = coarse_.pattern.row(v);
+    Place place = locator.locate(p);
+    const auto corner = [&](int i) -> Vector2d { return pattern.row(triangles(place.triangle, i)); };
+    Vector2d found(0, 0);
+    for (int i = 0; i < 3; ++i) found += place.weights[i] * corner(i);
+    const Vector2d u = corner(1) - corner(0), w = corner(2) - corner(0), off = p - found;
+    const double area = u.x() * w.y() - u.y() * w.x();
+    // a triangle goes on beside its border, but not farther than its own size: a needle would end anywhere
+    if (off.squaredNorm() > 1e-18 && area > 0 && off.squaredNorm() < 0.1 * area) {
+      const double more1 = (off.x() * w.y() - off.y() * w.x()) / area, more2 = (u.x() * off.y() - u.y() * off.x()) / area;
+      place.weights += Vector3d(-more1 - more2, more1, more2);
+    }
+    places.push_back(place);
+  }
+  return places;
+}
+
+void RenderSheet::hold(const std::vector<int>& points) {
+  held_.clear();
+  for (const int p : points) held_.push_back(coarse_.point_vertex[p]);
+  std::vector<int> vertices = held_;
+  std::sort(vertices.begin(), vertices.end());
+  vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+  local_global_.hold(vertices);
+}
+
+RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& places, const Points3& held_at) const {
+  std::vector<int> exact;  // simulated vertices at held points
+  for (const int v : held_)
+    for (int i = 0; i < 3; ++i)
+      if (places[v].weights[i] > 1 - 1e-6) exact.push_back(sheet.triangles(places[v].triangle, i));
+  const CurvedSurface surface = curve(sheet, exact);
+  Points3 y(coarse_.pattern.rows(), 3), curvature = y;
+  for (int v = 0; v < y.rows(); ++v) {
+    y.row(v) = surface.at(places[v]);
+    curvature.row(v) = interpolate(places[v], sheet.triangles, surface.curvature);
+  }
+  for (std::size_t k = 0; k < held_.size(); ++k) y.row(held_[k]) = held_at.row(k);
+
+  RenderFrame frame;
+  frame.x = local_global_(y, curvature);
+  frame.normals = coarse_normals_.normals(frame.x);
+  if (fine_) {
+    frame.x = fine_->positions(frame.x, frame.normals);
+    frame.normals = fine_normals_->normals(frame.x);
+  }
+  frame.crease = (fine_ ? *fine_normals_ : coarse_normals_).strength(frame.x);
+  return frame;
+}
+
+RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& features, double simulated_edge, Quality quality) {
+  constexpr int most_triangles = 400000;
+  const double edge = (quality == Quality::draft ? 0.005 : 0.002) * longer_side(pattern) / 0.2;
+  const int refine = quality == Quality::hero ? 1 : 0;
+  LocalGlobalOptions options;
+  options.length = simulated_edge / 6;
+  return RenderSheet(mesh_for_render(pattern, edge, features, most_triangles >> (2 * refine)), options, refine);
+}
+
+}  // namespace paperbake

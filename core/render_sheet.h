@@ -1,0 +1,59 @@
+#pragma once
+
+#include "core/creased_normals.h"
+#include "core/local_global.h"
+#include "core/locate.h"
+#include "core/render_mesh.h"
+#include "core/subdivision.h"
+
+#include <optional>
+#include <vector>
+
+namespace paperbake {
+
+enum class Quality { draft, shot, hero };
+
+/// A frame on the mesh of the whole shot.
+struct RenderFrame {
+  Points3 x;               // |V|x3 [m]
+  Points3 normals;         // unit, numbered as RenderSheet::normal_of_corner says
+  Eigen::VectorXd crease;  // |V| [rad] how sharply the sheet is folded there
+};
+
+/// Puts simulated frames, whatever their mesh, on one mesh: curved as the simulated one stands for (curved_surface.h), made
+/// smooth and true in its lengths (local_global.h) and, where it is to be finer than that pays, subdivided once.
+class RenderSheet {
+ public:
+  /// refine  [1] 0, or 1: every triangle in four at the end
+  RenderSheet(RenderMesh, const LocalGlobalOptions&, int refine);
+
+  const RenderMesh& mesh() const { return fine_ ? fine_->mesh : coarse_; }
+  const Triangles& normal_of_corner() const { return (fine_normals_ ? *fine_normals_ : coarse_normals_).of_corner(); }
+
+  /// Where the vertices lie on a simulated mesh; to be kept while that does not change. Beside it, as a border that is
+  /// finer may be, the nearest triangle goes on.
+  std::vector<Place> places_on(const Points2& pattern, const Triangles&) const;
+
+  /// From now on these of the points that the mesh was made for are held. Dear when they are others than before.
+  void hold(const std::vector<int>& points);
+
+  /// places  of this mesh on the sheet's
+  /// held_at  |held points|x3 [m] where they are, exactly
+  /// Several threads may ask at the same time.
+  RenderFrame frame(const Sheet&, const std::vector<Place>& places, const Points3& held_at) const;
+
+ private:
+  RenderMesh coarse_;
+  LocalGlobal local_global_;
+  CreasedNormals coarse_normals_;
+  std::optional<Subdivision> fine_;
+  std::optional<CreasedNormals> fine_normals_;
+  std::vector<int> held_;  // vertices, one for each held point
+};
+
+/// The render mesh of a shot. Edges of 5, 2 or 1 mm on a sheet of 0.2 m, and as much longer as it is larger; at most 400,000
+/// triangles. Hero is shot in four.
+/// simulated_edge  [m] mean edge of the meshes that were simulated: a sixth of it is what is smoothed over
+RenderSheet make_render_sheet(const Pattern&, const RenderFeatures&, double simulated_edge, Quality);
+
+}  // namespace paperbake

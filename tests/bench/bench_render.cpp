@@ -1,0 +1,144 @@
+// The mesh for the whole shot on the sample scenes: a table anyone can print.
+//
+//   build/paperbake_bench_render [SCENE...]
+//
+// One thread, CPU time. Means over the frames of a hybrid bake.
+//   sim, render  triangles;  mesh s  what the mesh and its factor take, once
+//   ms           a frame: positions + normals;  per 100k: the same for 100,000 triangles
+//   c_m          mean |l - L|/L over the edges in %: mean over the frames, worst frame; worst edge of the worst frame
+//   simulated    the same of the simulated meshes
+//   far          farthest that a vertex is from the flat simulated triangles, in % of the longer side
+//   Ub           bending energy / that of the same frame brought to its minimum on this mesh (BENCH_POLISH=1; every 12th frame)
+// Environment: BENCH_QUALITY="draft shot hero"
+
+#include "core/animate.h"
+#include "core/measure.h"
+#include "core/render_sheet.h"
+#include "core/shot_record.h"
+#include "formats/scene_file.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <ctime>
+#include <sstream>
+#include <string>
+
+namespace paperbake {
+namespace {
+
+struct Case {
+  const char* name;
+  int last_frame;
+  double gravity;
+};
+constexpr Case cases[] = {{"S1_push", 60, 0}, {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 60, 0}, {"S9_unload", 72, 0}};
+
+double cpu_ms() {
+  timespec t;
+  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+  return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
+}
+
+/// Bending energy of a frame, and of the minimum near by.
+std::pair<double, double> bending(const Sheet& sheet, const std::vector<int>& vertices, const Case& c) {
+  ElasticOptions options;
+  options.gravity = c.gravity;
+  options.contact = SelfContact::off;
+  Elastic elastic(Paper{}, options);
+  Sheet polished = sheet;
+  elastic.set_mesh(polished);
+  const ElasticReport before = elastic.look(polished);
+  Held held;
+  for (const int v : vertices)
+    if (std::find(held.vertices.begin(), held.vertices.end(), v) == held.vertices.end()) held.vertices.push_back(v);
+  held.targets.resize(held.vertices.size(), 3);
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) held.targets.row(k) = sheet.x.row(held.vertices[k]);
+  const ElasticReport after = elastic.settle(polished, held, 1.0 / 24, Settling::fully);
+  return {before.energy - before.membrane, after.energy - after.membrane};
+}
+
+void measure(const Shot& shot, const ShotRecord& record, const Case& c, const std::string& name) {
+  const Quality quality = name == "draft" ? Quality::draft : name == "hero" ? Quality::hero : Quality::shot;
+  double begun = cpu_ms();
+  const RenderFeatures features = record.features(shot);
+  RenderSheet render = make_render_sheet(shot.pattern, features, record.edge(), quality);
+  const double mesh_ms = cpu_ms() - begun;
+  const double n = static_cast<double>(record.frames().size()), side = longer_side(shot.pattern);
+  double ms = 0, place_ms = 0, mean = 0, worst_mean = 0, worst = 0, simulated = 0, far = 0, hold_ms = 0;
+  int worst_frame = 0;
+  std::vector<Place> places;
+  int mesh = -1;
+  std::string energies;
+  for (const RecordedFrame& f : record.frames()) {
+    const Sheet sheet = record.sheet(f);
+    begun = cpu_ms();
+    render.hold(f.held);
+    hold_ms += cpu_ms() - begun;
+    begun = cpu_ms();
+    if (f.mesh != mesh) places = render.places_on(sheet.pattern, sheet.triangles);
+    place_ms += cpu_ms() - begun;
+    mesh = f.mesh;
+    begun = cpu_ms();
+    const RenderFrame frame = render.frame(sheet, places, f.held_at);
+    ms += cpu_ms() - begun;
+    const Sheet shown{render.mesh().pattern, frame.x, Points3::Zero(frame.x.rows(), 3), render.mesh().triangles, {}};
+    const LengthDistortion d = length_distortion(shown);
+    mean += 100 * d.mean / n;
+    simulated += 100 * length_distortion(sheet).mean / n;
+    if (100 * d.mean > worst_mean) worst_mean = 100 * d.mean, worst_frame = f.frame;
+    worst = std::max(worst, 100 * d.largest);
+    for (std::size_t v = 0; v < places.size(); ++v)
+      far = std::max(far, 100 / side * (interpolate(places[v], sheet.triangles, sheet.x) - frame.x.row(v).transpose()).norm());
+    if (std::getenv("BENCH_POLISH") && f.frame % 12 == 0) {
+      std::vector<int> held;
+      for (const int h : f.held) held.push_back(render.mesh().point_vertex[h]);
+      const auto [now, least] = bending(shown, held, c);
+      char text[60];
+      std::snprintf(text, sizeof text, " %d:%.2f", f.frame, now / least);
+      energies += text;
+    }
+  }
+  const double triangles = static_cast<double>(render.mesh().triangles.rows());
+  std::printf("  %-6s render %6.0f  creases %4zu  mesh %.1f s  hold %.0f  ms %.2f + places %.2f  per 100k %.1f  c_m %.4f worst %.4f (f%d) edge %.2f  simulated %.4f  far %.2f %%%s%s\n",
+              name.c_str(), triangles, render.mesh().creases.size(), 1e-3 * mesh_ms, hold_ms, ms / n, place_ms / n, 1e5 * (ms + place_ms) / n / triangles, mean,
+              worst_mean, worst_frame, worst, simulated, far, energies.empty() ? "" : "  Ub", energies.c_str());
+  std::fflush(stdout);
+}
+
+void run(const Case& c) {
+  const Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + c.name + ".glb");
+  const SceneSheet& s = scene.sheets.front();
+  const Shot shot{s.name, s.pattern, s.start, s.handles, Paper{}};
+  AnimateOptions options;
+  options.fps = scene.fps;
+  options.last_frame = c.last_frame;
+  options.elastic.gravity = c.gravity;
+  options.memory = Memory::plastic;
+  ShotRecord record;
+  double triangles = 0;
+  try {
+    animate(shot, hybrid(shot.pattern, shot.paper, 120, CrumpleOptions{}, 0, 0), options, [&](const AnimatedFrame& f) {
+      record.add(f);
+      triangles += static_cast<double>(f.sheet->triangles.rows());
+      return true;
+    });
+  } catch (const std::exception& error) {
+    std::printf("  %s\n", error.what());
+  }
+  std::printf("%s, %zu frames, sim %.0f triangles of %.1f mm, %zu meshes\n", c.name, record.frames().size(), triangles / record.frames().size(),
+              1e3 * record.edge(), record.meshes().size());
+  std::istringstream words(std::getenv("BENCH_QUALITY") ? std::getenv("BENCH_QUALITY") : "draft shot hero");
+  for (std::string word; words >> word;) measure(shot, record, c, word);
+}
+
+}  // namespace
+}  // namespace paperbake
+
+int main(int argc, char** argv) {
+  for (const auto& c : paperbake::cases) {
+    bool wanted = argc < 2;
+    for (int i = 1; i < argc; ++i) wanted |= std::string(c.name).rfind(argv[i], 0) == 0;
+    if (wanted) paperbake::run(c);
+  }
+}
