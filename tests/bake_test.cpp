@@ -162,10 +162,10 @@ TEST_F(ABake, HasOneRenderMeshForTheWholeShotAsFineAsTheQualitySays) {
     return frames_of(to);
   };
   EXPECT_NEAR(*triangles(bake_with(draft, {"--quality", "draft"})).begin(), equilateral / 6.25, 0.1 * equilateral / 6.25);
-  EXPECT_EQ(*triangles(bake_with(hero, {"--quality", "hero"})).begin(), 4 * *shot.begin());
+  EXPECT_EQ(*triangles(bake_with(hero, {"--quality", "hero"})).begin(), 4 * *triangles(bake_with(folder / "two", {})).begin());
   for (const Record& frame : bake_with(simulation, {"--mesh", "simulation"})) {
     EXPECT_EQ(frame["render_triangles"], frame["triangles"]);
-    EXPECT_EQ(frame["render_stretch_mean_pct"], frame["stretch_mean_pct"]);
+    EXPECT_NEAR(frame["render_stretch_mean_pct"], double(frame["stretch_mean_pct"]), 1e-4);  // of positions in 32 bits
     EXPECT_EQ(frame["render_ms"], 0);
   }
 }

@@ -259,27 +259,6 @@ TEST(ElasticEnergy, CylinderHasItsExactEnergyOnAnyKindOfMesh) {
   EXPECT_NEAR(cylinder_ratio(test::strip_sheet(0.1, 0.1, 20), 0.1), 1, 0.01);
 }
 
-/// Bending energy of the middle part of a band that is wound round a cylinder, over its exact value; `angle` between its rulings
-/// and the perpendicular to its borders. The two ends of the longer band are those of the shorter.
-double band_ratio(double angle) {
-  constexpr double width = 0.03, cell = 0.008, radius = 0.04;  // [m]
-  const Paper paper;
-  const auto energy = [&](int strips) {
-    Sheet band = test::strip_sheet(cell * strips, width, strips, width * std::tan(angle));
-    const Eigen::Rotation2Dd turn(angle);
-    const Points2 pattern = band.pattern;
-    for (int v = 0; v < pattern.rows(); ++v) band.pattern.row(v) = turn * Vector2d(pattern.row(v).transpose());  // rulings along y
-    test::roll(band, radius);
-    band.pattern = pattern;
-    return ElasticEnergy(paper, band.pattern, band.triangles).parts(band.x).bending;
-  };
-  return (energy(12) - energy(6)) / (0.5 * paper.bending_stiffness * 6 * cell * width / (radius * radius));
-}
-
-TEST(ElasticEnergy, BandWoundAskewHasItsExactEnergyOnRulingStrips) {
-  for (const double degrees : {0, 20, 40}) EXPECT_NEAR(band_ratio(degrees * M_PI / 180), 1, 0.001) << degrees;  // facets turn as the cylinder does
-}
-
 /// A sheet that is bent, sheared and stretched everywhere.
 Sheet bent_sheet() {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.2);

@@ -26,7 +26,7 @@ nlohmann::json data_of(const std::string& page) {
 std::size_t bytes_in_base64(const std::string& text) { return text.size() / 4 * 3 - std::count(text.end() - 2, text.end(), '='); }
 
 TEST_F(CommandLine, AReportHoldsEveryFrameItsCurvesAndSettingsAndNeedsNothingElse) {
-  const Ended ended = run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem", "--triangles", "200", "--frames", "1-8", "--formats", "cert,report"});
+  const Ended ended = run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem", "--triangles", "200", "--frames", "1-8", "--mesh", "simulation", "--formats", "cert,report"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   const std::string page = read(fs::path(output()) / "report.html");
   EXPECT_EQ(page.find("src=\"http"), std::string::npos);

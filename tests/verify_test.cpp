@@ -40,7 +40,7 @@ TEST_F(AVerifiedBake, AgreesWithItsCertificate) {
   const auto json = nlohmann::json::parse(verdict.out);
   EXPECT_EQ(json["agrees"], true);
   EXPECT_EQ(json["frames"], 8);
-  EXPECT_EQ(json["files"], 8);  // cache, two maps, three of the certificate, singular.csv, job.lock.toml
+  EXPECT_EQ(json["files"], 9);  // cache, two maps, page, three of the certificate, singular.csv, job.lock.toml
   EXPECT_TRUE(json["first_frame_off"].is_null());
   write(file("notes.txt"), "of somebody else");
   EXPECT_EQ(run({"verify", output()}).code, 0);
@@ -61,7 +61,7 @@ TEST_F(AVerifiedBake, NoticesOneFlippedBitWhereverItIs) {
     }
     write(entry.path(), whole);
   }
-  EXPECT_EQ(flips, 8 * 12);
+  EXPECT_EQ(flips, 9 * 12);
   EXPECT_TRUE(verify(output()).differences.empty());
 }
 

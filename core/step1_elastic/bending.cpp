@@ -25,27 +25,6 @@ ElasticCurvature elastic_curvature(const RestBending& rest, const Vector3d& thet
   return e;
 }
 
-const Vector3d frobenius(1, 2, 1);  // weights of Sxx, Sxy, Syy in the product of two tensors
-
-double product(const Vector3d& a, const Vector3d& b) { return a.cwiseProduct(frobenius).dot(b); }
-
-/// An orthonormal basis of what these tensors span.
-std::vector<Vector3d> orthonormal(const std::vector<Vector3d>& tensors) {
-  std::vector<Vector3d> basis;
-  for (Vector3d tensor : tensors) {
-    for (const Vector3d& u : basis) tensor -= product(tensor, u) * u;
-    const double norm = std::sqrt(product(tensor, tensor));
-    if (norm > 1e-9) basis.push_back(tensor / norm);
-  }
-  return basis;
-}
-
-/// The unit tensor perpendicular to two.
-Vector3d perpendicular(const Vector3d& a, const Vector3d& b) {
-  const Vector3d c = a.cwiseProduct(frobenius).cross(b.cwiseProduct(frobenius));
-  return c / std::sqrt(product(c, c));
-}
-
 }  // namespace
 
 Fold fold(const Points3& x, const Hinge& hinge) {
@@ -96,25 +75,29 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen
   rest.rigidity = stiffening * paper.bending_stiffness;
   rest.poisson = paper.poisson;
   rest.hardening = paper.hardening;
+  const Vector3d frobenius(1, 2, 1);  // weights of Sxx, Sxy, Syy in the product of two tensors
+  std::vector<Vector3d> unseen;       // orthonormal tensors that border edges would add
   rest.operator_of_theta.setZero();
-  std::vector<Vector3d> told, border;  // n n^T of the edges with and without an angle
-  double width = 0;                    // [m] of the last edge on the border
   for (int i = 0; i < 3; ++i) {
     const Vector2d edge = p[(i + 2) % 3] - p[(i + 1) % 3];
     const double length = edge.norm();
     const Vector2d n(edge.y() / length, -edge.x() / length);
-    const Vector3d tensor(n.x() * n.x(), n.x() * n.y(), n.y() * n.y());
-    (shared_area[i] > 0 ? told : border).push_back(tensor);
-    if (shared_area[i] > 0) rest.operator_of_theta.col(i) = length / shared_area[i] * tensor;
-    else width = length;
+    Vector3d tensor(n.x() * n.x(), n.x() * n.y(), n.y() * n.y());
+    if (shared_area[i] > 0) {
+      rest.operator_of_theta.col(i) = length / shared_area[i] * tensor;
+      continue;
+    }
+    for (const Vector3d& u : unseen) tensor -= tensor.cwiseProduct(frobenius).dot(u) * u;
+    const double norm = std::sqrt(tensor.cwiseProduct(frobenius).dot(tensor));
+    if (norm > 1e-9) unseen.push_back(tensor / norm);
   }
   rest.seen.setIdentity();
-  constexpr double slender = 0.4;  // [1] width by span: a zigzag is 4 % too stiff then
-  const bool strip = told.size() == 2 && width * width < slender * 2 * rest.area;
-  for (const Vector3d& u : strip ? std::vector<Vector3d>{perpendicular(told[0], told[1])} : orthonormal(border)) {
-    const Matrix3 leave_out = Matrix3::Identity() - u * u.cwiseProduct(frobenius).transpose();
-    rest.seen = leave_out * rest.seen;
-    rest.operator_of_theta = leave_out * rest.operator_of_theta;
+  for (const Vector3d& u : unseen) {
+    rest.seen -= u * u.cwiseProduct(frobenius).transpose();
+    for (int i = 0; i < 3; ++i) {
+      const double part = rest.operator_of_theta.col(i).cwiseProduct(frobenius).dot(u);
+      rest.operator_of_theta.col(i) -= part * u;
+    }
   }
   // K = D A ( nu tr^T tr + (1-nu) S^T diag(1,2,1) S ) in the three angles
   const Eigen::RowVector3d trace = rest.operator_of_theta.row(0) + rest.operator_of_theta.row(2);

@@ -39,11 +39,8 @@ WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left
 /// A border edge has no angle; the part of S that it alone could tell, n n^T, is left out: no moment crosses a free border.
 /// (With that part kept, triangles along the border store 1/12 too much; the arch of 232 triangles 3 % instead of 0.3 %.
 /// With each fold given to both sides by halves, irregular meshes are 6 % too stiff instead of 3 %.)
-/// A slender triangle, that stands on the border with its short edge, belongs to a ruling strip and keeps its S whole: one of its
-/// folds is the ruling, the other flat. (With that part left out, rulings 40 degrees off the perpendicular are too soft by a
-/// third.) In a zigzag, where both edges fold, S gains (e/2w)^2 across the border, e the edge there and w the height on it.
 /// What a triangle cannot tell of S it does not take from Sp either.
-/// source  [Grinspun 2006] for the operator; the three rules are this project's
+/// source  [Grinspun 2006] for the operator; the two rules are this project's
 struct RestBending {
   Matrix3 stiffness;                  // K [J]  zero rows for border edges
   Eigen::Matrix3d operator_of_theta;  // columns: l_i/A_i (n_x^2, n_x n_y, n_y^2)  [1/m]

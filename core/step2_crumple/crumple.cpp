@@ -108,7 +108,10 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   }
   const auto periods = [&](double time) { return std::floor((time + rounding) / options_.flip_period); };
   const bool time_to_flip = periods(now.seconds()) > periods(now.seconds() - now.dt);
-  if (time_to_flip || report.births > 0) report.flips = flip_towards_rulings(sheet, bending_of(sheet), options_.flip_gain);
+  if (time_to_flip || report.births > 0) {
+    const Points3 bending = rulings_.empty() ? vertex_curvature(sheet) : bending_of(sheet);  // strips hide what is not along their edges
+    report.flips = flip_towards_rulings(sheet, bending, options_.flip_gain);
+  }
   return report;
 }
 

@@ -48,7 +48,7 @@ def imported(path):
     verdicts = os.dup(1)
     os.dup2(2, 1)
     try:
-        if path.endswith(".usda"):
+        if str(path).endswith(".usda"):
             return "FINISHED" in bpy.ops.wm.usd_import(filepath=os.path.abspath(path))
         return "FINISHED" in bpy.ops.wm.alembic_import(filepath=os.path.abspath(path), as_background_job=False)
     except RuntimeError:
