@@ -121,8 +121,7 @@ TEST(CrumpleStatistics, PlasticTurnDoesNotDependOnTheMesh) {
     const auto [least, most] = std::minmax_element(by_density.begin(), by_density.end());
     const double middle = 0.5 * (*least + *most);
     EXPECT_GT(*least, 0.1) << frame;
-    const double agreement = frame == 24 ? 0.3 : 0.2;  // half a dozen points are born by 24, and where is a matter of the mesh
-    EXPECT_LT(*most - middle, agreement * middle) << frame << ": " << *least << " to " << *most;
+    EXPECT_LT(*most - middle, 0.2 * middle) << frame << ": " << *least << " to " << *most;
   }
 }
 

@@ -23,7 +23,7 @@ constexpr double velocity_kept = 0.98;
 constexpr int restless = 15;
 
 // A sheet that pushes itself has no end of small moves: what is not finished goes on in the next frame.
-constexpr int most_iterations_in_touch = 20, most_in_touch_coarse = 15;
+constexpr int most_iterations_in_touch = 20, most_in_touch_coarse = 18;
 
 constexpr double jam_stretch = 0.01;  // [1] of an edge: paper tears before; what holds it gives way
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
