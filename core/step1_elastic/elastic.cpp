@@ -331,7 +331,8 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
     if (may_touch) how.in_vain = [&](const Points3& x) { return !s.contact->clear(before, x, hard); };
     report = s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::where_restless);
   }
-  if (may_touch && (s.past.careful || (s.matrix && largest_stretch(sheet) > jam_stretch) || !s.contact->clear(before, sheet.x, hard))) {
+  const auto jams = [&] { return report.converged && s.matrix && largest_stretch(sheet) > jam_stretch; };  // what is on its way may be stretched
+  if (may_touch && (s.past.careful || jams() || !s.contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
     // beside itself the softened sheet soon meets its own parts: a second start finds nothing better there
