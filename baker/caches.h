@@ -30,7 +30,7 @@ class Caches {
 
   /// Gives the files their names, and returns these; the last call but for the report, which is written by others.
   std::vector<std::filesystem::path> finish();
-  const Report* report() const { return report_ ? &*report_ : nullptr; }
+  Report* report() { return report_ ? &*report_ : nullptr; }
 
  private:
   const BakePlan& plan_;

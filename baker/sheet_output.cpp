@@ -56,6 +56,7 @@ void SheetOutput::finish() {
   if (!map_) return;
   files_.push_back(map_stem_.string() + ".final.exr");
   map_->write(files_.back(), map_info(last_map_frame_));
+  if (caches_.report()) caches_.report()->add_map(shot_.sheet_name + ": creases and singular points", png_bytes(map_->picture(map_info(last_map_frame_))));
 }
 
 FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {

@@ -66,4 +66,27 @@ void CreaseMap::write(const std::filesystem::path& path, const MapInfo& info) co
                                     [&](const MapRows& rows, MapTexel* texels) { draw_map(scene, rows, texels); }));
 }
 
+Image CreaseMap::picture(const MapInfo& info) const {
+  constexpr int most = 1024;
+  constexpr Colour background{225, 225, 222}, paper{252, 250, 244}, outward{178, 48, 30}, inward{36, 84, 168}, apex{20, 20, 20};
+  MapScene& scene = state_->scene;
+  scene.frame = info.frame;
+  scene.fps = info.fps;
+  const int every = (scene.size + most - 1) / most, size = scene.size / every;
+  std::vector<MapTexel> strip(std::size_t(16) * scene.size);
+  Image image{size, size, std::vector<Colour>(std::size_t(size) * size)};
+  for (int first = 0; first < scene.size; first += 16) {
+    const MapRows rows{scene.size, first, std::min(first + 16, scene.size)};
+    std::fill(strip.begin(), strip.end(), MapTexel{});
+    draw_map(scene, rows, strip.data());
+    for (int row = first; row < rows.last; ++row)
+      for (int i = 0; i / every < size && row / every < size && row % every == 0; i += every) {
+        const MapTexel& t = strip[rows.index(i, row)];
+        const Colour crease = mix(mix(background, paper, t.a), t.fold_peak >= 0 ? outward : inward, t.a * t.r);
+        image.pixels[std::size_t(row / every) * size + i / every] = mix(crease, apex, t.a * t.g);
+      }
+  }
+  return image;
+}
+
 }  // namespace paperbake

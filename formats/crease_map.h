@@ -4,6 +4,7 @@
 #include "core/sheet.h"
 #include "formats/crease_history.h"
 #include "formats/map_info.h"
+#include "formats/picture.h"
 
 #include <filesystem>
 #include <memory>
@@ -64,6 +65,10 @@ class CreaseMap {
   /// The map of the last recorded frame with the history of all of them, whole or not at all. Ages are up to info.frame.
   /// throws Error(Fault::folder)
   void write(const std::filesystem::path&, const MapInfo&) const;
+
+  /// The same to look at, at most 1024 px: the pattern with its creases so far, red where they bulge to the normal and blue where
+  /// away from it, and its singular points.
+  Image picture(const MapInfo&) const;
 
  private:
   struct State;

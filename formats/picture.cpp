@@ -75,7 +75,7 @@ Colour mix(Colour a, Colour b, double t) {
   return {one(a.red, b.red), one(a.green, b.green), one(a.blue, b.blue)};
 }
 
-void write_png(const std::filesystem::path& path, const Image& image) {
+std::string png_bytes(const Image& image) {
   png_image png{};
   png.version = PNG_IMAGE_VERSION;
   png.format = PNG_FORMAT_RGB;
@@ -84,10 +84,12 @@ void write_png(const std::filesystem::path& path, const Image& image) {
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(png), '\0');
   png_alloc_size_t size = bytes.size();
   if (!png_image_write_to_memory(&png, bytes.data(), &size, /*convert_to_8_bit=*/0, image.pixels.data(), /*row_stride=*/0, /*colormap=*/nullptr))
-    throw Error(Fault::folder, path.string(), std::string("The picture cannot be written: ") + png.message + ".");
+    throw Error(Fault::folder, "picture", std::string("It cannot be encoded: ") + png.message + ".");
   bytes.resize(size);
-  write_whole_file(path, bytes);
+  return bytes;
 }
+
+void write_png(const std::filesystem::path& path, const Image& image) { write_whole_file(path, png_bytes(image)); }
 
 Vector3d Camera::project(const Vector3d& p) const {
   const Vector3d d = p - centre;

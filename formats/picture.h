@@ -22,6 +22,9 @@ struct Image {
   const Colour& at(int column, int row) const { return pixels[std::size_t(row) * width + column]; }
 };
 
+/// The bytes of a PNG file, 8 bits; the same for the same picture.
+std::string png_bytes(const Image&);
+
 /// As PNG, 8 bits, whole or not at all; the same bytes for the same picture. throws Error(Fault::folder)
 void write_png(const std::filesystem::path&, const Image&);
 
