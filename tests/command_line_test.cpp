@@ -103,6 +103,11 @@ TEST_F(CommandLine, AProbeOfSheetsThatSwingEndsWithTwo) {
 
 TEST_F(CommandLine, AnUnknownFormatEndsWithTwo) { EXPECT_TRUE(is_error(bake({"--formats", "abc,gif"}), 2, "--formats", "gif")); }
 
+TEST_F(CommandLine, APointCacheOfAMeshThatChangesEndsWithTwoBeforeAnythingIsBaked) {
+  EXPECT_TRUE(is_error(bake({"--method", "hybrid", "--formats", "pc2", "--mesh", "simulation"}), 2, "--formats pc2", "one mesh"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
 TEST_F(CommandLine, ADryRunPrintsTheJobAndWritesNothing) {
   const Ended ended = bake({"--dry-run", "--seed", "7", "--set", "thickness=1e-4"});
   EXPECT_EQ(ended.code, 0) << ended.err;
