@@ -24,13 +24,12 @@ inline Sheet flat_sheet(Points2 pattern, Triangles triangles) {
 
 /// n ruling strips along x: a column of two vertices at each of n+1 places, each cell cut by a diagonal, all
 /// the same way (alternating ones make every other ruling softer: the arch of 8 strips is 1.4 % instead of 0.6 % too high).
-/// slant  [m] how far the rulings lean along x: the ends too
-inline Sheet strip_sheet(double length, double width, int n, double slant = 0) {
+inline Sheet strip_sheet(double length, double width, int n) {
   Points2 p(2 * (n + 1), 2);
   Triangles t(2 * n, 3);
   for (int i = 0; i <= n; ++i) {
     p.row(2 * i) << length * i / n, 0;
-    p.row(2 * i + 1) << length * i / n + slant, width;
+    p.row(2 * i + 1) << length * i / n, width;
   }
   for (int i = 0; i < n; ++i) {
     const int a = 2 * i, b = 2 * i + 2, c = 2 * i + 3, d = 2 * i + 1;
