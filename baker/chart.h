@@ -46,7 +46,8 @@ struct Chart {
 };
 
 /// Runs every method at several sizes one after the other: first the reference (fem; half as many triangles as long as it does
-/// not converge), then fem on 1/2 ... 1/32 of its triangles, then the others, then repeats, until the budget is used up.
+/// not come to an end), fem on 1/2 ... 1/32 of its triangles, the others (with three seeds where there are singular points), a twin
+/// of the reference, then repeats, until the budget is used up.
 /// say  a sentence on what is being done
 /// throws as plan_bake does; Error(Fault::simulation) when no reference comes to an end
 Chart chart(const ChartSettings&, const std::function<void(const std::string&)>& say);

@@ -43,7 +43,7 @@ class LogAxis {
     const double least = values.empty() ? 1 : *std::min_element(values.begin(), values.end());
     const double most = values.empty() ? 10 : *std::max_element(values.begin(), values.end());
     const double room = std::max(0.08 * std::log10(most / least), 0.12);
-    low_ = std::log10(least) - room, high_ = std::log10(most) + room;
+    low_ = std::log10(least) - room, high_ = std::log10(most) + 1.6 * room;  // room for the last label
   }
   double operator()(double value) const { return a_ + (b_ - a_) * (std::log10(std::max(value, 1e-300)) - low_) / (high_ - low_); }
   /// 1, 2, 5 of every decade, or the decades alone where there are many.
@@ -107,7 +107,7 @@ std::string draw(const Panel& panel, const std::vector<ChartPoint>& points, doub
     svg += text(left - 6, y(t) + 4, 12, fmt::format("{:g}", t), "end");
   }
   svg += text(left + panel_width / 2, bottom + 38, 13, "CPU time of a frame, elastic + geometry [ms]", "middle");
-  svg += text(left, panel_top + 18, 12, "  " + panel.unit, "start", "#555555");
+  svg += text(left + 8, panel_top + 18, 12, panel.unit, "start", "#555555");
   Labels labels;
   for (const auto& [value, what] : panel.lines) {
     svg += fmt::format("<line x1=\"{1}\" y1=\"{0:.1f}\" x2=\"{2}\" y2=\"{0:.1f}\" stroke=\"#777777\" stroke-dasharray=\"6 4\"/>\n", y(value), left, right);

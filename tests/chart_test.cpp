@@ -56,7 +56,7 @@ TEST_F(CommandLine, AChartHasARowForEveryRunAndTheHybridComesNearTheReference) {
   const Ended ended = run({"chart", test::samples + "/S1_push.glb", "-o", output(), "--frames", "1-12", "--reference", "800", "--repeat", "1", "--budget", "60"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   const std::vector<std::string> rows = lines_of(read(output() + "/chart.csv"));
-  ASSERT_GT(rows.size(), 10u);
+  ASSERT_GT(rows.size(), 6u);
   EXPECT_EQ(rows[0], "method,size,seed,triangles,elastic_ms,geometry_ms,total_ms,worst_frame_ms,c_m_pct,max_stretch_pct,rms_pct,energy_rel,not_converged,failed");
   int hybrids = 0;
   for (std::size_t k = 1; k < rows.size(); ++k) {
@@ -73,7 +73,7 @@ TEST_F(CommandLine, AChartHasARowForEveryRunAndTheHybridComesNearTheReference) {
     ++hybrids;
     EXPECT_LT(std::stod(f[10]), 1) << rows[k];  // % of the sheet; it is pushed by 8 %
   }
-  EXPECT_EQ(hybrids, 12);
+  EXPECT_EQ(hybrids, 4);  // no singular point, so one seed
   EXPECT_NE(read(output() + "/chart.svg").find("</svg>"), std::string::npos);
   EXPECT_EQ(lines_of(read(output() + "/statistics.csv")).size(), rows.size());
 }
