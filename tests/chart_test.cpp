@@ -81,7 +81,7 @@ TEST_F(CommandLine, AChartHasARowForEveryRunAndTheHybridComesNearTheReference) {
 TEST_F(CommandLine, AChartOfAnUnknownMethodOrSceneEndsWithTwoOrThree) {
   EXPECT_TRUE(is_error(run({"chart", test::samples + "/S1_push.glb", "-o", output(), "--methods", "hybrid,spline"}), 2, "--methods", "spline"));
   EXPECT_TRUE(is_error(run({"chart", "nowhere.glb", "-o", output()}), 3, "nowhere.glb", "no such file"));
-  EXPECT_FALSE(fs::exists(output() + "/chart.csv"));
+  EXPECT_FALSE(test::fs::exists(output() + "/chart.csv"));
 }
 
 TEST_F(CommandLine, AChartWithoutTimeForItsReferenceSaysSo) {
