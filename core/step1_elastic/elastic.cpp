@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/measure.h"
+#include "core/step1_elastic/cone_energy.h"
 #include "core/step1_elastic/contact.h"
 #include "core/step1_elastic/elastic_energy.h"
 #include "core/step1_elastic/handle_springs.h"
@@ -226,10 +227,13 @@ Elastic& Elastic::operator=(Elastic&&) = default;
 
 void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening) {
   Impl& s = *impl_;
-  s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, stiffening);
+  std::vector<double> factors = cone_factors(sheet, s.paper);
+  if (factors.empty()) factors = stiffening;
+  else for (std::size_t t = 0; t < stiffening.size(); ++t) factors[t] *= stiffening[t];
+  s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, factors);
   Paper soft = s.paper;
   soft.membrane_stiffness /= softening;
-  s.softened.emplace(soft, sheet.pattern, sheet.triangles, stiffening);
+  s.softened.emplace(soft, sheet.pattern, sheet.triangles, factors);
   s.matrix.reset();
   s.past.remeshed = true;
   s.predictor.reset();

@@ -18,7 +18,7 @@ struct Case {
 constexpr Case cases[] = {
     {"V1", "elastica: a sheet of 100 x 100 mm, two hinged borders 10 % closer", elastica},
     {"V2", "heavy cantilever: a strip clamped level, lam = rho g L^3/D, nu = 0", cantilever},
-    {"V3", "d-cone: paper between radii of 15 and 50 mm about its tip, pushed into a ring of slope eps", d_cone},
+    {"V3", "d-cone: paper between radii of 15 and 50 mm about its tip, and whole discs, pushed into a ring of slope eps", d_cone},
     {"V6", "Moebius strip of 300 x 30 mm, closed; box: of its centre line", moebius},
     {"V7", "a strip wound to a curvature k and let go; yield at 100 1/m", wound_strip},
 };
