@@ -1,6 +1,10 @@
 #include "baker/bake.h"
+#include "baker/chart.h"
+#include "baker/chart_picture.h"
+#include "baker/estimate.h"
 #include "baker/experiment.h"
 #include "baker/inspect.h"
+#include "baker/output_folder.h"
 #include "baker/verify.h"
 #include "core/error.h"
 #include "formats/preset_file.h"
@@ -12,7 +16,7 @@
 #include <malloc.h>
 #include <nlohmann/json.hpp>
 
-// The command line: words in, exit code out. What the commands do lies behind bake.h, inspect.h and experiment.h.
+// The command line: words in, exit code out. What the commands do lies behind bake.h, chart.h, inspect.h, verify.h and experiment.h.
 
 namespace paperbake {
 namespace {
@@ -151,6 +155,47 @@ int run_presets(const std::optional<std::string>& name, bool json) {
   return 0;
 }
 
+struct ChartWords {
+  std::vector<std::string> set;
+  std::string methods, frames;
+};
+
+void add_chart(CLI::App& app, ChartSettings& s, ChartWords& words) {
+  CLI::App& chart = *app.add_subcommand("chart", "Run the methods on a scene at several sizes: speed against accuracy, as chart.csv and chart.svg");
+  chart.add_option("SCENE", s.job.scene, "An .fbx, .glb or .gltf file with a sheet and animated handles")->required();
+  chart.add_option("-o,--output", s.job.output, "Output folder; made when missing")->required();
+  words.methods = fmt::format("{}", fmt::join(s.methods, ","));
+  chart.add_option("--methods", words.methods, "Which, separated by commas")->capture_default_str();
+  chart.add_option("--repeat", s.repeat, "Runs of each; times are medians")->capture_default_str()->check(CLI::Range(1, 1000));
+  chart.add_option("--reference", s.reference, "Triangles of the fem that the others are compared with; half as many as long as it does not come to an end")->capture_default_str()->check(CLI::Range(100, 400000));
+  chart.add_option("--budget", s.budget, "Seconds for everything")->capture_default_str()->check(positive);
+  chart.add_option("--preset", s.job.preset, "Paper grade or a preset file; replaces the scene's");
+  chart.add_option("--set", words.set, "key=value: one number of the paper, over preset and scene");
+  chart.add_option("--seed", s.job.seed, "First of the seeds; else the sheet's paper_seed, else 0");
+  chart.add_option("--gravity", s.job.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0")->check(finite);
+  chart.add_option("--stop", s.job.stop, "Newton's stop: metres from the minimum, for all methods")->capture_default_str()->check(positive);
+  chart.add_option("--frames", words.frames, "A-B or A-BxN: frames to compare");
+  chart.add_option("--threads", s.job.threads, "Every run has one thread; accepted for the sake of scripts")->capture_default_str()->check(positive);
+  add_reading_options(chart, s.job.reading);
+}
+
+int run_chart(ChartSettings settings, const ChartWords& words) {
+  for (const std::string& text : words.set) settings.job.set.push_back(key_and_value(text));
+  if (!words.frames.empty()) settings.job.frames = parse_frames(words.frames, "--frames");
+  settings.methods.clear();
+  for (const std::string& name : CLI::detail::split(words.methods, ',')) settings.methods.push_back(name);
+  plan_bake(settings.job);  // a scene that cannot be used is said so before a folder is made
+  const OutputFolder folder(settings.job.output);
+  const Chart result = chart(settings, [](const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); });
+  for (const std::string& remark : result.remarks) fmt::print(stderr, "{}\n", remark);
+  const std::pair<const char*, std::string> files[] = {{"chart.csv", chart_csv(result)}, {"chart.svg", chart_svg(result)}, {"statistics.csv", statistics_csv(result)}};
+  for (const auto& [name, text] : files) {
+    write_whole_file(folder.path() / name, text);
+    fmt::print("{}\n", (folder.path() / name).string());
+  }
+  return 0;
+}
+
 struct FitWords {
   std::optional<std::string> scatter, from, experiment;
   std::filesystem::path output;
@@ -194,9 +239,15 @@ int run_fit(const FitWords& words) {
 }
 
 int run_verify(const std::filesystem::path& folder, bool json, bool estimate) {
-  if (estimate) throw Error(Fault::command, "--estimate", "Error estimates are not in this version.", "paperbake verify DIR compares the files with the certificate.");
   const Verification verification = verify(folder);
-  fmt::print("{}", json ? verification_json(verification) : verification_text(folder, verification));
+  std::optional<ErrorEstimates> estimates;
+  if (estimate) estimates = estimate_errors(folder);
+  if (json) {
+    fmt::print("{}", verification_json(verification, estimates));
+  } else {
+    fmt::print("{}", verification_text(folder, verification));
+    if (estimates) fmt::print("{}", estimates_text(*estimates));
+  }
   return verification.differences.empty() ? 0 : gate_missed;
 }
 
@@ -208,6 +259,10 @@ int run(int argc, char** argv) {
   BakeSettings settings;
   BakeWords words;
   add_bake(app, settings, words);
+
+  ChartSettings charted;
+  ChartWords chart_words;
+  add_chart(app, charted, chart_words);
 
   CLI::App& inspect = *app.add_subcommand("inspect", "What is in a scene or a baked cache, what is wrong with it, where each value came from");
   std::filesystem::path scene;
@@ -227,7 +282,7 @@ int run(int argc, char** argv) {
   bool verdict_json = false, estimate = false;
   judged.add_option("DIR", folder, "The output folder of a bake")->required();
   judged.add_flag("--json", verdict_json, "As JSON");
-  judged.add_flag("--estimate", estimate, "How far the shapes are from a finer mesh's: not in this version");
+  judged.add_flag("--estimate", estimate, "How far every 12th frame moves when a finer mesh goes on from it: its error within its branch");
 
   CLI::App& presets = *app.add_subcommand("presets", "List the paper grades, or print one with its sources");
   std::optional<std::string> grade;
@@ -242,6 +297,7 @@ int run(int argc, char** argv) {
     throw Error(Fault::command, "command line", fmt::format("{}.", error.what()), "paperbake --help and paperbake COMMAND --help say what there is.");
   }
   if (app.got_subcommand("bake")) return run_bake(std::move(settings), words);
+  if (app.got_subcommand("chart")) return run_chart(std::move(charted), chart_words);
   if (app.got_subcommand("inspect")) return run_inspect(scene, reading, json, tracks);
   if (app.got_subcommand("fit")) return run_fit(fit);
   if (app.got_subcommand("verify")) return run_verify(folder, verdict_json, estimate);

@@ -25,17 +25,6 @@ Json spread(const std::vector<FrameRecord>& frames, const std::function<double(c
   return {{"mean", frames.empty() ? 0 : sum / frames.size()}, {"max", largest}, {"frame_of_max", at}};
 }
 
-Json machine() {
-  std::string cpu = "unknown", line;
-  std::ifstream info("/proc/cpuinfo");
-  while (std::getline(info, line))
-    if (line.rfind("model name", 0) == 0) {
-      cpu = line.substr(line.find(':') + 2);
-      break;
-    }
-  return {{"cpu", cpu}, {"cores", std::thread::hardware_concurrency()}};
-}
-
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const auto touching = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.touching > 0; });
   const ElasticOptions& elastic = plan.animation.elastic;
@@ -52,6 +41,14 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
 }
 
 }  // namespace
+
+std::string machine_name() {
+  std::string line;
+  std::ifstream info("/proc/cpuinfo");
+  while (std::getline(info, line))
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
 
 std::vector<std::string> missed_gates(const Gates& gates, const std::vector<FrameRecord>& frames, const BakePlan& plan) {
   std::vector<std::string> missed;
@@ -107,7 +104,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"not_converged", count([](const FrameRecord& f) { return !f.converged; })},
       {"jammed_frames", count([](const FrameRecord& f) { return !f.jammed.empty(); })},
       {"impossible_handles", impossible}, {"gates_missed", missed}, {"exit_code", missed.empty() ? 0 : 4},
-      {"models", models(plan, frames)}, {"warnings", plan.warnings}, {"settings", settings}, {"machine", machine()}, {"files", files}};
+      {"models", models(plan, frames)}, {"warnings", plan.warnings}, {"settings", settings}, {"machine", {{"cpu", machine_name()}, {"cores", std::thread::hardware_concurrency()}}}, {"files", files}};
   return sealed(summary.dump(1, ' ', false, Json::error_handler_t::replace));
 }
 

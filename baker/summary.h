@@ -19,6 +19,9 @@ struct Gates {
 /// One sentence for each gate that was missed, with its worst frame. Empty: all kept.
 std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&, const BakePlan&);
 
+/// What the processor calls itself.
+std::string machine_name();
+
 /// cert/summary.json: the certificate over the whole shot.
 /// files  of the bake, relative to its folder, and the keys of their bytes
 std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, const std::vector<std::string>& missed,

@@ -193,7 +193,7 @@ std::string verification_text(const fs::path& folder, const Verification& v) {
   return text;
 }
 
-std::string verification_json(const Verification& v) {
+std::string verification_json(const Verification& v, const std::optional<ErrorEstimates>& estimates) {
   using Ordered = nlohmann::ordered_json;
   Ordered differences = Ordered::array();
   Ordered first;
@@ -202,7 +202,14 @@ std::string verification_json(const Verification& v) {
     if (first.is_null()) first = frame;
     differences.push_back({{"frame", frame}, {"file", d.file}, {"what", d.what}});
   }
-  const Ordered all{{"agrees", v.differences.empty()}, {"frames", v.frames}, {"files", v.files}, {"first_frame_off", first}, {"differences", differences}};
+  Ordered all{{"agrees", v.differences.empty()}, {"frames", v.frames}, {"files", v.files}, {"first_frame_off", first}, {"differences", differences}};
+  if (estimates) {
+    all["estimates"] = Ordered::array();
+    for (const ErrorEstimate& e : estimates->frames)
+      all["estimates"].push_back({{"frame", e.frame}, {"sheet", e.sheet}, {"rms_pct", e.rms_pct}, {"energy_loss_pct", e.energy_loss_pct},
+                                  {"lower_branch_pct", e.lower_branch_pct}, {"uncertain", e.uncertain}});
+    all["estimate_ms_per_frame"] = estimates->ms_per_frame;
+  }
   return all.dump(1, ' ', false, Ordered::error_handler_t::replace) + "\n";
 }
 

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "baker/estimate.h"
+
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -24,9 +26,10 @@ struct Verification {
 /// throws Error(Fault::command) when there is no such folder
 Verification verify(const std::filesystem::path& folder);
 
-/// For people, and as JSON: {agrees, frames, files, first_frame_off, differences: [{frame, file, what}]}.
+/// For people, and as JSON: {agrees, frames, files, first_frame_off, differences: [{frame, file, what}]} and, when there are any,
+/// {estimates: [{frame, sheet, rms_pct, energy_loss_pct, lower_branch_pct, uncertain}], estimate_ms_per_frame}.
 std::string verification_text(const std::filesystem::path& folder, const Verification&);
-std::string verification_json(const Verification&);
+std::string verification_json(const Verification&, const std::optional<ErrorEstimates>& = {});
 
 /// The last line of summary.json holds the key of all text before it, so that the certificate tells when it was changed itself.
 std::string sealed(std::string summary_text);

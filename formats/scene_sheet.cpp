@@ -219,6 +219,21 @@ bool overlaps_itself(const Pattern& pattern) {
   return false;
 }
 
+/// An unrolled sheet has no direction of its own: its longest straight border, the first of equals, goes along x.
+void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
+  Vector2d longest = Vector2d::UnitX();
+  double length = 0;
+  for (std::size_t i = 0; i < pattern.outline.size(); ++i) {
+    const Vector2d side = pattern.outline[(i + 1) % pattern.outline.size()] - pattern.outline[i];
+    if (side.norm() > 1.001 * length) length = side.norm(), longest = side.normalized();
+  }
+  Eigen::Matrix2d rotation;
+  rotation << longest.x(), longest.y(), -longest.y(), longest.x();
+  flat = (flat * rotation.transpose()).eval();
+}
+
+}  // namespace
+
 Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::string& place) {
   const double size = (flat.colwise().maxCoeff() - flat.colwise().minCoeff()).maxCoeff();
   Pattern pattern;
@@ -236,21 +251,6 @@ Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::s
     throw Error(Fault::scene, place, "Laid flat the sheet overlaps itself.", "Cut it into sheets that can be laid flat.");
   return pattern;
 }
-
-/// An unrolled sheet has no direction of its own: its longest straight border, the first of equals, goes along x.
-void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
-  Vector2d longest = Vector2d::UnitX();
-  double length = 0;
-  for (std::size_t i = 0; i < pattern.outline.size(); ++i) {
-    const Vector2d side = pattern.outline[(i + 1) % pattern.outline.size()] - pattern.outline[i];
-    if (side.norm() > 1.001 * length) length = side.norm(), longest = side.normalized();
-  }
-  Eigen::Matrix2d rotation;
-  rotation << longest.x(), longest.y(), -longest.y(), longest.x();
-  flat = (flat * rotation.transpose()).eval();
-}
-
-}  // namespace
 
 FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& world, const std::string& place) {
   const WeldedMesh all = gather(file, node, world);

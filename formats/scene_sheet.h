@@ -12,10 +12,14 @@ namespace paperbake {
 
 /// A mesh of the scene as a sheet of paper.
 struct FlatSheet {
-  Pattern pattern;        // true corners only: border vertices on a straight line, within 1e-6 of the size, are left out
+  Pattern pattern;
   Sheet start;            // vertices welded, where they are in the world; at rest; the mesh's front is the pattern's front
   bool from_uv = false;   // else unrolled
 };
+
+/// Outline and holes of a flat mesh, true corners only: border vertices on a straight line, within 1e-6 of the size, are left out.
+/// throws Error(Fault::scene) at `place`: no border, or one that touches or crosses itself
+Pattern pattern_of(const Points2& flat, const Triangles&, const std::string& place);
 
 /// Makes a sheet of all faces of a node. Vertices are welded within 1e-6 of the size (and 1e-4 of uv where the pattern comes
 /// from the UVs: a sheet that is cut in its UVs stays cut).

@@ -6,7 +6,7 @@
 // density of the mesh; then what a heavier grade does.
 
 #include "core/animate.h"
-#include "core/hinges.h"
+#include "core/crease_network.h"
 #include "core/measure.h"
 #include "formats/scene_file.h"
 
@@ -28,25 +28,6 @@ struct Run {
   double facet = 0;               // [m] sqrt(area / singular points)
   double crease = 0;              // [m] mean length of the creases at the end
 };
-
-/// Mean length of a crease: a chain of edges folded by more than 20 degrees, from one singular point, junction or end to the next. [m]
-double mean_crease(const Sheet& sheet) {
-  constexpr double folded = 0.35;
-  double length = 0;
-  std::vector<int> creases_at(sheet.pattern.rows(), 0);
-  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
-    if (std::abs(fold_angle(sheet.x, hinge)) < folded) continue;
-    for (int k : {0, 1}) ++creases_at[hinge.vertices[k]];
-    length += (sheet.pattern.row(hinge.vertices[1]) - sheet.pattern.row(hinge.vertices[0])).norm();
-  }
-  int ends = 0;
-  for (int v = 0; v < sheet.pattern.rows(); ++v) {
-    const bool singular = std::any_of(sheet.singular.begin(), sheet.singular.end(),
-                                      [&](const SingularPoint& s) { return (s.pattern.transpose() - sheet.pattern.row(v)).norm() < 1e-9; });
-    if (creases_at[v] != 2 || singular) ends += creases_at[v];
-  }
-  return length / std::max(1.0, 0.5 * ends);
-}
 
 Run run(const std::string& name, const Paper& paper, int base_triangles, int most_triangles, unsigned seed) {
   const Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + name + ".glb");
@@ -76,7 +57,7 @@ Run run(const std::string& name, const Paper& paper, int base_triangles, int mos
     r.crossed += crossings(*f.sheet) > 0;
     r.unfinished += !f.converged;
     r.births = static_cast<int>(f.sheet->singular.size());
-    if (f.frame == options.last_frame) r.crease = mean_crease(*f.sheet);
+    if (f.frame == options.last_frame) r.crease = crease_network(*f.sheet).mean();
     r.plastic[f.frame] = f.plastic;
     return true;
   });

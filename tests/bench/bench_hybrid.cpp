@@ -11,8 +11,8 @@
 // BENCH_SET="facet_turn=0.2 flip_gain=0.5" options; facet_turn=0: the robust mesh alone.
 
 #include "core/animate.h"
-#include "core/locate.h"
 #include "core/measure.h"
+#include "core/pattern_samples.h"
 #include "formats/scene_file.h"
 
 #include <algorithm>
@@ -47,29 +47,16 @@ struct Run : Numbers {
   std::vector<Points3> frames, normals;  // of the grid points
 };
 
-void sample(const Sheet& sheet, const Pattern& pattern, Run& r) {
-  const Locator locator(sheet.pattern, sheet.triangles);
-  const Vector2d size = extent(pattern);
-  const Points3 normals = vertex_normals(sheet.x, sheet.triangles);
-  Points3 x(grid * grid, 3), n(grid * grid, 3);
-  for (int i = 0; i < grid; ++i)
-    for (int j = 0; j < grid; ++j) {
-      const Place place = locator.locate({size.x() * i / (grid - 1), size.y() * j / (grid - 1)});
-      x.row(i * grid + j) = interpolate(place, sheet.triangles, sheet.x);
-      n.row(i * grid + j) = interpolate(place, sheet.triangles, normals).normalized();
-    }
-  r.frames.push_back(std::move(x));
-  r.normals.push_back(std::move(n));
-}
-
 Run run(const Shot& shot, const Method& method, const Case& c, double fps) {
   AnimateOptions options;
   options.fps = fps;
   options.last_frame = c.last_frame;
   options.elastic.gravity = c.gravity;
+  const PatternSamples samples(shot.pattern, grid);
   Run r;
   animate(shot, method, options, [&](const AnimatedFrame& f) {
-    sample(*f.sheet, shot.pattern, r);
+    PatternSamples::Sampled sampled = samples(*f.sheet);
+    r.frames.push_back(std::move(sampled.x)), r.normals.push_back(std::move(sampled.normals));
     r.accepted += f.remesh == AnimatedFrame::accepted;
     r.rejected += f.remesh == AnimatedFrame::rejected;
     if (f.remesh == AnimatedFrame::accepted) r.rise = std::max(r.rise, 100 * f.remesh_rise);
@@ -91,7 +78,7 @@ Run run(const Shot& shot, const Method& method, const Case& c, double fps) {
 
 double rms_pct(const Run& a, const Run& b, double side) {
   double sum = 0;
-  for (std::size_t f = 0; f < a.frames.size(); ++f) sum += std::sqrt((a.frames[f] - b.frames[f]).rowwise().squaredNorm().mean());
+  for (std::size_t f = 0; f < a.frames.size(); ++f) sum += rms_distance(a.frames[f], b.frames[f]);
   return 100 * sum / side / a.frames.size();
 }
 
@@ -182,7 +169,7 @@ void compare(const Case& c, int reference_triangles) {
     print_row("hybrid " + std::to_string(base), h, reference, side);
     if (std::getenv("BENCH_FRAMES"))
       for (std::size_t f = 0; f < h.frames.size(); ++f)
-        std::printf("    frame %2zu rms %.3f %%\n", f + 1, 100 / side * std::sqrt((h.frames[f] - reference.frames[f]).rowwise().squaredNorm().mean()));
+        std::printf("    frame %2zu rms %.3f %%\n", f + 1, 100 / side * rms_distance(h.frames[f], reference.frames[f]));
     sum += rms, least = std::min(least, rms), most = std::max(most, rms);
     normals += normals_deg(h, reference), mean.triangles += h.triangles, mean.elastic_ms += h.elastic_ms, mean.geometry_ms += h.geometry_ms;
   }

@@ -1,0 +1,42 @@
+// How far a bake is from finer paper, from its files alone.
+
+#include "tests/program_fixture.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace paperbake {
+namespace {
+
+using test::CommandLine;
+using test::Ended;
+using test::is_error;
+using test::samples;
+
+TEST_F(CommandLine, TheEstimateOfACoarseBakeIsLargerThanThatOfAFineOne) {
+  const auto estimate = [&](const test::Words& method) {
+    test::Words words{"bake", samples + "/S1_push.glb", "-o", output(), "--frames", "1-24", "--formats", "abc,cert", "--quality", "draft", "--progress", "none"};
+    words.insert(words.end(), method.begin(), method.end());
+    EXPECT_EQ(run(words).code, 0);
+    const Ended judged = run({"verify", output(), "--estimate", "--json"});
+    EXPECT_EQ(judged.code, 0) << judged.err;
+    return nlohmann::json::parse(judged.out).at("estimates");
+  };
+  const auto coarse = estimate({"--method", "fem", "--triangles", "100"}), fine = estimate({"--method", "fem", "--triangles", "1000"});
+  ASSERT_EQ(coarse.size(), 2u);  // frames 12, 24
+  for (std::size_t k = 0; k < coarse.size(); ++k) {
+    EXPECT_EQ(coarse[k].at("frame"), 12 * (k + 1));
+    EXPECT_EQ(coarse[k].at("uncertain"), "");
+    EXPECT_GT(coarse[k].at("rms_pct").get<double>(), 0.1);
+    EXPECT_LT(fine[k].at("rms_pct").get<double>(), 0.05);
+    EXPECT_EQ(fine[k].at("lower_branch_pct"), 0);
+  }
+}
+
+TEST_F(CommandLine, AFolderWithoutACacheCannotBeEstimated) {
+  ASSERT_EQ(bake({"--formats", "cert"}).code, 0);
+  EXPECT_TRUE(is_error(run({"verify", output(), "--estimate"}), 2, output(), "no cache"));
+}
+
+}  // namespace
+}  // namespace paperbake

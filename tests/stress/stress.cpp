@@ -1,0 +1,197 @@
+// Generated handle scripts, each run by a method in a process of its own and in bounded time: a table anyone can print.
+//
+//   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem] [--json FILE] [--only INDEX]
+//
+// 1,000 scripts with seed 1 by every method without more words. A script that dies or does not end is named by its index.
+// feasible      no pair of handles is farther apart than paper between them is long, in any frame
+// c_m above 2   mean length error above 2 % in a frame, of feasible scripts
+// unreported    a hard handle that is off by more than 1 % of the sheet (and 0.1 mm) and not called jammed, or an impossible pair that nobody names
+// worst ms      the dearest frame: CPU time, one thread
+
+#include "core/measure.h"
+#include "core/reach.h"
+#include "tests/stress/scripts.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <thread>
+#include <unistd.h>
+#include <vector>
+
+namespace paperbake::stress {
+namespace {
+
+constexpr int most_seconds = 120;  // of CPU time, for one script
+
+/// What a script's process says of itself, through a pipe.
+struct Verdict {
+  bool finished = false;   // all frames, or an error that was reported
+  bool threw = false;      // such an error
+  bool nan = false, feasible = true, unreported = false;
+  int frames = 0, unconverged = 0, rises = 0;   // rises: of more than 1 % of the energy at a remesh that was taken
+  double c_m = 0, edge = 0, worst_ms = 0, triangles = 0;
+  char error[200] = "";
+};
+
+Method make_method(const std::string& name, const Script& script) {
+  if (name == "fem") return fem(400);
+  return hybrid(script.shot.pattern, script.shot.paper, 120, CrumpleOptions{}, script.options.seed, 0);
+}
+
+Verdict play(const Script& script, const std::string& method) {
+  Verdict v;
+  v.feasible = script.feasible;
+  AnimateOptions options = script.options;
+  if (method == "fem") options.memory = Memory::none;
+  const double side = longer_side(script.shot.pattern);
+  try {
+    animate(script.shot, make_method(method, script), options, [&](const AnimatedFrame& f) {
+      ++v.frames;
+      v.nan |= !f.sheet->x.allFinite() || !std::isfinite(f.energy);
+      v.unconverged += !f.converged;
+      v.rises += f.remesh == AnimatedFrame::accepted && f.remesh_rise > 0.01;
+      const LengthDistortion d = length_distortion(*f.sheet);
+      v.c_m = std::max(v.c_m, 100 * d.mean), v.edge = std::max(v.edge, 100 * d.largest);
+      v.worst_ms = std::max(v.worst_ms, f.elastic_ms + f.geometry_ms);
+      v.triangles = std::max(v.triangles, double(f.sheet->triangles.rows()));
+      for (const HandleFrame& h : f.handles)
+        v.unreported |= h.state == HandleFrame::held && (h.at - h.keyed).norm() > std::max(1e-4, 0.01 * side);
+      return true;
+    });
+    v.finished = v.frames == options.last_frame - options.first_frame + 1;
+  } catch (const std::exception& error) {
+    v.finished = v.threw = true;
+    std::strncpy(v.error, error.what(), sizeof v.error - 1);
+  }
+  return v;
+}
+
+struct Outcome {
+  Verdict verdict;
+  bool crashed = false, endless = false;
+};
+
+struct Child {
+  pid_t pid;
+  int pipe, index;
+};
+
+Child start(int index, std::uint32_t seed, const std::string& method) {
+  int ends[2];
+  if (pipe(ends) != 0) std::perror("pipe"), std::exit(1);
+  const pid_t pid = fork();
+  if (pid == 0) {
+    close(ends[0]);
+    const rlimit cpu{most_seconds, most_seconds + 1};
+    setrlimit(RLIMIT_CPU, &cpu);
+    const Verdict verdict = play(make_script(index, seed), method);
+    const bool said = write(ends[1], &verdict, sizeof verdict) == sizeof verdict;
+    _exit(said ? 0 : 1);
+  }
+  close(ends[1]);
+  return {pid, ends[0], index};
+}
+
+Outcome finish(const Child& child, int status) {
+  Outcome o;
+  const bool said = read(child.pipe, &o.verdict, sizeof o.verdict) == sizeof o.verdict;
+  close(child.pipe);
+  o.endless = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
+  o.crashed = !o.endless && (!said || !WIFEXITED(status) || WEXITSTATUS(status) != 0);
+  return o;
+}
+
+std::vector<Outcome> run_all(int scripts, std::uint32_t seed, const std::string& method, int first) {
+  std::vector<Outcome> outcomes(scripts);
+  std::map<pid_t, Child> running;
+  const std::size_t jobs = std::max(1u, std::thread::hardware_concurrency());
+  for (int next = 0; next < scripts || !running.empty();) {
+    while (next < scripts && running.size() < jobs) {
+      const Child child = start(first + next, seed, method);
+      running[child.pid] = child, ++next;
+    }
+    int status = 0;
+    const pid_t done = waitpid(-1, &status, 0);
+    const auto found = running.find(done);
+    if (found == running.end()) continue;
+    outcomes[found->second.index - first] = finish(found->second, status);
+    running.erase(found);
+    std::fprintf(stderr, "\r%d of %d", static_cast<int>(next - running.size()), scripts);
+  }
+  std::fprintf(stderr, "\n");
+  return outcomes;
+}
+
+struct Counts {
+  int scripts = 0, finished = 0, threw = 0, nan = 0, crashed = 0, endless = 0, feasible = 0, c_m_above_2 = 0, unreported = 0, rises = 0, unconverged = 0;
+  double worst_ms = 0, triangles = 0;
+};
+
+void count(Counts& c, const Outcome& o) {
+  const Verdict& v = o.verdict;
+  ++c.scripts, c.finished += v.finished, c.threw += v.threw, c.nan += v.nan, c.crashed += o.crashed, c.endless += o.endless;
+  c.feasible += v.feasible, c.c_m_above_2 += v.feasible && v.c_m > 2, c.unreported += v.unreported;
+  c.rises += v.rises, c.unconverged += v.unconverged > 0;
+  c.worst_ms = std::max(c.worst_ms, v.worst_ms), c.triangles = std::max(c.triangles, v.triangles);
+}
+
+void print_row(const std::string& name, const Counts& c) {
+  std::printf("  %-28s %5d %8d %6d %5d %7d %7d %9d %11d %10d %6d %11d %9.0f %6.0f\n", name.c_str(), c.scripts, c.finished, c.threw, c.nan, c.crashed, c.endless,
+              c.feasible, c.c_m_above_2, c.unreported, c.rises, c.unconverged, c.worst_ms, c.triangles);
+}
+
+nlohmann::ordered_json report(const std::string& method, int scripts, std::uint32_t seed, int first) {
+  const std::vector<Outcome> outcomes = run_all(scripts, seed, method, first);
+  std::printf("%s, seed %u\n  %-28s %5s %8s %6s %5s %7s %7s %9s %11s %10s %6s %11s %9s %6s\n", method.c_str(), seed, "", "all", "finished", "threw", "nan",
+              "crashed", "endless", "feasible", "c_m above 2", "unreported", "rises", "unconverged", "worst ms", "most triangles");
+  std::map<std::string, Counts> by_kind;
+  Counts all;
+  for (int k = 0; k < scripts; ++k) {
+    count(by_kind[kinds()[(first + k) % kinds().size()]], outcomes[k]);
+    count(all, outcomes[k]);
+  }
+  for (const std::string& kind : kinds())
+    if (by_kind.count(kind)) print_row(kind, by_kind[kind]);
+  print_row("all", all);
+  for (int k = 0; k < scripts; ++k) {
+    const Outcome& o = outcomes[k];
+    const Verdict& v = o.verdict;
+    if (o.crashed || o.endless || v.nan || v.threw || v.unreported || (v.feasible && v.c_m > 2))
+      std::printf("  script %d (%s):%s%s%s%s%s c_m %.2f %%, edge %.1f %%, %d frames %s\n", first + k, kinds()[(first + k) % kinds().size()].c_str(), o.crashed ? " crashed" : "",
+                  o.endless ? " endless" : "", v.nan ? " nan" : "", v.threw ? " threw" : "", v.unreported ? " unreported" : "", v.c_m, v.edge, v.frames, v.error);
+  }
+  std::fflush(stdout);
+  return {{"method", method}, {"seed", seed}, {"scripts", all.scripts}, {"finished", all.finished}, {"nan", all.nan}, {"crashed", all.crashed + all.endless},
+          {"unreported_infeasible", all.unreported}, {"c_m_above_2", all.c_m_above_2}, {"worst_ms", all.worst_ms}};
+}
+
+}  // namespace
+}  // namespace paperbake::stress
+
+int main(int argc, char** argv) {
+  int scripts = 1000, first = 0;
+  unsigned seed = 1;
+  std::vector<std::string> methods{"hybrid", "fem"};
+  std::string json;
+  for (int i = 1; i + 1 < argc; i += 2) {
+    const std::string option = argv[i], value = argv[i + 1];
+    if (option == "--scripts") scripts = std::max(1, std::atoi(value.c_str()));
+    else if (option == "--seed") seed = static_cast<unsigned>(std::atoi(value.c_str()));
+    else if (option == "--method") methods = {value};
+    else if (option == "--json") json = value;
+    else if (option == "--only") first = std::atoi(value.c_str()), scripts = 1;
+    else return std::fprintf(stderr, "paperbake_stress: unknown option %s\n", option.c_str()), 2;
+  }
+  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  for (const std::string& method : methods) all.push_back(paperbake::stress::report(method, scripts, seed, first));
+  if (!json.empty()) std::ofstream(json) << (all.size() == 1 ? all.front() : all).dump(1) << "\n";
+}
