@@ -15,7 +15,8 @@ inline constexpr double shut = 3.14159265358979323846;
 ///
 /// w    rolled paper turns by its curvature times this, whatever the mesh
 /// A/L  a mesh folds sharply in a line, and core/curvature spreads that over the one-ring of a vertex: area A_v, length L_v along
-///      its ruling. Curvature times A/L is the dihedral angle again, however coarse the mesh is there
+///      its ruling. Curvature times A/L is the dihedral angle again, however coarse the mesh is there; within an eighth on a
+///      mesh whose inner vertices lie a fifth of an edge off, and the sum of the angles where several creases cross the ring
 /// s_v  [0, 1] how much of what folds in the ring is a crease (crease_share of core/curved_surface, weighted by length x angle)
 ///
 /// curvature   |V|x3 [1/m], of core/curvature

@@ -54,7 +54,7 @@ class AFailingBake : public CommandLine {
 TEST_F(AFailingBake, ThatMayNotMakeItsMapsEndsBeforeAFrameIsSimulated) {
   fs::create_directories(output());
   write(file("maps"), "a file");
-  const Ended ended = run(words("1-4", "abc,maps,cert"));
+  const Ended ended = run(crumple("1-4", {"--fps", "24"}));
   EXPECT_TRUE(test::is_error(ended, 6, file("maps").string(), "a file is in the way"));
   EXPECT_EQ(ended.err.find("simulated"), std::string::npos);
 }

@@ -16,7 +16,7 @@ using test::Ended;
 using test::lines_of;
 
 TEST_F(CommandLine, BothPassesOfABakeTellOfEveryFrame) {
-  const Ended ended = bake({"--frames", "1-3", "--progress", "json"});
+  const Ended ended = run(crumple("1-3", {"--fps", "24", "--progress", "json"}));
   ASSERT_EQ(ended.code, 0) << ended.err;
   std::map<std::string, int> done;
   for (const std::string& line : lines_of(ended.err)) {
@@ -33,17 +33,17 @@ TEST_F(CommandLine, BothPassesOfABakeTellOfEveryFrame) {
 }
 
 TEST_F(CommandLine, APlainBakeSaysWhichPassIsAtWhichFrame) {
-  const Ended ended = bake({"--progress", "plain"});
+  const Ended ended = run(crumple("1-2", {"--fps", "24", "--progress", "plain"}));
   for (const char* words : {"paper simulated frame 2 (2/2)", "paper rendered frame 1 (1/2)", "paper rendered frame 2 (2/2)  0:00 left"})
     EXPECT_NE(ended.err.find(words), std::string::npos) << words << " is not in\n" << ended.err;
-  EXPECT_TRUE(bake({"--progress", "none"}).err.empty());
+  EXPECT_TRUE(bake({}).err.empty());
 }
 
 TEST_F(CommandLine, ABakeWithoutACacheHasOnePass) {
   for (const auto& more : {std::vector<std::string>{"--formats", "maps,cert"}, {"--mesh", "simulation"}}) {
     auto words = more;
     words.insert(words.end(), {"--progress", "plain"});
-    const Ended ended = bake(words);
+    const Ended ended = run(crumple("1-2", words));
     EXPECT_NE(ended.err.find("simulated frame 2"), std::string::npos);
     EXPECT_EQ(ended.err.find("rendered"), std::string::npos) << ended.err;
   }
