@@ -1,6 +1,7 @@
 #include "baker/bake.h"
 
 #include "baker/caches.h"
+#include "baker/earlier_files.h"
 #include "baker/frame_queue.h"
 #include "baker/output_folder.h"
 #include "baker/sheet_output.h"
@@ -11,6 +12,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <functional>
 #include <map>
 #include <optional>
 
@@ -22,84 +24,117 @@ std::string sheet_file_name(std::string name) {
   return name;
 }
 
-/// Maps and certificate of an earlier bake of the same name would be taken for this one's.
-void remove_stale(const OutputFolder& folder, const std::string& name, const std::vector<std::filesystem::path>& written) {
-  std::error_code ignored;
-  for (const char* sub : {"maps", "cert"})
-    for (const auto& entry : std::filesystem::directory_iterator(folder.path() / sub, ignored)) {
-      const std::string file = entry.path().filename().string();
-      const bool ours = sub == std::string("maps") ? file.rfind(name + ".", 0) == 0 && entry.path().extension() == ".exr"
-                                                   : file == "frames.jsonl" || file == "handles.csv" || file == "summary.json";
-      if (ours && std::find(written.begin(), written.end(), entry.path()) == written.end()) std::filesystem::remove(entry.path(), ignored);
-    }
+/// What ends a bake that did not go well, with what is kept all the same.
+std::optional<Error> ending(const std::optional<Error>& failure, const Losses& losses, const Certificate& certificate) {
+  if (!failure && losses.all().empty()) return {};
+  const Error& error = failure ? *failure : losses.all().front().error;
+  const int last = certificate.frames.back().frame;
+  const std::string lost = losses.all().empty() ? "" : fmt::format(" Of what was asked for {}.", losses.sentence());
+  return Error(error.fault, error.place, error.cause, fmt::format("Frames up to {} are kept.{} {}", last, lost, error.remedy));
 }
 
 /// Certificate, page and what tells of the job; the summary last, which holds the keys of all other files.
-void write_certificate(const OutputFolder& folder, const BakeSettings& settings, const BakePlan& plan, Certificate& certificate, const Report* report,
-                       BakeOutcome& outcome) {
-  std::stable_sort(certificate.frames.begin(), certificate.frames.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
-  std::stable_sort(certificate.handles.begin(), certificate.handles.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+void write_certificate(const BakeSettings& settings, const BakePlan& plan, const Certificate& certificate, const Report* report,
+                       const std::optional<Error>& failure, BakeFiles& files, BakeOutcome& outcome) {
   Gates gates;
   gates.max_stretch_pct = settings.max_stretch_pct;
   outcome.missed = missed_gates(gates, certificate.frames, plan);
-  outcome.exit_code = outcome.missed.empty() ? 0 : 4;
-  const auto write = [&](const std::filesystem::path& file, const std::string& text) {
-    write_whole_file(file, text);
-    outcome.files.push_back(file);
+  const auto write = [&](const std::string& file, const std::function<std::string()>& text) {
+    if (files.losses.attempt(file, [&] { write_whole_file(files.folder / file, text()); })) files.written.push_back(files.folder / file);
   };
-  if (report) write(folder.path() / "report.html", report->html(certificate.frames, outcome.missed));
-  write(folder.path() / "singular.csv", singular_csv(certificate.singular));
-  write(folder.path() / "job.lock.toml", lock_text(plan));
-  if (!settings.formats.count("cert")) return;
-  const auto cert = folder.sub("cert");
-  std::string lines;
-  for (const FrameRecord& record : certificate.frames) lines += frame_line(record) + "\n";
-  write(cert / "frames.jsonl", lines);
-  write(cert / "handles.csv", handles_csv(certificate.handles));
-  std::map<std::string, std::string> hashes;
-  for (const auto& file : outcome.files) hashes[std::filesystem::relative(file, folder.path()).generic_string()] = file_hash(file);
-  write(cert / "summary.json", summary_json(plan, certificate.frames, outcome.missed, hashes));
+  if (report)
+    write("report.html", [&] {
+      std::vector<std::string> sentences = outcome.missed;
+      if (const auto error = ending(failure, files.losses, certificate)) sentences.push_back(error->cause + " " + error->remedy);
+      return report->html(certificate.frames, sentences);
+    });
+  write("singular.csv", [&] { return singular_csv(certificate.singular); });
+  write("job.lock.toml", [&] { return lock_text(plan); });
+  if (settings.formats.count("cert")) {
+    write("cert/frames.jsonl", [&] {
+      std::string lines;
+      for (const FrameRecord& record : certificate.frames) lines += frame_line(record) + "\n";
+      return lines;
+    });
+    write("cert/handles.csv", [&] { return handles_csv(certificate.handles); });
+    write("cert/summary.json", [&] {
+      std::map<std::string, std::string> hashes;
+      for (const auto& file : files.written) hashes[std::filesystem::relative(file, files.folder).generic_string()] = file_hash(file);
+      const auto error = ending(failure, files.losses, certificate);
+      return summary_json(plan, certificate.frames, outcome.missed, error ? static_cast<int>(error->fault) : outcome.missed.empty() ? 0 : 4,
+                          error ? error->what() : "", hashes);
+    });
+  }
+  outcome.exit_code = outcome.missed.empty() ? 0 : 4;
+}
+
+/// Lines of frames that the .abc has in the end keep their key; of the others it is empty. Sorts the lines by frame.
+void settle(Certificate& certificate, const BakePlan& plan, const std::vector<std::size_t>& in_alembic) {
+  std::map<std::string, std::size_t> left;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) left[plan.shots[s].sheet_name] = in_alembic[s];
+  for (FrameRecord& record : certificate.frames) {
+    std::size_t& more = left[record.sheet];
+    if (more == 0) record.content_hash.clear();
+    else --more;
+  }
+  std::stable_sort(certificate.frames.begin(), certificate.frames.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  std::stable_sort(certificate.handles.begin(), certificate.handles.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+}
+
+std::vector<std::size_t> frames_of_sheets(const Certificate& certificate, const BakePlan& plan) {
+  std::vector<std::size_t> frames;
+  for (const Shot& shot : plan.shots)
+    frames.push_back(std::count_if(certificate.frames.begin(), certificate.frames.end(), [&](const FrameRecord& r) { return r.sheet == shot.sheet_name; }));
+  return frames;
 }
 
 }  // namespace
 
+Passes passes_of(const BakeSettings& settings) {
+  const bool cached = std::any_of(settings.formats.begin(), settings.formats.end(), [](const std::string& f) { return f != "maps" && f != "cert"; });
+  return cached && settings.mesh == CacheMesh::render ? Passes::simulate_and_render : Passes::simulate;
+}
+
 BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& progress) {
   const OutputFolder folder(settings.output);
   if (settings.debug_pictures) make_folder(*settings.debug_pictures, "--debug-pictures");
+  for (const char* sub : {"maps", "cert"})
+    if (settings.formats.count(sub)) folder.sub(sub);
   BakeOutcome outcome;
+  BakeFiles files{folder.path(), {}, {}, {}};
   Certificate certificate;
   std::vector<std::string> suffixes;
   for (const Shot& shot : plan.shots) suffixes.push_back(plan.shots.size() > 1 ? "." + sheet_file_name(shot.sheet_name) : "");
-  Caches caches(settings, plan, folder.path(), suffixes);
+  Caches caches(settings, plan, folder.path(), suffixes, files.losses);
 
   std::optional<Error> failure;
   for (std::size_t s = 0; s < plan.shots.size() && !failure; ++s) {
     const Shot& shot = plan.shots[s];
-    const auto map_stem = settings.formats.count("maps") ? folder.sub("maps") / (plan.name + suffixes[s]) : std::filesystem::path();
-    SheetOutput output(settings, plan, s, caches, suffixes[s], map_stem, certificate, outcome.files);
+    SheetOutput output(settings, plan, s, caches, suffixes[s], certificate, files, progress);
     AnimateOptions animation = plan.animation;
     animation.seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
-    FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) {
-      if (const FrameRecord* record = output.take(frame))
-        progress.frame(shot.sheet_name, record->frame, record->stretch_mean_pct, record->triangles, record->singular);
-    });
+    animation.show_memory = settings.formats.count("maps") || caches.wants_layers();
+    FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { output.take(frame); });
     try {
       animate(shot, plan.methods[s], animation, [&](const AnimatedFrame& frame) { return queue.push(frame); });
     } catch (const Error& error) {
-      if (error.fault != Fault::simulation) throw;
       failure = error;  // what was baked so far is kept
     }
-    queue.finish();
-    if (failure && certificate.frames.empty()) throw *failure;
+    files.losses.attempt("rest of sheet \"" + shot.sheet_name + "\"", [&] { queue.finish(); });
+    if (certificate.frames.empty() && failure) throw *failure;
+    if (certificate.frames.empty()) throw files.losses.all().front().error;
     output.finish();
   }
-  const auto whole = caches.finish();
-  outcome.files.insert(outcome.files.begin(), whole.begin(), whole.end());
-  write_certificate(folder, settings, plan, certificate, caches.report(), outcome);
-  remove_stale(folder, plan.name, outcome.files);
-  if (failure)
-    throw Error(failure->fault, failure->place, failure->cause,
-                fmt::format("Frames up to {} are kept. {}", certificate.frames.back().frame, failure->remedy));
+  const Caches::Finished whole = caches.finish(frames_of_sheets(certificate, plan));
+  files.written.insert(files.written.begin(), whole.files.begin(), whole.files.end());
+  settle(certificate, plan, whole.in_alembic);
+  write_certificate(settings, plan, certificate, caches.report(), failure, files, outcome);
+  outcome.files = files.written;
+  std::vector<std::filesystem::path> all = files.written;
+  all.insert(all.end(), files.pictures.begin(), files.pictures.end());
+  const Earlier earlier = files.losses.all().empty() ? Earlier::removed : Earlier::kept;
+  files.losses.attempt(".state/written", [&] { replace_earlier(folder.path(), all, earlier); });
+  if (const auto error = ending(failure, files.losses, certificate)) throw *error;
   return outcome;
 }
 

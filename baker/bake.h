@@ -15,9 +15,13 @@ struct BakeOutcome {
   std::vector<std::string> missed;              // a sentence for each gate that was missed
 };
 
-/// Simulates the plan and writes its output folder: NAME.abc, maps/, cert/, singular.csv, job.lock.toml.
-/// throws Error(Fault::folder): folder busy or not writable. Error(Fault::simulation): a sheet could not follow its handles;
-/// the frames before are written all the same.
+/// Render pass or not, as the settings ask for.
+Passes passes_of(const BakeSettings&);
+
+/// Simulates the plan and writes its output folder: NAME.abc, maps/, cert/, singular.csv, job.lock.toml. Files of the bake before
+/// it, unless somebody changed them, go with it.
+/// throws Error(Fault::folder): folder busy or not writable, or something could not be written; Error(Fault::simulation): a sheet
+/// could not follow its handles. What was simulated until then is written all the same, as far as it can be.
 BakeOutcome bake(const BakeSettings&, const BakePlan&, Progress&);
 
 }  // namespace paperbake

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "baker/losses.h"
 #include "baker/plan.h"
 #include "baker/report.h"
 #include "formats/alembic_cache.h"
@@ -7,6 +8,7 @@
 #include "formats/usd_cache.h"
 
 #include <filesystem>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,26 +17,38 @@
 namespace paperbake {
 
 /// The files of a bake that hold the moving meshes frame by frame: .abc and .usda for all sheets, a .pc2 with its .rest.obj for
-/// each, and what report.html shows of them. Which of them there are, --formats says.
+/// each, and what report.html shows of them. Which of them there are, --formats says. One that fails ends there, and the others
+/// go on; what there is of it is kept where its format allows.
 class Caches {
  public:
   /// suffixes  of file names, one a sheet
   /// throws Error(Fault::folder) when a file cannot be made
-  Caches(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder, const std::vector<std::string>& suffixes);
+  Caches(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder, const std::vector<std::string>& suffixes, Losses&);
 
   bool any() const { return alembic_ || usd_ || !pc2_.empty() || report_; }
+  bool wants_layers() const { return usd_ != nullptr; }
 
   /// Appends the next frame of a sheet to each of them.
-  /// returns  the key of its positions in the .abc; empty without one
+  /// returns  the key of its positions in the .abc; empty when it is not there
   std::string add_frame(std::size_t sheet, const CacheFrame&);
 
-  /// Gives the files their names, and returns these; the last call but for the report, which is written by others.
-  std::vector<std::filesystem::path> finish();
+  struct Finished {
+    std::vector<std::filesystem::path> files;  // in the order an artist looks for them
+    std::vector<std::size_t> in_alembic;       // frames of each sheet
+  };
+  /// Gives the files their names; the last call but for the report, which is written by others.
+  /// frames  of each sheet that there should be
+  Finished finish(const std::vector<std::size_t>& frames);
   Report* report() { return report_ ? &*report_ : nullptr; }
 
  private:
+  std::string name(const std::string& ending) const { return plan_.name + ending; }
+  void keep(const std::string& file, const std::vector<std::size_t>& wanted, const std::function<std::vector<std::size_t>()>& finish, Finished&);
+
   const BakePlan& plan_;
-  std::vector<std::filesystem::path> files_;
+  std::filesystem::path folder_;
+  std::vector<std::string> suffixes_;
+  Losses& losses_;
   std::unique_ptr<AlembicWriter> alembic_;
   std::unique_ptr<UsdWriter> usd_;
   std::vector<std::unique_ptr<Pc2Writer>> pc2_;

@@ -12,6 +12,7 @@
 
 #include <CLI/CLI.hpp>
 #include <cmath>
+#include <csignal>
 #include <fmt/format.h>
 #include <malloc.h>
 #include <nlohmann/json.hpp>
@@ -112,7 +113,7 @@ int run_bake(BakeSettings settings, const BakeWords& words) {
   const BakePlan plan = plan_bake(settings);
 
   const FrameSpan& f = plan.frames;
-  Progress progress(words.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1));
+  Progress progress(words.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1), passes_of(settings));
   for (const std::string& warning : plan.warnings) progress.say("warning: " + warning);
   for (const SheetImpossible& pair : plan.impossible) progress.say("warning: " + describe(pair));
   if (words.dry_run) {
@@ -311,6 +312,7 @@ int main(int argc, char** argv) {
   // factors come and go by the megabyte: keep their memory instead of asking the kernel for zeroed pages every time
   mallopt(M_MMAP_THRESHOLD, 1 << 28);
   mallopt(M_TRIM_THRESHOLD, 1 << 28);
+  std::signal(SIGXFSZ, SIG_IGN);  // a file that may grow no more is an error like a full disk, not the end
   try {
     return paperbake::run(argc, argv);
   } catch (const paperbake::Error& error) {

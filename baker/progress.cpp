@@ -14,7 +14,7 @@ std::string clock_text(double seconds) {
 
 }  // namespace
 
-Progress::Progress(ProgressMode mode, int frames) : frames_(frames), begun_(std::chrono::steady_clock::now()) {
+Progress::Progress(ProgressMode mode, int frames, Passes passes) : frames_(frames), passes_(passes), last_(std::chrono::steady_clock::now()) {
   switch (mode) {
     case ProgressMode::automatic: style_ = isatty(STDERR_FILENO) ? Style::bar : Style::plain; break;
     case ProgressMode::plain: style_ = Style::plain; break;
@@ -27,29 +27,43 @@ Progress::~Progress() {
   if (bar_open_) fmt::print(stderr, "\n");
 }
 
-void Progress::frame(const std::string& sheet, int frame, double stretch_mean_pct, int triangles, int singular) {
-  ++done_;
-  const double spent = std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
-  const double left = spent / done_ * (frames_ - done_);
+void Progress::simulated(const FrameRecord& record) { frame(simulate_, record, record.stretch_mean_pct, record.triangles); }
+
+void Progress::rendered(const FrameRecord& record) { frame(render_, record, record.render->stretch_mean_pct, record.render->triangles); }
+
+/// A pass that has not begun is not counted: what it will take is not known.
+double Progress::seconds_left() const {
+  double left = 0;
+  for (const Pass* pass : {&simulate_, &render_})
+    if (pass->done > 0) left += pass->seconds / pass->done * (frames_ - pass->done);
+  return left;
+}
+
+void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean_pct, int triangles) {
+  ++pass.done;
+  const auto now = std::chrono::steady_clock::now();
+  pass.seconds += std::chrono::duration<double>(now - last_).count();
+  last_ = now;
+  const int steps = passes_ == Passes::simulate ? frames_ : 2 * frames_;
   switch (style_) {
     case Style::none: return;
     case Style::bar: {
       constexpr int width = 30;
-      const int full = width * done_ / std::max(1, frames_);
-      fmt::print(stderr, "\r[{:=<{}}{: <{}}] frame {}  {} left  c_m {:.4f} %  {} triangles ", "", full, "", width - full, frame,
-                 clock_text(left), stretch_mean_pct, triangles);
+      const int full = width * (simulate_.done + render_.done) / std::max(1, steps);
+      fmt::print(stderr, "\r[{:=<{}}{: <{}}] {} frame {}  {} left  c_m {:.4f} %  {} triangles ", "", full, "", width - full, pass.name, record.frame,
+                 clock_text(seconds_left()), stretch_mean_pct, triangles);
       std::fflush(stderr);
       bar_open_ = true;
       return;
     }
     case Style::plain:
-      fmt::print(stderr, "{} frame {} ({}/{})  {} left  c_m {:.4f} %  {} triangles  {} singular points\n", sheet, frame, done_,
-                 frames_, clock_text(left), stretch_mean_pct, triangles, singular);
+      fmt::print(stderr, "{} {} frame {} ({}/{})  {} left  c_m {:.4f} %  {} triangles  {} singular points\n", record.sheet, pass.name, record.frame,
+                 pass.done, frames_, clock_text(seconds_left()), stretch_mean_pct, triangles, record.singular);
       return;
     case Style::json:
-      fmt::print(stderr, "{}\n", nlohmann::ordered_json{{"sheet", sheet}, {"frame", frame}, {"done", done_}, {"frames", frames_},
-                                                        {"seconds_left", left}, {"stretch_mean_pct", stretch_mean_pct},
-                                                        {"triangles", triangles}, {"singular", singular}}.dump());
+      fmt::print(stderr, "{}\n", nlohmann::ordered_json{{"sheet", record.sheet}, {"frame", record.frame}, {"pass", pass.name}, {"done", pass.done},
+                                                        {"frames", frames_}, {"seconds_left", seconds_left()}, {"stretch_mean_pct", stretch_mean_pct},
+                                                        {"triangles", triangles}, {"singular", record.singular}}.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
       return;
   }
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include "formats/certificate.h"
+
 #include <chrono>
 #include <string>
 
@@ -7,24 +9,39 @@ namespace paperbake {
 
 enum class ProgressMode { automatic, plain, json, none };
 
-/// Tells on stderr how far a bake is: a bar on a terminal, plain lines otherwise, one JSON object a frame on demand.
+/// What is done to every frame of a bake, one after the other: first all frames of a sheet are simulated, then they are rendered,
+/// that is, put on the mesh of the whole shot.
+enum class Passes { simulate, simulate_and_render };
+
+/// Tells on stderr how far a bake is: a bar on a terminal, plain lines otherwise, one JSON object a frame and pass on demand.
 class Progress {
  public:
-  Progress(ProgressMode, int frames);
+  /// frames  of all sheets
+  Progress(ProgressMode, int frames, Passes);
   ~Progress();
 
-  /// frame  number of the frame just finished; c_m in percent
-  void frame(const std::string& sheet, int frame, double stretch_mean_pct, int triangles, int singular);
+  /// A frame is done with a pass. c_m: of the simulated mesh, then of the rendered one
+  void simulated(const FrameRecord&);
+  void rendered(const FrameRecord&);
   /// A sentence on a line of its own, whatever the mode (but none).
   void say(const std::string& sentence);
 
  private:
   enum class Style { bar, plain, json, none };
+  struct Pass {
+    const char* name;
+    int done = 0;
+    double seconds = 0;  // that its frames took
+  };
+  void frame(Pass&, const FrameRecord&, double stretch_mean_pct, int triangles);
+  double seconds_left() const;
 
   Style style_;
-  int frames_, done_ = 0;
+  int frames_;
+  Passes passes_;
+  Pass simulate_{"simulated"}, render_{"rendered"};
   bool bar_open_ = false;
-  std::chrono::steady_clock::time_point begun_;
+  std::chrono::steady_clock::time_point last_;  // when something was done
 };
 
 }  // namespace paperbake

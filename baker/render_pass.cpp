@@ -49,7 +49,7 @@ RenderNumbers judge(const CacheFrame& frame, double longer_side, double ms) {
 
 }  // namespace
 
-void render_shot(const ShotRecord& record, const Shot& shot, Quality quality, const FrameSpan& frames, double fps,
+void render_shot(const ShotRecord& record, const Shot& shot, Quality quality, const FrameSpan& frames, double fps, const LayersOfFrame& layers,
                  const std::function<void(int frame, const CacheFrame&, const RenderNumbers&)>& write) {
   const auto& recorded = record.frames();
   if (recorded.empty()) return;
@@ -78,6 +78,7 @@ void render_shot(const ShotRecord& record, const Shot& shot, Quality quality, co
     cached.x = shown.x;
     cached.normal = shown.normals;
     cached.crease = shown.crease;
+    if (layers) cached.layers = layers(k, render.mesh().pattern);
     write(recorded[k].frame, cached, judge(cached, longer_side(shot.pattern), now->ms));
   }
 }

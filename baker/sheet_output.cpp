@@ -13,13 +13,15 @@
 namespace paperbake {
 namespace {
 
-CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot, const Sheet& mesh) {
+/// Across what rolled paper turns: no ridge of this sheet is wider. [m]
+double widest_fold(const Shot& shot) { return ridge_width(shot.paper, shorter_side(shot.pattern)); }
+
+CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot) {
   CreaseMapOptions options;
   options.size = settings.map_size;
   options.layout = settings.map_layout;
   options.threads = settings.threads;
-  // a fold is as wide as 2 % of the sheet, but never narrower than the mesh can show
-  options.fold_width = std::max(0.02 * shorter_side(shot.pattern), 1.3 * mean_edge(mesh.pattern, mesh.triangles));
+  options.fold_width = widest_fold(shot);
   options.crease_width = 6 * shot.paper.thickness;  // the fibres of a sharp crease break over a few thicknesses
   options.law.yield_curvature = 2 * shot.paper.yield_strain / shot.paper.thickness;
   return options;
@@ -28,35 +30,41 @@ CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot, con
 }  // namespace
 
 SheetOutput::SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, Caches& caches, std::string suffix,
-                         std::filesystem::path map_stem, Certificate& certificate, std::vector<std::filesystem::path>& files)
-    : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), caches_(caches), suffix_(std::move(suffix)), map_stem_(std::move(map_stem)),
-      certificate_(certificate), files_(files), first_record_(certificate.frames.size()), input_hash_(plan.start_hash[sheet]) {}
+                         Certificate& certificate, BakeFiles& files, Progress& progress)
+    : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), caches_(caches), suffix_(std::move(suffix)), certificate_(certificate),
+      files_(files), progress_(progress), first_record_(certificate.frames.size()), input_hash_(plan.start_hash[sheet]) {
+  if (caches_.wants_layers()) damage_.emplace(shot_, widest_fold(shot_), plan.animation.fps);
+}
 
-const FrameRecord* SheetOutput::take(const AnimatedFrame& frame) {
+void SheetOutput::take(const AnimatedFrame& frame) {
+  const bool wanted = plan_.frames.contains(frame.frame), simulated = settings_.mesh == CacheMesh::simulation;
   input_hash_ = frame_input_hash(input_hash_, shot_, frame.frame, plan_.animation.first_frame);
-  draw_map(frame);
-  draw_debug_picture(frame);
-  if (caches_.any() && settings_.mesh == CacheMesh::render) record_.add(frame);
-  release_waiting(&*frame.sheet);
-  before_ = std::move(now_);
-  now_ = *frame.sheet;
+  if (caches_.any() && !simulated) {
+    record_.add(frame);
+    if (damage_) damage_->add(frame);
+  }
   for (std::size_t k = known_singular_; k < frame.sheet->singular.size(); ++k)
     certificate_.singular.push_back({shot_.sheet_name, frame.sheet->singular[k]});
   known_singular_ = frame.sheet->singular.size();
-  if (!plan_.frames.contains(frame.frame)) return nullptr;
-  certificate_.frames.push_back(judge(frame));
-  record_handles(frame);
-  if (caches_.any() && settings_.mesh == CacheMesh::simulation) wait(*frame.sheet);
-  return &certificate_.frames.back();
+  if (wanted) {
+    certificate_.frames.push_back(judge(frame));
+    record_handles(frame);
+  }
+  release_waiting(&*frame.sheet);
+  before_ = std::move(now_);
+  now_ = *frame.sheet;
+  if (wanted && caches_.any() && simulated) wait(*frame.sheet);
+  draw_map(frame);
+  draw_debug_picture(frame);
+  if (wanted) progress_.simulated(certificate_.frames.back());
 }
 
 void SheetOutput::finish() {
   release_waiting(nullptr);
-  write_render_frames();
+  files_.losses.attempt("render mesh of sheet \"" + shot_.sheet_name + "\"", [&] { write_render_frames(); });
   if (!map_) return;
-  files_.push_back(map_stem_.string() + ".final.exr");
-  map_->write(files_.back(), map_info(last_map_frame_));
-  if (caches_.report()) caches_.report()->add_map(shot_.sheet_name + ": creases and singular points", png_bytes(map_->picture(map_info(last_map_frame_))));
+  write_map("final");
+  if (caches_.report()) caches_.report()->add_map(shot_.sheet_name + ": creases and singular points", png_bytes(map_->picture(map_info())));
 }
 
 FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
@@ -65,9 +73,9 @@ FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
   FrameRecord r;
   r.frame = frame.frame;
   r.sheet = shot_.sheet_name;
-  r.triangles = r.render_triangles = static_cast<int>(sheet.triangles.rows());
-  r.stretch_mean_pct = r.render_stretch_mean_pct = 100 * length.mean;
-  r.stretch_max_pct = r.render_stretch_max_pct = 100 * length.largest;
+  r.triangles = static_cast<int>(sheet.triangles.rows());
+  r.stretch_mean_pct = 100 * length.mean;
+  r.stretch_max_pct = 100 * length.largest;
   r.angle_defect_max_deg = angle_defect_max(sheet) * 180 / M_PI;
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
@@ -109,39 +117,43 @@ void SheetOutput::record_handles(const AnimatedFrame& frame) {
 
 void SheetOutput::draw_map(const AnimatedFrame& frame) {
   if (!settings_.formats.count("maps")) return;
-  if (!map_) map_.emplace(shot_.pattern, map_options(settings_, shot_, *frame.sheet));
+  if (!map_) map_.emplace(shot_.pattern, map_options(settings_, shot_));
   map_->record(frame.frame, *frame.sheet, vertex_curvature(*frame.sheet), frame.plastic_curvature);
   last_map_frame_ = frame.frame;
   const bool wanted = std::any_of(plan_.map_frames.begin(), plan_.map_frames.end(), [&](const FrameSpan& s) { return s.contains(frame.frame); });
-  if (!wanted || frame.frame < plan_.frames.first) return;
-  files_.push_back(fmt::format("{}.{:04}.exr", map_stem_.string(), frame.frame));
-  map_->write(files_.back(), map_info(frame.frame));
+  if (wanted && frame.frame >= plan_.frames.first) write_map(fmt::format("{:04}", frame.frame));
 }
 
-void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) const {
+void SheetOutput::write_map(const std::string& frame) {
+  const std::string file = fmt::format("maps/{}{}.{}.exr", plan_.name, suffix_, frame);
+  if (files_.losses.attempt(file, [&] { map_->write(files_.folder / file, map_info()); })) files_.written.push_back(files_.folder / file);
+}
+
+void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) {
   if (!settings_.debug_pictures || frame.frame < plan_.frames.first) return;
   const bool listed = std::any_of(plan_.debug_frames.begin(), plan_.debug_frames.end(), [&](const FrameSpan& s) { return s.contains(frame.frame); });
   if (!listed && frame.new_singular == 0 && frame.frame != plan_.frames.last) return;
   const std::string title = fmt::format("{}, {}, {}, frame {}", plan_.name, shot_.sheet_name, plan_.methods[sheet_].name, frame.frame);
-  write_png(*settings_.debug_pictures / fmt::format("{}{}.{:04}.png", plan_.name, suffix_, frame.frame), debug_picture(shot_, frame, title));
+  const auto file = *settings_.debug_pictures / fmt::format("{}{}.{:04}.png", plan_.name, suffix_, frame.frame);
+  if (files_.losses.attempt(file.string(), [&] { write_png(file, debug_picture(shot_, frame, title)); })) files_.pictures.push_back(file);
 }
 
 /// The second pass: what was recorded, on one mesh.
 void SheetOutput::write_render_frames() {
   if (record_.frames().empty()) return;
   std::size_t at = first_record_;
-  render_shot(record_, shot_, settings_.quality, plan_.frames, plan_.animation.fps, [&](int, const CacheFrame& frame, const RenderNumbers& numbers) {
+  LayersOfFrame layers;
+  if (damage_) layers = [&](std::size_t k, const Points2& pattern) { return damage_->at(k, record_, pattern); };
+  render_shot(record_, shot_, settings_.quality, plan_.frames, plan_.animation.fps, layers, [&](int, const CacheFrame& frame, const RenderNumbers& numbers) {
     FrameRecord& r = certificate_.frames[at++];
-    r.render_triangles = numbers.triangles;
-    r.render_stretch_mean_pct = numbers.stretch_mean_pct;
-    r.render_stretch_max_pct = numbers.stretch_max_pct;
-    r.render_ms = numbers.ms;
+    r.render = numbers;
     r.content_hash = caches_.add_frame(sheet_, frame);
+    progress_.rendered(r);
   });
 }
 
-MapInfo SheetOutput::map_info(int frame) const {
-  return {frame, plan_.animation.fps, plan_.seeds[sheet_], plan_.presets[sheet_]};
+MapInfo SheetOutput::map_info() const {
+  return {last_map_frame_, plan_.animation.fps, plan_.seeds[sheet_], plan_.presets[sheet_]};
 }
 
 void SheetOutput::wait(const Sheet& sheet) {
@@ -152,6 +164,7 @@ void SheetOutput::wait(const Sheet& sheet) {
   frame.uv = sheet.pattern / longer_side(shot_.pattern);
   frame.velocity = sheet.v;  // backward difference, where neighbours cannot be compared
   waiting_ = std::move(frame);
+  waiting_record_ = certificate_.frames.size() - 1;
 }
 
 /// Central difference of the true motion of the sheet points that are vertices of the waiting frame, `now_`.
@@ -163,10 +176,9 @@ void SheetOutput::release_waiting(const Sheet* next) {
   if (has_before && next) waiting_->velocity = 0.5 * fps * (carried(*next) - carried(before_));
   else if (next) waiting_->velocity = fps * (carried(*next) - now_.x);
   else if (has_before) waiting_->velocity = fps * (now_.x - carried(before_));
-  FrameRecord& r = certificate_.frames.back();
+  FrameRecord& r = certificate_.frames[waiting_record_];
   const LengthDistortion stored = cache_distortion(*waiting_, longer_side(shot_.pattern));
-  r.render_stretch_mean_pct = 100 * stored.mean;
-  r.render_stretch_max_pct = 100 * stored.largest;
+  r.render = {static_cast<int>(waiting_->triangles.rows()), 100 * stored.mean, 100 * stored.largest, 0};
   r.content_hash = caches_.add_frame(sheet_, *waiting_);
   waiting_.reset();
 }

@@ -1,7 +1,9 @@
 #pragma once
 
 #include "baker/caches.h"
+#include "baker/damage_layers.h"
 #include "baker/plan.h"
+#include "baker/progress.h"
 #include "core/animate.h"
 #include "core/shot_record.h"
 #include "formats/certificate.h"
@@ -21,19 +23,23 @@ struct Certificate {
   std::vector<SingularRecord> singular;
 };
 
-/// Takes the frames of one sheet as they are simulated and hands them on to maps and certificate. The caches of a render mesh
-/// get their frames when all are known; those of the simulation mesh as they come: there a frame waits for its successor, so
-/// that its velocity is the central difference of the true motion.
+/// The files of a bake; shared by its sheets.
+struct BakeFiles {
+  std::filesystem::path folder;
+  std::vector<std::filesystem::path> written, pictures;  // pictures: of --debug-pictures, which are no result
+  Losses losses;                                         // by their names in the folder
+};
+
+/// Takes the frames of one sheet as they are simulated and hands them on to certificate, maps and caches. The caches of a render
+/// mesh get their frames when all are known; those of the simulation mesh as they come: there a frame waits for its successor, so
+/// that its velocity is the central difference of the true motion. A frame is in the certificate before anything is written
+/// of it, and what cannot be written is a loss, never the end of the bake.
 class SheetOutput {
  public:
-  /// suffix    of file names, when there are several sheets
-  /// map_stem  of the maps' names, with their folder
-  /// files     what is written is added to it
-  SheetOutput(const BakeSettings&, const BakePlan&, std::size_t sheet, Caches&, std::string suffix, std::filesystem::path map_stem, Certificate&,
-              std::vector<std::filesystem::path>& files);
+  /// suffix  of file names, when there are several sheets
+  SheetOutput(const BakeSettings&, const BakePlan&, std::size_t sheet, Caches&, std::string suffix, Certificate&, BakeFiles&, Progress&);
 
-  /// returns  its line of the certificate; null when the frame is not one of those that are wanted
-  const FrameRecord* take(const AnimatedFrame&);
+  void take(const AnimatedFrame&);
 
   /// After the last frame.
   void finish();
@@ -42,9 +48,10 @@ class SheetOutput {
   FrameRecord judge(const AnimatedFrame&) const;
   void record_handles(const AnimatedFrame&);
   void draw_map(const AnimatedFrame&);
-  void draw_debug_picture(const AnimatedFrame&) const;
+  void draw_debug_picture(const AnimatedFrame&);
   void write_render_frames();
-  MapInfo map_info(int frame) const;
+  void write_map(const std::string& frame);
+  MapInfo map_info() const;
   void wait(const Sheet&);
   void release_waiting(const Sheet* next);
   Points3 carried(const Sheet& other) const;
@@ -55,17 +62,19 @@ class SheetOutput {
   const Shot& shot_;
   Caches& caches_;
   std::string suffix_;
-  std::filesystem::path map_stem_;
   Certificate& certificate_;
-  std::vector<std::filesystem::path>& files_;
+  BakeFiles& files_;
+  Progress& progress_;
   std::size_t first_record_;                   // of this sheet among those of the certificate
   std::string input_hash_;
   ShotRecord record_;                          // for the render mesh
+  std::optional<DamageLayers> damage_;         // on it
   std::size_t known_singular_ = 0;
   std::optional<CreaseMap> map_;
   int last_map_frame_ = 0;
   Sheet before_, now_;                         // one frame before the waiting one, and that
   std::optional<CacheFrame> waiting_;
+  std::size_t waiting_record_ = 0;             // its line of the certificate
 };
 
 }  // namespace paperbake

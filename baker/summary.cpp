@@ -6,6 +6,7 @@
 #include <fmt/format.h>
 #include <fstream>
 #include <functional>
+#include <iterator>
 #include <nlohmann/json.hpp>
 #include <thread>
 
@@ -23,6 +24,13 @@ Json spread(const std::vector<FrameRecord>& frames, const std::function<double(c
     if (value(f) > largest) largest = value(f), at = f.frame;
   }
   return {{"mean", frames.empty() ? 0 : sum / frames.size()}, {"max", largest}, {"frame_of_max", at}};
+}
+
+/// The same over the frames that were rendered; null when none was.
+Json render_spread(const std::vector<FrameRecord>& frames, const std::function<double(const RenderNumbers&)>& value) {
+  std::vector<FrameRecord> rendered;
+  std::copy_if(frames.begin(), frames.end(), std::back_inserter(rendered), [](const FrameRecord& f) { return f.render.has_value(); });
+  return rendered.empty() ? Json() : spread(rendered, [&](const FrameRecord& f) { return value(*f.render); });
 }
 
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
@@ -68,8 +76,8 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   return missed;
 }
 
-std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, const std::vector<std::string>& missed,
-                         const std::map<std::string, std::string>& files) {
+std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, const std::vector<std::string>& missed, int exit_code,
+                         const std::string& failure, const std::map<std::string, std::string>& files) {
   Json sheets = Json::array(), impossible = Json::array(), settings = Json::object();
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     sheets.push_back({{"name", plan.shots[s].sheet_name}, {"preset", plan.presets[s]}, {"seed", plan.seeds[s]},
@@ -92,10 +100,10 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"stretch_max_pct", spread(frames, [](const FrameRecord& f) { return f.stretch_max_pct; })},
       {"angle_defect_max_deg", spread(frames, [](const FrameRecord& f) { return f.angle_defect_max_deg; })},
       {"handle_err_max_mm", spread(frames, [](const FrameRecord& f) { return f.handle_err_max_mm; })},
-      {"render_stretch_mean_pct", spread(frames, [](const FrameRecord& f) { return f.render_stretch_mean_pct; })},
-      {"render_stretch_max_pct", spread(frames, [](const FrameRecord& f) { return f.render_stretch_max_pct; })},
-      {"render_triangles", spread(frames, [](const FrameRecord& f) { return double(f.render_triangles); })},
-      {"render_ms", spread(frames, [](const FrameRecord& f) { return f.render_ms; })},
+      {"render_stretch_mean_pct", render_spread(frames, [](const RenderNumbers& r) { return r.stretch_mean_pct; })},
+      {"render_stretch_max_pct", render_spread(frames, [](const RenderNumbers& r) { return r.stretch_max_pct; })},
+      {"render_triangles", render_spread(frames, [](const RenderNumbers& r) { return double(r.triangles); })},
+      {"render_ms", render_spread(frames, [](const RenderNumbers& r) { return r.ms; })},
       {"elastic_ms", spread(frames, [](const FrameRecord& f) { return f.elastic_ms; })},
       {"geometry_ms", spread(frames, [](const FrameRecord& f) { return f.geometry_ms; })},
       {"newton_iterations", spread(frames, [](const FrameRecord& f) { return double(f.newton_iterations); })},
@@ -103,8 +111,10 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"singular", singular}, {"crossings", crossings},
       {"not_converged", count([](const FrameRecord& f) { return !f.converged; })},
       {"jammed_frames", count([](const FrameRecord& f) { return !f.jammed.empty(); })},
-      {"impossible_handles", impossible}, {"gates_missed", missed}, {"exit_code", missed.empty() ? 0 : 4},
-      {"models", models(plan, frames)}, {"warnings", plan.warnings}, {"settings", settings}, {"machine", {{"cpu", machine_name()}, {"cores", std::thread::hardware_concurrency()}}}, {"files", files}};
+      {"impossible_handles", impossible}, {"gates_missed", missed}, {"exit_code", exit_code},
+      {"failure", failure.empty() ? Json() : Json(failure)},
+      {"models", models(plan, frames)}, {"warnings", plan.warnings}, {"settings", settings},
+      {"machine", {{"cpu", machine_name()}, {"cores", std::thread::hardware_concurrency()}}}, {"files", files}};
   return sealed(summary.dump(1, ' ', false, Json::error_handler_t::replace));
 }
 

@@ -24,7 +24,8 @@ std::string machine_name();
 
 /// cert/summary.json: the certificate over the whole shot.
 /// files  of the bake, relative to its folder, and the keys of their bytes
-std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, const std::vector<std::string>& missed,
+/// exit_code of the bake; failure: what ended it, or could not be written; empty when it went well
+std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, const std::vector<std::string>& missed, int exit_code, const std::string& failure,
                          const std::map<std::string, std::string>& files);
 
 }  // namespace paperbake

@@ -369,7 +369,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.contact = step.last.contact;
     result.touching = step.last.touching;
     result.plastic = memory ? memory->integral() : 0;
-    if (memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);
+    if (memory && options.show_memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);
     if (!on_frame(result)) return;
   }
 }

@@ -30,6 +30,7 @@ struct AnimateOptions {
   int first_frame = 1, last_frame = 1;
   unsigned seed = 0;            // of the ripple that lets a flat sheet buckle
   Memory memory = Memory::none; // plastic: beyond the yield strain of the grade, on the pattern, for ever
+  bool show_memory = false;     // hand on AnimatedFrame::plastic_curvature
   int probe_every = 0;          // [frames] from one search for another branch (branches.h) to the next; 0: none
 };
 
@@ -50,7 +51,7 @@ struct AnimatedFrame {
   bool converged = true;
   double energy = 0, membrane_energy = 0;  // [J] stored in the sheet; its stretching part
   double plastic = 0;                      // [m rad] integral of the plastic curvature over the pattern so far
-  Points3 plastic_curvature;               // |V|x3 [1/m] Sxx, Sxy, Syy kept at the vertices of the sheet; empty without memory
+  Points3 plastic_curvature;               // |V|x3 [1/m] Sxx, Sxy, Syy kept at the vertices of the sheet; empty when not asked for
   bool contact = false;                    // the sheet came near itself: it was kept from passing through
   int touching = 0;                        // pairs of features that push each other
   int new_singular = 0;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cassert>
+#include <iterator>
 
 namespace paperbake::alembic {
 namespace {
@@ -125,7 +126,13 @@ Sample store(Archive& archive, std::string_view bytes) {
   return {block, key};
 }
 
-void finish(Archive& archive, const Object& root, const FrameTimes& times, const std::string& metadata) {
+void cut(Archive& archive, std::uint64_t end) {
+  archive.file.cut(end);
+  archive.metadata.clear();
+  for (auto it = archive.stored.begin(); it != archive.stored.end();) it = (it->second & ~empty_data) >= end ? archive.stored.erase(it) : std::next(it);
+}
+
+OgawaBlock write_tree(Archive& archive, const Object& root, const FrameTimes& times, const std::string& metadata) {
   const OgawaBlock objects = write_object(archive, root).block;
   const std::string still = time_sampling(1, 1.0, 0.0), clock = time_sampling(times.count, times.step, times.start);
   std::string texts;
@@ -135,8 +142,10 @@ void finish(Archive& archive, const Object& root, const FrameTimes& times, const
     texts += text;
   }
   OgawaWriter& file = archive.file;
-  file.commit(file.group({file.data({bytes_of(file_version)}), file.data({bytes_of(library_version)}), objects,
-                          file.data({metadata}), file.data({still, clock}), file.data({texts})}));
+  const OgawaBlock outermost = file.group({file.data({bytes_of(file_version)}), file.data({bytes_of(library_version)}), objects,
+                                           file.data({metadata}), file.data({still, clock}), file.data({texts})});
+  file.flush();
+  return outermost;
 }
 
 }  // namespace paperbake::alembic

@@ -65,8 +65,11 @@ std::string_view raw(const Values& values) {
 /// Puts a value into the file, unless the same bytes are there already, in whichever property.
 Sample store(Archive&, std::string_view bytes);
 
-/// Writes all but the samples, which store() has put there, and gives the file its name; the last call.
+/// The file again as it was when it ended there, also after a write that failed: samples stored since are forgotten.
+void cut(Archive&, std::uint64_t end);
+
+/// Writes all but the samples, which store() has put there. returns the outermost group, for OgawaWriter::commit
 /// metadata  of the archive itself: key=value;key=value
-void finish(Archive&, const Object& root, const FrameTimes&, const std::string& metadata);
+OgawaBlock write_tree(Archive&, const Object& root, const FrameTimes&, const std::string& metadata);
 
 }  // namespace paperbake::alembic

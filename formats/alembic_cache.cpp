@@ -86,11 +86,23 @@ struct AlembicWriter::Impl {
   alembic::Archive archive;
   CacheInfo info;
   std::vector<Mesh> meshes;
+  struct Added {
+    std::size_t sheet;
+    std::uint64_t begin;  // where in the file
+  };
+  std::vector<Added> added;  // frames, in order
+
+  /// The file without its last frame.
+  void drop_last() {
+    alembic::cut(archive, added.back().begin);
+    meshes[added.back().sheet].frames.pop_back();
+    added.pop_back();
+  }
 };
 
 AlembicWriter::AlembicWriter(const std::filesystem::path& path, const CacheInfo& info,
                              const std::vector<std::string>& sheet_names)
-    : impl_(new Impl{alembic::Archive(path), info, meshes_named(sheet_names)}) {
+    : impl_(new Impl{alembic::Archive(path), info, meshes_named(sheet_names), {}}) {
   assert(info.fps > 0);
 }
 
@@ -107,19 +119,39 @@ std::string AlembicWriter::add_frame(std::size_t sheet, const CacheFrame& frame)
   refuse_unless_finite(frame.uv, "uv", place);
   refuse_unless_finite(frame.crease, "crease", place);
 
-  mesh.frames.push_back(alembic::store_frame(impl_->archive, frame));
+  const std::uint64_t begin = impl_->archive.file.end();
+  try {
+    mesh.frames.push_back(alembic::store_frame(impl_->archive, frame));
+  } catch (const Error&) {
+    alembic::cut(impl_->archive, begin);
+    throw;
+  }
+  impl_->added.push_back({sheet, begin});
   return hex(mesh.frames.back().points.key);
 }
 
-void AlembicWriter::finish() {
+std::vector<std::size_t> AlembicWriter::finish() {
   const CacheInfo& info = impl_->info;
-  std::vector<Mesh>& meshes = impl_->meshes;
-  std::size_t frames = meshes.empty() ? 0 : meshes[0].frames.size();
-  for (const Mesh& mesh : meshes) frames = std::min(frames, mesh.frames.size());
-  for (Mesh& mesh : meshes) mesh.frames.resize(frames);
-
-  const alembic::Object root = alembic::archive_object(impl_->archive, meshes, frames);
-  alembic::finish(impl_->archive, root, {frames, info.frame_step / info.fps, info.first_frame / info.fps}, archive_metadata(info));
+  alembic::Archive& archive = impl_->archive;
+  for (;;) {
+    const std::uint64_t begin = archive.file.end();
+    std::vector<std::size_t> frames;
+    for (const Mesh& mesh : impl_->meshes) frames.push_back(mesh.frames.size());
+    const std::size_t most = frames.empty() ? 0 : *std::max_element(frames.begin(), frames.end());
+    if (most == 0) return frames;
+    OgawaBlock root;
+    try {
+      root = alembic::write_tree(archive, alembic::archive_object(archive, impl_->meshes, most), {most, info.frame_step / info.fps, info.first_frame / info.fps},
+                                 archive_metadata(info));
+    } catch (const Error&) {
+      alembic::cut(archive, begin);
+      if (impl_->added.size() < 2) throw;
+      impl_->drop_last();
+      continue;
+    }
+    archive.file.commit(root);
+    return frames;
+  }
 }
 
 }  // namespace paperbake

@@ -20,6 +20,12 @@ struct CacheInfo {
   std::vector<std::pair<std::string, std::string>> metadata;  // extra archive metadata: key, value (job hash, version)
 };
 
+/// A number for each vertex.
+struct CacheLayer {
+  std::string name;         // an identifier
+  Eigen::VectorXd values;   // |V|
+};
+
 /// One frame of one mesh, in world space: z up, metres. Turned into y up and clockwise faces by the writer. The number of
 /// vertices and the triangles may change from frame to frame.
 struct CacheFrame {
@@ -28,6 +34,7 @@ struct CacheFrame {
   Points3 normal;        // |V|x3        unit, per vertex; with normal_of_corner any number of them; may be empty
   Triangles normal_of_corner;  // |T|x3  which normal each corner has; may be empty; stored once while it does not change
   Eigen::VectorXd crease;  // |V| [rad] how sharply the sheet is folded there; may be empty: then no colour is written
+  std::vector<CacheLayer> layers;  // more that the sheet shows; only USD layers have them
   Triangles triangles;   // |T|x3        counter-clockwise; stored once while it does not change
   Points2 uv;            // |V|x2        per vertex, v up; may be empty; stored once while it does not change
 };
@@ -48,13 +55,15 @@ class AlembicWriter {
 
   /// Appends the next frame of sheet `sheet` (index into sheet_names).
   /// throws Error(Fault::simulation) when a value is not finite as a float: the frame leaves no trace then, and finish()
-  /// may still keep those before it; Error(Fault::folder) when the disk is full: the writer can only be destroyed then.
+  /// may still keep those before it; Error(Fault::folder) when the disk is full: the same, and no frame may follow.
   /// returns the 128-bit content key of the stored positions, 32 hex digits.
   std::string add_frame(std::size_t sheet, const CacheFrame&);
 
-  /// Writes the rest, syncs, and gives the file its name; the last call. Frames not given for every sheet are left out;
-  /// there should be one at least.
-  void finish();
+  /// Writes the rest, syncs, and gives the file its name; the last call. A sheet may have fewer frames than another, and without
+  /// any it is left out; without any frame there is no file. Where there is no room for the rest, the last frames give up theirs.
+  /// returns how many frames of each sheet the file has
+  /// throws Error(Fault::folder) when there is no room for even one
+  std::vector<std::size_t> finish();
 
  private:
   struct Impl;

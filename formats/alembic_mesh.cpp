@@ -165,12 +165,14 @@ Object archive_object(Archive& archive, const std::vector<Mesh>& meshes, std::si
   std::vector<Sample> bounds;
   for (std::size_t i = 0; i < frames; ++i) {
     Box box;
-    for (const Mesh& mesh : meshes) box = around(box, mesh.frames[i].box);
+    for (const Mesh& mesh : meshes)
+      if (!mesh.frames.empty()) box = around(box, mesh.frames[std::min(i, mesh.frames.size() - 1)].box);
     bounds.push_back(store(archive, raw(box.sides)));
   }
   Object root;
   if (frames > 0) root.properties.push_back(box_property(".childBnds", std::move(bounds)));
-  for (const Mesh& mesh : meshes) root.children.push_back(sheet_object(archive, mesh));
+  for (const Mesh& mesh : meshes)
+    if (!mesh.frames.empty()) root.children.push_back(sheet_object(archive, mesh));
   return root;
 }
 

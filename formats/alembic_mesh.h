@@ -32,7 +32,7 @@ struct Mesh {
 /// Puts the values of a frame into the file: y up, faces clockwise, 32-bit floats.
 MeshFrame store_frame(Archive&, const CacheFrame&);
 
-/// The archive with one Xform + PolyMesh for each mesh; every mesh has at least `frames` frames.
+/// The archive with one Xform + PolyMesh for each mesh that has a frame; the longest has `frames`.
 /// Channels that no frame of a mesh gives are left out.
 Object archive_object(Archive&, const std::vector<Mesh>&, std::size_t frames);
 

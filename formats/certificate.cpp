@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <map>
 
 namespace paperbake {
 namespace {
@@ -71,10 +72,13 @@ std::string frame_line(const FrameRecord& r) {
   line["newton_iterations"] = r.newton_iterations;
   line["converged"] = r.converged;
   add("energy_J", r.energy_J);
-  line["render_triangles"] = r.render_triangles;
-  add("render_stretch_mean_pct", r.render_stretch_mean_pct);
-  add("render_stretch_max_pct", r.render_stretch_max_pct);
-  add("render_ms", r.render_ms);
+  for (const char* field : {"render_triangles", "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms"}) line[field] = nullptr;
+  if (r.render) {
+    line["render_triangles"] = r.render->triangles;
+    add("render_stretch_mean_pct", r.render->stretch_mean_pct);
+    add("render_stretch_max_pct", r.render->stretch_max_pct);
+    add("render_ms", r.render->ms);
+  }
   line["crossings"] = r.crossings;
   line["touching"] = r.touching;
   line["jammed"] = nlohmann::ordered_json::array();
@@ -135,10 +139,10 @@ std::string singular_csv(const std::vector<SingularRecord>& records) {
                    [](const auto* p, const auto* q) { return p->point.frame_of_birth < q->point.frame_of_birth; });
 
   std::string csv = "id,sheet,frame,u,v,cause\n";
-  int id = 0;
+  std::map<std::string, int> born;  // of each sheet
   for (const SingularRecord* r : by_birth) {
     const int frame = r->point.frame_of_birth;
-    csv += fmt::format("{},{},{},{},{},{}\n", ++id, csv_field(r->sheet), frame,
+    csv += fmt::format("{},{},{},{},{},{}\n", ++born[r->sheet], csv_field(r->sheet), frame,
                        finite(r->point.pattern.x(), "u", frame, r->sheet), finite(r->point.pattern.y(), "v", frame, r->sheet),
                        csv_field(r->point.cause));
   }

@@ -2,6 +2,7 @@
 
 #include "core/sheet.h"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -11,6 +12,13 @@ namespace paperbake {
 struct Jam {
   std::string handle;
   double off_mm;
+};
+
+/// How good a frame is as caches are given it.
+struct RenderNumbers {
+  int triangles = 0;
+  double stretch_mean_pct = 0, stretch_max_pct = 0;  // of its edges
+  double ms = 0;                                     // CPU time: positions and normals, no writing; 0 for a simulated mesh
 };
 
 /// How good one frame of one sheet is. One line of cert/frames.jsonl, keys in this order and with these names.
@@ -27,13 +35,13 @@ struct FrameRecord {
   int substeps = 1, newton_iterations = 0;
   bool converged = true;
   double energy_J = 0;
-  int render_triangles = 0;
-  double render_stretch_mean_pct = 0, render_stretch_max_pct = 0, render_ms = 0;
+  std::optional<RenderNumbers> render; // render_triangles, ...: null when the frame was not rendered
   int crossings = 0;                   // pairs of triangles that pass through each other
   int touching = 0;                    // pairs of features of the mesh that contact keeps apart
   std::vector<Jam> jammed;
   std::string note;
-  std::string input_hash, content_hash;
+  std::string input_hash;
+  std::string content_hash;            // of its positions in the .abc; empty when they are not there
 };
 
 /// One row of cert/handles.csv.
@@ -65,7 +73,8 @@ std::string handles_csv(const std::vector<HandleRecord>&);
 /// Reads such a text. throws Error(Fault::scene) that names the line
 std::vector<HandleRecord> parse_handles_csv(const std::string& text);
 
-/// id,sheet,frame,u,v,cause   id counts from 1 in order of birth over all sheets; within a frame, in the order given.
+/// id,sheet,frame,u,v,cause   in order of birth; within a frame, in the order given. id counts from 1 among the points of its
+/// sheet: it is apex.id of that sheet's maps.
 std::string singular_csv(const std::vector<SingularRecord>&);
 
 /// A field of a CSV file, quoted where RFC 4180 asks for it.

@@ -35,7 +35,6 @@ CreaseMap::CreaseMap(const Pattern& pattern, const CreaseMapOptions& options) {
   scene.size = options.size;
   scene.side = side;
   scene.diagonal = extent(pattern).norm();
-  scene.fold_width = options.fold_width;
   scene.crease_width = options.crease_width;
   scene.loops = loops_of(pattern);
   for (auto& loop : scene.loops)
@@ -50,9 +49,9 @@ void CreaseMap::record(int frame, const Sheet& sheet, const Points3& curvature, 
   if (!curvature.allFinite() || !plastic.allFinite())
     throw Error(Fault::simulation, "crease map", "The curvature of the sheet is not a finite number.");
   State& s = *state_;
-  s.scene.fields = map_fields(sheet, curvature, plastic);
+  s.scene.fields = map_fields(sheet, curvature, plastic, s.options.fold_width);
   s.scene.apices = map_apices(sheet);
-  s.peak.record(s.scene.fields, s.options.fold_width);
+  s.peak.record(s.scene.fields);
   remember(s.scene.creases, creases_of(sheet, plastic, s.pattern, s.options.law), frame, same_crease * s.options.crease_width);
 }
 

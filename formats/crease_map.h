@@ -13,7 +13,7 @@ namespace paperbake {
 
 struct CreaseMapOptions {
   int size = 1024;                            // texels on a side, at least 1
-  double fold_width = 0.002;                  // [m] across what width a turn counts as one fold
+  double fold_width = 0.002;                  // [m] across what width a turn of rolled paper counts as one fold
   double crease_width = 0.0005;               // [m] of the lines of R; never drawn thinner than 1.5 texel
   CreaseLaw law;
   MapLayout layout = MapLayout::scanline;
@@ -31,8 +31,10 @@ struct CreaseMapOptions {
 ///   B            [0, 1] curved one way at this frame, as a cone is: 0 where |k1| x longer side is under 0.18 rad (flat) or
 ///                |k2/k1| above 0.7 (crumpled), 1 above 0.3 rad and below 0.5
 ///   A            [0, 1] coverage: how much of the texel is pattern, exactly. R, G and B are not multiplied by it
-///   fold.angle   [rad] signed turn of the sheet across one fold width at this frame: k1 x foldWidth, k1 the principal curvature
-///                of larger magnitude of the vertex tensors, interpolated; > 0 where it bulges to its normal
+///   fold.angle   [rad] signed turn of the sheet at this frame, > 0 where it bulges to its normal, in [-pi, pi]. On a crease of the
+///                mesh its dihedral angle, falling to 0 where the mesh is flat beside it; where paper is rolled, the turn across one
+///                foldWidth: principal curvature of larger magnitude x foldWidth. Between the two as fold_width.h says, at the
+///                vertices; tensors are interpolated
 ///   fold.plastic [rad] the same of the curvature that the paper has kept: what it would spring back to; 0 without plasticity
 ///   fold.peak    [rad] the fold.angle of largest magnitude so far, with its sign; never smaller than |fold.angle|
 ///   age.crease   [s]   since the first crease that runs through here appeared; -1 where there is none. Reaches 1.5 texels beyond

@@ -1,5 +1,7 @@
 #include "formats/fold_peak.h"
 
+#include "formats/fold_width.h"
+
 namespace paperbake {
 namespace {
 
@@ -26,11 +28,11 @@ FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side,
   wanted_ = wanted_texels(loops_, area_coverage(loops_, rows_), rows_);
 }
 
-void FoldPeak::record(const MapFields& fields, double fold_width) {
+void FoldPeak::record(const MapFields& fields) {
   for_each_texel(fields, side_, loops_, rows_, wanted_, [&](int index, const Fields& f) {
-    const double k1 = larger_principal(f[0], f[1], f[2]), k2 = f[0] + f[2] - k1;
-    bulge_[index] = std::max(bulge_[index], static_cast<float>(std::max(k1, k2) * fold_width));
-    hollow_[index] = std::max(hollow_[index], static_cast<float>(-std::min(k1, k2) * fold_width));
+    const double k1 = larger_principal(f[3], f[4], f[5]), k2 = f[3] + f[5] - k1;
+    bulge_[index] = std::max(bulge_[index], static_cast<float>(std::max(k1, k2)));
+    hollow_[index] = std::max(hollow_[index], static_cast<float>(-std::min(k1, k2)));
   });
 }
 

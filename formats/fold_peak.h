@@ -11,7 +11,7 @@ class FoldPeak {
   /// size: texels on a side of the maps; loops: corners of the pattern over `side` [m], in pattern coordinates [m]
   FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side, int size);
 
-  void record(const MapFields&, double fold_width);
+  void record(const MapFields&);
 
   /// The peak between the texels of the memory, for a row of a map of `size` texels. [rad]
   std::vector<float> row(int row, int size) const;

@@ -1,6 +1,7 @@
 #include "formats/map_draw.h"
 
 #include "core/hinges.h"
+#include "formats/fold_width.h"
 
 #include <limits>
 
@@ -41,8 +42,8 @@ Vector2d ruling(double xx, double xy, double yy) {
 /// The layers that the shape of the sheet at this place tells alone.
 void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
   const double k1 = larger_principal(f[0], f[1], f[2]);
-  texel.fold_angle = rounded(k1 * scene.fold_width, angle_step);
-  texel.fold_plastic = rounded(larger_principal(f[3], f[4], f[5]) * scene.fold_width, angle_step);
+  texel.fold_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
+  texel.fold_plastic = rounded(larger_principal(f[6], f[7], f[8]), angle_step);
   const double k2 = f[0] + f[2] - k1, bent = std::abs(k1) * scene.side;
   const double coherent = (one_way[1] - std::abs(k2 / k1)) / (one_way[1] - one_way[0]);
   if (bent > curved[0] && std::abs(k1 - k2) > isotropic * std::abs(k1)) {
@@ -51,8 +52,8 @@ void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
     texel.dir_x = rounded(along.x(), unit_step);
     texel.dir_y = rounded(along.y(), unit_step);
   }
-  const double mean = 0.5 * (f[6] + f[8]), half_difference = 0.5 * (f[6] - f[8]);
-  const double radius = std::sqrt(half_difference * half_difference + f[7] * f[7]);
+  const double mean = 0.5 * (f[9] + f[11]), half_difference = 0.5 * (f[9] - f[11]);
+  const double radius = std::sqrt(half_difference * half_difference + f[10] * f[10]);
   texel.strain_min = rounded(percent(mean - radius), strain_step);
   texel.strain_max = rounded(percent(mean + radius), strain_step);
 }

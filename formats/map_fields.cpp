@@ -1,6 +1,7 @@
 #include "formats/map_fields.h"
 
 #include "core/hinges.h"
+#include "formats/fold_width.h"
 
 #include <limits>
 
@@ -41,8 +42,10 @@ double gap(const std::vector<std::vector<Vector2d>>& loops, const std::vector<Fi
 
 }  // namespace
 
-MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3& plastic) {
+MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3& plastic, double fold_width) {
   MapFields fields{sheet.pattern, sheet.triangles, std::vector<Fields>(sheet.pattern.rows(), Fields::Zero()), {}};
+  const Eigen::VectorXd width = fold_widths(sheet, curvature, fold_width);
+  const Points3 fold = folds_of(curvature, width), plastic_fold = plastic.rows() > 0 ? folds_of(plastic, width) : Points3();
   std::vector<double> around(sheet.pattern.rows(), 0.0);
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     double area;
@@ -56,19 +59,14 @@ MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3
     Fields& f = fields.of_vertex[v];
     if (around[v] > 0) f.tail<3>() /= around[v];
     f.head<3>() = curvature.row(v).transpose().array();
-    if (plastic.rows() > 0) f.segment<3>(3) = plastic.row(v).transpose().array();
+    f.segment<3>(3) = fold.row(v).transpose().array();
+    if (plastic.rows() > 0) f.segment<3>(6) = plastic_fold.row(v).transpose().array();
   }
   const Hinges hinges = find_hinges(sheet.triangles);
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k)
       if (hinges.of_triangle[t][k] < 0) fields.border.push_back({sheet.triangles(t, (k + 1) % 3), sheet.triangles(t, (k + 2) % 3)});
   return fields;
-}
-
-double larger_principal(double xx, double xy, double yy) {
-  const double mean = 0.5 * (xx + yy), half_difference = 0.5 * (xx - yy);
-  const double radius = std::sqrt(half_difference * half_difference + xy * xy);
-  return mean >= 0 ? mean + radius : mean - radius;
 }
 
 void for_each_texel(const MapFields& fields, double side, const std::vector<std::vector<Vector2d>>& loops, const MapRows& rows,

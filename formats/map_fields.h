@@ -12,18 +12,16 @@ namespace paperbake {
 struct MapFields {
   Points2 pattern;                         // |V|x2 [m]
   Triangles triangles;
-  std::vector<Fields> of_vertex;           // |V| curvature [1/m], plastic curvature [1/m], Green strain [1]: Sxx, Sxy, Syy each
+  std::vector<Fields> of_vertex;           // |V| curvature [1/m], fold [rad], plastic fold [rad], Green strain [1]: Sxx, Sxy, Syy each
   std::vector<std::pair<int, int>> border; // vertices of the edges with one triangle
 };
 
 /// curvature  |V|x3 [1/m], of core/curvature
 /// plastic    |V|x3 [1/m], or empty: 0
+/// fold_width [m] of rolled paper; folds: fold_width.h
 /// Strain is that of the triangles around a vertex, weighted by area: a triangle alone is stiffer than paper and strains in
 /// turns with its neighbours.
-MapFields map_fields(const Sheet&, const Points3& curvature, const Points3& plastic);
-
-/// Principal value of larger magnitude of (Sxx, Sxy, Syy).
-double larger_principal(double xx, double xy, double yy);
+MapFields map_fields(const Sheet&, const Points3& curvature, const Points3& plastic, double fold_width);
 
 /// Calls texel(index, fields) once for every wanted texel of the rows (indices as MapRows::index): the fields at its centre,
 /// linear in the triangle there; outside the mesh those of the nearest point of its border, whatever the distance.

@@ -13,6 +13,7 @@
 #include <ImfThreading.h>
 #include <ImfTiledOutputFile.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <future>
 
@@ -144,34 +145,55 @@ MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint&
   return mean;
 }
 
-/// Texels beside the pattern continue it, so that a lookup at its border finds paper on every level.
-void pad(std::vector<MapTexel>& level, int size) {
+/// A texel beside the pattern and the one that it continues, by their indices.
+struct Padding {
+  std::size_t texel, beside;
+};
+std::vector<Padding> paddings(const std::vector<MapTexel>& level, int size, int first, int last) {
   constexpr int around[8][2] = {{1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}};
-  for (int j = 0; j < size; ++j)
+  std::vector<Padding> found;
+  for (int j = first; j < last; ++j)
     for (int i = 0; i < size; ++i) {
-      MapTexel& texel = level[std::size_t(j) * size + i];
-      if (texel.a > 0) continue;
+      const std::size_t texel = std::size_t(j) * size + i;
+      if (level[texel].a > 0) continue;
       for (const auto& [x, y] : around) {
         if (i + x < 0 || j + y < 0 || i + x >= size || j + y >= size) continue;
-        const MapTexel& beside = level[std::size_t(j + y) * size + i + x];
-        if (!(beside.a > 0)) continue;
-        texel = beside;
-        texel.a = 0.0f;
+        const std::size_t beside = std::size_t(j + y) * size + i + x;
+        if (!(level[beside].a > 0)) continue;
+        found.push_back({texel, beside});
         break;
       }
     }
+  return found;
+}
+
+/// Shares the rows of a level between threads: rows(part, first, last).
+template <class Rows>
+void for_parts(int size, int threads, const Rows& rows) {
+  std::vector<std::future<void>> others;
+  for (int part = 1; part < threads; ++part)
+    others.push_back(std::async(std::launch::async, [&rows, part, size, threads] { rows(part, size * part / threads, size * (part + 1) / threads); }));
+  rows(0, 0, size / threads);
+  for (auto& other : others) other.get();
 }
 
 }  // namespace
 
-std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size) {
+std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, int threads) {
   const int next = std::max(1, size / 2);
+  threads = std::clamp(next / strip_rows, 1, threads);  // small levels are done before a thread has begun
   std::vector<Footprint> columns;
   for (int i = 0; i < next; ++i) columns.push_back(footprint(i, size, next));
   std::vector<MapTexel> level(std::size_t(next) * next);
-  for (int j = 0; j < next; ++j)
-    for (int i = 0; i < next; ++i) level[std::size_t(j) * next + i] = mean_of(texels, size, columns[i], columns[j]);
-  pad(level, next);
+  for_parts(next, threads, [&](int, int first, int last) {
+    for (int j = first; j < last; ++j)
+      for (int i = 0; i < next; ++i) level[std::size_t(j) * next + i] = mean_of(texels, size, columns[i], columns[j]);
+  });
+  // texels beside the pattern continue it, so that a lookup at its border finds paper on every level
+  std::vector<std::vector<Padding>> padding(threads);
+  for_parts(next, threads, [&](int part, int first, int last) { padding[part] = paddings(level, next, first, last); });
+  for (const auto& part : padding)
+    for (const Padding& p : part) level[p.texel] = level[p.beside], level[p.texel].a = 0.0f;
   return level;
 }
 
@@ -195,7 +217,7 @@ std::string encode_map(int size, MapLayout layout, const MapInfo& info, const Ma
     for (int level = 0, side = size; level < file.numLevels(); ++level) {
       file.setFrameBuffer(frame_buffer(texels.data(), side, 0));
       file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);
-      texels = next_level(texels, side);
+      if (side > 1) texels = next_level(texels, side, threads);
       side = std::max(1, side / 2);
     }
   }

@@ -43,6 +43,7 @@ std::string encode_map(int size, MapLayout, const MapInfo&, const MapScale&, int
 /// The next level of a map: each side floor(size / 2), at least 1. Masks and data are means over the area of the texels under
 /// the new one, weighted by how much pattern lies in them (A: over all of the area); age.crease over those that have a crease;
 /// directions as lines without a head. apex.id, apex.cone and age.apex are those of one texel, next to the new one's centre.
-std::vector<MapTexel> next_level(const std::vector<MapTexel>&, int size);
+/// threads  at least 1; the texels do not depend on them
+std::vector<MapTexel> next_level(const std::vector<MapTexel>&, int size, int threads);
 
 }  // namespace paperbake

@@ -11,7 +11,7 @@ enum class MapLayout { scanline, tiled_mip };
 
 /// What stands in the header of every map, as attributes of the file:
 /// frame (int), framesPerSecond (rational), seed (int: the 32 bits of the seed), preset (string); and from the map itself
-/// texelSize, foldWidth and creaseWidth (float, m). Nothing that tells when, where or by whom.
+/// texelSize, foldWidth (what rolled paper is measured across) and creaseWidth (float, m). Nothing that tells when, where or by whom.
 struct MapInfo {
   int frame = 1;
   double fps = 24;

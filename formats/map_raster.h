@@ -25,7 +25,7 @@ struct MapRows {
 std::vector<float> area_coverage(const std::vector<std::vector<Vector2d>>& loops, const MapRows&);
 
 /// Quantities that are linear in a triangle.
-using Fields = Eigen::Array<double, 9, 1>;
+using Fields = Eigen::Array<double, 12, 1>;
 struct FieldCorner {
   Vector2d at;  // [texel]
   Fields fields;

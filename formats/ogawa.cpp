@@ -33,6 +33,11 @@ OgawaBlock OgawaWriter::group(const std::vector<OgawaBlock>& children) {
   return block;
 }
 
+void OgawaWriter::cut(std::uint64_t end) {
+  file_.cut(end);
+  end_ = end;
+}
+
 void OgawaWriter::commit(OgawaBlock root) {
   file_.write_at(root_at, &root, sizeof root);
   file_.write_at(finished_at, "\xFF", 1);

@@ -26,7 +26,7 @@ std::string_view bytes_of(const Number& value) {
 /// Streams the container under Alembic: a tree of groups over blocks of data, each child before its group. Nothing but
 /// positions stays with the caller, and a block may be put into several groups. The file appears under its name in
 /// commit(); before that it is NAME.part, marked as unfinished, and without commit() it vanishes with the writer.
-/// All functions throw Error(Fault::folder); after that the writer can only be destroyed.
+/// All functions throw Error(Fault::folder); after that the writer can only be cut, or destroyed.
 class OgawaWriter {
  public:
   explicit OgawaWriter(std::filesystem::path);
@@ -36,6 +36,11 @@ class OgawaWriter {
 
   /// A group of blocks written before; empty_group, and nothing written, when there are none.
   OgawaBlock group(const std::vector<OgawaBlock>& children);
+
+  /// How much is written, and back to that: blocks from there on are forgotten.
+  std::uint64_t end() const { return end_; }
+  void cut(std::uint64_t end);
+  void flush() { file_.flush(); }
 
   /// Marks the file as finished, with `root` as its outermost group, and gives it its name.
   void commit(OgawaBlock root);

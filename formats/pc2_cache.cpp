@@ -47,11 +47,18 @@ void Pc2Writer::add_frame(const CacheFrame& frame, double longer_side) {
   if (frame.x.rows() != points_ || frame.triangles.rows() != triangles_.rows() || frame.triangles != triangles_)
     throw Error(Fault::command, path_.string(), "A point cache has one mesh for the whole shot; this bake's changes.", "Leave out --mesh simulation, or pc2.");
   const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> x = frame.x.cast<float>();
-  cache_.write(x.data(), sizeof(float) * x.size());
+  try {
+    cache_.write(x.data(), sizeof(float) * x.size());
+    cache_.flush();
+  } catch (const Error&) {
+    cache_.cut(sizeof(Head) + std::uint64_t(samples_) * sizeof(float) * x.size());
+    throw;
+  }
   ++samples_;
 }
 
-void Pc2Writer::finish() {
+std::size_t Pc2Writer::finish() {
+  if (samples_ == 0) return 0;
   Head head;
   head.points = points_;
   head.start = static_cast<float>(info_.first_frame), head.rate = static_cast<float>(info_.frame_step);
@@ -59,6 +66,7 @@ void Pc2Writer::finish() {
   cache_.write_at(0, &head, sizeof head);
   rest_.commit();
   cache_.commit();
+  return samples_;
 }
 
 }  // namespace paperbake

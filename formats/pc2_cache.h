@@ -16,10 +16,12 @@ class Pc2Writer {
   Pc2Writer(const std::filesystem::path& cache, const std::filesystem::path& rest, const CacheInfo&);
 
   /// longer_side  [m] of the pattern, which uv is in shares of
-  /// throws Error(Fault::folder) when the disk is full; Error(Fault::command) when the mesh is not that of the first frame
+  /// throws Error(Fault::folder) when the disk is full: finish() may still keep the frames before; Error(Fault::command) when
+  /// the mesh is not that of the first frame
   void add_frame(const CacheFrame&, double longer_side);
 
-  void finish();  // the last call
+  /// The last call. returns how many frames the file has; without any there is no file
+  std::size_t finish();
 
  private:
   std::filesystem::path path_;

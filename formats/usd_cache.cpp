@@ -165,6 +165,7 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
     add("normal3f[] normals", "vertex", vectors(frame.normal));
   }
   if (frame.crease.size() > 0) add("float[] primvars:crease", "vertex", numbers(frame.crease));
+  for (const CacheLayer& layer : frame.layers) add(("float[] primvars:" + layer.name).c_str(), "vertex", numbers(layer.values));
   if (frame.uv.rows() > 0) add("texCoord2f[] primvars:st", "vertex", pairs(frame.uv));
   ++sheet.frames;
 }
@@ -180,6 +181,7 @@ void UsdWriter::finish() {
                          "    metersPerUnit = 1\n    startTimeCode = {}\n    timeCodesPerSecond = {}\n    upAxis = \"Y\"\n)\n\ndef Xform \"shot\"\n{{\n",
                          metadata, info.first_frame + info.frame_step * (frames ? static_cast<long>(frames) - 1 : 0), info.fps, info.first_frame, info.fps));
   for (UsdSheet& sheet : impl_->sheets) {
+    if (sheet.frames == 0) continue;
     file.write(fmt::format("    def Mesh \"{}\"\n    {{\n", sheet.name));
     file.write("        uniform token subdivisionScheme = \"none\"\n        uniform token orientation = \"rightHanded\"\n        uniform bool doubleSided = 1\n");
     for (Attribute& attribute : sheet.attributes) impl_->write(attribute);

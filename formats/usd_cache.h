@@ -10,7 +10,7 @@
 namespace paperbake {
 
 /// Writes the same frames as AlembicWriter as a USD layer in text (.usda): a mesh /shot/SHEET each, y up, metres, time codes = frames,
-/// velocities a second, primvars:crease in radians. What is the same in all frames is stored once. Every attribute's samples wait in a nameless file of
+/// velocities a second, primvars:crease in radians, and a primvar for each layer of the frames. What is the same in all frames is stored once. Every attribute's samples wait in a nameless file of
 /// their own, because a layer wants them one after another; the layer itself appears whole or not at all. The same calls write
 /// the same bytes.
 /// source  usda as OpenUSD 26 reads it

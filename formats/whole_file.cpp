@@ -5,6 +5,7 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <stdio_ext.h>
 #include <unistd.h>
 
 namespace paperbake {
@@ -28,16 +29,29 @@ WholeFile::~WholeFile() {
 
 void WholeFile::write(const void* bytes, std::size_t count) {
   if (std::fwrite(bytes, 1, count, file_) != count) fail("written");
+  end_ += count;
 }
 
 void WholeFile::write_at(std::uint64_t position, const void* bytes, std::size_t count) {
   if (std::fseek(file_, static_cast<long>(position), SEEK_SET) != 0) fail("written");
-  write(bytes, count);
-  if (std::fseek(file_, 0, SEEK_END) != 0) fail("written");
+  if (std::fwrite(bytes, 1, count, file_) != count || std::fseek(file_, static_cast<long>(end_), SEEK_SET) != 0) fail("written");
+}
+
+void WholeFile::cut(std::uint64_t position) {
+  __fpurge(file_);
+  std::clearerr(file_);
+  if (std::fseek(file_, static_cast<long>(position), SEEK_SET) != 0) fail("written");
+  end_ = position;
+}
+
+void WholeFile::flush() {
+  if (std::fflush(file_) != 0) fail("written");
 }
 
 void WholeFile::commit() {
   if (std::fflush(file_) != 0) fail("written");
+  // beyond the end lies what was cut; a library that writes the file by name has an end of its own
+  if (end_ > 0 && ::ftruncate(::fileno(file_), static_cast<off_t>(end_)) != 0) fail("written");
   // a library may have written the file by name, behind our descriptor: sync what the name stands for
   const int fd = ::open(part_.c_str(), O_RDONLY);
   if (fd < 0 || ::fsync(fd) != 0) fail("written to disk");

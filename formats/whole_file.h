@@ -21,6 +21,11 @@ class WholeFile {
   void write(std::string_view text) { write(text.data(), text.size()); }
   void write_at(std::uint64_t position, const void* bytes, std::size_t count);  // position: within what is written
 
+  /// Everything from here on is forgotten, and written over next; also after a write that failed. The room that it took on the
+  /// disk stays until commit(), so that a little can still be written when the disk is full.
+  void cut(std::uint64_t position);
+  void flush();  // tells now whether what is written has found room
+
   /// Where the bytes go until commit(), for libraries that write files by name; they must close it before commit().
   const std::filesystem::path& part() const { return part_; }
 
@@ -31,6 +36,7 @@ class WholeFile {
 
   std::filesystem::path path_, part_;
   std::FILE* file_;
+  std::uint64_t end_ = 0;  // [bytes] written through here
 };
 
 /// The whole text as one file, whole or not at all.

@@ -1,15 +1,19 @@
 #include "core/error.h"
 #include "formats/alembic_cache.h"
+#include "formats/alembic_reader.h"
 #include "formats/murmur.h"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <csignal>
 #include <cstring>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <limits>
+#include <sys/resource.h>
+#include <vector>
 
 // What the numbers in the file mean to others is judged by tests/interop/; here: the promises of the writer.
 
@@ -198,12 +202,45 @@ TEST_F(AlembicCache, ARefusedFrameLeavesNoTrace) {
   EXPECT_EQ(bytes_in(folder / "refused.abc"), good);
 }
 
-TEST_F(AlembicCache, KeepsTheFramesThatEverySheetHas) {
-  AlembicWriter writer(folder / "cache.abc", {}, {"long", "short"});
+TEST_F(AlembicCache, KeepsEveryFrameOfASheetThatHasMoreThanAnother) {
+  AlembicWriter writer(folder / "cache.abc", {}, {"long", "short", "none"});
   for (const CacheFrame& frame : rising(3, 2)) writer.add_frame(0, frame);
   for (const CacheFrame& frame : rising(2, 4)) writer.add_frame(1, frame);
-  writer.finish();
-  EXPECT_EQ(frames_on_the_clock(bytes_in(folder / "cache.abc")), 2u);
+  EXPECT_EQ(writer.finish(), (std::vector<std::size_t>{3, 2, 0}));
+  EXPECT_EQ(frames_on_the_clock(bytes_in(folder / "cache.abc")), 3u);
+  const AlembicReader reader(folder / "cache.abc");
+  ASSERT_EQ(reader.sheets().size(), 2u);
+  EXPECT_EQ(reader.sheets()[0].frames, 3u);
+  EXPECT_EQ(reader.sheets()[1].frames, 2u);
+}
+
+TEST_F(AlembicCache, WhenThereIsNoMoreRoomItKeepsTheFramesBefore) {
+  const std::vector<CacheFrame> frames = rising(12, 30);  // about 23 kB a frame
+  const std::string whole = cache_of(frames);
+  rlimit before;
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{whole.size() / 2, before.rlim_max};  // stands for a disk that fills up
+  const auto old = std::signal(SIGXFSZ, SIG_IGN);
+  std::size_t given = 0;
+  std::vector<std::size_t> kept;
+  setrlimit(RLIMIT_FSIZE, &small);
+  {
+    AlembicWriter writer(folder / "full.abc", {}, {"paper"});
+    try {
+      for (; given < frames.size(); ++given) writer.add_frame(0, frames[given]);
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fault, Fault::folder);
+    }
+    kept = writer.finish();
+  }
+  setrlimit(RLIMIT_FSIZE, &before);
+  std::signal(SIGXFSZ, old);
+  ASSERT_LT(given, frames.size());
+  ASSERT_EQ(kept.size(), 1u);
+  EXPECT_GE(kept[0] + 2, given);  // the one that did not fit, and one that made room for the index
+  ASSERT_GE(kept[0], 3u);
+  // not a byte differs from the cache of a shot of so many frames
+  EXPECT_EQ(bytes_in(folder / "full.abc"), cache_of({frames.begin(), frames.begin() + kept[0]}));
 }
 
 TEST_F(AlembicCache, NamesBecomeLegalAndStayApart) {

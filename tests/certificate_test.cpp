@@ -30,10 +30,7 @@ FrameRecord full_record() {
   r.newton_iterations = 11;
   r.converged = false;
   r.energy_J = 1.7e-5;
-  r.render_triangles = 5860;
-  r.render_stretch_mean_pct = 0.02;
-  r.render_stretch_max_pct = 2.5;
-  r.render_ms = 3;
+  r.render = {5860, 0.02, 2.5, 3};
   r.crossings = 4;
   r.touching = 7;
   r.jammed = {{"handle_a", 1.25}, {"handle_b", 2.0 / 3}};
@@ -148,15 +145,23 @@ TEST(Certificate, NamesWithCommasQuotesAndLineEndsAreQuoted) {
   EXPECT_NE(csv.find("\n0,\"a,b\",\"say \"\"hi\"\"\nthere\",0,0,"), std::string::npos) << csv;
 }
 
-TEST(Certificate, SingularRowsAreNumberedInOrderOfBirthOverAllSheets) {
+TEST(Certificate, WhatWasNotRenderedHasNoRenderNumbers) {
+  FrameRecord r = full_record();
+  r.render.reset();
+  const auto line = nlohmann::json::parse(frame_line(r));
+  for (const char* key : {"render_triangles", "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms"}) EXPECT_TRUE(line.at(key).is_null()) << key;
+  EXPECT_EQ(line["triangles"], 243);
+}
+
+TEST(Certificate, SingularRowsAreInOrderOfBirthAndNumberedAsTheMapsOfTheirSheet) {
   const std::vector<SingularRecord> records = {{"A", {Vector2d(0.05, 0.005), 35, "conflict, first"}},
                                                {"A", {Vector2d(0.02, 0.03), 60, "conflict"}},
                                                {"B", {Vector2d(0.01, 0.02), 35, "buckling"}}};
   EXPECT_EQ(singular_csv(records),
             "id,sheet,frame,u,v,cause\n"
             "1,A,35,0.05,0.005,\"conflict, first\"\n"
-            "2,B,35,0.01,0.02,buckling\n"
-            "3,A,60,0.02,0.03,conflict\n");
+            "1,B,35,0.01,0.02,buckling\n"
+            "2,A,60,0.02,0.03,conflict\n");
 }
 
 TEST(Certificate, WithoutRecordsOnlyTheHeadersStand) {

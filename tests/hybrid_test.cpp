@@ -90,6 +90,7 @@ TEST(Hybrid, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
     AnimateOptions options;
     options.last_frame = frames;
     options.memory = Memory::plastic;
+    options.show_memory = true;
     options.elastic.contact = SelfContact::off;  // it is wound twice round the same cylinder
     double plastic = 0, residual = 0, kept = 0;
     animate(shot, hybrid(shot.pattern, shot.paper, 240, {}, 0, 0), options, [&](const AnimatedFrame& frame) {

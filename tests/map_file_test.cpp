@@ -168,7 +168,7 @@ TEST(MapFile, ALevelIsTheMeanOfWhatIsCoveredAndNumbersAreNotAveraged) {
   four[1].a = 0.5f, four[1].r = 0.0f, four[1].fold_angle = 0.6f, four[1].apex_id = 9, four[1].dir_x = 0, four[1].dir_y = -1;
   four[0].age_crease = 2;
   four[2].r = 1.0f, four[2].fold_angle = 99, four[2].apex_id = 11;  // padding: not covered
-  const std::vector<MapTexel> one = next_level(four, 2);
+  const std::vector<MapTexel> one = next_level(four, 2, 1);
   ASSERT_EQ(one.size(), 1u);
   EXPECT_FLOAT_EQ(one[0].a, 0.375f);
   EXPECT_NEAR(one[0].r, 2.0 / 3, 1e-3);
@@ -181,12 +181,12 @@ TEST(MapFile, ALevelIsTheMeanOfWhatIsCoveredAndNumbersAreNotAveraged) {
 TEST(MapFile, AnOddSideIsSharedOutByArea) {
   std::vector<MapTexel> row(9);
   for (int t = 0; t < 9; ++t) row[t].a = 1.0f, row[t].strain_max = t % 3 == 1 ? 3.0f : 0.0f;  // the middle column
-  const std::vector<MapTexel> one = next_level(row, 3);
+  const std::vector<MapTexel> one = next_level(row, 3, 2);
   ASSERT_EQ(one.size(), 1u);
   EXPECT_FLOAT_EQ(one[0].strain_max, 1);
   std::vector<MapTexel> five(25);
   for (int t = 0; t < 25; ++t) five[t].a = 1.0f, five[t].strain_max = t % 5 == 2 ? 1.0f : 0.0f;
-  for (const MapTexel& t : next_level(five, 5)) EXPECT_FLOAT_EQ(t.strain_max, 0.2f);  // half a texel of two and a half
+  for (const MapTexel& t : next_level(five, 5, 1)) EXPECT_FLOAT_EQ(t.strain_max, 0.2f);  // half a texel of two and a half
 }
 
 TEST(MapFile, ABigMapIsDrawnAndPackedInTime) {

@@ -104,6 +104,13 @@ class CommandLine : public testing::Test {
     return run(words);
   }
 
+  /// The first frames of a crumple, elastic, of 200 triangles.
+  Words crumple(const std::string& frames, const Words& more) const {
+    Words words{"bake", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem", "--triangles", "200", "--frames", frames, "--map-size", "32"};
+    words.insert(words.end(), more.begin(), more.end());
+    return words;
+  }
+
   std::string output() const { return folder / "out" / "shot"; }
 
   fs::path folder;

@@ -26,7 +26,7 @@ class AVerifiedBake : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
-    ended = run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem", "--triangles", "200", "--frames", "1-8", "--map-size", "32"});
+    ended = run(crumple("1-8", {}));
     ASSERT_EQ(ended.code, 0) << ended.err;
   }
   fs::path file(const std::string& name) const { return fs::path(output()) / name; }
@@ -49,9 +49,9 @@ TEST_F(AVerifiedBake, AgreesWithItsCertificate) {
 TEST_F(AVerifiedBake, NoticesOneFlippedBitWhereverItIs) {
   int flips = 0;
   for (const auto& entry : fs::recursive_directory_iterator(output())) {
-    if (!entry.is_regular_file()) continue;
+    if (!entry.is_regular_file() || entry.path().parent_path().filename() == ".state") continue;  // what the next bake needs is no result
     const std::string whole = read(entry.path());
-    if (whole.empty()) continue;  // the lock of the folder
+    ASSERT_FALSE(whole.empty()) << entry.path();
     for (int k = 0; k < 12; ++k) {
       std::string damaged = whole;
       const std::uint64_t draw = scramble(100 * flips++);

@@ -1,19 +1,23 @@
-"""Judges whether a USD layer shows what the Alembic cache of the same bake shows, in Blender; and OpenUSD's validators.
+"""Judges whether a USD layer shows what the Alembic cache of the same bake shows, in Blender; OpenUSD's validators; and the
+numbers of damage, which only the layer has.
 
     same_mesh_judge.py FILE.abc FILE.usda FRAME...
 
 Prints one line for each check that failed and exits with 1, or what was compared and exits with 0.
 """
 
+import math
 import sys
 
 import bpy
-from pxr import Usd
+import numpy
+from pxr import Usd, UsdGeom
 
 from blender_judge import empty_scene, floats, imported, integers
 from judgement import Judgement
 from usd_judge import judge_validators
 
+LAYERS = ("crease", "foldAngle", "foldPlastic", "foldPeak", "apexDistance", "apexAge")
 NORMAL_TOLERANCE = 2e-3  # [rad] Blender keeps custom normals as two 16-bit angles, in the frame of each mesh
 
 
@@ -35,13 +39,39 @@ def meshes(path, frames):
     return found
 
 
+def judge_layers(judgement, stage, frames):
+    """Numbers of damage at every vertex and frame; the peaks are peaks."""
+    (mesh,) = (UsdGeom.Mesh(prim) for prim in stage.Traverse() if prim.IsA(UsdGeom.Mesh))
+    primvars = UsdGeom.PrimvarsAPI(mesh)
+    most = 0
+    for frame in frames:
+        points = len(mesh.GetPointsAttr().Get(frame))
+        found = {}
+        for name in LAYERS:
+            primvar = primvars.GetPrimvar(name)
+            if not judgement.check(primvar.HasValue() and primvar.GetInterpolation() == "vertex", f"there is no primvar {name} of vertices"):
+                return
+            found[name] = numpy.array(primvar.Get(frame), dtype=float)
+            judgement.check(found[name].shape == (points,) and numpy.isfinite(found[name]).all(), f"frame {frame}: {name} has {found[name].shape} numbers for {points} points")
+        for name in ("foldAngle", "foldPlastic", "foldPeak"):
+            judgement.check(abs(found[name]).max() < math.pi + 1e-3, f"frame {frame}: a {name} of {abs(found[name]).max()} rad")
+        judgement.check((abs(found["foldPeak"]) >= abs(found["foldAngle"]) - 2e-4).all(), f"frame {frame}: a peak is less than the fold")
+        judgement.check(abs(found["foldPeak"]).max() >= most - 2e-4, f"frame {frame}: the largest peak has become smaller")
+        most = abs(found["foldPeak"]).max()
+        judgement.check(((found["apexAge"] >= 0) | (found["apexAge"] == -1)).all() and (found["apexDistance"] >= 0).all(), f"frame {frame}: ages or distances below 0")
+        judgement.count("layers", len(LAYERS))
+    judgement.check(most > 0.5, f"the sheet is folded by {most} rad at most: this judges nothing")
+
+
 def main(arguments):
     if len(arguments) < 3:
         print("usage: same_mesh_judge.py FILE.abc FILE.usda FRAME...")
         return 2
     frames = [int(frame) for frame in arguments[2:]]
     judgement = Judgement()
-    judge_validators(judgement, Usd.Stage.Open(arguments[1]))
+    stage = Usd.Stage.Open(arguments[1])
+    judge_validators(judgement, stage)
+    judge_layers(judgement, stage, frames)
     cache, layer = meshes(arguments[0], frames), meshes(arguments[1], frames)
     judgement.check(len(cache) == len(layer) == len(frames), "Blender does not import both files")
     for frame, a, b in zip(frames, cache, layer):
@@ -50,7 +80,7 @@ def main(arguments):
             judgement.near(b[kind], a[kind], kind, where, tolerance)
         judgement.check((a["corners"] == b["corners"]).all(), f"{where}: other faces")
         judgement.check("crease" in a["channels"] and "crease" in b["channels"], f"{where}: no creases")
-    return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "velocities", "corner normals"))
+    return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "velocities", "corner normals", "layers"))
 
 
 if __name__ == "__main__":
