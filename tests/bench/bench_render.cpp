@@ -8,6 +8,7 @@
 //   c_m          mean |l - L|/L over the edges in %: mean over the frames, worst frame; worst edge of the worst frame
 //   simulated    the same of the simulated meshes
 //   far          farthest that a vertex is from the flat simulated triangles, in % of the longer side
+//   crossings    pairs of triangles that pass through each other, and the frames that have some (BENCH_CROSSINGS=1; every 6th frame)
 //   Ub           bending energy / that of the same frame brought to its minimum on this mesh (BENCH_POLISH=1; every 12th frame)
 // Environment: BENCH_QUALITY="draft shot hero"
 
@@ -32,7 +33,8 @@ struct Case {
   int last_frame;
   double gravity;
 };
-constexpr Case cases[] = {{"S1_push", 60, 0}, {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 60, 0}, {"S9_unload", 72, 0}};
+constexpr Case cases[] = {{"S1_push", 60, 0}, {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0}, {"S4r_release", 144, 0},
+                          {"S5_roll", 72, 9.81}, {"S8_dcone", 96, 0}, {"S9_unload", 120, 0}};
 
 double cpu_ms() {
   timespec t;
@@ -69,7 +71,7 @@ void measure(const Shot& shot, const ShotRecord& record, const Case& c, const st
   int worst_frame = 0;
   std::vector<Place> places;
   int mesh = -1;
-  std::string energies;
+  std::string energies, crossed;
   for (const RecordedFrame& f : record.frames()) {
     const Sheet sheet = record.sheet(f);
     begun = cpu_ms();
@@ -90,6 +92,8 @@ void measure(const Shot& shot, const ShotRecord& record, const Case& c, const st
     worst = std::max(worst, 100 * d.largest);
     for (std::size_t v = 0; v < places.size(); ++v)
       far = std::max(far, 100 / side * (interpolate(places[v], sheet.triangles, sheet.x) - frame.x.row(v).transpose()).norm());
+    if (std::getenv("BENCH_CROSSINGS") && f.frame % 6 == 0)
+      if (const int pairs = crossings(shown); pairs > 0) crossed += " " + std::to_string(f.frame) + ":" + std::to_string(pairs);
     if (std::getenv("BENCH_POLISH") && f.frame % 12 == 0) {
       std::vector<int> held;
       for (const int h : f.held) held.push_back(render.mesh().point_vertex[h]);
@@ -100,9 +104,9 @@ void measure(const Shot& shot, const ShotRecord& record, const Case& c, const st
     }
   }
   const double triangles = static_cast<double>(render.mesh().triangles.rows());
-  std::printf("  %-6s render %6.0f  creases %4zu  mesh %.1f s  hold %.0f  ms %.2f + places %.2f  per 100k %.1f  c_m %.4f worst %.4f (f%d) edge %.2f  simulated %.4f  far %.2f %%%s%s\n",
+  std::printf("  %-6s render %6.0f  creases %4zu  mesh %.1f s  hold %.0f  ms %.2f + places %.2f  per 100k %.1f  c_m %.4f worst %.4f (f%d) edge %.2f  simulated %.4f  far %.2f %%%s%s%s%s\n",
               name.c_str(), triangles, render.mesh().creases.size(), 1e-3 * mesh_ms, hold_ms, ms / n, place_ms / n, 1e5 * (ms + place_ms) / n / triangles, mean,
-              worst_mean, worst_frame, worst, simulated, far, energies.empty() ? "" : "  Ub", energies.c_str());
+              worst_mean, worst_frame, worst, simulated, far, crossed.empty() ? "" : "  crossings", crossed.c_str(), energies.empty() ? "" : "  Ub", energies.c_str());
   std::fflush(stdout);
 }
 
