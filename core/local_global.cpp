@@ -152,7 +152,7 @@ Points3 LocalGlobal::operator()(const Points3& y, const Points3& curvature) cons
   Points3 x = y;
   if (free_.empty()) return x;
   move(x, bend_pull(y, bend(y, curvature)), *smooth_factor_);
-  for (int step = 0; step < options_.steps; ++step) move(x, stretch_pull(x), *stiff_factor_);
+  for (int step = 0; step < options_.steps; ++step) move(x, (step + 1 < options_.steps ? 1 : options_.beyond) * stretch_pull(x), *stiff_factor_);
   return x;
 }
 

@@ -15,6 +15,7 @@ struct LocalGlobalOptions {
                           //     with a quarter shapes change (S8: c_m 0.05 -> 0.08 %), with a half they are rounded (0.26 %)
   double stretch = 300;   // [1] ks: how much true lengths count against the place
   int steps = 2;          // [1] that take out stretch, one solve each: with 1, c_m is 0.051 % on S8 and S5, with 2 0.045
+  double beyond = 1.5;    // [1] how far the last of them goes, because each falls short: with 1, c_m is a tenth more
 };
 
 /// Makes the shape of a fine mesh smooth where paper is smooth, and its lengths those of the pattern, near where it is:

@@ -12,6 +12,8 @@ namespace {
 
 constexpr double merge = 0.31;   // [edges] points of creases nearer than this are one
 constexpr double spacing = 0.66; // [edges] at most, between points of a crease
+constexpr double clear = 0.15;   // [edges] from the border, of points of a crease that runs along it
+constexpr double least_turned = 0.14;  // [rad] least angle of triangles that come of turning an edge: 8 degrees
 constexpr double border = 1e-3;  // [edges] how near the mesh follows it
 
 /// Points no two of which are nearer than a radius, found again by cells of it.
@@ -65,7 +67,7 @@ std::vector<CreaseLine> chosen(std::vector<CreaseLine> creases, double room) {
   return creases;
 }
 
-/// The sites of one crease in a row; -1 where it runs so near the border that there is room for none.
+/// The sites of one crease in a row; none where it runs so near the border that there is no room.
 std::vector<int> lay(const CreaseLine& crease, const std::vector<CreaseLine>& all, const Pattern& pattern, double edge, Sites& sites) {
   std::vector<double> stops{0, 1};
   for (const CreaseLine& other : all) {
@@ -78,8 +80,8 @@ std::vector<int> lay(const CreaseLine& crease, const std::vector<CreaseLine>& al
   const auto put = [&](double t, bool end) {
     Vector2d p = crease.a + t * d;
     const Vector2d border = nearest_border_point(pattern, p);
-    if ((border - p).norm() < merge * edge || !contains(pattern, p)) {
-      if (!end && sites.nearest(p) < 0) return row.push_back(-1);
+    if ((border - p).norm() < (end ? merge : clear) * edge || !contains(pattern, p)) {
+      if (!end && sites.nearest(p) < 0) return;
       if (end) p = border;
     }
     row.push_back(sites.nearest_or_new(p));
@@ -92,30 +94,59 @@ std::vector<int> lay(const CreaseLine& crease, const std::vector<CreaseLine>& al
   return row;
 }
 
-/// Edges of a triangulation, to be asked for.
+/// Edges of a triangulation, to be asked for and turned.
 class Edges {
  public:
-  explicit Edges(const Triangles& triangles) {
-    for (int t = 0; t < triangles.rows(); ++t)
-      for (int i = 0; i < 3; ++i) {
-        const int a = triangles(t, i), b = triangles(t, (i + 1) % 3);
-        around_[a].insert(b);
-        around_[b].insert(a);
-      }
+  Edges(const Points2& pattern, Triangles& triangles) : pattern_(pattern), triangles_(triangles) {
+    for (int t = 0; t < triangles.rows(); ++t) enter(t);
   }
-  bool has(int a, int b) const { return around_.at(a).count(b) > 0; }
+  bool has(int a, int b) const { return left_.count({a, b}) || left_.count({b, a}); }
+  /// Makes a-b an edge where it crosses but one, and no needle comes of it.
+  bool turn_to(int a, int b, const std::set<std::pair<int, int>>& keep) {
+    for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
+      const int c = it->first.second, t = it->second, d = third(t, a, c);
+      const auto beyond = left_.find({d, c});
+      if (beyond == left_.end() || keep.count(std::minmax(c, d)) || third(beyond->second, d, c) != b) continue;
+      if (std::min(least_angle(a, c, b), least_angle(a, b, d)) < least_turned) return false;
+      const int other = beyond->second;
+      for (const auto& edge : {std::pair<int, int>(a, c), {c, d}, {d, a}, {d, c}, {c, b}, {b, d}}) left_.erase(edge);
+      triangles_.row(t) << a, c, b;
+      triangles_.row(other) << a, b, d;
+      enter(t);
+      enter(other);
+      return true;
+    }
+    return false;
+  }
   /// A vertex between two that are no neighbours, and nearer than `off` to the way.
-  int between(int a, int b, const Points2& pattern, double off) const {
-    const Vector2d d = (pattern.row(b) - pattern.row(a)).normalized();
-    for (const int v : around_.at(a)) {
-      const Vector2d p = pattern.row(v) - pattern.row(a);
-      if (has(v, b) && std::abs(p.x() * d.y() - p.y() * d.x()) < off) return v;
+  int between(int a, int b, double off) const {
+    const Vector2d way = (pattern_.row(b) - pattern_.row(a)).normalized();
+    for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
+      const int v = it->first.second;
+      const Vector2d p = pattern_.row(v) - pattern_.row(a);
+      if (has(v, b) && std::abs(p.x() * way.y() - p.y() * way.x()) < off) return v;
     }
     return -1;
   }
 
  private:
-  std::map<int, std::set<int>> around_;
+  void enter(int t) {
+    for (int i = 0; i < 3; ++i) left_[{triangles_(t, i), triangles_(t, (i + 1) % 3)}] = t;
+  }
+  int third(int t, int a, int b) const { return triangles_.row(t).sum() - a - b; }
+  /// Of a triangle; negative when it is turned over. [rad]
+  double least_angle(int a, int b, int c) const {
+    double least = M_PI;
+    const int v[3] = {a, b, c};
+    for (int i = 0; i < 3; ++i) {
+      const Vector2d u = pattern_.row(v[(i + 1) % 3]) - pattern_.row(v[i]), w = pattern_.row(v[(i + 2) % 3]) - pattern_.row(v[i]);
+      least = std::min(least, std::atan2(u.x() * w.y() - u.y() * w.x(), u.dot(w)));
+    }
+    return least;
+  }
+  const Points2& pattern_;
+  Triangles& triangles_;
+  std::map<std::pair<int, int>, int> left_;  // the triangle on the left of each directed edge
 };
 
 }  // namespace
@@ -143,23 +174,22 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   for (std::size_t s = 0; s < given; ++s) number[s] = static_cast<int>(s);
   for (const std::vector<int>& row : rows)
     for (const int s : row)
-      if (s >= 0 && number[s] < 0) {
+      if (number[s] < 0) {
         number[s] = static_cast<int>(required.size());
         required.push_back(sites.points[s]);
       }
   PatternMesh mesh = mesh_pattern(pattern, edge, required, 0, border);
   RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}};
   for (const int site : site_of_point) result.point_vertex.push_back(mesh.point_vertex[number[site]]);
-  const Edges edges(result.triangles);
+  Edges edges(result.pattern, result.triangles);
   std::set<std::pair<int, int>> found;
   for (const std::vector<int>& row : rows)
     for (std::size_t k = 0; k + 1 < row.size(); ++k) {
-      if (row[k] < 0 || row[k + 1] < 0) continue;
       const int a = mesh.point_vertex[number[row[k]]], b = mesh.point_vertex[number[row[k + 1]]];
       if (a == b) continue;
-      if (edges.has(a, b)) {
+      if (edges.has(a, b) || edges.turn_to(a, b, found)) {
         found.insert(std::minmax(a, b));
-      } else if (const int v = edges.between(a, b, result.pattern, merge * edge); v >= 0) {
+      } else if (const int v = edges.between(a, b, merge * edge); v >= 0) {
         found.insert(std::minmax(a, v));
         found.insert(std::minmax(v, b));
       }

@@ -7,10 +7,11 @@
 namespace paperbake {
 
 RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine)
-    : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options), coarse_normals_(coarse_.triangles, coarse_.creases) {
-  local_global_.hold({});
-  if (refine == 0) return;
-  fine_ = subdivide(coarse_, coarse_normals_.of_corner());
+    : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(coarse_.triangles, coarse_.creases) {
+  if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
+  hold({});
+  if (!fine_) return;
+  fine_limit_.emplace(fine_->mesh.pattern, fine_->mesh.triangles);
   fine_normals_.emplace(fine_->mesh.triangles, fine_->mesh.creases);
 }
 
@@ -43,6 +44,8 @@ void RenderSheet::hold(const std::vector<int>& points) {
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
   local_global_.hold(vertices);
+  is_held_.assign(mesh().pattern.rows(), 0);
+  for (const int v : vertices) is_held_[v] = 1;
 }
 
 RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& places, const Points3& held_at) const {
@@ -60,9 +63,11 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
 
   RenderFrame frame;
   frame.x = local_global_(y, curvature);
+  coarse_limit_(frame.x, is_held_);
   frame.normals = coarse_normals_.normals(frame.x);
   if (fine_) {
     frame.x = fine_->positions(frame.x, frame.normals);
+    (*fine_limit_)(frame.x, is_held_);
     frame.normals = fine_normals_->normals(frame.x);
   }
   frame.crease = (fine_ ? *fine_normals_ : coarse_normals_).strength(frame.x);

@@ -4,6 +4,7 @@
 #include "core/local_global.h"
 #include "core/locate.h"
 #include "core/render_mesh.h"
+#include "core/strain_limit.h"
 #include "core/subdivision.h"
 
 #include <optional>
@@ -21,7 +22,7 @@ struct RenderFrame {
 };
 
 /// Puts simulated frames, whatever their mesh, on one mesh: curved as the simulated one stands for (curved_surface.h), made
-/// smooth and true in its lengths (local_global.h) and, where it is to be finer than that pays, subdivided once.
+/// smooth and true in its lengths (local_global.h, strain_limit.h) and, where it is to be finer than that pays, subdivided once.
 class RenderSheet {
  public:
   /// refine  [1] 0, or 1: every triangle in four at the end
@@ -45,10 +46,13 @@ class RenderSheet {
  private:
   RenderMesh coarse_;
   LocalGlobal local_global_;
+  StrainLimit coarse_limit_;
   CreasedNormals coarse_normals_;
   std::optional<Subdivision> fine_;
+  std::optional<StrainLimit> fine_limit_;
   std::optional<CreasedNormals> fine_normals_;
-  std::vector<int> held_;  // vertices, one for each held point
+  std::vector<int> held_;       // vertices, one for each held point
+  std::vector<char> is_held_;   // of the vertices of mesh()
 };
 
 /// The render mesh of a shot. Edges of 5, 2 or 1 mm on a sheet of 0.2 m, and as much longer as it is larger; at most 400,000

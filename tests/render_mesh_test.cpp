@@ -63,6 +63,17 @@ TEST(RenderMesh, HasEveryPointAndEveryCrease) {
   EXPECT_NEAR(mesh.triangles.rows(), equilateral, 0.15 * equilateral);
 }
 
+TEST(RenderMesh, ACreaseThatRunsIntoTheBorderAtASmallAngleIsWhole) {
+  for (const double slope : {1.0, 0.5, 0.3, 0.2}) {
+    const RenderFeatures features{{}, {{{0.0311, 0.0}, {0.07, 0.0389 * slope}}}};
+    const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
+    const double wanted = (features.creases[0].b - features.creases[0].a).norm();
+    EXPECT_NEAR(length_of(mesh), wanted, 1e-6) << "slope " << slope;
+    EXPECT_GT(least_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180) << "slope " << slope;
+    EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
+  }
+}
+
 TEST(RenderMesh, ACrowdOfCreasesMakesNoNeedles) {
   RenderFeatures features;
   for (int k = 0; k < 60; ++k) {

@@ -8,16 +8,20 @@
 //   c_m          mean |l - L|/L over the edges in %: mean over the frames, worst frame; worst edge of the worst frame
 //   simulated    the same of the simulated meshes
 //   far          farthest that a vertex is from the flat simulated triangles, in % of the longer side
-//   Ub           bending energy / that of the same frame brought to its minimum on this mesh (BENCH_POLISH=1; every 12th frame)
-// Environment: BENCH_QUALITY="draft shot hero"
+//   crossings    pairs of triangles that pass through each other, and the frames that have some (BENCH_CROSSINGS=1; every 6th frame)
+//   Ub           bending energy / that of the same frame brought to its minimum on this mesh, by what the paper remembers then;
+//                and by how far that moves it, RMS in % of the longer side (BENCH_POLISH=1; every 12th frame)
+// Environment: BENCH_QUALITY="draft shot hero"; BENCH_ELASTIC=1: paper that does not yield
 
 #include "core/animate.h"
 #include "core/measure.h"
+#include "core/plastic_grid.h"
 #include "core/render_sheet.h"
 #include "core/shot_record.h"
 #include "formats/scene_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
@@ -32,7 +36,8 @@ struct Case {
   int last_frame;
   double gravity;
 };
-constexpr Case cases[] = {{"S1_push", 60, 0}, {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 60, 0}, {"S9_unload", 72, 0}};
+constexpr Case cases[] = {{"S1_push", 60, 0}, {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0}, {"S4r_release", 144, 0},
+                          {"S5_roll", 72, 9.81}, {"S8_dcone", 96, 0}, {"S9_unload", 120, 0}};
 
 double cpu_ms() {
   timespec t;
@@ -40,12 +45,27 @@ double cpu_ms() {
   return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
 }
 
-/// Bending energy of a frame, and of the minimum near by.
-std::pair<double, double> bending(const Sheet& sheet, const std::vector<int>& vertices, const Case& c) {
+/// What the paper remembers at a frame: of each triangle of the simulated mesh the mean of its corners.
+PlasticGrid remembered(const Pattern& pattern, const Sheet& sheet, const Points3& plastic) {
+  PlasticGrid grid(pattern);
+  if (plastic.rows() == 0) return grid;
+  PlasticMemory memory(static_cast<int>(sheet.triangles.rows()));
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    memory.curvature.row(t) = (plastic.row(sheet.triangles(t, 0)) + plastic.row(sheet.triangles(t, 1)) + plastic.row(sheet.triangles(t, 2))) / 3;
+  grid.write(grid.cover(sheet.pattern, sheet.triangles), memory);
+  return grid;
+}
+
+struct Polished {
+  double ratio;  // bending energy of a frame / of the minimum near by
+  double moved;  // [m] RMS
+};
+Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case& c, PlasticGrid grid) {
   ElasticOptions options;
   options.gravity = c.gravity;
   options.contact = SelfContact::off;
   Elastic elastic(Paper{}, options);
+  elastic.remember_in(&grid);
   Sheet polished = sheet;
   elastic.set_mesh(polished);
   const ElasticReport before = elastic.look(polished);
@@ -55,10 +75,10 @@ std::pair<double, double> bending(const Sheet& sheet, const std::vector<int>& ve
   held.targets.resize(held.vertices.size(), 3);
   for (std::size_t k = 0; k < held.vertices.size(); ++k) held.targets.row(k) = sheet.x.row(held.vertices[k]);
   const ElasticReport after = elastic.settle(polished, held, 1.0 / 24, Settling::fully);
-  return {before.energy - before.membrane, after.energy - after.membrane};
+  return {(before.energy - before.membrane) / (after.energy - after.membrane), std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
 }
 
-void measure(const Shot& shot, const ShotRecord& record, const Case& c, const std::string& name) {
+void measure(const Shot& shot, const ShotRecord& record, const std::vector<Points3>& plastic, const Case& c, const std::string& name) {
   const Quality quality = name == "draft" ? Quality::draft : name == "hero" ? Quality::hero : Quality::shot;
   double begun = cpu_ms();
   const RenderFeatures features = record.features(shot);
@@ -69,7 +89,7 @@ void measure(const Shot& shot, const ShotRecord& record, const Case& c, const st
   int worst_frame = 0;
   std::vector<Place> places;
   int mesh = -1;
-  std::string energies;
+  std::string energies, crossed;
   for (const RecordedFrame& f : record.frames()) {
     const Sheet sheet = record.sheet(f);
     begun = cpu_ms();
@@ -90,19 +110,22 @@ void measure(const Shot& shot, const ShotRecord& record, const Case& c, const st
     worst = std::max(worst, 100 * d.largest);
     for (std::size_t v = 0; v < places.size(); ++v)
       far = std::max(far, 100 / side * (interpolate(places[v], sheet.triangles, sheet.x) - frame.x.row(v).transpose()).norm());
+    if (std::getenv("BENCH_CROSSINGS") && f.frame % 6 == 0)
+      if (const int pairs = crossings(shown); pairs > 0) crossed += " " + std::to_string(f.frame) + ":" + std::to_string(pairs);
     if (std::getenv("BENCH_POLISH") && f.frame % 12 == 0) {
       std::vector<int> held;
       for (const int h : f.held) held.push_back(render.mesh().point_vertex[h]);
-      const auto [now, least] = bending(shown, held, c);
+      const Points3& kept = plastic[&f - record.frames().data()];
+      const auto [ratio, moved] = polish(shown, held, c, remembered(shot.pattern, sheet, kept));
       char text[60];
-      std::snprintf(text, sizeof text, " %d:%.2f", f.frame, now / least);
+      std::snprintf(text, sizeof text, " %d:%.2f (%.2f %%)", f.frame, ratio, 100 * moved / side);
       energies += text;
     }
   }
   const double triangles = static_cast<double>(render.mesh().triangles.rows());
-  std::printf("  %-6s render %6.0f  creases %4zu  mesh %.1f s  hold %.0f  ms %.2f + places %.2f  per 100k %.1f  c_m %.4f worst %.4f (f%d) edge %.2f  simulated %.4f  far %.2f %%%s%s\n",
+  std::printf("  %-6s render %6.0f  creases %4zu  mesh %.1f s  hold %.0f  ms %.2f + places %.2f  per 100k %.1f  c_m %.4f worst %.4f (f%d) edge %.2f  simulated %.4f  far %.2f %%%s%s%s%s\n",
               name.c_str(), triangles, render.mesh().creases.size(), 1e-3 * mesh_ms, hold_ms, ms / n, place_ms / n, 1e5 * (ms + place_ms) / n / triangles, mean,
-              worst_mean, worst_frame, worst, simulated, far, energies.empty() ? "" : "  Ub", energies.c_str());
+              worst_mean, worst_frame, worst, simulated, far, crossed.empty() ? "" : "  crossings", crossed.c_str(), energies.empty() ? "" : "  Ub", energies.c_str());
   std::fflush(stdout);
 }
 
@@ -114,12 +137,14 @@ void run(const Case& c) {
   options.fps = scene.fps;
   options.last_frame = c.last_frame;
   options.elastic.gravity = c.gravity;
-  options.memory = Memory::plastic;
+  options.memory = std::getenv("BENCH_ELASTIC") ? Memory::none : Memory::plastic;
   ShotRecord record;
+  std::vector<Points3> plastic;  // of each frame, at the vertices of its mesh
   double triangles = 0;
   try {
     animate(shot, hybrid(shot.pattern, shot.paper, 120, CrumpleOptions{}, 0, 0), options, [&](const AnimatedFrame& f) {
       record.add(f);
+      plastic.push_back(f.plastic_curvature);
       triangles += static_cast<double>(f.sheet->triangles.rows());
       return true;
     });
@@ -129,7 +154,7 @@ void run(const Case& c) {
   std::printf("%s, %zu frames, sim %.0f triangles of %.1f mm, %zu meshes\n", c.name, record.frames().size(), triangles / record.frames().size(),
               1e3 * record.edge(), record.meshes().size());
   std::istringstream words(std::getenv("BENCH_QUALITY") ? std::getenv("BENCH_QUALITY") : "draft shot hero");
-  for (std::string word; words >> word;) measure(shot, record, c, word);
+  for (std::string word; words >> word;) measure(shot, record, plastic, c, word);
 }
 
 }  // namespace
