@@ -43,7 +43,7 @@ TEST(Sizing, OptionsBoundIt) {
   EXPECT_NEAR(sizes(round).y() / sizes(round).x(), 1.5, 0.05);
   EXPECT_NEAR(sizes(coarse).x(), 0.1 * side, 1e-6);
   EXPECT_NEAR(sizes(small).y(), 0.12 * side, 1e-4);
-  EXPECT_LT(sizes(usual).x(), 0.07 * side);
+  EXPECT_LT(sizes(usual).x(), 0.08 * side);
   EXPECT_GT(sizes(usual).y(), 0.15 * side);
 }
 

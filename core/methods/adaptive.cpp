@@ -37,7 +37,8 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
   Method method;
   method.name = "adaptive";
   method.first_mesh = [options](const Pattern& cut, const std::vector<Vector2d>& points) {
-    PatternMesh mesh = mesh_pattern(cut, options.largest * std::sqrt(area(cut)), points);
+    constexpr double mean_edge = 0.8;  // [1] of the longest that is not split
+    PatternMesh mesh = mesh_pattern(cut, mean_edge * options.largest * std::sqrt(area(cut)), points);
     number_points_first(mesh);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };
