@@ -118,6 +118,8 @@ std::vector<Size> ladder(const ChartSettings& settings, int reference, unsigned 
   for (const std::string& method : settings.methods) {
     if (method == "hybrid")
       for (const int base : {60, 90, 120, 180}) sizes.push_back({method, base, seed});
+    if (method == "adaptive")
+      for (const int most : {60, 120, 240, 3000}) sizes.push_back({method, most, seed});  // the last: what its sizing field asks for
     if (method == "fem")
       for (int n = reference / 8; n >= std::max(60, reference / 32); n /= 2) sizes.push_back({method, n, seed});
   }
@@ -125,7 +127,7 @@ std::vector<Size> ladder(const ChartSettings& settings, int reference, unsigned 
 }
 
 void check_methods(const std::vector<std::string>& methods) {
-  static const std::vector<std::string> known{"hybrid", "fem"};
+  static const std::vector<std::string> known{"hybrid", "fem", "adaptive"};
   for (const std::string& method : methods)
     if (std::find(known.begin(), known.end(), method) == known.end())
       throw Error(Fault::command, "--methods", fmt::format("Unknown method \"{}\".", method), fmt::format("This version charts: {}.", fmt::join(known, ", ")));

@@ -20,7 +20,7 @@ struct ChartSettings {
 /// One method at one size with one seed. Means over frames and sheets where nothing else is said; CPU time on one thread.
 struct ChartPoint {
   std::string method;
-  int size = 0;                                // triangles of fem, base triangles of hybrid
+  int size = 0;                                // triangles of fem, base triangles of hybrid, the most that adaptive may have
   unsigned seed = 0;
   double triangles = 0;
   double elastic_ms = 0, geometry_ms = 0;      // a frame of all sheets

@@ -171,7 +171,7 @@ std::string chart_svg(const Chart& chart) {
     svg += text(at + 15, 58.5, 13, method);
     at += 40 + 8.0 * method.size();
   }
-  svg += text(at, 58.5, 12, "numbers: triangles of fem and adaptive, base triangles of hybrid; bars: seeds; broad line: Pareto front", "start", "#555555");
+  svg += text(at, 58.5, 12, "numbers: triangles of fem, base triangles of hybrid, the most adaptive may have; bars: seeds; broad line: Pareto front", "start", "#555555");
   svg += draw(chart.chaotic ? energy : distance, chart.points, 70, 540);
   svg += draw(lengths, chart.points, 705, 540);
   double line = panel_top + panel_height + 66;

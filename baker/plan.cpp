@@ -12,8 +12,8 @@ namespace paperbake {
 namespace {
 
 void check_method(const BakeSettings& settings) {
-  if (settings.method != "fem" && settings.method != "hybrid")
-    throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has: hybrid, fem.");
+  if (settings.method != "fem" && settings.method != "hybrid" && settings.method != "adaptive")
+    throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has: hybrid, fem, adaptive.");
 }
 
 void check_probe(const BakeSettings& settings) {
@@ -22,10 +22,13 @@ void check_probe(const BakeSettings& settings) {
                 "Bake without --dynamics on, or without --probe.");
 }
 
-int triangles_wanted(const BakeSettings& settings) { return settings.triangles.value_or(settings.method == "hybrid" ? 250 : 1700); }
+int triangles_wanted(const BakeSettings& settings) {
+  return settings.triangles.value_or(settings.method == "hybrid" ? 250 : settings.method == "adaptive" ? 3000 : 1700);
+}
 
 Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed, std::size_t sheet) {
   if (settings.method == "fem") return fem(triangles_wanted(settings));
+  if (settings.method == "adaptive") return adaptive(shot.pattern, triangles_wanted(settings));
   CrumpleOptions options;
   options.most_triangles = triangles_wanted(settings);
   return hybrid(shot.pattern, shot.paper, settings.base_triangles, options, seed, static_cast<std::uint32_t>(sheet));
@@ -145,7 +148,7 @@ BakePlan plan_bake(const BakeSettings& settings) {
   plan.animation.elastic.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
   plan.animation.elastic.inertia = settings.dynamics == Dynamics::on ? Inertia::dynamic : Inertia::quasi_static;
   plan.animation.probe_every = settings.probe_every;
-  plan.animation.memory = settings.method == "hybrid" ? Memory::plastic : Memory::none;
+  plan.animation.memory = settings.method == "fem" ? Memory::none : Memory::plastic;
   settle_frames(settings, scene, plan);
   note_used(settings, scene, plan);
   if (settings.preset)  // an unknown grade is an error even if no sheet were there to use it

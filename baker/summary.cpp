@@ -37,12 +37,13 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const auto touching = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.touching > 0; });
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
-  const bool hybrid = plan.methods.front().name == "hybrid";
+  const std::string& method = plan.methods.front().name;
+  const bool yields = method != "fem", singular = method == "hybrid";
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {{"dynamics", model(dynamic, dynamic ? "asked for with --dynamics on" : "quasi-static: handles move slowly against the sheet's own waves")},
           {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
-          {"plasticity", model(hybrid, hybrid ? "paper that yields keeps its creases" : "method fem is elastic")},
-          {"singular_points", model(hybrid, hybrid ? "two bending directions may conflict" : "method fem makes none")},
+          {"plasticity", model(yields, yields ? "paper that yields keeps its creases" : "method fem is elastic")},
+          {"singular_points", model(singular, singular ? "two bending directions may conflict" : "method " + method + " makes none")},
           {"contact", model(touching > 0, touching > 0 ? fmt::format("the sheet comes near itself in {} frames", touching)
                                                        : "the sheet never comes near itself")},
           {"colliders", model(false, "not in this version")}};

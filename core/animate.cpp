@@ -319,10 +319,11 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
         result.remesh_rise = verdict.rise;
       }
     const double leap = leap_of(sheet, held, held_before) / side;
-    before = sheet.x;
     held_before = held;
-    if (method.remesh && !first && !leaving && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, started.fixed, now, moving))
+    if (method.remesh && !first && !leaving && result.remesh != AnimatedFrame::accepted &&
+        method.remesh(sheet, started.fixed, memory ? &*memory : nullptr, now, moving))
       elastic.set_mesh(sheet, disc_factors(sheet, shot));
+    before = sheet.x;
     result.new_singular = static_cast<int>(sheet.singular.size() - born);
     result.geometry_ms = geometry_ms + cpu_ms() - begun;
     geometry_ms = 0;

@@ -191,4 +191,20 @@ PatternMesh mesh_pattern_with(const Pattern& pattern, int triangles, const std::
   return best;
 }
 
+int number_points_first(PatternMesh& mesh) {
+  std::vector<int> number(mesh.vertices.rows(), -1);
+  int next = 0;
+  for (const int v : mesh.point_vertex)
+    if (number[v] < 0) number[v] = next++;
+  const int required = next;
+  for (int& n : number)
+    if (n < 0) n = next++;
+  const Points2 old = mesh.vertices;
+  for (int v = 0; v < old.rows(); ++v) mesh.vertices.row(number[v]) = old.row(v);
+  for (int t = 0; t < mesh.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) mesh.triangles(t, i) = number[mesh.triangles(t, i)];
+  for (int& v : mesh.point_vertex) v = number[v];
+  return required;
+}
+
 }  // namespace paperbake

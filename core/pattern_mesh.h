@@ -25,4 +25,8 @@ PatternMesh mesh_pattern(const Pattern&, double edge, const std::vector<Vector2d
 /// The same with about `triangles` triangles (within 10 % where the outline and the points leave that choice).
 PatternMesh mesh_pattern_with(const Pattern&, int triangles, const std::vector<Vector2d>& points);
 
+/// Renumbers the vertices so that the required points come first, in the order of the points.
+/// returns  how many vertices they are
+int number_points_first(PatternMesh&);
+
 }  // namespace paperbake

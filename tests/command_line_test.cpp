@@ -118,6 +118,11 @@ TEST_F(CommandLine, ADryRunPrintsTheJobAndWritesNothing) {
   EXPECT_EQ(read(fs::path(output()) / "job.lock.toml"), ended.out) << "it is the job that would be baked";
 }
 
+TEST_F(CommandLine, TheCapOfAdaptiveIsThreeThousandTrianglesUnlessToldOtherwise) {
+  EXPECT_NE(bake({"--dry-run", "--method", "adaptive"}).out.find("triangles = 3000  # default"), std::string::npos);
+  EXPECT_NE(bake({"--dry-run", "--method", "adaptive", "--triangles", "500"}).out.find("triangles = 500  # command line"), std::string::npos);
+}
+
 TEST_F(CommandLine, TheExperimentWritesAPointForEachSheetAndAPicture) {
   const std::string csv = folder / "scatter.csv";
   const Ended ended = run({"fit", "--experiment", "copy70", "--sheets", "2", "-o", csv});

@@ -37,6 +37,7 @@ Ended play(const Shot& shot, int frames, const std::function<Method(const Shot&)
 
 Method hybrid_of(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 120, {}, 0, 0); }
 Method fem_of(const Shot&) { return fem(300); }
+Method adaptive_of(const Shot& shot) { return adaptive(shot.pattern, 800); }
 
 /// The shot with every handle `times` as fast until frame 24 of the slow one, then at rest.
 Shot faster(Shot shot, int times) {
@@ -80,12 +81,15 @@ TEST(Stability, SheetPulledLongerByAFifthIsMetAsFarAsPaperCan) {
       for (int f = 0; f < 12; ++f) handle.keyed(f, 0) *= 1 + 0.02 * std::min(f, 10);
       shot.handles.push_back(handle);
     }
-  const Ended ended = play(shot, 12, hybrid_of);
-  EXPECT_TRUE(ended.sheet.x.allFinite());
-  EXPECT_LT(ended.worst_edge, 0.01);
-  for (const HandleFrame& handle : ended.handles) {
-    EXPECT_EQ(handle.state, HandleFrame::jammed);
-    EXPECT_NEAR((handle.at - handle.keyed).norm(), 0.01, 0.001);  // the 20 mm too much, shared by both sides
+  for (const auto& method : {hybrid_of, adaptive_of}) {
+    const Ended ended = play(shot, 12, method);
+    EXPECT_TRUE(ended.sheet.x.allFinite());
+    EXPECT_LT(ended.worst_edge, 0.01);
+    EXPECT_LT(ended.sheet.triangles.rows(), 300);
+    for (const HandleFrame& handle : ended.handles) {
+      EXPECT_EQ(handle.state, HandleFrame::jammed);
+      EXPECT_NEAR((handle.at - handle.keyed).norm(), 0.01, 0.001);  // the 20 mm too much, shared by both sides
+    }
   }
 }
 
@@ -98,7 +102,7 @@ TEST(Stability, SheetCrushedInOneFrameIsFiniteAndDoesNotPassThroughItself) {
       for (int f = 1; f < 12; ++f) handle.keyed.row(f) << 0.05 + 0.4 * (x - 0.05), 0.05 + 0.4 * (y - 0.05), 0.03 * std::sin(30 * x + 50 * y);
       shot.handles.push_back(handle);
     }
-  for (const auto& method : {hybrid_of, fem_of}) {
+  for (const auto& method : {hybrid_of, fem_of, adaptive_of}) {
     const Ended ended = play(shot, 12, method);
     EXPECT_EQ(ended.frames, 12);
     EXPECT_TRUE(ended.sheet.x.allFinite());

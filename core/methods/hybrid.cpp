@@ -9,24 +9,6 @@
 namespace paperbake {
 namespace {
 
-/// Renumbers the vertices so that the required points come first, in the order of the points.
-/// returns  how many vertices they are
-int required_first(PatternMesh& mesh) {
-  std::vector<int> number(mesh.vertices.rows(), -1);
-  int next = 0;
-  for (const int v : mesh.point_vertex)
-    if (number[v] < 0) number[v] = next++;
-  const int required = next;
-  for (int& n : number)
-    if (n < 0) n = next++;
-  const Points2 old = mesh.vertices;
-  for (int v = 0; v < old.rows(); ++v) mesh.vertices.row(number[v]) = old.row(v);
-  for (int t = 0; t < mesh.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i) mesh.triangles(t, i) = number[mesh.triangles(t, i)];
-  for (int& v : mesh.point_vertex) v = number[v];
-  return required;
-}
-
 /// About that many triangles, but where handles stand so close that they alone take most of them: cells between them would be as
 /// large as the sheet then, and a straight edge from clamp to handle a taut string. (S8 with 60: 40 triangles in the clamps, edges
 /// of 45 mm, stretched by 8 %.)
@@ -59,11 +41,11 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
   const auto crumple = std::make_shared<Crumple>(pattern, paper, options, seed, sheet);
   method.first_mesh = [crumple, base_triangles](const Pattern& cut, const std::vector<Vector2d>& points) {
     PatternMesh mesh = first_mesh_with(cut, base_triangles, points);
-    const int required = required_first(mesh);
+    const int required = number_points_first(mesh);
     crumple->begin_with(mesh.vertices, mesh.triangles, required);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };
-  method.remesh = [crumple](Sheet& sheet_now, const std::vector<char>& fixed, const Moment& now, bool moving) {
+  method.remesh = [crumple](Sheet& sheet_now, const std::vector<char>& fixed, const PlasticGrid*, const Moment& now, bool moving) {
     return crumple->operate(sheet_now, fixed, now, moving).mesh_changed();
   };
   method.propose = [crumple](const Sheet& sheet_now, const std::vector<int>& pulled, const Moment& now) {

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "core/adaptive_mesh/sizing.h"
 #include "core/paper.h"
 #include "core/pattern.h"
+#include "core/plastic_grid.h"
 #include "core/sheet.h"
 #include "core/step2_crumple/crumple.h"
 
@@ -35,10 +37,11 @@ struct Method {
   std::function<FirstMesh(const Pattern&, const std::vector<Vector2d>& points)> first_mesh;
 
   /// Before the elastic step of a frame: may change the mesh of the sheet as the step before left it, so that every frame that
-  /// leaves the loop is a minimum on its own mesh. Vertices keep their numbers, new ones are appended. Empty: nothing happens.
-  /// fixed   vertices that keep their place on the pattern
+  /// leaves the loop is a minimum on its own mesh. Empty: nothing happens.
+  /// fixed   vertices that keep their place on the pattern, and their numbers
+  /// memory  what the paper keeps; null: nothing
   /// moving  false: neither handles nor sheet moved since the frame before
-  std::function<bool(Sheet&, const std::vector<char>& fixed, const Moment&, bool moving)> remesh;  // returns: did the mesh change?
+  std::function<bool(Sheet&, const std::vector<char>& fixed, const PlasticGrid* memory, const Moment&, bool moving)> remesh;  // returns: did the mesh change?
 
   /// Before `remesh`, while the sheet moves and is at its minimum: may propose a wholly new mesh, with positions carried over
   /// from the old one. Vertices that are fixed in the first mesh keep their numbers. The loop relaxes the proposal where the
@@ -62,5 +65,15 @@ Method fem(int triangles);
 /// points where bending directions conflict, up to options.most_triangles.
 /// seed, sheet  what the draws of singular points depend on
 Method hybrid(const Pattern&, const Paper&, int base_triangles, const CrumpleOptions&, std::uint32_t seed, std::uint32_t sheet);
+
+/// Adaptive remeshing: edges are split, turned and collapsed until their lengths follow a sizing field (adaptive_mesh/sizing.h); step 1
+/// on that mesh. Before every elastic step the sheet as the step before left it is measured and its mesh goes towards the field by one
+/// pass, at most twice as fine; the step is the relaxation after it, so that no remeshing shows as a kick. An edge is split where it
+/// is longer than 1 and collapsed only to edges shorter than 0.8: a sheet at rest keeps its mesh. Fields that ask for more than
+/// `most_triangles` are coarsened as a whole. It begins coarse.
+/// What the paper keeps lies on a grid of the pattern (plastic_grid.h) that knows no mesh: rest angles are read from it after every
+/// change, and there is nothing to carry from face to face.
+/// source  [Narain 2012], [Narain 2013]
+Method adaptive(const Pattern&, int most_triangles, const SizingOptions& = {});
 
 }  // namespace paperbake

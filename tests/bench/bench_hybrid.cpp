@@ -10,84 +10,19 @@
 // Environment: BENCH_BASES="60 75 90" base densities; BENCH_CACHE=DIR keeps the runs of fem there for the next time;
 // BENCH_SET="facet_turn=0.2 flip_gain=0.5" options; facet_turn=0: the robust mesh alone.
 
-#include "core/animate.h"
-#include "core/measure.h"
 #include "core/pattern_samples.h"
-#include "formats/scene_file.h"
+#include "tests/bench/against_fem.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <fstream>
 #include <iterator>
 #include <map>
 #include <sstream>
-#include <string>
-#include <vector>
 
-namespace paperbake {
+namespace paperbake::bench {
 namespace {
-
-constexpr int grid = 41;
-
-struct Case {
-  const char* name;
-  int last_frame;
-  double gravity;
-};
-constexpr Case cases[] = {{"S1_push", 40, 0}, {"S2_moebius", 45, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 44, 0}};
-
-/// Means over the frames, but for worst_ms, edge and rise: the worst.
-struct Numbers {
-  double triangles = 0, elastic_ms = 0, geometry_ms = 0, worst_ms = 0, c_m = 0, edge = 0, iterations = 0, rise = 0;
-  int singular = 0, accepted = 0, rejected = 0;
-};
-struct Run : Numbers {
-  std::vector<Points3> frames, normals;  // of the grid points
-};
-
-Run run(const Shot& shot, const Method& method, const Case& c, double fps) {
-  AnimateOptions options;
-  options.fps = fps;
-  options.last_frame = c.last_frame;
-  options.elastic.gravity = c.gravity;
-  const PatternSamples samples(shot.pattern, grid);
-  Run r;
-  animate(shot, method, options, [&](const AnimatedFrame& f) {
-    PatternSamples::Sampled sampled = samples(*f.sheet);
-    r.frames.push_back(std::move(sampled.x)), r.normals.push_back(std::move(sampled.normals));
-    r.accepted += f.remesh == AnimatedFrame::accepted;
-    r.rejected += f.remesh == AnimatedFrame::rejected;
-    if (f.remesh == AnimatedFrame::accepted) r.rise = std::max(r.rise, 100 * f.remesh_rise);
-    const LengthDistortion d = length_distortion(*f.sheet);
-    r.triangles += f.sheet->triangles.rows();
-    r.elastic_ms += f.elastic_ms;
-    r.geometry_ms += f.geometry_ms;
-    r.worst_ms = std::max(r.worst_ms, f.elastic_ms + f.geometry_ms);
-    r.c_m += 100 * d.mean;
-    r.edge = std::max(r.edge, 100 * d.largest);
-    r.iterations += f.newton_iterations;
-    r.singular = static_cast<int>(f.sheet->singular.size());
-    return true;
-  });
-  const double n = static_cast<double>(r.frames.size());
-  r.triangles /= n, r.elastic_ms /= n, r.geometry_ms /= n, r.c_m /= n, r.iterations /= n;
-  return r;
-}
-
-double rms_pct(const Run& a, const Run& b, double side) {
-  double sum = 0;
-  for (std::size_t f = 0; f < a.frames.size(); ++f) sum += rms_distance(a.frames[f], b.frames[f]);
-  return 100 * sum / side / a.frames.size();
-}
-
-double normals_deg(const Run& a, const Run& b) {
-  double sum = 0;
-  for (std::size_t f = 0; f < a.normals.size(); ++f)
-    sum += a.normals[f].cwiseProduct(b.normals[f]).rowwise().sum().array().min(1).max(-1).acos().mean();
-  return sum / a.normals.size() * 180 / M_PI;
-}
 
 std::vector<double> jitter_pct(const Run& r, double side) {
   std::vector<double> all;
@@ -103,29 +38,6 @@ void print_row(const std::string& label, const Run& r, const Run& reference, dou
               label.c_str(), r.triangles, r.elastic_ms, r.geometry_ms, r.worst_ms, r.iterations, r.c_m, r.edge, r.singular, r.accepted,
               r.rejected, r.rise, jitter[jitter.size() / 2], jitter[jitter.size() * 9 / 10], normals_deg(r, reference), rms_pct(r, reference, side));
   std::fflush(stdout);
-}
-
-/// A run of fem, from the cache when there is one.
-Run run_fem(const Shot& shot, int triangles, const Case& c, double fps) {
-  const char* folder = std::getenv("BENCH_CACHE");
-  const std::string path = std::string(folder ? folder : "") + "/" + c.name + "_" + std::to_string(triangles) + ".run";
-  const Eigen::Index size = 3 * grid * grid;
-  Run r;
-  if (std::ifstream file(path, std::ios::binary); folder && file) {
-    file.read(reinterpret_cast<char*>(static_cast<Numbers*>(&r)), sizeof(Numbers));
-    r.frames.assign(c.last_frame, Points3(grid * grid, 3));
-    r.normals = r.frames;
-    for (auto* all : {&r.frames, &r.normals})
-      for (Points3& p : *all) file.read(reinterpret_cast<char*>(p.data()), size * sizeof(double));
-    if (file) return r;
-  }
-  r = run(shot, fem(triangles), c, fps);
-  if (!folder) return r;
-  std::ofstream file(path, std::ios::binary);
-  file.write(reinterpret_cast<const char*>(static_cast<const Numbers*>(&r)), sizeof(Numbers));
-  for (const auto* all : {&r.frames, &r.normals})
-    for (const Points3& p : *all) file.write(reinterpret_cast<const char*>(p.data()), size * sizeof(double));
-  return r;
 }
 
 CrumpleOptions options_set() {
@@ -152,19 +64,17 @@ std::vector<int> bases() {
 }
 
 void compare(const Case& c, int reference_triangles) {
-  const Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + c.name + ".glb");
-  const SceneSheet& s = scene.sheets.front();
-  const Shot shot{s.name, s.pattern, s.start, s.handles, Paper{}};
+  const auto [shot, fps] = shot_of(c);
   const double side = longer_side(shot.pattern);
   std::printf("%s, frames 1-%d\n  %-10s %5s %7s\n", c.name, c.last_frame, "", "tri", "elastic + geometry ms (worst)");
-  const Run reference = run_fem(shot, reference_triangles, c, scene.fps);
+  const Run reference = run_fem(shot, reference_triangles, c, fps);
   print_row("fem", reference, reference, side);
-  print_row("fem", run_fem(shot, 1700, c, scene.fps), reference, side);
+  print_row("fem", run_fem(shot, 1700, c, fps), reference, side);
   const CrumpleOptions options = options_set();
   Numbers mean;
   double sum = 0, normals = 0, least = 1e9, most = 0;
   for (const int base : bases()) {
-    const Run h = run(shot, hybrid(shot.pattern, shot.paper, base, options, 0, 0), c, scene.fps);
+    const Run h = run(shot, hybrid(shot.pattern, shot.paper, base, options, 0, 0), c, fps);
     const double rms = rms_pct(h, reference, side);
     print_row("hybrid " + std::to_string(base), h, reference, side);
     if (std::getenv("BENCH_FRAMES"))
@@ -179,13 +89,9 @@ void compare(const Case& c, int reference_triangles) {
 }
 
 }  // namespace
-}  // namespace paperbake
+}  // namespace paperbake::bench
 
 int main(int argc, char** argv) {
-  const int reference = argc > 1 ? std::atoi(argv[1]) : 6000;
-  for (const auto& c : paperbake::cases) {
-    bool wanted = argc < 3;
-    for (int i = 2; i < argc; ++i) wanted |= std::string(c.name).rfind(argv[i], 0) == 0;
-    if (wanted) paperbake::compare(c, reference);
-  }
+  for (const auto& c : paperbake::bench::cases_named({argv + std::min(argc, 2), argv + argc}))
+    paperbake::bench::compare(c, argc > 1 ? std::atoi(argv[1]) : 6000);
 }

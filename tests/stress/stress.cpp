@@ -1,6 +1,6 @@
 // Generated handle scripts, each run by a method in a process of its own and in bounded time: a table anyone can print.
 //
-//   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem] [--json FILE] [--only INDEX]
+//   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem|adaptive] [--json FILE] [--only INDEX]
 //
 // 1,000 scripts with seed 1 by every method without more words. A script that dies or does not end is named by its index.
 // feasible      no pair of handles is farther apart than paper between them is long, in any frame
@@ -44,6 +44,7 @@ struct Verdict {
 
 Method make_method(const std::string& name, const Script& script) {
   if (name == "fem") return fem(400);
+  if (name == "adaptive") return adaptive(script.shot.pattern, 3000);
   return hybrid(script.shot.pattern, script.shot.paper, 120, CrumpleOptions{}, script.options.seed, 0);
 }
 
@@ -180,7 +181,7 @@ nlohmann::ordered_json report(const std::string& method, int scripts, std::uint3
 int main(int argc, char** argv) {
   int scripts = 1000, first = 0;
   unsigned seed = 1;
-  std::vector<std::string> methods{"hybrid", "fem"};
+  std::vector<std::string> methods{"hybrid", "fem", "adaptive"};
   std::string json;
   for (int i = 1; i + 1 < argc; i += 2) {
     const std::string option = argv[i], value = argv[i + 1];
