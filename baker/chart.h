@@ -11,7 +11,7 @@ namespace paperbake {
 /// Speed against accuracy, for one scene.
 struct ChartSettings {
   BakeSettings job;                                  // scene, paper, frames, seed as for a bake; method and sizes are the chart's
-  std::vector<std::string> methods{"hybrid", "fem"};
+  std::vector<std::string> methods{"hybrid", "fem", "adaptive"};
   int repeat = 3;                                    // [1] runs of each; times are medians
   int reference = 6000;                              // [1] triangles of fem
   double budget = 600;                               // [s] of the wall clock

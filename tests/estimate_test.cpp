@@ -28,7 +28,7 @@ TEST_F(CommandLine, TheEstimateOfACoarseBakeIsLargerThanThatOfAFineOne) {
     EXPECT_EQ(coarse[k].at("frame"), 12 * (k + 1));
     EXPECT_EQ(coarse[k].at("uncertain"), "");
     EXPECT_GT(coarse[k].at("rms_pct").get<double>(), 0.1);
-    EXPECT_LT(fine[k].at("rms_pct").get<double>(), 0.05);
+    EXPECT_LT(fine[k].at("rms_pct").get<double>(), 0.5 * coarse[k].at("rms_pct").get<double>());  // what the render mesh adds is left
     EXPECT_EQ(fine[k].at("lower_branch_pct"), 0);
   }
 }
