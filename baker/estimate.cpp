@@ -93,7 +93,7 @@ class Estimator {
       }
     const Polished polished = fine_(baked, held, held_at);
     e.rms_pct = 100 * polished.moved / sheet_.side;
-    e.energy_loss_pct = polished.energy_before > 0 ? 100 * (1 - polished.energy / polished.energy_before) : 0;
+    e.energy_loss_pct = now.energy > 0 ? 100 * (1 - polished.energy / now.energy) : 0;
     e.uncertain = doubt(sheet_, at);
     if (e.uncertain.empty() && !polished.converged) e.uncertain = "the finer mesh did not come to rest";
     if (e.uncertain.empty() && polished.near_itself) e.uncertain = "the sheet comes near itself, which the estimate does not feel";

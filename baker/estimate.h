@@ -13,7 +13,7 @@ struct ErrorEstimate {
   int frame = 0;
   std::string sheet;
   double rms_pct = 0;          // how far it moved, of the longer side
-  double energy_loss_pct = 0;  // of the baked frame's stored energy, by moving
+  double energy_loss_pct = 0;  // how much less energy it stores there than the certificate says of the frame; below 0: more
   double lower_branch_pct = 0; // another shape under the same handles has so much less energy; 0: none was found
   std::string uncertain;       // why the number is not to be relied on; empty: it is
 };

@@ -33,7 +33,7 @@ Polisher::Polisher(const Shot& shot, const ElasticOptions& options, int triangle
 }
 
 Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held, const Points3& held_at, const PlasticGrid* memory) const {
-  constexpr int most_settlings = 12;  // the trace of inertia holds each back
+  constexpr int most_settlings = 6;  // the trace of inertia holds each back
   constexpr double dt = 1.0 / 24;
   Polished result;
   Sheet& sheet = result.sheet;
@@ -67,7 +67,7 @@ Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held, 
     result.converged = report.converged;
     result.near_itself |= report.contact;
     result.energy = report.energy;
-    if (!report.converged || (sheet.x - before).rowwise().norm().maxCoeff() < options_.stop) break;
+    if (!report.converged || (sheet.x - before).rowwise().norm().maxCoeff() < 3 * options_.stop) break;
   }
   result.moved = std::sqrt((sheet.x - given).rowwise().squaredNorm().mean());
   return result;
