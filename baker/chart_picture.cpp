@@ -15,7 +15,7 @@ constexpr double width = 1280, height = 760, panel_top = 92, panel_height = 500;
 constexpr const char* font = "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\"";
 
 const char* colour_of(const std::string& method) {
-  static const std::map<std::string, const char*> colours{{"hybrid", "#c8401c"}, {"fem", "#2a62a8"}, {"adaptive", "#3b8a3e"}, {"hybrid+fem", "#8a4fa8"}};
+  static const std::map<std::string, const char*> colours{{"hybrid", "#c8401c"}, {"fem", "#2a62a8"}, {"adaptive", "#3b8a3e"}};
   const auto found = colours.find(method);
   return found == colours.end() ? "#555555" : found->second;
 }

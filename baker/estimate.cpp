@@ -115,15 +115,7 @@ class Estimator {
     if (!relaxed.converged) return 0;
     Elastic elastic(sheet_.shot.paper, options_);
     elastic.set_mesh(relaxed.sheet, coarse_.mesh().stiffening);
-    Held grip;
-    for (std::size_t k = 0; k < held.size(); ++k) {
-      const int vertex = coarse_.mesh().handle_vertex[held[k]];
-      if (std::find(grip.vertices.begin(), grip.vertices.end(), vertex) != grip.vertices.end()) continue;
-      grip.vertices.push_back(vertex);
-      grip.targets.conservativeResize(grip.vertices.size(), 3);
-      grip.targets.bottomRows(1) = held_at.row(k);
-    }
-    const Branches found = probe_branches(relaxed.sheet, elastic, grip, 1.0 / 24, 0, frame);
+    const Branches found = probe_branches(relaxed.sheet, elastic, coarse_.grip(held, held_at), 1.0 / 24, 0, frame);
     return found.taken ? 100 * (found.before - found.after) / std::abs(found.before) : 0;
   }
 

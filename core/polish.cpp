@@ -32,6 +32,18 @@ Polisher::Polisher(const Shot& shot, const ElasticOptions& options, int triangle
   options_.inertia = Inertia::quasi_static;
 }
 
+Held Polisher::grip(const std::vector<int>& held, const Points3& held_at) const {
+  Held grip;
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    const int vertex = started_.handle_vertex[held[k]];
+    if (std::find(grip.vertices.begin(), grip.vertices.end(), vertex) != grip.vertices.end()) continue;
+    grip.vertices.push_back(vertex);
+    grip.targets.conservativeResize(grip.vertices.size(), 3);
+    grip.targets.bottomRows(1) = held_at.row(k);
+  }
+  return grip;
+}
+
 Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held, const Points3& held_at, const PlasticGrid* memory) const {
   constexpr int most_settlings = 6;  // the trace of inertia holds each back
   constexpr double dt = 1.0 / 24;
@@ -45,15 +57,8 @@ Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held, 
   } else {
     sheet.x = Transfer(rough.pattern, rough.triangles, sheet.pattern)(rough.x);
   }
-  Held grip;
-  for (std::size_t k = 0; k < held.size(); ++k) {
-    const int vertex = started_.handle_vertex[held[k]];
-    if (std::find(grip.vertices.begin(), grip.vertices.end(), vertex) != grip.vertices.end()) continue;
-    grip.vertices.push_back(vertex);
-    grip.targets.conservativeResize(grip.vertices.size(), 3);
-    grip.targets.bottomRows(1) = held_at.row(k);
-    sheet.x.row(vertex) = held_at.row(k);
-  }
+  const Held now = grip(held, held_at);
+  for (std::size_t k = 0; k < now.vertices.size(); ++k) sheet.x.row(now.vertices[k]) = now.targets.row(k);
   const Points3 given = sheet.x;
 
   Elastic elastic(paper_, options_);
@@ -63,7 +68,7 @@ Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held, 
   result.energy_before = elastic.look(sheet).energy;
   for (int time = 0; time < most_settlings; ++time) {
     const Points3 before = sheet.x;
-    const ElasticReport report = elastic.settle(sheet, grip, dt, Settling::fully);
+    const ElasticReport report = elastic.settle(sheet, now, dt, Settling::fully);
     result.converged = report.converged;
     result.near_itself |= report.contact;
     result.energy = report.energy;

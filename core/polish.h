@@ -31,6 +31,9 @@ class Polisher {
 
   const StartedSheet& mesh() const { return started_; }
 
+  /// The vertices of these handles, each once, at these places.
+  Held grip(const std::vector<int>& held, const Points3& held_at) const;
+
  private:
   Paper paper_;
   ElasticOptions options_;

@@ -1,8 +1,8 @@
 // What handles do that no artist should key: it ends, it is finite, it is reported.
 
 #include "core/animate.h"
-#include "core/locate.h"
 #include "core/measure.h"
+#include "core/pattern_samples.h"
 #include "tests/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -52,14 +52,8 @@ Shot faster(Shot shot, int times) {
 
 /// RMS distance over a grid of the pattern. [m]
 double apart(const Ended& a, const Ended& b) {
-  const Locator in_a(a.sheet.pattern, a.sheet.triangles), in_b(b.sheet.pattern, b.sheet.triangles);
-  double sum = 0;
-  for (int i = 0; i <= 20; ++i)
-    for (int j = 0; j <= 20; ++j) {
-      const Vector2d p(0.005 * i, 0.005 * j);
-      sum += (interpolate(in_a.locate(p), a.sheet.triangles, a.sheet.x) - interpolate(in_b.locate(p), b.sheet.triangles, b.sheet.x)).squaredNorm();
-    }
-  return std::sqrt(sum / 441);
+  const PatternSamples samples(test::rectangle(0.1, 0.1));
+  return rms_distance(samples(a.sheet).x, samples(b.sheet).x);
 }
 
 TEST(Stability, APushInOneFrameEndsWhereTheSlowOneDoes) {
