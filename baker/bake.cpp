@@ -116,7 +116,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     animation.show_memory = settings.formats.count("maps") || caches.wants_layers();
     FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { output.take(frame); });
     try {
-      animate(shot, plan.methods[s], animation, [&](const AnimatedFrame& frame) { return queue.push(frame); });
+      simulate(plan, s, animation, settings.threads, [&](const AnimatedFrame& frame) { return queue.push(frame); });
     } catch (const Error& error) {
       failure = error;  // what was baked so far is kept
     }

@@ -17,6 +17,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
+const char* const loose = "fem-loose";  // fem that stops ten times farther from the minimum
+
 struct Size {
   std::string method;
   int size;
@@ -37,9 +39,12 @@ struct Run {
 
 BakeSettings settings_for(const ChartSettings& settings, const Size& size) {
   BakeSettings s = settings.job;
-  s.method = size.method;
+  s.method = size.method == loose ? "fem" : size.method;
+  if (size.method == loose) s.stop = 10 * s.stop;
   s.seed = size.seed;
-  if (size.method == "hybrid") {
+  if (size.method == "hybrid+fem") {
+    s.polish = size.size;
+  } else if (size.method == "hybrid") {
     s.base_triangles = size.size;
     s.triangles = std::max(250, 2 * size.size);
   } else {
@@ -66,7 +71,7 @@ Run run(const ChartSettings& settings, const Size& size, unsigned start_seed, Cl
     double crease_length = 0, creases = 0;
     int singular = 0;
     try {
-      animate(shot, plan.methods[s], animation, [&](const AnimatedFrame& f) {
+      simulate(plan, s, animation, 1, [&](const AnimatedFrame& f) {
         if (!plan.frames.contains(f.frame)) return true;
         r.shapes[s].push_back(samples(*f.sheet).x / side);
         const LengthDistortion d = length_distortion(*f.sheet);
@@ -120,17 +125,19 @@ std::vector<Size> ladder(const ChartSettings& settings, int reference, unsigned 
       for (const int base : {60, 90, 120, 180}) sizes.push_back({method, base, seed});
     if (method == "adaptive")
       for (const int most : {60, 120, 240, 3000}) sizes.push_back({method, most, seed});  // the last: what its sizing field asks for
-    if (method == "fem")
+    if (method == "hybrid+fem")
+      for (const int part : {1, 4}) sizes.push_back({method, reference / part, seed});
+    if (method == "fem") {
       for (int n = reference / 8; n >= std::max(60, reference / 32); n /= 2) sizes.push_back({method, n, seed});
+      for (const int part : {1, 4, 16}) sizes.push_back({loose, reference / part, seed});
+    }
   }
   return sizes;
 }
 
 void check_methods(const std::vector<std::string>& methods) {
-  static const std::vector<std::string> known{"hybrid", "fem", "adaptive"};
   for (const std::string& method : methods)
-    if (std::find(known.begin(), known.end(), method) == known.end())
-      throw Error(Fault::command, "--methods", fmt::format("Unknown method \"{}\".", method), fmt::format("This version charts: {}.", fmt::join(known, ", ")));
+    if (!is_method(method)) throw Error(Fault::command, "--methods", fmt::format("Unknown method \"{}\".", method), fmt::format("This version charts: {}.", all_methods));
 }
 
 /// The runs of a chart, within its budget.

@@ -11,7 +11,7 @@ namespace paperbake {
 /// Speed against accuracy, for one scene.
 struct ChartSettings {
   BakeSettings job;                                  // scene, paper, frames, seed as for a bake; method and sizes are the chart's
-  std::vector<std::string> methods{"hybrid", "fem", "adaptive"};
+  std::vector<std::string> methods{"hybrid", "fem", "adaptive", "hybrid+fem"};
   int repeat = 3;                                    // [1] runs of each; times are medians
   int reference = 6000;                              // [1] triangles of fem
   double budget = 600;                               // [s] of the wall clock
@@ -20,7 +20,7 @@ struct ChartSettings {
 /// One method at one size with one seed. Means over frames and sheets where nothing else is said; CPU time on one thread.
 struct ChartPoint {
   std::string method;
-  int size = 0;                                // triangles of fem, base triangles of hybrid, the most that adaptive may have
+  int size = 0;                                // triangles of fem, also as it polishes; base triangles of hybrid, the most that adaptive may have
   unsigned seed = 0;
   double triangles = 0;
   double elastic_ms = 0, geometry_ms = 0;      // a frame of all sheets
@@ -46,8 +46,9 @@ struct Chart {
 };
 
 /// Runs every method at several sizes one after the other: first the reference (fem; half as many triangles as long as it does
-/// not come to an end), fem on 1/2 ... 1/32 of its triangles, the others (with three seeds where there are singular points), a twin
-/// of the reference, then repeats, until the budget is used up.
+/// not come to an end), fem on 1/2 ... 1/32 of its triangles and with a loose stop, ten times farther from the minimum
+/// ("fem-loose"), the others (with three seeds where there are singular points), a twin of the reference, then repeats, until the
+/// budget is used up.
 /// say  a sentence on what is being done
 /// throws as plan_bake does; Error(Fault::simulation) when no reference comes to an end
 Chart chart(const ChartSettings&, const std::function<void(const std::string&)>& say);

@@ -15,7 +15,7 @@ constexpr double width = 1280, height = 760, panel_top = 92, panel_height = 500;
 constexpr const char* font = "font-family=\"DejaVu Sans, Helvetica, Arial, sans-serif\"";
 
 const char* colour_of(const std::string& method) {
-  static const std::map<std::string, const char*> colours{{"hybrid", "#c8401c"}, {"fem", "#2a62a8"}, {"adaptive", "#3b8a3e"}};
+  static const std::map<std::string, const char*> colours{{"hybrid", "#c8401c"}, {"fem", "#2a62a8"}, {"adaptive", "#3b8a3e"}, {"hybrid+fem", "#8a3fa0"}, {"fem-loose", "#6fa8dc"}};
   const auto found = colours.find(method);
   return found == colours.end() ? "#555555" : found->second;
 }
@@ -171,7 +171,7 @@ std::string chart_svg(const Chart& chart) {
     svg += text(at + 15, 58.5, 13, method);
     at += 40 + 8.0 * method.size();
   }
-  svg += text(at, 58.5, 12, "numbers: triangles of fem, base triangles of hybrid, the most adaptive may have; bars: seeds; broad line: Pareto front", "start", "#555555");
+  svg += text(at, 58.5, 12, "numbers: triangles of fem (fem-loose: 10 x the stop), base triangles of hybrid, the most adaptive may have; bars: seeds; broad line: Pareto front", "start", "#555555");
   svg += draw(chart.chaotic ? energy : distance, chart.points, 70, 540);
   svg += draw(lengths, chart.points, 705, 540);
   double line = panel_top + panel_height + 66;

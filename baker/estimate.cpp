@@ -1,6 +1,7 @@
 #include "baker/estimate.h"
 
 #include "core/branches.h"
+#include "core/cpu_clock.h"
 #include "core/error.h"
 #include "core/polish.h"
 #include "formats/alembic_reader.h"
@@ -10,7 +11,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <ctime>
 #include <fmt/format.h>
 #include <fstream>
 #include <iterator>
@@ -27,12 +27,6 @@ using Json = nlohmann::json;
 constexpr int every = 12, fine = 1700, probing = 300;  // [frames], [triangles]
 constexpr int about_a_snap = 6;                        // [frames]
 constexpr double drop_of_a_snap = 0.3;                 // [1] of the energy
-
-double cpu_ms() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
-}
 
 std::string text_of(const fs::path& path) {
   std::ifstream file(path, std::ios::binary);
@@ -78,7 +72,7 @@ class Estimator {
  public:
   Estimator(const BakedSheet& sheet, const LockedJob& job) : sheet_(sheet), options_(options_of(job)), fine_(sheet.shot, options_, fine), coarse_(sheet.shot, options_, probing) {}
 
-  ErrorEstimate operator()(std::size_t at, const Sheet& baked) const {
+  ErrorEstimate operator()(std::size_t at, const Sheet& baked) {
     const Certified& now = sheet_.frames[at];
     ErrorEstimate e;
     e.frame = now.frame;
@@ -110,7 +104,7 @@ class Estimator {
   }
 
   /// On a coarser mesh: a branch that is lower there is lower.
-  double lower_branch(const Sheet& baked, const std::vector<int>& held, const Points3& held_at, int frame) const {
+  double lower_branch(const Sheet& baked, const std::vector<int>& held, const Points3& held_at, int frame) {
     Polished relaxed = coarse_(baked, held, held_at);
     if (!relaxed.converged) return 0;
     Elastic elastic(sheet_.shot.paper, options_);
@@ -181,7 +175,7 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
   const std::vector<BakedSheet> sheets = read_sheets(folder, summary, cache, job);
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     const BakedSheet& sheet = sheets[s];
-    const Estimator estimate(sheet, job);
+    Estimator estimate(sheet, job);
     for (std::size_t k = 0; k < sheet.frames.size(); ++k)
       if ((k + 1) % every == 0 || k + 1 == sheet.frames.size()) all.frames.push_back(estimate(k, as_sheet(cache.frame(s, k), sheet.side)));
     frames += sheet.frames.size();

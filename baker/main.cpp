@@ -76,9 +76,10 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("-o,--output", s.output, "Output folder; made when missing")->required();
   bake.add_option("--preset", s.preset, "Paper grade (see `paperbake presets`) or a preset file; replaces the scene's");
   bake.add_option("--set", words.set, "key=value: one number of the paper, over preset and scene");
-  bake.add_option("--method", s.method, "How to simulate: hybrid, fem, adaptive")->capture_default_str();
+  bake.add_option("--method", s.method, "How to simulate: hybrid, fem, adaptive; hybrid+fem: hybrid, polished")->capture_default_str();
   bake.add_option("--seed", s.seed, "Seed of all that is random; else the sheet's paper_seed, else 0");
   bake.add_option("--triangles", s.triangles, "Triangles of fem's mesh, within 10 % (1700); the most that hybrid (250) and adaptive (3000) may have")->check(CLI::Range(2, 400000));
+  bake.add_option("--polish", s.polish, "Bring every frame to the minimum of a fem of at most this many triangles, on the branch that the method found; 0: do not (hero: 6,000)")->check(CLI::Range(0, 400000));
   bake.add_option("--base-triangles", s.base_triangles, "Triangles that hybrid begins with")->capture_default_str()->check(CLI::Range(2, 100000));
   bake.add_option("--mesh", s.mesh, "Mesh in the cache: render (one for the whole shot, the default), simulation (as it is simulated)")
       ->transform(CLI::CheckedTransformer(std::map<std::string, CacheMesh>{{"render", CacheMesh::render}, {"simulation", CacheMesh::simulation}}));

@@ -2,6 +2,7 @@
 
 #include "baker/debug_pictures.h"
 #include "core/error.h"
+#include "core/polished_animation.h"
 #include "formats/murmur.h"
 #include "formats/preset_file.h"
 
@@ -11,9 +12,31 @@
 namespace paperbake {
 namespace {
 
+const char* const hybrid_and_fem = "hybrid+fem";  // hybrid, polished
+
 void check_method(const BakeSettings& settings) {
-  if (settings.method != "fem" && settings.method != "hybrid" && settings.method != "adaptive")
-    throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), "This version has: hybrid, fem, adaptive.");
+  if (!is_method(settings.method))
+    throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), fmt::format("This version has: {}.", all_methods));
+}
+
+bool is_hybrid(const BakeSettings& settings) { return settings.method == "hybrid" || settings.method == hybrid_and_fem; }
+
+/// throws Error(Fault::command) when it is asked for where it can do nothing
+Polishing polishing_of(const BakeSettings& settings) {
+  constexpr int usual = 6000;
+  const bool by_method = settings.method == hybrid_and_fem;
+  const char* option = by_method ? "--method hybrid+fem" : "--polish";
+  if (by_method && settings.polish == 0) throw Error(Fault::command, "--polish 0", "Frames of hybrid+fem are polished.", "Bake with --method hybrid.");
+  if (by_method || settings.polish.value_or(0) > 0) {
+    if (settings.method == "fem") throw Error(Fault::command, option, "There is nothing that fem could finish of its own frames.", "A finer fem is --triangles N.");
+    if (settings.dynamics == Dynamics::on)
+      throw Error(Fault::command, option, "A polished frame is at rest, and with inertia none is.", "Bake without --dynamics on, or without polish.");
+    return {settings.polish.value_or(usual), "asked for with " + std::string(option)};
+  }
+  if (settings.polish) return {0, "off with --polish 0"};
+  const bool hero = settings.quality == Quality::hero && settings.mesh == CacheMesh::render;
+  if (hero && settings.method == "hybrid" && settings.dynamics != Dynamics::on) return {usual, "--quality hero"};
+  return {0, settings.method == "fem" ? "fem is at its minimum" : "not asked for"};
 }
 
 void check_probe(const BakeSettings& settings) {
@@ -23,7 +46,7 @@ void check_probe(const BakeSettings& settings) {
 }
 
 int triangles_wanted(const BakeSettings& settings) {
-  return settings.triangles.value_or(settings.method == "hybrid" ? 250 : settings.method == "adaptive" ? 3000 : 1700);
+  return settings.triangles.value_or(is_hybrid(settings) ? 250 : settings.method == "adaptive" ? 3000 : 1700);
 }
 
 Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed, std::size_t sheet) {
@@ -91,8 +114,9 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"scene.last_frame", std::to_string(scene.last_frame), "scene"});
   used.push_back({"bake.method", toml_string(settings.method), said(settings.method != defaults.method)});
   used.push_back({"bake.triangles", std::to_string(triangles_wanted(settings)), said(settings.triangles.has_value())});
-  if (settings.method == "hybrid")
+  if (is_hybrid(settings))
     used.push_back({"bake.base_triangles", std::to_string(settings.base_triangles), said(settings.base_triangles != defaults.base_triangles)});
+  used.push_back({"bake.polish", std::to_string(plan.polish.triangles), said(settings.polish || settings.method == hybrid_and_fem)});
   used.push_back({"bake.mesh", settings.mesh == CacheMesh::render ? "\"render\"" : "\"simulation\"", said(settings.mesh != defaults.mesh)});
   if (settings.mesh == CacheMesh::render)
     used.push_back({"bake.quality", toml_string(settings.quality == Quality::draft ? "draft" : settings.quality == Quality::hero ? "hero" : "shot"),
@@ -117,6 +141,8 @@ Shot make_shot(SceneSheet&& sheet, const Paper& paper) {
 
 }  // namespace
 
+bool is_method(const std::string& name) { return name == "hybrid" || name == "fem" || name == "adaptive" || name == hybrid_and_fem; }
+
 std::string describe(const SheetImpossible& impossible) {
   const ImpossiblePair& p = impossible.pair;
   const double over = p.apart - p.allowed;
@@ -139,6 +165,9 @@ BakePlan plan_bake(const BakeSettings& settings) {
   plan.name = settings.scene.stem().string();
   check_method(settings);
   check_probe(settings);
+  plan.polish = polishing_of(settings);
+  plan.method = settings.method;
+  if (plan.polish.triangles > 0 && settings.method != hybrid_and_fem) plan.method += "+fem";
   if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation && settings.method != "fem")
     throw Error(Fault::command, "--formats pc2", "A point cache has one mesh for the whole shot, and the simulated one changes.", "Leave out --mesh simulation, or pc2.");
   Scene scene = read_scene(settings.scene, settings.reading);
@@ -187,6 +216,14 @@ BakePlan plan_bake(const BakeSettings& settings) {
                 describe(plan.impossible.front()), "Bring the handles closer together, or bake without --strict: then they are met as far as paper can.");
   }
   return plan;
+}
+
+void simulate(const BakePlan& plan, std::size_t sheet, const AnimateOptions& animation, int threads, const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  const Shot& shot = plan.shots[sheet];
+  const Method& method = plan.methods[sheet];
+  if (plan.polish.triangles == 0) return animate(shot, method, animation, on_frame);
+  const auto wanted = [&](int frame) { return plan.frames.contains(frame - 1) || plan.frames.contains(frame) || plan.frames.contains(frame + 1); };  // for velocities
+  animate_polished(shot, method, animation, {plan.polish.triangles, threads, wanted}, on_frame);
 }
 
 std::string lock_text(const BakePlan& plan) {

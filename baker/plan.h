@@ -4,6 +4,7 @@
 #include "core/animate.h"
 #include "core/reach.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,6 +14,16 @@ namespace paperbake {
 struct SheetImpossible {
   std::string sheet;
   ImpossiblePair pair;
+};
+
+/// What --method may say, and the whole list in words.
+bool is_method(const std::string&);
+inline constexpr const char* all_methods = "hybrid, fem, adaptive, hybrid+fem";
+
+/// Are frames finished by a fine fem (core/polished_animation.h)?
+struct Polishing {
+  int triangles = 0;                   // 0: they are not
+  std::string why;
 };
 
 /// All that a bake will do, decided before anything is simulated or written.
@@ -25,7 +36,9 @@ struct BakePlan {
   FrameSpan frames;                    // written
   std::vector<FrameSpan> map_frames;
   std::vector<FrameSpan> debug_frames; // with a debug picture, besides the last and those with a birth
+  std::string method;                  // as it is called: with "+fem" behind it when frames are polished
   std::vector<Method> methods;         // of each sheet
+  Polishing polish;
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;         // every value and where it came from, for job.lock.toml
@@ -36,6 +49,9 @@ struct BakePlan {
 /// Reads the scene and settles every value. throws Error: scene unusable, unknown preset, unknown method, and with `strict`
 /// handles that ask the impossible
 BakePlan plan_bake(const BakeSettings&);
+
+/// Simulates one sheet of a plan: animate, polished where that is planned, for the frames that are written and their neighbours.
+void simulate(const BakePlan&, std::size_t sheet, const AnimateOptions&, int threads, const std::function<bool(const AnimatedFrame&)>& on_frame);
 
 /// One sentence about such a pair: frames, names, overshoot.
 std::string describe(const SheetImpossible&);

@@ -1,19 +1,12 @@
 #include "baker/render_pass.h"
 
 #include "baker/cache_measure.h"
+#include "core/cpu_clock.h"
 
-#include <ctime>
 #include <optional>
 
 namespace paperbake {
 namespace {
-
-/// CPU time of this thread. [ms]
-double cpu_ms() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
-}
 
 struct Shown {
   RenderFrame frame;

@@ -86,7 +86,7 @@ std::string Report::html(const std::vector<FrameRecord>& records, const std::vec
   for (const FrameRecord& r : records)
     if (frames.empty() || frames.back() != r.frame) frames.push_back(r.frame);
   data["frames"] = frames;
-  data["what"] = frames.empty() ? "" : fmt::format("{}, frames {}-{} at {:g} fps, paperbake " PAPERBAKE_VERSION, plan_.methods.front().name, frames.front(), frames.back(), plan_.animation.fps);
+  data["what"] = frames.empty() ? "" : fmt::format("{}, frames {}-{} at {:g} fps, paperbake " PAPERBAKE_VERSION, plan_.method, frames.front(), frames.back(), plan_.animation.fps);
   data["settings"] = Json::array();
   for (const UsedValue& value : plan_.used) data["settings"].push_back({value.key, value.value, value.origin});
 

@@ -38,6 +38,7 @@ struct BakeSettings {
   std::optional<unsigned> seed;
   std::optional<int> triangles;                          // fem: its mesh (1,700); hybrid: its cap (250)
   int base_triangles = 120;                              // of the hybrid
+  std::optional<int> polish;                             // triangles of the fem that finishes every frame; 0: none
   std::optional<double> gravity;                         // [m/s2]
   double stop = 1e-5;                                    // [m]
   Dynamics dynamics = Dynamics::automatic;

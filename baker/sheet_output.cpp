@@ -133,7 +133,7 @@ void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) {
   if (!settings_.debug_pictures || frame.frame < plan_.frames.first) return;
   const bool listed = std::any_of(plan_.debug_frames.begin(), plan_.debug_frames.end(), [&](const FrameSpan& s) { return s.contains(frame.frame); });
   if (!listed && frame.new_singular == 0 && frame.frame != plan_.frames.last) return;
-  const std::string title = fmt::format("{}, {}, {}, frame {}", plan_.name, shot_.sheet_name, plan_.methods[sheet_].name, frame.frame);
+  const std::string title = fmt::format("{}, {}, {}, frame {}", plan_.name, shot_.sheet_name, plan_.method, frame.frame);
   const auto file = *settings_.debug_pictures / fmt::format("{}{}.{:04}.png", plan_.name, suffix_, frame.frame);
   if (files_.losses.attempt(file.string(), [&] { write_png(file, debug_picture(shot_, frame, title)); })) files_.pictures.push_back(file);
 }

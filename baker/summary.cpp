@@ -38,7 +38,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const std::string& method = plan.methods.front().name;
-  const bool yields = method != "fem", singular = method == "hybrid";
+  const bool yields = plan.animation.memory == Memory::plastic, singular = method == "hybrid";
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {{"dynamics", model(dynamic, dynamic ? "asked for with --dynamics on" : "quasi-static: handles move slowly against the sheet's own waves")},
           {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
@@ -46,6 +46,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
           {"singular_points", model(singular, singular ? "two bending directions may conflict" : "method " + method + " makes none")},
           {"contact", model(touching > 0, touching > 0 ? fmt::format("the sheet comes near itself in {} frames", touching)
                                                        : "the sheet never comes near itself")},
+          {"polish", model(plan.polish.triangles > 0, plan.polish.why)},
           {"colliders", model(false, "not in this version")}};
 }
 
@@ -93,7 +94,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
   for (const FrameRecord& f : frames) singular += f.new_singular, crossings = std::max(crossings, f.crossings);
 
   const Json summary{
-      {"program", "paperbake"}, {"version", PAPERBAKE_VERSION}, {"job_hash", plan.job_hash}, {"method", plan.methods.front().name},
+      {"program", "paperbake"}, {"version", PAPERBAKE_VERSION}, {"job_hash", plan.job_hash}, {"method", plan.method},
       {"fps", plan.animation.fps}, {"first_frame", plan.frames.first}, {"last_frame", plan.frames.last},
       {"frames", frames.size()}, {"sheets", sheets},
       {"triangles", spread(frames, [](const FrameRecord& f) { return double(f.triangles); })},

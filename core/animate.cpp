@@ -1,6 +1,7 @@
 #include "core/animate.h"
 
 #include "core/branches.h"
+#include "core/cpu_clock.h"
 #include "core/error.h"
 #include "core/exchange.h"
 #include "core/hinges.h"
@@ -15,7 +16,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <ctime>
 #include <limits>
 #include <map>
 #include <optional>
@@ -29,13 +29,6 @@ constexpr int max_halvings = 8;
 constexpr double most_leap = 0.03;        // [1] of the longer side, in one step
 constexpr int most_halvings_of_a_leap = 5;
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
-
-/// CPU time of this thread. [ms]
-double cpu_ms() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
-}
 
 /// Adds a ripple along the common normal when all points lie in one plane.
 void disturb_if_flat(Sheet& sheet, double side, unsigned seed) {
@@ -370,6 +363,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.contact = step.last.contact;
     result.touching = step.last.touching;
     result.plastic = memory ? memory->integral() : 0;
+    result.memory = memory ? &*memory : nullptr;
     if (memory && options.show_memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);
     if (!on_frame(result)) return;
   }

@@ -51,6 +51,7 @@ struct AnimatedFrame {
   bool converged = true;
   double energy = 0, membrane_energy = 0;  // [J] stored in the sheet; its stretching part
   double plastic = 0;                      // [m rad] integral of the plastic curvature over the pattern so far
+  const PlasticGrid* memory = nullptr;     // what the paper keeps; belongs to animate
   Points3 plastic_curvature;               // |V|x3 [1/m] Sxx, Sxy, Syy kept at the vertices of the sheet; empty when not asked for
   bool contact = false;                    // the sheet came near itself: it was kept from passing through
   int touching = 0;                        // pairs of features that push each other

@@ -69,6 +69,28 @@ TEST_F(CommandLine, AnUnknownMethodEndsWithTwo) {
   EXPECT_NE(ended.err.find("fem"), std::string::npos) << "what there is should be listed";
 }
 
+TEST_F(CommandLine, PolishIsRefusedWhereItCanDoNothing) {
+  EXPECT_TRUE(is_error(bake({"--method", "fem", "--polish", "3000"}), 2, "--polish", "--triangles"));
+  EXPECT_TRUE(is_error(bake({"--polish", "3000", "--dynamics", "on"}), 2, "--polish", "at rest"));
+  EXPECT_TRUE(is_error(bake({"--method", "hybrid+fem", "--polish", "0"}), 2, "--polish 0", "hybrid+fem"));
+}
+
+TEST_F(CommandLine, HeroAndHybridWithFemArePolishedUnlessSaidOtherwise) {
+  const auto polished = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"--dry-run"};
+    words.insert(words.end(), options.begin(), options.end());
+    const std::string out = bake(words).out;
+    const std::size_t at = out.find("polish = ");
+    return at == std::string::npos ? "" : out.substr(at + 9, out.find(' ', at + 9) - at - 9);
+  };
+  EXPECT_EQ(polished({}), "0");
+  EXPECT_EQ(polished({"--quality", "hero"}), "6000");
+  EXPECT_EQ(polished({"--quality", "hero", "--polish", "0"}), "0");
+  EXPECT_EQ(polished({"--quality", "hero", "--method", "fem"}), "0");
+  EXPECT_EQ(polished({"--method", "hybrid+fem"}), "6000");
+  EXPECT_EQ(polished({"--method", "hybrid+fem", "--polish", "800"}), "800");
+}
+
 TEST_F(CommandLine, AnUnknownKeyOfSetEndsWithTwoAndTheNearestName) {
   EXPECT_TRUE(is_error(bake({"--set", "thicknes=9e-5"}), 2, "--set thicknes", "Did you mean \"thickness\"?"));
   EXPECT_TRUE(is_error(bake({"--set", "thickness=thin"}), 2, "--set thickness", "\"thin\" is not a number"));

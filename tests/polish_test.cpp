@@ -37,7 +37,7 @@ Taken take(const Shot& shot, const Method& method, int frame) {
 TEST(Polish, ACoarseFrameEndsWhereTheFineOneThatMarchedIs) {
   const Shot shot = test::s1_push();
   const Taken coarse = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 20), fine = take(shot, fem(1000), 20);
-  const Polisher polish(shot, {}, 1000);
+  Polisher polish(shot, {}, 1000);
   const Polished polished = polish(coarse.sheet, coarse.held, coarse.held_at);
   ASSERT_TRUE(polished.converged);
   const PatternSamples samples(shot.pattern);
@@ -52,7 +52,7 @@ TEST(Polish, ACoarseFrameEndsWhereTheFineOneThatMarchedIs) {
 TEST(Polish, HandlesStayWhereTheyHoldTheSheet) {
   const Shot shot = test::s1_push();
   const Taken coarse = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 30);
-  const Polisher polish(shot, {}, 400);
+  Polisher polish(shot, {}, 400);
   const Polished polished = polish(coarse.sheet, coarse.held, coarse.held_at);
   ASSERT_EQ(coarse.held.size(), 23u);
   for (std::size_t k = 0; k < coarse.held.size(); ++k)
@@ -63,7 +63,7 @@ TEST(Polish, AFrameIsTheSameWhicheverWasPolishedBefore) {
   const Shot shot = test::s1_push();
   const Method method = hybrid(shot.pattern, shot.paper, 90, {}, 0, 0);
   const Taken one = take(shot, method, 20), other = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 10);
-  const Polisher polish(shot, {}, 400);
+  Polisher polish(shot, {}, 400);
   const Points3 first = polish(one.sheet, one.held, one.held_at).sheet.x;
   polish(other.sheet, other.held, other.held_at);
   EXPECT_TRUE(polish(one.sheet, one.held, one.held_at).sheet.x == first);

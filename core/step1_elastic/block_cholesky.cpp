@@ -11,15 +11,18 @@ namespace paperbake {
 namespace {
 
 /// Sums must not depend on a number of threads, and threads of such small loops only wait for each other: OpenBLAS, where it
-/// is the BLAS behind CHOLMOD, and the OpenMP loops of CHOLMOD's supernodal part stay on the caller's thread.
+/// is the BLAS behind CHOLMOD, and the OpenMP loops of CHOLMOD's supernodal part stay on the caller's thread. OpenMP keeps that for
+/// each thread by itself: to be called wherever a factor is made.
 void stay_on_this_thread() {
+  thread_local bool stays = false;
+  if (stays) return;
+  stays = true;
   using Setter = void (*)(int);
   if (auto set = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
   if (auto set = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) set(0);
 }
 
 cholmod_common* start_cholmod() {
-  stay_on_this_thread();
   auto* c = new cholmod_common;
   cholmod_start(c);
   c->print = 0;
@@ -127,6 +130,7 @@ void BlockCholesky::shift_diagonal(double value) {
 }
 
 bool BlockCholesky::factorise() {
+  stay_on_this_thread();
   cholmod_factorize(matrix_.get(), factor_.get(), common_.get());
   if (common_->status == CHOLMOD_OUT_OF_MEMORY)
     throw Error(Fault::simulation, "elastic step", "The matrix could not be factorised: out of memory.", "Use fewer triangles.");
@@ -134,6 +138,7 @@ bool BlockCholesky::factorise() {
 }
 
 const Eigen::VectorXd& BlockCholesky::solve(const Eigen::VectorXd& b) {
+  stay_on_this_thread();
   const int blocks = static_cast<int>(place_.size());
   double* rhs = static_cast<double*>(rhs_->x);
   for (int i = 0; i < blocks; ++i) Eigen::Map<Eigen::Vector3d>(rhs + 3 * place_[i]) = b.segment<3>(3 * i);

@@ -14,6 +14,7 @@
 // Environment: BENCH_QUALITY="draft shot hero"; BENCH_ELASTIC=1: paper that does not yield
 
 #include "core/animate.h"
+#include "core/cpu_clock.h"
 #include "core/measure.h"
 #include "core/plastic_grid.h"
 #include "core/render_sheet.h"
@@ -24,7 +25,6 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <ctime>
 #include <sstream>
 #include <string>
 
@@ -38,12 +38,6 @@ struct Case {
 };
 constexpr Case cases[] = {{"S1_push", 60, 0}, {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0}, {"S4r_release", 144, 0},
                           {"S5_roll", 72, 9.81}, {"S8_dcone", 96, 0}, {"S9_unload", 120, 0}};
-
-double cpu_ms() {
-  timespec t;
-  clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
-  return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
-}
 
 /// What the paper remembers at a frame: of each triangle of the simulated mesh the mean of its corners.
 PlasticGrid remembered(const Pattern& pattern, const Sheet& sheet, const Points3& plastic) {
