@@ -6,6 +6,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <dlfcn.h>
+#include <mutex>
 
 namespace paperbake {
 namespace {
@@ -20,6 +21,18 @@ void stay_on_this_thread() {
   using Setter = void (*)(int);
   if (auto set = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "openblas_set_num_threads"))) set(1);
   if (auto set = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) set(0);
+}
+
+/// A build of OpenBLAS for one thread has its buffers without a lock, and factors that are made side by side spoil each other: there
+/// they take turns.
+std::unique_lock<std::mutex> turn_at_blas() {
+  static std::mutex mutex;
+  static const bool one_at_a_time = [] {
+    using Getter = int (*)();
+    const auto threads = reinterpret_cast<Getter>(dlsym(RTLD_DEFAULT, "openblas_get_parallel"));
+    return threads && threads() == 0;
+  }();
+  return one_at_a_time ? std::unique_lock(mutex) : std::unique_lock<std::mutex>();
 }
 
 cholmod_common* start_cholmod() {
@@ -131,6 +144,7 @@ void BlockCholesky::shift_diagonal(double value) {
 
 bool BlockCholesky::factorise() {
   stay_on_this_thread();
+  const auto turn = turn_at_blas();
   cholmod_factorize(matrix_.get(), factor_.get(), common_.get());
   if (common_->status == CHOLMOD_OUT_OF_MEMORY)
     throw Error(Fault::simulation, "elastic step", "The matrix could not be factorised: out of memory.", "Use fewer triangles.");
@@ -139,6 +153,7 @@ bool BlockCholesky::factorise() {
 
 const Eigen::VectorXd& BlockCholesky::solve(const Eigen::VectorXd& b) {
   stay_on_this_thread();
+  const auto turn = turn_at_blas();
   const int blocks = static_cast<int>(place_.size());
   double* rhs = static_cast<double*>(rhs_->x);
   for (int i = 0; i < blocks; ++i) Eigen::Map<Eigen::Vector3d>(rhs + 3 * place_[i]) = b.segment<3>(3 * i);
