@@ -12,7 +12,6 @@ namespace paperbake {
 namespace {
 
 constexpr double amplitudes[] = {0.02, 0.06};  // [1] of the longer side
-constexpr int waves_of_each = 3;
 constexpr double same = 0.02;                  // [1] of the energy: another branch is lower by more
 constexpr double another_shape = 0.01;         // [1] of the longer side, rms: nearer than this it is the same shape
 constexpr int most_steps_in_touch = 12;
@@ -49,7 +48,7 @@ Branches finish(Sheet& sheet, Elastic& elastic, const Held& held, double dt) {
 
 }  // namespace
 
-Branches probe_branches(Sheet& sheet, Elastic& elastic, const Held& held, double dt, std::uint32_t seed, int frame) {
+Branches probe_branches(Sheet& sheet, Elastic& elastic, const Held& held, double dt, std::uint32_t seed, int frame, int waves_of_each) {
   const double side = (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
   const ElasticPast as_it_was = elastic.past();
   if (as_it_was.careful) return finish(sheet, elastic, held, dt);

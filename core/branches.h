@@ -16,13 +16,13 @@ struct Branches {
 };
 
 /// Looks for other minima of the potential. The sheet is pushed along its normals by long waves that depend on seed and frame,
-/// three of 2 % of its longer side and three of 6 %, and every one is relaxed with the handles where they are. The lowest that
+/// some (three) of 2 % of its longer side and some of 6 %, and every one is relaxed with the handles where they are. The lowest that
 /// ends at a minimum, does not cross itself and is more than 2 % below the sheet as it is, is taken: stepped to, so that it
 /// flows and touches as in any step. Otherwise there is no trace of the probe.
 /// A sheet that touches itself cannot be pushed, not through itself: it is given twelve more steps to get lower where it is.
 /// dt      [s] of a frame
 /// source  this project
-Branches probe_branches(Sheet&, Elastic&, const Held&, double dt, std::uint32_t seed, int frame);
+Branches probe_branches(Sheet&, Elastic&, const Held&, double dt, std::uint32_t seed, int frame, int waves_of_each = 3);
 
 /// What there is to say of it in the certificate; empty: nothing.
 std::string note_of(const Branches&);
