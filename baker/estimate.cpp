@@ -24,7 +24,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr int every = 12, fine = 1700, probing = 200;  // [frames], [triangles]
+constexpr int every = 12, fine = 2400, probing = 200;  // [frames], [triangles]
 constexpr int waves = 1;                               // of each height, in the probe for another branch
 constexpr double of_another_paper = 1.3;               // [1] so much more energy on the finer mesh
 constexpr int about_a_snap = 6;                        // [frames]
