@@ -249,10 +249,10 @@ Eigen::Affine3d local_at(const ImportedNode& node, const Motion& motion, int fra
 
 }  // namespace
 
-SceneNodes read_scene_nodes(const std::filesystem::path& path, const SceneOptions& options) {
+SceneNodes scene_nodes(ImportedFile file, std::string source, const SceneOptions& options) {
   SceneNodes scene;
-  scene.source = path.filename().string();
-  scene.file = import_file(path);
+  scene.source = std::move(source);
+  scene.file = std::move(file);
   const auto used = merge_takes(scene, options);
   warn_of_doubled_names(scene);
   set_fps(scene, options);
