@@ -21,7 +21,7 @@ namespace paperbake {
 namespace {
 
 const char* const export_again = "Export the file again as FBX, glTF or GLB and check that it opens in the DCC.";
-// what an import may take, with much to spare: scenes of 50 MB were seen to take 20 times their size and a second for 20 MB
+// what an import may take, with much to spare: two million triangles in a GLB of 36 MB take 180 MB and 0.2 s
 constexpr std::uint64_t least_memory = std::uint64_t(1) << 30, memory_of_byte = 100;  // [bytes]
 constexpr unsigned least_seconds = 5, bytes_a_second = 1 << 20;                        // of CPU time
 const std::string pivot_mark = "_$AssimpFbx$_";

@@ -2,8 +2,6 @@
 
 #include "tests/fuzz/readers.h"
 
-#include "core/error.h"
-#include "formats/scene_file.h"
 
 #include <gtest/gtest.h>
 
