@@ -2,7 +2,6 @@
 
 #include "tests/fuzz/readers.h"
 
-
 #include <gtest/gtest.h>
 
 #include <filesystem>
