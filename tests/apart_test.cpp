@@ -15,7 +15,7 @@ namespace {
 
 TEST(Apart, HandsBackAllBytes) {
   std::string all;
-  for (int i = 0; i < 3000000; ++i) all += static_cast<char>(i * i % 251);  // many times what a pipe holds
+  for (unsigned i = 0; i < 3000000; ++i) all += static_cast<char>(i * i % 251);  // many times what a pipe holds
   EXPECT_EQ(run_apart([&] { return all; }).bytes, all);
   EXPECT_EQ(run_apart([] { return std::string(); }).bytes, "");
 }
