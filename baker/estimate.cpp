@@ -131,7 +131,10 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
     sheet.side = std::max(said.at("width_m").get<double>(), said.at("height_m").get<double>());
     sheet.shot.sheet_name = sheet.name;
     if (const auto paper = job.papers.find(sheet.name); paper != job.papers.end()) sheet.shot.paper = paper->second;
-    sheet.shot.start = as_sheet(cache.frame(sheets.size(), 0), sheet.side);
+    const CacheFrame first = cache.frame(sheets.size(), 0);
+    if (first.triangles.rows() == 0 || first.uv.rows() == 0)
+      throw Error(Fault::command, fmt::format("{}, sheet \"{}\"", folder.string(), sheet.name), "Its first frame in the cache has no faces or no uv.", "Bake again.");
+    sheet.shot.start = as_sheet(first, sheet.side);
     sheet.shot.pattern = pattern_of(sheet.shot.start.pattern, sheet.shot.start.triangles, folder.string());
     number[sheet.name] = sheets.size();
     sheets.push_back(std::move(sheet));
@@ -157,6 +160,15 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
   return sheets;
 }
 
+/// The same; a sheet or handle that only one of the files knows is an error with a place.
+std::vector<BakedSheet> sheets_of(const fs::path& folder, const Json& summary, const AlembicReader& cache, const LockedJob& job) try {
+  return read_sheets(folder, summary, cache, job);
+} catch (const Error&) {
+  throw;
+} catch (const std::exception& error) {
+  throw Error(Fault::command, (folder / "cert").string(), fmt::format("The certificate is not that of the cache ({}).", error.what()), "Bake again.");
+}
+
 }  // namespace
 
 ErrorEstimates estimate_errors(const fs::path& folder) {
@@ -175,7 +187,7 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
   const double begun = cpu_ms();
   ErrorEstimates all;
   std::size_t frames = 0;
-  const std::vector<BakedSheet> sheets = read_sheets(folder, summary, cache, job);
+  const std::vector<BakedSheet> sheets = sheets_of(folder, summary, cache, job);
   for (std::size_t s = 0; s < sheets.size(); ++s) {
     const BakedSheet& sheet = sheets[s];
     Estimator estimate(sheet, job);

@@ -136,6 +136,7 @@ class Verifier {
                      const HandlesOfFrames& handles) {
     const int frame = record.at("frame");
     const CacheFrame stored = cache.frame(sheet, i);
+    if (stored.x.rows() == 0 || stored.uv.rows() == 0) return differs(frame, file, "It has no points or no uv: nothing can be measured.");
     const auto compare = [&](const char* field, double found, double same, const char* unit) {
       const double said = record.at(field);
       if (std::abs(found - said) > same) differs(frame, file, fmt::format("{}: the certificate says {:.6g} {}, the cache {:.6g}.", field, said, unit, found));

@@ -15,6 +15,8 @@ namespace {
 using alembic::Pod;
 using alembic::Shape;
 
+constexpr std::size_t most_frames = 200000;  // twice the longest clip of a scene; frames that are the same take no room in the file
+
 /// A property as its header tells, and where its samples lie.
 struct Stored {
   std::string name;
@@ -178,6 +180,7 @@ struct AlembicReader::Impl {
     Sheet sheet;
     sheet.name = transform.name;
     sheet.frames = mesh.points->header.count;
+    if (sheet.frames > most_frames) file.refuse("Sheet \"" + transform.name + "\" has " + std::to_string(sheet.frames) + " frames: more than anybody bakes.");
     sheet.constant_topology = mesh.indices->samples.size() == 1 && mesh.counts->samples.size() == 1;
     sheet.velocity = mesh.velocities.has_value(), sheet.normal = mesh.normals.has_value(), sheet.uv = mesh.uv.has_value(), sheet.crease = mesh.colours.has_value();
     sheets.push_back(std::move(sheet));

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <map>
 
 namespace paperbake {
@@ -117,7 +118,7 @@ std::vector<HandleRecord> parse_handles_csv(const std::string& text) {
     const std::vector<std::string>& f = rows[k];
     HandleRecord r;
     double n[9];
-    bool good = f.size() == 12 && read_number(f[0], n[0]);
+    bool good = f.size() == 12 && read_number(f[0], n[0]) && std::abs(n[0]) <= std::numeric_limits<int>::max();
     for (int i = 0; i < 8 && good; ++i) good = read_number(f[3 + i], n[1 + i]);
     if (!good || (f[11] != "held" && f[11] != "free" && f[11] != "jammed"))
       throw Error(Fault::scene, fmt::format("handles.csv, row {}", k + 1), "It is not a row that this version writes.");

@@ -135,8 +135,8 @@ std::optional<double> gravity_of(const SceneNodes& scene, std::map<std::string, 
 
 }  // namespace
 
-Scene read_scene(const std::filesystem::path& path, const SceneOptions& options) {
-  SceneNodes nodes = read_scene_nodes(path, options);
+Scene scene_of(ImportedFile file, std::string source, const SceneOptions& options) {
+  const SceneNodes nodes = scene_nodes(std::move(file), std::move(source), options);
   Scene scene;
   scene.source = nodes.source;
   scene.fps = nodes.fps;
@@ -152,8 +152,12 @@ Scene read_scene(const std::filesystem::path& path, const SceneOptions& options)
   return scene;
 }
 
+Scene read_scene(const std::filesystem::path& path, const SceneOptions& options) {
+  return scene_of(import_file(path), path.filename().string(), options);
+}
+
 Tracks read_tracks(const std::filesystem::path& path, const SceneOptions& options) {
-  const SceneNodes scene = read_scene_nodes(path, options);
+  const SceneNodes scene = scene_nodes(import_file(path), path.filename().string(), options);
   const int frames = scene.last_clip_frame - scene.first_clip_frame + 1;
   Tracks tracks;
   tracks.first_frame = scene.first_clip_frame;

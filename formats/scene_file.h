@@ -11,6 +11,8 @@
 
 namespace paperbake {
 
+struct ImportedFile;
+
 /// What the command line may say about a scene file; what it leaves open is taken from the file.
 struct SceneOptions {
   std::optional<double> fps;          // [1/s]   else FBX's own, else paper_fps, else 24 with a warning
@@ -46,6 +48,9 @@ struct Scene {
 /// throws Error(Fault::scene): missing or unreadable file, no sheet, no handle, a node twice, a size that cannot be paper,
 /// a handle that jumps more than 4 diagonals of the sheet in one frame. source: design.md, import.md
 Scene read_scene(const std::filesystem::path&, const SceneOptions& = {});
+
+/// The same of a file that is imported already (scene_import.h).
+Scene scene_of(ImportedFile, std::string source, const SceneOptions& = {});
 
 /// World positions of the origin of every node and bone at every whole frame of the clip, raw names. Needs no sheet.
 struct Tracks {

@@ -66,7 +66,11 @@ struct ImportedFile {
 };
 
 /// Reads an FBX, glTF or GLB file. Every number in it is finite and every triangle has its vertices.
-/// throws Error(Fault::scene): missing, damaged or foreign file. source: import.md
+/// The importer, which trusts what it reads, works in a process of its own (formats/apart.h) within limits of memory and time.
+/// throws Error(Fault::scene): missing, damaged or foreign file, one that the importer does not survive. source: import.md
 ImportedFile import_file(const std::filesystem::path&);
+
+/// The same in this process, which a damaged file may end.
+ImportedFile import_here(const std::filesystem::path&);
 
 }  // namespace paperbake

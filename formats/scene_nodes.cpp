@@ -14,6 +14,7 @@ namespace {
 
 constexpr double frame_rounding = 0.01;  // [frames] files come with 99.9999 for 100
 constexpr int longest_clip = 100000;     // [frames] over an hour: more is a wrong fps or a damaged file
+constexpr double most_places = 2e7;      // nodes x frames: half a gigabyte of tracks, seconds
 
 template <class AnyMotion, class Visit>
 void for_each_track(AnyMotion& motion, Visit visit) {
@@ -204,6 +205,9 @@ void set_frames(SceneNodes& scene, const SceneOptions& options, const std::vecto
   if (!(last - first <= longest_clip) || std::abs(first) > 1e9)
     throw Error(Fault::scene, scene.source, fmt::format("The clip runs from frame {:.6g} to {:.6g}.", first, last),
                 "Check --fps, and the range of the export.");
+  if ((last - first + 1) * scene.file.nodes.size() > most_places)
+    throw Error(Fault::scene, scene.source, fmt::format("The clip has {:.6g} frames of {} nodes: that is too much to follow.", last - first + 1, scene.file.nodes.size()),
+                "Export the sheets and handles alone, or a shorter range.");
   for (Motion& motion : scene.motions)
     for_each_track(motion, [&](auto& track) {
       for (auto& key : track) key.time = to_frame(key.time, scene.fps, shift);
@@ -249,10 +253,10 @@ Eigen::Affine3d local_at(const ImportedNode& node, const Motion& motion, int fra
 
 }  // namespace
 
-SceneNodes read_scene_nodes(const std::filesystem::path& path, const SceneOptions& options) {
+SceneNodes scene_nodes(ImportedFile file, std::string source, const SceneOptions& options) {
   SceneNodes scene;
-  scene.source = path.filename().string();
-  scene.file = import_file(path);
+  scene.source = std::move(source);
+  scene.file = std::move(file);
   const auto used = merge_takes(scene, options);
   warn_of_doubled_names(scene);
   set_fps(scene, options);

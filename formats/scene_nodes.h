@@ -24,10 +24,10 @@ struct SceneNodes {
   std::map<std::string, std::string> origin;
 };
 
-/// Imports the file, merges its takes (for each node the one that moves it with most keys), sets frames, unit and axes.
+/// Merges the takes of a file (for each node the one that moves it with most keys), sets frames, unit and axes.
 /// frame = seconds x fps, rounded to the nearest whole frame when within 0.01; FBX times begin at options.start_frame, else 1.
-/// throws Error(Fault::scene): as import_file; an unknown take, an fps, unit or clip length that cannot be meant
-SceneNodes read_scene_nodes(const std::filesystem::path&, const SceneOptions&);
+/// throws Error(Fault::scene): an unknown take, an fps, unit or clip length that cannot be meant
+SceneNodes scene_nodes(ImportedFile, std::string source, const SceneOptions&);
 
 /// World transform of every node at a frame, in metres, z up; between keys linear, rotations along the shorter arc.
 /// The columns of its linear part are as long as one unit of the node's own space in metres.

@@ -54,19 +54,21 @@ WeldedMesh weld(const WeldedMesh& mesh, bool keep_uv) {
   std::vector<int> used(mesh.triangles.data(), mesh.triangles.data() + mesh.triangles.size());
   std::sort(used.begin(), used.end());
   used.erase(std::unique(used.begin(), used.end()), used.end());
-  std::vector<int> by_x = used;
-  std::stable_sort(by_x.begin(), by_x.end(), [&](int a, int b) { return mesh.x(a, 0) < mesh.x(b, 0); });
+  int along = 0;  // the longest side: few vertices have the same place on it
+  (mesh.x.colwise().maxCoeff() - mesh.x.colwise().minCoeff()).maxCoeff(&along);
+  std::vector<int> in_order = used;
+  std::stable_sort(in_order.begin(), in_order.end(), [&](int a, int b) { return mesh.x(a, along) < mesh.x(b, along); });
   std::vector<int> same(mesh.x.rows());
   std::iota(same.begin(), same.end(), 0);
   const auto root = [&](int v) {
     while (same[v] != v) v = same[v];
     return v;
   };
-  for (std::size_t i = 0; i < by_x.size(); ++i)
-    for (std::size_t j = i; j-- > 0 && mesh.x(by_x[i], 0) - mesh.x(by_x[j], 0) <= near;) {
-      if ((mesh.x.row(by_x[i]) - mesh.x.row(by_x[j])).norm() > near) continue;
-      if (keep_uv && (mesh.uv.row(by_x[i]) - mesh.uv.row(by_x[j])).norm() > weld_uv) continue;
-      const int a = root(by_x[i]), b = root(by_x[j]);
+  for (std::size_t i = 0; i < in_order.size(); ++i)
+    for (std::size_t j = i; j-- > 0 && mesh.x(in_order[i], along) - mesh.x(in_order[j], along) <= near;) {
+      if ((mesh.x.row(in_order[i]) - mesh.x.row(in_order[j])).norm() > near) continue;
+      if (keep_uv && (mesh.uv.row(in_order[i]) - mesh.uv.row(in_order[j])).norm() > weld_uv) continue;
+      const int a = root(in_order[i]), b = root(in_order[j]);
       same[std::max(a, b)] = std::min(a, b);
     }
   std::vector<int> kept, number(mesh.x.rows(), -1);

@@ -122,6 +122,26 @@ TEST_F(Reader, RefusesWhatIsNoFinishedCache) {
   EXPECT_THROW(AlembicReader{folder}, Error);
 }
 
+/// A few bytes may say that a frame lasts for ever: whoever goes through all frames must come to an end.
+TEST_F(Reader, RefusesMoreFramesThanAnybodyBakes) {
+  AlembicWriter writer(file, CacheInfo{}, {"paper"});
+  for (int i = 0; i < 70000; ++i) writer.add_frame(0, square(0));
+  writer.finish();
+  std::string whole = bytes();
+  EXPECT_EQ(AlembicReader(file).sheets()[0].frames, 70000u);
+  const std::string count{"\x70\x11\x01\0", 4}, absurd{"\xff\xff\xff\x7f", 4};  // 70000, little end first
+  int found = 0;
+  for (std::size_t at = 0; (at = whole.find(count, at)) != std::string::npos; at += 4, ++found) whole.replace(at, 4, absurd);
+  ASSERT_GT(found, 0);
+  write(whole);
+  try {
+    const AlembicReader cache(file);
+    ADD_FAILURE() << cache.sheets()[0].frames;
+  } catch (const Error& error) {
+    EXPECT_NE(error.cause.find("2147483647 frames"), std::string::npos) << error.what();
+  }
+}
+
 /// Values that differ are always noticed, by their keys; whatever else is hit, the reader ends.
 TEST_F(Reader, EndsOnAnyBytes) {
   write();

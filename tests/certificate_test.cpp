@@ -169,5 +169,17 @@ TEST(Certificate, WithoutRecordsOnlyTheHeadersStand) {
   EXPECT_EQ(singular_csv({}), "id,sheet,frame,u,v,cause\n");
 }
 
+TEST(Certificate, RowsOfHandlesThatNoVersionWritesAreRefused) {
+  const std::string head = "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state\n", rest = ",paper,corner,0,0,0,0,0,0,0,0,";
+  ASSERT_EQ(parse_handles_csv(head + "-7" + rest + "held\n").at(0).frame, -7);
+  for (const std::string& row : {"1e300" + rest + "held", "2147483648" + rest + "held", "x" + rest + "held", "1" + rest + "lost", std::string("1,paper"), "1" + rest + "held,"})
+    try {
+      parse_handles_csv(head + row + "\n");
+      ADD_FAILURE() << row;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.place, "handles.csv, row 2") << row;
+    }
+}
+
 }  // namespace
 }  // namespace paperbake

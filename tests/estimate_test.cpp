@@ -38,5 +38,15 @@ TEST_F(CommandLine, AFolderWithoutACacheCannotBeEstimated) {
   EXPECT_TRUE(is_error(run({"verify", output(), "--estimate"}), 2, output(), "no cache"));
 }
 
+TEST_F(CommandLine, ACertificateOfAnotherSheetCannotBeEstimated) {
+  ASSERT_EQ(bake({"--formats", "abc,cert"}).code, 0);
+  const auto handles = std::filesystem::path(output()) / "cert/handles.csv";
+  std::string text = test::read(handles);
+  const std::size_t at = text.find("\n1,");
+  ASSERT_NE(at, std::string::npos);
+  test::write(handles, text.insert(at + 3, "another"));
+  EXPECT_TRUE(is_error(run({"verify", output(), "--estimate"}), 2, output() + "/cert", "not that of the cache"));
+}
+
 }  // namespace
 }  // namespace paperbake

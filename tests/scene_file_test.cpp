@@ -42,6 +42,25 @@ TEST(SceneFileByHand, TruncatedFilesAreErrors) {
   }
 }
 
+/// assimp follows rings and nesting until its stack is full: that must not be the end of the program.
+TEST(SceneFileByHand, FilesThatTheImporterDoesNotSurviveAreErrors) {
+  const std::string head = "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: 7400\n}\n";
+  std::string nested = head;
+  for (int depth = 0; depth < 100000; ++depth) nested += "a: {";
+  EXPECT_ERROR(temporary("nested.fbx", nested), "nested.fbx\n  The file cannot be read");
+  EXPECT_ERROR(temporary("ring.fbx", head + "Objects: {\nModel: 1, \"Model::a\", \"Null\" {\n}\nModel: 2, \"Model::b\", \"Null\" {\n}\n}\n"
+                                            "Connections: {\nC: \"OO\",1,0\nC: \"OO\",2,1\nC: \"OO\",1,2\n}\n"), "cannot be read");
+}
+
+TEST(SceneFileByHand, CountsThatNobodyCanMeanAreErrors) {
+  std::string glb1("glTF\1\0\0\0\x20\0\0\0\xff\xff\xff\x7f\0\0\0\0", 20);
+  EXPECT_ERROR(temporary("one.glb", glb1), "GLB of version 1");
+  HeldSheet crowd;
+  for (int i = 0; i < 300; ++i) crowd.node("rig", {0, 0, 0});
+  crowd.move(crowd.fixed, {0, 96000}, {{0, 0, 0}, {0, 0, 0}});
+  EXPECT_ERROR(crowd.write("crowd.gltf"), "96001 frames of 303 nodes");
+}
+
 TEST(SceneFileByHand, NoSheetNoHandle) {
   EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, "leaf").write("leaf.gltf"), "the meshes are \"leaf\"");
   GltfFixture bare;

@@ -1,0 +1,181 @@
+#include "formats/scene_message.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+#include <stdexcept>
+#include <type_traits>
+
+namespace paperbake {
+namespace {
+
+[[noreturn]] void refuse(const char* what) { throw std::runtime_error(what); }
+
+/// The two ways of a message: what `pass` is given, Write appends and Read brings back.
+struct Write {
+  static constexpr bool reads = false;
+  std::string bytes;
+  void raw(const void* value, std::size_t size) { bytes.append(static_cast<const char*>(value), size); }
+};
+
+struct Read {
+  static constexpr bool reads = true;
+  std::string_view rest;
+  void raw(void* value, std::size_t size) {
+    if (size > rest.size()) refuse("the message is cut short");
+    if (size > 0) std::memcpy(value, rest.data(), size);
+    rest.remove_prefix(size);
+  }
+};
+
+template <class Way, class Number>
+std::enable_if_t<std::is_arithmetic_v<Number>> pass(Way& way, Number& value) { way.raw(&value, sizeof value); }
+
+template <class Way>
+void pass(Way& way, bool& value) {
+  std::uint8_t byte = value;
+  pass(way, byte);
+  value = byte != 0;
+}
+
+/// How many follow; when read, no more than there are bytes for.
+template <class Way>
+std::uint64_t pass_count(Way& way, std::uint64_t count, std::size_t bytes_each) {
+  pass(way, count);
+  if constexpr (Way::reads)
+    if (count > way.rest.size() / bytes_each) refuse("a list is longer than the message");
+  return count;
+}
+
+template <class Way>
+void pass(Way& way, std::string& text) {
+  text.resize(pass_count(way, text.size(), 1));
+  way.raw(text.data(), text.size());
+}
+
+template <class Way, class Value>
+void pass(Way& way, std::vector<Value>& list) {
+  std::uint64_t count = pass_count(way, list.size(), 1);
+  if constexpr (Way::reads)
+    for (list.clear(); count > 0; --count) pass(way, list.emplace_back());
+  else
+    for (Value& value : list) pass(way, value);
+}
+
+template <class Way, class Name, class Value>
+void pass(Way& way, std::map<Name, Value>& map) {
+  std::uint64_t count = pass_count(way, map.size(), 1);
+  if constexpr (Way::reads)
+    for (map.clear(); count > 0; --count) {
+      Name name{};
+      pass(way, name);
+      pass(way, map[name]);
+    }
+  else
+    for (auto& [name, value] : map) {
+      Name copy = name;
+      pass(way, copy), pass(way, value);
+    }
+}
+
+template <class Way, class Scalar, int Rows, int Columns, int Order>
+void pass(Way& way, Eigen::Matrix<Scalar, Rows, Columns, Order>& m) {
+  if constexpr (Rows == Eigen::Dynamic) m.resize(static_cast<Eigen::Index>(pass_count(way, m.rows(), Columns * sizeof(Scalar))), Columns);
+  way.raw(m.data(), m.size() * sizeof(Scalar));
+}
+
+template <class Way>
+void pass(Way& way, Eigen::Affine3d& t) { pass(way, t.matrix()); }
+
+template <class Way>
+void pass(Way& way, Eigen::Quaterniond& q) { pass(way, q.coeffs()); }
+
+template <class Way, class Value>
+void pass(Way& way, Key<Value>& key) { pass(way, key.time), pass(way, key.value); }
+
+template <class Way>
+void pass(Way& way, Motion& motion) { pass(way, motion.translation), pass(way, motion.scale), pass(way, motion.rotation); }
+
+template <class Way>
+void pass(Way& way, PropertyValue& value) {
+  std::uint8_t kind = static_cast<std::uint8_t>(value.index());
+  pass(way, kind);
+  if constexpr (Way::reads) {
+    if (kind == 0) value.template emplace<0>();
+    else if (kind == 1) value.template emplace<1>();
+    else value.template emplace<2>();
+  }
+  std::visit([&](auto& held) { pass(way, held); }, value);
+}
+
+template <class Way>
+void pass(Way& way, ImportedNode& n) {
+  pass(way, n.name), pass(way, n.parent), pass(way, n.local), pass(way, n.pivot), pass(way, n.offsets_mesh_only), pass(way, n.meshes), pass(way, n.properties);
+}
+
+template <class Way>
+void pass(Way& way, ImportedMesh& m) { pass(way, m.x), pass(way, m.uv), pass(way, m.triangles), pass(way, m.deformed); }
+
+template <class Way>
+void pass(Way& way, Take& t) { pass(way, t.name), pass(way, t.seconds), pass(way, t.motions); }
+
+template <class Way>
+void pass(Way& way, ImportedFile& f) {
+  pass(way, f.fbx), pass(way, f.nodes), pass(way, f.meshes), pass(way, f.takes), pass(way, f.unit), pass(way, f.fps), pass(way, f.to_z_up), pass(way, f.up_axis);
+}
+
+template <class Way>
+void pass(Way& way, SceneMessage& m) { pass(way, m.file), pass(way, m.place), pass(way, m.cause), pass(way, m.remedy); }
+
+template <class Value>
+void check_keys(const std::vector<Key<Value>>& keys) {
+  for (std::size_t k = 0; k < keys.size(); ++k) {
+    bool finite = std::isfinite(keys[k].time);
+    if constexpr (std::is_same_v<Value, Vector3d>) finite = finite && keys[k].value.allFinite();
+    else finite = finite && std::abs(keys[k].value.norm() - 1) < 1e-6;
+    if (!finite || (k > 0 && keys[k].time < keys[k - 1].time)) refuse("a key is no number or out of order");
+  }
+}
+
+void check(const ImportedFile& file) {
+  const auto below = [](int i, std::size_t count) { return i >= 0 && static_cast<std::size_t>(i) < count; };
+  for (std::size_t i = 0; i < file.nodes.size(); ++i) {
+    const ImportedNode& node = file.nodes[i];
+    if (node.parent != -1 && !below(node.parent, i)) refuse("a node stands before its parent");
+    if (!node.local.matrix().allFinite()) refuse("a transform is no number");
+    for (const int mesh : node.meshes)
+      if (!below(mesh, file.meshes.size())) refuse("a node has a mesh that is not there");
+  }
+  for (const ImportedMesh& mesh : file.meshes) {
+    if (mesh.uv.rows() != 0 && mesh.uv.rows() != mesh.x.rows()) refuse("a mesh does not have one uv for each vertex");
+    if (!mesh.x.allFinite() || !mesh.uv.allFinite()) refuse("a vertex is no number");
+    if (mesh.triangles.size() > 0 && (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.x.rows())) refuse("a face has a vertex that is not there");
+  }
+  for (const Take& take : file.takes) {
+    if (!std::isfinite(take.seconds)) refuse("a take's length is no number");
+    for (const auto& [node, motion] : take.motions) {
+      if (!below(node, file.nodes.size())) refuse("a take moves a node that is not there");
+      check_keys(motion.translation), check_keys(motion.scale), check_keys(motion.rotation);
+    }
+  }
+  if (!(file.unit > 0) || !std::isfinite(file.unit) || !(file.fps >= 0) || !std::isfinite(file.fps) || !file.to_z_up.allFinite()) refuse("unit, rate or axes are no numbers");
+}
+
+}  // namespace
+
+std::string bytes_of(SceneMessage message) {
+  Write to;
+  pass(to, message);
+  return std::move(to.bytes);
+}
+
+SceneMessage message_of(std::string_view bytes) {
+  Read from{bytes};
+  SceneMessage message;
+  pass(from, message);
+  check(message.file);
+  return message;
+}
+
+}  // namespace paperbake
