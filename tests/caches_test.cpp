@@ -55,7 +55,7 @@ TEST_F(CommandLine, TwoSheetsAreInEveryFormatAndTheirMapsNumberTheirSingularPoin
 
   std::map<std::string, std::vector<std::pair<unsigned, Vector2d>>> points;
   for (const std::string& line : lines_of(read(out / "singular.csv")))
-    if (const auto row = fields_of(line); row[0] != "id") points[row[1]].push_back({std::stoul(row[0]), {std::stod(row[3]), std::stod(row[4])}});
+    if (const auto row = fields_of(line); row[0] != "id") points[row[1]].push_back({static_cast<unsigned>(std::stoul(row[0])), {std::stod(row[3]), std::stod(row[4])}});
   for (const std::string side : {"left", "right"}) {
     const std::string stem = "two_crumples.paper_" + side;
     EXPECT_EQ(fs::file_size(out / (stem + ".pc2")), 32 + 24u * 12 * cache.frame(side == "right", 0).x.rows());
