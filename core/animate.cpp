@@ -2,7 +2,6 @@
 
 #include "core/branches.h"
 #include "core/error.h"
-#include "core/exchange.h"
 #include "core/hinges.h"
 #include "core/locate.h"
 #include "core/measure.h"
@@ -295,7 +294,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   Points3 before;       // [m] positions one frame ago
   Sheet shown;          // what is handed on
   Held held_before;
-  bool at_minimum = false;  // and not flowing
+  bool at_minimum = false, flowing = false;
   bool leaving = false;     // an unstable shape: nobody draws conclusions from the way down
   int quiet_frames = 0;
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
@@ -310,18 +309,18 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     const double moved = unrest(sheet, held, held_before, before);
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
     const bool moving = moved > still * side;
-    if (method.propose && !first && moving && at_minimum)
-      if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), now)) {
+    const Situation situation{started.fixed, memory ? &*memory : nullptr, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)),
+                              now, moving, at_minimum, flowing, leap_of(sheet, held, held_before) / side};
+    if (method.propose && !first)
+      if (auto proposal = method.propose(sheet, situation)) {
         const std::vector<double> stiffening = disc_factors(*proposal, shot);
-        const Verdict verdict = exchange_mesh(sheet, elastic, std::move(*proposal), stiffening, held_before, 1 / options.fps);
+        const Verdict verdict = exchange_mesh(sheet, elastic, std::move(*proposal), stiffening, held_before, 1 / options.fps, method.exchange);
         method.judged(verdict.accepted, now);
         result.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
         result.remesh_rise = verdict.rise;
       }
-    const double leap = leap_of(sheet, held, held_before) / side;
     held_before = held;
-    if (method.remesh && !first && !leaving && result.remesh != AnimatedFrame::accepted &&
-        method.remesh(sheet, started.fixed, memory ? &*memory : nullptr, now, moving))
+    if (method.remesh && !first && !leaving && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, situation))
       elastic.set_mesh(sheet, disc_factors(sheet, shot));
     before = sheet.x;
     result.new_singular = static_cast<int>(sheet.singular.size() - born);
@@ -336,12 +335,12 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step.last = elastic.look(sheet);
       sheet.v.setZero();
     } else {
-      step = follow(elastic, sheet, held, leap, 1 / options.fps, 0, where);
+      step = follow(elastic, sheet, held, situation.leap, 1 / options.fps, 0, where);
     }
-    // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
     leaving = step.last.leaving;
-    at_minimum = step.converged && !leaving && (step.last.plastic_flow <= 0 || step.last.plastic_flow <= most_flow * fold_integral(sheet));
+    at_minimum = step.converged && !leaving;
+    flowing = step.last.plastic_flow > 0 && step.last.plastic_flow > most_flow * fold_integral(sheet);
     if (step.last.lower_branch > 1e-3)
       result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";
     if (options.probe_every > 0 && !sleeps && (frame - options.first_frame + 1) % options.probe_every == 0) {

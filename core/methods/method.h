@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/adaptive_mesh/sizing.h"
+#include "core/exchange.h"
 #include "core/paper.h"
 #include "core/pattern.h"
 #include "core/plastic_grid.h"
@@ -22,6 +23,18 @@ struct BentParts {
   std::vector<int> region;                             // |T| number of its curved region, -1: flat; empty: there are no regions
 };
 
+/// What a method is told of a sheet whose mesh it may change.
+struct Situation {
+  const std::vector<char>& fixed;   // |V| vertices of the first mesh that keep their place on the pattern, and their numbers
+  const PlasticGrid* memory;        // what the paper keeps; null: nothing
+  std::vector<int> pulled;          // vertices that lone handles are about to move
+  Moment now;
+  bool moving;                      // handles or sheet moved since the frame before
+  bool at_minimum;                  // the last step got there
+  bool flowing;                     // the paper yielded in it
+  double leap;                      // [1] of the longer side: how far handles are about to go against each other
+};
+
 /// All that differs between methods: what the first mesh is, and what happens to the mesh between elastic steps. The elastic
 /// solver, handles, time step, tolerances and timers are the same for all and live in `animate`.
 /// A method belongs to one sheet of one shot: it may remember.
@@ -38,16 +51,14 @@ struct Method {
 
   /// Before the elastic step of a frame: may change the mesh of the sheet as the step before left it, so that every frame that
   /// leaves the loop is a minimum on its own mesh. Empty: nothing happens.
-  /// fixed   vertices that keep their place on the pattern, and their numbers
-  /// memory  what the paper keeps; null: nothing
-  /// moving  false: neither handles nor sheet moved since the frame before
-  std::function<bool(Sheet&, const std::vector<char>& fixed, const PlasticGrid* memory, const Moment&, bool moving)> remesh;  // returns: did the mesh change?
+  /// returns  did the mesh change?
+  std::function<bool(Sheet&, const Situation&)> remesh;
 
-  /// Before `remesh`, while the sheet moves and is at its minimum: may propose a wholly new mesh, with positions carried over
-  /// from the old one. Vertices that are fixed in the first mesh keep their numbers. The loop relaxes the proposal where the
-  /// handles were and takes it or not; then `remesh` is left out. Empty: nothing is proposed.
-  /// pulled  vertices that lone handles are about to move
-  std::function<std::optional<Sheet>(const Sheet&, const std::vector<int>& pulled, const Moment&)> propose;
+  /// Before `remesh`: may propose another mesh, with positions carried over from the old one.
+  /// Vertices that are fixed in the first mesh keep their numbers. The loop relaxes the proposal where the handles were and takes
+  /// it or not; then `remesh` is left out. Empty: nothing is proposed.
+  std::function<std::optional<Sheet>(const Sheet&, const Situation&)> propose;
+  ExchangeRule exchange;                                     // by which it is taken
   std::function<void(bool accepted, const Moment&)> judged;  // after every proposal: what became of it
 
   /// After the elastic step of a frame, on the copy of the sheet that is handed on: the step that begins the next frame starts

@@ -45,8 +45,9 @@ struct ElasticReport {
 };
 
 /// briefly: the first way alone, to ten times `stop`, 20 iterations; what needs more has landed somewhere else, and so has what
-/// leaves its place by 3 % of the longer side. fully: both ways, to `stop`.
-enum class Settling { briefly, fully };
+/// leaves its place by 3 % of the longer side. downhill: the second way alone, to three times `stop`, 20 iterations: what it has not done
+/// by then is left to the next step. fully: both ways, to `stop`.
+enum class Settling { briefly, downhill, fully };
 
 /// A second way down from an unstable shape, gone beside the first: with a softened membrane, then with the paper's own.
 struct SecondWay {
@@ -62,6 +63,7 @@ struct ElasticPast {
   int steps = 0;                    // so far
   bool remeshed = true;             // the mesh has changed since the last step
   bool careful = false;             // the last step ended with parts touching, or with handles that the paper does not follow
+  int content_until = 0;            // steps: a second way found nothing much lower, none is begun before
   bool descending = false;          // ... on its way down to a minimum
   std::optional<SecondWay> second;  // not yet at its end
   std::optional<PlasticGrid> grid;  // in a copy that is to take a step back

@@ -2,7 +2,6 @@
 
 #include "core/pattern_mesh.h"
 #include "core/random.h"
-#include "core/reach.h"
 
 #include <algorithm>
 #include <cmath>
@@ -213,7 +212,7 @@ Script make_script(int index, std::uint32_t seed) {
     script.shot.handles.push_back(std::move(handle));
   }
   motion(script, dice);
-  script.feasible = Reach(script.shot.pattern, script.shot.handles).impossible_pairs(script.shot.handles, 1, script.options.last_frame).empty();
+  script.impossible = Reach(script.shot.pattern, script.shot.handles).impossible_pairs(script.shot.handles, 1, script.options.last_frame);
   return script;
 }
 
