@@ -6,14 +6,12 @@
 
 namespace paperbake {
 
-Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt,
-                      const ExchangeRule& rule) {
+Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt) {
+  constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
   constexpr double noise = 1e-6;                        // [J] of a sheet that is nearly flat
   const Points3 carried = proposal.x;
   Elastic trial = elastic.on_mesh(proposal, stiffening);
-  const ElasticReport settled = trial.settle(proposal, held, dt, rule.settling), stored = elastic.look(sheet);
-  const bool as_it_was = settled.contact && rule.touching == ExchangeRule::unrelaxed;
-  if (as_it_was) proposal.x = carried;
+  const ElasticReport settled = trial.settle(proposal, held, dt, Settling::briefly), stored = elastic.look(sheet);
 
   const Transfer onto(sheet.pattern, sheet.triangles, proposal.pattern), back(proposal.pattern, proposal.triangles, sheet.pattern);
   const double side = (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
@@ -21,8 +19,7 @@ Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std:
   Verdict verdict;
   verdict.rise = rise / std::max(stored.energy, noise);
   verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(), (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) / side;
-  const bool arrived = (settled.converged || !rule.to_its_end) && !settled.contact;
-  verdict.accepted = as_it_was || (arrived && rise <= rule.most_rise * stored.energy + noise && verdict.move <= rule.most_move);
+  verdict.accepted = settled.converged && !settled.contact && rise <= most_rise * stored.energy + noise && verdict.move <= most_move;
   if (!verdict.accepted) return verdict;
   // the past is moved along with the present, so that velocities are carried over and the jump of the exchange is none
   trial.continue_from(elastic, [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });

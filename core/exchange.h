@@ -6,15 +6,6 @@
 
 namespace paperbake {
 
-/// When a sheet may go on another mesh.
-struct ExchangeRule {
-  Settling settling = Settling::briefly;  // how the proposal is relaxed
-  bool to_its_end = true;                 // ... and it has to get there
-  double most_rise = 0.05;                // [1] of the potential, as a share of the energy that is stored
-  double most_move = 0.01;                // [1] of the longer side
-  enum Touching { refused, unrelaxed } touching = refused;  // a proposal that comes near itself when it is relaxed; unrelaxed: taken as it was
-};
-
 struct Verdict {
   bool accepted = false;
   double rise = 0;       // [1] of the potential, as a share of the energy that was stored
@@ -22,11 +13,12 @@ struct Verdict {
 };
 
 /// Puts a sheet on another mesh of its pattern, if it stays the same sheet. The proposal is relaxed with the handles where they
-/// are, and taken when the rule allows what came of it; 1e-6 J more are none. With it comes a solver that remembers the past of the
-/// old one, carried over. Nothing flows. Refused, a proposal leaves no trace.
+/// are, and taken when that ends at a minimum, the potential rises by no more than 5 % of the energy that is stored + 1e-6 J,
+/// and nothing moves farther than 1 %. With it comes a solver that remembers the past of the old one, carried over.
+/// Nothing flows. Refused, a proposal leaves no trace.
 /// proposal    the sheet on its new mesh, positions and velocities carried over
 /// stiffening  as in Elastic::set_mesh, of the new mesh
 /// held        vertices of the new mesh, at the positions of the old one
-Verdict exchange_mesh(Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt, const ExchangeRule& = {});
+Verdict exchange_mesh(Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt);
 
 }  // namespace paperbake

@@ -5,7 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 
 namespace paperbake {
@@ -15,8 +14,8 @@ enum class Pass { both_ways, coarsen };
 
 /// A mesh is changed when there is something to gain: every change costs the sheet some iterations to come to rest again.
 bool is_due(const Sheet& sheet, const Points3& metric) {
-  constexpr double far_too_long = 1.5;  // [1] of an edge as long as it should be
-  constexpr double many = 0.03;         // [1] of the edges
+  constexpr double far_too_long = 1.25;  // [1] of an edge as long as it should be
+  constexpr double many = 0.01;          // [1] of the edges
   constexpr double too_many = 1.3;  // [1] of the triangles that the field asks for
   const Misfit is = misfit(sheet, metric);
   return is.longest > far_too_long || is.too_long > many || sheet.triangles.rows() > too_many * triangles_of(sheet, metric);
@@ -58,26 +57,21 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
   };
   const auto unfinished = std::make_shared<bool>(true);  // the last pass changed the mesh
   const double side = longer_side(pattern);
-  method.propose = [=](const Sheet& sheet, const Situation& is) -> std::optional<Sheet> {
+  method.remesh = [=](Sheet& sheet, const Situation& is) {
     // a jump is followed in many steps, and what the sheet looks like afterwards has little to do with what it is fine for now
-    constexpr double far = 0.1;            // [1] of the longer side
+    constexpr double far = 0.1;  // [1] of the longer side
     constexpr int enough_for_a_jump = 400;
     const bool jumps = is.leap > far;
     // nor is a shape on its way down a reason for triangles
-    if (!jumps && (!is.at_minimum || !(is.moving || *unfinished))) return std::nullopt;
+    if (!jumps && (!is.at_minimum || !(is.moving || *unfinished))) return false;
     const Points3 kept = is.memory ? is.memory->at_vertices(sheet.pattern, sheet.triangles) : Points3(0, 3);
     const int required = static_cast<int>(std::count(is.fixed.begin(), is.fixed.end(), 1));
-    Sheet other = sheet;
     const Points3 metric = sizing_field(sheet, kept, side, options);
-    const bool changed = jumps ? adapt(other, metric, required, std::min(most_triangles, enough_for_a_jump), Pass::coarsen)
-                               : adapt(other, metric, required, most_triangles, Pass::both_ways);
+    const bool changed = jumps ? adapt(sheet, metric, required, std::min(most_triangles, enough_for_a_jump), Pass::coarsen)
+                               : adapt(sheet, metric, required, most_triangles, Pass::both_ways);
     *unfinished = changed || (jumps && *unfinished);
-    return changed ? std::optional(std::move(other)) : std::nullopt;
+    return changed;
   };
-  method.judged = [](bool, const Moment&) {};
-  // a finer mesh shows ridges and tips that the coarse one could not: their energy is no reason to stay coarse
-  constexpr double any = std::numeric_limits<double>::infinity();
-  method.exchange = {Settling::downhill, false, any, any, ExchangeRule::unrelaxed};
   return method;
 }
 

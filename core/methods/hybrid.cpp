@@ -46,7 +46,7 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };
   method.remesh = [crumple](Sheet& sheet_now, const Situation& is) {
-    return crumple->operate(sheet_now, is.fixed, is.now, is.moving).mesh_changed();
+    return !is.leaving && crumple->operate(sheet_now, is.fixed, is.now, is.moving).mesh_changed();
   };
   method.propose = [crumple](const Sheet& sheet_now, const Situation& is) -> std::optional<Sheet> {
     // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone

@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/adaptive_mesh/sizing.h"
-#include "core/exchange.h"
 #include "core/paper.h"
 #include "core/pattern.h"
 #include "core/plastic_grid.h"
@@ -30,7 +29,8 @@ struct Situation {
   std::vector<int> pulled;          // vertices that lone handles are about to move
   Moment now;
   bool moving;                      // handles or sheet moved since the frame before
-  bool at_minimum;                  // the last step got there
+  bool leaving;                     // the sheet is on its way down from an unstable shape: what it looks like is not to be relied on
+  bool at_minimum;                  // the last step got to one
   bool flowing;                     // the paper yielded in it
   double leap;                      // [1] of the longer side: how far handles are about to go against each other
 };
@@ -58,7 +58,6 @@ struct Method {
   /// Vertices that are fixed in the first mesh keep their numbers. The loop relaxes the proposal where the handles were and takes
   /// it or not; then `remesh` is left out. Empty: nothing is proposed.
   std::function<std::optional<Sheet>(const Sheet&, const Situation&)> propose;
-  ExchangeRule exchange;                                     // by which it is taken
   std::function<void(bool accepted, const Moment&)> judged;  // after every proposal: what became of it
 
   /// After the elastic step of a frame, on the copy of the sheet that is handed on: the step that begins the next frame starts

@@ -274,14 +274,13 @@ ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, Settlin
   Impl& s = *impl_;
   const Points3 before = sheet.x;
   const Gripped hard = hard_handles(held);
+  constexpr double coarser = 10;  // the next step goes on from here
   const bool briefly = settling == Settling::briefly;
   NewtonOptions how{s.options.stop, s.options.max_iterations};
-  if (settling != Settling::fully) {  // the next step goes on from here
-    how.stop *= briefly ? 10 : 3;
-    how.max_iterations = how.max_strides = 20;
-    how.ways = briefly ? NewtonOptions::stride : NewtonOptions::descend;
-  }
   if (briefly) {
+    how.stop *= coarser;
+    how.max_iterations = how.max_strides = 20;
+    how.ways = NewtonOptions::stride;
     const double far = 0.03 * (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
     how.in_vain = [&, far](const Points3& x) { return (x - before).rowwise().norm().maxCoeff() > far; };
   }

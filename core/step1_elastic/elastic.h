@@ -45,9 +45,8 @@ struct ElasticReport {
 };
 
 /// briefly: the first way alone, to ten times `stop`, 20 iterations; what needs more has landed somewhere else, and so has what
-/// leaves its place by 3 % of the longer side. downhill: the second way alone, to three times `stop`, 20 iterations: what it has not done
-/// by then is left to the next step. fully: both ways, to `stop`.
-enum class Settling { briefly, downhill, fully };
+/// leaves its place by 3 % of the longer side. fully: both ways, to `stop`.
+enum class Settling { briefly, fully };
 
 /// A second way down from an unstable shape, gone beside the first: with a softened membrane, then with the paper's own.
 struct SecondWay {

@@ -44,7 +44,9 @@ Pattern make_pattern(Dice& dice) {
 
 /// Flat; the mesh that a scene would bring, fine or bad.
 Sheet make_start(const Pattern& pattern, bool slivers) {
-  const PatternMesh mesh = mesh_pattern(pattern, longer_side(pattern) * (slivers ? 0.4 : 0.1), {});
+  std::vector<Vector2d> border = pattern.outline;
+  for (const std::vector<Vector2d>& hole : pattern.holes) border.insert(border.end(), hole.begin(), hole.end());
+  const PatternMesh mesh = mesh_pattern(pattern, longer_side(pattern) * (slivers ? 0.4 : 0.1), border);
   Sheet start;
   start.pattern = mesh.vertices;
   start.triangles = mesh.triangles;
