@@ -79,8 +79,10 @@ Method hybrid(const Pattern&, const Paper&, int base_triangles, const CrumpleOpt
 /// Adaptive remeshing: edges are split, turned and collapsed until their lengths follow a sizing field (adaptive_mesh/sizing.h); step 1
 /// on that mesh. Before every elastic step the sheet as the step before left it is measured and its mesh goes towards the field by one
 /// pass, at most twice as fine; the step is the relaxation after it, so that no remeshing shows as a kick. An edge is split where it
-/// is longer than 1 and collapsed only to edges shorter than 0.8: a sheet at rest keeps its mesh. Fields that ask for more than
-/// `most_triangles` are coarsened as a whole. It begins coarse.
+/// is longer than 1 and collapsed only to edges shorter than 0.8: a sheet at rest keeps its mesh. Every change costs iterations, so a
+/// pass waits until 1 % of the edges are too long, or one by a quarter. A sheet that did not reach its minimum keeps its mesh, and one whose
+/// handles are about to jump by more than a tenth of it is coarsened first: a jump is followed in up to 32 steps.
+/// Fields that ask for more than `most_triangles` are coarsened as a whole. It begins coarse.
 /// What the paper keeps lies on a grid of the pattern (plastic_grid.h) that knows no mesh: rest angles are read from it after every
 /// change, and there is nothing to carry from face to face.
 /// source  [Narain 2012], [Narain 2013]
