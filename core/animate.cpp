@@ -46,7 +46,7 @@ class Grip {
  public:
   Grip(const Shot& shot, std::vector<int> vertices, int first_frame)
       : handles_(shot.handles), vertex_(std::move(vertices)), first_frame_(first_frame),
-        reach_(shot.pattern, shot.handles), anchor_(shot.handles.size()) {}
+        exact_(std::min(1e-4, 1e-3 * longer_side(shot.pattern))), reach_(shot.pattern, shot.handles), anchor_(shot.handles.size()) {}
 
   /// A relative handle begins where the sheet is at its grab frame, after that frame was simulated without it.
   bool holds(std::size_t h, int frame) const {
@@ -102,14 +102,13 @@ class Grip {
   }
 
   std::vector<HandleFrame> report(const Points3& x, int frame) const {
-    constexpr double exact = 1e-4;  // [m]
     std::vector<HandleFrame> frames(handles_.size());
     for (std::size_t h = 0; h < handles_.size(); ++h) {
       frames[h].keyed = keyed(h, frame);
       frames[h].at = x.row(vertex_[h]);
       if (!holds(h, frame)) continue;
       const bool soft = handles_[h].stiffness > 0;  // it is meant to lag
-      frames[h].state = !soft && (frames[h].at - frames[h].keyed).norm() > exact ? HandleFrame::jammed : HandleFrame::held;
+      frames[h].state = !soft && (frames[h].at - frames[h].keyed).norm() > exact_ ? HandleFrame::jammed : HandleFrame::held;
     }
     return frames;
   }
@@ -118,6 +117,7 @@ class Grip {
   const std::vector<Handle>& handles_;
   std::vector<int> vertex_;
   int first_frame_;
+  double exact_;  // [m] a handle that is farther off is not met
   Reach reach_;
   std::vector<std::optional<Vector3d>> anchor_;  // [m] what is added to a relative handle's own position
 };
@@ -288,8 +288,8 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   Points3 before;       // [m] positions one frame ago
   Sheet shown;          // what is handed on
   Held held_before;
-  bool at_minimum = false;  // and not flowing
-  bool leaving = false;     // an unstable shape: nobody draws conclusions from the way down
+  bool at_minimum = false, flowing = false;
+  bool leaving = false;
   int quiet_frames = 0;
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
@@ -303,18 +303,18 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     const double moved = unrest(sheet, held, held_before, before);
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
     const bool moving = moved > still * side;
-    if (method.propose && !first && moving && at_minimum)
-      if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), now)) {
+    const Situation situation{started.fixed, memory ? &*memory : nullptr, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)),
+                              now, moving, leaving, at_minimum, flowing, leap_of(sheet, held, held_before) / side};
+    if (method.propose && !first)
+      if (auto proposal = method.propose(sheet, situation)) {
         const std::vector<double> stiffening = disc_factors(*proposal, shot);
         const Verdict verdict = exchange_mesh(sheet, elastic, std::move(*proposal), stiffening, held_before, 1 / options.fps);
         method.judged(verdict.accepted, now);
         result.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
         result.remesh_rise = verdict.rise;
       }
-    const double leap = leap_of(sheet, held, held_before) / side;
     held_before = held;
-    if (method.remesh && !first && !leaving && result.remesh != AnimatedFrame::accepted &&
-        method.remesh(sheet, started.fixed, memory ? &*memory : nullptr, now, moving))
+    if (method.remesh && !first && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, situation))
       elastic.set_mesh(sheet, disc_factors(sheet, shot));
     before = sheet.x;
     result.new_singular = static_cast<int>(sheet.singular.size() - born);
@@ -329,12 +329,12 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step.last = elastic.look(sheet);
       sheet.v.setZero();
     } else {
-      step = follow(elastic, sheet, held, leap, 1 / options.fps, 0, where);
+      step = follow(elastic, sheet, held, situation.leap, 1 / options.fps, 0, where);
     }
-    // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
     leaving = step.last.leaving;
-    at_minimum = step.converged && !leaving && (step.last.plastic_flow <= 0 || step.last.plastic_flow <= most_flow * fold_integral(sheet));
+    at_minimum = step.converged && !leaving;
+    flowing = step.last.plastic_flow > 0 && step.last.plastic_flow > most_flow * fold_integral(sheet);
     if (step.last.lower_branch > 1e-3)
       result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";
     if (options.probe_every > 0 && !sleeps && (frame - options.first_frame + 1) % options.probe_every == 0) {

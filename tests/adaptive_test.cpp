@@ -96,6 +96,25 @@ TEST(Adaptive, ATeleportHasTheTrianglesOfTheSlowWayASecondLater) {
   EXPECT_GT(b.back().triangles.rows(), a.back().triangles.rows() / 1.5);
 }
 
+TEST(Adaptive, AShapeOnItsWayIsNoReasonForTrianglesAndAJumpIsTakenOnFew) {
+  const Shot shot = test::s1_push();
+  SizingOptions fine;
+  fine.facet_turn = 0.05;
+  Sheet arch = play(shot, adaptive_of(shot, cap, fine), 24).back();
+  ASSERT_GT(arch.triangles.rows(), 600);
+  const std::vector<char> fixed = start_sheet(shot, adaptive_of(shot, cap, fine), 0).fixed;
+  const auto triangles_after = [&](const SizingOptions& options, bool at_minimum, double leap) {
+    Sheet sheet = arch;
+    adaptive_of(shot, cap, options).remesh(sheet, {fixed, nullptr, {}, {25, 1 / 24.0}, true, false, at_minimum, false, leap});
+    return sheet.triangles.rows();
+  };
+  SizingOptions finer = fine;
+  finer.facet_turn = 0.03;
+  EXPECT_GT(triangles_after(finer, true, 0), 1.2 * arch.triangles.rows());
+  EXPECT_EQ(triangles_after(finer, false, 0), arch.triangles.rows());
+  EXPECT_LT(triangles_after(finer, false, 0.5), 0.9 * arch.triangles.rows());
+}
+
 TEST(Adaptive, AtRestTheMeshStaysAndCostsNothing) {
   Shot shot = test::s1_push();
   shot.handles.pop_back();
@@ -140,7 +159,7 @@ TEST(Adaptive, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
   animate(shot, method, options, [&](const AnimatedFrame& frame) {
     Sheet before = *frame.sheet, after = *frame.sheet;
     if (frame.frame < 4 || frame.frame > 24) return true;  // it chooses a side; later a finger holds it too
-    if (!adaptive_of(shot).remesh(after, fixed, nullptr, {frame.frame, 1 / 24.0}, true)) return true;
+    if (!adaptive_of(shot).remesh(after, {fixed, nullptr, {}, {frame.frame, 1 / 24.0}, true, false, true, false, 0})) return true;
     const double was = at_rest(before);
     rises.push_back(at_rest(after) / was - 1);
     return true;

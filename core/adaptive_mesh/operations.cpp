@@ -225,6 +225,13 @@ class Collapses {
 
 }  // namespace
 
+Misfit misfit(const Sheet& sheet, const Points3& metric) {
+  Misfit m;
+  const std::vector<Edge> edges = edges_of(sheet, metric);
+  for (const Edge& e : edges) m.longest = std::max(m.longest, e.length), m.too_long += (e.length > 1) / double(edges.size());
+  return m;
+}
+
 int split_long_edges(Sheet& sheet, Points3& metric, int most_triangles) {
   std::vector<Edge> edges = edges_of(sheet, metric);
   edges.erase(std::remove_if(edges.begin(), edges.end(), [](const Edge& e) { return e.length <= 1; }), edges.end());

@@ -12,6 +12,13 @@ namespace paperbake {
 /// metric  |V|x3 [1/m2] of the vertices (sizing.h); it follows the vertices
 /// source  [Narain 2012], section 4; the criterion of flips [Bossen 1996]
 
+/// How far a mesh is from its field.
+struct Misfit {
+  double longest = 0;   // [1] edge in the metric
+  double too_long = 0;  // [1] share of the edges that are longer than 1
+};
+Misfit misfit(const Sheet&, const Points3& metric);
+
 /// One round: edges longer than 1, the longest first, get a vertex in their middle (positions and velocities between those of the
 /// ends), as long as there are no more than `most_triangles`.
 /// returns  how many

@@ -10,15 +10,28 @@
 namespace paperbake {
 namespace {
 
+enum class Pass { both_ways, coarsen };
+
+/// A mesh is changed when there is something to gain: every change costs the sheet some iterations to come to rest again.
+bool is_due(const Sheet& sheet, const Points3& metric) {
+  constexpr double far_too_long = 1.25;  // [1] of an edge as long as it should be
+  constexpr double many = 0.01;          // [1] of the edges
+  constexpr double too_many = 1.3;  // [1] of the triangles that the field asks for
+  const Misfit is = misfit(sheet, metric);
+  return is.longest > far_too_long || is.too_long > many || sheet.triangles.rows() > too_many * triangles_of(sheet, metric);
+}
+
 /// One pass over a sheet at rest on its mesh: it may become twice as fine, but no finer at once.
 /// returns  did the mesh change?
-bool adapt(Sheet& sheet, Points3 metric, int fixed, int most_triangles) {
+bool adapt(Sheet& sheet, Points3 metric, int fixed, int most_triangles, Pass pass) {
   constexpr double joined_below = 0.8;  // [1] of the length at which edges are split: what was split is not joined again
-  constexpr int rounds_of_splits = 2, rounds_of_collapses = 3;
+  constexpr int rounds_of_splits = 2;
+  const int rounds_of_collapses = pass == Pass::both_ways ? 3 : 10;
   // a field that asks for too much is coarsened as a whole
   metric *= std::min(1.0, most_triangles / triangles_of(sheet, metric));
+  if (!is_due(sheet, metric)) return false;
   bool changed = false;
-  for (int round = 0; round < rounds_of_splits; ++round) {
+  for (int round = 0; pass == Pass::both_ways && round < rounds_of_splits; ++round) {
     const int splits = split_long_edges(sheet, metric, most_triangles);
     changed |= flip_to_delaunay(sheet, metric) > 0 || splits > 0;
     if (splits == 0) break;
@@ -44,11 +57,20 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
   };
   const auto unfinished = std::make_shared<bool>(true);  // the last pass changed the mesh
   const double side = longer_side(pattern);
-  method.remesh = [=](Sheet& sheet, const std::vector<char>& fixed, const PlasticGrid* memory, const Moment&, bool moving) {
-    if (!moving && !*unfinished) return false;
-    const Points3 kept = memory ? memory->at_vertices(sheet.pattern, sheet.triangles) : Points3(0, 3);
-    const int required = static_cast<int>(std::count(fixed.begin(), fixed.end(), 1));
-    return *unfinished = adapt(sheet, sizing_field(sheet, kept, side, options), required, most_triangles);
+  method.remesh = [=](Sheet& sheet, const Situation& is) {
+    // a jump is followed in many steps, and what the sheet looks like afterwards has little to do with what it is fine for now
+    constexpr double far = 0.1;  // [1] of the longer side
+    constexpr int enough_for_a_jump = 400;
+    const bool jumps = is.leap > far;
+    // nor is a shape on its way down a reason for triangles
+    if (!jumps && (!is.at_minimum || !(is.moving || *unfinished))) return false;
+    const Points3 kept = is.memory ? is.memory->at_vertices(sheet.pattern, sheet.triangles) : Points3(0, 3);
+    const int required = static_cast<int>(std::count(is.fixed.begin(), is.fixed.end(), 1));
+    const Points3 metric = sizing_field(sheet, kept, side, options);
+    const bool changed = jumps ? adapt(sheet, metric, required, std::min(most_triangles, enough_for_a_jump), Pass::coarsen)
+                               : adapt(sheet, metric, required, most_triangles, Pass::both_ways);
+    *unfinished = changed || (jumps && *unfinished);
+    return changed;
   };
   return method;
 }

@@ -45,11 +45,13 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
     crumple->begin_with(mesh.vertices, mesh.triangles, required);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };
-  method.remesh = [crumple](Sheet& sheet_now, const std::vector<char>& fixed, const PlasticGrid*, const Moment& now, bool moving) {
-    return crumple->operate(sheet_now, fixed, now, moving).mesh_changed();
+  method.remesh = [crumple](Sheet& sheet_now, const Situation& is) {
+    return !is.leaving && crumple->operate(sheet_now, is.fixed, is.now, is.moving).mesh_changed();
   };
-  method.propose = [crumple](const Sheet& sheet_now, const std::vector<int>& pulled, const Moment& now) {
-    return crumple->propose(sheet_now, pulled, now);
+  method.propose = [crumple](const Sheet& sheet_now, const Situation& is) -> std::optional<Sheet> {
+    // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
+    if (!is.moving || !is.at_minimum || is.flowing) return std::nullopt;
+    return crumple->propose(sheet_now, is.pulled, is.now);
   };
   method.judged = [crumple](bool accepted, const Moment& now) { crumple->judged(accepted, now); };
   method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };

@@ -22,6 +22,19 @@ struct BentParts {
   std::vector<int> region;                             // |T| number of its curved region, -1: flat; empty: there are no regions
 };
 
+/// What a method is told of a sheet whose mesh it may change.
+struct Situation {
+  const std::vector<char>& fixed;   // |V| vertices of the first mesh that keep their place on the pattern, and their numbers
+  const PlasticGrid* memory;        // what the paper keeps; null: nothing
+  std::vector<int> pulled;          // vertices that lone handles are about to move
+  Moment now;
+  bool moving;                      // handles or sheet moved since the frame before
+  bool leaving;                     // the sheet is on its way down from an unstable shape: what it looks like is not to be relied on
+  bool at_minimum;                  // the last step got to one
+  bool flowing;                     // the paper yielded in it
+  double leap;                      // [1] of the longer side: how far handles are about to go against each other
+};
+
 /// All that differs between methods: what the first mesh is, and what happens to the mesh between elastic steps. The elastic
 /// solver, handles, time step, tolerances and timers are the same for all and live in `animate`.
 /// A method belongs to one sheet of one shot: it may remember.
@@ -38,16 +51,13 @@ struct Method {
 
   /// Before the elastic step of a frame: may change the mesh of the sheet as the step before left it, so that every frame that
   /// leaves the loop is a minimum on its own mesh. Empty: nothing happens.
-  /// fixed   vertices that keep their place on the pattern, and their numbers
-  /// memory  what the paper keeps; null: nothing
-  /// moving  false: neither handles nor sheet moved since the frame before
-  std::function<bool(Sheet&, const std::vector<char>& fixed, const PlasticGrid* memory, const Moment&, bool moving)> remesh;  // returns: did the mesh change?
+  /// returns  did the mesh change?
+  std::function<bool(Sheet&, const Situation&)> remesh;
 
-  /// Before `remesh`, while the sheet moves and is at its minimum: may propose a wholly new mesh, with positions carried over
-  /// from the old one. Vertices that are fixed in the first mesh keep their numbers. The loop relaxes the proposal where the
-  /// handles were and takes it or not; then `remesh` is left out. Empty: nothing is proposed.
-  /// pulled  vertices that lone handles are about to move
-  std::function<std::optional<Sheet>(const Sheet&, const std::vector<int>& pulled, const Moment&)> propose;
+  /// Before `remesh`: may propose another mesh, with positions carried over from the old one.
+  /// Vertices that are fixed in the first mesh keep their numbers. The loop relaxes the proposal where the handles were and takes
+  /// it or not; then `remesh` is left out. Empty: nothing is proposed.
+  std::function<std::optional<Sheet>(const Sheet&, const Situation&)> propose;
   std::function<void(bool accepted, const Moment&)> judged;  // after every proposal: what became of it
 
   /// After the elastic step of a frame, on the copy of the sheet that is handed on: the step that begins the next frame starts
@@ -69,8 +79,10 @@ Method hybrid(const Pattern&, const Paper&, int base_triangles, const CrumpleOpt
 /// Adaptive remeshing: edges are split, turned and collapsed until their lengths follow a sizing field (adaptive_mesh/sizing.h); step 1
 /// on that mesh. Before every elastic step the sheet as the step before left it is measured and its mesh goes towards the field by one
 /// pass, at most twice as fine; the step is the relaxation after it, so that no remeshing shows as a kick. An edge is split where it
-/// is longer than 1 and collapsed only to edges shorter than 0.8: a sheet at rest keeps its mesh. Fields that ask for more than
-/// `most_triangles` are coarsened as a whole. It begins coarse.
+/// is longer than 1 and collapsed only to edges shorter than 0.8: a sheet at rest keeps its mesh. Every change costs iterations, so a
+/// pass waits until 1 % of the edges are too long, or one by a quarter. A sheet that did not reach its minimum keeps its mesh, and one whose
+/// handles are about to jump by more than a tenth of it is coarsened first: a jump is followed in up to 32 steps.
+/// Fields that ask for more than `most_triangles` are coarsened as a whole. It begins coarse.
 /// What the paper keeps lies on a grid of the pattern (plastic_grid.h) that knows no mesh: rest angles are read from it after every
 /// change, and there is nothing to carry from face to face.
 /// source  [Narain 2012], [Narain 2013]

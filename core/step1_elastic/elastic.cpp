@@ -38,6 +38,8 @@ constexpr Patience at_first{70, 30};      // of three steps: a flat sheet that c
 constexpr Patience later{42, 36}, beside_another{42, 15};
 constexpr int usual_iterations = 60;    // of the options, for which these hold
 constexpr int worth_a_try = 10;         // [1] iterations
+constexpr double worth_having = 0.02;   // [1] of the potential
+constexpr int content_for = 8;          // [1] steps of a fine mesh after a second way that found less
 constexpr int most_tries = 4;           // of a leg of the second way
 
 enum class SecondWays { where_restless, none };
@@ -145,6 +147,7 @@ struct Elastic::Impl {
     const int in_all = patience().in_all * options.max_iterations / usual_iterations;
     if (way) way->x = predictor->guesses(way->x, {}, hard.targets).front();
     else if (!leaves || (report.converged && passes(x))) return;  // what meets itself is not going to stay where it is
+    else if (past.steps < past.content_until) return;
     else way = SecondWay{start};
     while (way->leg != SecondWay::done) {
       const int left = is_coarse() ? std::min(options.max_iterations, in_all - report.iterations) : options.max_iterations;
@@ -152,6 +155,7 @@ struct Elastic::Impl {
       go_on(*way, W, left, report);
     }
     const double here = W(x), there = W(way->x);
+    if (!is_coarse() && there > here - worth_having * std::abs(here)) past.content_until = past.steps + content_for;
     if (there < here && !passes(way->x)) {
       report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
       report.converged = way->converged;
@@ -301,6 +305,7 @@ void Elastic::continue_from(const Elastic& other, const std::function<Points3(co
   here.positions.clear();
   for (const Points3& x : there.positions) here.positions.push_back(carried(x));
   here.steps = there.steps;
+  here.content_until = there.content_until;
   here.second = there.second;
   if (here.second) here.second->x = carried(there.second->x);
 }

@@ -62,6 +62,7 @@ struct ElasticPast {
   int steps = 0;                    // so far
   bool remeshed = true;             // the mesh has changed since the last step
   bool careful = false;             // the last step ended with parts touching, or with handles that the paper does not follow
+  int content_until = 0;            // steps: a second way found nothing much lower, none is begun before
   bool descending = false;          // ... on its way down to a minimum
   std::optional<SecondWay> second;  // not yet at its end
   std::optional<PlasticGrid> grid;  // in a copy that is to take a step back

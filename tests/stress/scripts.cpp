@@ -2,7 +2,6 @@
 
 #include "core/pattern_mesh.h"
 #include "core/random.h"
-#include "core/reach.h"
 
 #include <algorithm>
 #include <cmath>
@@ -45,7 +44,9 @@ Pattern make_pattern(Dice& dice) {
 
 /// Flat; the mesh that a scene would bring, fine or bad.
 Sheet make_start(const Pattern& pattern, bool slivers) {
-  const PatternMesh mesh = mesh_pattern(pattern, longer_side(pattern) * (slivers ? 0.4 : 0.1), {});
+  std::vector<Vector2d> border = pattern.outline;
+  for (const std::vector<Vector2d>& hole : pattern.holes) border.insert(border.end(), hole.begin(), hole.end());
+  const PatternMesh mesh = mesh_pattern(pattern, longer_side(pattern) * (slivers ? 0.4 : 0.1), border);
   Sheet start;
   start.pattern = mesh.vertices;
   start.triangles = mesh.triangles;
@@ -213,7 +214,7 @@ Script make_script(int index, std::uint32_t seed) {
     script.shot.handles.push_back(std::move(handle));
   }
   motion(script, dice);
-  script.feasible = Reach(script.shot.pattern, script.shot.handles).impossible_pairs(script.shot.handles, 1, script.options.last_frame).empty();
+  script.impossible = Reach(script.shot.pattern, script.shot.handles).impossible_pairs(script.shot.handles, 1, script.options.last_frame);
   return script;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/animate.h"
+#include "core/reach.h"
 
 #include <cstdint>
 #include <string>
@@ -13,7 +14,7 @@ struct Script {
   std::string kind;         // what is odd about it
   Shot shot;
   AnimateOptions options;   // frames, time step, seed
-  bool feasible = true;     // no pair of handles is ever farther apart than paper between them is long
+  std::vector<ImpossiblePair> impossible;  // pairs of handles that are asked to be farther apart than paper between them is long
 };
 
 /// What handles may do that no artist should key: kinds in turn, so that any hundred scripts have every kind.
