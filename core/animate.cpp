@@ -28,6 +28,9 @@ constexpr double start_noise = 1e-6;     // [m] lets a flat sheet choose a side
 constexpr int max_halvings = 8;
 constexpr double most_leap = 0.03;        // [1] of the longer side, in one step
 constexpr int most_halvings_of_a_leap = 5;
+// A flat sheet chooses a side as it is pushed together: by its way, in steps so short that neither they nor the mesh have a say.
+constexpr double flat = 0.01, most_leap_of_flat = 5e-4;  // [1] of the longer side
+constexpr int most_halvings_of_a_choice = 3;
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
 
 /// CPU time of this thread. [ms]
@@ -37,13 +40,23 @@ double cpu_ms() {
   return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
 }
 
-/// Adds a ripple along the common normal when all points lie in one plane.
-void disturb_if_flat(Sheet& sheet, double side, unsigned seed) {
-  Points3& x = sheet.x;
+/// Normal of the plane that lies nearest to all points, and how far they are from it. [m]
+struct Plane {
+  Vector3d normal;
+  double off;
+};
+Plane plane_of(const Points3& x) {
   const Eigen::RowVector3d centre = x.colwise().mean();
   const Eigen::Matrix3d scatter = (x.rowwise() - centre).transpose() * (x.rowwise() - centre);
   const Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
-  if (((x.rowwise() - centre) * normal).cwiseAbs().maxCoeff() > 1e-7 * side) return;
+  return {normal, ((x.rowwise() - centre) * normal).cwiseAbs().maxCoeff()};
+}
+
+/// Adds a ripple along the common normal when all points lie in one plane.
+void disturb_if_flat(Sheet& sheet, double side, unsigned seed) {
+  Points3& x = sheet.x;
+  const auto [normal, off] = plane_of(x);
+  if (off > 1e-7 * side) return;
   const Vector3d up = normal.z() < 0 ? Vector3d(-normal) : normal;  // the side an eigenvector points to is an accident
   for (int v = 0; v < x.rows(); ++v) x.row(v) += start_noise * ripple(sheet.pattern.row(v), side, seed) * up.transpose();
 }
@@ -212,14 +225,15 @@ struct SteppedFrame {
 };
 
 /// leap  [1] how far the handles go against each other; more than a whole step takes: it is halved before it is tried
-SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double leap, double dt, int halvings, const std::string& where) {
+SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double leap, double dt, int halvings, const std::string& where, double side) {
   const Sheet before = sheet;
   const ElasticPast past = elastic.past();
   SteppedFrame result;
   std::string failure;
   LengthDistortion distortion;
+  const bool chooses = leap > most_leap_of_flat && halvings < most_halvings_of_a_choice && plane_of(sheet.x).off < flat * side;
   const bool too_far = leap > most_leap && halvings < most_halvings_of_a_leap;
-  if (!too_far) {
+  if (!too_far && !chooses) {
     try {
       result.last = elastic.step(sheet, held, dt);
       result.substeps = 1;
@@ -243,8 +257,8 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
   Held half = held;
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     half.targets.row(k) = 0.5 * (before.x.row(held.vertices[k]) + held.targets.row(k));
-  const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, where);
-  SteppedFrame second = follow(elastic, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, where);
+  const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, where, side);
+  SteppedFrame second = follow(elastic, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, where, side);
   second.substeps += first.substeps;
   second.iterations += first.iterations + result.iterations;
   second.converged &= first.converged;
@@ -336,7 +350,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step.last = elastic.look(sheet);
       sheet.v.setZero();
     } else {
-      step = follow(elastic, sheet, held, leap, 1 / options.fps, 0, where);
+      step = follow(elastic, sheet, held, leap, 1 / options.fps, 0, where, side);
     }
     // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
