@@ -29,7 +29,7 @@ constexpr int max_halvings = 8;
 constexpr double most_leap = 0.03;        // [1] of the longer side, in one step
 constexpr int most_halvings_of_a_leap = 5;
 // A flat sheet chooses a side as it is pushed together: by its way, in steps so short that neither they nor the mesh have a say.
-constexpr double flat = 0.01, most_leap_of_flat = 5e-4;  // [1] of the longer side
+constexpr double flat = 0.01, most_leap_of_flat = 2e-3;  // [1] of the longer side
 constexpr int most_halvings_of_a_choice = 3;
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
 
@@ -315,7 +315,6 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
     result.frame = frame;
-    const Moment now{frame, 1 / options.fps};
     const Held held = grip.held(frame);
     const bool first = frame == options.first_frame;
 
@@ -324,6 +323,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     const double moved = unrest(sheet, held, held_before, before);
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
     const bool moving = moved > still * side;
+    const Moment now{frame, 1 / options.fps, moved / side};
     if (method.propose && !first && moving && at_minimum)
       if (auto proposal = method.propose(sheet, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)), now)) {
         const std::vector<double> stiffening = disc_factors(*proposal, shot);
