@@ -31,6 +31,7 @@ constexpr int most_halvings_of_a_leap = 5;
 // A flat sheet chooses a side as it is pushed together: by its way, in steps so short that neither they nor the mesh have a say.
 constexpr double flat = 0.01, most_leap_of_flat = 2e-3;  // [1] of the longer side
 constexpr int most_halvings_of_a_choice = 3;
+constexpr double longest_swing = 1 / 96.0;  // [s] of a step with inertia: backward Euler eats motion, the more the longer it is
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
 
 /// CPU time of this thread. [ms]
@@ -224,16 +225,22 @@ struct SteppedFrame {
   ElasticReport last;
 };
 
+struct FrameToFollow {
+  std::string where;    // for errors
+  double side;          // [m] longer one of the sheet
+  int least_halvings;
+};
+
 /// leap  [1] how far the handles go against each other; more than a whole step takes: it is halved before it is tried
-SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double leap, double dt, int halvings, const std::string& where, double side) {
+SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double leap, double dt, int halvings, const FrameToFollow& frame) {
   const Sheet before = sheet;
   const ElasticPast past = elastic.past();
   SteppedFrame result;
   std::string failure;
   LengthDistortion distortion;
-  const bool chooses = leap > most_leap_of_flat && halvings < most_halvings_of_a_choice && plane_of(sheet.x).off < flat * side;
+  const bool chooses = leap > most_leap_of_flat && halvings < most_halvings_of_a_choice && plane_of(sheet.x).off < flat * frame.side;
   const bool too_far = leap > most_leap && halvings < most_halvings_of_a_leap;
-  if (!too_far && !chooses) {
+  if (!too_far && !chooses && halvings >= frame.least_halvings) {
     try {
       result.last = elastic.step(sheet, held, dt);
       result.substeps = 1;
@@ -250,15 +257,15 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
     char cause[200];
     std::snprintf(cause, sizeof cause, "The sheet cannot follow the handles: %d halvings of the time step, worst stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
                   halvings, 100 * distortion.largest, 100 * distortion.where.x(), 100 * distortion.where.y());
-    throw Error(Fault::simulation, where, failure.empty() ? cause : failure, "Move the handles more slowly before this frame.");
+    throw Error(Fault::simulation, frame.where, failure.empty() ? cause : failure, "Move the handles more slowly before this frame.");
   }
   sheet = before;
   elastic.take_back(past);
   Held half = held;
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     half.targets.row(k) = 0.5 * (before.x.row(held.vertices[k]) + held.targets.row(k));
-  const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, where, side);
-  SteppedFrame second = follow(elastic, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, where, side);
+  const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
+  SteppedFrame second = follow(elastic, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
   second.substeps += first.substeps;
   second.iterations += first.iterations + result.iterations;
   second.converged &= first.converged;
@@ -312,6 +319,9 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   bool at_minimum = false;  // and not flowing
   bool leaving = false;     // an unstable shape: nobody draws conclusions from the way down
   int quiet_frames = 0;
+  int least_halvings = 0;
+  if (options.elastic.inertia == Inertia::dynamic)
+    while (std::ldexp(1 / options.fps, -least_halvings) > 1.001 * longest_swing && least_halvings < max_halvings) ++least_halvings;
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
     result.frame = frame;
@@ -350,7 +360,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step.last = elastic.look(sheet);
       sheet.v.setZero();
     } else {
-      step = follow(elastic, sheet, held, leap, 1 / options.fps, 0, where, side);
+      step = follow(elastic, sheet, held, leap, 1 / options.fps, 0, {where, side, least_halvings});
     }
     // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame

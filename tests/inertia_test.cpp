@@ -126,16 +126,22 @@ TEST(Inertia, SwingingSheetHasThePeriodOfItsPendulum) {
     std::vector<double> zeros;  // [s] where it passes below the hinge
     for (std::size_t f = 1; f < path.size(); ++f)
       if (path[f - 1].x() * path[f].x() < 0) zeros.push_back((f - 1 + path[f - 1].x() / (path[f - 1].x() - path[f].x())) / 24);
-    double back = 0;  // [m] how far it swings to the other side, and to this one again
-    double again = 0;
-    for (std::size_t f = 0; f < path.size(); ++f) {
-      if (f / 24.0 < period) back = std::max(back, -path[f].x());
-      if (f / 24.0 > 0.6 * period && f / 24.0 < 1.4 * period) again = std::max(again, path[f].x());
-    }
-    std::printf("%s: half period %.4f s of %.4f; swing 1 -> %.2f -> %.2f\n", method.name.c_str(), zeros.size() > 1 ? zeros[1] - zeros[0] : 0, period / 2, back / (L * std::sin(a)), again / (L * std::sin(a)));
+    double back = 0;  // [m] how far it swings to the other side
+    for (std::size_t f = 0; f / 24.0 < period; ++f) back = std::max(back, -path[f].x());
     ASSERT_GE(zeros.size(), 2u) << method.name;
-    EXPECT_NEAR((zeros[1] - zeros[0]) / (period / 2), 1, 0.1) << method.name;
+    EXPECT_NEAR((zeros[1] - zeros[0]) / (period / 2), 1, 0.01) << method.name;
+    EXPECT_NEAR(back / (L * std::sin(a)), 0.8, 0.05) << method.name;  // backward Euler at 1/96 s takes 0.13, the damping of the velocity the rest
   }
+}
+
+TEST(Inertia, SheetThatNothingHoldsFallsAsAStone) {
+  Shot shot = shot_of(held_by_an_edge("stone", flat, still(13)));
+  shot.handles.clear();
+  const double fallen = -far_edge(shot, adaptive(shot.pattern, 200), Inertia::dynamic, 13).back().z();
+  const double drag = -24 * std::log(0.98), t = 0.5;  // [1/s]; [s]
+  const double falls = g / (drag * drag) * (drag * t - 1 + std::exp(-drag * t));
+  EXPECT_LT(falls, 0.95 * 0.5 * g * t * t);
+  EXPECT_NEAR(fallen / falls, 1 + 1 / 48.0, 0.005);  // backward Euler in 48 steps: n(n+1)/2 for n^2/2
 }
 
 }  // namespace

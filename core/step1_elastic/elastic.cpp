@@ -18,7 +18,7 @@ namespace paperbake {
 namespace {
 
 constexpr double quasi_static_mass = 0.01;  // share of the true mass; 1 ... 1e-5 give the same shapes to 4 digits
-constexpr double velocity_kept = 0.98;
+constexpr double velocity_kept = 0.98;  // [1] in 1/24 s
 
 // A step that needs more iterations than this leaves an unstable shape, and the nearest minimum may be a poor one.
 constexpr int restless = 15;
@@ -355,7 +355,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   report.energy = stored.energy;
   report.potential = stored.potential;
 
-  sheet.v = (dynamic ? velocity_kept : 1.0) / dt * (sheet.x - before);
+  sheet.v = (dynamic ? std::pow(velocity_kept, 24 * dt) : 1.0) / dt * (sheet.x - before);
   s.past.positions.push_front(before);
   if (s.past.positions.size() > 2) s.past.positions.pop_back();
   return report;

@@ -88,7 +88,7 @@ struct ElasticPast {
 /// iteration passes through anything, and handles pull with springs that give way where the paper is jammed
 /// (handle_springs.h); it has no second start. A step in which nothing comes near is the same to the last bit as without contact.
 ///
-/// source [Martin 2011]; damping of the velocity 0.98 a step
+/// source [Martin 2011]; damping of the velocity to 0.98 in 1/24 s
 class Elastic {
  public:
   Elastic(const Paper&, const ElasticOptions&);
