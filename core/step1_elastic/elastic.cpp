@@ -55,7 +55,7 @@ struct Elastic::Impl {
   PlasticGrid* grid = nullptr;
   Points2 pattern;
   Triangles triangles;
-  PlasticGrid::Cover cover;  // of the grid by the triangles
+  std::optional<PlasticGrid::Cover> found_cover;  // of the grid by the triangles, when it was first needed
 
   std::optional<Contact> contact;
 
@@ -67,10 +67,18 @@ struct Elastic::Impl {
   bool matrix_of_contact = false;
   std::unique_ptr<Predictor> predictor;
 
-  void recall() { energy->memory = softened->memory = grid ? grid->read(cover) : PlasticMemory{}; }
+  const PlasticGrid::Cover& cover() {
+    if (!found_cover) found_cover = grid->cover(pattern, triangles);
+    return *found_cover;
+  }
 
-  void find_cover() {
-    if (grid) cover = grid->cover(pattern, triangles);
+  void recall() {
+    energy->memory = !grid ? PlasticMemory{} : grid->pristine() ? PlasticMemory(static_cast<int>(triangles.rows())) : grid->read(cover());
+    softened->memory = energy->memory;
+  }
+
+  void recall_on_new_mesh() {
+    found_cover.reset();
     recall();
   }
 
@@ -82,7 +90,9 @@ struct Elastic::Impl {
   /// What has flowed goes to the grid and comes back as the past of the next step. returns the growth of the integral [m rad]
   double remember(const Points3& x) {
     if (!grid) return 0;
-    const double growth = grid->write(cover, energy->gained(x));
+    const PlasticMemory gained = energy->gained(x);
+    if (gained.curvature.isZero(0) && gained.hardening.isZero(0)) return 0;
+    const double growth = grid->write(cover(), gained);
     recall();
     return growth;
   }
@@ -243,7 +253,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   if (s.past.second && s.past.second->x.rows() != sheet.pattern.rows()) s.past.second.reset();
   s.pattern = sheet.pattern;
   s.triangles = sheet.triangles;
-  s.find_cover();
+  s.recall_on_new_mesh();
   s.mass = Eigen::VectorXd::Zero(sheet.pattern.rows());
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const double area = rest_triangle(sheet.pattern, sheet.triangles.row(t)).area;
@@ -254,7 +264,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
 
 void Elastic::remember_in(PlasticGrid* grid) {
   impl_->grid = grid;
-  if (impl_->energy) impl_->find_cover();
+  if (impl_->energy) impl_->recall_on_new_mesh();
 }
 
 ElasticReport Elastic::look(const Sheet& sheet) const {
@@ -307,7 +317,7 @@ void Elastic::continue_from(const Elastic& other, const std::function<Points3(co
 
 ElasticPast Elastic::past() const {
   ElasticPast copy = impl_->past;
-  if (impl_->grid) copy.grid = *impl_->grid;
+  if (impl_->grid && !impl_->grid->pristine()) copy.grid = *impl_->grid;
   return copy;
 }
 
@@ -315,7 +325,8 @@ void Elastic::take_back(const ElasticPast& past) {
   Impl& s = *impl_;
   s.past = past;
   if (!s.grid) return;
-  *s.grid = *past.grid;
+  if (past.grid) *s.grid = *past.grid;
+  else s.grid->forget();
   s.past.grid.reset();
   s.recall();
 }

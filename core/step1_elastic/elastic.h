@@ -64,7 +64,7 @@ struct ElasticPast {
   bool careful = false;             // the last step ended with parts touching, or with handles that the paper does not follow
   bool descending = false;          // ... on its way down to a minimum
   std::optional<SecondWay> second;  // not yet at its end
-  std::optional<PlasticGrid> grid;  // in a copy that is to take a step back
+  std::optional<PlasticGrid> grid;  // in a copy that is to take a step back; none: nothing had flowed
 };
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
