@@ -48,18 +48,14 @@ double free_length(const Shot& shot, const std::vector<int>& held) {
 
 /// Does the start shape hang straight below the points that hold it?
 bool hangs(const Shot& shot, const std::vector<int>& held, double gravity, double side) {
-  Vector3d top = Vector3d::Zero(), ends[2];
-  double far = -1;
+  const auto at = [&](int h) { return keyed_position(shot.handles[h], 0); };
+  Vector3d middle = Vector3d::Zero(), along = Vector3d::Zero();
   for (const int h : held) {
-    top += keyed_position(shot.handles[h], 0) / held.size();
-    if (const double d = (keyed_position(shot.handles[h], 0) - keyed_position(shot.handles[held.front()], 0)).norm(); d > far) far = d, ends[1] = keyed_position(shot.handles[h], 0);
+    middle += at(h) / held.size();
+    if (const Vector3d d = at(h) - at(held.front()); d.norm() > along.norm()) along = d;
   }
-  ends[0] = keyed_position(shot.handles[held.front()], 0);
-  Vector3d down = shot.start.x.colwise().mean().transpose() - top;
-  if (far > 0) {
-    const Vector3d line = (ends[1] - ends[0]).normalized();
-    down -= line.dot(down) * line;
-  }
+  Vector3d down = shot.start.x.colwise().mean().transpose() - middle;
+  if (along.norm() > 0) down -= along * along.dot(down) / along.squaredNorm();
   return down.z() * gravity < 0 && down.head<2>().norm() < carried_along * side;
 }
 
