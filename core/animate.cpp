@@ -10,8 +10,6 @@
 #include "core/reach.h"
 #include "core/ripple.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,7 +22,6 @@ namespace paperbake {
 namespace {
 
 constexpr double disc_stiffening = 10;
-constexpr double start_noise = 1e-6;     // [m] lets a flat sheet choose a side
 constexpr int max_halvings = 8;
 constexpr double most_leap = 0.03;        // [1] of the longer side, in one step
 constexpr int most_halvings_of_a_leap = 5;
@@ -39,27 +36,6 @@ double cpu_ms() {
   timespec t;
   clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
   return 1e3 * t.tv_sec + 1e-6 * t.tv_nsec;
-}
-
-/// Normal of the plane that lies nearest to all points, and how far they are from it. [m]
-struct Plane {
-  Vector3d normal;
-  double off;
-};
-Plane plane_of(const Points3& x) {
-  const Eigen::RowVector3d centre = x.colwise().mean();
-  const Eigen::Matrix3d scatter = (x.rowwise() - centre).transpose() * (x.rowwise() - centre);
-  const Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
-  return {normal, ((x.rowwise() - centre) * normal).cwiseAbs().maxCoeff()};
-}
-
-/// Adds a ripple along the common normal when all points lie in one plane.
-void disturb_if_flat(Sheet& sheet, double side, unsigned seed) {
-  Points3& x = sheet.x;
-  const auto [normal, off] = plane_of(x);
-  if (off > 1e-7 * side) return;
-  const Vector3d up = normal.z() < 0 ? Vector3d(-normal) : normal;  // the side an eigenvector points to is an accident
-  for (int v = 0; v < x.rows(); ++v) x.row(v) += start_noise * ripple(sheet.pattern.row(v), side, seed) * up.transpose();
 }
 
 /// Handles of the shot as the loop needs them: where they are asked to be, and which vertices that holds.
@@ -238,7 +214,7 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
   SteppedFrame result;
   std::string failure;
   LengthDistortion distortion;
-  const bool chooses = leap > most_leap_of_flat && halvings < most_halvings_of_a_choice && plane_of(sheet.x).off < flat * frame.side;
+  const bool chooses = leap > most_leap_of_flat && halvings < most_halvings_of_a_choice && off_plane(sheet.x) < flat * frame.side;
   const bool too_far = leap > most_leap && halvings < most_halvings_of_a_leap;
   if (!too_far && !chooses && halvings >= frame.least_halvings) {
     try {
