@@ -88,7 +88,7 @@ void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
   bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert,report,usd,pc2")->capture_default_str();
   bake.add_option("--gravity", s.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0")->check(finite);
   bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(positive);
-  bake.add_option("--dynamics", s.dynamics, "Inertia: auto (quasi-static), off, on")
+  bake.add_option("--dynamics", s.dynamics, "Inertia: auto (where a sheet falls, swings or is thrown), off, on")
       ->transform(CLI::CheckedTransformer(std::map<std::string, Dynamics>{{"auto", Dynamics::automatic}, {"off", Dynamics::off}, {"on", Dynamics::on}}));
   bake.add_option("--probe", s.probe_every, "Every N frames, look for another shape of less energy under the same handles, and take it; 0: never")->capture_default_str()->check(CLI::Range(0, 100000));
   bake.add_option("--frames", words.frames, "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key handles rest");

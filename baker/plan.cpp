@@ -2,6 +2,7 @@
 
 #include "baker/debug_pictures.h"
 #include "core/error.h"
+#include "core/inertia_need.h"
 #include "core/polished_animation.h"
 #include "formats/murmur.h"
 #include "formats/preset_file.h"
@@ -29,20 +30,43 @@ Polishing polishing_of(const BakeSettings& settings) {
   if (by_method && settings.polish == 0) throw Error(Fault::command, "--polish 0", "Frames of hybrid+fem are polished.", "Bake with --method hybrid.");
   if (by_method || settings.polish.value_or(0) > 0) {
     if (settings.method == "fem") throw Error(Fault::command, option, "There is nothing that fem could finish of its own frames.", "A finer fem is --triangles N.");
-    if (settings.dynamics == Dynamics::on)
-      throw Error(Fault::command, option, "A polished frame is at rest, and with inertia none is.", "Bake without --dynamics on, or without polish.");
     return {settings.polish.value_or(usual), "asked for with " + std::string(option)};
   }
   if (settings.polish) return {0, "off with --polish 0"};
   const bool hero = settings.quality == Quality::hero && settings.mesh == CacheMesh::render;
-  if (hero && settings.method == "hybrid" && settings.dynamics != Dynamics::on) return {usual, "--quality hero"};
+  if (hero && settings.method == "hybrid") return {usual, "--quality hero"};
   return {0, settings.method == "fem" ? "fem is at its minimum" : "not asked for"};
 }
 
-void check_probe(const BakeSettings& settings) {
-  if (settings.probe_every > 0 && settings.dynamics == Dynamics::on)
-    throw Error(Fault::command, "--probe", "With inertia a sheet swings between its shapes: there is no lower one to look for.",
-                "Bake without --dynamics on, or without --probe.");
+/// As asked for; else what the sheet that needs inertia most has to say.
+void settle_inertia(const BakeSettings& settings, double fps, BakePlan& plan) {
+  bool dynamic = settings.dynamics == Dynamics::on;
+  plan.why_inertia = dynamic ? "asked for with --dynamics on" : "switched off with --dynamics off";
+  if (settings.dynamics == Dynamics::automatic) {
+    InertiaNeed most;
+    for (const Shot& shot : plan.shots) {
+      InertiaNeed need = need_of_inertia(shot, plan.animation.elastic.gravity, fps, plan.animation.first_frame, plan.animation.last_frame);
+      if (most.why.empty() || need.needed > most.needed || (need.needed == most.needed && need.sway > most.sway)) most = std::move(need);
+    }
+    dynamic = most.needed;
+    plan.why_inertia = most.why;
+  }
+  plan.animation.elastic.inertia = dynamic ? Inertia::dynamic : Inertia::quasi_static;
+  if (settings.probe_every > 0 && dynamic)
+    throw Error(Fault::command, "--probe", "With inertia a sheet swings between its shapes: there is no lower one to look for (" + plan.why_inertia + ").",
+                "Bake with --dynamics off, or without --probe.");
+}
+
+/// throws Error(Fault::command) when polish was asked for and the sheet has inertia
+void settle_polish(const BakeSettings& settings, BakePlan& plan) {
+  plan.polish = polishing_of(settings);
+  if (plan.polish.triangles > 0 && plan.animation.elastic.inertia == Inertia::dynamic) {
+    if (settings.polish || settings.method == hybrid_and_fem)
+      throw Error(Fault::command, "--polish", "A polished frame is at rest, and with inertia none is (" + plan.why_inertia + ").", "Bake with --dynamics off, or without polish.");
+    plan.polish = {0, "a polished frame is at rest, and with inertia none is"};
+  }
+  plan.method = settings.method;
+  if (plan.polish.triangles > 0 && settings.method != hybrid_and_fem) plan.method += "+fem";
 }
 
 int triangles_wanted(const BakeSettings& settings) {
@@ -164,10 +188,7 @@ BakePlan plan_bake(const BakeSettings& settings) {
   BakePlan plan;
   plan.name = settings.scene.stem().string();
   check_method(settings);
-  check_probe(settings);
-  plan.polish = polishing_of(settings);
-  plan.method = settings.method;
-  if (plan.polish.triangles > 0 && settings.method != hybrid_and_fem) plan.method += "+fem";
+  polishing_of(settings);  // a contradiction is said before the scene is read
   if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation && settings.method != "fem")
     throw Error(Fault::command, "--formats pc2", "A point cache has one mesh for the whole shot, and the simulated one changes.", "Leave out --mesh simulation, or pc2.");
   Scene scene = read_scene(settings.scene, settings.reading);
@@ -175,20 +196,18 @@ BakePlan plan_bake(const BakeSettings& settings) {
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;
   plan.animation.elastic.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
-  plan.animation.elastic.inertia = settings.dynamics == Dynamics::on ? Inertia::dynamic : Inertia::quasi_static;
   plan.animation.probe_every = settings.probe_every;
   plan.animation.memory = settings.method == "fem" ? Memory::none : Memory::plastic;
   settle_frames(settings, scene, plan);
-  note_used(settings, scene, plan);
   if (settings.preset)  // an unknown grade is an error even if no sheet were there to use it
     read_preset(*settings.preset);
 
-  std::string job;
+  std::vector<UsedValue> of_sheets;
   for (SceneSheet& sheet : scene.sheets) {
     const ResolvedPaper resolved = resolve_paper(settings, sheet);
     const unsigned seed = settings.seed.value_or(sheet.seed.value_or(0));
-    plan.used.insert(plan.used.end(), resolved.used.begin(), resolved.used.end());
-    plan.used.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
+    of_sheets.insert(of_sheets.end(), resolved.used.begin(), resolved.used.end());
+    of_sheets.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
                          settings.seed ? "command line" : sheet.seed ? "scene" : "default"});
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
@@ -196,7 +215,12 @@ BakePlan plan_bake(const BakeSettings& settings) {
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
 
-  std::string values = PAPERBAKE_VERSION "\n";
+  settle_inertia(settings, scene.fps, plan);
+  settle_polish(settings, plan);
+  note_used(settings, scene, plan);
+  plan.used.insert(plan.used.end(), of_sheets.begin(), of_sheets.end());
+
+  std::string job, values = PAPERBAKE_VERSION "\n";
   for (const UsedValue& value : plan.used)
     if (value.key != "scene.file") values += value.key + " = " + value.value + "\n";
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {

@@ -33,6 +33,7 @@ struct BakePlan {
   std::vector<unsigned> seeds;         // of each sheet
   std::vector<std::string> presets;    // of each sheet
   AnimateOptions animation;            // simulated from the scene's first frame to the last one written
+  std::string why_inertia;             // or why not
   FrameSpan frames;                    // written
   std::vector<FrameSpan> map_frames;
   std::vector<FrameSpan> debug_frames; // with a debug picture, besides the last and those with a birth

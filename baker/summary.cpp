@@ -8,6 +8,7 @@
 #include <functional>
 #include <iterator>
 #include <nlohmann/json.hpp>
+#include <numeric>
 #include <thread>
 
 namespace paperbake {
@@ -39,15 +40,19 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const std::string& method = plan.methods.front().name;
   const bool yields = plan.animation.memory == Memory::plastic, singular = method == "hybrid";
+  const int births = std::accumulate(frames.begin(), frames.end(), 0, [](int sum, const FrameRecord& f) { return sum + f.new_singular; });
+  const bool ignored = std::any_of(plan.warnings.begin(), plan.warnings.end(), [](const std::string& w) { return w.rfind("Colliders are ignored", 0) == 0; });
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
-  return {{"dynamics", model(dynamic, dynamic ? "asked for with --dynamics on" : "quasi-static: handles move slowly against the sheet's own waves")},
+  return {{"dynamics", model(dynamic, plan.why_inertia)},
           {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
           {"plasticity", model(yields, yields ? "paper that yields keeps its creases" : "method fem is elastic")},
-          {"singular_points", model(singular, singular ? "two bending directions may conflict" : "method " + method + " makes none")},
+          {"singular_points", model(singular, !singular ? "method " + method + " makes none"
+                                              : births  ? fmt::format("{} were born where two bending directions conflicted", births)
+                                                        : "looked for; no two bending directions conflicted for long enough")},
           {"contact", model(touching > 0, touching > 0 ? fmt::format("the sheet comes near itself in {} frames", touching)
                                                        : "the sheet never comes near itself")},
           {"polish", model(plan.polish.triangles > 0, plan.polish.why)},
-          {"colliders", model(false, "not in this version")}};
+          {"colliders", model(false, ignored ? "not in this version: those of the scene are ignored" : "none in scene")}};
 }
 
 }  // namespace

@@ -11,8 +11,6 @@
 #include "core/reach.h"
 #include "core/ripple.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -24,22 +22,14 @@ namespace paperbake {
 namespace {
 
 constexpr double disc_stiffening = 10;
-constexpr double start_noise = 1e-6;     // [m] lets a flat sheet choose a side
 constexpr int max_halvings = 8;
 constexpr double most_leap = 0.03;        // [1] of the longer side, in one step
 constexpr int most_halvings_of_a_leap = 5;
+// A flat sheet chooses a side as it is pushed together: by its way, in steps so short that neither they nor the mesh have a say.
+constexpr double flat = 0.01, most_leap_of_flat = 2e-3;  // [1] of the longer side
+constexpr int most_halvings_of_a_choice = 3;
+constexpr double longest_swing = 1 / 96.0;  // [s] of a step with inertia: backward Euler eats motion, the more the longer it is
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
-
-/// Adds a ripple along the common normal when all points lie in one plane.
-void disturb_if_flat(Sheet& sheet, double side, unsigned seed) {
-  Points3& x = sheet.x;
-  const Eigen::RowVector3d centre = x.colwise().mean();
-  const Eigen::Matrix3d scatter = (x.rowwise() - centre).transpose() * (x.rowwise() - centre);
-  const Vector3d normal = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
-  if (((x.rowwise() - centre) * normal).cwiseAbs().maxCoeff() > 1e-7 * side) return;
-  const Vector3d up = normal.z() < 0 ? Vector3d(-normal) : normal;  // the side an eigenvector points to is an accident
-  for (int v = 0; v < x.rows(); ++v) x.row(v) += start_noise * ripple(sheet.pattern.row(v), side, seed) * up.transpose();
-}
 
 /// Handles of the shot as the loop needs them: where they are asked to be, and which vertices that holds.
 class Grip {
@@ -204,15 +194,22 @@ struct SteppedFrame {
   ElasticReport last;
 };
 
+struct FrameToFollow {
+  std::string where;    // for errors
+  double side;          // [m] longer one of the sheet
+  int least_halvings;
+};
+
 /// leap  [1] how far the handles go against each other; more than a whole step takes: it is halved before it is tried
-SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double leap, double dt, int halvings, const std::string& where) {
+SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double leap, double dt, int halvings, const FrameToFollow& frame) {
   const Sheet before = sheet;
   const ElasticPast past = elastic.past();
   SteppedFrame result;
   std::string failure;
   LengthDistortion distortion;
+  const bool chooses = leap > most_leap_of_flat && halvings < most_halvings_of_a_choice && off_plane(sheet.x) < flat * frame.side;
   const bool too_far = leap > most_leap && halvings < most_halvings_of_a_leap;
-  if (!too_far) {
+  if (!too_far && !chooses && halvings >= frame.least_halvings) {
     try {
       result.last = elastic.step(sheet, held, dt);
       result.substeps = 1;
@@ -229,15 +226,15 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
     char cause[200];
     std::snprintf(cause, sizeof cause, "The sheet cannot follow the handles: %d halvings of the time step, worst stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
                   halvings, 100 * distortion.largest, 100 * distortion.where.x(), 100 * distortion.where.y());
-    throw Error(Fault::simulation, where, failure.empty() ? cause : failure, "Move the handles more slowly before this frame.");
+    throw Error(Fault::simulation, frame.where, failure.empty() ? cause : failure, "Move the handles more slowly before this frame.");
   }
   sheet = before;
   elastic.take_back(past);
   Held half = held;
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     half.targets.row(k) = 0.5 * (before.x.row(held.vertices[k]) + held.targets.row(k));
-  const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, where);
-  SteppedFrame second = follow(elastic, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, where);
+  const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
+  SteppedFrame second = follow(elastic, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
   second.substeps += first.substeps;
   second.iterations += first.iterations + result.iterations;
   second.converged &= first.converged;
@@ -291,10 +288,12 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   bool at_minimum = false, flowing = false;
   bool leaving = false;
   int quiet_frames = 0;
+  int least_halvings = 0;
+  if (options.elastic.inertia == Inertia::dynamic)
+    while (std::ldexp(1 / options.fps, -least_halvings) > 1.001 * longest_swing && least_halvings < max_halvings) ++least_halvings;
   for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
     result.frame = frame;
-    const Moment now{frame, 1 / options.fps};
     const Held held = grip.held(frame);
     const bool first = frame == options.first_frame;
 
@@ -303,6 +302,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     const double moved = unrest(sheet, held, held_before, before);
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
     const bool moving = moved > still * side;
+    const Moment now{frame, 1 / options.fps, moved / side};
     const Situation situation{started.fixed, memory ? &*memory : nullptr, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)),
                               now, moving, leaving, at_minimum, flowing, leap_of(sheet, held, held_before) / side};
     if (method.propose && !first)
@@ -329,7 +329,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step.last = elastic.look(sheet);
       sheet.v.setZero();
     } else {
-      step = follow(elastic, sheet, held, situation.leap, 1 / options.fps, 0, where);
+      step = follow(elastic, sheet, held, situation.leap, 1 / options.fps, 0, {where, side, least_halvings});
     }
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
     leaving = step.last.leaving;

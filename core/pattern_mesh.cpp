@@ -177,14 +177,14 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   return mesh;
 }
 
-PatternMesh mesh_pattern_with(const Pattern& pattern, int triangles, const std::vector<Vector2d>& points) {
+PatternMesh mesh_pattern_with(const Pattern& pattern, int triangles, const std::vector<Vector2d>& points, double turn) {
   if (area(pattern) <= 0) throw crossed_outline();
   double edge = std::sqrt(area(pattern) / (triangles * std::sqrt(3.0) / 4));
-  PatternMesh best = mesh_pattern(pattern, edge, points);
+  PatternMesh best = mesh_pattern(pattern, edge, points, turn);
   const auto miss = [&](const PatternMesh& m) { return std::abs(std::log(double(m.triangles.rows()) / triangles)); };
   for (int k = 0; k < 6 && miss(best) > 0.02; ++k) {
     edge *= std::sqrt(double(best.triangles.rows()) / triangles);
-    PatternMesh mesh = mesh_pattern(pattern, edge, points);
+    PatternMesh mesh = mesh_pattern(pattern, edge, points, turn);
     if (miss(mesh) >= miss(best)) break;
     best = std::move(mesh);
   }

@@ -23,7 +23,7 @@ struct PatternMesh {
 PatternMesh mesh_pattern(const Pattern&, double edge, const std::vector<Vector2d>& points, double turn = 0, double border = 0.02);
 
 /// The same with about `triangles` triangles (within 10 % where the outline and the points leave that choice).
-PatternMesh mesh_pattern_with(const Pattern&, int triangles, const std::vector<Vector2d>& points);
+PatternMesh mesh_pattern_with(const Pattern&, int triangles, const std::vector<Vector2d>& points, double turn = 0);
 
 /// Renumbers the vertices so that the required points come first, in the order of the points.
 /// returns  how many vertices they are

@@ -91,6 +91,7 @@ PlasticGrid::Cover PlasticGrid::cover(const Points2& pattern, const Triangles& t
 PlasticMemory PlasticGrid::read(const Cover& cover) const {
   const int triangles = static_cast<int>(cover.first.size()) - 1;
   PlasticMemory memory(triangles);
+  if (pristine_) return memory;
   for (int t = 0; t < triangles; ++t) {
     Eigen::Vector4d sum = Eigen::Vector4d::Zero();
     double ridge = 0;
@@ -129,6 +130,7 @@ double PlasticGrid::write(const Cover& cover, const PlasticMemory& gained) {
     Eigen::Vector4d gain;
     gain << gained.curvature.row(t).transpose(), gained.hardening[t];
     if (gain.isZero(0)) continue;
+    pristine_ = false;
     for (int k = cover.first[t]; k < cover.first[t + 1]; ++k) {
       Eigen::Vector4d& memory = cells_[cover.cell[k]].memory;
       growth -= frobenius(memory);
@@ -141,7 +143,14 @@ double PlasticGrid::write(const Cover& cover, const PlasticMemory& gained) {
   return area_inside_ * growth;
 }
 
+void PlasticGrid::forget() {
+  if (pristine_) return;
+  for (Cell& cell : cells_) cell.memory.setZero(), cell.ridge = 0;
+  pristine_ = true;
+}
+
 double PlasticGrid::integral() const {
+  if (pristine_) return 0;
   double sum = 0;
   for (const Cell& cell : cells_) sum += frobenius(cell.memory);
   return area_inside_ * sum;

@@ -47,6 +47,10 @@ class PlasticGrid {
   /// returns  by how much integral() grew [m rad]
   double write(const Cover&, const PlasticMemory& gained);
 
+  /// Nothing was ever written.
+  bool pristine() const { return pristine_; }
+  void forget();
+
   /// Integral of |Sp| (Frobenius) over the pattern: length of crease x angle kept in it. [m rad]
   double integral() const;
 
@@ -63,6 +67,7 @@ class PlasticGrid {
   double size_;              // [m] of a cell
   int columns_, rows_;
   double area_inside_;       // [m2] of the pattern per inside cell
+  bool pristine_ = true;
   std::vector<Cell> cells_;  // row by row from (0, 0)
 };
 

@@ -17,6 +17,7 @@ using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 struct Moment {
   int frame = 1;
   double dt = 1 / 24.0;                          // [s] from the frame before
+  double moved = 0;                              // [1] of the longer side: farthest that a handle or a point of the sheet goes in it
   double seconds() const { return frame * dt; }  // [s] since frame 0
 };
 

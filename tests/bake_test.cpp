@@ -62,6 +62,26 @@ TEST_F(ABake, LeavesTheFilesOfTheDesignAndNoPart) {
   }
 }
 
+TEST_F(ABake, SaysOfEveryModelWhetherItIsOnAndWhy) {
+  const Record models = Record::parse(text("cert/summary.json"))["models"];
+  for (const char* key : {"dynamics", "gravity", "plasticity", "singular_points", "contact", "colliders", "polish"}) {
+    ASSERT_TRUE(models.contains(key)) << key;
+    EXPECT_FALSE(models[key]["on"].get<bool>()) << key;
+    EXPECT_GT(models[key]["why"].get<std::string>().size(), 5u) << key;
+  }
+  EXPECT_NE(models["dynamics"]["why"].get<std::string>().find("handles hold the sheet"), std::string::npos);
+  EXPECT_EQ(models["colliders"]["why"], "none in scene");
+}
+
+TEST_F(CommandLine, SheetThatIsLetGoUnderGravityIsBakedWithInertia) {
+  const Ended ended = run({"bake", samples + "/S9_unload.glb", "-o", output(), "--gravity", "9.81", "--frames", "58-64", "--formats", "cert"});
+  ASSERT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;
+  const Record models = Record::parse(read(fs::path(output()) / "cert" / "summary.json"))["models"];
+  EXPECT_TRUE(models["dynamics"]["on"].get<bool>());
+  EXPECT_NE(models["dynamics"]["why"].get<std::string>().find("from frame 61 on: it swings"), std::string::npos) << models["dynamics"];
+  EXPECT_NE(read(fs::path(output()) / "job.lock.toml").find("dynamics = \"on\"  # auto"), std::string::npos);
+}
+
 TEST_F(ABake, PrintsTheFilesOnStdoutAndTheFramesOnStderr) {
   const std::vector<std::string> files = lines_of(ended.out);
   EXPECT_FALSE(files.empty());

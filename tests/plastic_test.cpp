@@ -301,5 +301,22 @@ TEST(Plastic, TrianglesThatShareACellDoNotAddUp) {
   EXPECT_LT((grid.read(cover).hardening.array() - 10).abs().maxCoeff(), 1e-9);
 }
 
+TEST(PlasticGrid, IsPristineUntilSomethingFlowsAndAgainWhenItForgets) {
+  const Sheet sheet = test::strip_sheet(0.1, 0.03, 20);
+  PlasticGrid grid(test::rectangle(0.1, 0.03));
+  const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
+  PlasticMemory gained(static_cast<int>(sheet.triangles.rows()));
+  EXPECT_EQ(grid.write(cover, gained), 0);
+  EXPECT_TRUE(grid.pristine());
+  gained.curvature(3, 0) = gained.hardening[3] = 20;
+  EXPECT_GT(grid.write(cover, gained), 0);
+  EXPECT_FALSE(grid.pristine());
+  EXPECT_GT(grid.read(cover).curvature(3, 0), 1);
+  grid.forget();
+  EXPECT_TRUE(grid.pristine());
+  EXPECT_EQ(grid.integral(), 0);
+  EXPECT_EQ(grid.read(cover).curvature.norm(), 0);
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -202,5 +202,19 @@ TEST(RemeshWhen, RefusalsMakeItWaitAndAnAcceptedOneForgives) {
   }
 }
 
+TEST(RemeshWhen, WhatGoesFastOutgrowsItsMeshSooner) {
+  const MeshFit bad{0.5, 1.0};
+  const auto wait = [&](double moved) {
+    RemeshWhen when;
+    when.judged(true, {0, 1 / 24.0});
+    int frame = 1;
+    while (!when.due(bad, {frame, 1 / 24.0, moved}, 0.2)) ++frame;
+    return frame;
+  };
+  EXPECT_EQ(wait(0.001), 2);
+  EXPECT_EQ(wait(0.02), 2);
+  EXPECT_EQ(wait(0.05), 1);
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -46,12 +46,12 @@ bool adapt(Sheet& sheet, Points3 metric, int fixed, int most_triangles, Pass pas
 
 }  // namespace
 
-Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions& options) {
+Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions& options, double turn) {
   Method method;
   method.name = "adaptive";
-  method.first_mesh = [options](const Pattern& cut, const std::vector<Vector2d>& points) {
+  method.first_mesh = [=](const Pattern& cut, const std::vector<Vector2d>& points) {
     constexpr double mean_edge = 0.8;  // [1] of the longest that is not split
-    PatternMesh mesh = mesh_pattern(cut, mean_edge * options.largest * std::sqrt(area(cut)), points);
+    PatternMesh mesh = mesh_pattern(cut, mean_edge * options.largest * std::sqrt(area(cut)), points, turn);
     number_points_first(mesh);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };

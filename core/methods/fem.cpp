@@ -4,11 +4,11 @@
 
 namespace paperbake {
 
-Method fem(int triangles) {
+Method fem(int triangles, double turn) {
   Method method;
   method.name = "fem";
-  method.first_mesh = [triangles](const Pattern& pattern, const std::vector<Vector2d>& points) {
-    PatternMesh mesh = mesh_pattern_with(pattern, triangles, points);
+  method.first_mesh = [=](const Pattern& pattern, const std::vector<Vector2d>& points) {
+    PatternMesh mesh = mesh_pattern_with(pattern, triangles, points, turn);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   };
   return method;

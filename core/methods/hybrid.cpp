@@ -12,11 +12,11 @@ namespace {
 /// About that many triangles, but where handles stand so close that they alone take most of them: cells between them would be as
 /// large as the sheet then, and a straight edge from clamp to handle a taut string. (S8 with 60: 40 triangles in the clamps, edges
 /// of 45 mm, stretched by 8 %.)
-PatternMesh first_mesh_with(const Pattern& pattern, int triangles, const std::vector<Vector2d>& points) {
+PatternMesh first_mesh_with(const Pattern& pattern, int triangles, const std::vector<Vector2d>& points, double turn) {
   constexpr double largest_edge = 1.15;  // of what as many equilateral triangles have
   const double edge = largest_edge * std::sqrt(area(pattern) / triangles / (std::sqrt(3.0) / 4));
-  PatternMesh coarsest = mesh_pattern(pattern, edge, points);
-  return coarsest.triangles.rows() > triangles ? coarsest : mesh_pattern_with(pattern, triangles, points);
+  PatternMesh coarsest = mesh_pattern(pattern, edge, points, turn);
+  return coarsest.triangles.rows() > triangles ? coarsest : mesh_pattern_with(pattern, triangles, points, turn);
 }
 
 BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
@@ -35,12 +35,12 @@ BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
 }  // namespace
 
 Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, const CrumpleOptions& options, std::uint32_t seed,
-              std::uint32_t sheet) {
+              std::uint32_t sheet, double turn) {
   Method method;
   method.name = "hybrid";
   const auto crumple = std::make_shared<Crumple>(pattern, paper, options, seed, sheet);
-  method.first_mesh = [crumple, base_triangles](const Pattern& cut, const std::vector<Vector2d>& points) {
-    PatternMesh mesh = first_mesh_with(cut, base_triangles, points);
+  method.first_mesh = [=](const Pattern& cut, const std::vector<Vector2d>& points) {
+    PatternMesh mesh = first_mesh_with(cut, base_triangles, points, turn);
     const int required = number_points_first(mesh);
     crumple->begin_with(mesh.vertices, mesh.triangles, required);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};

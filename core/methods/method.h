@@ -69,12 +69,14 @@ struct Method {
 };
 
 /// Standard finite elements: step 1 alone on a fixed mesh of about `triangles` near-equilateral triangles.
-Method fem(int triangles);
+/// turn  [rad] of the lattice (pattern_mesh.h), here and below: no result should depend on it
+Method fem(int triangles, double turn = 0);
 
 /// The hybrid of [Schreck 2015]: a coarse mesh of about `base_triangles` whose edges follow the rulings and which gets singular
 /// points where bending directions conflict, up to options.most_triangles.
 /// seed, sheet  what the draws of singular points depend on
-Method hybrid(const Pattern&, const Paper&, int base_triangles, const CrumpleOptions&, std::uint32_t seed, std::uint32_t sheet);
+Method hybrid(const Pattern&, const Paper&, int base_triangles, const CrumpleOptions&, std::uint32_t seed, std::uint32_t sheet,
+              double turn = 0);
 
 /// Adaptive remeshing: edges are split, turned and collapsed until their lengths follow a sizing field (adaptive_mesh/sizing.h); step 1
 /// on that mesh. Before every elastic step the sheet as the step before left it is measured and its mesh goes towards the field by one
@@ -86,6 +88,6 @@ Method hybrid(const Pattern&, const Paper&, int base_triangles, const CrumpleOpt
 /// What the paper keeps lies on a grid of the pattern (plastic_grid.h) that knows no mesh: rest angles are read from it after every
 /// change, and there is nothing to carry from face to face.
 /// source  [Narain 2012], [Narain 2013]
-Method adaptive(const Pattern&, int most_triangles, const SizingOptions& = {});
+Method adaptive(const Pattern&, int most_triangles, const SizingOptions& = {}, double turn = 0);
 
 }  // namespace paperbake

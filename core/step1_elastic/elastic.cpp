@@ -18,7 +18,7 @@ namespace paperbake {
 namespace {
 
 constexpr double quasi_static_mass = 0.01;  // share of the true mass; 1 ... 1e-5 give the same shapes to 4 digits
-constexpr double velocity_kept = 0.98;
+constexpr double velocity_kept = 0.98;  // [1] in 1/24 s
 
 // A step that needs more iterations than this leaves an unstable shape, and the nearest minimum may be a poor one.
 constexpr int restless = 15;
@@ -57,7 +57,7 @@ struct Elastic::Impl {
   PlasticGrid* grid = nullptr;
   Points2 pattern;
   Triangles triangles;
-  PlasticGrid::Cover cover;  // of the grid by the triangles
+  std::optional<PlasticGrid::Cover> found_cover;  // of the grid by the triangles, when it was first needed
 
   std::optional<Contact> contact;
 
@@ -69,10 +69,18 @@ struct Elastic::Impl {
   bool matrix_of_contact = false;
   std::unique_ptr<Predictor> predictor;
 
-  void recall() { energy->memory = softened->memory = grid ? grid->read(cover) : PlasticMemory{}; }
+  const PlasticGrid::Cover& cover() {
+    if (!found_cover) found_cover = grid->cover(pattern, triangles);
+    return *found_cover;
+  }
 
-  void find_cover() {
-    if (grid) cover = grid->cover(pattern, triangles);
+  void recall() {
+    energy->memory = !grid ? PlasticMemory{} : grid->pristine() ? PlasticMemory(static_cast<int>(triangles.rows())) : grid->read(cover());
+    softened->memory = energy->memory;
+  }
+
+  void recall_on_new_mesh() {
+    found_cover.reset();
     recall();
   }
 
@@ -84,7 +92,9 @@ struct Elastic::Impl {
   /// What has flowed goes to the grid and comes back as the past of the next step. returns the growth of the integral [m rad]
   double remember(const Points3& x) {
     if (!grid) return 0;
-    const double growth = grid->write(cover, energy->gained(x));
+    const PlasticMemory gained = energy->gained(x);
+    if (gained.curvature.isZero(0) && gained.hardening.isZero(0)) return 0;
+    const double growth = grid->write(cover(), gained);
     recall();
     return growth;
   }
@@ -247,7 +257,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   if (s.past.second && s.past.second->x.rows() != sheet.pattern.rows()) s.past.second.reset();
   s.pattern = sheet.pattern;
   s.triangles = sheet.triangles;
-  s.find_cover();
+  s.recall_on_new_mesh();
   s.mass = Eigen::VectorXd::Zero(sheet.pattern.rows());
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const double area = rest_triangle(sheet.pattern, sheet.triangles.row(t)).area;
@@ -258,7 +268,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
 
 void Elastic::remember_in(PlasticGrid* grid) {
   impl_->grid = grid;
-  if (impl_->energy) impl_->find_cover();
+  if (impl_->energy) impl_->recall_on_new_mesh();
 }
 
 ElasticReport Elastic::look(const Sheet& sheet) const {
@@ -312,7 +322,7 @@ void Elastic::continue_from(const Elastic& other, const std::function<Points3(co
 
 ElasticPast Elastic::past() const {
   ElasticPast copy = impl_->past;
-  if (impl_->grid) copy.grid = *impl_->grid;
+  if (impl_->grid && !impl_->grid->pristine()) copy.grid = *impl_->grid;
   return copy;
 }
 
@@ -320,7 +330,8 @@ void Elastic::take_back(const ElasticPast& past) {
   Impl& s = *impl_;
   s.past = past;
   if (!s.grid) return;
-  *s.grid = *past.grid;
+  if (past.grid) *s.grid = *past.grid;
+  else s.grid->forget();
   s.past.grid.reset();
   s.recall();
 }
@@ -360,7 +371,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   report.energy = stored.energy;
   report.potential = stored.potential;
 
-  sheet.v = (dynamic ? velocity_kept : 1.0) / dt * (sheet.x - before);
+  sheet.v = (dynamic ? std::pow(velocity_kept, 24 * dt) : 1.0) / dt * (sheet.x - before);
   s.past.positions.push_front(before);
   if (s.past.positions.size() > 2) s.past.positions.pop_back();
   return report;

@@ -65,7 +65,7 @@ struct ElasticPast {
   int content_until = 0;            // steps: a second way found nothing much lower, none is begun before
   bool descending = false;          // ... on its way down to a minimum
   std::optional<SecondWay> second;  // not yet at its end
-  std::optional<PlasticGrid> grid;  // in a copy that is to take a step back
+  std::optional<PlasticGrid> grid;  // in a copy that is to take a step back; none: nothing had flowed
 };
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
@@ -89,7 +89,7 @@ struct ElasticPast {
 /// iteration passes through anything, and handles pull with springs that give way where the paper is jammed
 /// (handle_springs.h); it has no second start. A step in which nothing comes near is the same to the last bit as without contact.
 ///
-/// source [Martin 2011]; damping of the velocity 0.98 a step
+/// source [Martin 2011]; damping of the velocity to 0.98 in 1/24 s
 class Elastic {
  public:
   Elastic(const Paper&, const ElasticOptions&);

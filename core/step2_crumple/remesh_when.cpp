@@ -27,17 +27,20 @@ MeshFit mesh_fit(const Sheet& sheet, const BendingField& field, const Regions& r
   return fit;
 }
 
-bool RemeshWhen::due(const MeshFit& fit, const Moment& now, double most_fold) const {
+bool RemeshWhen::due(const MeshFit& fit, const Moment& now, double most_fold) {
   constexpr double soon = 2 / 24.0, later = 4 / 24.0, late = 6 / 24.0;  // [s] age of the mesh
   const double time = now.seconds() + 1e-3 * now.dt;                    // what is due now is not put off by rounding
+  way_ += std::min(now.moved, 1.0);
   if (time < not_before_) return false;
-  const double age = time - last_;
+  constexpr double usual_speed = 0.02 * 24;  // [1/s] longer sides: what goes faster outgrows its mesh sooner
+  const double age = std::max(time - last_, way_ / usual_speed);
   return (age >= soon && fit.misalignment > 0.3) || (age >= later && fit.largest_fold > most_fold) || (age >= late && fit.misalignment > 0.12);
 }
 
 void RemeshWhen::judged(bool accepted, const Moment& now) {
   if (accepted) {
     last_ = now.seconds();
+    way_ = 0;
     wait_ = shortest_wait;
     return;
   }

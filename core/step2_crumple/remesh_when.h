@@ -16,13 +16,15 @@ MeshFit mesh_fit(const Sheet&, const BendingField&, const Regions&);
 /// When a new ruled mesh is worth its pop: rarely, and the less the more often it was refused.
 class RemeshWhen {
  public:
-  bool due(const MeshFit&, const Moment&, double most_fold) const;
+  /// To be asked once at every moment.
+  bool due(const MeshFit&, const Moment&, double most_fold);
   /// What became of a mesh that was due.
   void judged(bool accepted, const Moment&);
 
  private:
   static constexpr double shortest_wait = 1 / 24.0;       // [s]
   double last_ = -std::numeric_limits<double>::infinity();  // [s] time of the last ruled mesh
+  double way_ = 0;                                          // [1] of the longer side that the sheet has gone since
   double not_before_ = last_;                               // [s] until then nothing is tried
   double wait_ = shortest_wait;                             // [s] twice as long after every refusal, up to 16 times
 };
