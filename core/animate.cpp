@@ -29,6 +29,7 @@ constexpr int most_halvings_of_a_leap = 5;
 constexpr double flat = 0.01, most_leap_of_flat = 2e-3;  // [1] of the longer side
 constexpr int most_halvings_of_a_choice = 3;
 constexpr double longest_swing = 1 / 96.0;  // [s] of a step with inertia: backward Euler eats motion, the more the longer it is
+constexpr double jammed_stretch = 0.01;  // [1] of an edge
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
 
 /// Handles of the shot as the loop needs them: where they are asked to be, and which vertices that holds.
@@ -200,6 +201,13 @@ struct FrameToFollow {
   int least_halvings;
 };
 
+/// To the mesh that a frame began with. What touches itself may be wedged in a changed one: an edge that was turned or moved across a
+/// fold is too short, and between barriers there is no way to its length.
+struct WayBack {
+  Sheet sheet;
+  ElasticPast past;
+};
+
 /// leap  [1] how far the handles go against each other; more than a whole step takes: it is halved before it is tried
 SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double leap, double dt, int halvings, const FrameToFollow& frame) {
   const Sheet before = sheet;
@@ -314,8 +322,14 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
         result.remesh_rise = verdict.rise;
       }
     held_before = held;
-    if (method.remesh && !first && result.remesh != AnimatedFrame::accepted && method.remesh(sheet, situation))
-      elastic.set_mesh(sheet, disc_factors(sheet, shot));
+    std::optional<WayBack> way_back;
+    if (method.remesh && !first && result.remesh != AnimatedFrame::accepted) {
+      Sheet unchanged = sheet;
+      if (method.remesh(sheet, situation)) {
+        way_back = {std::move(unchanged), elastic.past()};
+        elastic.set_mesh(sheet, disc_factors(sheet, shot));
+      }
+    }
     before = sheet.x;
     result.new_singular = static_cast<int>(sheet.singular.size() - born);
     result.geometry_ms = geometry_ms + cpu_ms() - begun;
@@ -329,7 +343,16 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
       step.last = elastic.look(sheet);
       sheet.v.setZero();
     } else {
-      step = follow(elastic, sheet, held, situation.leap, 1 / options.fps, 0, {where, side, least_halvings});
+      const FrameToFollow way{where, side, least_halvings};
+      step = follow(elastic, sheet, held, situation.leap, 1 / options.fps, 0, way);
+      if (way_back && step.last.contact && !step.converged && length_distortion(sheet).largest > std::max(jammed_stretch, 4 * length_distortion(way_back->sheet).largest)) {
+        sheet = std::move(way_back->sheet);
+        elastic.set_mesh(sheet, disc_factors(sheet, shot));
+        elastic.take_back(way_back->past);
+        before = sheet.x;
+        result.new_singular = 0;
+        step = follow(elastic, sheet, held, situation.leap, 1 / options.fps, 0, way);
+      }
     }
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
     leaving = step.last.leaving;
