@@ -207,7 +207,8 @@ int main(int argc, char** argv) {
   paperbake::stress::Run run;
   std::vector<std::string> methods{"hybrid", "fem", "adaptive"};
   std::string json;
-  for (int i = 1; i + 1 < argc; i += 2) {
+  for (int i = 1; i < argc; i += 2) {
+    if (i + 1 == argc) return std::fprintf(stderr, "paperbake_stress [--scripts N] [--seed S] [--method M] [--jobs N] [--seconds N] [--json FILE] [--only I]\n"), 2;
     const std::string option = argv[i], value = argv[i + 1];
     if (option == "--scripts") run.scripts = std::max(1, std::atoi(value.c_str()));
     else if (option == "--seed") run.seed = static_cast<unsigned>(std::atoi(value.c_str()));
