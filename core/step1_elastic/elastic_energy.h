@@ -66,6 +66,8 @@ class ElasticEnergy {
   void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&, const Matrix3& tangent,
                    const Vector3d& edge_moment, HessianForm, BlockCholesky&) const;
   Matrix3 corners(const Points3& x, int t) const;
+  std::vector<double> fold_angles(const Points3& x) const;                  // [rad] of each hinge
+  Vector3d angles_of(int t, const std::vector<double>& fold_angles) const;  // at the three edges of a triangle; 0 at the border
   PlasticState past(int t) const;
 
   Paper paper_;
