@@ -171,12 +171,12 @@ std::string chart_svg(const Chart& chart) {
     svg += text(at + 15, 58.5, 13, method);
     at += 40 + 8.0 * method.size();
   }
-  svg += text(at, 58.5, 12, "numbers: triangles of fem (fem-loose: 10 x the stop), base triangles of hybrid, the most adaptive may have; bars: seeds; broad line: Pareto front", "start", "#555555");
   svg += draw(chart.chaotic ? energy : distance, chart.points, 70, 540);
   svg += draw(lengths, chart.points, 705, 540);
   double line = panel_top + panel_height + 66;
   const ChartPoint& reference = chart.points.front();
   svg += text(70, line, 12.5, fmt::format("Reference: fem, {:.0f} triangles, {:.0f} ms a frame. Means over frames, medians over repeats, one thread. {}", reference.triangles, reference.total_ms(), chart.machine), "start", "#444444");
+  svg += text(70, line += 19, 12.5, "Numbers: triangles of fem (fem-loose: ten times the stop; hybrid+fem: of the polish), base triangles of hybrid, the most adaptive may have; bars: seeds; broad line: Pareto front.", "start", "#444444");
   for (const std::string& remark : chart.remarks) svg += text(70, line += 19, 12.5, remark, "start", "#444444");
   return svg + "</svg>\n";
 }
