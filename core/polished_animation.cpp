@@ -123,7 +123,7 @@ class PolishedShot {
 
   Attempt attempt(const Rough& rough, Polisher& polish) const {
     constexpr double elsewhere = 0.1;  // [1] of the longer side
-    constexpr double torn = 0.02;      // [1] of an edge
+    constexpr double torn = 0.01;      // [1] of an edge
     Attempt result;
     if (rough.frame.touching > 0) {
       result.unfit = "the sheet touches itself";
