@@ -18,13 +18,16 @@ FrameQueue::~FrameQueue() {
 bool FrameQueue::push(const AnimatedFrame& frame) {
   constexpr std::size_t most = 8;  // a few megabytes
   if (!thread_.joinable()) {
-    consumer_(frame);
+    AnimatedFrame alone = frame;
+    alone.memory = nullptr;
+    consumer_(alone);
     return true;
   }
   std::unique_lock lock(mutex_);
   changed_.wait(lock, [&] { return items_.size() < most || failure_; });
   if (failure_) return false;
   items_.push_back({frame, *frame.sheet});
+  items_.back().frame.memory = nullptr;  // it flows on meanwhile
   changed_.notify_all();
   return true;
 }

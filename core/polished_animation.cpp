@@ -9,9 +9,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <functional>
+#include <future>
 #include <memory>
 #include <optional>
-#include <thread>
 
 namespace paperbake {
 namespace {
@@ -114,10 +115,10 @@ class PolishedShot {
     const auto work = [&](Polisher& polish) {
       for (std::size_t k = next++; k < frames.size(); k = next++) attempts[k] = attempt(frames_[frames[k]], polish);
     };
-    std::vector<std::thread> others;
-    for (std::size_t t = 1; t < polishers_.size(); ++t) others.emplace_back(work, std::ref(polishers_[t]));
+    std::vector<std::future<void>> others;  // what one throws comes out here, after the others are through
+    for (std::size_t t = 1; t < polishers_.size(); ++t) others.push_back(std::async(std::launch::async, work, std::ref(polishers_[t])));
     work(polishers_.front());
-    for (std::thread& other : others) other.join();
+    for (std::future<void>& other : others) other.get();
     return attempts;
   }
 

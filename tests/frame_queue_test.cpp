@@ -1,5 +1,7 @@
 #include "baker/frame_queue.h"
 
+#include "core/plastic_grid.h"
+
 #include <gtest/gtest.h>
 
 #include <stdexcept>
@@ -30,6 +32,20 @@ TEST_P(FrameQueueTest, ConsumerSeesEveryFrameInOrderAsItWasWhenPushed) {
   queue.finish();
   ASSERT_EQ(seen.size(), 100u);
   for (int f = 0; f < 100; ++f) EXPECT_EQ(seen[f], std::make_pair(f, 0.5 * f));
+}
+
+TEST_P(FrameQueueTest, MemoryOfThePaperStaysWithTheSimulation) {
+  const Sheet sheet;
+  std::vector<bool> seen;
+  FrameQueue queue(GetParam(), [&](const AnimatedFrame& frame) { seen.push_back(frame.memory != nullptr); });
+  {
+    const PlasticGrid memory(Pattern{{{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}}, {}});
+    AnimatedFrame frame = frame_of(1, sheet);
+    frame.memory = &memory;
+    EXPECT_TRUE(queue.push(frame));
+  }
+  queue.finish();
+  EXPECT_EQ(seen, std::vector<bool>{false});
 }
 
 TEST_P(FrameQueueTest, WhatTheConsumerThrowsStopsTheShotAndComesOut) {

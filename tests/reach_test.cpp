@@ -62,8 +62,8 @@ Mess mess(const Pattern& pattern, int count, unsigned seed) {
   Mess mess;
   mess.targets.resize(count, 3);
   while (static_cast<int>(mess.handles.size()) < count) {
-    const Vector2d p(on_sheet(random), on_sheet(random));
-    if (contains(pattern, p)) mess.handles.push_back(bare_handle("h", p, 1));
+    const double y = on_sheet(random), x = on_sheet(random);  // in this order whatever the compiler
+    if (const Vector2d p(x, y); contains(pattern, p)) mess.handles.push_back(bare_handle("h", p, 1));
   }
   for (int k = 0; k < count; ++k) mess.targets.row(k) << in_space(random), in_space(random), in_space(random);
   return mess;

@@ -58,7 +58,10 @@ inline Sheet hex_sheet(double length, double width, int columns, double jitter =
     }
     for (std::size_t c = 0; c < xs.size(); ++c) {
       Vector2d p(xs[c], width * r / rows);
-      if (r > 0 && r < rows && c > 0 && c + 1 < xs.size()) p += Vector2d(uniform(random), uniform(random));
+      if (r > 0 && r < rows && c > 0 && c + 1 < xs.size()) {
+        const double up = uniform(random), along = uniform(random);  // in this order whatever the compiler
+        p += Vector2d(along, up);
+      }
       row[r].push_back(static_cast<int>(points.size()));
       points.push_back(p);
     }
