@@ -34,7 +34,7 @@ Rows wound_strip();  // V7
 Rows crumple();      // V8
 Rows exactness();    // V9
 
-/// The methods as they are baked when nothing else is asked for (baker/plan.cpp), for paper of this shape.
+/// The methods, for paper of this shape, with their names. hybrid's triangles are as many as it begins with; adaptive's as many as it may have.
 inline std::vector<std::pair<std::string, Method>> methods(const Pattern& pattern, const Paper& paper) {
   return {{"fem 1700", fem(1700)}, {"hybrid 120", hybrid(pattern, paper, 120, {}, 0, 0)}, {"adaptive 3000", adaptive(pattern, 3000)}};
 }

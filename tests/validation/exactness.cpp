@@ -18,20 +18,18 @@ struct Played {
   double miss = 0;                       // [m] farthest that a held handle is from its point
   double mean = 0, edge = 0, defect = 0;  // c_m, longest edge error, angle defect, the worst of all frames
   double rise = 0;                       // [1] of the energy by a mesh that was taken
-  int crossings = 0, jammed = 0;
+  int crossings = 0, taken = 0;          // pairs; meshes
 };
 
 Played play(const Shot& shot, const Method& method, const AnimateOptions& options) {
   Played played;
   animate(shot, method, options, [&](const AnimatedFrame& frame) {
     const LengthDistortion lengths = length_distortion(*frame.sheet);
-    for (const HandleFrame& handle : frame.handles) {
+    for (const HandleFrame& handle : frame.handles)
       if (handle.state == HandleFrame::held) played.miss = std::max(played.miss, (handle.at - handle.keyed).norm());
-      played.jammed += handle.state == HandleFrame::jammed;
-    }
     played.mean = std::max(played.mean, lengths.mean), played.edge = std::max(played.edge, lengths.largest);
     played.defect = std::max(played.defect, angle_defect_max(*frame.sheet));
-    if (frame.remesh == AnimatedFrame::accepted) played.rise = std::max(played.rise, frame.remesh_rise);
+    if (frame.remesh == AnimatedFrame::accepted) ++played.taken, played.rise = std::max(played.rise, frame.remesh_rise);
     played.crossings += crossings(*frame.sheet);
     played.last = *frame.sheet;
     return true;
@@ -86,7 +84,7 @@ void judge(Rows& rows, const std::string& name, const std::function<Method(const
   rows.push_back({name, "mirror image, m", 0, asymmetry(once.last), 1e-6, source, ""});
 
   const Shot turned = push();
-  rows.push_back({name, "mid height, lattice turned", mid_height(once.last), mid_height(play(turned, method(turned, M_PI / 6), options).last), 0.005, "V9: the same on any mesh", ""});
+  rows.push_back({name, "mid height, lattice turned", mid_height(once.last), mid_height(play(turned, method(turned, M_PI / 6), options).last), 0.02, "V2: spread on turned meshes", ""});
 
   const Shot fine = push(2);
   AnimateOptions halved = options;
@@ -100,8 +98,8 @@ void judge(Rows& rows, const std::string& name, const std::function<Method(const
   rows.push_back({name, "height there and back, m", 0, flat.x.col(2).cwiseAbs().maxCoeff(), 1e-4, source, ""});
 }
 
-void judge_crumple(Rows& rows) {
-  const Scene scene = read_scene(PAPERBAKE_SAMPLES "/S4_crumple.glb");
+void judge_hybrid(Rows& rows, const std::string& file) {
+  const Scene scene = read_scene(PAPERBAKE_SAMPLES "/" + file + ".glb");
   const SceneSheet& s = scene.sheets.front();
   const Shot shot{s.name, s.pattern, s.start, s.handles, Paper{}};
   AnimateOptions options;
@@ -109,13 +107,14 @@ void judge_crumple(Rows& rows) {
   options.last_frame = scene.last_frame;
   options.memory = Memory::plastic;
   const Played played = play(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options);
-  const std::string name = "hybrid 120, S4";
+  const std::string name = "hybrid 120, " + file;
   rows.push_back({name, "farthest handle not jammed, m", 0, played.miss, 1e-4, source, ""});
   rows.push_back({name, "c_m", 0, played.mean, 5e-4, source, ""});
   rows.push_back({name, "largest |dl|/l", 0, played.edge, 0.01, source, ""});
   rows.push_back({name, "angle defect, rad", 0, played.defect, 1e-3, source, ""});
   rows.push_back({name, "crossings", 0, double(played.crossings), 0.5, source, ""});
-  rows.push_back({name, "rise of energy by a new mesh", 0, played.rise, 0.01, source, ""});
+  rows.push_back({name, "meshes taken", 0, double(played.taken), 0, "", ""});
+  rows.push_back({name, "rise of energy by one of them", 0, played.rise, 0.01, source, played.taken > 0 ? "" : "none was taken"});
 }
 
 }  // namespace
@@ -125,9 +124,9 @@ Rows exactness() {
   judge(rows, "fem 1700", [](const Shot&, double turn) { return fem(1700, turn); });
   judge(rows, "hybrid 120", [](const Shot& shot, double turn) { return hybrid(shot.pattern, shot.paper, 120, {}, 0, 0, turn); });
   judge(rows, "adaptive 3000", [](const Shot& shot, double turn) { return adaptive(shot.pattern, 3000, {}, turn); });
-  judge_crumple(rows);
-  rows.push_back({"fem", "rise of energy by a new mesh", 0, 0, 0, "", "its mesh never changes"});
-  rows.push_back({"adaptive", "rise of energy by a new mesh", 0, 0, 0, "", "its mesh changes before the step that relaxes it: there are not two minima to compare"});
+  for (const char* const scene : {"S4_crumple", "S5_roll", "S8_dcone"}) judge_hybrid(rows, scene);
+  rows.push_back({"fem", "rise of energy by a mesh", 0, 0, 0, "", "its mesh never changes"});
+  rows.push_back({"adaptive", "rise of energy by a mesh", 0, 0, 0, "", "its mesh changes before the step that relaxes it: there are not two minima to compare"});
   rows.push_back({"any", "planarity of ruling quads", 0, 0, 0, "", "meshes are of triangles"});
   return rows;
 }
