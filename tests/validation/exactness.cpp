@@ -13,10 +13,31 @@ namespace {
 constexpr double side = 0.1;  // [m]
 const char* const source = "V9";
 
+/// Largest |2 pi - sum of angles| about a singular point inside the sheet: a d-cone closes after one turn. [rad]
+double cone_defect(const Sheet& sheet) {
+  std::vector<double> sum(sheet.x.rows(), 0.0), flat(sheet.x.rows(), 0.0);
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int v = sheet.triangles(t, i), a = sheet.triangles(t, (i + 1) % 3), b = sheet.triangles(t, (i + 2) % 3);
+      const auto angle = [&](const auto& p) {
+        const Vector3d to_a = Vector3d(p(a) - p(v)).normalized(), to_b = Vector3d(p(b) - p(v)).normalized();
+        return std::atan2(to_a.cross(to_b).norm(), to_a.dot(to_b));
+      };
+      sum[v] += angle([&](int k) { return Vector3d(sheet.x.row(k)); });
+      flat[v] += angle([&](int k) { return Vector3d(sheet.pattern(k, 0), sheet.pattern(k, 1), 0); });
+    }
+  double most = 0;
+  for (const SingularPoint& apex : sheet.singular)
+    for (const int v : vertices_where(sheet, [&](const Vector2d& p) { return (p - apex.pattern).norm() < 1e-9; }))
+      if (flat[v] > 2 * M_PI - 1e-6) most = std::max(most, std::abs(2 * M_PI - sum[v]));
+  return most;
+}
+
 struct Played {
   Sheet last;
   double miss = 0;                       // [m] farthest that a held handle is from its point
   double mean = 0, edge = 0, defect = 0;  // c_m, longest edge error, angle defect, the worst of all frames
+  double cone = 0;                       // ... at singular points
   double rise = 0;                       // [1] of the energy by a mesh that was taken
   int crossings = 0, taken = 0;          // pairs; meshes
 };
@@ -29,6 +50,7 @@ Played play(const Shot& shot, const Method& method, const AnimateOptions& option
       if (handle.state == HandleFrame::held) played.miss = std::max(played.miss, (handle.at - handle.keyed).norm());
     played.mean = std::max(played.mean, lengths.mean), played.edge = std::max(played.edge, lengths.largest);
     played.defect = std::max(played.defect, angle_defect_max(*frame.sheet));
+    played.cone = std::max(played.cone, cone_defect(*frame.sheet));
     if (frame.remesh == AnimatedFrame::accepted) ++played.taken, played.rise = std::max(played.rise, frame.remesh_rise);
     played.crossings += crossings(*frame.sheet);
     played.last = *frame.sheet;
@@ -112,6 +134,7 @@ void judge_hybrid(Rows& rows, const std::string& file) {
   rows.push_back({name, "c_m", 0, played.mean, 5e-4, source, ""});
   rows.push_back({name, "largest |dl|/l", 0, played.edge, 0.01, source, ""});
   rows.push_back({name, "angle defect, rad", 0, played.defect, 1e-3, source, ""});
+  if (!played.last.singular.empty()) rows.push_back({name, "angle defect of cones, rad", 0, played.cone, 1e-3, source, ""});
   rows.push_back({name, "crossings", 0, double(played.crossings), 0.5, source, ""});
   rows.push_back({name, "meshes taken", 0, double(played.taken), 0, "", ""});
   rows.push_back({name, "rise of energy by one of them", 0, played.rise, 0.01, source, played.taken > 0 ? "" : "none was taken"});
