@@ -4,7 +4,7 @@
 
 // The minimal ridge of [Lobkovsky 1996]: opposite borders of a strip are held in the shape of a V; the paper between them is free.
 // The law is that of thin paper: the local exponent is 0.23 at X/h 250 and 0.30 at 700, so the decade is 500-5000. There the ridge is
-// 2-5 mm wide, and the 1.6 mm triangles of fem 6000 do not show it; a converged one stores about five times as much in bending.
+// 2-5 mm wide, and the 1.8 mm edges of fem 6000 do not show it; a converged one stores about five times as much in bending.
 
 namespace paperbake::validation {
 namespace {

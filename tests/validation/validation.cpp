@@ -23,8 +23,8 @@ constexpr Case cases[] = {
     {"V5", "stretching ridge: two opposite borders X = 100 mm apart, folded to a dihedral of 90 degrees", ridge},
     {"V6", "Moebius strip of 300 x 30 mm, closed; box: of its centre line", moebius},
     {"V7", "a strip wound to a curvature k and let go; yield at 100 1/m", wound_strip},
-    {"V8", "crumpling statistics: S4_crumple.glb, elastic and plastic, seeds 1 to 4", crumple},
-    {"V9", "exactness of S1 (an arch pushed up and let down), and of S4 where it is named", exactness},
+    {"V8", "crumpling statistics: S4_crumple.glb, plastic, seeds 1 to 4", crumple},
+    {"V9", "exactness of S1 (an arch pushed up and let down), and of scenes where they are named", exactness},
 };
 
 /// returns how many failed
