@@ -2,6 +2,8 @@
 
 #include "core/sheet.h"
 
+#include <vector>
+
 namespace paperbake {
 
 /// The creases of a crumpled sheet, counted by its mesh. A crease is a chain of edges folded by more than 20 degrees, from one
@@ -9,6 +11,7 @@ namespace paperbake {
 struct CreaseNetwork {
   double length = 0;  // [m] of all creases, on the pattern
   double count = 0;   // half their ends; a closed one has none
+  std::vector<double> creases;  // [m] of each that has ends
   double mean() const { return length / (count > 1 ? count : 1); }  // [m]
 };
 CreaseNetwork crease_network(const Sheet&);

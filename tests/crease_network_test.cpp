@@ -26,6 +26,8 @@ TEST(CreaseNetwork, AFoldAcrossAStripIsOneCreaseOfItsWidth) {
   const CreaseNetwork one = crease_network(folded(6, {3}, 0.5));
   EXPECT_NEAR(one.length, 0.05, 1e-12);
   EXPECT_NEAR(one.count, 1, 1e-12);
+  ASSERT_EQ(one.creases.size(), 1u);
+  EXPECT_NEAR(one.creases[0], 0.05, 1e-12);
   const CreaseNetwork two = crease_network(folded(6, {2, 4}, -0.5));
   EXPECT_NEAR(two.length, 0.1, 1e-12);
   EXPECT_NEAR(two.mean(), 0.05, 1e-12);
@@ -43,6 +45,8 @@ TEST(CreaseNetwork, ASingularPointCutsACreaseInTwo) {
   }
   const CreaseNetwork whole = crease_network(sheet);
   ASSERT_NEAR(whole.count, 1, 1e-12);
+  ASSERT_EQ(whole.creases.size(), 1u);
+  EXPECT_NEAR(whole.creases[0], whole.length, 1e-12);
   for (int v = 0; v < sheet.x.rows(); ++v)
     if (std::abs(sheet.pattern(v, 1) - 0.0433) < 1e-4 && std::abs(sheet.pattern(v, 0) - 0.05) < 0.006) {
       sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
@@ -51,6 +55,10 @@ TEST(CreaseNetwork, ASingularPointCutsACreaseInTwo) {
   ASSERT_EQ(sheet.singular.size(), 1u);
   EXPECT_NEAR(crease_network(sheet).count, 2, 1e-12);
   EXPECT_EQ(crease_network(sheet).length, whole.length);
+  const std::vector<double> halves = crease_network(sheet).creases;
+  ASSERT_EQ(halves.size(), 2u);
+  EXPECT_NEAR(halves[0] + halves[1], whole.length, 1e-12);
+  EXPECT_NEAR(halves[0], 0.05, 0.006);
 }
 
 }  // namespace

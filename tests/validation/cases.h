@@ -1,9 +1,10 @@
 #pragma once
 
-#include "core/sheet.h"
+#include "core/methods/method.h"
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace paperbake::validation {
@@ -26,8 +27,17 @@ using Rows = std::vector<Row>;
 Rows elastica();     // V1
 Rows cantilever();   // V2
 Rows d_cone();       // V3
+Rows e_cone();       // V4
+Rows ridge();        // V5
 Rows moebius();      // V6
 Rows wound_strip();  // V7
+Rows crumple();      // V8
+Rows exactness();    // V9
+
+/// The methods, for paper of this shape, with their names. hybrid's triangles are as many as it begins with; adaptive's as many as it may have.
+inline std::vector<std::pair<std::string, Method>> methods(const Pattern& pattern, const Paper& paper) {
+  return {{"fem 1700", fem(1700)}, {"hybrid 120", hybrid(pattern, paper, 120, {}, 0, 0)}, {"adaptive 3000", adaptive(pattern, 3000)}};
+}
 
 /// Vertices at which `test` is true of the pattern.
 template <class Test>

@@ -73,6 +73,7 @@ Rows moebius() {
   const char* const rulings = "V6: closed, exact rulings";
   for (const int triangles : {1700, 3400}) judge(rows, "fem " + std::to_string(triangles), fem(triangles), shot, rulings, closed, 3.105, 160);
   for (const int base : {120, 200}) judge(rows, "hybrid " + std::to_string(base), hybrid(shot.pattern, shot.paper, base, {}, 0, 0), shot, rulings, closed, 3.105, 160);
+  judge(rows, "adaptive 3000", adaptive(shot.pattern, 3000), shot, rulings, closed, 3.105, 160);
 
   // the sample holds the end edges alone: free to kink there, the strip finds a state far below the closed one
   const Scene scene = read_scene(PAPERBAKE_SAMPLES "/S2_moebius.glb");

@@ -1,6 +1,6 @@
 // Closed forms and laws against what this program computes: a table, and exit code 1 when a line of it fails.
 //
-//   paperbake_validation [CASE...]        CASE: V1, V2, V3, V6, V7; all when none is named. One thread.
+//   paperbake_validation [CASE...]        CASE: V1 to V9; all when none is named. One thread.
 
 #include "tests/validation/cases.h"
 
@@ -19,8 +19,12 @@ constexpr Case cases[] = {
     {"V1", "elastica: a sheet of 100 x 100 mm, two hinged borders 10 % closer", elastica},
     {"V2", "heavy cantilever: a strip clamped level, lam = rho g L^3/D, nu = 0", cantilever},
     {"V3", "d-cone: paper between radii of 15 and 50 mm about its tip, and whole discs, pushed into a ring of slope eps", d_cone},
+    {"V4", "e-cone: paper with an excess angle phi between radii of 15 and 50 mm about its tip, free", e_cone},
+    {"V5", "stretching ridge: two opposite borders X = 100 mm apart, folded to a dihedral of 90 degrees", ridge},
     {"V6", "Moebius strip of 300 x 30 mm, closed; box: of its centre line", moebius},
     {"V7", "a strip wound to a curvature k and let go; yield at 100 1/m", wound_strip},
+    {"V8", "crumpling statistics: S4_crumple.glb, plastic, seeds 1 to 4", crumple},
+    {"V9", "exactness of S1 (an arch pushed up and let down), and of scenes where they are named", exactness},
 };
 
 /// returns how many failed
