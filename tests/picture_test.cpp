@@ -55,7 +55,9 @@ TEST(Picture, ATriangleCoversThePixelsInsideItAndNoOthers) {
       const auto inside = [&](double u, double v) { return u >= 2 && v >= 1 && u / 16 + v / 8 <= 1.25; };
       const double u = column, v = 9 - row;  // lower left corner of the pixel
       const int corners = inside(u, v) + inside(u + 1, v) + inside(u, v + 1) + inside(u + 1, v + 1);
-      if (corners == 4 || corners == 0) EXPECT_EQ(image.at(column, row), corners == 4 ? red : white) << column << " " << row;
+      if (corners == 4 || corners == 0) {
+        EXPECT_EQ(image.at(column, row), corners == 4 ? red : white) << column << " " << row;
+      }
     }
   EXPECT_GT(count(image, red), 40);
 }

@@ -38,7 +38,9 @@ TEST(StrainLimit, LeavesWhatIsWithinTheLimitToTheLastBit) {
     const double off = (sheet.x.row(v) - before.row(v)).norm();
     moved = std::max(moved, off);
     // what is 0.6 mm too short spreads at 2 % a row until it is used up, and that takes 30 mm
-    if (std::abs(sheet.pattern(v, 0) - 0.0507) > 0.035) EXPECT_EQ(off, 0);
+    if (std::abs(sheet.pattern(v, 0) - 0.0507) > 0.035) {
+      EXPECT_EQ(off, 0);
+    }
   }
   EXPECT_GT(moved, 1e-4);
 }
@@ -51,7 +53,9 @@ TEST(StrainLimit, HeldVerticesStayToTheLastBit) {
   StrainLimit(sheet.pattern, sheet.triangles, {})(sheet.x, held);
   double moved = 0;
   for (int v = 0; v < sheet.x.rows(); ++v) {
-    if (held[v]) EXPECT_EQ(Vector3d(sheet.x.row(v)), Vector3d(before.row(v)));
+    if (held[v]) {
+      EXPECT_EQ(Vector3d(sheet.x.row(v)), Vector3d(before.row(v)));
+    }
     moved = std::max(moved, (sheet.x.row(v) - before.row(v)).norm());
   }
   EXPECT_GT(moved, 1e-4) << "the others give all the more";
