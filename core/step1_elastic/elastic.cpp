@@ -39,7 +39,7 @@ constexpr Patience later{42, 36}, beside_another{42, 15};
 constexpr int usual_iterations = 60;    // of the options, for which these hold
 constexpr int worth_a_try = 10;         // [1] iterations
 constexpr double worth_having = 0.02;   // [1] of the potential
-constexpr int content_for = 8;          // [1] steps of a fine mesh after a second way that found less
+constexpr int content_for = 8;          // [1] steps of a fine mesh that was changed, after a second way that found less
 constexpr int most_tries = 4;           // of a leg of the second way
 
 enum class SecondWays { where_restless, none };
@@ -165,7 +165,7 @@ struct Elastic::Impl {
       go_on(*way, W, left, report);
     }
     const double here = W(x), there = W(way->x);
-    if (!is_coarse() && there > here - worth_having * std::abs(here)) past.content_until = past.steps + content_for;
+    if (!is_coarse() && past.remeshed && there > here - worth_having * std::abs(here)) past.content_until = past.steps + content_for;
     if (there < here && !passes(way->x)) {
       report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
       report.converged = way->converged;
