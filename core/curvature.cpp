@@ -46,9 +46,7 @@ Ring judge(const Matrix2d& folds, const Matrix2d& round) {
 
 Points3 vertex_curvature(const Sheet& sheet) {
   const Hinges hinges = find_hinges(sheet.triangles);
-  std::vector<double> turns;
-  for (const Hinge& hinge : hinges.hinges) turns.push_back(fold_angle(sheet.x, hinge));
-  return vertex_curvature(sheet.pattern, sheet.triangles, hinges, turns);
+  return vertex_curvature(sheet.pattern, sheet.triangles, hinges, fold_angles(sheet.x, hinges.hinges));
 }
 
 Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, const Hinges& hinges, const std::vector<double>& turns) {
@@ -103,10 +101,9 @@ Principal principal_curvature(const Vector3d& tensor) {
   return {mean - radius, mean + radius, {-std::sin(phi), std::cos(phi)}};
 }
 
-SecondTurn second_turn(const Sheet& sheet, const Points3& curvature) {
+SecondTurn second_turn(const Sheet& sheet, const Hinges& hinges, const Points3& curvature) {
   const std::size_t vertices = sheet.pattern.rows();
   SecondTurn second{std::vector<char>(vertices, 0), std::vector<double>(vertices, 0.0), std::vector<double>(vertices, 0.0)};
-  const Hinges hinges = find_hinges(sheet.triangles);
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const auto corner = sheet.triangles.row(t);
     const Vector2d u = (sheet.pattern.row(corner[1]) - sheet.pattern.row(corner[0])).transpose();

@@ -34,7 +34,7 @@ struct SecondTurn {
   std::vector<double> area;     // A_v [m2] a third of the triangles round it
   std::vector<double> turn;     // |k2| sqrt(A_v) [rad]
 };
-/// curvature  |V|x3 [1/m] of the vertices
-SecondTurn second_turn(const Sheet&, const Points3& curvature);
+/// curvature  |V|x3 [1/m] of the vertices; hinges: of the sheet's triangles
+SecondTurn second_turn(const Sheet&, const Hinges&, const Points3& curvature);
 
 }  // namespace paperbake

@@ -3,32 +3,39 @@
 #include "core/error.h"
 
 #include <cmath>
-#include <unordered_map>
 
 namespace paperbake {
 
 Hinges find_hinges(const Triangles& triangles) {
-  struct Side {
-    int triangle, corner;
+  struct Side {  // of a triangle, from a vertex to `to`, whose other triangle has not come yet
+    int to, triangle, corner, next;
   };
+  constexpr int none = -1;
   Hinges result;
   result.of_triangle.assign(triangles.rows(), {-1, -1, -1});
-  std::unordered_map<std::uint64_t, Side> open;
-  open.reserve(2 * triangles.rows());
-  const auto key = [](std::uint32_t a, std::uint32_t b) { return (std::uint64_t(a) << 32) | b; };
+  result.hinges.reserve(3 * triangles.rows() / 2);
+  std::vector<int> first(triangles.size() ? triangles.maxCoeff() + 1 : 0, none);  // of a vertex: a list in `open`
+  std::vector<Side> open;
+  open.reserve(triangles.size());
+  const auto link_to = [&](int from, int to) {
+    int* link = &first[from];
+    while (*link != none && open[*link].to != to) link = &open[*link].next;
+    return link;
+  };
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       const int a = triangles(t, (i + 1) % 3), b = triangles(t, (i + 2) % 3);
-      const auto twin = open.find(key(b, a));
-      if (twin == open.end()) {
-        if (!open.emplace(key(a, b), Side{t, i}).second)
-          throw Error(Fault::simulation, "mesh", "An edge of the mesh has more than two triangles, or two with opposite sides up.");
+      int* const twin = link_to(b, a);
+      if (*twin == none) {
+        if (*link_to(a, b) != none) throw Error(Fault::simulation, "mesh", "An edge of the mesh has more than two triangles, or two with opposite sides up.");
+        open.push_back({b, t, i, first[a]});
+        first[a] = static_cast<int>(open.size()) - 1;
         continue;
       }
-      const auto [other, corner] = twin->second;
-      result.of_triangle[other][corner] = result.of_triangle[t][i] = static_cast<int>(result.hinges.size());
-      result.hinges.push_back({{b, a, triangles(other, corner), triangles(t, i)}, {other, t}});
-      open.erase(twin);
+      const Side other = open[*twin];
+      *twin = other.next;
+      result.of_triangle[other.triangle][other.corner] = result.of_triangle[t][i] = static_cast<int>(result.hinges.size());
+      result.hinges.push_back({{b, a, triangles(other.triangle, other.corner), triangles(t, i)}, {other.triangle, t}});
     }
   return result;
 }
@@ -39,6 +46,12 @@ double fold_angle(const Points3& x, const Hinge& hinge) {
   const Vector3d left = e.cross(at(2) - x0), right = (at(3) - x0).cross(e);
   // both arguments carry |left||right|: the normals need not be unit
   return std::atan2(left.cross(right).dot(e) / e.norm(), left.dot(right));
+}
+
+std::vector<double> fold_angles(const Points3& x, const std::vector<Hinge>& hinges) {
+  std::vector<double> theta(hinges.size());
+  for (std::size_t h = 0; h < theta.size(); ++h) theta[h] = fold_angle(x, hinges[h]);
+  return theta;
 }
 
 }  // namespace paperbake

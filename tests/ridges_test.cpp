@@ -20,9 +20,12 @@ Sheet doubly_curved(double kx, double ky, int cells = 8) {
   return sheet;
 }
 
-Ridges ridges_of(const Sheet& sheet, const std::vector<int>& held = {}) {
-  return find_ridges(sheet, Paper{}, held, Eigen::VectorXd::Zero(sheet.triangles.rows()));
+Ridges ridges_of(const Sheet& sheet, const std::vector<int>& held, const Eigen::VectorXd& remembered) {
+  const Hinges hinges = find_hinges(sheet.triangles);
+  return find_ridges(sheet, hinges, fold_angles(sheet.x, hinges.hinges), Paper{}, held, remembered);
 }
+
+Ridges ridges_of(const Sheet& sheet, const std::vector<int>& held = {}) { return ridges_of(sheet, held, Eigen::VectorXd::Zero(sheet.triangles.rows())); }
 
 TEST(Ridges, CylinderHasNoneHoweverTight) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 12);
@@ -65,7 +68,7 @@ TEST(Ridges, PointLoadIsNone) {
 TEST(Ridges, OnceARidgeAlwaysARidge) {
   const Sheet sheet = doubly_curved(0, 0);
   const Eigen::VectorXd remembered = Eigen::VectorXd::Constant(sheet.triangles.rows(), 0.7);
-  EXPECT_TRUE(find_ridges(sheet, Paper{}, {}, remembered).share == remembered);
+  EXPECT_TRUE(ridges_of(sheet, {}, remembered).share == remembered);
 }
 
 TEST(Ridges, FibresOfARidgeYieldEarlier) {

@@ -86,17 +86,27 @@ struct Elastic::Impl {
 
   /// Where the sheet bends in two directions as a step begins, it yields as ridges do.
   void look_for_ridges(const Sheet& sheet, const std::vector<int>& vertices) {
-    if (grid) energy->ridges = softened->ridges = find_ridges(sheet, paper, vertices, energy->memory.ridge);
+    if (grid) energy->ridges = softened->ridges = find_ridges(sheet, energy->hinges(), energy->fold_angles(sheet.x), paper, vertices, energy->memory.ridge);
   }
 
   /// What has flowed goes to the grid and comes back as the past of the next step. returns the growth of the integral [m rad]
-  double remember(const Points3& x) {
+  double remember(const std::vector<double>& fold_angles) {
     if (!grid) return 0;
-    const PlasticMemory gained = energy->gained(x);
+    const PlasticMemory gained = energy->gained(fold_angles);
     if (gained.curvature.isZero(0) && gained.hardening.isZero(0)) return 0;
     const double growth = grid->write(cover(), gained);
     recall();
     return growth;
+  }
+
+  /// What is stored in the sheet; `iterations` 0.
+  ElasticReport stored(const Points3& x, const std::vector<double>& fold_angles) const {
+    const ElasticEnergy::Parts parts = energy->parts(x, fold_angles);
+    ElasticReport report;
+    report.membrane = parts.membrane;
+    report.energy = parts.membrane + parts.bending;
+    report.potential = report.energy + options.gravity * mass.dot(x.col(2));
+    return report;
   }
 
   /// touching: pairs of vertices that contact couples
@@ -272,12 +282,7 @@ void Elastic::remember_in(PlasticGrid* grid) {
 }
 
 ElasticReport Elastic::look(const Sheet& sheet) const {
-  const ElasticEnergy::Parts parts = impl_->energy->parts(sheet.x);
-  ElasticReport report;
-  report.membrane = parts.membrane;
-  report.energy = parts.membrane + parts.bending;
-  report.potential = report.energy + impl_->options.gravity * impl_->mass.dot(sheet.x.col(2));
-  return report;
+  return impl_->stored(sheet.x, impl_->energy->fold_angles(sheet.x));
 }
 
 ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, Settling settling) {
@@ -365,8 +370,9 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   }
   s.past.remeshed = false;
   ++s.past.steps;
-  report.plastic_flow = s.remember(sheet.x);
-  const ElasticReport stored = look(sheet);
+  const std::vector<double> folds = s.energy->fold_angles(sheet.x);
+  report.plastic_flow = s.remember(folds);
+  const ElasticReport stored = s.stored(sheet.x, folds);
   report.membrane = stored.membrane;
   report.energy = stored.energy;
   report.potential = stored.potential;

@@ -45,21 +45,14 @@ PlasticState ElasticEnergy::past(int t) const {
   return {memory.curvature.row(t), first_yield + eta / (1 - eta) * memory.hardening[t]};
 }
 
-std::vector<double> ElasticEnergy::fold_angles(const Points3& x) const {
-  std::vector<double> theta(hinges_.hinges.size());
-  for (std::size_t h = 0; h < theta.size(); ++h) theta[h] = fold_angle(x, hinges_.hinges[h]);
-  return theta;
-}
-
 Vector3d ElasticEnergy::angles_of(int t, const std::vector<double>& theta) const {
   Vector3d angles;
   for (int i = 0; i < 3; ++i) angles[i] = hinges_.of_triangle[t][i] < 0 ? 0 : theta[hinges_.of_triangle[t][i]];
   return angles;
 }
 
-PlasticMemory ElasticEnergy::gained(const Points3& x) const {
+PlasticMemory ElasticEnergy::gained(const std::vector<double>& theta) const {
   PlasticMemory sum(static_cast<int>(triangles_.rows()));
-  const std::vector<double> theta = fold_angles(x);
   for (int t = 0; t < triangles_.rows(); ++t) {
     const PlasticGain gain = plastic_gain(bend_[t], angles_of(t, theta), past(t));
     sum.curvature.row(t) = gain.curvature;
@@ -74,8 +67,7 @@ double ElasticEnergy::energy(const Points3& x) const {
   return p.membrane + p.bending;
 }
 
-ElasticEnergy::Parts ElasticEnergy::parts(const Points3& x) const {
-  const std::vector<double> theta = fold_angles(x);
+ElasticEnergy::Parts ElasticEnergy::parts(const Points3& x, const std::vector<double>& theta) const {
   Parts sum{0, 0};
   for (int t = 0; t < triangles_.rows(); ++t) {
     sum.membrane += membrane_energy(paper_, rest_[t], corners(x, t));

@@ -27,7 +27,8 @@ class ElasticEnergy {
   struct Parts {
     double membrane, bending;
   };
-  Parts parts(const Points3& x) const;
+  Parts parts(const Points3& x) const { return parts(x, fold_angles(x)); }
+  Parts parts(const Points3& x, const std::vector<double>& fold_angles) const;
 
   /// Energy at x [J]; gradient |V|x3 [N] is overwritten.
   double gradient(const Points3& x, Points3& gradient) const;
@@ -50,8 +51,12 @@ class ElasticEnergy {
   /// How sharply they bend within; empty: evenly.
   Ridges ridges;
 
-  /// What they gain when the sheet is left at x.
-  PlasticMemory gained(const Points3& x) const;
+  /// What they gain when the sheet is left at x, or with these folds.
+  PlasticMemory gained(const Points3& x) const { return gained(fold_angles(x)); }
+  PlasticMemory gained(const std::vector<double>& fold_angles) const;
+
+  /// [rad] of each hinge.
+  std::vector<double> fold_angles(const Points3& x) const { return paperbake::fold_angles(x, hinges_.hinges); }
 
   const Hinges& hinges() const { return hinges_; }
 
@@ -66,7 +71,6 @@ class ElasticEnergy {
   void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&, const Matrix3& tangent,
                    const Vector3d& edge_moment, HessianForm, BlockCholesky&) const;
   Matrix3 corners(const Points3& x, int t) const;
-  std::vector<double> fold_angles(const Points3& x) const;                  // [rad] of each hinge
   Vector3d angles_of(int t, const std::vector<double>& fold_angles) const;  // at the three edges of a triangle; 0 at the border
   PlasticState past(int t) const;
 

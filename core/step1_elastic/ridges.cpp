@@ -19,8 +19,8 @@ double triangle_area(const Sheet& sheet, int t) {
 }
 
 /// s of each vertex alone.
-Eigen::VectorXd sharpness(const Sheet& sheet, const Points3& curvature, const std::vector<int>& held) {
-  const SecondTurn second = second_turn(sheet, curvature);
+Eigen::VectorXd sharpness(const Sheet& sheet, const Hinges& hinges, const Points3& curvature, const std::vector<int>& held) {
+  const SecondTurn second = second_turn(sheet, hinges, curvature);
   Eigen::VectorXd s(sheet.pattern.rows());
   for (int v = 0; v < s.size(); ++v) s[v] = second.border[v] ? 0 : std::clamp((second.turn[v] - smooth_turn) / (ridge_turn - smooth_turn), 0.0, 1.0);
   for (const int v : held) s[v] = 0;
@@ -40,13 +40,14 @@ double size_across(const Sheet& sheet, int t, const Vector2d& across, double are
 
 }  // namespace
 
-Ridges find_ridges(const Sheet& sheet, const Paper& paper, const std::vector<int>& held, const Eigen::VectorXd& remembered) {
+Ridges find_ridges(const Sheet& sheet, const Hinges& hinges, const std::vector<double>& turns, const Paper& paper, const std::vector<int>& held,
+                   const Eigen::VectorXd& remembered) {
   const int triangles = static_cast<int>(sheet.triangles.rows());
-  const Points3 curvature = vertex_curvature(sheet);
+  const Points3 curvature = vertex_curvature(sheet.pattern, sheet.triangles, hinges, turns);
   std::vector<double> area(triangles);
   double whole = 0;
   for (int t = 0; t < triangles; ++t) whole += area[t] = triangle_area(sheet, t);
-  const Eigen::VectorXd s = sharpness(sheet, curvature, held);
+  const Eigen::VectorXd s = sharpness(sheet, hinges, curvature, held);
 
   Ridges ridges{remembered, Eigen::VectorXd::Ones(triangles)};
   const int ends = std::max<int>(least_ends, static_cast<int>(held.size() + sheet.singular.size()));

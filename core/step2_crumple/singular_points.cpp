@@ -93,7 +93,7 @@ double ring_size(const Sheet& sheet, int vertex) {
 
 Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions& options) {
   const Hinges hinges = find_hinges(sheet.triangles);
-  const SecondTurn second = second_turn(sheet, curvature);
+  const SecondTurn second = second_turn(sheet, hinges, curvature);
   const std::vector<char> singular = singular_vertices(sheet);
   std::vector<char> beside(sheet.pattern.rows(), 0);
   for (int t = 0; t < sheet.triangles.rows(); ++t)
