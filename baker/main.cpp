@@ -145,13 +145,17 @@ int run_presets(const std::optional<std::string>& name, bool json) {
     return 0;
   }
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
-  for (const std::string& grade : name ? std::vector<std::string>{*name} : preset_names()) {
+  std::vector<std::string> grades = name ? std::vector<std::string>{*name} : preset_names();
+  if (!name)  // those of the user stand for those built in of the same name
+    for (const std::string& own : user_preset_names())
+      if (std::find(grades.begin(), grades.end(), own) == grades.end()) grades.push_back(own);
+  for (const std::string& grade : grades) {
     const Preset preset = read_preset(grade);
     nlohmann::ordered_json entries = nlohmann::ordered_json::object();
     for (const Preset::Entry& e : preset.entries)
       entries[e.key] = {{"value", e.value}, {"unit", e.unit}, {"source", e.source}, {"mark", e.mark}};
-    all.push_back({{"name", preset.paper.name}, {"values", entries}});
-    if (!json) fmt::print("{:<10} {:>5g} g/m2  {:>4g} um  D {:g} N m\n", preset.paper.name, 1e3 * preset.paper.area_density, 1e6 * preset.paper.thickness, preset.paper.bending_stiffness);
+    all.push_back({{"name", preset.paper.name}, {"file", preset.file}, {"values", entries}});
+    if (!json) fmt::print("{:<12} {:>4g} g/m2  {:>4g} um  D {:<8g} N m  {}\n", grade, 1e3 * preset.paper.area_density, 1e6 * preset.paper.thickness, preset.paper.bending_stiffness, preset.file);
   }
   if (json) fmt::print("{}\n", (name ? all.front() : all).dump(1));
   return 0;

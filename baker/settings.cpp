@@ -10,16 +10,6 @@
 namespace paperbake {
 namespace {
 
-struct PaperKey {
-  const char* name;
-  double Paper::*field;
-};
-constexpr PaperKey paper_keys[] = {
-    {"thickness", &Paper::thickness},           {"bending_stiffness", &Paper::bending_stiffness},
-    {"membrane_stiffness", &Paper::membrane_stiffness}, {"poisson", &Paper::poisson},
-    {"area_density", &Paper::area_density},     {"apex_scatter", &Paper::apex_scatter},
-    {"yield_strain", &Paper::yield_strain},     {"hardening", &Paper::hardening}};
-
 /// Reads an integer at the front of text and takes it off.
 bool take_int(std::string_view& text, int& value) {
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -42,11 +32,11 @@ double parse_number(const std::string& key, const std::string& text) {
   return value;
 }
 
-const PaperKey& find_key(const std::string& name) {
+const PaperQuantity& find_key(const std::string& name) {
   std::vector<std::string> names;
-  for (const PaperKey& key : paper_keys) {
-    if (name == key.name) return key;
-    names.push_back(key.name);
+  for (const PaperQuantity& quantity : paper_quantities()) {
+    if (name == quantity.key) return quantity;
+    names.push_back(quantity.key);
   }
   const std::string near = nearest_word(name, names);
   throw Error(Fault::command, "--set " + name,
@@ -58,8 +48,9 @@ std::string nearest_grade(double grammage) {
   std::string best;
   double least = INFINITY;
   for (const std::string& name : preset_names()) {
-    const double off = std::abs(std::log(1e3 * read_preset(name).paper.area_density / grammage));
-    if (off < least) least = off, best = name;
+    const Preset preset = read_preset(name);
+    const double off = std::abs(std::log(1e3 * preset.paper.area_density / grammage));
+    if (preset.by_grammage && off < least) least = off, best = name;
   }
   return best;
 }
@@ -133,17 +124,17 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
   }
   const std::string prefix = "paper." + toml_string(sheet.name) + ".";
   resolved.used.push_back({prefix + "preset", toml_string(paper.name), grade_origin});
-  for (const PaperKey& key : paper_keys) {
+  for (const PaperQuantity& quantity : paper_quantities()) {
     std::string origin = scaled ? "scene" : "preset";
     for (const auto& [name, text] : settings.set)
-      if (&find_key(name) == &key) {
-        paper.*key.field = parse_number(name, text);
+      if (&find_key(name) == &quantity) {
+        const double value = parse_number(name, text);
         origin = "command line";
-        const bool may_be_zero = key.field == &Paper::apex_scatter || key.field == &Paper::poisson || key.field == &Paper::hardening;
-        if (paper.*key.field < 0 || (!may_be_zero && paper.*key.field == 0) || paper.poisson >= 0.5 || paper.hardening >= 1)
-          throw Error(Fault::command, "--set " + name, fmt::format("{} cannot be {}.", name, text));
+        if (!(value >= quantity.least && value <= quantity.most))
+          throw Error(Fault::command, "--set " + name, fmt::format("{} cannot be {}: paper lies between {} and {} [{}].", name, text, quantity.least, quantity.most, quantity.unit));
+        quantity.set(paper, value);
       }
-    resolved.used.push_back({prefix + key.name, toml_number(paper.*key.field), origin});
+    resolved.used.push_back({prefix + quantity.key, toml_number(quantity.of(paper)), origin});
   }
   return resolved;
 }

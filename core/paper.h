@@ -5,7 +5,7 @@
 
 namespace paperbake {
 
-/// The material of one sheet, isotropic. Values of a grade come from presets/*.toml, with their sources.
+/// The material of one sheet. Values of a grade come from presets/*.toml, with their sources.
 struct Paper {
   std::string name = "copy70";
   double thickness = 90e-6;          // h      [m]
@@ -16,6 +16,8 @@ struct Paper {
   double apex_scatter = 0.005;       // sigma  [m]      deviation of a new singular point, [Schreck 2015] fig. 3
   double yield_strain = 0.0045;      // eps_y  [1]      of the outer fibre, h k/2, where bending stays: k_y = 2 eps_y/h
   double hardening = 0.3;            // eta    [1]      share of D that is left beyond yield, in [0, 1)
+  double grain_ratio = 1;            //        [1]      D across the fibres' bend over D along: D_MD/D_CD; D is their geometric mean
+  double grain_angle = 0;            //        [rad]    of the machine direction, from u towards v
 };
 
 /// Width of a ridge of length X between flat facets: 0.4 h^(1/3) X^(2/3). [m]

@@ -1,6 +1,7 @@
 #include "formats/lock_file.h"
 
 #include "core/error.h"
+#include "formats/preset_file.h"
 
 #include <fmt/format.h>
 #include <toml++/toml.h>
@@ -26,16 +27,9 @@ const toml::table& table_of(const toml::table& root, const char* key, const std:
 
 Paper paper_of(const toml::table& table, const std::string& place) {
   Paper paper;
-  const auto number = [&](const char* key) { return value_of<double>(table, key, place); };
   paper.name = value_of<std::string>(table, "preset", place);
-  paper.thickness = number("thickness");
-  paper.bending_stiffness = number("bending_stiffness");
-  paper.membrane_stiffness = number("membrane_stiffness");
-  paper.poisson = number("poisson");
-  paper.area_density = number("area_density");
-  paper.apex_scatter = number("apex_scatter");
-  paper.yield_strain = number("yield_strain");
-  paper.hardening = number("hardening");
+  for (const PaperQuantity& quantity : paper_quantities())
+    if (quantity.required || table.contains(quantity.key)) quantity.set(paper, value_of<double>(table, quantity.key, place));
   return paper;
 }
 

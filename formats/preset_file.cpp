@@ -6,6 +6,8 @@
 #include <toml++/toml.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -19,25 +21,6 @@ extern const BuiltInPreset built_in_presets[];
 extern const int built_in_preset_count;
 
 namespace {
-
-/// One number of a grade: its place in Paper, its unit, and what no paper is beyond. The bounds catch grams, millimetres and
-/// micrometres given for SI; tissue and solid board lie well inside.
-struct Quantity {
-  const char* key;
-  double Paper::*field;
-  const char* unit;
-  double least, most;
-};
-constexpr Quantity quantities[] = {
-    {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
-    {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
-    {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
-    {"poisson", &Paper::poisson, "1", 0, 0.49},
-    {"area_density", &Paper::area_density, "kg/m2", 1e-3, 10},
-    {"apex_scatter", &Paper::apex_scatter, "m", 0, 0.1},
-    {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
-    {"hardening", &Paper::hardening, "1", 0, 0.9},
-};
 
 /// A file as TOML, and how to speak of places in it.
 struct Document {
@@ -93,7 +76,7 @@ std::string required_text(const Document& document, const toml::table& table, co
   return text;
 }
 
-double read_value(const Document& document, const toml::table& table, const Quantity& quantity, const std::string& where) {
+double read_value(const Document& document, const toml::table& table, const PaperQuantity& quantity, const std::string& where) {
   const toml::node& node = required(document, table, "value", where);
   if (!node.is_number()) fail(document, node.source().begin, fmt::format("The value of {} must be a number.", quantity.key));
   const double value = *node.value<double>();
@@ -105,7 +88,7 @@ double read_value(const Document& document, const toml::table& table, const Quan
   return value;
 }
 
-Preset::Entry read_entry(const Document& document, const Quantity& quantity) {
+Preset::Entry read_entry(const Document& document, const PaperQuantity& quantity) {
   const toml::node& node = required(document, document.root, quantity.key, "");
   const toml::table* table = node.as_table();
   if (!table)
@@ -135,22 +118,33 @@ Document parse(const std::string& file, const std::string& text) {
 
 Preset read_text(const std::string& file, const std::string& text) {
   const Document document = parse(file, text);
-  std::vector<std::string> known = {"name", "description"};
-  for (const Quantity& quantity : quantities) known.push_back(quantity.key);
+  std::vector<std::string> known = {"name", "description", "by_grammage"};
+  for (const PaperQuantity& quantity : paper_quantities()) known.push_back(quantity.key);
   refuse_unknown_keys(document, document.root, known);
 
   Preset preset;
   preset.text = text;
+  preset.file = file;
   preset.paper.name = required_text(document, document.root, "name", "");
   if (document.root.contains("description")) required_text(document, document.root, "description", "");
-  for (const Quantity& quantity : quantities) {
+  if (const toml::node* chosen = document.root.get("by_grammage")) {
+    if (!chosen->is_boolean()) fail(document, chosen->source().begin, "\"by_grammage\" must be true or false.");
+    preset.by_grammage = **chosen->as_boolean();
+  }
+  for (const PaperQuantity& quantity : paper_quantities()) {
+    if (!quantity.required && !document.root.contains(quantity.key)) continue;
     preset.entries.push_back(read_entry(document, quantity));
-    preset.paper.*quantity.field = preset.entries.back().value;
+    quantity.set(preset.paper, preset.entries.back().value);
   }
   const auto place = [&](const Preset::Entry& entry) { return document.root.get(entry.key)->source().begin; };
   std::sort(preset.entries.begin(), preset.entries.end(),
             [&](const Preset::Entry& p, const Preset::Entry& q) { return stands_before(place(p), place(q)); });
   return preset;
+}
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
 }
 
 std::string read_whole_text(const std::string& file) {
@@ -164,17 +158,53 @@ std::string read_whole_text(const std::string& file) {
 
 }  // namespace
 
-Preset read_preset(const std::string& name_or_file) {
-  std::error_code ignored;
-  if (std::filesystem::exists(name_or_file, ignored) && !std::filesystem::is_directory(name_or_file, ignored))
-    return read_text(name_or_file, read_whole_text(name_or_file));
+const std::vector<PaperQuantity>& paper_quantities() {
+  static const std::vector<PaperQuantity> all = {
+      {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
+      {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
+      {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
+      {"poisson", &Paper::poisson, "1", 0, 0.49},
+      {"area_density", &Paper::area_density, "kg/m2", 1e-3, 10},
+      {"apex_scatter", &Paper::apex_scatter, "m", 0, 0.1},
+      {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
+      {"hardening", &Paper::hardening, "1", 0, 0.9},
+      {"grain_ratio", &Paper::grain_ratio, "1", 0.1, 10, false},
+      {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
+  };
+  return all;
+}
+
+std::filesystem::path user_preset_folder() {
+  const auto under = [](const char* variable, const char* rest) {
+    const char* folder = std::getenv(variable);
+    return folder && *folder ? std::filesystem::path(folder) / rest : std::filesystem::path();
+  };
+  const std::filesystem::path folder = under("XDG_CONFIG_HOME", "paperbake/presets");
+  return folder.empty() ? under("HOME", ".config/paperbake/presets") : folder;
+}
+
+std::vector<std::string> user_preset_names() {
+  std::vector<std::string> names;
+  std::error_code none_there;
+  for (const auto& entry : std::filesystem::directory_iterator(user_preset_folder(), none_there))
+    if (entry.path().extension() == ".toml" && is_file(entry.path())) names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Preset read_preset(const std::string& name_or_file, const std::filesystem::path& beside) {
+  if (is_file(name_or_file)) return read_text(name_or_file, read_whole_text(name_or_file));
+  const bool is_name = std::filesystem::path(name_or_file).filename() == name_or_file;
+  for (const std::filesystem::path& folder : {beside, user_preset_folder()})
+    if (const std::filesystem::path file = folder / (name_or_file + ".toml"); is_name && !folder.empty() && is_file(file)) return read_text(file.string(), read_whole_text(file.string()));
   for (int i = 0; i < built_in_preset_count; ++i)
     if (name_or_file == built_in_presets[i].name)
       return read_text(fmt::format("presets/{}.toml", name_or_file), built_in_presets[i].text);
 
   if (name_or_file.find('/') != std::string::npos || std::filesystem::path(name_or_file).extension() == ".toml")
     throw Error(Fault::command, name_or_file, "There is no such preset file.", "`paperbake presets` lists the grades that are built in.");
-  const std::vector<std::string> names = preset_names();
+  std::vector<std::string> names = preset_names();
+  for (std::string& own : user_preset_names()) names.push_back(std::move(own));
   throw Error(Fault::command, fmt::format("preset \"{}\"", name_or_file),
               fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),
               fmt::format("Papers: {}; or name a preset file that exists.", fmt::join(names, ", ")));

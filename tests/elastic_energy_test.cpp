@@ -26,6 +26,8 @@ Sheet crumpled() {
 Paper soft_paper() {
   Paper paper;
   paper.yield_strain = 0.001;
+  paper.grain_ratio = 2.2;
+  paper.grain_angle = 0.4;
   return paper;
 }
 
@@ -280,6 +282,38 @@ TEST(ElasticEnergy, PredictedStressIsThatOfTheNewPlaceToFirstOrder) {
   };
   ASSERT_GT(energy.stress(sheet.x, 0 * move)[0].norm(), 1000);  // 2 % of 3.6e5 N/m
   EXPECT_NEAR(error(1e-5) / error(5e-6), 4, 0.01);              // what is left out is of second order
+}
+
+TEST(ElasticEnergy, PaperIsStifferAlongItsGrain) {
+  Sheet sheet = test::hex_sheet(0.1, 0.07, 8);
+  test::roll(sheet, 0.03);  // along u
+  Paper paper;
+  const double even = ElasticEnergy(paper, sheet.pattern, sheet.triangles).parts(sheet.x).bending;
+  paper.grain_ratio = 2.25;
+  const auto share = [&](double angle) {
+    paper.grain_angle = angle;
+    return ElasticEnergy(paper, sheet.pattern, sheet.triangles).parts(sheet.x).bending / even;
+  };
+  // orthotropic plate, bent to a cylinder across the angle: D11 cos^4 + 2 (D12 + 2 D66) cos^2 sin^2 + D22 sin^4, D12 + 2 D66 = D
+  EXPECT_NEAR(share(0), 1.5, 3e-3);
+  EXPECT_NEAR(share(M_PI / 2), 1 / 1.5, 3e-3);
+  EXPECT_NEAR(share(M_PI / 4), (1.5 + 2 + 1 / 1.5) / 4, 3e-3);
+  EXPECT_NEAR(share(-M_PI / 4), share(M_PI / 4), 3e-3);
+}
+
+TEST(ElasticEnergy, WhatAGrainKeepsIsTheCurvatureItWasBentTo) {
+  Sheet sheet = test::hex_sheet(0.1, 0.07, 8);
+  test::roll(sheet, 0.003);  // 333 1/m
+  Paper paper;
+  paper.grain_ratio = 2.25;
+  paper.grain_angle = 0.3;
+  paper.hardening = 0;
+  ElasticEnergy energy(paper, sheet.pattern, sheet.triangles);
+  energy.memory = PlasticMemory(static_cast<int>(sheet.triangles.rows()));
+  const PlasticMemory first = energy.gained(sheet.x);
+  energy.memory.curvature = first.curvature;
+  energy.memory.hardening = first.hardening;
+  EXPECT_LT(energy.gained(sheet.x).curvature.cwiseAbs().maxCoeff(), 1e-6 * first.curvature.cwiseAbs().maxCoeff());
 }
 
 TEST(ElasticEnergy, OwnStressGivesTheOwnSecondDerivative) {

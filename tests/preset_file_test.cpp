@@ -5,6 +5,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdlib>
 #include <filesystem>
 #include <fstream>
 
@@ -81,7 +83,8 @@ TEST(PresetFile, TheDefaultPaperOfTheCoreIsCopy70) {
 
 TEST(PresetFile, EveryBuiltInGradeAgreesWithThePlateFormula) {
   // D = (E h) h^2 / 12(1-nu^2): a slip in one of the three numbers would show; 3 %, since they are given with two digits
-  ASSERT_EQ(preset_names(), (std::vector<std::string>{"copy70", "copy90"}));
+  ASSERT_EQ(preset_names(), (std::vector<std::string>{"book120", "card200", "card300", "copy70", "copy80", "copy90", "kami63", "kraft90", "newsprint45", "offset160", "tissue17",
+                                                      "tracing92", "washi35"}));
   for (const std::string& name : preset_names()) {
     const Paper p = read_preset(name).paper;
     EXPECT_EQ(p.name, name);
@@ -90,9 +93,48 @@ TEST(PresetFile, EveryBuiltInGradeAgreesWithThePlateFormula) {
   }
 }
 
+TEST(PresetFile, AGradeCarriesItsWeightInItsName) {
+  for (const std::string& name : preset_names())
+    EXPECT_NEAR(1e3 * read_preset(name).paper.area_density, std::stod(name.substr(name.find_first_of("0123456789"))), 1e-9) << name;
+}
+
+TEST(PresetFile, AGradeBesideTheJobComesBeforeTheUsersAndThatBeforeTheBuiltIn) {
+  const auto folder = std::filesystem::temp_directory_path() / "paperbake_preset_search";
+  const std::filesystem::path own = folder / "config" / "paperbake" / "presets", job = folder / "job";
+  std::filesystem::create_directories(own);
+  std::filesystem::create_directories(job);
+  const auto write = [](const std::filesystem::path& file, const char* weight) {
+    std::string text = read_preset("copy70").text;
+    text.replace(text.find("value = 0.070"), 13, std::string("value = ") + weight);
+    std::ofstream(file) << text;
+  };
+  write(folder / "weight72.toml", "0.072");
+  const char* before = std::getenv("XDG_CONFIG_HOME");
+  const std::string kept = before ? before : "";
+  setenv("XDG_CONFIG_HOME", (folder / "config").c_str(), 1);
+  const auto weight = [&] { return read_preset("copy70", job).paper.area_density; };
+  EXPECT_EQ(weight(), 0.070);
+  write(own / "copy70.toml", "0.071");
+  EXPECT_EQ(weight(), 0.071);
+  EXPECT_EQ(user_preset_names(), std::vector<std::string>{"copy70"});
+  std::filesystem::copy_file(folder / "weight72.toml", job / "copy70.toml", std::filesystem::copy_options::overwrite_existing);
+  EXPECT_EQ(weight(), 0.072);
+  before ? setenv("XDG_CONFIG_HOME", kept.c_str(), 1) : unsetenv("XDG_CONFIG_HOME");
+  std::filesystem::remove_all(folder);
+}
+
+TEST(PresetFile, GrainMayBeLeftOutAndIsGivenInDegrees) {
+  EXPECT_EQ(Paper{}.grain_ratio, 1);
+  const PresetFile turned("[grain_angle]\nvalue = 0.0", "[grain_angle]\nvalue = 90.0");
+  EXPECT_NEAR(read_preset(turned.path).paper.grain_angle, M_PI / 2, 1e-15);
+  const std::string text = turned.text.substr(0, turned.text.find("[grain_ratio]"));
+  std::ofstream(turned.path) << text;
+  EXPECT_EQ(read_preset(turned.path).paper.grain_ratio, 1);
+}
+
 TEST(PresetFile, EntriesKeepTheOrderOfTheFileAndTheirEvidence) {
   const Preset preset = read_preset("copy90");
-  ASSERT_EQ(preset.entries.size(), 8u);
+  ASSERT_EQ(preset.entries.size(), 10u);
   EXPECT_EQ(preset.entries[0].key, "thickness");
   EXPECT_EQ(preset.entries[0].unit, "m");
   EXPECT_EQ(preset.entries[0].mark, "read");
@@ -118,7 +160,7 @@ TEST(PresetFile, AWholeNumberIsANumber) {
 TEST(PresetFile, AnUnknownGradeIsAnsweredWithTheNearestNameAndTheList) {
   const Error error = error_of("copy7");
   EXPECT_EQ(error.cause, "Unknown paper \"copy7\". Did you mean \"copy70\"?");
-  EXPECT_NE(error.remedy.find("copy70, copy90"), std::string::npos);
+  EXPECT_NE(error.remedy.find("copy70, copy80, copy90"), std::string::npos);
   EXPECT_EQ(error_of("cardboard").cause, "Unknown paper \"cardboard\".");
 }
 

@@ -11,6 +11,20 @@ Eigen::Matrix3d cross_matrix(const Vector3d& a) {
   return m;
 }
 
+/// C -> G C G on (xx, xy, yy), G = g along the unit vector at the angle, 1/g across it.
+Eigen::Matrix3d grain_map(double g, double angle) {
+  const Vector2d along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
+  const Eigen::Matrix2d G = g * along * along.transpose() + 1 / g * across * across.transpose();
+  Eigen::Matrix3d map;
+  for (int k = 0; k < 3; ++k) {
+    Eigen::Matrix2d C = Eigen::Matrix2d::Zero();
+    C(k / 2, (k + 1) / 2) = C((k + 1) / 2, k / 2) = 1;
+    const Eigen::Matrix2d mapped = G * C * G;
+    map.col(k) << mapped(0, 0), mapped(0, 1), mapped(1, 1);
+  }
+  return map;
+}
+
 /// S' = S - Sp and q of it.
 struct ElasticCurvature {
   Vector3d S;
@@ -99,6 +113,14 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern, const Eigen
       rest.operator_of_theta.col(i) -= part * u;
     }
   }
+  rest.kept.setIdentity();
+  if (paper.grain_ratio != 1) {
+    const double g = std::pow(paper.grain_ratio, 0.125);
+    const Eigen::Matrix3d map = grain_map(g, paper.grain_angle);
+    rest.operator_of_theta = map * rest.operator_of_theta;
+    rest.seen = map * rest.seen;
+    rest.kept = grain_map(1 / g, paper.grain_angle);
+  }
   // K = D A ( nu tr^T tr + (1-nu) S^T diag(1,2,1) S ) in the three angles
   const Eigen::RowVector3d trace = rest.operator_of_theta.row(0) + rest.operator_of_theta.row(2);
   const Eigen::Matrix3d weighted = Vector3d(1, 2, 1).asDiagonal() * rest.operator_of_theta;
@@ -132,7 +154,7 @@ PlasticGain plastic_gain(const RestBending& rest, const Vector3d& theta, const P
   const double q = std::sqrt(e.q_squared);
   if (!(q > plastic.yield)) return {};
   const double flowed = (1 - rest.hardening) * (q - plastic.yield);  // q - q_el
-  return {flowed / q * e.S, flowed};
+  return {flowed / q * (rest.kept * e.S), flowed};
 }
 
 }  // namespace paperbake

@@ -29,18 +29,20 @@ WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left
 
 /// Bending of one triangle from its shape operator: the material does not change with the mesh.
 ///
-///   S = sum_i theta_i l_i/A_i n_i n_i^T,   E = D/2 A ( nu (tr S')^2 + (1-nu) |S'|^2 ),   S' = S - Sp
+///   S = G (sum_i theta_i l_i/A_i n_i n_i^T) G,   E = D/2 A ( nu (tr S')^2 + (1-nu) |S'|^2 ),   S' = S - Sp
 ///     = 1/2 theta^T K theta - b^T theta + c
 ///
 /// theta_i, l_i, n_i  angle, pattern length and pattern normal of the edge opposite corner i
 /// A_i                area of the two triangles that share it: the fold is spread evenly over both
-/// Sp                 plastic curvature
+/// Sp                 plastic curvature, G Sp0 G where Sp0 is kept
+/// G                  of paper with a grain: r^(1/8) along it, r^(-1/8) across, r = D_MD/D_CD; else the identity. It makes the plate
+///                    orthotropic: D r^(1/2) and D r^(-1/2), with Huber's twisting stiffness (1-nu) D
 ///
 /// A border edge has no angle; the part of S that it alone could tell, n n^T, is left out: no moment crosses a free border.
 /// (With that part kept, triangles along the border store 1/12 too much; the arch of 232 triangles 3 % instead of 0.3 %.
 /// With each fold given to both sides by halves, irregular meshes are 6 % too stiff instead of 3 %.)
 /// What a triangle cannot tell of S it does not take from Sp either.
-/// source  [Grinspun 2006] for the operator; the two rules are this project's
+/// source  [Grinspun 2006] for the operator; [Huber 1923] for the twist; the two rules are this project's
 struct RestBending {
   Matrix3 stiffness;                  // K [J]  zero rows for border edges
   Eigen::Matrix3d operator_of_theta;  // columns: l_i/A_i (n_x^2, n_x n_y, n_y^2)  [1/m]
@@ -48,7 +50,8 @@ struct RestBending {
   double rigidity;                    // D of this triangle [N m]
   double poisson;
   double hardening;                   // eta
-  Eigen::Matrix3d seen;               // projects Sp on what the three angles can tell: the identity inside the sheet
+  Eigen::Matrix3d seen;               // of Sp0: what the three angles can tell of it, G on both sides; the identity inside a sheet without a grain
+  Eigen::Matrix3d kept;               // from S to Sp0: inverse of G
 };
 /// shared_area  [m2] A_i; 0: border
 /// stiffening   [1]  factor on D (the finger-sized disc of a handle)
