@@ -6,7 +6,7 @@
 namespace paperbake {
 namespace {
 
-constexpr double side = 0.1, shortening = 0.01;                    // [m]
+constexpr double side = experiment_side, shortening = 0.01;        // [m]
 constexpr int squeeze_frames = 24, rows = 10;                      // handles every 10 mm
 constexpr double clamp = 0.005;                                    // [m] between the two rows of a clamp
 constexpr double push = 0.02 / 36;                                 // [m] a frame
@@ -23,7 +23,7 @@ CrumpleOptions unruled() {
   return options;
 }
 
-constexpr Colour white{255, 255, 255}, ink{40, 40, 40}, grey{170, 170, 170}, red{200, 30, 30};
+constexpr Colour white{255, 255, 255}, ink{40, 40, 40}, grey{170, 170, 170}, red{200, 30, 30}, blue{40, 80, 190};
 
 /// A bare point that stays where it is on the flat sheet.
 Handle handle_at(const std::string& name, const Vector2d& pattern) {
@@ -114,7 +114,7 @@ std::string scatter_csv(const std::vector<FirstPoint>& points) {
   return text;
 }
 
-Image scatter_picture(const Paper& paper, const std::vector<FirstPoint>& points) {
+Image draw_scatter(const ScatterPicture& shown) {
   Canvas canvas(700, 760, {246, 246, 246});
   Points2 corners(4, 2);
   corners << 0, 0, side, 0, side, side, 0, side;
@@ -126,18 +126,27 @@ Image scatter_picture(const Paper& paper, const std::vector<FirstPoint>& points)
     draw_line(canvas, camera, {at, 0, 0}, {at, side, 0}, width, grey, on_top);
     draw_line(canvas, camera, {0, at, 0}, {side, at, 0}, width, grey, on_top);
   }
-  const Scatter scatter = scatter_of(points);
-  if (!points.empty())
-    for (const double deviations : {1.0, 2.0}) draw_circle(canvas, camera, scatter.mean, deviations * paper.apex_scatter, ink);
-  for (const FirstPoint& p : points) draw_cross(canvas, camera, p.pattern, 5, red);
-  draw_text(canvas, 40, 20, 2.2, fmt::format("{}: {} sheets, first singular point", paper.name, points.size()), ink);
-  draw_text(canvas, 40, 48, 1.6,
-            fmt::format("mean ({:.1f}, {:.1f}), deviation {:.1f} mm; circles: 1, 2 x {:.1f} mm of the grade", 1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(),
-                        1e3 * scatter.deviation, 1e3 * paper.apex_scatter),
-            ink);
+  if (!shown.crosses.empty())
+    for (const double deviations : {1.0, 2.0}) draw_circle(canvas, camera, shown.mean, deviations * shown.deviation, ink);
+  for (const Vector2d& p : shown.dots) draw_disc(canvas, camera, {p.x(), p.y(), 0}, 4, blue, on_top);
+  for (const Vector2d& p : shown.crosses) draw_cross(canvas, camera, p, 5, red);
+  draw_text(canvas, 40, 20, 2.2, shown.title, ink);
+  draw_text(canvas, 40, 48, 1.6, shown.caption, ink);
   draw_text(canvas, 300, 716, 1.6, "pushed here", ink);
   draw_text(canvas, 40, 716, 1.6, "grid 10 mm", grey);
   return develop(canvas);
+}
+
+Image scatter_picture(const Paper& paper, const std::vector<FirstPoint>& points) {
+  const Scatter scatter = scatter_of(points);
+  ScatterPicture shown;
+  shown.title = fmt::format("{}: {} sheets, first singular point", paper.name, points.size());
+  shown.caption = fmt::format("mean ({:.1f}, {:.1f}), deviation {:.1f} mm; circles: 1, 2 x {:.1f} mm of the grade", 1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(),
+                              1e3 * scatter.deviation, 1e3 * paper.apex_scatter);
+  for (const FirstPoint& p : points) shown.crosses.push_back(p.pattern);
+  shown.mean = scatter.mean;
+  shown.deviation = paper.apex_scatter;
+  return draw_scatter(shown);
 }
 
 }  // namespace paperbake

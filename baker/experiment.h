@@ -20,6 +20,7 @@ namespace paperbake {
 /// first_singular_point takes has its first point in the core for both grades, elastic or plastic, at three paces of the push.
 Shot first_point_experiment(const Paper&);
 constexpr int experiment_frames = 96;
+constexpr double experiment_side = 0.1;  // [m]
 
 struct FirstPoint {
   Vector2d pattern;  // [m]
@@ -40,7 +41,16 @@ Scatter scatter_of(const std::vector<FirstPoint>&);
 /// u,v,seed,frame   u, v in m
 std::string scatter_csv(const std::vector<FirstPoint>&);
 
-/// The points on the sheet, their mean, and the circles of one and two deviations of the grade about it. 700 x 760 px.
+/// The sheet of the experiment with points on it, and circles of one and two deviations about a mean. 700 x 760 px.
+struct ScatterPicture {
+  std::string title, caption;
+  std::vector<Vector2d> crosses, dots;  // [m]
+  Vector2d mean{0, 0};                  // [m]
+  double deviation = 0;                 // [m]
+};
+Image draw_scatter(const ScatterPicture&);
+
+/// What the experiment gave, about its mean with the deviation of the grade.
 Image scatter_picture(const Paper&, const std::vector<FirstPoint>&);
 
 }  // namespace paperbake

@@ -3,6 +3,7 @@
 #include "baker/chart_picture.h"
 #include "baker/estimate.h"
 #include "baker/experiment.h"
+#include "baker/fit.h"
 #include "baker/inspect.h"
 #include "baker/output_folder.h"
 #include "baker/verify.h"
@@ -203,43 +204,78 @@ int run_chart(ChartSettings settings, const ChartWords& words) {
 }
 
 struct FitWords {
-  std::optional<std::string> scatter, from, experiment;
+  std::optional<std::filesystem::path> scatter;
+  std::optional<std::string> from, experiment;
   std::filesystem::path output;
   int sheets = 20;
 };
 
 void add_fit(CLI::App& app, FitWords& words) {
-  CLI::App& fit = *app.add_subcommand("fit", "The experiment that tells how first singular points scatter, and the grade that fits it");
-  fit.add_option("SCATTER", words.scatter, "A file of measured points, u,v in metres: not in this version");
-  fit.add_option("--from", words.from, "The grade to begin with: not in this version");
-  fit.add_option("--experiment", words.experiment, "Push sheets of this grade until their first singular point");
-  fit.add_option("--sheets", words.sheets, "How many")->capture_default_str()->check(CLI::Range(1, 100000));
-  fit.add_option("-o,--output", words.output, "u,v,seed,frame of each sheet (.csv); a picture beside it (.png)")->required();
+  CLI::App& fit = *app.add_subcommand("fit", "Fit a grade to where the first singular points of measured sheets lie; or repeat that experiment");
+  CLI::Option* scatter = fit.add_option("SCATTER", words.scatter, "Measured points: a .csv with columns u and v, in metres");
+  CLI::Option* from = fit.add_option("--from", words.from, "The grade to begin with");
+  fit.add_option("--experiment", words.experiment, "Push sheets of this grade until their first singular point")->excludes(scatter)->excludes(from);
+  fit.add_option("--sheets", words.sheets, "How many are simulated")->capture_default_str()->check(CLI::Range(1, 100000));
+  fit.add_option("-o,--output", words.output, "The fitted grade (.toml), or u,v,seed,frame of each sheet (.csv); a picture beside it (.png)")->required();
 }
 
-int run_fit(const FitWords& words) {
-  if (words.scatter || words.from || !words.experiment)
-    throw Error(Fault::command, "fit", "Fitting a grade to measured points is not in this version.",
-                "paperbake fit --experiment copy70 --sheets 20 -o scatter.csv repeats the experiment.");
-  const Paper paper = read_preset(*words.experiment).paper;
-  auto picture = words.output;
-  picture.replace_extension(".png");
-  if (picture == words.output) throw Error(Fault::command, "-o " + words.output.string(), "The picture beside it would have the same name.", "Write -o NAME.csv.");
-  write_whole_file(words.output, scatter_csv({}));  // known to be writable before the work begins
+/// Where the sheets of a grade get their first singular points.
+std::vector<FirstPoint> push_sheets(const Paper& paper, int sheets) {
   std::vector<FirstPoint> points;
-  for (int sheet = 1; sheet <= words.sheets; ++sheet) {
+  for (int sheet = 1; sheet <= sheets; ++sheet) {
     const auto point = first_singular_point(paper, sheet);
     if (point) points.push_back(*point);
-    fmt::print(stderr, "sheet {} of {}: {}\n", sheet, words.sheets,
+    fmt::print(stderr, "sheet {} of {}: {}\n", sheet, sheets,
                point ? fmt::format("frame {}, ({:.1f}, {:.1f}) mm", point->frame, 1e3 * point->pattern.x(), 1e3 * point->pattern.y()) : "no singular point");
   }
   if (points.empty())
-    throw Error(Fault::simulation, fmt::format("{}, {} sheets", paper.name, words.sheets), fmt::format("No sheet got a singular point in {} frames.", experiment_frames));
+    throw Error(Fault::simulation, fmt::format("{}, {} sheets", paper.name, sheets), fmt::format("No sheet got a singular point in {} frames.", experiment_frames));
+  return points;
+}
+
+std::filesystem::path picture_beside(const std::filesystem::path& file, const char* extension) {
+  auto picture = file;
+  picture.replace_extension(".png");
+  if (picture == file) throw Error(Fault::command, "-o " + file.string(), "The picture beside it would have the same name.", fmt::format("Write -o NAME{}.", extension));
+  return picture;
+}
+
+int run_experiment(const FitWords& words) {
+  const Paper paper = read_preset(*words.experiment).paper;
+  const auto picture = picture_beside(words.output, ".csv");
+  write_whole_file(words.output, scatter_csv({}));  // known to be writable before the work begins
+  const std::vector<FirstPoint> points = push_sheets(paper, words.sheets);
   const Scatter scatter = scatter_of(points);
   fmt::print(stderr, "{} of {} sheets: mean ({:.2f}, {:.2f}) mm, deviation {:.2f} mm; apex_scatter of {}: {:.2f} mm\n", points.size(), words.sheets,
              1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(), 1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter);
   write_whole_file(words.output, scatter_csv(points));
   write_png(picture, scatter_picture(paper, points));
+  fmt::print("{}\n{}\n", words.output.string(), picture.string());
+  return 0;
+}
+
+int run_fit(const FitWords& words) {
+  if (words.experiment) return run_experiment(words);
+  if (!words.scatter || !words.from)
+    throw Error(Fault::command, "fit", "There is nothing to fit.", "paperbake fit SCATTER.csv --from copy70 -o my.toml fits a grade; --experiment copy70 --sheets 20 -o scatter.csv repeats the experiment.");
+  const Preset from = read_preset(*words.from);
+  const auto picture = picture_beside(words.output, ".toml");
+  const std::vector<Vector2d> measured = read_scatter(*words.scatter);
+  Paper unscattered = from.paper;
+  unscattered.apex_scatter = 0;
+  const ScatterFit fit = fit_scatter(measured, push_sheets(unscattered, 1).front().pattern);
+  const Preset fitted = with_scatter(from, words.output.stem().string(), fit, words.scatter->filename().string());
+  std::vector<Vector2d> simulated;
+  for (const FirstPoint& p : push_sheets(fitted.paper, words.sheets)) simulated.push_back(p.pattern);
+  const TwoSamples test = compare_samples(measured, simulated);
+  fmt::print(stderr,
+             "{} points: deviation {:.2f} mm [{:.2f}, {:.2f}], likeliest {:.2f}; off the law's mean by u {:.2f} mm [{:.2f}, {:.2f}], v {:.2f} mm [{:.2f}, {:.2f}] (95 %)\n"
+             "{} simulated sheets of the fitted grade: energy distance {:.3f} mm, p = {:.3f}{}\n",
+             fit.points, 1e3 * fit.deviation, 1e3 * fit.deviation_within.low, 1e3 * fit.deviation_within.high, 1e3 * fit.likeliest, 1e3 * fit.offset.x(), 1e3 * fit.offset_u.low,
+             1e3 * fit.offset_u.high, 1e3 * fit.offset.y(), 1e3 * fit.offset_v.low, 1e3 * fit.offset_v.high, simulated.size(), 1e3 * test.energy, test.p,
+             test.p < 0.05 ? ": they do not scatter like the measured ones" : "");
+  write_whole_file(words.output, preset_text(fitted));
+  write_png(picture, fit_picture(fitted, measured, simulated, fit));
   fmt::print("{}\n{}\n", words.output.string(), picture.string());
   return 0;
 }

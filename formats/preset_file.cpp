@@ -126,7 +126,7 @@ Preset read_text(const std::string& file, const std::string& text) {
   preset.text = text;
   preset.file = file;
   preset.paper.name = required_text(document, document.root, "name", "");
-  if (document.root.contains("description")) required_text(document, document.root, "description", "");
+  if (document.root.contains("description")) preset.description = required_text(document, document.root, "description", "");
   if (const toml::node* chosen = document.root.get("by_grammage")) {
     if (!chosen->is_boolean()) fail(document, chosen->source().begin, "\"by_grammage\" must be true or false.");
     preset.by_grammage = **chosen->as_boolean();
@@ -172,6 +172,17 @@ const std::vector<PaperQuantity>& paper_quantities() {
       {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
   };
   return all;
+}
+
+std::string preset_text(const Preset& preset) {
+  const auto text = [](const std::string& words) { return toml::value<std::string>(words); };
+  std::ostringstream file;
+  file << "name = " << text(preset.paper.name) << '\n';
+  if (!preset.description.empty()) file << "description = " << text(preset.description) << '\n';
+  if (!preset.by_grammage) file << "by_grammage = false\n";
+  for (const Preset::Entry& e : preset.entries)
+    file << fmt::format("\n[{}]\nvalue = {}\nunit = ", e.key, e.value) << text(e.unit) << "\nsource = " << text(e.source) << "\nmark = " << text(e.mark) << '\n';
+  return file.str();
 }
 
 std::filesystem::path user_preset_folder() {

@@ -33,6 +33,7 @@ const std::vector<PaperQuantity>& paper_quantities();
 ///   mark   = "read"       read | derived | assumed
 struct Preset {
   Paper paper;
+  std::string description;
   struct Entry {
     std::string key;     // of paper_quantities()
     double value;        // in its unit
@@ -49,6 +50,8 @@ struct Preset {
 /// throws Error(Fault::command): unknown grade (with the nearest name); syntax error, unknown or missing key, wrong type, wrong
 /// unit, value outside what paper can be: with file:line:column
 Preset read_preset(const std::string& name_or_file, const std::filesystem::path& beside = {});
+/// A file that reads as this preset; comments are lost.
+std::string preset_text(const Preset&);
 std::vector<std::string> preset_names();  // built in, sorted
 
 /// $XDG_CONFIG_HOME/paperbake/presets, without it ~/.config/paperbake/presets; empty when neither is set.

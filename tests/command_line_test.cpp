@@ -166,8 +166,19 @@ TEST_F(CommandLine, TheExperimentWritesAPointForEachSheetAndAPicture) {
   EXPECT_EQ(read(folder / "scatter.png").substr(1, 3), "PNG");
 }
 
-TEST_F(CommandLine, FittingAGradeIsNotThereYetAndEndsWithTwo) {
-  EXPECT_TRUE(is_error(run({"fit", "points.csv", "--from", "copy70", "-o", folder / "my.toml"}), 2, "fit", "not in this version"));
+TEST_F(CommandLine, AGradeThatFitsMeasuredPointsCanBeBakedWith) {
+  const std::string csv = folder / "scatter.csv", mine = folder / "mine.toml";
+  write(csv, "u,v\n0.049,0.012\n0.05,0.018\n0.047,0.014\n0.044,0.015\n");
+  const Ended ended = run({"fit", csv, "--from", "copy90", "--sheets", "2", "-o", mine});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(ended.out, mine + "\n" + (folder / "mine.png").string() + "\n");
+  EXPECT_NE(ended.err.find("p = "), std::string::npos) << ended.err;
+  EXPECT_NE(bake({"--preset", mine, "--dry-run"}).out.find("preset = \"mine\"  # command line"), std::string::npos);
+}
+
+TEST_F(CommandLine, FittingNeedsPointsAndAGrade) {
+  EXPECT_TRUE(is_error(run({"fit", "-o", folder / "my.toml"}), 2, "fit", "nothing to fit"));
+  EXPECT_TRUE(is_error(run({"fit", "points.csv", "--from", "copy70", "-o", folder / "my.toml"}), 2, "points.csv", "cannot be read"));
   EXPECT_TRUE(is_error(run({"fit", "--experiment", "copi70", "-o", folder / "a.csv"}), 2, "preset \"copi70\"", "Did you mean"));
   EXPECT_TRUE(is_error(run({"fit", "--experiment", "copy70", "-o", folder / "missing" / "a.csv"}), 6, folder / "missing" / "a.csv", ""));
 }
