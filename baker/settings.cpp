@@ -10,16 +10,6 @@
 namespace paperbake {
 namespace {
 
-struct PaperKey {
-  const char* name;
-  double Paper::*field;
-};
-constexpr PaperKey paper_keys[] = {
-    {"thickness", &Paper::thickness},           {"bending_stiffness", &Paper::bending_stiffness},
-    {"membrane_stiffness", &Paper::membrane_stiffness}, {"poisson", &Paper::poisson},
-    {"area_density", &Paper::area_density},     {"apex_scatter", &Paper::apex_scatter},
-    {"yield_strain", &Paper::yield_strain},     {"hardening", &Paper::hardening}};
-
 /// Reads an integer at the front of text and takes it off.
 bool take_int(std::string_view& text, int& value) {
   const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
@@ -32,26 +22,6 @@ bool take(std::string_view& text, char c) {
   if (text.empty() || text.front() != c) return false;
   text.remove_prefix(1);
   return true;
-}
-
-double parse_number(const std::string& key, const std::string& text) {
-  double value = 0;
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failed != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    throw Error(Fault::command, "--set " + key, fmt::format("\"{}\" is not a number.", text), "Write for instance --set thickness=90e-6.");
-  return value;
-}
-
-const PaperKey& find_key(const std::string& name) {
-  std::vector<std::string> names;
-  for (const PaperKey& key : paper_keys) {
-    if (name == key.name) return key;
-    names.push_back(key.name);
-  }
-  const std::string near = nearest_word(name, names);
-  throw Error(Fault::command, "--set " + name,
-              fmt::format("Unknown key \"{}\".{}", name, near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
-              fmt::format("The keys are: {}.", fmt::join(names, ", ")));
 }
 
 std::string nearest_grade(double grammage) {
@@ -72,7 +42,7 @@ void scale_thickness(Paper& paper, double ratio) {
 
 }  // namespace
 
-FrameSpan parse_frames(const std::string& text, const std::string& option) {
+FrameSpan parse_frames(const std::string& text, const std::string& place) {
   std::string_view rest = text;
   FrameSpan span;
   bool good = take_int(rest, span.first);
@@ -80,70 +50,73 @@ FrameSpan parse_frames(const std::string& text, const std::string& option) {
   if (good && take(rest, '-')) good = take_int(rest, span.last);
   if (good && take(rest, 'x')) good = take_int(rest, span.step);
   if (!good || !rest.empty() || span.last < span.first || span.step < 1)
-    throw Error(Fault::command, option, fmt::format("\"{}\" is no range of frames.", text), "Write A-B or A-BxN, for instance 1-96 or 1-96x2.");
+    throw Error(Fault::command, place, fmt::format("\"{}\" is no range of frames.", text), "Write A-B or A-BxN, for instance 1-96 or 1-96x2.");
   return span;
 }
 
-std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& option) {
+std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& place) {
   std::vector<FrameSpan> spans;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
-    spans.push_back(parse_frames(text.substr(from, comma - from), option));
+    spans.push_back(parse_frames(text.substr(from, comma - from), place));
     from = comma + 1;
   }
   return spans;
 }
 
-std::string toml_number(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
+const char* in_words(Origin origin) {
+  constexpr const char* words[] = {"default", "preset", "scene", "job", "command line"};
+  return words[static_cast<int>(origin)];
 }
 
-std::string toml_string(const std::string& value) {
-  std::string text = "\"";
-  for (const char c : value) {
-    if (c == '"' || c == '\\') text += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) text += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else text += c;
+SetValue parse_set(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Error(Fault::command, "--set " + text, "A key and a value are needed.", "Write --set key=value, for instance --set thickness=90e-6.");
+  const std::string name = text.substr(0, equals), number = text.substr(equals + 1);
+  std::vector<std::string> names;
+  for (const Quantity& quantity : quantities) {
+    names.push_back(quantity.key);
+    if (name != quantity.key) continue;
+    const auto value = canonical({name, JobKey::number}, number);
+    if (!value) throw Error(Fault::command, "--set " + name, fmt::format("\"{}\" is not a number.", number), "Write for instance --set thickness=90e-6.");
+    if (!quantity.holds(std::stod(*value))) throw Error(Fault::command, "--set " + name, out_of_bounds(quantity, std::stod(*value)), fmt::format("Give the value in {}.", quantity.unit));
+    return {name, std::stod(*value), Origin::command};
   }
-  return text + '"';
+  const std::string near = nearest_word(name, names);
+  throw Error(Fault::command, "--set " + name, fmt::format("Unknown key \"{}\".{}", name, near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
+              fmt::format("The keys are: {}.", fmt::join(names, ", ")));
 }
 
 ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& sheet) {
-  std::string grade = "copy70", grade_origin = "default";
-  const bool scene_speaks = !settings.preset;
-  bool scaled = false;
-  if (settings.preset) grade = *settings.preset, grade_origin = "command line";
-  else if (sheet.preset) grade = *sheet.preset, grade_origin = "scene";
-  else if (sheet.grammage) grade = nearest_grade(*sheet.grammage), grade_origin = "scene";
+  const Origin named = settings.origin("preset");  // of the preset for all sheets
+  const auto of_sheet = [&](const char* key) { return sheet.overridden.count(key) ? Origin::job : Origin::scene; };
+  const auto counts = [&](const char* key) { return !settings.preset || (named == Origin::job && of_sheet(key) == Origin::job); };
+  std::string grade = settings.preset.value_or("copy70");
+  Origin origin = named, scaled = Origin::preset;
+  if (counts("preset") && sheet.preset) grade = *sheet.preset, origin = of_sheet("preset");
+  else if (counts("gsm") && sheet.grammage && !settings.preset) grade = nearest_grade(*sheet.grammage), origin = of_sheet("gsm");
 
   ResolvedPaper resolved;
   Paper& paper = resolved.paper;
   paper = read_preset(grade).paper;
-  if (scene_speaks && sheet.grammage) {
+  if (counts("gsm") && sheet.grammage) {
     const double ratio = 1e-3 * *sheet.grammage / paper.area_density;
-    scaled = std::abs(ratio - 1) > 1e-9;
+    if (std::abs(ratio - 1) > 1e-9) scaled = of_sheet("gsm");
     scale_thickness(paper, ratio);
     paper.area_density = 1e-3 * *sheet.grammage;
   }
-  if (scene_speaks && sheet.thickness) {
-    scaled |= std::abs(*sheet.thickness / paper.thickness - 1) > 1e-6;
+  if (counts("thickness") && sheet.thickness) {
+    if (std::abs(*sheet.thickness / paper.thickness - 1) > 1e-6) scaled = std::max(scaled, of_sheet("thickness"));
     scale_thickness(paper, *sheet.thickness / paper.thickness);
   }
   const std::string prefix = "paper." + toml_string(sheet.name) + ".";
-  resolved.used.push_back({prefix + "preset", toml_string(paper.name), grade_origin});
-  for (const PaperKey& key : paper_keys) {
-    std::string origin = scaled ? "scene" : "preset";
-    for (const auto& [name, text] : settings.set)
-      if (&find_key(name) == &key) {
-        paper.*key.field = parse_number(name, text);
-        origin = "command line";
-        const bool may_be_zero = key.field == &Paper::apex_scatter || key.field == &Paper::poisson || key.field == &Paper::hardening;
-        if (paper.*key.field < 0 || (!may_be_zero && paper.*key.field == 0) || paper.poisson >= 0.5 || paper.hardening >= 1)
-          throw Error(Fault::command, "--set " + name, fmt::format("{} cannot be {}.", name, text));
-      }
-    resolved.used.push_back({prefix + key.name, toml_number(paper.*key.field), origin});
+  resolved.used.push_back({prefix + "preset", toml_string(paper.name), in_words(origin)});
+  for (const Quantity& quantity : quantities) {
+    Origin who = scaled;
+    for (const SetValue& set : settings.set)
+      if (set.key == quantity.key && (set.origin == Origin::command || named != Origin::command)) paper.*quantity.field = set.value, who = set.origin;
+    resolved.used.push_back({prefix + quantity.key, toml_number(paper.*quantity.field), in_words(who)});
   }
   return resolved;
 }

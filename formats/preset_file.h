@@ -2,10 +2,24 @@
 
 #include "core/paper.h"
 
+#include <array>
 #include <string>
 #include <vector>
 
 namespace paperbake {
+
+/// One number of a grade: its place in Paper, its unit, and what no paper is beyond. The bounds catch grams, millimetres and
+/// micrometres given for SI; tissue and solid board lie well inside.
+struct Quantity {
+  const char* key;
+  double Paper::*field;
+  const char* unit;
+  double least, most;
+  bool holds(double value) const { return value >= least && value <= most; }  // false for NaN
+};
+extern const std::array<Quantity, 8> quantities;
+/// "The thickness cannot be 9: paper lies between ...".
+std::string out_of_bounds(const Quantity&, double value);
 
 /// A paper grade with the evidence behind its numbers. Its file is TOML: `name`, perhaps `description`, and one table for
 /// each number of Paper, all of them required:
