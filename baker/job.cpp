@@ -33,7 +33,7 @@ const JobKey& key_named(const std::vector<JobKey>& keys, const std::string& name
 }
 
 NodeOverride override_of(NodeOverride::Kind kind, const JobSection& section) {
-  NodeOverride made{kind, section.pattern, section.place, {}, section.pins};
+  NodeOverride made{kind, section.pattern, section.place, {}, section.pins, section.creases};
   const auto& keys = kind == NodeOverride::sheet ? sheet_keys() : handle_keys();
   for (const JobValue& value : section.values) made.properties["paper_" + value.key] = property_of(key_named(keys, value.key), value.text);
   return made;
@@ -57,15 +57,15 @@ std::string list_text(const List& list, Text text) {
   return "[" + joined + "]";
 }
 
-std::string pins_text(const Pins& pins) {
+std::string pins_text(const Pins& pins, const std::vector<FoldLine>& creases) {
   std::string text;
   if (!pins.keep.empty()) text += "singular_keep = " + list_text(pins.keep, point_text) + "\n";
   if (!pins.forbid.empty())
     text += "singular_forbid = " + list_text(pins.forbid, [](const Pins::Disc& d) {
       return fmt::format("[{}, {}, {}]", toml_number(d.centre.x()), toml_number(d.centre.y()), toml_number(d.radius));
     }) + "\n";
-  if (!pins.creases.empty())
-    text += "crease = " + list_text(pins.creases, [](const Pins::Crease& c) {
+  if (!creases.empty())
+    text += "crease = " + list_text(creases, [](const FoldLine& c) {
       return fmt::format("{{line = {}, angle = {}}}", list_text(c.line, point_text), toml_number(c.angle * 180 / M_PI));
     }) + "\n";
   return text;
@@ -80,7 +80,7 @@ std::string sections_text(const char* kind, const std::vector<JobKey>& keys, con
       const bool file = value.key == "preset" && fs::is_regular_file(value.text, none);
       text += fmt::format("{} = {}\n", value.key, literal(key_named(keys, value.key), file ? relative_to(folder, value.text) : value.text));
     }
-    text += pins_text(section.pins);
+    text += pins_text(section.pins, section.creases);
   }
   return text;
 }

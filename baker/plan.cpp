@@ -72,6 +72,7 @@ Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed
   if (settings.method == "fem") return fem(triangles_wanted(settings));
   if (settings.method == "adaptive") return adaptive(shot.pattern, triangles_wanted(settings));
   CrumpleOptions options;
+  options.pins = shot.pins;
   options.most_triangles = triangles_wanted(settings);
   return hybrid(shot.pattern, shot.paper, settings.base_triangles, options, seed, static_cast<std::uint32_t>(sheet));
 }
@@ -90,6 +91,12 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
   append_bytes(bytes, shot.start.pattern);
   append_bytes(bytes, shot.start.x);
   append_bytes(bytes, shot.start.triangles);
+  for (const Vector2d& p : shot.pins.keep) append_bytes(bytes += "keep", p);
+  for (const Pins::Disc& disc : shot.pins.forbid) append_bytes(bytes += fmt::format("forbid/{}/", disc.radius), disc.centre);
+  for (const FoldLine& fold : shot.pattern.folds) {
+    bytes += fmt::format("fold/{}/", fold.angle);
+    for (const Vector2d& p : fold.line) append_bytes(bytes, p);
+  }
   for (const Handle& handle : shot.handles) {
     bytes += fmt::format("{}/{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame, handle.release_frame, handle.radius.value_or(-1),
                          handle.stiffness);
@@ -159,7 +166,7 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
 }
 
 Shot make_shot(SceneSheet&& sheet, const Paper& paper) {
-  return {std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper};
+  return {std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper, std::move(sheet.pins)};
 }
 
 }  // namespace

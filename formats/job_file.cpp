@@ -87,13 +87,13 @@ std::vector<std::vector<double>> read_rows(const TomlDocument& document, const t
   return rows;
 }
 
-Pins::Crease read_crease(const TomlDocument& document, const toml::node& node) {
+FoldLine read_crease(const TomlDocument& document, const toml::node& node) {
   const toml::table* table = node.as_table();
   if (!table) fail(document, node.source().begin, "A crease must be a table: {line = [[0, 0.05], [0.1, 0.05]], angle = 30}.");
   refuse_unknown_keys(document, *table, {"line", "angle"});
   const toml::node* line = table->get("line");
   if (!line) fail(document, table->source().begin, "The key \"line\" of the crease is missing.");
-  Pins::Crease crease;
+  FoldLine crease;
   for (const auto& p : read_rows(document, *line, "line", 2, "points [u, v]")) crease.line.emplace_back(p[0], p[1]);
   if (crease.line.size() < 2) fail(document, line->source().begin, "A crease needs two points or more.");
   const JobKey angle{"angle", JobKey::number, -170, 170};
@@ -107,12 +107,17 @@ Pins read_pins(const TomlDocument& document, const toml::table& table) {
     for (const auto& p : read_rows(document, *keep, "singular_keep", 2, "points [u, v]")) pins.keep.emplace_back(p[0], p[1]);
   if (const toml::node* forbid = table.get("singular_forbid"))
     for (const auto& p : read_rows(document, *forbid, "singular_forbid", 3, "discs [u, v, radius]")) pins.forbid.push_back({{p[0], p[1]}, p[2]});
-  if (const toml::node* creases = table.get("crease")) {
-    const toml::array* list = creases->as_array();
-    if (!list || list->size() > most_pins) fail(document, creases->source().begin, "\"crease\" must be a list of tables: [{line = [[0, 0.05], [0.1, 0.05]], angle = 30}].");
-    for (const toml::node& crease : *list) pins.creases.push_back(read_crease(document, crease));
-  }
   return pins;
+}
+
+std::vector<FoldLine> read_creases(const TomlDocument& document, const toml::table& table) {
+  std::vector<FoldLine> creases;
+  const toml::node* node = table.get("crease");
+  if (!node) return creases;
+  const toml::array* list = node->as_array();
+  if (!list || list->size() > most_pins) fail(document, node->source().begin, "\"crease\" must be a list of tables: [{line = [[0, 0.05], [0.1, 0.05]], angle = 30}].");
+  for (const toml::node& crease : *list) creases.push_back(read_crease(document, crease));
+  return creases;
 }
 
 const toml::table* table_at(const TomlDocument& document, const toml::table& parent, const char* key, const char* form) {
@@ -134,7 +139,7 @@ std::vector<JobSection> read_sections(const TomlDocument& document, const char* 
     known.insert(known.end(), pins.begin(), pins.end());
     refuse_unknown_keys(document, *table, known);
     const toml::source_position at = place_of(name, node);
-    sections.push_back({at, {std::string(name.str()), place_in(document, at), read_values(document, *table, keys), read_pins(document, *table)}});
+    sections.push_back({at, {std::string(name.str()), place_in(document, at), read_values(document, *table, keys), read_pins(document, *table), read_creases(document, *table)}});
   }
   std::sort(sections.begin(), sections.end(), [](const auto& a, const auto& b) { return stands_before(a.first, b.first); });
   std::vector<JobSection> sorted;

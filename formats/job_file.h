@@ -38,6 +38,7 @@ struct JobSection {
   std::string pattern, place;
   std::vector<JobValue> values;
   Pins pins;              // of sheets
+  std::vector<FoldLine> creases;
 };
 
 /// A job file: what the command line can say of a bake, and what it cannot: values by the names of sheets and handles.

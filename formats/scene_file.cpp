@@ -65,6 +65,7 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
 
 /// throws Error(Fault::command) where a pin is not on the sheet
 void check_pins(const Pins& pins, const Pattern& pattern, const std::string& place, const std::string& name) {
+  constexpr int samples = 64;  // of each part of a crease
   const double rounding = 1e-6 * longer_side(pattern);
   const auto check = [&](const char* key, const Vector2d& p) {
     if (contains(pattern, p, rounding)) return;
@@ -72,8 +73,12 @@ void check_pins(const Pins& pins, const Pattern& pattern, const std::string& pla
                 fmt::format("Its pattern is {}, from (0, 0).", metres(extent(pattern))));
   };
   for (const Vector2d& p : pins.keep) check("singular_keep", p);
-  for (const Pins::Crease& crease : pins.creases)
-    for (const Vector2d& p : crease.line) check("crease", p);
+  for (const FoldLine& crease : pattern.folds)
+    for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
+      if ((crease.line[k + 1] - crease.line[k]).norm() < 1e-3 * longer_side(pattern))
+        throw Error(Fault::command, place, fmt::format("A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name), "Leave out one of its points.");
+      for (int i = 0; i <= samples; ++i) check("crease", crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]));
+    }
 }
 
 SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world, const SceneOptions& options, const Overridden& said,
@@ -97,6 +102,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   for (const char* key : {"preset", "gsm", "thickness", "seed"})
     if (said.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
   sheet.pins = said.pins;
+  sheet.pattern.folds = said.creases;
   check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {

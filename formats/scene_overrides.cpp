@@ -68,6 +68,7 @@ std::vector<Overridden> apply_overrides(ImportedFile& file, const std::vector<No
       if (section.properties.count("paper_preset")) properties.erase("paper_gsm"), properties.erase("paper_thickness");
       for (const auto& [key, value] : section.properties) properties[key] = value, given[i].places[key] = section.place;
       given[i].pins.append(section.pins);
+      given[i].creases.insert(given[i].creases.end(), section.creases.begin(), section.creases.end());
       given[i].pins_place = section.place;
     }
   }

@@ -15,7 +15,8 @@ struct NodeOverride {
   std::string pattern;                              // one full name, or * and ? for letters and names as matched_name sees them
   std::string place;                                // job.toml:12:1
   std::map<std::string, PropertyValue> properties;  // paper_mode, ...
-  Pins pins;                                        // of sheets
+  Pins pins = {};                                   // of sheets
+  std::vector<FoldLine> creases = {};
 };
 
 /// Does that pattern mean this name? "GRIP*" and "rig:grip_left.001": yes
@@ -25,6 +26,7 @@ bool name_is_like(const std::string& name, const std::string& pattern);
 struct Overridden {
   std::map<std::string, std::string> places;  // by property
   Pins pins;                                  // of all sections that mean it ...
+  std::vector<FoldLine> creases;
   std::string pins_place;                     // ... and the last of them
 };
 
