@@ -142,6 +142,19 @@ std::string inspect_cache(const std::filesystem::path& path, bool json) {
   return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
+std::string inspect_job(const BakeSettings& settings, bool json) {
+  const BakePlan plan = plan_bake(settings);
+  const Scene scene = read_scene(settings.scene, settings.reading);
+  if (!json) {
+    std::string text = scene_text(scene) + "values:\n";
+    for (const UsedValue& value : plan.used) text += fmt::format("  {} = {}  # {}\n", value.key, value.value, value.origin);
+    return text;
+  }
+  Json j = scene_json(scene);
+  for (const UsedValue& value : plan.used) j["values"].push_back({{"key", value.key}, {"value", value.value}, {"origin", value.origin}});
+  return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
 std::string inspect_scene(const std::filesystem::path& path, const SceneOptions& options, bool json) {
   const Scene scene = read_scene(path, options);
   return json ? scene_json(scene).dump(1, ' ', false, Json::error_handler_t::replace) + "\n" : scene_text(scene);

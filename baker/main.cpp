@@ -5,6 +5,8 @@
 #include "baker/experiment.h"
 #include "baker/fit.h"
 #include "baker/inspect.h"
+#include "baker/job.h"
+#include "baker/options.h"
 #include "baker/output_folder.h"
 #include "baker/verify.h"
 #include "core/error.h"
@@ -12,6 +14,7 @@
 #include "formats/whole_file.h"
 
 #include <CLI/CLI.hpp>
+#include <array>
 #include <cmath>
 #include <csignal>
 #include <fmt/format.h>
@@ -25,97 +28,82 @@ namespace {
 
 constexpr int gate_missed = 4;
 
-std::pair<std::string, std::string> key_and_value(const std::string& text) {
-  const std::size_t equals = text.find('=');
-  if (equals == std::string::npos || equals == 0)
-    throw Error(Fault::command, "--set " + text, "A key and a value are needed.", "Write --set key=value, for instance --set thickness=90e-6.");
-  return {text.substr(0, equals), text.substr(equals + 1)};
-}
-
-std::set<std::string> parse_formats(const std::string& text) {
-  const std::vector<std::string> known{"abc", "maps", "cert", "report", "usd", "pc2"};
-  std::set<std::string> formats;
-  for (std::size_t from = 0; from <= text.size();) {
-    const std::size_t comma = std::min(text.find(',', from), text.size());
-    const std::string name = text.substr(from, comma - from);
-    if (std::find(known.begin(), known.end(), name) == known.end())
-      throw Error(Fault::command, "--formats", fmt::format("Unknown format \"{}\".", name), fmt::format("This version writes: {}.", fmt::join(known, ", ")));
-    formats.insert(name);
-    from = comma + 1;
-  }
-  return formats;
-}
-
-/// Numbers as people write them: finite, and where it says so above zero.
-const CLI::Validator finite([](std::string& text) {
-  double value;
-  return CLI::detail::lexical_cast(text, value) && std::isfinite(value) ? std::string() : "\"" + text + "\" is not a number";
-}, "", "finite");
 const CLI::Validator positive([](std::string& text) {
   double value;
   return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0 ? std::string() : "\"" + text + "\" is not a number above zero";
 }, "", "positive");
 
-/// What the words of `bake` were, before they are understood.
-struct BakeWords {
+/// What a command was told of the options of the table.
+struct OptionWords {
+  CLI::App* command = nullptr;
+  std::map<std::string, std::string> text;  // by option, of those that the command has
   std::vector<std::string> set;
-  std::string formats = "abc,maps,cert,report", frames, map_frames;
-  bool dry_run = false;
-  ProgressMode progress = ProgressMode::automatic;
 };
 
-void add_reading_options(CLI::App& command, SceneOptions& options) {
-  command.add_option("--fps", options.fps, "Frames a second, instead of the file's own (glTF has none: else paper_fps, else 24)")->check(positive);
-  command.add_option("--start-frame", options.start_frame, "Frame of the first key (FBX hides it; else 1)");
-  command.add_option("--unit-scale", options.unit_scale, "Length of one unit of the file in metres")->check(positive);
-  command.add_option("--take", options.take, "Name of the one animation to use; else all are merged");
+constexpr std::array reading_options = {"fps", "start_frame", "unit_scale", "take"};
+
+void add_option(OptionWords& words, const std::string& name, const std::string& flags = {}) {
+  const Option& o = option(name);
+  std::string& text = words.text[name];
+  const std::string& spelled = flags.empty() ? o.flags : flags;
+  if (o.kind == JobKey::flag) {
+    words.command->add_flag(spelled, text, o.meaning);
+    return;
+  }
+  CLI::Option* added = words.command->add_option(spelled, text, o.meaning);
+  if (!o.usual.empty()) added->default_str(o.usual);
+  if (o.kind == JobKey::word) added->type_name(fmt::format("{}", fmt::join(o.words, "|")));
+  else if (o.kind != JobKey::list) added->type_name(o.kind == JobKey::number ? "NUMBER" : o.kind == JobKey::whole ? "N" : "TEXT");
 }
 
-void add_bake(CLI::App& app, BakeSettings& s, BakeWords& words) {
-  CLI::App& bake = *app.add_subcommand("bake", "Simulate the sheets of a scene and write cache, maps and certificate");
-  bake.add_option("SCENE", s.scene, "An .fbx, .glb or .gltf file with a sheet and animated handles")->required();
-  bake.add_option("-o,--output", s.output, "Output folder; made when missing")->required();
-  bake.add_option("--preset", s.preset, "Paper grade (see `paperbake presets`) or a preset file; replaces the scene's");
-  bake.add_option("--set", words.set, "key=value: one number of the paper, over preset and scene");
-  bake.add_option("--method", s.method, "How to simulate: hybrid, fem, adaptive; hybrid+fem: hybrid, polished")->capture_default_str();
-  bake.add_option("--seed", s.seed, "Seed of all that is random; else the sheet's paper_seed, else 0");
-  bake.add_option("--triangles", s.triangles, "Triangles of fem's mesh, within 10 % (1700); the most that hybrid (250) and adaptive (3000) may have")->check(CLI::Range(2, 400000));
-  bake.add_option("--polish", s.polish, "Bring every frame to the minimum of a fem of at most this many triangles, on the branch that the method found; 0: do not (hero: 6,000)")->check(CLI::Range(0, 400000));
-  bake.add_option("--base-triangles", s.base_triangles, "Triangles that hybrid begins with")->capture_default_str()->check(CLI::Range(2, 100000));
-  bake.add_option("--mesh", s.mesh, "Mesh in the cache: render (one for the whole shot, the default), simulation (as it is simulated)")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, CacheMesh>{{"render", CacheMesh::render}, {"simulation", CacheMesh::simulation}}));
-  bake.add_option("--quality", s.quality, "Edges of the render mesh on a sheet of 0.2 m: draft 5 mm, shot 2 mm (the default), hero 1 mm")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Quality>{{"draft", Quality::draft}, {"shot", Quality::shot}, {"hero", Quality::hero}}));
-  bake.add_option("--formats", words.formats, "What to write, of abc,maps,cert,report,usd,pc2")->capture_default_str();
-  bake.add_option("--gravity", s.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0")->check(finite);
-  bake.add_option("--stop", s.stop, "Newton's stop: metres from the minimum")->capture_default_str()->check(positive);
-  bake.add_option("--dynamics", s.dynamics, "Inertia: auto (where a sheet falls, swings or is thrown), off, on")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, Dynamics>{{"auto", Dynamics::automatic}, {"off", Dynamics::off}, {"on", Dynamics::on}}));
-  bake.add_option("--probe", s.probe_every, "Every N frames, look for another shape of less energy under the same handles, and take it; 0: never")->capture_default_str()->check(CLI::Range(0, 100000));
-  bake.add_option("--frames", words.frames, "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key handles rest");
-  bake.add_option("--map-size", s.map_size, "Texels on a side of the maps")->capture_default_str()->check(CLI::Range(1, 16384));
-  bake.add_option("--map-layout", s.map_layout, "scanline; tiled-mip: 64 x 64 tiles with mip levels, for renderers")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, MapLayout>{{"scanline", MapLayout::scanline}, {"tiled-mip", MapLayout::tiled_mip}}));
-  bake.add_option("--map-frames", words.map_frames, "Frames with a map: A-BxN,...; the final one always (default: every 12th)");
-  bake.add_option("--debug-pictures", s.debug_pictures, "Folder for pictures of pattern mesh and sheet: of the frames of --map-frames (else every 6th), of births and of the last");
-  bake.add_option("--max-stretch", s.max_stretch_pct, "Gate: longest or shortest edge in percent of its rest length")->capture_default_str()->check(positive);
-  bake.add_flag("--strict", s.strict, "Refuse handles that ask the impossible, instead of meeting them as far as paper can");
-  bake.add_option("--threads", s.threads, "Threads; the result does not depend on them")->capture_default_str()->check(positive);
-  bake.add_option("--progress", words.progress, "auto, plain, json, none; on stderr")
-      ->transform(CLI::CheckedTransformer(std::map<std::string, ProgressMode>{{"auto", ProgressMode::automatic}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}}));
-  bake.add_flag("--dry-run", words.dry_run, "Check everything and print the job, but write nothing");
-  add_reading_options(bake, s.reading);
+void add_set(OptionWords& words) { words.command->add_option("--set", words.set, "key=value: one number of the paper, over preset and scene"); }
+
+/// What was said: first by the job file, when the scene is one, then by the command line.
+void understand(const OptionWords& words, BakeSettings& settings) {
+  const auto scene = words.text.find("scene");
+  const bool job = scene != words.text.end() && is_job(scene->second);
+  if (job) take_job(settings, scene->second);
+  for (const Option& o : options()) {
+    const CLI::Option* given = words.text.count(o.name) ? words.command->get_option_no_throw(o.name == "scene" ? "SCENE" : o.flags) : nullptr;
+    if (given && given->count() > 0 && !(job && o.name == "scene")) say(settings, o, words.text.at(o.name), o.flags, Origin::command);
+  }
+  for (const std::string& text : words.set) settings.set.push_back(parse_set(text));
 }
 
-int run_bake(BakeSettings settings, const BakeWords& words) {
-  for (const std::string& text : words.set) settings.set.push_back(key_and_value(text));
-  settings.formats = parse_formats(words.formats);
-  if (!words.frames.empty()) settings.frames = parse_frames(words.frames, "--frames");
-  if (!words.map_frames.empty()) settings.map_frames = parse_frame_list(words.map_frames, "--map-frames");
+/// Of `bake` beyond the options of the table.
+struct BakeWords : OptionWords {
+  std::optional<std::filesystem::path> write_job;
+  bool dry_run = false;
+};
+
+void add_bake(CLI::App& app, BakeWords& words) {
+  words.command = app.add_subcommand("bake", "Simulate the sheets of a scene and write cache, maps and certificate");
+  add_option(words, "scene", "SCENE");
+  words.command->get_option("SCENE")->required()->description("An .fbx, .glb or .gltf file with a sheet and animated handles, or a job file (.toml)");
+  add_option(words, "output", "-o,--output");
+  for (const Option& o : options())
+    if (o.name != "scene" && o.name != "output") add_option(words, o.name);
+  add_set(words);
+  words.command->add_flag("--dry-run", words.dry_run, "Check everything and print the job, but write nothing");
+  words.command->add_option("--write-job", words.write_job, "Write a job file that says the same, with all that it could say; without -o that is all that is done");
+}
+
+int run_bake(const BakeWords& words) {
+  BakeSettings settings;
+  understand(words, settings);
+  if (settings.output.empty() && !words.write_job && !words.dry_run)
+    throw Error(Fault::command, "command line", "--output is required: the folder to write to.", "Write -o DIR, or output = \"DIR\" in the job file.");
   const BakePlan plan = plan_bake(settings);
+  if (words.write_job) {
+    write_whole_file(*words.write_job, job_text(settings, *words.write_job));
+    if (settings.output.empty()) {
+      fmt::print("{}\n", words.write_job->string());
+      return plan.impossible.empty() ? 0 : gate_missed;
+    }
+  }
 
   const FrameSpan& f = plan.frames;
-  Progress progress(words.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1), passes_of(settings));
+  Progress progress(settings.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1), passes_of(settings));
   for (const std::string& warning : plan.warnings) progress.say("warning: " + warning);
   for (const SheetImpossible& pair : plan.impossible) progress.say("warning: " + describe(pair));
   if (words.dry_run) {
@@ -128,15 +116,20 @@ int run_bake(BakeSettings settings, const BakeWords& words) {
   return outcome.exit_code;
 }
 
-int run_inspect(const std::filesystem::path& scene, const SceneOptions& options, bool json, const std::optional<std::string>& tracks) {
+int run_inspect(const std::filesystem::path& file, const OptionWords& words, bool json, const std::optional<std::string>& tracks) {
+  BakeSettings settings;
+  const bool job = is_job(file);
+  if (job) take_job(settings, file);
+  else settings.scene = file;
+  understand(words, settings);
   if (tracks) {
-    const std::string csv = tracks_csv(scene, options);
+    const std::string csv = tracks_csv(settings.scene, settings.reading);
     if (*tracks == "-") fmt::print("{}", csv);
     else write_whole_file(*tracks, csv);
     return 0;
   }
-  const bool cache = scene.extension() == ".abc";
-  fmt::print("{}", cache ? inspect_cache(scene, json) : inspect_scene(scene, options, json));
+  const bool cache = file.extension() == ".abc";
+  fmt::print("{}", cache ? inspect_cache(file, json) : job ? inspect_job(settings, json) : inspect_scene(file, settings.reading, json));
   return 0;
 }
 
@@ -162,33 +155,29 @@ int run_presets(const std::optional<std::string>& name, bool json) {
   return 0;
 }
 
-struct ChartWords {
-  std::vector<std::string> set;
-  std::string methods, frames;
+struct ChartWords : OptionWords {
+  std::string methods;
 };
 
 void add_chart(CLI::App& app, ChartSettings& s, ChartWords& words) {
   CLI::App& chart = *app.add_subcommand("chart", "Run the methods on a scene at several sizes: speed against accuracy, as chart.csv and chart.svg");
-  chart.add_option("SCENE", s.job.scene, "An .fbx, .glb or .gltf file with a sheet and animated handles")->required();
-  chart.add_option("-o,--output", s.job.output, "Output folder; made when missing")->required();
+  words.command = &chart;
+  add_option(words, "scene", "SCENE");
+  chart.get_option("SCENE")->required();
+  add_option(words, "output", "-o,--output");
   words.methods = fmt::format("{}", fmt::join(s.methods, ","));
   chart.add_option("--methods", words.methods, "Which, separated by commas")->capture_default_str();
   chart.add_option("--repeat", s.repeat, "Runs of each; times are medians")->capture_default_str()->check(CLI::Range(1, 1000));
   chart.add_option("--reference", s.reference, "Triangles of the fem that the others are compared with; half as many as long as it does not come to an end")->capture_default_str()->check(CLI::Range(100, 400000));
   chart.add_option("--budget", s.budget, "Seconds for everything")->capture_default_str()->check(positive);
-  chart.add_option("--preset", s.job.preset, "Paper grade or a preset file; replaces the scene's");
-  chart.add_option("--set", words.set, "key=value: one number of the paper, over preset and scene");
-  chart.add_option("--seed", s.job.seed, "First of the seeds; else the sheet's paper_seed, else 0");
-  chart.add_option("--gravity", s.job.gravity, "m/s2, positive = downwards; else the scene's paper_gravity, else 0")->check(finite);
-  chart.add_option("--stop", s.job.stop, "Newton's stop: metres from the minimum, for all methods")->capture_default_str()->check(positive);
-  chart.add_option("--frames", words.frames, "A-B or A-BxN: frames to compare");
-  chart.add_option("--threads", s.job.threads, "Every run has one thread; accepted for the sake of scripts")->capture_default_str()->check(positive);
-  add_reading_options(chart, s.job.reading);
+  for (const char* name : {"preset", "seed", "gravity", "stop", "frames", "threads"}) add_option(words, name);
+  add_set(words);
+  for (const char* name : reading_options) add_option(words, name);
 }
 
 int run_chart(ChartSettings settings, const ChartWords& words) {
-  for (const std::string& text : words.set) settings.job.set.push_back(key_and_value(text));
-  if (!words.frames.empty()) settings.job.frames = parse_frames(words.frames, "--frames");
+  understand(words, settings.job);
+  if (settings.job.output.empty()) throw Error(Fault::command, "command line", "--output is required: the folder to write to.", "Write -o DIR.");
   settings.methods.clear();
   for (const std::string& name : CLI::detail::split(words.methods, ',')) settings.methods.push_back(name);
   plan_bake(settings.job);  // a scene that cannot be used is said so before a folder is made
@@ -300,23 +289,23 @@ int run(int argc, char** argv) {
   app.set_version_flag("--version", "paperbake " PAPERBAKE_VERSION);
   app.require_subcommand(1);
 
-  BakeSettings settings;
   BakeWords words;
-  add_bake(app, settings, words);
+  add_bake(app, words);
 
   ChartSettings charted;
   ChartWords chart_words;
   add_chart(app, charted, chart_words);
 
   CLI::App& inspect = *app.add_subcommand("inspect", "What is in a scene or a baked cache, what is wrong with it, where each value came from");
-  std::filesystem::path scene;
-  SceneOptions reading;
+  std::filesystem::path inspected;
+  OptionWords reading;
+  reading.command = &inspect;
   bool json = false;
   std::optional<std::string> tracks;
-  inspect.add_option("FILE", scene, "An .fbx, .glb or .gltf scene, or an .abc cache")->required();
+  inspect.add_option("FILE", inspected, "An .fbx, .glb or .gltf scene, a job file (.toml), or an .abc cache")->required();
   inspect.add_flag("--json", json, "As JSON");
   inspect.add_option("--tracks", tracks, "Write frame,node,x,y,z of every node to this file (world, z up, metres); - for stdout");
-  add_reading_options(inspect, reading);
+  for (const char* name : reading_options) add_option(reading, name);
 
   FitWords fit;
   add_fit(app, fit);
@@ -340,9 +329,9 @@ int run(int argc, char** argv) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version
     throw Error(Fault::command, "command line", fmt::format("{}.", error.what()), "paperbake --help and paperbake COMMAND --help say what there is.");
   }
-  if (app.got_subcommand("bake")) return run_bake(std::move(settings), words);
+  if (app.got_subcommand("bake")) return run_bake(words);
   if (app.got_subcommand("chart")) return run_chart(std::move(charted), chart_words);
-  if (app.got_subcommand("inspect")) return run_inspect(scene, reading, json, tracks);
+  if (app.got_subcommand("inspect")) return run_inspect(inspected, reading, json, tracks);
   if (app.got_subcommand("fit")) return run_fit(fit);
   if (app.got_subcommand("verify")) return run_verify(folder, verdict_json, estimate);
   return run_presets(grade, grades_json);

@@ -15,11 +15,6 @@ namespace {
 
 const char* const hybrid_and_fem = "hybrid+fem";  // hybrid, polished
 
-void check_method(const BakeSettings& settings) {
-  if (!is_method(settings.method))
-    throw Error(Fault::command, "--method", fmt::format("Unknown method \"{}\".", settings.method), fmt::format("This version has: {}.", all_methods));
-}
-
 bool is_hybrid(const BakeSettings& settings) { return settings.method == "hybrid" || settings.method == hybrid_and_fem; }
 
 /// throws Error(Fault::command) when it is asked for where it can do nothing
@@ -77,6 +72,7 @@ Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed
   if (settings.method == "fem") return fem(triangles_wanted(settings));
   if (settings.method == "adaptive") return adaptive(shot.pattern, triangles_wanted(settings));
   CrumpleOptions options;
+  options.pins = shot.pins;
   options.most_triangles = triangles_wanted(settings);
   return hybrid(shot.pattern, shot.paper, settings.base_triangles, options, seed, static_cast<std::uint32_t>(sheet));
 }
@@ -95,6 +91,12 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
   append_bytes(bytes, shot.start.pattern);
   append_bytes(bytes, shot.start.x);
   append_bytes(bytes, shot.start.triangles);
+  for (const Vector2d& p : shot.pins.keep) append_bytes(bytes += "keep", p);
+  for (const Pins::Disc& disc : shot.pins.forbid) append_bytes(bytes += fmt::format("forbid/{}/", disc.radius), disc.centre);
+  for (const FoldLine& fold : shot.pattern.folds) {
+    bytes += fmt::format("fold/{}/", fold.angle);
+    for (const Vector2d& p : fold.line) append_bytes(bytes, p);
+  }
   for (const Handle& handle : shot.handles) {
     bytes += fmt::format("{}/{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame, handle.release_frame, handle.radius.value_or(-1),
                          handle.stiffness);
@@ -123,44 +125,48 @@ void settle_frames(const BakeSettings& settings, const Scene& scene, BakePlan& p
   plan.animation.last_frame = plan.frames.last;
 }
 
+std::string literal(const PropertyValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return toml_string(*text);
+  return fmt::format("{}", std::get<double>(value));
+}
+
 void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
-  const auto said = [](bool by_command) { return by_command ? "command line" : "default"; };
-  const BakeSettings defaults;
-  const auto origin = [&](const char* key, bool by_command) {
-    if (by_command) return std::string("command line");
+  auto& used = plan.used;
+  const auto note = [&](const char* table, const char* key, std::string value, Origin otherwise = Origin::fallback) {
+    used.push_back({fmt::format("{}.{}", table, key), std::move(value), in_words(settings.origin(key, otherwise))});
+  };
+  const auto of_scene = [&](const char* option, const char* key) {
+    if (settings.said.count(option)) return std::string(in_words(settings.origin(option)));
     const auto found = scene.origin.find(key);
     return found == scene.origin.end() ? std::string("scene") : found->second;
   };
-  auto& used = plan.used;
-  used.push_back({"scene.file", toml_string(scene.source), "command line"});
-  used.push_back({"scene.fps", toml_number(scene.fps), origin("fps", settings.reading.fps.has_value())});
-  used.push_back({"scene.first_frame", std::to_string(scene.first_frame), origin("first_frame", settings.reading.start_frame.has_value())});
+  used.push_back({"scene.file", toml_string(scene.source), in_words(settings.origin("scene", Origin::command))});
+  used.push_back({"scene.fps", toml_number(scene.fps), of_scene("fps", "fps")});
+  used.push_back({"scene.first_frame", std::to_string(scene.first_frame), of_scene("start_frame", "first_frame")});
   used.push_back({"scene.last_frame", std::to_string(scene.last_frame), "scene"});
-  used.push_back({"bake.method", toml_string(settings.method), said(settings.method != defaults.method)});
-  used.push_back({"bake.triangles", std::to_string(triangles_wanted(settings)), said(settings.triangles.has_value())});
-  if (is_hybrid(settings))
-    used.push_back({"bake.base_triangles", std::to_string(settings.base_triangles), said(settings.base_triangles != defaults.base_triangles)});
-  used.push_back({"bake.polish", std::to_string(plan.polish.triangles), said(settings.polish || settings.method == hybrid_and_fem)});
-  used.push_back({"bake.mesh", settings.mesh == CacheMesh::render ? "\"render\"" : "\"simulation\"", said(settings.mesh != defaults.mesh)});
+  note("bake", "method", toml_string(settings.method));
+  note("bake", "triangles", std::to_string(triangles_wanted(settings)));
+  if (is_hybrid(settings)) note("bake", "base_triangles", std::to_string(settings.base_triangles));
+  note("bake", "polish", std::to_string(plan.polish.triangles), settings.method == hybrid_and_fem ? settings.origin("method") : Origin::fallback);
+  note("bake", "mesh", settings.mesh == CacheMesh::render ? "\"render\"" : "\"simulation\"");
   if (settings.mesh == CacheMesh::render)
-    used.push_back({"bake.quality", toml_string(settings.quality == Quality::draft ? "draft" : settings.quality == Quality::hero ? "hero" : "shot"),
-                    said(settings.quality != defaults.quality)});
-  used.push_back({"bake.stop", toml_number(settings.stop), said(settings.stop != defaults.stop)});
-  used.push_back({"bake.gravity", toml_number(plan.animation.elastic.gravity),
-                  settings.gravity ? "command line" : scene.gravity ? "scene" : "default"});
+    note("bake", "quality", toml_string(settings.quality == Quality::draft ? "draft" : settings.quality == Quality::hero ? "hero" : "shot"));
+  note("bake", "stop", toml_number(settings.stop));
+  note("bake", "gravity", toml_number(plan.animation.elastic.gravity), scene.gravity ? Origin::scene : Origin::fallback);
   used.push_back({"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
-                  settings.dynamics == Dynamics::automatic ? "auto" : "command line"});
-  if (settings.probe_every > 0) used.push_back({"bake.probe", std::to_string(settings.probe_every), "command line"});
-  used.push_back({"bake.frames", toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
-                  settings.frames ? "command line" : "scene"});
-  used.push_back({"bake.map_size", std::to_string(settings.map_size), said(settings.map_size != defaults.map_size)});
-  used.push_back({"bake.map_layout", settings.map_layout == MapLayout::scanline ? "\"scanline\"" : "\"tiled-mip\"", said(settings.map_layout != defaults.map_layout)});
-  used.push_back({"bake.max_stretch", toml_number(settings.max_stretch_pct), said(settings.max_stretch_pct != defaults.max_stretch_pct)});
-  used.push_back({"bake.strict", settings.strict ? "true" : "false", said(settings.strict)});
+                  settings.dynamics == Dynamics::automatic ? "auto" : in_words(settings.origin("dynamics"))});
+  if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
+  note("bake", "frames", toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)), Origin::scene);
+  note("bake", "map_size", std::to_string(settings.map_size));
+  note("bake", "map_layout", settings.map_layout == MapLayout::scanline ? "\"scanline\"" : "\"tiled-mip\"");
+  note("bake", "max_stretch", toml_number(settings.max_stretch_pct));
+  note("bake", "strict", settings.strict ? "true" : "false");
+  for (const GivenProperty& given : scene.given)
+    used.push_back({fmt::format("handle.{}.{}", toml_string(given.handle), given.key), literal(given.value), in_words(Origin::job)});
 }
 
 Shot make_shot(SceneSheet&& sheet, const Paper& paper) {
-  return {std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper};
+  return {std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper, std::move(sheet.pins)};
 }
 
 }  // namespace
@@ -186,8 +192,7 @@ std::string frame_input_hash(const std::string& before, const Shot& shot, int fr
 
 BakePlan plan_bake(const BakeSettings& settings) {
   BakePlan plan;
-  plan.name = settings.scene.stem().string();
-  check_method(settings);
+  plan.name = settings.name.empty() ? settings.scene.stem().string() : settings.name;
   polishing_of(settings);  // a contradiction is said before the scene is read
   if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation && settings.method != "fem")
     throw Error(Fault::command, "--formats pc2", "A point cache has one mesh for the whole shot, and the simulated one changes.", "Leave out --mesh simulation, or pc2.");
@@ -205,10 +210,11 @@ BakePlan plan_bake(const BakeSettings& settings) {
   std::vector<UsedValue> of_sheets;
   for (SceneSheet& sheet : scene.sheets) {
     const ResolvedPaper resolved = resolve_paper(settings, sheet);
-    const unsigned seed = settings.seed.value_or(sheet.seed.value_or(0));
+    const bool by_sheet = sheet.seed && (!settings.seed || (settings.origin("seed") == Origin::job && sheet.overridden.count("seed")));
+    const unsigned seed = by_sheet ? *sheet.seed : settings.seed.value_or(0);
     of_sheets.insert(of_sheets.end(), resolved.used.begin(), resolved.used.end());
     of_sheets.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
-                         settings.seed ? "command line" : sheet.seed ? "scene" : "default"});
+                         in_words(!by_sheet ? settings.origin("seed") : sheet.overridden.count("seed") ? Origin::job : Origin::scene)});
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper));

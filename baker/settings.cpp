@@ -24,26 +24,6 @@ bool take(std::string_view& text, char c) {
   return true;
 }
 
-double parse_number(const std::string& key, const std::string& text) {
-  double value = 0;
-  const auto [end, failed] = std::from_chars(text.data(), text.data() + text.size(), value);
-  if (failed != std::errc() || end != text.data() + text.size() || !std::isfinite(value))
-    throw Error(Fault::command, "--set " + key, fmt::format("\"{}\" is not a number.", text), "Write for instance --set thickness=90e-6.");
-  return value;
-}
-
-const PaperQuantity& find_key(const std::string& name) {
-  std::vector<std::string> names;
-  for (const PaperQuantity& quantity : paper_quantities()) {
-    if (name == quantity.key) return quantity;
-    names.push_back(quantity.key);
-  }
-  const std::string near = nearest_word(name, names);
-  throw Error(Fault::command, "--set " + name,
-              fmt::format("Unknown key \"{}\".{}", name, near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
-              fmt::format("The keys are: {}.", fmt::join(names, ", ")));
-}
-
 std::string nearest_grade(double grammage) {
   std::string best;
   double least = INFINITY;
@@ -63,7 +43,7 @@ void scale_thickness(Paper& paper, double ratio) {
 
 }  // namespace
 
-FrameSpan parse_frames(const std::string& text, const std::string& option) {
+FrameSpan parse_frames(const std::string& text, const std::string& place) {
   std::string_view rest = text;
   FrameSpan span;
   bool good = take_int(rest, span.first);
@@ -71,70 +51,73 @@ FrameSpan parse_frames(const std::string& text, const std::string& option) {
   if (good && take(rest, '-')) good = take_int(rest, span.last);
   if (good && take(rest, 'x')) good = take_int(rest, span.step);
   if (!good || !rest.empty() || span.last < span.first || span.step < 1)
-    throw Error(Fault::command, option, fmt::format("\"{}\" is no range of frames.", text), "Write A-B or A-BxN, for instance 1-96 or 1-96x2.");
+    throw Error(Fault::command, place, fmt::format("\"{}\" is no range of frames.", text), "Write A-B or A-BxN, for instance 1-96 or 1-96x2.");
   return span;
 }
 
-std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& option) {
+std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& place) {
   std::vector<FrameSpan> spans;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
-    spans.push_back(parse_frames(text.substr(from, comma - from), option));
+    spans.push_back(parse_frames(text.substr(from, comma - from), place));
     from = comma + 1;
   }
   return spans;
 }
 
-std::string toml_number(double value) {
-  std::string text = fmt::format("{}", value);
-  if (text.find_first_of(".en") == std::string::npos) text += ".0";
-  return text;
+const char* in_words(Origin origin) {
+  constexpr const char* words[] = {"default", "preset", "scene", "job", "command line"};
+  return words[static_cast<int>(origin)];
 }
 
-std::string toml_string(const std::string& value) {
-  std::string text = "\"";
-  for (const char c : value) {
-    if (c == '"' || c == '\\') text += '\\';
-    if (static_cast<unsigned char>(c) < 0x20) text += fmt::format("\\u{:04x}", static_cast<unsigned>(c));
-    else text += c;
+SetValue parse_set(const std::string& text) {
+  const std::size_t equals = text.find('=');
+  if (equals == std::string::npos || equals == 0)
+    throw Error(Fault::command, "--set " + text, "A key and a value are needed.", "Write --set key=value, for instance --set thickness=90e-6.");
+  const std::string name = text.substr(0, equals), number = text.substr(equals + 1);
+  std::vector<std::string> names;
+  for (const Quantity& quantity : quantities) {
+    names.push_back(quantity.key);
+    if (name != quantity.key) continue;
+    const auto value = canonical({name, JobKey::number}, number);
+    if (!value) throw Error(Fault::command, "--set " + name, fmt::format("\"{}\" is not a number.", number), "Write for instance --set thickness=90e-6.");
+    if (!quantity.holds(std::stod(*value))) throw Error(Fault::command, "--set " + name, out_of_bounds(quantity, std::stod(*value)), fmt::format("Give the value in {}.", quantity.unit));
+    return {name, std::stod(*value), Origin::command};
   }
-  return text + '"';
+  const std::string near = nearest_word(name, names);
+  throw Error(Fault::command, "--set " + name, fmt::format("Unknown key \"{}\".{}", name, near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
+              fmt::format("The keys are: {}.", fmt::join(names, ", ")));
 }
 
 ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& sheet) {
-  std::string grade = "copy70", grade_origin = "default";
-  const bool scene_speaks = !settings.preset;
-  bool scaled = false;
-  if (settings.preset) grade = *settings.preset, grade_origin = "command line";
-  else if (sheet.preset) grade = *sheet.preset, grade_origin = "scene";
-  else if (sheet.grammage) grade = nearest_grade(*sheet.grammage), grade_origin = "scene";
+  const Origin named = settings.origin("preset");  // of the preset for all sheets
+  const auto of_sheet = [&](const char* key) { return sheet.overridden.count(key) ? Origin::job : Origin::scene; };
+  const auto counts = [&](const char* key) { return !settings.preset || (named == Origin::job && of_sheet(key) == Origin::job); };
+  std::string grade = settings.preset.value_or("copy70");
+  Origin origin = named, scaled = Origin::preset;
+  if (counts("preset") && sheet.preset) grade = *sheet.preset, origin = of_sheet("preset");
+  else if (counts("gsm") && sheet.grammage && !settings.preset) grade = nearest_grade(*sheet.grammage), origin = of_sheet("gsm");
 
   ResolvedPaper resolved;
   Paper& paper = resolved.paper;
   paper = read_preset(grade).paper;
-  if (scene_speaks && sheet.grammage) {
+  if (counts("gsm") && sheet.grammage) {
     const double ratio = 1e-3 * *sheet.grammage / paper.area_density;
-    scaled = std::abs(ratio - 1) > 1e-9;
+    if (std::abs(ratio - 1) > 1e-9) scaled = of_sheet("gsm");
     scale_thickness(paper, ratio);
     paper.area_density = 1e-3 * *sheet.grammage;
   }
-  if (scene_speaks && sheet.thickness) {
-    scaled |= std::abs(*sheet.thickness / paper.thickness - 1) > 1e-6;
+  if (counts("thickness") && sheet.thickness) {
+    if (std::abs(*sheet.thickness / paper.thickness - 1) > 1e-6) scaled = std::max(scaled, of_sheet("thickness"));
     scale_thickness(paper, *sheet.thickness / paper.thickness);
   }
   const std::string prefix = "paper." + toml_string(sheet.name) + ".";
-  resolved.used.push_back({prefix + "preset", toml_string(paper.name), grade_origin});
-  for (const PaperQuantity& quantity : paper_quantities()) {
-    std::string origin = scaled ? "scene" : "preset";
-    for (const auto& [name, text] : settings.set)
-      if (&find_key(name) == &quantity) {
-        const double value = parse_number(name, text);
-        origin = "command line";
-        if (!(value >= quantity.least && value <= quantity.most))
-          throw Error(Fault::command, "--set " + name, fmt::format("{} cannot be {}: paper lies between {} and {} [{}].", name, text, quantity.least, quantity.most, quantity.unit));
-        quantity.set(paper, value);
-      }
-    resolved.used.push_back({prefix + quantity.key, toml_number(quantity.of(paper)), origin});
+  resolved.used.push_back({prefix + "preset", toml_string(paper.name), in_words(origin)});
+  for (const Quantity& quantity : quantities) {
+    Origin who = scaled;
+    for (const SetValue& set : settings.set)
+      if (set.key == quantity.key && (set.origin == Origin::command || named != Origin::command)) quantity.set(paper, set.value), who = set.origin;
+    resolved.used.push_back({prefix + quantity.key, toml_number(quantity.of(paper)), in_words(who)});
   }
   return resolved;
 }

@@ -1,12 +1,15 @@
 #pragma once
 
+#include "baker/progress.h"
 #include "core/paper.h"
 #include "core/render_sheet.h"
 #include "core/step1_elastic/elastic.h"
+#include "formats/job_file.h"
 #include "formats/map_info.h"
 #include "formats/scene_file.h"
 
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <set>
 #include <string>
@@ -20,20 +23,32 @@ struct FrameSpan {
   int first = 1, last = 1, step = 1;
   bool contains(int frame) const { return frame >= first && frame <= last && (frame - first) % step == 0; }
 };
-/// "A-B", "A-BxN" or "A". throws Error(Fault::command) naming `option`
-FrameSpan parse_frames(const std::string& text, const std::string& option);
+/// "A-B", "A-BxN" or "A". throws Error(Fault::command) at `place`
+FrameSpan parse_frames(const std::string& text, const std::string& place);
 /// Spans separated by commas. throws as above
-std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& option);
+std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& place);
 
 enum class CacheMesh { render, simulation };
 enum class Dynamics { automatic, off, on };
 
-/// What the command line says about a bake. An empty option leaves the choice to scene, preset or default.
+/// Who said a value, the later one wins.
+enum class Origin { fallback, preset, scene, job, command };
+const char* in_words(Origin);  // "default", ..., "command line"
+
+/// One number of the paper, over preset and scene.
+struct SetValue {
+  std::string key;
+  double value;        // SI
+  Origin origin;
+};
+
+/// What job file and command line say about a bake. An empty option leaves the choice to scene, preset or default.
 struct BakeSettings {
   std::filesystem::path scene, output;
+  std::string name;                                      // begins the names of the output files; empty: the scene's stem
   SceneOptions reading;
   std::optional<std::string> preset;                     // grade or file
-  std::vector<std::pair<std::string, std::string>> set;  // --set key=value, in order
+  std::vector<SetValue> set;                             // in order
   std::string method = "hybrid";
   std::optional<unsigned> seed;
   std::optional<int> triangles;                          // fem: its mesh (1,700); hybrid: its cap (250)
@@ -54,13 +69,28 @@ struct BakeSettings {
   double max_stretch_pct = 5;
   bool strict = false;
   int threads = 2;
+  ProgressMode progress = ProgressMode::automatic;
+
+  struct Said {
+    std::string text;                                    // canonical (formats/job_file.h)
+    Origin origin;
+  };
+  std::map<std::string, Said> said;                      // the options that were given, by name (baker/options.h)
+  std::vector<JobSection> sheets, handles;               // of the job file, as it has them
+  Origin origin(const std::string& option, Origin otherwise = Origin::fallback) const {
+    const auto found = said.find(option);
+    return found == said.end() ? otherwise : found->second.origin;
+  }
 };
 
-/// One value as it was used and who said so: default, preset, scene or command line.
+/// key=value. throws Error(Fault::command): unknown key (with the nearest name), no number, none that paper has
+SetValue parse_set(const std::string& text);
+
+/// One value as it was used and who said so.
 struct UsedValue {
   std::string key;     // table.key, as in job.lock.toml
   std::string value;   // TOML literal
-  std::string origin;
+  std::string origin;  // in words; or what decided it: auto
 };
 
 /// The paper of one sheet and where each number came from.
@@ -69,14 +99,11 @@ struct ResolvedPaper {
   std::vector<UsedValue> used;
 };
 
-/// default < preset < scene < --set. A preset named on the command line replaces what the scene says of the paper.
-/// A scene's paper_gsm scales the nearest grade: thickness and E h with the grammage, D with its cube; paper_thickness
+/// default < preset < scene < job < command line. A preset that the command line or the job names replaces all that those before it say of
+/// the paper; in a job the preset of a [sheet] counts for more than that for all, and [paper] for more than both.
+/// A sheet's gsm scales the nearest grade: thickness and E h with the grammage, D with its cube; its thickness
 /// then sets the thickness, E unchanged.
-/// throws Error(Fault::command): unknown preset, unknown or bad --set key
+/// throws Error(Fault::command): unknown preset
 ResolvedPaper resolve_paper(const BakeSettings&, const SceneSheet&);
-
-/// TOML literals.
-std::string toml_number(double);
-std::string toml_string(const std::string&);
 
 }  // namespace paperbake

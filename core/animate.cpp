@@ -251,11 +251,12 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
 
 }  // namespace
 
-StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed) {
+StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed, int first_frame) {
   std::vector<Vector2d> points;
   for (const Handle& handle : shot.handles) points.push_back(handle.pattern);
   for (std::size_t h = 0; h < shot.handles.size(); ++h)
     for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern, disc_radius(shot.handles, h, shot.pattern))) points.push_back(p);
+  points.insert(points.end(), shot.pins.keep.begin(), shot.pins.keep.end());
 
   Method::FirstMesh mesh = method.first_mesh(shot.pattern, points);
   StartedSheet started;
@@ -265,6 +266,9 @@ StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed) 
   sheet.triangles = std::move(mesh.triangles);
   sheet.x.resize(sheet.pattern.rows(), 3);
   sheet.v = Points3::Zero(sheet.pattern.rows(), 3);
+  sheet.folds = shot.pattern.folds;
+  for (std::size_t k = 0; k < shot.pins.keep.size(); ++k)
+    sheet.singular.push_back({sheet.pattern.row(mesh.point_vertex[points.size() - shot.pins.keep.size() + k]).transpose(), first_frame, "kept here"});
   const Locator locator(shot.start.pattern, shot.start.triangles);
   for (int v = 0; v < sheet.pattern.rows(); ++v)
     sheet.x.row(v) = interpolate(locator.locate(sheet.pattern.row(v)), shot.start.triangles, shot.start.x);
@@ -279,7 +283,7 @@ StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed) 
 void animate(const Shot& shot, const Method& method, const AnimateOptions& options,
              const std::function<bool(const AnimatedFrame&)>& on_frame) {
   double begun = cpu_ms();
-  StartedSheet started = start_sheet(shot, method, options.seed);
+  StartedSheet started = start_sheet(shot, method, options.seed, options.first_frame);
   Sheet& sheet = started.sheet;
   Elastic elastic(shot.paper, options.elastic);
   std::optional<PlasticGrid> memory;

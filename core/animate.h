@@ -4,6 +4,7 @@
 #include "core/methods/method.h"
 #include "core/paper.h"
 #include "core/pattern.h"
+#include "core/pins.h"
 #include "core/step1_elastic/elastic.h"
 
 #include <functional>
@@ -19,6 +20,7 @@ struct Shot {
   Sheet start;                  // a mesh of the sheet at the first frame: pattern, x, triangles
   std::vector<Handle> handles;  // row 0 of keyed = first_frame
   Paper paper;
+  Pins pins = {};
 };
 
 /// Does paper keep what it was bent to?
@@ -73,13 +75,13 @@ struct AnimatedFrame {
 void animate(const Shot&, const Method&, const AnimateOptions&, const std::function<bool(const AnimatedFrame&)>& on_frame);
 
 /// The first mesh with the start shape on it. A flat start gets a ripple of 1e-6 m along its normal that depends on the
-/// seed, not on the mesh.
+/// seed, not on the mesh. Singular points that are kept are born in the first frame.
 struct StartedSheet {
   Sheet sheet;
   std::vector<int> handle_vertex;      // of each handle
   std::vector<char> fixed;             // |V| vertices that handles and the rims of their discs need where they are
   std::vector<double> stiffening;      // |T| factor on bending: 10 inside the discs of handles
 };
-StartedSheet start_sheet(const Shot&, const Method&, unsigned seed);
+StartedSheet start_sheet(const Shot&, const Method&, unsigned seed, int first_frame = 1);
 
 }  // namespace paperbake

@@ -24,13 +24,16 @@ int beyond(const Hinges& hinges, int t, int i) {
 
 }  // namespace
 
-CreasedNormals::CreasedNormals(const Triangles& triangles, const std::vector<std::pair<int, int>>& creases)
+CreasedNormals::CreasedNormals(const Triangles& triangles, const std::vector<std::pair<int, int>>& creases, const std::vector<char>& sharp)
     : vertices_(triangles.size() ? triangles.maxCoeff() + 1 : 0), normals_(vertices_), triangles_(triangles), of_corner_(triangles) {
   const Hinges hinges = find_hinges(triangles);
   std::vector<int> crease_of_hinge(hinges.hinges.size(), -1);
   for (std::size_t h = 0; h < hinges.hinges.size(); ++h) {
     const auto& v = hinges.hinges[h].vertices;
-    if (!std::binary_search(creases.begin(), creases.end(), std::pair<int, int>(std::minmax(v[0], v[1])))) continue;
+    const std::pair<int, int> edge = std::minmax(v[0], v[1]);
+    const auto found = std::lower_bound(creases.begin(), creases.end(), edge);
+    if (found == creases.end() || *found != edge) continue;
+    sharp_.push_back(!sharp.empty() && sharp[found - creases.begin()]);
     crease_of_hinge[h] = static_cast<int>(creases_.size());
     creases_.push_back(hinges.hinges[h]);
   }
@@ -75,7 +78,7 @@ Points3 CreasedNormals::normals(const Points3& x) const {
     sum.row(of_corner_(t, 2)) += lbc * lca * n;
   }
   std::vector<double> open(creases_.size());
-  for (std::size_t c = 0; c < creases_.size(); ++c) open[c] = 1 - crease_share(fold_angle(x, creases_[c]));
+  for (std::size_t c = 0; c < creases_.size(); ++c) open[c] = sharp_[c] ? 0 : 1 - crease_share(fold_angle(x, creases_[c]));
   std::vector<Eigen::RowVector3d> mixed;
   for (const Crossroads& roads : crossroads_) {
     const int n = static_cast<int>(roads.normal.size());

@@ -16,7 +16,8 @@ namespace paperbake {
 class CreasedNormals {
  public:
   /// creases  edges (smaller vertex first, sorted) along which the mesh may fold sharply
-  CreasedNormals(const Triangles&, const std::vector<std::pair<int, int>>& creases);
+  /// sharp    of each: it is a crease however little it turns; empty: none is
+  CreasedNormals(const Triangles&, const std::vector<std::pair<int, int>>& creases, const std::vector<char>& sharp = {});
 
   /// |T|x3: number of the normal of each corner. Vertex v has normal v, and more of them behind |V| where creases meet.
   const Triangles& of_corner() const { return of_corner_; }
@@ -35,6 +36,7 @@ class CreasedNormals {
   int vertices_ = 0, normals_ = 0;
   Triangles triangles_, of_corner_;
   std::vector<Hinge> creases_;
+  std::vector<char> sharp_;     // of each
   std::vector<Crossroads> crossroads_;
 };
 

@@ -1,5 +1,6 @@
 #include "core/curvature.h"
 
+#include "core/folds.h"
 #include "core/hinges.h"
 
 #include <Eigen/Eigenvalues>
@@ -46,7 +47,9 @@ Ring judge(const Matrix2d& folds, const Matrix2d& round) {
 
 Points3 vertex_curvature(const Sheet& sheet) {
   const Hinges hinges = find_hinges(sheet.triangles);
-  return vertex_curvature(sheet.pattern, sheet.triangles, hinges, fold_angles(sheet.x, hinges.hinges));
+  std::vector<double> turns;
+  for (const Hinge& hinge : hinges.hinges) turns.push_back(on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1]) ? 0 : fold_angle(sheet.x, hinge));
+  return vertex_curvature(sheet.pattern, sheet.triangles, hinges, turns);
 }
 
 Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, const Hinges& hinges, const std::vector<double>& turns) {

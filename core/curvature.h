@@ -14,6 +14,7 @@ namespace paperbake {
 /// theta the dihedral angle, l the length and n the unit normal of an edge in the pattern. C is what the same sum gives for
 /// a surface of curvature 1 in all directions: the identity inside a regular mesh, less where the ring is cut by the border,
 /// whose edges turn nothing; a direction that a ring sees less than a quarter of is taken from its neighbours.
+/// A line that was folded before is no curvature.
 /// A sheet that bulges towards its normal (counter-clockwise side) has positive curvature.
 /// returns  |V|x3 [1/m]  Sxx, Sxy, Syy
 Points3 vertex_curvature(const Sheet&);

@@ -1,6 +1,7 @@
 #include "core/curved_surface.h"
 
 #include "core/curvature.h"
+#include "core/folds.h"
 #include "core/hinges.h"
 
 #include <algorithm>
@@ -73,7 +74,7 @@ Folded look(const Sheet& sheet) {
   folded.hinges = find_hinges(sheet.triangles);
   for (const Hinge& hinge : folded.hinges.hinges) {
     folded.theta.push_back(fold_angle(sheet.x, hinge));
-    folded.share.push_back(crease_share(folded.theta.back()));
+    folded.share.push_back(on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1]) ? 1 : crease_share(folded.theta.back()));
   }
   folded.normals = corner_normals(sheet, folded.hinges, folded.share);
   return folded;

@@ -1,6 +1,7 @@
 #include "core/local_global.h"
 
 #include "core/curved_surface.h"
+#include "core/folds.h"
 
 #include <cmath>
 
@@ -27,7 +28,7 @@ Eigen::Matrix<double, 3, 2> nearest_rotation(const Eigen::Matrix<double, 3, 2>& 
 
 }  // namespace
 
-LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles, const LocalGlobalOptions& options)
+LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles, const LocalGlobalOptions& options, const std::vector<FoldLine>& folds)
     : options_(options), hinges_(find_hinges(triangles)), area_(pattern.rows(), 0.0) {
   const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
   const double ell2 = options.length * options.length;
@@ -55,7 +56,7 @@ LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles, con
     const double left0 = cotangent(p[0], p[1], p[2]), left1 = cotangent(p[1], p[0], p[2]);
     const double right0 = cotangent(p[0], p[1], p[3]), right1 = cotangent(p[1], p[0], p[3]);
     Bend bend{{left1 + right1, left0 + right0, -left0 - left1, -right0 - right1}, {0, 0, 0},
-              ell2 * ell2 / (areas[hinge.triangles[0]] + areas[hinge.triangles[1]])};
+              ell2 * ell2 / (areas[hinge.triangles[0]] + areas[hinge.triangles[1]]), on_fold(folds, pattern, hinge.vertices[0], hinge.vertices[1])};
     for (int i = 1; i < 4; ++i) {  // about p[0]
       const Vector2d q = p[i] - p[0];
       bend.of_curvature -= 0.5 * bend.k[i] * Vector3d(q.x() * q.x(), 2 * q.x() * q.y(), q.y() * q.y());
@@ -132,7 +133,7 @@ Points3 LocalGlobal::bend(const Points3& y, const Points3& curvature) const {
     const auto& v = hinges_.hinges[h].vertices;
     const auto& k = bends_[h].k;
     const auto& t = hinges_.hinges[h].triangles;
-    const double c = crease_share(fold_angle(y, hinges_.hinges[h]));
+    const double c = bends_[h].sharp ? 1 : crease_share(fold_angle(y, hinges_.hinges[h]));
     const Eigen::RowVector3d n = (normal.row(t[0]) + normal.row(t[1])).normalized();
     const double curved = 0.5 * (curvature.row(v[0]) + curvature.row(v[1])).dot(bends_[h].of_curvature);
     result.row(h) = (1 - c) * curved * n;

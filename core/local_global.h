@@ -35,7 +35,8 @@ struct LocalGlobalOptions {
 /// source  algorithm E2.3 for the terms and the solver; apart, and with the curvature as an aim, by this project
 class LocalGlobal {
  public:
-  LocalGlobal(const Points2& pattern, const Triangles&, const LocalGlobalOptions&);
+  /// folds  whose hinges have c = 1, however little they turn
+  LocalGlobal(const Points2& pattern, const Triangles&, const LocalGlobalOptions&, const std::vector<FoldLine>& folds = {});
 
   /// The vertices that stay where they are given, from now on; factors when they are others than before.
   void hold(const std::vector<int>& vertices);
@@ -53,6 +54,7 @@ class LocalGlobal {
     std::array<double, 4> k;            // K
     Vector3d of_curvature;              // [m2] K of -1/2 (qx^2, 2 qx qy, qy^2)
     double weight;                      // ell^4 / A_h
+    bool sharp;
   };
   Points3 bend(const Points3& y, const Points3& curvature) const;
   Points3 bend_pull(const Points3& y, const Points3& bend) const;

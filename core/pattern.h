@@ -11,6 +11,7 @@ namespace paperbake {
 struct Pattern {
   std::vector<Vector2d> outline;             // [m] counter-clockwise
   std::vector<std::vector<Vector2d>> holes;  // [m] clockwise
+  std::vector<FoldLine> folds = {};          // within it
 };
 
 Vector2d extent(const Pattern&);    // [m]  width and height of the bounding box

@@ -2,11 +2,13 @@
 
 #include "core/constrained_delaunay.h"
 #include "core/error.h"
+#include "core/folds.h"
 #include "core/smooth_points.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <set>
 #include <utility>
 
 namespace paperbake {
@@ -22,6 +24,7 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
 struct Cloud {
   std::vector<Vector2d> points;
   std::vector<std::pair<int, int>> border;  // segments
+  std::vector<std::pair<int, int>> chords;  // parts of folded lines
   Pattern polygons;                         // what the border segments enclose
   std::vector<int> point_vertex;
   int fixed = 0;                            // the first so many may not move
@@ -88,6 +91,43 @@ void add_required(const std::vector<Vector2d>& required, double snap, Cloud& clo
   cloud.fixed = static_cast<int>(cloud.points.size());
 }
 
+/// Folded lines in parts of about `edge`, by way of the points that lie on them.
+void add_folds(const std::vector<FoldLine>& folds, double edge, double snap, Cloud& cloud) {
+  const auto vertex_at = [&](const Vector2d& p) {
+    for (std::size_t i = 0; i < cloud.points.size(); ++i)
+      if ((cloud.points[i] - p).norm() <= snap) return static_cast<int>(i);
+    cloud.points.push_back(p);
+    return static_cast<int>(cloud.points.size()) - 1;
+  };
+  for (const Vector2d& p : fold_stops(folds)) vertex_at(p);
+  for (const FoldLine& fold : folds)
+    for (std::size_t s = 0; s + 1 < fold.line.size(); ++s) {
+      const Vector2d a = fold.line[s], d = fold.line[s + 1] - a;
+      std::vector<std::pair<double, int>> stops;  // share of the way, vertex
+      for (std::size_t i = 0; i < cloud.points.size(); ++i)
+        if (distance_to_segment(cloud.points[i], a, a + d) <= snap) stops.emplace_back((cloud.points[i] - a).dot(d) / d.squaredNorm(), static_cast<int>(i));
+      std::sort(stops.begin(), stops.end());
+      int last = stops.front().second;
+      for (std::size_t k = 1; k < stops.size(); ++k) {
+        const double from = stops[k - 1].first, to = stops[k].first;
+        const int parts = std::max(1, static_cast<int>(std::lround((to - from) * d.norm() / edge)));
+        for (int i = 1; i <= parts; ++i) {
+          const int next = i == parts ? stops[k].second : vertex_at(a + (from + (to - from) * i / parts) * d);
+          cloud.chords.emplace_back(last, next);
+          last = next;
+        }
+      }
+    }
+  std::set<int> vertices;
+  for (const auto& [a, b] : cloud.chords) vertices.insert({a, b});
+  cloud.point_vertex.insert(cloud.point_vertex.end(), vertices.begin(), vertices.end());
+  const auto on_border = [&](const std::pair<int, int>& chord) {
+    return std::any_of(cloud.border.begin(), cloud.border.end(), [&](const auto& side) { return std::minmax(side.first, side.second) == std::minmax(chord.first, chord.second); });
+  };
+  cloud.chords.erase(std::remove_if(cloud.chords.begin(), cloud.chords.end(), on_border), cloud.chords.end());
+  cloud.fixed = static_cast<int>(cloud.points.size());
+}
+
 /// Unit vector along the longest side of the outline.
 Vector2d grain(const std::vector<Vector2d>& outline) {
   Vector2d best(0, 0);
@@ -139,7 +179,7 @@ Error crossed_outline() {
 }
 
 Triangles triangulate(const Cloud& cloud) {
-  auto triangles = constrained_delaunay(cloud.points, cloud.border);
+  auto triangles = constrained_delaunay(cloud.points, cloud.border, cloud.chords);
   if (!triangles) throw crossed_outline();
   return std::move(*triangles);
 }
@@ -154,6 +194,8 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   for (const auto& hole : pattern.holes) cloud.polygons.holes.push_back(coarsen(hole, 1.2 * edge, border * edge));
   // a coarsened border passes beside its required points, or cuts those near it off: bring them onto the polygon
   std::vector<Vector2d> required = points;
+  const std::vector<Vector2d> stops = fold_stops(pattern.folds);
+  required.insert(required.end(), stops.begin(), stops.end());
   for (Vector2d& p : required) {
     const Vector2d onto = nearest_border_point(cloud.polygons, p);
     const bool beside = (nearest_border_point(pattern, p) - p).norm() <= snap || !contains(cloud.polygons, p);
@@ -161,7 +203,9 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   }
   sample_border(cloud.polygons.outline, edge, required, snap, cloud);
   for (const auto& hole : cloud.polygons.holes) sample_border(hole, edge, required, snap, cloud);
+  required.resize(points.size());
   add_required(required, snap, cloud);
+  if (!pattern.folds.empty()) add_folds(pattern.folds, edge, snap, cloud);
   add_lattice(edge, turn, cloud);
 
   Triangles triangles = triangulate(cloud);

@@ -13,6 +13,7 @@ struct PatternMesh {
   std::vector<int> point_vertex;  // which vertex each required point became; equal points share one
 };
 
+/// Lines that were folded are rows of edges; their vertices are in point_vertex, behind those of the points.
 /// Near-equilateral triangles: rows of a lattice along the longest side of the outline, the border in equal parts, and every
 /// required point a vertex; smoothed where lattice, border and points meet.
 /// edge    [m] aimed at

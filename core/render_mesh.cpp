@@ -1,5 +1,6 @@
 #include "core/render_mesh.h"
 
+#include "core/folds.h"
 #include "core/pattern_mesh.h"
 
 #include <algorithm>
@@ -179,10 +180,13 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
         required.push_back(sites.points[s]);
       }
   PatternMesh mesh = mesh_pattern(pattern, edge, required, 0, border);
-  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}};
+  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, {}};
   for (const int site : site_of_point) result.point_vertex.push_back(mesh.point_vertex[number[site]]);
   Edges edges(result.pattern, result.triangles);
   std::set<std::pair<int, int>> found;
+  for (int t = 0; t < result.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3); a < b && on_fold(pattern.folds, result.pattern, a, b)) found.insert({a, b});
   for (const std::vector<int>& row : rows)
     for (std::size_t k = 0; k + 1 < row.size(); ++k) {
       const int a = mesh.point_vertex[number[row[k]]], b = mesh.point_vertex[number[row[k + 1]]];
@@ -195,6 +199,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
       }
     }
   result.creases.assign(found.begin(), found.end());
+  result.folds = pattern.folds;
   return result;
 }
 

@@ -26,6 +26,7 @@ struct RenderMesh {
   Triangles triangles;                         // |T|x3 counter-clockwise
   std::vector<int> point_vertex;               // which vertex each point became; those nearer than 0.3 edges may share one
   std::vector<std::pair<int, int>> creases;    // edges (smaller vertex first, sorted) along which it may fold sharply
+  std::vector<FoldLine> folds = {};            // of the pattern: creases however little they turn
 };
 
 /// Near-equilateral triangles of this edge; the border as fine as a thousandth of it; every point a vertex.

@@ -1,18 +1,28 @@
 #include "core/render_sheet.h"
 
 #include "core/curved_surface.h"
+#include "core/folds.h"
 
 #include <algorithm>
 
 namespace paperbake {
+namespace {
+
+CreasedNormals normals_of(const RenderMesh& mesh) {
+  std::vector<char> sharp;
+  for (const auto& [a, b] : mesh.creases) sharp.push_back(on_fold(mesh.folds, mesh.pattern, a, b));
+  return CreasedNormals(mesh.triangles, mesh.creases, sharp);
+}
+
+}  // namespace
 
 RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine)
-    : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(coarse_.triangles, coarse_.creases) {
+    : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options, coarse_.folds), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(normals_of(coarse_)) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
   hold({});
   if (!fine_) return;
   fine_limit_.emplace(fine_->mesh.pattern, fine_->mesh.triangles);
-  fine_normals_.emplace(fine_->mesh.triangles, fine_->mesh.creases);
+  fine_normals_.emplace(normals_of(fine_->mesh));
 }
 
 std::vector<Place> RenderSheet::places_on(const Points2& pattern, const Triangles& triangles) const {

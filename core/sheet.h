@@ -28,6 +28,12 @@ struct SingularPoint {
   std::string cause;
 };
 
+/// A line along which the paper was folded before the first frame: edges of every mesh, which turn easily.
+struct FoldLine {
+  std::vector<Vector2d> line;  // [m] polyline on the pattern, at least two points
+  double angle = 0;            // [rad] that it springs back to; > 0 bulges towards the normals
+};
+
 /// A sheet of paper at one moment: the flat pattern and where it is in space.
 struct Sheet {
   Points2 pattern;                      // |V|x2 [m]    flat rest shape
@@ -35,6 +41,7 @@ struct Sheet {
   Points3 v;                            // |V|x3 [m/s]
   Triangles triangles;                  // |T|x3        counter-clockwise in the pattern
   std::vector<SingularPoint> singular;  // apices in order of birth; paper does not heal, so it only grows
+  std::vector<FoldLine> folds = {};     // the same in all frames
 };
 
 }  // namespace paperbake

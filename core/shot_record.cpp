@@ -1,6 +1,7 @@
 #include "core/shot_record.h"
 
 #include "core/curved_surface.h"
+#include "core/folds.h"
 #include "core/hinges.h"
 #include "core/measure.h"
 
@@ -25,6 +26,7 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   for (std::size_t k = 0; k < record.held.size(); ++k) record.held_at.row(k) = frame.handles[record.held[k]].at;
   frames_.push_back(std::move(record));
   singular_ = sheet.singular;  // it only grows
+  folds_ = sheet.folds;
   edges_ += mean_edge(sheet.pattern, sheet.triangles);
 
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
@@ -43,7 +45,7 @@ void ShotRecord::add(const AnimatedFrame& frame) {
 
 Sheet ShotRecord::sheet(const RecordedFrame& frame) const {
   const Mesh& mesh = meshes_[frame.mesh];
-  return {mesh.pattern, frame.x.cast<double>(), {}, mesh.triangles, {}};
+  return {mesh.pattern, frame.x.cast<double>(), {}, mesh.triangles, {}, folds_};
 }
 
 RenderFeatures ShotRecord::features(const Shot& shot) const {
@@ -54,7 +56,7 @@ RenderFeatures ShotRecord::features(const Shot& shot) const {
   for (const SingularPoint& point : singular_) features.points.push_back(point.pattern);
   const double least = std::min(2.0, 0.25 * frames_.size());
   for (const auto& [key, crease] : creases_)
-    if (crease.frames >= least) features.creases.push_back({crease.a, crease.b, crease.frames});
+    if (crease.frames >= least && !fold_under(shot.pattern.folds, crease.a, crease.b)) features.creases.push_back({crease.a, crease.b, crease.frames});
   return features;
 }
 

@@ -47,6 +47,7 @@ class ShotRecord {
   std::vector<RecordedFrame> frames_;
   std::map<std::array<long, 4>, Crease> creases_;  // by their ends in units of 1e-7 m
   std::vector<SingularPoint> singular_;
+  std::vector<FoldLine> folds_;
   double edges_ = 0;
 };
 

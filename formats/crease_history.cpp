@@ -1,5 +1,6 @@
 #include "formats/crease_history.h"
 
+#include "core/folds.h"
 #include "core/hinges.h"
 
 #include <algorithm>
@@ -49,8 +50,9 @@ std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const
     const double length = along.norm();
     // what an edge of a mesh of equal triangles stands for; half as much again where edges run along the rulings
     const double wings = 0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)), width = 2.0 / 3 * wings / length;
-    double kept = turn - law.yield_curvature * width;
-    if (plastic.rows() > 0) {
+    const bool folded = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);  // before the first frame
+    double kept = folded ? turn : turn - law.yield_curvature * width;
+    if (plastic.rows() > 0 && !folded) {
       const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));
       const Vector2d n(-along.y() / length, along.x() / length);
       kept = std::abs(n.x() * n.x() * S[0] + 2 * n.x() * n.y() * S[1] + n.y() * n.y() * S[2]) * width;

@@ -2,12 +2,11 @@
 
 #include "core/error.h"
 #include "formats/preset_file.h"
+#include "formats/toml_document.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
-#include <fstream>
-#include <iterator>
+#include <cmath>
 
 namespace paperbake {
 namespace {
@@ -28,29 +27,28 @@ const toml::table& table_of(const toml::table& root, const char* key, const std:
 Paper paper_of(const toml::table& table, const std::string& place) {
   Paper paper;
   paper.name = value_of<std::string>(table, "preset", place);
-  for (const PaperQuantity& quantity : paper_quantities())
-    if (quantity.required || table.contains(quantity.key)) quantity.set(paper, value_of<double>(table, quantity.key, place));
+  for (const Quantity& quantity : quantities) {
+    if (!quantity.required && !table.contains(quantity.key)) continue;
+    const double value = value_of<double>(table, quantity.key, place);
+    if (!quantity.holds(value)) throw Error(Fault::command, place, out_of_bounds(quantity, value));
+    quantity.set(paper, value);
+  }
   return paper;
 }
 
 }  // namespace
 
 LockedJob read_lock(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(Fault::command, path.string(), "There is no such file, or it cannot be read.", "Name the output folder of a bake.");
-  const std::string text{std::istreambuf_iterator<char>(file), {}};
-  toml::table root;
-  try {
-    root = toml::parse(text);
-  } catch (const toml::parse_error& error) {
-    throw Error(Fault::command, fmt::format("{}:{}:{}", path.string(), error.source().begin.line, error.source().begin.column), std::string(error.description()) + ".");
-  }
+  const TomlDocument document = parse_toml(path.string(), read_toml_text(path, "lock"));
+  const toml::table& root = document.root;
   LockedJob job;
   const toml::table& bake = table_of(root, "bake", path.string());
   job.method = value_of<std::string>(bake, "method", path.string());
   job.gravity = value_of<double>(bake, "gravity", path.string());
   job.stop = value_of<double>(bake, "stop", path.string());
   job.fps = value_of<double>(table_of(root, "scene", path.string()), "fps", path.string());
+  if (!(job.fps > 0) || !std::isfinite(job.fps) || !std::isfinite(job.gravity) || !(job.stop > 0))
+    throw Error(Fault::command, path.string(), fmt::format("No shot has {} frames a second, a gravity of {} m/s2 and a stop of {} m.", job.fps, job.gravity, job.stop));
   for (const auto& [sheet, node] : table_of(root, "paper", path.string()))
     if (const toml::table* table = node.as_table()) job.papers[std::string(sheet.str())] = paper_of(*table, fmt::format("{}, sheet \"{}\"", path.string(), sheet.str()));
   return job;

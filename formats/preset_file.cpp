@@ -1,16 +1,14 @@
 #include "formats/preset_file.h"
 
 #include "core/error.h"
+#include "formats/toml_document.h"
 
 #include <fmt/format.h>
-#include <toml++/toml.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
-#include <fstream>
-#include <iterator>
 #include <sstream>
 
 namespace paperbake {
@@ -20,55 +18,34 @@ struct BuiltInPreset { const char* name; const char* text; };
 extern const BuiltInPreset built_in_presets[];
 extern const int built_in_preset_count;
 
+const std::array<Quantity, 10> quantities{{
+    {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
+    {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
+    {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
+    {"poisson", &Paper::poisson, "1", 0, 0.49},
+    {"area_density", &Paper::area_density, "kg/m2", 1e-3, 10},
+    {"apex_scatter", &Paper::apex_scatter, "m", 0, 0.1},
+    {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
+    {"hardening", &Paper::hardening, "1", 0, 0.9},
+    {"grain_ratio", &Paper::grain_ratio, "1", 0.1, 10, false},
+    {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
+}};
+
 namespace {
 
-/// A file as TOML, and how to speak of places in it.
-struct Document {
-  std::string file;
-  toml::table root;
-};
-
-[[noreturn]] void fail(const Document& document, const toml::source_position& at, std::string cause, std::string remedy = {}) {
-  throw Error(Fault::command, fmt::format("{}:{}:{}", document.file, at.line, at.column), std::move(cause), std::move(remedy));
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
 }
 
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
-  const std::string nearest = nearest_word(word, words);
-  return nearest.empty() ? "" : fmt::format(" Did you mean \"{}\"?", nearest);
-}
 
-/// Where a key stands: the bracket of a [table], else the key itself.
-toml::source_position place_of(const toml::key& key, const toml::node& node) {
-  const toml::table* table = node.as_table();
-  return table && !table->is_inline() ? node.source().begin : key.source().begin;
-}
-
-bool stands_before(const toml::source_position& p, const toml::source_position& q) {
-  return p.line != q.line ? p.line < q.line : p.column < q.column;
-}
-
-/// Unknown keys are errors, the first one in the file first: a slip would silently keep a default.
-void refuse_unknown_keys(const Document& document, const toml::table& table, const std::vector<std::string>& known) {
-  const toml::key* first = nullptr;
-  toml::source_position at;
-  for (const auto& [key, node] : table) {
-    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-    const toml::source_position place = place_of(key, node);
-    if (!first || stands_before(place, at)) first = &key, at = place;
-  }
-  if (!first) return;
-  const std::string word(first->str());
-  fail(document, at, fmt::format("Unknown key \"{}\".{}", word, did_you_mean(word, known)),
-       fmt::format("Known here: {}.", fmt::join(known, ", ")));
-}
-
-const toml::node& required(const Document& document, const toml::table& table, const std::string& key, const std::string& where) {
+const toml::node& required(const TomlDocument& document, const toml::table& table, const std::string& key, const std::string& where) {
   const toml::node* node = table.get(key);
   if (!node) fail(document, table.source().begin, fmt::format("The key \"{}\" is missing{}.", key, where));
   return *node;
 }
 
-std::string required_text(const Document& document, const toml::table& table, const std::string& key, const std::string& where) {
+std::string required_text(const TomlDocument& document, const toml::table& table, const std::string& key, const std::string& where) {
   const toml::node& node = required(document, table, key, where);
   if (!node.is_string()) fail(document, node.source().begin, fmt::format("\"{}\" must be a text in quotes.", key));
   std::string text = **node.as_string();
@@ -76,19 +53,15 @@ std::string required_text(const Document& document, const toml::table& table, co
   return text;
 }
 
-double read_value(const Document& document, const toml::table& table, const PaperQuantity& quantity, const std::string& where) {
+double read_value(const TomlDocument& document, const toml::table& table, const Quantity& quantity, const std::string& where) {
   const toml::node& node = required(document, table, "value", where);
   if (!node.is_number()) fail(document, node.source().begin, fmt::format("The value of {} must be a number.", quantity.key));
   const double value = *node.value<double>();
-  if (!(value >= quantity.least && value <= quantity.most))
-    fail(document, node.source().begin,
-         fmt::format("The {} cannot be {}: paper lies between {} and {} [{}].", quantity.key, value, quantity.least, quantity.most,
-                     quantity.unit),
-         fmt::format("Give the value in {}.", quantity.unit));
+  if (!quantity.holds(value)) fail(document, node.source().begin, out_of_bounds(quantity, value), fmt::format("Give the value in {}.", quantity.unit));
   return value;
 }
 
-Preset::Entry read_entry(const Document& document, const PaperQuantity& quantity) {
+Preset::Entry read_entry(const TomlDocument& document, const Quantity& quantity) {
   const toml::node& node = required(document, document.root, quantity.key, "");
   const toml::table* table = node.as_table();
   if (!table)
@@ -108,18 +81,10 @@ Preset::Entry read_entry(const Document& document, const PaperQuantity& quantity
   return entry;
 }
 
-Document parse(const std::string& file, const std::string& text) {
-  try {
-    return {file, toml::parse(text, file)};
-  } catch (const toml::parse_error& error) {
-    fail({file, {}}, error.source().begin, fmt::format("This is not TOML: {}.", error.description()));
-  }
-}
-
 Preset read_text(const std::string& file, const std::string& text) {
-  const Document document = parse(file, text);
+  const TomlDocument document = parse_toml(file, text);
   std::vector<std::string> known = {"name", "description", "by_grammage"};
-  for (const PaperQuantity& quantity : paper_quantities()) known.push_back(quantity.key);
+  for (const Quantity& quantity : quantities) known.push_back(quantity.key);
   refuse_unknown_keys(document, document.root, known);
 
   Preset preset;
@@ -131,7 +96,7 @@ Preset read_text(const std::string& file, const std::string& text) {
     if (!chosen->is_boolean()) fail(document, chosen->source().begin, "\"by_grammage\" must be true or false.");
     preset.by_grammage = **chosen->as_boolean();
   }
-  for (const PaperQuantity& quantity : paper_quantities()) {
+  for (const Quantity& quantity : quantities) {
     if (!quantity.required && !document.root.contains(quantity.key)) continue;
     preset.entries.push_back(read_entry(document, quantity));
     quantity.set(preset.paper, preset.entries.back().value);
@@ -142,36 +107,10 @@ Preset read_text(const std::string& file, const std::string& text) {
   return preset;
 }
 
-bool is_file(const std::filesystem::path& path) {
-  std::error_code ignored;
-  return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
-}
-
-std::string read_whole_text(const std::string& file) {
-  std::ifstream stream(file, std::ios::binary);
-  std::ostringstream text;
-  if (stream) text << stream.rdbuf();
-  // an empty file sets failbit on `text` only
-  if (!stream || stream.bad()) throw Error(Fault::command, file, "The preset file cannot be read.", "Check its permissions.");
-  return text.str();
-}
-
 }  // namespace
 
-const std::vector<PaperQuantity>& paper_quantities() {
-  static const std::vector<PaperQuantity> all = {
-      {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
-      {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
-      {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
-      {"poisson", &Paper::poisson, "1", 0, 0.49},
-      {"area_density", &Paper::area_density, "kg/m2", 1e-3, 10},
-      {"apex_scatter", &Paper::apex_scatter, "m", 0, 0.1},
-      {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
-      {"hardening", &Paper::hardening, "1", 0, 0.9},
-      {"grain_ratio", &Paper::grain_ratio, "1", 0.1, 10, false},
-      {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
-  };
-  return all;
+std::string out_of_bounds(const Quantity& quantity, double value) {
+  return fmt::format("The {} cannot be {}: paper lies between {} and {} [{}].", quantity.key, value, quantity.least, quantity.most, quantity.unit);
 }
 
 std::string preset_text(const Preset& preset) {
@@ -203,11 +142,13 @@ std::vector<std::string> user_preset_names() {
   return names;
 }
 
-Preset read_preset(const std::string& name_or_file, const std::filesystem::path& beside) {
-  if (is_file(name_or_file)) return read_text(name_or_file, read_whole_text(name_or_file));
-  const bool is_name = std::filesystem::path(name_or_file).filename() == name_or_file;
-  for (const std::filesystem::path& folder : {beside, user_preset_folder()})
-    if (const std::filesystem::path file = folder / (name_or_file + ".toml"); is_name && !folder.empty() && is_file(file)) return read_text(file.string(), read_whole_text(file.string()));
+Preset read_preset(const std::string& name_or_file) {
+  if (is_file(name_or_file)) return read_text(name_or_file, read_toml_text(name_or_file, "preset"));
+  const std::vector<std::string> own = user_preset_names();
+  if (std::find(own.begin(), own.end(), name_or_file) != own.end()) {
+    const std::string file = (user_preset_folder() / (name_or_file + ".toml")).string();
+    return read_text(file, read_toml_text(file, "preset"));
+  }
   for (int i = 0; i < built_in_preset_count; ++i)
     if (name_or_file == built_in_presets[i].name)
       return read_text(fmt::format("presets/{}.toml", name_or_file), built_in_presets[i].text);
@@ -215,7 +156,7 @@ Preset read_preset(const std::string& name_or_file, const std::filesystem::path&
   if (name_or_file.find('/') != std::string::npos || std::filesystem::path(name_or_file).extension() == ".toml")
     throw Error(Fault::command, name_or_file, "There is no such preset file.", "`paperbake presets` lists the grades that are built in.");
   std::vector<std::string> names = preset_names();
-  for (std::string& own : user_preset_names()) names.push_back(std::move(own));
+  names.insert(names.end(), own.begin(), own.end());
   throw Error(Fault::command, fmt::format("preset \"{}\"", name_or_file),
               fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),
               fmt::format("Papers: {}; or name a preset file that exists.", fmt::join(names, ", ")));

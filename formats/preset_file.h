@@ -2,6 +2,7 @@
 
 #include "core/paper.h"
 
+#include <array>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -10,18 +11,21 @@ namespace paperbake {
 
 /// One number of a grade: its place in Paper, the unit in which files and people give it, and what no paper is beyond. The bounds
 /// catch grams, millimetres and micrometres given for SI; tissue and solid board lie well inside.
-struct PaperQuantity {
+struct Quantity {
   const char* key;
   double Paper::*field;
   const char* unit;
-  double least, most;   // in that unit
-  bool required = true;
+  double least, most;     // in that unit
+  bool required = true;   // in a preset
   double to_si = 1;
 
+  bool holds(double value) const { return value >= least && value <= most; }  // false for NaN
   double of(const Paper& paper) const { return paper.*field / to_si; }
   void set(Paper& paper, double value) const { paper.*field = value * to_si; }
 };
-const std::vector<PaperQuantity>& paper_quantities();
+extern const std::array<Quantity, 10> quantities;
+/// The sentence for a value that it does not hold.
+std::string out_of_bounds(const Quantity&, double value);
 
 /// A paper grade with the evidence behind its numbers. Its file is TOML: `name`, perhaps `description`, `by_grammage` (false: not
 /// a paper that a scene means by its weight alone), and one table for each number of Paper; the grain's may be left out:
@@ -35,7 +39,7 @@ struct Preset {
   Paper paper;
   std::string description;
   struct Entry {
-    std::string key;     // of paper_quantities()
+    std::string key;     // of quantities
     double value;        // in its unit
     std::string unit, source, mark;  // mark: read | derived | assumed
   };
@@ -45,11 +49,11 @@ struct Preset {
   std::string file;            // its path, or presets/NAME.toml of one that is built in
 };
 
-/// `name_or_file`: a file that exists; or the name of a grade: NAME.toml in the folder `beside` (a job's), then in the user's own
-/// folder, then built in (the files of presets/, compiled into the program).
+/// `name_or_file`: a file that exists; or the name of a grade: NAME.toml in the user's own folder, then built in (the
+/// files of presets/, compiled into the program).
 /// throws Error(Fault::command): unknown grade (with the nearest name); syntax error, unknown or missing key, wrong type, wrong
 /// unit, value outside what paper can be: with file:line:column
-Preset read_preset(const std::string& name_or_file, const std::filesystem::path& beside = {});
+Preset read_preset(const std::string& name_or_file);
 /// A file that reads as this preset; comments are lost.
 std::string preset_text(const Preset&);
 std::vector<std::string> preset_names();  // built in, sorted

@@ -63,7 +63,25 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
                                        std::pow(10, power)) : "Correct paper_size or the mesh; they must agree within 1 %.");
 }
 
-SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world, const SceneOptions& options,
+/// throws Error(Fault::command) where a pin is not on the sheet
+void check_pins(const Pins& pins, const Pattern& pattern, const std::string& place, const std::string& name) {
+  constexpr int samples = 64;  // of each part of a crease
+  const double rounding = 1e-6 * longer_side(pattern);
+  const auto check = [&](const char* key, const Vector2d& p) {
+    if (contains(pattern, p, rounding)) return;
+    throw Error(Fault::command, place, fmt::format("The {} at ({:g}, {:g}) m is not on the sheet \"{}\".", key, p.x(), p.y(), name),
+                fmt::format("Its pattern is {}, from (0, 0).", metres(extent(pattern))));
+  };
+  for (const Vector2d& p : pins.keep) check("singular_keep", p);
+  for (const FoldLine& crease : pattern.folds)
+    for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
+      if ((crease.line[k + 1] - crease.line[k]).norm() < 1e-3 * longer_side(pattern))
+        throw Error(Fault::command, place, fmt::format("A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name), "Leave out one of its points.");
+      for (int i = 0; i <= samples; ++i) check("crease", crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]));
+    }
+}
+
+SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world, const SceneOptions& options, const Overridden& said,
                       std::vector<std::string>& warnings) {
   const ImportedNode& node = scene.file.nodes[index];
   const std::string place = place_of(scene.source, "sheet", node.name);
@@ -81,6 +99,11 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
                                "It can be a whole number from 0 on.");
     sheet.seed = static_cast<unsigned>(*seed);
   }
+  for (const char* key : {"preset", "gsm", "thickness", "seed"})
+    if (said.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
+  sheet.pins = said.pins;
+  sheet.pattern.folds = said.creases;
+  check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {
       warnings.push_back(fmt::format("Bones and blend shapes of the sheet \"{}\" are not followed: it starts undeformed.",
@@ -99,7 +122,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
                              : fmt::format("Rename the mesh that is the sheet; the meshes are {}.", fmt::join(meshes, ", ")));
 }
 
-std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions& options, std::vector<std::string>& warnings) {
+std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions& options, const std::vector<Overridden>& said, std::vector<std::string>& warnings) {
   const auto world = world_at(scene, scene.first_frame);
   std::vector<SceneSheet> sheets;
   std::set<std::string> names;
@@ -109,7 +132,7 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
     if (!names.insert(node.name).second)
       throw Error(Fault::scene, place_of(scene.source, "sheet", node.name), "Two sheets have this name.",
                   "Give every sheet a name of its own and export again.");
-    sheets.push_back(read_sheet(scene, i, world[i], options, warnings));
+    sheets.push_back(read_sheet(scene, i, world[i], options, said[i], warnings));
   }
   if (sheets.empty()) reject_without_sheet(scene);
   return sheets;
@@ -136,6 +159,7 @@ std::optional<double> gravity_of(const SceneNodes& scene, std::map<std::string, 
 }  // namespace
 
 Scene scene_of(ImportedFile file, std::string source, const SceneOptions& options) {
+  const std::vector<Overridden> said = apply_overrides(file, options.overrides);
   const SceneNodes nodes = scene_nodes(std::move(file), std::move(source), options);
   Scene scene;
   scene.source = nodes.source;
@@ -145,10 +169,16 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   scene.origin = nodes.origin;
   scene.warnings = nodes.warnings;
   for (std::string& warning : unknown_properties(nodes.file.nodes)) scene.warnings.push_back(std::move(warning));
-  scene.sheets = read_sheets(nodes, options, scene.warnings);
+  scene.sheets = read_sheets(nodes, options, said, scene.warnings);
   add_handles(nodes, scene.sheets, scene.warnings);
   warn_of_colliders(nodes, scene.warnings);
   scene.gravity = gravity_of(nodes, scene.origin);
+  for (std::size_t i = 0; i < said.size(); ++i)
+    for (const auto& [key, place] : said[i].places) {
+      const ImportedNode& node = nodes.file.nodes[i];
+      scene.origin[fmt::format("{} of \"{}\"", key, node.name)] = place;
+      if (node.meshes.empty()) scene.given.push_back({node.name, key.substr(std::string("paper_").size()), node.properties.at(key)});
+    }
   return scene;
 }
 

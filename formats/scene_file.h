@@ -2,16 +2,16 @@
 
 #include "core/handles.h"
 #include "core/pattern.h"
+#include "formats/scene_overrides.h"
 
 #include <filesystem>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace paperbake {
-
-struct ImportedFile;
 
 /// What the command line may say about a scene file; what it leaves open is taken from the file.
 struct SceneOptions {
@@ -19,6 +19,7 @@ struct SceneOptions {
   std::optional<int> start_frame;     // frame of the first key; FBX through assimp hides it
   std::optional<double> unit_scale;   // [m]     length of one unit of the file, replaces the file's own
   std::optional<std::string> take;    // name of the one animation to use; else all are merged
+  std::vector<NodeOverride> overrides;  // of a job file
 };
 
 /// One sheet of the scene with the handles that hold it.
@@ -31,6 +32,14 @@ struct SceneSheet {
   std::optional<double> grammage;     // paper_gsm, as in the file       [g/m2]
   std::optional<double> thickness;    // paper_thickness                 [m]
   std::optional<unsigned> seed;       // paper_seed
+  std::set<std::string> overridden;   // of preset, gsm, thickness, seed: those that the job file says
+  Pins pins;
+};
+
+/// A property that a handle has from a job file.
+struct GivenProperty {
+  std::string handle, key;  // mode
+  PropertyValue value;
 };
 
 /// A DCC file as the baker needs it. World space: right-handed, z up, metres; whole frames.
@@ -41,6 +50,7 @@ struct Scene {
   int first_frame = 1, last_frame = 1;
   std::optional<double> gravity;      // paper_gravity [m/s2], positive = downwards
   std::vector<std::string> warnings;  // one sentence each
+  std::vector<GivenProperty> given;
   std::map<std::string, std::string> origin;  // fps, first_frame, unit, up axis, ...: where each value came from
 };
 

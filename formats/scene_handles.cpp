@@ -35,11 +35,6 @@ std::vector<std::vector<int>> children_of(const std::vector<ImportedNode>& nodes
   return children;
 }
 
-/// Exporters mark a bone's tail by a leaf: "arm_end" (FBX), "arm_leaf" (glTF).
-bool is_tail_leaf(const std::string& name, const std::string& bone) {
-  return name == bone + "_end" || name == bone + "_leaf";
-}
-
 int tail_of(const SceneNodes& scene, int bone, const std::vector<int>& children) {
   const auto& nodes = scene.file.nodes;
   for (int child : children)
@@ -65,7 +60,7 @@ std::vector<Found> find_handles(const SceneNodes& scene) {
     const std::string side = point ? matched_name(*point) : "head";
     if (side != "head" && side != "tail") throw Error(Fault::scene, place, fmt::format("paper_point is \"{}\".", *point),
                                                       "It can be head or tail.");
-    found.push_back({i, side == "tail" ? tail_of(scene, i, children[i]) : i});
+    if (!flag_property(nodes[i], "paper_ignore")) found.push_back({i, side == "tail" ? tail_of(scene, i, children[i]) : i});
     for (int child : children[i])
       if (children[child].empty() && is_tail_leaf(nodes[child].name, nodes[i].name)) leaves.insert(child);
   }

@@ -16,7 +16,7 @@ namespace {
 
 // the words of design.md; the second row belongs to other tools or to later versions
 constexpr std::array known_properties = {
-    "paper_grab_frame", "paper_release_frame", "paper_mode", "paper_radius", "paper_target", "paper_point", "paper_stiffness",
+    "paper_grab_frame", "paper_release_frame", "paper_mode", "paper_radius", "paper_target", "paper_point", "paper_stiffness", "paper_ignore",
     "paper_preset", "paper_gsm", "paper_thickness", "paper_seed", "paper_fps", "paper_gravity", "paper_size", "paper_collider",
     "paper_uv", "paper_locked", "paper_weight", "paper_interp", "paper_tangent"};
 
@@ -62,6 +62,8 @@ std::string matched_name(std::string_view raw) {
 
 bool name_begins_with(std::string_view raw,
                       std::string_view prefix) { return matched_name(raw).compare(0, prefix.size(), prefix) == 0; }
+
+bool is_tail_leaf(const std::string& name, const std::string& bone) { return name == bone + "_end" || name == bone + "_leaf"; }
 
 std::string place_of(const std::string& source, std::string_view kind,
                      std::string_view name) { return fmt::format("{}, {} \"{}\"", source, kind, name); }

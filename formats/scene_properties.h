@@ -14,6 +14,9 @@ namespace paperbake {
 std::string matched_name(std::string_view raw);
 bool name_begins_with(std::string_view raw, std::string_view prefix);
 
+/// Exporters mark a bone's tail by a leaf: "arm_end" (FBX), "arm_leaf" (glTF).
+bool is_tail_leaf(const std::string& name, const std::string& bone);
+
 /// Where an error is, for its first line: shot.fbx, handle "corner"
 std::string place_of(const std::string& source, std::string_view kind, std::string_view name);
 

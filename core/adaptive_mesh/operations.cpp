@@ -1,6 +1,7 @@
 #include "core/adaptive_mesh/operations.h"
 
 #include "core/adaptive_mesh/sizing.h"
+#include "core/folds.h"
 #include "core/hinges.h"
 #include "core/proximity.h"
 
@@ -95,7 +96,7 @@ void drop_rows(Matrix& m, const std::vector<char>& gone) {
 class Collapses {
  public:
   Collapses(Sheet& sheet, const Points3& metric, int fixed, double longest)
-      : sheet_(sheet), metric_(metric), fixed_(fixed), longest_(longest), ring_(sheet.pattern.rows()), border_(sheet.pattern.rows(), 0),
+      : sheet_(sheet), metric_(metric), fixed_(fixed), longest_(longest), ring_(sheet.pattern.rows()), border_(sheet.pattern.rows(), 0), folded_(border_),
         touched_(sheet.triangles.rows(), 0), dead_(sheet.triangles.rows(), 0), gone_(sheet.pattern.rows(), 0) {
     for (int t = 0; t < sheet.triangles.rows(); ++t)
       for (int i = 0; i < 3; ++i) ring_[sheet.triangles(t, i)].push_back(t);
@@ -103,8 +104,10 @@ class Collapses {
 
   int run() {
     std::vector<Edge> edges = edges_of(sheet_, metric_);
-    for (const Edge& e : edges)
+    for (const Edge& e : edges) {
       if (e.triangles[1] < 0) border_[e.a] = border_[e.b] = 1;
+      if (on_fold(sheet_.folds, sheet_.pattern, e.a, e.b)) folded_[e.a] = folded_[e.b] = 1;
+    }
     std::stable_sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) { return a.length < b.length; });
     int collapsed = 0;
     for (const Edge& e : edges) {
@@ -164,7 +167,7 @@ class Collapses {
   }
 
   bool may_go(int from, int to, const Edge& edge) const {
-    if (from < fixed_ || !untouched(from) || !untouched(to) || !border_stays(from, to, edge)) return false;
+    if (from < fixed_ || folded_[from] || !untouched(from) || !untouched(to) || !border_stays(from, to, edge)) return false;
     // the two have no neighbours in common but the wings of their edge
     const std::vector<int> mine = neighbours(from), theirs = neighbours(to);
     std::vector<int> common;
@@ -220,7 +223,7 @@ class Collapses {
   int fixed_;
   double longest_;
   std::vector<std::vector<int>> ring_;  // triangles of each vertex
-  std::vector<char> border_, touched_, dead_, gone_;
+  std::vector<char> border_, folded_, touched_, dead_, gone_;
 };
 
 }  // namespace
@@ -276,7 +279,7 @@ int flip_to_delaunay(Sheet& sheet, const Points3& metric) {
     for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
       const auto [left, right] = hinge.triangles;
       const auto& v = hinge.vertices;
-      if (touched[left] || touched[right] || !wants_to_flip(sheet, metric, v) || !may_flip(sheet, v) || !has_room(sheet, v, {left, right})) continue;
+      if (touched[left] || touched[right] || on_fold(sheet.folds, sheet.pattern, v[0], v[1]) || !wants_to_flip(sheet, metric, v) || !may_flip(sheet, v) || !has_room(sheet, v, {left, right})) continue;
       sheet.triangles.row(left) << v[0], v[3], v[2];
       sheet.triangles.row(right) << v[3], v[1], v[2];
       touched[left] = touched[right] = 1;

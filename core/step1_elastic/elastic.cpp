@@ -254,10 +254,10 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   std::vector<double> factors = cone_factors(sheet, s.paper);
   if (factors.empty()) factors = stiffening;
   else for (std::size_t t = 0; t < stiffening.size(); ++t) factors[t] *= stiffening[t];
-  s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, factors);
+  s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, factors, sheet.folds);
   Paper soft = s.paper;
   soft.membrane_stiffness /= softening;
-  s.softened.emplace(soft, sheet.pattern, sheet.triangles, factors);
+  s.softened.emplace(soft, sheet.pattern, sheet.triangles, factors, sheet.folds);
   s.matrix.reset();
   s.past.remeshed = true;
   s.predictor.reset();

@@ -1,5 +1,7 @@
 #include "core/step1_elastic/elastic_energy.h"
 
+#include "core/folds.h"
+
 namespace paperbake {
 namespace {
 
@@ -15,13 +17,19 @@ std::array<int, 4> hinge_in_stencil(int i, bool left) {
 }  // namespace
 
 ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const Triangles& triangles,
-                             const std::vector<double>& stiffening)
+                             const std::vector<double>& stiffening, const std::vector<FoldLine>& folds)
     : paper_(paper), triangles_(triangles), hinges_(find_hinges(triangles)), stencils_(triangles.rows()) {
   for (int t = 0; t < triangles.rows(); ++t) rest_.push_back(rest_triangle(pattern, triangles.row(t)));
+  if (!folds.empty())
+    for (const Hinge& hinge : hinges_.hinges) {
+      const Vector2d a = pattern.row(hinge.vertices[0]), b = pattern.row(hinge.vertices[1]);
+      const FoldLine* fold = fold_under(folds, a, b);
+      springs_.push_back(fold ? FoldSpring{crease_stiffness(paper.bending_stiffness) * (b - a).norm(), fold->angle} : FoldSpring{});
+    }
   for (int t = 0; t < triangles.rows(); ++t) {
     std::array<double, 3> shared_area{0, 0, 0};
     for (int i = 0; i < 3; ++i)
-      if (const int h = hinges_.of_triangle[t][i]; h >= 0)
+      if (const int h = hinges_.of_triangle[t][i]; h >= 0 && (springs_.empty() || springs_[h].stiffness == 0))
         shared_area[i] = rest_[hinges_.hinges[h].triangles[0]].area + rest_[hinges_.hinges[h].triangles[1]].area;
     bend_.push_back(rest_bending(paper, pattern, triangles.row(t), shared_area, stiffening.empty() ? 1 : stiffening[t]));
     for (int i = 0; i < 3; ++i) {
@@ -51,6 +59,20 @@ Vector3d ElasticEnergy::angles_of(int t, const std::vector<double>& theta) const
   return angles;
 }
 
+double ElasticEnergy::add_folds(int t, const Vector3d& angles, Vector3d* moment, Matrix3* tangent) const {
+  if (springs_.empty()) return 0;
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int h = hinges_.of_triangle[t][i];
+    if (h < 0) continue;
+    const double k = 0.5 * springs_[h].stiffness, off = angles[i] - springs_[h].angle;
+    sum += 0.5 * k * off * off;
+    if (moment) (*moment)[i] += k * off;
+    if (tangent) (*tangent)(i, i) += k;
+  }
+  return sum;
+}
+
 PlasticMemory ElasticEnergy::gained(const std::vector<double>& theta) const {
   PlasticMemory sum(static_cast<int>(triangles_.rows()));
   for (int t = 0; t < triangles_.rows(); ++t) {
@@ -71,7 +93,8 @@ ElasticEnergy::Parts ElasticEnergy::parts(const Points3& x, const std::vector<do
   Parts sum{0, 0};
   for (int t = 0; t < triangles_.rows(); ++t) {
     sum.membrane += membrane_energy(paper_, rest_[t], corners(x, t));
-    sum.bending += bending_energy(bend_[t], angles_of(t, theta), past(t));
+    const Vector3d angles = angles_of(t, theta);
+    sum.bending += bending_energy(bend_[t], angles, past(t)) + add_folds(t, angles);
   }
   return sum;
 }
@@ -104,6 +127,7 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
     Vector3d angles, m;
     for (int i = 0; i < 3; ++i) angles[i] = hinges_.of_triangle[t][i] < 0 ? 0 : folds[hinges_.of_triangle[t][i]].theta;
     sum += bending_energy(bend_[t], angles, past(t), &m, matrix ? &tangent[t] : nullptr);
+    sum += add_folds(t, angles, &m, matrix ? &tangent[t] : nullptr);
     for (int i = 0; i < 3; ++i)
       if (hinges_.of_triangle[t][i] >= 0) moment[hinges_.of_triangle[t][i]] += m[i];
   }

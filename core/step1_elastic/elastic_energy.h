@@ -18,7 +18,8 @@ using MembraneStress = std::vector<Eigen::Matrix2d>;  // by triangle, second Pio
 class ElasticEnergy {
  public:
   /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
-  ElasticEnergy(const Paper&, const Points2& pattern, const Triangles&, const std::vector<double>& stiffening = {});
+  /// folds       lines whose hinges turn by themselves (folds.h): no moment of the paper crosses them, as none crosses a border
+  ElasticEnergy(const Paper&, const Points2& pattern, const Triangles&, const std::vector<double>& stiffening = {}, const std::vector<FoldLine>& folds = {});
 
   /// Energy at x. [J]
   double energy(const Points3& x) const;
@@ -73,6 +74,8 @@ class ElasticEnergy {
   Matrix3 corners(const Points3& x, int t) const;
   Vector3d angles_of(int t, const std::vector<double>& fold_angles) const;  // at the three edges of a triangle; 0 at the border
   PlasticState past(int t) const;
+  /// What the folded lines at a triangle add to its bending: half of each hinge's, the other triangle has the rest.
+  double add_folds(int t, const Vector3d& angles, Vector3d* moment = nullptr, Matrix3* tangent = nullptr) const;
 
   Paper paper_;
   Triangles triangles_;
@@ -80,6 +83,10 @@ class ElasticEnergy {
   std::vector<RestTriangle> rest_;
   std::vector<RestBending> bend_;
   std::vector<Stencil> stencils_;
+  struct FoldSpring {
+    double stiffness = 0, angle = 0;  // [J] k l, 0: no line; [rad]
+  };
+  std::vector<FoldSpring> springs_;   // of each hinge; empty: there are no lines
 };
 
 }  // namespace paperbake

@@ -99,7 +99,10 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
       if (conflicts.beyond[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach) members.push_back(v);
     const auto event = static_cast<std::uint32_t>(sheet.singular.size());
     if (const auto p = draw_singular_point(sheet, pattern_, paper_, conflicts, members, options_, seed_, sheet_, event)) {
-      const int born = insert_vertex(sheet, *p, fixed);
+      Sheet grown = sheet;
+      const int born = insert_vertex(grown, *p, fixed);
+      if (options_.pins.forbids(grown.pattern.row(born))) continue;  // it came to lie beside its place
+      sheet = std::move(grown);
       const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
       sheet.singular.push_back({sheet.pattern.row(born).transpose(), now.frame, "bends " + std::to_string(degrees) + " degrees in the second direction"});
       suspicions_.clear();

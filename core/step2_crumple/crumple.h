@@ -2,6 +2,7 @@
 
 #include "core/paper.h"
 #include "core/pattern.h"
+#include "core/pins.h"
 #include "core/sheet.h"
 #include "core/step2_crumple/ruled_mesh.h"
 #include "core/step2_crumple/remesh_when.h"
@@ -29,6 +30,7 @@ struct CrumpleOptions {
   int most_points = 1000;          // [1]   on one sheet
   int most_triangles = 250;        // [1]   no point is born beyond
   RulingOptions rulings;
+  Pins pins;                       // where singular points may not be born
 };
 
 struct CrumpleReport {

@@ -1,6 +1,7 @@
 #include "core/step2_crumple/flips.h"
 
 #include "core/curvature.h"
+#include "core/folds.h"
 #include "core/hinges.h"
 #include "core/proximity.h"
 
@@ -59,6 +60,7 @@ int flip_towards_rulings(Sheet& sheet, const Points3& curvature, double gain) {
       const auto [left, right] = hinge.triangles;
       if (touched[left] || touched[right]) continue;
       const auto& v = hinge.vertices;
+      if (on_fold(sheet.folds, sheet.pattern, v[0], v[1])) continue;
       const Matrix2d M = 0.25 * (metric[v[0]] + metric[v[1]] + metric[v[2]] + metric[v[3]]);
       const Vector2d old_edge = (sheet.pattern.row(v[1]) - sheet.pattern.row(v[0])).transpose();
       const Vector2d new_edge = (sheet.pattern.row(v[3]) - sheet.pattern.row(v[2])).transpose();

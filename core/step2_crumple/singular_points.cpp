@@ -1,6 +1,7 @@
 #include "core/step2_crumple/singular_points.h"
 
 #include "core/curvature.h"
+#include "core/folds.h"
 #include "core/hinges.h"
 #include "core/locate.h"
 #include "core/proximity.h"
@@ -33,6 +34,7 @@ std::vector<char> singular_vertices(const Sheet& sheet) {
 std::vector<double> folds_of_both_signs(const Sheet& sheet, const Hinges& hinges) {
   std::vector<double> up(sheet.pattern.rows(), 0.0), down = up;
   for (const Hinge& hinge : hinges.hinges) {
+    if (on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1])) continue;
     const double fold = fold_angle(sheet.x, hinge);
     for (int k = 0; k < 2; ++k) {
       double& most = (fold > 0 ? up : down)[hinge.vertices[k]];
@@ -146,7 +148,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
   const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
   const double spacing = least_spacing(pattern, paper, options);
   const auto clear = [&](const Vector2d& p) {
-    return std::none_of(sheet.singular.begin(), sheet.singular.end(),
+    return !options.pins.forbids(p) && std::none_of(sheet.singular.begin(), sheet.singular.end(),
                         [&](const SingularPoint& s) { return (s.pattern - p).norm() < spacing; });
   };
   const double margin = options.border_share * longer_side(pattern);
@@ -198,7 +200,8 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
   append(sheet.x, x);
   append(sheet.v, v);
   int edge;
-  bool on_edge = place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0;
+  bool on_edge = place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0 &&
+                 !on_fold(sheet.folds, sheet.pattern, sheet.triangles(place.triangle, (edge + 1) % 3), sheet.triangles(place.triangle, (edge + 2) % 3));
   if (on_edge) {  // the triangle beyond the edge comes up to the new vertex, if nothing lies between
     const Hinge& hinge = hinges.hinges[hinges.of_triangle[place.triangle][edge]];
     const int beyond = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];

@@ -38,10 +38,10 @@ Vector2d middle_of_conflict(const Sheet&, const Conflicts&, const std::vector<in
 double least_spacing(const Pattern&, const Paper&, const CrumpleOptions&);
 
 /// The law of [Schreck 2015]: a point drawn from a Gaussian about the middle of the conflict, with the deviation of the paper
-/// grade, within the sheet and not too near to border and other points; after 20 refused draws the middle itself.
+/// grade, within the sheet, not where it is forbidden and not too near to border and other points; after 20 refused draws the middle itself.
 /// members  vertices of the conflict
 /// event    number of the birth on this sheet: the draw depends on seed, sheet and event alone
-/// returns  [m] nothing when even the middle is too near to another singular point
+/// returns  [m] nothing when even the middle is too near to another singular point, or forbidden
 std::optional<Vector2d> draw_singular_point(const Sheet&, const Pattern&, const Paper&, const Conflicts&, const std::vector<int>& members,
                                             const CrumpleOptions&, std::uint32_t seed, std::uint32_t sheet_number, std::uint32_t event);
 

@@ -28,7 +28,7 @@ TEST_P(Corpus, EveryFileEndsInAReturnOrInAnErrorWithPlaceAndCause) {
   EXPECT_GT(files, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Readers, Corpus, testing::Values("scene", "imported", "preset", "lock", "certificate", "cache"),
+INSTANTIATE_TEST_SUITE_P(Readers, Corpus, testing::Values("scene", "imported", "preset", "lock", "job", "certificate", "cache"),
                          [](const auto& reader) { return reader.param; });
 
 }  // namespace

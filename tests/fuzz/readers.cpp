@@ -1,6 +1,7 @@
 #include "tests/fuzz/readers.h"
 
 #include "baker/cache_measure.h"
+#include "baker/job.h"
 #include "baker/verify.h"
 #include "core/error.h"
 #include "formats/alembic_cache.h"
@@ -118,6 +119,12 @@ const std::map<std::string, Reader>& readers() {
        }},
       {"preset", [](const std::string& bytes) { ends_well([&] { read_preset(written("preset.toml", bytes)); }); }},
       {"lock", [](const std::string& bytes) { ends_well([&] { read_lock(written("lock.toml", bytes)); }); }},
+      {"job", [](const std::string& bytes) {
+         ends_well([&] {
+           BakeSettings settings;
+           take_job(settings, written("job.toml", bytes));
+         });
+       }},
       {"certificate", read_certificate},
       {"cache", read_cache}};
   return all;

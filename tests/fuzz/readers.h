@@ -13,7 +13,7 @@ using Reader = std::function<void(const std::string& bytes)>;
 /// scene        read_scene of a .glb (magic), .gltf (brace) or .fbx file
 /// import       the same up to the importer, in this process: for assimp with sanitizers
 /// imported     scene_of a message of the importing process
-/// preset, lock
+/// preset, lock, job
 /// certificate  verify of a folder whose handles.csv, frames.jsonl and summary.json are parted by byte 0x1E; the summary is
 ///              sealed, and "cache.abc" is there
 /// cache        AlembicReader: every sheet, the first frames of each
