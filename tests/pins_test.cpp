@@ -163,7 +163,9 @@ TEST(Pins, TheForceOfACreaseIsTheSlopeOfItsEnergy) {
   Pattern pattern{{{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}}, {}, {}};
   pattern.folds = {{{{0.03, 0}, {0.05, 0.1}}, 0.4}};
   const PatternMesh mesh = mesh_pattern(pattern, 0.03, {});
-  const ElasticEnergy energy(Paper{}, mesh.vertices, mesh.triangles, {}, pattern.folds), plain(Paper{}, mesh.vertices, mesh.triangles);
+  Paper paper;
+  paper.membrane_stiffness = 1e-3;  // what is left is bending
+  const ElasticEnergy energy(paper, mesh.vertices, mesh.triangles, {}, pattern.folds), plain(paper, mesh.vertices, mesh.triangles);
   Points3 x(mesh.vertices.rows(), 3), gradient;
   for (int v = 0; v < x.rows(); ++v) x.row(v) << mesh.vertices.row(v), 0.01 * std::sin(40 * mesh.vertices(v, 0)) + 0.1 * mesh.vertices(v, 0) * mesh.vertices(v, 1);
   EXPECT_GT(std::abs(energy.energy(x) / plain.energy(x) - 1), 0.01);
@@ -176,7 +178,7 @@ TEST(Pins, TheForceOfACreaseIsTheSlopeOfItsEnergy) {
       up(v, c) += step, down(v, c) -= step;
       worst = std::max(worst, std::abs((energy.energy(up) - energy.energy(down)) / (2 * step) - gradient(v, c)));
     }
-  ASSERT_GT(gradient.norm(), 0.1);
+  ASSERT_GT(gradient.norm(), 1e-3);
   EXPECT_LT(worst, 1e-5 * gradient.norm());
 }
 
