@@ -85,7 +85,8 @@ void check_pins(const Pins& pins, const Pattern& pattern, const std::string& pla
   for (const FoldLine& crease : pattern.folds)
     for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
       if ((crease.line[k + 1] - crease.line[k]).norm() < 1e-3 * longer_side(pattern))
-        throw Error(Fault::command, place, fmt::format("A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name), "Leave out one of its points.");
+        throw Error(Fault::command, place, fmt::format("A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name),
+                    "Leave out one of its points.");
       for (int i = 0; i <= samples; ++i) check("crease", crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]));
     }
 }
