@@ -105,8 +105,8 @@ std::string sheet_comment(const SceneSheet& sheet) {
 std::string handle_comment(const Scene& scene, const SceneSheet& sheet, std::size_t h) {
   const Handle& handle = sheet.handles[h];
   const bool held_at_once = handle.grab_frame < scene.first_frame, never_released = handle.release_frame == std::numeric_limits<int>::max();
-  return fmt::format("\n# [handle.{}]  # holds ({:.2f}, {:.2f}) mm\n# mode = \"{}\"\n# grab_frame = {}\n# release_frame = {}\n# radius = {}  # m\n# stiffness = {}  # N/m, 0: hard\n"
-                     "# target = {}\n# ignore = false\n",
+  return fmt::format("\n# [handle.{}]  # holds ({:.2f}, {:.2f}) mm\n# mode = \"{}\"\n# grab_frame = {}\n# release_frame = {}\n"
+                     "# radius = {}  # m\n# stiffness = {}  # N/m, 0: hard\n# target = {}\n# ignore = false\n",
                      toml_string(handle.name), 1e3 * handle.pattern.x(), 1e3 * handle.pattern.y(), handle.mode == HandleMode::relative ? "relative" : "absolute",
                      held_at_once ? scene.first_frame : handle.grab_frame, never_released ? scene.last_frame + 1 : handle.release_frame,
                      toml_number(disc_radius(sheet.handles, h, sheet.pattern)), toml_number(handle.stiffness), toml_string(sheet.name));
@@ -141,12 +141,14 @@ void take_job(BakeSettings& settings, const fs::path& path) {
   for (const JobSection& section : job.handles) settings.reading.overrides.push_back(override_of(NodeOverride::handle, section));
   settings.sheets = std::move(job.sheets);
   settings.handles = std::move(job.handles);
-  if (settings.scene.empty()) throw Error(Fault::command, path.string(), "The key \"scene\" is missing.", "Write for instance scene = \"shot.glb\", from the folder of the job file.");
+  if (settings.scene.empty()) throw Error(Fault::command, path.string(), "The key \"scene\" is missing.",
+                                           "Write for instance scene = \"shot.glb\", from the folder of the job file.");
 }
 
 std::string job_text(const BakeSettings& settings, const fs::path& file) {
   const fs::path folder = file.parent_path().empty() ? "." : file.parent_path();
-  std::string text = "# A job: `paperbake bake " + file.filename().string() + "`. Paths are meant from the folder of this file; what the command line says wins.\n";
+  std::string text = "# A job: `paperbake bake " + file.filename().string() +
+                     "`. Paths are meant from the folder of this file; what the command line says wins.\n";
   for (const Option& option : options()) {
     if (!option.meaning.empty()) text += fmt::format("\n# {}\n", option.meaning);
     if (option.kind == JobKey::word) text += fmt::format("# ({})\n", fmt::join(option.words, ", "));

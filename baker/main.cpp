@@ -85,7 +85,8 @@ void add_bake(CLI::App& app, BakeWords& words) {
     if (o.name != "scene" && o.name != "output") add_option(words, o.name);
   add_set(words);
   words.command->add_flag("--dry-run", words.dry_run, "Check everything and print the job, but write nothing");
-  words.command->add_option("--write-job", words.write_job, "Write a job file that says the same, with all that it could say; without -o that is all that is done");
+  words.command->add_option("--write-job", words.write_job, "Write a job file that says the same, with all that it could say; "
+                            "without -o that is all that is done");
 }
 
 int run_bake(const BakeWords& words) {

@@ -81,7 +81,8 @@ SetValue parse_set(const std::string& text) {
     if (name != quantity.key) continue;
     const auto value = canonical({name, JobKey::number}, number);
     if (!value) throw Error(Fault::command, "--set " + name, fmt::format("\"{}\" is not a number.", number), "Write for instance --set thickness=90e-6.");
-    if (!quantity.holds(std::stod(*value))) throw Error(Fault::command, "--set " + name, out_of_bounds(quantity, std::stod(*value)), fmt::format("Give the value in {}.", quantity.unit));
+    if (!quantity.holds(std::stod(*value)))
+      throw Error(Fault::command, "--set " + name, out_of_bounds(quantity, std::stod(*value)), fmt::format("Give the value in {}.", quantity.unit));
     return {name, std::stod(*value), Origin::command};
   }
   const std::string near = nearest_word(name, names);

@@ -48,7 +48,8 @@ Ring judge(const Matrix2d& folds, const Matrix2d& round) {
 Points3 vertex_curvature(const Sheet& sheet) {
   const Hinges hinges = find_hinges(sheet.triangles);
   std::vector<double> turns;
-  for (const Hinge& hinge : hinges.hinges) turns.push_back(on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1]) ? 0 : fold_angle(sheet.x, hinge));
+  for (const Hinge& hinge : hinges.hinges)
+    turns.push_back(on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1]) ? 0 : fold_angle(sheet.x, hinge));
   return vertex_curvature(sheet.pattern, sheet.triangles, hinges, turns);
 }
 

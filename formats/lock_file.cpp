@@ -48,7 +48,8 @@ LockedJob read_lock(const std::filesystem::path& path) {
   job.stop = value_of<double>(bake, "stop", path.string());
   job.fps = value_of<double>(table_of(root, "scene", path.string()), "fps", path.string());
   if (!(job.fps > 0) || !std::isfinite(job.fps) || !std::isfinite(job.gravity) || !(job.stop > 0))
-    throw Error(Fault::command, path.string(), fmt::format("No shot has {} frames a second, a gravity of {} m/s2 and a stop of {} m.", job.fps, job.gravity, job.stop));
+    throw Error(Fault::command, path.string(),
+                fmt::format("No shot has {} frames a second, a gravity of {} m/s2 and a stop of {} m.", job.fps, job.gravity, job.stop));
   for (const auto& [sheet, node] : table_of(root, "paper", path.string()))
     if (const toml::table* table = node.as_table()) job.papers[std::string(sheet.str())] = paper_of(*table, fmt::format("{}, sheet \"{}\"", path.string(), sheet.str()));
   return job;

@@ -63,6 +63,15 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
                                        std::pow(10, power)) : "Correct paper_size or the mesh; they must agree within 1 %.");
 }
 
+/// Creases as a job file has them, their ends on the border where they are meant to be: a sheet is 0.1000001 m wide, and the job says 0.1.
+std::vector<FoldLine> ended_on_border(std::vector<FoldLine> creases, const Pattern& pattern) {
+  constexpr double near = 1e-4;  // [1] of the longer side
+  for (FoldLine& crease : creases)
+    for (Vector2d& p : crease.line)
+      if (const Vector2d border = nearest_border_point(pattern, p); (border - p).norm() <= near * longer_side(pattern)) p = border;
+  return creases;
+}
+
 /// throws Error(Fault::command) where a pin is not on the sheet
 void check_pins(const Pins& pins, const Pattern& pattern, const std::string& place, const std::string& name) {
   constexpr int samples = 64;  // of each part of a crease
@@ -76,7 +85,8 @@ void check_pins(const Pins& pins, const Pattern& pattern, const std::string& pla
   for (const FoldLine& crease : pattern.folds)
     for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
       if ((crease.line[k + 1] - crease.line[k]).norm() < 1e-3 * longer_side(pattern))
-        throw Error(Fault::command, place, fmt::format("A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name), "Leave out one of its points.");
+        throw Error(Fault::command, place, fmt::format("A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name),
+                    "Leave out one of its points.");
       for (int i = 0; i <= samples; ++i) check("crease", crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]));
     }
 }
@@ -102,7 +112,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   for (const char* key : {"preset", "gsm", "thickness", "seed"})
     if (said.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
   sheet.pins = said.pins;
-  sheet.pattern.folds = said.creases;
+  sheet.pattern.folds = ended_on_border(said.creases, sheet.pattern);
   check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {

@@ -130,6 +130,13 @@ TEST_F(Job, AllThatAWrittenJobLeavesOutMayBeUncommented) {
   EXPECT_NE(ended.out.find("mode = \"absolute\"  # job"), std::string::npos) << ended.out;
 }
 
+TEST_F(Job, TheOneInTheReadmeIsBaked) {
+  const Ended ended = run({"bake", samples + "/S8_pinned.toml", "-o", folder / "out", "--frames", "1-2", "--formats", "cert", "--progress", "none"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(read(folder / "out" / "singular.csv").find("\n1,paper,1,0.065,0.03,kept here"), std::string::npos) << read(folder / "out" / "singular.csv");
+  EXPECT_NE(read(folder / "out" / "job.lock.toml").find("apex_scatter = 0.003  # job"), std::string::npos);
+}
+
 TEST_F(Job, WithoutAnOutputFolderItEndsWithTwo) {
   write(folder / "shot.toml", "scene = \"" + samples + "/S4_crumple.glb\"\n");
   EXPECT_TRUE(is_error(run({"bake", folder / "shot.toml"}), 2, "command line", "--output"));
