@@ -24,7 +24,7 @@ ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const T
     for (const Hinge& hinge : hinges_.hinges) {
       const Vector2d a = pattern.row(hinge.vertices[0]), b = pattern.row(hinge.vertices[1]);
       const FoldLine* fold = fold_under(folds, a, b);
-      springs_.push_back(fold ? FoldSpring{crease_stiffness(paper.bending_stiffness) * (b - a).norm(), fold->angle} : FoldSpring{});
+      springs_.push_back(fold ? FoldSpring{crease_stiffness(paper) * (b - a).norm(), fold->angle} : FoldSpring{});
     }
   for (int t = 0; t < triangles.rows(); ++t) {
     std::array<double, 3> shared_area{0, 0, 0};
