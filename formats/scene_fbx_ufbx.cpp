@@ -254,10 +254,16 @@ void Copy::copy_take(const ufbx_anim_stack& stack) {
 
 Vector3d direction(ufbx_coordinate_axis axis) { return (axis % 2 ? -1 : 1) * Vector3d::Unit(axis / 2); }
 
+/// ufbx has the rates of video as 32-bit decimals.
+double rate_of_video(double fps) {
+  const double exact = std::round(fps * 1.001) / 1.001;
+  return std::abs(fps / exact - 1) < 1e-5 && std::round(fps) != fps ? exact : fps;
+}
+
 /// Unit, rate and axes of the file.
 void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
   file.unit = settings.unit_meters > 0 && std::isfinite(settings.unit_meters) ? settings.unit_meters : 0.01;
-  file.fps = settings.time_mode != UFBX_TIME_MODE_DEFAULT && settings.frames_per_second > 0 && std::isfinite(settings.frames_per_second) ? settings.frames_per_second : 0;
+  file.fps = settings.time_mode != UFBX_TIME_MODE_DEFAULT && settings.frames_per_second > 0 && std::isfinite(settings.frames_per_second) ? rate_of_video(settings.frames_per_second) : 0;
   ufbx_coordinate_axes axes = settings.axes;
   if (!ufbx_coordinate_axes_valid(axes)) axes = ufbx_axes_right_handed_y_up;
   file.to_z_up.row(0) = direction(axes.right);
