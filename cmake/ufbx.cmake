@@ -19,7 +19,15 @@ if(NOT EXISTS ${UFBX_SOURCE}/ufbx.c)
   endif()
   file(WRITE ${UFBX_CARGO}/Cargo.toml "[package]\nname = \"paperbake-ufbx\"\nversion = \"0.0.0\"\n[lib]\npath = \"none.rs\"\n[dependencies]\nufbx = \"=${UFBX_CRATE}\"\n[workspace]\n")
   file(WRITE ${UFBX_CARGO}/none.rs "")
-  execute_process(COMMAND ${CARGO} vendor --quiet ${UFBX_CRATE} WORKING_DIRECTORY ${UFBX_CARGO}
+  # cargo before 1.70, as in Debian 12, copies all of the registry's index first, unless it is made to ask for single crates
+  execute_process(COMMAND ${CARGO} --version OUTPUT_VARIABLE CARGO_VERSION ERROR_QUIET)
+  string(REGEX MATCH "[0-9]+[.][0-9]+" CARGO_VERSION "${CARGO_VERSION}")
+  set(SPARSE "")
+  if(CARGO_VERSION VERSION_LESS 1.70)
+    set(CARGO ${CMAKE_COMMAND} -E env RUSTC_BOOTSTRAP=1 ${CARGO})
+    set(SPARSE -Z sparse-registry)
+  endif()
+  execute_process(COMMAND ${CARGO} ${SPARSE} vendor --quiet ${UFBX_CRATE} WORKING_DIRECTORY ${UFBX_CARGO}
     TIMEOUT 600 RESULT_VARIABLE FAILED OUTPUT_QUIET ERROR_VARIABLE WHY)
   if(FAILED OR NOT EXISTS ${UFBX_SOURCE}/ufbx.c)
     string(STRIP "${WHY}" WHY)
