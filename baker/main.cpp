@@ -65,7 +65,7 @@ struct BakeWords {
 
 void add_reading_options(CLI::App& command, SceneOptions& options) {
   command.add_option("--fps", options.fps, "Frames a second, instead of the file's own (glTF has none: else paper_fps, else 24)")->check(positive);
-  command.add_option("--start-frame", options.start_frame, "Frame of the first key (FBX hides it; else 1)");
+  command.add_option("--start-frame", options.start_frame, "Frame of the first key, where the file has lost it (Blender's FBX export with All Actions) or is to be moved");
   command.add_option("--unit-scale", options.unit_scale, "Length of one unit of the file in metres")->check(positive);
   command.add_option("--take", options.take, "Name of the one animation to use; else all are merged");
 }

@@ -74,6 +74,8 @@ TEST(SceneFileFbx, KeyedScaleReleasesWithoutTheProperty) {
     for (std::size_t at; (at = file.find("paper_release_frame")) != std::string::npos;) file.replace(at, 5, "other");
     const Scene scene = read_scene(temporary(std::string("unnamed_release") + extension, file));
     EXPECT_EQ(handle(scene, "handle.left.5").release_frame, 61) << extension;
+    EXPECT_TRUE(scene.sheets.at(0).scale_releases.count("handle.left.5")) << extension;
+    EXPECT_FALSE(scene.sheets[0].scale_releases.count("handle.left.0")) << extension;
     EXPECT_TRUE(handle(scene, "handle.left.0").held(96)) << extension;
   }
 }
