@@ -16,11 +16,13 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json handle_json(const Handle& handle) {
+const char* release_origin(const SceneSheet& sheet, const Handle& handle) { return sheet.scale_releases.count(handle.name) ? "keyed scale" : "paper_release_frame"; }
+
+Json handle_json(const SceneSheet& sheet, const Handle& handle) {
   Json j{{"name", handle.name}, {"u_m", handle.pattern.x()}, {"v_m", handle.pattern.y()},
          {"mode", handle.mode == HandleMode::relative ? "relative" : "absolute"}};
   if (handle.grab_frame != std::numeric_limits<int>::min()) j["grab_frame"] = handle.grab_frame;
-  if (handle.release_frame != std::numeric_limits<int>::max()) j["release_frame"] = handle.release_frame;
+  if (handle.release_frame != std::numeric_limits<int>::max()) j["release_frame"] = handle.release_frame, j["release_from"] = release_origin(sheet, handle);
   if (handle.radius) j["radius_m"] = *handle.radius;
   if (handle.stiffness > 0) j["stiffness_N_per_m"] = handle.stiffness;
   return j;
@@ -38,7 +40,7 @@ Json scene_json(const Scene& scene) {
   Json sheets = Json::array(), impossible = Json::array();
   for (const SceneSheet& sheet : scene.sheets) {
     Json handles = Json::array();
-    for (const Handle& handle : sheet.handles) handles.push_back(handle_json(handle));
+    for (const Handle& handle : sheet.handles) handles.push_back(handle_json(sheet, handle));
     Json j{{"name", sheet.name}, {"width_m", extent(sheet.pattern).x()}, {"height_m", extent(sheet.pattern).y()},
            {"outline_corners", sheet.pattern.outline.size()}, {"holes", sheet.pattern.holes.size()},
            {"vertices", sheet.start.x.rows()}, {"triangles", sheet.start.triangles.rows()}};
@@ -72,7 +74,7 @@ std::string scene_text(const Scene& scene) {
       text += fmt::format("  handle \"{}\" at ({:.2f}, {:.2f}) mm, {}", h.name, 1e3 * h.pattern.x(), 1e3 * h.pattern.y(),
                           h.mode == HandleMode::relative ? "relative" : "absolute");
       if (h.grab_frame != std::numeric_limits<int>::min()) text += fmt::format(", from frame {}", h.grab_frame);
-      if (h.release_frame != std::numeric_limits<int>::max()) text += fmt::format(", until frame {}", h.release_frame);
+      if (h.release_frame != std::numeric_limits<int>::max()) text += fmt::format(", until frame {} ({})", h.release_frame, release_origin(sheet, h));
       text += '\n';
     }
   }

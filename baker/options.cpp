@@ -98,7 +98,7 @@ std::vector<Option> make_options() {
       word<ProgressMode>("progress", &BakeSettings::progress,
                          {{"auto", ProgressMode::automatic}, {"plain", ProgressMode::plain}, {"json", ProgressMode::json}, {"none", ProgressMode::none}}, "auto", "How to tell on stderr how far it is"),
       open({"fps", K::number, above_zero}, "24", "Frames a second, instead of the file's own (glTF has none: else paper_fps, else 24)", to_number([](auto& s) -> auto& { return s.reading.fps; })),
-      open({"start_frame", K::whole, -1e6, 1e6}, "1", "Frame of the first key (FBX hides it; else 1)", [](auto& s, auto& text, auto&) { s.reading.start_frame = std::stoi(text); }),
+      open({"start_frame", K::whole, -1e6, 1e6}, "1", "Frame of the first key, where the file has lost it (Blender's FBX export with All Actions) or is to be moved", [](auto& s, auto& text, auto&) { s.reading.start_frame = std::stoi(text); }),
       open({"unit_scale", K::number, above_zero}, "1", "Length of one unit of the file in metres", to_number([](auto& s) -> auto& { return s.reading.unit_scale; })),
       open({"take", K::text}, "Take 001", "Name of the one animation to use; else all are merged", [](auto& s, auto& text, auto&) { s.reading.take = text; }),
   };

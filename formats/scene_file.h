@@ -16,7 +16,7 @@ namespace paperbake {
 /// What the command line may say about a scene file; what it leaves open is taken from the file.
 struct SceneOptions {
   std::optional<double> fps;          // [1/s]   else FBX's own, else paper_fps, else 24 with a warning
-  std::optional<int> start_frame;     // frame of the first key; FBX through assimp hides it
+  std::optional<int> start_frame;     // frame of the first key, else the file's; 1 with a warning where the file has lost it
   std::optional<double> unit_scale;   // [m]     length of one unit of the file, replaces the file's own
   std::optional<std::string> take;    // name of the one animation to use; else all are merged
   std::vector<NodeOverride> overrides;  // of a job file
@@ -28,6 +28,7 @@ struct SceneSheet {
   Pattern pattern;                    // outline and holes of the imported mesh
   Sheet start;                        // the imported mesh, welded, at the first frame: pattern, x, triangles
   std::vector<Handle> handles;        // in order of the file
+  std::set<std::string> scale_releases;  // handles whose release frame is where their keyed scale falls under half
   std::optional<std::string> preset;  // paper_preset
   std::optional<double> grammage;     // paper_gsm, as in the file       [g/m2]
   std::optional<double> thickness;    // paper_thickness                 [m]

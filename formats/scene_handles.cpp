@@ -174,8 +174,8 @@ void read_properties(const SceneNodes& scene, const Found& found, Handle& handle
   handle.stiffness = nonnegative_property(source, node, "paper_stiffness").value_or(0);
 }
 
-/// Positions over the frames of the scene, and where the scale falls under half of what it was at the first.
-void read_motion(const SceneNodes& scene, const std::vector<Found>& found, std::vector<Handle>& handles) {
+/// Positions over the frames of the scene, and where the scale falls under half of what it was at the first: which handles that releases.
+std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<Found>& found, std::vector<Handle>& handles) {
   const auto size = [](const Eigen::Affine3d& world) { return std::cbrt(std::abs(world.linear().determinant())); };
   const int frames = scene.last_frame - scene.first_frame + 1;
   std::vector<double> first_size(found.size());
@@ -188,8 +188,12 @@ void read_motion(const SceneNodes& scene, const std::vector<Found>& found, std::
       if (size(world[found[i].node]) < released_scale * first_size[i]) shrunk[i] = std::min(shrunk[i], scene.first_frame + f);
     }
   }
-  for (std::size_t i = 0; i < found.size(); ++i)
-    if (handles[i].release_frame == std::numeric_limits<int>::max()) handles[i].release_frame = shrunk[i];
+  std::vector<bool> by_scale(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    by_scale[i] = handles[i].release_frame == std::numeric_limits<int>::max() && shrunk[i] != std::numeric_limits<int>::max();
+    if (by_scale[i]) handles[i].release_frame = shrunk[i];
+  }
+  return by_scale;
 }
 
 void check_jumps(const SceneNodes& scene, const Found& found, const Handle& handle, const SceneSheet& sheet) {
@@ -224,13 +228,14 @@ void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets, std::
     handles[i].name = scene.file.nodes[found[i].node].name;
     read_properties(scene, found[i], handles[i]);
   }
-  read_motion(scene, found, handles);
+  const std::vector<bool> by_scale = read_motion(scene, found, handles);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Grip grip = grip_of(scene, sheets, found[i], handles[i].keyed.row(0));
     SceneSheet& sheet = sheets[grip.sheet];
     handles[i].pattern = snapped_to_border(sheet.pattern, grip.point.pattern);
     check_jumps(scene, found[i], handles[i], sheet);
     warn_of_odd_handle(scene, handles[i], sheet, grip.point.distance, warnings);
+    if (by_scale[i]) sheet.scale_releases.insert(handles[i].name);
     sheet.handles.push_back(std::move(handles[i]));
   }
   for (const SceneSheet& sheet : sheets)

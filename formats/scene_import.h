@@ -1,6 +1,8 @@
 #pragma once
 
+#include "core/error.h"
 #include "core/sheet.h"
+#include "formats/scene_tracks.h"
 
 #include <Eigen/Geometry>
 
@@ -16,22 +18,20 @@ namespace paperbake {
 /// A custom property of a node. Whole numbers and truth values come as numbers, arrays of numbers as lists.
 using PropertyValue = std::variant<double, std::string, std::vector<double>>;
 
-template <class Value>
-struct Key {
-  double time;                                      // [s] in a file, frames in a scene
-  Value value;
-};
-
 /// What one take says about one node: its local transform is T R S, each part keyed by itself; an empty part is the identity.
 struct Motion {
-  std::vector<Key<Vector3d>> translation, scale;
-  std::vector<Key<Eigen::Quaterniond>> rotation;
+  Track<Vector3d> translation, scale;
+  Track<Eigen::Quaterniond> rotation;
+  std::vector<double> key_times;                    // [as the tracks] what was keyed, in order: tracks may be sampled between these
 };
 
 struct ImportedNode {
   std::string name;                                 // raw; for a pivot: that of the node it belongs to
   int parent = -1;                                  // comes before its children; -1: none
-  Eigen::Affine3d local;                            // where no take moves it
+  Eigen::Affine3d local = Eigen::Affine3d::Identity();  // where no take moves it, but for `scale`
+  Vector3d scale = Vector3d::Ones();
+  bool own_scale = false;                           // the parent's scale moves its origin, but does not scale it (FBX InheritType RrSs, Rrs)
+  int scale_from = -1;                              // then: the node above whose scale it is multiplied by; -1: none
   bool pivot = false;                               // a part of an FBX node's transform, no node of the file
   bool offsets_mesh_only = false;                   // a pivot that moves the mesh, not the node (FBX geometric transform)
   std::vector<int> meshes;
@@ -49,13 +49,16 @@ struct ImportedMesh {
 /// A stack (FBX) or animation (glTF).
 struct Take {
   std::string name;
-  double seconds = 0;                               // length; in FBX from its start, which is time 0
+  double begin = 0, end = 0;                        // [s] as the file says; equal: it does not
   std::map<int, Motion> motions;                    // node -> motion
 };
 
 /// A DCC file as it is: its own units, axes and seconds.
 struct ImportedFile {
   bool fbx = false;                                 // else glTF
+  bool start_lost = false;                          // times count from the clip's start, and its frame is not known
+  std::string reader;                               // for messages: what read the curves
+  std::vector<std::string> warnings;                // one sentence each
   std::vector<ImportedNode> nodes;                  // in order of the file
   std::vector<ImportedMesh> meshes;
   std::vector<Take> takes;
@@ -65,12 +68,19 @@ struct ImportedFile {
   std::string up_axis;                              // for messages: "y up"
 };
 
+/// The remedy for a damaged file.
+inline const char* const export_again = "Export the file again as FBX, glTF or GLB and check that it opens in the DCC.";
+
+/// The error of a file of another kind.
+Error foreign_file(const std::filesystem::path&);
+
 /// Reads an FBX, glTF or GLB file. Every number in it is finite and every triangle has its vertices.
 /// The importer, which trusts what it reads, works in a process of its own (formats/apart.h) within limits of memory and time.
+/// fps: of the frames that will be asked for, where it is not the file's own; curves of FBX are sampled there
 /// throws Error(Fault::scene): missing, damaged or foreign file, one that the importer does not survive. source: import.md
-ImportedFile import_file(const std::filesystem::path&);
+ImportedFile import_file(const std::filesystem::path&, std::optional<double> fps = {});
 
 /// The same in this process, which a damaged file may end.
-ImportedFile import_here(const std::filesystem::path&);
+ImportedFile import_here(const std::filesystem::path&, std::optional<double> fps = {});
 
 }  // namespace paperbake

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
+#include <limits>
 #include <stdexcept>
 #include <type_traits>
 
@@ -94,8 +95,18 @@ void pass(Way& way, Eigen::Quaterniond& q) { pass(way, q.coeffs()); }
 template <class Way, class Value>
 void pass(Way& way, Key<Value>& key) { pass(way, key.time), pass(way, key.value); }
 
+template <class Way, class Value>
+void pass(Way& way, Slopes<Value>& slopes) { pass(way, slopes.in), pass(way, slopes.out); }
+
+template <class Way, class Value>
+void pass(Way& way, Track<Value>& track) {
+  std::uint8_t between = static_cast<std::uint8_t>(track.between);
+  pass(way, track.keys), pass(way, track.slopes), pass(way, between);
+  track.between = static_cast<Between>(between);
+}
+
 template <class Way>
-void pass(Way& way, Motion& motion) { pass(way, motion.translation), pass(way, motion.scale), pass(way, motion.rotation); }
+void pass(Way& way, Motion& motion) { pass(way, motion.translation), pass(way, motion.scale), pass(way, motion.rotation), pass(way, motion.key_times); }
 
 template <class Way>
 void pass(Way& way, PropertyValue& value) {
@@ -111,30 +122,45 @@ void pass(Way& way, PropertyValue& value) {
 
 template <class Way>
 void pass(Way& way, ImportedNode& n) {
-  pass(way, n.name), pass(way, n.parent), pass(way, n.local), pass(way, n.pivot), pass(way, n.offsets_mesh_only), pass(way, n.meshes), pass(way, n.properties);
+  pass(way, n.name), pass(way, n.parent), pass(way, n.local), pass(way, n.scale), pass(way, n.own_scale), pass(way, n.scale_from), pass(way, n.pivot), pass(way, n.offsets_mesh_only), pass(way, n.meshes), pass(way, n.properties);
 }
 
 template <class Way>
 void pass(Way& way, ImportedMesh& m) { pass(way, m.x), pass(way, m.uv), pass(way, m.triangles), pass(way, m.deformed); }
 
 template <class Way>
-void pass(Way& way, Take& t) { pass(way, t.name), pass(way, t.seconds), pass(way, t.motions); }
+void pass(Way& way, Take& t) { pass(way, t.name), pass(way, t.begin), pass(way, t.end), pass(way, t.motions); }
 
 template <class Way>
 void pass(Way& way, ImportedFile& f) {
-  pass(way, f.fbx), pass(way, f.nodes), pass(way, f.meshes), pass(way, f.takes), pass(way, f.unit), pass(way, f.fps), pass(way, f.to_z_up), pass(way, f.up_axis);
+  pass(way, f.fbx), pass(way, f.start_lost), pass(way, f.reader), pass(way, f.warnings), pass(way, f.nodes), pass(way, f.meshes), pass(way, f.takes), pass(way, f.unit), pass(way, f.fps), pass(way, f.to_z_up), pass(way, f.up_axis);
 }
 
 template <class Way>
 void pass(Way& way, SceneMessage& m) { pass(way, m.file), pass(way, m.place), pass(way, m.cause), pass(way, m.remedy); }
 
+void check_times(double before, double time) {
+  if (!std::isfinite(time) || time < before) refuse("a key is no number or out of order");
+}
+
 template <class Value>
-void check_keys(const std::vector<Key<Value>>& keys) {
-  for (std::size_t k = 0; k < keys.size(); ++k) {
-    bool finite = std::isfinite(keys[k].time);
-    if constexpr (std::is_same_v<Value, Vector3d>) finite = finite && keys[k].value.allFinite();
-    else finite = finite && std::abs(keys[k].value.norm() - 1) < 1e-6;
-    if (!finite || (k > 0 && keys[k].time < keys[k - 1].time)) refuse("a key is no number or out of order");
+void check_track(const Track<Value>& track) {
+  const bool cubic = track.between == Between::cubic;
+  if (track.between > Between::cubic || track.slopes.size() != (cubic ? track.keys.size() : 0)) refuse("a track does not have a slope for each key");
+  double before = -std::numeric_limits<double>::infinity();
+  for (const Key<Value>& key : track.keys) {
+    check_times(before, key.time), before = key.time;
+    if constexpr (std::is_same_v<Value, Vector3d>) {
+      if (!key.value.allFinite()) refuse("a key is no number");
+    } else if (!(std::abs(key.value.norm() - 1) < 1e-6)) {
+      refuse("a key is no rotation");
+    }
+  }
+  for (const Slopes<Value>& slopes : track.slopes) {
+    bool finite;
+    if constexpr (std::is_same_v<Value, Vector3d>) finite = slopes.in.allFinite() && slopes.out.allFinite();
+    else finite = slopes.in.coeffs().allFinite() && slopes.out.coeffs().allFinite();
+    if (!finite) refuse("a slope is no number");
   }
 }
 
@@ -143,7 +169,8 @@ void check(const ImportedFile& file) {
   for (std::size_t i = 0; i < file.nodes.size(); ++i) {
     const ImportedNode& node = file.nodes[i];
     if (node.parent != -1 && !below(node.parent, i)) refuse("a node stands before its parent");
-    if (!node.local.matrix().allFinite()) refuse("a transform is no number");
+    if (!node.local.matrix().allFinite() || !node.scale.allFinite()) refuse("a transform is no number");
+    if (node.scale_from != -1 && !below(node.scale_from, i)) refuse("a node stands before what scales it");
     for (const int mesh : node.meshes)
       if (!below(mesh, file.meshes.size())) refuse("a node has a mesh that is not there");
   }
@@ -153,10 +180,11 @@ void check(const ImportedFile& file) {
     if (mesh.triangles.size() > 0 && (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.x.rows())) refuse("a face has a vertex that is not there");
   }
   for (const Take& take : file.takes) {
-    if (!std::isfinite(take.seconds)) refuse("a take's length is no number");
+    if (!std::isfinite(take.begin) || !std::isfinite(take.end)) refuse("a take's length is no number");
     for (const auto& [node, motion] : take.motions) {
       if (!below(node, file.nodes.size())) refuse("a take moves a node that is not there");
-      check_keys(motion.translation), check_keys(motion.scale), check_keys(motion.rotation);
+      check_track(motion.translation), check_track(motion.scale), check_track(motion.rotation);
+      for (std::size_t k = 0; k < motion.key_times.size(); ++k) check_times(k > 0 ? motion.key_times[k - 1] : motion.key_times[k], motion.key_times[k]);
     }
   }
   if (!(file.unit > 0) || !std::isfinite(file.unit) || !(file.fps >= 0) || !std::isfinite(file.fps) || !file.to_z_up.allFinite()) refuse("unit, rate or axes are no numbers");

@@ -15,6 +15,7 @@ namespace {
 constexpr double frame_rounding = 0.01;  // [frames] files come with 99.9999 for 100
 constexpr int longest_clip = 100000;     // [frames] over an hour: more is a wrong fps or a damaged file
 constexpr double most_places = 2e7;      // nodes x frames: half a gigabyte of tracks, seconds
+constexpr double widest_turn = 60;       // [degrees] between two keys
 
 template <class AnyMotion, class Visit>
 void for_each_track(AnyMotion& motion, Visit visit) {
@@ -23,17 +24,18 @@ void for_each_track(AnyMotion& motion, Visit visit) {
   visit(motion.scale);
 }
 
-std::size_t key_count(const Motion& motion) { return motion.translation.size() + motion.rotation.size() + motion.scale.size(); }
+bool moves(const Motion& motion) { return !motion.translation.keys.empty() || !motion.rotation.keys.empty() || !motion.scale.keys.empty(); }
 
 bool varies(const Motion& motion) {
   bool varies = false;
-  const auto differs = [](const auto& a, const auto& b) { return !a.isApprox(b, 1e-6); };
-  const auto check_vectors = [&](const auto& keys) {
-    for (const auto& key : keys) varies |= differs(key.value, keys.front().value);
+  const auto numbers = [](const auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, Vector3d>) return value;
+    else return Eigen::Vector4d(value.coeffs());
   };
-  check_vectors(motion.translation);
-  check_vectors(motion.scale);
-  for (const auto& key : motion.rotation) varies |= differs(key.value.coeffs(), motion.rotation.front().value.coeffs());
+  for_each_track(motion, [&](const auto& track) {
+    for (const auto& key : track.keys) varies |= !numbers(key.value).isApprox(numbers(track.keys.front().value), 1e-6);
+    for (const auto& slopes : track.slopes) varies |= numbers(slopes.in).norm() + numbers(slopes.out).norm() > 1e-6;
+  });
   return varies;
 }
 
@@ -81,7 +83,7 @@ Choice choose_take(const std::vector<const Take*>& takes, const std::vector<int>
     for (int node : group) {
       const auto motion = take->motions.find(node);
       if (motion == take->motions.end()) continue;
-      choice.keys += key_count(motion->second);
+      choice.keys += motion->second.key_times.size();
       choice.varies |= varies(motion->second);
     }
     if (choice.keys == 0) continue;
@@ -115,15 +117,6 @@ std::vector<const Take*> merge_takes(SceneNodes& scene, const SceneOptions& opti
   return used;
 }
 
-/// Takes know nodes by their names only.
-void warn_of_doubled_names(SceneNodes& scene) {
-  std::map<std::string, int> count;
-  for (const ImportedNode& node : scene.file.nodes) count[node.name] += !node.pivot;
-  for (std::size_t i = 0; i < scene.motions.size(); ++i)
-    if (const std::string& name = scene.file.nodes[i].name; key_count(scene.motions[i]) > 0 && count[name] > 1)
-      scene.warnings.push_back(fmt::format("{} nodes have the name \"{}\": only the first of them is moved.", count[name], name));
-}
-
 void set_fps(SceneNodes& scene, const SceneOptions& options) {
   const auto set = [&](double fps, std::string from) {
     scene.fps = fps;
@@ -152,56 +145,129 @@ struct Span {
 Span key_span(const std::vector<Motion>& motions) {
   Span span;
   for (const Motion& motion : motions)
-    for_each_track(motion, [&](const auto& keys) {
-      if (keys.size() > 1) span.add(keys.front().time), span.add(keys.back().time);
-    });
+    if (motion.key_times.size() > 1) span.add(motion.key_times.front()), span.add(motion.key_times.back());
   return span;
 }
 
-double to_frame(double seconds, double fps, int shift) {
-  const double frame = seconds * fps + shift, whole = std::round(frame);
-  return std::abs(frame - whole) <= frame_rounding ? whole : frame;
+/// Of a time in the file.
+struct Clock {
+  double fps;
+  int shift = 0;  // [frames]
+  double frame(double seconds) const {
+    const double frame = seconds * fps + shift, whole = std::round(frame);
+    return std::abs(frame - whole) <= frame_rounding ? whole : frame;
+  }
+};
+
+bool all_keys_on_frames(const std::vector<Motion>& motions, double fps) {
+  const Clock clock{fps};
+  for (const Motion& motion : motions)
+    if (motion.key_times.size() > 1)
+      for (const double time : motion.key_times)
+        if (const double frame = clock.frame(time); frame != std::round(frame)) return false;
+  return true;
+}
+
+/// Frames per second of the times in a glTF file: the scene's, or one that differs from it by the 1000/1001 of video. Blender
+/// writes frame/(30 x 1.001) where 29.97 is meant. source: import.md 5
+double clock_rate(SceneNodes& scene) {
+  if (scene.file.fbx || all_keys_on_frames(scene.motions, scene.fps)) return scene.fps;
+  for (const double off : {1.001 * 1.001, 1.001, 1 / 1.001}) {
+    if (!all_keys_on_frames(scene.motions, scene.fps * off)) continue;
+    scene.warnings.push_back(fmt::format("The file's times are those of {:.6g} frames per second: its keys are put on whole frames of {:.6g}.", scene.fps * off, scene.fps));
+    return scene.fps * off;
+  }
+  return scene.fps;
 }
 
 /// The frame that time 0 of the file falls on.
-int first_frame_shift(SceneNodes& scene, const SceneOptions& options, const Span& keys) {
+int first_frame_shift(SceneNodes& scene, const SceneOptions& options, double first_key) {
   if (options.start_frame) {
     scene.origin["first_frame"] = "command line";
-    // FBX through assimp begins at 0 whenever its clip begins; glTF keeps the time line of the DCC
-    const double first_key = scene.file.fbx ? 0 : std::floor(to_frame(keys.first, scene.fps, 0));
-    return *options.start_frame - static_cast<int>(first_key);
+    return *options.start_frame - (scene.file.start_lost ? 0 : static_cast<int>(std::floor(first_key)));
   }
-  scene.origin["first_frame"] = scene.file.fbx ? "default" : "file";
-  if (!scene.file.fbx) return 0;
-  scene.warnings.push_back("The first frame of an FBX file cannot be read: 1 is assumed; --start-frame N sets it.");
+  scene.origin["first_frame"] = scene.file.start_lost ? "default" : "file";
+  if (!scene.file.start_lost) return 0;
+  scene.warnings.push_back("The file does not say its first frame: 1 is assumed; --start-frame N sets it.");
   return 1;
 }
 
-void warn_of_keys_between_frames(SceneNodes& scene) {
+void warn_of_keys_between_frames(SceneNodes& scene, const Clock& clock) {
   std::size_t between = 0, all = 0;
-  for (const Motion& motion : scene.motions)
-    for_each_track(motion, [&](const auto& keys) {
-      if (keys.size() < 2) return;
-      all += keys.size();
-      for (const auto& key : keys) between += key.time != std::round(key.time);
-    });
+  for (const Motion& motion : scene.motions) {
+    if (motion.key_times.size() < 2) continue;
+    all += motion.key_times.size();
+    for (const double time : motion.key_times) between += clock.frame(time) != std::round(clock.frame(time));
+  }
   if (between > 0)
     scene.warnings.push_back(fmt::format("{} of {} keys lie between whole frames at {:.6g} frames per second: is that the scene's rate "
                                          "(--fps)?", between, all, scene.fps));
 }
 
+/// Times become frames, and slopes those of frames.
+template <class Value>
+void put_on_frames(Track<Value>& track, const Clock& clock) {
+  for (Key<Value>& key : track.keys) key.time = clock.frame(key.time);
+  for (Slopes<Value>& slopes : track.slopes)
+    for (Value* slope : {&slopes.in, &slopes.out}) {
+      if constexpr (std::is_same_v<Value, Vector3d>) *slope /= clock.fps;
+      else slope->coeffs() /= clock.fps;
+    }
+}
+
+/// Frames at which something moves, of tracks that are sampled on.
+Span track_span(const std::vector<Motion>& motions) {
+  Span span;
+  for (const Motion& motion : motions)
+    for_each_track(motion, [&](const auto& track) {
+      if (track.keys.size() > 1) span.add(track.keys.front().time), span.add(track.keys.back().time);
+    });
+  return span;
+}
+
+/// Euler angles that were not sampled are lost in such a span: the file's rotation takes another way.
+void warn_of_wide_turns(SceneNodes& scene) {
+  double widest = widest_turn;
+  std::string where;
+  for (std::size_t i = 0; i < scene.motions.size(); ++i) {
+    const Track<Eigen::Quaterniond>& track = scene.motions[i].rotation;
+    if (track.between == Between::step) continue;
+    for (std::size_t k = 1; k < track.keys.size(); ++k) {
+      const auto &a = track.keys[k - 1], &b = track.keys[k];
+      const double turn = a.value.angularDistance(b.value) * 180 / EIGEN_PI;
+      if (b.time - a.time <= 1 || turn <= widest) continue;
+      widest = turn;
+      where = fmt::format("\"{}\" turns by {:.0f} degrees between its keys at frames {:.6g} and {:.6g}", scene.file.nodes[i].name, turn, a.time, b.time);
+    }
+  }
+  if (!where.empty()) scene.warnings.push_back(where + ": the file does not say how the DCC goes from one to the other; export with a key on every frame.");
+}
+
+/// Frames of a scene that no key moves: those the file gives its first take, or one.
+void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
+  const Clock clock{scene.fps};
+  int first = 1, last = 1;
+  scene.origin["first_frame"] = options.start_frame ? "command line" : "default";
+  for (const Take& take : scene.file.takes) {
+    if (!(take.begin < take.end) || scene.file.start_lost || !(std::abs(take.begin) + std::abs(take.end) < longest_clip / scene.fps)) continue;
+    first = static_cast<int>(std::floor(clock.frame(take.begin))), last = static_cast<int>(std::ceil(clock.frame(take.end)));
+    if (!options.start_frame) scene.origin["first_frame"] = "file";
+    break;
+  }
+  const int shift = options.start_frame ? *options.start_frame - first : 0;
+  scene.first_frame = scene.last_frame = scene.first_clip_frame = first + shift;
+  scene.last_clip_frame = last + shift;
+}
+
 void set_frames(SceneNodes& scene, const SceneOptions& options, const std::vector<const Take*>& used) {
   const Span keys = key_span(scene.motions);
-  if (keys.empty()) {
-    scene.first_frame = scene.last_frame = scene.first_clip_frame = scene.last_clip_frame = options.start_frame.value_or(1);
-    scene.origin["first_frame"] = options.start_frame ? "command line" : "default";
-    return;
-  }
-  const int shift = std::abs(keys.first) * scene.fps < 1e9 ? first_frame_shift(scene, options, keys) : 0;
+  if (keys.empty()) return set_still_frames(scene, options);
+  Clock clock{clock_rate(scene)};
+  clock.shift = std::abs(keys.first) * scene.fps < 1e9 ? first_frame_shift(scene, options, clock.frame(keys.first)) : 0;
   Span clip = keys;
   for (const Take* take : used)
-    if (scene.file.fbx) clip.add(0), clip.add(take->seconds);
-  const double first = to_frame(clip.first, scene.fps, shift), last = to_frame(clip.last, scene.fps, shift);
+    if (take->begin < take->end) clip.add(take->begin), clip.add(take->end);
+  const double first = clock.frame(clip.first), last = clock.frame(clip.last);
   if (!(last - first <= longest_clip) || std::abs(first) > 1e9)
     throw Error(Fault::scene, scene.source, fmt::format("The clip runs from frame {:.6g} to {:.6g}.", first, last),
                 "Check --fps, and the range of the export.");
@@ -209,14 +275,16 @@ void set_frames(SceneNodes& scene, const SceneOptions& options, const std::vecto
     throw Error(Fault::scene, scene.source, fmt::format("The clip has {:.6g} frames of {} nodes: that is too much to follow.", last - first + 1, scene.file.nodes.size()),
                 "Export the sheets and handles alone, or a shorter range.");
   for (Motion& motion : scene.motions)
-    for_each_track(motion, [&](auto& track) {
-      for (auto& key : track) key.time = to_frame(key.time, scene.fps, shift);
-    });
+    for_each_track(motion, [&](auto& track) { put_on_frames(track, clock); });
   scene.first_clip_frame = static_cast<int>(std::floor(first));
   scene.last_clip_frame = static_cast<int>(std::ceil(last));
-  scene.first_frame = static_cast<int>(std::floor(to_frame(keys.first, scene.fps, shift)));
-  scene.last_frame = static_cast<int>(std::ceil(to_frame(keys.last, scene.fps, shift)));
-  warn_of_keys_between_frames(scene);
+  scene.first_frame = static_cast<int>(std::floor(clock.frame(keys.first)));
+  scene.last_frame = static_cast<int>(std::ceil(clock.frame(keys.last)));
+  const Span moving = track_span(scene.motions);  // curves may go on beyond their keys, over all of the clip
+  if (moving.first < scene.first_frame) scene.first_frame = scene.first_clip_frame;
+  if (moving.last > scene.last_frame) scene.last_frame = scene.last_clip_frame;
+  warn_of_keys_between_frames(scene, clock);
+  warn_of_wide_turns(scene);
 }
 
 void set_unit(SceneNodes& scene, const SceneOptions& options) {
@@ -229,26 +297,18 @@ void set_unit(SceneNodes& scene, const SceneOptions& options) {
   scene.origin["up_axis"] = scene.file.up_axis + (scene.file.fbx ? ", file" : ", glTF");
 }
 
-template <class Value, class Mix>
-Value value_at(const std::vector<Key<Value>>& keys, double frame, Value none, Mix mix) {
-  if (keys.empty()) return none;
-  const auto after = std::upper_bound(keys.begin(), keys.end(), frame,
-                                      [](double f, const Key<Value>& key) { return f < key.time; });
-  if (after == keys.begin()) return keys.front().value;
-  const auto before = std::prev(after);
-  if (after == keys.end() || before->time == frame) return before->value;
-  return mix(before->value, after->value, (frame - before->time) / (after->time - before->time));
-}
+/// Local transform without its scale, and that.
+struct Local {
+  Eigen::Affine3d place;
+  Vector3d scale;
+};
 
-Eigen::Affine3d local_at(const ImportedNode& node, const Motion& motion, int frame) {
-  if (key_count(motion) == 0) return node.local;
-  const auto line = [](const Vector3d& a, const Vector3d& b, double t) -> Vector3d { return (1 - t) * a + t * b; };
-  const auto arc = [](const Eigen::Quaterniond& a, const Eigen::Quaterniond& b, double t) { return a.slerp(t, b); };
-  Eigen::Affine3d local = Eigen::Affine3d::Identity();
-  local.translate(value_at(motion.translation, frame, Vector3d(Vector3d::Zero()), line));
-  local.rotate(value_at(motion.rotation, frame, Eigen::Quaterniond::Identity(), arc));
-  local.scale(value_at(motion.scale, frame, Vector3d(Vector3d::Ones()), line));
-  return local;
+Local local_at(const ImportedNode& node, const Motion& motion, int frame) {
+  if (!moves(motion)) return {node.local, node.scale};
+  Eigen::Affine3d place = Eigen::Affine3d::Identity();
+  place.translate(value_at(motion.translation, frame, Vector3d::Zero()));
+  place.rotate(value_at(motion.rotation, frame));
+  return {place, value_at(motion.scale, frame, Vector3d::Ones())};
 }
 
 }  // namespace
@@ -257,8 +317,9 @@ SceneNodes scene_nodes(ImportedFile file, std::string source, const SceneOptions
   SceneNodes scene;
   scene.source = std::move(source);
   scene.file = std::move(file);
+  scene.warnings = scene.file.warnings;
+  scene.origin["curves"] = scene.file.reader;
   const auto used = merge_takes(scene, options);
-  warn_of_doubled_names(scene);
   set_fps(scene, options);
   set_frames(scene, options, used);
   set_unit(scene, options);
@@ -266,12 +327,26 @@ SceneNodes scene_nodes(ImportedFile file, std::string source, const SceneOptions
 }
 
 std::vector<Eigen::Affine3d> world_at(const SceneNodes& scene, int frame) {
+  struct Placed {
+    Eigen::Affine3d world, without_scale;
+    Vector3d scale;
+  };
   Eigen::Affine3d metres = Eigen::Affine3d::Identity();
   metres.linear() = scene.unit * scene.file.to_z_up;
-  std::vector<Eigen::Affine3d> world(scene.file.nodes.size());
-  for (std::size_t i = 0; i < world.size(); ++i) {
+  const Placed root{metres, metres, Vector3d::Ones()};
+  std::vector<Placed> placed;
+  std::vector<Eigen::Affine3d> world;
+  for (std::size_t i = 0; i < scene.file.nodes.size(); ++i) {
     const ImportedNode& node = scene.file.nodes[i];
-    world[i] = (node.parent < 0 ? metres : world[node.parent]) * local_at(node, scene.motions[i], frame);
+    const Placed& parent = node.parent < 0 ? root : placed[node.parent];
+    Local local = local_at(node, scene.motions[i], frame);
+    if (node.own_scale) {
+      local.place.translation() = local.place.translation().cwiseProduct(parent.scale).eval();
+      if (node.scale_from >= 0) local.scale = local.scale.cwiseProduct(placed[node.scale_from].scale).eval();
+    }
+    const Eigen::Affine3d place = (node.own_scale ? parent.without_scale : parent.world) * local.place;
+    placed.push_back({place * Eigen::Scaling(local.scale), place, local.scale});
+    world.push_back(placed.back().world);
   }
   return world;
 }

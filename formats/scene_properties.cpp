@@ -51,6 +51,23 @@ std::optional<double> as_number(const PropertyValue& value) {
 
 }  // namespace
 
+PropertyValue text_or_list(const std::string& text) {
+  if (text.size() < 2 || text.front() != '[' || text.back() != ']') return text;
+  std::vector<double> list;
+  for (const char *at = text.data() + 1, *end = text.data() + text.size() - 1; at < end;) {
+    if (*at == ' ' || *at == ',') {
+      ++at;
+      continue;
+    }
+    double number;
+    const auto [next, error] = std::from_chars(at, end, number);
+    if (error != std::errc()) return text;
+    list.push_back(number);
+    at = next;
+  }
+  return list;
+}
+
 std::string matched_name(std::string_view raw) {
   raw.remove_prefix(raw.rfind(':') + 1);  // npos + 1 = 0
   const auto digit = [](char c) { return '0' <= c && c <= '9'; };

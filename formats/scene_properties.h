@@ -9,6 +9,9 @@
 
 namespace paperbake {
 
+/// A list of numbers that FBX wrote as text, "[0.3, 0.03]"; else the text itself.
+PropertyValue text_or_list(const std::string&);
+
 /// Names as they are matched, not as they identify: lower case, `_` and `-` as `.`, no namespace in front ("rig:"),
 /// no Blender number behind (".001"). "Rig:Handle_Left.001" -> "handle.left"
 std::string matched_name(std::string_view raw);

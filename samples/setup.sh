@@ -17,15 +17,26 @@ missing_packages() {
   comm -23 <(echo "$wanted") <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' $wanted 2>/dev/null | sed -n 's/^installed //p' | sort -u)
 }
 
-# install_packages GROUP...: asks apt only when something is missing, and never asks the user
+# apt_install PACKAGE...: never asks the user
+apt_install() {
+  local as_root=(env DEBIAN_FRONTEND=noninteractive)
+  ((EUID == 0)) || as_root=(sudo -n "${as_root[@]}")
+  echo "Installing $*"
+  "${as_root[@]}" apt-get update && "${as_root[@]}" apt-get install -y --no-install-recommends "$@"
+}
+
+# install_packages GROUP...: asks apt only when something is missing
 install_packages() {
-  local missing as_root=(env DEBIAN_FRONTEND=noninteractive)
+  local missing
   mapfile -t missing < <(missing_packages "$@")
   ((${#missing[@]})) || return 0
-  ((EUID == 0)) || as_root=(sudo -n "${as_root[@]}")
-  echo "Installing ${missing[*]}"
-  "${as_root[@]}" apt-get update && "${as_root[@]}" apt-get install -y --no-install-recommends "${missing[@]}" ||
-    fail "These Debian packages are missing and could not be installed from here; install them and run this again: ${missing[*]}"
+  apt_install "${missing[@]}" || fail "These Debian packages are missing and could not be installed from here; install them and run this again: ${missing[*]}"
+}
+
+# install_cargo: any will do, and the build goes on without
+install_cargo() {
+  command -v cargo "${HOME:-}/.cargo/bin/cargo" >/dev/null && return
+  apt_install $(packages fbx) || echo "There is no cargo: FBX files will be read through assimp, which loses steps, tangents and layers." >&2
 }
 
 # configure TESTS: ON or OFF; a build folder that has the tests already serves both
@@ -33,6 +44,7 @@ configure() {
   if [[ -f build/build.ninja ]]; then
     [[ $1 == OFF ]] || grep -q '^PAPERBAKE_TESTS:BOOL=ON$' build/CMakeCache.txt && return
   fi
+  install_cargo
   cmake -S . -B build -G Ninja -DPAPERBAKE_TESTS="$1"
 }
 

@@ -8,6 +8,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <functional>
@@ -70,12 +72,29 @@ class GltfFixture {
   void move(int node, const std::vector<int>& frames, const std::vector<Vector3d>& positions) {
     std::vector<float> values;
     for (const Vector3d& p : positions) append(values, p);
-    animate(node, "translation", frames, values);
+    animate(node, "translation", seconds(frames), values);
   }
   void scale(int node, const std::vector<int>& frames, const std::vector<double>& scales) {
     std::vector<float> values;
     for (double s : scales) values.insert(values.end(), 3, float(s));
-    animate(node, "scale", frames, values);
+    animate(node, "scale", seconds(frames), values);
+  }
+
+  /// One animation of a part of a node - path: translation, rotation or scale - as its sampler: the file's own axes.
+  void animate(int node, const char* path, const std::vector<double>& seconds, const std::vector<float>& values, const char* interpolation = "LINEAR", int component = 5126) {
+    const std::vector<float> times(seconds.begin(), seconds.end());
+    const std::size_t width = std::string(path) == "rotation" ? 4 : 3;
+    const char* type = width == 4 ? "VEC4" : "VEC3";
+    int output;
+    if (component == 5122) {  // normalized integers
+      std::vector<std::int16_t> shorts;
+      for (const float v : values) shorts.push_back(static_cast<std::int16_t>(std::lround(32767 * v)));
+      output = accessor(shorts.data(), shorts.size() * 2, component, shorts.size() / width, type);
+    } else {
+      output = floats(values, type, width);
+    }
+    animations_.push_back(fmt::format(R"({{"name":"move {} {}","channels":[{{"sampler":0,"target":{{"node":{},"path":"{}"}}}}],"samplers":[{{"input":{},"output":{},"interpolation":"{}"}}]}})",
+                                      node, char('a' + animations_.size()), node, path, floats(times, "SCALAR", 1), output, interpolation));
   }
 
   std::filesystem::path write(const std::string& file_name) const {
@@ -91,12 +110,10 @@ class GltfFixture {
  private:
   static void append(std::vector<float>& to, const Vector3d& p) { to.insert(to.end(), {float(p.x()), float(p.z()), float(-p.y())}); }
 
-  void animate(int node, const char* path, const std::vector<int>& frames, const std::vector<float>& values) {
-    std::vector<float> times;
-    for (int frame : frames) times.push_back(float(frame / 24.0));
-    const int input = floats(times, "SCALAR", 1), output = floats(values, "VEC3", 3);
-    animations_.push_back(fmt::format(R"({{"name":"move {} {}","channels":[{{"sampler":0,"target":{{"node":{},"path":"{}"}}}}],"samplers":[{{"input":{},"output":{}}}]}})",
-                                      node, char('a' + animations_.size()), node, path, input, output));
+  static std::vector<double> seconds(const std::vector<int>& frames) {
+    std::vector<double> seconds;
+    for (int frame : frames) seconds.push_back(frame / 24.0);
+    return seconds;
   }
 
   int floats(const std::vector<float>& values, const char* type, std::size_t width) {

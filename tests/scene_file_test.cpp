@@ -86,12 +86,16 @@ TEST(SceneFileByHand, TakesThatCompeteAreNamed) {
   EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 2), 0.01, 1e-8);  // that with most keys
 }
 
-TEST(SceneFileByHand, NodesOfOneNameThatMoveAreNamed) {
+TEST(SceneFileByHand, NodesOfOneNameMoveEachByItself) {
   HeldSheet fixture;
-  const int first = fixture.node("rig", {0, 0, 0});
-  fixture.node("rig", {0, 0, 0});
+  const int first = fixture.node("rig", {0, 0, 0}), second = fixture.node("rig", {0, 0, 0}), third = fixture.node("rig", {0, 0, 0});
+  fixture.move(third, {1, 5}, {{0, 0, 0}, {0, 0, 3}});
   fixture.move(first, {1, 5}, {{0, 0, 0}, {0, 0, 1}});
-  EXPECT_TRUE(has_warning(read_scene(fixture.write("two_rigs.gltf")), "2 nodes have the name \"rig\""));
+  const Tracks tracks = read_tracks(fixture.write("three_rigs.gltf"));
+  for (const auto& [node, height] : {std::pair(first, 1), {second, 0}, {third, 3}}) {
+    EXPECT_EQ(tracks.names.at(node), "rig");
+    EXPECT_NEAR(tracks.positions.at(node)(4, 2), height, 1e-7);
+  }
 }
 
 TEST(SceneFileByHand, NamesAreMatchedWithoutNamespaceCaseAndNumber) {

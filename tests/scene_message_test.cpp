@@ -29,7 +29,7 @@ TEST(SceneMessage, ComesBackAsItWas) {
   ASSERT_EQ(message.file.nodes[0].properties.size(), 3u);  // a number, a text, a list
   EXPECT_TRUE(back.file.meshes.at(0).x == message.file.meshes[0].x && back.file.meshes[0].triangles == message.file.meshes[0].triangles);
   ASSERT_EQ(back.file.takes.at(0).motions.count(2), 1u);
-  EXPECT_EQ(back.file.takes[0].motions.at(2).translation.size(), 2u);
+  EXPECT_EQ(back.file.takes[0].motions.at(2).translation.keys.size(), 2u);
   EXPECT_EQ(bytes_of(back), bytes_of(message));
 }
 
@@ -57,7 +57,7 @@ TEST(SceneMessage, WhatAnImportedFileMayNotBeIsRefused) {
   EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].x(0, 0) = INFINITY; }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].uv.conservativeResize(8, 2); }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.takes[0].motions[3]; }));
-  EXPECT_TRUE(refused([](ImportedFile& f) { f.takes[0].motions.at(2).translation[1].time = -1; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.takes[0].motions.at(2).translation.keys[1].time = -1; }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.unit = 0; }));
 }
 

@@ -3,6 +3,7 @@
 #include "formats/scene_file.h"
 
 #include "tests/scene_fixture.h"
+#include "tests/track_truth.h"
 
 #include <gtest/gtest.h>
 
@@ -22,24 +23,6 @@ using test::error_of;
 using test::handle;
 using test::has_warning;
 using test::sample;
-
-/// What Blender evaluated: handle -> frame -> position.
-std::map<std::string, std::map<int, Vector3d>> truth(const std::string& scene) {
-  std::map<std::string, std::map<int, Vector3d>> rows;
-  std::ifstream file(sample(scene + ".handles.csv"));
-  std::string line;
-  std::getline(file, line);
-  while (std::getline(file, line)) {
-    std::replace(line.begin(), line.end(), ',', ' ');
-    std::istringstream words(line);
-    int frame;
-    std::string handle;
-    Vector3d p;
-    words >> frame >> handle >> p.x() >> p.y() >> p.z();
-    rows[handle][frame] = p;
-  }
-  return rows;
-}
 
 struct Sample {
   const char* name;
@@ -86,7 +69,7 @@ TEST_P(SceneFile, HandlesAreWhereBlenderHadThem) {
   ASSERT_EQ(scene.sheets.size(), 1u);
   std::size_t compared = 0;
   double worst = 0, furthest = 0;
-  for (const auto& [name, rows] : truth(GetParam().sample.name)) {
+  for (const auto& [name, rows] : test::truth(sample(GetParam().sample.name + std::string(".handles.csv")))) {
     if (name.rfind("handle", 0) != 0) continue;
     const Handle& read = handle(scene, name);
     ASSERT_EQ(read.keyed.rows(), static_cast<int>(rows.size())) << name;
@@ -107,7 +90,7 @@ TEST_P(SceneFile, TracksAreWhereBlenderHadThem) {
   const Tracks tracks = read_tracks(GetParam().path(), GetParam().options());
   EXPECT_EQ(tracks.first_frame, GetParam().sample.first_frame);
   double worst = 0;
-  for (const auto& [name, rows] : truth(GetParam().sample.name)) {
+  for (const auto& [name, rows] : test::truth(sample(GetParam().sample.name + std::string(".handles.csv")))) {
     const auto at = std::find(tracks.names.begin(), tracks.names.end(), name);
     ASSERT_NE(at, tracks.names.end()) << name;
     const Points3& track = tracks.positions[at - tracks.names.begin()];
@@ -196,12 +179,9 @@ TEST(SceneFileSamples, LaterScenesAreRead) {
   EXPECT_EQ(read_scene(sample("S9_unload.glb")).last_frame, 120);
 }
 
-TEST(SceneFileSamples, FbxHidesItsFirstFrameAndGltfItsRate) {
+TEST(SceneFileSamples, GltfHasNoRate) {
   const Scene fbx = read_scene(sample("S7_stacks.fbx")), glb = read_scene(sample("S7_stacks.glb"));
-  EXPECT_EQ(fbx.first_frame, 1);
-  EXPECT_TRUE(has_warning(fbx, "--start-frame"));
   EXPECT_EQ(glb.first_frame, 10);
-  EXPECT_FALSE(has_warning(glb, "--start-frame"));
   EXPECT_TRUE(has_warning(glb, "--fps"));
   EXPECT_FALSE(has_warning(fbx, "--fps"));
   EXPECT_EQ(fbx.origin.at("fps"), "file");
