@@ -3,12 +3,14 @@
 #include "core/curved_surface.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace paperbake {
 
 RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine)
     : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(coarse_.triangles, coarse_.creases) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
+  apart_.emplace(this->mesh().pattern, this->mesh().triangles);
   hold({});
   if (!fine_) return;
   fine_limit_.emplace(fine_->mesh.pattern, fine_->mesh.triangles);
@@ -70,8 +72,21 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
     (*fine_limit_)(frame.x, is_held_);
     frame.normals = fine_normals_->normals(frame.x);
   }
+  keep_apart(frame, sheet, places);
   frame.crease = (fine_ ? *fine_normals_ : coarse_normals_).strength(frame.x);
   return frame;
+}
+
+void RenderSheet::keep_apart(RenderFrame& frame, const Sheet& sheet, const std::vector<Place>& places) const {
+  Points3 facets(mesh().pattern.rows(), 3);
+  for (std::size_t v = 0; v < places.size(); ++v) facets.row(v) = interpolate(places[v], sheet.triangles, sheet.x);
+  if (fine_)
+    for (std::size_t k = 0; k < fine_->middles.size(); ++k)
+      facets.row(places.size() + k) = 0.5 * (facets.row(fine_->middles[k].a) + facets.row(fine_->middles[k].b));
+  const double off = std::sqrt((frame.x - facets).rowwise().squaredNorm().maxCoeff());
+  if (!may_meet_itself(sheet, 2 * off)) return;
+  frame.kept_apart = (*apart_)(frame.x, facets, is_held_).moved;
+  if (frame.kept_apart) frame.normals = (fine_ ? *fine_normals_ : coarse_normals_).normals(frame.x);
 }
 
 RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& features, double simulated_edge, Quality quality) {

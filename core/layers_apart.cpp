@@ -1,0 +1,126 @@
+#include "core/layers_apart.h"
+
+#include "core/measure.h"
+#include "core/proximity.h"
+#include "core/step1_elastic/near_triangles.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace paperbake {
+namespace {
+
+constexpr int rounds = 24;
+constexpr double more = 0.125;    // [1] of the way to the facets, in a round
+constexpr double radius = 6;      // [edges]
+
+using Corners = std::array<Vector3d, 3>;
+
+Corners corners_of(const Points3& x, const Triangles& triangles, int t) {
+  return {x.row(triangles(t, 0)).transpose(), x.row(triangles(t, 1)).transpose(), x.row(triangles(t, 2)).transpose()};
+}
+
+/// All corners of p on one side of the plane of q, but those that lie in it.
+bool beside(const Corners& p, const Corners& q) {
+  const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
+  const double a = n.dot(p[0] - q[0]), b = n.dot(p[1] - q[0]), c = n.dot(p[2] - q[0]);
+  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+bool cross(const Points3& x, const Triangles& triangles, int s, int t) {
+  const Corners p = corners_of(x, triangles, s), q = corners_of(x, triangles, t);
+  for (int k = 0; k < 3; ++k)
+    if (std::max({p[0][k], p[1][k], p[2][k]}) < std::min({q[0][k], q[1][k], q[2][k]}) || std::max({q[0][k], q[1][k], q[2][k]}) < std::min({p[0][k], p[1][k], p[2][k]})) return false;
+  if (beside(p, q) || beside(q, p)) return false;
+  const auto has = [&](int a, int v) { return triangles(a, 0) == v || triangles(a, 1) == v || triangles(a, 2) == v; };
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    if (!has(t, triangles(s, i)) && !has(t, triangles(s, j)) && pierces(p[i], p[j], q)) return true;
+    if (!has(s, triangles(t, i)) && !has(s, triangles(t, j)) && pierces(q[i], q[j], p)) return true;
+  }
+  return false;
+}
+
+double distance(const Corners& p, const Corners& q) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    least = std::min({least, vertex_to_triangle({p[i], q[0], q[1], q[2]}).distance(), vertex_to_triangle({q[i], p[0], p[1], p[2]}).distance()});
+    for (int j = 0; j < 3; ++j) least = std::min(least, edge_to_edge({p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]}).distance());
+  }
+  return least;
+}
+
+}  // namespace
+
+bool may_meet_itself(const Sheet& sheet, double near) {
+  constexpr double sharp = -0.1;  // [1] cosine of the turn between two triangles with a common vertex
+  NearTriangles triangles(sheet.triangles);
+  for (const auto& [a, b] : triangles.find(sheet.x, Points3::Zero(sheet.x.rows(), 3), 0.5 * near)) {
+    const Corners p = corners_of(sheet.x, sheet.triangles, a), q = corners_of(sheet.x, sheet.triangles, b);
+    bool neighbours = false;
+    for (int i = 0; i < 3; ++i) neighbours |= (sheet.triangles.row(b).array() == sheet.triangles(a, i)).any();
+    const Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]), m = (q[1] - q[0]).cross(q[2] - q[0]);
+    if (neighbours ? n.dot(m) < sharp * n.norm() * m.norm() : distance(p, q) < near) return true;
+  }
+  return false;
+}
+
+LayersApart::LayersApart(const Points2& pattern, const Triangles& triangles)
+    : pattern_(pattern), triangles_(triangles), tree_(pattern, triangles), radius_(radius * mean_edge(pattern, triangles)), start_(pattern.rows() + 1, 0) {
+  std::vector<std::pair<int, int>> ways;
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      for (const int k : {1, 2}) ways.emplace_back(triangles(t, i), triangles(t, (i + k) % 3));
+  std::sort(ways.begin(), ways.end());
+  ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
+  for (const auto& [a, b] : ways) ++start_[a + 1], beside_.push_back(b);
+  for (std::size_t v = 1; v < start_.size(); ++v) start_[v] += start_[v - 1];
+}
+
+void LayersApart::spread(int u, double need, std::vector<double>& share) const {
+  std::vector<int> reached{u};
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    const int v = reached[k];
+    const double r2 = (pattern_.row(v) - pattern_.row(u)).squaredNorm() / (radius_ * radius_);
+    share[v] = std::max(share[v], need * (1 - r2) * (1 - r2));
+    for (int e = start_[v]; e < start_[v + 1]; ++e) {
+      const int w = beside_[e];
+      if ((pattern_.row(w) - pattern_.row(u)).squaredNorm() >= radius_ * radius_ || std::find(reached.begin(), reached.end(), w) != reached.end()) continue;
+      reached.push_back(w);
+    }
+  }
+}
+
+LayersApart::Result LayersApart::operator()(Points3& x, const Points3& facets, const std::vector<char>& held) const {
+  Result result;
+  const auto candidates = tree_.near(x, facets);
+  if (candidates.empty()) return result;
+  const Points3 curved = x;
+  std::vector<double> need(x.rows(), 0), share(x.rows(), 0);
+  std::vector<char> now(x.rows(), 0);
+  for (int round = 0;; ++round) {
+    result.left = 0;
+    std::vector<int> raised;
+    std::fill(now.begin(), now.end(), 0);
+    for (const auto& [s, t] : candidates) {
+      if (!cross(x, triangles_, s, t)) continue;
+      ++result.left;
+      for (int i = 0; i < 3; ++i)
+        for (const int v : {triangles_(s, i), triangles_(t, i)})
+          if (!now[v] && need[v] < 1) now[v] = 1, raised.push_back(v);
+    }
+    if (raised.empty() || round == rounds) break;
+    result.moved = true;
+    for (const int v : raised) {
+      need[v] = std::min(1.0, std::max(need[v], share[v]) + more);
+      spread(v, need[v], share);
+    }
+    for (int v = 0; v < x.rows(); ++v)
+      if (share[v] > 0 && !held[v]) x.row(v) = (1 - share[v]) * curved.row(v) + share[v] * facets.row(v);
+  }
+  return result;
+}
+
+}  // namespace paperbake
