@@ -14,7 +14,7 @@ namespace {
 
 constexpr int rounds = 24;
 constexpr double more = 0.125;    // [1] of the way to the facets, in a round
-constexpr double radius = 6;      // [edges]
+constexpr double radius = 8;      // [edges]
 
 using Corners = std::array<Vector3d, 3>;
 
@@ -54,15 +54,15 @@ double distance(const Corners& p, const Corners& q) {
 
 }  // namespace
 
-bool may_meet_itself(const Sheet& sheet, double near) {
-  constexpr double sharp = -0.1;  // [1] cosine of the turn between two triangles with a common vertex
+bool may_meet_itself(const Sheet& sheet, const Eigen::VectorXd& off) {
+  constexpr double sharp = -0.5;  // [1] cosine of the turn between two triangles with a common vertex
   NearTriangles triangles(sheet.triangles);
-  for (const auto& [a, b] : triangles.find(sheet.x, Points3::Zero(sheet.x.rows(), 3), 0.5 * near)) {
+  for (const auto& [a, b] : triangles.find(sheet.x, Points3::Zero(sheet.x.rows(), 3), off.maxCoeff())) {
     const Corners p = corners_of(sheet.x, sheet.triangles, a), q = corners_of(sheet.x, sheet.triangles, b);
     bool neighbours = false;
     for (int i = 0; i < 3; ++i) neighbours |= (sheet.triangles.row(b).array() == sheet.triangles(a, i)).any();
     const Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]), m = (q[1] - q[0]).cross(q[2] - q[0]);
-    if (neighbours ? n.dot(m) < sharp * n.norm() * m.norm() : distance(p, q) < near) return true;
+    if (neighbours ? n.dot(m) < sharp * n.norm() * m.norm() : distance(p, q) < off[a] + off[b]) return true;
   }
   return false;
 }
@@ -93,26 +93,22 @@ void LayersApart::spread(int u, double need, std::vector<double>& share) const {
   }
 }
 
-LayersApart::Result LayersApart::operator()(Points3& x, const Points3& facets, const std::vector<char>& held) const {
-  Result result;
+bool LayersApart::operator()(Points3& x, const Points3& facets, const std::vector<char>& held) const {
   const auto candidates = tree_.near(x, facets);
-  if (candidates.empty()) return result;
+  if (candidates.empty()) return false;
   const Points3 curved = x;
   std::vector<double> need(x.rows(), 0), share(x.rows(), 0);
   std::vector<char> now(x.rows(), 0);
   for (int round = 0;; ++round) {
-    result.left = 0;
     std::vector<int> raised;
     std::fill(now.begin(), now.end(), 0);
     for (const auto& [s, t] : candidates) {
       if (!cross(x, triangles_, s, t)) continue;
-      ++result.left;
       for (int i = 0; i < 3; ++i)
         for (const int v : {triangles_(s, i), triangles_(t, i)})
           if (!now[v] && need[v] < 1) now[v] = 1, raised.push_back(v);
     }
-    if (raised.empty() || round == rounds) break;
-    result.moved = true;
+    if (raised.empty() || round == rounds) return round > 0;
     for (const int v : raised) {
       need[v] = std::min(1.0, std::max(need[v], share[v]) + more);
       spread(v, need[v], share);
@@ -120,7 +116,6 @@ LayersApart::Result LayersApart::operator()(Points3& x, const Points3& facets, c
     for (int v = 0; v < x.rows(); ++v)
       if (share[v] > 0 && !held[v]) x.row(v) = (1 - share[v]) * curved.row(v) + share[v] * facets.row(v);
   }
-  return result;
 }
 
 }  // namespace paperbake

@@ -10,7 +10,7 @@ namespace paperbake {
 /// Takes layers of a fine curved mesh out of each other: where they pass through each other it goes back towards the facets of the
 /// simulated mesh, which do not.
 ///
-///   x_v = (1 - s_v) x_v + s_v f_v,   s_v = max_u need_u k(|u - v| / R),   k(r) = (1 - r^2)^2,   R = 6 edges
+///   x_v = (1 - s_v) x_v + s_v f_v,   s_v = max_u need_u k(|u - v| / R),   k(r) = (1 - r^2)^2,   R = 8 edges
 ///
 /// f     the same vertices on the facets
 /// need  0; of the corners of triangles that pass through each other an eighth more, again and again, until none do
@@ -20,12 +20,10 @@ class LayersApart {
  public:
   LayersApart(const Points2& pattern, const Triangles&);
 
-  struct Result {
-    bool moved = false;
-    int left = 0;           // pairs of triangles that still pass through each other
-  };
-  /// x, facets  |V|x3 [m];  held  |V|. Several threads may ask at the same time.
-  Result operator()(Points3& x, const Points3& facets, const std::vector<char>& held) const;
+  /// x, facets  |V|x3 [m];  held  |V|.  returns  x was changed. Several threads may ask at the same time.
+  bool operator()(Points3& x, const Points3& facets, const std::vector<char>& held) const;
+
+  const TriangleTree& tree() const { return tree_; }
 
  private:
   void spread(int u, double need, std::vector<double>& share) const;
@@ -37,8 +35,8 @@ class LayersApart {
   std::vector<int> start_, beside_;    // neighbours of each vertex
 };
 
-/// A part of a sheet is nearer than that to another one, or so folded that a curved sheet near by might pass through itself.
-/// near  [m]
-bool may_meet_itself(const Sheet&, double near);
+/// A surface that leaves the triangles of a sheet by no more than `off` (|T| [m]) might pass through itself: two of them are near enough,
+/// or neighbours folded by more than 120 degrees.
+bool may_meet_itself(const Sheet&, const Eigen::VectorXd& off);
 
 }  // namespace paperbake

@@ -1,9 +1,9 @@
 #include "core/render_sheet.h"
 
 #include "core/curved_surface.h"
+#include "core/measure.h"
 
 #include <algorithm>
-#include <cmath>
 
 namespace paperbake {
 
@@ -77,15 +77,23 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
   return frame;
 }
 
+int RenderSheet::crossings(const Points3& x) const { return paperbake::crossings(x, mesh().triangles, apart_->tree().near(x, x)); }
+
 void RenderSheet::keep_apart(RenderFrame& frame, const Sheet& sheet, const std::vector<Place>& places) const {
   Points3 facets(mesh().pattern.rows(), 3);
   for (std::size_t v = 0; v < places.size(); ++v) facets.row(v) = interpolate(places[v], sheet.triangles, sheet.x);
   if (fine_)
     for (std::size_t k = 0; k < fine_->middles.size(); ++k)
       facets.row(places.size() + k) = 0.5 * (facets.row(fine_->middles[k].a) + facets.row(fine_->middles[k].b));
-  const double off = std::sqrt((frame.x - facets).rowwise().squaredNorm().maxCoeff());
-  if (!may_meet_itself(sheet, 2 * off)) return;
-  frame.kept_apart = (*apart_)(frame.x, facets, is_held_).moved;
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(sheet.triangles.rows());
+  for (std::size_t v = 0; v < places.size(); ++v) off[places[v].triangle] = std::max(off[places[v].triangle], (frame.x.row(v) - facets.row(v)).norm());
+  if (!may_meet_itself(sheet, off)) return;
+  // what is off in its lengths then is mended, as far as layers stay apart
+  for (int turn = 0; (*apart_)(frame.x, facets, is_held_); ++turn) {
+    frame.kept_apart = true;
+    if (turn == 2) break;
+    (fine_ ? *fine_limit_ : coarse_limit_)(frame.x, is_held_);
+  }
   if (frame.kept_apart) frame.normals = (fine_ ? *fine_normals_ : coarse_normals_).normals(frame.x);
 }
 

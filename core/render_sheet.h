@@ -45,6 +45,9 @@ class RenderSheet {
   /// Several threads may ask at the same time.
   RenderFrame frame(const Sheet&, const std::vector<Place>& places, const Points3& held_at) const;
 
+  /// Pairs of triangles of mesh() that pass through each other. x  |V|x3 [m]
+  int crossings(const Points3& x) const;
+
  private:
   void keep_apart(RenderFrame&, const Sheet&, const std::vector<Place>&) const;
 

@@ -70,12 +70,14 @@ struct TriangleTree::Search {
     Bound bound{{}, Vector3d::Zero(), 0};
     for (int k = node.begin; k < node.end; ++k) bound.box.extend(boxes[k]), bound.axis += normals[2 * k] + normals[2 * k + 1];
     bound.axis.normalize();
-    for (int k = 2 * node.begin; k < 2 * node.end; ++k) bound.angle = std::max(bound.angle, angle_between(normals[k], bound.axis));
+    double least = 1;
+    for (int k = 2 * node.begin; k < 2 * node.end; ++k) least = std::min(least, normals[k].dot(bound.axis));
+    bound.angle = std::acos(std::max(least, -1.0));
     return bound;
   }
   static Bound joined(const Bound& a, const Bound& b) {
     Bound both{a.box.merged(b.box), (a.axis + b.axis).stableNormalized(), any};
-    if (a.angle < any && b.angle < any) both.angle = std::min(any, std::max(a.angle, b.angle) + 0.5 * angle_between(a.axis, b.axis));
+    if (std::max(a.angle, b.angle) < half_space) both.angle = std::min(any, std::max(a.angle, b.angle) + 0.5 * angle_between(a.axis, b.axis));
     return both;
   }
 
