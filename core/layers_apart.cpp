@@ -93,28 +93,71 @@ void LayersApart::spread(int u, double need, std::vector<double>& share) const {
   }
 }
 
-bool LayersApart::operator()(Points3& x, const Points3& facets, const std::vector<char>& held) const {
+struct LayersApart::Push {
+  Points3 sum;                 // |V|x3 [m]
+  std::vector<double> weight;  // |V|
+};
+
+/// Where the edges of s pass through t.
+void LayersApart::push(int s, int t, const Points3& x, const FacetAt& facet_at, Push& push) const {
+  const Corners p = corners_of(x, triangles_, s), q = corners_of(x, triangles_, t);
+  const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, a = triangles_(s, i), b = triangles_(s, j);
+    if (!pierces(p[i], p[j], q)) continue;
+    const double above = n.dot(p[i] - q[0]), u = above / (above - n.dot(p[j] - q[0]));
+    const Vector3d at = (1 - u) * p[i] + u * p[j];
+    Vector3d w;
+    for (int k = 0; k < 3; ++k) w[k] = n.dot((q[(k + 1) % 3] - at).cross(q[(k + 2) % 3] - at)) / n.squaredNorm();
+    Vector2d of_t = Vector2d::Zero();
+    for (int k = 0; k < 3; ++k) of_t += w[k] * pattern_.row(triangles_(t, k)).transpose();
+    const Vector3d edge_way = facet_at((1 - u) * pattern_.row(a).transpose() + u * pattern_.row(b).transpose()) - at, face_way = facet_at(of_t) - at;
+    const auto add = [&](int v, double weight, const Vector3d& way, double square) {
+      push.sum.row(v) += weight * (weight / square * way).transpose();
+      push.weight[v] += weight;
+    };
+    add(a, 1 - u, edge_way, (1 - u) * (1 - u) + u * u);
+    add(b, u, edge_way, (1 - u) * (1 - u) + u * u);
+    for (int k = 0; k < 3; ++k) add(triangles_(t, k), w[k], face_way, w.squaredNorm());
+  }
+}
+
+bool LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& facet_at, const std::vector<char>& held) const {
   const auto candidates = tree_.near(x, facets);
   if (candidates.empty()) return false;
+  const int vertices = static_cast<int>(x.rows());
   const Points3 curved = x;
-  std::vector<double> need(x.rows(), 0), share(x.rows(), 0);
-  std::vector<char> now(x.rows(), 0);
+  Points3 pushed = Points3::Zero(vertices, 3);
+  std::vector<double> need(vertices, 0), share(vertices, 0);
   for (int round = 0;; ++round) {
+    bool any = false;
     std::vector<int> raised;
-    std::fill(now.begin(), now.end(), 0);
+    std::vector<char> raising(vertices, 0);
+    Push now{Points3::Zero(vertices, 3), std::vector<double>(vertices, 0)};
     for (const auto& [s, t] : candidates) {
       if (!cross(x, triangles_, s, t)) continue;
+      any = true;
+      bool may_rise = (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() > radius_;
+      for (int i = 0; i < 3; ++i) may_rise &= need[triangles_(s, i)] < 1 && need[triangles_(t, i)] < 1;
+      if (!may_rise) {
+        push(s, t, x, facet_at, now);
+        push(t, s, x, facet_at, now);
+        continue;
+      }
       for (int i = 0; i < 3; ++i)
         for (const int v : {triangles_(s, i), triangles_(t, i)})
-          if (!now[v] && need[v] < 1) now[v] = 1, raised.push_back(v);
+          if (!raising[v]) raising[v] = 1, raised.push_back(v);
     }
-    if (raised.empty() || round == rounds) return round > 0;
+    if (!any || round == rounds) return round > 0;
     for (const int v : raised) {
       need[v] = std::min(1.0, std::max(need[v], share[v]) + more);
       spread(v, need[v], share);
     }
-    for (int v = 0; v < x.rows(); ++v)
-      if (share[v] > 0 && !held[v]) x.row(v) = (1 - share[v]) * curved.row(v) + share[v] * facets.row(v);
+    for (int v = 0; v < vertices; ++v) {
+      if (held[v]) continue;
+      if (now.weight[v] > 0) pushed.row(v) += now.sum.row(v) / now.weight[v];
+      x.row(v) = (1 - share[v]) * curved.row(v) + share[v] * facets.row(v) + pushed.row(v);
+    }
   }
 }
 
