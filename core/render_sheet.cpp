@@ -89,11 +89,13 @@ void RenderSheet::keep_apart(RenderFrame& frame, const Sheet& sheet, const std::
   for (std::size_t v = 0; v < places.size(); ++v) off[places[v].triangle] = std::max(off[places[v].triangle], (frame.x.row(v) - facets.row(v)).norm());
   if (!may_meet_itself(sheet, off)) return;
   // what is off in its lengths then is mended, as far as layers stay apart
+  constexpr int most_turns = 6;
+  (fine_ ? *fine_limit_ : coarse_limit_)(facets, is_held_);
   const Locator locator(sheet.pattern, sheet.triangles);
   const auto facet_at = [&](const Vector2d& p) { return interpolate(locator.locate(p), sheet.triangles, sheet.x); };
   for (int turn = 0; (*apart_)(frame.x, facets, facet_at, is_held_); ++turn) {
     frame.kept_apart = true;
-    if (turn == 2) break;
+    if (turn == most_turns) break;
     (fine_ ? *fine_limit_ : coarse_limit_)(frame.x, is_held_);
   }
   if (frame.kept_apart) frame.normals = (fine_ ? *fine_normals_ : coarse_normals_).normals(frame.x);
