@@ -79,18 +79,21 @@ LayersApart::LayersApart(const Points2& pattern, const Triangles& triangles)
   for (std::size_t v = 1; v < start_.size(); ++v) start_[v] += start_[v - 1];
 }
 
-void LayersApart::spread(int u, double need, std::vector<double>& share) const {
+void LayersApart::spread(int u, double need, std::vector<char>& seen, std::vector<double>& share) const {
   std::vector<int> reached{u};
+  seen[u] = 1;
   for (std::size_t k = 0; k < reached.size(); ++k) {
     const int v = reached[k];
     const double r2 = (pattern_.row(v) - pattern_.row(u)).squaredNorm() / (radius_ * radius_);
     share[v] = std::max(share[v], need * (1 - r2) * (1 - r2));
     for (int e = start_[v]; e < start_[v + 1]; ++e) {
       const int w = beside_[e];
-      if ((pattern_.row(w) - pattern_.row(u)).squaredNorm() >= radius_ * radius_ || std::find(reached.begin(), reached.end(), w) != reached.end()) continue;
+      if ((pattern_.row(w) - pattern_.row(u)).squaredNorm() >= radius_ * radius_ || seen[w]) continue;
+      seen[w] = 1;
       reached.push_back(w);
     }
   }
+  for (const int v : reached) seen[v] = 0;
 }
 
 struct LayersApart::Push {
@@ -129,13 +132,16 @@ bool LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& f
   const Points3 curved = x;
   Points3 pushed = Points3::Zero(vertices, 3);
   std::vector<double> need(vertices, 0), share(vertices, 0);
+  std::vector<char> seen(vertices, 0), moved(vertices, 1);  // moved: in the last round
   for (int round = 0;; ++round) {
     bool any = false;
     std::vector<int> raised;
     std::vector<char> raising(vertices, 0);
     Push now{Points3::Zero(vertices, 3), std::vector<double>(vertices, 0)};
     for (const auto& [s, t] : candidates) {
-      if (!cross(x, triangles_, s, t)) continue;
+      const bool changed = moved[triangles_(s, 0)] || moved[triangles_(s, 1)] || moved[triangles_(s, 2)] || moved[triangles_(t, 0)] ||
+                           moved[triangles_(t, 1)] || moved[triangles_(t, 2)];
+      if (!changed || !cross(x, triangles_, s, t)) continue;
       any = true;
       bool may_rise = (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() > radius_;
       for (int i = 0; i < 3; ++i) may_rise &= need[triangles_(s, i)] < 1 && need[triangles_(t, i)] < 1;
@@ -151,12 +157,15 @@ bool LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& f
     if (!any || round == rounds) return round > 0;
     for (const int v : raised) {
       need[v] = std::min(1.0, std::max(need[v], share[v]) + more);
-      spread(v, need[v], share);
+      spread(v, need[v], seen, share);
     }
     for (int v = 0; v < vertices; ++v) {
+      moved[v] = 0;
       if (held[v]) continue;
       if (now.weight[v] > 0) pushed.row(v) += now.sum.row(v) / now.weight[v];
-      x.row(v) = (1 - share[v]) * curved.row(v) + share[v] * facets.row(v) + pushed.row(v);
+      const Eigen::RowVector3d to = (1 - share[v]) * curved.row(v) + share[v] * facets.row(v) + pushed.row(v);
+      moved[v] = to != x.row(v);
+      x.row(v) = to;
     }
   }
 }

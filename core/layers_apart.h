@@ -32,7 +32,7 @@ class LayersApart {
  private:
   struct Push;
   void push(int s, int t, const Points3& x, const FacetAt&, Push&) const;
-  void spread(int u, double need, std::vector<double>& share) const;
+  void spread(int u, double need, std::vector<char>& seen, std::vector<double>& share) const;
 
   Points2 pattern_;
   Triangles triangles_;
