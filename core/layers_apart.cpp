@@ -12,7 +12,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int rounds = 24;
+constexpr int rounds = 60;
 constexpr double more = 0.125;    // [1] of the way to the facets, in a round
 constexpr double radius = 8;      // [edges]
 
