@@ -36,6 +36,7 @@ Json render_spread(const std::vector<FrameRecord>& frames, const std::function<d
 
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const auto touching = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.touching > 0; });
+  const auto apart = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.render && f.render->kept_apart; });
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const std::string& method = plan.methods.front().name;
@@ -51,6 +52,8 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
                                                         : "looked for; no two bending directions conflicted for long enough")},
           {"contact", model(touching > 0, touching > 0 ? fmt::format("the sheet comes near itself in {} frames", touching)
                                                        : "the sheet never comes near itself")},
+          {"layers_apart", model(apart > 0, apart > 0 ? fmt::format("the curved sheet would have passed through itself in {} frames", apart)
+                                                      : "the curved sheet never passes through itself")},
           {"polish", model(plan.polish.triangles > 0, plan.polish.why)},
           {"colliders", model(false, ignored ? "not in this version: those of the scene are ignored" : "none in scene")}};
 }

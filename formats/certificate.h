@@ -20,6 +20,7 @@ struct RenderNumbers {
   double stretch_mean_pct = 0, stretch_max_pct = 0;  // of its edges
   double ms = 0;                                     // CPU time: positions and normals, no writing; 0 for a simulated mesh
   int crossings = 0;                                 // pairs of its triangles that pass through each other
+  bool kept_apart = false;                           // parts that would have passed through each other were taken apart
 };
 
 /// How good one frame of one sheet is. One line of cert/frames.jsonl, keys in this order and with these names.
