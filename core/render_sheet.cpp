@@ -77,7 +77,11 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
   return frame;
 }
 
-int RenderSheet::crossings(const Points3& x) const { return paperbake::crossings(x, mesh().triangles, apart_->tree().near(x, x)); }
+int RenderSheet::crossings(const Points3& x) const {
+  // the tree passes by some of the neighbours: it says where to look, not what is there
+  if (apart_->tree().near(x, x).empty()) return 0;
+  return paperbake::crossings(Sheet{mesh().pattern, x, Points3(), mesh().triangles, {}});
+}
 
 void RenderSheet::keep_apart(RenderFrame& frame, const Sheet& sheet, const std::vector<Place>& places) const {
   Points3 facets(mesh().pattern.rows(), 3);
