@@ -132,16 +132,19 @@ bool LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& f
   const Points3 curved = x;
   Points3 pushed = Points3::Zero(vertices, 3);
   std::vector<double> need(vertices, 0), share(vertices, 0);
-  std::vector<char> seen(vertices, 0), moved(vertices, 1);  // moved: in the last round
+  std::vector<char> seen(vertices, 0), moved(vertices, 1), crossed(candidates.size(), 0);  // in the last round
   for (int round = 0;; ++round) {
     bool any = false;
     std::vector<int> raised;
     std::vector<char> raising(vertices, 0);
     Push now{Points3::Zero(vertices, 3), std::vector<double>(vertices, 0)};
-    for (const auto& [s, t] : candidates) {
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const auto [s, t] = candidates[k];
       const bool changed = moved[triangles_(s, 0)] || moved[triangles_(s, 1)] || moved[triangles_(s, 2)] || moved[triangles_(t, 0)] ||
                            moved[triangles_(t, 1)] || moved[triangles_(t, 2)];
-      if (!changed || !cross(x, triangles_, s, t)) continue;
+      if (!changed && !crossed[k]) continue;
+      crossed[k] = cross(x, triangles_, s, t);
+      if (!crossed[k]) continue;
       any = true;
       bool may_rise = (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() > radius_;
       for (int i = 0; i < 3; ++i) may_rise &= need[triangles_(s, i)] < 1 && need[triangles_(t, i)] < 1;

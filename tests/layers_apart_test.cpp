@@ -20,7 +20,7 @@ Vector3d folded(const Vector2d& p, double bulge) {
 }
 
 Sheet strip(double bulge) {
-  Sheet sheet = test::hex_sheet(2 * leg + M_PI * gap / 2, 0.02, 60);
+  Sheet sheet = test::hex_sheet(2 * leg + M_PI * gap / 2, 0.02, 60, 0.2);  // uneven: layers meet nowhere edge on edge
   for (int v = 0; v < sheet.x.rows(); ++v) sheet.x.row(v) = folded(sheet.pattern.row(v), bulge);
   return sheet;
 }
