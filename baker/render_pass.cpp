@@ -35,9 +35,10 @@ class Renderer {
   std::vector<Place> places_;
 };
 
-RenderNumbers judge(const CacheFrame& frame, double longer_side, double ms) {
+RenderNumbers judge(const CacheFrame& frame, double longer_side, const RenderSheet& render, const Shown& shown) {
   const LengthDistortion length = cache_distortion(frame, longer_side);
-  return {static_cast<int>(frame.triangles.rows()), 100 * length.mean, 100 * length.largest, ms};
+  const Points3 stored = frame.x.cast<float>().cast<double>();
+  return {static_cast<int>(frame.triangles.rows()), 100 * length.mean, 100 * length.largest, shown.ms, render.crossings(stored), shown.frame.kept_apart};
 }
 
 }  // namespace
@@ -72,7 +73,7 @@ void render_shot(const ShotRecord& record, const Shot& shot, Quality quality, co
     cached.normal = shown.normals;
     cached.crease = shown.crease;
     if (layers) cached.layers = layers(k, render.mesh().pattern);
-    write(recorded[k].frame, cached, judge(cached, longer_side(shot.pattern), now->ms));
+    write(recorded[k].frame, cached, judge(cached, longer_side(shot.pattern), render, *now));
   }
 }
 

@@ -178,7 +178,7 @@ void SheetOutput::release_waiting(const Sheet* next) {
   else if (has_before) waiting_->velocity = fps * (now_.x - carried(before_));
   FrameRecord& r = certificate_.frames[waiting_record_];
   const LengthDistortion stored = cache_distortion(*waiting_, longer_side(shot_.pattern));
-  r.render = {static_cast<int>(waiting_->triangles.rows()), 100 * stored.mean, 100 * stored.largest, 0};
+  r.render = {static_cast<int>(waiting_->triangles.rows()), 100 * stored.mean, 100 * stored.largest, 0, r.crossings, false};
   r.content_hash = caches_.add_frame(sheet_, *waiting_);
   waiting_.reset();
 }

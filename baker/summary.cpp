@@ -36,6 +36,7 @@ Json render_spread(const std::vector<FrameRecord>& frames, const std::function<d
 
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const auto touching = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.touching > 0; });
+  const auto apart = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.render && f.render->kept_apart; });
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const std::string& method = plan.methods.front().name;
@@ -51,6 +52,8 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
                                                         : "looked for; no two bending directions conflicted for long enough")},
           {"contact", model(touching > 0, touching > 0 ? fmt::format("the sheet comes near itself in {} frames", touching)
                                                        : "the sheet never comes near itself")},
+          {"layers_apart", model(apart > 0, apart > 0 ? fmt::format("the curved sheet would have passed through itself in {} frames", apart)
+                                                      : "the curved sheet never passes through itself")},
           {"polish", model(plan.polish.triangles > 0, plan.polish.why)},
           {"colliders", model(false, ignored ? "not in this version: those of the scene are ignored" : "none in scene")}};
 }
@@ -77,6 +80,7 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   check(gates.max_stretch_pct, [](const FrameRecord& f) { return f.stretch_max_pct; }, "Frame {frame}: an edge is off by {value:.2f} %, more than {limit:g} %.");
   check(gates.handle_err_mm, [](const FrameRecord& f) { return f.handle_err_max_mm; }, "Frame {frame}: a handle is off by {value:.2f} mm, more than {limit:g} mm.");
   check(0, [](const FrameRecord& f) { return double(f.crossings); }, "Frame {frame}: {value:.0f} pairs of triangles pass through each other.");
+  check(0, [](const FrameRecord& f) { return f.render ? double(f.render->crossings) : 0; }, "Frame {frame}: {value:.0f} pairs of rendered triangles pass through each other.");
   if (!plan.impossible.empty())
     missed.push_back(fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}", plan.impossible.size(),
                                  describe(plan.impossible.front())));
@@ -111,6 +115,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"render_stretch_max_pct", render_spread(frames, [](const RenderNumbers& r) { return r.stretch_max_pct; })},
       {"render_triangles", render_spread(frames, [](const RenderNumbers& r) { return double(r.triangles); })},
       {"render_ms", render_spread(frames, [](const RenderNumbers& r) { return r.ms; })},
+      {"render_crossings", render_spread(frames, [](const RenderNumbers& r) { return double(r.crossings); })},
       {"elastic_ms", spread(frames, [](const FrameRecord& f) { return f.elastic_ms; })},
       {"geometry_ms", spread(frames, [](const FrameRecord& f) { return f.geometry_ms; })},
       {"newton_iterations", spread(frames, [](const FrameRecord& f) { return double(f.newton_iterations); })},

@@ -4,6 +4,7 @@
 #include <CGAL/box_intersection_d.h>
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 
+#include <algorithm>
 #include <array>
 
 // Counted by CGAL with exact predicates: an answer that does not come from the solver's own contact code.
@@ -23,35 +24,39 @@ bool pierces(const Point& p, const Point& q, const std::array<Point, 3>& t) {
   return s0 == s1 && s1 == s2 && s0 != CGAL::COPLANAR;
 }
 
+/// Triangles s and t of a mesh pass through each other.
+bool cross(const Points3& x, const Triangles& triangles, int s, int t) {
+  int shared = 0, of_s = -1, of_t = -1;  // corners in common; the last of them
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j)
+      if (triangles(s, i) == triangles(t, j)) ++shared, of_s = i, of_t = j;
+  if (shared > 1) return false;
+  const auto corners = [&](int of) {
+    const auto at = [&](int v) { return Point(x(v, 0), x(v, 1), x(v, 2)); };
+    return std::array<Point, 3>{at(triangles(of, 0)), at(triangles(of, 1)), at(triangles(of, 2))};
+  };
+  // round a shared corner only the edges opposite to it can pass through the other triangle
+  const auto p = corners(s), q = corners(t);
+  for (int i = 0; i < 3; ++i) {
+    if ((shared == 0 || i == of_s) && pierces(p[(i + 1) % 3], p[(i + 2) % 3], q)) return true;
+    if ((shared == 0 || i == of_t) && pierces(q[(i + 1) % 3], q[(i + 2) % 3], p)) return true;
+  }
+  return false;
+}
+
 }  // namespace
 
 int crossings(const Sheet& sheet) {
-  const auto at = [&](int v) { return Point(sheet.x(v, 0), sheet.x(v, 1), sheet.x(v, 2)); };
-  const auto triangle = [&](int t) {
-    return std::array<Point, 3>{at(sheet.triangles(t, 0)), at(sheet.triangles(t, 1)), at(sheet.triangles(t, 2))};
-  };
+  const auto at = [&](int t, int i) { const auto p = sheet.x.row(sheet.triangles(t, i)); return Point(p[0], p[1], p[2]).bbox(); };
   std::vector<Box> boxes;
-  for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    const auto p = triangle(t);
-    boxes.emplace_back(p[0].bbox() + p[1].bbox() + p[2].bbox(), t);
-  }
+  for (int t = 0; t < sheet.triangles.rows(); ++t) boxes.emplace_back(at(t, 0) + at(t, 1) + at(t, 2), t);
   int count = 0;
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) {
-    int shared = 0, of_a = -1, of_b = -1;  // corners in common; the last of them
-    for (int i = 0; i < 3; ++i)
-      for (int j = 0; j < 3; ++j)
-        if (sheet.triangles(a.info(), i) == sheet.triangles(b.info(), j)) ++shared, of_a = i, of_b = j;
-    if (shared > 1) return;
-    // round a shared corner only the edges opposite to it can pass through the other triangle
-    const auto p = triangle(a.info()), q = triangle(b.info());
-    bool crossing = false;
-    for (int i = 0; i < 3; ++i) {
-      if (shared == 0 || i == of_a) crossing |= pierces(p[(i + 1) % 3], p[(i + 2) % 3], q);
-      if (shared == 0 || i == of_b) crossing |= pierces(q[(i + 1) % 3], q[(i + 2) % 3], p);
-    }
-    count += crossing;
-  });
+  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { count += cross(sheet.x, sheet.triangles, a.info(), b.info()); });
   return count;
+}
+
+int crossings(const Points3& x, const Triangles& triangles, const std::vector<std::pair<int, int>>& pairs) {
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const auto& two) { return cross(x, triangles, two.first, two.second); }));
 }
 
 }  // namespace paperbake

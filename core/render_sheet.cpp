@@ -2,6 +2,7 @@
 
 #include "core/curved_surface.h"
 #include "core/folds.h"
+#include "core/measure.h"
 
 #include <algorithm>
 
@@ -19,6 +20,7 @@ CreasedNormals normals_of(const RenderMesh& mesh) {
 RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine)
     : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options, coarse_.folds), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(normals_of(coarse_)) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
+  apart_.emplace(this->mesh().pattern, this->mesh().triangles);
   hold({});
   if (!fine_) return;
   fine_limit_.emplace(fine_->mesh.pattern, fine_->mesh.triangles);
@@ -80,8 +82,37 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
     (*fine_limit_)(frame.x, is_held_);
     frame.normals = fine_normals_->normals(frame.x);
   }
+  keep_apart(frame, sheet, places);
   frame.crease = (fine_ ? *fine_normals_ : coarse_normals_).strength(frame.x);
   return frame;
+}
+
+int RenderSheet::crossings(const Points3& x) const {
+  // the tree passes by some of the neighbours: it says where to look, not what is there
+  if (apart_->tree().near(x, x).empty()) return 0;
+  return paperbake::crossings(Sheet{mesh().pattern, x, Points3(), mesh().triangles, {}});
+}
+
+void RenderSheet::keep_apart(RenderFrame& frame, const Sheet& sheet, const std::vector<Place>& places) const {
+  Points3 facets(mesh().pattern.rows(), 3);
+  for (std::size_t v = 0; v < places.size(); ++v) facets.row(v) = interpolate(places[v], sheet.triangles, sheet.x);
+  if (fine_)
+    for (std::size_t k = 0; k < fine_->middles.size(); ++k)
+      facets.row(places.size() + k) = 0.5 * (facets.row(fine_->middles[k].a) + facets.row(fine_->middles[k].b));
+  Eigen::VectorXd off = Eigen::VectorXd::Zero(sheet.triangles.rows());
+  for (std::size_t v = 0; v < places.size(); ++v) off[places[v].triangle] = std::max(off[places[v].triangle], (frame.x.row(v) - facets.row(v)).norm());
+  if (!may_meet_itself(sheet, off)) return;
+  // what is off in its lengths then is mended, as far as layers stay apart
+  constexpr int most_turns = 6;
+  (fine_ ? *fine_limit_ : coarse_limit_)(facets, is_held_);
+  const Locator locator(sheet.pattern, sheet.triangles);
+  const auto facet_at = [&](const Vector2d& p) { return interpolate(locator.locate(p), sheet.triangles, sheet.x); };
+  for (int turn = 0; (*apart_)(frame.x, facets, facet_at, is_held_); ++turn) {
+    frame.kept_apart = true;
+    if (turn == most_turns) break;
+    (fine_ ? *fine_limit_ : coarse_limit_)(frame.x, is_held_);
+  }
+  if (frame.kept_apart) frame.normals = (fine_ ? *fine_normals_ : coarse_normals_).normals(frame.x);
 }
 
 RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& features, double simulated_edge, Quality quality) {

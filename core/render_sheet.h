@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/creased_normals.h"
+#include "core/layers_apart.h"
 #include "core/local_global.h"
 #include "core/locate.h"
 #include "core/render_mesh.h"
@@ -19,6 +20,7 @@ struct RenderFrame {
   Points3 x;               // |V|x3 [m]
   Points3 normals;         // unit, numbered as RenderSheet::normal_of_corner says
   Eigen::VectorXd crease;  // |V| [rad] how sharply the sheet is folded there
+  bool kept_apart = false; // layers that passed through each other were taken apart (layers_apart.h)
 };
 
 /// Puts simulated frames, whatever their mesh, on one mesh: curved as the simulated one stands for (curved_surface.h), made
@@ -43,7 +45,12 @@ class RenderSheet {
   /// Several threads may ask at the same time.
   RenderFrame frame(const Sheet&, const std::vector<Place>& places, const Points3& held_at) const;
 
+  /// Pairs of triangles of mesh() that pass through each other. x  |V|x3 [m]
+  int crossings(const Points3& x) const;
+
  private:
+  void keep_apart(RenderFrame&, const Sheet&, const std::vector<Place>&) const;
+
   RenderMesh coarse_;
   LocalGlobal local_global_;
   StrainLimit coarse_limit_;
@@ -51,6 +58,7 @@ class RenderSheet {
   std::optional<Subdivision> fine_;
   std::optional<StrainLimit> fine_limit_;
   std::optional<CreasedNormals> fine_normals_;
+  std::optional<LayersApart> apart_;  // of mesh()
   std::vector<int> held_;       // vertices, one for each held point
   std::vector<char> is_held_;   // of the vertices of mesh()
 };

@@ -19,6 +19,8 @@ struct RenderNumbers {
   int triangles = 0;
   double stretch_mean_pct = 0, stretch_max_pct = 0;  // of its edges
   double ms = 0;                                     // CPU time: positions and normals, no writing; 0 for a simulated mesh
+  int crossings = 0;                                 // pairs of its triangles that pass through each other
+  bool kept_apart = false;                           // parts that would have passed through each other were taken apart
 };
 
 /// How good one frame of one sheet is. One line of cert/frames.jsonl, keys in this order and with these names.
@@ -35,8 +37,8 @@ struct FrameRecord {
   int substeps = 1, newton_iterations = 0;
   bool converged = true;
   double energy_J = 0;
-  std::optional<RenderNumbers> render; // render_triangles, ...: null when the frame was not rendered
-  int crossings = 0;                   // pairs of triangles that pass through each other
+  std::optional<RenderNumbers> render; // render_triangles, ..., render_crossings: null when the frame was not rendered
+  int crossings = 0;                   // pairs of simulated triangles that pass through each other
   int touching = 0;                    // pairs of features of the mesh that contact keeps apart
   std::vector<Jam> jammed;
   std::string note;

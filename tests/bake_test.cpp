@@ -1,5 +1,6 @@
 // What a bake leaves in its output folder and says of it. Everything is checked from outside.
 
+#include "baker/summary.h"
 #include "tests/program_fixture.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +65,7 @@ TEST_F(ABake, LeavesTheFilesOfTheDesignAndNoPart) {
 
 TEST_F(ABake, SaysOfEveryModelWhetherItIsOnAndWhy) {
   const Record models = Record::parse(text("cert/summary.json"))["models"];
-  for (const char* key : {"dynamics", "gravity", "plasticity", "singular_points", "contact", "colliders", "polish"}) {
+  for (const char* key : {"dynamics", "gravity", "plasticity", "singular_points", "contact", "layers_apart", "colliders", "polish"}) {
     ASSERT_TRUE(models.contains(key)) << key;
     EXPECT_FALSE(models[key]["on"].get<bool>()) << key;
     EXPECT_GT(models[key]["why"].get<std::string>().size(), 5u) << key;
@@ -93,7 +94,7 @@ TEST_F(ABake, HasALineAFrameWithAllKeysOfTheDesignInTheirOrder) {
   const std::vector<std::string> keys{
       "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
       "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
-      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "crossings", "touching", "jammed", "note", "input_hash", "content_hash"};
+      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings", "touching", "jammed", "note", "input_hash", "content_hash"};
   const std::vector<std::string> lines = lines_of(text("cert/frames.jsonl"));
   ASSERT_EQ(lines.size(), 6u);
   std::set<std::string> contents;
@@ -159,6 +160,15 @@ TEST_F(ABake, OfEverySecondFrameHasEverySecondFrameOfTheWhole) {
   EXPECT_EQ(frames, (std::vector<int>{2, 4, 6}));
 }
 
+TEST(Gates, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
+  FrameRecord record;
+  record.frame = 7;
+  record.render = {100, 0, 0, 1, 0, true};
+  EXPECT_TRUE(missed_gates({}, {record}, {}).empty());
+  record.render->crossings = 3;
+  EXPECT_EQ(missed_gates({}, {record}, {}), std::vector<std::string>{"Frame 7: 3 pairs of rendered triangles pass through each other."});
+}
+
 TEST_F(ABake, HasOneRenderMeshForTheWholeShotAsFineAsTheQualitySays) {
   const auto triangles = [](const std::vector<Record>& frames) {
     std::set<int> all;
@@ -171,6 +181,7 @@ TEST_F(ABake, HasOneRenderMeshForTheWholeShotAsFineAsTheQualitySays) {
   EXPECT_NEAR(*shot.begin(), equilateral, 0.1 * equilateral);
   for (const Record& frame : frames_of(output())) {
     EXPECT_GT(double(frame["render_ms"]), 0);
+    EXPECT_EQ(frame["render_crossings"], 0);
     EXPECT_LT(double(frame["render_stretch_mean_pct"]), 0.3);
     EXPECT_NE(frame["render_stretch_mean_pct"], frame["stretch_mean_pct"]);
   }

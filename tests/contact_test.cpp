@@ -90,6 +90,14 @@ TEST(Barrier, AVertexThatFliesStraightAtATriangleGetsFourFifthsOfTheWay) {
   EXPECT_NEAR(100 * free_way(x, move, false), 0.8, 0.01);
 }
 
+TEST(Barrier, AVertexThatSlidesALongWayOverATriangleAndTurnsWithItIsHardlyHeldUp) {
+  const Corners x{Vector3d(0.2, 0.2, 1e-7), Vector3d(0, 0, 0), Vector3d(1, 0, 0), Vector3d(0, 1, 0)};
+  Corners move{Vector3d(0.3, 0.1, -4e-9), Vector3d(0, 0, 0), Vector3d(0, 0, 0), Vector3d(0, 0, 0)};
+  EXPECT_EQ(free_way(x, move, false), 1);  // steps of what is left of the gap would need millions
+  move[0].z() = -2e-7;
+  EXPECT_NEAR(free_way(x, move, false), 0.5 * (1 - 0.95), 1e-3);  // of a tight gap a twentieth may be used
+}
+
 TEST(Contact, GradientIsTheDerivativeOfTheEnergyWithManyPairsActive) {
   const Sheet sheet = two_layers(6e-4);
   Contact contact(sheet.pattern, sheet.triangles);

@@ -177,6 +177,9 @@ TEST(SceneFileSamples, ReleaseFrameOfS3) {
 TEST(SceneFileSamples, LaterScenesAreRead) {
   EXPECT_EQ(read_scene(sample("S4r_release.glb")).last_frame, 144);
   EXPECT_EQ(read_scene(sample("S9_unload.glb")).last_frame, 120);
+  const Scene ball = read_scene(sample("S10_ball.glb"));
+  EXPECT_EQ(ball.last_frame, 132);
+  EXPECT_EQ(ball.sheets.front().handles.size(), 12u);
 }
 
 TEST(SceneFileSamples, GltfHasNoRate) {

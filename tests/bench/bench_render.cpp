@@ -8,7 +8,7 @@
 //   c_m          mean |l - L|/L over the edges in %: mean over the frames, worst frame; worst edge of the worst frame
 //   simulated    the same of the simulated meshes
 //   far          farthest that a vertex is from the flat simulated triangles, in % of the longer side
-//   crossings    pairs of triangles that pass through each other, and the frames that have some (BENCH_CROSSINGS=1; every 6th frame)
+//   crossings    pairs of triangles that pass through each other, and the frames that have some (BENCH_CROSSINGS=1)
 //   Ub           bending energy / that of the same frame brought to its minimum on this mesh, by what the paper remembers then;
 //                and by how far that moves it, RMS in % of the longer side (BENCH_POLISH=1; every 12th frame)
 // Environment: BENCH_QUALITY="draft shot hero"; BENCH_ELASTIC=1: paper that does not yield
@@ -37,7 +37,7 @@ struct Case {
   double gravity;
 };
 constexpr Case cases[] = {{"S1_push", 60, 0}, {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0}, {"S4r_release", 144, 0},
-                          {"S5_roll", 72, 9.81}, {"S8_dcone", 96, 0}, {"S9_unload", 120, 0}};
+                          {"S5_roll", 72, 9.81}, {"S8_dcone", 96, 0}, {"S9_unload", 120, 0}, {"S10_ball", 132, 0}};
 
 /// What the paper remembers at a frame: of each triangle of the simulated mesh the mean of its corners.
 PlasticGrid remembered(const Pattern& pattern, const Sheet& sheet, const Points3& plastic) {
@@ -104,7 +104,7 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
     worst = std::max(worst, 100 * d.largest);
     for (std::size_t v = 0; v < places.size(); ++v)
       far = std::max(far, 100 / side * (interpolate(places[v], sheet.triangles, sheet.x) - frame.x.row(v).transpose()).norm());
-    if (std::getenv("BENCH_CROSSINGS") && f.frame % 6 == 0)
+    if (std::getenv("BENCH_CROSSINGS"))
       if (const int pairs = crossings(shown); pairs > 0) crossed += " " + std::to_string(f.frame) + ":" + std::to_string(pairs);
     if (std::getenv("BENCH_POLISH") && f.frame % 12 == 0) {
       std::vector<int> held;
