@@ -100,6 +100,12 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
                          handle.stiffness);
     append_bytes(bytes, handle.pattern);
   }
+  if (shot.colliders)
+    for (const Collider& collider : *shot.colliders) {
+      bytes += fmt::format("{}/{}/", collider.mesh().name, collider.mesh().friction);
+      append_bytes(bytes, collider.mesh().x);
+      append_bytes(bytes, collider.mesh().triangles);
+    }
   return bytes;
 }
 
@@ -159,8 +165,22 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"bake.strict", settings.strict ? "true" : "false", said(settings.strict)});
 }
 
-Shot make_shot(SceneSheet&& sheet, const Paper& paper) {
-  return {std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper};
+/// Where all handles of a sheet go. [m]
+Points3 keyed_places(const std::vector<Handle>& handles) {
+  Points3 all(0, 3);
+  for (const Handle& handle : handles) {
+    all.conservativeResize(all.rows() + handle.keyed.rows(), 3);
+    all.bottomRows(handle.keyed.rows()) = handle.keyed;
+  }
+  return all;
+}
+
+Shot make_shot(SceneSheet&& sheet, const Paper& paper, std::vector<ColliderMesh> colliders) {
+  Shot shot{std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper};
+  if (colliders.empty()) return shot;
+  face_the_sheet(colliders, shot.start.x, keyed_places(shot.handles));
+  shot.colliders = std::make_shared<const Colliders>(colliders.begin(), colliders.end());
+  return shot;
 }
 
 }  // namespace
@@ -181,6 +201,8 @@ std::string frame_input_hash(const std::string& before, const Shot& shot, int fr
     append_bytes(bytes, keyed_position(handle, frame - first_frame));
     bytes += handle.held(frame) ? 'h' : 'f';
   }
+  if (shot.colliders)
+    for (const Eigen::Isometry3d& pose : poses_at(*shot.colliders, frame - first_frame)) append_bytes(bytes, pose.matrix());
   return hex(murmur(bytes));
 }
 
@@ -211,7 +233,7 @@ BakePlan plan_bake(const BakeSettings& settings) {
                          settings.seed ? "command line" : sheet.seed ? "scene" : "default"});
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
-    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper));
+    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
 

@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/measure.h"
+#include "core/step1_elastic/colliders.h"
 #include "core/step1_elastic/cone_energy.h"
 #include "core/step1_elastic/contact.h"
 #include "core/step1_elastic/elastic_energy.h"
@@ -60,6 +61,7 @@ struct Elastic::Impl {
   std::optional<PlasticGrid::Cover> found_cover;  // of the grid by the triangles, when it was first needed
 
   std::optional<Contact> contact;
+  std::optional<ColliderContact> colliders;
 
   // belongs to the mesh and the set of held vertices
   std::vector<int> held;     // left out of the solve
@@ -134,7 +136,7 @@ struct Elastic::Impl {
   /// The next leg of the second way, as far as `most` iterations take it. On a coarse mesh it is one of the two ways down.
   void go_on(SecondWay& way, const IncrementalPotential& W, int most, ElasticReport& report) {
     const bool soft = way.leg == SecondWay::soft;
-    const IncrementalPotential gentle{*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, nullptr};
+    const IncrementalPotential gentle{*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, nullptr, W.colliders};
     const MembraneStress stress = soft ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
                                        : softened->stress(way.x, Points3::Zero(way.x.rows(), 3));
     const auto ways = !is_coarse() ? NewtonOptions::both : way.tries == 0 ? NewtonOptions::stride : NewtonOptions::descend;
@@ -155,7 +157,10 @@ struct Elastic::Impl {
     const bool leaves = report.iterations > restless || (is_coarse() && !report.converged);
     const bool begun_before = way.has_value();
     const int in_all = patience().in_all * options.max_iterations / usual_iterations;
-    if (way) way->x = predictor->guesses(way->x, {}, hard.targets).front();
+    if (way) {
+      way->x = predictor->guesses(way->x, {}, hard.targets).front();
+      if (colliders) colliders->clear_way(way->x);
+    }
     else if (!leaves || (report.converged && passes(x))) return;  // what meets itself is not going to stay where it is
     else if (past.steps < past.content_until) return;
     else way = SecondWay{start};
@@ -176,6 +181,15 @@ struct Elastic::Impl {
     else way.reset();
   }
 
+  /// Handles as far as colliders let them go.
+  Held reachable(const Sheet& sheet, const Held& held, double dt) {
+    Held reached = held;
+    if (!colliders) return reached;
+    colliders->begin(sheet.x, held.colliders, {}, dt);
+    colliders->clear_way(held.vertices, reached.targets);
+    return reached;
+  }
+
   /// One step; `feels` is null for a sheet that does not feel itself.
   ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels, const NewtonOptions& how,
                       SecondWays second) {
@@ -184,11 +198,12 @@ struct Elastic::Impl {
     hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
          feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
     if (feels && matrix) feels->bind(*matrix, block_of);
+    if (colliders) colliders->begin(sheet.x, handles.colliders, feels ? std::vector<int>{} : hard.vertices, dt);
 
     const bool dynamic = options.inertia == Inertia::dynamic;
     const Points3 before = sheet.x;
     const IncrementalPotential W{*energy, mass, dynamic ? Points3(before + dt * sheet.v) : before,
-                                 (dynamic ? 1 : quasi_static_mass) / (dt * dt), options.gravity, springs, feels};
+                                 (dynamic ? 1 : quasi_static_mass) / (dt * dt), options.gravity, springs, feels, colliders ? &*colliders : nullptr};
 
     // start from the guess of least potential
     double least = std::numeric_limits<double>::infinity();
@@ -198,6 +213,7 @@ struct Elastic::Impl {
       guesses.push_back(before);
     }
     for (Points3& guess : guesses) {
+      if (colliders) colliders->clear_way(guess);
       if (feels) {
         const Points3 move = guess - before;
         feels->cover(before, move);
@@ -220,6 +236,10 @@ struct Elastic::Impl {
         if (!newton.in_vain) second_way(W, before, guesses.front(), hard, sheet.x, report);
         report.leaving = past.descending || past.second;
       }
+    }
+    if (colliders) {
+      report.on_colliders = colliders->touching(sheet.x);
+      report.inside = colliders->inside(sheet.x);
     }
     if (feels) {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
@@ -252,6 +272,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.past.remeshed = true;
   s.predictor.reset();
   if (s.options.contact == SelfContact::automatic) s.contact.emplace(sheet.pattern, sheet.triangles);
+  if (s.options.colliders) s.colliders.emplace(s.options.colliders, sheet.triangles, static_cast<int>(sheet.pattern.rows()));
   std::deque<Points3>& positions = s.past.positions;
   if (!positions.empty() && positions.front().rows() != sheet.pattern.rows()) positions.clear();
   if (s.past.second && s.past.second->x.rows() != sheet.pattern.rows()) s.past.second.reset();
@@ -280,8 +301,15 @@ ElasticReport Elastic::look(const Sheet& sheet) const {
   return report;
 }
 
-ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, Settling settling) {
+double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
+  if (!impl_->colliders) return 0;
+  impl_->colliders->begin(sheet.x, {poses, poses}, {}, 1);
+  return impl_->colliders->inside(sheet.x);
+}
+
+ElasticReport Elastic::settle(Sheet& sheet, const Held& asked, double dt, Settling settling) {
   Impl& s = *impl_;
+  const Held held = s.reachable(sheet, asked, dt);
   const Points3 before = sheet.x;
   const Gripped hard = hard_handles(held);
   constexpr double coarser = 10;  // the next step goes on from here
@@ -336,8 +364,9 @@ void Elastic::take_back(const ElasticPast& past) {
   s.recall();
 }
 
-ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
+ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
   Impl& s = *impl_;
+  const Held held = s.reachable(sheet, asked, dt);
   const bool dynamic = s.options.inertia == Inertia::dynamic;
   const Points3 before = sheet.x;
   Gripped hard = hard_handles(held);
@@ -362,6 +391,11 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
     s.past.second.reset();
     s.past.descending = false;
     s.past.careful = report.touching > 0 || report.yielding > 0;
+  }
+  constexpr double let_in = 5e-5;  // [m]
+  if (report.inside > let_in) {
+    push_out(*s.options.colliders, held.colliders.to, Points3(sheet.x), -let_in, sheet.x);
+    report.inside = s.colliders->inside(sheet.x);
   }
   s.past.remeshed = false;
   ++s.past.steps;
