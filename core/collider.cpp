@@ -12,7 +12,7 @@ namespace paperbake {
 namespace {
 
 constexpr double flat = 0.01;            // [rad] an edge that turns less does not stick out
-constexpr double deepest = 1e-3;         // [m]
+constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m]
 constexpr double of_thickness = 0.3;     // [1] of the thinnest side of a closed mesh
 constexpr double other_direction = 0.866;  // cosine
 
@@ -98,7 +98,7 @@ Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
   if (closed_ && volume(x, triangles) < 0) turn(triangles);
   const EdgeMap edges = edges_of(triangles);
   const Eigen::AlignedBox3d all(Vector3d(x.colwise().minCoeff().transpose()), Vector3d(x.colwise().maxCoeff().transpose()));
-  depth_ = closed_ ? std::min(deepest, of_thickness * all.sizes().minCoeff()) : deepest;
+  depth_ = closed_ ? std::min(deepest, of_thickness * all.sizes().minCoeff()) : deepest_of_open;
 
   const int n = static_cast<int>(triangles.rows());
   face_normal_.resize(n, 3);
@@ -134,10 +134,9 @@ Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
       const Vector3d to = row(x, triangles(w.triangle, w.corner)) - row(x, a);
       return (to - along * along.dot(to)).normalized();
     };
-    Edge edge{a, b, sum.normalized(), {inward(wings[0]), Vector3d::Zero()}};
+    Edge edge{a, b, {inward(wings[0]), -row(face_normal_, wings[0].triangle)}, border};
     if (border) {
       border_vertex_[a] = border_vertex_[b] = 1;
-      edge.normal = (row(face_normal_, wings[0].triangle) - edge.inward[0]).normalized();
     } else {
       edge.inward[1] = inward(wings[1]);
       const double turns = std::acos(std::clamp(face_normal_.row(wings[0].triangle).dot(face_normal_.row(wings[1].triangle)), -1.0, 1.0));
@@ -159,10 +158,8 @@ Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
   std::vector<Eigen::AlignedBox3d> corner_boxes;
   for (int v = 0; v < x.rows(); ++v) {
     if (!sharp[v]) continue;
-    Vector3d normal = row(vertex_normal_, v), in = Vector3d::Zero();
-    for (const Vector3d& e : outgoing[v]) in += e;
-    if (border_vertex_[v] && in.norm() > 1e-6) normal = (normal - in.normalized()).normalized();
-    corners_.push_back({v, normal, outgoing[v]});
+    if (border_vertex_[v]) outgoing[v].push_back(-row(vertex_normal_, v));
+    corners_.push_back({v, outgoing[v]});
     corner_boxes.emplace_back(row(x, v));
   }
   corner_tree_.build(corner_boxes);

@@ -41,16 +41,16 @@ class Collider {
   /// How far behind the front a point can be and still be thought of as pressed in from there. [m]
   double depth() const { return depth_; }
 
-  /// An edge that sticks out, or of the border. A point belongs to it when the way to it runs between its faces.
+  /// An edge that sticks out, or of the border, and a corner of such. What is near one is inside when the way out of there, along the
+  /// shortest line to it, goes away from all its faces.
   struct Edge {
     int a, b;
-    Vector3d normal;                  // mean of its faces; of a border: of its face and the way outwards
-    std::array<Vector3d, 2> inward;   // along its faces; the second is zero at a border
+    std::array<Vector3d, 2> inward;   // unit, along its faces; at a border the second is straight behind the first
+    bool border;
   };
   struct Corner {
     int vertex;
-    Vector3d normal;
-    std::vector<Vector3d> edges;      // unit, outgoing
+    std::vector<Vector3d> inward;     // unit, along its edges; at a border the last is straight behind it
   };
   const std::vector<Edge>& edges() const { return edges_; }
   const std::vector<Corner>& corners() const { return corners_; }

@@ -14,8 +14,8 @@ namespace {
 
 constexpr double tube = 1e-3;        // [m] how far vertices go before lists are made again
 constexpr double creep = 1e-4;       // [m/s] what slides slower than that sticks
+constexpr double in_cone = 0.1;      // [1] sine by which a way out may lead along a face
 constexpr double let_in = 0.2;       // [1] of the depth: so far an iteration may go inside
-constexpr double in_cone = 0.1;      // [1] sine by which a direction may leave the cone of an edge or corner
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
@@ -95,10 +95,41 @@ void ColliderContact::refresh(std::size_t c, const Points3& home) {
   }
 }
 
+/// An edge of the sheet and the k-th edge of the collider, or a triangle and its k-th corner.
+ColliderContact::Meeting ColliderContact::meeting(const Collider& collider, const Probe& probe, int k, const Points3& home, const std::vector<char>& side) const {
+  const Points3& x = collider.mesh().x;
+  const auto& v = probe.vertices;
+  int behind = 0;
+  for (int i = 0; i < probe.corners; ++i) behind += side[v[i]] < 0;
+  const auto leads_out = [](const Vector3d& n, const Vector3d& inward) { return n.dot(inward) <= in_cone * n.norm(); };
+  Meeting m;
+  bool out_of_all = true;
+  if (probe.corners == 2) {
+    const Collider::Edge& edge = collider.edges()[k];
+    const Nearness near = edge_to_edge({row(home, v[0]), row(home, v[1]), row(x, edge.a), row(x, edge.b)});
+    m = {{near.weights[0], near.weights[1], 0}, -near.weights[2] * row(x, edge.a) - near.weights[3] * row(x, edge.b), near.apart, near.distance(), Meeting::outside};
+    const Vector3d along = row(x, edge.b) - row(x, edge.a), first = edge.inward[0], second = behind == 2 && edge.border ? Vector3d(-edge.inward[1]) : edge.inward[1];
+    const auto above = [&](const Vector3d& face, const Vector3d& other) {  // the plane of one face, seen from the other
+      const Vector3d normal = along.cross(face);
+      return m.apart.dot(normal) * normal.dot(other) < 0;
+    };
+    if (behind == 1 || above(first, second) || above(second, first)) return m;
+    out_of_all = leads_out(-m.apart, first) && leads_out(-m.apart, second);
+  } else {
+    const Collider::Corner& corner = collider.corners()[k];
+    const Nearness near = vertex_to_triangle({row(x, corner.vertex), row(home, v[0]), row(home, v[1]), row(home, v[2])});
+    m = {{-near.weights[1], -near.weights[2], -near.weights[3]}, row(x, corner.vertex), -near.apart, near.distance(), Meeting::outside};
+    Vector3d inward = Vector3d::Zero();
+    for (const Vector3d& in : corner.inward) inward += in, out_of_all = out_of_all && leads_out(-m.apart, in);
+    if (behind > 0 || m.apart.dot(inward) < 0) return m;
+  }
+  m.where = out_of_all ? Meeting::inside : Meeting::nearer_to_another;
+  return m;
+}
+
 template <class Visit>
 void ColliderContact::touches_of(std::size_t c, const Probe& probe, const Points3& home, Visit visit) const {
   const Collider& collider = (*colliders_)[c];
-  const Points3& x = collider.mesh().x;
   const std::vector<char>& side = against_[c].side;
   const auto& v = probe.vertices;
   if (probe.corners == 1) {
@@ -106,33 +137,11 @@ void ColliderContact::touches_of(std::size_t c, const Probe& probe, const Points
       if (s.distance > -collider.depth() - tube) visit(Touch{v, {1, 0, 0}, 1, s.at, s.normal, s.distance});
     return;
   }
-  int behind = 0;
-  for (int i = 0; i < probe.corners; ++i) behind += side[v[i]] < 0;
-  const auto offer = [&](const std::array<double, 3>& weights, const Vector3d& at, const Vector3d& apart, const Vector3d& normal, auto in_cone_of) {
-    const double far = apart.norm(), sign = apart.dot(normal) < 0 ? -1 : 1;
-    if (far < 1e-12 || (sign < 0 && far > collider.depth())) return;
-    const Vector3d n = sign / far * apart;
-    if (in_cone_of(n)) visit(Touch{v, weights, probe.corners, at, n, sign * far});
-  };
   for (const int k : probe.near) {
-    if (probe.corners == 2) {
-      const Collider::Edge& edge = collider.edges()[k];
-      const Nearness near = edge_to_edge({row(home, v[0]), row(home, v[1]), row(x, edge.a), row(x, edge.b)});
-      if ((near.weights.array() == 0).any()) continue;  // at an end of one: others answer for that
-      const bool border = edge.inward[1].isZero(0);
-      if (behind > 0 && !border) continue;
-      const Vector3d normal = behind == 0 ? edge.normal : behind == 1 ? Vector3d(-edge.inward[0]) : Vector3d(-edge.normal - std::sqrt(2) * edge.inward[0]);
-      offer({near.weights[0], near.weights[1], 0}, -near.weights[2] * row(x, edge.a) - near.weights[3] * row(x, edge.b), near.apart, normal,
-            [&](const Vector3d& n) { return n.dot(edge.inward[0]) <= in_cone && n.dot(edge.inward[1]) <= in_cone; });
-    } else {
-      const Collider::Corner& corner = collider.corners()[k];
-      if (behind > 0) continue;
-      const Nearness near = vertex_to_triangle({row(x, corner.vertex), row(home, v[0]), row(home, v[1]), row(home, v[2])});
-      if ((near.weights.tail<3>().array() == 0).count() == 2) continue;
-      offer({-near.weights[1], -near.weights[2], -near.weights[3]}, row(x, corner.vertex), -near.apart, corner.normal, [&](const Vector3d& n) {
-        return std::all_of(corner.edges.begin(), corner.edges.end(), [&](const Vector3d& e) { return n.dot(e) <= in_cone; });
-      });
-    }
+    const Meeting m = meeting(collider, probe, k, home, side);
+    const double sign = m.where == Meeting::inside ? -1 : 1;
+    if (m.where == Meeting::nearer_to_another || m.far < 1e-12 || (sign < 0 && m.far > collider.depth())) continue;
+    visit(Touch{v, m.weights, probe.corners, m.at, sign / m.far * m.apart, sign * m.far});
   }
 }
 
@@ -271,6 +280,7 @@ double ColliderContact::free_way(const Points3& y, const Points3& move) {
         const Points3& fixed = collider.mesh().x;
         if (edges) x[2] = row(fixed, collider.edges()[k].a), x[3] = row(fixed, collider.edges()[k].b), m[2] = m[3] = Vector3d::Zero();
         else x[0] = row(fixed, collider.corners()[k].vertex), m[0] = Vector3d::Zero();
+        if (meeting(collider, probe, k, home, against_[c].side).where != Meeting::outside) return;  // it is to come out
         const double free = paperbake::free_way(x, m, edges);
         if (free < 1 && free > 0) share *= free;
       };
@@ -345,7 +355,9 @@ double ColliderContact::inside(const Points3& y) {
   for (std::size_t c = 0; c < against_.size(); ++c) {
     const Points3 home = at_home(c, y, motion_.to);
     refresh(c, home);
-    for (const int k : against_[c].close) touches_of(c, against_[c].probes[k], home, [&](const Touch& t) { deepest = std::max(deepest, -t.distance); });
+    for (const int k : against_[c].close) touches_of(c, against_[c].probes[k], home, [&](const Touch& t) {
+      if (getenv("DBG") && t.distance < -5e-5) fprintf(stderr, "kind %d d %g at %g %g %g n %g %g %g w %g %g %g v %d\n", t.corners, t.distance, t.at.x(), t.at.y(), t.at.z(), t.normal.x(), t.normal.y(), t.normal.z(), t.weights[0], t.weights[1], t.weights[2], t.vertices[0]);
+      deepest = std::max(deepest, -t.distance); });
   }
   return deepest;
 }

@@ -79,6 +79,12 @@ class ColliderContact {
     Vector3d at, normal;            // of the collider, in its own space
     double distance;
   };
+  struct Meeting {                  // of features that stick out
+    std::array<double, 3> weights;
+    Vector3d at, apart;             // apart: from there to the sheet
+    double far;
+    enum { outside, inside, nearer_to_another } where;
+  };
   struct Drag {                     // friction of one touch
     std::array<int, 3> vertices;
     std::array<double, 3> weights;
@@ -101,6 +107,7 @@ class ColliderContact {
   void for_each_touch(std::size_t c, const Points3& home, Visit) const;
   template <class Visit>
   void touches_of(std::size_t c, const Probe&, const Points3& home, Visit) const;
+  Meeting meeting(const Collider&, const Probe&, int k, const Points3& home, const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
   void begin_friction(std::size_t c, const Points3& home);
 
