@@ -273,6 +273,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   Held held_before;
   bool at_minimum = false, flowing = false;
   bool leaving = false;
+  double inside = 0;    // [m] a collider, of what is shown
   int quiet_frames = 0;
   int least_halvings = 0;
   if (options.elastic.inertia == Inertia::dynamic)
@@ -351,7 +352,10 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     grip.anchor(sheet.x, frame);
 
     begun = cpu_ms();
-    if (!sleeps || first) shown = finished(method, sheet, held, elastic, step.last);
+    if (!sleeps || first) {
+      shown = finished(method, sheet, held, elastic, step.last);
+      inside = elastic.inside(shown, held.colliders.to);
+    }
     result.geometry_ms += cpu_ms() - begun;
 
     result.sheet = &shown;
@@ -365,7 +369,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.contact = step.last.contact;
     result.touching = step.last.touching;
     result.on_colliders = step.last.on_colliders;
-    result.inside_colliders = elastic.inside(shown, held.colliders.to);
+    result.inside_colliders = inside;
     result.plastic = memory ? memory->integral() : 0;
     result.memory = memory ? &*memory : nullptr;
     if (memory && options.show_memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);

@@ -355,9 +355,7 @@ double ColliderContact::inside(const Points3& y) {
   for (std::size_t c = 0; c < against_.size(); ++c) {
     const Points3 home = at_home(c, y, motion_.to);
     refresh(c, home);
-    for (const int k : against_[c].close) touches_of(c, against_[c].probes[k], home, [&](const Touch& t) {
-      if (getenv("DBG") && t.distance < -5e-5) fprintf(stderr, "kind %d d %g at %g %g %g n %g %g %g w %g %g %g v %d\n", t.corners, t.distance, t.at.x(), t.at.y(), t.at.z(), t.normal.x(), t.normal.y(), t.normal.z(), t.weights[0], t.weights[1], t.weights[2], t.vertices[0]);
-      deepest = std::max(deepest, -t.distance); });
+    for (const int k : against_[c].close) touches_of(c, against_[c].probes[k], home, [&](const Touch& t) { deepest = std::max(deepest, -t.distance); });
   }
   return deepest;
 }

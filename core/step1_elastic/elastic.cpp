@@ -27,7 +27,10 @@ constexpr int restless = 15;
 // A sheet that pushes itself has no end of small moves: what is not finished goes on in the next frame.
 constexpr int most_iterations_in_touch = 20, most_in_touch_coarse = 18;
 
+constexpr int most_strides_on_colliders = 12;
+
 constexpr double jam_stretch = 0.01;  // [1] of an edge: paper tears before; what holds it gives way
+constexpr double jam_inside = 1e-4;   // [m] of a collider: as there
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
 
 // A coarse mesh is animated to be looked at while one works: a snap goes on in the next frames. [triangles]
@@ -375,12 +378,18 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
   const bool may_touch = s.options.contact == SelfContact::automatic;
   const double stop = s.options.stop;
   if (!may_touch || !s.past.careful) {
-    const int most = s.most_iterations();
+    // what lies on something has no second start either, and need not stride far
+    const bool lies = s.colliders && s.colliders->touching(before) > 0;
+    if (lies) s.past.second.reset(), s.past.descending = false;
+    const int most = lies ? s.options.max_iterations : s.most_iterations();
     NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (s.is_coarse() ? 5 : 0)}), s.is_coarse() && s.past.descending ? NewtonOptions::descend : NewtonOptions::both};
     if (may_touch) how.in_vain = [&](const Points3& x) { return !s.contact->clear(before, x, hard); };
-    report = s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::where_restless);
+    if (lies) how.max_strides = std::min(how.max_strides, most_strides_on_colliders);
+    report = s.solve(sheet, held, hard, dt, nullptr, how, lies ? SecondWays::none : SecondWays::where_restless);
   }
-  const auto jams = [&] { return report.converged && s.matrix && largest_stretch(sheet) > jam_stretch; };  // what is on its way may be stretched
+  const auto jams = [&] {  // what is on its way may be stretched
+    return (report.converged && s.matrix && largest_stretch(sheet) > jam_stretch) || report.inside > jam_inside;
+  };
   if (may_touch && (s.past.careful || jams() || !s.contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
