@@ -167,11 +167,10 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
 
 /// Where all handles of a sheet go. [m]
 Points3 keyed_places(const std::vector<Handle>& handles) {
-  Points3 all(0, 3);
-  for (const Handle& handle : handles) {
-    all.conservativeResize(all.rows() + handle.keyed.rows(), 3);
-    all.bottomRows(handle.keyed.rows()) = handle.keyed;
-  }
+  long rows = 0;
+  for (const Handle& handle : handles) rows += handle.keyed.rows();
+  Points3 all(rows, 3);
+  for (const Handle& handle : handles) all.middleRows(rows -= handle.keyed.rows(), handle.keyed.rows()) = handle.keyed;
   return all;
 }
 

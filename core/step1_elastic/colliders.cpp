@@ -114,7 +114,7 @@ ColliderContact::Meeting ColliderContact::meeting(const Collider& collider, cons
       return m.apart.dot(normal) * normal.dot(other) < 0;
     };
     if (behind == 1 || above(first, second) || above(second, first)) return m;
-    out_of_all = leads_out(-m.apart, first) && leads_out(-m.apart, second);
+    out_of_all = leads_out(-m.apart, first) && leads_out(-m.apart, second) && near.weights[2] != 0 && near.weights[3] != 0;
   } else {
     const Collider::Corner& corner = collider.corners()[k];
     const Nearness near = vertex_to_triangle({row(x, corner.vertex), row(home, v[0]), row(home, v[1]), row(home, v[2])});
@@ -123,6 +123,7 @@ ColliderContact::Meeting ColliderContact::meeting(const Collider& collider, cons
     for (const Vector3d& in : corner.inward) inward += in, out_of_all = out_of_all && leads_out(-m.apart, in);
     if (behind > 0 || m.apart.dot(inward) < 0) return m;
   }
+  for (int i = 0; i < probe.corners; ++i) out_of_all = out_of_all && m.weights[i] > 0;  // of an end, it is the vertex that knows how deep
   m.where = out_of_all ? Meeting::inside : Meeting::nearer_to_another;
   return m;
 }
@@ -230,13 +231,12 @@ void ColliderContact::clear_way(const std::vector<int>& vertices, Points3& to) {
 }
 
 void ColliderContact::clear_way(Points3& to) {
-  std::vector<int> all;
-  Points3 wanted(to.rows(), 3);
+  std::vector<int> free;
   for (int v = 0; v < to.rows(); ++v)
-    if (!held_[v]) wanted.row(all.size()) = to.row(v), all.push_back(v);
-  wanted.conservativeResize(all.size(), 3);
-  clear_way(all, wanted);
-  for (std::size_t k = 0; k < all.size(); ++k) to.row(all[k]) = wanted.row(k);
+    if (!held_[v]) free.push_back(v);
+  Points3 wanted = to(free, Eigen::all);
+  clear_way(free, wanted);
+  to(free, Eigen::all) = wanted;
 }
 
 double ColliderContact::free_way(const Points3& y, const Points3& move) {
@@ -309,11 +309,14 @@ double ColliderContact::energy(const Points3& y) {
 double ColliderContact::differentiate(const Points3& y, const std::vector<int>& block_of, Points3& gradient, BlockCholesky* matrix) {
   double sum = 0;
   const auto add = [&](const std::array<int, 3>& v, const std::array<double, 3>& w, int corners, const Vector3d& force, const Matrix3& second) {
-    for (int i = 0; i < corners; ++i) gradient.row(v[i]) += w[i] * force.transpose();
+    for (int i = 0; i < corners; ++i)
+      for (int k = 0; k < 3; ++k) gradient(v[i], k) += w[i] * force[k];
     if (!matrix) return;
     for (int i = 0; i < corners; ++i)
-      for (int j = i; j < corners; ++j)
-        if (w[i] * w[j] != 0) matrix->add(matrix->slot(block_of[v[i]], block_of[v[j]]), Matrix3(w[i] * w[j] * second));
+      for (int j = i; j < corners; ++j) {
+        const double both = w[i] * w[j];
+        if (both != 0) matrix->add(matrix->slot(block_of[v[i]], block_of[v[j]]), both * second);
+      }
   };
   for (std::size_t c = 0; c < against_.size(); ++c) {
     const Points3 home = at_home(c, y, motion_.to);
@@ -322,7 +325,9 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
       const Pressing b = pressing(touch.distance);
       const Vector3d n = motion_.to[c].linear() * touch.normal;
       sum += b.value;
-      add(touch.vertices, touch.weights, touch.corners, b.slope * n, b.second * n * n.transpose());
+      const Vector3d force = b.slope * n;
+      const Matrix3 second = (b.second * n).lazyProduct(n.transpose());
+      add(touch.vertices, touch.weights, touch.corners, force, second);
     });
   }
   for (const Drag& drag : drags_) {
@@ -335,7 +340,10 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
     const double across = way > least ? f.slope / way : 2 / epsilon_;
     Eigen::Matrix2d second = across * Eigen::Matrix2d::Identity();
     if (way > least) second += (f.second - across) / (way * way) * slip * slip.transpose();
-    add(drag.vertices, drag.weights, drag.corners, drag.force * across * (drag.along * slip), drag.force * drag.along * second * drag.along.transpose());
+    const Vector3d force = drag.force * across * (drag.along * slip);
+    const Eigen::Matrix<double, 3, 2> half = drag.force * drag.along.lazyProduct(second);
+    const Matrix3 stiffness = half.lazyProduct(drag.along.transpose());
+    add(drag.vertices, drag.weights, drag.corners, force, stiffness);
   }
   return sum;
 }
