@@ -291,18 +291,26 @@ double ColliderContact::free_way(const Points3& y, const Points3& move) {
   return share;
 }
 
-double ColliderContact::energy(const Points3& y) {
-  double sum = 0;
+template <class Visit>
+void ColliderContact::for_each_touch(const Points3& y, Visit visit) {
   for (std::size_t c = 0; c < against_.size(); ++c) {
     const Points3 home = at_home(c, y, motion_.to);
     refresh(c, home);
-    for_each_touch(c, home, [&](const Touch& touch) { sum += pressing(touch.distance).value; });
+    for_each_touch(c, home, [&](const Touch& touch) { visit(c, touch); });
   }
-  for (const Drag& drag : drags_) {
-    Vector3d u = -drag.carried;
-    for (int i = 0; i < drag.corners; ++i) u += drag.weights[i] * (row(y, drag.vertices[i]) - row(start_, drag.vertices[i]));
-    sum += drag.force * sliding((drag.along.transpose() * u).norm(), epsilon_).value;
-  }
+}
+
+/// How far a touch has slid along the collider since the step began. [m]
+Eigen::Vector2d ColliderContact::slip(const Drag& drag, const Points3& y) const {
+  Vector3d u = -drag.carried;
+  for (int i = 0; i < drag.corners; ++i) u += drag.weights[i] * (row(y, drag.vertices[i]) - row(start_, drag.vertices[i]));
+  return drag.along.transpose() * u;
+}
+
+double ColliderContact::energy(const Points3& y) {
+  double sum = 0;
+  for_each_touch(y, [&](std::size_t, const Touch& touch) { sum += pressing(touch.distance).value; });
+  for (const Drag& drag : drags_) sum += drag.force * sliding(slip(drag, y).norm(), epsilon_).value;
   return sum;
 }
 
@@ -318,29 +326,22 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
         if (both != 0) matrix->add(matrix->slot(block_of[v[i]], block_of[v[j]]), both * second);
       }
   };
-  for (std::size_t c = 0; c < against_.size(); ++c) {
-    const Points3 home = at_home(c, y, motion_.to);
-    refresh(c, home);
-    for_each_touch(c, home, [&](const Touch& touch) {
-      const Pressing b = pressing(touch.distance);
-      const Vector3d n = motion_.to[c].linear() * touch.normal;
-      sum += b.value;
-      const Vector3d force = b.slope * n;
-      const Matrix3 second = (b.second * n).lazyProduct(n.transpose());
-      add(touch.vertices, touch.weights, touch.corners, force, second);
-    });
-  }
+  for_each_touch(y, [&](std::size_t c, const Touch& touch) {
+    const Pressing b = pressing(touch.distance);
+    const Vector3d n = motion_.to[c].linear() * touch.normal, force = b.slope * n;
+    const Matrix3 second = (b.second * n).lazyProduct(n.transpose());
+    sum += b.value;
+    add(touch.vertices, touch.weights, touch.corners, force, second);
+  });
   for (const Drag& drag : drags_) {
-    Vector3d u = -drag.carried;
-    for (int i = 0; i < drag.corners; ++i) u += drag.weights[i] * (row(y, drag.vertices[i]) - row(start_, drag.vertices[i]));
-    const Eigen::Vector2d slip = drag.along.transpose() * u;
-    const double way = slip.norm(), least = 1e-6 * epsilon_;
+    const Eigen::Vector2d slid = slip(drag, y);
+    const double way = slid.norm(), least = 1e-6 * epsilon_;
     const Sliding f = sliding(way, epsilon_);
     sum += drag.force * f.value;
     const double across = way > least ? f.slope / way : 2 / epsilon_;
     Eigen::Matrix2d second = across * Eigen::Matrix2d::Identity();
-    if (way > least) second += (f.second - across) / (way * way) * slip * slip.transpose();
-    const Vector3d force = drag.force * across * (drag.along * slip);
+    if (way > least) second += (f.second - across) / (way * way) * slid * slid.transpose();
+    const Vector3d force = drag.force * across * (drag.along * slid);
     const Eigen::Matrix<double, 3, 2> half = drag.force * drag.along.lazyProduct(second);
     const Matrix3 stiffness = half.lazyProduct(drag.along.transpose());
     add(drag.vertices, drag.weights, drag.corners, force, stiffness);
@@ -350,11 +351,7 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
 
 int ColliderContact::touching(const Points3& y) {
   int count = 0;
-  for (std::size_t c = 0; c < against_.size(); ++c) {
-    const Points3 home = at_home(c, y, motion_.to);
-    refresh(c, home);
-    for_each_touch(c, home, [&](const Touch&) { ++count; });
-  }
+  for_each_touch(y, [&](std::size_t, const Touch&) { ++count; });
   return count;
 }
 

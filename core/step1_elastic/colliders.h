@@ -109,6 +109,9 @@ class ColliderContact {
   void touches_of(std::size_t c, const Probe&, const Points3& home, Visit) const;
   Meeting meeting(const Collider&, const Probe&, int k, const Points3& home, const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
+  template <class Visit>
+  void for_each_touch(const Points3& y, Visit);   // at the end of the step
+  Eigen::Vector2d slip(const Drag&, const Points3& y) const;
   void begin_friction(std::size_t c, const Points3& home);
 
   std::shared_ptr<const Colliders> colliders_;
