@@ -102,6 +102,12 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
                          handle.stiffness);
     append_bytes(bytes, handle.pattern);
   }
+  if (shot.colliders)
+    for (const Collider& collider : *shot.colliders) {
+      bytes += fmt::format("{}/{}/", collider.mesh().name, collider.mesh().friction);
+      append_bytes(bytes, collider.mesh().x);
+      append_bytes(bytes, collider.mesh().triangles);
+    }
   return bytes;
 }
 
@@ -165,8 +171,21 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
     used.push_back({fmt::format("handle.{}.{}", toml_string(given.handle), given.key), literal(given.value), in_words(Origin::job)});
 }
 
-Shot make_shot(SceneSheet&& sheet, const Paper& paper) {
-  return {std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper, std::move(sheet.pins)};
+/// Where all handles of a sheet go. [m]
+Points3 keyed_places(const std::vector<Handle>& handles) {
+  long rows = 0;
+  for (const Handle& handle : handles) rows += handle.keyed.rows();
+  Points3 all(rows, 3);
+  for (const Handle& handle : handles) all.middleRows(rows -= handle.keyed.rows(), handle.keyed.rows()) = handle.keyed;
+  return all;
+}
+
+Shot make_shot(SceneSheet&& sheet, const Paper& paper, std::vector<ColliderMesh> colliders) {
+  Shot shot{std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper, std::move(sheet.pins)};
+  if (colliders.empty()) return shot;
+  face_the_sheet(colliders, shot.start.x, keyed_places(shot.handles));
+  shot.colliders = std::make_shared<const Colliders>(colliders.begin(), colliders.end());
+  return shot;
 }
 
 }  // namespace
@@ -187,6 +206,8 @@ std::string frame_input_hash(const std::string& before, const Shot& shot, int fr
     append_bytes(bytes, keyed_position(handle, frame - first_frame));
     bytes += handle.held(frame) ? 'h' : 'f';
   }
+  if (shot.colliders)
+    for (const Eigen::Isometry3d& pose : poses_at(*shot.colliders, frame - first_frame)) append_bytes(bytes, pose.matrix());
   return hex(murmur(bytes));
 }
 
@@ -217,7 +238,7 @@ BakePlan plan_bake(const BakeSettings& settings) {
                          in_words(!by_sheet ? settings.origin("seed") : sheet.overridden.count("seed") ? Origin::job : Origin::scene)});
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
-    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper));
+    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
 

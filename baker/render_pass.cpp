@@ -2,6 +2,7 @@
 
 #include "baker/cache_measure.h"
 #include "core/cpu_clock.h"
+#include "core/locate.h"
 
 #include <optional>
 
@@ -16,7 +17,7 @@ struct Shown {
 /// Frames of a record on the render mesh, asked for in order.
 class Renderer {
  public:
-  Renderer(const ShotRecord& record, RenderSheet& sheet) : record_(record), sheet_(sheet) {}
+  Renderer(const ShotRecord& record, const Shot& shot, RenderSheet& sheet) : record_(record), colliders_(shot.colliders.get()), sheet_(sheet) {}
 
   Shown operator()(const RecordedFrame& recorded) {
     sheet_.hold(recorded.held);  // dear, but seldom: not this frame's time
@@ -25,11 +26,20 @@ class Renderer {
     if (recorded.mesh != mesh_) places_ = sheet_.places_on(simulated.pattern, simulated.triangles);
     mesh_ = recorded.mesh;
     RenderFrame frame = sheet_.frame(simulated, places_, recorded.held_at);
+    if (colliders_) keep_out(simulated, poses_at(*colliders_, recorded.frame - record_.frames().front().frame), frame.x);
     return {std::move(frame), cpu_ms() - begun};
   }
 
  private:
+  /// The curved surface goes beyond its facets: where they lie on something, into it.
+  void keep_out(const Sheet& simulated, const Poses& poses, Points3& x) const {
+    Points3 on_facets = x;  // middles of a finer mesh are near enough
+    for (std::size_t v = 0; v < places_.size(); ++v) on_facets.row(v) = interpolate(places_[v], simulated.triangles, simulated.x);
+    push_out(*colliders_, poses, on_facets, 0, x);
+  }
+
   const ShotRecord& record_;
+  const Colliders* colliders_;   // null: there are none
   RenderSheet& sheet_;
   int mesh_ = -1;
   std::vector<Place> places_;
@@ -48,7 +58,7 @@ void render_shot(const ShotRecord& record, const Shot& shot, Quality quality, co
   const auto& recorded = record.frames();
   if (recorded.empty()) return;
   RenderSheet render = make_render_sheet(shot.pattern, record.features(shot), record.edge(), quality);
-  Renderer renderer(record, render);
+  Renderer renderer(record, shot, render);
   CacheFrame cached;
   cached.triangles = render.mesh().triangles;
   cached.normal_of_corner = render.normal_of_corner();

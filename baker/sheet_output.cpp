@@ -27,6 +27,13 @@ CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot) {
   return options;
 }
 
+/// What of a frame is inside a collider is said where it can be seen.
+void note_inside(FrameRecord& record, double inside_mm) {
+  constexpr double seen = 0.1;  // [mm]
+  if (inside_mm > seen && record.inside_mm <= seen) record.note += fmt::format("{}inside a collider by {:.2f} mm", record.note.empty() ? "" : "; ", inside_mm);
+  record.inside_mm = std::max(record.inside_mm, inside_mm);
+}
+
 }  // namespace
 
 SheetOutput::SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, Caches& caches, std::string suffix,
@@ -94,7 +101,9 @@ FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
   r.energy_J = frame.energy;
   r.crossings = crossings(sheet);
   r.touching = frame.touching;
+  r.on_colliders = frame.on_colliders;
   r.note = frame.note;
+  note_inside(r, 1e3 * frame.inside_colliders);
   r.input_hash = input_hash_;
   return r;
 }

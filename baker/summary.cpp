@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -34,6 +35,16 @@ Json render_spread(const std::vector<FrameRecord>& frames, const std::function<d
   return rendered.empty() ? Json() : spread(rendered, [&](const FrameRecord& f) { return value(*f.render); });
 }
 
+std::string colliders_in_words(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
+  if (!plan.shots.front().colliders) return "none in scene";
+  std::vector<std::string> names;
+  for (const Collider& collider : *plan.shots.front().colliders) names.push_back('"' + collider.mesh().name + '"');
+  const auto touched = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.on_colliders > 0; });
+  double inside = 0;
+  for (const FrameRecord& f : frames) inside = std::max(inside, f.inside_mm);
+  return fmt::format("in scene: {}; touched in {} frames, {:.3f} mm inside at most", fmt::join(names, ", "), touched, inside);
+}
+
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const auto touching = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.touching > 0; });
   const auto apart = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.render && f.render->kept_apart; });
@@ -42,7 +53,6 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const std::string& method = plan.methods.front().name;
   const bool yields = plan.animation.memory == Memory::plastic, singular = method == "hybrid";
   const int births = std::accumulate(frames.begin(), frames.end(), 0, [](int sum, const FrameRecord& f) { return sum + f.new_singular; });
-  const bool ignored = std::any_of(plan.warnings.begin(), plan.warnings.end(), [](const std::string& w) { return w.rfind("Colliders are ignored", 0) == 0; });
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {{"dynamics", model(dynamic, plan.why_inertia)},
           {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
@@ -55,7 +65,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
           {"layers_apart", model(apart > 0, apart > 0 ? fmt::format("the curved sheet would have passed through itself in {} frames", apart)
                                                       : "the curved sheet never passes through itself")},
           {"polish", model(plan.polish.triangles > 0, plan.polish.why)},
-          {"colliders", model(false, ignored ? "not in this version: those of the scene are ignored" : "none in scene")}};
+          {"colliders", model(plan.shots.front().colliders != nullptr, colliders_in_words(plan, frames))}};
 }
 
 }  // namespace

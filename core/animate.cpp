@@ -10,6 +10,7 @@
 #include "core/plastic_grid.h"
 #include "core/reach.h"
 #include "core/ripple.h"
+#include "core/unrest.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,7 +37,7 @@ constexpr double torn = 0.5;             // [1] an edge this much too long: the 
 class Grip {
  public:
   Grip(const Shot& shot, std::vector<int> vertices, int first_frame)
-      : handles_(shot.handles), vertex_(std::move(vertices)), first_frame_(first_frame),
+      : handles_(shot.handles), colliders_(shot.colliders.get()), vertex_(std::move(vertices)), first_frame_(first_frame),
         exact_(std::min(1e-4, 1e-3 * longer_side(shot.pattern))), reach_(shot.pattern, shot.handles), anchor_(shot.handles.size()) {}
 
   /// A relative handle begins where the sheet is at its grab frame, after that frame was simulated without it.
@@ -89,6 +90,7 @@ class Grip {
       held.vertices.push_back(vertex);
       held.stiffness.push_back(pull.stiffness);
     }
+    if (colliders_) held.colliders = {poses_at(*colliders_, frame - 1 - first_frame_), poses_at(*colliders_, frame - first_frame_)};
     return held;
   }
 
@@ -106,6 +108,7 @@ class Grip {
 
  private:
   const std::vector<Handle>& handles_;
+  const Colliders* colliders_;     // null: there are none
   std::vector<int> vertex_;
   int first_frame_;
   double exact_;  // [m] a handle that is farther off is not met
@@ -139,26 +142,6 @@ bool in_place(Sheet& sheet, const Held& held, double side) {
   return true;
 }
 
-/// How far the sheet is from rest: the largest move of a handle that is asked for, or of a vertex in the last step. [m]
-double unrest(const Sheet& sheet, const Held& held, const Held& held_before, const Points3& before) {
-  if (held.vertices != held_before.vertices) return std::numeric_limits<double>::infinity();
-  double most = held.targets.rows() ? (held.targets - held_before.targets).rowwise().norm().maxCoeff() : 0;
-  if (before.rows() != sheet.x.rows()) return std::numeric_limits<double>::infinity();
-  return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
-}
-
-/// Vertices that a handle is about to move while no other point of the sheet is held near by.
-std::vector<int> pulled_alone(const Sheet& sheet, const Held& held, double least_move, double apart) {
-  std::vector<int> pulled;
-  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
-    const auto p = sheet.pattern.row(held.vertices[k]);
-    bool alone = (sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm() > least_move;
-    for (std::size_t j = 0; j < held.vertices.size() && alone; ++j) alone = j == k || (sheet.pattern.row(held.vertices[j]) - p).norm() > apart;
-    if (alone) pulled.push_back(held.vertices[k]);
-  }
-  return pulled;
-}
-
 /// Sum over the edges of |fold| x length. [m rad]
 double fold_integral(const Sheet& sheet) {
   double sum = 0;
@@ -167,24 +150,13 @@ double fold_integral(const Sheet& sheet) {
   return sum;
 }
 
-/// How far held points are asked to go against each other since the frame before. [m]
-double leap_of(const Sheet& sheet, const Held& held, const Held& held_before) {
-  Points3 way(held.vertices.size(), 3);
-  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
-    const auto was = std::find(held_before.vertices.begin(), held_before.vertices.end(), held.vertices[k]);
-    const Eigen::RowVector3d from = was == held_before.vertices.end() ? Eigen::RowVector3d(sheet.x.row(held.vertices[k]))
-                                                                       : Eigen::RowVector3d(held_before.targets.row(was - held_before.vertices.begin()));
-    way.row(k) = held.targets.row(k) - from;
-  }
-  return way.rows() ? (way.rowwise() - way.colwise().mean().eval()).rowwise().norm().maxCoeff() : 0;
-}
-
-/// The sheet as the method hands it on. What touches itself is not moved through itself.
-Sheet finished(const Method& method, const Sheet& sheet, const Held& held, bool touching) {
+/// The sheet as the method hands it on. What touches itself is not moved through itself, nor into a collider.
+Sheet finished(const Method& method, const Sheet& sheet, const Held& held, const Elastic& elastic, const ElasticReport& step) {
   Sheet shown = sheet;
   if (!method.finish) return shown;
   method.finish(shown, held.vertices);
-  if (touching && crossings(shown) > crossings(sheet)) return sheet;
+  if (step.touching > 0 && crossings(shown) > crossings(sheet)) return sheet;
+  if (elastic.inside(shown, held.colliders.to) > std::max(step.inside, 5e-5)) return sheet;
   return shown;
 }
 
@@ -241,8 +213,11 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
   Held half = held;
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     half.targets.row(k) = 0.5 * (before.x.row(held.vertices[k]) + held.targets.row(k));
+  half.colliders.to = between(held.colliders.from, held.colliders.to);
+  Held rest = held;
+  rest.colliders.from = half.colliders.to;
   const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
-  SteppedFrame second = follow(elastic, sheet, held, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
+  SteppedFrame second = follow(elastic, sheet, rest, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
   second.substeps += first.substeps;
   second.iterations += first.iterations + result.iterations;
   second.converged &= first.converged;
@@ -285,7 +260,10 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   double begun = cpu_ms();
   StartedSheet started = start_sheet(shot, method, options.seed, options.first_frame);
   Sheet& sheet = started.sheet;
-  Elastic elastic(shot.paper, options.elastic);
+  ElasticOptions elastic_options = options.elastic;
+  elastic_options.colliders = shot.colliders;
+  Elastic elastic(shot.paper, elastic_options);
+  const Colliders* colliders = shot.colliders.get();
   std::optional<PlasticGrid> memory;
   if (options.memory == Memory::plastic) elastic.remember_in(&memory.emplace(shot.pattern));
   elastic.set_mesh(sheet, started.stiffening);
@@ -299,6 +277,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   Held held_before;
   bool at_minimum = false, flowing = false;
   bool leaving = false;
+  double inside = 0;    // [m] a collider, of what is shown
   int quiet_frames = 0;
   int least_halvings = 0;
   if (options.elastic.inertia == Inertia::dynamic)
@@ -311,7 +290,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
 
     begun = cpu_ms();
     const std::size_t born = sheet.singular.size();
-    const double moved = unrest(sheet, held, held_before, before);
+    const double moved = unrest(sheet, held, held_before, before, colliders);
     quiet_frames = moved < asleep * side ? quiet_frames + 1 : 0;
     const bool moving = moved > still * side;
     const Moment now{frame, 1 / options.fps, moved / side};
@@ -326,6 +305,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
         result.remesh_rise = verdict.rise;
       }
     held_before = held;
+    held_before.colliders.from = held.colliders.to;
     std::optional<WayBack> way_back;
     if (method.remesh && !first && result.remesh != AnimatedFrame::accepted) {
       Sheet unchanged = sheet;
@@ -365,7 +345,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     if (step.last.lower_branch > 1e-3)
       result.note = "snap: a second start ended " + std::to_string(static_cast<int>(std::lround(100 * step.last.lower_branch))) + " % lower in energy and was taken";
     if (options.probe_every > 0 && !sleeps && (frame - options.first_frame + 1) % options.probe_every == 0) {
-      const Branches found = probe_branches(sheet, elastic, held, 1 / options.fps, options.seed, frame);
+      const Branches found = probe_branches(sheet, elastic, held_before, 1 / options.fps, options.seed, frame);
       if (found.taken || found.finished) {
         const ElasticReport stored = elastic.look(sheet);
         step.last.energy = stored.energy, step.last.membrane = stored.membrane;
@@ -376,7 +356,10 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     grip.anchor(sheet.x, frame);
 
     begun = cpu_ms();
-    if (!sleeps || first) shown = finished(method, sheet, held, step.last.touching > 0);
+    if (!sleeps || first) {
+      shown = finished(method, sheet, held, elastic, step.last);
+      inside = elastic.inside(shown, held.colliders.to);
+    }
     result.geometry_ms += cpu_ms() - begun;
 
     result.sheet = &shown;
@@ -389,6 +372,8 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.membrane_energy = step.last.membrane;
     result.contact = step.last.contact;
     result.touching = step.last.touching;
+    result.on_colliders = step.last.on_colliders;
+    result.inside_colliders = inside;
     result.plastic = memory ? memory->integral() : 0;
     result.memory = memory ? &*memory : nullptr;
     if (memory && options.show_memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);

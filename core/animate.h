@@ -21,6 +21,7 @@ struct Shot {
   std::vector<Handle> handles;  // row 0 of keyed = first_frame
   Paper paper;
   Pins pins = {};
+  std::shared_ptr<const Colliders> colliders = nullptr;  // turned towards this sheet; null: there are none
 };
 
 /// Does paper keep what it was bent to?
@@ -57,6 +58,8 @@ struct AnimatedFrame {
   Points3 plastic_curvature;               // |V|x3 [1/m] Sxx, Sxy, Syy kept at the vertices of the sheet; empty when not asked for
   bool contact = false;                    // the sheet came near itself: it was kept from passing through
   int touching = 0;                        // pairs of features that push each other
+  int on_colliders = 0;                    // vertices, edges and triangles that colliders push
+  double inside_colliders = 0;             // [m] how deep the deepest of them is
   int new_singular = 0;
   enum Remesh { none, accepted, rejected } remesh = none;  // what became of the mesh that the method proposed
   double remesh_rise = 0;                  // [1] by how much of the stored energy the potential rose with it

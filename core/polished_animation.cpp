@@ -130,6 +130,10 @@ class PolishedShot {
       result.unfit = "the sheet touches itself";
       return result;
     }
+    if (rough.frame.on_colliders > 0) {  // which the fine mesh does not feel
+      result.unfit = "the sheet lies on a collider";
+      return result;
+    }
     const double begun = cpu_ms();
     std::vector<int> held;
     Points3 held_at(0, 3);

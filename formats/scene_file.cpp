@@ -1,6 +1,7 @@
 #include "formats/scene_file.h"
 
 #include "core/error.h"
+#include "formats/scene_colliders.h"
 #include "formats/scene_handles.h"
 #include "formats/scene_nodes.h"
 #include "formats/scene_properties.h"
@@ -148,15 +149,6 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
   return sheets;
 }
 
-void warn_of_colliders(const SceneNodes& scene, std::vector<std::string>& warnings) {
-  std::vector<std::string> names;
-  for (const ImportedNode& node : scene.file.nodes) {
-    const bool collider = flag_property(node, "paper_collider") || name_begins_with(node.name, "collider");
-    if (collider && !node.meshes.empty()) names.push_back('"' + node.name + '"');
-  }
-  if (!names.empty()) warnings.push_back(fmt::format("Colliders are ignored: {}.", fmt::join(names, ", ")));
-}
-
 std::optional<double> gravity_of(const SceneNodes& scene, std::map<std::string, std::string>& origin) {
   for (const ImportedNode& node : scene.file.nodes)
     if (const auto gravity = number_property(scene.source, node, "paper_gravity")) {
@@ -181,7 +173,7 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   for (std::string& warning : unknown_properties(nodes.file.nodes)) scene.warnings.push_back(std::move(warning));
   scene.sheets = read_sheets(nodes, options, said, scene.warnings);
   add_handles(nodes, scene.sheets, scene.warnings);
-  warn_of_colliders(nodes, scene.warnings);
+  scene.colliders = read_colliders(nodes, scene.warnings);
   scene.gravity = gravity_of(nodes, scene.origin);
   for (std::size_t i = 0; i < said.size(); ++i)
     for (const auto& [key, place] : said[i].places) {

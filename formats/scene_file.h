@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/collider.h"
 #include "core/handles.h"
 #include "core/pattern.h"
 #include "formats/scene_overrides.h"
@@ -47,6 +48,7 @@ struct GivenProperty {
 struct Scene {
   std::string source;                 // file name without folder: for messages
   std::vector<SceneSheet> sheets;
+  std::vector<ColliderMesh> colliders;  // in order of the file
   double fps = 24;                    // [1/s]
   int first_frame = 1, last_frame = 1;
   std::optional<double> gravity;      // paper_gravity [m/s2], positive = downwards

@@ -1,6 +1,7 @@
 #include "formats/scene_handles.h"
 
 #include "core/error.h"
+#include "formats/scene_colliders.h"
 #include "formats/scene_properties.h"
 
 #include <fmt/format.h>
@@ -64,7 +65,7 @@ std::vector<Found> find_handles(const SceneNodes& scene) {
     for (int child : children[i])
       if (children[child].empty() && is_tail_leaf(nodes[child].name, nodes[i].name)) leaves.insert(child);
   }
-  if (found.empty())
+  if (found.empty() && std::none_of(nodes.begin(), nodes.end(), is_collider))  // a sheet may fall on something
     throw Error(Fault::scene, scene.source, "The scene has no handle: no node's name starts with \"handle\".",
                 "Put an empty or a locator named handle... on the sheet at the first frame, and animate it.");
   return found;

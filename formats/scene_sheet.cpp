@@ -280,4 +280,6 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
   return sheet;
 }
 
+WeldedMesh welded_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) { return weld(gather(file, node, world), false); }
+
 }  // namespace paperbake

@@ -3,6 +3,7 @@
 #include "core/pattern.h"
 #include "core/sheet.h"
 #include "formats/scene_nodes.h"
+#include "formats/scene_unroll.h"
 
 #include <Eigen/Geometry>
 
@@ -27,5 +28,8 @@ Pattern pattern_of(const Points2& flat, const Triangles&, const std::string& pla
 /// throws Error(Fault::scene) at `place`: no faces, faces without area, several pieces, edges of three faces, faces that
 /// disagree about the front, no border, not developable, overlapping itself when laid flat
 FlatSheet flat_sheet(const ImportedFile&, int node, const Eigen::Affine3d& world, const std::string& place);
+
+/// All faces of a node in the world, without uv; vertices welded within 1e-6 of the size.
+WeldedMesh welded_mesh(const ImportedFile&, int node, const Eigen::Affine3d& world);
 
 }  // namespace paperbake

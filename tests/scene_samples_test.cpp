@@ -191,8 +191,13 @@ TEST(SceneFileSamples, GltfHasNoRate) {
   EXPECT_EQ(glb.origin.at("fps"), "default");
 }
 
-TEST(SceneFileSamples, CollidersAreNamedAndIgnored) {
-  EXPECT_TRUE(has_warning(read_scene(sample("S5_roll.glb")), "Colliders are ignored: \"ground\""));
+TEST(SceneFileSamples, TheGroundIsACollider) {
+  for (const char* file : {"S5_roll.glb", "S5_roll.fbx"}) {
+    const Scene scene = read_scene(sample(file));
+    ASSERT_EQ(scene.colliders.size(), 1u) << file;
+    EXPECT_EQ(scene.colliders[0].name, "ground");
+    EXPECT_NEAR(scene.colliders[0].x.cwiseAbs().maxCoeff(), 0.5, 1e-6);
+  }
 }
 
 TEST(SceneFileSamples, TakeChoosesOneAnimation) {

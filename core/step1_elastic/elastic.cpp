@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "core/measure.h"
+#include "core/step1_elastic/colliders.h"
 #include "core/step1_elastic/cone_energy.h"
 #include "core/step1_elastic/contact.h"
 #include "core/step1_elastic/elastic_energy.h"
@@ -26,7 +27,10 @@ constexpr int restless = 15;
 // A sheet that pushes itself has no end of small moves: what is not finished goes on in the next frame.
 constexpr int most_iterations_in_touch = 20, most_in_touch_coarse = 18;
 
+constexpr int most_strides_on_colliders = 12;
+
 constexpr double jam_stretch = 0.01;  // [1] of an edge: paper tears before; what holds it gives way
+constexpr double jam_inside = 1e-4;   // [m] of a collider: as there
 constexpr double softening = 100;  // of the membrane: its landscape has few valleys
 
 // A coarse mesh is animated to be looked at while one works: a snap goes on in the next frames. [triangles]
@@ -60,6 +64,7 @@ struct Elastic::Impl {
   std::optional<PlasticGrid::Cover> found_cover;  // of the grid by the triangles, when it was first needed
 
   std::optional<Contact> contact;
+  std::optional<ColliderContact> colliders;
 
   // belongs to the mesh and the set of held vertices
   std::vector<int> held;     // left out of the solve
@@ -144,7 +149,7 @@ struct Elastic::Impl {
   /// The next leg of the second way, as far as `most` iterations take it. On a coarse mesh it is one of the two ways down.
   void go_on(SecondWay& way, const IncrementalPotential& W, int most, ElasticReport& report) {
     const bool soft = way.leg == SecondWay::soft;
-    const IncrementalPotential gentle{*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, nullptr};
+    const IncrementalPotential gentle{*softened, mass, W.xhat, W.inertia, W.gravity, W.springs, nullptr, W.colliders};
     const MembraneStress stress = soft ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
                                        : softened->stress(way.x, Points3::Zero(way.x.rows(), 3));
     const auto ways = !is_coarse() ? NewtonOptions::both : way.tries == 0 ? NewtonOptions::stride : NewtonOptions::descend;
@@ -165,7 +170,10 @@ struct Elastic::Impl {
     const bool leaves = report.iterations > restless || (is_coarse() && !report.converged);
     const bool begun_before = way.has_value();
     const int in_all = patience().in_all * options.max_iterations / usual_iterations;
-    if (way) way->x = predictor->guesses(way->x, {}, hard.targets).front();
+    if (way) {
+      way->x = predictor->guesses(way->x, {}, hard.targets).front();
+      if (colliders) colliders->clear_way(way->x);
+    }
     else if (!leaves || (report.converged && passes(x))) return;  // what meets itself is not going to stay where it is
     else if (past.steps < past.content_until) return;
     else way = SecondWay{start};
@@ -186,6 +194,15 @@ struct Elastic::Impl {
     else way.reset();
   }
 
+  /// Handles as far as colliders let them go.
+  Held reachable(const Sheet& sheet, const Held& held, double dt) {
+    Held reached = held;
+    if (!colliders) return reached;
+    colliders->begin(sheet.x, held.colliders, {}, dt);
+    colliders->clear_way(held.vertices, reached.targets);
+    return reached;
+  }
+
   /// One step; `feels` is null for a sheet that does not feel itself.
   ElasticReport solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels, const NewtonOptions& how,
                       SecondWays second) {
@@ -194,11 +211,12 @@ struct Elastic::Impl {
     hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
          feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
     if (feels && matrix) feels->bind(*matrix, block_of);
+    if (colliders) colliders->begin(sheet.x, handles.colliders, feels ? std::vector<int>{} : hard.vertices, dt);
 
     const bool dynamic = options.inertia == Inertia::dynamic;
     const Points3 before = sheet.x;
     const IncrementalPotential W{*energy, mass, dynamic ? Points3(before + dt * sheet.v) : before,
-                                 (dynamic ? 1 : quasi_static_mass) / (dt * dt), options.gravity, springs, feels};
+                                 (dynamic ? 1 : quasi_static_mass) / (dt * dt), options.gravity, springs, feels, colliders ? &*colliders : nullptr};
 
     // start from the guess of least potential
     double least = std::numeric_limits<double>::infinity();
@@ -208,6 +226,7 @@ struct Elastic::Impl {
       guesses.push_back(before);
     }
     for (Points3& guess : guesses) {
+      if (colliders) colliders->clear_way(guess);
       if (feels) {
         const Points3 move = guess - before;
         feels->cover(before, move);
@@ -230,6 +249,10 @@ struct Elastic::Impl {
         if (!newton.in_vain) second_way(W, before, guesses.front(), hard, sheet.x, report);
         report.leaving = past.descending || past.second;
       }
+    }
+    if (colliders) {
+      report.on_colliders = colliders->touching(sheet.x);
+      report.inside = colliders->inside(sheet.x);
     }
     if (feels) {
       feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
@@ -262,6 +285,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.past.remeshed = true;
   s.predictor.reset();
   if (s.options.contact == SelfContact::automatic) s.contact.emplace(sheet.pattern, sheet.triangles);
+  if (s.options.colliders) s.colliders.emplace(s.options.colliders, sheet.triangles, static_cast<int>(sheet.pattern.rows()));
   std::deque<Points3>& positions = s.past.positions;
   if (!positions.empty() && positions.front().rows() != sheet.pattern.rows()) positions.clear();
   if (s.past.second && s.past.second->x.rows() != sheet.pattern.rows()) s.past.second.reset();
@@ -285,8 +309,15 @@ ElasticReport Elastic::look(const Sheet& sheet) const {
   return impl_->stored(sheet.x, impl_->energy->fold_angles(sheet.x));
 }
 
-ElasticReport Elastic::settle(Sheet& sheet, const Held& held, double dt, Settling settling) {
+double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
+  if (!impl_->colliders) return 0;
+  impl_->colliders->begin(sheet.x, {poses, poses}, {}, 1);
+  return impl_->colliders->inside(sheet.x);
+}
+
+ElasticReport Elastic::settle(Sheet& sheet, const Held& asked, double dt, Settling settling) {
   Impl& s = *impl_;
+  const Held held = s.reachable(sheet, asked, dt);
   const Points3 before = sheet.x;
   const Gripped hard = hard_handles(held);
   constexpr double coarser = 10;  // the next step goes on from here
@@ -341,8 +372,9 @@ void Elastic::take_back(const ElasticPast& past) {
   s.recall();
 }
 
-ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
+ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
   Impl& s = *impl_;
+  const Held held = s.reachable(sheet, asked, dt);
   const bool dynamic = s.options.inertia == Inertia::dynamic;
   const Points3 before = sheet.x;
   Gripped hard = hard_handles(held);
@@ -351,12 +383,18 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
   const bool may_touch = s.options.contact == SelfContact::automatic;
   const double stop = s.options.stop;
   if (!may_touch || !s.past.careful) {
-    const int most = s.most_iterations();
+    // what lies on something has no second start either, and need not stride far
+    const bool lies = s.colliders && s.colliders->touching(before) > 0;
+    if (lies) s.past.second.reset(), s.past.descending = false;
+    const int most = lies ? s.options.max_iterations : s.most_iterations();
     NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (s.is_coarse() ? 5 : 0)}), s.is_coarse() && s.past.descending ? NewtonOptions::descend : NewtonOptions::both};
     if (may_touch) how.in_vain = [&](const Points3& x) { return !s.contact->clear(before, x, hard); };
-    report = s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::where_restless);
+    if (lies) how.max_strides = std::min(how.max_strides, most_strides_on_colliders);
+    report = s.solve(sheet, held, hard, dt, nullptr, how, lies ? SecondWays::none : SecondWays::where_restless);
   }
-  const auto jams = [&] { return report.converged && s.matrix && largest_stretch(sheet) > jam_stretch; };  // what is on its way may be stretched
+  const auto jams = [&] {  // what is on its way may be stretched
+    return (report.converged && s.matrix && largest_stretch(sheet) > jam_stretch) || report.inside > jam_inside;
+  };
   if (may_touch && (s.past.careful || jams() || !s.contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
@@ -367,6 +405,11 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& held, double dt) {
     s.past.second.reset();
     s.past.descending = false;
     s.past.careful = report.touching > 0 || report.yielding > 0;
+  }
+  constexpr double let_in = 5e-5;  // [m]
+  if (report.inside > let_in) {
+    push_out(*s.options.colliders, held.colliders.to, Points3(sheet.x), -let_in, sheet.x);
+    report.inside = s.colliders->inside(sheet.x);
   }
   s.past.remeshed = false;
   ++s.past.steps;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/collider.h"
 #include "core/paper.h"
 #include "core/plastic_grid.h"
 #include "core/sheet.h"
@@ -21,13 +22,20 @@ struct ElasticOptions {
   double gravity = 0;          // [m/s2] along -z
   Inertia inertia = Inertia::quasi_static;
   SelfContact contact = SelfContact::automatic;
+  std::shared_ptr<const Colliders> colliders = nullptr;  // what the sheet may not pass; null: nothing
 };
 
-/// Vertices that are held, and where.
+/// Where colliders are as a step begins and ends. Empty where there are none.
+struct ColliderMotion {
+  Poses from, to;
+};
+
+/// Vertices that are held, and where; and what else is given of a step.
 struct Held {
   std::vector<int> vertices;   // each at most once
   Points3 targets;             // |vertices|x3 [m]
   std::vector<double> stiffness = {};  // |vertices| [N/m] of soft handles, 0: hard; empty: all are hard
+  ColliderMotion colliders = {};
 };
 
 struct ElasticReport {
@@ -42,6 +50,8 @@ struct ElasticReport {
   bool contact = false;        // the sheet came near itself: the step was taken with contact
   int touching = 0;            // pairs of vertex and triangle, or edge and edge, that push each other at its end
   int yielding = 0;            // hard handles that the paper does not follow
+  int on_colliders = 0;        // vertices, edges and triangles that colliders push at its end
+  double inside = 0;           // [m] how deep the deepest is inside a collider
 };
 
 /// briefly: the first way alone, to ten times `stop`, 20 iterations; what needs more has landed somewhere else, and so has what
@@ -88,6 +98,7 @@ struct ElasticPast {
 /// A step that brings parts of the sheet near each other is taken with self-contact (contact.h): the barrier is part of W, no
 /// iteration passes through anything, and handles pull with springs that give way where the paper is jammed
 /// (handle_springs.h); it has no second start. A step in which nothing comes near is the same to the last bit as without contact.
+/// Colliders (colliders.h), where there are any, are part of W in every step. Handles that are to go behind their surface slide along it.
 ///
 /// source [Martin 2011]; damping of the velocity to 0.98 in 1/24 s
 class Elastic {
@@ -122,6 +133,9 @@ class Elastic {
 
   /// What is stored in the sheet as it is. `iterations` 0.
   ElasticReport look(const Sheet&) const;
+
+  /// How deep the deepest vertex, edge or triangle of a sheet of this mesh is inside a collider; 0: none. [m]
+  double inside(const Sheet&, const Poses&) const;
 
   /// A copy, the plastic grid with it, and the way back to it while the mesh is the same: the steps in between leave no trace.
   ElasticPast past() const;

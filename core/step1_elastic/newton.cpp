@@ -43,11 +43,12 @@ class Newton {
   }
   /// Cuts the move where something meets. returns the share that is left
   double cut(const Points3& x, Points3& move) const {
-    if (!W_.contact) return 1;
-    W_.contact->cover(x, move);
-    const double free = W_.contact->free_way(x, move);
-    move *= free;
-    return free;
+    double free = 1;
+    if (W_.contact) W_.contact->cover(x, move), free = W_.contact->free_way(x, move), move *= free;
+    if (!W_.colliders) return free;
+    const double clear = W_.colliders->free_way(x, move);
+    move *= clear;
+    return free * clear;
   }
   bool in_vain(int iteration, const Points3& x) {
     return report.in_vain = options_.in_vain && iteration > 0 && iteration % asked_every == 0 && options_.in_vain(x);

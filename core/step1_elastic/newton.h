@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/step1_elastic/colliders.h"
 #include "core/step1_elastic/contact.h"
 #include "core/step1_elastic/elastic_energy.h"
 #include "core/step1_elastic/handle_springs.h"
@@ -12,7 +13,7 @@ namespace paperbake {
 
 /// The incremental potential of one step over all vertices; held ones are left out by whoever solves.
 ///
-///   W(x) = sum_i m_i/2 inertia |x_i - xhat_i|^2 + E(x) + sum_i m_i g z_i + springs of handles + barrier of contact
+///   W(x) = sum_i m_i/2 inertia |x_i - xhat_i|^2 + E(x) + sum_i m_i g z_i + springs of handles + barrier of contact + colliders
 struct IncrementalPotential {
   const ElasticEnergy& elastic;
   const Eigen::VectorXd& mass;  // [kg] of the vertices
@@ -21,11 +22,13 @@ struct IncrementalPotential {
   double gravity;
   const std::vector<HandleSpring>& springs;
   Contact* contact;             // null: the sheet does not feel itself
+  ColliderContact* colliders = nullptr;  // null: there are none
 
   double operator()(const Points3& x) const {
     double value = elastic.energy(x) + inertia_and_weight(x);
     if (!springs.empty()) value += energy(springs, x);
     if (contact) value += contact->energy(x);
+    if (colliders) value += colliders->energy(x);
     return value;
   }
 
@@ -46,6 +49,7 @@ struct IncrementalPotential {
     add_inertia_and_weight(x, gradient);
     if (!springs.empty()) value += paperbake::differentiate(springs, x, block_of, gradient, matrix);
     if (contact) value += contact->differentiate(x, gradient, &matrix);
+    if (colliders) value += colliders->differentiate(x, block_of, gradient, &matrix);
     for (int v = 0; v < x.rows(); ++v)
       matrix.add(matrix.slot(block_of[v], block_of[v]), Matrix3(mass[v] * inertia * Matrix3::Identity()));
     return value;

@@ -13,8 +13,8 @@
 // as paper's and nu = 0; it stores E = D/2 I ln(R/r). With paper's own membrane E is 7 % lower, with 10 times that 3-5 %.
 // Whole discs are judged for what a coarse mesh makes of a core that it cannot show (cone_energy.h): against the same disc on a mesh
 // that shows it, all with paper's own membrane.
-// The outer rim may not go below the cone of slope eps, as if pushed into a ring without friction. The tool has no such
-// obstacle: the minimum is sought in gripped_cone.h.
+// The outer rim may not go below the cone of slope eps, as if pushed into a ring without friction. No scene with such a collider
+// is set up: the minimum is sought in gripped_cone.h.
 
 namespace paperbake::validation {
 namespace {
@@ -122,7 +122,7 @@ Rows d_cone() {
     for (const auto& [eps, energy, crest] : table) judge(rows, name, flat, eps, energy, crest);
   for (const double outer : {0.025, 0.05, 0.1}) judge_core(rows, outer, table[1][0], table[1][1]);
   for (const char* const method : {"fem, baked", "hybrid, baked", "adaptive, baked"})
-    rows.push_back({method, "any", 0, 0, 0, "", "no colliders in this version: nothing in a scene can stand for the ring"});
+    rows.push_back({method, "any", 0, 0, 0, "", "not set up: a ring would have to be a collider"});
   return rows;
 }
 
