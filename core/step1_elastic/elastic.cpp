@@ -8,6 +8,7 @@
 #include "core/step1_elastic/elastic_energy.h"
 #include "core/step1_elastic/handle_springs.h"
 #include "core/step1_elastic/newton.h"
+#include "core/step1_elastic/patience.h"
 #include "core/step1_elastic/predictor.h"
 
 #include <algorithm>
@@ -20,33 +21,6 @@ namespace {
 
 constexpr double quasi_static_mass = 0.01;  // share of the true mass; 1 ... 1e-5 give the same shapes to 4 digits
 constexpr double velocity_kept = 0.98;  // [1] in 1/24 s
-
-// A step that needs more iterations than this leaves an unstable shape, and the nearest minimum may be a poor one.
-constexpr int restless = 15;
-
-// A sheet that pushes itself has no end of small moves: what is not finished goes on in the next frame.
-constexpr int most_iterations_in_touch = 20, most_in_touch_coarse = 18;
-
-constexpr int most_strides_on_colliders = 12;
-
-constexpr double jam_stretch = 0.01;  // [1] of an edge: paper tears before; what holds it gives way
-constexpr double jam_inside = 1e-4;   // [m] of a collider: as there
-constexpr double softening = 100;  // of the membrane: its landscape has few valleys
-
-// A coarse mesh is animated to be looked at while one works: a snap goes on in the next frames. [triangles]
-constexpr int coarse = 400;
-struct Patience {
-  int in_all, on_the_first;               // [1] iterations of a step; of them, on the first way
-};
-constexpr Patience at_first{70, 30};      // of three steps: a flat sheet that chooses a side is to be done with it
-constexpr Patience later{42, 36}, beside_another{42, 15};
-constexpr int usual_iterations = 60;    // of the options, for which these hold
-constexpr int worth_a_try = 10;         // [1] iterations
-constexpr double worth_having = 0.02;   // [1] of the potential
-constexpr int content_for = 8;          // [1] steps of a fine mesh that was changed, after a second way that found less
-constexpr int most_tries = 4;           // of a leg of the second way
-
-enum class SecondWays { where_restless, none };
 
 }  // namespace
 
