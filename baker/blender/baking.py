@@ -55,8 +55,12 @@ class Bake(bpy.types.Operator):
         if event.type != "TIMER":
             return {"PASS_THROUGH"}
         redraw()
-        if running is not None and running.step():
-            return {"PASS_THROUGH"}
+        try:
+            if running is not None and running.step():
+                return {"PASS_THROUGH"}
+        except Exception:  # a mistake of ours: Blender shows it, and the next bake can begin
+            self.cancel(context)
+            raise
         job = self.finish(context)
         if job is None or job.outcome is None:  # abandoned: the add-on goes, or another file comes
             return {"CANCELLED"}

@@ -40,6 +40,8 @@ def imported(scene, path):
     for thing in set(bpy.data.objects) - before:
         modifier = reader(thing)
         if modifier:
+            for constraint in list(thing.constraints):
+                thing.constraints.remove(constraint)  # a sheet's transform in the cache is the unit's scale, and still
             found[modifier.object_path.split("/")[1]] = thing
     if not found:
         raise Unusable(f"Blender found no sheet in {path}.")
@@ -48,7 +50,7 @@ def imported(scene, path):
 
 def remove_unused(cache_file):
     if cache_file and not cache_file.users:
-        bpy.data.cache_files.remove(cache_file)
+        bpy.data.batch_remove([cache_file])
 
 
 def replaced(old, new):
@@ -61,6 +63,8 @@ def replaced(old, new):
     modifier.cache_file, modifier.object_path, modifier.read_data = fresh.cache_file, fresh.object_path, fresh.read_data
     new_mesh = new.data
     bpy.data.objects.remove(new)
+    for slot in stale_mesh.materials:
+        new_mesh.materials.append(slot)  # an object has as many slots as its mesh
     old.data = new_mesh
     if not stale_mesh.users:
         bpy.data.meshes.remove(stale_mesh)

@@ -6,6 +6,7 @@ import bpy
 from . import program
 
 PACKAGE = __package__
+RELATIVE = {"options": {"PATH_SUPPORTS_BLEND_RELATIVE"}} if bpy.app.version >= (4, 5, 0) else {}  # earlier ones do not know the word
 FROM_PRESET = "default"  # no paper_preset: the program's own
 SETTINGS = {  # of handles, optional: property -> (label, what it is without, value to begin with, None: the current frame)
     "paper_grab_frame": ("Grab", "from the first frame", None),
@@ -103,7 +104,7 @@ class ObjectSettings(bpy.types.PropertyGroup):
 
 
 class SceneSettings(bpy.types.PropertyGroup):
-    folder: bpy.props.StringProperty(name="Folder", subtype="DIR_PATH", default="//paperbake", description="Where the bake goes; // is beside the .blend")
+    folder: bpy.props.StringProperty(name="Folder", subtype="DIR_PATH", default="//paperbake", description="Where the bake goes; // is beside the .blend", **RELATIVE)
     quality: bpy.props.EnumProperty(name="Quality", default="draft", items=[
         ("draft", "Draft", "5 mm edges on a sheet of 0.2 m"), ("shot", "Shot", "2 mm edges"), ("hero", "Hero", "1 mm edges, every frame polished")])
     method: bpy.props.EnumProperty(name="Method", default="hybrid", items=[

@@ -31,7 +31,7 @@ def keyed(thing, path):
     return bool(action) and any(curve.data_path == path for curve in action.fcurves)
 
 
-def check(scene, first):
+def check(scene):
     """Throws Unusable: what the program could not say as well, because it does not see this scene."""
     sheets = names.of_role(scene, names.SHEET)
     if not sheets:
@@ -39,8 +39,6 @@ def check(scene, first):
     holders = names.of_role(scene, names.HANDLE) + [thing for thing in scene.objects if has_marked_bones(thing)]
     if not holders:
         raise Unusable("Nothing holds the sheet: select empties and press Mark Handles, or press Add Handles.")
-    if first < 0:
-        raise Unusable(f"The scene begins at frame {first}; glTF has no frames before 0: move the animation.")
     for thing in holders:
         if keyed(thing, "hide_viewport"):
             raise Unusable(f"{thing.name}: its visibility in viewports is keyed, and Blender does not move what is hidden: key its scale to 0 instead, or set Release.")
@@ -69,15 +67,15 @@ def shown(scene, things):
 
 
 @contextlib.contextmanager
-def clock(scene, frame, last):
-    """The scene at a frame, its clip up to `last`, with the frame rate that the exporter writes rightly.
+def clock(scene, last):
+    """The scene at its first frame, its clip up to `last`, with the frame rate that the exporter writes rightly.
 
     It divides by fps * fps_base where fps / fps_base is meant (29.97 would become 30.03)."""
     before = scene.frame_current, scene.frame_end, scene.render.fps_base
     try:
         scene.frame_end = last
         scene.render.fps_base = 1 / before[2]
-        scene.frame_set(frame)
+        scene.frame_set(scene.frame_start)
         yield
     finally:
         scene.render.fps_base, scene.frame_end = before[2], before[1]
@@ -114,13 +112,12 @@ def check_times(path, last, fps):
 
 def write(scene, path, last):
     """The clip from the scene's first frame to `last`, handles as Blender itself has them at every frame. Throws Unusable."""
-    first = scene.frame_start
-    check(scene, first)
+    check(scene)
     fps = frames_per_second(scene)
     if bpy.context.object and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     things = relevant(scene)
-    with shown(scene, things) as collection, clock(scene, first, last), frame_rate_on(names.of_role(scene, names.SHEET)[0], fps):
+    with shown(scene, things) as collection, clock(scene, last), frame_rate_on(names.of_role(scene, names.SHEET)[0], fps):
         try:
             bpy.ops.export_scene.gltf(
                 filepath=path, export_format="GLB", collection=collection.name, export_extras=True, export_yup=True,

@@ -1,0 +1,576 @@
+"""Tests the add-on in Blender itself (PyPI: bpy 4.5), from its zip to the paper in the scene.
+
+    blender_addon_test.py PAPERBAKE ADDON FOLDER
+
+ADDON     its source, baker/blender
+FOLDER    for everything that is written; emptied first
+Prints one line for each check that failed and exits with 1, or what was compared and exits with 0.
+"""
+
+import contextlib
+import importlib
+import os
+import pathlib
+import shutil
+import stat
+import subprocess
+import sys
+import tempfile
+import time
+import types
+
+PROGRAM, ADDON, FOLDER = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
+shutil.rmtree(FOLDER, ignore_errors=True)
+FOLDER.mkdir(parents=True)
+os.environ["BLENDER_USER_RESOURCES"] = str(FOLDER / "user")  # nobody's own Blender is touched
+
+import bpy  # noqa: E402
+import numpy  # noqa: E402
+from mathutils import Euler, Vector  # noqa: E402
+
+from bake_judge import read_rows, read_with_alembic, triple, vertex_at  # noqa: E402
+from blender_judge import NORMAL_TOLERANCE, floats, integers  # noqa: E402
+from judgement import Judgement  # noqa: E402
+
+MODULE = "bl_ext.user_default.paperbake"
+SIDES = (0.10, 0.14)  # [m]
+FIRST, LAST = 5, 14
+FPS = 30 / 1.001      # the rate that Blender's exporter gets wrong
+HELD = 1e-4           # [m]
+
+
+def part(name):
+    return importlib.import_module(f"{MODULE}.{name}")
+
+
+def use(program):
+    bpy.context.preferences.addons[MODULE].preferences.program = str(program)
+
+
+@contextlib.contextmanager
+def heard():
+    """What Blender prints, reports among it, in a list of one string."""
+    said = [""]
+    sys.stdout.flush()
+    kept = os.dup(1)
+    with tempfile.TemporaryFile() as file:
+        os.dup2(file.fileno(), 1)
+        try:
+            yield said
+        finally:
+            sys.stdout.flush()
+            os.dup2(kept, 1)
+            os.close(kept)
+            file.seek(0)
+            said[0] = file.read().decode(errors="replace")
+
+
+def report(operator, **settings):
+    """(what the operator returned, what it reported)"""
+    with heard() as said:
+        try:
+            result = operator(**settings)
+        except RuntimeError as error:  # an ERROR
+            return {"CANCELLED"}, str(error).strip()
+    return result, said[0].strip()
+
+
+def test_zip_installs(judgement):
+    """The same bytes twice; Blender's own installer takes it; it is of the program's version."""
+    paths = [subprocess.run([sys.executable, "-B", str(ADDON / "make_zip.py"), str(FOLDER / name)], capture_output=True, text=True, check=True).stdout.strip()
+             for name in ("one", "two")]
+    judgement.check(pathlib.Path(paths[0]).read_bytes() == pathlib.Path(paths[1]).read_bytes(), "the zip has other bytes the second time")
+    version = subprocess.run([str(PROGRAM), "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
+    judgement.check(pathlib.Path(paths[0]).name == f"paperbake_blender-{version}.zip", f"{paths[0]} is not of version {version}")
+    with heard():
+        bpy.ops.wm.read_factory_settings()
+        bpy.ops.extensions.package_install_files(filepath=paths[0], repo="user_default", enable_on_install=True)
+    judgement.check(MODULE in bpy.context.preferences.addons, "Blender does not enable the add-on")
+    judgement.count("zips", len(paths))
+
+
+def key(thing, path, *values_at_ends):
+    for frame, value in zip((FIRST, LAST), values_at_ends):
+        setattr(thing, path, value)
+        thing.keyframe_insert(path, frame=frame)
+
+
+def empty(name, place):
+    thing = bpy.data.objects.new(name, None)
+    thing.location = place
+    bpy.context.scene.collection.objects.link(thing)
+    return thing
+
+
+def select(*things):
+    for thing in bpy.context.scene.objects:
+        thing.select_set(thing in things)
+    bpy.context.view_layer.objects.active = things[0]
+
+
+def rig(corner, goal):
+    """An empty on the moving bone of an armature that is itself turned: what only evaluation knows."""
+    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
+    bpy.context.scene.collection.objects.link(armature)
+    armature.location, armature.rotation_euler = corner, (0.4, -0.3, 1.0)
+    select(armature)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bone = armature.data.edit_bones.new("Hand")
+    bone.head, bone.tail = (0, 0, -0.05), (0, 0, 0)
+    bpy.ops.object.mode_set(mode="OBJECT")
+    pose = armature.pose.bones["Hand"]
+    bpy.context.view_layer.update()
+    there = (armature.matrix_world @ armature.data.bones["Hand"].matrix_local).to_3x3().inverted() @ (goal - corner)
+    key(pose, "location", (0, 0, 0), there)
+    grip = empty("Grip", (0, 0, 0))
+    grip.parent, grip.parent_type, grip.parent_bone = armature, "BONE", "Hand"
+    return grip
+
+
+def new_scene(name):
+    """A sheet of one quad somewhere in space, not yet marked; saved as NAME.blend."""
+    with heard():
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    scene = bpy.context.scene
+    scene.frame_start, scene.frame_end = FIRST, LAST
+    scene.render.fps, scene.render.fps_base = 30, 1.001
+    scene.frame_set(FIRST)
+    with heard():
+        bpy.ops.mesh.primitive_plane_add(size=1)
+        sheet = bpy.context.object
+        sheet.name, sheet.scale = "Letter", (*SIDES, 1)
+        bpy.ops.object.transform_apply(scale=True)
+    sheet.location, sheet.rotation_euler = (0.3, -0.2, 0.5), (0.3, 0.2, 0.5)
+    sheet.data.name = "Letter"
+    bpy.context.view_layer.update()
+    scene.paperbake.quality = "draft"
+    (FOLDER / name).mkdir(exist_ok=True)
+    bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / name / f"{name}.blend"))
+    return scene, sheet
+
+
+def place(sheet, u, v, up=0.0):
+    """World position of a point of the flat sheet. u, v in [-1/2, 1/2] of its sides, up [m]"""
+    return sheet.matrix_world @ Vector((u * SIDES[0], v * SIDES[1], up))
+
+
+def mark_and_hold(judgement, scene, sheet):
+    """What the artist does, by the panel's operators: two handles keyed, one carried by a bone, one by a constraint. Returns their names."""
+    select(sheet)
+    bpy.ops.object.mode_set(mode="EDIT")
+    bpy.ops.mesh.select_all(action="DESELECT")
+    bpy.ops.object.mode_set(mode="OBJECT")
+    for vertex in sheet.data.vertices:
+        vertex.select = vertex.co.y < 0
+    bpy.ops.object.mode_set(mode="EDIT")
+    with heard():
+        judgement.check(bpy.ops.paperbake.mark_sheet() == {"FINISHED"} and sheet.name == "paper.Letter", f"the sheet is named {sheet.name}")
+        bpy.ops.paperbake.add_handles()
+    bpy.ops.object.mode_set(mode="OBJECT")
+    added = [thing for thing in scene.objects if thing.name.startswith("handle")]
+    judgement.check(len(added) == 2, f"{len(added)} handles at 2 vertices")
+    local = sheet.matrix_world.inverted()
+    for thing in added:
+        at = local @ thing.location
+        key(thing, "location", thing.location.copy(), sheet.matrix_world @ Vector((0.94 * at.x, 0.8 * at.y, 0.004)))
+    grip = rig(place(sheet, -0.5, 0.5), place(sheet, -0.46, 0.42, 0.01))
+    guide, follower = empty("Guide", (0, 0, 0)), empty("Follower", (0, 0, 0))
+    key(guide, "location", place(sheet, 0.5, 0.5), place(sheet, 0.46, 0.42, -0.01))
+    follower.constraints.new("COPY_LOCATION").target = guide
+    select(grip, follower)
+    with heard():
+        bpy.ops.paperbake.mark_handles()
+    judgement.check({grip.name, follower.name} == {"handle.Grip", "handle.Follower"}, f"handles are named {grip.name}, {follower.name}")
+    return [thing.name for thing in (*added, grip, follower)]
+
+
+def test_settings_are_properties(judgement, sheet, handle):
+    """What the panel shows is what the file carries, and what it takes away is gone."""
+    sheet.paperbake.preset, sheet.paperbake.seed = "copy90", 7
+    judgement.check((sheet["paper_preset"], sheet["paper_seed"]) == ("copy90", 7), "grade or seed do not reach the sheet's properties")
+    sheet["paper_preset"] = "mine.toml"
+    judgement.check(sheet.paperbake.preset == "mine.toml", "a grade that the program does not list is shown as another one")
+    sheet.paperbake.preset = "default"
+    judgement.check("paper_preset" not in sheet, "the default grade leaves a property behind")
+    sheet.paperbake.preset = "copy90"
+    select(handle)
+    with heard():
+        bpy.ops.paperbake.set_handle(name="paper_radius")
+        judgement.check(handle.get("paper_radius") == 0.01, "no radius was set")
+        handle.paperbake.mode = "relative"
+        judgement.check(handle.get("paper_mode") == "relative", "no mode was set")
+        bpy.ops.paperbake.unmark()
+    judgement.check(handle.name == "Grip" and not [k for k in handle.keys() if k.startswith("paper_")], "unmark leaves a name or properties behind")
+    with heard():
+        bpy.ops.paperbake.mark_handles()
+    judgement.count("settings", 6)
+
+
+def truth_of(scene, handles):
+    """{(frame, handle): where Blender has it}"""
+    found = {}
+    for frame in range(FIRST, LAST + 1):
+        scene.frame_set(frame)
+        graph = bpy.context.evaluated_depsgraph_get()
+        for name in handles:
+            found[frame, name] = numpy.array(scene.objects[name].evaluated_get(graph).matrix_world.translation)
+    scene.frame_set(FIRST)
+    return found
+
+
+def judge_handles(judgement, folder, cache, truth, pattern):
+    """The sheet point of every handle is where Blender itself has the handle, in the cache and in the certificate."""
+    rows = read_rows(folder / "cert" / "handles.csv")
+    judgement.check({(int(row["frame"]), row["handle"]) for row in rows} == set(truth), "certificate and scene differ in frames or handles")
+    vertex = {row["handle"]: vertex_at(judgement, pattern, row) for row in rows}
+    for row in rows:
+        where = int(row["frame"]), row["handle"]
+        if where in truth:
+            judgement.near([triple(row, "keyed_x", "keyed_y", "keyed_z")], [truth[where]], "keyed places", f"frame {where[0]}, {where[1]}", HELD)
+            judgement.near([cache.positions[where[0] - FIRST][vertex[where[1]]]], [truth[where]], "held places", f"frame {where[0]}, {where[1]}", HELD)
+    moved = max(numpy.linalg.norm(truth[LAST, handle] - truth[FIRST, handle]) for _, handle in truth)
+    judgement.check(moved > 0.005, f"no handle moves more than {moved} m")
+
+
+def judge_loaded(judgement, scene, name, cache):
+    """The object in the scene is the cache, at three frames."""
+    thing = scene.objects[name]
+    for frame in (FIRST, (FIRST + LAST) // 2, LAST):
+        scene.frame_set(frame)
+        shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        mesh, world = shown.to_mesh(), numpy.array(shown.matrix_world)
+        positions = floats(mesh.vertices, "co", 3) @ world[:3, :3].T + world[:3, 3]
+        judgement.near(positions, cache.positions[frame - FIRST], "positions", f"{name}, frame {frame}")
+        judgement.check(mesh.has_custom_normals and "crease" in mesh.attributes and "velocity" in mesh.attributes,
+                        f"{name}, frame {frame}: normals, crease or velocity are missing")
+        if frame == LAST:
+            judge_normals(judgement, mesh, cache, name)
+        shown.to_mesh_clear()
+
+
+def judge_normals(judgement, mesh, cache, where):
+    """Those of the cache, corner by corner: Blender lists the corners of a face the other way round, and begins where it likes."""
+    found, wanted = ({(face, vertex): normal for face, vertex, normal in zip(numpy.arange(len(corners)) // 3, corners, normals)}
+                     for corners, normals in ((integers(mesh.loops, "vertex_index"), floats(mesh.corner_normals, "vector", 3)),
+                                              (cache.corners[-1], cache.corner_normals)))
+    if judgement.check(set(found) == set(wanted), f"{where}: faces are not those of the cache"):
+        judgement.near([found[corner] for corner in wanted], list(wanted.values()), "corner normals", where, NORMAL_TOLERANCE)
+
+
+def judge_scene(judgement, scene, folder):
+    """The sheet is out of sight, the paper in its collection and no sheet itself; its material has the map."""
+    sheet, paper = scene.objects["paper.Letter"], scene.objects["baked.paper.Letter"]
+    judgement.check(sheet.hide_render and sheet.hide_get(), "the sheet is still in sight")
+    judgement.check([c.name for c in paper.users_collection] == ["Paper"], f"the paper is in {[c.name for c in paper.users_collection]}")
+    judgement.check(part("names").role(paper) is None, "the paper would be exported as a sheet")
+    judgement.check(scene.render.fps_base == numpy.float32(1.001) and (scene.frame_start, scene.frame_end) == (FIRST, LAST), "the export changed the scene's clock")
+    judgement.check(not bpy.data.collections.get("paperbake export") and "paper_fps" not in sheet, "the export left something behind")
+    pictures = [node.image for node in paper.material_slots[0].material.node_tree.nodes if node.type == "TEX_IMAGE"]
+    judgement.check([tuple(image.size) for image in pictures] == [(1024, 1024)], f"the material's pictures are {[tuple(i.size) for i in pictures]}")
+    judgement.check((folder / "maps" / f"{folder.parent.name}.blender.exr").exists(), "no picture was made of the map")
+
+
+def test_bake(judgement):
+    """Mark, bake, load: everything where Blender has it; a second bake goes on with the artist's object."""
+    scene, sheet = new_scene("letter")
+    handles = mark_and_hold(judgement, scene, sheet)
+    test_settings_are_properties(judgement, sheet, scene.objects["handle.Grip"])
+    truth = truth_of(scene, handles)
+    scene.objects[handles[0]].hide_set(True)  # what is hidden is not evaluated, but holds the sheet all the same
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and f"Baked {LAST - FIRST + 1} frames" in said, f"the bake says {said}")
+    if judgement.failures:
+        return
+    folder = FOLDER / "letter" / "paperbake"
+    cache = read_with_alembic(folder / "letter.abc", FPS)
+    judgement.near([cache.times], [[frame / FPS for frame in range(FIRST, LAST + 1)]], "times", "the cache", 1e-6)
+    pattern = numpy.zeros((len(cache.positions[0]), 2))
+    pattern[cache.corners[0]] = cache.corner_uv * max(SIDES)
+    judge_handles(judgement, folder, cache, truth, pattern)
+    judge_loaded(judgement, scene, "baked.paper.Letter", cache)
+    judge_scene(judgement, scene, folder)
+    judgement.check(scene.objects[handles[0]].hide_get(), "a hidden handle is in sight after the bake")
+    settings = (folder / "job.lock.toml").read_text(encoding="utf-8")
+    judgement.check("copy90" in settings and "seed = 7" in settings, "grade or seed of the panel are not those of the bake")
+    bake_again(judgement, scene, folder)
+
+
+def bake_again(judgement, scene, folder):
+    """Of a .blend that was saved and opened, with another mesh: the same object, with what the artist did to it."""
+    paper = scene.objects["baked.paper.Letter"]
+    mine = bpy.data.materials.new("mine")
+    paper.material_slots[0].material = mine
+    paper.modifiers.new("Thick", "SOLIDIFY")
+    with heard():
+        bpy.ops.wm.save_mainfile()
+        bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
+    scene = bpy.context.scene
+    scene.paperbake.quality, scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = "shot", True, FIRST, FIRST + 3
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and "Baked 4 frames" in said, f"the second bake says {said}")
+    paper, cache = scene.objects["baked.paper.Letter"], read_with_alembic(folder / "letter.abc", FPS)
+    judgement.check([m.type for m in paper.modifiers] == ["MESH_SEQUENCE_CACHE", "SOLIDIFY"], f"modifiers are {[m.type for m in paper.modifiers]}")
+    judgement.check(paper.material_slots[0].material.name == "mine", "the artist's material is gone")
+    left = [thing.name for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.cache_files) for thing in kind if thing.users and ("baked" in thing.name or kind == bpy.data.cache_files)]
+    judgement.check(left == ["baked.paper.Letter", "baked.paper.Letter", "baked.paper.Letter.abc"], f"in the file are {left}")
+    paper.modifiers["Thick"].show_viewport = False
+    scene.frame_set(FIRST + 2)
+    found = floats(paper.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices, "co", 3)
+    judgement.near(found, cache.positions[2], "positions", "the second bake")
+
+
+def test_centimetres(judgement):
+    """A scene whose unit is the centimetre gets paper of the size of its sheet."""
+    scene, sheet = new_scene("centimetres")
+    scene.unit_settings.scale_length = 0.01
+    sheet.location, sheet.rotation_euler, sheet.scale = (0, 0, 0), (0, 0, 0), (100, 100, 100)
+    select(sheet)
+    with heard():
+        bpy.ops.paperbake.mark_sheet()
+    for v in (-0.5, 0.5):
+        corner = Vector((100 * v * SIDES[0], 100 * v * SIDES[1], 0))
+        key(empty("handle", (0, 0, 0)), "location", corner, 0.9 * corner)
+    result, said = report(bpy.ops.paperbake.bake)
+    if judgement.check(result == {"FINISHED"}, f"centimetres: it says {said}"):
+        scene.frame_set(LAST)
+        paper = scene.objects["baked.paper.Letter"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+        found = floats(paper.data.vertices, "co", 3) @ numpy.array(paper.matrix_world)[:3, :3].T
+        cache = read_with_alembic(FOLDER / "centimetres" / "paperbake" / "centimetres.abc", FPS)
+        judgement.near(found, 100 * cache.positions[-1], "positions", "centimetres")
+        judgement.check(8 < numpy.ptp(found[:, 0]) < 11, f"the paper is {numpy.ptp(found[:, 0])} units wide")
+
+
+def holding(name):
+    """A scene that bakes, in another file. Returns it."""
+    scene, sheet = new_scene(name)
+    mark_and_hold(Judgement(), scene, sheet)
+    return scene
+
+
+def expect_error(judgement, what, *fragments):
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"CANCELLED"} and all(fragment in said for fragment in fragments), f"{what}: it says {said!r}")
+    judgement.check(not any(thing.name.startswith("baked") for thing in bpy.context.scene.objects), f"{what}: something was loaded")
+    judgement.count("failures", 1)
+
+
+def test_failures_are_told(judgement):
+    scene, sheet = new_scene("failures")
+    expect_error(judgement, "no sheet", "no sheet", "Mark Sheet")
+    select(sheet)
+    with heard():
+        bpy.ops.paperbake.mark_sheet()
+    expect_error(judgement, "no handle", "Nothing holds the sheet")
+    mark_and_hold(Judgement(), scene, sheet)
+    use(FOLDER / "nowhere")
+    expect_error(judgement, "a missing program", "nowhere is not there", "Preferences")
+    use(ADDON / "README.md")
+    expect_error(judgement, "a file that is no program", "is no program that may be run", "Preferences")
+    use(PROGRAM)
+    sheet["paper_preset"] = "vellum9"
+    expect_error(judgement, "an unknown grade", "vellum9", "copy70")
+    sheet["paper_preset"] = "copy70"
+    scene.objects["handle.Grip"]["paper_mode"] = "sideways"
+    expect_error(judgement, "a wrong property", "handle.Grip", "sideways")
+    del scene.objects["handle.Grip"]["paper_mode"]
+    scene.paperbake.own_frames, scene.paperbake.first = True, FIRST - 1
+    expect_error(judgement, "frames before the scene", "Frames 4 to 24", "begins at 5")
+    scene.paperbake.own_frames = False
+    scene.objects["handle.Grip"].keyframe_insert("hide_viewport", frame=FIRST)
+    expect_error(judgement, "a handle that hides", "handle.Grip", "visibility")
+    scene.objects["handle.Grip"].animation_data_clear()
+    (FOLDER / "failures" / "a file").write_text("")
+    scene.paperbake.folder = "//a file"
+    expect_error(judgement, "a folder that is a file", "a file")
+
+
+def test_missed_gate_is_a_warning(judgement):
+    """Two corners pulled apart by a tenth: baked, loaded, and said."""
+    scene, sheet = new_scene("apart")
+    select(sheet)
+    with heard():
+        bpy.ops.paperbake.mark_sheet()
+    for u in (-0.5, 0.5):
+        key(empty("handle", (0, 0, 0)), "location", place(sheet, u, 0.5), place(sheet, 1.1 * u, 0.5))
+    result, said = report(bpy.ops.paperbake.bake)
+    outcome = part("baking").last_outcome
+    judgement.check(outcome.level == "WARNING" and "less well" in outcome.sentence and "handle" in outcome.sentence and outcome.sentence in said,
+                    f"impossible handles: it says {said!r}")
+    judgement.check(result == {"FINISHED"} and "baked.paper.Letter" in scene.objects, "impossible handles: nothing was loaded")
+    judgement.count("failures", 1)
+
+
+def until(job, condition, seconds=30):
+    end = time.monotonic() + seconds
+    while not condition() and job.step() and time.monotonic() < end:
+        time.sleep(0.01)
+
+
+def test_cancel(judgement):
+    """A bake that is cancelled on its way ends, says where, loads nothing, and leaves the cache before it alone."""
+    scene = holding("cancelled")
+    folder = FOLDER / "cancelled" / "paperbake"
+    folder.mkdir(parents=True)
+    (folder / "cancelled.abc").write_bytes(b"of the bake before")
+    scene.frame_end = 400
+    job = part("job").BakeJob(scene, scene.paperbake, str(PROGRAM))
+    until(job, lambda: job.fraction() > 0)
+    judgement.check(0 < job.fraction() < 0.2 and " of 396)" in job.text(), f"progress is {job.fraction()}, {job.text()}")
+    job.cancel()
+    outcome = job.run()
+    judgement.check(outcome.level == "WARNING" and "cancelled at frame" in outcome.sentence and not job.loaded, f"cancelled: it says {outcome}")
+    judgement.check((folder / "cancelled.abc").read_bytes() == b"of the bake before", "the cache of the bake before is gone")
+    judgement.count("failures", 1)
+
+
+def test_deaf_program_is_killed(judgement):
+    deaf = FOLDER / "deaf"
+    deaf.write_text("#!/usr/bin/env python3\nimport signal, sys, time\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
+                    "print('{\"message\": \"here\"}', file=sys.stderr, flush=True)\ntime.sleep(60)\n")
+    deaf.chmod(deaf.stat().st_mode | stat.S_IXUSR)
+    part("program").KILL_AFTER = 0.3
+    job = part("job").BakeJob(holding("deaf_scene"), bpy.context.scene.paperbake, str(deaf))
+    until(job, lambda: job._process and (job._process.poll(), job._process.messages)[1])
+    begun = time.monotonic()
+    job.cancel()
+    outcome = job.run()
+    judgement.check(time.monotonic() - begun < 20 and "cancelled" in outcome.sentence, f"a program that is deaf to SIGTERM: {outcome}")
+    judgement.count("failures", 1)
+
+
+class Window:
+    """Stands for the context of a window, of which there is none here: for the operator that steps a job by a timer."""
+
+    def __init__(self, scene):
+        self.scene, self.window, self.timers = scene, None, 0
+        self.window_manager = types.SimpleNamespace(event_timer_add=self.add, event_timer_remove=self.remove, modal_handler_add=lambda operator: None)
+
+    def add(self, seconds, window):
+        self.timers += 1
+        return self
+
+    def remove(self, timer):
+        self.timers -= 1
+
+
+class Layout:
+    """Stands for a panel's layout: what it is asked to show must be there."""
+
+    def __init__(self):
+        self.shown, self.texts = [], []
+
+    def prop(self, data, name, **settings):
+        data.path_resolve(name)
+        self.shown.append(name)
+
+    def operator(self, name, **settings):
+        kind = getattr(getattr(bpy.ops, name.split(".")[0]), name.split(".")[1]).get_rna_type()
+        self.shown.append(name)
+        return types.SimpleNamespace(**{p.identifier: None for p in kind.properties})
+
+    def label(self, text="", icon="NONE"):
+        bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items[icon]
+        self.texts.append(text)
+
+    def progress(self, factor, text):
+        self.texts.append(text)
+
+    def column(self, **settings):
+        return self
+
+    row = box = column
+
+
+def panels(context):
+    layout = Layout()
+    for kind in part("panel").CLASSES:
+        panel = types.SimpleNamespace(layout=layout)
+        for name in ("draw_sheet", "draw_handle", "draw_outcome"):
+            if hasattr(kind, name):
+                setattr(panel, name, types.MethodType(getattr(kind, name), panel))
+        kind.draw(panel, context)
+    return layout
+
+
+def test_window(judgement):
+    """The operator of the window, event by event: it bakes, can be cancelled, and stops its program when Blender takes it away."""
+    scene, baking = holding("window"), part("baking")
+    context, reports = Window(scene), []
+    operator = types.SimpleNamespace(report=lambda level, sentence: reports.append((level, sentence)))
+    for name in ("new_job", "finish", "cancel"):
+        setattr(operator, name, types.MethodType(getattr(baking.Bake, name), operator))
+    tick, other = types.SimpleNamespace(type="TIMER"), types.SimpleNamespace(type="MOUSEMOVE")
+
+    def go(events):
+        judgement.check(baking.Bake.invoke(operator, context, None) == {"RUNNING_MODAL"} and context.timers == 1, "the window's bake does not start")
+        judgement.check(baking.Bake.modal(operator, context, other) == {"PASS_THROUGH"}, "the window's bake takes the mouse away")
+        result = {"PASS_THROUGH"}
+        while result == {"PASS_THROUGH"} and events(baking.running):
+            result = baking.Bake.modal(operator, context, tick)
+            time.sleep(0.01)
+        return result
+
+    layouts = []
+
+    def look(job):
+        scene.objects["handle.Grip"]["paper_radius"] = 0.004
+        for name in ("paper.Letter", "handle.Grip"):
+            layouts.append(panels(types.SimpleNamespace(scene=scene, object=scene.objects[name])))
+        return True
+
+    judgement.check(go(look) == {"FINISHED"} and reports[-1][0] in ({"INFO"}, {"WARNING"}), f"the window's bake ends with {reports}")
+    judgement.check(any("paperbake.cancel" in layout.shown for layout in layouts), "no panel shows Cancel")
+    judgement.check(any(text.startswith("Simulating frame") for layout in layouts for text in layout.texts), "no panel shows the frame")
+    judgement.check({"preset", "mode", '["paper_radius"]', "paperbake.bake"} <= {name for layout in [*layouts, panels(types.SimpleNamespace(scene=scene, object=None))]
+                                                                                for name in layout.shown}, "a setting is in no panel")
+    scene.frame_end = 400
+
+    def cancel_soon(job):
+        if job.fraction() > 0:
+            baking.CancelBake.execute(operator, context)
+        return True
+
+    judgement.check(go(cancel_soon) == {"CANCELLED"} and "cancelled" in reports[-1][1], f"the window's cancelled bake ends with {reports[-1]}")
+    process = []
+
+    def taken_away(job):
+        if job.fraction() > 0:
+            process.append(job._process._process)
+        return not process
+
+    go(taken_away)
+    baking.Bake.cancel(operator, context)
+    judgement.check(process and process[0].poll() is not None and baking.running is None and context.timers == 0, "the program goes on when Blender ends")
+    judgement.count("windows", 3)
+
+
+def test_reader_of_maps(judgement):
+    """Against Blender's own writer: pixels that no predictor guesses, on a size that no block divides."""
+    pixels = numpy.random.default_rng(1).random((37, 53, 4), dtype=numpy.float32)
+    image = bpy.data.images.new("random", 53, 37, alpha=True, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(pixels.ravel())
+    settings = bpy.context.scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth, settings.exr_codec = "OPEN_EXR", "RGBA", "32", "ZIP"
+    path = FOLDER / "random.exr"
+    image.save_render(str(path))
+    read = part("crease_map").layers(path, "RGBA")
+    for i, name in enumerate("RGBA"):
+        judgement.near(read[name][::-1], pixels[..., i], "texels", f"layer {name}")
+    (FOLDER / "broken.exr").write_bytes(path.read_bytes()[:900])
+    with contextlib.suppress(part("crease_map").Unreadable):
+        part("crease_map").layers(FOLDER / "broken.exr", "R")
+        judgement.check(False, "half a map is read as a whole one")
+
+
+def main():
+    judgement = Judgement()
+    test_zip_installs(judgement)
+    if not judgement.failures:
+        use(PROGRAM)
+        for test in (test_bake, test_centimetres, test_failures_are_told, test_missed_gate_is_a_warning, test_cancel, test_window, test_reader_of_maps, test_deaf_program_is_killed):
+            test(judgement)
+    return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
