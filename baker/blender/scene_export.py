@@ -1,4 +1,5 @@
-"""Writes what paperbake needs of a scene as glTF: sheets, handles, clamps, colliders, and what carries them."""
+"""Writes what paperbake needs of a scene as glTF: sheets, handles, clamps, colliders. What carries them stays behind: the exporter
+writes where an object is in the world when its parent is not written."""
 
 import contextlib
 import json
@@ -17,12 +18,8 @@ def has_marked_bones(thing):
 
 
 def relevant(scene):
-    """Every marked object, its parents up to the root, and armatures with marked bones."""
-    found = [thing for thing in scene.objects if names.role(thing) or has_marked_bones(thing)]
-    for thing in found:
-        if thing.parent and thing.parent not in found:
-            found.append(thing.parent)
-    return found
+    """Every marked object, and armatures with marked bones."""
+    return [thing for thing in scene.objects if names.role(thing) or has_marked_bones(thing)]
 
 
 def keyed(thing, path):
