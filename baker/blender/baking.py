@@ -9,13 +9,13 @@ from .job import BakeJob
 TICK = 0.1  # [s]
 
 running = None  # the BakeJob of the window; one at a time
-last_outcome = None
+last = None     # the BakeJob that ended
 
 
 def tell(operator, job):
     """The end of a job as the operator's report. Returns what the operator returns."""
-    global last_outcome
-    last_outcome = job.outcome
+    global last
+    last = job
     operator.report({job.outcome.level}, job.outcome.sentence)
     return {"FINISHED"} if job.loaded else {"CANCELLED"}
 

@@ -11,7 +11,7 @@ from .program import Unusable
 
 COLLECTION = "Paper"
 
-Cached = collections.namedtuple("Cached", "sheet abc picture last side")  # name; path; path or None; frame; [m]
+Cached = collections.namedtuple("Cached", "sheet picture last side")  # name; path or None; frame; [m]
 
 
 def paper_collection(scene):
@@ -109,29 +109,32 @@ def hide_sheet(scene, name):
 
 
 def picture_of(folder, stem, sheet, several):
-    """Path of the picture made from the sheet's final map; None where there is none that can be read."""
+    """Path of the picture made from the sheet's final map; None where there is no map. Throws Unreadable, OSError, RuntimeError."""
     maps = pathlib.Path(folder) / "maps"
-    final = maps / f"{stem}{'.' + sheet if several else ''}.final.exr"
-    try:
-        return crease_map.crease_picture(final, os.fspath(maps / f"{final.name.removesuffix('.final.exr')}.blender.exr"))
-    except (OSError, RuntimeError, crease_map.Unreadable):
-        return None
+    name = f"{stem}.{names.in_cache(sheet)}" if several else stem
+    final = maps / f"{name}.final.exr"
+    return crease_map.crease_picture(final, os.fspath(maps / f"{name}.blender.exr")) if final.exists() else None
 
 
 def load(scene, folder, stem, summary):
     """The sheets of DIR/NAME.abc as objects of the scene; those of an earlier bake go on. Throws Unusable.
 
     summary  cert/summary.json
+    returns  the objects, and sentences about what is less than it should be
     """
     abc = pathlib.Path(folder) / f"{stem}.abc"
-    found, loaded = imported(scene, abc), []
+    found, loaded, remarks = imported(scene, abc), [], []
     for told in summary["sheets"]:
-        name = told["name"]
+        name, picture = told["name"], None
         if names.in_cache(name) not in found:
             raise Unusable(f"{abc} has no sheet {name}.")
-        cached = Cached(name, abc, picture_of(folder, stem, name, len(summary["sheets"]) > 1), summary["last_frame"], max(told["width_m"], told["height_m"]))
+        try:
+            picture = picture_of(folder, stem, name, len(summary["sheets"]) > 1)
+        except (OSError, RuntimeError, crease_map.Unreadable) as error:
+            remarks.append(f"The map of {name} is not in its material: {error}.")
+        cached = Cached(name, picture, summary["last_frame"], max(told["width_m"], told["height_m"]))
         thing = placed(scene, found[names.in_cache(name)], cached)
         dress(scene, thing, cached)
         hide_sheet(scene, name)
         loaded.append(thing)
-    return loaded
+    return loaded, remarks

@@ -46,10 +46,15 @@ class BakeJob:
         self._scene, self._settings, self._path = scene.name, settings, path
         self._state, self._process, self._begun = EXPORT, None, 0.0
         self._folder = self._stem = None
-        self.outcome, self.loaded, self.messages = None, [], []
+        self.outcome, self.loaded = None, []
 
     def fraction(self):
         return self._process.fraction if self._process else 0.0
+
+    def report(self):
+        """Its page to look at, None when it has none."""
+        page = self._folder / "report.html" if self._folder else None
+        return page if page and page.exists() else None
 
     def text(self):
         if self._state == EXPORT:
@@ -100,14 +105,17 @@ class BakeJob:
         code = self._process.poll()
         if code is None:
             return
-        self.messages = self._process.messages
         summary = self._summary()
         self._end(program.outcome(code, self._process, summary, bool(summary) and self._is_new(self._folder / f"{self._stem}.abc")))
         if self.outcome.loads:
             self._state = LOAD
 
     def _load(self):
-        self.loaded = [thing.name for thing in cache.load(self._in_scene(), self._folder, self._stem, self._summary())]
+        loaded, remarks = cache.load(self._in_scene(), self._folder, self._stem, self._summary())
+        self.loaded = [thing.name for thing in loaded]
+        if remarks:
+            level = "ERROR" if self.outcome.level == "ERROR" else "WARNING"
+            self.outcome = program.Outcome(level, " ".join([self.outcome.sentence, *remarks]), True)
         self._state = DONE
 
     def _in_scene(self):

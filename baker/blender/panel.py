@@ -73,12 +73,13 @@ class BakePanel(Panel, bpy.types.Panel):
         self.draw_outcome(layout)
 
     def draw_outcome(self, layout):
-        outcome = baking.last_outcome
-        if outcome is None or baking.running:
+        if baking.last is None or baking.running:
             return
-        box = layout.box()
+        outcome, page, box = baking.last.outcome, baking.last.report(), layout.box()
         for i, line in enumerate(textwrap.wrap(outcome.sentence, MESSAGE_WIDTH)):
             box.label(text=line, icon=("NONE" if i else outcome.level if outcome.level != "WARNING" else "ERROR"))
+        if page:
+            box.operator("wm.url_open", text="Report", icon="URL").url = page.as_uri()
 
 
 CLASSES = (SheetPanel, BakePanel)

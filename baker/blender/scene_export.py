@@ -43,24 +43,19 @@ def check(scene):
 
 @contextlib.contextmanager
 def shown(scene, things):
-    """The objects in a collection of the view layer, where nothing hides them: Blender does not evaluate what is hidden."""
-    layer = bpy.context.view_layer
+    """The objects in a collection of the view layer, and enabled: Blender does not evaluate what is disabled. (The eye hides no motion.)"""
     collection = bpy.data.collections.new(TEMPORARY)
     scene.collection.children.link(collection)
-    for thing in things:
-        collection.objects.link(thing)
-    before = [(thing, thing.hide_viewport, thing.hide_get(view_layer=layer)) for thing in things]
+    before = [(thing, thing.hide_viewport) for thing in things]
     try:
         for thing in things:
+            collection.objects.link(thing)
             thing.hide_viewport = False
-            thing.hide_set(False, view_layer=layer)
         yield collection
     finally:
         bpy.data.collections.remove(collection)
-        for thing, viewport, eye in before:
-            thing.hide_viewport = viewport
-            if thing.name in layer.objects:
-                thing.hide_set(eye, view_layer=layer)
+        for thing, disabled in before:
+            thing.hide_viewport = disabled
 
 
 @contextlib.contextmanager

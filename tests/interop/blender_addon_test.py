@@ -406,11 +406,51 @@ def test_missed_gate_is_a_warning(judgement):
     for u in (-0.5, 0.5):
         key(empty("handle", (0, 0, 0)), "location", place(sheet, u, 0.5), place(sheet, 1.1 * u, 0.5))
     result, said = report(bpy.ops.paperbake.bake)
-    outcome = part("baking").last_outcome
+    outcome = part("baking").last.outcome
     judgement.check(outcome.level == "WARNING" and "less well" in outcome.sentence and "handle" in outcome.sentence and outcome.sentence in said,
                     f"impossible handles: it says {said!r}")
     judgement.check(result == {"FINISHED"} and "baked.paper.Letter" in scene.objects, "impossible handles: nothing was loaded")
     judgement.count("failures", 1)
+
+
+def standing_in(name, *lines):
+    """A program that bakes as the real one does, and then does this. Returns its path."""
+    path = FOLDER / name
+    path.write_text("\n".join(["#!/bin/sh", f'"{PROGRAM}" "$@"', *lines, ""]))
+    path.chmod(path.stat().st_mode | stat.S_IXUSR)
+    return path
+
+
+def test_failed_simulation(judgement):
+    """What was simulated before it failed is loaded, and the error is told; of a program that was killed nothing is."""
+    holding("failed")
+    use(standing_in("fails", "printf 'paperbake: frame 12 of 14\n  The sheet cannot follow the handles.\n  Frames 5-11 are kept.\n' >&2", "exit 1"))
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check("Error: frame 12 of 14: The sheet cannot follow the handles. Frames 5-11 are kept." in said, f"a failed simulation: it says {said!r}")
+    judgement.check("baked.paper.Letter" in bpy.context.scene.objects, "a failed simulation: what was kept is not loaded")
+    holding("killed")
+    use(standing_in("dies", "kill -9 $$"))
+    expect_error(judgement, "a killed program", "signal 9", "memory")
+    use(PROGRAM)
+
+
+def test_two_sheets(judgement):
+    """Each comes back as an object of its own, with its own map and size."""
+    scene = holding("two")
+    with heard():
+        bpy.ops.mesh.primitive_plane_add(size=0.2, location=(1, 0, 0))
+        bpy.ops.paperbake.mark_sheet()
+    empty("handle", (1.1, 0.1, 0))
+    scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 2
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"}, f"two sheets: it says {said}")
+    scene.frame_set(FIRST + 2)
+    for name, side in (("baked.paper.Letter", 0.14), ("baked.paper.Plane", 0.2)):
+        if judgement.check(name in scene.objects, f"two sheets: no {name}"):
+            thing = scene.objects[name]
+            pictures = {node.image.name for node in thing.material_slots[0].material.node_tree.nodes if node.type == "TEX_IMAGE"}
+            judgement.check(pictures == {f"two.{name.removeprefix('baked.').replace('.', '_')}.blender.exr"}, f"{name} has the pictures {pictures}")
+            judgement.near([[max(thing.dimensions)]], [[side]], "sides", name, 0.03)
 
 
 def until(job, condition, seconds=30):
@@ -581,7 +621,7 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_centimetres, test_failures_are_told, test_missed_gate_is_a_warning, test_cancel, test_window, test_reader_of_maps, test_deaf_program_is_killed):
+        for test in (test_bake, test_centimetres, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation, test_two_sheets, test_cancel, test_window, test_reader_of_maps, test_deaf_program_is_killed):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))
 
