@@ -7,6 +7,7 @@ FIBRE_HEIGHT = 6e-6     # [m]
 FIBRE_SIZE = 4e-4       # [m]
 APPEARS_IN = 0.1        # [s]
 PAPER = (0.83, 0.82, 0.79, 1)
+CLOCK = "seconds to the end"
 WORN = (0.90, 0.895, 0.88, 1)  # broken fibres scatter more
 
 
@@ -38,11 +39,14 @@ class Graph:
         return node.outputs[0]
 
 
+def clock_expression(scene, last):
+    return f"({last} - frame) / {scene.render.fps / scene.render.fps_base:.9g}"
+
+
 def seconds_to_the_end(graph, column, scene, last):
     """A value that runs with the frames: seconds from now to frame `last`, of which the map is."""
-    node = graph.node("ShaderNodeValue", column, label="seconds to the end")
-    driver = node.outputs[0].driver_add("default_value").driver
-    driver.expression = f"({last} - frame) / {scene.render.fps / scene.render.fps_base:.9g}"
+    node = graph.node("ShaderNodeValue", column, name=CLOCK, label=CLOCK)
+    node.outputs[0].driver_add("default_value").driver.expression = clock_expression(scene, last)
     return node.outputs[0]
 
 
@@ -100,20 +104,36 @@ def surface(graph, normal, strength):
     graph.feed(graph.node("ShaderNodeOutputMaterial", 12).inputs["Surface"], mix.outputs[0])
 
 
+def refresh(material, scene, last):
+    """Another bake of the same sheet: what the artist did to the nodes stays, clock and picture are the new ones."""
+    tree = material.node_tree
+    for curve in tree.animation_data.drivers if tree.animation_data else ():
+        if curve.data_path == f'nodes["{CLOCK}"].outputs[0].default_value':
+            curve.driver.expression = clock_expression(scene, last)
+    for node in tree.nodes:
+        if node.type == "TEX_IMAGE" and node.image:
+            node.image.reload()
+
+
 def build(scene, name, picture, last, side):
-    """The material of a sheet, new or made anew under its name.
+    """The material of a sheet under its name, new or refreshed.
 
     picture  file of crease_map.crease_picture, None: only the cache's colour is there
     last     frame of the picture
     side     [m] longer side of the sheet
     """
-    material = bpy.data.materials.get(name) or bpy.data.materials.new(name)
+    material = bpy.data.materials.get(name)
+    if material and material.node_tree:
+        refresh(material, scene, last)
+        return material
+    material = bpy.data.materials.new(name)
     material.use_nodes = True
     material.node_tree.nodes.clear()
     graph = Graph(material.node_tree)
     if picture:
         image = bpy.data.images.load(picture, check_existing=True)
-        image.reload()
+        if bpy.data.filepath and bpy.context.preferences.filepaths.use_relative_paths:
+            image.filepath = bpy.path.relpath(picture)  # a project that is moved keeps its map, as its cache
         image.colorspace_settings.is_data = True
         height, strength = creases_of_map(graph, scene, image, last)
     else:

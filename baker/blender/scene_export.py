@@ -22,10 +22,17 @@ def relevant(scene):
     return [thing for thing in scene.objects if names.role(thing) or has_marked_bones(thing)]
 
 
+def curves(action):
+    """Its F-curves, of all its slots where it has such."""
+    if not hasattr(action, "layers"):
+        return list(action.fcurves)  # before Blender 4.4
+    return [curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags for curve in bag.fcurves]
+
+
 def keyed(thing, path):
-    """Whether an action of the object animates this property."""
+    """Whether the object's action animates this property."""
     action = thing.animation_data and thing.animation_data.action
-    return bool(action) and any(curve.data_path == path for curve in action.fcurves)
+    return bool(action) and any(curve.data_path == path for curve in curves(action))
 
 
 def check(scene):

@@ -279,6 +279,7 @@ def judge_scene(judgement, scene, folder):
     judgement.check(not bpy.data.collections.get("paperbake export") and "paper_fps" not in sheet, "the export left something behind")
     pictures = [node.image for node in paper.material_slots[0].material.node_tree.nodes if node.type == "TEX_IMAGE"]
     judgement.check([tuple(image.size) for image in pictures] == [(1024, 1024)], f"the material's pictures are {[tuple(i.size) for i in pictures]}")
+    judgement.check([image.filepath for image in pictures] == [f"//paperbake/maps/{folder.parent.name}.blender.exr"], "the map's path is not beside the .blend")
     judgement.check((folder / "maps" / f"{folder.parent.name}.blender.exr").exists(), "no picture was made of the map")
 
 
@@ -308,9 +309,21 @@ def test_bake(judgement):
     bake_again(judgement, scene, folder)
 
 
+def again_dressed(judgement, scene, material):
+    """The material of another bake: what the artist did to its nodes stays, the clock of the creases is the new one."""
+    (shader,) = (node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Roughness"].default_value = 0.25
+    part("material").build(scene, material.name, None, LAST + 30, max(SIDES))
+    scene.frame_set(LAST)
+    clock = material.node_tree.evaluated_get(bpy.context.evaluated_depsgraph_get()).nodes["seconds to the end"].outputs[0].default_value
+    judgement.near([[clock]], [[30 / FPS]], "clocks", "the material of another bake")
+    judgement.near([[shader.inputs["Roughness"].default_value]], [[0.25]], "values of the artist's", "the material of another bake")
+
+
 def bake_again(judgement, scene, folder):
     """Of a .blend that was saved and opened, with another mesh: the same object, with what the artist did to it."""
     paper = scene.objects["baked.paper.Letter"]
+    again_dressed(judgement, scene, paper.material_slots[0].material)
     mine = bpy.data.materials.new("mine")
     paper.material_slots[0].material = mine
     paper.modifiers.new("Thick", "SOLIDIFY")
@@ -368,6 +381,9 @@ def expect_error(judgement, what, *fragments):
 
 
 def test_failures_are_told(judgement):
+    with heard():
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    expect_error(judgement, "a file without a name", "Save the .blend first")
     scene, sheet = new_scene("failures")
     expect_error(judgement, "no sheet", "no sheet", "Mark Sheet")
     select(sheet)
