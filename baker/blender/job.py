@@ -19,6 +19,15 @@ def folder_of(settings):
     return pathlib.Path(bpy.path.abspath(settings.folder)).resolve()
 
 
+def stamp(path):
+    """Changes with every file of this name; None: there is none."""
+    try:
+        found = path.stat()
+        return found.st_ino, found.st_mtime_ns
+    except FileNotFoundError:
+        return None
+
+
 def stem():
     return pathlib.Path(bpy.data.filepath).stem or "paper"
 
@@ -44,7 +53,7 @@ class BakeJob:
     def __init__(self, scene, settings, path):
         """settings: properties.SceneSettings; path: of the program, empty: on PATH"""
         self._scene, self._settings, self._path = scene.name, settings, path
-        self._state, self._process, self._begun = EXPORT, None, 0.0
+        self._state, self._process, self._before = EXPORT, None, None
         self._folder = self._stem = None
         self.outcome, self.loaded = None, []
 
@@ -97,7 +106,7 @@ class BakeJob:
         path = self._folder / f"{self._stem}.glb"
         last = max(scene.frame_end, self._settings.last) if self._settings.own_frames else scene.frame_end
         scene_export.write(scene, os.fspath(path), last)
-        self._begun = time.time()
+        self._before = stamp(self._cache()), stamp(self._certificate())
         self._process = program.Process([found, "bake", os.fspath(path), "-o", os.fspath(self._folder), "--progress", "json", *words])
         self._state = BAKE
 
@@ -105,8 +114,9 @@ class BakeJob:
         code = self._process.poll()
         if code is None:
             return
-        summary = self._summary()
-        self._end(program.outcome(code, self._process, summary, bool(summary) and self._is_new(self._folder / f"{self._stem}.abc")))
+        done = code in (0, program.GATE_MISSED)  # also when it had nothing to do: then what is there is the result
+        fresh = done or all(now and now != then for now, then in zip((stamp(self._cache()), stamp(self._certificate())), self._before))
+        self._end(program.outcome(code, self._process, self._summary() if fresh else {}, fresh))
         if self.outcome.loads:
             self._state = LOAD
 
@@ -125,10 +135,11 @@ class BakeJob:
             raise program.Unusable(f"The scene {self._scene} is gone.")
         return scene
 
-    def _is_new(self, path):
-        return path.exists() and path.stat().st_mtime >= self._begun - 1
+    def _cache(self):
+        return self._folder / f"{self._stem}.abc"
+
+    def _certificate(self):
+        return self._folder / "cert" / "summary.json"
 
     def _summary(self):
-        """The certificate of this bake; empty when it has none."""
-        path = self._folder / "cert" / "summary.json"
-        return json.loads(path.read_text(encoding="utf-8")) if self._is_new(path) else {}
+        return json.loads(self._certificate().read_text(encoding="utf-8"))

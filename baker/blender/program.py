@@ -133,7 +133,7 @@ def outcome(code, process, summary, fresh):
     """What an exit code means for the artist.
 
     summary  cert/summary.json of this bake; empty when it wrote none
-    fresh    this bake wrote a cache
+    fresh    there is a cache of this bake
     """
     if process.cancelled and code not in (0, GATE_MISSED):
         reached = f" at frame {process.last['frame']}" if process.last else ""

@@ -343,6 +343,10 @@ def bake_again(judgement, scene, folder):
     scene.frame_set(FIRST + 2)
     found = floats(paper.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices, "co", 3)
     judgement.near(found, cache.positions[2], "positions", "the second bake")
+    scene.objects["paper.Letter"]["paper_preset"] = "vellum9"
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"CANCELLED"} and "vellum9" in said and not part("baking").last.loaded, f"a bake that fails right after one that did not: it says {said}")
+    judgement.check(paper.name in scene.objects and len(bpy.data.cache_files) == 1, "a failed bake changes what is there")
 
 
 def test_centimetres(judgement):
