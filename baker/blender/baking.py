@@ -77,7 +77,9 @@ class Bake(bpy.types.Operator):
 
     def finish(self, context):
         global running
-        context.window_manager.event_timer_remove(self.timer)
+        if self.timer:
+            context.window_manager.event_timer_remove(self.timer)
+            self.timer = None
         job, running = running, None
         return job
 

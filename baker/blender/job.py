@@ -7,7 +7,7 @@ import time
 
 import bpy
 
-from . import cache, names, program, scene_export
+from . import cache, program, scene_export
 
 EXPORT, BAKE, LOAD, DONE = range(4)
 

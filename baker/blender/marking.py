@@ -52,7 +52,7 @@ class MarkHandles(bpy.types.Operator):
         marked = [thing for thing in context.selected_objects if names.role(thing) != names.SHEET]
         if not all(rename(self, thing, names.with_prefix(thing.name, names.HANDLE)) for thing in marked):
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{len(marked)} handle{'s' if len(marked) > 1 else ''}: {', '.join(thing.name for thing in marked[:4])}{', ...' if len(marked) > 4 else ''}")
+        self.report({"INFO"}, f"{len(marked)} handle(s): {', '.join(thing.name for thing in marked)}")
         return {"FINISHED"}
 
 
@@ -114,7 +114,7 @@ class AddHandles(bpy.types.Operator):
             handle.empty_display_type, handle.empty_display_size, handle.show_in_front = "SPHERE", size, True
             handle.location = place
             context.collection.objects.link(handle)
-        self.report({"INFO"}, f"{len(found)} handle{'s' if len(found) > 1 else ''} added.")
+        self.report({"INFO"}, f"{len(found)} handle(s) added.")
         return {"FINISHED"}
 
 

@@ -3,7 +3,7 @@
 import bpy
 
 CREASE_HEIGHT = 1.5e-4  # [m] of a sharp crease in the bump: about two thicknesses
-FIBRE_HEIGHT = 6e-6     # [m]
+FIBRE_HEIGHT = 3e-6     # [m]
 FIBRE_SIZE = 4e-4       # [m]
 APPEARS_IN = 0.1        # [s]
 PAPER = (0.83, 0.82, 0.79, 1)

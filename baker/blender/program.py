@@ -47,7 +47,8 @@ def grades(program):
     """The paper grades that it knows. Throws Unusable."""
     try:
         listed = json.loads(answer(program, "presets", "--json"))
-        return [Grade(g["name"], f"{1e3 * g['values']['area_density']['value']:g} g/m\u00b2, {1e6 * g['values']['thickness']['value']:.0f} \u00b5m") for g in listed]
+        values = [(g["name"], g["values"]["area_density"]["value"], g["values"]["thickness"]["value"]) for g in listed]
+        return [Grade(name, f"{1e3 * density:g} g/m\u00b2, {1e6 * thickness:.0f} \u00b5m") for name, density, thickness in values]
     except (ValueError, KeyError, TypeError) as error:
         raise Unusable(f"{program} lists no paper grades as paperbake does: is it another program?") from error
 

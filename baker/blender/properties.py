@@ -104,7 +104,8 @@ class ObjectSettings(bpy.types.PropertyGroup):
 
 
 class SceneSettings(bpy.types.PropertyGroup):
-    folder: bpy.props.StringProperty(name="Folder", subtype="DIR_PATH", default="//paperbake", description="Where the bake goes; // is beside the .blend", **RELATIVE)
+    folder: bpy.props.StringProperty(name="Folder", subtype="DIR_PATH", default="//paperbake", **RELATIVE,
+                                     description="Where the bake goes; // is beside the .blend")
     quality: bpy.props.EnumProperty(name="Quality", default="draft", items=[
         ("draft", "Draft", "5 mm edges on a sheet of 0.2 m"), ("shot", "Shot", "2 mm edges"), ("hero", "Hero", "1 mm edges, every frame polished")])
     method: bpy.props.EnumProperty(name="Method", default="hybrid", items=[

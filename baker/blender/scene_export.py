@@ -45,7 +45,8 @@ def check(scene):
         raise Unusable("Nothing holds the sheet: select empties and press Mark Handles, or press Add Handles.")
     for thing in holders:
         if keyed(thing, "hide_viewport"):
-            raise Unusable(f"{thing.name}: its visibility in viewports is keyed, and Blender does not move what is hidden: key its scale to 0 instead, or set Release.")
+            raise Unusable(f"{thing.name}: its visibility in viewports is keyed, and Blender does not move what is hidden. "
+                           "Key its scale to 0 instead, or set Release.")
 
 
 @contextlib.contextmanager

@@ -8,72 +8,25 @@ Prints one line for each check that failed and exits with 1, or what was compare
 """
 
 import contextlib
-import importlib
-import os
 import pathlib
-import shutil
-import stat
 import subprocess
 import sys
-import tempfile
 import time
 import types
 
-PROGRAM, ADDON, FOLDER = (pathlib.Path(word).resolve() for word in sys.argv[1:4])
-shutil.rmtree(FOLDER, ignore_errors=True)
-FOLDER.mkdir(parents=True)
-os.environ["BLENDER_USER_RESOURCES"] = str(FOLDER / "user")  # nobody's own Blender is touched
+from addon_fixture import (ADDON, FIRST, FOLDER, FPS, LAST, MODULE, PROGRAM, SIDES, Window, empty, heard, holding, key, mark_and_hold, new_scene,
+                           panels, part, place, report, select, standing_in, until, use)
 
-import bpy  # noqa: E402
-import numpy  # noqa: E402
-from mathutils import Euler, Vector  # noqa: E402
+import bpy
+import numpy
+from mathutils import Vector
 
-from bake_judge import read_rows, read_with_alembic, triple, vertex_at  # noqa: E402
-from blender_judge import floats, integers  # noqa: E402
-from judgement import Judgement  # noqa: E402
+from bake_judge import read_rows, read_with_alembic, triple, vertex_at
+from blender_judge import floats, integers
+from judgement import Judgement
 
-MODULE = "bl_ext.user_default.paperbake"
-SIDES = (0.10, 0.14)  # [m]
-FIRST, LAST = 5, 14
-FPS = 30 / 1.001      # the rate that Blender's exporter gets wrong
-HELD = 1e-4           # [m]
+HELD = 1e-4            # [m]
 FAN_TOLERANCE = 0.015  # [rad] corners at a vertex whose normals differ by less share one in Blender
-
-
-def part(name):
-    return importlib.import_module(f"{MODULE}.{name}")
-
-
-def use(program):
-    bpy.context.preferences.addons[MODULE].preferences.program = str(program)
-
-
-@contextlib.contextmanager
-def heard():
-    """What Blender prints, reports among it, in a list of one string."""
-    said = [""]
-    sys.stdout.flush()
-    kept = os.dup(1)
-    with tempfile.TemporaryFile() as file:
-        os.dup2(file.fileno(), 1)
-        try:
-            yield said
-        finally:
-            sys.stdout.flush()
-            os.dup2(kept, 1)
-            os.close(kept)
-            file.seek(0)
-            said[0] = file.read().decode(errors="replace")
-
-
-def report(operator, **settings):
-    """(what the operator returned, what it reported)"""
-    with heard() as said:
-        try:
-            result = operator(**settings)
-        except RuntimeError as error:  # an ERROR
-            return {"CANCELLED"}, str(error).strip()
-    return result, said[0].strip()
 
 
 def test_zip_installs(judgement):
@@ -88,101 +41,6 @@ def test_zip_installs(judgement):
         bpy.ops.extensions.package_install_files(filepath=paths[0], repo="user_default", enable_on_install=True)
     judgement.check(MODULE in bpy.context.preferences.addons, "Blender does not enable the add-on")
     judgement.count("zips", len(paths))
-
-
-def key(thing, path, *values_at_ends):
-    for frame, value in zip((FIRST, LAST), values_at_ends):
-        setattr(thing, path, value)
-        thing.keyframe_insert(path, frame=frame)
-
-
-def empty(name, place):
-    thing = bpy.data.objects.new(name, None)
-    thing.location = place
-    bpy.context.scene.collection.objects.link(thing)
-    return thing
-
-
-def select(*things):
-    for thing in bpy.context.scene.objects:
-        thing.select_set(thing in things)
-    bpy.context.view_layer.objects.active = things[0]
-
-
-def rig(corner, goal):
-    """An empty on the moving bone of an armature that is itself turned: what only evaluation knows."""
-    armature = bpy.data.objects.new("Rig", bpy.data.armatures.new("Rig"))
-    bpy.context.scene.collection.objects.link(armature)
-    armature.location, armature.rotation_euler = corner, (0.4, -0.3, 1.0)
-    select(armature)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bone = armature.data.edit_bones.new("Hand")
-    bone.head, bone.tail = (0, 0, -0.05), (0, 0, 0)
-    bpy.ops.object.mode_set(mode="OBJECT")
-    pose = armature.pose.bones["Hand"]
-    bpy.context.view_layer.update()
-    there = (armature.matrix_world @ armature.data.bones["Hand"].matrix_local).to_3x3().inverted() @ (goal - corner)
-    key(pose, "location", (0, 0, 0), there)
-    grip = empty("Grip", (0, 0, 0))
-    grip.parent, grip.parent_type, grip.parent_bone = armature, "BONE", "Hand"
-    return grip
-
-
-def new_scene(name):
-    """A sheet of one quad somewhere in space, not yet marked; saved as NAME.blend."""
-    with heard():
-        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
-    scene = bpy.context.scene
-    scene.frame_start, scene.frame_end = FIRST, LAST
-    scene.render.fps, scene.render.fps_base = 30, 1.001
-    scene.frame_set(FIRST)
-    with heard():
-        bpy.ops.mesh.primitive_plane_add(size=1)
-        sheet = bpy.context.object
-        sheet.name, sheet.scale = "Letter", (*SIDES, 1)
-        bpy.ops.object.transform_apply(scale=True)
-    sheet.location, sheet.rotation_euler = (0.3, -0.2, 0.5), (0.3, 0.2, 0.5)
-    sheet.data.name = "Letter"
-    bpy.context.view_layer.update()
-    scene.paperbake.quality = "draft"
-    (FOLDER / name).mkdir(exist_ok=True)
-    bpy.ops.wm.save_as_mainfile(filepath=str(FOLDER / name / f"{name}.blend"))
-    return scene, sheet
-
-
-def place(sheet, u, v, up=0.0):
-    """World position of a point of the flat sheet. u, v in [-1/2, 1/2] of its sides, up [m]"""
-    return sheet.matrix_world @ Vector((u * SIDES[0], v * SIDES[1], up))
-
-
-def mark_and_hold(judgement, scene, sheet):
-    """What the artist does, by the panel's operators: two handles keyed, one carried by a bone, one by a constraint. Returns their names."""
-    select(sheet)
-    bpy.ops.object.mode_set(mode="EDIT")
-    bpy.ops.mesh.select_all(action="DESELECT")
-    bpy.ops.object.mode_set(mode="OBJECT")
-    for vertex in sheet.data.vertices:
-        vertex.select = vertex.co.y < 0
-    bpy.ops.object.mode_set(mode="EDIT")
-    with heard():
-        judgement.check(bpy.ops.paperbake.mark_sheet() == {"FINISHED"} and sheet.name == "paper.Letter", f"the sheet is named {sheet.name}")
-        bpy.ops.paperbake.add_handles()
-    bpy.ops.object.mode_set(mode="OBJECT")
-    added = [thing for thing in scene.objects if thing.name.startswith("handle")]
-    judgement.check(len(added) == 2, f"{len(added)} handles at 2 vertices")
-    local = sheet.matrix_world.inverted()
-    for thing in added:
-        at = local @ thing.location
-        key(thing, "location", thing.location.copy(), sheet.matrix_world @ Vector((0.94 * at.x, 0.8 * at.y, 0.004)))
-    grip = rig(place(sheet, -0.5, 0.5), place(sheet, -0.46, 0.42, 0.01))
-    guide, follower = empty("Guide", (0, 0, 0)), empty("Follower", (0, 0, 0))
-    key(guide, "location", place(sheet, 0.5, 0.5), place(sheet, 0.46, 0.42, -0.01))
-    follower.constraints.new("COPY_LOCATION").target = guide
-    select(grip, follower)
-    with heard():
-        bpy.ops.paperbake.mark_handles()
-    judgement.check({grip.name, follower.name} == {"handle.Grip", "handle.Follower"}, f"handles are named {grip.name}, {follower.name}")
-    return [thing.name for thing in (*added, grip, follower)]
 
 
 def test_settings_are_properties(judgement, sheet, handle):
@@ -275,7 +133,8 @@ def judge_scene(judgement, scene, folder):
     judgement.check(sheet.hide_render and sheet.hide_get(), "the sheet is still in sight")
     judgement.check([c.name for c in paper.users_collection] == ["Paper"], f"the paper is in {[c.name for c in paper.users_collection]}")
     judgement.check(part("names").role(paper) is None, "the paper would be exported as a sheet")
-    judgement.check(scene.render.fps_base == numpy.float32(1.001) and (scene.frame_start, scene.frame_end) == (FIRST, LAST), "the export changed the scene's clock")
+    judgement.check(scene.render.fps_base == numpy.float32(1.001) and (scene.frame_start, scene.frame_end) == (FIRST, LAST),
+                    "the export changed the scene's clock")
     judgement.check(not bpy.data.collections.get("paperbake export") and "paper_fps" not in sheet, "the export left something behind")
     pictures = [node.image for node in paper.material_slots[0].material.node_tree.nodes if node.type == "TEX_IMAGE"]
     judgement.check([tuple(image.size) for image in pictures] == [(1024, 1024)], f"the material's pictures are {[tuple(i.size) for i in pictures]}")
@@ -337,7 +196,8 @@ def bake_again(judgement, scene, folder):
     paper, cache = scene.objects["baked.paper.Letter"], read_with_alembic(folder / "letter.abc", FPS)
     judgement.check([m.type for m in paper.modifiers] == ["MESH_SEQUENCE_CACHE", "SOLIDIFY"], f"modifiers are {[m.type for m in paper.modifiers]}")
     judgement.check(paper.material_slots[0].material.name == "mine", "the artist's material is gone")
-    left = [thing.name for kind in (bpy.data.objects, bpy.data.meshes, bpy.data.cache_files) for thing in kind if thing.users and ("baked" in thing.name or kind == bpy.data.cache_files)]
+    left = [thing.name for kind in (bpy.data.objects, bpy.data.meshes) for thing in kind if thing.users and "baked" in thing.name]
+    left += [cached.name for cached in bpy.data.cache_files]
     judgement.check(left == ["baked.paper.Letter", "baked.paper.Letter", "baked.paper.Letter.abc"], f"in the file are {left}")
     paper.modifiers["Thick"].show_viewport = False
     scene.frame_set(FIRST + 2)
@@ -345,7 +205,7 @@ def bake_again(judgement, scene, folder):
     judgement.near(found, cache.positions[2], "positions", "the second bake")
     scene.objects["paper.Letter"]["paper_preset"] = "vellum9"
     result, said = report(bpy.ops.paperbake.bake)
-    judgement.check(result == {"CANCELLED"} and "vellum9" in said and not part("baking").last.loaded, f"a bake that fails right after one that did not: it says {said}")
+    judgement.check(result == {"CANCELLED"} and "vellum9" in said and not part("baking").last.loaded, f"a bake that fails right after another: it says {said}")
     judgement.check(paper.name in scene.objects and len(bpy.data.cache_files) == 1, "a failed bake changes what is there")
 
 
@@ -368,13 +228,6 @@ def test_centimetres(judgement):
         cache = read_with_alembic(FOLDER / "centimetres" / "paperbake" / "centimetres.abc", FPS)
         judgement.near(found, 100 * cache.positions[-1], "positions", "centimetres")
         judgement.check(8 < numpy.ptp(found[:, 0]) < 11, f"the paper is {numpy.ptp(found[:, 0])} units wide")
-
-
-def holding(name):
-    """A scene that bakes, in another file. Returns it."""
-    scene, sheet = new_scene(name)
-    mark_and_hold(Judgement(), scene, sheet)
-    return scene
 
 
 def expect_error(judgement, what, *fragments):
@@ -433,14 +286,6 @@ def test_missed_gate_is_a_warning(judgement):
     judgement.count("failures", 1)
 
 
-def standing_in(name, *lines):
-    """A program that bakes as the real one does, and then does this. Returns its path."""
-    path = FOLDER / name
-    path.write_text("\n".join(["#!/bin/sh", f'"{PROGRAM}" "$@"', *lines, ""]))
-    path.chmod(path.stat().st_mode | stat.S_IXUSR)
-    return path
-
-
 def test_failed_simulation(judgement):
     """What was simulated before it failed is loaded, and the error is told; of a program that was killed nothing is."""
     holding("failed")
@@ -473,12 +318,6 @@ def test_two_sheets(judgement):
             judgement.near([[max(thing.dimensions)]], [[side]], "sides", name, 0.03)
 
 
-def until(job, condition, seconds=30):
-    end = time.monotonic() + seconds
-    while not condition() and job.step() and time.monotonic() < end:
-        time.sleep(0.01)
-
-
 def test_cancel(judgement):
     """A bake that is cancelled on its way ends, says where, loads nothing, and leaves the cache before it alone."""
     part("program").KILL_AFTER = 1000  # [s] it obeys
@@ -501,7 +340,7 @@ def test_deaf_program_is_killed(judgement):
     deaf = FOLDER / "deaf"
     deaf.write_text("#!/usr/bin/env python3\nimport signal, sys, time\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
                     "print('{\"message\": \"here\"}', file=sys.stderr, flush=True)\ntime.sleep(60)\n")
-    deaf.chmod(deaf.stat().st_mode | stat.S_IXUSR)
+    deaf.chmod(0o755)
     part("program").KILL_AFTER = 0.3
     job = part("job").BakeJob(holding("deaf_scene"), bpy.context.scene.paperbake, str(deaf))
     until(job, lambda: job._process and (job._process.poll(), job._process.messages)[1])
@@ -510,60 +349,6 @@ def test_deaf_program_is_killed(judgement):
     outcome = job.run()
     judgement.check(time.monotonic() - begun < 20 and "cancelled" in outcome.sentence, f"a program that is deaf to SIGTERM: {outcome}")
     judgement.count("failures", 1)
-
-
-class Window:
-    """Stands for the context of a window, of which there is none here: for the operator that steps a job by a timer."""
-
-    def __init__(self, scene):
-        self.scene, self.window, self.timers = scene, None, 0
-        self.window_manager = types.SimpleNamespace(event_timer_add=self.add, event_timer_remove=self.remove, modal_handler_add=lambda operator: None)
-
-    def add(self, seconds, window):
-        self.timers += 1
-        return self
-
-    def remove(self, timer):
-        self.timers -= 1
-
-
-class Layout:
-    """Stands for a panel's layout: what it is asked to show must be there."""
-
-    def __init__(self):
-        self.shown, self.texts = [], []
-
-    def prop(self, data, name, **settings):
-        data.path_resolve(name)
-        self.shown.append(name)
-
-    def operator(self, name, **settings):
-        kind = getattr(getattr(bpy.ops, name.split(".")[0]), name.split(".")[1]).get_rna_type()
-        self.shown.append(name)
-        return types.SimpleNamespace(**{p.identifier: None for p in kind.properties})
-
-    def label(self, text="", icon="NONE"):
-        bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items[icon]
-        self.texts.append(text)
-
-    def progress(self, factor, text):
-        self.texts.append(text)
-
-    def column(self, **settings):
-        return self
-
-    row = box = column
-
-
-def panels(context):
-    layout = Layout()
-    for kind in part("panel").CLASSES:
-        panel = types.SimpleNamespace(layout=layout)
-        for name in ("draw_sheet", "draw_handle", "draw_outcome"):
-            if hasattr(kind, name):
-                setattr(panel, name, types.MethodType(getattr(kind, name), panel))
-        kind.draw(panel, context)
-    return layout
 
 
 def test_window(judgement):
@@ -595,8 +380,9 @@ def test_window(judgement):
     judgement.check(go(look) == {"FINISHED"} and reports[-1][0] in ({"INFO"}, {"WARNING"}), f"the window's bake ends with {reports}")
     judgement.check(any("paperbake.cancel" in layout.shown for layout in layouts), "no panel shows Cancel")
     judgement.check(any(text.startswith("Simulating frame") for layout in layouts for text in layout.texts), "no panel shows the frame")
-    judgement.check({"preset", "mode", '["paper_radius"]', "paperbake.bake"} <= {name for layout in [*layouts, panels(types.SimpleNamespace(scene=scene, object=None))]
-                                                                                for name in layout.shown}, "a setting is in no panel")
+    layouts.append(panels(types.SimpleNamespace(scene=scene, object=None)))
+    shown = {name for layout in layouts for name in layout.shown}
+    judgement.check({"preset", "mode", '["paper_radius"]', "paperbake.bake"} <= shown, f"the panels show only {shown}")
     scene.frame_end = 400
 
     def cancel_soon(job):
@@ -641,7 +427,8 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_centimetres, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation, test_two_sheets, test_cancel, test_window, test_reader_of_maps, test_deaf_program_is_killed):
+        for test in (test_bake, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+                     test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))
 
