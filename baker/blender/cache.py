@@ -1,0 +1,140 @@
+"""Brings a baked cache back: one object a sheet in the collection "Paper", and the sheet itself out of sight."""
+
+import collections
+import os
+import pathlib
+
+import bpy
+
+from . import crease_map, material, names
+from .program import Unusable
+
+COLLECTION = "Paper"
+
+Cached = collections.namedtuple("Cached", "sheet picture last side")  # name; path or None; frame; [m]
+
+
+def paper_collection(scene):
+    """Found or made, in the scene."""
+    collection = bpy.data.collections.get(COLLECTION) or bpy.data.collections.new(COLLECTION)
+    if COLLECTION not in scene.collection.children:
+        scene.collection.children.link(collection)
+    return collection
+
+
+def reader(thing):
+    """Its modifier that reads a cache, or None."""
+    return next((modifier for modifier in thing.modifiers if modifier.type == "MESH_SEQUENCE_CACHE"), None)
+
+
+def imported(scene, path):
+    """{sheet's name in the cache: new object}, all of them in this scene. Throws Unusable."""
+    before = set(bpy.data.objects)
+    try:
+        with bpy.context.temp_override(scene=scene):
+            bpy.ops.wm.alembic_import(filepath=str(path), scale=1 / scene.unit_settings.scale_length, set_frame_range=False, validate_meshes=False,
+                                      always_add_cache_reader=True, as_background_job=False)
+    except RuntimeError as error:
+        raise Unusable(f"Blender does not read {path}: {str(error).strip()}") from error
+    found = {}
+    for thing in set(bpy.data.objects) - before:
+        modifier = reader(thing)
+        if modifier:
+            for constraint in list(thing.constraints):
+                thing.constraints.remove(constraint)  # a sheet's transform in the cache is the unit's scale, and still
+            found[modifier.object_path.split("/")[1]] = thing
+    if not found:
+        raise Unusable(f"Blender found no sheet in {path}.")
+    return found
+
+
+def remove_unused(cache_file):
+    if cache_file and not cache_file.users:
+        bpy.data.batch_remove([cache_file])
+
+
+def replaced(old, new):
+    """The artist's object goes on, with its materials and modifiers, with mesh and cache of the new one."""
+    fresh, modifier = reader(new), reader(old)
+    if modifier is None:
+        modifier = old.modifiers.new(fresh.name, "MESH_SEQUENCE_CACHE")
+        old.modifiers.move(len(old.modifiers) - 1, 0)
+    stale_mesh, stale_cache = old.data, modifier.cache_file
+    modifier.cache_file, modifier.object_path, modifier.read_data = fresh.cache_file, fresh.object_path, fresh.read_data
+    new_mesh = new.data
+    bpy.data.objects.remove(new)
+    for slot in stale_mesh.materials:
+        new_mesh.materials.append(slot)  # an object has as many slots as its mesh
+    old.data = new_mesh
+    if not stale_mesh.users:
+        bpy.data.meshes.remove(stale_mesh)
+    remove_unused(stale_cache)
+    return old
+
+
+def placed(scene, thing, cached):
+    """The object under its own name in the collection, shown instead of the sheet."""
+    name = f"{names.BAKED}.{cached.sheet}"
+    old = scene.objects.get(name)
+    if old and old.type == "MESH":
+        thing = replaced(old, thing)
+    else:
+        for collection in thing.users_collection:
+            collection.objects.unlink(thing)
+        paper_collection(scene).objects.link(thing)
+        thing.name = name
+    thing.data.name = name
+    reader(thing).cache_file.name = f"{name}.abc"
+    return thing
+
+
+def dress(scene, thing, cached):
+    """Its material, on the object's slot, so that it stays when the mesh is another one. A material of the artist's stays too."""
+    own = f"{names.BAKED}.{cached.sheet}"
+    if not thing.material_slots:
+        thing.data.materials.append(None)
+    slot = thing.material_slots[0]
+    slot.link = "OBJECT"
+    if slot.material is None or slot.material.name == own:
+        slot.material = material.build(scene, own, cached.picture, cached.last, cached.side)
+
+
+def hide_sheet(scene, name):
+    sheet = scene.objects.get(name)
+    if sheet:
+        sheet.hide_render = True
+        for layer in scene.view_layers:
+            if sheet.name in layer.objects:
+                sheet.hide_set(True, view_layer=layer)
+
+
+def picture_of(folder, stem, sheet, several):
+    """Path of the picture made from the sheet's final map; None where there is no map. Throws Unreadable, OSError, RuntimeError."""
+    maps = pathlib.Path(folder) / "maps"
+    name = f"{stem}.{names.in_cache(sheet)}" if several else stem
+    final = maps / f"{name}.final.exr"
+    return crease_map.crease_picture(final, os.fspath(maps / f"{name}.blender.exr")) if final.exists() else None
+
+
+def load(scene, folder, stem, summary):
+    """The sheets of DIR/NAME.abc as objects of the scene; those of an earlier bake go on. Throws Unusable.
+
+    summary  cert/summary.json
+    returns  the objects, and sentences about what is less than it should be
+    """
+    abc = pathlib.Path(folder) / f"{stem}.abc"
+    found, loaded, remarks = imported(scene, abc), [], []
+    for told in summary["sheets"]:
+        name, picture = told["name"], None
+        if names.in_cache(name) not in found:
+            raise Unusable(f"{abc} has no sheet {name}.")
+        try:
+            picture = picture_of(folder, stem, name, len(summary["sheets"]) > 1)
+        except (OSError, RuntimeError, crease_map.Unreadable) as error:
+            remarks.append(f"The map of {name} is not in its material: {error}.")
+        cached = Cached(name, picture, summary["last_frame"], max(told["width_m"], told["height_m"]))
+        thing = placed(scene, found[names.in_cache(name)], cached)
+        dress(scene, thing, cached)
+        hide_sheet(scene, name)
+        loaded.append(thing)
+    return loaded, remarks

@@ -1,0 +1,145 @@
+"""A bake from the scene to the scene: export, the program, load. A plain class: a timer steps it in the window, a loop elsewhere."""
+
+import json
+import os
+import pathlib
+import time
+
+import bpy
+
+from . import cache, program, scene_export
+
+EXPORT, BAKE, LOAD, DONE = range(4)
+
+
+def folder_of(settings):
+    """Where the bake goes. Throws Unusable."""
+    if settings.folder.startswith("//") and not bpy.data.filepath:
+        raise program.Unusable("Save the .blend first, or choose an output folder that does not begin with //.")
+    return pathlib.Path(bpy.path.abspath(settings.folder)).resolve()
+
+
+def stamp(path):
+    """Changes with every file of this name; None: there is none."""
+    try:
+        found = path.stat()
+        return found.st_ino, found.st_mtime_ns
+    except FileNotFoundError:
+        return None
+
+
+def stem():
+    return pathlib.Path(bpy.data.filepath).stem or "paper"
+
+
+def options(scene, settings):
+    """Words of the command line. Grade and seed are properties of the sheets and travel in the file."""
+    first, last = (settings.first, settings.last) if settings.own_frames else (scene.frame_start, scene.frame_end)
+    if not scene.frame_start <= first <= last:
+        raise program.Unusable(f"Frames {first} to {last} cannot be baked: the scene begins at {scene.frame_start}.")
+    words = ["--quality", settings.quality, "--method", settings.method, "--gravity", f"{settings.gravity:g}", "--frames", f"{first}-{last}"]
+    if abs(scene.unit_settings.scale_length - 1) > 1e-9:
+        words += ["--unit-scale", f"{scene.unit_settings.scale_length:.9g}"]
+    return words
+
+
+class BakeJob:
+    """One bake of a scene.
+
+    step()    goes on with it and returns at once, but for export and load; False when it has ended, and then `outcome` says how
+    cancel()  ends it at the next step
+    """
+
+    def __init__(self, scene, settings, path):
+        """settings: properties.SceneSettings; path: of the program, empty: on PATH"""
+        self._scene, self._settings, self._path = scene.name, settings, path
+        self._state, self._process, self._before = EXPORT, None, None
+        self._folder = self._stem = None
+        self.outcome, self.loaded = None, []
+
+    def fraction(self):
+        return self._process.fraction if self._process else 0.0
+
+    def report(self):
+        """Its page to look at, None when it has none."""
+        page = self._folder / "report.html" if self._folder else None
+        return page if page and page.exists() else None
+
+    def text(self):
+        if self._state == EXPORT:
+            return "Writing the scene"
+        return program.progress_text(self._process) if self._state == BAKE else "Loading the cache"
+
+    def cancel(self):
+        if self._process:
+            self._process.cancel()
+
+    def abandon(self):
+        """The end without more steps: Blender closes, or opens another file."""
+        if self._process:
+            self._process.end()
+        self._state = DONE
+
+    def run(self):
+        """To the end, without a window."""
+        while self.step():
+            time.sleep(0.02)
+        return self.outcome
+
+    def step(self):
+        try:
+            {EXPORT: self._export, BAKE: self._bake, LOAD: self._load}.get(self._state, lambda: None)()
+        except program.Unusable as error:
+            self._end(program.Outcome("ERROR", str(error), False))
+        except OSError as error:
+            self._end(program.Outcome("ERROR", f"{error.filename}: {error.strerror}.", False))
+        return self._state != DONE
+
+    def _end(self, outcome):
+        self.outcome, self._state = outcome, DONE
+
+    def _export(self):
+        scene = self._in_scene()
+        found, self._folder, self._stem = program.located(self._path), folder_of(self._settings), stem()
+        words = options(scene, self._settings)
+        os.makedirs(self._folder, exist_ok=True)
+        path = self._folder / f"{self._stem}.glb"
+        last = max(scene.frame_end, self._settings.last) if self._settings.own_frames else scene.frame_end
+        scene_export.write(scene, os.fspath(path), last)
+        self._before = stamp(self._cache()), stamp(self._certificate())
+        self._process = program.Process([found, "bake", os.fspath(path), "-o", os.fspath(self._folder), "--progress", "json", *words])
+        self._state = BAKE
+
+    def _bake(self):
+        code = self._process.poll()
+        if code is None:
+            return
+        done = code in (0, program.GATE_MISSED)  # also when it had nothing to do: then what is there is the result
+        fresh = done or all(now and now != then for now, then in zip((stamp(self._cache()), stamp(self._certificate())), self._before))
+        self._end(program.outcome(code, self._process, self._summary() if fresh else {}, fresh))
+        if self.outcome.loads:
+            self._state = LOAD
+
+    def _load(self):
+        loaded, remarks = cache.load(self._in_scene(), self._folder, self._stem, self._summary())
+        self.loaded = [thing.name for thing in loaded]
+        if remarks:
+            level = "ERROR" if self.outcome.level == "ERROR" else "WARNING"
+            self.outcome = program.Outcome(level, " ".join([self.outcome.sentence, *remarks]), True)
+        self._state = DONE
+
+    def _in_scene(self):
+        """By name: an undo on the way makes every reference to Blender's data a stray one."""
+        scene = bpy.data.scenes.get(self._scene)
+        if scene is None:
+            raise program.Unusable(f"The scene {self._scene} is gone.")
+        return scene
+
+    def _cache(self):
+        return self._folder / f"{self._stem}.abc"
+
+    def _certificate(self):
+        return self._folder / "cert" / "summary.json"
+
+    def _summary(self):
+        return json.loads(self._certificate().read_text(encoding="utf-8"))

@@ -1,0 +1,85 @@
+"""The panel: View3D > Sidebar > Paper."""
+
+import textwrap
+
+import bpy
+
+from . import baking, names, properties
+
+MESSAGE_WIDTH = 42  # letters a line
+
+
+class Panel:
+    bl_space_type, bl_region_type, bl_category = "VIEW_3D", "UI", "Paper"
+
+
+class SheetPanel(Panel, bpy.types.Panel):
+    bl_idname, bl_label = "PAPERBAKE_PT_sheet", "Sheet and Handles"
+
+    def draw(self, context):
+        column = self.layout.column(align=True)
+        column.operator("paperbake.mark_sheet", icon="MESH_PLANE")
+        column.operator("paperbake.add_handles", icon="EMPTY_AXIS")
+        column.operator("paperbake.mark_handles", icon="PINNED")
+        column.operator("paperbake.mark_collider", icon="MESH_CUBE")
+        column.operator("paperbake.unmark", icon="X")
+        counts = {role: len(names.of_role(context.scene, role)) for role in names.ROLES}
+        self.layout.label(text=f"{counts[names.SHEET]} sheet(s), {counts[names.HANDLE]} handle(s), {counts[names.COLLIDER]} collider(s)")
+        thing = context.object
+        role = names.role(thing) if thing else None
+        if role == names.SHEET:
+            self.draw_sheet(thing)
+        elif role == names.HANDLE:
+            self.draw_handle(thing)
+
+    def draw_sheet(self, thing):
+        box = self.layout.box()
+        box.label(text=thing.name, icon="MESH_PLANE")
+        box.prop(thing.paperbake, "preset")
+        box.prop(thing.paperbake, "seed")
+
+    def draw_handle(self, thing):
+        box = self.layout.box()
+        box.label(text=thing.name, icon="PINNED")
+        box.prop(thing.paperbake, "mode")
+        for key, (label, without, _) in properties.SETTINGS.items():
+            row = box.row(align=True)
+            if key in thing:
+                row.prop(thing, f'["{key}"]', text=label)
+            else:
+                row.label(text=f"{label}: {without}")
+            change = row.operator("paperbake.set_handle", text="", icon="X" if key in thing else "ADD")
+            change.name, change.remove = key, key in thing
+        box.operator("paperbake.copy_to_handles", icon="DUPLICATE")
+
+
+class BakePanel(Panel, bpy.types.Panel):
+    bl_idname, bl_label = "PAPERBAKE_PT_bake", "Bake"
+
+    def draw(self, context):
+        layout, settings = self.layout, context.scene.paperbake
+        layout.use_property_split, layout.use_property_decorate = True, False
+        for name in ("quality", "method", "gravity", "folder", "own_frames"):
+            layout.prop(settings, name)
+        if settings.own_frames:
+            column = layout.column(align=True)
+            column.prop(settings, "first")
+            column.prop(settings, "last")
+        if baking.running:
+            layout.progress(factor=baking.running.fraction(), text=baking.running.text())
+            layout.operator("paperbake.cancel", icon="CANCEL")
+        else:
+            layout.operator("paperbake.bake", icon="RENDER_ANIMATION")
+        self.draw_outcome(layout)
+
+    def draw_outcome(self, layout):
+        if baking.last is None or baking.running:
+            return
+        outcome, page, box = baking.last.outcome, baking.last.report(), layout.box()
+        for i, line in enumerate(textwrap.wrap(outcome.sentence, MESSAGE_WIDTH)):
+            box.label(text=line, icon=("NONE" if i else outcome.level if outcome.level != "WARNING" else "ERROR"))
+        if page:
+            box.operator("wm.url_open", text="Report", icon="URL").url = page.as_uri()
+
+
+CLASSES = (SheetPanel, BakePanel)

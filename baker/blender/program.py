@@ -1,0 +1,151 @@
+"""The program paperbake as a process: where it is, what it can do, how far it is, and what its end means. Knows nothing of Blender."""
+
+import collections
+import json
+import os
+import queue
+import shutil
+import subprocess
+import threading
+import time
+
+PREFERENCES = "Edit > Preferences > Add-ons > Paperbake"
+KILL_AFTER = 3.0  # [s] without an answer to SIGTERM
+GATE_MISSED = 4
+
+Grade = collections.namedtuple("Grade", "name description")
+Outcome = collections.namedtuple("Outcome", "level sentence loads")  # level: INFO, WARNING or ERROR; loads: there is a cache to look at
+
+
+class Unusable(Exception):
+    """What stops a bake before it begins, in words for the artist."""
+
+
+def located(path):
+    """The program at `path`, or on PATH when that is empty. Throws Unusable."""
+    found = shutil.which(path or "paperbake")
+    if found:
+        return found
+    if not path:
+        raise Unusable(f"There is no paperbake on PATH. Give its place in {PREFERENCES}.")
+    why = "is no program that may be run" if os.path.exists(path) else "is not there"
+    raise Unusable(f"{path} {why}. Give the place of paperbake in {PREFERENCES}.")
+
+
+def answer(program, *words):
+    """What the program prints on stdout. Throws Unusable."""
+    try:
+        done = subprocess.run([program, *words], capture_output=True, text=True, timeout=20, check=False)
+    except (OSError, subprocess.TimeoutExpired) as error:
+        raise Unusable(f"{program} does not run: {error}.") from error
+    if done.returncode:
+        raise Unusable(f"{program} {' '.join(words)}: {one_line(done.stderr)}")
+    return done.stdout
+
+
+def grades(program):
+    """The paper grades that it knows. Throws Unusable."""
+    try:
+        listed = json.loads(answer(program, "presets", "--json"))
+        values = [(g["name"], g["values"]["area_density"]["value"], g["values"]["thickness"]["value"]) for g in listed]
+        return [Grade(name, f"{1e3 * density:g} g/m\u00b2, {1e6 * thickness:.0f} \u00b5m") for name, density, thickness in values]
+    except (ValueError, KeyError, TypeError) as error:
+        raise Unusable(f"{program} lists no paper grades as paperbake does: is it another program?") from error
+
+
+def one_line(text):
+    """place, cause and remedy of an error message as one sentence after the other."""
+    return " ".join(line.strip() + (":" if i == 0 and line.startswith("paperbake: ") else "")
+                    for i, line in enumerate(text.strip().splitlines())).removeprefix("paperbake: ")
+
+
+class Process:
+    """A bake. A thread reads the pipe, so that nobody waits: not the program for a full pipe, not the window for a line."""
+
+    def __init__(self, command):
+        """Throws Unusable."""
+        try:
+            self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+                                             text=True, encoding="utf-8", errors="replace")
+        except OSError as error:
+            raise Unusable(f"{command[0]} does not run: {error}.") from error
+        self._lines = queue.SimpleQueue()
+        self._reader = threading.Thread(target=self._read, daemon=True)
+        self._reader.start()
+        self._cancelled_at = None
+        self.cancelled = False
+        self.last = None      # the newest line of progress: {"frame", "pass", "done", "frames", "seconds_left", ...}
+        self.fraction = 0.0   # [0, 1]
+        self.messages = []    # warnings and missed gates
+        self.error = ""       # what it said when it failed
+
+    def _read(self):
+        for line in self._process.stderr:
+            self._lines.put(line)
+
+    def _take(self, line):
+        try:
+            said = json.loads(line)
+        except ValueError:
+            self.error += line
+            return
+        if "message" in said:
+            self.messages.append(said["message"])
+        elif said.get("frames"):
+            passes = {"simulated": 0.0, "rendered": 0.5}
+            self.last, self.fraction = said, passes.get(said["pass"], 0.0) + 0.5 * said["done"] / said["frames"]
+
+    def poll(self):
+        """Takes what was said since. Returns the exit code, None while it runs."""
+        code = self._process.poll()
+        if code is not None:
+            self._reader.join()  # every line is in the queue
+        while not self._lines.empty():
+            self._take(self._lines.get())
+        if code is None and self._cancelled_at is not None and time.monotonic() - self._cancelled_at > KILL_AFTER:
+            self._process.kill()
+        return code
+
+    def cancel(self):
+        """Asks it to stop; who does not answer is killed by a later poll."""
+        if self._cancelled_at is None and self._process.poll() is None:
+            self._cancelled_at, self.cancelled = time.monotonic(), True
+            self._process.terminate()
+
+    def end(self):
+        """Stops it and waits: for an end without more polls."""
+        self.cancel()
+        try:
+            self._process.wait(KILL_AFTER)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+
+
+def progress_text(process):
+    if process.last is None:
+        return "Reading the scene"
+    left = int(process.last["seconds_left"] + 0.5)
+    verb = "Simulating" if process.last["pass"] == "simulated" else "Meshing"
+    return f"{verb} frame {process.last['frame']} ({process.last['done']} of {process.last['frames']}), {left // 60}:{left % 60:02} left"
+
+
+def outcome(code, process, summary, fresh):
+    """What an exit code means for the artist.
+
+    summary  cert/summary.json of this bake; empty when it wrote none
+    fresh    there is a cache of this bake
+    """
+    if process.cancelled and code not in (0, GATE_MISSED):
+        reached = f" at frame {process.last['frame']}" if process.last else ""
+        return Outcome("WARNING", f"The bake was cancelled{reached}; what was baked before is still there.", False)
+    if code == GATE_MISSED:
+        missed = summary.get("gates_missed") or [message.removeprefix("gate missed: ") for message in process.messages]
+        return Outcome("WARNING", "Baked, but less well than asked for: " + " ".join(missed), fresh)
+    if code == 0:
+        worst = summary.get("stretch_mean_pct", {}).get("max", 0.0)
+        said = f" {' '.join(process.messages)}" if process.messages else ""
+        return Outcome("WARNING" if said else "INFO", f"Baked {summary.get('frames', 0)} frames, length error {worst:.2g} %.{said}", fresh)
+    if code < 0:
+        return Outcome("ERROR", f"paperbake was ended by signal {-code}{' (is memory short?)' if code == -9 else ''}.", False)
+    return Outcome("ERROR", one_line(process.error) or f"paperbake ended with code {code} and said nothing.", fresh)

@@ -1,0 +1,131 @@
+"""Writes what paperbake needs of a scene as glTF: sheets, handles, clamps, colliders. What carries them stays behind: the exporter
+writes where an object is in the world when its parent is not written."""
+
+import contextlib
+import json
+import struct
+
+import bpy
+
+from . import names
+from .program import Unusable
+
+TEMPORARY = "paperbake export"
+
+
+def has_marked_bones(thing):
+    return thing.type == "ARMATURE" and any(names.begins_with(bone.name, names.HANDLE) or "paper_point" in bone for bone in thing.data.bones)
+
+
+def relevant(scene):
+    """Every marked object, and armatures with marked bones."""
+    return [thing for thing in scene.objects if names.role(thing) or has_marked_bones(thing)]
+
+
+def curves(action):
+    """Its F-curves, of all its slots where it has such."""
+    if not hasattr(action, "layers"):
+        return list(action.fcurves)  # before Blender 4.4
+    return [curve for layer in action.layers for strip in layer.strips for bag in strip.channelbags for curve in bag.fcurves]
+
+
+def keyed(thing, path):
+    """Whether the object's action animates this property."""
+    action = thing.animation_data and thing.animation_data.action
+    return bool(action) and any(curve.data_path == path for curve in curves(action))
+
+
+def check(scene):
+    """Throws Unusable: what the program could not say as well, because it does not see this scene."""
+    sheets = names.of_role(scene, names.SHEET)
+    if not sheets:
+        raise Unusable("There is no sheet: select a mesh and press Mark Sheet.")
+    holders = names.of_role(scene, names.HANDLE) + [thing for thing in scene.objects if has_marked_bones(thing)]
+    if not holders:
+        raise Unusable("Nothing holds the sheet: select empties and press Mark Handles, or press Add Handles.")
+    for thing in holders:
+        if keyed(thing, "hide_viewport"):
+            raise Unusable(f"{thing.name}: its visibility in viewports is keyed, and Blender does not move what is hidden. "
+                           "Key its scale to 0 instead, or set Release.")
+
+
+@contextlib.contextmanager
+def shown(scene, things):
+    """The objects in a collection of the view layer, and enabled: Blender does not evaluate what is disabled. (The eye hides no motion.)"""
+    collection = bpy.data.collections.new(TEMPORARY)
+    scene.collection.children.link(collection)
+    before = [(thing, thing.hide_viewport) for thing in things]
+    try:
+        for thing in things:
+            collection.objects.link(thing)
+            thing.hide_viewport = False
+        yield collection
+    finally:
+        bpy.data.collections.remove(collection)
+        for thing, disabled in before:
+            thing.hide_viewport = disabled
+
+
+@contextlib.contextmanager
+def clock(scene, last):
+    """The scene at its first frame, its clip up to `last`, with the frame rate that the exporter writes rightly.
+
+    It divides by fps * fps_base where fps / fps_base is meant (29.97 would become 30.03)."""
+    before = scene.frame_current, scene.frame_end, scene.render.fps_base
+    try:
+        scene.frame_end = last
+        scene.render.fps_base = 1 / before[2]
+        scene.frame_set(scene.frame_start)
+        yield
+    finally:
+        scene.render.fps_base, scene.frame_end = before[2], before[1]
+        scene.frame_set(before[0])
+
+
+@contextlib.contextmanager
+def frame_rate_on(thing, fps):
+    """glTF has no frame rate: a property of an object carries it."""
+    before = thing.get("paper_fps")
+    thing["paper_fps"] = fps
+    try:
+        yield
+    finally:
+        if before is None:
+            del thing["paper_fps"]
+        else:
+            thing["paper_fps"] = before
+
+
+def frames_per_second(scene):
+    return scene.render.fps / scene.render.fps_base
+
+
+def check_times(path, last, fps):
+    """Throws Unusable where the last key is not at the time of the last frame: an exporter with another idea of the frame rate."""
+    with open(path, "rb") as file:
+        length = struct.unpack("<12xI4x", file.read(20))[0]
+        document = json.loads(file.read(length))
+    ends = [document["accessors"][sampler["input"]]["max"][0] for clip in document.get("animations", []) for sampler in clip["samplers"]]
+    if ends and abs(max(ends) * fps - last) > 0.01:
+        raise Unusable(f"Blender wrote frame {last} at {max(ends):.4f} s, at {fps:g} frames a second it is {last / fps:.4f} s: choose a whole frame rate.")
+
+
+def write(scene, path, last):
+    """The clip from the scene's first frame to `last`, handles as Blender itself has them at every frame. Throws Unusable."""
+    check(scene)
+    fps = frames_per_second(scene)
+    if bpy.context.object and bpy.context.object.mode != "OBJECT":
+        bpy.ops.object.mode_set(mode="OBJECT")
+    things = relevant(scene)
+    with shown(scene, things) as collection, clock(scene, last), frame_rate_on(names.of_role(scene, names.SHEET)[0], fps):
+        try:
+            bpy.ops.export_scene.gltf(
+                filepath=path, export_format="GLB", collection=collection.name, export_extras=True, export_yup=True,
+                export_current_frame=True,  # the sheet as it is at the first frame
+                export_apply=True, export_normals=False, export_materials="NONE", export_morph=False, export_skins=True,
+                export_animations=True, export_animation_mode="SCENE", export_anim_scene_split_object=False, export_force_sampling=True,
+                export_frame_range=True, export_frame_step=1, export_anim_slide_to_zero=False, export_optimize_animation_size=False,
+                export_optimize_animation_keep_anim_object=True, export_optimize_animation_keep_anim_armature=True)
+        except (RuntimeError, AttributeError) as error:
+            raise Unusable(f"Blender's glTF export failed: {str(error).strip()} (the add-on \"glTF 2.0 format\" has to be enabled)") from error
+    check_times(path, last, fps)

@@ -1,0 +1,437 @@
+"""Tests the add-on in Blender itself (PyPI: bpy 4.5), from its zip to the paper in the scene.
+
+    blender_addon_test.py PAPERBAKE ADDON FOLDER
+
+ADDON     its source, baker/blender
+FOLDER    for everything that is written; emptied first
+Prints one line for each check that failed and exits with 1, or what was compared and exits with 0.
+"""
+
+import contextlib
+import pathlib
+import subprocess
+import sys
+import time
+import types
+
+from addon_fixture import (ADDON, FIRST, FOLDER, FPS, LAST, MODULE, PROGRAM, SIDES, Window, empty, heard, holding, key, mark_and_hold, new_scene,
+                           panels, part, place, report, select, standing_in, until, use)
+
+import bpy
+import numpy
+from mathutils import Vector
+
+from bake_judge import read_rows, read_with_alembic, triple, vertex_at
+from blender_judge import floats, integers
+from judgement import Judgement
+
+HELD = 1e-4            # [m]
+FAN_TOLERANCE = 0.015  # [rad] corners at a vertex whose normals differ by less share one in Blender
+
+
+def test_zip_installs(judgement):
+    """The same bytes twice; Blender's own installer takes it; it is of the program's version."""
+    paths = [subprocess.run([sys.executable, "-B", str(ADDON / "make_zip.py"), str(FOLDER / name)], capture_output=True, text=True, check=True).stdout.strip()
+             for name in ("one", "two")]
+    judgement.check(pathlib.Path(paths[0]).read_bytes() == pathlib.Path(paths[1]).read_bytes(), "the zip has other bytes the second time")
+    version = subprocess.run([str(PROGRAM), "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
+    judgement.check(pathlib.Path(paths[0]).name == f"paperbake_blender-{version}.zip", f"{paths[0]} is not of version {version}")
+    with heard():
+        bpy.ops.wm.read_factory_settings()
+        bpy.ops.extensions.package_install_files(filepath=paths[0], repo="user_default", enable_on_install=True)
+    judgement.check(MODULE in bpy.context.preferences.addons, "Blender does not enable the add-on")
+    judgement.count("zips", len(paths))
+
+
+def test_settings_are_properties(judgement, sheet, handle):
+    """What the panel shows is what the file carries, and what it takes away is gone."""
+    sheet.paperbake.preset, sheet.paperbake.seed = "copy90", 7
+    judgement.check((sheet["paper_preset"], sheet["paper_seed"]) == ("copy90", 7), "grade or seed do not reach the sheet's properties")
+    sheet["paper_preset"] = "mine.toml"
+    judgement.check(sheet.paperbake.preset == "mine.toml", "a grade that the program does not list is shown as another one")
+    sheet.paperbake.preset = "default"
+    judgement.check("paper_preset" not in sheet, "the default grade leaves a property behind")
+    sheet.paperbake.preset = "copy90"
+    select(handle)
+    with heard():
+        bpy.ops.paperbake.set_handle(name="paper_radius")
+        judgement.check(handle.get("paper_radius") == 0.01, "no radius was set")
+        handle.paperbake.mode = "relative"
+        judgement.check(handle.get("paper_mode") == "relative", "no mode was set")
+        bpy.ops.paperbake.unmark()
+    judgement.check(handle.name == "Grip" and not [k for k in handle.keys() if k.startswith("paper_")], "unmark leaves a name or properties behind")
+    with heard():
+        bpy.ops.paperbake.mark_handles()
+    judgement.count("settings", 6)
+
+
+def truth_of(scene, handles):
+    """{(frame, handle): where Blender has it}"""
+    found = {}
+    for frame in range(FIRST, LAST + 1):
+        scene.frame_set(frame)
+        graph = bpy.context.evaluated_depsgraph_get()
+        for name in handles:
+            found[frame, name] = numpy.array(scene.objects[name].evaluated_get(graph).matrix_world.translation)
+    scene.frame_set(FIRST)
+    return found
+
+
+def hide(scene, eye, viewport, away):
+    """Three handles out of sight, in the three ways there are: they hold the sheet all the same."""
+    scene.objects[eye].hide_set(True)
+    scene.objects[viewport].hide_viewport = True
+    collection = bpy.data.collections.new("Away")
+    scene.collection.children.link(collection)
+    collection.objects.link(scene.objects[away])
+    scene.collection.objects.unlink(scene.objects[away])
+    bpy.context.view_layer.layer_collection.children["Away"].exclude = True
+
+
+def judge_handles(judgement, folder, cache, truth, pattern):
+    """The sheet point of every handle is where Blender itself has the handle, in the cache and in the certificate."""
+    rows = read_rows(folder / "cert" / "handles.csv")
+    judgement.check({(int(row["frame"]), row["handle"]) for row in rows} == set(truth), "certificate and scene differ in frames or handles")
+    vertex = {row["handle"]: vertex_at(judgement, pattern, row) for row in rows}
+    for row in rows:
+        where = int(row["frame"]), row["handle"]
+        if where in truth:
+            judgement.near([triple(row, "keyed_x", "keyed_y", "keyed_z")], [truth[where]], "keyed places", f"frame {where[0]}, {where[1]}", HELD)
+            judgement.near([cache.positions[where[0] - FIRST][vertex[where[1]]]], [truth[where]], "held places", f"frame {where[0]}, {where[1]}", HELD)
+    moved = max(numpy.linalg.norm(truth[LAST, handle] - truth[FIRST, handle]) for _, handle in truth)
+    judgement.check(moved > 0.005, f"no handle moves more than {moved} m")
+
+
+def judge_loaded(judgement, scene, name, cache):
+    """The object in the scene is the cache, at three frames."""
+    thing = scene.objects[name]
+    for frame in (FIRST, (FIRST + LAST) // 2, LAST):
+        scene.frame_set(frame)
+        shown = thing.evaluated_get(bpy.context.evaluated_depsgraph_get())
+        mesh, world = shown.to_mesh(), numpy.array(shown.matrix_world)
+        positions = floats(mesh.vertices, "co", 3) @ world[:3, :3].T + world[:3, 3]
+        judgement.near(positions, cache.positions[frame - FIRST], "positions", f"{name}, frame {frame}")
+        judgement.check(mesh.has_custom_normals and "crease" in mesh.attributes and "velocity" in mesh.attributes,
+                        f"{name}, frame {frame}: normals, crease or velocity are missing")
+        if frame == LAST:
+            judge_normals(judgement, mesh, cache, name)
+        shown.to_mesh_clear()
+
+
+def judge_normals(judgement, mesh, cache, where):
+    """Those of the cache, corner by corner: Blender lists the corners of a face the other way round, and begins where it likes."""
+    found, wanted = ({(face, vertex): normal for face, vertex, normal in zip(numpy.arange(len(corners)) // 3, corners, normals)}
+                     for corners, normals in ((integers(mesh.loops, "vertex_index"), floats(mesh.corner_normals, "vector", 3)),
+                                              (cache.corners[-1], cache.corner_normals)))
+    if judgement.check(set(found) == set(wanted), f"{where}: faces are not those of the cache"):
+        judgement.near([found[corner] for corner in wanted], list(wanted.values()), "corner normals", where, FAN_TOLERANCE)
+
+
+def judge_scene(judgement, scene, folder):
+    """The sheet is out of sight, the paper in its collection and no sheet itself; its material has the map."""
+    sheet, paper = scene.objects["paper.Letter"], scene.objects["baked.paper.Letter"]
+    judgement.check(sheet.hide_render and sheet.hide_get(), "the sheet is still in sight")
+    judgement.check([c.name for c in paper.users_collection] == ["Paper"], f"the paper is in {[c.name for c in paper.users_collection]}")
+    judgement.check(part("names").role(paper) is None, "the paper would be exported as a sheet")
+    judgement.check(scene.render.fps_base == numpy.float32(1.001) and (scene.frame_start, scene.frame_end) == (FIRST, LAST),
+                    "the export changed the scene's clock")
+    judgement.check(not bpy.data.collections.get("paperbake export") and "paper_fps" not in sheet, "the export left something behind")
+    pictures = [node.image for node in paper.material_slots[0].material.node_tree.nodes if node.type == "TEX_IMAGE"]
+    judgement.check([tuple(image.size) for image in pictures] == [(1024, 1024)], f"the material's pictures are {[tuple(i.size) for i in pictures]}")
+    judgement.check([image.filepath for image in pictures] == [f"//paperbake/maps/{folder.parent.name}.blender.exr"], "the map's path is not beside the .blend")
+    judgement.check((folder / "maps" / f"{folder.parent.name}.blender.exr").exists(), "no picture was made of the map")
+
+
+def test_bake(judgement):
+    """Mark, bake, load: everything where Blender has it; a second bake goes on with the artist's object."""
+    scene, sheet = new_scene("letter")
+    handles = mark_and_hold(judgement, scene, sheet)
+    test_settings_are_properties(judgement, sheet, scene.objects["handle.Grip"])
+    truth = truth_of(scene, handles)
+    hide(scene, *handles[:3])
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and f"Baked {LAST - FIRST + 1} frames" in said, f"the bake says {said}")
+    if judgement.failures:
+        return
+    folder = FOLDER / "letter" / "paperbake"
+    cache = read_with_alembic(folder / "letter.abc", FPS)
+    judgement.near([cache.times], [[frame / FPS for frame in range(FIRST, LAST + 1)]], "times", "the cache", 1e-6)
+    pattern = numpy.zeros((len(cache.positions[0]), 2))
+    pattern[cache.corners[0]] = cache.corner_uv * max(SIDES)
+    judge_handles(judgement, folder, cache, truth, pattern)
+    judge_loaded(judgement, scene, "baked.paper.Letter", cache)
+    judge_scene(judgement, scene, folder)
+    eye, viewport, away = (scene.objects[name] for name in handles[:3])
+    judgement.check(eye.hide_get() and viewport.hide_viewport and away.name not in bpy.context.view_layer.objects, "a hidden handle is in sight after the bake")
+    settings = (folder / "job.lock.toml").read_text(encoding="utf-8")
+    judgement.check("copy90" in settings and "seed = 7" in settings, "grade or seed of the panel are not those of the bake")
+    bake_again(judgement, scene, folder)
+
+
+def again_dressed(judgement, scene, material):
+    """The material of another bake: what the artist did to its nodes stays, the clock of the creases is the new one."""
+    (shader,) = (node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    shader.inputs["Roughness"].default_value = 0.25
+    part("material").build(scene, material.name, None, LAST + 30, max(SIDES))
+    scene.frame_set(LAST)
+    clock = material.node_tree.evaluated_get(bpy.context.evaluated_depsgraph_get()).nodes["seconds to the end"].outputs[0].default_value
+    judgement.near([[clock]], [[30 / FPS]], "clocks", "the material of another bake")
+    judgement.near([[shader.inputs["Roughness"].default_value]], [[0.25]], "values of the artist's", "the material of another bake")
+
+
+def bake_again(judgement, scene, folder):
+    """Of a .blend that was saved and opened, with another mesh: the same object, with what the artist did to it."""
+    paper = scene.objects["baked.paper.Letter"]
+    again_dressed(judgement, scene, paper.material_slots[0].material)
+    mine = bpy.data.materials.new("mine")
+    paper.material_slots[0].material = mine
+    paper.modifiers.new("Thick", "SOLIDIFY")
+    with heard():
+        bpy.ops.wm.save_mainfile()
+        bpy.ops.wm.open_mainfile(filepath=bpy.data.filepath)
+    scene = bpy.context.scene
+    scene.paperbake.quality, scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = "shot", True, FIRST, FIRST + 3
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and "Baked 4 frames" in said, f"the second bake says {said}")
+    paper, cache = scene.objects["baked.paper.Letter"], read_with_alembic(folder / "letter.abc", FPS)
+    judgement.check([m.type for m in paper.modifiers] == ["MESH_SEQUENCE_CACHE", "SOLIDIFY"], f"modifiers are {[m.type for m in paper.modifiers]}")
+    judgement.check(paper.material_slots[0].material.name == "mine", "the artist's material is gone")
+    left = [thing.name for kind in (bpy.data.objects, bpy.data.meshes) for thing in kind if thing.users and "baked" in thing.name]
+    left += [cached.name for cached in bpy.data.cache_files]
+    judgement.check(left == ["baked.paper.Letter", "baked.paper.Letter", "baked.paper.Letter.abc"], f"in the file are {left}")
+    paper.modifiers["Thick"].show_viewport = False
+    scene.frame_set(FIRST + 2)
+    found = floats(paper.evaluated_get(bpy.context.evaluated_depsgraph_get()).data.vertices, "co", 3)
+    judgement.near(found, cache.positions[2], "positions", "the second bake")
+    scene.objects["paper.Letter"]["paper_preset"] = "vellum9"
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"CANCELLED"} and "vellum9" in said and not part("baking").last.loaded, f"a bake that fails right after another: it says {said}")
+    judgement.check(paper.name in scene.objects and len(bpy.data.cache_files) == 1, "a failed bake changes what is there")
+
+
+def test_centimetres(judgement):
+    """A scene whose unit is the centimetre gets paper of the size of its sheet."""
+    scene, sheet = new_scene("centimetres")
+    scene.unit_settings.scale_length = 0.01
+    sheet.location, sheet.rotation_euler, sheet.scale = (0, 0, 0), (0, 0, 0), (100, 100, 100)
+    select(sheet)
+    with heard():
+        bpy.ops.paperbake.mark_sheet()
+    for v in (-0.5, 0.5):
+        corner = Vector((100 * v * SIDES[0], 100 * v * SIDES[1], 0))
+        key(empty("handle", (0, 0, 0)), "location", corner, 0.9 * corner)
+    result, said = report(bpy.ops.paperbake.bake)
+    if judgement.check(result == {"FINISHED"}, f"centimetres: it says {said}"):
+        scene.frame_set(LAST)
+        paper = scene.objects["baked.paper.Letter"].evaluated_get(bpy.context.evaluated_depsgraph_get())
+        found = floats(paper.data.vertices, "co", 3) @ numpy.array(paper.matrix_world)[:3, :3].T
+        cache = read_with_alembic(FOLDER / "centimetres" / "paperbake" / "centimetres.abc", FPS)
+        judgement.near(found, 100 * cache.positions[-1], "positions", "centimetres")
+        judgement.check(8 < numpy.ptp(found[:, 0]) < 11, f"the paper is {numpy.ptp(found[:, 0])} units wide")
+
+
+def expect_error(judgement, what, *fragments):
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"CANCELLED"} and all(fragment in said for fragment in fragments), f"{what}: it says {said!r}")
+    judgement.check(not any(thing.name.startswith("baked") for thing in bpy.context.scene.objects), f"{what}: something was loaded")
+    judgement.count("failures", 1)
+
+
+def test_failures_are_told(judgement):
+    with heard():
+        bpy.ops.wm.read_homefile(use_factory_startup=True, use_empty=True)
+    expect_error(judgement, "a file without a name", "Save the .blend first")
+    scene, sheet = new_scene("failures")
+    expect_error(judgement, "no sheet", "no sheet", "Mark Sheet")
+    select(sheet)
+    with heard():
+        bpy.ops.paperbake.mark_sheet()
+    expect_error(judgement, "no handle", "Nothing holds the sheet")
+    mark_and_hold(Judgement(), scene, sheet)
+    use(FOLDER / "nowhere")
+    expect_error(judgement, "a missing program", "nowhere is not there", "Preferences")
+    use(ADDON / "README.md")
+    expect_error(judgement, "a file that is no program", "is no program that may be run", "Preferences")
+    use(PROGRAM)
+    sheet["paper_preset"] = "vellum9"
+    expect_error(judgement, "an unknown grade", "vellum9", "copy70")
+    sheet["paper_preset"] = "copy70"
+    scene.objects["handle.Grip"]["paper_mode"] = "sideways"
+    expect_error(judgement, "a wrong property", "handle.Grip", "sideways")
+    del scene.objects["handle.Grip"]["paper_mode"]
+    scene.paperbake.own_frames, scene.paperbake.first = True, FIRST - 1
+    expect_error(judgement, "frames before the scene", "Frames 4 to 24", "begins at 5")
+    scene.paperbake.own_frames = False
+    scene.objects["handle.Grip"].keyframe_insert("hide_viewport", frame=FIRST)
+    expect_error(judgement, "a handle that hides", "handle.Grip", "visibility")
+    scene.objects["handle.Grip"].animation_data_clear()
+    (FOLDER / "failures" / "a file").write_text("")
+    scene.paperbake.folder = "//a file"
+    expect_error(judgement, "a folder that is a file", "a file")
+
+
+def test_missed_gate_is_a_warning(judgement):
+    """Two corners pulled apart by a tenth: baked, loaded, and said."""
+    scene, sheet = new_scene("apart")
+    select(sheet)
+    with heard():
+        bpy.ops.paperbake.mark_sheet()
+    for u in (-0.5, 0.5):
+        key(empty("handle", (0, 0, 0)), "location", place(sheet, u, 0.5), place(sheet, 1.1 * u, 0.5))
+    result, said = report(bpy.ops.paperbake.bake)
+    outcome = part("baking").last.outcome
+    judgement.check(outcome.level == "WARNING" and "less well" in outcome.sentence and "handle" in outcome.sentence and outcome.sentence in said,
+                    f"impossible handles: it says {said!r}")
+    judgement.check(result == {"FINISHED"} and "baked.paper.Letter" in scene.objects, "impossible handles: nothing was loaded")
+    judgement.count("failures", 1)
+
+
+def test_failed_simulation(judgement):
+    """What was simulated before it failed is loaded, and the error is told; of a program that was killed nothing is."""
+    holding("failed")
+    use(standing_in("fails", "printf 'paperbake: frame 12 of 14\n  The sheet cannot follow the handles.\n  Frames 5-11 are kept.\n' >&2", "exit 1"))
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check("Error: frame 12 of 14: The sheet cannot follow the handles. Frames 5-11 are kept." in said, f"a failed simulation: it says {said!r}")
+    judgement.check("baked.paper.Letter" in bpy.context.scene.objects, "a failed simulation: what was kept is not loaded")
+    holding("killed")
+    use(standing_in("dies", "kill -9 $$"))
+    expect_error(judgement, "a killed program", "signal 9", "memory")
+    use(PROGRAM)
+
+
+def test_two_sheets(judgement):
+    """Each comes back as an object of its own, with its own map and size."""
+    scene = holding("two")
+    with heard():
+        bpy.ops.mesh.primitive_plane_add(size=0.2, location=(1, 0, 0))
+        bpy.ops.paperbake.mark_sheet()
+    empty("handle", (1.1, 0.1, 0))
+    scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 2
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"}, f"two sheets: it says {said}")
+    scene.frame_set(FIRST + 2)
+    for name, side in (("baked.paper.Letter", 0.14), ("baked.paper.Plane", 0.2)):
+        if judgement.check(name in scene.objects, f"two sheets: no {name}"):
+            thing = scene.objects[name]
+            pictures = {node.image.name for node in thing.material_slots[0].material.node_tree.nodes if node.type == "TEX_IMAGE"}
+            judgement.check(pictures == {f"two.{name.removeprefix('baked.').replace('.', '_')}.blender.exr"}, f"{name} has the pictures {pictures}")
+            judgement.near([[max(thing.dimensions)]], [[side]], "sides", name, 0.03)
+
+
+def test_cancel(judgement):
+    """A bake that is cancelled on its way ends, says where, loads nothing, and leaves the cache before it alone."""
+    part("program").KILL_AFTER = 1000  # [s] it obeys
+    scene = holding("cancelled")
+    folder = FOLDER / "cancelled" / "paperbake"
+    folder.mkdir(parents=True)
+    (folder / "cancelled.abc").write_bytes(b"of the bake before")
+    scene.frame_end = 400
+    job = part("job").BakeJob(scene, scene.paperbake, str(PROGRAM))
+    until(job, lambda: job.fraction() > 0)
+    judgement.check(0 < job.fraction() < 0.2 and " of 396)" in job.text(), f"progress is {job.fraction()}, {job.text()}")
+    job.cancel()
+    outcome = job.run()
+    judgement.check(outcome.level == "WARNING" and "cancelled at frame" in outcome.sentence and not job.loaded, f"cancelled: it says {outcome}")
+    judgement.check((folder / "cancelled.abc").read_bytes() == b"of the bake before", "the cache of the bake before is gone")
+    judgement.count("failures", 1)
+
+
+def test_deaf_program_is_killed(judgement):
+    deaf = FOLDER / "deaf"
+    deaf.write_text("#!/usr/bin/env python3\nimport signal, sys, time\nsignal.signal(signal.SIGTERM, signal.SIG_IGN)\n"
+                    "print('{\"message\": \"here\"}', file=sys.stderr, flush=True)\ntime.sleep(60)\n")
+    deaf.chmod(0o755)
+    part("program").KILL_AFTER = 0.3
+    job = part("job").BakeJob(holding("deaf_scene"), bpy.context.scene.paperbake, str(deaf))
+    until(job, lambda: job._process and (job._process.poll(), job._process.messages)[1])
+    begun = time.monotonic()
+    job.cancel()
+    outcome = job.run()
+    judgement.check(time.monotonic() - begun < 20 and "cancelled" in outcome.sentence, f"a program that is deaf to SIGTERM: {outcome}")
+    judgement.count("failures", 1)
+
+
+def test_window(judgement):
+    """The operator of the window, event by event: it bakes, can be cancelled, and stops its program when Blender takes it away."""
+    scene, baking = holding("window"), part("baking")
+    context, reports = Window(scene), []
+    operator = types.SimpleNamespace(report=lambda level, sentence: reports.append((level, sentence)))
+    for name in ("new_job", "finish", "cancel"):
+        setattr(operator, name, types.MethodType(getattr(baking.Bake, name), operator))
+    tick, other = types.SimpleNamespace(type="TIMER"), types.SimpleNamespace(type="MOUSEMOVE")
+
+    def go(events):
+        judgement.check(baking.Bake.invoke(operator, context, None) == {"RUNNING_MODAL"} and context.timers == 1, "the window's bake does not start")
+        judgement.check(baking.Bake.modal(operator, context, other) == {"PASS_THROUGH"}, "the window's bake takes the mouse away")
+        result = {"PASS_THROUGH"}
+        while result == {"PASS_THROUGH"} and events(baking.running):
+            result = baking.Bake.modal(operator, context, tick)
+            time.sleep(0.01)
+        return result
+
+    layouts = []
+
+    def look(job):
+        scene.objects["handle.Grip"]["paper_radius"] = 0.004
+        for name in ("paper.Letter", "handle.Grip"):
+            layouts.append(panels(types.SimpleNamespace(scene=scene, object=scene.objects[name])))
+        return True
+
+    judgement.check(go(look) == {"FINISHED"} and reports[-1][0] in ({"INFO"}, {"WARNING"}), f"the window's bake ends with {reports}")
+    judgement.check(any("paperbake.cancel" in layout.shown for layout in layouts), "no panel shows Cancel")
+    judgement.check(any(text.startswith("Simulating frame") for layout in layouts for text in layout.texts), "no panel shows the frame")
+    layouts.append(panels(types.SimpleNamespace(scene=scene, object=None)))
+    shown = {name for layout in layouts for name in layout.shown}
+    judgement.check({"preset", "mode", '["paper_radius"]', "paperbake.bake"} <= shown, f"the panels show only {shown}")
+    scene.frame_end = 400
+
+    def cancel_soon(job):
+        if job.fraction() > 0:
+            baking.CancelBake.execute(operator, context)
+        return True
+
+    judgement.check(go(cancel_soon) == {"CANCELLED"} and "cancelled" in reports[-1][1], f"the window's cancelled bake ends with {reports[-1]}")
+    process = []
+
+    def taken_away(job):
+        if job.fraction() > 0:
+            process.append(job._process._process)
+        return not process
+
+    go(taken_away)
+    baking.Bake.cancel(operator, context)
+    judgement.check(process and process[0].poll() is not None and baking.running is None and context.timers == 0, "the program goes on when Blender ends")
+    judgement.count("windows", 3)
+
+
+def test_reader_of_maps(judgement):
+    """Against Blender's own writer: pixels that no predictor guesses, on a size that no block divides."""
+    pixels = numpy.random.default_rng(1).random((37, 53, 4), dtype=numpy.float32)
+    image = bpy.data.images.new("random", 53, 37, alpha=True, float_buffer=True, is_data=True)
+    image.pixels.foreach_set(pixels.ravel())
+    settings = bpy.context.scene.render.image_settings
+    settings.file_format, settings.color_mode, settings.color_depth, settings.exr_codec = "OPEN_EXR", "RGBA", "32", "ZIP"
+    path = FOLDER / "random.exr"
+    image.save_render(str(path))
+    read = part("crease_map").layers(path, "RGBA")
+    for i, name in enumerate("RGBA"):
+        judgement.near(read[name][::-1], pixels[..., i], "texels", f"layer {name}")
+    (FOLDER / "broken.exr").write_bytes(path.read_bytes()[:900])
+    with contextlib.suppress(part("crease_map").Unreadable):
+        part("crease_map").layers(FOLDER / "broken.exr", "R")
+        judgement.check(False, "half a map is read as a whole one")
+
+
+def main():
+    judgement = Judgement()
+    test_zip_installs(judgement)
+    if not judgement.failures:
+        use(PROGRAM)
+        for test in (test_bake, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+                     test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
+            test(judgement)
+    return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))
+
+
+if __name__ == "__main__":
+    sys.exit(main())
