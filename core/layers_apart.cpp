@@ -2,7 +2,7 @@
 
 #include "core/measure.h"
 #include "core/proximity.h"
-#include "core/step1_elastic/near_triangles.h"
+#include "core/near_triangles.h"
 
 #include <algorithm>
 #include <array>

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/step1_elastic/block_cholesky.h"
-#include "core/step1_elastic/near_triangles.h"
+#include "core/near_triangles.h"
 
 #include <array>
 #include <utility>

@@ -78,14 +78,12 @@ struct Elastic::Impl {
     return growth;
   }
 
-  /// What is stored in the sheet; `iterations` 0.
-  ElasticReport stored(const Points3& x, const std::vector<double>& fold_angles) const {
+  /// What is stored in the sheet goes to the report.
+  void tell_stored(const Points3& x, const std::vector<double>& fold_angles, ElasticReport& report) const {
     const ElasticEnergy::Parts parts = energy->parts(x, fold_angles);
-    ElasticReport report;
     report.membrane = parts.membrane;
     report.energy = parts.membrane + parts.bending;
     report.potential = report.energy + options.gravity * mass.dot(x.col(2));
-    return report;
   }
 
   /// touching: pairs of vertices that contact couples
@@ -280,7 +278,9 @@ void Elastic::remember_in(PlasticGrid* grid) {
 }
 
 ElasticReport Elastic::look(const Sheet& sheet) const {
-  return impl_->stored(sheet.x, impl_->energy->fold_angles(sheet.x));
+  ElasticReport report;
+  impl_->tell_stored(sheet.x, impl_->energy->fold_angles(sheet.x), report);
+  return report;
 }
 
 double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
@@ -306,10 +306,7 @@ ElasticReport Elastic::settle(Sheet& sheet, const Held& asked, double dt, Settli
   }
   ElasticReport report = s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::none);
   report.contact = s.contact && !s.contact->clear(before, sheet.x, hard);
-  const ElasticReport stored = look(sheet);
-  report.energy = stored.energy;
-  report.membrane = stored.membrane;
-  report.potential = stored.potential;
+  s.tell_stored(sheet.x, s.energy->fold_angles(sheet.x), report);
   return report;
 }
 
@@ -389,10 +386,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
   ++s.past.steps;
   const std::vector<double> folds = s.energy->fold_angles(sheet.x);
   report.plastic_flow = s.remember(folds);
-  const ElasticReport stored = s.stored(sheet.x, folds);
-  report.membrane = stored.membrane;
-  report.energy = stored.energy;
-  report.potential = stored.potential;
+  s.tell_stored(sheet.x, folds, report);
 
   sheet.v = (dynamic ? std::pow(velocity_kept, 24 * dt) : 1.0) / dt * (sheet.x - before);
   s.past.positions.push_front(before);

@@ -1,4 +1,4 @@
-#include "core/step1_elastic/near_triangles.h"
+#include "core/near_triangles.h"
 
 #include <algorithm>
 #include <numeric>
