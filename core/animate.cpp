@@ -1,5 +1,6 @@
 #include "core/animate.h"
 
+#include "core/archive.h"
 #include "core/branches.h"
 #include "core/cpu_clock.h"
 #include "core/error.h"
@@ -102,6 +103,11 @@ class Grip {
       frames[h].state = !soft && (frames[h].at - frames[h].keyed).norm() > exact_ ? HandleFrame::jammed : HandleFrame::held;
     }
     return frames;
+  }
+
+  void archive(Archive& a) {
+    a(anchor_);
+    a.demand(anchor_.size() == handles_.size());
   }
 
  private:
@@ -303,7 +309,25 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   int least_halvings = 0;
   if (options.elastic.inertia == Inertia::dynamic)
     while (std::ldexp(1 / options.fps, -least_halvings) > 1.001 * longest_swing && least_halvings < max_halvings) ++least_halvings;
-  for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
+  int frame = options.first_frame;
+  const auto archive_all = [&](Archive& a) {
+    ElasticPast past = elastic.past();
+    a(frame, sheet, shown, before, held_before, at_minimum, flowing, leaving, quiet_frames, past, grip);
+    if (memory) a(*memory);
+    if (method.archive) method.archive(a);
+    if (!a.reads()) return;
+    a.end();
+    elastic.set_mesh(sheet, disc_factors(sheet, shot));
+    if (memory) past.grid = *memory;
+    elastic.take_back(past);
+  };
+  if (!options.go_on_from.empty()) {
+    Archive kept(options.go_on_from);
+    archive_all(kept);
+    ++frame;
+    geometry_ms = 0;
+  }
+  for (; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
     result.frame = frame;
     const Held held = grip.held(frame);
@@ -392,6 +416,11 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.plastic = memory ? memory->integral() : 0;
     result.memory = memory ? &*memory : nullptr;
     if (memory && options.show_memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);
+    result.state = [&] {
+      Archive now;
+      archive_all(now);
+      return now.bytes();
+    };
     if (!on_frame(result)) return;
   }
 }

@@ -1,5 +1,6 @@
 #include "core/step1_elastic/elastic.h"
 
+#include "core/archive.h"
 #include "core/error.h"
 #include "core/measure.h"
 #include "core/step1_elastic/cone_energy.h"
@@ -13,6 +14,7 @@
 #include <cmath>
 #include <deque>
 #include <optional>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -241,6 +243,14 @@ struct Elastic::Impl {
   }
 };
 
+static void archive(Archive& a, SecondWay& w) { a(w.x, w.leg, w.tries, w.converged); }
+
+void archive(Archive& a, ElasticPast& p) {
+  a(p.positions, p.steps, p.remeshed, p.careful, p.content_until, p.descending, p.second, p.ridges.share, p.ridges.focus);
+}
+
+void archive(Archive& a, Held& h) { a(h.vertices, h.targets, h.stiffness); }
+
 Elastic::Elastic(const Paper& paper, const ElasticOptions& options) : impl_(std::make_unique<Impl>()) {
   impl_->paper = paper;
   impl_->options = options;
@@ -327,6 +337,7 @@ void Elastic::continue_from(const Elastic& other, const std::function<Points3(co
 
 ElasticPast Elastic::past() const {
   ElasticPast copy = impl_->past;
+  copy.ridges = impl_->energy->ridges;
   if (impl_->grid && !impl_->grid->pristine()) copy.grid = *impl_->grid;
   return copy;
 }
@@ -334,6 +345,7 @@ ElasticPast Elastic::past() const {
 void Elastic::take_back(const ElasticPast& past) {
   Impl& s = *impl_;
   s.past = past;
+  s.energy->ridges = s.softened->ridges = std::exchange(s.past.ridges, {});
   if (!s.grid) return;
   if (past.grid) *s.grid = *past.grid;
   else s.grid->forget();
