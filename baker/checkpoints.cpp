@@ -118,7 +118,7 @@ Checkpoints::GoOn Checkpoints::take(const std::function<bool(const AnimatedFrame
         go_on.last_frame = frame.frame;
         if (!on_frame(frame)) return go_on;
       }
-    } catch (const Error&) {
+    } catch (const std::exception&) {  // of a file that is none, too
       input_ = input_before;
       go_on.damaged = fmt::format("{} is damaged: the frames after {} are simulated again.", path.string(), kept_until_);
       break;

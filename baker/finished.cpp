@@ -31,17 +31,17 @@ std::string request_of(const BakeSettings& settings, const BakePlan& plan) {
 }
 
 std::optional<BakeOutcome> finished_before(const fs::path& folder, const std::string& request) {
-  std::ifstream file(note_in(folder));
-  const Json note = Json::parse(file, nullptr, /*allow_exceptions=*/false);
   try {
-    if (note.is_discarded() || note.at("request") != request || !are_as_written(folder)) return {};
+    std::ifstream file(note_in(folder));
+    const Json note = Json::parse(file);
+    if (note.at("request") != request || !are_as_written(folder)) return {};
     BakeOutcome outcome;
     outcome.exit_code = note.at("exit_code");
     outcome.missed = note.at("missed").get<std::vector<std::string>>();
     for (const std::string& name : note.at("files").get<std::vector<std::string>>()) outcome.files.push_back(folder / name);
     return outcome;
-  } catch (const Json::exception&) {
-    return {};  // somebody else's
+  } catch (const std::exception&) {
+    return {};  // there is none, or it is somebody else's
   }
 }
 

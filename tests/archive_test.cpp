@@ -64,7 +64,8 @@ TEST(Archive, RefusesBytesThatWereCutAnywhere) {
   ASSERT_GT(bytes.size(), 200u);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     Sheet there;
-    EXPECT_THROW(Archive(std::string_view(bytes).substr(0, size))(there), Error) << size;
+    Archive in(std::string_view(bytes).substr(0, size));
+    EXPECT_THROW(in(there), Error) << size;
   }
 }
 
@@ -79,7 +80,8 @@ TEST(Archive, SurvivesAnyByteThatIsChanged) {
       bytes[k] = byte;
       Sheet there;
       try {
-        Archive(bytes)(there);
+        Archive in(bytes);
+        in(there);
         EXPECT_TRUE(there.triangles.size() == 0 || there.triangles.maxCoeff() < there.pattern.rows());
       } catch (const Error&) {
         ++refused;

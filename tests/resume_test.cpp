@@ -1,24 +1,17 @@
 // What a second bake in the same folder does: nothing, or what is left to do, and with the bytes that one bake alone would have written.
 
 #include "tests/gltf_fixture.h"
-#include "tests/program_fixture.h"
+#include "tests/resume_fixture.h"
 
-#include <gtest/gtest.h>
-#include <nlohmann/json.hpp>
-
-#include <algorithm>
-#include <csignal>
 #include <functional>
-#include <map>
 #include <set>
-#include <string>
-#include <vector>
+#include <sys/resource.h>
 
 namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::CommandLine;
+using test::AResumedBake;
 using test::Ended;
 using test::is_error;
 using test::lines_of;
@@ -27,88 +20,6 @@ using test::samples;
 using test::Words;
 using test::write;
 
-/// The files of a bake that are the same whenever it is baked, and the certificate without its times.
-std::map<std::string, std::string> lasting(const fs::path& folder) {
-  std::map<std::string, std::string> files;
-  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
-    const std::string name = fs::relative(entry.path(), folder).generic_string();
-    if (!entry.is_regular_file() || name.rfind(".state", 0) == 0) continue;
-    const std::string kind = entry.path().extension();
-    if (kind == ".abc" || kind == ".exr" || kind == ".csv" || kind == ".usda") files[name] = read(entry.path());
-    if (name != "cert/frames.jsonl") continue;
-    for (const std::string& line : lines_of(read(entry.path()))) {
-      auto record = nlohmann::json::parse(line);
-      for (const char* time : {"elastic_ms", "geometry_ms", "render_ms"}) record.erase(time);
-      files[name] += record.dump() + "\n";
-    }
-  }
-  return files;
-}
-
-class AResumedBake : public CommandLine {
- protected:
-  /// Where a crumple touches itself and gets singular points; method and speed of a few frames a second.
-  Words words(const std::string& out, const Words& more, const std::string& frames = "1-60") const {
-    Words all{"bake", samples + "/S4_crumple.glb", "-o", (folder / out).string(), "--frames", frames, "--map-size", "32", "--map-frames", "1-96x6", "--quality", "draft", "--progress", "plain"};
-    all.insert(all.end(), more.begin(), more.end());
-    return all;
-  }
-
-  /// Starts a bake, and when it has told of this many frames it gets the signal. returns its exit code; -1: it was killed
-  int bake_until(int frames, int signal, const Words& all) const {
-    const fs::path err = folder / "killed.txt";
-    write(err, "");
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_TRUNC, 0666);
-    std::vector<char*> arguments{const_cast<char*>(PAPERBAKE_PROGRAM)};
-    for (const std::string& word : all) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    pid_t child = 0;
-    EXPECT_EQ(posix_spawn(&child, PAPERBAKE_PROGRAM, &actions, nullptr, arguments.data(), environ), 0);
-    posix_spawn_file_actions_destroy(&actions);
-    int status = 0;
-    while (waitpid(child, &status, WNOHANG) == 0) {
-      const std::string told = read(err);
-      if (std::count(told.begin(), told.end(), '\n') >= frames) {
-        kill(child, signal);
-        waitpid(child, &status, 0);
-        break;
-      }
-      usleep(2000);
-    }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-  }
-
-  std::set<std::string> checkpoints(const std::string& out) const {
-    std::set<std::string> found;
-    for (const auto& entry : fs::directory_iterator(folder / out / ".state"))
-      if (entry.path().filename().string().rfind("checkpoint", 0) == 0) found.insert(entry.path().filename());
-    return found;
-  }
-
-  static int simulated(const Ended& ended) {
-    int count = 0;
-    for (const std::string& line : lines_of(ended.err)) count += line.find("simulated frame") != std::string::npos;
-    return count;
-  }
-
-  /// A bake that is never disturbed.
-  void bake_whole(const std::string& out, const Words& more, const std::string& frames = "1-60") const {
-    const Ended ended = run(words(out, more, frames));
-    ASSERT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;
-  }
-
-  void expect_same(const std::string& out, const std::string& whole) const {
-    const auto got = lasting(folder / out), wanted = lasting(folder / whole);
-    ASSERT_GT(wanted.size(), 3u);
-    for (const auto& [name, bytes] : wanted) EXPECT_TRUE(got.count(name) && got.at(name) == bytes) << name << " is not as a bake at one go writes it";
-    EXPECT_EQ(got.size(), wanted.size());
-    for (const auto& entry : fs::recursive_directory_iterator(folder / out)) EXPECT_NE(entry.path().extension(), ".part") << entry.path();
-  }
-};
-
 TEST_F(AResumedBake, DoesNothingWhenNothingHasChanged) {
   const Ended first = run(words("out", {}, "1-6"));
   ASSERT_EQ(simulated(first), 6) << first.err;
@@ -116,7 +27,7 @@ TEST_F(AResumedBake, DoesNothingWhenNothingHasChanged) {
   const Ended second = run(words("out", {"--threads", "1", "--checkpoint", "3"}, "1-6"));
   EXPECT_EQ(second.code, first.code);
   EXPECT_EQ(second.out, first.out);
-  EXPECT_EQ(second.err.find("frame"), std::string::npos) << second.err;
+  for (const char* work : {"simulated", "rendered", "earlier bake"}) EXPECT_EQ(second.err.find(work), std::string::npos) << second.err;
   EXPECT_EQ(fs::last_write_time(folder / "out/S4_crumple.abc"), before);
 }
 
@@ -165,7 +76,7 @@ TEST_P(AKilledBake, GoesOnFromItsLastCheckpointToTheSameBytes) {
   if (!hybrid) how.insert(how.end(), {"--triangles", "300"});
   bake_whole("whole", how, frames);
   const int kills[] = {hybrid ? 14 : 5, hybrid ? 20 : 3, hybrid ? 9 : 4};
-  for (const int kill : kills) EXPECT_EQ(bake_until(kill, SIGKILL, words("out", how, frames)), -1);
+  for (const int kill : kills) EXPECT_EQ(bake_until(kill, 0, SIGKILL, words("out", how, frames)), -1);
   const Ended last = run(words("out", how, frames));
   EXPECT_GT(simulated(last), 0);
   EXPECT_LT(simulated(last), hybrid ? 60 : 16) << last.err;
@@ -183,14 +94,14 @@ TEST_P(AKilledBake, GoesOnFromItsLastCheckpointToTheSameBytes) {
 
 TEST_F(AResumedBake, ThatIsStoppedKeepsWhatItHasAndGoesOn) {
   bake_whole("whole", {}, "1-40");
-  EXPECT_EQ(bake_until(7, SIGTERM, words("out", {}, "1-40")), 5);
+  EXPECT_EQ(bake_until(7, 0, SIGTERM, words("out", {}, "1-40")), 5);
   EXPECT_NE(read(folder / "killed.txt").find("The bake was stopped."), std::string::npos);
   const auto summary = nlohmann::json::parse(read(folder / "out/cert/summary.json"));
   EXPECT_EQ(summary["exit_code"], 5);
   const int frames = summary["frames"];
   EXPECT_LT(frames, 40);
   EXPECT_EQ(run({"verify", folder / "out"}).code, 0);
-  EXPECT_EQ(bake_until(4, SIGINT, words("out", {}, "1-40")), 5);
+  EXPECT_EQ(bake_until(4, 0, SIGINT, words("out", {}, "1-40")), 5);
   const Ended rest = run(words("out", {}, "1-40"));
   EXPECT_LT(simulated(rest), 40 - frames) << "nothing is simulated twice";
   expect_same("out", "whole");
@@ -248,6 +159,26 @@ TEST_F(AResumedBake, WithAKeyMovedGoesOnFromTheCheckpointBeforeIt) {
   bake_with("whole", 0.02);
   expect_same("out", "whole");
 }
+
+TEST_F(AResumedBake, WhoseDiskWasFullHasLostNothingThatIsSimulated) {
+  const Words often{"--checkpoint", "2", "--method", "fem", "--triangles", "200"};
+  bake_whole("whole", often, "1-12");
+  rlimit before;
+  getrlimit(RLIMIT_FSIZE, &before);
+  const rlimit small{60000, before.rlim_max};
+  ASSERT_GT(fs::file_size(folder / "whole/S4_crumple.abc"), small.rlim_cur);
+  setrlimit(RLIMIT_FSIZE, &small);
+  const Ended full = run(words("out", often, "1-12"));
+  setrlimit(RLIMIT_FSIZE, &before);
+  EXPECT_EQ(full.code, 6);
+  EXPECT_NE(full.err.find("paperbake: " + (folder / "out").string()), std::string::npos) << full.err;
+  const Ended again = run(words("out", often, "1-12"));
+  EXPECT_TRUE(again.code == 0 || again.code == 4) << again.err;
+  EXPECT_EQ(simulated(again), 0) << again.err;
+  expect_same("out", "whole");
+}
+
+TEST_F(AResumedBake, WhereNothingCanBeWrittenEndsWithSix) { EXPECT_TRUE(is_error(run({"bake", samples + "/S4_crumple.glb", "-o", "/proc/out", "--fps", "24"}), 6, "/proc/out", "cannot be made")); }
 
 TEST_F(AResumedBake, ThatCannotKeepACheckpointGoesOnAndSaysSo) {
   fs::create_directories(folder / "out/.state/checkpoint.0.000006/in_the_way");
