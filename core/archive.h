@@ -103,8 +103,8 @@ class Archive {
   void one(std::optional<T>& thing) {
     bool there = thing.has_value();
     one(there);
-    if (reads_) thing = there ? std::optional<T>(T()) : std::nullopt;
-    if (thing) one(*thing);
+    if (reads_) thing.reset();
+    if (there) one(reads_ ? thing.emplace() : *thing);
   }
   template <class T>
   void one(T& thing) {

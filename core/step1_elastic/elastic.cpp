@@ -1,6 +1,5 @@
 #include "core/step1_elastic/elastic.h"
 
-#include "core/archive.h"
 #include "core/error.h"
 #include "core/measure.h"
 #include "core/step1_elastic/cone_energy.h"
@@ -242,14 +241,6 @@ struct Elastic::Impl {
     return report;
   }
 };
-
-static void archive(Archive& a, SecondWay& w) { a(w.x, w.leg, w.tries, w.converged); }
-
-void archive(Archive& a, ElasticPast& p) {
-  a(p.positions, p.steps, p.remeshed, p.careful, p.content_until, p.descending, p.second, p.ridges.share, p.ridges.focus);
-}
-
-void archive(Archive& a, Held& h) { a(h.vertices, h.targets, h.stiffness); }
 
 Elastic::Elastic(const Paper& paper, const ElasticOptions& options) : impl_(std::make_unique<Impl>()) {
   impl_->paper = paper;
