@@ -141,16 +141,34 @@ TEST_F(AResumedBake, FromADamagedCheckpointTakesTheOneBeforeItAndSaysSo) {
   }
 }
 
-TEST_F(AResumedBake, WithAKeyMovedGoesOnFromTheCheckpointBeforeIt) {
-  const auto bake_with = [&](const std::string& out, double lift) {
+class AResumedPush : public AResumedBake {
+ protected:
+  /// Sheets held at two corners and pushed at the border between the others, for 30 frames. lift  [m] of the last key, at frame 30
+  Words pushed(const std::string& out, int sheets, double lift) const {
     test::GltfFixture scene;
-    scene.mesh("paper", test::grid(4, 4, 0.1, 0.1));
-    scene.node("handle_a", {0, 0, 0});
-    scene.node("handle_b", {0, 0.1, 0});
-    const Vector3d at(0.1, 0.05, 0);
-    scene.move(scene.node("handle_c", at), {1, 10, 20, 30}, {at, at + Vector3d(-0.01, 0, 0.01), at + Vector3d(-0.02, 0, 0.01), at + Vector3d(-0.02, 0, lift)});
-    return run({"bake", scene.write("key_moved.gltf"), "-o", folder / out, "--map-size", "32", "--quality", "draft", "--progress", "plain", "--checkpoint", "6"});
-  };
+    for (int s = 0; s < sheets; ++s) {
+      const Vector3d place(0.2 * s, 0, 0), at = place + Vector3d(0.1, 0.05, 0);
+      scene.mesh(fmt::format("paper_{}", s), test::grid(4, 4, 0.1, 0.1, nullptr, [&](double u, double v) { return Vector3d(place + Vector3d(u, v, 0)); }));
+      scene.node(fmt::format("handle_{}a", s), place);
+      scene.node(fmt::format("handle_{}b", s), place + Vector3d(0, 0.1, 0));
+      scene.move(scene.node(fmt::format("handle_{}c", s), at), {1, 10, 20, 30}, {at, at + Vector3d(-0.01, 0, 0.01), at + Vector3d(-0.02, 0, 0.01), at + Vector3d(-0.02, 0, lift)});
+    }
+    return {"bake", scene.write("pushed.gltf"), "-o", folder / out, "--map-size", "32", "--quality", "draft", "--progress", "plain", "--checkpoint", "6"};
+  }
+};
+
+TEST_F(AResumedPush, OfTwoSheetsGoesOnInTheSecond) {
+  const Ended whole = run(pushed("whole", 2, 0.03));
+  ASSERT_EQ(simulated(whole), 60) << whole.err;
+  EXPECT_EQ(bake_until(40, 0, SIGTERM, pushed("out", 2, 0.03)), 5);
+  const Ended rest = run(pushed("out", 2, 0.03));
+  EXPECT_LE(simulated(rest), 20) << rest.err;
+  EXPECT_GT(simulated(rest), 0);
+  expect_same("out", "whole");
+}
+
+TEST_F(AResumedPush, WithAKeyMovedGoesOnFromTheCheckpointBeforeIt) {
+  const auto bake_with = [&](const std::string& out, double lift) { return run(pushed(out, 1, lift)); };
   const Ended first = bake_with("out", 0.03);
   ASSERT_TRUE(first.code == 0 || first.code == 4) << first.err;
   ASSERT_EQ(simulated(first), 30);
