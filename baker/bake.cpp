@@ -1,7 +1,9 @@
 #include "baker/bake.h"
 
 #include "baker/caches.h"
+#include "baker/checkpoints.h"
 #include "baker/earlier_files.h"
+#include "baker/finished.h"
 #include "baker/frame_queue.h"
 #include "baker/output_folder.h"
 #include "baker/sheet_output.h"
@@ -88,6 +90,30 @@ std::vector<std::size_t> frames_of_sheets(const Certificate& certificate, const 
   return frames;
 }
 
+/// Polished frames depend on those behind them; what paper touches of colliders is not in the state.
+bool can_resume(const BakePlan& plan) {
+  return plan.polish.triangles == 0 && std::none_of(plan.shots.begin(), plan.shots.end(), [](const Shot& shot) { return shot.colliders != nullptr; });
+}
+
+Error stopped(const BakeSettings& settings, const BakePlan& plan, int frame) {
+  return Error(Fault::stopped, fmt::format("frame {} of {}", frame, plan.animation.last_frame), "The bake was stopped.",
+               !can_resume(plan) ? "A bake with polish or colliders begins anew." : settings.resume == Resume::never ? "Without --resume never the same command goes on from there."
+                                                                                                        : "The same command goes on from there.");
+}
+
+/// Hands on what earlier bakes have simulated of a sheet, and leaves in the options where to go on. returns the first frame that is not there
+int take_frames(Checkpoints& checkpoints, AnimateOptions& animation, Progress& progress, const std::string& sheet, const std::function<bool(const AnimatedFrame&)>& consumer) {
+  Checkpoints::GoOn go_on = checkpoints.take([&](const AnimatedFrame& frame) {
+    progress.taken(sheet, frame.frame);
+    return consumer(frame);
+  });
+  if (!go_on.damaged.empty()) progress.say("warning: " + go_on.damaged);
+  if (go_on.last_frame >= animation.first_frame)
+    progress.say(fmt::format("Frames {}-{} of sheet \"{}\" are as an earlier bake simulated them.", animation.first_frame, go_on.last_frame, sheet));
+  animation.go_on_from = std::move(go_on.state);
+  return go_on.last_frame + 1;
+}
+
 }  // namespace
 
 Passes passes_of(const BakeSettings& settings) {
@@ -95,11 +121,15 @@ Passes passes_of(const BakeSettings& settings) {
   return cached && settings.mesh == CacheMesh::render ? Passes::simulate_and_render : Passes::simulate;
 }
 
-BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& progress) {
+BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& progress, const std::function<bool()>& stop) {
   const OutputFolder folder(settings.output);
+  const std::string request = request_of(settings, plan);
+  if (settings.resume == Resume::automatic)
+    if (auto before = finished_before(folder.path(), request)) return *before;
   if (settings.debug_pictures) make_folder(*settings.debug_pictures, "--debug-pictures");
   for (const char* sub : {"maps", "cert"})
     if (settings.formats.count(sub)) folder.sub(sub);
+  forget_finished(folder.path());
   BakeOutcome outcome;
   BakeFiles files{folder.path(), {}, {}, {}};
   Certificate certificate;
@@ -113,14 +143,27 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     SheetOutput output(settings, plan, s, caches, suffixes[s], certificate, files, progress);
     AnimateOptions animation = plan.animation;
     animation.seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
-    animation.show_memory = settings.formats.count("maps") || caches.wants_layers();
+    animation.show_memory = true;  // a later bake may want maps of these frames
+    const std::string rest = "rest of sheet \"" + shot.sheet_name + "\"";
+    Checkpoints checkpoints(folder.sub(".state"), plan, s, settings.checkpoint_every);
+    int simulated_from = animation.first_frame;
+    if (settings.resume == Resume::automatic && can_resume(plan))
+      simulated_from = take_frames(checkpoints, animation, progress, shot.sheet_name, [&](const AnimatedFrame& frame) { return files.losses.attempt(rest, [&] { output.take(frame); }); });
     FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { output.take(frame); });
     try {
-      simulate(plan, s, animation, settings.threads, [&](const AnimatedFrame& frame) { return queue.push(frame); });
+      if (simulated_from <= animation.last_frame)
+        simulate(plan, s, animation, settings.threads, [&](const AnimatedFrame& frame) {
+          if (can_resume(plan)) checkpoints.add(frame);
+          if (!queue.push(frame)) return false;
+          if (!stop || frame.frame == animation.last_frame || !stop()) return true;
+          if (can_resume(plan)) checkpoints.keep(frame);
+          throw stopped(settings, plan, frame.frame);
+        });
     } catch (const Error& error) {
       failure = error;  // what was baked so far is kept
     }
-    files.losses.attempt("rest of sheet \"" + shot.sheet_name + "\"", [&] { queue.finish(); });
+    files.losses.attempt(rest, [&] { queue.finish(); });
+    if (!checkpoints.failure().empty()) progress.say("warning: what a later bake would go on from could not be kept: " + checkpoints.failure());
     if (certificate.frames.empty() && failure) throw *failure;
     if (certificate.frames.empty()) throw files.losses.all().front().error;
     output.finish();
@@ -135,6 +178,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   const Earlier earlier = files.losses.all().empty() ? Earlier::removed : Earlier::kept;
   files.losses.attempt(".state/written", [&] { replace_earlier(folder.path(), all, earlier); });
   if (const auto error = ending(failure, files.losses, certificate)) throw *error;
+  note_finished(folder.path(), request, outcome);
   return outcome;
 }
 

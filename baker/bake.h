@@ -4,6 +4,7 @@
 #include "baker/progress.h"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -19,9 +20,11 @@ struct BakeOutcome {
 Passes passes_of(const BakeSettings&);
 
 /// Simulates the plan and writes its output folder: NAME.abc, maps/, cert/, singular.csv, job.lock.toml. Files of the bake before
-/// it, unless somebody changed them, go with it.
+/// it, unless somebody changed them, go with it. Frames that a bake before it simulated with the same input are taken from its
+/// checkpoints, and where it has already written all that is asked for nothing is done: the outcome is the same.
+/// stop   asked after every frame: should this be the last one?
 /// throws Error(Fault::folder): folder busy or not writable, or something could not be written; Error(Fault::simulation): a sheet
-/// could not follow its handles. What was simulated until then is written all the same, as far as it can be.
-BakeOutcome bake(const BakeSettings&, const BakePlan&, Progress&);
+/// could not follow its handles; Error(Fault::stopped). What was simulated until then is written all the same, as far as it can be.
+BakeOutcome bake(const BakeSettings&, const BakePlan&, Progress&, const std::function<bool()>& stop = {});
 
 }  // namespace paperbake

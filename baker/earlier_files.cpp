@@ -3,6 +3,7 @@
 #include "baker/verify.h"
 #include "formats/whole_file.h"
 
+#include <algorithm>
 #include <fstream>
 #include <map>
 #include <string>
@@ -21,6 +22,15 @@ std::map<std::string, std::string> read_list(const fs::path& list) {
 }
 
 }  // namespace
+
+bool are_as_written(const fs::path& folder) {
+  const auto files = read_list(folder / ".state" / "written");
+  const auto whole = [&](const auto& file) {
+    std::error_code none;
+    return fs::is_regular_file(folder / file.first, none) && file_hash(folder / file.first) == file.second;
+  };
+  return !files.empty() && std::all_of(files.begin(), files.end(), whole);
+}
 
 void replace_earlier(const fs::path& folder, const std::vector<fs::path>& written, Earlier earlier) {
   const fs::path base = fs::absolute(folder).lexically_normal(), list = base / ".state" / "written";

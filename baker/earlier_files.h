@@ -13,4 +13,7 @@ enum class Earlier { removed, kept };
 /// throws Error(Fault::folder)
 void replace_earlier(const std::filesystem::path& folder, const std::vector<std::filesystem::path>& written, Earlier);
 
+/// Every file on that list is there as it was written, and there are some.
+bool are_as_written(const std::filesystem::path& folder);
+
 }  // namespace paperbake

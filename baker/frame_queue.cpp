@@ -20,6 +20,7 @@ bool FrameQueue::push(const AnimatedFrame& frame) {
   if (!thread_.joinable()) {
     AnimatedFrame alone = frame;
     alone.memory = nullptr;
+    alone.state = nullptr;
     consumer_(alone);
     return true;
   }
@@ -28,6 +29,7 @@ bool FrameQueue::push(const AnimatedFrame& frame) {
   if (failure_) return false;
   items_.push_back({frame, *frame.sheet});
   items_.back().frame.memory = nullptr;  // it flows on meanwhile
+  items_.back().frame.state = nullptr;
   changed_.notify_all();
   return true;
 }

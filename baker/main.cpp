@@ -28,6 +28,16 @@ namespace {
 
 constexpr int gate_missed = 4;
 
+volatile std::sig_atomic_t stop_asked = 0;
+
+/// The first Ctrl-C or SIGTERM asks a bake to end after its frame; the next one ends it at once.
+void let_signals_ask() {
+  struct sigaction action {};
+  action.sa_handler = [](int) { stop_asked = 1; };
+  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
+  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
+}
+
 const CLI::Validator positive([](std::string& text) {
   double value;
   return CLI::detail::lexical_cast(text, value) && std::isfinite(value) && value > 0 ? std::string() : "\"" + text + "\" is not a number above zero";
@@ -111,7 +121,8 @@ int run_bake(const BakeWords& words) {
     fmt::print("{}", lock_text(plan));
     return plan.impossible.empty() ? 0 : gate_missed;
   }
-  const BakeOutcome outcome = bake(settings, plan, progress);
+  let_signals_ask();
+  const BakeOutcome outcome = bake(settings, plan, progress, [] { return stop_asked != 0; });
   for (const std::string& sentence : outcome.missed) progress.say("gate missed: " + sentence);
   for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
   return outcome.exit_code;

@@ -171,6 +171,12 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
     used.push_back({fmt::format("handle.{}.{}", toml_string(given.handle), given.key), literal(given.value), in_words(Origin::job)});
 }
 
+/// A value that no simulated frame depends on.
+bool is_of_output(const std::string& key) {
+  const char* const keys[] = {"scene.file", "scene.last_frame", "bake.frames", "bake.mesh", "bake.quality", "bake.map_size", "bake.map_layout", "bake.max_stretch", "bake.strict"};
+  return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
+}
+
 /// Where all handles of a sheet go. [m]
 Points3 keyed_places(const std::vector<Handle>& handles) {
   long rows = 0;
@@ -247,12 +253,16 @@ BakePlan plan_bake(const BakeSettings& settings) {
   note_used(settings, scene, plan);
   plan.used.insert(plan.used.end(), of_sheets.begin(), of_sheets.end());
 
-  std::string job, values = PAPERBAKE_VERSION "\n";
-  for (const UsedValue& value : plan.used)
-    if (value.key != "scene.file") values += value.key + " = " + value.value + "\n";
+  std::string job, values = PAPERBAKE_VERSION "\n", of_simulation = values;
+  for (const UsedValue& value : plan.used) {
+    const std::string line = value.key + " = " + value.value + "\n";
+    if (value.key != "scene.file") values += line;
+    if (!is_of_output(value.key)) of_simulation += line;
+  }
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {
     const Shot& shot = plan.shots[s];
     plan.start_hash.push_back(hex(murmur(start_bytes(shot, plan.seeds[s], values))));
+    plan.simulation_hash.push_back(hex(murmur(start_bytes(shot, plan.seeds[s], of_simulation))));
     std::string hash = plan.start_hash.back();
     for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
       hash = frame_input_hash(hash, shot, f, plan.animation.first_frame);

@@ -44,6 +44,7 @@ struct BakePlan {
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;         // every value and where it came from, for job.lock.toml
   std::vector<std::string> start_hash; // of each sheet: version, settings, paper, pattern, start shape, handle points
+  std::vector<std::string> simulation_hash;  // of each sheet: what of that the simulation depends on; nothing of frames written and how
   std::string job_hash;                // over the whole job: input of all sheets and frames; no threads, formats or paths
 };
 

@@ -27,7 +27,14 @@ Progress::~Progress() {
   if (bar_open_) fmt::print(stderr, "\n");
 }
 
-void Progress::simulated(const FrameRecord& record) { frame(simulate_, record, record.stretch_mean_pct, record.triangles); }
+void Progress::simulated(const FrameRecord& record) {
+  const auto taken = taken_.find(record.sheet);
+  if (taken == taken_.end() || record.frame > taken->second) return frame(simulate_, record, record.stretch_mean_pct, record.triangles);
+  ++simulate_.done, ++simulate_.taken;
+  last_ = std::chrono::steady_clock::now();
+}
+
+void Progress::taken(const std::string& sheet, int last_frame) { taken_[sheet] = last_frame; }
 
 void Progress::rendered(const FrameRecord& record) { frame(render_, record, record.render->stretch_mean_pct, record.render->triangles); }
 
@@ -35,7 +42,7 @@ void Progress::rendered(const FrameRecord& record) { frame(render_, record, reco
 double Progress::seconds_left() const {
   double left = 0;
   for (const Pass* pass : {&simulate_, &render_})
-    if (pass->done > 0) left += pass->seconds / pass->done * (frames_ - pass->done);
+    if (pass->done > pass->taken) left += pass->seconds / (pass->done - pass->taken) * (frames_ - pass->done);
   return left;
 }
 

@@ -3,6 +3,7 @@
 #include "formats/certificate.h"
 
 #include <chrono>
+#include <map>
 #include <string>
 
 namespace paperbake {
@@ -22,6 +23,8 @@ class Progress {
 
   /// A frame is done with a pass. c_m: of the simulated mesh, then of the rendered one
   void simulated(const FrameRecord&);
+  /// Frames of a sheet up to this one are not simulated but taken from an earlier bake: they are counted, and nothing is told of each.
+  void taken(const std::string& sheet, int last_frame);
   void rendered(const FrameRecord&);
   /// A sentence on a line of its own, whatever the mode (but none).
   void say(const std::string& sentence);
@@ -30,7 +33,7 @@ class Progress {
   enum class Style { bar, plain, json, none };
   struct Pass {
     const char* name;
-    int done = 0;
+    int done = 0, taken = 0;  // taken: of them, from an earlier bake
     double seconds = 0;  // that its frames took
   };
   void frame(Pass&, const FrameRecord&, double stretch_mean_pct, int triangles);
@@ -40,6 +43,7 @@ class Progress {
   int frames_;
   Passes passes_;
   Pass simulate_{"simulated"}, render_{"rendered"};
+  std::map<std::string, int> taken_;
   bool bar_open_ = false;
   std::chrono::steady_clock::time_point last_;  // when something was done
 };

@@ -30,6 +30,7 @@ std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::stri
 
 enum class CacheMesh { render, simulation };
 enum class Dynamics { automatic, off, on };
+enum class Resume { automatic, never };
 
 /// Who said a value, the later one wins.
 enum class Origin { fallback, preset, scene, job, command };
@@ -68,6 +69,8 @@ struct BakeSettings {
   std::optional<std::filesystem::path> debug_pictures;   // folder
   double max_stretch_pct = 5;
   bool strict = false;
+  Resume resume = Resume::automatic;                     // go on from what an earlier bake left in the folder
+  int checkpoint_every = 12;                             // [frames]
   int threads = 2;
   ProgressMode progress = ProgressMode::automatic;
 

@@ -1,15 +1,16 @@
 #include "core/animate.h"
 
+#include "core/archive.h"
 #include "core/branches.h"
 #include "core/cpu_clock.h"
 #include "core/error.h"
 #include "core/exchange.h"
 #include "core/hinges.h"
-#include "core/locate.h"
 #include "core/measure.h"
 #include "core/plastic_grid.h"
 #include "core/reach.h"
 #include "core/ripple.h"
+#include "core/start_sheet.h"
 #include "core/unrest.h"
 
 #include <algorithm>
@@ -22,7 +23,6 @@
 namespace paperbake {
 namespace {
 
-constexpr double disc_stiffening = 10;
 constexpr int max_halvings = 8;
 constexpr double most_leap = 0.03;        // [1] of the longer side, in one step
 constexpr int most_halvings_of_a_leap = 5;
@@ -106,6 +106,11 @@ class Grip {
     return frames;
   }
 
+  void archive(Archive& a) {
+    a(anchor_);
+    a.demand(anchor_.size() == handles_.size());
+  }
+
  private:
   const std::vector<Handle>& handles_;
   const Colliders* colliders_;     // null: there are none
@@ -115,22 +120,6 @@ class Grip {
   Reach reach_;
   std::vector<std::optional<Vector3d>> anchor_;  // [m] what is added to a relative handle's own position
 };
-
-/// Factor on the bending stiffness of each triangle: more inside the discs of handles.
-std::vector<double> disc_factors(const Sheet& sheet, const Shot& shot) {
-  std::vector<double> factors(sheet.triangles.rows(), 1.0);
-  for (std::size_t h = 0; h < shot.handles.size(); ++h) {
-    const double radius = disc_radius(shot.handles, h, shot.pattern);
-    if (radius <= 0) continue;
-    for (int t = 0; t < sheet.triangles.rows(); ++t) {
-      bool within = true;
-      for (int i = 0; i < 3; ++i)
-        within &= (sheet.pattern.row(sheet.triangles(t, i)).transpose() - shot.handles[h].pattern).norm() <= 1.001 * radius;
-      if (within) factors[t] = disc_stiffening;
-    }
-  }
-  return factors;
-}
 
 /// The start shape is the first frame as it was modelled, unless a handle is keyed away from it there already. A slight arch
 /// that tells which way to buckle would be lost if it were relaxed: handles that were left lying under it are no reason to.
@@ -226,35 +215,6 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
 
 }  // namespace
 
-StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed, int first_frame) {
-  std::vector<Vector2d> points;
-  for (const Handle& handle : shot.handles) points.push_back(handle.pattern);
-  for (std::size_t h = 0; h < shot.handles.size(); ++h)
-    for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern, disc_radius(shot.handles, h, shot.pattern))) points.push_back(p);
-  points.insert(points.end(), shot.pins.keep.begin(), shot.pins.keep.end());
-
-  Method::FirstMesh mesh = method.first_mesh(shot.pattern, points);
-  StartedSheet started;
-  started.handle_vertex.assign(mesh.point_vertex.begin(), mesh.point_vertex.begin() + shot.handles.size());
-  Sheet& sheet = started.sheet;
-  sheet.pattern = std::move(mesh.pattern);
-  sheet.triangles = std::move(mesh.triangles);
-  sheet.x.resize(sheet.pattern.rows(), 3);
-  sheet.v = Points3::Zero(sheet.pattern.rows(), 3);
-  sheet.folds = shot.pattern.folds;
-  for (std::size_t k = 0; k < shot.pins.keep.size(); ++k)
-    sheet.singular.push_back({sheet.pattern.row(mesh.point_vertex[points.size() - shot.pins.keep.size() + k]).transpose(), first_frame, "kept here"});
-  const Locator locator(shot.start.pattern, shot.start.triangles);
-  for (int v = 0; v < sheet.pattern.rows(); ++v)
-    sheet.x.row(v) = interpolate(locator.locate(sheet.pattern.row(v)), shot.start.triangles, shot.start.x);
-  disturb_if_flat(sheet, longer_side(shot.pattern), seed);
-
-  started.fixed.assign(sheet.pattern.rows(), 0);
-  for (const int v : mesh.point_vertex) started.fixed[v] = 1;
-  started.stiffening = disc_factors(sheet, shot);
-  return started;
-}
-
 void animate(const Shot& shot, const Method& method, const AnimateOptions& options,
              const std::function<bool(const AnimatedFrame&)>& on_frame) {
   double begun = cpu_ms();
@@ -282,7 +242,25 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   int least_halvings = 0;
   if (options.elastic.inertia == Inertia::dynamic)
     while (std::ldexp(1 / options.fps, -least_halvings) > 1.001 * longest_swing && least_halvings < max_halvings) ++least_halvings;
-  for (int frame = options.first_frame; frame <= options.last_frame; ++frame) {
+  int frame = options.first_frame;
+  const auto archive_all = [&](Archive& a) {
+    ElasticPast past = elastic.past();
+    a(frame, sheet, shown, before, held_before, at_minimum, flowing, leaving, quiet_frames, past, grip);
+    if (memory) a(*memory);
+    if (method.archive) method.archive(a);
+    if (!a.reads()) return;
+    a.end();
+    elastic.set_mesh(sheet, disc_factors(sheet, shot));
+    if (memory) past.grid = *memory;
+    elastic.take_back(past);
+  };
+  if (!options.go_on_from.empty()) {
+    Archive kept(options.go_on_from);
+    archive_all(kept);
+    ++frame;
+    geometry_ms = 0;
+  }
+  for (; frame <= options.last_frame; ++frame) {
     AnimatedFrame result;
     result.frame = frame;
     const Held held = grip.held(frame);
@@ -377,6 +355,11 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     result.plastic = memory ? memory->integral() : 0;
     result.memory = memory ? &*memory : nullptr;
     if (memory && options.show_memory) result.plastic_curvature = memory->at_vertices(shown.pattern, shown.triangles);
+    result.state = [&] {
+      Archive now;
+      archive_all(now);
+      return now.bytes();
+    };
     if (!on_frame(result)) return;
   }
 }

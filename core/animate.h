@@ -35,6 +35,7 @@ struct AnimateOptions {
   Memory memory = Memory::none; // plastic: beyond the yield strain of the grade, on the pattern, for ever
   bool show_memory = false;     // hand on AnimatedFrame::plastic_curvature
   int probe_every = 0;          // [frames] from one search for another branch (branches.h) to the next; 0: none
+  std::string go_on_from;       // AnimatedFrame::state of this shot, method and options: the frames after that one, as they would have been; empty: all
 };
 
 /// A handle at one frame.
@@ -65,6 +66,7 @@ struct AnimatedFrame {
   double remesh_rise = 0;                  // [1] by how much of the stored energy the potential rose with it
   BentParts parts;                         // rulings and curved regions, if the method knows of any
   std::string note;
+  std::function<std::string()> state;      // all that the next frame comes from, as bytes; to be asked before on_frame returns
 };
 
 /// The loop over frames: handles -> step 1 -> method -> frame. Handle points and the rims of their discs are vertices of the
@@ -73,7 +75,8 @@ struct AnimatedFrame {
 /// Euler damps, and at 1/24 s a pendulum of 20 cm would lose half its swing on the way to the other side.
 ///
 /// on_frame  called for every frame in order; returns false to stop
-/// throws    Error(Fault::simulation) when the sheet cannot follow its handles; frames handed out before stay good
+/// throws    Error(Fault::simulation) when the sheet cannot follow its handles; frames handed out before stay good; Error(Fault::scene)
+///           when go_on_from is no state of this shot
 /// source    the loop of [Schreck 2015], section 2
 void animate(const Shot&, const Method&, const AnimateOptions&, const std::function<bool(const AnimatedFrame&)>& on_frame);
 

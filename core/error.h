@@ -10,6 +10,7 @@ enum class Fault {
   simulation = 1,  // the solver could not go on
   command = 2,     // command line, preset or job file
   scene = 3,       // the scene cannot be used
+  stopped = 5,     // somebody wanted it to end: the same command goes on
   folder = 6,      // the output folder is busy or not writable
 };
 

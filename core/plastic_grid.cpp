@@ -1,5 +1,7 @@
 #include "core/plastic_grid.h"
 
+#include "core/archive.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -147,6 +149,19 @@ void PlasticGrid::forget() {
   if (pristine_) return;
   for (Cell& cell : cells_) cell.memory.setZero(), cell.ridge = 0;
   pristine_ = true;
+}
+
+void PlasticGrid::archive(Archive& a) {
+  std::vector<int> written;
+  for (int c = 0; c < static_cast<int>(cells_.size()); ++c)
+    if (!cells_[c].memory.isZero(0) || cells_[c].ridge != 0) written.push_back(c);
+  a(written);
+  if (a.reads()) forget();
+  for (const int c : written) {
+    a.demand(c >= 0 && c < static_cast<int>(cells_.size()));
+    a(cells_[c].memory, cells_[c].ridge);
+  }
+  a(pristine_);
 }
 
 double PlasticGrid::integral() const {

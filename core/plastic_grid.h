@@ -7,6 +7,8 @@
 
 namespace paperbake {
 
+class Archive;
+
 /// What the bending of each triangle remembers.
 struct PlasticMemory {
   Points3 curvature;          // |T|x3 [1/m] Sp: Sxx, Sxy, Syy; the curvature to which the triangle springs back
@@ -53,6 +55,8 @@ class PlasticGrid {
 
   /// Integral of |Sp| (Frobenius) over the pattern: length of crease x angle kept in it. [m rad]
   double integral() const;
+
+  void archive(Archive&);  // what was written; the cells are those of the pattern
 
  private:
   struct Cell {

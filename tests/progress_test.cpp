@@ -42,7 +42,7 @@ TEST_F(CommandLine, APlainBakeSaysWhichPassIsAtWhichFrame) {
 TEST_F(CommandLine, ABakeWithoutACacheHasOnePass) {
   for (const auto& more : {std::vector<std::string>{"--formats", "maps,cert"}, {"--mesh", "simulation"}}) {
     auto words = more;
-    words.insert(words.end(), {"--progress", "plain"});
+    words.insert(words.end(), {"--progress", "plain", "--resume", "never"});
     const Ended ended = run(crumple("1-2", words));
     EXPECT_NE(ended.err.find("simulated frame 2"), std::string::npos);
     EXPECT_EQ(ended.err.find("rendered"), std::string::npos) << ended.err;

@@ -1,6 +1,7 @@
 #include "core/methods/method.h"
 
 #include "core/adaptive_mesh/operations.h"
+#include "core/archive.h"
 #include "core/pattern_mesh.h"
 
 #include <algorithm>
@@ -72,6 +73,7 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
     *unfinished = changed || (jumps && *unfinished);
     return changed;
   };
+  method.archive = [unfinished](Archive& a) { a(*unfinished); };
   return method;
 }
 

@@ -56,6 +56,7 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
   };
   method.judged = [crumple](bool accepted, const Moment& now) { crumple->judged(accepted, now); };
   method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };
+  method.archive = [crumple](Archive& a) { crumple->archive(a); };
   method.parts = [crumple](const Sheet& sheet_now) { return bent_parts(*crumple, sheet_now); };
   return method;
 }

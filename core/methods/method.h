@@ -66,6 +66,9 @@ struct Method {
 
   /// Of the sheet as it is, on its mesh. Empty: the method knows of no parts.
   std::function<BentParts(const Sheet&)> parts;
+
+  /// What it remembers from one frame to the next, after first_mesh. Empty: nothing.
+  std::function<void(Archive&)> archive;
 };
 
 /// Standard finite elements: step 1 alone on a fixed mesh of about `triangles` near-equilateral triangles.

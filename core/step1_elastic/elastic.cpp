@@ -15,6 +15,7 @@
 #include <cmath>
 #include <deque>
 #include <optional>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -329,6 +330,7 @@ void Elastic::continue_from(const Elastic& other, const std::function<Points3(co
 
 ElasticPast Elastic::past() const {
   ElasticPast copy = impl_->past;
+  copy.ridges = impl_->energy->ridges;
   if (impl_->grid && !impl_->grid->pristine()) copy.grid = *impl_->grid;
   return copy;
 }
@@ -336,6 +338,7 @@ ElasticPast Elastic::past() const {
 void Elastic::take_back(const ElasticPast& past) {
   Impl& s = *impl_;
   s.past = past;
+  s.energy->ridges = s.softened->ridges = std::exchange(s.past.ridges, {});
   if (!s.grid) return;
   if (past.grid) *s.grid = *past.grid;
   else s.grid->forget();
@@ -387,7 +390,6 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
   const std::vector<double> folds = s.energy->fold_angles(sheet.x);
   report.plastic_flow = s.remember(folds);
   s.tell_stored(sheet.x, folds, report);
-
   sheet.v = (dynamic ? std::pow(velocity_kept, 24 * dt) : 1.0) / dt * (sheet.x - before);
   s.past.positions.push_front(before);
   if (s.past.positions.size() > 2) s.past.positions.pop_back();

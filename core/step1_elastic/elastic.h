@@ -4,6 +4,7 @@
 #include "core/paper.h"
 #include "core/plastic_grid.h"
 #include "core/sheet.h"
+#include "core/step1_elastic/ridges.h"
 
 #include <deque>
 #include <functional>
@@ -75,8 +76,11 @@ struct ElasticPast {
   int content_until = 0;            // steps: a second way found nothing much lower, none is begun before
   bool descending = false;          // ... on its way down to a minimum
   std::optional<SecondWay> second;  // not yet at its end
-  std::optional<PlasticGrid> grid;  // in a copy that is to take a step back; none: nothing had flowed
+  Ridges ridges;                    // in a copy: of the last step, and
+  std::optional<PlasticGrid> grid;  // the plastic memory; none: nothing had flowed
 };
+void archive(Archive&, ElasticPast&);  // all but the grid, which is the sheet's
+void archive(Archive&, Held&);
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
 ///

@@ -1,5 +1,6 @@
 #include "core/step2_crumple/crumple.h"
 
+#include "core/archive.h"
 #include "core/curvature.h"
 #include "core/developable_curvature.h"
 #include "core/step2_crumple/flips.h"
@@ -23,6 +24,16 @@ Crumple::Crumple(const Pattern& pattern, const Paper& paper, const CrumpleOption
 void Crumple::begin_with(const Points2& pattern, const Triangles& triangles, int required) {
   base_ = base_mesh(pattern, triangles);
   required_ = required;
+}
+
+static void archive(Archive& a, Ruling& r) { a(r.a, r.b, r.k, r.region); }
+
+void Crumple::archive(Archive& a) {
+  std::vector<std::pair<Vector2d, double>> suspicions;
+  for (const Suspicion& s : suspicions_) suspicions.emplace_back(s.p, s.seconds);
+  a(suspicions, regions_, rulings_, when_);
+  suspicions_.clear();
+  for (const auto& [p, seconds] : suspicions) suspicions_.push_back({p, seconds});
 }
 
 std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>& pulled, const Moment& now) {

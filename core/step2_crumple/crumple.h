@@ -65,6 +65,8 @@ class Crumple {
   const Regions& regions() const { return regions_; }
   const std::vector<Ruling>& rulings() const { return rulings_; }  // of the last proposal that was accepted
 
+  void archive(Archive&);  // all that came after begin_with
+
  private:
   Pattern pattern_;
   Paper paper_;

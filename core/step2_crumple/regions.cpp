@@ -1,5 +1,7 @@
 #include "core/step2_crumple/regions.h"
 
+#include "core/archive.h"
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -24,6 +26,14 @@ void Regions::follow(const BendingField& field) {
   of_place_ = grow(sign_of);
   measure(sign_of);
   name(old_ids);
+}
+
+static void archive(Archive& a, CurvedRegion& r) { a(r.id, r.sign, r.area, r.bend, r.cone.centre, r.cone.scale, r.cone.apex, r.cone.residual); }
+
+void Regions::archive(Archive& a) {
+  a(curved_, of_place_, regions_, next_id_);
+  const auto known = [&](int region) { return region >= -1 && region < static_cast<int>(regions_.size()); };
+  a.demand(static_cast<int>(curved_.size()) == grid_.count() && curved_.size() == of_place_.size() && std::all_of(of_place_.begin(), of_place_.end(), known));
 }
 
 /// Joins neighbours that bend the same way about nearly the same ruling. Specks of less than 1/200 of the sheet are flat.

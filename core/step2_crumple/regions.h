@@ -8,6 +8,8 @@
 
 namespace paperbake {
 
+class Archive;
+
 /// A part of the sheet that bends one way, like a generalised cone. What is in no region counts as flat.
 struct CurvedRegion {
   int id;           // the same from frame to frame
@@ -31,6 +33,8 @@ class Regions {
   const std::vector<Principal>& bending() const { return bending_; }        // at the places of the grid
   const std::vector<int>& of_place() const { return of_place_; }            // number in all() of each place; -1: flat
   const std::vector<CurvedRegion>& all() const { return regions_; }
+
+  void archive(Archive&);  // all but the bending, which is looked at anew
 
  private:
   std::vector<int> grow(std::vector<int>& sign_of) const;

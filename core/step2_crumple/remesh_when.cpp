@@ -1,5 +1,6 @@
 #include "core/step2_crumple/remesh_when.h"
 
+#include "core/archive.h"
 #include "core/hinges.h"
 
 #include <algorithm>
@@ -36,6 +37,8 @@ bool RemeshWhen::due(const MeshFit& fit, const Moment& now, double most_fold) {
   const double age = std::max(time - last_, way_ / usual_speed);
   return (age >= soon && fit.misalignment > 0.3) || (age >= later && fit.largest_fold > most_fold) || (age >= late && fit.misalignment > 0.12);
 }
+
+void RemeshWhen::archive(Archive& a) { a(last_, way_, not_before_, wait_); }
 
 void RemeshWhen::judged(bool accepted, const Moment& now) {
   if (accepted) {

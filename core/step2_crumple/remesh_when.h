@@ -21,6 +21,8 @@ class RemeshWhen {
   /// What became of a mesh that was due.
   void judged(bool accepted, const Moment&);
 
+  void archive(Archive&);
+
  private:
   static constexpr double shortest_wait = 1 / 24.0;       // [s]
   double last_ = -std::numeric_limits<double>::infinity();  // [s] time of the last ruled mesh

@@ -1,0 +1,97 @@
+#pragma once
+
+#include "tests/program_fixture.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <map>
+
+namespace paperbake::test {
+
+/// The files of a bake that are the same whenever it is baked, and the certificate without its times.
+inline std::map<std::string, std::string> lasting(const fs::path& folder) {
+  std::map<std::string, std::string> files;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    const std::string name = fs::relative(entry.path(), folder).generic_string();
+    if (!entry.is_regular_file() || name.rfind(".state", 0) == 0) continue;
+    const std::string kind = entry.path().extension();
+    if (kind == ".abc" || kind == ".exr" || kind == ".csv" || kind == ".usda") files[name] = read(entry.path());
+    if (name != "cert/frames.jsonl") continue;
+    for (const std::string& line : lines_of(read(entry.path()))) {
+      auto record = nlohmann::json::parse(line);
+      for (const char* time : {"elastic_ms", "geometry_ms", "render_ms"}) record.erase(time);
+      files[name] += record.dump() + "\n";
+    }
+  }
+  return files;
+}
+
+class AResumedBake : public CommandLine {
+ protected:
+  /// Where a crumple touches itself and gets singular points; method and speed of a few frames a second.
+  Words words(const std::string& out, const Words& more, const std::string& frames = "1-60") const {
+    Words all{"bake", samples + "/S4_crumple.glb", "-o", (folder / out).string(), "--frames", frames, "--map-size", "32", "--map-frames", "1-96x6", "--progress", "plain"};
+    if (std::find(more.begin(), more.end(), "--quality") == more.end()) all.insert(all.end(), {"--quality", "draft"});
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+  }
+
+  /// Starts a bake, and when it has told of this many frames it gets the signal, so many microseconds later. returns its exit code; -1: it was killed
+  int bake_until(int frames, int later, int signal, const Words& all) const {
+    const fs::path err = folder / "killed.txt";
+    write(err, "");
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
+    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_TRUNC, 0666);
+    std::vector<char*> arguments{const_cast<char*>(PAPERBAKE_PROGRAM)};
+    for (const std::string& word : all) arguments.push_back(const_cast<char*>(word.c_str()));
+    arguments.push_back(nullptr);
+    pid_t child = 0;
+    EXPECT_EQ(posix_spawn(&child, PAPERBAKE_PROGRAM, &actions, nullptr, arguments.data(), environ), 0);
+    posix_spawn_file_actions_destroy(&actions);
+    int status = 0;
+    while (waitpid(child, &status, WNOHANG) == 0) {
+      if (times(read(err), "simulated frame") >= frames) {
+        usleep(later);
+        kill(child, signal);
+        waitpid(child, &status, 0);
+        break;
+      }
+      usleep(2000);
+    }
+    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+  }
+
+  std::set<std::string> checkpoints(const std::string& out) const {
+    std::set<std::string> found;
+    for (const auto& entry : fs::directory_iterator(folder / out / ".state"))
+      if (entry.path().filename().string().rfind("checkpoint", 0) == 0) found.insert(entry.path().filename());
+    return found;
+  }
+
+  static int times(const std::string& text, const std::string& words) {
+    int count = 0;
+    for (std::size_t at = 0; (at = text.find(words, at)) != std::string::npos; at += words.size()) ++count;
+    return count;
+  }
+  static int simulated(const Ended& ended) { return times(ended.err, "simulated frame"); }
+
+  /// A bake that is never disturbed.
+  void bake_whole(const std::string& out, const Words& more, const std::string& frames = "1-60") const {
+    const Ended ended = run(words(out, more, frames));
+    ASSERT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;
+  }
+
+  void expect_same(const std::string& out, const std::string& whole) const {
+    const auto got = lasting(folder / out), wanted = lasting(folder / whole);
+    ASSERT_GT(wanted.size(), 3u);
+    for (const auto& [name, bytes] : wanted) EXPECT_TRUE(got.count(name) && got.at(name) == bytes) << name << " is not as a bake at one go writes it";
+    EXPECT_EQ(got.size(), wanted.size());
+    for (const auto& entry : fs::recursive_directory_iterator(folder / out)) EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+};
+
+}  // namespace paperbake::test
