@@ -24,4 +24,10 @@ Passes passes_of(const BakeSettings&);
 /// could not follow its handles. What was simulated until then is written all the same, as far as it can be.
 BakeOutcome bake(const BakeSettings&, const BakePlan&, Progress&);
 
+/// Warnings of a plan.
+void say_warnings(const BakePlan&, Progress&);
+
+/// The same, told on stderr: warnings, how far it is, gates that were missed.
+BakeOutcome bake_and_tell(const BakeSettings&, const BakePlan&);
+
 }  // namespace paperbake

@@ -1,4 +1,5 @@
 #include "baker/bake.h"
+#include "baker/children.h"
 #include "baker/chart.h"
 #include "baker/chart_picture.h"
 #include "baker/estimate.h"
@@ -8,7 +9,9 @@
 #include "baker/job.h"
 #include "baker/options.h"
 #include "baker/output_folder.h"
+#include "baker/slurm.h"
 #include "baker/verify.h"
+#include "baker/wedge.h"
 #include "core/error.h"
 #include "formats/preset_file.h"
 #include "formats/whole_file.h"
@@ -76,14 +79,19 @@ struct BakeWords : OptionWords {
   bool dry_run = false;
 };
 
-void add_bake(CLI::App& app, BakeWords& words) {
-  words.command = app.add_subcommand("bake", "Simulate the sheets of a scene and write cache, maps and certificate");
+/// SCENE and all options of the table, and --set.
+void add_all_options(OptionWords& words) {
   add_option(words, "scene", "SCENE");
   words.command->get_option("SCENE")->required()->description("An .fbx, .glb or .gltf file with a sheet and animated handles, or a job file (.toml)");
   add_option(words, "output", "-o,--output");
   for (const Option& o : options())
     if (o.name != "scene" && o.name != "output") add_option(words, o.name);
   add_set(words);
+}
+
+void add_bake(CLI::App& app, BakeWords& words) {
+  words.command = app.add_subcommand("bake", "Simulate the sheets of a scene and write cache, maps and certificate");
+  add_all_options(words);
   words.command->add_flag("--dry-run", words.dry_run, "Check everything and print the job, but write nothing");
   words.command->add_option("--write-job", words.write_job, "Write a job file that says the same, with all that it could say; "
                             "without -o that is all that is done");
@@ -103,18 +111,85 @@ int run_bake(const BakeWords& words) {
     }
   }
 
-  const FrameSpan& f = plan.frames;
-  Progress progress(settings.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1), passes_of(settings));
-  for (const std::string& warning : plan.warnings) progress.say("warning: " + warning);
-  for (const SheetImpossible& pair : plan.impossible) progress.say("warning: " + describe(pair));
   if (words.dry_run) {
+    Progress progress(settings.progress, 0, passes_of(settings));
+    say_warnings(plan, progress);
     fmt::print("{}", lock_text(plan));
     return plan.impossible.empty() ? 0 : gate_missed;
   }
-  const BakeOutcome outcome = bake(settings, plan, progress);
-  for (const std::string& sentence : outcome.missed) progress.say("gate missed: " + sentence);
+  const BakeOutcome outcome = bake_and_tell(settings, plan);
   for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
   return outcome.exit_code;
+}
+
+struct WedgeWords : OptionWords {
+  std::vector<std::string> vary;
+  int jobs = 1;
+  std::optional<int> index;
+  std::optional<std::string> submit;
+};
+
+void add_wedge(CLI::App& app, WedgeWords& words) {
+  words.command = app.add_subcommand("wedge", "Bake variations of a scene, each in a folder of its own, and put them side by side: wedge.csv, wedge.json, wedge.png");
+  add_all_options(words);
+  words.command->add_option("--vary", words.vary, "key=values: any option above or number of the paper, for instance seed=1..16, gravity=0..9.8x2.45, preset=copy70,copy90; "
+                                                  "every value of a key is baked with every one of the others");
+  words.command->add_option("--jobs", words.jobs, "How many are baked at a time; each has one thread unless --threads says otherwise")->capture_default_str()->check(CLI::Range(1, 1024));
+  CLI::Option* index = words.command->add_option("--index", words.index, "Bake this variation only, from 1; the last one to be done writes the table");
+  words.command->add_option("--submit", words.submit, "slurm: write DIR/wedge.sbatch, an array of jobs with --index, and hand it to sbatch")->excludes(index)->check(CLI::IsMember({"slurm"}));
+}
+
+/// The words of a wedge for one of its variations.
+std::vector<std::string> words_for_index(const std::vector<std::string>& words) {
+  std::vector<std::string> kept;
+  for (std::size_t k = 0; k < words.size(); ++k) {
+    if (words[k] == "--jobs" || words[k] == "--submit") ++k;
+    else if (words[k].rfind("--jobs=", 0) != 0 && words[k].rfind("--submit=", 0) != 0) kept.push_back(words[k]);
+  }
+  return kept;
+}
+
+int bake_all(const Wedge& wedge, int jobs, const std::vector<std::string>& words) {
+  std::vector<Child> children;
+  for (int index = 1; index <= wedge.count(); ++index) {
+    Child child{words, wedge.state(index, ".log")};
+    child.words.insert(child.words.end(), {"--index", std::to_string(index)});
+    children.push_back(std::move(child));
+  }
+  int ended = 0;
+  const int interrupted = run_children(children, jobs, [&](std::size_t number, int code) {
+    const int index = static_cast<int>(number) + 1;
+    note_end(wedge, index, code);
+    if (wedge.common.progress != ProgressMode::none) fmt::print(stderr, "{} of {}: {}\n", ++ended, wedge.count(), describe_variation(wedge, index));
+  });
+  if (interrupted) {
+    fmt::print(stderr, "paperbake: interrupted; the same command goes on with what is left\n");
+    return 128 + interrupted;
+  }
+  const WedgeOutcome outcome = finish_wedge(wedge);
+  for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
+  return outcome.exit_code;
+}
+
+/// said: the words of the command line
+int run_wedge(const WedgeWords& words, const std::vector<std::string>& said) {
+  BakeSettings settings;
+  understand(words, settings);
+  if (settings.output.empty()) throw Error(Fault::command, "command line", "--output is required: the folder to write to.", "Write -o DIR.");
+  const Wedge wedge(settings, parse_axes(words.vary));
+  if (words.index) {
+    const int code = bake_variation(wedge, *words.index);
+    finish_wedge(wedge);
+    return code;
+  }
+  plan_bake(wedge.settings(1));  // a scene that cannot be used is said so before a folder is made
+  make_folder(wedge.output / ".state");
+  const std::vector<std::string> for_index = words_for_index(said);
+  if (!words.submit) return bake_all(wedge, words.jobs, for_index);
+  const auto script = wedge.output / "wedge.sbatch";
+  write_whole_file(script, slurm_script(for_index, wedge.count(), wedge.common.threads, wedge.output / ".state"));
+  submit_to_slurm(script);
+  return 0;
 }
 
 int run_inspect(const std::filesystem::path& file, const OptionWords& words, bool json, const std::optional<std::string>& tracks) {
@@ -293,6 +368,9 @@ int run(int argc, char** argv) {
   BakeWords words;
   add_bake(app, words);
 
+  WedgeWords wedge_words;
+  add_wedge(app, wedge_words);
+
   ChartSettings charted;
   ChartWords chart_words;
   add_chart(app, charted, chart_words);
@@ -331,6 +409,7 @@ int run(int argc, char** argv) {
     throw Error(Fault::command, "command line", fmt::format("{}.", error.what()), "paperbake --help and paperbake COMMAND --help say what there is.");
   }
   if (app.got_subcommand("bake")) return run_bake(words);
+  if (app.got_subcommand("wedge")) return run_wedge(wedge_words, {argv + 1, argv + argc});
   if (app.got_subcommand("chart")) return run_chart(std::move(charted), chart_words);
   if (app.got_subcommand("inspect")) return run_inspect(inspected, reading, json, tracks);
   if (app.got_subcommand("fit")) return run_fit(fit);
