@@ -13,7 +13,7 @@ constexpr int most_panels = 16, width = 1300, gap = 8, title_height = 36, line_h
 constexpr double letter_dot = 1.6;                                                         // [px]
 const Vector3d view(-0.6, -1.0, 0.75), to_light = Vector3d(-0.8, -0.15, 0.42).normalized(), to_sky = Vector3d(0.5, -0.5, 0.8).normalized();
 
-constexpr Colour background{70, 73, 78}, panel_ground{98, 102, 108}, ink{20, 20, 20}, letters{240, 240, 236}, held{10, 170, 70}, jammed{240, 130, 0};
+constexpr Colour background{38, 40, 44}, panel_ground{58, 62, 68}, ink{20, 20, 20}, letters{240, 240, 236}, held{10, 170, 70}, jammed{240, 130, 0};
 const Vector3d paper_front(0.92, 0.90, 0.85), paper_back(0.70, 0.76, 0.86);  // reflectance
 
 std::uint8_t encoded(double linear) { return static_cast<std::uint8_t>(std::lround(255 * std::pow(std::clamp(linear, 0.0, 1.0), 1 / 2.2))); }
@@ -21,7 +21,7 @@ std::uint8_t encoded(double linear) { return static_cast<std::uint8_t>(std::lrou
 /// A key light from the left, a weak one from the sky. normal: unit, at the viewer
 Colour lit(const Vector3d& normal, const Vector3d& paper) {
   const double key = std::max(0.0, normal.dot(to_light)), sky = 0.5 * (1 + normal.dot(to_sky));
-  const Vector3d colour = paper * (0.88 * key + 0.20 * sky * sky + 0.025);
+  const Vector3d colour = paper * (0.88 * key + 0.20 * sky * sky + 0.045);
   return {encoded(colour.x()), encoded(colour.y()), encoded(colour.z())};
 }
 
@@ -91,7 +91,7 @@ Image contact_sheet(const std::string& title, const std::vector<Panel>& panels) 
     }
     cameras.push_back(camera);
     cameras.back().at += Vector2d(left, top + caption_height);
-    for (const CacheFrame& sheet : panels[p].sheets) draw_triangles(canvas, cameras.back(), sheet.x, sheet.triangles, shading(sheet, camera));
+    for (const CacheFrame& sheet : panels[p].sheets) draw_smooth_triangles(canvas, cameras.back(), sheet.x, sheet.triangles, shading(sheet, camera));
   }
   shade_hollows(canvas, camera.scale, 0.04 * panel_width);
   for (std::size_t p = 0; p < panels.size(); ++p) {

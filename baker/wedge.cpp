@@ -216,7 +216,8 @@ int bake_variation(const Wedge& wedge, int index) {
 std::string describe_variation(const Wedge& wedge, int index) {
   const Json record = read_object(wedge.state(index, ".json"));
   std::string line = wedge.name(index);
-  for (const auto& [key, value] : record.value("values", Json::object()).items()) line += fmt::format(" {}={}", key, in_words(value));
+  const Json values = record.value("values", Json::object());
+  for (const auto& [key, value] : values.items()) line += fmt::format(" {}={}", key, in_words(value));
   const std::string message = record.value("message", "");
   return line + fmt::format(": exit code {}", record.value("exit_code", Json()).dump()) + (message.empty() ? "" : "\n" + message);
 }

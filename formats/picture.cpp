@@ -166,7 +166,7 @@ void draw_triangles(Canvas& canvas, const Camera& camera, const Points3& x, cons
   }
 }
 
-void draw_triangles(Canvas& canvas, const Camera& camera, const Points3& x, const Triangles& triangles, const std::vector<std::array<Colour, 3>>& corners) {
+void draw_smooth_triangles(Canvas& canvas, const Camera& camera, const Points3& x, const Triangles& triangles, const std::vector<std::array<Colour, 3>>& corners) {
   for (int t = 0; t < triangles.rows(); ++t) {
     Vector3d p[3];
     for (int i = 0; i < 3; ++i) p[i] = in_samples(canvas, camera, x.row(triangles(t, i)), 0);
@@ -208,7 +208,7 @@ void shade_hollows(Canvas& canvas, double scale, double reach) {
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
           const std::size_t k = std::size_t(row * n + j) * columns + column * n + i;
-          if (!paper(canvas.depth[k])) continue;
+          if (!(std::abs(canvas.depth[k] - here) * scale < 0.5 * reach)) continue;  // another layer, or nothing
           Colour& c = canvas.colour[k];
           c = darker > 0 ? mix(c, {}, darker) : mix(c, {255, 255, 255}, -darker);
         }

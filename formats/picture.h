@@ -69,7 +69,7 @@ constexpr double on_top = 1e9;
 void draw_triangles(Canvas&, const Camera&, const Points3& x, const Triangles&, const std::vector<Colour>& face);
 /// The same with colours that run from corner to corner.
 /// corners  |T| times three colours
-void draw_triangles(Canvas&, const Camera&, const Points3& x, const Triangles&, const std::vector<std::array<Colour, 3>>& corners);
+void draw_smooth_triangles(Canvas&, const Camera&, const Points3& x, const Triangles&, const std::vector<std::array<Colour, 3>>& corners);
 /// Darkens what lies in hollows and behind what is nearer, and lightens ridges a little: by the mean slope of the depths round a
 /// pixel, of opposite ones together, so that a plane stays as it is. What is drawn later is not touched.
 /// scale [px/m], reach [px] how far it looks
