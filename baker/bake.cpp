@@ -61,8 +61,8 @@ void write_certificate(const BakeSettings& settings, const BakePlan& plan, const
       std::map<std::string, std::string> hashes;
       for (const auto& file : files.written) hashes[std::filesystem::relative(file, files.folder).generic_string()] = file_hash(file);
       const auto error = ending(failure, files.losses, certificate);
-      return summary_json(plan, certificate.frames, certificate.crease_length, outcome.missed, error ? static_cast<int>(error->fault) : outcome.missed.empty() ? 0 : 4,
-                          error ? error->what() : "", hashes);
+      return summary_json(plan, certificate.frames, certificate.crease_length, outcome.missed,
+                          error ? static_cast<int>(error->fault) : outcome.missed.empty() ? 0 : 4, error ? error->what() : "", hashes);
     });
   }
   outcome.exit_code = outcome.missed.empty() ? 0 : 4;

@@ -16,7 +16,8 @@ Caches::Caches(const BakeSettings& settings, const BakePlan& plan, const std::fi
   if (settings.formats.count("pc2"))
     for (const std::string& suffix : suffixes) pc2_.push_back(std::make_unique<Pc2Writer>(folder / name(suffix + ".pc2"), folder / name(suffix + ".rest.obj"), info));
   if (settings.formats.count("preview"))
-    preview_.emplace(fmt::format("{}, {}, {}, seed {}, frames {}-{}", plan.name, plan.method, plan.presets.front(), plan.seeds.front(), plan.frames.first, plan.frames.last), plan.frames);
+    preview_.emplace(fmt::format("{}, {}, {}, seed {}, frames {}-{}", plan.name, plan.method, plan.presets.front(), plan.seeds.front(), plan.frames.first,
+                                 plan.frames.last), plan.frames);
   if (settings.formats.count("report")) report_.emplace(plan, (plan.frames.last - plan.frames.first) / plan.frames.step + 1);
 }
 

@@ -130,13 +130,16 @@ struct WedgeWords : OptionWords {
 };
 
 void add_wedge(CLI::App& app, WedgeWords& words) {
-  words.command = app.add_subcommand("wedge", "Bake variations of a scene, each in a folder of its own, and put them side by side: wedge.csv, wedge.json, wedge.png");
+  words.command = app.add_subcommand("wedge", "Bake variations of a scene, each in a folder of its own, and compare them: wedge.csv, wedge.json, wedge.png");
   add_all_options(words);
-  words.command->add_option("--vary", words.vary, "key=values: any option above or number of the paper, for instance seed=1..16, gravity=0..9.8x2.45, preset=copy70,copy90; "
-                                                  "every value of a key is baked with every one of the others");
-  words.command->add_option("--jobs", words.jobs, "How many are baked at a time; each has one thread unless --threads says otherwise")->capture_default_str()->check(CLI::Range(1, 1024));
-  CLI::Option* index = words.command->add_option("--index", words.index, "Bake this variation only, from 1; the last one to be done writes the table");
-  words.command->add_option("--submit", words.submit, "slurm: write DIR/wedge.sbatch, an array of jobs with --index, and hand it to sbatch")->excludes(index)->check(CLI::IsMember({"slurm"}));
+  CLI::App& wedge = *words.command;
+  wedge.add_option("--vary", words.vary, "key=values: any option above or number of the paper, for instance seed=1..16, gravity=0..9.8x2.45, "
+                                         "preset=copy70,copy90; every value of a key is baked with every one of the others");
+  wedge.add_option("--jobs", words.jobs, "How many are baked at a time; each has one thread unless --threads says otherwise")
+      ->capture_default_str()->check(CLI::Range(1, 1024));
+  CLI::Option* index = wedge.add_option("--index", words.index, "Bake this variation only, from 1; the last one to be done writes the table");
+  wedge.add_option("--submit", words.submit, "slurm: write DIR/wedge.sbatch, an array of jobs with --index, and hand it to sbatch")
+      ->excludes(index)->check(CLI::IsMember({"slurm"}));
 }
 
 /// The words of a wedge for one of its variations.

@@ -77,7 +77,8 @@ Image contact_sheet(const std::string& title, const std::vector<Panel>& panels) 
   Eigen::AlignedBox2d seen;
   for (Eigen::Index v = 0; v < all.rows(); ++v) seen.extend(Vector2d(camera.project(all.row(v)).head<2>()));
   const double shape = seen.isEmpty() || seen.sizes().x() <= 0 ? 0.75 : seen.sizes().y() / seen.sizes().x();
-  const int caption_height = static_cast<int>(lines) * line_height + 8, picture_height = static_cast<int>(std::lround(panel_width * std::clamp(shape, 0.4, 1.0)));
+  const int caption_height = static_cast<int>(lines) * line_height + 8;
+  const int picture_height = static_cast<int>(std::lround(panel_width * std::clamp(shape, 0.4, 1.0)));
   const int panel_height = caption_height + picture_height;
   camera = fit_camera(all, view, {12.0, 6, panel_width - 24.0, picture_height - 18.0});
 
@@ -97,7 +98,8 @@ Image contact_sheet(const std::string& title, const std::vector<Panel>& panels) 
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const double left = gap + (p % columns) * (panel_width + gap), top = title_height + (p / columns) * (panel_height + gap);
     for (const HandleRecord& handle : panels[p].handles) draw_handle(canvas, cameras[p], handle);
-    for (std::size_t k = 0; k < panels[p].caption.size(); ++k) draw_text(canvas, left + 6, top + 6 + line_height * k, letter_dot, panels[p].caption[k], letters);
+    for (std::size_t k = 0; k < panels[p].caption.size(); ++k)
+      draw_text(canvas, left + 6, top + 6 + line_height * k, letter_dot, panels[p].caption[k], letters);
   }
   draw_text(canvas, gap, 10, 2, title, letters);
   return develop(canvas);

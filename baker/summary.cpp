@@ -83,8 +83,8 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   return missed;
 }
 
-std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, double crease_length, const std::vector<std::string>& missed, int exit_code,
-                         const std::string& failure, const std::map<std::string, std::string>& files) {
+std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, double crease_length, const std::vector<std::string>& missed,
+                         int exit_code, const std::string& failure, const std::map<std::string, std::string>& files) {
   Json sheets = Json::array(), impossible = Json::array(), settings = Json::object();
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     sheets.push_back({{"name", plan.shots[s].sheet_name}, {"preset", plan.presets[s]}, {"seed", plan.seeds[s]},

@@ -43,7 +43,8 @@ std::vector<std::string> values_in(const std::string& text, const std::string& p
   if (!step || *step <= 0 || *last < *first)
     throw Error(Fault::command, place, fmt::format("\"{}\" is no range.", text), "Write A..B or A..BxSTEP, for instance 1..16 or 0..10x2.5.");
   const double steps = std::floor((*last - *first) / *step * (1 + 1e-12) + 1e-9);
-  if (steps >= most_variations) throw Error(Fault::command, place, fmt::format("\"{}\" has more than {} values.", text, most_variations), "Write a larger step: A..BxSTEP.");
+  if (steps >= most_variations) throw Error(Fault::command, place, fmt::format("\"{}\" has more than {} values.", text, most_variations),
+                                              "Write a larger step: A..BxSTEP.");
   std::vector<std::string> values;
   for (int k = 0; k <= steps; ++k) values.push_back(fmt::format("{:.12g}", *first + k * *step));
   return values;
@@ -83,13 +84,15 @@ std::string checked(const Axis& axis, const std::string& text) {
 Axis parse_axis(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw Error(Fault::command, "--vary " + text, "A key and its values are needed.", "Write --vary key=values, for instance --vary seed=1..16 or --vary preset=copy70,copy90.");
+    throw Error(Fault::command, "--vary " + text, "A key and its values are needed.",
+                "Write --vary key=values, for instance --vary seed=1..16 or --vary preset=copy70,copy90.");
   Axis axis;
   axis.key = text.substr(0, equals);
   std::replace(axis.key.begin(), axis.key.end(), '-', '_');
   const std::string place = "--vary " + axis.key;
   if (std::find(shared.begin(), shared.end(), axis.key) != shared.end())
-    throw Error(Fault::command, place, "All variations have this in common.", fmt::format("Say it once, with --{}.", axis.key == "debug_pictures" ? "debug-pictures" : axis.key));
+    throw Error(Fault::command, place, "All variations have this in common.",
+                fmt::format("Say it once, with --{}.", axis.key == "debug_pictures" ? "debug-pictures" : axis.key));
   const std::vector<std::string> keys = all_keys();
   if (std::find(keys.begin(), keys.end(), axis.key) == keys.end()) {
     const std::string near = nearest_word(axis.key, keys);
@@ -109,12 +112,14 @@ std::vector<Axis> parse_axes(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     Axis axis = parse_axis(text);
     if (std::any_of(axes.begin(), axes.end(), [&](const Axis& a) { return a.key == axis.key; }))
-      throw Error(Fault::command, "--vary " + axis.key, "It is varied twice.", fmt::format("Write all its values behind one --vary {}=, separated by commas.", axis.key));
+      throw Error(Fault::command, "--vary " + axis.key, "It is varied twice.",
+                  fmt::format("Write all its values behind one --vary {}=, separated by commas.", axis.key));
     count *= axis.values.size();
     axes.push_back(std::move(axis));
   }
   if (count > most_variations)
-    throw Error(Fault::command, "--vary", fmt::format("That makes {:g} variations; {} is the most.", count, most_variations), "Vary fewer keys, or give them fewer values.");
+    throw Error(Fault::command, "--vary", fmt::format("That makes {:g} variations; {} is the most.", count, most_variations),
+                "Vary fewer keys, or give them fewer values.");
   return axes;
 }
 

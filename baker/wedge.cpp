@@ -36,7 +36,8 @@ class WaitingLock {
   explicit WaitingLock(const fs::path& file) : lock_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
     while (lock_ >= 0 && ::flock(lock_, LOCK_EX) != 0)
       if (errno != EINTR) break;
-    if (lock_ < 0) throw Error(Fault::folder, file.string(), std::string("The output folder is not writable: ") + std::strerror(errno) + ".", "Choose another with -o.");
+    if (lock_ < 0)
+      throw Error(Fault::folder, file.string(), std::string("The output folder is not writable: ") + std::strerror(errno) + ".", "Choose another with -o.");
   }
   ~WaitingLock() { ::close(lock_); }
   WaitingLock(const WaitingLock&) = delete;
@@ -73,26 +74,25 @@ Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
   Json values = Json::object();
   const std::vector<std::string> texts = values_of(wedge.axes, index);
   for (std::size_t k = 0; k < texts.size(); ++k) values[wedge.axes[k].key] = literal(wedge.axes[k], texts[k]);
-  return {{"index", index}, {"values", values}, {"exit_code", nullptr}, {"c_m_pct", nullptr}, {"worst_edge_pct", nullptr}, {"singular", nullptr}, {"energy_J", nullptr},
-          {"crease_length_m", nullptr}, {"job_hash", ""}, {"folder", wedge.name(index)}, {"message", ""}, {"inputs", inputs}};
+  return {{"index", index}, {"values", values}, {"exit_code", nullptr}, {"c_m_pct", nullptr}, {"worst_edge_pct", nullptr},
+          {"singular", nullptr}, {"energy_J", nullptr}, {"crease_length_m", nullptr}, {"job_hash", ""}, {"folder", wedge.name(index)}, {"message", ""}, {"inputs", inputs}};
 }
 
 /// The numbers of a certificate; none of another job.
 void take_certificate(Json& record, const fs::path& folder, const std::string& job_hash) {
   const Json summary = read_object(folder / "cert" / "summary.json");
-  if (summary.value("job_hash", "") != job_hash) return;
-  record["c_m_pct"] = summary["stretch_mean_pct"]["mean"];
-  record["worst_edge_pct"] = summary["stretch_max_pct"]["max"];
-  record["singular"] = summary["singular"];
-  record["crease_length_m"] = summary["crease_length_m"];
+  if (job_hash.empty() || summary.value("job_hash", "") != job_hash) return;
+  const std::pair<const char*, const char*> numbers[] = {
+      {"c_m_pct", "/stretch_mean_pct/mean"}, {"worst_edge_pct", "/stretch_max_pct/max"}, {"singular", "/singular"}, {"crease_length_m", "/crease_length_m"}};
+  for (const auto& [name, pointer] : numbers) record[name] = summary.value(Json::json_pointer(pointer), Json());
   std::ifstream lines(folder / "cert" / "frames.jsonl");
   double energy = 0;
   int last = 0;
   for (std::string line; std::getline(lines, line);) {
     const Json frame = Json::parse(line, nullptr, false);
     if (!frame.is_object()) continue;
-    if (frame["frame"] != last) last = frame["frame"], energy = 0;
-    energy += frame["energy_J"].get<double>();  // of all sheets
+    if (frame.value("frame", last) != last) last = frame["frame"], energy = 0;
+    energy += frame.value("energy_J", 0.0);  // of all sheets
   }
   record["energy_J"] = energy;
 }
@@ -108,7 +108,9 @@ bool done(const Json& record, const std::string& inputs, const std::string& job_
   return files > 0;
 }
 
-void keep(const Wedge& wedge, int index, const Json& record) { write_whole_file(wedge.state(index, ".json"), record.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"); }
+std::string in_lines(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
+
+void keep(const Wedge& wedge, int index, const Json& record) { write_whole_file(wedge.state(index, ".json"), in_lines(record)); }
 
 std::string in_words(const Json& value) { return value.is_string() ? value.get<std::string>() : value.dump(); }
 
@@ -130,7 +132,7 @@ std::string table_csv(const Wedge& wedge, const std::vector<Json>& records) {
 std::string table_json(const Wedge& wedge, const std::vector<Json>& records) {
   Json keys = Json::array();
   for (const Axis& axis : wedge.axes) keys.push_back(axis.key);
-  return Json{{"program", "paperbake"}, {"version", PAPERBAKE_VERSION}, {"keys", keys}, {"variations", records}}.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return in_lines({{"program", "paperbake"}, {"version", PAPERBAKE_VERSION}, {"keys", keys}, {"variations", records}});
 }
 
 /// What the last frame of a variation is like, as far as its files tell.
@@ -195,7 +197,8 @@ int bake_variation(const Wedge& wedge, int index) {
   Json record = empty_record(wedge, index, inputs);
   try {
     const BakePlan plan = plan_bake(settings);
-    if (const Json before = read_object(wedge.state(index, ".json")); done(before, inputs, plan.job_hash, wedge.folder(index))) return before["exit_code"];
+    const Json before = read_object(wedge.state(index, ".json"));
+    if (done(before, inputs, plan.job_hash, wedge.folder(index))) return before["exit_code"];
     std::error_code none;
     fs::remove(wedge.state(index, ".json"), none);
     record["job_hash"] = plan.job_hash;

@@ -166,7 +166,8 @@ void draw_triangles(Canvas& canvas, const Camera& camera, const Points3& x, cons
   }
 }
 
-void draw_smooth_triangles(Canvas& canvas, const Camera& camera, const Points3& x, const Triangles& triangles, const std::vector<std::array<Colour, 3>>& corners) {
+void draw_smooth_triangles(Canvas& canvas, const Camera& camera, const Points3& x, const Triangles& triangles,
+                           const std::vector<std::array<Colour, 3>>& corners) {
   for (int t = 0; t < triangles.rows(); ++t) {
     Vector3d p[3];
     for (int i = 0; i < 3; ++i) p[i] = in_samples(canvas, camera, x.row(triangles(t, i)), 0);

@@ -28,14 +28,16 @@ CacheFrame flat(const Vector3d& shift = {0, 0, 0}) {
 
 Panel panel(CacheFrame frame) { return {{"1"}, {std::move(frame)}, {}}; }
 
-int count(const Image& image, const std::function<bool(const Colour&)>& wanted) { return static_cast<int>(std::count_if(image.pixels.begin(), image.pixels.end(), wanted)); }
+int count(const Image& image, const std::function<bool(const Colour&)>& wanted) {
+  return static_cast<int>(std::count_if(image.pixels.begin(), image.pixels.end(), wanted));
+}
 bool warm(const Colour& c) { return c.red > 100 && c.red > c.blue + 3; }  // of the front
 bool cool(const Colour& c) { return c.red > 60 && c.blue > c.red + 10; }  // of the back
 bool green(const Colour& c) { return c == Colour{10, 170, 70}; }
 bool orange(const Colour& c) { return c == Colour{240, 130, 0}; }
 
 TEST(Preview, FramesAreEvenlyApartEndWithTheLastAndAreSixteenAtMost) {
-  for (const FrameSpan& frames : {FrameSpan{1, 96, 1}, FrameSpan{1, 17, 1}, FrameSpan{5, 5, 1}, FrameSpan{3, 140, 4}, FrameSpan{1, 1000, 1}, FrameSpan{10, 25, 1}}) {
+  for (const FrameSpan& frames : std::vector<FrameSpan>{{1, 96, 1}, {1, 17, 1}, {5, 5, 1}, {3, 140, 4}, {1, 1000, 1}, {10, 25, 1}}) {
     const FrameSpan shown = preview_frames(frames);
     const int last = frames.last - (frames.last - frames.first) % frames.step, panels = (shown.last - shown.first) / shown.step + 1;
     EXPECT_EQ(shown.last, last);
@@ -61,7 +63,8 @@ TEST(Preview, ACreasePartsLightFromDark) {
   CacheFrame roof = flat();
   for (Eigen::Index v = 0; v < roof.x.rows(); ++v) roof.x(v, 2) = -0.5 * std::abs(roof.x(v, 0) - 0.05);
   const Image image = contact_sheet("", {panel(roof)});
-  const int lit = count(image, [](const Colour& c) { return c.red > 200; }), shaded = count(image, [](const Colour& c) { return c.red > 70 && c.red < 150 && c.red >= c.blue; });
+  const int lit = count(image, [](const Colour& c) { return c.red > 200; });
+  const int shaded = count(image, [](const Colour& c) { return c.red > 70 && c.red < 150 && c.red >= c.blue; });
   EXPECT_GT(lit, 50000);
   EXPECT_GT(shaded, 50000);
 }

@@ -64,8 +64,8 @@ def slurm():
     key.chmod(0o400)
     (folder / "slurm.conf").write_text(configuration(folder, socket.gethostname().split(".")[0], getpass.getuser()))
     environment = {**os.environ, "SLURM_CONF": str(folder / "slurm.conf")}
-    munged = ["munged", "--foreground", "--force", "--num-threads=2", f"--key-file={key}", f"--socket={folder}/munge.socket", f"--pid-file={folder}/munged.pid", f"--seed-file={folder}/munged.seed",
-              f"--log-file={folder}/munged.log"]
+    munged = ["munged", "--foreground", "--force", "--num-threads=2", f"--key-file={key}", f"--socket={folder}/munge.socket",
+              f"--pid-file={folder}/munged.pid", f"--seed-file={folder}/munged.seed", f"--log-file={folder}/munged.log"]
     daemons = []
     try:
         with open(folder / "daemons.log", "w") as log:
