@@ -197,8 +197,9 @@ TEST_F(WedgeProgram, WithoutSbatchTheScriptIsWrittenAllTheSame) {
   EXPECT_TRUE(is_error(ended, 2, "--submit slurm", "sbatch"));
   const std::string script = read(out("wedge.sbatch"));
   EXPECT_TRUE(says(script, "#SBATCH --array=1-4\n"));
-  EXPECT_TRUE(says(script, "'--vary' 'seed=1..4' --index \"$SLURM_ARRAY_TASK_ID\"\n")) << script;
-  EXPECT_FALSE(says(script, "--submit"));
+  EXPECT_TRUE(says(script, "'--vary' 'seed=1..4' ")) << script;
+  EXPECT_TRUE(says(script, " --index \"$SLURM_ARRAY_TASK_ID\"\n")) << script;
+  for (const char* of_all : {"--submit", "--jobs", "slurm'"}) EXPECT_FALSE(says(script, of_all)) << of_all;
 }
 
 TEST_F(WedgeProgram, AnInterruptEndsTheChildrenToo) {
