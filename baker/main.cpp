@@ -1,5 +1,4 @@
 #include "baker/bake.h"
-#include "baker/children.h"
 #include "baker/chart.h"
 #include "baker/chart_picture.h"
 #include "baker/estimate.h"
@@ -9,9 +8,8 @@
 #include "baker/job.h"
 #include "baker/options.h"
 #include "baker/output_folder.h"
-#include "baker/slurm.h"
 #include "baker/verify.h"
-#include "baker/wedge.h"
+#include "baker/wedge_jobs.h"
 #include "core/error.h"
 #include "formats/preset_file.h"
 #include "formats/whole_file.h"
@@ -30,6 +28,8 @@ namespace paperbake {
 namespace {
 
 constexpr int gate_missed = 4;
+
+void say_on_stderr(const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); }
 
 const CLI::Validator positive([](std::string& text) {
   double value;
@@ -142,38 +142,6 @@ void add_wedge(CLI::App& app, WedgeWords& words) {
       ->excludes(index)->check(CLI::IsMember({"slurm"}));
 }
 
-/// The words of a wedge for one of its variations.
-std::vector<std::string> words_for_index(const std::vector<std::string>& words) {
-  std::vector<std::string> kept;
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    if (words[k] == "--jobs" || words[k] == "--submit") ++k;
-    else if (words[k].rfind("--jobs=", 0) != 0 && words[k].rfind("--submit=", 0) != 0) kept.push_back(words[k]);
-  }
-  return kept;
-}
-
-int bake_all(const Wedge& wedge, int jobs, const std::vector<std::string>& words) {
-  std::vector<Child> children;
-  for (int index = 1; index <= wedge.count(); ++index) {
-    Child child{words, wedge.state(index, ".log")};
-    child.words.insert(child.words.end(), {"--index", std::to_string(index)});
-    children.push_back(std::move(child));
-  }
-  int ended = 0;
-  const int interrupted = run_children(children, jobs, [&](std::size_t number, int code) {
-    const int index = static_cast<int>(number) + 1;
-    note_end(wedge, index, code);
-    if (wedge.common.progress != ProgressMode::none) fmt::print(stderr, "{} of {}: {}\n", ++ended, wedge.count(), describe_variation(wedge, index));
-  });
-  if (interrupted) {
-    fmt::print(stderr, "paperbake: interrupted; the same command goes on with what is left\n");
-    return 128 + interrupted;
-  }
-  const WedgeOutcome outcome = finish_wedge(wedge);
-  for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
-  return outcome.exit_code;
-}
-
 /// said: the words of the command line
 int run_wedge(const WedgeWords& words, const std::vector<std::string>& said) {
   BakeSettings settings;
@@ -186,13 +154,13 @@ int run_wedge(const WedgeWords& words, const std::vector<std::string>& said) {
     return code;
   }
   plan_bake(wedge.settings(1));  // a scene that cannot be used is said so before a folder is made
-  make_folder(wedge.output / ".state");
-  const std::vector<std::string> for_index = words_for_index(said);
-  if (!words.submit) return bake_all(wedge, words.jobs, for_index);
-  const auto script = wedge.output / "wedge.sbatch";
-  write_whole_file(script, slurm_script(for_index, wedge.count(), wedge.common.threads, wedge.output / ".state"));
-  submit_to_slurm(script);
-  return 0;
+  if (words.submit) {
+    submit_wedge(wedge, said);
+    return 0;
+  }
+  const WedgeOutcome outcome = bake_wedge(wedge, words.jobs, said);
+  for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
+  return outcome.exit_code;
 }
 
 int run_inspect(const std::filesystem::path& file, const OptionWords& words, bool json, const std::optional<std::string>& tracks) {
@@ -261,7 +229,7 @@ int run_chart(ChartSettings settings, const ChartWords& words) {
   for (const std::string& name : CLI::detail::split(words.methods, ',')) settings.methods.push_back(name);
   plan_bake(settings.job);  // a scene that cannot be used is said so before a folder is made
   const OutputFolder folder(settings.job.output);
-  const Chart result = chart(settings, [](const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); });
+  const Chart result = chart(settings, say_on_stderr);
   for (const std::string& remark : result.remarks) fmt::print(stderr, "{}\n", remark);
   const std::pair<const char*, std::string> files[] = {{"chart.csv", chart_csv(result)}, {"chart.svg", chart_svg(result)}, {"statistics.csv", statistics_csv(result)}};
   for (const auto& [name, text] : files) {
@@ -289,20 +257,6 @@ void add_fit(CLI::App& app, FitWords& words) {
 
 constexpr unsigned other_sheets = 1000001;  // seeds that --experiment does not come to
 
-/// Where the sheets of a grade get their first singular points.
-std::vector<FirstPoint> push_sheets(const Paper& paper, int sheets, unsigned first_seed = 1) {
-  std::vector<FirstPoint> points;
-  for (int sheet = 1; sheet <= sheets; ++sheet) {
-    const auto point = first_singular_point(paper, first_seed + sheet - 1);
-    if (point) points.push_back(*point);
-    fmt::print(stderr, "sheet {} of {}: {}\n", sheet, sheets,
-               point ? fmt::format("frame {}, ({:.1f}, {:.1f}) mm", point->frame, 1e3 * point->pattern.x(), 1e3 * point->pattern.y()) : "no singular point");
-  }
-  if (points.empty())
-    throw Error(Fault::simulation, fmt::format("{}, {} sheets", paper.name, sheets), fmt::format("No sheet got a singular point in {} frames.", experiment_frames));
-  return points;
-}
-
 std::filesystem::path picture_beside(const std::filesystem::path& file, const char* extension) {
   auto picture = file;
   picture.replace_extension(".png");
@@ -314,7 +268,7 @@ int run_experiment(const FitWords& words) {
   const Paper paper = read_preset(*words.experiment).paper;
   const auto picture = picture_beside(words.output, ".csv");
   write_whole_file(words.output, scatter_csv({}));  // known to be writable before the work begins
-  const std::vector<FirstPoint> points = push_sheets(paper, words.sheets);
+  const std::vector<FirstPoint> points = push_sheets(paper, words.sheets, 1, say_on_stderr);
   const Scatter scatter = scatter_of(points);
   fmt::print(stderr, "{} of {} sheets: mean ({:.2f}, {:.2f}) mm, deviation {:.2f} mm; apex_scatter of {}: {:.2f} mm\n", points.size(), words.sheets,
              1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(), 1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter);
@@ -333,10 +287,10 @@ int run_fit(const FitWords& words) {
   const std::vector<Vector2d> measured = read_scatter(*words.scatter);
   Paper unscattered = from.paper;
   unscattered.apex_scatter = 0;
-  const ScatterFit fit = fit_scatter(measured, push_sheets(unscattered, 1).front().pattern);
+  const ScatterFit fit = fit_scatter(measured, push_sheets(unscattered, 1, 1, say_on_stderr).front().pattern);
   const Preset fitted = with_scatter(from, words.output.stem().string(), fit, words.scatter->filename().string());
   std::vector<Vector2d> simulated;
-  for (const FirstPoint& p : push_sheets(fitted.paper, words.sheets, other_sheets)) simulated.push_back(p.pattern);
+  for (const FirstPoint& p : push_sheets(fitted.paper, words.sheets, other_sheets, say_on_stderr)) simulated.push_back(p.pattern);
   const TwoSamples test = compare_samples(measured, simulated);
   fmt::print(stderr,
              "{} points: deviation {:.2f} mm [{:.2f}, {:.2f}], likeliest {:.2f}; off the law's mean by u {:.2f} mm [{:.2f}, {:.2f}], v {:.2f} mm [{:.2f}, {:.2f}] (95 %)\n"
