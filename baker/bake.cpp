@@ -63,8 +63,8 @@ void write_certificate(const BakeSettings& settings, const BakePlan& plan, const
       std::map<std::string, std::string> hashes;
       for (const auto& file : files.written) hashes[std::filesystem::relative(file, files.folder).generic_string()] = file_hash(file);
       const auto error = ending(failure, files.losses, certificate);
-      return summary_json(plan, certificate.frames, outcome.missed, error ? static_cast<int>(error->fault) : outcome.missed.empty() ? 0 : 4,
-                          error ? error->what() : "", hashes);
+      return summary_json(plan, certificate.frames, certificate.crease_length, outcome.missed,
+                          error ? static_cast<int>(error->fault) : outcome.missed.empty() ? 0 : 4, error ? error->what() : "", hashes);
     });
   }
   outcome.exit_code = outcome.missed.empty() ? 0 : 4;
@@ -168,7 +168,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     if (certificate.frames.empty()) throw files.losses.all().front().error;
     output.finish();
   }
-  const Caches::Finished whole = caches.finish(frames_of_sheets(certificate, plan));
+  const Caches::Finished whole = caches.finish(frames_of_sheets(certificate, plan), certificate.handles);
   files.written.insert(files.written.begin(), whole.files.begin(), whole.files.end());
   settle(certificate, plan, whole.in_alembic);
   write_certificate(settings, plan, certificate, caches.report(), failure, files, outcome);
@@ -179,6 +179,20 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   files.losses.attempt(".state/written", [&] { replace_earlier(folder.path(), all, earlier); });
   if (const auto error = ending(failure, files.losses, certificate)) throw *error;
   note_finished(folder.path(), request, outcome);
+  return outcome;
+}
+
+void say_warnings(const BakePlan& plan, Progress& progress) {
+  for (const std::string& warning : plan.warnings) progress.say("warning: " + warning);
+  for (const SheetImpossible& pair : plan.impossible) progress.say("warning: " + describe(pair));
+}
+
+BakeOutcome bake_and_tell(const BakeSettings& settings, const BakePlan& plan, const std::function<bool()>& stop) {
+  const FrameSpan& f = plan.frames;
+  Progress progress(settings.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1), passes_of(settings));
+  say_warnings(plan, progress);
+  const BakeOutcome outcome = bake(settings, plan, progress, stop);
+  for (const std::string& sentence : outcome.missed) progress.say("gate missed: " + sentence);
   return outcome;
 }
 

@@ -27,4 +27,10 @@ Passes passes_of(const BakeSettings&);
 /// could not follow its handles; Error(Fault::stopped). What was simulated until then is written all the same, as far as it can be.
 BakeOutcome bake(const BakeSettings&, const BakePlan&, Progress&, const std::function<bool()>& stop = {});
 
+/// Warnings of a plan.
+void say_warnings(const BakePlan&, Progress&);
+
+/// The same, told on stderr: warnings, how far it is, gates that were missed.
+BakeOutcome bake_and_tell(const BakeSettings&, const BakePlan&, const std::function<bool()>& stop = {});
+
 }  // namespace paperbake

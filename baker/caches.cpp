@@ -15,19 +15,25 @@ Caches::Caches(const BakeSettings& settings, const BakePlan& plan, const std::fi
   if (settings.formats.count("usd")) usd_ = std::make_unique<UsdWriter>(folder / name(".usda"), info, names);
   if (settings.formats.count("pc2"))
     for (const std::string& suffix : suffixes) pc2_.push_back(std::make_unique<Pc2Writer>(folder / name(suffix + ".pc2"), folder / name(suffix + ".rest.obj"), info));
+  if (settings.formats.count("preview"))
+    preview_.emplace(fmt::format("{}, {}, {}, seed {}, frames {}-{}", plan.name, plan.method, plan.presets.front(), plan.seeds.front(), plan.frames.first,
+                                 plan.frames.last), plan.frames);
   if (settings.formats.count("report")) report_.emplace(plan, (plan.frames.last - plan.frames.first) / plan.frames.step + 1);
 }
 
-std::string Caches::add_frame(std::size_t sheet, const CacheFrame& frame) {
+FrameSpan Caches::shown_frames() const { return alembic_ || usd_ || !pc2_.empty() || report_ ? plan_.frames : preview_frames(plan_.frames); }
+
+std::string Caches::add_frame(std::size_t sheet, int number, const CacheFrame& frame) {
   std::string key;
   if (alembic_) losses_.attempt(name(".abc"), [&] { key = alembic_->add_frame(sheet, frame); });
   if (usd_) losses_.attempt(name(".usda"), [&] { usd_->add_frame(sheet, frame); });
   if (!pc2_.empty()) losses_.attempt(name(suffixes_[sheet] + ".pc2"), [&] { pc2_[sheet]->add_frame(frame, longer_side(plan_.shots[sheet].pattern)); });
   if (report_) losses_.attempt("report.html", [&] { report_->add_frame(sheet, frame); });
+  if (preview_) preview_->add_frame(number, frame);
   return key;
 }
 
-Caches::Finished Caches::finish(const std::vector<std::size_t>& frames) {
+Caches::Finished Caches::finish(const std::vector<std::size_t>& frames, const std::vector<HandleRecord>& handles) {
   Finished finished;
   finished.in_alembic.assign(frames.size(), 0);
   if (alembic_) keep(name(".abc"), frames, [&] { return finished.in_alembic = alembic_->finish(); }, finished);
@@ -37,6 +43,8 @@ Caches::Finished Caches::finish(const std::vector<std::size_t>& frames) {
     keep(name(suffixes_[s] + ".pc2"), {frames[s]}, [&] { return std::vector<std::size_t>{pc2_[s]->finish()}; }, finished);
     if (finished.files.size() > before) finished.files.push_back(folder_ / name(suffixes_[s] + ".rest.obj"));
   }
+  const auto picture = folder_ / name(".preview.png");
+  if (preview_ && losses_.attempt(name(".preview.png"), [&] { write_png(picture, preview_->picture(handles)); })) finished.files.push_back(picture);
   return finished;
 }
 

@@ -1,5 +1,7 @@
 #include "baker/experiment.h"
 
+#include "core/error.h"
+
 #include <cmath>
 #include <fmt/format.h>
 
@@ -147,6 +149,19 @@ Image scatter_picture(const Paper& paper, const std::vector<FirstPoint>& points)
   shown.mean = scatter.mean;
   shown.deviation = paper.apex_scatter;
   return draw_scatter(shown);
+}
+
+std::vector<FirstPoint> push_sheets(const Paper& paper, int sheets, unsigned first_seed, const std::function<void(const std::string&)>& say) {
+  std::vector<FirstPoint> points;
+  for (int sheet = 1; sheet <= sheets; ++sheet) {
+    const auto point = first_singular_point(paper, first_seed + sheet - 1);
+    if (point) points.push_back(*point);
+    say(fmt::format("sheet {} of {}: {}", sheet, sheets,
+                    point ? fmt::format("frame {}, ({:.1f}, {:.1f}) mm", point->frame, 1e3 * point->pattern.x(), 1e3 * point->pattern.y()) : "no singular point"));
+  }
+  if (points.empty())
+    throw Error(Fault::simulation, fmt::format("{}, {} sheets", paper.name, sheets), fmt::format("No sheet got a singular point in {} frames.", experiment_frames));
+  return points;
 }
 
 }  // namespace paperbake

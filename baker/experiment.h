@@ -3,6 +3,7 @@
 #include "core/animate.h"
 #include "formats/picture.h"
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -52,5 +53,10 @@ Image draw_scatter(const ScatterPicture&);
 
 /// What the experiment gave, about its mean with the deviation of the grade.
 Image scatter_picture(const Paper&, const std::vector<FirstPoint>&);
+
+/// The first singular points of sheets of a grade, with seeds from `first_seed` on; those that get none are left out.
+/// say  called with a sentence about each sheet
+/// throws Error(Fault::simulation) when no sheet gets one
+std::vector<FirstPoint> push_sheets(const Paper&, int sheets, unsigned first_seed, const std::function<void(const std::string&)>& say);
 
 }  // namespace paperbake

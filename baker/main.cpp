@@ -9,6 +9,7 @@
 #include "baker/options.h"
 #include "baker/output_folder.h"
 #include "baker/verify.h"
+#include "baker/wedge_jobs.h"
 #include "core/error.h"
 #include "formats/preset_file.h"
 #include "formats/whole_file.h"
@@ -37,6 +38,8 @@ void let_signals_ask() {
   action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
   for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
 }
+
+void say_on_stderr(const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); }
 
 const CLI::Validator positive([](std::string& text) {
   double value;
@@ -86,14 +89,19 @@ struct BakeWords : OptionWords {
   bool dry_run = false;
 };
 
-void add_bake(CLI::App& app, BakeWords& words) {
-  words.command = app.add_subcommand("bake", "Simulate the sheets of a scene and write cache, maps and certificate");
+/// SCENE and all options of the table, and --set.
+void add_all_options(OptionWords& words) {
   add_option(words, "scene", "SCENE");
   words.command->get_option("SCENE")->required()->description("An .fbx, .glb or .gltf file with a sheet and animated handles, or a job file (.toml)");
   add_option(words, "output", "-o,--output");
   for (const Option& o : options())
     if (o.name != "scene" && o.name != "output") add_option(words, o.name);
   add_set(words);
+}
+
+void add_bake(CLI::App& app, BakeWords& words) {
+  words.command = app.add_subcommand("bake", "Simulate the sheets of a scene and write cache, maps and certificate");
+  add_all_options(words);
   words.command->add_flag("--dry-run", words.dry_run, "Check everything and print the job, but write nothing");
   words.command->add_option("--write-job", words.write_job, "Write a job file that says the same, with all that it could say; "
                             "without -o that is all that is done");
@@ -113,17 +121,55 @@ int run_bake(const BakeWords& words) {
     }
   }
 
-  const FrameSpan& f = plan.frames;
-  Progress progress(settings.progress, static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1), passes_of(settings));
-  for (const std::string& warning : plan.warnings) progress.say("warning: " + warning);
-  for (const SheetImpossible& pair : plan.impossible) progress.say("warning: " + describe(pair));
   if (words.dry_run) {
+    Progress progress(settings.progress, 0, passes_of(settings));
+    say_warnings(plan, progress);
     fmt::print("{}", lock_text(plan));
     return plan.impossible.empty() ? 0 : gate_missed;
   }
   let_signals_ask();
-  const BakeOutcome outcome = bake(settings, plan, progress, [] { return stop_asked != 0; });
-  for (const std::string& sentence : outcome.missed) progress.say("gate missed: " + sentence);
+  const BakeOutcome outcome = bake_and_tell(settings, plan, [] { return stop_asked != 0; });
+  for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
+  return outcome.exit_code;
+}
+
+struct WedgeWords : OptionWords {
+  std::vector<std::string> vary;
+  int jobs = 1;
+  std::optional<int> index;
+  std::optional<std::string> submit;
+};
+
+void add_wedge(CLI::App& app, WedgeWords& words) {
+  words.command = app.add_subcommand("wedge", "Bake variations of a scene, each in a folder of its own, and compare them: wedge.csv, wedge.json, wedge.png");
+  add_all_options(words);
+  CLI::App& wedge = *words.command;
+  wedge.add_option("--vary", words.vary, "key=values: any option above or number of the paper, for instance seed=1..16, gravity=0..9.8x2.45, "
+                                         "preset=copy70,copy90; every value of a key is baked with every one of the others");
+  wedge.add_option("--jobs", words.jobs, "How many are baked at a time; each has one thread unless --threads says otherwise")
+      ->capture_default_str()->check(CLI::Range(1, 1024));
+  CLI::Option* index = wedge.add_option("--index", words.index, "Bake this variation only, from 1; the last one to be done writes the table");
+  wedge.add_option("--submit", words.submit, "slurm: write DIR/wedge.sbatch, an array of jobs with --index, and hand it to sbatch")
+      ->excludes(index)->check(CLI::IsMember({"slurm"}));
+}
+
+/// said: the words of the command line
+int run_wedge(const WedgeWords& words, const std::vector<std::string>& said) {
+  BakeSettings settings;
+  understand(words, settings);
+  if (settings.output.empty()) throw Error(Fault::command, "command line", "--output is required: the folder to write to.", "Write -o DIR.");
+  const Wedge wedge(settings, parse_axes(words.vary));
+  if (words.index) {
+    const int code = bake_variation(wedge, *words.index);
+    finish_wedge(wedge);
+    return code;
+  }
+  plan_bake(wedge.settings(1));  // a scene that cannot be used is said so before a folder is made
+  if (words.submit) {
+    submit_wedge(wedge, said);
+    return 0;
+  }
+  const WedgeOutcome outcome = bake_wedge(wedge, words.jobs, said);
   for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
   return outcome.exit_code;
 }
@@ -194,7 +240,7 @@ int run_chart(ChartSettings settings, const ChartWords& words) {
   for (const std::string& name : CLI::detail::split(words.methods, ',')) settings.methods.push_back(name);
   plan_bake(settings.job);  // a scene that cannot be used is said so before a folder is made
   const OutputFolder folder(settings.job.output);
-  const Chart result = chart(settings, [](const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); });
+  const Chart result = chart(settings, say_on_stderr);
   for (const std::string& remark : result.remarks) fmt::print(stderr, "{}\n", remark);
   const std::pair<const char*, std::string> files[] = {{"chart.csv", chart_csv(result)}, {"chart.svg", chart_svg(result)}, {"statistics.csv", statistics_csv(result)}};
   for (const auto& [name, text] : files) {
@@ -222,20 +268,6 @@ void add_fit(CLI::App& app, FitWords& words) {
 
 constexpr unsigned other_sheets = 1000001;  // seeds that --experiment does not come to
 
-/// Where the sheets of a grade get their first singular points.
-std::vector<FirstPoint> push_sheets(const Paper& paper, int sheets, unsigned first_seed = 1) {
-  std::vector<FirstPoint> points;
-  for (int sheet = 1; sheet <= sheets; ++sheet) {
-    const auto point = first_singular_point(paper, first_seed + sheet - 1);
-    if (point) points.push_back(*point);
-    fmt::print(stderr, "sheet {} of {}: {}\n", sheet, sheets,
-               point ? fmt::format("frame {}, ({:.1f}, {:.1f}) mm", point->frame, 1e3 * point->pattern.x(), 1e3 * point->pattern.y()) : "no singular point");
-  }
-  if (points.empty())
-    throw Error(Fault::simulation, fmt::format("{}, {} sheets", paper.name, sheets), fmt::format("No sheet got a singular point in {} frames.", experiment_frames));
-  return points;
-}
-
 std::filesystem::path picture_beside(const std::filesystem::path& file, const char* extension) {
   auto picture = file;
   picture.replace_extension(".png");
@@ -247,7 +279,7 @@ int run_experiment(const FitWords& words) {
   const Paper paper = read_preset(*words.experiment).paper;
   const auto picture = picture_beside(words.output, ".csv");
   write_whole_file(words.output, scatter_csv({}));  // known to be writable before the work begins
-  const std::vector<FirstPoint> points = push_sheets(paper, words.sheets);
+  const std::vector<FirstPoint> points = push_sheets(paper, words.sheets, 1, say_on_stderr);
   const Scatter scatter = scatter_of(points);
   fmt::print(stderr, "{} of {} sheets: mean ({:.2f}, {:.2f}) mm, deviation {:.2f} mm; apex_scatter of {}: {:.2f} mm\n", points.size(), words.sheets,
              1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(), 1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter);
@@ -266,10 +298,10 @@ int run_fit(const FitWords& words) {
   const std::vector<Vector2d> measured = read_scatter(*words.scatter);
   Paper unscattered = from.paper;
   unscattered.apex_scatter = 0;
-  const ScatterFit fit = fit_scatter(measured, push_sheets(unscattered, 1).front().pattern);
+  const ScatterFit fit = fit_scatter(measured, push_sheets(unscattered, 1, 1, say_on_stderr).front().pattern);
   const Preset fitted = with_scatter(from, words.output.stem().string(), fit, words.scatter->filename().string());
   std::vector<Vector2d> simulated;
-  for (const FirstPoint& p : push_sheets(fitted.paper, words.sheets, other_sheets)) simulated.push_back(p.pattern);
+  for (const FirstPoint& p : push_sheets(fitted.paper, words.sheets, other_sheets, say_on_stderr)) simulated.push_back(p.pattern);
   const TwoSamples test = compare_samples(measured, simulated);
   fmt::print(stderr,
              "{} points: deviation {:.2f} mm [{:.2f}, {:.2f}], likeliest {:.2f}; off the law's mean by u {:.2f} mm [{:.2f}, {:.2f}], v {:.2f} mm [{:.2f}, {:.2f}] (95 %)\n"
@@ -303,6 +335,9 @@ int run(int argc, char** argv) {
 
   BakeWords words;
   add_bake(app, words);
+
+  WedgeWords wedge_words;
+  add_wedge(app, wedge_words);
 
   ChartSettings charted;
   ChartWords chart_words;
@@ -342,6 +377,7 @@ int run(int argc, char** argv) {
     throw Error(Fault::command, "command line", fmt::format("{}.", error.what()), "paperbake --help and paperbake COMMAND --help say what there is.");
   }
   if (app.got_subcommand("bake")) return run_bake(words);
+  if (app.got_subcommand("wedge")) return run_wedge(wedge_words, {argv + 1, argv + argc});
   if (app.got_subcommand("chart")) return run_chart(std::move(charted), chart_words);
   if (app.got_subcommand("inspect")) return run_inspect(inspected, reading, json, tracks);
   if (app.got_subcommand("fit")) return run_fit(fit);

@@ -40,7 +40,7 @@ Option of(JobKey key, std::string usual, std::string meaning, Apply apply) { ret
 Option open(JobKey key, std::string example, std::string meaning, Apply apply) { return {std::move(key), "", std::move(meaning), "", std::move(example), std::move(apply)}; }
 
 std::set<std::string> parse_formats(const std::string& text, const std::string& place) {
-  const std::vector<std::string> known{"abc", "maps", "cert", "report", "usd", "pc2"};
+  const std::vector<std::string> known{"abc", "maps", "cert", "report", "usd", "pc2", "preview"};
   std::set<std::string> formats;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
@@ -75,7 +75,7 @@ std::vector<Option> make_options() {
                       "Mesh in the cache: render (one for the whole shot), simulation (as it is simulated)"),
       word<Quality>("quality", &BakeSettings::quality, {{"draft", Quality::draft}, {"shot", Quality::shot}, {"hero", Quality::hero}}, "shot",
                     "Edges of the render mesh on a sheet of 0.2 m: draft 5 mm, shot 2 mm, hero 1 mm"),
-      of({"formats", K::list}, "abc,maps,cert,report", "What to write, of abc,maps,cert,report,usd,pc2",
+      of({"formats", K::list}, "abc,maps,cert,report", "What to write, of abc,maps,cert,report,usd,pc2,preview",
          [](auto& s, auto& text, auto& place) { s.formats = parse_formats(text, place); }),
       open({"gravity", K::number}, "0", "m/s2, positive = downwards; else the scene's paper_gravity, else 0", [](auto& s, auto& text, auto&) { s.gravity = std::stod(text); }),
       of({"stop", K::number, above_zero}, "1e-5", "Newton's stop: metres from the minimum", to_number([](auto& s) -> auto& { return s.stop; })),

@@ -3,6 +3,7 @@
 #include "baker/cache_measure.h"
 #include "baker/debug_pictures.h"
 #include "baker/render_pass.h"
+#include "core/crease_network.h"
 #include "core/curvature.h"
 #include "core/measure.h"
 #include "core/transfer.h"
@@ -68,6 +69,7 @@ void SheetOutput::take(const AnimatedFrame& frame) {
 
 void SheetOutput::finish() {
   release_waiting(nullptr);
+  certificate_.crease_length += crease_network(now_).length;
   files_.losses.attempt("render mesh of sheet \"" + shot_.sheet_name + "\"", [&] { write_render_frames(); });
   if (!map_) return;
   write_map("final");
@@ -153,10 +155,12 @@ void SheetOutput::write_render_frames() {
   std::size_t at = first_record_;
   LayersOfFrame layers;
   if (damage_) layers = [&](std::size_t k, const Points2& pattern) { return damage_->at(k, record_, pattern); };
-  render_shot(record_, shot_, settings_.quality, plan_.frames, plan_.animation.fps, layers, [&](int, const CacheFrame& frame, const RenderNumbers& numbers) {
-    FrameRecord& r = certificate_.frames[at++];
+  render_shot(record_, shot_, settings_.quality, caches_.shown_frames(), plan_.animation.fps, layers,
+              [&](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
+    while (certificate_.frames[at].frame != number) ++at;
+    FrameRecord& r = certificate_.frames[at];
     r.render = numbers;
-    r.content_hash = caches_.add_frame(sheet_, frame);
+    r.content_hash = caches_.add_frame(sheet_, number, frame);
     progress_.rendered(r);
   });
 }
@@ -188,7 +192,7 @@ void SheetOutput::release_waiting(const Sheet* next) {
   FrameRecord& r = certificate_.frames[waiting_record_];
   const LengthDistortion stored = cache_distortion(*waiting_, longer_side(shot_.pattern));
   r.render = {static_cast<int>(waiting_->triangles.rows()), 100 * stored.mean, 100 * stored.largest, 0, r.crossings, false};
-  r.content_hash = caches_.add_frame(sheet_, *waiting_);
+  r.content_hash = caches_.add_frame(sheet_, r.frame, *waiting_);
   waiting_.reset();
 }
 

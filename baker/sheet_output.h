@@ -21,6 +21,7 @@ struct Certificate {
   std::vector<FrameRecord> frames;
   std::vector<HandleRecord> handles;
   std::vector<SingularRecord> singular;
+  double crease_length = 0;                              // [m] of the last frames of all sheets
 };
 
 /// The files of a bake; shared by its sheets.

@@ -97,8 +97,8 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   return missed;
 }
 
-std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, const std::vector<std::string>& missed, int exit_code,
-                         const std::string& failure, const std::map<std::string, std::string>& files) {
+std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, double crease_length, const std::vector<std::string>& missed,
+                         int exit_code, const std::string& failure, const std::map<std::string, std::string>& files) {
   Json sheets = Json::array(), impossible = Json::array(), settings = Json::object();
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     sheets.push_back({{"name", plan.shots[s].sheet_name}, {"preset", plan.presets[s]}, {"seed", plan.seeds[s]},
@@ -130,7 +130,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"geometry_ms", spread(frames, [](const FrameRecord& f) { return f.geometry_ms; })},
       {"newton_iterations", spread(frames, [](const FrameRecord& f) { return double(f.newton_iterations); })},
       {"energy_J", spread(frames, [](const FrameRecord& f) { return f.energy_J; })},
-      {"singular", singular}, {"crossings", crossings},
+      {"singular", singular}, {"crease_length_m", crease_length}, {"crossings", crossings},
       {"not_converged", count([](const FrameRecord& f) { return !f.converged; })},
       {"jammed_frames", count([](const FrameRecord& f) { return !f.jammed.empty(); })},
       {"impossible_handles", impossible}, {"gates_missed", missed}, {"exit_code", exit_code},

@@ -23,9 +23,10 @@ std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecor
 std::string machine_name();
 
 /// cert/summary.json: the certificate over the whole shot.
+/// crease_length  [m] of the last frame
 /// files  of the bake, relative to its folder, and the keys of their bytes
 /// exit_code of the bake; failure: what ended it, or could not be written; empty when it went well
-std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, const std::vector<std::string>& missed, int exit_code, const std::string& failure,
-                         const std::map<std::string, std::string>& files);
+std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, double crease_length, const std::vector<std::string>& missed, int exit_code,
+                         const std::string& failure, const std::map<std::string, std::string>& files);
 
 }  // namespace paperbake

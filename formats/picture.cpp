@@ -15,8 +15,9 @@ namespace {
 
 static_assert(sizeof(Colour) == 3, "rows of pixels are handed to libpng as they are");
 
-/// A triangle in samples: columns x, rows y, depth z.
-void fill(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c, Colour colour) {
+/// A triangle in samples: columns x, rows y, depth z. paint(x, y) is its colour there.
+template <class Paint>
+void fill_with(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c, const Paint& paint) {
   const Vector3d ab = b - a, ac = c - a;
   const double twice_area = ab.x() * ac.y() - ac.x() * ab.y();
   const double zx = twice_area == 0 ? 0 : (ab.z() * ac.y() - ac.z() * ab.y()) / twice_area;
@@ -42,10 +43,34 @@ void fill(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& 
       const std::size_t k = std::size_t(row) * columns + column;
       if (z < canvas.depth[k]) continue;
       canvas.depth[k] = z;
-      canvas.colour[k] = colour;
+      canvas.colour[k] = paint(column + 0.5, y);
     }
   }
 }
+
+void fill(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c, Colour colour) {
+  fill_with(canvas, a, b, c, [&](double, double) { return colour; });
+}
+
+/// What lies linearly between three corners of a triangle, in samples.
+struct Slope {
+  Vector3d corner, across, down;  // red, green, blue at the first corner; their change a column and a row
+
+  Slope(const Vector3d& a, const Vector3d& b, const Vector3d& c, const std::array<Colour, 3>& colours) {
+    const auto rgb = [](Colour k) { return Vector3d(k.red, k.green, k.blue); };
+    const Vector3d ab = b - a, ac = c - a, to_b = rgb(colours[1]) - rgb(colours[0]), to_c = rgb(colours[2]) - rgb(colours[0]);
+    const double twice_area = ab.x() * ac.y() - ac.x() * ab.y();
+    corner = rgb(colours[0]);
+    across = down = Vector3d::Zero();
+    if (twice_area == 0) return;
+    across = (to_b * ac.y() - to_c * ab.y()) / twice_area;
+    down = (to_c * ab.x() - to_b * ac.x()) / twice_area;
+  }
+  Colour at(double columns, double rows) const {
+    const Vector3d c = (corner + columns * across + rows * down).cwiseMax(0).cwiseMin(255);
+    return {static_cast<std::uint8_t>(c.x() + 0.5), static_cast<std::uint8_t>(c.y() + 0.5), static_cast<std::uint8_t>(c.z() + 0.5)};
+  }
+};
 
 /// Column and row in samples, depth.
 Vector3d in_samples(const Canvas& canvas, const Camera& camera, const Vector3d& p, double lift) {
@@ -139,6 +164,56 @@ void draw_triangles(Canvas& canvas, const Camera& camera, const Points3& x, cons
     for (int i = 0; i < 3; ++i) corner[i] = in_samples(canvas, camera, x.row(triangles(t, i)), 0);
     fill(canvas, corner[0], corner[1], corner[2], face[t]);
   }
+}
+
+void draw_smooth_triangles(Canvas& canvas, const Camera& camera, const Points3& x, const Triangles& triangles,
+                           const std::vector<std::array<Colour, 3>>& corners) {
+  for (int t = 0; t < triangles.rows(); ++t) {
+    Vector3d p[3];
+    for (int i = 0; i < 3; ++i) p[i] = in_samples(canvas, camera, x.row(triangles(t, i)), 0);
+    const Slope slope(p[0], p[1], p[2], corners[t]);
+    fill_with(canvas, p[0], p[1], p[2], [&](double column, double row) { return slope.at(column - p[0].x(), row - p[0].y()); });
+  }
+}
+
+void shade_hollows(Canvas& canvas, double scale, double reach) {
+  constexpr int spokes = 8, rings = 4;
+  constexpr double strength = 0.9, most = 0.55, brightest = 0.12;
+  struct Tap {
+    int column, row;
+    double far;  // [px]
+  };
+  std::vector<Tap> taps;  // each stands for itself and its opposite
+  for (int ring = 1; ring <= rings; ++ring)
+    for (int k = 0; k < spokes; ++k) {
+      const double turn = M_PI * (k + 0.5 * (ring % 2)) / spokes, r = reach * ring / rings;
+      const Tap tap{static_cast<int>(std::lround(r * std::cos(turn))), static_cast<int>(std::lround(r * std::sin(turn))), 0};
+      if (tap.column || tap.row) taps.push_back({tap.column, tap.row, std::hypot(tap.column, tap.row)});
+    }
+  const int n = canvas.samples, columns = canvas.width * n;
+  const auto paper = [](float depth) { return depth > -std::numeric_limits<float>::infinity() && depth < 0.5 * on_top; };
+  const auto depth = [&](int column, int row) { return canvas.depth[std::size_t(row * n + n / 2) * columns + column * n + n / 2]; };
+  for (int row = 0; row < canvas.height; ++row)
+    for (int column = 0; column < canvas.width; ++column) {
+      const float here = depth(column, row);
+      if (!paper(here)) continue;
+      double rise = 0;  // mean slope up to what surrounds it
+      for (const Tap& tap : taps) {
+        const int left = column - tap.column, right = column + tap.column, above = row - tap.row, below = row + tap.row;
+        if (std::min(left, right) < 0 || std::max(left, right) >= canvas.width || above < 0 || below >= canvas.height) continue;
+        const float a = depth(left, above), b = depth(right, below);
+        if (paper(a) && paper(b)) rise += std::clamp(0.5 * scale * (double(a) - here + double(b) - here) / tap.far, -1.0, 1.0);
+      }
+      rise /= taps.size();
+      const double darker = std::clamp(strength * rise, -brightest, most);
+      for (int j = 0; j < n; ++j)
+        for (int i = 0; i < n; ++i) {
+          const std::size_t k = std::size_t(row * n + j) * columns + column * n + i;
+          if (!(std::abs(canvas.depth[k] - here) * scale < 0.5 * reach)) continue;  // another layer, or nothing
+          Colour& c = canvas.colour[k];
+          c = darker > 0 ? mix(c, {}, darker) : mix(c, {255, 255, 255}, -darker);
+        }
+    }
 }
 
 void draw_line(Canvas& canvas, const Camera& camera, const Vector3d& a, const Vector3d& b, double width, Colour colour, double lift) {

@@ -2,6 +2,7 @@
 
 #include "core/sheet.h"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <string>
@@ -66,6 +67,13 @@ constexpr double on_top = 1e9;
 /// x        |V|x3 [m]
 /// face     |T| colours
 void draw_triangles(Canvas&, const Camera&, const Points3& x, const Triangles&, const std::vector<Colour>& face);
+/// The same with colours that run from corner to corner.
+/// corners  |T| times three colours
+void draw_smooth_triangles(Canvas&, const Camera&, const Points3& x, const Triangles&, const std::vector<std::array<Colour, 3>>& corners);
+/// Darkens what lies in hollows and behind what is nearer, and lightens ridges a little: by the mean slope of the depths round a
+/// pixel, of opposite ones together, so that a plane stays as it is. What is drawn later is not touched.
+/// scale [px/m], reach [px] how far it looks
+void shade_hollows(Canvas&, double scale, double reach);
 /// width [px]; ends are square, half a width beyond the points
 void draw_line(Canvas&, const Camera&, const Vector3d& a, const Vector3d& b, double width, Colour, double lift = 0);
 /// radius [px]

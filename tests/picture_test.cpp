@@ -42,6 +42,48 @@ double blackened(const Image& image) {
   return sum;
 }
 
+/// Two squares side by side, 100 px each, that rise to the viewer from their common edge by so much a pixel.
+Canvas valley(double left_slope, double right_slope) {
+  Canvas canvas(200, 100, white);
+  Points3 x(6, 3);
+  x << 0, 0, 100 * left_slope, 100, 0, 0, 200, 0, 100 * right_slope, 0, 100, 100 * left_slope, 100, 100, 0, 200, 100, 100 * right_slope;
+  Triangles triangles(4, 3);
+  triangles << 0, 1, 4, 0, 4, 3, 1, 2, 5, 1, 5, 4;
+  draw_triangles(canvas, plain_camera(100), x, triangles, std::vector<Colour>(4, {128, 128, 128}));
+  return canvas;
+}
+
+TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
+  Canvas canvas(100, 100, white);
+  Points3 x(3, 3);
+  x << 0, 0, 0, 100, 0, 0, 0, 100, 0;
+  Triangles triangle(1, 3);
+  triangle << 0, 1, 2;
+  draw_smooth_triangles(canvas, plain_camera(100), x, triangle, {{Colour{0, 0, 0}, Colour{200, 0, 0}, Colour{0, 100, 0}}});
+  const Image image = develop(canvas);
+  for (const auto& [column, row] : {std::pair(10, 90), std::pair(40, 70), std::pair(20, 30)}) {
+    EXPECT_NEAR(image.at(column, row).red, 2.0 * (column + 0.5), 1.01);  // one of rounding each sample
+    EXPECT_NEAR(image.at(column, row).green, 100 - (row + 0.5), 1.01);
+    EXPECT_EQ(image.at(column, row).blue, 0);
+  }
+  EXPECT_EQ(image.at(90, 10), white);
+}
+
+TEST(Picture, ValleysAreDarkenedRidgesAreNotAndASlopeStaysAsItIs) {
+  const auto middle_and_side = [](Canvas canvas) {
+    shade_hollows(canvas, 1, 10);
+    const Image image = develop(canvas);
+    return std::pair(int(image.at(100, 50).red), int(image.at(40, 50).red));
+  };
+  EXPECT_EQ(middle_and_side(valley(0.7, -0.7)), std::pair(128, 128)) << "a plane that leans";
+  const auto [hollow, beside] = middle_and_side(valley(0.7, 0.7));
+  EXPECT_LT(hollow, 90);
+  EXPECT_EQ(beside, 128);
+  const auto [ridge, flank] = middle_and_side(valley(-0.7, -0.7));
+  EXPECT_GT(ridge, 134);
+  EXPECT_EQ(flank, 128);
+}
+
 TEST(Picture, ATriangleCoversThePixelsInsideItAndNoOthers) {
   Canvas canvas(20, 10, white);
   Points3 x(3, 3);

@@ -50,7 +50,7 @@ TEST(SheetOutput, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSheetsOw
     output.take(frame);
   }
   output.finish();
-  caches.finish({6});
+  caches.finish({6}, {});
 
   const AlembicReader cache(folder / "changing.abc");
   ASSERT_EQ(cache.sheets()[0].frames, 6u);
