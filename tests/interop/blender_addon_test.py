@@ -319,7 +319,7 @@ def test_two_sheets(judgement):
 
 
 def test_cancel(judgement):
-    """A bake that is cancelled on its way ends, says where, loads nothing, and leaves the cache before it alone."""
+    """A bake that is cancelled on its way ends, says where, loads nothing, and leaves a whole cache: of the frames until then."""
     part("program").KILL_AFTER = 1000  # [s] it obeys
     scene = holding("cancelled")
     folder = FOLDER / "cancelled" / "paperbake"
@@ -332,7 +332,7 @@ def test_cancel(judgement):
     job.cancel()
     outcome = job.run()
     judgement.check(outcome.level == "WARNING" and "cancelled at frame" in outcome.sentence and not job.loaded, f"cancelled: it says {outcome}")
-    judgement.check((folder / "cancelled.abc").read_bytes() == b"of the bake before", "the cache of the bake before is gone")
+    judgement.check((folder / "cancelled.abc").read_bytes()[:6] == b"Ogawa\xff", "the cache is not a whole one")
     judgement.count("failures", 1)
 
 
