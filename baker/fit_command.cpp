@@ -39,15 +39,6 @@ int run_experiment(const FitWords& words) {
 
 }  // namespace
 
-void add_fit(CLI::App& app, FitWords& words) {
-  CLI::App& fit = *app.add_subcommand("fit", "Fit a grade to where the first singular points of measured sheets lie; or repeat that experiment");
-  CLI::Option* scatter = fit.add_option("SCATTER", words.scatter, "Measured points: a .csv with columns u and v, in metres");
-  CLI::Option* from = fit.add_option("--from", words.from, "The grade to begin with");
-  fit.add_option("--experiment", words.experiment, "Push sheets of this grade until their first singular point")->excludes(scatter)->excludes(from);
-  fit.add_option("--sheets", words.sheets, "How many are simulated")->capture_default_str()->check(CLI::Range(1, 100000));
-  fit.add_option("-o,--output", words.output, "The fitted grade (.toml), or u,v,seed,frame of each sheet (.csv); a picture beside it (.png)")->required();
-}
-
 int run_fit(const FitWords& words) {
   if (words.experiment) return run_experiment(words);
   if (!words.scatter || !words.from)

@@ -28,6 +28,8 @@ namespace {
 
 constexpr int gate_missed = 4;
 
+void say_on_stderr(const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); }
+
 volatile std::sig_atomic_t stop_asked = 0;
 
 /// The first Ctrl-C or SIGTERM asks a bake to end after its frame; the next one ends it at once.
@@ -245,6 +247,15 @@ int run_chart(ChartSettings settings, const ChartWords& words) {
     fmt::print("{}\n", (folder.path() / name).string());
   }
   return 0;
+}
+
+void add_fit(CLI::App& app, FitWords& words) {
+  CLI::App& fit = *app.add_subcommand("fit", "Fit a grade to where the first singular points of measured sheets lie; or repeat that experiment");
+  CLI::Option* scatter = fit.add_option("SCATTER", words.scatter, "Measured points: a .csv with columns u and v, in metres");
+  CLI::Option* from = fit.add_option("--from", words.from, "The grade to begin with");
+  fit.add_option("--experiment", words.experiment, "Push sheets of this grade until their first singular point")->excludes(scatter)->excludes(from);
+  fit.add_option("--sheets", words.sheets, "How many are simulated")->capture_default_str()->check(CLI::Range(1, 100000));
+  fit.add_option("-o,--output", words.output, "The fitted grade (.toml), or u,v,seed,frame of each sheet (.csv); a picture beside it (.png)")->required();
 }
 
 int run_verify(const std::filesystem::path& folder, bool json, bool estimate) {
