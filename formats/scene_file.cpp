@@ -73,6 +73,32 @@ std::vector<FoldLine> ended_on_border(std::vector<FoldLine> creases, const Patte
   return creases;
 }
 
+/// A crease that passes a handle or a pinned point by less than a hair goes through it: a mesh that had both would have slivers between them.
+FoldLine led_through(const FoldLine& crease, const std::vector<Vector2d>& points, double hair) {
+  FoldLine led{{}, crease.angle};
+  for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
+    const Vector2d from = crease.line[k], way = crease.line[k + 1] - from;
+    std::vector<std::pair<double, Vector2d>> passed{{0, from}};
+    for (const Vector2d& p : points) {
+      const double t = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
+      if ((from + t * way - p).norm() < hair) passed.emplace_back(t, p);
+    }
+    std::stable_sort(passed.begin(), passed.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [t, p] : passed) {
+      if (!led.line.empty() && (p - led.line.back()).norm() < hair) led.line.back() = p;  // it stands for the end that it lies at
+      else led.line.push_back(p);
+    }
+  }
+  if (const Vector2d end = crease.line.back(); (end - led.line.back()).norm() >= hair) led.line.push_back(end);
+  return led;
+}
+
+void lead_creases_through_points(SceneSheet& sheet) {
+  std::vector<Vector2d> points = sheet.pins.keep;
+  for (const Handle& handle : sheet.handles) points.push_back(handle.pattern);
+  for (FoldLine& crease : sheet.pattern.folds) crease = led_through(crease, points, 2e-3 * longer_side(sheet.pattern));
+}
+
 /// throws Error(Fault::command) where a pin is not on the sheet
 void check_pins(const Pins& pins, const Pattern& pattern, const std::string& place, const std::string& name) {
   constexpr int samples = 64;  // of each part of a crease
@@ -173,6 +199,7 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   for (std::string& warning : unknown_properties(nodes.file.nodes)) scene.warnings.push_back(std::move(warning));
   scene.sheets = read_sheets(nodes, options, said, scene.warnings);
   add_handles(nodes, scene.sheets, scene.warnings);
+  for (SceneSheet& sheet : scene.sheets) lead_creases_through_points(sheet);
   scene.colliders = read_colliders(nodes, scene.warnings);
   scene.gravity = gravity_of(nodes, scene.origin);
   for (std::size_t i = 0; i < said.size(); ++i)

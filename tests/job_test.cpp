@@ -135,6 +135,11 @@ TEST_F(Job, TheOneInTheReadmeIsBaked) {
   ASSERT_EQ(ended.code, 0) << ended.err;
   EXPECT_NE(read(folder / "out" / "singular.csv").find("\n1,paper,1,0.065,0.03,kept here"), std::string::npos) << read(folder / "out" / "singular.csv");
   EXPECT_NE(read(folder / "out" / "job.lock.toml").find("apex_scatter = 0.003  # job"), std::string::npos);
+  for (const std::string& line : test::lines_of(read(folder / "out" / "cert" / "frames.jsonl"))) {  // its crease goes through handles: slivers there store kilojoules
+    const std::string key = "\"energy_J\":";
+    ASSERT_NE(line.find(key), std::string::npos) << line;
+    EXPECT_LT(std::stod(line.substr(line.find(key) + key.size())), 1e-3);
+  }
 }
 
 TEST_F(Job, WithoutAnOutputFolderItEndsWithTwo) {
