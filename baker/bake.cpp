@@ -143,7 +143,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
     SheetOutput output(settings, plan, s, caches, suffixes[s], certificate, files, progress);
     AnimateOptions animation = plan.animation;
     animation.seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
-    animation.show_memory = true;  // a later bake may want maps of these frames
+    animation.show_memory = can_resume(plan) || settings.formats.count("maps") || caches.wants_layers();  // a later bake may want maps of these frames
     const std::string rest = "rest of sheet \"" + shot.sheet_name + "\"";
     Checkpoints checkpoints(folder.sub(".state"), plan, s, settings.checkpoint_every);
     int simulated_from = animation.first_frame;

@@ -7,8 +7,6 @@
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <fstream>
-#include <iterator>
 
 namespace paperbake {
 
@@ -34,8 +32,7 @@ std::string seal_of(std::string_view bytes) { return hex(murmur(bytes)); }
 
 /// throws Error(Fault::scene): cut short, or not what was written
 Checkpoint read_checkpoint(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  const std::string bytes{std::istreambuf_iterator<char>(file), {}};
+  const std::string bytes = read_whole_file(path).value_or("");
   const std::size_t seal = seal_of("").size(), size = bytes.size() - std::min(bytes.size(), seal);
   Archive a(std::string_view(bytes).substr(0, size));
   a.demand(seal_of(std::string_view(bytes).substr(0, size)) == std::string_view(bytes).substr(size));

@@ -61,16 +61,16 @@ std::filesystem::path this_program() {
   return program;
 }
 
-int run_children(const std::vector<Child>& children, int most, const std::function<void(std::size_t, int)>& ended) {
+bool run_children(const std::vector<Child>& children, int most, const std::function<void(std::size_t, int)>& ended) {
   const std::string program = this_program();
   const BlockedSignals signals;
   std::map<pid_t, std::size_t> running;
   std::size_t next = 0;
-  int interrupted = 0;
+  bool interrupted = false;
   while (!running.empty() || (next < children.size() && !interrupted)) {
     for (; next < children.size() && static_cast<int>(running.size()) < most && !interrupted; ++next) running[start(program, children[next], signals)] = next;
-    if (const int signal = signals.wait(); signal != SIGCHLD) {
-      interrupted = signal;
+    if (signals.wait() != SIGCHLD) {
+      interrupted = true;
       for (const auto& [pid, number] : running) kill(pid, SIGTERM);
       continue;
     }

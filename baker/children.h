@@ -19,8 +19,8 @@ std::filesystem::path this_program();
 /// Runs this program once with the words of each child, at most `most` at a time, in order. A child ends with its parent, however
 /// that ends. SIGINT and SIGTERM are passed on to all that run, and no more is begun.
 /// ended  called for each that came to its end: its number and its exit code; 128 + the signal that ended it
-/// returns  0, or the signal that interrupted
+/// returns  whether a signal interrupted
 /// throws Error(Fault::folder) when a child cannot be started
-int run_children(const std::vector<Child>&, int most, const std::function<void(std::size_t, int)>& ended);
+bool run_children(const std::vector<Child>&, int most, const std::function<void(std::size_t, int)>& ended);
 
 }  // namespace paperbake

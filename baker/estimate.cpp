@@ -8,12 +8,12 @@
 #include "formats/certificate.h"
 #include "formats/lock_file.h"
 #include "formats/scene_sheet.h"
+#include "formats/whole_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -31,9 +31,8 @@ constexpr int about_a_snap = 6;                        // [frames]
 constexpr double drop_of_a_snap = 0.3;                 // [1] of the energy
 
 std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(Fault::command, path.string(), "There is no such file, or it cannot be read.", "Name the output folder of a bake with cache and certificate.");
-  return {std::istreambuf_iterator<char>(file), {}};
+  if (auto text = read_whole_file(path)) return *text;
+  throw Error(Fault::command, path.string(), "There is no such file, or it cannot be read.", "Name the output folder of a bake with cache and certificate.");
 }
 
 /// What the certificate says of one frame of a sheet.

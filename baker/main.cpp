@@ -159,7 +159,8 @@ int run_wedge(const WedgeWords& words, const std::vector<std::string>& said) {
   if (settings.output.empty()) throw Error(Fault::command, "command line", "--output is required: the folder to write to.", "Write -o DIR.");
   const Wedge wedge(settings, parse_axes(words.vary));
   if (words.index) {
-    const int code = bake_variation(wedge, *words.index);
+    let_signals_ask();
+    const int code = bake_variation(wedge, *words.index, [] { return stop_asked != 0; });
     finish_wedge(wedge);
     return code;
   }

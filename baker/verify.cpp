@@ -5,12 +5,11 @@
 #include "formats/alembic_reader.h"
 #include "formats/certificate.h"
 #include "formats/murmur.h"
+#include "formats/whole_file.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
-#include <iterator>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -25,9 +24,8 @@ constexpr double same_pct = 1e-3, same_mm = 1e-3;
 constexpr const char* seal_key = "\"seal\": \"";
 
 std::string text_of(const fs::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) throw Error(Fault::folder, path.string(), "There is no such file, or it cannot be read.");
-  return {std::istreambuf_iterator<char>(file), {}};
+  if (auto text = read_whole_file(path)) return *text;
+  throw Error(Fault::folder, path.string(), "There is no such file, or it cannot be read.");
 }
 
 /// One look at one folder.

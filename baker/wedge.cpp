@@ -16,7 +16,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <fstream>
-#include <iterator>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sys/file.h>
@@ -47,10 +46,7 @@ class WaitingLock {
   int lock_;
 };
 
-std::string text_of(const fs::path& file) {
-  std::ifstream stream(file, std::ios::binary);
-  return {std::istreambuf_iterator<char>(stream), {}};
-}
+std::string text_of(const fs::path& file) { return read_whole_file(file).value_or(""); }
 
 /// A JSON object of a file; empty when there is none.
 Json read_object(const fs::path& file) {
@@ -95,17 +91,6 @@ void take_certificate(Json& record, const fs::path& folder, const std::string& j
     energy += frame.value("energy_J", 0.0);  // of all sheets
   }
   record["energy_J"] = energy;
-}
-
-bool done(const Json& record, const std::string& inputs, const std::string& job_hash, const fs::path& folder) {
-  const Json& code = record.value("exit_code", Json());
-  if (!(code == 0 || code == 4) || record.value("inputs", "") != inputs || record.value("job_hash", "") != job_hash) return false;
-  std::ifstream written(folder / ".state" / "written");  // a key and a path a line
-  std::error_code none;
-  int files = 0;
-  for (std::string key, path; written >> key && std::getline(written.ignore(), path); ++files)
-    if (!fs::is_regular_file(folder / path, none)) return false;
-  return files > 0;
 }
 
 std::string in_lines(const Json& json) { return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n"; }
@@ -188,7 +173,7 @@ BakeSettings Wedge::settings(int index) const {
   return settings;
 }
 
-int bake_variation(const Wedge& wedge, int index) {
+int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& stop) {
   if (index < 1 || index > wedge.count()) throw Error(Fault::command, fmt::format("--index {}", index), fmt::format("There are variations 1 to {}.", wedge.count()));
   make_folder(wedge.output / ".state");
   const WaitingLock mine(wedge.state(index, ".lock"));
@@ -197,13 +182,14 @@ int bake_variation(const Wedge& wedge, int index) {
   Json record = empty_record(wedge, index, inputs);
   try {
     const BakePlan plan = plan_bake(settings);
-    const Json before = read_object(wedge.state(index, ".json"));
-    if (done(before, inputs, plan.job_hash, wedge.folder(index))) return before["exit_code"];
-    std::error_code none;
-    fs::remove(wedge.state(index, ".json"), none);
     record["job_hash"] = plan.job_hash;
-    record["exit_code"] = bake_and_tell(settings, plan).exit_code;
+    record["exit_code"] = bake_and_tell(settings, plan, stop).exit_code;
   } catch (const Error& error) {
+    if (error.fault == Fault::stopped) {
+      std::error_code none;
+      fs::remove(wedge.state(index, ".json"), none);
+      throw;
+    }
     record["exit_code"] = static_cast<int>(error.fault);
     record["message"] = error.what();
   } catch (const std::exception& error) {

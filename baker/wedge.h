@@ -3,6 +3,7 @@
 #include "baker/vary.h"
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -26,11 +27,12 @@ struct Wedge {
   std::filesystem::path output;
 };
 
-/// Bakes one variation, or finds that it was: same job (BakePlan::job_hash), same kinds of files, exit code 0 or 4. Who comes while another
-/// bakes it waits and finds it done. Warnings, progress and messages go to stderr.
+/// Bakes one variation, or finds that it was, as any bake in its folder does. Who comes while another bakes it waits and finds it done.
+/// Warnings, progress and messages go to stderr.
+/// stop     as that of a bake
 /// returns  the exit code of the bake
-/// throws Error(Fault::command): there is no such variation; Error(Fault::folder): DIR is not writable
-int bake_variation(const Wedge&, int index);
+/// throws Error(Fault::command): there is no such variation; Error(Fault::folder): DIR is not writable; Error(Fault::stopped)
+int bake_variation(const Wedge&, int index, const std::function<bool()>& stop = {});
 
 /// One line about a variation that came to an end: index, values, exit code or message.
 std::string describe_variation(const Wedge&, int index);

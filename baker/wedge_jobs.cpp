@@ -3,6 +3,7 @@
 #include "baker/children.h"
 #include "baker/output_folder.h"
 #include "baker/slurm.h"
+#include "core/error.h"
 #include "formats/whole_file.h"
 
 #include <fmt/format.h>
@@ -31,16 +32,14 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int most, const std::vector<std::str
     children.push_back(std::move(child));
   }
   int ended = 0;
-  const int interrupted = run_children(children, most, [&](std::size_t number, int code) {
+  const bool interrupted = run_children(children, most, [&](std::size_t number, int code) {
     const int index = static_cast<int>(number) + 1;
     note_end(wedge, index, code);
-    if (wedge.common.progress != ProgressMode::none) fmt::print(stderr, "{} of {}: {}\n", ++ended, wedge.count(), describe_variation(wedge, index));
+    ++ended;
+    if (wedge.common.progress != ProgressMode::none) fmt::print(stderr, "{} of {}: {}\n", ended, wedge.count(), describe_variation(wedge, index));
   });
   if (!interrupted) return finish_wedge(wedge);
-  fmt::print(stderr, "paperbake: interrupted; the same command goes on with what is left\n");
-  WedgeOutcome outcome;
-  outcome.exit_code = 128 + interrupted;
-  return outcome;
+  throw Error(Fault::stopped, wedge.output.string(), fmt::format("The bakes were stopped; {} of {} had come to an end.", ended, wedge.count()), "The same command goes on with what is left.");
 }
 
 void submit_wedge(const Wedge& wedge, const std::vector<std::string>& words) {

@@ -9,7 +9,8 @@ namespace paperbake {
 
 /// Bakes all variations, `most` at a time, each by a process of its own that this program starts with --index, and tells of each on stderr.
 /// words  of the command line that asked for the wedge
-/// returns  as finish_wedge does; exit code 128 + the signal when it was interrupted: the same words go on with what is left
+/// returns  as finish_wedge does
+/// throws Error(Fault::stopped): SIGINT or SIGTERM; the bakes have ended after their frame
 WedgeOutcome bake_wedge(const Wedge&, int most, const std::vector<std::string>& words);
 
 /// Leaves that to Slurm: writes DIR/wedge.sbatch and hands it to sbatch.

@@ -4,7 +4,6 @@
 #include <CGAL/box_intersection_d.h>
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 
-#include <algorithm>
 #include <array>
 
 // Counted by CGAL with exact predicates: an answer that does not come from the solver's own contact code.
@@ -53,10 +52,6 @@ int crossings(const Sheet& sheet) {
   int count = 0;
   CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { count += cross(sheet.x, sheet.triangles, a.info(), b.info()); });
   return count;
-}
-
-int crossings(const Points3& x, const Triangles& triangles, const std::vector<std::pair<int, int>>& pairs) {
-  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const auto& two) { return cross(x, triangles, two.first, two.second); }));
 }
 
 }  // namespace paperbake

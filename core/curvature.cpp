@@ -45,12 +45,16 @@ Ring judge(const Matrix2d& folds, const Matrix2d& round) {
 
 }  // namespace
 
-Points3 vertex_curvature(const Sheet& sheet) {
-  const Hinges hinges = find_hinges(sheet.triangles);
+std::vector<double> bending_turns(const Sheet& sheet, const Hinges& hinges) {
   std::vector<double> turns;
   for (const Hinge& hinge : hinges.hinges)
     turns.push_back(on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1]) ? 0 : fold_angle(sheet.x, hinge));
-  return vertex_curvature(sheet.pattern, sheet.triangles, hinges, turns);
+  return turns;
+}
+
+Points3 vertex_curvature(const Sheet& sheet) {
+  const Hinges hinges = find_hinges(sheet.triangles);
+  return vertex_curvature(sheet.pattern, sheet.triangles, hinges, bending_turns(sheet, hinges));
 }
 
 Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, const Hinges& hinges, const std::vector<double>& turns) {

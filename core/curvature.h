@@ -7,6 +7,9 @@
 
 namespace paperbake {
 
+/// How far the sheet bends at each hinge of its mesh: the dihedral angle, 0 on a line that was folded before. [rad]
+std::vector<double> bending_turns(const Sheet&, const Hinges&);
+
 /// Curvature tensor of the sheet at each vertex, in pattern coordinates, averaged over its one-ring:
 ///
 ///   S_v = C^(-1/2) [ sum_spokes theta l n (x) n  +  1/2 sum_link theta l n (x) n ] C^(-1/2) / A,   A = area of the one-ring
@@ -14,12 +17,12 @@ namespace paperbake {
 /// theta the dihedral angle, l the length and n the unit normal of an edge in the pattern. C is what the same sum gives for
 /// a surface of curvature 1 in all directions: the identity inside a regular mesh, less where the ring is cut by the border,
 /// whose edges turn nothing; a direction that a ring sees less than a quarter of is taken from its neighbours.
-/// A line that was folded before is no curvature.
+/// A line that was folded before is no curvature (bending_turns).
 /// A sheet that bulges towards its normal (counter-clockwise side) has positive curvature.
 /// returns  |V|x3 [1/m]  Sxx, Sxy, Syy
 Points3 vertex_curvature(const Sheet&);
 
-/// The same of given turns. turns  [rad] of each hinge of the mesh, in place of its dihedral angle
+/// The same of given turns. turns  [rad] of each hinge of the mesh, in place of bending_turns
 Points3 vertex_curvature(const Points2& pattern, const Triangles&, const Hinges&, const std::vector<double>& turns);
 
 /// Principal curvatures of one such tensor, |k1| >= |k2|, and the direction across which the sheet bends most.

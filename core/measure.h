@@ -2,9 +2,6 @@
 
 #include "core/sheet.h"
 
-#include <utility>
-#include <vector>
-
 namespace paperbake {
 
 /// How well a sheet keeps the lengths of its pattern.
@@ -29,7 +26,5 @@ Points3 vertex_normals(const Points3& x, const Triangles&);
 
 /// Pairs of triangles that pass through each other (touching in a shared vertex or edge does not count).
 int crossings(const Sheet&);
-/// Of these pairs.
-int crossings(const Points3& x, const Triangles&, const std::vector<std::pair<int, int>>& pairs);
 
 }  // namespace paperbake

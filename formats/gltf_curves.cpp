@@ -1,6 +1,7 @@
 #include "formats/gltf_curves.h"
 
 #include "core/error.h"
+#include "formats/whole_file.h"
 
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
@@ -10,8 +11,6 @@
 #include <cmath>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
-#include <iterator>
 #include <numeric>
 #include <stdexcept>
 #include <string_view>
@@ -24,9 +23,8 @@ using Json = nlohmann::json;
 [[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what); }
 
 std::string bytes_of_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
-  if (!file) refuse(fmt::format("\"{}\" beside it cannot be opened", path.filename().string()));
-  return {std::istreambuf_iterator<char>(file), {}};
+  if (auto bytes = read_whole_file(path)) return *bytes;
+  refuse(fmt::format("\"{}\" beside it cannot be opened", path.filename().string()));
 }
 
 std::uint32_t little_endian(std::string_view bytes, std::size_t at) {

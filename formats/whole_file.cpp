@@ -5,6 +5,8 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <fstream>
+#include <sstream>
 #include <stdio_ext.h>
 #include <unistd.h>
 
@@ -64,6 +66,15 @@ void WholeFile::commit() {
 void WholeFile::fail(const char* doing) const {
   throw Error(Fault::folder, path_.string(), std::string("The file cannot be ") + doing + ": " + std::strerror(errno) + ".",
               "Check free space and write permission of the folder, or choose another with -o.");
+}
+
+std::optional<std::string> read_whole_file(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  if (!file) return {};
+  std::ostringstream bytes;
+  bytes << file.rdbuf();  // a folder opens, and fails here
+  if (bytes.bad()) return {};
+  return std::move(bytes).str();
 }
 
 void write_whole_file(const std::filesystem::path& path, std::string_view text) {

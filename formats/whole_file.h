@@ -3,6 +3,8 @@
 #include <cstdint>
 #include <cstdio>
 #include <filesystem>
+#include <optional>
+#include <string>
 #include <string_view>
 
 namespace paperbake {
@@ -38,6 +40,9 @@ class WholeFile {
   std::FILE* file_;
   std::uint64_t end_ = 0;  // [bytes] written through here
 };
+
+/// All bytes of a file; nothing when it cannot be read.
+std::optional<std::string> read_whole_file(const std::filesystem::path&);
 
 /// The whole text as one file, whole or not at all.
 void write_whole_file(const std::filesystem::path&, std::string_view text);

@@ -51,8 +51,8 @@ struct Ended {
   std::string out, err;
 };
 
-/// Runs paperbake as a shell would, in the test's own folder.
-inline Ended paperbake(const fs::path& folder, const Words& words) {
+/// Starts paperbake as a shell would; what it says goes to stdout.txt and stderr.txt in the test's own folder. -1: it cannot be started
+inline pid_t start(const fs::path& folder, const Words& words) {
   const std::string out = folder / "stdout.txt", err = folder / "stderr.txt";
   posix_spawn_file_actions_t actions;
   posix_spawn_file_actions_init(&actions);
@@ -66,9 +66,18 @@ inline Ended paperbake(const fs::path& folder, const Words& words) {
   const int failed = posix_spawn(&child, PAPERBAKE_PROGRAM, &actions, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&actions);
   EXPECT_EQ(failed, 0) << PAPERBAKE_PROGRAM << " cannot be started";
+  return failed ? -1 : child;
+}
+
+/// Waits for its end. returns  its exit code; -1: it did not exit by itself
+inline int exit_code(pid_t child) {
   int status = 0;
-  if (failed || waitpid(child, &status, 0) != child) return {-1, "", ""};
-  return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read(out), read(err)};
+  return child > 0 && waitpid(child, &status, 0) == child && WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+}
+
+inline Ended paperbake(const fs::path& folder, const Words& words) {
+  const int code = exit_code(start(folder, words));
+  return {code, read(folder / "stdout.txt"), read(folder / "stderr.txt")};
 }
 
 /// paperbake: PLACE, then at least one indented line and nothing else; nothing on stdout.

@@ -40,29 +40,17 @@ class AResumedBake : public CommandLine {
 
   /// Starts a bake, and when it has told of this many frames it gets the signal, so many microseconds later. returns its exit code; -1: it was killed
   int bake_until(int frames, int later, int signal, const Words& all) const {
-    const fs::path err = folder / "killed.txt";
-    write(err, "");
-    posix_spawn_file_actions_t actions;
-    posix_spawn_file_actions_init(&actions);
-    posix_spawn_file_actions_addopen(&actions, STDOUT_FILENO, "/dev/null", O_WRONLY, 0);
-    posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, err.c_str(), O_WRONLY | O_TRUNC, 0666);
-    std::vector<char*> arguments{const_cast<char*>(PAPERBAKE_PROGRAM)};
-    for (const std::string& word : all) arguments.push_back(const_cast<char*>(word.c_str()));
-    arguments.push_back(nullptr);
-    pid_t child = 0;
-    EXPECT_EQ(posix_spawn(&child, PAPERBAKE_PROGRAM, &actions, nullptr, arguments.data(), environ), 0);
-    posix_spawn_file_actions_destroy(&actions);
-    int status = 0;
-    while (waitpid(child, &status, WNOHANG) == 0) {
-      if (times(read(err), "simulated frame") >= frames) {
+    const pid_t child = start(folder, all);
+    siginfo_t ended{};
+    while (waitid(P_PID, child, &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0) {
+      if (times(read(folder / "stderr.txt"), "simulated frame") >= frames) {
         usleep(later);
         kill(child, signal);
-        waitpid(child, &status, 0);
         break;
       }
       usleep(2000);
     }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return exit_code(child);
   }
 
   std::set<std::string> checkpoints(const std::string& out) const {

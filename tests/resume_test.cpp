@@ -95,7 +95,7 @@ TEST_P(AKilledBake, GoesOnFromItsLastCheckpointToTheSameBytes) {
 TEST_F(AResumedBake, ThatIsStoppedKeepsWhatItHasAndGoesOn) {
   bake_whole("whole", {}, "1-40");
   EXPECT_EQ(bake_until(7, 0, SIGTERM, words("out", {}, "1-40")), 5);
-  EXPECT_NE(read(folder / "killed.txt").find("The bake was stopped."), std::string::npos);
+  EXPECT_NE(read(folder / "stderr.txt").find("The bake was stopped."), std::string::npos);
   const auto summary = nlohmann::json::parse(read(folder / "out/cert/summary.json"));
   EXPECT_EQ(summary["exit_code"], 5);
   const int frames = summary["frames"];

@@ -21,8 +21,7 @@ Sheet doubly_curved(double kx, double ky, int cells = 8) {
 }
 
 Ridges ridges_of(const Sheet& sheet, const std::vector<int>& held, const Eigen::VectorXd& remembered) {
-  const Hinges hinges = find_hinges(sheet.triangles);
-  return find_ridges(sheet, hinges, fold_angles(sheet.x, hinges.hinges), Paper{}, held, remembered);
+  return find_ridges(sheet, find_hinges(sheet.triangles), Paper{}, held, remembered);
 }
 
 Ridges ridges_of(const Sheet& sheet, const std::vector<int>& held = {}) { return ridges_of(sheet, held, Eigen::VectorXd::Zero(sheet.triangles.rows())); }
@@ -46,6 +45,15 @@ TEST(Ridges, SheetThatBendsInTwoDirectionsIsFocusedToTheWidthOfARidge) {
     if (ridges.share[t] < 1) continue;
     EXPECT_NEAR(ridges.focus[t], 0.025 / width, 1e-9 * ridges.focus[t]);
   }
+}
+
+TEST(Ridges, CreaseOfASheetThatBendsAlongItIsNone) {
+  Sheet sheet = doubly_curved(20, 0);  // 20 1/m over a cell of 12 mm: 14 degrees
+  const double row = sheet.pattern.col(1).maxCoeff() * 5 / 9;
+  for (int v = 0; v < sheet.x.rows(); ++v) sheet.x(v, 2) -= 0.5 * std::abs(sheet.pattern(v, 1) - row);
+  ASSERT_GT(ridges_of(sheet).share.maxCoeff(), 0.5) << "of paper that was not folded there";
+  sheet.folds = {{{{0, row}, {0.1, row}}, 0}};
+  EXPECT_EQ(ridges_of(sheet).share.maxCoeff(), 0);
 }
 
 TEST(Ridges, TrianglesLargerThanHalfAFacetFocusOverTheirOwnSize) {

@@ -23,10 +23,12 @@ namespace fs = std::filesystem;
 using Json = nlohmann::json;
 using test::CommandLine;
 using test::Ended;
+using test::exit_code;
 using test::is_error;
 using test::lines_of;
 using test::read;
 using test::samples;
+using test::start;
 using test::Words;
 
 Words values(const std::string& text) { return parse_axis(text).values; }
@@ -202,28 +204,25 @@ TEST_F(WedgeProgram, WithoutSbatchTheScriptIsWrittenAllTheSame) {
   for (const char* of_all : {"--submit", "--jobs", "slurm'"}) EXPECT_FALSE(says(script, of_all)) << of_all;
 }
 
-TEST_F(WedgeProgram, AnInterruptEndsTheChildrenToo) {
-  Words all{PAPERBAKE_PROGRAM, "wedge", samples + "/S4_crumple.glb", "-o", output(), "--triangles", "400000", "--method", "fem", "--vary", "seed=1..4", "--jobs", "2",
-            "--progress", "none"};
-  std::vector<char*> arguments;
-  for (std::string& word : all) arguments.push_back(word.data());
-  arguments.push_back(nullptr);
-  posix_spawn_file_actions_t actions;
-  posix_spawn_file_actions_init(&actions);
-  posix_spawn_file_actions_addopen(&actions, STDERR_FILENO, "/dev/null", O_WRONLY, 0);
-  pid_t program = 0;
-  ASSERT_EQ(posix_spawn(&program, PAPERBAKE_PROGRAM, &actions, nullptr, arguments.data(), environ), 0);
-  posix_spawn_file_actions_destroy(&actions);
-  while (!fs::exists(out("0001/.state/lock"))) usleep(1000);  // it bakes for minutes from here on
+TEST_F(WedgeProgram, AnInterruptEndsTheChildrenAfterTheirFrame) {
+  const pid_t program = start(folder, {"wedge", samples + "/S4_crumple.glb", "-o", output(), "--triangles", "8000", "--method", "fem", "--vary", "seed=1..4", "--jobs", "2"});
+  while (!fs::exists(out("0001/.state/lock"))) usleep(1000);  // it bakes for half a minute from here on
   kill(program, SIGINT);
-  int status = 0;
-  ASSERT_EQ(waitpid(program, &status, 0), program);
-  EXPECT_TRUE(WIFEXITED(status) && WEXITSTATUS(status) == 128 + SIGINT) << status;
+  EXPECT_EQ(exit_code(program), 5);
   const int lock = open(out("0001/.state/lock").c_str(), O_RDWR);
   ASSERT_GE(lock, 0);
   EXPECT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0) << "a child still bakes";
   close(lock);
   EXPECT_FALSE(fs::exists(out("wedge.csv")));
+}
+
+TEST_F(WedgeProgram, AVariationThatIsStoppedKeepsItsFrames) {
+  const pid_t program = start(folder, {"wedge", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem", "--triangles", "3000", "--vary", "seed=1..2", "--index", "1"});
+  while (!fs::exists(out("0001/.state/lock"))) usleep(1000);
+  kill(program, SIGTERM);
+  EXPECT_EQ(exit_code(program), 5);
+  EXPECT_TRUE(fs::exists(out("0001/S4_crumple.abc")));
+  EXPECT_FALSE(fs::exists(out(".state/0001.json"))) << "stopped is no end";
 }
 
 }  // namespace

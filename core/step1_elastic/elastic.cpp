@@ -66,7 +66,7 @@ struct Elastic::Impl {
 
   /// Where the sheet bends in two directions as a step begins, it yields as ridges do.
   void look_for_ridges(const Sheet& sheet, const std::vector<int>& vertices) {
-    if (grid) energy->ridges = softened->ridges = find_ridges(sheet, energy->hinges(), energy->fold_angles(sheet.x), paper, vertices, energy->memory.ridge);
+    if (grid) energy->ridges = softened->ridges = find_ridges(sheet, energy->hinges(), paper, vertices, energy->memory.ridge);
   }
 
   /// What has flowed goes to the grid and comes back as the past of the next step. returns the growth of the integral [m rad]

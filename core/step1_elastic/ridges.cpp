@@ -40,10 +40,9 @@ double size_across(const Sheet& sheet, int t, const Vector2d& across, double are
 
 }  // namespace
 
-Ridges find_ridges(const Sheet& sheet, const Hinges& hinges, const std::vector<double>& turns, const Paper& paper, const std::vector<int>& held,
-                   const Eigen::VectorXd& remembered) {
+Ridges find_ridges(const Sheet& sheet, const Hinges& hinges, const Paper& paper, const std::vector<int>& held, const Eigen::VectorXd& remembered) {
   const int triangles = static_cast<int>(sheet.triangles.rows());
-  const Points3 curvature = vertex_curvature(sheet.pattern, sheet.triangles, hinges, turns);
+  const Points3 curvature = vertex_curvature(sheet.pattern, sheet.triangles, hinges, bending_turns(sheet, hinges));
   std::vector<double> area(triangles);
   double whole = 0;
   for (int t = 0; t < triangles; ++t) whole += area[t] = triangle_area(sheet, t);

@@ -4,7 +4,6 @@
 #include "core/paper.h"
 #include "core/sheet.h"
 
-#include <vector>
 
 namespace paperbake {
 
@@ -29,8 +28,8 @@ struct Ridges {
 /// (S4, 185/320/635 triangles, plastic turn of frame 48: 0.80, 0.47, 0.42 m rad by d alone, 0.88, 0.71, 0.72 with X/2.)
 /// Vertices that are held or on the border do not count: a point load is no ridge.
 /// remembered  |T| s of earlier frames
-/// hinges, turns  of the sheet's triangles; [rad] of each
+/// hinges      of the sheet's triangles
 /// source      this project's, angles measured on S4
-Ridges find_ridges(const Sheet&, const Hinges&, const std::vector<double>& turns, const Paper&, const std::vector<int>& held, const Eigen::VectorXd& remembered);
+Ridges find_ridges(const Sheet&, const Hinges&, const Paper&, const std::vector<int>& held, const Eigen::VectorXd& remembered);
 
 }  // namespace paperbake
