@@ -42,7 +42,7 @@ BakeSettings settings_for(const ChartSettings& settings, const Size& size) {
   s.method = size.method == loose ? "fem" : size.method;
   if (size.method == loose) s.stop = 10 * s.stop;
   s.seed = size.seed;
-  if (size.method == "hybrid+fem") {
+  if (size.method == hybrid_and_fem) {
     s.polish = size.size;
   } else if (size.method == "hybrid") {
     s.base_triangles = size.size;
@@ -125,7 +125,7 @@ std::vector<Size> ladder(const ChartSettings& settings, int reference, unsigned 
       for (const int base : {60, 90, 120, 180}) sizes.push_back({method, base, seed});
     if (method == "adaptive")
       for (const int most : {60, 120, 240, 3000}) sizes.push_back({method, most, seed});  // the last: what its sizing field asks for
-    if (method == "hybrid+fem")
+    if (method == hybrid_and_fem)
       for (const int part : {1, 4}) sizes.push_back({method, reference / part, seed});
     if (method == "fem") {
       for (int n = reference / 8; n >= std::max(60, reference / 32); n /= 2) sizes.push_back({method, n, seed});
@@ -152,6 +152,11 @@ class Charting {
     chart_.scene = fmt::format("{}, frames {}-{}, {}, gravity {:g} m/s2, stop {:g} m", plan.name, plan.frames.first, plan.frames.last,
                                fmt::join(plan.presets, ", "), plan.animation.elastic.gravity, settings.job.stop);
     chart_.machine = machine_name();
+    if (const auto at = std::find(settings_.methods.begin(), settings_.methods.end(), hybrid_and_fem);
+        at != settings_.methods.end() && plan.animation.elastic.inertia == Inertia::dynamic) {
+      settings_.methods.erase(at);
+      chart_.remarks.push_back(fmt::format("{} left out: a polished frame is at rest, and with inertia none is", hybrid_and_fem));
+    }
   }
 
   Chart operator()() {
@@ -245,7 +250,7 @@ class Charting {
     return std::move(chart_);
   }
 
-  const ChartSettings& settings_;
+  ChartSettings settings_;
   const std::function<void(const std::string&)>& say_;
   Clock::time_point end_;
   unsigned seed_ = 0;

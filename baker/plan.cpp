@@ -13,7 +13,6 @@
 namespace paperbake {
 namespace {
 
-const char* const hybrid_and_fem = "hybrid+fem";  // hybrid, polished
 
 bool is_hybrid(const BakeSettings& settings) { return settings.method == "hybrid" || settings.method == hybrid_and_fem; }
 
@@ -34,13 +33,13 @@ Polishing polishing_of(const BakeSettings& settings) {
 }
 
 /// As asked for; else what the sheet that needs inertia most has to say.
-void settle_inertia(const BakeSettings& settings, double fps, BakePlan& plan) {
+void settle_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   bool dynamic = settings.dynamics == Dynamics::on;
   plan.why_inertia = dynamic ? "asked for with --dynamics on" : "switched off with --dynamics off";
   if (settings.dynamics == Dynamics::automatic) {
     InertiaNeed most;
     for (const Shot& shot : plan.shots) {
-      InertiaNeed need = need_of_inertia(shot, plan.animation.elastic.gravity, fps, plan.animation.first_frame, plan.animation.last_frame);
+      InertiaNeed need = need_of_inertia(shot, plan.animation.elastic.gravity, scene.fps, scene.first_frame, std::max(scene.last_frame, plan.animation.last_frame));
       if (most.why.empty() || need.needed > most.needed || (need.needed == most.needed && need.sway > most.sway)) most = std::move(need);
     }
     dynamic = most.needed;
@@ -248,7 +247,7 @@ BakePlan plan_bake(const BakeSettings& settings) {
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
 
-  settle_inertia(settings, scene.fps, plan);
+  settle_inertia(settings, scene, plan);
   settle_polish(settings, plan);
   note_used(settings, scene, plan);
   plan.used.insert(plan.used.end(), of_sheets.begin(), of_sheets.end());

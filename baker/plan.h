@@ -16,6 +16,8 @@ struct SheetImpossible {
   ImpossiblePair pair;
 };
 
+inline constexpr const char* hybrid_and_fem = "hybrid+fem";  // hybrid, polished
+
 /// What --method may say, and the whole list in words.
 bool is_method(const std::string&);
 inline constexpr const char* all_methods = "hybrid, fem, adaptive, hybrid+fem";

@@ -10,6 +10,7 @@ namespace {
 constexpr double carried_along = 0.005, flung = 0.25;  // [1] of the longer side
 constexpr double on_a_line = 0.01;                     // [1] of the longer side
 constexpr double velocity_kept = 0.98;                 // [1] in a frame, of 1/24 s
+constexpr double of_the_earth = 9.81;                  // [m/s2]
 
 std::vector<int> held_at(const Shot& shot, int frame) {
   std::vector<int> held;
@@ -71,7 +72,7 @@ double sway_of(const Shot& shot, const Handle& handle, double gravity, double fp
       const double l = free_length(shot, held);
       if (l <= 0) return most;
       const double before = w;
-      w = std::sqrt(std::pow(M_PI, 4) * shot.paper.bending_stiffness / (shot.paper.area_density * std::pow(l, 4)) + std::abs(gravity) / l);
+      w = std::sqrt(std::pow(M_PI, 4) * shot.paper.bending_stiffness / (shot.paper.area_density * std::pow(l, 4)) + (gravity != 0 ? std::abs(gravity) : of_the_earth) / l);
       if (before > 0) r_per_w *= before / w;
     }
     const Vector3d v_next = handle.held(frame) ? Vector3d(fps * (keyed_position(handle, frame + 1 - first_frame) - keyed_position(handle, frame - first_frame))) : v;

@@ -20,7 +20,9 @@ struct InertiaNeed {
 ///   deflection of its slowest bending mode, hinged over the free length l, with the handles' motion as its base
 ///     r'' = -w^2 r - p'',  w^2 = pi^4 D/(rho l^4) + g/l,  l = twice the farthest that paper is from a held point,
 ///   damped as the solver is. Below a quarter of the sheet that is left to the air, which holds paper back and is not modelled.
+///   A scene without weight leaves out what is less than weight too: g is then that of the earth.
 /// gravity  [m/s2] along -z
+/// first_frame, last_frame  of the scene, however much of it is simulated
 InertiaNeed need_of_inertia(const Shot&, double gravity, double fps, int first_frame, int last_frame);
 
 }  // namespace paperbake

@@ -1,6 +1,7 @@
 #include "baker/chart.h"
 
 #include "baker/chart_picture.h"
+#include "tests/gltf_fixture.h"
 #include "tests/program_fixture.h"
 
 #include <gtest/gtest.h>
@@ -76,6 +77,17 @@ TEST_F(CommandLine, AChartHasARowForEveryRunAndTheHybridComesNearTheReference) {
   EXPECT_EQ(hybrids, 4);  // no singular point, so one seed
   EXPECT_NE(read(output() + "/chart.svg").find("</svg>"), std::string::npos);
   EXPECT_EQ(lines_of(read(output() + "/statistics.csv")).size(), rows.size());
+}
+
+TEST_F(CommandLine, AChartOfASheetThatSwingsLeavesOutWhatIsAtRest) {
+  test::GltfFixture scene;
+  scene.mesh("paper", test::grid(2, 2, 0.1, 0.1));
+  for (const Vector3d& at : {Vector3d(0, 0, 0), Vector3d(0, 0.1, 0)}) scene.move(scene.node(fmt::format("handle_{}", at.y()), at), {1, 4}, {at, at});
+  const Ended ended = run({"chart", scene.write("swings.gltf"), "-o", output(), "--gravity", "9.81", "--reference", "400", "--repeat", "1", "--budget", "60"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(read(output() + "/chart.csv").find("\nhybrid,"), std::string::npos);
+  EXPECT_EQ(read(output() + "/chart.csv").find("\nhybrid+fem,"), std::string::npos);
+  EXPECT_NE(read(output() + "/chart.svg").find("hybrid+fem left out"), std::string::npos);
 }
 
 TEST_F(CommandLine, AChartOfAnUnknownMethodOrSceneEndsWithTwoOrThree) {

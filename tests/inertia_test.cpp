@@ -104,6 +104,19 @@ TEST(InertiaNeed, SlowPushNeedsNoneAndAWhipDoes) {
   EXPECT_TRUE(whip.needed) << whip.sway;
 }
 
+TEST(InertiaNeed, ASceneWithoutWeightLeavesOutWhatIsLess) {
+  // a corner of a floppy poster is taken over it in two seconds: against no weight at all it would lag by more than a quarter
+  GltfFixture file;
+  file.mesh("paper", test::grid(4, 4, 0.3, 0.4));
+  for (const Vector3d& top : {Vector3d(0, 0.4, 0), Vector3d(0.3, 0.4, 0)}) file.move(file.node("handle." + std::to_string(top.x()), top), {0, 48}, {top, top});
+  file.move(file.node("handle.corner", {0.3, 0, 0}), {0, 12, 48}, {{0.3, 0, 0}, {0.25, 0.08, 0.1}, {0.2, 0.2, 0.05}});
+  const Scene scene = read_scene(file.write("poster.gltf"));
+  const InertiaNeed none = need_in(scene, 0), some = need_in(scene, 0.01);
+  EXPECT_FALSE(none.needed) << none.why;
+  EXPECT_EQ(none.sway, need_in(scene, 9.81).sway);
+  EXPECT_GT(some.sway, 0.25) << "a scene with little weight is taken at its word";
+}
+
 TEST(InertiaNeed, SwayIsThatOfAnOscillatorWhoseBaseIsSetInMotion) {
   // velocity steps from 0 to v: r = v/w sin(w t), less what the solver's damping takes in a quarter of a period
   const Shot shot = shot_of(held_by_an_edge("kick", hanging, steady(240, {1.0, 0, 0})));
