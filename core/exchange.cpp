@@ -8,7 +8,7 @@ namespace paperbake {
 
 Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt) {
   constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
-  constexpr double too_stiff = -0.02, most_move_then = 0.025;  // a mesh that holds its sheet back holds it the more, the longer it stays
+  constexpr double too_stiff = -0.005, most_move_then = 0.025;  // a mesh that holds its sheet back holds it the more, the longer it stays
   constexpr double noise = 1e-6;                        // [J] of a sheet that is nearly flat
   const Points3 carried = proposal.x;
   Elastic trial = elastic.on_mesh(proposal, stiffening);

@@ -73,7 +73,7 @@ TEST_P(AKilledBake, GoesOnFromItsLastCheckpointToTheSameBytes) {
   const bool hybrid = std::string(GetParam()) == "hybrid";
   const std::string frames = hybrid ? "1-72" : "1-20";
   Words how{"--method", GetParam(), "--checkpoint", hybrid ? "12" : "4"};
-  if (!hybrid) how.insert(how.end(), {"--triangles", "300"});
+  if (!hybrid) how.insert(how.end(), {"--triangles", "700"});  // slow enough to be killed in time
   bake_whole("whole", how, frames);
   const int kills[] = {hybrid ? 14 : 5, hybrid ? 20 : 3, hybrid ? 9 : 4};
   for (const int kill : kills) EXPECT_EQ(bake_until(kill, 0, SIGKILL, words("out", how, frames)), -1);

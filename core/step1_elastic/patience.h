@@ -8,7 +8,7 @@ namespace paperbake {
 inline constexpr int restless = 15;
 
 // A sheet that pushes itself has no end of small moves: what is not finished goes on in the next frame.
-inline constexpr int most_iterations_in_touch = 20, most_in_touch_coarse = 18;
+inline constexpr int most_iterations_in_touch = 20, most_in_touch_coarse = 40;
 
 inline constexpr int most_strides_on_colliders = 12;
 
