@@ -39,7 +39,7 @@ std::string text_of(const fs::path& path) {
 struct Certified {
   int frame;
   double energy;
-  bool touching;
+  bool touching, on_colliders;
 };
 
 /// One baked sheet, as a shot whose handles are where they were held.
@@ -78,6 +78,11 @@ class Estimator {
     ErrorEstimate e;
     e.frame = now.frame;
     e.sheet = sheet_.name;
+    if (now.on_colliders) {
+      e.rms_pct = e.energy_loss_pct = NAN;
+      e.uncertain = "the sheet lies on a collider, which is not in the files";
+      return e;
+    }
     std::vector<int> held;
     Points3 held_at(0, 3);
     if (const auto found = sheet_.held.find(now.frame); found != sheet_.held.end())
@@ -154,7 +159,7 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
   std::ifstream lines(folder / "cert/frames.jsonl");
   for (std::string line; std::getline(lines, line);) {
     const Json record = Json::parse(line);
-    sheets[number.at(record.at("sheet"))].frames.push_back({record.at("frame"), record.at("energy_J"), record.at("touching").get<int>() > 0});
+    sheets[number.at(record.at("sheet"))].frames.push_back({record.at("frame"), record.at("energy_J"), record.at("touching").get<int>() > 0, record.at("on_colliders").get<int>() > 0});
   }
   return sheets;
 }
@@ -180,6 +185,9 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
   } catch (const Json::exception&) {
     throw Error(Fault::command, (folder / "cert/summary.json").string(), "It is not a certificate that this version writes.");
   }
+  if (const Json inertia = summary.value(Json::json_pointer("/models/dynamics"), Json::object()); inertia.value("on", false))
+    throw Error(Fault::command, folder.string(), "It moves with inertia (" + inertia.value("why", "") + "), and an estimate is of a sheet at rest.",
+                "Bake with --dynamics off, or see with paperbake chart how far the methods are from each other.");
   if (cache_file.empty()) throw Error(Fault::command, folder.string(), "There is no cache to estimate.", "Bake with --formats abc,cert.");
   const LockedJob job = read_lock(folder / "job.lock.toml");
   const AlembicReader cache(folder / cache_file);
@@ -201,7 +209,12 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
 std::string estimates_text(const ErrorEstimates& all) {
   std::string text = "Error within the branch that the sheet is on (rms, % of the longer side):\n";
   for (const ErrorEstimate& e : all.frames) {
-    text += fmt::format("  frame {}, \"{}\": {:.3f} %, energy {:+.1f} %", e.frame, e.sheet, e.rms_pct, -e.energy_loss_pct);
+    text += fmt::format("  frame {}, \"{}\": ", e.frame, e.sheet);
+    if (std::isnan(e.rms_pct)) {
+      text += "none: " + e.uncertain + "\n";
+      continue;
+    }
+    text += fmt::format("{:.3f} %, energy {:+.1f} %", e.rms_pct, -e.energy_loss_pct);
     if (e.lower_branch_pct > 0) text += fmt::format("; another shape under the same handles has {:.0f} % less energy", e.lower_branch_pct);
     if (!e.uncertain.empty()) text += "; uncertain: " + e.uncertain;
     text += "\n";

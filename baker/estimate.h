@@ -12,7 +12,7 @@ namespace paperbake {
 struct ErrorEstimate {
   int frame = 0;
   std::string sheet;
-  double rms_pct = 0;          // how far it moved, of the longer side
+  double rms_pct = 0;          // how far it moved, of the longer side; NaN: it was not brought anywhere
   double energy_loss_pct = 0;  // how much less energy it stores there than the certificate says of the frame; below 0: more
   double lower_branch_pct = 0; // another shape under the same handles has so much less energy; 0: none was found
   std::string uncertain;       // why the number is not to be relied on; empty: it is
@@ -24,7 +24,7 @@ struct ErrorEstimates {
 };
 
 /// Every 12th frame of a baked folder and its last one, from the files alone.
-/// throws Error(Fault::command): the folder has no cache or no certificate
+/// throws Error(Fault::command): the folder has no cache or no certificate, or the sheets move with inertia
 ErrorEstimates estimate_errors(const std::filesystem::path& folder);
 
 std::string estimates_text(const ErrorEstimates&);

@@ -83,6 +83,8 @@ std::string frame_line(const FrameRecord& r) {
   }
   line["crossings"] = r.crossings;
   line["touching"] = r.touching;
+  line["on_colliders"] = r.on_colliders;
+  add("inside_mm", r.inside_mm);
   line["jammed"] = nlohmann::ordered_json::array();
   for (const Jam& jam : r.jammed)
     line["jammed"].push_back(nlohmann::ordered_json::array({jam.handle, finite(jam.off_mm, "jammed", r.frame, r.sheet)}));

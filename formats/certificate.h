@@ -40,7 +40,7 @@ struct FrameRecord {
   std::optional<RenderNumbers> render; // render_triangles, ..., render_crossings: null when the frame was not rendered
   int crossings = 0;                   // pairs of simulated triangles that pass through each other
   int touching = 0;                    // pairs of features of the mesh that contact keeps apart
-  int on_colliders = 0;                // vertices, edges and triangles that colliders push; in the summary alone, as the next
+  int on_colliders = 0;                // vertices, edges and triangles that colliders push
   double inside_mm = 0;                // how deep the deepest is inside a collider, simulated or rendered
   std::vector<Jam> jammed;
   std::string note;

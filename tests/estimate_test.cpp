@@ -38,6 +38,19 @@ TEST_F(CommandLine, AFolderWithoutACacheCannotBeEstimated) {
   EXPECT_TRUE(is_error(run({"verify", output(), "--estimate"}), 2, output(), "no cache"));
 }
 
+TEST_F(CommandLine, ASheetThatSwingsCannotBeEstimatedNorOneThatLiesOnSomething) {
+  ASSERT_EQ(bake({"--formats", "abc,cert", "--dynamics", "on"}).code, 0);
+  EXPECT_TRUE(is_error(run({"verify", output(), "--estimate"}), 2, output(), "It moves with inertia"));
+  ASSERT_EQ(run({"bake", samples + "/S5_roll.glb", "-o", output(), "--frames", "1-24", "--formats", "abc,cert", "--quality", "draft", "--progress", "none"}).code % 4, 0);
+  const Ended judged = run({"verify", output(), "--estimate", "--json"});
+  ASSERT_EQ(judged.code, 0) << judged.err;
+  int on_ground = 0;
+  const auto all = nlohmann::json::parse(judged.out);
+  for (const auto& estimate : all.at("estimates"))
+    if (estimate.at("uncertain") == "the sheet lies on a collider, which is not in the files") on_ground += estimate.at("rms_pct").is_null();
+  EXPECT_GT(on_ground, 0);
+}
+
 TEST_F(CommandLine, ACertificateOfAnotherSheetCannotBeEstimated) {
   ASSERT_EQ(bake({"--formats", "abc,cert"}).code, 0);
   const auto handles = std::filesystem::path(output()) / "cert/handles.csv";
