@@ -171,6 +171,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   const Caches::Finished whole = caches.finish(frames_of_sheets(certificate, plan), certificate.handles);
   files.written.insert(files.written.begin(), whole.files.begin(), whole.files.end());
   settle(certificate, plan, whole.in_alembic);
+  if (const std::string words = sheets_in_words(certificate.frames); !words.empty()) progress.say("warning: " + words + ".");
   write_certificate(settings, plan, certificate, caches.report(), failure, files, outcome);
   outcome.files = files.written;
   std::vector<std::filesystem::path> all = files.written;

@@ -56,6 +56,7 @@ void SheetOutput::take(const AnimatedFrame& frame) {
   known_singular_ = frame.sheet->singular.size();
   if (wanted) {
     certificate_.frames.push_back(judge(frame));
+    judge_beside_others(*frame.sheet, certificate_.frames.back());
     record_handles(frame);
   }
   release_waiting(&*frame.sheet);
@@ -108,6 +109,12 @@ FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
   note_inside(r, 1e3 * frame.inside_colliders);
   r.input_hash = input_hash_;
   return r;
+}
+
+void SheetOutput::judge_beside_others(const Sheet& sheet, FrameRecord& record) {
+  if (plan_.shots.size() < 2) return;
+  record.crossings_with_others = certificate_.together.add(shot_.sheet_name, record.frame, sheet);
+  if (record.crossings_with_others > 0) record.note += fmt::format("{}passes through another sheet", record.note.empty() ? "" : "; ");
 }
 
 void SheetOutput::record_handles(const AnimatedFrame& frame) {

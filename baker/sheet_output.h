@@ -4,6 +4,7 @@
 #include "baker/damage_layers.h"
 #include "baker/plan.h"
 #include "baker/progress.h"
+#include "baker/sheets_together.h"
 #include "core/animate.h"
 #include "core/shot_record.h"
 #include "formats/certificate.h"
@@ -22,6 +23,7 @@ struct Certificate {
   std::vector<HandleRecord> handles;
   std::vector<SingularRecord> singular;
   double crease_length = 0;                              // [m] of the last frames of all sheets
+  SheetsTogether together;                               // of scenes with several
 };
 
 /// The files of a bake; shared by its sheets.
@@ -47,6 +49,7 @@ class SheetOutput {
 
  private:
   FrameRecord judge(const AnimatedFrame&) const;
+  void judge_beside_others(const Sheet&, FrameRecord&);
   void record_handles(const AnimatedFrame&);
   void draw_map(const AnimatedFrame&);
   void draw_debug_picture(const AnimatedFrame&);

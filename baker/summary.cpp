@@ -64,6 +64,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
                                                        : "the sheet never comes near itself")},
           {"layers_apart", model(apart > 0, apart > 0 ? fmt::format("the curved sheet would have passed through itself in {} frames", apart)
                                                       : "the curved sheet never passes through itself")},
+          {"between_sheets", model(false, plan.shots.size() < 2 ? "one sheet" : sheets_in_words(frames).empty() ? "no sheet passes through another" : sheets_in_words(frames))},
           {"polish", model(plan.polish.triangles > 0, plan.polish.why)},
           {"colliders", model(plan.shots.front().colliders != nullptr, colliders_in_words(plan, frames))}};
 }
@@ -95,6 +96,15 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
     missed.push_back(fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}", plan.impossible.size(),
                                  describe(plan.impossible.front())));
   return missed;
+}
+
+std::string sheets_in_words(const std::vector<FrameRecord>& frames) {
+  std::vector<int> through;
+  for (const FrameRecord& f : frames)
+    if (f.crossings_with_others > 0) through.push_back(f.frame);
+  if (through.empty()) return "";
+  const auto [first, last] = std::minmax_element(through.begin(), through.end());
+  return fmt::format("sheets do not feel each other: in {} frames from {} to {} one passes through another", through.size(), *first, *last);
 }
 
 std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, double crease_length, const std::vector<std::string>& missed,

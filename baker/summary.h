@@ -19,6 +19,9 @@ struct Gates {
 /// One sentence for each gate that was missed, with its worst frame. Empty: all kept.
 std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&, const BakePlan&);
 
+/// Which frames have sheets that pass through others, in words; empty: none.
+std::string sheets_in_words(const std::vector<FrameRecord>&);
+
 /// What the processor calls itself.
 std::string machine_name();
 

@@ -82,6 +82,7 @@ std::string frame_line(const FrameRecord& r) {
     line["render_crossings"] = r.render->crossings;
   }
   line["crossings"] = r.crossings;
+  line["crossings_with_others"] = r.crossings_with_others;
   line["touching"] = r.touching;
   line["on_colliders"] = r.on_colliders;
   add("inside_mm", r.inside_mm);

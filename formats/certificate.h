@@ -39,6 +39,7 @@ struct FrameRecord {
   double energy_J = 0;
   std::optional<RenderNumbers> render; // render_triangles, ..., render_crossings: null when the frame was not rendered
   int crossings = 0;                   // pairs of simulated triangles that pass through each other
+  int crossings_with_others = 0;       // of them and triangles of sheets before it in the scene
   int touching = 0;                    // pairs of features of the mesh that contact keeps apart
   int on_colliders = 0;                // vertices, edges and triangles that colliders push
   double inside_mm = 0;                // how deep the deepest is inside a collider, simulated or rendered

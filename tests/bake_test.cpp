@@ -1,6 +1,7 @@
 // What a bake leaves in its output folder and says of it. Everything is checked from outside.
 
 #include "baker/summary.h"
+#include "tests/gltf_fixture.h"
 #include "tests/program_fixture.h"
 
 #include <gtest/gtest.h>
@@ -65,7 +66,7 @@ TEST_F(ABake, LeavesTheFilesOfTheDesignAndNoPart) {
 
 TEST_F(ABake, SaysOfEveryModelWhetherItIsOnAndWhy) {
   const Record models = Record::parse(text("cert/summary.json"))["models"];
-  for (const char* key : {"dynamics", "gravity", "plasticity", "singular_points", "contact", "layers_apart", "colliders", "polish"}) {
+  for (const char* key : {"dynamics", "gravity", "plasticity", "singular_points", "contact", "layers_apart", "colliders", "polish", "between_sheets"}) {
     ASSERT_TRUE(models.contains(key)) << key;
     EXPECT_FALSE(models[key]["on"].get<bool>()) << key;
     EXPECT_GT(models[key]["why"].get<std::string>().size(), 5u) << key;
@@ -94,8 +95,8 @@ TEST_F(ABake, HasALineAFrameWithAllKeysOfTheDesignInTheirOrder) {
   const std::vector<std::string> keys{
       "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
       "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
-      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings", "touching", "on_colliders", "inside_mm", "jammed",
-      "note", "input_hash", "content_hash"};
+      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings",
+      "crossings_with_others", "touching", "on_colliders", "inside_mm", "jammed", "note", "input_hash", "content_hash"};
   const std::vector<std::string> lines = lines_of(text("cert/frames.jsonl"));
   ASSERT_EQ(lines.size(), 6u);
   std::set<std::string> contents;
@@ -159,6 +160,23 @@ TEST_F(ABake, OfEverySecondFrameHasEverySecondFrameOfTheWhole) {
     EXPECT_EQ(frame["content_hash"], whole[frames.back()]) << "the same frame, whichever others are written";
   }
   EXPECT_EQ(frames, (std::vector<int>{2, 4, 6}));
+}
+
+TEST_F(CommandLine, ABakeTellsInWhichFramesOneSheetPassesThroughAnother) {
+  test::GltfFixture scene;
+  for (const bool falls : {false, true}) {
+    const Vector3d up(0, 0, falls ? 0.0105 : 0.0);  // tilted by 15 mm to either side and 1 mm a frame down: through until frame 25.5
+    scene.mesh(falls ? "paper_b" : "paper_a", test::grid(2, 2, 0.1, 0.1, nullptr, [&](double u, double v) { return Vector3d(up + Vector3d(u, v, falls ? 0.3 * (u - 0.05) : 0)); }));
+    for (const Vector3d& at : {Vector3d(0, 0, 0), Vector3d(0.1, 0, 0), Vector3d(0, 0.1, 0)}) {
+      const Vector3d from = at + up + Vector3d(0, 0, falls ? 0.3 * (at.x() - 0.05) : 0);
+      scene.move(scene.node(fmt::format("handle_{}{}{}", falls, at.x(), at.y()), from, fmt::format(R"({{"paper_target":"paper_{}"}})", falls ? 'b' : 'a')), {0, 39},
+                 {from, falls ? Vector3d(from - Vector3d(0, 0, 0.039)) : from});
+    }
+  }
+  const Ended ended = run({"bake", scene.write("through.gltf"), "-o", output(), "--method", "fem", "--triangles", "100", "--formats", "cert", "--progress", "plain"});
+  EXPECT_NE(ended.err.find("warning: sheets do not feel each other: in 26 frames from 0 to 25 one passes through another."), std::string::npos) << ended.err;
+  for (const Record& frame : frames_of(output()))
+    EXPECT_EQ(frame["note"] == "passes through another sheet", frame["sheet"] == "paper_b" && frame["crossings_with_others"] > 0) << frame;
 }
 
 TEST(Gates, ACrossingOfTheRenderMeshIsOneThatIsMissed) {

@@ -47,8 +47,8 @@ TEST(Certificate, AFrameLineHasItsKeysInTheDocumentedOrder) {
   EXPECT_EQ(keys, (std::vector<std::string>{
       "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
       "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
-      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings", "touching", "on_colliders", "inside_mm", "jammed",
-      "note", "input_hash", "content_hash"}));
+      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings",
+      "crossings_with_others", "touching", "on_colliders", "inside_mm", "jammed", "note", "input_hash", "content_hash"}));
 }
 
 TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
