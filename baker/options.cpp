@@ -67,7 +67,7 @@ std::vector<Option> make_options() {
          }),
       open({"seed", K::whole, 0, 4294967295.0}, "0", "Seed of all that is random; else the sheet's paper_seed, else 0",
          [](auto& s, auto& text, auto&) { s.seed = static_cast<unsigned>(std::stoll(text)); }),
-      open({"triangles", K::whole, 2, 400000}, "1700", "Triangles of fem's mesh, within 10 % (1700); the most that hybrid (250) and adaptive (3000) may have", to_whole(&BakeSettings::triangles)),
+      open({"triangles", K::whole, 2, 400000}, "1700", "Triangles of fem's mesh, within 10 % (1700); the most that hybrid (250, or twice what it begins with) and adaptive (3000) may have", to_whole(&BakeSettings::triangles)),
       open({"polish", K::whole, 0, 400000}, "0",
          "Bring every frame to the minimum of a fem of at most this many triangles, on the branch that the method found; 0: do not (hero: 6,000)", to_whole(&BakeSettings::polish)),
       of({"base_triangles", K::whole, 2, 100000}, "120", "Triangles that hybrid begins with", to_whole(&BakeSettings::base_triangles)),

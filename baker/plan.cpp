@@ -64,7 +64,15 @@ void settle_polish(const BakeSettings& settings, BakePlan& plan) {
 }
 
 int triangles_wanted(const BakeSettings& settings) {
-  return settings.triangles.value_or(is_hybrid(settings) ? 250 : settings.method == "adaptive" ? 3000 : 1700);
+  return settings.triangles.value_or(is_hybrid(settings) ? std::max(250, 2 * settings.base_triangles) : settings.method == "adaptive" ? 3000 : 1700);
+}
+
+/// What the hybrid begins with: no more than it may have.
+int base_wanted(const BakeSettings& settings) {
+  const int most = triangles_wanted(settings);
+  if (settings.base_triangles > most && settings.origin("base_triangles") != Origin::fallback)
+    throw Error(Fault::command, fmt::format("--base-triangles {}", settings.base_triangles), fmt::format("The mesh may have no more than {} triangles.", most), "Give more with --triangles.");
+  return std::min(settings.base_triangles, most);
 }
 
 Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed, std::size_t sheet) {
@@ -73,7 +81,7 @@ Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed
   CrumpleOptions options;
   options.pins = shot.pins;
   options.most_triangles = triangles_wanted(settings);
-  return hybrid(shot.pattern, shot.paper, settings.base_triangles, options, seed, static_cast<std::uint32_t>(sheet));
+  return hybrid(shot.pattern, shot.paper, base_wanted(settings), options, seed, static_cast<std::uint32_t>(sheet));
 }
 
 /// Bytes of numbers, for hashing.
@@ -151,7 +159,7 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   used.push_back({"scene.last_frame", std::to_string(scene.last_frame), "scene"});
   note("bake", "method", toml_string(settings.method));
   note("bake", "triangles", std::to_string(triangles_wanted(settings)));
-  if (is_hybrid(settings)) note("bake", "base_triangles", std::to_string(settings.base_triangles));
+  if (is_hybrid(settings)) note("bake", "base_triangles", std::to_string(base_wanted(settings)));
   note("bake", "polish", std::to_string(plan.polish.triangles), settings.method == hybrid_and_fem ? settings.origin("method") : Origin::fallback);
   note("bake", "mesh", settings.mesh == CacheMesh::render ? "\"render\"" : "\"simulation\"");
   if (settings.mesh == CacheMesh::render)

@@ -22,6 +22,7 @@ namespace fs = std::filesystem;
 using test::CommandLine;
 using test::Ended;
 using test::fields_of;
+using test::is_error;
 using test::lines_of;
 using test::read;
 using test::samples;
@@ -177,6 +178,19 @@ TEST_F(CommandLine, ABakeTellsInWhichFramesOneSheetPassesThroughAnother) {
   EXPECT_NE(ended.err.find("warning: sheets do not feel each other: in 26 frames from 0 to 25 one passes through another."), std::string::npos) << ended.err;
   for (const Record& frame : frames_of(output()))
     EXPECT_EQ(frame["note"] == "passes through another sheet", frame["sheet"] == "paper_b" && frame["crossings_with_others"] > 0) << frame;
+}
+
+TEST_F(CommandLine, TheHybridBeginsWithNoMoreTrianglesThanItMayHave) {
+  const auto bake_with = [&](const Words& more) {
+    Words words{"bake", samples + "/S8_dcone.glb", "-o", output(), "--frames", "1-2", "--formats", "cert", "--progress", "none"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  };
+  ASSERT_EQ(bake_with({"--triangles", "80"}).code, 0);
+  for (const Record& frame : frames_of(output())) EXPECT_LT(frame["triangles"], 110) << "about 80, and what handles take";
+  ASSERT_EQ(bake_with({"--base-triangles", "300"}).code, 0);
+  for (const Record& frame : frames_of(output())) EXPECT_GT(frame["triangles"], 250);
+  EXPECT_TRUE(is_error(bake_with({"--base-triangles", "300", "--triangles", "200"}), 2, "--base-triangles 300", "no more than 200"));
 }
 
 TEST(Gates, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
