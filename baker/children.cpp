@@ -4,6 +4,7 @@
 
 #include <cerrno>
 #include <csignal>
+#include <cstdlib>
 #include <cstring>
 #include <fcntl.h>
 #include <map>
@@ -44,6 +45,7 @@ pid_t start(const std::string& program, const Child& child, const BlockedSignals
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   if (getppid() != parent) _exit(128 + SIGTERM);
   signals.restore();
+  setenv("OPENBLAS_NUM_THREADS", "1", 1);  // a bake uses no more, and the others would spin for a while
   const int log = open(child.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666), nothing = open("/dev/null", O_RDONLY);
   dup2(nothing, STDIN_FILENO);
   dup2(log, STDOUT_FILENO);
