@@ -110,6 +110,7 @@ PlasticMemory PlasticGrid::read(const Cover& cover) const {
 }
 
 Points3 PlasticGrid::at_vertices(const Points2& pattern, const Triangles& triangles) const {
+  if (pristine()) return Points3::Zero(pattern.rows(), 3);
   const Points3 kept = read(cover(pattern, triangles)).curvature;
   Points3 sum = Points3::Zero(pattern.rows(), 3);
   Eigen::VectorXd area = Eigen::VectorXd::Zero(pattern.rows());

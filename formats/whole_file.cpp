@@ -2,11 +2,10 @@
 
 #include "core/error.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
-#include <fstream>
-#include <sstream>
 #include <stdio_ext.h>
 #include <unistd.h>
 
@@ -69,12 +68,18 @@ void WholeFile::fail(const char* doing) const {
 }
 
 std::optional<std::string> read_whole_file(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  std::FILE* file = std::fopen(path.c_str(), "rb");
   if (!file) return {};
-  std::ostringstream bytes;
-  bytes << file.rdbuf();  // a folder opens, and fails here
-  if (bytes.bad()) return {};
-  return std::move(bytes).str();
+  std::string bytes;
+  std::size_t end = 0, got;
+  do {
+    bytes.resize(std::max<std::size_t>(1 << 16, 2 * end));
+    end += got = std::fread(bytes.data() + end, 1, bytes.size() - end, file);
+  } while (got > 0);
+  const bool failed = std::ferror(file) != 0;  // a folder opens, and fails here
+  std::fclose(file);
+  bytes.resize(end);
+  return failed ? std::nullopt : std::optional(std::move(bytes));
 }
 
 void write_whole_file(const std::filesystem::path& path, std::string_view text) {
