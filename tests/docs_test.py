@@ -42,13 +42,16 @@ BEHIND = {
     "build/core_tests": "--gtest_filter=Archive.*",
 }
 LESS = {"--budget": "30"}  # where a line says more
-NOT_RUN = {
+NOT_RUN = {  # each has to be printed somewhere
     "tests/run": "runs this test",
     "tests/run -L fast": "runs this test's like",
     "build/paperbake_bench_crumple": "a quarter of an hour, and nothing makes it shorter than seeds do",
     "cmake --preset fuzz": "configures anew, with clang",
     "blender -b": "Blender is not installed; interop.blender_addon bakes in its Python module",
 }
+
+
+OPTIONAL = {"build/paperbake_bench": "there is no Google Benchmark here"}  # where they were not built
 
 
 class Line:
@@ -116,6 +119,10 @@ class Clone:
         except subprocess.TimeoutExpired:
             return -1, f"not done in {LONGEST} s"
 
+    def left_out(self, line):
+        """Why the line is not run; empty: it is."""
+        return NOT_RUN.get(line.text) or (OPTIONAL.get(line.text, "") if not (self.root / line.text).exists() else "")
+
     def meant(self, text):
         """The line with files in the place of its words; or what is not known of it."""
         words = []
@@ -149,7 +156,7 @@ class Clone:
 
 def judged(clone, line):
     """What is wrong with a command line; empty: nothing."""
-    if line.text in NOT_RUN:
+    if clone.left_out(line):
         return ""
     try:
         words = clone.meant(line.text)
@@ -190,9 +197,9 @@ def main():
             begun = time.monotonic()
             if COMMAND.match(line.text):
                 seen.add(line.text)
-                what = judged(clone, line)
-                ran += line.text not in NOT_RUN
-                print(f"{time.monotonic() - begun:6.1f} s  {line.place}: {line.text}" + (f"  # not run: {NOT_RUN[line.text]}" if line.text in NOT_RUN else ""), flush=True)
+                what, why_not = judged(clone, line), clone.left_out(line)
+                ran += not why_not
+                print(f"{time.monotonic() - begun:6.1f} s  {line.place}: {line.text}" + (f"  # not run: {why_not}" if why_not else ""), flush=True)
             elif line.block:
                 what = "a line by itself that is no command: COMMAND"
             elif line.text.startswith("--"):
