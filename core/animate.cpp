@@ -250,6 +250,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     if (method.archive) method.archive(a);
     if (!a.reads()) return;
     a.end();
+    a.demand(frame >= options.first_frame);
     elastic.set_mesh(sheet, disc_factors(sheet, shot));
     if (memory) past.grid = *memory;
     elastic.take_back(past);
