@@ -217,8 +217,8 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
 bool belongs(const ElasticPast& p, const Sheet& sheet) {
   const auto there_are = [](const auto& m, Eigen::Index rows) { return m.rows() == 0 || m.rows() == rows; };
   const Eigen::Index vertices = sheet.x.rows(), triangles = sheet.triangles.rows();
-  return std::all_of(p.positions.begin(), p.positions.end(), [&](const Points3& x) { return there_are(x, vertices); }) && (!p.second || there_are(p.second->x, vertices)) &&
-         there_are(p.ridges.share, triangles) && there_are(p.ridges.focus, triangles);
+  return std::all_of(p.positions.begin(), p.positions.end(), [&](const Points3& x) { return there_are(x, vertices); }) &&
+         (!p.second || there_are(p.second->x, vertices)) && there_are(p.ridges.share, triangles) && there_are(p.ridges.focus, triangles);
 }
 
 bool belongs(const Held& h, const Sheet& sheet) {
@@ -265,7 +265,8 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     if (!a.reads()) return;
     a.end();
     const auto rows = sheet.x.rows();
-    a.demand(frame >= options.first_frame && shown.x.rows() == rows && (before.rows() == 0 || before.rows() == rows) && belongs(held_before, sheet) && belongs(past, sheet));
+    a.demand(frame >= options.first_frame && shown.x.rows() == rows && (before.rows() == 0 || before.rows() == rows));
+    a.demand(belongs(held_before, sheet) && belongs(past, sheet));
     a.demand(std::all_of(started.handle_vertex.begin(), started.handle_vertex.end(), [&](int v) { return v < rows; }));
     elastic.set_mesh(sheet, disc_factors(sheet, shot));
     if (memory) past.grid = *memory;
