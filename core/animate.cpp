@@ -213,6 +213,20 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
   return second;
 }
 
+/// Of a mesh with as many vertices and triangles?
+bool belongs(const ElasticPast& p, const Sheet& sheet) {
+  const auto there_are = [](const auto& m, Eigen::Index rows) { return m.rows() == 0 || m.rows() == rows; };
+  const Eigen::Index vertices = sheet.x.rows(), triangles = sheet.triangles.rows();
+  return std::all_of(p.positions.begin(), p.positions.end(), [&](const Points3& x) { return there_are(x, vertices); }) &&
+         (!p.second || there_are(p.second->x, vertices)) && there_are(p.ridges.share, triangles) && there_are(p.ridges.focus, triangles);
+}
+
+bool belongs(const Held& h, const Sheet& sheet) {
+  const std::size_t n = h.vertices.size();
+  return static_cast<std::size_t>(h.targets.rows()) == n && (h.stiffness.empty() || h.stiffness.size() == n) &&
+         std::all_of(h.vertices.begin(), h.vertices.end(), [&](int v) { return v >= 0 && v < sheet.x.rows(); });
+}
+
 }  // namespace
 
 void animate(const Shot& shot, const Method& method, const AnimateOptions& options,
@@ -250,6 +264,10 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     if (method.archive) method.archive(a);
     if (!a.reads()) return;
     a.end();
+    const auto rows = sheet.x.rows();
+    a.demand(frame >= options.first_frame && shown.x.rows() == rows && (before.rows() == 0 || before.rows() == rows));
+    a.demand(belongs(held_before, sheet) && belongs(past, sheet));
+    a.demand(std::all_of(started.handle_vertex.begin(), started.handle_vertex.end(), [&](int v) { return v < rows; }));
     elastic.set_mesh(sheet, disc_factors(sheet, shot));
     if (memory) past.grid = *memory;
     elastic.take_back(past);

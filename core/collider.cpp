@@ -124,7 +124,7 @@ Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
   std::vector<char> sharp(x.rows(), 0);
   std::vector<Eigen::AlignedBox3d> edge_boxes;
   for (const auto& [ends, wings] : edges) {
-    const auto [a, b] = ends;
+    const int a = ends.first, b = ends.second;
     Vector3d sum = Vector3d::Zero();
     for (const Wing& w : wings) sum += row(face_normal_, w.triangle);
     const bool border = wings.size() == 1;

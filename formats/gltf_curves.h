@@ -19,7 +19,7 @@ struct GltfCurves {
 /// Reads animations of a .gltf or .glb file: STEP, LINEAR and CUBICSPLINE samplers on translation, rotation and scale, of floats or
 /// normalized integers, in the file, in data URIs and in files beside it. Nothing in the file is trusted.
 /// throws Error(Fault::scene) at the node: a key that is no number; at the file: a compression that is not read
-/// throws std::runtime_error, in words: damaged. source: glTF 2.0
+/// throws std::runtime_error or nlohmann::json::exception, in words: damaged. source: glTF 2.0
 GltfCurves read_gltf_curves(const std::filesystem::path&);
 
 }  // namespace paperbake

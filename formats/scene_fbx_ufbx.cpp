@@ -25,6 +25,7 @@ constexpr double on_key = 0.01;               // [frames] a key this near is mea
 constexpr double longest_clip = 100001;       // [frames] one more than what is refused later
 constexpr double most_samples = 2e7;          // nodes x frames of all takes: gigabytes
 constexpr std::uint32_t deepest_node = 10000;
+constexpr std::size_t least_memory = std::size_t(1) << 29, memory_of_byte = 50;  // [bytes] twice: while it is read, and of what was read
 
 std::string text_of(const ufbx_string& s) { return {s.data, s.length}; }
 Vector3d vector(const ufbx_vec3& v) { return {v.x, v.y, v.z}; }
@@ -305,6 +306,9 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
   options.file_format = UFBX_FILE_FORMAT_FBX;
   options.ignore_embedded = true;
   options.node_depth_limit = deepest_node;
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  options.temp_allocator.memory_limit = options.result_allocator.memory_limit = least_memory + (unknown ? 0 : memory_of_byte * size);
   ufbx_error error{};
   const std::unique_ptr<ufbx_scene, void (*)(ufbx_scene*)> scene(ufbx_load_file(path.c_str(), &options, &error), ufbx_free_scene);
   if (!scene) {

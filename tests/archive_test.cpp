@@ -4,6 +4,7 @@
 
 #include "core/animate.h"
 #include "core/methods/method.h"
+#include "tests/test_meshes.h"
 #include "tests/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -148,6 +149,45 @@ TEST_P(AState, IsAllThatTheNextFramesComeFrom) {
       EXPECT_EQ(rest[k].state, then.state);
     }
   }
+}
+
+/// Paper yields by the ridges of the step before, until a step looks for them again.
+TEST(ElasticPast, ComesBackWithItsRidges) {
+  Sheet saddle = test::hex_sheet(0.1, 0.1, 8);
+  Held held;
+  for (int v = 0; v < saddle.x.rows(); ++v) {
+    const Vector2d p = saddle.pattern.row(v).transpose() - Vector2d(0.05, 0.05);
+    saddle.x(v, 2) = 15 * (p.x() * p.x() - p.y() * p.y());  // 30 1/m both ways: a ridge yields, smooth paper does not before 100 1/m
+    if (std::abs(p.x()) > 0.0499 && std::abs(p.y()) > 0.0499) held.vertices.push_back(v);
+  }
+  held.targets.resize(held.vertices.size(), 3);
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) held.targets.row(k) = saddle.x.row(held.vertices[k]);
+  PlasticGrid flowed(test::rectangle(0.1, 0.1));
+  Elastic elastic({}, {});
+  elastic.remember_in(&flowed);
+  elastic.set_mesh(saddle);
+  Sheet after = saddle;
+  elastic.step(after, held, 1 / 24.0);
+  ElasticPast past = elastic.past(), there, smooth = past;
+  ASSERT_GT(past.ridges.focus.maxCoeff(), 5);
+  Archive out;
+  out(past);
+  Archive in(out.bytes());
+  in(there);
+  in.end();
+  there.grid = past.grid;
+  smooth.ridges = {};
+  const auto bending = [&](const ElasticPast& told) {  // [J] of the saddle
+    PlasticGrid grid = flowed;
+    Elastic other({}, {});
+    other.remember_in(&grid);
+    other.set_mesh(saddle);
+    other.take_back(told);
+    const ElasticReport stored = other.look(saddle);
+    return stored.energy - stored.membrane;
+  };
+  EXPECT_EQ(bending(there), bending(past));
+  EXPECT_GT(bending(smooth), 1.1 * bending(past)) << "it is the ridges that are asked for";
 }
 
 TEST(AnimatedState, OfAnotherShotOrCutIsRefused) {

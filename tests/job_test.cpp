@@ -130,7 +130,7 @@ TEST_F(Job, AllThatAWrittenJobLeavesOutMayBeUncommented) {
   EXPECT_NE(ended.out.find("mode = \"absolute\"  # job"), std::string::npos) << ended.out;
 }
 
-TEST_F(Job, TheOneInTheReadmeIsBaked) {
+TEST_F(Job, TheSampleWithPinsIsBaked) {
   const Ended ended = run({"bake", samples + "/S8_pinned.toml", "-o", folder / "out", "--frames", "1-2", "--formats", "cert", "--progress", "none"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   EXPECT_NE(read(folder / "out" / "singular.csv").find("\n1,paper,1,0.065,0.03,kept here"), std::string::npos) << read(folder / "out" / "singular.csv");

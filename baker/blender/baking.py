@@ -85,7 +85,7 @@ class Bake(bpy.types.Operator):
 
 
 class CancelBake(bpy.types.Operator):
-    """Stop the bake; what was baked before stays"""
+    """Stop the bake after its frame; its files then end there, and the next bake goes on"""
 
     bl_idname, bl_label = "paperbake.cancel", "Cancel"
 

@@ -11,7 +11,7 @@ import time
 
 PREFERENCES = "Edit > Preferences > Add-ons > Paperbake"
 KILL_AFTER = 3.0  # [s] without an answer to SIGTERM
-GATE_MISSED = 4
+GATE_MISSED, STOPPED = 4, 5
 
 Grade = collections.namedtuple("Grade", "name description")
 Outcome = collections.namedtuple("Outcome", "level sentence loads")  # level: INFO, WARNING or ERROR; loads: there is a cache to look at
@@ -138,7 +138,8 @@ def outcome(code, process, summary, fresh):
     """
     if process.cancelled and code not in (0, GATE_MISSED):
         reached = f" at frame {process.last['frame']}" if process.last else ""
-        return Outcome("WARNING", f"The bake was cancelled{reached}; what was baked before is still there.", False)
+        left = "its files end there" if code == STOPPED and fresh else "what was baked before is still there"
+        return Outcome("WARNING", f"The bake was cancelled{reached}; {left}.", False)
     if code == GATE_MISSED:
         missed = summary.get("gates_missed") or [message.removeprefix("gate missed: ") for message in process.messages]
         return Outcome("WARNING", "Baked, but less well than asked for: " + " ".join(missed), fresh)

@@ -1,21 +1,28 @@
 #include "tests/fuzz/readers.h"
 
 #include "baker/cache_measure.h"
+#include "baker/checkpoints.h"
 #include "baker/job.h"
 #include "baker/verify.h"
 #include "core/error.h"
 #include "formats/alembic_cache.h"
 #include "formats/alembic_reader.h"
+#include "formats/gltf_curves.h"
 #include "formats/lock_file.h"
+#include "formats/murmur.h"
 #include "formats/preset_file.h"
+#include "formats/scene_fbx.h"
 #include "formats/scene_file.h"
 #include "formats/scene_import.h"
 #include "formats/scene_message.h"
+#include "tests/test_shots.h"
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <nlohmann/json.hpp>
 #include <stdexcept>
 #include <unistd.h>
 
@@ -56,8 +63,24 @@ void ends_well(Call call) {
   }
 }
 
+/// The same for readers whose callers name the file: they may refuse it in a word.
+template <class Call>
+void ends_well_or_refuses(Call call) {
+  ends_well([&] {
+    try {
+      call();
+    } catch (const std::runtime_error& error) {
+      if (dynamic_cast<const Error*>(&error)) throw;
+    } catch (const nlohmann::json::exception&) {
+    }
+  });
+}
+
+const char* gltf_name(const std::string& bytes) { return bytes.rfind("glTF", 0) == 0 ? "scene.glb" : "scene.gltf"; }
+
 fs::path scene_file(const std::string& bytes) {
-  return written(bytes.rfind("glTF", 0) == 0 ? "scene.glb" : bytes.rfind("{", 0) == 0 ? "scene.gltf" : "scene.fbx", bytes);
+  const bool gltf = bytes.rfind("glTF", 0) == 0 || bytes.rfind("{", 0) == 0;
+  return written(gltf ? gltf_name(bytes) : "scene.fbx", bytes);
 }
 
 void read_cache(const std::string& bytes) {
@@ -102,21 +125,77 @@ void read_certificate(const std::string& bytes) {
   });
 }
 
+/// Bytes that were sound, with changes of 13 bytes each: where, how many bytes (1, 2, 4, 8), which. Four bytes left over say where they are cut.
+std::string changed(std::string bytes, const std::string& changes) {
+  const auto number = [&](std::size_t at, std::size_t size) {
+    std::uint64_t value = 0;
+    std::memcpy(&value, changes.data() + at, size);
+    return value;
+  };
+  std::size_t at = 0;
+  for (; at + 13 <= changes.size(); at += 13) {
+    const std::uint64_t where = number(at, 4) % bytes.size(), value = number(at + 5, 8);
+    std::memcpy(bytes.data() + where, &value, std::min(bytes.size() - where, std::size_t(1) << number(at + 4, 1) % 4));
+  }
+  if (at + 4 <= changes.size()) bytes.resize(number(at, 4) % bytes.size());
+  return bytes;
+}
+
+/// A sheet that was pushed until it is bent, in a mesh of few triangles, and what its next frame comes from.
+struct Pushed {
+  Shot shot = test::s1_push();
+  AnimateOptions options;
+  std::string state;
+  Pushed() {
+    options.last_frame = 12;
+    options.memory = Memory::plastic;
+    animate(shot, method(), options, [&](const AnimatedFrame& frame) { return state = frame.state(), true; });
+  }
+  Method method() const { return hybrid(shot.pattern, shot.paper, 40, {}, 1, 0); }
+};
+
+void read_state(const std::string& changes) {
+  static const Pushed pushed;
+  AnimateOptions options = pushed.options;
+  options.go_on_from = changed(pushed.state, changes);
+  ends_well([&] { animate(pushed.shot, pushed.method(), options, [](const AnimatedFrame&) { return false; }); });
+}
+
+/// A bake of two frames that keeps a checkpoint.
+struct Kept {
+  BakePlan plan;
+  fs::path folder = written("checkpoint.0.000002", "").parent_path();
+  std::string body;  // of its checkpoint: all but the seal
+  Kept() {
+    BakeSettings settings;
+    settings.scene = PAPERBAKE_SAMPLES "/S1_push.glb";
+    settings.base_triangles = 40;
+    settings.frames = FrameSpan{1, 2, 1};
+    plan = plan_bake(settings);
+    Checkpoints checkpoints(folder, plan, 0, 2);
+    simulate(plan, 0, plan.animation, 1, [&](const AnimatedFrame& frame) { return checkpoints.add(frame), true; });
+    std::ifstream file(folder / "checkpoint.0.000002", std::ios::binary);
+    body.assign(std::istreambuf_iterator<char>(file), {});
+    body.resize(body.size() - hex(murmur("")).size());
+  }
+};
+
+void read_checkpoint(const std::string& changes) {
+  static const Kept kept;
+  const std::string body = changed(kept.body, changes);
+  written("checkpoint.0.000002", body + hex(murmur(body)));
+  Checkpoints(kept.folder, kept.plan, 0, 2).take([](const AnimatedFrame&) { return true; });
+}
+
 }  // namespace
 
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all{
       {"scene", [](const std::string& bytes) { ends_well([&] { read_scene(scene_file(bytes)); }); }},
       {"import", [](const std::string& bytes) { ends_well([&] { bytes_of({import_here(scene_file(bytes)), "", "", ""}); }); }},
-      {"imported", [](const std::string& bytes) {
-         ends_well([&] {
-           try {
-             scene_of(message_of(bytes).file, "message");
-           } catch (const std::runtime_error& error) {  // what is no message is refused
-             if (dynamic_cast<const Error*>(&error)) throw;
-           }
-         });
-       }},
+      {"imported", [](const std::string& bytes) { ends_well_or_refuses([&] { scene_of(message_of(bytes).file, "message"); }); }},
+      {"gltf_curves", [](const std::string& bytes) { ends_well_or_refuses([&] { read_gltf_curves(written(gltf_name(bytes), bytes)); }); }},
+      {"fbx", [](const std::string& bytes) { ends_well([&] { import_fbx(written("scene.fbx", bytes), std::nullopt); }); }},
       {"preset", [](const std::string& bytes) { ends_well([&] { read_preset(written("preset.toml", bytes)); }); }},
       {"lock", [](const std::string& bytes) { ends_well([&] { read_lock(written("lock.toml", bytes)); }); }},
       {"job", [](const std::string& bytes) {
@@ -126,7 +205,9 @@ const std::map<std::string, Reader>& readers() {
          });
        }},
       {"certificate", read_certificate},
-      {"cache", read_cache}};
+      {"cache", read_cache},
+      {"state", read_state},
+      {"checkpoint", read_checkpoint}};
   return all;
 }
 
