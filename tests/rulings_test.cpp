@@ -19,12 +19,12 @@ bool cross_each_other(const Ruling& r, const Ruling& s) {
   return cross(r.b - r.a, s.a - r.a) * cross(r.b - r.a, s.b - r.a) < 0 && cross(s.b - s.a, r.a - s.a) * cross(s.b - s.a, r.b - s.a) < 0;
 }
 
-std::vector<Ruling> rulings_of(const Sheet& sheet, const RulingOptions& options = {}, const std::vector<Disc>& guards = {}) {
+std::vector<Ruling> rulings_of(const Sheet& sheet, const RulingOptions& options = {}, const std::vector<Disc>& guards = {}, const std::vector<Vector2d>& tips = {}) {
   const Pattern pattern = test::rectangle(0.1, 0.1);
   const BendingField field(sheet, vertex_curvature(sheet));
   Regions regions(pattern, options);
   regions.follow(field);
-  return lay_rulings(pattern, field, regions, guards, h, options);
+  return lay_rulings(pattern, field, regions, guards, tips, h, options);
 }
 
 void expect_no_crossings(const std::vector<Ruling>& rulings) {

@@ -184,7 +184,7 @@ struct Elastic::Impl {
     hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
          feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
     if (feels && matrix) feels->bind(*matrix, block_of);
-    if (colliders) colliders->begin(sheet.x, handles.colliders, feels ? std::vector<int>{} : hard.vertices, dt);
+    if (colliders) colliders->begin(sheet.x, handles.colliders, feels ? std::vector<int>{} : hard.vertices, dt, feels ? hard : Gripped{});
 
     const bool dynamic = options.inertia == Inertia::dynamic;
     const Points3 before = sheet.x;
@@ -365,6 +365,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
     if (may_touch) how.in_vain = [&](const Points3& x) { return !s.contact->clear(before, x, hard); };
     if (lies) how.max_strides = std::min(how.max_strides, most_strides_on_colliders);
     report = s.solve(sheet, held, hard, dt, nullptr, how, lies ? SecondWays::none : SecondWays::where_restless);
+    if (lies) report.leaving = !report.converged;  // it goes on in the next step
   }
   const auto jams = [&] {  // what is on its way may be stretched
     return (report.converged && s.matrix && largest_stretch(sheet) > jam_stretch) || report.inside > jam_inside;
