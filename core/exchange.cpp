@@ -24,7 +24,7 @@ double facets_of(const Sheet& sheet) {
 Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt) {
   constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
   constexpr double too_stiff = -0.02, most_move_then = 0.025;  // a mesh that holds its sheet back holds it the more, the longer it stays
-  constexpr double too_coarse = 0.12;                   // [rad2] of facets (20 degrees): and so does one that bends in a few edges
+  constexpr double too_coarse = 0.12;                   // [rad2] of facets (20 degrees): and so does one on which what lies hooks in a few edges
   constexpr double unseen = 0.5;                        // [1/rad2] share of the energy that a mesh does not see, by its facets
   constexpr double noise = 1e-6;                        // [J] of a sheet that is nearly flat
   const Points3 carried = proposal.x;
@@ -38,7 +38,7 @@ Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std:
   verdict.rise = rise / std::max(stored.energy, noise);
   verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(), (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) / side;
   const double facets = facets_of(sheet);
-  const bool coarse = facets > too_coarse, off = coarse || verdict.rise <= too_stiff;
+  const bool coarse = settled.on_colliders > 0 && facets > too_coarse, off = coarse || verdict.rise <= too_stiff;
   const double finer = coarse ? std::max(0.0, facets - facets_of(proposal)) : 0;
   verdict.accepted = settled.converged && !settled.contact && rise <= (most_rise + unseen * finer) * stored.energy + noise &&
                      verdict.move <= (off ? most_move_then : most_move);

@@ -105,6 +105,32 @@ TEST(Rulings, OptionsSetTheirDistance) {
   EXPECT_LT(count(far), 0.1 / (0.7 * 0.75 * h));
 }
 
+TEST(Rulings, NearATipThatIsPulledComeAsNearAsTheyAreShort) {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 40);
+  const double R = 0.01;  // the turn alone asks for 1 mm
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    const double across = (sheet.pattern(v, 0) + sheet.pattern(v, 1)) / std::sqrt(2), along = (sheet.pattern(v, 0) - sheet.pattern(v, 1)) / std::sqrt(2);
+    sheet.x.row(v) << R * std::sin(across / R), along, R * std::cos(across / R);
+  }
+  const Vector2d tip(0.1, 0.1), other(0, 0);
+  const auto beside = [&](const std::vector<Ruling>& rulings, const Vector2d& corner) {
+    std::vector<double> depths;
+    for (const Ruling& r : rulings)
+      if (const double depth = (0.5 * (r.a + r.b) - corner).norm(); depth < 1.6 * h) depths.push_back(depth);
+    std::sort(depths.begin(), depths.end());
+    return depths;
+  };
+  const std::vector<double> usual = beside(rulings_of(sheet), tip), pulled = beside(rulings_of(sheet, {}, {}, {tip}), tip);
+  const std::vector<double> opposite = beside(rulings_of(sheet, {}, {}, {tip}), other);
+  for (const auto* depths : {&usual, &opposite}) {
+    ASSERT_GE(depths->size(), 2u);
+    EXPECT_GE(depths->front(), 0.4 * h);  // half as deep as long
+    for (std::size_t k = 0; k + 1 < depths->size(); ++k) EXPECT_GE((*depths)[k + 1] - (*depths)[k], 0.49 * h);
+  }
+  EXPECT_LT(pulled.front(), 0.3 * h);
+  EXPECT_GE(pulled.size(), 2 * usual.size());
+}
+
 TEST(Rulings, DoNotEnterAGuardAndAFlatSheetHasNone) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   EXPECT_TRUE(rulings_of(sheet).empty());
