@@ -184,20 +184,9 @@ bool is_of_output(const std::string& key) {
   return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
 }
 
-/// Where all handles of a sheet go. [m]
-Points3 keyed_places(const std::vector<Handle>& handles) {
-  long rows = 0;
-  for (const Handle& handle : handles) rows += handle.keyed.rows();
-  Points3 all(rows, 3);
-  for (const Handle& handle : handles) all.middleRows(rows -= handle.keyed.rows(), handle.keyed.rows()) = handle.keyed;
-  return all;
-}
-
 Shot make_shot(SceneSheet&& sheet, const Paper& paper, std::vector<ColliderMesh> colliders) {
   Shot shot{std::move(sheet.name), std::move(sheet.pattern), std::move(sheet.start), std::move(sheet.handles), paper, std::move(sheet.pins)};
-  if (colliders.empty()) return shot;
-  face_the_sheet(colliders, shot.start.x, keyed_places(shot.handles));
-  shot.colliders = std::make_shared<const Colliders>(colliders.begin(), colliders.end());
+  shot.colliders = facing_colliders(std::move(colliders), shot.start.x, shot.handles);
   return shot;
 }
 

@@ -250,7 +250,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   Sheet shown;          // what is handed on
   Held held_before;
   bool at_minimum = false, flowing = false;
-  bool leaving = false;
+  bool leaving = false, lies = false;
   double inside = 0;    // [m] a collider, of what is shown
   int quiet_frames = 0;
   int least_halvings = 0;
@@ -259,7 +259,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
   int frame = options.first_frame;
   const auto archive_all = [&](Archive& a) {
     ElasticPast past = elastic.past();
-    a(frame, sheet, shown, before, held_before, at_minimum, flowing, leaving, quiet_frames, past, grip);
+    a(frame, sheet, shown, before, held_before, at_minimum, flowing, leaving, lies, quiet_frames, past, grip);
     if (memory) a(*memory);
     if (method.archive) method.archive(a);
     if (!a.reads()) return;
@@ -291,7 +291,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     const bool moving = moved > still * side;
     const Moment now{frame, 1 / options.fps, moved / side};
     const Situation situation{started.fixed, memory ? &*memory : nullptr, pulled_alone(sheet, held, still * side, 0.15 * shorter_side(shot.pattern)),
-                              now, moving, leaving, at_minimum, flowing, leap_of(sheet, held, held_before) / side};
+                              now, moving, leaving, at_minimum, flowing, lies, leap_of(sheet, held, held_before) / side};
     if (method.propose && !first)
       if (auto proposal = method.propose(sheet, situation)) {
         const std::vector<double> stiffening = disc_factors(*proposal, shot);
@@ -336,6 +336,7 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
     }
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
     leaving = step.last.leaving;
+    lies = step.last.on_colliders > 0;
     at_minimum = step.converged && !leaving;
     flowing = step.last.plastic_flow > 0 && step.last.plastic_flow > most_flow * fold_integral(sheet);
     if (step.last.lower_branch > 1e-3)

@@ -288,6 +288,16 @@ void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const P
   }
 }
 
+std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh> meshes, const Points3& x, const std::vector<Handle>& handles) {
+  if (meshes.empty()) return nullptr;
+  long rows = 0;
+  for (const Handle& handle : handles) rows += handle.keyed.rows();
+  Points3 keyed(rows, 3);
+  for (const Handle& handle : handles) keyed.middleRows(rows -= handle.keyed.rows(), handle.keyed.rows()) = handle.keyed;
+  face_the_sheet(meshes, x, keyed);
+  return std::make_shared<const Colliders>(meshes.begin(), meshes.end());
+}
+
 double push_out(const Colliders& colliders, const Poses& poses, const Points3& known, double clearance, Points3& x) {
   constexpr double to_and_fro = 3;     // out of one thing may be into another
   double deepest_found = 0;

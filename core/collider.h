@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/handles.h"
 #include "core/sheet.h"
 
 #include <Eigen/Geometry>
@@ -114,6 +115,8 @@ double farthest_move(const Colliders&, const Poses& from, const Poses& to);
 /// handles go; where they do not tell, upwards.
 /// keyed  [m] places where handles go
 void face_the_sheet(std::vector<ColliderMesh>&, const Points3& x, const Points3& keyed);
+/// Colliders of a scene so turned, for a sheet at x that these handles hold; null where there are none.
+std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh>, const Points3& x, const std::vector<Handle>&);
 
 /// Moves points of a sheet that are inside of something out of it.
 /// known   |V|x3 [m] near x, on the side of open meshes where the points belong; as x, or of a surface that x smoothes

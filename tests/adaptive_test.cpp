@@ -105,7 +105,7 @@ TEST(Adaptive, AShapeOnItsWayIsNoReasonForTrianglesAndAJumpIsTakenOnFew) {
   const std::vector<char> fixed = start_sheet(shot, adaptive_of(shot, cap, fine), 0).fixed;
   const auto triangles_after = [&](const SizingOptions& options, bool at_minimum, double leap) {
     Sheet sheet = arch;
-    adaptive_of(shot, cap, options).remesh(sheet, {fixed, nullptr, {}, {25, 1 / 24.0}, true, false, at_minimum, false, leap});
+    adaptive_of(shot, cap, options).remesh(sheet, {fixed, nullptr, {}, {25, 1 / 24.0}, true, false, at_minimum, false, false, leap});
     return sheet.triangles.rows();
   };
   SizingOptions finer = fine;
@@ -159,7 +159,7 @@ TEST(Adaptive, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
   animate(shot, method, options, [&](const AnimatedFrame& frame) {
     Sheet before = *frame.sheet, after = *frame.sheet;
     if (frame.frame < 4 || frame.frame > 24) return true;  // it chooses a side; later a finger holds it too
-    if (!adaptive_of(shot).remesh(after, {fixed, nullptr, {}, {frame.frame, 1 / 24.0}, true, false, true, false, 0})) return true;
+    if (!adaptive_of(shot).remesh(after, {fixed, nullptr, {}, {frame.frame, 1 / 24.0}, true, false, true, false, false, 0})) return true;
     const double was = at_rest(before);
     rises.push_back(at_rest(after) / was - 1);
     return true;

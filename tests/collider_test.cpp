@@ -121,6 +121,47 @@ TEST(ColliderContact, TheGradientIsTheDerivativeOfTheEnergyOutsideAndInside) {
   }
 }
 
+TEST(ColliderContact, DoesNotPushAHandThatLiesOnIt) {
+  const auto colliders = all({ground()});
+  Points3 x(3, 3);
+  x << 0, 0, 1e-4, 0.01, 0, 1e-3, 0, 0.01, 1e-3;
+  Triangles one(1, 3);
+  one << 0, 1, 2;
+  ColliderContact contact(colliders, one, 3);
+  const Poses at = poses_at(*colliders, 0);
+  const auto push = [&](const Gripped& pulled, double height) {
+    contact.begin(x, {at, at}, {}, 1 / 24.0, pulled);
+    Points3 y = x, gradient = Points3::Zero(3, 3);
+    y(0, 2) = height;
+    contact.differentiate(y, {0, 1, 2}, gradient, nullptr);
+    return -gradient(0, 2);
+  };
+  const Gripped hand{{0}, x.row(0)};
+  EXPECT_GT(push({}, 1e-4), 0.3);  // what a handle gives way to
+  EXPECT_EQ(push(hand, 1e-4), 0);
+  EXPECT_GT(push(hand, -1e-4), 0.01);  // it is not to be pressed in
+}
+
+TEST(ElasticOnColliders, AStepThatDidNotArriveIsOnItsWay) {
+  Sheet sheet = hex_sheet(0.1, 0.1, 8);
+  sheet.x.col(2).array() += 4e-4;
+  Held held = resting(*all({ground()}));
+  held.vertices = {0};
+  held.targets = sheet.x.row(0) + Eigen::RowVector3d(0.002, 0.002, 0.01);
+  for (const int most : {1, 60}) {
+    ElasticOptions options;
+    options.gravity = g;
+    options.max_iterations = most;
+    options.colliders = all({ground()});
+    Elastic elastic(Paper{}, options);
+    elastic.set_mesh(sheet);
+    Sheet moved = sheet;
+    const ElasticReport report = elastic.step(moved, held, 1 / 24.0);
+    EXPECT_EQ(report.converged, most == 60);
+    EXPECT_EQ(report.leaving, most == 1);
+  }
+}
+
 TEST(ColliderContact, OnAPlaneTheSecondDerivativeIsExact) {
   const auto colliders = all({ground()});
   Points3 x(3, 3);

@@ -95,6 +95,49 @@ TEST(Exchange, AMeshThatCannotFollowIsRefusedAndLeavesNoTrace) {
   EXPECT_TRUE(bent.sheet.x == untouched.sheet.x);  // to the last bit
 }
 
+/// A sheet that hangs between its borders in four facets, pushed together by 30 mm; on a floor at that height.
+struct Hung {
+  Sheet sheet = test::strip_sheet(0.1, 0.1, 4);
+  Held held;
+  std::unique_ptr<Elastic> elastic;
+
+  explicit Hung(double floor) {
+    ColliderMesh ground{"floor", Points3(4, 3), Triangles(2, 3), {}};
+    ground.x << -1, -1, floor, 1, -1, floor, 1, 1, floor, -1, 1, floor;
+    ground.triangles << 0, 1, 2, 0, 2, 3;
+    ElasticOptions options;
+    options.colliders = std::make_shared<const Colliders>(1, Collider(ground));
+    held.colliders = {poses_at(*options.colliders, 0), poses_at(*options.colliders, 0)};
+    for (int v = 0; v < sheet.x.rows(); ++v) {
+      sheet.x(v, 2) = -1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / 0.1);
+      if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9) held.vertices.push_back(v);
+    }
+    elastic = std::make_unique<Elastic>(Paper{}, options);
+    elastic->set_mesh(sheet);
+    for (int step = 1; step <= 20; ++step) elastic->step(sheet, targets(sheet, held.vertices, 0.0015 * step), dt);
+  }
+  Held targets(const Sheet& on, const std::vector<int>& vertices, double way) const {
+    Held wanted = Bent::targets(on, vertices, way);
+    wanted.colliders = held.colliders;
+    return wanted;
+  }
+};
+
+TEST(Exchange, WhatLiesAndFoldsInFewFacetsGetsFinerOnesThoughTheyStoreMore) {
+  const double lowest = Hung(-1).sheet.x.col(2).minCoeff();
+  for (const bool lies : {true, false}) {
+    Hung hung(lies ? lowest + 0.005 : -1);
+    const double stored = hung.elastic->look(hung.sheet).energy;
+    std::vector<int> borders;
+    Sheet proposal = on_mesh(hung.sheet, test::strip_sheet(0.1, 0.1, 16), borders);
+    const Verdict verdict = exchange_mesh(hung.sheet, *hung.elastic, proposal, {}, hung.targets(proposal, borders, 0.03), dt);
+    EXPECT_EQ(verdict.accepted, lies) << verdict.rise << " " << verdict.move;
+    EXPECT_GT(verdict.rise, lies ? 0.1 : 0.04);
+    EXPECT_GT(verdict.move, 0.015);
+    EXPECT_EQ(hung.elastic->look(hung.sheet).energy > 1.1 * stored, lies);
+  }
+}
+
 TEST(Exchange, NothingFlowsWhetherTakenOrRefused) {
   for (const int strips : {20, 2}) {
     Bent bent(0.0008);  // yields at 18 1/m: the arch has flowed, and would again on another mesh

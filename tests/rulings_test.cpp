@@ -19,12 +19,12 @@ bool cross_each_other(const Ruling& r, const Ruling& s) {
   return cross(r.b - r.a, s.a - r.a) * cross(r.b - r.a, s.b - r.a) < 0 && cross(s.b - s.a, r.a - s.a) * cross(s.b - s.a, r.b - s.a) < 0;
 }
 
-std::vector<Ruling> rulings_of(const Sheet& sheet, const RulingOptions& options = {}, const std::vector<Disc>& guards = {}) {
+std::vector<Ruling> rulings_of(const Sheet& sheet, const RulingOptions& options = {}, const std::vector<Disc>& guards = {}, const std::vector<Vector2d>& tips = {}) {
   const Pattern pattern = test::rectangle(0.1, 0.1);
   const BendingField field(sheet, vertex_curvature(sheet));
   Regions regions(pattern, options);
   regions.follow(field);
-  return lay_rulings(pattern, field, regions, guards, h, options);
+  return lay_rulings(pattern, field, regions, guards, tips, h, options);
 }
 
 void expect_no_crossings(const std::vector<Ruling>& rulings) {
@@ -103,6 +103,32 @@ TEST(Rulings, OptionsSetTheirDistance) {
   EXPECT_NEAR(double(count(usual)) / count(coarse), 2, 0.3);
   EXPECT_GT(count(near), 1.15 * count(usual));
   EXPECT_LT(count(far), 0.1 / (0.7 * 0.75 * h));
+}
+
+TEST(Rulings, NearATipThatIsPulledComeAsNearAsTheyAreShort) {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 40);
+  const double R = 0.01;  // the turn alone asks for 1 mm
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    const double across = (sheet.pattern(v, 0) + sheet.pattern(v, 1)) / std::sqrt(2), along = (sheet.pattern(v, 0) - sheet.pattern(v, 1)) / std::sqrt(2);
+    sheet.x.row(v) << R * std::sin(across / R), along, R * std::cos(across / R);
+  }
+  const Vector2d tip(0.1, 0.1), other(0, 0);
+  const auto beside = [&](const std::vector<Ruling>& rulings, const Vector2d& corner) {
+    std::vector<double> depths;
+    for (const Ruling& r : rulings)
+      if (const double depth = (0.5 * (r.a + r.b) - corner).norm(); depth < 1.6 * h) depths.push_back(depth);
+    std::sort(depths.begin(), depths.end());
+    return depths;
+  };
+  const std::vector<double> usual = beside(rulings_of(sheet), tip), pulled = beside(rulings_of(sheet, {}, {}, {tip}), tip);
+  const std::vector<double> opposite = beside(rulings_of(sheet, {}, {}, {tip}), other);
+  for (const auto* depths : {&usual, &opposite}) {
+    ASSERT_GE(depths->size(), 2u);
+    EXPECT_GE(depths->front(), 0.4 * h);  // half as deep as long
+    for (std::size_t k = 0; k + 1 < depths->size(); ++k) EXPECT_GE((*depths)[k + 1] - (*depths)[k], 0.49 * h);
+  }
+  EXPECT_LT(pulled.front(), 0.3 * h);
+  EXPECT_GE(pulled.size(), 2 * usual.size());
 }
 
 TEST(Rulings, DoNotEnterAGuardAndAFlatSheetHasNone) {

@@ -52,7 +52,7 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
     // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
     if (!is.moving || !is.at_minimum || is.flowing) return std::nullopt;
     if (!sheet_now.folds.empty()) return std::nullopt;  // its edges are where they have to be
-    return crumple->propose(sheet_now, is.pulled, is.now);
+    return crumple->propose(sheet_now, is.pulled, is.lies, is.now);
   };
   method.judged = [crumple](bool accepted, const Moment& now) { crumple->judged(accepted, now); };
   method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };

@@ -32,6 +32,7 @@ struct Situation {
   bool leaving;                     // the sheet is on its way down from an unstable shape: what it looks like is not to be relied on
   bool at_minimum;                  // the last step got to one
   bool flowing;                     // the paper yielded in it
+  bool lies;                        // ... and it ended on a collider
   double leap;                      // [1] of the longer side: how far handles are about to go against each other
 };
 

@@ -41,7 +41,7 @@ Sliding sliding(double y, double epsilon) {
 }
 
 ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders, const Triangles& triangles, int vertices)
-    : colliders_(std::move(colliders)), against_(colliders_->size()), held_(vertices, 0) {
+    : colliders_(std::move(colliders)), against_(colliders_->size()), held_(vertices, 0), excused_(vertices, 0.0) {
   std::vector<Probe> probes;
   std::set<std::pair<int, int>> edges;
   for (int v = 0; v < vertices; ++v) probes.push_back({{v, -1, -1}, 1, {}});
@@ -155,17 +155,20 @@ void ColliderContact::for_each_touch(std::size_t c, const Points3& home, Visit v
     for (int i = 0; i < probe.corners; ++i) held &= held_[probe.vertices[i]] != 0;
     if (held) continue;
     touches_of(c, probe, home, [&](const Touch& touch) {
-      if (touch.distance < collider_reach) visit(touch);
+      Touch felt = touch;
+      if (probe.corners == 1) felt.distance += excused_[probe.vertices[0]];
+      if (felt.distance < collider_reach) visit(felt);
     });
   }
 }
 
-void ColliderContact::begin(const Points3& x, const ColliderMotion& motion, const std::vector<int>& held, double dt) {
+void ColliderContact::begin(const Points3& x, const ColliderMotion& motion, const std::vector<int>& held, double dt, const Gripped& pulled) {
   start_ = x;
   motion_ = motion;
   epsilon_ = creep * dt;
   std::fill(held_.begin(), held_.end(), 0);
   for (const int v : held) held_[v] = 1;
+  std::fill(excused_.begin(), excused_.end(), 0.0);
   drags_.clear();
   for (std::size_t c = 0; c < against_.size(); ++c) {
     const Collider& collider = (*colliders_)[c];
@@ -174,7 +177,16 @@ void ColliderContact::begin(const Points3& x, const ColliderMotion& motion, cons
       for (int v = 0; v < home.rows(); ++v)
         against_[c].side[v] = collider.nearest(row(home, v), 4 * collider.depth(), 1).distance < -collider.depth() ? -1 : 1;
     refresh(c, home);
+    excuse(c, pulled);
     begin_friction(c, home);
+  }
+}
+
+void ColliderContact::excuse(std::size_t c, const Gripped& pulled) {
+  for (std::size_t k = 0; k < pulled.vertices.size(); ++k) {
+    const int v = pulled.vertices[k];
+    const double wanted = (*colliders_)[c].nearest(motion_.to[c].inverse() * row(pulled.targets, k), collider_reach, against_[c].side[v]).distance;
+    excused_[v] = std::max(excused_[v], collider_reach - std::clamp(wanted, 0.0, collider_reach));
   }
 }
 

@@ -2,6 +2,7 @@
 
 #include "core/collider.h"
 #include "core/step1_elastic/block_cholesky.h"
+#include "core/step1_elastic/contact.h"
 #include "core/step1_elastic/elastic.h"
 
 #include <array>
@@ -48,7 +49,9 @@ class ColliderContact {
   ColliderContact(std::shared_ptr<const Colliders>, const Triangles&, int vertices);
 
   /// Begins a step of a sheet at x. held: vertices that are not solved for.
-  void begin(const Points3& x, const ColliderMotion&, const std::vector<int>& held, double dt);
+  /// pulled: vertices that springs pull; as near to a collider as they are wanted there, it does not push them: a hand that lies on a
+  /// table needs no force to stay
+  void begin(const Points3& x, const ColliderMotion&, const std::vector<int>& held, double dt, const Gripped& pulled = {});
 
   /// Takes a way from where the step began, along with colliders that move and along their surface where they are in the way.
   /// vertices, to: |vertices|x3 [m] where they were to go
@@ -113,10 +116,12 @@ class ColliderContact {
   void for_each_touch(const Points3& y, Visit);   // at the end of the step
   Eigen::Vector2d slip(const Drag&, const Points3& y) const;
   void begin_friction(std::size_t c, const Points3& home);
+  void excuse(std::size_t c, const Gripped& pulled);
 
   std::shared_ptr<const Colliders> colliders_;
   std::vector<Against> against_;
   std::vector<char> held_;
+  std::vector<double> excused_;     // |V| [m] by how much nearer than others they may be
   Points3 start_;
   ColliderMotion motion_;
   double epsilon_ = 1e-6;           // [m]

@@ -184,7 +184,7 @@ struct Elastic::Impl {
     hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
          feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
     if (feels && matrix) feels->bind(*matrix, block_of);
-    if (colliders) colliders->begin(sheet.x, handles.colliders, feels ? std::vector<int>{} : hard.vertices, dt);
+    if (colliders) colliders->begin(sheet.x, handles.colliders, feels ? std::vector<int>{} : hard.vertices, dt, feels ? hard : Gripped{});
 
     const bool dynamic = options.inertia == Inertia::dynamic;
     const Points3 before = sheet.x;
@@ -349,7 +349,6 @@ void Elastic::take_back(const ElasticPast& past) {
 ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
   Impl& s = *impl_;
   const Held held = s.reachable(sheet, asked, dt);
-  const bool dynamic = s.options.inertia == Inertia::dynamic;
   const Points3 before = sheet.x;
   Gripped hard = hard_handles(held);
   s.look_for_ridges(sheet, held.vertices);
@@ -365,6 +364,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
     if (may_touch) how.in_vain = [&](const Points3& x) { return !s.contact->clear(before, x, hard); };
     if (lies) how.max_strides = std::min(how.max_strides, most_strides_on_colliders);
     report = s.solve(sheet, held, hard, dt, nullptr, how, lies ? SecondWays::none : SecondWays::where_restless);
+    report.leaving |= lies && !report.converged;
   }
   const auto jams = [&] {  // what is on its way may be stretched
     return (report.converged && s.matrix && largest_stretch(sheet) > jam_stretch) || report.inside > jam_inside;
@@ -390,7 +390,7 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
   const std::vector<double> folds = s.energy->fold_angles(sheet.x);
   report.plastic_flow = s.remember(folds);
   s.tell_stored(sheet.x, folds, report);
-  sheet.v = (dynamic ? std::pow(velocity_kept, 24 * dt) : 1.0) / dt * (sheet.x - before);
+  sheet.v = (s.options.inertia == Inertia::dynamic ? std::pow(velocity_kept, 24 * dt) : 1.0) / dt * (sheet.x - before);
   s.past.positions.push_front(before);
   if (s.past.positions.size() > 2) s.past.positions.pop_back();
   return report;

@@ -16,6 +16,10 @@ namespace {
 /// What rulings and flips follow. About a singular point a sheet of a few triangles is not developable.
 Points3 bending_of(const Sheet& sheet) { return sheet.singular.empty() ? developable_curvature(sheet) : vertex_curvature(sheet); }
 
+bool is_corner(const Pattern& polygons, const Vector2d& p) {
+  return std::any_of(polygons.outline.begin(), polygons.outline.end(), [&](const Vector2d& corner) { return (corner - p).norm() < 1e-9; });
+}
+
 }  // namespace
 
 Crumple::Crumple(const Pattern& pattern, const Paper& paper, const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet)
@@ -36,7 +40,7 @@ void Crumple::archive(Archive& a) {
   for (const auto& [p, seconds] : suspicions) suspicions_.push_back({p, seconds});
 }
 
-std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>& pulled, const Moment& now) {
+std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>& pulled, bool lies, const Moment& now) {
   RulingOptions options = options_.rulings;
   if (options.facet_turn <= 0 || required_ < 0) return std::nullopt;
   const Points3 curvature = bending_of(sheet);
@@ -50,10 +54,15 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
   for (const Suspicion& s : suspicions_)  // a mesh without that vertex would not show whether the conflict lasts
     if (std::none_of(singular.begin(), singular.end(), [&](const Vector2d& p) { return (p - s.p).norm() < 0.5 * base_.h; })) singular.push_back(s.p);
   std::vector<Disc> guards;
-  for (const int v : pulled) guards.push_back({sheet.pattern.row(v), options.guard * shorter_side(pattern_)});
+  std::vector<Vector2d> tips;
+  for (const int v : pulled) {
+    const Vector2d p = sheet.pattern.row(v);
+    if (lies && is_corner(base_.polygons, p)) tips.push_back(p);
+    else guards.push_back({p, options.guard * shorter_side(pattern_)});
+  }
   std::optional<RuledMesh> mesh;
   for (int attempt = 0; attempt < 3; ++attempt, options.facet_turn *= 1.35) {
-    proposed_ = lay_rulings(base_.polygons, field, regions_, guards, base_.h, options);
+    proposed_ = lay_rulings(base_.polygons, field, regions_, guards, tips, base_.h, options);
     if (proposed_.empty()) return std::nullopt;
     mesh = ruled_mesh(base_, required, singular, proposed_, guards, options);
     if (mesh && mesh->triangles.rows() <= options.most_share * base_.triangles + 2 * singular.size()) break;

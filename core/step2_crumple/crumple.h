@@ -58,7 +58,8 @@ class Crumple {
   /// Before `operate`, from a sheet at its minimum: looks for curved regions and, when the mesh does not follow their rulings,
   /// proposes one that does, with positions and velocities carried over. The required vertices keep their numbers.
   /// pulled  vertices that a lone handle moves
-  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, const Moment&);
+  /// lies    something carries the sheet: it cannot sag behind a corner that is pulled, but hooks there
+  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, bool lies, const Moment&);
   /// What became of the proposal.
   void judged(bool accepted, const Moment&);
 

@@ -47,8 +47,8 @@ class Builder {
 
   void add_rulings(const std::vector<Ruling>& rulings) {
     std::vector<std::pair<int, int>> ends;
-    for (const Ruling& r : rulings) ends.emplace_back(ruling_end(r.a), ruling_end(r.b));
-    for (const auto& [a, b] : ends) add_ruling(a, b);
+    for (const Ruling& r : rulings) ends.emplace_back(ruling_end(r.a, near(r)), ruling_end(r.b, near(r)));
+    for (std::size_t k = 0; k < ends.size(); ++k) add_ruling(ends[k].first, ends[k].second, near(rulings[k]));
     const auto legs = legs_;
     for (const auto& [a, b] : legs) subdivide(a, b);
   }
@@ -86,6 +86,7 @@ class Builder {
   };
 
   double exact() const { return 1e-7 * base_.h; }
+  double near(const Ruling& r) const { return r.at_tip ? 0.5 * std::min(tolerance_, options_.merge * r.length()) : tolerance_; }
 
   void add_polygon(const std::vector<Vector2d>& polygon) {
     const std::size_t first = sides_.size();
@@ -117,12 +118,12 @@ class Builder {
   }
 
   /// The point where a ruling ends: one that is there already, or a new one, on the border if that is near.
-  int ruling_end(const Vector2d& p) {
+  int ruling_end(const Vector2d& p, double near) {
     const std::size_t before = points_.size();
-    const int point = point_at(p, tolerance_);
+    const int point = point_at(p, near);
     if (points_.size() == before) return point;
     for (Side& side : sides_) {
-      if (distance_to_segment(p, side.a, side.b) > 0.7 * tolerance_) continue;
+      if (distance_to_segment(p, side.a, side.b) > 0.7 * near) continue;
       const double t = along(p, side.a, side.b);
       points_[point] = side.a + t * (side.b - side.a);
       side.stops.emplace_back(t, point);
@@ -133,14 +134,14 @@ class Builder {
   }
 
   /// From end to end by way of the points that lie on the line or nearly so.
-  void add_ruling(int a, int b) {
+  void add_ruling(int a, int b, double near) {
     if (a == b) return;
     std::vector<std::pair<double, int>> stops{{0.0, a}, {1.0, b}};
     const double length = (points_[b] - points_[a]).norm();
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const double t = along(points_[i], points_[a], points_[b]);
       if (int(i) == a || int(i) == b || t * length < exact() || (1 - t) * length < exact()) continue;
-      if (distance_to_segment(points_[i], points_[a], points_[b]) < 0.9 * tolerance_) stops.emplace_back(t, static_cast<int>(i));
+      if (distance_to_segment(points_[i], points_[a], points_[b]) < 0.9 * near) stops.emplace_back(t, static_cast<int>(i));
     }
     std::sort(stops.begin(), stops.end());
     for (std::size_t k = 0; k + 1 < stops.size(); ++k) {

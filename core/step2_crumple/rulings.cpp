@@ -30,9 +30,9 @@ std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d
 /// Lays the rulings of one sheet; remembers those that lie already.
 class Layer {
  public:
-  Layer(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards, double h,
-        const RulingOptions& options)
-      : polygons_(polygons), field_(field), regions_(regions), guards_(guards), h_(h), options_(options),
+  Layer(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards,
+        const std::vector<Vector2d>& tips, double h, const RulingOptions& options)
+      : polygons_(polygons), field_(field), regions_(regions), guards_(guards), tips_(tips), h_(h), options_(options),
         window_(options.window * std::sqrt(area(polygons))), size_(shorter_side(polygons)), samples_(regions.all().size()) {
     for (int i = 0; i < regions.grid().count(); ++i) {
       const Principal& bend = regions.bending()[i];
@@ -48,15 +48,20 @@ class Layer {
     for (const int seed : order) {
       if (regions_.of_place()[seed] < 0) continue;
       const Vector2d p = regions_.grid().places[seed];
-      if (!free(p, 0.8 * spacing(bending[seed].k1))) continue;  // a gap of less than 1.6 strips stays
+      if (!free(p, 0.8 * spacing(bending[seed].k1, least_spacing()))) continue;  // a gap of less than 1.6 strips stays
       march_from(p, regions_.of_place()[seed], turned(bending[seed].across));
     }
     return std::move(laid_);
   }
 
  private:
-  double spacing(double k) const {
-    return std::clamp(options_.facet_turn / std::max(std::abs(k), 1e-9), options_.across_least * h_, options_.across_most * h_);
+  double spacing(double k, double least) const { return std::clamp(options_.facet_turn / std::max(std::abs(k), 1e-9), least, options_.across_most * h_); }
+  double least_spacing() const { return options_.across_least * h_; }
+
+  /// Towards a corner of the sheet rulings get shorter, and what bends it gets finer with them.
+  double least_spacing_beside(const Ruling& r) const {
+    constexpr double of_length = 0.15, least = 0.1;  // [1]; [h]
+    return r.at_tip ? std::min(least_spacing(), std::max(of_length * r.length(), least * h_)) : least_spacing();
   }
 
   bool free(const Vector2d& p, double clear) const {
@@ -79,9 +84,10 @@ class Layer {
       Ruling last = *first;
       for (int guard = 0; guard < 200; ++guard) {
         const Vector2d middle = 0.5 * (last.a + last.b), d = (last.b - last.a).normalized();
-        double step = spacing(last.k);
+        const double least = least_spacing_beside(last);
+        double step = spacing(last.k, least);
         const double ahead = field_.at(middle + side * step * turned(d)).k1;
-        step = spacing(0.5 * (std::abs(last.k) + std::abs(ahead)));
+        step = spacing(0.5 * (std::abs(last.k) + std::abs(ahead)), least);
         const Vector2d next = middle + side * step * turned(d);
         if (region_at(next) != region || !free(next, 0.6 * step)) break;
         const std::optional<Ruling> ruling = ruling_at(next, region, d);
@@ -101,8 +107,12 @@ class Layer {
     double radii = 0;  // [m]
     int count = 0;
     const double ahead = reach(p, direction, radii, count), behind = reach(p, -direction, radii, count);
-    if (ahead + behind < 0.8 * h_ || count == 0) return std::nullopt;
-    return Ruling{p - behind * direction, p + ahead * direction, count / radii, region};
+    constexpr double shortest = 0.8, shortest_at_tip = 0.2;  // [h]
+    Ruling ruling{p - behind * direction, p + ahead * direction, 0, region};
+    ruling.at_tip = cuts_a_tip(ruling);
+    if (ruling.length() < (ruling.at_tip ? shortest_at_tip : shortest) * h_ || count == 0) return std::nullopt;
+    ruling.k = count / radii;
+    return ruling;
   }
 
   /// The cone whose rulings run nearly along `direction` at p: fitted to the places of the region within a window across.
@@ -120,6 +130,19 @@ class Layer {
     Cone cylinder;
     cylinder.apex << direction, 0;
     return cylinder;
+  }
+
+  /// From one side of a corner that is pulled to the other.
+  bool cuts_a_tip(const Ruling& r) const {
+    const std::vector<Vector2d>& outline = polygons_.outline;
+    const std::size_t n = outline.size();
+    for (std::size_t i = 0; i < n; ++i) {
+      if (std::none_of(tips_.begin(), tips_.end(), [&](const Vector2d& tip) { return (outline[i] - tip).norm() < 1e-9; })) continue;
+      const auto on = [&](const Vector2d& p, const Vector2d& other) { return distance_to_segment(p, outline[i], other) < 1e-3 * h_; };
+      const Vector2d &before = outline[(i + n - 1) % n], &after = outline[(i + 1) % n];
+      if ((on(r.a, before) && on(r.b, after)) || (on(r.a, after) && on(r.b, before))) return true;
+    }
+    return false;
   }
 
   /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up the radii on the way.
@@ -173,6 +196,7 @@ class Layer {
   const BendingField& field_;
   const Regions& regions_;
   const std::vector<Disc>& guards_;
+  const std::vector<Vector2d>& tips_;
   double h_;
   const RulingOptions& options_;
   double window_, size_;
@@ -184,8 +208,8 @@ class Layer {
 }  // namespace
 
 std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards,
-                                double h, const RulingOptions& options) {
-  return Layer(polygons, field, regions, guards, h, options).lay();
+                                const std::vector<Vector2d>& tips, double h, const RulingOptions& options) {
+  return Layer(polygons, field, regions, guards, tips, h, options).lay();
 }
 
 }  // namespace paperbake

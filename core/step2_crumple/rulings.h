@@ -11,6 +11,7 @@ struct Ruling {
   Vector2d a, b;   // [m] on the pattern
   double k = 0;    // [1/m] curvature across it: 1 over the mean radius, which on a cone is that of its middle
   int region = 0;  // number in Regions::all()
+  bool at_tip = false;  // cuts off a corner that is pulled
   double length() const { return (b - a).norm(); }
 };
 
@@ -24,8 +25,9 @@ struct Disc {
 /// outwards: each is the ruling of the cone fitted there, as far as the sheet bends as it says, and the next one begins
 /// facet_turn/k from its middle. So cylinders get parallel rulings, cones get fans, and no two of them cross.
 /// polygons  [m] what the mesh covers
+/// tips      [m] corners of the sheet that are pulled: rulings that cut one off are laid the nearer to it, the shorter they are
 /// h         [m] spacing of the base mesh
-std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField&, const Regions&, const std::vector<Disc>& guards, double h,
-                                const RulingOptions&);
+std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField&, const Regions&, const std::vector<Disc>& guards,
+                                const std::vector<Vector2d>& tips, double h, const RulingOptions&);
 
 }  // namespace paperbake

@@ -16,9 +16,11 @@ constexpr int grid = 41;
 }  // namespace
 
 CaseShot shot_of(const Case& c) {
-  const Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + c.name + ".glb");
+  Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + c.scene + ".glb");
   const SceneSheet& s = scene.sheets.front();
-  return {{s.name, s.pattern, s.start, s.handles, Paper{}}, scene.fps};
+  Shot shot{s.name, s.pattern, s.start, s.handles, Paper{}};
+  if (c.ground == Ground::kept) shot.colliders = facing_colliders(std::move(scene.colliders), s.start.x, s.handles);
+  return {shot, scene.fps};
 }
 
 Run run(const Shot& shot, const Method& method, const Case& c, double fps) {

@@ -9,12 +9,16 @@
 namespace paperbake::bench {
 
 /// A sample scene as far as all methods agree on its shape.
+enum class Ground { left_out, kept };
 struct Case {
   const char* name;
   int last_frame;
   double gravity;
+  Ground ground = Ground::left_out;  // colliders of the scene
+  const char* scene = name;
 };
-constexpr Case cases[] = {{"S1_push", 40, 0}, {"S2_moebius", 45, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 44, 0}};
+constexpr Case cases[] = {{"S1_push", 40, 0}, {"S2_moebius", 45, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 44, 0},
+                          {"S5_ground", 72, 9.81, Ground::kept, "S5_roll"}};
 
 /// Means over the frames, but for worst_ms, edge and rise: the worst.
 struct Numbers {
