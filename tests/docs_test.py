@@ -46,7 +46,7 @@ LESS = {"--budget": "30"}  # where a line says more
 NOT_RUN = {  # each has to be printed somewhere
     "tests/run": "runs this test",
     "tests/run -L fast": "runs this test's like",
-    "build/paperbake_bench_crumple": "a quarter of an hour, and nothing makes it shorter than seeds do",
+    "build/paperbake_bench_crumple": "a minute and more on one core, and nothing makes it shorter",
     "cmake --preset fuzz": "configures anew, with clang",
     "blender -b": "Blender is not installed; interop.blender_addon bakes in its Python module",
 }
