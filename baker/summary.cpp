@@ -53,6 +53,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const std::string& method = plan.methods.front().name;
   const bool yields = plan.animation.memory == Memory::plastic, singular = method == "hybrid";
   const int births = std::accumulate(frames.begin(), frames.end(), 0, [](int sum, const FrameRecord& f) { return sum + f.new_singular; });
+  const std::string through = sheets_in_words(frames);
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {{"dynamics", model(dynamic, plan.why_inertia)},
           {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
@@ -64,7 +65,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
                                                        : "the sheet never comes near itself")},
           {"layers_apart", model(apart > 0, apart > 0 ? fmt::format("the curved sheet would have passed through itself in {} frames", apart)
                                                       : "the curved sheet never passes through itself")},
-          {"between_sheets", model(false, plan.shots.size() < 2 ? "one sheet" : sheets_in_words(frames).empty() ? "no sheet passes through another" : sheets_in_words(frames))},
+          {"between_sheets", model(false, plan.shots.size() < 2 ? "one sheet" : through.empty() ? "no sheet passes through another" : through)},
           {"polish", model(plan.polish.triangles > 0, plan.polish.why)},
           {"colliders", model(plan.shots.front().colliders != nullptr, colliders_in_words(plan, frames))}};
 }
