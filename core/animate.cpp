@@ -153,6 +153,7 @@ Sheet finished(const Method& method, const Sheet& sheet, const Held& held, const
 struct SteppedFrame {
   int substeps = 0, iterations = 0;
   bool converged = true;
+  std::string lost;     // why the sheet cannot follow; then it is where it was, and so is all that is known of it
   ElasticReport last;
 };
 
@@ -191,14 +192,16 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
     distortion = length_distortion(sheet);
     if (failure.empty() && distortion.largest < torn) return result;
   }
+  sheet = before;
+  elastic.take_back(past);
   if (halvings == max_halvings) {
     char cause[200];
     std::snprintf(cause, sizeof cause, "The sheet cannot follow the handles: %d halvings of the time step, worst stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
                   halvings, 100 * distortion.largest, 100 * distortion.where.x(), 100 * distortion.where.y());
-    throw Error(Fault::simulation, frame.where, failure.empty() ? cause : failure, "Move the handles more slowly before this frame.");
+    if (!failure.empty()) throw Error(Fault::simulation, frame.where, failure, "Move the handles more slowly before this frame.");
+    result.lost = cause;
+    return result;
   }
-  sheet = before;
-  elastic.take_back(past);
   Held half = held;
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     half.targets.row(k) = 0.5 * (before.x.row(held.vertices[k]) + held.targets.row(k));
@@ -206,11 +209,24 @@ SteppedFrame follow(Elastic& elastic, Sheet& sheet, const Held& held, double lea
   Held rest = held;
   rest.colliders.from = half.colliders.to;
   const SteppedFrame first = follow(elastic, sheet, half, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
+  if (!first.lost.empty()) return first;
   SteppedFrame second = follow(elastic, sheet, rest, 0.5 * leap, 0.5 * dt, halvings + 1, frame);
+  if (!second.lost.empty()) {
+    sheet = before;
+    elastic.take_back(past);
+  }
   second.substeps += first.substeps;
   second.iterations += first.iterations + result.iterations;
   second.converged &= first.converged;
   return second;
+}
+
+/// A sheet that cannot follow waits, held where it is, for handles that it can follow.
+void stay(Sheet& sheet, const Elastic& elastic, Held& held, SteppedFrame& step) {
+  step.last = elastic.look(sheet);
+  step.converged = false;
+  sheet.v.setZero();
+  for (std::size_t k = 0; k < held.vertices.size(); ++k) held.targets.row(k) = sheet.x.row(held.vertices[k]);
 }
 
 /// Of a mesh with as many vertices and triangles?
@@ -332,6 +348,11 @@ void animate(const Shot& shot, const Method& method, const AnimateOptions& optio
         before = sheet.x;
         result.new_singular = 0;
         step = follow(elastic, sheet, held, situation.leap, 1 / options.fps, 0, way);
+      }
+      if (!step.lost.empty()) {
+        if (first) throw Error(Fault::simulation, where, step.lost, "Let the sheet start where its handles are.");
+        stay(sheet, elastic, held_before, step);
+        result.note = "it stays as it was: " + step.lost;
       }
     }
     constexpr double most_flow = 0.01;  // [1] of the folds, in one frame

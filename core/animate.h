@@ -75,8 +75,9 @@ struct AnimatedFrame {
 /// Euler damps, and at 1/24 s a pendulum of 20 cm would lose half its swing on the way to the other side.
 ///
 /// on_frame  called for every frame in order; returns false to stop
-/// throws    Error(Fault::simulation) when the sheet cannot follow its handles; frames handed out before stay good; Error(Fault::scene)
-///           when go_on_from is no state of this shot
+/// throws    Error(Fault::simulation) when the sheet cannot follow its handles into the first frame (in a later one it stays as it was, and
+///           the note says so) or has no finite energy; frames handed out before stay good; Error(Fault::scene) when go_on_from is no
+///           state of this shot
 /// source    the loop of [Schreck 2015], section 2
 void animate(const Shot&, const Method&, const AnimateOptions&, const std::function<bool(const AnimatedFrame&)>& on_frame);
 

@@ -7,6 +7,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace paperbake {
 namespace {
 
@@ -143,6 +145,36 @@ TEST(Animate, FrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
     EXPECT_EQ(error.place, "frame 7 of 20");
   }
   EXPECT_EQ(frames, 6);
+}
+
+TEST(Animate, SheetThatCannotFollowStaysAndSaysSoUntilItCan) {
+  // from frame 8 to 10 the paper between hard handles is half as long as they are apart, and no step gets to a minimum
+  Method shrinking = fem(100);
+  shrinking.remesh = [](Sheet& sheet, const Situation& situation) {
+    if (situation.now.frame != 8 && situation.now.frame != 11) return false;
+    sheet.pattern *= situation.now.frame == 8 ? 0.5 : 2;
+    return true;
+  };
+  AnimateOptions options;
+  options.last_frame = 13;
+  options.elastic.contact = SelfContact::off;  // else handles would give way
+  options.elastic.max_iterations = 1;
+  std::vector<AnimatedFrame> frames;
+  std::vector<Points3> x;
+  animate(test::s1_push(), shrinking, options, [&](const AnimatedFrame& f) {
+    frames.push_back(f);
+    x.push_back(f.sheet->x);
+    return true;
+  });
+  ASSERT_EQ(frames.size(), 13u);
+  for (int f = 8; f <= 10; ++f) {
+    EXPECT_FALSE(frames[f - 1].converged);
+    EXPECT_NE(frames[f - 1].note.find("it stays as it was: The sheet cannot follow the handles"), std::string::npos) << frames[f - 1].note;
+    EXPECT_EQ(x[f - 1], x[6]);
+    EXPECT_TRUE(std::any_of(frames[f - 1].handles.begin(), frames[f - 1].handles.end(), [](const HandleFrame& h) { return h.state == HandleFrame::jammed; }));
+  }
+  EXPECT_TRUE(frames[10].note.empty());
+  for (const HandleFrame& h : frames[10].handles) EXPECT_NE(h.state, HandleFrame::jammed);
 }
 
 TEST(Animate, StopsWhenAskedTo) {
