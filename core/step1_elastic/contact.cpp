@@ -64,11 +64,16 @@ bool separated(const Points3& from, const Points3& to, const int* a, const int* 
 }  // namespace
 
 Contact::Contact(const Points2& pattern, const Triangles& triangles)
-    : pattern_(pattern), triangles_(triangles), near_(triangles), grip_(pattern.rows(), -1) {
+    : pattern_(pattern), triangles_(triangles), spread_(pattern, triangles), grip_(pattern.rows(), -1) {
   double area = 0;
   for (int t = 0; t < triangles.rows(); ++t) area += rest_triangle(pattern, triangles.row(t)).area;
   reach_ = std::min(2e-3, 0.01 * std::sqrt(area));
   tube_ = 0.5 * reach_;
+}
+
+NearTriangles& Contact::near() const {
+  if (!near_) near_.emplace(triangles_);
+  return *near_;
 }
 
 void Contact::judge_by(const Points3& start, const Gripped& gripped) {
@@ -111,13 +116,13 @@ void Contact::for_each_pair(int a, int b, Visit visit) const {
   const auto has = [&](int t, int v) { return triangles_(t, 0) == v || triangles_(t, 1) == v || triangles_(t, 2) == v; };
   for (const auto& [s, t] : {std::pair{a, b}, std::pair{b, a}})
     for (int i = 0; i < 3; ++i)
-      if ((near_.owned()[s].corners >> i & 1) && !has(t, triangles_(s, i)))
+      if ((near().owned()[s].corners >> i & 1) && !has(t, triangles_(s, i)))
         visit(std::array<int, 4>{triangles_(s, i), triangles_(t, 0), triangles_(t, 1), triangles_(t, 2)}, false);
   for (int i = 0; i < 3; ++i) {
-    if (!(near_.owned()[a].edges >> i & 1)) continue;
+    if (!(near().owned()[a].edges >> i & 1)) continue;
     const int p = triangles_(a, (i + 1) % 3), q = triangles_(a, (i + 2) % 3);
     for (int j = 0; j < 3; ++j) {
-      if (!(near_.owned()[b].edges >> j & 1)) continue;
+      if (!(near().owned()[b].edges >> j & 1)) continue;
       const int r = triangles_(b, (j + 1) % 3), s = triangles_(b, (j + 2) % 3);
       if (p != r && p != s && q != r && q != s) visit(std::array<int, 4>{p, q, r, s}, true);
     }
@@ -135,9 +140,10 @@ bool Contact::meets(const Points3& from, const Points3& to, const std::array<int
 }
 
 bool Contact::clear(const Points3& from, const Points3& to, const Gripped& gripped) {
+  if (spread_.all_the_way(from, to, pattern_share)) return true;
   judge_by(from, gripped);
   const std::vector<char> flat_from = flat_stars(from, triangles_), flat_to = flat_stars(to, triangles_);
-  for (const auto& [a, b] : near_.find(from, to - from, 0.5 * reach_)) {
+  for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_)) {
     bool neighbours = false, flat = false;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
@@ -152,7 +158,7 @@ bool Contact::clear(const Points3& from, const Points3& to, const Gripped& gripp
 
 void Contact::find_entangled(const Points3& x) {
   entangled_.clear();
-  for (const auto& [a, b] : near_.find(x, Points3::Zero(x.rows(), 3), 0)) {
+  for (const auto& [a, b] : near().find(x, Points3::Zero(x.rows(), 3), 0)) {
     const auto corner = [&](int t, int i) -> Vector3d { return x.row(triangles_(t, i % 3)); };
     const auto through = [&](int s, int t) {  // an edge of s that has no corner of t passes through t
       for (int i = 0; i < 3; ++i) {
@@ -197,7 +203,7 @@ void Contact::gather(const Points3& y, const Points3& move) {
     }
     return false;
   };
-  for (const auto& [a, b] : near_.find(y, move, 0.5 * within)) {
+  for (const auto& [a, b] : near().find(y, move, 0.5 * within)) {
     for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) {
       if (boxes_apart(v, edges)) return;
       const double d = nearness(corners(y, v), edges).distance();

@@ -2,8 +2,10 @@
 
 #include "core/step1_elastic/block_cholesky.h"
 #include "core/near_triangles.h"
+#include "core/step1_elastic/spread_out.h"
 
 #include <array>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -68,6 +70,7 @@ class Contact {
  private:
   using Slots = std::array<BlockCholesky::Slot, 10>;  // upper half, row by row
 
+  NearTriangles& near() const;
   void judge_by(const Points3& start, const Gripped&);
   void find_entangled(const Points3& x);
   bool entangled(const std::array<int, 4>& vertices, bool edges) const;
@@ -83,7 +86,8 @@ class Contact {
 
   Points2 pattern_;
   Triangles triangles_;
-  NearTriangles near_;
+  SpreadOut spread_;
+  mutable std::optional<NearTriangles> near_;   // made when it is first needed
   double reach_;
   double tube_;                                 // [m] how far from the way covered last the list is good
 
