@@ -5,10 +5,10 @@
 #include "core/cpu_clock.h"
 #include "core/error.h"
 #include "core/exchange.h"
+#include "core/grip.h"
 #include "core/hinges.h"
 #include "core/measure.h"
 #include "core/plastic_grid.h"
-#include "core/reach.h"
 #include "core/ripple.h"
 #include "core/start_sheet.h"
 #include "core/unrest.h"
@@ -17,7 +17,6 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
-#include <map>
 #include <optional>
 
 namespace paperbake {
@@ -32,94 +31,6 @@ constexpr int most_halvings_of_a_choice = 3;
 constexpr double longest_swing = 1 / 96.0;  // [s] of a step with inertia: backward Euler eats motion, the more the longer it is
 constexpr double jammed_stretch = 0.01;  // [1] of an edge
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
-
-/// Handles of the shot as the loop needs them: where they are asked to be, and which vertices that holds.
-class Grip {
- public:
-  Grip(const Shot& shot, std::vector<int> vertices, int first_frame)
-      : handles_(shot.handles), colliders_(shot.colliders.get()), vertex_(std::move(vertices)), first_frame_(first_frame),
-        exact_(std::min(1e-4, 1e-3 * longer_side(shot.pattern))), reach_(shot.pattern, shot.handles), anchor_(shot.handles.size()) {}
-
-  /// A relative handle begins where the sheet is at its grab frame, after that frame was simulated without it.
-  bool holds(std::size_t h, int frame) const {
-    const Handle& handle = handles_[h];
-    return handle.held(frame) && (handle.mode == HandleMode::absolute || anchor_[h]);
-  }
-
-  Vector3d keyed(std::size_t h, int frame) const {
-    const Handle& handle = handles_[h];
-    const Vector3d now = keyed_position(handle, frame - first_frame_);
-    return anchor_[h] ? Vector3d(*anchor_[h] + now) : now;
-  }
-
-  void anchor(const Points3& x, int frame) {
-    for (std::size_t h = 0; h < handles_.size(); ++h)
-      if (handles_[h].mode == HandleMode::relative && handles_[h].held(frame) && !anchor_[h])
-        anchor_[h] = x.row(vertex_[h]).transpose() - keyed_position(handles_[h], frame - first_frame_);
-  }
-
-  /// Held vertices and their targets at a frame, drawn together where paper cannot reach.
-  Held held(int frame) const {
-    std::vector<int> hard, soft;
-    for (std::size_t h = 0; h < handles_.size(); ++h)
-      if (holds(h, frame)) (handles_[h].stiffness > 0 ? soft : hard).push_back(static_cast<int>(h));
-    Points3 targets(hard.size(), 3);
-    for (std::size_t k = 0; k < hard.size(); ++k) targets.row(k) = keyed(hard[k], frame);
-    reach_.project(hard, targets);
-    // two handles on one point of the sheet hold it where they agree best; a soft one has no say beside a hard one
-    struct Pull {
-      Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();  // of targets; of soft handles, stiffness x target
-      double weight = 0, stiffness = 0;
-    };
-    std::map<int, Pull> by_vertex;
-    for (std::size_t k = 0; k < hard.size(); ++k) {
-      Pull& pull = by_vertex[vertex_[hard[k]]];
-      pull.sum += targets.row(k);
-      pull.weight += 1;
-    }
-    for (const int h : soft) {
-      Pull& pull = by_vertex[vertex_[h]];
-      if (pull.weight > pull.stiffness) continue;  // held hard
-      pull.sum += handles_[h].stiffness * keyed(h, frame).transpose();
-      pull.weight = pull.stiffness += handles_[h].stiffness;
-    }
-    Held held;
-    held.targets.resize(by_vertex.size(), 3);
-    for (const auto& [vertex, pull] : by_vertex) {
-      held.targets.row(held.vertices.size()) = pull.sum / pull.weight;
-      held.vertices.push_back(vertex);
-      held.stiffness.push_back(pull.stiffness);
-    }
-    if (colliders_) held.colliders = {poses_at(*colliders_, frame - 1 - first_frame_), poses_at(*colliders_, frame - first_frame_)};
-    return held;
-  }
-
-  std::vector<HandleFrame> report(const Points3& x, int frame) const {
-    std::vector<HandleFrame> frames(handles_.size());
-    for (std::size_t h = 0; h < handles_.size(); ++h) {
-      frames[h].keyed = keyed(h, frame);
-      frames[h].at = x.row(vertex_[h]);
-      if (!holds(h, frame)) continue;
-      const bool soft = handles_[h].stiffness > 0;  // it is meant to lag
-      frames[h].state = !soft && (frames[h].at - frames[h].keyed).norm() > exact_ ? HandleFrame::jammed : HandleFrame::held;
-    }
-    return frames;
-  }
-
-  void archive(Archive& a) {
-    a(anchor_);
-    a.demand(anchor_.size() == handles_.size());
-  }
-
- private:
-  const std::vector<Handle>& handles_;
-  const Colliders* colliders_;     // null: there are none
-  std::vector<int> vertex_;
-  int first_frame_;
-  double exact_;  // [m] a handle that is farther off is not met
-  Reach reach_;
-  std::vector<std::optional<Vector3d>> anchor_;  // [m] what is added to a relative handle's own position
-};
 
 /// The start shape is the first frame as it was modelled, unless a handle is keyed away from it there already. A slight arch
 /// that tells which way to buckle would be lost if it were relaxed: handles that were left lying under it are no reason to.

@@ -63,13 +63,19 @@ bool separated(const Points3& from, const Points3& to, const int* a, const int* 
 
 }  // namespace
 
-Contact::Contact(const Points2& pattern, const Triangles& triangles)
-    : pattern_(pattern), triangles_(triangles), spread_(pattern, triangles), grip_(pattern.rows(), -1) {
+/// One sheet and itself.
+static JoinedSheets alone(const Points2& pattern, const Triangles& triangles) {
   double area = 0;
   for (int t = 0; t < triangles.rows(); ++t) area += rest_triangle(pattern, triangles.row(t)).area;
-  reach_ = std::min(2e-3, 0.01 * std::sqrt(area));
-  tube_ = 0.5 * reach_;
+  return {std::vector<int>(pattern.rows(), 0), Eigen::MatrixXd::Constant(1, 1, std::min(2e-3, 0.01 * std::sqrt(area)))};
 }
+
+Contact::Contact(const Points2& pattern, const Triangles& triangles) : Contact(pattern, triangles, alone(pattern, triangles)) {
+  spread_.emplace(pattern, triangles);
+}
+
+Contact::Contact(const Points2& pattern, const Triangles& triangles, JoinedSheets sheets)
+    : pattern_(pattern), triangles_(triangles), sheets_(std::move(sheets)), reach_(sheets_.reach.maxCoeff()), tube_(0.5 * reach_), grip_(pattern.rows(), -1) {}
 
 NearTriangles& Contact::near() const {
   if (!near_) near_.emplace(triangles_);
@@ -91,7 +97,8 @@ double Contact::reach_of(const std::array<int, 4>& v, bool edges) const {
     all_held &= grip_[v[i]] >= 0;
   }
   if (all_held) return 0;
-  const double reach = std::min(reach_, pattern_share * nearness(p, edges).distance());
+  const auto [a, b] = sheets_of(v, edges);
+  const double reach = a == b ? std::min(sheets_.reach(a, a), pattern_share * nearness(p, edges).distance()) : sheets_.reach(a, b);
   return reach_of_grips(v, edges, reach);
 }
 
@@ -139,8 +146,14 @@ bool Contact::meets(const Points3& from, const Points3& to, const std::array<int
   return d1 < reach || (!free && paperbake::free_way(begin, move, edges) < 1);
 }
 
+bool Contact::any_meets(int a, int b, const Points3& from, const Points3& to) const {
+  bool met = false;
+  for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) { met = met || meets(from, to, v, edges); });
+  return met;
+}
+
 bool Contact::clear(const Points3& from, const Points3& to, const Gripped& gripped) {
-  if (spread_.all_the_way(from, to, pattern_share)) return true;
+  if (spread_ && spread_->all_the_way(from, to, pattern_share)) return true;
   judge_by(from, gripped);
   const std::vector<char> flat_from = flat_stars(from, triangles_), flat_to = flat_stars(to, triangles_);
   for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_)) {
@@ -149,10 +162,16 @@ bool Contact::clear(const Points3& from, const Points3& to, const Gripped& gripp
       for (int j = 0; j < 3; ++j)
         if (const int v = triangles_(a, i); v == triangles_(b, j)) neighbours = true, flat |= flat_from[v] && flat_to[v];
     if (neighbours ? flat : separated(from, to, &triangles_(a, 0), &triangles_(b, 0), reach_)) continue;
-    bool met = false;
-    for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) { met = met || meets(from, to, v, edges); });
-    if (met) return false;
+    if (any_meets(a, b, from, to)) return false;
   }
+  return true;
+}
+
+bool Contact::clear_between(const Points3& from, const Points3& to, const Gripped& gripped) {
+  judge_by(from, gripped);
+  for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_))
+    if (sheets_.of_vertex[triangles_(a, 0)] != sheets_.of_vertex[triangles_(b, 0)] && !separated(from, to, &triangles_(a, 0), &triangles_(b, 0), reach_) && any_meets(a, b, from, to))
+      return false;
   return true;
 }
 
@@ -301,6 +320,16 @@ void Contact::bind(const BlockCholesky& matrix, const std::vector<int>& block_of
   matrix_ = &matrix;
   block_of_ = block_of;
   placed_.assign(pairs_.size(), 0);
+}
+
+std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {
+  std::vector<Active> counts(sheets_.reach.rows());
+  for_each_active(y, 1, [&](std::size_t k, const Nearness&, double) {
+    const auto [a, b] = sheets_of(pairs_[k].vertices, pairs_[k].edges);
+    if (a == b) ++counts[a].own;
+    else ++counts[a].others, ++counts[b].others;
+  });
+  return counts;
 }
 
 int Contact::active(const Points3& y) const {

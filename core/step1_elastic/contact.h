@@ -24,24 +24,33 @@ struct ContactPair {
   double reach;                 // [m] d^ of this pair
 };
 
-/// Self-contact of one mesh: a barrier (barrier.h) for every pair of features within reach.
+/// Several sheets in one mesh, their vertices one after the other.
+struct JoinedSheets {
+  std::vector<int> of_vertex;   // |V| number of its sheet
+  Eigen::MatrixXd reach;        // |sheets|x|sheets| [m] d^ between two of them, on the diagonal of one and itself
+};
+
+/// Contact within one mesh, of one sheet or of several: a barrier (barrier.h) for every pair of features within reach.
 ///
-/// Every pair has its own reach d^ = min(d^ of the sheet, 0.3 x distance of the two features on the pattern): neighbours do not
-/// repel each other, and a fold cannot pass through pi. Left out are pairs held in every corner; pairs that handles bring
+/// Every pair of one sheet has its own reach d^ = min(d^ of the sheet, 0.3 x distance of the two features on the pattern):
+/// neighbours do not repel each other, and a fold cannot pass through pi. Those of two sheets are no neighbours. Left out are pairs held in every corner; pairs that handles bring
 /// together (held vertices on both sides: d^ is 0.9 x their distance at most, and nothing under 1 % of it); and, until they
 /// are apart, pairs that touch, or belong to triangles that pass through each other, as a step begins.
 /// Two sides of a cut in the pattern have no distance there: nothing keeps them apart.
 class Contact {
  public:
   Contact(const Points2& pattern, const Triangles&);
+  Contact(const Points2& pattern, const Triangles&, JoinedSheets);
 
-  /// d^ of the sheet: 2 mm; 1 % of the side of a square of its area where that is less. [m]
+  /// d^ of the sheet: 2 mm; 1 % of the side of a square of its area where that is less; the largest, of several. [m]
   double reach() const { return reach_; }
 
   /// True when nothing meets on the straight way from `from` to `to` and no pair is within reach at its end: then contact
   /// would not have changed a thing. What the triangles round a vertex do among each other is looked at only where they turn
   /// by more than 60 degrees from their mean.
   bool clear(const Points3& from, const Points3& to, const Gripped&);
+  /// The same of features of different sheets alone.
+  bool clear_between(const Points3& from, const Points3& to, const Gripped&);
 
   /// Begins a step from x.
   void begin(const Points3& x, const Gripped&);
@@ -67,6 +76,11 @@ class Contact {
   const std::vector<ContactPair>& pairs() const { return pairs_; }
   int active(const Points3& y) const;  // pairs within reach
 
+  struct Active {
+    int own = 0, others = 0;           // ... both features of it; one of it and one of another
+  };
+  std::vector<Active> active_by_sheet(const Points3& y) const;
+
  private:
   using Slots = std::array<BlockCholesky::Slot, 10>;  // upper half, row by row
 
@@ -77,6 +91,8 @@ class Contact {
   void gather(const Points3& y, const Points3& move);
   template <class Visit>
   void for_each_pair(int a, int b, Visit) const;
+  std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, bool edges) const { return {sheets_.of_vertex[vertices[0]], sheets_.of_vertex[vertices[edges ? 2 : 1]]}; }
+  bool any_meets(int a, int b, const Points3& from, const Points3& to) const;
   double reach_of(const std::array<int, 4>& vertices, bool edges) const;
   double reach_of_grips(const std::array<int, 4>& vertices, bool edges, double reach) const;
   bool meets(const Points3& from, const Points3& to, const std::array<int, 4>& vertices, bool edges) const;
@@ -86,8 +102,9 @@ class Contact {
 
   Points2 pattern_;
   Triangles triangles_;
-  SpreadOut spread_;
+  std::optional<SpreadOut> spread_;             // of one sheet alone
   mutable std::optional<NearTriangles> near_;   // made when it is first needed
+  JoinedSheets sheets_;
   double reach_;
   double tube_;                                 // [m] how far from the way covered last the list is good
 

@@ -41,15 +41,6 @@ class Newton {
     if (W_.contact) W_.contact->cover(x, Points3::Zero(x.rows(), 3));
     return W_(x);
   }
-  /// Cuts the move where something meets. returns the share that is left
-  double cut(const Points3& x, Points3& move) const {
-    double free = 1;
-    if (W_.contact) W_.contact->cover(x, move), free = W_.contact->free_way(x, move), move *= free;
-    if (!W_.colliders) return free;
-    const double clear = W_.colliders->free_way(x, move);
-    move *= clear;
-    return free * clear;
-  }
   bool in_vain(int iteration, const Points3& x) {
     return report.in_vain = options_.in_vain && iteration > 0 && iteration % asked_every == 0 && options_.in_vain(x);
   }
@@ -77,7 +68,7 @@ class Newton {
 Points3 Newton::direction(const Points3& x, HessianForm& form, const MembraneStress* stress) {
   ++report.iterations;
   for (;; form = HessianForm::projected) {
-    value_ = W_.differentiate(x, block_of_, form, gradient_, matrix_, stress);
+    value_ = W_.differentiate(x, form, gradient_, matrix_, stress);
     if (!std::isfinite(value_)) throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
     bool definite = matrix_.factorise();
     if (!definite && form == HessianForm::exact) continue;
@@ -127,8 +118,8 @@ bool Newton::stride(MembraneStress stress, Points3& x) {
     Points3 move = direction(x, form, &stress);
     const double asked = largest_row(move);
     if (asked > longest_move_) move *= longest_move_ / asked;
-    const double free = cut(x, move);
-    stress = W_.elastic.stress(x, move);
+    const double free = W_.cut(x, move);
+    stress = W_.sheets.front().elastic.stress(x, move);
     go(x, move);
     // steps shrink at least as fast as their last ratio: the next one bounds the distance to the minimum
     const double ahead = last > 0 ? asked * std::min(1.0, asked / last) : asked;
@@ -155,7 +146,7 @@ void Newton::descend(Points3& x) {
     Points3 move = direction(x, form, nullptr);
     const double asked = largest_row(move);
     if (asked > longest_move_) move *= longest_move_ / asked;
-    const double free = cut(x, move);
+    const double free = W_.cut(x, move);
     const double length = line_search(x, move);
     if (length == 0) {
       if (asked < options_.stop || form == HessianForm::projected) {

@@ -1,9 +1,6 @@
 #pragma once
 
-#include "core/step1_elastic/colliders.h"
-#include "core/step1_elastic/contact.h"
-#include "core/step1_elastic/elastic_energy.h"
-#include "core/step1_elastic/handle_springs.h"
+#include "core/step1_elastic/incremental_potential.h"
 
 #include <algorithm>
 #include <functional>
@@ -11,56 +8,11 @@
 
 namespace paperbake {
 
-/// The incremental potential of one step over all vertices; held ones are left out by whoever solves.
-///
-///   W(x) = sum_i m_i/2 inertia |x_i - xhat_i|^2 + E(x) + sum_i m_i g z_i + springs of handles + barrier of contact + colliders
-struct IncrementalPotential {
-  const ElasticEnergy& elastic;
-  const Eigen::VectorXd& mass;  // [kg] of the vertices
-  Points3 xhat;
-  double inertia;               // [1/s2] factor on the mass
-  double gravity;
-  const std::vector<HandleSpring>& springs;
-  Contact* contact;             // null: the sheet does not feel itself
-  ColliderContact* colliders = nullptr;  // null: there are none
-
-  double operator()(const Points3& x) const {
-    double value = elastic.energy(x) + inertia_and_weight(x);
-    if (!springs.empty()) value += energy(springs, x);
-    if (contact) value += contact->energy(x);
-    if (colliders) value += colliders->energy(x);
-    return value;
-  }
-
-  double inertia_and_weight(const Points3& x) const {
-    return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + gravity * x.col(2));
-  }
-
-  void add_inertia_and_weight(const Points3& x, Points3& gradient) const {
-    for (int v = 0; v < x.rows(); ++v)
-      gradient.row(v) += mass[v] * (inertia * (x.row(v) - xhat.row(v)) + gravity * Eigen::RowVector3d::UnitZ());
-  }
-
-  /// Value; gradient |V|x3 overwritten; second derivative into the matrix.
-  double differentiate(const Points3& x, const std::vector<int>& block_of, HessianForm form, Points3& gradient,
-                       BlockCholesky& matrix, const MembraneStress* stress = nullptr) const {
-    matrix.set_zero();
-    double value = elastic.hessian(x, form, gradient, matrix, stress) + inertia_and_weight(x);
-    add_inertia_and_weight(x, gradient);
-    if (!springs.empty()) value += paperbake::differentiate(springs, x, block_of, gradient, matrix);
-    if (contact) value += contact->differentiate(x, gradient, &matrix);
-    if (colliders) value += colliders->differentiate(x, block_of, gradient, &matrix);
-    for (int v = 0; v < x.rows(); ++v)
-      matrix.add(matrix.slot(block_of[v], block_of[v]), Matrix3(mass[v] * inertia * Matrix3::Identity()));
-    return value;
-  }
-};
-
 /// What Newton's method works on.
 struct NewtonSystem {
   const IncrementalPotential& W;
   BlockCholesky& matrix;             // of the free vertices, bound to all parts of W
-  const std::vector<int>& block_of;  // |V| block row, -1: held
+  const std::vector<int>& block_of;  // |V| block row of all vertices, -1: held
   double mean_edge;                  // [m]
   double membrane_stiffness;         // [N/m]
 };
@@ -88,7 +40,7 @@ struct NewtonReport {
 /// 2. Downhill only: the exact second derivative (projected where it is not positive definite), a backtracking line search.
 ///
 /// With contact only the second way is taken, and no iteration passes through anything.
-/// stress  of the membrane where x came from
+/// stress  of the membrane where x came from; of several sheets none, they are always in contact
 /// throws  Error(Fault::simulation) when W is not finite
 NewtonReport minimise(const NewtonSystem&, const NewtonOptions&, const MembraneStress& stress, Points3& x);
 
