@@ -101,6 +101,11 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
   return result;
 }
 
+/// |k2|
+static double lesser_curvature(const Vector3d& tensor) {
+  return std::abs(std::abs(0.5 * (tensor[0] + tensor[2])) - std::hypot(0.5 * (tensor[0] - tensor[2]), tensor[1]));
+}
+
 Principal principal_curvature(const Vector3d& tensor) {
   const double mean = 0.5 * (tensor[0] + tensor[2]), half_difference = 0.5 * (tensor[0] - tensor[2]);
   const double radius = std::hypot(half_difference, tensor[1]);
@@ -121,7 +126,7 @@ SecondTurn second_turn(const Sheet& sheet, const Hinges& hinges, const Points3& 
       if (hinges.of_triangle[t][i] < 0) second.border[corner[(i + 1) % 3]] = second.border[corner[(i + 2) % 3]] = 1;
     }
   }
-  for (std::size_t v = 0; v < vertices; ++v) second.turn[v] = std::abs(principal_curvature(curvature.row(v)).k2) * std::sqrt(second.area[v]);
+  for (std::size_t v = 0; v < vertices; ++v) second.turn[v] = lesser_curvature(curvature.row(v)) * std::sqrt(second.area[v]);
   return second;
 }
 

@@ -1,5 +1,6 @@
 #include "core/plastic_grid.h"
 
+#include "core/animate.h"
 #include "core/curvature.h"
 #include "core/pattern_mesh.h"
 #include "core/step1_elastic/elastic.h"
@@ -316,6 +317,27 @@ TEST(PlasticGrid, IsPristineUntilSomethingFlowsAndAgainWhenItForgets) {
   EXPECT_TRUE(grid.pristine());
   EXPECT_EQ(grid.integral(), 0);
   EXPECT_EQ(grid.read(cover).curvature.norm(), 0);
+}
+
+TEST(Plastic, AShotInWhichNothingYieldsIsTheSameToTheLastBitAsOfPaperThatCannot) {
+  const Shot shot = test::s1_push();
+  AnimateOptions options;
+  options.last_frame = 40;
+  const auto play = [&](Memory memory, double& flowed) {
+    options.memory = memory;
+    std::vector<Points3> x;
+    animate(shot, hybrid(shot.pattern, shot.paper, 100, {}, 1, 0), options, [&](const AnimatedFrame& f) {
+      x.push_back(f.sheet->x);
+      flowed = f.plastic;
+      return true;
+    });
+    return x;
+  };
+  double flowed, unused;
+  const std::vector<Points3> can = play(Memory::plastic, flowed), cannot = play(Memory::none, unused);
+  ASSERT_EQ(can.size(), 40u);
+  EXPECT_EQ(flowed, 0);
+  for (std::size_t f = 0; f < can.size(); ++f) ASSERT_TRUE(can[f] == cannot[f]) << f;
 }
 
 }  // namespace

@@ -24,6 +24,27 @@ void Elastic::Impl::look_for_ridges(const Sheet& sheet, const std::vector<int>& 
   if (grid) energy->ridges = softened->ridges = find_ridges(sheet, energy->hinges(), paper, vertices, energy->memory.ridge);
 }
 
+template <class Find, class Solve>
+ElasticReport Elastic::Impl::elastic_first(Sheet& sheet, Find find, Solve solve) {
+  if (!grid || !grid->pristine()) {
+    find(sheet);
+    return solve();
+  }
+  const Sheet before = sheet;
+  const ElasticPast known = past;
+  energy->memory = softened->memory = {};
+  ElasticReport report = solve();
+  recall();
+  find(before);
+  if (energy->gained(energy->fold_angles(sheet.x)).hardening.isZero(0)) return report;
+  const int in_vain = report.iterations;
+  sheet = before;
+  past = known;
+  report = solve();
+  report.iterations += in_vain;
+  return report;
+}
+
 double Elastic::Impl::remember(const std::vector<double>& fold_angles) {
   if (!grid) return 0;
   const PlasticMemory gained = energy->gained(fold_angles);
@@ -108,7 +129,7 @@ ElasticReport Elastic::settle(Sheet& sheet, const Held& asked, double dt, Settli
     const double far = 0.03 * (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
     how.in_vain = [&, far](const Points3& x) { return (x - before).rowwise().norm().maxCoeff() > far; };
   }
-  ElasticReport report = s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::none);
+  ElasticReport report = s.elastic_first(sheet, [](const Sheet&) {}, [&] { return s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::none); });
   report.contact = s.contact && !s.contact->clear(before, sheet.x, hard);
   s.tell_stored(sheet.x, s.energy->fold_angles(sheet.x), report);
   return report;
@@ -149,12 +170,9 @@ void Elastic::take_back(const ElasticPast& past) {
   s.recall();
 }
 
-ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
-  Impl& s = *impl_;
-  const Held held = s.reachable(sheet, asked, dt);
+ElasticReport Elastic::Impl::go(Sheet& sheet, const Held& held, const Gripped& hard, double dt) {
+  Impl& s = *this;
   const Points3 before = sheet.x;
-  Gripped hard = hard_handles(held);
-  s.look_for_ridges(sheet, held.vertices);
   ElasticReport report;
   const bool may_touch = s.options.contact == SelfContact::automatic;
   const double stop = s.options.stop;
@@ -183,6 +201,15 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
     s.past.descending = false;
     s.past.careful = report.touching > 0 || report.yielding > 0;
   }
+  return report;
+}
+
+ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
+  Impl& s = *impl_;
+  const Held held = s.reachable(sheet, asked, dt);
+  const Gripped hard = hard_handles(held);
+  const Points3 before = sheet.x;
+  ElasticReport report = s.elastic_first(sheet, [&](const Sheet& from) { s.look_for_ridges(from, held.vertices); }, [&] { return s.go(sheet, held, hard, dt); });
   s.conclude(sheet, before, held, dt, report);
   return report;
 }

@@ -49,6 +49,13 @@ struct Elastic::Impl {
   /// Where the sheet bends in two directions as a step begins, it yields as ridges do.
   void look_for_ridges(const Sheet&, const std::vector<int>& vertices);
 
+  /// Paper in which nothing has flowed so far most often stays so: where it has not yielded at a minimum of paper that cannot, that
+  /// is one of paper that can. Only where it has is it solved for again.
+  /// find   what is to be known, of the sheet as it was, of where it yields
+  /// solve  a step or a settling of the sheet as it is, with what is known of the paper
+  template <class Find, class Solve>
+  ElasticReport elastic_first(Sheet&, Find, Solve);
+
   /// What has flowed goes to the grid and comes back as the past of the next step. returns the growth of the integral [m rad]
   double remember(const std::vector<double>& fold_angles);
 
@@ -90,6 +97,9 @@ struct Elastic::Impl {
 
   /// One step; `feels` is null for a sheet that does not feel itself.
   ElasticReport solve(Sheet&, const Held&, const Gripped& hard, double dt, Contact* feels, const NewtonOptions& how, SecondWays second);
+
+  /// By itself, or with self-contact where it turns out that it is needed.
+  ElasticReport go(Sheet&, const Held&, const Gripped& hard, double dt);
 
   /// What colliders and handles say at its end.
   void tell_held(const Points3& x, const std::vector<HandleSpring>& springs, ElasticReport&);

@@ -53,16 +53,19 @@ bool SpreadOut::all_the_way(const Points3& from, const Points3& to, double share
     for (int i = 1; i < 3; ++i) sum += x.row(triangles_(t, i)).transpose() * rest_[t].g.row(i);
     return sum;
   };
+  std::vector<std::array<Matrix32, 2>> ends(triangles_.rows());
   Matrix32 mean = Matrix32::Zero();
-  for (int t = 0; t < triangles_.rows(); ++t) mean += rest_[t].area * (F(from, t) + F(to, t));
-  const Matrix32 plane = orthonormal(mean);
-  const auto spread = [&](const Points3& x, int t) {
-    const Eigen::Matrix2d J = plane.transpose() * F(x, t);
-    const double a = J(0, 0) - share, b = J(1, 1) - share, c = 0.5 * (J(0, 1) + J(1, 0));
-    return a > 0 && b > 0 && a * b >= c * c;
-  };
-  for (int t = 0; t < triangles_.rows(); ++t)
-    if (!spread(from, t) || !spread(to, t)) return false;
+  for (int t = 0; t < triangles_.rows(); ++t) {
+    ends[t] = {F(from, t), F(to, t)};
+    mean += rest_[t].area * (ends[t][0] + ends[t][1]);
+  }
+  const Eigen::Matrix<double, 2, 3> seen = orthonormal(mean).transpose();
+  for (const auto& both : ends)
+    for (const Matrix32& deformed : both) {
+      const Eigen::Matrix2d J = seen * deformed;
+      const double a = J(0, 0) - share, b = J(1, 1) - share, c = 0.5 * (J(0, 1) + J(1, 0));
+      if (!(a > 0 && b > 0 && a * b >= c * c)) return false;
+    }
   return true;
 }
 
