@@ -26,7 +26,7 @@ void Elastic::Impl::look_for_ridges(const Sheet& sheet, const std::vector<int>& 
 
 template <class Find, class Solve>
 ElasticReport Elastic::Impl::elastic_first(Sheet& sheet, Find find, Solve solve) {
-  if (!grid || !grid->pristine()) {
+  if (!grid || !grid->pristine() || colliders) {
     find(sheet);
     return solve();
   }
@@ -36,7 +36,7 @@ ElasticReport Elastic::Impl::elastic_first(Sheet& sheet, Find find, Solve solve)
   ElasticReport report = solve();
   recall();
   find(before);
-  if (energy->gained(energy->fold_angles(sheet.x)).hardening.isZero(0)) return report;
+  if (report.converged && !report.leaving && energy->gained(energy->fold_angles(sheet.x)).hardening.isZero(0)) return report;
   const int in_vain = report.iterations;
   sheet = before;
   past = known;

@@ -50,7 +50,7 @@ struct Elastic::Impl {
   void look_for_ridges(const Sheet&, const std::vector<int>& vertices);
 
   /// Paper in which nothing has flowed so far most often stays so: where it has not yielded at a minimum of paper that cannot, that
-  /// is one of paper that can. Only where it has is it solved for again.
+  /// is one of paper that can. Only where it has is it solved for again. What a collider bends hooks sharply: it is taken as it is.
   /// find   what is to be known, of the sheet as it was, of where it yields
   /// solve  a step or a settling of the sheet as it is, with what is known of the paper
   template <class Find, class Solve>
