@@ -29,6 +29,8 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int most, const std::vector<std::str
   for (int index = 1; index <= wedge.count(); ++index) {
     Child child{words_of_one(words), wedge.state(index, ".log")};
     child.words.insert(child.words.end(), {"--index", std::to_string(index)});
+    if (index > wedge.count() - (most - 1) && !wedge.common.said.count("threads"))  // the last find cores free
+      child.words.insert(child.words.end(), {"--threads", std::to_string(most)});
     children.push_back(std::move(child));
   }
   int ended = 0;
