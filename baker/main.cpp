@@ -145,7 +145,7 @@ void add_wedge(CLI::App& app, WedgeWords& words) {
   CLI::App& wedge = *words.command;
   wedge.add_option("--vary", words.vary, "key=values: any option above or number of the paper, for instance seed=1..16, gravity=0..9.8x2.45, "
                                          "preset=copy70,copy90; every value of a key is baked with every one of the others");
-  wedge.add_option("--jobs", words.jobs, "How many are baked at a time; each has one thread unless --threads says otherwise")
+  wedge.add_option("--jobs", words.jobs, "How many are baked at a time; each has one thread, the last ones those that are free, unless --threads says otherwise")
       ->capture_default_str()->check(CLI::Range(1, 1024));
   CLI::Option* index = wedge.add_option("--index", words.index, "Bake this variation only, from 1; the last one to be done writes the table");
   wedge.add_option("--submit", words.submit, "slurm: write DIR/wedge.sbatch, an array of jobs with --index, and hand it to sbatch")
