@@ -7,7 +7,9 @@
 #include "core/pins.h"
 #include "core/step1_elastic/elastic.h"
 
+#include <cstddef>
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -48,6 +50,7 @@ struct HandleFrame {
 /// One frame as it was simulated.
 struct AnimatedFrame {
   int frame = 0;
+  std::size_t of = 0;                    // number of the sheet among those that are animated together
   const Sheet* sheet = nullptr;          // belongs to animate; copy what is kept
   std::vector<HandleFrame> handles;      // as in Shot::handles
   double elastic_ms = 0, geometry_ms = 0;  // CPU time of this frame: step 1; everything else that touches the sheet
@@ -58,7 +61,8 @@ struct AnimatedFrame {
   const PlasticGrid* memory = nullptr;     // what the paper keeps; belongs to animate
   Points3 plastic_curvature;               // |V|x3 [1/m] Sxx, Sxy, Syy kept at the vertices of the sheet; empty when not asked for
   bool contact = false;                    // the sheet came near itself: it was kept from passing through
-  int touching = 0;                        // pairs of features that push each other
+  int touching = 0;                        // pairs of its features that push each other
+  int touching_others = 0;                 // pairs of one of its features and one of another sheet that do
   int on_colliders = 0;                    // vertices, edges and triangles that colliders push
   double inside_colliders = 0;             // [m] how deep the deepest of them is
   int new_singular = 0;
@@ -66,7 +70,7 @@ struct AnimatedFrame {
   double remesh_rise = 0;                  // [1] by how much of the stored energy the potential rose with it
   BentParts parts;                         // rulings and curved regions, if the method knows of any
   std::string note;
-  std::function<std::string()> state;      // all that the next frame comes from, as bytes; to be asked before on_frame returns
+  std::function<std::string()> state;      // all that the next frame comes from, as bytes; to be asked before on_frame returns, for the last sheet of the frame
 };
 
 /// The loop over frames: handles -> step 1 -> method -> frame. Handle points and the rims of their discs are vertices of the
@@ -80,6 +84,22 @@ struct AnimatedFrame {
 ///           state of this shot
 /// source    the loop of [Schreck 2015], section 2
 void animate(const Shot&, const Method&, const AnimateOptions&, const std::function<bool(const AnimatedFrame&)>& on_frame);
+
+/// One of several sheets that are animated together. With methods and options of its own; frames, rate and elastic options are those of all.
+struct AnimatedSheet {
+  const Shot& shot;
+  const Method& method;
+  const AnimateOptions& options;
+};
+
+/// The same of several sheets, frame by frame. In a frame in which they stay out of each other's reach, each goes its way as if it were alone, to
+/// the last bit; those that come within reach of each other take the frame together (Elastic::step_together).
+/// Two sheets have one reach d^ between them: the smaller of theirs, but where they begin nearer to each other, 0.9 x that distance
+/// (and no less than 1 % of it: what begins in one place, or crossed, is pushed apart only where it is not), and as they part, as much.
+///
+/// on_frame  called for every frame in order, and of it for every sheet in order
+/// source    this project
+void animate_together(const std::vector<AnimatedSheet>&, const std::function<bool(const AnimatedFrame&)>& on_frame);
 
 /// The first mesh with the start shape on it. A flat start gets a ripple of 1e-6 m along its normal that depends on the
 /// seed, not on the mesh. Singular points that are kept are born in the first frame.

@@ -5,6 +5,7 @@
 #include <CGAL/Box_intersection_d/Box_with_info_d.h>
 
 #include <array>
+#include <vector>
 
 // Counted by CGAL with exact predicates: an answer that does not come from the solver's own contact code.
 
@@ -23,34 +24,53 @@ bool pierces(const Point& p, const Point& q, const std::array<Point, 3>& t) {
   return s0 == s1 && s1 == s2 && s0 != CGAL::COPLANAR;
 }
 
+std::array<Point, 3> corners(const Sheet& sheet, int t) {
+  const auto at = [&](int v) { return Point(sheet.x(v, 0), sheet.x(v, 1), sheet.x(v, 2)); };
+  return {at(sheet.triangles(t, 0)), at(sheet.triangles(t, 1)), at(sheet.triangles(t, 2))};
+}
+
+bool cross(const std::array<Point, 3>& p, const std::array<Point, 3>& q) {
+  for (int i = 0; i < 3; ++i)
+    if (pierces(p[(i + 1) % 3], p[(i + 2) % 3], q) || pierces(q[(i + 1) % 3], q[(i + 2) % 3], p)) return true;
+  return false;
+}
+
 /// Triangles s and t of a mesh pass through each other.
-bool cross(const Points3& x, const Triangles& triangles, int s, int t) {
+bool cross(const Sheet& sheet, int s, int t) {
   int shared = 0, of_s = -1, of_t = -1;  // corners in common; the last of them
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      if (triangles(s, i) == triangles(t, j)) ++shared, of_s = i, of_t = j;
+      if (sheet.triangles(s, i) == sheet.triangles(t, j)) ++shared, of_s = i, of_t = j;
   if (shared > 1) return false;
-  const auto corners = [&](int of) {
-    const auto at = [&](int v) { return Point(x(v, 0), x(v, 1), x(v, 2)); };
-    return std::array<Point, 3>{at(triangles(of, 0)), at(triangles(of, 1)), at(triangles(of, 2))};
-  };
+  const auto p = corners(sheet, s), q = corners(sheet, t);
+  if (shared == 0) return cross(p, q);
   // round a shared corner only the edges opposite to it can pass through the other triangle
-  const auto p = corners(s), q = corners(t);
-  for (int i = 0; i < 3; ++i) {
-    if ((shared == 0 || i == of_s) && pierces(p[(i + 1) % 3], p[(i + 2) % 3], q)) return true;
-    if ((shared == 0 || i == of_t) && pierces(q[(i + 1) % 3], q[(i + 2) % 3], p)) return true;
+  return pierces(p[(of_s + 1) % 3], p[(of_s + 2) % 3], q) || pierces(q[(of_t + 1) % 3], q[(of_t + 2) % 3], p);
+}
+
+std::vector<Box> boxes_of(const Sheet& sheet) {
+  std::vector<Box> boxes;
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const auto p = corners(sheet, t);
+    boxes.emplace_back(p[0].bbox() + p[1].bbox() + p[2].bbox(), t);
   }
-  return false;
+  return boxes;
 }
 
 }  // namespace
 
 int crossings(const Sheet& sheet) {
-  const auto at = [&](int t, int i) { const auto p = sheet.x.row(sheet.triangles(t, i)); return Point(p[0], p[1], p[2]).bbox(); };
-  std::vector<Box> boxes;
-  for (int t = 0; t < sheet.triangles.rows(); ++t) boxes.emplace_back(at(t, 0) + at(t, 1) + at(t, 2), t);
+  std::vector<Box> boxes = boxes_of(sheet);
   int count = 0;
-  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { count += cross(sheet.x, sheet.triangles, a.info(), b.info()); });
+  CGAL::box_self_intersection_d(boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { count += cross(sheet, a.info(), b.info()); });
+  return count;
+}
+
+int crossings_between(const Sheet& one, const Sheet& other) {
+  std::vector<Box> ones = boxes_of(one), others = boxes_of(other);
+  int count = 0;
+  CGAL::box_intersection_d(ones.begin(), ones.end(), others.begin(), others.end(),
+                           [&](const Box& a, const Box& b) { count += cross(corners(one, a.info()), corners(other, b.info())); });
   return count;
 }
 

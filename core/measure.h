@@ -26,5 +26,7 @@ Points3 vertex_normals(const Points3& x, const Triangles&);
 
 /// Pairs of triangles that pass through each other (touching in a shared vertex or edge does not count).
 int crossings(const Sheet&);
+/// The same of two sheets: pairs of one of each.
+int crossings_between(const Sheet&, const Sheet&);
 
 }  // namespace paperbake

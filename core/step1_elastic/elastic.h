@@ -50,6 +50,7 @@ struct ElasticReport {
   double lower_branch = 0;     // [1] by how much of the potential a second start was lower, when it was taken
   bool contact = false;        // the sheet came near itself: the step was taken with contact
   int touching = 0;            // pairs of vertex and triangle, or edge and edge, that push each other at its end
+  int touching_others = 0;     // ... of which one is of another sheet
   int yielding = 0;            // hard handles that the paper does not follow
   int on_colliders = 0;        // vertices, edges and triangles that colliders push at its end
   double inside = 0;           // [m] how deep the deepest is inside a collider
@@ -81,6 +82,9 @@ struct ElasticPast {
 };
 void archive(Archive&, ElasticPast&);  // all but the grid, which is the sheet's
 void archive(Archive&, Held&);
+
+struct Together;
+struct SheetWay;
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
 ///
@@ -123,6 +127,19 @@ class Elastic {
   /// both its ways down go on in the next one. throws Error(Fault::simulation) when the energy is not finite.
   ElasticReport step(Sheet&, const Held&, double dt);
 
+  /// One step of several sheets that come within reach of each other: to the minimum of the sum of their potentials over the vertices
+  /// of all, with one contact between and within them, so that a push goes through to the last of them. All handles pull with springs.
+  /// reach  |sheets|x|sheets| [m] d^ between two, on the diagonal reach() of each
+  /// throws Error(Fault::simulation) when the energy is not finite
+  static std::vector<ElasticReport> step_together(const std::vector<Together>&, const Eigen::MatrixXd& reach, double dt);
+
+  /// d^ of the sheet (contact.h); 0: it feels nothing. [m]
+  double reach() const;
+
+  /// True when nothing of one meets the other on their ways, and no pair is within reach at the end of any part of them: then a step
+  /// together would have taken them there, too.
+  static bool clear(const SheetWay& a, const SheetWay& b, double reach);
+
   /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing else: no second start, no
   /// change of sheet.v, nothing flows and nothing is remembered. For a sheet that was put where it is.
   /// report.contact: it came near itself, which a sheet that settles does not feel.
@@ -153,6 +170,20 @@ class Elastic {
  private:
   struct Impl;
   std::unique_ptr<Impl> impl_;
+};
+
+/// A sheet that takes a step with others.
+struct Together {
+  Elastic& elastic;
+  Sheet& sheet;
+  const Held& held;
+};
+
+/// Where a sheet went.
+struct SheetWay {
+  const Sheet& sheet;                  // its mesh
+  const Held& held;                    // at the end
+  const std::vector<Points3>& places;  // |V|x3 [m], straight ways in between; the other's at the same times
 };
 
 }  // namespace paperbake
