@@ -162,7 +162,7 @@ void SheetOutput::write_render_frames() {
   std::size_t at = first_record_;
   LayersOfFrame layers;
   if (damage_) layers = [&](std::size_t k, const Points2& pattern) { return damage_->at(k, record_, pattern); };
-  render_shot(record_, shot_, settings_.quality, caches_.shown_frames(), plan_.animation.fps, layers,
+  render_shot(record_, shot_, settings_.quality, caches_.shown_frames(), plan_.animation.fps, settings_.threads, layers,
               [&](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
     while (certificate_.frames[at].frame != number) ++at;
     FrameRecord& r = certificate_.frames[at];

@@ -21,7 +21,6 @@ RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int
     : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options, coarse_.folds), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(normals_of(coarse_)) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
   apart_.emplace(this->mesh().pattern, this->mesh().triangles);
-  hold({});
   if (!fine_) return;
   fine_limit_.emplace(fine_->mesh.pattern, fine_->mesh.triangles);
   fine_normals_.emplace(normals_of(fine_->mesh));

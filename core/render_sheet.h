@@ -37,7 +37,8 @@ class RenderSheet {
   /// finer may be, the nearest triangle goes on.
   std::vector<Place> places_on(const Points2& pattern, const Triangles&) const;
 
-  /// From now on these of the points that the mesh was made for are held. Dear when they are others than before.
+  /// From now on these of the points that the mesh was made for are held. To be called before the first frame; dear when they are others
+  /// than before.
   void hold(const std::vector<int>& points);
 
   /// places  of this mesh on the sheet's
