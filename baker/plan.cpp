@@ -197,6 +197,9 @@ bool is_method(const std::string& name) { return name == "hybrid" || name == "fe
 std::string describe(const SheetImpossible& impossible) {
   const ImpossiblePair& p = impossible.pair;
   const double over = p.apart - p.allowed;
+  if (p.allowed < 1e-6)
+    return fmt::format("Handles \"{}\" and \"{}\" hold the same point of the sheet \"{}\" and part in frames {}-{}: at frame {} they are {:.2f} mm apart.",
+                       p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart);
   return fmt::format("Handles \"{}\" and \"{}\" of sheet \"{}\" are too far apart in frames {}-{}: at frame {} they are asked to be {:.2f} mm apart, "
                      "the paper between them is {:.2f} mm long: overshoot {:.2f} mm ({:.1f} %).",
                      p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart, 1e3 * p.allowed, 1e3 * over, 100 * over / p.allowed);

@@ -273,10 +273,11 @@ void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
   file.up_axis = fmt::format("{}{} up", axes.up % 2 ? "-" : "", "xyz"[axes.up / 2]);
 }
 
-/// Blender's "All Actions" writes a stack for every action and object, and all of them from time 0.
+/// Blender's "All Actions" writes a stack "object|action" for every action and object, and all of them from time 0.
 bool lost_start(const ufbx_scene& scene) {
   const bool blender = scene.metadata.exporter == UFBX_EXPORTER_BLENDER_BINARY || scene.metadata.exporter == UFBX_EXPORTER_BLENDER_ASCII;
-  return blender && scene.anim_stacks.count > 1 &&
+  const std::size_t stacks = scene.anim_stacks.count;
+  return blender && (stacks > 1 || (stacks == 1 && text_of(scene.anim_stacks[0]->name).find('|') != std::string::npos)) &&
          std::all_of(scene.anim_stacks.begin(), scene.anim_stacks.end(), [](const ufbx_anim_stack* stack) { return stack->time_begin == 0; });
 }
 

@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace paperbake {
@@ -220,6 +221,27 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
                                    handle.release_frame, handle.grab_frame));
 }
 
+/// A null that groups handles and is named like one holds paper itself.
+void warn_of_groups(const SceneNodes& scene, const std::vector<Found>& found, std::vector<std::string>& warnings) {
+  const auto& nodes = scene.file.nodes;
+  std::map<int, int> below;
+  for (const Found& handle : found) {
+    int parent = nodes[handle.node].parent;
+    while (parent >= 0 && nodes[parent].pivot) parent = nodes[parent].parent;
+    ++below[parent];
+  }
+  for (const Found& handle : found)
+    if (const auto group = below.find(handle.node); group != below.end() && group->second > 1)
+      warnings.push_back(fmt::format("The handle \"{}\" has {} handles below it and holds the sheet like them: if it only groups them, rename it or give it paper_ignore.",
+                                     nodes[handle.node].name, group->second));
+}
+
+void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handles, std::vector<std::string>& warnings) {
+  const auto still = [](const Handle& handle) { return (handle.keyed.rowwise() - handle.keyed.row(0)).cwiseAbs().maxCoeff() < 1e-9; };
+  if (handles.empty() || !std::all_of(handles.begin(), handles.end(), still)) return;
+  warnings.push_back(scene.file.takes.empty() ? "No handle moves: the file has no animation." : "No handle moves: no animation of the file is theirs.");
+}
+
 }  // namespace
 
 void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets, std::vector<std::string>& warnings) {
@@ -230,6 +252,8 @@ void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets, std::
     read_properties(scene, found[i], handles[i]);
   }
   const std::vector<bool> by_scale = read_motion(scene, found, handles);
+  warn_of_groups(scene, found, warnings);
+  warn_of_stillness(scene, handles, warnings);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Grip grip = grip_of(scene, sheets, found[i], handles[i].keyed.row(0));
     SceneSheet& sheet = sheets[grip.sheet];
