@@ -4,11 +4,14 @@
 #include "core/error.h"
 #include "core/inertia_need.h"
 #include "core/polished_animation.h"
+#include "formats/job_file.h"
 #include "formats/murmur.h"
 #include "formats/preset_file.h"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <set>
 
 namespace paperbake {
 namespace {
@@ -241,6 +244,10 @@ BakePlan plan_bake(const BakeSettings& settings) {
     of_sheets.insert(of_sheets.end(), resolved.used.begin(), resolved.used.end());
     of_sheets.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
                          in_words(!by_sheet ? settings.origin("seed") : sheet.overridden.count("seed") ? Origin::job : Origin::scene)});
+    if (!sheet.pattern.folds.empty()) {
+      const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
+      of_sheets.push_back({"sheet." + toml_string(sheet.name) + ".crease", toml_creases(sheet.pattern.folds), fmt::format("{}", fmt::join(origins, ", "))});
+    }
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));

@@ -78,6 +78,16 @@ void add_properties(const ufbx_props& props, ImportedNode& node) {
   }
 }
 
+/// Edges with a crease, as for subdivision, and faces of two corners, which are loose edges.
+Edges creases_of(const ufbx_mesh& mesh) {
+  std::vector<int> ends;
+  for (std::size_t i = 0; i < std::min(mesh.edge_crease.count, mesh.edges.count); ++i)
+    if (mesh.edge_crease[i] > 0) ends.push_back(static_cast<int>(mesh.edges[i].a)), ends.push_back(static_cast<int>(mesh.edges[i].b));
+  for (const ufbx_face& face : mesh.faces)
+    if (face.num_indices == 2) ends.push_back(static_cast<int>(face.index_begin)), ends.push_back(static_cast<int>(face.index_begin) + 1);
+  return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
+}
+
 ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   ImportedMesh copy;
   const Eigen::Affine3d to_node = affine(node.geometry_to_node);
@@ -101,6 +111,7 @@ ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
     all.insert(all.end(), triangles.begin(), triangles.begin() + 3 * count);
   }
   copy.triangles = Eigen::Map<Triangles>(all.data(), static_cast<Eigen::Index>(all.size() / 3), 3);
+  copy.creases = creases_of(mesh);
   return copy;
 }
 

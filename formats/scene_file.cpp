@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "formats/scene_colliders.h"
+#include "formats/scene_creases.h"
 #include "formats/scene_handles.h"
 #include "formats/scene_nodes.h"
 #include "formats/scene_properties.h"
@@ -141,6 +142,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.pins = said.pins;
   sheet.pattern.folds = ended_on_border(said.creases, sheet.pattern);
   check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
+  sheet.crease_origin.assign(sheet.pattern.folds.size(), "job");
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {
       warnings.push_back(fmt::format("Bones and blend shapes of the sheet \"{}\" are not followed: it starts undeformed.",
@@ -214,6 +216,7 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   for (std::string& warning : unknown_properties(nodes.file.nodes)) scene.warnings.push_back(std::move(warning));
   scene.sheets = read_sheets(nodes, options, said, scene.warnings);
   warn_of_keyed_sheets(nodes, scene.warnings);
+  add_creases(nodes, scene.sheets, scene.warnings);
   add_handles(nodes, scene.sheets, scene.warnings);
   for (SceneSheet& sheet : scene.sheets) lead_creases_through_points(sheet);
   scene.colliders = read_colliders(nodes, scene.warnings);

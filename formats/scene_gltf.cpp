@@ -66,6 +66,16 @@ std::vector<std::array<int, 3>> triangles_of(const std::vector<int>& corners, st
   return triangles;
 }
 
+/// Lines by themselves, in a ring or one after the other.
+Edges lines_of(const std::vector<int>& corners, std::size_t mode) {
+  constexpr std::size_t alone = 1, ring = 2, strip = 3;
+  std::vector<int> ends;
+  if (mode == alone) ends.assign(corners.begin(), corners.end() - corners.size() % 2);
+  for (std::size_t i = 0; (mode == ring || mode == strip) && i + 1 < corners.size(); ++i) ends.push_back(corners[i]), ends.push_back(corners[i + 1]);
+  if (mode == ring && corners.size() > 2) ends.push_back(corners.back()), ends.push_back(corners.front());
+  return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
+}
+
 /// The scene as it becomes ours.
 struct Copy {
   GltfFile& file;
@@ -97,7 +107,10 @@ ImportedMesh Copy::primitive(const Json& primitive, const std::string& place) {
   if (copy.uv.rows() > 0 && copy.uv.rows() != copy.x.rows()) refuse("a mesh does not have one uv for each vertex");
   copy.uv.col(1) = 1 - copy.uv.col(1).array();  // v of glTF runs down
   if (!copy.x.allFinite() || !copy.uv.allFinite()) throw Error(Fault::scene, place, "A vertex contains a value that is not a number.", export_again);
-  const auto triangles = triangles_of(corners_of(file, primitive, copy.x.rows()), whole(primitive, "mode", 4));
+  const std::vector<int> corners = corners_of(file, primitive, copy.x.rows());
+  const std::size_t mode = whole(primitive, "mode", 4);
+  const auto triangles = triangles_of(corners, mode);
+  copy.creases = lines_of(corners, mode);
   copy.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
   for (std::size_t t = 0; t < triangles.size(); ++t) copy.triangles.row(static_cast<Eigen::Index>(t)) << triangles[t][0], triangles[t][1], triangles[t][2];
   copy.deformed = !list(primitive, "targets").empty();
