@@ -57,7 +57,7 @@ Points3 points_of(const std::vector<Panel>& panels) {
 /// Fills what the paper has left free of the picture; before paper, by more than lies on it, a veil.
 /// picture  [px] whole ones
 void draw_colliders(Canvas& canvas, const Camera& camera, const Frame& picture, const std::vector<PlacedCollider>& colliders) {
-  constexpr double veil = 0.3, on_paper = 4;  // [1], [px]
+  constexpr double veil = 0.4, on_paper = 4;  // [1], [px]
   Canvas own(static_cast<int>(picture.width), static_cast<int>(picture.height), {}, canvas.samples);
   Camera moved = camera;
   moved.at -= Vector2d(picture.left, picture.top);
@@ -122,11 +122,11 @@ Image contact_sheet(const std::string& title, const std::vector<Panel>& panels) 
     cameras.push_back(camera);
     cameras.back().at += Vector2d(left, top + caption_height);
     for (const CacheFrame& sheet : panels[p].sheets) draw_smooth_triangles(canvas, cameras.back(), sheet.x, sheet.triangles, shading(sheet, camera));
-    draw_colliders(canvas, cameras.back(), {left, top + caption_height, double(panel_width), double(picture_height)}, panels[p].colliders);
   }
   shade_hollows(canvas, camera.scale, 0.04 * panel_width);
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const double left = gap + (p % columns) * (panel_width + gap), top = title_height + (p / columns) * (panel_height + gap);
+    draw_colliders(canvas, cameras[p], {left, top + caption_height, double(panel_width), double(picture_height)}, panels[p].colliders);
     for (const HandleRecord& handle : panels[p].handles) draw_handle(canvas, cameras[p], handle);
     for (std::size_t k = 0; k < panels[p].caption.size(); ++k)
       draw_text(canvas, left + 6, top + 6 + line_height * k, letter_dot, panels[p].caption[k], letters);
