@@ -172,6 +172,8 @@ GltfFile::GltfFile(const std::filesystem::path& path) : path_(path) {
     json_ = Json::parse(chunks.json);
   } catch (const Json::parse_error& error) {
     refuse(fmt::format("its JSON breaks off or is damaged at byte {}", error.byte));
+  } catch (const Json::out_of_range&) {
+    refuse("a number in its JSON is too large");
   }
   binary_ = std::move(chunks.binary);
   const std::string version = text(json_.is_object() ? json_.value("asset", Json()) : Json(), "version", "");

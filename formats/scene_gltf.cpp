@@ -209,7 +209,7 @@ void warn_of_extensions(const Json& json, ImportedFile& file) {
 
 }  // namespace
 
-ImportedFile import_gltf(const std::filesystem::path& path) {
+ImportedFile import_gltf(const std::filesystem::path& path) try {
   GltfFile file(path);
   Copy copy{file, list(file.json(), "nodes"), {}, {}, {}};
   copy.to.reader = "the file's samplers";
@@ -224,6 +224,8 @@ ImportedFile import_gltf(const std::filesystem::path& path) {
       if (const auto node = copy.copies.find(index); node != copy.copies.end()) moved.motions.emplace(node->second, motion);
   }
   return std::move(copy.to);
+} catch (const Json::exception&) {
+  refuse("its JSON is not that of glTF 2: a text, number, list or object stands where another belongs");
 }
 
 }  // namespace paperbake

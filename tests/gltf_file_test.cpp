@@ -91,6 +91,8 @@ TEST(GltfFile, PropertiesOfAnyKindAreReadOrLeft) {
 TEST(GltfFile, DamageAndOtherVersionsAreErrorsInWords) {
   EXPECT_ERROR(temporary("old.gltf", R"({"asset":{"version":"1.0"}})"), "glTF of version 1.0");
   EXPECT_ERROR(temporary("half.gltf", R"({"asset":{"version":"2.0"},"nodes":[)"), "damaged at byte");
+  EXPECT_ERROR(file("large.gltf", R"("nodes":[{"translation":[1e999,0,0]}])"), "a number in its JSON is too large");
+  EXPECT_ERROR(file("other.gltf", R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[7]}])"), "its JSON is not that of glTF 2");
   EXPECT_ERROR(file("ring.gltf", R"("scenes":[{"nodes":[0]}],"nodes":[{"name":"a","children":[1]},{"name":"b","children":[0]}])"), "node \"a\" is in it twice");
   EXPECT_ERROR(file("faces.gltf", triangle(R"({"componentType":5126,"count":2,"type":"VEC2"})")), "not of type VEC3");
 }
