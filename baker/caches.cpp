@@ -17,7 +17,7 @@ Caches::Caches(const BakeSettings& settings, const BakePlan& plan, const std::fi
     for (const std::string& suffix : suffixes) pc2_.push_back(std::make_unique<Pc2Writer>(folder / name(suffix + ".pc2"), folder / name(suffix + ".rest.obj"), info));
   if (settings.formats.count("preview"))
     preview_.emplace(fmt::format("{}, {}, {}, seed {}, frames {}-{}", plan.name, plan.method, plan.presets.front(), plan.seeds.front(), plan.frames.first,
-                                 plan.frames.last), plan.frames);
+                                 plan.frames.last), plan.frames, plan.shots.front().colliders, plan.animation.first_frame);
   if (settings.formats.count("report")) report_.emplace(plan, (plan.frames.last - plan.frames.first) / plan.frames.step + 1);
 }
 

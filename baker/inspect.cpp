@@ -28,6 +28,18 @@ Json handle_json(const SceneSheet& sheet, const Handle& handle) {
   return j;
 }
 
+Json crease_json(const FoldLine& crease, const std::string& origin) {
+  Json line = Json::array();
+  for (const Vector2d& p : crease.line) line.push_back({p.x(), p.y()});
+  return {{"line_m", std::move(line)}, {"angle_deg", crease.angle * 180 / M_PI}, {"from", origin}};
+}
+
+std::string crease_text(const FoldLine& crease, const std::string& origin) {
+  const auto point = [](const Vector2d& p) { return fmt::format("({:.2f}, {:.2f})", 1e3 * p.x(), 1e3 * p.y()); };
+  const std::string bends = crease.line.size() == 2 ? "" : fmt::format(", {} bend(s)", crease.line.size() - 2);
+  return fmt::format("  crease from {} to {} mm{}, springs back to {:.4g} degrees: {}\n", point(crease.line.front()), point(crease.line.back()), bends, crease.angle * 180 / M_PI, origin);
+}
+
 std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
   std::vector<SheetImpossible> all;
   for (const SceneSheet& sheet : scene.sheets)
@@ -48,6 +60,7 @@ Json scene_json(const Scene& scene) {
     if (sheet.grammage) j["paper_gsm"] = *sheet.grammage;
     if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
     if (sheet.seed) j["paper_seed"] = *sheet.seed;
+    for (std::size_t c = 0; c < sheet.pattern.folds.size(); ++c) j["creases"].push_back(crease_json(sheet.pattern.folds[c], sheet.crease_origin[c]));
     j["handles"] = std::move(handles);
     sheets.push_back(std::move(j));
   }
@@ -70,6 +83,7 @@ std::string scene_text(const Scene& scene) {
     text += fmt::format("sheet \"{}\": {:.2f} x {:.2f} mm, {} corners, {} holes; mesh of {} vertices, {} triangles\n", sheet.name,
                         1e3 * extent(sheet.pattern).x(), 1e3 * extent(sheet.pattern).y(), sheet.pattern.outline.size(),
                         sheet.pattern.holes.size(), sheet.start.x.rows(), sheet.start.triangles.rows());
+    for (std::size_t c = 0; c < sheet.pattern.folds.size(); ++c) text += crease_text(sheet.pattern.folds[c], sheet.crease_origin[c]);
     for (const Handle& h : sheet.handles) {
       text += fmt::format("  handle \"{}\" at ({:.2f}, {:.2f}) mm, {}", h.name, 1e3 * h.pattern.x(), 1e3 * h.pattern.y(),
                           h.mode == HandleMode::relative ? "relative" : "absolute");

@@ -50,26 +50,14 @@ std::string literal(const JobKey& key, const std::string& text) {
 
 std::string relative_to(const fs::path& folder, const std::string& path) { return fs::proximate(fs::absolute(path), fs::absolute(folder)).generic_string(); }
 
-std::string point_text(const Vector2d& p) { return fmt::format("[{}, {}]", toml_number(p.x()), toml_number(p.y())); }
-
-template <class List, class Text>
-std::string list_text(const List& list, Text text) {
-  std::string joined;
-  for (const auto& entry : list) joined += (joined.empty() ? "" : ", ") + text(entry);
-  return "[" + joined + "]";
-}
-
 std::string pins_text(const Pins& pins, const std::vector<FoldLine>& creases) {
   std::string text;
-  if (!pins.keep.empty()) text += "singular_keep = " + list_text(pins.keep, point_text) + "\n";
+  if (!pins.keep.empty()) text += "singular_keep = " + toml_list(pins.keep, toml_point) + "\n";
   if (!pins.forbid.empty())
-    text += "singular_forbid = " + list_text(pins.forbid, [](const Pins::Disc& d) {
+    text += "singular_forbid = " + toml_list(pins.forbid, [](const Pins::Disc& d) {
       return fmt::format("[{}, {}, {}]", toml_number(d.centre.x()), toml_number(d.centre.y()), toml_number(d.radius));
     }) + "\n";
-  if (!creases.empty())
-    text += "crease = " + list_text(creases, [](const FoldLine& c) {
-      return fmt::format("{{line = {}, angle = {}}}", list_text(c.line, point_text), toml_number(c.angle * 180 / M_PI));
-    }) + "\n";
+  if (!creases.empty()) text += "crease = " + toml_creases(creases) + "\n";
   return text;
 }
 

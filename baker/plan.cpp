@@ -4,11 +4,14 @@
 #include "core/error.h"
 #include "core/inertia_need.h"
 #include "core/polished_animation.h"
+#include "formats/job_file.h"
 #include "formats/murmur.h"
 #include "formats/preset_file.h"
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <set>
 
 namespace paperbake {
 namespace {
@@ -197,6 +200,9 @@ bool is_method(const std::string& name) { return name == "hybrid" || name == "fe
 std::string describe(const SheetImpossible& impossible) {
   const ImpossiblePair& p = impossible.pair;
   const double over = p.apart - p.allowed;
+  if (p.allowed < 1e-6)
+    return fmt::format("Handles \"{}\" and \"{}\" hold the same point of the sheet \"{}\" and part in frames {}-{}: at frame {} they are {:.2f} mm apart.",
+                       p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart);
   return fmt::format("Handles \"{}\" and \"{}\" of sheet \"{}\" are too far apart in frames {}-{}: at frame {} they are asked to be {:.2f} mm apart, "
                      "the paper between them is {:.2f} mm long: overshoot {:.2f} mm ({:.1f} %).",
                      p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart, 1e3 * p.allowed, 1e3 * over, 100 * over / p.allowed);
@@ -238,6 +244,10 @@ BakePlan plan_bake(const BakeSettings& settings) {
     of_sheets.insert(of_sheets.end(), resolved.used.begin(), resolved.used.end());
     of_sheets.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
                          in_words(!by_sheet ? settings.origin("seed") : sheet.overridden.count("seed") ? Origin::job : Origin::scene)});
+    if (!sheet.pattern.folds.empty()) {
+      const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
+      of_sheets.push_back({"sheet." + toml_string(sheet.name) + ".crease", toml_creases(sheet.pattern.folds), fmt::format("{}", fmt::join(origins, ", "))});
+    }
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));

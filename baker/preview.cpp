@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace paperbake {
 namespace {
@@ -14,7 +15,7 @@ constexpr double letter_dot = 1.6;                                              
 const Vector3d view(-0.6, -1.0, 0.75), to_light = Vector3d(-0.8, -0.15, 0.42).normalized(), to_sky = Vector3d(0.5, -0.5, 0.8).normalized();
 
 constexpr Colour background{38, 40, 44}, panel_ground{58, 62, 68}, ink{20, 20, 20}, letters{240, 240, 236}, held{10, 170, 70}, jammed{240, 130, 0};
-const Vector3d paper_front(0.92, 0.90, 0.85), paper_back(0.70, 0.76, 0.86);  // reflectance
+const Vector3d paper_front(0.92, 0.90, 0.85), paper_back(0.70, 0.76, 0.86), solid(0.16, 0.20, 0.25);  // reflectance
 
 std::uint8_t encoded(double linear) { return static_cast<std::uint8_t>(std::lround(255 * std::pow(std::clamp(linear, 0.0, 1.0), 1 / 2.2))); }
 
@@ -51,6 +52,34 @@ Points3 points_of(const std::vector<Panel>& panels) {
   for (const Panel& panel : panels)
     for (const CacheFrame& sheet : panel.sheets) points.middleRows(at, sheet.x.rows()) = sheet.x, at += sheet.x.rows();
   return points;
+}
+
+/// Fills what the paper has left free of the picture; before paper, by more than lies on it, a veil.
+/// picture  [px] whole ones
+void draw_colliders(Canvas& canvas, const Camera& camera, const Frame& picture, const std::vector<PlacedCollider>& colliders) {
+  constexpr double veil = 0.4, on_paper = 4;  // [1], [px]
+  Canvas own(static_cast<int>(picture.width), static_cast<int>(picture.height), {}, canvas.samples);
+  Camera moved = camera;
+  moved.at -= Vector2d(picture.left, picture.top);
+  for (const PlacedCollider& collider : colliders) {
+    std::vector<Colour> faces;
+    for (int t = 0; t < collider.triangles.rows(); ++t) {
+      const Vector3d a = collider.x.row(collider.triangles(t, 0)), b = collider.x.row(collider.triangles(t, 1)), c = collider.x.row(collider.triangles(t, 2));
+      const Vector3d normal = (b - a).cross(c - a).normalized();
+      faces.push_back(lit(normal.dot(camera.towards) >= 0 ? normal : Vector3d(-normal), solid));
+    }
+    draw_triangles(own, moved, collider.x, collider.triangles, faces);
+  }
+  constexpr float nothing = -std::numeric_limits<float>::infinity();
+  const int n = canvas.samples;
+  for (int row = 0; row < own.height * n; ++row)
+    for (int column = 0; column < own.width * n; ++column) {
+      const std::size_t k = std::size_t(row) * own.width * n + column;
+      const std::size_t at = (std::size_t(picture.top) * n + row) * canvas.width * n + std::size_t(picture.left) * n + column;
+      if (own.depth[k] == nothing) continue;
+      if (canvas.depth[at] == nothing) canvas.colour[at] = own.colour[k], canvas.depth[at] = own.depth[k];
+      else if (own.depth[k] > canvas.depth[at] + on_paper / camera.scale) canvas.colour[at] = mix(canvas.colour[at], own.colour[k], veil);
+    }
 }
 
 void draw_handle(Canvas& canvas, const Camera& camera, const HandleRecord& handle) {
@@ -97,6 +126,7 @@ Image contact_sheet(const std::string& title, const std::vector<Panel>& panels) 
   shade_hollows(canvas, camera.scale, 0.04 * panel_width);
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const double left = gap + (p % columns) * (panel_width + gap), top = title_height + (p / columns) * (panel_height + gap);
+    draw_colliders(canvas, cameras[p], {left, top + caption_height, double(panel_width), double(picture_height)}, panels[p].colliders);
     for (const HandleRecord& handle : panels[p].handles) draw_handle(canvas, cameras[p], handle);
     for (std::size_t k = 0; k < panels[p].caption.size(); ++k)
       draw_text(canvas, left + 6, top + 6 + line_height * k, letter_dot, panels[p].caption[k], letters);
@@ -123,7 +153,14 @@ void Preview::add_frame(int frame, const CacheFrame& cached) {
 Image Preview::picture(const std::vector<HandleRecord>& handles) const {
   std::vector<Panel> panels;
   for (const Shown& shown : shown_) {
-    Panel panel{{std::to_string(shown.frame)}, shown.sheets, {}};
+    Panel panel{{std::to_string(shown.frame)}, shown.sheets, {}, {}};
+    if (colliders_) {
+      const Poses poses = poses_at(*colliders_, shown.frame - first_frame_);
+      for (std::size_t c = 0; c < poses.size(); ++c) {
+        const ColliderMesh& mesh = (*colliders_)[c].mesh();
+        panel.colliders.push_back({(mesh.x * poses[c].linear().transpose()).rowwise() + poses[c].translation().transpose(), mesh.triangles});
+      }
+    }
     for (const HandleRecord& handle : handles)
       if (handle.frame == shown.frame && handle.state != HandleRecord::free_state) panel.handles.push_back(handle);
     panels.push_back(std::move(panel));

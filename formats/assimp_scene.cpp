@@ -34,37 +34,24 @@ std::optional<PropertyValue> property(const aiMetadataEntry& entry) {
       const auto* v = static_cast<aiVector3D*>(entry.mData);
       return std::vector<double>{as_typed(v->x), as_typed(v->y), as_typed(v->z)};
     }
-    case AI_AIMETADATA: {  // an array of glTF: entries that all carry its key
-      const auto* nested = static_cast<aiMetadata*>(entry.mData);
-      std::vector<double> list;
-      for (unsigned i = 0; i < nested->mNumProperties; ++i) {
-        const auto value = property(nested->mValues[i]);
-        if (!value || !std::holds_alternative<double>(*value)) return std::nullopt;
-        list.push_back(std::get<double>(*value));
-      }
-      return list;
-    }
     default: return std::nullopt;
   }
 }
 
-void copy_node(const aiNode& node, int parent, bool real, ImportedFile& file, const std::function<void(const aiNode&, int)>& copied) {
-  int index = -1;
-  if (real) {
-    ImportedNode copy;
-    copy.name = node.mName.C_Str();
-    copy.parent = parent;
-    copy.local = transform(node.mTransformation);
-    if (!copy.local.matrix().allFinite())
-      throw Error(Fault::scene, fmt::format("node \"{}\"", copy.name), "Its transform contains a value that is not a number.");
-    copy.meshes.assign(node.mMeshes, node.mMeshes + node.mNumMeshes);
-    for (unsigned i = 0; node.mMetaData && i < node.mMetaData->mNumProperties; ++i)
-      if (const auto value = property(node.mMetaData->mValues[i])) copy.properties.emplace(node.mMetaData->mKeys[i].C_Str(), *value);
-    index = static_cast<int>(file.nodes.size());
-    file.nodes.push_back(std::move(copy));
-    copied(node, index);
-  }
-  for (unsigned i = 0; i < node.mNumChildren; ++i) copy_node(*node.mChildren[i], index, true, file, copied);
+void copy_node(const aiNode& node, int parent, ImportedFile& file, const std::function<void(const aiNode&, int)>& copied) {
+  ImportedNode copy;
+  copy.name = node.mName.C_Str();
+  copy.parent = parent;
+  copy.local = transform(node.mTransformation);
+  if (!copy.local.matrix().allFinite())
+    throw Error(Fault::scene, fmt::format("node \"{}\"", copy.name), "Its transform contains a value that is not a number.");
+  copy.meshes.assign(node.mMeshes, node.mMeshes + node.mNumMeshes);
+  for (unsigned i = 0; node.mMetaData && i < node.mMetaData->mNumProperties; ++i)
+    if (const auto value = property(node.mMetaData->mValues[i])) copy.properties.emplace(node.mMetaData->mKeys[i].C_Str(), *value);
+  const int index = static_cast<int>(file.nodes.size());
+  file.nodes.push_back(std::move(copy));
+  copied(node, index);
+  for (unsigned i = 0; i < node.mNumChildren; ++i) copy_node(*node.mChildren[i], index, file, copied);
 }
 
 ImportedMesh copy_mesh(const aiMesh& mesh) {
@@ -115,8 +102,8 @@ const aiScene& assimp_scene(Assimp::Importer& importer, const std::filesystem::p
   return *scene;
 }
 
-void copy_nodes(const aiNode& root, bool real, ImportedFile& file, const std::function<void(const aiNode&, int)>& copied) {
-  copy_node(root, -1, real, file, copied);
+void copy_nodes(const aiNode& root, ImportedFile& file, const std::function<void(const aiNode&, int)>& copied) {
+  for (unsigned i = 0; i < root.mNumChildren; ++i) copy_node(*root.mChildren[i], -1, file, copied);
 }
 
 void copy_meshes(const aiScene& scene, ImportedFile& file) {

@@ -10,13 +10,12 @@
 namespace paperbake {
 
 /// The scene of a file, faces as triangles; it lives as long as the importer.
-/// throws Error(Fault::scene) at `path`: assimp cannot read it, or its format is not the one named ("FBX", "glTF2")
+/// throws Error(Fault::scene) at `path`: assimp cannot read it, or its format is not the one named ("FBX")
 const aiScene& assimp_scene(Assimp::Importer&, const std::filesystem::path& path, const std::string& format);
 
-/// Copies a node and what is below it, parents before children, in order of the file. `copied` is told of each node and its index.
-/// real: whether the first node is one of the file, else its children become roots
+/// Copies what is below a node, parents before children, in order of the file. `copied` is told of each node and its index.
 /// throws Error(Fault::scene) at the node: a number that is none
-void copy_nodes(const aiNode&, bool real, ImportedFile&, const std::function<void(const aiNode&, int)>& copied);
+void copy_nodes(const aiNode& root, ImportedFile&, const std::function<void(const aiNode&, int)>& copied);
 
 /// All meshes, in order. throws Error(Fault::scene) at the mesh: a number that is none, a face with a vertex that does not exist
 void copy_meshes(const aiScene&, ImportedFile&);

@@ -224,6 +224,12 @@ std::string toml_number(double value) {
   return text;
 }
 
+std::string toml_point(const Vector2d& p) { return fmt::format("[{}, {}]", toml_number(p.x()), toml_number(p.y())); }
+
+std::string toml_creases(const std::vector<FoldLine>& creases) {
+  return toml_list(creases, [](const FoldLine& c) { return fmt::format("{{line = {}, angle = {}}}", toml_list(c.line, toml_point), toml_number(c.angle * 180 / M_PI)); });
+}
+
 std::string toml_string(const std::string& value) {
   std::string text = "\"";
   for (const char c : value) {

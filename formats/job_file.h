@@ -69,5 +69,13 @@ JobFile read_job(const std::filesystem::path&, const std::vector<JobKey>& keys);
 /// TOML literals.
 std::string toml_number(double);
 std::string toml_string(const std::string&);
+std::string toml_point(const Vector2d&);
+std::string toml_creases(const std::vector<FoldLine>&);
+template <class List, class Text>
+std::string toml_list(const List& list, Text text) {
+  std::string joined;
+  for (const auto& entry : list) joined += (joined.empty() ? "" : ", ") + text(entry);
+  return "[" + joined + "]";
+}
 
 }  // namespace paperbake

@@ -136,7 +136,7 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
   file.up_axis = "y up";
   if (scene.mMetaData) read_global_settings(*scene.mMetaData, file);
   std::map<std::string, int> first_of_name;  // channels of a take name their node; pivots under their raw name
-  copy_nodes(*scene.mRootNode, false, file, [&](const aiNode& node, int index) {
+  copy_nodes(*scene.mRootNode, file, [&](const aiNode& node, int index) {
     first_of_name.emplace(node.mName.C_Str(), index);
     mark_pivot(file.nodes[index]);
   });

@@ -78,6 +78,16 @@ void add_properties(const ufbx_props& props, ImportedNode& node) {
   }
 }
 
+/// Edges with a crease, as for subdivision, and faces of two corners, which are loose edges.
+Edges creases_of(const ufbx_mesh& mesh) {
+  std::vector<int> ends;
+  for (std::size_t i = 0; i < std::min(mesh.edge_crease.count, mesh.edges.count); ++i)
+    if (mesh.edge_crease[i] > 0) ends.push_back(static_cast<int>(mesh.edges[i].a)), ends.push_back(static_cast<int>(mesh.edges[i].b));
+  for (const ufbx_face& face : mesh.faces)
+    if (face.num_indices == 2) ends.push_back(static_cast<int>(face.index_begin)), ends.push_back(static_cast<int>(face.index_begin) + 1);
+  return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
+}
+
 ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   ImportedMesh copy;
   const Eigen::Affine3d to_node = affine(node.geometry_to_node);
@@ -101,6 +111,7 @@ ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
     all.insert(all.end(), triangles.begin(), triangles.begin() + 3 * count);
   }
   copy.triangles = Eigen::Map<Triangles>(all.data(), static_cast<Eigen::Index>(all.size() / 3), 3);
+  copy.creases = creases_of(mesh);
   return copy;
 }
 
@@ -273,10 +284,11 @@ void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
   file.up_axis = fmt::format("{}{} up", axes.up % 2 ? "-" : "", "xyz"[axes.up / 2]);
 }
 
-/// Blender's "All Actions" writes a stack for every action and object, and all of them from time 0.
+/// Blender's "All Actions" writes a stack "object|action" for every action and object, and all of them from time 0.
 bool lost_start(const ufbx_scene& scene) {
   const bool blender = scene.metadata.exporter == UFBX_EXPORTER_BLENDER_BINARY || scene.metadata.exporter == UFBX_EXPORTER_BLENDER_ASCII;
-  return blender && scene.anim_stacks.count > 1 &&
+  const std::size_t stacks = scene.anim_stacks.count;
+  return blender && (stacks > 1 || (stacks == 1 && text_of(scene.anim_stacks[0]->name).find('|') != std::string::npos)) &&
          std::all_of(scene.anim_stacks.begin(), scene.anim_stacks.end(), [](const ufbx_anim_stack* stack) { return stack->time_begin == 0; });
 }
 

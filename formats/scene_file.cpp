@@ -2,6 +2,7 @@
 
 #include "core/error.h"
 #include "formats/scene_colliders.h"
+#include "formats/scene_creases.h"
 #include "formats/scene_handles.h"
 #include "formats/scene_nodes.h"
 #include "formats/scene_properties.h"
@@ -141,6 +142,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.pins = said.pins;
   sheet.pattern.folds = ended_on_border(said.creases, sheet.pattern);
   check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
+  sheet.crease_origin.assign(sheet.pattern.folds.size(), "job");
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {
       warnings.push_back(fmt::format("Bones and blend shapes of the sheet \"{}\" are not followed: it starts undeformed.",
@@ -175,6 +177,21 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
   return sheets;
 }
 
+/// Its own keys move no sheet: that is for handles to do.
+void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& warnings) {
+  constexpr int looks = 16;
+  const auto first = world_at(scene, scene.first_frame);
+  std::set<int> moved;
+  for (int look = 1; look <= looks; ++look) {
+    const auto world = world_at(scene, scene.first_frame + (scene.last_frame - scene.first_frame) * look / looks);
+    for (int i = 0; i < static_cast<int>(world.size()); ++i)
+      if (!scene.file.nodes[i].meshes.empty() && name_begins_with(scene.file.nodes[i].name, "paper") && !world[i].isApprox(first[i], 1e-5)) moved.insert(i);
+  }
+  for (const int i : moved)
+    warnings.push_back(fmt::format("The sheet \"{}\" is keyed or moves with its parent: it starts where it is at frame {}, then only handles move it.",
+                                   scene.file.nodes[i].name, scene.first_frame));
+}
+
 std::optional<double> gravity_of(const SceneNodes& scene, std::map<std::string, std::string>& origin) {
   for (const ImportedNode& node : scene.file.nodes)
     if (const auto gravity = number_property(scene.source, node, "paper_gravity")) {
@@ -198,6 +215,8 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   scene.warnings = nodes.warnings;
   for (std::string& warning : unknown_properties(nodes.file.nodes)) scene.warnings.push_back(std::move(warning));
   scene.sheets = read_sheets(nodes, options, said, scene.warnings);
+  warn_of_keyed_sheets(nodes, scene.warnings);
+  add_creases(nodes, scene.sheets, scene.warnings);
   add_handles(nodes, scene.sheets, scene.warnings);
   for (SceneSheet& sheet : scene.sheets) lead_creases_through_points(sheet);
   scene.colliders = read_colliders(nodes, scene.warnings);

@@ -36,6 +36,7 @@ struct SceneSheet {
   std::optional<unsigned> seed;       // paper_seed
   std::set<std::string> overridden;   // of preset, gsm, thickness, seed: those that the job file says
   Pins pins;
+  std::vector<std::string> crease_origin;  // of each of pattern.folds: job, the mesh, "crease.diagonal"
 };
 
 /// A property that a handle has from a job file.

@@ -3,12 +3,14 @@
 #include "core/error.h"
 #include "formats/scene_colliders.h"
 #include "formats/scene_properties.h"
+#include "formats/sheet_point.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace paperbake {
@@ -71,42 +73,6 @@ std::vector<Found> find_handles(const SceneNodes& scene) {
   return found;
 }
 
-/// Weights of the corners of a triangle at its point nearest to p. source: Ericson, Real-Time Collision Detection, 5.1.5
-Vector3d nearest_weights(const Vector3d& p, const Vector3d& a, const Vector3d& b, const Vector3d& c) {
-  const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
-  const double d1 = ab.dot(ap), d2 = ac.dot(ap), d3 = ab.dot(bp), d4 = ac.dot(bp), d5 = ab.dot(cp), d6 = ac.dot(cp);
-  if (d1 <= 0 && d2 <= 0) return {1, 0, 0};
-  if (d3 >= 0 && d4 <= d3) return {0, 1, 0};
-  if (d6 >= 0 && d5 <= d6) return {0, 0, 1};
-  const double vc = d1 * d4 - d3 * d2, vb = d5 * d2 - d1 * d6, va = d3 * d6 - d5 * d4;
-  if (vc <= 0 && d1 >= 0 && d3 <= 0) return {1 - d1 / (d1 - d3), d1 / (d1 - d3), 0};
-  if (vb <= 0 && d2 >= 0 && d6 <= 0) return {1 - d2 / (d2 - d6), 0, d2 / (d2 - d6)};
-  if (va <= 0 && d4 >= d3 && d5 >= d6) {
-    const double t = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-    return {0, 1 - t, t};
-  }
-  return Vector3d(va, vb, vc) / (va + vb + vc);
-}
-
-struct SheetPoint {
-  Vector2d pattern = Vector2d::Zero();
-  double distance = std::numeric_limits<double>::infinity();  // [m]
-};
-
-SheetPoint nearest_point(const Sheet& sheet, const Vector3d& p) {
-  SheetPoint nearest;
-  for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    const auto i = sheet.triangles.row(t);
-    const Vector3d weights = nearest_weights(p, sheet.x.row(i(0)), sheet.x.row(i(1)), sheet.x.row(i(2)));
-    const Vector3d at = weights(0) * sheet.x.row(i(0)) + weights(1) * sheet.x.row(i(1)) + weights(2) * sheet.x.row(i(2));
-    if ((at - p).norm() >= nearest.distance) continue;
-    nearest.distance = (at - p).norm();
-    nearest.pattern = weights(0) * sheet.pattern.row(i(0)) + weights(1) * sheet.pattern.row(i(1)) +
-                      weights(2) * sheet.pattern.row(i(2));
-  }
-  return nearest;
-}
-
 /// A point within rounding of a corner or the border is meant to be on it.
 Vector2d snapped_to_border(const Pattern& pattern, const Vector2d& p) {
   const double near = on_border * longer_side(pattern);
@@ -120,21 +86,6 @@ Vector2d snapped_to_border(const Pattern& pattern, const Vector2d& p) {
   return (border - p).norm() <= near ? border : p;
 }
 
-std::size_t target_sheet(const SceneNodes& scene, const std::vector<SceneSheet>& sheets, const Found& handle,
-                         const std::string& target) {
-  std::vector<std::string> names;
-  std::vector<std::size_t> alike;
-  for (std::size_t i = 0; i < sheets.size(); ++i) {
-    if (sheets[i].name == target) return i;
-    if (matched_name(sheets[i].name) == matched_name(target)) alike.push_back(i);
-    names.push_back(sheets[i].name);
-  }
-  if (alike.size() == 1) return alike.front();
-  throw Error(Fault::scene, place_of_handle(scene, handle),
-              fmt::format("paper_target names \"{}\", which is no sheet of the scene.", target),
-              fmt::format("The sheets are: {}.", fmt::join(names, ", ")));
-}
-
 struct Grip {
   std::size_t sheet;
   SheetPoint point;
@@ -142,8 +93,8 @@ struct Grip {
 
 Grip grip_of(const SceneNodes& scene, const std::vector<SceneSheet>& sheets, const Found& handle, const Vector3d& at) {
   Grip grip{0, {}};
-  if (const auto target = text_property(scene.file.nodes[handle.node], "paper_target")) {
-    grip.sheet = target_sheet(scene, sheets, handle, *target);
+  if (const auto target = target_sheet(scene, sheets, handle.node, place_of_handle(scene, handle))) {
+    grip.sheet = *target;
     grip.point = nearest_point(sheets[grip.sheet].start, at);
   } else {
     for (std::size_t i = 0; i < sheets.size(); ++i) {
@@ -220,6 +171,27 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
                                    handle.release_frame, handle.grab_frame));
 }
 
+/// A null that groups handles and is named like one holds paper itself.
+void warn_of_groups(const SceneNodes& scene, const std::vector<Found>& found, std::vector<std::string>& warnings) {
+  const auto& nodes = scene.file.nodes;
+  std::map<int, int> below;
+  for (const Found& handle : found) {
+    int parent = nodes[handle.node].parent;
+    while (parent >= 0 && nodes[parent].pivot) parent = nodes[parent].parent;
+    ++below[parent];
+  }
+  for (const Found& handle : found)
+    if (const auto group = below.find(handle.node); group != below.end() && group->second > 1)
+      warnings.push_back(fmt::format("The handle \"{}\" has {} handles below it and holds the sheet like them: if it only groups them, rename it or give it paper_ignore.",
+                                     nodes[handle.node].name, group->second));
+}
+
+void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handles, std::vector<std::string>& warnings) {
+  const auto still = [](const Handle& handle) { return (handle.keyed.rowwise() - handle.keyed.row(0)).cwiseAbs().maxCoeff() < 1e-9; };
+  if (handles.empty() || !std::all_of(handles.begin(), handles.end(), still)) return;
+  warnings.push_back(scene.file.takes.empty() ? "No handle moves: the file has no animation." : "No handle moves: no animation of the file is theirs.");
+}
+
 }  // namespace
 
 void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets, std::vector<std::string>& warnings) {
@@ -230,6 +202,8 @@ void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets, std::
     read_properties(scene, found[i], handles[i]);
   }
   const std::vector<bool> by_scale = read_motion(scene, found, handles);
+  warn_of_groups(scene, found, warnings);
+  warn_of_stillness(scene, handles, warnings);
   for (std::size_t i = 0; i < found.size(); ++i) {
     const Grip grip = grip_of(scene, sheets, found[i], handles[i].keyed.row(0));
     SceneSheet& sheet = sheets[grip.sheet];

@@ -38,11 +38,15 @@ struct ImportedNode {
   std::map<std::string, PropertyValue> properties;
 };
 
+/// Ends of edges, as vertices.
+using Edges = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
+
 /// A mesh in the space of its node.
 struct ImportedMesh {
   Points3 x;                                        // |V|x3  units of the file
   Points2 uv;                                       // |V|x2  or empty
   Triangles triangles;
+  Edges creases;                                    // |E|x2  edges that are marked as creases, or that belong to no face
   bool deformed = false;                            // by bones or blend shapes, which are not followed
 };
 

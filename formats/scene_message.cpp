@@ -126,7 +126,7 @@ void pass(Way& way, ImportedNode& n) {
 }
 
 template <class Way>
-void pass(Way& way, ImportedMesh& m) { pass(way, m.x), pass(way, m.uv), pass(way, m.triangles), pass(way, m.deformed); }
+void pass(Way& way, ImportedMesh& m) { pass(way, m.x), pass(way, m.uv), pass(way, m.triangles), pass(way, m.creases), pass(way, m.deformed); }
 
 template <class Way>
 void pass(Way& way, Take& t) { pass(way, t.name), pass(way, t.begin), pass(way, t.end), pass(way, t.motions); }
@@ -178,6 +178,7 @@ void check(const ImportedFile& file) {
     if (mesh.uv.rows() != 0 && mesh.uv.rows() != mesh.x.rows()) refuse("a mesh does not have one uv for each vertex");
     if (!mesh.x.allFinite() || !mesh.uv.allFinite()) refuse("a vertex is no number");
     if (mesh.triangles.size() > 0 && (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.x.rows())) refuse("a face has a vertex that is not there");
+    if (mesh.creases.size() > 0 && (mesh.creases.minCoeff() < 0 || mesh.creases.maxCoeff() >= mesh.x.rows())) refuse("an edge has a vertex that is not there");
   }
   for (const Take& take : file.takes) {
     if (!std::isfinite(take.begin) || !std::isfinite(take.end)) refuse("a take's length is no number");

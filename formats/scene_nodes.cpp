@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <tuple>
 
 namespace paperbake {
 namespace {
@@ -68,27 +70,45 @@ std::vector<std::vector<int>> nodes_with_their_pivots(const std::vector<Imported
   return groups;
 }
 
-/// Blender writes an animation per object, or per action and object: those of other objects' actions hold two equal keys.
+/// Whether a motion passes where the node stands without it: it was exported while that take, and no other, moved it.
+bool passes_rest(const Motion& motion, const ImportedNode& node) {
+  constexpr int parts = 8;       // of the time between two keys
+  constexpr double near = 0.05;  // of the way the take goes
+  double nearest = std::numeric_limits<double>::infinity();
+  Eigen::AlignedBox3d way;
+  for (std::size_t k = 0; k < motion.key_times.size(); ++k)
+    for (int part = 0; part < (k + 1 < motion.key_times.size() ? parts : 1); ++part) {
+      const double step = part > 0 ? (motion.key_times[k + 1] - motion.key_times[k]) / parts : 0;
+      const Vector3d at = value_at(motion.translation, motion.key_times[k] + part * step, Vector3d::Zero());
+      way.extend(at);
+      nearest = std::min(nearest, (at - node.local.translation()).norm());
+    }
+  return nearest <= std::max(near * way.diagonal().norm(), 1e-5 * way.max().cwiseAbs().cwiseMax(way.min().cwiseAbs()).maxCoeff());
+}
+
+/// Blender writes an animation per object, or per action and object: those of other objects' actions hold two equal keys, or bring
+/// the node where the other is.
 struct Choice {
   const Take* take = nullptr;
-  bool varies = false;
+  bool varies = false, from_rest = true;
   std::size_t keys = 0;
   int moving_takes = 0;
 };
 
-Choice choose_take(const std::vector<const Take*>& takes, const std::vector<int>& group) {
+Choice choose_take(const SceneNodes& scene, const std::vector<const Take*>& takes, const std::vector<int>& group) {
   Choice best;
   for (const Take* take : takes) {
-    Choice choice{take, false, 0, best.moving_takes};
+    Choice choice{take, false, true, 0, best.moving_takes};
     for (int node : group) {
       const auto motion = take->motions.find(node);
       if (motion == take->motions.end()) continue;
       choice.keys += motion->second.key_times.size();
       choice.varies |= varies(motion->second);
+      choice.from_rest &= passes_rest(motion->second, scene.file.nodes[node]);
     }
     if (choice.keys == 0) continue;
     if (choice.varies) best.moving_takes = ++choice.moving_takes;
-    if (!best.take || std::pair(choice.varies, choice.keys) > std::pair(best.varies, best.keys)) best = choice;
+    if (!best.take || std::tuple(choice.varies, choice.from_rest, choice.keys) > std::tuple(best.varies, best.from_rest, best.keys)) best = choice;
   }
   return best;
 }
@@ -100,7 +120,7 @@ std::vector<const Take*> merge_takes(SceneNodes& scene, const SceneOptions& opti
   std::vector<std::string> contested;
   scene.motions.resize(scene.file.nodes.size());
   for (const std::vector<int>& group : nodes_with_their_pivots(scene.file.nodes)) {
-    const Choice choice = choose_take(takes, group);
+    const Choice choice = choose_take(scene, takes, group);
     if (!choice.take) continue;
     if (std::find(used.begin(), used.end(), choice.take) == used.end()) used.push_back(choice.take);
     const std::string& name = scene.file.nodes[group.front()].name;

@@ -24,7 +24,7 @@ struct SceneNodes {
   std::map<std::string, std::string> origin;
 };
 
-/// Merges the takes of a file (for each node the one that moves it with most keys), sets frames, unit and axes.
+/// Merges the takes of a file (for each node one that moves it, if it can from where the node stands, with most keys), sets frames, unit and axes.
 /// frame = seconds x fps, rounded to the nearest whole frame when within 0.01; FBX times begin at options.start_frame, else 1.
 /// throws Error(Fault::scene): an unknown take, an fps, unit or clip length that cannot be meant
 SceneNodes scene_nodes(ImportedFile, std::string source, const SceneOptions&);

@@ -17,7 +17,7 @@ namespace {
 // the words of design.md; the second row belongs to other tools or to later versions
 constexpr std::array known_properties = {
     "paper_grab_frame", "paper_release_frame", "paper_mode", "paper_radius", "paper_target", "paper_point", "paper_stiffness", "paper_ignore",
-    "paper_preset", "paper_gsm", "paper_thickness", "paper_seed", "paper_fps", "paper_gravity", "paper_size", "paper_collider", "paper_friction",
+    "paper_preset", "paper_gsm", "paper_thickness", "paper_seed", "paper_fps", "paper_gravity", "paper_size", "paper_collider", "paper_friction", "paper_crease",
     "paper_uv", "paper_locked", "paper_weight", "paper_interp", "paper_tangent"};
 
 const PropertyValue* find(const ImportedNode& node, const std::string& key) {

@@ -138,6 +138,8 @@ void check_mesh(const WeldedMesh& mesh, const std::string& place) {
   if (edges.twisted > 0)
     reject(fmt::format("The faces at {} of the mesh's edges disagree about the front.", edges.twisted),
            "Recalculate the normals in the DCC; a sheet has two sides.");
+  if (std::none_of(edges.triangles.begin(), edges.triangles.end(), [](const auto& edge) { return edge.second.size() == 1; }))
+    reject("The mesh is closed: a sheet of paper has a border.", "Take away its thickness (Solidify, Shell), or cut it open along edges.");
 }
 
 /// True when the mesh can be a sheet without a word to the artist.
@@ -158,8 +160,6 @@ std::vector<Loop> border_loops(const Triangles& triangles, const std::string& pl
       throw Error(Fault::scene, place, "The border of the mesh touches itself at a vertex.",
                   "Split that vertex, or join the faces there by an edge.");
   }
-  if (next.empty())
-    throw Error(Fault::scene, place, "The mesh is closed: a sheet of paper has a border.", "Cut it open along edges.");
   std::vector<Loop> loops;
   while (!next.empty()) {
     loops.emplace_back();
@@ -234,6 +234,29 @@ void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
   flat = (flat * rotation.transpose()).eval();
 }
 
+/// By quarter turns the side up that the UVs have up, whatever their proportions.
+/// all: the same triangles with their uv
+void turn_as_uv(Points2& flat, const Triangles& triangles, const WeldedMesh& all) {
+  double same = 0, quarter = 0, area = 0;  // how well the uv agree with the flat shape as it is, and turned by 90 degrees
+  for (const int mirrored : {1, -1}) {
+    same = quarter = area = 0;
+    for (int t = 0; t < triangles.rows(); ++t) {
+      const auto edge = [&](const Points2& p, const Triangles& of, int k) { return Vector2d(p.row(of(t, (k + 1) % 3)) - p.row(of(t, k))); };
+      const auto uv = [&](int k) { return Vector2d(edge(all.uv, all.triangles, k).cwiseProduct(Vector2d(mirrored, 1))); };
+      area += uv(0).x() * uv(1).y() - uv(0).y() * uv(1).x();
+      for (int k = 0; k < 3; ++k) {
+        const Vector2d a = uv(k), b = edge(flat, triangles, k);
+        same += a.dot(b), quarter += a.y() * b.x() - a.x() * b.y();
+      }
+    }
+    if (area >= 0) break;
+  }
+  Eigen::Matrix2d turn;
+  if (std::abs(same) >= std::abs(quarter)) turn = (same < 0 ? -1 : 1) * Eigen::Matrix2d::Identity();
+  else turn << 0, quarter < 0 ? 1 : -1, quarter < 0 ? -1 : 1, 0;
+  flat = (flat * turn.transpose()).eval();
+}
+
 }  // namespace
 
 Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::string& place) {
@@ -267,6 +290,7 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
     check_mesh(mesh, place);
     flat = unrolled(mesh, place);
     lay_along_longest_side(*flat, pattern_of(*flat, mesh.triangles, place));
+    if (all.uv.rows() > 0) turn_as_uv(*flat, mesh.triangles, all);
   }
   // the bounding box begins at (0, 0)
   flat->rowwise() -= flat->colwise().minCoeff().eval();

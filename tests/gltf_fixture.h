@@ -59,6 +59,14 @@ class GltfFixture {
     return node(name, Vector3d::Zero(), extras, fmt::format(R"("mesh":{},)", meshes_.size() - 1));
   }
 
+  /// A mesh of lines alone, two corners each.
+  int lines(const std::string& name, const std::vector<Vector3d>& points, const std::vector<int>& corners, const std::string& extras = "{}") {
+    std::vector<float> x;
+    for (const Vector3d& p : points) append(x, p);
+    meshes_.push_back(fmt::format(R"({{"name":"{}","primitives":[{{"mode":1,"attributes":{{"POSITION":{}}},"indices":{}}}]}})", name, floats(x, "VEC3", 3), indices(corners)));
+    return node(name, Vector3d::Zero(), extras, fmt::format(R"("mesh":{},)", meshes_.size() - 1));
+  }
+
   /// members: more of the node's JSON, each with its comma behind
   int node(const std::string& name, const Vector3d& at, const std::string& extras = "{}", const std::string& members = "") {
     nodes_.push_back(fmt::format(R"({{{}"name":"{}","translation":[{},{},{}],"extras":{}}})", members, name, at.x(), at.z(), -at.y(), extras));

@@ -26,7 +26,7 @@ CacheFrame flat(const Vector3d& shift = {0, 0, 0}) {
   return frame;
 }
 
-Panel panel(CacheFrame frame) { return {{"1"}, {std::move(frame)}, {}}; }
+Panel panel(CacheFrame frame) { return {{"1"}, {std::move(frame)}, {}, {}}; }
 
 int count(const Image& image, const std::function<bool(const Colour&)>& wanted) {
   return static_cast<int>(std::count_if(image.pixels.begin(), image.pixels.end(), wanted));
@@ -94,6 +94,44 @@ TEST(Preview, HandlesAreGreenWhereTheyHoldAndOrangeWhereJammed) {
   const int seen = count(contact_sheet("", {held}), orange);
   held.handles[0].held.z() = -0.05;
   EXPECT_LT(count(contact_sheet("", {held}), orange), seen) << "behind the paper";
+}
+
+/// A square plane of this half side at this height, under or over the middle of the paper.
+PlacedCollider plane(double half, double height) {
+  PlacedCollider made{Points3(4, 3), Triangles(2, 3)};
+  made.x << 0.05 - half, 0.05 - half, height, 0.05 + half, 0.05 - half, height, 0.05 + half, 0.05 + half, height, 0.05 - half, 0.05 + half, height;
+  made.triangles << 0, 1, 2, 0, 2, 3;
+  return made;
+}
+
+TEST(Preview, CollidersAreBlueGreyBesideThePaperAndChangeNothingOfItsSize) {
+  const auto solid = [](const Colour& c) { return c.red > 70 && c.red < 150 && c.blue > c.red + 8; };
+  Panel with = panel(flat());
+  const Image without = contact_sheet("", {with});
+  with.colliders = {plane(10, -0.01)};
+  const Image image = contact_sheet("", {with});
+  EXPECT_EQ(count(without, solid), 0);
+  EXPECT_GT(count(image, solid), 100000);
+  EXPECT_EQ(image.height, without.height);
+  EXPECT_NEAR(count(image, warm), count(without, warm), 0.03 * count(without, warm));
+}
+
+TEST(Preview, APlaneBeforeThePaperDoesNotHideIt) {
+  Panel with = panel(flat());
+  const int seen = count(contact_sheet("", {with}), warm);
+  with.colliders = {plane(10, 0.05)};
+  const Image image = contact_sheet("", {with});
+  const int through = count(image, [](const Colour& c) { return c.red > 150; });  // lighter than any collider
+  EXPECT_GT(through, 0.9 * seen);
+}
+
+TEST(Preview, CollidersStayInTheirPanel) {
+  Panel with = panel(flat());
+  const Panel without = with;
+  with.colliders = {plane(10, -0.01)};
+  const Image one = contact_sheet("", {without, without}), image = contact_sheet("", {with, without});
+  for (int row = 0; row < image.height; ++row)
+    for (int column = 654; column < 1300; ++column) ASSERT_EQ(image.at(column, row), one.at(column, row)) << column << " " << row;
 }
 
 TEST_F(CommandLine, APreviewAloneIsOnePictureAndTheSameWithOneThreadAndTwo) {

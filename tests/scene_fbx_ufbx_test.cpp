@@ -207,6 +207,19 @@ TEST(SceneFbx, TheFirstFrameIsTheFilesUnlessBlenderLostIt) {
   EXPECT_LE(error.worst, 3.5e-4);  // Simplify, which is on by default
 }
 
+/// A scene of one object has one such stack; a scene's own stack has its name alone.
+TEST(SceneFbx, OneStackOfAnActionHasLostItsStartToo) {
+  for (const std::string name : {"handle|lift", "Scene"}) {
+    FbxFixture fixture;
+    fixture.creator = "Blender (stable FBX IO) - 4.5.0 - 5.13.0";
+    const std::int64_t node = fixture.node("handle");
+    fixture.stack(name, 0, 5);
+    fixture.curve(fixture.layer(), node, "Lcl Translation", 'X', {{0, 5}, {0, 1}});
+    const Tracks tracks = read_tracks(fixture.write("one_stack.fbx"));
+    EXPECT_EQ(tracks.first_frame, name == "Scene" ? 0 : 1) << name;
+  }
+}
+
 TEST(SceneFbx, WhatCannotBeRepairedIsNamed) {
   EXPECT_TRUE(has_warning(read_scene(data / "S6_interp_default.fbx"), "export with Simplify 0"));
   EXPECT_FALSE(has_warning(read_scene(sample("S1_push.fbx")), "constraint"));

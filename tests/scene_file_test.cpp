@@ -69,6 +69,15 @@ TEST(SceneFileByHand, NoSheetNoHandle) {
   EXPECT_ERROR(bare.write("bare.gltf"), "has no handle");
 }
 
+/// Of two takes that move a node the one counts during which it was exported, were the other's keys ever so many.
+TEST(SceneFileByHand, ATakeThatPassesWhereTheNodeStandsWins) {
+  HeldSheet fixture;
+  fixture.move(fixture.moved, {1, 2, 3, 4, 5}, {{0.1, 0.1, 0}, {0.1, 0.1, 0.001}, {0.1, 0.1, 0.002}, {0.1, 0.1, 0.001}, {0.1, 0.1, 0}});
+  const Scene scene = read_scene(fixture.write("foreign_take.gltf"));
+  EXPECT_TRUE(has_warning(scene, "moved by several takes"));
+  EXPECT_NEAR((handle(scene, "handle.moved").keyed.row(4) - Eigen::RowVector3d(0.18, 0.2, 0)).norm(), 0, 1e-7);
+}
+
 TEST(SceneFileByHand, NamesTwice) {
   HeldSheet handles;
   handles.node("handle.fixed", {0, 0.2, 0});

@@ -13,8 +13,10 @@ namespace {
 
 using test::error_of;
 using test::FlatMesh;
+using test::GltfFixture;
 using test::grid;
 using test::handle;
+using test::has_warning;
 using test::HeldSheet;
 
 TEST(SceneFileByHand, HandlesMoveInStraightLinesBetweenKeys) {
@@ -31,6 +33,26 @@ TEST(SceneFileByHand, AHandleThatJumpsNamesFramesAndDistance) {
   const std::string text = error_of(fixture.write("jump.gltf"));
   EXPECT_NE(text.find("handle \"handle.wild\", frames 2-3"), std::string::npos) << text;
   EXPECT_NE(text.find("jumps 2 m"), std::string::npos) << text;
+}
+
+TEST(SceneFileByHand, ANullThatGroupsHandlesIsToldFromThem) {
+  HeldSheet fixture;
+  fixture.make_child(fixture.fixed), fixture.make_child(fixture.moved);
+  fixture.node("handles_grp", {0, 0, 0}, "{}", fmt::format(R"("children":[{},{}],)", fixture.fixed, fixture.moved));
+  EXPECT_TRUE(has_warning(read_scene(fixture.write("group.gltf")), "\"handles_grp\" has 2 handles below it"));
+}
+
+TEST(SceneFileByHand, SaysThatNothingMovesOrThatASheetIsKeyed) {
+  GltfFixture still;
+  still.mesh("paper", grid(2, 2, 0.2, 0.2));
+  still.node("handle", {0, 0, 0});
+  EXPECT_TRUE(has_warning(read_scene(still.write("still.gltf")), "No handle moves: the file has no animation."));
+  HeldSheet keyed;
+  EXPECT_FALSE(has_warning(read_scene(keyed.write("unkeyed.gltf")), "is keyed"));
+  keyed.move(keyed.paper, {1, 5}, {{0, 0, 0}, {0, 0, 0.1}});
+  const Scene scene = read_scene(keyed.write("keyed.gltf"));
+  EXPECT_TRUE(has_warning(scene, "The sheet \"paper\" is keyed"));
+  EXPECT_FALSE(has_warning(scene, "No handle moves"));
 }
 
 TEST(SceneFileByHand, AHandleFarFromEverySheet) {

@@ -21,6 +21,29 @@ using test::HeldSheet;
 
 bool hole_in_the_middle(int i, int j) { return !(i == 2 && 1 <= j && j <= 2); }
 
+/// A square whose faces are given in any order lies as its uv do, whose proportions need not be those of the sheet.
+TEST(SceneSheet, AnUnrolledSheetLiesAsItsUvDo) {
+  for (int turned = 0; turned < 4; ++turned) {
+    FlatMesh mesh = grid(3, 3, 0.2, 0.2);
+    for (Vector2d& uv : mesh.uv) {
+      for (int k = 0; k < turned; ++k) uv = Vector2d(1 - uv.y(), uv.x());
+      uv = uv.cwiseProduct(Vector2d(1, 0.5)).eval();
+    }
+    std::rotate(mesh.corners.begin(), mesh.corners.begin() + 3 * turned, mesh.corners.end());
+    HeldSheet held(mesh);
+    const Vector2d corner = handle(read_scene(held.write("turned.gltf")), "handle.fixed").pattern;
+    const Vector2d wanted[] = {{0, 0}, {0.2, 0}, {0.2, 0.2}, {0, 0.2}};
+    EXPECT_NEAR((corner - wanted[turned]).norm(), 0, 1e-6) << turned;
+  }
+}
+
+TEST(SceneSheet, AClosedMeshIsToldSo) {
+  FlatMesh box;
+  for (int i = 0; i < 8; ++i) box.x.push_back(Vector3d(0.1 * (i & 1), 0.1 * (i >> 1 & 1), 0.001 * (i >> 2)));
+  box.corners = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+  EXPECT_ERROR(HeldSheet(box).write("closed.gltf"), "The mesh is closed: a sheet of paper has a border.");
+}
+
 TEST(SceneFileByHand, AHoleIsAHole) {
   FlatMesh mesh = grid(5, 4, 0.25, 0.2, hole_in_the_middle);
   for (bool with_uv : {true, false}) {

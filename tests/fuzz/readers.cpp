@@ -76,6 +76,11 @@ void ends_well_or_refuses(Call call) {
   });
 }
 
+void takes_of(const std::filesystem::path& path) {
+  GltfFile file(path);
+  gltf_takes(file);
+}
+
 const char* gltf_name(const std::string& bytes) { return bytes.rfind("glTF", 0) == 0 ? "scene.glb" : "scene.gltf"; }
 
 fs::path scene_file(const std::string& bytes) {
@@ -194,7 +199,7 @@ const std::map<std::string, Reader>& readers() {
       {"scene", [](const std::string& bytes) { ends_well([&] { read_scene(scene_file(bytes)); }); }},
       {"import", [](const std::string& bytes) { ends_well([&] { bytes_of({import_here(scene_file(bytes)), "", "", ""}); }); }},
       {"imported", [](const std::string& bytes) { ends_well_or_refuses([&] { scene_of(message_of(bytes).file, "message"); }); }},
-      {"gltf_curves", [](const std::string& bytes) { ends_well_or_refuses([&] { read_gltf_curves(written(gltf_name(bytes), bytes)); }); }},
+      {"gltf_curves", [](const std::string& bytes) { ends_well_or_refuses([&] { takes_of(written(gltf_name(bytes), bytes)); }); }},
       {"fbx", [](const std::string& bytes) { ends_well([&] { import_fbx(written("scene.fbx", bytes), std::nullopt); }); }},
       {"preset", [](const std::string& bytes) { ends_well([&] { read_preset(written("preset.toml", bytes)); }); }},
       {"lock", [](const std::string& bytes) { ends_well([&] { read_lock(written("lock.toml", bytes)); }); }},
