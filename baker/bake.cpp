@@ -16,6 +16,7 @@
 #include <fmt/format.h>
 #include <functional>
 #include <map>
+#include <memory>
 #include <optional>
 
 namespace paperbake {
@@ -70,10 +71,10 @@ void write_certificate(const BakeSettings& settings, const BakePlan& plan, const
   outcome.exit_code = outcome.missed.empty() ? 0 : 4;
 }
 
-/// Lines of frames that the .abc has in the end keep their key; of the others it is empty. Sorts the lines by frame.
+/// Lines of frames that the .abc has in the end keep their key; of the others it is empty. Sorts the lines by frame, singular points by sheet.
 void settle(Certificate& certificate, const BakePlan& plan, const std::vector<std::size_t>& in_alembic) {
-  std::map<std::string, std::size_t> left;
-  for (std::size_t s = 0; s < plan.shots.size(); ++s) left[plan.shots[s].sheet_name] = in_alembic[s];
+  std::map<std::string, std::size_t> left, number;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) left[plan.shots[s].sheet_name] = in_alembic[s], number[plan.shots[s].sheet_name] = s;
   for (FrameRecord& record : certificate.frames) {
     std::size_t& more = left[record.sheet];
     if (more == 0) record.content_hash.clear();
@@ -81,6 +82,7 @@ void settle(Certificate& certificate, const BakePlan& plan, const std::vector<st
   }
   std::stable_sort(certificate.frames.begin(), certificate.frames.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
   std::stable_sort(certificate.handles.begin(), certificate.handles.end(), [](const auto& a, const auto& b) { return a.frame < b.frame; });
+  std::stable_sort(certificate.singular.begin(), certificate.singular.end(), [&](const auto& a, const auto& b) { return number[a.sheet] < number[b.sheet]; });
 }
 
 std::vector<std::size_t> frames_of_sheets(const Certificate& certificate, const BakePlan& plan) {
@@ -89,6 +91,8 @@ std::vector<std::size_t> frames_of_sheets(const Certificate& certificate, const 
     frames.push_back(std::count_if(certificate.frames.begin(), certificate.frames.end(), [&](const FrameRecord& r) { return r.sheet == shot.sheet_name; }));
   return frames;
 }
+
+enum class ShowMemory { wanted, no };
 
 /// Polished frames depend on those behind them; what paper touches of colliders is not in the state.
 bool can_resume(const BakePlan& plan) {
@@ -101,17 +105,27 @@ Error stopped(const BakeSettings& settings, const BakePlan& plan, int frame) {
                                                                                                         : "The same command goes on from there.");
 }
 
-/// Hands on what earlier bakes have simulated of a sheet, and leaves in the options where to go on. returns the first frame that is not there
-int take_frames(Checkpoints& checkpoints, AnimateOptions& animation, Progress& progress, const std::string& sheet, const std::function<bool(const AnimatedFrame&)>& consumer) {
+/// Hands on what earlier bakes have simulated, and leaves in the options where to go on. returns the first frame that is not there
+int take_frames(Checkpoints& checkpoints, const BakePlan& plan, std::vector<AnimateOptions>& options, Progress& progress, const std::function<bool(const AnimatedFrame&)>& consumer) {
   Checkpoints::GoOn go_on = checkpoints.take([&](const AnimatedFrame& frame) {
-    progress.taken(sheet, frame.frame);
+    progress.taken(plan.shots[frame.of].sheet_name, frame.frame);
     return consumer(frame);
   });
+  const int first = plan.animation.first_frame;
   if (!go_on.damaged.empty()) progress.say("warning: " + go_on.damaged);
-  if (go_on.last_frame >= animation.first_frame)
-    progress.say(fmt::format("Frames {}-{} of sheet \"{}\" are as an earlier bake simulated them.", animation.first_frame, go_on.last_frame, sheet));
-  animation.go_on_from = std::move(go_on.state);
+  if (go_on.last_frame >= first) progress.say(fmt::format("Frames {}-{} are as an earlier bake simulated them.", first, go_on.last_frame));
+  for (std::size_t s = 0; s < go_on.states.size(); ++s) options[s].go_on_from = std::move(go_on.states[s]);
   return go_on.last_frame + 1;
+}
+
+/// What the sheets of a bake are animated with.
+std::vector<AnimateOptions> options_of_sheets(const BakePlan& plan, ShowMemory memory) {
+  std::vector<AnimateOptions> options(plan.shots.size(), plan.animation);
+  for (std::size_t s = 0; s < options.size(); ++s) {
+    options[s].seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
+    options[s].show_memory = memory == ShowMemory::wanted;
+  }
+  return options;
 }
 
 }  // namespace
@@ -137,37 +151,36 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   for (const Shot& shot : plan.shots) suffixes.push_back(plan.shots.size() > 1 ? "." + sheet_file_name(shot.sheet_name) : "");
   Caches caches(settings, plan, folder.path(), suffixes, files.losses);
 
+  std::vector<std::unique_ptr<SheetOutput>> outputs;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) outputs.push_back(std::make_unique<SheetOutput>(settings, plan, s, caches, suffixes[s], certificate, files, progress));
+  const auto take = [&](const AnimatedFrame& frame) { outputs[frame.of]->take(frame); };
+  const bool wants_memory = can_resume(plan) || settings.formats.count("maps") || caches.wants_layers();  // a later bake may want maps of these frames
+  std::vector<AnimateOptions> options = options_of_sheets(plan, wants_memory ? ShowMemory::wanted : ShowMemory::no);
+  const std::string rest = "the rest of the frames";
+  Checkpoints checkpoints(folder.sub(".state"), plan, settings.checkpoint_every);
+  int simulated_from = plan.animation.first_frame;
+  if (settings.resume == Resume::automatic && can_resume(plan))
+    simulated_from = take_frames(checkpoints, plan, options, progress, [&](const AnimatedFrame& frame) { return files.losses.attempt(rest, [&] { take(frame); }); });
+  FrameQueue queue(settings.threads, take);
   std::optional<Error> failure;
-  for (std::size_t s = 0; s < plan.shots.size() && !failure; ++s) {
-    const Shot& shot = plan.shots[s];
-    SheetOutput output(settings, plan, s, caches, suffixes[s], certificate, files, progress);
-    AnimateOptions animation = plan.animation;
-    animation.seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);  // sheets of one seed differ
-    animation.show_memory = can_resume(plan) || settings.formats.count("maps") || caches.wants_layers();  // a later bake may want maps of these frames
-    const std::string rest = "rest of sheet \"" + shot.sheet_name + "\"";
-    Checkpoints checkpoints(folder.sub(".state"), plan, s, settings.checkpoint_every);
-    int simulated_from = animation.first_frame;
-    if (settings.resume == Resume::automatic && can_resume(plan))
-      simulated_from = take_frames(checkpoints, animation, progress, shot.sheet_name, [&](const AnimatedFrame& frame) { return files.losses.attempt(rest, [&] { output.take(frame); }); });
-    FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { output.take(frame); });
-    try {
-      if (simulated_from <= animation.last_frame)
-        simulate(plan, s, animation, settings.threads, [&](const AnimatedFrame& frame) {
-          if (can_resume(plan)) checkpoints.add(frame);
-          if (!queue.push(frame)) return false;
-          if (!stop || frame.frame == animation.last_frame || !stop()) return true;
-          if (can_resume(plan)) checkpoints.keep(frame);
-          throw stopped(settings, plan, frame.frame);
-        });
-    } catch (const Error& error) {
-      failure = error;  // what was baked so far is kept
-    }
-    files.losses.attempt(rest, [&] { queue.finish(); });
-    if (!checkpoints.failure().empty()) progress.say("warning: what a later bake would go on from could not be kept: " + checkpoints.failure());
-    if (certificate.frames.empty() && failure) throw *failure;
-    if (certificate.frames.empty()) throw files.losses.all().front().error;
-    output.finish();
+  try {
+    if (simulated_from <= plan.animation.last_frame)
+      simulate(plan, options, settings.threads, [&](const AnimatedFrame& frame) {
+        if (can_resume(plan)) checkpoints.add(frame);
+        if (!queue.push(frame)) return false;
+        const bool of_all = plan.polish.triangles > 0 || frame.of + 1 == plan.shots.size();  // polished, a sheet comes after the other
+        if (!of_all || !stop || frame.frame == plan.animation.last_frame || !stop()) return true;
+        if (can_resume(plan)) checkpoints.keep(frame.frame);
+        throw stopped(settings, plan, frame.frame);
+      });
+  } catch (const Error& error) {
+    failure = error;  // what was baked so far is kept
   }
+  files.losses.attempt(rest, [&] { queue.finish(); });
+  if (!checkpoints.failure().empty()) progress.say("warning: what a later bake would go on from could not be kept: " + checkpoints.failure());
+  if (certificate.frames.empty() && failure) throw *failure;
+  if (certificate.frames.empty()) throw files.losses.all().front().error;
+  for (const auto& output : outputs) output->finish();
   const Caches::Finished whole = caches.finish(frames_of_sheets(certificate, plan), certificate.handles);
   files.written.insert(files.written.begin(), whole.files.begin(), whole.files.end());
   settle(certificate, plan, whole.in_alembic);

@@ -60,41 +60,42 @@ Run run(const ChartSettings& settings, const Size& size, unsigned start_seed, Cl
   std::vector<double> frame_ms;
   int wanted = 0;
   double c_m = 0, triangles = 0;
-  for (std::size_t s = 0; s < plan.shots.size() && r.point.failure.empty(); ++s) {
-    const Shot& shot = plan.shots[s];
-    const PatternSamples samples(shot.pattern);
-    const double side = longer_side(shot.pattern);
-    AnimateOptions animation = plan.animation;
-    animation.seed = start_seed;  // every run starts from the same ripple: only draws and meshes differ
-    r.shapes.emplace_back();
-    std::size_t at = 0;
-    double crease_length = 0, creases = 0;
+  const std::size_t sheets = plan.shots.size();
+  struct Last {                                      // frame of a sheet
+    CreaseNetwork network;
     int singular = 0;
-    try {
-      simulate(plan, s, animation, 1, [&](const AnimatedFrame& f) {
-        if (!plan.frames.contains(f.frame)) return true;
-        r.shapes[s].push_back(samples(*f.sheet).x / side);
-        const LengthDistortion d = length_distortion(*f.sheet);
-        ++wanted, c_m += 100 * d.mean, triangles += static_cast<double>(f.sheet->triangles.rows());
-        r.times.elastic_ms += f.elastic_ms, r.times.geometry_ms += f.geometry_ms;
-        if (frame_ms.size() <= at) frame_ms.push_back(0);
-        frame_ms[at++] += f.elastic_ms + f.geometry_ms;
-        r.point.max_stretch_pct = std::max(r.point.max_stretch_pct, 100 * d.largest);
-        r.point.not_converged += !f.converged;
-        r.energy += f.energy;
-        const CreaseNetwork network = crease_network(*f.sheet);
-        crease_length = network.length, creases = network.count;
-        singular = static_cast<int>(f.sheet->singular.size());
-        if (Clock::now() > deadline && f.frame < animation.last_frame) r.point.failure = fmt::format("out of time at frame {}", f.frame);
-        return r.point.failure.empty() && static_cast<int>(at) < most_frames;
-      });
-    } catch (const Error& error) {
-      if (error.fault != Fault::simulation) throw;
-      r.point.failure = error.place + ": " + error.cause;
-    }
-    r.point.crease_length += crease_length, r.point.singular += singular;
-    r.point.mean_crease = crease_length / std::max(1.0, creases);
+  };
+  std::vector<Last> last(sheets);
+  std::vector<PatternSamples> samples;
+  for (const Shot& shot : plan.shots) samples.emplace_back(shot.pattern);
+  AnimateOptions animation = plan.animation;
+  animation.seed = start_seed;  // every run starts from the same ripple: only draws and meshes differ
+  r.shapes.resize(sheets);
+  try {
+    simulate(plan, std::vector(sheets, animation), 1, [&](const AnimatedFrame& f) {
+      if (!plan.frames.contains(f.frame)) return true;
+      r.shapes[f.of].push_back(samples[f.of](*f.sheet).x / longer_side(plan.shots[f.of].pattern));
+      const LengthDistortion d = length_distortion(*f.sheet);
+      ++wanted, c_m += 100 * d.mean, triangles += static_cast<double>(f.sheet->triangles.rows());
+      r.times.elastic_ms += f.elastic_ms, r.times.geometry_ms += f.geometry_ms;
+      const std::size_t at = r.shapes[f.of].size();
+      frame_ms.resize(std::max(frame_ms.size(), at), 0.0);
+      frame_ms[at - 1] += f.elastic_ms + f.geometry_ms;
+      r.point.max_stretch_pct = std::max(r.point.max_stretch_pct, 100 * d.largest);
+      r.point.not_converged += !f.converged;
+      r.energy += f.energy;
+      last[f.of] = {crease_network(*f.sheet), static_cast<int>(f.sheet->singular.size())};
+      if (f.of + 1 < sheets) return true;
+      if (Clock::now() > deadline && f.frame < animation.last_frame) r.point.failure = fmt::format("out of time at frame {}", f.frame);
+      return r.point.failure.empty() && static_cast<int>(at) < most_frames;
+    });
+  } catch (const Error& error) {
+    if (error.fault != Fault::simulation) throw;
+    r.point.failure = error.place + ": " + error.cause;
   }
+  double creases = 0;
+  for (const Last& sheet : last) r.point.crease_length += sheet.network.length, creases += sheet.network.count, r.point.singular += sheet.singular;
+  r.point.mean_crease = r.point.crease_length / std::max(1.0, creases);
   const double frames = std::max<std::size_t>(1, frame_ms.size());
   r.times.elastic_ms /= frames, r.times.geometry_ms /= frames;
   r.times.worst_frame_ms = frame_ms.empty() ? 0 : *std::max_element(frame_ms.begin(), frame_ms.end());

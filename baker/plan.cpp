@@ -208,15 +208,26 @@ std::string describe(const SheetImpossible& impossible) {
                      p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart, 1e3 * p.allowed, 1e3 * over, 100 * over / p.allowed);
 }
 
-std::string frame_input_hash(const std::string& before, const Shot& shot, int frame, int first_frame) {
+std::string frame_input_hash(const std::string& before, const std::vector<Shot>& shots, int frame, int first_frame) {
   std::string bytes = before;
-  for (const Handle& handle : shot.handles) {
-    append_bytes(bytes, keyed_position(handle, frame - first_frame));
-    bytes += handle.held(frame) ? 'h' : 'f';
+  for (const Shot& shot : shots) {
+    for (const Handle& handle : shot.handles) {
+      append_bytes(bytes, keyed_position(handle, frame - first_frame));
+      bytes += handle.held(frame) ? 'h' : 'f';
+    }
+    if (shot.colliders)
+      for (const Eigen::Isometry3d& pose : poses_at(*shot.colliders, frame - first_frame)) append_bytes(bytes, pose.matrix());
   }
-  if (shot.colliders)
-    for (const Eigen::Isometry3d& pose : poses_at(*shot.colliders, frame - first_frame)) append_bytes(bytes, pose.matrix());
   return hex(murmur(bytes));
+}
+
+/// Of each sheet its own hash and, where there are several, those of all.
+static std::vector<std::string> with_all(std::vector<std::string> hashes) {
+  std::string all;
+  for (const std::string& hash : hashes) all += hash;
+  if (hashes.size() > 1)
+    for (std::string& hash : hashes) hash = hex(murmur(hash + all));
+  return hashes;
 }
 
 BakePlan plan_bake(const BakeSettings& settings) {
@@ -265,13 +276,18 @@ BakePlan plan_bake(const BakeSettings& settings) {
     if (value.key != "scene.file") values += line;
     if (!is_of_output(value.key)) of_simulation += line;
   }
+  std::vector<std::string> simulated;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
+    plan.start_hash.push_back(hex(murmur(start_bytes(plan.shots[s], plan.seeds[s], values))));
+    simulated.push_back(hex(murmur(start_bytes(plan.shots[s], plan.seeds[s], of_simulation))));
+  }
+  plan.start_hash = with_all(std::move(plan.start_hash));
+  plan.simulation_hash = with_all(std::move(simulated)).front();
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {
     const Shot& shot = plan.shots[s];
-    plan.start_hash.push_back(hex(murmur(start_bytes(shot, plan.seeds[s], values))));
-    plan.simulation_hash.push_back(hex(murmur(start_bytes(shot, plan.seeds[s], of_simulation))));
-    std::string hash = plan.start_hash.back();
+    std::string hash = plan.start_hash[s];
     for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
-      hash = frame_input_hash(hash, shot, f, plan.animation.first_frame);
+      hash = frame_input_hash(hash, plan.shots, f, plan.animation.first_frame);
     job += hash;
     for (ImpossiblePair& pair : Reach(shot.pattern, shot.handles).impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
@@ -285,12 +301,12 @@ BakePlan plan_bake(const BakeSettings& settings) {
   return plan;
 }
 
-void simulate(const BakePlan& plan, std::size_t sheet, const AnimateOptions& animation, int threads, const std::function<bool(const AnimatedFrame&)>& on_frame) {
-  const Shot& shot = plan.shots[sheet];
-  const Method& method = plan.methods[sheet];
-  if (plan.polish.triangles == 0) return animate(shot, method, animation, on_frame);
+void simulate(const BakePlan& plan, const std::vector<AnimateOptions>& options, int threads, const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  std::vector<AnimatedSheet> sheets;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) sheets.push_back({plan.shots[s], plan.methods[s], options[s]});
+  if (plan.polish.triangles == 0) return animate_together(sheets, on_frame);
   const auto wanted = [&](int frame) { return plan.frames.contains(frame - 1) || plan.frames.contains(frame) || plan.frames.contains(frame + 1); };  // for velocities
-  animate_polished(shot, method, animation, {plan.polish.triangles, threads, wanted}, on_frame);
+  animate_polished(sheets, {plan.polish.triangles, threads, wanted}, on_frame);
 }
 
 std::string lock_text(const BakePlan& plan) {

@@ -45,8 +45,8 @@ struct BakePlan {
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;         // every value and where it came from, for job.lock.toml
-  std::vector<std::string> start_hash; // of each sheet: version, settings, paper, pattern, start shape, handle points
-  std::vector<std::string> simulation_hash;  // of each sheet: what of that the simulation depends on; nothing of frames written and how
+  std::vector<std::string> start_hash; // of each sheet, and of those it may touch: version, settings, paper, pattern, start shape, handle points
+  std::string simulation_hash;         // of all sheets: what of that the simulation depends on; nothing of frames written and how
   std::string job_hash;                // over the whole job: input of all sheets and frames; no threads, formats or paths
 };
 
@@ -54,14 +54,15 @@ struct BakePlan {
 /// handles that ask the impossible
 BakePlan plan_bake(const BakeSettings&);
 
-/// Simulates one sheet of a plan: animate, polished where that is planned, for the frames that are written and their neighbours.
-void simulate(const BakePlan&, std::size_t sheet, const AnimateOptions&, int threads, const std::function<bool(const AnimatedFrame&)>& on_frame);
+/// Simulates the sheets of a plan: animate_together, polished where that is planned, for the frames that are written and their neighbours.
+/// options  of each sheet
+void simulate(const BakePlan&, const std::vector<AnimateOptions>& options, int threads, const std::function<bool(const AnimatedFrame&)>& on_frame);
 
 /// One sentence about such a pair: frames, names, overshoot.
 std::string describe(const SheetImpossible&);
 
-/// Hash of what frame `frame` of a sheet depends on beyond `before`, the hash of the frame before it: keys and grips.
-std::string frame_input_hash(const std::string& before, const Shot&, int frame, int first_frame);
+/// Hash of what frame `frame` of sheets that may touch depends on beyond `before`, the hash of the frame before it: keys and grips.
+std::string frame_input_hash(const std::string& before, const std::vector<Shot>&, int frame, int first_frame);
 
 /// job.lock.toml.
 std::string lock_text(const BakePlan&);

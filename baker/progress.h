@@ -10,7 +10,7 @@ namespace paperbake {
 
 enum class ProgressMode { automatic, plain, json, none };
 
-/// What is done to every frame of a bake, one after the other: first all frames of a sheet are simulated, then they are rendered,
+/// What is done to every frame of a bake, one after the other: first all frames are simulated, then they are rendered,
 /// that is, put on the mesh of the whole shot.
 enum class Passes { simulate, simulate_and_render };
 

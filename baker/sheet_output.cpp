@@ -40,13 +40,13 @@ void note_inside(FrameRecord& record, double inside_mm) {
 SheetOutput::SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet, Caches& caches, std::string suffix,
                          Certificate& certificate, BakeFiles& files, Progress& progress)
     : settings_(settings), plan_(plan), sheet_(sheet), shot_(plan.shots[sheet]), caches_(caches), suffix_(std::move(suffix)), certificate_(certificate),
-      files_(files), progress_(progress), first_record_(certificate.frames.size()), input_hash_(plan.start_hash[sheet]) {
+      files_(files), progress_(progress), input_hash_(plan.start_hash[sheet]) {
   if (caches_.wants_layers()) damage_.emplace(shot_, widest_fold(shot_), plan.animation.fps);
 }
 
 void SheetOutput::take(const AnimatedFrame& frame) {
   const bool wanted = plan_.frames.contains(frame.frame), simulated = settings_.mesh == CacheMesh::simulation;
-  input_hash_ = frame_input_hash(input_hash_, shot_, frame.frame, plan_.animation.first_frame);
+  input_hash_ = frame_input_hash(input_hash_, plan_.shots, frame.frame, plan_.animation.first_frame);
   if (caches_.any() && !simulated) {
     record_.add(frame);
     if (damage_) damage_->add(frame);
@@ -104,6 +104,7 @@ FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
   r.energy_J = frame.energy;
   r.crossings = crossings(sheet);
   r.touching = frame.touching;
+  r.touching_others = frame.touching_others;
   r.on_colliders = frame.on_colliders;
   r.note = frame.note;
   note_inside(r, 1e3 * frame.inside_colliders);
@@ -113,7 +114,7 @@ FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
 
 void SheetOutput::judge_beside_others(const Sheet& sheet, FrameRecord& record) {
   if (plan_.shots.size() < 2) return;
-  record.crossings_with_others = certificate_.together.add(shot_.sheet_name, record.frame, sheet);
+  record.crossings_with_others = certificate_.together.add(record.frame, sheet);
   if (record.crossings_with_others > 0) record.note += fmt::format("{}passes through another sheet", record.note.empty() ? "" : "; ");
 }
 
@@ -159,12 +160,12 @@ void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) {
 /// The second pass: what was recorded, on one mesh.
 void SheetOutput::write_render_frames() {
   if (record_.frames().empty()) return;
-  std::size_t at = first_record_;
+  std::size_t at = 0;
   LayersOfFrame layers;
   if (damage_) layers = [&](std::size_t k, const Points2& pattern) { return damage_->at(k, record_, pattern); };
   render_shot(record_, shot_, settings_.quality, caches_.shown_frames(), plan_.animation.fps, settings_.threads, layers,
               [&](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
-    while (certificate_.frames[at].frame != number) ++at;
+    while (certificate_.frames[at].frame != number || certificate_.frames[at].sheet != shot_.sheet_name) ++at;
     FrameRecord& r = certificate_.frames[at];
     r.render = numbers;
     r.content_hash = caches_.add_frame(sheet_, number, frame);

@@ -33,7 +33,7 @@ struct BakeFiles {
   Losses losses;                                         // by their names in the folder
 };
 
-/// Takes the frames of one sheet as they are simulated and hands them on to certificate, maps and caches. The caches of a render
+/// Takes the frames of one sheet as they are simulated, among those of others, and hands them on to certificate, maps and caches. The caches of a render
 /// mesh get their frames when all are known; those of the simulation mesh as they come: there a frame waits for its successor, so
 /// that its velocity is the central difference of the true motion. A frame is in the certificate before anything is written
 /// of it, and what cannot be written is a loss, never the end of the bake.
@@ -69,7 +69,6 @@ class SheetOutput {
   Certificate& certificate_;
   BakeFiles& files_;
   Progress& progress_;
-  std::size_t first_record_;                   // of this sheet among those of the certificate
   std::string input_hash_;
   ShotRecord record_;                          // for the render mesh
   std::optional<DamageLayers> damage_;         // on it

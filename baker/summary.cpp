@@ -10,6 +10,7 @@
 #include <iterator>
 #include <nlohmann/json.hpp>
 #include <numeric>
+#include <set>
 #include <thread>
 
 namespace paperbake {
@@ -45,6 +46,23 @@ std::string colliders_in_words(const BakePlan& plan, const std::vector<FrameReco
   return fmt::format("in scene: {}; touched in {} frames, {:.3f} mm inside at most", fmt::join(names, ", "), touched, inside);
 }
 
+/// Do the sheets of the scene push each other, and did they?
+Json between_sheets(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
+  if (plan.shots.size() < 2) return {{"on", false}, {"why", "one sheet"}};
+  if (plan.animation.elastic.contact == SelfContact::off) return {{"on", false}, {"why", "contact is off"}};
+  std::set<int> touching;
+  for (const FrameRecord& f : frames)
+    if (f.touching_others > 0) touching.insert(f.frame);
+  std::string why = touching.empty() ? "no sheet comes near another" : fmt::format("contact: sheets push each other in {} frames from {} to {}", touching.size(), *touching.begin(), *touching.rbegin());
+  if (const std::string through = sheets_in_words(frames); !through.empty()) why += "; " + through;
+  return {{"on", !touching.empty()}, {"why", why}};
+}
+
+std::string polish_in_words(const BakePlan& plan) {
+  const bool several = plan.polish.triangles > 0 && plan.shots.size() > 1;
+  return plan.polish.why + (several ? "; each sheet by itself, and frames in which it touches another are left as they were" : "");
+}
+
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const auto touching = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.touching > 0; });
   const auto apart = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) { return f.render && f.render->kept_apart; });
@@ -53,7 +71,6 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const std::string& method = plan.methods.front().name;
   const bool yields = plan.animation.memory == Memory::plastic, singular = method == "hybrid";
   const int births = std::accumulate(frames.begin(), frames.end(), 0, [](int sum, const FrameRecord& f) { return sum + f.new_singular; });
-  const std::string through = sheets_in_words(frames);
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {{"dynamics", model(dynamic, plan.why_inertia)},
           {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
@@ -65,8 +82,8 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
                                                        : "the sheet never comes near itself")},
           {"layers_apart", model(apart > 0, apart > 0 ? fmt::format("the curved sheet would have passed through itself in {} frames", apart)
                                                       : "the curved sheet never passes through itself")},
-          {"between_sheets", model(false, plan.shots.size() < 2 ? "one sheet" : through.empty() ? "no sheet passes through another" : through)},
-          {"polish", model(plan.polish.triangles > 0, plan.polish.why)},
+          {"between_sheets", between_sheets(plan, frames)},
+          {"polish", model(plan.polish.triangles > 0, polish_in_words(plan))},
           {"colliders", model(plan.shots.front().colliders != nullptr, colliders_in_words(plan, frames))}};
 }
 
@@ -100,12 +117,11 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
 }
 
 std::string sheets_in_words(const std::vector<FrameRecord>& frames) {
-  std::vector<int> through;
+  std::set<int> through;
   for (const FrameRecord& f : frames)
-    if (f.crossings_with_others > 0) through.push_back(f.frame);
+    if (f.crossings_with_others > 0) through.insert(f.frame);
   if (through.empty()) return "";
-  const auto [first, last] = std::minmax_element(through.begin(), through.end());
-  return fmt::format("sheets do not feel each other: in {} frames from {} to {} one passes through another", through.size(), *first, *last);
+  return fmt::format("in {} frames from {} to {} one sheet passes through another", through.size(), *through.begin(), *through.rbegin());
 }
 
 std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames, double crease_length, const std::vector<std::string>& missed,

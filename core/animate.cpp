@@ -2,6 +2,7 @@
 
 #include "core/animation.h"
 #include "core/cpu_clock.h"
+#include "core/error.h"
 #include "core/sheets_beside.h"
 
 #include <algorithm>
@@ -36,11 +37,7 @@ std::vector<Party> step(SheetsBeside::Sheets& sheets, const SheetsBeside* beside
         Animation& alone = *sheets[party.front()];
         if (alone.stays()) alone.stay();
         else alone.step(beside ? Animation::Trace::kept : Animation::Trace::none);
-        return;
-      }
-      std::vector<Animation*> all;
-      for (const std::size_t s : party) all.push_back(sheets[s].get());
-      Animation::step_together(all, beside->reach_of(party));
+      } else beside->step(party);
     });
   };
   if (!beside) {
@@ -69,6 +66,8 @@ void animate_together(const std::vector<AnimatedSheet>& all, const std::function
   std::vector<Times> times(all.size());
   for (const AnimatedSheet& one : all)
     count(times, &Times::geometry, {sheets.size()}, [&] { sheets.push_back(std::make_unique<Animation>(one.shot, one.method, one.options, sheets.size())); });
+  for (const auto& sheet : sheets)
+    if (sheet->next_frame() != sheets.front()->next_frame()) throw Error(Fault::scene, "state", "Sheets that are animated together go on from one frame.");
   const bool begins = options.go_on_from.empty();
   if (!begins) times.assign(all.size(), {});
   std::optional<SheetsBeside> beside;
@@ -76,7 +75,7 @@ void animate_together(const std::vector<AnimatedSheet>& all, const std::function
 
   for (int frame = sheets.front()->next_frame(); frame <= options.last_frame; ++frame) {
     const auto fits = [&](std::size_t s) -> Animation::Fits {
-      return [&, s](const Sheet& there, double moved) { return !beside || beside->fits(s, there, moved); };
+      return [&, s](const Sheet& here, const Sheet& there, double moved) { return !beside || beside->fits(s, here, there, moved); };
     };
     for (std::size_t s = 0; s < sheets.size(); ++s) count(times, &Times::geometry, {s}, [&] { sheets[s]->prepare(fits(s)); });
     const std::vector<Party> parties = step(sheets, beside ? &*beside : nullptr, times);

@@ -94,8 +94,9 @@ struct AnimatedSheet {
 
 /// The same of several sheets, frame by frame. In a frame in which they stay out of each other's reach, each goes its way as if it were alone, to
 /// the last bit; those that come within reach of each other take the frame together (Elastic::step_together).
-/// Two sheets have one reach d^ between them: the smaller of theirs, but where they begin nearer to each other, 0.9 x that distance
-/// (and no less than 1 % of it: what begins in one place, or crossed, is pushed apart only where it is not), and as they part, as much.
+/// Two sheets have one reach d^ between them: the smaller of theirs; where they begin nearer to each other, 0.9 x that distance, and as
+/// they part, as much. Sheets that begin on each other, crossed or joined at a border, have a tenth of it, and where they do, none
+/// (contact.h); of which half does, none at all until they are apart.
 ///
 /// on_frame  called for every frame in order, and of it for every sheet in order
 /// source    this project

@@ -6,6 +6,7 @@
 #include "core/hinges.h"
 #include "core/measure.h"
 #include "core/start_sheet.h"
+#include "core/transfer.h"
 #include "core/unrest.h"
 
 #include <algorithm>
@@ -131,7 +132,7 @@ void Animation::prepare(const Fits& fits) {
     if (method_.remesh(sheet, situation)) {
       way_back_ = {std::move(unchanged), elastic_.past()};
       elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-      if (!fits(sheet, 0)) put_on(std::move(*way_back_)), way_back_.reset();
+      if (!fits(way_back_->sheet, sheet, 0)) put_on(std::move(*way_back_)), way_back_.reset();
     }
   }
   before_ = sheet.x;
@@ -201,7 +202,9 @@ void Animation::step(Trace trace) {
   wait_if_lost();
 }
 
-void Animation::step_together(const std::vector<Animation*>& all, const Eigen::MatrixXd& reach) {
+Points3 Animation::begun() const { return Transfer(shot_.start.pattern, shot_.start.triangles, sheet().pattern)(shot_.start.x); }
+
+void Animation::step_together(const std::vector<Animation*>& all, const Eigen::MatrixXd& reach, Begun begun) {
   const auto take_back = [](Animation& a) {
     if (!a.begun_) return;
     a.started_.sheet = a.begun_->sheet;
@@ -213,6 +216,7 @@ void Animation::step_together(const std::vector<Animation*>& all, const Eigen::M
       a->stays_ = a->sleeps_ = false;
       a->begin_step(Trace::kept);
       followers.push_back(a->follower(Trace::kept));
+      if (begun == Begun::near_each_other) followers.back().begun = a->begun();
     }
     const std::vector<SteppedFrame> steps = follow(followers, all.front()->way_through(reach));
     for (std::size_t k = 0; k < all.size(); ++k) all[k]->step_ = steps[k];
@@ -245,7 +249,7 @@ void Animation::probe(const Fits& fits) {
   WayBack as_it_was{sheet(), elastic_.past()};
   const Branches found = probe_branches(started_.sheet, elastic_, held_before_, 1 / options_.fps, options_.seed, frame_);
   if (found.taken || found.finished) {
-    if (!fits(sheet(), (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff())) return put_on(std::move(as_it_was));
+    if (!fits(as_it_was.sheet, sheet(), (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff())) return put_on(std::move(as_it_was));
     const ElasticReport stored = elastic_.look(sheet());
     step_.last.energy = stored.energy, step_.last.membrane = stored.membrane;
   }

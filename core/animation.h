@@ -13,8 +13,8 @@ namespace paperbake {
 /// One sheet while it is animated: the phases of a frame, in this order. What is between sheets is the business of sheets_beside.h.
 class Animation {
  public:
-  /// May the sheet be on another mesh or branch, where it is there, some way [m] from where it was?
-  using Fits = std::function<bool(const Sheet&, double moved)>;
+  /// May the sheet go from where it is on its mesh to where it is on another, or on another branch? moved: the way [m]
+  using Fits = std::function<bool(const Sheet& here, const Sheet& there, double moved)>;
 
   /// number  of the sheet among those that are animated together
   /// throws  Error(Fault::scene) when options.go_on_from is no state of this shot
@@ -33,7 +33,8 @@ class Animation {
   enum class Trace { kept, none };
   void step(Trace);
   /// The elastic step of sheets that come near each other; one that has taken it by itself is taken back. reach: between them
-  static void step_together(const std::vector<Animation*>&, const Eigen::MatrixXd& reach);
+  enum class Begun { near_each_other, apart };
+  static void step_together(const std::vector<Animation*>&, const Eigen::MatrixXd& reach, Begun);
   /// Where the sheet was in this frame, from its begin.
   const std::vector<Passed>& way() const { return way_; }
 
@@ -48,6 +49,8 @@ class Animation {
   AnimatedFrame report();
 
   const Sheet& sheet() const { return started_.sheet; }
+  /// Where its points were as the shot began. |V|x3 [m]
+  Points3 begun() const;
   const Sheet& shown() const { return shown_; }
   const Held& held() const { return held_; }
   const Elastic& elastic() const { return elastic_; }

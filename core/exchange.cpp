@@ -22,7 +22,7 @@ double facets_of(const Sheet& sheet) {
 }  // namespace
 
 Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt,
-                      const std::function<bool(const Sheet&, double moved)>& fits) {
+                      const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& fits) {
   constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
   constexpr double too_stiff = -0.005, most_move_then = 0.025;  // a mesh that holds its sheet back holds it the more, the longer it stays
   constexpr double too_coarse = 0.12;                   // [rad2] of facets (20 degrees): and so does one on which what lies hooks in a few edges
@@ -42,7 +42,7 @@ Verdict exchange_mesh(Sheet& sheet, Elastic& elastic, Sheet proposal, const std:
   const bool coarse = settled.on_colliders > 0 && facets > too_coarse, off = coarse || verdict.rise <= too_stiff;
   const double finer = coarse ? std::max(0.0, facets - facets_of(proposal)) : 0;
   verdict.accepted = settled.converged && !settled.contact && rise <= (most_rise + unseen * finer) * stored.energy + noise &&
-                     verdict.move <= (off ? most_move_then : most_move) && (!fits || fits(proposal, verdict.move * side));
+                     verdict.move <= (off ? most_move_then : most_move) && (!fits || fits(sheet, proposal, verdict.move * side));
   if (!verdict.accepted) return verdict;
   // the past is moved along with the present, so that velocities are carried over and the jump of the exchange is none
   trial.continue_from(elastic, [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });

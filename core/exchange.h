@@ -21,8 +21,8 @@ struct Verdict {
 /// proposal    the sheet on its new mesh, positions and velocities carried over
 /// stiffening  as in Elastic::set_mesh, of the new mesh
 /// held        vertices of the new mesh, at the positions of the old one
-/// fits        asked last: may the sheet be where it is on its new mesh, some way [m] off? empty: it may
+/// fits        asked last: may the sheet go there, some way [m] off? empty: it may
 Verdict exchange_mesh(Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held, double dt,
-                      const std::function<bool(const Sheet&, double moved)>& fits = {});
+                      const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& fits = {});
 
 }  // namespace paperbake

@@ -25,7 +25,7 @@ bool goes_too_far(const Follower& f, int halvings) { return f.leap > most_leap &
 std::vector<ElasticReport> step(const std::vector<Follower>& sheets, const Eigen::MatrixXd& reach, double dt) {
   if (sheets.size() == 1) return {sheets.front().elastic.step(sheets.front().sheet, sheets.front().held, dt)};
   std::vector<Together> all;
-  for (const Follower& f : sheets) all.push_back({f.elastic, f.sheet, f.held});
+  for (const Follower& f : sheets) all.push_back({f.elastic, f.sheet, f.held, f.begun});
   return Elastic::step_together(all, reach, dt);
 }
 
@@ -85,8 +85,8 @@ std::vector<SteppedFrame> follow(const std::vector<Follower>& sheets, const Fram
       half.targets.row(h) = 0.5 * (before[k].x.row(half.vertices[h]) + half.targets.row(h));
     half.colliders.to = between(f.held.colliders.from, f.held.colliders.to);
     other.colliders.from = half.colliders.to;
-    first.push_back({f.elastic, f.sheet, std::move(half), 0.5 * f.leap, f.side, f.way});
-    rest.push_back({f.elastic, f.sheet, std::move(other), 0.5 * f.leap, f.side, f.way});
+    first.push_back({f.elastic, f.sheet, std::move(half), 0.5 * f.leap, f.side, f.way, f.begun});
+    rest.push_back({f.elastic, f.sheet, std::move(other), 0.5 * f.leap, f.side, f.way, f.begun});
   }
   const std::vector<SteppedFrame> begun = follow(first, frame, halvings + 1, end - 0.5 * share);
   if (!begun.front().lost.empty()) return begun;

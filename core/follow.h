@@ -29,6 +29,7 @@ struct Follower {
   double leap;                   // [1] of the longer side: how far the handles go against each other
   double side;                   // [m] the longer one
   std::vector<Passed>* way;      // what it passes is added; null: nobody asks
+  Points3 begun = {};            // [m] where the shot began, as in Together
 };
 
 struct FrameToFollow {

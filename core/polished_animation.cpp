@@ -45,8 +45,9 @@ class PolishedShot {
     frames_.push_back(std::move(rough));
   }
 
-  void hand_on(const std::function<bool(const AnimatedFrame&)>& on_frame) {
-    if (frames_.empty()) return;
+  /// returns false when on_frame did
+  bool hand_on(const std::function<bool(const AnimatedFrame&)>& on_frame) {
+    if (frames_.empty()) return true;
     for (int t = 0; t < std::max(1, options_.threads); ++t) polishers_.emplace_back(shot_, animation_.elastic, options_.triangles, record_.features(shot_));
     regrip();
     if (!worth_while()) return hand_on_as_they_are(on_frame);
@@ -59,8 +60,9 @@ class PolishedShot {
       const std::vector<Attempt> attempts = polish(chunk);
       std::size_t next = 0;
       for (std::size_t k = begin; k < end; ++k)
-        if (!show(frames_[k], wanted(frames_[k]) ? attempts[next++] : Attempt{}, on_frame)) return;
+        if (!show(frames_[k], wanted(frames_[k]) ? attempts[next++] : Attempt{}, on_frame)) return false;
     }
+    return true;
   }
 
  private:
@@ -76,11 +78,12 @@ class PolishedShot {
     return 2 * static_cast<std::size_t>(fit) >= tried.size();
   }
 
-  void hand_on_as_they_are(const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  bool hand_on_as_they_are(const std::function<bool(const AnimatedFrame&)>& on_frame) {
     Attempt none;
     none.unfit = "most frames of this shot have no minimum near by";
     for (Rough& rough : frames_)
-      if (!show(rough, none, on_frame)) return;
+      if (!show(rough, none, on_frame)) return false;
+    return true;
   }
 
   const StartedSheet& mesh() const { return polishers_.front().mesh(); }
@@ -128,6 +131,10 @@ class PolishedShot {
     Attempt result;
     if (rough.frame.touching > 0) {
       result.unfit = "the sheet touches itself";
+      return result;
+    }
+    if (rough.frame.touching_others > 0) {
+      result.unfit = "the sheet touches another";
       return result;
     }
     if (rough.frame.on_colliders > 0) {  // which the fine mesh does not feel
@@ -190,20 +197,26 @@ class PolishedShot {
 
 }  // namespace
 
-void animate_polished(const Shot& shot, const Method& method, const AnimateOptions& animation, const PolishOptions& options,
-                      const std::function<bool(const AnimatedFrame&)>& on_frame) {
-  PolishedShot polished(shot, animation, options);
+void animate_polished(const std::vector<AnimatedSheet>& sheets, const PolishOptions& options, const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  std::vector<PolishedShot> polished;
+  for (const AnimatedSheet& sheet : sheets) polished.emplace_back(sheet.shot, sheet.options, options);
   std::optional<Error> failure;
   try {
-    animate(shot, method, animation, [&](const AnimatedFrame& frame) {
-      polished.add(frame);
+    animate_together(sheets, [&](const AnimatedFrame& frame) {
+      polished[frame.of].add(frame);
       return true;
     });
   } catch (const Error& error) {
     failure = error;
   }
-  polished.hand_on(on_frame);
+  for (PolishedShot& shot : polished)
+    if (!shot.hand_on(on_frame)) break;
   if (failure) throw *failure;
+}
+
+void animate_polished(const Shot& shot, const Method& method, const AnimateOptions& animation, const PolishOptions& options,
+                      const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  animate_polished({{shot, method, animation}}, options, on_frame);
 }
 
 }  // namespace paperbake

@@ -22,8 +22,12 @@ struct PolishOptions {
 /// that is so of most frames, as in a crumple, none is polished.
 /// Of a polished frame elastic_ms, newton_iterations and the energies are those of both methods together, and at the end.
 ///
-/// on_frame, throws  as animate; what was animated before a failure is polished
-/// source            algorithm E2.1
+/// Several sheets are animated together, and polished each by itself; what touches another is handed on as the method left it.
+///
+/// on_frame  as animate_together, but for the order: all frames of a sheet, then those of the next one
+/// throws    as animate; what was animated before a failure is polished
+/// source    algorithm E2.1
+void animate_polished(const std::vector<AnimatedSheet>&, const PolishOptions&, const std::function<bool(const AnimatedFrame&)>& on_frame);
 void animate_polished(const Shot&, const Method&, const AnimateOptions&, const PolishOptions&, const std::function<bool(const AnimatedFrame&)>& on_frame);
 
 }  // namespace paperbake

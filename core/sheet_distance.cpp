@@ -51,16 +51,38 @@ Eigen::AlignedBox3d grown(Eigen::AlignedBox3d box, double by) {
 
 }  // namespace
 
-double distance_between(const Sheet& a, const Sheet& b, double within) {
+/// Calls visit(triangle of a, triangle of b) for all whose boxes are nearer than `within`.
+template <class Visit>
+static void for_each_near(const Sheet& a, const Sheet& b, const double& within, Visit visit) {
   const std::vector<Boxed> of_a = boxes_in(a, grown(box_of(b.x), within)), of_b = boxes_in(b, grown(box_of(a.x), within));
-  double widest = 0, least = within;
+  double widest = 0;
   for (const Boxed& other : of_b) widest = std::max(widest, other.box.sizes().x());
   for (const Boxed& one : of_a) {
     const auto first = std::lower_bound(of_b.begin(), of_b.end(), one.box.min().x() - widest - within, [](const Boxed& other, double x) { return other.box.min().x() < x; });
     for (auto other = first; other != of_b.end() && other->box.min().x() <= one.box.max().x() + within; ++other)
-      if (one.box.squaredExteriorDistance(other->box) < least * least) least = std::min(least, distance_of(a, one.triangle, b, other->triangle));
+      if (one.box.squaredExteriorDistance(other->box) < within * within) visit(one.triangle, other->triangle);
   }
+}
+
+double distance_between(const Sheet& a, const Sheet& b, double within) {
+  double least = within;
+  for_each_near(a, b, least, [&](int s, int t) { least = std::min(least, distance_of(a, s, b, t)); });
   return least;
+}
+
+double share_within(const Sheet& a, const Sheet& b, double distance) {
+  std::vector<char> near_a(a.x.rows(), 0), near_b(b.x.rows(), 0);
+  const auto mark = [&](const Sheet& one, int s, const Sheet& other, int t, std::vector<char>& near) {
+    const auto corner = [&](int i) -> Vector3d { return other.x.row(other.triangles(t, i)); };
+    for (const int v : one.triangles.row(s))
+      if (!near[v]) near[v] = vertex_to_triangle({Vector3d(one.x.row(v)), corner(0), corner(1), corner(2)}).distance() < distance;
+  };
+  for_each_near(a, b, distance, [&](int s, int t) {
+    mark(a, s, b, t, near_a);
+    mark(b, t, a, s, near_b);
+  });
+  const auto count = std::count(near_a.begin(), near_a.end(), 1) + std::count(near_b.begin(), near_b.end(), 1);
+  return static_cast<double>(count) / static_cast<double>(near_a.size() + near_b.size());
 }
 
 }  // namespace paperbake

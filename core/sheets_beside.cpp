@@ -11,7 +11,9 @@
 namespace paperbake {
 namespace {
 
-constexpr double kept = 0.9, least = 0.01;  // [1] of the distance that sheets begin with, and of their whole reach
+constexpr double kept = 0.9;                // [1] of the distance that sheets begin with
+constexpr double least = 0.02, some = 0.1;  // [1] of their whole reach: sheets that begin nearer than the least begin on each other, and have some
+constexpr double one_place = 0.5;           // [1] of the vertices nearer than the least: the sheets are one
 
 /// Joins parties until `meet` holds for no two sheets of different ones.
 template <class Meet>
@@ -53,18 +55,26 @@ SheetsBeside::SheetsBeside(Sheets& sheets, Begin begin) : sheets_(sheets) {
   if (begin == Begin::as_kept) return;
   for (std::size_t b = 0; b < sheets.size(); ++b)
     for (std::size_t a = 0; a < b; ++a)
-      sheets[b]->reach[a] = std::max(least * whole(a, b), kept * distance_between(sheets[a]->sheet(), sheets[b]->sheet(), whole(a, b) / kept));
+      sheets[b]->reach[a] = begun(a, b);
+}
+
+/// The reach of two sheets that begin where they are.
+double SheetsBeside::begun(std::size_t a, std::size_t b) const {
+  const Sheet &one = sheets_[a]->sheet(), &other = sheets_[b]->sheet();
+  const double near = least * whole(a, b), apart = kept * distance_between(one, other, whole(a, b) / kept);
+  return apart > near ? apart : share_within(one, other, near) > one_place ? 0 : some * whole(a, b);
 }
 
 double SheetsBeside::whole(std::size_t a, std::size_t b) const { return std::min(sheets_[a]->elastic().reach(), sheets_[b]->elastic().reach()); }
 
-bool SheetsBeside::fits(std::size_t s, const Sheet& there, double moved) const {
+bool SheetsBeside::fits(std::size_t s, const Sheet& here, const Sheet& there, double moved) const {
   constexpr double share = 0.5;  // [1] of the distance
-  const Sheet& here = sheets_[s]->sheet();
   for (std::size_t o = 0; o < sheets_.size(); ++o) {
     if (o == s) continue;
     const Sheet& other = sheets_[o]->sheet();
-    const double reach = between(s, o), before = distance_between(here, other, reach + moved);
+    const double reach = between(s, o);
+    if (reach == 0) continue;
+    const double before = distance_between(here, other, reach + moved);
     if (before == reach + moved) continue;
     if (before < moved || distance_between(there, other, reach) < share * std::min(reach, before)) return false;
     if (crossings_between(there, other) > crossings_between(here, other)) return false;
@@ -81,7 +91,7 @@ std::vector<SheetsBeside::Party> SheetsBeside::within_reach() const {
 }
 
 bool SheetsBeside::meet(std::size_t a, std::size_t b) const {
-  if (sheets_[a]->stays() && sheets_[b]->stays()) return false;
+  if (between(a, b) == 0 || (sheets_[a]->stays() && sheets_[b]->stays())) return false;
   Eigen::AlignedBox3d box = box_of(sheets_[a]->way());
   box.min().array() -= between(a, b);
   box.max().array() += between(a, b);
@@ -93,19 +103,31 @@ bool SheetsBeside::meet(std::size_t a, std::size_t b) const {
   times.erase(std::unique(times.begin(), times.end()), times.end());
   std::vector<Points3> of_a, of_b;
   for (const double at : times) of_a.push_back(place_at(sheets_[a]->way(), at)), of_b.push_back(place_at(sheets_[b]->way(), at));
-  return !Elastic::clear({sheets_[a]->sheet(), sheets_[a]->held(), of_a}, {sheets_[b]->sheet(), sheets_[b]->held(), of_b}, between(a, b));
+  Points3 begun_a(0, 3), begun_b(0, 3);
+  if (began({a, b}) == Animation::Begun::near_each_other) begun_a = sheets_[a]->begun(), begun_b = sheets_[b]->begun();
+  return !Elastic::clear({sheets_[a]->sheet(), sheets_[a]->held(), of_a, begun_a}, {sheets_[b]->sheet(), sheets_[b]->held(), of_b, begun_b}, between(a, b));
 }
 
 std::vector<SheetsBeside::Party> SheetsBeside::where_ways_meet(const std::vector<Party>& parties) const {
   return join(parties, [&](std::size_t a, std::size_t b) { return meet(a, b); });
 }
 
-Eigen::MatrixXd SheetsBeside::reach_of(const Party& party) const {
+Animation::Begun SheetsBeside::began(const Party& party) const {
+  for (const std::size_t a : party)
+    for (const std::size_t b : party)
+      if (a < b && between(a, b) < whole(a, b)) return Animation::Begun::near_each_other;
+  return Animation::Begun::apart;
+}
+
+void SheetsBeside::step(const Party& party) const {
   const auto n = static_cast<Eigen::Index>(party.size());
   Eigen::MatrixXd reach(n, n);
-  for (Eigen::Index i = 0; i < n; ++i)
-    for (Eigen::Index j = 0; j < n; ++j) reach(i, j) = i == j ? sheets_[party[i]]->elastic().reach() : between(party[i], party[j]);
-  return reach;
+  std::vector<Animation*> all;
+  for (Eigen::Index i = 0; i < n; ++i) {
+    all.push_back(sheets_[party[i]].get());
+    for (Eigen::Index j = 0; j < n; ++j) reach(i, j) = i == j ? all.back()->elastic().reach() : between(party[i], party[j]);
+  }
+  Animation::step_together(all, reach, began(party));
 }
 
 void SheetsBeside::show(const Party& party) const {
@@ -121,7 +143,8 @@ void SheetsBeside::part() {
     for (std::size_t a = 0; a < b; ++a) {
       double& reach = sheets_[b]->reach[a];
       if (reach >= whole(a, b)) continue;
-      reach = std::max(reach, kept * distance_between(sheets_[a]->sheet(), sheets_[b]->sheet(), whole(a, b) / kept));
+      const double apart = kept * distance_between(sheets_[a]->sheet(), sheets_[b]->sheet(), whole(a, b) / kept);
+      if (apart > least * whole(a, b)) reach = std::max(reach, apart);
     }
 }
 

@@ -16,9 +16,9 @@ class SheetsBeside {
   enum class Begin { anew, as_kept };
   SheetsBeside(Sheets&, Begin);
 
-  /// May sheet s be there, on another mesh or branch? Not where it would pass through another sheet, or have passed through it on its
+  /// May sheet s go there, on another mesh or branch? Not where it would pass through another sheet, or have passed through it on its
   /// way, or where it is less than half as far from it as it was, within reach.
-  bool fits(std::size_t s, const Sheet& there, double moved) const;
+  bool fits(std::size_t s, const Sheet& here, const Sheet& there, double moved) const;
 
   /// Sheets that take the frame together, by number; every sheet is in one.
   using Party = std::vector<std::size_t>;
@@ -29,8 +29,8 @@ class SheetsBeside {
   /// Joins those of which two meet on their ways through the frame.
   std::vector<Party> where_ways_meet(const std::vector<Party>&) const;
 
-  /// [m] between the sheets of one.
-  Eigen::MatrixXd reach_of(const Party&) const;
+  /// The elastic step of one.
+  void step(const Party&) const;
 
   /// The sheets of one as they are handed on: as the methods finish them, or as they were simulated where they would pass through each other.
   void show(const Party&) const;
@@ -41,6 +41,8 @@ class SheetsBeside {
  private:
   double between(std::size_t a, std::size_t b) const { return sheets_[std::max(a, b)]->reach[std::min(a, b)]; }
   double whole(std::size_t a, std::size_t b) const;
+  double begun(std::size_t a, std::size_t b) const;
+  Animation::Begun began(const Party&) const;
   bool meet(std::size_t a, std::size_t b) const;
 
   Sheets& sheets_;

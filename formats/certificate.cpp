@@ -84,6 +84,7 @@ std::string frame_line(const FrameRecord& r) {
   line["crossings"] = r.crossings;
   line["crossings_with_others"] = r.crossings_with_others;
   line["touching"] = r.touching;
+  line["touching_others"] = r.touching_others;
   line["on_colliders"] = r.on_colliders;
   add("inside_mm", r.inside_mm);
   line["jammed"] = nlohmann::ordered_json::array();

@@ -41,6 +41,7 @@ struct FrameRecord {
   int crossings = 0;                   // pairs of simulated triangles that pass through each other
   int crossings_with_others = 0;       // of them and triangles of sheets before it in the scene
   int touching = 0;                    // pairs of features of the mesh that contact keeps apart
+  int touching_others = 0;             // pairs of one of them and one of another sheet
   int on_colliders = 0;                // vertices, edges and triangles that colliders push
   double inside_mm = 0;                // how deep the deepest is inside a collider, simulated or rendered
   std::vector<Jam> jammed;

@@ -97,7 +97,7 @@ TEST_F(ABake, HasALineAFrameWithAllKeysOfTheDesignInTheirOrder) {
       "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
       "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
       "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings",
-      "crossings_with_others", "touching", "on_colliders", "inside_mm", "jammed", "note", "input_hash", "content_hash"};
+      "crossings_with_others", "touching", "touching_others", "on_colliders", "inside_mm", "jammed", "note", "input_hash", "content_hash"};
   const std::vector<std::string> lines = lines_of(text("cert/frames.jsonl"));
   ASSERT_EQ(lines.size(), 6u);
   std::set<std::string> contents;
@@ -175,7 +175,7 @@ TEST_F(CommandLine, ABakeTellsInWhichFramesOneSheetPassesThroughAnother) {
     }
   }
   const Ended ended = run({"bake", scene.write("through.gltf"), "-o", output(), "--method", "fem", "--triangles", "100", "--formats", "cert", "--progress", "plain"});
-  EXPECT_NE(ended.err.find("warning: sheets do not feel each other: in 26 frames from 0 to 25 one passes through another."), std::string::npos) << ended.err;
+  EXPECT_NE(ended.err.find("warning: in 26 frames from 0 to 25 one sheet passes through another."), std::string::npos) << ended.err;
   for (const Record& frame : frames_of(output()))
     EXPECT_EQ(frame["note"] == "passes through another sheet", frame["sheet"] == "paper_b" && frame["crossings_with_others"] > 0) << frame;
 }

@@ -33,6 +33,7 @@ FrameRecord full_record() {
   r.render = {5860, 0.02, 2.5, 3, 9, true};
   r.crossings = 4;
   r.touching = 7;
+  r.touching_others = 8;
   r.jammed = {{"handle_a", 1.25}, {"handle_b", 2.0 / 3}};
   r.note = "a snap";
   r.input_hash = "00ff";
@@ -48,7 +49,7 @@ TEST(Certificate, AFrameLineHasItsKeysInTheDocumentedOrder) {
       "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
       "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
       "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings",
-      "crossings_with_others", "touching", "on_colliders", "inside_mm", "jammed", "note", "input_hash", "content_hash"}));
+      "crossings_with_others", "touching", "touching_others", "on_colliders", "inside_mm", "jammed", "note", "input_hash", "content_hash"}));
 }
 
 TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
@@ -78,6 +79,7 @@ TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
   EXPECT_EQ(line["render_crossings"], 9);
   EXPECT_EQ(line["crossings"], 4);
   EXPECT_EQ(line["touching"], 7);
+  EXPECT_EQ(line["touching_others"], 8);
   EXPECT_EQ(line["jammed"].dump(), nlohmann::json::parse("[[\"handle_a\",1.25],[\"handle_b\",0.6666666666666666]]").dump());
   EXPECT_EQ(line["note"], "a snap");
   EXPECT_EQ(line["input_hash"], "00ff");

@@ -8,6 +8,7 @@ namespace paperbake {
 namespace {
 
 using test::AResumedBake;
+using test::AResumedPush;
 using test::Words;
 
 class AnUnluckyBake : public AResumedBake, public testing::WithParamInterface<const char*> {};
@@ -26,6 +27,19 @@ TEST_P(AnUnluckyBake, EndsLikeALuckyOne) {
   }
   EXPECT_EQ(killed, 50);
   bake_whole("out", how, "1-80");
+  expect_same("out", "whole");
+}
+
+TEST_F(AResumedPush, OfTwoSheetsThatIsKilledThirtyTimesEndsLikeALuckyOne) {
+  run(pushed("whole", 2, 0.03, over));
+  std::mt19937 random(1);
+  int killed = 0;
+  for (int attempt = 0; killed < 30 && attempt < 200; ++attempt) {
+    if (attempt % 5 == 0) std::filesystem::remove_all(folder / "out");
+    killed += bake_until(static_cast<int>(random() % 20), static_cast<int>(random() % 50000), SIGKILL, pushed("out", 2, 0.03, over)) == -1;
+  }
+  EXPECT_EQ(killed, 30);
+  run(pushed("out", 2, 0.03, over));
   expect_same("out", "whole");
 }
 

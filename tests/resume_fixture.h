@@ -1,5 +1,6 @@
 #pragma once
 
+#include "tests/gltf_fixture.h"
 #include "tests/program_fixture.h"
 
 #include <nlohmann/json.hpp>
@@ -79,6 +80,23 @@ class AResumedBake : public CommandLine {
     for (const auto& [name, bytes] : wanted) EXPECT_TRUE(got.count(name) && got.at(name) == bytes) << name << " is not as a bake at one go writes it";
     EXPECT_EQ(got.size(), wanted.size());
     for (const auto& entry : fs::recursive_directory_iterator(folder / out)) EXPECT_NE(entry.path().extension(), ".part") << entry.path();
+  }
+};
+
+class AResumedPush : public AResumedBake {
+ protected:
+  /// Sheets held at two corners and pushed at the border between the others, for 30 frames. lift  [m] of the last key, at frame 30
+  enum Place { beside, over };
+  Words pushed(const std::string& out, int sheets, double lift, Place where = beside) const {
+    test::GltfFixture scene;
+    for (int s = 0; s < sheets; ++s) {
+      const Vector3d place(where == beside ? 0.2 * s : 0, 0, where == over ? 0.004 * s : 0), at = place + Vector3d(0.1, 0.05, 0);
+      scene.mesh(fmt::format("paper_{}", s), test::grid(4, 4, 0.1, 0.1, nullptr, [&](double u, double v) { return Vector3d(place + Vector3d(u, v, 0)); }));
+      scene.node(fmt::format("handle_{}a", s), place);
+      scene.node(fmt::format("handle_{}b", s), place + Vector3d(0, 0.1, 0));
+      scene.move(scene.node(fmt::format("handle_{}c", s), at), {1, 10, 20, 30}, {at, at + Vector3d(-0.01, 0, 0.01), at + Vector3d(-0.02, 0, 0.01), at + Vector3d(-0.02, 0, s == 0 || where == beside ? lift : -lift)});
+    }
+    return {"bake", scene.write("pushed.gltf"), "-o", folder / out, "--map-size", "32", "--quality", "draft", "--progress", "plain", "--checkpoint", "6"};
   }
 };
 

@@ -1,6 +1,5 @@
 // What a second bake in the same folder does: nothing, or what is left to do, and with the bytes that one bake alone would have written.
 
-#include "tests/gltf_fixture.h"
 #include "tests/resume_fixture.h"
 
 #include <functional>
@@ -12,6 +11,7 @@ namespace {
 
 namespace fs = std::filesystem;
 using test::AResumedBake;
+using test::AResumedPush;
 using test::Ended;
 using test::is_error;
 using test::lines_of;
@@ -129,41 +129,41 @@ TEST_F(AResumedBake, FromADamagedCheckpointTakesTheOneBeforeItAndSaysSo) {
                                                                            [](std::string& s) { s.clear(); }, [](std::string& s) { s += "more"; }}) {
     const std::string out = fmt::format("out{}", damage++);
     fs::copy(folder / "whole", folder / out, fs::copy_options::recursive);
-    ASSERT_EQ(checkpoints(out), (std::set<std::string>{"checkpoint.0.000004", "checkpoint.0.000008", "checkpoint.0.000012", "checkpoint.0.000014"}));
-    std::string bytes = read(folder / out / ".state/checkpoint.0.000012");
+    ASSERT_EQ(checkpoints(out), (std::set<std::string>{"checkpoint.000004", "checkpoint.000008", "checkpoint.000012", "checkpoint.000014"}));
+    std::string bytes = read(folder / out / ".state/checkpoint.000012");
     spoil(bytes);
-    write(folder / out / ".state/checkpoint.0.000012", bytes);
+    write(folder / out / ".state/checkpoint.000012", bytes);
     fs::remove(folder / out / "report.html");
     const Ended again = run(words(out, every, "1-14"));
-    EXPECT_NE(again.err.find("checkpoint.0.000012 is damaged: the frames after 8 are simulated again."), std::string::npos) << again.err;
+    EXPECT_NE(again.err.find("checkpoint.000012 is damaged: the frames after 8 are simulated again."), std::string::npos) << again.err;
     EXPECT_EQ(simulated(again), 6);
     expect_same(out, "whole");
   }
 }
 
-class AResumedPush : public AResumedBake {
- protected:
-  /// Sheets held at two corners and pushed at the border between the others, for 30 frames. lift  [m] of the last key, at frame 30
-  Words pushed(const std::string& out, int sheets, double lift) const {
-    test::GltfFixture scene;
-    for (int s = 0; s < sheets; ++s) {
-      const Vector3d place(0.2 * s, 0, 0), at = place + Vector3d(0.1, 0.05, 0);
-      scene.mesh(fmt::format("paper_{}", s), test::grid(4, 4, 0.1, 0.1, nullptr, [&](double u, double v) { return Vector3d(place + Vector3d(u, v, 0)); }));
-      scene.node(fmt::format("handle_{}a", s), place);
-      scene.node(fmt::format("handle_{}b", s), place + Vector3d(0, 0.1, 0));
-      scene.move(scene.node(fmt::format("handle_{}c", s), at), {1, 10, 20, 30}, {at, at + Vector3d(-0.01, 0, 0.01), at + Vector3d(-0.02, 0, 0.01), at + Vector3d(-0.02, 0, lift)});
-    }
-    return {"bake", scene.write("pushed.gltf"), "-o", folder / out, "--map-size", "32", "--quality", "draft", "--progress", "plain", "--checkpoint", "6"};
-  }
-};
-
-TEST_F(AResumedPush, OfTwoSheetsGoesOnInTheSecond) {
-  const Ended whole = run(pushed("whole", 2, 0.03));
+TEST_F(AResumedPush, OfTwoSheetsThatPushEachOtherGoesOnWithBothWhetherItWasStoppedOrKilled) {
+  const Ended whole = run(pushed("whole", 2, 0.03, over));
   ASSERT_EQ(simulated(whole), 60) << whole.err;
-  EXPECT_EQ(bake_until(40, 0, SIGTERM, pushed("out", 2, 0.03)), 5);
-  const Ended rest = run(pushed("out", 2, 0.03));
+  int touching = 0;
+  for (const std::string& line : lines_of(read(folder / "whole/cert/frames.jsonl"))) touching += nlohmann::json::parse(line)["touching_others"] > 0;
+  ASSERT_GT(touching, 20);
+  EXPECT_EQ(bake_until(40, 0, SIGTERM, pushed("out", 2, 0.03, over)), 5);
+  const Ended rest = run(pushed("out", 2, 0.03, over));
   EXPECT_LE(simulated(rest), 20) << rest.err;
   EXPECT_GT(simulated(rest), 0);
+  expect_same("out", "whole");
+  EXPECT_EQ(bake_until(31, 0, SIGKILL, pushed("killed", 2, 0.03, over)), -1);
+  Words two_threads = pushed("killed", 2, 0.03, over);
+  two_threads.insert(two_threads.end(), {"--threads", "2"});
+  EXPECT_LE(simulated(run(two_threads)), 48);
+  expect_same("killed", "whole");
+}
+
+TEST_F(AResumedPush, OfTwoSheetsBeginsAnewWhereTheOtherSheetIsAnother) {
+  run(pushed("out", 2, 0.03, over));
+  run(pushed("whole", 2, 0.02, over));
+  const Ended other = run(pushed("out", 2, 0.02, over));
+  EXPECT_EQ(simulated(other), 24) << "from the checkpoint before the key: frame 18 of 30, both";
   expect_same("out", "whole");
 }
 
@@ -199,12 +199,12 @@ TEST_F(AResumedBake, WhoseDiskWasFullHasLostNothingThatIsSimulated) {
 TEST_F(AResumedBake, WhereNothingCanBeWrittenEndsWithSix) { EXPECT_TRUE(is_error(run({"bake", samples + "/S4_crumple.glb", "-o", "/proc/out", "--fps", "24"}), 6, "/proc/out", "cannot be made")); }
 
 TEST_F(AResumedBake, ThatCannotKeepACheckpointGoesOnAndSaysSo) {
-  fs::create_directories(folder / "out/.state/checkpoint.0.000006/in_the_way");
+  fs::create_directories(folder / "out/.state/checkpoint.000006/in_the_way");
   const Ended ended = run(words("out", {}, "1-6"));
   EXPECT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;
   EXPECT_NE(ended.err.find("warning: what a later bake would go on from could not be kept"), std::string::npos) << ended.err;
   bake_whole("whole", {}, "1-6");
-  fs::remove_all(folder / "out/.state/checkpoint.0.000006");
+  fs::remove_all(folder / "out/.state/checkpoint.000006");
   expect_same("out", "whole");
 }
 

@@ -11,6 +11,7 @@ namespace paperbake {
 namespace {
 
 constexpr double pattern_share = 0.3;  // of the distance on the pattern
+constexpr double begun_share = 0.9, least_share = 0.01;  // of a distance that is meant; of the reach: less is none
 constexpr double touching = 1e-12;     // [m] nearer than this there is no direction to push in
 constexpr double spaced = 1.5;         // [1] of the reach: such pairs get their blocks in the matrix
 
@@ -98,12 +99,17 @@ double Contact::reach_of(const std::array<int, 4>& v, bool edges) const {
   }
   if (all_held) return 0;
   const auto [a, b] = sheets_of(v, edges);
-  const double reach = a == b ? std::min(sheets_.reach(a, a), pattern_share * nearness(p, edges).distance()) : sheets_.reach(a, b);
+  if (a == b) return reach_of_grips(v, edges, std::min(sheets_.reach(a, a), pattern_share * nearness(p, edges).distance()));
+  double reach = sheets_.reach(a, b);
+  if (sheets_.begun.rows() > 0) {
+    const double begun = begun_share * nearness(corners(sheets_.begun, v), edges).distance();
+    if (begun < least_share * reach) return 0;
+    reach = std::min(reach, begun);
+  }
   return reach_of_grips(v, edges, reach);
 }
 
 double Contact::reach_of_grips(const std::array<int, 4>& v, bool edges, double reach) const {
-  constexpr double share = 0.9, least = 0.01;
   const int cut = edges ? 2 : 1;  // corners before it belong to the first feature
   std::vector<int> held[2];
   for (int i = 0; i < 4; ++i)
@@ -114,8 +120,8 @@ double Contact::reach_of_grips(const std::array<int, 4>& v, bool edges, double r
   std::array<Vector3d, 4> target;
   for (int i = 0; i < 4; ++i) target[i] = gripped_.targets.row(grip_[part[i]]);
   const double apart = std::min(edge_to_edge(target).distance(), edge_to_edge(corners(start_, part)).distance());
-  const double shrunk = std::min(reach, share * apart);
-  return shrunk < least * reach ? 0 : shrunk;
+  const double shrunk = std::min(reach, begun_share * apart);
+  return shrunk < least_share * reach ? 0 : shrunk;
 }
 
 template <class Visit>

@@ -28,12 +28,14 @@ struct ContactPair {
 struct JoinedSheets {
   std::vector<int> of_vertex;   // |V| number of its sheet
   Eigen::MatrixXd reach;        // |sheets|x|sheets| [m] d^ between two of them, on the diagonal of one and itself
+  Points3 begun = {};           // |V|x3 [m] where they began, when some began on each other; else empty
 };
 
 /// Contact within one mesh, of one sheet or of several: a barrier (barrier.h) for every pair of features within reach.
 ///
 /// Every pair of one sheet has its own reach d^ = min(d^ of the sheet, 0.3 x distance of the two features on the pattern):
-/// neighbours do not repel each other, and a fold cannot pass through pi. Those of two sheets are no neighbours. Left out are pairs held in every corner; pairs that handles bring
+/// neighbours do not repel each other, and a fold cannot pass through pi. Of two sheets it is the d^ between them, and 0.9 x the distance that the
+/// features began with, where that is known: sheets joined at a border are neighbours there. Left out are pairs held in every corner; pairs that handles bring
 /// together (held vertices on both sides: d^ is 0.9 x their distance at most, and nothing under 1 % of it); and, until they
 /// are apart, pairs that touch, or belong to triangles that pass through each other, as a step begins.
 /// Two sides of a cut in the pattern have no distance there: nothing keeps them apart.

@@ -177,6 +177,7 @@ struct Together {
   Elastic& elastic;
   Sheet& sheet;
   const Held& held;
+  const Points3& begun;                // |V|x3 [m] where its points were at the begin of the shot, when one of the sheets began on another; or empty, of all
 };
 
 /// Where a sheet went.
@@ -184,6 +185,7 @@ struct SheetWay {
   const Sheet& sheet;                  // its mesh
   const Held& held;                    // at the end
   const std::vector<Points3>& places;  // |V|x3 [m], straight ways in between; the other's at the same times
+  const Points3& begun;                // as in Together
 };
 
 }  // namespace paperbake

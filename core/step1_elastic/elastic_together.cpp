@@ -51,7 +51,8 @@ bool Elastic::clear(const SheetWay& a, const SheetWay& b, double reach) {
     add_grips(hard_handles(way->held), mesh.first.back(), grips);
     mesh.add(way->sheet.pattern, way->sheet.triangles);
   }
-  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, Eigen::MatrixXd::Constant(2, 2, reach)});
+  const Points3 begun = a.begun.rows() ? joined(mesh, [&](std::size_t of) -> const Points3& { return (of == 0 ? a : b).begun; }) : Points3(0, 3);
+  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, Eigen::MatrixXd::Constant(2, 2, reach), begun});
   const auto place = [&](std::size_t k) { return joined(mesh, [&](std::size_t of) -> const Points3& { return (of == 0 ? a : b).places[k]; }); };
   for (std::size_t k = 0; k + 1 < a.places.size(); ++k)
     if (!contact.clear_between(place(k), place(k + 1), grips)) return false;
@@ -74,7 +75,8 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
     s.guide(one.sheet, hard.back().vertices);
   }
   const Points3 before = joined(mesh, [&](std::size_t k) -> const Points3& { return all[k].sheet.x; });
-  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, reach});
+  const Points3 begun = all.front().begun.rows() ? joined(mesh, [&](std::size_t k) -> const Points3& { return all[k].begun; }) : Points3(0, 3);
+  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, reach, begun});
   contact.begin(before, grips);
 
   // one matrix for all, in which nothing is held: handles pull

@@ -169,7 +169,7 @@ void read_state(const std::string& changes) {
 /// A bake of two frames that keeps a checkpoint.
 struct Kept {
   BakePlan plan;
-  fs::path folder = written("checkpoint.0.000002", "").parent_path();
+  fs::path folder = written("checkpoint.000002", "").parent_path();
   std::string body;  // of its checkpoint: all but the seal
   Kept() {
     BakeSettings settings;
@@ -177,9 +177,9 @@ struct Kept {
     settings.base_triangles = 40;
     settings.frames = FrameSpan{1, 2, 1};
     plan = plan_bake(settings);
-    Checkpoints checkpoints(folder, plan, 0, 2);
-    simulate(plan, 0, plan.animation, 1, [&](const AnimatedFrame& frame) { return checkpoints.add(frame), true; });
-    std::ifstream file(folder / "checkpoint.0.000002", std::ios::binary);
+    Checkpoints checkpoints(folder, plan, 2);
+    simulate(plan, {plan.animation}, 1, [&](const AnimatedFrame& frame) { return checkpoints.add(frame), true; });
+    std::ifstream file(folder / "checkpoint.000002", std::ios::binary);
     body.assign(std::istreambuf_iterator<char>(file), {});
     body.resize(body.size() - hex(murmur("")).size());
   }
@@ -188,8 +188,8 @@ struct Kept {
 void read_checkpoint(const std::string& changes) {
   static const Kept kept;
   const std::string body = changed(kept.body, changes);
-  written("checkpoint.0.000002", body + hex(murmur(body)));
-  Checkpoints(kept.folder, kept.plan, 0, 2).take([](const AnimatedFrame&) { return true; });
+  written("checkpoint.000002", body + hex(murmur(body)));
+  Checkpoints(kept.folder, kept.plan, 2).take([](const AnimatedFrame&) { return true; });
 }
 
 }  // namespace
