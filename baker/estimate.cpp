@@ -39,7 +39,7 @@ std::string text_of(const fs::path& path) {
 struct Certified {
   int frame;
   double energy;
-  bool touching, on_colliders;
+  bool touching, touching_others, on_colliders;
 };
 
 /// One baked sheet, as a shot whose handles are where they were held.
@@ -66,6 +66,7 @@ std::string doubt(const BakedSheet& sheet, std::size_t at) {
     if (std::abs(sheet.frames[k].frame - sheet.frames[at].frame) <= about_a_snap && sheet.frames[k].energy < (1 - drop_of_a_snap) * sheet.frames[k - 1].energy)
       return fmt::format("the energy falls by {:.0f} % at frame {}: the timing of a snap is uncertain", 100 * (1 - sheet.frames[k].energy / sheet.frames[k - 1].energy),
                          sheet.frames[k].frame);
+  if (sheet.frames[at].touching_others) return "the sheet touches another, which the estimate does not feel";
   return sheet.frames[at].touching ? "the sheet touches itself, which the estimate does not feel" : "";
 }
 
@@ -159,7 +160,8 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
   std::ifstream lines(folder / "cert/frames.jsonl");
   for (std::string line; std::getline(lines, line);) {
     const Json record = Json::parse(line);
-    sheets[number.at(record.at("sheet"))].frames.push_back({record.at("frame"), record.at("energy_J"), record.at("touching").get<int>() > 0, record.at("on_colliders").get<int>() > 0});
+    sheets[number.at(record.at("sheet"))].frames.push_back({record.at("frame"), record.at("energy_J"), record.at("touching").get<int>() > 0,
+                                                          record.at("touching_others").get<int>() > 0, record.at("on_colliders").get<int>() > 0});
   }
   return sheets;
 }

@@ -54,6 +54,7 @@ Eigen::AlignedBox3d grown(Eigen::AlignedBox3d box, double by) {
 /// Calls visit(triangle of a, triangle of b) for all whose boxes are nearer than `within`.
 template <class Visit>
 static void for_each_near(const Sheet& a, const Sheet& b, const double& within, Visit visit) {
+  if (!grown(box_of(a.x), within).intersects(box_of(b.x))) return;
   const std::vector<Boxed> of_a = boxes_in(a, grown(box_of(b.x), within)), of_b = boxes_in(b, grown(box_of(a.x), within));
   double widest = 0;
   for (const Boxed& other : of_b) widest = std::max(widest, other.box.sizes().x());
