@@ -86,7 +86,7 @@ Animation::Animation(const Shot& shot, const Method& method, const AnimateOption
 void Animation::archive(Archive& a) {
   Sheet& sheet = started_.sheet;
   ElasticPast past = elastic_.past();
-  a(frame_, sheet, shown_, before_, held_before_, at_minimum_, flowing_, leaving_, lies_, quiet_frames_, past, grip_, reach);
+  a(frame_, sheet, shown_, before_, held_before_, at_minimum_, flowing_, leaving_, lies_, quiet_frames_, contact_, touching_, on_colliders_, past, grip_, reach);
   if (memory_) a(*memory_);
   if (method_.archive) method_.archive(a);
   if (!a.reads()) return;
@@ -151,6 +151,7 @@ void Animation::put_on(WayBack&& back) {
 void Animation::stay() {
   step_ = {};
   step_.last = elastic_.look(sheet());
+  step_.last.contact = contact_, step_.last.touching = touching_, step_.last.on_colliders = on_colliders_;
   started_.sheet.v.setZero();
   way_ = {{0, sheet().x}, {1, sheet().x}};
 }
@@ -236,6 +237,7 @@ void Animation::step_together(const std::vector<Animation*>& all, const Eigen::M
 void Animation::settle(const Fits& fits) {
   constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
   leaving_ = step_.last.leaving;
+  contact_ = step_.last.contact, touching_ = step_.last.touching, on_colliders_ = step_.last.on_colliders;
   lies_ = step_.last.on_colliders > 0 || touches_others();
   at_minimum_ = step_.converged && !leaving_;
   flowing_ = step_.last.plastic_flow > 0 && step_.last.plastic_flow > most_flow * fold_integral(sheet());

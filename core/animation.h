@@ -93,6 +93,8 @@ class Animation {
   Held held_before_;
   bool at_minimum_ = false, flowing_ = false, leaving_ = false, lies_ = false;
   int quiet_frames_ = 0;
+  bool contact_ = false;                  // with itself; how many features push each other, and are pushed by colliders
+  int touching_ = 0, on_colliders_ = 0;
   double inside_ = 0;   // [m] a collider, of what is shown
 
   // of this frame

@@ -78,6 +78,26 @@ TEST(SelfContact, ACrumpledSheetNeverPassesThroughItself) {
   EXPECT_LT(stretch, 0.02);
 }
 
+TEST(SelfContact, ACrumpledSheetAtRestStillTouchesItself) {
+  const Shot shot = crumple();
+  AnimateOptions options;
+  options.last_frame = 60;
+  options.seed = 2;
+  options.memory = Memory::plastic;
+  int touching = 0, asleep = 0;
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 2, 0), options, [&](const AnimatedFrame& f) {
+    if (f.frame > 40 && f.substeps == 0) {
+      ++asleep;
+      EXPECT_EQ(f.touching, touching) << f.frame;
+      EXPECT_TRUE(f.contact);
+    }
+    touching = f.touching;
+    return true;
+  });
+  EXPECT_GT(asleep, 5);
+  EXPECT_GT(touching, 0);
+}
+
 TEST(SelfContact, AHandlePressedAgainstTheSheetIsJammedAndHeldAgainWhenItComesBack) {
   // the left half of a strip is held flat; the right end is carried over it, keyed through it, and back up
   const int frames = 48;
