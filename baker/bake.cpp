@@ -106,7 +106,8 @@ Error stopped(const BakeSettings& settings, const BakePlan& plan, int frame) {
 }
 
 /// Hands on what earlier bakes have simulated, and leaves in the options where to go on. returns the first frame that is not there
-int take_frames(Checkpoints& checkpoints, const BakePlan& plan, std::vector<AnimateOptions>& options, Progress& progress, const std::function<bool(const AnimatedFrame&)>& consumer) {
+int take_frames(Checkpoints& checkpoints, const BakePlan& plan, std::vector<AnimateOptions>& options, Progress& progress,
+                const std::function<bool(const AnimatedFrame&)>& consumer) {
   Checkpoints::GoOn go_on = checkpoints.take([&](const AnimatedFrame& frame) {
     progress.taken(plan.shots[frame.of].sheet_name, frame.frame);
     return consumer(frame);
@@ -152,7 +153,8 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   Caches caches(settings, plan, folder.path(), suffixes, files.losses);
 
   std::vector<std::unique_ptr<SheetOutput>> outputs;
-  for (std::size_t s = 0; s < plan.shots.size(); ++s) outputs.push_back(std::make_unique<SheetOutput>(settings, plan, s, caches, suffixes[s], certificate, files, progress));
+  for (std::size_t s = 0; s < plan.shots.size(); ++s)
+    outputs.push_back(std::make_unique<SheetOutput>(settings, plan, s, caches, suffixes[s], certificate, files, progress));
   const auto take = [&](const AnimatedFrame& frame) { outputs[frame.of]->take(frame); };
   const bool wants_memory = can_resume(plan) || settings.formats.count("maps") || caches.wants_layers();  // a later bake may want maps of these frames
   std::vector<AnimateOptions> options = options_of_sheets(plan, wants_memory ? ShowMemory::wanted : ShowMemory::no);
@@ -160,7 +162,8 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   Checkpoints checkpoints(folder.sub(".state"), plan, settings.checkpoint_every);
   int simulated_from = plan.animation.first_frame;
   if (settings.resume == Resume::automatic && can_resume(plan))
-    simulated_from = take_frames(checkpoints, plan, options, progress, [&](const AnimatedFrame& frame) { return files.losses.attempt(rest, [&] { take(frame); }); });
+    simulated_from = take_frames(checkpoints, plan, options, progress,
+                                 [&](const AnimatedFrame& frame) { return files.losses.attempt(rest, [&] { take(frame); }); });
   FrameQueue queue(settings.threads, take);
   std::optional<Error> failure;
   try {

@@ -71,7 +71,8 @@ void animate_together(const std::vector<AnimatedSheet>& all, const std::function
   const bool begins = options.go_on_from.empty();
   if (!begins) times.assign(all.size(), {});
   std::optional<SheetsBeside> beside;
-  if (all.size() > 1 && options.elastic.contact == SelfContact::automatic) beside.emplace(sheets, begins ? SheetsBeside::Begin::anew : SheetsBeside::Begin::as_kept);
+  if (all.size() > 1 && options.elastic.contact == SelfContact::automatic)
+    beside.emplace(sheets, begins ? SheetsBeside::Begin::anew : SheetsBeside::Begin::as_kept);
 
   for (int frame = sheets.front()->next_frame(); frame <= options.last_frame; ++frame) {
     const auto fits = [&](std::size_t s) -> Animation::Fits {

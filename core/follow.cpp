@@ -19,7 +19,9 @@ constexpr double flat = 0.01, most_leap_of_flat = 2e-3;  // [1] of the longer si
 constexpr int most_halvings_of_a_choice = 3;
 constexpr double torn = 0.5;             // [1] an edge this much too long: the step is not to be trusted
 
-bool chooses(const Follower& f, int halvings) { return f.leap > most_leap_of_flat && halvings < most_halvings_of_a_choice && off_plane(f.sheet.x) < flat * f.side; }
+bool chooses(const Follower& f, int halvings) {
+  return f.leap > most_leap_of_flat && halvings < most_halvings_of_a_choice && off_plane(f.sheet.x) < flat * f.side;
+}
 bool goes_too_far(const Follower& f, int halvings) { return f.leap > most_leap && halvings < most_halvings_of_a_leap; }
 
 std::vector<ElasticReport> step(const std::vector<Follower>& sheets, const Eigen::MatrixXd& reach, double dt) {

@@ -27,7 +27,8 @@ std::vector<Boxed> boxes_in(const Sheet& sheet, const Eigen::AlignedBox3d& part)
     for (int i = 0; i < 3; ++i) box.extend(Vector3d(sheet.x.row(sheet.triangles(t, i))));
     if (box.intersects(part)) boxes.push_back({box, t});
   }
-  std::sort(boxes.begin(), boxes.end(), [](const Boxed& a, const Boxed& b) { return std::make_pair(a.box.min().x(), a.triangle) < std::make_pair(b.box.min().x(), b.triangle); });
+  const auto place = [](const Boxed& b) { return std::make_pair(b.box.min().x(), b.triangle); };
+  std::sort(boxes.begin(), boxes.end(), [&](const Boxed& a, const Boxed& b) { return place(a) < place(b); });
   return boxes;
 }
 
@@ -59,7 +60,8 @@ static void for_each_near(const Sheet& a, const Sheet& b, const double& within, 
   double widest = 0;
   for (const Boxed& other : of_b) widest = std::max(widest, other.box.sizes().x());
   for (const Boxed& one : of_a) {
-    const auto first = std::lower_bound(of_b.begin(), of_b.end(), one.box.min().x() - widest - within, [](const Boxed& other, double x) { return other.box.min().x() < x; });
+    const auto lower = [](const Boxed& other, double x) { return other.box.min().x() < x; };
+    const auto first = std::lower_bound(of_b.begin(), of_b.end(), one.box.min().x() - widest - within, lower);
     for (auto other = first; other != of_b.end() && other->box.min().x() <= one.box.max().x() + within; ++other)
       if (one.box.squaredExteriorDistance(other->box) < within * within) visit(one.triangle, other->triangle);
   }

@@ -175,9 +175,10 @@ bool Contact::clear(const Points3& from, const Points3& to, const Gripped& gripp
 
 bool Contact::clear_between(const Points3& from, const Points3& to, const Gripped& gripped) {
   judge_by(from, gripped);
-  for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_))
-    if (sheets_.of_vertex[triangles_(a, 0)] != sheets_.of_vertex[triangles_(b, 0)] && !separated(from, to, &triangles_(a, 0), &triangles_(b, 0), reach_) && any_meets(a, b, from, to))
-      return false;
+  for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_)) {
+    if (sheets_.of_vertex[triangles_(a, 0)] == sheets_.of_vertex[triangles_(b, 0)]) continue;
+    if (!separated(from, to, &triangles_(a, 0), &triangles_(b, 0), reach_) && any_meets(a, b, from, to)) return false;
+  }
   return true;
 }
 

@@ -53,7 +53,8 @@ void Elastic::Impl::go_on(SecondWay& way, const IncrementalPotential& W, int mos
   way.tries = 0;
 }
 
-void Elastic::Impl::second_way(const IncrementalPotential& W, const Points3& before, const Points3& start, const Gripped& hard, Points3& x, ElasticReport& report) {
+void Elastic::Impl::second_way(const IncrementalPotential& W, const Points3& before, const Points3& start, const Gripped& hard, Points3& x,
+                               ElasticReport& report) {
   const auto passes = [&](const Points3& to) { return options.contact == SelfContact::automatic && !contact->clear(before, to, hard); };
   std::optional<SecondWay>& way = past.second;
   const bool leaves = report.iterations > restless || (is_coarse() && !report.converged);
@@ -93,8 +94,8 @@ Held Elastic::Impl::reachable(const Sheet& sheet, const Held& held, double dt) {
 
 SheetPotential Elastic::Impl::potential(const Sheet& sheet, double dt, std::vector<HandleSpring> springs) {
   const bool dynamic = options.inertia == Inertia::dynamic;
-  return {*energy, mass, dynamic ? Points3(sheet.x + dt * sheet.v) : sheet.x, (dynamic ? 1 : quasi_static_mass) / (dt * dt), options.gravity, std::move(springs),
-          colliders ? &*colliders : nullptr, block_of};
+  const double inertia = (dynamic ? 1 : quasi_static_mass) / (dt * dt);
+  return {*energy, mass, dynamic ? Points3(sheet.x + dt * sheet.v) : sheet.x, inertia, options.gravity, std::move(springs), colliders ? &*colliders : nullptr, block_of};
 }
 
 std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const Gripped& hard, bool feels) {
