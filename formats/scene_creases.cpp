@@ -137,7 +137,7 @@ std::size_t add(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
   for (const std::vector<int>& chain : chains_of(net.edges, points.size())) {
     std::vector<Vector2d> line;
     for (const int v : chain) line.push_back(points[v]);
-    FoldLine crease{simplified(line, side), angle * EIGEN_PI / 180};
+    FoldLine crease{simplified(line, side), angle * M_PI / 180};
     if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < shortest * side) continue;
     check_inside(crease, sheet, place);
     sheet.pattern.folds.push_back(std::move(crease));
