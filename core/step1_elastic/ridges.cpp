@@ -49,6 +49,7 @@ Ridges find_ridges(const Sheet& sheet, const Hinges& hinges, const Paper& paper,
   const Eigen::VectorXd s = sharpness(sheet, hinges, curvature, held);
 
   Ridges ridges{remembered, Eigen::VectorXd::Ones(triangles)};
+  if (s.isZero(0) && remembered.isZero(0)) return ridges;
   const int ends = std::max<int>(least_ends, static_cast<int>(held.size() + sheet.singular.size()));
   const double X = std::sqrt(whole / ends);
   const double width = ridge_width(paper, X);
