@@ -180,6 +180,10 @@ TEST(SceneFileSamples, LaterScenesAreRead) {
   const Scene ball = read_scene(sample("S10_ball.glb"));
   EXPECT_EQ(ball.last_frame, 132);
   EXPECT_EQ(ball.sheets.front().handles.size(), 12u);
+  const Scene palm = read_scene(sample("S11_palm.glb"));
+  ASSERT_EQ(palm.sheets.size(), 2u);
+  EXPECT_EQ(palm.sheets[0].handles.size(), 2u);
+  EXPECT_EQ(palm.sheets[1].handles.size(), 4u);
 }
 
 TEST(SceneFileSamples, GltfHasNoRate) {
