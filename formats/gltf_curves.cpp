@@ -17,10 +17,9 @@ namespace {
 using Json = nlohmann::json;
 using gltf::index;
 using gltf::list;
+using gltf::refuse;
 using gltf::text;
 using Integers = GltfFile::Integers;
-
-[[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what); }
 
 template <class Value>
 Value value(const double* n) {

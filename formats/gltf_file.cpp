@@ -21,12 +21,11 @@ namespace {
 using Json = nlohmann::json;
 using gltf::index;
 using gltf::list;
+using gltf::refuse;
 using gltf::text;
 using gltf::whole;
 
 constexpr std::size_t most_zeros = 10000000;  // elements of an accessor without a view
-
-[[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what); }
 
 std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
   std::uint32_t number = 0;
@@ -123,6 +122,8 @@ std::size_t size_of_type(std::size_t type) { return type == 5125 || type == 5126
 }  // namespace
 
 namespace gltf {
+
+void refuse(const std::string& what) { throw std::runtime_error(what); }
 
 const Json& list(const Json& object, const char* key) {
   static const Json none = Json::array();

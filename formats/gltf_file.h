@@ -48,6 +48,9 @@ class GltfFile {
 
 namespace gltf {
 
+/// What is wrong with the bytes of a file, in words. throws std::runtime_error
+[[noreturn]] void refuse(const std::string& what);
+
 /// A member that is a list; empty when there is none.
 const nlohmann::json& list(const nlohmann::json& object, const char* key);
 

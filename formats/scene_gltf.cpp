@@ -18,10 +18,9 @@ namespace {
 using Json = nlohmann::json;
 using gltf::index;
 using gltf::list;
+using gltf::refuse;
 using gltf::whole;
 using Integers = GltfFile::Integers;
-
-[[noreturn]] void refuse(const std::string& what) { throw std::runtime_error(what); }
 
 std::optional<PropertyValue> value_of(const Json& extra) {
   if (extra.is_boolean()) return extra.get<bool>() ? 1.0 : 0.0;

@@ -93,7 +93,9 @@ class Contact {
   void gather(const Points3& y, const Points3& move);
   template <class Visit>
   void for_each_pair(int a, int b, Visit) const;
-  std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, bool edges) const { return {sheets_.of_vertex[vertices[0]], sheets_.of_vertex[vertices[edges ? 2 : 1]]}; }
+  std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, bool edges) const {
+    return {sheets_.of_vertex[vertices[0]], sheets_.of_vertex[vertices[edges ? 2 : 1]]};
+  }
   bool any_meets(int a, int b, const Points3& from, const Points3& to) const;
   double reach_of(const std::array<int, 4>& vertices, bool edges) const;
   double reach_of_grips(const std::array<int, 4>& vertices, bool edges, double reach) const;
