@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/sheet.h"
+#include "tests/own_folder.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -88,7 +89,7 @@ class FbxFixture {
   }
 
   std::filesystem::path write(const std::string& file_name) const {
-    const auto path = std::filesystem::path(testing::TempDir()) / file_name;
+    const auto path = own_folder() / file_name;
     std::ofstream(path) << fmt::format(
         "; FBX 7.7.0 project file\n; ----\n\nFBXHeaderExtension: {{\nFBXHeaderVersion: 1004\nFBXVersion: 7700\nCreator: \"{}\"\n}}\nGlobalSettings: {{\nVersion: 1000\nProperties70: {{\n"
         "P: \"UpAxis\", \"int\", \"Integer\", \"\",1\nP: \"UpAxisSign\", \"int\", \"Integer\", \"\",1\nP: \"FrontAxis\", \"int\", \"Integer\", \"\",2\nP: \"FrontAxisSign\", \"int\", \"Integer\", \"\",1\n"

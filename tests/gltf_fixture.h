@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/sheet.h"
+#include "tests/own_folder.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -106,7 +107,7 @@ class GltfFixture {
   }
 
   std::filesystem::path write(const std::string& file_name) const {
-    const auto path = std::filesystem::path(testing::TempDir()) / file_name;
+    const auto path = own_folder() / file_name;
     std::ofstream(path) << fmt::format(
         R"({{"asset":{{"version":"2.0"}},"scene":0,"scenes":[{{"nodes":[{}]}}],"nodes":[{}],"meshes":[{}],"animations":[{}],"accessors":[{}],"bufferViews":[{}],)"
         R"("buffers":[{{"byteLength":{},"uri":"data:application/octet-stream;base64,{}"}}]}})",

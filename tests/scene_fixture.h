@@ -3,6 +3,7 @@
 #include "core/error.h"
 #include "formats/scene_file.h"
 #include "tests/gltf_fixture.h"
+#include "tests/own_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -24,7 +25,7 @@ inline std::string whole(const std::filesystem::path& path) {
 }
 
 inline std::filesystem::path temporary(const std::string& name, const std::string& text) {
-  const auto path = std::filesystem::path(testing::TempDir()) / name;
+  const auto path = own_folder() / name;
   std::ofstream(path, std::ios::binary) << text;
   return path;
 }
