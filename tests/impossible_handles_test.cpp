@@ -19,7 +19,7 @@ using test::is_error;
 using test::read;
 
 /// A sheet of 10 cm whose two lower corners are drawn apart, evenly, to `factor` times their distance in frames 1-13.
-fs::path drawn_apart(double factor, const fs::path& folder) {
+fs::path drawn_apart(double factor) {
   test::GltfFixture scene;
   scene.mesh("paper", test::grid(1, 1, 0.1, 0.1));
   scene.node("handle.still", {0, 0, 0});
@@ -28,7 +28,7 @@ fs::path drawn_apart(double factor, const fs::path& folder) {
 }
 
 TEST_F(CommandLine, HandlesThatAskTheImpossibleAreNamedAndEndWithFour) {
-  const std::string scene = drawn_apart(1.1, folder);
+  const std::string scene = drawn_apart(1.1);
   const Ended ended = run({"bake", scene, "-o", output(), "--triangles", "50", "--map-size", "8"});
   EXPECT_EQ(ended.code, 4) << ended.err;
   EXPECT_NE(ended.err.find("\"handle.still\" and \"handle.drawn\""), std::string::npos) << ended.err;
@@ -42,14 +42,14 @@ TEST_F(CommandLine, HandlesThatAskTheImpossibleAreNamedAndEndWithFour) {
 }
 
 TEST_F(CommandLine, StrictRefusesTheImpossibleWithThreeBeforeAnythingIsWritten) {
-  const std::string scene = drawn_apart(1.1, folder);
+  const std::string scene = drawn_apart(1.1);
   const std::string place = scene + ", handles \"handle.still\" and \"handle.drawn\"";
   EXPECT_TRUE(is_error(run({"bake", scene, "-o", output(), "--strict"}), 3, place, "overshoot 10.00 mm"));
   EXPECT_FALSE(fs::exists(output()));
 }
 
 TEST_F(CommandLine, HandlesThatComeCloserAskNothingImpossible) {
-  const Ended ended = run({"bake", drawn_apart(0.9, folder), "-o", output(), "--triangles", "50", "--map-size", "8", "--strict"});
+  const Ended ended = run({"bake", drawn_apart(0.9), "-o", output(), "--triangles", "50", "--map-size", "8", "--strict"});
   EXPECT_EQ(ended.code, 0) << ended.err;
 }
 
