@@ -171,35 +171,34 @@ void Elastic::take_back(const ElasticPast& past) {
 }
 
 ElasticReport Elastic::Impl::go(Sheet& sheet, const Held& held, const Gripped& hard, double dt) {
-  Impl& s = *this;
   const Points3 before = sheet.x;
   ElasticReport report;
-  const bool may_touch = s.options.contact == SelfContact::automatic;
-  const double stop = s.options.stop;
-  if (!may_touch || !s.past.careful) {
+  const bool may_touch = options.contact == SelfContact::automatic;
+  const double stop = options.stop;
+  if (!may_touch || !past.careful) {
     // what lies on something has no second start either, and need not stride far
-    const bool lies = s.colliders && s.colliders->touching(before) > 0;
-    if (lies) s.past.second.reset(), s.past.descending = false;
-    const int most = lies ? s.options.max_iterations : s.most_iterations();
-    NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (s.is_coarse() ? 5 : 0)}), s.is_coarse() && s.past.descending ? NewtonOptions::descend : NewtonOptions::both};
-    if (may_touch) how.in_vain = [&](const Points3& x) { return !s.contact->clear(before, x, hard); };
+    const bool lies = colliders && colliders->touching(before) > 0;
+    if (lies) past.second.reset(), past.descending = false;
+    const int most = lies ? options.max_iterations : most_iterations();
+    NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (is_coarse() ? 5 : 0)}), is_coarse() && past.descending ? NewtonOptions::descend : NewtonOptions::both};
+    if (may_touch) how.in_vain = [&](const Points3& x) { return !contact->clear(before, x, hard); };
     if (lies) how.max_strides = std::min(how.max_strides, most_strides_on_colliders);
-    report = s.solve(sheet, held, hard, dt, nullptr, how, lies ? SecondWays::none : SecondWays::where_restless);
+    report = solve(sheet, held, hard, dt, nullptr, how, lies ? SecondWays::none : SecondWays::where_restless);
     report.leaving |= lies && !report.converged;
   }
   const auto jams = [&] {  // what is on its way may be stretched
-    return (report.converged && s.matrix && largest_stretch(sheet) > jam_stretch) || report.inside > jam_inside;
+    return (report.converged && matrix && largest_stretch(sheet) > jam_stretch) || report.inside > jam_inside;
   };
-  if (may_touch && (s.past.careful || jams() || !s.contact->clear(before, sheet.x, hard))) {
+  if (may_touch && (past.careful || jams() || !contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
     // beside itself the softened sheet soon meets its own parts: a second start finds nothing better there
-    const NewtonOptions how{stop, s.most_in_touch()};
-    report = s.solve(sheet, held, hard, dt, &*s.contact, how, SecondWays::none);
+    const NewtonOptions how{stop, most_in_touch()};
+    report = solve(sheet, held, hard, dt, &*contact, how, SecondWays::none);
     report.iterations += in_vain;
-    s.past.second.reset();
-    s.past.descending = false;
-    s.past.careful = report.touching > 0 || report.yielding > 0;
+    past.second.reset();
+    past.descending = false;
+    past.careful = report.touching > 0 || report.yielding > 0;
   }
   return report;
 }
