@@ -92,6 +92,8 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   CrumpleReport report;
   if (!moving) return report;
   const Points3 curvature = vertex_curvature(sheet);
+  // the edges of a crumple are where it folds: one that turns takes its fold with it
+  const bool smooth = sheet.singular.empty();
 
   // a conflict counts when it has lasted, on whatever mesh; the worst vertex and those about it are one conflict
   const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
@@ -131,7 +133,7 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   }
   const auto periods = [&](double time) { return std::floor((time + rounding) / options_.flip_period); };
   const bool time_to_flip = periods(now.seconds()) > periods(now.seconds() - now.dt);
-  if (time_to_flip || report.births > 0) {
+  if (smooth && (time_to_flip || report.births > 0)) {
     const Points3 bending = rulings_.empty() ? vertex_curvature(sheet) : bending_of(sheet);  // strips hide what is not along their edges
     report.flips = flip_towards_rulings(sheet, bending, options_.flip_gain);
   }
