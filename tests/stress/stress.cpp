@@ -1,6 +1,6 @@
 // Generated handle scripts, each run by a method in a process of its own and in bounded time: a table anyone can print.
 //
-//   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem|adaptive] [--jobs N] [--seconds N] [--json FILE] [--only INDEX]
+//   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem|adaptive] [--jobs N] [--seconds N] [--json FILE] [--only INDEX] [--rises]
 //
 // 1,000 scripts with seed 1 by every method without more words; what they do does not depend on how many run at a time. A script that
 // dies or does not end is named by its index, with what it did until then.
@@ -8,7 +8,8 @@
 // c_m above 2   mean length error above 2 % in a frame, of feasible scripts
 // unreported    a hard handle that is off by more than 1 % of the sheet (and 0.1 mm) and not called jammed, or an impossible pair of which
 //               none is called jammed in its worst frame
-// rises         energy of more than 1 % at a mesh that was proposed and taken; the adaptive method proposes none: its step is the relaxation
+// remeshed      changes of a mesh: proposed and taken, or done before a step, whose relaxation that step is
+// rises         with --rises, which takes its time from the frames': of them, those after which the sheet at rest, handles where they are, stores more than 1 % (and 1e-6 J) more than before
 // worst ms      the dearest frame: CPU time, one thread
 
 #include "core/measure.h"
@@ -23,6 +24,7 @@
 #include <fstream>
 #include <functional>
 #include <map>
+#include <optional>
 #include <nlohmann/json.hpp>
 #include <string>
 #include <sys/resource.h>
@@ -39,6 +41,7 @@ struct Run {
   std::uint32_t seed = 1;
   std::size_t jobs = std::max(1u, std::thread::hardware_concurrency());
   rlim_t seconds = 120;  // of CPU time, for one script
+  bool watch_rises = false;
 };
 
 /// What a script's process says of itself, through a pipe, after every frame and at its end.
@@ -46,7 +49,7 @@ struct Verdict {
   bool finished = false;   // all frames, or an error that was reported
   bool threw = false;      // such an error
   bool nan = false, feasible = true, unreported = false;
-  int frames = 0, unconverged = 0, rises = 0;   // rises: of more than 1 % of the energy at a remesh that was taken
+  int frames = 0, unconverged = 0, remeshed = 0, rises = 0;
   double c_m = 0, edge = 0, worst_ms = 0, triangles = 0;
   char error[200] = "";
 };
@@ -55,6 +58,37 @@ Method make_method(const std::string& name, const Script& script) {
   if (name == "fem") return fem(400);
   if (name == "adaptive") return adaptive(script.shot.pattern, 3000);
   return hybrid(script.shot.pattern, script.shot.paper, 120, CrumpleOptions{}, script.options.seed, 0);
+}
+
+/// [J] that the sheet stores at rest with all that handles need where it is, or nothing when it does not come to rest in the open.
+std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const Situation& is) {
+  Held held;
+  for (int v = 0; v < static_cast<int>(is.fixed.size()); ++v)
+    if (is.fixed[v]) held.vertices.push_back(v);
+  held.targets = sheet.x(held.vertices, Eigen::all);
+  ElasticOptions options;
+  options.max_iterations = 200;
+  Elastic elastic(script.shot.paper, options);
+  std::optional<PlasticGrid> memory;
+  if (is.memory) elastic.remember_in(&memory.emplace(*is.memory));
+  elastic.set_mesh(sheet);
+  const ElasticReport report = elastic.settle(sheet, held, is.now.dt, Settling::fully);
+  if (!report.converged || report.contact) return std::nullopt;
+  return report.energy;
+}
+
+/// The same, and tells of its changes of mesh.
+Method watched(Method method, const Script& script, Verdict& v) {
+  if (!method.remesh) return method;
+  method.remesh = [remesh = method.remesh, &script, &v](Sheet& sheet, const Situation& is) {
+    const Sheet before = sheet;
+    if (!remesh(sheet, is)) return false;
+    ++v.remeshed;
+    const std::optional<double> was = stored_at_rest(before, script, is), now = was ? stored_at_rest(sheet, script, is) : was;
+    v.rises += now && *now > 1.01 * *was + 1e-6;
+    return true;
+  };
+  return method;
 }
 
 /// Is none of a pair that is clearly impossible called jammed in its worst frame?
@@ -68,18 +102,19 @@ bool goes_unsaid(const Script& script, const AnimatedFrame& f) {
   });
 }
 
-Verdict play(const Script& script, const std::string& method, const std::function<void(const Verdict&)>& say) {
+Verdict play(const Script& script, const std::string& method, bool watch_rises, const std::function<void(const Verdict&)>& say) {
   Verdict v;
   v.feasible = script.impossible.empty();
   AnimateOptions options = script.options;
   if (method == "fem") options.memory = Memory::none;
   const double side = longer_side(script.shot.pattern);
   try {
-    animate(script.shot, make_method(method, script), options, [&](const AnimatedFrame& f) {
+    const Method plain = make_method(method, script);
+    animate(script.shot, watch_rises ? watched(plain, script, v) : plain, options, [&](const AnimatedFrame& f) {
       ++v.frames;
       v.nan |= !f.sheet->x.allFinite() || !std::isfinite(f.energy);
       v.unconverged += !f.converged;
-      v.rises += f.remesh == AnimatedFrame::accepted && f.remesh_rise > 0.01;
+      if (f.remesh == AnimatedFrame::accepted) ++v.remeshed, v.rises += f.remesh_rise > 0.01;
       const LengthDistortion d = length_distortion(*f.sheet);
       v.c_m = std::max(v.c_m, 100 * d.mean), v.edge = std::max(v.edge, 100 * d.largest);
       v.worst_ms = std::max(v.worst_ms, f.elastic_ms + f.geometry_ms);
@@ -119,7 +154,7 @@ Child start(int index, const Run& run, const std::string& method) {
     const auto say = [&](const Verdict& v) {
       if (write(ends[1], &v, sizeof v) != sizeof v) _exit(1);
     };
-    say(play(make_script(index, run.seed), method, say));
+    say(play(make_script(index, run.seed), method, run.watch_rises, say));
     _exit(0);
   }
   close(ends[1]);
@@ -157,7 +192,7 @@ std::vector<Outcome> run_all(const Run& run, const std::string& method) {
 }
 
 struct Counts {
-  int scripts = 0, finished = 0, threw = 0, nan = 0, crashed = 0, endless = 0, feasible = 0, c_m_above_2 = 0, unreported = 0, rises = 0, unconverged = 0;
+  int scripts = 0, finished = 0, threw = 0, nan = 0, crashed = 0, endless = 0, feasible = 0, c_m_above_2 = 0, unreported = 0, remeshed = 0, rises = 0, unconverged = 0;
   double worst_ms = 0, triangles = 0;
 };
 
@@ -165,20 +200,20 @@ void count(Counts& c, const Outcome& o) {
   const Verdict& v = o.verdict;
   ++c.scripts, c.finished += v.finished, c.threw += v.threw, c.nan += v.nan, c.crashed += o.crashed, c.endless += o.endless;
   c.feasible += v.feasible, c.c_m_above_2 += v.feasible && v.c_m > 2, c.unreported += v.unreported;
-  c.rises += v.rises, c.unconverged += v.unconverged > 0;
+  c.remeshed += v.remeshed, c.rises += v.rises, c.unconverged += v.unconverged > 0;
   c.worst_ms = std::max(c.worst_ms, v.worst_ms), c.triangles = std::max(c.triangles, v.triangles);
 }
 
-void print_row(const std::string& name, const Counts& c) {
-  std::printf("  %-28s %5d %8d %6d %5d %7d %7d %9d %11d %10d %6d %11d %9.0f %6.0f\n", name.c_str(), c.scripts, c.finished, c.threw, c.nan, c.crashed, c.endless,
-              c.feasible, c.c_m_above_2, c.unreported, c.rises, c.unconverged, c.worst_ms, c.triangles);
+void print_row(const std::string& name, const Counts& c, bool watches) {
+  std::printf("  %-28s %5d %8d %6d %5d %7d %7d %9d %11d %10d %8d %6s %11d %9.0f %6.0f\n", name.c_str(), c.scripts, c.finished, c.threw, c.nan, c.crashed, c.endless,
+              c.feasible, c.c_m_above_2, c.unreported, c.remeshed, watches ? std::to_string(c.rises).c_str() : "-", c.unconverged, c.worst_ms, c.triangles);
 }
 
 nlohmann::ordered_json report(const std::string& method, const Run& run) {
-  const auto [scripts, first, seed, jobs, seconds] = run;
+  const auto [scripts, first, seed, jobs, seconds, watches] = run;
   const std::vector<Outcome> outcomes = run_all(run, method);
-  std::printf("%s, seed %u\n  %-28s %5s %8s %6s %5s %7s %7s %9s %11s %10s %6s %11s %9s %6s\n", method.c_str(), seed, "", "all", "finished", "threw", "nan",
-              "crashed", "endless", "feasible", "c_m above 2", "unreported", "rises", "unconverged", "worst ms", "most triangles");
+  std::printf("%s, seed %u\n  %-28s %5s %8s %6s %5s %7s %7s %9s %11s %10s %8s %6s %11s %9s %6s\n", method.c_str(), seed, "", "all", "finished", "threw", "nan",
+              "crashed", "endless", "feasible", "c_m above 2", "unreported", "remeshed", "rises", "unconverged", "worst ms", "most triangles");
   std::map<std::string, Counts> by_kind;
   Counts all;
   for (int k = 0; k < scripts; ++k) {
@@ -186,8 +221,8 @@ nlohmann::ordered_json report(const std::string& method, const Run& run) {
     count(all, outcomes[k]);
   }
   for (const std::string& kind : kinds())
-    if (by_kind.count(kind)) print_row(kind, by_kind[kind]);
-  print_row("all", all);
+    if (by_kind.count(kind)) print_row(kind, by_kind[kind], run.watch_rises);
+  print_row("all", all, run.watch_rises);
   for (int k = 0; k < scripts; ++k) {
     const Outcome& o = outcomes[k];
     const Verdict& v = o.verdict;
@@ -208,7 +243,11 @@ int main(int argc, char** argv) {
   std::vector<std::string> methods{"hybrid", "fem", "adaptive"};
   std::string json;
   for (int i = 1; i < argc; i += 2) {
-    if (i + 1 == argc) return std::fprintf(stderr, "paperbake_stress [--scripts N] [--seed S] [--method M] [--jobs N] [--seconds N] [--json FILE] [--only I]\n"), 2;
+    if (!std::strcmp(argv[i], "--rises")) {
+      run.watch_rises = true;
+      if (++i == argc) break;
+    }
+    if (i + 1 == argc) return std::fprintf(stderr, "paperbake_stress [--scripts N] [--seed S] [--method M] [--jobs N] [--seconds N] [--json FILE] [--only I] [--rises]\n"), 2;
     const std::string option = argv[i], value = argv[i + 1];
     if (option == "--scripts") run.scripts = std::max(1, std::atoi(value.c_str()));
     else if (option == "--seed") run.seed = static_cast<unsigned>(std::atoi(value.c_str()));
