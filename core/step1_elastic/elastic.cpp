@@ -185,6 +185,15 @@ ElasticReport Elastic::Impl::go(Sheet& sheet, const Held& held, const Gripped& h
     if (lies) how.max_strides = std::min(how.max_strides, most_strides_on_colliders);
     report = solve(sheet, held, hard, dt, nullptr, how, lies ? SecondWays::none : SecondWays::where_restless);
     report.leaving |= lies && !report.converged;
+    const int more = most_more * options.max_iterations / usual_iterations;
+    if (is_coarse() && !lies && !report.converged && more > 0 && largest_stretch(sheet) > on_the_way) {
+      const ElasticReport so_far = report;
+      report = solve(sheet, held, hard, dt, nullptr, {stop, more, more, NewtonOptions::descend}, SecondWays::none);
+      report.iterations += so_far.iterations;
+      report.lower_branch = so_far.lower_branch;
+      report.leaving = so_far.leaving && !report.converged;
+      past.descending &= !report.converged;
+    }
   }
   const auto jams = [&] {  // what is on its way may be stretched
     return (report.converged && matrix && largest_stretch(sheet) > jam_stretch) || report.inside > jam_inside;

@@ -19,6 +19,8 @@ struct Patience {
 };
 inline constexpr Patience at_first{70, 30};      // of three steps: a flat sheet that chooses a side is to be done with it
 inline constexpr Patience later{42, 36}, beside_another{42, 15};
+inline constexpr int most_more = 40;           // ... beyond these, when they end in no shape of paper: an edge is stretched by
+inline constexpr double on_the_way = 0.006;    // [1] more than this
 inline constexpr int usual_iterations = 60;    // of the options, for which these hold
 inline constexpr int worth_a_try = 10;         // [1] iterations
 inline constexpr double worth_having = 0.02;   // [1] of the potential
