@@ -19,6 +19,7 @@ struct Crumpled {
   int births = 0;
   double first_birth = 0;         // [s]
   double c_m = 0, edge = 0;       // [1] mean over the frames; worst of all frames
+  double lag = 0;                 // [m] farthest that a handle is off
   std::map<int, double> plastic;  // [m rad] by frame
 };
 
@@ -57,6 +58,8 @@ Crumpled crumple(const Setting& setting) {
     c.crossed += crossings(*f.sheet) > 0;
     c.c_m += d.mean / options.last_frame;
     c.edge = std::max(c.edge, d.largest);
+    for (const HandleFrame& h : f.handles)
+      if (h.state != HandleFrame::free) c.lag = std::max(c.lag, (h.at - h.keyed).norm());
     if (c.births == 0 && f.new_singular > 0) c.first_birth = f.frame / options.fps;
     c.births = static_cast<int>(f.sheet->singular.size());
     c.plastic[f.frame] = f.plastic;
@@ -79,7 +82,7 @@ double births(const Crumpled& c) { return c.births; }
 
 TEST(CrumpleStatistics, TwelveBallsLetGoNeverCrossKeepTheirLengthsAndAreBrokenInManyPoints) {
   const std::vector<Crumpled> all = crumples({"S4r_release"}, 12);
-  std::vector<double> edges;
+  std::vector<double> edges, lags;
   for (const Crumpled& c : all) {
     EXPECT_EQ(c.crossed, 0);
     EXPECT_GE(c.births, 8);  // there are eight handles
@@ -87,11 +90,12 @@ TEST(CrumpleStatistics, TwelveBallsLetGoNeverCrossKeepTheirLengthsAndAreBrokenIn
     EXPECT_LE(c.c_m, 3e-4);
     EXPECT_NEAR(c.first_birth, 0.5, 0.25);
     EXPECT_GE(c.plastic.rbegin()->second, 0.9 * c.plastic.at(96));  // creases stay
-    edges.push_back(c.edge);
+    edges.push_back(c.edge), lags.push_back(c.lag);
   }
-  std::sort(edges.begin(), edges.end());
-  EXPECT_LE(edges[6], 0.01);
-  EXPECT_LE(edges.back(), 0.02);
+  std::sort(edges.begin(), edges.end()), std::sort(lags.begin(), lags.end());
+  EXPECT_LE(edges[6], 0.002);
+  EXPECT_LE(edges.back(), 0.01);
+  EXPECT_LE(lags[6], 0.014);  // fem of 3,000 triangles is 6 mm behind; the hybrid was 21 when its edges still turned
   EXPECT_NEAR(mean(all, births), 37, 8);  // a seed scatters by 8, so the mean of 12 by 2.3; 3.3 of these: 99.9 %
 }
 

@@ -47,6 +47,23 @@ TEST(Flips, EdgesTurnTowardsTheRulingsOfACylinder) {
   EXPECT_EQ(flip_towards_rulings(sheet, curvature, 0.8), 0);  // it has come to an end
 }
 
+TEST(Flips, NoEdgeTurnsOnASheetWithASingularPoint) {
+  Sheet smooth = test::hex_sheet(0.1, 0.1, 6, 0.25, 5);
+  for (int v = 0; v < smooth.pattern.rows(); ++v) smooth.x(v, 2) = 12 * std::pow(smooth.pattern(v, 0) + smooth.pattern(v, 1) - 0.1, 2);
+  Sheet broken = smooth;
+  broken.singular.push_back({{0.05, 0.05}, 1, "test"});
+  const Triangles before = smooth.triangles;
+  const auto flips = [](Sheet& sheet) {
+    Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, {}, 1, 0);
+    int flips = 0;
+    for (int frame = 1; frame <= 4; ++frame) flips += crumple.operate(sheet, std::vector<char>(sheet.pattern.rows(), 1), {frame}, true).flips;
+    return flips;
+  };
+  EXPECT_GT(flips(smooth), 5);
+  EXPECT_EQ(flips(broken), 0);
+  EXPECT_EQ(broken.triangles, before);
+}
+
 TEST(Flips, AFlatSheetKeepsANearDelaunayMesh) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   EXPECT_EQ(flip_towards_rulings(sheet, vertex_curvature(sheet), 0.8), 0);
