@@ -150,9 +150,51 @@ class Edges {
   std::map<std::pair<int, int>, int> left_;  // the triangle on the left of each directed edge
 };
 
+/// a and b lie on one of the lines, as far as `near` tells. [m]
+bool along(const std::vector<CreaseLine>& lines, const Vector2d& a, const Vector2d& b, double near) {
+  return std::any_of(lines.begin(), lines.end(), [&](const CreaseLine& line) {
+    const Vector2d d = line.b - line.a;
+    const auto on = [&](const Vector2d& p) { return (p - line.a - std::clamp((p - line.a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm() <= near; };
+    return on(a) && on(b);
+  });
+}
+
+/// Edges on the folds of the pattern.
+std::set<std::pair<int, int>> folded_edges(const RenderMesh& mesh, const std::vector<FoldLine>& folds) {
+  std::set<std::pair<int, int>> found;
+  for (int t = 0; t < mesh.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (const int a = mesh.triangles(t, i), b = mesh.triangles(t, (i + 1) % 3); a < b && on_fold(folds, mesh.pattern, a, b)) found.insert({a, b});
+  return found;
+}
+
+/// With every simulated edge, and every crease, as a row of edges.
+RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  const double near = 3e-6 * longer_side(pattern);
+  Pattern lined = pattern;
+  for (const CreaseLine& line : features.edges) lined.folds.push_back({{line.a, line.b}});
+  PatternMesh mesh = mesh_pattern(lined, edge, features.points, 0, border);
+  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, pattern.folds};
+  result.point_vertex.assign(mesh.point_vertex.begin(), mesh.point_vertex.begin() + features.points.size());
+  std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
+  for (int t = 0; t < result.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3); a < b && along(features.creases, result.pattern.row(a), result.pattern.row(b), near))
+        found.insert({a, b});
+  result.creases.assign(found.begin(), found.end());
+  return result;
+}
+
 }  // namespace
 
+bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseLine>& simulated) {
+  double length = 0;
+  for (const CreaseLine& line : simulated) length += (line.b - line.a).norm();
+  return length <= 6 * area(pattern) / edge;
+}
+
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  if (!features.edges.empty()) return mesh_along_edges(pattern, edge, features);
   const double exact = 1e-6 * longer_side(pattern);
   Sites sites(merge * edge);
   std::vector<int> site_of_point;
@@ -183,10 +225,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, {}};
   for (const int site : site_of_point) result.point_vertex.push_back(mesh.point_vertex[number[site]]);
   Edges edges(result.pattern, result.triangles);
-  std::set<std::pair<int, int>> found;
-  for (int t = 0; t < result.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3); a < b && on_fold(pattern.folds, result.pattern, a, b)) found.insert({a, b});
+  std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
   for (const std::vector<int>& row : rows)
     for (std::size_t k = 0; k + 1 < row.size(); ++k) {
       const int a = mesh.point_vertex[number[row[k]]], b = mesh.point_vertex[number[row[k + 1]]];

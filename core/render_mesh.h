@@ -18,6 +18,7 @@ struct CreaseLine {
 struct RenderFeatures {
   std::vector<Vector2d> points;     // [m] vertices: handles, the rims of their discs, singular points
   std::vector<CreaseLine> creases;
+  std::vector<CreaseLine> edges = {};  // of meshes that were simulated: rows of edges, to a millionth of the sheet
 };
 
 /// One mesh of the pattern for all frames of a shot.
@@ -35,8 +36,12 @@ struct RenderMesh {
 /// Beside the border they keep 0.15 edges away from it. Points of creases nearer than 0.3 edges to others become one with
 /// them: no needles where creases cross or run side by side. Creases beyond half a metre for each square decimetre and
 /// millimetre of edge [area / (2 edge)] are left out, the weightiest last.
+/// Simulated edges, when there are any, are rows of edges exactly, whatever the angles between them, and creases run along them.
 /// throws Error(Fault::scene) when the outline crosses or touches itself
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
+
+/// Simulated edges of so many metres leave room for triangles with this edge: no more than 6 m for each square metre and metre of edge.
+bool has_room(const Pattern&, double edge, const std::vector<CreaseLine>& simulated);
 
 /// The same with edges as much longer as it takes to have no more triangles than that.
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&, int most_triangles);
