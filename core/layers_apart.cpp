@@ -223,4 +223,21 @@ LayersApart::Outcome LayersApart::operator()(Points3& x, const Points3& facets, 
   }
 }
 
+LayersApart::Outcome LayersApart::in_turns(Points3& x, const Points3& facets, const Lengths& lengths, const std::vector<char>& held) const {
+  constexpr int most_turns = 6;
+  const Outcome first = (*this)(x, facets, {}, held);
+  if (!first.changed) return first;
+  Points3 now = x;
+  double least = lengths.worst(x);
+  Outcome best = first;
+  for (int turn = 0; turn < most_turns; ++turn) {
+    lengths.mend(now);
+    const Outcome outcome = (*this)(now, facets, {}, held);
+    const double worst = lengths.worst(now);
+    if (outcome.apart > best.apart || (outcome.apart == best.apart && worst < least)) least = worst, best.apart = outcome.apart, x = now;
+    if (!outcome.changed) break;
+  }
+  return best;
+}
+
 }  // namespace paperbake

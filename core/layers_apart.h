@@ -38,6 +38,13 @@ class LayersApart {
   using FacetAt = std::function<Vector3d(const Vector2d&)>;
   Outcome operator()(Points3& x, const Points3& facets, const FacetAt& facet_at, const std::vector<char>& held) const;
 
+  /// The same without facet_at, and in turns with what brings lengths back; of the turns' ends the one with the best lengths.
+  struct Lengths {
+    std::function<void(Points3& x)> mend;
+    std::function<double(const Points3& x)> worst;  // [1] of an edge
+  };
+  Outcome in_turns(Points3& x, const Points3& facets, const Lengths&, const std::vector<char>& held) const;
+
   /// No two triangles pass through each other.  x  |V|x3 [m]
   bool are_apart(const Points3& x) const;
 

@@ -1,5 +1,6 @@
 #include "core/render_mesh.h"
 
+#include "core/error.h"
 #include "core/folds.h"
 #include "core/pattern_mesh.h"
 
@@ -15,6 +16,7 @@ constexpr double merge = 0.31;   // [edges] points of creases nearer than this a
 constexpr double spacing = 0.66; // [edges] at most, between points of a crease
 constexpr double clear = 0.15;   // [edges] from the border, of points of a crease that runs along it
 constexpr double least_turned = 0.14;  // [rad] least angle of triangles that come of turning an edge: 8 degrees
+constexpr double most_length = 6;      // [1/m2 m] of simulated edges
 constexpr double border = 1e-3;  // [edges] how near the mesh follows it
 
 /// Points no two of which are nearer than a radius, found again by cells of it.
@@ -168,13 +170,20 @@ std::set<std::pair<int, int>> folded_edges(const RenderMesh& mesh, const std::ve
   return found;
 }
 
+bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseLine>& simulated) {
+  double length = 0;
+  for (const CreaseLine& line : simulated) length += (line.b - line.a).norm();
+  return length <= most_length * area(pattern) / edge;
+}
+
 /// With every simulated edge, and every crease, as a row of edges.
+/// throws Error(Fault::scene) when some cross so near to others that no triangulation has them all
 RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFeatures& features) {
   const double near = 3e-6 * longer_side(pattern);
   Pattern lined = pattern;
   for (const CreaseLine& line : features.edges) lined.folds.push_back({{line.a, line.b}});
   PatternMesh mesh = mesh_pattern(lined, edge, features.points, 0, border);
-  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, pattern.folds};
+  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, pattern.folds, true};
   result.point_vertex.assign(mesh.point_vertex.begin(), mesh.point_vertex.begin() + features.points.size());
   std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
   for (int t = 0; t < result.triangles.rows(); ++t)
@@ -187,14 +196,13 @@ RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFea
 
 }  // namespace
 
-bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseLine>& simulated) {
-  double length = 0;
-  for (const CreaseLine& line : simulated) length += (line.b - line.a).norm();
-  return length <= 6 * area(pattern) / edge;
-}
-
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
-  if (!features.edges.empty()) return mesh_along_edges(pattern, edge, features);
+  if (!features.edges.empty() && has_room(pattern, edge, features.edges)) {
+    try {
+      return mesh_along_edges(pattern, edge, features);
+    } catch (const Error&) {  // without them it is as good a mesh, and what is wrong with the pattern itself is said below
+    }
+  }
   const double exact = 1e-6 * longer_side(pattern);
   Sites sites(merge * edge);
   std::vector<int> site_of_point;

@@ -17,8 +17,8 @@ CreasedNormals normals_of(const RenderMesh& mesh) {
 
 }  // namespace
 
-RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine, Facets facets)
-    : facets_(facets), coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options, coarse_.folds), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(normals_of(coarse_)) {
+RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine)
+    : facets_(mesh.along_edges ? Facets::own : Facets::cut), coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options, coarse_.folds), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(normals_of(coarse_)) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
   apart_.emplace(this->mesh().pattern, this->mesh().triangles);
   if (!fine_) return;
@@ -114,25 +114,25 @@ bool RenderSheet::cuts_through_itself(const Sheet& sheet, const std::vector<Plac
 /// returns  x was changed
 bool RenderSheet::keep_apart(Points3& x, const Sheet& sheet, const std::vector<Place>& places) const {
   const Points3 exact = facets(sheet, places);
+  const LayersApart::Lengths lengths{[this](Points3& at) { limit(at); }, [this](const Points3& at) { return worst_edge(at); }};
+  // among simulated edges there are needles, which may turn over where no layers meet
+  if (facets_ == Facets::own) return apart_->in_turns(x, exact, lengths, is_held_).changed;
   Eigen::VectorXd off = Eigen::VectorXd::Zero(sheet.triangles.rows());
   for (std::size_t v = 0; v < places.size(); ++v) off[places[v].triangle] = std::max(off[places[v].triangle], (x.row(v) - exact.row(v)).norm());
   if (!may_meet_itself(sheet, off)) return false;
   // what is off in its lengths then is mended, as far as layers stay apart
   constexpr int most_turns = 6;
+  Points3 mended = exact;
+  limit(mended);
   const Locator locator(sheet.pattern, sheet.triangles);
-  Points3 facets = exact;
-  LayersApart::FacetAt facet_at;
-  if (facets_ == Facets::cut) {
-    limit(facets);
-    facet_at = [&](const Vector2d& p) { return interpolate(locator.locate(p), sheet.triangles, sheet.x); };
-  }
-  LayersApart::Outcome outcome = (*apart_)(x, facets, facet_at, is_held_);
+  const auto facet_at = [&](const Vector2d& p) { return interpolate(locator.locate(p), sheet.triangles, sheet.x); };
+  LayersApart::Outcome outcome = (*apart_)(x, mended, facet_at, is_held_);
   const bool changed = outcome.changed;
   for (int turn = 0; outcome.changed && turn < most_turns; ++turn) {
     limit(x);
-    outcome = (*apart_)(x, facets, facet_at, is_held_);
+    outcome = (*apart_)(x, mended, facet_at, is_held_);
   }
-  if (!outcome.apart) (*apart_)(x, exact, {}, is_held_);
+  if (!outcome.apart) apart_->in_turns(x, exact, lengths, is_held_);
   return changed;
 }
 
@@ -142,9 +142,8 @@ RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& feat
   const int refine = quality == Quality::hero ? 1 : 0;
   LocalGlobalOptions options;
   options.length = simulated_edge / 6;
-  RenderFeatures shown = features;
-  if (!has_room(pattern, edge, features.edges)) shown.edges.clear();
-  return RenderSheet(mesh_for_render(pattern, edge, shown, most_triangles >> (2 * refine)), options, refine, shown.edges.empty() ? RenderSheet::Facets::cut : RenderSheet::Facets::own);
+  RenderMesh mesh = mesh_for_render(pattern, edge, features, most_triangles >> (2 * refine));
+  return RenderSheet(std::move(mesh), options, refine);
 }
 
 }  // namespace paperbake

@@ -28,8 +28,7 @@ struct RenderFrame {
 class RenderSheet {
  public:
   /// refine  [1] 0, or 1: every triangle in four at the end
-  enum class Facets { cut, own };  // the simulated edges cut through triangles of the mesh; they are among its edges
-  RenderSheet(RenderMesh, const LocalGlobalOptions&, int refine, Facets = Facets::cut);
+  RenderSheet(RenderMesh, const LocalGlobalOptions&, int refine);
 
   const RenderMesh& mesh() const { return fine_ ? fine_->mesh : coarse_; }
   const Triangles& normal_of_corner() const { return (fine_normals_ ? *fine_normals_ : coarse_normals_).of_corner(); }
@@ -57,12 +56,14 @@ class RenderSheet {
   void shade(RenderFrame&) const;
   /// Lengths back to the limit.
   void limit(Points3& x) const { (fine_ ? *fine_limit_ : coarse_limit_)(x, is_held_); }
+  double worst_edge(const Points3& x) const { return (fine_ ? *fine_limit_ : coarse_limit_).worst(x); }
   const std::vector<char>& is_held() const { return is_held_; }
 
   /// Pairs of triangles of mesh() that pass through each other. x  |V|x3 [m]
   int crossings(const Points3& x) const;
 
  private:
+  enum class Facets { cut, own };  // the simulated edges cut through triangles of the mesh; they are among its edges
   bool keep_apart(Points3& x, const Sheet&, const std::vector<Place>&) const;
 
   Facets facets_;
@@ -81,7 +82,7 @@ class RenderSheet {
 /// The render mesh of a shot. Edges of 5, 2 or 1 mm on a sheet of 0.2 m, and as much longer as it is larger; at most 400,000
 /// triangles. Hero is shot in four.
 /// simulated_edge  [m] mean edge of the meshes that were simulated: a sixth of it is what is smoothed over
-/// features  with simulated edges, when there are any and there is room for them: then the mesh can go back to any simulated shape exactly
+/// features  with simulated edges, when there are any: then the mesh can go back to any simulated shape exactly
 RenderSheet make_render_sheet(const Pattern&, const RenderFeatures&, double simulated_edge, Quality);
 
 }  // namespace paperbake
