@@ -169,11 +169,6 @@ void LayersApart::push(int s, int t, const Points3& x, const FacetAt& facet_at, 
   }
 }
 
-bool LayersApart::are_apart(const Points3& x) const {
-  const auto candidates = tree_.near(x, x);
-  return std::none_of(candidates.begin(), candidates.end(), [&](const auto& pair) { return cross(x, triangles_, pair.first, pair.second); });
-}
-
 LayersApart::Outcome LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& facet_at, const std::vector<char>& held) const {
   const auto candidates = tree_.near(x, facets);
   if (candidates.empty()) return {false, true};

@@ -45,9 +45,6 @@ class LayersApart {
   };
   Outcome in_turns(Points3& x, const Points3& facets, const Lengths&, const std::vector<char>& held) const;
 
-  /// No two triangles pass through each other.  x  |V|x3 [m]
-  bool are_apart(const Points3& x) const;
-
   const TriangleTree& tree() const { return tree_; }
 
  private:

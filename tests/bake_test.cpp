@@ -202,6 +202,13 @@ TEST(Gates, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
   EXPECT_EQ(missed_gates({}, {record}, {}), std::vector<std::string>{"Frame 7: 3 pairs of rendered triangles pass through each other."});
 }
 
+TEST(Gates, ACrossingOfTheRenderMeshesOfTwoSheetsIsOneThatIsMissed) {
+  FrameRecord record;
+  record.frame = 7;
+  record.render = {100, 0, 0, 1, 0, true, 5};
+  EXPECT_EQ(missed_gates({}, {record}, {}), std::vector<std::string>{"Frame 7: 5 pairs of rendered triangles of two sheets pass through each other."});
+}
+
 TEST_F(ABake, HasOneRenderMeshForTheWholeShotAsFineAsTheQualitySays) {
   const auto triangles = [](const std::vector<Record>& frames) {
     std::set<int> all;

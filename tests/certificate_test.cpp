@@ -30,7 +30,7 @@ FrameRecord full_record() {
   r.newton_iterations = 11;
   r.converged = false;
   r.energy_J = 1.7e-5;
-  r.render = {5860, 0.02, 2.5, 3, 9, true};
+  r.render = {5860, 0.02, 2.5, 3, 9, true, 6};
   r.crossings = 4;
   r.touching = 7;
   r.touching_others = 8;
@@ -77,6 +77,7 @@ TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
   EXPECT_EQ(line["render_stretch_max_pct"], 2.5);
   EXPECT_EQ(line["render_ms"], 3.0);
   EXPECT_EQ(line["render_crossings"], 9);
+  EXPECT_EQ(line["render_crossings_with_others"], 6);
   EXPECT_EQ(line["crossings"], 4);
   EXPECT_EQ(line["touching"], 7);
   EXPECT_EQ(line["touching_others"], 8);
