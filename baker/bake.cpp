@@ -92,6 +92,20 @@ std::vector<std::size_t> frames_of_sheets(const Certificate& certificate, const 
   return frames;
 }
 
+/// The second pass: what was recorded, on meshes for the whole shot; sheets that come near each other together.
+void render_outputs(const BakeSettings& settings, const BakePlan& plan, const std::vector<std::unique_ptr<SheetOutput>>& outputs, const FrameSpan& frames, Losses& losses) {
+  std::vector<ShownSheet> shown;
+  std::vector<const ShotRecord*> records;
+  for (const auto& output : outputs)
+    if (auto sheet = output->finish_frames()) shown.push_back(std::move(*sheet)), records.push_back(shown.back().record);
+  for (const std::vector<std::size_t>& list : near_each_other(records)) {
+    std::vector<ShownSheet> sheets;
+    std::vector<std::string> names;
+    for (const std::size_t s : list) sheets.push_back(shown[s]), names.push_back('"' + shown[s].shot->sheet_name + '"');
+    losses.attempt(fmt::format("render mesh of sheet {}", fmt::join(names, ", ")), [&] { render_shot(sheets, settings.quality, frames, plan.animation.fps, settings.threads); });
+  }
+}
+
 enum class ShowMemory { wanted, no };
 
 /// Polished frames depend on those behind them; what paper touches of colliders is not in the state.
@@ -183,6 +197,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   if (!checkpoints.failure().empty()) progress.say("warning: what a later bake would go on from could not be kept: " + checkpoints.failure());
   if (certificate.frames.empty() && failure) throw *failure;
   if (certificate.frames.empty()) throw files.losses.all().front().error;
+  render_outputs(settings, plan, outputs, caches.shown_frames(), files.losses);
   for (const auto& output : outputs) output->finish();
   const Caches::Finished whole = caches.finish(frames_of_sheets(certificate, plan), certificate.handles);
   files.written.insert(files.written.begin(), whole.files.begin(), whole.files.end());

@@ -2,7 +2,6 @@
 
 #include "baker/cache_measure.h"
 #include "baker/debug_pictures.h"
-#include "baker/render_pass.h"
 #include "core/crease_network.h"
 #include "core/curvature.h"
 #include "core/measure.h"
@@ -68,10 +67,22 @@ void SheetOutput::take(const AnimatedFrame& frame) {
   if (wanted) progress_.simulated(certificate_.frames.back());
 }
 
-void SheetOutput::finish() {
+std::optional<ShownSheet> SheetOutput::finish_frames() {
   release_waiting(nullptr);
   certificate_.crease_length += crease_network(now_).length;
-  files_.losses.attempt("render mesh of sheet \"" + shot_.sheet_name + "\"", [&] { write_render_frames(); });
+  if (record_.frames().empty()) return {};
+  ShownSheet shown{&record_, &shot_, {}, [this](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
+    while (certificate_.frames[rendered_].frame != number || certificate_.frames[rendered_].sheet != shot_.sheet_name) ++rendered_;
+    FrameRecord& r = certificate_.frames[rendered_];
+    r.render = numbers;
+    r.content_hash = caches_.add_frame(sheet_, number, frame);
+    progress_.rendered(r);
+  }};
+  if (damage_) shown.layers = [this](std::size_t k, const Points2& pattern) { return damage_->at(k, record_, pattern); };
+  return shown;
+}
+
+void SheetOutput::finish() {
   if (!map_) return;
   write_map("final");
   if (caches_.report()) caches_.report()->add_map(shot_.sheet_name + ": creases and singular points", png_bytes(map_->picture(map_info())));
@@ -157,22 +168,6 @@ void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) {
   if (files_.losses.attempt(file.string(), [&] { write_png(file, debug_picture(shot_, frame, title)); })) files_.pictures.push_back(file);
 }
 
-/// The second pass: what was recorded, on one mesh.
-void SheetOutput::write_render_frames() {
-  if (record_.frames().empty()) return;
-  std::size_t at = 0;
-  LayersOfFrame layers;
-  if (damage_) layers = [&](std::size_t k, const Points2& pattern) { return damage_->at(k, record_, pattern); };
-  render_shot(record_, shot_, settings_.quality, caches_.shown_frames(), plan_.animation.fps, settings_.threads, layers,
-              [&](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
-    while (certificate_.frames[at].frame != number || certificate_.frames[at].sheet != shot_.sheet_name) ++at;
-    FrameRecord& r = certificate_.frames[at];
-    r.render = numbers;
-    r.content_hash = caches_.add_frame(sheet_, number, frame);
-    progress_.rendered(r);
-  });
-}
-
 MapInfo SheetOutput::map_info() const {
   return {last_map_frame_, plan_.animation.fps, plan_.seeds[sheet_], plan_.presets[sheet_]};
 }
@@ -199,7 +194,7 @@ void SheetOutput::release_waiting(const Sheet* next) {
   else if (has_before) waiting_->velocity = fps * (now_.x - carried(before_));
   FrameRecord& r = certificate_.frames[waiting_record_];
   const LengthDistortion stored = cache_distortion(*waiting_, longer_side(shot_.pattern));
-  r.render = {static_cast<int>(waiting_->triangles.rows()), 100 * stored.mean, 100 * stored.largest, 0, r.crossings, false};
+  r.render = {static_cast<int>(waiting_->triangles.rows()), 100 * stored.mean, 100 * stored.largest, 0, r.crossings, false, r.crossings_with_others};
   r.content_hash = caches_.add_frame(sheet_, r.frame, *waiting_);
   waiting_.reset();
 }

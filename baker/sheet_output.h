@@ -4,6 +4,7 @@
 #include "baker/damage_layers.h"
 #include "baker/plan.h"
 #include "baker/progress.h"
+#include "baker/render_pass.h"
 #include "baker/sheets_together.h"
 #include "core/animate.h"
 #include "core/shot_record.h"
@@ -44,7 +45,9 @@ class SheetOutput {
 
   void take(const AnimatedFrame&);
 
-  /// After the last frame.
+  /// After the last frame: what there is to render; nothing where simulated meshes are cached, or none.
+  std::optional<ShownSheet> finish_frames();
+  /// After they were rendered.
   void finish();
 
  private:
@@ -53,7 +56,6 @@ class SheetOutput {
   void record_handles(const AnimatedFrame&);
   void draw_map(const AnimatedFrame&);
   void draw_debug_picture(const AnimatedFrame&);
-  void write_render_frames();
   void write_map(const std::string& frame);
   MapInfo map_info() const;
   void wait(const Sheet&);
@@ -77,6 +79,7 @@ class SheetOutput {
   int last_map_frame_ = 0;
   Sheet before_, now_;                         // one frame before the waiting one, and that
   std::optional<CacheFrame> waiting_;
+  std::size_t rendered_ = 0;                   // line of the certificate from which the next that is rendered is looked for
   std::size_t waiting_record_ = 0;             // its line of the certificate
 };
 

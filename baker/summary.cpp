@@ -110,6 +110,7 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   check(gates.handle_err_mm, [](const FrameRecord& f) { return f.handle_err_max_mm; }, "Frame {frame}: a handle is off by {value:.2f} mm, more than {limit:g} mm.");
   check(0, [](const FrameRecord& f) { return double(f.crossings); }, "Frame {frame}: {value:.0f} pairs of triangles pass through each other.");
   check(0, [](const FrameRecord& f) { return f.render ? double(f.render->crossings) : 0; }, "Frame {frame}: {value:.0f} pairs of rendered triangles pass through each other.");
+  check(0, [](const FrameRecord& f) { return f.render ? double(f.render->crossings_with_others) : 0; }, "Frame {frame}: {value:.0f} pairs of rendered triangles of two sheets pass through each other.");
   if (!plan.impossible.empty())
     missed.push_back(fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}", plan.impossible.size(),
                                  describe(plan.impossible.front())));
@@ -153,6 +154,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {"render_triangles", render_spread(frames, [](const RenderNumbers& r) { return double(r.triangles); })},
       {"render_ms", render_spread(frames, [](const RenderNumbers& r) { return r.ms; })},
       {"render_crossings", render_spread(frames, [](const RenderNumbers& r) { return double(r.crossings); })},
+      {"render_crossings_with_others", render_spread(frames, [](const RenderNumbers& r) { return double(r.crossings_with_others); })},
       {"elastic_ms", spread(frames, [](const FrameRecord& f) { return f.elastic_ms; })},
       {"geometry_ms", spread(frames, [](const FrameRecord& f) { return f.geometry_ms; })},
       {"newton_iterations", spread(frames, [](const FrameRecord& f) { return double(f.newton_iterations); })},

@@ -52,6 +52,36 @@ double distance(const Corners& p, const Corners& q) {
   return least;
 }
 
+/// The patterns of meshes in a row, farther from each other than they are wide. [m]
+Points2 side_by_side(const std::vector<const RenderMesh*>& meshes) {
+  long vertices = 0;
+  for (const RenderMesh* mesh : meshes) vertices += mesh->pattern.rows();
+  Points2 all(vertices, 2);
+  long from = 0;
+  double x = 0;
+  for (const RenderMesh* mesh : meshes) {
+    const Eigen::RowVector2d low = mesh->pattern.colwise().minCoeff(), size = mesh->pattern.colwise().maxCoeff() - low;
+    x += size.x();
+    all.middleRows(from, mesh->pattern.rows()) = mesh->pattern.rowwise() + (Eigen::RowVector2d(x, 0) - low);
+    x += 2 * size.x();
+    from += mesh->pattern.rows();
+  }
+  return all;
+}
+
+Triangles in_a_row(const std::vector<const RenderMesh*>& meshes) {
+  long triangles = 0;
+  for (const RenderMesh* mesh : meshes) triangles += mesh->triangles.rows();
+  Triangles all(triangles, 3);
+  long from = 0, vertices = 0;
+  for (const RenderMesh* mesh : meshes) {
+    all.middleRows(from, mesh->triangles.rows()) = mesh->triangles.array() + static_cast<int>(vertices);
+    from += mesh->triangles.rows();
+    vertices += mesh->pattern.rows();
+  }
+  return all;
+}
+
 }  // namespace
 
 bool may_meet_itself(const Sheet& sheet, const Eigen::VectorXd& off) {
@@ -68,11 +98,24 @@ bool may_meet_itself(const Sheet& sheet, const Eigen::VectorXd& off) {
 }
 
 LayersApart::LayersApart(const Points2& pattern, const Triangles& triangles)
-    : pattern_(pattern), triangles_(triangles), tree_(pattern, triangles), radius_(radius * mean_edge(pattern, triangles)), start_(pattern.rows() + 1, 0) {
+    : pattern_(pattern), triangles_(triangles), tree_(pattern, triangles), radius_(pattern.rows(), radius * mean_edge(pattern, triangles)) {
+  find_neighbours();
+}
+
+LayersApart::LayersApart(const std::vector<const RenderMesh*>& meshes) : LayersApart(side_by_side(meshes), in_a_row(meshes)) {
+  std::size_t v = 0;
+  for (const RenderMesh* mesh : meshes) {
+    const double of_mesh = radius * mean_edge(mesh->pattern, mesh->triangles);
+    for (long k = 0; k < mesh->pattern.rows(); ++k) radius_[v++] = of_mesh;
+  }
+}
+
+void LayersApart::find_neighbours() {
+  start_.assign(pattern_.rows() + 1, 0);
   std::vector<std::pair<int, int>> ways;
-  for (int t = 0; t < triangles.rows(); ++t)
+  for (int t = 0; t < triangles_.rows(); ++t)
     for (int i = 0; i < 3; ++i)
-      for (const int k : {1, 2}) ways.emplace_back(triangles(t, i), triangles(t, (i + k) % 3));
+      for (const int k : {1, 2}) ways.emplace_back(triangles_(t, i), triangles_(t, (i + k) % 3));
   std::sort(ways.begin(), ways.end());
   ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
   for (const auto& [a, b] : ways) ++start_[a + 1], beside_.push_back(b);
@@ -80,15 +123,16 @@ LayersApart::LayersApart(const Points2& pattern, const Triangles& triangles)
 }
 
 void LayersApart::spread(int u, double need, std::vector<char>& seen, std::vector<double>& share) const {
+  const double r = radius_[u];
   std::vector<int> reached{u};
   seen[u] = 1;
   for (std::size_t k = 0; k < reached.size(); ++k) {
     const int v = reached[k];
-    const double r2 = (pattern_.row(v) - pattern_.row(u)).squaredNorm() / (radius_ * radius_);
+    const double r2 = (pattern_.row(v) - pattern_.row(u)).squaredNorm() / (r * r);
     share[v] = std::max(share[v], need * (1 - r2) * (1 - r2));
     for (int e = start_[v]; e < start_[v + 1]; ++e) {
       const int w = beside_[e];
-      if ((pattern_.row(w) - pattern_.row(u)).squaredNorm() >= radius_ * radius_ || seen[w]) continue;
+      if ((pattern_.row(w) - pattern_.row(u)).squaredNorm() >= r * r || seen[w]) continue;
       seen[w] = 1;
       reached.push_back(w);
     }
@@ -125,9 +169,9 @@ void LayersApart::push(int s, int t, const Points3& x, const FacetAt& facet_at, 
   }
 }
 
-bool LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& facet_at, const std::vector<char>& held) const {
+LayersApart::Outcome LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& facet_at, const std::vector<char>& held) const {
   const auto candidates = tree_.near(x, facets);
-  if (candidates.empty()) return false;
+  if (candidates.empty()) return {false, true};
   const int vertices = static_cast<int>(x.rows());
   const Points3 curved = x;
   Points3 pushed = Points3::Zero(vertices, 3);
@@ -146,8 +190,8 @@ bool LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& f
       crossed[k] = cross(x, triangles_, s, t);
       if (!crossed[k]) continue;
       any = true;
-      bool may_rise = (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() > radius_;
-      for (int i = 0; i < 3; ++i) may_rise &= need[triangles_(s, i)] < 1 && need[triangles_(t, i)] < 1;
+      bool may_rise = !facet_at || (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() > radius_[triangles_(s, 0)];
+      for (int i = 0; facet_at && i < 3; ++i) may_rise &= need[triangles_(s, i)] < 1 && need[triangles_(t, i)] < 1;
       if (!may_rise) {
         push(s, t, x, facet_at, now);
         push(t, s, x, facet_at, now);
@@ -155,11 +199,12 @@ bool LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& f
       }
       for (int i = 0; i < 3; ++i)
         for (const int v : {triangles_(s, i), triangles_(t, i)})
-          if (!raising[v]) raising[v] = 1, raised.push_back(v);
+          if (!raising[v] && need[v] < 1) raising[v] = 1, raised.push_back(v);
     }
-    if (!any || round == rounds) return round > 0;
+    if (!any) return {round > 0, true};
+    if (facet_at ? round == rounds : raised.empty()) return {round > 0, false};
     for (const int v : raised) {
-      need[v] = std::min(1.0, std::max(need[v], share[v]) + more);
+      need[v] = round < rounds ? std::min(1.0, std::max(need[v], share[v]) + more) : 1;
       spread(v, need[v], seen, share);
     }
     for (int v = 0; v < vertices; ++v) {
@@ -171,6 +216,23 @@ bool LayersApart::operator()(Points3& x, const Points3& facets, const FacetAt& f
       x.row(v) = to;
     }
   }
+}
+
+LayersApart::Outcome LayersApart::in_turns(Points3& x, const Points3& facets, const Lengths& lengths, const std::vector<char>& held) const {
+  constexpr int most_turns = 6;
+  const Outcome first = (*this)(x, facets, {}, held);
+  if (!first.changed) return first;
+  Points3 now = x;
+  double least = lengths.worst(x);
+  Outcome best = first;
+  for (int turn = 0; turn < most_turns; ++turn) {
+    lengths.mend(now);
+    const Outcome outcome = (*this)(now, facets, {}, held);
+    const double worst = lengths.worst(now);
+    if (outcome.apart > best.apart || (outcome.apart == best.apart && worst < least)) least = worst, best.apart = outcome.apart, x = now;
+    if (!outcome.changed) break;
+  }
+  return best;
 }
 
 }  // namespace paperbake

@@ -1,5 +1,6 @@
 #include "core/render_mesh.h"
 
+#include "core/error.h"
 #include "core/folds.h"
 #include "core/pattern_mesh.h"
 
@@ -15,6 +16,7 @@ constexpr double merge = 0.31;   // [edges] points of creases nearer than this a
 constexpr double spacing = 0.66; // [edges] at most, between points of a crease
 constexpr double clear = 0.15;   // [edges] from the border, of points of a crease that runs along it
 constexpr double least_turned = 0.14;  // [rad] least angle of triangles that come of turning an edge: 8 degrees
+constexpr double most_length = 6;      // [1/m2 m] of simulated edges
 constexpr double border = 1e-3;  // [edges] how near the mesh follows it
 
 /// Points no two of which are nearer than a radius, found again by cells of it.
@@ -150,9 +152,57 @@ class Edges {
   std::map<std::pair<int, int>, int> left_;  // the triangle on the left of each directed edge
 };
 
+/// a and b lie on one of the lines, as far as `near` tells. [m]
+bool along(const std::vector<CreaseLine>& lines, const Vector2d& a, const Vector2d& b, double near) {
+  return std::any_of(lines.begin(), lines.end(), [&](const CreaseLine& line) {
+    const Vector2d d = line.b - line.a;
+    const auto on = [&](const Vector2d& p) { return (p - line.a - std::clamp((p - line.a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d).norm() <= near; };
+    return on(a) && on(b);
+  });
+}
+
+/// Edges on the folds of the pattern.
+std::set<std::pair<int, int>> folded_edges(const RenderMesh& mesh, const std::vector<FoldLine>& folds) {
+  std::set<std::pair<int, int>> found;
+  for (int t = 0; t < mesh.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (const int a = mesh.triangles(t, i), b = mesh.triangles(t, (i + 1) % 3); a < b && on_fold(folds, mesh.pattern, a, b)) found.insert({a, b});
+  return found;
+}
+
+bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseLine>& simulated) {
+  double length = 0;
+  for (const CreaseLine& line : simulated) length += (line.b - line.a).norm();
+  return length <= most_length * area(pattern) / edge;
+}
+
+/// With every simulated edge, and every crease, as a row of edges.
+/// throws Error(Fault::scene) when some cross so near to others that no triangulation has them all
+RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  const double near = 3e-6 * longer_side(pattern);
+  Pattern lined = pattern;
+  for (const CreaseLine& line : features.edges) lined.folds.push_back({{line.a, line.b}});
+  PatternMesh mesh = mesh_pattern(lined, edge, features.points, 0, border);
+  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, pattern.folds, true};
+  result.point_vertex.assign(mesh.point_vertex.begin(), mesh.point_vertex.begin() + features.points.size());
+  std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
+  for (int t = 0; t < result.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3); a < b && along(features.creases, result.pattern.row(a), result.pattern.row(b), near))
+        found.insert({a, b});
+  result.creases.assign(found.begin(), found.end());
+  return result;
+}
+
 }  // namespace
 
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  if (!features.edges.empty() && has_room(pattern, edge, features.edges)) {
+    try {
+      return mesh_along_edges(pattern, edge, features);
+    } catch (const Error&) {  // without them it is as good a mesh, and what is wrong with the pattern itself is said below
+    }
+  }
   const double exact = 1e-6 * longer_side(pattern);
   Sites sites(merge * edge);
   std::vector<int> site_of_point;
@@ -183,10 +233,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, {}};
   for (const int site : site_of_point) result.point_vertex.push_back(mesh.point_vertex[number[site]]);
   Edges edges(result.pattern, result.triangles);
-  std::set<std::pair<int, int>> found;
-  for (int t = 0; t < result.triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3); a < b && on_fold(pattern.folds, result.pattern, a, b)) found.insert({a, b});
+  std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
   for (const std::vector<int>& row : rows)
     for (std::size_t k = 0; k + 1 < row.size(); ++k) {
       const int a = mesh.point_vertex[number[row[k]]], b = mesh.point_vertex[number[row[k + 1]]];

@@ -18,6 +18,7 @@ struct CreaseLine {
 struct RenderFeatures {
   std::vector<Vector2d> points;     // [m] vertices: handles, the rims of their discs, singular points
   std::vector<CreaseLine> creases;
+  std::vector<CreaseLine> edges = {};  // of meshes that were simulated: rows of edges, to a millionth of the sheet
 };
 
 /// One mesh of the pattern for all frames of a shot.
@@ -27,6 +28,7 @@ struct RenderMesh {
   std::vector<int> point_vertex;               // which vertex each point became; those nearer than 0.3 edges may share one
   std::vector<std::pair<int, int>> creases;    // edges (smaller vertex first, sorted) along which it may fold sharply
   std::vector<FoldLine> folds = {};            // of the pattern: creases however little they turn
+  bool along_edges = false;                    // it has the simulated edges
 };
 
 /// Near-equilateral triangles of this edge; the border as fine as a thousandth of it; every point a vertex.
@@ -35,6 +37,8 @@ struct RenderMesh {
 /// Beside the border they keep 0.15 edges away from it. Points of creases nearer than 0.3 edges to others become one with
 /// them: no needles where creases cross or run side by side. Creases beyond half a metre for each square decimetre and
 /// millimetre of edge [area / (2 edge)] are left out, the weightiest last.
+/// Simulated edges, when there are any, are rows of edges exactly, whatever the angles between them, and creases run along them. Where
+/// there are more than 6 m for each square metre and metre of edge, or some that cross within a millionth of the sheet, it has none of them.
 /// throws Error(Fault::scene) when the outline crosses or touches itself
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 

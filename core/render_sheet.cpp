@@ -18,7 +18,7 @@ CreasedNormals normals_of(const RenderMesh& mesh) {
 }  // namespace
 
 RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine)
-    : coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options, coarse_.folds), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(normals_of(coarse_)) {
+    : facets_(mesh.along_edges ? Facets::own : Facets::cut), coarse_(std::move(mesh)), local_global_(coarse_.pattern, coarse_.triangles, options, coarse_.folds), coarse_limit_(coarse_.pattern, coarse_.triangles), coarse_normals_(normals_of(coarse_)) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
   apart_.emplace(this->mesh().pattern, this->mesh().triangles);
   if (!fine_) return;
@@ -75,15 +75,19 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
   RenderFrame frame;
   frame.x = local_global_(y, curvature);
   coarse_limit_(frame.x, is_held_);
-  frame.normals = coarse_normals_.normals(frame.x);
   if (fine_) {
-    frame.x = fine_->positions(frame.x, frame.normals);
+    frame.x = fine_->positions(frame.x, coarse_normals_.normals(frame.x));
     (*fine_limit_)(frame.x, is_held_);
-    frame.normals = fine_normals_->normals(frame.x);
   }
-  keep_apart(frame, sheet, places);
-  frame.crease = (fine_ ? *fine_normals_ : coarse_normals_).strength(frame.x);
+  frame.kept_apart = keep_apart(frame.x, sheet, places);
+  shade(frame);
   return frame;
+}
+
+void RenderSheet::shade(RenderFrame& frame) const {
+  const CreasedNormals& normals = fine_ ? *fine_normals_ : coarse_normals_;
+  frame.normals = normals.normals(frame.x);
+  frame.crease = normals.strength(frame.x);
 }
 
 int RenderSheet::crossings(const Points3& x) const {
@@ -92,26 +96,44 @@ int RenderSheet::crossings(const Points3& x) const {
   return paperbake::crossings(Sheet{mesh().pattern, x, Points3(), mesh().triangles, {}});
 }
 
-void RenderSheet::keep_apart(RenderFrame& frame, const Sheet& sheet, const std::vector<Place>& places) const {
+Points3 RenderSheet::facets(const Sheet& sheet, const std::vector<Place>& places) const {
   Points3 facets(mesh().pattern.rows(), 3);
   for (std::size_t v = 0; v < places.size(); ++v) facets.row(v) = interpolate(places[v], sheet.triangles, sheet.x);
   if (fine_)
     for (std::size_t k = 0; k < fine_->middles.size(); ++k)
       facets.row(places.size() + k) = 0.5 * (facets.row(fine_->middles[k].a) + facets.row(fine_->middles[k].b));
+  return facets;
+}
+
+bool RenderSheet::cuts_through_itself(const Sheet& sheet, const std::vector<Place>& places) const {
+  // a chord across a fold is no farther from it than half its length
+  const double farthest = 0.5 * mean_edge(mesh().pattern, mesh().triangles);
+  return may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest)) && crossings(facets(sheet, places)) > 0 && paperbake::crossings(sheet) == 0;
+}
+
+/// returns  x was changed
+bool RenderSheet::keep_apart(Points3& x, const Sheet& sheet, const std::vector<Place>& places) const {
+  const Points3 exact = facets(sheet, places);
+  const LayersApart::Lengths lengths{[this](Points3& at) { limit(at); }, [this](const Points3& at) { return worst_edge(at); }};
+  // among simulated edges there are needles, which may turn over where no layers meet
+  if (facets_ == Facets::own) return apart_->in_turns(x, exact, lengths, is_held_).changed;
   Eigen::VectorXd off = Eigen::VectorXd::Zero(sheet.triangles.rows());
-  for (std::size_t v = 0; v < places.size(); ++v) off[places[v].triangle] = std::max(off[places[v].triangle], (frame.x.row(v) - facets.row(v)).norm());
-  if (!may_meet_itself(sheet, off)) return;
+  for (std::size_t v = 0; v < places.size(); ++v) off[places[v].triangle] = std::max(off[places[v].triangle], (x.row(v) - exact.row(v)).norm());
+  if (!may_meet_itself(sheet, off)) return false;
   // what is off in its lengths then is mended, as far as layers stay apart
   constexpr int most_turns = 6;
-  (fine_ ? *fine_limit_ : coarse_limit_)(facets, is_held_);
+  Points3 mended = exact;
+  limit(mended);
   const Locator locator(sheet.pattern, sheet.triangles);
   const auto facet_at = [&](const Vector2d& p) { return interpolate(locator.locate(p), sheet.triangles, sheet.x); };
-  for (int turn = 0; (*apart_)(frame.x, facets, facet_at, is_held_); ++turn) {
-    frame.kept_apart = true;
-    if (turn == most_turns) break;
-    (fine_ ? *fine_limit_ : coarse_limit_)(frame.x, is_held_);
+  LayersApart::Outcome outcome = (*apart_)(x, mended, facet_at, is_held_);
+  const bool changed = outcome.changed;
+  for (int turn = 0; outcome.changed && turn < most_turns; ++turn) {
+    limit(x);
+    outcome = (*apart_)(x, mended, facet_at, is_held_);
   }
-  if (frame.kept_apart) frame.normals = (fine_ ? *fine_normals_ : coarse_normals_).normals(frame.x);
+  if (!outcome.apart) apart_->in_turns(x, exact, lengths, is_held_);
+  return changed;
 }
 
 RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& features, double simulated_edge, Quality quality) {
@@ -120,7 +142,8 @@ RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& feat
   const int refine = quality == Quality::hero ? 1 : 0;
   LocalGlobalOptions options;
   options.length = simulated_edge / 6;
-  return RenderSheet(mesh_for_render(pattern, edge, features, most_triangles >> (2 * refine)), options, refine);
+  RenderMesh mesh = mesh_for_render(pattern, edge, features, most_triangles >> (2 * refine));
+  return RenderSheet(std::move(mesh), options, refine);
 }
 
 }  // namespace paperbake

@@ -46,12 +46,27 @@ class RenderSheet {
   /// Several threads may ask at the same time.
   RenderFrame frame(const Sheet&, const std::vector<Place>& places, const Points3& held_at) const;
 
+  /// The vertices of mesh() on the flat simulated triangles. |V|x3 [m]
+  Points3 facets(const Sheet&, const std::vector<Place>& places) const;
+
+  /// Layers of the sheet are so near each other that, joined by the triangles of mesh(), its facets() pass through each other though the sheet does not.
+  bool cuts_through_itself(const Sheet&, const std::vector<Place>& places) const;
+
+  /// What else a frame has, from its positions.
+  void shade(RenderFrame&) const;
+  /// Lengths back to the limit.
+  void limit(Points3& x) const { (fine_ ? *fine_limit_ : coarse_limit_)(x, is_held_); }
+  double worst_edge(const Points3& x) const { return (fine_ ? *fine_limit_ : coarse_limit_).worst(x); }
+  const std::vector<char>& is_held() const { return is_held_; }
+
   /// Pairs of triangles of mesh() that pass through each other. x  |V|x3 [m]
   int crossings(const Points3& x) const;
 
  private:
-  void keep_apart(RenderFrame&, const Sheet&, const std::vector<Place>&) const;
+  enum class Facets { cut, own };  // the simulated edges cut through triangles of the mesh; they are among its edges
+  bool keep_apart(Points3& x, const Sheet&, const std::vector<Place>&) const;
 
+  Facets facets_;
   RenderMesh coarse_;
   LocalGlobal local_global_;
   StrainLimit coarse_limit_;
@@ -67,6 +82,7 @@ class RenderSheet {
 /// The render mesh of a shot. Edges of 5, 2 or 1 mm on a sheet of 0.2 m, and as much longer as it is larger; at most 400,000
 /// triangles. Hero is shot in four.
 /// simulated_edge  [m] mean edge of the meshes that were simulated: a sixth of it is what is smoothed over
+/// features  with simulated edges, when there are any: then the mesh can go back to any simulated shape exactly
 RenderSheet make_render_sheet(const Pattern&, const RenderFeatures&, double simulated_edge, Quality);
 
 }  // namespace paperbake

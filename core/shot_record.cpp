@@ -10,6 +10,20 @@
 #include <cmath>
 
 namespace paperbake {
+namespace {
+
+/// An edge of a mesh, its ends in order; what tells it from others.
+CreaseLine line_of(const Points2& pattern, int v, int w) {
+  const Vector2d p = pattern.row(v), q = pattern.row(w);
+  const bool in_order = std::make_pair(p.x(), p.y()) < std::make_pair(q.x(), q.y());
+  return {in_order ? p : q, in_order ? q : p};
+}
+std::array<long, 4> key_of(const CreaseLine& line) {
+  const auto key = [](double c) { return std::lround(1e7 * c); };
+  return {key(line.a.x()), key(line.a.y()), key(line.b.x()), key(line.b.y())};
+}
+
+}  // namespace
 
 void ShotRecord::add(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
@@ -32,13 +46,10 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
     const double share = crease_share(fold_angle(sheet.x, hinge));
     if (share <= 0) continue;
-    const Vector2d p = sheet.pattern.row(hinge.vertices[0]), q = sheet.pattern.row(hinge.vertices[1]);
-    const bool in_order = std::make_pair(p.x(), p.y()) < std::make_pair(q.x(), q.y());
-    const Vector2d a = in_order ? p : q, b = in_order ? q : p;
-    const auto key = [](double c) { return std::lround(1e7 * c); };
-    Crease& crease = creases_[{key(a.x()), key(a.y()), key(b.x()), key(b.y())}];
-    crease.a = a;
-    crease.b = b;
+    const CreaseLine line = line_of(sheet.pattern, hinge.vertices[0], hinge.vertices[1]);
+    Crease& crease = creases_[key_of(line)];
+    crease.a = line.a;
+    crease.b = line.b;
     crease.frames += share;
   }
 }
@@ -58,6 +69,18 @@ RenderFeatures ShotRecord::features(const Shot& shot) const {
   for (const auto& [key, crease] : creases_)
     if (crease.frames >= least && !fold_under(shot.pattern.folds, crease.a, crease.b)) features.creases.push_back({crease.a, crease.b, crease.frames});
   return features;
+}
+
+std::vector<CreaseLine> ShotRecord::edges() const {
+  std::map<std::array<long, 4>, CreaseLine> found;
+  for (const Mesh& mesh : meshes_)
+    for (const Hinge& hinge : find_hinges(mesh.triangles).hinges) {
+      const CreaseLine line = line_of(mesh.pattern, hinge.vertices[0], hinge.vertices[1]);
+      found.emplace(key_of(line), line);
+    }
+  std::vector<CreaseLine> edges;
+  for (const auto& [key, line] : found) edges.push_back(line);
+  return edges;
 }
 
 double ShotRecord::edge() const { return frames_.empty() ? 0 : edges_ / frames_.size(); }

@@ -35,6 +35,9 @@ class ShotRecord {
   /// that were sharply folded for two frames' worth, or a quarter of the shot.
   RenderFeatures features(const Shot&) const;
 
+  /// Inner edges of all meshes, each once, in an order that depends on nothing else.
+  std::vector<CreaseLine> edges() const;
+
   /// Mean edge of the meshes, over the frames. [m]
   double edge() const;
 

@@ -61,4 +61,10 @@ void StrainLimit::operator()(Points3& x, const std::vector<char>& held) const {
   }
 }
 
+double StrainLimit::worst(const Points3& x) const {
+  double worst = 0;
+  for (const Edge& e : edges_) worst = std::max(worst, std::abs((x.row(e.a) - x.row(e.b)).norm() / e.rest - 1));
+  return worst;
+}
+
 }  // namespace paperbake

@@ -22,6 +22,8 @@ class StrainLimit {
   /// x  |V|x3 [m];  held  |V| vertices that stay. Several threads may ask at the same time.
   void operator()(Points3& x, const std::vector<char>& held) const;
 
+  double worst(const Points3& x) const;  // [1] largest |l - L|/L of an edge
+
  private:
   struct Edge {
     int a, b;

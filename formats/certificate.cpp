@@ -73,13 +73,14 @@ std::string frame_line(const FrameRecord& r) {
   line["newton_iterations"] = r.newton_iterations;
   line["converged"] = r.converged;
   add("energy_J", r.energy_J);
-  for (const char* field : {"render_triangles", "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings"}) line[field] = nullptr;
+  for (const char* field : {"render_triangles", "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "render_crossings_with_others"}) line[field] = nullptr;
   if (r.render) {
     line["render_triangles"] = r.render->triangles;
     add("render_stretch_mean_pct", r.render->stretch_mean_pct);
     add("render_stretch_max_pct", r.render->stretch_max_pct);
     add("render_ms", r.render->ms);
     line["render_crossings"] = r.render->crossings;
+    line["render_crossings_with_others"] = r.render->crossings_with_others;
   }
   line["crossings"] = r.crossings;
   line["crossings_with_others"] = r.crossings_with_others;

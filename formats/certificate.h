@@ -21,6 +21,7 @@ struct RenderNumbers {
   double ms = 0;                                     // CPU time: positions and normals, no writing; 0 for a simulated mesh
   int crossings = 0;                                 // pairs of its triangles that pass through each other
   bool kept_apart = false;                           // parts that would have passed through each other were taken apart
+  int crossings_with_others = 0;                     // of its triangles and those of sheets before it in the scene
 };
 
 /// How good one frame of one sheet is. One line of cert/frames.jsonl, keys in this order and with these names.
@@ -37,7 +38,7 @@ struct FrameRecord {
   int substeps = 1, newton_iterations = 0;
   bool converged = true;
   double energy_J = 0;
-  std::optional<RenderNumbers> render; // render_triangles, ..., render_crossings: null when the frame was not rendered
+  std::optional<RenderNumbers> render; // render_triangles, ..., render_crossings_with_others: null when the frame was not rendered
   int crossings = 0;                   // pairs of simulated triangles that pass through each other
   int crossings_with_others = 0;       // of them and triangles of sheets before it in the scene
   int touching = 0;                    // pairs of features of the mesh that contact keeps apart

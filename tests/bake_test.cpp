@@ -96,7 +96,7 @@ TEST_F(ABake, HasALineAFrameWithAllKeysOfTheDesignInTheirOrder) {
   const std::vector<std::string> keys{
       "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
       "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
-      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings",
+      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "render_crossings_with_others", "crossings",
       "crossings_with_others", "touching", "touching_others", "on_colliders", "inside_mm", "jammed", "note", "input_hash", "content_hash"};
   const std::vector<std::string> lines = lines_of(text("cert/frames.jsonl"));
   ASSERT_EQ(lines.size(), 6u);
@@ -200,6 +200,13 @@ TEST(Gates, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
   EXPECT_TRUE(missed_gates({}, {record}, {}).empty());
   record.render->crossings = 3;
   EXPECT_EQ(missed_gates({}, {record}, {}), std::vector<std::string>{"Frame 7: 3 pairs of rendered triangles pass through each other."});
+}
+
+TEST(Gates, ACrossingOfTheRenderMeshesOfTwoSheetsIsOneThatIsMissed) {
+  FrameRecord record;
+  record.frame = 7;
+  record.render = {100, 0, 0, 1, 0, true, 5};
+  EXPECT_EQ(missed_gates({}, {record}, {}), std::vector<std::string>{"Frame 7: 5 pairs of rendered triangles of two sheets pass through each other."});
 }
 
 TEST_F(ABake, HasOneRenderMeshForTheWholeShotAsFineAsTheQualitySays) {

@@ -30,7 +30,7 @@ FrameRecord full_record() {
   r.newton_iterations = 11;
   r.converged = false;
   r.energy_J = 1.7e-5;
-  r.render = {5860, 0.02, 2.5, 3, 9, true};
+  r.render = {5860, 0.02, 2.5, 3, 9, true, 6};
   r.crossings = 4;
   r.touching = 7;
   r.touching_others = 8;
@@ -48,7 +48,7 @@ TEST(Certificate, AFrameLineHasItsKeysInTheDocumentedOrder) {
   EXPECT_EQ(keys, (std::vector<std::string>{
       "frame", "sheet", "triangles", "stretch_mean_pct", "stretch_max_pct", "angle_defect_max_deg", "handle_err_max_mm", "singular",
       "new_singular", "elastic_ms", "geometry_ms", "substeps", "newton_iterations", "converged", "energy_J", "render_triangles",
-      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "crossings",
+      "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "render_crossings_with_others", "crossings",
       "crossings_with_others", "touching", "touching_others", "on_colliders", "inside_mm", "jammed", "note", "input_hash", "content_hash"}));
 }
 
@@ -77,6 +77,7 @@ TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
   EXPECT_EQ(line["render_stretch_max_pct"], 2.5);
   EXPECT_EQ(line["render_ms"], 3.0);
   EXPECT_EQ(line["render_crossings"], 9);
+  EXPECT_EQ(line["render_crossings_with_others"], 6);
   EXPECT_EQ(line["crossings"], 4);
   EXPECT_EQ(line["touching"], 7);
   EXPECT_EQ(line["touching_others"], 8);
@@ -153,7 +154,7 @@ TEST(Certificate, WhatWasNotRenderedHasNoRenderNumbers) {
   FrameRecord r = full_record();
   r.render.reset();
   const auto line = nlohmann::json::parse(frame_line(r));
-  for (const char* key : {"render_triangles", "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings"}) EXPECT_TRUE(line.at(key).is_null()) << key;
+  for (const char* key : {"render_triangles", "render_stretch_mean_pct", "render_stretch_max_pct", "render_ms", "render_crossings", "render_crossings_with_others"}) EXPECT_TRUE(line.at(key).is_null()) << key;
   EXPECT_EQ(line["triangles"], 243);
 }
 

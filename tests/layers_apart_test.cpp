@@ -1,6 +1,7 @@
 #include "core/layers_apart.h"
 
 #include "core/measure.h"
+#include "core/strain_limit.h"
 #include "tests/test_meshes.h"
 
 #include <gtest/gtest.h>
@@ -35,7 +36,7 @@ TEST(LayersApart, LayersThatBulgeThroughEachOtherGoBackAndNoFartherThanTheFacets
   ASSERT_GT(crossings(curved), 20);
   Sheet apart = curved;
   const std::vector<char> held(apart.x.rows(), 0);
-  EXPECT_TRUE(LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held));
+  EXPECT_TRUE(LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
   EXPECT_EQ(crossings(apart), 0);
   EXPECT_GT((apart.x - facets.x).rowwise().norm().maxCoeff(), 0.2e-3);  // nearly half a gap of the bulge needs not go
   EXPECT_LE((apart.x - facets.x).rowwise().norm().maxCoeff(), 0.8e-3);
@@ -47,7 +48,7 @@ TEST(LayersApart, WhereNothingPassesThroughNothingIsMoved) {
   ASSERT_EQ(crossings(curved), 0);
   Sheet apart = curved;
   const std::vector<char> held(apart.x.rows(), 0);
-  EXPECT_FALSE(LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held));
+  EXPECT_FALSE(LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
   EXPECT_EQ(apart.x, curved.x);
 }
 
@@ -56,7 +57,7 @@ TEST(LayersApart, HeldVerticesStay) {
   Sheet apart = curved;
   std::vector<char> held(apart.x.rows(), 0);
   for (int v = 0; v < apart.x.rows(); ++v) held[v] = apart.pattern(v, 0) < leg;
-  EXPECT_TRUE(LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held));
+  EXPECT_TRUE(LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
   double moved = 0;
   for (int v = 0; v < apart.x.rows(); ++v) {
     if (held[v]) EXPECT_EQ(apart.x.row(v), curved.x.row(v));
@@ -70,8 +71,39 @@ TEST(LayersApart, WhereTheFineFacetsPassThroughEachOtherTooThePointsThatMeetGoTo
   ASSERT_GT(crossings(curved), 5);
   Sheet apart = curved;
   const std::vector<char> held(apart.x.rows(), 0);
-  EXPECT_TRUE(LayersApart(apart.pattern, apart.triangles)(apart.x, curved.x, on_facets, held));
+  EXPECT_TRUE(LayersApart(apart.pattern, apart.triangles)(apart.x, curved.x, on_facets, held).changed);
   EXPECT_EQ(crossings(apart), 0);
+}
+
+TEST(LayersApart, WithoutPlacesTheEndIsSureHoweverFarThroughEachOtherTheyAre) {
+  const Sheet facets = strip(0), curved = strip(6e-3);
+  ASSERT_EQ(crossings(facets), 0);
+  ASSERT_GT(crossings(curved), 50);
+  Sheet apart = curved;
+  const std::vector<char> held(apart.x.rows(), 0);
+  const LayersApart::Outcome outcome = LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, {}, held);
+  EXPECT_TRUE(outcome.changed && outcome.apart);
+  EXPECT_EQ(crossings(apart), 0);
+}
+
+TEST(LayersApart, InTurnsLengthsAreNoWorseThanAfterOne) {
+  const Sheet facets = strip(0), curved = strip(1.5e-3);
+  const std::vector<char> held(facets.x.rows(), 0);
+  const LayersApart layers(facets.pattern, facets.triangles);
+  const StrainLimit limit(facets.pattern, facets.triangles, {0.002, 60});
+  Points3 once = curved.x, turns = curved.x;
+  layers(once, facets.x, {}, held);
+  ASSERT_GT(limit.worst(once), 0.004);
+  EXPECT_TRUE(layers.in_turns(turns, facets.x, {[&](Points3& x) { limit(x, held); }, [&](const Points3& x) { return limit.worst(x); }}, held).apart);
+  EXPECT_EQ(crossings(Sheet{facets.pattern, turns, {}, facets.triangles, {}}), 0);
+  EXPECT_LT(limit.worst(turns), limit.worst(once));
+}
+
+TEST(LayersApart, SaysOfFacetsThatPassThroughThemselvesThatTheyAreNotApart) {
+  Sheet curved = strip(0.8e-3);
+  const std::vector<char> held(curved.x.rows(), 0);
+  const Points3 facets = curved.x;
+  EXPECT_FALSE(LayersApart(curved.pattern, curved.triangles)(curved.x, facets, {}, held).apart);
 }
 
 TEST(MayMeetItself, ARollWhoseEndsAreNearerThanTheSurfaceIsOff) {

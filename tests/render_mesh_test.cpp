@@ -1,8 +1,11 @@
 #include "core/render_mesh.h"
 
+#include "core/hinges.h"
+#include "core/locate.h"
 #include "core/creased_normals.h"
 #include "core/random.h"
 #include "core/subdivision.h"
+#include "tests/test_meshes.h"
 #include "tests/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -61,6 +64,36 @@ TEST(RenderMesh, HasEveryPointAndEveryCrease) {
   EXPECT_GT(least_angle(mesh.pattern, mesh.triangles), 20 * M_PI / 180);
   const double equilateral = 0.01 / (std::sqrt(0.1875) * 0.002 * 0.002);
   EXPECT_NEAR(mesh.triangles.rows(), equilateral, 0.15 * equilateral);
+}
+
+TEST(RenderMesh, SimulatedEdgesAreRowsOfEdges) {
+  // two meshes of one shot, whose edges cross at all angles
+  const Sheet meshes[] = {test::hex_sheet(0.1, 0.1, 6, 0.2, 1), test::hex_sheet(0.1, 0.1, 5, 0.2, 2)};
+  RenderFeatures features{{{0.03, 0.04}}, {}};
+  for (const Sheet& sheet : meshes)
+    for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) features.edges.push_back({sheet.pattern.row(hinge.vertices[0]), sheet.pattern.row(hinge.vertices[1])});
+  features.creases = {features.edges[7]};
+  const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features);
+  ASSERT_TRUE(mesh.along_edges);
+  EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
+  EXPECT_NEAR(length_of(mesh), (features.edges[7].b - features.edges[7].a).norm(), 1e-6);
+  EXPECT_LT((mesh.pattern.row(mesh.point_vertex[0]).transpose() - features.points[0]).norm(), 1e-12);
+  for (const Sheet& sheet : meshes) {
+    const Locator locator(sheet.pattern, sheet.triangles);
+    for (int t = 0; t < mesh.triangles.rows(); ++t) {
+      Vector2d middle = Vector2d::Zero();
+      for (int i = 0; i < 3; ++i) middle += mesh.pattern.row(mesh.triangles(t, i)).transpose() / 3;
+      const int under = locator.locate(middle).triangle;
+      for (int i = 0; i < 3; ++i) {
+        const Vector2d p = mesh.pattern.row(mesh.triangles(t, i));
+        for (int k = 0; k < 3; ++k) {  // on the inner side of each side of the simulated triangle
+          const Vector2d a = sheet.pattern.row(sheet.triangles(under, k)), d = (sheet.pattern.row(sheet.triangles(under, (k + 1) % 3)).transpose() - a).normalized();
+          EXPECT_GT(d.x() * (p - a).y() - d.y() * (p - a).x(), -3e-7) << "a millionth of the sheet, and what comes of it";
+        }
+      }
+    }
+  }
+  EXPECT_FALSE(mesh_for_render(test::rectangle(0.1, 0.1), 0.03, features).along_edges) << "no room: 3.6 m of edges, and 2 m may be";
 }
 
 TEST(RenderMesh, ACreaseThatRunsIntoTheBorderAtASmallAngleIsWhole) {

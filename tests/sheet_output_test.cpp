@@ -49,6 +49,7 @@ TEST(SheetOutput, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSheetsOw
     frame.sheet = &sheet;
     output.take(frame);
   }
+  output.finish_frames();
   output.finish();
   caches.finish({6}, {});
 

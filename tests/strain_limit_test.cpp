@@ -61,5 +61,15 @@ TEST(StrainLimit, HeldVerticesStayToTheLastBit) {
   EXPECT_GT(moved, 1e-4) << "the others give all the more";
 }
 
+TEST(StrainLimit, TheWorstEdgeIsTheOneThatIsFarthestFromItsLengthEitherWay) {
+  Points2 pattern(3, 2);
+  pattern << 0, 0, 0.1, 0, 0, 0.1;
+  Triangles triangles(1, 3);
+  triangles << 0, 1, 2;
+  Points3 x(3, 3);
+  x << 0, 0, 0, 0.103, 0, 0, 0, 0.092, 0;
+  EXPECT_NEAR(StrainLimit(pattern, triangles).worst(x), 0.08, 1e-12);
+}
+
 }  // namespace
 }  // namespace paperbake
