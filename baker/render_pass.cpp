@@ -166,22 +166,33 @@ class Renderer {
 };
 
 /// Some frame passes through itself, or through another, however far the render meshes go back.
-bool cut_through(const std::vector<ShownSheet>& shown, const std::vector<RenderSheet>& sheets) {
+bool cut_through(const std::vector<ShownSheet>& shown, const std::vector<RenderSheet>& sheets, std::size_t threads) {
   const RenderTogether together(sheets);
   std::vector<PlacesOfFrames> places;
   for (std::size_t s = 0; s < sheets.size(); ++s) places.emplace_back(*shown[s].record, sheets[s]);
-  for (std::size_t k = frames_of_any(shown); k-- > 0;) {  // the tightest come last
+  const auto is_cut = [&](std::size_t k, const std::vector<PlacesOfFrames::Places>& at) {
     std::vector<RenderTogether::Simulated> simulated;
-    for (std::size_t s = 0; s < sheets.size() && k < shown[s].record->frames().size(); ++s) {
-      simulated.push_back({shown[s].record->sheet(shown[s].record->frames()[k]), &places[s].at(k).get()});
+    for (std::size_t s = 0; s < at.size(); ++s) {
+      simulated.push_back({shown[s].record->sheet(shown[s].record->frames()[k]), &at[s].get()});
       if (sheets[s].cuts_through_itself(simulated[s].sheet, *simulated[s].places)) return true;
     }
-    if (simulated.size() == sheets.size() && together.cut_through_each_other(simulated)) return true;
+    return simulated.size() == sheets.size() && together.cut_through_each_other(simulated);
+  };
+  std::deque<std::future<bool>> coming;
+  bool cut = false;
+  for (std::size_t k = frames_of_any(shown); k-- > 0 && !cut;) {  // the tightest come last
+    std::vector<PlacesOfFrames::Places> at;
+    for (std::size_t s = 0; s < sheets.size() && k < shown[s].record->frames().size(); ++s) at.push_back(places[s].at(k));
+    coming.push_back(std::async(threads > 1 ? std::launch::async : std::launch::deferred, [&is_cut, k, at] { return is_cut(k, at); }));
+    if (coming.size() < threads) continue;
+    cut = coming.front().get();
+    coming.pop_front();
   }
-  return false;
+  for (std::future<bool>& other : coming) cut |= other.get();
+  return cut;
 }
 
-std::vector<RenderSheet> render_sheets(const std::vector<ShownSheet>& shown, Quality quality) {
+std::vector<RenderSheet> render_sheets(const std::vector<ShownSheet>& shown, Quality quality, int threads) {
   enum class Edges { some, all };
   const auto make = [&](Edges edges) {
     std::vector<RenderSheet> sheets;
@@ -193,7 +204,7 @@ std::vector<RenderSheet> render_sheets(const std::vector<ShownSheet>& shown, Qua
     return sheets;
   };
   std::vector<RenderSheet> sheets = make(Edges::some);
-  return cut_through(shown, sheets) ? make(Edges::all) : std::move(sheets);
+  return cut_through(shown, sheets, std::max(threads, 1)) ? make(Edges::all) : std::move(sheets);
 }
 
 Points3 velocity_of(const std::optional<Shown>& before, const Shown& now, const std::optional<Shown>& next, std::size_t s, double fps) {
@@ -210,7 +221,7 @@ Points3 velocity_of(const std::optional<Shown>& before, const Shown& now, const 
 void render_shot(const std::vector<ShownSheet>& sheets, Quality quality, const FrameSpan& frames, double fps, int threads) {
   const auto& recorded = sheets.front().record->frames();
   if (recorded.empty()) return;
-  std::vector<RenderSheet> renders = render_sheets(sheets, quality);
+  std::vector<RenderSheet> renders = render_sheets(sheets, quality, threads);
   Renderer renderer(sheets, renders, frames, threads);
   std::vector<CacheFrame> cached(sheets.size());
   for (std::size_t s = 0; s < sheets.size(); ++s) {

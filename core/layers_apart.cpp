@@ -102,6 +102,11 @@ LayersApart::LayersApart(const Points2& pattern, const Triangles& triangles)
   find_neighbours();
 }
 
+bool LayersApart::pass_through_each_other(const Points3& x) const {
+  const auto near = tree_.near(x, x);
+  return std::any_of(near.begin(), near.end(), [&](const std::pair<int, int>& pair) { return cross(x, triangles_, pair.first, pair.second); });
+}
+
 LayersApart::LayersApart(const std::vector<const RenderMesh*>& meshes) : LayersApart(side_by_side(meshes), in_a_row(meshes)) {
   std::size_t v = 0;
   for (const RenderMesh* mesh : meshes) {

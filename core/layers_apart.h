@@ -45,6 +45,9 @@ class LayersApart {
   };
   Outcome in_turns(Points3& x, const Points3& facets, const Lengths&, const std::vector<char>& held) const;
 
+  /// Some triangles do, of those that the tree finds near each other.
+  bool pass_through_each_other(const Points3& x) const;
+
   const TriangleTree& tree() const { return tree_; }
 
  private:

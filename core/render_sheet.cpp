@@ -108,7 +108,9 @@ Points3 RenderSheet::facets(const Sheet& sheet, const std::vector<Place>& places
 bool RenderSheet::cuts_through_itself(const Sheet& sheet, const std::vector<Place>& places) const {
   // a chord across a fold is no farther from it than half its length
   const double farthest = 0.5 * mean_edge(mesh().pattern, mesh().triangles);
-  return may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest)) && crossings(facets(sheet, places)) > 0 && paperbake::crossings(sheet) == 0;
+  if (!may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest))) return false;
+  const Points3 exact = facets(sheet, places);
+  return apart_->pass_through_each_other(exact) && crossings(exact) > 0 && paperbake::crossings(sheet) == 0;
 }
 
 /// returns  x was changed
