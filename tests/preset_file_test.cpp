@@ -79,6 +79,7 @@ TEST(PresetFile, TheDefaultPaperOfTheCoreIsCopy70) {
   EXPECT_EQ(file.apex_scatter, core.apex_scatter);
   EXPECT_EQ(file.yield_strain, core.yield_strain);
   EXPECT_EQ(file.hardening, core.hardening);
+  EXPECT_EQ(file.friction, core.friction);
 }
 
 TEST(PresetFile, EveryBuiltInGradeAgreesWithThePlateFormula) {
@@ -127,7 +128,7 @@ TEST(PresetFile, GrainMayBeLeftOutAndIsGivenInDegrees) {
 
 TEST(PresetFile, EntriesKeepTheOrderOfTheFileAndTheirEvidence) {
   const Preset preset = read_preset("copy90");
-  ASSERT_EQ(preset.entries.size(), 10u);
+  ASSERT_EQ(preset.entries.size(), 11u);
   EXPECT_EQ(preset.entries[0].key, "thickness");
   EXPECT_EQ(preset.entries[0].unit, "m");
   EXPECT_EQ(preset.entries[0].mark, "read");
@@ -135,6 +136,7 @@ TEST(PresetFile, EntriesKeepTheOrderOfTheFileAndTheirEvidence) {
   EXPECT_EQ(preset.entries[5].key, "apex_scatter");
   EXPECT_EQ(preset.entries[5].mark, "assumed");
   EXPECT_EQ(preset.entries[7].key, "hardening");
+  EXPECT_EQ(preset.entries[10].key, "friction");
 }
 
 TEST(PresetFile, AFileIsReadWithItsOwnValuesAndText) {
