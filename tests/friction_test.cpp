@@ -154,31 +154,52 @@ TEST(LayersThatRub, WhatMovesAsOneFeelsNothingAndOfTwoPapersNoneIsNone) {
   EXPECT_NEAR(layers.friction_at(y, 0.4, 0.1).norm(), 0.5 * whole, 1e-9);
 }
 
-/// How fast a leaf on a sheet of this slope, held everywhere, is after an eighth and a quarter of a second. [m/s]
-std::pair<double, double> speeds(double slope, double mu) {
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitY()).toRotationMatrix().transpose();
+/// A leaf that lies on a sheet of this slope, held everywhere. To be stepped.
+struct Leaf {
   Sheet low = test::hex_sheet(0.12, 0.09, 9, 0.2, 1), leaf = test::hex_sheet(0.05, 0.05, 5, 0.2, 2);
-  leaf.x.rowwise() += Eigen::RowVector3d(0.02, 0.02, 0.97 * reach);
-  low.x = (low.x * turn).eval(), leaf.x = (leaf.x * turn).eval();
-  Held everywhere, nowhere;
-  everywhere.vertices.resize(low.x.rows());
-  std::iota(everywhere.vertices.begin(), everywhere.vertices.end(), 0);
-  everywhere.targets = low.x, nowhere.targets.resize(0, 3);
-  ElasticOptions options;
-  options.gravity = g;
-  options.inertia = Inertia::dynamic;
-  options.stop = 1e-7;  // a hundredth of what it slides in a step
-  Paper paper;
-  paper.friction = mu;
-  Elastic of_low(paper, options), of_leaf(paper, options);
-  of_low.set_mesh(low), of_leaf.set_mesh(leaf);
-  const Points3 none(0, 3);
+  Eigen::Matrix3d turn;
+  Held everywhere, own;
+  Elastic of_low, of_leaf;
+
+  static Paper paper(double mu) {
+    Paper paper;
+    paper.friction = mu;
+    return paper;
+  }
+  static ElasticOptions options(Inertia inertia) {
+    ElasticOptions options;
+    options.gravity = g;
+    options.inertia = inertia;
+    options.stop = 1e-7;  // a hundredth of what it slides in a step
+    return options;
+  }
+
+  Leaf(double slope, double mu, Inertia inertia)
+      : turn(Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitY()).toRotationMatrix().transpose()), of_low(paper(mu), options(inertia)), of_leaf(paper(mu), options(inertia)) {
+    leaf.x.rowwise() += Eigen::RowVector3d(0.02, 0.02, 0.99 * reach);
+    low.x = (low.x * turn).eval(), leaf.x = (leaf.x * turn).eval();
+    everywhere.vertices.resize(low.x.rows());
+    std::iota(everywhere.vertices.begin(), everywhere.vertices.end(), 0);
+    everywhere.targets = low.x, own.targets.resize(0, 3);
+    of_low.set_mesh(low), of_leaf.set_mesh(leaf);
+  }
+
+  void step() {
+    const Points3 none(0, 3);
+    Elastic::step_together({{of_low, low, everywhere, none}, {of_leaf, leaf, own, none}}, Eigen::MatrixXd::Constant(2, 2, reach), dt);
+  }
+};
+
+/// How fast it goes down after an eighth and a quarter of a second. [m/s]
+std::pair<double, double> speeds(double slope, double mu) {
+  Leaf leaf(slope, mu, Inertia::dynamic);
+  const auto down = [&] { return leaf.leaf.v.colwise().mean().dot(leaf.turn.row(0)); };
   double half_way = 0;
   for (int k = 0; k < 24; ++k) {
-    Elastic::step_together({{of_low, low, everywhere, none}, {of_leaf, leaf, nowhere, none}}, Eigen::MatrixXd::Constant(2, 2, reach), dt);
-    if (k == 11) half_way = leaf.v.colwise().mean().norm();
+    leaf.step();
+    if (k == 11) half_way = down();
   }
-  return {half_way, leaf.v.colwise().mean().norm()};
+  return {half_way, down()};
 }
 
 TEST(LayersThatRub, ALeafSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulombSays) {
@@ -189,6 +210,28 @@ TEST(LayersThatRub, ALeafSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulom
     const auto [before, after] = speeds(0.6, mu);
     const double angle = std::atan(0.6), a = g * (std::sin(angle) - mu * std::cos(angle)) - damping * 0.5 * (before + after);
     EXPECT_NEAR((after - before) / 0.125, a, 0.05 * a) << mu;
+  }
+}
+
+TEST(LayersThatRub, ALeafThatASoftHandPullsStaysUntilTheHandPullsAsCoulombSaysAndNoMore) {
+  constexpr double stiffness = 0.5;  // [N/m]
+  Leaf leaf(0, 0.4, Inertia::quasi_static);
+  const double lag = 0.4 * Paper{}.area_density * 0.05 * 0.05 * g / stiffness;  // [m] 1.4 mm
+  int front = 0;
+  for (int v = 0; v < leaf.leaf.x.rows(); ++v)
+    if ((leaf.leaf.pattern.row(v) - Eigen::RowVector2d(0.05, 0.025)).norm() < (leaf.leaf.pattern.row(front) - Eigen::RowVector2d(0.05, 0.025)).norm()) front = v;
+  leaf.own = {{front}, leaf.leaf.x.row(front), {stiffness}};
+  const Points3 start = leaf.leaf.x;
+  for (int k = 1; k <= 60; ++k) {
+    leaf.own.targets = start.row(front) + Eigen::RowVector3d(k * 1e-4, 0, 0);
+    leaf.step();
+    const double gone = (leaf.leaf.x - start).col(0).mean(), behind = leaf.own.targets(0, 0) - leaf.leaf.x(front, 0);
+    if (k * 1e-4 < 0.9 * lag) {
+      EXPECT_LT(gone, k * creep * dt) << k;
+    }
+    if (k * 1e-4 > 1.5 * lag) {
+      EXPECT_NEAR(behind, lag, 0.03 * lag) << k;
+    }
   }
 }
 
