@@ -28,7 +28,7 @@ extern const std::array<Quantity, 11> quantities;
 std::string out_of_bounds(const Quantity&, double value);
 
 /// A paper grade with the evidence behind its numbers. Its file is TOML: `name`, perhaps `description`, `by_grammage` (false: not
-/// a paper that a scene means by its weight alone), and one table for each number of Paper; the grain's and friction may be left out:
+/// a paper that a scene means by its weight alone), and one table for each number of Paper; the grain's and friction's may be left out:
 ///
 ///   [thickness]
 ///   value  = 90e-6        SI, in the unit below

@@ -15,6 +15,7 @@ namespace {
 
 constexpr double pattern_share = 0.3;  // of the distance on the pattern
 constexpr double begun_share = 0.9, least_share = 0.01;  // of a distance that is meant; of the reach: less is none
+constexpr double lies_on = 0.5;        // of the reach: what begins or is meant nearer chatters, and friction would jam it
 constexpr double touching = 1e-12;     // [m] nearer than this there is no direction to push in
 constexpr double spaced = 1.5;         // [1] of the reach: such pairs get their blocks in the matrix
 
@@ -261,6 +262,7 @@ void Contact::begin_friction(double dt) {
   for_each_active(start_, 1, [&](std::size_t k, const Nearness& near, double d) {
     const ContactPair& pair = pairs_[k];
     const auto [a, b] = sheets_of(pair.vertices, pair.edges);
+    if (pair.reach < lies_on * std::min(sheets_.reach(a, a), sheets_.reach(b, b))) return;
     const double force = std::sqrt(mu[a] * mu[b]) * -barrier(d, pair.reach).slope;
     if (force > 0) drags_.push_back({pair.vertices, sliding_by(corners(start_, pair.vertices), pair.edges, near), force, {}});
   });

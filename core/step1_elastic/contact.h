@@ -41,7 +41,8 @@ struct JoinedSheets {
 /// are apart, pairs that touch, or belong to triangles that pass through each other, as a step begins.
 /// Two sides of a cut in the pattern have no distance there: nothing keeps them apart.
 ///
-/// Friction: Coulomb's, of pairs that push each other as a step begins, with their force, direction and place then [Li 2020]. A pair slides by
+/// Friction: Coulomb's, of pairs that push each other as a step begins, with their force, direction and place then [Li 2020]; of pairs
+/// whose d^ is less than half of that of their sheets none. A pair slides by
 ///
 ///   u = T^T (d n' - d n)  with  d n' = sum_i w_i y_i,  less what d n goes along with the turn of its features
 ///
