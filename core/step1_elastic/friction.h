@@ -1,6 +1,8 @@
 #pragma once
 
-#include <Eigen/Core>
+#include "core/proximity.h"
+
+#include <array>
 
 namespace paperbake {
 
@@ -23,6 +25,11 @@ struct SlidingInPlane {
   Eigen::Matrix2d second;  // [1/m]
 };
 SlidingInPlane sliding(const Eigen::Vector2d& way, double epsilon);
+
+/// How a pair of features at x slides along itself, by the moves of its corners: sum_i along_i move_i [m]; by no rigid move, to first
+/// order. (contact.h)
+/// edges, near  two edges 0-1 and 2-3, else vertex 0 and triangle 1-2-3; what is nearest, not touching
+std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_by(const std::array<Vector3d, 4>& x, bool edges, const Nearness& near);
 
 inline constexpr double creep = 1e-4;  // [m/s] what slides slower than that sticks: epsilon = creep dt
 
