@@ -59,6 +59,7 @@ Json scene_json(const Scene& scene) {
     if (sheet.preset) j["paper_preset"] = *sheet.preset;
     if (sheet.grammage) j["paper_gsm"] = *sheet.grammage;
     if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
+    if (sheet.friction) j["paper_friction"] = *sheet.friction;
     if (sheet.seed) j["paper_seed"] = *sheet.seed;
     for (std::size_t c = 0; c < sheet.pattern.folds.size(); ++c) j["creases"].push_back(crease_json(sheet.pattern.folds[c], sheet.crease_origin[c]));
     j["handles"] = std::move(handles);

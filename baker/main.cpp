@@ -68,7 +68,7 @@ void add_option(OptionWords& words, const std::string& name, const std::string& 
   else if (o.kind != JobKey::list) added->type_name(o.kind == JobKey::number ? "NUMBER" : o.kind == JobKey::whole ? "N" : "TEXT");
 }
 
-void add_set(OptionWords& words) { words.command->add_option("--set", words.set, "key=value: one number of the paper, over preset and scene"); }
+void add_set(OptionWords& words) { words.command->add_option("--set", words.set, "key=value: one number of the paper, over preset and scene; friction=0.4: its layers rub on each other"); }
 
 /// What was said: first by the job file, when the scene is one, then by the command line.
 void understand(const OptionWords& words, BakeSettings& settings) {

@@ -112,10 +112,12 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
     if (std::abs(*sheet.thickness / paper.thickness - 1) > 1e-6) scaled = std::max(scaled, of_sheet("thickness"));
     scale_thickness(paper, *sheet.thickness / paper.thickness);
   }
+  const bool own_friction = counts("friction") && sheet.friction;
+  if (own_friction) paper.friction = *sheet.friction;
   const std::string prefix = "paper." + toml_string(sheet.name) + ".";
   resolved.used.push_back({prefix + "preset", toml_string(paper.name), in_words(origin)});
   for (const Quantity& quantity : quantities) {
-    Origin who = scaled;
+    Origin who = own_friction && quantity.field == &Paper::friction ? of_sheet("friction") : scaled;
     for (const SetValue& set : settings.set)
       if (set.key == quantity.key && (set.origin == Origin::command || named != Origin::command)) quantity.set(paper, set.value), who = set.origin;
     resolved.used.push_back({prefix + quantity.key, toml_number(quantity.of(paper)), in_words(who)});

@@ -46,6 +46,13 @@ std::string colliders_in_words(const BakePlan& plan, const std::vector<FrameReco
   return fmt::format("in scene: {}; touched in {} frames, {:.3f} mm inside at most", fmt::join(names, ", "), touched, inside);
 }
 
+/// Of layers on layers: the coefficient of every sheet where they differ.
+std::string friction_in_words(const BakePlan& plan) {
+  std::set<double> all;
+  for (const Shot& shot : plan.shots) all.insert(shot.paper.friction);
+  return all == std::set<double>{0} ? "without friction" : fmt::format("with friction {}", fmt::join(all, ", "));
+}
+
 /// Do the sheets of the scene push each other, and did they?
 Json between_sheets(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   if (plan.shots.size() < 2) return {{"on", false}, {"why", "one sheet"}};
@@ -53,7 +60,7 @@ Json between_sheets(const BakePlan& plan, const std::vector<FrameRecord>& frames
   std::set<int> touching;
   for (const FrameRecord& f : frames)
     if (f.touching_others > 0) touching.insert(f.frame);
-  std::string why = touching.empty() ? "no sheet comes near another" : fmt::format("contact: sheets push each other in {} frames from {} to {}", touching.size(), *touching.begin(), *touching.rbegin());
+  std::string why = touching.empty() ? "no sheet comes near another" : fmt::format("contact: sheets push each other in {} frames from {} to {}, {}", touching.size(), *touching.begin(), *touching.rbegin(), friction_in_words(plan));
   if (const std::string through = sheets_in_words(frames); !through.empty()) why += "; " + through;
   return {{"on", !touching.empty()}, {"why", why}};
 }
@@ -78,7 +85,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
           {"singular_points", model(singular, !singular ? "method " + method + " makes none"
                                               : births  ? fmt::format("{} were born where two bending directions conflicted", births)
                                                         : "looked for; no two bending directions conflicted for long enough")},
-          {"contact", model(touching > 0, touching > 0 ? fmt::format("the sheet comes near itself in {} frames", touching)
+          {"contact", model(touching > 0, touching > 0 ? fmt::format("the sheet comes near itself in {} frames, {}", touching, friction_in_words(plan))
                                                        : "the sheet never comes near itself")},
           {"layers_apart", model(apart > 0, apart > 0 ? fmt::format("the curved sheet would have passed through itself in {} frames", apart)
                                                       : "the curved sheet never passes through itself")},

@@ -5,6 +5,8 @@
 
 namespace paperbake {
 
+inline constexpr double most_friction = 10;  // [1] beyond it is a slip of the pen
+
 /// The material of one sheet. Values of a grade come from presets/*.toml, with their sources.
 struct Paper {
   std::string name = "copy70";
@@ -18,6 +20,7 @@ struct Paper {
   double hardening = 0.3;            // eta    [1]      share of D that is left beyond yield, in [0, 1)
   double grain_ratio = 1;            //        [1]      D across the fibres' bend over D along: D_MD/D_CD; D is their geometric mean
   double grain_angle = 0;            //        [rad]    of the machine direction, from u towards v
+  double friction = 0;               // mu     [1]      of layer on layer, Coulomb's; 0: none. Office paper 0.4-0.65 [estimated], card 0.30-0.45 [IBM]
 };
 
 /// Width of a ridge of length X between flat facets: 0.4 h^(1/3) X^(2/3). [m]

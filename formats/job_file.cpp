@@ -151,7 +151,7 @@ std::vector<JobSection> read_sections(const TomlDocument& document, const char* 
 
 const std::vector<JobKey>& sheet_keys() {
   static const std::vector<JobKey> keys{
-      {"preset", JobKey::text}, {"gsm", JobKey::number, 1, 10000}, {"thickness", JobKey::number, 5e-6, 5e-3}, {"seed", JobKey::whole, 0, whole_limit}};
+      {"preset", JobKey::text}, {"gsm", JobKey::number, 1, 10000}, {"thickness", JobKey::number, 5e-6, 5e-3}, {"friction", JobKey::number, 0, most_friction}, {"seed", JobKey::whole, 0, whole_limit}};
   return keys;
 }
 

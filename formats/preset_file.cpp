@@ -18,7 +18,7 @@ struct BuiltInPreset { const char* name; const char* text; };
 extern const BuiltInPreset built_in_presets[];
 extern const int built_in_preset_count;
 
-const std::array<Quantity, 10> quantities{{
+const std::array<Quantity, 11> quantities{{
     {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
     {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
     {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
@@ -29,6 +29,7 @@ const std::array<Quantity, 10> quantities{{
     {"hardening", &Paper::hardening, "1", 0, 0.9},
     {"grain_ratio", &Paper::grain_ratio, "1", 0.1, 10, false},
     {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
+    {"friction", &Paper::friction, "1", 0, most_friction, false},
 }};
 
 namespace {

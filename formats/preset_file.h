@@ -23,12 +23,12 @@ struct Quantity {
   double of(const Paper& paper) const { return paper.*field / to_si; }
   void set(Paper& paper, double value) const { paper.*field = value * to_si; }
 };
-extern const std::array<Quantity, 10> quantities;
+extern const std::array<Quantity, 11> quantities;
 /// The sentence for a value that it does not hold.
 std::string out_of_bounds(const Quantity&, double value);
 
 /// A paper grade with the evidence behind its numbers. Its file is TOML: `name`, perhaps `description`, `by_grammage` (false: not
-/// a paper that a scene means by its weight alone), and one table for each number of Paper; the grain's may be left out:
+/// a paper that a scene means by its weight alone), and one table for each number of Paper; the grain's and friction's may be left out:
 ///
 ///   [thickness]
 ///   value  = 90e-6        SI, in the unit below

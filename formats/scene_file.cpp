@@ -1,6 +1,7 @@
 #include "formats/scene_file.h"
 
 #include "core/error.h"
+#include "core/paper.h"
 #include "formats/scene_colliders.h"
 #include "formats/scene_creases.h"
 #include "formats/scene_handles.h"
@@ -132,12 +133,15 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.preset = text_property(node, "paper_preset");
   sheet.grammage = positive_property(scene.source, node, "paper_gsm");
   sheet.thickness = positive_property(scene.source, node, "paper_thickness");
+  sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
+  if (sheet.friction && *sheet.friction > most_friction)
+    throw Error(Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction), fmt::format("It can be a number from 0 to {}; paper on paper is about 0.4.", most_friction));
   if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
     if (*seed < 0) throw Error(Fault::scene, place, fmt::format("paper_seed is {}.", *seed),
                                "It can be a whole number from 0 on.");
     sheet.seed = static_cast<unsigned>(*seed);
   }
-  for (const char* key : {"preset", "gsm", "thickness", "seed"})
+  for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
     if (said.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
   sheet.pins = said.pins;
   sheet.pattern.folds = ended_on_border(said.creases, sheet.pattern);

@@ -33,8 +33,9 @@ struct SceneSheet {
   std::optional<std::string> preset;  // paper_preset
   std::optional<double> grammage;     // paper_gsm, as in the file       [g/m2]
   std::optional<double> thickness;    // paper_thickness                 [m]
+  std::optional<double> friction;     // paper_friction, of the sheet on itself and on other sheets [1]
   std::optional<unsigned> seed;       // paper_seed
-  std::set<std::string> overridden;   // of preset, gsm, thickness, seed: those that the job file says
+  std::set<std::string> overridden;   // of preset, gsm, thickness, friction, seed: those that the job file says
   Pins pins;
   std::vector<std::string> crease_origin;  // of each of pattern.folds: job, the mesh, "crease.diagonal"
 };

@@ -90,6 +90,7 @@ std::vector<Shot> two_crumples() {
   for (int s = 0; s < 2; ++s) {
     const Vector3d corner(0, 0, 0.006 * s);
     Shot shot = test::placed(0.15, 0.15, corner, x, y);
+    shot.paper.friction = 0.4;
     for (int k = 0; k < 3; ++k) {
       const double turn = 2 * M_PI * k / 3 + s * M_PI / 3;
       const Vector2d p = middle.head<2>() + 0.06 * Vector2d(std::cos(turn), std::sin(turn));
@@ -143,12 +144,13 @@ TEST(AnimateTogether, GoesOnFromAnyFrameOfAllSheetsToTheSameBits) {
 }
 
 /// Sheets on each other, held at their left border; the right one of the lowest is turned up.
-std::vector<Shot> stack(double gap) {
+std::vector<Shot> stack(double gap, double friction = 0) {
   const Vector3d x(1, 0, 0), y(0, 1, 0);
   std::vector<Shot> shots;
   for (int s = 0; s < 2; ++s) {
     const Vector3d corner(0, 0, gap * s);
     Shot shot = test::placed(0.1, 0.1, corner, x, y);
+    shot.paper.friction = friction;
     for (const double v : {0.0, 0.1}) test::hold(shot, {0, v}, 20, test::stays, corner, x, y);
     if (s == 0)
       for (const double v : {0.0, 0.1})
@@ -159,10 +161,12 @@ std::vector<Shot> stack(double gap) {
 }
 
 TEST(AnimateTogether, AStackOfSheetsNeitherJumpsApartNorLetsOneThrough) {
-  const Outcome lifted = test::outcome_of(stack(1e-4), coarse_fem, until(20));
-  EXPECT_LT((lifted.shapes[1][3].x.col(2).array() - 1e-4).abs().maxCoeff(), 5e-5) << "nothing has moved yet";
-  EXPECT_EQ(lifted.crossings_with_others, 0);
-  EXPECT_GT(lifted.shapes[1].back().x.col(2).maxCoeff(), 0.06) << "the lower one lifts the other";
+  for (const double friction : {0.0, 0.4}) {
+    const Outcome lifted = test::outcome_of(stack(1e-4, friction), coarse_fem, until(20));
+    EXPECT_LT((lifted.shapes[1][3].x.col(2).array() - 1e-4).abs().maxCoeff(), 5e-5) << "nothing has moved yet";
+    EXPECT_EQ(lifted.crossings_with_others, 0);
+    EXPECT_GT(lifted.shapes[1].back().x.col(2).maxCoeff(), 0.06) << "the lower one lifts the other";
+  }
 }
 
 TEST(AnimateTogether, SheetsThatBeginInOnePlaceAreLetBe) {

@@ -53,16 +53,6 @@ TEST(Pressing, SlopesAreDerivativesAndTheLawGoesOnInside) {
   EXPECT_LT(pressing(-1e-4).slope, -1.5);  // [N] paper does not press harder on one vertex
 }
 
-TEST(Sliding, SlopesAreDerivativesAndAllOfItIsFrictionBeyondEpsilon) {
-  const double epsilon = 1e-6;
-  for (const double y : {1e-7, 5e-7, 9.9e-7, 1.01e-6, 1e-5}) {
-    const double e = 1e-11;
-    EXPECT_NEAR((sliding(y + e, epsilon).value - sliding(y - e, epsilon).value) / (2 * e), sliding(y, epsilon).slope, 1e-5) << y;
-    EXPECT_NEAR((sliding(y + e, epsilon).slope - sliding(y - e, epsilon).slope) / (2 * e), sliding(y, epsilon).second, 1e-4 / epsilon) << y;
-  }
-  EXPECT_EQ(sliding(2e-6, epsilon).slope, 1);
-}
-
 TEST(Collider, KnowsInsideFromOutsideWhicheverWayItsTrianglesAreTurned) {
   for (const bool inside_out : {false, true}) {
     const Collider collider(box({0, 0, 0}, {0.1, 0.1, 0.1}, inside_out));

@@ -13,6 +13,8 @@
 namespace paperbake {
 namespace {
 
+constexpr double frame = 1.0 / 24;  // [s]
+
 using Corners = std::array<Vector3d, 4>;
 
 double distance(const Corners& x, bool edges) { return (edges ? edge_to_edge(x) : vertex_to_triangle(x)).distance(); }
@@ -45,7 +47,7 @@ Points3 still(const Sheet& sheet) { return Points3::Zero(sheet.x.rows(), 3); }
 
 /// Energy with the list made anew.
 double energy_at(Contact& contact, const Points3& x) {
-  contact.begin(x, {});
+  contact.begin(x, {}, frame);
   return contact.energy(x);
 }
 
@@ -101,7 +103,7 @@ TEST(Barrier, AVertexThatSlidesALongWayOverATriangleAndTurnsWithItIsHardlyHeldUp
 TEST(Contact, GradientIsTheDerivativeOfTheEnergyWithManyPairsActive) {
   const Sheet sheet = two_layers(6e-4);
   Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {});
+  contact.begin(sheet.x, {}, frame);
   ASSERT_GT(contact.active(sheet.x), 200);
   Points3 gradient = still(sheet);
   contact.differentiate(sheet.x, gradient, nullptr);
@@ -133,7 +135,7 @@ TEST(Contact, SecondDerivativeIsExactWhereNormalsStandStillAndNeverIndefinite) {
     for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
   BlockCholesky matrix(n, all);
   Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {});
+  contact.begin(sheet.x, {}, frame);
   contact.bind(matrix, block);
   ASSERT_GT(contact.active(sheet.x), 15);
   Points3 gradient = still(sheet), before = still(sheet), after = still(sheet), way = still(sheet);
@@ -158,7 +160,7 @@ TEST(Contact, SecondDerivativeIsExactWhereNormalsStandStillAndNeverIndefinite) {
     for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
   BlockCholesky larger(m, all);
   Contact many(layers.pattern, layers.triangles);
-  many.begin(layers.x, {});
+  many.begin(layers.x, {}, frame);
   many.bind(larger, block);
   Points3 unused = still(layers);
   many.differentiate(layers.x, unused, &larger);
@@ -174,7 +176,7 @@ TEST(Contact, EveryPairWithinReachIsInTheListAllAlongTheWay) {
   std::normal_distribution<double> normal;
   for (int v = 0; v < move.rows(); ++v) move.row(v) << 2e-3 * normal(random), 2e-3 * normal(random), 2e-3 * normal(random);
   Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {});
+  contact.begin(sheet.x, {}, frame);
   contact.cover(sheet.x, move);
   std::set<std::pair<std::set<int>, bool>> listed;
   for (const ContactPair& p : contact.pairs()) listed.insert({{p.vertices.begin(), p.vertices.end()}, p.edges});
@@ -203,7 +205,7 @@ TEST(Contact, AFlatOrGentlyRolledSheetIsClearAndHasNoActivePair) {
   Contact contact(sheet.pattern, sheet.triangles);
   EXPECT_TRUE(contact.clear(flat, flat, {}));
   EXPECT_TRUE(contact.clear(flat, sheet.x, {}));
-  contact.begin(sheet.x, {});
+  contact.begin(sheet.x, {}, frame);
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
@@ -232,9 +234,9 @@ TEST(Contact, WhatHandlesBringTogetherIsLeftToThem) {
   Gripped ends{{0, 1, 40, 41}, Points3(4, 3)};
   ends.targets << sheet.x.row(0), sheet.x.row(1), sheet.x.row(0), sheet.x.row(1);
   Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {});
+  contact.begin(sheet.x, {}, frame);
   EXPECT_GT(contact.active(sheet.x), 0);
-  contact.begin(sheet.x, ends);
+  contact.begin(sheet.x, ends, frame);
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
@@ -246,7 +248,7 @@ TEST(Contact, ASheetThatTouchesOrCrossesItselfAsAStepBeginsHasAFiniteEnergy) {
       sheet.x(v, 2) = high ? shift * (sheet.pattern(v, 0) - 1.05) : 0;  // in one plane, or through each other
     }
     Contact contact(sheet.pattern, sheet.triangles);
-    contact.begin(sheet.x, {});
+    contact.begin(sheet.x, {}, frame);
     Points3 gradient = still(sheet);
     EXPECT_TRUE(std::isfinite(contact.differentiate(sheet.x, gradient, nullptr)));
     EXPECT_TRUE(gradient.allFinite());

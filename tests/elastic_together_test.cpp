@@ -62,7 +62,7 @@ struct TwoLayers {
 
 TEST(ElasticTogether, ThePotentialOfTwoSheetsHasTheDerivativesOfItsValue) {
   TwoLayers two;
-  two.contact->begin(two.x, {});
+  two.contact->begin(two.x, {}, dt);
   ASSERT_GT(two.contact->active_by_sheet(two.x)[0].others, 100);
   BlockCholesky matrix(static_cast<int>(two.x.rows()), two.coupled);
   two.of_low->bind(matrix, two.blocks_low), two.of_high->bind(matrix, two.blocks_high);
@@ -97,7 +97,7 @@ TEST(ElasticTogether, ThePotentialOfTwoSheetsHasTheDerivativesOfItsValue) {
 
 TEST(ElasticTogether, SheetsPushEachOtherAlikeAndTurnEachOtherAlike) {
   TwoLayers two;
-  two.contact->begin(two.x, {});
+  two.contact->begin(two.x, {}, dt);
   Points3 force = Points3::Zero(two.x.rows(), 3);
   two.contact->differentiate(two.x, force, nullptr);
   const auto n = two.low.x.rows();

@@ -57,6 +57,8 @@ TEST_F(Job, APresetReplacesWhatThoseBeforeItSayOfThePaper) {
   EXPECT_TRUE(says(dry("preset = \"copy90\"\n" + sheet), "area_density = 0.14  # job")) << "a sheet's own value counts for more than one for all";
   EXPECT_TRUE(says(dry(sheet, {"--preset", "copy90"}), "area_density = 0.09  # preset"));
   EXPECT_TRUE(says(dry("[paper]\nthickness = 95e-6", {"--preset", "copy70"}), "thickness = 9e-05  # preset"));
+  EXPECT_TRUE(says(dry("[sheet.\"PAPER\"]\nfriction = 0.2\n"), "friction = 0.2  # job"));
+  EXPECT_TRUE(says(dry("[sheet.\"PAPER\"]\nfriction = 0.2\n", {"--set", "friction=0"}), "friction = 0.0  # command line"));
   EXPECT_TRUE(says(dry("preset = \"copy70\"\n[sheet.\"p*\"]\npreset = \"copy90\"\n"), "preset = \"copy90\"  # job"));
 }
 

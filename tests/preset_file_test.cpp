@@ -79,6 +79,7 @@ TEST(PresetFile, TheDefaultPaperOfTheCoreIsCopy70) {
   EXPECT_EQ(file.apex_scatter, core.apex_scatter);
   EXPECT_EQ(file.yield_strain, core.yield_strain);
   EXPECT_EQ(file.hardening, core.hardening);
+  EXPECT_EQ(file.friction, core.friction);
 }
 
 TEST(PresetFile, EveryBuiltInGradeAgreesWithThePlateFormula) {
@@ -123,6 +124,12 @@ TEST(PresetFile, GrainMayBeLeftOutAndIsGivenInDegrees) {
   const std::string text = turned.text.substr(0, turned.text.find("[grain_ratio]"));
   std::ofstream(turned.path) << text;
   EXPECT_EQ(read_preset(turned.path).paper.grain_ratio, 1);
+}
+
+TEST(PresetFile, MaySayHowItRubsOnItself) {
+  const PresetFile rough("[grain_angle]\n", "[friction]\nvalue = 0.4\nunit = \"1\"\nsource = \"IBM\"\nmark = \"assumed\"\n\n[grain_angle]\n");
+  EXPECT_EQ(read_preset(rough.path).paper.friction, 0.4);
+  EXPECT_EQ(read_preset("copy70").paper.friction, 0);
 }
 
 TEST(PresetFile, EntriesKeepTheOrderOfTheFileAndTheirEvidence) {

@@ -14,6 +14,7 @@ TEST(SceneColliders, AreFoundByNameAndByPropertyAndTheSheetIsNone) {
   const Scene scene = read_scene(fixture.write("colliders.gltf"));
   ASSERT_EQ(scene.colliders.size(), 2u);
   EXPECT_EQ(scene.colliders[0].friction, 0.25);
+  EXPECT_EQ(scene.sheets.at(0).friction, std::nullopt);
   EXPECT_EQ(scene.colliders[1].name, "floor");
   EXPECT_EQ(scene.colliders[1].friction, 0.4);
   EXPECT_EQ(scene.colliders[1].triangles.rows(), 8);

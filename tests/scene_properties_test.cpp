@@ -22,7 +22,7 @@ TEST(SceneFileByHand, UnknownPropertiesOnlyWarn) {
 }
 
 TEST(SceneFileByHand, PropertiesAreReadWhateverTheirType) {
-  const char* on_sheet = R"({"paper_gsm":"80","paper_seed":7,"paper_preset":"copy70","paper_fps":24,"paper_gravity":9.81})";
+  const char* on_sheet = R"({"paper_gsm":"80","paper_seed":7,"paper_preset":"copy70","paper_fps":24,"paper_gravity":9.81,"paper_friction":"0.25"})";
   const char* on_handle = R"({"paper_grab_frame":2.0,"paper_release_frame":"4","paper_mode":"Relative","paper_radius":0,)"
                           R"("paper_stiffness":50})";
   const Scene scene = read_scene(HeldSheet(grid(2, 2, 0.2, 0.2), on_sheet, on_handle).write("types.gltf"));
@@ -33,6 +33,7 @@ TEST(SceneFileByHand, PropertiesAreReadWhateverTheirType) {
   EXPECT_EQ(moved.radius, 0.0);
   EXPECT_EQ(moved.stiffness, 50);
   EXPECT_EQ(scene.sheets.at(0).grammage, 80.0);
+  EXPECT_EQ(scene.sheets[0].friction, 0.25);
   EXPECT_EQ(scene.sheets[0].seed, 7u);
   EXPECT_EQ(scene.sheets[0].preset, "copy70");
   EXPECT_EQ(scene.gravity, 9.81);
@@ -41,6 +42,7 @@ TEST(SceneFileByHand, PropertiesAreReadWhateverTheirType) {
 }
 
 TEST(SceneFileByHand, BadPropertiesNameNodeAndKey) {
+  EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), R"({"paper_friction":40})").write("bad.gltf"), "paper_friction is 40");
   const auto with = [](const char* extras) { return HeldSheet(grid(2, 2, 0.2, 0.2), "{}", extras).write("bad.gltf"); };
   EXPECT_ERROR(with(R"({"paper_mode":"sideways"})"), "paper_mode is \"sideways\"");
   EXPECT_ERROR(with(R"({"paper_grab_frame":"soon"})"), "node \"handle.moved\"\n  The property paper_grab_frame is \"soon\", not a number.");

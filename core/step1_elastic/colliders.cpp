@@ -2,6 +2,7 @@
 
 #include "core/proximity.h"
 #include "core/step1_elastic/barrier.h"
+#include "core/step1_elastic/friction.h"
 #include "core/step1_elastic/membrane.h"
 
 #include <algorithm>
@@ -13,7 +14,6 @@ namespace paperbake {
 namespace {
 
 constexpr double tube = 1e-3;        // [m] how far vertices go before lists are made again
-constexpr double creep = 1e-4;       // [m/s] what slides slower than that sticks
 constexpr double in_cone = 0.1;      // [1] sine by which a way out may lead along a face
 constexpr double let_in = 0.2;       // [1] of the depth: so far an iteration may go inside
 
@@ -32,12 +32,6 @@ Pressing pressing(double d) {
   static const Pressing b = at(first);
   const double in = d - first;
   return {b.value + b.slope * in + 0.5 * b.second * in * in, b.slope + b.second * in, b.second};
-}
-
-Sliding sliding(double y, double epsilon) {
-  if (y >= epsilon) return {y, 1, 0};
-  const double s = y / epsilon;
-  return {epsilon * (-s * s * s / 3 + s * s + 1.0 / 3), s * (2 - s), 2 * (1 - s) / epsilon};
 }
 
 ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders, const Triangles& triangles, int vertices)
@@ -347,14 +341,10 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
   });
   for (const Drag& drag : drags_) {
     const Eigen::Vector2d slid = slip(drag, y);
-    const double way = slid.norm(), least = 1e-6 * epsilon_;
-    const Sliding f = sliding(way, epsilon_);
+    const SlidingInPlane f = sliding(slid, epsilon_);
     sum += drag.force * f.value;
-    const double across = way > least ? f.slope / way : 2 / epsilon_;
-    Eigen::Matrix2d second = across * Eigen::Matrix2d::Identity();
-    if (way > least) second += (f.second - across) / (way * way) * slid * slid.transpose();
-    const Vector3d force = drag.force * across * (drag.along * slid);
-    const Eigen::Matrix<double, 3, 2> half = drag.force * drag.along.lazyProduct(second);
+    const Vector3d force = drag.force * f.across * (drag.along * slid);
+    const Eigen::Matrix<double, 3, 2> half = drag.force * drag.along.lazyProduct(f.second);
     const Matrix3 stiffness = half.lazyProduct(drag.along.transpose());
     add(drag.vertices, drag.weights, drag.corners, force, stiffness);
   }

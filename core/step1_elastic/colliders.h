@@ -26,18 +26,6 @@ struct Pressing {
 Pressing pressing(double distance);
 inline constexpr double collider_reach = 5e-4;  // [m] d^
 
-/// What dissipates while a contact slides by y, divided by friction x force.
-///
-///   f0(y) = y from epsilon on, -y^3/(3 epsilon^2) + y^2/epsilon + epsilon/3 below
-///
-/// source  [Li 2020]
-struct Sliding {
-  double value;   // [m]
-  double slope;   // [1]
-  double second;  // [1/m]
-};
-Sliding sliding(double way, double epsilon);
-
 /// One mesh of a sheet against colliders: a term of the incremental potential.
 ///
 /// What touches: a vertex of the sheet and the nearest place of a collider (more than one in a corner of a room); an edge of the

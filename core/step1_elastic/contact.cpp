@@ -2,6 +2,7 @@
 
 #include "core/proximity.h"
 #include "core/step1_elastic/barrier.h"
+#include "core/step1_elastic/friction.h"
 #include "core/step1_elastic/membrane.h"
 
 #include <algorithm>
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double pattern_share = 0.3;  // of the distance on the pattern
 constexpr double begun_share = 0.9, least_share = 0.01;  // of a distance that is meant; of the reach: less is none
+constexpr double lies_on = 0.5;        // of the reach: what begins or is meant nearer chatters, and friction would jam it
 constexpr double touching = 1e-12;     // [m] nearer than this there is no direction to push in
 constexpr double spaced = 1.5;         // [1] of the reach: such pairs get their blocks in the matrix
 
@@ -65,13 +67,13 @@ bool separated(const Points3& from, const Points3& to, const int* a, const int* 
 }  // namespace
 
 /// One sheet and itself.
-static JoinedSheets alone(const Points2& pattern, const Triangles& triangles) {
+static JoinedSheets alone(const Points2& pattern, const Triangles& triangles, double friction) {
   double area = 0;
   for (int t = 0; t < triangles.rows(); ++t) area += rest_triangle(pattern, triangles.row(t)).area;
-  return {std::vector<int>(pattern.rows(), 0), Eigen::MatrixXd::Constant(1, 1, std::min(2e-3, 0.01 * std::sqrt(area)))};
+  return {std::vector<int>(pattern.rows(), 0), Eigen::MatrixXd::Constant(1, 1, std::min(2e-3, 0.01 * std::sqrt(area))), {}, {friction}};
 }
 
-Contact::Contact(const Points2& pattern, const Triangles& triangles) : Contact(pattern, triangles, alone(pattern, triangles)) {
+Contact::Contact(const Points2& pattern, const Triangles& triangles, double friction) : Contact(pattern, triangles, alone(pattern, triangles, friction)) {
   spread_.emplace(pattern, triangles);
 }
 
@@ -209,10 +211,31 @@ bool Contact::entangled(const std::array<int, 4>& v, bool edges) const {
   });
 }
 
-void Contact::begin(const Points3& x, const Gripped& gripped) {
+void Contact::begin(const Points3& x, const Gripped& gripped, double dt) {
   judge_by(x, gripped);
   find_entangled(x);
   gather(x, Points3::Zero(x.rows(), 3));
+  begin_friction(dt);
+}
+
+void Contact::begin_friction(double dt) {
+  drags_.clear();
+  epsilon_ = creep * dt;
+  const std::vector<double>& mu = sheets_.friction;
+  if (std::all_of(mu.begin(), mu.end(), [](double one) { return one == 0; })) return;
+  for_each_active(start_, 1, [&](std::size_t k, const Nearness& near, double d) {
+    const ContactPair& pair = pairs_[k];
+    const auto [a, b] = sheets_of(pair.vertices, pair.edges);
+    if (pair.reach < lies_on * std::min(sheets_.reach(a, a), sheets_.reach(b, b))) return;
+    const double force = std::sqrt(mu[a] * mu[b]) * -barrier(d, pair.reach).slope;
+    if (force > 0) drags_.push_back({pair.vertices, sliding_by(corners(start_, pair.vertices), pair.edges, near), force, {}});
+  });
+}
+
+Eigen::Vector2d Contact::slip(const Drag& drag, const Points3& y) const {
+  Eigen::Vector2d u = Eigen::Vector2d::Zero();
+  for (int i = 0; i < 4; ++i) u += drag.along[i] * (y.row(drag.vertices[i]) - start_.row(drag.vertices[i])).transpose();
+  return u;
 }
 
 void Contact::gather(const Points3& y, const Points3& move) {
@@ -288,6 +311,7 @@ void Contact::for_each_active(const Points3& y, double share_of_reach, Visit vis
 double Contact::energy(const Points3& y) const {
   double sum = 0;
   for_each_active(y, 1, [&](std::size_t k, const Nearness&, double d) { sum += barrier(d, pairs_[k].reach).value; });
+  for (const Drag& drag : drags_) sum += drag.force * sliding(slip(drag, y).norm(), epsilon_).value;
   return sum;
 }
 
@@ -300,17 +324,32 @@ double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky
     sum += b.value;
     for (int i = 0; i < 4; ++i) gradient.row(v[i]) += b.slope * near.weights[i] * n.transpose();
     if (!matrix) return;
-    if (!placed_[k]) {
-      for (int p = 0, at = 0; p < 4; ++p)
-        for (int q = p; q < 4; ++q, ++at) slots_[k][at] = matrix_->slot(block_of_[v[p]], block_of_[v[q]]);
-      placed_[k] = 1;
-    }
+    if (!placed_[k]) slots_[k] = slots_of(v), placed_[k] = 1;
     const Matrix3 nn = b.second * n * n.transpose();
     for (int p = 0, at = 0; p < 4; ++p)
       for (int q = p; q < 4; ++q, ++at)
         if (const double w = near.weights[p] * near.weights[q]; w != 0) matrix->add(slots_[k][at], Matrix3(w * nn));
   });
+  for (Drag& drag : drags_) {
+    const Eigen::Vector2d slid = slip(drag, y);
+    const SlidingInPlane f = sliding(slid, epsilon_);
+    sum += drag.force * f.value;
+    for (int i = 0; i < 4; ++i) gradient.row(drag.vertices[i]) += drag.force * f.across * slid.transpose() * drag.along[i];
+    if (!matrix) continue;
+    if (!drag.placed) drag.slots = slots_of(drag.vertices), drag.placed = true;
+    for (int p = 0, at = 0; p < 4; ++p) {
+      const Eigen::Matrix<double, 3, 2> half = drag.force * drag.along[p].transpose().lazyProduct(f.second);
+      for (int q = p; q < 4; ++q, ++at) matrix->add(drag.slots[at], Matrix3(half.lazyProduct(drag.along[q])));
+    }
+  }
   return sum;
+}
+
+Contact::Slots Contact::slots_of(const std::array<int, 4>& v) const {
+  Slots slots;
+  for (int p = 0, at = 0; p < 4; ++p)
+    for (int q = p; q < 4; ++q, ++at) slots[at] = matrix_->slot(block_of_[v[p]], block_of_[v[q]]);
+  return slots;
 }
 
 std::vector<std::pair<int, int>> Contact::coupled_vertices(const Points3& y) const {
@@ -327,6 +366,7 @@ void Contact::bind(const BlockCholesky& matrix, const std::vector<int>& block_of
   matrix_ = &matrix;
   block_of_ = block_of;
   placed_.assign(pairs_.size(), 0);
+  for (Drag& drag : drags_) drag.placed = false;
 }
 
 std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {

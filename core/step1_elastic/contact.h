@@ -29,6 +29,7 @@ struct JoinedSheets {
   std::vector<int> of_vertex;   // |V| number of its sheet
   Eigen::MatrixXd reach;        // |sheets|x|sheets| [m] d^ between two of them, on the diagonal of one and itself
   Points3 begun = {};           // |V|x3 [m] where they began, when some began on each other; else empty
+  std::vector<double> friction = {};  // |sheets| [1] mu of each on itself; of two the geometric mean, so that none is none; empty: none
 };
 
 /// Contact within one mesh, of one sheet or of several: a barrier (barrier.h) for every pair of features within reach.
@@ -39,9 +40,17 @@ struct JoinedSheets {
 /// together (held vertices on both sides: d^ is 0.9 x their distance at most, and nothing under 1 % of it); and, until they
 /// are apart, pairs that touch, or belong to triangles that pass through each other, as a step begins.
 /// Two sides of a cut in the pattern have no distance there: nothing keeps them apart.
+///
+/// Friction: Coulomb's, of pairs that push each other as a step begins, with their force, direction and place then [Li 2020]; of pairs
+/// whose d^ is less than half of that of their sheets none. A pair slides by
+///
+///   u = T^T (d n' - d n)  with  d n' = sum_i w_i y_i,  less what d n goes along with the turn of its features
+///
+/// so that what moves rigidly slides nowhere, and layers that bend together do not slide by the d that contact keeps between them.
+/// The turn is what the sides of the triangle, or the two edges, rise along n; of edges that run alike one half of it is unknown.
 class Contact {
  public:
-  Contact(const Points2& pattern, const Triangles&);
+  Contact(const Points2& pattern, const Triangles&, double friction = 0);
   Contact(const Points2& pattern, const Triangles&, JoinedSheets);
 
   /// d^ of the sheet: 2 mm; 1 % of the side of a square of its area where that is less; the largest, of several. [m]
@@ -54,8 +63,8 @@ class Contact {
   /// The same of features of different sheets alone.
   bool clear_between(const Points3& from, const Points3& to, const Gripped&);
 
-  /// Begins a step from x.
-  void begin(const Points3& x, const Gripped&);
+  /// Begins a step of dt from x.
+  void begin(const Points3& x, const Gripped&, double dt);
 
   /// Finds every pair that can meet or come within reach on the way from y to y + move. To be called before any function
   /// below is asked about a place on that way; it costs little while the sheet stays near the way covered last.
@@ -67,7 +76,8 @@ class Contact {
   double free_way(const Points3& y, const Points3& move) const;
 
   double energy(const Points3& y) const;  // [J]
-  /// The energy; its derivative is added to the gradient and b'' w_i w_j n n^T, which is never indefinite, to the bound matrix.
+  /// The energy; its derivative is added to the gradient, and b'' w_i w_j n n^T and that of the friction, neither ever indefinite, to
+  /// the bound matrix.
   double differentiate(const Points3& y, Points3& gradient, BlockCholesky* matrix);
 
   /// Vertices of pairs within 1.5 d^, each with each.
@@ -85,12 +95,22 @@ class Contact {
 
  private:
   using Slots = std::array<BlockCholesky::Slot, 10>;  // upper half, row by row
+  struct Drag {                                       // friction of one pair
+    std::array<int, 4> vertices;
+    std::array<Eigen::Matrix<double, 2, 3>, 4> along; // [1] it has slid by sum_i along_i (y_i - start_i)
+    double force;                                     // [N] mu x force of the barrier
+    Slots slots;
+    bool placed = false;
+  };
 
   NearTriangles& near() const;
   void judge_by(const Points3& start, const Gripped&);
   void find_entangled(const Points3& x);
   bool entangled(const std::array<int, 4>& vertices, bool edges) const;
   void gather(const Points3& y, const Points3& move);
+  void begin_friction(double dt);
+  Eigen::Vector2d slip(const Drag&, const Points3& y) const;  // [m] since the step began
+  Slots slots_of(const std::array<int, 4>& vertices) const;
   template <class Visit>
   void for_each_pair(int a, int b, Visit) const;
   std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, bool edges) const {
@@ -121,6 +141,9 @@ class Contact {
   std::vector<double> spare_;                   // [m] least distance on the way less reach, by pair
   Points3 reference_;                           // [m] the list is good within tube_ of it
   bool swept_ = false;                          // ... and of the way that begins there
+
+  double epsilon_ = 0;                          // [m] what slides less sticks
+  std::vector<Drag> drags_;
 
   const BlockCholesky* matrix_ = nullptr;
   std::vector<int> block_of_;

@@ -81,7 +81,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.matrix.reset();
   s.past.remeshed = true;
   s.predictor.reset();
-  if (s.options.contact == SelfContact::automatic) s.contact.emplace(sheet.pattern, sheet.triangles);
+  if (s.options.contact == SelfContact::automatic) s.contact.emplace(sheet.pattern, sheet.triangles, s.paper.friction);
   if (s.options.colliders) s.colliders.emplace(s.options.colliders, sheet.triangles, static_cast<int>(sheet.pattern.rows()));
   std::deque<Points3>& positions = s.past.positions;
   if (!positions.empty() && positions.front().rows() != sheet.pattern.rows()) positions.clear();

@@ -126,7 +126,7 @@ void begin_at_best(const IncrementalPotential& W, const Points3& before, std::ve
 ElasticReport Elastic::Impl::solve(Sheet& sheet, const Held& handles, const Gripped& hard, double dt, Contact* feels, const NewtonOptions& how,
                     SecondWays second) {
   const std::vector<HandleSpring> springs = handle_springs(handles, feels ? HardHandles::may_yield : HardHandles::are_held);
-  if (feels) feels->begin(sheet.x, hard);
+  if (feels) feels->begin(sheet.x, hard, dt);
   hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
        feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
   if (feels && matrix) feels->bind(*matrix, block_of);

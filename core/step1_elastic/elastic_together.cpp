@@ -65,8 +65,10 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
   std::vector<Held> held;
   std::vector<Gripped> hard;
   Gripped grips{{}, Points3(0, 3)};
+  std::vector<double> friction;
   for (const Together& one : all) {
     Impl& s = *one.elastic.impl_;
+    friction.push_back(s.paper.friction);
     held.push_back(s.reachable(one.sheet, one.held, dt));
     hard.push_back(hard_handles(held.back()));
     add_grips(hard.back(), mesh.first.back(), grips);
@@ -76,8 +78,8 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
   }
   const Points3 before = joined(mesh, [&](std::size_t k) -> const Points3& { return all[k].sheet.x; });
   const Points3 begun = all.front().begun.rows() ? joined(mesh, [&](std::size_t k) -> const Points3& { return all[k].begun; }) : Points3(0, 3);
-  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, reach, begun});
-  contact.begin(before, grips);
+  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, reach, begun, friction});
+  contact.begin(before, grips, dt);
 
   // one matrix for all, in which nothing is held: handles pull
   std::vector<std::pair<int, int>> coupled = contact.coupled_vertices(before);
