@@ -72,11 +72,22 @@ Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case
   return {(before.energy - before.membrane) / (after.energy - after.membrane), std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
 }
 
+bool cuts_through_itself(const RenderSheet& render, const ShotRecord& record) {
+  return std::any_of(record.frames().begin(), record.frames().end(), [&](const RecordedFrame& f) {
+    const Sheet sheet = record.sheet(f);
+    return render.cuts_through_itself(sheet, render.places_on(sheet.pattern, sheet.triangles));
+  });
+}
+
 void measure(const Shot& shot, const ShotRecord& record, const std::vector<Points3>& plastic, const Case& c, const std::string& name) {
   const Quality quality = name == "draft" ? Quality::draft : name == "hero" ? Quality::hero : Quality::shot;
   double begun = cpu_ms();
-  const RenderFeatures features = record.features(shot);
+  RenderFeatures features = record.features(shot);
   RenderSheet render = make_render_sheet(shot.pattern, features, record.edge(), quality);
+  if (cuts_through_itself(render, record)) {
+    features.edges = record.edges();
+    render = make_render_sheet(shot.pattern, features, record.edge(), quality);
+  }
   const double mesh_ms = cpu_ms() - begun;
   const double n = static_cast<double>(record.frames().size()), side = longer_side(shot.pattern);
   double ms = 0, place_ms = 0, mean = 0, worst_mean = 0, worst = 0, simulated = 0, far = 0, hold_ms = 0;
