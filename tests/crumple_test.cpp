@@ -47,11 +47,11 @@ TEST(Flips, EdgesTurnTowardsTheRulingsOfACylinder) {
   EXPECT_EQ(flip_towards_rulings(sheet, curvature, 0.8), 0);  // it has come to an end
 }
 
-TEST(Flips, NoEdgeTurnsOnASheetWithASingularPoint) {
+TEST(Flips, NoEdgeTurnsOnASheetWithThreeSingularPoints) {
   Sheet smooth = test::hex_sheet(0.1, 0.1, 6, 0.25, 5);
   for (int v = 0; v < smooth.pattern.rows(); ++v) smooth.x(v, 2) = 12 * std::pow(smooth.pattern(v, 0) + smooth.pattern(v, 1) - 0.1, 2);
   Sheet broken = smooth;
-  broken.singular.push_back({{0.05, 0.05}, 1, "test"});
+  for (const double u : {0.03, 0.05, 0.07}) broken.singular.push_back({{u, 0.05}, 1, "test"});
   const Triangles before = smooth.triangles;
   const auto flips = [](Sheet& sheet) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, {}, 1, 0);

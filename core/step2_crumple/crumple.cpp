@@ -92,8 +92,9 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   CrumpleReport report;
   if (!moving) return report;
   const Points3 curvature = vertex_curvature(sheet);
-  // the edges of a crumple are where it folds: one that turns takes its fold with it
-  const bool smooth = sheet.singular.empty();
+  // the edges of a crumple are where it folds: one that turns takes its fold with it. A sheet with a point or two is smooth elsewhere
+  constexpr std::size_t crumpled = 3;
+  const bool smooth = sheet.singular.size() < crumpled;
 
   // a conflict counts when it has lasted, on whatever mesh; the worst vertex and those about it are one conflict
   const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
