@@ -8,8 +8,9 @@
 // c_m above 2   mean length error above 2 % in a frame, of feasible scripts
 // unreported    a hard handle that is off by more than 1 % of the sheet (and 0.1 mm) and not called jammed, or an impossible pair of which
 //               none is called jammed in its worst frame
-// remeshed      changes of a mesh: proposed and taken, or done before a step, whose relaxation that step is
-// rises         with --rises, which takes its time from the frames': of them, those after which the sheet at rest, handles where they are, stores more than 1 % (and 1e-6 J) more than before
+// remeshed      changes of a mesh: proposed and taken; with --rises also those done before a step, whose relaxation that step is
+// rises         with --rises, which takes its time from the frames': of them, those after which the sheet at rest, handles where they are, stores more than 1 % (and 1e-6 J) more than
+//               before; of gravity nothing is known there
 // worst ms      the dearest frame: CPU time, one thread
 
 #include "core/measure.h"
