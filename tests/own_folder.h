@@ -12,7 +12,8 @@ namespace paperbake::test {
 /// A folder of this process alone, gone with it: tests run side by side.
 inline const std::filesystem::path& own_folder() {
   struct Folder {
-    std::filesystem::path path = std::filesystem::path(testing::TempDir()) / ("paperbake_test_" + std::to_string(getpid()));
+    std::filesystem::path path =
+        std::filesystem::path(testing::TempDir()) / ("paperbake_test_" + std::to_string(getpid()));
     pid_t made_by = getpid();
     Folder() { std::filesystem::create_directories(path); }
     ~Folder() {

@@ -1,4 +1,4 @@
-"""Which objects paperbake reads and by what name, as formats/scene_properties.h and samples/README.md say."""
+"""Which objects paperbake reads and by what name, as formats/scene/scene_properties.h and samples/README.md say."""
 
 import re
 

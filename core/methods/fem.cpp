@@ -1,6 +1,6 @@
 #include "core/methods/method.h"
 
-#include "core/pattern_mesh.h"
+#include "core/geometry/pattern_mesh.h"
 
 namespace paperbake {
 
@@ -9,7 +9,8 @@ Method fem(int triangles, double turn) {
   method.name = "fem";
   method.first_mesh = [=](const Pattern& pattern, const std::vector<Vector2d>& points) {
     PatternMesh mesh = mesh_pattern_with(pattern, triangles, points, turn);
-    return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+    return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles),
+                             std::move(mesh.point_vertex)};
   };
   return method;
 }

@@ -1,6 +1,6 @@
 #include "core/methods/method.h"
 
-#include "core/pattern_mesh.h"
+#include "core/geometry/pattern_mesh.h"
 #include "core/step3_developable/developable.h"
 
 #include <cmath>
@@ -9,14 +9,17 @@
 namespace paperbake {
 namespace {
 
-/// About that many triangles, but where handles stand so close that they alone take most of them: cells between them would be as
-/// large as the sheet then, and a straight edge from clamp to handle a taut string. (S8 with 60: 40 triangles in the clamps, edges
-/// of 45 mm, stretched by 8 %.)
-PatternMesh first_mesh_with(const Pattern& pattern, int triangles, const std::vector<Vector2d>& points, double turn) {
+/// About that many triangles, but where handles stand so close that they alone take most of them:
+/// cells between them would be as large as the sheet then, and a straight edge from clamp to handle
+/// a taut string. (S8 with 60: 40 triangles in the clamps, edges of 45 mm, stretched by 8 %.)
+PatternMesh first_mesh_with(const Pattern& pattern, int triangles,
+                            const std::vector<Vector2d>& points, double turn) {
   constexpr double largest_edge = 1.15;  // of what as many equilateral triangles have
   const double edge = largest_edge * std::sqrt(area(pattern) / triangles / (std::sqrt(3.0) / 4));
   PatternMesh coarsest = mesh_pattern(pattern, edge, points, turn);
-  return coarsest.triangles.rows() > triangles ? coarsest : mesh_pattern_with(pattern, triangles, points, turn);
+  return coarsest.triangles.rows() > triangles
+             ? coarsest
+             : mesh_pattern_with(pattern, triangles, points, turn);
 }
 
 BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
@@ -25,8 +28,11 @@ BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
   const Regions& regions = crumple.regions();
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const Eigen::RowVector3i corners = sheet.triangles.row(t);
-    const Vector2d centre = (sheet.pattern.row(corners[0]) + sheet.pattern.row(corners[1]) + sheet.pattern.row(corners[2])) / 3;
-    const int place = regions.grid().nearest(centre), region = place < 0 ? -1 : regions.of_place()[place];
+    const Vector2d centre = (sheet.pattern.row(corners[0]) + sheet.pattern.row(corners[1]) +
+                             sheet.pattern.row(corners[2])) /
+                            3;
+    const int place = regions.grid().nearest(centre),
+              region = place < 0 ? -1 : regions.of_place()[place];
     parts.region.push_back(region < 0 ? -1 : regions.all()[region].id);
   }
   return parts;
@@ -34,8 +40,8 @@ BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
 
 }  // namespace
 
-Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, const CrumpleOptions& options, std::uint32_t seed,
-              std::uint32_t sheet, double turn) {
+Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles,
+              const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet, double turn) {
   Method method;
   method.name = "hybrid";
   const auto crumple = std::make_shared<Crumple>(pattern, paper, options, seed, sheet);
@@ -43,13 +49,15 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles, co
     PatternMesh mesh = first_mesh_with(cut, base_triangles, points, turn);
     const int required = number_points_first(mesh);
     crumple->begin_with(mesh.vertices, mesh.triangles, required);
-    return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+    return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles),
+                             std::move(mesh.point_vertex)};
   };
   method.remesh = [crumple](Sheet& sheet_now, const Situation& is) {
     return !is.leaving && crumple->operate(sheet_now, is.fixed, is.now, is.moving).mesh_changed();
   };
   method.propose = [crumple](const Sheet& sheet_now, const Situation& is) -> std::optional<Sheet> {
-    // what yields keeps its mesh: another one folds in other places, and what yields there too is not undone
+    // what yields keeps its mesh: another one folds in other places, and what yields there too is
+    // not undone
     if (!is.moving || !is.at_minimum || is.flowing) return std::nullopt;
     if (!sheet_now.folds.empty()) return std::nullopt;  // its edges are where they have to be
     return crumple->propose(sheet_now, is.pulled, is.lies, is.now);

@@ -1,7 +1,7 @@
-#include "core/step1_elastic/elastic_impl.h"
+#include "core/step1_elastic/solver/elastic_solver_impl.h"
 
-#include "core/measure.h"
-#include "core/step1_elastic/cone_energy.h"
+#include "core/geometry/measure.h"
+#include "core/step1_elastic/energies/apex_stiffness.h"
 
 namespace paperbake {
 
@@ -11,7 +11,9 @@ const PlasticGrid::Cover& Elastic::Impl::cover() {
 }
 
 void Elastic::Impl::recall() {
-  energy->memory = !grid ? PlasticMemory{} : grid->pristine() ? PlasticMemory(static_cast<int>(triangles.rows())) : grid->read(cover());
+  energy->memory = !grid              ? PlasticMemory{}
+                   : grid->pristine() ? PlasticMemory(static_cast<int>(triangles.rows()))
+                                      : grid->read(cover());
   softened->memory = energy->memory;
 }
 
@@ -21,7 +23,9 @@ void Elastic::Impl::recall_on_new_mesh() {
 }
 
 void Elastic::Impl::look_for_ridges(const Sheet& sheet, const std::vector<int>& vertices) {
-  if (grid) energy->ridges = softened->ridges = find_ridges(sheet, energy->hinges(), paper, vertices, energy->memory.ridge);
+  if (grid)
+    energy->ridges = softened->ridges =
+        find_ridges(sheet, energy->hinges(), paper, vertices, energy->memory.ridge);
 }
 
 template <class Find, class Solve>
@@ -36,7 +40,9 @@ ElasticReport Elastic::Impl::elastic_first(Sheet& sheet, Find find, Solve solve)
   ElasticReport report = solve();
   recall();
   find(before);
-  if (report.converged && !report.leaving && energy->gained(energy->fold_angles(sheet.x)).hardening.isZero(0)) return report;
+  if (report.converged && !report.leaving &&
+      energy->gained(energy->fold_angles(sheet.x)).hardening.isZero(0))
+    return report;
   const int in_vain = report.iterations;
   sheet = before;
   past = known;
@@ -54,14 +60,16 @@ double Elastic::Impl::remember(const std::vector<double>& fold_angles) {
   return growth;
 }
 
-void Elastic::Impl::tell_stored(const Points3& x, const std::vector<double>& fold_angles, ElasticReport& report) const {
+void Elastic::Impl::tell_stored(const Points3& x, const std::vector<double>& fold_angles,
+                                ElasticReport& report) const {
   const ElasticEnergy::Parts parts = energy->parts(x, fold_angles);
   report.membrane = parts.membrane;
   report.energy = parts.membrane + parts.bending;
   report.potential = report.energy + options.gravity * mass.dot(x.col(2));
 }
 
-Elastic::Elastic(const Paper& paper, const ElasticOptions& options) : impl_(std::make_unique<Impl>()) {
+Elastic::Elastic(const Paper& paper, const ElasticOptions& options)
+    : impl_(std::make_unique<Impl>()) {
   impl_->paper = paper;
   impl_->options = options;
 }
@@ -72,8 +80,10 @@ Elastic& Elastic::operator=(Elastic&&) = default;
 void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening) {
   Impl& s = *impl_;
   std::vector<double> factors = cone_factors(sheet, s.paper);
-  if (factors.empty()) factors = stiffening;
-  else for (std::size_t t = 0; t < stiffening.size(); ++t) factors[t] *= stiffening[t];
+  if (factors.empty())
+    factors = stiffening;
+  else
+    for (std::size_t t = 0; t < stiffening.size(); ++t) factors[t] *= stiffening[t];
   s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, factors, sheet.folds);
   Paper soft = s.paper;
   soft.membrane_stiffness /= softening;
@@ -81,8 +91,11 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.matrix.reset();
   s.past.remeshed = true;
   s.predictor.reset();
-  if (s.options.contact == SelfContact::automatic) s.contact.emplace(sheet.pattern, sheet.triangles, s.paper.friction);
-  if (s.options.colliders) s.colliders.emplace(s.options.colliders, sheet.triangles, static_cast<int>(sheet.pattern.rows()));
+  if (s.options.contact == SelfContact::automatic)
+    s.contact.emplace(sheet.pattern, sheet.triangles, s.paper.friction);
+  if (s.options.colliders)
+    s.colliders.emplace(s.options.colliders, sheet.triangles,
+                        static_cast<int>(sheet.pattern.rows()));
   std::deque<Points3>& positions = s.past.positions;
   if (!positions.empty() && positions.front().rows() != sheet.pattern.rows()) positions.clear();
   if (s.past.second && s.past.second->x.rows() != sheet.pattern.rows()) s.past.second.reset();
@@ -126,10 +139,15 @@ ElasticReport Elastic::settle(Sheet& sheet, const Held& asked, double dt, Settli
     how.stop *= coarser;
     how.max_iterations = how.max_strides = 20;
     how.ways = NewtonOptions::stride;
-    const double far = 0.03 * (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
-    how.in_vain = [&, far](const Points3& x) { return (x - before).rowwise().norm().maxCoeff() > far; };
+    const double far =
+        0.03 * (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
+    how.in_vain = [&, far](const Points3& x) {
+      return (x - before).rowwise().norm().maxCoeff() > far;
+    };
   }
-  ElasticReport report = s.elastic_first(sheet, [](const Sheet&) {}, [&] { return s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::none); });
+  ElasticReport report = s.elastic_first(
+      sheet, [](const Sheet&) {},
+      [&] { return s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::none); });
   report.contact = s.contact && !s.contact->clear(before, sheet.x, hard);
   s.tell_stored(sheet.x, s.energy->fold_angles(sheet.x), report);
   return report;
@@ -142,7 +160,8 @@ Elastic Elastic::on_mesh(const Sheet& sheet, const std::vector<double>& stiffeni
   return other;
 }
 
-void Elastic::continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried) {
+void Elastic::continue_from(const Elastic& other,
+                            const std::function<Points3(const Points3&)>& carried) {
   ElasticPast &here = impl_->past, &there = other.impl_->past;
   here.positions.clear();
   for (const Points3& x : there.positions) here.positions.push_back(carried(x));
@@ -164,8 +183,10 @@ void Elastic::take_back(const ElasticPast& past) {
   s.past = past;
   s.energy->ridges = s.softened->ridges = std::exchange(s.past.ridges, {});
   if (!s.grid) return;
-  if (past.grid) *s.grid = *past.grid;
-  else s.grid->forget();
+  if (past.grid)
+    *s.grid = *past.grid;
+  else
+    s.grid->forget();
   s.past.grid.reset();
   s.recall();
 }
@@ -180,15 +201,20 @@ ElasticReport Elastic::Impl::go(Sheet& sheet, const Held& held, const Gripped& h
     const bool lies = colliders && colliders->touching(before) > 0;
     if (lies) past.second.reset(), past.descending = false;
     const int most = lies ? options.max_iterations : most_iterations();
-    NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (is_coarse() ? 5 : 0)}), is_coarse() && past.descending ? NewtonOptions::descend : NewtonOptions::both};
+    NewtonOptions how{
+        stop, most, std::min({25, most, 2 * most / 3 + (is_coarse() ? 5 : 0)}),
+        is_coarse() && past.descending ? NewtonOptions::descend : NewtonOptions::both};
     if (may_touch) how.in_vain = [&](const Points3& x) { return !contact->clear(before, x, hard); };
     if (lies) how.max_strides = std::min(how.max_strides, most_strides_on_colliders);
-    report = solve(sheet, held, hard, dt, nullptr, how, lies ? SecondWays::none : SecondWays::where_restless);
+    report = solve(sheet, held, hard, dt, nullptr, how,
+                   lies ? SecondWays::none : SecondWays::where_restless);
     report.leaving |= lies && !report.converged;
     const int more = most_more * options.max_iterations / usual_iterations;
-    if (is_coarse() && !lies && !report.converged && more > 0 && largest_stretch(sheet) > on_the_way) {
+    if (is_coarse() && !lies && !report.converged && more > 0 &&
+        largest_stretch(sheet) > on_the_way) {
       const ElasticReport so_far = report;
-      report = solve(sheet, held, hard, dt, nullptr, {stop, more, more, NewtonOptions::descend}, SecondWays::none);
+      report = solve(sheet, held, hard, dt, nullptr, {stop, more, more, NewtonOptions::descend},
+                     SecondWays::none);
       report.iterations += so_far.iterations;
       report.lower_branch = so_far.lower_branch;
       report.leaving = so_far.leaving && !report.converged;
@@ -196,12 +222,14 @@ ElasticReport Elastic::Impl::go(Sheet& sheet, const Held& held, const Gripped& h
     }
   }
   const auto jams = [&] {  // what is on its way may be stretched
-    return (report.converged && matrix && largest_stretch(sheet) > jam_stretch) || report.inside > jam_inside;
+    return (report.converged && matrix && largest_stretch(sheet) > jam_stretch) ||
+           report.inside > jam_inside;
   };
   if (may_touch && (past.careful || jams() || !contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
-    // beside itself the softened sheet soon meets its own parts: a second start finds nothing better there
+    // beside itself the softened sheet soon meets its own parts: a second start finds nothing
+    // better there
     const NewtonOptions how{stop, most_in_touch()};
     report = solve(sheet, held, hard, dt, &*contact, how, SecondWays::none);
     report.iterations += in_vain;
@@ -217,7 +245,9 @@ ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
   const Held held = s.reachable(sheet, asked, dt);
   const Gripped hard = hard_handles(held);
   const Points3 before = sheet.x;
-  ElasticReport report = s.elastic_first(sheet, [&](const Sheet& from) { s.look_for_ridges(from, held.vertices); }, [&] { return s.go(sheet, held, hard, dt); });
+  ElasticReport report = s.elastic_first(
+      sheet, [&](const Sheet& from) { s.look_for_ridges(from, held.vertices); },
+      [&] { return s.go(sheet, held, hard, dt); });
   s.conclude(sheet, before, held, dt, report);
   return report;
 }

@@ -1,10 +1,10 @@
 #pragma once
 
-#include "core/collider.h"
-#include "core/paper.h"
-#include "core/plastic_grid.h"
-#include "core/sheet.h"
-#include "core/step1_elastic/ridges.h"
+#include "core/geometry/collider.h"
+#include "core/model/paper.h"
+#include "core/model/plastic_grid.h"
+#include "core/model/sheet.h"
+#include "core/step1_elastic/energies/ridge_yield.h"
 
 #include <deque>
 #include <functional>
@@ -15,15 +15,18 @@
 namespace paperbake {
 
 enum class Inertia { quasi_static, dynamic };
-enum class SelfContact { automatic, off };  // automatic: in the steps in which the sheet comes near itself
+// automatic: in the steps in which the sheet comes near itself
+enum class SelfContact { automatic, off };
 
 struct ElasticOptions {
-  double stop = 1e-5;          // [m]    Newton ends when no vertex is farther than this from the minimum, as far as it can tell
-  int max_iterations = 60;     // [1]    an unfinished minimisation goes on in the next step
-  double gravity = 0;          // [m/s2] along -z
+  // [m]    Newton ends when no vertex is farther than this from the minimum, as far as it can tell
+  double stop = 1e-5;
+  int max_iterations = 60;  // [1]    an unfinished minimisation goes on in the next step
+  double gravity = 0;       // [m/s2] along -z
   Inertia inertia = Inertia::quasi_static;
   SelfContact contact = SelfContact::automatic;
-  std::shared_ptr<const Colliders> colliders = nullptr;  // what the sheet may not pass; null: nothing
+  // what the sheet may not pass; null: nothing
+  std::shared_ptr<const Colliders> colliders = nullptr;
 };
 
 /// Where colliders are as a step begins and ends. Empty where there are none.
@@ -33,48 +36,56 @@ struct ColliderMotion {
 
 /// Vertices that are held, and where; and what else is given of a step.
 struct Held {
-  std::vector<int> vertices;   // each at most once
-  Points3 targets;             // |vertices|x3 [m]
-  std::vector<double> stiffness = {};  // |vertices| [N/m] of soft handles, 0: hard; empty: all are hard
+  std::vector<int> vertices;  // each at most once
+  Points3 targets;            // |vertices|x3 [m]
+  // |vertices| [N/m] of soft handles, 0: hard; empty: all are hard
+  std::vector<double> stiffness = {};
   ColliderMotion colliders = {};
 };
 
 struct ElasticReport {
-  int iterations = 0;          // factorisations of the second derivative
+  int iterations = 0;  // factorisations of the second derivative
   bool converged = true;
-  double energy = 0;           // [J] membrane + bending
-  double potential = 0;        // [J] energy + weight x height
-  double membrane = 0;         // [J] its membrane part
-  double plastic_flow = 0;     // [m rad] by how much the plastic integral grew in this step
-  bool leaving = false;        // it is on its way down from an unstable shape: what it looks like is not to be relied on
-  double lower_branch = 0;     // [1] by how much of the potential a second start was lower, when it was taken
-  bool contact = false;        // the sheet came near itself: the step was taken with contact
-  int touching = 0;            // pairs of vertex and triangle, or edge and edge, that push each other at its end
-  int touching_others = 0;     // ... of which one is of another sheet
-  int yielding = 0;            // hard handles that the paper does not follow
-  int on_colliders = 0;        // vertices, edges and triangles that colliders push at its end
-  double inside = 0;           // [m] how deep the deepest is inside a collider
+  double energy = 0;        // [J] membrane + bending
+  double potential = 0;     // [J] energy + weight x height
+  double membrane = 0;      // [J] its membrane part
+  double plastic_flow = 0;  // [m rad] by how much the plastic integral grew in this step
+  // it is on its way down from an unstable shape: what it looks like is not to be relied on
+  bool leaving = false;
+  // [1] by how much of the potential a second start was lower, when it was taken
+  double lower_branch = 0;
+  bool contact = false;  // the sheet came near itself: the step was taken with contact
+  // pairs of vertex and triangle, or edge and edge, that push each other at its end
+  int touching = 0;
+  int touching_others = 0;  // ... of which one is of another sheet
+  int yielding = 0;         // hard handles that the paper does not follow
+  int on_colliders = 0;     // vertices, edges and triangles that colliders push at its end
+  double inside = 0;        // [m] how deep the deepest is inside a collider
 };
 
-/// briefly: the first way alone, to ten times `stop`, 20 iterations; what needs more has landed somewhere else, and so has what
-/// leaves its place by 3 % of the longer side. fully: both ways, to `stop`.
+/// briefly: the first way alone, to ten times `stop`, 20 iterations; what needs more has landed
+/// somewhere else, and so has what leaves its place by 3 % of the longer side. fully: both ways, to
+/// `stop`.
 enum class Settling { briefly, fully };
 
-/// A second way down from an unstable shape, gone beside the first: with a softened membrane, then with the paper's own.
+/// A second way down from an unstable shape, gone beside the first: with a softened membrane, then
+/// with the paper's own.
 struct SecondWay {
-  Points3 x;                     // |V|x3 [m] how far it got
+  Points3 x;  // |V|x3 [m] how far it got
   enum Leg { soft, stiff, done } leg = soft;
-  int tries = 0;                 // of this leg, that got nowhere near its end
+  int tries = 0;  // of this leg, that got nowhere near its end
   bool converged = false;
 };
 
 /// What the solver knows of the steps before, and all that a step changes besides its sheet.
 struct ElasticPast {
-  std::deque<Points3> positions;    // |V|x3 [m] before the last step, before the one before that
-  int steps = 0;                    // so far
-  bool remeshed = true;             // the mesh has changed since the last step
-  bool careful = false;             // the last step ended with parts touching, or with handles that the paper does not follow
-  int content_until = 0;            // steps: a second way found nothing much lower, none is begun before
+  std::deque<Points3> positions;  // |V|x3 [m] before the last step, before the one before that
+  int steps = 0;                  // so far
+  bool remeshed = true;           // the mesh has changed since the last step
+  // the last step ended with parts touching, or with handles that the paper does not follow
+  bool careful = false;
+  // steps: a second way found nothing much lower, none is begun before
+  int content_until = 0;
   bool descending = false;          // ... on its way down to a minimum
   std::optional<SecondWay> second;  // not yet at its end
   Ridges ridges;                    // in a copy: of the last step, and
@@ -93,20 +104,24 @@ struct SheetWay;
 ///   W(x) = sum_i m_i/(2 dt^2) |x_i - xhat_i|^2 + E_membrane(x) + E_bending(x) + sum_i m_i g z_i
 ///
 /// dynamic:      xhat = x + dt v, m the mass of the paper
-/// quasi-static: xhat = x and a hundredth of the mass: just enough that a sheet that swings freely has one answer
+/// quasi-static: xhat = x and a hundredth of the mass: just enough that a sheet that swings freely
+/// has one answer
 ///
-/// found by Newton's method with handles eliminated. Two ways, one after the other where the first does not arrive:
-/// - the stress of the membrane as an unknown of its own [Magisano 2017]: 2-4 iterations where plain Newton takes 3-15, because
+/// found by Newton's method with handles eliminated. Two ways, one after the other where the first
+/// does not arrive: - the stress of the membrane as an unknown of its own [Magisano 2017]: 2-4
+/// iterations where plain Newton takes 3-15, because
 ///   the stiff membrane does not hold it to tiny steps;
-/// - the exact second derivative (projected where that is not positive definite) with a backtracking line search.
-/// A step that takes many iterations leaves an unstable shape (a snap): it is started a second time with a softened membrane,
-/// and the lower end is kept.
+/// - the exact second derivative (projected where that is not positive definite) with a
+/// backtracking line search. A step that takes many iterations leaves an unstable shape (a snap):
+/// it is started a second time with a softened membrane, and the lower end is kept.
 ///
-/// With a memory, E_bending yields inside the step (bending.h), and what has flowed at its end is remembered.
-/// A step that brings parts of the sheet near each other is taken with self-contact (contact.h): the barrier is part of W, no
-/// iteration passes through anything, and handles pull with springs that give way where the paper is jammed
-/// (handle_springs.h); it has no second start. A step in which nothing comes near is the same to the last bit as without contact.
-/// Colliders (colliders.h), where there are any, are part of W in every step. Handles that are to go behind their surface slide along it.
+/// With a memory, E_bending yields inside the step (bending.h), and what has flowed at its end is
+/// remembered. A step that brings parts of the sheet near each other is taken with self-contact
+/// (contact.h): the barrier is part of W, no iteration passes through anything, and handles pull
+/// with springs that give way where the paper is jammed (handle_springs.h); it has no second start.
+/// A step in which nothing comes near is the same to the last bit as without contact. Colliders
+/// (colliders.h), where there are any, are part of W in every step. Handles that are to go behind
+/// their surface slide along it.
 ///
 /// source [Martin 2011]; damping of the velocity to 0.98 in 1/24 s
 class Elastic {
@@ -116,33 +131,37 @@ class Elastic {
   Elastic(Elastic&&);
   Elastic& operator=(Elastic&&);
 
-  /// To be called for the first mesh and after every change of pattern or connectivity. As long as the number of vertices
-  /// stays, so does what the next guess knows of their past positions.
+  /// To be called for the first mesh and after every change of pattern or connectivity. As long as
+  /// the number of vertices stays, so does what the next guess knows of their past positions.
   /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
   void set_mesh(const Sheet&, const std::vector<double>& stiffening = {});
 
-  /// Moves sheet.x to the minimum with the held vertices at their targets, and sheet.v to (x_new - x_old)/dt.
-  /// The positions need not be near the minimum.
-  /// On a coarse mesh (400 triangles) no frame waits for a snap: after the first three a step ends with 42 iterations, or 82 where an edge
-  /// is still stretched by .6 %, and both its ways down go on in the next one. throws Error(Fault::simulation) when the energy is not finite.
+  /// Moves sheet.x to the minimum with the held vertices at their targets, and sheet.v to (x_new -
+  /// x_old)/dt. The positions need not be near the minimum. On a coarse mesh (400 triangles) no
+  /// frame waits for a snap: after the first three a step ends with 42 iterations, or 82 where an
+  /// edge is still stretched by .6 %, and both its ways down go on in the next one. throws
+  /// Error(Fault::simulation) when the energy is not finite.
   ElasticReport step(Sheet&, const Held&, double dt);
 
-  /// One step of several sheets that come within reach of each other: to the minimum of the sum of their potentials over the vertices
-  /// of all, with one contact between and within them, so that a push goes through to the last of them. All handles pull with springs.
+  /// One step of several sheets that come within reach of each other: to the minimum of the sum of
+  /// their potentials over the vertices of all, with one contact between and within them, so that a
+  /// push goes through to the last of them. All handles pull with springs.
   /// reach  |sheets|x|sheets| [m] d^ between two, on the diagonal reach() of each
   /// throws Error(Fault::simulation) when the energy is not finite
-  static std::vector<ElasticReport> step_together(const std::vector<Together>&, const Eigen::MatrixXd& reach, double dt);
+  static std::vector<ElasticReport> step_together(const std::vector<Together>&,
+                                                  const Eigen::MatrixXd& reach, double dt);
 
   /// d^ of the sheet (contact.h); 0: it feels nothing. [m]
   double reach() const;
 
-  /// True when nothing of one meets the other on their ways, and no pair is within reach at the end of any part of them: then a step
-  /// together would have taken them there, too.
+  /// True when nothing of one meets the other on their ways, and no pair is within reach at the end
+  /// of any part of them: then a step together would have taken them there, too.
   static bool clear(const SheetWay& a, const SheetWay& b, double reach);
 
-  /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing else: no second start, no
-  /// change of sheet.v, nothing flows and nothing is remembered. For a sheet that was put where it is.
-  /// report.contact: it came near itself, which a sheet that settles does not feel.
+  /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing
+  /// else: no second start, no change of sheet.v, nothing flows and nothing is remembered. For a
+  /// sheet that was put where it is. report.contact: it came near itself, which a sheet that
+  /// settles does not feel.
   ElasticReport settle(Sheet&, const Held&, double dt, Settling);
 
   /// Another one, of the same paper, options and memory.
@@ -155,16 +174,18 @@ class Elastic {
   /// What is stored in the sheet as it is. `iterations` 0.
   ElasticReport look(const Sheet&) const;
 
-  /// How deep the deepest vertex, edge or triangle of a sheet of this mesh is inside a collider; 0: none. [m]
+  /// How deep the deepest vertex, edge or triangle of a sheet of this mesh is inside a collider; 0:
+  /// none. [m]
   double inside(const Sheet&, const Poses&) const;
 
-  /// A copy, the plastic grid with it, and the way back to it while the mesh is the same: the steps in between leave no trace.
+  /// A copy, the plastic grid with it, and the way back to it while the mesh is the same: the steps
+  /// in between leave no trace.
   ElasticPast past() const;
   void take_back(const ElasticPast&);
 
-  /// Lets the paper yield: the memory is read here and by set_mesh, and every step that returns writes to it. To be called
-  /// again when the grid was changed by others. It must outlive this object or its replacement.
-  /// Null, as at first: paper that springs back whatever is done to it.
+  /// Lets the paper yield: the memory is read here and by set_mesh, and every step that returns
+  /// writes to it. To be called again when the grid was changed by others. It must outlive this
+  /// object or its replacement. Null, as at first: paper that springs back whatever is done to it.
   void remember_in(PlasticGrid*);
 
  private:
@@ -177,15 +198,18 @@ struct Together {
   Elastic& elastic;
   Sheet& sheet;
   const Held& held;
-  const Points3& begun;                // |V|x3 [m] where its points were at the begin of the shot, when one of the sheets began on another; or empty, of all
+  // |V|x3 [m] where its points were at the begin of the shot, when one of the sheets began on
+  // another; or empty, of all
+  const Points3& begun;
 };
 
 /// Where a sheet went.
 struct SheetWay {
-  const Sheet& sheet;                  // its mesh
-  const Held& held;                    // at the end
-  const std::vector<Points3>& places;  // |V|x3 [m], straight ways in between; the other's at the same times
-  const Points3& begun;                // as in Together
+  const Sheet& sheet;  // its mesh
+  const Held& held;    // at the end
+  // |V|x3 [m], straight ways in between; the other's at the same times
+  const std::vector<Points3>& places;
+  const Points3& begun;  // as in Together
 };
 
 }  // namespace paperbake

@@ -1,20 +1,25 @@
 #pragma once
 
-#include "core/curvature.h"
-#include "core/locate.h"
-#include "core/pattern.h"
+#include "core/geometry/curvature.h"
+#include "core/geometry/point_location.h"
+#include "core/model/pattern.h"
 
 #include <vector>
 
 namespace paperbake {
 
-/// How the sheet bends at any point of its pattern: the curvature tensors of its vertices, interpolated.
+/// How the sheet bends at any point of its pattern: the curvature tensors of its vertices,
+/// interpolated.
 class BendingField {
  public:
   /// curvature  |V|x3 [1/m] as from developable_curvature
   BendingField(const Sheet& sheet, const Points3& curvature)
-      : locator_(sheet.pattern, sheet.triangles), triangles_(sheet.triangles), curvature_(curvature) {}
-  Principal at(const Vector2d& p) const { return principal_curvature(interpolate(locator_.locate(p), triangles_, curvature_)); }
+      : locator_(sheet.pattern, sheet.triangles),
+        triangles_(sheet.triangles),
+        curvature_(curvature) {}
+  Principal at(const Vector2d& p) const {
+    return principal_curvature(interpolate(locator_.locate(p), triangles_, curvature_));
+  }
 
  private:
   Locator locator_;
@@ -22,7 +27,8 @@ class BendingField {
   Points3 curvature_;
 };
 
-/// Places all over a pattern where its bending is asked for: a square grid that belongs to the pattern, not to a mesh.
+/// Places all over a pattern where its bending is asked for: a square grid that belongs to the
+/// pattern, not to a mesh.
 class SampleGrid {
  public:
   /// 24 along the shorter side, no more than 1500 in all
@@ -36,7 +42,7 @@ class SampleGrid {
 
  private:
   int columns_, rows_;
-  std::vector<int> number_;                  // by cell, -1: outside
+  std::vector<int> number_;  // by cell, -1: outside
 };
 
 }  // namespace paperbake

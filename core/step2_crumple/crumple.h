@@ -1,11 +1,11 @@
 #pragma once
 
-#include "core/paper.h"
-#include "core/pattern.h"
-#include "core/pins.h"
-#include "core/sheet.h"
+#include "core/model/paper.h"
+#include "core/model/pattern.h"
+#include "core/model/sheet.h"
+#include "core/model/singular_point_rules.h"
+#include "core/step2_crumple/remesh_schedule.h"
 #include "core/step2_crumple/ruled_mesh.h"
-#include "core/step2_crumple/remesh_when.h"
 
 #include <cstdint>
 #include <optional>
@@ -14,23 +14,30 @@
 
 namespace paperbake {
 
-/// When bending directions conflict, where a singular point is born, when an edge turns. Angles in radians, lengths in metres.
+/// When bending directions conflict, where a singular point is born, when an edge turns. Angles in
+/// radians, lengths in metres.
 struct CrumpleOptions {
-  double conflict_turn = 0.14;     // [rad] turning angle |k2| sqrt(A) in the second direction that paper does not do (8 degrees)
-  double conflict_ratio = 0.15;    // [1]   and |k2| must be more than this share of |k1|
-  double conflict_folds = 0.23;    // [rad] of both signs that meet in a vertex: the other way to see one (13 degrees)
-  double absorbed_turn = 0.35;     // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
+  // [rad] turning angle |k2| sqrt(A) in the second direction that paper does not do (8 degrees)
+  double conflict_turn = 0.14;
+  double conflict_ratio = 0.15;  // [1]   and |k2| must be more than this share of |k1|
+  // [rad] of both signs that meet in a vertex: the other way to see one (13 degrees)
+  double conflict_folds = 0.23;
+  // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
+  double absorbed_turn = 0.35;
   double absorbed_folds = 0.4;      // [rad] (23 degrees)
-  double lasting = 15 / 24.0;      // [s]   after which what lasts is no accident of the mesh ...
-  double lasting_sharp = 2 / 24.0; // [s]   ... and where it is as sharp as beside a singular point
-  double spacing = 2;              // [1]   between singular points, in widths of the longest ridge that the sheet can have
-  double border_share = 0.03;      // [1]   of the longer side: as near as a point may come to the border
-  double flip_gain = 0.65;         // [1]   an edge turns when the other diagonal has less than this share of its sagitta ...
-  double flip_period = 2 / 24.0;   // [s]   ... looked at this often
-  int most_points = 1000;          // [1]   on one sheet
-  int most_triangles = 250;        // [1]   no point is born beyond
+  double lasting = 15 / 24.0;       // [s]   after which what lasts is no accident of the mesh ...
+  double lasting_sharp = 2 / 24.0;  // [s]   ... and where it is as sharp as beside a singular point
+  // [1]   between singular points, in widths of the longest ridge that the sheet can have
+  double spacing = 2;
+  // [1]   of the longer side: as near as a point may come to the border
+  double border_share = 0.03;
+  // [1]   an edge turns when the other diagonal has less than this share of its sagitta ...
+  double flip_gain = 0.65;
+  double flip_period = 2 / 24.0;  // [s]   ... looked at this often
+  int most_points = 1000;         // [1]   on one sheet
+  int most_triangles = 250;       // [1]   no point is born beyond
   RulingOptions rulings;
-  Pins pins;                       // where singular points may not be born
+  Pins pins;  // where singular points may not be born
 };
 
 struct CrumpleReport {
@@ -38,16 +45,19 @@ struct CrumpleReport {
   bool mesh_changed() const { return flips > 0 || births > 0; }
 };
 
-/// Step 2 of [Schreck 2015] on one mesh. The robust part: the mesh follows the bending by edge flips, and where two bending
-/// directions conflict for long enough a singular point is born, at a place drawn from the paper's own law. On top of
-/// it, as a proposal: a mesh whose edges are the rulings of the curved regions.
+/// Step 2 of [Schreck 2015] on one mesh. The robust part: the mesh follows the bending by edge
+/// flips, and where two bending directions conflict for long enough a singular point is born, at a
+/// place drawn from the paper's own law. On top of it, as a proposal: a mesh whose edges are the
+/// rulings of the curved regions.
 class Crumple {
  public:
   /// seed, sheet  what the draws depend on, besides the number of the event
-  Crumple(const Pattern&, const Paper&, const CrumpleOptions&, std::uint32_t seed, std::uint32_t sheet);
+  Crumple(const Pattern&, const Paper&, const CrumpleOptions&, std::uint32_t seed,
+          std::uint32_t sheet);
 
-  /// Looks at the sheet as step 1 left it and changes its mesh for the next step. Vertices keep their numbers, new ones are
-  /// appended; fixed vertices (handles and the rims of their discs) keep their place on the pattern.
+  /// Looks at the sheet as step 1 left it and changes its mesh for the next step. Vertices keep
+  /// their numbers, new ones are appended; fixed vertices (handles and the rims of their discs)
+  /// keep their place on the pattern.
   /// moving  false: the sheet is at rest, nothing is done
   CrumpleReport operate(Sheet&, const std::vector<char>& fixed, const Moment&, bool moving);
 
@@ -55,16 +65,20 @@ class Crumple {
   /// required  how many vertices, from number 0 on, hold what a ruled mesh must keep as it is
   void begin_with(const Points2& pattern, const Triangles&, int required);
 
-  /// Before `operate`, from a sheet at its minimum: looks for curved regions and, when the mesh does not follow their rulings,
-  /// proposes one that does, with positions and velocities carried over. The required vertices keep their numbers.
+  /// Before `operate`, from a sheet at its minimum: looks for curved regions and, when the mesh
+  /// does not follow their rulings, proposes one that does, with positions and velocities carried
+  /// over. The required vertices keep their numbers.
   /// pulled  vertices that a lone handle moves
-  /// lies    something carries the sheet: it cannot sag behind a corner that is pulled, but hooks there
-  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, bool lies, const Moment&);
+  /// lies    something carries the sheet: it cannot sag behind a corner that is pulled, but hooks
+  ///         there
+  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, bool lies,
+                               const Moment&);
   /// What became of the proposal.
   void judged(bool accepted, const Moment&);
 
   const Regions& regions() const { return regions_; }
-  const std::vector<Ruling>& rulings() const { return rulings_; }  // of the last proposal that was accepted
+  // of the last proposal that was accepted
+  const std::vector<Ruling>& rulings() const { return rulings_; }
 
   void archive(Archive&);  // all that came after begin_with
 
@@ -74,8 +88,8 @@ class Crumple {
   CrumpleOptions options_;
   std::uint32_t seed_, sheet_;
   struct Suspicion {
-    Vector2d p;        // [m]
-    double seconds;    // how long there has been a conflict about there
+    Vector2d p;      // [m]
+    double seconds;  // how long there has been a conflict about there
   };
   std::vector<Suspicion> suspicions_;
   BaseMesh base_;

@@ -1,6 +1,6 @@
 #include "core/step2_crumple/regions.h"
 
-#include "core/archive.h"
+#include "core/model/serializer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,15 +9,19 @@
 namespace paperbake {
 
 Regions::Regions(const Pattern& pattern, const RulingOptions& options)
-    : grid_(pattern), options_(options), curved_above_(options.curved_above / longer_side(pattern)),
-      curved_(grid_.count(), 0), of_place_(grid_.count(), -1) {}
+    : grid_(pattern),
+      options_(options),
+      curved_above_(options.curved_above / longer_side(pattern)),
+      curved_(grid_.count(), 0),
+      of_place_(grid_.count(), -1) {}
 
 void Regions::follow(const BendingField& field) {
   bending_.clear();
   for (int i = 0; i < grid_.count(); ++i) {
     bending_.push_back(field.at(grid_.places[i]));
     const Principal& k = bending_.back();
-    curved_[i] = std::abs(k.k1) > (curved_[i] ? options_.flat_below : 1.0) * curved_above_ && std::abs(k.k2) < options_.coherent * std::abs(k.k1);
+    curved_[i] = std::abs(k.k1) > (curved_[i] ? options_.flat_below : 1.0) * curved_above_ &&
+                 std::abs(k.k2) < options_.coherent * std::abs(k.k1);
   }
   std::vector<int> old_ids(grid_.count(), -1);
   for (int i = 0; i < grid_.count(); ++i)
@@ -28,17 +32,25 @@ void Regions::follow(const BendingField& field) {
   name(old_ids);
 }
 
-static void archive(Archive& a, CurvedRegion& r) { a(r.id, r.sign, r.area, r.bend, r.cone.centre, r.cone.scale, r.cone.apex, r.cone.residual); }
+static void archive(Archive& a, CurvedRegion& r) {
+  a(r.id, r.sign, r.area, r.bend, r.cone.centre, r.cone.scale, r.cone.apex, r.cone.residual);
+}
 
 void Regions::archive(Archive& a) {
   a(curved_, of_place_, regions_, next_id_);
-  const auto known = [&](int region) { return region >= -1 && region < static_cast<int>(regions_.size()); };
-  a.demand(static_cast<int>(curved_.size()) == grid_.count() && curved_.size() == of_place_.size() && std::all_of(of_place_.begin(), of_place_.end(), known));
+  const auto known = [&](int region) {
+    return region >= -1 && region < static_cast<int>(regions_.size());
+  };
+  a.demand(static_cast<int>(curved_.size()) == grid_.count() &&
+           curved_.size() == of_place_.size() &&
+           std::all_of(of_place_.begin(), of_place_.end(), known));
 }
 
-/// Joins neighbours that bend the same way about nearly the same ruling. Specks of less than 1/200 of the sheet are flat.
+/// Joins neighbours that bend the same way about nearly the same ruling. Specks of less than 1/200
+/// of the sheet are flat.
 std::vector<int> Regions::grow(std::vector<int>& sign_of) const {
-  constexpr double same_ruling = 0.9;  // [1] cosine between the rulings of neighbours: 26 degrees, a fan near its apex
+  // [1] cosine between the rulings of neighbours: 26 degrees, a fan near its apex
+  constexpr double same_ruling = 0.9;
   std::vector<int> label(grid_.count(), -1);
   for (int seed = 0; seed < grid_.count(); ++seed) {
     if (!curved_[seed] || label[seed] >= 0) continue;
@@ -52,7 +64,8 @@ std::vector<int> Regions::grow(std::vector<int>& sign_of) const {
         label[j] = number;
         members.push_back(j);
       }
-    if (200 * static_cast<int>(members.size()) >= grid_.count()) sign_of.push_back(sign);
+    if (200 * static_cast<int>(members.size()) >= grid_.count())
+      sign_of.push_back(sign);
     else
       for (const int j : members) label[j] = -2;
   }
@@ -78,7 +91,8 @@ void Regions::measure(const std::vector<int>& sign_of) {
   }
 }
 
-/// Each region takes the number of the old one that it shares most places with; the largest share chooses first.
+/// Each region takes the number of the old one that it shares most places with; the largest share
+/// chooses first.
 void Regions::name(const std::vector<int>& old_ids) {
   std::map<std::pair<int, int>, int> shared;  // (old id, region) -> places
   for (int i = 0; i < grid_.count(); ++i)

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "core/step2_crumple/bending_field.h"
-#include "core/step2_crumple/cone.h"
+#include "core/step2_crumple/cone_fit.h"
 #include "core/step2_crumple/ruling_options.h"
 
 #include <vector>
@@ -10,18 +10,20 @@ namespace paperbake {
 
 class Archive;
 
-/// A part of the sheet that bends one way, like a generalised cone. What is in no region counts as flat.
+/// A part of the sheet that bends one way, like a generalised cone. What is in no region counts as
+/// flat.
 struct CurvedRegion {
-  int id;           // the same from frame to frame
-  int sign;         // +1 bulges towards the normal, -1 away from it
-  double area;      // [m2] on the pattern
-  double bend;      // [rad m] integral of |k1|: turn x length of the rulings
+  int id;       // the same from frame to frame
+  int sign;     // +1 bulges towards the normal, -1 away from it
+  double area;  // [m2] on the pattern
+  double bend;  // [rad m] integral of |k1|: turn x length of the rulings
   Cone cone;
 };
 
-/// Flat and curved regions of a sheet, followed through the frames. A place becomes curved above one threshold and flat again
-/// below a lower one, and a region keeps its number by what it covers of the pattern, so that nothing flickers.
-/// source [Schreck 2015, section 4]; hysteresis and numbering are this project's
+/// Flat and curved regions of a sheet, followed through the frames. A place becomes curved above
+/// one threshold and flat again below a lower one, and a region keeps its number by what it covers
+/// of the pattern, so that nothing flickers. source [Schreck 2015, section 4]; hysteresis and
+/// numbering are this project's
 class Regions {
  public:
   Regions(const Pattern&, const RulingOptions&);
@@ -30,8 +32,10 @@ class Regions {
   void follow(const BendingField&);
 
   const SampleGrid& grid() const { return grid_; }
-  const std::vector<Principal>& bending() const { return bending_; }        // at the places of the grid
-  const std::vector<int>& of_place() const { return of_place_; }            // number in all() of each place; -1: flat
+  // at the places of the grid
+  const std::vector<Principal>& bending() const { return bending_; }
+  // number in all() of each place; -1: flat
+  const std::vector<int>& of_place() const { return of_place_; }
   const std::vector<CurvedRegion>& all() const { return regions_; }
 
   void archive(Archive&);  // all but the bending, which is looked at anew
@@ -45,7 +49,7 @@ class Regions {
   RulingOptions options_;
   double curved_above_;  // [1/m]
   std::vector<Principal> bending_;
-  std::vector<char> curved_;     // with hysteresis
+  std::vector<char> curved_;  // with hysteresis
   std::vector<int> of_place_;
   std::vector<CurvedRegion> regions_;
   int next_id_ = 0;

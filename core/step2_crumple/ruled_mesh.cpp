@@ -1,7 +1,7 @@
 #include "core/step2_crumple/ruled_mesh.h"
 
-#include "core/constrained_delaunay.h"
-#include "core/measure.h"
+#include "core/geometry/constrained_delaunay.h"
+#include "core/geometry/measure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,7 +13,9 @@ namespace {
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-double along(const Vector2d& p, const Vector2d& a, const Vector2d& b) { return (p - a).dot(b - a) / (b - a).squaredNorm(); }
+double along(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  return (p - a).dot(b - a) / (b - a).squaredNorm();
+}
 
 double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   return (p - a - std::clamp(along(p, a, b), 0.0, 1.0) * (b - a)).norm();
@@ -25,7 +27,8 @@ std::vector<Vector2d> corners_of(const std::vector<Vector2d>& polygon) {
   std::vector<Vector2d> corners;
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
-    const Vector2d in = (polygon[i] - polygon[(i + n - 1) % n]).normalized(), out = (polygon[(i + 1) % n] - polygon[i]).normalized();
+    const Vector2d in = (polygon[i] - polygon[(i + n - 1) % n]).normalized(),
+                   out = (polygon[(i + 1) % n] - polygon[i]).normalized();
     if (std::abs(cross(in, out)) > straight || in.dot(out) < 0) corners.push_back(polygon[i]);
   }
   return corners;
@@ -47,8 +50,10 @@ class Builder {
 
   void add_rulings(const std::vector<Ruling>& rulings) {
     std::vector<std::pair<int, int>> ends;
-    for (const Ruling& r : rulings) ends.emplace_back(ruling_end(r.a, near(r)), ruling_end(r.b, near(r)));
-    for (std::size_t k = 0; k < ends.size(); ++k) add_ruling(ends[k].first, ends[k].second, near(rulings[k]));
+    for (const Ruling& r : rulings)
+      ends.emplace_back(ruling_end(r.a, near(r)), ruling_end(r.b, near(r)));
+    for (std::size_t k = 0; k < ends.size(); ++k)
+      add_ruling(ends[k].first, ends[k].second, near(rulings[k]));
     const auto legs = legs_;
     for (const auto& [a, b] : legs) subdivide(a, b);
   }
@@ -57,11 +62,14 @@ class Builder {
     for (Side& side : sides_) fill_border(side);
     const std::size_t before = points_.size();
     for (const Vector2d& p : base_.inner) {
-      const bool guarded = std::any_of(guards.begin(), guards.end(), [&](const Disc& d) { return (p - d.centre).norm() < d.radius; });
+      const bool guarded = std::any_of(guards.begin(), guards.end(), [&](const Disc& d) {
+        return (p - d.centre).norm() < d.radius;
+      });
       const double clear = (guarded ? 0.4 : 0.6) * base_.h;
       bool free = true;
       for (std::size_t i = 0; i < before && free; ++i) free = (points_[i] - p).norm() >= clear;
-      for (const auto& [a, b] : legs_) free = free && distance_to_segment(p, points_[a], points_[b]) >= 0.75 * clear;
+      for (const auto& [a, b] : legs_)
+        free = free && distance_to_segment(p, points_[a], points_[b]) >= 0.75 * clear;
       if (free) points_.push_back(p);
     }
   }
@@ -69,7 +77,8 @@ class Builder {
   std::optional<RuledMesh> triangulate() const {
     std::vector<std::pair<int, int>> border;
     for (const Side& side : sides_)
-      for (std::size_t k = 0; k + 1 < side.stops.size(); ++k) border.emplace_back(side.stops[k].second, side.stops[k + 1].second);
+      for (std::size_t k = 0; k + 1 < side.stops.size(); ++k)
+        border.emplace_back(side.stops[k].second, side.stops[k + 1].second);
     auto triangles = constrained_delaunay(points_, border, pieces_);
     if (!triangles) return std::nullopt;
     RuledMesh mesh;
@@ -86,7 +95,9 @@ class Builder {
   };
 
   double exact() const { return 1e-7 * base_.h; }
-  double near(const Ruling& r) const { return r.at_tip ? 0.5 * std::min(tolerance_, options_.merge * r.length()) : tolerance_; }
+  double near(const Ruling& r) const {
+    return r.at_tip ? 0.5 * std::min(tolerance_, options_.merge * r.length()) : tolerance_;
+  }
 
   void add_polygon(const std::vector<Vector2d>& polygon) {
     const std::size_t first = sides_.size();
@@ -97,11 +108,14 @@ class Builder {
     }
     for (std::size_t s = first; s < sides_.size(); ++s) {
       Side& side = sides_[s];
-      side.stops.emplace_back(1.0, s + 1 < sides_.size() ? sides_[s + 1].stops[0].second : sides_[first].stops[0].second);
+      side.stops.emplace_back(1.0, s + 1 < sides_.size() ? sides_[s + 1].stops[0].second
+                                                         : sides_[first].stops[0].second);
       for (std::size_t i = 0; i < points_.size(); ++i) {
         const double t = along(points_[i], side.a, side.b);
-        const bool inside = t * (side.b - side.a).norm() > exact() && (1 - t) * (side.b - side.a).norm() > exact();
-        if (inside && distance_to_segment(points_[i], side.a, side.b) <= 10 * exact()) side.stops.emplace_back(t, static_cast<int>(i));
+        const bool inside =
+            t * (side.b - side.a).norm() > exact() && (1 - t) * (side.b - side.a).norm() > exact();
+        if (inside && distance_to_segment(points_[i], side.a, side.b) <= 10 * exact())
+          side.stops.emplace_back(t, static_cast<int>(i));
       }
       std::sort(side.stops.begin(), side.stops.end());
     }
@@ -111,13 +125,15 @@ class Builder {
     int nearest = -1;
     double least = tolerance;
     for (std::size_t i = 0; i < points_.size(); ++i)
-      if ((points_[i] - p).norm() <= least) least = (points_[i] - p).norm(), nearest = static_cast<int>(i);
+      if ((points_[i] - p).norm() <= least)
+        least = (points_[i] - p).norm(), nearest = static_cast<int>(i);
     if (nearest >= 0) return nearest;
     points_.push_back(p);
     return static_cast<int>(points_.size()) - 1;
   }
 
-  /// The point where a ruling ends: one that is there already, or a new one, on the border if that is near.
+  /// The point where a ruling ends: one that is there already, or a new one, on the border if that
+  /// is near.
   int ruling_end(const Vector2d& p, double near) {
     const std::size_t before = points_.size();
     const int point = point_at(p, near);
@@ -140,36 +156,46 @@ class Builder {
     const double length = (points_[b] - points_[a]).norm();
     for (std::size_t i = 0; i < points_.size(); ++i) {
       const double t = along(points_[i], points_[a], points_[b]);
-      if (int(i) == a || int(i) == b || t * length < exact() || (1 - t) * length < exact()) continue;
-      if (distance_to_segment(points_[i], points_[a], points_[b]) < 0.9 * near) stops.emplace_back(t, static_cast<int>(i));
+      if (int(i) == a || int(i) == b || t * length < exact() || (1 - t) * length < exact())
+        continue;
+      if (distance_to_segment(points_[i], points_[a], points_[b]) < 0.9 * near)
+        stops.emplace_back(t, static_cast<int>(i));
     }
     std::sort(stops.begin(), stops.end());
     for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
       const std::pair<int, int> leg = std::minmax(stops[k].second, stops[k + 1].second);
-      if (on_one_side(leg) || crosses_another(leg) || std::count(legs_.begin(), legs_.end(), leg)) continue;
+      if (on_one_side(leg) || crosses_another(leg) || std::count(legs_.begin(), legs_.end(), leg))
+        continue;
       legs_.push_back(leg);
     }
   }
 
   bool on_one_side(const std::pair<int, int>& leg) const {
     return std::any_of(sides_.begin(), sides_.end(), [&](const Side& side) {
-      const auto is = [&](int p) { return [p](const std::pair<double, int>& stop) { return stop.second == p; }; };
-      return std::any_of(side.stops.begin(), side.stops.end(), is(leg.first)) && std::any_of(side.stops.begin(), side.stops.end(), is(leg.second));
+      const auto is = [&](int p) {
+        return [p](const std::pair<double, int>& stop) { return stop.second == p; };
+      };
+      return std::any_of(side.stops.begin(), side.stops.end(), is(leg.first)) &&
+             std::any_of(side.stops.begin(), side.stops.end(), is(leg.second));
     });
   }
 
   bool crosses_another(const std::pair<int, int>& leg) const {
     const Vector2d a = points_[leg.first], b = points_[leg.second];
     return std::any_of(legs_.begin(), legs_.end(), [&](const std::pair<int, int>& other) {
-      if (other.first == leg.first || other.first == leg.second || other.second == leg.first || other.second == leg.second) return false;
+      if (other.first == leg.first || other.first == leg.second || other.second == leg.first ||
+          other.second == leg.second)
+        return false;
       const Vector2d c = points_[other.first], d = points_[other.second];
-      return cross(b - a, c - a) * cross(b - a, d - a) <= 0 && cross(d - c, a - c) * cross(d - c, b - c) <= 0;
+      return cross(b - a, c - a) * cross(b - a, d - a) <= 0 &&
+             cross(d - c, a - c) * cross(d - c, b - c) <= 0;
     });
   }
 
   void subdivide(int a, int b) {
     const double length = (points_[b] - points_[a]).norm();
-    const int parts = std::max(1, static_cast<int>(std::ceil(length / (options_.along_most * base_.h) - 0.1)));
+    const int parts =
+        std::max(1, static_cast<int>(std::ceil(length / (options_.along_most * base_.h) - 0.1)));
     int last = a;
     for (int k = 1; k < parts; ++k) {
       const Vector2d p = points_[a] + (points_[b] - points_[a]) * k / parts;
@@ -212,8 +238,11 @@ class Builder {
 double least_altitude(const RuledMesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (int t = 0; t < mesh.triangles.rows(); ++t) {
-    const Vector2d a = mesh.pattern.row(mesh.triangles(t, 0)), b = mesh.pattern.row(mesh.triangles(t, 1)), c = mesh.pattern.row(mesh.triangles(t, 2));
-    least = std::min(least, cross(b - a, c - a) / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}));
+    const Vector2d a = mesh.pattern.row(mesh.triangles(t, 0)),
+                   b = mesh.pattern.row(mesh.triangles(t, 1)),
+                   c = mesh.pattern.row(mesh.triangles(t, 2));
+    least = std::min(
+        least, cross(b - a, c - a) / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}));
   }
   return least;
 }
@@ -241,8 +270,10 @@ BaseMesh base_mesh(const Points2& pattern, const Triangles& triangles) {
       twice_area += cross(loop.back(), pattern.row(to).transpose());
       v = to;
     }
-    if (twice_area > 0) base.polygons.outline = corners_of(loop);
-    else base.polygons.holes.push_back(corners_of(loop));
+    if (twice_area > 0)
+      base.polygons.outline = corners_of(loop);
+    else
+      base.polygons.holes.push_back(corners_of(loop));
   }
   for (int v = 0; v < pattern.rows(); ++v)
     if (!outside[v]) base.inner.push_back(pattern.row(v));
@@ -251,8 +282,10 @@ BaseMesh base_mesh(const Points2& pattern, const Triangles& triangles) {
   return base;
 }
 
-std::optional<RuledMesh> ruled_mesh(const BaseMesh& base, const std::vector<Vector2d>& required, const std::vector<Vector2d>& singular,
-                                    const std::vector<Ruling>& rulings, const std::vector<Disc>& guards, const RulingOptions& options) {
+std::optional<RuledMesh> ruled_mesh(const BaseMesh& base, const std::vector<Vector2d>& required,
+                                    const std::vector<Vector2d>& singular,
+                                    const std::vector<Ruling>& rulings,
+                                    const std::vector<Disc>& guards, const RulingOptions& options) {
   constexpr double needle = 0.03;  // [h]
   Builder builder(base, required, options);
   builder.add_singular(singular);

@@ -21,12 +21,14 @@ struct RuledMesh {
   Triangles triangles;  // |T|x3 counter-clockwise
 };
 
-/// A mesh with the rulings among its edges: required and singular points, corners, rulings in equal parts, the border between
-/// them, and the base mesh's points where there is no ruling.
+/// A mesh with the rulings among its edges: required and singular points, corners, rulings in equal
+/// parts, the border between them, and the base mesh's points where there is no ruling.
 /// required  [m] points that become the vertices 0, 1, ...
 /// guards    where all the points of the base mesh stay
 /// returns   nothing when there is no sound mesh: edges would cross, or a triangle be a needle
-std::optional<RuledMesh> ruled_mesh(const BaseMesh&, const std::vector<Vector2d>& required, const std::vector<Vector2d>& singular,
-                                    const std::vector<Ruling>&, const std::vector<Disc>& guards, const RulingOptions&);
+std::optional<RuledMesh> ruled_mesh(const BaseMesh&, const std::vector<Vector2d>& required,
+                                    const std::vector<Vector2d>& singular,
+                                    const std::vector<Ruling>&, const std::vector<Disc>& guards,
+                                    const RulingOptions&);
 
 }  // namespace paperbake

@@ -18,7 +18,8 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
 }
 
 /// Where a ray meets a segment, as a length along the (unit) ray.
-std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d& a, const Vector2d& b) {
+std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d& a,
+                            const Vector2d& b) {
   const Vector2d side = b - a;
   const double turn = cross(d, side);
   if (std::abs(turn) < 1e-12 * side.norm()) return std::nullopt;
@@ -30,13 +31,23 @@ std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d
 /// Lays the rulings of one sheet; remembers those that lie already.
 class Layer {
  public:
-  Layer(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards,
-        const std::vector<Vector2d>& tips, double h, const RulingOptions& options)
-      : polygons_(polygons), field_(field), regions_(regions), guards_(guards), tips_(tips), h_(h), options_(options),
-        window_(options.window * std::sqrt(area(polygons))), size_(shorter_side(polygons)), samples_(regions.all().size()) {
+  Layer(const Pattern& polygons, const BendingField& field, const Regions& regions,
+        const std::vector<Disc>& guards, const std::vector<Vector2d>& tips, double h,
+        const RulingOptions& options)
+      : polygons_(polygons),
+        field_(field),
+        regions_(regions),
+        guards_(guards),
+        tips_(tips),
+        h_(h),
+        options_(options),
+        window_(options.window * std::sqrt(area(polygons))),
+        size_(shorter_side(polygons)),
+        samples_(regions.all().size()) {
     for (int i = 0; i < regions.grid().count(); ++i) {
       const Principal& bend = regions.bending()[i];
-      if (const int region = regions.of_place()[i]; region >= 0) samples_[region].push_back({regions.grid().places[i], bend.across, bend.k1 * bend.k1});
+      if (const int region = regions.of_place()[i]; region >= 0)
+        samples_[region].push_back({regions.grid().places[i], bend.across, bend.k1 * bend.k1});
     }
   }
 
@@ -44,30 +55,38 @@ class Layer {
     const auto& bending = regions_.bending();
     std::vector<int> order(regions_.grid().count());
     std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return std::abs(bending[i].k1) > std::abs(bending[j].k1); });
+    std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+      return std::abs(bending[i].k1) > std::abs(bending[j].k1);
+    });
     for (const int seed : order) {
       if (regions_.of_place()[seed] < 0) continue;
       const Vector2d p = regions_.grid().places[seed];
-      if (!free(p, 0.8 * spacing(bending[seed].k1, least_spacing()))) continue;  // a gap of less than 1.6 strips stays
+      // a gap of less than 1.6 strips stays
+      if (!free(p, 0.8 * spacing(bending[seed].k1, least_spacing()))) continue;
       march_from(p, regions_.of_place()[seed], turned(bending[seed].across));
     }
     return std::move(laid_);
   }
 
  private:
-  double spacing(double k, double least) const { return std::clamp(options_.facet_turn / std::max(std::abs(k), 1e-9), least, options_.across_most * h_); }
+  double spacing(double k, double least) const {
+    return std::clamp(options_.facet_turn / std::max(std::abs(k), 1e-9), least,
+                      options_.across_most * h_);
+  }
   double least_spacing() const { return options_.across_least * h_; }
 
   /// Towards a corner of the sheet rulings get shorter, and what bends it gets finer with them.
   double least_spacing_beside(const Ruling& r) const {
     constexpr double of_length = 0.15, least = 0.1;  // [1]; [h]
-    return r.at_tip ? std::min(least_spacing(), std::max(of_length * r.length(), least * h_)) : least_spacing();
+    return r.at_tip ? std::min(least_spacing(), std::max(of_length * r.length(), least * h_))
+                    : least_spacing();
   }
 
   bool free(const Vector2d& p, double clear) const {
     for (const Disc& disc : guards_)
       if ((p - disc.centre).norm() < disc.radius) return false;
-    return std::none_of(laid_.begin(), laid_.end(), [&](const Ruling& r) { return distance_to_segment(p, r.a, r.b) < clear; });
+    return std::none_of(laid_.begin(), laid_.end(),
+                        [&](const Ruling& r) { return distance_to_segment(p, r.a, r.b) < clear; });
   }
 
   int region_at(const Vector2d& p) const {
@@ -106,16 +125,19 @@ class Layer {
     }
     double radii = 0;  // [m]
     int count = 0;
-    const double ahead = reach(p, direction, radii, count), behind = reach(p, -direction, radii, count);
+    const double ahead = reach(p, direction, radii, count),
+                 behind = reach(p, -direction, radii, count);
     constexpr double shortest = 0.8, shortest_at_tip = 0.2;  // [h]
     Ruling ruling{p - behind * direction, p + ahead * direction, 0, region};
     ruling.at_tip = cuts_a_tip(ruling);
-    if (ruling.length() < (ruling.at_tip ? shortest_at_tip : shortest) * h_ || count == 0) return std::nullopt;
+    if (ruling.length() < (ruling.at_tip ? shortest_at_tip : shortest) * h_ || count == 0)
+      return std::nullopt;
     ruling.k = count / radii;
     return ruling;
   }
 
-  /// The cone whose rulings run nearly along `direction` at p: fitted to the places of the region within a window across.
+  /// The cone whose rulings run nearly along `direction` at p: fitted to the places of the region
+  /// within a window across.
   Cone cone_at(const Vector2d& p, int region, const Vector2d& direction) const {
     constexpr double aligned = 0.64;
     const Vector2d e = turned(direction);
@@ -137,21 +159,27 @@ class Layer {
     const std::vector<Vector2d>& outline = polygons_.outline;
     const std::size_t n = outline.size();
     for (std::size_t i = 0; i < n; ++i) {
-      if (std::none_of(tips_.begin(), tips_.end(), [&](const Vector2d& tip) { return (outline[i] - tip).norm() < 1e-9; })) continue;
-      const auto on = [&](const Vector2d& p, const Vector2d& other) { return distance_to_segment(p, outline[i], other) < 1e-3 * h_; };
+      if (std::none_of(tips_.begin(), tips_.end(),
+                       [&](const Vector2d& tip) { return (outline[i] - tip).norm() < 1e-9; }))
+        continue;
+      const auto on = [&](const Vector2d& p, const Vector2d& other) {
+        return distance_to_segment(p, outline[i], other) < 1e-3 * h_;
+      };
       const Vector2d &before = outline[(i + n - 1) % n], &after = outline[(i + 1) % n];
       if ((on(r.a, before) && on(r.b, after)) || (on(r.a, after) && on(r.b, before))) return true;
     }
     return false;
   }
 
-  /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up the radii on the way.
+  /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up
+  /// the radii on the way.
   double reach(const Vector2d& p, const Vector2d& d, double& radii, int& count) const {
     constexpr int most_bad = 2;
     double end = std::numeric_limits<double>::infinity();
     for (const auto* polygon : all_polygons())
       for (std::size_t s = 0; s < polygon->size(); ++s)
-        if (const auto t = meets(p, d, (*polygon)[s], (*polygon)[(s + 1) % polygon->size()])) end = std::min(end, *t);
+        if (const auto t = meets(p, d, (*polygon)[s], (*polygon)[(s + 1) % polygon->size()]))
+          end = std::min(end, *t);
     if (!std::isfinite(end)) return 0;
     const double border = end;
     end = std::min(end, obstacle(p, d));
@@ -160,8 +188,11 @@ class Layer {
     int bad = 0;
     for (double t = step; t < end && bad < most_bad; t += step) {
       const Principal here = field_.at(p + t * d);
-      const double least = std::max(0.25 * std::abs(k), 0.7 * options_.flat_below * options_.curved_above / longer_side(polygons_));
-      const bool along = here.k1 * k > 0 && std::abs(here.k1) > least && std::abs(turned(here.across).dot(d)) > 0.866 &&
+      const double least =
+          std::max(0.25 * std::abs(k),
+                   0.7 * options_.flat_below * options_.curved_above / longer_side(polygons_));
+      const bool along = here.k1 * k > 0 && std::abs(here.k1) > least &&
+                         std::abs(turned(here.across).dot(d)) > 0.866 &&
                          std::abs(here.k2) < options_.coherent * std::abs(here.k1);
       bad = along ? 0 : bad + 1;
       if (!along) continue;
@@ -174,12 +205,14 @@ class Layer {
     return good;
   }
 
-  /// Length along a ray to the first guard or ruling; a little less, but for the end of a ruling, where fans meet.
+  /// Length along a ray to the first guard or ruling; a little less, but for the end of a ruling,
+  /// where fans meet.
   double obstacle(const Vector2d& p, const Vector2d& d) const {
     double end = std::numeric_limits<double>::infinity();
     for (const Disc& disc : guards_) {
       const double along = (disc.centre - p).dot(d), off = std::abs(cross(disc.centre - p, d));
-      if (along > 0 && off < disc.radius) end = std::min(end, along - std::sqrt(disc.radius * disc.radius - off * off));
+      if (along > 0 && off < disc.radius)
+        end = std::min(end, along - std::sqrt(disc.radius * disc.radius - off * off));
     }
     for (const Ruling& r : laid_)
       if (const auto t = meets(p, d, r.a, r.b)) end = std::min(end, std::max(0.0, *t - 0.4 * h_));
@@ -207,8 +240,10 @@ class Layer {
 
 }  // namespace
 
-std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField& field, const Regions& regions, const std::vector<Disc>& guards,
-                                const std::vector<Vector2d>& tips, double h, const RulingOptions& options) {
+std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField& field,
+                                const Regions& regions, const std::vector<Disc>& guards,
+                                const std::vector<Vector2d>& tips, double h,
+                                const RulingOptions& options) {
   return Layer(polygons, field, regions, guards, tips, h, options).lay();
 }
 

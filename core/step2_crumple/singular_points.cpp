@@ -1,11 +1,11 @@
 #include "core/step2_crumple/singular_points.h"
 
-#include "core/curvature.h"
-#include "core/folds.h"
-#include "core/hinges.h"
-#include "core/locate.h"
-#include "core/proximity.h"
-#include "core/random.h"
+#include "core/geometry/curvature.h"
+#include "core/geometry/hinges.h"
+#include "core/geometry/point_location.h"
+#include "core/geometry/prescribed_creases.h"
+#include "core/geometry/proximity.h"
+#include "core/geometry/random.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +18,8 @@ std::vector<char> border_vertices(const Triangles& triangles, const Hinges& hing
   std::vector<char> border(count, 0);
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
-      if (hinges.of_triangle[t][i] < 0) border[triangles(t, (i + 1) % 3)] = border[triangles(t, (i + 2) % 3)] = 1;
+      if (hinges.of_triangle[t][i] < 0)
+        border[triangles(t, (i + 1) % 3)] = border[triangles(t, (i + 2) % 3)] = 1;
   return border;
 }
 
@@ -30,7 +31,8 @@ std::vector<char> singular_vertices(const Sheet& sheet) {
   return singular;
 }
 
-/// Of each vertex: the largest positive fold at it or the largest negative one, whichever is less. [rad]
+/// Of each vertex: the largest positive fold at it or the largest negative one, whichever is less.
+/// [rad]
 std::vector<double> folds_of_both_signs(const Sheet& sheet, const Hinges& hinges) {
   std::vector<double> up(sheet.pattern.rows(), 0.0), down = up;
   for (const Hinge& hinge : hinges.hinges) {
@@ -54,12 +56,14 @@ void append(Matrix& matrix, const Row& row) {
 /// An edge from v to that point would be shorter than paper gets: it cuts a fold short.
 bool cuts_short(const Sheet& sheet, int v, const Vector2d& pattern_end, const Vector3d& end) {
   constexpr double most_compression = 0.005;
-  return (sheet.x.row(v).transpose() - end).norm() < (1 - most_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm();
+  return (sheet.x.row(v).transpose() - end).norm() <
+         (1 - most_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm();
 }
 
-/// The ring of a vertex passes through nothing when it goes from where it is to `end` (neither do the tetrahedra over its
-/// edges) and cuts no fold short.
-bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end, const Vector3d& end) {
+/// The ring of a vertex passes through nothing when it goes from where it is to `end` (neither do
+/// the tetrahedra over its edges) and cuts no fold short.
+bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end,
+                   const Vector3d& end) {
   std::vector<int> ring;
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     if ((sheet.triangles.row(t).array() == vertex).any()) ring.push_back(t);
@@ -68,16 +72,22 @@ bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end, 
     int i = 0;
     while (sheet.triangles(t, i) != vertex) ++i;
     const int a = sheet.triangles(t, (i + 1) % 3), b = sheet.triangles(t, (i + 2) % 3);
-    if (cuts_short(sheet, a, pattern_end, end) || cuts_short(sheet, b, pattern_end, end)) return false;
-    return tetrahedron_is_empty(sheet, {a, b, vertex, -1}, {at(a), at(b), at(vertex), end}, ring, 0);
+    if (cuts_short(sheet, a, pattern_end, end) || cuts_short(sheet, b, pattern_end, end))
+      return false;
+    return tetrahedron_is_empty(sheet, {a, b, vertex, -1}, {at(a), at(b), at(vertex), end}, ring,
+                                0);
   });
 }
 
-/// From `beyond`, p lies well between a and b on the pattern: the triangle beyond the edge a-b can come up to it.
+/// From `beyond`, p lies well between a and b on the pattern: the triangle beyond the edge a-b can
+/// come up to it.
 bool sees_both(const Sheet& sheet, int beyond, int a, int b, const Vector2d& p) {
   constexpr double least_share = 0.1;
-  const Vector2d o = sheet.pattern.row(beyond), u = sheet.pattern.row(a).transpose() - o, w = sheet.pattern.row(b).transpose() - o, q = p - o;
-  const auto cross = [](const Vector2d& m, const Vector2d& n) { return m.x() * n.y() - m.y() * n.x(); };
+  const Vector2d o = sheet.pattern.row(beyond), u = sheet.pattern.row(a).transpose() - o,
+                 w = sheet.pattern.row(b).transpose() - o, q = p - o;
+  const auto cross = [](const Vector2d& m, const Vector2d& n) {
+    return m.x() * n.y() - m.y() * n.x();
+  };
   const double whole = cross(u, w);
   return cross(u, q) / whole > least_share && cross(q, w) / whole > least_share;
 }
@@ -88,12 +98,15 @@ double ring_size(const Sheet& sheet, int vertex) {
   double size = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     if (!(sheet.triangles.row(t).array() == vertex).any()) continue;
-    for (int i = 0; i < 3; ++i) size = std::max(size, (sheet.pattern.row(sheet.triangles(t, i)) - sheet.pattern.row(vertex)).norm());
+    for (int i = 0; i < 3; ++i)
+      size = std::max(
+          size, (sheet.pattern.row(sheet.triangles(t, i)) - sheet.pattern.row(vertex)).norm());
   }
   return size;
 }
 
-Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std::vector<char>& fixed, const CrumpleOptions& options) {
+Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature,
+                         const std::vector<char>& fixed, const CrumpleOptions& options) {
   const Hinges hinges = find_hinges(sheet.triangles);
   const SecondTurn second = second_turn(sheet, hinges, curvature);
   const std::vector<char> singular = singular_vertices(sheet);
@@ -104,25 +117,35 @@ Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature, const std
 
   const std::vector<double> none(sheet.pattern.rows(), 0.0);
   const std::vector<double> folds = folds_of_both_signs(sheet, hinges);
-  Conflicts conflicts{none, std::vector<char>(sheet.pattern.rows(), 0), none, std::vector<char>(sheet.pattern.rows(), 0)};
+  Conflicts conflicts{none, std::vector<char>(sheet.pattern.rows(), 0), none,
+                      std::vector<char>(sheet.pattern.rows(), 0)};
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
-    if (second.border[v] || singular[v] || (v < static_cast<int>(fixed.size()) && fixed[v])) continue;
+    if (second.border[v] || singular[v] || (v < static_cast<int>(fixed.size()) && fixed[v]))
+      continue;
     const Principal p = principal_curvature(curvature.row(v));
-    const double turn = std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1) ? second.turn[v] : 0;
+    const double turn =
+        std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1) ? second.turn[v] : 0;
     conflicts.turn[v] = std::max(turn, folds[v]);
     conflicts.sharp[v] = turn > options.absorbed_turn || folds[v] > options.absorbed_folds;
-    conflicts.beyond[v] = conflicts.sharp[v] || (!beside[v] && (turn > options.conflict_turn || folds[v] > options.conflict_folds));
-    // what bulges beside a singular point is that point's own cone: it would draw the next one there
-    if (!beside[v] || conflicts.beyond[v]) conflicts.core[v] = second.area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
+    conflicts.beyond[v] =
+        conflicts.sharp[v] ||
+        (!beside[v] && (turn > options.conflict_turn || folds[v] > options.conflict_folds));
+    // what bulges beside a singular point is that point's own cone: it would draw the next one
+    // there
+    if (!beside[v] || conflicts.beyond[v])
+      conflicts.core[v] = second.area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
   }
   return conflicts;
 }
 
-Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts, const std::vector<int>& members) {
+Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts,
+                            const std::vector<int>& members) {
   constexpr double rings = 1.6;
   Vector2d by_core(0, 0), by_turn(0, 0);
   double core = 0, turn = 0;
-  const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) { return conflicts.turn[a] < conflicts.turn[b]; });
+  const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) {
+    return conflicts.turn[a] < conflicts.turn[b];
+  });
   const double reach = rings * ring_size(sheet, worst);
   for (int v = 0; v < static_cast<int>(conflicts.core.size()); ++v) {
     if ((sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() > reach) continue;
@@ -141,32 +164,41 @@ double least_spacing(const Pattern& pattern, const Paper& paper, const CrumpleOp
   return options.spacing * ridge_width(paper, std::sqrt(area(pattern)));
 }
 
-std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& pattern, const Paper& paper, const Conflicts& conflicts,
-                                            const std::vector<int>& members, const CrumpleOptions& options, std::uint32_t seed,
+std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& pattern,
+                                            const Paper& paper, const Conflicts& conflicts,
+                                            const std::vector<int>& members,
+                                            const CrumpleOptions& options, std::uint32_t seed,
                                             std::uint32_t sheet_number, std::uint32_t event) {
   constexpr int tries = 20;
   const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
   const double spacing = least_spacing(pattern, paper, options);
   const auto clear = [&](const Vector2d& p) {
-    return !options.pins.forbids(p) && std::none_of(sheet.singular.begin(), sheet.singular.end(),
+    return !options.pins.forbids(p) &&
+           std::none_of(sheet.singular.begin(), sheet.singular.end(),
                         [&](const SingularPoint& s) { return (s.pattern - p).norm() < spacing; });
   };
   const double margin = options.border_share * longer_side(pattern);
   for (std::uint32_t attempt = 0; attempt < tries; ++attempt) {
     const Vector2d p = middle + paper.apex_scatter * gaussian(seed, sheet_number, event, attempt);
-    if (contains(pattern, p) && (nearest_border_point(pattern, p) - p).norm() >= margin && clear(p)) return p;
+    if (contains(pattern, p) && (nearest_border_point(pattern, p) - p).norm() >= margin && clear(p))
+      return p;
   }
   if (!clear(middle)) return std::nullopt;
   return middle;
 }
 
 int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixed) {
-  constexpr double near_edge = 0.15;  // barycentric weight under which p counts as lying on the opposite edge
+  // barycentric weight under which p counts as lying on the opposite edge
+  constexpr double near_edge = 0.15;
   Place place = Locator(sheet.pattern, sheet.triangles).locate(p);
-  const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(), v = interpolate(place, sheet.triangles, sheet.v).transpose();
+  const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(),
+                           v = interpolate(place, sheet.triangles, sheet.v).transpose();
   const Hinges hinges = find_hinges(sheet.triangles);
-  const std::vector<char> border = border_vertices(sheet.triangles, hinges, sheet.pattern.rows()), singular = singular_vertices(sheet);
-  const auto movable = [&](int k) { return !border[k] && !singular[k] && !(k < static_cast<int>(fixed.size()) && fixed[k]); };
+  const std::vector<char> border = border_vertices(sheet.triangles, hinges, sheet.pattern.rows()),
+                          singular = singular_vertices(sheet);
+  const auto movable = [&](int k) {
+    return !border[k] && !singular[k] && !(k < static_cast<int>(fixed.size()) && fixed[k]);
+  };
 
   // the nearest corner, when it may move there without turning a triangle over
   int corner;
@@ -175,8 +207,12 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
   if (place.weights[corner] > 0.6 && movable(candidate)) {
     const Eigen::RowVector2d old = sheet.pattern.row(candidate);
     const auto area = [&](int t) {
-      const Vector2d u = (sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
-      const Vector2d w = (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0))).transpose();
+      const Vector2d u =
+          (sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0)))
+              .transpose();
+      const Vector2d w =
+          (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0)))
+              .transpose();
       return u.x() * w.y() - u.y() * w.x();
     };
     bool good = true;
@@ -200,15 +236,21 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
   append(sheet.x, x);
   append(sheet.v, v);
   int edge;
-  bool on_edge = place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0 &&
-                 !on_fold(sheet.folds, sheet.pattern, sheet.triangles(place.triangle, (edge + 1) % 3), sheet.triangles(place.triangle, (edge + 2) % 3));
-  if (on_edge) {  // the triangle beyond the edge comes up to the new vertex, if nothing lies between
+  bool on_edge =
+      place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0 &&
+      !on_fold(sheet.folds, sheet.pattern, sheet.triangles(place.triangle, (edge + 1) % 3),
+               sheet.triangles(place.triangle, (edge + 2) % 3));
+  // the triangle beyond the edge comes up to the new vertex, if nothing lies between
+  if (on_edge) {
     const Hinge& hinge = hinges.hinges[hinges.of_triangle[place.triangle][edge]];
     const int beyond = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];
     const auto at = [&](int k) -> Vector3d { return sheet.x.row(k); };
-    on_edge = sees_both(sheet, beyond, hinge.vertices[0], hinge.vertices[1], p) && !cuts_short(sheet, beyond, p, x.transpose()) &&
-              tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
-                                   {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)}, {hinge.triangles[0], hinge.triangles[1]}, 0);
+    on_edge =
+        sees_both(sheet, beyond, hinge.vertices[0], hinge.vertices[1], p) &&
+        !cuts_short(sheet, beyond, p, x.transpose()) &&
+        tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
+                             {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)},
+                             {hinge.triangles[0], hinge.triangles[1]}, 0);
     if (!on_edge) {  // further in, so that the triangle at the edge is none too thin
       place.weights *= (1 - near_edge) / (1 - place.weights[edge]);
       place.weights[edge] = near_edge;
@@ -233,9 +275,12 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
     bool first = true;
     for (int i = 0; i < 3; ++i) {
       if (i == left_out) continue;
-      const Eigen::RowVector3i part(c[(i + 1) % 3], c[(i + 2) % 3], added);  // the edge opposite corner i, and p
-      if (first) sheet.triangles.row(t) = part;
-      else append(sheet.triangles, part);
+      // the edge opposite corner i, and p
+      const Eigen::RowVector3i part(c[(i + 1) % 3], c[(i + 2) % 3], added);
+      if (first)
+        sheet.triangles.row(t) = part;
+      else
+        append(sheet.triangles, part);
       first = false;
     }
   }

@@ -36,11 +36,15 @@ Weighted weigh(const Sheet& sheet) {
     }
   }
   for (const auto& [ends, area] : shares)
-    result.edges.push_back({ends.first, ends.second, (sheet.pattern.row(ends.first) - sheet.pattern.row(ends.second)).norm(), area});
+    result.edges.push_back({ends.first, ends.second,
+                            (sheet.pattern.row(ends.first) - sheet.pattern.row(ends.second)).norm(),
+                            area});
   return result;
 }
 
-double stretch(const Edge& e, const Points3& x) { return (x.row(e.i) - x.row(e.j)).norm() / e.length - 1; }
+double stretch(const Edge& e, const Points3& x) {
+  return (x.row(e.i) - x.row(e.j)).norm() / e.length - 1;
+}
 
 double worst(const std::vector<Edge>& edges, const Points3& x) {
   double most = 0;
@@ -49,7 +53,9 @@ double worst(const std::vector<Edge>& edges, const Points3& x) {
 }
 
 /// What of a stretch is more than is left alone.
-double excess(double stretch, double left_alone) { return stretch - std::clamp(stretch, -left_alone, left_alone); }
+double excess(double stretch, double left_alone) {
+  return stretch - std::clamp(stretch, -left_alone, left_alone);
+}
 
 double misfit(const std::vector<Edge>& edges, const Points3& x, double left_alone) {
   double sum = 0;
@@ -57,11 +63,16 @@ double misfit(const std::vector<Edge>& edges, const Points3& x, double left_alon
   return sum;
 }
 
-/// The normal equations of one iteration over the free vertices: the lower triangle, whose places are looked up once.
+/// The normal equations of one iteration over the free vertices: the lower triangle, whose places
+/// are looked up once.
 class Iteration {
  public:
   Iteration(const Weighted& sheet, std::vector<int> place, int free, double left_alone)
-      : sheet_(sheet), place_(std::move(place)), left_alone_(left_alone), right_(3 * free), matrix_(3 * free, 3 * free) {
+      : sheet_(sheet),
+        place_(std::move(place)),
+        left_alone_(left_alone),
+        right_(3 * free),
+        matrix_(3 * free, 3 * free) {
     double mean = 0;
     for (const double a : sheet.area) mean += a / sheet.area.size();
     stay_.assign(free, 0.0);
@@ -129,13 +140,15 @@ class Iteration {
   std::vector<double> stay_;
   Eigen::VectorXd right_;
   Eigen::SparseMatrix<double> matrix_;
-  std::vector<std::array<double*, 3>> between_;  // of each edge: the columns of the block of its ends, null when one is held
+  // of each edge: the columns of the block of its ends, null when one is held
+  std::vector<std::array<double*, 3>> between_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };
 
 }  // namespace
 
-Restored restore_lengths(Sheet& sheet, const std::vector<int>& held, const DevelopableOptions& options) {
+Restored restore_lengths(Sheet& sheet, const std::vector<int>& held,
+                         const DevelopableOptions& options) {
   const Weighted weighted = weigh(sheet);
   Restored result;
   result.before = result.after = worst(weighted.edges, sheet.x);
@@ -149,12 +162,15 @@ Restored restore_lengths(Sheet& sheet, const std::vector<int>& held, const Devel
 
   Iteration iteration(weighted, place, free, options.left_alone);
   Points3 best = sheet.x;
-  const double size = (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).norm();
+  const double size =
+      (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).norm();
   const double first = misfit(weighted.edges, best, options.left_alone);
   double least = first;
-  for (double anchor = 1e-6; least > 1e-4 * first && result.iterations < options.max_iterations; ++result.iterations) {
+  for (double anchor = 1e-6; least > 1e-4 * first && result.iterations < options.max_iterations;
+       ++result.iterations) {
     Points3 x = best;
-    const double now = iteration.move(x, anchor) ? misfit(weighted.edges, x, options.left_alone) : least;
+    const double now =
+        iteration.move(x, anchor) ? misfit(weighted.edges, x, options.left_alone) : least;
     if (now < least && (x - sheet.x).rowwise().norm().maxCoeff() <= options.most_move * size) {
       least = now;
       best = x;

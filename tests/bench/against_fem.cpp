@@ -1,7 +1,7 @@
 #include "tests/bench/against_fem.h"
 
-#include "core/measure.h"
-#include "core/pattern_samples.h"
+#include "core/geometry/measure.h"
+#include "core/geometry/pattern_samples.h"
 
 #include <algorithm>
 #include <cmath>
@@ -19,7 +19,8 @@ CaseShot shot_of(const Case& c) {
   Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + c.scene + ".glb");
   const SceneSheet& s = scene.sheets.front();
   Shot shot{s.name, s.pattern, s.start, s.handles, Paper{}};
-  if (c.ground == Ground::kept) shot.colliders = facing_colliders(std::move(scene.colliders), s.start.x, s.handles);
+  if (c.ground == Ground::kept)
+    shot.colliders = facing_colliders(std::move(scene.colliders), s.start.x, s.handles);
   return {shot, scene.fps};
 }
 
@@ -61,13 +62,22 @@ double rms_pct(const Run& a, const Run& b, double side) {
 double normals_deg(const Run& a, const Run& b) {
   double sum = 0;
   for (std::size_t f = 0; f < a.normals.size(); ++f)
-    sum += a.normals[f].cwiseProduct(b.normals[f]).rowwise().sum().array().min(1).max(-1).acos().mean();
+    sum += a.normals[f]
+               .cwiseProduct(b.normals[f])
+               .rowwise()
+               .sum()
+               .array()
+               .min(1)
+               .max(-1)
+               .acos()
+               .mean();
   return sum / a.normals.size() * 180 / M_PI;
 }
 
 Run run_fem(const Shot& shot, int triangles, const Case& c, double fps) {
   const char* folder = std::getenv("BENCH_CACHE");
-  const std::string path = std::string(folder ? folder : "") + "/" + c.name + "_" + std::to_string(triangles) + ".run";
+  const std::string path =
+      std::string(folder ? folder : "") + "/" + c.name + "_" + std::to_string(triangles) + ".run";
   const Eigen::Index size = 3 * grid * grid;
   Run r;
   if (std::ifstream file(path, std::ios::binary); folder && file) {
@@ -83,14 +93,18 @@ Run run_fem(const Shot& shot, int triangles, const Case& c, double fps) {
   std::ofstream file(path, std::ios::binary);
   file.write(reinterpret_cast<const char*>(static_cast<const Numbers*>(&r)), sizeof(Numbers));
   for (const auto* all : {&r.frames, &r.normals})
-    for (const Points3& p : *all) file.write(reinterpret_cast<const char*>(p.data()), size * sizeof(double));
+    for (const Points3& p : *all)
+      file.write(reinterpret_cast<const char*>(p.data()), size * sizeof(double));
   return r;
 }
 
 std::vector<Case> cases_named(const std::vector<std::string>& words) {
   std::vector<Case> named;
   for (const Case& c : cases)
-    if (words.empty() || std::any_of(words.begin(), words.end(), [&](const std::string& w) { return std::string(c.name).rfind(w, 0) == 0; })) named.push_back(c);
+    if (words.empty() || std::any_of(words.begin(), words.end(), [&](const std::string& w) {
+          return std::string(c.name).rfind(w, 0) == 0;
+        }))
+      named.push_back(c);
   return named;
 }
 

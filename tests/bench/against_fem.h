@@ -1,7 +1,7 @@
 #pragma once
 
-#include "core/animate.h"
-#include "formats/scene_file.h"
+#include "core/animation/animate.h"
+#include "formats/scene/scene_file.h"
 
 #include <string>
 #include <vector>
@@ -17,12 +17,16 @@ struct Case {
   Ground ground = Ground::left_out;  // colliders of the scene
   const char* scene = name;
 };
-constexpr Case cases[] = {{"S1_push", 40, 0}, {"S2_moebius", 45, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 44, 0},
+constexpr Case cases[] = {{"S1_push", 40, 0},
+                          {"S2_moebius", 45, 0},
+                          {"S5_roll", 72, 9.81},
+                          {"S8_dcone", 44, 0},
                           {"S5_ground", 72, 9.81, Ground::kept, "S5_roll"}};
 
 /// Means over the frames, but for worst_ms, edge and rise: the worst.
 struct Numbers {
-  double triangles = 0, elastic_ms = 0, geometry_ms = 0, worst_ms = 0, c_m = 0, edge = 0, iterations = 0, rise = 0;
+  double triangles = 0, elastic_ms = 0, geometry_ms = 0, worst_ms = 0, c_m = 0, edge = 0,
+         iterations = 0, rise = 0;
   int singular = 0, accepted = 0, rejected = 0;
 };
 struct Run : Numbers {
@@ -38,11 +42,14 @@ CaseShot shot_of(const Case&);
 /// Elastic paper, one thread.
 Run run(const Shot&, const Method&, const Case&, double fps);
 
-/// A run of fem; from the folder named by the environment's BENCH_CACHE when it is there, and kept there for the next time.
+/// A run of fem; from the folder named by the environment's BENCH_CACHE when it is there, and kept
+/// there for the next time.
 Run run_fem(const Shot&, int triangles, const Case&, double fps);
 
-double rms_pct(const Run& a, const Run& b, double side);  // distance of the points, mean over the frames, in % of a side
-double normals_deg(const Run& a, const Run& b);           // angle between the normals, mean over points and frames
+// distance of the points, mean over the frames, in % of a side
+double rms_pct(const Run& a, const Run& b, double side);
+// angle between the normals, mean over points and frames
+double normals_deg(const Run& a, const Run& b);
 
 /// The scenes whose names begin with one of the words; all without words.
 std::vector<Case> cases_named(const std::vector<std::string>& words);

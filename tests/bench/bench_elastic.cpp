@@ -1,13 +1,15 @@
-// How long the parts of a Newton iteration take, a whole frame loop, and the geometry round it. One thread throughout.
+// How long the parts of a Newton iteration take, a whole frame loop, and the geometry round it. One
+// thread throughout.
 //
 //   paperbake_bench [--benchmark_filter=REGEX]
 
-#include "core/animate.h"
-#include "core/curvature.h"
-#include "core/measure.h"
-#include "core/pattern_mesh.h"
-#include "core/step1_elastic/elastic_energy.h"
-#include "tests/test_shots.h"
+#include "core/animation/animate.h"
+#include "core/geometry/curvature.h"
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+#include "core/geometry/pattern_mesh.h"
+#include "core/step1_elastic/energies/elastic_energy.h"
+#include "tests/core/test_shots.h"
 
 #include <benchmark/benchmark.h>
 
@@ -25,7 +27,8 @@ AnimateOptions s1_options() {
   return options;
 }
 
-/// The arch of S1 on a mesh of about so many triangles, with everything that one Newton iteration needs.
+/// The arch of S1 on a mesh of about so many triangles, with everything that one Newton iteration
+/// needs.
 struct Arch {
   Sheet sheet;
   std::unique_ptr<ElasticEnergy> energy;
@@ -35,7 +38,8 @@ struct Arch {
 
   explicit Arch(int triangles) {
     const Shot shot = test::s1_push();
-    animate(shot, fem(triangles), s1_options(), [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
+    animate(shot, fem(triangles), s1_options(),
+            [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
     energy = std::make_unique<ElasticEnergy>(shot.paper, sheet.pattern, sheet.triangles);
     std::vector<int> block_of(sheet.x.rows());
     for (int v = 0; v < sheet.x.rows(); ++v) block_of[v] = held(v) ? -1 : free++;
@@ -68,7 +72,9 @@ Arch& arch(const benchmark::State& state) {
   return *arch;
 }
 
-void count_triangles(benchmark::State& state, const Sheet& sheet) { state.counters["triangles"] = sheet.triangles.rows(); }
+void count_triangles(benchmark::State& state, const Sheet& sheet) {
+  state.counters["triangles"] = sheet.triangles.rows();
+}
 
 void energy(benchmark::State& state) {
   const Arch& a = arch(state);
@@ -104,17 +110,20 @@ void solve(benchmark::State& state) {
   count_triangles(state, a.sheet);
 }
 
-/// Frames 1-24 of S1. The times a frame are animate's own timers; the time of the benchmark is that of the whole loop.
+/// Frames 1-24 of S1. The times a frame are animate's own timers; the time of the benchmark is that
+/// of the whole loop.
 void frames_of_s1(benchmark::State& state) {
   const Shot shot = test::s1_push();
   double elastic_ms = 0, geometry_ms = 0, iterations = 0, frames = 0;
   Sheet last;
   for (auto _ : state)
-    animate(shot, fem(static_cast<int>(state.range(0))), s1_options(), [&](const AnimatedFrame& frame) {
-      elastic_ms += frame.elastic_ms, geometry_ms += frame.geometry_ms, iterations += frame.newton_iterations, frames += 1;
-      if (frame.frame == last_push) last = *frame.sheet;
-      return true;
-    });
+    animate(shot, fem(static_cast<int>(state.range(0))), s1_options(),
+            [&](const AnimatedFrame& frame) {
+              elastic_ms += frame.elastic_ms, geometry_ms += frame.geometry_ms,
+                  iterations += frame.newton_iterations, frames += 1;
+              if (frame.frame == last_push) last = *frame.sheet;
+              return true;
+            });
   state.counters["elastic_ms/frame"] = elastic_ms / frames;
   state.counters["geometry_ms/frame"] = geometry_ms / frames;
   state.counters["iterations/frame"] = iterations / frames;
@@ -125,7 +134,9 @@ void pattern_mesh(benchmark::State& state) {
   const Shot shot = test::s1_push();
   std::vector<Vector2d> points;
   for (const Handle& handle : shot.handles) points.push_back(handle.pattern);
-  for (auto _ : state) benchmark::DoNotOptimize(mesh_pattern_with(shot.pattern, static_cast<int>(state.range(0)), points).triangles.data());
+  for (auto _ : state)
+    benchmark::DoNotOptimize(
+        mesh_pattern_with(shot.pattern, static_cast<int>(state.range(0)), points).triangles.data());
 }
 
 void curvature_of_vertices(benchmark::State& state) {

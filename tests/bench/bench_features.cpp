@@ -1,13 +1,15 @@
 // No more than a scene needs: what is switched on in the sample scenes, why, and what it costs.
 //
-//   build/paperbake_features [REPEATS [SCENE...]]     CPU time of one thread, the least of REPEATS (5) runs, interleaved
+//   build/paperbake_features [REPEATS [SCENE...]]     CPU time of one thread, the least of REPEATS
+//   (5) runs, interleaved
 //
-// Method hybrid as `paperbake bake` runs it. A row: is the feature at work, why, ms a frame of the scene and how many of them go when
-// the feature is forced off, and how far that moves the sheet (RMS over 41 x 41 points, mean over the frames, % of the longer side).
+// Method hybrid as `paperbake bake` runs it. A row: is the feature at work, why, ms a frame of the
+// scene and how many of them go when the feature is forced off, and how far that moves the sheet
+// (RMS over 41 x 41 points, mean over the frames, % of the longer side).
 
-#include "core/inertia_need.h"
-#include "core/pattern_samples.h"
-#include "formats/scene_file.h"
+#include "core/animation/inertia_need.h"
+#include "core/geometry/pattern_samples.h"
+#include "formats/scene/scene_file.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -23,7 +25,8 @@ struct Case {
   double gravity;
   int last_frame = 1000;  // of the scene
 };
-constexpr Case cases[] = {{"S1_push", 0, 40}, {"S1_push", 0}, {"S2_moebius", 0}, {"S4_crumple", 0}, {"S5_roll", 9.81}, {"S8_dcone", 0}, {"S9_unload", 0}};
+constexpr Case cases[] = {{"S1_push", 0, 40}, {"S1_push", 0},  {"S2_moebius", 0}, {"S4_crumple", 0},
+                          {"S5_roll", 9.81},  {"S8_dcone", 0}, {"S9_unload", 0}};
 
 /// What may be forced off; dynamics, colliders and polish are off in all of them.
 enum Feature { plasticity = 1, singular_points = 2, contact = 4, all = 7 };
@@ -46,16 +49,17 @@ void play(const Shot& shot, const AnimateOptions& as_baked, int off, Run& run) {
   const bool first_time = run.frames.empty();
   double ms = 0;
   int frames = 0;
-  animate(shot, hybrid(shot.pattern, shot.paper, 120, crumple, 0, 0), options, [&](const AnimatedFrame& f) {
-    ms += f.elastic_ms + f.geometry_ms;
-    ++frames;
-    if (!first_time) return true;
-    run.frames.push_back(samples(*f.sheet).x);
-    run.touching += f.touching > 0;
-    run.births += f.new_singular;
-    run.plastic = f.plastic;
-    return true;
-  });
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, crumple, 0, 0), options,
+          [&](const AnimatedFrame& f) {
+            ms += f.elastic_ms + f.geometry_ms;
+            ++frames;
+            if (!first_time) return true;
+            run.frames.push_back(samples(*f.sheet).x);
+            run.touching += f.touching > 0;
+            run.births += f.new_singular;
+            run.plastic = f.plastic;
+            return true;
+          });
   run.ms = std::min(run.ms, ms / frames);
 }
 
@@ -77,7 +81,8 @@ void print_scene(const Case& c, int repeats) {
   options.last_frame = std::min(scene.last_frame, c.last_frame);
   options.elastic.gravity = c.gravity;
   options.memory = Memory::plastic;
-  const InertiaNeed inertia = need_of_inertia(shot, c.gravity, scene.fps, scene.first_frame, scene.last_frame);
+  const InertiaNeed inertia =
+      need_of_inertia(shot, c.gravity, scene.fps, scene.first_frame, scene.last_frame);
   if (inertia.needed) options.elastic.inertia = Inertia::dynamic;
 
   const int sets[] = {0, plasticity, singular_points, contact, all};
@@ -85,21 +90,34 @@ void print_scene(const Case& c, int repeats) {
   for (int repeat = 0; repeat < repeats; ++repeat)
     for (std::size_t k = 0; k < std::size(sets); ++k) play(shot, options, sets[k], runs[k]);
   const Run& as_baked = runs[0];
-  const auto row = [&](const char* feature, bool on, const std::string& why) { std::printf("  %-16s %-3s %-100s", feature, on ? "on" : "off", why.c_str()); };
-  const auto cost = [&](const Run& without) {
-    std::printf(" %+7.3f ms  %.4f %%\n", as_baked.ms - without.ms, apart_pct(as_baked, without, side));
+  const auto row = [&](const char* feature, bool on, const std::string& why) {
+    std::printf("  %-16s %-3s %-100s", feature, on ? "on" : "off", why.c_str());
   };
-  std::printf("%s, frames 1-%d: %.3f ms a frame; everything forced off %.3f ms: %.3f times, moved %.4f %%\n", c.name, options.last_frame, as_baked.ms, runs[4].ms, as_baked.ms / runs[4].ms,
-              apart_pct(as_baked, runs[4], side));
+  const auto cost = [&](const Run& without) {
+    std::printf(" %+7.3f ms  %.4f %%\n", as_baked.ms - without.ms,
+                apart_pct(as_baked, without, side));
+  };
+  std::printf(
+      "%s, frames 1-%d: %.3f ms a frame; everything forced off %.3f ms: %.3f times, moved %.4f "
+      "%%\n",
+      c.name, options.last_frame, as_baked.ms, runs[4].ms, as_baked.ms / runs[4].ms,
+      apart_pct(as_baked, runs[4], side));
   char text[120];
   row("dynamics", inertia.needed, inertia.why), std::printf("\n");
   std::snprintf(text, sizeof text, "%.4f m rad stay bent", as_baked.plastic);
-  row("plasticity", as_baked.plastic > 0, as_baked.plastic > 0 ? text : "no fibre yields"), cost(runs[1]);
-  std::snprintf(text, sizeof text, "%d born where two bending directions conflict", as_baked.births);
-  row("singular points", as_baked.births > 0, as_baked.births ? text : "no two bending directions conflict for long"), cost(runs[2]);
+  row("plasticity", as_baked.plastic > 0, as_baked.plastic > 0 ? text : "no fibre yields"),
+      cost(runs[1]);
+  std::snprintf(text, sizeof text, "%d born where two bending directions conflict",
+                as_baked.births);
+  row("singular points", as_baked.births > 0,
+      as_baked.births ? text : "no two bending directions conflict for long"),
+      cost(runs[2]);
   std::snprintf(text, sizeof text, "the sheet touches itself in %d frames", as_baked.touching);
-  row("contact", as_baked.touching > 0, as_baked.touching ? text : "the sheet never touches itself"), cost(runs[3]);
-  row("colliders", false, scene.colliders.empty() ? "none in scene" : "left out here"), std::printf("\n");
+  row("contact", as_baked.touching > 0,
+      as_baked.touching ? text : "the sheet never touches itself"),
+      cost(runs[3]);
+  row("colliders", false, scene.colliders.empty() ? "none in scene" : "left out here"),
+      std::printf("\n");
   row("polish", false, "frames are handed on as simulated"), std::printf("\n");
   std::fflush(stdout);
 }
@@ -111,7 +129,9 @@ int main(int argc, char** argv) {
   using namespace paperbake;
   const int repeats = argc > 1 ? std::max(1, std::atoi(argv[1])) : 5;
   for (const Case& c : cases) {
-    const bool named = std::any_of(argv + std::min(argc, 2), argv + argc, [&](const char* word) { return std::string(c.name).rfind(word, 0) == 0; });
+    const bool named = std::any_of(argv + std::min(argc, 2), argv + argc, [&](const char* word) {
+      return std::string(c.name).rfind(word, 0) == 0;
+    });
     if (argc <= 2 || named) print_scene(c, repeats);
   }
 }

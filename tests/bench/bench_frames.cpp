@@ -1,13 +1,15 @@
 // Which frames of a shot are its worst, and why: a table anyone can print.
 //
-//   build/paperbake_bench_frames [SCENE [BASE [SEED [LAST_FRAME]]]]        SCENE: all | S1_push, ...; all, 120, 0, to the end without it
+//   build/paperbake_bench_frames [SCENE [BASE [SEED [LAST_FRAME]]]]        SCENE: all | S1_push,
+//   ...; all, 120, 0, to the end without it
 //
-// Hybrid as the baker runs it (plasticity, contact), one thread, CPU time. A line for every frame that is among the five
-// dearest of its shot; every frame with BENCH_FRAMES=1; BENCH_PROBE=N looks for other branches every N frames.
+// Hybrid as the baker runs it (plasticity, contact), one thread, CPU time. A line for every frame
+// that is among the five dearest of its shot; every frame with BENCH_FRAMES=1; BENCH_PROBE=N looks
+// for other branches every N frames.
 
-#include "core/animate.h"
-#include "core/measure.h"
-#include "formats/scene_file.h"
+#include "core/animation/animate.h"
+#include "core/geometry/measure.h"
+#include "formats/scene/scene_file.h"
 
 #include <algorithm>
 #include <cstdio>
@@ -22,7 +24,8 @@ struct Case {
   const char* name;
   double gravity;
 };
-constexpr Case cases[] = {{"S1_push", 0}, {"S2_moebius", 0}, {"S3_unload", 0}, {"S5_roll", 9.81}, {"S8_dcone", 0}, {"S9_unload", 0}, {"S4r_release", 0}};
+constexpr Case cases[] = {{"S1_push", 0},  {"S2_moebius", 0}, {"S3_unload", 0},  {"S5_roll", 9.81},
+                          {"S8_dcone", 0}, {"S9_unload", 0},  {"S4r_release", 0}};
 
 struct Row {
   int frame, triangles, iterations, substeps, touching, births;
@@ -35,10 +38,12 @@ struct Row {
 
 void print(const Row& r) {
   constexpr const char* proposal[] = {"", ", proposal taken", ", proposal refused"};
-  std::printf("  f%-3d %6.1f + %5.1f ms  %3d it%s  %3d tri  %.4e J  lag %.2f mm  edge %.2f %%%s%s%s%s%s\n", r.frame, r.elastic_ms, r.geometry_ms, r.iterations,
-              r.converged ? "" : " unfinished", r.triangles, r.energy, r.lag, r.edge, r.contact ? ", contact" : "",
-              r.substeps > 1 ? (", " + std::to_string(r.substeps) + " substeps").c_str() : "", proposal[r.remesh],
-              r.births ? ", birth" : "", r.note.empty() ? "" : (", " + r.note).c_str());
+  std::printf(
+      "  f%-3d %6.1f + %5.1f ms  %3d it%s  %3d tri  %.4e J  lag %.2f mm  edge %.2f %%%s%s%s%s%s\n",
+      r.frame, r.elastic_ms, r.geometry_ms, r.iterations, r.converged ? "" : " unfinished",
+      r.triangles, r.energy, r.lag, r.edge, r.contact ? ", contact" : "",
+      r.substeps > 1 ? (", " + std::to_string(r.substeps) + " substeps").c_str() : "",
+      proposal[r.remesh], r.births ? ", birth" : "", r.note.empty() ? "" : (", " + r.note).c_str());
 }
 
 void show(const Case& c, int base, unsigned seed, int last_frame) {
@@ -54,22 +59,40 @@ void show(const Case& c, int base, unsigned seed, int last_frame) {
   if (const char* every = std::getenv("BENCH_PROBE")) options.probe_every = std::atoi(every);
   std::vector<Row> rows;
   double shape = 0;  // tells whether two versions of the program animate the same
-  animate(shot, hybrid(shot.pattern, shot.paper, base, {}, seed, 0), options, [&](const AnimatedFrame& f) {
-    Row r{f.frame, static_cast<int>(f.sheet->triangles.rows()), f.newton_iterations, f.substeps, f.touching, f.new_singular, f.elastic_ms, f.geometry_ms,
-          f.energy, 0, 100 * length_distortion(*f.sheet).largest, f.contact, f.converged, f.remesh, f.note};
-    for (const HandleFrame& h : f.handles)
-      if (h.state != HandleFrame::free) r.lag = std::max(r.lag, 1e3 * (h.at - h.keyed).norm());
-    rows.push_back(r);
-    shape += f.sheet->x.squaredNorm();
-    return true;
-  });
+  animate(shot, hybrid(shot.pattern, shot.paper, base, {}, seed, 0), options,
+          [&](const AnimatedFrame& f) {
+            Row r{f.frame,
+                  static_cast<int>(f.sheet->triangles.rows()),
+                  f.newton_iterations,
+                  f.substeps,
+                  f.touching,
+                  f.new_singular,
+                  f.elastic_ms,
+                  f.geometry_ms,
+                  f.energy,
+                  0,
+                  100 * length_distortion(*f.sheet).largest,
+                  f.contact,
+                  f.converged,
+                  f.remesh,
+                  f.note};
+            for (const HandleFrame& h : f.handles)
+              if (h.state != HandleFrame::free)
+                r.lag = std::max(r.lag, 1e3 * (h.at - h.keyed).norm());
+            rows.push_back(r);
+            shape += f.sheet->x.squaredNorm();
+            return true;
+          });
   std::vector<Row> worst = rows;
   std::sort(worst.begin(), worst.end(), [](const Row& a, const Row& b) { return a.ms() > b.ms(); });
   double sum = 0, iterations = 0;
   for (const Row& r : rows) sum += r.ms(), iterations += r.iterations;
-  std::printf("%s, base %d, seed %u: mean %.2f ms, %.1f it; worst %.1f, median %.1f ms; shape %.17g\n", c.name, base, seed, sum / rows.size(),
-              iterations / rows.size(), worst.front().ms(), worst[worst.size() / 2].ms(), shape);
-  if (!std::getenv("BENCH_FRAMES")) rows.assign(worst.begin(), worst.begin() + std::min<std::size_t>(5, worst.size()));
+  std::printf(
+      "%s, base %d, seed %u: mean %.2f ms, %.1f it; worst %.1f, median %.1f ms; shape %.17g\n",
+      c.name, base, seed, sum / rows.size(), iterations / rows.size(), worst.front().ms(),
+      worst[worst.size() / 2].ms(), shape);
+  if (!std::getenv("BENCH_FRAMES"))
+    rows.assign(worst.begin(), worst.begin() + std::min<std::size_t>(5, worst.size()));
   for (const Row& r : rows) print(r);
   std::fflush(stdout);
 }
@@ -81,5 +104,6 @@ int main(int argc, char** argv) {
   const std::string scene = argc > 1 ? argv[1] : "all";
   for (const auto& c : paperbake::cases)
     if (scene == "all" || std::string(c.name).rfind(scene, 0) == 0)
-      paperbake::show(c, argc > 2 ? std::atoi(argv[2]) : 120, argc > 3 ? std::atoi(argv[3]) : 0, argc > 4 ? std::atoi(argv[4]) : 1 << 20);
+      paperbake::show(c, argc > 2 ? std::atoi(argv[2]) : 120, argc > 3 ? std::atoi(argv[3]) : 0,
+                      argc > 4 ? std::atoi(argv[4]) : 1 << 20);
 }

@@ -3,14 +3,17 @@
 //   build/paperbake_bench_hybrid [REFERENCE_TRIANGLES [SCENE...]]
 //
 // One thread, CPU time. All distances over a 41 x 41 grid of the pattern, in % of the longer side.
-//   rms    distance to fem's sheet, mean over the frames; hybrid with three base densities: mean [least, most]
+//   rms    distance to fem's sheet, mean over the frames; hybrid with three base densities: mean
+//   [least, most]
 //   nrm    angle between the normals as they are shaded, mean over grid and frames [deg]
 //   jit    rms of x_f - 2 x_{f-1} + x_{f-2}: median / 90 % quantile over the frames
-//   ruled  ruling remeshes accepted - rejected, and the largest rise of the potential at an accepted one
-// Environment: BENCH_BASES="60 75 90" base densities; BENCH_CACHE=DIR keeps the runs of fem there for the next time;
-// BENCH_SET="facet_turn=0.2 flip_gain=0.5" options; facet_turn=0: the robust mesh alone.
+//   ruled  ruling remeshes accepted - rejected, and the largest rise of the potential at an
+//   accepted one
+// Environment: BENCH_BASES="60 75 90" base densities; BENCH_CACHE=DIR keeps the runs of fem there
+// for the next time; BENCH_SET="facet_turn=0.2 flip_gain=0.5" options; facet_turn=0: the robust
+// mesh alone.
 
-#include "core/pattern_samples.h"
+#include "core/geometry/pattern_samples.h"
 #include "tests/bench/against_fem.h"
 
 #include <algorithm>
@@ -27,27 +30,42 @@ namespace {
 std::vector<double> jitter_pct(const Run& r, double side) {
   std::vector<double> all;
   for (std::size_t f = 2; f < r.frames.size(); ++f)
-    all.push_back(100 / side * std::sqrt((r.frames[f] - 2 * r.frames[f - 1] + r.frames[f - 2]).rowwise().squaredNorm().mean()));
+    all.push_back(
+        100 / side *
+        std::sqrt(
+            (r.frames[f] - 2 * r.frames[f - 1] + r.frames[f - 2]).rowwise().squaredNorm().mean()));
   std::sort(all.begin(), all.end());
   return all;
 }
 
 void print_row(const std::string& label, const Run& r, const Run& reference, double side) {
   const std::vector<double> jitter = jitter_pct(r, side);
-  std::printf("  %-10s %5.0f %7.2f + %.2f (%6.1f) %5.1f it  c_m %.4f edge %.3f sing %2d  ruled %d-%d %+.1f %%  jit %.3f/%.2f  nrm %.2f  rms %.3f %%\n",
-              label.c_str(), r.triangles, r.elastic_ms, r.geometry_ms, r.worst_ms, r.iterations, r.c_m, r.edge, r.singular, r.accepted,
-              r.rejected, r.rise, jitter[jitter.size() / 2], jitter[jitter.size() * 9 / 10], normals_deg(r, reference), rms_pct(r, reference, side));
+  std::printf(
+      "  %-10s %5.0f %7.2f + %.2f (%6.1f) %5.1f it  c_m %.4f edge %.3f sing %2d  ruled %d-%d %+.1f "
+      "%%  jit %.3f/%.2f  nrm %.2f  rms %.3f %%\n",
+      label.c_str(), r.triangles, r.elastic_ms, r.geometry_ms, r.worst_ms, r.iterations, r.c_m,
+      r.edge, r.singular, r.accepted, r.rejected, r.rise, jitter[jitter.size() / 2],
+      jitter[jitter.size() * 9 / 10], normals_deg(r, reference), rms_pct(r, reference, side));
   std::fflush(stdout);
 }
 
 CrumpleOptions options_set() {
   CrumpleOptions o;
   RulingOptions& r = o.rulings;
-  const std::map<std::string, double*> by_name{{"flip_gain", &o.flip_gain},           {"conflict_turn", &o.conflict_turn}, {"facet_turn", &r.facet_turn},
-                                               {"curved_above", &r.curved_above}, {"coherent", &r.coherent},           {"window", &r.window},
-                                               {"pull", &r.pull},                 {"across_most", &r.across_most},     {"across_least", &r.across_least},
-                                               {"along_most", &r.along_most},     {"merge", &r.merge},                 {"guard", &r.guard},
-                                               {"stale_fold", &r.stale_fold},     {"most_share", &r.most_share}};
+  const std::map<std::string, double*> by_name{{"flip_gain", &o.flip_gain},
+                                               {"conflict_turn", &o.conflict_turn},
+                                               {"facet_turn", &r.facet_turn},
+                                               {"curved_above", &r.curved_above},
+                                               {"coherent", &r.coherent},
+                                               {"window", &r.window},
+                                               {"pull", &r.pull},
+                                               {"across_most", &r.across_most},
+                                               {"across_least", &r.across_least},
+                                               {"along_most", &r.along_most},
+                                               {"merge", &r.merge},
+                                               {"guard", &r.guard},
+                                               {"stale_fold", &r.stale_fold},
+                                               {"most_share", &r.most_share}};
   const char* given = std::getenv("BENCH_SET");
   std::istringstream words(given ? given : "");
   for (std::string word; words >> word;) {
@@ -66,7 +84,8 @@ std::vector<int> bases() {
 void compare(const Case& c, int reference_triangles) {
   const auto [shot, fps] = shot_of(c);
   const double side = longer_side(shot.pattern);
-  std::printf("%s, frames 1-%d\n  %-10s %5s %7s\n", c.name, c.last_frame, "", "tri", "elastic + geometry ms (worst)");
+  std::printf("%s, frames 1-%d\n  %-10s %5s %7s\n", c.name, c.last_frame, "", "tri",
+              "elastic + geometry ms (worst)");
   const Run reference = run_fem(shot, reference_triangles, c, fps);
   print_row("fem", reference, reference, side);
   print_row("fem", run_fem(shot, 1700, c, fps), reference, side);
@@ -79,13 +98,16 @@ void compare(const Case& c, int reference_triangles) {
     print_row("hybrid " + std::to_string(base), h, reference, side);
     if (std::getenv("BENCH_FRAMES"))
       for (std::size_t f = 0; f < h.frames.size(); ++f)
-        std::printf("    frame %2zu rms %.3f %%\n", f + 1, 100 / side * rms_distance(h.frames[f], reference.frames[f]));
+        std::printf("    frame %2zu rms %.3f %%\n", f + 1,
+                    100 / side * rms_distance(h.frames[f], reference.frames[f]));
     sum += rms, least = std::min(least, rms), most = std::max(most, rms);
-    normals += normals_deg(h, reference), mean.triangles += h.triangles, mean.elastic_ms += h.elastic_ms, mean.geometry_ms += h.geometry_ms;
+    normals += normals_deg(h, reference), mean.triangles += h.triangles,
+        mean.elastic_ms += h.elastic_ms, mean.geometry_ms += h.geometry_ms;
   }
   const double n = static_cast<double>(bases().size());
-  std::printf("  hybrid: %.0f tri, %.2f + %.2f ms, nrm %.2f deg, rms %.3f [%.3f, %.3f] %%\n", mean.triangles / n, mean.elastic_ms / n,
-              mean.geometry_ms / n, normals / n, sum / n, least, most);
+  std::printf("  hybrid: %.0f tri, %.2f + %.2f ms, nrm %.2f deg, rms %.3f [%.3f, %.3f] %%\n",
+              mean.triangles / n, mean.elastic_ms / n, mean.geometry_ms / n, normals / n, sum / n,
+              least, most);
 }
 
 }  // namespace

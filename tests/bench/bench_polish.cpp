@@ -1,18 +1,21 @@
-// The estimate of a frame's error against its true error, and what polish costs and leaves: two tables.
+// The estimate of a frame's error against its true error, and what polish costs and leaves: two
+// tables.
 //
 //   build/paperbake_bench_polish [REFERENCE_TRIANGLES [SCENE...]]
 //
-// Every 12th frame of a hybrid (base 120) on elastic paper, as it is rendered (the curved surface that its mesh stands for), RMS over
-// 41 x 41 points of the pattern in % of the longer side:
+// Every 12th frame of a hybrid (base 120) on elastic paper, as it is rendered (the curved surface
+// that its mesh stands for), RMS over 41 x 41 points of the pattern in % of the longer side:
 //   true      to fem at REFERENCE_TRIANGLES (6,000) that came all the way
 //   estimate  to the minimum near by of fem at 2,400, as `verify --estimate` has it
-//   polished  what the frame has left of the first after polish with as many triangles as the reference
-// ms of CPU on one thread; spread: an estimate every 12 frames over these. BENCH_CACHE=DIR keeps the runs of fem there.
+//   polished  what the frame has left of the first after polish with as many triangles as the
+//   reference
+// ms of CPU on one thread; spread: an estimate every 12 frames over these. BENCH_CACHE=DIR keeps
+// the runs of fem there.
 
-#include "core/cpu_clock.h"
-#include "core/curved_surface.h"
-#include "core/pattern_samples.h"
-#include "core/polish.h"
+#include "core/animation/cpu_clock.h"
+#include "core/animation/refine_frame.h"
+#include "core/geometry/pattern_samples.h"
+#include "core/render/curved_surface.h"
 #include "tests/bench/against_fem.h"
 
 #include <algorithm>
@@ -52,7 +55,8 @@ Timed timed(Polisher& polish, const Sheet& sheet, const Grasp& g) {
 Sheet curved(const Sheet& rough, Sheet fine) {
   const Locator locator(rough.pattern, rough.triangles);
   const CurvedSurface surface = curve(rough);
-  for (int v = 0; v < fine.x.rows(); ++v) fine.x.row(v) = surface.at(locator.locate(fine.pattern.row(v)));
+  for (int v = 0; v < fine.x.rows(); ++v)
+    fine.x.row(v) = surface.at(locator.locate(fine.pattern.row(v)));
   return fine;
 }
 
@@ -64,30 +68,38 @@ void compare(const Case& c, int triangles, Counts& all) {
   const auto [shot, fps] = shot_of(c);
   const double side = longer_side(shot.pattern);
   const Run reference = run_fem(shot, triangles, c, fps);
-  std::printf("%s, frames 1-%d; fem %d: %.0f ms a frame\n", c.name, c.last_frame, triangles, reference.elastic_ms);
+  std::printf("%s, frames 1-%d; fem %d: %.0f ms a frame\n", c.name, c.last_frame, triangles,
+              reference.elastic_ms);
   AnimateOptions options;
   options.fps = fps;
   options.last_frame = c.last_frame;
   options.elastic.gravity = c.gravity;
   Polisher estimator(shot, options.elastic, estimating), polisher(shot, options.elastic, triangles);
   const PatternSamples samples(shot.pattern);
-  const auto pct = [&](const Points3& a, const Points3& b) { return 100 / side * rms_distance(a, b); };
+  const auto pct = [&](const Points3& a, const Points3& b) {
+    return 100 / side * rms_distance(a, b);
+  };
   double estimates_ms = 0;
-  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options, [&](const AnimatedFrame& f) {
-    if (f.frame % every != 0) return true;
-    const Grasp g = grasp(f);
-    const Timed estimate = timed(estimator, *f.sheet, g), fine = timed(polisher, *f.sheet, g);
-    const Points3& truth = reference.frames[f.frame - 1];
-    const double error = pct(samples(curved(*f.sheet, estimate.polished.sheet)).x, truth), estimated = 100 / side * estimate.polished.moved;
-    const bool within = std::abs(estimated / error - 1) <= 0.3;
-    ++all.frames, all.within += within;
-    estimates_ms += estimate.ms;
-    std::printf("  f%2d  estimate %.3f  true %.3f  ratio %.2f%s  %3.0f ms, %2d it;  polished %.3f  %4.0f ms, %2d it%s\n", f.frame, estimated, error, estimated / error,
-                within ? " " : "*", estimate.ms, estimate.polished.iterations, pct(samples(fine.polished.sheet).x, truth), fine.ms, fine.polished.iterations,
-                fine.polished.converged ? "" : ", not at rest");
-    std::fflush(stdout);
-    return true;
-  });
+  animate(
+      shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options, [&](const AnimatedFrame& f) {
+        if (f.frame % every != 0) return true;
+        const Grasp g = grasp(f);
+        const Timed estimate = timed(estimator, *f.sheet, g), fine = timed(polisher, *f.sheet, g);
+        const Points3& truth = reference.frames[f.frame - 1];
+        const double error = pct(samples(curved(*f.sheet, estimate.polished.sheet)).x, truth),
+                     estimated = 100 / side * estimate.polished.moved;
+        const bool within = std::abs(estimated / error - 1) <= 0.3;
+        ++all.frames, all.within += within;
+        estimates_ms += estimate.ms;
+        std::printf(
+            "  f%2d  estimate %.3f  true %.3f  ratio %.2f%s  %3.0f ms, %2d it;  polished %.3f  "
+            "%4.0f ms, %2d it%s\n",
+            f.frame, estimated, error, estimated / error, within ? " " : "*", estimate.ms,
+            estimate.polished.iterations, pct(samples(fine.polished.sheet).x, truth), fine.ms,
+            fine.polished.iterations, fine.polished.converged ? "" : ", not at rest");
+        std::fflush(stdout);
+        return true;
+      });
   std::printf("  spread: %.1f ms\n", estimates_ms / c.last_frame);
 }
 
@@ -96,6 +108,7 @@ void compare(const Case& c, int triangles, Counts& all) {
 
 int main(int argc, char** argv) {
   paperbake::bench::Counts all;
-  for (const auto& c : paperbake::bench::cases_named({argv + std::min(argc, 2), argv + argc})) paperbake::bench::compare(c, argc > 1 ? std::atoi(argv[1]) : 6000, all);
+  for (const auto& c : paperbake::bench::cases_named({argv + std::min(argc, 2), argv + argc}))
+    paperbake::bench::compare(c, argc > 1 ? std::atoi(argv[1]) : 6000, all);
   std::printf("estimates within 30 %%: %d of %d\n", all.within, all.frames);
 }

@@ -5,21 +5,27 @@
 // One thread, CPU time. Means over the frames of a hybrid bake.
 //   sim, render  triangles;  mesh s  what the mesh and its factor take, once
 //   ms           a frame: positions + normals;  per 100k: the same for 100,000 triangles
-//   c_m          mean |l - L|/L over the edges in %: mean over the frames, worst frame; worst edge of the worst frame
+//   c_m          mean |l - L|/L over the edges in %: mean over the frames, worst frame; worst edge
+//   of the worst frame
 //   simulated    the same of the simulated meshes
-//   far          farthest that a vertex is from the flat simulated triangles, in % of the longer side
-//   crossings    pairs of triangles that pass through each other, and the frames that have some (BENCH_CROSSINGS=1)
-//   Ub           bending energy / that of the same frame brought to its minimum on this mesh, by what the paper remembers then;
-//                and by how far that moves it, RMS in % of the longer side (BENCH_POLISH=1; every 12th frame)
+//   far          farthest that a vertex is from the flat simulated triangles, in % of the longer
+//   side
+//   crossings    pairs of triangles that pass through each other, and the frames that have some
+//   (BENCH_CROSSINGS=1)
+//   Ub           bending energy / that of the same frame brought to its minimum on this mesh, by
+//   what the paper remembers then;
+//                and by how far that moves it, RMS in % of the longer side (BENCH_POLISH=1; every
+//                12th frame)
 // Environment: BENCH_QUALITY="draft shot hero"; BENCH_ELASTIC=1: paper that does not yield
 
-#include "core/animate.h"
-#include "core/cpu_clock.h"
-#include "core/measure.h"
-#include "core/plastic_grid.h"
-#include "core/render_sheet.h"
-#include "core/shot_record.h"
-#include "formats/scene_file.h"
+#include "core/animation/animate.h"
+#include "core/animation/cpu_clock.h"
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+#include "core/model/plastic_grid.h"
+#include "core/render/render_surface.h"
+#include "core/render/shot_record.h"
+#include "formats/scene/scene_file.h"
 
 #include <algorithm>
 #include <cmath>
@@ -36,16 +42,21 @@ struct Case {
   int last_frame;
   double gravity;
 };
-constexpr Case cases[] = {{"S1_push", 60, 0}, {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0}, {"S4r_release", 144, 0},
-                          {"S5_roll", 72, 9.81}, {"S8_dcone", 96, 0}, {"S9_unload", 120, 0}, {"S10_ball", 132, 0}};
+constexpr Case cases[] = {{"S1_push", 60, 0},      {"S2_moebius", 72, 0}, {"S4_crumple", 96, 0},
+                          {"S4r_release", 144, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 96, 0},
+                          {"S9_unload", 120, 0},   {"S10_ball", 132, 0}};
 
-/// What the paper remembers at a frame: of each triangle of the simulated mesh the mean of its corners.
+/// What the paper remembers at a frame: of each triangle of the simulated mesh the mean of its
+/// corners.
 PlasticGrid remembered(const Pattern& pattern, const Sheet& sheet, const Points3& plastic) {
   PlasticGrid grid(pattern);
   if (plastic.rows() == 0) return grid;
   PlasticMemory memory(static_cast<int>(sheet.triangles.rows()));
   for (int t = 0; t < sheet.triangles.rows(); ++t)
-    memory.curvature.row(t) = (plastic.row(sheet.triangles(t, 0)) + plastic.row(sheet.triangles(t, 1)) + plastic.row(sheet.triangles(t, 2))) / 3;
+    memory.curvature.row(t) =
+        (plastic.row(sheet.triangles(t, 0)) + plastic.row(sheet.triangles(t, 1)) +
+         plastic.row(sheet.triangles(t, 2))) /
+        3;
   grid.write(grid.cover(sheet.pattern, sheet.triangles), memory);
   return grid;
 }
@@ -54,7 +65,8 @@ struct Polished {
   double ratio;  // bending energy of a frame / of the minimum near by
   double moved;  // [m] RMS
 };
-Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case& c, PlasticGrid grid) {
+Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case& c,
+                PlasticGrid grid) {
   ElasticOptions options;
   options.gravity = c.gravity;
   options.contact = SelfContact::off;
@@ -65,11 +77,14 @@ Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case
   const ElasticReport before = elastic.look(polished);
   Held held;
   for (const int v : vertices)
-    if (std::find(held.vertices.begin(), held.vertices.end(), v) == held.vertices.end()) held.vertices.push_back(v);
+    if (std::find(held.vertices.begin(), held.vertices.end(), v) == held.vertices.end())
+      held.vertices.push_back(v);
   held.targets.resize(held.vertices.size(), 3);
-  for (std::size_t k = 0; k < held.vertices.size(); ++k) held.targets.row(k) = sheet.x.row(held.vertices[k]);
+  for (std::size_t k = 0; k < held.vertices.size(); ++k)
+    held.targets.row(k) = sheet.x.row(held.vertices[k]);
   const ElasticReport after = elastic.settle(polished, held, 1.0 / 24, Settling::fully);
-  return {(before.energy - before.membrane) / (after.energy - after.membrane), std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
+  return {(before.energy - before.membrane) / (after.energy - after.membrane),
+          std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
 }
 
 bool cuts_through_itself(const RenderSheet& render, const ShotRecord& record) {
@@ -79,8 +94,11 @@ bool cuts_through_itself(const RenderSheet& render, const ShotRecord& record) {
   });
 }
 
-void measure(const Shot& shot, const ShotRecord& record, const std::vector<Points3>& plastic, const Case& c, const std::string& name) {
-  const Quality quality = name == "draft" ? Quality::draft : name == "hero" ? Quality::hero : Quality::shot;
+void measure(const Shot& shot, const ShotRecord& record, const std::vector<Points3>& plastic,
+             const Case& c, const std::string& name) {
+  const Quality quality = name == "draft"  ? Quality::draft
+                          : name == "hero" ? Quality::hero
+                                           : Quality::shot;
   double begun = cpu_ms();
   RenderFeatures features = record.features(shot);
   RenderSheet render = make_render_sheet(shot.pattern, features, record.edge(), quality);
@@ -90,7 +108,8 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
   }
   const double mesh_ms = cpu_ms() - begun;
   const double n = static_cast<double>(record.frames().size()), side = longer_side(shot.pattern);
-  double ms = 0, place_ms = 0, mean = 0, worst_mean = 0, worst = 0, simulated = 0, far = 0, hold_ms = 0;
+  double ms = 0, place_ms = 0, mean = 0, worst_mean = 0, worst = 0, simulated = 0, far = 0,
+         hold_ms = 0;
   int worst_frame = 0;
   std::vector<Place> places;
   int mesh = -1;
@@ -107,16 +126,24 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
     begun = cpu_ms();
     const RenderFrame frame = render.frame(sheet, places, f.held_at);
     ms += cpu_ms() - begun;
-    const Sheet shown{render.mesh().pattern, frame.x, Points3::Zero(frame.x.rows(), 3), render.mesh().triangles, {}};
+    const Sheet shown{render.mesh().pattern,
+                      frame.x,
+                      Points3::Zero(frame.x.rows(), 3),
+                      render.mesh().triangles,
+                      {}};
     const LengthDistortion d = length_distortion(shown);
     mean += 100 * d.mean / n;
     simulated += 100 * length_distortion(sheet).mean / n;
     if (100 * d.mean > worst_mean) worst_mean = 100 * d.mean, worst_frame = f.frame;
     worst = std::max(worst, 100 * d.largest);
     for (std::size_t v = 0; v < places.size(); ++v)
-      far = std::max(far, 100 / side * (interpolate(places[v], sheet.triangles, sheet.x) - frame.x.row(v).transpose()).norm());
+      far = std::max(
+          far, 100 / side *
+                   (interpolate(places[v], sheet.triangles, sheet.x) - frame.x.row(v).transpose())
+                       .norm());
     if (std::getenv("BENCH_CROSSINGS"))
-      if (const int pairs = crossings(shown); pairs > 0) crossed += " " + std::to_string(f.frame) + ":" + std::to_string(pairs);
+      if (const int pairs = crossings(shown); pairs > 0)
+        crossed += " " + std::to_string(f.frame) + ":" + std::to_string(pairs);
     if (std::getenv("BENCH_POLISH") && f.frame % 12 == 0) {
       std::vector<int> held;
       for (const int h : f.held) held.push_back(render.mesh().point_vertex[h]);
@@ -128,9 +155,13 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
     }
   }
   const double triangles = static_cast<double>(render.mesh().triangles.rows());
-  std::printf("  %-6s render %6.0f  creases %4zu  mesh %.1f s  hold %.0f  ms %.2f + places %.2f  per 100k %.1f  c_m %.4f worst %.4f (f%d) edge %.2f  simulated %.4f  far %.2f %%%s%s%s%s\n",
-              name.c_str(), triangles, render.mesh().creases.size(), 1e-3 * mesh_ms, hold_ms, ms / n, place_ms / n, 1e5 * (ms + place_ms) / n / triangles, mean,
-              worst_mean, worst_frame, worst, simulated, far, crossed.empty() ? "" : "  crossings", crossed.c_str(), energies.empty() ? "" : "  Ub", energies.c_str());
+  std::printf(
+      "  %-6s render %6.0f  creases %4zu  mesh %.1f s  hold %.0f  ms %.2f + places %.2f  per 100k "
+      "%.1f  c_m %.4f worst %.4f (f%d) edge %.2f  simulated %.4f  far %.2f %%%s%s%s%s\n",
+      name.c_str(), triangles, render.mesh().creases.size(), 1e-3 * mesh_ms, hold_ms, ms / n,
+      place_ms / n, 1e5 * (ms + place_ms) / n / triangles, mean, worst_mean, worst_frame, worst,
+      simulated, far, crossed.empty() ? "" : "  crossings", crossed.c_str(),
+      energies.empty() ? "" : "  Ub", energies.c_str());
   std::fflush(stdout);
 }
 
@@ -147,18 +178,21 @@ void run(const Case& c) {
   std::vector<Points3> plastic;  // of each frame, at the vertices of its mesh
   double triangles = 0;
   try {
-    animate(shot, hybrid(shot.pattern, shot.paper, 120, CrumpleOptions{}, 0, 0), options, [&](const AnimatedFrame& f) {
-      record.add(f);
-      plastic.push_back(f.plastic_curvature);
-      triangles += static_cast<double>(f.sheet->triangles.rows());
-      return true;
-    });
+    animate(shot, hybrid(shot.pattern, shot.paper, 120, CrumpleOptions{}, 0, 0), options,
+            [&](const AnimatedFrame& f) {
+              record.add(f);
+              plastic.push_back(f.plastic_curvature);
+              triangles += static_cast<double>(f.sheet->triangles.rows());
+              return true;
+            });
   } catch (const std::exception& error) {
     std::printf("  %s\n", error.what());
   }
-  std::printf("%s, %zu frames, sim %.0f triangles of %.1f mm, %zu meshes\n", c.name, record.frames().size(), triangles / record.frames().size(),
-              1e3 * record.edge(), record.meshes().size());
-  std::istringstream words(std::getenv("BENCH_QUALITY") ? std::getenv("BENCH_QUALITY") : "draft shot hero");
+  std::printf("%s, %zu frames, sim %.0f triangles of %.1f mm, %zu meshes\n", c.name,
+              record.frames().size(), triangles / record.frames().size(), 1e3 * record.edge(),
+              record.meshes().size());
+  std::istringstream words(std::getenv("BENCH_QUALITY") ? std::getenv("BENCH_QUALITY")
+                                                        : "draft shot hero");
   for (std::string word; words >> word;) measure(shot, record, plastic, c, word);
 }
 

@@ -20,7 +20,8 @@ class Corpus : public testing::TestWithParam<std::string> {};
 /// Scenes are for the readers of their curves, too.
 std::vector<fs::path> folders_of(const std::string& reader) {
   std::vector<fs::path> folders{fs::path(PAPERBAKE_CORPUS) / reader};
-  if (reader == "gltf_curves" || reader == "fbx") folders.push_back(fs::path(PAPERBAKE_CORPUS) / "scene");
+  if (reader == "gltf_curves" || reader == "fbx")
+    folders.push_back(fs::path(PAPERBAKE_CORPUS) / "scene");
   return folders;
 }
 
@@ -39,7 +40,10 @@ TEST_P(Corpus, EveryFileEndsInAReturnOrInAnErrorWithPlaceAndCause) {
   EXPECT_GT(files, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Readers, Corpus, testing::Values("scene", "imported", "gltf_curves", "fbx", "preset", "lock", "job", "certificate", "cache", "state", "checkpoint"),
+INSTANTIATE_TEST_SUITE_P(Readers, Corpus,
+                         testing::Values("scene", "imported", "gltf_curves", "fbx", "preset",
+                                         "lock", "job", "certificate", "cache", "state",
+                                         "checkpoint"),
                          [](const auto& reader) { return reader.param; });
 
 }  // namespace

@@ -1,21 +1,22 @@
 #include "tests/fuzz/readers.h"
 
-#include "baker/cache_measure.h"
-#include "baker/checkpoints.h"
-#include "baker/job.h"
-#include "baker/verify.h"
-#include "core/error.h"
-#include "formats/alembic_cache.h"
-#include "formats/alembic_reader.h"
-#include "formats/gltf_curves.h"
-#include "formats/lock_file.h"
-#include "formats/murmur.h"
-#include "formats/preset_file.h"
-#include "formats/scene_fbx.h"
-#include "formats/scene_file.h"
-#include "formats/scene_import.h"
-#include "formats/scene_message.h"
-#include "tests/test_shots.h"
+#include "baker/check/verify.h"
+#include "baker/job/job_settings.h"
+#include "baker/output/cache_measure.h"
+#include "baker/output/checkpoints.h"
+#include "baker/output/file_hash.h"
+#include "core/model/error.h"
+#include "formats/cache/alembic_cache.h"
+#include "formats/cache/alembic_reader.h"
+#include "formats/cache/content_hash.h"
+#include "formats/config/lock_file.h"
+#include "formats/config/preset_file.h"
+#include "formats/scene/gltf_curves.h"
+#include "formats/scene/import_serialization.h"
+#include "formats/scene/scene_fbx.h"
+#include "formats/scene/scene_file.h"
+#include "formats/scene/scene_import.h"
+#include "tests/core/test_shots.h"
 
 #include <algorithm>
 #include <array>
@@ -37,7 +38,8 @@ struct Folder {
   Folder() {
     std::error_code none;
     const fs::path memory = "/dev/shm";
-    path = (fs::is_directory(memory, none) ? memory : fs::temp_directory_path()) / ("paperbake_fuzz_" + std::to_string(::getpid()));
+    path = (fs::is_directory(memory, none) ? memory : fs::temp_directory_path()) /
+           ("paperbake_fuzz_" + std::to_string(::getpid()));
     fs::create_directories(path / "cert");
   }
   ~Folder() {
@@ -59,7 +61,8 @@ void ends_well(Call call) {
   try {
     call();
   } catch (const Error& error) {
-    if (error.place.empty() || error.cause.empty()) throw std::logic_error(std::string("an error without place or cause: ") + error.what());
+    if (error.place.empty() || error.cause.empty())
+      throw std::logic_error(std::string("an error without place or cause: ") + error.what());
   }
 }
 
@@ -81,7 +84,9 @@ void takes_of(const std::filesystem::path& path) {
   gltf_takes(file);
 }
 
-const char* gltf_name(const std::string& bytes) { return bytes.rfind("glTF", 0) == 0 ? "scene.glb" : "scene.gltf"; }
+const char* gltf_name(const std::string& bytes) {
+  return bytes.rfind("glTF", 0) == 0 ? "scene.glb" : "scene.gltf";
+}
 
 fs::path scene_file(const std::string& bytes) {
   const bool gltf = bytes.rfind("glTF", 0) == 0 || bytes.rfind("{", 0) == 0;
@@ -122,7 +127,8 @@ void read_certificate(const std::string& bytes) {
   std::size_t part = 0;
   for (const char c : bytes) c == '\x1e' && part < 2 ? void(++part) : parts[part].push_back(c);
   if (parts[2].find('}') != std::string::npos) parts[2] = sealed(parts[2]);
-  written("cert/handles.csv", parts[0]), written("cert/frames.jsonl", parts[1]), written("cert/summary.json", parts[2]);
+  written("cert/handles.csv", parts[0]), written("cert/frames.jsonl", parts[1]),
+      written("cert/summary.json", parts[2]);
   ends_well([&] {
     const Verification found = verify(folder);
     verification_text(folder, found);
@@ -130,7 +136,8 @@ void read_certificate(const std::string& bytes) {
   });
 }
 
-/// Bytes that were sound, with changes of 13 bytes each: where, how many bytes (1, 2, 4, 8), which. Four bytes left over say where they are cut.
+/// Bytes that were sound, with changes of 13 bytes each: where, how many bytes (1, 2, 4, 8), which.
+/// Four bytes left over say where they are cut.
 std::string changed(std::string bytes, const std::string& changes) {
   const auto number = [&](std::size_t at, std::size_t size) {
     std::uint64_t value = 0;
@@ -140,13 +147,15 @@ std::string changed(std::string bytes, const std::string& changes) {
   std::size_t at = 0;
   for (; at + 13 <= changes.size(); at += 13) {
     const std::uint64_t where = number(at, 4) % bytes.size(), value = number(at + 5, 8);
-    std::memcpy(bytes.data() + where, &value, std::min(bytes.size() - where, std::size_t(1) << number(at + 4, 1) % 4));
+    std::memcpy(bytes.data() + where, &value,
+                std::min(bytes.size() - where, std::size_t(1) << number(at + 4, 1) % 4));
   }
   if (at + 4 <= changes.size()) bytes.resize(number(at, 4) % bytes.size());
   return bytes;
 }
 
-/// A sheet that was pushed until it is bent, in a mesh of few triangles, and what its next frame comes from.
+/// A sheet that was pushed until it is bent, in a mesh of few triangles, and what its next frame
+/// comes from.
 struct Pushed {
   Shot shot = test::s1_push();
   AnimateOptions options;
@@ -154,7 +163,8 @@ struct Pushed {
   Pushed() {
     options.last_frame = 12;
     options.memory = Memory::plastic;
-    animate(shot, method(), options, [&](const AnimatedFrame& frame) { return state = frame.state(), true; });
+    animate(shot, method(), options,
+            [&](const AnimatedFrame& frame) { return state = frame.state(), true; });
   }
   Method method() const { return hybrid(shot.pattern, shot.paper, 40, {}, 1, 0); }
 };
@@ -163,7 +173,9 @@ void read_state(const std::string& changes) {
   static const Pushed pushed;
   AnimateOptions options = pushed.options;
   options.go_on_from = changed(pushed.state, changes);
-  ends_well([&] { animate(pushed.shot, pushed.method(), options, [](const AnimatedFrame&) { return false; }); });
+  ends_well([&] {
+    animate(pushed.shot, pushed.method(), options, [](const AnimatedFrame&) { return false; });
+  });
 }
 
 /// A bake of two frames that keeps a checkpoint.
@@ -178,7 +190,8 @@ struct Kept {
     settings.frames = FrameSpan{1, 2, 1};
     plan = plan_bake(settings);
     Checkpoints checkpoints(folder, plan, 2);
-    simulate(plan, {plan.animation}, 1, [&](const AnimatedFrame& frame) { return checkpoints.add(frame), true; });
+    simulate(plan, {plan.animation}, 1,
+             [&](const AnimatedFrame& frame) { return checkpoints.add(frame), true; });
     std::ifstream file(folder / "checkpoint.000002", std::ios::binary);
     body.assign(std::istreambuf_iterator<char>(file), {});
     body.resize(body.size() - hex(murmur("")).size());
@@ -196,14 +209,34 @@ void read_checkpoint(const std::string& changes) {
 
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all{
-      {"scene", [](const std::string& bytes) { ends_well([&] { read_scene(scene_file(bytes)); }); }},
-      {"import", [](const std::string& bytes) { ends_well([&] { bytes_of({import_here(scene_file(bytes)), "", "", ""}); }); }},
-      {"imported", [](const std::string& bytes) { ends_well_or_refuses([&] { scene_of(message_of(bytes).file, "message"); }); }},
-      {"gltf_curves", [](const std::string& bytes) { ends_well_or_refuses([&] { takes_of(written(gltf_name(bytes), bytes)); }); }},
-      {"fbx", [](const std::string& bytes) { ends_well([&] { import_fbx(written("scene.fbx", bytes), std::nullopt); }); }},
-      {"preset", [](const std::string& bytes) { ends_well([&] { read_preset(written("preset.toml", bytes)); }); }},
-      {"lock", [](const std::string& bytes) { ends_well([&] { read_lock(written("lock.toml", bytes)); }); }},
-      {"job", [](const std::string& bytes) {
+      {"scene",
+       [](const std::string& bytes) { ends_well([&] { read_scene(scene_file(bytes)); }); }},
+      {"import",
+       [](const std::string& bytes) {
+         ends_well([&] { bytes_of({import_here(scene_file(bytes)), "", "", ""}); });
+       }},
+      {"imported",
+       [](const std::string& bytes) {
+         ends_well_or_refuses([&] { scene_of(message_of(bytes).file, "message"); });
+       }},
+      {"gltf_curves",
+       [](const std::string& bytes) {
+         ends_well_or_refuses([&] { takes_of(written(gltf_name(bytes), bytes)); });
+       }},
+      {"fbx",
+       [](const std::string& bytes) {
+         ends_well([&] { import_fbx(written("scene.fbx", bytes), std::nullopt); });
+       }},
+      {"preset",
+       [](const std::string& bytes) {
+         ends_well([&] { read_preset(written("preset.toml", bytes)); });
+       }},
+      {"lock",
+       [](const std::string& bytes) {
+         ends_well([&] { read_lock(written("lock.toml", bytes)); });
+       }},
+      {"job",
+       [](const std::string& bytes) {
          ends_well([&] {
            BakeSettings settings;
            take_job(settings, written("job.toml", bytes));

@@ -1,13 +1,16 @@
-// Writes two caches and what foreign readers must find in them, for alembic_judge.py and blender_judge.py:
+// Writes two caches and what foreign readers must find in them, for alembic_judge.py and
+// blender_judge.py:
 //
-//   make_cache FOLDER    ->  constant.abc .usda .json          two sheets: one turning, one that jumps once and rests
+//   make_cache FOLDER    ->  constant.abc .usda .json          two sheets: one turning, one that
+//   jumps once and rests
 //                            constant.pc2 constant.rest.obj    the first of them
-//                            varying.abc .usda .json           one sheet that is cut anew at some frames
+//                            varying.abc .usda .json           one sheet that is cut anew at some
+//                            frames
 
-#include "core/error.h"
-#include "formats/alembic_cache.h"
-#include "formats/pc2_cache.h"
-#include "formats/usd_cache.h"
+#include "core/model/error.h"
+#include "formats/cache/alembic_cache.h"
+#include "formats/cache/pc2_cache.h"
+#include "formats/cache/usd_cache.h"
 
 #include <Eigen/Geometry>
 
@@ -25,20 +28,23 @@ struct Sequence {
   std::vector<CacheFrame> frames;
 };
 
-/// A sheet of 0.21 x 0.297 m in columns x rows cells, rolled about an axis along y, so no two axes look alike.
+/// A sheet of 0.21 x 0.297 m in columns x rows cells, rolled about an axis along y, so no two axes
+/// look alike.
 CacheFrame rolled(int columns, int rows, double radius) {
   CacheFrame frame;
   const int vertices = (columns + 1) * (rows + 1);
   frame.x.resize(vertices, 3), frame.normal.resize(vertices, 3), frame.uv.resize(vertices, 2);
   for (int i = 0; i < vertices; ++i) {
-    const double u = double(i % (columns + 1)) / columns, v = double(i / (columns + 1)) / rows, angle = 0.21 * u / radius;
+    const double u = double(i % (columns + 1)) / columns, v = double(i / (columns + 1)) / rows,
+                 angle = 0.21 * u / radius;
     frame.x.row(i) << radius * std::sin(angle), 0.297 * v, radius * (1 - std::cos(angle));
     frame.normal.row(i) << -std::sin(angle), 0, std::cos(angle);
     frame.uv.row(i) << u, v;
   }
   frame.triangles.resize(2 * columns * rows, 3);
   for (int cell = 0; cell < columns * rows; ++cell) {
-    const int a = cell % columns + cell / columns * (columns + 1), b = a + 1, c = a + columns + 1, d = c + 1;
+    const int a = cell % columns + cell / columns * (columns + 1), b = a + 1, c = a + columns + 1,
+              d = c + 1;
     frame.triangles.row(2 * cell) << a, b, d;
     frame.triangles.row(2 * cell + 1) << a, d, c;
   }
@@ -47,7 +53,8 @@ CacheFrame rolled(int columns, int rows, double radius) {
 
 /// The frame after `seconds` of turning at `rate` [rad/s, world axes] about the origin.
 CacheFrame turned(CacheFrame frame, const Vector3d& rate, double seconds) {
-  const Eigen::Matrix3d turn = Eigen::AngleAxisd(rate.norm() * seconds, rate.normalized()).toRotationMatrix();
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(rate.norm() * seconds, rate.normalized()).toRotationMatrix();
   frame.x *= turn.transpose();
   frame.normal *= turn.transpose();
   frame.velocity.resize(frame.x.rows(), 3);
@@ -75,13 +82,15 @@ std::vector<Sequence> varying_topology(double fps) {
   Sequence cut{"cut", "cut", {}};
   const int columns[] = {3, 3, 5, 5, 3, 4};
   for (int i = 0; i < 6; ++i)
-    cut.frames.push_back(turned(rolled(columns[i], columns[i] + 1, 0.08), {-0.4, 1.3, 0.2}, i / fps));
+    cut.frames.push_back(
+        turned(rolled(columns[i], columns[i] + 1, 0.08), {-0.4, 1.3, 0.2}, i / fps));
   return {cut};
 }
 
 template <class Rows>
 void print_rows(std::ostream& out, const char* name, const Rows& rows) {
-  const Eigen::IOFormat json(Eigen::FullPrecision, Eigen::DontAlignCols, ",", ",", "[", "]", "[", "]");
+  const Eigen::IOFormat json(Eigen::FullPrecision, Eigen::DontAlignCols, ",", ",", "[", "]", "[",
+                             "]");
   out << '"' << name << "\":" << rows.format(json);
 }
 
@@ -109,13 +118,16 @@ void print_sheet(std::ostream& out, const Sequence& sheet) {
 void print_expected(std::ostream& out, const CacheInfo& info, const std::vector<Sequence>& sheets) {
   out << "{\"fps\":" << info.fps << ",\"first_frame\":" << info.first_frame << ",\"metadata\":{";
   for (std::size_t i = 0; i < info.metadata.size(); ++i)
-    out << (i ? "," : "") << '"' << info.metadata[i].first << "\":\"" << info.metadata[i].second << '"';
+    out << (i ? "," : "") << '"' << info.metadata[i].first << "\":\"" << info.metadata[i].second
+        << '"';
   out << "},\"sheets\":[";
-  for (std::size_t i = 0; i < sheets.size(); ++i) out << (i ? "," : ""), print_sheet(out, sheets[i]);
+  for (std::size_t i = 0; i < sheets.size(); ++i)
+    out << (i ? "," : ""), print_sheet(out, sheets[i]);
   out << "]}\n";
 }
 
-void write_case(const std::filesystem::path& stem, const CacheInfo& info, const std::vector<Sequence>& sheets) {
+void write_case(const std::filesystem::path& stem, const CacheInfo& info,
+                const std::vector<Sequence>& sheets) {
   std::vector<std::string> names;
   for (const Sequence& sheet : sheets) names.push_back(sheet.name);
   AlembicWriter writer(stem.string() + ".abc", info, names);
@@ -138,7 +150,8 @@ int main(int argc, char** argv) {
   if (argc != 2) return std::cerr << "usage: make_cache FOLDER\n", 2;
   const std::filesystem::path folder = argv[1];
   try {
-    const CacheInfo constant{29.97, 1001, 1, {{"paperbake_job", "0123abcd"}, {"paperbake_version", "1.0"}}};
+    const CacheInfo constant{
+        29.97, 1001, 1, {{"paperbake_job", "0123abcd"}, {"paperbake_version", "1.0"}}};
     const std::vector<Sequence> sheets = constant_topology(constant.fps);
     write_case(folder / "constant", constant, sheets);
     Pc2Writer points(folder / "constant.pc2", folder / "constant.rest.obj", constant);

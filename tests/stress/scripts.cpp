@@ -1,7 +1,7 @@
 #include "tests/stress/scripts.h"
 
-#include "core/pattern_mesh.h"
-#include "core/random.h"
+#include "core/geometry/pattern_mesh.h"
+#include "core/geometry/random.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +22,8 @@ class Dice {
   std::uint64_t at_;
 };
 
-std::vector<Vector2d> ellipse(const Vector2d& centre, const Vector2d& radii, int n, bool clockwise = false) {
+std::vector<Vector2d> ellipse(const Vector2d& centre, const Vector2d& radii, int n,
+                              bool clockwise = false) {
   std::vector<Vector2d> points;
   for (int i = 0; i < n; ++i) {
     const double t = (clockwise ? -2 : 2) * M_PI * i / n;
@@ -32,32 +33,43 @@ std::vector<Vector2d> ellipse(const Vector2d& centre, const Vector2d& radii, int
 }
 
 Pattern make_pattern(Dice& dice) {
-  const double side = 0.002 * std::pow(5000, dice(0, 1));  // [m] 2 mm ... 10 m, evenly over the decades
+  // [m] 2 mm ... 10 m, evenly over the decades
+  const double side = 0.002 * std::pow(5000, dice(0, 1));
   const double w = side, h = side * dice(0.15, 1);
   switch (dice.below(4)) {
-    case 0: return {{{0, 0}, {w, 0}, {w, h}, {0, h}}, {}};
-    case 1: return {ellipse({w / 2, h / 2}, {w / 2, h / 2}, 40), {}};
-    case 2: return {{{0, 0}, {w, 0}, {w, 0.4 * h}, {0.4 * w, 0.4 * h}, {0.4 * w, h}, {0, h}}, {}};
-    default: return {{{0, 0}, {w, 0}, {w, h}, {0, h}}, {ellipse({0.5 * w, 0.5 * h}, {0.2 * w, 0.2 * h}, 16, true)}};
+    case 0:
+      return {{{0, 0}, {w, 0}, {w, h}, {0, h}}, {}};
+    case 1:
+      return {ellipse({w / 2, h / 2}, {w / 2, h / 2}, 40), {}};
+    case 2:
+      return {{{0, 0}, {w, 0}, {w, 0.4 * h}, {0.4 * w, 0.4 * h}, {0.4 * w, h}, {0, h}}, {}};
+    default:
+      return {{{0, 0}, {w, 0}, {w, h}, {0, h}},
+              {ellipse({0.5 * w, 0.5 * h}, {0.2 * w, 0.2 * h}, 16, true)}};
   }
 }
 
 /// Flat; the mesh that a scene would bring, fine or bad.
 Sheet make_start(const Pattern& pattern, bool slivers) {
   std::vector<Vector2d> border = pattern.outline;
-  for (const std::vector<Vector2d>& hole : pattern.holes) border.insert(border.end(), hole.begin(), hole.end());
-  const PatternMesh mesh = mesh_pattern(pattern, longer_side(pattern) * (slivers ? 0.4 : 0.1), border);
+  for (const std::vector<Vector2d>& hole : pattern.holes)
+    border.insert(border.end(), hole.begin(), hole.end());
+  const PatternMesh mesh =
+      mesh_pattern(pattern, longer_side(pattern) * (slivers ? 0.4 : 0.1), border);
   Sheet start;
   start.pattern = mesh.vertices;
   start.triangles = mesh.triangles;
   if (slivers) {  // every triangle in three, about a point that all but lies on an edge
-    const int old_points = static_cast<int>(mesh.vertices.rows()), old = static_cast<int>(mesh.triangles.rows());
+    const int old_points = static_cast<int>(mesh.vertices.rows()),
+              old = static_cast<int>(mesh.triangles.rows());
     start.pattern.conservativeResize(old_points + old, 2);
     start.triangles.resize(3 * old, 3);
     for (int t = 0; t < old; ++t) {
       const Eigen::RowVector3i c = mesh.triangles.row(t);
       const int middle = old_points + t;
-      start.pattern.row(middle) = 0.4999 * mesh.vertices.row(c[0]) + 0.4999 * mesh.vertices.row(c[1]) + 0.0002 * mesh.vertices.row(c[2]);
+      start.pattern.row(middle) = 0.4999 * mesh.vertices.row(c[0]) +
+                                  0.4999 * mesh.vertices.row(c[1]) +
+                                  0.0002 * mesh.vertices.row(c[2]);
       for (int i = 0; i < 3; ++i) start.triangles.row(3 * t + i) << c[i], c[(i + 1) % 3], middle;
     }
   }
@@ -81,21 +93,25 @@ using Motion = std::function<void(Script&, Dice&)>;
 
 Vector3d flat(const Handle& handle) { return {handle.pattern.x(), handle.pattern.y(), 0}; }
 
-/// Handles go to places that paper can reach: drawn together towards a point, and lifted. way(f) in [0, 1].
+/// Handles go to places that paper can reach: drawn together towards a point, and lifted. way(f) in
+/// [0, 1].
 void gather(Script& script, Dice& dice, const std::function<double(int)>& way) {
   const double side = longer_side(script.shot.pattern), closer = dice(0.3, 0.95);
   const Vector2d middle = extent(script.shot.pattern) / 2;
   for (Handle& handle : script.shot.handles) {
     const double lift = dice(-0.1, 0.1) * side;
-    // two points that come closer by the share c may differ in height by what is left of their distance
+    // two points that come closer by the share c may differ in height by what is left of their
+    // distance
     const Vector2d to = middle + closer * (handle.pattern - middle);
     double least = side;
     for (const Handle& other : script.shot.handles)
-      if (const double apart = (other.pattern - handle.pattern).norm(); apart > 0) least = std::min(least, apart);
+      if (const double apart = (other.pattern - handle.pattern).norm(); apart > 0)
+        least = std::min(least, apart);
     const double room = 0.5 * least * std::sqrt(std::max(0.0, 1 - closer * closer));
     for (int f = 0; f < handle.keyed.rows(); ++f) {
       const double s = way(f);
-      handle.keyed.row(f) << (1 - s) * handle.pattern.x() + s * to.x(), (1 - s) * handle.pattern.y() + s * to.y(), s * std::clamp(lift, -room, room);
+      handle.keyed.row(f) << (1 - s) * handle.pattern.x() + s * to.x(),
+          (1 - s) * handle.pattern.y() + s * to.y(), s * std::clamp(lift, -room, room);
     }
   }
 }
@@ -107,17 +123,33 @@ double smooth(int f, int frames) {
 
 const std::vector<std::pair<std::string, Motion>>& motions() {
   static const std::vector<std::pair<std::string, Motion>> all{
-      {"smooth", [](Script& s, Dice& d) { gather(s, d, [&](int f) { return smooth(f, s.options.last_frame); }); }},
-      {"jerks", [](Script& s, Dice& d) { gather(s, d, [&](int f) { return 0.25 * ((f / 3) % 2) + 0.5 * smooth(f, s.options.last_frame); }); }},
-      {"teleport", [](Script& s, Dice& d) { gather(s, d, [&](int f) { return f < 5 ? 0.0 : 1.0; }); }},
+      {"smooth",
+       [](Script& s, Dice& d) {
+         gather(s, d, [&](int f) { return smooth(f, s.options.last_frame); });
+       }},
+      {"jerks",
+       [](Script& s, Dice& d) {
+         gather(s, d, [&](int f) {
+           return 0.25 * ((f / 3) % 2) + 0.5 * smooth(f, s.options.last_frame);
+         });
+       }},
+      {"teleport",
+       [](Script& s, Dice& d) { gather(s, d, [&](int f) { return f < 5 ? 0.0 : 1.0; }); }},
       {"16x", [](Script& s, Dice& d) { gather(s, d, [&](int f) { return smooth(16 * f, 48); }); }},
-      {"there and back", [](Script& s, Dice& d) { gather(s, d, [&](int f) { return 0.5 - 0.5 * std::cos(2 * M_PI * f / s.options.last_frame); }); }},
-      {"over-stretch", [](Script& s, Dice&) {
+      {"there and back",
+       [](Script& s, Dice& d) {
+         gather(s, d,
+                [&](int f) { return 0.5 - 0.5 * std::cos(2 * M_PI * f / s.options.last_frame); });
+       }},
+      {"over-stretch",
+       [](Script& s, Dice&) {
          const Vector2d middle = extent(s.shot.pattern) / 2;
          for (Handle& handle : s.shot.handles)
-           for (int f = 0; f < handle.keyed.rows(); ++f) handle.keyed.row(f).head<2>() += 0.2 * smooth(f, 8) * (handle.pattern - middle);
+           for (int f = 0; f < handle.keyed.rows(); ++f)
+             handle.keyed.row(f).head<2>() += 0.2 * smooth(f, 8) * (handle.pattern - middle);
        }},
-      {"coincident", [](Script& s, Dice& d) {
+      {"coincident",
+       [](Script& s, Dice& d) {
          Handle& first = s.shot.handles.front();
          s.shot.handles.push_back(first);
          Handle& second = s.shot.handles.back();
@@ -125,21 +157,26 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
          const double off = d(0.01, 0.1) * longer_side(s.shot.pattern);
          for (int f = 0; f < second.keyed.rows(); ++f) second.keyed(f, 2) += off * smooth(f, 8);
        }},
-      {"crossing", [](Script& s, Dice& d) {  // handles change places with their mirror images, in an arc
+      // handles change places with their mirror images, in an arc
+      {"crossing",
+       [](Script& s, Dice& d) {
          const double middle = extent(s.shot.pattern).x() / 2;
          for (Handle& handle : s.shot.handles) {
            const double arm = handle.pattern.x() - middle, up = d(-0.2, 0.2);
            for (int f = 0; f < handle.keyed.rows(); ++f) {
              const double turn = M_PI * smooth(f, s.options.last_frame);
-             handle.keyed(f, 0) = middle + arm * std::cos(turn), handle.keyed(f, 2) = up * std::abs(arm) * std::sin(turn);
+             handle.keyed(f, 0) = middle + arm * std::cos(turn),
+                             handle.keyed(f, 2) = up * std::abs(arm) * std::sin(turn);
            }
          }
        }},
-      {"all released", [](Script& s, Dice& d) {
+      {"all released",
+       [](Script& s, Dice& d) {
          gather(s, d, [&](int f) { return smooth(f, 10); });
          for (Handle& handle : s.shot.handles) handle.release_frame = 12;
        }},
-      {"released and grabbed again", [](Script& s, Dice& d) {
+      {"released and grabbed again",
+       [](Script& s, Dice& d) {
          gather(s, d, [&](int f) { return smooth(f, 8); });
          const std::vector<Handle> once = s.shot.handles;
          for (Handle& handle : s.shot.handles) handle.release_frame = 9;
@@ -148,32 +185,44 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
            s.shot.handles.push_back(again);
          }
        }},
-      {"bad start mesh", [](Script& s, Dice& d) {
+      {"bad start mesh",
+       [](Script& s, Dice& d) {
          s.shot.start = make_start(s.shot.pattern, true);
          gather(s, d, [&](int f) { return smooth(f, s.options.last_frame); });
        }},
-      {"snap-through", [](Script& s, Dice& d) {  // an arch between two borders, pushed through from above
+      // an arch between two borders, pushed through from above
+      {"snap-through",
+       [](Script& s, Dice& d) {
          const double w = extent(s.shot.pattern).x();
          gather(s, d, [](int) { return 0.0; });
          for (Handle& handle : s.shot.handles)
-           for (int f = 0; f < handle.keyed.rows(); ++f) handle.keyed(f, 0) += 0.12 * smooth(f, 8) * (w / 2 - handle.pattern.x());
+           for (int f = 0; f < handle.keyed.rows(); ++f)
+             handle.keyed(f, 0) += 0.12 * smooth(f, 8) * (w / 2 - handle.pattern.x());
          Handle push = s.shot.handles.front();
-         push.name = "push", push.pattern = nearest_border_point(s.shot.pattern, {w / 2, 0}), push.mode = HandleMode::relative, push.grab_frame = 9;
-         for (int f = 0; f < push.keyed.rows(); ++f) push.keyed.row(f) << 0, 0, -0.25 * w * smooth(f - 9, s.options.last_frame - 9);
+         push.name = "push", push.pattern = nearest_border_point(s.shot.pattern, {w / 2, 0}),
+         push.mode = HandleMode::relative, push.grab_frame = 9;
+         for (int f = 0; f < push.keyed.rows(); ++f)
+           push.keyed.row(f) << 0, 0, -0.25 * w * smooth(f - 9, s.options.last_frame - 9);
          s.shot.handles.push_back(push);
        }},
-      {"compressed flat", [](Script& s, Dice& d) {  // in its own plane, nothing tells it which way to buckle
+      // in its own plane, nothing tells it which way to buckle
+      {"compressed flat",
+       [](Script& s, Dice& d) {
          const double closer = d(0.5, 0.95);
          const Vector2d middle = extent(s.shot.pattern) / 2;
          for (Handle& handle : s.shot.handles)
-           for (int f = 0; f < handle.keyed.rows(); ++f) handle.keyed.row(f).head<2>() -= (1 - closer) * smooth(f, 6) * (handle.pattern - middle);
+           for (int f = 0; f < handle.keyed.rows(); ++f)
+             handle.keyed.row(f).head<2>() -=
+                 (1 - closer) * smooth(f, 6) * (handle.pattern - middle);
        }},
-      {"wild", [](Script& s, Dice& d) {  // every handle anywhere, every third frame somewhere else
+      {"wild",
+       [](Script& s, Dice& d) {  // every handle anywhere, every third frame somewhere else
          const double side = longer_side(s.shot.pattern);
          for (Handle& handle : s.shot.handles)
            for (int f = 3; f < handle.keyed.rows(); f += 3) {
              const Vector3d to(d(-1, 1) * side, d(-1, 1) * side, d(-1, 1) * side);
-             for (int g = f; g < std::min<int>(f + 3, handle.keyed.rows()); ++g) handle.keyed.row(g) = to;
+             for (int g = f; g < std::min<int>(f + 3, handle.keyed.rows()); ++g)
+               handle.keyed.row(g) = to;
            }
        }},
   };
@@ -200,7 +249,8 @@ Script make_script(int index, std::uint32_t seed) {
   script.shot.pattern = make_pattern(dice);
   script.shot.start = make_start(script.shot.pattern, false);
   script.options.last_frame = 12 + dice.below(29);
-  script.options.fps = 24 * std::pow(100, std::max(0.0, dice(-1, 1)));  // half of all at 1/24 s, the rest down to 1/2400 s
+  // half of all at 1/24 s, the rest down to 1/2400 s
+  script.options.fps = 24 * std::pow(100, std::max(0.0, dice(-1, 1)));
   script.options.seed = static_cast<unsigned>(dice.below(1000));
   script.options.memory = Memory::plastic;
   const int handles = 1 + dice.below(16);
@@ -214,7 +264,8 @@ Script make_script(int index, std::uint32_t seed) {
     script.shot.handles.push_back(std::move(handle));
   }
   motion(script, dice);
-  script.impossible = Reach(script.shot.pattern, script.shot.handles).impossible_pairs(script.shot.handles, 1, script.options.last_frame);
+  script.impossible = Reach(script.shot.pattern, script.shot.handles)
+                          .impossible_pairs(script.shot.handles, 1, script.options.last_frame);
   return script;
 }
 

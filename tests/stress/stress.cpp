@@ -1,20 +1,25 @@
-// Generated handle scripts, each run by a method in a process of its own and in bounded time: a table anyone can print.
+// Generated handle scripts, each run by a method in a process of its own and in bounded time: a
+// table anyone can print.
 //
-//   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem|adaptive] [--jobs N] [--seconds N] [--json FILE] [--only INDEX] [--rises]
+//   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem|adaptive] [--jobs N]
+//   [--seconds N] [--json FILE] [--only INDEX] [--rises]
 //
-// 1,000 scripts with seed 1 by every method without more words; what they do does not depend on how many run at a time. A script that
-// dies or does not end is named by its index, with what it did until then.
+// 1,000 scripts with seed 1 by every method without more words; what they do does not depend on how
+// many run at a time. A script that dies or does not end is named by its index, with what it did
+// until then.
 // feasible      no pair of handles is farther apart than paper between them is long, in any frame
 // c_m above 2   mean length error above 2 % in a frame, of feasible scripts
-// unreported    a hard handle that is off by more than 1 % of the sheet (and 0.1 mm) and not called jammed, or an impossible pair of which
-//               none is called jammed in its worst frame
-// remeshed      changes of a mesh: proposed and taken; with --rises also those done before a step, whose relaxation that step is
-// rises         with --rises, which takes its time from the frames': of them, those after which the sheet at rest, handles where they are, stores more than 1 % (and 1e-6 J) more than
+// unreported    a hard handle that is off by more than 1 % of the sheet (and 0.1 mm) and not called
+//               jammed, or an impossible pair of which none is called jammed in its worst frame
+// remeshed      changes of a mesh: proposed and taken; with --rises also those done before a step,
+//               whose relaxation that step is
+// rises         with --rises, which takes its time from the frames': of them, those after which the
+//               sheet at rest, handles where they are, stores more than 1 % (and 1e-6 J) more than
 //               before; of gravity nothing is known there
 // worst ms      the dearest frame: CPU time, one thread
 
-#include "core/measure.h"
-#include "core/reach.h"
+#include "core/animation/handle_feasibility.h"
+#include "core/geometry/measure.h"
 #include "tests/stress/scripts.h"
 
 #include <algorithm>
@@ -25,8 +30,8 @@
 #include <fstream>
 #include <functional>
 #include <map>
-#include <optional>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <sys/resource.h>
 #include <sys/wait.h>
@@ -47,8 +52,8 @@ struct Run {
 
 /// What a script's process says of itself, through a pipe, after every frame and at its end.
 struct Verdict {
-  bool finished = false;   // all frames, or an error that was reported
-  bool threw = false;      // such an error
+  bool finished = false;  // all frames, or an error that was reported
+  bool threw = false;     // such an error
   bool nan = false, feasible = true, unreported = false;
   int frames = 0, unconverged = 0, remeshed = 0, rises = 0;
   double c_m = 0, edge = 0, worst_ms = 0, triangles = 0;
@@ -58,10 +63,12 @@ struct Verdict {
 Method make_method(const std::string& name, const Script& script) {
   if (name == "fem") return fem(400);
   if (name == "adaptive") return adaptive(script.shot.pattern, 3000);
-  return hybrid(script.shot.pattern, script.shot.paper, 120, CrumpleOptions{}, script.options.seed, 0);
+  return hybrid(script.shot.pattern, script.shot.paper, 120, CrumpleOptions{}, script.options.seed,
+                0);
 }
 
-/// [J] that the sheet stores at rest with all that handles need where it is, or nothing when it does not come to rest in the open.
+/// [J] that the sheet stores at rest with all that handles need where it is, or nothing when it
+/// does not come to rest in the open.
 std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const Situation& is) {
   Held held;
   for (int v = 0; v < static_cast<int>(is.fixed.size()); ++v)
@@ -85,7 +92,8 @@ Method watched(Method method, const Script& script, Verdict& v) {
     const Sheet before = sheet;
     if (!remesh(sheet, is)) return false;
     ++v.remeshed;
-    const std::optional<double> was = stored_at_rest(before, script, is), now = was ? stored_at_rest(sheet, script, is) : was;
+    const std::optional<double> was = stored_at_rest(before, script, is),
+                                now = was ? stored_at_rest(sheet, script, is) : was;
     v.rises += now && *now > 1.01 * *was + 1e-6;
     return true;
   };
@@ -94,16 +102,21 @@ Method watched(Method method, const Script& script, Verdict& v) {
 
 /// Is none of a pair that is clearly impossible called jammed in its worst frame?
 bool goes_unsaid(const Script& script, const AnimatedFrame& f) {
-  const double clearly = 0.003 * longer_side(script.shot.pattern);  // [m] more than three handles share unseen
-  return std::any_of(script.impossible.begin(), script.impossible.end(), [&](const ImpossiblePair& pair) {
-    if (pair.frame != f.frame || pair.apart - pair.allowed < clearly) return false;
-    for (std::size_t h = 0; h < f.handles.size(); ++h)
-      if (const std::string& name = script.shot.handles[h].name; (name == pair.a || name == pair.b) && f.handles[h].state == HandleFrame::jammed) return false;
-    return true;
-  });
+  // [m] more than three handles share unseen
+  const double clearly = 0.003 * longer_side(script.shot.pattern);
+  return std::any_of(
+      script.impossible.begin(), script.impossible.end(), [&](const ImpossiblePair& pair) {
+        if (pair.frame != f.frame || pair.apart - pair.allowed < clearly) return false;
+        for (std::size_t h = 0; h < f.handles.size(); ++h)
+          if (const std::string& name = script.shot.handles[h].name;
+              (name == pair.a || name == pair.b) && f.handles[h].state == HandleFrame::jammed)
+            return false;
+        return true;
+      });
 }
 
-Verdict play(const Script& script, const std::string& method, bool watch_rises, const std::function<void(const Verdict&)>& say) {
+Verdict play(const Script& script, const std::string& method, bool watch_rises,
+             const std::function<void(const Verdict&)>& say) {
   Verdict v;
   v.feasible = script.impossible.empty();
   AnimateOptions options = script.options;
@@ -111,21 +124,24 @@ Verdict play(const Script& script, const std::string& method, bool watch_rises, 
   const double side = longer_side(script.shot.pattern);
   try {
     const Method plain = make_method(method, script);
-    animate(script.shot, watch_rises ? watched(plain, script, v) : plain, options, [&](const AnimatedFrame& f) {
-      ++v.frames;
-      v.nan |= !f.sheet->x.allFinite() || !std::isfinite(f.energy);
-      v.unconverged += !f.converged;
-      if (f.remesh == AnimatedFrame::accepted) ++v.remeshed, v.rises += f.remesh_rise > 0.01;
-      const LengthDistortion d = length_distortion(*f.sheet);
-      v.c_m = std::max(v.c_m, 100 * d.mean), v.edge = std::max(v.edge, 100 * d.largest);
-      v.worst_ms = std::max(v.worst_ms, f.elastic_ms + f.geometry_ms);
-      v.triangles = std::max(v.triangles, double(f.sheet->triangles.rows()));
-      for (const HandleFrame& h : f.handles)
-        v.unreported |= h.state == HandleFrame::held && (h.at - h.keyed).norm() > std::max(1e-4, 0.01 * side);
-      v.unreported |= goes_unsaid(script, f);
-      say(v);
-      return true;
-    });
+    animate(script.shot, watch_rises ? watched(plain, script, v) : plain, options,
+            [&](const AnimatedFrame& f) {
+              ++v.frames;
+              v.nan |= !f.sheet->x.allFinite() || !std::isfinite(f.energy);
+              v.unconverged += !f.converged;
+              if (f.remesh == AnimatedFrame::accepted)
+                ++v.remeshed, v.rises += f.remesh_rise > 0.01;
+              const LengthDistortion d = length_distortion(*f.sheet);
+              v.c_m = std::max(v.c_m, 100 * d.mean), v.edge = std::max(v.edge, 100 * d.largest);
+              v.worst_ms = std::max(v.worst_ms, f.elastic_ms + f.geometry_ms);
+              v.triangles = std::max(v.triangles, double(f.sheet->triangles.rows()));
+              for (const HandleFrame& h : f.handles)
+                v.unreported |= h.state == HandleFrame::held &&
+                                (h.at - h.keyed).norm() > std::max(1e-4, 0.01 * side);
+              v.unreported |= goes_unsaid(script, f);
+              say(v);
+              return true;
+            });
     v.finished = v.frames == options.last_frame - options.first_frame + 1;
   } catch (const std::exception& error) {
     v.finished = v.threw = true;
@@ -193,28 +209,35 @@ std::vector<Outcome> run_all(const Run& run, const std::string& method) {
 }
 
 struct Counts {
-  int scripts = 0, finished = 0, threw = 0, nan = 0, crashed = 0, endless = 0, feasible = 0, c_m_above_2 = 0, unreported = 0, remeshed = 0, rises = 0, unconverged = 0;
+  int scripts = 0, finished = 0, threw = 0, nan = 0, crashed = 0, endless = 0, feasible = 0,
+      c_m_above_2 = 0, unreported = 0, remeshed = 0, rises = 0, unconverged = 0;
   double worst_ms = 0, triangles = 0;
 };
 
 void count(Counts& c, const Outcome& o) {
   const Verdict& v = o.verdict;
-  ++c.scripts, c.finished += v.finished, c.threw += v.threw, c.nan += v.nan, c.crashed += o.crashed, c.endless += o.endless;
+  ++c.scripts, c.finished += v.finished, c.threw += v.threw, c.nan += v.nan, c.crashed += o.crashed,
+      c.endless += o.endless;
   c.feasible += v.feasible, c.c_m_above_2 += v.feasible && v.c_m > 2, c.unreported += v.unreported;
   c.remeshed += v.remeshed, c.rises += v.rises, c.unconverged += v.unconverged > 0;
   c.worst_ms = std::max(c.worst_ms, v.worst_ms), c.triangles = std::max(c.triangles, v.triangles);
 }
 
 void print_row(const std::string& name, const Counts& c, bool watches) {
-  std::printf("  %-28s %5d %8d %6d %5d %7d %7d %9d %11d %10d %8d %6s %11d %9.0f %6.0f\n", name.c_str(), c.scripts, c.finished, c.threw, c.nan, c.crashed, c.endless,
-              c.feasible, c.c_m_above_2, c.unreported, c.remeshed, watches ? std::to_string(c.rises).c_str() : "-", c.unconverged, c.worst_ms, c.triangles);
+  std::printf("  %-28s %5d %8d %6d %5d %7d %7d %9d %11d %10d %8d %6s %11d %9.0f %6.0f\n",
+              name.c_str(), c.scripts, c.finished, c.threw, c.nan, c.crashed, c.endless, c.feasible,
+              c.c_m_above_2, c.unreported, c.remeshed,
+              watches ? std::to_string(c.rises).c_str() : "-", c.unconverged, c.worst_ms,
+              c.triangles);
 }
 
 nlohmann::ordered_json report(const std::string& method, const Run& run) {
   const auto [scripts, first, seed, jobs, seconds, watches] = run;
   const std::vector<Outcome> outcomes = run_all(run, method);
-  std::printf("%s, seed %u\n  %-28s %5s %8s %6s %5s %7s %7s %9s %11s %10s %8s %6s %11s %9s %6s\n", method.c_str(), seed, "", "all", "finished", "threw", "nan",
-              "crashed", "endless", "feasible", "c_m above 2", "unreported", "remeshed", "rises", "unconverged", "worst ms", "most triangles");
+  std::printf("%s, seed %u\n  %-28s %5s %8s %6s %5s %7s %7s %9s %11s %10s %8s %6s %11s %9s %6s\n",
+              method.c_str(), seed, "", "all", "finished", "threw", "nan", "crashed", "endless",
+              "feasible", "c_m above 2", "unreported", "remeshed", "rises", "unconverged",
+              "worst ms", "most triangles");
   std::map<std::string, Counts> by_kind;
   Counts all;
   for (int k = 0; k < scripts; ++k) {
@@ -228,12 +251,24 @@ nlohmann::ordered_json report(const std::string& method, const Run& run) {
     const Outcome& o = outcomes[k];
     const Verdict& v = o.verdict;
     if (o.crashed || o.endless || v.nan || v.threw || v.unreported || (v.feasible && v.c_m > 2))
-      std::printf("  script %d (%s):%s%s%s%s%s c_m %.2f %%, edge %.1f %%, %d frames, %.0f triangles, worst frame %.0f ms %s\n", first + k, kinds()[(first + k) % kinds().size()].c_str(), o.crashed ? " crashed" : "",
-                  o.endless ? " endless" : "", v.nan ? " nan" : "", v.threw ? " threw" : "", v.unreported ? " unreported" : "", v.c_m, v.edge, v.frames, v.triangles, v.worst_ms, v.error);
+      std::printf(
+          "  script %d (%s):%s%s%s%s%s c_m %.2f %%, edge %.1f %%, %d frames, %.0f triangles, worst "
+          "frame %.0f ms %s\n",
+          first + k, kinds()[(first + k) % kinds().size()].c_str(), o.crashed ? " crashed" : "",
+          o.endless ? " endless" : "", v.nan ? " nan" : "", v.threw ? " threw" : "",
+          v.unreported ? " unreported" : "", v.c_m, v.edge, v.frames, v.triangles, v.worst_ms,
+          v.error);
   }
   std::fflush(stdout);
-  return {{"method", method}, {"seed", seed}, {"scripts", all.scripts}, {"finished", all.finished}, {"nan", all.nan}, {"crashed", all.crashed + all.endless},
-          {"unreported_infeasible", all.unreported}, {"c_m_above_2", all.c_m_above_2}, {"worst_ms", all.worst_ms}};
+  return {{"method", method},
+          {"seed", seed},
+          {"scripts", all.scripts},
+          {"finished", all.finished},
+          {"nan", all.nan},
+          {"crashed", all.crashed + all.endless},
+          {"unreported_infeasible", all.unreported},
+          {"c_m_above_2", all.c_m_above_2},
+          {"worst_ms", all.worst_ms}};
 }
 
 }  // namespace
@@ -248,16 +283,28 @@ int main(int argc, char** argv) {
       run.watch_rises = true;
       if (++i == argc) break;
     }
-    if (i + 1 == argc) return std::fprintf(stderr, "paperbake_stress [--scripts N] [--seed S] [--method M] [--jobs N] [--seconds N] [--json FILE] [--only I] [--rises]\n"), 2;
+    if (i + 1 == argc)
+      return std::fprintf(stderr,
+                          "paperbake_stress [--scripts N] [--seed S] [--method M] [--jobs N] "
+                          "[--seconds N] [--json FILE] [--only I] [--rises]\n"),
+             2;
     const std::string option = argv[i], value = argv[i + 1];
-    if (option == "--scripts") run.scripts = std::max(1, std::atoi(value.c_str()));
-    else if (option == "--seed") run.seed = static_cast<unsigned>(std::atoi(value.c_str()));
-    else if (option == "--method") methods = {value};
-    else if (option == "--jobs") run.jobs = std::max(1, std::atoi(value.c_str()));
-    else if (option == "--seconds") run.seconds = std::max(1, std::atoi(value.c_str()));
-    else if (option == "--json") json = value;
-    else if (option == "--only") run.first = std::atoi(value.c_str()), run.scripts = 1;
-    else return std::fprintf(stderr, "paperbake_stress: unknown option %s\n", option.c_str()), 2;
+    if (option == "--scripts")
+      run.scripts = std::max(1, std::atoi(value.c_str()));
+    else if (option == "--seed")
+      run.seed = static_cast<unsigned>(std::atoi(value.c_str()));
+    else if (option == "--method")
+      methods = {value};
+    else if (option == "--jobs")
+      run.jobs = std::max(1, std::atoi(value.c_str()));
+    else if (option == "--seconds")
+      run.seconds = std::max(1, std::atoi(value.c_str()));
+    else if (option == "--json")
+      json = value;
+    else if (option == "--only")
+      run.first = std::atoi(value.c_str()), run.scripts = 1;
+    else
+      return std::fprintf(stderr, "paperbake_stress: unknown option %s\n", option.c_str()), 2;
   }
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const std::string& method : methods) all.push_back(paperbake::stress::report(method, run));

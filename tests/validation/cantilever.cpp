@@ -1,19 +1,21 @@
-#include "core/animate.h"
-#include "core/locate.h"
-#include "core/pattern_mesh.h"
+#include "core/animation/animate.h"
+#include "core/geometry/pattern_mesh.h"
+#include "core/geometry/point_location.h"
 #include "core/step1_elastic/elastic.h"
-#include "tests/test_meshes.h"
-#include "tests/test_shots.h"
+#include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
 #include "tests/validation/cases.h"
 
 namespace paperbake::validation {
 namespace {
 
-constexpr double L = 0.1;          // [m] from the clamp line, in the middle of the first cell, to the free end
+// [m] from the clamp line, in the middle of the first cell, to the free end
+constexpr double L = 0.1;
 constexpr int cells = 16;
 constexpr double h = L / (cells - 0.5);
 
-/// Near-equilateral triangles in a lattice turned by `angle`, the first two cells the same in all; angle < 0: ruling strips.
+/// Near-equilateral triangles in a lattice turned by `angle`, the first two cells the same in all;
+/// angle < 0: ruling strips.
 Sheet strip(double angle) {
   if (angle < 0) return test::strip_sheet(cells * h, 4 * h, cells);
   std::vector<Vector2d> clamped;
@@ -35,15 +37,18 @@ Hang hang(Sheet sheet, double lam) {
   Held held;
   held.vertices = vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1.01 * h; });
   held.targets.resize(held.vertices.size(), 3);
-  for (std::size_t k = 0; k < held.vertices.size(); ++k) held.targets.row(k) = sheet.x.row(held.vertices[k]);
+  for (std::size_t k = 0; k < held.vertices.size(); ++k)
+    held.targets.row(k) = sheet.x.row(held.vertices[k]);
   constexpr int steps = 16;
   for (int step = 1; step <= steps; ++step) {
-    options.gravity = lam * paper.bending_stiffness / (paper.area_density * std::pow(L, 3)) * step / steps;
+    options.gravity =
+        lam * paper.bending_stiffness / (paper.area_density * std::pow(L, 3)) * step / steps;
     Elastic elastic(paper, options);
     elastic.set_mesh(sheet);
     for (int rest = 0; rest < (step == steps ? 4 : 1); ++rest) elastic.step(sheet, held, 1.0);
   }
-  // place and slope of the free end by a straight line through its last two cells, where nothing bends
+  // place and slope of the free end by a straight line through its last two cells, where nothing
+  // bends
   double n = 0, s = 0, ss = 0;
   Eigen::Vector2d p = Eigen::Vector2d::Zero(), sp = p;
   for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -56,10 +61,12 @@ Hang hang(Sheet sheet, double lam) {
   return {-tip.y() / L, std::atan2(-slope.y(), slope.x()) * 180 / M_PI};
 }
 
-/// Two such strips in one, let go from level over a line that holds the middle: level there by symmetry, however wide a cell is.
+/// Two such strips in one, let go from level over a line that holds the middle: level there by
+/// symmetry, however wide a cell is.
 Shot draped_shot() {
   Shot shot = test::blank_shot(test::rectangle(2 * L, 4 * h));
-  for (int k = 0; k <= 8; ++k) shot.handles.push_back(test::bare_handle("middle", {L, 0.5 * k * h}, 1));
+  for (int k = 0; k <= 8; ++k)
+    shot.handles.push_back(test::bare_handle("middle", {L, 0.5 * k * h}, 1));
   shot.paper.poisson = 0;
   return shot;
 }
@@ -69,11 +76,15 @@ Hang hang(const Method& method, const Shot& shot, double lam) {
   AnimateOptions options;
   options.last_frame = 40;
   options.elastic.stop = 1e-7;
-  options.elastic.gravity = lam * shot.paper.bending_stiffness / (shot.paper.area_density * std::pow(L, 3));
+  options.elastic.gravity =
+      lam * shot.paper.bending_stiffness / (shot.paper.area_density * std::pow(L, 3));
   Sheet sheet;
-  animate(shot, method, options, [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
+  animate(shot, method, options,
+          [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
   const Locator locator(sheet.pattern, sheet.triangles);
-  const auto at = [&](double u) { return interpolate(locator.locate({u, 2 * h}), sheet.triangles, sheet.x); };
+  const auto at = [&](double u) {
+    return interpolate(locator.locate({u, 2 * h}), sheet.triangles, sheet.x);
+  };
   Hang mean{0, 0};
   for (const int way : {-1, 1}) {
     const Vector3d tip = at(L + way * L), end = tip - at(L + way * (L - 1.5 * h));
@@ -87,7 +98,8 @@ Hang hang(const Method& method, const Shot& shot, double lam) {
 
 Rows cantilever() {
   // heavy elastica, solved to 5 digits: lam, tip drop/L, tip angle
-  constexpr double table[][3] = {{0.5, 0.06231, 4.763}, {2, 0.23851, 18.426}, {8, 0.64063, 53.865}, {32, 0.87846, 83.730}};
+  constexpr double table[][3] = {
+      {0.5, 0.06231, 4.763}, {2, 0.23851, 18.426}, {8, 0.64063, 53.865}, {32, 0.87846, 83.730}};
   Rows rows;
   for (const auto& [lam, drop, angle] : table) {
     const Hang got = hang(strip(-1), lam);
@@ -96,7 +108,9 @@ Rows cantilever() {
     rows.push_back({name, "tip angle, degrees", angle, got.angle, 0.01, "V2: heavy elastica", ""});
   }
   for (const double degrees : {0.0, 30.0, 45.0})
-    rows.push_back({"lattice at " + std::to_string(int(degrees)) + " degrees, lam 8", "tip drop / L", 0.64063, hang(strip(degrees * M_PI / 180), 8).drop, 0.02, "V2: heavy elastica", ""});
+    rows.push_back({"lattice at " + std::to_string(int(degrees)) + " degrees, lam 8",
+                    "tip drop / L", 0.64063, hang(strip(degrees * M_PI / 180), 8).drop, 0.02,
+                    "V2: heavy elastica", ""});
   const Shot shot = draped_shot();
   for (const int row : {1, 2})
     for (const auto& [method_name, method] : methods(shot.pattern, shot.paper)) {
@@ -104,7 +118,8 @@ Rows cantilever() {
       const Hang got = hang(method, shot, lam);
       const std::string name = method_name + ", lam " + std::to_string(int(lam));
       rows.push_back({name, "tip drop / L", drop, got.drop, 0.02, "V2: heavy elastica", ""});
-      rows.push_back({name, "tip angle, degrees", angle, got.angle, 0.02, "V2: heavy elastica", ""});
+      rows.push_back(
+          {name, "tip angle, degrees", angle, got.angle, 0.02, "V2: heavy elastica", ""});
     }
   return rows;
 }

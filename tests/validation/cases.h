@@ -11,12 +11,12 @@ namespace paperbake::validation {
 
 /// One line of the table.
 struct Row {
-  std::string name;      // case, mesh or method
+  std::string name;  // case, mesh or method
   std::string quantity;
   double expected = 0, got = 0;
   double tolerance = 0;  // relative; where `expected` is 0, absolute. 0: not judged, only told
   std::string source;
-  std::string cannot;    // what a method cannot do, and why; nothing was measured then
+  std::string cannot;  // what a method cannot do, and why; nothing was measured then
 
   bool judged() const { return cannot.empty() && tolerance > 0; }
   double off() const { return expected == 0 ? got : got / expected - 1; }
@@ -34,9 +34,13 @@ Rows wound_strip();  // V7
 Rows crumple();      // V8
 Rows exactness();    // V9
 
-/// The methods, for paper of this shape, with their names. hybrid's triangles are as many as it begins with; adaptive's as many as it may have.
-inline std::vector<std::pair<std::string, Method>> methods(const Pattern& pattern, const Paper& paper) {
-  return {{"fem 1700", fem(1700)}, {"hybrid 120", hybrid(pattern, paper, 120, {}, 0, 0)}, {"adaptive 3000", adaptive(pattern, 3000)}};
+/// The methods, for paper of this shape, with their names. hybrid's triangles are as many as it
+/// begins with; adaptive's as many as it may have.
+inline std::vector<std::pair<std::string, Method>> methods(const Pattern& pattern,
+                                                           const Paper& paper) {
+  return {{"fem 1700", fem(1700)},
+          {"hybrid 120", hybrid(pattern, paper, 120, {}, 0, 0)},
+          {"adaptive 3000", adaptive(pattern, 3000)}};
 }
 
 /// Vertices at which `test` is true of the pattern.

@@ -1,10 +1,11 @@
-#include "tests/test_meshes.h"
+#include "tests/core/test_meshes.h"
 #include "tests/validation/cases.h"
 #include "tests/validation/gripped_cone.h"
 
-// An excess angle needs a pattern that overlaps itself. The energy takes one: a fan of more than a full turn whose last rulings are at
-// the same place as its first. Two more sectors lie over the seam without stiffness: the hinges of the seam need their far corners.
-// Pattern meshes, and so the methods, know plane regions alone. Core and membrane are as in d_cone.cpp.
+// An excess angle needs a pattern that overlaps itself. The energy takes one: a fan of more than a
+// full turn whose last rulings are at the same place as its first. Two more sectors lie over the
+// seam without stiffness: the hinges of the seam need their far corners. Pattern meshes, and so the
+// methods, know plane regions alone. Core and membrane are as in d_cone.cpp.
 
 namespace paperbake::validation {
 namespace {
@@ -18,7 +19,8 @@ struct Fan {
   std::vector<double> factors;  // |T| 0: over the seam
 };
 
-/// Columns k = -1 .. rulings + 1 of the angle total k/rulings; -1, rulings and rulings + 1 are where rulings - 1, 0 and 1 are.
+/// Columns k = -1 .. rulings + 1 of the angle total k/rulings; -1, rulings and rulings + 1 are
+/// where rulings - 1, 0 and 1 are.
 Fan fan(int rulings, int rings, double total) {
   const int columns = rulings + 3;
   Points2 p((rings + 1) * columns, 2);
@@ -39,7 +41,8 @@ Fan fan(int rulings, int rings, double total) {
   return result;
 }
 
-/// Rulings at the elevation a cos 2t, a such that they close after one turn. Column k = 0 has t = 0.
+/// Rulings at the elevation a cos 2t, a such that they close after one turn. Column k = 0 has t =
+/// 0.
 void bend_to_saddle(Sheet& sheet, int rulings, double total) {
   constexpr int per_sector = 64;
   const int n = rulings * per_sector;
@@ -50,14 +53,18 @@ void bend_to_saddle(Sheet& sheet, int rulings, double total) {
     const double a = 0.5 * (low + high);
     for (int k = 0; k <= n; ++k) elevation[k] = a * std::cos(4 * M_PI * k / n);
     for (int k = 0; k < n; ++k)
-      azimuth[k + 1] = azimuth[k] + std::sqrt(std::max(0.0, ds * ds - std::pow(elevation[k + 1] - elevation[k], 2))) / std::cos(0.5 * (elevation[k] + elevation[k + 1]));
+      azimuth[k + 1] =
+          azimuth[k] +
+          std::sqrt(std::max(0.0, ds * ds - std::pow(elevation[k + 1] - elevation[k], 2))) /
+              std::cos(0.5 * (elevation[k] + elevation[k + 1]));
     (azimuth[n] > 2 * M_PI ? low : high) = a;
   }
   const int columns = rulings + 3;
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const int k = (v % columns - 1 + rulings) % rulings * per_sector;
     const double r = sheet.pattern.row(v).norm();
-    sheet.x.row(v) << r * std::cos(elevation[k]) * std::cos(azimuth[k]), r * std::cos(elevation[k]) * std::sin(azimuth[k]), r * std::sin(elevation[k]);
+    sheet.x.row(v) << r * std::cos(elevation[k]) * std::cos(azimuth[k]),
+        r * std::cos(elevation[k]) * std::sin(azimuth[k]), r * std::sin(elevation[k]);
   }
 }
 
@@ -69,29 +76,40 @@ void judge(Rows& rows, int rulings, double excess, double squared, double highes
   Sheet& sheet = paper_fan.sheet;
   bend_to_saddle(sheet, rulings, 2 * M_PI + excess);
   Grips grips;
-  grips.on_spheres = vertices_where(sheet, [](const Vector2d& p) { return p.norm() > R * (1 - 1e-3) || p.norm() < hole * (1 + 1e-3); });
+  grips.on_spheres = vertices_where(sheet, [](const Vector2d& p) {
+    return p.norm() > R * (1 - 1e-3) || p.norm() < hole * (1 + 1e-3);
+  });
   grips.twin = paper_fan.twin;
   GrippedCone cone(paper, sheet, std::move(grips), 0, paper_fan.factors);
   const double move = cone.minimise();
   double steepest = 0;
-  for (int v = 0; v < sheet.x.rows(); ++v) steepest = std::max(steepest, std::atan2(sheet.x(v, 2), std::hypot(sheet.x(v, 0), sheet.x(v, 1))));
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    steepest =
+        std::max(steepest, std::atan2(sheet.x(v, 2), std::hypot(sheet.x(v, 0), sheet.x(v, 1))));
   char label[80];
   std::snprintf(label, sizeof label, "%d rulings, phi %.2f", rulings, excess);
   const char* const source = "V4b: exact spherical curve";
-  rows.push_back({label, "2 E / (D ln R/r)", squared, 2 * cone.parts().bending / (paper.bending_stiffness * std::log(R / hole)), 0.02, source, ""});
-  rows.push_back({label, "highest elevation, degrees", highest, steepest * 180 / M_PI, 0.02, source, ""});
+  rows.push_back({label, "2 E / (D ln R/r)", squared,
+                  2 * cone.parts().bending / (paper.bending_stiffness * std::log(R / hole)), 0.02,
+                  source, ""});
+  rows.push_back(
+      {label, "highest elevation, degrees", highest, steepest * 180 / M_PI, 0.02, source, ""});
   if (move > 1e-8) rows.push_back({label, "Newton's last move, m", 0, move, 1e-7, "", ""});
 }
 
 }  // namespace
 
 Rows e_cone() {
-  constexpr double table[][3] = {{0.05, 0.2946, 5.92}, {0.2, 1.122, 11.90}, {0.5, 2.548, 19.0}, {1.0, 4.367, 27.3}};  // phi, int kg^2, degrees
+  // phi, int kg^2, degrees
+  constexpr double table[][3] = {
+      {0.05, 0.2946, 5.92}, {0.2, 1.122, 11.90}, {0.5, 2.548, 19.0}, {1.0, 4.367, 27.3}};
   Rows rows;
   for (const int rulings : {72, 96})
-    for (const auto& [excess, squared, highest] : table) judge(rows, rulings, excess, squared, highest);
+    for (const auto& [excess, squared, highest] : table)
+      judge(rows, rulings, excess, squared, highest);
   for (const char* const method : {"fem", "hybrid", "adaptive"})
-    rows.push_back({method, "any", 0, 0, 0, "", "a pattern is a plane region: nothing can be inserted in it"});
+    rows.push_back(
+        {method, "any", 0, 0, 0, "", "a pattern is a plane region: nothing can be inserted in it"});
   return rows;
 }
 

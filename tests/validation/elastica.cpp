@@ -1,7 +1,7 @@
-#include "core/animate.h"
-#include "core/step1_elastic/elastic_energy.h"
-#include "tests/test_meshes.h"
-#include "tests/test_shots.h"
+#include "core/animation/animate.h"
+#include "core/step1_elastic/energies/elastic_energy.h"
+#include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
 #include "tests/validation/cases.h"
 
 namespace paperbake::validation {
@@ -11,38 +11,49 @@ constexpr double side = 0.1;
 const char* const closed_form = "V1: 2E(k)/K(k) = 1.9";
 
 /// Rows of a sheet of side x side whose borders u = 0, side are hinged and 10 % closer.
-Rows judge(const std::string& name, const Sheet& sheet, const Paper& paper, double height_tolerance, double energy_tolerance, double force_tolerance) {
+Rows judge(const std::string& name, const Sheet& sheet, const Paper& paper, double height_tolerance,
+           double energy_tolerance, double force_tolerance) {
   const ElasticEnergy energy(paper, sheet.pattern, sheet.triangles);
   Points3 gradient;
   const double stored = energy.gradient(sheet.x, gradient);
   double force = 0;  // [N] along x on the right border
-  for (const int v : vertices_where(sheet, [](const Vector2d& p) { return p.x() > side - 1e-9; })) force += gradient(v, 0);
+  for (const int v : vertices_where(sheet, [](const Vector2d& p) { return p.x() > side - 1e-9; }))
+    force += gradient(v, 0);
   const double width = sheet.pattern.col(1).maxCoeff();
   double height = 0;
-  for (const int v : vertices_where(sheet, [&](const Vector2d& p) { return std::abs(p.x() - 0.5 * side) < 1e-9; })) height = std::max(height, sheet.x(v, 2));
+  for (const int v : vertices_where(
+           sheet, [&](const Vector2d& p) { return std::abs(p.x() - 0.5 * side) < 1e-9; }))
+    height = std::max(height, sheet.x(v, 2));
   if (height == 0) height = sheet.x.col(2).maxCoeff();  // no vertex on the middle line
   const double D = paper.bending_stiffness;
   return {{name, "mid height / L", 0.194924, height / side, height_tolerance, closed_form, ""},
-          {name, "energy L / (D W)", 1.0126, stored * side / (D * width), energy_tolerance, closed_form, ""},
-          {name, "force L^2 / (pi^2 D W)", 1.0530, -force * side * side / (M_PI * M_PI * D * width), force_tolerance, closed_form, ""}};
+          {name, "energy L / (D W)", 1.0126, stored * side / (D * width), energy_tolerance,
+           closed_form, ""},
+          {name, "force L^2 / (pi^2 D W)", 1.0530, -force * side * side / (M_PI * M_PI * D * width),
+           force_tolerance, closed_form, ""}};
 }
 
 Sheet push_strips(int strips, const Paper& paper) {
   Sheet sheet = test::strip_sheet(side, 0.5 * side, strips);
-  for (int v = 0; v < sheet.x.rows(); ++v) sheet.x(v, 2) = 1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / side);
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    sheet.x(v, 2) = 1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / side);
   ElasticOptions options;
   options.stop = 1e-9;
   options.max_iterations = 200;
   Elastic elastic(paper, options);
   elastic.set_mesh(sheet);
   Held held;
-  held.vertices = vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1e-9 || p.x() > side - 1e-9; });
+  held.vertices =
+      vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1e-9 || p.x() > side - 1e-9; });
   held.targets.resize(held.vertices.size(), 3);
   constexpr int steps = 20, rests = 6;
   for (int step = 1; step <= steps + rests; ++step) {
     for (std::size_t k = 0; k < held.vertices.size(); ++k) {
       const auto p = sheet.pattern.row(held.vertices[k]);
-      held.targets.row(k) << p.x() - (p.x() > 0.5 * side ? 0.1 * side * std::min(step, steps) / steps : 0), p.y(), 0;
+      held.targets.row(k) << p.x() - (p.x() > 0.5 * side
+                                          ? 0.1 * side * std::min(step, steps) / steps
+                                          : 0),
+          p.y(), 0;
     }
     elastic.step(sheet, held, 1 / 24.0);
   }
@@ -54,7 +65,8 @@ Sheet push_shot(const Method& method, const Shot& shot) {
   options.last_frame = 30;
   options.elastic.stop = 1e-7;
   Sheet sheet;
-  animate(shot, method, options, [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
+  animate(shot, method, options,
+          [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
   return sheet;
 }
 
@@ -64,13 +76,22 @@ Rows elastica() {
   const Paper paper;
   Rows rows;
   const auto add = [&](const Rows& more) { rows.insert(rows.end(), more.begin(), more.end()); };
-  const struct { int strips; double height, energy, force; } meshes[] = {{8, 0.007, 0.02, 0.02}, {16, 0.002, 0.01, 0.02}, {32, 0.0005, 0.01, 0.02}};
-  for (const auto& m : meshes) add(judge(std::to_string(m.strips) + " ruling strips", push_strips(m.strips, paper), paper, m.height, m.energy, m.force));
+  const struct {
+    int strips;
+    double height, energy, force;
+  } meshes[] = {{8, 0.007, 0.02, 0.02}, {16, 0.002, 0.01, 0.02}, {32, 0.0005, 0.01, 0.02}};
+  for (const auto& m : meshes)
+    add(judge(std::to_string(m.strips) + " ruling strips", push_strips(m.strips, paper), paper,
+              m.height, m.energy, m.force));
   Shot shot = test::s1_push();
   shot.handles.back().grab_frame = 1000;  // no push from above
-  for (const int triangles : {1700, 6000}) add(judge("fem " + std::to_string(triangles), push_shot(fem(triangles), shot), paper, 0.005, 0.01, 0.02));
-  // about 10 facets along the arch, in hybrid not all along rulings: 8 % too much energy; told, not judged
-  add(judge("hybrid 120", push_shot(hybrid(shot.pattern, paper, 120, {}, 0, 0), shot), paper, 0.015, 0, 0));
+  for (const int triangles : {1700, 6000})
+    add(judge("fem " + std::to_string(triangles), push_shot(fem(triangles), shot), paper, 0.005,
+              0.01, 0.02));
+  // about 10 facets along the arch, in hybrid not all along rulings: 8 % too much energy; told, not
+  // judged
+  add(judge("hybrid 120", push_shot(hybrid(shot.pattern, paper, 120, {}, 0, 0), shot), paper, 0.015,
+            0, 0));
   add(judge("adaptive 3000", push_shot(adaptive(shot.pattern, 3000), shot), paper, 0.015, 0, 0));
   return rows;
 }

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/step1_elastic/elastic_energy.h"
+#include "core/step1_elastic/energies/elastic_energy.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,7 +14,8 @@ namespace paperbake::validation {
 struct Grips {
   std::vector<int> outer;       // vertices that may not go below the cone
   std::vector<int> on_spheres;  // ... that keep their distance from the tip
-  std::vector<int> twin = {};   // |V| vertex that is at the same place and goes with it, or itself; empty: there are none
+  // |V| vertex that is at the same place and goes with it, or itself; empty: there are none
+  std::vector<int> twin = {};
 };
 
 /// Energy of the paper and of what holds it, and the way to its minimum.
@@ -22,9 +23,15 @@ class GrippedCone {
  public:
   /// eps      slope of the cone below which `outer` may not go
   /// factors  |T| on the bending stiffness
-  GrippedCone(const Paper& paper, Sheet& sheet, Grips grips, double eps, const std::vector<double>& factors)
-      : sheet_(sheet), grips_(std::move(grips)), eps_(eps), energy_(paper, sheet.pattern, sheet.triangles, factors), block_of_(sheet.x.rows()) {
-    for (int v = 0; v < sheet.x.rows(); ++v) block_of_[v] = grips_.twin.empty() || grips_.twin[v] == v ? blocks_++ : -1;
+  GrippedCone(const Paper& paper, Sheet& sheet, Grips grips, double eps,
+              const std::vector<double>& factors)
+      : sheet_(sheet),
+        grips_(std::move(grips)),
+        eps_(eps),
+        energy_(paper, sheet.pattern, sheet.triangles, factors),
+        block_of_(sheet.x.rows()) {
+    for (int v = 0; v < sheet.x.rows(); ++v)
+      block_of_[v] = grips_.twin.empty() || grips_.twin[v] == v ? blocks_++ : -1;
     for (int v = 0; v < sheet.x.rows(); ++v)
       if (block_of_[v] < 0) block_of_[v] = block_of_[grips_.twin[v]];
     std::vector<std::pair<int, int>> coupled = energy_.coupled_vertices();
@@ -36,12 +43,13 @@ class GrippedCone {
   double energy(const Points3& x) const {
     double sum = energy_.energy(x);
     for (const int v : grips_.outer) sum += 0.5 * obstacle * std::pow(depth(x, v), 2);
-    for (const int v : grips_.on_spheres) sum += 0.5 * spoke * std::pow(x.row(v).norm() - sheet_.pattern.row(v).norm(), 2);
+    for (const int v : grips_.on_spheres)
+      sum += 0.5 * spoke * std::pow(x.row(v).norm() - sheet_.pattern.row(v).norm(), 2);
     return sum;
   }
 
-  /// Newton with the exact second derivative, the projected one where that is not positive definite.
-  /// returns the last step's largest move [m]
+  /// Newton with the exact second derivative, the projected one where that is not positive
+  /// definite. returns the last step's largest move [m]
   double minimise() {
     constexpr int most = 900;
     double move = 1;
@@ -57,14 +65,16 @@ class GrippedCone {
         if (matrix_->factorise()) break;
       }
       Eigen::VectorXd b = Eigen::VectorXd::Zero(3 * blocks_);
-      for (int v = 0; v < sheet_.x.rows(); ++v) b.segment<3>(3 * block_of_[v]) -= gradient.row(v).transpose();
+      for (int v = 0; v < sheet_.x.rows(); ++v)
+        b.segment<3>(3 * block_of_[v]) -= gradient.row(v).transpose();
       const Eigen::VectorXd& step = matrix_->solve(b);
       double size = std::min(1.0, 0.002 / step.cwiseAbs().maxCoeff());
       const double before = energy(sheet_.x), slope = -b.dot(step);
       Points3 x;
       for (int halving = 0; halving < 30; ++halving, size *= 0.5) {
         x = sheet_.x;
-        for (int v = 0; v < x.rows(); ++v) x.row(v) += size * step.segment<3>(3 * block_of_[v]).transpose();
+        for (int v = 0; v < x.rows(); ++v)
+          x.row(v) += size * step.segment<3>(3 * block_of_[v]).transpose();
         if (energy(x) <= before + 1e-4 * size * slope + 1e-15 * before) break;
       }
       sheet_.x = x;
@@ -77,10 +87,13 @@ class GrippedCone {
 
  private:
   static constexpr double obstacle = 5e4;  // [N/m] stiffness of the ring against a rim vertex
-  static constexpr double spoke = 4e6;     // [N/m] of a vertex against leaving its distance from the tip
+  // [N/m] of a vertex against leaving its distance from the tip
+  static constexpr double spoke = 4e6;
 
   /// How far a vertex is below the cone. [m]
-  double depth(const Points3& x, int v) const { return std::max(0.0, eps_ * std::hypot(x(v, 0), x(v, 1)) - x(v, 2)); }
+  double depth(const Points3& x, int v) const {
+    return std::max(0.0, eps_ * std::hypot(x(v, 0), x(v, 1)) - x(v, 2));
+  }
 
   void push_up(int v, Points3& gradient) {
     const double d = depth(sheet_.x, v);

@@ -1,7 +1,7 @@
-#include "core/animate.h"
-#include "core/locate.h"
-#include "formats/scene_file.h"
-#include "tests/test_shots.h"
+#include "core/animation/animate.h"
+#include "core/geometry/point_location.h"
+#include "formats/scene/scene_file.h"
+#include "tests/core/test_shots.h"
 #include "tests/validation/cases.h"
 
 #include <Eigen/Eigenvalues>
@@ -18,17 +18,20 @@ Vector3d principal_box(const Sheet& sheet) {
   constexpr int n = 600;
   const Locator locator(sheet.pattern, sheet.triangles);
   Points3 line(n + 1, 3);
-  for (int i = 0; i <= n; ++i) line.row(i) = interpolate(locator.locate({L * i / n, 0.5 * W}), sheet.triangles, sheet.x);
+  for (int i = 0; i <= n; ++i)
+    line.row(i) = interpolate(locator.locate({L * i / n, 0.5 * W}), sheet.triangles, sheet.x);
   const Points3 about = line.rowwise() - line.colwise().mean();
-  const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(about.transpose() * about).eigenvectors();
+  const Eigen::Matrix3d axes =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(about.transpose() * about).eigenvectors();
   const Points3 along = about * axes;
   Vector3d size = (along.colwise().maxCoeff() - along.colwise().minCoeff()).transpose();
   std::sort(size.data(), size.data() + 3, std::greater<>());
   return size;
 }
 
-/// The strip with both ends clamped, the far one brought round a circle to the near one and turned by half a turn about its
-/// tangent in frames 1-60. Closed, the two clamps are one flat piece of the strip; it lies where a Moebius strip is straight.
+/// The strip with both ends clamped, the far one brought round a circle to the near one and turned
+/// by half a turn about its tangent in frames 1-60. Closed, the two clamps are one flat piece of
+/// the strip; it lies where a Moebius strip is straight.
 Shot closing_strip(double clamp) {
   constexpr int frames = 60;
   Shot shot = test::blank_shot(test::rectangle(L, W));
@@ -36,8 +39,10 @@ Shot closing_strip(double clamp) {
     for (const double v : {0.0, W / 6, W / 3, W / 2, 2 * W / 3, 5 * W / 6, W}) {
       Handle handle = test::bare_handle("clamp", {u, v}, frames);
       for (int f = 0; u > 0.5 * L && f < frames; ++f) {
-        const double way = f / (frames - 1.0), turn = std::max(1e-9, 2 * M_PI * way), twist = M_PI * way;
-        const Vector3d end(L * std::sin(turn) / turn, 0.5 * W, L * (1 - std::cos(turn)) / turn), tangent(std::cos(turn), 0, std::sin(turn));
+        const double way = f / (frames - 1.0), turn = std::max(1e-9, 2 * M_PI * way),
+                     twist = M_PI * way;
+        const Vector3d end(L * std::sin(turn) / turn, 0.5 * W, L * (1 - std::cos(turn)) / turn),
+            tangent(std::cos(turn), 0, std::sin(turn));
         const Vector3d across = Eigen::AngleAxisd(twist, tangent) * Vector3d::UnitY();
         handle.keyed.row(f) = end + (u - L) * tangent + (v - 0.5 * W) * across;
       }
@@ -47,7 +52,8 @@ Shot closing_strip(double clamp) {
 }
 
 /// After the last frame of the shot it is left in peace.
-void judge(Rows& rows, const std::string& name, const Method& method, const Shot& shot, const char* source, const Vector3d& expected_box, double expected_energy,
+void judge(Rows& rows, const std::string& name, const Method& method, const Shot& shot,
+           const char* source, const Vector3d& expected_box, double expected_energy,
            int last_frame) {
   AnimateOptions options;
   options.elastic.contact = SelfContact::off;  // the seam lies on itself
@@ -55,13 +61,19 @@ void judge(Rows& rows, const std::string& name, const Method& method, const Shot
   options.elastic.stop = 1e-6;
   Sheet sheet;
   AnimatedFrame last;
-  animate(shot, method, options, [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, last = frame, true; });
-  const double ring = shot.paper.bending_stiffness * 0.5 * W * 2 * M_PI * 2 * M_PI / L;  // [J] untwisted
+  animate(shot, method, options,
+          [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, last = frame, true; });
+  // [J] untwisted
+  const double ring = shot.paper.bending_stiffness * 0.5 * W * 2 * M_PI * 2 * M_PI / L;
   const Vector3d box = principal_box(sheet) / L;
   const double tolerance = expected_energy > 0 ? 0.03 : 0;
-  rows.push_back({name, "energy / that of the ring", expected_energy, last.energy / ring, tolerance, source, ""});
-  for (int i = 0; i < 3; ++i) rows.push_back({name, "centre line box / L, axis " + std::to_string(i + 1), expected_box[i], box[i], tolerance, source, ""});
-  rows.push_back({name, "membrane share of the energy", 0, last.membrane_energy / last.energy, 0, "", ""});
+  rows.push_back({name, "energy / that of the ring", expected_energy, last.energy / ring, tolerance,
+                  source, ""});
+  for (int i = 0; i < 3; ++i)
+    rows.push_back({name, "centre line box / L, axis " + std::to_string(i + 1), expected_box[i],
+                    box[i], tolerance, source, ""});
+  rows.push_back(
+      {name, "membrane share of the energy", 0, last.membrane_energy / last.energy, 0, "", ""});
 }
 
 }  // namespace
@@ -71,14 +83,20 @@ Rows moebius() {
   const Vector3d closed(0.3710, 0.2015, 0.0882);
   const Shot shot = closing_strip(0.002);
   const char* const rulings = "V6: closed, exact rulings";
-  for (const int triangles : {1700, 3400}) judge(rows, "fem " + std::to_string(triangles), fem(triangles), shot, rulings, closed, 3.105, 160);
-  for (const int base : {120, 200}) judge(rows, "hybrid " + std::to_string(base), hybrid(shot.pattern, shot.paper, base, {}, 0, 0), shot, rulings, closed, 3.105, 160);
+  for (const int triangles : {1700, 3400})
+    judge(rows, "fem " + std::to_string(triangles), fem(triangles), shot, rulings, closed, 3.105,
+          160);
+  for (const int base : {120, 200})
+    judge(rows, "hybrid " + std::to_string(base), hybrid(shot.pattern, shot.paper, base, {}, 0, 0),
+          shot, rulings, closed, 3.105, 160);
   judge(rows, "adaptive 3000", adaptive(shot.pattern, 3000), shot, rulings, closed, 3.105, 160);
 
-  // the sample holds the end edges alone: free to kink there, the strip finds a state far below the closed one
+  // the sample holds the end edges alone: free to kink there, the strip finds a state far below the
+  // closed one
   const Scene scene = read_scene(PAPERBAKE_SAMPLES "/S2_moebius.glb");
   const SceneSheet& s = scene.sheets.front();
-  judge(rows, "fem 1700, sample S2", fem(1700), {s.name, s.pattern, s.start, s.handles, Paper{}}, "told: its ends are hinged", Vector3d::Zero(), 0, 84);
+  judge(rows, "fem 1700, sample S2", fem(1700), {s.name, s.pattern, s.start, s.handles, Paper{}},
+        "told: its ends are hinged", Vector3d::Zero(), 0, 84);
   return rows;
 }
 

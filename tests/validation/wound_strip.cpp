@@ -1,11 +1,11 @@
-#include "core/animate.h"
-#include "core/curvature.h"
-#include "core/locate.h"
-#include "core/pattern_mesh.h"
-#include "core/plastic_grid.h"
+#include "core/animation/animate.h"
+#include "core/geometry/curvature.h"
+#include "core/geometry/pattern_mesh.h"
+#include "core/geometry/point_location.h"
+#include "core/model/plastic_grid.h"
 #include "core/step1_elastic/elastic.h"
-#include "tests/test_meshes.h"
-#include "tests/test_shots.h"
+#include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
 #include "tests/validation/cases.h"
 
 namespace paperbake::validation {
@@ -32,13 +32,15 @@ double residual(Sheet sheet, double k, const Paper& paper) {
   }
   for (int rest = 0; rest < 40; ++rest) elastic.step(sheet, {{}, Points3(0, 3)}, 1.0);
   const Points3 curvature = vertex_curvature(sheet);
-  const std::vector<int> inner = vertices_where(sheet, [](const Vector2d& p) { return std::abs(p.x() - 0.5 * length) < 0.4 * length; });
+  const std::vector<int> inner = vertices_where(
+      sheet, [](const Vector2d& p) { return std::abs(p.x() - 0.5 * length) < 0.4 * length; });
   double sum = 0;
   for (const int v : inner) sum += curvature(v, 0);
   return sum / inner.size();
 }
 
-/// The same, its ends brought round a circle by handles in frames 1-25, held there, and let go at frame 28.
+/// The same, its ends brought round a circle by handles in frames 1-25, held there, and let go at
+/// frame 28.
 Shot winding(double k, const Paper& paper) {
   constexpr int frames = 25, let_go = 28;
   constexpr double clamp = 0.001;  // [m]
@@ -50,7 +52,8 @@ Shot winding(double k, const Paper& paper) {
       handle.release_frame = let_go;
       for (int f = 1; f < frames; ++f) {
         const double now = k * f / (frames - 1), s = now * (u - 0.5 * length);
-        handle.keyed.row(f) << 0.5 * length + std::sin(s) / now, handle.pattern.y(), (std::cos(s) - 1) / now;
+        handle.keyed.row(f) << 0.5 * length + std::sin(s) / now, handle.pattern.y(),
+            (std::cos(s) - 1) / now;
       }
       shot.handles.push_back(handle);
     }
@@ -65,9 +68,12 @@ double residual(const Method& method, const Shot& shot) {
   options.elastic.stop = 1e-7;
   options.elastic.contact = SelfContact::off;
   Sheet sheet;
-  animate(shot, method, options, [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
+  animate(shot, method, options,
+          [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
   const Locator locator(sheet.pattern, sheet.triangles);
-  const auto at = [&](double part) { return interpolate(locator.locate({part * length, 0.5 * width}), sheet.triangles, sheet.x); };
+  const auto at = [&](double part) {
+    return interpolate(locator.locate({part * length, 0.5 * width}), sheet.triangles, sheet.x);
+  };
   const Vector3d a = at(0.2) - at(0.5), b = at(0.8) - at(0.5);
   return 2 * a.cross(b).norm() / (a.norm() * b.norm() * (a - b).norm());
 }
@@ -89,8 +95,12 @@ Rows wound_strip() {
       char quantity[60];
       std::snprintf(quantity, sizeof quantity, "k %.0f, eta %.1f: residual 1/m", k, eta);
       const double tolerance = expected == 0 ? 1 : 0.02;  // 1/m below yield
-      rows.push_back({"80 ruling strips", quantity, expected, residual(test::strip_sheet(length, width, 80), k, paper), tolerance, "V7: (1 - eta)(k - k_y)", ""});
-      rows.push_back({"500 near-equilateral", quantity, expected, residual(equilateral(500), k, paper), tolerance, "V7: (1 - eta)(k - k_y)", ""});
+      rows.push_back({"80 ruling strips", quantity, expected,
+                      residual(test::strip_sheet(length, width, 80), k, paper), tolerance,
+                      "V7: (1 - eta)(k - k_y)", ""});
+      rows.push_back({"500 near-equilateral", quantity, expected,
+                      residual(equilateral(500), k, paper), tolerance, "V7: (1 - eta)(k - k_y)",
+                      ""});
     }
   paper.hardening = 0.3;
   for (const double k : {90.0, 140.0, 200.0}) {
@@ -99,9 +109,17 @@ Rows wound_strip() {
     std::snprintf(quantity, sizeof quantity, "k %.0f, eta 0.3: residual 1/m", k);
     const double expected = 0.7 * std::max(0.0, k - 100);
     for (const auto& [name, method] : methods(shot.pattern, paper))
-      rows.push_back({name + ", by its ends", quantity, expected, residual(method, shot), expected == 0 ? 1 : 0.02, "V7: (1 - eta)(k - k_y)", ""});
+      rows.push_back({name + ", by its ends", quantity, expected, residual(method, shot),
+                      expected == 0 ? 1 : 0.02, "V7: (1 - eta)(k - k_y)", ""});
   }
-  Row crease{"any", "opening of a creased strip", 0, 0, 0, "", "no crease of its own stiffness kappa in this version; curvature of the panels is all there is"};
+  Row crease{"any",
+             "opening of a creased strip",
+             0,
+             0,
+             0,
+             "",
+             "no crease of its own stiffness kappa in this version; curvature of the panels is all "
+             "there is"};
   rows.push_back(crease);
   return rows;
 }

@@ -1,0 +1,264 @@
+#include "baker/check/error_estimate.h"
+
+#include "core/animation/branch_search.h"
+#include "core/animation/cpu_clock.h"
+#include "core/animation/refine_frame.h"
+#include "core/model/error.h"
+#include "formats/cache/alembic_reader.h"
+#include "formats/config/lock_file.h"
+#include "formats/files/atomic_file.h"
+#include "formats/files/certificate.h"
+#include "formats/scene/scene_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <fstream>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr int every = 12, fine = 2400, probing = 200;  // [frames], [triangles]
+// of each height, in the probe for another branch
+constexpr int waves = 1;
+constexpr double of_another_paper = 1.3;  // [1] so much more energy on the finer mesh
+constexpr int about_a_snap = 6;           // [frames]
+constexpr double drop_of_a_snap = 0.3;    // [1] of the energy
+
+std::string text_of(const fs::path& path) {
+  if (auto text = read_whole_file(path)) return *text;
+  throw Error(Fault::command, path.string(), "There is no such file, or it cannot be read.",
+              "Name the output folder of a bake with cache and certificate.");
+}
+
+/// What the certificate says of one frame of a sheet.
+struct Certified {
+  int frame;
+  double energy;
+  bool touching, touching_others, on_colliders;
+};
+
+/// One baked sheet, as a shot whose handles are where they were held.
+struct BakedSheet {
+  std::string name;
+  double side;  // [m]
+  Shot shot;
+  std::vector<Certified> frames;
+  // by frame: handle and where it has the sheet
+  std::map<int, std::vector<std::pair<int, Vector3d>>> held;
+};
+
+Sheet as_sheet(const CacheFrame& frame, double side) {
+  Sheet sheet;
+  sheet.pattern = side * frame.uv;
+  sheet.x = frame.x;
+  sheet.v = Points3::Zero(frame.x.rows(), 3);
+  sheet.triangles = frame.triangles;
+  return sheet;
+}
+
+/// An energy that falls by more than 30 % within a frame is a snap, and whoever comes a frame later
+/// is somewhere else.
+std::string doubt(const BakedSheet& sheet, std::size_t at) {
+  for (std::size_t k = 1; k < sheet.frames.size(); ++k)
+    if (std::abs(sheet.frames[k].frame - sheet.frames[at].frame) <= about_a_snap &&
+        sheet.frames[k].energy < (1 - drop_of_a_snap) * sheet.frames[k - 1].energy)
+      return fmt::format(
+          "the energy falls by {:.0f} % at frame {}: the timing of a snap is uncertain",
+          100 * (1 - sheet.frames[k].energy / sheet.frames[k - 1].energy), sheet.frames[k].frame);
+  if (sheet.frames[at].touching_others)
+    return "the sheet touches another, which the estimate does not feel";
+  return sheet.frames[at].touching ? "the sheet touches itself, which the estimate does not feel"
+                                   : "";
+}
+
+class Estimator {
+ public:
+  Estimator(const BakedSheet& sheet, const LockedJob& job)
+      : sheet_(sheet),
+        options_(options_of(job)),
+        fine_(sheet.shot, options_, fine),
+        coarse_(sheet.shot, options_, probing) {}
+
+  ErrorEstimate operator()(std::size_t at, const Sheet& baked) {
+    const Certified& now = sheet_.frames[at];
+    ErrorEstimate e;
+    e.frame = now.frame;
+    e.sheet = sheet_.name;
+    if (now.on_colliders) {
+      e.rms_pct = e.energy_loss_pct = NAN;
+      e.uncertain = "the sheet lies on a collider, which is not in the files";
+      return e;
+    }
+    std::vector<int> held;
+    Points3 held_at(0, 3);
+    if (const auto found = sheet_.held.find(now.frame); found != sheet_.held.end())
+      for (const auto& [handle, where] : found->second) {
+        held.push_back(handle);
+        held_at.conservativeResize(held.size(), 3);
+        held_at.bottomRows(1) = where.transpose();
+      }
+    const Polished polished = fine_(baked, held, held_at);
+    e.rms_pct = 100 * polished.moved / sheet_.side;
+    e.energy_loss_pct = now.energy > 0 ? 100 * (1 - polished.energy / now.energy) : 0;
+    e.uncertain = doubt(sheet_, at);
+    if (e.uncertain.empty() && polished.energy > of_another_paper * now.energy)
+      e.uncertain = "paper that has yielded stores less, and what it keeps is not in the files";
+    if (e.uncertain.empty() && !polished.converged)
+      e.uncertain = "the finer mesh did not come to rest";
+    if (e.uncertain.empty() && polished.near_itself)
+      e.uncertain = "the sheet comes near itself, which the estimate does not feel";
+    if (e.uncertain.empty()) e.lower_branch_pct = lower_branch(baked, held, held_at, now.frame);
+    return e;
+  }
+
+ private:
+  static ElasticOptions options_of(const LockedJob& job) {
+    ElasticOptions options;
+    options.gravity = job.gravity;
+    options.stop = job.stop;
+    return options;
+  }
+
+  /// On a coarser mesh: a branch that is lower there is lower.
+  double lower_branch(const Sheet& baked, const std::vector<int>& held, const Points3& held_at,
+                      int frame) {
+    Polished relaxed = coarse_(baked, held, held_at);
+    if (!relaxed.converged) return 0;
+    Elastic elastic(sheet_.shot.paper, options_);
+    elastic.set_mesh(relaxed.sheet, coarse_.mesh().stiffening);
+    const Branches found = probe_branches(relaxed.sheet, elastic, coarse_.grip(held, held_at),
+                                          1.0 / 24, 0, frame, waves);
+    return found.taken ? 100 * (found.before - found.after) / std::abs(found.before) : 0;
+  }
+
+  const BakedSheet& sheet_;
+  ElasticOptions options_;
+  Polisher fine_, coarse_;
+};
+
+/// The sheets of the certificate, with the outline and the handles that the files tell of.
+std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
+                                    const AlembicReader& cache, const LockedJob& job) {
+  std::vector<BakedSheet> sheets;
+  std::map<std::string, std::size_t> number;
+  for (const Json& said : summary.at("sheets")) {
+    BakedSheet sheet;
+    sheet.name = said.at("name");
+    sheet.side = std::max(said.at("width_m").get<double>(), said.at("height_m").get<double>());
+    sheet.shot.sheet_name = sheet.name;
+    if (const auto paper = job.papers.find(sheet.name); paper != job.papers.end())
+      sheet.shot.paper = paper->second;
+    const CacheFrame first = cache.frame(sheets.size(), 0);
+    if (first.triangles.rows() == 0 || first.uv.rows() == 0)
+      throw Error(Fault::command, fmt::format("{}, sheet \"{}\"", folder.string(), sheet.name),
+                  "Its first frame in the cache has no faces or no uv.", "Bake again.");
+    sheet.shot.start = as_sheet(first, sheet.side);
+    sheet.shot.pattern =
+        pattern_of(sheet.shot.start.pattern, sheet.shot.start.triangles, folder.string());
+    number[sheet.name] = sheets.size();
+    sheets.push_back(std::move(sheet));
+  }
+  std::map<std::pair<std::size_t, std::string>, int> handle_number;
+  for (const HandleRecord& record : parse_handles_csv(text_of(folder / "cert/handles.csv"))) {
+    const std::size_t s = number.at(record.sheet);
+    const auto [at, is_new] = handle_number.try_emplace(
+        {s, record.handle}, static_cast<int>(sheets[s].shot.handles.size()));
+    if (is_new) {
+      Handle handle;
+      handle.name = record.handle;
+      handle.pattern = record.pattern;
+      handle.keyed = record.held.transpose();
+      sheets[s].shot.handles.push_back(std::move(handle));
+    }
+    if (record.state != HandleRecord::free_state)
+      sheets[s].held[record.frame].push_back({at->second, record.held});
+  }
+  std::ifstream lines(folder / "cert/frames.jsonl");
+  for (std::string line; std::getline(lines, line);) {
+    const Json record = Json::parse(line);
+    sheets[number.at(record.at("sheet"))].frames.push_back(
+        {record.at("frame"), record.at("energy_J"), record.at("touching").get<int>() > 0,
+         record.at("touching_others").get<int>() > 0, record.at("on_colliders").get<int>() > 0});
+  }
+  return sheets;
+}
+
+/// The same; a sheet or handle that only one of the files knows is an error with a place.
+std::vector<BakedSheet> sheets_of(const fs::path& folder, const Json& summary,
+                                  const AlembicReader& cache, const LockedJob& job) try {
+  return read_sheets(folder, summary, cache, job);
+} catch (const Error&) {
+  throw;
+} catch (const std::exception& error) {
+  throw Error(Fault::command, (folder / "cert").string(),
+              fmt::format("The certificate is not that of the cache ({}).", error.what()),
+              "Bake again.");
+}
+
+}  // namespace
+
+ErrorEstimates estimate_errors(const fs::path& folder) {
+  std::string cache_file;
+  Json summary;
+  try {
+    summary = Json::parse(text_of(folder / "cert/summary.json"));
+    for (const auto& [file, hash] : summary.at("files").items())
+      if (fs::path(file).extension() == ".abc") cache_file = file;
+  } catch (const Json::exception&) {
+    throw Error(Fault::command, (folder / "cert/summary.json").string(),
+                "It is not a certificate that this version writes.");
+  }
+  if (const Json inertia = summary.value(Json::json_pointer("/models/dynamics"), Json::object());
+      inertia.value("on", false))
+    throw Error(Fault::command, folder.string(),
+                "It moves with inertia (" + inertia.value("why", "") +
+                    "), and an estimate is of a sheet at rest.",
+                "Bake with --dynamics off, or see with paperbake chart how far the methods are "
+                "from each other.");
+  if (cache_file.empty())
+    throw Error(Fault::command, folder.string(), "There is no cache to estimate.",
+                "Bake with --formats abc,cert.");
+  const LockedJob job = read_lock(folder / "job.lock.toml");
+  const AlembicReader cache(folder / cache_file);
+  const double begun = cpu_ms();
+  ErrorEstimates all;
+  std::size_t frames = 0;
+  const std::vector<BakedSheet> sheets = sheets_of(folder, summary, cache, job);
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    const BakedSheet& sheet = sheets[s];
+    Estimator estimate(sheet, job);
+    for (std::size_t k = 0; k < sheet.frames.size(); ++k)
+      if ((k + 1) % every == 0 || k + 1 == sheet.frames.size())
+        all.frames.push_back(estimate(k, as_sheet(cache.frame(s, k), sheet.side)));
+    frames += sheet.frames.size();
+  }
+  all.ms_per_frame = (cpu_ms() - begun) / std::max<std::size_t>(1, frames);
+  return all;
+}
+
+std::string estimates_text(const ErrorEstimates& all) {
+  std::string text = "Error within the branch that the sheet is on (rms, % of the longer side):\n";
+  for (const ErrorEstimate& e : all.frames) {
+    text += fmt::format("  frame {}, \"{}\": ", e.frame, e.sheet);
+    if (std::isnan(e.rms_pct)) {
+      text += "none: " + e.uncertain + "\n";
+      continue;
+    }
+    text += fmt::format("{:.3f} %, energy {:+.1f} %", e.rms_pct, -e.energy_loss_pct);
+    if (e.lower_branch_pct > 0)
+      text += fmt::format("; another shape under the same handles has {:.0f} % less energy",
+                          e.lower_branch_pct);
+    if (!e.uncertain.empty()) text += "; uncertain: " + e.uncertain;
+    text += "\n";
+  }
+  return text + fmt::format("{:.1f} ms a frame of the shot.\n", all.ms_per_frame);
+}
+
+}  // namespace paperbake

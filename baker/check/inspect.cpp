@@ -1,0 +1,256 @@
+#include "baker/check/inspect.h"
+
+#include "baker/job/plan.h"
+#include "core/animation/handle_feasibility.h"
+#include "formats/cache/alembic_reader.h"
+#include "formats/files/certificate.h"
+
+#include <algorithm>
+#include <array>
+#include <fmt/format.h>
+#include <limits>
+#include <nlohmann/json.hpp>
+
+namespace paperbake {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+const char* release_origin(const SceneSheet& sheet, const Handle& handle) {
+  return sheet.scale_releases.count(handle.name) ? "keyed scale" : "paper_release_frame";
+}
+
+Json handle_json(const SceneSheet& sheet, const Handle& handle) {
+  Json j{{"name", handle.name},
+         {"u_m", handle.pattern.x()},
+         {"v_m", handle.pattern.y()},
+         {"mode", handle.mode == HandleMode::relative ? "relative" : "absolute"}};
+  if (handle.grab_frame != std::numeric_limits<int>::min()) j["grab_frame"] = handle.grab_frame;
+  if (handle.release_frame != std::numeric_limits<int>::max())
+    j["release_frame"] = handle.release_frame, j["release_from"] = release_origin(sheet, handle);
+  if (handle.radius) j["radius_m"] = *handle.radius;
+  if (handle.stiffness > 0) j["stiffness_N_per_m"] = handle.stiffness;
+  return j;
+}
+
+Json crease_json(const FoldLine& crease, const std::string& origin) {
+  Json line = Json::array();
+  for (const Vector2d& p : crease.line) line.push_back({p.x(), p.y()});
+  return {{"line_m", std::move(line)}, {"angle_deg", crease.angle * 180 / M_PI}, {"from", origin}};
+}
+
+std::string crease_text(const FoldLine& crease, const std::string& origin) {
+  const auto point = [](const Vector2d& p) {
+    return fmt::format("({:.2f}, {:.2f})", 1e3 * p.x(), 1e3 * p.y());
+  };
+  const std::string bends =
+      crease.line.size() == 2 ? "" : fmt::format(", {} bend(s)", crease.line.size() - 2);
+  return fmt::format("  crease from {} to {} mm{}, springs back to {:.4g} degrees: {}\n",
+                     point(crease.line.front()), point(crease.line.back()), bends,
+                     crease.angle * 180 / M_PI, origin);
+}
+
+std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
+  std::vector<SheetImpossible> all;
+  for (const SceneSheet& sheet : scene.sheets)
+    for (ImpossiblePair& pair :
+         Reach(sheet.pattern, sheet.handles)
+             .impossible_pairs(sheet.handles, scene.first_frame, scene.last_frame))
+      all.push_back({sheet.name, std::move(pair)});
+  return all;
+}
+
+Json scene_json(const Scene& scene) {
+  Json sheets = Json::array(), impossible = Json::array();
+  for (const SceneSheet& sheet : scene.sheets) {
+    Json handles = Json::array();
+    for (const Handle& handle : sheet.handles) handles.push_back(handle_json(sheet, handle));
+    Json j{{"name", sheet.name},
+           {"width_m", extent(sheet.pattern).x()},
+           {"height_m", extent(sheet.pattern).y()},
+           {"outline_corners", sheet.pattern.outline.size()},
+           {"holes", sheet.pattern.holes.size()},
+           {"vertices", sheet.start.x.rows()},
+           {"triangles", sheet.start.triangles.rows()}};
+    if (sheet.preset) j["paper_preset"] = *sheet.preset;
+    if (sheet.grammage) j["paper_gsm"] = *sheet.grammage;
+    if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
+    if (sheet.friction) j["paper_friction"] = *sheet.friction;
+    if (sheet.seed) j["paper_seed"] = *sheet.seed;
+    for (std::size_t c = 0; c < sheet.pattern.folds.size(); ++c)
+      j["creases"].push_back(crease_json(sheet.pattern.folds[c], sheet.crease_origin[c]));
+    j["handles"] = std::move(handles);
+    sheets.push_back(std::move(j));
+  }
+  for (const SheetImpossible& i : impossible_pairs(scene))
+    impossible.push_back({{"sheet", i.sheet},
+                          {"handles", {i.pair.a, i.pair.b}},
+                          {"frame", i.pair.frame},
+                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
+                          {"text", describe(i)}});
+  Json j{{"file", scene.source},
+         {"fps", scene.fps},
+         {"first_frame", scene.first_frame},
+         {"last_frame", scene.last_frame}};
+  if (scene.gravity) j["gravity"] = *scene.gravity;
+  j["origin"] = scene.origin;
+  j["sheets"] = std::move(sheets);
+  j["impossible_handles"] = std::move(impossible);
+  j["warnings"] = scene.warnings;
+  return j;
+}
+
+std::string scene_text(const Scene& scene) {
+  std::string text = fmt::format("{}: frames {}-{} at {} fps\n", scene.source, scene.first_frame,
+                                 scene.last_frame, scene.fps);
+  for (const auto& [key, origin] : scene.origin)
+    text += fmt::format("  {:<12} from {}\n", key, origin);
+  for (const SceneSheet& sheet : scene.sheets) {
+    text += fmt::format(
+        "sheet \"{}\": {:.2f} x {:.2f} mm, {} corners, {} holes; mesh of {} vertices, {} "
+        "triangles\n",
+        sheet.name, 1e3 * extent(sheet.pattern).x(), 1e3 * extent(sheet.pattern).y(),
+        sheet.pattern.outline.size(), sheet.pattern.holes.size(), sheet.start.x.rows(),
+        sheet.start.triangles.rows());
+    for (std::size_t c = 0; c < sheet.pattern.folds.size(); ++c)
+      text += crease_text(sheet.pattern.folds[c], sheet.crease_origin[c]);
+    for (const Handle& h : sheet.handles) {
+      text += fmt::format("  handle \"{}\" at ({:.2f}, {:.2f}) mm, {}", h.name, 1e3 * h.pattern.x(),
+                          1e3 * h.pattern.y(),
+                          h.mode == HandleMode::relative ? "relative" : "absolute");
+      if (h.grab_frame != std::numeric_limits<int>::min())
+        text += fmt::format(", from frame {}", h.grab_frame);
+      if (h.release_frame != std::numeric_limits<int>::max())
+        text += fmt::format(", until frame {} ({})", h.release_frame, release_origin(sheet, h));
+      text += '\n';
+    }
+  }
+  for (const SheetImpossible& i : impossible_pairs(scene))
+    text += "impossible: " + describe(i) + "\n";
+  for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";
+  return text;
+}
+
+/// Of one sheet of a cache, over its frames.
+struct CacheSpread {
+  // least, most
+  std::array<Eigen::Index, 2> vertices{std::numeric_limits<Eigen::Index>::max(), 0},
+      triangles = vertices;
+  // [m]
+  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  // [m/s]
+  double fastest = 0;
+};
+
+CacheSpread spread_of(const AlembicReader& cache, std::size_t sheet) {
+  CacheSpread s;
+  const auto widen = [](std::array<Eigen::Index, 2>& range, Eigen::Index n) {
+    range = {std::min(range[0], n), std::max(range[1], n)};
+  };
+  for (std::size_t i = 0; i < cache.sheets()[sheet].frames; ++i) {
+    const CacheFrame frame = cache.frame(sheet, i);
+    widen(s.vertices, frame.x.rows());
+    widen(s.triangles, frame.triangles.rows());
+    if (frame.x.rows() == 0) continue;
+    s.low = s.low.cwiseMin(frame.x.colwise().minCoeff().transpose());
+    s.high = s.high.cwiseMax(frame.x.colwise().maxCoeff().transpose());
+    if (frame.velocity.rows() > 0)
+      s.fastest = std::max(s.fastest, frame.velocity.rowwise().norm().maxCoeff());
+  }
+  return s;
+}
+
+}  // namespace
+
+std::string inspect_cache(const std::filesystem::path& path, bool json) {
+  const AlembicReader cache(path);
+  const CacheInfo& info = cache.info();
+  const auto bytes = std::filesystem::file_size(path);
+  std::string text = fmt::format("{}: {:.2f} MB, {} sheets at {} fps\n", path.filename().string(),
+                                 1e-6 * bytes, cache.sheets().size(), info.fps);
+  Json metadata = Json::object(), sheets = Json::array();
+  for (const auto& [key, value] : info.metadata) {
+    metadata[key] = value;
+    text += fmt::format("  {} = {}\n", key, value);
+  }
+  for (std::size_t s = 0; s < cache.sheets().size(); ++s) {
+    const AlembicReader::Sheet& sheet = cache.sheets()[s];
+    const CacheSpread spread = spread_of(cache, s);
+    const int last = info.first_frame + info.frame_step * (static_cast<int>(sheet.frames) - 1);
+    std::vector<std::string> channels;
+    for (const auto& [has, name] :
+         {std::pair(sheet.velocity, "velocities"), std::pair(sheet.normal, "normals"),
+          std::pair(sheet.uv, "uv"), std::pair(sheet.crease, "crease strength")})
+      if (has) channels.push_back(name);
+    Json j{{"name", sheet.name},
+           {"frames", sheet.frames},
+           {"first_frame", info.first_frame},
+           {"last_frame", last},
+           {"constant_topology", sheet.constant_topology},
+           {"vertices", spread.vertices},
+           {"triangles", spread.triangles},
+           {"channels", channels}};
+    text += fmt::format("sheet \"{}\": frames {}-{}{}, ", sheet.name, info.first_frame, last,
+                        info.frame_step > 1 ? fmt::format(" by {}", info.frame_step) : "");
+    text +=
+        sheet.constant_topology
+            ? fmt::format("one mesh of {} vertices, {} triangles", spread.vertices[1],
+                          spread.triangles[1])
+            : fmt::format("changing meshes of {}-{} vertices, {}-{} triangles", spread.vertices[0],
+                          spread.vertices[1], spread.triangles[0], spread.triangles[1]);
+    text += fmt::format("; {}\n", fmt::join(channels, ", "));
+    if (spread.vertices[1] > 0) {
+      const Vector3d size = 1e3 * (spread.high - spread.low);
+      text += fmt::format("  moves within {:.1f} x {:.1f} x {:.1f} mm, at {:.3g} m/s at most\n",
+                          size.x(), size.y(), size.z(), spread.fastest);
+      j["low_m"] = {spread.low.x(), spread.low.y(), spread.low.z()};
+      j["high_m"] = {spread.high.x(), spread.high.y(), spread.high.z()};
+      j["fastest_m_per_s"] = spread.fastest;
+    }
+    sheets.push_back(std::move(j));
+  }
+  if (!json) return text;
+  const Json all{{"file", path.filename().string()},
+                 {"bytes", bytes},
+                 {"fps", info.fps},
+                 {"metadata", metadata},
+                 {"sheets", sheets}};
+  return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string inspect_job(const BakeSettings& settings, bool json) {
+  const BakePlan plan = plan_bake(settings);
+  const Scene scene = read_scene(settings.scene, settings.reading);
+  if (!json) {
+    std::string text = scene_text(scene) + "values:\n";
+    for (const UsedValue& value : plan.used)
+      text += fmt::format("  {} = {}  # {}\n", value.key, value.value, value.origin);
+    return text;
+  }
+  Json j = scene_json(scene);
+  for (const UsedValue& value : plan.used)
+    j["values"].push_back({{"key", value.key}, {"value", value.value}, {"origin", value.origin}});
+  return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+std::string inspect_scene(const std::filesystem::path& path, const SceneOptions& options,
+                          bool json) {
+  const Scene scene = read_scene(path, options);
+  return json ? scene_json(scene).dump(1, ' ', false, Json::error_handler_t::replace) + "\n"
+              : scene_text(scene);
+}
+
+std::string tracks_csv(const std::filesystem::path& path, const SceneOptions& options) {
+  const Tracks tracks = read_tracks(path, options);
+  std::string text = "frame,node,x,y,z\n";
+  const long frames = tracks.positions.empty() ? 0 : tracks.positions.front().rows();
+  for (long f = 0; f < frames; ++f)
+    for (std::size_t n = 0; n < tracks.names.size(); ++n) {
+      const auto p = tracks.positions[n].row(f);
+      text += fmt::format("{},{},{:.9g},{:.9g},{:.9g}\n", tracks.first_frame + f,
+                          csv_field(tracks.names[n]), p.x(), p.y(), p.z());
+    }
+  return text;
+}
+
+}  // namespace paperbake

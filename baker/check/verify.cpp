@@ -1,0 +1,256 @@
+#include "baker/check/verify.h"
+
+#include "baker/output/cache_measure.h"
+#include "baker/output/file_hash.h"
+#include "core/model/error.h"
+#include "formats/cache/alembic_reader.h"
+#include "formats/cache/content_hash.h"
+#include "formats/files/atomic_file.h"
+#include "formats/files/certificate.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+#include <map>
+#include <nlohmann/json.hpp>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+constexpr double same_pct = 1e-3, same_mm = 1e-3;
+
+/// One look at one folder.
+class Verifier {
+ public:
+  explicit Verifier(fs::path folder) : folder_(std::move(folder)) {}
+
+  Verification run() {
+    const std::string text = read("cert/summary.json");
+    if (text.empty()) return std::move(result_);
+    if (!seal_holds(text))
+      differs({}, "cert/summary.json", "The summary is not as it was written.");
+    const Json summary = Json::parse(text, nullptr, false);
+    if (summary.is_discarded()) {
+      differs({}, "cert/summary.json", "The summary is no JSON.");
+      return std::move(result_);
+    }
+    try {
+      compare_hashes(summary.at("files"));
+      if (const std::string cache = cache_of(summary); !cache.empty())
+        compare_frames(cache, summary);
+    } catch (const Json::exception& error) {
+      differs(
+          {}, "cert",
+          fmt::format("The certificate is not one that this version writes ({}).", error.what()));
+    }
+    std::stable_sort(result_.differences.begin(), result_.differences.end(),
+                     [](const Difference& a, const Difference& b) {
+                       return a.frame && (!b.frame || *a.frame < *b.frame);
+                     });
+    return std::move(result_);
+  }
+
+ private:
+  using HandlesOfFrames = std::map<std::pair<int, std::string>, std::vector<HandleRecord>>;
+
+  void differs(std::optional<int> frame, const std::string& file, std::string what) {
+    result_.differences.push_back({frame, file, std::move(what)});
+  }
+
+  /// Empty, and a difference, when there is no such file.
+  std::string read(const std::string& file) {
+    try {
+      return read_output(folder_ / file);
+    } catch (const Error& error) {
+      differs({}, file, error.cause);
+      return {};
+    }
+  }
+
+  void compare_hashes(const Json& files) {
+    for (const auto& [file, hash] : files.items()) {
+      ++result_.files;
+      std::error_code none;
+      if (!fs::is_regular_file(folder_ / file, none))
+        differs({}, file, "The file is missing.");
+      else if (file_hash(folder_ / file) != hash.get<std::string>())
+        differs({}, file, "Its bytes are not those that were written.");
+    }
+    ++result_.files;  // the summary
+  }
+
+  static std::string cache_of(const Json& summary) {
+    for (const auto& [file, hash] : summary.at("files").items())
+      if (fs::path(file).extension() == ".abc") return file;
+    return {};
+  }
+
+  void compare_frames(const std::string& file, const Json& summary) {
+    std::optional<AlembicReader> cache;
+    try {
+      cache.emplace(folder_ / file);
+    } catch (const Error& error) {
+      differs({}, file, error.cause);
+      return;
+    }
+    const HandlesOfFrames handles = read_handles();
+    std::map<std::string, std::size_t> sheet_number;
+    std::vector<double> longer_side;
+    for (const Json& sheet : summary.at("sheets")) {
+      sheet_number[sheet.at("name")] = longer_side.size();
+      longer_side.push_back(
+          std::max(sheet.at("width_m").get<double>(), sheet.at("height_m").get<double>()));
+    }
+    // fewer: the first ones, of a bake that failed
+    if (cache->sheets().size() > longer_side.size())
+      return differs({}, file, "It does not hold the sheets of the certificate.");
+    std::vector<std::size_t> seen(longer_side.size(), 0);
+    std::string lines = read("cert/frames.jsonl");
+    for (std::size_t from = 0; from < lines.size();) {
+      const std::size_t end = std::min(lines.find('\n', from), lines.size());
+      const Json record = Json::parse(lines.begin() + from, lines.begin() + end, nullptr, false);
+      from = end + 1;
+      if (record.is_discarded() || !sheet_number.count(record.at("sheet"))) {
+        differs({}, "cert/frames.jsonl", "A line of it is not one that was written.");
+        continue;
+      }
+      ++result_.frames;
+      // it says itself that the cache does not have it
+      if (record.at("content_hash") == "") continue;
+      const std::size_t sheet = sheet_number[record.at("sheet")], i = seen[sheet]++;
+      const int frame = record.at("frame");
+      if (sheet >= cache->sheets().size() || i >= cache->sheets()[sheet].frames) {
+        differs(frame, file, "The frame is missing.");
+        continue;
+      }
+      try {
+        compare_frame(file, *cache, sheet, i, longer_side[sheet], record, handles);
+      } catch (const Error& error) {
+        differs(frame, file, error.cause);
+      }
+    }
+    for (std::size_t s = 0; s < cache->sheets().size(); ++s)
+      if (seen[s] < cache->sheets()[s].frames)
+        differs({}, "cert/frames.jsonl",
+                fmt::format("It has {} frames of sheet \"{}\", the cache {}.", seen[s],
+                            cache->sheets()[s].name, cache->sheets()[s].frames));
+  }
+
+  void compare_frame(const std::string& file, const AlembicReader& cache, std::size_t sheet,
+                     std::size_t i, double longer_side, const Json& record,
+                     const HandlesOfFrames& handles) {
+    const int frame = record.at("frame");
+    const CacheFrame stored = cache.frame(sheet, i);
+    if (stored.x.rows() == 0 || stored.uv.rows() == 0)
+      return differs(frame, file, "It has no points or no uv: nothing can be measured.");
+    const auto compare = [&](const char* field, double found, double same, const char* unit) {
+      const double said = record.at(field);
+      if (std::abs(found - said) > same)
+        differs(frame, file,
+                fmt::format("{}: the certificate says {:.6g} {}, the cache {:.6g}.", field, said,
+                            unit, found));
+    };
+    if (cache.content_hash(sheet, i) != record.at("content_hash"))
+      differs(frame, file, "content_hash: the positions are not those that were written.");
+    compare("render_triangles", static_cast<double>(stored.triangles.rows()), 0, "");
+    const LengthDistortion length = cache_distortion(stored, longer_side);
+    compare("render_stretch_mean_pct", 100 * length.mean, same_pct, "%");
+    compare("render_stretch_max_pct", 100 * length.largest, same_pct, "%");
+    double worst = 0;
+    if (const auto found = handles.find({frame, record.at("sheet")}); found != handles.end())
+      for (const HandleRecord& handle : found->second) {
+        Eigen::Index vertex = 0;
+        (stored.uv * longer_side)
+            .rowwise()
+            .
+            operator-(handle.pattern.transpose())
+            .rowwise()
+            .squaredNorm()
+            .minCoeff(&vertex);
+        const Vector3d at = stored.x.row(vertex);
+        // it holds nothing: where it is, only the simulation knows exactly
+        if (handle.state == HandleRecord::free_state) continue;
+        if (const double off = 1e3 * (at - handle.held).norm(); off > same_mm)
+          differs(frame, file,
+                  fmt::format("Handle \"{}\" is {:.4g} mm from where handles.csv has it.",
+                              handle.handle, off));
+        worst = std::max(worst, 1e3 * (at - handle.keyed).norm());
+      }
+    compare("handle_err_max_mm", worst, same_mm, "mm");
+  }
+
+  HandlesOfFrames read_handles() {
+    HandlesOfFrames all;
+    try {
+      for (HandleRecord& record : parse_handles_csv(read("cert/handles.csv")))
+        all[{record.frame, record.sheet}].push_back(std::move(record));
+    } catch (const Error& error) {
+      differs({}, "cert/handles.csv", error.cause);
+    }
+    return all;
+  }
+
+  fs::path folder_;
+  Verification result_;
+};
+
+}  // namespace
+
+Verification verify(const fs::path& folder) {
+  std::error_code none;
+  if (!fs::is_directory(folder, none))
+    throw Error(Fault::command, folder.string(), "There is no such folder.",
+                "Name the output folder of a bake.");
+  return Verifier(folder).run();
+}
+
+std::string verification_text(const fs::path& folder, const Verification& v) {
+  if (v.differences.empty())
+    return fmt::format("{}: {} frames and {} files agree with the certificate.\n", folder.string(),
+                       v.frames, v.files);
+  std::string text = fmt::format("{}: not as the certificate says.\n", folder.string());
+  constexpr std::size_t most = 20;
+  for (std::size_t k = 0; k < std::min(most, v.differences.size()); ++k) {
+    const Difference& d = v.differences[k];
+    text += d.frame ? fmt::format("  frame {}, {}: {}\n", *d.frame, d.file, d.what)
+                    : fmt::format("  {}: {}\n", d.file, d.what);
+  }
+  if (v.differences.size() > most)
+    text += fmt::format("  and {} more\n", v.differences.size() - most);
+  return text;
+}
+
+std::string verification_json(const Verification& v,
+                              const std::optional<ErrorEstimates>& estimates) {
+  using Ordered = nlohmann::ordered_json;
+  Ordered differences = Ordered::array();
+  Ordered first;
+  for (const Difference& d : v.differences) {
+    const Ordered frame = d.frame ? Ordered(*d.frame) : Ordered();
+    if (first.is_null()) first = frame;
+    differences.push_back({{"frame", frame}, {"file", d.file}, {"what", d.what}});
+  }
+  Ordered all{{"agrees", v.differences.empty()},
+              {"frames", v.frames},
+              {"files", v.files},
+              {"first_frame_off", first},
+              {"differences", differences}};
+  if (estimates) {
+    all["estimates"] = Ordered::array();
+    for (const ErrorEstimate& e : estimates->frames)
+      all["estimates"].push_back({{"frame", e.frame},
+                                  {"sheet", e.sheet},
+                                  {"rms_pct", e.rms_pct},
+                                  {"energy_loss_pct", e.energy_loss_pct},
+                                  {"lower_branch_pct", e.lower_branch_pct},
+                                  {"uncertain", e.uncertain}});
+    all["estimate_ms_per_frame"] = estimates->ms_per_frame;
+  }
+  return all.dump(1, ' ', false, Ordered::error_handler_t::replace) + "\n";
+}
+
+}  // namespace paperbake

@@ -1,0 +1,408 @@
+#include "baker/job/plan.h"
+
+#include "core/animation/inertia_need.h"
+#include "core/animation/refined_animation.h"
+#include "core/model/error.h"
+#include "formats/cache/content_hash.h"
+#include "formats/config/job_file.h"
+#include "formats/config/preset_file.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+bool is_hybrid(const BakeSettings& settings) {
+  return settings.method == "hybrid" || settings.method == hybrid_and_fem;
+}
+
+/// throws Error(Fault::command) when it is asked for where it can do nothing
+Polishing polishing_of(const BakeSettings& settings) {
+  constexpr int usual = 6000;
+  const bool by_method = settings.method == hybrid_and_fem;
+  const char* option = by_method ? "--method hybrid+fem" : "--polish";
+  if (by_method && settings.polish == 0)
+    throw Error(Fault::command, "--polish 0", "Frames of hybrid+fem are polished.",
+                "Bake with --method hybrid.");
+  if (by_method || settings.polish.value_or(0) > 0) {
+    if (settings.method == "fem")
+      throw Error(Fault::command, option,
+                  "There is nothing that fem could finish of its own frames.",
+                  "A finer fem is --triangles N.");
+    return {settings.polish.value_or(usual), "asked for with " + std::string(option)};
+  }
+  if (settings.polish) return {0, "off with --polish 0"};
+  const bool hero = settings.quality == Quality::hero && settings.mesh == CacheMesh::render;
+  if (hero && settings.method == "hybrid") return {usual, "--quality hero"};
+  return {0, settings.method == "fem" ? "fem is at its minimum" : "not asked for"};
+}
+
+/// As asked for; else what the sheet that needs inertia most has to say.
+void settle_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
+  bool dynamic = settings.dynamics == Dynamics::on;
+  plan.why_inertia = dynamic ? "asked for with --dynamics on" : "switched off with --dynamics off";
+  if (settings.dynamics == Dynamics::automatic) {
+    InertiaNeed most;
+    for (const Shot& shot : plan.shots) {
+      InertiaNeed need =
+          need_of_inertia(shot, plan.animation.elastic.gravity, scene.fps, scene.first_frame,
+                          std::max(scene.last_frame, plan.animation.last_frame));
+      if (most.why.empty() || need.needed > most.needed ||
+          (need.needed == most.needed && need.sway > most.sway))
+        most = std::move(need);
+    }
+    dynamic = most.needed;
+    plan.why_inertia = most.why;
+  }
+  plan.animation.elastic.inertia = dynamic ? Inertia::dynamic : Inertia::quasi_static;
+  if (settings.probe_every > 0 && dynamic)
+    throw Error(
+        Fault::command, "--probe",
+        "With inertia a sheet swings between its shapes: there is no lower one to look for (" +
+            plan.why_inertia + ").",
+        "Bake with --dynamics off, or without --probe.");
+}
+
+/// throws Error(Fault::command) when polish was asked for and the sheet has inertia
+void settle_polish(const BakeSettings& settings, BakePlan& plan) {
+  plan.polish = polishing_of(settings);
+  if (plan.polish.triangles > 0 && plan.animation.elastic.inertia == Inertia::dynamic) {
+    if (settings.polish || settings.method == hybrid_and_fem)
+      throw Error(
+          Fault::command, "--polish",
+          "A polished frame is at rest, and with inertia none is (" + plan.why_inertia + ").",
+          "Bake with --dynamics off, or without polish.");
+    plan.polish = {0, "a polished frame is at rest, and with inertia none is"};
+  }
+  plan.method = settings.method;
+  if (plan.polish.triangles > 0 && settings.method != hybrid_and_fem) plan.method += "+fem";
+}
+
+int triangles_wanted(const BakeSettings& settings) {
+  return settings.triangles.value_or(is_hybrid(settings)
+                                         ? std::max(250, 2 * settings.base_triangles)
+                                     : settings.method == "adaptive" ? 3000
+                                                                     : 1700);
+}
+
+/// What the hybrid begins with: no more than it may have.
+int base_wanted(const BakeSettings& settings) {
+  const int most = triangles_wanted(settings);
+  if (settings.base_triangles > most && settings.origin("base_triangles") != Origin::fallback)
+    throw Error(Fault::command, fmt::format("--base-triangles {}", settings.base_triangles),
+                fmt::format("The mesh may have no more than {} triangles.", most),
+                "Give more with --triangles.");
+  return std::min(settings.base_triangles, most);
+}
+
+Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed,
+                   std::size_t sheet) {
+  if (settings.method == "fem") return fem(triangles_wanted(settings));
+  if (settings.method == "adaptive") return adaptive(shot.pattern, triangles_wanted(settings));
+  CrumpleOptions options;
+  options.pins = shot.pins;
+  options.most_triangles = triangles_wanted(settings);
+  return hybrid(shot.pattern, shot.paper, base_wanted(settings), options, seed,
+                static_cast<std::uint32_t>(sheet));
+}
+
+/// Bytes of numbers, for hashing.
+template <class Matrix>
+void append_bytes(std::string& bytes, const Matrix& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()),
+               sizeof(typename Matrix::Scalar) * values.size());
+}
+
+std::string start_bytes(const Shot& shot, unsigned seed, const std::string& settings) {
+  std::string bytes = settings + shot.sheet_name + fmt::format("/{}/", seed);
+  for (const Vector2d& p : shot.pattern.outline) append_bytes(bytes, p);
+  for (const auto& hole : shot.pattern.holes)
+    for (const Vector2d& p : hole) append_bytes(bytes, p);
+  append_bytes(bytes, shot.start.pattern);
+  append_bytes(bytes, shot.start.x);
+  append_bytes(bytes, shot.start.triangles);
+  for (const Vector2d& p : shot.pins.keep) append_bytes(bytes += "keep", p);
+  for (const Pins::Disc& disc : shot.pins.forbid)
+    append_bytes(bytes += fmt::format("forbid/{}/", disc.radius), disc.centre);
+  for (const FoldLine& fold : shot.pattern.folds) {
+    bytes += fmt::format("fold/{}/", fold.angle);
+    for (const Vector2d& p : fold.line) append_bytes(bytes, p);
+  }
+  for (const Handle& handle : shot.handles) {
+    bytes += fmt::format("{}/{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame,
+                         handle.release_frame, handle.radius.value_or(-1), handle.stiffness);
+    append_bytes(bytes, handle.pattern);
+  }
+  if (shot.colliders)
+    for (const Collider& collider : *shot.colliders) {
+      bytes += fmt::format("{}/{}/", collider.mesh().name, collider.mesh().friction);
+      append_bytes(bytes, collider.mesh().x);
+      append_bytes(bytes, collider.mesh().triangles);
+    }
+  return bytes;
+}
+
+void settle_frames(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
+  plan.frames = settings.frames.value_or(FrameSpan{scene.first_frame, scene.last_frame, 1});
+  if (plan.frames.last < scene.first_frame)
+    throw Error(Fault::command, "--frames",
+                fmt::format("The scene begins at frame {}, the range ends at {}.",
+                            scene.first_frame, plan.frames.last),
+                fmt::format("The keys cover frames {}-{}.", scene.first_frame, scene.last_frame));
+  constexpr int longest = 100000;
+  if (plan.frames.last - scene.first_frame >= longest)
+    throw Error(Fault::command, "--frames",
+                fmt::format("The range ends at {}: that is more than {} frames.", plan.frames.last,
+                            longest));
+  if (plan.frames.first < scene.first_frame) {
+    plan.warnings.push_back(
+        fmt::format("--frames begins at {}, before the scene's first frame {}: baked from {}.",
+                    plan.frames.first, scene.first_frame, scene.first_frame));
+    while (plan.frames.first < scene.first_frame) plan.frames.first += plan.frames.step;
+  }
+  plan.frames.last -= (plan.frames.last - plan.frames.first) % plan.frames.step;
+  plan.map_frames = settings.map_frames.value_or(
+      std::vector<FrameSpan>{{plan.frames.first, plan.frames.last, 12}});
+  plan.debug_frames = settings.map_frames.value_or(
+      std::vector<FrameSpan>{{plan.frames.first, plan.frames.last, debug_picture_step}});
+  plan.animation.first_frame = scene.first_frame;
+  plan.animation.last_frame = plan.frames.last;
+}
+
+std::string literal(const PropertyValue& value) {
+  if (const auto* text = std::get_if<std::string>(&value)) return toml_string(*text);
+  return fmt::format("{}", std::get<double>(value));
+}
+
+void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
+  auto& used = plan.used;
+  const auto note = [&](const char* table, const char* key, std::string value,
+                        Origin otherwise = Origin::fallback) {
+    used.push_back({fmt::format("{}.{}", table, key), std::move(value),
+                    in_words(settings.origin(key, otherwise))});
+  };
+  const auto of_scene = [&](const char* option, const char* key) {
+    if (settings.said.count(option)) return std::string(in_words(settings.origin(option)));
+    const auto found = scene.origin.find(key);
+    return found == scene.origin.end() ? std::string("scene") : found->second;
+  };
+  used.push_back({"scene.file", toml_string(scene.source),
+                  in_words(settings.origin("scene", Origin::command))});
+  used.push_back({"scene.fps", toml_number(scene.fps), of_scene("fps", "fps")});
+  used.push_back({"scene.first_frame", std::to_string(scene.first_frame),
+                  of_scene("start_frame", "first_frame")});
+  used.push_back({"scene.last_frame", std::to_string(scene.last_frame), "scene"});
+  note("bake", "method", toml_string(settings.method));
+  note("bake", "triangles", std::to_string(triangles_wanted(settings)));
+  if (is_hybrid(settings)) note("bake", "base_triangles", std::to_string(base_wanted(settings)));
+  note("bake", "polish", std::to_string(plan.polish.triangles),
+       settings.method == hybrid_and_fem ? settings.origin("method") : Origin::fallback);
+  note("bake", "mesh", settings.mesh == CacheMesh::render ? "\"render\"" : "\"simulation\"");
+  if (settings.mesh == CacheMesh::render)
+    note("bake", "quality",
+         toml_string(settings.quality == Quality::draft  ? "draft"
+                     : settings.quality == Quality::hero ? "hero"
+                                                         : "shot"));
+  note("bake", "stop", toml_number(settings.stop));
+  note("bake", "gravity", toml_number(plan.animation.elastic.gravity),
+       scene.gravity ? Origin::scene : Origin::fallback);
+  used.push_back(
+      {"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
+       settings.dynamics == Dynamics::automatic ? "auto" : in_words(settings.origin("dynamics"))});
+  if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
+  note("bake", "frames",
+       toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
+       Origin::scene);
+  note("bake", "map_size", std::to_string(settings.map_size));
+  note("bake", "map_layout",
+       settings.map_layout == MapLayout::scanline ? "\"scanline\"" : "\"tiled-mip\"");
+  note("bake", "max_stretch", toml_number(settings.max_stretch_pct));
+  note("bake", "strict", settings.strict ? "true" : "false");
+  for (const GivenProperty& given : scene.given)
+    used.push_back({fmt::format("handle.{}.{}", toml_string(given.handle), given.key),
+                    literal(given.value), in_words(Origin::job)});
+}
+
+/// A value that no simulated frame depends on.
+bool is_of_output(const std::string& key) {
+  const char* const keys[] = {"scene.file",      "scene.last_frame", "bake.frames",
+                              "bake.mesh",       "bake.quality",     "bake.map_size",
+                              "bake.map_layout", "bake.max_stretch", "bake.strict"};
+  return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
+}
+
+Shot make_shot(SceneSheet&& sheet, const Paper& paper, std::vector<ColliderMesh> colliders) {
+  Shot shot{std::move(sheet.name),
+            std::move(sheet.pattern),
+            std::move(sheet.start),
+            std::move(sheet.handles),
+            paper,
+            std::move(sheet.pins)};
+  shot.colliders = facing_colliders(std::move(colliders), shot.start.x, shot.handles);
+  return shot;
+}
+
+}  // namespace
+
+bool is_method(const std::string& name) {
+  return name == "hybrid" || name == "fem" || name == "adaptive" || name == hybrid_and_fem;
+}
+
+std::string describe(const SheetImpossible& impossible) {
+  const ImpossiblePair& p = impossible.pair;
+  const double over = p.apart - p.allowed;
+  if (p.allowed < 1e-6)
+    return fmt::format(
+        "Handles \"{}\" and \"{}\" hold the same point of the sheet \"{}\" and part in frames "
+        "{}-{}: at frame {} they are {:.2f} mm apart.",
+        p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart);
+  return fmt::format(
+      "Handles \"{}\" and \"{}\" of sheet \"{}\" are too far apart in frames {}-{}: at frame {} "
+      "they are asked to be {:.2f} mm apart, "
+      "the paper between them is {:.2f} mm long: overshoot {:.2f} mm ({:.1f} %).",
+      p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart, 1e3 * p.allowed,
+      1e3 * over, 100 * over / p.allowed);
+}
+
+std::string frame_input_hash(const std::string& before, const std::vector<Shot>& shots, int frame,
+                             int first_frame) {
+  std::string bytes = before;
+  for (const Shot& shot : shots) {
+    for (const Handle& handle : shot.handles) {
+      append_bytes(bytes, keyed_position(handle, frame - first_frame));
+      bytes += handle.held(frame) ? 'h' : 'f';
+    }
+    if (shot.colliders)
+      for (const Eigen::Isometry3d& pose : poses_at(*shot.colliders, frame - first_frame))
+        append_bytes(bytes, pose.matrix());
+  }
+  return hex(murmur(bytes));
+}
+
+/// Of each sheet its own hash and, where there are several, those of all.
+static std::vector<std::string> with_all(std::vector<std::string> hashes) {
+  std::string all;
+  for (const std::string& hash : hashes) all += hash;
+  if (hashes.size() > 1)
+    for (std::string& hash : hashes) hash = hex(murmur(hash + all));
+  return hashes;
+}
+
+BakePlan plan_bake(const BakeSettings& settings) {
+  BakePlan plan;
+  plan.name = settings.name.empty() ? settings.scene.stem().string() : settings.name;
+  polishing_of(settings);  // a contradiction is said before the scene is read
+  if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation &&
+      settings.method != "fem")
+    throw Error(Fault::command, "--formats pc2",
+                "A point cache has one mesh for the whole shot, and the simulated one changes.",
+                "Leave out --mesh simulation, or pc2.");
+  Scene scene = read_scene(settings.scene, settings.reading);
+  plan.warnings = scene.warnings;
+  plan.animation.fps = scene.fps;
+  plan.animation.elastic.stop = settings.stop;
+  plan.animation.elastic.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
+  plan.animation.probe_every = settings.probe_every;
+  plan.animation.memory = settings.method == "fem" ? Memory::none : Memory::plastic;
+  settle_frames(settings, scene, plan);
+  if (settings.preset)  // an unknown grade is an error even if no sheet were there to use it
+    read_preset(*settings.preset);
+
+  std::vector<UsedValue> of_sheets;
+  for (SceneSheet& sheet : scene.sheets) {
+    const ResolvedPaper resolved = resolve_paper(settings, sheet);
+    const bool by_sheet =
+        sheet.seed && (!settings.seed ||
+                       (settings.origin("seed") == Origin::job && sheet.overridden.count("seed")));
+    const unsigned seed = by_sheet ? *sheet.seed : settings.seed.value_or(0);
+    of_sheets.insert(of_sheets.end(), resolved.used.begin(), resolved.used.end());
+    of_sheets.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
+                         in_words(!by_sheet                        ? settings.origin("seed")
+                                  : sheet.overridden.count("seed") ? Origin::job
+                                                                   : Origin::scene)});
+    if (!sheet.pattern.folds.empty()) {
+      const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
+      of_sheets.push_back({"sheet." + toml_string(sheet.name) + ".crease",
+                           toml_creases(sheet.pattern.folds),
+                           fmt::format("{}", fmt::join(origins, ", "))});
+    }
+    plan.seeds.push_back(seed);
+    plan.presets.push_back(resolved.paper.name);
+    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
+    plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
+  }
+
+  settle_inertia(settings, scene, plan);
+  settle_polish(settings, plan);
+  note_used(settings, scene, plan);
+  plan.used.insert(plan.used.end(), of_sheets.begin(), of_sheets.end());
+
+  std::string job, values = PAPERBAKE_VERSION "\n", of_simulation = values;
+  for (const UsedValue& value : plan.used) {
+    const std::string line = value.key + " = " + value.value + "\n";
+    if (value.key != "scene.file") values += line;
+    if (!is_of_output(value.key)) of_simulation += line;
+  }
+  std::vector<std::string> simulated;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
+    plan.start_hash.push_back(hex(murmur(start_bytes(plan.shots[s], plan.seeds[s], values))));
+    simulated.push_back(hex(murmur(start_bytes(plan.shots[s], plan.seeds[s], of_simulation))));
+  }
+  plan.start_hash = with_all(std::move(plan.start_hash));
+  plan.simulation_hash = with_all(std::move(simulated)).front();
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
+    const Shot& shot = plan.shots[s];
+    std::string hash = plan.start_hash[s];
+    for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
+      hash = frame_input_hash(hash, plan.shots, f, plan.animation.first_frame);
+    job += hash;
+    for (ImpossiblePair& pair :
+         Reach(shot.pattern, shot.handles)
+             .impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
+      plan.impossible.push_back({shot.sheet_name, std::move(pair)});
+  }
+  plan.job_hash = hex(murmur(job));
+  if (settings.strict && !plan.impossible.empty()) {
+    const ImpossiblePair& pair = plan.impossible.front().pair;
+    throw Error(Fault::scene,
+                fmt::format("{}, handles \"{}\" and \"{}\", frames {}-{}", settings.scene.string(),
+                            pair.a, pair.b, pair.first, pair.last),
+                describe(plan.impossible.front()),
+                "Bring the handles closer together, or bake without --strict: then they are met as "
+                "far as paper can.");
+  }
+  return plan;
+}
+
+void simulate(const BakePlan& plan, const std::vector<AnimateOptions>& options, int threads,
+              const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  std::vector<AnimatedSheet> sheets;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s)
+    sheets.push_back({plan.shots[s], plan.methods[s], options[s]});
+  if (plan.polish.triangles == 0) return animate_together(sheets, on_frame);
+  // for velocities
+  const auto wanted = [&](int frame) {
+    return plan.frames.contains(frame - 1) || plan.frames.contains(frame) ||
+           plan.frames.contains(frame + 1);
+  };
+  animate_polished(sheets, {plan.polish.triangles, threads, wanted}, on_frame);
+}
+
+std::string lock_text(const BakePlan& plan) {
+  std::string text = "# Every value of this bake and, behind it, where it came from.\n";
+  text += fmt::format("program = \"paperbake\"\nversion = \"{}\"\njob_hash = \"{}\"\n",
+                      PAPERBAKE_VERSION, plan.job_hash);
+  std::string table;
+  for (const UsedValue& value : plan.used) {
+    const std::size_t dot = value.key.rfind('.');
+    if (value.key.substr(0, dot) != table)
+      text += fmt::format("\n[{}]\n", table = value.key.substr(0, dot));
+    text += fmt::format("{} = {}  # {}\n", value.key.substr(dot + 1), value.value, value.origin);
+  }
+  return text;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,194 @@
+#include "baker/output/checkpoints.h"
+
+#include "baker/output/file_hash.h"
+#include "core/model/serializer.h"
+#include "formats/cache/content_hash.h"
+#include "formats/files/atomic_file.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+
+namespace paperbake {
+
+namespace fs = std::filesystem;
+
+static void archive(Archive& a, HandleFrame& h) { a(h.state, h.keyed, h.at); }
+
+namespace {
+
+struct Checkpoint {
+  // program_key, BakePlan::simulation_hash, hash of the input up to the last frame
+  std::string program, start, input;
+  int first = 0, last = 0;
+  std::vector<std::string> frames;  // as Checkpoints::waiting_
+  std::vector<std::string> states;
+
+  void archive(Archive& a) {
+    std::string kind = "paperbake checkpoint";
+    a(kind, program, start, input, first, last, frames, states);
+  }
+};
+
+std::string seal_of(std::string_view bytes) { return hex(murmur(bytes)); }
+
+/// throws Error(Fault::scene): cut short, or not what was written
+Checkpoint read_checkpoint(const fs::path& path) {
+  const std::string bytes = read_whole_file(path).value_or("");
+  const std::size_t seal = seal_of("").size(), size = bytes.size() - std::min(bytes.size(), seal);
+  Archive a(std::string_view(bytes).substr(0, size));
+  a.demand(seal_of(std::string_view(bytes).substr(0, size)) ==
+           std::string_view(bytes).substr(size));
+  Checkpoint checkpoint;
+  a(checkpoint);
+  a.end();
+  return checkpoint;
+}
+
+/// All that is handed on of a sheet in a frame. mesh: of the frame before in the same checkpoint;
+/// its own afterwards
+void archive_frame(Archive& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
+  a(f.frame, f.of, f.handles, f.elastic_ms, f.geometry_ms, f.substeps, f.newton_iterations,
+    f.converged, f.energy, f.membrane_energy, f.plastic, f.plastic_curvature, f.contact, f.touching,
+    f.touching_others, f.new_singular, f.remesh, f.remesh_rise, f.parts.rulings, f.parts.region,
+    f.on_colliders, f.inside_colliders, f.note);
+  const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
+  bool as_before =
+      !a.reads() && same(now.pattern, mesh.pattern) && same(now.triangles, mesh.triangles);
+  a(as_before);
+  if (!as_before)
+    archive_mesh(a, now);
+  else if (a.reads())
+    now = mesh;
+  archive_moving(a, now);
+  mesh = now;
+}
+
+}  // namespace
+
+const std::string& program_key() {
+  static const std::string key = PAPERBAKE_VERSION " " + file_hash("/proc/self/exe");
+  return key;
+}
+
+Checkpoints::Checkpoints(fs::path folder, const BakePlan& plan, int every)
+    : folder_(std::move(folder)),
+      plan_(plan),
+      sheets_(plan.shots.size()),
+      every_(every),
+      first_frame_(plan.animation.first_frame),
+      kept_until_(first_frame_ - 1),
+      input_(plan.simulation_hash),
+      states_(sheets_) {}
+
+fs::path Checkpoints::file(int frames) const {
+  return folder_ / fmt::format("checkpoint.{:06}", frames);
+}
+
+/// In order; those that were being written when a bake ended, too.
+std::vector<fs::path> Checkpoints::files() const {
+  std::vector<fs::path> found;
+  const std::string begin = "checkpoint.";
+  for (const auto& entry : fs::directory_iterator(folder_))
+    if (const std::string name = entry.path().filename();
+        name.rfind(begin, 0) == 0 && name.find('.', begin.size()) >= begin.size() + 6)
+      found.push_back(entry.path());
+  std::sort(found.begin(), found.end());
+  return found;
+}
+
+std::string Checkpoints::input_of(int frame) const {
+  return frame_input_hash(input_, plan_.shots, frame, first_frame_);
+}
+
+Checkpoints::GoOn Checkpoints::take(const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  GoOn go_on{kept_until_, {}, ""};
+  const int last_wanted = plan_.animation.last_frame;
+  for (const fs::path& path : files()) {
+    if (path.extension() == ".part") continue;
+    const std::string input_before = input_;
+    try {
+      Checkpoint checkpoint = read_checkpoint(path);
+      if (checkpoint.program != program_key() || checkpoint.start != plan_.simulation_hash ||
+          checkpoint.first != kept_until_ + 1)
+        break;
+      const std::size_t count = checkpoint.frames.size();
+      Archive().demand(count > 0 && count == sheets_ * (checkpoint.last - kept_until_) &&
+                       checkpoint.states.size() == sheets_);
+      for (int f = checkpoint.first; f <= checkpoint.last; ++f) input_ = input_of(f);
+      if (checkpoint.input != input_) {
+        input_ = input_before;
+        break;
+      }
+      std::vector<std::pair<AnimatedFrame, Sheet>> kept(count);
+      std::vector<Sheet> meshes(sheets_);
+      for (std::size_t k = 0; k < count; ++k) {
+        auto& [frame, sheet] = kept[k];
+        const std::size_t of = k % sheets_;
+        Archive a(checkpoint.frames[k]);
+        archive_frame(a, frame, sheet, meshes[of]);
+        a.end();
+        a.demand(frame.frame == checkpoint.first + static_cast<int>(k / sheets_) &&
+                 frame.of == of && frame.handles.size() == plan_.shots[of].handles.size());
+        a.demand(frame.plastic_curvature.rows() == 0 ||
+                 frame.plastic_curvature.rows() == sheet.x.rows());
+        a.demand(frame.parts.region.empty() ||
+                 static_cast<long>(frame.parts.region.size()) == sheet.triangles.rows());
+      }
+      kept_until_ = checkpoint.last;
+      go_on.states = std::move(checkpoint.states);
+      for (auto& [frame, sheet] : kept) {
+        if (frame.frame > last_wanted) break;
+        frame.sheet = &sheet;
+        go_on.last_frame = frame.frame;
+        if (!on_frame(frame)) return go_on;
+      }
+    } catch (const std::exception&) {  // of a file that is none, too
+      input_ = input_before;
+      go_on.damaged = fmt::format("{} is damaged: the frames after {} are simulated again.",
+                                  path.string(), kept_until_);
+      break;
+    }
+    if (kept_until_ >= last_wanted) break;
+  }
+  return go_on;
+}
+
+void Checkpoints::add(const AnimatedFrame& frame) {
+  if (!begun_) {  // what comes after this frame is no longer what comes after it
+    std::error_code none;
+    for (const fs::path& old : files())
+      if (old.filename() > file(kept_until_ - first_frame_ + 1).filename()) fs::remove(old, none);
+    begun_ = true;
+  }
+  AnimatedFrame copy = frame;
+  Sheet sheet = *frame.sheet;
+  if (waiting_.empty()) meshes_.assign(sheets_, {});
+  Archive a;
+  archive_frame(a, copy, sheet, meshes_[frame.of]);
+  waiting_.push_back(a.bytes());
+  states_[frame.of] = frame.state;
+  if (frame.of + 1 < sheets_) return;
+  input_ = input_of(frame.frame);
+  if ((frame.frame - first_frame_ + 1) % every_ == 0 || frame.frame == plan_.animation.last_frame)
+    keep(frame.frame);
+}
+
+void Checkpoints::keep(int frame) {
+  if (waiting_.empty()) return;
+  Checkpoint checkpoint{program_key(), plan_.simulation_hash, input_, kept_until_ + 1,
+                        frame,         std::move(waiting_),   {}};
+  for (const auto& state : states_) checkpoint.states.push_back(state());
+  Archive a;
+  a(checkpoint);
+  try {
+    write_whole_file(file(frame - first_frame_ + 1), a.bytes() + seal_of(a.bytes()));
+    kept_until_ = frame;
+    failure_.clear();
+    waiting_.clear();
+  } catch (const Error& error) {
+    failure_ = error.cause;
+    waiting_ = std::move(checkpoint.frames);
+  }
+}
+
+}  // namespace paperbake

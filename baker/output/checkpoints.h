@@ -1,0 +1,62 @@
+#pragma once
+
+#include "baker/job/plan.h"
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// The program that is running, to its last byte: its version alone would let a state pass to code
+/// that another compiler has made.
+const std::string& program_key();
+
+/// What a bake keeps for a later one, in `.state/`. checkpoint.N holds the frames of all sheets
+/// since the checkpoint before it and what the frame after the N-th comes from; it appears whole or
+/// not at all. The program, what the simulation depends on and the input of all frames so far stand
+/// at its head: one that does not go on from the one before it is none.
+class Checkpoints {
+ public:
+  /// every  frames there is one, and after the last
+  Checkpoints(std::filesystem::path folder, const BakePlan&, int every);
+
+  struct GoOn {
+    int last_frame;                   // taken; one less than the first of the shot: none was
+    std::vector<std::string> states;  // of each sheet: AnimateOptions::go_on_from
+    std::string damaged;  // a sentence about a checkpoint that is not used; empty: there is none
+  };
+  /// Hands on the frames of earlier bakes that would be simulated alike, until on_frame returns
+  /// false. To be called first, if at all.
+  GoOn take(const std::function<bool(const AnimatedFrame&)>& on_frame);
+
+  /// The next sheet of a frame as it was simulated; after the last one, where it is due, a
+  /// checkpoint is kept.
+  void add(const AnimatedFrame&);
+  /// Keeps one after this frame, of which all sheets were added last.
+  void keep(int frame);
+
+  /// Why the last one could not be written; empty: it was. Its frames are part of the next one.
+  const std::string& failure() const { return failure_; }
+
+ private:
+  std::filesystem::path file(int frames) const;
+  std::vector<std::filesystem::path> files() const;
+  std::string input_of(int frame) const;
+
+  std::filesystem::path folder_;
+  const BakePlan& plan_;
+  std::size_t sheets_;
+  int every_;
+  int first_frame_, kept_until_;      // kept_until_: last frame in a checkpoint
+  std::string input_;                 // hash of all frames so far
+  std::vector<std::string> waiting_;  // frames since, as bytes, and of each frame the sheets
+  std::vector<Sheet> meshes_;         // of the last of them
+  std::vector<std::function<std::string()>> states_;  // after it
+  bool begun_ = false;                                // older ones are gone
+  std::string failure_;
+};
+
+}  // namespace paperbake

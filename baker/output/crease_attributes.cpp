@@ -1,0 +1,90 @@
+#include "baker/output/crease_attributes.h"
+
+#include "core/geometry/curvature.h"
+#include "formats/maps/fold_width.h"
+
+#include <cmath>
+#include <limits>
+
+namespace paperbake {
+namespace {
+
+Eigen::VectorXd rounded(const Eigen::VectorXd& values, double steps) {
+  return (values * steps).array().round() / steps;
+}
+
+/// Signed turn of the tensors of a simulated mesh, interpolated to some places of it. [rad]
+Eigen::VectorXd turns_at(const std::vector<Place>& places, const Triangles& triangles,
+                         const Points3& tensors) {
+  Eigen::VectorXd turns(places.size());
+  for (std::size_t v = 0; v < places.size(); ++v) {
+    const Vector3d t = interpolate(places[v], triangles, tensors);
+    turns[v] = larger_principal(t[0], t[1], t[2]);
+  }
+  return turns;
+}
+
+}  // namespace
+
+DamageLayers::DamageLayers(const Shot& shot, double fold_width, double fps)
+    : diagonal_(extent(shot.pattern).norm()), fold_width_(fold_width), fps_(fps) {}
+
+void DamageLayers::add(const AnimatedFrame& frame) {
+  const Sheet& sheet = *frame.sheet;
+  const Points3 curvature = vertex_curvature(sheet);
+  const Eigen::VectorXd width = fold_widths(sheet, curvature, fold_width_);
+  folds_.push_back(
+      {folds_of(curvature, width),
+       frame.plastic_curvature.rows() > 0 ? folds_of(frame.plastic_curvature, width) : Points3(),
+       sheet.singular.size()});
+  singular_ = sheet.singular;  // it only grows
+}
+
+DamageLayers::Turns DamageLayers::turns(std::size_t k, const ShotRecord& record,
+                                        const Points2& pattern) {
+  const RecordedFrame& frame = record.frames()[k];
+  const ShotRecord::Mesh& mesh = record.meshes()[frame.mesh];
+  if (frame.mesh != mesh_) {
+    const Locator locator(mesh.pattern, mesh.triangles);
+    places_.clear();
+    for (Eigen::Index v = 0; v < pattern.rows(); ++v)
+      places_.push_back(locator.locate(pattern.row(v)));
+    mesh_ = frame.mesh;
+  }
+  Turns found;
+  found.now = turns_at(places_, mesh.triangles, folds_[k].now);
+  if (folds_[k].plastic.rows() > 0)
+    found.plastic = turns_at(places_, mesh.triangles, folds_[k].plastic);
+  return found;
+}
+
+std::vector<CacheLayer> DamageLayers::at(std::size_t k, const ShotRecord& record,
+                                         const Points2& pattern) {
+  if (next_ == 0) peak_ = Eigen::VectorXd::Zero(pattern.rows());
+  Turns shown;
+  for (; next_ <= k; ++next_) {
+    shown = turns(next_, record, pattern);
+    peak_ = (shown.now.array().abs() > peak_.array().abs()).select(shown.now, peak_);
+  }
+  Eigen::VectorXd distance = Eigen::VectorXd::Constant(pattern.rows(), diagonal_),
+                  age = Eigen::VectorXd::Constant(pattern.rows(), -1);
+  for (Eigen::Index v = 0; v < pattern.rows(); ++v) {
+    double nearest = std::numeric_limits<double>::max();
+    for (std::size_t s = 0; s < folds_[k].singular; ++s) {
+      const double d = (singular_[s].pattern - pattern.row(v).transpose()).squaredNorm();
+      if (d >= nearest) continue;
+      nearest = d;
+      distance[v] = std::sqrt(d);
+      age[v] = (record.frames()[k].frame - singular_[s].frame_of_birth) / fps_;
+    }
+  }
+  std::vector<CacheLayer> layers{{"foldAngle", rounded(shown.now, 1e4)},
+                                 {"foldPeak", rounded(peak_, 1e4)},
+                                 {"apexDistance", rounded(distance, 1e5)},
+                                 {"apexAge", rounded(age, 1e4)}};
+  if (shown.plastic.size() > 0)
+    layers.insert(layers.begin() + 1, {"foldPlastic", rounded(shown.plastic, 1e4)});
+  return layers;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,117 @@
+#include "baker/output/progress.h"
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+#include <unistd.h>
+
+namespace paperbake {
+namespace {
+
+std::string clock_text(double seconds) {
+  const int s = static_cast<int>(seconds + 0.5);
+  return s < 3600 ? fmt::format("{}:{:02}", s / 60, s % 60)
+                  : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
+}
+
+}  // namespace
+
+Progress::Progress(ProgressMode mode, int frames, Passes passes)
+    : frames_(frames), passes_(passes), last_(std::chrono::steady_clock::now()) {
+  switch (mode) {
+    case ProgressMode::automatic:
+      style_ = isatty(STDERR_FILENO) ? Style::bar : Style::plain;
+      break;
+    case ProgressMode::plain:
+      style_ = Style::plain;
+      break;
+    case ProgressMode::json:
+      style_ = Style::json;
+      break;
+    case ProgressMode::none:
+      style_ = Style::none;
+      break;
+  }
+}
+
+Progress::~Progress() {
+  if (bar_open_) fmt::print(stderr, "\n");
+}
+
+void Progress::simulated(const FrameRecord& record) {
+  const auto taken = taken_.find(record.sheet);
+  if (taken == taken_.end() || record.frame > taken->second)
+    return frame(simulate_, record, record.stretch_mean_pct, record.triangles);
+  ++simulate_.done, ++simulate_.taken;
+  last_ = std::chrono::steady_clock::now();
+}
+
+void Progress::taken(const std::string& sheet, int last_frame) { taken_[sheet] = last_frame; }
+
+void Progress::rendered(const FrameRecord& record) {
+  frame(render_, record, record.render->stretch_mean_pct, record.render->triangles);
+}
+
+/// A pass that has not begun is not counted: what it will take is not known.
+double Progress::seconds_left() const {
+  double left = 0;
+  for (const Pass* pass : {&simulate_, &render_})
+    if (pass->done > pass->taken)
+      left += pass->seconds / (pass->done - pass->taken) * (frames_ - pass->done);
+  return left;
+}
+
+void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean_pct,
+                     int triangles) {
+  ++pass.done;
+  const auto now = std::chrono::steady_clock::now();
+  pass.seconds += std::chrono::duration<double>(now - last_).count();
+  last_ = now;
+  const int steps = passes_ == Passes::simulate ? frames_ : 2 * frames_;
+  switch (style_) {
+    case Style::none:
+      return;
+    case Style::bar: {
+      constexpr int width = 30;
+      const int full = width * (simulate_.done + render_.done) / std::max(1, steps);
+      fmt::print(stderr, "\r[{:=<{}}{: <{}}] {} frame {}  {} left  c_m {:.4f} %  {} triangles ", "",
+                 full, "", width - full, pass.name, record.frame, clock_text(seconds_left()),
+                 stretch_mean_pct, triangles);
+      std::fflush(stderr);
+      bar_open_ = true;
+      return;
+    }
+    case Style::plain:
+      fmt::print(
+          stderr,
+          "{} {} frame {} ({}/{})  {} left  c_m {:.4f} %  {} triangles  {} singular points\n",
+          record.sheet, pass.name, record.frame, pass.done, frames_, clock_text(seconds_left()),
+          stretch_mean_pct, triangles, record.singular);
+      return;
+    case Style::json:
+      fmt::print(stderr, "{}\n",
+                 nlohmann::ordered_json{{"sheet", record.sheet},
+                                        {"frame", record.frame},
+                                        {"pass", pass.name},
+                                        {"done", pass.done},
+                                        {"frames", frames_},
+                                        {"seconds_left", seconds_left()},
+                                        {"stretch_mean_pct", stretch_mean_pct},
+                                        {"triangles", triangles},
+                                        {"singular", record.singular}}
+                     .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+      return;
+  }
+}
+
+void Progress::say(const std::string& sentence) {
+  if (style_ == Style::none) return;
+  if (style_ == Style::json) {
+    fmt::print(stderr, "{}\n", nlohmann::json{{"message", sentence}}.dump());
+    return;
+  }
+  if (bar_open_) fmt::print(stderr, "\n");
+  bar_open_ = false;
+  fmt::print(stderr, "{}\n", sentence);
+}
+
+}  // namespace paperbake

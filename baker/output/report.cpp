@@ -1,0 +1,184 @@
+#include "baker/output/report.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <functional>
+#include <nlohmann/json.hpp>
+
+// The parts of the page, as they lie in the source tree and in Debian's libjs-three and
+// libjs-chart.js, with a zero behind each.
+#define EMBED(symbol, file)                                 \
+  asm(".pushsection .rodata\n.global " #symbol "\n" #symbol \
+      ":\n"                                                 \
+      ".incbin \"" file "\"\n.byte 0\n.popsection\n");      \
+  extern "C" const char symbol[]
+EMBED(paperbake_report_page, PAPERBAKE_REPORT_PAGE);
+EMBED(paperbake_report_three, PAPERBAKE_REPORT_THREE);
+EMBED(paperbake_report_orbit, PAPERBAKE_REPORT_ORBIT);
+EMBED(paperbake_report_chart, PAPERBAKE_REPORT_CHART);
+#undef EMBED
+
+namespace paperbake {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+std::string base64(std::string_view bytes) {
+  constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+  std::string text;
+  text.reserve((bytes.size() + 2) / 3 * 4);
+  for (std::size_t i = 0; i < bytes.size(); i += 3) {
+    const auto byte = [&](std::size_t k) {
+      return k < bytes.size() ? std::uint32_t(static_cast<unsigned char>(bytes[k])) : 0u;
+    };
+    const std::uint32_t three = byte(i) << 16 | byte(i + 1) << 8 | byte(i + 2);
+    for (int k = 0; k < 4; ++k)
+      text += i + k <= bytes.size() ? digits[three >> (18 - 6 * k) & 63] : '=';
+  }
+  return text;
+}
+
+template <class Values>
+std::string base64_of(const Values& values) {
+  return base64(
+      {reinterpret_cast<const char*>(values.data()), values.size() * sizeof *values.data()});
+}
+
+void replace(std::string& page, std::string_view mark, std::string_view text) {
+  page.replace(page.find(mark), mark.size(), text);
+}
+
+/// One number of every frame; of several sheets the sum or the worst.
+struct Line {
+  const char* name;
+  std::function<double(const FrameRecord&)> value;
+  bool sum;
+};
+struct Curve {
+  const char* unit;
+  bool stepped;
+  std::vector<Line> lines;
+};
+
+std::vector<Curve> curves() {
+  return {
+      {"%", false, {{"c_m", [](const FrameRecord& r) { return r.stretch_mean_pct; }, false}}},
+      {"%", false, {{"worst edge", [](const FrameRecord& r) { return r.stretch_max_pct; }, false}}},
+      {"",
+       true,
+       {{"triangles simulated", [](const FrameRecord& r) { return double(r.triangles); }, true}}},
+      {"ms",
+       false,
+       {{"elastic", [](const FrameRecord& r) { return r.elastic_ms; }, true},
+        {"geometry", [](const FrameRecord& r) { return r.geometry_ms; }, true}}},
+      {"",
+       true,
+       {{"singular points", [](const FrameRecord& r) { return double(r.singular); }, true}}},
+      {"mm",
+       false,
+       {{"worst handle", [](const FrameRecord& r) { return r.handle_err_max_mm; }, false}}}};
+}
+
+}  // namespace
+
+Report::Report(const BakePlan& plan, std::size_t frames)
+    : plan_(plan), frames_(frames), sheets_(plan.shots.size()) {}
+
+void Report::add_frame(std::size_t number, const CacheFrame& frame) {
+  constexpr double most_bytes = 8e6;  // of positions, before base64 makes a third more of them
+  ShownSheet& sheet = sheets_.at(number);
+  if (number == 0 && sheet.given == 0) {
+    const double all = 6.0 * frame.x.rows() * frames_ * sheets_.size();
+    stride_ = static_cast<std::size_t>(std::max(1.0, std::ceil(all / most_bytes)));
+  }
+  if (sheet.given++ % stride_ != 0) return;
+  if (sheet.meshes.empty() || sheet.meshes.back().rows() != frame.triangles.rows() ||
+      sheet.meshes.back() != frame.triangles)
+    sheet.meshes.push_back(frame.triangles);
+  sheet.frames.push_back({sheet.meshes.size() - 1, frame.x.cast<float>()});
+}
+
+void Report::add_map(const std::string& caption, const std::string& png) {
+  maps_.push_back({caption, png});
+}
+
+std::string Report::html(const std::vector<FrameRecord>& records,
+                         const std::vector<std::string>& missed) const {
+  Json data{{"name", plan_.name},
+            {"missed", missed},
+            {"stride", stride_},
+            {"seconds_a_frame", plan_.frames.step / plan_.animation.fps}};
+  std::vector<int> frames;
+  for (const FrameRecord& r : records)
+    if (frames.empty() || frames.back() != r.frame) frames.push_back(r.frame);
+  data["frames"] = frames;
+  data["what"] =
+      frames.empty()
+          ? ""
+          : fmt::format("{}, frames {}-{} at {:g} fps, paperbake " PAPERBAKE_VERSION, plan_.method,
+                        frames.front(), frames.back(), plan_.animation.fps);
+  data["settings"] = Json::array();
+  for (const UsedValue& value : plan_.used)
+    data["settings"].push_back({value.key, value.value, value.origin});
+
+  data["curves"] = Json::array();
+  for (const Curve& curve : curves()) {
+    Json lines = Json::array();
+    for (const Line& line : curve.lines) {
+      std::map<int, double> by_frame;
+      for (const FrameRecord& r : records) {
+        double& value = by_frame[r.frame];
+        value = line.sum ? value + line.value(r) : std::max(value, line.value(r));
+      }
+      Json values = Json::array();
+      for (const auto& [frame, value] : by_frame) values.push_back(value);
+      lines.push_back({{"name", line.name}, {"values", values}});
+    }
+    data["curves"].push_back({{"unit", curve.unit}, {"stepped", curve.stepped}, {"lines", lines}});
+  }
+
+  data["sheets"] = Json::array();
+  for (const ShownSheet& sheet : sheets_) {
+    if (sheet.frames.empty()) continue;
+    Eigen::RowVector3f low = sheet.frames.front().x.colwise().minCoeff(), high = low;
+    for (const ShownFrame& frame : sheet.frames) {
+      low = low.cwiseMin(frame.x.colwise().minCoeff());
+      high = high.cwiseMax(frame.x.colwise().maxCoeff());
+    }
+    Json meshes = Json::array(), shown = Json::array();
+    for (const Triangles& triangles : sheet.meshes)
+      meshes.push_back(base64_of(Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>(
+          triangles.cast<std::uint32_t>())));
+    const Eigen::RowVector3f span = (high - low).cwiseMax(1e-9f);
+    for (const ShownFrame& frame : sheet.frames) {
+      const Floats3 share =
+          ((frame.x.rowwise() - low).array().rowwise() / span.array() * 65535.0f).round();
+      shown.push_back(
+          {{"mesh", frame.mesh},
+           {"x", base64_of(Eigen::Matrix<std::uint16_t, Eigen::Dynamic, 3, Eigen::RowMajor>(
+                     share.cast<std::uint16_t>()))}});
+    }
+    data["sheets"].push_back(
+        {{"low", {low.x(), low.y(), low.z()}},
+         {"high", {low.x() + span.x(), low.y() + span.y(), low.z() + span.z()}},
+         {"meshes", meshes},
+         {"frames", shown}});
+  }
+  data["maps"] = Json::array();
+  for (const Picture& picture : maps_)
+    data["maps"].push_back({{"caption", picture.caption}, {"png", base64(picture.png)}});
+
+  std::string json = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  // a name must not end the script
+  for (std::size_t at = 0; (at = json.find("</", at)) != std::string::npos; at += 3)
+    json.replace(at, 2, "<\\/");
+  std::string page = paperbake_report_page;
+  // from the end, so that no mark inside a part is taken for one
+  replace(page, "@CHART@", paperbake_report_chart);
+  replace(page, "@ORBIT@", paperbake_report_orbit);
+  replace(page, "@THREE@", paperbake_report_three);
+  replace(page, "@DATA@", json);
+  return page;
+}
+
+}  // namespace paperbake

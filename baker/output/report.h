@@ -1,0 +1,54 @@
+#pragma once
+
+#include "baker/job/plan.h"
+#include "formats/cache/alembic_cache.h"
+#include "formats/files/certificate.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// report.html: one page that opens from disk in any browser, with everything in it. The animation
+/// in 3D to scrub and orbit, curves over time, the maps at the end, the settings. Positions are
+/// kept in 16 bits (1/65,535 of the room the sheet takes); a shot of so many vertices that the page
+/// would be larger than about 12 MB is shown in fewer frames.
+class Report {
+ public:
+  /// frames  that will be added of each sheet
+  Report(const BakePlan&, std::size_t frames);
+
+  /// The next frame of a sheet as it is in the cache.
+  void add_frame(std::size_t sheet, const CacheFrame&);
+
+  /// A picture for the page. png: the bytes of a file
+  void add_map(const std::string& caption, const std::string& png);
+
+  /// records  of all frames and sheets, frame by frame
+  std::string html(const std::vector<FrameRecord>& records,
+                   const std::vector<std::string>& missed) const;
+
+ private:
+  using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  struct ShownFrame {
+    std::size_t mesh;
+    Floats3 x;
+  };
+  struct ShownSheet {
+    std::vector<Triangles> meshes;
+    std::vector<ShownFrame> frames;
+    std::size_t given = 0;
+  };
+  struct Picture {
+    std::string caption, png;
+  };
+
+  const BakePlan& plan_;
+  std::size_t frames_, stride_ = 1;
+  std::vector<ShownSheet> sheets_;
+  std::vector<Picture> maps_;
+};
+
+}  // namespace paperbake

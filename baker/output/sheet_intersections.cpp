@@ -1,0 +1,23 @@
+#include "baker/output/sheet_intersections.h"
+
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+
+namespace paperbake {
+
+static Eigen::AlignedBox3d box_of(const Points3& x) {
+  return {Vector3d(x.colwise().minCoeff()), Vector3d(x.colwise().maxCoeff())};
+}
+
+int SheetsTogether::add(int frame, const Sheet& sheet) {
+  int count = 0;
+  std::vector<Placed>& placed = placed_[frame];
+  const Eigen::AlignedBox3d here = box_of(sheet.x);
+  for (const Placed& other : placed)
+    if (here.intersects(box_of(other.x)))
+      count += crossings_between(sheet, Sheet{{}, other.x, {}, other.triangles, {}});
+  placed.push_back({sheet.x, sheet.triangles});
+  return count;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,59 @@
+#include "baker/output/stale_files.h"
+
+#include "baker/output/file_hash.h"
+#include "formats/files/atomic_file.h"
+
+#include <algorithm>
+#include <fstream>
+#include <map>
+#include <string>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// Path, relative to the folder, and key.
+std::map<std::string, std::string> read_list(const fs::path& list) {
+  std::map<std::string, std::string> files;
+  std::ifstream stream(list);
+  for (std::string key, path; stream >> key && std::getline(stream.ignore(), path);)
+    files[path] = key;
+  return files;
+}
+
+}  // namespace
+
+bool are_as_written(const fs::path& folder) {
+  const auto files = read_list(folder / ".state" / "written");
+  const auto whole = [&](const auto& file) {
+    std::error_code none;
+    return fs::is_regular_file(folder / file.first, none) &&
+           file_hash(folder / file.first) == file.second;
+  };
+  return !files.empty() && std::all_of(files.begin(), files.end(), whole);
+}
+
+void replace_earlier(const fs::path& folder, const std::vector<fs::path>& written,
+                     Earlier earlier) {
+  const fs::path base = fs::absolute(folder).lexically_normal(), list = base / ".state" / "written";
+  std::map<std::string, std::string> files;
+  for (const fs::path& path : written)
+    files[fs::absolute(path).lexically_normal().lexically_relative(base).generic_string()] =
+        file_hash(path);
+  for (const auto& [path, key] : read_list(list)) {
+    std::error_code none;
+    if (files.count(path) || !fs::is_regular_file(base / path, none) ||
+        file_hash(base / path) != key)
+      continue;
+    if (earlier == Earlier::removed)
+      fs::remove(base / path, none);
+    else
+      files[path] = key;
+  }
+  std::string text;
+  for (const auto& [path, key] : files) text += key + " " + path + "\n";
+  write_whole_file(list, text);
+}
+
+}  // namespace paperbake

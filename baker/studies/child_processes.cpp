@@ -1,0 +1,105 @@
+#include "baker/studies/child_processes.h"
+
+#include "core/model/error.h"
+
+#include <cerrno>
+#include <csignal>
+#include <cstdlib>
+#include <cstring>
+#include <fcntl.h>
+#include <map>
+#include <sys/prctl.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace paperbake {
+namespace {
+
+/// The signals that run_children waits for, blocked while it lives.
+class BlockedSignals {
+ public:
+  BlockedSignals() {
+    sigemptyset(&set_);
+    for (const int signal : {SIGCHLD, SIGINT, SIGTERM}) sigaddset(&set_, signal);
+    sigprocmask(SIG_BLOCK, &set_, &before_);
+  }
+  ~BlockedSignals() { restore(); }
+  void restore() const { sigprocmask(SIG_SETMASK, &before_, nullptr); }
+  int wait() const {
+    int signal = 0;
+    sigwait(&set_, &signal);
+    return signal;
+  }
+
+ private:
+  sigset_t set_, before_;
+};
+
+pid_t start(const std::string& program, const Child& child, const BlockedSignals& signals) {
+  std::vector<char*> words{const_cast<char*>(program.c_str())};
+  for (const std::string& word : child.words) words.push_back(const_cast<char*>(word.c_str()));
+  words.push_back(nullptr);
+  const pid_t parent = getpid(), pid = fork();
+  if (pid < 0)
+    throw Error(Fault::folder, program,
+                std::string("It cannot be started: ") + std::strerror(errno) + ".",
+                "Ask for fewer at a time with --jobs.");
+  if (pid > 0) return pid;
+  prctl(PR_SET_PDEATHSIG, SIGTERM);
+  if (getppid() != parent) _exit(128 + SIGTERM);
+  signals.restore();
+  // a bake uses no more, and the others would spin for a while
+  setenv("OPENBLAS_NUM_THREADS", "1", 1);
+  const int log = open(child.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666),
+            nothing = open("/dev/null", O_RDONLY);
+  dup2(nothing, STDIN_FILENO);
+  dup2(log, STDOUT_FILENO);
+  dup2(log, STDERR_FILENO);
+  execv(program.c_str(), words.data());
+  _exit(127);
+}
+
+}  // namespace
+
+std::filesystem::path this_program() {
+  std::error_code failed;
+  const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
+  if (failed)
+    throw Error(Fault::folder, "/proc/self/exe",
+                "The system does not tell where this program lies: " + failed.message() + ".");
+  return program;
+}
+
+bool run_children(const std::vector<Child>& children, int most,
+                  const std::function<void(std::size_t, int)>& ended) {
+  const std::string program = this_program();
+  const BlockedSignals signals;
+  std::map<pid_t, std::size_t> running;
+  std::size_t next = 0;
+  bool interrupted = false;
+  while (!running.empty() || (next < children.size() && !interrupted)) {
+    for (; next < children.size() && static_cast<int>(running.size()) < most && !interrupted;
+         ++next)
+      running[start(program, children[next], signals)] = next;
+    if (signals.wait() != SIGCHLD) {
+      interrupted = true;
+      for (const auto& [pid, number] : running) kill(pid, SIGTERM);
+      continue;
+    }
+    // one signal may stand for several ends
+    for (auto at = running.begin(); at != running.end();) {
+      int status = 0;
+      if (waitpid(at->first, &status, WNOHANG) != at->first) {
+        ++at;
+        continue;
+      }
+      const std::size_t number = at->second;
+      at = running.erase(at);
+      if (!interrupted)
+        ended(number, WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status));
+    }
+  }
+  return interrupted;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,82 @@
+#include "baker/studies/fit_command.h"
+
+#include "baker/studies/first_point_experiment.h"
+#include "baker/studies/fit.h"
+#include "core/model/error.h"
+#include "formats/config/preset_file.h"
+#include "formats/files/atomic_file.h"
+#include "formats/files/raster_image.h"
+
+#include <fmt/format.h>
+
+namespace paperbake {
+namespace {
+
+void say_on_stderr(const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); }
+
+constexpr unsigned other_sheets = 1000001;  // seeds that --experiment does not come to
+
+std::filesystem::path picture_beside(const std::filesystem::path& file, const char* extension) {
+  auto picture = file;
+  picture.replace_extension(".png");
+  if (picture == file)
+    throw Error(Fault::command, "-o " + file.string(),
+                "The picture beside it would have the same name.",
+                fmt::format("Write -o NAME{}.", extension));
+  return picture;
+}
+
+int run_experiment(const FitWords& words) {
+  const Paper paper = read_preset(*words.experiment).paper;
+  const auto picture = picture_beside(words.output, ".csv");
+  write_whole_file(words.output, scatter_csv({}));  // known to be writable before the work begins
+  const std::vector<FirstPoint> points = push_sheets(paper, words.sheets, 1, say_on_stderr);
+  const Scatter scatter = scatter_of(points);
+  fmt::print(stderr,
+             "{} of {} sheets: mean ({:.2f}, {:.2f}) mm, deviation {:.2f} mm; apex_scatter of {}: "
+             "{:.2f} mm\n",
+             points.size(), words.sheets, 1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(),
+             1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter);
+  write_whole_file(words.output, scatter_csv(points));
+  write_png(picture, scatter_picture(paper, points));
+  fmt::print("{}\n{}\n", words.output.string(), picture.string());
+  return 0;
+}
+
+}  // namespace
+
+int run_fit(const FitWords& words) {
+  if (words.experiment) return run_experiment(words);
+  if (!words.scatter || !words.from)
+    throw Error(Fault::command, "fit", "There is nothing to fit.",
+                "paperbake fit SCATTER.csv --from copy70 -o my.toml fits a grade; --experiment "
+                "copy70 --sheets 20 -o scatter.csv repeats the experiment.");
+  const Preset from = read_preset(*words.from);
+  const auto picture = picture_beside(words.output, ".toml");
+  const std::vector<Vector2d> measured = read_scatter(*words.scatter);
+  Paper unscattered = from.paper;
+  unscattered.apex_scatter = 0;
+  const ScatterFit fit =
+      fit_scatter(measured, push_sheets(unscattered, 1, 1, say_on_stderr).front().pattern);
+  const Preset fitted =
+      with_scatter(from, words.output.stem().string(), fit, words.scatter->filename().string());
+  std::vector<Vector2d> simulated;
+  for (const FirstPoint& p : push_sheets(fitted.paper, words.sheets, other_sheets, say_on_stderr))
+    simulated.push_back(p.pattern);
+  const TwoSamples test = compare_samples(measured, simulated);
+  fmt::print(stderr,
+             "{} points: deviation {:.2f} mm [{:.2f}, {:.2f}], likeliest {:.2f}; off the law's "
+             "mean by u {:.2f} mm [{:.2f}, {:.2f}], v {:.2f} mm [{:.2f}, {:.2f}] (95 %)\n"
+             "{} simulated sheets of the fitted grade: energy distance {:.3f} mm, p = {:.3f}{}\n",
+             fit.points, 1e3 * fit.deviation, 1e3 * fit.deviation_within.low,
+             1e3 * fit.deviation_within.high, 1e3 * fit.likeliest, 1e3 * fit.offset.x(),
+             1e3 * fit.offset_u.low, 1e3 * fit.offset_u.high, 1e3 * fit.offset.y(),
+             1e3 * fit.offset_v.low, 1e3 * fit.offset_v.high, simulated.size(), 1e3 * test.energy,
+             test.p, test.p < 0.05 ? ": they do not scatter like the measured ones" : "");
+  write_whole_file(words.output, preset_text(fitted));
+  write_png(picture, fit_picture(fitted, measured, simulated, fit));
+  fmt::print("{}\n{}\n", words.output.string(), picture.string());
+  return 0;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,59 @@
+#include "baker/studies/slurm.h"
+
+#include "baker/studies/child_processes.h"
+#include "core/model/error.h"
+
+#include <cerrno>
+#include <cstring>
+#include <fmt/format.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace paperbake {
+namespace {
+
+/// One word of a shell, whatever is in it.
+std::string quoted(const std::string& word) {
+  std::string text = "'";
+  for (const char c : word) text += c == '\'' ? std::string("'\\''") : std::string(1, c);
+  return text + "'";
+}
+
+}  // namespace
+
+std::string slurm_script(const std::vector<std::string>& words, int count, int threads,
+                         const std::filesystem::path& logs) {
+  std::string command = quoted(this_program().string());
+  for (const std::string& word : words) command += " " + quoted(word);
+  return fmt::format(
+      "#!/bin/bash\n#SBATCH --job-name=paperbake\n#SBATCH --array=1-{}\n#SBATCH "
+      "--ntasks=1\n#SBATCH --cpus-per-task={}\n#SBATCH --requeue\n"
+      "#SBATCH --output=\"{}/slurm.%a.log\"\ncd {} || exit\nexec {} --index "
+      "\"$SLURM_ARRAY_TASK_ID\"\n",
+      count, threads, std::filesystem::absolute(logs).string(),
+      quoted(std::filesystem::current_path().string()), command);
+}
+
+void submit_to_slurm(const std::filesystem::path& script) {
+  const std::string file = script.string();
+  const char* words[] = {"sbatch", file.c_str(), nullptr};
+  pid_t child = 0;
+  const int failed =
+      posix_spawnp(&child, words[0], nullptr, nullptr, const_cast<char**>(words), environ);
+  if (failed)
+    throw Error(
+        Fault::command, "--submit slurm",
+        fmt::format("sbatch cannot be started here: {}.", std::strerror(failed)),
+        fmt::format("The script is written: run sbatch {} where Slurm is (Debian: slurm-wlm).",
+                    file));
+  int status = 0;
+  while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
+    throw Error(Fault::command, "--submit slurm",
+                "sbatch did not take the job; what it said stands above.",
+                fmt::format("The script is written: {}.", file));
+}
+
+}  // namespace paperbake

@@ -1,0 +1,306 @@
+#include "baker/studies/wedge.h"
+
+#include "baker/bake/bake.h"
+#include "baker/check/verify.h"
+#include "baker/job/options.h"
+#include "baker/output/output_folder.h"
+#include "baker/output/preview.h"
+#include "core/model/error.h"
+#include "formats/cache/alembic_reader.h"
+#include "formats/cache/content_hash.h"
+#include "formats/files/atomic_file.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <fstream>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <sys/file.h>
+#include <unistd.h>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+constexpr int most_pictures = 64;
+
+/// Held by one process at a time; the others wait.
+class WaitingLock {
+ public:
+  explicit WaitingLock(const fs::path& file)
+      : lock_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+    while (lock_ >= 0 && ::flock(lock_, LOCK_EX) != 0)
+      if (errno != EINTR) break;
+    if (lock_ < 0)
+      throw Error(Fault::folder, file.string(),
+                  std::string("The output folder is not writable: ") + std::strerror(errno) + ".",
+                  "Choose another with -o.");
+  }
+  ~WaitingLock() { ::close(lock_); }
+  WaitingLock(const WaitingLock&) = delete;
+  WaitingLock& operator=(const WaitingLock&) = delete;
+
+ private:
+  int lock_;
+};
+
+std::string text_of(const fs::path& file) { return read_whole_file(file).value_or(""); }
+
+/// A JSON object of a file; empty when there is none.
+Json read_object(const fs::path& file) {
+  Json object = Json::parse(text_of(file), nullptr, /*allow_exceptions=*/false);
+  return object.is_object() ? object : Json::object();
+}
+
+Json literal(const Axis& axis, const std::string& value) {
+  return axis.number ? Json::parse(value, nullptr, false) : Json(value);
+}
+
+/// What a variation was asked to be and to write, as far as it is known without reading the scene.
+std::string inputs_key(const BakeSettings& settings) {
+  std::string bytes = PAPERBAKE_VERSION;
+  for (const auto& [name, said] : settings.said)
+    if (name != "output" && name != "scene" && name != "threads" && name != "progress")
+      bytes += "/" + name + "=" + said.text;
+  for (const SetValue& set : settings.set) bytes += fmt::format("/{}={}", set.key, set.value);
+  for (const std::string& format : settings.formats) bytes += "/" + format;
+  return hex(murmur(bytes + "/" + text_of(settings.scene)));
+}
+
+Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
+  Json values = Json::object();
+  const std::vector<std::string> texts = values_of(wedge.axes, index);
+  for (std::size_t k = 0; k < texts.size(); ++k)
+    values[wedge.axes[k].key] = literal(wedge.axes[k], texts[k]);
+  return {{"index", index},
+          {"values", values},
+          {"exit_code", nullptr},
+          {"c_m_pct", nullptr},
+          {"worst_edge_pct", nullptr},
+          {"singular", nullptr},
+          {"energy_J", nullptr},
+          {"crease_length_m", nullptr},
+          {"job_hash", ""},
+          {"folder", wedge.name(index)},
+          {"message", ""},
+          {"inputs", inputs}};
+}
+
+/// The numbers of a certificate; none of another job.
+void take_certificate(Json& record, const fs::path& folder, const std::string& job_hash) {
+  const Json summary = read_object(folder / "cert" / "summary.json");
+  if (job_hash.empty() || summary.value("job_hash", "") != job_hash) return;
+  const std::pair<const char*, const char*> numbers[] = {{"c_m_pct", "/stretch_mean_pct/mean"},
+                                                         {"worst_edge_pct", "/stretch_max_pct/max"},
+                                                         {"singular", "/singular"},
+                                                         {"crease_length_m", "/crease_length_m"}};
+  for (const auto& [name, pointer] : numbers)
+    record[name] = summary.value(Json::json_pointer(pointer), Json());
+  std::ifstream lines(folder / "cert" / "frames.jsonl");
+  double energy = 0;
+  int last = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const Json frame = Json::parse(line, nullptr, false);
+    if (!frame.is_object()) continue;
+    if (frame.value("frame", last) != last) last = frame["frame"], energy = 0;
+    energy += frame.value("energy_J", 0.0);  // of all sheets
+  }
+  record["energy_J"] = energy;
+}
+
+std::string in_lines(const Json& json) {
+  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+void keep(const Wedge& wedge, int index, const Json& record) {
+  write_whole_file(wedge.state(index, ".json"), in_lines(record));
+}
+
+std::string in_words(const Json& value) {
+  return value.is_string() ? value.get<std::string>() : value.dump();
+}
+
+// ---- the table and the picture
+// ------------------------------------------------------------------------------------------
+
+std::string table_csv(const Wedge& wedge, const std::vector<Json>& records) {
+  constexpr const char* numbers[] = {"exit_code", "c_m_pct",         "worst_edge_pct", "singular",
+                                     "energy_J",  "crease_length_m", "job_hash",       "folder"};
+  std::string text = "index";
+  for (const Axis& axis : wedge.axes) text += "," + axis.key;
+  for (const char* name : numbers) text += fmt::format(",{}", name);
+  for (const Json& record : records) {
+    text += "\n" + in_words(record["index"]);
+    for (const Axis& axis : wedge.axes)
+      text += "," + csv_field(in_words(record["values"][axis.key]));
+    for (const char* name : numbers)
+      text += "," + (record[name].is_null() ? "" : csv_field(in_words(record[name])));
+  }
+  return text + "\n";
+}
+
+std::string table_json(const Wedge& wedge, const std::vector<Json>& records) {
+  Json keys = Json::array();
+  for (const Axis& axis : wedge.axes) keys.push_back(axis.key);
+  return in_lines({{"program", "paperbake"},
+                   {"version", PAPERBAKE_VERSION},
+                   {"keys", keys},
+                   {"variations", records}});
+}
+
+/// What the last frame of a variation is like, as far as its files tell.
+Panel last_frame(const Wedge& wedge, int index, const Json& record) {
+  Panel panel;
+  panel.caption.push_back(
+      wedge.name(index) +
+      (record["exit_code"] == 0 ? "" : fmt::format("  exit {}", record["exit_code"].dump())));
+  for (const auto& [key, value] : record["values"].items())
+    panel.caption.push_back(fmt::format("{} {}", key, in_words(value)));
+  const BakeSettings settings = wedge.settings(index);
+  const fs::path folder = wedge.folder(index),
+                 cache = folder /
+                         ((settings.name.empty() ? settings.scene.stem().string() : settings.name) +
+                          ".abc");
+  if (record["c_m_pct"].is_null() || !fs::is_regular_file(cache)) return panel;
+  const AlembicReader reader(cache);
+  for (std::size_t s = 0; s < reader.sheets().size(); ++s)
+    panel.sheets.push_back(reader.frame(s, reader.sheets()[s].frames - 1));
+  const std::vector<HandleRecord> handles =
+      parse_handles_csv(text_of(folder / "cert" / "handles.csv"));
+  for (const HandleRecord& handle : handles)
+    if (handle.frame == handles.back().frame && handle.state != HandleRecord::free_state)
+      panel.handles.push_back(handle);
+  return panel;
+}
+
+Image picture(const Wedge& wedge, const std::vector<Json>& records) {
+  std::vector<Panel> panels;
+  for (const Json& record : records)
+    if (static_cast<int>(panels.size()) < most_pictures)
+      panels.push_back(last_frame(wedge, record["index"], record));
+  const std::string first =
+      panels.size() < records.size() ? fmt::format("the first {} of ", panels.size()) : "";
+  return contact_sheet(fmt::format("{}, {}{} variations, last frames",
+                                   wedge.common.scene.stem().string(), first, records.size()),
+                       panels);
+}
+
+int code_of(const std::vector<Json>& records) {
+  int worst = 0;
+  bool missed = false;
+  for (const Json& record : records) {
+    const int code = record["exit_code"];
+    if (code == 4)
+      missed = true;
+    else
+      worst = std::max(worst, code);
+  }
+  return worst > 0 ? worst : missed ? 4 : 0;
+}
+
+}  // namespace
+
+Wedge::Wedge(BakeSettings settings, std::vector<Axis> varied)
+    : common(std::move(settings)), axes(std::move(varied)), output(common.output) {
+  common.formats.insert({"abc", "cert"});
+  if (!common.said.count("threads")) common.threads = 1;
+}
+
+std::string Wedge::name(int index) const {
+  return fmt::format("{:0{}}", index, std::max<std::size_t>(4, std::to_string(count()).size()));
+}
+
+std::filesystem::path Wedge::state(int index, const char* ending) const {
+  return output / ".state" / (name(index) + ending);
+}
+
+BakeSettings Wedge::settings(int index) const {
+  BakeSettings settings = varied(common, axes, index);
+  settings.output = folder(index);
+  if (settings.debug_pictures) settings.debug_pictures = *settings.debug_pictures / name(index);
+  return settings;
+}
+
+int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& stop) {
+  if (index < 1 || index > wedge.count())
+    throw Error(Fault::command, fmt::format("--index {}", index),
+                fmt::format("There are variations 1 to {}.", wedge.count()));
+  make_folder(wedge.output / ".state");
+  const WaitingLock mine(wedge.state(index, ".lock"));
+  const BakeSettings settings = wedge.settings(index);
+  const std::string inputs = inputs_key(settings);
+  Json record = empty_record(wedge, index, inputs);
+  try {
+    const BakePlan plan = plan_bake(settings);
+    record["job_hash"] = plan.job_hash;
+    record["exit_code"] = bake_and_tell(settings, plan, stop).exit_code;
+  } catch (const Error& error) {
+    if (error.fault == Fault::stopped) {
+      std::error_code none;
+      fs::remove(wedge.state(index, ".json"), none);
+      throw;
+    }
+    record["exit_code"] = static_cast<int>(error.fault);
+    record["message"] = error.what();
+  } catch (const std::exception& error) {
+    record["exit_code"] = static_cast<int>(Fault::simulation);
+    record["message"] = error.what();
+  }
+  if (record["message"] != "")
+    fmt::print(stderr, "paperbake: {}\n", record["message"].get<std::string>());
+  take_certificate(record, wedge.folder(index), record["job_hash"]);
+  keep(wedge, index, record);
+  return record["exit_code"];
+}
+
+std::string describe_variation(const Wedge& wedge, int index) {
+  const Json record = read_object(wedge.state(index, ".json"));
+  std::string line = wedge.name(index);
+  const Json values = record.value("values", Json::object());
+  for (const auto& [key, value] : values.items())
+    line += fmt::format(" {}={}", key, in_words(value));
+  const std::string message = record.value("message", "");
+  return line + fmt::format(": exit code {}", record.value("exit_code", Json()).dump()) +
+         (message.empty() ? "" : "\n" + message);
+}
+
+void note_end(const Wedge& wedge, int index, int exit_code) {
+  const WaitingLock mine(wedge.state(index, ".lock"));
+  const std::string inputs = inputs_key(wedge.settings(index));
+  if (read_object(wedge.state(index, ".json")).value("inputs", "") == inputs) return;
+  Json record = empty_record(wedge, index, inputs);
+  record["exit_code"] = exit_code;
+  record["message"] =
+      fmt::format("It ended before its time; see {}.", wedge.state(index, ".log").string());
+  keep(wedge, index, record);
+}
+
+WedgeOutcome finish_wedge(const Wedge& wedge) {
+  const WaitingLock one_at_a_time(wedge.output / ".state" / "table.lock");
+  WedgeOutcome outcome;
+  std::vector<Json> records;
+  for (int index = 1; index <= wedge.count(); ++index) {
+    Json record = read_object(wedge.state(index, ".json"));
+    if (record.value("inputs", "") != inputs_key(wedge.settings(index))) return outcome;
+    record.erase("inputs");
+    records.push_back(std::move(record));
+  }
+  outcome.complete = true;
+  outcome.exit_code = code_of(records);
+  const fs::path csv = wedge.output / "wedge.csv", json = wedge.output / "wedge.json",
+                 png = wedge.output / "wedge.png";
+  outcome.files = {csv, json, png};
+  const std::string table = table_csv(wedge, records), text = table_json(wedge, records);
+  if (fs::is_regular_file(png) && text_of(csv) == table && text_of(json) == text) return outcome;
+  write_whole_file(csv, table);
+  write_png(png, picture(wedge, records));
+  write_whole_file(json, text);  // the last: with it the others are known to be of the same bakes
+  return outcome;
+}
+
+}  // namespace paperbake

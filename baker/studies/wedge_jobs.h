@@ -1,0 +1,21 @@
+#pragma once
+
+#include "baker/studies/wedge.h"
+
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// Bakes all variations, `most` at a time, each by a process of its own that this program starts
+/// with --index, and tells of each on stderr.
+/// words  of the command line that asked for the wedge
+/// returns  as finish_wedge does
+/// throws Error(Fault::stopped): SIGINT or SIGTERM; the bakes have ended after their frame
+WedgeOutcome bake_wedge(const Wedge&, int most, const std::vector<std::string>& words);
+
+/// Leaves that to Slurm: writes DIR/wedge.sbatch and hands it to sbatch.
+/// throws Error(Fault::command): there is no sbatch here, or it refuses; the script stays
+void submit_wedge(const Wedge&, const std::vector<std::string>& words);
+
+}  // namespace paperbake

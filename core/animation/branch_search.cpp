@@ -1,0 +1,134 @@
+#include "core/animation/branch_search.h"
+
+#include "core/animation/imperfection.h"
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+#include "core/geometry/random.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace paperbake {
+namespace {
+
+constexpr double amplitudes[] = {0.02, 0.06};  // [1] of the longer side
+constexpr double same = 0.02;                  // [1] of the energy: another branch is lower by more
+// [1] of the longer side, rms: nearer than this it is the same shape
+constexpr double another_shape = 0.01;
+constexpr int most_steps_in_touch = 12;
+constexpr double noise = 1e-6;  // [J] of a sheet that is nearly flat
+
+/// The sheet pushed along its normals, by `height` rms.
+Sheet pushed(const Sheet& sheet, double side, double height, std::uint32_t seed) {
+  Eigen::VectorXd wave(sheet.x.rows());
+  for (int v = 0; v < wave.size(); ++v) wave[v] = ripple(sheet.pattern.row(v), side, seed);
+  const double size = std::sqrt(wave.squaredNorm() / wave.size());
+  Sheet moved = sheet;
+  if (size > 0)
+    moved.x += (height / size) * wave.asDiagonal() * vertex_normals(sheet.x, sheet.triangles);
+  return moved;
+}
+
+/// Of a sheet that touches itself.
+Branches finish(Sheet& sheet, Elastic& elastic, const Held& held, double dt) {
+  const Sheet sheet_before = sheet;
+  const ElasticPast past = elastic.past();
+  const ElasticReport here = elastic.look(sheet);
+  ElasticReport there = here;
+  there.converged = false;
+  for (int k = 0; k < most_steps_in_touch && !there.converged; ++k)
+    there = elastic.step(sheet, held, dt);
+  Branches found;
+  found.before = here.potential;
+  found.after = there.potential;
+  found.finished = there.potential < here.potential - same * std::max(here.energy, noise) &&
+                   crossings(sheet) <= crossings(sheet_before);
+  if (found.finished) return found;
+  found.after = found.before;
+  sheet = sheet_before;
+  elastic.take_back(past);
+  return found;
+}
+
+}  // namespace
+
+Branches probe_branches(Sheet& sheet, Elastic& elastic, const Held& held, double dt,
+                        std::uint32_t seed, int frame, int waves_of_each) {
+  const double side =
+      (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
+  const ElasticPast as_it_was = elastic.past();
+  if (as_it_was.careful) return finish(sheet, elastic, held, dt);
+  ElasticPast no_past = as_it_was;
+  no_past.positions.clear();
+  no_past.second.reset();
+  elastic.take_back(no_past);
+  const auto relaxed = [&](Sheet& candidate) {
+    ElasticReport report;
+    // inertia holds it back to where it was pushed, less every time
+    for (int time = 0; time < 3; ++time)
+      if (report = elastic.settle(candidate, held, dt, Settling::fully); !report.converged) break;
+    return report;
+  };
+
+  // the sheet itself is relaxed alike: what it has not yet finished is no other branch
+  Sheet lowest = sheet;
+  ElasticReport here = relaxed(lowest);
+  if (!here.converged || here.contact) here = elastic.look(sheet), lowest = sheet;
+  const double step = same * std::max(here.energy, noise);
+  Branches found;
+  found.before = found.after = here.potential;
+  double least = here.potential - step;
+  const Points3 now = lowest.x;
+  int candidate = 0;
+  for (const double amplitude : amplitudes)
+    for (int k = 0; k < waves_of_each; ++k) {
+      const auto wave =
+          static_cast<std::uint32_t>(scramble((std::uint64_t(seed) << 32 | std::uint32_t(frame)) +
+                                              0x9e3779b97f4a7c15ull * ++candidate));
+      Sheet other = pushed(sheet, side, amplitude * side, wave);
+      const ElasticReport there = relaxed(other);
+      if (!there.converged || crossings(other) > 0) continue;
+      if (std::abs(there.potential - here.potential) <= step)
+        found.equal |=
+            std::sqrt((other.x - now).rowwise().squaredNorm().mean()) > another_shape * side;
+      if (there.potential < least)
+        least = there.potential, found.taken = true, lowest = std::move(other);
+    }
+  elastic.take_back(as_it_was);
+  if (!found.taken) return found;
+
+  const Sheet before = sheet;
+  elastic.take_back(no_past);
+  sheet.x = lowest.x;
+  const ElasticReport arrived = elastic.step(sheet, held, dt);
+  if (arrived.converged && crossings(sheet) == 0) {
+    found.after = least;
+    found.equal = false;
+    return found;
+  }
+  elastic.take_back(as_it_was);
+  sheet = before;
+  found.taken = false;
+  return found;
+}
+
+std::string note_of(const Branches& found) {
+  char text[160] = "";
+  const double share = 100 * (found.before - found.after) / std::abs(found.before);
+  if (found.taken)
+    std::snprintf(
+        text, sizeof text,
+        "bistable: a probe found a branch %.0f %% lower (%.3g J instead of %.3g J) and took it",
+        share, found.after, found.before);
+  else if (found.finished)
+    std::snprintf(text, sizeof text,
+                  "unfinished: a probe got %.0f %% lower (%.3g J instead of %.3g J)", share,
+                  found.after, found.before);
+  else if (found.equal)
+    std::snprintf(text, sizeof text, "bistable: another branch of equal energy (%.3g J)",
+                  found.before);
+  return text;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,78 @@
+#include "core/animation/handle_feasibility.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+
+Reach::Reach(const Pattern& pattern, const std::vector<Handle>& handles) {
+  const int n = static_cast<int>(handles.size());
+  paper_.setZero(n, n);
+  for (int i = 0; i < n; ++i)
+    for (int j = 0; j < i; ++j)
+      paper_(i, j) = paper_(j, i) = paper_distance(pattern, handles[i].pattern, handles[j].pattern);
+}
+
+std::vector<ImpossiblePair> Reach::impossible_pairs(const std::vector<Handle>& handles,
+                                                    int first_frame, int last_frame) const {
+  std::vector<ImpossiblePair> pairs;
+  for (std::size_t i = 0; i < handles.size(); ++i)
+    for (std::size_t j = i + 1; j < handles.size(); ++j) {
+      const Handle &a = handles[i], &b = handles[j];
+      if (a.mode == HandleMode::relative || b.mode == HandleMode::relative) continue;
+      if (a.stiffness > 0 || b.stiffness > 0) continue;  // a soft handle gives way
+      ImpossiblePair pair{a.name, b.name, 0, 0, 0, 0, paper_(i, j)};
+      double worst = 0;
+      for (int frame = first_frame; frame <= last_frame; ++frame) {
+        if (!a.held(frame) || !b.held(frame)) continue;
+        const double apart =
+            (keyed_position(a, frame - first_frame) - keyed_position(b, frame - first_frame))
+                .norm();
+        const double over = apart - limit(i, j);
+        if (over <= 0) continue;
+        if (worst == 0) pair.first = frame;
+        pair.last = frame;
+        if (over > worst) worst = over, pair.frame = frame, pair.apart = apart;
+      }
+      if (worst > 0) pairs.push_back(pair);
+    }
+  std::stable_sort(pairs.begin(), pairs.end(),
+                   [](const ImpossiblePair& p, const ImpossiblePair& q) {
+                     return p.apart - p.allowed > q.apart - q.allowed;
+                   });
+  return pairs;
+}
+
+double Reach::project(const std::vector<int>& handles, Points3& targets) const {
+  constexpr int towards = 300, sweeps = 2000;
+  constexpr double settled = 1e-9;  // [m] overshoot that nobody can see
+  const Points3 asked = targets;
+  const int n = static_cast<int>(handles.size());
+  // [Dykstra 1983]: each pair takes back what it did in the sweep before, else the end is within
+  // reach but not the nearest; the last sweeps leave that out and end within reach
+  Points3 correction = Points3::Zero(n * n, 3);
+  for (int sweep = 0; sweep < sweeps; ++sweep) {
+    double change = 0;
+    for (int i = 0; i < n; ++i)
+      for (int j = 0; j < i; ++j) {
+        auto mine = correction.row(i * n + j);  // that of j is its opposite
+        if (sweep >= towards) mine.setZero();
+        const Eigen::RowVector3d d = targets.row(i) - targets.row(j) + 2 * mine;
+        const double apart = d.norm(), over = apart - limit(handles[i], handles[j]);
+        const Eigen::RowVector3d now = over > (sweep < towards ? 0 : settled)
+                                           ? Eigen::RowVector3d(0.5 * over / apart * d)
+                                           : Eigen::RowVector3d::Zero();
+        const Eigen::RowVector3d move = mine - now;
+        if (move.isZero(0)) continue;
+        targets.row(i) += move;
+        targets.row(j) -= move;
+        mine = now;
+        change = std::max(change, move.norm());
+      }
+    if (change == 0) break;
+    if (change <= settled) sweep = std::max(sweep, towards - 1);
+  }
+  return n == 0 ? 0 : std::sqrt((targets - asked).rowwise().squaredNorm().maxCoeff());
+}
+
+}  // namespace paperbake

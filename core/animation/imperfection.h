@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/model/sheet.h"
+
+namespace paperbake {
+
+/// A few long waves over the pattern, of size 1, that depend on the seed and not on the mesh: every
+/// mesh buckles to the same side.
+/// p     [m] on the pattern
+/// side  [m] the longer one of the pattern
+double ripple(const Vector2d& p, double side, unsigned seed);
+
+/// How far the points are at most from the plane that lies nearest to all of them. [m]
+double off_plane(const Points3&);
+
+/// Adds a ripple of 1e-6 m along the common normal when all points lie in one plane: it lets a flat
+/// sheet choose a side.
+void disturb_if_flat(Sheet&, double side, unsigned seed);
+
+}  // namespace paperbake

@@ -1,0 +1,140 @@
+#include "core/animation/inertia_need.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace paperbake {
+namespace {
+
+constexpr double carried_along = 0.005, flung = 0.25;  // [1] of the longer side
+constexpr double on_a_line = 0.01;                     // [1] of the longer side
+constexpr double velocity_kept = 0.98;                 // [1] in a frame, of 1/24 s
+constexpr double of_the_earth = 9.81;                  // [m/s2]
+
+std::vector<int> held_at(const Shot& shot, int frame) {
+  std::vector<int> held;
+  for (std::size_t h = 0; h < shot.handles.size(); ++h)
+    if (shot.handles[h].held(frame)) held.push_back(static_cast<int>(h));
+  return held;
+}
+
+/// Widest that held points lie off one line of the pattern. [m]
+double off_line(const Shot& shot, const std::vector<int>& held) {
+  double off = 0;
+  Vector2d far = Vector2d::Zero();
+  for (const int h : held)
+    if (const Vector2d d = shot.handles[h].pattern - shot.handles[held.front()].pattern;
+        d.norm() > far.norm())
+      far = d;
+  if (far.norm() == 0) return 0;
+  const Vector2d across = Vector2d(-far.y(), far.x()).normalized();
+  for (const int h : held)
+    off = std::max(
+        off, std::abs(across.dot(shot.handles[h].pattern - shot.handles[held.front()].pattern)));
+  return off;
+}
+
+/// Twice the farthest that paper is from a held point. [m]
+double free_length(const Shot& shot, const std::vector<int>& held) {
+  constexpr int along = 21;
+  const Vector2d size = extent(shot.pattern);
+  double farthest = 0;
+  for (int i = 0; i < along; ++i)
+    for (int j = 0; j < along; ++j) {
+      const Vector2d p(size.x() * i / (along - 1), size.y() * j / (along - 1));
+      if (!contains(shot.pattern, p, 1e-6 * size.maxCoeff())) continue;
+      double nearest = INFINITY;
+      for (const int h : held) nearest = std::min(nearest, (shot.handles[h].pattern - p).norm());
+      farthest = std::max(farthest, nearest);
+    }
+  return 2 * farthest;
+}
+
+/// Does the start shape hang straight below the points that hold it?
+bool hangs(const Shot& shot, const std::vector<int>& held, double gravity, double side) {
+  const auto at = [&](int h) { return keyed_position(shot.handles[h], 0); };
+  Vector3d middle = Vector3d::Zero(), along = Vector3d::Zero();
+  for (const int h : held) {
+    middle += at(h) / held.size();
+    if (const Vector3d d = at(h) - at(held.front()); d.norm() > along.norm()) along = d;
+  }
+  Vector3d down = shot.start.x.colwise().mean().transpose() - middle;
+  if (along.norm() > 0) down -= along * along.dot(down) / along.squaredNorm();
+  return down.z() * gravity < 0 && down.head<2>().norm() < carried_along * side;
+}
+
+/// The sway of one handle's motion while it holds. [m]
+double sway_of(const Shot& shot, const Handle& handle, double gravity, double fps, int first_frame,
+               int last_frame) {
+  double most = 0, w = 0;
+  std::vector<int> held;
+  Vector3d r = Vector3d::Zero(), r_per_w = r, v = r;  // r'/w
+  for (int frame = first_frame; frame < last_frame; ++frame) {
+    if (!handle.held(frame + 1)) continue;
+    if (const std::vector<int> now = held_at(shot, frame + 1); now != held) {
+      held = now;
+      const double l = free_length(shot, held);
+      if (l <= 0) return most;
+      const double before = w;
+      w = std::sqrt(std::pow(M_PI, 4) * shot.paper.bending_stiffness /
+                        (shot.paper.area_density * std::pow(l, 4)) +
+                    (gravity != 0 ? std::abs(gravity) : of_the_earth) / l);
+      if (before > 0) r_per_w *= before / w;
+    }
+    const Vector3d v_next = handle.held(frame)
+                                ? Vector3d(fps * (keyed_position(handle, frame + 1 - first_frame) -
+                                                  keyed_position(handle, frame - first_frame)))
+                                : v;
+    r_per_w -= (v_next - v) / w;
+    v = v_next;
+    const double a = w / fps;
+    most = std::max(most, a < M_PI / 2 ? (std::cos(a) * r + std::sin(a) * r_per_w).norm()
+                                       : std::hypot(r.norm(), r_per_w.norm()));
+    const Vector3d turned = std::cos(a) * r + std::sin(a) * r_per_w;
+    r_per_w = std::pow(velocity_kept, 24 / fps) * (std::cos(a) * r_per_w - std::sin(a) * r);
+    r = turned;
+  }
+  return most;
+}
+
+template <class... Values>
+std::string text(const char* format, Values... values) {
+  char line[200];
+  std::snprintf(line, sizeof line, format, values...);
+  return line;
+}
+
+}  // namespace
+
+InertiaNeed need_of_inertia(const Shot& shot, double gravity, double fps, int first_frame,
+                            int last_frame) {
+  const double side = longer_side(shot.pattern);
+  InertiaNeed need;
+  for (const Handle& handle : shot.handles)
+    need.sway =
+        std::max(need.sway, sway_of(shot, handle, gravity, fps, first_frame, last_frame) / side);
+  const std::vector<int> at_first = held_at(shot, first_frame);
+  bool hanging = false;
+  for (int frame = first_frame; frame <= last_frame && gravity != 0; ++frame) {
+    const std::vector<int> held = held_at(shot, frame);
+    if (held.empty())
+      return {true, need.sway, text("nothing holds the sheet from frame %d on: it falls", frame)};
+    if (off_line(shot, held) > on_a_line * side) continue;
+    if (held != at_first || !hangs(shot, held, gravity, side) || need.sway > carried_along)
+      return {true, need.sway,
+              text("the sheet is held at a point or on a line from frame %d on: it swings", frame)};
+    hanging = true;
+  }
+  need.needed = need.sway > flung;
+  need.why = need.needed ? text("handles throw the sheet by %.0f %% of its side", 100 * need.sway)
+             : hanging   ? text("the sheet hangs at rest; handles carry it by %.2g %% of its side",
+                                100 * need.sway)
+                         : text(
+                               "handles hold the sheet; without air they would throw it by %.2g %% "
+                                 "of its side, less than %.0f %%",
+                               100 * need.sway, 100 * flung);
+  return need;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,61 @@
+#include "core/animation/initial_sheet.h"
+
+#include "core/animation/imperfection.h"
+#include "core/geometry/point_location.h"
+
+namespace paperbake {
+
+std::vector<double> disc_factors(const Sheet& sheet, const Shot& shot) {
+  constexpr double disc_stiffening = 10;
+  std::vector<double> factors(sheet.triangles.rows(), 1.0);
+  for (std::size_t h = 0; h < shot.handles.size(); ++h) {
+    const double radius = disc_radius(shot.handles, h, shot.pattern);
+    if (radius <= 0) continue;
+    for (int t = 0; t < sheet.triangles.rows(); ++t) {
+      bool within = true;
+      for (int i = 0; i < 3; ++i)
+        within &= (sheet.pattern.row(sheet.triangles(t, i)).transpose() - shot.handles[h].pattern)
+                      .norm() <= 1.001 * radius;
+      if (within) factors[t] = disc_stiffening;
+    }
+  }
+  return factors;
+}
+
+StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed, int first_frame) {
+  std::vector<Vector2d> points;
+  for (const Handle& handle : shot.handles) points.push_back(handle.pattern);
+  for (std::size_t h = 0; h < shot.handles.size(); ++h)
+    for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern,
+                                      disc_radius(shot.handles, h, shot.pattern)))
+      points.push_back(p);
+  points.insert(points.end(), shot.pins.keep.begin(), shot.pins.keep.end());
+
+  Method::FirstMesh mesh = method.first_mesh(shot.pattern, points);
+  StartedSheet started;
+  started.handle_vertex.assign(mesh.point_vertex.begin(),
+                               mesh.point_vertex.begin() + shot.handles.size());
+  Sheet& sheet = started.sheet;
+  sheet.pattern = std::move(mesh.pattern);
+  sheet.triangles = std::move(mesh.triangles);
+  sheet.x.resize(sheet.pattern.rows(), 3);
+  sheet.v = Points3::Zero(sheet.pattern.rows(), 3);
+  sheet.folds = shot.pattern.folds;
+  for (std::size_t k = 0; k < shot.pins.keep.size(); ++k)
+    sheet.singular.push_back(
+        {sheet.pattern.row(mesh.point_vertex[points.size() - shot.pins.keep.size() + k])
+             .transpose(),
+         first_frame, "kept here"});
+  const Locator locator(shot.start.pattern, shot.start.triangles);
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    sheet.x.row(v) =
+        interpolate(locator.locate(sheet.pattern.row(v)), shot.start.triangles, shot.start.x);
+  disturb_if_flat(sheet, longer_side(shot.pattern), seed);
+
+  started.fixed.assign(sheet.pattern.rows(), 0);
+  for (const int v : mesh.point_vertex) started.fixed[v] = 1;
+  started.stiffening = disc_factors(sheet, shot);
+  return started;
+}
+
+}  // namespace paperbake

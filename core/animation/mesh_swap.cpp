@@ -1,0 +1,71 @@
+#include "core/animation/mesh_swap.h"
+
+#include "core/geometry/hinges.h"
+#include "core/geometry/mesh_transfer.h"
+
+#include <algorithm>
+
+namespace paperbake {
+namespace {
+
+/// Mean square of the folds, each counted by what it stores. [rad2]
+double facets_of(const Sheet& sheet) {
+  double stored = 0, sum = 0;
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
+    const double fold = fold_angle(sheet.x, hinge), length = (sheet.pattern.row(hinge.vertices[1]) -
+                                                              sheet.pattern.row(hinge.vertices[0]))
+                                                                 .norm();
+    stored += fold * fold * length;
+    sum += fold * fold * fold * fold * length;
+  }
+  return stored > 0 ? sum / stored : 0;
+}
+
+}  // namespace
+
+Verdict exchange_mesh(
+    Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening,
+    const Held& held, double dt,
+    const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& fits) {
+  constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
+  // a mesh that holds its sheet back holds it the more, the longer it stays
+  constexpr double too_stiff = -0.005, most_move_then = 0.025;
+  // [rad2] of facets (20 degrees): and so does one on which what lies hooks in a few edges
+  constexpr double too_coarse = 0.12;
+  // [1/rad2] share of the energy that a mesh does not see, by its facets
+  constexpr double unseen = 0.5;
+  constexpr double noise = 1e-6;  // [J] of a sheet that is nearly flat
+  const Points3 carried = proposal.x;
+  Elastic trial = elastic.on_mesh(proposal, stiffening);
+  const ElasticReport settled = trial.settle(proposal, held, dt, Settling::briefly),
+                      stored = elastic.look(sheet);
+
+  const Transfer onto(sheet.pattern, sheet.triangles, proposal.pattern),
+      back(proposal.pattern, proposal.triangles, sheet.pattern);
+  const double side =
+      (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
+  const double rise = settled.potential - stored.potential;
+  Verdict verdict;
+  verdict.rise = rise / std::max(stored.energy, noise);
+  verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(),
+                          (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) /
+                 side;
+  const double facets = facets_of(sheet);
+  const bool coarse = settled.on_colliders > 0 && facets > too_coarse,
+             off = coarse || verdict.rise <= too_stiff;
+  const double finer = coarse ? std::max(0.0, facets - facets_of(proposal)) : 0;
+  verdict.accepted = settled.converged && !settled.contact &&
+                     rise <= (most_rise + unseen * finer) * stored.energy + noise &&
+                     verdict.move <= (off ? most_move_then : most_move) &&
+                     (!fits || fits(sheet, proposal, verdict.move * side));
+  if (!verdict.accepted) return verdict;
+  // the past is moved along with the present, so that velocities are carried over and the jump of
+  // the exchange is none
+  trial.continue_from(elastic,
+                      [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });
+  elastic = std::move(trial);
+  sheet = std::move(proposal);
+  return verdict;
+}
+
+}  // namespace paperbake

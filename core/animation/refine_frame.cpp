@@ -1,0 +1,104 @@
+#include "core/animation/refine_frame.h"
+
+#include "core/animation/initial_sheet.h"
+#include "core/geometry/mesh_transfer.h"
+#include "core/geometry/point_location.h"
+#include "core/render/curved_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+Method fixed_mesh(int triangles, const RenderFeatures& more) {
+  Method method;
+  method.name = "polish";
+  method.first_mesh = [triangles, more](const Pattern& pattern,
+                                        const std::vector<Vector2d>& points) {
+    RenderFeatures all{points, more.creases};
+    all.points.insert(all.points.end(), more.points.begin(), more.points.end());
+    RenderMesh mesh = mesh_for_render(pattern, 0, all, triangles);
+    mesh.point_vertex.resize(points.size());
+    return Method::FirstMesh{std::move(mesh.pattern), std::move(mesh.triangles),
+                             std::move(mesh.point_vertex)};
+  };
+  return method;
+}
+
+/// The vertices of a fine mesh where a sheet has them. |V|x3 [m]
+Points3 put_on(const Points2& pattern, const Sheet& rough, bool curved) {
+  if (!curved) return Transfer(rough.pattern, rough.triangles, pattern)(rough.x);
+  Points3 x(pattern.rows(), 3);
+  const Locator locator(rough.pattern, rough.triangles);
+  const CurvedSurface surface = curve(rough);
+  for (int v = 0; v < x.rows(); ++v) x.row(v) = surface.at(locator.locate(pattern.row(v)));
+  return x;
+}
+
+ElasticOptions at_rest(ElasticOptions options) {
+  options.inertia = Inertia::quasi_static;
+  return options;
+}
+
+bool same_apices(const std::vector<SingularPoint>& a, const std::vector<SingularPoint>& b) {
+  return std::equal(
+      a.begin(), a.end(), b.begin(), b.end(),
+      [](const SingularPoint& p, const SingularPoint& q) { return p.pattern == q.pattern; });
+}
+
+}  // namespace
+
+Polisher::Polisher(const Shot& shot, const ElasticOptions& options, int triangles,
+                   const RenderFeatures& features)
+    : started_(start_sheet(shot, fixed_mesh(triangles, features), 0)),
+      elastic_(shot.paper, at_rest(options)) {
+  elastic_.set_mesh(started_.sheet, started_.stiffening);
+}
+
+Held Polisher::grip(const std::vector<int>& held, const Points3& held_at) const {
+  Held grip;
+  for (std::size_t k = 0; k < held.size(); ++k) {
+    const int vertex = started_.handle_vertex[held[k]];
+    if (std::find(grip.vertices.begin(), grip.vertices.end(), vertex) != grip.vertices.end())
+      continue;
+    grip.vertices.push_back(vertex);
+    grip.targets.conservativeResize(grip.vertices.size(), 3);
+    grip.targets.bottomRows(1) = held_at.row(k);
+  }
+  return grip;
+}
+
+Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held,
+                              const Points3& held_at, const PlasticGrid* memory) {
+  constexpr double dt = 1;  // [s] so long that the trace of inertia holds nothing back
+  Polished result;
+  Sheet& sheet = result.sheet;
+  if (!same_apices(started_.sheet.singular, rough.singular)) {
+    started_.sheet.singular = rough.singular;
+    elastic_.set_mesh(started_.sheet, started_.stiffening);
+  }
+  sheet = started_.sheet;
+  sheet.x = put_on(sheet.pattern, rough, rough.triangles.rows() < sheet.triangles.rows());
+  const Held now = grip(held, held_at);
+  for (std::size_t k = 0; k < now.vertices.size(); ++k)
+    sheet.x.row(now.vertices[k]) = now.targets.row(k);
+  const Points3 given = sheet.x;
+
+  std::optional<PlasticGrid> grid;
+  if (memory) grid = *memory;
+  elastic_.remember_in(grid ? &*grid : nullptr);
+  result.energy_before = elastic_.look(sheet).energy;
+  const ElasticReport report = elastic_.settle(sheet, now, dt, Settling::fully);
+  result.converged = report.converged;
+  result.near_itself = report.contact;
+  result.energy = report.energy;
+  result.membrane_energy = report.membrane;
+  result.iterations = report.iterations;
+  elastic_.remember_in(nullptr);
+  result.moved = std::sqrt((sheet.x - given).rowwise().squaredNorm().mean());
+  return result;
+}
+
+}  // namespace paperbake

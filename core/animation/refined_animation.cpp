@@ -1,0 +1,255 @@
+#include "core/animation/refined_animation.h"
+
+#include "core/animation/cpu_clock.h"
+#include "core/animation/initial_sheet.h"
+#include "core/animation/refine_frame.h"
+#include "core/geometry/measure.h"
+#include "core/model/error.h"
+#include "core/model/pattern.h"
+#include "core/render/shot_record.h"
+
+#include <algorithm>
+#include <atomic>
+#include <functional>
+#include <future>
+#include <memory>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+/// A frame as the method left it.
+struct Rough {
+  // frame.sheet: to `sheet`, once it has come to its place
+  AnimatedFrame frame;
+  Sheet sheet;
+  std::shared_ptr<const PlasticGrid> memory;  // null: elastic paper
+};
+
+struct Attempt {
+  std::optional<Polished> polished;  // none: it was not tried
+  std::string unfit;                 // why it is not to be shown; empty: it is
+  double ms = 0;
+};
+
+class PolishedShot {
+ public:
+  PolishedShot(const Shot& shot, const AnimateOptions& animation, const PolishOptions& options)
+      : shot_(shot),
+        animation_(animation),
+        options_(options),
+        regripped_(shot.handles.size(), Vector3d::Zero()) {}
+
+  void add(const AnimatedFrame& frame) {
+    record_.add(frame);
+    Rough rough{frame, *frame.sheet, {}};
+    if (frame.memory) {
+      const bool as_before = !frames_.empty() && frames_.back().frame.plastic == frame.plastic;
+      rough.memory =
+          as_before ? frames_.back().memory : std::make_shared<const PlasticGrid>(*frame.memory);
+    }
+    frames_.push_back(std::move(rough));
+  }
+
+  /// returns false when on_frame did
+  bool hand_on(const std::function<bool(const AnimatedFrame&)>& on_frame) {
+    if (frames_.empty()) return true;
+    for (int t = 0; t < std::max(1, options_.threads); ++t)
+      polishers_.emplace_back(shot_, animation_.elastic, options_.triangles,
+                              record_.features(shot_));
+    regrip();
+    if (!worth_while()) return hand_on_as_they_are(on_frame);
+    const std::size_t at_once = 4 * std::max(1, options_.threads);
+    for (std::size_t begin = 0; begin < frames_.size(); begin += at_once) {
+      const std::size_t end = std::min(frames_.size(), begin + at_once);
+      std::vector<std::size_t> chunk;
+      for (std::size_t k = begin; k < end; ++k)
+        if (wanted(frames_[k])) chunk.push_back(k);
+      const std::vector<Attempt> attempts = polish(chunk);
+      std::size_t next = 0;
+      for (std::size_t k = begin; k < end; ++k)
+        if (!show(frames_[k], wanted(frames_[k]) ? attempts[next++] : Attempt{}, on_frame))
+          return false;
+    }
+    return true;
+  }
+
+ private:
+  /// A crumple that is polished goes to another one, or to none at all, and frames that are and
+  /// frames that are not polished would flicker: eight frames of the shot are tried, and half of
+  /// them have to be fit.
+  bool worth_while() {
+    constexpr std::size_t samples = 8;
+    std::vector<std::size_t> tried;
+    for (std::size_t s = 0; s < samples; ++s)
+      if (const std::size_t k = (2 * s + 1) * frames_.size() / (2 * samples);
+          tried.empty() || tried.back() != k)
+        tried.push_back(k);
+    const std::vector<Attempt> attempts = polish(tried);
+    const auto fit = std::count_if(attempts.begin(), attempts.end(),
+                                   [](const Attempt& a) { return a.unfit.empty(); });
+    return 2 * static_cast<std::size_t>(fit) >= tried.size();
+  }
+
+  bool hand_on_as_they_are(const std::function<bool(const AnimatedFrame&)>& on_frame) {
+    Attempt none;
+    none.unfit = "most frames of this shot have no minimum near by";
+    for (Rough& rough : frames_)
+      if (!show(rough, none, on_frame)) return false;
+    return true;
+  }
+
+  const StartedSheet& mesh() const { return polishers_.front().mesh(); }
+
+  /// A relative handle holds the sheet where it is, and so where the polished sheet is.
+  void regrip() {
+    for (const Rough& rough : frames_) {
+      std::vector<std::size_t> taking_hold;
+      for (std::size_t h = 0; h < shot_.handles.size(); ++h)
+        if (takes_hold(rough, h)) taking_hold.push_back(h);
+      if (taking_hold.empty()) continue;
+      const Attempt found = attempt(rough, polishers_.front());
+      if (!found.unfit.empty()) continue;
+      for (const std::size_t h : taking_hold)
+        regripped_[h] = found.polished->sheet.x.row(mesh().handle_vertex[h]).transpose() -
+                        rough.frame.handles[h].at;
+    }
+  }
+
+  /// The frame in which a relative handle takes hold was simulated without it.
+  bool takes_hold(const Rough& rough, std::size_t h) const {
+    const Handle& handle = shot_.handles[h];
+    const int first = std::max(handle.grab_frame, animation_.first_frame);
+    return handle.mode == HandleMode::relative && rough.frame.frame == first &&
+           rough.frame.handles[h].state != HandleFrame::free;
+  }
+
+  bool wanted(const Rough& rough) const {
+    return !options_.wanted || options_.wanted(rough.frame.frame);
+  }
+
+  /// Side by side. returns one for each of the frames
+  std::vector<Attempt> polish(const std::vector<std::size_t>& frames) {
+    std::vector<Attempt> attempts(frames.size());
+    std::atomic<std::size_t> next = 0;
+    const auto work = [&](Polisher& polish) {
+      for (std::size_t k = next++; k < frames.size(); k = next++)
+        attempts[k] = attempt(frames_[frames[k]], polish);
+    };
+    // what one throws comes out here, after the others are through
+    std::vector<std::future<void>> others;
+    for (std::size_t t = 1; t < polishers_.size(); ++t)
+      others.push_back(std::async(std::launch::async, work, std::ref(polishers_[t])));
+    work(polishers_.front());
+    for (std::future<void>& other : others) other.get();
+    return attempts;
+  }
+
+  Attempt attempt(const Rough& rough, Polisher& polish) const {
+    constexpr double elsewhere = 0.1;  // [1] of the longer side
+    constexpr double torn = 0.01;      // [1] of an edge
+    Attempt result;
+    if (rough.frame.touching > 0) {
+      result.unfit = "the sheet touches itself";
+      return result;
+    }
+    if (rough.frame.touching_others > 0) {
+      result.unfit = "the sheet touches another";
+      return result;
+    }
+    if (rough.frame.on_colliders > 0) {  // which the fine mesh does not feel
+      result.unfit = "the sheet lies on a collider";
+      return result;
+    }
+    const double begun = cpu_ms();
+    std::vector<int> held;
+    Points3 held_at(0, 3);
+    for (std::size_t h = 0; h < rough.frame.handles.size(); ++h) {
+      const HandleFrame& handle = rough.frame.handles[h];
+      if (handle.state == HandleFrame::free || takes_hold(rough, h)) continue;
+      held.push_back(static_cast<int>(h));
+      held_at.conservativeResize(held.size(), 3);
+      held_at.bottomRows(1) = (handle.at + regripped_[h]).transpose();
+    }
+    try {
+      result.polished = polish(rough.sheet, held, held_at, rough.memory.get());
+      if (result.polished->near_itself)
+        result.unfit = "parts of the sheet come near each other";
+      else if (!result.polished->converged)
+        result.unfit = "it does not come to rest";
+      else if (result.polished->moved > elsewhere * longer_side(shot_.pattern) ||
+               length_distortion(result.polished->sheet).largest > torn)
+        result.unfit = "it ends somewhere else";
+    } catch (const Error& error) {
+      result.unfit = error.cause;
+    }
+    result.ms = cpu_ms() - begun;
+    return result;
+  }
+
+  bool show(Rough& rough, const Attempt& attempt,
+            const std::function<bool(const AnimatedFrame&)>& on_frame) const {
+    AnimatedFrame& frame = rough.frame;
+    frame.sheet = &rough.sheet;
+    frame.memory = rough.memory.get();
+    frame.elastic_ms += attempt.ms;
+    if (!attempt.unfit.empty())
+      frame.note += (frame.note.empty() ? "" : "; ") + ("not polished: " + attempt.unfit);
+    if (!attempt.polished || !attempt.unfit.empty()) return on_frame(frame);
+    const Polished& polished = *attempt.polished;
+    frame.sheet = &polished.sheet;
+    frame.newton_iterations += polished.iterations;
+    frame.energy = polished.energy;
+    frame.membrane_energy = polished.membrane_energy;
+    frame.converged = true;
+    frame.parts.region.clear();  // they divide another mesh
+    for (std::size_t h = 0; h < frame.handles.size(); ++h) {
+      HandleFrame& handle = frame.handles[h];
+      if (handle.state != HandleFrame::free) handle.keyed += regripped_[h];
+      handle.at = polished.sheet.x.row(mesh().handle_vertex[h]);
+    }
+    if (animation_.show_memory && rough.memory)
+      frame.plastic_curvature =
+          rough.memory->at_vertices(polished.sheet.pattern, polished.sheet.triangles);
+    return on_frame(frame);
+  }
+
+  const Shot& shot_;
+  const AnimateOptions& animation_;
+  const PolishOptions& options_;
+  std::vector<Rough> frames_;
+  ShotRecord record_;
+  std::vector<Polisher> polishers_;  // one a thread, all alike
+  // [m] of each handle: from where the method's sheet was taken hold of to where the polished one
+  // was
+  std::vector<Vector3d> regripped_;
+};
+
+}  // namespace
+
+void animate_polished(const std::vector<AnimatedSheet>& sheets, const PolishOptions& options,
+                      const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  std::vector<PolishedShot> polished;
+  for (const AnimatedSheet& sheet : sheets)
+    polished.emplace_back(sheet.shot, sheet.options, options);
+  std::optional<Error> failure;
+  try {
+    animate_together(sheets, [&](const AnimatedFrame& frame) {
+      polished[frame.of].add(frame);
+      return true;
+    });
+  } catch (const Error& error) {
+    failure = error;
+  }
+  for (PolishedShot& shot : polished)
+    if (!shot.hand_on(on_frame)) break;
+  if (failure) throw *failure;
+}
+
+void animate_polished(const Shot& shot, const Method& method, const AnimateOptions& animation,
+                      const PolishOptions& options,
+                      const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  animate_polished({{shot, method, animation}}, options, on_frame);
+}
+
+}  // namespace paperbake

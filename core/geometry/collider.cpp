@@ -1,0 +1,362 @@
+#include "core/geometry/collider.h"
+
+#include "core/geometry/proximity.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <numeric>
+
+namespace paperbake {
+namespace {
+
+constexpr double flat = 0.01;  // [rad] an edge that turns less does not stick out
+constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m]
+constexpr double of_thickness = 0.3;       // [1] of the thinnest side of a closed mesh
+constexpr double other_direction = 0.866;  // cosine
+
+Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
+
+struct Wing {
+  int triangle, corner;  // the edge lies opposite
+  bool forwards;         // from the smaller vertex to the larger
+};
+
+using EdgeMap = std::map<std::pair<int, int>, std::vector<Wing>>;
+
+EdgeMap edges_of(const Triangles& triangles) {
+  EdgeMap edges;
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = triangles(t, (i + 1) % 3), b = triangles(t, (i + 2) % 3);
+      edges[std::minmax(a, b)].push_back({t, i, a < b});
+    }
+  return edges;
+}
+
+double volume(const Points3& x, const Triangles& triangles) {
+  double six = 0;
+  for (int t = 0; t < triangles.rows(); ++t)
+    six += row(x, triangles(t, 0)).cross(row(x, triangles(t, 1))).dot(row(x, triangles(t, 2)));
+  return six / 6;
+}
+
+void turn(Triangles& triangles) { triangles.col(1).swap(triangles.col(2)); }
+
+bool is_closed(const EdgeMap& edges) {
+  return std::all_of(edges.begin(), edges.end(), [](const auto& e) {
+    return e.second.size() == 2 && e.second[0].forwards != e.second[1].forwards;
+  });
+}
+
+}  // namespace
+
+void Collider::Tree::build(std::vector<Eigen::AlignedBox3d> boxes) {
+  nodes_.clear();
+  std::vector<int> items(boxes.size());
+  std::iota(items.begin(), items.end(), 0);
+  if (!items.empty()) build(items, 0, static_cast<int>(items.size()), boxes);
+}
+
+int Collider::Tree::build(std::vector<int>& items, int begin, int end,
+                          const std::vector<Eigen::AlignedBox3d>& boxes) {
+  const int at = static_cast<int>(nodes_.size());
+  nodes_.emplace_back();
+  Eigen::AlignedBox3d box;
+  for (int k = begin; k < end; ++k) box.extend(boxes[items[k]]);
+  nodes_[at].box = box;
+  if (end - begin == 1) {
+    nodes_[at].item = items[begin];
+    return at;
+  }
+  int axis = 0;
+  box.sizes().maxCoeff(&axis);
+  const int middle = (begin + end) / 2;
+  std::nth_element(items.begin() + begin, items.begin() + middle, items.begin() + end,
+                   [&](int a, int b) {
+                     const double ca = boxes[a].min()[axis] + boxes[a].max()[axis],
+                                  cb = boxes[b].min()[axis] + boxes[b].max()[axis];
+                     return ca != cb ? ca < cb : a < b;
+                   });
+  const int left = build(items, begin, middle, boxes), right = build(items, middle, end, boxes);
+  nodes_[at].left = left, nodes_[at].right = right;
+  return at;
+}
+
+void Collider::Tree::visit(const Eigen::AlignedBox3d& box,
+                           const std::function<void(int)>& visit) const {
+  if (nodes_.empty()) return;
+  std::array<int, 64> open;
+  int top = 0;
+  open[top++] = 0;
+  while (top > 0) {
+    const Node& node = nodes_[open[--top]];
+    if (!node.box.intersects(box)) continue;
+    if (node.item >= 0)
+      visit(node.item);
+    else
+      open[top++] = node.right, open[top++] = node.left;
+  }
+}
+
+Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
+  Triangles& triangles = mesh_.triangles;
+  const Points3& x = mesh_.x;
+  closed_ = is_closed(edges_of(triangles));
+  if (closed_ && volume(x, triangles) < 0) turn(triangles);
+  const EdgeMap edges = edges_of(triangles);
+  const Eigen::AlignedBox3d all(Vector3d(x.colwise().minCoeff().transpose()),
+                                Vector3d(x.colwise().maxCoeff().transpose()));
+  depth_ = closed_ ? std::min(deepest, of_thickness * all.sizes().minCoeff()) : deepest_of_open;
+
+  const int n = static_cast<int>(triangles.rows());
+  face_normal_.resize(n, 3);
+  vertex_normal_ = Points3::Zero(x.rows(), 3);
+  border_vertex_.assign(x.rows(), 0);
+  std::vector<Eigen::AlignedBox3d> boxes(n);
+  for (int t = 0; t < n; ++t) {
+    const std::array<Vector3d, 3> c{row(x, triangles(t, 0)), row(x, triangles(t, 1)),
+                                    row(x, triangles(t, 2))};
+    const Vector3d normal = (c[1] - c[0]).cross(c[2] - c[0]).normalized();
+    face_normal_.row(t) = normal;
+    for (int i = 0; i < 3; ++i) {
+      const Vector3d u = (c[(i + 1) % 3] - c[i]).normalized(),
+                     w = (c[(i + 2) % 3] - c[i]).normalized();
+      vertex_normal_.row(triangles(t, i)) += std::acos(std::clamp(u.dot(w), -1.0, 1.0)) * normal;
+      boxes[t].extend(c[i]);
+    }
+  }
+  for (int v = 0; v < x.rows(); ++v)
+    if (const double length = vertex_normal_.row(v).norm(); length > 0)
+      vertex_normal_.row(v) /= length;
+  triangle_tree_.build(boxes);
+
+  edge_normal_.resize(n);
+  border_edge_.assign(n, {0, 0, 0});
+  std::vector<char> sharp(x.rows(), 0);
+  std::vector<Eigen::AlignedBox3d> edge_boxes;
+  for (const auto& [ends, wings] : edges) {
+    const int a = ends.first, b = ends.second;
+    Vector3d sum = Vector3d::Zero();
+    for (const Wing& w : wings) sum += row(face_normal_, w.triangle);
+    const bool border = wings.size() == 1;
+    for (const Wing& w : wings)
+      edge_normal_[w.triangle][w.corner] = sum.normalized(),
+      border_edge_[w.triangle][w.corner] = border;
+    const Vector3d along = (row(x, b) - row(x, a)).normalized();
+    const auto inward = [&](const Wing& w) -> Vector3d {
+      const Vector3d to = row(x, triangles(w.triangle, w.corner)) - row(x, a);
+      return (to - along * along.dot(to)).normalized();
+    };
+    Edge edge{a, b, {inward(wings[0]), -row(face_normal_, wings[0].triangle)}, border};
+    if (border) {
+      border_vertex_[a] = border_vertex_[b] = 1;
+    } else {
+      edge.inward[1] = inward(wings[1]);
+      const double turns = std::acos(std::clamp(
+          face_normal_.row(wings[0].triangle).dot(face_normal_.row(wings[1].triangle)), -1.0, 1.0));
+      const bool convex = edge.inward[0].dot(row(face_normal_, wings[1].triangle)) < 0;
+      if (turns < flat || !convex) continue;
+    }
+    sharp[a] = sharp[b] = 1;
+    edges_.push_back(edge);
+    Eigen::AlignedBox3d box(row(x, a));
+    edge_boxes.push_back(box.extend(row(x, b)));
+  }
+  edge_tree_.build(edge_boxes);
+
+  std::vector<std::vector<Vector3d>> outgoing(x.rows());
+  for (const auto& [ends, wings] : edges) {
+    const Vector3d along = (row(x, ends.second) - row(x, ends.first)).normalized();
+    outgoing[ends.first].push_back(along), outgoing[ends.second].push_back(-along);
+  }
+  std::vector<Eigen::AlignedBox3d> corner_boxes;
+  for (int v = 0; v < x.rows(); ++v) {
+    if (!sharp[v]) continue;
+    if (border_vertex_[v]) outgoing[v].push_back(-row(vertex_normal_, v));
+    corners_.push_back({v, outgoing[v]});
+    corner_boxes.emplace_back(row(x, v));
+  }
+  corner_tree_.build(corner_boxes);
+}
+
+namespace {
+Eigen::AlignedBox3d grown(const Vector3d& low, const Vector3d& high, double by) {
+  return {low - Vector3d::Constant(by), high + Vector3d::Constant(by)};
+}
+}  // namespace
+
+void Collider::near_triangles(const Vector3d& low, const Vector3d& high, double within,
+                              const std::function<void(int)>& visit) const {
+  triangle_tree_.visit(grown(low, high, within), visit);
+}
+void Collider::near_edges(const Vector3d& low, const Vector3d& high, double within,
+                          const std::function<void(int)>& visit) const {
+  edge_tree_.visit(grown(low, high, within), visit);
+}
+void Collider::near_corners(const Vector3d& low, const Vector3d& high, double within,
+                            const std::function<void(int)>& visit) const {
+  corner_tree_.visit(grown(low, high, within), visit);
+}
+
+Collider::OnTriangle Collider::on_triangle(const Vector3d& p, int t) const {
+  const std::array<int, 3> v{mesh_.triangles(t, 0), mesh_.triangles(t, 1), mesh_.triangles(t, 2)};
+  const Nearness near =
+      vertex_to_triangle({p, row(mesh_.x, v[0]), row(mesh_.x, v[1]), row(mesh_.x, v[2])});
+  int zeros = 0, zero = -1, corner = -1;
+  for (int i = 0; i < 3; ++i) near.weights[1 + i] == 0 ? (++zeros, zero = i) : corner = i;
+  OnTriangle on{p - near.apart, near.apart, row(face_normal_, t), false};
+  if (zeros == 1) on.pseudo_normal = edge_normal_[t][zero], on.border = border_edge_[t][zero];
+  if (zeros == 2)
+    on.pseudo_normal = row(vertex_normal_, v[corner]), on.border = border_vertex_[v[corner]];
+  return on;
+}
+
+std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector<int>& triangles,
+                                            int side) const {
+  constexpr double coincident = 1e-9;  // [m] nearer than this the mesh tells the direction
+  std::vector<SurfacePoint> found;
+  std::vector<OnTriangle> all;
+  all.reserve(triangles.size());
+  std::size_t first = 0;
+  for (const int t : triangles) {
+    all.push_back(on_triangle(p, t));
+    if (all.back().apart.squaredNorm() < all[first].apart.squaredNorm()) first = all.size() - 1;
+  }
+  if (all.empty()) return found;
+  const auto& [at, apart, pseudo_normal, border] = all[first];
+  const double d = apart.norm();
+  // beside the border of an open mesh there is neither front nor back
+  const double sign = border && std::abs(apart.dot(row(face_normal_, triangles[first]))) < 0.999 * d
+                          ? 1
+                          : side * (apart.dot(pseudo_normal) < 0 ? -1 : 1);
+  found.push_back(
+      {at, d < coincident ? Vector3d(side * pseudo_normal) : Vector3d(sign / d * apart), sign * d});
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    const double far = all[k].apart.norm();
+    if (far < coincident || side * all[k].apart.dot(row(face_normal_, triangles[k])) < 0.5 * far)
+      continue;
+    const Vector3d n = all[k].apart / far;
+    const bool known = std::any_of(found.begin(), found.end(), [&](const SurfacePoint& s) {
+      return s.normal.dot(n) > other_direction;
+    });
+    if (!known) found.push_back({all[k].at, n, far});
+  }
+  return found;
+}
+
+SurfacePoint Collider::nearest(const Vector3d& p, double within, int side) const {
+  // twice as far until something is there, and then as far as that is
+  SurfacePoint best{p, Vector3d::UnitZ(), std::numeric_limits<double>::infinity()};
+  for (double reach = std::min(within, 2e-3);; reach = std::min(within, 4 * reach)) {
+    std::vector<int> triangles;
+    near_triangles(p, p, reach, [&](int t) { triangles.push_back(t); });
+    std::sort(triangles.begin(), triangles.end());
+    if (const auto found = nearest(p, triangles, side);
+        !found.empty() && std::abs(found.front().distance) <= reach)
+      return found.front();
+    if (reach >= within) return best;
+  }
+}
+
+Poses poses_at(const Colliders& colliders, int row) {
+  Poses poses;
+  for (const Collider& c : colliders) {
+    const auto& motion = c.mesh().motion;
+    poses.push_back(motion.empty()
+                        ? Eigen::Isometry3d::Identity()
+                        : motion[std::clamp(row, 0, static_cast<int>(motion.size()) - 1)]);
+  }
+  return poses;
+}
+
+Poses between(const Poses& a, const Poses& b) {
+  Poses half;
+  for (std::size_t c = 0; c < a.size(); ++c) {
+    const Eigen::Quaterniond p(a[c].linear()), q(b[c].linear());
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    pose.linear() = p.slerp(0.5, q).normalized().toRotationMatrix();
+    pose.translation() = 0.5 * (a[c].translation() + b[c].translation());
+    half.push_back(pose.isApprox(a[c], 1e-15) ? a[c] : pose);
+  }
+  return half;
+}
+
+double farthest_move(const Colliders& colliders, const Poses& from, const Poses& to) {
+  double most = 0;
+  for (std::size_t c = 0; c < from.size(); ++c) {
+    if (from[c].matrix() == to[c].matrix()) continue;
+    for (int v = 0; v < colliders[c].mesh().x.rows(); ++v) {
+      const Vector3d p = row(colliders[c].mesh().x, v);
+      most = std::max(most, (to[c] * p - from[c] * p).norm());
+    }
+  }
+  return most;
+}
+
+void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
+  constexpr double lies_in_it = 1e-5;  // [m]
+  for (ColliderMesh& mesh : meshes) {
+    const Collider as_it_is(mesh);
+    if (as_it_is.closed()) continue;
+    const auto votes = [&](const Points3& points) {
+      int front = 0;
+      for (int v = 0; v < points.rows(); ++v) {
+        const double d = as_it_is.nearest(row(points, v), 10, 1).distance;
+        const bool beside = d == as_it_is.nearest(row(points, v), 10, -1).distance;
+        if (!beside && std::abs(d) > lies_in_it) front += d > 0 ? 1 : -1;
+      }
+      return front;
+    };
+    int front = votes(x);
+    if (front == 0) front = votes(keyed);
+    if (front == 0)
+      for (int t = 0; t < mesh.triangles.rows(); ++t) {
+        const Vector3d a = row(mesh.x, mesh.triangles(t, 0)), b = row(mesh.x, mesh.triangles(t, 1)),
+                       c = row(mesh.x, mesh.triangles(t, 2));
+        front += (b - a).cross(c - a).z() < 0 ? -1 : 1;
+      }
+    if (front < 0) turn(mesh.triangles);
+  }
+}
+
+std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh> meshes,
+                                                  const Points3& x,
+                                                  const std::vector<Handle>& handles) {
+  if (meshes.empty()) return nullptr;
+  long rows = 0;
+  for (const Handle& handle : handles) rows += handle.keyed.rows();
+  Points3 keyed(rows, 3);
+  for (const Handle& handle : handles)
+    keyed.middleRows(rows -= handle.keyed.rows(), handle.keyed.rows()) = handle.keyed;
+  face_the_sheet(meshes, x, keyed);
+  return std::make_shared<const Colliders>(meshes.begin(), meshes.end());
+}
+
+double push_out(const Colliders& colliders, const Poses& poses, const Points3& known,
+                double clearance, Points3& x) {
+  constexpr double to_and_fro = 3;  // out of one thing may be into another
+  double deepest_found = 0;
+  for (std::size_t c = 0; c < colliders.size(); ++c) {
+    const Collider& collider = colliders[c];
+    const Eigen::Isometry3d back = poses[c].inverse();
+    for (int v = 0; v < x.rows(); ++v) {
+      const Vector3d at_home = back * row(known, v);
+      const double range = (x.row(v) - known.row(v)).norm() + collider.depth();
+      int side = 1;
+      if (!collider.closed() &&
+          collider.nearest(at_home, 2 * collider.depth() + range, 1).distance < -collider.depth())
+        side = -1;
+      for (int k = 0; k < to_and_fro; ++k) {
+        const SurfacePoint near = collider.nearest(back * row(x, v), range + clearance, side);
+        if (!(near.distance < clearance)) break;
+        if (k == 0) deepest_found = std::max(deepest_found, -near.distance);
+        x.row(v) += (clearance - near.distance) * (poses[c].linear() * near.normal).transpose();
+      }
+    }
+  }
+  return deepest_found;
+}
+
+}  // namespace paperbake

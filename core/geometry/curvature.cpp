@@ -1,0 +1,150 @@
+#include "core/geometry/curvature.h"
+
+#include "core/geometry/hinges.h"
+#include "core/geometry/prescribed_creases.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+/// Where the triangle's plane has the slope of a round surface through its corners: the
+/// circumcentre, as its distance from the edge ab. Negative beyond the edge. [m]
+double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
+  const Vector2d u = a - c, v = b - c;
+  return 0.5 * (b - a).norm() * u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
+}
+
+using Eigen::Matrix2d;
+
+Matrix2d matrix(const Eigen::RowVector3d& t) {
+  Matrix2d m;
+  m << t[0], t[1], t[1], t[2];
+  return m;
+}
+
+/// What a ring tells of the curvature, from the sum of its folds and what a round surface would
+/// give; both over its area.
+struct Ring {
+  Matrix2d curvature;
+  Matrix2d blind;  // projector on the directions in which the ring has next to no folds
+};
+Ring judge(const Matrix2d& folds, const Matrix2d& round) {
+  constexpr double least_seen = 0.25;
+  const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(round);
+  Matrix2d root = Matrix2d::Zero(), blind = Matrix2d::Zero();
+  for (int i = 0; i < 2; ++i) {
+    const Vector2d u = solver.eigenvectors().col(i);
+    if (solver.eigenvalues()[i] < least_seen)
+      blind += u * u.transpose();
+    else
+      root += u * u.transpose() / std::sqrt(solver.eigenvalues()[i]);
+  }
+  return {root * folds * root, blind};
+}
+
+}  // namespace
+
+std::vector<double> bending_turns(const Sheet& sheet, const Hinges& hinges) {
+  std::vector<double> turns;
+  for (const Hinge& hinge : hinges.hinges)
+    turns.push_back(on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1])
+                        ? 0
+                        : fold_angle(sheet.x, hinge));
+  return turns;
+}
+
+Points3 vertex_curvature(const Sheet& sheet) {
+  const Hinges hinges = find_hinges(sheet.triangles);
+  return vertex_curvature(sheet.pattern, sheet.triangles, hinges, bending_turns(sheet, hinges));
+}
+
+Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, const Hinges& hinges,
+                         const std::vector<double>& turns) {
+  const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
+  Points3 folds = Points3::Zero(pattern.rows(), 3), seen = folds;
+  Eigen::VectorXd area = Eigen::VectorXd::Zero(pattern.rows());
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Vector2d p = at(triangles(t, 1)) - at(triangles(t, 0)),
+                   q = at(triangles(t, 2)) - at(triangles(t, 0));
+    for (int k = 0; k < 3; ++k) area[triangles(t, k)] += 0.5 * (p.x() * q.y() - p.y() * q.x());
+  }
+  for (std::size_t h = 0; h < turns.size(); ++h) {
+    const auto& v = hinges.hinges[h].vertices;
+    const Vector2d along = at(v[1]) - at(v[0]);
+    const Eigen::RowVector3d nn =
+        Eigen::RowVector3d(along.y() * along.y(), -along.x() * along.y(), along.x() * along.x()) /
+        along.norm();
+    const double turn = turns[h];
+    const double round = circumcentre_height(at(v[0]), at(v[1]), at(v[2])) +
+                         circumcentre_height(at(v[0]), at(v[1]), at(v[3]));
+    for (int k = 0; k < 4; ++k) {
+      const double share = k < 2 ? 1.0 : 0.5;  // a spoke of its ends, a link of the wings
+      folds.row(v[k]) += share * turn * nn;
+      seen.row(v[k]) += share * round * nn;
+    }
+  }
+  std::vector<Ring> rings(pattern.rows(), {Matrix2d::Zero(), Matrix2d::Identity()});
+  for (std::size_t v = 0; v < rings.size(); ++v)
+    if (area[v] > 0)
+      rings[v] = judge(matrix(folds.row(v)) / area[v], matrix(seen.row(v)) / area[v]);
+
+  // a ring that is blind in a direction takes that part from its neighbours
+  std::vector<Matrix2d> around(rings.size(), Matrix2d::Zero());
+  std::vector<int> neighbours(rings.size(), 0);
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j) {
+        const int v = triangles(t, i), other = triangles(t, j);
+        if (!rings[other].blind.isZero(0)) continue;
+        around[v] += rings[other].curvature;
+        ++neighbours[v];
+      }
+  Points3 result(pattern.rows(), 3);
+  for (std::size_t v = 0; v < rings.size(); ++v) {
+    Matrix2d s = rings[v].curvature;
+    if (neighbours[v] > 0) s += rings[v].blind * around[v] * rings[v].blind / neighbours[v];
+    result.row(v) << s(0, 0), s(0, 1), s(1, 1);
+  }
+  return result;
+}
+
+/// |k2|
+static double lesser_curvature(const Vector3d& tensor) {
+  return std::abs(std::abs(0.5 * (tensor[0] + tensor[2])) -
+                  std::hypot(0.5 * (tensor[0] - tensor[2]), tensor[1]));
+}
+
+Principal principal_curvature(const Vector3d& tensor) {
+  const double mean = 0.5 * (tensor[0] + tensor[2]),
+               half_difference = 0.5 * (tensor[0] - tensor[2]);
+  const double radius = std::hypot(half_difference, tensor[1]);
+  // of the algebraically larger eigenvalue
+  const double phi = 0.5 * std::atan2(tensor[1], half_difference);
+  if (mean >= 0) return {mean + radius, mean - radius, {std::cos(phi), std::sin(phi)}};
+  return {mean - radius, mean + radius, {-std::sin(phi), std::cos(phi)}};
+}
+
+SecondTurn second_turn(const Sheet& sheet, const Hinges& hinges, const Points3& curvature) {
+  const std::size_t vertices = sheet.pattern.rows();
+  SecondTurn second{std::vector<char>(vertices, 0), std::vector<double>(vertices, 0.0),
+                    std::vector<double>(vertices, 0.0)};
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const auto corner = sheet.triangles.row(t);
+    const Vector2d u = (sheet.pattern.row(corner[1]) - sheet.pattern.row(corner[0])).transpose();
+    const Vector2d v = (sheet.pattern.row(corner[2]) - sheet.pattern.row(corner[0])).transpose();
+    for (int i = 0; i < 3; ++i) {
+      second.area[corner[i]] += (u.x() * v.y() - u.y() * v.x()) / 6;
+      if (hinges.of_triangle[t][i] < 0)
+        second.border[corner[(i + 1) % 3]] = second.border[corner[(i + 2) % 3]] = 1;
+    }
+  }
+  for (std::size_t v = 0; v < vertices; ++v)
+    second.turn[v] = lesser_curvature(curvature.row(v)) * std::sqrt(second.area[v]);
+  return second;
+}
+
+}  // namespace paperbake

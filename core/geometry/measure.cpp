@@ -1,0 +1,106 @@
+#include "core/geometry/measure.h"
+
+#include <algorithm>
+#include <cmath>
+#include <unordered_map>
+
+namespace paperbake {
+namespace {
+
+double angle_between(const Vector3d& a, const Vector3d& b) {
+  return std::atan2(a.cross(b).norm(), a.dot(b));
+}
+
+}  // namespace
+
+LengthDistortion length_distortion(const Sheet& sheet) {
+  LengthDistortion result;
+  double sum = 0, count = 0;
+  std::unordered_map<std::uint64_t, bool> seen;
+  seen.reserve(3 * sheet.triangles.rows());
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
+      if (!seen.emplace((std::uint64_t(std::min(a, b)) << 32) | std::uint32_t(std::max(a, b)), true)
+               .second)
+        continue;
+      const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).norm();
+      const double stretch = std::abs((sheet.x.row(a) - sheet.x.row(b)).norm() - rest) / rest;
+      sum += stretch;
+      count += 1;
+      if (stretch > result.largest) {
+        result.largest = stretch;
+        result.where = 0.5 * (sheet.pattern.row(a) + sheet.pattern.row(b));
+      }
+    }
+  result.mean = count > 0 ? sum / count : 0;
+  return result;
+}
+
+double largest_stretch(const Sheet& sheet) {
+  double largest = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3);
+      const double rest = (sheet.pattern.row(a) - sheet.pattern.row(b)).squaredNorm(),
+                   now = (sheet.x.row(a) - sheet.x.row(b)).squaredNorm();
+      largest = std::max(largest, now / rest);
+    }
+  return largest > 1 ? std::sqrt(largest) - 1 : 0;
+}
+
+double mean_edge(const Points2& pattern, const Triangles& triangles) {
+  double sum = 0;
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      sum += (pattern.row(triangles(t, i)) - pattern.row(triangles(t, (i + 1) % 3))).norm();
+  return sum / (3 * std::max<long>(1, triangles.rows()));
+}
+
+double angle_defect_max(const Sheet& sheet) {
+  const long n = sheet.x.rows();
+  std::vector<double> angle(n, 0.0), flat(n, 0.0);
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int a = sheet.triangles(t, i), b = sheet.triangles(t, (i + 1) % 3),
+                c = sheet.triangles(t, (i + 2) % 3);
+      angle[a] += angle_between(sheet.x.row(b) - sheet.x.row(a), sheet.x.row(c) - sheet.x.row(a));
+      const Vector2d u = sheet.pattern.row(b) - sheet.pattern.row(a),
+                     v = sheet.pattern.row(c) - sheet.pattern.row(a);
+      flat[a] += std::atan2(std::abs(u.x() * v.y() - u.y() * v.x()), u.dot(v));
+    }
+  double worst = 0;
+  for (long v = 0; v < n; ++v) {
+    const bool inside = std::abs(flat[v] - 2 * M_PI) < 1e-6;
+    const bool singular =
+        std::any_of(sheet.singular.begin(), sheet.singular.end(), [&](const SingularPoint& s) {
+          return (s.pattern - sheet.pattern.row(v).transpose()).norm() < 1e-9;
+        });
+    if (inside && !singular) worst = std::max(worst, std::abs(2 * M_PI - angle[v]));
+  }
+  return worst;
+}
+
+Points3 vertex_normals(const Points3& x, const Triangles& triangles) {
+  Points3 normals = Points3::Zero(x.rows(), 3);
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Vector3d a = x.row(triangles(t, 0)), b = x.row(triangles(t, 1)),
+                   c = x.row(triangles(t, 2));
+    const Vector3d n = (b - a).cross(c - a).stableNormalized();
+    const Vector3d corner[3] = {a, b, c};
+    for (int i = 0; i < 3; ++i)
+      normals.row(triangles(t, i)) +=
+          angle_between(corner[(i + 1) % 3] - corner[i], corner[(i + 2) % 3] - corner[i]) * n;
+  }
+  for (int v = 0; v < normals.rows(); ++v) {
+    const double length = normals.row(v).norm();
+    if (length > 1e-12)
+      normals.row(v) /= length;
+    else
+      normals.row(v) =
+          Eigen::RowVector3d::UnitZ();  // folded shut upon itself: any direction is as good
+  }
+  return normals;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,131 @@
+#include "core/geometry/normal_cone_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace paperbake {
+namespace {
+
+constexpr int most_in_leaf = 4;
+constexpr double any = M_PI;
+constexpr double half_space = 1.5;  // [rad]
+
+double angle_between(const Vector3d& a, const Vector3d& b) {
+  return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
+}
+
+}  // namespace
+
+TriangleTree::TriangleTree(const Points2& pattern, const Triangles& triangles)
+    : triangles_(triangles), order_(triangles.rows()) {
+  std::iota(order_.begin(), order_.end(), 0);
+  Points2 middles(triangles.rows(), 2);
+  for (int t = 0; t < triangles.rows(); ++t)
+    middles.row(t) = (pattern.row(triangles(t, 0)) + pattern.row(triangles(t, 1)) +
+                      pattern.row(triangles(t, 2))) /
+                     3;
+  if (triangles.rows() > 0) build(middles, pattern, 0, static_cast<int>(triangles.rows()));
+}
+
+int TriangleTree::build(const Points2& middles, const Points2& pattern, int begin, int end) {
+  const int at = static_cast<int>(nodes_.size());
+  nodes_.push_back({begin, end, -1, {}});
+  Eigen::AlignedBox2d box, centres;
+  for (int k = begin; k < end; ++k) {
+    centres.extend(middles.row(order_[k]).transpose());
+    for (int i = 0; i < 3; ++i) box.extend(pattern.row(triangles_(order_[k], i)).transpose());
+  }
+  nodes_[at].pattern = box;
+  if (end - begin <= most_in_leaf) return at;
+  const int axis = centres.sizes().x() >= centres.sizes().y() ? 0 : 1, middle = (begin + end) / 2;
+  std::nth_element(
+      order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](int a, int b) {
+        return std::make_pair(middles(a, axis), a) < std::make_pair(middles(b, axis), b);
+      });
+  build(middles, pattern, begin, middle);
+  const int second = build(middles, pattern, middle, end);
+  nodes_[at].second = second;
+  return at;
+}
+
+struct TriangleTree::Search {
+  const TriangleTree& tree;
+  std::vector<Eigen::AlignedBox3d> boxes = {};  // of the triangles, in the tree's order
+  std::vector<Bound> bounds = {};
+  std::vector<std::pair<int, int>> found = {};
+
+  Search(const TriangleTree& of, const Points3& x, const Points3& y)
+      : tree(of), boxes(of.order_.size()), bounds(of.nodes_.size()) {
+    std::vector<Vector3d> normals(2 * boxes.size());
+    for (std::size_t k = 0; k < boxes.size(); ++k) {
+      const auto corners = tree.triangles_.row(tree.order_[k]);
+      for (const int v : {corners[0], corners[1], corners[2]})
+        boxes[k].extend(x.row(v).transpose()).extend(y.row(v).transpose());
+      for (int end = 0; end < 2; ++end) {
+        const Points3& at = end ? y : x;
+        const Vector3d a = at.row(corners[0]), b = at.row(corners[1]), c = at.row(corners[2]);
+        normals[2 * k + end] = (b - a).cross(c - a).normalized();
+      }
+    }
+    for (int n = static_cast<int>(bounds.size()) - 1; n >= 0; --n) {
+      const Node& node = tree.nodes_[n];
+      bounds[n] =
+          node.second < 0 ? leaf(node, normals) : joined(bounds[n + 1], bounds[node.second]);
+    }
+    if (!bounds.empty()) within(0);
+  }
+
+  Bound leaf(const Node& node, const std::vector<Vector3d>& normals) const {
+    Bound bound{{}, Vector3d::Zero(), 0};
+    for (int k = node.begin; k < node.end; ++k)
+      bound.box.extend(boxes[k]), bound.axis += normals[2 * k] + normals[2 * k + 1];
+    bound.axis.normalize();
+    double least = 1;
+    for (int k = 2 * node.begin; k < 2 * node.end; ++k)
+      least = std::min(least, normals[k].dot(bound.axis));
+    bound.angle = std::acos(std::max(least, -1.0));
+    return bound;
+  }
+  static Bound joined(const Bound& a, const Bound& b) {
+    Bound both{a.box.merged(b.box), (a.axis + b.axis).stableNormalized(), any};
+    if (std::max(a.angle, b.angle) < half_space)
+      both.angle = std::min(any, std::max(a.angle, b.angle) + 0.5 * angle_between(a.axis, b.axis));
+    return both;
+  }
+
+  void within(int n) {
+    const Node& node = tree.nodes_[n];
+    if (bounds[n].angle < half_space) return;
+    if (node.second >= 0) return within(n + 1), within(node.second), between(n + 1, node.second);
+    for (int i = node.begin; i < node.end; ++i)
+      for (int j = i + 1; j < node.end; ++j) meet(i, j);
+  }
+  void between(int n, int m) {
+    if (!bounds[n].box.intersects(bounds[m].box)) return;
+    const Node &a = tree.nodes_[n], &b = tree.nodes_[m];
+    if (a.pattern.intersects(b.pattern) && joined(bounds[n], bounds[m]).angle < half_space) return;
+    if (a.second < 0 && b.second < 0) {
+      for (int i = a.begin; i < a.end; ++i)
+        for (int j = b.begin; j < b.end; ++j) meet(i, j);
+    } else if (b.second < 0 || (a.second >= 0 && a.end - a.begin >= b.end - b.begin)) {
+      between(n + 1, m), between(a.second, m);
+    } else {
+      between(n, m + 1), between(n, b.second);
+    }
+  }
+  void meet(int i, int j) {
+    if (!boxes[i].intersects(boxes[j])) return;
+    const int s = tree.order_[i], t = tree.order_[j];
+    int shared = 0;
+    for (int k = 0; k < 3; ++k)
+      for (int l = 0; l < 3; ++l) shared += tree.triangles_(s, k) == tree.triangles_(t, l);
+    if (shared < 2) found.emplace_back(s, t);
+  }
+};
+
+std::vector<std::pair<int, int>> TriangleTree::near(const Points3& x, const Points3& y) const {
+  return Search(*this, x, y).found;
+}
+
+}  // namespace paperbake

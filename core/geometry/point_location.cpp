@@ -1,0 +1,98 @@
+#include "core/geometry/point_location.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace paperbake {
+namespace {
+
+/// Weights of the point of triangle abc nearest to p, and its squared distance.
+double nearest_in_triangle(const Vector2d& p, const Vector2d (&corner)[3], Vector3d& weights) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    const Vector2d a = corner[i], d = corner[(i + 1) % 3] - a;
+    const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
+    const double distance = (p - a - t * d).squaredNorm();
+    if (distance >= least) continue;
+    least = distance;
+    weights.setZero();
+    weights[i] = 1 - t;
+    weights[(i + 1) % 3] = t;
+  }
+  return least;
+}
+
+}  // namespace
+
+Locator::Locator(const Points2& pattern, const Triangles& triangles)
+    : pattern_(pattern), triangles_(triangles) {
+  for (int v = 0; v < pattern.rows(); ++v) box_.extend(Vector2d(pattern.row(v)));
+  const Vector2d size = box_.sizes();
+  cell_ = std::max(std::sqrt(size.x() * size.y() / std::max<long>(1, triangles.rows())), 1e-12);
+  columns_ = 1 + static_cast<int>(size.x() / cell_);
+  rows_ = 1 + static_cast<int>(size.y() / cell_);
+  cells_.resize(static_cast<std::size_t>(columns_) * rows_);
+  const auto clamp_cell = [&](const Vector2d& p, int& c, int& r) {
+    c = std::clamp(static_cast<int>((p.x() - box_.min().x()) / cell_), 0, columns_ - 1);
+    r = std::clamp(static_cast<int>((p.y() - box_.min().y()) / cell_), 0, rows_ - 1);
+  };
+  for (int t = 0; t < triangles.rows(); ++t) {
+    Eigen::AlignedBox2d box;
+    for (int i = 0; i < 3; ++i) box.extend(Vector2d(pattern.row(triangles(t, i))));
+    int c0, r0, c1, r1;
+    clamp_cell(box.min(), c0, r0);
+    clamp_cell(box.max(), c1, r1);
+    for (int r = r0; r <= r1; ++r)
+      for (int c = c0; c <= c1; ++c)
+        cells_[static_cast<std::size_t>(r) * columns_ + c].push_back(t);
+  }
+}
+
+bool Locator::inside(int t, const Vector2d& p, Vector3d& weights) const {
+  const Vector2d a = pattern_.row(triangles_(t, 0)), b = pattern_.row(triangles_(t, 1)),
+                 c = pattern_.row(triangles_(t, 2));
+  const Vector2d u = b - a, v = c - a, q = p - a;
+  const double area = u.x() * v.y() - u.y() * v.x();
+  weights[1] = (q.x() * v.y() - q.y() * v.x()) / area;
+  weights[2] = (u.x() * q.y() - u.y() * q.x()) / area;
+  weights[0] = 1 - weights[1] - weights[2];
+  return weights.minCoeff() >= -1e-9;
+}
+
+Place Locator::locate(const Vector2d& p) const {
+  const int c = static_cast<int>(std::floor((p.x() - box_.min().x()) / cell_));
+  const int r = static_cast<int>(std::floor((p.y() - box_.min().y()) / cell_));
+  if (c >= 0 && r >= 0 && c < columns_ && r < rows_) {
+    Place place;
+    for (int t : cells_[static_cast<std::size_t>(r) * columns_ + c])
+      if (inside(t, p, place.weights)) {
+        place.triangle = t;
+        return place;
+      }
+  }
+  return nearest(p);
+}
+
+Place Locator::nearest(const Vector2d& p) const {
+  Place best{0, Vector3d::Zero()};
+  double least = std::numeric_limits<double>::infinity();
+  for (int t = 0; t < triangles_.rows(); ++t) {
+    Vector3d weights;
+    if (inside(t, p, weights)) return {t, weights};
+    const Vector2d corner[3] = {pattern_.row(triangles_(t, 0)), pattern_.row(triangles_(t, 1)),
+                                pattern_.row(triangles_(t, 2))};
+    const double distance = nearest_in_triangle(p, corner, weights);
+    if (distance < least) least = distance, best = {t, weights};
+  }
+  return best;
+}
+
+Vector3d interpolate(const Place& place, const Triangles& triangles, const Points3& per_vertex) {
+  Vector3d sum = Vector3d::Zero();
+  for (int i = 0; i < 3; ++i)
+    sum += place.weights[i] * per_vertex.row(triangles(place.triangle, i)).transpose();
+  return sum;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,65 @@
+#include "core/geometry/prescribed_creases.h"
+
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+/// p lies on the segment a-b, give or take `near` [m].
+bool lies_on(const Vector2d& p, const Vector2d& a, const Vector2d& b, double near) {
+  const Vector2d d = b - a, w = p - a;
+  const double length = d.norm();
+  return std::abs(cross(d, w)) <= near * length && w.dot(d) >= -near * length &&
+         w.dot(d) <= (length + near) * length;
+}
+
+}  // namespace
+
+const FoldLine* fold_under(const std::vector<FoldLine>& folds, const Vector2d& a,
+                           const Vector2d& b) {
+  const double near = 1e-6 * (b - a).norm();
+  for (const FoldLine& fold : folds)
+    for (std::size_t k = 0; k + 1 < fold.line.size(); ++k)
+      if (lies_on(a, fold.line[k], fold.line[k + 1], near) &&
+          lies_on(b, fold.line[k], fold.line[k + 1], near))
+        return &fold;
+  return nullptr;
+}
+
+bool on_fold(const std::vector<FoldLine>& folds, const Points2& pattern, int a, int b) {
+  return !folds.empty() && fold_under(folds, pattern.row(a), pattern.row(b));
+}
+
+std::vector<const FoldLine*> fold_lines(const Sheet& sheet, const Hinges& hinges) {
+  std::vector<const FoldLine*> lines;
+  if (sheet.folds.empty()) return lines;
+  for (const Hinge& hinge : hinges.hinges)
+    lines.push_back(fold_under(sheet.folds, sheet.pattern.row(hinge.vertices[0]),
+                               sheet.pattern.row(hinge.vertices[1])));
+  return lines;
+}
+
+std::vector<Vector2d> fold_stops(const std::vector<FoldLine>& folds) {
+  std::vector<Vector2d> stops;
+  std::vector<std::pair<Vector2d, Vector2d>> segments;
+  for (const FoldLine& fold : folds) {
+    stops.insert(stops.end(), fold.line.begin(), fold.line.end());
+    for (std::size_t k = 0; k + 1 < fold.line.size(); ++k)
+      segments.emplace_back(fold.line[k], fold.line[k + 1]);
+  }
+  for (std::size_t i = 0; i < segments.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j) {
+      const Vector2d d = segments[i].second - segments[i].first,
+                     e = segments[j].second - segments[j].first,
+                     w = segments[j].first - segments[i].first;
+      const double det = cross(d, e);
+      if (std::abs(det) < 1e-9 * d.norm() * e.norm()) continue;
+      const double s = cross(w, e) / det, t = cross(w, d) / det;
+      if (s >= 0 && s <= 1 && t >= 0 && t <= 1) stops.push_back(segments[i].first + s * d);
+    }
+  return stops;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,84 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cholmod.h>
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+namespace paperbake {
+
+/// A symmetric sparse matrix of 3x3 blocks and its Cholesky factor (CHOLMOD). The fill-reducing
+/// order is found once, on the graph of the blocks, and kept with the symbolic factor as long as
+/// the object lives.
+class BlockCholesky {
+ public:
+  /// Where a block is stored. Blocks above the diagonal are stored transposed in the place of their
+  /// mirror image.
+  struct Slot {
+    int offset = -1;  // of the first value; -1: nowhere, add() passes it by
+    int stride = 0;   // between columns; negative: transposed
+  };
+
+  /// blocks: number of block rows; coupled: pairs (i, j) that may be non-zero, in any order and
+  /// number.
+  BlockCholesky(int blocks, std::vector<std::pair<int, int>> coupled);
+
+  /// The place of block (i, j); {-1, 0} when i or j is negative or the two are not coupled. O(log);
+  /// to be asked once and kept.
+  Slot slot(int i, int j) const;
+
+  void set_zero();
+  /// values += block, a 3x3 expression; for the diagonal the whole symmetric block is given.
+  template <class Block>
+  void add(Slot slot, const Block& block);
+  void shift_diagonal(double value);
+
+  /// returns false when the matrix is not positive definite
+  bool factorise();
+
+  /// Solves with the last factor. b: 3 x blocks values, block by block. returns the same shape
+  const Eigen::VectorXd& solve(const Eigen::VectorXd& b);
+
+  /// The whole matrix, block by block as in solve(): for tests and small studies.
+  Eigen::MatrixXd dense() const;
+
+ private:
+  struct Release {
+    void operator()(cholmod_common* c) const {
+      cholmod_finish(c);
+      delete c;
+    }
+  };
+  std::unique_ptr<cholmod_common, Release> common_;
+  struct Free {
+    cholmod_common* common;
+    void operator()(cholmod_sparse* m) const { cholmod_free_sparse(&m, common); }
+    void operator()(cholmod_factor* l) const { cholmod_free_factor(&l, common); }
+    void operator()(cholmod_dense* d) const { cholmod_free_dense(&d, common); }
+  };
+  std::vector<int> place_;         // place of block row i in the elimination order
+  std::vector<int> column_start_;  // block columns: start in rows_
+  std::vector<int> rows_;          // block rows, sorted within a column, row >= column
+  std::unique_ptr<cholmod_sparse, Free> matrix_;
+  std::unique_ptr<cholmod_factor, Free> factor_;
+  std::unique_ptr<cholmod_dense, Free> rhs_, x_, y_, e_;
+  double* values_ = nullptr;
+  Eigen::VectorXd solution_;
+};
+
+template <class Block>
+void BlockCholesky::add(Slot slot, const Block& block) {
+  if (slot.offset < 0) return;
+  double* v = values_ + slot.offset;
+  if (slot.stride > 0) {
+    for (int c = 0; c < 3; ++c, v += slot.stride)
+      for (int r = 0; r < 3; ++r) v[r] += block(r, c);
+  } else {
+    for (int c = 0; c < 3; ++c, v -= slot.stride)
+      for (int r = 0; r < 3; ++r) v[r] += block(c, r);
+  }
+}
+
+}  // namespace paperbake

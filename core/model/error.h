@@ -1,0 +1,35 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+
+namespace paperbake {
+
+/// What went wrong, by who has to act; the value is the exit code of the tool.
+enum class Fault {
+  simulation = 1,  // the solver could not go on
+  command = 2,     // command line, preset or job file
+  scene = 3,       // the scene cannot be used
+  stopped = 5,     // somebody wanted it to end: the same command goes on
+  folder = 6,      // the output folder is busy or not writable
+};
+
+/// The one exception of the project. It is written for the artist and printed only by the tool:
+///
+///   place      file, node, frame: where
+///   cause      one sentence: what is wrong, with numbers
+///   remedy     one sentence: what to try; may be empty
+///   what()     the three, each on its own line, the last two indented
+struct Error : std::runtime_error {
+  Error(Fault fault, std::string place, std::string cause, std::string remedy = {})
+      : std::runtime_error(place + "\n  " + cause + (remedy.empty() ? "" : "\n  " + remedy)),
+        fault(fault),
+        place(std::move(place)),
+        cause(std::move(cause)),
+        remedy(std::move(remedy)) {}
+
+  Fault fault;
+  std::string place, cause, remedy;
+};
+
+}  // namespace paperbake

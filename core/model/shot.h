@@ -1,0 +1,30 @@
+#pragma once
+
+#include "core/model/handles.h"
+#include "core/model/paper.h"
+#include "core/model/pattern.h"
+#include "core/model/sheet.h"
+#include "core/model/singular_point_rules.h"
+
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+class Collider;  // core/geometry/collider.h
+using Colliders = std::vector<Collider>;
+
+/// One sheet and what is done to it.
+struct Shot {
+  std::string sheet_name;
+  Pattern pattern;
+  Sheet start;                  // a mesh of the sheet at the first frame: pattern, x, triangles
+  std::vector<Handle> handles;  // row 0 of keyed = first_frame
+  Paper paper;
+  Pins pins = {};
+  // turned towards this sheet; null: there are none
+  std::shared_ptr<const Colliders> colliders = nullptr;
+};
+
+}  // namespace paperbake

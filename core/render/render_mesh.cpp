@@ -1,0 +1,297 @@
+#include "core/render/render_mesh.h"
+
+#include "core/geometry/pattern_mesh.h"
+#include "core/geometry/prescribed_creases.h"
+#include "core/model/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+constexpr double merge = 0.31;    // [edges] points of creases nearer than this are one
+constexpr double spacing = 0.66;  // [edges] at most, between points of a crease
+// [edges] from the border, of points of a crease that runs along it
+constexpr double clear = 0.15;
+// [rad] least angle of triangles that come of turning an edge: 8 degrees
+constexpr double least_turned = 0.14;
+constexpr double most_length = 6;  // [1/m2 m] of simulated edges
+constexpr double border = 1e-3;    // [edges] how near the mesh follows it
+
+/// Points no two of which are nearer than a radius, found again by cells of it.
+class Sites {
+ public:
+  explicit Sites(double radius) : radius_(radius) {}
+  int nearest(const Vector2d& p) const {
+    const auto [cx, cy] = cell(p);
+    int best = -1;
+    double least = radius_;
+    for (int x = cx - 1; x <= cx + 1; ++x)
+      for (int y = cy - 1; y <= cy + 1; ++y) {
+        const auto range = cells_.equal_range({x, y});
+        for (auto it = range.first; it != range.second; ++it)
+          if ((points[it->second] - p).norm() < least)
+            least = (points[it->second] - p).norm(), best = it->second;
+      }
+    return best;
+  }
+  int add(const Vector2d& p) {
+    cells_.emplace(cell(p), static_cast<int>(points.size()));
+    points.push_back(p);
+    return static_cast<int>(points.size()) - 1;
+  }
+  int nearest_or_new(const Vector2d& p) {
+    const int known = nearest(p);
+    return known >= 0 ? known : add(p);
+  }
+  std::vector<Vector2d> points;
+
+ private:
+  std::pair<int, int> cell(const Vector2d& p) const {
+    return {int(std::floor(p.x() / radius_)), int(std::floor(p.y() / radius_))};
+  }
+  double radius_;
+  std::multimap<std::pair<int, int>, int> cells_;
+};
+
+/// Where segment a crosses segment b, along a in (0, 1); negative: nowhere.
+double crossing(const CreaseLine& a, const CreaseLine& b) {
+  const Vector2d d = a.b - a.a, e = b.b - b.a, w = b.a - a.a;
+  const double det = d.x() * e.y() - d.y() * e.x();
+  if (std::abs(det) < 1e-6 * d.norm() * e.norm()) return -1;
+  const double s = (w.x() * e.y() - w.y() * e.x()) / det, t = (w.x() * d.y() - w.y() * d.x()) / det;
+  return s > 0 && s < 1 && t >= 0 && t <= 1 ? s : -1;
+}
+
+/// The creases that there is room for, heaviest first.
+std::vector<CreaseLine> chosen(std::vector<CreaseLine> creases, double room) {
+  std::stable_sort(creases.begin(), creases.end(),
+                   [](const CreaseLine& a, const CreaseLine& b) { return a.weight > b.weight; });
+  double length = 0;
+  const auto full = std::find_if(creases.begin(), creases.end(), [&](const CreaseLine& c) {
+    return (length += (c.b - c.a).norm()) > room;
+  });
+  creases.erase(full, creases.end());
+  return creases;
+}
+
+/// The sites of one crease in a row; none where it runs so near the border that there is no room.
+std::vector<int> lay(const CreaseLine& crease, const std::vector<CreaseLine>& all,
+                     const Pattern& pattern, double edge, Sites& sites) {
+  std::vector<double> stops{0, 1};
+  for (const CreaseLine& other : all) {
+    const double at = crossing(crease, other);
+    if (at > 0) stops.push_back(at);
+  }
+  std::sort(stops.begin(), stops.end());
+  const Vector2d d = crease.b - crease.a;
+  std::vector<int> row;
+  const auto put = [&](double t, bool end) {
+    Vector2d p = crease.a + t * d;
+    const Vector2d border = nearest_border_point(pattern, p);
+    if ((border - p).norm() < (end ? merge : clear) * edge || !contains(pattern, p)) {
+      if (!end && sites.nearest(p) < 0) return;
+      if (end) p = border;
+    }
+    row.push_back(sites.nearest_or_new(p));
+  };
+  put(0, true);
+  for (std::size_t k = 0; k + 1 < stops.size(); ++k) {
+    const int parts =
+        static_cast<int>(std::ceil((stops[k + 1] - stops[k]) * d.norm() / (spacing * edge) - 1e-9));
+    for (int i = 1; i <= parts; ++i)
+      put(stops[k] + (stops[k + 1] - stops[k]) * i / parts, i == parts);
+  }
+  return row;
+}
+
+/// Edges of a triangulation, to be asked for and turned.
+class Edges {
+ public:
+  Edges(const Points2& pattern, Triangles& triangles) : pattern_(pattern), triangles_(triangles) {
+    for (int t = 0; t < triangles.rows(); ++t) enter(t);
+  }
+  bool has(int a, int b) const { return left_.count({a, b}) || left_.count({b, a}); }
+  /// Makes a-b an edge where it crosses but one, and no needle comes of it.
+  bool turn_to(int a, int b, const std::set<std::pair<int, int>>& keep) {
+    for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
+      const int c = it->first.second, t = it->second, d = third(t, a, c);
+      const auto beyond = left_.find({d, c});
+      if (beyond == left_.end() || keep.count(std::minmax(c, d)) ||
+          third(beyond->second, d, c) != b)
+        continue;
+      if (std::min(least_angle(a, c, b), least_angle(a, b, d)) < least_turned) return false;
+      const int other = beyond->second;
+      for (const auto& edge : {std::pair<int, int>(a, c), {c, d}, {d, a}, {d, c}, {c, b}, {b, d}})
+        left_.erase(edge);
+      triangles_.row(t) << a, c, b;
+      triangles_.row(other) << a, b, d;
+      enter(t);
+      enter(other);
+      return true;
+    }
+    return false;
+  }
+  /// A vertex between two that are no neighbours, and nearer than `off` to the way.
+  int between(int a, int b, double off) const {
+    const Vector2d way = (pattern_.row(b) - pattern_.row(a)).normalized();
+    for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
+      const int v = it->first.second;
+      const Vector2d p = pattern_.row(v) - pattern_.row(a);
+      if (has(v, b) && std::abs(p.x() * way.y() - p.y() * way.x()) < off) return v;
+    }
+    return -1;
+  }
+
+ private:
+  void enter(int t) {
+    for (int i = 0; i < 3; ++i) left_[{triangles_(t, i), triangles_(t, (i + 1) % 3)}] = t;
+  }
+  int third(int t, int a, int b) const { return triangles_.row(t).sum() - a - b; }
+  /// Of a triangle; negative when it is turned over. [rad]
+  double least_angle(int a, int b, int c) const {
+    double least = M_PI;
+    const int v[3] = {a, b, c};
+    for (int i = 0; i < 3; ++i) {
+      const Vector2d u = pattern_.row(v[(i + 1) % 3]) - pattern_.row(v[i]),
+                     w = pattern_.row(v[(i + 2) % 3]) - pattern_.row(v[i]);
+      least = std::min(least, std::atan2(u.x() * w.y() - u.y() * w.x(), u.dot(w)));
+    }
+    return least;
+  }
+  const Points2& pattern_;
+  Triangles& triangles_;
+  std::map<std::pair<int, int>, int> left_;  // the triangle on the left of each directed edge
+};
+
+/// a and b lie on one of the lines, as far as `near` tells. [m]
+bool along(const std::vector<CreaseLine>& lines, const Vector2d& a, const Vector2d& b,
+           double near) {
+  return std::any_of(lines.begin(), lines.end(), [&](const CreaseLine& line) {
+    const Vector2d d = line.b - line.a;
+    const auto on = [&](const Vector2d& p) {
+      return (p - line.a - std::clamp((p - line.a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d)
+                 .norm() <= near;
+    };
+    return on(a) && on(b);
+  });
+}
+
+/// Edges on the folds of the pattern.
+std::set<std::pair<int, int>> folded_edges(const RenderMesh& mesh,
+                                           const std::vector<FoldLine>& folds) {
+  std::set<std::pair<int, int>> found;
+  for (int t = 0; t < mesh.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (const int a = mesh.triangles(t, i), b = mesh.triangles(t, (i + 1) % 3);
+          a < b && on_fold(folds, mesh.pattern, a, b))
+        found.insert({a, b});
+  return found;
+}
+
+bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseLine>& simulated) {
+  double length = 0;
+  for (const CreaseLine& line : simulated) length += (line.b - line.a).norm();
+  return length <= most_length * area(pattern) / edge;
+}
+
+/// With every simulated edge, and every crease, as a row of edges.
+/// throws Error(Fault::scene) when some cross so near to others that no triangulation has them all
+RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  const double near = 3e-6 * longer_side(pattern);
+  Pattern lined = pattern;
+  for (const CreaseLine& line : features.edges) lined.folds.push_back({{line.a, line.b}});
+  PatternMesh mesh = mesh_pattern(lined, edge, features.points, 0, border);
+  RenderMesh result{
+      std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, pattern.folds, true};
+  result.point_vertex.assign(mesh.point_vertex.begin(),
+                             mesh.point_vertex.begin() + features.points.size());
+  std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
+  for (int t = 0; t < result.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3);
+          a < b && along(features.creases, result.pattern.row(a), result.pattern.row(b), near))
+        found.insert({a, b});
+  result.creases.assign(found.begin(), found.end());
+  return result;
+}
+
+}  // namespace
+
+RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  if (!features.edges.empty() && has_room(pattern, edge, features.edges)) {
+    try {
+      return mesh_along_edges(pattern, edge, features);
+    } catch (
+        // without them it is as good a mesh, and what is wrong with the pattern itself is said
+        // below
+        const Error&) {
+    }
+  }
+  const double exact = 1e-6 * longer_side(pattern);
+  Sites sites(merge * edge);
+  std::vector<int> site_of_point;
+  for (const Vector2d& p : features.points) {
+    // a handle keeps its place though another point is near
+    const int known = sites.nearest(p);
+    site_of_point.push_back(known >= 0 && (sites.points[known] - p).norm() <= exact ? known
+                                                                                    : sites.add(p));
+  }
+  const std::size_t given = sites.points.size();
+  // creases end in corners of the border, not beside them
+  for (const Vector2d& p : pattern.outline) sites.nearest_or_new(p);
+  for (const auto& hole : pattern.holes)
+    for (const Vector2d& p : hole) sites.nearest_or_new(p);
+  const std::vector<CreaseLine> creases = chosen(features.creases, 0.5 * area(pattern) / edge);
+  std::vector<std::vector<int>> rows;
+  for (const CreaseLine& crease : creases)
+    rows.push_back(lay(crease, creases, pattern, edge, sites));
+
+  // of a site that is needed, among the required points
+  std::vector<int> number(sites.points.size(), -1);
+  std::vector<Vector2d> required(sites.points.begin(), sites.points.begin() + given);
+  for (std::size_t s = 0; s < given; ++s) number[s] = static_cast<int>(s);
+  for (const std::vector<int>& row : rows)
+    for (const int s : row)
+      if (number[s] < 0) {
+        number[s] = static_cast<int>(required.size());
+        required.push_back(sites.points[s]);
+      }
+  PatternMesh mesh = mesh_pattern(pattern, edge, required, 0, border);
+  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, {}};
+  for (const int site : site_of_point)
+    result.point_vertex.push_back(mesh.point_vertex[number[site]]);
+  Edges edges(result.pattern, result.triangles);
+  std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
+  for (const std::vector<int>& row : rows)
+    for (std::size_t k = 0; k + 1 < row.size(); ++k) {
+      const int a = mesh.point_vertex[number[row[k]]], b = mesh.point_vertex[number[row[k + 1]]];
+      if (a == b) continue;
+      if (edges.has(a, b) || edges.turn_to(a, b, found)) {
+        found.insert(std::minmax(a, b));
+      } else if (const int v = edges.between(a, b, merge * edge); v >= 0) {
+        found.insert(std::minmax(a, v));
+        found.insert(std::minmax(v, b));
+      }
+    }
+  result.creases.assign(found.begin(), found.end());
+  result.folds = pattern.folds;
+  return result;
+}
+
+RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features,
+                           int most_triangles) {
+  // so many fit without features; with them one more turn or two
+  edge = std::max(edge, std::sqrt(area(pattern) / most_triangles / (std::sqrt(3.0) / 4)));
+  RenderMesh mesh = mesh_for_render(pattern, edge, features);
+  while (mesh.triangles.rows() > most_triangles) {
+    edge *= 1.02 * std::sqrt(double(mesh.triangles.rows()) / most_triangles);
+    mesh = mesh_for_render(pattern, edge, features);
+  }
+  return mesh;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,177 @@
+#include "core/render/shape_fit.h"
+
+#include "core/geometry/prescribed_creases.h"
+#include "core/render/curved_surface.h"
+
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+/// Cotangent of the angle at p between a and b.
+double cotangent(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d u = a - p, v = b - p;
+  return u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
+}
+
+/// F (F^T F)^(-1/2) by the closed form of the root of a 2x2 matrix: C^(1/2) = (C + d)/t, d^2 = det
+/// C, t^2 = tr C + 2 d.
+Eigen::Matrix<double, 3, 2> nearest_rotation(const Eigen::Matrix<double, 3, 2>& F) {
+  const double a = F.col(0).squaredNorm(), b = F.col(0).dot(F.col(1)), c = F.col(1).squaredNorm();
+  const double d = std::sqrt(std::max(a * c - b * b, 1e-12)), t = std::sqrt(a + c + 2 * d);
+  // the inverse of the root is (C + d)^(-1) t, with det (C + d) = d t^2
+  const double scale = 1 / (d * t);
+  Eigen::Matrix<double, 3, 2> R;
+  R.col(0) = scale * ((c + d) * F.col(0) - b * F.col(1));
+  R.col(1) = scale * ((a + d) * F.col(1) - b * F.col(0));
+  return R;
+}
+
+}  // namespace
+
+LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles,
+                         const LocalGlobalOptions& options, const std::vector<FoldLine>& folds)
+    : options_(options), hinges_(find_hinges(triangles)), area_(pattern.rows(), 0.0) {
+  const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
+  const double ell2 = options.length * options.length;
+  std::vector<double> areas(triangles.rows());
+  std::vector<Eigen::Triplet<double>> entries, stretch;
+  entries.reserve(16 * hinges_.hinges.size() + pattern.rows());
+  stretch.reserve(9 * triangles.rows());
+  for (int t = 0; t < triangles.rows(); ++t) {
+    Face face;
+    for (int i = 0; i < 3; ++i) face.v[i] = triangles(t, i);
+    const Vector2d u = at(face.v[1]) - at(face.v[0]), v = at(face.v[2]) - at(face.v[0]);
+    areas[t] = 0.5 * (u.x() * v.y() - u.y() * v.x());
+    for (int i = 0; i < 3; ++i) {
+      const Vector2d e = at(face.v[(i + 2) % 3]) - at(face.v[(i + 1) % 3]);
+      face.slope.row(i) << -e.y() / (2 * areas[t]), e.x() / (2 * areas[t]);
+      area_[face.v[i]] += areas[t] / 3;
+    }
+    face.weight = options.stretch * ell2 * areas[t];
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        stretch.emplace_back(face.v[i], face.v[j],
+                             face.weight * face.slope.row(i).dot(face.slope.row(j)));
+    faces_.push_back(face);
+  }
+  for (const Hinge& hinge : hinges_.hinges) {
+    const Vector2d p[4] = {at(hinge.vertices[0]), at(hinge.vertices[1]), at(hinge.vertices[2]),
+                           at(hinge.vertices[3])};
+    const double left0 = cotangent(p[0], p[1], p[2]), left1 = cotangent(p[1], p[0], p[2]);
+    const double right0 = cotangent(p[0], p[1], p[3]), right1 = cotangent(p[1], p[0], p[3]);
+    Bend bend{{left1 + right1, left0 + right0, -left0 - left1, -right0 - right1},
+              {0, 0, 0},
+              ell2 * ell2 / (areas[hinge.triangles[0]] + areas[hinge.triangles[1]]),
+              on_fold(folds, pattern, hinge.vertices[0], hinge.vertices[1])};
+    for (int i = 1; i < 4; ++i) {  // about p[0]
+      const Vector2d q = p[i] - p[0];
+      bend.of_curvature -=
+          0.5 * bend.k[i] * Vector3d(q.x() * q.x(), 2 * q.x() * q.y(), q.y() * q.y());
+    }
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < 4; ++j)
+        entries.emplace_back(hinge.vertices[i], hinge.vertices[j],
+                             bend.weight * bend.k[i] * bend.k[j]);
+    bends_.push_back(bend);
+  }
+  for (int v = 0; v < pattern.rows(); ++v) entries.emplace_back(v, v, area_[v]);
+  smooth_.resize(pattern.rows(), pattern.rows());
+  smooth_.setFromTriplets(entries.begin(), entries.end());
+  stiff_.resize(pattern.rows(), pattern.rows());
+  stiff_.setFromTriplets(stretch.begin(), stretch.end());
+  stiff_ += smooth_;
+}
+
+void LocalGlobal::hold(const std::vector<int>& vertices) {
+  if (held_ == vertices) return;
+  held_ = vertices;
+  std::vector<int> place(area_.size(), 0);
+  for (const int v : vertices) place[v] = -1;
+  free_.clear();
+  for (std::size_t v = 0; v < place.size(); ++v)
+    if (place[v] == 0) {
+      place[v] = static_cast<int>(free_.size());
+      free_.push_back(static_cast<int>(v));
+    }
+  if (free_.empty()) return;
+  const auto factored = [&](const Eigen::SparseMatrix<double>& all) {
+    std::vector<Eigen::Triplet<double>> entries;
+    entries.reserve(all.nonZeros());
+    for (const int v : free_)
+      for (Eigen::SparseMatrix<double>::InnerIterator it(all, v); it; ++it)
+        if (place[it.row()] >= place[v])
+          entries.emplace_back(place[it.row()], place[v], it.value());
+    Eigen::SparseMatrix<double> lower(free_.size(), free_.size());
+    lower.setFromTriplets(entries.begin(), entries.end());
+    return ColumnCholesky(lower);
+  };
+  smooth_factor_.emplace(factored(smooth_));
+  stiff_factor_.emplace(factored(stiff_));
+}
+
+Points3 LocalGlobal::stretch_pull(const Points3& x) const {
+  Points3 r = Points3::Zero(x.rows(), 3);
+  for (const Face& face : faces_) {
+    Eigen::Matrix<double, 3, 2> F = Eigen::Matrix<double, 3, 2>::Zero();
+    for (int i = 0; i < 3; ++i) F += x.row(face.v[i]).transpose() * face.slope.row(i);
+    const Eigen::Matrix<double, 3, 2> pull = face.weight * (nearest_rotation(F) - F);
+    for (int i = 0; i < 3; ++i)
+      r.row(face.v[i]) += (pull * face.slope.row(i).transpose()).transpose();
+  }
+  return r;
+}
+
+Points3 LocalGlobal::bend_pull(const Points3& y, const Points3& bend) const {
+  Points3 r = Points3::Zero(y.rows(), 3);
+  for (std::size_t h = 0; h < bends_.size(); ++h) {
+    const auto& v = hinges_.hinges[h].vertices;
+    const auto& k = bends_[h].k;
+    const Eigen::RowVector3d pull =
+        bends_[h].weight * (bend.row(h) - (k[0] * y.row(v[0]) + k[1] * y.row(v[1]) +
+                                           k[2] * y.row(v[2]) + k[3] * y.row(v[3])));
+    for (int i = 0; i < 4; ++i) r.row(v[i]) += k[i] * pull;
+  }
+  return r;
+}
+
+Points3 LocalGlobal::bend(const Points3& y, const Points3& curvature) const {
+  Points3 normal(faces_.size(), 3);
+  for (std::size_t t = 0; t < faces_.size(); ++t) {
+    const Vector3d a = y.row(faces_[t].v[0]), b = y.row(faces_[t].v[1]), c = y.row(faces_[t].v[2]);
+    normal.row(t) = (b - a).cross(c - a).normalized();
+  }
+  Points3 result(bends_.size(), 3);
+  for (std::size_t h = 0; h < bends_.size(); ++h) {
+    const auto& v = hinges_.hinges[h].vertices;
+    const auto& k = bends_[h].k;
+    const auto& t = hinges_.hinges[h].triangles;
+    const double c = bends_[h].sharp ? 1 : crease_share(fold_angle(y, hinges_.hinges[h]));
+    const Eigen::RowVector3d n = (normal.row(t[0]) + normal.row(t[1])).normalized();
+    const double curved =
+        0.5 * (curvature.row(v[0]) + curvature.row(v[1])).dot(bends_[h].of_curvature);
+    result.row(h) = (1 - c) * curved * n;
+    if (c > 0)
+      result.row(h) +=
+          c * (k[0] * y.row(v[0]) + k[1] * y.row(v[1]) + k[2] * y.row(v[2]) + k[3] * y.row(v[3]));
+  }
+  return result;
+}
+
+void LocalGlobal::move(Points3& x, const Points3& pull, const ColumnCholesky& factor) const {
+  Points3 right(free_.size(), 3);
+  for (std::size_t k = 0; k < free_.size(); ++k) right.row(k) = pull.row(free_[k]);
+  const Points3 way = factor.solve(right);
+  for (std::size_t k = 0; k < free_.size(); ++k) x.row(free_[k]) += way.row(k);
+}
+
+Points3 LocalGlobal::operator()(const Points3& y, const Points3& curvature) const {
+  Points3 x = y;
+  if (free_.empty()) return x;
+  move(x, bend_pull(y, bend(y, curvature)), *smooth_factor_);
+  for (int step = 0; step < options_.steps; ++step)
+    move(x, (step + 1 < options_.steps ? 1 : options_.beyond) * stretch_pull(x), *stiff_factor_);
+  return x;
+}
+
+}  // namespace paperbake

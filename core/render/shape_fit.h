@@ -1,0 +1,90 @@
+#pragma once
+
+#include "core/geometry/hinges.h"
+#include "core/linear_algebra/column_cholesky.h"
+#include "core/model/sheet.h"
+
+#include <array>
+#include <optional>
+#include <vector>
+
+namespace paperbake {
+
+struct LocalGlobalOptions {
+  // [m] ell: waves shorter than 4 ell or so are smoothed; a sixth of the simulated edges:
+  double length = 0.002;
+  //     with a quarter shapes change (S8: c_m 0.05 -> 0.08 %), with a half
+  //     they are rounded (0.26 %)
+  double stretch = 300;  // [1] ks: how much true lengths count against the place
+  // [1] that take out stretch, one solve each: with 1, c_m is 0.051 % on S8 and S5, with 2 0.045
+  int steps = 2;
+  // [1] how far the last of them goes, because each falls short: with 1, c_m is a tenth more
+  double beyond = 1.5;
+};
+
+/// Makes the shape of a fine mesh smooth where paper is smooth, and its lengths those of the
+/// pattern, near where it is:
+///
+///   1.  min  sum_v a_v |x_v - y_v|^2  +  ell^4 sum_h |K_h x - c_h K_h y - (1 - c_h) K_h S n|^2 /
+///   A_h
+///   2.  min  sum_v a_v |d_v|^2  +  ell^4 sum_h |K_h d|^2 / A_h  +  ks ell^2 sum_t A_t |F_t(x + d)
+///   - R_t|^2,   x += d;  as often as `steps` says
+///
+/// y  the shape that is given;  a_v  area of a vertex;  A_t  of a triangle;  A_h  of the two
+///    triangles of a hinge
+/// K  quadratic bending [Bergou 2006]: the cotangents of a hinge, zero for what is flat
+/// c  crease_share of the hinge in y: what is sharp keeps its bend, what is not shall bend as the
+///    curvature S says: K_h S n is K of the height -1/2 q^T S q over the plane with the hinge's
+///    normal n
+/// F  gradient on the pattern;  R  = F (F^T F)^(-1/2) at x, the nearest without stretch
+///
+/// The two are apart because together they hold each other: a ripple is a field of rotations R, and
+/// with those given stretch defends it (ripples of 12 mm with ell 6 mm were left 3/4 of their
+/// height). The second leaves smooth what is smooth. The matrices depend on the pattern and on
+/// which vertices are held only, and are factored when those change.
+/// source  algorithm E2.3 for the terms and the solver; apart, and with the curvature as an aim, by
+///         this project
+class LocalGlobal {
+ public:
+  /// folds  whose hinges have c = 1, however little they turn
+  LocalGlobal(const Points2& pattern, const Triangles&, const LocalGlobalOptions&,
+              const std::vector<FoldLine>& folds = {});
+
+  /// The vertices that stay where they are given, from now on; factors when they are others than
+  /// before.
+  void hold(const std::vector<int>& vertices);
+
+  /// y -> x. |V|x3 [m]. curvature  |V|x3 [1/m] Sxx, Sxy, Syy, positive where the sheet bulges to
+  /// its normal. Several threads may ask at the same time, after one has called hold().
+  Points3 operator()(const Points3& y, const Points3& curvature) const;
+
+ private:
+  struct Face {
+    std::array<int, 3> v;
+    // [1/m] gradients of the shape functions: F = sum_i x_i slope_i
+    Eigen::Matrix<double, 3, 2> slope;
+    double weight;  // ks ell^2 A_t
+  };
+  struct Bend {
+    std::array<double, 4> k;  // K
+    Vector3d of_curvature;    // [m2] K of -1/2 (qx^2, 2 qx qy, qy^2)
+    double weight;            // ell^4 / A_h
+    bool sharp;
+  };
+  Points3 bend(const Points3& y, const Points3& curvature) const;
+  Points3 bend_pull(const Points3& y, const Points3& bend) const;
+  void move(Points3& x, const Points3& pull, const ColumnCholesky&) const;
+  Points3 stretch_pull(const Points3& x) const;
+
+  LocalGlobalOptions options_;
+  Hinges hinges_;
+  std::vector<Face> faces_;
+  std::vector<Bend> bends_;
+  std::vector<double> area_;                    // a_v
+  Eigen::SparseMatrix<double> smooth_, stiff_;  // of all vertices, both triangles
+  std::vector<int> free_;                       // vertices that are not held
+  std::optional<std::vector<int>> held_;
+  std::optional<ColumnCholesky> smooth_factor_, stiff_factor_;
+};
+
+}  // namespace paperbake

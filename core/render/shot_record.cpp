@@ -1,0 +1,94 @@
+#include "core/render/shot_record.h"
+
+#include "core/geometry/hinges.h"
+#include "core/geometry/measure.h"
+#include "core/geometry/prescribed_creases.h"
+#include "core/render/curved_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+/// An edge of a mesh, its ends in order; what tells it from others.
+CreaseLine line_of(const Points2& pattern, int v, int w) {
+  const Vector2d p = pattern.row(v), q = pattern.row(w);
+  const bool in_order = std::make_pair(p.x(), p.y()) < std::make_pair(q.x(), q.y());
+  return {in_order ? p : q, in_order ? q : p};
+}
+std::array<long, 4> key_of(const CreaseLine& line) {
+  const auto key = [](double c) { return std::lround(1e7 * c); };
+  return {key(line.a.x()), key(line.a.y()), key(line.b.x()), key(line.b.y())};
+}
+
+}  // namespace
+
+void ShotRecord::add(const AnimatedFrame& frame) {
+  const Sheet& sheet = *frame.sheet;
+  const bool same = !meshes_.empty() && meshes_.back().pattern.rows() == sheet.pattern.rows() &&
+                    meshes_.back().pattern == sheet.pattern &&
+                    meshes_.back().triangles.rows() == sheet.triangles.rows() &&
+                    meshes_.back().triangles == sheet.triangles;
+  if (!same) meshes_.push_back({sheet.pattern, sheet.triangles});
+  RecordedFrame record;
+  record.frame = frame.frame;
+  record.mesh = static_cast<int>(meshes_.size()) - 1;
+  record.x = sheet.x.cast<float>();
+  for (std::size_t h = 0; h < frame.handles.size(); ++h)
+    if (frame.handles[h].state != HandleFrame::free) record.held.push_back(static_cast<int>(h));
+  record.held_at.resize(record.held.size(), 3);
+  for (std::size_t k = 0; k < record.held.size(); ++k)
+    record.held_at.row(k) = frame.handles[record.held[k]].at;
+  frames_.push_back(std::move(record));
+  singular_ = sheet.singular;  // it only grows
+  folds_ = sheet.folds;
+  edges_ += mean_edge(sheet.pattern, sheet.triangles);
+
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
+    const double share = crease_share(fold_angle(sheet.x, hinge));
+    if (share <= 0) continue;
+    const CreaseLine line = line_of(sheet.pattern, hinge.vertices[0], hinge.vertices[1]);
+    Crease& crease = creases_[key_of(line)];
+    crease.a = line.a;
+    crease.b = line.b;
+    crease.frames += share;
+  }
+}
+
+Sheet ShotRecord::sheet(const RecordedFrame& frame) const {
+  const Mesh& mesh = meshes_[frame.mesh];
+  return {mesh.pattern, frame.x.cast<double>(), {}, mesh.triangles, {}, folds_};
+}
+
+RenderFeatures ShotRecord::features(const Shot& shot) const {
+  RenderFeatures features;
+  for (const Handle& handle : shot.handles) features.points.push_back(handle.pattern);
+  for (std::size_t h = 0; h < shot.handles.size(); ++h)
+    for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern,
+                                      disc_radius(shot.handles, h, shot.pattern)))
+      features.points.push_back(p);
+  for (const SingularPoint& point : singular_) features.points.push_back(point.pattern);
+  const double least = std::min(2.0, 0.25 * frames_.size());
+  for (const auto& [key, crease] : creases_)
+    if (crease.frames >= least && !fold_under(shot.pattern.folds, crease.a, crease.b))
+      features.creases.push_back({crease.a, crease.b, crease.frames});
+  return features;
+}
+
+std::vector<CreaseLine> ShotRecord::edges() const {
+  std::map<std::array<long, 4>, CreaseLine> found;
+  for (const Mesh& mesh : meshes_)
+    for (const Hinge& hinge : find_hinges(mesh.triangles).hinges) {
+      const CreaseLine line = line_of(mesh.pattern, hinge.vertices[0], hinge.vertices[1]);
+      found.emplace(key_of(line), line);
+    }
+  std::vector<CreaseLine> edges;
+  for (const auto& [key, line] : found) edges.push_back(line);
+  return edges;
+}
+
+double ShotRecord::edge() const { return frames_.empty() ? 0 : edges_ / frames_.size(); }
+
+}  // namespace paperbake

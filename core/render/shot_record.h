@@ -1,0 +1,63 @@
+#pragma once
+
+#include "core/model/frame.h"
+#include "core/model/shot.h"
+#include "core/render/render_mesh.h"
+
+#include <map>
+#include <vector>
+
+namespace paperbake {
+
+/// What one frame of a shot leaves behind for the mesh of the whole shot. Small: positions in 32
+/// bits, meshes shared.
+struct RecordedFrame {
+  int frame = 0;
+  // number among ShotRecord::meshes
+  int mesh = 0;
+  Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> x;  // [m]
+  // handles that hold the sheet
+  std::vector<int> held;
+  Points3 held_at;  // [m] where they have it
+};
+
+/// Everything that is simulated in a shot of one sheet, and what of it a mesh for all frames has to
+/// show.
+class ShotRecord {
+ public:
+  struct Mesh {
+    Points2 pattern;
+    Triangles triangles;
+  };
+
+  void add(const AnimatedFrame&);
+
+  const std::vector<RecordedFrame>& frames() const { return frames_; }
+  const std::vector<Mesh>& meshes() const { return meshes_; }
+  Sheet sheet(const RecordedFrame&) const;  // without velocities and singular points
+
+  /// Points: of the handles, in order, of the rims of their discs, and all singular points there
+  /// ever were. Creases: edges that were sharply folded for two frames' worth, or a quarter of the
+  /// shot.
+  RenderFeatures features(const Shot&) const;
+
+  /// Inner edges of all meshes, each once, in an order that depends on nothing else.
+  std::vector<CreaseLine> edges() const;
+
+  /// Mean edge of the meshes, over the frames. [m]
+  double edge() const;
+
+ private:
+  struct Crease {
+    Vector2d a, b;
+    double frames = 0;  // sum of crease_share
+  };
+  std::vector<Mesh> meshes_;
+  std::vector<RecordedFrame> frames_;
+  std::map<std::array<long, 4>, Crease> creases_;  // by their ends in units of 1e-7 m
+  std::vector<SingularPoint> singular_;
+  std::vector<FoldLine> folds_;
+  double edges_ = 0;
+};
+
+}  // namespace paperbake

@@ -1,0 +1,281 @@
+#include "core/render/untangle.h"
+
+#include "core/geometry/measure.h"
+#include "core/geometry/proximity.h"
+#include "core/geometry/swept_box_pairs.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace paperbake {
+namespace {
+
+constexpr int rounds = 60;
+constexpr double more = 0.125;  // [1] of the way to the facets, in a round
+constexpr double radius = 8;    // [edges]
+
+using Corners = std::array<Vector3d, 3>;
+
+Corners corners_of(const Points3& x, const Triangles& triangles, int t) {
+  return {x.row(triangles(t, 0)).transpose(), x.row(triangles(t, 1)).transpose(),
+          x.row(triangles(t, 2)).transpose()};
+}
+
+/// All corners of p on one side of the plane of q, but those that lie in it.
+bool beside(const Corners& p, const Corners& q) {
+  const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
+  const double a = n.dot(p[0] - q[0]), b = n.dot(p[1] - q[0]), c = n.dot(p[2] - q[0]);
+  return (a >= 0 && b >= 0 && c >= 0) || (a <= 0 && b <= 0 && c <= 0);
+}
+
+bool cross(const Points3& x, const Triangles& triangles, int s, int t) {
+  const Corners p = corners_of(x, triangles, s), q = corners_of(x, triangles, t);
+  for (int k = 0; k < 3; ++k)
+    if (std::max({p[0][k], p[1][k], p[2][k]}) < std::min({q[0][k], q[1][k], q[2][k]}) ||
+        std::max({q[0][k], q[1][k], q[2][k]}) < std::min({p[0][k], p[1][k], p[2][k]}))
+      return false;
+  if (beside(p, q) || beside(q, p)) return false;
+  const auto has = [&](int a, int v) {
+    return triangles(a, 0) == v || triangles(a, 1) == v || triangles(a, 2) == v;
+  };
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3;
+    if (!has(t, triangles(s, i)) && !has(t, triangles(s, j)) && pierces(p[i], p[j], q)) return true;
+    if (!has(s, triangles(t, i)) && !has(s, triangles(t, j)) && pierces(q[i], q[j], p)) return true;
+  }
+  return false;
+}
+
+double distance(const Corners& p, const Corners& q) {
+  double least = std::numeric_limits<double>::infinity();
+  for (int i = 0; i < 3; ++i) {
+    least = std::min({least, vertex_to_triangle({p[i], q[0], q[1], q[2]}).distance(),
+                      vertex_to_triangle({q[i], p[0], p[1], p[2]}).distance()});
+    for (int j = 0; j < 3; ++j)
+      least =
+          std::min(least, edge_to_edge({p[i], p[(i + 1) % 3], q[j], q[(j + 1) % 3]}).distance());
+  }
+  return least;
+}
+
+/// The patterns of meshes in a row, farther from each other than they are wide. [m]
+Points2 side_by_side(const std::vector<const RenderMesh*>& meshes) {
+  long vertices = 0;
+  for (const RenderMesh* mesh : meshes) vertices += mesh->pattern.rows();
+  Points2 all(vertices, 2);
+  long from = 0;
+  double x = 0;
+  for (const RenderMesh* mesh : meshes) {
+    const Eigen::RowVector2d low = mesh->pattern.colwise().minCoeff(),
+                             size = mesh->pattern.colwise().maxCoeff() - low;
+    x += size.x();
+    all.middleRows(from, mesh->pattern.rows()) =
+        mesh->pattern.rowwise() + (Eigen::RowVector2d(x, 0) - low);
+    x += 2 * size.x();
+    from += mesh->pattern.rows();
+  }
+  return all;
+}
+
+Triangles in_a_row(const std::vector<const RenderMesh*>& meshes) {
+  long triangles = 0;
+  for (const RenderMesh* mesh : meshes) triangles += mesh->triangles.rows();
+  Triangles all(triangles, 3);
+  long from = 0, vertices = 0;
+  for (const RenderMesh* mesh : meshes) {
+    all.middleRows(from, mesh->triangles.rows()) =
+        mesh->triangles.array() + static_cast<int>(vertices);
+    from += mesh->triangles.rows();
+    vertices += mesh->pattern.rows();
+  }
+  return all;
+}
+
+}  // namespace
+
+bool may_meet_itself(const Sheet& sheet, const Eigen::VectorXd& off) {
+  // [1] cosine of the turn between two triangles with a common vertex
+  constexpr double sharp = -0.5;
+  NearTriangles triangles(sheet.triangles);
+  for (const auto& [a, b] :
+       triangles.find(sheet.x, Points3::Zero(sheet.x.rows(), 3), off.maxCoeff())) {
+    const Corners p = corners_of(sheet.x, sheet.triangles, a),
+                  q = corners_of(sheet.x, sheet.triangles, b);
+    bool neighbours = false;
+    for (int i = 0; i < 3; ++i)
+      neighbours |= (sheet.triangles.row(b).array() == sheet.triangles(a, i)).any();
+    const Vector3d n = (p[1] - p[0]).cross(p[2] - p[0]), m = (q[1] - q[0]).cross(q[2] - q[0]);
+    if (neighbours ? n.dot(m) < sharp * n.norm() * m.norm() : distance(p, q) < off[a] + off[b])
+      return true;
+  }
+  return false;
+}
+
+LayersApart::LayersApart(const Points2& pattern, const Triangles& triangles)
+    : pattern_(pattern),
+      triangles_(triangles),
+      tree_(pattern, triangles),
+      radius_(pattern.rows(), radius * mean_edge(pattern, triangles)) {
+  find_neighbours();
+}
+
+bool LayersApart::pass_through_each_other(const Points3& x) const {
+  const auto near = tree_.near(x, x);
+  return std::any_of(near.begin(), near.end(), [&](const std::pair<int, int>& pair) {
+    return cross(x, triangles_, pair.first, pair.second);
+  });
+}
+
+LayersApart::LayersApart(const std::vector<const RenderMesh*>& meshes)
+    : LayersApart(side_by_side(meshes), in_a_row(meshes)) {
+  std::size_t v = 0;
+  for (const RenderMesh* mesh : meshes) {
+    const double of_mesh = radius * mean_edge(mesh->pattern, mesh->triangles);
+    for (long k = 0; k < mesh->pattern.rows(); ++k) radius_[v++] = of_mesh;
+  }
+}
+
+void LayersApart::find_neighbours() {
+  start_.assign(pattern_.rows() + 1, 0);
+  std::vector<std::pair<int, int>> ways;
+  for (int t = 0; t < triangles_.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      for (const int k : {1, 2}) ways.emplace_back(triangles_(t, i), triangles_(t, (i + k) % 3));
+  std::sort(ways.begin(), ways.end());
+  ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
+  for (const auto& [a, b] : ways) ++start_[a + 1], beside_.push_back(b);
+  for (std::size_t v = 1; v < start_.size(); ++v) start_[v] += start_[v - 1];
+}
+
+void LayersApart::spread(int u, double need, std::vector<char>& seen,
+                         std::vector<double>& share) const {
+  const double r = radius_[u];
+  std::vector<int> reached{u};
+  seen[u] = 1;
+  for (std::size_t k = 0; k < reached.size(); ++k) {
+    const int v = reached[k];
+    const double r2 = (pattern_.row(v) - pattern_.row(u)).squaredNorm() / (r * r);
+    share[v] = std::max(share[v], need * (1 - r2) * (1 - r2));
+    for (int e = start_[v]; e < start_[v + 1]; ++e) {
+      const int w = beside_[e];
+      if ((pattern_.row(w) - pattern_.row(u)).squaredNorm() >= r * r || seen[w]) continue;
+      seen[w] = 1;
+      reached.push_back(w);
+    }
+  }
+  for (const int v : reached) seen[v] = 0;
+}
+
+struct LayersApart::Push {
+  Points3 sum;                 // |V|x3 [m]
+  std::vector<double> weight;  // |V|
+};
+
+/// Where the edges of s pass through t.
+void LayersApart::push(int s, int t, const Points3& x, const FacetAt& facet_at, Push& push) const {
+  const Corners p = corners_of(x, triangles_, s), q = corners_of(x, triangles_, t);
+  const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
+  for (int i = 0; i < 3; ++i) {
+    const int j = (i + 1) % 3, a = triangles_(s, i), b = triangles_(s, j);
+    if (!pierces(p[i], p[j], q)) continue;
+    const double above = n.dot(p[i] - q[0]), u = above / (above - n.dot(p[j] - q[0]));
+    const Vector3d at = (1 - u) * p[i] + u * p[j];
+    Vector3d w;
+    for (int k = 0; k < 3; ++k)
+      w[k] = n.dot((q[(k + 1) % 3] - at).cross(q[(k + 2) % 3] - at)) / n.squaredNorm();
+    Vector2d of_t = Vector2d::Zero();
+    for (int k = 0; k < 3; ++k) of_t += w[k] * pattern_.row(triangles_(t, k)).transpose();
+    const Vector3d edge_way = facet_at((1 - u) * pattern_.row(a).transpose() +
+                                       u * pattern_.row(b).transpose()) -
+                              at,
+                   face_way = facet_at(of_t) - at;
+    const auto add = [&](int v, double weight, const Vector3d& way, double square) {
+      push.sum.row(v) += weight * (weight / square * way).transpose();
+      push.weight[v] += weight;
+    };
+    add(a, 1 - u, edge_way, (1 - u) * (1 - u) + u * u);
+    add(b, u, edge_way, (1 - u) * (1 - u) + u * u);
+    for (int k = 0; k < 3; ++k) add(triangles_(t, k), w[k], face_way, w.squaredNorm());
+  }
+}
+
+LayersApart::Outcome LayersApart::operator()(Points3& x, const Points3& facets,
+                                             const FacetAt& facet_at,
+                                             const std::vector<char>& held) const {
+  const auto candidates = tree_.near(x, facets);
+  if (candidates.empty()) return {false, true};
+  const int vertices = static_cast<int>(x.rows());
+  const Points3 curved = x;
+  Points3 pushed = Points3::Zero(vertices, 3);
+  std::vector<double> need(vertices, 0), share(vertices, 0);
+  // in the last round
+  std::vector<char> seen(vertices, 0), moved(vertices, 1), crossed(candidates.size(), 0);
+  for (int round = 0;; ++round) {
+    bool any = false;
+    std::vector<int> raised;
+    std::vector<char> raising(vertices, 0);
+    Push now{Points3::Zero(vertices, 3), std::vector<double>(vertices, 0)};
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+      const auto [s, t] = candidates[k];
+      const bool changed = moved[triangles_(s, 0)] || moved[triangles_(s, 1)] ||
+                           moved[triangles_(s, 2)] || moved[triangles_(t, 0)] ||
+                           moved[triangles_(t, 1)] || moved[triangles_(t, 2)];
+      if (!changed && !crossed[k]) continue;
+      crossed[k] = cross(x, triangles_, s, t);
+      if (!crossed[k]) continue;
+      any = true;
+      bool may_rise =
+          !facet_at || (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() >
+                           radius_[triangles_(s, 0)];
+      for (int i = 0; facet_at && i < 3; ++i)
+        may_rise &= need[triangles_(s, i)] < 1 && need[triangles_(t, i)] < 1;
+      if (!may_rise) {
+        push(s, t, x, facet_at, now);
+        push(t, s, x, facet_at, now);
+        continue;
+      }
+      for (int i = 0; i < 3; ++i)
+        for (const int v : {triangles_(s, i), triangles_(t, i)})
+          if (!raising[v] && need[v] < 1) raising[v] = 1, raised.push_back(v);
+    }
+    if (!any) return {round > 0, true};
+    if (facet_at ? round == rounds : raised.empty()) return {round > 0, false};
+    for (const int v : raised) {
+      need[v] = round < rounds ? std::min(1.0, std::max(need[v], share[v]) + more) : 1;
+      spread(v, need[v], seen, share);
+    }
+    for (int v = 0; v < vertices; ++v) {
+      moved[v] = 0;
+      if (held[v]) continue;
+      if (now.weight[v] > 0) pushed.row(v) += now.sum.row(v) / now.weight[v];
+      const Eigen::RowVector3d to =
+          (1 - share[v]) * curved.row(v) + share[v] * facets.row(v) + pushed.row(v);
+      moved[v] = to != x.row(v);
+      x.row(v) = to;
+    }
+  }
+}
+
+LayersApart::Outcome LayersApart::in_turns(Points3& x, const Points3& facets,
+                                           const Lengths& lengths,
+                                           const std::vector<char>& held) const {
+  constexpr int most_turns = 6;
+  const Outcome first = (*this)(x, facets, {}, held);
+  if (!first.changed) return first;
+  Points3 now = x;
+  double least = lengths.worst(x);
+  Outcome best = first;
+  for (int turn = 0; turn < most_turns; ++turn) {
+    lengths.mend(now);
+    const Outcome outcome = (*this)(now, facets, {}, held);
+    const double worst = lengths.worst(now);
+    if (outcome.apart > best.apart || (outcome.apart == best.apart && worst < least))
+      least = worst, best.apart = outcome.apart, x = now;
+    if (!outcome.changed) break;
+  }
+  return best;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,62 @@
+#include "core/step1_elastic/contact/friction.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <utility>
+
+namespace paperbake {
+
+Sliding sliding(double y, double epsilon) {
+  if (y >= epsilon) return {y, 1, 0};
+  const double s = y / epsilon;
+  return {epsilon * (-s * s * s / 3 + s * s + 1.0 / 3), s * (2 - s), 2 * (1 - s) / epsilon};
+}
+
+SlidingInPlane sliding(const Eigen::Vector2d& slid, double epsilon) {
+  const double way = slid.norm(), least = 1e-6 * epsilon;
+  const Sliding f = sliding(way, epsilon);
+  const double across = way > least ? f.slope / way : 2 / epsilon;
+  Eigen::Matrix2d second = across * Eigen::Matrix2d::Identity();
+  if (way > least) second += (f.second - across) / (way * way) * slid * slid.transpose();
+  return {f.value, across, second};
+}
+
+std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_by(const std::array<Vector3d, 4>& x, bool edges,
+                                                      const Nearness& near) {
+  // [1] squared sine, about: a turn about sides that run alike does not show in them
+  constexpr double alike = 0.05;
+  const double d = near.distance();
+  const Vector3d n = near.apart / d;
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents.col(0) = n.unitOrthogonal();
+  tangents.col(1) = n.cross(tangents.col(0));
+  std::array<Eigen::Matrix<double, 2, 3>, 4> along;
+  for (int i = 0; i < 4; ++i) along[i] = near.weights[i] * tangents.transpose();
+
+  // n turns by h in the plane across it, where every side p of the features has p.h = -n.(move of
+  // p): least squares
+  const std::array<std::pair<int, int>, 2> sides{edges ? std::pair{0, 1} : std::pair{1, 2},
+                                                 edges ? std::pair{2, 3} : std::pair{1, 3}};
+  std::array<Eigen::Vector2d, 2> q;
+  std::array<double, 2> length;
+  Eigen::Matrix2d A = Eigen::Matrix2d::Zero();
+  for (int k = 0; k < 2; ++k) {
+    const Vector3d p = x[sides[k].second] - x[sides[k].first];
+    length[k] = p.norm();
+    q[k] = tangents.transpose() * p / length[k];
+    A += q[k] * q[k].transpose();
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> solver(A);
+  Eigen::Matrix2d inverse = Eigen::Matrix2d::Zero();
+  for (int e = 0; e < 2; ++e)
+    if (const double value = solver.eigenvalues()[e]; value > alike)
+      inverse += solver.eigenvectors().col(e) * solver.eigenvectors().col(e).transpose() / value;
+  for (int k = 0; k < 2; ++k) {
+    const Eigen::Matrix<double, 2, 3> turned = (d / length[k]) * (inverse * q[k]) * n.transpose();
+    along[sides[k].second] += turned;
+    along[sides[k].first] -= turned;
+  }
+  return along;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,451 @@
+#include "core/step1_elastic/contact/self_contact.h"
+
+#include "core/geometry/proximity.h"
+#include "core/step1_elastic/contact/barrier.h"
+#include "core/step1_elastic/contact/friction.h"
+#include "core/step1_elastic/energies/membrane.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+constexpr double pattern_share = 0.3;  // of the distance on the pattern
+// of a distance that is meant; of the reach: less is none
+constexpr double begun_share = 0.9, least_share = 0.01;
+// of the reach: what begins or is meant nearer chatters, and friction would jam it
+constexpr double lies_on = 0.5;
+constexpr double touching = 1e-12;  // [m] nearer than this there is no direction to push in
+// [1] of the reach: such pairs get their blocks in the matrix
+constexpr double spaced = 1.5;
+
+Nearness nearness(const std::array<Vector3d, 4>& x, bool edges) {
+  return edges ? edge_to_edge(x) : vertex_to_triangle(x);
+}
+
+std::array<Vector3d, 4> corners(const Points3& x, const std::array<int, 4>& v) {
+  return {x.row(v[0]).transpose(), x.row(v[1]).transpose(), x.row(v[2]).transpose(),
+          x.row(v[3]).transpose()};
+}
+
+std::array<Vector3d, 4> moves(const Points3& from, const Points3& to, const std::array<int, 4>& v) {
+  std::array<Vector3d, 4> m;
+  for (int i = 0; i < 4; ++i) m[i] = (to.row(v[i]) - from.row(v[i])).transpose();
+  return m;
+}
+
+double largest_row(const Points3& d) { return std::sqrt(d.rowwise().squaredNorm().maxCoeff()); }
+
+/// Vertices whose triangles all turn by less than 60 degrees from their mean: nothing can be near
+/// there but neighbours.
+std::vector<char> flat_stars(const Points3& x, const Triangles& triangles) {
+  Points3 normal(triangles.rows(), 3), mean = Points3::Zero(x.rows(), 3);
+  for (int t = 0; t < triangles.rows(); ++t) {
+    const Vector3d a = x.row(triangles(t, 0)), b = x.row(triangles(t, 1)),
+                   c = x.row(triangles(t, 2));
+    normal.row(t) = (b - a).cross(c - a).normalized();
+    for (int i = 0; i < 3; ++i) mean.row(triangles(t, i)) += normal.row(t);
+  }
+  std::vector<char> flat(x.rows(), 1);
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const int v = triangles(t, i);
+      const double along = mean.row(v).dot(normal.row(t));
+      if (!(along > 0) || along * along < 0.25 * mean.row(v).squaredNorm()) flat[v] = 0;
+    }
+  return flat;
+}
+
+/// A plane keeps two triangles apart all the way, and by `gap` at the end. A point's place along a
+/// fixed axis is linear on the way: both ends tell.
+bool separated(const Points3& from, const Points3& to, const int* a, const int* b, double gap) {
+  const auto at = [&](const Points3& x, int v) -> Vector3d { return x.row(v); };
+  const auto by = [&](const Vector3d& axis) {
+    const auto low = [&](const Points3& x, const int* t) {
+      return std::min({at(x, t[0]).dot(axis), at(x, t[1]).dot(axis), at(x, t[2]).dot(axis)});
+    };
+    const auto high = [&](const Points3& x, const int* t) {
+      return std::max({at(x, t[0]).dot(axis), at(x, t[1]).dot(axis), at(x, t[2]).dot(axis)});
+    };
+    if (low(to, b) - high(to, a) >= gap) return low(from, b) > high(from, a);
+    if (low(to, a) - high(to, b) >= gap) return low(from, a) > high(from, b);
+    return false;
+  };
+  const Vector3d a0 = at(to, a[0]), a1 = at(to, a[1]), a2 = at(to, a[2]), b0 = at(to, b[0]),
+                 b1 = at(to, b[1]), b2 = at(to, b[2]);
+  return by((b0 + b1 + b2 - a0 - a1 - a2).normalized()) ||
+         by((a1 - a0).cross(a2 - a0).normalized()) || by((b1 - b0).cross(b2 - b0).normalized());
+}
+
+}  // namespace
+
+/// One sheet and itself.
+static JoinedSheets alone(const Points2& pattern, const Triangles& triangles, double friction) {
+  double area = 0;
+  for (int t = 0; t < triangles.rows(); ++t) area += rest_triangle(pattern, triangles.row(t)).area;
+  return {std::vector<int>(pattern.rows(), 0),
+          Eigen::MatrixXd::Constant(1, 1, std::min(2e-3, 0.01 * std::sqrt(area))),
+          {},
+          {friction}};
+}
+
+Contact::Contact(const Points2& pattern, const Triangles& triangles, double friction)
+    : Contact(pattern, triangles, alone(pattern, triangles, friction)) {
+  spread_.emplace(pattern, triangles);
+}
+
+Contact::Contact(const Points2& pattern, const Triangles& triangles, JoinedSheets sheets)
+    : pattern_(pattern),
+      triangles_(triangles),
+      sheets_(std::move(sheets)),
+      reach_(sheets_.reach.maxCoeff()),
+      tube_(0.5 * reach_),
+      grip_(pattern.rows(), -1) {}
+
+NearTriangles& Contact::near() const {
+  if (!near_) near_.emplace(triangles_);
+  return *near_;
+}
+
+void Contact::judge_by(const Points3& start, const Gripped& gripped) {
+  for (const int v : gripped_.vertices) grip_[v] = -1;
+  gripped_ = gripped;
+  for (std::size_t k = 0; k < gripped_.vertices.size(); ++k)
+    grip_[gripped_.vertices[k]] = static_cast<int>(k);
+  start_ = start;
+}
+
+double Contact::reach_of(const std::array<int, 4>& v, bool edges) const {
+  std::array<Vector3d, 4> p;
+  bool all_held = true;
+  for (int i = 0; i < 4; ++i) {
+    p[i] << pattern_(v[i], 0), pattern_(v[i], 1), 0;
+    all_held &= grip_[v[i]] >= 0;
+  }
+  if (all_held) return 0;
+  const auto [a, b] = sheets_of(v, edges);
+  if (a == b)
+    return reach_of_grips(
+        v, edges, std::min(sheets_.reach(a, a), pattern_share * nearness(p, edges).distance()));
+  double reach = sheets_.reach(a, b);
+  if (sheets_.begun.rows() > 0) {
+    const double begun = begun_share * nearness(corners(sheets_.begun, v), edges).distance();
+    if (begun < least_share * reach) return 0;
+    reach = std::min(reach, begun);
+  }
+  return reach_of_grips(v, edges, reach);
+}
+
+double Contact::reach_of_grips(const std::array<int, 4>& v, bool edges, double reach) const {
+  const int cut = edges ? 2 : 1;  // corners before it belong to the first feature
+  std::vector<int> held[2];
+  for (int i = 0; i < 4; ++i)
+    if (grip_[v[i]] >= 0) held[i >= cut].push_back(v[i]);
+  if (held[0].empty() || held[1].empty()) return reach;
+  // the held part of either side: a point, an edge, or the whole triangle, which all_held has dealt
+  // with
+  std::array<int, 4> part{held[0].front(), held[0].back(), held[1].front(), held[1].back()};
+  std::array<Vector3d, 4> target;
+  for (int i = 0; i < 4; ++i) target[i] = gripped_.targets.row(grip_[part[i]]);
+  const double apart =
+      std::min(edge_to_edge(target).distance(), edge_to_edge(corners(start_, part)).distance());
+  const double shrunk = std::min(reach, begun_share * apart);
+  return shrunk < least_share * reach ? 0 : shrunk;
+}
+
+template <class Visit>
+void Contact::for_each_pair(int a, int b, Visit visit) const {
+  const auto has = [&](int t, int v) {
+    return triangles_(t, 0) == v || triangles_(t, 1) == v || triangles_(t, 2) == v;
+  };
+  for (const auto& [s, t] : {std::pair{a, b}, std::pair{b, a}})
+    for (int i = 0; i < 3; ++i)
+      if ((near().owned()[s].corners >> i & 1) && !has(t, triangles_(s, i)))
+        visit(std::array<int, 4>{triangles_(s, i), triangles_(t, 0), triangles_(t, 1),
+                                 triangles_(t, 2)},
+              false);
+  for (int i = 0; i < 3; ++i) {
+    if (!(near().owned()[a].edges >> i & 1)) continue;
+    const int p = triangles_(a, (i + 1) % 3), q = triangles_(a, (i + 2) % 3);
+    for (int j = 0; j < 3; ++j) {
+      if (!(near().owned()[b].edges >> j & 1)) continue;
+      const int r = triangles_(b, (j + 1) % 3), s = triangles_(b, (j + 2) % 3);
+      if (p != r && p != s && q != r && q != s) visit(std::array<int, 4>{p, q, r, s}, true);
+    }
+  }
+}
+
+bool Contact::meets(const Points3& from, const Points3& to, const std::array<int, 4>& v,
+                    bool edges) const {
+  const auto begin = corners(from, v), end = corners(to, v), move = moves(from, to, v);
+  const double d0 = nearness(begin, edges).distance(), d1 = nearness(end, edges).distance();
+  const bool free = d0 + d1 > relative_move(move, edges);
+  if (d1 >= reach_ && free) return false;
+  const double reach = reach_of(v, edges);
+  if (reach == 0 || d0 <= touching) return false;
+  return d1 < reach || (!free && paperbake::free_way(begin, move, edges) < 1);
+}
+
+bool Contact::any_meets(int a, int b, const Points3& from, const Points3& to) const {
+  bool met = false;
+  for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) {
+    met = met || meets(from, to, v, edges);
+  });
+  return met;
+}
+
+bool Contact::clear(const Points3& from, const Points3& to, const Gripped& gripped) {
+  if (spread_ && spread_->all_the_way(from, to, pattern_share)) return true;
+  judge_by(from, gripped);
+  const std::vector<char> flat_from = flat_stars(from, triangles_),
+                          flat_to = flat_stars(to, triangles_);
+  for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_)) {
+    bool neighbours = false, flat = false;
+    for (int i = 0; i < 3; ++i)
+      for (int j = 0; j < 3; ++j)
+        if (const int v = triangles_(a, i); v == triangles_(b, j))
+          neighbours = true, flat |= flat_from[v] && flat_to[v];
+    if (neighbours ? flat : separated(from, to, &triangles_(a, 0), &triangles_(b, 0), reach_))
+      continue;
+    if (any_meets(a, b, from, to)) return false;
+  }
+  return true;
+}
+
+bool Contact::clear_between(const Points3& from, const Points3& to, const Gripped& gripped) {
+  judge_by(from, gripped);
+  for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_)) {
+    if (sheets_.of_vertex[triangles_(a, 0)] == sheets_.of_vertex[triangles_(b, 0)]) continue;
+    if (!separated(from, to, &triangles_(a, 0), &triangles_(b, 0), reach_) &&
+        any_meets(a, b, from, to))
+      return false;
+  }
+  return true;
+}
+
+void Contact::find_entangled(const Points3& x) {
+  entangled_.clear();
+  for (const auto& [a, b] : near().find(x, Points3::Zero(x.rows(), 3), 0)) {
+    const auto corner = [&](int t, int i) -> Vector3d { return x.row(triangles_(t, i % 3)); };
+    // an edge of s that has no corner of t passes through t
+    const auto through = [&](int s, int t) {
+      for (int i = 0; i < 3; ++i) {
+        const int p = triangles_(s, i), q = triangles_(s, (i + 1) % 3);
+        bool shares = false;
+        for (int j = 0; j < 3; ++j) shares |= triangles_(t, j) == p || triangles_(t, j) == q;
+        if (!shares &&
+            pierces(corner(s, i), corner(s, i + 1), {corner(t, 0), corner(t, 1), corner(t, 2)}))
+          return true;
+      }
+      return false;
+    };
+    if (through(a, b) || through(b, a)) entangled_.emplace_back(a, b);
+  }
+}
+
+bool Contact::entangled(const std::array<int, 4>& v, bool edges) const {
+  const auto belongs = [&](int t, int first, int last) {
+    return std::all_of(v.begin() + first, v.begin() + last,
+                       [&](int w) { return (triangles_.row(t).array() == w).any(); });
+  };
+  const int cut = edges ? 2 : 1;
+  return std::any_of(entangled_.begin(), entangled_.end(), [&](const std::pair<int, int>& two) {
+    return (belongs(two.first, 0, cut) && belongs(two.second, cut, 4)) ||
+           (belongs(two.second, 0, cut) && belongs(two.first, cut, 4));
+  });
+}
+
+void Contact::begin(const Points3& x, const Gripped& gripped, double dt) {
+  judge_by(x, gripped);
+  find_entangled(x);
+  gather(x, Points3::Zero(x.rows(), 3));
+  begin_friction(dt);
+}
+
+void Contact::begin_friction(double dt) {
+  drags_.clear();
+  epsilon_ = creep * dt;
+  const std::vector<double>& mu = sheets_.friction;
+  if (std::all_of(mu.begin(), mu.end(), [](double one) { return one == 0; })) return;
+  for_each_active(start_, 1, [&](std::size_t k, const Nearness& near, double d) {
+    const ContactPair& pair = pairs_[k];
+    const auto [a, b] = sheets_of(pair.vertices, pair.edges);
+    if (pair.reach < lies_on * std::min(sheets_.reach(a, a), sheets_.reach(b, b))) return;
+    const double force = std::sqrt(mu[a] * mu[b]) * -barrier(d, pair.reach).slope;
+    if (force > 0)
+      drags_.push_back(
+          {pair.vertices, sliding_by(corners(start_, pair.vertices), pair.edges, near), force, {}});
+  });
+}
+
+Eigen::Vector2d Contact::slip(const Drag& drag, const Points3& y) const {
+  Eigen::Vector2d u = Eigen::Vector2d::Zero();
+  for (int i = 0; i < 4; ++i)
+    u += drag.along[i] * (y.row(drag.vertices[i]) - start_.row(drag.vertices[i])).transpose();
+  return u;
+}
+
+void Contact::gather(const Points3& y, const Points3& move) {
+  pairs_.clear();
+  spare_.clear();
+  const Points3 end = y + move, low = y.cwiseMin(end), high = y.cwiseMax(end);
+  const double within = reach_ + 2 * tube_;
+  const auto boxes_apart = [&](const std::array<int, 4>& v, bool edges) {
+    for (int k = 0; k < 3; ++k) {
+      double low_a = low(v[0], k), high_a = high(v[0], k),
+             low_b = std::min(low(v[2], k), low(v[3], k)),
+             high_b = std::max(high(v[2], k), high(v[3], k));
+      if (edges)
+        low_a = std::min(low_a, low(v[1], k)), high_a = std::max(high_a, high(v[1], k));
+      else
+        low_b = std::min(low_b, low(v[1], k)), high_b = std::max(high_b, high(v[1], k));
+      if (low_b - high_a > within || low_a - high_b > within) return true;
+    }
+    return false;
+  };
+  for (const auto& [a, b] : near().find(y, move, 0.5 * within)) {
+    for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) {
+      if (boxes_apart(v, edges)) return;
+      const double d = nearness(corners(y, v), edges).distance();
+      const double least = d - relative_move(moves(y, end, v), edges);
+      if (least > within || entangled(v, edges)) return;
+      const double reach = reach_of(v, edges);
+      if (reach == 0 || least > reach + 2 * tube_ || d <= touching) return;
+      pairs_.push_back({v, edges, reach});
+      spare_.push_back(least - reach);
+    });
+  }
+  slots_.resize(pairs_.size());
+  placed_.assign(pairs_.size(), 0);
+  reference_ = y;
+  swept_ = true;
+}
+
+double Contact::slack(const Points3& y) const { return largest_row(y - reference_); }
+
+void Contact::cover(const Points3& y, const Points3& move) {
+  if (slack(y) <= tube_ && slack(y + move) <= tube_)
+    swept_ = false;
+  else
+    gather(y, move);
+}
+
+void Contact::arrived(const Points3& y) {
+  if (swept_) reference_ = y;
+  swept_ = false;
+}
+
+double Contact::free_way(const Points3& y, const Points3& move) const {
+  const double fastest = 2 * largest_row(move), off = 2 * slack(y);
+  const Points3 end = y + move;
+  double share = 1;
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const ContactPair& pair = pairs_[k];
+    // a gap that is tight counts otherwise
+    if (const double d = spare_[k] + pair.reach - off; d > 1e-6 && 0.8 * d > fastest) continue;
+    auto move_of = moves(y, end, pair.vertices);
+    for (Vector3d& m : move_of) m *= share;
+    share *= paperbake::free_way(corners(y, pair.vertices), move_of, pair.edges);
+  }
+  return share;
+}
+
+template <class Visit>
+void Contact::for_each_active(const Points3& y, double share_of_reach, Visit visit) const {
+  const double off = 2 * slack(y);
+  for (std::size_t k = 0; k < pairs_.size(); ++k) {
+    const double within = share_of_reach * pairs_[k].reach;
+    if (spare_[k] + pairs_[k].reach - off >= within) continue;
+    const Nearness near = nearness(corners(y, pairs_[k].vertices), pairs_[k].edges);
+    const double d = near.distance();
+    if (d < within) visit(k, near, d);
+  }
+}
+
+double Contact::energy(const Points3& y) const {
+  double sum = 0;
+  for_each_active(y, 1, [&](std::size_t k, const Nearness&, double d) {
+    sum += barrier(d, pairs_[k].reach).value;
+  });
+  for (const Drag& drag : drags_) sum += drag.force * sliding(slip(drag, y).norm(), epsilon_).value;
+  return sum;
+}
+
+double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky* matrix) {
+  double sum = 0;
+  for_each_active(y, 1, [&](std::size_t k, const Nearness& near, double d) {
+    const Barrier b = barrier(d, pairs_[k].reach);
+    const std::array<int, 4>& v = pairs_[k].vertices;
+    const Vector3d n = near.apart / d;
+    sum += b.value;
+    for (int i = 0; i < 4; ++i) gradient.row(v[i]) += b.slope * near.weights[i] * n.transpose();
+    if (!matrix) return;
+    if (!placed_[k]) slots_[k] = slots_of(v), placed_[k] = 1;
+    const Matrix3 nn = b.second * n * n.transpose();
+    for (int p = 0, at = 0; p < 4; ++p)
+      for (int q = p; q < 4; ++q, ++at)
+        if (const double w = near.weights[p] * near.weights[q]; w != 0)
+          matrix->add(slots_[k][at], Matrix3(w * nn));
+  });
+  for (Drag& drag : drags_) {
+    const Eigen::Vector2d slid = slip(drag, y);
+    const SlidingInPlane f = sliding(slid, epsilon_);
+    sum += drag.force * f.value;
+    for (int i = 0; i < 4; ++i)
+      gradient.row(drag.vertices[i]) += drag.force * f.across * slid.transpose() * drag.along[i];
+    if (!matrix) continue;
+    if (!drag.placed) drag.slots = slots_of(drag.vertices), drag.placed = true;
+    for (int p = 0, at = 0; p < 4; ++p) {
+      const Eigen::Matrix<double, 3, 2> half =
+          drag.force * drag.along[p].transpose().lazyProduct(f.second);
+      for (int q = p; q < 4; ++q, ++at)
+        matrix->add(drag.slots[at], Matrix3(half.lazyProduct(drag.along[q])));
+    }
+  }
+  return sum;
+}
+
+Contact::Slots Contact::slots_of(const std::array<int, 4>& v) const {
+  Slots slots;
+  for (int p = 0, at = 0; p < 4; ++p)
+    for (int q = p; q < 4; ++q, ++at) slots[at] = matrix_->slot(block_of_[v[p]], block_of_[v[q]]);
+  return slots;
+}
+
+std::vector<std::pair<int, int>> Contact::coupled_vertices(const Points3& y) const {
+  std::vector<std::pair<int, int>> coupled;
+  for_each_active(y, spaced, [&](std::size_t k, const Nearness&, double) {
+    const std::array<int, 4>& v = pairs_[k].vertices;
+    for (int p = 0; p < 4; ++p)
+      for (int q = p + 1; q < 4; ++q) coupled.emplace_back(v[p], v[q]);
+  });
+  return coupled;
+}
+
+void Contact::bind(const BlockCholesky& matrix, const std::vector<int>& block_of) {
+  matrix_ = &matrix;
+  block_of_ = block_of;
+  placed_.assign(pairs_.size(), 0);
+  for (Drag& drag : drags_) drag.placed = false;
+}
+
+std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {
+  std::vector<Active> counts(sheets_.reach.rows());
+  for_each_active(y, 1, [&](std::size_t k, const Nearness&, double) {
+    const auto [a, b] = sheets_of(pairs_[k].vertices, pairs_[k].edges);
+    if (a == b)
+      ++counts[a].own;
+    else
+      ++counts[a].others, ++counts[b].others;
+  });
+  return counts;
+}
+
+int Contact::active(const Points3& y) const {
+  int count = 0;
+  for_each_active(y, 1, [&](std::size_t, const Nearness&, double) { ++count; });
+  return count;
+}
+
+}  // namespace paperbake

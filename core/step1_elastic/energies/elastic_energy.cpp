@@ -1,0 +1,234 @@
+#include "core/step1_elastic/energies/elastic_energy.h"
+
+#include "core/geometry/prescribed_creases.h"
+
+namespace paperbake {
+namespace {
+
+using Matrix18 = Eigen::Matrix<double, 18, 18>;
+
+/// Where vertex k of hinge h of corner i sits in the six vertices of triangle t's stencil. The edge
+/// opposite corner i runs from corner i+1 to i+2; seen from the left triangle so does the hinge,
+/// from the right one it runs backwards.
+std::array<int, 4> hinge_in_stencil(int i, bool left) {
+  const int a = (i + 1) % 3, b = (i + 2) % 3;
+  return left ? std::array<int, 4>{a, b, i, 3 + i} : std::array<int, 4>{b, a, 3 + i, i};
+}
+
+}  // namespace
+
+ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const Triangles& triangles,
+                             const std::vector<double>& stiffening,
+                             const std::vector<FoldLine>& folds)
+    : paper_(paper),
+      triangles_(triangles),
+      hinges_(find_hinges(triangles)),
+      stencils_(triangles.rows()) {
+  for (int t = 0; t < triangles.rows(); ++t)
+    rest_.push_back(rest_triangle(pattern, triangles.row(t)));
+  if (!folds.empty())
+    for (const Hinge& hinge : hinges_.hinges) {
+      const Vector2d a = pattern.row(hinge.vertices[0]), b = pattern.row(hinge.vertices[1]);
+      const FoldLine* fold = fold_under(folds, a, b);
+      springs_.push_back(fold ? FoldSpring{crease_stiffness(paper) * (b - a).norm(), fold->angle}
+                              : FoldSpring{});
+    }
+  for (int t = 0; t < triangles.rows(); ++t) {
+    std::array<double, 3> shared_area{0, 0, 0};
+    for (int i = 0; i < 3; ++i)
+      if (const int h = hinges_.of_triangle[t][i];
+          h >= 0 && (springs_.empty() || springs_[h].stiffness == 0))
+        shared_area[i] =
+            rest_[hinges_.hinges[h].triangles[0]].area + rest_[hinges_.hinges[h].triangles[1]].area;
+    bend_.push_back(rest_bending(paper, pattern, triangles.row(t), shared_area,
+                                 stiffening.empty() ? 1 : stiffening[t]));
+    for (int i = 0; i < 3; ++i) {
+      stencils_[t].vertices[i] = triangles(t, i);
+      const int h = hinges_.of_triangle[t][i];
+      stencils_[t].vertices[3 + i] =
+          h < 0 ? -1 : hinges_.hinges[h].vertices[hinges_.hinges[h].triangles[0] == t ? 3 : 2];
+    }
+  }
+}
+
+Matrix3 ElasticEnergy::corners(const Points3& x, int t) const {
+  Matrix3 c;
+  for (int i = 0; i < 3; ++i) c.row(i) = x.row(triangles_(t, i));
+  return c;
+}
+
+PlasticState ElasticEnergy::past(int t) const {
+  if (memory.hardening.size() == 0) return {};
+  const double eta = paper_.hardening, focus = ridges.focus.size() ? ridges.focus[t] : 1;
+  const double first_yield = 2 * paper_.yield_strain / (paper_.thickness * focus);
+  return {memory.curvature.row(t), first_yield + eta / (1 - eta) * memory.hardening[t]};
+}
+
+Vector3d ElasticEnergy::angles_of(int t, const std::vector<double>& theta) const {
+  Vector3d angles;
+  for (int i = 0; i < 3; ++i)
+    angles[i] = hinges_.of_triangle[t][i] < 0 ? 0 : theta[hinges_.of_triangle[t][i]];
+  return angles;
+}
+
+double ElasticEnergy::add_folds(int t, const Vector3d& angles, Vector3d* moment,
+                                Matrix3* tangent) const {
+  if (springs_.empty()) return 0;
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int h = hinges_.of_triangle[t][i];
+    if (h < 0) continue;
+    const double k = 0.5 * springs_[h].stiffness, off = angles[i] - springs_[h].angle;
+    sum += 0.5 * k * off * off;
+    if (moment) (*moment)[i] += k * off;
+    if (tangent) (*tangent)(i, i) += k;
+  }
+  return sum;
+}
+
+PlasticMemory ElasticEnergy::gained(const std::vector<double>& theta) const {
+  PlasticMemory sum(static_cast<int>(triangles_.rows()));
+  for (int t = 0; t < triangles_.rows(); ++t) {
+    const PlasticGain gain = plastic_gain(bend_[t], angles_of(t, theta), past(t));
+    sum.curvature.row(t) = gain.curvature;
+    sum.hardening[t] = gain.hardening;
+    if (gain.hardening > 0 && ridges.share.size()) sum.ridge[t] = ridges.share[t];
+  }
+  return sum;
+}
+
+double ElasticEnergy::energy(const Points3& x) const {
+  const Parts p = parts(x);
+  return p.membrane + p.bending;
+}
+
+ElasticEnergy::Parts ElasticEnergy::parts(const Points3& x,
+                                          const std::vector<double>& theta) const {
+  Parts sum{0, 0};
+  for (int t = 0; t < triangles_.rows(); ++t) {
+    sum.membrane += membrane_energy(paper_, rest_[t], corners(x, t));
+    const Vector3d angles = angles_of(t, theta);
+    sum.bending += bending_energy(bend_[t], angles, past(t)) + add_folds(t, angles);
+  }
+  return sum;
+}
+
+double ElasticEnergy::gradient(const Points3& x, Points3& gradient) const {
+  return evaluate(x, HessianForm::exact, &gradient, nullptr);
+}
+
+double ElasticEnergy::hessian(const Points3& x, HessianForm form, Points3& gradient,
+                              BlockCholesky& matrix, const MembraneStress* stress) const {
+  return evaluate(x, form, &gradient, &matrix, stress);
+}
+
+MembraneStress ElasticEnergy::stress(const Points3& x, const Points3& move) const {
+  MembraneStress all;
+  all.reserve(triangles_.rows());
+  for (int t = 0; t < triangles_.rows(); ++t)
+    all.push_back(membrane_stress(paper_, rest_[t], corners(x, t), corners(move, t)));
+  return all;
+}
+
+double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* gradient,
+                               BlockCholesky* matrix, const MembraneStress* stress) const {
+  gradient->setZero(x.rows(), 3);
+  std::vector<Fold> folds(hinges_.hinges.size());
+  for (std::size_t h = 0; h < folds.size(); ++h) folds[h] = fold(x, hinges_.hinges[h]);
+
+  // an angle feels the moments of both its triangles
+  double sum = 0;
+  std::vector<double> moment(folds.size(), 0.0);
+  std::vector<Matrix3> tangent(matrix ? triangles_.rows() : 0);
+  for (int t = 0; t < triangles_.rows(); ++t) {
+    Vector3d angles, m;
+    for (int i = 0; i < 3; ++i)
+      angles[i] = hinges_.of_triangle[t][i] < 0 ? 0 : folds[hinges_.of_triangle[t][i]].theta;
+    sum += bending_energy(bend_[t], angles, past(t), &m, matrix ? &tangent[t] : nullptr);
+    sum += add_folds(t, angles, &m, matrix ? &tangent[t] : nullptr);
+    for (int i = 0; i < 3; ++i)
+      if (hinges_.of_triangle[t][i] >= 0) moment[hinges_.of_triangle[t][i]] += m[i];
+  }
+  for (std::size_t h = 0; h < folds.size(); ++h)
+    for (int k = 0; k < 4; ++k)
+      gradient->row(hinges_.hinges[h].vertices[k]) += moment[h] * folds[h].slope.row(k);
+
+  for (int t = 0; t < triangles_.rows(); ++t) {
+    Matrix3 g = Matrix3::Zero();
+    Matrix9 k = Matrix9::Zero();
+    const Matrix3 c = corners(x, t);
+    sum += membrane_energy(paper_, rest_[t], c, &g, matrix ? &k : nullptr, form,
+                           stress ? &(*stress)[t] : nullptr);
+    for (int i = 0; i < 3; ++i) gradient->row(triangles_(t, i)) += g.row(i);
+    if (!matrix) continue;
+    Vector3d edge_moment;
+    for (int i = 0; i < 3; ++i)
+      edge_moment[i] = hinges_.of_triangle[t][i] < 0 ? 0 : moment[hinges_.of_triangle[t][i]];
+    add_element(t, c, k, folds, tangent[t], edge_moment, form, *matrix);
+  }
+  return sum;
+}
+
+void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own,
+                                const std::vector<Fold>& folds, const Matrix3& tangent,
+                                const Vector3d& edge_moment, HessianForm form,
+                                BlockCholesky& matrix) const {
+  // d theta / dx of the three angles of this triangle, over the six vertices of its stencil
+  Eigen::Matrix<double, 18, 3> J = Eigen::Matrix<double, 18, 3>::Zero();
+  for (int i = 0; i < 3; ++i) {
+    const int h = hinges_.of_triangle[t][i];
+    if (h < 0) continue;
+    const bool left = hinges_.hinges[h].triangles[0] == t;
+    const std::array<int, 4> at = hinge_in_stencil(i, left);
+    for (int k = 0; k < 4; ++k) J.block<3, 1>(3 * at[k], i) = folds[h].slope.row(k);
+    if (form == HessianForm::projected) continue;
+    // the hinge's own second derivative: the part of this wing lives on the triangle's corners
+    const int x0 = at[0], x1 = at[1];
+    const WingHessian w = fold_hessian_of_wing((c.row(x1) - c.row(x0)).transpose(),
+                                               (c.row(i) - c.row(x0)).transpose(), left);
+    const Matrix3 ee = edge_moment[i] * w.ee, ea = edge_moment[i] * w.ea,
+                  aa = edge_moment[i] * w.aa;
+    const Matrix3 by_1 = ee + ea.transpose(), by_wing = ea + aa;  // minus the row of x0
+    const auto block = [&](int p, int q) { return own.block<3, 3>(3 * p, 3 * q); };
+    block(x0, x0) += by_1 + by_wing;
+    block(x0, x1) -= by_1;
+    block(x0, i) -= by_wing;
+    block(x1, x0) -= by_1.transpose();
+    block(i, x0) -= by_wing.transpose();
+    block(x1, x1) += ee;
+    block(x1, i) += ea;
+    block(i, x1) += ea.transpose();
+    block(i, i) += aa;
+  }
+  const Eigen::Matrix<double, 18, 3> JK = J.lazyProduct(tangent);
+  Matrix18 full = J.lazyProduct(JK.transpose());
+  full.topLeftCorner<9, 9>() += own;
+  for (int p = 0, k = 0; p < 6; ++p)
+    for (int q = p; q < 6; ++q, ++k) {
+      matrix.add(stencils_[t].slots[k], full.block<3, 3>(3 * p, 3 * q));
+      // two wings may be one vertex (round a vertex of valence 3): then the mirror image falls on
+      // the same block
+      if (p != q && stencils_[t].vertices[p] == stencils_[t].vertices[q])
+        matrix.add(stencils_[t].slots[k], full.block<3, 3>(3 * q, 3 * p));
+    }
+}
+
+std::vector<std::pair<int, int>> ElasticEnergy::coupled_vertices() const {
+  std::vector<std::pair<int, int>> pairs;
+  for (const Stencil& s : stencils_)
+    for (int p = 0; p < 6; ++p)
+      for (int q = p + 1; q < 6; ++q)
+        if (s.vertices[p] >= 0 && s.vertices[q] >= 0)
+          pairs.emplace_back(s.vertices[p], s.vertices[q]);
+  return pairs;
+}
+
+void ElasticEnergy::bind(const BlockCholesky& matrix, const std::vector<int>& block_of) {
+  const auto block = [&](int v) { return v < 0 ? -1 : block_of[v]; };
+  for (Stencil& s : stencils_)
+    for (int p = 0, k = 0; p < 6; ++p)
+      for (int q = p; q < 6; ++q, ++k)
+        s.slots[k] = matrix.slot(block(s.vertices[p]), block(s.vertices[q]));
+}
+
+}  // namespace paperbake

@@ -1,0 +1,82 @@
+#include "core/step1_elastic/energies/incremental_potential.h"
+
+#include <algorithm>
+
+namespace paperbake {
+
+double SheetPotential::energy_and_springs(const Points3& x) const {
+  double value = elastic.energy(x) + inertia_and_weight(x);
+  if (!springs.empty()) value += energy(springs, x);
+  return value;
+}
+
+double SheetPotential::differentiate(const Points3& x, HessianForm form, Points3& gradient,
+                                     BlockCholesky& matrix, const MembraneStress* stress) const {
+  double value = elastic.hessian(x, form, gradient, matrix, stress) + inertia_and_weight(x);
+  for (int v = 0; v < x.rows(); ++v)
+    gradient.row(v) +=
+        mass[v] * (inertia * (x.row(v) - xhat.row(v)) + gravity * Eigen::RowVector3d::UnitZ());
+  if (!springs.empty()) value += paperbake::differentiate(springs, x, block_of, gradient, matrix);
+  return value;
+}
+
+/// Of one sheet among several its rows are copied; one alone is handed on as it is.
+template <class Visit>
+void IncrementalPotential::for_each_sheet(const Points3& x, Visit visit) const {
+  if (sheets.size() == 1) return visit(sheets.front(), x, 0);
+  Eigen::Index first = 0;
+  for (const SheetPotential& sheet : sheets) {
+    visit(sheet, Points3(x.middleRows(first, sheet.mass.size())), first);
+    first += sheet.mass.size();
+  }
+}
+
+double IncrementalPotential::operator()(const Points3& x) const {
+  double value = 0;
+  for_each_sheet(x, [&](const SheetPotential& sheet, const Points3& own, Eigen::Index) {
+    value += sheet.energy_and_springs(own);
+  });
+  if (contact) value += contact->energy(x);
+  for_each_sheet(x, [&](const SheetPotential& sheet, const Points3& own, Eigen::Index) {
+    if (sheet.colliders) value += sheet.colliders->energy(own);
+  });
+  return value;
+}
+
+double IncrementalPotential::differentiate(const Points3& x, HessianForm form, Points3& gradient,
+                                           BlockCholesky& matrix,
+                                           const MembraneStress* stress) const {
+  matrix.set_zero();
+  gradient.resize(x.rows(), 3);
+  double value = 0;
+  Points3 part;
+  for_each_sheet(x, [&](const SheetPotential& sheet, const Points3& own, Eigen::Index first) {
+    value += sheet.differentiate(own, form, part, matrix, stress);
+    gradient.middleRows(first, own.rows()) = part;
+  });
+  if (contact) value += contact->differentiate(x, gradient, &matrix);
+  for_each_sheet(x, [&](const SheetPotential& sheet, const Points3& own, Eigen::Index first) {
+    if (sheet.colliders) {
+      part = gradient.middleRows(first, own.rows());
+      value += sheet.colliders->differentiate(own, sheet.block_of, part, &matrix);
+      gradient.middleRows(first, own.rows()) = part;
+    }
+    for (int v = 0; v < own.rows(); ++v)
+      matrix.add(matrix.slot(sheet.block_of[v], sheet.block_of[v]),
+                 Matrix3(sheet.mass[v] * sheet.inertia * Matrix3::Identity()));
+  });
+  return value;
+}
+
+double IncrementalPotential::cut(const Points3& x, Points3& move) const {
+  double free = 1, clear = 1;
+  if (contact) contact->cover(x, move), free = contact->free_way(x, move), move *= free;
+  for_each_sheet(x, [&](const SheetPotential& sheet, const Points3& own, Eigen::Index first) {
+    if (sheet.colliders)
+      clear = std::min(clear, sheet.colliders->free_way(own, move.middleRows(first, own.rows())));
+  });
+  move *= clear;
+  return free * clear;
+}
+
+}  // namespace paperbake

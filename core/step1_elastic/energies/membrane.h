@@ -1,0 +1,42 @@
+#pragma once
+
+#include "core/model/paper.h"
+#include "core/model/sheet.h"
+
+namespace paperbake {
+
+using Matrix3 = Eigen::Matrix3d;
+using Matrix9 = Eigen::Matrix<double, 9, 9>;
+
+/// Exact second derivative, or the nearest cheap one that has no negative eigenvalue.
+enum class HessianForm { exact, projected };
+
+/// A triangle of the pattern: gradients of its three linear shape functions and its area.
+struct RestTriangle {
+  Eigen::Matrix<double, 3, 2> g;  // [1/m] row i: gradient of the function that is 1 at corner i
+  double area;                    // [m2]
+};
+RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& corners);
+
+/// Stretching energy of one triangle: constant strain, St. Venant-Kirchhoff, plane stress.
+///
+///   F = sum_i x_i g_i^T,   G = (F^T F - I)/2,   S = lambda (tr G) I + 2 mu G,   W = A/2 S:G
+///   lambda = Eh nu/(1-nu^2),  mu = Eh/(2(1+nu))
+///
+/// x          3x3 [m]    row i: position of corner i
+/// gradient   3x3 [N]    dW/dx is added to it; may be null
+/// hessian    9x9 [N/m]  d2W/dx2 is added to it, corner by corner; may be null
+/// stress     2x2 [N/m]  what the second derivative takes for S in its geometric part; null: S
+///            itself
+/// returns        [J]
+/// source     [Volino 2009]; the projected form keeps only the tensile part of the stress in the
+///            geometric term
+double membrane_energy(const Paper&, const RestTriangle&, const Matrix3& x,
+                       Matrix3* gradient = nullptr, Matrix9* hessian = nullptr,
+                       HessianForm = HessianForm::exact, const Eigen::Matrix2d* stress = nullptr);
+
+/// S at x + move, to first order in move. [N/m] (2x2, second Piola-Kirchhoff)
+Eigen::Matrix2d membrane_stress(const Paper&, const RestTriangle&, const Matrix3& x,
+                                const Matrix3& move);
+
+}  // namespace paperbake

@@ -1,0 +1,202 @@
+#include "core/step1_elastic/solver/newton.h"
+
+#include "core/model/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+constexpr double sufficient_decrease = 1e-4;
+constexpr int max_halvings = 30;
+constexpr int asked_every = 4;  // [1] iterations
+
+double largest_row(const Points3& d) {
+  return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0;
+}
+
+/// One minimisation.
+class Newton {
+ public:
+  Newton(const NewtonSystem& system, const NewtonOptions& options)
+      : W_(system.W),
+        matrix_(system.matrix),
+        block_of_(system.block_of),
+        mean_edge_(system.mean_edge),
+        membrane_stiffness_(system.membrane_stiffness),
+        options_(options),
+        longest_move_(W_.contact ? std::min(2 * mean_edge_, 2.5 * W_.contact->reach())
+                                 : 2 * mean_edge_) {}
+
+  /// The first way. stress: where the membrane is before the first step
+  /// returns  false when it did not get to a place to stay, x is then anywhere
+  bool stride(MembraneStress stress, Points3& x);
+
+  /// The second way.
+  void descend(Points3& x);
+
+  NewtonReport report;
+
+ private:
+  Points3 direction(const Points3& x, HessianForm& form, const MembraneStress* stress);
+  Points3 downhill() const;
+  double line_search(const Points3& x, const Points3& move) const;
+
+  /// Value at a place that contact has not been asked about.
+  double covered(const Points3& x) const {
+    if (W_.contact) W_.contact->cover(x, Points3::Zero(x.rows(), 3));
+    return W_(x);
+  }
+  bool in_vain(int iteration, const Points3& x) {
+    return report.in_vain = options_.in_vain && iteration > 0 && iteration % asked_every == 0 &&
+                            options_.in_vain(x);
+  }
+  void go(Points3& x, const Points3& move) const {
+    x += move;
+    if (W_.contact) W_.contact->arrived(x);
+  }
+  double largest_strain(const MembraneStress& stress) const {
+    double most = 0;
+    for (const Eigen::Matrix2d& s : stress) most = std::max(most, s.norm() / membrane_stiffness_);
+    return most;
+  }
+
+  const IncrementalPotential& W_;
+  BlockCholesky& matrix_;
+  const std::vector<int>& block_of_;
+  double mean_edge_, membrane_stiffness_;
+  NewtonOptions options_;
+  double longest_move_;  // [m] of a vertex in one iteration
+  double value_ = 0;     // of W where its derivatives were taken last
+  Points3 gradient_;
+};
+
+/// Newton's direction at x; falls back to the projected second derivative, then to a growing
+/// multiple of the identity.
+Points3 Newton::direction(const Points3& x, HessianForm& form, const MembraneStress* stress) {
+  ++report.iterations;
+  for (;; form = HessianForm::projected) {
+    value_ = W_.differentiate(x, form, gradient_, matrix_, stress);
+    if (!std::isfinite(value_))
+      throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
+    bool definite = matrix_.factorise();
+    if (!definite && form == HessianForm::exact) continue;
+    for (double shift = 1e-8 * membrane_stiffness_; !definite; shift *= 100) {
+      matrix_.shift_diagonal(shift);
+      definite = matrix_.factorise();
+    }
+    Points3 move = downhill();
+    if (form == HessianForm::exact && gradient_.cwiseProduct(move).sum() >= 0) continue;
+    return move;
+  }
+}
+
+/// The last factor's answer to the gradient; held vertices stay.
+Points3 Newton::downhill() const {
+  const long free = std::count_if(block_of_.begin(), block_of_.end(), [](int b) { return b >= 0; });
+  Eigen::VectorXd right(3 * free);
+  for (int v = 0; v < gradient_.rows(); ++v)
+    if (block_of_[v] >= 0) right.segment<3>(3 * block_of_[v]) = -gradient_.row(v).transpose();
+  const Eigen::VectorXd& d = matrix_.solve(right);
+  Points3 move = Points3::Zero(gradient_.rows(), 3);
+  for (int v = 0; v < gradient_.rows(); ++v)
+    if (block_of_[v] >= 0) move.row(v) = d.segment<3>(3 * block_of_[v]).transpose();
+  return move;
+}
+
+/// Length along `move` that lowers W enough; 0 when there is none.
+double Newton::line_search(const Points3& x, const Points3& move) const {
+  const double slope = gradient_.cwiseProduct(move).sum();
+  // below the rounding of W itself nothing can be compared: a full step is as good as any
+  if (-slope < 1e-13 * std::abs(value_)) return 1;
+  double length = 1;
+  for (int k = 0; k < max_halvings; ++k, length *= 0.5)
+    if (W_(x + length * move) <= value_ + sufficient_decrease * length * slope) return length;
+  return 0;
+}
+
+bool Newton::stride(MembraneStress stress, Points3& x) {
+  constexpr int most_crawling = 8;
+  constexpr double torn = 0.005;  // [1] strain beyond which descent does better
+  const double first_value = covered(x), first_strain = largest_strain(stress);
+  double last = 0;
+  int crawling = 0;
+  for (int k = 0; k < options_.max_strides; ++k) {
+    if (options_.ways == NewtonOptions::stride && in_vain(k, x)) return false;
+    HessianForm form = HessianForm::exact;
+    Points3 move = direction(x, form, &stress);
+    const double asked = largest_row(move);
+    if (asked > longest_move_) move *= longest_move_ / asked;
+    const double free = W_.cut(x, move);
+    stress = W_.sheets.front().elastic.stress(x, move);
+    go(x, move);
+    // steps shrink at least as fast as their last ratio: the next one bounds the distance to the
+    // minimum
+    const double ahead = last > 0 ? asked * std::min(1.0, asked / last) : asked;
+    if (free == 1 &&
+        (asked < options_.stop || (form == HessianForm::exact && ahead < options_.stop))) {
+      report.converged =
+          covered(x) <= first_value && largest_strain(stress) < std::max(torn, 2 * first_strain);
+      return report.converged;
+    }
+    // the crest between two valleys: descent is as slow there, but gets down
+    crawling = form == HessianForm::projected && asked > 0.5 * last && asked < 0.1 * mean_edge_
+                   ? crawling + 1
+                   : 0;
+    if (crawling == most_crawling) return false;
+    last = asked;
+  }
+  return false;
+}
+
+void Newton::descend(Points3& x) {
+  covered(x);
+  double last = 0;
+  report.converged = false;
+  HessianForm form = HessianForm::exact;
+  report.descended = true;
+  for (int k = 1; report.iterations < options_.max_iterations; ++k) {
+    if (in_vain(k, x)) return;
+    Points3 move = direction(x, form, nullptr);
+    const double asked = largest_row(move);
+    if (asked > longest_move_) move *= longest_move_ / asked;
+    const double free = W_.cut(x, move);
+    const double length = line_search(x, move);
+    if (length == 0) {
+      if (asked < options_.stop || form == HessianForm::projected) {
+        report.converged = asked < options_.stop;
+        return;
+      }
+      form = HessianForm::projected;
+      continue;
+    }
+    go(x, length * move);
+    const double done = length * free * std::min(asked, longest_move_);
+    const bool whole = length == 1 && free == 1 && asked <= longest_move_;
+    const double ahead = last > 0 ? done * std::min(1.0, done / last) : done;
+    if (whole && (ahead < options_.stop || done < options_.stop)) {
+      report.converged = true;
+      return;
+    }
+    last = whole ? done : 0;
+    form = HessianForm::exact;
+  }
+}
+
+}  // namespace
+
+NewtonReport minimise(const NewtonSystem& system, const NewtonOptions& options,
+                      const MembraneStress& stress, Points3& x) {
+  Newton newton(system, options);
+  const Points3 start = x;
+  // between barriers a stride is cut short before it gets anywhere
+  if (!system.W.contact && options.ways != NewtonOptions::descend && newton.stride(stress, x))
+    return newton.report;
+  x = start;
+  if (options.ways == NewtonOptions::stride) return newton.report;
+  newton.descend(x);
+  return newton.report;
+}
+
+}  // namespace paperbake

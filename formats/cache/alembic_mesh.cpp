@@ -1,0 +1,204 @@
+#include "formats/cache/alembic_mesh.h"
+
+#include <algorithm>
+
+namespace paperbake::alembic {
+namespace {
+
+// What the schemas demand of us: readers find a mesh, and its channels, by these texts alone.
+constexpr const char* xform_object =
+    "schema=AbcGeom_Xform_v3;schemaObjTitle=AbcGeom_Xform_v3:.xform";
+constexpr const char* xform_schema = "schema=AbcGeom_Xform_v3";
+constexpr const char* mesh_object =
+    "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_PolyMesh_"
+    "v1:.geom";
+constexpr const char* mesh_schema = "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1";
+constexpr const char* box_meaning = "interpretation=box";
+constexpr const char* point_meaning = "geoScope=vtx;interpretation=point";
+constexpr const char* velocity_meaning = "interpretation=vector";
+constexpr const char* normal_meaning =
+    "arrayExtent=1;geoScope=vtx;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_"
+    "t";
+constexpr const char* corner_normal_meaning =
+    "arrayExtent=1;geoScope=fvr;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_"
+    "t";
+constexpr const char* uv_meaning =
+    "arrayExtent=1;geoScope=fvr;interpretation=vector;isGeomParam=true;podExtent=2;podName=float32_"
+    "t;sourceName=UVMap";
+
+constexpr const char* colour_meaning =
+    "arrayExtent=1;geoScope=vtx;interpretation=rgba;isGeomParam=true;podExtent=4;podName=float32_t";
+
+using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
+using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+// ---- from a frame to samples
+// --------------------------------------------------------------------------------------
+
+Floats3 y_up(const Points3& rows) {
+  Floats3 turned(rows.rows(), 3);
+  turned << rows.col(0).cast<float>(), rows.col(2).cast<float>(), -rows.col(1).cast<float>();
+  turned.array() += 0.0f;  // -0 becomes 0: equal values have equal keys
+  return turned;
+}
+
+/// Grey: white where the sheet is folded by a right angle or more.
+Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colours(const Eigen::VectorXd& crease) {
+  Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> rgba(crease.size(), 4);
+  rgba.leftCols<3>() = (crease / (M_PI / 2)).cwiseMin(1.0).cast<float>().replicate<1, 3>();
+  rgba.col(3).setOnes();
+  return rgba;
+}
+
+/// The corners in reverse: seen from its front, an Alembic face runs clockwise.
+Triangles clockwise(const Triangles& triangles) { return triangles.rowwise().reverse(); }
+
+Box box_of(const Floats3& points) {
+  Box box;
+  for (Eigen::Index i = 0; i < points.rows(); ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      box.sides[axis] = std::min<double>(box.sides[axis], points(i, axis));
+      box.sides[axis + 3] = std::max<double>(box.sides[axis + 3], points(i, axis));
+    }
+  return box;
+}
+
+Box around(const Box& a, const Box& b) {
+  Box box;
+  for (int axis = 0; axis < 3; ++axis) {
+    box.sides[axis] = std::min(a.sides[axis], b.sides[axis]);
+    box.sides[axis + 3] = std::max(a.sides[axis + 3], b.sides[axis + 3]);
+  }
+  return box;
+}
+
+}  // namespace
+
+MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
+  const Floats3 points = y_up(frame.x), velocities = y_up(frame.velocity),
+                normals = y_up(frame.normal);
+  const Triangles triangles = clockwise(frame.triangles);
+  const Triangles normal_of_corner = clockwise(frame.normal_of_corner);
+  const std::vector<std::int32_t> corners_of_faces(triangles.rows(), 3);
+  const Floats2 uv = (frame.uv.cast<float>().array() + 0.0f).matrix();
+
+  MeshFrame samples;
+  samples.box = box_of(points);
+  samples.bounds = store(archive, raw(samples.box.sides));
+  samples.points = store(archive, raw(points));
+  samples.velocities = store(archive, raw(velocities));
+  samples.normals = store(archive, raw(normals));
+  samples.normal_indices = store(archive, raw(normal_of_corner));
+  samples.colours = store(archive, raw(colours(frame.crease)));
+  samples.indices = store(archive, raw(triangles));
+  samples.counts = store(archive, raw(corners_of_faces));
+  samples.uv = store(archive, raw(uv));
+  // a corner's uv is that of its vertex: these are the bytes of the face indices, and cost nothing
+  samples.uv_indices = uv.rows() == 0 ? samples.uv : samples.indices;
+  return samples;
+}
+
+// ---- from samples to properties
+// -----------------------------------------------------------------------------------
+
+namespace {
+
+Property animated(std::string name, std::string metadata, Shape shape, Pod pod,
+                  std::uint32_t extent, std::vector<Sample> samples) {
+  return {std::move(name), std::move(metadata), shape, pod, extent,
+          Clock::frames,   std::move(samples),  {}};
+}
+
+Property compound(std::string name, std::string metadata, std::vector<Property> members) {
+  Property property;
+  property.name = std::move(name);
+  property.metadata = std::move(metadata);
+  property.members = std::move(members);
+  return property;
+}
+
+std::vector<Sample> column(const std::vector<MeshFrame>& frames, Sample MeshFrame::*channel) {
+  std::vector<Sample> samples;
+  for (const MeshFrame& frame : frames) samples.push_back(frame.*channel);
+  return samples;
+}
+
+/// A channel that was never given is left out of the file.
+bool ever_given(const std::vector<MeshFrame>& frames, Sample MeshFrame::*channel) {
+  return std::any_of(frames.begin(), frames.end(),
+                     [&](const MeshFrame& f) { return (f.*channel).block != empty_data; });
+}
+
+Property box_property(const char* name, std::vector<Sample> samples) {
+  return animated(name, box_meaning, Shape::scalar, Pod::f64, 6, std::move(samples));
+}
+
+Property geometry(const std::vector<MeshFrame>& frames) {
+  const auto array = [&](const char* name, const char* meaning, Pod pod, std::uint32_t extent,
+                         Sample MeshFrame::*channel) {
+    return animated(name, meaning, Shape::array, pod, extent, column(frames, channel));
+  };
+  std::vector<Property> members{
+      box_property(".selfBnds", column(frames, &MeshFrame::bounds)),
+      array("P", point_meaning, Pod::f32, 3, &MeshFrame::points),
+      array(".faceIndices", "", Pod::i32, 1, &MeshFrame::indices),
+      array(".faceCounts", "", Pod::i32, 1, &MeshFrame::counts),
+  };
+  if (ever_given(frames, &MeshFrame::velocities))
+    members.push_back(array(".velocities", velocity_meaning, Pod::f32, 3, &MeshFrame::velocities));
+  if (ever_given(frames, &MeshFrame::normal_indices))
+    members.push_back(
+        compound("N", corner_normal_meaning,
+                 {array(".vals", corner_normal_meaning, Pod::f32, 3, &MeshFrame::normals),
+                  array(".indices", "", Pod::u32, 1, &MeshFrame::normal_indices)}));
+  else if (ever_given(frames, &MeshFrame::normals))
+    members.push_back(array("N", normal_meaning, Pod::f32, 3, &MeshFrame::normals));
+  if (ever_given(frames, &MeshFrame::uv))
+    members.push_back(compound("uv", uv_meaning,
+                               {array(".vals", uv_meaning, Pod::f32, 2, &MeshFrame::uv),
+                                array(".indices", "", Pod::u32, 1, &MeshFrame::uv_indices)}));
+  if (ever_given(frames, &MeshFrame::colours))
+    members.push_back(compound(
+        ".arbGeomParams", "", {array("crease", colour_meaning, Pod::f32, 4, &MeshFrame::colours)}));
+  return compound(".geom", mesh_schema, std::move(members));
+}
+
+/// The sheet as hosts expect it: the mesh under an Xform that does nothing but carry the name.
+Object sheet_object(Archive& archive, const Mesh& mesh) {
+  const char inherits = 1;
+  Property inherited{".inherits",
+                     "",
+                     Shape::scalar,
+                     Pod::boolean,
+                     1,
+                     Clock::still,
+                     {store(archive, {&inherits, 1})},
+                     {}};
+  std::vector<Property> transform{
+      box_property(".childBnds", column(mesh.frames, &MeshFrame::bounds)), inherited};
+  Object geom{mesh.label + "Shape", mesh_object, {geometry(mesh.frames)}, {}};
+  return {mesh.label,
+          xform_object,
+          {compound(".xform", xform_schema, std::move(transform))},
+          {std::move(geom)}};
+}
+
+}  // namespace
+
+Object archive_object(Archive& archive, const std::vector<Mesh>& meshes, std::size_t frames) {
+  std::vector<Sample> bounds;
+  for (std::size_t i = 0; i < frames; ++i) {
+    Box box;
+    for (const Mesh& mesh : meshes)
+      if (!mesh.frames.empty())
+        box = around(box, mesh.frames[std::min(i, mesh.frames.size() - 1)].box);
+    bounds.push_back(store(archive, raw(box.sides)));
+  }
+  Object root;
+  if (frames > 0) root.properties.push_back(box_property(".childBnds", std::move(bounds)));
+  for (const Mesh& mesh : meshes)
+    if (!mesh.frames.empty()) root.children.push_back(sheet_object(archive, mesh));
+  return root;
+}
+
+}  // namespace paperbake::alembic

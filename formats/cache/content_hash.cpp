@@ -1,0 +1,79 @@
+#include "formats/cache/content_hash.h"
+
+#include <cstring>
+
+namespace paperbake {
+namespace {
+
+static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
+              "keys and files are little-endian; words are copied as they lie");
+
+constexpr std::uint64_t c1 = 0x87c37b91114253d5, c2 = 0x4cf5ad432745937f;
+
+struct Words {
+  std::uint64_t low, high;
+};
+
+Words words_at(const char* bytes) {
+  Words words;
+  std::memcpy(&words, bytes, sizeof words);
+  return words;
+}
+
+std::uint64_t rotated(std::uint64_t word, int bits) { return word << bits | word >> (64 - bits); }
+
+void stir(Words& h, const Words& block) {
+  h.low ^= rotated(block.low * c1, 31) * c2;
+  h.high ^= rotated(block.high * c2, 33) * c1;
+}
+
+/// Takes in 16 bytes: the lower half is finished before the upper one, which it feeds.
+void take_in(Words& h, const Words& block) {
+  stir(h, block);
+  h.low = (rotated(h.low, 27) + h.high) * 5 + 0x52dce729;
+  h.high = (rotated(h.high, 31) + h.low) * 5 + 0x38495ab5;
+}
+
+std::uint64_t avalanche(std::uint64_t word) {
+  word = (word ^ word >> 33) * 0xff51afd7ed558ccd;
+  word = (word ^ word >> 33) * 0xc4ceb9fe1a85ec53;
+  return word ^ word >> 33;
+}
+
+void exchange(Words& h) {
+  h.low += h.high;
+  h.high += h.low;
+}
+
+}  // namespace
+
+ContentKey murmur(std::string_view bytes) {
+  Words h{0, 0};
+  const std::size_t whole = bytes.size() / 16 * 16;
+  for (std::size_t at = 0; at < whole; at += 16) take_in(h, words_at(bytes.data() + at));
+
+  char rest[16] = {};  // a zero word stirs nothing, so the padding does not count
+  bytes.substr(whole).copy(rest, sizeof rest);
+  stir(h, words_at(rest));
+
+  h.low ^= bytes.size();
+  h.high ^= bytes.size();
+  exchange(h);
+  h = {avalanche(h.low), avalanche(h.high)};
+  exchange(h);
+
+  ContentKey key;
+  std::memcpy(key.data(), &h, key.size());
+  return key;
+}
+
+std::string hex(const ContentKey& key) {
+  std::string text;
+  for (const std::uint8_t byte : key) {
+    text += "0123456789abcdef"[byte >> 4];
+    text += "0123456789abcdef"[byte & 15];
+  }
+  return text;
+}
+
+}  // namespace paperbake

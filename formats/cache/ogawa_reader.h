@@ -1,0 +1,37 @@
+#pragma once
+
+#include "formats/cache/ogawa.h"
+
+#include <cstdint>
+#include <filesystem>
+#include <fstream>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// Reads what OgawaWriter writes. Nothing in the file is trusted: whatever the bytes are, a call
+/// returns or throws. All functions throw Error(Fault::scene) that names the file and what is wrong
+/// with it.
+class OgawaReader {
+ public:
+  explicit OgawaReader(std::filesystem::path);
+
+  OgawaBlock root() const { return root_; }
+  std::string data(OgawaBlock) const;
+  std::vector<OgawaBlock> group(OgawaBlock) const;
+  std::uint64_t data_size(OgawaBlock) const;  // [bytes]
+
+  [[noreturn]] void refuse(const std::string& cause) const;
+
+ private:
+  std::uint64_t count_at(std::uint64_t position, std::uint64_t bytes_each) const;
+  void read(std::uint64_t position, void* bytes, std::uint64_t count) const;
+
+  std::filesystem::path path_;
+  mutable std::ifstream file_;
+  std::uint64_t size_ = 0;  // [bytes]
+  OgawaBlock root_ = empty_group;
+};
+
+}  // namespace paperbake

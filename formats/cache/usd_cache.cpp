@@ -1,0 +1,224 @@
+#include "formats/cache/usd_cache.h"
+
+#include "core/model/error.h"
+#include "formats/files/atomic_file.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <fmt/format.h>
+#include <iterator>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+/// Text that waits on the disk until it is its turn.
+class Spool {
+ public:
+  Spool() : file_(std::tmpfile()) {
+    if (!file_)
+      throw Error(Fault::folder, "temporary files", "The system does not give one.",
+                  "Make room in the folder for temporary files (TMPDIR).");
+  }
+  ~Spool() { std::fclose(file_); }
+  Spool(const Spool&) = delete;
+  Spool& operator=(const Spool&) = delete;
+
+  void write(std::string_view text) {
+    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size())
+      throw Error(Fault::folder, "temporary files", "There is no room for more.",
+                  "Make room in the folder for temporary files (TMPDIR).");
+  }
+  void copy_to(WholeFile& out) {
+    std::rewind(file_);
+    char buffer[1 << 16];
+    while (const std::size_t count = std::fread(buffer, 1, sizeof buffer, file_))
+      out.write(buffer, count);
+  }
+
+ private:
+  std::FILE* file_;
+};
+
+/// One attribute over time.
+struct Attribute {
+  std::string declaration, interpolation;  // "point3f[] points"; "vertex" or empty
+  std::string first;                       // its value in the first frame
+  bool varies = false;
+  std::unique_ptr<Spool> samples = std::make_unique<Spool>();
+};
+
+struct UsdSheet {
+  std::string name;
+  std::vector<Attribute> attributes;
+  std::size_t frames = 0;
+};
+
+std::string identifier(const std::string& name) {
+  std::string legal;
+  for (const char c : name)
+    legal += (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ? c : '_';
+  if (legal.empty() || (legal[0] >= '0' && legal[0] <= '9')) legal = "_" + legal;
+  return legal;
+}
+
+std::string quoted(const std::string& text) {
+  std::string result = "\"";
+  for (const char c : text)
+    result += c == '"' || c == '\\' ? std::string{'\\', c} : c == '\n' ? "\\n" : std::string(1, c);
+  return result + '"';
+}
+
+/// [(x, y, z), ...] y up, each number the shortest that reads back as the same 32 bits.
+std::string vectors(const Points3& rows) {
+  std::string text = "[";
+  auto out = std::back_inserter(text);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    fmt::format_to(out, "{}({}, {}, {})", i ? ", " : "", float(rows(i, 0)) + 0.0f,
+                   float(rows(i, 2)) + 0.0f, float(-rows(i, 1)) + 0.0f);
+  return text + "]";
+}
+
+std::string pairs(const Points2& rows) {
+  std::string text = "[";
+  auto out = std::back_inserter(text);
+  for (Eigen::Index i = 0; i < rows.rows(); ++i)
+    fmt::format_to(out, "{}({}, {})", i ? ", " : "", float(rows(i, 0)) + 0.0f,
+                   float(rows(i, 1)) + 0.0f);
+  return text + "]";
+}
+
+std::string numbers(const Eigen::VectorXd& values) {
+  std::string text = "[";
+  auto out = std::back_inserter(text);
+  for (Eigen::Index i = 0; i < values.size(); ++i)
+    fmt::format_to(out, "{}{}", i ? ", " : "", float(values[i]) + 0.0f);
+  return text + "]";
+}
+
+std::string integers(const Triangles& triangles) {
+  std::string text = "[";
+  auto out = std::back_inserter(text);
+  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
+    fmt::format_to(out, "{}{}, {}, {}", t ? ", " : "", triangles(t, 0), triangles(t, 1),
+                   triangles(t, 2));
+  return text + "]";
+}
+
+std::string threes(Eigen::Index count) {
+  std::string text = "[";
+  for (Eigen::Index t = 0; t < count; ++t) text += t ? ", 3" : "3";
+  return text + "]";
+}
+
+Points3 corners_of_box(const Points3& x) {
+  Points3 box(2, 3);  // y up turns the sign of z, and with it which corner is the lower one
+  if (x.rows() == 0) return box.setZero();
+  const Eigen::RowVector3d low = x.colwise().minCoeff(), high = x.colwise().maxCoeff();
+  box << low.x(), high.y(), low.z(), high.x(), low.y(), high.z();
+  return box;
+}
+
+}  // namespace
+
+struct UsdWriter::Impl {
+  WholeFile file;
+  CacheInfo info;
+  std::vector<UsdSheet> sheets;
+
+  void add(UsdSheet& sheet, const std::string& declaration, const std::string& interpolation,
+           std::string value) {
+    auto known = std::find_if(sheet.attributes.begin(), sheet.attributes.end(),
+                              [&](const Attribute& a) { return a.declaration == declaration; });
+    if (known == sheet.attributes.end()) {
+      known = sheet.attributes.insert(known, {declaration, interpolation, value});
+    }
+    if (value != known->first) known->varies = true;
+    const long frame = info.first_frame + info.frame_step * static_cast<long>(sheet.frames);
+    known->samples->write(fmt::format("            {}: {},\n", frame, value));
+  }
+
+  void write(Attribute& attribute) {
+    const std::string& d = attribute.declaration;
+    const std::string meaning =
+        attribute.interpolation.empty()
+            ? ""
+            : fmt::format(" (\n            interpolation = \"{}\"\n        )",
+                          attribute.interpolation);
+    if (!attribute.varies)
+      return file.write(fmt::format("        {} = {}{}\n", d, attribute.first, meaning));
+    if (!meaning.empty()) file.write(fmt::format("        {}{}\n", d, meaning));
+    file.write(fmt::format("        {}.timeSamples = {{\n", d));
+    attribute.samples->copy_to(file);
+    file.write("        }\n");
+  }
+};
+
+UsdWriter::UsdWriter(const std::filesystem::path& path, const CacheInfo& info,
+                     const std::vector<std::string>& sheet_names)
+    : impl_(new Impl{WholeFile(path), info, {}}) {
+  std::set<std::string> taken;
+  for (const std::string& name : sheet_names) {
+    std::string label = identifier(name);
+    for (int n = 2; !taken.insert(label).second; ++n)
+      label = identifier(name) + "_" + std::to_string(n);
+    UsdSheet sheet;
+    sheet.name = label;
+    impl_->sheets.push_back(std::move(sheet));
+  }
+}
+
+UsdWriter::~UsdWriter() = default;
+
+void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
+  UsdSheet& sheet = impl_->sheets.at(number);
+  const auto add = [&](const char* declaration, const char* interpolation, std::string value) {
+    impl_->add(sheet, declaration, interpolation, std::move(value));
+  };
+  add("float3[] extent", "", vectors(corners_of_box(frame.x)));
+  add("int[] faceVertexCounts", "", threes(frame.triangles.rows()));
+  add("int[] faceVertexIndices", "", integers(frame.triangles));
+  add("point3f[] points", "", vectors(frame.x));
+  if (frame.velocity.rows() > 0) add("vector3f[] velocities", "", vectors(frame.velocity));
+  if (frame.normal_of_corner.rows() > 0) {
+    add("normal3f[] primvars:normals", "faceVarying", vectors(frame.normal));
+    add("int[] primvars:normals:indices", "", integers(frame.normal_of_corner));
+  } else if (frame.normal.rows() > 0) {
+    add("normal3f[] normals", "vertex", vectors(frame.normal));
+  }
+  if (frame.crease.size() > 0) add("float[] primvars:crease", "vertex", numbers(frame.crease));
+  for (const CacheLayer& layer : frame.layers)
+    add(("float[] primvars:" + layer.name).c_str(), "vertex", numbers(layer.values));
+  if (frame.uv.rows() > 0) add("texCoord2f[] primvars:st", "vertex", pairs(frame.uv));
+  ++sheet.frames;
+}
+
+void UsdWriter::finish() {
+  WholeFile& file = impl_->file;
+  const CacheInfo& info = impl_->info;
+  std::size_t frames = 0;
+  for (const UsdSheet& sheet : impl_->sheets) frames = std::max(frames, sheet.frames);
+  std::string metadata;
+  for (const auto& [key, value] : info.metadata)
+    metadata += fmt::format("        string {} = {}\n", identifier(key), quoted(value));
+  file.write(fmt::format(
+      "#usda 1.0\n(\n    customLayerData = {{\n{}    }}\n    defaultPrim = \"shot\"\n    "
+      "endTimeCode = {}\n    framesPerSecond = {}\n"
+      "    metersPerUnit = 1\n    startTimeCode = {}\n    timeCodesPerSecond = {}\n    upAxis = "
+      "\"Y\"\n)\n\ndef Xform \"shot\"\n{{\n",
+      metadata, info.first_frame + info.frame_step * (frames ? static_cast<long>(frames) - 1 : 0),
+      info.fps, info.first_frame, info.fps));
+  for (UsdSheet& sheet : impl_->sheets) {
+    if (sheet.frames == 0) continue;
+    file.write(fmt::format("    def Mesh \"{}\"\n    {{\n", sheet.name));
+    file.write(
+        "        uniform token subdivisionScheme = \"none\"\n        uniform token orientation = "
+        "\"rightHanded\"\n        uniform bool doubleSided = 1\n");
+    for (Attribute& attribute : sheet.attributes) impl_->write(attribute);
+    file.write("    }\n");
+  }
+  file.write("}\n");
+  file.commit();
+}
+
+}  // namespace paperbake

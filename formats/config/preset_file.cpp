@@ -1,0 +1,231 @@
+#include "formats/config/preset_file.h"
+
+#include "core/model/error.h"
+#include "formats/config/toml_document.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <sstream>
+
+namespace paperbake {
+
+// made from presets/*.toml by cmake/embed_presets.cmake
+struct BuiltInPreset {
+  const char* name;
+  const char* text;
+};
+extern const BuiltInPreset built_in_presets[];
+extern const int built_in_preset_count;
+
+const std::array<Quantity, 11> quantities{{
+    {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
+    {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
+    {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
+    {"poisson", &Paper::poisson, "1", 0, 0.49},
+    {"area_density", &Paper::area_density, "kg/m2", 1e-3, 10},
+    {"apex_scatter", &Paper::apex_scatter, "m", 0, 0.1},
+    {"yield_strain", &Paper::yield_strain, "1", 1e-4, 0.1},
+    {"hardening", &Paper::hardening, "1", 0, 0.9},
+    {"grain_ratio", &Paper::grain_ratio, "1", 0.1, 10, false},
+    {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
+    {"friction", &Paper::friction, "1", 0, most_friction, false},
+}};
+
+namespace {
+
+bool is_file(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::exists(path, ignored) && !std::filesystem::is_directory(path, ignored);
+}
+
+const toml::node& required(const TomlDocument& document, const toml::table& table,
+                           const std::string& key, const std::string& where) {
+  const toml::node* node = table.get(key);
+  if (!node)
+    fail(document, table.source().begin, fmt::format("The key \"{}\" is missing{}.", key, where));
+  return *node;
+}
+
+std::string required_text(const TomlDocument& document, const toml::table& table,
+                          const std::string& key, const std::string& where) {
+  const toml::node& node = required(document, table, key, where);
+  if (!node.is_string())
+    fail(document, node.source().begin, fmt::format("\"{}\" must be a text in quotes.", key));
+  std::string text = **node.as_string();
+  if (text.empty()) fail(document, node.source().begin, fmt::format("\"{}\" is empty.", key));
+  return text;
+}
+
+double read_value(const TomlDocument& document, const toml::table& table, const Quantity& quantity,
+                  const std::string& where) {
+  const toml::node& node = required(document, table, "value", where);
+  if (!node.is_number())
+    fail(document, node.source().begin,
+         fmt::format("The value of {} must be a number.", quantity.key));
+  const double value = *node.value<double>();
+  if (!quantity.holds(value))
+    fail(document, node.source().begin, out_of_bounds(quantity, value),
+         fmt::format("Give the value in {}.", quantity.unit));
+  return value;
+}
+
+Preset::Entry read_entry(const TomlDocument& document, const Quantity& quantity) {
+  const toml::node& node = required(document, document.root, quantity.key, "");
+  const toml::table* table = node.as_table();
+  if (!table)
+    fail(document, node.source().begin,
+         fmt::format("\"{}\" must be a table with value, unit, source and mark.", quantity.key));
+  refuse_unknown_keys(document, *table, {"value", "unit", "source", "mark"});
+
+  const std::string where = fmt::format(" from [{}]", quantity.key);
+  Preset::Entry entry{quantity.key, read_value(document, *table, quantity, where),
+                      required_text(document, *table, "unit", where),
+                      required_text(document, *table, "source", where),
+                      required_text(document, *table, "mark", where)};
+  if (entry.unit != quantity.unit)
+    fail(document, table->get("unit")->source().begin,
+         fmt::format("The unit of {} is \"{}\", not \"{}\".", quantity.key, quantity.unit,
+                     entry.unit));
+  const std::vector<std::string> marks = {"read", "derived", "assumed"};
+  if (std::find(marks.begin(), marks.end(), entry.mark) == marks.end())
+    fail(document, table->get("mark")->source().begin,
+         fmt::format("Unknown mark \"{}\".{}", entry.mark, did_you_mean(entry.mark, marks)),
+         "Marks: read, derived, assumed.");
+  return entry;
+}
+
+Preset read_text(const std::string& file, const std::string& text) {
+  const TomlDocument document = parse_toml(file, text);
+  std::vector<std::string> known = {"name", "description", "by_grammage"};
+  for (const Quantity& quantity : quantities) known.push_back(quantity.key);
+  refuse_unknown_keys(document, document.root, known);
+
+  Preset preset;
+  preset.text = text;
+  preset.file = file;
+  preset.paper.name = required_text(document, document.root, "name", "");
+  if (document.root.contains("description"))
+    preset.description = required_text(document, document.root, "description", "");
+  if (const toml::node* chosen = document.root.get("by_grammage")) {
+    if (!chosen->is_boolean())
+      fail(document, chosen->source().begin, "\"by_grammage\" must be true or false.");
+    preset.by_grammage = **chosen->as_boolean();
+  }
+  for (const Quantity& quantity : quantities) {
+    if (!quantity.required && !document.root.contains(quantity.key)) continue;
+    preset.entries.push_back(read_entry(document, quantity));
+    quantity.set(preset.paper, preset.entries.back().value);
+  }
+  const auto place = [&](const Preset::Entry& entry) {
+    return document.root.get(entry.key)->source().begin;
+  };
+  std::sort(preset.entries.begin(), preset.entries.end(),
+            [&](const Preset::Entry& p, const Preset::Entry& q) {
+              return stands_before(place(p), place(q));
+            });
+  return preset;
+}
+
+}  // namespace
+
+std::string out_of_bounds(const Quantity& quantity, double value) {
+  return fmt::format("The {} cannot be {}: paper lies between {} and {} [{}].", quantity.key, value,
+                     quantity.least, quantity.most, quantity.unit);
+}
+
+std::string preset_text(const Preset& preset) {
+  const auto text = [](const std::string& words) { return toml::value<std::string>(words); };
+  std::ostringstream file;
+  file << "name = " << text(preset.paper.name) << '\n';
+  if (!preset.description.empty()) file << "description = " << text(preset.description) << '\n';
+  if (!preset.by_grammage) file << "by_grammage = false\n";
+  for (const Preset::Entry& e : preset.entries)
+    file << fmt::format("\n[{}]\nvalue = {}\nunit = ", e.key, e.value) << text(e.unit)
+         << "\nsource = " << text(e.source) << "\nmark = " << text(e.mark) << '\n';
+  return file.str();
+}
+
+std::filesystem::path user_preset_folder() {
+  const auto under = [](const char* variable, const char* rest) {
+    const char* folder = std::getenv(variable);
+    return folder && *folder ? std::filesystem::path(folder) / rest : std::filesystem::path();
+  };
+  const std::filesystem::path folder = under("XDG_CONFIG_HOME", "paperbake/presets");
+  return folder.empty() ? under("HOME", ".config/paperbake/presets") : folder;
+}
+
+std::vector<std::string> user_preset_names() {
+  std::vector<std::string> names;
+  std::error_code none_there;
+  for (const auto& entry : std::filesystem::directory_iterator(user_preset_folder(), none_there))
+    if (entry.path().extension() == ".toml" && is_file(entry.path()))
+      names.push_back(entry.path().stem().string());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+Preset read_preset(const std::string& name_or_file) {
+  if (is_file(name_or_file)) return read_text(name_or_file, read_toml_text(name_or_file, "preset"));
+  const std::vector<std::string> own = user_preset_names();
+  if (std::find(own.begin(), own.end(), name_or_file) != own.end()) {
+    const std::string file = (user_preset_folder() / (name_or_file + ".toml")).string();
+    return read_text(file, read_toml_text(file, "preset"));
+  }
+  for (int i = 0; i < built_in_preset_count; ++i)
+    if (name_or_file == built_in_presets[i].name)
+      return read_text(fmt::format("presets/{}.toml", name_or_file), built_in_presets[i].text);
+
+  if (name_or_file.find('/') != std::string::npos ||
+      std::filesystem::path(name_or_file).extension() == ".toml")
+    throw Error(Fault::command, name_or_file, "There is no such preset file.",
+                "`paperbake presets` lists the grades that are built in.");
+  std::vector<std::string> names = preset_names();
+  names.insert(names.end(), own.begin(), own.end());
+  throw Error(
+      Fault::command, fmt::format("preset \"{}\"", name_or_file),
+      fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),
+      fmt::format("Papers: {}; or name a preset file that exists.", fmt::join(names, ", ")));
+}
+
+std::vector<std::string> preset_names() {
+  std::vector<std::string> names;
+  for (int i = 0; i < built_in_preset_count; ++i) names.push_back(built_in_presets[i].name);
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
+  // optimal string alignment: insert, delete, replace, swap neighbours
+  const auto slips = [&word](const std::string& other) {
+    const std::size_t n = word.size(), m = other.size();
+    std::vector<std::vector<std::size_t>> d(n + 1, std::vector<std::size_t>(m + 1));
+    for (std::size_t i = 0; i <= n; ++i)
+      for (std::size_t j = 0; j <= m; ++j) {
+        if (i == 0 || j == 0) {
+          d[i][j] = i + j;
+          continue;
+        }
+        d[i][j] = std::min(
+            {d[i - 1][j] + 1, d[i][j - 1] + 1, d[i - 1][j - 1] + (word[i - 1] != other[j - 1])});
+        if (i > 1 && j > 1 && word[i - 1] == other[j - 2] && word[i - 2] == other[j - 1])
+          d[i][j] = std::min(d[i][j], d[i - 2][j - 2] + 1);
+      }
+    return d[n][m];
+  };
+  std::string nearest;
+  std::size_t least = std::string::npos;
+  for (const std::string& other : words) {
+    const std::size_t longer = std::max(word.size(), other.size()), count = slips(other);
+    const std::size_t allowed = std::max<std::size_t>(1, longer / 3);
+    if (count > allowed || count >= longer || count >= least) continue;
+    nearest = other;
+    least = count;
+  }
+  return nearest;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,75 @@
+#include "formats/config/toml_document.h"
+
+#include "core/model/error.h"
+#include "formats/config/preset_file.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <fstream>
+
+namespace paperbake {
+
+std::string place_in(const TomlDocument& document, const toml::source_position& at) {
+  return fmt::format("{}:{}:{}", document.file, at.line, at.column);
+}
+
+void fail(const TomlDocument& document, const toml::source_position& at, std::string cause,
+          std::string remedy) {
+  throw Error(Fault::command, place_in(document, at), std::move(cause), std::move(remedy));
+}
+
+std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
+  const std::string nearest = nearest_word(word, words);
+  return nearest.empty() ? "" : fmt::format(" Did you mean \"{}\"?", nearest);
+}
+
+toml::source_position place_of(const toml::key& key, const toml::node& node) {
+  const toml::table* table = node.as_table();
+  return table && !table->is_inline() ? node.source().begin : key.source().begin;
+}
+
+bool stands_before(const toml::source_position& p, const toml::source_position& q) {
+  return p.line != q.line ? p.line < q.line : p.column < q.column;
+}
+
+void refuse_unknown_keys(const TomlDocument& document, const toml::table& table,
+                         const std::vector<std::string>& known) {
+  const toml::key* first = nullptr;
+  toml::source_position at;
+  for (const auto& [key, node] : table) {
+    if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
+    const toml::source_position place = place_of(key, node);
+    if (!first || stands_before(place, at)) first = &key, at = place;
+  }
+  if (!first) return;
+  const std::string word(first->str());
+  fail(document, at, fmt::format("Unknown key \"{}\".{}", word, did_you_mean(word, known)),
+       fmt::format("Known here: {}.", fmt::join(known, ", ")));
+}
+
+TomlDocument parse_toml(const std::string& file, const std::string& text) {
+  try {
+    return {file, toml::parse(text, file)};
+  } catch (const toml::parse_error& error) {
+    fail({file, {}}, error.source().begin,
+         fmt::format("This is not TOML: {}.", error.description()));
+  }
+}
+
+std::string read_toml_text(const std::filesystem::path& file, const std::string& kind) {
+  constexpr std::size_t most = 1 << 20;
+  std::ifstream stream(file, std::ios::binary);
+  std::string text(most + 1, '\0');
+  if (stream) stream.read(text.data(), text.size());
+  if (!stream.is_open() || stream.bad())
+    throw Error(Fault::command, file.string(), fmt::format("The {} file cannot be read.", kind),
+                "Check its name and permissions.");
+  text.resize(stream.gcount());
+  if (text.size() > most)
+    throw Error(Fault::command, file.string(),
+                fmt::format("This is no {} file: it has more than 1 MB.", kind));
+  return text;
+}
+
+}  // namespace paperbake

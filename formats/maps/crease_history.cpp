@@ -1,0 +1,103 @@
+#include "formats/maps/crease_history.h"
+
+#include "core/geometry/hinges.h"
+#include "core/geometry/prescribed_creases.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+/// 0 up to soft[0], 1 from soft[1], straight between.
+double rise(double value, const double (&soft)[2]) {
+  return std::clamp((value - soft[0]) / (soft[1] - soft[0]), 0.0, 1.0);
+}
+
+double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d along = b - a;
+  const double t = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+  return (p - a - t * along).norm();
+}
+
+bool same_place(const Crease& a, const Crease& b, double same) {
+  const bool straight = (a.from - b.from).norm() <= same && (a.to - b.to).norm() <= same;
+  return straight || ((a.from - b.to).norm() <= same && (a.to - b.from).norm() <= same);
+}
+
+/// Does more than half of one lie on the other?
+bool overlap(const Crease& a, const Crease& b, double same) {
+  const auto within = [&](const Crease& inner, const Crease& outer) {
+    const Vector2d middle = 0.5 * (inner.from + inner.to);
+    const Vector2d u = (inner.to - inner.from).normalized(),
+                   w = (outer.to - outer.from).normalized();
+    constexpr double aligned = 0.17;  // sin 10 degrees
+    return std::abs(cross(u, w)) < aligned &&
+           distance_to_segment(middle, outer.from, outer.to) <= same;
+  };
+  return within(a, b) || within(b, a);
+}
+
+}  // namespace
+
+std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const Pattern& pattern,
+                               const CreaseLaw& law) {
+  const auto at = [&](int v) -> Vector2d { return sheet.pattern.row(v); };
+  const double border = 1e-6 * longer_side(pattern);
+  std::vector<Crease> creases;
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
+    const double turn = std::abs(fold_angle(sheet.x, hinge));
+    if (turn <= law.turned[0]) continue;
+    const auto& v = hinge.vertices;
+    const Vector2d along = at(v[1]) - at(v[0]);
+    const double length = along.norm();
+    // what an edge of a mesh of equal triangles stands for; half as much again where edges run
+    // along the rulings
+    const double wings =
+                     0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
+                 width = 2.0 / 3 * wings / length;
+    const bool folded = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);  // before the first frame
+    double kept = folded ? turn : turn - law.yield_curvature * width;
+    if (plastic.rows() > 0 && !folded) {
+      const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));
+      const Vector2d n(-along.y() / length, along.x() / length);
+      kept =
+          std::abs(n.x() * n.x() * S[0] + 2 * n.x() * n.y() * S[1] + n.y() * n.y() * S[2]) * width;
+    }
+    Crease crease;
+    crease.strength =
+        rise(turn, law.turned) * rise(kept, law.kept) * std::min(1.0, turn / law.full);
+    if (crease.strength <= 0) continue;
+    crease.from = at(v[0]);
+    crease.to = at(v[1]);
+    crease.from_border =
+        (nearest_border_point(pattern, crease.from) - crease.from).norm() <= border;
+    crease.to_border = (nearest_border_point(pattern, crease.to) - crease.to).norm() <= border;
+    creases.push_back(crease);
+  }
+  return creases;
+}
+
+void remember(std::vector<Crease>& history, const std::vector<Crease>& now, int frame,
+              double same) {
+  const std::size_t known = history.size();
+  for (Crease crease : now) {
+    crease.frame_of_birth = frame;
+    Crease* old = nullptr;
+    for (std::size_t k = 0; k < known; ++k) {
+      if (!old && same_place(history[k], crease, same)) old = &history[k];
+      if (overlap(history[k], crease, same))
+        crease.frame_of_birth = std::min(crease.frame_of_birth, history[k].frame_of_birth);
+    }
+    if (!old) {
+      history.push_back(crease);
+    } else if (crease.strength > old->strength) {
+      crease.frame_of_birth = std::min(crease.frame_of_birth, old->frame_of_birth);
+      *old = crease;
+    }
+  }
+}
+
+}  // namespace paperbake

@@ -1,0 +1,64 @@
+#include "formats/maps/fold_peak.h"
+
+#include "formats/maps/fold_width.h"
+
+namespace paperbake {
+namespace {
+
+constexpr int most_texels = 512;  // on a side
+
+/// Two neighbours along one axis of a grid and how much the second counts, at the place of texel i
+/// of a finer grid.
+struct Between {
+  int first, second;
+  float weight;
+};
+Between between(int i, int fine, int coarse) {
+  const double at = std::clamp((i + 0.5) * coarse / fine - 0.5, 0.0, coarse - 1.0);
+  const int first = static_cast<int>(at);
+  return {first, std::min(first + 1, coarse - 1), static_cast<float>(at - first)};
+}
+
+}  // namespace
+
+FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side, int size)
+    : side_(side),
+      rows_{std::min(size, most_texels), 0, std::min(size, most_texels)},
+      loops_(loops),
+      bulge_(rows_.count(), 0.0f),
+      hollow_(rows_.count(), 0.0f) {
+  for (auto& loop : loops_)
+    for (Vector2d& p : loop) p = to_texels(p, side, rows_.size);
+  wanted_ = wanted_texels(loops_, area_coverage(loops_, rows_), rows_);
+}
+
+void FoldPeak::record(const MapFields& fields) {
+  for_each_texel(fields, side_, loops_, rows_, wanted_, [&](int index, const Fields& f) {
+    const double k1 = larger_principal(f[3], f[4], f[5]), k2 = f[3] + f[5] - k1;
+    bulge_[index] = std::max(bulge_[index], static_cast<float>(std::max(k1, k2)));
+    hollow_[index] = std::max(hollow_[index], static_cast<float>(-std::min(k1, k2)));
+  });
+}
+
+std::vector<float> FoldPeak::row(int row, int size) const {
+  const int coarse = rows_.size;
+  const Between y = between(row, size, coarse);
+  // first down the columns of the memory, then along the row
+  std::vector<float> bulge(coarse), hollow(coarse), peaks(size);
+  const auto down = [&](const std::vector<float>& grid, int i) {
+    const float a = grid[y.first * coarse + i], b = grid[y.second * coarse + i];
+    return a + y.weight * (b - a);
+  };
+  for (int i = 0; i < coarse; ++i) bulge[i] = down(bulge_, i), hollow[i] = down(hollow_, i);
+  for (int i = 0; i < size; ++i) {
+    const Between x = between(i, size, coarse);
+    const auto along = [&](const std::vector<float>& v) {
+      return v[x.first] + x.weight * (v[x.second] - v[x.first]);
+    };
+    const float up = along(bulge), down = along(hollow);
+    peaks[i] = up >= down ? up : -down;
+  }
+  return peaks;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,190 @@
+#include "formats/maps/map_draw.h"
+
+#include "core/geometry/hinges.h"
+#include "formats/maps/fold_width.h"
+
+#include <limits>
+
+namespace paperbake {
+namespace {
+
+// Digits below what a render can show are noise to the compressor: rounding halves the time and
+// quarters the file.
+constexpr float angle_step = 1.0f / 4096;   // [rad] 0.014 degrees
+constexpr float strain_step = 1.0f / 4096;  // [%]
+constexpr float unit_step = 1.0f / 1024;    // [1] of a direction
+
+// [rad] |k1| x longer side: B rises from 0 to 1, as core finds curved regions
+constexpr double curved[2] = {0.18, 0.3};
+// [1] |k2 / k1|: and falls to 0 where paper bends both ways
+constexpr double one_way[2] = {0.5, 0.7};
+constexpr double isotropic = 0.02;  // [1] of k1: a bowl has no ruling
+// [texel] of a line: thinner ones would go missing between centres
+constexpr double least_radius = 0.75;
+// [texel] age.crease reaches beyond R, so that no lookup under R meets "none"
+constexpr double age_margin = 1.5;
+// [texel] side of the squares that share one list of near apices
+constexpr int block = 16;
+
+// + 0: no negative zero
+float rounded(double value, float step) {
+  return std::nearbyint(static_cast<float>(value) / step) * step + 0.0f;
+}
+
+/// A power of two, so that the last bits of a rounded number are zeros: 1/16 to 1/8 texel. [m]
+float distance_step(double texel_size) {
+  return static_cast<float>(std::exp2(std::floor(std::log2(texel_size / 8))));
+}
+
+/// How much of a texel a line or disc of this radius covers, as if its border were straight there.
+/// [1]
+double cover(double radius, double distance) {
+  return std::clamp(radius + 0.5 - distance, 0.0, 1.0);
+}
+
+/// Stretch of a principal Green strain. [%]
+double percent(double green) { return 100 * (std::sqrt(std::max(0.0, 1 + 2 * green)) - 1); }
+
+/// Unit direction along which the sheet does not bend, x >= 0. The tensor is not isotropic.
+Vector2d ruling(double xx, double xy, double yy) {
+  const double half_difference = 0.5 * (xx - yy),
+               radius = std::sqrt(half_difference * half_difference + xy * xy);
+  // the eigenvector of the larger eigenvalue at phi, of the smaller one across it; bending is along
+  // that of larger magnitude
+  const double sign = xx + yy >= 0 ? -1 : 1, c = sign * half_difference / radius,
+               s = sign * xy / radius;
+  return {std::sqrt(std::max(0.0, 0.5 * (1 + c))),
+          std::copysign(std::sqrt(std::max(0.0, 0.5 * (1 - c))), s)};
+}
+
+/// The layers that the shape of the sheet at this place tells alone.
+void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
+  const double k1 = larger_principal(f[0], f[1], f[2]);
+  texel.fold_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
+  texel.fold_plastic = rounded(larger_principal(f[6], f[7], f[8]), angle_step);
+  const double k2 = f[0] + f[2] - k1, bent = std::abs(k1) * scene.side;
+  const double coherent = (one_way[1] - std::abs(k2 / k1)) / (one_way[1] - one_way[0]);
+  if (bent > curved[0] && std::abs(k1 - k2) > isotropic * std::abs(k1)) {
+    texel.b =
+        static_cast<float>(std::clamp((bent - curved[0]) / (curved[1] - curved[0]), 0.0, 1.0) *
+                           std::clamp(coherent, 0.0, 1.0));
+    const Vector2d along = ruling(f[0], f[1], f[2]);
+    texel.dir_x = rounded(along.x(), unit_step);
+    texel.dir_y = rounded(along.y(), unit_step);
+  }
+  const double mean = 0.5 * (f[9] + f[11]), half_difference = 0.5 * (f[9] - f[11]);
+  const double radius = std::sqrt(half_difference * half_difference + f[10] * f[10]);
+  texel.strain_min = rounded(percent(mean - radius), strain_step);
+  texel.strain_max = rounded(percent(mean + radius), strain_step);
+}
+
+/// A peak is remembered between the texels; where the sheet folds more than that now, it is now.
+void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
+                MapTexel* texels) {
+  for (int row = rows.first; row < rows.last; ++row) {
+    const std::vector<float> peaks = scene.peak->row(row, rows.size);
+    for (int i = 0; i < rows.size; ++i) {
+      if (!wanted[rows.index(i, row)]) continue;
+      MapTexel& texel = texels[rows.index(i, row)];
+      const float peak = rounded(peaks[i], angle_step);
+      texel.fold_peak = std::abs(peak) > std::abs(texel.fold_angle) ? peak : texel.fold_angle;
+    }
+  }
+}
+
+void draw_creases(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
+                  MapTexel* texels) {
+  const double texel_size = scene.side / rows.size,
+               radius = std::max(least_radius, 0.5 * scene.crease_width / texel_size);
+  for (const Crease& crease : scene.creases) {
+    Vector2d from = to_texels(crease.from, scene.side, rows.size),
+             to = to_texels(crease.to, scene.side, rows.size);
+    // a crease that ends on the border goes on in the padding
+    const Vector2d beyond = (map_padding + 1) * (to - from).normalized();
+    if (crease.from_border) from -= beyond;
+    if (crease.to_border) to += beyond;
+    const float age = static_cast<float>((scene.frame - crease.frame_of_birth) / scene.fps);
+    for_each_near_segment(
+        from, to, radius + 0.5 + age_margin, rows, [&](int i, int row, double distance, double) {
+          if (!wanted[rows.index(i, row)]) return;
+          MapTexel& texel = texels[rows.index(i, row)];
+          const float strength = static_cast<float>(crease.strength * cover(radius, distance));
+          if (strength > texel.r) texel.r = strength;
+          texel.age_crease = std::max(texel.age_crease, age);
+        });
+  }
+}
+
+void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
+                 MapTexel* texels) {
+  if (scene.apices.empty()) return;
+  const double texel_size = scene.side / rows.size,
+               radius = std::max(least_radius, scene.crease_width / texel_size);
+  const float step = distance_step(texel_size);
+  std::vector<Vector2d> at;
+  for (const MapApex& apex : scene.apices)
+    at.push_back(to_texels(apex.pattern, scene.side, rows.size));
+  for (int top = rows.first; top < rows.last; top += block)
+    for (int left = 0; left < rows.size; left += block) {
+      const std::vector<int> near = near_points(
+          at, Vector2d(left, top) + Vector2d::Constant(0.5 * (block - 1)), block * std::sqrt(0.5));
+      for (int row = top; row < std::min(top + block, rows.last); ++row)
+        for (int i = left; i < std::min(left + block, rows.size); ++i) {
+          if (!wanted[rows.index(i, row)]) continue;
+          double squared = std::numeric_limits<double>::max();
+          int nearest = 0;
+          for (const int k : near) {
+            const double d = (at[k] - Vector2d(i, row)).squaredNorm();
+            if (d < squared) squared = d, nearest = k;
+          }
+          const MapApex& apex = scene.apices[nearest];
+          const double distance = std::sqrt(squared);
+          MapTexel& texel = texels[rows.index(i, row)];
+          texel.g = static_cast<float>(cover(radius, distance));
+          texel.apex_dist = rounded(distance * texel_size, step);
+          texel.apex_id = nearest + 1;
+          texel.apex_cone = rounded(apex.turn, angle_step);
+          texel.age_apex = static_cast<float>((scene.frame - apex.frame_of_birth) / scene.fps);
+        }
+    }
+}
+
+}  // namespace
+
+std::vector<MapApex> map_apices(const Sheet& sheet) {
+  std::vector<MapApex> apices;
+  std::vector<int> vertex;
+  for (const SingularPoint& point : sheet.singular) {
+    apices.push_back({point.pattern, point.frame_of_birth, 0});
+    Eigen::Index nearest;
+    (sheet.pattern.rowwise() - point.pattern.transpose())
+        .rowwise()
+        .squaredNorm()
+        .minCoeff(&nearest);
+    vertex.push_back(static_cast<int>(nearest));
+  }
+  if (apices.empty()) return apices;
+  std::vector<double> turn(sheet.pattern.rows(), 0.0);
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
+    for (const int end : {0, 1}) turn[hinge.vertices[end]] += std::abs(fold_angle(sheet.x, hinge));
+  for (std::size_t k = 0; k < apices.size(); ++k) apices[k].turn = turn[vertex[k]];
+  return apices;
+}
+
+void draw_map(const MapScene& scene, const MapRows& rows, MapTexel* texels) {
+  const std::vector<float> coverage = area_coverage(scene.loops, rows);
+  const std::vector<char> wanted = wanted_texels(scene.loops, coverage, rows);
+  MapTexel blank;
+  blank.apex_dist = static_cast<float>(scene.diagonal);
+  for (int k = 0; k < rows.count(); ++k) {
+    texels[k] = blank;
+    texels[k].a = coverage[k];
+  }
+  for_each_texel(scene.fields, scene.side, scene.loops, rows, wanted,
+                 [&](int k, const Fields& f) { draw_shape(scene, f, texels[k]); });
+  draw_peaks(scene, rows, wanted, texels);
+  draw_creases(scene, rows, wanted, texels);
+  draw_apices(scene, rows, wanted, texels);
+}
+
+}  // namespace paperbake

@@ -1,0 +1,138 @@
+#include "formats/maps/map_fields.h"
+
+#include "core/geometry/hinges.h"
+#include "formats/maps/fold_width.h"
+
+#include <limits>
+
+namespace paperbake {
+namespace {
+
+/// Green strain of a triangle in the coordinates of the pattern: (FᵀF - I)/2 as xx, xy, yy. [1]
+Eigen::RowVector3d green_strain(const Sheet& sheet, int t, double& area) {
+  const int a = sheet.triangles(t, 0), b = sheet.triangles(t, 1), c = sheet.triangles(t, 2);
+  Eigen::Matrix2d rest;
+  rest << (sheet.pattern.row(b) - sheet.pattern.row(a)).transpose(),
+      (sheet.pattern.row(c) - sheet.pattern.row(a)).transpose();
+  Eigen::Matrix<double, 3, 2> now;
+  now << (sheet.x.row(b) - sheet.x.row(a)).transpose(),
+      (sheet.x.row(c) - sheet.x.row(a)).transpose();
+  area = 0.5 * rest.determinant();
+  if (area <= 0) return Eigen::RowVector3d::Zero();
+  const Eigen::Matrix<double, 3, 2> F = now * rest.inverse();
+  const Eigen::Matrix2d G = 0.5 * (F.transpose() * F - Eigen::Matrix2d::Identity());
+  return {G(0, 0), G(0, 1), G(1, 1)};
+}
+
+double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d along = b - a;
+  const double t = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
+  return (p - a - t * along).norm();
+}
+
+/// How far a mesh stays behind the border of its pattern: a coarse one cuts off the corners of a
+/// round outline.
+double gap(const std::vector<std::vector<Vector2d>>& loops, const std::vector<FieldCorner>& corner,
+           const MapFields& fields) {
+  double gap = 0;
+  for (const auto& loop : loops)
+    for (const Vector2d& p : loop) {
+      double nearest = std::numeric_limits<double>::max();
+      for (const auto& [a, b] : fields.border)
+        nearest = std::min(nearest, distance_to_segment(p, corner[a].at, corner[b].at));
+      if (!fields.border.empty()) gap = std::max(gap, nearest);
+    }
+  return gap;
+}
+
+}  // namespace
+
+MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3& plastic,
+                     double fold_width) {
+  MapFields fields{sheet.pattern,
+                   sheet.triangles,
+                   std::vector<Fields>(sheet.pattern.rows(), Fields::Zero()),
+                   {}};
+  const Eigen::VectorXd width = fold_widths(sheet, curvature, fold_width);
+  const Points3 fold = folds_of(curvature, width),
+                plastic_fold = plastic.rows() > 0 ? folds_of(plastic, width) : Points3();
+  std::vector<double> around(sheet.pattern.rows(), 0.0);
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    double area;
+    const Eigen::RowVector3d strain = green_strain(sheet, t, area);
+    for (int k = 0; k < 3; ++k) {
+      fields.of_vertex[sheet.triangles(t, k)].tail<3>() += area * strain.transpose().array();
+      around[sheet.triangles(t, k)] += area;
+    }
+  }
+  for (std::size_t v = 0; v < around.size(); ++v) {
+    Fields& f = fields.of_vertex[v];
+    if (around[v] > 0) f.tail<3>() /= around[v];
+    f.head<3>() = curvature.row(v).transpose().array();
+    f.segment<3>(3) = fold.row(v).transpose().array();
+    if (plastic.rows() > 0) f.segment<3>(6) = plastic_fold.row(v).transpose().array();
+  }
+  const Hinges hinges = find_hinges(sheet.triangles);
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (hinges.of_triangle[t][k] < 0)
+        fields.border.push_back({sheet.triangles(t, (k + 1) % 3), sheet.triangles(t, (k + 2) % 3)});
+  return fields;
+}
+
+void for_each_texel(const MapFields& fields, double side,
+                    const std::vector<std::vector<Vector2d>>& loops, const MapRows& rows,
+                    const std::vector<char>& wanted,
+                    const std::function<void(int, const Fields&)>& texel) {
+  std::vector<FieldCorner> corner;
+  for (int v = 0; v < fields.pattern.rows(); ++v)
+    corner.push_back({to_texels(fields.pattern.row(v), side, rows.size), fields.of_vertex[v]});
+
+  std::vector<char> open = wanted;
+  for (int t = 0; t < fields.triangles.rows(); ++t)
+    for_each_in_triangle({corner[fields.triangles(t, 0)], corner[fields.triangles(t, 1)],
+                          corner[fields.triangles(t, 2)]},
+                         rows, [&](int i, int row, const Fields& f) {
+                           const int index = rows.index(i, row);
+                           if (!open[index]) return;
+                           open[index] = 0;
+                           texel(index, f);
+                         });
+  if (std::find(open.begin(), open.end(), 1) == open.end()) return;
+
+  struct Nearest {
+    float distance = std::numeric_limits<float>::max();
+    int edge = -1;
+    float t = 0;
+  };
+  std::vector<Nearest> nearest(rows.count());
+  const double reach = gap(loops, corner, fields) + map_padding + 2;
+  for (std::size_t e = 0; e < fields.border.size(); ++e)
+    for_each_near_segment(corner[fields.border[e].first].at, corner[fields.border[e].second].at,
+                          reach, rows, [&](int i, int row, double distance, double t) {
+                            Nearest& n = nearest[rows.index(i, row)];
+                            if (open[rows.index(i, row)] && distance < n.distance)
+                              n = {float(distance), int(e), float(t)};
+                          });
+  for (int index = 0; index < rows.count(); ++index) {
+    if (!open[index] || nearest[index].edge < 0) continue;
+    const auto [a, b] = fields.border[nearest[index].edge];
+    texel(index, fields.of_vertex[a] +
+                     double(nearest[index].t) * (fields.of_vertex[b] - fields.of_vertex[a]));
+  }
+}
+
+std::vector<char> wanted_texels(const std::vector<std::vector<Vector2d>>& loops,
+                                const std::vector<float>& coverage, const MapRows& rows) {
+  std::vector<char> wanted(coverage.size());
+  std::transform(coverage.begin(), coverage.end(), wanted.begin(),
+                 [](float a) { return char(a > 0); });
+  for (const auto& loop : loops)
+    for (std::size_t k = 0; k < loop.size(); ++k)
+      for_each_near_segment(
+          loop[k], loop[(k + 1) % loop.size()], map_padding, rows,
+          [&](int i, int row, double, double) { wanted[rows.index(i, row)] = 1; });
+  return wanted;
+}
+
+}  // namespace paperbake

@@ -1,0 +1,107 @@
+#pragma once
+
+#include "core/model/sheet.h"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace paperbake {
+
+/// A point in texels of a square map over the render uv: (i, j) is the centre of texel i of row j,
+/// row 0 at the top. side [m]: longer side of the pattern; size: texels on a side
+Vector2d to_texels(const Vector2d& pattern, double side, int size);
+
+/// The rows first <= row < last of a map of size x size texels: maps are drawn in strips that know
+/// nothing of each other.
+struct MapRows {
+  int size, first, last;
+
+  int count() const { return (last - first) * size; }
+  int index(int i, int row) const { return (row - first) * size + i; }
+};
+
+/// How much of each texel lies in the polygons (outline counter-clockwise in the pattern, holes
+/// clockwise), exactly. [0, 1]
+/// loops  corners [texel]
+std::vector<float> area_coverage(const std::vector<std::vector<Vector2d>>& loops, const MapRows&);
+
+/// Quantities that are linear in a triangle.
+using Fields = Eigen::Array<double, 12, 1>;
+struct FieldCorner {
+  Vector2d at;  // [texel]
+  Fields fields;
+};
+
+namespace raster {
+
+inline int first_at_or_after(double x, int low, int high) {
+  return static_cast<int>(std::ceil(std::clamp(x, double(low), double(high))));
+}
+
+/// The two triangles of an edge must find the very same cut with a row, so it is always computed
+/// from its upper end.
+FieldCorner cut_edge(const FieldCorner& p, const FieldCorner& q, int row);
+
+}  // namespace raster
+
+/// Calls texel(i, row, fields) for every texel centre in the triangle. Spans are half open in both
+/// directions, so that triangles with a common edge leave no gap between them and share no texel.
+template <class Texel>
+void for_each_in_triangle(const FieldCorner (&corner)[3], const MapRows& rows, const Texel& texel) {
+  const auto [top, bottom] = std::minmax({corner[0].at.y(), corner[1].at.y(), corner[2].at.y()});
+  const int end_row = raster::first_at_or_after(bottom, rows.first, rows.last);
+  for (int row = raster::first_at_or_after(top, rows.first, rows.last); row < end_row; ++row) {
+    FieldCorner cut[2];
+    int cuts = 0;
+    for (int k = 0; k < 3; ++k) {
+      const FieldCorner &p = corner[k], &q = corner[(k + 1) % 3];
+      if ((p.at.y() <= row) != (q.at.y() <= row) && cuts < 2)
+        cut[cuts++] = raster::cut_edge(p, q, row);
+    }
+    if (cuts < 2) continue;
+    if (cut[1].at.x() < cut[0].at.x()) std::swap(cut[0], cut[1]);
+    const double left = cut[0].at.x(), right = cut[1].at.x();
+    const int end = raster::first_at_or_after(right, 0, rows.size);
+    const Fields slope = (cut[1].fields - cut[0].fields) / std::max(right - left, 1e-300);
+    for (int i = raster::first_at_or_after(left, 0, rows.size); i < end; ++i)
+      texel(i, row, Fields(cut[0].fields + (i - left) * slope));
+  }
+}
+
+/// Calls texel(i, row, distance, t) for every texel centre within `reach` of the segment; t in [0,
+/// 1] is where on it the nearest point lies. All in texels.
+template <class Texel>
+void for_each_near_segment(const Vector2d& a, const Vector2d& b, double reach, const MapRows& rows,
+                           const Texel& texel) {
+  const Vector2d along = b - a;
+  const double squared = std::max(along.squaredNorm(), 1e-300);
+  const auto [top, bottom] = std::minmax({a.y(), b.y()});
+  const int end_row =
+      raster::first_at_or_after(std::floor(bottom + reach) + 1, rows.first, rows.last);
+  for (int row = raster::first_at_or_after(top - reach, rows.first, rows.last); row < end_row;
+       ++row) {
+    // the piece of the segment that can be so near to this row
+    double from = 0, to = 1;
+    if (std::abs(along.y()) > 1e-9) {
+      const double s = (row - reach - a.y()) / along.y(), e = (row + reach - a.y()) / along.y();
+      from = std::clamp(std::min(s, e), 0.0, 1.0);
+      to = std::clamp(std::max(s, e), 0.0, 1.0);
+    }
+    const auto [left, right] = std::minmax({a.x() + from * along.x(), a.x() + to * along.x()});
+    const int end = raster::first_at_or_after(std::floor(right + reach) + 1, 0, rows.size);
+    for (int i = raster::first_at_or_after(left - reach, 0, rows.size); i < end; ++i) {
+      const Vector2d p(i, row);
+      const double t = std::clamp((p - a).dot(along) / squared, 0.0, 1.0),
+                   distance = (p - a - t * along).norm();
+      if (distance <= reach) texel(i, row, distance, t);
+    }
+  }
+}
+
+/// Numbers of the points that can be the nearest one to a texel of the block of texels around
+/// `centre` with half diagonal `reach`. All in texels.
+std::vector<int> near_points(const std::vector<Vector2d>& points, const Vector2d& centre,
+                             double reach);
+
+}  // namespace paperbake

@@ -1,0 +1,102 @@
+#include "formats/scene/sandbox.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <csignal>
+#include <cstring>
+#include <fcntl.h>
+#include <fstream>
+#include <sys/resource.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+namespace paperbake {
+namespace {
+
+constexpr int broken = 70;  // exit code of work that threw
+
+void limit(int resource, rlim_t most) {
+  rlimit now{};
+  if (::getrlimit(static_cast<__rlimit_resource_t>(resource), &now) != 0) return;
+  now.rlim_cur = std::min(now.rlim_max, most);
+  ::setrlimit(static_cast<__rlimit_resource_t>(resource), &now);
+}
+
+std::uint64_t memory_in_use() {
+  std::uint64_t pages = 0;
+  std::ifstream("/proc/self/statm") >> pages;
+  return pages * static_cast<std::uint64_t>(::sysconf(_SC_PAGESIZE));
+}
+
+bool write_all(int to, const char* bytes, std::size_t count) {
+  while (count > 0) {
+    const ssize_t done = ::write(to, bytes, count);
+    if (done < 0 && errno != EINTR) return false;
+    if (done > 0) bytes += done, count -= static_cast<std::size_t>(done);
+  }
+  return true;
+}
+
+std::string read_all(int from) {
+  std::string bytes;
+  char part[1 << 16];
+  for (ssize_t count; (count = ::read(from, part, sizeof part)) != 0;) {
+    if (count < 0 && errno != EINTR) break;
+    if (count > 0) bytes.append(part, static_cast<std::size_t>(count));
+  }
+  return bytes;
+}
+
+/// The size goes ahead: an answer that is cut off is known.
+[[noreturn]] void work_and_end(const std::function<std::string()>& work, const ApartLimits& limits,
+                               int to) {
+  for (const int signal :
+       {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGINT, SIGXCPU, SIGPIPE})
+    std::signal(signal, SIG_DFL);
+  limit(RLIMIT_CORE, 0);
+  limit(RLIMIT_CPU, limits.seconds);
+  limit(RLIMIT_AS, memory_in_use() + limits.bytes);
+  if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0)
+    ::dup2(nowhere, STDOUT_FILENO), ::dup2(nowhere, STDERR_FILENO);
+  try {
+    const std::string answer = work();
+    const std::uint64_t size = answer.size();
+    const bool sent = write_all(to, reinterpret_cast<const char*>(&size), sizeof size) &&
+                      write_all(to, answer.data(), answer.size());
+    ::_exit(sent ? 0 : broken);
+  } catch (...) {
+    ::_exit(broken);
+  }
+}
+
+std::string in_words(int status, const ApartLimits& limits) {
+  if (!WIFSIGNALED(status)) return "broke off";
+  const int signal = WTERMSIG(status);
+  if (signal == SIGXCPU) return "ran for more than " + std::to_string(limits.seconds) + " s";
+  return std::string("crashed (") + ::strsignal(signal) + ")";
+}
+
+}  // namespace
+
+Apart run_apart(const std::function<std::string()>& work, const ApartLimits& limits) {
+  int ends[2];
+  if (::pipe2(ends, O_CLOEXEC) != 0)
+    return {std::nullopt, std::string("could not be begun: ") + std::strerror(errno)};
+  const pid_t child = ::fork();
+  if (child == 0) ::close(ends[0]), work_and_end(work, limits, ends[1]);
+  const std::string reason = std::strerror(errno);
+  ::close(ends[1]);
+  std::string answer = child < 0 ? std::string() : read_all(ends[0]);
+  ::close(ends[0]);
+  if (child < 0) return {std::nullopt, "could not be begun: " + reason};
+  int status = 0;
+  while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
+  }
+  std::uint64_t size = 0;
+  if (answer.size() >= sizeof size) std::memcpy(&size, answer.data(), sizeof size);
+  if (answer.size() < sizeof size || answer.size() - sizeof size != size)
+    return {std::nullopt, in_words(status, limits)};
+  return {answer.substr(sizeof size), ""};
+}
+
+}  // namespace paperbake

@@ -1,0 +1,241 @@
+#include "formats/scene/scene_creases.h"
+
+#include "core/model/error.h"
+#include "formats/scene/scene_colliders.h"
+#include "formats/scene/scene_properties.h"
+#include "formats/scene/sheet_point.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+constexpr double farthest = 1e-3;  // [m] from the sheet
+constexpr double widest = 170;     // [degrees]
+constexpr double same = 1e-4;      // of the longer side: one place, or on a line
+constexpr double shortest = 2e-3;  // of the longer side: of a part of a crease
+constexpr std::size_t most_edges = 1000;
+
+/// Edges of a mesh, each place once.
+struct Net {
+  std::vector<Vector3d> x;  // [m] world
+  std::set<std::pair<int, int>> edges;
+};
+
+Net net_of(const ImportedFile& file, const ImportedNode& node, const Eigen::Affine3d& world,
+           const std::string& place) {
+  std::size_t count = 0;
+  Eigen::AlignedBox3d box;
+  for (const int m : node.meshes) {
+    const ImportedMesh& mesh = file.meshes[m];
+    count += mesh.creases.rows();
+    for (int i = 0; i < mesh.creases.size(); ++i)
+      box.extend(world * Vector3d(mesh.x.row(mesh.creases.data()[i])));
+  }
+  if (count > most_edges)
+    throw Error(Fault::scene, place,
+                fmt::format("{} edges are marked as creases: more than {}.", count, most_edges),
+                "Mark those alone that are folded.");
+  Net net;
+  const double near = count > 0 ? 1e-6 * box.diagonal().norm() : 0;
+  const auto vertex_at = [&](const Vector3d& p) {
+    for (std::size_t i = 0; i < net.x.size(); ++i)
+      if ((net.x[i] - p).norm() <= near) return static_cast<int>(i);
+    net.x.push_back(p);
+    return static_cast<int>(net.x.size()) - 1;
+  };
+  for (const int m : node.meshes) {
+    const ImportedMesh& mesh = file.meshes[m];
+    for (int e = 0; e < mesh.creases.rows(); ++e) {
+      const int a = vertex_at(world * Vector3d(mesh.x.row(mesh.creases(e, 0)))),
+                b = vertex_at(world * Vector3d(mesh.x.row(mesh.creases(e, 1))));
+      if (a != b) net.edges.insert(std::minmax(a, b));
+    }
+  }
+  return net;
+}
+
+/// Chains of vertices over all edges, each edge once: from ends and branchings, then round what is
+/// closed.
+std::vector<std::vector<int>> chains_of(std::set<std::pair<int, int>> edges, std::size_t vertices) {
+  std::vector<std::set<int>> beside(vertices);
+  for (const auto& [a, b] : edges) beside[a].insert(b), beside[b].insert(a);
+  const std::vector<std::set<int>> all = beside;
+  const auto chain_from = [&](int first) {
+    std::vector<int> chain{first};
+    for (int at = first; !beside[at].empty();) {
+      const int next = *beside[at].begin();
+      beside[at].erase(next), beside[next].erase(at);
+      chain.push_back(at = next);
+      if (all[at].size() != 2) break;
+    }
+    return chain;
+  };
+  std::vector<std::vector<int>> chains;
+  for (const bool closed : {false, true})
+    for (int v = 0; v < static_cast<int>(vertices); ++v)
+      while (!beside[v].empty() && (closed || all[v].size() != 2)) chains.push_back(chain_from(v));
+  return chains;
+}
+
+/// A polyline without the points that lie on a straight line, or next to another one.
+std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double side) {
+  const auto off_line = [](const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+    const Vector2d d = b - a;
+    return d.norm() > 0 ? std::abs(d.x() * (p - a).y() - d.y() * (p - a).x()) / d.norm()
+                        : (p - a).norm();
+  };
+  std::vector<Vector2d> line{points.front()};
+  std::size_t kept = 0;
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
+    bool straight = true;
+    for (std::size_t k = kept + 1; k <= i; ++k)
+      straight = straight && off_line(points[k], points[kept], points[i + 1]) <= same * side;
+    if (straight || (points[i] - line.back()).norm() < shortest * side ||
+        (points[i] - points.back()).norm() < shortest * side)
+      continue;
+    line.push_back(points[i]), kept = i;
+  }
+  line.push_back(points.back());
+  return line;
+}
+
+std::vector<Vector2d> on_pattern(const Net& net, const SceneSheet& sheet,
+                                 const std::string& place) {
+  std::vector<Vector2d> points;
+  for (const Vector3d& p : net.x) {
+    const SheetPoint point = nearest_point(sheet.start, p);
+    if (point.distance > farthest)
+      throw Error(
+          Fault::scene, place,
+          fmt::format(
+              "The crease is {:.3g} mm off the sheet \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m.",
+              1e3 * point.distance, sheet.name, p.x(), p.y(), p.z()),
+          "Lay its edges on the sheet as that is at the first frame, within 1 mm, or name the "
+          "sheet in paper_target.");
+    const Vector2d border = nearest_border_point(sheet.pattern, point.pattern);
+    points.push_back((border - point.pattern).norm() <= same * longer_side(sheet.pattern)
+                         ? border
+                         : point.pattern);
+  }
+  return points;
+}
+
+bool along_border(const Pattern& pattern, const Vector2d& a, const Vector2d& b) {
+  const double near = same * longer_side(pattern);
+  const auto on_it = [&](const Vector2d& p) {
+    return (nearest_border_point(pattern, p) - p).norm() <= near;
+  };
+  return on_it(a) && on_it(b) && on_it(0.5 * (a + b)) && on_it(0.25 * a + 0.75 * b);
+}
+
+void check_inside(const FoldLine& crease, const SceneSheet& sheet, const std::string& place) {
+  constexpr int samples = 64;  // of each part
+  for (std::size_t k = 0; k + 1 < crease.line.size(); ++k)
+    for (int i = 0; i <= samples; ++i)
+      if (const Vector2d p =
+              crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]);
+          !contains(sheet.pattern, p, same * longer_side(sheet.pattern)))
+        throw Error(
+            Fault::scene, place,
+            fmt::format("The crease leaves the sheet \"{}\" at ({:.4g}, {:.4g}) m of its pattern.",
+                        sheet.name, p.x(), p.y()),
+            "Give the edge a vertex where the sheet's border is, or take it away there.");
+}
+
+/// How many were added.
+std::size_t add(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
+                const std::string& kind, const std::string& origin, SceneSheet& sheet) {
+  const ImportedNode& n = scene.file.nodes[node];
+  const std::string place = place_of(scene.source, kind, n.name);
+  Net net = net_of(scene.file, n, world, place);
+  const double angle = number_property(scene.source, n, "paper_crease").value_or(0);
+  if (std::abs(angle) > widest)
+    throw Error(Fault::scene, place, fmt::format("paper_crease is {:g}.", angle),
+                "It is the angle that the crease springs back to: from -170 to 170 degrees.");
+  const std::vector<Vector2d> points = on_pattern(net, sheet, place);
+  for (auto edge = net.edges.begin(); edge != net.edges.end();)
+    edge = along_border(sheet.pattern, points[edge->first], points[edge->second])
+               ? net.edges.erase(edge)
+               : std::next(edge);
+  const double side = longer_side(sheet.pattern);
+  std::size_t added = 0;
+  for (const std::vector<int>& chain : chains_of(net.edges, points.size())) {
+    std::vector<Vector2d> line;
+    for (const int v : chain) line.push_back(points[v]);
+    FoldLine crease{simplified(line, side), angle * M_PI / 180};
+    if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < shortest * side)
+      continue;
+    check_inside(crease, sheet, place);
+    sheet.pattern.folds.push_back(std::move(crease));
+    sheet.crease_origin.push_back(origin);
+    ++added;
+  }
+  return added;
+}
+
+bool has_edges(const ImportedFile& file, const ImportedNode& node) {
+  return std::any_of(node.meshes.begin(), node.meshes.end(),
+                     [&](int m) { return file.meshes[m].creases.rows() > 0; });
+}
+
+std::size_t sheet_under(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
+                        const std::vector<SceneSheet>& sheets) {
+  const ImportedNode& n = scene.file.nodes[node];
+  const std::string place = place_of(scene.source, "crease", n.name);
+  if (const auto target = target_sheet(scene, sheets, node, place)) return *target;
+  std::vector<double> off(sheets.size(), 0);
+  for (const Vector3d& p : net_of(scene.file, n, world, place).x)
+    for (std::size_t s = 0; s < sheets.size(); ++s)
+      off[s] = std::max(off[s], nearest_point(sheets[s].start, p).distance);
+  return std::min_element(off.begin(), off.end()) - off.begin();
+}
+
+}  // namespace
+
+void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
+                 std::vector<std::string>& warnings) {
+  const auto& nodes = scene.file.nodes;
+  const auto world = world_at(scene, scene.first_frame);
+  for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
+    const ImportedNode& node = nodes[i];
+    if (node.pivot || node.meshes.empty()) continue;
+    const bool says = node.properties.count("paper_crease") > 0;
+    const auto sheet = std::find_if(sheets.begin(), sheets.end(),
+                                    [&](const SceneSheet& s) { return s.name == node.name; });
+    if (sheet != sheets.end()) {
+      const std::size_t added =
+          has_edges(scene.file, node)
+              ? add(scene, i, world[i], "sheet", "edges marked in the mesh", *sheet)
+              : 0;
+      if (says && added == 0)
+        warnings.push_back(fmt::format(
+            "The sheet \"{}\" has paper_crease, but no edge within it is marked as a crease.",
+            node.name));
+    } else if (!is_collider(node) && (says || name_begins_with(node.name, "crease"))) {
+      if (!has_edges(scene.file, node)) {
+        if (says)
+          throw Error(Fault::scene, place_of(scene.source, "crease", node.name),
+                      "It has no edges without faces, which would be the crease.",
+                      "Draw it as edges alone, and export with Loose Edges (Blender) on.");
+        warnings.push_back(
+            fmt::format("The mesh \"{}\" is named like a crease, but has no edges without faces: "
+                        "export them with Loose Edges (Blender) on.",
+                        node.name));
+        continue;
+      }
+      SceneSheet& under = sheets[sheet_under(scene, i, world[i], sheets)];
+      if (add(scene, i, world[i], "crease", fmt::format("\"{}\"", node.name), under) == 0)
+        warnings.push_back(fmt::format(
+            "The crease \"{}\" lies along the border of the sheet \"{}\": it folds nothing.",
+            node.name, under.name));
+    }
+  }
+}
+
+}  // namespace paperbake

@@ -1,0 +1,409 @@
+// FBX with ufbx, which cmake/ufbx.cmake brings.
+
+#include "formats/scene/scene_fbx.h"
+
+#include "core/model/error.h"
+#include "formats/scene/scene_properties.h"
+
+#include <ufbx.h>
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <set>
+#include <string_view>
+#include <unordered_map>
+
+namespace paperbake {
+namespace {
+
+// [frames] a key this near is meant to be on the frame
+constexpr double on_key = 0.01;
+constexpr double longest_clip = 100001;  // [frames] one more than what is refused later
+constexpr double most_samples = 2e7;     // nodes x frames of all takes: gigabytes
+constexpr std::uint32_t deepest_node = 10000;
+// [bytes] twice: while it is read, and of what was read
+constexpr std::size_t least_memory = std::size_t(1) << 29, memory_of_byte = 50;
+
+std::string text_of(const ufbx_string& s) { return {s.data, s.length}; }
+Vector3d vector(const ufbx_vec3& v) { return {v.x, v.y, v.z}; }
+Eigen::Quaterniond rotation(const ufbx_quat& q) { return {q.w, q.x, q.y, q.z}; }
+
+Eigen::Affine3d affine(const ufbx_matrix& m) {
+  Eigen::Affine3d t = Eigen::Affine3d::Identity();
+  for (int column = 0; column < 4; ++column)
+    t.matrix().col(column).head<3>() = vector(m.cols[column]);
+  return t;
+}
+
+[[noreturn]] void reject_number(const ufbx_string& node, const char* what) {
+  throw Error(Fault::scene, fmt::format("node \"{}\"", text_of(node)),
+              fmt::format("{} contains a value that is not a number.", what), export_again);
+}
+
+std::optional<PropertyValue> value_of(const ufbx_prop& p) {
+  switch (p.type) {
+    case UFBX_PROP_BOOLEAN:
+    case UFBX_PROP_INTEGER:
+      return double(p.value_int);
+    case UFBX_PROP_NUMBER:
+    case UFBX_PROP_DISTANCE:
+      return double(p.value_real);
+    case UFBX_PROP_STRING:
+      return text_or_list(text_of(p.value_str));
+    case UFBX_PROP_VECTOR:
+    case UFBX_PROP_COLOR:
+    case UFBX_PROP_TRANSLATION:
+    case UFBX_PROP_ROTATION:
+    case UFBX_PROP_SCALING:
+      return std::vector<double>{p.value_vec3.x, p.value_vec3.y, p.value_vec3.z};
+    default:
+      return std::nullopt;
+  }
+}
+
+std::string_view trimmed(std::string_view s) {
+  while (!s.empty() && std::isspace(static_cast<unsigned char>(s.front()))) s.remove_prefix(1);
+  while (!s.empty() && std::isspace(static_cast<unsigned char>(s.back()))) s.remove_suffix(1);
+  return s;
+}
+
+/// User defined properties of 3ds Max: lines "key = value".
+void add_max_properties(std::string_view lines, ImportedNode& node) {
+  while (!lines.empty()) {
+    const std::string_view line = lines.substr(0, lines.find('\n'));
+    lines.remove_prefix(std::min(lines.size(), line.size() + 1));
+    const std::size_t equals = line.find('=');
+    if (equals != std::string_view::npos)
+      node.properties.emplace(trimmed(line.substr(0, equals)),
+                              text_or_list(std::string(trimmed(line.substr(equals + 1)))));
+  }
+}
+
+/// Properties that artists add: of the node, then of what it carries, e.g. a bone or a mesh.
+void add_properties(const ufbx_props& props, ImportedNode& node) {
+  for (const ufbx_prop& p : props.props) {
+    const std::string name = text_of(p.name);
+    if (name == "UDP3DSMAX")
+      add_max_properties(text_of(p.value_str), node);
+    else if (!(p.flags & UFBX_PROP_FLAG_USER_DEFINED) && name.rfind("paper_", 0) != 0)
+      continue;
+    else if (const auto value = value_of(p))
+      node.properties.emplace(name, *value);
+  }
+}
+
+/// Edges with a crease, as for subdivision, and faces of two corners, which are loose edges.
+Edges creases_of(const ufbx_mesh& mesh) {
+  std::vector<int> ends;
+  for (std::size_t i = 0; i < std::min(mesh.edge_crease.count, mesh.edges.count); ++i)
+    if (mesh.edge_crease[i] > 0)
+      ends.push_back(static_cast<int>(mesh.edges[i].a)),
+          ends.push_back(static_cast<int>(mesh.edges[i].b));
+  for (const ufbx_face& face : mesh.faces)
+    if (face.num_indices == 2)
+      ends.push_back(static_cast<int>(face.index_begin)),
+          ends.push_back(static_cast<int>(face.index_begin) + 1);
+  return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
+}
+
+ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
+  ImportedMesh copy;
+  const Eigen::Affine3d to_node = affine(node.geometry_to_node);
+  const auto corners = static_cast<Eigen::Index>(mesh.num_indices);
+  const bool uv = mesh.vertex_uv.exists;
+  copy.deformed =
+      mesh.skin_deformers.count + mesh.blend_deformers.count + mesh.cache_deformers.count > 0;
+  copy.x.resize(corners, 3);
+  copy.uv.resize(uv ? corners : 0, 2);
+  for (Eigen::Index i = 0; i < corners; ++i) {
+    copy.x.row(i) = to_node * vector(ufbx_get_vertex_vec3(&mesh.vertex_position, i));
+    if (!uv) continue;
+    const ufbx_vec2 at = ufbx_get_vertex_vec2(&mesh.vertex_uv, i);
+    copy.uv.row(i) = Vector2d(at.x, at.y);
+  }
+  if (!copy.x.allFinite() || !copy.uv.allFinite()) reject_number(node.name, "A vertex");
+  std::vector<std::uint32_t> triangles(3 * mesh.max_face_triangles);
+  std::vector<int> all;
+  for (const ufbx_face& face : mesh.faces) {
+    if (face.num_indices < 3) continue;  // points and lines
+    const std::size_t count =
+        ufbx_triangulate_face(triangles.data(), triangles.size(), &mesh, face);
+    all.insert(all.end(), triangles.begin(), triangles.begin() + 3 * count);
+  }
+  copy.triangles = Eigen::Map<Triangles>(all.data(), static_cast<Eigen::Index>(all.size() / 3), 3);
+  copy.creases = creases_of(mesh);
+  return copy;
+}
+
+/// The file as it becomes ours; `copies` tells where a node went.
+struct Copy {
+  const ufbx_scene& scene;
+  double fps;
+  ImportedFile file;
+  std::unordered_map<const ufbx_element*, int> copies;
+  double samples = 0;
+  std::set<std::string> thinned;
+
+  void copy_nodes();
+  void copy_node(const ufbx_node& node);
+  void copy_take(const ufbx_anim_stack& stack);
+  Motion sample(const ufbx_node& node, const ufbx_anim_stack& stack, std::vector<double> key_times);
+};
+
+/// In order of the file, parents first.
+void Copy::copy_nodes() {
+  std::vector<const ufbx_node*> waiting{scene.root_node};
+  while (!waiting.empty()) {
+    const ufbx_node& node = *waiting.back();
+    waiting.pop_back();
+    if (!node.is_root) copy_node(node);
+    for (std::size_t i = node.children.count; i-- > 0;) waiting.push_back(node.children[i]);
+  }
+}
+
+void Copy::copy_node(const ufbx_node& node) {
+  const auto index_of = [&](const ufbx_node* other) {
+    const auto found = other ? copies.find(&other->element) : copies.end();
+    return found == copies.end() ? -1 : found->second;
+  };
+  ImportedNode copy;
+  copy.name = text_of(node.name);
+  copy.parent = index_of(node.parent);
+  copy.local.translate(vector(node.local_transform.translation))
+      .rotate(rotation(node.local_transform.rotation));
+  copy.scale = vector(node.local_transform.scale);
+  copy.own_scale = node.inherit_mode != UFBX_INHERIT_MODE_NORMAL;
+  copy.scale_from = index_of(node.inherit_scale_node);
+  if (!copy.local.matrix().allFinite() || !copy.scale.allFinite())
+    reject_number(node.name, "Its transform");
+  add_properties(node.props, copy);
+  for (const ufbx_element* attribute : node.all_attribs) {
+    add_properties(attribute->props, copy);
+    const ufbx_mesh* mesh = ufbx_as_mesh(attribute);
+    if (!mesh || !mesh->vertex_position.exists) continue;
+    copy.meshes.push_back(static_cast<int>(file.meshes.size()));
+    file.meshes.push_back(copy_mesh(*mesh, node));
+  }
+  copies.emplace(&node.element, static_cast<int>(file.nodes.size()));
+  file.nodes.push_back(std::move(copy));
+}
+
+/// Keys that are gone where the curve was straight, of a curve that had one on every frame:
+/// Simplify of Blender's exporter.
+bool is_thinned(const ufbx_anim_curve& curve, double fps) {
+  bool next_frame = false, gap = false;
+  for (std::size_t k = 1; k < curve.keyframes.count; ++k) {
+    const double frames = (curve.keyframes[k].time - curve.keyframes[k - 1].time) * fps;
+    if (curve.keyframes[k - 1].interpolation != UFBX_INTERPOLATION_LINEAR) return false;
+    next_frame |= std::abs(frames - 1)<on_key, gap |= frames> 1 + on_key;
+  }
+  return next_frame && gap;
+}
+
+/// What moves a node: these properties alone.
+bool moves_node(std::string_view property) {
+  constexpr std::array names{UFBX_Lcl_Translation, UFBX_Lcl_Rotation,  UFBX_Lcl_Scaling,
+                             UFBX_PreRotation,     UFBX_PostRotation,  UFBX_RotationOffset,
+                             UFBX_ScalingOffset,   UFBX_RotationPivot, UFBX_ScalingPivot,
+                             UFBX_RotationOrder};
+  return std::find(names.begin(), names.end(), property) != names.end();
+}
+
+void add_key_times(const ufbx_anim_value& value, std::vector<double>& times) {
+  for (const ufbx_anim_curve* curve : value.curves)
+    for (std::size_t k = 0; curve && k < curve->keyframes.count; ++k)
+      times.push_back(curve->keyframes[k].time);
+}
+
+void sort_and_merge(std::vector<double>& times) {
+  std::sort(times.begin(), times.end());
+  times.erase(std::unique(times.begin(), times.end()), times.end());
+}
+
+/// Samples that repeat the first or the last value are left out.
+template <class Value>
+void add_sample(Track<Value>& track, double time, const Value& value, std::size_t& same) {
+  const auto equal = [&](const Key<Value>& key) {
+    if constexpr (std::is_same_v<Value, Vector3d>)
+      return key.value == value;
+    else
+      return key.value.coeffs() == value.coeffs();
+  };
+  same = !track.keys.empty() && equal(track.keys.back()) ? same + 1 : 0;
+  if (same > 0 && same == track.keys.size())
+    track.keys.front().time = time, same = 0;
+  else
+    track.keys.push_back({time, value});
+}
+
+Motion Copy::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
+                    std::vector<double> key_times) {
+  Motion motion;
+  sort_and_merge(key_times);
+  const double first = std::floor(std::min(stack.time_begin, key_times.front()) * fps + on_key);
+  const double last = std::min(std::ceil(std::max(stack.time_end, key_times.back()) * fps - on_key),
+                               first + longest_clip);
+  if (!std::isfinite(first) || !std::isfinite(last)) reject_number(node.name, "A key");
+  samples += last - first + 1;
+  if (samples > most_samples)
+    throw Error(Fault::scene, fmt::format("take \"{}\"", text_of(stack.name)),
+                "Its frames and nodes are too many to follow.",
+                "Export the sheets and handles alone, or a shorter range.");
+  std::size_t same_t = 0, same_r = 0, same_s = 0;
+  for (double frame = first; frame <= last; ++frame) {
+    double time = frame / fps;
+    const auto key = std::lower_bound(key_times.begin(), key_times.end(), time - on_key / fps);
+    // a step on this frame is past
+    if (key != key_times.end() && *key <= time + on_key / fps) time = *key;
+    const ufbx_transform t = ufbx_evaluate_transform(stack.anim, &node, time);
+    const Eigen::Quaterniond turn = rotation(t.rotation).normalized();
+    if (!vector(t.translation).allFinite() || !turn.coeffs().allFinite() ||
+        !vector(t.scale).allFinite())
+      reject_number(node.name, "A key");
+    add_sample(motion.translation, frame / fps, vector(t.translation), same_t);
+    add_sample(motion.rotation, frame / fps, turn, same_r);
+    add_sample(motion.scale, frame / fps, vector(t.scale), same_s);
+  }
+  motion.translation.keys.resize(motion.translation.keys.size() - same_t);
+  motion.rotation.keys.resize(motion.rotation.keys.size() - same_r);
+  motion.scale.keys.resize(motion.scale.keys.size() - same_s);
+  motion.key_times = std::move(key_times);
+  return motion;
+}
+
+void Copy::copy_take(const ufbx_anim_stack& stack) {
+  Take take;
+  take.name = text_of(stack.name);
+  take.begin = std::isfinite(stack.time_begin) ? stack.time_begin : 0;
+  take.end = std::isfinite(stack.time_end) ? stack.time_end : take.begin;
+  std::map<const ufbx_node*, std::vector<double>> keys;
+  std::vector<const ufbx_node*> order;
+  for (const ufbx_anim_layer* layer : stack.layers) {
+    std::vector<double> of_weight;
+    for (const ufbx_anim_prop& p : layer->anim_props)
+      if (p.element == &layer->element) add_key_times(*p.anim_value, of_weight);
+    for (const ufbx_anim_prop& p : layer->anim_props) {
+      const ufbx_node* node = ufbx_as_node(p.element);
+      if (!node || node->is_root || !moves_node({p.prop_name.data, p.prop_name.length})) continue;
+      std::vector<double> times;
+      add_key_times(*p.anim_value, times);
+      if (times.empty()) continue;
+      if (!keys.count(node)) order.push_back(node);
+      std::vector<double>& all = keys[node];
+      all.insert(all.end(), times.begin(), times.end());
+      all.insert(all.end(), of_weight.begin(), of_weight.end());
+      for (const ufbx_anim_curve* curve : p.anim_value->curves)
+        if (curve && is_thinned(*curve, fps)) thinned.insert(text_of(node->name));
+    }
+  }
+  for (const ufbx_node* node : order)
+    if (const auto copy = copies.find(&node->element); copy != copies.end())
+      take.motions.emplace(copy->second, sample(*node, stack, std::move(keys[node])));
+  file.takes.push_back(std::move(take));
+}
+
+Vector3d direction(ufbx_coordinate_axis axis) {
+  return (axis % 2 ? -1 : 1) * Vector3d::Unit(axis / 2);
+}
+
+/// ufbx has the rates of video as 32-bit decimals.
+double rate_of_video(double fps) {
+  const double exact = std::round(fps * 1.001) / 1.001;
+  return std::abs(fps / exact - 1) < 1e-5 && std::round(fps) != fps ? exact : fps;
+}
+
+/// Unit, rate and axes of the file.
+void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
+  file.unit =
+      settings.unit_meters > 0 && std::isfinite(settings.unit_meters) ? settings.unit_meters : 0.01;
+  file.fps = settings.time_mode != UFBX_TIME_MODE_DEFAULT && settings.frames_per_second > 0 &&
+                     std::isfinite(settings.frames_per_second)
+                 ? rate_of_video(settings.frames_per_second)
+                 : 0;
+  ufbx_coordinate_axes axes = settings.axes;
+  if (!ufbx_coordinate_axes_valid(axes)) axes = ufbx_axes_right_handed_y_up;
+  file.to_z_up.row(0) = direction(axes.right);
+  file.to_z_up.row(1) = -direction(axes.front);
+  file.to_z_up.row(2) = direction(axes.up);
+  file.up_axis = fmt::format("{}{} up", axes.up % 2 ? "-" : "", "xyz"[axes.up / 2]);
+}
+
+/// Blender's "All Actions" writes a stack "object|action" for every action and object, and all of
+/// them from time 0.
+bool lost_start(const ufbx_scene& scene) {
+  const bool blender = scene.metadata.exporter == UFBX_EXPORTER_BLENDER_BINARY ||
+                       scene.metadata.exporter == UFBX_EXPORTER_BLENDER_ASCII;
+  const std::size_t stacks = scene.anim_stacks.count;
+  return blender &&
+         (stacks > 1 ||
+          (stacks == 1 && text_of(scene.anim_stacks[0]->name).find('|') != std::string::npos)) &&
+         std::all_of(scene.anim_stacks.begin(), scene.anim_stacks.end(),
+                     [](const ufbx_anim_stack* stack) { return stack->time_begin == 0; });
+}
+
+/// Of the frames that are sampled, as scene_nodes will find it.
+double sampling_rate(const ImportedFile& file, std::optional<double> asked) {
+  if (asked && *asked > 0 && std::isfinite(*asked)) return *asked;
+  if (file.fps > 0) return file.fps;
+  for (const ImportedNode& node : file.nodes)
+    if (const auto found = node.properties.find("paper_fps"); found != node.properties.end())
+      if (const double* fps = std::get_if<double>(&found->second);
+          fps && *fps > 0 && std::isfinite(*fps))
+        return *fps;
+  return 24;
+}
+
+void add_warnings(const Copy& copy, ImportedFile& file) {
+  if (!copy.thinned.empty())
+    file.warnings.push_back(
+        fmt::format("Keys of {} node(s), first \"{}\", look thinned out (Simplify of Blender's "
+                    "exporter, 1.0 unless set): they may be off by about 1 % of their motion; "
+                    "export with Simplify 0.",
+                    copy.thinned.size(), *copy.thinned.begin()));
+  if (copy.scene.constraints.count > 0)
+    file.warnings.push_back(
+        fmt::format("{} constraint(s), first \"{}\", are not followed: bake what they move into "
+                    "keys before the export.",
+                    copy.scene.constraints.count, text_of(copy.scene.constraints[0]->name)));
+}
+
+}  // namespace
+
+ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double> fps) {
+  ufbx_load_opts options{};
+  options.file_format = UFBX_FILE_FORMAT_FBX;
+  options.ignore_embedded = true;
+  options.node_depth_limit = deepest_node;
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  options.temp_allocator.memory_limit = options.result_allocator.memory_limit =
+      least_memory + (unknown ? 0 : memory_of_byte * size);
+  ufbx_error error{};
+  const std::unique_ptr<ufbx_scene, void (*)(ufbx_scene*)> scene(
+      ufbx_load_file(path.c_str(), &options, &error), ufbx_free_scene);
+  if (!scene) {
+    if (error.type == UFBX_ERROR_UNRECOGNIZED_FILE_FORMAT) throw foreign_file(path);
+    throw Error(Fault::scene, path.string(),
+                fmt::format("The file cannot be read: {}.", text_of(error.description)),
+                export_again);
+  }
+  Copy copy{*scene, 24, {}, {}, 0, {}};
+  copy.file.fbx = true;
+  copy.file.reader = fmt::format("ufbx {}.{}.{}, which evaluates the file's own curves",
+                                 ufbx_source_version / 1000000, ufbx_source_version / 1000 % 1000,
+                                 ufbx_source_version % 1000);
+  copy_settings(scene->settings, copy.file);
+  copy.copy_nodes();
+  copy.fps = sampling_rate(copy.file, fps);
+  for (const ufbx_anim_stack* stack : scene->anim_stacks) copy.copy_take(*stack);
+  copy.file.start_lost = lost_start(*scene);
+  add_warnings(copy, copy.file);
+  return std::move(copy.file);
+}
+
+}  // namespace paperbake

@@ -1,0 +1,314 @@
+#include "formats/scene/scene_file.h"
+
+#include "core/model/error.h"
+#include "core/model/paper.h"
+#include "formats/scene/scene_colliders.h"
+#include "formats/scene/scene_creases.h"
+#include "formats/scene/scene_handles.h"
+#include "formats/scene/scene_nodes.h"
+#include "formats/scene/scene_properties.h"
+#include "formats/scene/scene_sheet.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+// [m] beyond them the unit of the file is wrong
+constexpr double longest_sheet = 5, shortest_sheet = 0.005;
+constexpr double size_agreement = 0.01;  // of paper_size
+
+std::string metres(const Vector2d& size) {
+  return fmt::format("{:.4g} x {:.4g} m", size.x(), size.y());
+}
+
+/// The sides of the sheet after paper_size, turned as the sheet lies; none when there is no such
+/// property.
+std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& measured) {
+  const auto list = list_property(node, "paper_size");
+  if (list.size() < 2 || !(list[0] > 0) || !(list[1] > 0)) return std::nullopt;
+  const Vector2d stated(list[0], list[1]), turned(list[1], list[0]);
+  const auto off = [&](const Vector2d& size) {
+    return (measured.cwiseQuotient(size).array().log()).matrix().squaredNorm();
+  };
+  return off(turned) < off(stated) ? turned : stated;
+}
+
+/// The power of ten that makes the longer side what paper_size says, or else a handy size.
+double likely_factor(double longer, const std::optional<Vector2d>& stated) {
+  if (stated) return std::pow(10, std::round(std::log10(stated->maxCoeff() / longer)));
+  // centimetres and millimetres first
+  for (double factor : {0.01, 100.0, 0.001, 1000.0, 0.1, 10.0})
+    if (0.05 <= longer * factor && longer * factor <= 2) return factor;
+  return std::pow(10, std::round(std::log10(0.2 / longer)));
+}
+
+/// "The file is probably in centimetres: bake with --unit-scale 0.01, ..."
+std::string unit_remedy(const SceneNodes& scene, double factor) {
+  const double unit = scene.unit * factor;
+  const auto is = [&](double known) { return std::abs(unit / known - 1) < 1e-6; };
+  const std::string guess = is(0.01)    ? "The file is probably in centimetres"
+                            : is(0.001) ? "The file is probably in millimetres"
+                            : is(1)     ? "The file is probably in metres"
+                                        : "The unit of the file is probably wrong";
+  return fmt::format("{}: bake with --unit-scale {:.6g}, or export {:.6g} times as large.", guess,
+                     unit, factor);
+}
+
+void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2d& size,
+                const SceneOptions& options) {
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  const double longer = size.maxCoeff();
+  const auto stated = stated_size(node, size);
+  if (!options.unit_scale && (longer > longest_sheet || longer < shortest_sheet))
+    throw Error(Fault::scene, place,
+                fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
+                            metres(size)),
+                unit_remedy(scene, likely_factor(longer, stated)));
+  if (!stated || (size.cwiseQuotient(*stated).array() - 1).abs().maxCoeff() <= size_agreement)
+    return;
+  const double ratio = std::log10(stated->maxCoeff() / longer), power = std::round(ratio);
+  const bool wrong_unit = power != 0 && std::abs(ratio - power) < size_agreement;
+  throw Error(Fault::scene, place,
+              fmt::format("The sheet is {}, but its property paper_size says {}.", metres(size),
+                          metres(*stated)),
+              wrong_unit ? unit_remedy(scene, std::pow(10, power))
+                         : "Correct paper_size or the mesh; they must agree within 1 %.");
+}
+
+/// Creases as a job file has them, their ends on the border where they are meant to be: a sheet is
+/// 0.1000001 m wide, and the job says 0.1.
+std::vector<FoldLine> ended_on_border(std::vector<FoldLine> creases, const Pattern& pattern) {
+  constexpr double near = 1e-4;  // [1] of the longer side
+  for (FoldLine& crease : creases)
+    for (Vector2d& p : crease.line)
+      if (const Vector2d border = nearest_border_point(pattern, p);
+          (border - p).norm() <= near * longer_side(pattern))
+        p = border;
+  return creases;
+}
+
+/// A crease that passes a handle or a pinned point by less than a hair goes through it: a mesh that
+/// had both would have slivers between them.
+FoldLine led_through(const FoldLine& crease, const std::vector<Vector2d>& points, double hair) {
+  FoldLine led{{}, crease.angle};
+  for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
+    const Vector2d from = crease.line[k], way = crease.line[k + 1] - from;
+    std::vector<std::pair<double, Vector2d>> passed{{0, from}};
+    for (const Vector2d& p : points) {
+      const double t = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
+      if ((from + t * way - p).norm() < hair) passed.emplace_back(t, p);
+    }
+    std::stable_sort(passed.begin(), passed.end(),
+                     [](const auto& a, const auto& b) { return a.first < b.first; });
+    for (const auto& [t, p] : passed) {
+      // it stands for the end that it lies at
+      if (!led.line.empty() && (p - led.line.back()).norm() < hair)
+        led.line.back() = p;
+      else
+        led.line.push_back(p);
+    }
+  }
+  if (const Vector2d end = crease.line.back(); (end - led.line.back()).norm() >= hair)
+    led.line.push_back(end);
+  return led;
+}
+
+void lead_creases_through_points(SceneSheet& sheet) {
+  std::vector<Vector2d> points = sheet.pins.keep;
+  for (const Handle& handle : sheet.handles) points.push_back(handle.pattern);
+  for (FoldLine& crease : sheet.pattern.folds)
+    crease = led_through(crease, points, 2e-3 * longer_side(sheet.pattern));
+}
+
+/// throws Error(Fault::command) where a pin is not on the sheet
+void check_pins(const Pins& pins, const Pattern& pattern, const std::string& place,
+                const std::string& name) {
+  constexpr int samples = 64;  // of each part of a crease
+  const double rounding = 1e-6 * longer_side(pattern);
+  const auto check = [&](const char* key, const Vector2d& p) {
+    if (contains(pattern, p, rounding)) return;
+    throw Error(Fault::command, place,
+                fmt::format("The {} at ({:g}, {:g}) m is not on the sheet \"{}\".", key, p.x(),
+                            p.y(), name),
+                fmt::format("Its pattern is {}, from (0, 0).", metres(extent(pattern))));
+  };
+  for (const Vector2d& p : pins.keep) check("singular_keep", p);
+  for (const FoldLine& crease : pattern.folds)
+    for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
+      if ((crease.line[k + 1] - crease.line[k]).norm() < 1e-3 * longer_side(pattern))
+        throw Error(
+            Fault::command, place,
+            fmt::format(
+                "A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name),
+            "Leave out one of its points.");
+      for (int i = 0; i <= samples; ++i)
+        check("crease",
+              crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]));
+    }
+}
+
+SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world,
+                      const SceneOptions& options, const Overridden& said,
+                      std::vector<std::string>& warnings) {
+  const ImportedNode& node = scene.file.nodes[index];
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  FlatSheet flat = flat_sheet(scene.file, index, world, place);
+  SceneSheet sheet;
+  sheet.name = node.name;
+  sheet.pattern = std::move(flat.pattern);
+  sheet.start = std::move(flat.start);
+  check_size(scene, node, extent(sheet.pattern), options);
+  sheet.preset = text_property(node, "paper_preset");
+  sheet.grammage = positive_property(scene.source, node, "paper_gsm");
+  sheet.thickness = positive_property(scene.source, node, "paper_thickness");
+  sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
+  if (sheet.friction && *sheet.friction > most_friction)
+    throw Error(Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
+                fmt::format("It can be a number from 0 to {}; paper on paper is about 0.4.",
+                            most_friction));
+  if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
+    if (*seed < 0)
+      throw Error(Fault::scene, place, fmt::format("paper_seed is {}.", *seed),
+                  "It can be a whole number from 0 on.");
+    sheet.seed = static_cast<unsigned>(*seed);
+  }
+  for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
+    if (said.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
+  sheet.pins = said.pins;
+  sheet.pattern.folds = ended_on_border(said.creases, sheet.pattern);
+  check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
+  sheet.crease_origin.assign(sheet.pattern.folds.size(), "job");
+  for (int m : node.meshes)
+    if (scene.file.meshes[m].deformed) {
+      warnings.push_back(fmt::format(
+          "Bones and blend shapes of the sheet \"{}\" are not followed: it starts undeformed.",
+          node.name));
+      break;
+    }
+  return sheet;
+}
+
+[[noreturn]] void reject_without_sheet(const SceneNodes& scene) {
+  std::vector<std::string> meshes;
+  for (const ImportedNode& node : scene.file.nodes)
+    if (!node.meshes.empty() && meshes.size() < 8) meshes.push_back('"' + node.name + '"');
+  throw Error(Fault::scene, scene.source,
+              "The scene has no sheet: no mesh whose name starts with \"paper\".",
+              meshes.empty() ? "It has no mesh at all: was the sheet exported?"
+                             : fmt::format("Rename the mesh that is the sheet; the meshes are {}.",
+                                           fmt::join(meshes, ", ")));
+}
+
+std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions& options,
+                                    const std::vector<Overridden>& said,
+                                    std::vector<std::string>& warnings) {
+  const auto world = world_at(scene, scene.first_frame);
+  std::vector<SceneSheet> sheets;
+  std::set<std::string> names;
+  for (int i = 0; i < static_cast<int>(scene.file.nodes.size()); ++i) {
+    const ImportedNode& node = scene.file.nodes[i];
+    if (node.meshes.empty() || !name_begins_with(node.name, "paper")) continue;
+    if (!names.insert(node.name).second)
+      throw Error(Fault::scene, place_of(scene.source, "sheet", node.name),
+                  "Two sheets have this name.",
+                  "Give every sheet a name of its own and export again.");
+    sheets.push_back(read_sheet(scene, i, world[i], options, said[i], warnings));
+  }
+  if (sheets.empty()) reject_without_sheet(scene);
+  return sheets;
+}
+
+/// Its own keys move no sheet: that is for handles to do.
+void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& warnings) {
+  constexpr int looks = 16;
+  const auto first = world_at(scene, scene.first_frame);
+  std::set<int> moved;
+  for (int look = 1; look <= looks; ++look) {
+    const auto world =
+        world_at(scene, scene.first_frame + (scene.last_frame - scene.first_frame) * look / looks);
+    for (int i = 0; i < static_cast<int>(world.size()); ++i)
+      if (!scene.file.nodes[i].meshes.empty() &&
+          name_begins_with(scene.file.nodes[i].name, "paper") && !world[i].isApprox(first[i], 1e-5))
+        moved.insert(i);
+  }
+  for (const int i : moved)
+    warnings.push_back(
+        fmt::format("The sheet \"{}\" is keyed or moves with its parent: it starts where it is at "
+                    "frame {}, then only handles move it.",
+                    scene.file.nodes[i].name, scene.first_frame));
+}
+
+std::optional<double> gravity_of(const SceneNodes& scene,
+                                 std::map<std::string, std::string>& origin) {
+  for (const ImportedNode& node : scene.file.nodes)
+    if (const auto gravity = number_property(scene.source, node, "paper_gravity")) {
+      origin["gravity"] = fmt::format("paper_gravity of \"{}\"", node.name);
+      return gravity;
+    }
+  return std::nullopt;
+}
+
+}  // namespace
+
+Scene scene_of(ImportedFile file, std::string source, const SceneOptions& options) {
+  const std::vector<Overridden> said = apply_overrides(file, options.overrides);
+  const SceneNodes nodes = scene_nodes(std::move(file), std::move(source), options);
+  Scene scene;
+  scene.source = nodes.source;
+  scene.fps = nodes.fps;
+  scene.first_frame = nodes.first_frame;
+  scene.last_frame = nodes.last_frame;
+  scene.origin = nodes.origin;
+  scene.warnings = nodes.warnings;
+  for (std::string& warning : unknown_properties(nodes.file.nodes))
+    scene.warnings.push_back(std::move(warning));
+  scene.sheets = read_sheets(nodes, options, said, scene.warnings);
+  warn_of_keyed_sheets(nodes, scene.warnings);
+  add_creases(nodes, scene.sheets, scene.warnings);
+  add_handles(nodes, scene.sheets, scene.warnings);
+  for (SceneSheet& sheet : scene.sheets) lead_creases_through_points(sheet);
+  scene.colliders = read_colliders(nodes, scene.warnings);
+  scene.gravity = gravity_of(nodes, scene.origin);
+  for (std::size_t i = 0; i < said.size(); ++i)
+    for (const auto& [key, place] : said[i].places) {
+      const ImportedNode& node = nodes.file.nodes[i];
+      scene.origin[fmt::format("{} of \"{}\"", key, node.name)] = place;
+      if (node.meshes.empty())
+        scene.given.push_back(
+            {node.name, key.substr(std::string("paper_").size()), node.properties.at(key)});
+    }
+  return scene;
+}
+
+Scene read_scene(const std::filesystem::path& path, const SceneOptions& options) {
+  return scene_of(import_file(path, options.fps), path.filename().string(), options);
+}
+
+Tracks read_tracks(const std::filesystem::path& path, const SceneOptions& options) {
+  const SceneNodes scene =
+      scene_nodes(import_file(path, options.fps), path.filename().string(), options);
+  const int frames = scene.last_clip_frame - scene.first_clip_frame + 1;
+  Tracks tracks;
+  tracks.first_frame = scene.first_clip_frame;
+  std::vector<int> listed;
+  for (int i = 0; i < static_cast<int>(scene.file.nodes.size()); ++i) {
+    if (scene.file.nodes[i].pivot) continue;
+    listed.push_back(i);
+    tracks.names.push_back(scene.file.nodes[i].name);
+    tracks.positions.emplace_back(frames, 3);
+  }
+  for (int f = 0; f < frames; ++f) {
+    const auto world = world_at(scene, scene.first_clip_frame + f);
+    for (std::size_t i = 0; i < listed.size(); ++i)
+      tracks.positions[i].row(f) = origin_of(scene, world, listed[i]);
+  }
+  return tracks;
+}
+
+}  // namespace paperbake

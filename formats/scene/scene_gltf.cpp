@@ -1,0 +1,266 @@
+#include "formats/scene/scene_gltf.h"
+
+#include "core/model/error.h"
+#include "formats/scene/gltf_curves.h"
+#include "formats/scene/gltf_file.h"
+#include "formats/scene/scene_properties.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+#include <stdexcept>
+
+namespace paperbake {
+namespace {
+
+using Json = nlohmann::json;
+using gltf::index;
+using gltf::list;
+using gltf::refuse;
+using gltf::whole;
+using Integers = GltfFile::Integers;
+
+std::optional<PropertyValue> value_of(const Json& extra) {
+  if (extra.is_boolean()) return extra.get<bool>() ? 1.0 : 0.0;
+  if (extra.is_number()) return extra.get<double>();
+  if (extra.is_string()) return text_or_list(extra.get<std::string>());
+  if (!extra.is_array() ||
+      !std::all_of(extra.begin(), extra.end(), [](const Json& n) { return n.is_number(); }))
+    return std::nullopt;
+  return extra.get<std::vector<double>>();
+}
+
+/// Properties that artists add: of the node, then of its mesh.
+void add_properties(const Json& object, ImportedNode& node) {
+  const auto extras = object.find("extras");
+  if (extras == object.end() || !extras->is_object()) return;
+  for (const auto& [key, extra] : extras->items())
+    if (const auto value = value_of(extra)) node.properties.emplace(key, *value);
+}
+
+/// The vertices of a primitive's faces, lines or points, one after the other.
+std::vector<int> corners_of(GltfFile& file, const Json& primitive, Eigen::Index vertices) {
+  std::vector<int> corners;
+  if (primitive.contains("indices")) {
+    for (const std::size_t i :
+         file.indices(index(primitive, "indices", list(file.json(), "accessors").size()))) {
+      if (i >= static_cast<std::size_t>(vertices)) refuse("a face has a vertex that is not there");
+      corners.push_back(static_cast<int>(i));
+    }
+  } else {
+    for (int i = 0; i < vertices; ++i) corners.push_back(i);
+  }
+  return corners;
+}
+
+/// Triangles by themselves, in a strip or in a fan. source: glTF 2.0, 3.7.2.1
+std::vector<std::array<int, 3>> triangles_of(const std::vector<int>& corners, std::size_t mode) {
+  constexpr std::size_t alone = 4, strip = 5, fan = 6;
+  std::vector<std::array<int, 3>> triangles;
+  if (mode == alone)
+    for (std::size_t i = 0; i + 2 < corners.size(); i += 3)
+      triangles.push_back({corners[i], corners[i + 1], corners[i + 2]});
+  for (std::size_t i = 0; (mode == strip || mode == fan) && i + 2 < corners.size(); ++i) {
+    const std::array<int, 3> t =
+        mode == fan ? std::array{corners[i + 1], corners[i + 2], corners[0]}
+                    : std::array{corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]};
+    // strips are sewn together by such
+    if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
+  }
+  return triangles;
+}
+
+/// Lines by themselves, in a ring or one after the other.
+Edges lines_of(const std::vector<int>& corners, std::size_t mode) {
+  constexpr std::size_t alone = 1, ring = 2, strip = 3;
+  std::vector<int> ends;
+  if (mode == alone) ends.assign(corners.begin(), corners.end() - corners.size() % 2);
+  for (std::size_t i = 0; (mode == ring || mode == strip) && i + 1 < corners.size(); ++i)
+    ends.push_back(corners[i]), ends.push_back(corners[i + 1]);
+  if (mode == ring && corners.size() > 2)
+    ends.push_back(corners.back()), ends.push_back(corners.front());
+  return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
+}
+
+/// The scene as it becomes ours.
+struct Copy {
+  GltfFile& file;
+  const Json& nodes;
+  ImportedFile to;
+  std::map<int, int> copies;                       // node of the file -> ours
+  std::map<std::size_t, std::vector<int>> meshes;  // mesh of the file -> ours
+
+  void add_nodes(const std::vector<int>& roots);
+  void add_node(int i, int parent);
+  const std::vector<int>& mesh(std::size_t i);
+  ImportedMesh primitive(const Json& primitive, const std::string& place);
+};
+
+ImportedMesh Copy::primitive(const Json& primitive, const std::string& place) {
+  const Json& accessors = list(file.json(), "accessors");
+  const Json attributes = primitive.value("attributes", Json());
+  const auto numbers = [&](const char* attribute, std::size_t width) {
+    const auto found = attributes.find(attribute);
+    return found == attributes.end() ? std::vector<double>()
+                                     : file.numbers(index(attributes, attribute, accessors.size()),
+                                                    width, Integers::as_flagged);
+  };
+  if (primitive.value("extensions", Json::object()).contains("KHR_draco_mesh_compression") &&
+      attributes.contains("POSITION") &&
+      !accessors[index(attributes, "POSITION", accessors.size())].contains("bufferView"))
+    throw Error(Fault::scene, place, "The mesh is compressed (KHR_draco_mesh_compression).",
+                "Export it without compression.");
+  const std::vector<double> x = numbers("POSITION", 3), uv = numbers("TEXCOORD_0", 2);
+  ImportedMesh copy;
+  copy.x = Eigen::Map<const Points3>(x.data(), static_cast<Eigen::Index>(x.size() / 3), 3);
+  copy.uv = Eigen::Map<const Points2>(uv.data(), static_cast<Eigen::Index>(uv.size() / 2), 2);
+  if (copy.uv.rows() > 0 && copy.uv.rows() != copy.x.rows())
+    refuse("a mesh does not have one uv for each vertex");
+  copy.uv.col(1) = 1 - copy.uv.col(1).array();  // v of glTF runs down
+  if (!copy.x.allFinite() || !copy.uv.allFinite())
+    throw Error(Fault::scene, place, "A vertex contains a value that is not a number.",
+                export_again);
+  const std::vector<int> corners = corners_of(file, primitive, copy.x.rows());
+  const std::size_t mode = whole(primitive, "mode", 4);
+  const auto triangles = triangles_of(corners, mode);
+  copy.creases = lines_of(corners, mode);
+  copy.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    copy.triangles.row(static_cast<Eigen::Index>(t)) << triangles[t][0], triangles[t][1],
+        triangles[t][2];
+  copy.deformed = !list(primitive, "targets").empty();
+  return copy;
+}
+
+const std::vector<int>& Copy::mesh(std::size_t i) {
+  const auto known = meshes.find(i);
+  if (known != meshes.end()) return known->second;
+  const Json& all = list(file.json(), "meshes");
+  std::vector<int>& copied = meshes[i];
+  for (const Json& p : list(all[i], "primitives")) {
+    copied.push_back(static_cast<int>(to.meshes.size()));
+    to.meshes.push_back(primitive(p, fmt::format("mesh \"{}\"", gltf::name(all, i, "meshes"))));
+  }
+  return copied;
+}
+
+void Copy::add_node(int i, int parent) {
+  const Json& node = nodes[i];
+  ImportedNode copy;
+  copy.name = gltf::name(nodes, i, "nodes");
+  copy.parent = parent;
+  if (const auto m = gltf::numbers(node, "matrix", 16); !m.empty())
+    copy.local.matrix() = Eigen::Map<const Eigen::Matrix4d>(m.data());
+  if (const auto t = gltf::numbers(node, "translation", 3); !t.empty())
+    copy.local.translation() = Vector3d(t[0], t[1], t[2]);
+  if (const auto r = gltf::numbers(node, "rotation", 4); !r.empty()) {
+    const Eigen::Quaterniond turn(r[3], r[0], r[1], r[2]);
+    if (turn.norm() > 1e-9) copy.local.linear() = turn.normalized().toRotationMatrix();
+  }
+  if (const auto s = gltf::numbers(node, "scale", 3); !s.empty())
+    copy.scale = Vector3d(s[0], s[1], s[2]);
+  for (const char* part : {"matrix", "translation", "rotation", "scale"})
+    for (const Json& n : list(node, part))
+      if (!n.is_number())
+        throw Error(Fault::scene, fmt::format("node \"{}\"", copy.name),
+                    "Its transform contains a value that is not a number.", export_again);
+  add_properties(node, copy);
+  if (node.contains("mesh")) {
+    const Json& all = list(file.json(), "meshes");
+    const std::size_t m = index(node, "mesh", all.size());
+    copy.meshes = mesh(m);
+    add_properties(all[m], copy);
+    for (const int copied : copy.meshes) to.meshes[copied].deformed |= node.contains("skin");
+  }
+  copies.emplace(i, static_cast<int>(to.nodes.size()));
+  to.nodes.push_back(std::move(copy));
+}
+
+std::vector<int> node_list(const Json& object, const char* key, std::size_t nodes) {
+  std::vector<int> indices;
+  for (const Json& i : list(object, key)) {
+    if (!i.is_number_integer() || i < 0 || i >= nodes)
+      refuse(fmt::format("\"{}\" names a node that is not there", key));
+    indices.push_back(i.get<int>());
+  }
+  return indices;
+}
+
+/// In order of the file, parents first.
+void Copy::add_nodes(const std::vector<int>& roots) {
+  struct Waiting {
+    int node, parent;
+  };
+  std::vector<Waiting> waiting;
+  for (auto root = roots.rbegin(); root != roots.rend(); ++root) waiting.push_back({*root, -1});
+  while (!waiting.empty()) {
+    const auto [i, parent] = waiting.back();
+    waiting.pop_back();
+    if (copies.count(i))
+      refuse(fmt::format("its hierarchy is not a tree: node \"{}\" is in it twice",
+                         gltf::name(nodes, i, "nodes")));
+    add_node(i, parent);
+    const std::vector<int> children = node_list(nodes[i], "children", nodes.size());
+    for (auto child = children.rbegin(); child != children.rend(); ++child)
+      waiting.push_back({*child, copies.at(i)});
+  }
+}
+
+/// Of the scene that is shown; of a file without scenes every node that is below none.
+std::vector<int> roots_of(const Json& json) {
+  const Json &nodes = list(json, "nodes"), &scenes = list(json, "scenes");
+  if (!scenes.empty())
+    return node_list(scenes[std::min(whole(json, "scene", 0), scenes.size() - 1)], "nodes",
+                     nodes.size());
+  std::set<int> below;
+  for (const Json& node : nodes)
+    for (const int child : node_list(node, "children", nodes.size())) below.insert(child);
+  std::vector<int> roots;
+  for (int i = 0; i < static_cast<int>(nodes.size()); ++i)
+    if (!below.count(i)) roots.push_back(i);
+  return roots;
+}
+
+/// Of extensions without which, the file says, it cannot be understood.
+void warn_of_extensions(const Json& json, ImportedFile& file) {
+  const auto known = [](const std::string& name) {
+    for (const char* prefix :
+         {"KHR_materials_", "KHR_texture_", "EXT_texture_", "KHR_lights_", "KHR_mesh_quantization",
+          "KHR_animation_pointer", "KHR_node_", "KHR_xmp"})
+      if (name.rfind(prefix, 0) == 0) return true;
+    return false;
+  };
+  for (const Json& name : list(json, "extensionsRequired"))
+    if (name.is_string() && !known(name.get<std::string>()))
+      file.warnings.push_back(fmt::format(
+          "The file needs the glTF extension {}, which is not followed: check sheets and handles.",
+          name.get<std::string>()));
+}
+
+}  // namespace
+
+ImportedFile import_gltf(const std::filesystem::path& path) try {
+  GltfFile file(path);
+  Copy copy{file, list(file.json(), "nodes"), {}, {}, {}};
+  copy.to.reader = "the file's samplers";
+  copy.to.to_z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  copy.to.up_axis = "y up";
+  warn_of_extensions(file.json(), copy.to);
+  copy.add_nodes(roots_of(file.json()));
+  for (const Take& take : gltf_takes(file)) {
+    Take& moved = copy.to.takes.emplace_back();
+    moved.name = take.name;
+    for (const auto& [index, motion] : take.motions)
+      if (const auto node = copy.copies.find(index); node != copy.copies.end())
+        moved.motions.emplace(node->second, motion);
+  }
+  return std::move(copy.to);
+} catch (const Json::exception&) {
+  refuse(
+      "its JSON is not that of glTF 2: a text, number, list or object stands where another "
+      "belongs");
+}
+
+}  // namespace paperbake

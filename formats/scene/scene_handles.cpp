@@ -1,0 +1,266 @@
+#include "formats/scene/scene_handles.h"
+
+#include "core/model/error.h"
+#include "formats/scene/scene_colliders.h"
+#include "formats/scene/scene_properties.h"
+#include "formats/scene/sheet_point.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+constexpr double on_border = 1e-5;  // of the longer side
+// [diagonals] in one frame: no one moves paper so; a unit or a wrong key does
+constexpr double longest_jump = 4;
+// keyed scale under half: the way of release both formats carry besides a property
+constexpr double released_scale = 0.5;
+
+struct Found {
+  int node;   // carries name and properties
+  int place;  // node whose origin is the handle: itself, or the child at a bone's tail
+};
+
+std::string place_of_handle(const SceneNodes& scene, const Found& handle) {
+  return place_of(scene.source, "handle", scene.file.nodes[handle.node].name);
+}
+
+std::vector<std::vector<int>> children_of(const std::vector<ImportedNode>& nodes) {
+  std::vector<std::vector<int>> children(nodes.size());
+  for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
+    int parent = nodes[i].parent;
+    while (parent >= 0 && nodes[parent].pivot) parent = nodes[parent].parent;
+    if (parent >= 0 && !nodes[i].pivot) children[parent].push_back(i);
+  }
+  return children;
+}
+
+int tail_of(const SceneNodes& scene, int bone, const std::vector<int>& children) {
+  const auto& nodes = scene.file.nodes;
+  for (int child : children)
+    if (is_tail_leaf(nodes[child].name, nodes[bone].name)) return child;
+  if (children.size() == 1) return children.front();
+  throw Error(
+      Fault::scene, place_of(scene.source, "handle", nodes[bone].name),
+      fmt::format("paper_point is tail, but the bone has {} children: its tail is not in the file.",
+                  children.size()),
+      "Export with \"Add leaf bones\", or parent an empty named handle... to the bone at its "
+      "tail.");
+}
+
+std::vector<Found> find_handles(const SceneNodes& scene) {
+  const auto& nodes = scene.file.nodes;
+  const auto children = children_of(nodes);
+  std::vector<Found> found;
+  std::set<int> leaves;  // of bones that are handles: named like handles, but not meant
+  std::set<std::string> names;
+  for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
+    const auto point = text_property(nodes[i], "paper_point");
+    if (nodes[i].pivot ||
+        (!point && (leaves.count(i) || !name_begins_with(nodes[i].name, "handle"))))
+      continue;
+    const std::string place = place_of(scene.source, "handle", nodes[i].name);
+    if (!names.insert(nodes[i].name).second)
+      throw Error(Fault::scene, place, "Two handles have this name.",
+                  "Give every handle a name of its own and export again.");
+    const std::string side = point ? matched_name(*point) : "head";
+    if (side != "head" && side != "tail")
+      throw Error(Fault::scene, place, fmt::format("paper_point is \"{}\".", *point),
+                  "It can be head or tail.");
+    if (!flag_property(nodes[i], "paper_ignore"))
+      found.push_back({i, side == "tail" ? tail_of(scene, i, children[i]) : i});
+    for (int child : children[i])
+      if (children[child].empty() && is_tail_leaf(nodes[child].name, nodes[i].name))
+        leaves.insert(child);
+  }
+  // a sheet may fall on something
+  if (found.empty() && std::none_of(nodes.begin(), nodes.end(), is_collider))
+    throw Error(Fault::scene, scene.source,
+                "The scene has no handle: no node's name starts with \"handle\".",
+                "Put an empty or a locator named handle... on the sheet at the first frame, and "
+                "animate it.");
+  return found;
+}
+
+/// A point within rounding of a corner or the border is meant to be on it.
+Vector2d snapped_to_border(const Pattern& pattern, const Vector2d& p) {
+  const double near = on_border * longer_side(pattern);
+  const auto corner_near = [&](const std::vector<Vector2d>& loop) {
+    return std::find_if(loop.begin(), loop.end(),
+                        [&](const Vector2d& corner) { return (corner - p).norm() <= near; });
+  };
+  if (const auto corner = corner_near(pattern.outline); corner != pattern.outline.end())
+    return *corner;
+  for (const auto& hole : pattern.holes)
+    if (const auto corner = corner_near(hole); corner != hole.end()) return *corner;
+  const Vector2d border = nearest_border_point(pattern, p);
+  return (border - p).norm() <= near ? border : p;
+}
+
+struct Grip {
+  std::size_t sheet;
+  SheetPoint point;
+};
+
+Grip grip_of(const SceneNodes& scene, const std::vector<SceneSheet>& sheets, const Found& handle,
+             const Vector3d& at) {
+  Grip grip{0, {}};
+  if (const auto target =
+          target_sheet(scene, sheets, handle.node, place_of_handle(scene, handle))) {
+    grip.sheet = *target;
+    grip.point = nearest_point(sheets[grip.sheet].start, at);
+  } else {
+    for (std::size_t i = 0; i < sheets.size(); ++i) {
+      const SheetPoint point = nearest_point(sheets[i].start, at);
+      if (point.distance < grip.point.distance) grip = {i, point};
+    }
+  }
+  const SceneSheet& sheet = sheets[grip.sheet];
+  const double diagonal = extent(sheet.pattern).norm();
+  if (grip.point.distance > diagonal)
+    throw Error(
+        Fault::scene,
+        fmt::format("{}, frame {}", place_of_handle(scene, handle), scene.first_frame),
+        fmt::format("The handle is {:.3g} m away from the sheet \"{}\", which is {:.3g} m across.",
+                    grip.point.distance, sheet.name, diagonal),
+        "Put the handle on its sheet point at the first frame, or name its sheet in paper_target.");
+  return grip;
+}
+
+void read_properties(const SceneNodes& scene, const Found& found, Handle& handle) {
+  const ImportedNode& node = scene.file.nodes[found.node];
+  const std::string& source = scene.source;
+  const std::string mode = matched_name(text_property(node, "paper_mode").value_or("absolute"));
+  if (mode != "absolute" && mode != "relative")
+    throw Error(Fault::scene, place_of_handle(scene, found),
+                fmt::format("paper_mode is \"{}\".", mode), "It can be absolute or relative.");
+  handle.mode = mode == "relative" ? HandleMode::relative : HandleMode::absolute;
+  handle.grab_frame = whole_property(source, node, "paper_grab_frame").value_or(handle.grab_frame);
+  handle.release_frame =
+      whole_property(source, node, "paper_release_frame").value_or(handle.release_frame);
+  handle.radius = nonnegative_property(source, node, "paper_radius");
+  handle.stiffness = nonnegative_property(source, node, "paper_stiffness").value_or(0);
+}
+
+/// Positions over the frames of the scene, and where the scale falls under half of what it was at
+/// the first: which handles that releases.
+std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<Found>& found,
+                              std::vector<Handle>& handles) {
+  const auto size = [](const Eigen::Affine3d& world) {
+    return std::cbrt(std::abs(world.linear().determinant()));
+  };
+  const int frames = scene.last_frame - scene.first_frame + 1;
+  std::vector<double> first_size(found.size());
+  std::vector<int> shrunk(found.size(), std::numeric_limits<int>::max());
+  for (int f = 0; f < frames; ++f) {
+    const auto world = world_at(scene, scene.first_frame + f);
+    for (std::size_t i = 0; i < found.size(); ++i) {
+      if (f == 0) handles[i].keyed.resize(frames, 3), first_size[i] = size(world[found[i].node]);
+      handles[i].keyed.row(f) = origin_of(scene, world, found[i].place);
+      if (size(world[found[i].node]) < released_scale * first_size[i])
+        shrunk[i] = std::min(shrunk[i], scene.first_frame + f);
+    }
+  }
+  std::vector<bool> by_scale(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    by_scale[i] = handles[i].release_frame == std::numeric_limits<int>::max() &&
+                  shrunk[i] != std::numeric_limits<int>::max();
+    if (by_scale[i]) handles[i].release_frame = shrunk[i];
+  }
+  return by_scale;
+}
+
+void check_jumps(const SceneNodes& scene, const Found& found, const Handle& handle,
+                 const SceneSheet& sheet) {
+  const double diagonal = extent(sheet.pattern).norm();
+  for (int f = 1; f < handle.keyed.rows(); ++f) {
+    const double jump = (handle.keyed.row(f) - handle.keyed.row(f - 1)).norm();
+    if (!(jump > longest_jump * diagonal)) continue;
+    const int frame = scene.first_frame + f;
+    throw Error(
+        Fault::scene,
+        fmt::format("{}, frames {}-{}", place_of_handle(scene, found), frame - 1, frame),
+        fmt::format("The handle jumps {:.3g} m in one frame; the sheet \"{}\" is {:.3g} m across.",
+                    jump, sheet.name, diagonal),
+        "Look for a wrong key there; if all is too large, the unit of the file is wrong: "
+        "--unit-scale.");
+  }
+}
+
+void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const SceneSheet& sheet,
+                        double distance, std::vector<std::string>& warnings) {
+  if (handle.mode == HandleMode::absolute && distance > 0.02 * extent(sheet.pattern).norm())
+    warnings.push_back(
+        fmt::format("The handle \"{}\" is {:.3g} mm away from its sheet at frame {}: it draws the "
+                    "nearest sheet point.",
+                    handle.name, 1000 * distance, scene.first_frame));
+  if (handle.release_frame <= handle.grab_frame)
+    warnings.push_back(
+        fmt::format("The handle \"{}\" never holds: it is released at frame {} and grabbed at {}.",
+                    handle.name, handle.release_frame, handle.grab_frame));
+}
+
+/// A null that groups handles and is named like one holds paper itself.
+void warn_of_groups(const SceneNodes& scene, const std::vector<Found>& found,
+                    std::vector<std::string>& warnings) {
+  const auto& nodes = scene.file.nodes;
+  std::map<int, int> below;
+  for (const Found& handle : found) {
+    int parent = nodes[handle.node].parent;
+    while (parent >= 0 && nodes[parent].pivot) parent = nodes[parent].parent;
+    ++below[parent];
+  }
+  for (const Found& handle : found)
+    if (const auto group = below.find(handle.node); group != below.end() && group->second > 1)
+      warnings.push_back(
+          fmt::format("The handle \"{}\" has {} handles below it and holds the sheet like them: if "
+                      "it only groups them, rename it or give it paper_ignore.",
+                      nodes[handle.node].name, group->second));
+}
+
+void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handles,
+                       std::vector<std::string>& warnings) {
+  const auto still = [](const Handle& handle) {
+    return (handle.keyed.rowwise() - handle.keyed.row(0)).cwiseAbs().maxCoeff() < 1e-9;
+  };
+  if (handles.empty() || !std::all_of(handles.begin(), handles.end(), still)) return;
+  warnings.push_back(scene.file.takes.empty()
+                         ? "No handle moves: the file has no animation."
+                         : "No handle moves: no animation of the file is theirs.");
+}
+
+}  // namespace
+
+void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
+                 std::vector<std::string>& warnings) {
+  const std::vector<Found> found = find_handles(scene);
+  std::vector<Handle> handles(found.size());
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    handles[i].name = scene.file.nodes[found[i].node].name;
+    read_properties(scene, found[i], handles[i]);
+  }
+  const std::vector<bool> by_scale = read_motion(scene, found, handles);
+  warn_of_groups(scene, found, warnings);
+  warn_of_stillness(scene, handles, warnings);
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Grip grip = grip_of(scene, sheets, found[i], handles[i].keyed.row(0));
+    SceneSheet& sheet = sheets[grip.sheet];
+    handles[i].pattern = snapped_to_border(sheet.pattern, grip.point.pattern);
+    check_jumps(scene, found[i], handles[i], sheet);
+    warn_of_odd_handle(scene, handles[i], sheet, grip.point.distance, warnings);
+    if (by_scale[i]) sheet.scale_releases.insert(handles[i].name);
+    sheet.handles.push_back(std::move(handles[i]));
+  }
+  for (const SceneSheet& sheet : sheets)
+    if (sheet.handles.empty())
+      warnings.push_back(
+          fmt::format("The sheet \"{}\" has no handle: nothing holds it.", sheet.name));
+}
+
+}  // namespace paperbake

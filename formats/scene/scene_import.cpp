@@ -1,0 +1,120 @@
+#include "formats/scene/scene_import.h"
+
+#include "core/model/error.h"
+#include "formats/scene/import_serialization.h"
+#include "formats/scene/sandbox.h"
+#include "formats/scene/scene_fbx.h"
+#include "formats/scene/scene_gltf.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cstdint>
+#include <fstream>
+
+namespace paperbake {
+namespace {
+
+// what an import may take, with much to spare: two million triangles in a GLB of 36 MB take 180 MB
+// and 0.2 s
+constexpr std::uint64_t least_memory = std::uint64_t(1) << 30, memory_of_byte = 100;  // [bytes]
+// of CPU time
+constexpr unsigned least_seconds = 5, bytes_a_second = 1 << 20;
+
+[[noreturn]] void reject(const std::filesystem::path& path, const std::string& cause,
+                         const std::string& remedy = export_again) {
+  throw Error(Fault::scene, path.string(), cause, remedy);
+}
+
+std::string lower_case_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension;
+}
+
+/// What can be told without the importer, in clearer words than its own.
+void check_file(const std::filesystem::path& path) {
+  std::error_code error;
+  if (!std::filesystem::exists(path, error))
+    reject(path, "There is no such file.", "Check the path.");
+  if (!std::filesystem::is_regular_file(path, error))
+    reject(path, "This is not a file.", "Name an FBX, glTF or GLB file.");
+  const std::string extension = lower_case_extension(path);
+  if (extension != ".fbx" && extension != ".gltf" && extension != ".glb")
+    reject(path, "This is not an FBX, glTF or GLB file.",
+           "Export the scene from the DCC as .fbx, .gltf or .glb.");
+  std::ifstream file(path, std::ios::binary);
+  if (!file) reject(path, "The file cannot be opened.", "Check its read permission.");
+  const std::uintmax_t size = std::filesystem::file_size(path, error);
+  unsigned char head[12] = {};
+  if (extension != ".glb" || !file.read(reinterpret_cast<char*>(head), sizeof head)) return;
+  if (!std::equal(head, head + 4, "glTF")) return;
+  const auto number = [&](int at) {
+    return head[at] | head[at + 1] << 8 | head[at + 2] << 16 | std::uintmax_t(head[at + 3]) << 24;
+  };
+  const std::uintmax_t version = number(4), promised = number(8);
+  if (version != 2)
+    reject(path, fmt::format("This is GLB of version {}; version 2 can be read.", version),
+           "Export the scene as glTF 2.0.");
+  if (promised > size)
+    reject(path, fmt::format("The file is cut off: it has {} of its {} bytes.", size, promised),
+           "Copy or export it again.");
+}
+
+/// What a file is, by its first bytes: whatever its name says.
+bool is_gltf(const std::filesystem::path& path) {
+  std::ifstream file(path, std::ios::binary);
+  std::string head(4, '\0');
+  file.read(head.data(), 4);
+  const std::size_t first = head.find_first_not_of(" \t\r\n\xEF\xBB\xBF");
+  return head == "glTF" || (first != std::string::npos && head[first] == '{');
+}
+
+}  // namespace
+
+Error foreign_file(const std::filesystem::path& path) {
+  return Error(Fault::scene, path.string(),
+               "This is not an FBX, glTF 2 or GLB file, whatever its name says.",
+               "Export the scene from the DCC as .fbx, .gltf or .glb.");
+}
+
+ImportedFile import_here(const std::filesystem::path& path, std::optional<double> fps) try {
+  return is_gltf(path) ? import_gltf(path) : import_fbx(path, fps);
+} catch (const Error& error) {
+  if (error.place == path.string()) throw;
+  throw Error(error.fault, path.filename().string() + ", " + error.place, error.cause,
+              export_again);
+} catch (const std::bad_alloc&) {
+  reject(path, "The file asks for more memory than a scene of its size needs.");
+} catch (const std::exception& error) {
+  reject(path, fmt::format("The file cannot be read: {}.", error.what()));
+}
+
+ImportedFile import_file(const std::filesystem::path& path, std::optional<double> fps) {
+  check_file(path);
+  std::error_code unknown;
+  const std::uintmax_t size = std::filesystem::file_size(path, unknown);
+  const auto import = [&] {
+    try {
+      return bytes_of({import_here(path, fps), "", "", ""});
+    } catch (const Error& error) {
+      return bytes_of({{}, error.place, error.cause, error.remedy});
+    }
+  };
+  const Apart apart =
+      run_apart(import, {least_memory + memory_of_byte * size,
+                         least_seconds + static_cast<unsigned>(size / bytes_a_second)});
+  if (!apart.bytes)
+    reject(path, fmt::format("The file cannot be read: its import {}.", apart.ended));
+  try {
+    SceneMessage message = message_of(*apart.bytes);
+    if (!message.cause.empty())
+      throw Error(Fault::scene, message.place, message.cause, message.remedy);
+    return std::move(message.file);
+  } catch (const std::runtime_error& error) {
+    if (dynamic_cast<const Error*>(&error)) throw;
+    reject(path, fmt::format("The file cannot be read: {}.", error.what()));
+  }
+}
+
+}  // namespace paperbake

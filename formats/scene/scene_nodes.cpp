@@ -1,0 +1,438 @@
+#include "formats/scene/scene_nodes.h"
+
+#include "core/model/error.h"
+#include "formats/scene/scene_properties.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace paperbake {
+namespace {
+
+constexpr double frame_rounding = 0.01;  // [frames] files come with 99.9999 for 100
+// [frames] over an hour: more is a wrong fps or a damaged file
+constexpr int longest_clip = 100000;
+constexpr double most_places = 2e7;  // nodes x frames: half a gigabyte of tracks, seconds
+constexpr double widest_turn = 60;   // [degrees] between two keys
+
+template <class AnyMotion, class Visit>
+void for_each_track(AnyMotion& motion, Visit visit) {
+  visit(motion.translation);
+  visit(motion.rotation);
+  visit(motion.scale);
+}
+
+bool moves(const Motion& motion) {
+  return !motion.translation.keys.empty() || !motion.rotation.keys.empty() ||
+         !motion.scale.keys.empty();
+}
+
+bool varies(const Motion& motion) {
+  bool varies = false;
+  const auto numbers = [](const auto& value) {
+    if constexpr (std::is_same_v<std::decay_t<decltype(value)>, Vector3d>)
+      return value;
+    else
+      return Eigen::Vector4d(value.coeffs());
+  };
+  for_each_track(motion, [&](const auto& track) {
+    for (const auto& key : track.keys)
+      varies |= !numbers(key.value).isApprox(numbers(track.keys.front().value), 1e-6);
+    for (const auto& slopes : track.slopes)
+      varies |= numbers(slopes.in).norm() + numbers(slopes.out).norm() > 1e-6;
+  });
+  return varies;
+}
+
+std::vector<const Take*> wanted_takes(const SceneNodes& scene, const SceneOptions& options) {
+  std::vector<const Take*> takes;
+  std::vector<std::string> names;
+  for (const Take& take : scene.file.takes) {
+    names.push_back('"' + take.name + '"');
+    if (!options.take || *options.take == take.name) takes.push_back(&take);
+  }
+  if (options.take && takes.empty())
+    throw Error(Fault::scene, scene.source,
+                fmt::format("The file has no take \"{}\".", *options.take),
+                names.empty() ? "It has no animation at all."
+                              : fmt::format("--take can be {}.", fmt::join(names, ", ")));
+  return takes;
+}
+
+/// A node of the file with the pivots that FBX import puts above it: they are moved by one and the
+/// same take.
+std::vector<std::vector<int>> nodes_with_their_pivots(const std::vector<ImportedNode>& nodes) {
+  std::vector<std::vector<int>> groups;
+  std::map<std::string, std::size_t> group_of_pivots;
+  for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
+    const auto known = group_of_pivots.find(nodes[i].name);
+    if (known != group_of_pivots.end()) {
+      groups[known->second].push_back(i);
+    } else {
+      if (nodes[i].pivot) group_of_pivots.emplace(nodes[i].name, groups.size());
+      groups.push_back({i});
+    }
+  }
+  return groups;
+}
+
+/// Whether a motion passes where the node stands without it: it was exported while that take, and
+/// no other, moved it.
+bool passes_rest(const Motion& motion, const ImportedNode& node) {
+  constexpr int parts = 8;       // of the time between two keys
+  constexpr double near = 0.05;  // of the way the take goes
+  double nearest = std::numeric_limits<double>::infinity();
+  Eigen::AlignedBox3d way;
+  for (std::size_t k = 0; k < motion.key_times.size(); ++k)
+    for (int part = 0; part < (k + 1 < motion.key_times.size() ? parts : 1); ++part) {
+      const double step = part > 0 ? (motion.key_times[k + 1] - motion.key_times[k]) / parts : 0;
+      const Vector3d at =
+          value_at(motion.translation, motion.key_times[k] + part * step, Vector3d::Zero());
+      way.extend(at);
+      nearest = std::min(nearest, (at - node.local.translation()).norm());
+    }
+  return nearest <= std::max(near * way.diagonal().norm(),
+                             1e-5 * way.max().cwiseAbs().cwiseMax(way.min().cwiseAbs()).maxCoeff());
+}
+
+/// Blender writes an animation per object, or per action and object: those of other objects'
+/// actions hold two equal keys, or bring the node where the other is.
+struct Choice {
+  const Take* take = nullptr;
+  bool varies = false, from_rest = true;
+  std::size_t keys = 0;
+  int moving_takes = 0;
+};
+
+Choice choose_take(const SceneNodes& scene, const std::vector<const Take*>& takes,
+                   const std::vector<int>& group) {
+  Choice best;
+  for (const Take* take : takes) {
+    Choice choice{take, false, true, 0, best.moving_takes};
+    for (int node : group) {
+      const auto motion = take->motions.find(node);
+      if (motion == take->motions.end()) continue;
+      choice.keys += motion->second.key_times.size();
+      choice.varies |= varies(motion->second);
+      choice.from_rest &= passes_rest(motion->second, scene.file.nodes[node]);
+    }
+    if (choice.keys == 0) continue;
+    if (choice.varies) best.moving_takes = ++choice.moving_takes;
+    if (!best.take || std::tuple(choice.varies, choice.from_rest, choice.keys) >
+                          std::tuple(best.varies, best.from_rest, best.keys))
+      best = choice;
+  }
+  return best;
+}
+
+/// Fills scene.motions, times still in seconds; returns the takes that were used.
+std::vector<const Take*> merge_takes(SceneNodes& scene, const SceneOptions& options) {
+  const auto takes = wanted_takes(scene, options);
+  std::vector<const Take*> used;
+  std::vector<std::string> contested;
+  scene.motions.resize(scene.file.nodes.size());
+  for (const std::vector<int>& group : nodes_with_their_pivots(scene.file.nodes)) {
+    const Choice choice = choose_take(scene, takes, group);
+    if (!choice.take) continue;
+    if (std::find(used.begin(), used.end(), choice.take) == used.end()) used.push_back(choice.take);
+    const std::string& name = scene.file.nodes[group.front()].name;
+    if (choice.moving_takes > 1)
+      contested.push_back(fmt::format("\"{}\" (\"{}\" is used)", name, choice.take->name));
+    for (int node : group) {
+      const auto motion = choice.take->motions.find(node);
+      if (motion != choice.take->motions.end()) scene.motions[node] = motion->second;
+    }
+  }
+  if (!contested.empty())
+    scene.warnings.push_back(fmt::format(
+        "{} node(s) are moved by several takes, first {}: --take NAME chooses one for all.",
+        contested.size(), contested.front()));
+  scene.origin["takes"] =
+      options.take ? "command line" : fmt::format("{} of {} merged", used.size(), takes.size());
+  return used;
+}
+
+void set_fps(SceneNodes& scene, const SceneOptions& options) {
+  const auto set = [&](double fps, std::string from) {
+    scene.fps = fps;
+    scene.origin["fps"] = std::move(from);
+  };
+  if (options.fps && !(*options.fps > 0 && std::isfinite(*options.fps)))
+    throw Error(Fault::scene, scene.source,
+                fmt::format("{} frames per second cannot be meant.", *options.fps),
+                "Give a positive number to --fps.");
+  if (options.fps) return set(*options.fps, "command line");
+  if (scene.file.fps > 0) return set(scene.file.fps, "file");
+  for (const ImportedNode& node : scene.file.nodes)
+    if (const auto fps = positive_property(scene.source, node, "paper_fps"))
+      return set(*fps, fmt::format("paper_fps of \"{}\"", node.name));
+  set(24, "default");
+  scene.warnings.push_back(
+      "The file does not say its frame rate: 24 frames per second are assumed; "
+      "--fps N or a property paper_fps sets it.");
+}
+
+struct Span {
+  double first = 1e300, last = -1e300;
+  void add(double t) { first = std::min(first, t), last = std::max(last, t); }
+  bool empty() const { return first > last; }
+};
+
+/// A single key says where a node is, not when; importers put it at time 0.
+Span key_span(const std::vector<Motion>& motions) {
+  Span span;
+  for (const Motion& motion : motions)
+    if (motion.key_times.size() > 1)
+      span.add(motion.key_times.front()), span.add(motion.key_times.back());
+  return span;
+}
+
+/// Of a time in the file.
+struct Clock {
+  double fps;
+  int shift = 0;  // [frames]
+  double frame(double seconds) const {
+    const double frame = seconds * fps + shift, whole = std::round(frame);
+    return std::abs(frame - whole) <= frame_rounding ? whole : frame;
+  }
+};
+
+bool all_keys_on_frames(const std::vector<Motion>& motions, double fps) {
+  const Clock clock{fps};
+  for (const Motion& motion : motions)
+    if (motion.key_times.size() > 1)
+      for (const double time : motion.key_times)
+        if (const double frame = clock.frame(time); frame != std::round(frame)) return false;
+  return true;
+}
+
+/// Frames per second of the times in a glTF file: the scene's, or one that differs from it by the
+/// 1000/1001 of video. Blender writes frame/(30 x 1.001) where 29.97 is meant. source: import.md 5
+double clock_rate(SceneNodes& scene) {
+  if (scene.file.fbx || all_keys_on_frames(scene.motions, scene.fps)) return scene.fps;
+  for (const double off : {1.001 * 1.001, 1.001, 1 / 1.001}) {
+    if (!all_keys_on_frames(scene.motions, scene.fps * off)) continue;
+    scene.warnings.push_back(
+        fmt::format("The file's times are those of {:.6g} frames per second: its keys are put on "
+                    "whole frames of {:.6g}.",
+                    scene.fps * off, scene.fps));
+    return scene.fps * off;
+  }
+  return scene.fps;
+}
+
+/// The frame that time 0 of the file falls on.
+int first_frame_shift(SceneNodes& scene, const SceneOptions& options, double first_key) {
+  if (options.start_frame) {
+    scene.origin["first_frame"] = "command line";
+    return *options.start_frame -
+           (scene.file.start_lost ? 0 : static_cast<int>(std::floor(first_key)));
+  }
+  scene.origin["first_frame"] = scene.file.start_lost ? "default" : "file";
+  if (!scene.file.start_lost) return 0;
+  scene.warnings.push_back(
+      "The file does not say its first frame: 1 is assumed; --start-frame N sets it.");
+  return 1;
+}
+
+void warn_of_keys_between_frames(SceneNodes& scene, const Clock& clock) {
+  std::size_t between = 0, all = 0;
+  for (const Motion& motion : scene.motions) {
+    if (motion.key_times.size() < 2) continue;
+    all += motion.key_times.size();
+    for (const double time : motion.key_times)
+      between += clock.frame(time) != std::round(clock.frame(time));
+  }
+  if (between > 0)
+    scene.warnings.push_back(
+        fmt::format("{} of {} keys lie between whole frames at {:.6g} frames per second: is that "
+                    "the scene's rate "
+                    "(--fps)?",
+                    between, all, scene.fps));
+}
+
+/// Times become frames, and slopes those of frames.
+template <class Value>
+void put_on_frames(Track<Value>& track, const Clock& clock) {
+  for (Key<Value>& key : track.keys) key.time = clock.frame(key.time);
+  for (Slopes<Value>& slopes : track.slopes)
+    for (Value* slope : {&slopes.in, &slopes.out}) {
+      if constexpr (std::is_same_v<Value, Vector3d>)
+        *slope /= clock.fps;
+      else
+        slope->coeffs() /= clock.fps;
+    }
+}
+
+/// Frames at which something moves, of tracks that are sampled on.
+Span track_span(const std::vector<Motion>& motions) {
+  Span span;
+  for (const Motion& motion : motions)
+    for_each_track(motion, [&](const auto& track) {
+      if (track.keys.size() > 1)
+        span.add(track.keys.front().time), span.add(track.keys.back().time);
+    });
+  return span;
+}
+
+/// Euler angles that were not sampled are lost in such a span: the file's rotation takes another
+/// way.
+void warn_of_wide_turns(SceneNodes& scene) {
+  double widest = widest_turn;
+  std::string where;
+  for (std::size_t i = 0; i < scene.motions.size(); ++i) {
+    const Track<Eigen::Quaterniond>& track = scene.motions[i].rotation;
+    if (track.between == Between::step) continue;
+    for (std::size_t k = 1; k < track.keys.size(); ++k) {
+      const auto &a = track.keys[k - 1], &b = track.keys[k];
+      const double turn = a.value.angularDistance(b.value) * 180 / EIGEN_PI;
+      if (b.time - a.time <= 1 || turn <= widest) continue;
+      widest = turn;
+      where =
+          fmt::format("\"{}\" turns by {:.0f} degrees between its keys at frames {:.6g} and {:.6g}",
+                      scene.file.nodes[i].name, turn, a.time, b.time);
+    }
+  }
+  if (!where.empty())
+    scene.warnings.push_back(where +
+                             ": the file does not say how the DCC goes from one to the other; "
+                             "export with a key on every frame.");
+}
+
+/// Frames of a scene that no key moves: those the file gives its first take, or one.
+void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
+  const Clock clock{scene.fps};
+  int first = 1, last = 1;
+  scene.origin["first_frame"] = options.start_frame ? "command line" : "default";
+  for (const Take& take : scene.file.takes) {
+    if (!(take.begin < take.end) || scene.file.start_lost ||
+        !(std::abs(take.begin) + std::abs(take.end) < longest_clip / scene.fps))
+      continue;
+    first = static_cast<int>(std::floor(clock.frame(take.begin))),
+    last = static_cast<int>(std::ceil(clock.frame(take.end)));
+    if (!options.start_frame) scene.origin["first_frame"] = "file";
+    break;
+  }
+  const int shift = options.start_frame ? *options.start_frame - first : 0;
+  scene.first_frame = scene.last_frame = scene.first_clip_frame = first + shift;
+  scene.last_clip_frame = last + shift;
+}
+
+void set_frames(SceneNodes& scene, const SceneOptions& options,
+                const std::vector<const Take*>& used) {
+  const Span keys = key_span(scene.motions);
+  if (keys.empty()) return set_still_frames(scene, options);
+  Clock clock{clock_rate(scene)};
+  clock.shift = std::abs(keys.first) * scene.fps < 1e9
+                    ? first_frame_shift(scene, options, clock.frame(keys.first))
+                    : 0;
+  Span clip = keys;
+  for (const Take* take : used)
+    if (take->begin < take->end) clip.add(take->begin), clip.add(take->end);
+  const double first = clock.frame(clip.first), last = clock.frame(clip.last);
+  if (!(last - first <= longest_clip) || std::abs(first) > 1e9)
+    throw Error(Fault::scene, scene.source,
+                fmt::format("The clip runs from frame {:.6g} to {:.6g}.", first, last),
+                "Check --fps, and the range of the export.");
+  if ((last - first + 1) * scene.file.nodes.size() > most_places)
+    throw Error(Fault::scene, scene.source,
+                fmt::format("The clip has {:.6g} frames of {} nodes: that is too much to follow.",
+                            last - first + 1, scene.file.nodes.size()),
+                "Export the sheets and handles alone, or a shorter range.");
+  for (Motion& motion : scene.motions)
+    for_each_track(motion, [&](auto& track) { put_on_frames(track, clock); });
+  scene.first_clip_frame = static_cast<int>(std::floor(first));
+  scene.last_clip_frame = static_cast<int>(std::ceil(last));
+  scene.first_frame = static_cast<int>(std::floor(clock.frame(keys.first)));
+  scene.last_frame = static_cast<int>(std::ceil(clock.frame(keys.last)));
+  // curves may go on beyond their keys, over all of the clip
+  const Span moving = track_span(scene.motions);
+  if (moving.first < scene.first_frame) scene.first_frame = scene.first_clip_frame;
+  if (moving.last > scene.last_frame) scene.last_frame = scene.last_clip_frame;
+  warn_of_keys_between_frames(scene, clock);
+  warn_of_wide_turns(scene);
+}
+
+void set_unit(SceneNodes& scene, const SceneOptions& options) {
+  if (options.unit_scale && !(*options.unit_scale > 0 && std::isfinite(*options.unit_scale)))
+    throw Error(Fault::scene, scene.source,
+                fmt::format("A unit of {} m cannot be meant.", *options.unit_scale),
+                "Give a positive length in metres to --unit-scale.");
+  scene.unit = options.unit_scale.value_or(scene.file.unit);
+  scene.origin["unit"] = fmt::format("{:.6g} m, {}", scene.unit,
+                                     options.unit_scale ? "command line"
+                                     : scene.file.fbx   ? "file"
+                                                        : "glTF");
+  scene.origin["up_axis"] = scene.file.up_axis + (scene.file.fbx ? ", file" : ", glTF");
+}
+
+/// Local transform without its scale, and that.
+struct Local {
+  Eigen::Affine3d place;
+  Vector3d scale;
+};
+
+Local local_at(const ImportedNode& node, const Motion& motion, int frame) {
+  if (!moves(motion)) return {node.local, node.scale};
+  Eigen::Affine3d place = Eigen::Affine3d::Identity();
+  place.translate(value_at(motion.translation, frame, Vector3d::Zero()));
+  place.rotate(value_at(motion.rotation, frame));
+  return {place, value_at(motion.scale, frame, Vector3d::Ones())};
+}
+
+}  // namespace
+
+SceneNodes scene_nodes(ImportedFile file, std::string source, const SceneOptions& options) {
+  SceneNodes scene;
+  scene.source = std::move(source);
+  scene.file = std::move(file);
+  scene.warnings = scene.file.warnings;
+  scene.origin["curves"] = scene.file.reader;
+  const auto used = merge_takes(scene, options);
+  set_fps(scene, options);
+  set_frames(scene, options, used);
+  set_unit(scene, options);
+  return scene;
+}
+
+std::vector<Eigen::Affine3d> world_at(const SceneNodes& scene, int frame) {
+  struct Placed {
+    Eigen::Affine3d world, without_scale;
+    Vector3d scale;
+  };
+  Eigen::Affine3d metres = Eigen::Affine3d::Identity();
+  metres.linear() = scene.unit * scene.file.to_z_up;
+  const Placed root{metres, metres, Vector3d::Ones()};
+  std::vector<Placed> placed;
+  std::vector<Eigen::Affine3d> world;
+  for (std::size_t i = 0; i < scene.file.nodes.size(); ++i) {
+    const ImportedNode& node = scene.file.nodes[i];
+    const Placed& parent = node.parent < 0 ? root : placed[node.parent];
+    Local local = local_at(node, scene.motions[i], frame);
+    if (node.own_scale) {
+      local.place.translation() = local.place.translation().cwiseProduct(parent.scale).eval();
+      if (node.scale_from >= 0)
+        local.scale = local.scale.cwiseProduct(placed[node.scale_from].scale).eval();
+    }
+    const Eigen::Affine3d place =
+        (node.own_scale ? parent.without_scale : parent.world) * local.place;
+    placed.push_back({place * Eigen::Scaling(local.scale), place, local.scale});
+    world.push_back(placed.back().world);
+  }
+  return world;
+}
+
+Vector3d origin_of(const SceneNodes& scene, const std::vector<Eigen::Affine3d>& world, int node) {
+  const auto& nodes = scene.file.nodes;
+  int carrier = node;
+  for (int above = nodes[node].parent; above >= 0 && nodes[above].offsets_mesh_only;)
+    carrier = above = nodes[above].parent;
+  return carrier < 0 ? Vector3d::Zero() : Vector3d(world[carrier].translation());
+}
+
+}  // namespace paperbake

@@ -1,0 +1,163 @@
+#include "formats/scene/scene_properties.h"
+
+#include "core/model/error.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace paperbake {
+namespace {
+
+// the words of design.md; the second row belongs to other tools or to later versions
+constexpr std::array known_properties = {
+    "paper_grab_frame", "paper_release_frame", "paper_mode",   "paper_radius",  "paper_target",
+    "paper_point",      "paper_stiffness",     "paper_ignore", "paper_preset",  "paper_gsm",
+    "paper_thickness",  "paper_seed",          "paper_fps",    "paper_gravity", "paper_size",
+    "paper_collider",   "paper_friction",      "paper_crease", "paper_uv",      "paper_locked",
+    "paper_weight",     "paper_interp",        "paper_tangent"};
+
+const PropertyValue* find(const ImportedNode& node, const std::string& key) {
+  const auto found = node.properties.find(key);
+  if (found == node.properties.end()) return nullptr;
+  const auto* text = std::get_if<std::string>(&found->second);
+  return text && text->empty() ? nullptr : &found->second;
+}
+
+std::string in_words(const PropertyValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
+  if (const auto* text = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *text);
+  return fmt::format("[{}]", fmt::join(std::get<std::vector<double>>(value), ", "));
+}
+
+std::optional<double> as_number(const PropertyValue& value) {
+  if (const auto* number = std::get_if<double>(&value)) return *number;
+  if (const auto* list = std::get_if<std::vector<double>>(&value))
+    return list->size() == 1 ? std::optional(list->front()) : std::nullopt;
+  const std::string& text = std::get<std::string>(value);
+  double number;
+  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
+  return error == std::errc() && end == text.data() + text.size() ? std::optional(number)
+                                                                  : std::nullopt;
+}
+
+[[noreturn]] void reject(const std::string& source, const ImportedNode& node,
+                         const std::string& key, const char* wanted) {
+  throw Error(
+      Fault::scene, place_of(source, "node", node.name),
+      fmt::format("The property {} is {}, not {}.", key, in_words(*find(node, key)), wanted),
+      "Correct it in the DCC and export again.");
+}
+
+}  // namespace
+
+PropertyValue text_or_list(const std::string& text) {
+  if (text.size() < 2 || text.front() != '[' || text.back() != ']') return text;
+  std::vector<double> list;
+  for (const char *at = text.data() + 1, *end = text.data() + text.size() - 1; at < end;) {
+    if (*at == ' ' || *at == ',') {
+      ++at;
+      continue;
+    }
+    double number;
+    const auto [next, error] = std::from_chars(at, end, number);
+    if (error != std::errc()) return text;
+    list.push_back(number);
+    at = next;
+  }
+  return list;
+}
+
+std::string matched_name(std::string_view raw) {
+  raw.remove_prefix(raw.rfind(':') + 1);  // npos + 1 = 0
+  const auto digit = [](char c) { return '0' <= c && c <= '9'; };
+  if (raw.size() > 4 && raw[raw.size() - 4] == '.' && std::all_of(raw.end() - 3, raw.end(), digit))
+    raw.remove_suffix(4);
+  std::string name(raw);
+  for (char& c : name)
+    c = c == '_' || c == '-' ? '.' : static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return name;
+}
+
+bool name_begins_with(std::string_view raw, std::string_view prefix) {
+  return matched_name(raw).compare(0, prefix.size(), prefix) == 0;
+}
+
+bool is_tail_leaf(const std::string& name, const std::string& bone) {
+  return name == bone + "_end" || name == bone + "_leaf";
+}
+
+std::string place_of(const std::string& source, std::string_view kind, std::string_view name) {
+  return fmt::format("{}, {} \"{}\"", source, kind, name);
+}
+
+std::optional<double> number_property(const std::string& source, const ImportedNode& node,
+                                      const std::string& key) {
+  const PropertyValue* value = find(node, key);
+  if (!value) return std::nullopt;
+  const auto number = as_number(*value);
+  if (!number || !std::isfinite(*number)) reject(source, node, key, "a number");
+  return number;
+}
+
+std::optional<int> whole_property(const std::string& source, const ImportedNode& node,
+                                  const std::string& key) {
+  const auto number = number_property(source, node, key);
+  if (!number) return std::nullopt;
+  if (*number != std::round(*number) || std::abs(*number) > std::numeric_limits<int>::max())
+    reject(source, node, key, "a whole number");
+  return static_cast<int>(*number);
+}
+
+std::optional<double> positive_property(const std::string& source, const ImportedNode& node,
+                                        const std::string& key) {
+  const auto number = number_property(source, node, key);
+  if (number && !(*number > 0)) reject(source, node, key, "greater than zero");
+  return number;
+}
+
+std::optional<double> nonnegative_property(const std::string& source, const ImportedNode& node,
+                                           const std::string& key) {
+  const auto number = number_property(source, node, key);
+  if (number && *number < 0) reject(source, node, key, "zero or greater");
+  return number;
+}
+
+std::optional<std::string> text_property(const ImportedNode& node, const std::string& key) {
+  const PropertyValue* value = find(node, key);
+  if (!value) return std::nullopt;
+  if (const auto* text = std::get_if<std::string>(value)) return *text;
+  return in_words(*value);
+}
+
+std::vector<double> list_property(const ImportedNode& node, const std::string& key) {
+  const PropertyValue* value = find(node, key);
+  const auto* list = value ? std::get_if<std::vector<double>>(value) : nullptr;
+  return list ? *list : std::vector<double>();
+}
+
+bool flag_property(const ImportedNode& node, const std::string& key) {
+  const PropertyValue* value = find(node, key);
+  if (!value) return false;
+  if (const auto number = as_number(*value)) return *number != 0;
+  const auto* text = std::get_if<std::string>(value);
+  return text && (*text == "true" || *text == "True" || *text == "yes");
+}
+
+std::vector<std::string> unknown_properties(const std::vector<ImportedNode>& nodes) {
+  std::vector<std::string> warnings;
+  for (const ImportedNode& node : nodes)
+    for (const auto& [key, value] : node.properties)
+      if (key.rfind("paper_", 0) == 0 && std::find(known_properties.begin(), known_properties.end(),
+                                                   key) == known_properties.end())
+        warnings.push_back(
+            fmt::format("The property {} of node \"{}\" is unknown and ignored.", key, node.name));
+  return warnings;
+}
+
+}  // namespace paperbake

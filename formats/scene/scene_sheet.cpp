@@ -1,0 +1,346 @@
+#include "formats/scene/scene_sheet.h"
+
+#include "core/model/error.h"
+#include "formats/scene/scene_unroll.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <numeric>
+#include <utility>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+using Loop = std::vector<int>;
+
+constexpr double weld_distance = 1e-6;  // of the size
+constexpr double weld_uv = 1e-4;        // uv units
+// of the size: a border vertex nearer to a straight line is no corner
+constexpr double straight = 1e-6;
+
+/// All faces of a node in the world, in metres, vertices as the file has them.
+WeldedMesh gather(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
+  int vertices = 0, triangles = 0;
+  bool has_uv = true;
+  for (int m : file.nodes[node].meshes) {
+    vertices += static_cast<int>(file.meshes[m].x.rows());
+    triangles += static_cast<int>(file.meshes[m].triangles.rows());
+    has_uv = has_uv && file.meshes[m].uv.rows() > 0;
+  }
+  WeldedMesh all{Points3(vertices, 3), Points2(has_uv ? vertices : 0, 2), Triangles(triangles, 3)};
+  int v = 0, t = 0;
+  for (int m : file.nodes[node].meshes) {
+    const ImportedMesh& mesh = file.meshes[m];
+    const int n = static_cast<int>(mesh.x.rows());
+    all.x.middleRows(v, n) =
+        (mesh.x * world.linear().transpose()).rowwise() + world.translation().transpose();
+    if (has_uv) all.uv.middleRows(v, n) = mesh.uv;
+    all.triangles.middleRows(t, mesh.triangles.rows()) = mesh.triangles.array() + v;
+    v += n;
+    t += static_cast<int>(mesh.triangles.rows());
+  }
+  // a mirroring transform turns the winding round, the front stays where the artist sees it
+  if (world.linear().determinant() < 0) all.triangles.col(1).swap(all.triangles.col(2));
+  return all;
+}
+
+double size_of(const Points3& x) {
+  return (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
+}
+
+/// Makes one vertex of those at one place; vertices no face uses are left out. Order of first use
+/// by index.
+WeldedMesh weld(const WeldedMesh& mesh, bool keep_uv) {
+  const double near = weld_distance * size_of(mesh.x);
+  std::vector<int> used(mesh.triangles.data(), mesh.triangles.data() + mesh.triangles.size());
+  std::sort(used.begin(), used.end());
+  used.erase(std::unique(used.begin(), used.end()), used.end());
+  int along = 0;  // the longest side: few vertices have the same place on it
+  (mesh.x.colwise().maxCoeff() - mesh.x.colwise().minCoeff()).maxCoeff(&along);
+  std::vector<int> in_order = used;
+  std::stable_sort(in_order.begin(), in_order.end(),
+                   [&](int a, int b) { return mesh.x(a, along) < mesh.x(b, along); });
+  std::vector<int> same(mesh.x.rows());
+  std::iota(same.begin(), same.end(), 0);
+  const auto root = [&](int v) {
+    while (same[v] != v) v = same[v];
+    return v;
+  };
+  for (std::size_t i = 0; i < in_order.size(); ++i)
+    for (std::size_t j = i;
+         j-- > 0 && mesh.x(in_order[i], along) - mesh.x(in_order[j], along) <= near;) {
+      if ((mesh.x.row(in_order[i]) - mesh.x.row(in_order[j])).norm() > near) continue;
+      if (keep_uv && (mesh.uv.row(in_order[i]) - mesh.uv.row(in_order[j])).norm() > weld_uv)
+        continue;
+      const int a = root(in_order[i]), b = root(in_order[j]);
+      same[std::max(a, b)] = std::min(a, b);
+    }
+  std::vector<int> kept, number(mesh.x.rows(), -1);
+  for (int v : used)
+    if (root(v) == v) number[v] = static_cast<int>(kept.size()), kept.push_back(v);
+  WeldedMesh welded{mesh.x(kept, Eigen::all), Points2(), mesh.triangles};
+  if (keep_uv) welded.uv = mesh.uv(kept, Eigen::all);
+  for (int i = 0; i < welded.triangles.size(); ++i)
+    welded.triangles.data()[i] = number[root(welded.triangles.data()[i])];
+  return welded;
+}
+
+int triangles_without_area(const WeldedMesh& mesh) {
+  int count = 0;
+  for (int t = 0; t < mesh.triangles.rows(); ++t) {
+    const auto corner = [&](int k) { return Vector3d(mesh.x.row(mesh.triangles(t, k))); };
+    const Vector3d a = corner(1) - corner(0), b = corner(2) - corner(0);
+    const double longest2 = std::max({a.squaredNorm(), b.squaredNorm(), (a - b).squaredNorm()});
+    count += a.cross(b).norm() <= 1e-6 * longest2;  // higher than a millionth of its length
+  }
+  return count;
+}
+
+struct Edges {
+  std::map<std::pair<int, int>, std::vector<int>> triangles;  // ends, smaller first -> triangles
+  int crowded = 0;                                            // edges of three triangles and more
+  // whose two triangles disagree about the front
+  int twisted = 0;
+  int pieces = 0;
+};
+
+Edges edges_of(const Triangles& triangles) {
+  Edges edges;
+  std::map<std::pair<int, int>, int> directed;
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const int a = triangles(t, k), b = triangles(t, (k + 1) % 3);
+      edges.triangles[std::minmax(a, b)].push_back(t);
+      edges.twisted += ++directed[{a, b}] == 2;
+    }
+  std::vector<int> piece(triangles.rows());
+  std::iota(piece.begin(), piece.end(), 0);
+  const auto root = [&](int t) {
+    while (piece[t] != t) t = piece[t] = piece[piece[t]];
+    return t;
+  };
+  edges.pieces = static_cast<int>(triangles.rows());
+  for (const auto& [ends, sides] : edges.triangles) {
+    edges.crowded += sides.size() > 2;
+    for (int t : sides)
+      if (root(t) != root(sides.front())) piece[root(t)] = root(sides.front()), --edges.pieces;
+  }
+  return edges;
+}
+
+void check_mesh(const WeldedMesh& mesh, const std::string& place) {
+  const auto reject = [&](const std::string& cause, const char* remedy) {
+    throw Error(Fault::scene, place, cause, remedy);
+  };
+  const int flat = triangles_without_area(mesh);
+  if (flat > 0)
+    reject(fmt::format("{} of the {} triangles of the mesh have no area.", flat,
+                       mesh.triangles.rows()),
+           "Merge doubled vertices and dissolve degenerate faces in the DCC.");
+  const Edges edges = edges_of(mesh.triangles);
+  if (edges.crowded > 0)
+    reject(fmt::format("Three or more faces meet at {} of the mesh's edges.", edges.crowded),
+           "A sheet is one layer of paper: remove the extra faces.");
+  if (edges.pieces > 1)
+    reject(fmt::format("The mesh is made of {} pieces.", edges.pieces),
+           "Make each sheet an object of its own, or merge the vertices where the pieces meet.");
+  if (edges.twisted > 0)
+    reject(
+        fmt::format("The faces at {} of the mesh's edges disagree about the front.", edges.twisted),
+        "Recalculate the normals in the DCC; a sheet has two sides.");
+  if (std::none_of(edges.triangles.begin(), edges.triangles.end(),
+                   [](const auto& edge) { return edge.second.size() == 1; }))
+    reject("The mesh is closed: a sheet of paper has a border.",
+           "Take away its thickness (Solidify, Shell), or cut it open along edges.");
+}
+
+/// True when the mesh can be a sheet without a word to the artist.
+bool is_one_layer(const WeldedMesh& mesh) {
+  const Edges edges = edges_of(mesh.triangles);
+  return edges.crowded == 0 && edges.twisted == 0 && edges.pieces == 1;
+}
+
+/// The border, paper on its left: the outline comes out counter-clockwise, holes clockwise.
+std::vector<Loop> border_loops(const Triangles& triangles, const std::string& place) {
+  std::map<std::pair<int, int>, int> directed;
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k) directed[{triangles(t, k), triangles(t, (k + 1) % 3)}] = t;
+  std::map<int, int> next;
+  for (const auto& [edge, t] : directed) {
+    if (directed.count({edge.second, edge.first})) continue;
+    if (!next.emplace(edge.first, edge.second).second)
+      throw Error(Fault::scene, place, "The border of the mesh touches itself at a vertex.",
+                  "Split that vertex, or join the faces there by an edge.");
+  }
+  std::vector<Loop> loops;
+  while (!next.empty()) {
+    loops.emplace_back();
+    for (auto at = next.begin(); at != next.end();) {
+      loops.back().push_back(at->first);
+      const int to = at->second;
+      next.erase(at);
+      at = next.find(to);
+    }
+  }
+  return loops;
+}
+
+double distance_to_line(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
+  const Vector2d ab = b - a;
+  return std::abs(ab.x() * (p - a).y() - ab.y() * (p - a).x()) / ab.norm();
+}
+
+/// The corners of a loop, beginning with its leftmost lowest: that one is a corner for certain.
+std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double size) {
+  std::vector<Vector2d> points;
+  for (int v : loop) points.push_back(flat.row(v));
+  const auto rounded = [&](double x) { return std::round(x / (straight * size)); };
+  std::rotate(points.begin(),
+              std::min_element(points.begin(), points.end(),
+                               [&](const Vector2d& a, const Vector2d& b) {
+                                 return std::pair(rounded(a.x()), a.y()) <
+                                        std::pair(rounded(b.x()), b.y());
+                               }),
+              points.end());
+  std::vector<Vector2d> corners = {points.front()};
+  std::size_t kept = 0;
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    const Vector2d& next = points[(i + 1) % points.size()];
+    bool on_line = true;
+    for (std::size_t k = kept + 1; k <= i; ++k)
+      on_line = on_line && distance_to_line(points[k], points[kept], next) <= straight * size;
+    if (on_line) continue;
+    kept = i;
+    corners.push_back(points[i]);
+  }
+  return corners;
+}
+
+double signed_area(const std::vector<Vector2d>& loop) { return area(Pattern{loop, {}}); }
+
+bool cross_each_other(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
+  const auto side = [](const Vector2d& p, const Vector2d& q, const Vector2d& r) {
+    return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x();
+  };
+  return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
+}
+
+bool overlaps_itself(const Pattern& pattern) {
+  std::vector<std::pair<Vector2d, Vector2d>> edges;
+  const auto add = [&](const std::vector<Vector2d>& loop) {
+    for (std::size_t i = 0; i < loop.size(); ++i)
+      edges.emplace_back(loop[i], loop[(i + 1) % loop.size()]);
+  };
+  add(pattern.outline);
+  for (const auto& hole : pattern.holes) add(hole);
+  for (std::size_t i = 0; i < edges.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (cross_each_other(edges[i].first, edges[i].second, edges[j].first, edges[j].second))
+        return true;
+  return false;
+}
+
+/// An unrolled sheet has no direction of its own: its longest straight border, the first of equals,
+/// goes along x.
+void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
+  Vector2d longest = Vector2d::UnitX();
+  double length = 0;
+  for (std::size_t i = 0; i < pattern.outline.size(); ++i) {
+    const Vector2d side = pattern.outline[(i + 1) % pattern.outline.size()] - pattern.outline[i];
+    if (side.norm() > 1.001 * length) length = side.norm(), longest = side.normalized();
+  }
+  Eigen::Matrix2d rotation;
+  rotation << longest.x(), longest.y(), -longest.y(), longest.x();
+  flat = (flat * rotation.transpose()).eval();
+}
+
+/// By quarter turns the side up that the UVs have up, whatever their proportions.
+/// all: the same triangles with their uv
+void turn_as_uv(Points2& flat, const Triangles& triangles, const WeldedMesh& all) {
+  // how well the uv agree with the flat shape as it is, and turned by 90 degrees
+  double same = 0, quarter = 0, area = 0;
+  for (const int mirrored : {1, -1}) {
+    same = quarter = area = 0;
+    for (int t = 0; t < triangles.rows(); ++t) {
+      const auto edge = [&](const Points2& p, const Triangles& of, int k) {
+        return Vector2d(p.row(of(t, (k + 1) % 3)) - p.row(of(t, k)));
+      };
+      const auto uv = [&](int k) {
+        return Vector2d(edge(all.uv, all.triangles, k).cwiseProduct(Vector2d(mirrored, 1)));
+      };
+      area += uv(0).x() * uv(1).y() - uv(0).y() * uv(1).x();
+      for (int k = 0; k < 3; ++k) {
+        const Vector2d a = uv(k), b = edge(flat, triangles, k);
+        same += a.dot(b), quarter += a.y() * b.x() - a.x() * b.y();
+      }
+    }
+    if (area >= 0) break;
+  }
+  Eigen::Matrix2d turn;
+  if (std::abs(same) >= std::abs(quarter))
+    turn = (same < 0 ? -1 : 1) * Eigen::Matrix2d::Identity();
+  else
+    turn << 0, quarter < 0 ? 1 : -1, quarter < 0 ? -1 : 1, 0;
+  flat = (flat * turn.transpose()).eval();
+}
+
+}  // namespace
+
+Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::string& place) {
+  const double size = (flat.colwise().maxCoeff() - flat.colwise().minCoeff()).maxCoeff();
+  Pattern pattern;
+  for (const Loop& loop : border_loops(triangles, place)) {
+    std::vector<Vector2d> corners = corners_of(loop, flat, size);
+    if (signed_area(corners) <= 0) {
+      pattern.holes.push_back(std::move(corners));
+    } else {
+      if (!pattern.outline.empty())
+        throw Error(Fault::scene, place, "Laid flat the sheet overlaps itself.",
+                    "Cut it into sheets that can be laid flat.");
+      pattern.outline = std::move(corners);
+    }
+  }
+  if (pattern.outline.empty() || overlaps_itself(pattern))
+    throw Error(Fault::scene, place, "Laid flat the sheet overlaps itself.",
+                "Cut it into sheets that can be laid flat.");
+  return pattern;
+}
+
+FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& world,
+                     const std::string& place) {
+  const WeldedMesh all = gather(file, node, world);
+  if (all.triangles.rows() == 0)
+    throw Error(Fault::scene, place, "The mesh has no faces.",
+                "Export the sheet as a mesh with faces.");
+  WeldedMesh mesh = weld(all, all.uv.rows() > 0);
+  std::optional<Points2> flat;
+  if (triangles_without_area(mesh) == 0 && is_one_layer(mesh)) flat = pattern_from_uv(mesh);
+  const bool from_uv = flat.has_value();
+  if (!flat) {
+    mesh = weld(all, false);
+    check_mesh(mesh, place);
+    flat = unrolled(mesh, place);
+    lay_along_longest_side(*flat, pattern_of(*flat, mesh.triangles, place));
+    if (all.uv.rows() > 0) turn_as_uv(*flat, mesh.triangles, all);
+  }
+  // the bounding box begins at (0, 0)
+  flat->rowwise() -= flat->colwise().minCoeff().eval();
+  FlatSheet sheet;
+  sheet.pattern = pattern_of(*flat, mesh.triangles, place);
+  sheet.start.pattern = *flat;
+  sheet.start.x = mesh.x;
+  sheet.start.v = Points3::Zero(mesh.x.rows(), 3);
+  sheet.start.triangles = mesh.triangles;
+  sheet.from_uv = from_uv;
+  return sheet;
+}
+
+WeldedMesh welded_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
+  return weld(gather(file, node, world), false);
+}
+
+}  // namespace paperbake

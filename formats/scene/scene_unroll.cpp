@@ -1,0 +1,168 @@
+#include "formats/scene/scene_unroll.h"
+
+#include "core/model/error.h"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <deque>
+#include <map>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+// of an edge's length; more would be a stretch of the paper before it moves [design.md]
+constexpr double agreement = 0.01;
+constexpr double pi = 3.14159265358979323846;
+
+double turn(const Points2& p, int a, int b, int c) {
+  const Vector2d ab = (p.row(b) - p.row(a)).transpose(), ac = (p.row(c) - p.row(a)).transpose();
+  return ab.x() * ac.y() - ab.y() * ac.x();
+}
+
+template <class Visit>
+void for_each_corner(const Triangles& triangles, Visit visit) {
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k)
+      visit(t, triangles(t, k), triangles(t, (k + 1) % 3), triangles(t, (k + 2) % 3));
+}
+
+/// Largest relative difference of an edge's length between the flat shape and space.
+double worst_stretch(const WeldedMesh& mesh, const Points2& flat) {
+  double worst = 0;
+  for_each_corner(mesh.triangles, [&](int, int a, int b, int) {
+    const double in_space = (mesh.x.row(a) - mesh.x.row(b)).norm();
+    worst = std::max(worst, std::abs((flat.row(a) - flat.row(b)).norm() - in_space) / in_space);
+  });
+  return worst;
+}
+
+/// Number of triangles that are clockwise in the flat shape.
+int clockwise_triangles(const Triangles& triangles, const Points2& flat) {
+  int count = 0;
+  for (int t = 0; t < triangles.rows(); ++t)
+    count += turn(flat, triangles(t, 0), triangles(t, 1), triangles(t, 2)) <= 0;
+  return count;
+}
+
+std::map<std::pair<int, int>, int> triangle_left_of(const Triangles& triangles) {
+  std::map<std::pair<int, int>, int> left;
+  for_each_corner(triangles, [&](int t, int a, int b, int) { left[{a, b}] = t; });
+  return left;
+}
+
+struct AngleDefect {
+  double degrees = 0;
+  int vertex = 0;
+};
+
+/// What the angles round an inner vertex miss to a full turn; largest by size. 0 where the surface
+/// can be laid flat.
+AngleDefect worst_angle_defect(const WeldedMesh& mesh) {
+  std::vector<double> angle(mesh.x.rows(), 0);
+  std::vector<bool> border(mesh.x.rows(), false);
+  const auto left = triangle_left_of(mesh.triangles);
+  for_each_corner(mesh.triangles, [&](int, int a, int b, int c) {
+    const Vector3d ab = mesh.x.row(b) - mesh.x.row(a), ac = mesh.x.row(c) - mesh.x.row(a);
+    angle[a] += std::atan2(ab.cross(ac).norm(), ab.dot(ac));
+    if (!left.count({b, a})) border[a] = border[b] = true;
+  });
+  AngleDefect worst;
+  for (int v = 0; v < mesh.x.rows(); ++v) {
+    const double degrees = (2 * pi - angle[v]) * 180 / pi;
+    if (!border[v] && std::abs(degrees) > std::abs(worst.degrees)) worst = {degrees, v};
+  }
+  return worst;
+}
+
+/// Where the third corner lies, left of a -> b, by the lengths it has in space.
+Vector2d third_corner(const WeldedMesh& mesh, const Points2& flat, int a, int b, int c) {
+  const Vector3d ab = mesh.x.row(b) - mesh.x.row(a), ac = mesh.x.row(c) - mesh.x.row(a);
+  const double along = ac.dot(ab) / ab.norm(), across = ab.cross(ac).norm() / ab.norm();
+  const Vector2d direction = (flat.row(b) - flat.row(a)).transpose().normalized();
+  return flat.row(a).transpose() + along * direction +
+         across * Vector2d(-direction.y(), direction.x());
+}
+
+/// The triangle nearest to the middle: rounding then grows over half the sheet only.
+int middle_triangle(const WeldedMesh& mesh) {
+  const Vector3d middle = mesh.x.colwise().mean();
+  int nearest = 0;
+  double nearest_distance = 1e300;
+  for (int t = 0; t < mesh.triangles.rows(); ++t) {
+    const auto corner = [&](int k) { return mesh.x.row(mesh.triangles(t, k)).transpose(); };
+    const double distance = ((corner(0) + corner(1) + corner(2)) / 3 - middle).norm();
+    if (distance < nearest_distance) nearest_distance = distance, nearest = t;
+  }
+  return nearest;
+}
+
+Points2 unfold(const WeldedMesh& mesh) {
+  Points2 flat = Points2::Zero(mesh.x.rows(), 2);
+  std::vector<bool> placed(mesh.x.rows(), false), reached(mesh.triangles.rows(), false);
+  const auto left = triangle_left_of(mesh.triangles);
+  const int first = middle_triangle(mesh), a = mesh.triangles(first, 0),
+            b = mesh.triangles(first, 1);
+  flat(b, 0) = (mesh.x.row(b) - mesh.x.row(a)).norm();
+  placed[a] = placed[b] = true;
+  // breadth first, with flat ends: the triangle on their left is next
+  std::deque<std::pair<int, int>> edges = {{a, b}};
+  while (!edges.empty()) {
+    const auto [from, to] = edges.front();
+    edges.pop_front();
+    const auto next = left.find({from, to});
+    if (next == left.end() || reached[next->second]) continue;
+    reached[next->second] = true;
+    const int third = mesh.triangles.row(next->second).sum() - from - to;
+    if (!placed[third]) flat.row(third) = third_corner(mesh, flat, from, to, third);
+    placed[third] = true;
+    for (const auto& edge : {std::pair(third, to), std::pair(from, third), std::pair(to, from)})
+      edges.push_back(edge);
+  }
+  return flat;
+}
+
+}  // namespace
+
+std::optional<Points2> pattern_from_uv(const WeldedMesh& mesh) {
+  if (mesh.uv.rows() == 0) return std::nullopt;
+  double both = 0, uv2 = 0;
+  for_each_corner(mesh.triangles, [&](int, int a, int b, int) {
+    const double uv = (mesh.uv.row(a) - mesh.uv.row(b)).norm();
+    both += uv * (mesh.x.row(a) - mesh.x.row(b)).norm();
+    uv2 += uv * uv;
+  });
+  if (uv2 == 0) return std::nullopt;
+  Points2 flat = both / uv2 * mesh.uv;
+  const int clockwise = clockwise_triangles(mesh.triangles, flat);
+  if (clockwise == mesh.triangles.rows())
+    flat.col(0) *= -1;
+  else if (clockwise > 0)
+    return std::nullopt;
+  if (worst_stretch(mesh, flat) > agreement) return std::nullopt;
+  return flat;
+}
+
+Points2 unrolled(const WeldedMesh& mesh, const std::string& place) {
+  const Points2 flat = unfold(mesh);
+  const double stretch = worst_stretch(mesh, flat);
+  if (stretch <= agreement && clockwise_triangles(mesh.triangles, flat) == 0) return flat;
+  const AngleDefect defect = worst_angle_defect(mesh);
+  // flat at every vertex, and yet not to be laid flat: it runs round
+  if (std::abs(defect.degrees) < 0.5)
+    throw Error(Fault::scene, place,
+                "The sheet closes on itself and cannot be laid flat in one piece.",
+                "Cut the mesh along a seam, or give it UVs that are cut there.");
+  const Vector3d at = mesh.x.row(defect.vertex);
+  throw Error(Fault::scene, place,
+              fmt::format("The sheet is not developable: laid flat an edge changes by {:.3g} %; "
+                          "the worst angle defect is {:.3g} degrees, "
+                          "at ({:.4g}, {:.4g}, {:.4g}) m.",
+                          100 * stretch, defect.degrees, at.x(), at.y(), at.z()),
+              "Model the sheet flat, or bent without stretch like a cylinder or a cone, or give it "
+              "the UVs of the flat shape.");
+}
+
+}  // namespace paperbake

@@ -1,0 +1,26 @@
+#pragma once
+
+#include "formats/scene/scene_nodes.h"
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// A point of a sheet, and how far it is from a place in the world.
+struct SheetPoint {
+  Vector2d pattern = Vector2d::Zero();                        // [m]
+  double distance = std::numeric_limits<double>::infinity();  // [m]
+};
+
+/// The point of the sheet that is nearest to p. p: [m]
+SheetPoint nearest_point(const Sheet&, const Vector3d& p);
+
+/// The sheet that a node names in paper_target; none when it names none.
+/// throws Error(Fault::scene) at `place`: there is no such sheet
+std::optional<std::size_t> target_sheet(const SceneNodes&, const std::vector<SceneSheet>&, int node,
+                                        const std::string& place);
+
+}  // namespace paperbake

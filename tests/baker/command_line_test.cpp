@@ -1,0 +1,226 @@
+// What the built program does with words: exit codes, messages, names of files. Everything is
+// checked from outside.
+
+#include "tests/baker/program_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <regex>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandLine;
+using test::Ended;
+using test::fields_of;
+using test::is_error;
+using test::lines_of;
+using test::read;
+using test::samples;
+using test::write;
+
+TEST_F(CommandLine, WithoutACommandItEndsWithTwo) {
+  EXPECT_TRUE(is_error(run({}), 2, "command line", "subcommand"));
+  EXPECT_TRUE(is_error(run({"bake"}), 2, "command line", "SCENE"));
+  EXPECT_TRUE(is_error(run({"bake", samples + "/S4_crumple.glb"}), 2, "command line", "--output"));
+}
+
+TEST_F(CommandLine, AnUnknownOptionEndsWithTwoAndIsNamed) {
+  EXPECT_TRUE(is_error(bake({"--colour", "red"}), 2, "command line", "--colour"));
+  EXPECT_TRUE(is_error(bake({"--stop", "soon"}), 2, "--stop", "soon"));
+  EXPECT_TRUE(is_error(run({"bake", "scene.glb", "-o", output(), "--progress", "loud"}), 2,
+                       "--progress", "loud"));
+  EXPECT_FALSE(fs::exists(output()));
+}
+
+TEST_F(CommandLine, HelpAndVersionAreNoErrors) {
+  const Ended help = run({"bake", "--help"}), version = run({"--version"});
+  EXPECT_EQ(help.code, 0);
+  for (const char* option : {"--preset", "--method", "--seed", "--triangles", "--gravity",
+                             "--frames", "--strict", "--dry-run"})
+    EXPECT_NE(help.out.find(option), std::string::npos) << option;
+  EXPECT_EQ(version.code, 0);
+  EXPECT_TRUE(std::regex_match(version.out, std::regex("paperbake [0-9]+\\.[0-9]+\\.[0-9]+\n")))
+      << version.out;
+}
+
+TEST_F(CommandLine, AMissingSceneEndsWithThree) {
+  const std::string scene = folder / "nowhere.glb";
+  EXPECT_TRUE(is_error(bake({}, scene), 3, scene, "no such file"));
+  EXPECT_TRUE(is_error(run({"inspect", scene}), 3, scene, "no such file"));
+  EXPECT_FALSE(fs::exists(output()));
+}
+
+TEST_F(CommandLine, ATextRenamedToFbxIsNoScene) {
+  const std::string scene = folder / "letter.fbx";
+  write(scene, "Dear artist,\nthis is no scene.\n");
+  EXPECT_TRUE(is_error(bake({}, scene), 3, scene, ""));
+  EXPECT_FALSE(fs::exists(output()));
+}
+
+TEST_F(CommandLine, AnUnknownPresetEndsWithTwoAndTheNearestName) {
+  EXPECT_TRUE(
+      is_error(bake({"--preset", "copy7O"}), 2, "preset \"copy7O\"", "Did you mean \"copy70\"?"));
+  EXPECT_TRUE(
+      is_error(run({"presets", "copi90"}), 2, "preset \"copi90\"", "Did you mean \"copy90\"?"));
+}
+
+TEST_F(CommandLine, AnUnknownMethodEndsWithTwo) {
+  const Ended ended = bake({"--method", "origami"});
+  EXPECT_TRUE(is_error(ended, 2, "--method", "origami"));
+  EXPECT_NE(ended.err.find("fem"), std::string::npos) << "what there is should be listed";
+}
+
+TEST_F(CommandLine, PolishIsRefusedWhereItCanDoNothing) {
+  EXPECT_TRUE(
+      is_error(bake({"--method", "fem", "--polish", "3000"}), 2, "--polish", "nothing that fem"));
+  EXPECT_TRUE(is_error(bake({"--polish", "3000", "--dynamics", "on"}), 2, "--polish", "at rest"));
+  EXPECT_TRUE(
+      is_error(bake({"--method", "hybrid+fem", "--polish", "0"}), 2, "--polish 0", "hybrid+fem"));
+}
+
+TEST_F(CommandLine, HeroAndHybridWithFemArePolishedUnlessSaidOtherwise) {
+  const auto polished = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> words{"--dry-run"};
+    words.insert(words.end(), options.begin(), options.end());
+    const std::string out = bake(words).out;
+    const std::size_t at = out.find("polish = ");
+    return at == std::string::npos ? "" : out.substr(at + 9, out.find(' ', at + 9) - at - 9);
+  };
+  EXPECT_EQ(polished({}), "0");
+  EXPECT_EQ(polished({"--quality", "hero"}), "6000");
+  EXPECT_EQ(polished({"--quality", "hero", "--polish", "0"}), "0");
+  EXPECT_EQ(polished({"--quality", "hero", "--method", "fem"}), "0");
+  EXPECT_EQ(polished({"--method", "hybrid+fem"}), "6000");
+  EXPECT_EQ(polished({"--method", "hybrid+fem", "--polish", "800"}), "800");
+}
+
+TEST_F(CommandLine, AnUnknownKeyOfSetEndsWithTwoAndTheNearestName) {
+  EXPECT_TRUE(is_error(bake({"--set", "thicknes=9e-5"}), 2, "--set thicknes",
+                       "Did you mean \"thickness\"?"));
+  EXPECT_TRUE(is_error(bake({"--set", "thickness=thin"}), 2, "--set thickness",
+                       "\"thin\" is not a number"));
+  EXPECT_TRUE(is_error(bake({"--set", "thickness=-1"}), 2, "--set thickness", "-1"));
+  EXPECT_TRUE(is_error(bake({"--set", "hardening=1"}), 2, "--set hardening", "cannot be 1"));
+  EXPECT_TRUE(is_error(bake({"--set", "thickness"}), 2, "--set thickness", "value"));
+}
+
+TEST_F(CommandLine, AFrameRangeThatIsNoneEndsWithTwo) {
+  for (const char* range : {"6-1", "one-six", "1-", "1-6x0", "1-6y2", "1-6 ", "1..6"}) {
+    const Ended ended =
+        run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--frames", range});
+    EXPECT_TRUE(is_error(ended, 2, "--frames", range));
+  }
+  EXPECT_TRUE(is_error(bake({"--map-frames", "1-6,7-"}), 2, "--map-frames", "7-"));
+  EXPECT_FALSE(fs::exists(output()));
+}
+
+TEST_F(CommandLine, ANumberThatIsNoneEndsWithTwo) {
+  for (const char* option : {"--stop", "--gravity", "--fps", "--max-stretch"})
+    for (const char* text : {"nan", "inf", "soon"})
+      EXPECT_TRUE(is_error(bake({option, text}), 2, option, text)) << option;
+  EXPECT_TRUE(is_error(
+      run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--frames", "1-2000000000"}), 2,
+      "--frames", "100000"));
+  EXPECT_TRUE(is_error(bake({"--preset", "missing/copy70.toml"}), 2, "missing/copy70.toml",
+                       "no such preset file"));
+}
+
+TEST_F(CommandLine, AProbeOfSheetsThatSwingEndsWithTwo) {
+  EXPECT_TRUE(is_error(bake({"--probe", "6", "--dynamics", "on"}), 2, "--probe", "inertia"));
+  EXPECT_TRUE(is_error(bake({"--probe", "-1"}), 2, "--probe", "-1"));
+  const Ended ended = bake({"--dry-run", "--probe", "6"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(ended.out.find("probe = 6  # command line"), std::string::npos) << ended.out;
+}
+
+TEST_F(CommandLine, AnUnknownFormatEndsWithTwo) {
+  EXPECT_TRUE(is_error(bake({"--formats", "abc,gif"}), 2, "--formats", "gif"));
+}
+
+TEST_F(CommandLine, APointCacheOfAMeshThatChangesEndsWithTwoBeforeAnythingIsBaked) {
+  EXPECT_TRUE(is_error(bake({"--method", "hybrid", "--formats", "pc2", "--mesh", "simulation"}), 2,
+                       "--formats pc2", "one mesh"));
+  EXPECT_FALSE(fs::exists(folder / "out"));
+}
+
+TEST_F(CommandLine, ADryRunPrintsTheJobAndWritesNothing) {
+  const Ended ended = bake({"--dry-run", "--seed", "7", "--set", "thickness=1e-4"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_NE(ended.out.find("seed = 7  # command line"), std::string::npos) << ended.out;
+  EXPECT_NE(ended.out.find("thickness = 0.0001  # command line"), std::string::npos) << ended.out;
+  EXPECT_FALSE(fs::exists(folder / "out"));
+  ASSERT_EQ(bake({"--seed", "7", "--set", "thickness=1e-4"}).code, 0);
+  EXPECT_EQ(read(fs::path(output()) / "job.lock.toml"), ended.out)
+      << "it is the job that would be baked";
+}
+
+TEST_F(CommandLine, TheCapOfAdaptiveIsThreeThousandTrianglesUnlessToldOtherwise) {
+  const std::vector<std::string> job{
+      "bake", samples + "/S1_push.glb", "-o", output(), "--dry-run", "--method", "adaptive"};
+  EXPECT_NE(run(job).out.find("triangles = 3000  # default"), std::string::npos);
+  std::vector<std::string> capped = job;
+  capped.insert(capped.end(), {"--triangles", "500"});
+  EXPECT_NE(run(capped).out.find("triangles = 500  # command line"), std::string::npos);
+}
+
+TEST_F(CommandLine, TheExperimentWritesAPointForEachSheetAndAPicture) {
+  const std::string csv = folder / "scatter.csv";
+  const Ended ended = run({"fit", "--experiment", "copy70", "--sheets", "2", "-o", csv});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(ended.out, csv + "\n" + (folder / "scatter.png").string() + "\n");
+  const std::vector<std::string> lines = lines_of(read(csv));
+  ASSERT_EQ(lines.size(), 3u);
+  EXPECT_EQ(lines[0], "u,v,seed,frame");
+  for (int sheet : {1, 2}) {
+    const auto row = fields_of(lines[sheet]);
+    EXPECT_NEAR(std::stod(row.at(0)), 0.05, 0.03);
+    EXPECT_NEAR(std::stod(row.at(1)), 0.015, 0.03);
+    EXPECT_EQ(row.at(2), std::to_string(sheet));
+    EXPECT_GT(std::stoi(row.at(3)), 24) << "after the squeeze";
+  }
+  EXPECT_EQ(read(folder / "scatter.png").substr(1, 3), "PNG");
+}
+
+TEST_F(CommandLine, AGradeThatFitsMeasuredPointsCanBeBakedWith) {
+  const std::string csv = folder / "scatter.csv", mine = folder / "mine.toml";
+  write(csv, "u,v\n0.049,0.012\n0.05,0.018\n0.047,0.014\n0.044,0.015\n");
+  const Ended ended = run({"fit", csv, "--from", "copy90", "--sheets", "2", "-o", mine});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  EXPECT_EQ(ended.out, mine + "\n" + (folder / "mine.png").string() + "\n");
+  EXPECT_NE(ended.err.find("p = "), std::string::npos) << ended.err;
+  EXPECT_NE(bake({"--preset", mine, "--dry-run"}).out.find("preset = \"mine\"  # command line"),
+            std::string::npos);
+}
+
+TEST_F(CommandLine, FittingNeedsPointsAndAGrade) {
+  EXPECT_TRUE(is_error(run({"fit", "-o", folder / "my.toml"}), 2, "fit", "nothing to fit"));
+  EXPECT_TRUE(is_error(run({"fit", "points.csv", "--from", "copy70", "-o", folder / "my.toml"}), 2,
+                       "points.csv", "cannot be read"));
+  EXPECT_TRUE(is_error(run({"fit", "--experiment", "copi70", "-o", folder / "a.csv"}), 2,
+                       "preset \"copi70\"", "Did you mean"));
+  EXPECT_TRUE(is_error(run({"fit", "--experiment", "copy70", "-o", folder / "missing" / "a.csv"}),
+                       6, folder / "missing" / "a.csv", ""));
+}
+
+TEST_F(CommandLine, PresetsAreListedAndOnePrintedIsAPresetFile) {
+  const Ended list = run({"presets"}), one = run({"presets", "copy70"});
+  EXPECT_EQ(list.code, 0);
+  EXPECT_TRUE(std::regex_search(list.out, std::regex("(^|\n)copy70 "))) << list.out;
+  EXPECT_TRUE(std::regex_search(list.out, std::regex("(^|\n)copy90 "))) << list.out;
+  ASSERT_EQ(one.code, 0) << one.err;
+  std::string text = one.out;
+  const std::size_t at = text.find("2.7e-4");
+  ASSERT_NE(at, std::string::npos) << text;
+  write(folder / "mine.toml", text.replace(at, 6, "3.1e-4"));
+  const Ended job = bake({"--dry-run", "--preset", folder / "mine.toml"});
+  EXPECT_EQ(job.code, 0) << job.err;
+  EXPECT_NE(job.out.find("bending_stiffness = 0.00031  # preset"), std::string::npos) << job.out;
+}
+
+}  // namespace
+}  // namespace paperbake

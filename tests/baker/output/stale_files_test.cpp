@@ -1,0 +1,69 @@
+// What is left of the bake before in an output folder.
+
+#include "tests/baker/program_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <set>
+#include <string>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using test::CommandLine;
+using test::samples;
+using test::Words;
+using test::write;
+
+class ASecondBake : public CommandLine {
+ protected:
+  void bake_as(const Words& more) const {
+    Words words{"bake",        samples + "/S4_crumple.glb",
+                "-o",          output(),
+                "--method",    "fem",
+                "--triangles", "100",
+                "--frames",    "1-2",
+                "--map-size",  "8",
+                "--quality",   "draft"};
+    words.insert(words.end(), more.begin(), more.end());
+    ASSERT_EQ(run(words).code, 0);
+  }
+  std::set<std::string> files() const {
+    std::set<std::string> found;
+    for (const auto& entry : fs::recursive_directory_iterator(output()))
+      if (entry.is_regular_file())
+        found.insert(fs::relative(entry.path(), output()).generic_string());
+    return found;
+  }
+};
+
+TEST_F(ASecondBake, TakesAwayWhatOnlyTheFirstOneWroteAndNothingElse) {
+  const fs::path pictures = fs::path(output()) / "pictures", out = output();
+  bake_as({"--formats", "abc,usd,pc2,maps,cert,report", "--debug-pictures", pictures.string()});
+  const auto first = files();
+  for (const char* file :
+       {"S4_crumple.usda", "S4_crumple.pc2", "S4_crumple.rest.obj", "maps/S4_crumple.final.exr",
+        "report.html", "pictures/S4_crumple.0001.png"})
+    ASSERT_TRUE(first.count(file)) << file;
+  write(out / "notes.txt", "of the artist");
+  write(out / "maps/S4_crumple.0007.exr", "of the artist, whatever its name");
+  write(out / "report.html", "changed by the artist");
+  bake_as({"--formats", "abc,cert"});
+  EXPECT_EQ(files(), (std::set<std::string>{
+                         ".state/checkpoint.000002", ".state/done", ".state/lock", ".state/written",
+                         "S4_crumple.abc", "cert/frames.jsonl", "cert/handles.csv",
+                         "cert/summary.json", "job.lock.toml", "maps/S4_crumple.0007.exr",
+                         "notes.txt", "report.html", "singular.csv"}));
+  EXPECT_EQ(run({"verify", output()}).code, 0);
+}
+
+TEST_F(ASecondBake, WithoutACertificateLeavesNoOldOne) {
+  bake_as({"--formats", "abc,cert"});
+  bake_as({"--formats", "abc"});
+  EXPECT_FALSE(files().count("cert/summary.json"));
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,265 @@
+// Variations of a scene: which there are, what they leave behind, and that it does not matter who
+// bakes them.
+
+#include "baker/studies/wedge.h"
+
+#include "core/model/error.h"
+#include "tests/baker/program_fixture.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <csignal>
+#include <cstdlib>
+#include <functional>
+#include <map>
+#include <set>
+#include <sys/file.h>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+using test::CommandLine;
+using test::Ended;
+using test::exit_code;
+using test::is_error;
+using test::lines_of;
+using test::read;
+using test::samples;
+using test::start;
+using test::Words;
+
+Words values(const std::string& text) { return parse_axis(text).values; }
+
+std::string message(const std::function<void()>& call) {
+  try {
+    call();
+  } catch (const Error& error) {
+    EXPECT_EQ(error.fault, Fault::command);
+    return error.what();
+  }
+  return "nothing was thrown";
+}
+bool says(const std::string& text, const std::string& part) {
+  return text.find(part) != std::string::npos;
+}
+
+TEST(Vary, RangesStepsAndValuesAreToldApart) {
+  EXPECT_EQ(values("seed=1..4"), (Words{"1", "2", "3", "4"}));
+  EXPECT_EQ(values("seed=7,1..5x2"), (Words{"7", "1", "3", "5"}));
+  EXPECT_EQ(values("gravity=0..9.8x4.9"), (Words{"0.0", "4.9", "9.8"}))
+      << "no step is lost to rounding";
+  EXPECT_EQ(values("thickness=80e-6,95e-6").size(), 2u);
+  EXPECT_EQ(values("preset=copy70,copy90"), (Words{"copy70", "copy90"}));
+  EXPECT_EQ(values("frames=1-96x2"), (Words{"1-96x2"}));
+  EXPECT_EQ(parse_axis("map-size=64").key, "map_size");
+}
+
+TEST(Vary, WhatCannotBeVariedIsRefusedWithPlaceAndRemedy) {
+  EXPECT_TRUE(says(message([] { parse_axis("sed=1..4"); }), "Did you mean \"seed\"?"));
+  EXPECT_TRUE(says(message([] { parse_axis("thicknes=90e-6"); }), "Did you mean \"thickness\"?"));
+  EXPECT_TRUE(
+      says(message([] { parse_axis("preset=copy70,copi90"); }), "Did you mean \"copy90\"?"));
+  EXPECT_TRUE(says(message([] { parse_axis("seed=4..1"); }), "\"4..1\" is no range"));
+  EXPECT_TRUE(says(message([] { parse_axis("seed=1..4x0"); }), "no range"));
+  EXPECT_TRUE(says(message([] { parse_axis("seed=-1..2"); }), "--vary seed"));
+  EXPECT_TRUE(says(message([] { parse_axis("seed=1..2x0.5"); }), "\"1.5\" is not"));
+  EXPECT_TRUE(says(message([] { parse_axis("thickness=-1"); }), "--vary thickness"));
+  EXPECT_TRUE(says(message([] { parse_axis("quality=draft,best"); }), "\"best\" is not"));
+  EXPECT_TRUE(says(message([] { parse_axis("method=origami"); }), "Unknown method"));
+  EXPECT_TRUE(says(message([] { parse_axis("seed="); }), "--vary seed"));
+  EXPECT_TRUE(says(message([] { parse_axis("seed"); }), "key and its values"));
+  EXPECT_TRUE(says(message([] { parse_axis("threads=1,2"); }), "in common"));
+  EXPECT_TRUE(says(message([] { parse_axes({"seed=1..2", "seed=3"}); }), "twice"));
+  EXPECT_TRUE(says(message([] {
+                     parse_axes({"seed=1..200", "probe=1..200"});
+                   }),
+                   "40000 variations"));
+  EXPECT_TRUE(says(message([] { parse_axis("seed=1..4000000000"); }), "10000"));
+}
+
+TEST(Vary, EveryValueMeetsEveryOtherAndTheLastKeyChangesFirst) {
+  const auto axes = parse_axes({"seed=1..2", "preset=copy70,copy90", "thickness=9e-5"});
+  std::set<Words> all;
+  ASSERT_EQ(variations(axes), 4);
+  for (int i = 1; i <= 4; ++i) all.insert(values_of(axes, i));
+  EXPECT_EQ(all.size(), 4u);
+  EXPECT_EQ(values_of(axes, 2), (Words{"1", "copy90", axes[2].values[0]}));
+  const BakeSettings settings = varied({}, axes, 4);
+  EXPECT_EQ(settings.seed, 2u);
+  EXPECT_EQ(settings.preset, "copy90");
+  ASSERT_EQ(settings.set.size(), 1u);
+  EXPECT_EQ(settings.set[0].value, 9e-5);
+}
+
+class WedgeProgram : public CommandLine {
+ protected:
+  Words words(const std::string& folder, const Words& more) const {
+    Words all{"wedge",       samples + "/S4_crumple.glb",
+              "-o",          folder,
+              "--method",    "fem",
+              "--triangles", "100",
+              "--frames",    "1-2",
+              "--quality",   "draft",
+              "--progress",  "none"};
+    all.insert(all.end(), more.begin(), more.end());
+    if (std::find(all.begin(), all.end(), "--formats") == all.end())
+      all.insert(all.end(), {"--formats", "cert"});
+    return all;
+  }
+  Ended wedge(const Words& more) const { return run(words(output(), more)); }
+  Ended wedge_in(const std::string& name, const Words& more) const {
+    return run(words(folder / name, more));
+  }
+  fs::path out(const std::string& file) const { return fs::path(output()) / file; }
+
+  /// What does not tell how long it took.
+  static std::map<std::string, std::string> contents(const fs::path& folder) {
+    std::map<std::string, std::string> all;
+    for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+      const std::string path = fs::relative(entry, folder).string(), name = entry.path().filename();
+      if (entry.is_regular_file() && !says(path, ".state") && name != "frames.jsonl" &&
+          name != "summary.json")
+        all[path] = read(entry.path());
+    }
+    return all;
+  }
+  static std::map<std::string, fs::file_time_type> times(const fs::path& folder) {
+    std::map<std::string, fs::file_time_type> all;
+    for (const auto& entry : fs::recursive_directory_iterator(folder))
+      if (entry.is_regular_file() && !says(entry.path().string(), ".state"))
+        all[entry.path().string()] = entry.last_write_time();
+    return all;
+  }
+};
+
+TEST_F(WedgeProgram, EachVariationIsTheBakeThatItsWordsAskFor) {
+  const Ended ended =
+      wedge({"--vary", "seed=1..2", "--vary", "preset=copy70,copy90", "--jobs", "2"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  Words plain =
+      words(folder / "plain", {"--formats", "abc,cert", "--seed", "2", "--preset", "copy70"});
+  plain[0] = "bake";
+  ASSERT_EQ(run(plain).code, 0);
+  EXPECT_EQ(contents(folder / "plain"), contents(out("0003")));
+  EXPECT_EQ(run({"verify", out("0003")}).code, 0);
+
+  const auto table = lines_of(read(out("wedge.csv")));
+  ASSERT_EQ(table.size(), 5u);
+  EXPECT_EQ(table[0],
+            "index,seed,preset,exit_code,c_m_pct,worst_edge_pct,singular,energy_J,crease_length_m,"
+            "job_hash,folder");
+  EXPECT_EQ(table[3].rfind("3,2,copy70,0,", 0), 0u) << table[3];
+  const Json json = Json::parse(read(out("wedge.json"))),
+             summary = Json::parse(read(out("0003/cert/summary.json")));
+  const Json& third = json["variations"][2];
+  EXPECT_EQ(third["values"], (Json{{"seed", 2}, {"preset", "copy70"}}));
+  EXPECT_EQ(third["job_hash"], summary["job_hash"]);
+  EXPECT_EQ(third["worst_edge_pct"], summary["stretch_max_pct"]["max"]);
+  EXPECT_GT(third["energy_J"].get<double>(), 0);
+  EXPECT_EQ(third["energy_J"],
+            Json::parse(lines_of(read(out("0003/cert/frames.jsonl"))).back())["energy_J"]);
+  EXPECT_NE(json["variations"][0]["job_hash"], third["job_hash"]);
+  EXPECT_EQ(read(out("wedge.png")).substr(1, 3), "PNG");
+}
+
+TEST_F(WedgeProgram, WhatIsBakedIsNotBakedAgainAndWhatIsMissingIs) {
+  const Words seeds{"--vary", "seed=1..2"};
+  ASSERT_EQ(wedge(seeds).code, 0);
+  const auto before = times(output());
+  ASSERT_EQ(wedge(seeds).code, 0);
+  EXPECT_EQ(times(output()), before);
+
+  fs::remove(out("0002/S4_crumple.abc"));
+  ASSERT_EQ(wedge({"--vary", "seed=1..3"}).code, 0);
+  EXPECT_EQ(fs::last_write_time(out("0001/S4_crumple.abc")), before.at(out("0001/S4_crumple.abc")));
+  EXPECT_TRUE(fs::exists(out("0002/S4_crumple.abc")));
+  EXPECT_EQ(lines_of(read(out("wedge.csv"))).size(), 4u);
+
+  ASSERT_EQ(wedge({"--vary", "seed=1..3", "--gravity", "1"}).code, 0);
+  EXPECT_NE(fs::last_write_time(out("0001/S4_crumple.abc")), before.at(out("0001/S4_crumple.abc")))
+      << "another job";
+}
+
+TEST_F(WedgeProgram, OneByOneInAnyOrderTheyAreTheSameAndTheLastWritesTheTable) {
+  const auto one = [&](const std::string& index) {
+    return wedge({"--vary", "seed=1..3", "--index", index}).code;
+  };
+  EXPECT_EQ(one("3"), 0);
+  EXPECT_EQ(one("1"), 0);
+  EXPECT_FALSE(fs::exists(out("wedge.csv")));
+  EXPECT_EQ(one("2"), 0);
+  EXPECT_TRUE(fs::exists(out("wedge.csv")));
+  ASSERT_EQ(wedge_in("together", {"--vary", "seed=1..3", "--jobs", "3"}).code, 0);
+  EXPECT_EQ(contents(output()), contents(folder / "together"));
+  EXPECT_TRUE(is_error(wedge({"--vary", "seed=1..3", "--index", "4"}), 2, "--index 4", "1 to 3"));
+}
+
+TEST_F(WedgeProgram, TheExitCodeIsFourForGatesElseTheWorst) {
+  const Ended gate = wedge({"--vary", "seed=1..2", "--max-stretch", "1e-9"});
+  EXPECT_EQ(gate.code, 4);
+  EXPECT_EQ(Json::parse(read(out("wedge.json")))["variations"][0]["exit_code"], 4);
+
+  // with inertia nothing can be probed
+  const Ended mixed = wedge_in("mixed", {"--vary", "probe=0,1", "--dynamics", "on"});
+  EXPECT_EQ(mixed.code, 2) << mixed.err;
+  const Json rows = Json::parse(read(folder / "mixed" / "wedge.json"))["variations"];
+  EXPECT_EQ(rows[0]["exit_code"], 0);
+  EXPECT_EQ(rows[1]["exit_code"], 2);
+  EXPECT_TRUE(rows[1]["c_m_pct"].is_null());
+  EXPECT_TRUE(says(rows[1]["message"], "--probe"));
+}
+
+TEST_F(WedgeProgram, NothingIsWrittenWhenWordsOrSceneAreWrong) {
+  EXPECT_TRUE(is_error(wedge({"--vary", "sed=1..2"}), 2, "--vary sed", "Did you mean \"seed\"?"));
+  EXPECT_TRUE(is_error(wedge({"--vary", "triangles=1..3"}), 2, "--vary triangles", "\"1\" is not"));
+  EXPECT_TRUE(is_error(run({"wedge", folder / "none.glb", "-o", output(), "--vary", "seed=1..2"}),
+                       3, folder / "none.glb", "no such file"));
+  EXPECT_FALSE(fs::exists(output()));
+}
+
+TEST_F(WedgeProgram, WithoutSbatchTheScriptIsWrittenAllTheSame) {
+  const std::string path = std::getenv("PATH");
+  setenv("PATH", folder.c_str(), 1);
+  const Ended ended = wedge({"--vary", "seed=1..4", "--jobs", "2", "--submit", "slurm"});
+  setenv("PATH", path.c_str(), 1);
+  EXPECT_TRUE(is_error(ended, 2, "--submit slurm", "sbatch"));
+  const std::string script = read(out("wedge.sbatch"));
+  EXPECT_TRUE(says(script, "#SBATCH --array=1-4\n"));
+  EXPECT_TRUE(says(script, "'--vary' 'seed=1..4' ")) << script;
+  EXPECT_TRUE(says(script, " --index \"$SLURM_ARRAY_TASK_ID\"\n")) << script;
+  for (const char* of_all : {"--submit", "--jobs", "slurm'"})
+    EXPECT_FALSE(says(script, of_all)) << of_all;
+}
+
+TEST_F(WedgeProgram, AnInterruptEndsTheChildrenAfterTheirFrame) {
+  const pid_t program =
+      start(folder, {"wedge", samples + "/S4_crumple.glb", "-o", output(), "--triangles", "8000",
+                     "--method", "fem", "--vary", "seed=1..4", "--jobs", "2"});
+  // it bakes for half a minute from here on
+  while (!fs::exists(out("0001/.state/lock"))) usleep(1000);
+  kill(program, SIGINT);
+  EXPECT_EQ(exit_code(program), 5);
+  const int lock = open(out("0001/.state/lock").c_str(), O_RDWR);
+  ASSERT_GE(lock, 0);
+  EXPECT_EQ(flock(lock, LOCK_EX | LOCK_NB), 0) << "a child still bakes";
+  close(lock);
+  EXPECT_FALSE(fs::exists(out("wedge.csv")));
+}
+
+TEST_F(WedgeProgram, AVariationThatIsStoppedKeepsItsFrames) {
+  const pid_t program =
+      start(folder, {"wedge", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem",
+                     "--triangles", "3000", "--vary", "seed=1..2", "--index", "1"});
+  while (!fs::exists(out("0001/.state/lock"))) usleep(1000);
+  kill(program, SIGTERM);
+  EXPECT_EQ(exit_code(program), 5);
+  EXPECT_TRUE(fs::exists(out("0001/S4_crumple.abc")));
+  EXPECT_FALSE(fs::exists(out(".state/0001.json"))) << "stopped is no end";
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,316 @@
+#include "core/animation/handle_feasibility.h"
+
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+#include <random>
+
+namespace paperbake {
+namespace {
+
+using test::bare_handle;
+using test::rectangle;
+
+constexpr double exact = 1e-12;   // [m] sums of a few square roots in double precision
+constexpr double settled = 2e-9;  // [m] project() stops at overshoots of 1e-9
+constexpr int first_frame = 10;   // of all shots here
+
+/// A handle of the border x = 0 that rests, and one of the border x = side that is `away` too far
+/// out in each frame.
+std::vector<Handle> pulled_apart(double side, const std::vector<double>& away) {
+  const int frames = static_cast<int>(away.size());
+  std::vector<Handle> handles = {bare_handle("left", {0, side / 2}, frames),
+                                 bare_handle("right", {side, side / 2}, frames)};
+  for (int f = 0; f < frames; ++f) handles[1].keyed(f, 0) += away[f];
+  return handles;
+}
+
+std::vector<ImpossiblePair> pairs_of(const Pattern& pattern, const std::vector<Handle>& handles,
+                                     int last_frame) {
+  return Reach(pattern, handles).impossible_pairs(handles, first_frame, last_frame);
+}
+
+std::vector<int> all_of(const std::vector<Handle>& handles) {
+  std::vector<int> all(handles.size());
+  std::iota(all.begin(), all.end(), 0);
+  return all;
+}
+
+/// By how much the worst pair is farther apart than paper, stretched by the tolerance and rounded,
+/// is long. [m]
+double overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
+                 const Points3& targets) {
+  double worst = 0;
+  for (std::size_t i = 0; i < handles.size(); ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      worst =
+          std::max(worst, (targets.row(i) - targets.row(j)).norm() -
+                              (1 + Reach::tolerance) *
+                                  paper_distance(pattern, handles[i].pattern, handles[j].pattern) -
+                              Reach::rounding);
+  return worst;
+}
+
+// A sheet of 0.1 m with a slot from above, 0.02 wide and 0.08 deep: the tips are 0.06 apart, but
+// paper between them goes down one flank of the slot, along its bottom and up the other.
+const Pattern u_shape{
+    {{0, 0}, {0.1, 0}, {0.1, 0.1}, {0.06, 0.1}, {0.06, 0.02}, {0.04, 0.02}, {0.04, 0.1}, {0, 0.1}},
+    {}};
+const Vector2d left_tip(0.02, 0.1), right_tip(0.08, 0.1);
+const double round_the_slot = 2 * std::hypot(0.02, 0.08) + 0.02;
+
+/// Handles at random places of the pattern, and targets anywhere in a cube of three times its size.
+struct Mess {
+  std::vector<Handle> handles;
+  Points3 targets;
+};
+Mess mess(const Pattern& pattern, int count, unsigned seed) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> on_sheet(0, longer_side(pattern)),
+      in_space(0, 3 * longer_side(pattern));
+  Mess mess;
+  mess.targets.resize(count, 3);
+  while (static_cast<int>(mess.handles.size()) < count) {
+    const double y = on_sheet(random), x = on_sheet(random);  // in this order whatever the compiler
+    if (const Vector2d p(x, y); contains(pattern, p))
+      mess.handles.push_back(bare_handle("h", p, 1));
+  }
+  for (int k = 0; k < count; ++k)
+    mess.targets.row(k) << in_space(random), in_space(random), in_space(random);
+  return mess;
+}
+
+TEST(ImpossiblePairs, AreNamedWithTheirFramesAndTheWorstOvershoot) {
+  // 0.04 mm of 100 mm is below the tolerance of 0.05 mm
+  const auto pairs =
+      pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0.00004, 0.001, 0.003, 0.002, 0, 0}), 16);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].a, "left");
+  EXPECT_EQ(pairs[0].b, "right");
+  EXPECT_EQ(pairs[0].first, 12);
+  EXPECT_EQ(pairs[0].frame, 13);
+  EXPECT_EQ(pairs[0].last, 14);
+  EXPECT_NEAR(pairs[0].apart, 0.103, exact);
+  EXPECT_NEAR(pairs[0].allowed, 0.1, exact);
+}
+
+TEST(ImpossiblePairs, LastAsLongAsAHandleRestsBeyondItsLastKey) {
+  const auto pairs = pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0.001}), 40);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].first, 11);
+  EXPECT_EQ(pairs[0].last, 40);
+}
+
+TEST(ImpossiblePairs, AreLookedForUpToTheLastFrameOnly) {
+  EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0, 0.01}), 11).empty());
+  EXPECT_EQ(pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0, 0.01}), 12).size(), 1u);
+}
+
+TEST(ImpossiblePairs, TheWorstComesFirst) {
+  std::vector<Handle> handles = pulled_apart(0.1, {0, 0.001});
+  handles.push_back(bare_handle("far", {0.1, 0.1}, 2));
+  handles[2].keyed(1, 0) += 0.02;
+  const auto pairs = pairs_of(rectangle(0.1, 0.1), handles, 11);
+  ASSERT_EQ(pairs.size(), 3u);
+  EXPECT_EQ(pairs[0].a + " " + pairs[0].b, "left far");
+  EXPECT_EQ(pairs[1].a + " " + pairs[1].b, "right far");
+  EXPECT_EQ(pairs[2].a + " " + pairs[2].b, "left right");
+  EXPECT_NEAR(pairs[0].apart - pairs[0].allowed, std::hypot(0.12, 0.05) - std::hypot(0.1, 0.05),
+              exact);
+  EXPECT_NEAR(pairs[2].apart - pairs[2].allowed, 0.001, exact);
+}
+
+TEST(ImpossiblePairs, RelativeAndSoftHandlesAreNotJudged) {
+  for (const int which : {0, 1}) {
+    std::vector<Handle> handles = pulled_apart(0.1, {0, 0.01});
+    ASSERT_EQ(pairs_of(rectangle(0.1, 0.1), handles, 11).size(), 1u);
+    handles[which].mode = HandleMode::relative;
+    EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), handles, 11).empty());
+    handles[which].mode = HandleMode::absolute;
+    handles[which].stiffness = 100;
+    EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), handles, 11).empty());
+  }
+}
+
+TEST(ImpossiblePairs, AHandleReleasedBeforeTheOtherIsGrabbedIsNoPair) {
+  std::vector<Handle> handles = pulled_apart(0.1, {0.01, 0.01, 0.01, 0.01});
+  handles[0].release_frame = 12;  // held in 10, 11
+  handles[1].grab_frame = 12;
+  EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), handles, 13).empty());
+  handles[1].grab_frame = 11;  // one frame in common
+  const auto pairs = pairs_of(rectangle(0.1, 0.1), handles, 13);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_EQ(pairs[0].first, 11);
+  EXPECT_EQ(pairs[0].last, 11);
+}
+
+TEST(ImpossiblePairs, TwoHandlesOnOnePointMayDifferByTheRoundingOfTheFile) {
+  std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
+                                 bare_handle("b", {0.05, 0.05}, 1)};
+  handles[1].keyed(0, 0) += 6e-8;  // 32-bit numbers near 1 m
+  EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), handles, first_frame).empty());
+  handles[1].keyed(0, 0) += 1e-3;
+  EXPECT_EQ(pairs_of(rectangle(0.1, 0.1), handles, first_frame).size(), 1u);
+}
+
+TEST(ImpossiblePairs, TipsOfAUMayBeDrawnApartUpToThePaperPath) {
+  std::vector<Handle> handles = {bare_handle("left", left_tip, 1),
+                                 bare_handle("right", right_tip, 1)};
+  // three times the straight distance
+  handles[1].keyed(0, 0) = left_tip.x() + round_the_slot - 0.001;
+  EXPECT_TRUE(pairs_of(u_shape, handles, first_frame).empty());
+  handles[1].keyed(0, 0) += 0.002;
+  const auto pairs = pairs_of(u_shape, handles, first_frame);
+  ASSERT_EQ(pairs.size(), 1u);
+  EXPECT_NEAR(pairs[0].allowed, round_the_slot, exact);
+}
+
+TEST(Projection, LeavesWhatIsPossibleUntouchedToTheBit) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Mess m = mess(rectangle(0.1, 0.1), 12, seed);
+    // the flat sheet turned in space, then crumpled to less: no pair is farther apart than on the
+    // pattern
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(0.3 * seed, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    for (const double size : {1.0, 0.7}) {
+      for (int k = 0; k < 12; ++k) {
+        const Vector3d flat(m.handles[k].pattern.x(), size * m.handles[k].pattern.y(), 0);
+        m.targets.row(k) = (turn * flat).transpose() + Eigen::RowVector3d(3, -1, 2);
+      }
+      Points3 after = m.targets;
+      EXPECT_EQ(Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), after), 0);
+      EXPECT_TRUE(after == m.targets);
+    }
+  }
+}
+
+TEST(Projection, LeavesTheTipsOfAUWherePaperCanReach) {
+  const std::vector<Handle> handles = {bare_handle("left", left_tip, 1),
+                                       bare_handle("right", right_tip, 1)};
+  Points3 targets(2, 3);
+  targets << 0, 0, 0, round_the_slot, 0, 0;
+  const Points3 asked = targets;
+  EXPECT_EQ(Reach(u_shape, handles).project({0, 1}, targets), 0);
+  EXPECT_TRUE(targets == asked);
+  targets(1, 0) = 2 * round_the_slot;
+  EXPECT_GT(Reach(u_shape, handles).project({0, 1}, targets), 0);
+  EXPECT_NEAR(overshoot(u_shape, handles, targets), 0, settled);
+}
+
+TEST(Projection, MakesImpossibleTargetsPossible) {
+  for (const Pattern& pattern : {rectangle(0.1, 0.1), rectangle(0.3, 0.03), u_shape})
+    for (const int count : {2, 3, 7, 20})
+      for (unsigned seed = 1; seed <= 8; ++seed) {
+        Mess m = mess(pattern, count, seed);
+        ASSERT_GT(overshoot(pattern, m.handles, m.targets), 0.01);
+        EXPECT_GT(Reach(pattern, m.handles).project(all_of(m.handles), m.targets), 0.005);
+        EXPECT_LT(overshoot(pattern, m.handles, m.targets), settled)
+            << count << " handles, seed " << seed;
+      }
+}
+
+TEST(Projection, MakesAStretchedRowPossible) {
+  // a border of 11 handles drawn out to twice its length, and two such borders drawn apart: every
+  // pair is at its limit
+  std::vector<Handle> handles;
+  for (int i = 0; i <= 10; ++i)
+    for (const double side : {0.0, 0.1}) handles.push_back(bare_handle("h", {side, 0.01 * i}, 1));
+  Points3 targets(handles.size(), 3);
+  for (std::size_t k = 0; k < handles.size(); ++k)
+    targets.row(k) << 2 * handles[k].pattern.x(), 2 * handles[k].pattern.y(), 0;
+  Reach(rectangle(0.1, 0.1), handles).project(all_of(handles), targets);
+  EXPECT_LT(overshoot(rectangle(0.1, 0.1), handles, targets), settled);
+}
+
+TEST(Projection, ReturnsTheLargestMove) {
+  Mess m = mess(rectangle(0.1, 0.1), 7, 5);
+  const Points3 asked = m.targets;
+  const double moved = Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
+  EXPECT_NEAR(moved, std::sqrt((m.targets - asked).rowwise().squaredNorm().maxCoeff()), exact);
+}
+
+TEST(Projection, KeepsTheCentreOfTheTargets) {
+  for (unsigned seed = 1; seed <= 8; ++seed) {
+    Mess m = mess(rectangle(0.1, 0.1), 9, seed);
+    const Eigen::RowVector3d centre = m.targets.colwise().mean();
+    Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
+    EXPECT_LT((m.targets.colwise().mean() - centre).norm(), exact) << "seed " << seed;
+  }
+}
+
+TEST(Projection, MovesBothOfAPairAlike) {
+  const std::vector<Handle> handles = {bare_handle("a", {0, 0}, 1),
+                                       bare_handle("b", {0.06, 0.08}, 1)};
+  Points3 targets(2, 3);
+  targets << 1, 2, 3, 1.3, 2.4, 3.2;
+  const Points3 asked = targets;
+  const double moved = Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets);
+  EXPECT_NEAR((targets.row(0) - targets.row(1)).norm(), 0.1 * (1 + Reach::tolerance),
+              Reach::rounding + settled);
+  EXPECT_LT((targets.row(0) - asked.row(0) + targets.row(1) - asked.row(1)).norm(), exact);
+  EXPECT_NEAR((targets.row(0) - asked.row(0)).norm(), moved, exact);
+  EXPECT_LT((targets.row(0) - targets.row(1))
+                .normalized()
+                .cross((asked.row(0) - asked.row(1)).normalized())
+                .norm(),
+            exact);
+}
+
+TEST(Projection, ASmallChangeOfTheTargetsStaysSmall) {
+  // every draw on a pair is the projection on a convex set, which brings no two inputs farther
+  // apart; what it leaves over after its last sweep is 1e-9 per pair
+  constexpr double change = 1e-5;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    Mess m = mess(rectangle(0.1, 0.1), 8, seed);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(-change, change);
+    Points3 near = m.targets;
+    for (int k = 0; k < near.size(); ++k) near.data()[k] += uniform(random);
+    const double before = (near - m.targets).norm();
+    ASSERT_GT(before, change);
+    const Reach reach(rectangle(0.1, 0.1), m.handles);
+    reach.project(all_of(m.handles), m.targets);
+    reach.project(all_of(m.handles), near);
+    EXPECT_LT((near - m.targets).norm(), before + 28 * settled) << "seed " << seed;
+  }
+}
+
+TEST(Projection, HandlesOnOnePointMeetHalfWay) {
+  const std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
+                                       bare_handle("b", {0.05, 0.05}, 1)};
+  Points3 targets(2, 3);
+  targets << 0, 0, 0, 0.02, 0, 0;
+  EXPECT_NEAR(Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.01, Reach::rounding);
+  for (const int k : {0, 1})
+    EXPECT_NEAR((targets.row(k) - Eigen::RowVector3d(0.01, 0, 0)).norm(), 0, Reach::rounding);
+}
+
+TEST(Projection, HandlesOnOnePointWithOneTargetStayThere) {
+  const std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
+                                       bare_handle("b", {0.05, 0.05}, 1),
+                                       bare_handle("c", {0.1, 0.05}, 1)};
+  Points3 targets(3, 3);
+  targets << 1, 2, 3, 1, 2, 3, 1.04, 2, 3;
+  const Points3 asked = targets;
+  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0);
+  EXPECT_TRUE(targets == asked);
+  targets(2, 0) = 2;  // drawn at by the third they stay together
+  EXPECT_GT(Reach(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0.1);
+  EXPECT_LT((targets.row(0) - targets.row(1)).norm(), Reach::rounding + settled);
+}
+
+TEST(Projection, OnlyTheGivenHandlesAreLookedAt) {
+  const std::vector<Handle> handles = {bare_handle("a", {0, 0}, 1), bare_handle("b", {0.01, 0}, 1),
+                                       bare_handle("c", {0.1, 0}, 1)};
+  Points3 targets(2, 3);
+  targets << 0, 0, 0, 0.09, 0, 0;
+  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({0, 2}, targets), 0);
+  EXPECT_GT(Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.03);
+  Points3 nobody(0, 3);
+  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({}, nobody), 0);
+}
+
+}  // namespace
+}  // namespace paperbake

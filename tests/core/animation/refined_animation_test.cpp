@@ -1,0 +1,123 @@
+#include "core/animation/refined_animation.h"
+
+#include "core/geometry/measure.h"
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <map>
+
+namespace paperbake {
+namespace {
+
+PolishOptions triangles(int n, int threads = 1) {
+  PolishOptions options;
+  options.triangles = n;
+  options.threads = threads;
+  return options;
+}
+
+struct Frame {
+  AnimatedFrame frame;
+  Sheet sheet;
+};
+
+AnimateOptions until(int frame) {
+  AnimateOptions options;
+  options.last_frame = frame;
+  return options;
+}
+Method coarse(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 90, {}, 0, 0); }
+
+std::map<int, Frame> polished(const Shot& shot, int last, const PolishOptions& how) {
+  std::map<int, Frame> frames;
+  animate_polished(shot, coarse(shot), until(last), how, [&](const AnimatedFrame& f) {
+    frames[f.frame] = {f, *f.sheet};
+    return true;
+  });
+  return frames;
+}
+std::map<int, Frame> marched(const Shot& shot, const Method& method, int last) {
+  std::map<int, Frame> frames;
+  animate(shot, method, until(last), [&](const AnimatedFrame& f) {
+    frames[f.frame] = {f, *f.sheet};
+    return true;
+  });
+  return frames;
+}
+
+TEST(PolishedAnimation, HasTheEnergyOfAFineFemThatCameAllTheWay) {
+  const Shot shot = test::s1_push();
+  const auto ours = polished(shot, 30, triangles(1000)), fine = marched(shot, fem(1000), 30),
+             rough = marched(shot, coarse(shot), 30);
+  ASSERT_EQ(ours.size(), 30u);
+  for (const int f : {6, 12, 24, 30}) {
+    EXPECT_NEAR(ours.at(f).frame.energy, fine.at(f).frame.energy, 2e-3 * fine.at(f).frame.energy)
+        << f;
+    EXPECT_GT(ours.at(f).sheet.triangles.rows(), 800) << f;
+    EXPECT_LT(length_distortion(ours.at(f).sheet).mean, 1e-4) << f;
+    EXPECT_GT(ours.at(f).frame.newton_iterations, rough.at(f).frame.newton_iterations) << f;
+  }
+}
+
+TEST(PolishedAnimation, AFrameIsTheSameAloneAndWithAnyNumberOfThreads) {
+  const Shot shot = test::s1_push();
+  const auto all = polished(shot, 28, triangles(400)),
+             threads = polished(shot, 28, triangles(400, 3));
+  PolishOptions alone = triangles(400);
+  alone.wanted = [](int frame) { return frame == 26; };
+  const auto one = polished(shot, 28, alone);
+  ASSERT_EQ(threads.size(), all.size());
+  for (const auto& [f, frame] : all) EXPECT_TRUE(threads.at(f).sheet.x == frame.sheet.x) << f;
+  EXPECT_TRUE(one.at(26).sheet.x == all.at(26).sheet.x);
+  // as the method left it
+  EXPECT_LT(one.at(25).sheet.triangles.rows(), all.at(25).sheet.triangles.rows());
+}
+
+/// The middle handle is relative: it holds the sheet where the sheet is, and the polished one is
+/// elsewhere.
+TEST(PolishedAnimation, ARelativeHandleHoldsThePolishedSheetWhereItWas) {
+  const Shot shot = test::s1_push();
+  const auto frames = polished(shot, 28, triangles(400));
+  const std::size_t mid = shot.handles.size() - 1;
+  const auto at = [&](int f) { return frames.at(f).frame.handles[mid]; };
+  ASSERT_EQ(at(23).state, HandleFrame::free);
+  ASSERT_EQ(at(24).state, HandleFrame::held);
+  for (int f = 25; f <= 28; ++f) {
+    const Vector3d way =
+        (shot.handles[mid].keyed.row(f - 1) - shot.handles[mid].keyed.row(23)).transpose();
+    EXPECT_LT((at(f).at - at(24).at - way).norm(), 1e-12) << f;
+    EXPECT_LT((at(f).keyed - at(f).at).norm(), 1e-12) << f;
+  }
+  const auto rough = marched(shot, coarse(shot), 28);
+  EXPECT_GT((rough.at(28).frame.handles[mid].at - at(28).at).norm(), 1e-6);
+}
+
+TEST(PolishedAnimation, ASheetThatTouchesItselfIsHandedOnAsItWasAndSaysSo) {
+  // its ends are brought together, one above the other
+  Shot shot = test::blank_shot(test::rectangle(0.1, 0.05));
+  constexpr int last = 24;
+  for (int i = 0; i <= 4; ++i)
+    for (const double end : {0.0, 0.1}) {
+      Handle handle = test::bare_handle("handle", {end, 0.0125 * i}, last);
+      for (int f = 0; f < last; ++f) {
+        const double t = f / (last - 1.0);
+        if (end > 0)
+          handle.keyed.row(f) << 0.1 - 0.1 * t, 0.0125 * i, 0.02 * std::sin(M_PI * t) + 0.0005 * t;
+      }
+      shot.handles.push_back(handle);
+    }
+  const auto frames = polished(shot, last, triangles(300)),
+             rough = marched(shot, coarse(shot), last);
+  int touching = 0;
+  for (const auto& [f, frame] : frames) {
+    if (rough.at(f).frame.touching == 0) continue;
+    ++touching;
+    EXPECT_NE(frame.frame.note.find("not polished"), std::string::npos) << f;
+    EXPECT_TRUE(frame.sheet.x == rough.at(f).sheet.x) << f;
+  }
+  EXPECT_GT(touching, 0);
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,334 @@
+#include "core/animation/animate.h"
+#include "core/step1_elastic/contact/collider_contact.h"
+#include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace paperbake {
+namespace {
+
+using test::bare_handle;
+using test::blank_shot;
+using test::hex_sheet;
+using test::rectangle;
+
+constexpr double g = 9.81;
+
+ColliderMesh ground(double half = 0.5, double friction = 0.4) {
+  ColliderMesh mesh{"ground", Points3(4, 3), Triangles(2, 3), {}, friction};
+  mesh.x << -half, -half, 0, half, -half, 0, half, half, 0, -half, half, 0;
+  mesh.triangles << 0, 1, 2, 0, 2, 3;
+  return mesh;
+}
+
+/// Its triangles face outwards, or inwards where `inside_out`.
+ColliderMesh box(const Vector3d& low, const Vector3d& high, bool inside_out = false) {
+  ColliderMesh mesh{"box", Points3(8, 3), Triangles(12, 3), {}};
+  for (int v = 0; v < 8; ++v)
+    mesh.x.row(v) << (v & 1 ? high : low).x(), (v & 2 ? high : low).y(), (v & 4 ? high : low).z();
+  mesh.triangles << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6,
+      0, 6, 2, 1, 3, 7, 1, 7, 5;
+  if (inside_out) mesh.triangles.col(1).swap(mesh.triangles.col(2));
+  return mesh;
+}
+
+std::shared_ptr<const Colliders> all(const std::vector<ColliderMesh>& meshes) {
+  return std::make_shared<const Colliders>(meshes.begin(), meshes.end());
+}
+
+Held resting(const Colliders& colliders) {
+  Held held;
+  held.targets.resize(0, 3);
+  held.colliders = {poses_at(colliders, 0), poses_at(colliders, 0)};
+  return held;
+}
+
+TEST(Pressing, SlopesAreDerivativesAndTheLawGoesOnInside) {
+  for (const double d : {4.9e-4, 3e-4, 1.01e-4, 9.9e-5, 1e-5, -1e-4, -2e-3}) {
+    const double e = 1e-9, rise = (pressing(d + e).value - pressing(d - e).value) / (2 * e),
+                 bend = (pressing(d + e).slope - pressing(d - e).slope) / (2 * e);
+    EXPECT_NEAR(rise, pressing(d).slope, 1e-5 * std::abs(pressing(d).slope)) << d;
+    EXPECT_NEAR(bend, pressing(d).second, 1e-5 * pressing(d).second) << d;
+  }
+  EXPECT_EQ(pressing(collider_reach).slope, 0);
+  EXPECT_LT(pressing(-1e-4).slope, -1.5);  // [N] paper does not press harder on one vertex
+}
+
+TEST(Collider, KnowsInsideFromOutsideWhicheverWayItsTrianglesAreTurned) {
+  for (const bool inside_out : {false, true}) {
+    const Collider collider(box({0, 0, 0}, {0.1, 0.1, 0.1}, inside_out));
+    ASSERT_TRUE(collider.closed());
+    EXPECT_NEAR(collider.nearest({0.05, 0.05, 0.103}, 0.1, 1).distance, 0.003, 1e-12);
+    EXPECT_NEAR(collider.nearest({0.05, 0.05, 0.098}, 0.1, 1).distance, -0.002, 1e-12);
+    // beside an edge
+    EXPECT_NEAR(collider.nearest({0.103, 0.05, 0.104}, 0.1, 1).distance, 0.005, 1e-12);
+    // and a corner
+    EXPECT_NEAR(collider.nearest({0.1, 0.1, 0.1 + 0.002}, 0.1, 1).distance, 0.002, 1e-12);
+  }
+  EXPECT_FALSE(Collider(ground()).closed());
+}
+
+TEST(Collider, AnOpenOneIsTurnedToTheSideOfTheSheetAndUpwardsWhereItLiesInIt) {
+  for (const double height : {0.01, -0.01, 0.0}) {
+    std::vector<ColliderMesh> meshes{ground()};
+    Points3 x(3, 3);
+    x << 0, 0, height, 0.1, 0, height, 0, 0.1, height;
+    meshes[0].triangles.col(1).swap(meshes[0].triangles.col(2));
+    face_the_sheet(meshes, x, Points3(0, 3));
+    EXPECT_EQ(Collider(meshes[0]).nearest({0.01, 0.02, 0.001}, 1, 1).distance > 0, height >= 0)
+        << height;
+  }
+}
+
+/// A sheet of some triangles near a box, rumpled so that faces, edges and corners of both are
+/// within reach.
+struct Near {
+  std::shared_ptr<const Colliders> colliders = all({box({-0.01, -0.01, -0.02}, {0.012, 0.013, 0})});
+  Sheet sheet = hex_sheet(0.04, 0.04, 5, 0.2, 3);
+  ColliderContact contact{colliders, sheet.triangles, static_cast<int>(sheet.x.rows())};
+
+  explicit Near(double height) {
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> rumple(-1e-4, 1e-4);
+    for (int v = 0; v < sheet.x.rows(); ++v) {
+      sheet.x.row(v) += Eigen::RowVector3d(-0.02 + rumple(random), -0.02 + rumple(random),
+                                           height + rumple(random));
+      sheet.x(v, 2) -= 6 * sheet.x.row(v).head<2>().squaredNorm() * 0.05;
+    }
+    contact.begin(sheet.x, {poses_at(*colliders, 0), poses_at(*colliders, 0)}, {}, 1 / 24.0);
+  }
+};
+
+TEST(ColliderContact, TheGradientIsTheDerivativeOfTheEnergyOutsideAndInside) {
+  for (const double height : {3e-4, 1e-4, -5e-5}) {
+    Near near(height);
+    Points3 y = near.sheet.x;
+    y.col(0).array() += 3e-6;  // it slides: friction is part of it
+    Points3 gradient = Points3::Zero(y.rows(), 3);
+    near.contact.differentiate(y, std::vector<int>(y.rows(), 0), gradient, nullptr);
+    ASSERT_GT(gradient.norm(), 1e-2);
+    std::mt19937 random(2);
+    std::uniform_real_distribution<double> any(-1, 1);
+    for (int trial = 0; trial < 5; ++trial) {
+      const Points3 way = Points3::NullaryExpr(y.rows(), 3, [&] { return any(random); });
+      const double e = 1e-9,
+                   rise = (near.contact.energy(y + e * way) - near.contact.energy(y - e * way)) /
+                          (2 * e);
+      EXPECT_NEAR(rise, gradient.cwiseProduct(way).sum(), 1e-4 * gradient.norm()) << height;
+    }
+  }
+}
+
+TEST(ColliderContact, DoesNotPushAHandThatLiesOnIt) {
+  const auto colliders = all({ground()});
+  Points3 x(3, 3);
+  x << 0, 0, 1e-4, 0.01, 0, 1e-3, 0, 0.01, 1e-3;
+  Triangles one(1, 3);
+  one << 0, 1, 2;
+  ColliderContact contact(colliders, one, 3);
+  const Poses at = poses_at(*colliders, 0);
+  const auto push = [&](const Gripped& pulled, double height) {
+    contact.begin(x, {at, at}, {}, 1 / 24.0, pulled);
+    Points3 y = x, gradient = Points3::Zero(3, 3);
+    y(0, 2) = height;
+    contact.differentiate(y, {0, 1, 2}, gradient, nullptr);
+    return -gradient(0, 2);
+  };
+  const Gripped hand{{0}, x.row(0)};
+  EXPECT_GT(push({}, 1e-4), 0.3);  // what a handle gives way to
+  EXPECT_EQ(push(hand, 1e-4), 0);
+  EXPECT_GT(push(hand, -1e-4), 0.01);  // it is not to be pressed in
+}
+
+TEST(ElasticOnColliders, AStepThatDidNotArriveIsOnItsWay) {
+  Sheet sheet = hex_sheet(0.1, 0.1, 8);
+  sheet.x.col(2).array() += 4e-4;
+  Held held = resting(*all({ground()}));
+  held.vertices = {0};
+  held.targets = sheet.x.row(0) + Eigen::RowVector3d(0.002, 0.002, 0.01);
+  for (const int most : {1, 60}) {
+    ElasticOptions options;
+    options.gravity = g;
+    options.max_iterations = most;
+    options.colliders = all({ground()});
+    Elastic elastic(Paper{}, options);
+    elastic.set_mesh(sheet);
+    Sheet moved = sheet;
+    const ElasticReport report = elastic.step(moved, held, 1 / 24.0);
+    EXPECT_EQ(report.converged, most == 60);
+    EXPECT_EQ(report.leaving, most == 1);
+  }
+}
+
+TEST(ColliderContact, OnAPlaneTheSecondDerivativeIsExact) {
+  const auto colliders = all({ground()});
+  Points3 x(3, 3);
+  x << 0, 0, 3e-4, 0.01, 0, 2e-4, 0, 0.01, 5e-5;
+  Triangles one(1, 3);
+  one << 0, 1, 2;
+  ColliderContact contact(colliders, one, 3);
+  contact.begin(x, {poses_at(*colliders, 0), poses_at(*colliders, 0)}, {}, 1 / 24.0);
+  x.col(0).array() += 1e-6;  // within epsilon
+  x.col(1).array() += 2e-6;
+  const std::vector<int> blocks{0, 1, 2};
+  BlockCholesky matrix(3, {{0, 1}, {0, 2}, {1, 2}});
+  matrix.set_zero();
+  Points3 gradient = Points3::Zero(3, 3);
+  contact.differentiate(x, blocks, gradient, &matrix);
+  const Eigen::MatrixXd second = matrix.dense();
+  ASSERT_GT(second.norm(), 1);
+  for (int k = 0; k < 9; ++k) {
+    const double e = 1e-10;
+    Points3 up = Points3::Zero(3, 3), down = up, a = x, b = x;
+    a.data()[k] += e, b.data()[k] -= e;
+    contact.differentiate(a, blocks, up, nullptr);
+    contact.differentiate(b, blocks, down, nullptr);
+    for (int i = 0; i < 9; ++i)
+      EXPECT_NEAR((up.data()[i] - down.data()[i]) / (2 * e), second(i, k), 1e-4 * second.norm());
+  }
+}
+
+/// Steps a free sheet. returns its mean velocity half way [m/s]
+Vector3d settle(Sheet& sheet, const std::shared_ptr<const Colliders>& colliders, int steps) {
+  ElasticOptions options;
+  options.gravity = g;
+  options.inertia = Inertia::dynamic;
+  options.colliders = colliders;
+  options.stop = 1e-7;  // a hundredth of what a sheet slides in a step
+  Elastic elastic(Paper{}, options);
+  elastic.set_mesh(sheet);
+  Vector3d half_way = Vector3d::Zero();
+  for (int k = 0; k < steps; ++k) {
+    elastic.step(sheet, resting(*colliders), 1 / 96.0);
+    if (k + 1 == steps / 2) half_way = sheet.v.colwise().mean();
+  }
+  return half_way;
+}
+
+TEST(Resting, ASheetThatFellLiesWhereTheGroundCarriesItsWeight) {
+  Sheet sheet = hex_sheet(0.05, 0.05, 6);
+  for (int v = 0; v < sheet.x.rows(); ++v) sheet.x(v, 2) = 0.02 + 0.2 * sheet.x(v, 0);
+  settle(sheet, all({ground()}), 60);
+  double push = 0;
+  for (int v = 0; v < sheet.x.rows(); ++v) push -= pressing(sheet.x(v, 2)).slope;
+  const double weight = Paper{}.area_density * 0.05 * 0.05 * g;
+  EXPECT_NEAR(push, weight, 0.01 * weight);
+  EXPECT_LT(sheet.v.rowwise().norm().maxCoeff(), 1e-3);
+  EXPECT_LT(sheet.x.col(2).maxCoeff(), collider_reach);
+  EXPECT_GT(sheet.x.col(2).minCoeff(), 0.95 * collider_reach);
+}
+
+/// How fast a sheet on a plane of this slope is after an eighth and a quarter of a second. [m/s]
+std::pair<double, double> speeds(double slope) {
+  const Eigen::AngleAxisd turn(std::atan(slope), Vector3d::UnitY());
+  ColliderMesh plane = ground(1, 0.4);
+  plane.x = (plane.x * turn.toRotationMatrix().transpose()).eval();
+  Sheet sheet = hex_sheet(0.05, 0.05, 5);
+  sheet.x.col(2).array() += collider_reach - 4e-6;
+  sheet.x = (sheet.x * turn.toRotationMatrix().transpose()).eval();
+  const double half_way = settle(sheet, all({plane}), 24).norm();
+  return {half_way, sheet.v.colwise().mean().norm()};
+}
+
+TEST(Friction, ASheetSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulombSays) {
+  constexpr double creep = 1e-4;  // [m/s] below which friction begins
+  EXPECT_LT(speeds(0.3).second, creep);
+  EXPECT_LT(speeds(0.38).second, creep);
+  const auto [before, after] = speeds(0.6);
+  const double angle = std::atan(0.6), damping = -24 * std::log(0.98);
+  const double a = g * (std::sin(angle) - 0.4 * std::cos(angle)) - damping * 0.5 * (before + after);
+  EXPECT_NEAR((after - before) / 0.125, a, 0.05 * a);
+}
+
+// Beam over a support: lifts off sqrt(2) L behind the edge, tip q L^4/D (sqrt(2)/12 + 1/8) below
+// it.
+TEST(Overhang, AStripOverATablesEdgeSagsAsABeamDoes) {
+  const double L = 0.04;
+  Sheet sheet = hex_sheet(0.12, 0.02, 24);
+  sheet.x.col(0).array() -= 0.12 - L;
+  sheet.x.col(2).array() += collider_reach;
+  settle(sheet, all({box({-0.3, -0.1, -0.1}, {0, 0.2, 0})}), 96);
+  const double q = Paper{}.area_density * g,
+               sag = q * std::pow(L, 4) / Paper{}.bending_stiffness * (std::sqrt(2) / 12 + 0.125);
+  double tip = 0, lifted = 0;
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    if (sheet.pattern(v, 0) > 0.12 - 1e-9) tip = collider_reach - sheet.x(v, 2);
+    lifted = std::max(lifted, sheet.x(v, 2) - collider_reach);
+  }
+  EXPECT_NEAR(tip, sag, 0.1 * sag);  // between a beam and a plate: D and (1 - nu^2) D
+  EXPECT_GT(lifted, 1e-5);
+}
+
+/// A sheet on a table; its corner is lifted, then asked to go 10 mm into the wood and 30 mm along.
+TEST(HandlesAndColliders, TheColliderWinsAndTheHandleIsJammed) {
+  for (const double stiffness : {0.0, 5000.0}) {
+    const int frames = 24;
+    Shot shot = blank_shot(rectangle(0.1, 0.1));
+    shot.start.x.col(2).array() += 6e-4;
+    Handle handle = bare_handle("handle", {0, 0}, frames);
+    handle.stiffness = stiffness;
+    for (int f = 0; f < frames; ++f)
+      handle.keyed.row(f) << 0.03 * f / (frames - 1), 0,
+          f < 8 ? 6e-4 + 0.02 * f / 8 : 0.02 - 0.03 * std::min(1.0, (f - 8) / 8.0);
+    shot.handles = {handle};
+    shot.colliders = all({box({-0.2, -0.2, -0.05}, {0.3, 0.3, 0})});
+    AnimateOptions options;
+    options.elastic.gravity = g;
+    options.elastic.inertia = Inertia::dynamic;
+    options.last_frame = frames;
+    double lowest = 1, off = 0, along = 0;
+    HandleFrame::State last = HandleFrame::free;
+    animate(shot, fem(150), options, [&](const AnimatedFrame& frame) {
+      lowest = std::min(lowest, frame.sheet->x.col(2).minCoeff());
+      EXPECT_LT(frame.inside_colliders, 1e-4);
+      last = frame.handles[0].state;
+      off = (frame.handles[0].at - frame.handles[0].keyed).norm();
+      along = frame.handles[0].at.x();
+      return true;
+    });
+    EXPECT_GT(lowest, -1e-4);
+    EXPECT_NEAR(off, 0.01, 1e-3);
+    EXPECT_NEAR(along, 0.03, 1e-3);  // it slides along
+    EXPECT_EQ(last, stiffness > 0 ? HandleFrame::held : HandleFrame::jammed);
+  }
+}
+
+TEST(AnimatedColliders, ABoxPushesTheSheetBeforeItAndItStaysWhereItWasLeft) {
+  const int frames = 30;
+  Shot shot = blank_shot(rectangle(0.05, 0.05));
+  shot.start.x.col(2).array() += 6e-4;
+  ColliderMesh pusher = box({-0.03, 0.01, 1e-4}, {-0.005, 0.04, 0.02});
+  for (int f = 0; f < frames; ++f) {
+    pusher.motion.push_back(Eigen::Isometry3d::Identity());
+    pusher.motion.back().translation().x() = 0.03 * std::min(1.0, f / 20.0);
+  }
+  shot.colliders = all({ground(), pusher});
+  AnimateOptions options;
+  options.elastic.gravity = g;
+  options.elastic.inertia = Inertia::dynamic;
+  options.last_frame = frames;
+  animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
+    EXPECT_LT(frame.inside_colliders, 1e-4);
+    if (frame.frame > 24) {
+      EXPECT_NEAR(frame.sheet->x.col(0).minCoeff(), 0.025, 1e-3);
+    }
+    return true;
+  });
+}
+
+TEST(PushOut, WhatBulgesIntoTheGroundComesBackAndTheRestStays) {
+  const auto colliders = all({ground()});
+  Points3 facets(2, 3), x(2, 3);
+  facets << 0, 0, 1e-4, 0.01, 0, 2e-3;
+  x << 0, 0, -1e-3, 0.01, 0, 1e-3;
+  EXPECT_NEAR(push_out(*colliders, poses_at(*colliders, 0), facets, 0, x), 1e-3, 1e-12);
+  EXPECT_NEAR(x(0, 2), 0, 1e-12);
+  EXPECT_EQ(x(1, 2), 1e-3);
+}
+
+}  // namespace
+}  // namespace paperbake

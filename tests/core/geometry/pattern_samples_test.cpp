@@ -1,0 +1,38 @@
+#include "core/geometry/pattern_samples.h"
+
+#include "tests/core/test_meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace paperbake {
+namespace {
+
+const Pattern rectangle{{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0, 0.1}}, {}};
+
+TEST(PatternSamples, MeshesOfOneFlatSheetDoNotDiffer) {
+  const PatternSamples samples(rectangle);
+  const auto coarse = samples(test::strip_sheet(0.2, 0.1, 5)),
+             fine = samples(test::hex_sheet(0.2, 0.1, 17, 0.2));
+  ASSERT_EQ(coarse.x.rows(), 41 * 41);
+  EXPECT_LT(rms_distance(coarse.x, fine.x), 1e-15);
+  EXPECT_LT((coarse.normals.col(2).array() - 1).abs().maxCoeff(), 1e-12);
+}
+
+TEST(PatternSamples, TheDistanceOfAMovedSheetIsHowFarItMoved) {
+  const PatternSamples samples(rectangle);
+  Sheet moved = test::strip_sheet(0.2, 0.1, 5);
+  const auto before = samples(moved);
+  moved.x.rowwise() += Eigen::RowVector3d(0.001, 0.002, -0.002);
+  EXPECT_NEAR(rms_distance(before.x, samples(moved).x), 0.003, 1e-15);
+}
+
+TEST(PatternSamples, PointsInAHoleDoNotCount) {
+  Pattern holed = rectangle;
+  holed.holes = {{{0.05, 0.025}, {0.05, 0.075}, {0.15, 0.075}, {0.15, 0.025}}};
+  const auto sampled = PatternSamples(holed)(test::strip_sheet(0.2, 0.1, 5));
+  // points 11 ... 29 of either axis lie strictly inside
+  EXPECT_EQ(sampled.x.rows(), 41 * 41 - 19 * 19);
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,183 @@
+#include "core/geometry/intersections.h"
+#include "core/methods/method.h"
+
+#include "core/animation/animate.h"
+#include "core/geometry/curvature.h"
+#include "core/geometry/hinges.h"
+#include "core/geometry/measure.h"
+#include "core/geometry/random.h"
+#include "core/step2_crumple/edge_flips.h"
+#include "core/step2_crumple/singular_points.h"
+#include "tests/core/geometry/sound_mesh.h"
+#include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace paperbake {
+namespace {
+
+struct Played {
+  std::vector<Sheet> sheets;
+  std::vector<AnimatedFrame> frames;
+};
+Played play(const Shot& shot, const Method& method, int last_frame) {
+  AnimateOptions options;
+  options.last_frame = last_frame;
+  Played played;
+  animate(shot, method, options, [&](const AnimatedFrame& frame) {
+    played.sheets.push_back(*frame.sheet);
+    played.frames.push_back(frame);
+    return true;
+  });
+  return played;
+}
+
+Method hybrid_of(const Shot& shot, unsigned seed = 0) {
+  return hybrid(shot.pattern, shot.paper, 120, {}, seed, 0);
+}
+
+TEST(Hybrid, ArchOfAHundredTrianglesIsNearlyTheElastica) {
+  const Shot shot = test::s1_push();
+  const Played played = play(shot, hybrid_of(shot), 24);
+  const Sheet& sheet = played.sheets.back();
+  EXPECT_LT(sheet.triangles.rows(), 150);
+  EXPECT_NEAR(sheet.x.col(2).maxCoeff() / 0.019492, 1, 0.015);
+  EXPECT_LT(length_distortion(sheet).mean, 1e-4);
+  EXPECT_TRUE(sheet.singular.empty());
+}
+
+TEST(Hybrid, FramesTellTheRulingsAndRegionsOfAnArch) {
+  const Shot shot = test::s1_push();  // bends about lines across the push, along y
+  const Played played = play(shot, hybrid_of(shot), 24);
+  const BentParts& parts = played.frames.back().parts;
+  ASSERT_GT(parts.rulings.size(), 5u);
+  for (const auto& [a, b] : parts.rulings) EXPECT_LT(std::abs((b - a).normalized().x()), 0.1);
+  ASSERT_EQ(static_cast<Eigen::Index>(parts.region.size()), played.sheets.back().triangles.rows());
+  const std::set<int> curved(parts.region.begin(), parts.region.end());
+  EXPECT_GE(*curved.rbegin(), 0);
+  EXPECT_LE(curved.size(), 5u);  // an arch with its feet, and what is flat
+}
+
+TEST(Hybrid, NothingChangesWhileNothingMoves) {
+  Shot shot = test::s1_push();
+  for (Handle& handle : shot.handles)  // at rest from frame 12 on
+    for (int f = 12; f < handle.keyed.rows(); ++f) handle.keyed.row(f) = handle.keyed.row(11);
+  shot.handles.back().grab_frame = 1000;
+  const Played played = play(shot, hybrid_of(shot), 30);
+  for (std::size_t f = 18; f < played.sheets.size(); ++f) {
+    EXPECT_TRUE(played.sheets[f].triangles == played.sheets[17].triangles) << f;
+    // twice the stop
+    EXPECT_LT((played.sheets[f].x - played.sheets[17].x).rowwise().norm().maxCoeff(), 2e-5) << f;
+    EXPECT_EQ(played.frames[f].newton_iterations, 0) << f;  // and it costs nothing
+  }
+}
+
+TEST(Hybrid, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
+  // a 60 x 20 mm strip led round a cylinder by handles along both borders, let go at frame 25;
+  // yield at 100 1/m, hardening 0.3
+  const auto curl = [](double curvature) {
+    constexpr int frames = 40, rows = 31;
+    Shot shot = test::blank_shot(test::rectangle(0.06, 0.02));
+    for (int i = 0; i < rows; ++i)
+      for (double y : {0.0, 0.02}) {
+        const double u = 0.06 * i / (rows - 1) - 0.03;
+        Handle handle = test::bare_handle("h", {u + 0.03, y}, frames);
+        for (int f = 0; f < frames; ++f) {
+          const double k = std::max(1e-6, curvature * std::min(f, 24) / 24);
+          handle.keyed.row(f) << std::sin(k * u) / k, y, (std::cos(k * u) - 1) / k;
+        }
+        if (i != rows / 2) handle.release_frame = 26;
+        shot.handles.push_back(handle);
+      }
+    AnimateOptions options;
+    options.last_frame = frames;
+    options.memory = Memory::plastic;
+    options.show_memory = true;
+    options.elastic.contact = SelfContact::off;  // it is wound twice round the same cylinder
+    double plastic = 0, residual = 0, kept = 0;
+    animate(
+        shot, hybrid(shot.pattern, shot.paper, 240, {}, 0, 0), options,
+        [&](const AnimatedFrame& frame) {
+          EXPECT_GE(frame.plastic, plastic - 1e-9);  // paper does not heal
+          plastic = frame.plastic;
+          EXPECT_EQ(frame.plastic_curvature.rows(), frame.sheet->pattern.rows());
+          kept = frame.plastic_curvature.col(0).mean();
+          // mean curvature from the chord between the ends: c = 2/k sin(k L/2)
+          const double chord = (frame.handles.front().at - frame.handles[2 * (rows - 1)].at).norm();
+          for (residual = 1e-6; residual < 300 && 2 / residual * std::sin(residual * 0.03) > chord;)
+            residual += 0.1;
+          return true;
+        });
+    // the free sheet lies as it remembers, but for its ends
+    EXPECT_NEAR(kept, residual < 1 ? 0 : residual, std::max(1.0, 0.15 * residual));
+    return std::make_pair(residual, plastic);
+  };
+  const auto tight = curl(200), loose = curl(70);
+  EXPECT_NEAR(tight.first, 0.7 * 100, 0.05 * 70);  // (1 - eta)(k - k_y)
+  EXPECT_LT(loose.first, 1);
+  EXPECT_LT(loose.second, 0.02 * tight.second);
+}
+
+/// Eight handles drawn to the middle: the sheet must break.
+Shot crush() {
+  constexpr int frames = 40;
+  Shot shot = test::blank_shot(test::rectangle(0.21, 0.21));
+  for (double x : {0.0, 0.105, 0.21})
+    for (double y : {0.0, 0.105, 0.21}) {
+      if (x == 0.105 && y == 0.105) continue;
+      Handle handle = test::bare_handle("h", {x, y}, frames);
+      handle.radius.reset();
+      const bool corner = x != 0.105 && y != 0.105;
+      for (int f = 0; f < frames; ++f) {
+        const double way = 0.5 * f / frames;
+        handle.keyed.row(f) << x + way * (0.105 - x), y + way * (0.105 - y),
+            way * (corner ? 0.06 : -0.04);
+      }
+      shot.handles.push_back(handle);
+    }
+  return shot;
+}
+
+TEST(Hybrid, ACrushedSheetGetsSingularPointsThatStayAndAreItsOwnBySeed) {
+  const Shot shot = crush();
+  const Played a = play(shot, hybrid_of(shot, 1), 40), again = play(shot, hybrid_of(shot, 1), 40),
+               b = play(shot, hybrid_of(shot, 2), 40);
+  const auto& points = a.sheets.back().singular;
+  ASSERT_GE(points.size(), 3u);
+  for (std::size_t f = 1; f < a.sheets.size(); ++f) {
+    ASSERT_GE(a.sheets[f].singular.size(), a.sheets[f - 1].singular.size());
+    for (std::size_t k = 0; k < a.sheets[f - 1].singular.size(); ++k)
+      EXPECT_TRUE(a.sheets[f].singular[k].pattern == a.sheets[f - 1].singular[k].pattern);
+    test::expect_sound(a.sheets[f], 0.21 * 0.21);
+    EXPECT_EQ(a.frames[f].new_singular,
+              int(a.sheets[f].singular.size() - a.sheets[f - 1].singular.size()));
+  }
+  EXPECT_TRUE(a.sheets.back().x == again.sheets.back().x);
+  EXPECT_FALSE(points[0].pattern == b.sheets.back().singular.at(0).pattern);
+  EXPECT_EQ(crossings(a.sheets.back()), 0);
+  for (const HandleFrame& handle : a.frames.back().handles) {
+    const double lag = (handle.at - handle.keyed).norm();
+    EXPECT_EQ(handle.state, lag > 1e-4 ? HandleFrame::jammed : HandleFrame::held);
+    EXPECT_LT(lag, 0.02);
+  }
+}
+
+TEST(Hybrid, OptionsBoundHowManyPointsAreBorn) {
+  const Shot shot = crush();
+  const auto born = [&](const CrumpleOptions& options) {
+    return play(shot, hybrid(shot.pattern, shot.paper, 120, options, 1, 0), 30)
+        .sheets.back()
+        .singular.size();
+  };
+  CrumpleOptions one, full;
+  one.most_points = 1;
+  full.most_triangles = 60;  // fewer than the first mesh has
+  EXPECT_EQ(born(one), 1u);
+  EXPECT_EQ(born(full), 0u);
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,189 @@
+#include "core/render/untangle.h"
+#include "core/geometry/intersections.h"
+
+#include "core/geometry/measure.h"
+#include "core/render/strain_limit.h"
+#include "tests/core/test_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace paperbake {
+namespace {
+
+constexpr double leg = 0.045, gap = 1e-3;  // [m]
+
+/// A strip folded to a U: where a point of the pattern is, its legs bent towards each other by
+/// `bulge`. [m]
+Vector3d folded(const Vector2d& p, double bulge) {
+  const double bend = M_PI * gap / 2, s = p.x();
+  if (s < leg) return {s, p.y(), bulge * std::sin(M_PI * s / leg)};
+  if (s > leg + bend)
+    return {2 * leg + bend - s, p.y(), gap - bulge * std::sin(M_PI * (s - leg - bend) / leg)};
+  const double turn = M_PI * (s - leg) / bend;
+  return {leg + 0.5 * gap * std::sin(turn), p.y(), 0.5 * gap * (1 - std::cos(turn))};
+}
+
+Sheet strip(double bulge) {
+  // uneven: layers meet nowhere edge on edge
+  Sheet sheet = test::hex_sheet(2 * leg + M_PI * gap / 2, 0.02, 60, 0.2);
+  for (int v = 0; v < sheet.x.rows(); ++v) sheet.x.row(v) = folded(sheet.pattern.row(v), bulge);
+  return sheet;
+}
+
+Vector3d on_facets(const Vector2d& p) { return folded(p, 0); }
+
+TEST(LayersApart, LayersThatBulgeThroughEachOtherGoBackAndNoFartherThanTheFacets) {
+  const Sheet facets = strip(0), curved = strip(0.8e-3);
+  ASSERT_EQ(crossings(facets), 0);
+  ASSERT_GT(crossings(curved), 20);
+  Sheet apart = curved;
+  const std::vector<char> held(apart.x.rows(), 0);
+  EXPECT_TRUE(
+      LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
+  EXPECT_EQ(crossings(apart), 0);
+  // nearly half a gap of the bulge needs not go
+  EXPECT_GT((apart.x - facets.x).rowwise().norm().maxCoeff(), 0.2e-3);
+  EXPECT_LE((apart.x - facets.x).rowwise().norm().maxCoeff(), 0.8e-3);
+  // the bend is shorter by chords
+  EXPECT_LT(length_distortion(apart).largest, length_distortion(facets).largest + 0.01);
+}
+
+TEST(LayersApart, WhereNothingPassesThroughNothingIsMoved) {
+  const Sheet facets = strip(0), curved = strip(0.4e-3);
+  ASSERT_EQ(crossings(curved), 0);
+  Sheet apart = curved;
+  const std::vector<char> held(apart.x.rows(), 0);
+  EXPECT_FALSE(
+      LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
+  EXPECT_EQ(apart.x, curved.x);
+}
+
+TEST(LayersApart, HeldVerticesStay) {
+  const Sheet facets = strip(0), curved = strip(0.8e-3);
+  Sheet apart = curved;
+  std::vector<char> held(apart.x.rows(), 0);
+  for (int v = 0; v < apart.x.rows(); ++v) held[v] = apart.pattern(v, 0) < leg;
+  EXPECT_TRUE(
+      LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
+  double moved = 0;
+  for (int v = 0; v < apart.x.rows(); ++v) {
+    if (held[v])
+      EXPECT_EQ(apart.x.row(v), curved.x.row(v));
+    else
+      moved = std::max(moved, (apart.x.row(v) - curved.x.row(v)).norm());
+  }
+  EXPECT_GT(moved, 0.1e-3);
+}
+
+TEST(LayersApart, WhereTheFineFacetsPassThroughEachOtherTooThePointsThatMeetGoToTheirPlaces) {
+  const Sheet curved = strip(0.502e-3);
+  ASSERT_GT(crossings(curved), 5);
+  Sheet apart = curved;
+  const std::vector<char> held(apart.x.rows(), 0);
+  EXPECT_TRUE(
+      LayersApart(apart.pattern, apart.triangles)(apart.x, curved.x, on_facets, held).changed);
+  EXPECT_EQ(crossings(apart), 0);
+}
+
+TEST(LayersApart, WithoutPlacesTheEndIsSureHoweverFarThroughEachOtherTheyAre) {
+  const Sheet facets = strip(0), curved = strip(6e-3);
+  ASSERT_EQ(crossings(facets), 0);
+  ASSERT_GT(crossings(curved), 50);
+  Sheet apart = curved;
+  const std::vector<char> held(apart.x.rows(), 0);
+  const LayersApart::Outcome outcome =
+      LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, {}, held);
+  EXPECT_TRUE(outcome.changed && outcome.apart);
+  EXPECT_EQ(crossings(apart), 0);
+}
+
+TEST(LayersApart, InTurnsLengthsAreNoWorseThanAfterOne) {
+  const Sheet facets = strip(0), curved = strip(1.5e-3);
+  const std::vector<char> held(facets.x.rows(), 0);
+  const LayersApart layers(facets.pattern, facets.triangles);
+  const StrainLimit limit(facets.pattern, facets.triangles, {0.002, 60});
+  Points3 once = curved.x, turns = curved.x;
+  layers(once, facets.x, {}, held);
+  ASSERT_GT(limit.worst(once), 0.004);
+  EXPECT_TRUE(layers
+                  .in_turns(turns, facets.x,
+                            {[&](Points3& x) { limit(x, held); },
+                             [&](const Points3& x) { return limit.worst(x); }},
+                            held)
+                  .apart);
+  EXPECT_EQ(crossings(Sheet{facets.pattern, turns, {}, facets.triangles, {}}), 0);
+  EXPECT_LT(limit.worst(turns), limit.worst(once));
+}
+
+TEST(LayersApart, SaysOfFacetsThatPassThroughThemselvesThatTheyAreNotApart) {
+  Sheet curved = strip(0.8e-3);
+  const std::vector<char> held(curved.x.rows(), 0);
+  const Points3 facets = curved.x;
+  EXPECT_FALSE(LayersApart(curved.pattern, curved.triangles)(curved.x, facets, {}, held).apart);
+}
+
+TEST(MayMeetItself, ARollWhoseEndsAreNearerThanTheSurfaceIsOff) {
+  Sheet sheet = test::hex_sheet(0.1, 0.05, 12);
+  const double radius = 0.1 / 6.0;  // 6 of 6.28 rad: the ends are 4.7 mm apart
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    sheet.x.row(v) << radius * std::sin(sheet.pattern(v, 0) / radius), sheet.pattern(v, 1),
+        radius * (1 - std::cos(sheet.pattern(v, 0) / radius));
+  const auto off = [&](double all) {
+    return Eigen::VectorXd(Eigen::VectorXd::Constant(sheet.triangles.rows(), all));
+  };
+  EXPECT_FALSE(may_meet_itself(sheet, off(1e-3)));
+  EXPECT_TRUE(may_meet_itself(sheet, off(3e-3)));
+}
+
+// ---- the tree
+// -------------------------------------------------------------------------------------------------
+
+/// How many of these pairs of triangles pass through each other.
+int crossings_among(const std::vector<std::pair<int, int>>& pairs, const Points3& x,
+                    const Triangles& triangles) {
+  return static_cast<int>(std::count_if(pairs.begin(), pairs.end(), [&](const auto& pair) {
+    Triangles two(2, 3);
+    two << triangles.row(pair.first), triangles.row(pair.second);
+    return crossings(Sheet{{}, x, {}, two, {}}) > 0;
+  }));
+}
+
+TEST(TriangleTree, FindsEveryPairOfLayersThatPassesThroughAndNearlyAllOfNoise) {
+  std::mt19937 random(1);
+  for (int k = 0; k < 6; ++k) {
+    Sheet sheet = k < 2 ? strip(0.7e-3 + 1e-3 * k) : test::hex_sheet(0.1, 0.1, 14, 0.2, k);
+    std::normal_distribution<double> noise(0, k < 2 ? 1e-4 : 6e-3);
+    for (int v = 0; v < sheet.x.rows(); ++v)
+      sheet.x(v, 2) += noise(random), sheet.x(v, 0) += noise(random);
+    const int all = crossings(sheet);
+    ASSERT_GT(all, 10) << k;
+    const TriangleTree tree(sheet.pattern, sheet.triangles);
+    const int found = crossings_among(tree.near(sheet.x, sheet.x), sheet.x, sheet.triangles);
+    EXPECT_LE(found, all) << k;
+    EXPECT_GE(found, k < 2 ? all : 0.95 * all) << k;
+  }
+}
+
+TEST(TriangleTree, FindsWhatPassesThroughOnTheWay) {
+  const Sheet from = strip(0.2e-3);
+  Points3 to = from.x, middle;
+  for (int v = 0; v < to.rows(); ++v)
+    if (from.pattern(v, 0) > leg + 5e-3) to(v, 2) -= 4 * gap;
+  middle = 0.5 * (from.x + to);
+  const int between = crossings(Sheet{from.pattern, middle, {}, from.triangles, {}});
+  ASSERT_GT(between, 3);
+  const TriangleTree tree(from.pattern, from.triangles);
+  EXPECT_EQ(crossings_among(tree.near(from.x, to), middle, from.triangles), between);
+}
+
+TEST(TriangleTree, AGentlyBentSheetHasNoPairAtAll) {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 20, 0.2);
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    sheet.x(v, 2) = 0.01 * std::sin(40 * sheet.pattern(v, 0));
+  EXPECT_TRUE(TriangleTree(sheet.pattern, sheet.triangles).near(sheet.x, sheet.x).empty());
+}
+
+}  // namespace
+}  // namespace paperbake

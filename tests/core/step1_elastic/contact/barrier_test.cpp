@@ -1,0 +1,280 @@
+#include "core/step1_elastic/contact/self_contact.h"
+
+#include "core/geometry/measure.h"
+#include "core/geometry/proximity.h"
+#include "core/step1_elastic/contact/barrier.h"
+#include "tests/core/test_meshes.h"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace paperbake {
+namespace {
+
+constexpr double frame = 1.0 / 24;  // [s]
+
+using Corners = std::array<Vector3d, 4>;
+
+double distance(const Corners& x, bool edges) {
+  return (edges ? edge_to_edge(x) : vertex_to_triangle(x)).distance();
+}
+
+/// A second sheet beside the first on the pattern, so far that nothing of one is a neighbour of the
+/// other, and `x` of its own.
+Sheet join(const Sheet& a, const Sheet& b) {
+  const int n = static_cast<int>(a.pattern.rows());
+  Sheet both;
+  both.pattern.resize(n + b.pattern.rows(), 2);
+  both.pattern << a.pattern, b.pattern.rowwise() + Eigen::RowVector2d(1, 0);
+  both.x.resize(both.pattern.rows(), 3);
+  both.x << a.x, b.x;
+  both.v = Points3::Zero(both.x.rows(), 3);
+  both.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
+  both.triangles << a.triangles, (b.triangles.array() + n).matrix();
+  return both;
+}
+
+/// Two crumpled layers, one over the other within reach: hundreds of pairs of all kinds.
+Sheet two_layers(double gap) {
+  Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.1, 0.1, 5, 0.2, 2);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> noise(-0.2 * gap, 0.2 * gap);
+  for (Sheet* s : {&low, &high})
+    for (int v = 0; v < s->x.rows(); ++v) s->x(v, 2) += noise(random) + (s == &high ? gap : 0);
+  return join(low, high);
+}
+
+Points3 still(const Sheet& sheet) { return Points3::Zero(sheet.x.rows(), 3); }
+
+/// Energy with the list made anew.
+double energy_at(Contact& contact, const Points3& x) {
+  contact.begin(x, {}, frame);
+  return contact.energy(x);
+}
+
+TEST(Barrier, SlopeAndSecondAreDerivativesOfTheValue) {
+  const double reach = 2e-3, step = 1e-9;
+  for (const double d : {1e-5, 2e-4, 1e-3, 1.9e-3}) {
+    const Barrier b = barrier(d, reach);
+    ASSERT_LT(b.slope, -1e-6);
+    EXPECT_NEAR((barrier(d + step, reach).value - barrier(d - step, reach).value) / (2 * step),
+                b.slope, 1e-5 * std::abs(b.slope) + 1e-7);
+    EXPECT_NEAR((barrier(d + step, reach).slope - barrier(d - step, reach).slope) / (2 * step),
+                b.second, 1e-5 * b.second + 1e-4);
+    EXPECT_GE(b.second, 0);
+  }
+  EXPECT_EQ(barrier(reach, reach).value, 0);
+  EXPECT_EQ(barrier(reach, reach).slope, 0);
+}
+
+TEST(Barrier, AFastVertexNeverPassesATriangleNorAnEdgeAnEdge) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> uniform(-1, 1);
+  const auto point = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
+  int stopped = 0;
+  for (int k = 0; k < 4000; ++k) {
+    const bool edges = k % 2;
+    Corners x, move;
+    for (int i = 0; i < 4; ++i) x[i] = point(), move[i] = 5 * point();
+    const double share = free_way(x, move, edges), d = distance(x, edges);
+    ASSERT_GE(share, 0);
+    ASSERT_LE(share, 1);
+    stopped += share < 1;
+    for (int i = 1; i <= 200; ++i) {
+      Corners at;
+      for (int j = 0; j < 4; ++j) at[j] = x[j] + share * i / 200 * move[j];
+      ASSERT_GT(distance(at, edges), 0.19 * d) << k;
+    }
+  }
+  EXPECT_GT(stopped, 500);
+}
+
+TEST(Barrier, AVertexThatFliesStraightAtATriangleGetsFourFifthsOfTheWay) {
+  const Corners x{Vector3d(0, 0, 1), Vector3d(-3, -3, 0), Vector3d(3, -3, 0), Vector3d(0, 3, 0)};
+  const Corners move{Vector3d(0, 0, -100), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
+  EXPECT_NEAR(100 * free_way(x, move, false), 0.8, 0.01);
+}
+
+TEST(Barrier, AVertexThatSlidesALongWayOverATriangleAndTurnsWithItIsHardlyHeldUp) {
+  const Corners x{Vector3d(0.2, 0.2, 1e-7), Vector3d(0, 0, 0), Vector3d(1, 0, 0),
+                  Vector3d(0, 1, 0)};
+  Corners move{Vector3d(0.3, 0.1, -4e-9), Vector3d(0, 0, 0), Vector3d(0, 0, 0), Vector3d(0, 0, 0)};
+  EXPECT_EQ(free_way(x, move, false), 1);  // steps of what is left of the gap would need millions
+  move[0].z() = -2e-7;
+  // of a tight gap a twentieth may be used
+  EXPECT_NEAR(free_way(x, move, false), 0.5 * (1 - 0.95), 1e-3);
+}
+
+TEST(Contact, GradientIsTheDerivativeOfTheEnergyWithManyPairsActive) {
+  const Sheet sheet = two_layers(6e-4);
+  Contact contact(sheet.pattern, sheet.triangles);
+  contact.begin(sheet.x, {}, frame);
+  ASSERT_GT(contact.active(sheet.x), 200);
+  Points3 gradient = still(sheet);
+  contact.differentiate(sheet.x, gradient, nullptr);
+  ASSERT_GT(gradient.norm(), 1e-2);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  for (int k = 0; k < 10; ++k) {
+    Points3 way = still(sheet);
+    for (int i = 0; i < way.size(); ++i) way.data()[i] = normal(random);
+    const double step = 1e-9;
+    const double slope =
+        (energy_at(contact, sheet.x + step * way) - energy_at(contact, sheet.x - step * way)) /
+        (2 * step);
+    EXPECT_NEAR(slope, gradient.cwiseProduct(way).sum(), 1e-5 * gradient.norm());
+  }
+}
+
+TEST(Contact, SecondDerivativeIsExactWhereNormalsStandStillAndNeverIndefinite) {
+  // vertices over the inside of one large triangle, moving up and down: the normal stays
+  Sheet low = test::flat_sheet((Points2(3, 2) << 0, 0, 1, 0, 0, 1).finished(),
+                               (Triangles(1, 3) << 0, 1, 2).finished());
+  Sheet high = test::hex_sheet(0.1, 0.1, 4, 0.2, 2);
+  std::mt19937 random(3);
+  std::normal_distribution<double> normal;
+  high.x.rowwise() += Eigen::RowVector3d(0.2, 0.2, 1e-3);
+  for (int v = 0; v < high.x.rows(); ++v) high.x(v, 2) += 1e-4 * normal(random);
+  const Sheet sheet = join(low, high);
+  const int n = static_cast<int>(sheet.x.rows());
+  std::vector<int> block(n);
+  std::vector<std::pair<int, int>> all;
+  for (int i = 0; i < n; ++i)
+    for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
+  BlockCholesky matrix(n, all);
+  Contact contact(sheet.pattern, sheet.triangles);
+  contact.begin(sheet.x, {}, frame);
+  contact.bind(matrix, block);
+  ASSERT_GT(contact.active(sheet.x), 15);
+  Points3 gradient = still(sheet), before = still(sheet), after = still(sheet), way = still(sheet);
+  contact.differentiate(sheet.x, gradient, &matrix);
+  const Eigen::MatrixXd second = matrix.dense();
+  for (int v = 0; v < n; ++v) way(v, 2) = normal(random);
+  const double step = 1e-8;
+  contact.differentiate(sheet.x - step * way, before, nullptr);
+  contact.differentiate(sheet.x + step * way, after, nullptr);
+  const Points3 change = (after - before) / (2 * step);
+  const Eigen::VectorXd told = second * Eigen::Map<const Eigen::VectorXd>(way.data(), way.size());
+  ASSERT_GT(told.norm(), 1);
+  double error = 0;  // of the forces along z: those across turn with the normal
+  for (int v = 0; v < n; ++v) error = std::max(error, std::abs(change(v, 2) - told[3 * v + 2]));
+  EXPECT_LT(error, 1e-5 * told.norm());
+
+  const Sheet layers = two_layers(6e-4);
+  const int m = static_cast<int>(layers.x.rows());
+  all.clear();
+  block.resize(m);
+  for (int i = 0; i < m; ++i)
+    for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
+  BlockCholesky larger(m, all);
+  Contact many(layers.pattern, layers.triangles);
+  many.begin(layers.x, {}, frame);
+  many.bind(larger, block);
+  Points3 unused = still(layers);
+  many.differentiate(layers.x, unused, &larger);
+  const Eigen::VectorXd eigenvalues = larger.dense().selfadjointView<Eigen::Lower>().eigenvalues();
+  EXPECT_GT(eigenvalues.maxCoeff(), 1);
+  EXPECT_GT(eigenvalues.minCoeff(), -1e-9 * eigenvalues.maxCoeff());
+}
+
+TEST(Contact, EveryPairWithinReachIsInTheListAllAlongTheWay) {
+  const Sheet sheet = two_layers(4e-3);
+  Points3 move = still(sheet);
+  std::mt19937 random(9);
+  std::normal_distribution<double> normal;
+  for (int v = 0; v < move.rows(); ++v)
+    move.row(v) << 2e-3 * normal(random), 2e-3 * normal(random), 2e-3 * normal(random);
+  Contact contact(sheet.pattern, sheet.triangles);
+  contact.begin(sheet.x, {}, frame);
+  contact.cover(sheet.x, move);
+  std::set<std::pair<std::set<int>, bool>> listed;
+  for (const ContactPair& p : contact.pairs())
+    listed.insert({{p.vertices.begin(), p.vertices.end()}, p.edges});
+  int within = 0;
+  for (const double share : {0.0, 0.3, 0.7, 1.0}) {
+    const Points3 x = sheet.x + share * move;
+    for (int v = 0; v < x.rows(); ++v)
+      for (int t = 0; t < sheet.triangles.rows(); ++t) {
+        const Eigen::RowVector3i c = sheet.triangles.row(t);
+        if ((c.array() == v).any()) continue;
+        const auto at = [&](const auto& points, int k) {
+          return Vector3d(points(k, 0), points(k, 1),
+                          points.cols() > 2 ? points(k, points.cols() - 1) : 0.0);
+        };
+        const double d = distance({at(x, v), at(x, c[0]), at(x, c[1]), at(x, c[2])}, false);
+        const auto flat = [&](int k) {
+          return Vector3d(sheet.pattern(k, 0), sheet.pattern(k, 1), 0);
+        };
+        if (d >= std::min(contact.reach(),
+                          0.3 * distance({flat(v), flat(c[0]), flat(c[1]), flat(c[2])}, false)))
+          continue;
+        ++within;
+        EXPECT_TRUE(listed.count({{v, c[0], c[1], c[2]}, false})) << v << " " << t;
+      }
+  }
+  EXPECT_GT(within, 20);
+}
+
+TEST(Contact, AFlatOrGentlyRolledSheetIsClearAndHasNoActivePair) {
+  Sheet sheet = test::hex_sheet(0.2, 0.2, 10, 0.2);
+  const Points3 flat = sheet.x;
+  test::roll(sheet, 0.2);  // a radian: more and the straight way would fold it
+  Contact contact(sheet.pattern, sheet.triangles);
+  EXPECT_TRUE(contact.clear(flat, flat, {}));
+  EXPECT_TRUE(contact.clear(flat, sheet.x, {}));
+  contact.begin(sheet.x, {}, frame);
+  EXPECT_EQ(contact.active(sheet.x), 0);
+}
+
+TEST(Contact, ALayerThatJumpsThroughAnotherOrEndsBesideItIsNotClear) {
+  const Sheet sheet = two_layers(0.02);
+  Contact contact(sheet.pattern, sheet.triangles);
+  const auto lowered = [&](double by) {
+    Points3 x = sheet.x;
+    for (int v = 0; v < x.rows(); ++v)
+      if (sheet.pattern(v, 0) > 0.5) x(v, 2) -= by;
+    return x;
+  };
+  EXPECT_TRUE(contact.clear(sheet.x, lowered(0.005), {}));
+  EXPECT_FALSE(contact.clear(sheet.x, lowered(0.0195), {}));
+  EXPECT_FALSE(contact.clear(sheet.x, lowered(0.04), {}));
+}
+
+TEST(Contact, WhatHandlesBringTogetherIsLeftToThem) {
+  Sheet sheet = test::strip_sheet(0.3, 0.03, 20);
+  // a ring: its ends meet, held there
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    const double a = 2 * M_PI * sheet.pattern(v, 0) / 0.3;
+    sheet.x.row(v) << 0.3 / (2 * M_PI) * std::sin(a), sheet.pattern(v, 1),
+        0.3 / (2 * M_PI) * (1 - std::cos(a));
+  }
+  sheet.x.bottomRows<2>().rowwise() += Eigen::RowVector3d(0, 0, 1e-4);
+  Gripped ends{{0, 1, 40, 41}, Points3(4, 3)};
+  ends.targets << sheet.x.row(0), sheet.x.row(1), sheet.x.row(0), sheet.x.row(1);
+  Contact contact(sheet.pattern, sheet.triangles);
+  contact.begin(sheet.x, {}, frame);
+  EXPECT_GT(contact.active(sheet.x), 0);
+  contact.begin(sheet.x, ends, frame);
+  EXPECT_EQ(contact.active(sheet.x), 0);
+}
+
+TEST(Contact, ASheetThatTouchesOrCrossesItselfAsAStepBeginsHasAFiniteEnergy) {
+  for (const double shift : {0.0, 0.01}) {
+    Sheet sheet = two_layers(1e-3);
+    for (int v = 0; v < sheet.x.rows(); ++v) {
+      const bool high = sheet.pattern(v, 0) > 0.5;
+      // in one plane, or through each other
+      sheet.x(v, 2) = high ? shift * (sheet.pattern(v, 0) - 1.05) : 0;
+    }
+    Contact contact(sheet.pattern, sheet.triangles);
+    contact.begin(sheet.x, {}, frame);
+    Points3 gradient = still(sheet);
+    EXPECT_TRUE(std::isfinite(contact.differentiate(sheet.x, gradient, nullptr)));
+    EXPECT_TRUE(gradient.allFinite());
+  }
+}
+
+}  // namespace
+}  // namespace paperbake

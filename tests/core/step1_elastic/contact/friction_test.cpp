@@ -1,0 +1,270 @@
+// Coulomb's law between layers of paper.
+
+#include "core/step1_elastic/contact/friction.h"
+#include "core/step1_elastic/contact/self_contact.h"
+#include "core/step1_elastic/elastic.h"
+#include "tests/core/test_meshes.h"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace paperbake {
+namespace {
+
+constexpr double g = 9.81, reach = 1e-3, dt = 1 / 96.0;
+
+TEST(Sliding, SlopesAreDerivativesAndAllOfItIsFrictionBeyondEpsilon) {
+  const double epsilon = 1e-6;
+  for (const double y : {1e-7, 5e-7, 9.9e-7, 1.01e-6, 1e-5}) {
+    const double e = 1e-11;
+    EXPECT_NEAR((sliding(y + e, epsilon).value - sliding(y - e, epsilon).value) / (2 * e),
+                sliding(y, epsilon).slope, 1e-5)
+        << y;
+    EXPECT_NEAR((sliding(y + e, epsilon).slope - sliding(y - e, epsilon).slope) / (2 * e),
+                sliding(y, epsilon).second, 1e-4 / epsilon)
+        << y;
+  }
+  EXPECT_EQ(sliding(2e-6, epsilon).slope, 1);
+}
+
+/// One sheet over another, both of one jittered mesh or of two, and what their contact does as they
+/// move from `start`.
+struct Layers {
+  Points2 pattern;
+  Triangles triangles;
+  Points3 start;
+  std::vector<int> of_vertex;
+  std::vector<std::pair<int, int>> all;
+  std::vector<int> blocks;
+
+  Layers(const Sheet& low, const Sheet& high)
+      : pattern(low.x.rows() + high.x.rows(), 2),
+        triangles(low.triangles.rows() + high.triangles.rows(), 3),
+        start(pattern.rows(), 3),
+        of_vertex(pattern.rows(), 0),
+        blocks(pattern.rows()) {
+    const int n = static_cast<int>(low.x.rows());
+    pattern << low.pattern, high.pattern;
+    triangles << low.triangles, (high.triangles.array() + n).matrix();
+    start << low.x, high.x;
+    std::fill(of_vertex.begin() + n, of_vertex.end(), 1);
+    std::iota(blocks.begin(), blocks.end(), 0);
+    for (int i = 0; i < start.rows(); ++i)
+      for (int j = 0; j < i; ++j) all.emplace_back(i, j);
+  }
+
+  Contact contact(double mu_low, double mu_high) const {
+    Contact contact(pattern, triangles,
+                    {of_vertex, Eigen::MatrixXd::Constant(2, 2, reach), {}, {mu_low, mu_high}});
+    contact.begin(start, {}, dt);
+    return contact;
+  }
+  /// What friction adds to the forces at y. [N]
+  Points3 friction_at(const Points3& y, double mu_low = 0.4, double mu_high = 0.4) const {
+    Points3 with = Points3::Zero(y.rows(), 3), without = with;
+    contact(mu_low, mu_high).differentiate(y, with, nullptr);
+    contact(0, 0).differentiate(y, without, nullptr);
+    return with - without;
+  }
+  Points3 turned(const Vector3d& by) const {
+    return start * Eigen::AngleAxisd(by.norm(), by.normalized()).toRotationMatrix().transpose();
+  }
+};
+
+/// Two rumpled sheets.
+Layers rumpled() {
+  Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.08, 0.08, 5, 0.2, 2);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> noise(-1e-4, 1e-4);
+  high.x.col(2).array() += 6e-4;
+  for (Sheet* s : {&low, &high})
+    for (int v = 0; v < s->x.rows(); ++v)
+      s->x.row(v) += Eigen::RowVector3d(0.1 * noise(random), 0.1 * noise(random), noise(random));
+  return {low, high};
+}
+
+Sheet triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+  Sheet sheet = test::flat_sheet((Points2(3, 2) << 0, 0, 1, 0, 0, 1).finished(),
+                                 (Triangles(1, 3) << 0, 1, 2).finished());
+  sheet.x << a.transpose(), b.transpose(), c.transpose();
+  return sheet;
+}
+
+/// A corner of a triangle over the inside of another; an edge across an edge, as a roof on its
+/// ridge.
+std::vector<Layers> single_pairs() {
+  const Sheet low = triangle({-0.05, -0.04, 0}, {0.06, -0.05, 0}, {0.01, 0.07, 0}),
+              roof = triangle({-0.05, 0, 0}, {0.05, 0, 0}, {0, 0.01, -0.05});
+  return {{low, triangle({0.004, 0.003, 6e-4}, {0.02, 0.03, 0.05}, {-0.02, 0.02, 0.05})},
+          {roof, triangle({0.01, -0.05, 6e-4}, {0.02, 0.04, 6e-4}, {0.02, 0.01, 0.05})}};
+}
+
+TEST(LayersThatRub, GradientAndSecondDerivativeAreThoseOfTheEnergyAndNothingIsIndefinite) {
+  const Layers layers = rumpled();
+  Contact contact = layers.contact(0.4, 0.3);
+  BlockCholesky matrix(static_cast<int>(layers.start.rows()), layers.all);
+  contact.bind(matrix, layers.blocks);
+  std::mt19937 random(1);
+  std::normal_distribution<double> normal;
+  const auto any = [&] {
+    return Points3(Points3::NullaryExpr(layers.start.rows(), 3, [&] { return normal(random); }));
+  };
+  const Points3 y = layers.start + 4e-7 * any();  // some stick, some slide: epsilon is 1e-6
+  const auto differentiated = [&](const Points3& at) {
+    Points3 gradient = Points3::Zero(y.rows(), 3);
+    matrix.set_zero();
+    contact.differentiate(at, gradient, &matrix);
+    return gradient;
+  };
+  const Points3 gradient = differentiated(y);
+  const Eigen::MatrixXd second = matrix.dense();
+  ASSERT_GT(layers.friction_at(y).norm(), 0.1);
+  Contact smooth = layers.contact(0, 0);
+  smooth.bind(matrix, layers.blocks);
+  matrix.set_zero();
+  Points3 unused = Points3::Zero(y.rows(), 3);
+  smooth.differentiate(y, unused, &matrix);
+  const Eigen::MatrixXd of_friction = second - matrix.dense();
+  contact.bind(matrix, layers.blocks);
+  EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(of_friction).eigenvalues().minCoeff(),
+            -1e-10 * of_friction.norm());
+  for (int k = 0; k < 5; ++k) {
+    const Points3 way = any();
+    const double e = 1e-11;
+    EXPECT_NEAR((contact.energy(y + e * way) - contact.energy(y - e * way)) / (2 * e),
+                gradient.cwiseProduct(way).sum(), 1e-4 * gradient.norm());
+    const auto rubbing = [&](const Points3& at) {
+      return Points3(layers.friction_at(at, 0.4, 0.3));
+    };
+    const Points3 change = (rubbing(y + e * way) - rubbing(y - e * way)) / (2 * e);
+    const Eigen::VectorXd told =
+        of_friction * Eigen::Map<const Eigen::VectorXd>(way.data(), way.size());
+    EXPECT_LT((Eigen::Map<const Eigen::VectorXd>(change.data(), change.size()) - told).norm(),
+              1e-3 * told.norm());
+  }
+}
+
+TEST(LayersThatRub, ForcesAndTurnsOfAPairCancelAndItSlidesWithItsWholeFriction) {
+  for (const Layers& layers : single_pairs()) {
+    const Contact contact = layers.contact(0.4, 0.4);
+    ASSERT_EQ(contact.active(layers.start), 1);
+    Points3 y = layers.start, pressed = Points3::Zero(6, 3);
+    y.bottomRows(3).rowwise() += Eigen::RowVector3d(1e-5, 3e-6, 0);
+    layers.contact(0, 0).differentiate(layers.start, pressed, nullptr);
+    const Points3 force = layers.friction_at(y);
+    EXPECT_NEAR(force.bottomRows(3).colwise().sum().norm(),
+                0.4 * pressed.bottomRows(3).colwise().sum().norm(), 1e-9);
+    EXPECT_LT(force.colwise().sum().norm(), 1e-12 * force.norm());
+    Eigen::RowVector3d turn = Eigen::RowVector3d::Zero();
+    for (int v = 0; v < 6; ++v) turn += layers.start.row(v).cross(force.row(v));
+    EXPECT_LT(turn.norm(), 1e-12 * force.norm());
+  }
+}
+
+TEST(LayersThatRub, WhatMovesAsOneFeelsNothingAndOfTwoPapersNoneIsNone) {
+  for (const Layers& layers : single_pairs())
+    for (const Vector3d& by : {Vector3d(0.2, 0, 0), Vector3d(0, -0.2, 0), Vector3d(0, 0, 1)}) {
+      const Points3 y = layers.turned(by).rowwise() + Eigen::RowVector3d(0.1, 0.2, 0.3);
+      EXPECT_LT(layers.friction_at(y).norm(), 1e-9) << by.transpose();
+    }
+  const Layers layers = rumpled();
+  Points3 y = layers.start;
+  y.bottomRows(36).col(0).array() += 1e-4;
+  const double whole = layers.friction_at(y, 0.4, 0.4).norm();
+  ASSERT_GT(whole, 0.1);
+  EXPECT_EQ(layers.friction_at(y, 0.4, 0).norm(), 0);
+  EXPECT_NEAR(layers.friction_at(y, 0.4, 0.1).norm(), 0.5 * whole, 1e-9);
+}
+
+/// A leaf that lies on a sheet of this slope, held everywhere. To be stepped.
+struct Leaf {
+  Sheet low = test::hex_sheet(0.12, 0.09, 9, 0.2, 1), leaf = test::hex_sheet(0.05, 0.05, 5, 0.2, 2);
+  Eigen::Matrix3d turn;
+  Held everywhere, own;
+  Elastic of_low, of_leaf;
+
+  static Paper paper(double mu) {
+    Paper paper;
+    paper.friction = mu;
+    return paper;
+  }
+  static ElasticOptions options(Inertia inertia) {
+    ElasticOptions options;
+    options.gravity = g;
+    options.inertia = inertia;
+    options.stop = 1e-7;  // a hundredth of what it slides in a step
+    return options;
+  }
+
+  Leaf(double slope, double mu, Inertia inertia)
+      : turn(Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitY()).toRotationMatrix().transpose()),
+        of_low(paper(mu), options(inertia)),
+        of_leaf(paper(mu), options(inertia)) {
+    leaf.x.rowwise() += Eigen::RowVector3d(0.02, 0.02, 0.99 * reach);
+    low.x = (low.x * turn).eval(), leaf.x = (leaf.x * turn).eval();
+    everywhere.vertices.resize(low.x.rows());
+    std::iota(everywhere.vertices.begin(), everywhere.vertices.end(), 0);
+    everywhere.targets = low.x, own.targets.resize(0, 3);
+    of_low.set_mesh(low), of_leaf.set_mesh(leaf);
+  }
+
+  void step() {
+    const Points3 none(0, 3);
+    Elastic::step_together({{of_low, low, everywhere, none}, {of_leaf, leaf, own, none}},
+                           Eigen::MatrixXd::Constant(2, 2, reach), dt);
+  }
+};
+
+/// How fast it goes down after an eighth and a quarter of a second. [m/s]
+std::pair<double, double> speeds(double slope, double mu) {
+  Leaf leaf(slope, mu, Inertia::dynamic);
+  const auto down = [&] { return leaf.leaf.v.colwise().mean().dot(leaf.turn.row(0)); };
+  double half_way = 0;
+  for (int k = 0; k < 24; ++k) {
+    leaf.step();
+    if (k == 11) half_way = down();
+  }
+  return {half_way, down()};
+}
+
+TEST(LayersThatRub, ALeafSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulombSays) {
+  const double damping = -24 * std::log(0.98);
+  EXPECT_LT(speeds(0.3, 0.4).second, creep);
+  EXPECT_LT(speeds(0.37, 0.4).second, creep);
+  for (const double mu : {0.0, 0.4}) {
+    const auto [before, after] = speeds(0.6, mu);
+    const double angle = std::atan(0.6), a = g * (std::sin(angle) - mu * std::cos(angle)) -
+                                             damping * 0.5 * (before + after);
+    EXPECT_NEAR((after - before) / 0.125, a, 0.05 * a) << mu;
+  }
+}
+
+TEST(LayersThatRub, ALeafThatASoftHandPullsStaysUntilTheHandPullsAsCoulombSaysAndNoMore) {
+  constexpr double stiffness = 0.5;  // [N/m]
+  Leaf leaf(0, 0.4, Inertia::quasi_static);
+  const double lag = 0.4 * Paper{}.area_density * 0.05 * 0.05 * g / stiffness;  // [m] 1.4 mm
+  int front = 0;
+  for (int v = 0; v < leaf.leaf.x.rows(); ++v)
+    if ((leaf.leaf.pattern.row(v) - Eigen::RowVector2d(0.05, 0.025)).norm() <
+        (leaf.leaf.pattern.row(front) - Eigen::RowVector2d(0.05, 0.025)).norm())
+      front = v;
+  leaf.own = {{front}, leaf.leaf.x.row(front), {stiffness}};
+  const Points3 start = leaf.leaf.x;
+  for (int k = 1; k <= 60; ++k) {
+    leaf.own.targets = start.row(front) + Eigen::RowVector3d(k * 1e-4, 0, 0);
+    leaf.step();
+    const double gone = (leaf.leaf.x - start).col(0).mean(),
+                 behind = leaf.own.targets(0, 0) - leaf.leaf.x(front, 0);
+    if (k * 1e-4 < 0.9 * lag) {
+      EXPECT_LT(gone, k * creep * dt) << k;
+    }
+    if (k * 1e-4 > 1.5 * lag) {
+      EXPECT_NEAR(behind, lag, 0.03 * lag) << k;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace paperbake

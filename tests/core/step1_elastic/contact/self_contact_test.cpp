@@ -1,0 +1,152 @@
+// Whole shots in which the sheet touches itself, and some in which it does not.
+
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace paperbake {
+namespace {
+
+std::vector<Points3> shapes(const Shot& shot, const Method& method, const AnimateOptions& options,
+                            bool& touched) {
+  std::vector<Points3> all;
+  touched = false;
+  animate(shot, method, options, [&](const AnimatedFrame& f) {
+    all.push_back(f.sheet->x);
+    touched |= f.contact;
+    return true;
+  });
+  return all;
+}
+
+TEST(SelfContact, AShotInWhichNothingTouchesIsTheSameToTheLastBit) {
+  const Shot shot = test::s1_push();
+  AnimateOptions options;
+  options.last_frame = 60;
+  options.memory = Memory::plastic;
+  bool touched, unused;
+  const auto method = [&] { return hybrid(shot.pattern, shot.paper, 100, {}, 1, 0); };
+  const std::vector<Points3> with = shapes(shot, method(), options, touched);
+  options.elastic.contact = SelfContact::off;
+  const std::vector<Points3> without = shapes(shot, method(), options, unused);
+  ASSERT_EQ(with.size(), 60u);
+  EXPECT_FALSE(touched);
+  for (std::size_t f = 0; f < with.size(); ++f) ASSERT_TRUE(with[f] == without[f]) << f;
+}
+
+/// Eight handles round a sheet of 21 cm come together to 45 % of their distance from the centre in
+/// 30 frames.
+Shot crumple() {
+  const int frames = 34;
+  const double side = 0.21;
+  Shot shot = test::blank_shot(test::rectangle(side, side));
+  for (int i = 0; i < 3; ++i)
+    for (int j = 0; j < 3; ++j) {
+      if (i == 1 && j == 1) continue;
+      Handle handle = test::bare_handle("handle." + std::to_string(3 * i + j),
+                                        {0.5 * side * i, 0.5 * side * j}, frames);
+      handle.radius.reset();
+      for (int f = 0; f < frames; ++f) {
+        const double share = 1 - 0.55 * std::min(f, 30) / 30.0, middle = 0.5 * side;
+        handle.keyed.row(f) << middle + share * middle * (i - 1), middle + share * middle * (j - 1),
+            0.02 * std::min(f, 30) / 30.0 * ((i + j) % 2);
+      }
+      shot.handles.push_back(handle);
+    }
+  return shot;
+}
+
+TEST(SelfContact, ACrumpledSheetNeverPassesThroughItself) {
+  const Shot shot = crumple();
+  int crossed[2] = {0, 0}, touching = 0;
+  double stretch = 0;
+  for (const SelfContact contact : {SelfContact::automatic, SelfContact::off}) {
+    AnimateOptions options;
+    options.last_frame = 34;
+    options.seed = 2;
+    options.memory = Memory::plastic;
+    options.elastic.contact = contact;
+    const bool on = contact == SelfContact::automatic;
+    animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 2, 0), options,
+            [&](const AnimatedFrame& f) {
+              crossed[on] += crossings(*f.sheet);
+              if (on)
+                touching = std::max(touching, f.touching),
+                stretch = std::max(stretch, length_distortion(*f.sheet).largest);
+              return true;
+            });
+  }
+  EXPECT_GT(crossed[0], 0);  // else this shot proves nothing
+  EXPECT_EQ(crossed[1], 0);
+  EXPECT_GT(touching, 0);
+  EXPECT_LT(stretch, 0.02);
+}
+
+TEST(SelfContact, ACrumpledSheetAtRestStillTouchesItself) {
+  const Shot shot = crumple();
+  AnimateOptions options;
+  options.last_frame = 60;
+  options.seed = 2;
+  options.memory = Memory::plastic;
+  int touching = 0, asleep = 0;
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 2, 0), options,
+          [&](const AnimatedFrame& f) {
+            if (f.frame > 40 && f.substeps == 0) {
+              ++asleep;
+              EXPECT_EQ(f.touching, touching) << f.frame;
+              EXPECT_TRUE(f.contact);
+            }
+            touching = f.touching;
+            return true;
+          });
+  EXPECT_GT(asleep, 5);
+  EXPECT_GT(touching, 0);
+}
+
+TEST(SelfContact, AHandlePressedAgainstTheSheetIsJammedAndHeldAgainWhenItComesBack) {
+  // the left half of a strip is held flat; the right end is carried over it, keyed through it, and
+  // back up
+  const int frames = 48;
+  Shot shot = test::blank_shot(test::rectangle(0.2, 0.05));
+  for (const double u : {0.0, 0.05, 0.1})
+    for (const double v : {0.0, 0.05})
+      shot.handles.push_back(
+          test::bare_handle("handle.flat" + std::to_string(shot.handles.size()), {u, v}, frames));
+  for (const double v : {0.0, 0.05}) {
+    Handle end = test::bare_handle("handle.end" + std::to_string(v), {0.2, v}, frames);
+    const double inset = v == 0 ? 0.012 : -0.012;
+    for (int f = 0; f < frames; ++f) {
+      const double a = M_PI * std::min(f, 23) / 23.0;  // round the middle, and a little narrower
+      const double down = f < 24 ? 0 : f < 36 ? (f - 24) / 11.0 : std::max(0.0, (43 - f) / 7.0);
+      end.keyed.row(f) << 0.1 + 0.07 * std::cos(a) + 0.03 * (1 - a / M_PI), v + inset * a / M_PI,
+          0.06 * std::sin(a) + 0.02 * a / M_PI - 0.03 * down;
+    }
+    shot.handles.push_back(end);
+  }
+  AnimateOptions options;
+  options.last_frame = frames;
+  int jammed_while_pressed = 0;
+  double lag = 0;
+  HandleFrame last;
+  animate(shot, fem(120), options, [&](const AnimatedFrame& f) {
+    EXPECT_EQ(crossings(*f.sheet), 0) << f.frame;
+    last = f.handles.back();
+    if (last.state == HandleFrame::jammed) {
+      EXPECT_GT(f.frame, 25);
+      ++jammed_while_pressed;
+      lag = std::max(lag, (last.at - last.keyed).norm());
+    }
+    return true;
+  });
+  EXPECT_GE(jammed_while_pressed, 3);
+  EXPECT_GT(lag, 1e-3);
+  EXPECT_EQ(last.state, HandleFrame::held);
+  EXPECT_LT((last.at - last.keyed).norm(), 1e-4);
+}
+
+}  // namespace
+}  // namespace paperbake

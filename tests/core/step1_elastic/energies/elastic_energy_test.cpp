@@ -1,0 +1,356 @@
+#include "core/step1_elastic/energies/elastic_energy.h"
+
+#include "tests/core/test_meshes.h"
+
+#include <Eigen/Eigenvalues>
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <numeric>
+
+namespace paperbake {
+namespace {
+
+/// A rolled, twisted and slightly stretched sheet with creases: nothing in it is symmetric or flat.
+Sheet crumpled() {
+  Sheet sheet = test::hex_sheet(0.1, 0.07, 5, 0.2, 3);
+  test::roll(sheet, 0.04);
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    const double a = sheet.pattern(v, 0), b = sheet.pattern(v, 1);
+    sheet.x.row(v) += Eigen::RowVector3d(0.03 * b * std::sin(40 * a), 0.02 * a,
+                                         0.004 * std::sin(70 * b + 30 * a));
+  }
+  return sheet;
+}
+
+/// Of the triangles of crumpled() about half yield: the first yield is at 22 1/m.
+Paper soft_paper() {
+  Paper paper;
+  paper.yield_strain = 0.001;
+  paper.grain_ratio = 2.2;
+  paper.grain_angle = 0.4;
+  return paper;
+}
+
+PlasticMemory some_memory(const Sheet& sheet) {
+  const int n = static_cast<int>(sheet.triangles.rows());
+  PlasticMemory memory(n);
+  for (int t = 0; t < n; ++t) {
+    memory.curvature.row(t) << 10 * std::sin(t), 5 * std::cos(2 * t), -8 * std::sin(3 * t);
+    memory.hardening[t] = 10 + 10 * std::cos(5 * t);
+  }
+  return memory;
+}
+
+/// Share of the triangles that yield.
+double yielding(const ElasticEnergy& energy, const Sheet& sheet) {
+  return (energy.gained(sheet.x).hardening.array() > 0).cast<double>().mean();
+}
+
+/// The matrix as the solver sees it, column by column.
+Eigen::MatrixXd dense_hessian(ElasticEnergy& energy, const Points3& x, HessianForm form) {
+  const int n = static_cast<int>(x.rows());
+  BlockCholesky matrix(n, energy.coupled_vertices());
+  std::vector<int> block_of(n);
+  std::iota(block_of.begin(), block_of.end(), 0);
+  energy.bind(matrix, block_of);
+  matrix.set_zero();
+  Points3 gradient;
+  energy.hessian(x, form, gradient, matrix);
+  return matrix.dense();
+}
+
+TEST(ElasticEnergy, GradientAgreesWithCentralDifferencesWhereSomeTrianglesYieldAndOthersDoNot) {
+  const Sheet sheet = crumpled();
+  ElasticEnergy energy(soft_paper(), sheet.pattern, sheet.triangles);
+  energy.memory = some_memory(sheet);
+  ASSERT_NEAR(yielding(energy, sheet), 0.5, 0.3);
+  Points3 gradient;
+  energy.gradient(sheet.x, gradient);
+  ASSERT_GT(gradient.norm(), 1.0);
+  Points3 x = sheet.x, numeric(x.rows(), 3);
+  const double h = 1e-7;
+  for (int k = 0; k < x.size(); ++k) {
+    const double at = x.data()[k];
+    x.data()[k] = at + h;
+    const double up = energy.energy(x);
+    x.data()[k] = at - h;
+    numeric.data()[k] = (up - energy.energy(x)) / (2 * h);
+    x.data()[k] = at;
+  }
+  EXPECT_LT((gradient - numeric).norm() / gradient.norm(), 1e-7);
+}
+
+TEST(ElasticEnergy, SecondDerivativeAgreesWithCentralDifferencesOfTheGradient) {
+  const Sheet sheet = crumpled();
+  ElasticEnergy energy(soft_paper(), sheet.pattern, sheet.triangles);
+  energy.memory = some_memory(sheet);
+  ASSERT_NEAR(yielding(energy, sheet), 0.5, 0.3);
+  const Eigen::MatrixXd hessian = dense_hessian(energy, sheet.x, HessianForm::exact);
+  ASSERT_GT(hessian.norm(), 1.0);
+  Eigen::MatrixXd numeric(sheet.x.size(), sheet.x.size());
+  Points3 x = sheet.x, up, down;
+  const double h = 1e-7;
+  for (int k = 0; k < x.size(); ++k) {
+    const double at = x.data()[k];
+    x.data()[k] = at + h;
+    energy.gradient(x, up);
+    x.data()[k] = at - h;
+    energy.gradient(x, down);
+    x.data()[k] = at;
+    for (int j = 0; j < x.size(); ++j) numeric(j, k) = (up.data()[j] - down.data()[j]) / (2 * h);
+  }
+  EXPECT_LT((hessian - numeric).norm() / hessian.norm(), 1e-7);
+}
+
+TEST(ElasticEnergy, PaperThatNeverYieldsHasTheElasticEnergyToTheLastBit) {
+  const Sheet sheet = crumpled();
+  Paper paper;
+  ElasticEnergy without(paper, sheet.pattern, sheet.triangles);
+  paper.yield_strain = std::numeric_limits<double>::infinity();
+  ElasticEnergy with(paper, sheet.pattern, sheet.triangles);
+  const int n = static_cast<int>(sheet.triangles.rows());
+  with.memory = PlasticMemory(n);
+  with.memory.hardening = some_memory(sheet).hardening;
+  ASSERT_GT(without.parts(sheet.x).bending, 1e-4);
+  EXPECT_EQ(with.energy(sheet.x), without.energy(sheet.x));
+  EXPECT_EQ(dense_hessian(with, sheet.x, HessianForm::exact),
+            dense_hessian(without, sheet.x, HessianForm::exact));
+}
+
+/// An inner triangle with a past, and angles that bend it from there.
+struct OneTriangle {
+  RestBending rest;
+  Vector3d theta{0.3, -0.1, 0.2};
+  PlasticState past{{3, 2, -1}, 50};
+  OneTriangle() {
+    Points2 p(3, 2);
+    p << 0, 0, 0.01, 0.001, 0.004, 0.008;
+    rest = rest_bending(Paper{}, p, {0, 1, 2}, {8e-5, 7e-5, 9e-5}, 1);
+    origin = rest.operator_of_theta.inverse() * past.curvature;
+    theta /= std::sqrt(2 * bending_energy(rest, theta) / (rest.rigidity * rest.area));
+  }
+  Vector3d origin;  // S' = 0
+  Vector3d angles(double q) const { return origin + q * theta; }
+};
+
+TEST(ElasticEnergy, EnergyAndMomentAreContinuousWhereATriangleYields) {
+  const OneTriangle t;
+  Vector3d below, at, above;
+  const double d = 1e-9 * t.past.yield;
+  const double lower = bending_energy(t.rest, t.angles(t.past.yield - d), t.past, &below);
+  const double upper = bending_energy(t.rest, t.angles(t.past.yield + d), t.past, &above);
+  bending_energy(t.rest, t.angles(t.past.yield), t.past, &at);
+  EXPECT_NEAR(upper / lower, 1, 1e-8);  // 2 * 2e-9 is the slope
+  EXPECT_LT((above - below).norm(), 1e-8 * at.norm());
+  // what lies beyond is on the other branch: the slope of the moment falls to eta
+  Matrix3 soft, stiff;
+  bending_energy(t.rest, t.angles(t.past.yield - d), t.past, nullptr, &stiff);
+  bending_energy(t.rest, t.angles(t.past.yield + d), t.past, nullptr, &soft);
+  EXPECT_NEAR(t.theta.dot(soft * t.theta) / t.theta.dot(stiff * t.theta), t.rest.hardening, 1e-6);
+}
+
+TEST(ElasticEnergy, TangentOfATriangleThatYieldsHasNoNegativeEigenvalue) {
+  OneTriangle t;
+  for (const double eta : {0.0, 0.3}) {
+    t.rest.hardening = eta;
+    Matrix3 tangent;
+    bending_energy(t.rest, t.angles(3 * t.past.yield), t.past, nullptr, &tangent);
+    const Vector3d values = Eigen::SelfAdjointEigenSolver<Matrix3>(tangent).eigenvalues();
+    ASSERT_GT(values[2], 1e-6);
+    EXPECT_GT(values[0], -1e-12 * values[2]) << eta;
+  }
+}
+
+TEST(ElasticEnergy, ReturningAfterAStepLeavesTheMomentAsItWas) {
+  const OneTriangle t;
+  const Vector3d angles = t.angles(3 * t.past.yield);
+  Vector3d during, after;
+  bending_energy(t.rest, angles, t.past, &during);
+  const PlasticGain gain = plastic_gain(t.rest, angles, t.past);
+  ASSERT_NEAR(gain.hardening, 0.7 * 2 * t.past.yield, 1e-9 * t.past.yield);  // (1-eta)(q - q_y)
+  const PlasticState next{t.past.curvature + gain.curvature,
+                          t.past.yield + 0.3 / 0.7 * gain.hardening};
+  bending_energy(t.rest, angles, next, &after);
+  EXPECT_LT((after - during).norm(), 1e-12 * during.norm());
+  EXPECT_LT(plastic_gain(t.rest, angles, next).hardening, 1e-12 * gain.hardening);
+}
+
+TEST(ElasticEnergy, SheetInItsPlasticShapeIsAtRestUpToItsBorders) {
+  // the last triangles have no fold that could tell the curvature across the border: they must not
+  // take it from Sp either
+  Sheet sheet = test::strip_sheet(0.03, 0.015, 40);
+  ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
+  energy.memory = PlasticMemory(80);
+  energy.memory.curvature.col(0).setConstant(200);
+  const double flat = energy.parts(sheet.x).bending;
+  ASSERT_GT(flat, 1e-4);
+  ASSERT_GT(energy.gained(sheet.x).hardening.maxCoeff(), 60);
+  test::roll(sheet, 1 / 200.0);
+  EXPECT_LT(energy.parts(sheet.x).bending, 1e-12 * flat);
+  EXPECT_EQ(energy.gained(sheet.x).hardening.maxCoeff(), 0);
+}
+
+TEST(ElasticEnergy, SecondDerivativeIsRightRoundAVertexOfValenceThree) {
+  // both wings across the two inner edges of a corner triangle are then one and the same vertex
+  Points2 p(4, 2);
+  p << 0, 0, 0.1, 0, 0.03, 0.09, 0.04, 0.03;
+  Triangles t(3, 3);
+  t << 0, 1, 3, 1, 2, 3, 2, 0, 3;
+  Sheet sheet = test::flat_sheet(p, t);
+  sheet.x(3, 2) = 0.02;
+  ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
+  const Eigen::MatrixXd hessian = dense_hessian(energy, sheet.x, HessianForm::exact);
+  Points3 x = sheet.x, up, down;
+  const double h = 1e-7;
+  for (int k = 0; k < x.size(); ++k) {
+    const double at = x.data()[k];
+    x.data()[k] = at + h;
+    energy.gradient(x, up);
+    x.data()[k] = at - h;
+    energy.gradient(x, down);
+    x.data()[k] = at;
+    for (int j = 0; j < x.size(); ++j)
+      EXPECT_NEAR(hessian(j, k), (up.data()[j] - down.data()[j]) / (2 * h), 1e-6 * hessian.norm());
+  }
+}
+
+TEST(ElasticEnergy, ProjectedFormHasNoNegativeEigenvalueWhereTheExactOneHas) {
+  const Sheet sheet = crumpled();
+  ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
+  const auto lowest = [&](HessianForm form) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense_hessian(energy, sheet.x, form))
+        .eigenvalues()[0];
+  };
+  EXPECT_LT(lowest(HessianForm::exact), -1.0);
+  EXPECT_GT(lowest(HessianForm::projected), -1e-6);  // rounding of eigenvalues up to 1e6 N/m
+}
+
+TEST(ElasticEnergy, AnglesArePositiveWhereTheSheetBulgesToItsNormal) {
+  Sheet sheet = test::strip_sheet(0.1, 0.05, 10);
+  test::roll(sheet, 0.05);
+  const Hinges hinges = find_hinges(sheet.triangles);
+  double turn = 0;
+  for (const Hinge& hinge : hinges.hinges) turn += fold_angle(sheet.x, hinge);
+  EXPECT_NEAR(turn, 0.1 / 0.05 * 9 / 10, 1e-9);  // 10 chords of an arc of 2 rad turn 9 times
+}
+
+/// Bending energy of a cylinder, without the last cells beside the cut ends, over its exact value
+/// D/2 A/R^2.
+double cylinder_ratio(Sheet sheet, double length) {
+  const Paper paper;
+  test::roll(sheet, 0.05);
+  const ElasticEnergy energy(paper, sheet.pattern, sheet.triangles);
+  const Hinges& hinges = energy.hinges();
+  double sum = 0, area = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    double x = 0;
+    for (int i = 0; i < 3; ++i) x += sheet.pattern(sheet.triangles(t, i), 0) / 3;
+    if (x < 0.15 * length || x > 0.85 * length) continue;
+    Vector3d theta;
+    std::array<double, 3> shared{0, 0, 0};
+    for (int i = 0; i < 3; ++i)
+      if (const int h = hinges.of_triangle[t][i]; h >= 0)
+        for (int side : hinges.hinges[h].triangles)
+          shared[i] += rest_triangle(sheet.pattern, sheet.triangles.row(side)).area;
+    const RestBending rest = rest_bending(paper, sheet.pattern, sheet.triangles.row(t), shared, 1);
+    for (int i = 0; i < 3; ++i)
+      theta[i] = hinges.of_triangle[t][i] < 0
+                     ? 0
+                     : fold_angle(sheet.x, hinges.hinges[hinges.of_triangle[t][i]]);
+    sum += bending_energy(rest, theta);
+    area += rest.area;
+  }
+  return sum / (0.5 * paper.bending_stiffness * area / (0.05 * 0.05));
+}
+
+TEST(ElasticEnergy, CylinderHasItsExactEnergyOnAnyKindOfMesh) {
+  EXPECT_NEAR(cylinder_ratio(test::hex_sheet(0.1, 0.1, 14), 0.1), 1, 0.1);
+  EXPECT_NEAR(cylinder_ratio(test::hex_sheet(0.1, 0.1, 14, 0.2), 0.1), 1, 0.1);
+  EXPECT_NEAR(cylinder_ratio(test::strip_sheet(0.1, 0.1, 20), 0.1), 1, 0.01);
+}
+
+/// A sheet that is bent, sheared and stretched everywhere.
+Sheet bent_sheet() {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.2);
+  test::roll(sheet, 0.05);
+  sheet.x.col(1) *= 1.02;
+  return sheet;
+}
+
+TEST(ElasticEnergy, PredictedStressIsThatOfTheNewPlaceToFirstOrder) {
+  const Sheet sheet = bent_sheet();
+  const ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
+  Points3 move(sheet.x.rows(), 3);
+  for (int v = 0; v < move.rows(); ++v)
+    move.row(v) << std::sin(50 * sheet.x(v, 1)), std::cos(40 * sheet.x(v, 0)),
+        std::sin(70 * sheet.x(v, 0));
+  const auto error = [&](double step) {  // largest difference over the triangles [N/m]
+    const MembraneStress predicted = energy.stress(sheet.x, step * move),
+                         there = energy.stress(sheet.x + step * move, 0 * move);
+    double most = 0;
+    for (std::size_t t = 0; t < there.size(); ++t)
+      most = std::max(most, (predicted[t] - there[t]).norm());
+    return most;
+  };
+  ASSERT_GT(energy.stress(sheet.x, 0 * move)[0].norm(), 1000);  // 2 % of 3.6e5 N/m
+  // what is left out is of second order
+  EXPECT_NEAR(error(1e-5) / error(5e-6), 4, 0.01);
+}
+
+TEST(ElasticEnergy, PaperIsStifferAlongItsGrain) {
+  Sheet sheet = test::hex_sheet(0.1, 0.07, 8);
+  test::roll(sheet, 0.03);  // along u
+  Paper paper;
+  const double even = ElasticEnergy(paper, sheet.pattern, sheet.triangles).parts(sheet.x).bending;
+  paper.grain_ratio = 2.25;
+  const auto share = [&](double angle) {
+    paper.grain_angle = angle;
+    return ElasticEnergy(paper, sheet.pattern, sheet.triangles).parts(sheet.x).bending / even;
+  };
+  // orthotropic plate, bent to a cylinder across the angle: D11 cos^4 + 2 (D12 + 2 D66) cos^2 sin^2
+  // + D22 sin^4, D12 + 2 D66 = D
+  EXPECT_NEAR(share(0), 1.5, 3e-3);
+  EXPECT_NEAR(share(M_PI / 2), 1 / 1.5, 3e-3);
+  EXPECT_NEAR(share(M_PI / 4), (1.5 + 2 + 1 / 1.5) / 4, 3e-3);
+  EXPECT_NEAR(share(-M_PI / 4), share(M_PI / 4), 3e-3);
+}
+
+TEST(ElasticEnergy, WhatAGrainKeepsIsTheCurvatureItWasBentTo) {
+  Sheet sheet = test::hex_sheet(0.1, 0.07, 8);
+  test::roll(sheet, 0.003);  // 333 1/m
+  Paper paper;
+  paper.grain_ratio = 2.25;
+  paper.grain_angle = 0.3;
+  paper.hardening = 0;
+  ElasticEnergy energy(paper, sheet.pattern, sheet.triangles);
+  energy.memory = PlasticMemory(static_cast<int>(sheet.triangles.rows()));
+  const PlasticMemory first = energy.gained(sheet.x);
+  energy.memory.curvature = first.curvature;
+  energy.memory.hardening = first.hardening;
+  EXPECT_LT(energy.gained(sheet.x).curvature.cwiseAbs().maxCoeff(),
+            1e-6 * first.curvature.cwiseAbs().maxCoeff());
+}
+
+TEST(ElasticEnergy, OwnStressGivesTheOwnSecondDerivative) {
+  const Sheet sheet = bent_sheet();
+  ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
+  const int n = static_cast<int>(sheet.x.rows());
+  std::vector<int> block_of(n);
+  std::iota(block_of.begin(), block_of.end(), 0);
+  const MembraneStress own = energy.stress(sheet.x, Points3::Zero(n, 3)),
+                       none(own.size(), Eigen::Matrix2d::Zero());
+  const auto second_derivative = [&](const MembraneStress* stress) {
+    BlockCholesky matrix(n, energy.coupled_vertices());
+    energy.bind(matrix, block_of);
+    Points3 gradient;
+    energy.hessian(sheet.x, HessianForm::exact, gradient, matrix, stress);
+    return matrix.dense();
+  };
+  const Eigen::MatrixXd exact = second_derivative(nullptr);
+  EXPECT_LT((second_derivative(&own) - exact).norm(), 1e-12 * exact.norm());
+  EXPECT_GT((second_derivative(&none) - exact).norm(), 1e-4 * exact.norm());
+}
+
+}  // namespace
+}  // namespace paperbake

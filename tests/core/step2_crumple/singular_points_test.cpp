@@ -1,0 +1,253 @@
+#include "core/step2_crumple/singular_points.h"
+
+#include "core/animation/animate.h"
+#include "core/geometry/curvature.h"
+#include "core/geometry/hinges.h"
+#include "core/geometry/measure.h"
+#include "core/geometry/random.h"
+#include "core/step2_crumple/edge_flips.h"
+#include "core/step2_crumple/singular_points.h"
+#include "tests/core/geometry/sound_mesh.h"
+#include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <set>
+
+namespace paperbake {
+namespace {
+
+TEST(Random, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
+  constexpr int n = 20000;
+  Vector2d mean(0, 0);
+  Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
+  for (int k = 0; k < n; ++k) {
+    const Vector2d g = gaussian(7, 0, k, 0);
+    mean += g / n;
+    scatter += g * g.transpose() / n;
+  }
+  const double error = 4 / std::sqrt(double(n));  // four standard errors
+  EXPECT_LT(mean.cwiseAbs().maxCoeff(), error);
+  EXPECT_NEAR(scatter(0, 0), 1, 1.5 * error);
+  EXPECT_NEAR(scatter(1, 1), 1, 1.5 * error);
+  EXPECT_NEAR(scatter(0, 1), 0, error);
+}
+
+TEST(SingularPoint, LawScattersByThePapersDeviationAboutTheMiddleOfTheConflict) {
+  const Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
+  const Pattern pattern = test::rectangle(0.1, 0.1);
+  int inner = 0;
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if ((sheet.pattern.row(v) - Eigen::RowVector2d(0.05, 0.05)).norm() <
+        (sheet.pattern.row(inner) - Eigen::RowVector2d(0.05, 0.05)).norm())
+      inner = v;
+  Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.2),
+                      std::vector<char>(sheet.pattern.rows(), 1)};
+  Paper paper;
+  Vector2d mean(0, 0);
+  double variance = 0;
+  constexpr int n = 4000;
+  std::set<std::pair<double, double>> places;
+  for (unsigned seed = 0; seed < n; ++seed) {
+    const auto p = draw_singular_point(sheet, pattern, paper, conflicts, {inner}, {}, seed, 0, 0);
+    ASSERT_TRUE(p);
+    // no hidden state
+    EXPECT_TRUE(*p ==
+                *draw_singular_point(sheet, pattern, paper, conflicts, {inner}, {}, seed, 0, 0));
+    places.emplace(p->x(), p->y());
+    const Vector2d off = *p - sheet.pattern.row(inner).transpose();
+    mean += off / n;
+    variance += off.squaredNorm() / (2 * n);
+  }
+  EXPECT_EQ(places.size(), std::size_t(n));
+  EXPECT_LT(mean.norm(), 4 * paper.apex_scatter / std::sqrt(double(n)));
+  EXPECT_NEAR(std::sqrt(variance) / paper.apex_scatter, 1, 0.05);
+}
+
+/// 200 draws about one vertex: mean and deviation of each direction.
+struct Draws {
+  Vector2d mean{0, 0}, deviation{0, 0};  // [m]
+};
+constexpr int draws = 200;
+Draws draw_about(const Vector2d& middle, const Paper& paper) {
+  const Pattern pattern = test::rectangle(0.1, 0.1);
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
+  int member = 0;
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if ((sheet.pattern.row(v).transpose() - middle).norm() <
+        (sheet.pattern.row(member).transpose() - middle).norm())
+      member = v;
+  sheet.pattern.row(member) = middle.transpose();
+  const Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.2),
+                            std::vector<char>(sheet.pattern.rows(), 1)};
+  Draws result;
+  std::vector<Vector2d> points;
+  for (unsigned seed = 0; seed < draws; ++seed)
+    points.push_back(
+        *draw_singular_point(sheet, pattern, paper, conflicts, {member}, {}, seed, 0, 0));
+  for (const Vector2d& p : points) result.mean += p / draws;
+  for (const Vector2d& p : points) result.deviation += (p - result.mean).cwiseAbs2() / (draws - 1);
+  result.deviation = result.deviation.cwiseSqrt();
+  return result;
+}
+
+// of 200 normal draws the deviation is known to 1/sqrt(2 x 199) = 5 %, the mean to 1/sqrt(200)
+// deviations; 3.3 of these: 99.9 %
+TEST(SingularPoint, TwoHundredDrawsHaveTheDeviationOfTheGrade) {
+  for (const double sigma : {0.002, 0.005, 0.010}) {
+    Paper paper;
+    paper.apex_scatter = sigma;
+    const Draws inside = draw_about({0.05, 0.05}, paper);
+    for (int i : {0, 1}) {
+      EXPECT_NEAR(inside.deviation[i] / sigma, 1, 3.3 / std::sqrt(2.0 * (draws - 1))) << sigma;
+      EXPECT_NEAR(inside.mean[i], 0.05, 3.3 * sigma / std::sqrt(double(draws))) << sigma;
+    }
+  }
+}
+
+// refused draws are drawn anew: a normal law cut off at a = (3 mm - middle)/sigma has the mean
+// sigma m, m = phi(a)/(1 - Phi(a)), and the variance sigma^2 (1 + a m - m^2)
+TEST(SingularPoint, NearTheBorderTheLawIsTheGaussianCutOffAtTheMargin) {
+  const Paper paper;
+  const double sigma = paper.apex_scatter, margin = CrumpleOptions{}.border_share * 0.1;
+  for (const double v : {0.005, 0.008, 0.012}) {
+    const Draws near = draw_about({0.05, v}, paper);
+    const double a = (margin - v) / sigma;
+    const double m =
+        std::exp(-0.5 * a * a) / std::sqrt(2 * M_PI) / (0.5 * std::erfc(a / std::sqrt(2.0)));
+    const double mean = v + sigma * m, deviation = sigma * std::sqrt(1 + a * m - m * m);
+    ASSERT_LT(deviation, 0.97 * sigma) << "the border is not felt: this proves nothing";
+    EXPECT_NEAR(near.mean.y(), mean, 3.3 * deviation / std::sqrt(double(draws))) << v;
+    // a cut normal has lighter tails than 3.3 x 5 % = 17 % allows for
+    EXPECT_NEAR(near.deviation.y() / deviation, 1, 0.2) << v;
+    EXPECT_NEAR(near.mean.x(), 0.05, 3.3 * sigma / std::sqrt(double(draws))) << v;
+    EXPECT_NEAR(near.deviation.x() / sigma, 1, 3.3 / std::sqrt(2.0 * (draws - 1))) << v;
+  }
+}
+
+TEST(SingularPoint, TheMiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
+  const Vector2d core(0.043, 0.052);
+  // a dome of 12 mm: positive curvature in it, negative round it
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    sheet.x(v, 2) = 0.004 * std::exp(-(sheet.pattern.row(v).transpose() - core).squaredNorm() /
+                                     (2 * 0.012 * 0.012));
+  const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), {}, {});
+  std::vector<int> members;
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if (conflicts.beyond[v]) members.push_back(v);
+  ASSERT_FALSE(members.empty());
+  const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) {
+    return conflicts.turn[a] < conflicts.turn[b];
+  });
+  EXPECT_GT((sheet.pattern.row(worst).transpose() - core).norm(), 0.002);  // cells of 10 mm
+  EXPECT_LT((middle_of_conflict(sheet, conflicts, members) - core).norm(), 0.0015);
+
+  Conflicts saddle = conflicts;  // where nothing bulges the turning angles decide
+  std::fill(saddle.core.begin(), saddle.core.end(), 0.0);
+  EXPECT_LT(
+      (middle_of_conflict(sheet, saddle, {worst}) - sheet.pattern.row(worst).transpose()).norm(),
+      1e-12);
+}
+
+TEST(SingularPoint, SpacingGrowsWithThePaperAndWithTheSheet) {
+  const Paper paper;
+  Paper card;
+  card.thickness *= 8;
+  const auto spacing = [](double side, const Paper& grade) {
+    return least_spacing(test::rectangle(side, side), grade, {});
+  };
+  EXPECT_NEAR(spacing(0.21, paper), 0.0127, 1e-4);  // 2 x 0.4 (90 um)^(1/3) (0.21 m)^(2/3)
+  EXPECT_NEAR(spacing(0.21, card) / spacing(0.21, paper), 2, 1e-12);
+  EXPECT_NEAR(spacing(1.68, paper) / spacing(0.21, paper), 4, 1e-12);
+  EXPECT_LT(spacing(0.002, paper), 0.3 * 0.002);  // a stamp has room for some points,
+  EXPECT_GT(spacing(10, paper), 0.01 * 10);       // and those of a sail are worth their triangles
+}
+
+TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
+  const Pattern pattern = test::rectangle(0.1, 0.1);
+  const CrumpleOptions options;
+  Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.2),
+                      std::vector<char>(sheet.pattern.rows(), 1)};
+  std::vector<int> members;  // along the front border
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if (sheet.pattern(v, 1) < 0.012 && sheet.pattern(v, 1) > 1e-9) members.push_back(v);
+  ASSERT_GT(members.size(), 3u);
+  sheet.singular.push_back({Vector2d(0.05, 0.0085), 1, "test"});
+  for (unsigned seed = 0; seed < 500; ++seed) {
+    const auto p =
+        draw_singular_point(sheet, pattern, Paper{}, conflicts, members, options, seed, 0, 1);
+    if (!p) continue;
+    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), least_spacing(pattern, Paper{}, options));
+    EXPECT_GE((nearest_border_point(pattern, *p) - *p).norm(), options.border_share * 0.1 - 1e-12);
+  }
+}
+
+TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
+  int exact = 0;
+  for (unsigned seed = 0; seed < 60; ++seed) {
+    Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.1, seed);
+    test::roll(sheet, 0.05);
+    // every other time no vertex may move: only splits
+    std::vector<char> fixed(sheet.pattern.rows(), seed % 2);
+    for (int k = 0; k < 5; ++k) {
+      const Vector2d p(0.05 + 0.04 * uniform(seed, 2 * k), 0.05 + 0.04 * uniform(seed, 2 * k + 1));
+      const int v = insert_vertex(sheet, p, fixed);
+      const double beside = (sheet.pattern.row(v).transpose() - p).norm();
+      EXPECT_LT(beside, 0.2 * 0.0167);  // of a height: further in where a fold would be cut short
+      exact += beside < 1e-15;
+      sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
+      EXPECT_NEAR(sheet.x(v, 1), sheet.pattern(v, 1), 2e-3);  // on the cylinder's chord
+      EXPECT_EQ(sheet.v.rows(), sheet.pattern.rows());
+      fixed.resize(sheet.pattern.rows(), 0);
+    }
+    test::expect_sound(sheet, 0.01);
+  }
+  EXPECT_GT(exact, 0.7 * 60 * 5);
+}
+
+TEST(SingularPoint, BesideAnEdgeNoTriangleIsTurnedOver) {
+  // the lower triangle is so flat that its tip does not see what lies above the left half of the
+  // common edge
+  Points2 pattern(4, 2);
+  pattern << 0, 0, 1, 0, 0.3, 0.5, -0.8, -0.1;
+  Triangles triangles(2, 3);
+  triangles << 0, 1, 2, 1, 0, 3;
+  for (double x = 0.05; x < 0.95; x += 0.05)
+    for (const double y : {0.01, 0.03, 0.05, 0.07}) {
+      Sheet sheet = test::flat_sheet(pattern, triangles);
+      sheet.x(3, 2) = -0.01;  // a fold
+      insert_vertex(sheet, {x, y}, {1, 1, 1, 1});
+      test::expect_sound(sheet, 0.3);
+    }
+}
+
+TEST(SingularPoint, AFoldedRingIsNotCutShortAndAFlipNotTakenThroughAnotherLayer) {
+  // two triangles folded by 90 degrees: a point just beyond the fold stays in its own triangle
+  Sheet bent = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.08, 0.05, -0.08).finished(),
+                                (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());
+  bent.x.row(3) << 0.05, 0, -0.08;
+  insert_vertex(bent, {0.05, 0.004}, {});
+  EXPECT_LT(length_distortion(bent).largest, 1e-12);
+  EXPECT_EQ(bent.triangles.rows(), 4);
+
+  // a saddle of two triangles over a longer diagonal, and a blade that stands between the two
+  // diagonals
+  Sheet pair = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.03, 0.05, -0.03).finished(),
+                                (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());
+  pair.x.row(2)[2] = pair.x.row(3)[2] = 0.004;
+  Sheet bladed = pair;
+  bladed.pattern.conservativeResize(7, 2);
+  bladed.pattern.bottomRows<3>() << 1, 0, 1.1, 0, 1, 0.1;
+  bladed.x.conservativeResize(7, 3);
+  bladed.x.bottomRows<3>() << 0.03, 0, 0.002, 0.07, 0, 0.002, 0.05, 0, 0.0025;
+  bladed.triangles.conservativeResize(3, 3);
+  bladed.triangles.row(2) << 4, 5, 6;
+  EXPECT_EQ(flip_towards_rulings(pair, Points3::Zero(4, 3), 0.8), 1);
+  EXPECT_EQ(flip_towards_rulings(bladed, Points3::Zero(7, 3), 0.8), 0);
+}
+
+}  // namespace
+}  // namespace paperbake

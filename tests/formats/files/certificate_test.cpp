@@ -1,0 +1,231 @@
+#include "formats/files/certificate.h"
+
+#include "core/model/error.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <limits>
+
+namespace paperbake {
+namespace {
+
+const double nan = std::numeric_limits<double>::quiet_NaN();
+
+FrameRecord full_record() {
+  FrameRecord r;
+  r.frame = 37;
+  r.sheet = "paper_A";
+  r.triangles = 243;
+  r.stretch_mean_pct = 0.1 + 0.2;  // 0.30000000000000004: 17 digits are needed
+  r.stretch_max_pct = 1.0 / 3;
+  r.angle_defect_max_deg = 12.5;
+  r.handle_err_max_mm = 4e-13;
+  r.singular = 3;
+  r.new_singular = 1;
+  r.elastic_ms = 8.25;
+  r.geometry_ms = 1.5;
+  r.substeps = 2;
+  r.newton_iterations = 11;
+  r.converged = false;
+  r.energy_J = 1.7e-5;
+  r.render = {5860, 0.02, 2.5, 3, 9, true, 6};
+  r.crossings = 4;
+  r.touching = 7;
+  r.touching_others = 8;
+  r.jammed = {{"handle_a", 1.25}, {"handle_b", 2.0 / 3}};
+  r.note = "a snap";
+  r.input_hash = "00ff";
+  r.content_hash = "ff00";
+  return r;
+}
+
+TEST(Certificate, AFrameLineHasItsKeysInTheDocumentedOrder) {
+  const auto line = nlohmann::ordered_json::parse(frame_line(full_record()));
+  std::vector<std::string> keys;
+  for (const auto& item : line.items()) keys.push_back(item.key());
+  EXPECT_EQ(keys, (std::vector<std::string>{"frame",
+                                            "sheet",
+                                            "triangles",
+                                            "stretch_mean_pct",
+                                            "stretch_max_pct",
+                                            "angle_defect_max_deg",
+                                            "handle_err_max_mm",
+                                            "singular",
+                                            "new_singular",
+                                            "elastic_ms",
+                                            "geometry_ms",
+                                            "substeps",
+                                            "newton_iterations",
+                                            "converged",
+                                            "energy_J",
+                                            "render_triangles",
+                                            "render_stretch_mean_pct",
+                                            "render_stretch_max_pct",
+                                            "render_ms",
+                                            "render_crossings",
+                                            "render_crossings_with_others",
+                                            "crossings",
+                                            "crossings_with_others",
+                                            "touching",
+                                            "touching_others",
+                                            "on_colliders",
+                                            "inside_mm",
+                                            "jammed",
+                                            "note",
+                                            "input_hash",
+                                            "content_hash"}));
+}
+
+TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
+  const FrameRecord r = full_record();
+  const std::string text = frame_line(r);
+  EXPECT_EQ(text.find('\n'), std::string::npos);
+  const auto line = nlohmann::json::parse(text);
+  EXPECT_EQ(line["frame"], 37);
+  EXPECT_EQ(line["sheet"], "paper_A");
+  EXPECT_EQ(line["triangles"], 243);
+  EXPECT_EQ(line["stretch_mean_pct"].get<double>(), r.stretch_mean_pct);
+  EXPECT_EQ(line["stretch_max_pct"].get<double>(), r.stretch_max_pct);
+  EXPECT_EQ(line["angle_defect_max_deg"], 12.5);
+  EXPECT_EQ(line["handle_err_max_mm"].get<double>(), 4e-13);
+  EXPECT_EQ(line["singular"], 3);
+  EXPECT_EQ(line["new_singular"], 1);
+  EXPECT_EQ(line["elastic_ms"], 8.25);
+  EXPECT_EQ(line["geometry_ms"], 1.5);
+  EXPECT_EQ(line["substeps"], 2);
+  EXPECT_EQ(line["newton_iterations"], 11);
+  EXPECT_EQ(line["converged"], false);
+  EXPECT_EQ(line["energy_J"].get<double>(), 1.7e-5);
+  EXPECT_EQ(line["render_triangles"], 5860);
+  EXPECT_EQ(line["render_stretch_mean_pct"].get<double>(), 0.02);
+  EXPECT_EQ(line["render_stretch_max_pct"], 2.5);
+  EXPECT_EQ(line["render_ms"], 3.0);
+  EXPECT_EQ(line["render_crossings"], 9);
+  EXPECT_EQ(line["render_crossings_with_others"], 6);
+  EXPECT_EQ(line["crossings"], 4);
+  EXPECT_EQ(line["touching"], 7);
+  EXPECT_EQ(line["touching_others"], 8);
+  EXPECT_EQ(
+      line["jammed"].dump(),
+      nlohmann::json::parse("[[\"handle_a\",1.25],[\"handle_b\",0.6666666666666666]]").dump());
+  EXPECT_EQ(line["note"], "a snap");
+  EXPECT_EQ(line["input_hash"], "00ff");
+  EXPECT_EQ(line["content_hash"], "ff00");
+}
+
+TEST(Certificate, NoHandleJammedIsAnEmptyList) {
+  FrameRecord r;
+  EXPECT_TRUE(nlohmann::json::parse(frame_line(r))["jammed"].is_array());
+  EXPECT_TRUE(nlohmann::json::parse(frame_line(r))["jammed"].empty());
+  r.jammed = {{"only", 1}};  // one pair must not collapse to a flat list
+  EXPECT_EQ(nlohmann::json::parse(frame_line(r))["jammed"].dump(), "[[\"only\",1.0]]");
+}
+
+TEST(Certificate, ANumberThatIsNoneIsAnErrorNamingFrameAndField) {
+  for (const double value : {nan, HUGE_VAL, -HUGE_VAL}) {
+    FrameRecord r = full_record();
+    r.energy_J = value;
+    try {
+      frame_line(r);
+      FAIL() << "accepted " << value;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.fault, Fault::simulation);
+      EXPECT_EQ(error.place, "frame 37, sheet \"paper_A\"");
+      EXPECT_NE(error.cause.find("energy_J"), std::string::npos);
+    }
+  }
+  FrameRecord r = full_record();
+  r.jammed[1].off_mm = nan;
+  EXPECT_THROW(frame_line(r), Error);
+  HandleRecord handle;
+  handle.held.y() = nan;
+  EXPECT_THROW(handles_csv({handle}), Error);
+  EXPECT_THROW(singular_csv({{"s", {Vector2d(0, nan), 1, "c"}}}), Error);
+}
+
+TEST(Certificate, ANameThatIsNotUtf8DoesNotEndTheBake) {
+  FrameRecord r = full_record();
+  r.sheet = "pap\xE9r";  // Latin-1
+  EXPECT_EQ(nlohmann::json::parse(frame_line(r))["sheet"], "pap\xEF\xBF\xBDr");
+}
+
+TEST(Certificate, HandleRowsStandUnderTheExactHeader) {
+  HandleRecord r;
+  r.frame = 5;
+  r.sheet = "paper";
+  r.handle = "corner";
+  r.pattern = {0.125, 0.1};
+  r.keyed = {1.0 / 3, -2, 1e-9};
+  r.held = {0.3, -0.0, 3};
+  HandleRecord free = r, jammed = r;
+  free.state = HandleRecord::free_state;
+  jammed.state = HandleRecord::jammed_state;
+  const std::string numbers = "0.125,0.1,0.3333333333333333,-2,1e-09,0.3,0,3,";
+  EXPECT_EQ(handles_csv({r, free, jammed}),
+            "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state\n"
+            "5,paper,corner," +
+                numbers +
+                "held\n"
+                "5,paper,corner," +
+                numbers +
+                "free\n"
+                "5,paper,corner," +
+                numbers + "jammed\n");
+}
+
+TEST(Certificate, NamesWithCommasQuotesAndLineEndsAreQuoted) {
+  HandleRecord r;
+  r.sheet = "a,b";
+  r.handle = "say \"hi\"\nthere";
+  const std::string csv = handles_csv({r});
+  EXPECT_NE(csv.find("\n0,\"a,b\",\"say \"\"hi\"\"\nthere\",0,0,"), std::string::npos) << csv;
+}
+
+TEST(Certificate, WhatWasNotRenderedHasNoRenderNumbers) {
+  FrameRecord r = full_record();
+  r.render.reset();
+  const auto line = nlohmann::json::parse(frame_line(r));
+  for (const char* key : {"render_triangles", "render_stretch_mean_pct", "render_stretch_max_pct",
+                          "render_ms", "render_crossings", "render_crossings_with_others"})
+    EXPECT_TRUE(line.at(key).is_null()) << key;
+  EXPECT_EQ(line["triangles"], 243);
+}
+
+TEST(Certificate, SingularRowsAreInOrderOfBirthAndNumberedAsTheMapsOfTheirSheet) {
+  const std::vector<SingularRecord> records = {
+      {"A", {Vector2d(0.05, 0.005), 35, "conflict, first"}},
+      {"A", {Vector2d(0.02, 0.03), 60, "conflict"}},
+      {"B", {Vector2d(0.01, 0.02), 35, "buckling"}}};
+  EXPECT_EQ(singular_csv(records),
+            "id,sheet,frame,u,v,cause\n"
+            "1,A,35,0.05,0.005,\"conflict, first\"\n"
+            "1,B,35,0.01,0.02,buckling\n"
+            "2,A,60,0.02,0.03,conflict\n");
+}
+
+TEST(Certificate, WithoutRecordsOnlyTheHeadersStand) {
+  EXPECT_EQ(handles_csv({}),
+            "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state\n");
+  EXPECT_EQ(singular_csv({}), "id,sheet,frame,u,v,cause\n");
+}
+
+TEST(Certificate, RowsOfHandlesThatNoVersionWritesAreRefused) {
+  const std::string
+      head = "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state\n",
+      rest = ",paper,corner,0,0,0,0,0,0,0,0,";
+  ASSERT_EQ(parse_handles_csv(head + "-7" + rest + "held\n").at(0).frame, -7);
+  for (const std::string& row :
+       {"1e300" + rest + "held", "2147483648" + rest + "held", "x" + rest + "held",
+        "1" + rest + "lost", std::string("1,paper"), "1" + rest + "held,"})
+    try {
+      parse_handles_csv(head + row + "\n");
+      ADD_FAILURE() << row;
+    } catch (const Error& error) {
+      EXPECT_EQ(error.place, "handles.csv, row 2") << row;
+    }
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,88 @@
+// Angles of folds from curvatures: a crease has the angle it was folded by, whatever the mesh.
+
+#include "formats/maps/fold_width.h"
+
+#include "core/geometry/curvature.h"
+#include "tests/formats/maps/crease_map_fixture.h"
+
+#include <gtest/gtest.h>
+
+namespace paperbake {
+namespace {
+
+/// A flat grid folded by `angle` along the column of vertices at x = 0.05; the inner vertices of
+/// the other columns may be moved about.
+Sheet folded_grid(double edge, double angle, double jitter) {
+  Sheet sheet = test::flat_sheet(0.1, 0.1, edge);
+  for (int v = 0; v < sheet.pattern.rows(); ++v) {
+    Vector2d p = sheet.pattern.row(v);
+    const bool border = std::min({p.x(), p.y(), 0.1 - p.x(), 0.1 - p.y()}) < 1e-9,
+               on_fold = std::abs(p.x() - 0.05) < 1e-9;
+    if (!border)
+      p += jitter * edge * Vector2d(on_fold ? 0 : std::sin(37.0 * v), std::sin(91.0 * v));
+    sheet.pattern.row(v) = p;
+    const double d = p.x() - 0.05;
+    sheet.x.row(v) << (d > 0 ? d * std::cos(angle) : d), p.y(), (d > 0 ? -d * std::sin(angle) : 0);
+  }
+  return sheet;
+}
+
+double largest(const Points3& folds, double& smallest_on_fold, const Sheet& sheet) {
+  double most = 0;
+  smallest_on_fold = 10;
+  for (int v = 0; v < folds.rows(); ++v) {
+    const double turn = larger_principal(folds(v, 0), folds(v, 1), folds(v, 2));
+    most = std::max(most, std::abs(turn));
+    const bool inner = sheet.pattern(v, 1) > 1e-9 && sheet.pattern(v, 1) < 0.1 - 1e-9;
+    if (inner && std::abs(sheet.pattern(v, 0) - 0.05) < 1e-9)
+      smallest_on_fold = std::min(smallest_on_fold, std::abs(turn));
+  }
+  return most;
+}
+
+TEST(FoldWidth, ACreaseHasTheAngleItWasFoldedByWhateverTheMesh) {
+  for (const double edge : {0.0025, 0.01, 0.025})
+    for (const double jitter : {0.0, 0.2})
+      for (const double angle : {1.0, -1.6, 2.8}) {
+        const Sheet sheet = folded_grid(edge, angle, jitter);
+        const Points3 curvature = vertex_curvature(sheet);
+        double least;
+        const double most =
+            largest(folds_of(curvature, fold_widths(sheet, curvature, 0.006)), least, sheet);
+        // straight through regular rings it is the angle exactly; core/curvature allows for
+        // irregular ones, as if they were round
+        EXPECT_NEAR(least, std::abs(angle), (jitter > 0 ? 0.12 : 0.02) * std::abs(angle))
+            << edge << ' ' << jitter << ' ' << angle;
+        EXPECT_LE(most, (jitter > 0 ? 1.25 : 1.1) * std::abs(angle))
+            << edge << ' ' << jitter << ' ' << angle;
+      }
+}
+
+TEST(FoldWidth, RolledPaperTurnsByItsCurvatureWhateverTheMesh) {
+  for (const double edge : {0.0025, 0.01}) {
+    // folds of 0.25 rad at most: no crease
+    const Sheet sheet = test::rolled(test::flat_sheet(0.1, 0.1, edge), 25);
+    const Points3 curvature = vertex_curvature(sheet);
+    const Eigen::VectorXd width = fold_widths(sheet, curvature, 0.006);
+    EXPECT_EQ(width.minCoeff(), 0.006);
+    EXPECT_EQ(width.maxCoeff(), 0.006);
+  }
+}
+
+TEST(FoldWidth, NoFoldIsMoreThanShut) {
+  Points3 curvature(3, 3);
+  curvature << 500, 0, 500, 0, -1000, 0, 20, 0, 0;
+  const Points3 folds = folds_of(curvature, Eigen::VectorXd::Constant(3, 0.01));
+  EXPECT_DOUBLE_EQ(larger_principal(folds(0, 0), folds(0, 1), folds(0, 2)), shut);
+  EXPECT_DOUBLE_EQ(std::abs(larger_principal(folds(1, 0), folds(1, 1), folds(1, 2))), shut);
+  EXPECT_DOUBLE_EQ(larger_principal(folds(2, 0), folds(2, 1), folds(2, 2)), 0.2);
+}
+
+TEST(FoldWidth, TheLargerPrincipalValueKeepsItsSign) {
+  EXPECT_DOUBLE_EQ(larger_principal(3, 0, -5), -5);
+  EXPECT_DOUBLE_EQ(larger_principal(2, 2, -1), 3);  // eigenvalues 3, -2
+  EXPECT_DOUBLE_EQ(larger_principal(-2, 2, 1), -3);
+}
+
+}  // namespace
+}  // namespace paperbake

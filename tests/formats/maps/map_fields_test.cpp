@@ -1,0 +1,42 @@
+#include "formats/maps/map_fields.h"
+
+#include "tests/formats/maps/crease_map_fixture.h"
+
+#include <gtest/gtest.h>
+
+namespace paperbake {
+namespace {
+
+TEST(MapFields, TheBorderIsTheOutlineOfTheMesh) {
+  const Sheet sheet = test::flat_sheet(0.1, 0.05, 0.01);
+  const MapFields fields = map_fields(sheet, Points3::Zero(sheet.pattern.rows(), 3), {}, 0.002);
+  double length = 0;
+  for (const auto& [a, b] : fields.border)
+    length += (sheet.pattern.row(a) - sheet.pattern.row(b)).norm();
+  EXPECT_NEAR(length, 0.3, 1e-12);
+}
+
+TEST(MapFields, EveryWantedTexelIsVisitedOnceInsideLinearOutsideAsOnTheBorder) {
+  const Sheet sheet = test::flat_sheet(0.1, 0.05, 0.01);
+  const MapFields fields = map_fields(
+      sheet, test::tensors(sheet, [](Vector2d p) { return 7 + 100 * p.x() + 300 * p.y(); }), {},
+      0.002);
+  std::vector<Vector2d> loop = test::rectangle(0.1, 0.05).outline;
+  for (Vector2d& p : loop) p = to_texels(p, 0.1, 64);
+  const MapRows rows{64, 16, 64};
+  const std::vector<char> wanted = wanted_texels({loop}, area_coverage({loop}, rows), rows);
+  std::vector<int> visits(rows.count(), 0);
+  for_each_texel(fields, 0.1, {loop}, rows, wanted, [&](int index, const Fields& f) {
+    ++visits[index];
+    const double x = 0.1 * (index % 64 + 0.5) / 64, y = 0.1 * (1 - (index / 64 + 16 + 0.5) / 64);
+    EXPECT_NEAR(f[0], 7 + 100 * x + 300 * std::min(y, 0.05), 1e-5);  // float: where on the border
+    EXPECT_NEAR(f[3], 0.002 * f[0], 1e-12);
+    EXPECT_NEAR(f[9], 0, 1e-12);
+  });
+  for (int row = 16; row < 64; ++row)
+    for (int i = 0; i < 64; ++i)
+      ASSERT_EQ(visits[rows.index(i, row)], row >= 32 - map_padding) << i << ", " << row;
+}
+
+}  // namespace
+}  // namespace paperbake

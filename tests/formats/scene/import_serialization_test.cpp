@@ -1,0 +1,72 @@
+// What the importing process tells: it comes back as it was, and nothing else does.
+
+#include "formats/scene/import_serialization.h"
+
+#include "tests/formats/scene/scene_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+#include <stdexcept>
+#include <string>
+
+namespace paperbake {
+namespace {
+
+SceneMessage held_sheet() {
+  return {import_here(
+              test::HeldSheet(test::grid(2, 2, 0.2, 0.2),
+                              R"({"paper_gsm":80,"paper_preset":"copy90","paper_size":[0.2,0.2]})")
+                  .write("message.gltf")),
+          "", "", ""};
+}
+
+TEST(SceneMessage, ComesBackAsItWas) {
+  SceneMessage message = held_sheet();
+  message.place = "scene.glb", message.cause = "It is torn.";
+  const SceneMessage back = message_of(bytes_of(message));
+  EXPECT_EQ(back.place, message.place);
+  EXPECT_EQ(back.cause, message.cause);
+  ASSERT_EQ(back.file.nodes.size(), 3u);
+  EXPECT_EQ(back.file.nodes[0].name, "paper");
+  EXPECT_EQ(back.file.nodes[0].properties, message.file.nodes[0].properties);
+  ASSERT_EQ(message.file.nodes[0].properties.size(), 3u);  // a number, a text, a list
+  EXPECT_TRUE(back.file.meshes.at(0).x == message.file.meshes[0].x &&
+              back.file.meshes[0].triangles == message.file.meshes[0].triangles);
+  ASSERT_EQ(back.file.takes.at(0).motions.count(2), 1u);
+  EXPECT_EQ(back.file.takes[0].motions.at(2).translation.keys.size(), 2u);
+  EXPECT_EQ(bytes_of(back), bytes_of(message));
+}
+
+TEST(SceneMessage, CutShortIsRefused) {
+  const std::string whole = bytes_of(held_sheet());
+  for (std::size_t size = 0; size < whole.size(); size += 7)
+    EXPECT_THROW(message_of(std::string_view(whole).substr(0, size)), std::runtime_error) << size;
+}
+
+TEST(SceneMessage, WhatAnImportedFileMayNotBeIsRefused) {
+  const auto refused = [](const std::function<void(ImportedFile&)>& spoil) {
+    SceneMessage message = held_sheet();
+    spoil(message.file);
+    try {
+      message_of(bytes_of(message));
+    } catch (const std::runtime_error&) {
+      return true;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refused([](ImportedFile&) {}));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.nodes[0].parent = 0; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.nodes[0].meshes[0] = 1; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.nodes[1].local(0, 3) = NAN; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].triangles(0, 0) = 9; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].x(0, 0) = INFINITY; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].uv.conservativeResize(8, 2); }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.takes[0].motions[3]; }));
+  EXPECT_TRUE(
+      refused([](ImportedFile& f) { f.takes[0].motions.at(2).translation.keys[1].time = -1; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.unit = 0; }));
+}
+
+}  // namespace
+}  // namespace paperbake

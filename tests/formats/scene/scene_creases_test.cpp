@@ -1,0 +1,135 @@
+// Folds that a sheet has from the start, by edges in the scene.
+
+#include "formats/scene/scene_file.h"
+
+#include "tests/formats/scene/scene_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+using test::error_of;
+using test::grid;
+using test::has_warning;
+using test::HeldSheet;
+using test::sample;
+
+const std::filesystem::path data =
+    std::filesystem::path(PAPERBAKE_SAMPLES).parent_path() / "tests" / "data";
+
+using Line = std::vector<Vector2d>;
+
+/// Largest distance of the points of two polylines, whichever way they run. [m]
+double apart(const Line& a, Line b) {
+  if (a.size() != b.size()) return INFINITY;
+  if ((a.front() - b.front()).norm() > (a.front() - b.back()).norm())
+    std::reverse(b.begin(), b.end());
+  double worst = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) worst = std::max(worst, (a[i] - b[i]).norm());
+  return worst;
+}
+
+/// Those of the only sheet.
+const std::vector<FoldLine>& creases(const Scene& scene) {
+  return scene.sheets.at(0).pattern.folds;
+}
+
+TEST(SceneCreases, EdgesOnTheSheetAreOneLineWithTheAngleOfTheirNode) {
+  HeldSheet held;
+  held.lines("crease.bend", {{0.05, 0, 0}, {0.05, 0.1, 0}, {0.05, 0.05, 0}, {0.2, 0.15, 0}},
+             {0, 2, 2, 1, 1, 3}, R"({"paper_crease":30})");
+  const Scene scene = read_scene(held.write("bend.gltf"));
+  ASSERT_EQ(creases(scene).size(), 1u);
+  EXPECT_LT(apart(creases(scene)[0].line, {{0.05, 0}, {0.05, 0.1}, {0.2, 0.15}}), 1e-7);
+  EXPECT_NEAR(creases(scene)[0].angle, EIGEN_PI / 6, 1e-12);
+  EXPECT_EQ(scene.sheets[0].crease_origin, std::vector<std::string>{"\"crease.bend\""});
+  EXPECT_FALSE(has_warning(scene, "paper_crease"));
+}
+
+TEST(SceneCreases, BranchesAreLinesOfTheirOwnAndRingsAreClosed) {
+  HeldSheet held;
+  const std::vector<Vector3d> star{{0.1, 0.1, 0}, {0, 0.1, 0}, {0.2, 0.1, 0}, {0.1, 0.2, 0}};
+  held.lines("crease.star", star, {0, 1, 0, 2, 0, 3});
+  EXPECT_EQ(creases(read_scene(held.write("star.gltf"))).size(), 3u);
+  HeldSheet ring;
+  ring.lines("crease.ring", {{0.05, 0.05, 0}, {0.15, 0.05, 0}, {0.1, 0.15, 0}}, {0, 1, 1, 2, 2, 0});
+  const Scene scene = read_scene(ring.write("ring.gltf"));
+  ASSERT_EQ(creases(scene).size(), 1u);
+  ASSERT_EQ(creases(scene)[0].line.size(), 4u);
+  EXPECT_EQ(creases(scene)[0].line.front(), creases(scene)[0].line.back());
+}
+
+TEST(SceneCreases, LieOnTheSheetAsItIsAtTheFirstFrame) {
+  const double radius = 0.1;
+  HeldSheet held(grid(40, 4, 0.2, 0.2, nullptr, [&](double u, double v) {
+    return Vector3d(radius * std::sin(u / radius), v, radius * std::cos(u / radius));
+  }));
+  const auto at = [&](double u, double v) {
+    return Vector3d(radius * std::sin(u / radius), v, radius * std::cos(u / radius));
+  };
+  held.lines("crease", {at(0.1, 0.05), at(0.1, 0.15)}, {0, 1});
+  EXPECT_LT(
+      apart(creases(read_scene(held.write("rolled.gltf"))).at(0).line, {{0.1, 0.05}, {0.1, 0.15}}),
+      1e-4);
+}
+
+TEST(SceneCreases, TheSheetIsTheNearestOrTheOneNamed) {
+  HeldSheet held;
+  test::FlatMesh above = grid(2, 2, 0.2, 0.2);
+  for (Vector3d& p : above.x) p.z() += 5e-4;
+  held.mesh("paper.above", above);
+  held.lines("crease.near", {{0, 0.1, 5e-4}, {0.2, 0.1, 5e-4}}, {0, 1});
+  held.lines("crease.told", {{0.1, 0, 5e-4}, {0.1, 0.2, 5e-4}}, {0, 1},
+             R"({"paper_target":"paper"})");
+  const Scene scene = read_scene(held.write("two.gltf"));
+  EXPECT_EQ(scene.sheets.at(0).crease_origin, std::vector<std::string>{"\"crease.told\""});
+  EXPECT_EQ(scene.sheets.at(1).crease_origin, std::vector<std::string>{"\"crease.near\""});
+}
+
+TEST(SceneCreases, WhatCannotBeACreaseIsAnErrorInWords) {
+  const auto with = [](const std::vector<Vector3d>& points, const std::string& extras = "{}",
+                       const std::string& name = "crease.x") {
+    HeldSheet held(grid(4, 4, 0.2, 0.2, [](int i, int j) { return i < 2 || j < 2; }));
+    held.lines(name, points, {0, 1}, extras);
+    return held.write("wrong_crease.gltf");
+  };
+  EXPECT_ERROR(with({{0.05, 0.05, 0.003}, {0.05, 0.1, 0}}),
+               "crease \"crease.x\"\n  The crease is 3 mm off the sheet \"paper\", at (0.05, 0.05, "
+               "0.003) m.");
+  EXPECT_ERROR(with({{0.2, 0.05, 0}, {0.05, 0.2, 0}}), "leaves the sheet \"paper\"");
+  EXPECT_ERROR(with({{0.05, 0, 0}, {0.05, 0.1, 0}}, R"({"paper_crease":200})"), "from -170 to 170");
+  EXPECT_ERROR(with({{0.05, 0, 0}, {0.05, 0.1, 0}}, R"({"paper_target":"papre"})"),
+               "no sheet of the scene");
+  EXPECT_TRUE(has_warning(read_scene(with({{0, 0, 0}, {0.1, 0, 0}})), "lies along the border"));
+  HeldSheet held;
+  held.mesh("fold", grid(1, 1, 0.1, 0.1), R"({"paper_crease":0})");
+  EXPECT_ERROR(held.write("faces_only.gltf"), "crease \"fold\"\n  It has no edges without faces");
+  EXPECT_TRUE(has_warning(
+      read_scene(HeldSheet(grid(4, 4, 0.2, 0.2), R"({"paper_crease":20})").write("unmarked.gltf")),
+      "no edge within it is marked"));
+}
+
+/// Files of Blender's own exporters, of one scene: in FBX the edges of the sheet's mesh at y = 0.1
+/// are creased, with 40 degrees; in both an object of two loose edges from a corner to the middle
+/// and to the side.
+TEST(SceneCreases, BlendersCreasesAreRead) {
+  const Scene fbx = read_scene(data / "creases.fbx"), gltf = read_scene(data / "creases.glb");
+  const Line drawn{{0, 0}, {0.1, 0.05}, {0.2, 0.05}}, marked{{0, 0.1}, {0.2, 0.1}};
+  ASSERT_EQ(creases(fbx).size(), 2u);
+  ASSERT_EQ(creases(gltf).size(), 1u);
+  EXPECT_LT(apart(creases(fbx)[0].line, drawn), 1e-6);
+  EXPECT_LT(apart(creases(fbx)[1].line, marked), 1e-6);
+  EXPECT_NEAR(creases(fbx)[1].angle * 180 / EIGEN_PI, 40, 1e-6);
+  EXPECT_EQ(fbx.sheets[0].crease_origin[1], "edges marked in the mesh");
+  EXPECT_LT(apart(creases(gltf)[0].line, drawn), 1e-6);
+  EXPECT_NEAR(creases(gltf)[0].angle * 180 / EIGEN_PI, -20, 1e-6);
+}
+
+}  // namespace
+}  // namespace paperbake

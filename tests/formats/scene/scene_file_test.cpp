@@ -1,0 +1,174 @@
+// Scene files as a whole: what cannot be read, names and takes, first frame and rate.
+
+#include "formats/scene/scene_file.h"
+
+#include "tests/formats/scene/scene_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+using test::error_of;
+using test::FlatMesh;
+using test::GltfFixture;
+using test::grid;
+using test::handle;
+using test::has_warning;
+using test::HeldSheet;
+using test::sample;
+using test::temporary;
+using test::whole;
+
+TEST(SceneFileByHand, FilesThatCannotBeRead) {
+  EXPECT_ERROR("nowhere/fold.glb", "no such file");
+  EXPECT_ERROR(testing::TempDir(), "not a file");
+  EXPECT_ERROR(temporary("notes.txt", "buy paper"), "not an FBX, glTF or GLB");
+  for (const char* name : {"notes.fbx", "notes.gltf", "notes.glb"})
+    EXPECT_ERROR(temporary(name, "buy paper"), "cannot be read");
+  EXPECT_ERROR(temporary("empty.glb", ""), "cannot be read");
+  EXPECT_ERROR(temporary("triangle.fbx", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "triangle.fbx");
+}
+
+TEST(SceneFileByHand, TruncatedFilesAreErrors) {
+  const std::string glb = whole(sample("S7_stacks.glb")), fbx = whole(sample("S7_stacks.fbx"));
+  EXPECT_ERROR(temporary("cut.glb", glb.substr(0, glb.size() - 100)), "cut off");
+  for (int part = 1; part < 8; ++part) {
+    EXPECT_NE(error_of(temporary("cut.glb", glb.substr(0, glb.size() * part / 8))), "") << part;
+    EXPECT_NE(error_of(temporary("cut.fbx", fbx.substr(0, fbx.size() * part / 8))), "") << part;
+  }
+}
+
+/// assimp follows rings and nesting until its stack is full: that must not be the end of the
+/// program.
+TEST(SceneFileByHand, FilesThatTheImporterDoesNotSurviveAreErrors) {
+  const std::string head =
+      "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: "
+      "7400\n}\n";
+  std::string nested = head;
+  for (int depth = 0; depth < 100000; ++depth) nested += "a: {";
+  EXPECT_ERROR(temporary("nested.fbx", nested), "nested.fbx\n  The file cannot be read");
+  EXPECT_ERROR(temporary("ring.fbx",
+                         head + "Objects: {\nModel: 1, \"Model::a\", \"Null\" {\n}\nModel: 2, "
+                                "\"Model::b\", \"Null\" {\n}\n}\n"
+                                "Connections: {\nC: \"OO\",1,0\nC: \"OO\",2,1\nC: \"OO\",1,2\n}\n"),
+               "cannot be read");
+}
+
+TEST(SceneFileByHand, CountsThatNobodyCanMeanAreErrors) {
+  std::string glb1("glTF\1\0\0\0\x20\0\0\0\xff\xff\xff\x7f\0\0\0\0", 20);
+  EXPECT_ERROR(temporary("one.glb", glb1), "GLB of version 1");
+  HeldSheet crowd;
+  for (int i = 0; i < 300; ++i) crowd.node("rig", {0, 0, 0});
+  crowd.move(crowd.fixed, {0, 96000}, {{0, 0, 0}, {0, 0, 0}});
+  EXPECT_ERROR(crowd.write("crowd.gltf"), "96001 frames of 303 nodes");
+}
+
+TEST(SceneFileByHand, NoSheetNoHandle) {
+  EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, "leaf").write("leaf.gltf"),
+               "the meshes are \"leaf\"");
+  GltfFixture bare;
+  bare.mesh("paper", grid(2, 2, 0.2, 0.2));
+  bare.node("grip", {0, 0, 0});
+  EXPECT_ERROR(bare.write("bare.gltf"), "has no handle");
+}
+
+/// Of two takes that move a node the one counts during which it was exported, were the other's keys
+/// ever so many.
+TEST(SceneFileByHand, ATakeThatPassesWhereTheNodeStandsWins) {
+  HeldSheet fixture;
+  fixture.move(
+      fixture.moved, {1, 2, 3, 4, 5},
+      {{0.1, 0.1, 0}, {0.1, 0.1, 0.001}, {0.1, 0.1, 0.002}, {0.1, 0.1, 0.001}, {0.1, 0.1, 0}});
+  const Scene scene = read_scene(fixture.write("foreign_take.gltf"));
+  EXPECT_TRUE(has_warning(scene, "moved by several takes"));
+  EXPECT_NEAR(
+      (handle(scene, "handle.moved").keyed.row(4) - Eigen::RowVector3d(0.18, 0.2, 0)).norm(), 0,
+      1e-7);
+}
+
+TEST(SceneFileByHand, NamesTwice) {
+  HeldSheet handles;
+  handles.node("handle.fixed", {0, 0.2, 0});
+  EXPECT_ERROR(handles.write("handles_twice.gltf"), "handle \"handle.fixed\"\n  Two handles");
+  HeldSheet sheets;
+  sheets.mesh("paper", grid(2, 2, 0.2, 0.2));
+  EXPECT_ERROR(sheets.write("sheets_twice.gltf"), "Two sheets");
+}
+
+TEST(SceneFileByHand, TakesThatCompeteAreNamed) {
+  HeldSheet fixture;
+  fixture.move(fixture.moved, {1, 2, 5}, {{0.2, 0.2, 0}, {0.2, 0.2, 0}, {0.2, 0.2, 0.01}});
+  const Scene scene = read_scene(fixture.write("two_takes.gltf"));
+  EXPECT_TRUE(has_warning(scene, "first \"handle.moved\" (\"move 2 b\" is used): --take"));
+  EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 2), 0.01, 1e-8);  // that with most keys
+}
+
+TEST(SceneFileByHand, NodesOfOneNameMoveEachByItself) {
+  HeldSheet fixture;
+  const int first = fixture.node("rig", {0, 0, 0}), second = fixture.node("rig", {0, 0, 0}),
+            third = fixture.node("rig", {0, 0, 0});
+  fixture.move(third, {1, 5}, {{0, 0, 0}, {0, 0, 3}});
+  fixture.move(first, {1, 5}, {{0, 0, 0}, {0, 0, 1}});
+  const Tracks tracks = read_tracks(fixture.write("three_rigs.gltf"));
+  for (const auto& [node, height] : {std::pair(first, 1), {second, 0}, {third, 3}}) {
+    EXPECT_EQ(tracks.names.at(node), "rig");
+    EXPECT_NEAR(tracks.positions.at(node)(4, 2), height, 1e-7);
+  }
+}
+
+TEST(SceneFileByHand, NamesAreMatchedWithoutNamespaceCaseAndNumber) {
+  HeldSheet fixture(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, "shot:Paper_A.001");
+  fixture.node("rig:HANDLE-top", {0.1, 0.2, 0});
+  const Scene scene = read_scene(fixture.write("names.gltf"));
+  EXPECT_EQ(scene.sheets.at(0).name, "shot:Paper_A.001");
+  EXPECT_NEAR((handle(scene, "rig:HANDLE-top").pattern - Vector2d(0.1, 0.2)).norm(), 0, 1e-7);
+}
+
+TEST(SceneFileByHand, NotANumberIsAnError) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  FlatMesh mesh = grid(2, 2, 0.2, 0.2);
+  mesh.x[4].z() = nan;
+  EXPECT_ERROR(HeldSheet(mesh).write("nan_vertex.gltf"), "mesh \"paper\"");
+  HeldSheet fixture;
+  fixture.move(fixture.fixed, {1, 5}, {{0, 0, 0}, {0, nan, 0}});
+  EXPECT_ERROR(fixture.write("nan_key.gltf"), "node \"handle.fixed\"");
+}
+
+TEST(SceneFileByHand, StartFrameMovesTheFirstKey) {
+  SceneOptions options;
+  options.start_frame = 101;
+  const Scene scene = read_scene(HeldSheet().write("start.gltf"), options);
+  EXPECT_EQ(scene.first_frame, 101);
+  EXPECT_EQ(scene.last_frame, 105);
+  EXPECT_NEAR(handle(scene, "handle.moved").keyed(1, 0), 0.195, 1e-7);
+}
+
+TEST(SceneFileByHand, AWrongRateIsSuspected) {
+  SceneOptions options;
+  options.fps = 30;  // frame 5 at 24 is 6.25 at 30
+  const Scene scene = read_scene(HeldSheet().write("rate.gltf"), options);
+  EXPECT_EQ(scene.last_frame, 7);
+  EXPECT_TRUE(has_warning(scene, "between whole frames"));
+}
+
+TEST(SceneFileByHand, TracksNeedNoSheet) {
+  GltfFixture fixture;
+  const int child = fixture.node("child", {0, 0.1, 0});
+  const int parent =
+      fixture.node("parent", {1, 0, 0}, "{}", fmt::format(R"("children":[{}],)", child));
+  fixture.make_child(child);
+  fixture.move(parent, {2, 4}, {{1, 0, 0}, {1, 0, 2}});
+  const Tracks tracks = read_tracks(fixture.write("tracks.gltf"));
+  EXPECT_EQ(tracks.first_frame, 2);
+  // the one root is a node of the file
+  EXPECT_EQ(tracks.names, (std::vector<std::string>{"parent", "child"}));
+  EXPECT_NEAR((tracks.positions[1].row(1) - Eigen::RowVector3d(1, 0.1, 1)).norm(), 0, 1e-7);
+}
+
+}  // namespace
+}  // namespace paperbake

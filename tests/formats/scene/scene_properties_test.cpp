@@ -1,0 +1,65 @@
+// The custom properties paper_*: read whatever their type, refused by node and key.
+
+#include "formats/scene/scene_file.h"
+
+#include "tests/formats/scene/scene_fixture.h"
+
+#include <gtest/gtest.h>
+
+namespace paperbake {
+namespace {
+
+using test::grid;
+using test::handle;
+using test::has_warning;
+using test::HeldSheet;
+
+TEST(SceneFileByHand, UnknownPropertiesOnlyWarn) {
+  const HeldSheet fixture(grid(2, 2, 0.2, 0.2), R"({"paper_uv":1})",
+                          R"({"paper_colour":"red","paper_weight":1,"other":2})");
+  const Scene scene = read_scene(fixture.write("unknown.gltf"));
+  EXPECT_TRUE(has_warning(scene, "paper_colour of node \"handle.moved\""));
+  EXPECT_FALSE(has_warning(scene, "paper_weight") || has_warning(scene, "paper_uv") ||
+               has_warning(scene, "other"));
+}
+
+TEST(SceneFileByHand, PropertiesAreReadWhateverTheirType) {
+  const char* on_sheet =
+      R"({"paper_gsm":"80","paper_seed":7,"paper_preset":"copy70","paper_fps":24,"paper_gravity":9.81,"paper_friction":"0.25"})";
+  const char* on_handle =
+      R"({"paper_grab_frame":2.0,"paper_release_frame":"4","paper_mode":"Relative","paper_radius":0,)"
+      R"("paper_stiffness":50})";
+  const Scene scene =
+      read_scene(HeldSheet(grid(2, 2, 0.2, 0.2), on_sheet, on_handle).write("types.gltf"));
+  const Handle& moved = handle(scene, "handle.moved");
+  EXPECT_EQ(moved.grab_frame, 2);
+  EXPECT_EQ(moved.release_frame, 4);
+  EXPECT_EQ(moved.mode, HandleMode::relative);
+  EXPECT_EQ(moved.radius, 0.0);
+  EXPECT_EQ(moved.stiffness, 50);
+  EXPECT_EQ(scene.sheets.at(0).grammage, 80.0);
+  EXPECT_EQ(scene.sheets[0].friction, 0.25);
+  EXPECT_EQ(scene.sheets[0].seed, 7u);
+  EXPECT_EQ(scene.sheets[0].preset, "copy70");
+  EXPECT_EQ(scene.gravity, 9.81);
+  EXPECT_EQ(scene.origin.at("fps"), "paper_fps of \"paper\"");
+  EXPECT_FALSE(has_warning(scene, "--fps"));
+}
+
+TEST(SceneFileByHand, BadPropertiesNameNodeAndKey) {
+  EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), R"({"paper_friction":40})").write("bad.gltf"),
+               "paper_friction is 40");
+  const auto with = [](const char* extras) {
+    return HeldSheet(grid(2, 2, 0.2, 0.2), "{}", extras).write("bad.gltf");
+  };
+  EXPECT_ERROR(with(R"({"paper_mode":"sideways"})"), "paper_mode is \"sideways\"");
+  EXPECT_ERROR(with(R"({"paper_grab_frame":"soon"})"),
+               "node \"handle.moved\"\n  The property paper_grab_frame is \"soon\", not a number.");
+  EXPECT_ERROR(with(R"({"paper_grab_frame":2.5})"), "not a whole number");
+  EXPECT_ERROR(with(R"({"paper_radius":-1})"), "not zero or greater");
+  EXPECT_ERROR(with(R"({"paper_point":"elbow"})"), "head or tail");
+  EXPECT_ERROR(with(R"({"paper_target":"napkin"})"), "The sheets are: paper.");
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,177 @@
+// From a mesh to a sheet and its pattern, by meshes made by hand.
+
+#include "formats/scene/scene_file.h"
+
+#include "tests/formats/scene/scene_fixture.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+using test::error_of;
+using test::FlatMesh;
+using test::grid;
+using test::handle;
+using test::HeldSheet;
+
+bool hole_in_the_middle(int i, int j) { return !(i == 2 && 1 <= j && j <= 2); }
+
+/// A square whose faces are given in any order lies as its uv do, whose proportions need not be
+/// those of the sheet.
+TEST(SceneSheet, AnUnrolledSheetLiesAsItsUvDo) {
+  for (int turned = 0; turned < 4; ++turned) {
+    FlatMesh mesh = grid(3, 3, 0.2, 0.2);
+    for (Vector2d& uv : mesh.uv) {
+      for (int k = 0; k < turned; ++k) uv = Vector2d(1 - uv.y(), uv.x());
+      uv = uv.cwiseProduct(Vector2d(1, 0.5)).eval();
+    }
+    std::rotate(mesh.corners.begin(), mesh.corners.begin() + 3 * turned, mesh.corners.end());
+    HeldSheet held(mesh);
+    const Vector2d corner = handle(read_scene(held.write("turned.gltf")), "handle.fixed").pattern;
+    const Vector2d wanted[] = {{0, 0}, {0.2, 0}, {0.2, 0.2}, {0, 0.2}};
+    EXPECT_NEAR((corner - wanted[turned]).norm(), 0, 1e-6) << turned;
+  }
+}
+
+TEST(SceneSheet, AClosedMeshIsToldSo) {
+  FlatMesh box;
+  for (int i = 0; i < 8; ++i)
+    box.x.push_back(Vector3d(0.1 * (i & 1), 0.1 * (i >> 1 & 1), 0.001 * (i >> 2)));
+  box.corners = {0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4,
+                 2, 6, 7, 2, 7, 3, 0, 4, 6, 0, 6, 2, 1, 3, 7, 1, 7, 5};
+  EXPECT_ERROR(HeldSheet(box).write("closed.gltf"),
+               "The mesh is closed: a sheet of paper has a border.");
+}
+
+TEST(SceneFileByHand, AHoleIsAHole) {
+  FlatMesh mesh = grid(5, 4, 0.25, 0.2, hole_in_the_middle);
+  for (bool with_uv : {true, false}) {
+    if (!with_uv) mesh.uv.clear();
+    const Scene scene = read_scene(HeldSheet(mesh).write("hole.gltf"));
+    const Pattern& pattern = scene.sheets.at(0).pattern;
+    EXPECT_EQ(pattern.outline.size(), 4u);
+    ASSERT_EQ(pattern.holes.size(), 1u);
+    EXPECT_EQ(pattern.holes[0].size(), 4u);
+    EXPECT_NEAR(area(pattern), 0.05 - 0.005, 1e-8);
+    EXPECT_NEAR(longer_side(pattern), 0.25, 1e-7);
+    EXPECT_FALSE(contains(pattern, {0.125, 0.1}));
+  }
+}
+
+TEST(SceneFileByHand, AnLKeepsItsReentrantCorner) {
+  const Scene scene = read_scene(HeldSheet(grid(4, 4, 0.2, 0.2, [](int i, int j) {
+                                   return i < 2 || j < 2;
+                                 })).write("ell.gltf"));
+  EXPECT_EQ(scene.sheets.at(0).pattern.outline.size(), 6u);
+  EXPECT_NEAR(area(scene.sheets[0].pattern), 0.03, 1e-8);
+}
+
+TEST(SceneFileByHand, ARolledSheetIsUnrolledWithoutUvs) {
+  // a quarter turn of radius 0.1 in 40 chords of 2 r sin(pi / 160) each
+  const auto roll = [](double u, double v) {
+    return Vector3d(0.1 * std::sin(u / 0.1), v, 0.1 * std::cos(u / 0.1));
+  };
+  FlatMesh mesh = grid(40, 4, 0.05 * M_PI, 0.2, nullptr, roll);
+  mesh.uv.clear();
+  const Scene scene = read_scene(HeldSheet(mesh).write("roll.gltf"));
+  const double arc = 40 * 0.2 * std::sin(M_PI / 160);
+  EXPECT_NEAR(longer_side(scene.sheets.at(0).pattern), 0.2, 1e-6);
+  // 32-bit positions, added over 40 chords
+  EXPECT_NEAR(shorter_side(scene.sheets[0].pattern), arc, 1e-6);
+  EXPECT_EQ(scene.sheets[0].pattern.outline.size(), 4u);
+}
+
+TEST(SceneFileByHand, UvsThatDisagreeAreNotBelieved) {
+  FlatMesh mesh = grid(4, 4, 0.2, 0.1);
+  for (Vector2d& uv : mesh.uv) uv.y() *= 2;  // stretched to a square
+  const Scene scene = read_scene(HeldSheet(mesh).write("stretched.gltf"));
+  EXPECT_NEAR((extent(scene.sheets.at(0).pattern) - Vector2d(0.2, 0.1)).norm(), 0, 1e-7);
+}
+
+TEST(SceneFileByHand, MirroredUvsGiveAPatternSeenFromTheFront) {
+  FlatMesh mesh = grid(4, 2, 0.2, 0.1);
+  for (Vector2d& uv : mesh.uv) uv.x() = 1 - uv.x();
+  const Scene scene = read_scene(HeldSheet(mesh).write("mirrored.gltf"));
+  EXPECT_GT(area(scene.sheets.at(0).pattern), 0.0199);
+  EXPECT_NEAR((handle(scene, "handle.fixed").pattern - Vector2d(0, 0)).norm(), 0, 1e-7);
+  const Sheet& start = scene.sheets[0].start;
+  const auto i = start.triangles.row(0);
+  const Vector2d a = start.pattern.row(i(1)) - start.pattern.row(i(0)),
+                 b = start.pattern.row(i(2)) - start.pattern.row(i(0));
+  EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 1e-4);
+}
+
+TEST(SceneFileByHand, ASheetCutInItsUvsStaysCut) {
+  // a full tube whose first and last column are one place but two ends of the UVs
+  const auto tube = [](double u, double v) {
+    return Vector3d(0.05 * std::cos(u / 0.05), 0.05 * std::sin(u / 0.05), v);
+  };
+  FlatMesh mesh = grid(36, 3, 0.1 * M_PI, 0.1, nullptr, tube);
+  const Scene scene = read_scene(HeldSheet(mesh).write("tube.gltf"));
+  EXPECT_EQ(scene.sheets.at(0).start.x.rows(), 37 * 4);
+  // its UVs measure the arc, its edges are chords, 0.13 % shorter: the fitted scale lies between
+  EXPECT_GT(longer_side(scene.sheets[0].pattern), 36 * 0.1 * std::sin(M_PI / 36));
+  EXPECT_LT(longer_side(scene.sheets[0].pattern), 0.1 * M_PI);
+  mesh.uv.clear();
+  EXPECT_ERROR(HeldSheet(mesh).write("closed_tube.gltf"), "closes on itself");
+}
+
+TEST(SceneFileByHand, ABowlIsNotDevelopable) {
+  const auto bowl = [](double u, double v) {
+    return Vector3d(u, v, 5 * ((u - 0.1) * (u - 0.1) + (v - 0.1) * (v - 0.1)));
+  };
+  EXPECT_ERROR(HeldSheet(grid(4, 4, 0.2, 0.2, nullptr, bowl)).write("bowl.gltf"),
+               "worst angle defect");
+}
+
+TEST(SceneFileByHand, MeshesThatAreNoSheetAreNamed) {
+  FlatMesh two = grid(5, 4, 0.25, 0.2, [](int i, int) { return i != 2; });
+  EXPECT_ERROR(HeldSheet(two).write("two.gltf"), "2 pieces");
+  FlatMesh fin = grid(2, 2, 0.2, 0.2);
+  fin.x.push_back({0.1, 0.1, 0.1});
+  fin.uv.push_back({0, 0});
+  fin.corners.insert(fin.corners.end(), {1, 4, 9});
+  EXPECT_ERROR(HeldSheet(fin).write("fin.gltf"), "Three or more faces");
+  FlatMesh thin = grid(2, 2, 0.2, 0.2);
+  thin.corners.insert(thin.corners.end(), {0, 1, 2});
+  EXPECT_ERROR(HeldSheet(thin).write("thin.gltf"), "no area");
+  FlatMesh turned = grid(2, 2, 0.2, 0.2);
+  std::swap(turned.corners[0], turned.corners[1]);
+  EXPECT_ERROR(HeldSheet(turned).write("turned.gltf"), "disagree about the front");
+}
+
+TEST(SceneFileByHand, ASceneInCentimetres) {
+  const FlatMesh mesh = grid(4, 4, 20, 20);
+  const std::string text = error_of(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"));
+  EXPECT_NE(text.find("20 x 20 m"), std::string::npos) << text;
+  EXPECT_NE(text.find("--unit-scale 0.01"), std::string::npos) << text;
+  SceneOptions options;
+  options.unit_scale = 0.01;
+  const Scene scene = read_scene(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"), options);
+  EXPECT_NEAR(longer_side(scene.sheets.at(0).pattern), 0.2, 1e-7);
+  EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 0), 0.18, 1e-7);
+}
+
+TEST(SceneFileByHand, PaperSizeMustAgree) {
+  EXPECT_EQ(
+      error_of(
+          HeldSheet(grid(2, 2, 0.2, 0.1), R"({"paper_size":[0.1,0.2]})").write("turned_size.gltf")),
+      "");
+  const std::string text =
+      error_of(HeldSheet(grid(2, 2, 0.2, 0.1), R"({"paper_size":[0.21,0.1]})").write("size.gltf"));
+  EXPECT_NE(text.find("0.2 x 0.1 m"), std::string::npos) << text;
+  EXPECT_NE(text.find("0.21 x 0.1 m"), std::string::npos) << text;
+  EXPECT_EQ(text.find("--unit-scale"), std::string::npos) << text;
+  EXPECT_ERROR(HeldSheet(grid(2, 2, 2, 1), R"({"paper_size":[0.2,0.1]})").write("ten.gltf"),
+               "--unit-scale 0.1");
+  EXPECT_ERROR(HeldSheet(grid(2, 2, 20, 10), R"({"paper_size":[0.2,0.1]})").write("hundred.gltf"),
+               "--unit-scale 0.01");
+}
+
+}  // namespace
+}  // namespace paperbake
