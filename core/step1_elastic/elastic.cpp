@@ -132,7 +132,7 @@ ElasticReport Elastic::settle(Sheet& sheet, const Held& asked, double dt, Settli
   const Held held = s.reachable(sheet, asked, dt);
   const Points3 before = sheet.x;
   const Gripped hard = hard_handles(held);
-  constexpr double coarser = 10;  // the next step goes on from here
+  constexpr double coarser = 10;  // the next step continues from here
   const bool briefly = settling == Settling::briefly;
   NewtonOptions how{s.options.stop, s.options.max_iterations};
   if (briefly) {
@@ -197,7 +197,7 @@ ElasticReport Elastic::Impl::go(Sheet& sheet, const Held& held, const Gripped& h
   const bool may_touch = options.contact == SelfContact::automatic;
   const double stop = options.stop;
   if (!may_touch || !past.careful) {
-    // what lies on something has no second start either, and need not stride far
+    // a sheet that rests on a collider has no second branch, and needs few mixed Newton iterations
     const bool lies = colliders && colliders->touching(before) > 0;
     if (lies) past.second.reset(), past.descending = false;
     const int most = lies ? options.max_iterations : most_iterations();
@@ -221,15 +221,15 @@ ElasticReport Elastic::Impl::go(Sheet& sheet, const Held& held, const Gripped& h
       past.descending &= !report.converged;
     }
   }
-  const auto jams = [&] {  // what is on its way may be stretched
+  const auto jams = [&] {  // an unfinished step may be stretched without being jammed
     return (report.converged && matrix && largest_stretch(sheet) > jam_stretch) ||
            report.inside > jam_inside;
   };
   if (may_touch && (past.careful || jams() || !contact->clear(before, sheet.x, hard))) {
     const int in_vain = report.iterations;
     sheet.x = before;
-    // beside itself the softened sheet soon meets its own parts: a second start finds nothing
-    // better there
+    // close to itself a softened sheet soon collides with its own parts: a second branch finds
+    // nothing better there
     const NewtonOptions how{stop, most_in_touch()};
     report = solve(sheet, held, hard, dt, &*contact, how, SecondWays::none);
     report.iterations += in_vain;

@@ -15,83 +15,93 @@
 namespace paperbake {
 
 enum class Inertia { quasi_static, dynamic };
-// automatic: in the steps in which the sheet comes near itself
+// automatic: self-contact is used in the steps in which the sheet comes near itself
 enum class SelfContact { automatic, off };
 
 struct ElasticOptions {
-  // [m]    Newton ends when no vertex is farther than this from the minimum, as far as it can tell
+  // [m] Newton's method stops when every vertex is estimated to be within this distance of the
+  // minimum
   double stop = 1e-5;
-  int max_iterations = 60;  // [1]    an unfinished minimisation goes on in the next step
+  int max_iterations = 60;  // [1] an unfinished minimisation continues in the next step
   double gravity = 0;       // [m/s2] along -z
   Inertia inertia = Inertia::quasi_static;
   SelfContact contact = SelfContact::automatic;
-  // what the sheet may not pass; null: nothing
+  // obstacles that the sheet must not pass through; null: there are none
   std::shared_ptr<const Colliders> colliders = nullptr;
 };
 
-/// Where colliders are as a step begins and ends. Empty where there are none.
+/// Poses of the colliders at the beginning and at the end of a step. Empty if there are no
+/// colliders.
 struct ColliderMotion {
   Poses from, to;
 };
 
-/// Vertices that are held, and where; and what else is given of a step.
+/// Vertices whose positions are prescribed for the end of a step, and the motion of the colliders
+/// during it.
 struct Held {
   std::vector<int> vertices;  // each at most once
   Points3 targets;            // |vertices|x3 [m]
-  // |vertices| [N/m] of soft handles, 0: hard; empty: all are hard
+  // |vertices| [N/m] stiffness of a soft handle, 0 for a hard one; empty: all are hard
   std::vector<double> stiffness = {};
   ColliderMotion colliders = {};
 };
 
 struct ElasticReport {
-  int iterations = 0;  // factorisations of the second derivative
+  int iterations = 0;  // number of factorisations of the Hessian
   bool converged = true;
   double energy = 0;        // [J] membrane + bending
-  double potential = 0;     // [J] energy + weight x height
-  double membrane = 0;      // [J] its membrane part
-  double plastic_flow = 0;  // [m rad] by how much the plastic integral grew in this step
-  // it is on its way down from an unstable shape: what it looks like is not to be relied on
+  double potential = 0;     // [J] energy + potential of gravity (weight x height)
+  double membrane = 0;      // [J] membrane part of the energy
+  double plastic_flow = 0;  // [m rad] growth of PlasticGrid::integral() in this step
+  // a snap-through is in progress: the sheet is on its way down from an unstable shape, and the
+  // shape it has now is not to be relied on
   bool leaving = false;
-  // [1] by how much of the potential a second start was lower, when it was taken
+  // [1] how much lower the potential of the second branch is, relative to the first; 0 if it was
+  // not taken
   double lower_branch = 0;
-  bool contact = false;  // the sheet came near itself: the step was taken with contact
-  // pairs of vertex and triangle, or edge and edge, that push each other at its end
+  bool contact = false;  // the sheet came near itself: the step was solved with self-contact
+  // active contacts at the end of the step: pairs of a vertex and a triangle, or of two edges, that
+  // push each other
   int touching = 0;
-  int touching_others = 0;  // ... of which one is of another sheet
+  int touching_others = 0;  // the same for pairs with one feature on another sheet
   int yielding = 0;         // hard handles that the paper does not follow
-  int on_colliders = 0;     // vertices, edges and triangles that colliders push at its end
-  double inside = 0;        // [m] how deep the deepest is inside a collider
+  int on_colliders = 0;  // vertices, edges and triangles that colliders push at the end of the step
+  double inside = 0;     // [m] depth of the deepest point inside a collider
 };
 
-/// briefly: the first way alone, to ten times `stop`, 20 iterations; what needs more has landed
-/// somewhere else, and so has what leaves its place by 3 % of the longer side. fully: both ways, to
-/// `stop`.
+/// How far relax() goes.
+/// coarse  only mixed Newton (newton.h), to ten times `stop`. It gives up after 20 iterations, or
+///         when a vertex has moved more than 3 % of the longer side: the shape then belongs to
+///         another branch.
+/// full    both variants of Newton's method, to `stop`
 enum class Settling { briefly, fully };
 
-/// A second way down from an unstable shape, gone beside the first: with a softened membrane, then
-/// with the paper's own.
+/// A descent along a second branch from an unstable shape, computed beside the main solution: first
+/// with a softened membrane, then with the true stiffness of the membrane.
 struct SecondWay {
-  Points3 x;  // |V|x3 [m] how far it got
+  Points3 x;  // |V|x3 [m] where it has got to
   enum Leg { soft, stiff, done } leg = soft;
-  int tries = 0;  // of this leg, that got nowhere near its end
+  int tries = 0;  // attempts in this phase that did not converge
   bool converged = false;
 };
 
-/// What the solver knows of the steps before, and all that a step changes besides its sheet.
+/// What the solver knows from earlier steps: everything that a step changes besides its sheet.
 struct ElasticPast {
-  std::deque<Points3> positions;  // |V|x3 [m] before the last step, before the one before that
-  int steps = 0;                  // so far
-  bool remeshed = true;           // the mesh has changed since the last step
-  // the last step ended with parts touching, or with handles that the paper does not follow
+  // |V|x3 [m] before the last step, then before the step preceding it
+  std::deque<Points3> positions;
+  int steps = 0;         // number of steps so far
+  bool remeshed = true;  // the mesh has changed since the last step
+  // the last step ended with active contacts, or with handles that the paper does not follow
   bool careful = false;
-  // steps: a second way found nothing much lower, none is begun before
+  // index of the step before which no new search for a second branch begins
   int content_until = 0;
-  bool descending = false;          // ... on its way down to a minimum
-  std::optional<SecondWay> second;  // not yet at its end
-  Ridges ridges;                    // in a copy: of the last step, and
-  std::optional<PlasticGrid> grid;  // the plastic memory; none: nothing had flowed
+  bool descending = false;          // line-search Newton was still on its way down to a minimum
+  std::optional<SecondWay> second;  // a descent that is not finished yet
+  Ridges ridges;                    // filled in only by state(): the ridges of the last step
+  // filled in only by state(): the plastic grid; none: the paper has never yielded
+  std::optional<PlasticGrid> grid;
 };
-void archive(Archive&, ElasticPast&);  // all but the grid, which is the sheet's
+void archive(Archive&, ElasticPast&);  // all but the grid, which belongs to the sheet
 void archive(Archive&, Held&);
 
 struct Together;
@@ -99,31 +109,38 @@ struct SheetWay;
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
 ///
-/// A step is the minimum over the free vertices of the incremental potential of backward Euler
+/// A step minimises the incremental potential of backward Euler over the free vertices:
 ///
 ///   W(x) = sum_i m_i/(2 dt^2) |x_i - xhat_i|^2 + E_membrane(x) + E_bending(x) + sum_i m_i g z_i
 ///
-/// dynamic:      xhat = x + dt v, m the mass of the paper
-/// quasi-static: xhat = x and a hundredth of the mass: just enough that a sheet that swings freely
-/// has one answer
+/// dynamic:       xhat = x + dt v, and m is the mass of the paper
+/// quasi-static:  xhat = x, and m is a hundredth of the mass: just enough to make the answer unique
+///                for a sheet that can swing freely
 ///
-/// found by Newton's method with handles eliminated. Two ways, one after the other where the first
-/// does not arrive: - the stress of the membrane as an unknown of its own [Magisano 2017]: 2-4
-/// iterations where plain Newton takes 3-15, because
-///   the stiff membrane does not hold it to tiny steps;
-/// - the exact second derivative (projected where that is not positive definite) with a
-/// backtracking line search. A step that takes many iterations leaves an unstable shape (a snap):
-/// it is started a second time with a softened membrane, and the lower end is kept.
+/// The minimum is found by Newton's method with the constrained vertices eliminated. There are two
+/// variants (newton.h); the second is used where the first does not converge:
+/// - mixed Newton, with the stress of the membrane as an unknown of its own [Magisano 2017]: it
+///   takes 2-4 iterations where plain Newton takes 3-15, because the stiff membrane does not
+///   confine it to tiny steps;
+/// - line-search Newton, with the exact Hessian (projected where it is not positive definite) and a
+///   backtracking line search.
+/// A step that takes many iterations is leaving an unstable shape (a snap-through). It is then
+/// solved a second time, starting with a softened membrane, and the lower of the two minima is
+/// kept.
 ///
-/// With a memory, E_bending yields inside the step (bending.h), and what has flowed at its end is
-/// remembered. A step that brings parts of the sheet near each other is taken with self-contact
-/// (contact.h): the barrier is part of W, no iteration passes through anything, and handles pull
-/// with springs that give way where the paper is jammed (handle_springs.h); it has no second start.
-/// A step in which nothing comes near is the same to the last bit as without contact. Colliders
-/// (colliders.h), where there are any, are part of W in every step. Handles that are to go behind
-/// their surface slide along it.
+/// With a plastic grid, E_bending yields within the step (bending.h), and the plastic increment at
+/// its end is written to the grid.
 ///
-/// source [Martin 2011]; damping of the velocity to 0.98 in 1/24 s
+/// A step that brings parts of the sheet near each other is solved with self-contact
+/// (self_contact.h): the barrier is part of W, no iteration passes through anything, and handles
+/// pull with springs that give way where the paper is jammed (handle_springs.h). No second branch
+/// is searched in such a step. A step in which nothing comes near gives the same result to the last
+/// bit as without contact.
+///
+/// Colliders (collider_contact.h), if there are any, are part of W in every step. Handles whose
+/// targets lie behind the surface of a collider slide along it.
+///
+/// source [Martin 2011]; the velocity is damped by the factor 0.98 per 1/24 s
 class Elastic {
  public:
   Elastic(const Paper&, const ElasticOptions&);
@@ -131,61 +148,66 @@ class Elastic {
   Elastic(Elastic&&);
   Elastic& operator=(Elastic&&);
 
-  /// To be called for the first mesh and after every change of pattern or connectivity. As long as
-  /// the number of vertices stays, so does what the next guess knows of their past positions.
+  /// To be called for the first mesh and after every change of the pattern or the connectivity. As
+  /// long as the number of vertices stays the same, the past positions that the next initial guess
+  /// is made from are kept.
   /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
   void set_mesh(const Sheet&, const std::vector<double>& stiffening = {});
 
-  /// Moves sheet.x to the minimum with the held vertices at their targets, and sheet.v to (x_new -
-  /// x_old)/dt. The positions need not be near the minimum. On a coarse mesh (400 triangles) no
-  /// frame waits for a snap: after the first three a step ends with 42 iterations, or 82 where an
-  /// edge is still stretched by .6 %, and both its ways down go on in the next one. throws
-  /// Error(Fault::simulation) when the energy is not finite.
+  /// Moves sheet.x to the minimum with the constrained vertices at their targets, and sets sheet.v
+  /// to (x_new - x_old)/dt. The positions need not be near the minimum.
+  /// On meshes of at most 400 triangles a snap-through may span several frames. After the first
+  /// three steps a step ends after at most 42 iterations, or 82 as long as an edge is stretched by
+  /// more than 0.6 %; the descents on both branches continue in the next step.
+  /// throws Error(Fault::simulation) when the energy is not finite
   ElasticReport step(Sheet&, const Held&, double dt);
 
-  /// One step of several sheets that come within reach of each other: to the minimum of the sum of
-  /// their potentials over the vertices of all, with one contact between and within them, so that a
-  /// push goes through to the last of them. All handles pull with springs.
-  /// reach  |sheets|x|sheets| [m] d^ between two, on the diagonal reach() of each
-  /// throws Error(Fault::simulation) when the energy is not finite
+  /// One step of several sheets that come closer than dhat to each other. It minimises the sum of
+  /// their potentials over the vertices of all of them, with one contact between and within the
+  /// sheets, so that a push is passed on to the last of them. All handles pull with springs.
+  /// dhat    |sheets|x|sheets| [m] dhat between two sheets; on the diagonal dhat() of each
+  /// throws  Error(Fault::simulation) when the energy is not finite
   static std::vector<ElasticReport> step_together(const std::vector<Together>&,
                                                   const Eigen::MatrixXd& reach, double dt);
 
-  /// d^ of the sheet (contact.h); 0: it feels nothing. [m]
+  /// [m] dhat of the sheet (self_contact.h); 0 if self-contact is off.
   double reach() const;
 
-  /// True when nothing of one meets the other on their ways, and no pair is within reach at the end
-  /// of any part of them: then a step together would have taken them there, too.
+  /// True if the two sheets do not collide along their trajectories, and no pair of features is
+  /// closer than dhat at the end of any segment of these: a joint step would then have taken the
+  /// sheets to the same places.
   static bool clear(const SheetWay& a, const SheetWay& b, double reach);
 
-  /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing
-  /// else: no second start, no change of sheet.v, nothing flows and nothing is remembered. For a
-  /// sheet that was put where it is. report.contact: it came near itself, which a sheet that
-  /// settles does not feel.
+  /// Moves sheet.x to a nearby minimum with the constrained vertices at their targets, and does
+  /// nothing else: no second branch is searched, sheet.v does not change, and no plastic increment
+  /// is written. This is for a sheet that was placed where it is, not moved there. report.contact:
+  /// the sheet came near itself; relaxation does not prevent that.
   ElasticReport settle(Sheet&, const Held&, double dt, Settling);
 
-  /// Another one, of the same paper, options and memory.
+  /// Another solver for the same paper, options and plastic grid, on another mesh.
   Elastic on_mesh(const Sheet&, const std::vector<double>& stiffening = {}) const;
 
-  /// Takes over what another one, on another mesh, knows of past positions.
-  /// carried  maps |V|x3 of the other mesh to this one
+  /// Takes over what a solver on another mesh knows of earlier steps: the past positions, the
+  /// number of steps and an unfinished descent on a second branch.
+  /// carried  maps |V|x3 positions of the other mesh to this one
   void continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried);
 
-  /// What is stored in the sheet as it is. `iterations` 0.
+  /// Energies stored in the sheet as it is. `iterations` is 0.
   ElasticReport look(const Sheet&) const;
 
-  /// How deep the deepest vertex, edge or triangle of a sheet of this mesh is inside a collider; 0:
-  /// none. [m]
+  /// [m] Depth of the deepest vertex, edge or triangle of a sheet on this mesh inside a collider; 0
+  /// if none is inside.
   double inside(const Sheet&, const Poses&) const;
 
-  /// A copy, the plastic grid with it, and the way back to it while the mesh is the same: the steps
-  /// in between leave no trace.
+  /// A copy of the state, including the plastic grid, and the rollback to such a copy. As long as
+  /// the mesh is the same, the steps in between leave no trace.
   ElasticPast past() const;
   void take_back(const ElasticPast&);
 
-  /// Lets the paper yield: the memory is read here and by set_mesh, and every step that returns
-  /// writes to it. To be called again when the grid was changed by others. It must outlive this
-  /// object or its replacement. Null, as at first: paper that springs back whatever is done to it.
+  /// Lets the paper yield. The grid is read here and by set_mesh, and every step that returns
+  /// writes to it. Call this again when something else has changed the grid. The grid must outlive
+  /// this object and those made from it by on_mesh, unless they are given another one. Null, as in
+  /// the beginning: paper that always springs back.
   void remember_in(PlasticGrid*);
 
  private:
@@ -193,23 +215,24 @@ class Elastic {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A sheet that takes a step with others.
+/// One of the sheets that take a step together.
 struct Together {
   Elastic& elastic;
   Sheet& sheet;
   const Held& held;
-  // |V|x3 [m] where its points were at the begin of the shot, when one of the sheets began on
-  // another; or empty, of all
+  // |V|x3 [m] positions of its vertices at the beginning of the shot, if one of the sheets began on
+  // another one; else empty for all sheets
   const Points3& begun;
 };
 
-/// Where a sheet went.
+/// The trajectory of a sheet.
 struct SheetWay {
   const Sheet& sheet;  // its mesh
   const Held& held;    // at the end
-  // |V|x3 [m], straight ways in between; the other's at the same times
+  // |V|x3 [m] positions with straight motion in between, at the same times as those of the other
+  // sheet
   const std::vector<Points3>& places;
-  const Points3& begun;  // as in Together
+  const Points3& begun;  // as in JointStepSheet
 };
 
 }  // namespace paperbake

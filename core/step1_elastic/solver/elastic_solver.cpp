@@ -9,9 +9,9 @@
 namespace paperbake {
 namespace {
 
-// share of the true mass; 1 ... 1e-5 give the same shapes to 4 digits
+// fraction of the true mass; values from 1 to 1e-5 give the same shapes to 4 digits
 constexpr double quasi_static_mass = 0.01;
-constexpr double velocity_kept = 0.98;  // [1] in 1/24 s
+constexpr double velocity_kept = 0.98;  // [1] per 1/24 s
 
 }  // namespace
 
@@ -79,7 +79,7 @@ void Elastic::Impl::second_way(const IncrementalPotential& W, const Points3& bef
     way->x = predictor->guesses(way->x, {}, hard.targets).front();
     if (colliders) colliders->clear_way(way->x);
   } else if (!leaves || (report.converged && passes(x)))
-    return;  // what meets itself is not going to stay where it is
+    return;  // a shape that collides with itself is not where the sheet will stay
   else if (past.steps < past.content_until)
     return;
   else
@@ -100,7 +100,7 @@ void Elastic::Impl::second_way(const IncrementalPotential& W, const Points3& bef
     x = std::move(way->x);
     way.reset();
   } else if (begun_before && leaves)
-    way = SecondWay{start};  // from where the first way has got to since
+    way = SecondWay{start};  // starts again from where the main solution has got to
   else
     way.reset();
 }
@@ -176,7 +176,7 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const Held& handles, const Grip
   ElasticReport report;
   if (matrix) {
     MembraneStress stress = energy->stress(before, Points3::Zero(before.rows(), 3));
-    // not in equilibrium: what the mesh did
+    // the stress is that of the change of mesh, not of an equilibrium
     if (past.remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());
     const NewtonReport newton = minimise(W, how, stress, sheet.x);
     report.iterations = newton.iterations;
@@ -207,7 +207,7 @@ void Elastic::Impl::tell_held(const Points3& x, const std::vector<HandleSpring>&
 
 void Elastic::Impl::conclude(Sheet& sheet, const Points3& before, const Held& held, double dt,
                              ElasticReport& report) {
-  constexpr double let_in = 5e-5;  // [m]
+  constexpr double let_in = 5e-5;  // [m] depth inside a collider that is tolerated
   if (report.inside > let_in) {
     push_out(*options.colliders, held.colliders.to, Points3(sheet.x), -let_in, sheet.x);
     report.inside = colliders->inside(sheet.x);

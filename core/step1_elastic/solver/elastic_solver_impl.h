@@ -17,7 +17,7 @@
 
 namespace paperbake {
 
-/// One sheet as step 1 knows it, and the parts of its step.
+/// The solver's data for one sheet, and the parts of a step.
 struct Elastic::Impl {
   Paper paper;
   ElasticOptions options;
@@ -25,19 +25,19 @@ struct Elastic::Impl {
   std::optional<ElasticEnergy> energy, softened;
   Eigen::VectorXd mass;
   double mean_edge = 0;
-  ElasticPast past;  // positions are emptied when the number of vertices changes
+  ElasticPast past;  // positions are cleared when the number of vertices changes
   PlasticGrid* grid = nullptr;
   Points2 pattern;
   Triangles triangles;
-  // of the grid by the triangles, when it was first needed
+  // which cells of the grid the triangles cover, computed when it is first needed
   std::optional<PlasticGrid::Cover> found_cover;
 
   std::optional<Contact> contact;
   std::optional<ColliderContact> colliders;
 
-  // belongs to the mesh and the set of held vertices
-  std::vector<int> held;    // left out of the solve
-  std::vector<int> guided;  // taken along by the predictor
+  // these belong to the mesh and to the set of constrained vertices
+  std::vector<int> held;    // eliminated from the system
+  std::vector<int> guided;  // vertices that the predictor takes to their targets
   std::vector<int> block_of;
   std::unique_ptr<BlockCholesky> matrix;
   bool matrix_of_contact = false;
@@ -47,27 +47,34 @@ struct Elastic::Impl {
   void recall();
   void recall_on_new_mesh();
 
-  /// Where the sheet bends in two directions as a step begins, it yields as ridges do.
+  /// Finds the ridges: where the sheet bends in two directions at the beginning of a step, it
+  /// yields as ridges do (ridge_yield.h).
   void look_for_ridges(const Sheet&, const std::vector<int>& vertices);
 
-  /// Paper in which nothing has flowed so far most often stays so: where it has not yielded at a
-  /// minimum of paper that cannot, that is one of paper that can. Only where it has is it solved
-  /// for again. What a collider bends hooks sharply: it is taken as it is.
-  /// find   what is to be known, of the sheet as it was, of where it yields
-  /// solve  a step or a settling of the sheet as it is, with what is known of the paper
+  /// Solves without plasticity first, if the paper has never yielded: most often it does not yield
+  /// in this step either. If no triangle exceeds its yield curvature at that minimum, it is also a
+  /// minimum of paper that can yield. If one does, or if the minimum was not reached, the sheet is
+  /// solved for again with plasticity. Colliders bend paper sharply, so with colliders it is solved
+  /// with plasticity at once.
+  /// find   finds where the given sheet yields; called with the sheet as it was at the beginning
+  /// solve  a step or a relaxation of the sheet as it is, with the plastic state that is loaded
   template <class Find, class Solve>
   ElasticReport elastic_first(Sheet&, Find, Solve);
 
-  /// What has flowed goes to the grid and comes back as the past of the next step. returns the
-  /// growth of the integral [m rad]
+  /// Writes the plastic increment to the grid and loads it as the state before the next step.
+  /// returns  [m rad] growth of the integral
   double remember(const std::vector<double>& fold_angles);
 
-  /// What is stored in the sheet goes to the report.
+  /// Writes the energies stored in the sheet to the report.
   void tell_stored(const Points3& x, const std::vector<double>& fold_angles, ElasticReport&) const;
 
-  /// The predictor takes these vertices along.
+  /// Makes a new predictor if these are not the vertices that the present one takes along.
   void guide(const Sheet&, const std::vector<int>& hard);
-  /// touching: pairs of vertices that contact couples
+  /// Makes a new matrix of the free vertices where the present one does not fit, and updates the
+  /// predictor.
+  /// fixed     vertices that are eliminated
+  /// hard      vertices that the predictor takes to their targets
+  /// touching  pairs of vertices that contact couples
   void hold(const Sheet&, const std::vector<int>& fixed, const std::vector<int>& hard,
             const std::vector<std::pair<int, int>>& touching);
 
@@ -92,42 +99,45 @@ struct Elastic::Impl {
                                stress, x);
   }
 
-  /// The next leg of the second way, as far as `most` iterations take it. On a coarse mesh it is
-  /// one of the two ways down.
+  /// Advances the descent in its present phase by at most this number of iterations. On an
+  /// interactive mesh one call uses one variant of Newton's method: mixed Newton at the first
+  /// attempt, line-search Newton later.
   void go_on(SecondWay&, const IncrementalPotential& W, int most, ElasticReport&);
 
-  /// A second way down from an unstable shape, first with the softened membrane; taken when it ends
-  /// lower.
+  /// Descends along a second branch from an unstable shape, first with the softened membrane; the
+  /// result is taken if it is lower.
   /// before  where this step began
-  /// start   the guess from there
+  /// start   the initial guess from there
   void second_way(const IncrementalPotential& W, const Points3& before, const Points3& start,
                   const Gripped& hard, Points3& x, ElasticReport&);
 
-  /// Handles as far as colliders let them go.
+  /// The constraints, with targets as far as colliders let the vertices go.
   Held reachable(const Sheet&, const Held&, double dt);
 
-  /// Of a step of a sheet from where it is.
+  /// Potential of a step of the sheet from where it is.
   SheetPotential potential(const Sheet&, double dt, std::vector<HandleSpring> springs);
-  /// Where the sheet may be at the end of it. feels: it need not jump where handles lag behind
+  /// Initial guesses for the end of the step. feels: with contact; then handles may lag behind, and
+  /// some of the guesses do not make the sheet jump to them.
   std::vector<Points3> guesses(const Points3& before, const Gripped& hard, bool feels);
 
-  /// One step; `feels` is null for a sheet that does not feel itself.
+  /// One solution of the step; `feels` is null for a step without self-contact.
   ElasticReport solve(Sheet&, const Held&, const Gripped& hard, double dt, Contact* feels,
                       const NewtonOptions& how, SecondWays second);
 
-  /// By itself, or with self-contact where it turns out that it is needed.
+  /// Solves without self-contact, and again with it if that turns out to be needed.
   ElasticReport go(Sheet&, const Held&, const Gripped& hard, double dt);
 
-  /// What colliders and handles say at its end.
+  /// Writes to the report what colliders and handles do at the end of the step.
   void tell_held(const Points3& x, const std::vector<HandleSpring>& springs, ElasticReport&);
 
-  /// The end of a step that began at `before`: what flowed is kept, and the past is one step
-  /// longer.
+  /// Finishes a step that began at `before`: writes the plastic increment and adds the step to the
+  /// past.
   void conclude(Sheet&, const Points3& before, const Held&, double dt, ElasticReport&);
 };
 
-/// Moves x to the guess of least potential, none of which passes through anything on its way from
-/// `before`. throws Error(Fault::simulation) when none is finite
+/// Moves x to the initial guess of least potential. With contact, each guess is first shortened so
+/// that the straight motion from `before` to it is collision-free.
+/// throws Error(Fault::simulation) when the potential of no guess is finite
 void begin_at_best(const IncrementalPotential& W, const Points3& before,
                    std::vector<Points3>& guesses, Points3& x);
 

@@ -6,12 +6,12 @@
 namespace paperbake {
 namespace {
 
-/// Meshes one after the other.
+/// Several meshes in one, one after the other.
 struct JoinedMesh {
   Points2 pattern;
   Triangles triangles;
-  std::vector<int> first{0};   // vertex of each sheet, and one past the last
-  std::vector<int> of_vertex;  // number of its sheet
+  std::vector<int> first{0};   // first vertex of each sheet, and one past the last vertex
+  std::vector<int> of_vertex;  // index of the sheet of each vertex
 
   void add(const Points2& own, const Triangles& own_triangles) {
     const int before = first.back(), t = static_cast<int>(triangles.rows());
@@ -26,7 +26,7 @@ struct JoinedMesh {
   Eigen::Index rows(std::size_t k) const { return first[k + 1] - first[k]; }
 };
 
-/// Positions of all; at(k): |V_k|x3 of the k-th
+/// Positions of all sheets in one matrix; at(k): |V_k|x3 of the k-th sheet
 template <class At>
 Points3 joined(const JoinedMesh& mesh, At at) {
   Points3 all(mesh.first.back(), 3);
@@ -94,7 +94,7 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
   Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, reach, begun, friction});
   contact.begin(before, grips, dt);
 
-  // one matrix for all, in which nothing is held: handles pull
+  // one matrix for all sheets, in which no vertex is eliminated: handles pull with springs
   std::vector<std::pair<int, int>> coupled = contact.coupled_vertices(before);
   for (std::size_t k = 0; k < n; ++k)
     for (const auto& [i, j] : all[k].elastic.impl_->energy->coupled_vertices())
@@ -111,7 +111,7 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
   double mean_edge = std::numeric_limits<double>::infinity(), stiffness = 0;
   for (std::size_t k = 0; k < n; ++k) {
     Impl& s = *all[k].elastic.impl_;
-    s.matrix.reset();  // its energy is bound to that of all
+    s.matrix.reset();  // its energy is now bound to the matrix of all
     s.block_of.assign(blocks.begin() + mesh.first[k], blocks.begin() + mesh.first[k + 1]);
     s.energy->bind(matrix, s.block_of);
     if (s.colliders) s.colliders->begin(all[k].sheet.x, held[k].colliders, {}, dt, hard[k]);
@@ -124,7 +124,8 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
     how.max_iterations = std::max(how.max_iterations, s.most_in_touch());
   }
   std::vector<Points3> guesses;
-  for (std::size_t g = 0; g < most_starts; ++g)  // the last of each: it stays where it is
+  // a sheet with fewer guesses repeats its last: it stays
+  for (std::size_t g = 0; g < most_starts; ++g)
     guesses.push_back(joined(mesh, [&](std::size_t k) -> const Points3& {
       return starts[k][std::min(g, starts[k].size() - 1)];
     }));

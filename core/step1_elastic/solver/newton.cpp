@@ -10,7 +10,7 @@ namespace {
 
 constexpr double sufficient_decrease = 1e-4;
 constexpr int max_halvings = 30;
-constexpr int asked_every = 4;  // [1] iterations
+constexpr int asked_every = 4;  // [1] iterations between two calls of should_abort
 
 double largest_row(const Points3& d) {
   return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0;
@@ -29,11 +29,11 @@ class Newton {
         longest_move_(W_.contact ? std::min(2 * mean_edge_, 2.5 * W_.contact->reach())
                                  : 2 * mean_edge_) {}
 
-  /// The first way. stress: where the membrane is before the first step
-  /// returns  false when it did not get to a place to stay, x is then anywhere
+  /// The first variant. stress: of the membrane before the first iteration
+  /// returns  false if it did not converge to an acceptable minimum; x is then arbitrary
   bool stride(MembraneStress stress, Points3& x);
 
-  /// The second way.
+  /// The second variant.
   void descend(Points3& x);
 
   NewtonReport report;
@@ -43,7 +43,7 @@ class Newton {
   Points3 downhill() const;
   double line_search(const Points3& x, const Points3& move) const;
 
-  /// Value at a place that contact has not been asked about.
+  /// W at positions for which contact may not know the candidate pairs yet.
   double covered(const Points3& x) const {
     if (W_.contact) W_.contact->cover(x, Points3::Zero(x.rows(), 3));
     return W_(x);
@@ -68,12 +68,12 @@ class Newton {
   double mean_edge_, membrane_stiffness_;
   NewtonOptions options_;
   double longest_move_;  // [m] of a vertex in one iteration
-  double value_ = 0;     // of W where its derivatives were taken last
+  double value_ = 0;     // W where it was differentiated last
   Points3 gradient_;
 };
 
-/// Newton's direction at x; falls back to the projected second derivative, then to a growing
-/// multiple of the identity.
+/// Newton's direction at x. Falls back to the projected Hessian, then to adding a growing multiple
+/// of the identity.
 Points3 Newton::direction(const Points3& x, HessianForm& form, const MembraneStress* stress) {
   ++report.iterations;
   for (;; form = HessianForm::projected) {
@@ -92,7 +92,7 @@ Points3 Newton::direction(const Points3& x, HessianForm& form, const MembraneStr
   }
 }
 
-/// The last factor's answer to the gradient; held vertices stay.
+/// Solves for the negative gradient with the last factor; constrained vertices do not move.
 Points3 Newton::downhill() const {
   const long free = std::count_if(block_of_.begin(), block_of_.end(), [](int b) { return b >= 0; });
   Eigen::VectorXd right(3 * free);
@@ -105,10 +105,10 @@ Points3 Newton::downhill() const {
   return move;
 }
 
-/// Length along `move` that lowers W enough; 0 when there is none.
+/// Fraction of `move` that decreases W sufficiently; 0 if there is none.
 double Newton::line_search(const Points3& x, const Points3& move) const {
   const double slope = gradient_.cwiseProduct(move).sum();
-  // below the rounding of W itself nothing can be compared: a full step is as good as any
+  // a decrease below the rounding error of W cannot be measured: the full step is as good as any
   if (-slope < 1e-13 * std::abs(value_)) return 1;
   double length = 1;
   for (int k = 0; k < max_halvings; ++k, length *= 0.5)
@@ -118,7 +118,7 @@ double Newton::line_search(const Points3& x, const Points3& move) const {
 
 bool Newton::stride(MembraneStress stress, Points3& x) {
   constexpr int most_crawling = 8;
-  constexpr double torn = 0.005;  // [1] strain beyond which descent does better
+  constexpr double torn = 0.005;  // [1] strain beyond which line-search Newton does better
   const double first_value = covered(x), first_strain = largest_strain(stress);
   double last = 0;
   int crawling = 0;
@@ -131,7 +131,7 @@ bool Newton::stride(MembraneStress stress, Points3& x) {
     const double free = W_.cut(x, move);
     stress = W_.sheets.front().elastic.stress(x, move);
     go(x, move);
-    // steps shrink at least as fast as their last ratio: the next one bounds the distance to the
+    // steps shrink at least by their last ratio, so the next step bounds the distance to the
     // minimum
     const double ahead = last > 0 ? asked * std::min(1.0, asked / last) : asked;
     if (free == 1 &&
@@ -140,7 +140,7 @@ bool Newton::stride(MembraneStress stress, Points3& x) {
           covered(x) <= first_value && largest_strain(stress) < std::max(torn, 2 * first_strain);
       return report.converged;
     }
-    // the crest between two valleys: descent is as slow there, but gets down
+    // the crest between two valleys: line-search Newton is as slow there, but it does get down
     crawling = form == HessianForm::projected && asked > 0.5 * last && asked < 0.1 * mean_edge_
                    ? crawling + 1
                    : 0;
@@ -190,7 +190,7 @@ NewtonReport minimise(const NewtonSystem& system, const NewtonOptions& options,
                       const MembraneStress& stress, Points3& x) {
   Newton newton(system, options);
   const Points3 start = x;
-  // between barriers a stride is cut short before it gets anywhere
+  // between barriers the long steps of mixed Newton are shortened before they get anywhere
   if (!system.W.contact && options.ways != NewtonOptions::descend && newton.stride(stress, x))
     return newton.report;
   x = start;

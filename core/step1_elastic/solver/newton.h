@@ -8,46 +8,46 @@
 
 namespace paperbake {
 
-/// What Newton's method works on.
+/// The system that Newton's method solves.
 struct NewtonSystem {
   const IncrementalPotential& W;
   BlockCholesky& matrix;             // of the free vertices, bound to all parts of W
-  const std::vector<int>& block_of;  // |V| block row of all vertices, -1: held
+  const std::vector<int>& block_of;  // |V| block row of each vertex, -1: constrained
   double mean_edge;                  // [m]
   double membrane_stiffness;         // [N/m]
 };
 
 struct NewtonOptions {
-  // [m] it ends when no vertex is farther than this from the minimum, as far as it can tell
+  // [m] it stops when every vertex is estimated to be within this distance of the minimum
   double stop;
   int max_iterations;  // [1] factorisations
-  // [1] of them on the first way: the rest is for the one that gets there
+  // [1] of these, at most so many by mixed Newton: the rest is for line-search Newton
   int max_strides = std::min(25, 2 * max_iterations / 3);
   enum Ways { both, stride, descend } ways = both;
-  // asked now and then on the last way: true ends it
+  // asked every few iterations of the last variant that is allowed: true ends the minimisation
   std::function<bool(const Points3&)> in_vain = nullptr;
 };
 
 struct NewtonReport {
   int iterations = 0;
   bool converged = false;
-  bool descended = false;  // the second way was taken
-  bool in_vain = false;    // it was given up
+  bool descended = false;  // line-search Newton was used
+  bool in_vain = false;    // should_abort ended it
 };
 
-/// Moves x to a minimum of W near by. Two ways, the second where the first does not arrive:
+/// Moves x to a nearby minimum of W by Newton's method, in two variants; the second is used where
+/// the first does not converge:
 ///
-/// 1. The stress of the membrane is an unknown of its own, eliminated triangle by triangle: the
-/// stress in the second derivative
-///    is the one that the last step predicted, not the one that its quadratic error in length
-///    pretends. Paper is so stiff in its
-///    plane that plain Newton can only creep along the isometric shapes; this one strides, up and
-///    down in W. [Magisano 2017]
-/// 2. Downhill only: the exact second derivative (projected where it is not positive definite), a
-/// backtracking line search.
+/// 1. Mixed Newton. The stress of the membrane is an unknown of its own, eliminated triangle by
+///    triangle: the Hessian contains the stress that the last iteration predicted to first order,
+///    not the spurious stress that comes from its quadratic error in length. Paper is so stiff in
+///    its plane that plain Newton can only creep along the isometric shapes; this variant takes
+///    long steps, on which W may rise and fall. [Magisano 2017]
+/// 2. Line-search Newton. W only decreases: the exact Hessian (projected where it is not positive
+///    definite) and a backtracking line search.
 ///
-/// With contact only the second way is taken, and no iteration passes through anything.
-/// stress  of the membrane where x came from; of several sheets none, they are always in contact
+/// With contact only the second variant is used, and no iteration passes through anything.
+/// stress  of the membrane where x came from; empty for several sheets, which are always in contact
 /// throws  Error(Fault::simulation) when W is not finite
 NewtonReport minimise(const NewtonSystem&, const NewtonOptions&, const MembraneStress& stress,
                       Points3& x);
