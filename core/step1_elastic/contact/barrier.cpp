@@ -25,9 +25,9 @@ double relative_move(const std::array<Vector3d, 4>& moves, bool edges) {
   return std::sqrt(most);
 }
 
-/// How long two features that are `kept` apart along n, and more, stay so. Along n their corners go
-/// at constant speed; those of one lie beyond those of the other, because n joins the nearest
-/// points.
+/// Time in [0, 1] until the gap between two features along n has shrunk to `kept`. Along n their
+/// corners move at constant speed, and those of one feature lie beyond those of the other, because
+/// n joins the closest points.
 static double within_slab(const std::array<Vector3d, 4>& x, const std::array<Vector3d, 4>& moves,
                           const Vector3d& n, int cut, double kept) {
   double t = 1;
@@ -41,7 +41,8 @@ static double within_slab(const std::array<Vector3d, 4>& x, const std::array<Vec
 double free_way(const std::array<Vector3d, 4>& corners, const std::array<Vector3d, 4>& moves,
                 bool edges) {
   constexpr double gap_kept = 0.2, of_the_way = 0.9;
-  // [m] and of a gap like that: it must not be used up fifth by fifth
+  // gap [m] that counts as tight, and the fraction [1] of it that is kept: it must not be used up
+  // fifth by fifth
   constexpr double tight = 1e-7, tight_kept = 0.95;
   constexpr int most_steps = 60;
   const double speed = relative_move(moves, edges);

@@ -6,12 +6,12 @@
 
 namespace paperbake {
 
-/// The barrier between two features and its derivatives by their distance d. Zero from `reach` on;
-/// infinite at 0.
+/// Barrier energy between two features and its derivatives with respect to their distance d. Zero
+/// from dhat on; infinite at 0.
 ///
-///   b(d) = -kappa (d - d^)^2 ln(d/d^),   kappa = 50 N/m
+///   b(d) = -kappa (d - dhat)^2 ln(d/dhat),   kappa = 50 N/m
 ///
-/// source  [Li 2020], of the distance itself
+/// source  [Li 2020], as a function of the distance itself
 struct Barrier {
   double value;   // [J]
   double slope;   // [N]    b'  <= 0
@@ -19,17 +19,17 @@ struct Barrier {
 };
 Barrier barrier(double distance, double reach);
 
-/// How far the four corners of a pair may follow their moves, as a share in [0, 1], so that a fifth
-/// of their distance is left all the way; less than that where finding it would take long. Corners
-/// that touch already: 0.
-/// edges   two edges 0-1 and 2-3; else vertex 0 and triangle 1-2-3
-/// source  [Li 2021], additive continuous collision detection; a slab between the two where that
-///         lets them slide farther
+/// Collision-free step of a pair of features: the fraction in [0, 1] of their moves that the four
+/// corners may follow so that at least a fifth of their distance is left all along. The fraction is
+/// smaller where it would take long to find. 0 for features that touch already.
+/// edges   true: two edges 0-1 and 2-3; false: vertex 0 and triangle 1-2-3
+/// source  [Li 2021], additive continuous collision detection; where a slab between the two
+///         features allows larger steps, these are taken
 double free_way(const std::array<Vector3d, 4>& corners, const std::array<Vector3d, 4>& moves,
                 bool edges);
 
-/// The largest distance that a corner of one feature moves against one of the other: they come
-/// nearer by no more. [m]
+/// [m] Largest relative displacement of a corner of one feature and a corner of the other. The
+/// features approach each other by no more than this.
 double relative_move(const std::array<Vector3d, 4>& moves, bool edges);
 
 }  // namespace paperbake

@@ -13,9 +13,9 @@
 namespace paperbake {
 namespace {
 
-constexpr double tube = 1e-3;    // [m] how far vertices go before lists are made again
-constexpr double in_cone = 0.1;  // [1] sine by which a way out may lead along a face
-constexpr double let_in = 0.2;   // [1] of the depth: so far an iteration may go inside
+constexpr double tube = 1e-3;    // [m] how far vertices may move before the lists are made anew
+constexpr double in_cone = 0.1;  // [1] sine by which the way out may lean along a face
+constexpr double let_in = 0.2;   // [1] of depth(): an iteration may go this deep
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
@@ -77,7 +77,7 @@ void ColliderContact::gather(std::size_t c, Probe& probe) const {
   std::sort(probe.near.begin(), probe.near.end());
 }
 
-/// Makes the lists again of what has moved.
+/// Makes the lists of the features that have moved anew.
 void ColliderContact::refresh(std::size_t c, const Points3& home) {
   Against& a = against_[c];
   std::vector<char> stale(home.rows(), 0);
@@ -98,7 +98,8 @@ void ColliderContact::refresh(std::size_t c, const Points3& home) {
   }
 }
 
-/// An edge of the sheet and the k-th edge of the collider, or a triangle and its k-th corner.
+/// An edge of the sheet and the k-th edge of the collider, or a triangle of the sheet and the k-th
+/// corner.
 ColliderContact::Meeting ColliderContact::meeting(const Collider& collider, const Probe& probe,
                                                   int k, const Points3& home,
                                                   const std::vector<char>& side) const {
@@ -122,7 +123,7 @@ ColliderContact::Meeting ColliderContact::meeting(const Collider& collider, cons
          Meeting::outside};
     const Vector3d along = row(x, edge.b) - row(x, edge.a), first = edge.inward[0],
                    second = behind == 2 && edge.border ? Vector3d(-edge.inward[1]) : edge.inward[1];
-    // the plane of one face, seen from the other
+    // the sheet lies beyond the plane of one face, seen from the other face
     const auto above = [&](const Vector3d& face, const Vector3d& other) {
       const Vector3d normal = along.cross(face);
       return m.apart.dot(normal) * normal.dot(other) < 0;
@@ -144,7 +145,7 @@ ColliderContact::Meeting ColliderContact::meeting(const Collider& collider, cons
       inward += in, out_of_all = out_of_all && leads_out(-m.apart, in);
     if (behind > 0 || m.apart.dot(inward) < 0) return m;
   }
-  // of an end, it is the vertex that knows how deep
+  // beside the ends of the edge, or outside the triangle, the contact of a vertex gives the depth
   for (int i = 0; i < probe.corners; ++i) out_of_all = out_of_all && m.weights[i] > 0;
   m.where = out_of_all ? Meeting::inside : Meeting::nearer_to_another;
   return m;
@@ -237,7 +238,8 @@ void ColliderContact::begin_friction(std::size_t c, const Points3& home) {
   });
 }
 
-/// Goes from `from` as far as the collider lets it, then along it. Both in its space.
+/// Moves from p towards `to` as far as the collider allows, then along its surface. All in the
+/// space of the collider.
 Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d to, int side) const {
   constexpr int most_turns = 4, most_steps = 100;
   constexpr double near_enough = 2e-6;  // [m]
@@ -333,7 +335,7 @@ double ColliderContact::free_way(const Points3& y, const Points3& move) {
           m[2] = m[3] = Vector3d::Zero();
         else
           x[0] = row(fixed, collider.corners()[k].vertex), m[0] = Vector3d::Zero();
-        // it is to come out
+        // what is inside already has to be able to come out
         if (meeting(collider, probe, k, home, against_[c].side).where != Meeting::outside) return;
         const double free = paperbake::free_way(x, m, edges);
         if (free < 1 && free > 0) share *= free;
@@ -356,7 +358,7 @@ void ColliderContact::for_each_touch(const Points3& y, Visit visit) {
   }
 }
 
-/// How far a touch has slid along the collider since the step began. [m]
+/// [m] How far a contact point has slid along the collider since the step began.
 Eigen::Vector2d ColliderContact::slip(const Drag& drag, const Points3& y) const {
   Vector3d u = -drag.carried;
   for (int i = 0; i < drag.corners; ++i)

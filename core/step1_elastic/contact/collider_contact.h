@@ -11,64 +11,71 @@
 
 namespace paperbake {
 
-/// What keeps paper off a collider, by the distance d from its front, and the derivatives by it.
+/// Barrier energy of a collider and its derivatives with respect to the distance d from its front.
 ///
-///   b(d) = -kappa (d - d^)^2 ln(d/d^),  0 from d^ on, and its Taylor polynomial of degree 2 from
-///   0.2 d^ down: a start that lies
-///   in the collider, as sheets do that were modelled on the ground, is as good as any
+///   b(d) = -kappa (d - dhat)^2 ln(d/dhat);  0 from dhat on
 ///
-/// kappa = 200 N/m, d^ = 0.5 mm: 0.6 N at a tenth of a millimetre, 2 N as deep inside
-/// source  [Li 2020], of the distance itself; the polynomial: this project
+/// From 0.2 dhat down it is continued by its Taylor polynomial of degree 2. So a sheet may begin
+/// inside the collider, as one that was modelled lying on the ground does.
+///
+/// kappa = 200 N/m, dhat = 0.5 mm: the force is 0.6 N at a distance of 0.1 mm, and 2 N at 0.1 mm
+/// inside
+/// source  [Li 2020], as a function of the distance itself; the polynomial: this project
 struct Pressing {
   double value;   // [J]
   double slope;   // [N]
   double second;  // [N/m]
 };
 Pressing pressing(double distance);
-inline constexpr double collider_reach = 5e-4;  // [m] d^
+inline constexpr double collider_reach = 5e-4;  // [m] dhat
 
-/// One mesh of a sheet against colliders: a term of the incremental potential.
+/// Contact of the mesh of one sheet with colliders: a term of the incremental potential.
 ///
-/// What touches: a vertex of the sheet and the nearest place of a collider (more than one in a
-/// corner of a room); an edge of the sheet and an edge of the collider that sticks out; a triangle
-/// of the sheet and a corner that sticks out. Each has a signed distance and pushes by `pressing`.
-/// Friction: Coulomb's, with force, direction and place as the step begins [Li 2020]. A vertex that
-/// begins the step behind an open collider by more than its depth() has come round its border and
-/// belongs there.
+/// There are contacts between a vertex of the sheet and the nearest point of a collider (more than
+/// one point in a concave corner, as of a room); between an edge of the sheet and a convex edge of
+/// the collider; and between a triangle of the sheet and a convex corner. Each has a signed
+/// distance and pushes with `collider_barrier`. Friction is Coulomb's, with the forces, directions
+/// and contact points of the beginning of the step [Li 2020]. A vertex that begins the step farther
+/// than depth() behind an open collider has come round its border and belongs there.
 class ColliderContact {
  public:
   ColliderContact(std::shared_ptr<const Colliders>, const Triangles&, int vertices);
 
-  /// Begins a step of a sheet at x. held: vertices that are not solved for. pulled: vertices that
-  /// springs pull; as near to a collider as they are wanted there, it does not push them: a hand
-  /// that lies on a table needs no force to stay
+  /// Begins a step of a sheet at x.
+  /// held    vertices that are not solved for
+  /// pulled  vertices that springs pull to targets. If the target lies closer than dhat to a
+  ///         collider, the vertex is not pushed out from there: a hand that rests on a table needs
+  ///         no force to stay.
   void begin(const Points3& x, const ColliderMotion&, const std::vector<int>& held, double dt,
              const Gripped& pulled = {});
 
-  /// Takes a way from where the step began, along with colliders that move and along their surface
-  /// where they are in the way. vertices, to: |vertices|x3 [m] where they were to go
+  /// Replaces targets by the points where the vertices get to from the beginning of the step,
+  /// carried along by moving colliders, and sliding along their surface where they are in the way.
+  /// vertices  their indices
+  /// to        |vertices|x3 [m] the targets
   void clear_way(const std::vector<int>& vertices, Points3& to);
-  void clear_way(Points3& to);  // of all vertices
+  void clear_way(Points3& to);  // the targets of all vertices
 
-  /// Share of the move after which no vertex is deeper inside than 0.2 mm and no edge or corner has
-  /// come through.
+  /// Fraction of the move after which no vertex is deeper inside a collider than a fifth of its
+  /// depth(), and no edge or corner has passed through.
   double free_way(const Points3& y, const Points3& move);
 
   double energy(const Points3& y);  // [J]
-  /// The energy; its derivative is added to the gradient, and b'' w_i w_j n n^T and that of the
-  /// friction, neither ever indefinite, to the matrix. block_of[v]: block row of vertex v, -1 when
-  /// it is held
+  /// Returns the energy [J]. Adds its gradient [N] to `gradient`, and to the matrix the Hessians
+  /// b'' w_i w_j n n^T of the barrier and that of friction [N/m], neither of which is ever
+  /// indefinite.
+  /// block_of  |V| block row of each vertex, -1: constrained
   double differentiate(const Points3& y, const std::vector<int>& block_of, Points3& gradient,
                        BlockCholesky* matrix);
 
-  int touching(const Points3& y);   // how many push
-  double inside(const Points3& y);  // [m] how deep the deepest is; 0: none
+  int touching(const Points3& y);   // number of active contacts
+  double inside(const Points3& y);  // [m] depth of the deepest contact point; 0: none is inside
 
  private:
   struct Probe {  // a vertex, an edge or a triangle of the sheet
     std::array<int, 3> vertices;
     int corners;
-    std::vector<int> near;  // of the collider: triangles, edges or corners
+    std::vector<int> near;  // of the collider: indices of triangles, edges or corners
   };
   struct Touch {
     std::array<int, 3> vertices;
@@ -77,26 +84,27 @@ class ColliderContact {
     Vector3d at, normal;  // of the collider, in its own space
     double distance;
   };
-  struct Meeting {  // of features that stick out
+  struct Meeting {  // an edge or a triangle, and a convex edge or corner of a collider
     std::array<double, 3> weights;
-    Vector3d at, apart;  // apart: from there to the sheet
+    Vector3d at, apart;  // separation: from `at` to the sheet
     double far;
     enum { outside, inside, nearer_to_another } where;
   };
-  struct Drag {  // friction of one touch
+  struct Drag {  // friction of one contact
     std::array<int, 3> vertices;
     std::array<double, 3> weights;
     int corners;
     Eigen::Matrix<double, 3, 2> along;
-    Vector3d carried;  // [m] how far the collider goes there in this step
-    double force;      // [N] friction x pressure
+    Vector3d carried;  // [m] motion of the collider at this point in this step
+    double force;      // [N] friction coefficient x normal force
   };
-  struct Against {  // what is known of one collider
+  struct Against {  // the sheet against one collider
     std::vector<Probe> probes;
-    std::vector<int> close;  // probes that have something near
-    // |V|x3 [m] in the collider's space: lists are good within tube of it; NaN: never made
+    std::vector<int> close;  // features with something of the collider nearby
+    // |V|x3 [m] in the collider's space: the lists are valid while vertices are this near to it;
+    // NaN: there are none yet
     Points3 reference;
-    std::vector<char> side;  // |V| -1: has come round the border of an open one
+    std::vector<char> side;  // |V| -1: the vertex has come round the border of an open collider
   };
 
   void refresh(std::size_t c, const Points3& home);
@@ -118,10 +126,11 @@ class ColliderContact {
   std::shared_ptr<const Colliders> colliders_;
   std::vector<Against> against_;
   std::vector<char> held_;
-  std::vector<double> excused_;  // |V| [m] by how much nearer than others they may be
+  // |V| [m] by how much closer than dhat a vertex may come without being pushed
+  std::vector<double> excused_;
   Points3 start_;
   ColliderMotion motion_;
-  double epsilon_ = 1e-6;  // [m]
+  double epsilon_ = 1e-6;  // [m] contacts that slide less than this stick
   std::vector<Drag> drags_;
 };
 

@@ -23,7 +23,8 @@ SlidingInPlane sliding(const Eigen::Vector2d& slid, double epsilon) {
 
 std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_by(const std::array<Vector3d, 4>& x, bool edges,
                                                       const Nearness& near) {
-  // [1] squared sine, about: a turn about sides that run alike does not show in them
+  // [1] roughly a squared sine: two sides that are nearly parallel do not tell a rotation about
+  // them
   constexpr double alike = 0.05;
   const double d = near.distance();
   const Vector3d n = near.apart / d;
@@ -33,8 +34,8 @@ std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_by(const std::array<Vector3d,
   std::array<Eigen::Matrix<double, 2, 3>, 4> along;
   for (int i = 0; i < 4; ++i) along[i] = near.weights[i] * tangents.transpose();
 
-  // n turns by h in the plane across it, where every side p of the features has p.h = -n.(move of
-  // p): least squares
+  // n rotates by h in the plane across it. Every side p of the features demands p.h = -n.(move of
+  // p); h is the least-squares solution
   const std::array<std::pair<int, int>, 2> sides{edges ? std::pair{0, 1} : std::pair{1, 2},
                                                  edges ? std::pair{2, 3} : std::pair{1, 3}};
   std::array<Eigen::Vector2d, 2> q;

@@ -6,7 +6,8 @@
 
 namespace paperbake {
 
-/// What dissipates while a contact slides by y, divided by friction x force.
+/// Friction mollifier: the energy that a contact dissipates when it slides by y, divided by
+/// friction coefficient x normal force, and its derivatives.
 ///
 ///   f0(y) = y from epsilon on, -y^3/(3 epsilon^2) + y^2/epsilon + epsilon/3 below
 ///
@@ -18,23 +19,23 @@ struct Sliding {
 };
 Sliding sliding(double way, double epsilon);
 
-/// The same of a way in a plane: its gradient is across * way; the second derivative is never
-/// indefinite.
+/// The same for a displacement in a plane. The gradient is across * displacement; the Hessian is
+/// never indefinite.
 struct SlidingInPlane {
   double value;            // [m]
-  double across;           // [1/m] slope / |way|
+  double across;           // [1/m] slope / |displacement|
   Eigen::Matrix2d second;  // [1/m]
 };
 SlidingInPlane sliding(const Eigen::Vector2d& way, double epsilon);
 
-/// How a pair of features at x slides along itself, by the moves of its corners: sum_i along_i
-/// move_i [m]; by no rigid move, to first order. (contact.h)
-/// edges, near  two edges 0-1 and 2-3, else vertex 0 and triangle 1-2-3; what is nearest, not
-///              touching
+/// How a pair of features at x slides along each other when its corners move: by sum_i along_i
+/// move_i [m]. To first order a rigid motion is no sliding (see Contact).
+/// edges  true: two edges 0-1 and 2-3; false: vertex 0 and triangle 1-2-3
+/// near   the closest points of the features, which do not touch
 std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_by(const std::array<Vector3d, 4>& x, bool edges,
                                                       const Nearness& near);
 
-// [m/s] what slides slower than that sticks: epsilon = creep dt
+// eps_v [m/s]: contacts that slide more slowly than this stick: epsilon = eps_v dt
 inline constexpr double creep = 1e-4;
 
 }  // namespace paperbake

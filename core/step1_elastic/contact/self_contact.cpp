@@ -11,13 +11,15 @@
 namespace paperbake {
 namespace {
 
-constexpr double pattern_share = 0.3;  // of the distance on the pattern
-// of a distance that is meant; of the reach: less is none
+constexpr double pattern_share = 0.3;  // [1] dhat over the distance on the pattern
+// [1] dhat over a distance that targets or the initial positions prescribe; a pair whose dhat would
+// be less than this fraction of that of the sheets has none
 constexpr double begun_share = 0.9, least_share = 0.01;
-// of the reach: what begins or is meant nearer chatters, and friction would jam it
+// [1] of dhat of the sheets: pairs whose dhat is less than this began so close, or have such close
+// targets, that their contact chatters; friction would jam them
 constexpr double lies_on = 0.5;
-constexpr double touching = 1e-12;  // [m] nearer than this there is no direction to push in
-// [1] of the reach: such pairs get their blocks in the matrix
+constexpr double touching = 1e-12;  // [m] closer than this there is no direction to push in
+// [1] fraction of dhat: pairs closer than this get blocks in the matrix
 constexpr double spaced = 1.5;
 
 Nearness nearness(const std::array<Vector3d, 4>& x, bool edges) {
@@ -37,8 +39,8 @@ std::array<Vector3d, 4> moves(const Points3& from, const Points3& to, const std:
 
 double largest_row(const Points3& d) { return std::sqrt(d.rowwise().squaredNorm().maxCoeff()); }
 
-/// Vertices whose triangles all turn by less than 60 degrees from their mean: nothing can be near
-/// there but neighbours.
+/// Vertices around which no triangle deviates by 60 degrees or more from the mean normal: nothing
+/// but neighbours can be near there.
 std::vector<char> flat_stars(const Points3& x, const Triangles& triangles) {
   Points3 normal(triangles.rows(), 3), mean = Points3::Zero(x.rows(), 3);
   for (int t = 0; t < triangles.rows(); ++t) {
@@ -57,8 +59,8 @@ std::vector<char> flat_stars(const Points3& x, const Triangles& triangles) {
   return flat;
 }
 
-/// A plane keeps two triangles apart all the way, and by `gap` at the end. A point's place along a
-/// fixed axis is linear on the way: both ends tell.
+/// True if a plane keeps two triangles apart all along the step, and by `gap` at its end. The
+/// coordinate of a point along a fixed axis is linear in time, so both ends are enough.
 bool separated(const Points3& from, const Points3& to, const int* a, const int* b, double gap) {
   const auto at = [&](const Points3& x, int v) -> Vector3d { return x.row(v); };
   const auto by = [&](const Vector3d& axis) {
@@ -143,8 +145,8 @@ double Contact::reach_of_grips(const std::array<int, 4>& v, bool edges, double r
   for (int i = 0; i < 4; ++i)
     if (grip_[v[i]] >= 0) held[i >= cut].push_back(v[i]);
   if (held[0].empty() || held[1].empty()) return reach;
-  // the held part of either side: a point, an edge, or the whole triangle, which all_held has dealt
-  // with
+  // the constrained part of either feature is a point or an edge: where it is a whole triangle, all
+  // four corners are constrained, which all_held has dealt with
   std::array<int, 4> part{held[0].front(), held[0].back(), held[1].front(), held[1].back()};
   std::array<Vector3d, 4> target;
   for (int i = 0; i < 4; ++i) target[i] = gripped_.targets.row(grip_[part[i]]);
@@ -228,7 +230,7 @@ void Contact::find_entangled(const Points3& x) {
   entangled_.clear();
   for (const auto& [a, b] : near().find(x, Points3::Zero(x.rows(), 3), 0)) {
     const auto corner = [&](int t, int i) -> Vector3d { return x.row(triangles_(t, i % 3)); };
-    // an edge of s that has no corner of t passes through t
+    // true if an edge of s that shares no corner with t passes through t
     const auto through = [&](int s, int t) {
       for (int i = 0; i < 3; ++i) {
         const int p = triangles_(s, i), q = triangles_(s, (i + 1) % 3);
@@ -342,7 +344,7 @@ double Contact::free_way(const Points3& y, const Points3& move) const {
   double share = 1;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const ContactPair& pair = pairs_[k];
-    // a gap that is tight counts otherwise
+    // collision_free_step has another rule for tight gaps
     if (const double d = spare_[k] + pair.reach - off; d > 1e-6 && 0.8 * d > fastest) continue;
     auto move_of = moves(y, end, pair.vertices);
     for (Vector3d& m : move_of) m *= share;

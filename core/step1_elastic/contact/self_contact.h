@@ -11,99 +11,108 @@
 
 namespace paperbake {
 
-/// Where handles hold the sheet, as far as contact has to know: what they bring together is their
-/// own business.
+/// Vertices that hard handles constrain. Pairs that the handles bring together are excluded from
+/// contact.
 struct Gripped {
   std::vector<int> vertices;
   Points3 targets;  // |vertices|x3 [m]
 };
 
-/// Two features that may touch: a vertex and a triangle it is no corner of, or two edges without a
-/// common vertex.
+/// Two features that may collide: a vertex and a triangle that it is no corner of, or two edges
+/// without a common vertex.
 struct ContactPair {
   std::array<int, 4> vertices;  // vertex, triangle; or edge, edge
   bool edges;
-  double reach;  // [m] d^ of this pair
+  double reach;  // [m] dhat of this pair
 };
 
-/// Several sheets in one mesh, their vertices one after the other.
+/// Several sheets in one mesh, with their vertices one after the other.
 struct JoinedSheets {
-  std::vector<int> of_vertex;  // |V| number of its sheet
-  // |sheets|x|sheets| [m] d^ between two of them, on the diagonal of one and itself
+  std::vector<int> of_vertex;  // |V| index of the sheet
+  // |sheets|x|sheets| [m] dhat between two sheets; on the diagonal that of a sheet and itself
   Eigen::MatrixXd reach;
-  // |V|x3 [m] where they began, when some began on each other; else empty
+  // |V|x3 [m] initial positions, if some sheets began on each other; else empty
   Points3 begun = {};
-  // |sheets| [1] mu of each on itself; of two the geometric mean, so that none is none; empty: none
+  // |sheets| [1] friction coefficient of each on itself; for two sheets the geometric mean, so zero
+  // friction on either gives zero; empty: frictionless
   std::vector<double> friction = {};
 };
 
-/// Contact within one mesh, of one sheet or of several: a barrier (barrier.h) for every pair of
-/// features within reach.
+/// Contact within one mesh, of one sheet or of several: a barrier (barrier.h) between every pair of
+/// features closer than dhat.
 ///
-/// Every pair of one sheet has its own reach d^ = min(d^ of the sheet, 0.3 x distance of the two
-/// features on the pattern): neighbours do not repel each other, and a fold cannot pass through pi.
-/// Of two sheets it is the d^ between them, and 0.9 x the distance that the features began with,
-/// where that is known: sheets joined at a border are neighbours there. Left out are pairs held in
-/// every corner; pairs that handles bring together (held vertices on both sides: d^ is 0.9 x their
-/// distance at most, and nothing under 1 % of it); and, until they are apart, pairs that touch, or
-/// belong to triangles that pass through each other, as a step begins. Two sides of a cut in the
-/// pattern have no distance there: nothing keeps them apart.
+/// Every pair of features of one sheet has its own dhat = min(dhat of the sheet, 0.3 x distance of
+/// the two features on the pattern): neighbours do not repel each other, and a dihedral angle
+/// cannot pass through pi. For features of two sheets it is the dhat between these, and at most 0.9
+/// x the initial distance of the features where that is known: sheets joined at a border are
+/// neighbours there.
 ///
-/// Friction: Coulomb's, of pairs that push each other as a step begins, with their force, direction
-/// and place then [Li 2020]; of pairs whose d^ is less than half of that of their sheets none. A
-/// pair slides by
+/// Left out are
+/// - pairs whose corners are all constrained;
+/// - pairs that handles bring together: where there are constrained vertices on both sides, dhat is
+///   at most 0.9 x their distance, and the pair is ignored if that is under 1 % of its dhat;
+/// - until they have separated, pairs that touch at the beginning of a step, or that belong to
+///   triangles that intersect each other then.
+/// The two sides of a cut in the pattern have no distance there: nothing keeps them apart.
 ///
-///   u = T^T (d n' - d n)  with  d n' = sum_i w_i y_i,  less what d n goes along with the turn of
-///   its features
+/// Friction is Coulomb's, for pairs that push each other at the beginning of a step, with the
+/// forces, directions and contact points of that time [Li 2020]. Pairs whose dhat is less than half
+/// of that of their sheets have none. A pair slides by
 ///
-/// so that what moves rigidly slides nowhere, and layers that bend together do not slide by the d
-/// that contact keeps between them. The turn is what the sides of the triangle, or the two edges,
-/// rise along n; of edges that run alike one half of it is unknown.
+///   u = T^T (d n' - d n)   with  d n' = sum_i w_i y_i,
+///
+/// less the part of it by which d n only rotates with its features. So there is no sliding in a
+/// rigid motion, and layers that bend together do not slide because of the distance d that contact
+/// keeps between them. The rotation is found from how far the sides of the triangle, or the two
+/// edges, rise along n; where two edges are nearly parallel, one of its two components is unknown
+/// and left out.
 class Contact {
  public:
   Contact(const Points2& pattern, const Triangles&, double friction = 0);
   Contact(const Points2& pattern, const Triangles&, JoinedSheets);
 
-  /// d^ of the sheet: 2 mm; 1 % of the side of a square of its area where that is less; the
-  /// largest, of several. [m]
+  /// [m] dhat of the sheet: 2 mm, or 1 % of the side of a square of the same area if that is less;
+  /// the largest one of several sheets.
   double reach() const { return reach_; }
 
-  /// True when nothing meets on the straight way from `from` to `to` and no pair is within reach at
-  /// its end: then contact would not have changed a thing. What the triangles round a vertex do
-  /// among each other is looked at only where they turn by more than 60 degrees from their mean.
+  /// True if nothing collides on the straight motion from `from` to `to` and no pair is closer than
+  /// dhat at its end: contact would then have changed nothing. The triangles around one vertex are
+  /// checked against each other only where one deviates by 60 degrees or more from their mean
+  /// normal.
   bool clear(const Points3& from, const Points3& to, const Gripped&);
-  /// The same of features of different sheets alone.
+  /// The same for pairs of features of different sheets only.
   bool clear_between(const Points3& from, const Points3& to, const Gripped&);
 
-  /// Begins a step of dt from x.
+  /// Begins a step of length dt [s] at x.
   void begin(const Points3& x, const Gripped&, double dt);
 
-  /// Finds every pair that can meet or come within reach on the way from y to y + move. To be
-  /// called before any function below is asked about a place on that way; it costs little while the
-  /// sheet stays near the way covered last.
+  /// Finds every pair that can collide or come closer than dhat on the motion from y to y + move.
+  /// To be called before any function below is asked about positions on that motion; it costs
+  /// little while the sheet stays near the motion of the last update.
   void cover(const Points3& y, const Points3& move);
-  /// The sheet has gone the way covered last, up to here.
+  /// The sheet has moved to y, as announced by the last update_candidates.
   void arrived(const Points3& y);
 
-  /// Share of the move that leaves a fifth of every gap.
+  /// Fraction of the move that leaves at least a fifth of every gap.
   double free_way(const Points3& y, const Points3& move) const;
 
   double energy(const Points3& y) const;  // [J]
-  /// The energy; its derivative is added to the gradient, and b'' w_i w_j n n^T and that of the
-  /// friction, neither ever indefinite, to the bound matrix.
+  /// Returns the energy [J]. Adds its gradient [N] to `gradient`, and to the bound matrix the
+  /// Hessians b'' w_i w_j n n^T of the barrier and that of friction [N/m], neither of which is ever
+  /// indefinite.
   double differentiate(const Points3& y, Points3& gradient, BlockCholesky* matrix);
 
-  /// Vertices of pairs within 1.5 d^, each with each.
+  /// All pairs of vertices within a contact pair whose features are closer than 1.5 dhat.
   std::vector<std::pair<int, int>> coupled_vertices(const Points3& y) const;
-  /// block_of[v]: block row of vertex v, -1 when it is held. Blocks that the matrix has not are
-  /// passed by.
+  /// Remembers where the blocks of the matrix lie; blocks that it does not have are ignored.
+  /// block_of  |V| block row of each vertex, -1: constrained
   void bind(const BlockCholesky&, const std::vector<int>& block_of);
 
   const std::vector<ContactPair>& pairs() const { return pairs_; }
-  int active(const Points3& y) const;  // pairs within reach
+  int active(const Points3& y) const;  // number of pairs closer than dhat
 
   struct Active {
-    int own = 0, others = 0;  // ... both features of it; one of it and one of another
+    int own = 0, others = 0;  // pairs with both features on the sheet; with one on another
   };
   std::vector<Active> active_by_sheet(const Points3& y) const;
 
@@ -111,9 +120,9 @@ class Contact {
   using Slots = std::array<BlockCholesky::Slot, 10>;  // upper half, row by row
   struct Drag {                                       // friction of one pair
     std::array<int, 4> vertices;
-    // [1] it has slid by sum_i along_i (y_i - start_i)
+    // [1] the pair has slid by sum_i along_i (y_i - start_i)
     std::array<Eigen::Matrix<double, 2, 3>, 4> along;
-    double force;  // [N] mu x force of the barrier
+    double force;  // [N] friction coefficient x force of the barrier
     Slots slots;
     bool placed = false;
   };
@@ -142,25 +151,25 @@ class Contact {
 
   Points2 pattern_;
   Triangles triangles_;
-  std::optional<SpreadOut> spread_;            // of one sheet alone
+  std::optional<SpreadOut> spread_;            // for a single sheet only
   mutable std::optional<NearTriangles> near_;  // made when it is first needed
   JoinedSheets sheets_;
   double reach_;
-  // [m] how far from the way covered last the list is good
+  // [m] how far vertices may be off the motion of the last update before the list is made anew
   double tube_;
 
-  std::vector<int> grip_;  // |V| index into gripped_; -1
+  std::vector<int> grip_;  // |V| index into the constraints; -1: free
   Gripped gripped_;
-  Points3 start_;  // [m] as the step began
-  // triangles that pass through each other as the step begins
+  Points3 start_;  // [m] positions at the beginning of the step
+  // triangles that intersect each other at the beginning of the step
   std::vector<std::pair<int, int>> entangled_;
 
   std::vector<ContactPair> pairs_;
-  std::vector<double> spare_;  // [m] least distance on the way less reach, by pair
-  Points3 reference_;          // [m] the list is good within tube_ of it
-  bool swept_ = false;         // ... and of the way that begins there
+  std::vector<double> spare_;  // [m] least distance during the motion, less dhat, of each pair
+  Points3 reference_;          // [m] the list is valid within candidate_margin_ of these
+  bool swept_ = false;         // ... and of the motion that begins there
 
-  double epsilon_ = 0;  // [m] what slides less sticks
+  double epsilon_ = 0;  // [m] pairs that slide less than this stick
   std::vector<Drag> drags_;
 
   const BlockCholesky* matrix_ = nullptr;

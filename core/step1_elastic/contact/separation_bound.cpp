@@ -10,9 +10,10 @@ namespace {
 
 using Matrix32 = Eigen::Matrix<double, 3, 2>;
 
-/// Every vertex lies to the left of every border edge.
+/// True if every vertex lies to the left of every border edge.
 bool is_convex(const Points2& pattern, const Triangles& triangles) {
-  // low vertex, high vertex, 0: seen from the triangle it runs from low to high
+  // lower vertex, higher vertex, and 0 if the edge runs from low to high seen from the triangle,
+  // else 1
   std::vector<std::array<int, 3>> edges;
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
@@ -36,7 +37,7 @@ bool is_convex(const Points2& pattern, const Triangles& triangles) {
   return true;
 }
 
-/// The nearest matrix with orthonormal columns; zero where there is none.
+/// The nearest matrix with orthonormal columns; zero if there is none.
 Matrix32 orthonormal(const Matrix32& m) {
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> gram;
   gram.computeDirect(m.transpose() * m);

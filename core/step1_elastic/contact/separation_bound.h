@@ -6,20 +6,20 @@
 
 namespace paperbake {
 
-/// Tells at little cost that no two points of a sheet are nearer to each other than a share of
-/// their distance on the pattern.
+/// A cheap lower bound: proves that no two points of a sheet are closer to each other than a given
+/// share of their distance on the pattern.
 ///
-/// Seen along one direction, a triangle is mapped to the plane by some J. Where x.Jx >= share x.x
-/// holds in all triangles of a convex pattern, it sums up along the straight line between any two
-/// of its points: their images, and so they themselves, are at least share times as far apart. J is
-/// linear in the positions: what holds at both ends of a straight way holds all along it. Only
-/// convex patterns have such lines; of others nothing is known.
+/// Seen along one direction, a triangle is mapped to the plane by a matrix J. If x.Jx >= share x.x
+/// in all triangles of a convex pattern, the sum along the straight line between any two points of
+/// the pattern shows that their images, and so the points themselves, are at least share times as
+/// far apart. J is linear in the positions: what holds at both ends of a straight motion holds all
+/// along it. Only convex patterns have such lines; nothing is known about others.
 class SpreadOut {
  public:
   SpreadOut(const Points2& pattern, const Triangles&);
 
-  /// Is it so, as far as the direction that the sheet faces on the whole can tell, all the way?
-  /// false: it may be so or not.
+  /// True if this could be shown for the whole step, looking along the direction that the sheet
+  /// faces on the whole. False: it may hold or not.
   /// from, to  |V|x3 [m]
   bool all_the_way(const Points3& from, const Points3& to, double share) const;
 
