@@ -15,7 +15,7 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
   return (p - a - along * (b - a)).norm();
 }
 
-/// From a singular point to the nearest other one, or to the border.
+/// Distance on the pattern from a singular point to the nearest other one, or to the border.
 double size_of_cone(const Sheet& sheet, const Hinges& hinges, std::size_t k) {
   const Vector2d apex = sheet.singular[k].pattern;
   double size = 1e300;
@@ -30,8 +30,8 @@ double size_of_cone(const Sheet& sheet, const Hinges& hinges, std::size_t k) {
   return size;
 }
 
-/// Mean of ln r over the angle between two spokes, r up to the line between their ends: Simpson's
-/// rule over both and the bisector.
+/// Mean of ln r over the angle between two spokes, where r reaches to the line between their ends:
+/// Simpson's rule over both spokes and their bisector.
 double mean_log(const Vector2d& u, const Vector2d& v) {
   const double a = u.norm(), b = v.norm(),
                half_cosine = std::sqrt(std::max(0.0, 0.5 * (1 + u.dot(v) / (a * b))));
@@ -48,7 +48,7 @@ double core_radius(const Paper& paper, double R) {
 std::vector<double> cone_factors(const Sheet& sheet, const Paper& paper) {
   if (sheet.singular.empty()) return {};
   const Hinges hinges = find_hinges(sheet.triangles);
-  // [m] radius, of the vertices that are apices
+  // [m] core radius of the vertices that are apices; 0 for the others
   std::vector<double> core(sheet.pattern.rows(), 0.0);
   for (std::size_t k = 0; k < sheet.singular.size(); ++k)
     for (int v = 0; v < sheet.pattern.rows(); ++v)

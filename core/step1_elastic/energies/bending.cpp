@@ -11,7 +11,8 @@ Eigen::Matrix3d cross_matrix(const Vector3d& a) {
   return m;
 }
 
-/// C -> G C G on (xx, xy, yy), G = g along the unit vector at the angle, 1/g across it.
+/// The map C -> G C G on (xx, xy, yy), where G scales by g along the unit vector at this angle and
+/// by 1/g across it.
 Eigen::Matrix3d grain_map(double g, double angle) {
   const Vector2d along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
   const Eigen::Matrix2d G = g * along * along.transpose() + 1 / g * across * across.transpose();
@@ -25,7 +26,7 @@ Eigen::Matrix3d grain_map(double g, double angle) {
   return map;
 }
 
-/// S' = S - Sp and q of it.
+/// S' = S - Sp, its trace and its q^2.
 struct ElasticCurvature {
   Vector3d S;
   double trace, q_squared;
@@ -49,7 +50,7 @@ Fold fold(const Points3& x, const Hinge& hinge) {
   const double length = e.norm();
   const Vector3d g2 = -length / left.squaredNorm() * left;
   const Vector3d g3 = -length / right.squaredNorm() * right;
-  // where the heights of the wings meet the edge, as a fraction of it
+  // where the heights of the wings meet the edge, as a fraction of its length
   const double t2 = (at(2) - x0).dot(e) / (length * length);
   const double t3 = (at(3) - x0).dot(e) / (length * length);
   Fold result;
@@ -62,9 +63,9 @@ Fold fold(const Points3& x, const Hinge& hinge) {
 }
 
 WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left) {
-  // The wing's part of the slope is -t w by e and w by a, with w = -|e| n/|n|^2, n = +-(e x a), t =
-  // a.e/|e|^2. What is skew in its derivative by a twice and e twice cancels against the other
-  // wing; the rest are dyads with n.
+  // This wing's part of the gradient is -t w with respect to e and w with respect to a, with w =
+  // -|e| n/|n|^2, n = +-(e x a), t = a.e/|e|^2. The skew parts of its derivatives, twice by a and
+  // twice by e, cancel against those of the other wing; what is left are dyads with n.
   const double sign = left ? 1 : -1;
   const Vector3d cross = sign * e.cross(a);
   const double area2 = cross.norm(), length = e.norm(), t = a.dot(e) / (length * length);
@@ -93,7 +94,7 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern,
   rest.poisson = paper.poisson;
   rest.hardening = paper.hardening;
   const Vector3d frobenius(1, 2, 1);  // weights of Sxx, Sxy, Syy in the product of two tensors
-  std::vector<Vector3d> unseen;       // orthonormal tensors that border edges would add
+  std::vector<Vector3d> unseen;       // orthonormal tensors that only border edges would show
   rest.operator_of_theta.setZero();
   for (int i = 0; i < 3; ++i) {
     const Vector2d edge = p[(i + 2) % 3] - p[(i + 1) % 3];
@@ -124,7 +125,7 @@ RestBending rest_bending(const Paper& paper, const Points2& pattern,
     rest.seen = map * rest.seen;
     rest.kept = grain_map(1 / g, paper.grain_angle);
   }
-  // K = D A ( nu tr^T tr + (1-nu) S^T diag(1,2,1) S ) in the three angles
+  // K = D A ( nu tr^T tr + (1-nu) S^T diag(1,2,1) S ) in terms of the three angles
   const Eigen::RowVector3d trace = rest.operator_of_theta.row(0) + rest.operator_of_theta.row(2);
   const Eigen::Matrix3d weighted = Vector3d(1, 2, 1).asDiagonal() * rest.operator_of_theta;
   rest.stiffness = rest.rigidity * rest.area *

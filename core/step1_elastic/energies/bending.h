@@ -18,75 +18,80 @@ struct Fold {
 };
 Fold fold(const Points3& x, const Hinge&);
 
-/// What one wing of a hinge adds to the second derivative of its angle, by the edge e = x1 - x0 and
-/// the arm a = wing - x0; `ae` is the transpose of `ea`. The two wings add up to d2 theta exactly,
-/// and each lives on the corners of its own triangle: a sheet needs no block between the two wings
-/// for it.
-/// left  true when the wing lies on the left of x0 -> x1
+/// Contribution of one wing of a hinge to the Hessian of its dihedral angle, with respect to the
+/// edge e = x1 - x0 and the arm a = wing - x0; `ae` is the transpose of `ea`. The contributions of
+/// the two wings add up to d2 theta exactly, and each lives on the corners of its own triangle: the
+/// matrix of a sheet needs no block between the two wings for it.
+/// left  true if the wing lies on the left of x0 -> x1
 struct WingHessian {
   Matrix3 ee, ea, aa;  // [1/m2]
 };
 WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left);
 
-/// Bending of one triangle from its shape operator: the material does not change with the mesh.
+/// Bending of one triangle, from its shape operator, so that the material does not change with the
+/// mesh.
 ///
-///   S = G (sum_i theta_i l_i/A_i n_i n_i^T) G,   E = D/2 A ( nu (tr S')^2 + (1-nu) |S'|^2 ),   S'
-///   = S - Sp
+///   S = G (sum_i theta_i l_i/A_i n_i n_i^T) G,   S' = S - Sp
+///   E = D/2 A ( nu (tr S')^2 + (1-nu) |S'|^2 )
 ///     = 1/2 theta^T K theta - b^T theta + c
 ///
-/// theta_i, l_i, n_i  angle, pattern length and pattern normal of the edge opposite corner i
-/// A_i                area of the two triangles that share it: the fold is spread evenly over both
-/// Sp                 plastic curvature, G Sp0 G where Sp0 is kept
-/// G                  of paper with a grain: r^(1/8) along it, r^(-1/8) across, r = D_MD/D_CD; else
-///                    the identity. It makes the plate orthotropic: D r^(1/2) and D r^(-1/2), with
-///                    Huber's twisting stiffness (1-nu) D
+/// theta_i, l_i, n_i  dihedral angle, pattern length, pattern normal of the edge opposite corner i
+/// A_i                area of the two triangles that share it: the angle is spread evenly over both
+/// Sp                 plastic curvature: G Sp0 G, where Sp0 is what is stored
+/// G                  r^(1/8) along the grain of the paper and r^(-1/8) across it, r = D_MD/D_CD;
+///                    the identity for paper without a grain. This makes the plate orthotropic:
+///                    D r^(1/2) and D r^(-1/2), with Huber's twisting stiffness (1-nu) D
 ///
-/// A border edge has no angle; the part of S that it alone could tell, n n^T, is left out: no
-/// moment crosses a free border. (With that part kept, triangles along the border store 1/12 too
-/// much; the arch of 232 triangles 3 % instead of 0.3 %. With each fold given to both sides by
-/// halves, irregular meshes are 6 % too stiff instead of 3 %.) What a triangle cannot tell of S it
-/// does not take from Sp either.
+/// A border edge has no dihedral angle. The part of S that only this edge could tell, n n^T, is
+/// left out: no moment crosses a free border. (With that part kept, triangles along the border
+/// store 1/12 too much energy; the arch of 232 triangles is off by 3 % instead of 0.3 %. With each
+/// angle given half to one side and half to the other, irregular meshes are 6 % too stiff instead
+/// of 3 %.) What a triangle cannot tell of S is not taken from Sp either.
 /// source  [Grinspun 2006] for the operator; [Huber 1923] for the twist; the two rules are this
 ///         project's
 struct RestBending {
-  Matrix3 stiffness;                  // K [J]  zero rows for border edges
-  Eigen::Matrix3d operator_of_theta;  // columns: l_i/A_i (n_x^2, n_x n_y, n_y^2)  [1/m]
+  Matrix3 stiffness;                  // [J] K, zero rows for border edges
+  Eigen::Matrix3d operator_of_theta;  // [1/m] columns: l_i/A_i (n_x^2, n_x n_y, n_y^2)
   double area;                        // [m2]
-  double rigidity;                    // D of this triangle [N m]
+  double rigidity;                    // [N m] D of this triangle
   double poisson;
-  double hardening;  // eta
-  // of Sp0: what the three angles can tell of it, G on both sides; the identity inside a sheet
-  // without a grain
+  double hardening;  // [1] eta
+  // from Sp0 to the part of Sp that the three angles can tell, with G on both sides; the identity
+  // inside a sheet without a grain
   Eigen::Matrix3d seen;
-  Eigen::Matrix3d kept;  // from S to Sp0: inverse of G
+  Eigen::Matrix3d kept;  // from S to Sp0: the inverse of G on both sides
 };
 /// shared_area  [m2] A_i; 0: border
-/// stiffening   [1]  factor on D (the finger-sized disc of a handle)
+/// stiffening   [1] factor on D (for the finger-sized disc of a handle)
 RestBending rest_bending(const Paper&, const Points2& pattern, const Eigen::RowVector3i& corners,
                          const std::array<double, 3>& shared_area, double stiffening);
 
-/// What a triangle brings along from its past.
+/// Plastic state of a triangle at the beginning of a step.
 struct PlasticState {
-  Vector3d curvature{0, 0, 0};  // Sp [1/m] Sxx, Sxy, Syy
-  // q_y [1/m] = k_y/m + eta/(1-eta) alpha, m the focus of ridges.h; infinite: elastic
+  Vector3d curvature{0, 0, 0};  // [1/m] Sp: Sxx, Sxy, Syy
+  // [1/m] q_y = k_y/m + eta/(1-eta) alpha, where m is the curvature concentration of ridge_yield.h;
+  // infinite: elastic
   double yield = std::numeric_limits<double>::infinity();
 };
 
-/// Energy of one triangle and the moments that its three angles feel, with the flow of this step
-/// inside: linear hardening by radial return, which does not depend on the rate.
+/// Bending energy of one triangle and the moments on its three dihedral angles, with the yielding
+/// of this step inside: linear hardening by radial return, independent of the rate.
 ///
 ///   q = sqrt(nu (tr S')^2 + (1-nu) |S'|^2)     the curvature itself when S' is a cylinder
 ///   E = D A psi(q),   psi = q^2/2 up to q_y,   q_y^2/2 + q_y (q - q_y) + eta (q - q_y)^2/2 beyond
 ///
-/// theta    [rad] angles of its hinges, 0 on the border
-/// moment   dE/dtheta [J], overwritten; may be null
-/// tangent  d2E/dtheta2 [J], overwritten; may be null; never indefinite
+/// theta    [rad] dihedral angles of its hinges, 0 on the border
+/// moment   [J] dE/dtheta, overwritten; may be null
+/// tangent  [J] d2E/dtheta2, overwritten; never indefinite; may be null
+/// returns  [J]
 double bending_energy(const RestBending&, const Vector3d& theta, const PlasticState& = {},
                       Vector3d* moment = nullptr, Matrix3* tangent = nullptr);
 
-/// What a triangle gains when it is left in this shape: Sp += S' (1 - q_el/q), alpha += q - q_el,
-/// q_el = q_y + eta (q - q_y); zero below yield. With alpha the yield grows to q_el, so that a step
-/// may be cut in pieces.
+/// Plastic increment of a triangle that is left in this shape:
+///
+///   Sp += S' (1 - q_el/q),   alpha += q - q_el,   q_el = q_y + eta (q - q_y);   zero below yield
+///
+/// As alpha grows, the yield curvature rises to q_el, so that a step may be divided.
 struct PlasticGain {
   Vector3d curvature{0, 0, 0};  // [1/m]
   double hardening = 0;         // [1/m]

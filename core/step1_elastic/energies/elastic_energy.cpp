@@ -7,9 +7,9 @@ namespace {
 
 using Matrix18 = Eigen::Matrix<double, 18, 18>;
 
-/// Where vertex k of hinge h of corner i sits in the six vertices of triangle t's stencil. The edge
-/// opposite corner i runs from corner i+1 to i+2; seen from the left triangle so does the hinge,
-/// from the right one it runs backwards.
+/// Where vertex k of the hinge opposite corner i sits among the six vertices of a triangle's
+/// stencil. The edge opposite corner i runs from corner i+1 to i+2. So does the hinge if the
+/// triangle is its left one; if it is the right one, the hinge runs backwards.
 std::array<int, 4> hinge_in_stencil(int i, bool left) {
   const int a = (i + 1) % 3, b = (i + 2) % 3;
   return left ? std::array<int, 4>{a, b, i, 3 + i} : std::array<int, 4>{b, a, 3 + i, i};
@@ -136,7 +136,7 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
   std::vector<Fold> folds(hinges_.hinges.size());
   for (std::size_t h = 0; h < folds.size(); ++h) folds[h] = fold(x, hinges_.hinges[h]);
 
-  // an angle feels the moments of both its triangles
+  // an angle gets the moments of both its triangles
   double sum = 0;
   std::vector<double> moment(folds.size(), 0.0);
   std::vector<Matrix3> tangent(matrix ? triangles_.rows() : 0);
@@ -182,7 +182,7 @@ void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own,
     const std::array<int, 4> at = hinge_in_stencil(i, left);
     for (int k = 0; k < 4; ++k) J.block<3, 1>(3 * at[k], i) = folds[h].slope.row(k);
     if (form == HessianForm::projected) continue;
-    // the hinge's own second derivative: the part of this wing lives on the triangle's corners
+    // the Hessian of the dihedral angle: the part of this wing lives on the corners of the triangle
     const int x0 = at[0], x1 = at[1];
     const WingHessian w = fold_hessian_of_wing((c.row(x1) - c.row(x0)).transpose(),
                                                (c.row(i) - c.row(x0)).transpose(), left);
@@ -206,8 +206,8 @@ void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own,
   for (int p = 0, k = 0; p < 6; ++p)
     for (int q = p; q < 6; ++q, ++k) {
       matrix.add(stencils_[t].slots[k], full.block<3, 3>(3 * p, 3 * q));
-      // two wings may be one vertex (round a vertex of valence 3): then the mirror image falls on
-      // the same block
+      // two wings may be the same vertex (around a vertex of valence 3): then the mirror image
+      // falls on the same block
       if (p != q && stencils_[t].vertices[p] == stencils_[t].vertices[q])
         matrix.add(stencils_[t].slots[k], full.block<3, 3>(3 * q, 3 * p));
     }

@@ -12,56 +12,56 @@
 
 namespace paperbake {
 
-using MembraneStress = std::vector<Eigen::Matrix2d>;  // by triangle, second Piola-Kirchhoff [N/m]
+using MembraneStress = std::vector<Eigen::Matrix2d>;  // [N/m] per triangle, second Piola-Kirchhoff
 
-/// Membrane + bending energy of a whole mesh, with everything that depends on the pattern alone
+/// Membrane + bending energy of a whole mesh. Everything that depends on the pattern alone is
 /// computed once.
 class ElasticEnergy {
  public:
   /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
-  /// folds       lines whose hinges turn by themselves (folds.h): no moment of the paper crosses
-  ///             them, as none crosses a border
+  /// folds       creases, whose hinges turn by springs of their own (prescribed_creases.h): no
+  ///             bending moment crosses them, as none crosses a border
   ElasticEnergy(const Paper&, const Points2& pattern, const Triangles&,
                 const std::vector<double>& stiffening = {},
                 const std::vector<FoldLine>& folds = {});
 
-  /// Energy at x. [J]
+  /// [J] Energy at x.
   double energy(const Points3& x) const;
 
-  /// The two parts of it. [J]
+  /// [J] The two parts of the energy; bending includes the creases.
   struct Parts {
     double membrane, bending;
   };
   Parts parts(const Points3& x) const { return parts(x, fold_angles(x)); }
   Parts parts(const Points3& x, const std::vector<double>& fold_angles) const;
 
-  /// Energy at x [J]; gradient |V|x3 [N] is overwritten.
+  /// [J] Energy at x; gradient |V|x3 [N] is overwritten.
   double gradient(const Points3& x, Points3& gradient) const;
 
-  /// Pairs of vertices that share a non-zero block of the second derivative.
+  /// Pairs of vertices that share a non-zero block of the Hessian.
   std::vector<std::pair<int, int>> coupled_vertices() const;
 
-  /// Remembers where the blocks of `matrix` lie. block_of[v]: block row of vertex v, -1 when it is
-  /// held.
+  /// Remembers where the blocks of `matrix` lie. block_of[v]: block row of vertex v, -1 if it is
+  /// constrained.
   void bind(const BlockCholesky& matrix, const std::vector<int>& block_of);
-  /// gradient() that also adds the second derivative [N/m] to the bound matrix.
-  /// stress  |T| what it takes for the stress of the membrane [N/m]; null: the stress at x
+  /// The same as gradient(), and adds the Hessian [N/m] to the bound matrix.
+  /// stress  |T| [N/m] the membrane stress that the Hessian is to contain; null: the stress at x
   double hessian(const Points3& x, HessianForm, Points3& gradient, BlockCholesky& matrix,
                  const MembraneStress* stress = nullptr) const;
 
-  /// Stress of the membrane at x + move, to first order in move. |T| [N/m]
+  /// |T| [N/m] Membrane stress at x + move, to first order in move.
   MembraneStress stress(const Points3& x, const Points3& move) const;
 
-  /// What the triangles remember. Empty at first: paper that springs back whatever is done to it.
+  /// Plastic state of the triangles. Empty in the beginning: paper that always springs back.
   PlasticMemory memory;
-  /// How sharply they bend within; empty: evenly.
+  /// Ridges within the triangles; empty: they bend evenly.
   Ridges ridges;
 
-  /// What they gain when the sheet is left at x, or with these folds.
+  /// Plastic increment of the triangles if the sheet is left at x, or with these dihedral angles.
   PlasticMemory gained(const Points3& x) const { return gained(fold_angles(x)); }
   PlasticMemory gained(const std::vector<double>& fold_angles) const;
 
-  /// [rad] of each hinge.
+  /// [rad] Dihedral angle of each hinge.
   std::vector<double> fold_angles(const Points3& x) const {
     return paperbake::fold_angles(x, hinges_.hinges);
   }
@@ -70,24 +70,25 @@ class ElasticEnergy {
 
  private:
   struct Stencil {  // a triangle and the wings across its edges
-    // corners 0-2, wings 3-5 (wing 3+i across the edge opposite corner i), -1: border
+    // corners 0-2, wings 3-5 (wing 3+i is across the edge opposite corner i); -1: border
     std::array<int, 6> vertices;
     std::array<BlockCholesky::Slot, 21> slots;  // upper half, row by row
   };
   double evaluate(const Points3& x, HessianForm, Points3* gradient, BlockCholesky* matrix,
                   const MembraneStress* stress = nullptr) const;
-  /// Adds to the matrix what triangle t contributes: `own`, of its corners alone, and its bending
-  /// over the whole stencil.
-  /// tangent  d2E/dtheta2 of its bending; edge_moment: what its angles feel from both sides
+  /// Adds the contribution of triangle t to the matrix: `own`, which is that of its corners alone,
+  /// and its bending over the whole stencil.
+  /// tangent      d2E/dtheta2 of its bending
+  /// edge_moment  moments on its angles from both sides
   void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&,
                    const Matrix3& tangent, const Vector3d& edge_moment, HessianForm,
                    BlockCholesky&) const;
   Matrix3 corners(const Points3& x, int t) const;
-  // at the three edges of a triangle; 0 at the border
+  // [rad] dihedral angles at the three edges of a triangle; 0 at the border
   Vector3d angles_of(int t, const std::vector<double>& fold_angles) const;
   PlasticState past(int t) const;
-  /// What the folded lines at a triangle add to its bending: half of each hinge's, the other
-  /// triangle has the rest.
+  /// Adds the springs of the creases at a triangle to its bending: half of each hinge's; the other
+  /// half goes to the other triangle.
   double add_folds(int t, const Vector3d& angles, Vector3d* moment = nullptr,
                    Matrix3* tangent = nullptr) const;
 
@@ -98,9 +99,9 @@ class ElasticEnergy {
   std::vector<RestBending> bend_;
   std::vector<Stencil> stencils_;
   struct FoldSpring {
-    double stiffness = 0, angle = 0;  // [J] k l, 0: no line; [rad]
+    double stiffness = 0, angle = 0;  // [J] k l, 0: on no crease; [rad]
   };
-  std::vector<FoldSpring> springs_;  // of each hinge; empty: there are no lines
+  std::vector<FoldSpring> springs_;  // of each hinge; empty: there are no creases
 };
 
 }  // namespace paperbake

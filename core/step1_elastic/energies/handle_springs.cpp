@@ -7,7 +7,7 @@
 namespace paperbake {
 namespace {
 
-constexpr double hard = 3e4;         // [N/m] a tenth of what paper itself resists with
+constexpr double hard = 3e4;         // [N/m] a tenth of the stiffness of paper itself
 constexpr double yield_force = 0.3;  // [N]
 constexpr double yielding = 300;     // [N/m]
 
@@ -65,7 +65,7 @@ double differentiate(const std::vector<HandleSpring>& springs, const Points3& x,
   for (const HandleSpring& s : springs) {
     const Vector3d d = x.row(s.vertex).transpose() - s.target;
     const double r = d.norm(), beyond = r - s.yield_force / s.stiffness;
-    // second derivative across and along the way to the target
+    // second derivative across and along the direction to the target
     double across = s.stiffness, along = s.stiffness;
     if (beyond > 0) across = (s.yield_force + yielding * beyond) / r, along = yielding;
     gradient.row(s.vertex) += across * d.transpose();

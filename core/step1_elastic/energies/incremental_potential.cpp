@@ -20,7 +20,8 @@ double SheetPotential::differentiate(const Points3& x, HessianForm form, Points3
   return value;
 }
 
-/// Of one sheet among several its rows are copied; one alone is handed on as it is.
+/// The rows of one sheet among several are copied; those of a single sheet are passed on as they
+/// are.
 template <class Visit>
 void IncrementalPotential::for_each_sheet(const Points3& x, Visit visit) const {
   if (sheets.size() == 1) return visit(sheets.front(), x, 0);

@@ -9,11 +9,11 @@
 
 namespace paperbake {
 
-/// What a step of one sheet is the minimum of, without contact; held vertices are left out by
-/// whoever solves.
+/// The potential that a step of one sheet minimises, without self-contact. The solver eliminates
+/// the constrained vertices.
 ///
-///   W(x) = sum_i m_i/2 inertia |x_i - xhat_i|^2 + E(x) + sum_i m_i g z_i + springs of handles +
-///   colliders
+///   W(x) = sum_i m_i/2 inertia |x_i - xhat_i|^2 + E(x) + sum_i m_i g z_i
+///          + handle springs + colliders
 struct SheetPotential {
   const ElasticEnergy& elastic;
   const Eigen::VectorXd& mass;  // [kg] of the vertices
@@ -22,31 +22,31 @@ struct SheetPotential {
   double gravity;
   std::vector<HandleSpring> springs;
   ColliderContact* colliders;        // null: there are none
-  const std::vector<int>& block_of;  // |V| block row in the matrix, -1: held
+  const std::vector<int>& block_of;  // |V| block row in the matrix, -1: constrained
 
   double energy_and_springs(const Points3& x) const;
   double inertia_and_weight(const Points3& x) const {
     return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + gravity * x.col(2));
   }
-  /// The value but for colliders; its derivatives, gradient |V|x3 overwritten.
+  /// The value without colliders, and its derivatives; gradient |V|x3 is overwritten.
   double differentiate(const Points3& x, HessianForm, Points3& gradient, BlockCholesky&,
                        const MembraneStress*) const;
 };
 
-/// The incremental potential of a step: of one sheet, or the sum over several, whose vertices stand
-/// one after the other, and one contact for all.
+/// The incremental potential of a step: of one sheet, or the sum over several sheets, whose
+/// vertices stand one after the other, with one contact for all.
 struct IncrementalPotential {
   std::vector<SheetPotential> sheets;
-  Contact* contact;  // null: nothing is felt
+  Contact* contact;  // null: no self-contact
 
   double operator()(const Points3& x) const;
 
-  /// Value; gradient |V|x3 overwritten; second derivative into the matrix.
-  /// stress  of the membrane of the one sheet there is, in place of that at x; null: that at x
+  /// Returns the value; gradient |V|x3 is overwritten, and so is the matrix, with the Hessian.
+  /// stress  membrane stress of the only sheet, in place of that at x; null: the stress at x
   double differentiate(const Points3& x, HessianForm, Points3& gradient, BlockCholesky&,
                        const MembraneStress* stress = nullptr) const;
 
-  /// Cuts a move where something meets. returns the share that is left
+  /// Shortens a move so that it is collision-free. returns the fraction that is left
   double cut(const Points3& x, Points3& move) const;
 
  private:

@@ -7,7 +7,7 @@
 namespace paperbake {
 namespace {
 
-/// Positive part of a symmetric 2x2 matrix.
+/// Positive semi-definite part of a symmetric 2x2 matrix.
 Eigen::Matrix2d tensile_part(const Eigen::Matrix2d& s) {
   const double mean = 0.5 * (s(0, 0) + s(1, 1));
   const double radius = std::hypot(0.5 * (s(0, 0) - s(1, 1)), s(0, 1));
@@ -17,7 +17,7 @@ Eigen::Matrix2d tensile_part(const Eigen::Matrix2d& s) {
   return (s - low * Eigen::Matrix2d::Identity()) * (high / (high - low));
 }
 
-/// lambda of plane stress and mu, times the thickness. [N/m]
+/// [N/m] lambda of plane stress, and mu, times the thickness.
 double lame_modulus(const Paper& paper) {
   return paper.membrane_stiffness * paper.poisson / (1 - paper.poisson * paper.poisson);
 }

@@ -8,10 +8,10 @@ namespace paperbake {
 using Matrix3 = Eigen::Matrix3d;
 using Matrix9 = Eigen::Matrix<double, 9, 9>;
 
-/// Exact second derivative, or the nearest cheap one that has no negative eigenvalue.
+/// The exact Hessian, or a near one without negative eigenvalues that is cheap to compute.
 enum class HessianForm { exact, projected };
 
-/// A triangle of the pattern: gradients of its three linear shape functions and its area.
+/// A triangle of the pattern: gradients of its three linear shape functions, and its area.
 struct RestTriangle {
   Eigen::Matrix<double, 3, 2> g;  // [1/m] row i: gradient of the function that is 1 at corner i
   double area;                    // [m2]
@@ -26,8 +26,7 @@ RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& cor
 /// x          3x3 [m]    row i: position of corner i
 /// gradient   3x3 [N]    dW/dx is added to it; may be null
 /// hessian    9x9 [N/m]  d2W/dx2 is added to it, corner by corner; may be null
-/// stress     2x2 [N/m]  what the second derivative takes for S in its geometric part; null: S
-///            itself
+/// stress     2x2 [N/m]  taken for S in the geometric part of the Hessian; null: S itself
 /// returns        [J]
 /// source     [Volino 2009]; the projected form keeps only the tensile part of the stress in the
 ///            geometric term
@@ -35,7 +34,7 @@ double membrane_energy(const Paper&, const RestTriangle&, const Matrix3& x,
                        Matrix3* gradient = nullptr, Matrix9* hessian = nullptr,
                        HessianForm = HessianForm::exact, const Eigen::Matrix2d* stress = nullptr);
 
-/// S at x + move, to first order in move. [N/m] (2x2, second Piola-Kirchhoff)
+/// 2x2 [N/m] S at x + move, to first order in move (second Piola-Kirchhoff).
 Eigen::Matrix2d membrane_stress(const Paper&, const RestTriangle&, const Matrix3& x,
                                 const Matrix3& move);
 

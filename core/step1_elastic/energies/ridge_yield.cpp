@@ -9,7 +9,7 @@ namespace paperbake {
 namespace {
 
 constexpr double smooth_turn = 6 * M_PI / 180, ridge_turn = 15 * M_PI / 180;
-constexpr double neighbourhood = 0.5;  // of X
+constexpr double neighbourhood = 0.5;  // [1] of X
 constexpr int least_ends = 4;
 
 double triangle_area(const Sheet& sheet, int t) {
@@ -35,7 +35,7 @@ Eigen::VectorXd sharpness(const Sheet& sheet, const Hinges& hinges, const Points
   return s;
 }
 
-/// Size of a triangle across the ruling through it.
+/// [m] Size of a triangle across the ruling through it.
 double size_across(const Sheet& sheet, int t, const Vector2d& across, double area) {
   const Vector2d along(-across.y(), across.x());
   double low = 1e300, high = -1e300;
