@@ -11,10 +11,10 @@
 namespace paperbake {
 namespace {
 
-/// Sums must not depend on a number of threads, and threads of such small loops only wait for each
-/// other: OpenBLAS, where it is the BLAS behind CHOLMOD, and the OpenMP loops of CHOLMOD's
-/// supernodal part stay on the caller's thread. OpenMP keeps that for each thread by itself: to be
-/// called wherever a factor is made.
+/// Keeps the linear algebra on the caller's thread: sums must not depend on the number of threads,
+/// and in loops as small as these threads only wait for each other. This concerns OpenBLAS, where
+/// it is the BLAS behind CHOLMOD, and the OpenMP loops in the supernodal part of CHOLMOD. OpenMP
+/// keeps the setting per thread, so this is to be called wherever a factor is made.
 void stay_on_this_thread() {
   thread_local bool stays = false;
   if (stays) return;
@@ -24,8 +24,8 @@ void stay_on_this_thread() {
   if (auto set = reinterpret_cast<Setter>(dlsym(RTLD_DEFAULT, "omp_set_max_active_levels"))) set(0);
 }
 
-/// A build of OpenBLAS for one thread has its buffers without a lock, and factors that are made
-/// side by side spoil each other: there they take turns.
+/// A single-threaded build of OpenBLAS does not lock its buffers, and factorisations that run side
+/// by side corrupt each other: with such a build they take turns.
 std::unique_lock<std::mutex> turn_at_blas() {
   static std::mutex mutex;
   static const bool one_at_a_time = [] {
@@ -46,7 +46,7 @@ cholmod_common* start_cholmod() {
   return c;
 }
 
-/// Minimum-degree order of the block graph: place of each block row.
+/// Minimum-degree order of the block graph: the place of each block row.
 std::vector<int> elimination_order(int blocks, const std::vector<std::pair<int, int>>& pairs,
                                    cholmod_common* c) {
   cholmod_triplet* t =
@@ -123,7 +123,7 @@ BlockCholesky::BlockCholesky(int blocks, std::vector<std::pair<int, int>> couple
   c->nmethods = 1;
   c->method[0].ordering = CHOLMOD_NATURAL;
   c->postorder = 0;
-  c->supernodal = CHOLMOD_SUPERNODAL;  // 3x3 blocks make supernodes pay even on a hundred triangles
+  c->supernodal = CHOLMOD_SUPERNODAL;  // 3x3 blocks make supernodes pay even with 100 triangles
   factor_.reset(cholmod_analyze(matrix_.get(), c));
   rhs_.reset(cholmod_allocate_dense(3 * blocks, 1, 3 * blocks, CHOLMOD_REAL, c));
   if (!factor_ || !rhs_)

@@ -10,32 +10,34 @@
 namespace paperbake {
 
 /// A symmetric sparse matrix of 3x3 blocks and its Cholesky factor (CHOLMOD). The fill-reducing
-/// order is found once, on the graph of the blocks, and kept with the symbolic factor as long as
-/// the object lives.
+/// order is computed once, on the graph of the blocks, and is kept with the symbolic factor for the
+/// life of the object.
 class BlockCholesky {
  public:
-  /// Where a block is stored. Blocks above the diagonal are stored transposed in the place of their
+  /// Where a block is stored. A block above the diagonal is stored transposed, in the place of its
   /// mirror image.
   struct Slot {
-    int offset = -1;  // of the first value; -1: nowhere, add() passes it by
+    int offset = -1;  // of the first value; -1: nowhere, add() ignores it
     int stride = 0;   // between columns; negative: transposed
   };
 
-  /// blocks: number of block rows; coupled: pairs (i, j) that may be non-zero, in any order and
-  /// number.
+  /// blocks   number of block rows
+  /// coupled  pairs (i, j) of block rows whose block may be non-zero, in any order; pairs may be
+  ///          repeated
   BlockCholesky(int blocks, std::vector<std::pair<int, int>> coupled);
 
-  /// The place of block (i, j); {-1, 0} when i or j is negative or the two are not coupled. O(log);
-  /// to be asked once and kept.
+  /// The place of block (i, j); {-1, 0} if i or j is negative or the two are not coupled. Takes
+  /// O(log) time: ask once and keep the answer.
   Slot slot(int i, int j) const;
 
   void set_zero();
-  /// values += block, a 3x3 expression; for the diagonal the whole symmetric block is given.
+  /// values += block, a 3x3 expression. For a block on the diagonal the whole symmetric block is
+  /// given.
   template <class Block>
   void add(Slot slot, const Block& block);
   void shift_diagonal(double value);
 
-  /// returns false when the matrix is not positive definite
+  /// returns  false if the matrix is not positive definite
   bool factorise();
 
   /// Solves with the last factor. b: 3 x blocks values, block by block. returns the same shape
@@ -58,8 +60,8 @@ class BlockCholesky {
     void operator()(cholmod_factor* l) const { cholmod_free_factor(&l, common); }
     void operator()(cholmod_dense* d) const { cholmod_free_dense(&d, common); }
   };
-  std::vector<int> place_;         // place of block row i in the elimination order
-  std::vector<int> column_start_;  // block columns: start in rows_
+  std::vector<int> place_;         // place of each block row in the elimination order
+  std::vector<int> column_start_;  // of block columns: where they start in rows_
   std::vector<int> rows_;          // block rows, sorted within a column, row >= column
   std::unique_ptr<cholmod_sparse, Free> matrix_;
   std::unique_ptr<cholmod_factor, Free> factor_;

@@ -32,7 +32,7 @@ ColumnCholesky::ColumnCholesky(const Eigen::SparseMatrix<double>& lower) {
 
 Points3 ColumnCholesky::solve(const Points3& b) const {
   const int n = static_cast<int>(place_.size());
-  using Four = Eigen::Array4f;  // three columns and one idle: a register
+  using Four = Eigen::Array4f;  // three columns and one that is idle: one register
   std::vector<Four, Eigen::aligned_allocator<Four>> x(n);
   for (int i = 0; i < n; ++i) x[place_[i]] << b.row(i).transpose().cast<float>().array(), 0.0f;
   for (int j = 0; j < n; ++j) {
@@ -40,7 +40,7 @@ Points3 ColumnCholesky::solve(const Points3& b) const {
     for (int k = start_[j]; k < start_[j + 1]; ++k) x[row_[k]] -= value_[k] * known;
   }
   for (int j = n - 1; j >= 0; --j) {
-    // two chains of additions, so that one need not wait for the other
+    // two chains of additions, so that neither has to wait for the other
     Four sum[2] = {x[j], Four::Zero()};
     int k = start_[j];
     for (; k + 1 < start_[j + 1]; k += 2) {

@@ -8,20 +8,21 @@
 
 namespace paperbake {
 
-/// A positive definite matrix factored once, to be solved for three columns (x, y, z) again and
-/// again: the same matrix for each. The factor is kept in 32-bit floats and the columns go through
-/// it together, which is what makes it fast; so the right hand side should be a residual, and what
-/// it leaves of one is some 1e-4.
+/// Cholesky factor of a positive definite matrix that is to be solved many times, for three columns
+/// (x, y, z) at once. It is fast because the factor is kept in 32-bit floats and the three columns
+/// go through it together. So the right-hand side should be a residual; the error is about 1e-4 of
+/// it.
 class ColumnCholesky {
  public:
-  /// lower  lower triangle of the matrix. throws Error(Fault::simulation) when it is not positive
-  ///        definite
+  /// lower   lower triangle of the matrix
+  /// throws  Error(Fault::simulation) if the matrix is not positive definite
   explicit ColumnCholesky(const Eigen::SparseMatrix<double>& lower);
-  /// b  |n|x3. returns |n|x3
+  /// b        |n|x3
+  /// returns  |n|x3
   Points3 solve(const Points3& b) const;
 
  private:
-  std::vector<int> place_;        // of row i in the order of elimination
+  std::vector<int> place_;        // of row i in the elimination order
   std::vector<int> start_, row_;  // columns of the factor below its diagonal
   std::vector<float> value_, inverse_diagonal_;
 };

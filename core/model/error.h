@@ -5,16 +5,16 @@
 
 namespace paperbake {
 
-/// What went wrong, by who has to act; the value is the exit code of the tool.
+/// What went wrong, by who has to act. The value is the exit code of the tool.
 enum class Fault {
-  simulation = 1,  // the solver could not go on
-  command = 2,     // command line, preset or job file
+  simulation = 1,  // the solver could not continue
+  command = 2,     // the command line, preset or job file is wrong
   scene = 3,       // the scene cannot be used
-  stopped = 5,     // somebody wanted it to end: the same command goes on
+  stopped = 5,     // somebody stopped the bake: the same command resumes it
   folder = 6,      // the output folder is busy or not writable
 };
 
-/// The one exception of the project. It is written for the artist and printed only by the tool:
+/// The only exception of the project. It is written for the artist, and only the tool prints it:
 ///
 ///   place      file, node, frame: where
 ///   cause      one sentence: what is wrong, with numbers

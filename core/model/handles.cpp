@@ -35,7 +35,7 @@ std::vector<Vector2d> disc_rim(const Pattern& pattern, const Vector2d& centre, d
     for (int i = 0; i < parts + (closed ? 0 : 1); ++i)
       rim.push_back(at(from + (to - from) * i / parts));
   };
-  // where the arc meets the border between two samples
+  // where the arc meets the border, between two samples
   const auto end = [&](double inside, double outside) {
     for (int halving = 0; halving < 40; ++halving) {
       const double middle = 0.5 * (inside + outside);
@@ -45,7 +45,7 @@ std::vector<Vector2d> disc_rim(const Pattern& pattern, const Vector2d& centre, d
   };
   const int out = static_cast<int>(std::find(in.begin(), in.end(), 0) - in.begin());
   if (out == samples) add_arc(0, samples, true);
-  // walk once round from a sample outside; an arc ends where the next sample is outside
+  // goes once round, from a sample outside; an arc ends where the next sample is outside
   for (int k = out, start = -1; out < samples && k <= out + samples; ++k) {
     const bool inside = in[k % samples];
     if (inside && start < 0) start = k;
@@ -54,7 +54,7 @@ std::vector<Vector2d> disc_rim(const Pattern& pattern, const Vector2d& centre, d
       start = -1;
     }
   }
-  for (Vector2d& p : rim) {  // no slivers of triangles between rim and border
+  for (Vector2d& p : rim) {  // avoids sliver triangles between rim and border
     const Vector2d border = nearest_border_point(pattern, p);
     if ((border - p).norm() < 0.02 * radius) p = border;
   }

@@ -5,9 +5,9 @@
 
 namespace paperbake {
 
-inline constexpr double most_friction = 10;  // [1] beyond it is a slip of the pen
+inline constexpr double most_friction = 10;  // [1] a larger value is a typing error
 
-/// The material of one sheet. Values of a grade come from presets/*.toml, with their sources.
+/// The material of one sheet. Values of a grade come from presets/*.toml, which give their sources.
 struct Paper {
   std::string name = "copy70";
   double thickness = 90e-6;           // h      [m]
@@ -15,21 +15,22 @@ struct Paper {
   double membrane_stiffness = 3.6e5;  // E h    [N/m]
   double poisson = 0.3;               // nu     [1]
   double area_density = 0.070;        // rho    [kg/m2]
-  // sigma  [m]      deviation of a new singular point, [Schreck 2015] fig. 3
+  // sigma [m]  standard deviation of the place of a new singular point, [Schreck 2015] fig. 3
   double apex_scatter = 0.005;
-  // eps_y  [1]      of the outer fibre, h k/2, where bending stays: k_y = 2 eps_y/h
+  // eps_y [1]  strain of the outer fibre, h k/2, beyond which bending is permanent: k_y = 2 eps_y/h
   double yield_strain = 0.0045;
-  // eta    [1]      share of D that is left beyond yield, in [0, 1)
+  // eta [1]  fraction of D that is left beyond yield, in [0, 1)
   double hardening = 0.3;
-  // [1]      D across the fibres' bend over D along: D_MD/D_CD; D is their geometric mean
+  // [1] D_MD/D_CD: bending stiffness along the machine direction over that across it; D is their
+  // geometric mean
   double grain_ratio = 1;
-  double grain_angle = 0;  //        [rad]    of the machine direction, from u towards v
-  // mu     [1]      of layer on layer, Coulomb's; 0: none. Office paper 0.4-0.65 [estimated], card
-  //        0.30-0.45 [IBM]
+  double grain_angle = 0;  // [rad] of the machine direction, from u towards v
+  // mu [1]  Coulomb friction of layer on layer; 0: none. Office paper 0.4-0.65 [estimated], card
+  //         0.30-0.45 [IBM]
   double friction = 0;
 };
 
-/// Width of a ridge of length X between flat facets: 0.4 h^(1/3) X^(2/3). [m]
+/// [m] Width of a ridge of length X between flat facets: 0.4 h^(1/3) X^(2/3).
 /// source  exponents of the stretching ridge [Lobkovsky 1996]; the prefactor is this project's,
 ///         measured on S4
 inline double ridge_width(const Paper& paper, double X) {

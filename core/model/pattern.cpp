@@ -36,10 +36,11 @@ Vector2d nearest_on_segment(const Vector2d& p, const Vector2d& a, const Vector2d
   return a + std::clamp((p - a).dot(ab) / length2, 0.0, 1.0) * ab;
 }
 
-/// Lengths under this are rounding: coordinates come from 32-bit files, 1e-7 of the sheet.
+/// [m] Lengths below this are rounding errors: coordinates come from 32-bit files, 1e-7 of the
+/// sheet.
 double rounding(const Pattern& pattern) { return 1e-7 * longer_side(pattern); }
 
-/// Parameters of the segment a -> b at which it meets or leaves the border.
+/// Parameters on the segment a -> b at which it meets or leaves the border.
 std::vector<double> border_crossings(const Pattern& pattern, const Vector2d& a, const Vector2d& b,
                                      double tolerance) {
   const Vector2d ab = b - a;
@@ -50,7 +51,7 @@ std::vector<double> border_crossings(const Pattern& pattern, const Vector2d& a, 
   };
   for_each_edge(pattern, [&](const Vector2d&, const Vector2d& p, const Vector2d& q) {
     const double side_p = cross(ab, p - a) / length, side_q = cross(ab, q - a) / length;
-    // corners on the line cut it: this catches edges that run along it, and paths through a corner
+    // corners on the line divide it, which covers edges along the line and paths through a corner
     if (std::abs(side_p) <= tolerance) add((p - a).dot(ab) / (length * length));
     if ((side_p < 0) != (side_q < 0))
       add((p + side_p / (side_p - side_q) * (q - p) - a).dot(ab) / (length * length));
@@ -59,11 +60,11 @@ std::vector<double> border_crossings(const Pattern& pattern, const Vector2d& a, 
   return t;
 }
 
-/// True when the straight line a-b stays in the pattern; it may touch the border or run along it.
+/// True if the straight line a-b stays in the pattern; it may touch the border or run along it.
 bool sees(const Pattern& pattern, const Vector2d& a, const Vector2d& b) {
   const double tolerance = rounding(pattern), length = (b - a).norm();
   if (length <= tolerance) return true;
-  // between two crossings the line is all inside or all outside: its middle tells
+  // between two crossings the line is either inside or outside: its midpoint decides
   const std::vector<double> t = border_crossings(pattern, a, b, tolerance);
   for (std::size_t i = 1; i < t.size(); ++i) {
     if ((t[i] - t[i - 1]) * length <= tolerance) continue;
@@ -72,7 +73,7 @@ bool sees(const Pattern& pattern, const Vector2d& a, const Vector2d& b) {
   return true;
 }
 
-/// Corners with more than 180 degrees of paper: the only points where a shortest path bends.
+/// Corners with more than 180 degrees of paper: the only points at which a shortest path bends.
 std::vector<Vector2d> reentrant_corners(const Pattern& pattern) {
   std::vector<Vector2d> corners;
   for_each_edge(pattern,
@@ -82,8 +83,8 @@ std::vector<Vector2d> reentrant_corners(const Pattern& pattern) {
   return corners;
 }
 
-/// A* over the visibility graph of `points`, from points[0] to points[1]; lines of sight are tested
-/// only when needed.
+/// A* on the visibility graph of `points`, from points[0] to points[1]. Lines of sight are tested
+/// only when they are needed.
 double shortest_path(const Pattern& pattern, const std::vector<Vector2d>& points) {
   struct Way {
     double at_least, so_far;
@@ -106,7 +107,7 @@ double shortest_path(const Pattern& pattern, const std::vector<Vector2d>& points
       ways.push({so_far + left(next), so_far, next, way.point});
     }
   }
-  // only when the pattern is not in one piece: the straight line is the one safe answer
+  // only if the pattern is not in one piece: the straight line is the only safe answer
   return left(0);
 }
 
@@ -140,7 +141,7 @@ bool contains(const Pattern& pattern, const Vector2d& p, double tolerance) {
     if ((a.y() > p.y()) == (b.y() > p.y())) return;
     if (p.x() < a.x() + (p.y() - a.y()) / (b.y() - a.y()) * (b.x() - a.x())) inside = !inside;
   });
-  // the border belongs to the pattern: a point computed on it may be some 1e-16 beside
+  // the border belongs to the pattern: a point computed to lie on it may be off by some 1e-16
   return inside || std::sqrt(nearest2) <= tolerance + 1e-14 * longer_side(pattern);
 }
 

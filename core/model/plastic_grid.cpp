@@ -57,7 +57,7 @@ std::vector<int> PlasticGrid::centres_in(const Vector2d (&corner)[3]) const {
   const auto last = [&](double high, int count) {
     return std::min(count - 1, static_cast<int>(std::ceil(high / size_ - 0.5)));
   };
-  // a centre on an edge belongs to whichever triangle asks first
+  // a centre on an edge belongs to the first triangle that asks
   const double rounding = -1e-9 * size_ * size_;
   std::vector<int> found;
   for (int r = first(box.min().y()); r <= last(box.max().y(), rows_); ++r)
@@ -74,7 +74,7 @@ std::vector<int> PlasticGrid::centres_in(const Vector2d (&corner)[3]) const {
 PlasticGrid::Cover PlasticGrid::cover(const Points2& pattern, const Triangles& triangles) const {
   Cover cover;
   std::vector<bool> taken(cells_.size(), false);
-  // readers: area of the triangles that read a cell
+  // readers: total area of the triangles that read a cell [m2]
   std::vector<double> area(triangles.rows()), readers(cells_.size(), 0.0);
   for (int t = 0; t < triangles.rows(); ++t) {
     const Vector2d corner[3] = {pattern.row(triangles(t, 0)), pattern.row(triangles(t, 1)),

@@ -9,61 +9,61 @@ namespace paperbake {
 
 class Archive;
 
-/// What the bending of each triangle remembers.
+/// Plastic state of the bending of each triangle of a mesh.
 struct PlasticMemory {
   // |T|x3 [1/m] Sp: Sxx, Sxy, Syy; the curvature to which the triangle springs back
   Points3 curvature;
-  // |T|   [1/m] alpha: plastic curvature added up along the way, there and back
+  // |T| [1/m] alpha: accumulated plastic curvature, whichever way the triangle was bent
   Eigen::VectorXd hardening;
-  // |T|   [1]   s in [0, 1]: how much of a sharp ridge it was while it flowed
-  // (step1_elastic/ridges.h)
+  // |T| [1] s in [0, 1]: how much of a sharp ridge it was when it yielded (ridge_yield.h)
   Eigen::VectorXd ridge;
 
   PlasticMemory() = default;
-  /// Of triangles to which nothing has happened.
+  /// Of triangles that have never yielded.
   explicit PlasticMemory(int triangles)
       : curvature(Points3::Zero(triangles, 3)),
         hardening(Eigen::VectorXd::Zero(triangles)),
         ridge(Eigen::VectorXd::Zero(triangles)) {}
 };
 
-/// The plastic memory of a sheet: square cells on its pattern, 64 along the longer side, that
-/// outlive every mesh.
+/// The plastic state of a sheet, in square cells on its pattern, 64 along the longer side. It
+/// outlives every mesh.
 ///
-/// A triangle reads the mean of its cells and writes what it gained to all of them alike. So what
-/// lies between the cells of one triangle is kept, and nothing spreads when meshes follow one
-/// another. Plain values: a copy taken before a step that fails is the way back.
+/// A triangle reads the mean of its cells, and adds its plastic increment to all of them alike. So
+/// differences between the cells of one triangle are kept, and nothing spreads when one mesh
+/// follows another. It is plain data: a copy taken before a step that fails is enough to roll back.
 class PlasticGrid {
  public:
   explicit PlasticGrid(const Pattern&);
 
-  /// The cells of each triangle of a mesh: those with their centre in it; the nearest one for a
-  /// triangle that has none.
+  /// The cells of each triangle of a mesh: those whose centre lies in it; the nearest cell for a
+  /// triangle that contains no centre.
   struct Cover {
     // |T|+1: the cells of triangle t are cell[first[t]] ... cell[first[t+1]-1]
     std::vector<int> first;
     std::vector<int> cell;
-    // [1] of what the triangle writes to that cell: 1, less where triangles have to share it
+    // [1] fraction of its increment that the triangle writes to the cell: 1, less if triangles
+    // share it
     std::vector<double> share;
   };
   Cover cover(const Points2& pattern, const Triangles&) const;
 
   PlasticMemory read(const Cover&) const;
 
-  /// What the vertices of a mesh remember: the mean over the triangles around them, weighted by
-  /// area, as core/curvature averages what they show.
+  /// Plastic curvature at the vertices of a mesh: the mean over the triangles around each, weighted
+  /// by area, as vertex_curvature (curvature.h) averages the measured curvature.
   /// returns  |V|x3 [1/m] Sxx, Sxy, Syy
   Points3 at_vertices(const Points2& pattern, const Triangles&) const;
 
-  /// Adds to the memory what triangles gained; of what was a ridge, the most is kept.
-  /// returns  by how much integral() grew [m rad]
+  /// Adds the plastic increments of triangles to the state; of the ridges, the sharpest is kept.
+  /// returns  [m rad] growth of integral()
   double write(const Cover&, const PlasticMemory& gained);
 
-  /// Nothing was ever written.
+  /// True if nothing was ever written.
   bool pristine() const { return pristine_; }
   void forget();
 
-  /// Integral of |Sp| (Frobenius) over the pattern: length of crease x angle kept in it. [m rad]
+  /// [m rad] Integral of |Sp| (Frobenius) over the pattern: length of creases x angle kept in them.
   double integral() const;
 
   void archive(Archive&);  // what was written; the cells are those of the pattern
@@ -71,9 +71,9 @@ class PlasticGrid {
  private:
   struct Cell {
     Eigen::Vector4d memory = Eigen::Vector4d::Zero();  // [1/m] Sxx, Sxy, Syy, alpha
-    double ridge = 0;                                  // [1]   s
+    double ridge = 0;                                  // [1] s
     bool inside = false;                               // its centre lies in the pattern
-    // about the nearest cell that is inside; itself when it is
+    // index of approximately the nearest cell that is inside; its own if it is inside
     int nearest = -1;
   };
   Vector2d centre(int column, int row) const { return size_ * Vector2d(column + 0.5, row + 0.5); }

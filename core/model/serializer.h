@@ -16,17 +16,17 @@
 
 namespace paperbake {
 
-/// State as bytes and back, exactly: little-endian, doubles bit for bit. What is kept of a type
-/// stands once, for both directions:
+/// Writes state as bytes and reads it back exactly: little-endian, doubles bit for bit. What is
+/// stored of a type is listed once, for both directions:
 ///
-///   void archive(Archive& a, Suspicion& s) { a(s.p, s.seconds); }      of a struct; a member
-///   `archive(Archive&)` of a class
+///   void archive(Serializer& a, PendingConflict& s) { a(s.p, s.seconds); }
 ///
-/// Reading trusts nothing: whatever the bytes are, it returns or throws Error(Fault::scene).
+/// for a struct; for a class a member `archive(Serializer&)`. Reading trusts nothing: whatever the
+/// bytes are, it returns or throws Error(Fault::scene).
 class Archive {
  public:
   Archive() = default;  // writes
-  // reads what others keep
+  // reads bytes that were written by another one
   explicit Archive(std::string_view bytes) : left_(bytes), reads_(true) {}
 
   bool reads() const { return reads_; }
@@ -36,14 +36,14 @@ class Archive {
     (one(things), ...);
   }
 
-  /// What was written.
+  /// The bytes written so far.
   const std::string& bytes() const { return written_; }
 
-  /// Of what was read: something that has to be true of it.
+  /// Throws unless a condition on what was read holds.
   void demand(bool holds) const {
     if (!holds) throw Error(Fault::scene, "state", "The bytes are not what was written.");
   }
-  /// Everything was read.
+  /// Throws unless everything was read.
   void end() const { demand(left_.empty()); }
 
  private:
@@ -64,7 +64,7 @@ class Archive {
     left_.remove_prefix(count);
   }
 
-  /// How many things of at least that many bytes follow.
+  /// Number of elements that follow, of at least `least_bytes` each.
   std::size_t count(std::size_t now, std::size_t least_bytes) {
     auto n = static_cast<std::uint64_t>(now);
     raw(&n, sizeof n);
@@ -131,7 +131,7 @@ class Archive {
 inline void archive(Archive& a, SingularPoint& s) { a(s.pattern, s.frame_of_birth, s.cause); }
 inline void archive(Archive& a, FoldLine& f) { a(f.line, f.angle); }
 
-/// Positions, velocities and apices; the mesh is there already.
+/// Positions, velocities and apices, for a sheet whose mesh is known already.
 inline void archive_moving(Archive& a, Sheet& s) {
   a(s.x, s.v, s.singular);
   a.demand(s.x.rows() == s.pattern.rows() && (s.v.rows() == 0 || s.v.rows() == s.x.rows()));

@@ -15,15 +15,15 @@ namespace paperbake {
 class Collider;  // core/geometry/collider.h
 using Colliders = std::vector<Collider>;
 
-/// One sheet and what is done to it.
+/// One sheet and everything that is done to it.
 struct Shot {
   std::string sheet_name;
   Pattern pattern;
   Sheet start;                  // a mesh of the sheet at the first frame: pattern, x, triangles
-  std::vector<Handle> handles;  // row 0 of keyed = first_frame
+  std::vector<Handle> handles;  // row 0 of keyed is first_frame
   Paper paper;
   Pins pins = {};
-  // turned towards this sheet; null: there are none
+  // with their fronts turned towards this sheet; null: there are none
   std::shared_ptr<const Colliders> colliders = nullptr;
 };
 

@@ -7,14 +7,14 @@
 
 namespace paperbake {
 
-/// What an artist fixes of a crumple before it begins, on the pattern.
+/// Rules of the artist for the singular points of a crumple, given on the pattern before it begins.
 struct Pins {
   struct Disc {
     Vector2d centre;  // [m]
     double radius;    // [m]
   };
-  std::vector<Vector2d> keep;  // [m] singular points from the first frame on
-  std::vector<Disc> forbid;    // none is born here
+  std::vector<Vector2d> keep;  // [m] singular points that exist from the first frame on
+  std::vector<Disc> forbid;    // no singular point is born in these
 
   bool forbids(const Vector2d& p) const {
     return std::any_of(forbid.begin(), forbid.end(),
