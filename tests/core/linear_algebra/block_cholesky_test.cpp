@@ -11,18 +11,18 @@ namespace {
 
 using Pairs = std::vector<std::pair<int, int>>;
 
-// blocks: under 260 CHOLMOD works column by column, above by supernodes
+// numbers of blocks of a small and a large system
 constexpr int small = 60, large = 300;
 
-/// A random symmetric matrix of 3x3 blocks, kept a second time as a dense matrix.
+/// A random symmetric matrix of 3x3 blocks, and the same as a dense matrix.
 struct System {
   Pairs coupled;
   Eigen::MatrixXd dense;
   BlockCholesky sparse;
 };
 
-/// Each block is coupled to its neighbour and to some others at random, given in either order and
-/// some of them twice; the diagonal outweighs its row, so the matrix is positive definite.
+/// Each block row is coupled to its neighbour and to some others at random, given in either order
+/// and some of them twice; the diagonal outweighs its row, so the matrix is positive definite.
 System random_system(int blocks, unsigned seed) {
   std::mt19937 random(seed);
   std::uniform_int_distribution<int> any(0, blocks - 1);
@@ -49,7 +49,7 @@ System random_system(int blocks, unsigned seed) {
   return {coupled, std::move(dense), std::move(sparse)};
 }
 
-/// 1e-12: the systems have condition numbers under 100.
+/// The tolerance is 1e-12 because the systems have condition numbers under 100.
 void expect_solves(System& system) {
   const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(system.dense.rows(), -1, 2);
   const Eigen::VectorXd expected = system.dense.ldlt().solve(b);
@@ -57,7 +57,7 @@ void expect_solves(System& system) {
   EXPECT_LT((system.sparse.solve(b) - expected).norm(), 1e-12 * expected.norm());
 }
 
-TEST(BlockCholesky, HoldsTheMatrixThatWasAddedUp) {
+TEST(BlockCholesky, HoldsTheSumOfTheBlocksThatWereAdded) {
   for (const int blocks : {1, 2, small, large}) {
     const System system = random_system(blocks, blocks);
     EXPECT_LT((system.sparse.dense() - system.dense).norm(), 1e-13 * system.dense.norm())
@@ -65,7 +65,7 @@ TEST(BlockCholesky, HoldsTheMatrixThatWasAddedUp) {
   }
 }
 
-TEST(BlockCholesky, SolvesAsADenseMatrixDoes) {
+TEST(BlockCholesky, SolvesLikeADenseMatrix) {
   for (const int blocks : {1, 2, 7, small, 259, 260, large}) {
     System system = random_system(blocks, blocks);
     ASSERT_TRUE(system.sparse.factorise()) << blocks << " blocks";
@@ -73,7 +73,7 @@ TEST(BlockCholesky, SolvesAsADenseMatrixDoes) {
   }
 }
 
-TEST(BlockCholesky, KeepsItsOrderWhenTheValuesChange) {
+TEST(BlockCholesky, CanBeFactorisedAgainWithOtherValues) {
   for (const int blocks : {small, large}) {
     System system = random_system(blocks, 1);
     ASSERT_TRUE(system.sparse.factorise());
@@ -127,7 +127,7 @@ TEST(BlockCholesky, ABlockAboveTheDiagonalIsTheMirrorImageOfTheOneBelow) {
   EXPECT_EQ(one.dense(), other.dense());
 }
 
-TEST(BlockCholesky, AnUncoupledPairHasNoPlaceAndWhatIsAddedThereIsPassedBy) {
+TEST(BlockCholesky, AnUncoupledPairHasNoPlaceAndWhatIsAddedThereIsIgnored) {
   BlockCholesky matrix(4, {{0, 1}, {1, 2}, {2, 3}});
   for (const auto& [i, j] : Pairs{{0, 2}, {2, 0}, {0, 3}, {3, 1}, {-1, 0}, {0, -1}, {-1, -1}}) {
     EXPECT_EQ(matrix.slot(i, j).offset, -1) << i << ' ' << j;

@@ -19,11 +19,13 @@ Handle finger(const Vector2d& pattern) {
 
 int on_border(const Pattern& pattern, const std::vector<Vector2d>& rim) {
   return static_cast<int>(std::count_if(rim.begin(), rim.end(), [&](const Vector2d& p) {
-    return (nearest_border_point(pattern, p) - p).norm() < 1e-12;  // placed there, not found there
+    // placed on the border, not just near it
+    return (nearest_border_point(pattern, p) - p).norm() < 1e-12;
   }));
 }
 
-/// Every rim point in the sheet and at the radius, none too near to another.
+/// Expects every rim point to lie in the sheet and at the radius, and no two to be close to each
+/// other.
 void expect_rim(const Pattern& pattern, const Vector2d& centre, double radius,
                 const std::vector<Vector2d>& rim) {
   for (std::size_t i = 0; i < rim.size(); ++i) {
@@ -55,34 +57,34 @@ TEST(Handles, AHandleIsHeldFromItsGrabFrameUpToItsReleaseFrame) {
   EXPECT_FALSE(handle.held(8));
 }
 
-TEST(DiscRadius, OfALoneHandleIsAFinger) {
+TEST(Handles, TheDiscOfALoneHandleIsAsLargeAsAFinger) {
   EXPECT_EQ(disc_radius({finger({0.1, 0.1})}, 0, rectangle(0.3, 0.3)), 0.010);
 }
 
-TEST(DiscRadius, OfALoneHandleOnASmallSheetIsATwentiethOfTheShorterSide) {
+TEST(Handles, OnASmallSheetTheDiscOfALoneHandleIsATwentiethOfTheShorterSide) {
   EXPECT_NEAR(disc_radius({finger({0.1, 0.02})}, 0, rectangle(0.3, 0.04)), 0.002, 1e-15);
 }
 
-TEST(DiscRadius, IsNothingInARowOfHandles) {
+TEST(Handles, HandlesInARowHaveNoDiscs) {
   const Pattern sheet = rectangle(0.3, 0.3);
   std::vector<Handle> row;
   for (int i = 0; i <= 10; ++i) row.push_back(finger({0, 0.03 * i * 0.99}));
   for (std::size_t h = 0; h < row.size(); ++h) EXPECT_EQ(disc_radius(row, h, sheet), 0);
 }
 
-TEST(DiscRadius, AnotherHandleWithin30MillimetresMakesARow) {
+TEST(Handles, AnotherHandleWithin30MillimetresMakesARow) {
   const Pattern sheet = rectangle(0.3, 0.3);
   EXPECT_EQ(disc_radius({finger({0.1, 0.1}), finger({0.129, 0.1})}, 0, sheet), 0);
   EXPECT_EQ(disc_radius({finger({0.1, 0.1}), finger({0.131, 0.1})}, 0, sheet), 0.010);
 }
 
-TEST(DiscRadius, OnASmallSheetAnotherHandleWithin15PercentOfTheShorterSideMakesARow) {
+TEST(Handles, OnASmallSheetAnotherHandleWithin15PercentOfTheShorterSideMakesARow) {
   const Pattern sheet = rectangle(0.2, 0.1);
   EXPECT_EQ(disc_radius({finger({0.1, 0.05}), finger({0.114, 0.05})}, 1, sheet), 0);
   EXPECT_NEAR(disc_radius({finger({0.1, 0.05}), finger({0.116, 0.05})}, 1, sheet), 0.005, 1e-15);
 }
 
-TEST(DiscRadius, OfItsOwnIsKeptWhateverIsNear) {
+TEST(Handles, AnExplicitDiscRadiusIsKeptWhateverIsNear) {
   std::vector<Handle> handles = {finger({0.1, 0.1}), finger({0.105, 0.1})};
   handles[0].radius = 0.02;
   EXPECT_EQ(disc_radius(handles, 0, rectangle(0.3, 0.3)), 0.02);
@@ -91,11 +93,11 @@ TEST(DiscRadius, OfItsOwnIsKeptWhateverIsNear) {
   EXPECT_EQ(disc_radius({handles[0]}, 0, rectangle(0.3, 0.3)), 0);
 }
 
-TEST(DiscRim, OfABarePointIsEmpty) {
+TEST(Handles, TheRimOfABarePointIsEmpty) {
   EXPECT_TRUE(disc_rim(rectangle(0.1, 0.1), {0.05, 0.05}, 0).empty());
 }
 
-TEST(DiscRim, InsideTheSheetIsARegularHexagon) {
+TEST(Handles, TheRimInsideTheSheetIsARegularHexagon) {
   const Pattern sheet = rectangle(0.1, 0.1);
   const Vector2d centre(0.04, 0.06);
   const std::vector<Vector2d> rim = disc_rim(sheet, centre, 0.01);
@@ -104,7 +106,7 @@ TEST(DiscRim, InsideTheSheetIsARegularHexagon) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR((rim[i] - rim[(i + 1) % 6]).norm(), 0.01, 1e-12);
 }
 
-TEST(DiscRim, AtAStraightBorderHasFourPointsWithTwoOnTheBorder) {
+TEST(Handles, TheRimAtAStraightBorderHasFourPointsTwoOfThemOnTheBorder) {
   const Pattern sheet = rectangle(0.1, 0.07);
   for (const Vector2d& centre :
        {Vector2d(0.03, 0), Vector2d(0.1, 0.03), Vector2d(0.03, 0.07), Vector2d(0, 0.03)}) {
@@ -117,7 +119,7 @@ TEST(DiscRim, AtAStraightBorderHasFourPointsWithTwoOnTheBorder) {
   }
 }
 
-TEST(DiscRim, AtACornerHasThreePointsWithTwoOnTheBorder) {
+TEST(Handles, TheRimAtACornerHasThreePointsTwoOfThemOnTheBorder) {
   const Pattern sheet = rectangle(0.1, 0.07);
   for (const Vector2d& corner : sheet.outline) {
     const std::vector<Vector2d> rim = disc_rim(sheet, corner, 0.01);
@@ -127,20 +129,20 @@ TEST(DiscRim, AtACornerHasThreePointsWithTwoOnTheBorder) {
   }
 }
 
-TEST(DiscRim, CutByTheBorderAnywhereEndsOnTheBorderAtItsRadius) {
+TEST(Handles, ARimCutByTheBorderEndsOnTheBorderAtItsRadius) {
   const Pattern sheet = rectangle(0.1, 0.07);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.001, 0.009), along(0.02, 0.05);
   for (int k = 0; k < 200; ++k) {
     const Vector2d centre(along(random), uniform(random));
     const std::vector<Vector2d> rim = disc_rim(sheet, centre, 0.01);
-    EXPECT_GE(rim.size(), 4u);  // half a circle and more
+    EXPECT_GE(rim.size(), 4u);  // half a circle or more
     expect_rim(sheet, centre, 0.01, rim);
     EXPECT_EQ(on_border(sheet, rim), 2) << centre.transpose();
   }
 }
 
-TEST(DiscRim, BetweenTwoBordersHasTwoArcs) {
+TEST(Handles, TheRimBetweenTwoBordersHasTwoArcs) {
   const Pattern strip = rectangle(0.1, 0.01);
   const std::vector<Vector2d> rim = disc_rim(strip, {0.05, 0.004}, 0.015);
   ASSERT_EQ(rim.size(), 4u);
@@ -148,7 +150,7 @@ TEST(DiscRim, BetweenTwoBordersHasTwoArcs) {
   EXPECT_EQ(on_border(strip, rim), 4);
 }
 
-TEST(DiscRim, APointThatNearlyTouchesTheBorderIsPutOnIt) {
+TEST(Handles, ARimPointThatNearlyTouchesTheBorderIsPutOnIt) {
   const Pattern sheet = rectangle(0.1, 0.1);
   // a hundredth of the radius away
   const std::vector<Vector2d> rim = disc_rim(sheet, {0.0101, 0.05}, 0.01);
@@ -157,7 +159,7 @@ TEST(DiscRim, APointThatNearlyTouchesTheBorderIsPutOnIt) {
   EXPECT_EQ(on_border(sheet, disc_rim(sheet, {0.0103, 0.05}, 0.01)), 0);
 }
 
-TEST(DiscRim, GoesRoundAHole) {
+TEST(Handles, TheRimGoesAroundAHole) {
   Pattern sheet = rectangle(0.1, 0.1);
   sheet.holes = {{{0.05, 0.04}, {0.05, 0.06}, {0.07, 0.06}, {0.07, 0.04}}};
   const std::vector<Vector2d> rim = disc_rim(sheet, {0.04, 0.05}, 0.012);
@@ -166,7 +168,7 @@ TEST(DiscRim, GoesRoundAHole) {
   EXPECT_EQ(on_border(sheet, rim), 2);
 }
 
-TEST(DiscRim, OfADiscLargerThanTheSheetIsEmpty) {
+TEST(Handles, TheRimOfADiscLargerThanTheSheetIsEmpty) {
   EXPECT_TRUE(disc_rim(rectangle(0.1, 0.1), {0.05, 0.05}, 0.2).empty());
 }
 

@@ -1,5 +1,5 @@
-// State as bytes: all of it comes back, what was cut or changed is refused, and a shot goes on from
-// it as if it had never stopped.
+// State as bytes: all of it comes back, truncated or altered bytes are refused, and a shot resumes
+// from it as if it had never stopped.
 
 #include "core/model/serializer.h"
 
@@ -30,7 +30,7 @@ Sheet triangle() {
   return sheet;
 }
 
-TEST(Archive, GivesBackWhatItWasGivenBitForBit) {
+TEST(Serializer, ReadsBackWhatItWroteBitForBit) {
   Sheet sheet = triangle(), other;
   sheet.x(0, 0) = -0.0, sheet.x(1, 1) = std::numeric_limits<double>::denorm_min(),
              sheet.x(2, 2) = std::nextafter(0.1, 1);
@@ -59,7 +59,7 @@ TEST(Archive, GivesBackWhatItWasGivenBitForBit) {
   EXPECT_TRUE(yes_there);
 }
 
-TEST(Archive, RefusesBytesThatWereCutAnywhere) {
+TEST(Serializer, RefusesBytesThatAreTruncatedAnywhere) {
   Sheet sheet = triangle();
   Archive out;
   out(sheet);
@@ -72,7 +72,7 @@ TEST(Archive, RefusesBytesThatWereCutAnywhere) {
   }
 }
 
-TEST(Archive, SurvivesAnyByteThatIsChanged) {
+TEST(Serializer, SurvivesAChangeOfAnyByte) {
   Sheet sheet = triangle();
   Archive out;
   out(sheet);
@@ -102,9 +102,9 @@ struct Case {
   int probe_every;
 };
 
-class AState : public testing::TestWithParam<Case> {};
+class SerializerTest : public testing::TestWithParam<Case> {};
 INSTANTIATE_TEST_SUITE_P(
-    Methods, AState,
+    Methods, SerializerTest,
     testing::Values(Case{"hybrid",
                          [](const Shot& s) { return hybrid(s.pattern, s.paper, 80, {}, 1, 0); },
                          Memory::plastic, Inertia::quasi_static, 0},
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(
                          Inertia::dynamic, 0}),
     [](const auto& info) { return std::string(info.param.name); });
 
-/// All that is handed on, but times.
+/// Everything that a frame hands on, except times.
 struct Seen {
   Sheet sheet;
   double energy, plastic;
@@ -125,11 +125,11 @@ struct Seen {
   std::string state;
 };
 
-TEST_P(AState, IsAllThatTheNextFramesComeFrom) {
+TEST_P(SerializerTest, TheStateIsEverythingThatTheNextFramesDependOn) {
   const Case& c = GetParam();
   const Shot shot = test::s1_push();
   AnimateOptions options;
-  options.last_frame = 32;  // over the frame in which a relative handle takes hold
+  options.last_frame = 32;  // includes the frame in which a relative handle takes hold
   options.memory = c.memory;
   options.elastic.inertia = c.inertia;
   options.probe_every = c.probe_every;
@@ -162,13 +162,13 @@ TEST_P(AState, IsAllThatTheNextFramesComeFrom) {
   }
 }
 
-/// Paper yields by the ridges of the step before, until a step looks for them again.
-TEST(ElasticPast, ComesBackWithItsRidges) {
+/// Paper yields by the ridges of the step before, until a step finds them anew.
+TEST(Serializer, TheSolverStateKeepsItsRidges) {
   Sheet saddle = test::hex_sheet(0.1, 0.1, 8);
   Held held;
   for (int v = 0; v < saddle.x.rows(); ++v) {
     const Vector2d p = saddle.pattern.row(v).transpose() - Vector2d(0.05, 0.05);
-    // 30 1/m both ways: a ridge yields, smooth paper does not before 100 1/m
+    // 30 1/m both ways: a ridge yields; smooth paper does not below 100 1/m
     saddle.x(v, 2) = 15 * (p.x() * p.x() - p.y() * p.y());
     if (std::abs(p.x()) > 0.0499 && std::abs(p.y()) > 0.0499) held.vertices.push_back(v);
   }
@@ -203,7 +203,7 @@ TEST(ElasticPast, ComesBackWithItsRidges) {
   EXPECT_GT(bending(smooth), 1.1 * bending(past)) << "it is the ridges that are asked for";
 }
 
-TEST(AnimatedState, OfAnotherShotOrCutIsRefused) {
+TEST(Serializer, ATruncatedStateOrOneOfAnotherShotIsRefused) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 3;

@@ -1,5 +1,5 @@
-// What an artist fixes before a crumple begins: singular points that are kept or forbidden, creases
-// that are there from the start.
+// What an artist prescribes before a crumple begins: where singular points are fixed or forbidden,
+// and creases that exist from the start.
 
 #include "core/animation/animate.h"
 #include "core/geometry/hinges.h"
@@ -42,7 +42,7 @@ std::vector<SingularPoint> born(const Shot& shot, int last_frame) {
   return found;
 }
 
-TEST(Pins, ASingularPointThatIsKeptIsThereFromTheFirstFrame) {
+TEST(SingularPointRules, AFixedSingularPointExistsFromTheFirstFrame) {
   Shot shot = shot_of(sample("S8_dcone.glb"));
   shot.pins.keep = {{0.065, 0.03}};
   const auto found = born(shot, 4);
@@ -51,7 +51,7 @@ TEST(Pins, ASingularPointThatIsKeptIsThereFromTheFirstFrame) {
   EXPECT_EQ(found[0].frame_of_birth, 1);
 }
 
-TEST(Pins, NoSingularPointIsBornWhereItIsForbidden) {
+TEST(SingularPointRules, NoSingularPointIsBornWhereItIsForbidden) {
   Shot shot = shot_of(sample("S8_dcone.glb"));
   const auto usual = born(shot, 56);
   ASSERT_FALSE(usual.empty());
@@ -62,7 +62,7 @@ TEST(Pins, NoSingularPointIsBornWhereItIsForbidden) {
   for (const SingularPoint& s : others) EXPECT_GT((s.pattern - disc.centre).norm(), disc.radius);
 }
 
-// S1 with a crease that was folded by 17 degrees before
+// S1 with a crease that was folded by 17 degrees before the first frame
 Shot creased_push() {
   Scene scene = sample("S1_push.glb");
   Shot shot = shot_of(scene);
@@ -71,7 +71,8 @@ Shot creased_push() {
   return shot;
 }
 
-/// Mean angle over the hinges of the line, and of the others that are as steep as it is. [rad]
+/// [rad] Mean angle over the hinges on the crease, and over the others that are nearly as steep on
+/// the pattern.
 std::pair<double, double> mean_turns(const Sheet& sheet) {
   const Hinges hinges = find_hinges(sheet.triangles);
   const auto lines = fold_lines(sheet, hinges);
@@ -88,7 +89,7 @@ std::pair<double, double> mean_turns(const Sheet& sheet) {
   return {on / std::max(on_length, 1e-9), off / std::max(off_length, 1e-9)};
 }
 
-TEST(Pins, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
+TEST(SingularPointRules, PaperPushedTogetherBendsAtItsCreaseWithEveryMethod) {
   const Shot shot = creased_push();
   for (const Method& method :
        {hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), fem(600), adaptive(shot.pattern, 600)}) {
@@ -102,7 +103,7 @@ TEST(Pins, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
       last = *f.sheet;
       return true;
     });
-    double along = 0;  // [m] of the edges on the line
+    double along = 0;  // [m] length of the edges on the crease
     const Hinges hinges = find_hinges(last.triangles);
     const auto lines = fold_lines(last, hinges);
     for (std::size_t h = 0; h < lines.size(); ++h)
@@ -144,10 +145,10 @@ TEST(Pins, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
   }
 }
 
-TEST(Pins, ACreaseSpringsBackToItsAngle) {
+TEST(SingularPointRules, ACreaseSpringsBackToItsAngle) {
   Shot shot = creased_push();
   shot.handles.resize(2);
-  shot.handles[1] = shot.handles[0];  // one point holds it in space
+  shot.handles[1] = shot.handles[0];  // held in space at one point only
   shot.pattern.folds[0].angle = 0.5;
   Sheet last;
   AnimateOptions options;
@@ -159,7 +160,7 @@ TEST(Pins, ACreaseSpringsBackToItsAngle) {
   EXPECT_NEAR(mean_turns(last).first, 0.5, 0.02);
 }
 
-TEST(Pins, LinesThatCrossAreRowsOfEdgesOfAMesh) {
+TEST(SingularPointRules, CreasesThatCrossAreRowsOfEdgesInEveryMesh) {
   Pattern pattern{{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0, 0.1}}, {}, {}};
   pattern.folds = {{{{0, 0}, {0.2, 0.1}}, 0},
                    {{{0, 0.1}, {0.07, 0.04}, {0.2, 0.02}}, 0},
@@ -184,7 +185,7 @@ TEST(Pins, LinesThatCrossAreRowsOfEdgesOfAMesh) {
   }
 }
 
-TEST(Pins, TheForceOfACreaseIsTheSlopeOfItsEnergy) {
+TEST(SingularPointRules, TheForceOfACreaseIsTheGradientOfItsEnergy) {
   Pattern pattern{{{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}}, {}, {}};
   pattern.folds = {{{{0.03, 0}, {0.05, 0.1}}, 0.4}};
   const PatternMesh mesh = mesh_pattern(pattern, 0.03, {});

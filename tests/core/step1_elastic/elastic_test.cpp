@@ -32,7 +32,8 @@ struct Arch {
   double energy;  // over its exact value
 };
 
-/// A sheet whose two borders x = 0, x = L, hinged, come 10 % closer in small steps.
+/// A sheet whose two borders x = 0 and x = L are hinged and approach each other by 10 % in small
+/// steps.
 Arch elastica(Sheet sheet, double L, double width) {
   const Paper paper;
   for (int v = 0; v < sheet.x.rows(); ++v)
@@ -45,7 +46,7 @@ Arch elastica(Sheet sheet, double L, double width) {
   held.targets.resize(held.vertices.size(), 3);
   ElasticReport report;
   constexpr int steps = 20;
-  // the last ones at rest: no trace of the way there
+  // the last steps are at rest, so that no trace of the motion is left
   for (int step = 1; step <= steps + 3; ++step) {
     const double shortening = 0.1 * L * std::min(step, steps) / steps;
     for (std::size_t k = 0; k < held.vertices.size(); ++k) {
@@ -61,8 +62,8 @@ Arch elastica(Sheet sheet, double L, double width) {
   return {height / L, report.energy / (1.0126 * paper.bending_stiffness / L * width)};
 }
 
-// h/L = 0.194924 and U L/D = 1.0126 per width at 10 % shortening: closed form of the elastica with
-// hinged ends
+// closed form of the elastica with hinged ends at 10 % shortening: h/L = 0.194924 and U L/D =
+// 1.0126 per width
 TEST(Elastic, ArchOfRulingStripsHasTheHeightAndEnergyOfTheElastica) {
   const struct {
     int strips;
@@ -81,9 +82,10 @@ TEST(Elastic, ArchOfANearEquilateralMeshConvergesToTheElastica) {
   EXPECT_NEAR(arch.energy, 1, 0.01);
 }
 
-/// A strip of 16 cells of which the first is clamped: the clamp line lies in its middle, L from the
-/// free end. Beyond the second (the same in all, so that all are clamped alike) the cells are
-/// near-equilateral triangles in a lattice turned by `angle`; angle < 0: ruling strips.
+/// A strip of 16 cells of which the first is clamped: the clamping line lies in its middle, at the
+/// distance L from the free end. Beyond the second cell (the first two are the same in all cases,
+/// so that all are clamped alike) the cells are near-equilateral triangles in a lattice turned by
+/// `angle`; angle < 0: ruling strips.
 struct Cantilever {
   Sheet sheet;
   double h, L = 0.1;
@@ -108,7 +110,7 @@ Cantilever cantilever(double angle) {
 struct Hang {
   double drop, tip_angle;  // over L; degrees
 };
-/// lam = rho g L^3/D. nu = 0: the closed form is that of a strip which is free to curl across.
+/// lam = rho g L^3/D. nu = 0, because the closed form is for a strip that is free to curl across.
 Hang hang(Cantilever c, double lam) {
   Paper paper;
   paper.poisson = 0;
@@ -127,8 +129,8 @@ Hang hang(Cantilever c, double lam) {
     for (int rest = 0; rest < (step == steps ? 4 : 1); ++rest)
       EXPECT_TRUE(elastic.step(c.sheet, held, 1.0).converged);
   }
-  // position and slope of the free end by a straight line through its last two cells, where nothing
-  // bends
+  // position and slope of the free end, from a straight line through its last two cells, where
+  // nothing bends
   const double end = 16 * c.h;
   double n = 0, s = 0, ss = 0;
   Eigen::Vector2d p = Eigen::Vector2d::Zero(), sp = p;
@@ -142,7 +144,7 @@ Hang hang(Cantilever c, double lam) {
   return {-tip.y() / c.L, std::atan2(-slope.y(), slope.x()) * 180 / M_PI};
 }
 
-// heavy elastica, clamped horizontally, solved to 5 digits: lam, tip drop/L, tip angle
+// heavy elastica, clamped horizontally, solved to 5 digits: lam, tip drop/L, tip angle [degrees]
 constexpr double heavy[][3] = {{0.5, 0.06231, 4.763}, {1, 0.12347, 9.460},  {2, 0.23851, 18.426},
                                {4, 0.42516, 33.724},  {8, 0.64063, 53.865}, {16, 0.79702, 72.207}};
 
@@ -155,7 +157,7 @@ TEST(Elastic, HeavyCantileverHangsAsTheHeavyElastica) {
   }
 }
 
-TEST(Elastic, HeavyCantileverDoesNotFeelTheDirectionOfTheMesh) {
+TEST(Elastic, HeavyCantileverDoesNotDependOnTheDirectionOfTheMesh) {
   for (const double lam : {1.0, 8.0}) {
     double least = 1e9, most = 0;
     for (const double degrees : {0.0, 30.0, 45.0}) {
@@ -176,8 +178,7 @@ TEST(Elastic, FreeSheetFallsWithGravityWhenInertiaIsOn) {
   elastic.set_mesh(sheet);
   const double dt = 1e-3;
   for (int k = 0; k < 10; ++k) elastic.step(sheet, {{}, Points3(0, 3)}, dt);
-  // backward Euler: z_n = -g dt^2 n(n+1)/2, a little less for the velocity that is kept (0.98 in
-  // 1/24 s)
+  // backward Euler: z_n = -g dt^2 n(n+1)/2, a little less because of the damping (0.98 per 1/24 s)
   const double fallen = -sheet.x.col(2).mean();
   EXPECT_NEAR(fallen / (9.81 * dt * dt * 55), 1, 0.004);
   EXPECT_LT(sheet.x.col(2).maxCoeff() - sheet.x.col(2).minCoeff(), 1e-9);
@@ -193,13 +194,13 @@ TEST(Elastic, PlasticCurvatureIsTheShapeASheetTakesWhenItIsFree) {
   elastic.remember_in(&grid);
   elastic.set_mesh(sheet);
   for (int k = 0; k < 30; ++k) elastic.step(sheet, {{}, Points3(0, 3)}, 1.0);
-  // an arc of 0.1 m with radius 0.08 m: its chord
+  // the chord of an arc of 0.1 m with the radius 0.08 m
   const double chord = (sheet.x.row(0) - sheet.x.row(40)).norm();
   EXPECT_NEAR(chord, 2 * 0.08 * std::sin(0.1 / 0.16), 0.01 * 0.1);
   EXPECT_LT(chord, 0.095);
 }
 
-TEST(Elastic, MeshThatKeepsItsVerticesKeepsTheGuessOfTheNextStep) {
+TEST(Elastic, SettingAMeshWithTheSameVerticesKeepsTheInitialGuess) {
   const auto last_iterations = [](bool set_again) {
     Sheet sheet = strip_sheet(0.1, 0.05, 20);
     for (int v = 0; v < sheet.x.rows(); ++v)
@@ -222,7 +223,7 @@ TEST(Elastic, MeshThatKeepsItsVerticesKeepsTheGuessOfTheNextStep) {
   EXPECT_EQ(last_iterations(true), last_iterations(false));
 }
 
-TEST(Elastic, BendingStiffenedByAFactorStoresThatMuchMore) {
+TEST(Elastic, StiffenedBendingStoresMoreEnergyByThatFactor) {
   Sheet sheet = strip_sheet(0.1, 0.03, 20);
   test::roll(sheet, 0.1);
   Elastic plain(Paper{}, tight()), stiff(Paper{}, tight());
@@ -235,7 +236,7 @@ TEST(Elastic, BendingStiffenedByAFactorStoresThatMuchMore) {
   EXPECT_NEAR(bending(stiff) / bending(plain), 10, 1e-9);
 }
 
-TEST(Elastic, UnfinishedMinimisationIsReportedAndGoesOn) {
+TEST(Elastic, UnfinishedMinimisationIsReportedAndContinuesInLaterSteps) {
   ElasticOptions options = tight();
   options.max_iterations = 1;
   Sheet sheet = hex_sheet(0.1, 0.05, 8);
@@ -251,9 +252,9 @@ TEST(Elastic, UnfinishedMinimisationIsReportedAndGoesOn) {
   EXPECT_TRUE(converged);
 }
 
-/// Scene S1 on a coarse mesh: the borders of a sheet of 10 cm come together by 10 mm in 24 steps,
-/// then the middle of the front border is carried down by 20 mm in 36, past several snaps, and held
-/// there.
+/// Scene S1 on an interactive mesh: two borders of a sheet of 10 cm approach each other by 10 mm in
+/// 24 steps. Then the middle of the front border is carried down by 20 mm in 36 steps, past several
+/// snap-throughs, and held there.
 struct Snapping {
   Sheet sheet = hex_sheet(0.1, 0.1, 7, 0.1);
   Elastic elastic{Paper{}, {}};
@@ -287,20 +288,20 @@ struct Snapping {
   }
 };
 
-TEST(Elastic, NoStepOfACoarseMeshWaitsForASnap) {
+TEST(Elastic, OnAnInteractiveMeshNoStepWaitsForASnapThrough) {
   Snapping s;
   int most = 0, leaving = 0;
   for (int k = 0; k < 80; ++k) {
     s.step();
     if (k > 2) most = std::max(most, s.report.iterations), leaving += s.report.leaving;
   }
-  EXPECT_GT(leaving, 0);  // else nothing snapped
+  EXPECT_GT(leaving, 0);  // else nothing has snapped through
   EXPECT_LE(most, 42);
-  EXPECT_TRUE(s.report.converged);  // what was left to later steps is done
+  EXPECT_TRUE(s.report.converged);  // what was left to later steps is finished
   EXPECT_FALSE(s.report.leaving);
 }
 
-TEST(Elastic, StepThatIsTakenBackLeavesNoTrace) {
+TEST(Elastic, StepThatIsRolledBackLeavesNoTrace) {
   Snapping s;
   int snaps = 0, other = 0;
   for (int k = 0; k < 60; ++k) {
@@ -313,7 +314,7 @@ TEST(Elastic, StepThatIsTakenBackLeavesNoTrace) {
     if (k == 30 || report.leaving) {
       ++snaps;
       const auto again = [&] { s.sheet = before, s.held = held, --s.steps, s.step(); };
-      again();  // with the past of a step that was not to be
+      again();  // with the state after the step that is to be undone
       other += !(s.sheet.x == x);
       s.elastic.take_back(past);
       again();
@@ -322,12 +323,12 @@ TEST(Elastic, StepThatIsTakenBackLeavesNoTrace) {
     }
   }
   EXPECT_GT(snaps, 1);
-  EXPECT_GT(other, 0);  // so it does matter
+  EXPECT_GT(other, 0);  // so the rollback does matter
 }
 
-TEST(Elastic, ClosingArchTakesFewIterationsAStep) {
-  // what plain Newton is held back from by the membrane: the ends of an arch come together by 2 mm
-  // a step
+TEST(Elastic, ClosingArchTakesFewIterationsPerStep) {
+  // plain Newton is held back by the membrane here: the ends of an arch approach each other by 2 mm
+  // per step
   ElasticOptions options;
   Sheet sheet = hex_sheet(0.1, 0.05, 10);
   for (int v = 0; v < sheet.x.rows(); ++v)

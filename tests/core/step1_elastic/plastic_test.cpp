@@ -12,18 +12,18 @@
 namespace paperbake {
 namespace {
 
-constexpr double length = 0.03, width = 0.015;  // wound to 200 1/m it makes a full turn, less a gap
+constexpr double length = 0.03, width = 0.015;  // wound to 200 1/m it makes nearly a full turn
 
 Sheet ruling_strips(int triangles) { return test::strip_sheet(length, width, triangles / 2); }
 
-/// The mesh of fem: near-equilateral, of about so many triangles.
+/// A near-equilateral mesh as fem uses it, of about this number of triangles.
 Sheet near_equilateral(int triangles) {
   PatternMesh mesh = mesh_pattern_with(test::rectangle(length, width), triangles, {});
   return test::flat_sheet(std::move(mesh.vertices), std::move(mesh.triangles));
 }
 
-/// Curvature across the rulings of a sheet that is rolled about pattern y, mean over its middle.
-/// [1/m]
+/// [1/m] Curvature across the rulings of a sheet that is rolled about pattern y, mean over its
+/// middle.
 double curvature_of(const Sheet& sheet) {
   const Points3 curvature = vertex_curvature(sheet);
   double sum = 0;
@@ -37,11 +37,11 @@ double curvature_of(const Sheet& sheet) {
 ElasticOptions tight() {
   ElasticOptions options;
   options.stop = 1e-7;
-  options.max_iterations = 200;  // every step to its end: none is left to the next
+  options.max_iterations = 200;  // every step to its end: nothing is left to the next
   return options;
 }
 
-/// Every vertex held where it is.
+/// Constrains every vertex to where it is.
 Held every_vertex(const Sheet& sheet) {
   Held held;
   for (int v = 0; v < sheet.x.rows(); ++v) held.vertices.push_back(v);
@@ -51,12 +51,13 @@ Held every_vertex(const Sheet& sheet) {
 
 struct Wound {
   double residual;             // [1/m] curvature that stays
-  std::vector<double> flow;    // [m rad] of each step of winding
-  double flow_of_release = 0;  // [m rad]
+  std::vector<double> flow;    // [m rad] plastic increment of each step of winding
+  double flow_of_release = 0;  // [m rad] plastic increment of the release
   double integral = 0;         // [m rad] at the end
 };
 
-/// Winds a sheet round cylinders up to curvature k, every vertex led, and lets it go.
+/// Winds a sheet around cylinders up to the curvature k, with every vertex constrained, and lets it
+/// go.
 Wound wind(Sheet sheet, double k, int steps, const Paper& paper = {}) {
   PlasticGrid grid(test::rectangle(length, width));
   Elastic elastic(paper, tight());
@@ -75,16 +76,16 @@ Wound wind(Sheet sheet, double k, int steps, const Paper& paper = {}) {
   return wound;
 }
 
-/// The default paper yields at 2 * 0.0045 / 90 um = 100 1/m.
+/// [1/m] Curvature that stays. The default paper yields at 2 * 0.0045 / 90 um = 100 1/m.
 double expected(double k, double eta) { return (1 - eta) * (k - 100); }
 
-TEST(Plastic, WoundSheetKeepsWhatIsBeyondYieldLessTheHardening) {
+TEST(Plastic, WoundSheetKeepsTheCurvatureBeyondYieldLessTheHardening) {
   Paper paper;
   for (const double eta : {0.0, 0.3})
     for (const double k : {140.0, 200.0})
       for (const int triangles : {160, 500}) {
         paper.hardening = eta;
-        // ruling strips have the exact curvature; near-equilateral triangles scatter round it
+        // ruling strips have the exact curvature; near-equilateral triangles scatter around it
         const double strips = wind(ruling_strips(triangles), k, 4, paper).residual;
         const double equal = wind(near_equilateral(triangles), k, 4, paper).residual;
         EXPECT_NEAR(strips / expected(k, eta), 1, 1e-4)
@@ -100,13 +101,13 @@ TEST(Plastic, SheetWoundBelowYieldUnrollsFlat) {
                 equal = wind(near_equilateral(triangles), 90, 4);
     EXPECT_EQ(strips.integral, 0);
     EXPECT_LT(std::abs(strips.residual), 1e-6);
-    // single triangles beside the border see more than 90 1/m and yield a little
+    // single triangles beside the border have more than 90 1/m and yield a little
     EXPECT_LT(equal.integral, 0.005 * 90 * length * width);
     EXPECT_LT(std::abs(equal.residual), 0.5);
   }
 }
 
-TEST(Plastic, MemoryDoesNotDependOnTheNumberOfSteps) {
+TEST(Plastic, PlasticStateDoesNotDependOnTheNumberOfSteps) {
   const Wound strips = wind(ruling_strips(160), 200, 1),
               equal = wind(near_equilateral(160), 200, 1);
   ASSERT_GT(strips.residual, 60);
@@ -115,18 +116,18 @@ TEST(Plastic, MemoryDoesNotDependOnTheNumberOfSteps) {
                 more_equal = wind(near_equilateral(160), 200, steps);
     EXPECT_NEAR(more_strips.residual / strips.residual, 1, 1e-9) << steps;
     EXPECT_NEAR(more_strips.integral / strips.integral, 1, 1e-9) << steps;
-    // here the curvature of a triangle turns a little on the way, which large steps cut short
+    // here the curvature of a triangle rotates a little on the way, which large steps cut short
     EXPECT_NEAR(more_equal.residual / equal.residual, 1, 1e-4) << steps;
     EXPECT_NEAR(more_equal.integral / equal.integral, 1, 1e-3) << steps;
   }
 }
 
-TEST(Plastic, IntegralGrowsWhileWindingAndIsFrozenOnRelease) {
+TEST(Plastic, IntegralGrowsWhileWindingAndStaysConstantOnRelease) {
   const Wound wound = wind(ruling_strips(500), 200, 20);
   double sum = 0;
   for (std::size_t step = 0; step < wound.flow.size(); ++step) {
     EXPECT_GE(wound.flow[step], 0) << step;
-    // 10 1/m a step: from the 11th on it yields
+    // 10 1/m per step: it yields from the 11th step on
     if (10 * (step + 1) > 101)
       EXPECT_GT(wound.flow[step], 0) << step;
     else
@@ -139,7 +140,7 @@ TEST(Plastic, IntegralGrowsWhileWindingAndIsFrozenOnRelease) {
   EXPECT_NEAR(wound.integral / sum, 1, 1e-9);
 }
 
-TEST(Plastic, StepThatIsTakenBackLeavesNoTraceWithACopyOfTheGrid) {
+TEST(Plastic, RestoringACopyOfTheGridUndoesAStep) {
   Sheet sheet = near_equilateral(160);
   PlasticGrid grid(test::rectangle(length, width));
   Elastic elastic(Paper{}, {});
@@ -150,7 +151,7 @@ TEST(Plastic, StepThatIsTakenBackLeavesNoTraceWithACopyOfTheGrid) {
   const PlasticGrid before = grid;
   const double flow = elastic.step(sheet, all, 1 / 24.0).plastic_flow;
   ASSERT_GT(flow, 0.02);
-  // what is remembered does not flow again
+  // what has been written does not yield again
   EXPECT_LT(std::abs(elastic.step(sheet, all, 1 / 24.0).plastic_flow), 1e-12);
   grid = before;
   elastic.remember_in(&grid);
@@ -171,7 +172,7 @@ PlasticMemory field(const Sheet& sheet) {
   return memory;
 }
 
-/// Integral of |Sp| as the triangles of a mesh read it. [m rad]
+/// [m rad] Integral of |Sp| as the triangles of a mesh read it.
 double integral_through(const PlasticGrid& grid, const Sheet& sheet) {
   const PlasticMemory memory = grid.read(grid.cover(sheet.pattern, sheet.triangles));
   double sum = 0;
@@ -200,7 +201,7 @@ TEST(Plastic, AnotherMeshReadsTheSameIntegral) {
   }
 }
 
-TEST(Plastic, WrittenThroughAMeshItIsReadBackByIt) {
+TEST(Plastic, AMeshReadsBackWhatItWrote) {
   const Sheet sheet = near_equilateral(160);
   PlasticGrid grid(test::rectangle(length, width));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
@@ -212,8 +213,8 @@ TEST(Plastic, WrittenThroughAMeshItIsReadBackByIt) {
   EXPECT_LT((read.hardening - first.hardening).norm(), 1e-12 * first.hardening.norm());
 }
 
-/// A sheet of 160 triangles held on a cylinder of 200 1/m, to be remeshed there or when it was let
-/// go.
+/// A sheet of 160 triangles held on a cylinder of 200 1/m, to be remeshed there or after its
+/// release.
 struct Held200 {
   PlasticGrid grid{test::rectangle(length, width)};
   Elastic elastic{Paper{}, tight()};
@@ -238,7 +239,7 @@ struct Held200 {
   }
 };
 
-TEST(Plastic, AVertexRemembersTheMeanOfTheTrianglesAroundIt) {
+TEST(Plastic, PlasticCurvatureOfAVertexIsTheMeanOfTheTrianglesAroundIt) {
   const Sheet sheet = near_equilateral(60);
   PlasticGrid grid(test::rectangle(length, width));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
@@ -251,7 +252,7 @@ TEST(Plastic, AVertexRemembersTheMeanOfTheTrianglesAroundIt) {
   for (int v = 0; v < same.rows(); ++v)
     EXPECT_LT((same.row(v) - Eigen::RowVector3d(70, -20, 0)).norm(), 1e-9) << v;
 
-  // one triangle more: only its corners learn of it, each as much as it is of their ring
+  // an increment of one more triangle: only its corners change, each by its share of their ring
   PlasticMemory more(static_cast<int>(sheet.triangles.rows()));
   more.curvature(7, 2) = 50;
   grid.write(cover, more);
@@ -271,7 +272,7 @@ TEST(Plastic, AVertexRemembersTheMeanOfTheTrianglesAroundIt) {
   }
 }
 
-TEST(Plastic, RemeshingAReleasedSheetChangesLittleOfWhatItKeeps) {
+TEST(Plastic, RemeshingAReleasedSheetHardlyChangesItsPlasticCurvature) {
   const double same = Held200().release();
   ASSERT_NEAR(same, 70, 1);
   for (const int triangles : {300, 500}) {
@@ -281,20 +282,20 @@ TEST(Plastic, RemeshingAReleasedSheetChangesLittleOfWhatItKeeps) {
   }
 }
 
-TEST(Plastic, RemeshingASheetThatYieldsAddsLittleFlow) {
+TEST(Plastic, RemeshingAYieldingSheetAddsLittlePlasticCurvature) {
   const double same = Held200().release();
   ASSERT_NEAR(same, 70, 1);
   for (const int triangles : {90, 300, 500}) {
     Held200 other;
     other.hold(triangles, 200);
-    // 5 %: the triangles of each mesh scatter round 200 1/m in their own way, and those above it
-    // flow once more
+    // 5 %: the triangles of each mesh scatter around 200 1/m in their own way, and those above it
+    // yield once more
     EXPECT_NEAR(other.release() / same, 1, 0.05) << triangles;
   }
 }
 
 TEST(Plastic, CellsOutsideThePatternAreNeverRead) {
-  // an L whose missing quarter is a quarter of its box
+  // an L: a square without one quarter
   const Pattern shape{{{0, 0}, {0.1, 0}, {0.1, 0.05}, {0.05, 0.05}, {0.05, 0.1}, {0, 0.1}}, {}};
   const PatternMesh mesh = mesh_pattern_with(shape, 300, {});
   PlasticGrid grid(shape);
@@ -311,7 +312,7 @@ TEST(Plastic, CellsOutsideThePatternAreNeverRead) {
   EXPECT_NEAR(grid.write(cover, gain) / (std::sqrt(2) * 10 * area(shape)), 1, 1e-9);
 }
 
-TEST(Plastic, TrianglesThatShareACellDoNotAddUp) {
+TEST(Plastic, IncrementsOfTrianglesThatShareACellDoNotAddUp) {
   // 9,000 triangles on 64 x 32 cells
   const Sheet sheet = test::hex_sheet(length, width, 90);
   PlasticGrid grid(test::rectangle(length, width));
@@ -326,7 +327,7 @@ TEST(Plastic, TrianglesThatShareACellDoNotAddUp) {
   EXPECT_LT((grid.read(cover).hardening.array() - 10).abs().maxCoeff(), 1e-9);
 }
 
-TEST(PlasticGrid, IsPristineUntilSomethingFlowsAndAgainWhenItForgets) {
+TEST(Plastic, AGridIsVirginUntilSomethingYieldsAndAgainAfterAReset) {
   const Sheet sheet = test::strip_sheet(0.1, 0.03, 20);
   PlasticGrid grid(test::rectangle(0.1, 0.03));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
@@ -343,7 +344,7 @@ TEST(PlasticGrid, IsPristineUntilSomethingFlowsAndAgainWhenItForgets) {
   EXPECT_EQ(grid.read(cover).curvature.norm(), 0);
 }
 
-TEST(Plastic, AShotInWhichNothingYieldsIsTheSameToTheLastBitAsOfPaperThatCannot) {
+TEST(Plastic, WhereNothingYieldsAShotIsBitIdenticalToOneWithoutPlasticity) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 40;

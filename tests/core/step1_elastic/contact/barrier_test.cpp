@@ -21,8 +21,8 @@ double distance(const Corners& x, bool edges) {
   return (edges ? edge_to_edge(x) : vertex_to_triangle(x)).distance();
 }
 
-/// A second sheet beside the first on the pattern, so far that nothing of one is a neighbour of the
-/// other, and `x` of its own.
+/// A second sheet beside the first on the pattern, so far away that no features of the two are
+/// neighbours; its `x` stays as it is.
 Sheet join(const Sheet& a, const Sheet& b) {
   const int n = static_cast<int>(a.pattern.rows());
   Sheet both;
@@ -36,7 +36,7 @@ Sheet join(const Sheet& a, const Sheet& b) {
   return both;
 }
 
-/// Two crumpled layers, one over the other within reach: hundreds of pairs of all kinds.
+/// Two crumpled layers, one over the other and closer than dhat: hundreds of pairs of all kinds.
 Sheet two_layers(double gap) {
   Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.1, 0.1, 5, 0.2, 2);
   std::mt19937 random(3);
@@ -48,7 +48,7 @@ Sheet two_layers(double gap) {
 
 Points3 still(const Sheet& sheet) { return Points3::Zero(sheet.x.rows(), 3); }
 
-/// Energy with the list made anew.
+/// Energy with the list of pairs made anew.
 double energy_at(Contact& contact, const Points3& x) {
   contact.begin(x, {}, frame);
   return contact.energy(x);
@@ -69,7 +69,7 @@ TEST(Barrier, SlopeAndSecondAreDerivativesOfTheValue) {
   EXPECT_EQ(barrier(reach, reach).slope, 0);
 }
 
-TEST(Barrier, AFastVertexNeverPassesATriangleNorAnEdgeAnEdge) {
+TEST(Barrier, NoFastVertexPassesThroughATriangleNorAnEdgeThroughAnEdge) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto point = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
@@ -91,23 +91,23 @@ TEST(Barrier, AFastVertexNeverPassesATriangleNorAnEdgeAnEdge) {
   EXPECT_GT(stopped, 500);
 }
 
-TEST(Barrier, AVertexThatFliesStraightAtATriangleGetsFourFifthsOfTheWay) {
+TEST(Barrier, AVertexThatFliesStraightAtATriangleGoesFourFifthsOfTheGap) {
   const Corners x{Vector3d(0, 0, 1), Vector3d(-3, -3, 0), Vector3d(3, -3, 0), Vector3d(0, 3, 0)};
   const Corners move{Vector3d(0, 0, -100), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
   EXPECT_NEAR(100 * free_way(x, move, false), 0.8, 0.01);
 }
 
-TEST(Barrier, AVertexThatSlidesALongWayOverATriangleAndTurnsWithItIsHardlyHeldUp) {
+TEST(Barrier, AVertexThatSlidesFarOverATriangleInATightGapIsHardlyHeldUp) {
   const Corners x{Vector3d(0.2, 0.2, 1e-7), Vector3d(0, 0, 0), Vector3d(1, 0, 0),
                   Vector3d(0, 1, 0)};
   Corners move{Vector3d(0.3, 0.1, -4e-9), Vector3d(0, 0, 0), Vector3d(0, 0, 0), Vector3d(0, 0, 0)};
   EXPECT_EQ(free_way(x, move, false), 1);  // steps of what is left of the gap would need millions
   move[0].z() = -2e-7;
-  // of a tight gap a twentieth may be used
+  // a twentieth of a tight gap may be used
   EXPECT_NEAR(free_way(x, move, false), 0.5 * (1 - 0.95), 1e-3);
 }
 
-TEST(Contact, GradientIsTheDerivativeOfTheEnergyWithManyPairsActive) {
+TEST(Barrier, GradientMatchesTheEnergyWithManyActivePairs) {
   const Sheet sheet = two_layers(6e-4);
   Contact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {}, frame);
@@ -128,8 +128,8 @@ TEST(Contact, GradientIsTheDerivativeOfTheEnergyWithManyPairsActive) {
   }
 }
 
-TEST(Contact, SecondDerivativeIsExactWhereNormalsStandStillAndNeverIndefinite) {
-  // vertices over the inside of one large triangle, moving up and down: the normal stays
+TEST(Barrier, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
+  // vertices over the inside of one large triangle, moving up and down: the normal does not turn
   Sheet low = test::flat_sheet((Points2(3, 2) << 0, 0, 1, 0, 0, 1).finished(),
                                (Triangles(1, 3) << 0, 1, 2).finished());
   Sheet high = test::hex_sheet(0.1, 0.1, 4, 0.2, 2);
@@ -179,7 +179,7 @@ TEST(Contact, SecondDerivativeIsExactWhereNormalsStandStillAndNeverIndefinite) {
   EXPECT_GT(eigenvalues.minCoeff(), -1e-9 * eigenvalues.maxCoeff());
 }
 
-TEST(Contact, EveryPairWithinReachIsInTheListAllAlongTheWay) {
+TEST(Barrier, EveryPairCloserThanDhatDuringTheStepIsInTheList) {
   const Sheet sheet = two_layers(4e-3);
   Points3 move = still(sheet);
   std::mt19937 random(9);
@@ -217,10 +217,10 @@ TEST(Contact, EveryPairWithinReachIsInTheListAllAlongTheWay) {
   EXPECT_GT(within, 20);
 }
 
-TEST(Contact, AFlatOrGentlyRolledSheetIsClearAndHasNoActivePair) {
+TEST(Barrier, AFlatOrGentlyRolledSheetIsCollisionFreeAndHasNoActivePair) {
   Sheet sheet = test::hex_sheet(0.2, 0.2, 10, 0.2);
   const Points3 flat = sheet.x;
-  test::roll(sheet, 0.2);  // a radian: more and the straight way would fold it
+  test::roll(sheet, 0.2);  // 1 rad: with more, the straight motion would fold it
   Contact contact(sheet.pattern, sheet.triangles);
   EXPECT_TRUE(contact.clear(flat, flat, {}));
   EXPECT_TRUE(contact.clear(flat, sheet.x, {}));
@@ -228,7 +228,7 @@ TEST(Contact, AFlatOrGentlyRolledSheetIsClearAndHasNoActivePair) {
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
-TEST(Contact, ALayerThatJumpsThroughAnotherOrEndsBesideItIsNotClear) {
+TEST(Barrier, ALayerThatJumpsThroughAnotherOrEndsCloseToItIsNotCollisionFree) {
   const Sheet sheet = two_layers(0.02);
   Contact contact(sheet.pattern, sheet.triangles);
   const auto lowered = [&](double by) {
@@ -242,9 +242,9 @@ TEST(Contact, ALayerThatJumpsThroughAnotherOrEndsBesideItIsNotClear) {
   EXPECT_FALSE(contact.clear(sheet.x, lowered(0.04), {}));
 }
 
-TEST(Contact, WhatHandlesBringTogetherIsLeftToThem) {
+TEST(Barrier, PairsThatHandlesBringTogetherAreExcluded) {
   Sheet sheet = test::strip_sheet(0.3, 0.03, 20);
-  // a ring: its ends meet, held there
+  // a ring whose ends meet and are held there
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const double a = 2 * M_PI * sheet.pattern(v, 0) / 0.3;
     sheet.x.row(v) << 0.3 / (2 * M_PI) * std::sin(a), sheet.pattern(v, 1),
@@ -260,7 +260,7 @@ TEST(Contact, WhatHandlesBringTogetherIsLeftToThem) {
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
-TEST(Contact, ASheetThatTouchesOrCrossesItselfAsAStepBeginsHasAFiniteEnergy) {
+TEST(Barrier, TheEnergyIsFiniteForASheetThatBeginsTouchingOrCrossingItself) {
   for (const double shift : {0.0, 0.01}) {
     Sheet sheet = two_layers(1e-3);
     for (int v = 0; v < sheet.x.rows(); ++v) {

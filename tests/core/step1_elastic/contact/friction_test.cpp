@@ -1,4 +1,4 @@
-// Coulomb's law between layers of paper.
+// Coulomb friction between layers of paper.
 
 #include "core/step1_elastic/contact/friction.h"
 #include "core/step1_elastic/contact/self_contact.h"
@@ -15,7 +15,7 @@ namespace {
 
 constexpr double g = 9.81, reach = 1e-3, dt = 1 / 96.0;
 
-TEST(Sliding, SlopesAreDerivativesAndAllOfItIsFrictionBeyondEpsilon) {
+TEST(Friction, MollifierHasTheRightDerivativesAndFullFrictionBeyondEpsilon) {
   const double epsilon = 1e-6;
   for (const double y : {1e-7, 5e-7, 9.9e-7, 1.01e-6, 1e-5}) {
     const double e = 1e-11;
@@ -29,8 +29,7 @@ TEST(Sliding, SlopesAreDerivativesAndAllOfItIsFrictionBeyondEpsilon) {
   EXPECT_EQ(sliding(2e-6, epsilon).slope, 1);
 }
 
-/// One sheet over another, both of one jittered mesh or of two, and what their contact does as they
-/// move from `start`.
+/// One sheet over another, and the effect of their contact when they move from `start`.
 struct Layers {
   Points2 pattern;
   Triangles triangles;
@@ -61,7 +60,7 @@ struct Layers {
     contact.begin(start, {}, dt);
     return contact;
   }
-  /// What friction adds to the forces at y. [N]
+  /// [N] What friction adds to the forces at y.
   Points3 friction_at(const Points3& y, double mu_low = 0.4, double mu_high = 0.4) const {
     Points3 with = Points3::Zero(y.rows(), 3), without = with;
     contact(mu_low, mu_high).differentiate(y, with, nullptr);
@@ -92,8 +91,8 @@ Sheet triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
   return sheet;
 }
 
-/// A corner of a triangle over the inside of another; an edge across an edge, as a roof on its
-/// ridge.
+/// A corner of a triangle over the inside of another triangle; and an edge across the ridge of a
+/// roof.
 std::vector<Layers> single_pairs() {
   const Sheet low = triangle({-0.05, -0.04, 0}, {0.06, -0.05, 0}, {0.01, 0.07, 0}),
               roof = triangle({-0.05, 0, 0}, {0.05, 0, 0}, {0, 0.01, -0.05});
@@ -101,7 +100,7 @@ std::vector<Layers> single_pairs() {
           {roof, triangle({0.01, -0.05, 6e-4}, {0.02, 0.04, 6e-4}, {0.02, 0.01, 0.05})}};
 }
 
-TEST(LayersThatRub, GradientAndSecondDerivativeAreThoseOfTheEnergyAndNothingIsIndefinite) {
+TEST(Friction, GradientAndHessianMatchTheEnergyAndTheHessianIsNeverIndefinite) {
   const Layers layers = rumpled();
   Contact contact = layers.contact(0.4, 0.3);
   BlockCholesky matrix(static_cast<int>(layers.start.rows()), layers.all);
@@ -146,7 +145,7 @@ TEST(LayersThatRub, GradientAndSecondDerivativeAreThoseOfTheEnergyAndNothingIsIn
   }
 }
 
-TEST(LayersThatRub, ForcesAndTurnsOfAPairCancelAndItSlidesWithItsWholeFriction) {
+TEST(Friction, ForcesAndTorquesOfAPairCancelAndSlidingMeetsFullFriction) {
   for (const Layers& layers : single_pairs()) {
     const Contact contact = layers.contact(0.4, 0.4);
     ASSERT_EQ(contact.active(layers.start), 1);
@@ -163,7 +162,7 @@ TEST(LayersThatRub, ForcesAndTurnsOfAPairCancelAndItSlidesWithItsWholeFriction) 
   }
 }
 
-TEST(LayersThatRub, WhatMovesAsOneFeelsNothingAndOfTwoPapersNoneIsNone) {
+TEST(Friction, RigidMotionMeetsNoFrictionAndZeroOnEitherSheetGivesZero) {
   for (const Layers& layers : single_pairs())
     for (const Vector3d& by : {Vector3d(0.2, 0, 0), Vector3d(0, -0.2, 0), Vector3d(0, 0, 1)}) {
       const Points3 y = layers.turned(by).rowwise() + Eigen::RowVector3d(0.1, 0.2, 0.3);
@@ -178,7 +177,7 @@ TEST(LayersThatRub, WhatMovesAsOneFeelsNothingAndOfTwoPapersNoneIsNone) {
   EXPECT_NEAR(layers.friction_at(y, 0.4, 0.1).norm(), 0.5 * whole, 1e-9);
 }
 
-/// A leaf that lies on a sheet of this slope, held everywhere. To be stepped.
+/// A leaf lying on a sheet of this slope that is held everywhere. To be stepped.
 struct Leaf {
   Sheet low = test::hex_sheet(0.12, 0.09, 9, 0.2, 1), leaf = test::hex_sheet(0.05, 0.05, 5, 0.2, 2);
   Eigen::Matrix3d turn;
@@ -217,7 +216,7 @@ struct Leaf {
   }
 };
 
-/// How fast it goes down after an eighth and a quarter of a second. [m/s]
+/// [m/s] Downhill speeds after an eighth and a quarter of a second.
 std::pair<double, double> speeds(double slope, double mu) {
   Leaf leaf(slope, mu, Inertia::dynamic);
   const auto down = [&] { return leaf.leaf.v.colwise().mean().dot(leaf.turn.row(0)); };
@@ -229,7 +228,7 @@ std::pair<double, double> speeds(double slope, double mu) {
   return {half_way, down()};
 }
 
-TEST(LayersThatRub, ALeafSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulombSays) {
+TEST(Friction, ALeafSticksBelowItsFrictionAngleAndSlidesAboveItAsCoulombSays) {
   const double damping = -24 * std::log(0.98);
   EXPECT_LT(speeds(0.3, 0.4).second, creep);
   EXPECT_LT(speeds(0.37, 0.4).second, creep);
@@ -241,7 +240,7 @@ TEST(LayersThatRub, ALeafSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulom
   }
 }
 
-TEST(LayersThatRub, ALeafThatASoftHandPullsStaysUntilTheHandPullsAsCoulombSaysAndNoMore) {
+TEST(Friction, ALeafPulledByASoftHandleStartsToSlideAtTheForceOfCoulombsLaw) {
   constexpr double stiffness = 0.5;  // [N/m]
   Leaf leaf(0, 0.4, Inertia::quasi_static);
   const double lag = 0.4 * Paper{}.area_density * 0.05 * 0.05 * g / stiffness;  // [m] 1.4 mm

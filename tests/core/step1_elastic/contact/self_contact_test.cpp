@@ -1,4 +1,4 @@
-// Whole shots in which the sheet touches itself, and some in which it does not.
+// Whole shots in which the sheet touches itself, and one in which it does not.
 
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
@@ -23,7 +23,7 @@ std::vector<Points3> shapes(const Shot& shot, const Method& method, const Animat
   return all;
 }
 
-TEST(SelfContact, AShotInWhichNothingTouchesIsTheSameToTheLastBit) {
+TEST(SelfContact, AShotInWhichNothingTouchesIsBitIdenticalToOneWithoutContact) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 60;
@@ -38,8 +38,8 @@ TEST(SelfContact, AShotInWhichNothingTouchesIsTheSameToTheLastBit) {
   for (std::size_t f = 0; f < with.size(); ++f) ASSERT_TRUE(with[f] == without[f]) << f;
 }
 
-/// Eight handles round a sheet of 21 cm come together to 45 % of their distance from the centre in
-/// 30 frames.
+/// Eight handles around a sheet of 21 cm approach its centre to 45 % of their distance in 30
+/// frames.
 Shot crumple() {
   const int frames = 34;
   const double side = 0.21;
@@ -107,7 +107,7 @@ TEST(SelfContact, ACrumpledSheetAtRestStillTouchesItself) {
   EXPECT_GT(touching, 0);
 }
 
-TEST(SelfContact, AHandlePressedAgainstTheSheetIsJammedAndHeldAgainWhenItComesBack) {
+TEST(SelfContact, AHandlePressedIntoTheSheetIsJammedUntilItComesBack) {
   // the left half of a strip is held flat; the right end is carried over it, keyed through it, and
   // back up
   const int frames = 48;
@@ -120,7 +120,7 @@ TEST(SelfContact, AHandlePressedAgainstTheSheetIsJammedAndHeldAgainWhenItComesBa
     Handle end = test::bare_handle("handle.end" + std::to_string(v), {0.2, v}, frames);
     const double inset = v == 0 ? 0.012 : -0.012;
     for (int f = 0; f < frames; ++f) {
-      const double a = M_PI * std::min(f, 23) / 23.0;  // round the middle, and a little narrower
+      const double a = M_PI * std::min(f, 23) / 23.0;  // around the middle, and a little narrower
       const double down = f < 24 ? 0 : f < 36 ? (f - 24) / 11.0 : std::max(0.0, (43 - f) / 7.0);
       end.keyed.row(f) << 0.1 + 0.07 * std::cos(a) + 0.03 * (1 - a / M_PI), v + inset * a / M_PI,
           0.06 * std::sin(a) + 0.02 * a / M_PI - 0.03 * down;

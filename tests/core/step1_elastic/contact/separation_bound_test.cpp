@@ -9,7 +9,7 @@
 namespace paperbake {
 namespace {
 
-/// Least distance in space over distance on the pattern, of any two vertices.
+/// Smallest distance in space over distance on the pattern, of any two vertices.
 double least_share(const Points2& pattern, const Points3& x) {
   double least = 1e300;
   for (int a = 0; a < x.rows(); ++a)
@@ -19,14 +19,14 @@ double least_share(const Points2& pattern, const Points3& x) {
   return least;
 }
 
-TEST(SpreadOut, HoldsWhereItSaysSoAllAlongTheWay) {
+TEST(SeparationBound, WhatItProvesHoldsAllAlongTheStep) {
   const Sheet flat = test::hex_sheet(0.2, 0.15, 12, 0.2);
   const SpreadOut spread(flat.pattern, flat.triangles);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> number(-1, 1);
   int held = 0;
   for (int trial = 0; trial < 300; ++trial) {
-    const auto crumpled = [&](double by) {  // waves and a turn, not isometric
+    const auto crumpled = [&](double by) {  // waves and a rotation, not isometric
       Points3 x = flat.x;
       const double k = 40 * number(random), l = 40 * number(random), turn = 0.8 * number(random);
       const Vector3d along(number(random), number(random), number(random));
@@ -48,12 +48,12 @@ TEST(SpreadOut, HoldsWhereItSaysSoAllAlongTheWay) {
   EXPECT_LT(held, 270);
 }
 
-TEST(SpreadOut, SeesARollUntilItBendsBack) {
+TEST(SeparationBound, HoldsForARollUntilItBendsBack) {
   Sheet sheet = test::hex_sheet(0.2, 0.2, 10, 0.2);
   const Points3 flat = sheet.x;
   const SpreadOut spread(sheet.pattern, sheet.triangles);
   EXPECT_TRUE(spread.all_the_way(flat, flat, 0.3));
-  // turned by pi in its plane: a straight way goes through a point
+  // rotated by pi in its plane: on the straight motion the sheet shrinks to a point
   EXPECT_TRUE(spread.all_the_way(flat, -flat, 0.3) == false);
   test::roll(sheet, 0.1);
   EXPECT_TRUE(spread.all_the_way(sheet.x, sheet.x, 0.3));  // 2 rad
@@ -61,7 +61,7 @@ TEST(SpreadOut, SeesARollUntilItBendsBack) {
   EXPECT_FALSE(spread.all_the_way(sheet.x, sheet.x, 0.3));  // 4 rad: the ends face each other
 }
 
-TEST(SpreadOut, KnowsNothingOfPatternsThatAreNotConvex) {
+TEST(SeparationBound, ProvesNothingForPatternsThatAreNotConvex) {
   const Sheet whole = test::hex_sheet(0.2, 0.2, 10, 0.2);
   const auto without = [&](auto left_out) {
     std::vector<Eigen::RowVector3i> kept;

@@ -19,8 +19,8 @@ constexpr double eps = 0.1;  // slope of the cones
 /// Two crests and two valleys: smooth enough for a few rulings.
 double saddle(double t) { return std::cos(2 * t); }
 
-/// Rings of `rulings` vertices about the origin, where a singular point is. jitter  [1] of the
-/// angle between rulings, and of the rings
+/// A disc with rings of `rulings` vertices around the origin, where a singular point is.
+/// jitter  [1] of the angle between rulings, and of the radii of the rings
 Sheet disc(int rulings, const std::vector<double>& rings, double jitter = 0) {
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(-jitter, jitter);
@@ -48,7 +48,7 @@ Sheet disc(int rulings, const std::vector<double>& rings, double jitter = 0) {
   return sheet;
 }
 
-/// Rings out to R from `first`, each at most 1.6 times as large as the one before.
+/// Radii of rings from `first` out to R, each at most 1.6 times as large as the one before.
 std::vector<double> rings_from(double first) {
   const int steps = static_cast<int>(std::ceil(std::log(R / first) / std::log(1.6)));
   std::vector<double> rings;
@@ -56,7 +56,8 @@ std::vector<double> rings_from(double first) {
   return rings;
 }
 
-/// A near-equilateral mesh of a round disc, as the tool's, with a vertex at the singular point.
+/// A near-equilateral mesh of a round disc, as the tool makes it, with a vertex at the singular
+/// point.
 Sheet any_mesh(double edge) {
   Pattern pattern;
   constexpr int sides = 96;
@@ -77,8 +78,8 @@ double ratio(const Sheet& sheet, double squared, const std::vector<double>& fact
          (0.5 * Paper{}.bending_stiffness * squared * std::log(R / core_radius(Paper{}, R)));
 }
 
-/// Of a right cone so gentle that its excess angle does not matter: as few rulings as one likes see
-/// all of its curvature.
+/// The ratio for a right cone so gentle that its excess angle does not matter: any small number of
+/// rulings shows all of its curvature.
 double gentle(Sheet sheet, bool with_logarithm = true) {
   constexpr double slope = 0.01;
   sheet.x.col(2) = slope * sheet.pattern.rowwise().norm();
@@ -86,21 +87,21 @@ double gentle(Sheet sheet, bool with_logarithm = true) {
                with_logarithm ? cone_factors(sheet, Paper{}) : std::vector<double>{});
 }
 
-/// Of one with two crests, which does not stretch.
+/// The ratio for a cone with two crests, which does not stretch.
 double wavy(Sheet sheet) {
   const double squared = test::bend_to_wavy_cone(sheet, eps, saddle);
   return ratio(sheet, squared, cone_factors(sheet, Paper{}));
 }
 
-TEST(ConeEnergy, ConeHasItsExactEnergyHoweverFarOutTheFirstRingIs) {
+TEST(ApexStiffness, AConeHasItsExactEnergyHoweverFarOutTheFirstRingIs) {
   for (const double first : {0.003, 0.005, 0.01, 0.02, 0.04})
     EXPECT_NEAR(gentle(disc(32, rings_from(first))), 1, 0.03) << first;
-  // the shape operator alone: every ring that is put in adds to it
+  // with the shape operator alone, every further ring adds to the energy
   EXPECT_GT(gentle(disc(32, rings_from(0.003)), false),
             gentle(disc(32, rings_from(0.04)), false) + 0.6);
 }
 
-TEST(ConeEnergy, TwiceAsManyRulingsChangeItByLessThanFivePercent) {
+TEST(ApexStiffness, TwiceAsManyRulingsChangeTheEnergyByLessThanFivePercent) {
   EXPECT_NEAR(gentle(disc(8, rings_from(0.01))), 1, 0.12);  // sectors of 45 degrees
   for (const int rulings : {12, 24, 48})
     EXPECT_NEAR(
@@ -112,17 +113,17 @@ TEST(ConeEnergy, TwiceAsManyRulingsChangeItByLessThanFivePercent) {
   EXPECT_NEAR(wavy(disc(96, rings_from(0.01))), 1, 0.02);
 }
 
-TEST(ConeEnergy, IrregularFansHaveTheSameEnergy) {
+TEST(ApexStiffness, IrregularFansHaveTheSameEnergy) {
   for (const int rulings : {12, 24, 48})
     EXPECT_NEAR(gentle(disc(rulings, rings_from(0.01), 0.2)), 1, 0.1) << rulings;
 }
 
-TEST(ConeEnergy, RefiningTheWholeMeshChangesItByLessThanTenPercent) {
+TEST(ApexStiffness, RefiningTheWholeMeshChangesTheEnergyByLessThanTenPercent) {
   for (const double edge : {0.02, 0.012, 0.007, 0.004})
     EXPECT_NEAR(gentle(any_mesh(edge)), 1, 0.1) << edge;
 }
 
-TEST(ConeEnergy, FactorIsHalfTheMeanLogarithmOverTheAngle) {
+TEST(ApexStiffness, FactorIsHalfTheMeanLogarithmOverTheAngle) {
   const Paper paper;
   Points2 p(4, 2);
   p << 0, 0, 0.03, 0, -0.01, 0.017, -0.01, -0.025;  // spokes of 30, 20 and 27 mm at obtuse angles
@@ -149,19 +150,19 @@ TEST(ConeEnergy, FactorIsHalfTheMeanLogarithmOverTheAngle) {
                        (u.x() * along.y() - u.y() * along.x())) /
               n;
     }
-    // Simpson's rule
+    // the tolerance is the error of Simpson's rule
     EXPECT_NEAR(factors[k], 0.5 * (mean - std::log(core_radius(paper, size))), 0.02) << k;
   }
 }
 
-TEST(ConeEnergy, ConeAsSmallAsItsCoreStoresWhatTheCoreDoes) {
+TEST(ApexStiffness, AConeAsSmallAsItsCoreStoresWhatTheCoreDoes) {
   // r_c is 1.8 mm
   const std::vector<double> factors = cone_factors(disc(12, {0.001, 0.01, R}), Paper{});
   EXPECT_EQ(*std::min_element(factors.begin(), factors.end()), 0.25);
   EXPECT_EQ(*std::max_element(factors.begin(), factors.end()), 1);
 }
 
-TEST(ConeEnergy, HeavierPaperHasALargerCoreAndSoHasALargerCone) {
+TEST(ApexStiffness, TheCoreIsLargerForThickerPaperAndForLargerCones) {
   Paper heavy;
   heavy.thickness *= 8;
   EXPECT_NEAR(core_radius(heavy, R) / core_radius(Paper{}, R), 2, 1e-9);
@@ -169,20 +170,20 @@ TEST(ConeEnergy, HeavierPaperHasALargerCoreAndSoHasALargerCone) {
   Sheet sheet = disc(12, rings_from(0.01));
   const double alone = cone_factors(sheet, Paper{})[0];
   EXPECT_NEAR(cone_factors(sheet, heavy)[0], alone - 0.5 * std::log(2), 1e-9);
-  // where the second ring is: the cones end at each other
+  // a second apex where the second ring is: the two cones end at each other
   sheet.singular.push_back({sheet.pattern.row(13), 1, ""});
-  int far = 0;  // a triangle that has the first apex alone
+  int far = 0;  // a triangle that has only the first apex
   while ((sheet.triangles.row(far).array() == 7).count() == 0 ||
          (sheet.triangles.row(far).array() == 0).count() == 0)
     ++far;
-  // of a polygon
+  // the border is a polygon
   EXPECT_NEAR(
       cone_factors(sheet, Paper{})[far],
       alone + 0.5 * 2.0 / 3 * std::log(R * std::cos(M_PI / 12) / sheet.pattern.row(13).norm()),
       1e-9);
 }
 
-TEST(ConeEnergy, OnlyTrianglesAtSingularPointsHaveAFactor) {
+TEST(ApexStiffness, OnlyTrianglesAtSingularPointsHaveAFactor) {
   Sheet sheet = disc(12, {0.02, 0.035, R});
   const std::vector<double> factors = cone_factors(sheet, Paper{});
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
@@ -193,7 +194,7 @@ TEST(ConeEnergy, OnlyTrianglesAtSingularPointsHaveAFactor) {
   EXPECT_TRUE(cone_factors(sheet, Paper{}).empty());
 }
 
-TEST(ConeEnergy, ElasticStepsFeelItAndTheDiscsOfHandlesOnTopOfIt) {
+TEST(ApexStiffness, ElasticStepsMultiplyTheFactorsByThoseOfTheDiscsOfHandles) {
   Sheet sheet = disc(24, {0.02, 0.035, R});
   test::bend_to_wavy_cone(sheet, eps, saddle);
   const auto bending = [&](const std::vector<double>& stiffening) {

@@ -23,7 +23,7 @@ Sheet crumpled() {
   return sheet;
 }
 
-/// Of the triangles of crumpled() about half yield: the first yield is at 22 1/m.
+/// About half of the triangles of crumpled() yield: the first yield is at 22 1/m.
 Paper soft_paper() {
   Paper paper;
   paper.yield_strain = 0.001;
@@ -42,12 +42,12 @@ PlasticMemory some_memory(const Sheet& sheet) {
   return memory;
 }
 
-/// Share of the triangles that yield.
+/// Fraction of the triangles that yield.
 double yielding(const ElasticEnergy& energy, const Sheet& sheet) {
   return (energy.gained(sheet.x).hardening.array() > 0).cast<double>().mean();
 }
 
-/// The matrix as the solver sees it, column by column.
+/// The matrix as the solver sees it, as a dense matrix.
 Eigen::MatrixXd dense_hessian(ElasticEnergy& energy, const Points3& x, HessianForm form) {
   const int n = static_cast<int>(x.rows());
   BlockCholesky matrix(n, energy.coupled_vertices());
@@ -60,7 +60,7 @@ Eigen::MatrixXd dense_hessian(ElasticEnergy& energy, const Points3& x, HessianFo
   return matrix.dense();
 }
 
-TEST(ElasticEnergy, GradientAgreesWithCentralDifferencesWhereSomeTrianglesYieldAndOthersDoNot) {
+TEST(ElasticEnergy, GradientMatchesCentralDifferencesWhereOnlySomeTrianglesYield) {
   const Sheet sheet = crumpled();
   ElasticEnergy energy(soft_paper(), sheet.pattern, sheet.triangles);
   energy.memory = some_memory(sheet);
@@ -81,7 +81,7 @@ TEST(ElasticEnergy, GradientAgreesWithCentralDifferencesWhereSomeTrianglesYieldA
   EXPECT_LT((gradient - numeric).norm() / gradient.norm(), 1e-7);
 }
 
-TEST(ElasticEnergy, SecondDerivativeAgreesWithCentralDifferencesOfTheGradient) {
+TEST(ElasticEnergy, HessianMatchesCentralDifferencesOfTheGradient) {
   const Sheet sheet = crumpled();
   ElasticEnergy energy(soft_paper(), sheet.pattern, sheet.triangles);
   energy.memory = some_memory(sheet);
@@ -118,7 +118,7 @@ TEST(ElasticEnergy, PaperThatNeverYieldsHasTheElasticEnergyToTheLastBit) {
             dense_hessian(without, sheet.x, HessianForm::exact));
 }
 
-/// An inner triangle with a past, and angles that bend it from there.
+/// An inner triangle with a plastic state, and angles that bend it from there.
 struct OneTriangle {
   RestBending rest;
   Vector3d theta{0.3, -0.1, 0.2};
@@ -143,14 +143,14 @@ TEST(ElasticEnergy, EnergyAndMomentAreContinuousWhereATriangleYields) {
   bending_energy(t.rest, t.angles(t.past.yield), t.past, &at);
   EXPECT_NEAR(upper / lower, 1, 1e-8);  // 2 * 2e-9 is the slope
   EXPECT_LT((above - below).norm(), 1e-8 * at.norm());
-  // what lies beyond is on the other branch: the slope of the moment falls to eta
+  // beyond yield the other branch holds: the slope of the moment falls to eta
   Matrix3 soft, stiff;
   bending_energy(t.rest, t.angles(t.past.yield - d), t.past, nullptr, &stiff);
   bending_energy(t.rest, t.angles(t.past.yield + d), t.past, nullptr, &soft);
   EXPECT_NEAR(t.theta.dot(soft * t.theta) / t.theta.dot(stiff * t.theta), t.rest.hardening, 1e-6);
 }
 
-TEST(ElasticEnergy, TangentOfATriangleThatYieldsHasNoNegativeEigenvalue) {
+TEST(ElasticEnergy, TangentOfAYieldingTriangleHasNoNegativeEigenvalue) {
   OneTriangle t;
   for (const double eta : {0.0, 0.3}) {
     t.rest.hardening = eta;
@@ -162,7 +162,7 @@ TEST(ElasticEnergy, TangentOfATriangleThatYieldsHasNoNegativeEigenvalue) {
   }
 }
 
-TEST(ElasticEnergy, ReturningAfterAStepLeavesTheMomentAsItWas) {
+TEST(ElasticEnergy, CommittingThePlasticIncrementLeavesTheMomentUnchanged) {
   const OneTriangle t;
   const Vector3d angles = t.angles(3 * t.past.yield);
   Vector3d during, after;
@@ -177,7 +177,7 @@ TEST(ElasticEnergy, ReturningAfterAStepLeavesTheMomentAsItWas) {
 }
 
 TEST(ElasticEnergy, SheetInItsPlasticShapeIsAtRestUpToItsBorders) {
-  // the last triangles have no fold that could tell the curvature across the border: they must not
+  // the last triangles have no angle that could tell the curvature across the border: they must not
   // take it from Sp either
   Sheet sheet = test::strip_sheet(0.03, 0.015, 40);
   ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
@@ -191,8 +191,8 @@ TEST(ElasticEnergy, SheetInItsPlasticShapeIsAtRestUpToItsBorders) {
   EXPECT_EQ(energy.gained(sheet.x).hardening.maxCoeff(), 0);
 }
 
-TEST(ElasticEnergy, SecondDerivativeIsRightRoundAVertexOfValenceThree) {
-  // both wings across the two inner edges of a corner triangle are then one and the same vertex
+TEST(ElasticEnergy, HessianIsCorrectAroundAVertexOfValenceThree) {
+  // the wings across the two inner edges of a corner triangle are then the same vertex
   Points2 p(4, 2);
   p << 0, 0, 0.1, 0, 0.03, 0.09, 0.04, 0.03;
   Triangles t(3, 3);
@@ -226,7 +226,7 @@ TEST(ElasticEnergy, ProjectedFormHasNoNegativeEigenvalueWhereTheExactOneHas) {
   EXPECT_GT(lowest(HessianForm::projected), -1e-6);  // rounding of eigenvalues up to 1e6 N/m
 }
 
-TEST(ElasticEnergy, AnglesArePositiveWhereTheSheetBulgesToItsNormal) {
+TEST(ElasticEnergy, AnglesArePositiveWhereTheSheetBulgesTowardsItsNormal) {
   Sheet sheet = test::strip_sheet(0.1, 0.05, 10);
   test::roll(sheet, 0.05);
   const Hinges hinges = find_hinges(sheet.triangles);
@@ -235,7 +235,7 @@ TEST(ElasticEnergy, AnglesArePositiveWhereTheSheetBulgesToItsNormal) {
   EXPECT_NEAR(turn, 0.1 / 0.05 * 9 / 10, 1e-9);  // 10 chords of an arc of 2 rad turn 9 times
 }
 
-/// Bending energy of a cylinder, without the last cells beside the cut ends, over its exact value
+/// Bending energy of a cylinder without the last cells beside the cut ends, over its exact value
 /// D/2 A/R^2.
 double cylinder_ratio(Sheet sheet, double length) {
   const Paper paper;
@@ -278,14 +278,14 @@ Sheet bent_sheet() {
   return sheet;
 }
 
-TEST(ElasticEnergy, PredictedStressIsThatOfTheNewPlaceToFirstOrder) {
+TEST(ElasticEnergy, PredictedStressMatchesTheStressAfterTheMoveToFirstOrder) {
   const Sheet sheet = bent_sheet();
   const ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
   Points3 move(sheet.x.rows(), 3);
   for (int v = 0; v < move.rows(); ++v)
     move.row(v) << std::sin(50 * sheet.x(v, 1)), std::cos(40 * sheet.x(v, 0)),
         std::sin(70 * sheet.x(v, 0));
-  const auto error = [&](double step) {  // largest difference over the triangles [N/m]
+  const auto error = [&](double step) {  // [N/m] largest difference over the triangles
     const MembraneStress predicted = energy.stress(sheet.x, step * move),
                          there = energy.stress(sheet.x + step * move, 0 * move);
     double most = 0;
@@ -294,7 +294,7 @@ TEST(ElasticEnergy, PredictedStressIsThatOfTheNewPlaceToFirstOrder) {
     return most;
   };
   ASSERT_GT(energy.stress(sheet.x, 0 * move)[0].norm(), 1000);  // 2 % of 3.6e5 N/m
-  // what is left out is of second order
+  // the error is of second order
   EXPECT_NEAR(error(1e-5) / error(5e-6), 4, 0.01);
 }
 
@@ -316,7 +316,7 @@ TEST(ElasticEnergy, PaperIsStifferAlongItsGrain) {
   EXPECT_NEAR(share(-M_PI / 4), share(M_PI / 4), 3e-3);
 }
 
-TEST(ElasticEnergy, WhatAGrainKeepsIsTheCurvatureItWasBentTo) {
+TEST(ElasticEnergy, PaperWithAGrainKeepsTheCurvatureItWasBentTo) {
   Sheet sheet = test::hex_sheet(0.1, 0.07, 8);
   test::roll(sheet, 0.003);  // 333 1/m
   Paper paper;
@@ -332,7 +332,7 @@ TEST(ElasticEnergy, WhatAGrainKeepsIsTheCurvatureItWasBentTo) {
             1e-6 * first.curvature.cwiseAbs().maxCoeff());
 }
 
-TEST(ElasticEnergy, OwnStressGivesTheOwnSecondDerivative) {
+TEST(ElasticEnergy, GivingThePresentStressGivesTheExactHessian) {
   const Sheet sheet = bent_sheet();
   ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
   const int n = static_cast<int>(sheet.x.rows());

@@ -8,10 +8,10 @@
 namespace paperbake {
 namespace {
 
-TEST(HandleSprings, DerivativesAreThoseOfTheEnergyBelowAndBeyondTheYieldForce) {
+TEST(HandleSprings, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
   BlockCholesky matrix(1, {});
   const double step = 1e-9;
-  for (const double way : {4e-6, 2e-3}) {  // [m] hard; given way
+  for (const double way : {4e-6, 2e-3}) {  // [m] the paper follows; the spring gives way
     const std::vector<HandleSpring> springs{yielding_spring(0, Vector3d(0.1, 0.2, 0.3))};
     const Points3 x = (Vector3d(0.1, 0.2, 0.3) + way * Vector3d(2, -1, 2) / 3).transpose();
     EXPECT_EQ(yields(springs[0], x), way > 1e-3);

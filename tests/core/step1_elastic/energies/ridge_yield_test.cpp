@@ -29,7 +29,7 @@ Ridges ridges_of(const Sheet& sheet, const std::vector<int>& held = {}) {
   return ridges_of(sheet, held, Eigen::VectorXd::Zero(sheet.triangles.rows()));
 }
 
-TEST(Ridges, CylinderHasNoneHoweverTight) {
+TEST(RidgeYield, ACylinderHasNoRidgesHoweverTightItIs) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 12);
   test::roll(sheet, 0.02);
   const Ridges ridges = ridges_of(sheet);
@@ -37,12 +37,12 @@ TEST(Ridges, CylinderHasNoneHoweverTight) {
   EXPECT_EQ(ridges.focus.maxCoeff(), 1);
 }
 
-TEST(Ridges, SheetThatBendsInTwoDirectionsIsFocusedToTheWidthOfARidge) {
+TEST(RidgeYield, CurvatureInTwoDirectionsIsConcentratedToTheWidthOfARidge) {
   const Sheet sheet = doubly_curved(40, -40);  // 40 1/m over a cell of 12 mm: 28 degrees
   const Ridges ridges = ridges_of(sheet);
   EXPECT_EQ(ridges.share.maxCoeff(), 1);
   // X = sqrt(0.01 m2 / 4) = 50 mm, w = 0.4 (90 um)^(1/3) X^(2/3) = 2.43 mm; a triangle of 12.5 mm
-  // is 5.4 to 12.5 mm wide: X/2 counts
+  // is 5.4 to 12.5 mm wide: X/2 is larger
   const double width = 0.4 * std::cbrt(90e-6) * std::pow(0.05, 2.0 / 3);
   EXPECT_NEAR(width, 2.43e-3, 1e-5);
   for (int t = 0; t < ridges.focus.size(); ++t) {
@@ -51,7 +51,7 @@ TEST(Ridges, SheetThatBendsInTwoDirectionsIsFocusedToTheWidthOfARidge) {
   }
 }
 
-TEST(Ridges, CreaseOfASheetThatBendsAlongItIsNone) {
+TEST(RidgeYield, APrescribedCreaseIsNoRidgeInASheetThatBendsAlongIt) {
   Sheet sheet = doubly_curved(20, 0);  // 20 1/m over a cell of 12 mm: 14 degrees
   const double row = sheet.pattern.col(1).maxCoeff() * 5 / 9;
   for (int v = 0; v < sheet.x.rows(); ++v)
@@ -61,14 +61,14 @@ TEST(Ridges, CreaseOfASheetThatBendsAlongItIsNone) {
   EXPECT_EQ(ridges_of(sheet).share.maxCoeff(), 0);
 }
 
-TEST(Ridges, TrianglesLargerThanHalfAFacetFocusOverTheirOwnSize) {
+TEST(RidgeYield, TrianglesLargerThanHalfAFacetConcentrateOverTheirOwnSize) {
   const Sheet sheet = doubly_curved(40, -40, 2);  // cells of 50 mm, X/2 = 25 mm
   const Ridges ridges = ridges_of(sheet);
   ASSERT_EQ(ridges.share.maxCoeff(), 1);
   EXPECT_GT(ridges.focus.maxCoeff(), 1.2 * 0.025 / ridge_width(Paper{}, 0.05));
 }
 
-TEST(Ridges, PointLoadIsNone) {
+TEST(RidgeYield, APointLoadIsNoRidge) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   int middle;
   (sheet.pattern.rowwise() - Eigen::RowVector2d(0.05, 0.05)).rowwise().norm().minCoeff(&middle);
@@ -78,14 +78,14 @@ TEST(Ridges, PointLoadIsNone) {
   EXPECT_LT(held.share.sum(), 0.6 * free.share.sum());
 }
 
-TEST(Ridges, OnceARidgeAlwaysARidge) {
+TEST(RidgeYield, OnceARidgeAlwaysARidge) {
   const Sheet sheet = doubly_curved(0, 0);
   const Eigen::VectorXd remembered = Eigen::VectorXd::Constant(sheet.triangles.rows(), 0.7);
   EXPECT_TRUE(ridges_of(sheet, {}, remembered).share == remembered);
 }
 
-TEST(Ridges, FibresOfARidgeYieldEarlier) {
-  // 43 1/m of |S|, far below the 100 1/m of smooth bending
+TEST(RidgeYield, ARidgeYieldsEarlierThanSmoothBending) {
+  // 43 1/m of |S|, far below the 100 1/m at which smooth bending yields
   const Sheet sheet = doubly_curved(30, -30);
   ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
   energy.memory = PlasticMemory(static_cast<int>(sheet.triangles.rows()));
@@ -97,7 +97,7 @@ TEST(Ridges, FibresOfARidgeYieldEarlier) {
     EXPECT_EQ(gain.ridge[t] > 0, gain.hardening[t] > 0 && energy.ridges.share[t] > 0);
 }
 
-TEST(Ridges, GridKeepsTheSharpestThatAPlaceEverWas) {
+TEST(RidgeYield, TheGridKeepsTheSharpestRidgeThatAPlaceEverHad) {
   const Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   PlasticGrid grid(test::rectangle(0.1, 0.1));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);

@@ -1,4 +1,4 @@
-// Several sheets in one step of step 1.
+// Joint steps: several sheets in one step of step 1.
 
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
@@ -15,8 +15,8 @@ namespace {
 
 constexpr double dt = 1 / 24.0;
 
-/// Two sheets of different paper and mesh, one over the other within reach, both bent and out of
-/// rest; and the potential of a step of both.
+/// Two sheets of different paper and mesh, one over the other and closer than dhat, both bent and
+/// not at rest; and the potential of a step of both.
 struct TwoLayers {
   Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.08, 0.08, 5, 0.2, 2);
   Paper stiff;
@@ -40,7 +40,7 @@ struct TwoLayers {
     const int n = static_cast<int>(low.x.rows()), m = static_cast<int>(high.x.rows());
     mass_low = Eigen::VectorXd::Constant(n, 1e-5), mass_high = Eigen::VectorXd::Constant(m, 3e-5);
     Points2 pattern(n + m, 2);
-    // in one place: those of two sheets are no neighbours all the same
+    // they overlap on the pattern, but features of two sheets are not neighbours because of that
     pattern << low.pattern, high.pattern;
     Triangles triangles(low.triangles.rows() + high.triangles.rows(), 3);
     triangles << low.triangles, (high.triangles.array() + n).matrix();
@@ -80,7 +80,7 @@ struct TwoLayers {
   }
 };
 
-TEST(ElasticTogether, ThePotentialOfTwoSheetsHasTheDerivativesOfItsValue) {
+TEST(JointStep, DerivativesOfThePotentialOfTwoSheetsMatchItsValue) {
   TwoLayers two;
   two.contact->begin(two.x, {}, dt);
   ASSERT_GT(two.contact->active_by_sheet(two.x)[0].others, 100);
@@ -102,8 +102,8 @@ TEST(ElasticTogether, ThePotentialOfTwoSheetsHasTheDerivativesOfItsValue) {
     EXPECT_NEAR((W(two.x + step * way) - W(two.x - step * way)) / (2 * step),
                 gradient.cwiseProduct(way).sum(), 1e-5 * gradient.norm());
   }
-  // without contact, whose second derivative is cut to what is never indefinite, the matrix is
-  // exact, and nothing couples the two
+  // the Hessian of contact is cut so that it is never indefinite; without contact the matrix is
+  // exact, and nothing couples the two sheets
   apart.differentiate(two.x, HessianForm::exact, unused, matrix);
   const Eigen::MatrixXd second = matrix.dense();
   const auto n = 3 * two.low.x.rows();
@@ -119,7 +119,7 @@ TEST(ElasticTogether, ThePotentialOfTwoSheetsHasTheDerivativesOfItsValue) {
             1e-5 * told.norm());
 }
 
-TEST(ElasticTogether, SheetsPushEachOtherAlikeAndTurnEachOtherAlike) {
+TEST(JointStep, ContactForcesAndTorquesBetweenTwoSheetsCancel) {
   TwoLayers two;
   two.contact->begin(two.x, {}, dt);
   Points3 force = Points3::Zero(two.x.rows(), 3);
@@ -132,8 +132,8 @@ TEST(ElasticTogether, SheetsPushEachOtherAlikeAndTurnEachOtherAlike) {
   EXPECT_LT(turn.norm(), 1e-12 * force.norm());
 }
 
-/// Two free sheets, one over the other, of which the lower one flies up.
-TEST(ElasticTogether, AFreeSheetThatRunsIntoAnotherHandsItsMomentumOn) {
+/// Two free sheets, one over the other; the lower one flies up.
+TEST(JointStep, AFreeSheetThatRunsIntoAnotherPassesItsMomentumOn) {
   Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.08, 0.08, 5, 0.2, 2);
   high.x.rowwise() += Eigen::RowVector3d(0.01, 0.01, 3e-3);
   ElasticOptions options;
@@ -141,7 +141,7 @@ TEST(ElasticTogether, AFreeSheetThatRunsIntoAnotherHandsItsMomentumOn) {
   options.stop = 1e-8;
   Elastic of_low({}, options), of_high({}, options);
   of_low.set_mesh(low), of_high.set_mesh(high);
-  const double speed = 0.1;  // [m/s]: through it in one step of 96
+  const double speed = 0.1;  // [m/s] enough to pass through it in one step of 1/96 s
   low.v.col(2).setConstant(speed);
   const Held none{{}, Points3(0, 3)};
   const Points3 nowhere(0, 3);
@@ -167,11 +167,11 @@ TEST(ElasticTogether, AFreeSheetThatRunsIntoAnotherHandsItsMomentumOn) {
   }
   EXPECT_GT(touching, 0);
   EXPECT_GT(momentum(high), 0.2 * begun);
-  // what of the impact is unfinished after 40 iterations
+  // part of the impact is left unfinished after 40 iterations
   EXPECT_NEAR((momentum(low) + momentum(high)) / (begun * lost), 1, 0.04);
 }
 
-TEST(ElasticTogether, WaysAreClearUntilOneGoesThroughTheOtherOrEndsBesideIt) {
+TEST(JointStep, CollisionFreeUntilASheetPassesThroughTheOtherOrEndsCloseToIt) {
   Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.08, 0.08, 5, 0.2, 2);
   high.x.col(2).array() += 0.01;
   const Held none{{}, Points3(0, 3)};

@@ -7,7 +7,7 @@
 namespace paperbake {
 namespace {
 
-/// A jittered sheet held at its borders x = 0 and x = 0.1.
+/// A jittered sheet that is constrained at its borders x = 0 and x = 0.1.
 struct Gripped {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 12, 0.15);
   std::vector<int> held;
@@ -35,9 +35,9 @@ Points3 moving(const Sheet& sheet, double t, double acceleration) {
   return x;
 }
 
-constexpr double rounding = 1e-13;  // [m] of a solve with some 200 unknowns of size 0.1
+constexpr double rounding = 1e-13;  // [m] of a solution with some 200 unknowns of size 0.1
 
-TEST(Predictor, HeldVerticesAreExactlyAtTheirTargets) {
+TEST(Predictor, ConstrainedVerticesAreExactlyAtTheirTargets) {
   const Gripped g;
   Points3 targets = g.rows_of_held(g.sheet.x);
   std::mt19937 random(1);
@@ -46,7 +46,8 @@ TEST(Predictor, HeldVerticesAreExactlyAtTheirTargets) {
   const auto guesses =
       g.predictor().guesses(g.sheet.x, {moving(g.sheet, -1, 0), moving(g.sheet, -2, 0)}, targets);
   ASSERT_EQ(guesses.size(), 3u);
-  for (const Points3& guess : guesses) EXPECT_EQ(g.rows_of_held(guess), targets);  // to the bit
+  // to the last bit
+  for (const Points3& guess : guesses) EXPECT_EQ(g.rows_of_held(guess), targets);
 }
 
 TEST(Predictor, ATranslationOfAllHandlesTranslatesTheSheet) {
@@ -71,7 +72,8 @@ TEST(Predictor, LinearMotionIsPredictedExactly) {
   const auto guesses =
       g.predictor().guesses(x, {moving(g.sheet, -dt, 0)}, g.rows_of_held(expected));
   ASSERT_EQ(guesses.size(), 2u);
-  EXPECT_GT((guesses[0] - expected).cwiseAbs().maxCoeff(), 1e-4);  // at rest it is another guess
+  // the guess at rest is another one
+  EXPECT_GT((guesses[0] - expected).cwiseAbs().maxCoeff(), 1e-4);
   EXPECT_LT((guesses[1] - expected).cwiseAbs().maxCoeff(), rounding);
 }
 
@@ -88,8 +90,7 @@ TEST(Predictor, QuadraticMotionIsPredictedExactly) {
   EXPECT_LT((guesses[2] - expected).cwiseAbs().maxCoeff(), rounding);
 }
 
-/// Least area that a triangle keeps in the plane, over its area on the pattern; below 0 it is
-/// inverted.
+/// Smallest area of a triangle in the plane, over its area on the pattern; below 0 it is inverted.
 double least_area_kept(const Sheet& sheet, const Points3& x) {
   double least = 1e9;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
@@ -106,8 +107,8 @@ double least_area_kept(const Sheet& sheet, const Points3& x) {
 TEST(Predictor, AJumpOfABorderInvertsNoTriangle) {
   const Gripped g;
   const Predictor predictor = g.predictor();
-  // the border x = 0.1 leaps in the plane: nearly onto the other, far away, sideways, turned by 30
-  // degrees
+  // the border x = 0.1 jumps in the plane: nearly onto the other one, far away, sideways, rotated
+  // by 30 degrees
   const struct {
     Vector2d way;
     double turn;
@@ -127,7 +128,7 @@ TEST(Predictor, AJumpOfABorderInvertsNoTriangle) {
   }
 }
 
-TEST(Predictor, AJumpOfABorderIsSpreadEvenlyUpToTheOther) {
+TEST(Predictor, AJumpOfOneBorderIsSpreadEvenlyUpToTheOther) {
   // harmonic with free sides and a constant jump at one end: linear in between, on any mesh
   const Gripped g;
   Points3 targets = g.rows_of_held(g.sheet.x);
@@ -141,7 +142,7 @@ TEST(Predictor, AJumpOfABorderIsSpreadEvenlyUpToTheOther) {
   }
 }
 
-TEST(Predictor, AllVerticesHeldOrNoneNeedsNoHarmonicFunction) {
+TEST(Predictor, NoHarmonicFunctionIsNeededIfAllVerticesOrNoneAreConstrained) {
   const Sheet sheet = test::hex_sheet(0.1, 0.1, 2);
   std::vector<int> all(sheet.x.rows());
   for (int v = 0; v < sheet.x.rows(); ++v) all[v] = v;
