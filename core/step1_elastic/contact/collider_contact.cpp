@@ -13,7 +13,7 @@
 namespace paperbake {
 namespace {
 
-constexpr double tube = 1e-3;    // [m] how far vertices may move before the lists are made anew
+constexpr double tube = 1e-3;    // [m] how far vertices may move before the lists are rebuilt
 constexpr double in_cone = 0.1;  // [1] sine by which the way out may lean along a face
 constexpr double let_in = 0.2;   // [1] of depth(): an iteration may go this deep
 
@@ -77,7 +77,7 @@ void ColliderContact::gather(std::size_t c, Probe& probe) const {
   std::sort(probe.near.begin(), probe.near.end());
 }
 
-/// Makes the lists of the features that have moved anew.
+/// Rebuilds the lists of the features that have moved.
 void ColliderContact::refresh(std::size_t c, const Points3& home) {
   Against& a = against_[c];
   std::vector<char> stale(home.rows(), 0);

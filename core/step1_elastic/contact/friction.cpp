@@ -23,8 +23,7 @@ SlidingInPlane sliding(const Eigen::Vector2d& slid, double epsilon) {
 
 std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_by(const std::array<Vector3d, 4>& x, bool edges,
                                                       const Nearness& near) {
-  // [1] roughly a squared sine: two sides that are nearly parallel do not tell a rotation about
-  // them
+  // [1] roughly a squared sine: two nearly parallel sides do not show a rotation about themselves
   constexpr double alike = 0.05;
   const double d = near.distance();
   const Vector3d n = near.apart / d;

@@ -155,7 +155,7 @@ class Contact {
   mutable std::optional<NearTriangles> near_;  // made when it is first needed
   JoinedSheets sheets_;
   double reach_;
-  // [m] how far vertices may be off the motion of the last update before the list is made anew
+  // [m] how far vertices may be off the motion of the last update before the list is rebuilt
   double tube_;
 
   std::vector<int> grip_;  // |V| index into the constraints; -1: free

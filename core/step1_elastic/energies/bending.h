@@ -42,11 +42,11 @@ WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left
 ///                    the identity for paper without a grain. This makes the plate orthotropic:
 ///                    D r^(1/2) and D r^(-1/2), with Huber's twisting stiffness (1-nu) D
 ///
-/// A border edge has no dihedral angle. The part of S that only this edge could tell, n n^T, is
-/// left out: no moment crosses a free border. (With that part kept, triangles along the border
+/// A border edge has no dihedral angle. The part of S that only this edge could determine, n n^T,
+/// is left out: no moment crosses a free border. (With that part kept, triangles along the border
 /// store 1/12 too much energy; the arch of 232 triangles is off by 3 % instead of 0.3 %. With each
 /// angle given half to one side and half to the other, irregular meshes are 6 % too stiff instead
-/// of 3 %.) What a triangle cannot tell of S is not taken from Sp either.
+/// of 3 %.) What a triangle cannot determine of S is not taken from Sp either.
 /// source  [Grinspun 2006] for the operator; [Huber 1923] for the twist; the two rules are this
 ///         project's
 struct RestBending {
@@ -56,8 +56,8 @@ struct RestBending {
   double rigidity;                    // [N m] D of this triangle
   double poisson;
   double hardening;  // [1] eta
-  // from Sp0 to the part of Sp that the three angles can tell, with G on both sides; the identity
-  // inside a sheet without a grain
+  // from Sp0 to the part of Sp that the three angles can determine, with G on both sides; the
+  // identity inside a sheet without a grain
   Eigen::Matrix3d seen;
   Eigen::Matrix3d kept;  // from S to Sp0: the inverse of G on both sides
 };

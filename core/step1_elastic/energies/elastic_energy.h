@@ -19,8 +19,8 @@ using MembraneStress = std::vector<Eigen::Matrix2d>;  // [N/m] per triangle, sec
 class ElasticEnergy {
  public:
   /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
-  /// folds       creases, whose hinges turn by springs of their own (prescribed_creases.h): no
-  ///             bending moment crosses them, as none crosses a border
+  /// creases     their hinges turn by springs of their own (prescribed_creases.h): no bending
+  ///             moment crosses them, as none crosses a border
   ElasticEnergy(const Paper&, const Points2& pattern, const Triangles&,
                 const std::vector<double>& stiffening = {},
                 const std::vector<FoldLine>& folds = {});

@@ -124,7 +124,7 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
     how.max_iterations = std::max(how.max_iterations, s.most_in_touch());
   }
   std::vector<Points3> guesses;
-  // a sheet with fewer guesses repeats its last: it stays
+  // a sheet with fewer guesses repeats its last one, which leaves it where it is
   for (std::size_t g = 0; g < most_starts; ++g)
     guesses.push_back(joined(mesh, [&](std::size_t k) -> const Points3& {
       return starts[k][std::min(g, starts[k].size() - 1)];

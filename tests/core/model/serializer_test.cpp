@@ -162,7 +162,7 @@ TEST_P(SerializerTest, TheStateIsEverythingThatTheNextFramesDependOn) {
   }
 }
 
-/// Paper yields by the ridges of the step before, until a step finds them anew.
+/// Paper yields by the ridges of the step before, until a step looks for them again.
 TEST(Serializer, TheSolverStateKeepsItsRidges) {
   Sheet saddle = test::hex_sheet(0.1, 0.1, 8);
   Held held;

@@ -48,7 +48,7 @@ Sheet two_layers(double gap) {
 
 Points3 still(const Sheet& sheet) { return Points3::Zero(sheet.x.rows(), 3); }
 
-/// Energy with the list of pairs made anew.
+/// Energy with a new list of pairs.
 double energy_at(Contact& contact, const Points3& x) {
   contact.begin(x, {}, frame);
   return contact.energy(x);

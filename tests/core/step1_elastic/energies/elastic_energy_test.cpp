@@ -177,7 +177,7 @@ TEST(ElasticEnergy, CommittingThePlasticIncrementLeavesTheMomentUnchanged) {
 }
 
 TEST(ElasticEnergy, SheetInItsPlasticShapeIsAtRestUpToItsBorders) {
-  // the last triangles have no angle that could tell the curvature across the border: they must not
+  // the last triangles have no angle to determine the curvature across the border: they must not
   // take it from Sp either
   Sheet sheet = test::strip_sheet(0.03, 0.015, 40);
   ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
