@@ -18,6 +18,7 @@ enum class Inertia { quasi_static, dynamic };
 // automatic: self-contact is used in the steps in which the sheet comes near itself
 enum class SelfContact { automatic, off };
 
+/// Options of the elastic solver.
 struct ElasticOptions {
   // [m] Newton's method stops when every vertex is estimated to be within this distance of the
   // minimum
@@ -46,6 +47,7 @@ struct Held {
   ColliderMotion colliders = {};
 };
 
+/// What a step did, and the energies and contacts of the sheet at its end.
 struct ElasticReport {
   int iterations = 0;  // number of factorisations of the Hessian
   bool converged = true;

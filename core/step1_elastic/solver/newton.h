@@ -17,6 +17,7 @@ struct NewtonSystem {
   double membrane_stiffness;         // [N/m]
 };
 
+/// When a minimisation stops, and which variants of Newton's method it may use.
 struct NewtonOptions {
   // [m] it stops when every vertex is estimated to be within this distance of the minimum
   double stop;
@@ -28,6 +29,7 @@ struct NewtonOptions {
   std::function<bool(const Points3&)> in_vain = nullptr;
 };
 
+/// How a minimisation went.
 struct NewtonReport {
   int iterations = 0;
   bool converged = false;

@@ -17,6 +17,7 @@ inline constexpr int most_strides_on_colliders = 12;
 // [triangles] A mesh of at most this size is animated interactively: a snap-through may go on over
 // several frames.
 inline constexpr int coarse = 400;
+// Iterations that a step on such a mesh may take.
 struct Patience {
   int in_all, on_the_first;  // [1] iterations of a step; of these on the first branch
 };
