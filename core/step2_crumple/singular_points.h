@@ -11,8 +11,8 @@
 namespace paperbake {
 
 /// Where paper would bend in two directions at once, by vertex. A conflict shows in two ways: as a
-/// second principal curvature, and as folds of both signs (dihedral angles) that meet at one vertex,
-/// as the ridges and the valley of a d-cone do; along a ruling all folds have one sign.
+/// second principal curvature, and as folds (dihedral angles) of both signs that meet at one
+/// vertex, as the ridges and the valley of a d-cone do; along a ruling all folds have one sign.
 struct Conflicts {
   // [rad] the larger of two angles: the turning angle q_v = |k2| sqrt(A_v) in the second direction,
   // and the smaller one of the largest folds of either sign; 0 where nothing may be born
