@@ -10,7 +10,7 @@ namespace paperbake {
 struct RulingSample {
   Vector2d p;       // [m] point of the pattern
   Vector2d across;  // unit vector perpendicular to the ruling
-  double weight;
+  double weight;    // of this sample in the fit
 };
 
 /// The rulings of a generalised cone on the pattern: straight lines through one apex, which lies at
