@@ -1,6 +1,6 @@
-// The layers of the source tree, read off its #include lines: core <- formats <- baker. Inside each
-// layer the rooms (folders) lie on floors, and an include goes to a lower floor. The three steps of
-// the method know nothing of each other and show one header each.
+// Checks the layers of the source tree, core <- formats <- baker, by its #include lines. Inside
+// each layer the rooms (folders) lie on floors, and a room includes only rooms on lower floors. The
+// three steps of the method know nothing of each other, and each of them has one public header.
 
 #include <gtest/gtest.h>
 
@@ -19,14 +19,14 @@ namespace fs = std::filesystem;
 
 struct Source {
   std::string path;                   // from the root of the project
-  std::vector<std::string> includes;  // what stands between the quotes or angle brackets
+  std::vector<std::string> includes;  // the text between the quotes or angle brackets
   std::string code;                   // without comments
 };
 
 const std::vector<std::string> layers{"core", "formats", "baker"};  // from the bottom up
 
-/// Rooms of each layer, floor by floor from the bottom up. Rooms on one floor do not know each
-/// other.
+/// The rooms of all layers, floor by floor from the bottom up. Rooms on one floor do not include
+/// each other.
 const std::vector<std::vector<std::string>> floors{
     {"core/model"},
     {"core/geometry", "core/linear_algebra", "core/step3_developable"},
@@ -42,13 +42,13 @@ const std::vector<std::vector<std::string>> floors{
     {"baker/studies"},
 };
 
-/// "core/render" of a path below it; empty for a file that lies in no room, such as baker/main.cpp.
+/// The room of a file, such as "core/render"; empty for a file in no room, such as baker/main.cpp.
 std::string room_of(const std::string& path) {
   const std::size_t first = path.find('/'), second = path.find('/', first + 1);
   return second == std::string::npos ? "" : path.substr(0, second);
 }
 
-/// -1: of a room that has none.
+/// Number of the floor of a room, from the bottom up; -1: it has none.
 int floor_of(const std::string& room) {
   for (std::size_t i = 0; i < floors.size(); ++i)
     if (std::count(floors[i].begin(), floors[i].end(), room)) return static_cast<int>(i);
@@ -61,14 +61,14 @@ int layer_of(const std::string& path) {
   return -1;
 }
 
-/// "core/step1_elastic" of a path below it; empty outside the steps.
+/// The step that a file belongs to, such as "core/step1_elastic"; empty outside the steps.
 std::string step_of(const std::string& path) {
   std::smatch found;
   return std::regex_search(path, found, std::regex("^core/step[0-9]_[^/]+(?=/)")) ? found.str()
                                                                                   : "";
 }
 
-/// Comments may speak of what code may not do.
+/// Removes the comments, which may mention what the code must not do.
 std::string without_comments(std::string text) {
   const auto blank = [&](const char* from, const char* to) {
     for (std::size_t begin = 0; (begin = text.find(from, begin)) != std::string::npos;)
@@ -105,9 +105,9 @@ std::vector<Source> all_sources() {
   return all;
 }
 
-class Layering : public testing::Test {
+class LayeringTest : public testing::Test {
  protected:
-  /// A folder that was not found, or moved, must not make these tests pass.
+  /// These tests must not pass because a folder was moved or not found.
   void SetUp() override {
     for (const std::string& layer : layers)
       ASSERT_GT(sources_of(layer).size(), 5u)
@@ -119,13 +119,13 @@ class Layering : public testing::Test {
   }
 };
 
-TEST_F(Layering, CoreKnowsNothingOfFormatsAndFormatsNothingOfTheBaker) {
+TEST_F(LayeringTest, CoreKnowsNothingOfFormatsAndFormatsNothingOfTheBaker) {
   for (const Source& source : all_sources())
     for (const std::string& include : source.includes)
       EXPECT_LE(layer_of(include), layer_of(source.path)) << source.path << " includes " << include;
 }
 
-TEST_F(Layering, AnIncludeGoesToALowerFloorAndNeverUp) {
+TEST_F(LayeringTest, AnIncludeGoesToALowerFloor) {
   for (const Source& source : all_sources()) {
     const std::string here = room_of(source.path);
     if (here.empty()) continue;
@@ -138,13 +138,13 @@ TEST_F(Layering, AnIncludeGoesToALowerFloorAndNeverUp) {
   }
 }
 
-TEST_F(Layering, EveryRoomThatHasAFloorIsThere) {
+TEST_F(LayeringTest, EveryRoomThatHasAFloorExists) {
   for (const auto& floor : floors)
     for (const std::string& room : floor)
       EXPECT_TRUE(fs::is_directory(fs::path(PAPERBAKE_SOURCE) / room)) << room;
 }
 
-TEST_F(Layering, AFileOfOursIsIncludedByItsPathFromTheRoot) {
+TEST_F(LayeringTest, ProjectFilesAreIncludedByTheirPathFromTheRoot) {
   for (const Source& source : all_sources())
     for (const std::string& include : source.includes) {
       const bool from_root = layer_of(include) >= 0,
@@ -156,7 +156,7 @@ TEST_F(Layering, AFileOfOursIsIncludedByItsPathFromTheRoot) {
     }
 }
 
-TEST_F(Layering, TheStepsNeverIncludeEachOther) {
+TEST_F(LayeringTest, TheStepsNeverIncludeEachOther) {
   int steps = 0;
   for (const Source& source : sources_of("core")) {
     if (step_of(source.path).empty()) continue;
@@ -168,21 +168,21 @@ TEST_F(Layering, TheStepsNeverIncludeEachOther) {
   EXPECT_GT(steps, 2);
 }
 
-TEST_F(Layering, AStepIsEnteredThroughItsOneDoor) {
+TEST_F(LayeringTest, AStepIsIncludedThroughTheHeaderOfItsNameOnly) {
   int doors = 0;
   for (const Source& source : all_sources())
     for (const std::string& include : source.includes) {
       const std::string step = step_of(include);
       if (step.empty() || step == step_of(source.path)) continue;
       ++doors;
-      // core/step1_elastic/elastic.h
+      // for example core/step1_elastic/elastic.h
       const std::string door = step + step.substr(step.rfind('_')).replace(0, 1, "/") + ".h";
       EXPECT_EQ(include, door) << source.path;
     }
   EXPECT_GT(doors, 0);
 }
 
-TEST_F(Layering, CoreReadsNoFilesAndPrintsNothing) {
+TEST_F(LayeringTest, CoreReadsNoFilesAndPrintsNothing) {
   const std::regex header(
       "iostream|fstream|filesystem|fmt/.*|nlohmann/.*|toml.*|CLI/.*|assimp/.*|Imf.*");
   const std::regex call(
@@ -195,8 +195,8 @@ TEST_F(Layering, CoreReadsNoFilesAndPrintsNothing) {
   }
 }
 
-/// Methods are timed where frames are made, all alike.
-TEST_F(Layering, CoreHasOneClockAndOnlyTheLoopsOverFramesLookAtIt) {
+/// All methods are timed at the same place: in the loops that make the frames.
+TEST_F(LayeringTest, CoreHasOneClockAndOnlyTheLoopsOverFramesReadIt) {
   const std::regex clock(
       R"(<(chrono|ctime|time\.h|sys/time\.h|sys/resource\.h)>|\bclock(_gettime)?\s*\(|)"
       R"(\btime\s*\(\s*(NULL|nullptr|0)\s*\)|\bgettimeofday\b|\bgetrusage\b|_clock::now\b)");
@@ -219,7 +219,7 @@ TEST_F(Layering, CoreHasOneClockAndOnlyTheLoopsOverFramesLookAtIt) {
                                            "core/animation/refined_animation.cpp"}));
 }
 
-TEST_F(Layering, MainIsTheOnlyFileThatParsesTheCommandLine) {
+TEST_F(LayeringTest, MainIsTheOnlyFileThatParsesTheCommandLine) {
   std::vector<std::string> who;
   for (const Source& source : all_sources())
     for (const std::string& include : source.includes)

@@ -9,7 +9,8 @@
 
 namespace paperbake::test {
 
-/// A folder of this process alone, gone with it: tests run side by side.
+/// A folder for this process alone, because tests run side by side. It is removed when the process
+/// ends.
 inline const std::filesystem::path& own_folder() {
   struct Folder {
     std::filesystem::path path =

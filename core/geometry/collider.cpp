@@ -11,16 +11,16 @@
 namespace paperbake {
 namespace {
 
-constexpr double flat = 0.01;  // [rad] an edge that turns less does not stick out
-constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m]
-constexpr double of_thickness = 0.3;       // [1] of the thinnest side of a closed mesh
-constexpr double other_direction = 0.866;  // cosine
+constexpr double flat = 0.01;  // [rad] an edge with a smaller dihedral angle counts as flat
+constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m] limits of depth()
+constexpr double of_thickness = 0.3;  // [1] depth() over the shortest side of a closed mesh's box
+constexpr double other_direction = 0.866;  // [1] cosine of 30 degrees
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
 struct Wing {
-  int triangle, corner;  // the edge lies opposite
-  bool forwards;         // from the smaller vertex to the larger
+  int triangle, corner;  // the edge lies opposite this corner
+  bool forwards;         // the triangle runs from the smaller vertex number to the larger
 };
 
 using EdgeMap = std::map<std::pair<int, int>, std::vector<Wing>>;
@@ -215,7 +215,7 @@ Collider::OnTriangle Collider::on_triangle(const Vector3d& p, int t) const {
 
 std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector<int>& triangles,
                                             int side) const {
-  constexpr double coincident = 1e-9;  // [m] nearer than this the mesh tells the direction
+  constexpr double coincident = 1e-9;  // [m] for closer points the normal of the mesh is used
   std::vector<SurfacePoint> found;
   std::vector<OnTriangle> all;
   all.reserve(triangles.size());
@@ -227,7 +227,7 @@ std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector
   if (all.empty()) return found;
   const auto& [at, apart, pseudo_normal, border] = all[first];
   const double d = apart.norm();
-  // beside the border of an open mesh there is neither front nor back
+  // beyond the border of an open mesh there is neither front nor back
   const double sign = border && std::abs(apart.dot(row(face_normal_, triangles[first]))) < 0.999 * d
                           ? 1
                           : side * (apart.dot(pseudo_normal) < 0 ? -1 : 1);
@@ -247,7 +247,7 @@ std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector
 }
 
 SurfacePoint Collider::nearest(const Vector3d& p, double within, int side) const {
-  // twice as far until something is there, and then as far as that is
+  // widen the search until something is found, and once more until nothing closer can be missed
   SurfacePoint best{p, Vector3d::UnitZ(), std::numeric_limits<double>::infinity()};
   for (double reach = std::min(within, 2e-3);; reach = std::min(within, 4 * reach)) {
     std::vector<int> triangles;
@@ -296,7 +296,7 @@ double farthest_move(const Colliders& colliders, const Poses& from, const Poses&
 }
 
 void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
-  constexpr double lies_in_it = 1e-5;  // [m]
+  constexpr double lies_in_it = 1e-5;  // [m] a vertex closer than this has no vote
   for (ColliderMesh& mesh : meshes) {
     const Collider as_it_is(mesh);
     if (as_it_is.closed()) continue;
@@ -336,7 +336,7 @@ std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh> mesh
 
 double push_out(const Colliders& colliders, const Poses& poses, const Points3& known,
                 double clearance, Points3& x) {
-  constexpr double to_and_fro = 3;  // out of one thing may be into another
+  constexpr double to_and_fro = 3;  // [1] passes: a point pushed out may have entered elsewhere
   double deepest_found = 0;
   for (std::size_t c = 0; c < colliders.size(); ++c) {
     const Collider& collider = colliders[c];

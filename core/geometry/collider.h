@@ -13,27 +13,29 @@
 
 namespace paperbake {
 
-/// A mesh that the paper may not pass, as a scene has it.
+/// A rigid triangle mesh that the paper must not penetrate, as read from the scene.
 struct ColliderMesh {
   std::string name;
-  // |V|x3 [m] where it is in the first frame; no two vertices at one place
+  // |V|x3 [m] vertex positions in the first frame; no two vertices coincide
   Points3 x;
-  Triangles triangles;  // front counter-clockwise
-  // row f: from the first frame to frame first + f; empty: it stands still
+  Triangles triangles;  // |T|x3 counter-clockwise seen from the front
+  // element f: rigid motion from the first frame to frame first + f; empty: the mesh stands still
   std::vector<Eigen::Isometry3d> motion;
-  double friction = 0.4;  // [1] Coulomb's; paper on wood 0.3-0.5
+  double friction = 0.4;  // [1] Coulomb's coefficient of friction; paper on wood has 0.3-0.5
 };
 
-/// A place on a collider, in the space of its first frame.
+/// The point of a collider that is closest to a query point, in collider space: the coordinates of
+/// the collider's first frame.
 struct SurfacePoint {
-  Vector3d at;      // [m]
-  Vector3d normal;  // unit, along which the distance grows
-  double distance;  // [m] signed: negative behind the front
+  Vector3d at;      // [m] the point on the surface
+  Vector3d normal;  // unit vector along which the distance grows
+  double distance;  // [m] signed distance of the query point, negative behind the front
 };
 
-/// A rigid mesh that the paper may not pass, ready to be asked. All places are in the space of its
-/// first frame. Closed: its inside is forbidden, whichever way its triangles are turned. Open: its
-/// back, as far as a point is not there because it came round the border.
+/// A rigid obstacle for the paper, prepared for distance queries. All points are given in collider
+/// space. For a closed mesh the inside is forbidden, whatever the orientation of its triangles. For
+/// an open mesh the space behind its front is forbidden, except to points that have come round its
+/// border.
 class Collider {
  public:
   explicit Collider(ColliderMesh);
@@ -41,46 +43,50 @@ class Collider {
   const ColliderMesh& mesh() const { return mesh_; }
   bool closed() const { return closed_; }
 
-  /// How far behind the front a point can be and still be thought of as pressed in from there. [m]
+  /// Greatest depth behind the front at which a point still counts as pressed in from there. [m]
   double depth() const { return depth_; }
 
-  /// An edge that sticks out, or of the border, and a corner of such. What is near one is inside
-  /// when the way out of there, along the shortest line to it, goes away from all its faces.
+  /// A convex edge or a border edge, and a corner on such edges. A feature of the sheet close to
+  /// one of them is inside the collider when the shortest line from the feature to the edge (or
+  /// corner) leads out of all its faces.
   struct Edge {
     int a, b;
-    // unit, along its faces; at a border the second is straight behind the first
+    // unit vectors along its faces, perpendicular to the edge; at a border the second points
+    // straight behind the first face
     std::array<Vector3d, 2> inward;
     bool border;
   };
   struct Corner {
     int vertex;
-    // unit, along its edges; at a border the last is straight behind it
+    // unit vectors along its edges; at a border the last points straight behind the surface
     std::vector<Vector3d> inward;
   };
   const std::vector<Edge>& edges() const { return edges_; }
   const std::vector<Corner>& corners() const { return corners_; }
 
-  /// Visits what may be nearer than `within` to the box low-high.
+  /// Calls the visitor with the number of every triangle that may be closer than `within` [m] to
+  /// the axis-aligned box from `low` to `high` [m].
   void near_triangles(const Vector3d& low, const Vector3d& high, double within,
                       const std::function<void(int)>&) const;
-  // of edges()
+  /// The same for edges(), with indices into them.
   void near_edges(const Vector3d& low, const Vector3d& high, double within,
                   const std::function<void(int)>&) const;
-  // of corners()
+  /// The same for corners(), with indices into them.
   void near_corners(const Vector3d& low, const Vector3d& high, double within,
                     const std::function<void(int)>&) const;
 
-  /// The points of these triangles nearest to p: the very nearest first, with the sign of its
-  /// distance; behind it those in front of p in other directions (by 30 degrees and more), as in a
-  /// corner of a room. side: -1 sees an open mesh from behind.
+  /// The points of these triangles that are closest to p. The first is the closest of all, with
+  /// signed distance. After it come those that have p in front of them in other directions (by 30
+  /// degrees or more), as in the corner of a room. A side of -1 regards an open mesh from behind.
   /// source  [Baerentzen 2005] for the sign
   std::vector<SurfacePoint> nearest(const Vector3d& p, const std::vector<int>& triangles,
                                     int side) const;
-  /// The nearest of all, infinitely far when none is within.
+  /// The closest point of the whole collider; its distance is infinite when none is closer than
+  /// `within` [m].
   SurfacePoint nearest(const Vector3d& p, double within, int side) const;
 
  private:
-  /// Boxes in a binary tree: node k has the children 2k+1, 2k+2.
+  /// A bounding-box tree: the items are halved at the median along the longest side of their box.
   class Tree {
    public:
     void build(std::vector<Eigen::AlignedBox3d> boxes);
@@ -96,7 +102,7 @@ class Collider {
     std::vector<Node> nodes_;
   };
   struct OnTriangle {
-    Vector3d at, apart, pseudo_normal;  // apart: from there to the point
+    Vector3d at, apart, pseudo_normal;  // closest point, vector from it to the query point
     bool border;
   };
   OnTriangle on_triangle(const Vector3d& p, int t) const;
@@ -105,7 +111,7 @@ class Collider {
   bool closed_ = false;
   double depth_ = 0;
   Points3 face_normal_, vertex_normal_;  // |T|x3, |V|x3
-  // of each triangle, of the edge opposite its corner
+  // [triangle][corner]: pseudo-normal of the edge opposite that corner, and whether it is a border
   std::vector<std::array<Vector3d, 3>> edge_normal_;
   std::vector<std::array<char, 3>> border_edge_;
   std::vector<char> border_vertex_;
@@ -115,29 +121,34 @@ class Collider {
 };
 
 using Colliders = std::vector<Collider>;
-// of each collider: from its first frame to where it is
+// for each collider: the rigid motion from its first frame to its current position
 using Poses = std::vector<Eigen::Isometry3d>;
 
-/// Where they are; before the first and after the last row they rest. row: frame - first frame
+/// Poses of the colliders in one frame; before the first and after the last key they stand still.
+/// row  frame - first frame of the scene
 Poses poses_at(const Colliders&, int row);
-/// Half way.
+/// The poses half way between two others: rotations by slerp, translations by their mean.
 Poses between(const Poses&, const Poses&);
-/// Farthest that any point of them goes. [m]
+/// Largest displacement of any point of the colliders. [m]
 double farthest_move(const Colliders&, const Poses& from, const Poses& to);
 
-/// Turns open meshes so that their front is on the side where most of the sheet is at the start;
-/// where it lies in them, where handles go; where they do not tell, upwards.
-/// keyed  [m] places where handles go
+/// Orients open meshes so that their front is on the side where most of the sheet is at the start.
+/// Where the sheet lies in the surface, the keyed positions of the handles decide, and where these
+/// do not decide either, the front is turned upwards.
+/// x      |V|x3 [m] vertices of the sheet at the start
+/// keyed  |K|x3 [m] positions to which handles go
 void face_the_sheet(std::vector<ColliderMesh>&, const Points3& x, const Points3& keyed);
-/// Colliders of a scene so turned, for a sheet at x that these handles hold; null where there are
-/// none.
+/// The colliders of a scene, oriented by face_the_sheet for a sheet at x with these handles; null
+/// when there are none.
 std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh>, const Points3& x,
                                                   const std::vector<Handle>&);
 
-/// Moves points of a sheet that are inside of something out of it.
-/// known   |V|x3 [m] near x, on the side of open meshes where the points belong; as x, or of a
-///         surface that x smoothes
-/// returns how deep the deepest was [m]
+/// Moves points of a sheet that are inside a collider, or closer to it than `clearance`, out of it.
+/// known      |V|x3 [m] points near x that are on the allowed side of open meshes: x itself, or the
+///            surface that x smooths
+/// clearance  [m]
+/// x          |V|x3 [m] the points, changed in place
+/// returns    [m] greatest depth of a point that was inside; 0 when none was
 double push_out(const Colliders&, const Poses&, const Points3& known, double clearance, Points3& x);
 
 }  // namespace paperbake

@@ -19,9 +19,9 @@ using Cdt = CGAL::Constrained_Delaunay_triangulation_2<
     CGAL::No_constraint_intersection_requiring_constructions_tag>;
 using Edges = std::vector<std::pair<int, int>>;
 
-/// Marks the faces by 1 on the paper, 0 beside it: on the way in from infinity each border that is
-/// crossed changes the side. (To ask where a centroid lies is not enough: three points of one side
-/// may span a triangle of 1e-23 m2 beside the paper.)
+/// Marks each face with 1 on the paper and 0 outside it: on the way in from infinity, every border
+/// edge that is crossed changes the side. (Testing where the centroid lies is not enough: three
+/// points on one side of a polygon may span a triangle of 1e-23 m2 outside the paper.)
 void mark_paper(Cdt& cdt, const Edges& chords) {
   Edges inner = chords;
   for (auto& [a, b] : inner)
@@ -63,8 +63,8 @@ std::optional<Triangles> constrained_delaunay(const std::vector<Vector2d>& point
   } catch (const std::exception&) {
     return std::nullopt;
   }
-  // a crossing right in a vertex is no exception: the vertex is there once, or in the way of an
-  // edge
+  // edges that cross exactly at a vertex throw no exception: two points then share a vertex, or a
+  // vertex lies on an edge
   if (cdt.number_of_vertices() < points.size()) return std::nullopt;
   for (const Edges* edges : {&border, &chords})
     for (const auto& [a, b] : *edges)

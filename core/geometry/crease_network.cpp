@@ -9,7 +9,7 @@
 namespace paperbake {
 
 CreaseNetwork crease_network(const Sheet& sheet) {
-  constexpr double folded = 0.35;  // [rad]
+  constexpr double folded = 0.35;  // [rad] 20 degrees
   struct Part {
     int to;
     double length;  // [m]
@@ -39,7 +39,7 @@ CreaseNetwork crease_network(const Sheet& sheet) {
         const Part& next = creases_at[to][creases_at[to][0].to == from];
         from = to, to = next.to, length += next.length;
       }
-      // it is met from both its ends
+      // a crease is found from both of its ends: keep it once
       if (v < to || (v == to && first.to < from)) network.creases.push_back(length);
     }
   }

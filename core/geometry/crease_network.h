@@ -6,13 +6,13 @@
 
 namespace paperbake {
 
-/// The creases of a crumpled sheet, counted by its mesh. A crease is a chain of edges folded by
-/// more than 20 degrees, from one singular point, junction or end to the next.
+/// The crease network of a crumpled sheet, measured on its mesh. A crease is a chain of edges with
+/// dihedral angles over 20 degrees, from one singular point, junction or end to the next.
 struct CreaseNetwork {
-  double length = 0;            // [m] of all creases, on the pattern
-  double count = 0;             // half their ends; a closed one has none
-  std::vector<double> creases;  // [m] of each that has ends
-  double mean() const { return length / (count > 1 ? count : 1); }  // [m]
+  double length = 0;            // [m] total length of the creases on the pattern
+  double count = 0;             // [1] half the number of their ends; a closed crease counts 0
+  std::vector<double> creases;  // [m] length of each crease that has ends
+  double mean() const { return length / (count > 1 ? count : 1); }  // [m] mean length
 };
 CreaseNetwork crease_network(const Sheet&);
 

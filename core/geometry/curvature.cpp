@@ -11,8 +11,8 @@
 namespace paperbake {
 namespace {
 
-/// Where the triangle's plane has the slope of a round surface through its corners: the
-/// circumcentre, as its distance from the edge ab. Negative beyond the edge. [m]
+/// Distance of a triangle's circumcentre from its edge ab, negative beyond the edge. There the
+/// plane of the triangle has the slope of a round surface through its corners. [m]
 double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   const Vector2d u = a - c, v = b - c;
   return 0.5 * (b - a).norm() * u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
@@ -26,11 +26,11 @@ Matrix2d matrix(const Eigen::RowVector3d& t) {
   return m;
 }
 
-/// What a ring tells of the curvature, from the sum of its folds and what a round surface would
-/// give; both over its area.
+/// The curvature that a one-ring shows. judge() computes it from the sum over its edges and from
+/// the value of that sum for a surface of curvature 1, both divided by the area of the ring.
 struct Ring {
   Matrix2d curvature;
-  Matrix2d blind;  // projector on the directions in which the ring has next to no folds
+  Matrix2d blind;  // projector onto the directions in which the ring has hardly any edges
 };
 Ring judge(const Matrix2d& folds, const Matrix2d& round) {
   constexpr double least_seen = 0.25;
@@ -82,7 +82,7 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
     const double round = circumcentre_height(at(v[0]), at(v[1]), at(v[2])) +
                          circumcentre_height(at(v[0]), at(v[1]), at(v[3]));
     for (int k = 0; k < 4; ++k) {
-      const double share = k < 2 ? 1.0 : 0.5;  // a spoke of its ends, a link of the wings
+      const double share = k < 2 ? 1.0 : 0.5;  // spoke of its two ends, link of its two wings
       folds.row(v[k]) += share * turn * nn;
       seen.row(v[k]) += share * round * nn;
     }
@@ -92,7 +92,7 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
     if (area[v] > 0)
       rings[v] = judge(matrix(folds.row(v)) / area[v], matrix(seen.row(v)) / area[v]);
 
-  // a ring that is blind in a direction takes that part from its neighbours
+  // in directions to which a ring is blind it takes the curvature of its neighbours
   std::vector<Matrix2d> around(rings.size(), Matrix2d::Zero());
   std::vector<int> neighbours(rings.size(), 0);
   for (int t = 0; t < triangles.rows(); ++t)
@@ -112,7 +112,7 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
   return result;
 }
 
-/// |k2|
+/// |k2| of a curvature tensor. [1/m]
 static double lesser_curvature(const Vector3d& tensor) {
   return std::abs(std::abs(0.5 * (tensor[0] + tensor[2])) -
                   std::hypot(0.5 * (tensor[0] - tensor[2]), tensor[1]));
@@ -122,7 +122,7 @@ Principal principal_curvature(const Vector3d& tensor) {
   const double mean = 0.5 * (tensor[0] + tensor[2]),
                half_difference = 0.5 * (tensor[0] - tensor[2]);
   const double radius = std::hypot(half_difference, tensor[1]);
-  // of the algebraically larger eigenvalue
+  // direction of the algebraically larger eigenvalue
   const double phi = 0.5 * std::atan2(tensor[1], half_difference);
   if (mean >= 0) return {mean + radius, mean - radius, {std::cos(phi), std::sin(phi)}};
   return {mean - radius, mean + radius, {-std::sin(phi), std::cos(phi)}};

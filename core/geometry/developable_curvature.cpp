@@ -16,29 +16,29 @@ using Eigen::Matrix2d;
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// Sxx, sqrt(2) Sxy, Syy: the product of two tensors is that of these.
+/// Sxx, sqrt(2) Sxy, Syy: the inner product of two tensors is the dot product of these vectors.
 Vector3d as_vector(const Matrix2d& S) { return {S(0, 0), std::sqrt(2.0) * S(0, 1), S(1, 1)}; }
 
-/// A fold spread over its two triangles, as one of the terms of S.
+/// The dihedral angle of an edge spread over its two triangles: the term k n (x) n of S.
 struct Term {
   double k;    // [1/m]
   Vector2d n;  // unit
 };
 
-/// What a border edge with the normal b adds to the terms of the two other edges, so that the
-/// determinant vanishes.
+/// The term of a border edge with normal b that, together with the terms of the two other edges,
+/// makes the determinant vanish.
 Matrix2d completion(const Term& p, const Term& q, const Vector2d& b) {
   if (p.k * q.k <= 0) return Matrix2d::Zero();
   const double pq = cross(p.n, q.n), pb = cross(p.n, b), qb = cross(q.n, b);
   return -p.k * q.k * pq * pq / (p.k * pb * pb + q.k * qb * qb) * b * b.transpose();
 }
 
-/// What the triangles about a vertex know.
+/// What the triangles around a vertex determine of its curvature tensor.
 struct Ring {
   double area = 0;  // [m2]
-  // [m2] sum of area x projector on what a triangle knows
+  // [m2] sum of area x projector onto the components that a triangle determines
   Eigen::Matrix3d known = Eigen::Matrix3d::Zero();
-  // [m]  of that part of their S; of the whole with its completion
+  // [m] sum of area x those components of S_t; sum of area x all of S_t, completed at borders
   Vector3d told = Vector3d::Zero(), guess = told;
 
   bool knows_all() const {
@@ -46,7 +46,7 @@ struct Ring {
     return area > 0 && Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(known, Eigen::EigenvaluesOnly)
                                .eigenvalues()[0] > enough * area;
   }
-  /// otherwise  [1/m] what is taken for the unknown part
+  /// otherwise  [1/m] value assumed for the undetermined components
   Vector3d curvature(const Vector3d& otherwise) const {
     constexpr double guessed = 0.05;
     const Eigen::Matrix3d unknown = guessed * (area * Eigen::Matrix3d::Identity() - known);
@@ -64,7 +64,7 @@ Points3 developable_curvature(const Sheet& sheet) {
   const auto area = [&](int t) {
     return 0.5 * cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
   };
-  std::vector<double> bend;  // theta/A of each hinge [1/m2]
+  std::vector<double> bend;  // [1/m2] theta/A of each hinge
   for (const Hinge& hinge : hinges.hinges)
     bend.push_back(fold_angle(sheet.x, hinge) /
                    (area(hinge.triangles[0]) + area(hinge.triangles[1])));
@@ -86,7 +86,7 @@ Points3 developable_curvature(const Sheet& sheet) {
         continue;
       }
       border = n;
-      // of a second border edge: what the first has not taken
+      // of a second border edge only the part that the first has not removed
       const Vector3d rest = known * as_vector(n * n.transpose());
       if (rest.norm() > 1e-6) known -= rest * rest.transpose() / rest.squaredNorm();
     }

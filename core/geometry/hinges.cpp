@@ -7,14 +7,14 @@
 namespace paperbake {
 
 Hinges find_hinges(const Triangles& triangles) {
-  struct Side {  // of a triangle, from a vertex to `to`, whose other triangle has not come yet
+  struct Side {  // of a triangle, from a vertex to `to`; its other triangle is not found yet
     int to, triangle, corner, next;
   };
   constexpr int none = -1;
   Hinges result;
   result.of_triangle.assign(triangles.rows(), {-1, -1, -1});
   result.hinges.reserve(3 * triangles.rows() / 2);
-  // of a vertex: a list in `open`
+  // for each vertex: head of the list in `open` of the sides that start there
   std::vector<int> first(triangles.size() ? triangles.maxCoeff() + 1 : 0, none);
   std::vector<Side> open;
   open.reserve(triangles.size());
@@ -50,7 +50,7 @@ double fold_angle(const Points3& x, const Hinge& hinge) {
   const auto at = [&](int k) -> Vector3d { return x.row(hinge.vertices[k]); };
   const Vector3d x0 = at(0), e = at(1) - x0;
   const Vector3d left = e.cross(at(2) - x0), right = (at(3) - x0).cross(e);
-  // both arguments carry |left||right|: the normals need not be unit
+  // both arguments have the factor |left||right|, so the normals need not be unit vectors
   return std::atan2(left.cross(right).dot(e) / e.norm(), left.dot(right));
 }
 

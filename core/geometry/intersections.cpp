@@ -8,8 +8,8 @@
 #include <cstddef>
 #include <vector>
 
-// Counted by CGAL with exact predicates: an answer that does not come from the solver's own contact
-// code.
+// Intersections are counted with the exact predicates of CGAL, so that the count does not depend on
+// the solver's own contact code.
 
 namespace paperbake {
 namespace {
@@ -18,10 +18,11 @@ using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Point = Kernel::Point_3;
 using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, int>;
 
-// boxes that are no longer divided; CGAL's own 10 takes three times as long on a sheet
+// number of boxes below which CGAL tests all pairs; its default of 10 takes three times as long on
+// a sheet
 constexpr std::ptrdiff_t scanned = 1000;
 
-/// An edge of one triangle passes through the inside of the other.
+/// True when the edge p-q passes through the interior of triangle t.
 bool pierces(const Point& p, const Point& q, const std::array<Point, 3>& t) {
   const auto above = CGAL::orientation(t[0], t[1], t[2], p),
              below = CGAL::orientation(t[0], t[1], t[2], q);
@@ -43,16 +44,16 @@ bool cross(const std::array<Point, 3>& p, const std::array<Point, 3>& q) {
   return false;
 }
 
-/// Triangles s and t of a mesh pass through each other.
+/// True when triangles s and t of a mesh intersect.
 bool cross(const Sheet& sheet, int s, int t) {
-  int shared = 0, of_s = -1, of_t = -1;  // corners in common; the last of them
+  int shared = 0, of_s = -1, of_t = -1;  // number of common corners; the last one in s and in t
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
       if (sheet.triangles(s, i) == sheet.triangles(t, j)) ++shared, of_s = i, of_t = j;
   if (shared > 1) return false;
   const auto p = corners(sheet, s), q = corners(sheet, t);
   if (shared == 0) return cross(p, q);
-  // round a shared corner only the edges opposite to it can pass through the other triangle
+  // triangles with a common corner can intersect only by the edges opposite that corner
   return pierces(p[(of_s + 1) % 3], p[(of_s + 2) % 3], q) ||
          pierces(q[(of_t + 1) % 3], q[(of_t + 2) % 3], p);
 }

@@ -4,10 +4,10 @@
 
 namespace paperbake {
 
-/// Pairs of triangles that pass through each other (touching in a shared vertex or edge does not
-/// count).
+/// Number of pairs of triangles of a sheet that intersect. Touching in a shared vertex or edge does
+/// not count.
 int crossings(const Sheet&);
-/// The same of two sheets: pairs of one of each.
+/// The same for two sheets: pairs with one triangle from each.
 int crossings_between(const Sheet&, const Sheet&);
 
 }  // namespace paperbake

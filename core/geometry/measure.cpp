@@ -98,7 +98,7 @@ Points3 vertex_normals(const Points3& x, const Triangles& triangles) {
       normals.row(v) /= length;
     else
       normals.row(v) =
-          Eigen::RowVector3d::UnitZ();  // folded shut upon itself: any direction is as good
+          Eigen::RowVector3d::UnitZ();  // folded flat onto itself: any direction is as good
   }
   return normals;
 }

@@ -4,11 +4,11 @@
 
 namespace paperbake {
 
-/// Carries what the vertices of one mesh of a pattern know over to the vertices of another,
-/// linearly in each triangle.
+/// Interpolates quantities given at the vertices of one mesh of a pattern to other points of it,
+/// such as the vertices of another mesh; linear in each triangle.
 class Transfer {
  public:
-  /// to  |W|x2 [m] points of the pattern that ask
+  /// to  |W|x2 [m] points of the pattern at which values are wanted
   Transfer(const Points2& pattern, const Triangles&, const Points2& to);
   Points3 operator()(const Points3& per_vertex) const;  // |V|x3 -> |W|x3
 

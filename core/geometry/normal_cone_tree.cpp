@@ -9,7 +9,7 @@ namespace {
 
 constexpr int most_in_leaf = 4;
 constexpr double any = M_PI;
-constexpr double half_space = 1.5;  // [rad]
+constexpr double half_space = 1.5;  // [rad] a cone with a smaller angle lies in one half-space
 
 double angle_between(const Vector3d& a, const Vector3d& b) {
   return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
@@ -51,7 +51,7 @@ int TriangleTree::build(const Points2& middles, const Points2& pattern, int begi
 
 struct TriangleTree::Search {
   const TriangleTree& tree;
-  std::vector<Eigen::AlignedBox3d> boxes = {};  // of the triangles, in the tree's order
+  std::vector<Eigen::AlignedBox3d> boxes = {};  // of the swept triangles, in the tree's order
   std::vector<Bound> bounds = {};
   std::vector<std::pair<int, int>> found = {};
 

@@ -9,28 +9,30 @@
 
 namespace paperbake {
 
-/// Boxes and cones of normals over a mesh that is a sheet of paper, halved on the pattern again and
-/// again. Finds what may come near itself: neighbours on the pattern with all normals in one half
-/// of space do not [Volino 1994]; on noise 3 % of the pairs are missed.
+/// A bounding-volume hierarchy with boxes and cones of normals over the mesh of one sheet, made by
+/// halving the mesh on the pattern again and again. It finds what may come into self-contact:
+/// neighbours on the pattern whose normals all lie in one half-space do not [Volino 1994]. On a
+/// sheet deformed by noise 3 % of the pairs are missed.
 class TriangleTree {
  public:
   TriangleTree(const Points2& pattern, const Triangles&);
 
-  /// Pairs of triangles that may pass through each other while every vertex is somewhere between x
-  /// and y on a straight line, in an order that depends on the mesh alone. Pairs with two common
-  /// corners are left out.  x, y  |V|x3 [m]
+  /// Pairs of triangles that may intersect while every vertex is anywhere on the straight line from
+  /// x to y, in an order that depends on the mesh alone. Pairs with two common corners are left
+  /// out.
+  /// x, y  |V|x3 [m]
   std::vector<std::pair<int, int>> near(const Points3& x, const Points3& y) const;
 
  private:
   struct Node {
-    int begin, end;  // of order_
-    int second;      // child beside the first, which is the next node; -1: a leaf
+    int begin, end;  // range of order_
+    int second;      // number of the second child; the first is the next node; -1: a leaf
     Eigen::AlignedBox2d pattern;
   };
   struct Bound {
     Eigen::AlignedBox3d box;
     Vector3d axis;
-    double angle;  // [rad] of every normal to the axis, at most; pi: any
+    double angle;  // [rad] largest angle between a normal and the axis; pi: any direction
   };
   struct Search;
   int build(const Points2& middles, const Points2& pattern, int begin, int end);

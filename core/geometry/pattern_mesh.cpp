@@ -20,19 +20,19 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
   return (p - a - t * d).norm();
 }
 
-/// The points of a mesh under construction: border polygons first, then required points inside,
-/// then free ones.
+/// The points of a mesh under construction: first the border polygons, then the required points
+/// inside, then the free points.
 struct Cloud {
   std::vector<Vector2d> points;
-  std::vector<std::pair<int, int>> border;  // segments
-  std::vector<std::pair<int, int>> chords;  // parts of folded lines
-  Pattern polygons;                         // what the border segments enclose
+  std::vector<std::pair<int, int>> border;  // segments of the border polygons
+  std::vector<std::pair<int, int>> chords;  // segments of the prescribed creases
+  Pattern polygons;                         // region that the border segments enclose
   std::vector<int> point_vertex;
-  int fixed = 0;  // the first so many may not move
+  int fixed = 0;  // number of points, from the first on, that must not move
 };
 
-/// A closed polygon without the vertices that a coarser one does not need: the skipped ones stay
-/// within `tolerance` of it and no side grows beyond `longest` by skipping.
+/// A closed polygon without the vertices that a coarser one does not need: the omitted ones stay
+/// within `tolerance` [m] of it, and no side becomes longer than `longest` [m] by the omission.
 std::vector<Vector2d> coarsen(const std::vector<Vector2d>& polygon, double longest,
                               double tolerance) {
   const std::size_t n = polygon.size();
@@ -55,7 +55,7 @@ std::vector<Vector2d> coarsen(const std::vector<Vector2d>& polygon, double longe
   return kept.size() < 3 ? polygon : kept;
 }
 
-/// One border polygon in parts of about `edge`, with the required points that lie on it as
+/// Divides one border polygon into parts of about `edge` [m]; required points that lie on it become
 /// vertices.
 void sample_border(const std::vector<Vector2d>& polygon, double edge,
                    const std::vector<Vector2d>& required, double snap, Cloud& cloud) {
@@ -101,7 +101,7 @@ void add_required(const std::vector<Vector2d>& required, double snap, Cloud& clo
   cloud.fixed = static_cast<int>(cloud.points.size());
 }
 
-/// Folded lines in parts of about `edge`, by way of the points that lie on them.
+/// Divides prescribed creases into parts of about `edge` [m], through the points that lie on them.
 void add_folds(const std::vector<FoldLine>& folds, double edge, double snap, Cloud& cloud) {
   const auto vertex_at = [&](const Vector2d& p) {
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
@@ -113,7 +113,7 @@ void add_folds(const std::vector<FoldLine>& folds, double edge, double snap, Clo
   for (const FoldLine& fold : folds)
     for (std::size_t s = 0; s + 1 < fold.line.size(); ++s) {
       const Vector2d a = fold.line[s], d = fold.line[s + 1] - a;
-      std::vector<std::pair<double, int>> stops;  // share of the way, vertex
+      std::vector<std::pair<double, int>> stops;  // fraction of the segment, vertex
       for (std::size_t i = 0; i < cloud.points.size(); ++i)
         if (distance_to_segment(cloud.points[i], a, a + d) <= snap)
           stops.emplace_back((cloud.points[i] - a).dot(d) / d.squaredNorm(), static_cast<int>(i));
@@ -153,8 +153,8 @@ Vector2d grain(const std::vector<Vector2d>& outline) {
   return best.normalized();
 }
 
-/// Fills the inside with rows of equilateral triangles that fit the extent of the outline along its
-/// longest side.
+/// Fills the interior with rows of equilateral triangles that are fitted to the extent of the
+/// outline along its longest side.
 void add_lattice(double edge, double turn, Cloud& cloud) {
   const Vector2d along = Eigen::Rotation2Dd(turn) * grain(cloud.polygons.outline),
                  across(-along.y(), along.x());
@@ -167,7 +167,7 @@ void add_lattice(double edge, double turn, Cloud& cloud) {
   const Vector2d step(size.x() / columns, size.y() / rows);
 
   const double clear = 0.6 * edge, clear_border = 0.4 * edge;
-  // fixed points in cells of the clearance, so that only nine cells are asked
+  // the fixed points in a grid of cells of that clearance, so that nine cells need to be searched
   std::multimap<std::pair<int, int>, int> cells;
   const auto cell = [&](const Vector2d& p) {
     return std::make_pair(int(std::floor(p.x() / clear)), int(std::floor(p.y() / clear)));
@@ -215,7 +215,7 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   cloud.polygons.outline = coarsen(pattern.outline, 1.2 * edge, border * edge);
   for (const auto& hole : pattern.holes)
     cloud.polygons.holes.push_back(coarsen(hole, 1.2 * edge, border * edge));
-  // a coarsened border passes beside its required points, or cuts those near it off: bring them
+  // a coarsened border misses the required points on it, or cuts off those close to it: move them
   // onto the polygon
   std::vector<Vector2d> required = points;
   const std::vector<Vector2d> stops = fold_stops(pattern.folds);

@@ -6,32 +6,32 @@
 
 namespace paperbake {
 
-/// A triangulation of the pattern.
+/// A triangle mesh of the pattern.
 struct PatternMesh {
   Points2 vertices;               // |V|x2 [m]
   Triangles triangles;            // |T|x3 counter-clockwise
-  std::vector<int> point_vertex;  // which vertex each required point became; equal points share one
+  std::vector<int> point_vertex;  // vertex of each required point; equal points share one
 };
 
-/// Lines that were folded are rows of edges; their vertices are in point_vertex, behind those of
-/// the points. Near-equilateral triangles: rows of a lattice along the longest side of the outline,
-/// the border in equal parts, and every required point a vertex; smoothed where lattice, border and
-/// points meet.
-/// edge    [m] aimed at
-/// points  [m] inside the pattern or on its border
-/// turn    [rad] of the lattice against the longest side
-/// border  [edges] borders finer than an edge are followed to this
-/// throws Error(Fault::scene) when the outline crosses or touches itself
+/// Meshes the pattern with nearly equilateral triangles: rows of a lattice along the longest side
+/// of the outline, the border in equal parts, every required point a vertex; smoothed where
+/// lattice, border and points meet. Prescribed creases become rows of edges; their vertices follow
+/// those of the required points in point_vertex.
+/// edge    [m] desired edge length
+/// points  [m] required points, inside the pattern or on its border
+/// turn    [rad] angle of the lattice against the longest side
+/// border  [1] tolerance, in edge lengths, within which a border with finer detail is followed
+/// throws  Error(ErrorCode::scene) when the outline crosses or touches itself
 PatternMesh mesh_pattern(const Pattern&, double edge, const std::vector<Vector2d>& points,
                          double turn = 0, double border = 0.02);
 
-/// The same with about `triangles` triangles (within 10 % where the outline and the points leave
+/// The same with about `triangles` triangles (within 10 %, where the outline and the points leave
 /// that choice).
 PatternMesh mesh_pattern_with(const Pattern&, int triangles, const std::vector<Vector2d>& points,
                               double turn = 0);
 
-/// Renumbers the vertices so that the required points come first, in the order of the points.
-/// returns  how many vertices they are
+/// Renumbers the vertices so that the required points come first, in their own order.
+/// returns  number of vertices that the required points became
 int number_points_first(PatternMesh&);
 
 }  // namespace paperbake

@@ -7,14 +7,15 @@
 
 namespace paperbake {
 
-/// Points of a pattern on a regular grid, by which sheets on different meshes are compared.
+/// Sample points of a pattern on a regular grid, for the comparison of sheets with different
+/// meshes.
 class PatternSamples {
  public:
-  /// along  points on each side of the bounding box; those that lie in the pattern count
+  /// along  number of points on each side of the bounding box; those inside the pattern are used
   explicit PatternSamples(const Pattern&, int along = 41);
 
-  /// Where the points are on a sheet, and its normals there as they are shaded: of vertices,
-  /// interpolated. [m], unit
+  /// Positions of the sample points on a sheet [m] and unit normals there, interpolated from the
+  /// vertex normals as in shading.
   struct Sampled {
     Points3 x, normals;
   };
@@ -24,7 +25,7 @@ class PatternSamples {
   std::vector<Vector2d> points_;  // [m]
 };
 
-/// Root of the mean square distance. [m]
+/// Root mean square of the distances between corresponding points. [m]
 double rms_distance(const Points3& a, const Points3& b);
 
 }  // namespace paperbake

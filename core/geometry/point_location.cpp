@@ -7,7 +7,8 @@
 namespace paperbake {
 namespace {
 
-/// Weights of the point of triangle abc nearest to p, and its squared distance.
+/// Finds the point on the edges of a triangle that is nearest to p: sets its barycentric weights
+/// and returns its squared distance. [m2]
 double nearest_in_triangle(const Vector2d& p, const Vector2d (&corner)[3], Vector3d& weights) {
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {

@@ -6,19 +6,19 @@
 
 namespace paperbake {
 
-/// A place on a pattern mesh: triangle and barycentric weights of its three corners.
+/// A point on a pattern mesh: a triangle and the barycentric weights of its three corners.
 struct Place {
   int triangle;
-  // sum 1; within [0, 1] unless the point lies outside the mesh, then those of the nearest triangle
+  // [1] sum 1, each in [0, 1]; outside the mesh those of the nearest point of the mesh
   Vector3d weights;
 };
 
-/// Finds the triangle of a pattern mesh under a point, by a grid of cells. Keeps a copy of what it
-/// needs.
+/// Finds the triangle of a pattern mesh that contains a given point, by a uniform grid of cells.
+/// Keeps copies of the pattern and the triangles.
 class Locator {
  public:
   Locator(const Points2& pattern, const Triangles&);
-  /// Outside the mesh: the nearest triangle, with the weights of the nearest point on it.
+  /// The mesh point at p; outside the mesh, the nearest one.
   Place locate(const Vector2d& p) const;
 
  private:
@@ -33,7 +33,7 @@ class Locator {
   std::vector<std::vector<int>> cells_;
 };
 
-/// Value at a place of a quantity given per vertex (|V|x3).
+/// Value at a mesh point of a quantity given at the vertices (|V|x3).
 Vector3d interpolate(const Place&, const Triangles&, const Points3& per_vertex);
 
 }  // namespace paperbake

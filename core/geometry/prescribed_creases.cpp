@@ -7,7 +7,7 @@ namespace {
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// p lies on the segment a-b, give or take `near` [m].
+/// True when p lies on the segment a-b within the tolerance `near` [m].
 bool lies_on(const Vector2d& p, const Vector2d& a, const Vector2d& b, double near) {
   const Vector2d d = b - a, w = p - a;
   const double length = d.norm();

@@ -8,22 +8,21 @@
 
 namespace paperbake {
 
-/// The line that the segment a-b lies on; null: none.
+/// The prescribed crease on which the segment a-b lies; null: none.
 const FoldLine* fold_under(const std::vector<FoldLine>&, const Vector2d& a, const Vector2d& b);
 
-/// Of each hinge of the sheet's mesh: the line that it lies on; null: none. Empty when the sheet
-/// has no lines.
+/// For each hinge of the sheet's mesh, the prescribed crease on which it lies; null: none. Empty
+/// when the sheet has no prescribed creases.
 std::vector<const FoldLine*> fold_lines(const Sheet&, const Hinges&);
-// an edge of a mesh
+/// True when the mesh edge between vertices a and b lies on a prescribed crease.
 bool on_fold(const std::vector<FoldLine>&, const Points2& pattern, int a, int b);
 
-/// Every point where one of the lines crosses another or turns, and all its ends: what a mesh has
-/// to have as vertices, besides. [m]
+/// All points at which prescribed creases cross, turn or end: a mesh must have vertices there. [m]
 std::vector<Vector2d> fold_stops(const std::vector<FoldLine>&);
 
-/// What a crease resists: D / 150 h, 13.5 mm of office paper. It stores k/2 (theta - angle)^2 for
-/// each metre of its length; k [N].
-/// source  paper of 0.129 mm prefolded: 147 h [Pradier 2016]; 0.27 mm: 185 h [Yasuda]; virgin
+/// Stiffness k [N] of a prescribed crease per unit length: D / 150 h, where 150 h is 13.5 mm for
+/// office paper. The crease stores k/2 (theta - angle)^2 per metre of its length.
+/// source  prefolded paper: 147 h at 0.129 mm [Pradier 2016], 185 h at 0.27 mm [Yasuda]; virgin
 ///         creases of board 1.6-133 mm
 inline double crease_stiffness(const Paper& paper) {
   return paper.bending_stiffness / (150 * paper.thickness);

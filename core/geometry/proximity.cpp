@@ -99,7 +99,7 @@ bool tetrahedron_is_empty(const Sheet& sheet, const std::array<int, 4>& vertices
                    t_high = x[0].cwiseMax(x[1]).cwiseMax(x[2]);
     if ((t_low.array() > high.array()).any() || (t_high.array() < low.array()).any()) continue;
     if (std::find(changing.begin(), changing.end(), t) != changing.end()) continue;
-    int own[3];  // which corner of the tetrahedron a corner of the triangle is; 4: none
+    int own[3];  // corner of the tetrahedron that each corner of the triangle is; 4: none
     for (int i = 0; i < 3; ++i) own[i] = corner_of(sheet.triangles(t, i));
     const auto shares = [&](int corner) {
       return own[0] == corner || own[1] == corner || own[2] == corner;
@@ -109,7 +109,8 @@ bool tetrahedron_is_empty(const Sheet& sheet, const std::array<int, 4>& vertices
     for (int i = 0; i < 3; ++i) {
       const int j = (i + 1) % 3;
       if (own[i] < 4 && own[j] < 4) continue;
-      for (const auto& f : faces) {  // a face that the edge begins at is met at its corner only
+      // an edge that begins at a corner of a face meets it only there
+      for (const auto& f : faces) {
         if (own[i] == f[0] || own[i] == f[1] || own[i] == f[2] || own[j] == f[0] ||
             own[j] == f[1] || own[j] == f[2])
           continue;

@@ -6,11 +6,11 @@
 
 namespace paperbake {
 
-/// Draws that depend on their arguments alone, not on the order of calls. source [SplitMix64,
-/// Steele 2014]
+/// Mixes the bits of a number. Random numbers made from it depend on their arguments alone, not on
+/// the order of the calls. source [SplitMix64, Steele 2014]
 std::uint64_t scramble(std::uint64_t);
 
-/// A number in [-1, 1).
+/// A uniformly distributed number in [-1, 1).
 double uniform(std::uint32_t seed, std::uint64_t index);
 
 /// Two independent standard normal numbers.

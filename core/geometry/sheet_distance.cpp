@@ -21,7 +21,7 @@ Eigen::AlignedBox3d box_of(const Points3& x) {
   return {Vector3d(x.colwise().minCoeff()), Vector3d(x.colwise().maxCoeff())};
 }
 
-/// Triangles with something in the box, by their low end along x.
+/// Triangles whose boxes reach into `part`, sorted by their lower end along x.
 std::vector<Boxed> boxes_in(const Sheet& sheet, const Eigen::AlignedBox3d& part) {
   std::vector<Boxed> boxes;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
@@ -58,7 +58,7 @@ Eigen::AlignedBox3d grown(Eigen::AlignedBox3d box, double by) {
 
 }  // namespace
 
-/// Calls visit(triangle of a, triangle of b) for all whose boxes are nearer than `within`.
+/// Calls visit(triangle of a, triangle of b) for all pairs whose boxes are closer than `within`.
 template <class Visit>
 static void for_each_near(const Sheet& a, const Sheet& b, const double& within, Visit visit) {
   if (!grown(box_of(a.x), within).intersects(box_of(b.x))) return;

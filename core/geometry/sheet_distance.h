@@ -4,11 +4,11 @@
 
 namespace paperbake {
 
-/// Least distance of two sheets, 0 where they pass through each other; `within` when it is more.
-/// [m]
+/// Smallest distance between two sheets, 0 where they intersect, but at most `within`. [m]
 double distance_between(const Sheet&, const Sheet&, double within);
 
-/// Share of the vertices of both that are nearer than that to the other. [1]
+/// Fraction of the vertices of both sheets that are closer to the other sheet than `distance` [m].
+/// [1]
 double share_within(const Sheet&, const Sheet&, double distance);
 
 }  // namespace paperbake

@@ -12,7 +12,7 @@ NearTriangles::NearTriangles(const Triangles& triangles)
       box_(triangles.rows()) {
   std::iota(order_.begin(), order_.end(), 0);
   std::vector<char> taken(triangles.size() ? triangles.maxCoeff() + 1 : 0, 0);
-  std::vector<std::array<int, 4>> edges;  // low vertex, high vertex, triangle, corner opposite
+  std::vector<std::array<int, 4>> edges;  // lower vertex, higher vertex, triangle, corner opposite
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       if (!taken[triangles(t, i)]) owned_[t].corners |= 1 << i;

@@ -8,20 +8,22 @@
 
 namespace paperbake {
 
-/// Finds the triangles of a sheet that come near each other, and says which vertices and edges each
-/// of them answers for, so that every pair of features is met in exactly one pair of triangles.
-/// source [Curtis 2008] for the latter
+/// Finds the pairs of triangles of a sheet that come near each other (the broad phase of contact).
+/// It also makes one triangle responsible for each vertex and each edge, so that every pair of
+/// features occurs in exactly one pair of triangles.
+/// source [Curtis 2008] for these responsibilities
 class NearTriangles {
  public:
   explicit NearTriangles(const Triangles&);
 
-  /// Pairs a < b whose boxes, swept from x to x + move and grown by `margin` [m] on all sides,
-  /// overlap; in no order that depends on anything else. move: |V|x3 [m]
+  /// Pairs a < b whose boxes overlap when they are swept from x to x + move and enlarged by
+  /// `margin` [m] on all sides; the order depends on the mesh and these arguments alone.
+  /// x, move  |V|x3 [m]
   const std::vector<std::pair<int, int>>& find(const Points3& x, const Points3& move,
                                                double margin);
 
-  /// Corners 0-2 of a triangle that it answers for, and edges: bit i of `edges` is the edge
-  /// opposite corner i.
+  /// The features for which a triangle is responsible: bit i of `corners` is corner i, bit i of
+  /// `edges` the edge opposite corner i.
   struct Owned {
     unsigned char corners = 0, edges = 0;
   };
@@ -30,9 +32,9 @@ class NearTriangles {
  private:
   Triangles triangles_;
   std::vector<Owned> owned_;
-  // by the low end along the axis of the last sweep: nearly sorted for the next one
+  // by the lower end along the axis of the last sweep, so nearly sorted for the next one
   std::vector<int> order_;
-  std::vector<std::array<double, 6>> box_;  // low x y z, high x y z
+  std::vector<std::array<double, 6>> box_;  // lower x y z, upper x y z
   std::vector<std::pair<int, int>> pairs_;
 };
 

@@ -8,11 +8,11 @@
 
 namespace paperbake {
 
-/// How the sheet bends at any point of its pattern: the curvature tensors of its vertices,
+/// The bending of a sheet at any point of its pattern: the curvature tensors of the vertices,
 /// interpolated.
 class BendingField {
  public:
-  /// curvature  |V|x3 [1/m] as from developable_curvature
+  /// curvature  |V|x3 [1/m] Sxx, Sxy, Syy of the vertices, such as from developable_curvature
   BendingField(const Sheet& sheet, const Points3& curvature)
       : locator_(sheet.pattern, sheet.triangles),
         triangles_(sheet.triangles),
@@ -27,22 +27,22 @@ class BendingField {
   Points3 curvature_;
 };
 
-/// Places all over a pattern where its bending is asked for: a square grid that belongs to the
-/// pattern, not to a mesh.
+/// The points of a pattern at which the bending of the sheet is sampled: a square grid that belongs
+/// to the pattern, not to a mesh.
 class SampleGrid {
  public:
-  /// 24 along the shorter side, no more than 1500 in all
+  /// 24 points along the shorter side, but no more than about 1500 altogether
   explicit SampleGrid(const Pattern&);
   int count() const { return static_cast<int>(places.size()); }
-  int nearest(const Vector2d& p) const;  // number of the place in whose cell p lies; -1: outside
+  int nearest(const Vector2d& p) const;  // number of the sample point whose cell contains p, or -1
 
-  double step;                               // [m]
-  std::vector<Vector2d> places;              // [m] inside the pattern, row by row
-  std::vector<std::vector<int>> neighbours;  // of each place: up to four
+  double step;                               // [m] spacing of the grid
+  std::vector<Vector2d> places;              // [m] sample points inside the pattern, row by row
+  std::vector<std::vector<int>> neighbours;  // of each sample point, up to four
 
  private:
   int columns_, rows_;
-  std::vector<int> number_;  // by cell, -1: outside
+  std::vector<int> number_;  // of the sample point of each cell; -1: outside the pattern
 };
 
 }  // namespace paperbake

@@ -13,8 +13,8 @@
 namespace paperbake {
 namespace {
 
-/// What rulings and flips follow. About a singular point a sheet of a few triangles is not
-/// developable.
+/// The curvature that rulings and edge flips follow. Around a singular point a sheet of few
+/// triangles is not developable, so that the general estimate is used there.
 Points3 bending_of(const Sheet& sheet) {
   return sheet.singular.empty() ? developable_curvature(sheet) : vertex_curvature(sheet);
 }
@@ -63,7 +63,7 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
   std::vector<Vector2d> required, singular;
   for (int v = 0; v < required_; ++v) required.push_back(sheet.pattern.row(v));
   for (const SingularPoint& s : sheet.singular) singular.push_back(s.pattern);
-  // a mesh without that vertex would not show whether the conflict lasts
+  // a mesh without a vertex at a pending conflict would not show whether the conflict persists
   for (const Suspicion& s : suspicions_)
     if (std::none_of(singular.begin(), singular.end(),
                      [&](const Vector2d& p) { return (p - s.p).norm() < 0.5 * base_.h; }))
@@ -112,13 +112,13 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   CrumpleReport report;
   if (!moving) return report;
   const Points3 curvature = vertex_curvature(sheet);
-  // the edges of a crumple are where it folds: one that turns takes its fold with it. A sheet with
-  // a point or two is smooth elsewhere
+  // creases run along the edges of a crumpled mesh, so that a flip would take its crease with it; a
+  // sheet with only one or two singular points is smooth elsewhere
   constexpr std::size_t crumpled = 3;
   const bool smooth = sheet.singular.size() < crumpled;
 
-  // a conflict counts when it has lasted, on whatever mesh; the worst vertex and those about it are
-  // one conflict
+  // a conflict counts once it has persisted, even across a change of mesh; the worst vertex and
+  // those around it are one conflict
   const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
   std::vector<Suspicion> seen;
   std::vector<int> ripe;
@@ -139,7 +139,7 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
                    [&](int a, int b) { return conflicts.turn[a] > conflicts.turn[b]; });
   const bool room = static_cast<int>(sheet.singular.size()) < options_.most_points &&
                     sheet.triangles.rows() + 2 <= options_.most_triangles;
-  for (const int worst : ripe) {  // the first that has room for a point
+  for (const int worst : ripe) {  // the first conflict that has room for a singular point
     if (!room || report.births > 0) break;
     std::vector<int> members;
     const double reach = 1.2 * ring_size(sheet, worst);
@@ -151,7 +151,7 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
                                            seed_, sheet_, event)) {
       Sheet grown = sheet;
       const int born = insert_vertex(grown, *p, fixed);
-      // it came to lie beside its place
+      // it may have come to lie a little beside p, where no singular point is allowed
       if (options_.pins.forbids(grown.pattern.row(born))) continue;
       sheet = std::move(grown);
       const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
@@ -167,7 +167,7 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   };
   const bool time_to_flip = periods(now.seconds()) > periods(now.seconds() - now.dt);
   if (smooth && (time_to_flip || report.births > 0)) {
-    // strips hide what is not along their edges
+    // strips hide bending that is not along their edges
     const Points3 bending = rulings_.empty() ? vertex_curvature(sheet) : bending_of(sheet);
     report.flips = flip_towards_rulings(sheet, bending, options_.flip_gain);
   }

@@ -14,73 +14,80 @@
 
 namespace paperbake {
 
-/// When bending directions conflict, where a singular point is born, when an edge turns. Angles in
-/// radians, lengths in metres.
+/// When bending directions conflict, where a singular point is born and when an edge is flipped.
+/// Angles in radians, lengths in metres.
 struct CrumpleOptions {
-  // [rad] turning angle |k2| sqrt(A) in the second direction that paper does not do (8 degrees)
+  // [rad] turning angle |k2| sqrt(A) in the second principal direction above which there is a
+  // conflict, because paper does not bend that way (8 degrees)
   double conflict_turn = 0.14;
-  double conflict_ratio = 0.15;  // [1]   and |k2| must be more than this share of |k1|
-  // [rad] of both signs that meet in a vertex: the other way to see one (13 degrees)
+  double conflict_ratio = 0.15;  // [1] besides, |k2| must be more than this fraction of |k1|
+  // [rad] the other sign of a conflict: folds of both signs at one vertex, both larger than this
+  // (13 degrees)
   double conflict_folds = 0.23;
-  // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
+  // [rad] threshold of the turning angle next to a singular point, which accounts for the rest
+  // (20 degrees)
   double absorbed_turn = 0.35;
-  double absorbed_folds = 0.4;      // [rad] (23 degrees)
-  double lasting = 15 / 24.0;       // [s]   after which what lasts is no accident of the mesh ...
-  double lasting_sharp = 2 / 24.0;  // [s]   ... and where it is as sharp as beside a singular point
-  // [1]   between singular points, in widths of the longest ridge that the sheet can have
+  double absorbed_folds = 0.4;  // [rad] the same for the folds (23 degrees)
+  // [s] time a conflict must persist before a singular point is born: it is then no accident of the
+  // mesh
+  double lasting = 15 / 24.0;
+  // [s] the same for a severe conflict, which exceeds even the thresholds next to a singular point
+  double lasting_sharp = 2 / 24.0;
+  // [1] least distance of singular points, in widths of the longest ridge that the sheet can have
   double spacing = 2;
-  // [1]   of the longer side: as near as a point may come to the border
+  // [1] least distance of a singular point from the border, as a fraction of the longer side
   double border_share = 0.03;
-  // [1]   an edge turns when the other diagonal has less than this share of its sagitta ...
+  // [1] an edge is flipped when the other diagonal has less than this fraction of its sagitta
   double flip_gain = 0.65;
-  double flip_period = 2 / 24.0;  // [s]   ... looked at this often
-  int most_points = 1000;         // [1]   on one sheet
-  int most_triangles = 250;       // [1]   no point is born beyond
+  double flip_period = 2 / 24.0;  // [s] time between two searches for edges to flip
+  int most_points = 1000;         // [1] largest number of singular points on one sheet
+  int most_triangles = 250;       // [1] no point is born on a mesh that would exceed this
   RulingOptions rulings;
-  Pins pins;  // where singular points may not be born
+  Pins pins;  // where singular points must not be born
 };
 
+/// What a step of Crumple changed: the number of edge flips and of singular points born.
 struct CrumpleReport {
   int flips = 0, births = 0;
   bool mesh_changed() const { return flips > 0 || births > 0; }
 };
 
-/// Step 2 of [Schreck 2015] on one mesh. The robust part: the mesh follows the bending by edge
-/// flips, and where two bending directions conflict for long enough a singular point is born, at a
-/// place drawn from the paper's own law. On top of it, as a proposal: a mesh whose edges are the
-/// rulings of the curved regions.
+/// Step 2 of [Schreck 2015] for one sheet. Its robust part changes the mesh that is there: edge
+/// flips make it follow the bending, and where two bending directions conflict for long enough, a
+/// singular point is born at a place drawn from the law of the paper. In addition it proposes new
+/// meshes whose edges are the rulings of the curved regions.
 class Crumple {
  public:
-  /// seed, sheet  what the draws depend on, besides the number of the event
+  /// seed, sheet  the random draws depend on these and on the number of the event alone
   Crumple(const Pattern&, const Paper&, const CrumpleOptions&, std::uint32_t seed,
           std::uint32_t sheet);
 
-  /// Looks at the sheet as step 1 left it and changes its mesh for the next step. Vertices keep
-  /// their numbers, new ones are appended; fixed vertices (handles and the rims of their discs)
+  /// Examines the sheet as step 1 left it and changes its mesh for the next step. Vertices keep
+  /// their numbers and new ones are appended; fixed vertices (handles and the rims of their discs)
   /// keep their place on the pattern.
-  /// moving  false: the sheet is at rest, nothing is done
+  /// moving  false: the sheet is at rest and nothing is done
   CrumpleReport operate(Sheet&, const std::vector<char>& fixed, const Moment&, bool moving);
 
-  /// The mesh that every ruled one goes back to. To be called once, before `propose`.
-  /// required  how many vertices, from number 0 on, hold what a ruled mesh must keep as it is
+  /// Sets the mesh from which every ruled mesh is derived. To be called once, before `propose`.
+  /// required  number of vertices, from number 0 on, that a ruled mesh must keep as they are
   void begin_with(const Points2& pattern, const Triangles&, int required);
 
-  /// Before `operate`, from a sheet at its minimum: looks for curved regions and, when the mesh
-  /// does not follow their rulings, proposes one that does, with positions and velocities carried
-  /// over. The required vertices keep their numbers.
-  /// pulled  vertices that a lone handle moves
-  /// lies    something carries the sheet: it cannot sag behind a corner that is pulled, but hooks
-  ///         there
+  /// To be called before `step`, with a sheet in equilibrium. Looks for curved regions and, when
+  /// the mesh does not follow their rulings, proposes one that does, with positions and velocities
+  /// interpolated. The required vertices keep their numbers.
+  /// isolated_moving_handles  vertices that are moved by a handle with no other one near
+  /// rests_on_contact         something supports the sheet: behind a corner that is pulled it
+  ///                          cannot sag and bends into a hook instead
   std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, bool lies,
                                const Moment&);
-  /// What became of the proposal.
+  /// Reports what became of the last proposal.
   void judged(bool accepted, const Moment&);
 
   const Regions& regions() const { return regions_; }
   // of the last proposal that was accepted
   const std::vector<Ruling>& rulings() const { return rulings_; }
 
-  void archive(Archive&);  // all that came after begin_with
+  void archive(Archive&);  // everything that changes after set_base_mesh
 
  private:
   Pattern pattern_;
@@ -89,7 +96,7 @@ class Crumple {
   std::uint32_t seed_, sheet_;
   struct Suspicion {
     Vector2d p;      // [m]
-    double seconds;  // how long there has been a conflict about there
+    double seconds;  // [s] how long there has been a conflict around p
   };
   std::vector<Suspicion> suspicions_;
   BaseMesh base_;

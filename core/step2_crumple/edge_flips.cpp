@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Matrix2d;
 
-/// |S|: the tensor with its eigenvalues made positive.
+/// |S|: the tensor with its eigenvalues replaced by their magnitudes.
 Matrix2d magnitude(const Vector3d& tensor) {
   const Principal p = principal_curvature(tensor);
   const Vector2d along(-p.across.y(), p.across.x());
@@ -26,7 +26,7 @@ double twice_area(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
   return (b.x() - a.x()) * (c.y() - a.y()) - (b.y() - a.y()) * (c.x() - a.x());
 }
 
-/// Edge 0-1 with wings 2 (left) and 3 (right) may become edge 3-2.
+/// True when edge 0-1 with wings 2 (left) and 3 (right) may be replaced by edge 3-2.
 bool may_flip(const Sheet& sheet, const std::array<int, 4>& v) {
   constexpr double least_share = 0.08, most_compression = 0.03, most_fold = 2.2;
   const auto p = [&](int k) -> Vector2d { return sheet.pattern.row(v[k]); };
@@ -36,13 +36,13 @@ bool may_flip(const Sheet& sheet, const std::array<int, 4>& v) {
   if ((sheet.x.row(v[2]) - sheet.x.row(v[3])).norm() <
       (1 - most_compression) * (p(2) - p(3)).norm())
     return false;
-  const Hinge turned{{v[3], v[2], v[0], v[1]}, {0, 0}};  // left of 3 -> 2 lies corner 0
+  const Hinge turned{{v[3], v[2], v[0], v[1]}, {0, 0}};  // corner 0 lies on the left of 3 -> 2
   return std::abs(fold_angle(sheet.x, turned)) <= most_fold;
 }
 
-/// The sheet passes through nothing when it turns that edge.
+/// True when flipping this edge takes the sheet through no other part of itself.
 bool has_room(const Sheet& sheet, const Hinge& hinge) {
-  constexpr double clearance = 0.005;  // of the new edge
+  constexpr double clearance = 0.005;  // [1] of the length of the new edge
   const auto& v = hinge.vertices;
   const auto at = [&](int k) -> Vector3d { return sheet.x.row(v[k]); };
   return tetrahedron_is_empty(sheet, v, {at(0), at(1), at(2), at(3)},

@@ -46,10 +46,11 @@ void Regions::archive(Archive& a) {
            std::all_of(of_place_.begin(), of_place_.end(), known));
 }
 
-/// Joins neighbours that bend the same way about nearly the same ruling. Specks of less than 1/200
-/// of the sheet are flat.
+/// Joins neighbouring sample points that bend to the same side around nearly the same ruling.
+/// Specks of less than 1/200 of the sheet count as flat.
 std::vector<int> Regions::grow(std::vector<int>& sign_of) const {
-  // [1] cosine between the rulings of neighbours: 26 degrees, a fan near its apex
+  // [1] cosine of the angle between the rulings of neighbours: 26 degrees, as in a fan near its
+  // apex
   constexpr double same_ruling = 0.9;
   std::vector<int> label(grid_.count(), -1);
   for (int seed = 0; seed < grid_.count(); ++seed) {
@@ -91,10 +92,10 @@ void Regions::measure(const std::vector<int>& sign_of) {
   }
 }
 
-/// Each region takes the number of the old one that it shares most places with; the largest share
-/// chooses first.
+/// Each region takes the id of the old region with which it shares most sample points; the largest
+/// overlap chooses first.
 void Regions::name(const std::vector<int>& old_ids) {
-  std::map<std::pair<int, int>, int> shared;  // (old id, region) -> places
+  std::map<std::pair<int, int>, int> shared;  // (old id, region) -> number of shared sample points
   for (int i = 0; i < grid_.count(); ++i)
     if (of_place_[i] >= 0 && old_ids[i] >= 0) ++shared[{old_ids[i], of_place_[i]}];
   std::vector<std::pair<int, std::pair<int, int>>> claims;

@@ -10,35 +10,35 @@ namespace paperbake {
 
 class Archive;
 
-/// A part of the sheet that bends one way, like a generalised cone. What is in no region counts as
-/// flat.
+/// A part of the sheet that bends in one direction, like a generalised cone. Points in no region
+/// count as flat.
 struct CurvedRegion {
-  int id;       // the same from frame to frame
+  int id;       // stays the same from frame to frame
   int sign;     // +1 bulges towards the normal, -1 away from it
   double area;  // [m2] on the pattern
-  double bend;  // [rad m] integral of |k1|: turn x length of the rulings
+  double bend;  // [rad m] integral of |k1| over the area: turning angle x length of the rulings
   Cone cone;
 };
 
-/// Flat and curved regions of a sheet, followed through the frames. A place becomes curved above
-/// one threshold and flat again below a lower one, and a region keeps its number by what it covers
-/// of the pattern, so that nothing flickers. source [Schreck 2015, section 4]; hysteresis and
-/// numbering are this project's
+/// The flat and curved regions of a sheet, tracked through the frames. A point becomes curved above
+/// one threshold and flat again below a lower one, and a region keeps its id as long as it covers
+/// much of the same part of the pattern; so nothing flickers. source [Schreck 2015, section 4];
+/// hysteresis and ids are this project's
 class Regions {
  public:
   Regions(const Pattern&, const RulingOptions&);
 
-  /// Looks at the sheet of the next frame.
+  /// Updates the regions from the bending of the sheet in the next frame.
   void follow(const BendingField&);
 
   const SampleGrid& grid() const { return grid_; }
-  // at the places of the grid
+  // principal curvatures at the sample points of the grid
   const std::vector<Principal>& bending() const { return bending_; }
-  // number in all() of each place; -1: flat
+  // region of each sample point, as an index into all(); -1: flat
   const std::vector<int>& of_place() const { return of_place_; }
   const std::vector<CurvedRegion>& all() const { return regions_; }
 
-  void archive(Archive&);  // all but the bending, which is looked at anew
+  void archive(Archive&);  // everything but the bending, which is computed anew
 
  private:
   std::vector<int> grow(std::vector<int>& sign_of) const;
@@ -49,7 +49,7 @@ class Regions {
   RulingOptions options_;
   double curved_above_;  // [1/m]
   std::vector<Principal> bending_;
-  std::vector<char> curved_;  // with hysteresis
+  std::vector<char> curved_;  // 1: the sample point is curved, with hysteresis
   std::vector<int> of_place_;
   std::vector<CurvedRegion> regions_;
   int next_id_ = 0;

@@ -31,12 +31,12 @@ MeshFit mesh_fit(const Sheet& sheet, const BendingField& field, const Regions& r
 }
 
 bool RemeshWhen::due(const MeshFit& fit, const Moment& now, double most_fold) {
-  constexpr double soon = 2 / 24.0, later = 4 / 24.0, late = 6 / 24.0;  // [s] age of the mesh
-  // what is due now is not put off by rounding
+  constexpr double soon = 2 / 24.0, later = 4 / 24.0, late = 6 / 24.0;  // [s] ages of a mesh
+  // rounding must not postpone what is due now
   const double time = now.seconds() + 1e-3 * now.dt;
   way_ += std::min(now.moved, 1.0);
   if (time < not_before_) return false;
-  // [1/s] longer sides: what goes faster outgrows its mesh sooner
+  // [1/s] longer sides per second: a sheet that moves faster outgrows its mesh sooner
   constexpr double usual_speed = 0.02 * 24;
   const double age = std::max(time - last_, way_ / usual_speed);
   return (age >= soon && fit.misalignment > 0.3) ||

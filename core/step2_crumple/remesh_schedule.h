@@ -6,30 +6,31 @@
 
 namespace paperbake {
 
-/// How well the edges of a mesh follow the bending of its curved regions.
+/// How well the edges of a mesh follow the bending in its curved regions.
 struct MeshFit {
-  double misalignment = 0;  // [1]   sum |theta| l |edge . across| / sum |theta| l: 0 on rulings
-  double largest_fold = 0;  // [rad] of the edges, but for those at singular points
+  double misalignment = 0;  // [1] sum |theta| l |edge . across| / sum |theta| l: 0 on rulings
+  double largest_fold = 0;  // [rad] largest |theta| of an edge that meets no singular point
 };
 MeshFit mesh_fit(const Sheet&, const BendingField&, const Regions&);
 
-/// When a new ruled mesh is worth its pop: rarely, and the less the more often it was refused.
+/// Decides when to propose a new ruled mesh; backs off exponentially after rejections.
 class RemeshWhen {
  public:
-  /// To be asked once at every moment.
+  /// True when a new mesh should be tried. To be called once at every FrameTime.
+  /// max_fold  [rad] dihedral angle beyond which a mesh counts as outdated
   bool due(const MeshFit&, const Moment&, double most_fold);
-  /// What became of a mesh that was due.
+  /// Reports what became of a mesh that was due.
   void judged(bool accepted, const Moment&);
 
   void archive(Archive&);
 
  private:
-  static constexpr double shortest_wait = 1 / 24.0;         // [s]
+  static constexpr double shortest_wait = 1 / 24.0;         // [s] wait after the first rejection
   double last_ = -std::numeric_limits<double>::infinity();  // [s] time of the last ruled mesh
-  // [1] of the longer side that the sheet has gone since
+  // [1] how far the sheet has moved since then, in longer sides
   double way_ = 0;
-  double not_before_ = last_;  // [s] until then nothing is tried
-  // [s] twice as long after every refusal, up to 16 times
+  double not_before_ = last_;  // [s] no attempt is made before this time
+  // [s] doubled by every rejection, up to 16 times the shortest
   double wait_ = shortest_wait;
 };
 

@@ -21,9 +21,9 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
   return (p - a - std::clamp(along(p, a, b), 0.0, 1.0) * (b - a)).norm();
 }
 
-/// A polygon without the vertices in which it hardly turns.
+/// The vertices of a polygon in which it turns noticeably.
 std::vector<Vector2d> corners_of(const std::vector<Vector2d>& polygon) {
-  constexpr double straight = 1e-6;  // [1] sine of the turn
+  constexpr double straight = 1e-6;  // [1] sine of the turning angle
   std::vector<Vector2d> corners;
   const std::size_t n = polygon.size();
   for (std::size_t i = 0; i < n; ++i) {
@@ -89,9 +89,9 @@ class Builder {
   }
 
  private:
-  struct Side {  // of a border polygon
+  struct Side {  // a side of a border polygon
     Vector2d a, b;
-    std::vector<std::pair<double, int>> stops;  // place along it in [0, 1], point
+    std::vector<std::pair<double, int>> stops;  // position along it in [0, 1], point
   };
 
   double exact() const { return 1e-7 * base_.h; }
@@ -132,8 +132,8 @@ class Builder {
     return static_cast<int>(points_.size()) - 1;
   }
 
-  /// The point where a ruling ends: one that is there already, or a new one, on the border if that
-  /// is near.
+  /// The point at which a ruling ends: an existing one when there is one near, otherwise a new one,
+  /// which is moved onto the border when that is near.
   int ruling_end(const Vector2d& p, double near) {
     const std::size_t before = points_.size();
     const int point = point_at(p, near);
@@ -149,7 +149,7 @@ class Builder {
     return point;
   }
 
-  /// From end to end by way of the points that lie on the line or nearly so.
+  /// Adds a ruling from end to end, through the points that lie on its line or close to it.
   void add_ruling(int a, int b, double near) {
     if (a == b) return;
     std::vector<std::pair<double, int>> stops{{0.0, a}, {1.0, b}};
@@ -201,7 +201,7 @@ class Builder {
       const Vector2d p = points_[a] + (points_[b] - points_[a]) * k / parts;
       const std::size_t before = points_.size();
       const int point = point_at(p, 0.25 * base_.h);
-      if (points_.size() == before) continue;  // beside the apex of a fan
+      if (points_.size() == before) continue;  // a point is near already: the apex of a fan
       pieces_.emplace_back(last, point);
       last = point;
     }
@@ -234,7 +234,7 @@ class Builder {
   std::vector<std::pair<int, int>> legs_, pieces_;
 };
 
-/// Least altitude of a triangle. [m]
+/// Smallest altitude of a triangle of the mesh. [m]
 double least_altitude(const RuledMesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (int t = 0; t < mesh.triangles.rows(); ++t) {
@@ -286,7 +286,7 @@ std::optional<RuledMesh> ruled_mesh(const BaseMesh& base, const std::vector<Vect
                                     const std::vector<Vector2d>& singular,
                                     const std::vector<Ruling>& rulings,
                                     const std::vector<Disc>& guards, const RulingOptions& options) {
-  constexpr double needle = 0.03;  // [h]
+  constexpr double needle = 0.03;  // [h] altitude below which a triangle counts as a needle
   Builder builder(base, required, options);
   builder.add_singular(singular);
   builder.add_rulings(rulings);

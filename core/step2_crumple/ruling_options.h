@@ -2,27 +2,28 @@
 
 namespace paperbake {
 
-/// Curved regions and their rulings. Lengths in spacings h of the base mesh, curvatures by the size
-/// of the sheet.
+/// Options of the curved regions and their rulings. Lengths are given in mean edge lengths h of the
+/// base mesh, curvatures relative to the size of the sheet.
 struct RulingOptions {
-  // [rad] how far the sheet turns from ruling to ruling (6 degrees); 0: no rulings
+  // [rad] angle by which the sheet turns from one ruling to the next (6 degrees); 0: no rulings
   double facet_turn = 0.1;
-  // [rad] the sheet is curved where it turns this much over its longer side ...
+  // [rad] the sheet becomes curved where it would turn by more than this over its longer side
   double curved_above = 0.3;
-  double flat_below = 0.6;  // [1]   ... until it turns less than this share of it
-  // [1]   share of the first curvature that the second may have where there are rulings
+  double flat_below = 0.6;  // [1] it becomes flat again below this fraction of curved_above
+  // [1] largest fraction of |k1| that |k2| may have where there are rulings
   double coherent = 0.6;
-  // [1]   of the root of the sheet's area: how far across rulings one cone is fitted
+  // [1] distance across the rulings over which one cone is fitted, in roots of the sheet's area
   double window = 0.15;
-  double pull = 0.02;         // [1]   towards a cylinder
-  double across_most = 0.7;   // [h]   distance of rulings at most
-  double across_least = 0.5;  // [h]   and at least
-  double along_most = 2.0;    // [h]   vertices on a ruling
-  double merge = 0.2;         // [h]   points as near as this become one
-  // [1]   of the shorter side: disc round a lone handle that moves which rulings do not enter
+  double pull = 0.02;         // [1] regularization of this fit towards a cylinder
+  double across_most = 0.7;   // [h] largest distance between rulings
+  double across_least = 0.5;  // [h] smallest distance between rulings
+  double along_most = 2.0;    // [h] largest distance between vertices on a ruling
+  double merge = 0.2;         // [h] points closer than this are merged
+  // [1] radius of the disc around an isolated moving handle that rulings do not enter, as a
+  // fraction of the shorter side
   double guard = 0.3;
-  double stale_fold = 1.5;  // [1]   of facet_turn: a larger fold asks for a new mesh
-  // [1]   of the triangles of the base mesh that the ruled one may have
+  double stale_fold = 1.5;  // [1] a fold of more than this times facet_turn asks for a new mesh
+  // [1] largest number of triangles of a ruled mesh, relative to the base mesh
   double most_share = 1.4;
 };
 

@@ -17,7 +17,7 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
   return (p - a - t * d).norm();
 }
 
-/// Where a ray meets a segment, as a length along the (unit) ray.
+/// Where the ray from p in the unit direction d meets the segment a-b, as a length along it. [m]
 std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d& a,
                             const Vector2d& b) {
   const Vector2d side = b - a;
@@ -28,7 +28,7 @@ std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d
   return t;
 }
 
-/// Lays the rulings of one sheet; remembers those that lie already.
+/// Places the rulings of one sheet and keeps those that are placed already.
 class Layer {
  public:
   Layer(const Pattern& polygons, const BendingField& field, const Regions& regions,
@@ -61,7 +61,7 @@ class Layer {
     for (const int seed : order) {
       if (regions_.of_place()[seed] < 0) continue;
       const Vector2d p = regions_.grid().places[seed];
-      // a gap of less than 1.6 strips stays
+      // gaps of less than 1.6 strips stay open
       if (!free(p, 0.8 * spacing(bending[seed].k1, least_spacing()))) continue;
       march_from(p, regions_.of_place()[seed], turned(bending[seed].across));
     }
@@ -75,7 +75,7 @@ class Layer {
   }
   double least_spacing() const { return options_.across_least * h_; }
 
-  /// Towards a corner of the sheet rulings get shorter, and what bends it gets finer with them.
+  /// Towards a corner of the sheet rulings become shorter, and their smallest distance with them.
   double least_spacing_beside(const Ruling& r) const {
     constexpr double of_length = 0.15, least = 0.1;  // [1]; [h]
     return r.at_tip ? std::min(least_spacing(), std::max(of_length * r.length(), least * h_))
@@ -136,8 +136,8 @@ class Layer {
     return ruling;
   }
 
-  /// The cone whose rulings run nearly along `direction` at p: fitted to the places of the region
-  /// within a window across.
+  /// The cone whose rulings run nearly along `direction` at p, fitted to the sample points of the
+  /// region in a window across the rulings.
   Cone cone_at(const Vector2d& p, int region, const Vector2d& direction) const {
     constexpr double aligned = 0.64;
     const Vector2d e = turned(direction);
@@ -154,7 +154,7 @@ class Layer {
     return cylinder;
   }
 
-  /// From one side of a corner that is pulled to the other.
+  /// True when the ruling runs from one side of a loaded corner to the other.
   bool cuts_a_tip(const Ruling& r) const {
     const std::vector<Vector2d>& outline = polygons_.outline;
     const std::size_t n = outline.size();
@@ -171,8 +171,8 @@ class Layer {
     return false;
   }
 
-  /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up
-  /// the radii on the way.
+  /// How far a ruling extends from p along d: as long as the sheet bends across it as it does at p.
+  /// Adds the radii of curvature on the way to `radii` and their number to `count`. [m]
   double reach(const Vector2d& p, const Vector2d& d, double& radii, int& count) const {
     constexpr int most_bad = 2;
     double end = std::numeric_limits<double>::infinity();
@@ -205,8 +205,7 @@ class Layer {
     return good;
   }
 
-  /// Length along a ray to the first guard or ruling; a little less, but for the end of a ruling,
-  /// where fans meet.
+  /// Length along a ray to the first keep-out disc, or to a little before the first ruling. [m]
   double obstacle(const Vector2d& p, const Vector2d& d) const {
     double end = std::numeric_limits<double>::infinity();
     for (const Disc& disc : guards_) {
@@ -234,7 +233,7 @@ class Layer {
   const RulingOptions& options_;
   double window_, size_;
   std::vector<std::vector<RulingSample>> samples_;  // of each region
-  mutable std::vector<RulingSample> near_;          // of the last fit: its memory
+  mutable std::vector<RulingSample> near_;          // samples of the last fit: memory to reuse
   std::vector<Ruling> laid_;
 };
 

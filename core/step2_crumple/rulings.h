@@ -6,30 +6,31 @@
 
 namespace paperbake {
 
-/// A straight line along which paper does not bend.
+/// A ruling: a straight line on the pattern along which the paper does not bend.
 struct Ruling {
-  Vector2d a, b;  // [m] on the pattern
-  // [1/m] curvature across it: 1 over the mean radius, which on a cone is that of its middle
+  Vector2d a, b;  // [m] its ends on the pattern
+  // [1/m] curvature across it: 1 over the mean radius, which on a cone is the radius at its middle
   double k = 0;
-  int region = 0;       // number in Regions::all()
-  bool at_tip = false;  // cuts off a corner that is pulled
+  int region = 0;       // index into Regions::all()
+  bool at_tip = false;  // it cuts off a loaded corner
   double length() const { return (b - a).norm(); }
 };
 
-/// A part of the pattern that rulings do not enter.
+/// A disc on the pattern that rulings do not enter.
 struct Disc {
-  Vector2d centre;
-  double radius;  // [m]
+  Vector2d centre;  // [m]
+  double radius;    // [m]
 };
 
-/// Rulings all over the curved regions, so that the sheet turns by facet_turn from one to the next.
-/// From the strongest bending outwards: each is the ruling of the cone fitted there, as far as the
-/// sheet bends as it says, and the next one begins facet_turn/k from its middle. So cylinders get
-/// parallel rulings, cones get fans, and no two of them cross.
-/// polygons  [m] what the mesh covers
-/// tips      [m] corners of the sheet that are pulled: rulings that cut one off are laid the nearer
-///           to it, the shorter they are
-/// h         [m] spacing of the base mesh
+/// Places rulings all over the curved regions, so that the sheet turns by facet_turn from one to
+/// the next. It starts where the bending is strongest: each ruling is that of the cone fitted there
+/// and extends as far as the sheet bends as the cone says, and the next one follows at facet_turn/k
+/// from its middle. Thus cylinders get parallel rulings, cones get fans, and no two rulings cross.
+/// polygons        [m] region that the mesh covers
+/// keep_out_discs  discs that no ruling enters
+/// loaded_corners  [m] corners of the sheet that are pulled: the shorter the rulings that cut one
+///                 off are, the closer they are placed to each other
+/// h               [m] mean edge length of the base mesh
 std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField&, const Regions&,
                                 const std::vector<Disc>& guards, const std::vector<Vector2d>& tips,
                                 double h, const RulingOptions&);

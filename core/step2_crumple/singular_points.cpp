@@ -31,8 +31,8 @@ std::vector<char> singular_vertices(const Sheet& sheet) {
   return singular;
 }
 
-/// Of each vertex: the largest positive fold at it or the largest negative one, whichever is less.
-/// [rad]
+/// For each vertex, the smaller of the largest positive and the largest negative dihedral angle of
+/// its edges, as magnitudes. [rad]
 std::vector<double> folds_of_both_signs(const Sheet& sheet, const Hinges& hinges) {
   std::vector<double> up(sheet.pattern.rows(), 0.0), down = up;
   for (const Hinge& hinge : hinges.hinges) {
@@ -53,15 +53,16 @@ void append(Matrix& matrix, const Row& row) {
   matrix.row(matrix.rows() - 1) = row;
 }
 
-/// An edge from v to that point would be shorter than paper gets: it cuts a fold short.
+/// True when an edge from v to that point would be shorter than paper allows: it cuts across a
+/// fold.
 bool cuts_short(const Sheet& sheet, int v, const Vector2d& pattern_end, const Vector3d& end) {
   constexpr double most_compression = 0.005;
   return (sheet.x.row(v).transpose() - end).norm() <
          (1 - most_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm();
 }
 
-/// The ring of a vertex passes through nothing when it goes from where it is to `end` (neither do
-/// the tetrahedra over its edges) and cuts no fold short.
+/// True when the one-ring of a vertex passes through nothing while the vertex moves to `end`,
+/// tested by tetrahedra over the edges of the ring, and none of its edges cuts across a fold.
 bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end,
                    const Vector3d& end) {
   std::vector<int> ring;
@@ -79,8 +80,8 @@ bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end,
   });
 }
 
-/// From `beyond`, p lies well between a and b on the pattern: the triangle beyond the edge a-b can
-/// come up to it.
+/// True when p, seen from `beyond`, lies well between a and b on the pattern, so that the triangle
+/// beyond the edge a-b can be extended to p.
 bool sees_both(const Sheet& sheet, int beyond, int a, int b, const Vector2d& p) {
   constexpr double least_share = 0.1;
   const Vector2d o = sheet.pattern.row(beyond), u = sheet.pattern.row(a).transpose() - o,
@@ -130,8 +131,8 @@ Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature,
     conflicts.beyond[v] =
         conflicts.sharp[v] ||
         (!beside[v] && (turn > options.conflict_turn || folds[v] > options.conflict_folds));
-    // what bulges beside a singular point is that point's own cone: it would draw the next one
-    // there
+    // positive curvature next to a singular point belongs to that point's own cone and would
+    // attract the next point
     if (!beside[v] || conflicts.beyond[v])
       conflicts.core[v] = second.area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
   }
@@ -188,7 +189,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
 }
 
 int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixed) {
-  // barycentric weight under which p counts as lying on the opposite edge
+  // barycentric weight below which p counts as lying on the opposite edge
   constexpr double near_edge = 0.15;
   Place place = Locator(sheet.pattern, sheet.triangles).locate(p);
   const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(),
@@ -200,7 +201,7 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
     return !border[k] && !singular[k] && !(k < static_cast<int>(fixed.size()) && fixed[k]);
   };
 
-  // the nearest corner, when it may move there without turning a triangle over
+  // move the nearest corner if it may move there without turning a triangle over
   int corner;
   place.weights.maxCoeff(&corner);
   const int candidate = sheet.triangles(place.triangle, corner);
@@ -240,7 +241,7 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
       place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0 &&
       !on_fold(sheet.folds, sheet.pattern, sheet.triangles(place.triangle, (edge + 1) % 3),
                sheet.triangles(place.triangle, (edge + 2) % 3));
-  // the triangle beyond the edge comes up to the new vertex, if nothing lies between
+  // split the edge and extend the triangle beyond it to the new vertex, if nothing lies between
   if (on_edge) {
     const Hinge& hinge = hinges.hinges[hinges.of_triangle[place.triangle][edge]];
     const int beyond = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];
@@ -251,7 +252,7 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
         tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
                              {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)},
                              {hinge.triangles[0], hinge.triangles[1]}, 0);
-    if (!on_edge) {  // further in, so that the triangle at the edge is none too thin
+    if (!on_edge) {  // farther inside, so that the triangle at the edge does not become too thin
       place.weights *= (1 - near_edge) / (1 - place.weights[edge]);
       place.weights[edge] = near_edge;
       Points3 flat = Points3::Zero(sheet.pattern.rows(), 3);
@@ -268,14 +269,14 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
   }
   for (const int t : split) {
     const Eigen::RowVector3i c = sheet.triangles.row(t);
-    int left_out = -1;  // the split edge's opposite corner
+    int left_out = -1;  // the corner opposite the split edge
     if (on_edge)
       for (int i = 0; i < 3; ++i)
         if (hinges.of_triangle[t][i] == hinges.of_triangle[place.triangle][edge]) left_out = i;
     bool first = true;
     for (int i = 0; i < 3; ++i) {
       if (i == left_out) continue;
-      // the edge opposite corner i, and p
+      // the edge opposite corner i, and the new vertex
       const Eigen::RowVector3i part(c[(i + 1) % 3], c[(i + 2) % 3], added);
       if (first)
         sheet.triangles.row(t) = part;

@@ -13,12 +13,13 @@ namespace {
 struct Edge {
   int i, j;
   double length;  // [m] on the pattern
-  double area;    // [m2] a third of its triangles
+  double area;    // [m2] a third of the area of its triangles
 };
 
+/// The edges of a sheet and the areas that its edges and vertices represent.
 struct Weighted {
   std::vector<Edge> edges;
-  std::vector<double> area;  // [m2] of the vertices
+  std::vector<double> area;  // [m2] a third of the area of the triangles around each vertex
 };
 
 Weighted weigh(const Sheet& sheet) {
@@ -52,7 +53,7 @@ double worst(const std::vector<Edge>& edges, const Points3& x) {
   return most;
 }
 
-/// What of a stretch is more than is left alone.
+/// The part of a stretch that exceeds what is left alone, with its sign.
 double excess(double stretch, double left_alone) {
   return stretch - std::clamp(stretch, -left_alone, left_alone);
 }
@@ -63,8 +64,8 @@ double misfit(const std::vector<Edge>& edges, const Points3& x, double left_alon
   return sum;
 }
 
-/// The normal equations of one iteration over the free vertices: the lower triangle, whose places
-/// are looked up once.
+/// The normal equations of one iteration over the free vertices: the lower triangle of the matrix,
+/// whose entries are looked up only once.
 class Iteration {
  public:
   Iteration(const Weighted& sheet, std::vector<int> place, int free, double left_alone)
@@ -97,7 +98,7 @@ class Iteration {
     }
   }
 
-  /// Moves x; false when the equations cannot be solved.
+  /// Moves x by one iteration; false when the equations cannot be solved.
   bool move(Points3& x, double anchor) {
     matrix_.coeffs().setZero();
     right_.setZero();
@@ -113,13 +114,13 @@ class Iteration {
   }
 
  private:
-  /// Entry (c, c) of the block of a free vertex, the rest of its column after it.
+  /// Entry (c, c) of the diagonal block of a free vertex; the rest of its column follows it.
   double* diagonal(int k, int c) { return matrix_.valuePtr() + matrix_.outerIndexPtr()[3 * k + c]; }
 
   void add(const Edge& e, const std::array<double*, 3>& between, const Points3& x) {
     const Vector3d span = (x.row(e.i) - x.row(e.j)).transpose();
     const double length = span.norm(), weight = e.area / (e.length * e.length);
-    if (length < 1e-3 * e.length) return;  // it has no direction
+    if (length < 1e-3 * e.length) return;  // a collapsed edge has no direction
     const Vector3d n = span / length;
     const double pull = weight * e.length * excess(length / e.length - 1, left_alone_);
     const Eigen::Matrix3d block = weight * n * n.transpose();
@@ -135,12 +136,12 @@ class Iteration {
   }
 
   const Weighted& sheet_;
-  std::vector<int> place_;  // of a free vertex; -1: held
+  std::vector<int> place_;  // number of each vertex among the free ones; -1: held
   double left_alone_;
   std::vector<double> stay_;
   Eigen::VectorXd right_;
   Eigen::SparseMatrix<double> matrix_;
-  // of each edge: the columns of the block of its ends, null when one is held
+  // for each edge: the columns of the block between its ends; null when one of them is held
   std::vector<std::array<double*, 3>> between_;
   Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
 };

@@ -1,4 +1,5 @@
-// Readers under fire: what the fuzzers have found, and files to begin with, through the same calls.
+// Passes the corpus of the fuzzers, which holds their findings and the files they started from,
+// through the readers by the same calls.
 
 #include "tests/fuzz/readers.h"
 
@@ -15,9 +16,9 @@ namespace {
 
 namespace fs = std::filesystem;
 
-class Corpus : public testing::TestWithParam<std::string> {};
+class CorpusTest : public testing::TestWithParam<std::string> {};
 
-/// Scenes are for the readers of their curves, too.
+/// The corpus folders of a reader. Scenes are also read by the readers of their animation curves.
 std::vector<fs::path> folders_of(const std::string& reader) {
   std::vector<fs::path> folders{fs::path(PAPERBAKE_CORPUS) / reader};
   if (reader == "gltf_curves" || reader == "fbx")
@@ -25,11 +26,11 @@ std::vector<fs::path> folders_of(const std::string& reader) {
   return folders;
 }
 
-TEST_P(Corpus, EveryFileEndsInAReturnOrInAnErrorWithPlaceAndCause) {
+TEST_P(CorpusTest, EveryFileIsReadOrRejectedWithPlaceAndCause) {
   const fuzz::Reader& read = fuzz::readers().at(GetParam());
   int files = 0;
   for (const fs::path& folder : folders_of(GetParam())) {
-    if (!fs::exists(folder)) continue;  // nothing was found yet
+    if (!fs::exists(folder)) continue;  // the fuzzers have found nothing yet
     for (const auto& entry : fs::directory_iterator(folder)) {
       std::ifstream file(entry.path(), std::ios::binary);
       const std::string bytes{std::istreambuf_iterator<char>(file), {}};
@@ -40,7 +41,7 @@ TEST_P(Corpus, EveryFileEndsInAReturnOrInAnErrorWithPlaceAndCause) {
   EXPECT_GT(files, 0);
 }
 
-INSTANTIATE_TEST_SUITE_P(Readers, Corpus,
+INSTANTIATE_TEST_SUITE_P(Readers, CorpusTest,
                          testing::Values("scene", "imported", "gltf_curves", "fbx", "preset",
                                          "lock", "job", "certificate", "cache", "state",
                                          "checkpoint"),

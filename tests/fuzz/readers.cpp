@@ -32,7 +32,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A folder of this process, which goes with it; in memory where the system has that.
+/// A folder for this process alone, removed when the process ends; in memory where the system
+/// allows that.
 struct Folder {
   fs::path path;
   Folder() {
@@ -55,7 +56,7 @@ fs::path written(const std::string& name, const std::string& bytes) {
   return path;
 }
 
-/// Errors are an end like any other when they say where and what.
+/// Makes the call; an Error is as good as a return when it has a place and a cause.
 template <class Call>
 void ends_well(Call call) {
   try {
@@ -66,7 +67,7 @@ void ends_well(Call call) {
   }
 }
 
-/// The same for readers whose callers name the file: they may refuse it in a word.
+/// The same for readers whose callers name the file: any std::runtime_error may reject the bytes.
 template <class Call>
 void ends_well_or_refuses(Call call) {
   ends_well([&] {
@@ -94,7 +95,7 @@ fs::path scene_file(const std::string& bytes) {
 }
 
 void read_cache(const std::string& bytes) {
-  constexpr std::size_t most = 20;  // frames: a file may say that it has many that are the same
+  constexpr std::size_t most = 20;  // sheets, frames: a file may claim many equal ones
   const fs::path path = written("read.abc", bytes);
   ends_well([&] {
     const AlembicReader cache(path);
@@ -107,7 +108,7 @@ void read_cache(const std::string& bytes) {
   });
 }
 
-/// Two triangles over three frames.
+/// A cache of two triangles with three frames.
 fs::path small_cache() {
   const fs::path path = written("cache.abc", "");
   CacheFrame frame;
@@ -136,8 +137,9 @@ void read_certificate(const std::string& bytes) {
   });
 }
 
-/// Bytes that were sound, with changes of 13 bytes each: where, how many bytes (1, 2, 4, 8), which.
-/// Four bytes left over say where they are cut.
+/// Valid bytes with changes applied. Each change has 13 bytes: the position, how many bytes to
+/// replace (1, 2, 4 or 8), and by which. If at least four bytes are left over, they are the length
+/// to which the result is cut.
 std::string changed(std::string bytes, const std::string& changes) {
   const auto number = [&](std::size_t at, std::size_t size) {
     std::uint64_t value = 0;
@@ -154,8 +156,8 @@ std::string changed(std::string bytes, const std::string& changes) {
   return bytes;
 }
 
-/// A sheet that was pushed until it is bent, in a mesh of few triangles, and what its next frame
-/// comes from.
+/// A coarse sheet that was pushed until it bent, and the state from which its next frame is
+/// computed.
 struct Pushed {
   Shot shot = test::s1_push();
   AnimateOptions options;
@@ -178,11 +180,11 @@ void read_state(const std::string& changes) {
   });
 }
 
-/// A bake of two frames that keeps a checkpoint.
+/// A bake of two frames with a checkpoint.
 struct Kept {
   BakePlan plan;
   fs::path folder = written("checkpoint.000002", "").parent_path();
-  std::string body;  // of its checkpoint: all but the seal
+  std::string body;  // the checkpoint without its seal
   Kept() {
     BakeSettings settings;
     settings.scene = PAPERBAKE_SAMPLES "/S1_push.glb";

@@ -4,25 +4,29 @@
 #include <map>
 #include <string>
 
-/// The readers of files that come from elsewhere, each behind one call that takes any bytes. It
-/// returns when the reader did, or when it threw paperbake::Error with place and cause. Anything
-/// else leaves the call, or ends the program.
+/// The readers of files from outside, each behind one call that accepts any bytes. The call returns
+/// when the reader has returned or thrown a paperbake::Error with place and cause. Any other
+/// exception leaves the call, and a crash ends the program.
 namespace paperbake::fuzz {
 
 using Reader = std::function<void(const std::string& bytes)>;
 
-/// scene        read_scene of a .glb (magic), .gltf (brace) or .fbx file
-/// import       the same up to the importer, in this process: for assimp with sanitizers
-/// imported     scene_of a message of the importing process
-/// gltf_curves  read_gltf_curves of a .glb (magic) or .gltf file
-/// fbx          import_fbx, in this process: ufbx with sanitizers
-/// preset, lock, job
-/// certificate  verify of a folder whose handles.csv, frames.jsonl and summary.json are parted by
-///              byte 0x1E; the summary is sealed, and "cache.abc" is there
-/// cache        AlembicReader: every sheet, the first frames of each
-/// state        animate that goes on from a state; the bytes say what to change in a sound one, 13
-///              for each place
-/// checkpoint   Checkpoints::take of a checkpoint changed likewise, and sealed
+/// The readers by name:
+///
+/// scene        read_scene of a .glb file (by its magic number), a .gltf file (by its first brace)
+///              or an .fbx file (all else)
+/// import       only the importer, in this process, for an assimp built with sanitizers
+/// imported     scene_of on a message of the importing process
+/// gltf_curves  gltf_takes of a .glb file (by its magic number) or a .gltf file (all else)
+/// fbx          import_fbx in this process, for ufbx built with sanitizers
+/// preset       read_preset
+/// lock         read_lock
+/// job          take_job
+/// certificate  verify of a folder with a "cache.abc"; the bytes are its handles.csv, frames.jsonl
+///              and summary.json, separated by the byte 0x1E; the summary is sealed afterwards
+/// cache        AlembicReader: the first sheets and the first frames of each
+/// state        animate resumed from a state; the bytes are changes to a valid one, 13 bytes each
+/// checkpoint   Checkpoints::load of a checkpoint that is changed likewise and then sealed
 const std::map<std::string, Reader>& readers();
 
 }  // namespace paperbake::fuzz

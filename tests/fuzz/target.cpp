@@ -1,12 +1,13 @@
-// libFuzzer over one of the readers; READER is its name. With clang (packages.txt, [fuzz]):
+// The libFuzzer target of one of the readers, whose name is READER. To be built with clang
+// (packages.txt, [fuzz]):
 //
 //   cmake --preset fuzz && cmake --build --preset fuzz
 //   build-fuzz/fuzz_scene -max_total_time=600 -timeout=10 -malloc_limit_mb=1024
-//   -dict=tests/fuzz/scene.dict FOLDER tests/fuzz/corpus/scene
+//     -dict=tests/fuzz/scene.dict FOLDER tests/fuzz/corpus/scene
 //
-// What it finds goes, made small (-minimize_crash=1), into tests/fuzz/corpus. fuzz_import tells
-// more of an assimp that is built with the same sanitizers, which -DCMAKE_PREFIX_PATH names; its
-// findings end a process of their own in the tool.
+// Findings are minimized (-minimize_crash=1) and added to tests/fuzz/corpus. fuzz_import is more
+// informative with an assimp that is built with the same sanitizers (-DCMAKE_PREFIX_PATH=...). In
+// the program itself a crash of the importer ends only the sandboxed process in which it runs.
 
 #include "tests/fuzz/readers.h"
 

@@ -25,7 +25,7 @@ ColliderMesh ground(double half = 0.5, double friction = 0.4) {
   return mesh;
 }
 
-/// Its triangles face outwards, or inwards where `inside_out`.
+/// A box whose triangles face outwards or, when `inside_out`, inwards.
 ColliderMesh box(const Vector3d& low, const Vector3d& high, bool inside_out = false) {
   ColliderMesh mesh{"box", Points3(8, 3), Triangles(12, 3), {}};
   for (int v = 0; v < 8; ++v)
@@ -47,7 +47,7 @@ Held resting(const Colliders& colliders) {
   return held;
 }
 
-TEST(Pressing, SlopesAreDerivativesAndTheLawGoesOnInside) {
+TEST(ColliderTest, BarrierSlopesAreDerivativesAndTheLawContinuesInside) {
   for (const double d : {4.9e-4, 3e-4, 1.01e-4, 9.9e-5, 1e-5, -1e-4, -2e-3}) {
     const double e = 1e-9, rise = (pressing(d + e).value - pressing(d - e).value) / (2 * e),
                  bend = (pressing(d + e).slope - pressing(d - e).slope) / (2 * e);
@@ -55,24 +55,24 @@ TEST(Pressing, SlopesAreDerivativesAndTheLawGoesOnInside) {
     EXPECT_NEAR(bend, pressing(d).second, 1e-5 * pressing(d).second) << d;
   }
   EXPECT_EQ(pressing(collider_reach).slope, 0);
-  EXPECT_LT(pressing(-1e-4).slope, -1.5);  // [N] paper does not press harder on one vertex
+  EXPECT_LT(pressing(-1e-4).slope, -1.5);  // [N] more than paper presses on one vertex
 }
 
-TEST(Collider, KnowsInsideFromOutsideWhicheverWayItsTrianglesAreTurned) {
+TEST(ColliderTest, ClosedMeshKnowsItsInsideForEitherOrientation) {
   for (const bool inside_out : {false, true}) {
     const Collider collider(box({0, 0, 0}, {0.1, 0.1, 0.1}, inside_out));
     ASSERT_TRUE(collider.closed());
     EXPECT_NEAR(collider.nearest({0.05, 0.05, 0.103}, 0.1, 1).distance, 0.003, 1e-12);
     EXPECT_NEAR(collider.nearest({0.05, 0.05, 0.098}, 0.1, 1).distance, -0.002, 1e-12);
-    // beside an edge
+    // near an edge
     EXPECT_NEAR(collider.nearest({0.103, 0.05, 0.104}, 0.1, 1).distance, 0.005, 1e-12);
-    // and a corner
+    // and near a corner
     EXPECT_NEAR(collider.nearest({0.1, 0.1, 0.1 + 0.002}, 0.1, 1).distance, 0.002, 1e-12);
   }
   EXPECT_FALSE(Collider(ground()).closed());
 }
 
-TEST(Collider, AnOpenOneIsTurnedToTheSideOfTheSheetAndUpwardsWhereItLiesInIt) {
+TEST(ColliderTest, OpenMeshFacesTheSheetAndUpwardsWhereTheSheetLiesInIt) {
   for (const double height : {0.01, -0.01, 0.0}) {
     std::vector<ColliderMesh> meshes{ground()};
     Points3 x(3, 3);
@@ -84,8 +84,8 @@ TEST(Collider, AnOpenOneIsTurnedToTheSideOfTheSheetAndUpwardsWhereItLiesInIt) {
   }
 }
 
-/// A sheet of some triangles near a box, rumpled so that faces, edges and corners of both are
-/// within reach.
+/// A sheet of a few triangles near a box, rumpled so that faces, edges and corners of both are
+/// within dhat.
 struct Near {
   std::shared_ptr<const Colliders> colliders = all({box({-0.01, -0.01, -0.02}, {0.012, 0.013, 0})});
   Sheet sheet = hex_sheet(0.04, 0.04, 5, 0.2, 3);
@@ -103,11 +103,11 @@ struct Near {
   }
 };
 
-TEST(ColliderContact, TheGradientIsTheDerivativeOfTheEnergyOutsideAndInside) {
+TEST(ColliderTest, ContactGradientIsTheDerivativeOfTheEnergyOutsideAndInside) {
   for (const double height : {3e-4, 1e-4, -5e-5}) {
     Near near(height);
     Points3 y = near.sheet.x;
-    y.col(0).array() += 3e-6;  // it slides: friction is part of it
+    y.col(0).array() += 3e-6;  // it slides, so that friction takes part
     Points3 gradient = Points3::Zero(y.rows(), 3);
     near.contact.differentiate(y, std::vector<int>(y.rows(), 0), gradient, nullptr);
     ASSERT_GT(gradient.norm(), 1e-2);
@@ -123,7 +123,7 @@ TEST(ColliderContact, TheGradientIsTheDerivativeOfTheEnergyOutsideAndInside) {
   }
 }
 
-TEST(ColliderContact, DoesNotPushAHandThatLiesOnIt) {
+TEST(ColliderTest, ContactDoesNotPushAHandThatLiesOnTheCollider) {
   const auto colliders = all({ground()});
   Points3 x(3, 3);
   x << 0, 0, 1e-4, 0.01, 0, 1e-3, 0, 0.01, 1e-3;
@@ -139,12 +139,12 @@ TEST(ColliderContact, DoesNotPushAHandThatLiesOnIt) {
     return -gradient(0, 2);
   };
   const Gripped hand{{0}, x.row(0)};
-  EXPECT_GT(push({}, 1e-4), 0.3);  // what a handle gives way to
+  EXPECT_GT(push({}, 1e-4), 0.3);  // the push that a handle gives way to
   EXPECT_EQ(push(hand, 1e-4), 0);
-  EXPECT_GT(push(hand, -1e-4), 0.01);  // it is not to be pressed in
+  EXPECT_GT(push(hand, -1e-4), 0.01);  // but it must not be pressed in
 }
 
-TEST(ElasticOnColliders, AStepThatDidNotArriveIsOnItsWay) {
+TEST(ColliderTest, UnconvergedElasticStepReportsASnapInProgress) {
   Sheet sheet = hex_sheet(0.1, 0.1, 8);
   sheet.x.col(2).array() += 4e-4;
   Held held = resting(*all({ground()}));
@@ -164,7 +164,7 @@ TEST(ElasticOnColliders, AStepThatDidNotArriveIsOnItsWay) {
   }
 }
 
-TEST(ColliderContact, OnAPlaneTheSecondDerivativeIsExact) {
+TEST(ColliderTest, ContactHessianIsExactOnAPlane) {
   const auto colliders = all({ground()});
   Points3 x(3, 3);
   x << 0, 0, 3e-4, 0.01, 0, 2e-4, 0, 0.01, 5e-5;
@@ -172,7 +172,7 @@ TEST(ColliderContact, OnAPlaneTheSecondDerivativeIsExact) {
   one << 0, 1, 2;
   ColliderContact contact(colliders, one, 3);
   contact.begin(x, {poses_at(*colliders, 0), poses_at(*colliders, 0)}, {}, 1 / 24.0);
-  x.col(0).array() += 1e-6;  // within epsilon
+  x.col(0).array() += 1e-6;  // within the static range of the friction mollifier
   x.col(1).array() += 2e-6;
   const std::vector<int> blocks{0, 1, 2};
   BlockCholesky matrix(3, {{0, 1}, {0, 2}, {1, 2}});
@@ -192,13 +192,13 @@ TEST(ColliderContact, OnAPlaneTheSecondDerivativeIsExact) {
   }
 }
 
-/// Steps a free sheet. returns its mean velocity half way [m/s]
+/// Steps a free sheet. returns  [m/s] its mean velocity half way through
 Vector3d settle(Sheet& sheet, const std::shared_ptr<const Colliders>& colliders, int steps) {
   ElasticOptions options;
   options.gravity = g;
   options.inertia = Inertia::dynamic;
   options.colliders = colliders;
-  options.stop = 1e-7;  // a hundredth of what a sheet slides in a step
+  options.stop = 1e-7;  // a hundredth of what a sheet slides in one step
   Elastic elastic(Paper{}, options);
   elastic.set_mesh(sheet);
   Vector3d half_way = Vector3d::Zero();
@@ -209,7 +209,7 @@ Vector3d settle(Sheet& sheet, const std::shared_ptr<const Colliders>& colliders,
   return half_way;
 }
 
-TEST(Resting, ASheetThatFellLiesWhereTheGroundCarriesItsWeight) {
+TEST(ColliderRestTest, FallenSheetRestsWhereTheGroundCarriesItsWeight) {
   Sheet sheet = hex_sheet(0.05, 0.05, 6);
   for (int v = 0; v < sheet.x.rows(); ++v) sheet.x(v, 2) = 0.02 + 0.2 * sheet.x(v, 0);
   settle(sheet, all({ground()}), 60);
@@ -222,7 +222,7 @@ TEST(Resting, ASheetThatFellLiesWhereTheGroundCarriesItsWeight) {
   EXPECT_GT(sheet.x.col(2).minCoeff(), 0.95 * collider_reach);
 }
 
-/// How fast a sheet on a plane of this slope is after an eighth and a quarter of a second. [m/s]
+/// Speeds of a sheet on a plane of this slope after an eighth and a quarter of a second. [m/s]
 std::pair<double, double> speeds(double slope) {
   const Eigen::AngleAxisd turn(std::atan(slope), Vector3d::UnitY());
   ColliderMesh plane = ground(1, 0.4);
@@ -234,8 +234,8 @@ std::pair<double, double> speeds(double slope) {
   return {half_way, sheet.v.colwise().mean().norm()};
 }
 
-TEST(Friction, ASheetSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulombSays) {
-  constexpr double creep = 1e-4;  // [m/s] below which friction begins
+TEST(ColliderRestTest, SheetOnASlopeSticksOrSlidesByCoulombsLaw) {
+  constexpr double creep = 1e-4;  // [m/s] speed below which friction is only building up
   EXPECT_LT(speeds(0.3).second, creep);
   EXPECT_LT(speeds(0.38).second, creep);
   const auto [before, after] = speeds(0.6);
@@ -244,9 +244,9 @@ TEST(Friction, ASheetSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulombSay
   EXPECT_NEAR((after - before) / 0.125, a, 0.05 * a);
 }
 
-// Beam over a support: lifts off sqrt(2) L behind the edge, tip q L^4/D (sqrt(2)/12 + 1/8) below
-// it.
-TEST(Overhang, AStripOverATablesEdgeSagsAsABeamDoes) {
+// A beam over a support lifts off sqrt(2) L behind the edge, and its tip lies
+// q L^4/D (sqrt(2)/12 + 1/8) below it.
+TEST(ColliderRestTest, StripOverATableEdgeSagsLikeABeam) {
   const double L = 0.04;
   Sheet sheet = hex_sheet(0.12, 0.02, 24);
   sheet.x.col(0).array() -= 0.12 - L;
@@ -263,8 +263,9 @@ TEST(Overhang, AStripOverATablesEdgeSagsAsABeamDoes) {
   EXPECT_GT(lifted, 1e-5);
 }
 
-/// A sheet on a table; its corner is lifted, then asked to go 10 mm into the wood and 30 mm along.
-TEST(HandlesAndColliders, TheColliderWinsAndTheHandleIsJammed) {
+/// A sheet on a table: its corner is lifted, then the handle goes 10 mm into the wood and 30 mm
+/// along it.
+TEST(ColliderTest, ColliderStopsTheHandleWhichIsJammedWhenHard) {
   for (const double stiffness : {0.0, 5000.0}) {
     const int frames = 24;
     Shot shot = blank_shot(rectangle(0.1, 0.1));
@@ -292,12 +293,12 @@ TEST(HandlesAndColliders, TheColliderWinsAndTheHandleIsJammed) {
     });
     EXPECT_GT(lowest, -1e-4);
     EXPECT_NEAR(off, 0.01, 1e-3);
-    EXPECT_NEAR(along, 0.03, 1e-3);  // it slides along
+    EXPECT_NEAR(along, 0.03, 1e-3);  // it slides along the table
     EXPECT_EQ(last, stiffness > 0 ? HandleFrame::held : HandleFrame::jammed);
   }
 }
 
-TEST(AnimatedColliders, ABoxPushesTheSheetBeforeItAndItStaysWhereItWasLeft) {
+TEST(ColliderTest, MovingBoxPushesTheSheetWhichStaysWhereItWasLeft) {
   const int frames = 30;
   Shot shot = blank_shot(rectangle(0.05, 0.05));
   shot.start.x.col(2).array() += 6e-4;
@@ -320,7 +321,7 @@ TEST(AnimatedColliders, ABoxPushesTheSheetBeforeItAndItStaysWhereItWasLeft) {
   });
 }
 
-TEST(PushOut, WhatBulgesIntoTheGroundComesBackAndTheRestStays) {
+TEST(ColliderTest, PushOutMovesOnlyWhatIsInsideTheGround) {
   const auto colliders = all({ground()});
   Points3 facets(2, 3), x(2, 3);
   facets << 0, 0, 1e-4, 0.01, 0, 2e-3;

@@ -8,7 +8,8 @@
 namespace paperbake {
 namespace {
 
-/// Regular grid over side x side, cells split along alternating diagonals, flat in the plane z = 0.
+/// Regular grid over side x side [m], its cells split along alternating diagonals, in the plane
+/// z = 0.
 Sheet flat_grid(double side, int cells) {
   Sheet sheet;
   const int n = cells + 1;
@@ -33,8 +34,8 @@ Sheet flat_grid(double side, int cells) {
   return sheet;
 }
 
-/// Rolls the sheet to a cylinder of curvature k [1/m] whose rulings make `angle` [rad] with the
-/// pattern's y axis. k > 0: the middle stands up towards +z, the counter-clockwise normal.
+/// Rolls the sheet into a cylinder of curvature k [1/m] whose rulings have an angle of `angle`
+/// [rad] to the pattern's y axis. k > 0: the middle rises towards +z, the counter-clockwise normal.
 void roll(Sheet& sheet, double k, double angle) {
   const Vector2d across(std::cos(angle), std::sin(angle)), along(-std::sin(angle), std::cos(angle));
   const Vector2d middle =
@@ -56,14 +57,14 @@ std::vector<int> inner_vertices(int cells) {
   return inner;
 }
 
-TEST(Curvature, ACylinderHasOneOverItsRadiusAcrossAndNothingAlong) {
-  for (const double k : {20.0, -20.0})  // bulging to the normal, then hollow
+TEST(CurvatureTest, CylinderHasOneOverItsRadiusAcrossAndZeroAlong) {
+  for (const double k : {20.0, -20.0})  // bulging towards the normal, then away from it
     for (const double angle : {0.0, 0.6}) {
       Sheet sheet = flat_grid(0.1, 24);
       roll(sheet, k, angle);
       const Points3 S = vertex_curvature(sheet);
-      // the one-ring mean over all inner vertices is exact up to the turn of one edge; single
-      // vertices of this grid see an uneven ring, with errors of some percent
+      // the mean over all inner vertices is exact up to the turning angle of one edge; single
+      // vertices of this grid have an uneven ring and errors of a few percent
       Vector3d mean = Vector3d::Zero();
       for (const int v : inner_vertices(24))
         mean += S.row(v).transpose() / inner_vertices(24).size();
@@ -76,9 +77,9 @@ TEST(Curvature, ACylinderHasOneOverItsRadiusAcrossAndNothingAlong) {
     }
 }
 
-TEST(Curvature, AFoldOfThetaSpreadsOverTheAreaOfTheRing) {
-  // folded by theta along the middle line x = 2h of four cells: every term of the formula by hand,
-  // the ring is whole
+TEST(CurvatureTest, FoldIsSpreadOverTheAreaOfTheRing) {
+  // folded by theta along the middle line x = 2h of four cells; the ring is complete, and every
+  // term of the formula is computed by hand
   Sheet sheet = flat_grid(0.04, 4);
   const double h = 0.01, theta = 0.3;
   const int centre = 12;
@@ -88,8 +89,8 @@ TEST(Curvature, AFoldOfThetaSpreadsOverTheAreaOfTheRing) {
       sheet.x.row(v) << 2 * h + s * std::cos(theta), sheet.pattern(v, 1), -s * std::sin(theta);
   }
   const Points3 S = vertex_curvature(sheet);
-  // both halves of the fold are spokes of the centre; its ring is all 4 triangles that touch it or
-  // 8, by the diagonals
+  // both halves of the fold are spokes of the centre; its ring has 4 or 8 triangles, depending on
+  // the diagonals
   double ring = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     if ((sheet.triangles.row(t).array() == centre).any()) ring += 0.5 * h * h;
@@ -98,17 +99,17 @@ TEST(Curvature, AFoldOfThetaSpreadsOverTheAreaOfTheRing) {
   EXPECT_NEAR(S(centre, 2), 0, 1e-9);
 }
 
-TEST(Curvature, ABorderSeesTheBendingAcrossItToo) {
+TEST(CurvatureTest, BorderVerticesSeeTheBendingAcrossTheBorder) {
   const double k = 20;
   Sheet sheet = flat_grid(0.1, 20);
-  // the borders x = 0 and x = 0.1 are rulings: half of each ring there is missing, and its folds
+  // the borders x = 0 and x = 0.1 are rulings: half of each ring there is missing with its folds
   roll(sheet, k, 0);
   const Points3 S = vertex_curvature(sheet);
   for (int j = 1; j < 20; ++j)
     for (const int i : {0, 1, 19, 20}) EXPECT_NEAR(S(j * 21 + i, 0), k, 0.15 * k) << i << " " << j;
 }
 
-TEST(Curvature, RigidMotionDoesNotChangeIt) {
+TEST(CurvatureTest, RigidMotionDoesNotChangeTheCurvature) {
   Sheet sheet = flat_grid(0.1, 8);
   roll(sheet, 15, 0.4);
   const Points3 before = vertex_curvature(sheet);
@@ -119,7 +120,7 @@ TEST(Curvature, RigidMotionDoesNotChangeIt) {
   EXPECT_LT((vertex_curvature(sheet) - before).norm(), 1e-9 * before.norm());
 }
 
-TEST(Curvature, PrincipalValuesRebuildTheTensorAndTheLargerComesFirst) {
+TEST(CurvatureTest, PrincipalCurvaturesRebuildTheTensorWithTheLargerFirst) {
   for (const Vector3d& tensor : {Vector3d(3, 1, -8), Vector3d(5, -2, 1), Vector3d(-4, 0, -4),
                                  Vector3d(0, 7, 0), Vector3d(2, 0, 6)}) {
     const Principal p = principal_curvature(tensor);

@@ -10,7 +10,8 @@
 namespace paperbake {
 namespace {
 
-/// Bends a flat sheet about lines that lean by `angle` from the y axis, to curvature k.
+/// Bends a flat sheet around lines that lean by `angle` [rad] from the y axis, to curvature k
+/// [1/m].
 void wind(Sheet& sheet, double k, double angle) {
   const Vector2d across(std::cos(angle), std::sin(angle)), along(-across.y(), across.x());
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
@@ -21,9 +22,9 @@ void wind(Sheet& sheet, double k, double angle) {
   }
 }
 
-TEST(DevelopableCurvature, StripsShowRulingsThatAreNotTheirEdges) {
-  // a band of one row of cells: all vertices lie on its borders, all edges across stand upright,
-  // the true rulings lean
+TEST(DevelopableCurvatureTest, StripsShowRulingsThatAreNotTheirEdges) {
+  // a band with one row of cells: all vertices lie on its borders and all edges across it stand
+  // upright, whereas the true rulings lean
   constexpr double k = 20, angle = 0.35, length = 0.3;
   Sheet band = test::strip_sheet(length, 0.03, 30);
   wind(band, k, angle);
@@ -36,7 +37,7 @@ TEST(DevelopableCurvature, StripsShowRulingsThatAreNotTheirEdges) {
   }
 }
 
-TEST(DevelopableCurvature, ACylinderIsOneAllOverUpToItsBorders) {
+TEST(DevelopableCurvatureTest, CylinderHasItsCurvatureEverywhereUpToTheBorder) {
   constexpr double k = 10;
   for (const double angle : {0.0, 0.3, 1.1}) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 14);

@@ -16,9 +16,9 @@ using test::hex_sheet;
 using test::roll;
 using test::strip_sheet;
 
-constexpr double exact = 1e-12;  // a few hundred operations on numbers near 1 in double precision
+constexpr double exact = 1e-12;  // [1] a few hundred operations on numbers near 1
 
-/// Equilateral triangles with edge h, rolled to a radius of 5 cm.
+/// A sheet of equilateral triangles with edges of h [m], rolled to a radius of 5 cm.
 Sheet rolled(double h) {
   const int columns = static_cast<int>(std::lround(0.1 / h));
   Sheet sheet = hex_sheet(0.1, 0.1 * std::sqrt(0.75), columns);
@@ -26,21 +26,20 @@ Sheet rolled(double h) {
   return sheet;
 }
 
-// ---- lengths
-// -------------------------------------------------------------------------------------------------
+// ---- lengths ----
 
-// an exact roll: only chords err
-TEST(LengthDistortion, OfARolledSheetFallsWithTheSquareOfTheEdge) {
+// the roll is exact: the only error is that of the chords
+TEST(MeasureTest, LengthDistortionOfARolledSheetFallsWithTheSquareOfTheEdge) {
   const auto largest = [](double h) { return length_distortion(rolled(h)).largest; };
   const auto mean = [](double h) { return length_distortion(rolled(h)).mean; };
   EXPECT_NEAR(test::order(largest, 0.005, 0.0025), 2, 0.05);
-  // finer: the half edges at the border are fewer
+  // on finer meshes, because there the half edges at the border are fewer
   EXPECT_NEAR(test::order(mean, 0.0025, 0.00125), 2, 0.05);
-  // of an edge across: (h/R)^2/24, the next term is 1e-3 of it
+  // for an edge across the rulings (h/R)^2/24; the next term of the series is 1e-3 of it
   EXPECT_NEAR(largest(0.005), 0.01 / 24, 0.01 * 0.01 / 24);
 }
 
-TEST(LengthDistortion, OfAStretchedSheetIsItsStretch) {
+TEST(MeasureTest, LengthDistortionOfAStretchedSheetIsItsStretch) {
   for (const double stretch : {0.03, -0.03}) {
     Sheet sheet = hex_sheet(0.1, 0.1, 8, 0.2);
     sheet.x *= 1 + stretch;
@@ -49,8 +48,8 @@ TEST(LengthDistortion, OfAStretchedSheetIsItsStretch) {
   }
 }
 
-TEST(LengthDistortion, CountsEveryEdgeOnce) {
-  // a square of two triangles, five edges; the diagonal 0-3 belongs to both
+TEST(MeasureTest, LengthDistortionCountsEveryEdgeOnce) {
+  // a square of two triangles and five edges; the diagonal 0-3 belongs to both triangles
   Sheet sheet = strip_sheet(0.1, 0.1, 1);
   sheet.x.row(0) << 0.1, 0, 0.1;  // 0-2 and 0-3 keep their lengths, 0-1 grows by sqrt 3
   EXPECT_NEAR(length_distortion(sheet).largest, std::sqrt(3.0) - 1, exact);
@@ -58,7 +57,7 @@ TEST(LengthDistortion, CountsEveryEdgeOnce) {
   EXPECT_LT((length_distortion(sheet).where - Vector2d(0, 0.05)).norm(), exact);
 }
 
-TEST(LengthDistortion, NamesTheWorstPlaceOnThePattern) {
+TEST(MeasureTest, LengthDistortionLocatesTheWorstEdgeOnThePattern) {
   Sheet sheet = hex_sheet(0.1, 0.1, 10);
   roll(sheet, 0.05);
   int spot = 0;
@@ -66,29 +65,28 @@ TEST(LengthDistortion, NamesTheWorstPlaceOnThePattern) {
     if ((sheet.pattern.row(v) - Eigen::RowVector2d(0.06, 0.04)).norm() <
         (sheet.pattern.row(spot) - Eigen::RowVector2d(0.06, 0.04)).norm())
       spot = v;
-  sheet.x.row(spot).z() += 0.02;  // ten times what the chords of the roll do
+  sheet.x.row(spot).z() += 0.02;  // ten times the error of the chords
   const LengthDistortion distortion = length_distortion(sheet);
   EXPECT_GT(distortion.largest, 0.1);
-  // half an edge of 0.01 away
+  // half an edge of 10 mm away
   EXPECT_LT((distortion.where.transpose() - sheet.pattern.row(spot)).norm(), 0.006);
 }
 
-TEST(LengthDistortion, IsZeroOnAFlatSheet) {
+TEST(MeasureTest, LengthDistortionIsZeroOnAFlatSheet) {
   EXPECT_LT(length_distortion(hex_sheet(0.1, 0.1, 8, 0.2)).largest, exact);
 }
 
-// ---- angles
-// -------------------------------------------------------------------------------------------------
+// ---- angles ----
 
-/// A flat disc as pattern, `parts` triangles round its middle, and in space the cone that a disc
-/// makes from which a wedge was cut: every triangle keeps its sides at the apex and has (2 pi -
-/// wedge)/parts there.
+/// The cone made from a disc from which a wedge [rad] was cut. The pattern is a whole disc of
+/// `parts` triangles around its middle; in space every triangle keeps its two sides at the apex and
+/// has an angle of (2 pi - wedge)/parts between them.
 Sheet cone(double wedge, int parts) {
   Points2 p(parts + 1, 2);
   Triangles t(parts, 3);
   p.row(0) << 0, 0;
   const double facet = (2 * M_PI - wedge) / parts;
-  // of half the opening angle
+  // sine of half the opening angle
   const double sine = std::sqrt((1 - std::cos(facet)) / (1 - std::cos(2 * M_PI / parts)));
   for (int k = 0; k < parts; ++k) {
     p.row(1 + k) << 0.05 * std::cos(2 * M_PI * k / parts), 0.05 * std::sin(2 * M_PI * k / parts);
@@ -101,14 +99,14 @@ Sheet cone(double wedge, int parts) {
   return sheet;
 }
 
-TEST(AngleDefect, OfAConeIsItsWedge) {
+TEST(MeasureTest, AngleDefectOfAConeIsItsWedge) {
   for (const double wedge : {1e-4, 0.3, 2.0})
     for (const int parts : {5, 24})
       EXPECT_NEAR(angle_defect_max(cone(wedge, parts)), wedge, exact) << "wedge " << wedge;
 }
 
-TEST(AngleDefect, OfASaddleCountsToo) {
-  // flat; every other rim point goes up, the rest down: more than 360 degrees of paper
+TEST(MeasureTest, AngleDefectOfASaddleCountsToo) {
+  // every other point of the rim moves up and the rest down: more than 360 degrees of paper
   Sheet sheet = cone(0, 8);
   for (int v = 1; v <= 8; ++v) sheet.x(v, 2) = v % 2 ? 0.01 : -0.01;
   const Vector3d a = sheet.x.row(1), b = sheet.x.row(2);
@@ -117,7 +115,7 @@ TEST(AngleDefect, OfASaddleCountsToo) {
   EXPECT_GT(angle_defect_max(sheet), 0.1);
 }
 
-TEST(AngleDefect, IsZeroOnAFlatSheetAndOnOneFoldedAlongItsEdges) {
+TEST(MeasureTest, AngleDefectIsZeroOnAFlatSheetAndOnOneFoldedAlongItsEdges) {
   Sheet sheet = hex_sheet(0.1, 0.1, 8, 0.2);
   EXPECT_LT(angle_defect_max(sheet), exact);
   sheet = cone(0, 8);  // folded along the diameter 1-5, with the apex on the fold
@@ -125,7 +123,7 @@ TEST(AngleDefect, IsZeroOnAFlatSheetAndOnOneFoldedAlongItsEdges) {
   EXPECT_LT(angle_defect_max(sheet), exact);
 }
 
-TEST(AngleDefect, PassesSingularPointsBy) {
+TEST(MeasureTest, AngleDefectIgnoresSingularPoints) {
   Sheet sheet = cone(0.3, 12);
   sheet.singular = {{{0.02, 0.01}, 1, "elsewhere"}};
   EXPECT_NEAR(angle_defect_max(sheet), 0.3, exact);
@@ -133,13 +131,13 @@ TEST(AngleDefect, PassesSingularPointsBy) {
   EXPECT_EQ(angle_defect_max(sheet), 0);
 }
 
-TEST(AngleDefect, PassesTheBorderBy) {
-  Sheet sheet = strip_sheet(0.1, 0.1, 8);  // border vertices only, with 90 and 180 degrees of paper
+TEST(MeasureTest, AngleDefectIgnoresTheBorder) {
+  Sheet sheet = strip_sheet(0.1, 0.1, 8);  // only border vertices, with 90 and 180 degrees
   for (int v = 0; v < sheet.x.rows(); ++v) sheet.x(v, 2) = 0.01 * (v % 3);
   EXPECT_EQ(angle_defect_max(sheet), 0);
 }
 
-TEST(VertexNormals, OnACylinderPointAwayFromItsAxis) {
+TEST(MeasureTest, VertexNormalsOnACylinderPointAwayFromItsAxis) {
   const double h = 0.0025, R = 0.05;
   const Sheet sheet = rolled(h);
   const Points3 normals = vertex_normals(sheet.x, sheet.triangles);
@@ -147,8 +145,8 @@ TEST(VertexNormals, OnACylinderPointAwayFromItsAxis) {
     const double s = sheet.pattern(v, 0), angle = s / R;
     const Vector3d outwards(std::sin(angle), 0, std::cos(angle));
     EXPECT_NEAR(normals.row(v).norm(), 1, exact);
-    // inside the fans are even up to the half triangles beside the border; on the border a facet
-    // turns by h/2R at most
+    // inside, the one-rings are even except for the half triangles next to the border; on the
+    // border a facet turns by at most h/2R
     const bool border = s < 0.6 * h || s > 0.1 - 0.6 * h || sheet.pattern(v, 1) < 1e-9 ||
                         sheet.pattern(v, 1) > 0.1 * std::sqrt(0.75) - 1e-9;
     const double error = (normals.row(v).transpose() - outwards).norm();
@@ -156,7 +154,7 @@ TEST(VertexNormals, OnACylinderPointAwayFromItsAxis) {
   }
 }
 
-TEST(VertexNormals, TurnWithTheSheet) {
+TEST(MeasureTest, VertexNormalsTurnWithTheSheet) {
   const Sheet sheet = rolled(0.01);
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(1.1, Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
@@ -167,8 +165,8 @@ TEST(VertexNormals, TurnWithTheSheet) {
             1e-11);
 }
 
-TEST(VertexNormals, WeighTrianglesByTheirAngle) {
-  // a corner of a cube, one of its faces cut in two: every face still has 90 degrees
+TEST(MeasureTest, VertexNormalsWeightTrianglesByTheirAngle) {
+  // the corner of a cube with one of its faces cut in two: every face still has 90 degrees
   Points3 x(5, 3);
   x << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1;
   Triangles t(4, 3);
@@ -176,7 +174,7 @@ TEST(VertexNormals, WeighTrianglesByTheirAngle) {
   EXPECT_LT((vertex_normals(x, t).row(0) - Eigen::RowVector3d(1, 1, 1).normalized()).norm(), exact);
 }
 
-TEST(VertexNormals, OfATriangleFoldedShutUponItselfAreUnit) {
+TEST(MeasureTest, VertexNormalsOfASheetFoldedFlatOntoItselfAreUnit) {
   Points3 x(4, 3);
   x << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0;
   Triangles t(2, 3);
@@ -187,19 +185,18 @@ TEST(VertexNormals, OfATriangleFoldedShutUponItselfAreUnit) {
   EXPECT_NEAR(normals(3, 2), -1, exact);
 }
 
-TEST(Measure, LargestStretchIsThatOfTheLongestEdgeAndNothingForASheetThatIsOnlyCompressed) {
+TEST(MeasureTest, LargestStretchIsThatOfTheLongestEdgeAndZeroInCompression) {
   Sheet sheet = test::strip_sheet(0.1, 0.02, 5);
   sheet.x.col(0) *= 0.9;
   EXPECT_EQ(largest_stretch(sheet), 0);
   sheet.x.col(1) *= 1.03;
-  // the edges across; the diagonals are shorter than they were
+  // the edges across are stretched; the diagonals are shorter than before
   EXPECT_NEAR(largest_stretch(sheet), 0.03, 1e-12);
 }
 
-// ---- crossings
-// -------------------------------------------------------------------------------------------------
+// ---- intersections ----
 
-/// Separate triangles: rows of x, three by three.
+/// Separate triangles; each has three successive rows of x as its corners.
 Sheet soup(const Points3& x) {
   Sheet sheet;
   sheet.x = x;
@@ -210,7 +207,7 @@ Sheet soup(const Points3& x) {
   return sheet;
 }
 
-/// A strip along the curve (x(s), z(s)).
+/// A strip bent along the curve (x(t), z(t)), t in [0, 1].
 Sheet strip_along(int cells, const std::function<Vector2d(double)>& curve) {
   Sheet sheet = strip_sheet(0.3, 0.03, cells);
   for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -220,28 +217,28 @@ Sheet strip_along(int cells, const std::function<Vector2d(double)>& curve) {
   return sheet;
 }
 
-TEST(Crossings, NoneInAFlatOrRolledSheet) {
+TEST(MeasureTest, FlatAndRolledSheetsDoNotIntersectThemselves) {
   Sheet sheet = hex_sheet(0.1, 0.1, 12, 0.2);
   EXPECT_EQ(crossings(sheet), 0);
   roll(sheet, 0.03);
   EXPECT_EQ(crossings(sheet), 0);
 }
 
-TEST(Crossings, NoneInAStripFoldedOverWithAGap) {
+TEST(MeasureTest, StripFoldedOverWithAGapDoesNotIntersectItself) {
   const Sheet sheet = strip_along(
       2, [](double t) { return t < 0.6 ? Vector2d(0.3 * t, 0) : Vector2d(0.01, 1e-6); });
   ASSERT_LT(sheet.x.col(0).maxCoeff(), 0.16);
   EXPECT_EQ(crossings(sheet), 0);
 }
 
-TEST(Crossings, NoneInARollOfSeveralTurnsWhoseTurnsKeepApart) {
+TEST(MeasureTest, SpiralWithSeparateTurnsDoesNotIntersectItself) {
   const auto spiral = [](double t) {
     return Vector2d((0.01 + 0.003 * t) * std::cos(18 * t), (0.01 + 0.003 * t) * std::sin(18 * t));
   };
   EXPECT_EQ(crossings(strip_along(200, spiral)), 0);
 }
 
-TEST(Crossings, TwoTrianglesThatPierceAreOne) {
+TEST(MeasureTest, TwoTrianglesThatPierceAreOneIntersection) {
   Points3 x(6, 3);
   x << 0, 0, 0, 1, 0, 0, 0, 1, 0, /**/ 0.2, 0.2, -1, 0.3, 0.3, 1, 2, 2, 1;
   EXPECT_EQ(crossings(soup(x)), 1);
@@ -249,7 +246,7 @@ TEST(Crossings, TwoTrianglesThatPierceAreOne) {
   EXPECT_EQ(crossings(soup(x)), 0);
 }
 
-TEST(Crossings, NeighboursOnlyTouch) {
+TEST(MeasureTest, NeighbouringTrianglesThatTouchDoNotIntersect) {
   Points3 x(5, 3);
   x << 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 0, 1, 0, -1, 1;
   Sheet sheet = soup(x.topRows(3));
@@ -261,7 +258,7 @@ TEST(Crossings, NeighboursOnlyTouch) {
   EXPECT_EQ(crossings(sheet), 0);
 }
 
-TEST(Crossings, TwoTrianglesRoundOneVertexMayStillPassThroughEachOther) {
+TEST(MeasureTest, TwoTrianglesWithACommonVertexMayIntersect) {
   Points3 x(5, 3);
   x << 0, 0, 0, 1, 0, 0, 0, 1, 0, /**/ 0.2, 0.2, -0.5, 0.4, 0.4, 0.5;
   Sheet sheet = soup(x.topRows(3));
@@ -271,9 +268,10 @@ TEST(Crossings, TwoTrianglesRoundOneVertexMayStillPassThroughEachOther) {
   EXPECT_EQ(crossings(sheet), 1);
 }
 
-TEST(Crossings, AStripThatPassesThroughItselfCrossesInThreePairs) {
-  // a loop whose two legs cross within one cell each; two triangles of each, and of the four pairs
-  // one lies apart: the diagonals of the cells cut the line of the crossing at different places
+TEST(MeasureTest, StripThatPassesThroughItselfIntersectsInThreePairs) {
+  // a loop whose two legs intersect within one cell each. Of the four pairs of their triangles one
+  // does not intersect: the diagonals of the two cells divide the line of intersection at different
+  // places
   const auto loop = [](double t) {
     return Vector2d(0.1 * (t + 0.4 * std::sin(2 * M_PI * (t + 0.013))),
                     0.05 * std::cos(2 * M_PI * t));
@@ -281,7 +279,7 @@ TEST(Crossings, AStripThatPassesThroughItselfCrossesInThreePairs) {
   EXPECT_EQ(crossings(strip_along(41, loop)), 3);
 }
 
-/// What CGAL's own search finds in the same triangles.
+/// Number of intersecting pairs that CGAL's own search finds.
 int cgal_crossings(const Sheet& sheet) {
   using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
   CGAL::Surface_mesh<Kernel::Point_3> mesh;
@@ -296,7 +294,7 @@ int cgal_crossings(const Sheet& sheet) {
   return static_cast<int>(pairs.size());
 }
 
-TEST(Crossings, AgreeWithTheSearchOfCgalOnRandomTriangles) {
+TEST(MeasureTest, IntersectionsAgreeWithCgalOnRandomTriangles) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(0, 1), size(-0.3, 0.3);
   int found = 0;
@@ -315,12 +313,12 @@ TEST(Crossings, AgreeWithTheSearchOfCgalOnRandomTriangles) {
   EXPECT_GT(found, 1000);
 }
 
-TEST(Crossings, AgreeWithTheSearchOfCgalOnCrumpledSheets) {
+TEST(MeasureTest, IntersectionsAgreeWithCgalOnCrumpledSheets) {
   int found = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     Sheet sheet = hex_sheet(0.1, 0.1, 8);
     std::mt19937 random(seed);
-    // up to twice the edge
+    // up to twice the edge length
     std::uniform_real_distribution<double> uniform(-0.0005 * seed, 0.0005 * seed);
     for (int k = 0; k < sheet.x.size(); ++k) sheet.x.data()[k] += uniform(random);
     const int expected = cgal_crossings(sheet);

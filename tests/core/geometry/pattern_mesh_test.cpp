@@ -34,7 +34,7 @@ Pattern holed() {
 struct Shape {
   const char* name;
   Pattern pattern;
-  int euler;  // characteristic
+  int euler;  // Euler characteristic
 };
 const std::vector<Shape> shapes = {{"square", rectangle(0.1, 0.1), 1},
                                    {"A4", rectangle(0.210, 0.297), 1},
@@ -44,7 +44,7 @@ const std::vector<Shape> shapes = {{"square", rectangle(0.1, 0.1), 1},
                                    {"square with a round hole", holed(), 0}};
 const int counts[] = {100, 150, 300, 600, 1700, 6000};
 
-/// 11 points on each of the borders x = 0 and x = width, as the handles of scene S1.
+/// 11 points on each of the borders x = 0 and x = width, like the handles of scene S1.
 std::vector<Vector2d> handle_rows(double width, double height) {
   std::vector<Vector2d> points;
   for (int i = 0; i <= 10; ++i)
@@ -70,7 +70,7 @@ double smallest_angle(const PatternMesh& mesh, int t) {
   return least;
 }
 
-/// Vertices in use - edges + triangles.
+/// Number of vertices in use - edges + triangles.
 int euler_characteristic(const PatternMesh& mesh) {
   std::set<int> vertices;
   std::set<std::pair<int, int>> edges;
@@ -84,8 +84,8 @@ int euler_characteristic(const PatternMesh& mesh) {
          static_cast<int>(mesh.triangles.rows());
 }
 
-/// What every mesh of a pattern must be: counter-clockwise, of one piece, covering the pattern,
-/// each vertex in use.
+/// Expects what every mesh of a pattern must be: counter-clockwise, of one piece, covering the
+/// pattern, and with every vertex in use.
 void expect_sound(const PatternMesh& mesh, const Pattern& pattern, int euler,
                   double area_tolerance) {
   double sum = 0;
@@ -101,11 +101,11 @@ void expect_sound(const PatternMesh& mesh, const Pattern& pattern, int euler,
     EXPECT_TRUE(used[v]) << "no triangle at " << mesh.vertices.row(v);
 }
 
-TEST(PatternMesh, HasAboutTheNumberOfTrianglesAskedFor) {
+TEST(PatternMeshTest, HasAboutTheRequestedNumberOfTriangles) {
   for (const Shape& shape : shapes)
     for (const int count : counts) {
-      // 100 on the strip are 2.4 rows of equilateral triangles: from two rows to three the number
-      // leaps by a half
+      // 100 triangles on the strip are 2.4 rows of equilateral triangles, and from two rows to
+      // three the number jumps by a half
       const double tolerance = shape.name == std::string("strip") && count == 100 ? 0.2 : 0.1;
       EXPECT_NEAR(mesh_pattern_with(shape.pattern, count, {}).triangles.rows(), count,
                   tolerance * count)
@@ -113,19 +113,19 @@ TEST(PatternMesh, HasAboutTheNumberOfTrianglesAskedFor) {
     }
 }
 
-TEST(PatternMesh, CoversThePatternWithCounterClockwiseTriangles) {
+TEST(PatternMeshTest, CoversThePatternWithCounterClockwiseTriangles) {
   for (const Shape& shape : shapes)
     for (const int count : counts) {
       SCOPED_TRACE(shape.name + (", " + std::to_string(count)));
-      // polygons of a few corners are kept to the bit; round ones are followed to a fiftieth of an
-      // edge
+      // polygons with few corners are kept exactly; round ones are followed within a fiftieth of
+      // an edge
       const bool round = shape.pattern.outline.size() > 8 || !shape.pattern.holes.empty();
       expect_sound(mesh_pattern_with(shape.pattern, count, {}), shape.pattern, shape.euler,
                    round ? 0.005 : 1e-12);
     }
 }
 
-TEST(PatternMesh, EveryRequiredPointIsAVertexAtItsPlace) {
+TEST(PatternMeshTest, EveryRequiredPointIsAVertexAtItsPlace) {
   const std::vector<Vector2d> points = {{0, 0},        {0.2, 0},   {0.05, 0},
                                         {0.2, 0.033},  {0.1, 0.1}, {0.03, 0.17},
                                         {0.031, 0.17}, {0, 0.111}, {0.02, 0.02}};
@@ -139,7 +139,7 @@ TEST(PatternMesh, EveryRequiredPointIsAVertexAtItsPlace) {
   }
 }
 
-TEST(PatternMesh, ARequiredPointOnARoundBorderIsWithinTheToleranceOfTheBorder) {
+TEST(PatternMeshTest, RequiredPointOnARoundBorderIsWithinTheBorderTolerance) {
   std::vector<Vector2d> points;
   for (int k = 0; k < 16; ++k)
     points.push_back(0.5 * (disc().outline[4 * k + 1] + disc().outline[4 * k + 2]));
@@ -147,15 +147,15 @@ TEST(PatternMesh, ARequiredPointOnARoundBorderIsWithinTheToleranceOfTheBorder) {
     const PatternMesh mesh = mesh_pattern_with(disc(), count, points);
     const double edge = std::sqrt(area(disc()) / (count * std::sqrt(3.0) / 4));
     for (std::size_t k = 0; k < points.size(); ++k)
-      // count +- 10 %
+      // the number of triangles may be off by 10 %
       EXPECT_LT((mesh.vertices.row(mesh.point_vertex[k]).transpose() - points[k]).norm(),
                 edge / 50 * 1.1);
     expect_sound(mesh, disc(), 1, 0.005);
   }
 }
 
-TEST(PatternMesh, ARequiredPointJustInsideARoundBorderIsPartOfTheMesh) {
-  // the chord that stands for a piece of the border may cut it off
+TEST(PatternMeshTest, RequiredPointJustInsideARoundBorderIsPartOfTheMesh) {
+  // the chord that replaces a piece of the border may cut the point off
   std::vector<Vector2d> points;
   for (int k = 0; k < 64; ++k)
     points.push_back(Vector2d(0.1, 0.1) + 0.998 * (disc().outline[k] - Vector2d(0.1, 0.1)));
@@ -167,7 +167,7 @@ TEST(PatternMesh, ARequiredPointJustInsideARoundBorderIsPartOfTheMesh) {
   }
 }
 
-TEST(PatternMesh, PointsThatAreTheSameToTheFileShareAVertex) {
+TEST(PatternMeshTest, PointsEqualToFilePrecisionShareAVertex) {
   const std::vector<Vector2d> points = {{0.03, 0.04}, {0.03 + 1e-9, 0.04}, {0.03, 0.04}, {0.07, 0},
                                         {0.07, 1e-9}, {0.1, 0.1 - 1e-9},   {0.1, 0.1}};
   const PatternMesh mesh = mesh_pattern_with(rectangle(0.1, 0.1), 300, points);
@@ -179,7 +179,7 @@ TEST(PatternMesh, PointsThatAreTheSameToTheFileShareAVertex) {
   for (int t = 0; t < mesh.triangles.rows(); ++t) EXPECT_GT(smallest_angle(mesh, t), 5);
 }
 
-TEST(PatternMesh, IsNearEquilateralOnPlainShapes) {
+TEST(PatternMeshTest, TrianglesAreNearlyEquilateralOnPlainShapes) {
   const struct {
     const char* name;
     double width, height;
@@ -191,7 +191,7 @@ TEST(PatternMesh, IsNearEquilateralOnPlainShapes) {
                {"A4 with handle rows", 0.210, 0.297, true}};
   for (const auto& shape : plain)
     for (const int count : counts) {
-      // the handles are nearer to each other than such triangles are long
+      // the handles are closer to each other than the edges of such triangles are long
       if (shape.rows && count < 150) continue;
       const PatternMesh mesh = mesh_pattern_with(
           rectangle(shape.width, shape.height), count,
@@ -206,27 +206,27 @@ TEST(PatternMesh, IsNearEquilateralOnPlainShapes) {
     }
 }
 
-TEST(PatternMesh, LatticeAndRoundBorderAreSmoothedTogether) {
+TEST(PatternMeshTest, LatticeAndRoundBorderAreSmoothedTogether) {
   for (const int count : {600, 1700, 6000}) {
     const PatternMesh mesh = mesh_pattern_with(disc(), count, {});
     double least = 180;
     for (int t = 0; t < mesh.triangles.rows(); ++t)
       least = std::min(least, smallest_angle(mesh, t));
-    EXPECT_GT(least, 31) << count;  // 27 to 30 where the lattice was only cut off at the border
+    EXPECT_GT(least, 31) << count;  // only 27 to 30 without the smoothing
   }
 }
 
-TEST(PatternMesh, AFinerEdgeMakesMoreTrianglesOfThatSize) {
+TEST(PatternMeshTest, ShorterEdgesGiveMoreTrianglesOfThatSize) {
   for (const double edge : {0.02, 0.01, 0.004}) {
     const PatternMesh mesh = mesh_pattern(rectangle(0.210, 0.297), edge, {});
     const double expected = 0.210 * 0.297 / (edge * edge * std::sqrt(3.0) / 4);
-    // whole rows and columns: half an edge in 0.2 m, twice
+    // there are whole rows and columns only: half an edge in 0.2 m, twice
     EXPECT_NEAR(mesh.triangles.rows() / expected, 1, 0.12) << edge;
   }
 }
 
-TEST(PatternMesh, TheTurnTurnsTheLattice) {
-  // share of the edges inside that run within 10 degrees of the first row of the lattice
+TEST(PatternMeshTest, TurnRotatesTheLattice) {
+  // fraction of the inner edges that run within 10 degrees of a row of the lattice
   const auto along = [](double turn) {
     const PatternMesh mesh = mesh_pattern(rectangle(0.1, 0.1), 0.004, {}, turn);
     int count = 0, all = 0;
@@ -235,7 +235,7 @@ TEST(PatternMesh, TheTurnTurnsTheLattice) {
         const Vector2d a = mesh.vertices.row(mesh.triangles(t, i)),
                        b = mesh.vertices.row(mesh.triangles(t, (i + 1) % 3));
         if ((a - Vector2d(0.05, 0.05)).norm() > 0.04) continue;
-        // the lattice is the same after 60 degrees
+        // the lattice repeats itself after 60 degrees
         const double angle = std::atan2((b - a).y(), (b - a).x()) * 3;
         ++all, count += std::cos(2 * angle - 6 * turn) > std::cos(M_PI / 3);
       }
@@ -244,7 +244,7 @@ TEST(PatternMesh, TheTurnTurnsTheLattice) {
   for (const double turn : {0.0, 0.26, M_PI / 6}) EXPECT_GT(along(turn), 0.9) << turn;
 }
 
-TEST(PatternMesh, TheSameInputGivesTheSameMesh) {
+TEST(PatternMeshTest, SameInputGivesTheSameMesh) {
   for (const Shape& shape : shapes) {
     const std::vector<Vector2d> points = {{0.01, 0.011}, {0.02, 0.003}};
     const PatternMesh one = mesh_pattern_with(shape.pattern, 700, points),
@@ -267,9 +267,9 @@ Fault fault_of(const std::function<void()>& run) {
   return Fault::command;
 }
 
-TEST(PatternMesh, AnOutlineThatCrossesItselfIsRefused) {
+TEST(PatternMeshTest, OutlineThatCrossesItselfIsRejected) {
   const Pattern lopsided{{{0, 0}, {0.2, 0}, {0.05, 0.15}, {0.2, 0.2}, {0, 0.2}, {0.15, 0.05}}, {}};
-  // its sides cross in the middle of both
+  // two of its sides cross in the middle of both
   const Pattern bow_tie{{{0, 0}, {0.1, 0.1}, {0.1, 0}, {0, 0.1}}, {}};
   for (const Pattern& pattern : {lopsided, bow_tie})
     for (const double edge : {0.05, 0.03, 0.02, 0.01, 0.007})
@@ -280,8 +280,8 @@ TEST(PatternMesh, AnOutlineThatCrossesItselfIsRefused) {
   }
 }
 
-TEST(PatternMesh, AnOutlineThatTouchesItselfIsRefused) {
-  // two squares that share the corner (0.1, 0.1), and a slot that just reaches the other side
+TEST(PatternMeshTest, OutlineThatTouchesItselfIsRejected) {
+  // two squares that share the corner (0.1, 0.1), and a slot that just reaches the opposite side
   const Pattern corner{
       {{0, 0}, {0.1, 0}, {0.1, 0.1}, {0.2, 0.1}, {0.2, 0.2}, {0.1, 0.2}, {0.1, 0.1}, {0, 0.1}}, {}};
   const Pattern cut{{{0, 0}, {0.1, 0}, {0.1, 0.1}, {0.06, 0.1}, {0.05, 0}, {0.04, 0.1}, {0, 0.1}},
@@ -291,7 +291,7 @@ TEST(PatternMesh, AnOutlineThatTouchesItselfIsRefused) {
       EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, edge, {}); }), Fault::scene);
 }
 
-TEST(PatternMesh, AHoleThatCrossesTheOutlineIsRefused) {
+TEST(PatternMeshTest, HoleThatCrossesTheOutlineIsRejected) {
   Pattern pattern = rectangle(0.1, 0.1);
   pattern.holes = {circle({0.09, 0.05}, 0.03, 24, /*counter_clockwise=*/false)};
   EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, 0.01, {}); }), Fault::scene);

@@ -8,12 +8,12 @@
 namespace paperbake {
 namespace {
 
-constexpr double exact = 1e-14;  // [m] a few roundings of numbers below 0.3
-// [1] on an edge either triangle serves; the locator takes so much for inside
+constexpr double exact = 1e-14;  // [m] a few rounding errors of numbers below 0.3
+// [1] tolerance of the locator: on an edge it may find either triangle
 constexpr double border_weight = 1e-9;
 
-/// A jittered sheet, a long strip of ruling slivers, and an L with a hole: what a grid of cells has
-/// to cope with.
+/// What a grid of cells has to cope with: a jittered sheet, a long strip of slivers between
+/// rulings, and an L with a hole.
 std::vector<Sheet> sheets() {
   const Pattern ell{{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0.1, 0.1}, {0.1, 0.2}, {0, 0.2}},
                     {{{0.04, 0.04}, {0.04, 0.06}, {0.06, 0.06}, {0.06, 0.04}}}};
@@ -29,7 +29,7 @@ Vector2d point_at(const Place& place, const Sheet& sheet) {
   return p;
 }
 
-TEST(Locate, EveryVertexIsFoundAtACornerOfWeightOne) {
+TEST(PointLocationTest, EveryVertexIsFoundAtACornerOfWeightOne) {
   for (const Sheet& sheet : sheets()) {
     const Locator locator(sheet.pattern, sheet.triangles);
     for (int v = 0; v < sheet.pattern.rows(); ++v) {
@@ -41,7 +41,7 @@ TEST(Locate, EveryVertexIsFoundAtACornerOfWeightOne) {
   }
 }
 
-TEST(Locate, EveryCentroidIsFoundInItsTriangleAtAThirdEach) {
+TEST(PointLocationTest, EveryCentroidIsFoundInItsTriangleWithEqualWeights) {
   for (const Sheet& sheet : sheets()) {
     const Locator locator(sheet.pattern, sheet.triangles);
     for (int t = 0; t < sheet.triangles.rows(); ++t) {
@@ -55,7 +55,7 @@ TEST(Locate, EveryCentroidIsFoundInItsTriangleAtAThirdEach) {
   }
 }
 
-TEST(Locate, WeightsGiveThePointBack) {
+TEST(PointLocationTest, WeightsReproduceThePoint) {
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(0, 1);
   for (const Sheet& sheet : sheets()) {
@@ -73,7 +73,7 @@ TEST(Locate, WeightsGiveThePointBack) {
   }
 }
 
-TEST(Locate, AnInterpolatedLinearFunctionIsExact) {
+TEST(PointLocationTest, InterpolationOfALinearFunctionIsExact) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 12, 0.2);
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const Vector2d p = sheet.pattern.row(v);
@@ -87,7 +87,7 @@ TEST(Locate, AnInterpolatedLinearFunctionIsExact) {
     }
 }
 
-TEST(Locate, APointOutsideIsTakenToTheNearestPointOfTheMesh) {
+TEST(PointLocationTest, PointOutsideIsMappedToTheNearestPointOfTheMesh) {
   const Sheet sheet = test::hex_sheet(0.1, 0.1, 12);
   const Locator locator(sheet.pattern, sheet.triangles);
   const struct {
@@ -97,14 +97,14 @@ TEST(Locate, APointOutsideIsTakenToTheNearestPointOfTheMesh) {
                {{-1, -2}, {0, 0}},           {{0.2, 0.3}, {0.1, 0.1}}};
   for (const auto& c : cases) {
     const Place place = locator.locate(c.asked);
-    // a point on a line: rounding only
+    // the nearest point on a line: rounding errors only
     EXPECT_LT((point_at(place, sheet) - c.nearest).norm(), 1e-12) << c.asked.transpose();
     EXPECT_GE(place.weights.minCoeff(), -border_weight);
     EXPECT_LE(place.weights.maxCoeff(), 1 + border_weight);
   }
 }
 
-TEST(Locate, APointInAHoleOrANotchIsTakenToItsNearestRim) {
+TEST(PointLocationTest, PointInAHoleOrANotchIsMappedToItsNearestRim) {
   const Sheet sheet = sheets()[2];
   const Locator locator(sheet.pattern, sheet.triangles);
   EXPECT_LT((point_at(locator.locate({0.045, 0.05}), sheet) - Vector2d(0.04, 0.05)).norm(), 1e-12);

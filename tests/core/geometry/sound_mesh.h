@@ -7,7 +7,7 @@
 
 namespace paperbake::test {
 
-/// Twice the area of a triangle on the pattern; negative when it lies upside down. [m2]
+/// Twice the area of a triangle on the pattern, negative when the triangle is turned over. [m2]
 inline double twice_area(const Sheet& sheet, int t) {
   const Vector2d a = sheet.pattern.row(sheet.triangles(t, 0)),
                  b = sheet.pattern.row(sheet.triangles(t, 1)),
@@ -15,7 +15,8 @@ inline double twice_area(const Sheet& sheet, int t) {
   return (b - a).x() * (c - a).y() - (b - a).y() * (c - a).x();
 }
 
-/// The mesh covers a disc of this area once.
+/// Expects that the mesh covers a region of this area [m2], with the topology of a disc, exactly
+/// once.
 inline void expect_sound(const Sheet& sheet, double area) {
   double sum = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {

@@ -18,8 +18,8 @@
 namespace paperbake {
 namespace {
 
-/// How much of the fold of the sheet lies on edges across its bending: sum |theta| l |d.e| / sum
-/// |theta| l.
+/// How far the folded edges of the sheet run across its rulings instead of along them:
+/// sum |theta| l |across . edge| / sum |theta| l.
 double misalignment(const Sheet& sheet, const Vector2d& across) {
   double off = 0, all = 0;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
@@ -32,7 +32,7 @@ double misalignment(const Sheet& sheet, const Vector2d& across) {
   return off / all;
 }
 
-TEST(Flips, EdgesTurnTowardsTheRulingsOfACylinder) {
+TEST(CrumpleTest, EdgesFlipTowardsTheRulingsOfACylinder) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.25, 5);
   for (int v = 0; v < sheet.pattern.rows(); ++v) {  // rulings at 40 degrees
     const double c = std::cos(0.7), s = std::sin(0.7), R = 0.04;
@@ -45,12 +45,12 @@ TEST(Flips, EdgesTurnTowardsTheRulingsOfACylinder) {
   const Points3 curvature = vertex_curvature(sheet);
   EXPECT_GT(flip_towards_rulings(sheet, curvature, 0.8), 5);
   EXPECT_LT(misalignment(sheet, across), 0.8 * before);
-  EXPECT_LT(length_distortion(sheet).mean, stretch);  // chords along rulings keep their length
+  EXPECT_LT(length_distortion(sheet).mean, stretch);  // edges along rulings keep their length
   test::expect_sound(sheet, 0.01);
-  EXPECT_EQ(flip_towards_rulings(sheet, curvature, 0.8), 0);  // it has come to an end
+  EXPECT_EQ(flip_towards_rulings(sheet, curvature, 0.8), 0);  // nothing is left to flip
 }
 
-TEST(Flips, NoEdgeTurnsOnASheetWithThreeSingularPoints) {
+TEST(CrumpleTest, NoEdgeFlipsOnASheetWithThreeSingularPoints) {
   Sheet smooth = test::hex_sheet(0.1, 0.1, 6, 0.25, 5);
   for (int v = 0; v < smooth.pattern.rows(); ++v)
     smooth.x(v, 2) = 12 * std::pow(smooth.pattern(v, 0) + smooth.pattern(v, 1) - 0.1, 2);
@@ -70,18 +70,18 @@ TEST(Flips, NoEdgeTurnsOnASheetWithThreeSingularPoints) {
   EXPECT_EQ(broken.triangles, before);
 }
 
-TEST(Flips, AFlatSheetKeepsANearDelaunayMesh) {
+TEST(CrumpleTest, FlatSheetKeepsItsNearlyDelaunayMesh) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   EXPECT_EQ(flip_towards_rulings(sheet, vertex_curvature(sheet), 0.8), 0);
 }
 
-TEST(Conflict, ACylinderHasNoneASaddleHas) {
+TEST(CrumpleTest, SaddleHasConflictsAndACylinderHasNone) {
   Sheet cylinder = test::hex_sheet(0.1, 0.1, 10);
   test::roll(cylinder, 0.03);
   Sheet saddle = test::hex_sheet(0.1, 0.1, 10);
   for (int v = 0; v < saddle.x.rows(); ++v) {
     const double a = saddle.pattern(v, 0) - 0.05, b = saddle.pattern(v, 1) - 0.05;
-    // +-24 1/m, in steps of a centimetre: 12 degrees in each direction
+    // curvatures of +-24 1/m, in steps of a centimetre: 12 degrees in each direction
     saddle.x(v, 2) = 12 * (a * a - b * b);
   }
   const std::vector<char> none;
@@ -94,20 +94,20 @@ TEST(Conflict, ACylinderHasNoneASaddleHas) {
   EXPECT_EQ(std::count(held.beyond.begin(), held.beyond.end(), 1), 0);
 }
 
-/// A crease along a row that is a ridge on the right and a valley on the left: the two meet in the
-/// middle.
+/// A crease along a row of edges that is a ridge on the right and a valley on the left; the two
+/// meet in the middle.
 Sheet ridge_and_valley() {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   int middle = 0;
   (sheet.pattern.rowwise() - Eigen::RowVector2d(0.05, 0.05)).rowwise().norm().minCoeff(&middle);
   for (int v = 0; v < sheet.x.rows(); ++v)
-    // 0.4 rad on the next edges
+    // 0.4 rad on the edges next to the middle
     sheet.x(v, 2) = 40 * std::abs(sheet.pattern(v, 1) - sheet.pattern(middle, 1)) *
                     (sheet.pattern(v, 0) - sheet.pattern(middle, 0));
   return sheet;
 }
 
-TEST(Conflict, ShowsWhereFoldsOfBothSignsMeet) {
+TEST(CrumpleTest, ConflictShowsWhereFoldsOfBothSignsMeet) {
   Sheet sheet = ridge_and_valley();
   const Points3 curvature = vertex_curvature(sheet);
   CrumpleOptions folds_alone;
@@ -120,7 +120,7 @@ TEST(Conflict, ShowsWhereFoldsOfBothSignsMeet) {
   const Conflicts c = find_conflicts(sheet, curvature, {}, folds_alone);
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     if (!c.beyond[v]) continue;
-    // not all along the crease
+    // near the middle, not all along the crease
     EXPECT_LT((sheet.pattern.row(v) - Eigen::RowVector2d(0.05, 0.05)).norm(), 0.021);
   }
   CrumpleOptions blind = folds_alone;
@@ -130,10 +130,10 @@ TEST(Conflict, ShowsWhereFoldsOfBothSignsMeet) {
     if (c.beyond[v]) sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
   CrumpleOptions greedy = folds_alone;
   greedy.absorbed_folds = 0.01;
-  EXPECT_GT(count(greedy), count(folds_alone));  // beside a singular point
+  EXPECT_GT(count(greedy), count(folds_alone));  // next to a singular point
 }
 
-TEST(Conflict, BringsAPointWhenItHasLastedSoonerWhereItIsSharp) {
+TEST(CrumpleTest, PersistentConflictBearsASingularPointSoonerWhenSevere) {
   const Sheet sheet = ridge_and_valley();
   const auto frames_to_birth = [&](const CrumpleOptions& options, double dt = 1 / 24.0) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, options, 1, 0);
@@ -149,14 +149,14 @@ TEST(Conflict, BringsAPointWhenItHasLastedSoonerWhereItIsSharp) {
   options.lasting = 5 / 24.0;
   EXPECT_EQ(frames_to_birth(options), 5);
   EXPECT_EQ(frames_to_birth(options, 1 / 48.0), 10);
-  EXPECT_EQ(frames_to_birth(options, 1 / 12.0), 3);  // the frame after
+  EXPECT_EQ(frames_to_birth(options, 1 / 12.0), 3);  // in the following frame
   options.absorbed_folds = 0.2;
   options.lasting_sharp = 2 / 24.0;
   EXPECT_EQ(frames_to_birth(options), 2);
   EXPECT_EQ(frames_to_birth(options, 1 / 120.0), 10);
 }
 
-TEST(Conflict, BesideASingularPointMoreIsAbsorbed) {
+TEST(CrumpleTest, ThresholdsAreHigherNextToASingularPoint) {
   Sheet saddle = test::hex_sheet(0.1, 0.1, 10);
   for (int v = 0; v < saddle.x.rows(); ++v) {
     const double a = saddle.pattern(v, 0) - 0.05, b = saddle.pattern(v, 1) - 0.05;
@@ -174,7 +174,7 @@ TEST(Conflict, BesideASingularPointMoreIsAbsorbed) {
     const Conflicts c = find_conflicts(saddle, vertex_curvature(saddle), {}, options);
     return std::count(c.beyond.begin(), c.beyond.end(), 1);
   };
-  EXPECT_EQ(beyond(0.14) - beyond(1.0), 6);  // the neighbours of the point in a lattice of six
+  EXPECT_EQ(beyond(0.14) - beyond(1.0), 6);  // the six neighbours of the point in the lattice
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ std::vector<RulingSample> fan(const Vector2d& apex, double noise) {
   return samples;
 }
 
-TEST(ConeFit, FindsTheApexOfExactRulingsAndTheAxisOfParallelOnes) {
+TEST(RegionsTest, ConeFitFindsTheApexOfRulingsAndTheAxisOfParallelOnes) {
   const Vector2d apex(-0.05, 0.04);
   EXPECT_LT((fit_cone(fan(apex, 0), 0.03, 0).apex_point() - apex).norm(), 1e-9);
   const Cone cylinder = fit_cone(fan({3e6, 4e6}, 0), 0.03, 0);
@@ -31,15 +31,15 @@ TEST(ConeFit, FindsTheApexOfExactRulingsAndTheAxisOfParallelOnes) {
   EXPECT_FALSE(fit_cone(fan(apex, 0), 0.03, 0).is_cylinder());
 }
 
-TEST(ConeFit, NoiseOfRulingsMovesANearApexLittleAndTheRulingsLess) {
+TEST(RegionsTest, NoiseMovesTheFittedApexLittleAndTheRulingsLess) {
   const Vector2d apex(-0.05, 0.04), p(0.01, 0.01);
   const Cone cone = fit_cone(fan(apex, 1.7 * degree), 0.03, 0);
-  EXPECT_GT((cone.apex_point() - apex).norm(), 1e-5);   // the noise was there
+  EXPECT_GT((cone.apex_point() - apex).norm(), 1e-5);   // the noise has an effect
   EXPECT_LT((cone.apex_point() - apex).norm(), 0.004);  // 6 % of the distance
   EXPECT_GT(std::abs(cone.ruling(p).dot((apex - p).normalized())), std::cos(1.0 * degree));
 }
 
-TEST(ConeFit, ThePullKeepsNoiseOnParallelRulingsFromMakingAnApexNearBy) {
+TEST(RegionsTest, RegularizationKeepsNoiseOnParallelRulingsFromMakingAnApex) {
   const Cone plain = fit_cone(fan({0, 1e6}, 10 * degree), 0.03, 0),
              pulled = fit_cone(fan({0, 1e6}, 10 * degree), 0.03, 0.5);
   EXPECT_LT(std::abs(pulled.apex.z()), 0.7 * std::abs(plain.apex.z()));
@@ -52,7 +52,7 @@ Regions regions_of(const Sheet& sheet, const RulingOptions& options = {}) {
   return regions;
 }
 
-TEST(Regions, AConeIsOneRegionWithItsApex) {
+TEST(RegionsTest, ConeIsOneRegionWithItsApex) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   const Vector2d apex(-0.06, 0.05);
   test::bend_to_cone(sheet, apex, 55 * degree);  // 4.4 1/m at its far end
@@ -62,11 +62,11 @@ TEST(Regions, AConeIsOneRegionWithItsApex) {
   EXPECT_EQ(region.sign, 1);
   EXPECT_NEAR(region.area, 0.01, 0.002);
   EXPECT_FALSE(region.cone.is_cylinder());
-  // the pull costs a little
+  // the regularization costs a little
   EXPECT_LT((region.cone.apex_point() - apex).norm(), 0.1 * (apex - Vector2d(0.05, 0.05)).norm());
 }
 
-TEST(Regions, AnSBendIsTwoCylindersOfOppositeSigns) {
+TEST(RegionsTest, SBendIsTwoCylindersOfOppositeSigns) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   for (int v = 0; v < sheet.x.rows(); ++v)
     sheet.x(v, 2) = 0.004 * std::sin(2 * M_PI * sheet.pattern(v, 0) / 0.1);
@@ -75,13 +75,13 @@ TEST(Regions, AnSBendIsTwoCylindersOfOppositeSigns) {
   EXPECT_EQ(regions.all()[0].sign * regions.all()[1].sign, -1);
   for (const CurvedRegion& region : regions.all()) {
     EXPECT_TRUE(region.cone.is_cylinder());
-    // twice the slope in the middle
+    // twice the slope angle in the middle
     EXPECT_NEAR(region.bend / 0.1, 2 * std::atan(0.004 * 2 * M_PI / 0.1), 0.05);
   }
 }
 
-TEST(Regions, ThresholdsHaveHysteresisAndNumbersLast) {
-  const RulingOptions options;  // on a sheet of 0.1 m: enters at 3 1/m, leaves at 1.8
+TEST(RegionsTest, ThresholdsHaveHysteresisAndRegionsKeepTheirIds) {
+  const RulingOptions options;  // on a sheet of 0.1 m: curved above 3 1/m, flat below 1.8
   Regions regions(test::rectangle(0.1, 0.1), options);
   const auto seen = [&](double k) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 12);
@@ -97,10 +97,10 @@ TEST(Regions, ThresholdsHaveHysteresisAndNumbersLast) {
   EXPECT_EQ(seen(1.2), 0u);
   EXPECT_EQ(seen(2.4), 0u);
   ASSERT_EQ(seen(4.0), 1u);
-  EXPECT_NE(regions.all()[0].id, id);  // what was flat in between is another one
+  EXPECT_NE(regions.all()[0].id, id);  // a region that was flat in between is a new one
 }
 
-TEST(Regions, AWaveThatTravelsKeepsItsNumbers) {
+TEST(RegionsTest, RegionsOfATravellingWaveKeepTheirIds) {
   Regions regions(test::rectangle(0.1, 0.1), {});
   std::vector<int> first;
   for (int frame = 0; frame < 10; ++frame) {
@@ -108,7 +108,7 @@ TEST(Regions, AWaveThatTravelsKeepsItsNumbers) {
     for (int v = 0; v < sheet.x.rows(); ++v)
       sheet.x(v, 2) = 0.004 * std::sin(2 * M_PI * (sheet.pattern(v, 0) - 0.002 * frame) / 0.1);
     regions.follow(BendingField(sheet, vertex_curvature(sheet)));
-    std::vector<int> ids(2, -1);  // by sign; a third region may come in at the border
+    std::vector<int> ids(2, -1);  // by sign; a third region may enter at the border
     for (const CurvedRegion& region : regions.all())
       if (region.area > 0.002) ids[region.sign > 0] = region.id;
     if (frame == 0) first = ids;
@@ -116,7 +116,7 @@ TEST(Regions, AWaveThatTravelsKeepsItsNumbers) {
   }
 }
 
-TEST(Regions, OptionsMoveTheThresholds) {
+TEST(RegionsTest, OptionsChangeTheThresholds) {
   Sheet gentle = test::hex_sheet(0.1, 0.1, 12);
   test::roll(gentle, 1 / 2.0);
   RulingOptions low, strict;
@@ -125,7 +125,7 @@ TEST(Regions, OptionsMoveTheThresholds) {
   EXPECT_EQ(regions_of(gentle, low).all().size(), 1u);
   Sheet dome = test::hex_sheet(0.1, 0.1, 12);
   for (int v = 0; v < dome.x.rows(); ++v)
-    // 8 and 3.2 1/m
+    // curvatures of 8 and 3.2 1/m
     dome.x(v, 2) =
         -4 * std::pow(dome.pattern(v, 0) - 0.05, 2) - 1.6 * std::pow(dome.pattern(v, 1) - 0.05, 2);
   strict.coherent = 0.2;

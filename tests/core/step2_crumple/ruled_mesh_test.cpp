@@ -37,7 +37,7 @@ Quality quality(const RuledMesh& mesh) {
   return q;
 }
 
-/// Share of the length of a ruling that lies on edges of the mesh, within `beside`.
+/// Fraction of the length of a ruling that is covered by edges of the mesh, within `beside` [m].
 double covered(const RuledMesh& mesh, const Ruling& r, double beside) {
   std::set<std::pair<int, int>> edges;
   for (int t = 0; t < mesh.triangles.rows(); ++t)
@@ -61,8 +61,8 @@ struct Ruled {
   std::optional<RuledMesh> mesh;
 };
 
-/// A rolled sheet with a row of required points along its left border, one inside, and a singular
-/// point.
+/// The ruled mesh of a sheet rolled to radius R [m], with a row of required points along its left
+/// border, one inside, and a singular point.
 Ruled rule(double R, const RulingOptions& options = {}) {
   Ruled ruled;
   const Pattern pattern = test::rectangle(0.1, 0.1);
@@ -80,7 +80,7 @@ Ruled rule(double R, const RulingOptions& options = {}) {
   return ruled;
 }
 
-TEST(BaseMesh, KnowsCornersHolesAndInnerPoints) {
+TEST(RuledMeshTest, BaseMeshKnowsItsCornersHolesAndInnerPoints) {
   Pattern pattern = test::rectangle(0.1, 0.08);
   pattern.holes.push_back({{0.04, 0.03}, {0.04, 0.05}, {0.06, 0.05}, {0.06, 0.03}});
   const PatternMesh mesh = mesh_pattern(pattern, 0.01, {});
@@ -94,7 +94,7 @@ TEST(BaseMesh, KnowsCornersHolesAndInnerPoints) {
     EXPECT_GT((nearest_border_point(pattern, p) - p).norm(), 1e-3);
 }
 
-TEST(RuledMesh, CoversThePatternWithTheRequiredPointsFirst) {
+TEST(RuledMeshTest, CoversThePatternWithTheRequiredPointsFirst) {
   for (double R : {0.03, 0.06, 0.15}) {
     const Ruled ruled = rule(R);
     ASSERT_TRUE(ruled.mesh) << R;
@@ -104,7 +104,7 @@ TEST(RuledMesh, CoversThePatternWithTheRequiredPointsFirst) {
     EXPECT_GT(q.least_altitude, 0.03 * ruled.base.h);
     for (std::size_t i = 0; i < ruled.required.size(); ++i)
       EXPECT_TRUE(ruled.mesh->pattern.row(i).transpose() == ruled.required[i]);
-    // the singular point
+    // the singular point is a vertex
     EXPECT_TRUE((ruled.mesh->pattern.rowwise() - Eigen::RowVector2d(0.03, 0.06))
                     .rowwise()
                     .norm()
@@ -112,7 +112,7 @@ TEST(RuledMesh, CoversThePatternWithTheRequiredPointsFirst) {
   }
 }
 
-TEST(RuledMesh, EdgesFollowTheRulings) {
+TEST(RuledMeshTest, EdgesFollowTheRulings) {
   const Ruled ruled = rule(0.06);
   ASSERT_TRUE(ruled.mesh);
   ASSERT_GE(ruled.rulings.size(), 10u);
@@ -122,7 +122,7 @@ TEST(RuledMesh, EdgesFollowTheRulings) {
   EXPECT_EQ(whole, int(ruled.rulings.size()));
 }
 
-TEST(RuledMesh, OfTwoRulingsThatCrossOneIsLeftOut) {
+TEST(RuledMeshTest, OneOfTwoRulingsThatCrossIsLeftOut) {
   Ruled ruled = rule(0.06);
   const std::vector<Ruling> crossed{{{0.02, 0.0}, {0.08, 0.1}, 10, 0},
                                     {{0.08, 0.0}, {0.02, 0.1}, 10, 0}};
@@ -133,7 +133,7 @@ TEST(RuledMesh, OfTwoRulingsThatCrossOneIsLeftOut) {
   EXPECT_LT(covered(*mesh, crossed[1], 1e-9), 0.6);
 }
 
-TEST(RuledMesh, RulingsThatMeetInTheMiddleOfAnotherMakeNoSliver) {
+TEST(RuledMeshTest, RulingThatEndsInTheMiddleOfAnotherMakesNoSliver) {
   Ruled ruled = rule(0.06);
   const double h = ruled.base.h;
   const std::vector<Ruling> tee{{{0.02, 0.0}, {0.02, 0.1}, 10, 0},
@@ -144,7 +144,7 @@ TEST(RuledMesh, RulingsThatMeetInTheMiddleOfAnotherMakeNoSliver) {
   EXPECT_GT(covered(*mesh, tee[0], 0.2 * h), 0.99);
 }
 
-TEST(RuledMesh, OptionsSetItsPoints) {
+TEST(RuledMeshTest, OptionsSetTheVerticesOfTheMesh) {
   const auto vertices = [](const RulingOptions& options) {
     return rule(0.06, options).mesh->pattern.rows();
   };
@@ -155,7 +155,7 @@ TEST(RuledMesh, OptionsSetItsPoints) {
   EXPECT_NE(vertices(merging), vertices({}));
 }
 
-TEST(RuledMesh, InAGuardAllPointsOfTheBaseMeshStay) {
+TEST(RuledMeshTest, AllPointsOfTheBaseMeshStayInAKeepOutDisc) {
   Ruled ruled = rule(0.06);
   const Disc guard{{0.1, 0.05}, 0.03};
   const auto mesh = ruled_mesh(ruled.base, {}, {}, {}, {guard}, {});
@@ -169,13 +169,13 @@ TEST(RuledMesh, InAGuardAllPointsOfTheBaseMeshStay) {
   EXPECT_GE(inside, 3);
 }
 
-TEST(RuledMesh, TheSameTwice) {
+TEST(RuledMeshTest, SameInputGivesTheSameMesh) {
   const Ruled a = rule(0.045), b = rule(0.045);
   ASSERT_TRUE(a.mesh && b.mesh);
   EXPECT_TRUE(a.mesh->pattern == b.mesh->pattern && a.mesh->triangles == b.mesh->triangles);
 }
 
-TEST(MeshFit, SeesEdgesAcrossTheBendingAndLargeFolds) {
+TEST(RuledMeshTest, MeshFitSeesEdgesAcrossTheRulingsAndLargeFolds) {
   const auto fit = [](int strips, double R) {
     Sheet sheet = test::strip_sheet(0.1, 0.1, strips);
     test::roll(sheet, R);
@@ -184,10 +184,10 @@ TEST(MeshFit, SeesEdgesAcrossTheBendingAndLargeFolds) {
     regions.follow(field);
     return mesh_fit(sheet, field, regions);
   };
-  EXPECT_NEAR(fit(20, 0.05).largest_fold, 0.1, 0.01);  // 0.1 m in 20 strips round 0.05 m
+  EXPECT_NEAR(fit(20, 0.05).largest_fold, 0.1, 0.01);  // 0.1 m in 20 strips on a radius of 0.05 m
   EXPECT_NEAR(fit(10, 0.05).largest_fold, 0.2, 0.02);
   EXPECT_LT(fit(20, 0.05).misalignment, 0.05);
-  Sheet lattice = test::hex_sheet(0.1, 0.1, 8);  // a third of its edges lies across
+  Sheet lattice = test::hex_sheet(0.1, 0.1, 8);  // a third of its edges runs across
   test::roll(lattice, 0.05);
   const BendingField field(lattice, vertex_curvature(lattice));
   Regions regions(test::rectangle(0.1, 0.1), {});
@@ -195,8 +195,8 @@ TEST(MeshFit, SeesEdgesAcrossTheBendingAndLargeFolds) {
   EXPECT_GT(mesh_fit(lattice, field, regions).misalignment, 0.15);
 }
 
-TEST(RemeshWhen, RefusalsMakeItWaitAndAnAcceptedOneForgives) {
-  for (const int rate : {1, 2, 5}) {  // in seconds, whatever the frames
+TEST(RuledMeshTest, RemeshingBacksOffAfterRejectionsUntilOneIsAccepted) {
+  for (const int rate : {1, 2, 5}) {  // waits are times, whatever the frame rate
     const double dt = 1 / (24.0 * rate);
     RemeshWhen when;
     const MeshFit bad{0.5, 1.0};
@@ -214,16 +214,17 @@ TEST(RemeshWhen, RefusalsMakeItWaitAndAnAcceptedOneForgives) {
     when.judged(true, Moment{20 * rate, dt});
     EXPECT_FALSE(when.due(bad, Moment{21 * rate, dt}, 0.2));
     EXPECT_TRUE(when.due(bad, Moment{22 * rate, dt}, 0.2));
-    // a large fold alone waits four frames,
+    // a large fold alone waits for four frames,
     EXPECT_FALSE(when.due({0.0, 0.3}, Moment{23 * rate, dt}, 0.2));
     EXPECT_TRUE(when.due({0.0, 0.3}, Moment{24 * rate, dt}, 0.2));
-    EXPECT_FALSE(when.due({0.2, 0.0}, Moment{25 * rate, dt}, 0.2));  // a slight misalignment six
+    // and a slight misalignment for six
+    EXPECT_FALSE(when.due({0.2, 0.0}, Moment{25 * rate, dt}, 0.2));
     EXPECT_TRUE(when.due({0.2, 0.0}, Moment{26 * rate, dt}, 0.2));
     EXPECT_EQ(wait(30 * rate), 2 * rate);
   }
 }
 
-TEST(RemeshWhen, WhatGoesFastOutgrowsItsMeshSooner) {
+TEST(RuledMeshTest, FastSheetIsRemeshedSooner) {
   const MeshFit bad{0.5, 1.0};
   const auto wait = [&](double moved) {
     RemeshWhen when;

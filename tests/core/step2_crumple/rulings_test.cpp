@@ -36,7 +36,8 @@ void expect_no_crossings(const std::vector<Ruling>& rulings) {
       EXPECT_FALSE(cross_each_other(rulings[i], rulings[j])) << i << " " << j;
 }
 
-/// All but the gaps at the corners of the sheet, where a last ruling is fitted in, are the same.
+/// Expects equal turning angles between neighbouring rulings, except at the corners of the sheet,
+/// where a last ruling is fitted in.
 void expect_equal_turns(std::vector<double> places, double turn_per_place, double facet_turn) {
   std::sort(places.begin(), places.end());
   std::vector<double> turns;
@@ -50,7 +51,7 @@ void expect_equal_turns(std::vector<double> places, double turn_per_place, doubl
   EXPECT_NEAR(turns[turns.size() * 3 / 4], 1, 0.15);
 }
 
-TEST(Rulings, OfACylinderAreParallelAndTurnEqually) {
+TEST(RulingsTest, CylinderHasParallelRulingsWithEqualTurns) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   const double R = 0.06, c = std::cos(0.5), s = std::sin(0.5);  // rulings at 0.5 rad from y
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
@@ -59,13 +60,13 @@ TEST(Rulings, OfACylinderAreParallelAndTurnEqually) {
     sheet.x.row(v) << R * std::sin(u / R), w, R * (std::cos(u / R) - 1);
   }
   RulingOptions options;
-  options.across_least = 0.3;  // 4.5 mm; the turn alone asks for 4.8
+  options.across_least = 0.3;  // 4.5 mm; the turning angle alone asks for 4.8
   const std::vector<Ruling> rulings = rulings_of(sheet, options);
   ASSERT_GE(rulings.size(), 12u);
   expect_no_crossings(rulings);
   std::vector<double> offsets;
   for (const Ruling& r : rulings) {
-    // the corners, whose rings are cut
+    // less exact at the corners, where the border cuts the one-rings
     EXPECT_LT(std::abs((r.b - r.a).normalized().dot(Vector2d(c, s))), std::sin(4 * degree));
     EXPECT_NEAR(r.k * R, 1, 0.1);
     offsets.push_back(0.5 * (r.a + r.b).dot(Vector2d(c, s)));
@@ -73,13 +74,13 @@ TEST(Rulings, OfACylinderAreParallelAndTurnEqually) {
   expect_equal_turns(offsets, 1 / R, options.facet_turn);
 }
 
-TEST(Rulings, OfAConeAreAFanOfEqualTurns) {
+TEST(RulingsTest, ConeHasAFanOfRulingsWithEqualTurns) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   const Vector2d apex(-0.06, 0.05);
   const double slope = 50 * degree;
   test::bend_to_cone(sheet, apex, slope);
   RulingOptions options;
-  options.across_most = 2;  // the turn alone sets the distance
+  options.across_most = 2;  // the turning angle alone sets the distance
   const std::vector<Ruling> rulings = rulings_of(sheet, options);
   ASSERT_GE(rulings.size(), 5u);
   expect_no_crossings(rulings);
@@ -90,13 +91,13 @@ TEST(Rulings, OfAConeAreAFanOfEqualTurns) {
     angles.push_back(std::atan2(-towards.y(), -towards.x()));
   }
   std::sort(angles.begin(), angles.end());
-  // a fan: a sheet seen at 60 mm spans 1.3 rad at most
+  // a fan: seen from 60 mm away, the sheet spans at most 1.3 rad
   EXPECT_GT(angles.back() - angles.front(), 0.5);
   // the fold between facets dphi apart is dphi / tan(slope)
   expect_equal_turns(angles, 1 / std::tan(slope), options.facet_turn);
 }
 
-TEST(Rulings, OptionsSetTheirDistance) {
+TEST(RulingsTest, OptionsSetTheDistanceBetweenRulings) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   test::roll(sheet, 0.06);
   const auto count = [&](const RulingOptions& options) {
@@ -104,7 +105,7 @@ TEST(Rulings, OptionsSetTheirDistance) {
   };
   RulingOptions usual;
   usual.facet_turn = 0.08;
-  usual.across_least = 0.2;  // 3 mm; the turn alone asks for 4.8
+  usual.across_least = 0.2;  // 3 mm; the turning angle alone asks for 4.8
   RulingOptions coarse = usual, near = usual, far = usual;
   coarse.facet_turn = 2 * usual.facet_turn;
   near.across_most = 0.25;  // 3.8 mm
@@ -116,9 +117,9 @@ TEST(Rulings, OptionsSetTheirDistance) {
   EXPECT_LT(count(far), 0.1 / (0.7 * 0.75 * h));
 }
 
-TEST(Rulings, NearATipThatIsPulledComeAsNearAsTheyAreShort) {
+TEST(RulingsTest, ShortRulingsAtALoadedCornerAreCloserToEachOther) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 40);
-  const double R = 0.01;  // the turn alone asks for 1 mm
+  const double R = 0.01;  // the turning angle alone asks for 1 mm
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const double across = (sheet.pattern(v, 0) + sheet.pattern(v, 1)) / std::sqrt(2),
                  along = (sheet.pattern(v, 0) - sheet.pattern(v, 1)) / std::sqrt(2);
@@ -138,7 +139,7 @@ TEST(Rulings, NearATipThatIsPulledComeAsNearAsTheyAreShort) {
   const std::vector<double> opposite = beside(rulings_of(sheet, {}, {}, {tip}), other);
   for (const auto* depths : {&usual, &opposite}) {
     ASSERT_GE(depths->size(), 2u);
-    EXPECT_GE(depths->front(), 0.4 * h);  // half as deep as long
+    EXPECT_GE(depths->front(), 0.4 * h);  // they are twice as long as they are deep
     for (std::size_t k = 0; k + 1 < depths->size(); ++k)
       EXPECT_GE((*depths)[k + 1] - (*depths)[k], 0.49 * h);
   }
@@ -146,7 +147,7 @@ TEST(Rulings, NearATipThatIsPulledComeAsNearAsTheyAreShort) {
   EXPECT_GE(pulled.size(), 2 * usual.size());
 }
 
-TEST(Rulings, DoNotEnterAGuardAndAFlatSheetHasNone) {
+TEST(RulingsTest, RulingsStayOutOfKeepOutDiscsAndAFlatSheetHasNone) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   EXPECT_TRUE(rulings_of(sheet).empty());
   test::roll(sheet, 0.06);

@@ -18,7 +18,7 @@
 namespace paperbake {
 namespace {
 
-TEST(Random, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
+TEST(SingularPointsTest, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
   constexpr int n = 20000;
   Vector2d mean(0, 0);
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
@@ -34,7 +34,7 @@ TEST(Random, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
   EXPECT_NEAR(scatter(0, 1), 0, error);
 }
 
-TEST(SingularPoint, LawScattersByThePapersDeviationAboutTheMiddleOfTheConflict) {
+TEST(SingularPointsTest, DrawsScatterAroundTheMiddleOfTheConflictByThePapersDeviation) {
   const Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const Pattern pattern = test::rectangle(0.1, 0.1);
   int inner = 0;
@@ -52,7 +52,7 @@ TEST(SingularPoint, LawScattersByThePapersDeviationAboutTheMiddleOfTheConflict) 
   for (unsigned seed = 0; seed < n; ++seed) {
     const auto p = draw_singular_point(sheet, pattern, paper, conflicts, {inner}, {}, seed, 0, 0);
     ASSERT_TRUE(p);
-    // no hidden state
+    // the same arguments give the same point: there is no hidden state
     EXPECT_TRUE(*p ==
                 *draw_singular_point(sheet, pattern, paper, conflicts, {inner}, {}, seed, 0, 0));
     places.emplace(p->x(), p->y());
@@ -65,7 +65,7 @@ TEST(SingularPoint, LawScattersByThePapersDeviationAboutTheMiddleOfTheConflict) 
   EXPECT_NEAR(std::sqrt(variance) / paper.apex_scatter, 1, 0.05);
 }
 
-/// 200 draws about one vertex: mean and deviation of each direction.
+/// Mean and standard deviation of 200 draws around one vertex, by direction.
 struct Draws {
   Vector2d mean{0, 0}, deviation{0, 0};  // [m]
 };
@@ -92,9 +92,9 @@ Draws draw_about(const Vector2d& middle, const Paper& paper) {
   return result;
 }
 
-// of 200 normal draws the deviation is known to 1/sqrt(2 x 199) = 5 %, the mean to 1/sqrt(200)
-// deviations; 3.3 of these: 99.9 %
-TEST(SingularPoint, TwoHundredDrawsHaveTheDeviationOfTheGrade) {
+// 200 normal draws determine the deviation within a standard error of 1/sqrt(2 x 199) = 5 % and the
+// mean within 1/sqrt(200) deviations; 3.3 standard errors are 99.9 %
+TEST(SingularPointsTest, TwoHundredDrawsHaveTheDeviationOfTheGrade) {
   for (const double sigma : {0.002, 0.005, 0.010}) {
     Paper paper;
     paper.apex_scatter = sigma;
@@ -106,9 +106,9 @@ TEST(SingularPoint, TwoHundredDrawsHaveTheDeviationOfTheGrade) {
   }
 }
 
-// refused draws are drawn anew: a normal law cut off at a = (3 mm - middle)/sigma has the mean
+// rejected draws are repeated: a normal law truncated at a = (3 mm - middle)/sigma has the mean
 // sigma m, m = phi(a)/(1 - Phi(a)), and the variance sigma^2 (1 + a m - m^2)
-TEST(SingularPoint, NearTheBorderTheLawIsTheGaussianCutOffAtTheMargin) {
+TEST(SingularPointsTest, DrawsNearTheBorderFollowAGaussianTruncatedAtTheMargin) {
   const Paper paper;
   const double sigma = paper.apex_scatter, margin = CrumpleOptions{}.border_share * 0.1;
   for (const double v : {0.005, 0.008, 0.012}) {
@@ -119,17 +119,17 @@ TEST(SingularPoint, NearTheBorderTheLawIsTheGaussianCutOffAtTheMargin) {
     const double mean = v + sigma * m, deviation = sigma * std::sqrt(1 + a * m - m * m);
     ASSERT_LT(deviation, 0.97 * sigma) << "the border is not felt: this proves nothing";
     EXPECT_NEAR(near.mean.y(), mean, 3.3 * deviation / std::sqrt(double(draws))) << v;
-    // a cut normal has lighter tails than 3.3 x 5 % = 17 % allows for
+    // a truncated normal law has lighter tails than 3.3 x 5 % = 17 % allows for
     EXPECT_NEAR(near.deviation.y() / deviation, 1, 0.2) << v;
     EXPECT_NEAR(near.mean.x(), 0.05, 3.3 * sigma / std::sqrt(double(draws))) << v;
     EXPECT_NEAR(near.deviation.x() / sigma, 1, 3.3 / std::sqrt(2.0 * (draws - 1))) << v;
   }
 }
 
-TEST(SingularPoint, TheMiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) {
+TEST(SingularPointsTest, MiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const Vector2d core(0.043, 0.052);
-  // a dome of 12 mm: positive curvature in it, negative round it
+  // a dome of 12 mm with positive Gaussian curvature inside and negative curvature around it
   for (int v = 0; v < sheet.x.rows(); ++v)
     sheet.x(v, 2) = 0.004 * std::exp(-(sheet.pattern.row(v).transpose() - core).squaredNorm() /
                                      (2 * 0.012 * 0.012));
@@ -144,14 +144,14 @@ TEST(SingularPoint, TheMiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) 
   EXPECT_GT((sheet.pattern.row(worst).transpose() - core).norm(), 0.002);  // cells of 10 mm
   EXPECT_LT((middle_of_conflict(sheet, conflicts, members) - core).norm(), 0.0015);
 
-  Conflicts saddle = conflicts;  // where nothing bulges the turning angles decide
+  Conflicts saddle = conflicts;  // where nothing bulges, the turning angles decide
   std::fill(saddle.core.begin(), saddle.core.end(), 0.0);
   EXPECT_LT(
       (middle_of_conflict(sheet, saddle, {worst}) - sheet.pattern.row(worst).transpose()).norm(),
       1e-12);
 }
 
-TEST(SingularPoint, SpacingGrowsWithThePaperAndWithTheSheet) {
+TEST(SingularPointsTest, SpacingGrowsWithTheThicknessAndTheSizeOfTheSheet) {
   const Paper paper;
   Paper card;
   card.thickness *= 8;
@@ -161,17 +161,18 @@ TEST(SingularPoint, SpacingGrowsWithThePaperAndWithTheSheet) {
   EXPECT_NEAR(spacing(0.21, paper), 0.0127, 1e-4);  // 2 x 0.4 (90 um)^(1/3) (0.21 m)^(2/3)
   EXPECT_NEAR(spacing(0.21, card) / spacing(0.21, paper), 2, 1e-12);
   EXPECT_NEAR(spacing(1.68, paper) / spacing(0.21, paper), 4, 1e-12);
-  EXPECT_LT(spacing(0.002, paper), 0.3 * 0.002);  // a stamp has room for some points,
-  EXPECT_GT(spacing(10, paper), 0.01 * 10);       // and those of a sail are worth their triangles
+  // a stamp has room for a few points, and those of a sail are not too many for its triangles
+  EXPECT_LT(spacing(0.002, paper), 0.3 * 0.002);
+  EXPECT_GT(spacing(10, paper), 0.01 * 10);
 }
 
-TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
+TEST(SingularPointsTest, DrawsKeepTheirDistanceFromTheBorderAndOtherPoints) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const Pattern pattern = test::rectangle(0.1, 0.1);
   const CrumpleOptions options;
   Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.2),
                       std::vector<char>(sheet.pattern.rows(), 1)};
-  std::vector<int> members;  // along the front border
+  std::vector<int> members;  // vertices near the front border
   for (int v = 0; v < sheet.pattern.rows(); ++v)
     if (sheet.pattern(v, 1) < 0.012 && sheet.pattern(v, 1) > 1e-9) members.push_back(v);
   ASSERT_GT(members.size(), 3u);
@@ -185,21 +186,22 @@ TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
   }
 }
 
-TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
+TEST(SingularPointsTest, InsertedPointBecomesAVertexAndTheMeshStaysSound) {
   int exact = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.1, seed);
     test::roll(sheet, 0.05);
-    // every other time no vertex may move: only splits
+    // every other time no vertex may move, so that triangles have to be split
     std::vector<char> fixed(sheet.pattern.rows(), seed % 2);
     for (int k = 0; k < 5; ++k) {
       const Vector2d p(0.05 + 0.04 * uniform(seed, 2 * k), 0.05 + 0.04 * uniform(seed, 2 * k + 1));
       const int v = insert_vertex(sheet, p, fixed);
       const double beside = (sheet.pattern.row(v).transpose() - p).norm();
-      EXPECT_LT(beside, 0.2 * 0.0167);  // of a height: further in where a fold would be cut short
+      // a fifth of an altitude: the vertex lies farther inside where it would cut across a fold
+      EXPECT_LT(beside, 0.2 * 0.0167);
       exact += beside < 1e-15;
       sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
-      EXPECT_NEAR(sheet.x(v, 1), sheet.pattern(v, 1), 2e-3);  // on the cylinder's chord
+      EXPECT_NEAR(sheet.x(v, 1), sheet.pattern(v, 1), 2e-3);  // on a chord of the cylinder
       EXPECT_EQ(sheet.v.rows(), sheet.pattern.rows());
       fixed.resize(sheet.pattern.rows(), 0);
     }
@@ -208,9 +210,9 @@ TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
   EXPECT_GT(exact, 0.7 * 60 * 5);
 }
 
-TEST(SingularPoint, BesideAnEdgeNoTriangleIsTurnedOver) {
-  // the lower triangle is so flat that its tip does not see what lies above the left half of the
-  // common edge
+TEST(SingularPointsTest, PointInsertedNearAnEdgeTurnsNoTriangleOver) {
+  // the lower triangle is so flat that points above the left half of the common edge are not
+  // visible from its tip
   Points2 pattern(4, 2);
   pattern << 0, 0, 1, 0, 0.3, 0.5, -0.8, -0.1;
   Triangles triangles(2, 3);
@@ -224,8 +226,8 @@ TEST(SingularPoint, BesideAnEdgeNoTriangleIsTurnedOver) {
     }
 }
 
-TEST(SingularPoint, AFoldedRingIsNotCutShortAndAFlipNotTakenThroughAnotherLayer) {
-  // two triangles folded by 90 degrees: a point just beyond the fold stays in its own triangle
+TEST(SingularPointsTest, InsertionKeepsAFoldAndAFlipPassesThroughNoOtherLayer) {
+  // two triangles folded by 90 degrees: a point just beside the fold stays in its own triangle
   Sheet bent = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.08, 0.05, -0.08).finished(),
                                 (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());
   bent.x.row(3) << 0.05, 0, -0.08;
@@ -233,7 +235,7 @@ TEST(SingularPoint, AFoldedRingIsNotCutShortAndAFlipNotTakenThroughAnotherLayer)
   EXPECT_LT(length_distortion(bent).largest, 1e-12);
   EXPECT_EQ(bent.triangles.rows(), 4);
 
-  // a saddle of two triangles over a longer diagonal, and a blade that stands between the two
+  // a saddle of two triangles over the longer diagonal, and a blade that stands between the two
   // diagonals
   Sheet pair = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.03, 0.05, -0.03).finished(),
                                 (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());

@@ -9,7 +9,7 @@
 namespace paperbake {
 namespace {
 
-/// A roll whose vertices lie where a chord has its true length, give or take `noise`.
+/// A rolled sheet whose vertices are displaced at random, by a few `noise` [m] at most.
 Sheet noisy_roll(double noise) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10, 0.2);
   test::roll(sheet, 0.06);
@@ -18,7 +18,7 @@ Sheet noisy_roll(double noise) {
   return sheet;
 }
 
-TEST(Developable, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
+TEST(DevelopableTest, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
   Sheet sheet = noisy_roll(2e-5);
   const double defect = angle_defect_max(sheet);
   const Points3 before = sheet.x;
@@ -29,28 +29,28 @@ TEST(Developable, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
   all.most_move = 0.05;
   const Restored restored = restore_lengths(sheet, {}, all);
   EXPECT_LT(length_distortion(sheet).largest, 0.1 * restored.before);
-  EXPECT_LT(angle_defect_max(sheet), 0.1 * defect);  // true edges have true angles
+  EXPECT_LT(angle_defect_max(sheet), 0.1 * defect);  // with the true lengths come the true angles
   EXPECT_NEAR(restored.after, length_distortion(sheet).largest, 1e-12);
   EXPECT_NEAR(restored.moved, (sheet.x - before).rowwise().norm().maxCoeff(), 1e-15);
   EXPECT_LT(restored.moved, 5e-4);  // the shape is the same
 }
 
-TEST(Developable, WhatNoOneSeesIsLeftAlone) {
+TEST(DevelopableTest, SmallLengthErrorsAreLeftAlone) {
   Sheet sheet = noisy_roll(2e-5);
   const Points3 before = sheet.x;
   DevelopableOptions lax;
   lax.left_alone = 0.1;
   EXPECT_EQ(restore_lengths(sheet, {}, lax).iterations, 0);
   EXPECT_TRUE(sheet.x == before);
-  // more is corrected, but only down to what is left alone
+  // larger errors are corrected, but only down to what is left alone
   restore_lengths(sheet, {});
   const double largest = length_distortion(sheet).largest;
   EXPECT_LT(largest, 2 * DevelopableOptions{}.left_alone);
   EXPECT_GT(largest, 0.5 * DevelopableOptions{}.left_alone);
 }
 
-TEST(Developable, HeldVerticesStayAndShareWhatTheyAskTooMuch) {
-  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);  // flat, two opposite borders 0.4 % too far apart
+TEST(DevelopableTest, HeldVerticesStayAndExcessStretchIsShared) {
+  Sheet sheet = test::hex_sheet(0.1, 0.1, 10);  // flat, two borders 0.4 % too far apart
   std::vector<int> held;
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const bool left = sheet.pattern(v, 0)<1e-9, right = sheet.pattern(v, 0)> 0.1 - 1e-9;
@@ -58,20 +58,20 @@ TEST(Developable, HeldVerticesStayAndShareWhatTheyAskTooMuch) {
     if (right) sheet.x(v, 0) += 0.0004;
   }
   const Points3 before = sheet.x;
-  ASSERT_GT(length_distortion(sheet).largest, 0.02);  // all of it in the last row
+  ASSERT_GT(length_distortion(sheet).largest, 0.02);  // all of it is in the last row
   restore_lengths(sheet, held);
   for (const int v : held) EXPECT_TRUE(sheet.x.row(v) == before.row(v));
-  EXPECT_LT(length_distortion(sheet).largest, 0.006);  // 0.4 % everywhere is the least there is
+  EXPECT_LT(length_distortion(sheet).largest, 0.006);  // 0.4 % everywhere is the least possible
 }
 
-TEST(Developable, NoVertexGoesFartherThanTold) {
+TEST(DevelopableTest, NoVertexMovesFartherThanAllowed) {
   Sheet sheet = noisy_roll(1e-3);
   DevelopableOptions options;
   options.most_move = 1e-4;
   EXPECT_LE(restore_lengths(sheet, {}, options).moved, 1e-4 * std::sqrt(2) * 0.1 * (1 + 1e-9));
 }
 
-TEST(Developable, SheetHeldEverywhereStays) {
+TEST(DevelopableTest, SheetHeldEverywhereStays) {
   Sheet sheet = noisy_roll(1e-3);
   std::vector<int> all(sheet.x.rows());
   for (int v = 0; v < sheet.x.rows(); ++v) all[v] = v;
