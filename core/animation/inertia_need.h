@@ -24,8 +24,8 @@ struct InertiaNeed {
 ///   them by the sway: the largest deflection of its slowest bending mode, hinged over the free
 ///   length l, with the motion of the handles as its base,
 ///
-///     r'' = -w^2 r - p'',  w^2 = pi^4 D/(rho l^4) + g/l,  l = twice the largest distance of the
-///     paper from a held point,
+///     r'' = -w^2 r - p'',  w^2 = pi^4 D/(rho l^4) + g/l,
+///     l = twice the largest distance of the paper from the nearest held point,
 ///
 ///   damped as the solver is. A sway of less than a quarter of the longer side is neglected: in
 ///   reality air holds paper back, which is not modelled. In a scene without gravity g is that of

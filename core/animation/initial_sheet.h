@@ -7,8 +7,8 @@
 
 namespace paperbake {
 
-/// The first mesh of a shot, in the start shape. A flat start gets a geometric imperfection of 1e-6
-/// m along its normal, which depends on the seed and not on the mesh. Singular points that the
+/// The first mesh of a shot, in the start shape. A flat start gets a geometric imperfection of
+/// 1e-6 m along its normal, which depends on the seed and not on the mesh. Singular points that the
 /// artist has prescribed are born in the first frame.
 struct StartedSheet {
   Sheet sheet;

@@ -27,12 +27,12 @@ struct Verdict {
 /// With an accepted proposal comes a solver that has taken over the state of the old one. Nothing
 /// yields. A rejected proposal leaves no trace.
 ///
-/// proposal    the sheet on its new mesh, positions and velocities carried over
-/// stiffening  as in Elastic::set_mesh, of the new mesh
-/// held        vertices of the new mesh, at the positions of the old one
-/// dt          [s] of a frame
-/// last argument  called last with (old sheet, new sheet, largest displacement [m]); returns
-///                whether the swap is admissible. Empty: always.
+/// proposal       the sheet on its new mesh, positions and velocities carried over
+/// stiffening     as in Elastic::set_mesh, of the new mesh
+/// held           vertices of the new mesh, at the positions of the old one
+/// dt             [s] of a frame
+/// is_admissible  called last with (old sheet, new sheet, largest displacement [m]); returns whether
+///                the swap may be made. Empty: always.
 Verdict exchange_mesh(
     Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held,
     double dt,

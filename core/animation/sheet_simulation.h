@@ -32,14 +32,13 @@ class Animation {
   bool stays() const { return stays_; }
   void stay();
 
-  /// The elastic step of this sheet alone. kept: the step can be undone, and trajectory() records
-  /// it
+  /// The elastic step of this sheet alone. With a recorded trajectory the step can be undone.
   enum class Trace { kept, none };
   void step(Trace);
   /// The elastic step of several sheets that come near each other. Sheets that have already taken
   /// it alone are first set back to where it began.
-  /// dhat               |sheets|x|sheets| [m] contact distances, as in Elastic::step_together
-  /// near_each_other    some of them began the shot closer to each other than their full dhat
+  /// dhat             |sheets|x|sheets| [m] contact distances, as in Elastic::step_together
+  /// near_each_other  some of them began the shot closer to each other than their full dhat
   enum class Begun { near_each_other, apart };
   static void step_together(const std::vector<Animation*>&, const Eigen::MatrixXd& reach, Begun);
   /// Where the sheet was during this frame, from its start on.
