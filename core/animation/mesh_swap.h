@@ -31,8 +31,8 @@ struct Verdict {
 /// stiffening     as in Elastic::set_mesh, of the new mesh
 /// held           vertices of the new mesh, at the positions of the old one
 /// dt             [s] of a frame
-/// is_admissible  called last with (old sheet, new sheet, largest displacement [m]); returns whether
-///                the swap may be made. Empty: always.
+/// is_admissible  called last with (old sheet, new sheet, largest displacement [m]); returns
+///                whether the swap may be made. Empty: always.
 Verdict exchange_mesh(
     Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held,
     double dt,
