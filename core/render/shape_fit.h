@@ -46,7 +46,7 @@ struct LocalGlobalOptions {
 /// source  [Bergou 2006] for K; otherwise this project
 class LocalGlobal {
  public:
-  /// folds  prescribed creases: their hinges have c = 1, however small their angle
+  /// creases  prescribed ones: their hinges have c = 1, however small their angle
   LocalGlobal(const Points2& pattern, const Triangles&, const LocalGlobalOptions&,
               const std::vector<FoldLine>& folds = {});
 
