@@ -15,12 +15,12 @@ namespace {
 
 using Party = SheetsBeside::Party;
 
-/// CPU time of each sheet in the frame. [ms]
+/// CPU time that one frame takes for a sheet. [ms]
 struct Times {
   double elastic = 0, geometry = 0;
 };
 
-/// Counts what is done for the sheets of a party, to each of them alike.
+/// Does the work and adds its CPU time to the sheets of an island, in equal shares.
 void count(std::vector<Times>& times, double Times::*what, const Party& sheets,
            const std::function<void()>& work) {
   const double begun = cpu_ms();
@@ -28,9 +28,9 @@ void count(std::vector<Times>& times, double Times::*what, const Party& sheets,
   for (const std::size_t s : sheets) times[s].*what += (cpu_ms() - begun) / sheets.size();
 }
 
-/// The elastic step of a frame: of each sheet by itself, and once more of those that would have
-/// met.
-/// returns  who took it together
+/// The elastic step of a frame. Every island takes it by itself first; islands whose sheets would
+/// have collided on the way are merged and take it again together.
+/// returns  the islands in which the step was taken
 std::vector<Party> step(SheetsBeside::Sheets& sheets, const SheetsBeside* beside,
                         std::vector<Times>& times) {
   std::vector<Party> parties;

@@ -11,57 +11,62 @@
 
 namespace paperbake {
 
-/// Does paper keep what it was bent to?
+/// Whether the paper yields. none: it springs back completely; plastic: it keeps a permanent
+/// curvature where it was bent beyond its yield strain.
 enum class Memory { none, plastic };
 
 struct AnimateOptions {
   ElasticOptions elastic;
   double fps = 24;  // [1/s]
   int first_frame = 1, last_frame = 1;
-  unsigned seed = 0;  // of the ripple that lets a flat sheet buckle
-  // plastic: beyond the yield strain of the grade, on the pattern, for ever
+  unsigned seed = 0;  // of the geometric imperfection that lets a flat sheet buckle
+  // plastic: curvature beyond the yield strain of the paper stays for good, stored on the pattern
   Memory memory = Memory::none;
-  bool show_memory = false;  // hand on AnimatedFrame::plastic_curvature
-  // [frames] from one search for another branch (branches.h) to the next; 0: none
+  bool show_memory = false;  // fill AnimatedFrame::plastic_curvature
+  // [frames] from one search for another branch (branch_search.h) to the next; 0: no search
   int probe_every = 0;
-  // AnimatedFrame::state of this shot, method and options: the frames after that one, as they would
-  // have been; empty: all
+  // AnimatedFrame::state of an earlier run of the same shot, method and options. The simulation
+  // continues with the frame after that one and gives the same frames as an uninterrupted run.
+  // Empty: all frames.
   std::string go_on_from;
 };
 
-/// The loop over frames: handles -> step 1 -> method -> frame. Handle points and the rims of their
-/// discs are vertices of the first mesh. A step that fails is taken in halves, down to 1/256 of a
-/// frame; one in which a flat sheet is pushed together in halves to 1/8: where it bends to is to be
-/// its way's affair, not the step's or the mesh's. With inertia no step is longer than 1/96 s:
-/// backward Euler damps, and at 1/24 s a pendulum of 20 cm would lose half its swing on the way to
-/// the other side.
+/// Simulates one sheet through its shot, frame by frame: handles -> step 1 -> method -> frame.
+/// Handle points and the rims of their discs are vertices of the first mesh.
+///
+/// A step that fails is halved, down to 1/256 of a frame. A frame in which a flat sheet is
+/// compressed is halved down to 1/8, so that the buckling direction does not depend on step size or
+/// mesh. With inertia no step is longer than 1/96 s, because backward Euler damps motion: at 1/24 s
+/// a pendulum of 20 cm would lose half of its swing before it reaches the other side.
 ///
 /// on_frame  called for every frame in order; returns false to stop
-/// throws    Error(Fault::simulation) when the sheet cannot follow its handles into the first frame
-///           (in a later one it stays as it was, and the note says so) or has no finite energy;
-///           frames handed out before stay good; Error(Fault::scene) when go_on_from is no state of
-///           this shot
+/// throws    Error(ErrorCode::simulation) when the sheet cannot follow its handles into the first
+///           frame (in a later frame it stays where it was, and the note of the frame says so), or
+///           when its energy is not finite; frames handed out before stay valid.
+///           Error(ErrorCode::scene) when resume_state is not a state of this shot.
 /// source    the loop of [Schreck 2015], section 2
 void animate(const Shot&, const Method&, const AnimateOptions&,
              const std::function<bool(const AnimatedFrame&)>& on_frame);
 
-/// One of several sheets that are animated together. With methods and options of its own; frames,
-/// rate and elastic options are those of all.
+/// One of several sheets that are animated together. Each has its own method and options, but the
+/// frame range, the frame rate and the elastic options must be the same for all.
 struct AnimatedSheet {
   const Shot& shot;
   const Method& method;
   const AnimateOptions& options;
 };
 
-/// The same of several sheets, frame by frame. In a frame in which they stay out of each other's
-/// reach, each goes its way as if it were alone, to the last bit; those that come within reach of
-/// each other take the frame together (Elastic::step_together). Two sheets have one reach d^
-/// between them: the smaller of theirs; where they begin nearer to each other, 0.9 x that distance,
-/// and as they part, as much. Sheets that begin on each other, crossed or joined at a border, have
-/// a tenth of it, and where they do, none (contact.h); of which half does, none at all until they
-/// are apart.
+/// Simulates several sheets, frame by frame. Sheets farther apart than the contact distance dhat
+/// between them give bit-identical results to being simulated alone. Sheets that come closer within
+/// a frame are solved as one system for that frame (Elastic::step_together).
 ///
-/// on_frame  called for every frame in order, and of it for every sheet in order
+/// The dhat of two sheets is the smaller of their own two. If they begin closer to each other than
+/// that, it is 0.9 x their distance, and it grows with this distance as they move apart. Sheets
+/// that touch, intersect or share a border as they begin use 0.1 dhat, and the features that touch
+/// or intersect there are ignored (self_contact.h). If more than half of the vertices coincide, the
+/// two sheets ignore each other until they have moved apart.
+///
+/// on_frame  called for every frame in order, and within a frame for every sheet in order
 /// source    this project
 void animate_together(const std::vector<AnimatedSheet>&,
                       const std::function<bool(const AnimatedFrame&)>& on_frame);

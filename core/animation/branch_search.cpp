@@ -13,13 +13,13 @@ namespace paperbake {
 namespace {
 
 constexpr double amplitudes[] = {0.02, 0.06};  // [1] of the longer side
-constexpr double same = 0.02;                  // [1] of the energy: another branch is lower by more
-// [1] of the longer side, rms: nearer than this it is the same shape
+constexpr double same = 0.02;  // [1] of the energy: another branch is lower by more than this
+// [1] of the longer side, RMS: a shape closer than this is the same
 constexpr double another_shape = 0.01;
 constexpr int most_steps_in_touch = 12;
-constexpr double noise = 1e-6;  // [J] of a sheet that is nearly flat
+constexpr double noise = 1e-6;  // [J] for a sheet that is nearly flat
 
-/// The sheet pushed along its normals, by `height` rms.
+/// The sheet displaced along its normals, by an RMS height of `height`. [m]
 Sheet pushed(const Sheet& sheet, double side, double height, std::uint32_t seed) {
   Eigen::VectorXd wave(sheet.x.rows());
   for (int v = 0; v < wave.size(); ++v) wave[v] = ripple(sheet.pattern.row(v), side, seed);
@@ -30,7 +30,7 @@ Sheet pushed(const Sheet& sheet, double side, double height, std::uint32_t seed)
   return moved;
 }
 
-/// Of a sheet that touches itself.
+/// The search for a sheet that touches itself.
 Branches finish(Sheet& sheet, Elastic& elastic, const Held& held, double dt) {
   const Sheet sheet_before = sheet;
   const ElasticPast past = elastic.past();
@@ -65,13 +65,14 @@ Branches probe_branches(Sheet& sheet, Elastic& elastic, const Held& held, double
   elastic.take_back(no_past);
   const auto relaxed = [&](Sheet& candidate) {
     ElasticReport report;
-    // inertia holds it back to where it was pushed, less every time
+    // the inertia term holds it where it was pushed to, a little less every time
     for (int time = 0; time < 3; ++time)
       if (report = elastic.settle(candidate, held, dt, Settling::fully); !report.converged) break;
     return report;
   };
 
-  // the sheet itself is relaxed alike: what it has not yet finished is no other branch
+  // The sheet itself is relaxed in the same way: what its minimisation has left over is not another
+  // branch.
   Sheet lowest = sheet;
   ElasticReport here = relaxed(lowest);
   if (!here.converged || here.contact) here = elastic.look(sheet), lowest = sheet;

@@ -7,29 +7,32 @@
 
 namespace paperbake {
 
-/// What a probe for other shapes found, with the handles where they are.
+/// Result of a search for other branches, with the handles where they are.
 struct Branches {
-  double before = 0, after = 0;  // [J] potential of the sheet as it was, and as it is now
+  double before = 0, after = 0;  // [J] potential of the sheet before and after the search
   bool taken = false;            // another branch is more than 2 % lower: the sheet is on it now
-  // no other branch: the sheet touches itself and was not yet at its minimum
+  // no other branch: the sheet touches itself, was not at its minimum yet and is lower now
   bool finished = false;
-  // another shape has the same energy within 2 %, as a mirror image has
+  // another shape has the same energy within 2 %, for example a mirror image
   bool equal = false;
 };
 
-/// Looks for other minima of the potential. The sheet is pushed along its normals by long waves
-/// that depend on seed and frame, some (three) of 2 % of its longer side and some of 6 %, and every
-/// one is relaxed with the handles where they are. The lowest that ends at a minimum, does not
-/// cross itself and is more than 2 % below the sheet as it is, is taken: stepped to, so that it
-/// flows and touches as in any step. Otherwise there is no trace of the probe. A sheet that touches
-/// itself cannot be pushed, not through itself: it is given twelve more steps to get lower where it
-/// is.
+/// Looks for other minima of the potential. The sheet is displaced along its normals by long waves
+/// that depend on seed and frame: three (waves_of_each) with an RMS height of 2 % of its longer
+/// side, and three with 6 %. Each displaced sheet is relaxed with the handles where they are. The
+/// lowest result that is a minimum, does not intersect itself and is more than 2 % below the sheet
+/// as it is, is taken: an elastic step leads to it, so that the sheet yields and touches as in any
+/// step. Otherwise the search leaves no trace.
+///
+/// A sheet that touches itself cannot be displaced without passing through itself. It is given up
+/// to twelve more steps to come lower on its own branch.
+///
 /// dt      [s] of a frame
 /// source  this project
 Branches probe_branches(Sheet&, Elastic&, const Held&, double dt, std::uint32_t seed, int frame,
                         int waves_of_each = 3);
 
-/// What there is to say of it in the certificate; empty: nothing.
+/// What the certificate says about it; empty: nothing.
 std::string note_of(const Branches&);
 
 }  // namespace paperbake

@@ -39,10 +39,10 @@ Held Grip::held(int frame) const {
   Points3 targets(hard.size(), 3);
   for (std::size_t k = 0; k < hard.size(); ++k) targets.row(k) = keyed(hard[k], frame);
   reach_.project(hard, targets);
-  // two handles on one point of the sheet hold it where they agree best; a soft one has no say
-  // beside a hard one
+  // Two handles on one vertex hold it at the mean of their targets, soft ones weighted by their
+  // stiffness. Beside a hard handle a soft one has no effect.
   struct Pull {
-    // of targets; of soft handles, stiffness x target
+    // sum of the targets; for soft handles of stiffness x target
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
     double weight = 0, stiffness = 0;
   };
@@ -54,7 +54,7 @@ Held Grip::held(int frame) const {
   }
   for (const int h : soft) {
     Pull& pull = by_vertex[vertex_[h]];
-    if (pull.weight > pull.stiffness) continue;  // held hard
+    if (pull.weight > pull.stiffness) continue;  // held by a hard handle
     pull.sum += handles_[h].stiffness * keyed(h, frame).transpose();
     pull.weight = pull.stiffness += handles_[h].stiffness;
   }
@@ -77,7 +77,7 @@ std::vector<HandleFrame> Grip::report(const Points3& x, int frame) const {
     frames[h].keyed = keyed(h, frame);
     frames[h].at = x.row(vertex_[h]);
     if (!holds(h, frame)) continue;
-    const bool soft = handles_[h].stiffness > 0;  // it is meant to lag
+    const bool soft = handles_[h].stiffness > 0;  // a soft handle is meant to lag
     frames[h].state = !soft && (frames[h].at - frames[h].keyed).norm() > exact_
                           ? HandleFrame::jammed
                           : HandleFrame::held;

@@ -9,18 +9,19 @@
 
 namespace paperbake {
 
-/// Handles of the shot as the loop needs them: where they are asked to be, and which vertices that
-/// holds.
+/// The handles of a shot as position constraints: where they are asked to be, and which vertices
+/// they hold.
 class Grip {
  public:
-  /// vertices  of each handle
+  /// vertices  vertex of each handle
   Grip(const Shot&, std::vector<int> vertices, int first_frame);
 
-  /// A relative handle begins where the sheet is at its grab frame, after that frame was simulated
-  /// without it.
+  /// A relative handle starts from where the sheet is at its grab frame, after that frame was
+  /// simulated without it.
   void anchor(const Points3& x, int frame);
 
-  /// Held vertices and their targets at a frame, drawn together where paper cannot reach.
+  /// Held vertices and their targets at a frame. Targets that paper cannot reach are drawn
+  /// together.
   Held held(int frame) const;
 
   std::vector<HandleFrame> report(const Points3& x, int frame) const;
@@ -35,9 +36,9 @@ class Grip {
   const Colliders* colliders_;  // null: there are none
   std::vector<int> vertex_;
   int first_frame_;
-  double exact_;  // [m] a handle that is farther off is not met
+  double exact_;  // [m] a handle farther from its target than this is jammed
   Reach reach_;
-  // [m] what is added to a relative handle's own position
+  // [m] what is added to the keyed position of a relative handle; none: it is not bound yet
   std::vector<std::optional<Vector3d>> anchor_;
 };
 

@@ -48,14 +48,15 @@ double Reach::project(const std::vector<int>& handles, Points3& targets) const {
   constexpr double settled = 1e-9;  // [m] overshoot that nobody can see
   const Points3 asked = targets;
   const int n = static_cast<int>(handles.size());
-  // [Dykstra 1983]: each pair takes back what it did in the sweep before, else the end is within
-  // reach but not the nearest; the last sweeps leave that out and end within reach
+  // [Dykstra 1983]: each pair first takes back its own correction of the sweep before; otherwise
+  // the result would be feasible, but not the nearest one. The last sweeps leave this out and so
+  // end at a feasible result.
   Points3 correction = Points3::Zero(n * n, 3);
   for (int sweep = 0; sweep < sweeps; ++sweep) {
     double change = 0;
     for (int i = 0; i < n; ++i)
       for (int j = 0; j < i; ++j) {
-        auto mine = correction.row(i * n + j);  // that of j is its opposite
+        auto mine = correction.row(i * n + j);  // the correction of j is its opposite
         if (sweep >= towards) mine.setZero();
         const Eigen::RowVector3d d = targets.row(i) - targets.row(j) + 2 * mine;
         const double apart = d.norm(), over = apart - limit(handles[i], handles[j]);

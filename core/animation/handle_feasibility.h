@@ -10,35 +10,37 @@
 
 namespace paperbake {
 
-/// Two absolute handles that are asked to be farther apart than paper between them is long: the
-/// worst frame of the pair.
+/// Two absolute handles that are asked to be farther apart than the paper between them is long, and
+/// the worst frame of the pair.
 struct ImpossiblePair {
   std::string a, b;
-  int frame;        // where the overshoot is largest
-  int first, last;  // first and last frame with any overshoot
-  double apart;     // [m] keyed distance at that frame
-  double allowed;   // [m] length of paper between them
+  int frame;        // in which they are too far apart by most
+  int first, last;  // in which they are too far apart at all
+  double apart;     // [m] distance of their keyed positions at that frame
+  double allowed;   // [m] length of the paper between them
 };
 
-/// How far paper lets handles be apart.
+/// How far apart paper lets handles be.
 class Reach {
  public:
-  /// Paper itself stretches by this much before anyone sees it: what is asked below it is held as
-  /// it is.
+  /// [1] Paper stretches by this much before anyone sees it: targets that need no more are used as
+  /// they are.
   static constexpr double tolerance = 5e-4;
-  /// So far two handles on one point of the sheet may be apart: their keys come from 32-bit files.
-  /// [m]
+  /// [m] Two handles on one point of the sheet may be this far apart, because their keys come from
+  /// 32-bit files.
   static constexpr double rounding = 1e-6;
 
   Reach(const Pattern&, const std::vector<Handle>&);
 
-  /// Absolute handles held at the same time that overshoot by more than the tolerance, by pair.
-  /// first_frame: frame of row 0 of Handle::keyed; frames are looked at up to `last_frame`
+  /// Pairs of absolute handles that are held at the same time and too far apart by more than the
+  /// tolerance, the worst first.
+  /// first_frame  frame of row 0 of Handle::keyed
+  /// last_frame   the last frame that is checked
   std::vector<ImpossiblePair> impossible_pairs(const std::vector<Handle>&, int first_frame,
                                                int last_frame) const;
 
-  /// Moves the targets of the given handles to the nearest places, in the least-square sense, at
-  /// which no pair is farther apart than paper allows.
+  /// Moves the targets of the given handles to the nearest positions, in the least-squares sense,
+  /// at which no pair is farther apart than the paper allows.
   /// handles  indices into the handles given to the constructor
   /// targets  |handles|x3 [m]
   /// returns  the largest distance that a target was moved [m]

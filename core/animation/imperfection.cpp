@@ -11,7 +11,7 @@ namespace {
 
 struct Plane {
   Vector3d normal;
-  double off;  // [m] farthest point
+  double off;  // [m] largest distance of a point
 };
 
 Plane plane_of(const Points3& x) {
@@ -40,7 +40,7 @@ void disturb_if_flat(Sheet& sheet, double side, unsigned seed) {
   constexpr double height = 1e-6;  // [m]
   const Plane plane = plane_of(sheet.x);
   if (plane.off > 1e-7 * side) return;
-  // the side an eigenvector points to is an accident
+  // the sign of an eigenvector is arbitrary
   const Vector3d up = plane.normal.z() < 0 ? Vector3d(-plane.normal) : plane.normal;
   for (int v = 0; v < sheet.x.rows(); ++v)
     sheet.x.row(v) += height * ripple(sheet.pattern.row(v), side, seed) * up.transpose();

@@ -4,17 +4,18 @@
 
 namespace paperbake {
 
-/// A few long waves over the pattern, of size 1, that depend on the seed and not on the mesh: every
-/// mesh buckles to the same side.
-/// p     [m] on the pattern
-/// side  [m] the longer one of the pattern
+/// Shape of the geometric imperfection: a few long waves over the pattern, of amplitude 1. They
+/// depend on the seed and not on the mesh, so that every mesh buckles to the same side.
+/// p     [m] point of the pattern
+/// side  [m] longer side of the pattern
 double ripple(const Vector2d& p, double side, unsigned seed);
 
-/// How far the points are at most from the plane that lies nearest to all of them. [m]
+/// Largest distance of a point from the plane that fits all points best. [m]
 double off_plane(const Points3&);
 
-/// Adds a ripple of 1e-6 m along the common normal when all points lie in one plane: it lets a flat
-/// sheet choose a side.
+/// Adds a geometric imperfection of 1e-6 m along the common normal when all points lie in one
+/// plane, so that a flat sheet can buckle.
+/// side  [m] longer side of the pattern
 void disturb_if_flat(Sheet&, double side, unsigned seed);
 
 }  // namespace paperbake

@@ -9,7 +9,7 @@ namespace {
 
 constexpr double carried_along = 0.005, flung = 0.25;  // [1] of the longer side
 constexpr double on_a_line = 0.01;                     // [1] of the longer side
-constexpr double velocity_kept = 0.98;                 // [1] in a frame, of 1/24 s
+constexpr double velocity_kept = 0.98;                 // [1] in a frame of 1/24 s
 constexpr double of_the_earth = 9.81;                  // [m/s2]
 
 std::vector<int> held_at(const Shot& shot, int frame) {
@@ -19,7 +19,7 @@ std::vector<int> held_at(const Shot& shot, int frame) {
   return held;
 }
 
-/// Widest that held points lie off one line of the pattern. [m]
+/// Largest distance of a held point from one line through held points, on the pattern. [m]
 double off_line(const Shot& shot, const std::vector<int>& held) {
   double off = 0;
   Vector2d far = Vector2d::Zero();
@@ -35,7 +35,7 @@ double off_line(const Shot& shot, const std::vector<int>& held) {
   return off;
 }
 
-/// Twice the farthest that paper is from a held point. [m]
+/// Twice the largest distance of the paper from the nearest held point. [m]
 double free_length(const Shot& shot, const std::vector<int>& held) {
   constexpr int along = 21;
   const Vector2d size = extent(shot.pattern);
@@ -51,7 +51,7 @@ double free_length(const Shot& shot, const std::vector<int>& held) {
   return 2 * farthest;
 }
 
-/// Does the start shape hang straight below the points that hold it?
+/// True if the start shape hangs straight below the points that hold it.
 bool hangs(const Shot& shot, const std::vector<int>& held, double gravity, double side) {
   const auto at = [&](int h) { return keyed_position(shot.handles[h], 0); };
   Vector3d middle = Vector3d::Zero(), along = Vector3d::Zero();
@@ -64,7 +64,7 @@ bool hangs(const Shot& shot, const std::vector<int>& held, double gravity, doubl
   return down.z() * gravity < 0 && down.head<2>().norm() < carried_along * side;
 }
 
-/// The sway of one handle's motion while it holds. [m]
+/// Sway that the motion of one handle causes while it holds the sheet. [m]
 double sway_of(const Shot& shot, const Handle& handle, double gravity, double fps, int first_frame,
                int last_frame) {
   double most = 0, w = 0;

@@ -6,28 +6,31 @@
 
 namespace paperbake {
 
-/// Whether inertia would change what a sheet looks like by more than the error of the method, and
-/// why.
+/// Whether inertia would change the look of a sheet by more than the error of the method, and why.
 struct InertiaNeed {
   bool needed = false;
-  double sway = 0;  // [1] of the longer side: how far handles would throw it, below
+  double sway = 0;  // [1] of the longer side: how far the handles would throw it, see below
   std::string why;
 };
 
-/// Judged before anything is simulated, from start shape and handle curves alone: - under gravity,
-/// a sheet that nothing holds falls; one that is held at a point or on a line swings, unless it
-/// hangs below them from
-///   the first frame on and they carry it by no more than 0.5 %: what is at rest there without
-///   inertia is another shape altogether;
-/// - a sheet that is held otherwise, or weighs nothing, is where its handles bend it. It lags
-/// behind them by the sway: the largest
-///   deflection of its slowest bending mode, hinged over the free length l, with the handles'
-///   motion as its base
-///     r'' = -w^2 r - p'',  w^2 = pi^4 D/(rho l^4) + g/l,  l = twice the farthest that paper is
-///     from a held point,
-///   damped as the solver is. Below a quarter of the sheet that is left to the air, which holds
-///   paper back and is not modelled.
-///   A scene without weight leaves out what is less than weight too: g is then that of the earth.
+/// Decides on inertia from the start shape and the handle curves alone, before anything is
+/// simulated:
+///
+/// - Under gravity, a sheet that nothing holds falls, and one that is held at a point or on a line
+///   swings: both need inertia, because without it the sheet would be at rest in quite another
+///   shape. The exception is a sheet that hangs below its handles from the first frame on and has a
+///   sway of no more than 0.5 %.
+/// - Any other sheet, and any sheet without gravity, is where its handles bend it, and lags behind
+///   them by the sway: the largest deflection of its slowest bending mode, hinged over the free
+///   length l, with the motion of the handles as its base,
+///
+///     r'' = -w^2 r - p'',  w^2 = pi^4 D/(rho l^4) + g/l,
+///     l = twice the largest distance of the paper from the nearest held point,
+///
+///   damped as the solver is. A sway of less than a quarter of the longer side is neglected: in
+///   reality air holds paper back, which is not modelled. In a scene without gravity g is that of
+///   the earth, so that accelerations which are small beside weight do not count there either.
+///
 /// gravity  [m/s2] along -z
 /// first_frame, last_frame  of the scene, however much of it is simulated
 InertiaNeed need_of_inertia(const Shot&, double gravity, double fps, int first_frame,

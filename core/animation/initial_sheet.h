@@ -7,20 +7,22 @@
 
 namespace paperbake {
 
-/// The first mesh with the start shape on it. A flat start gets a ripple of 1e-6 m along its normal
-/// that depends on the seed, not on the mesh. Singular points that are kept are born in the first
-/// frame.
+/// The first mesh of a shot, in the start shape. A flat start gets a geometric imperfection of
+/// 1e-6 m along its normal, which depends on the seed and not on the mesh. Singular points that the
+/// artist has prescribed are born in the first frame.
 struct StartedSheet {
   Sheet sheet;
-  std::vector<int> handle_vertex;  // of each handle
-  // |V| vertices that handles and the rims of their discs need where they are
+  std::vector<int> handle_vertex;  // vertex of each handle
+  // |V| vertices that have to stay where they are on the pattern: handles, the rims of their discs,
+  // prescribed singular points
   std::vector<char> fixed;
-  std::vector<double> stiffening;  // |T| factor on bending: 10 inside the discs of handles
+  // |T| factor on the bending stiffness: 10 inside the discs of handles
+  std::vector<double> stiffening;
 };
 StartedSheet start_sheet(const Shot&, const Method&, unsigned seed, int first_frame = 1);
 
-/// Factor on the bending stiffness of each triangle of a mesh of the sheet, the first (start_sheet)
-/// or a later one: more inside the discs of handles. |T|
+/// Factor on the bending stiffness of each triangle, for any mesh of the sheet: 10 inside the discs
+/// of handles, 1 elsewhere. |T|
 std::vector<double> disc_factors(const Sheet&, const Shot&);
 
 }  // namespace paperbake

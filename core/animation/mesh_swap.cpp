@@ -8,7 +8,7 @@
 namespace paperbake {
 namespace {
 
-/// Mean square of the folds, each counted by what it stores. [rad2]
+/// Mean square of the dihedral angles, weighted by the energy that each of them stores. [rad2]
 double facets_of(const Sheet& sheet) {
   double stored = 0, sum = 0;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
@@ -28,13 +28,14 @@ Verdict exchange_mesh(
     const Held& held, double dt,
     const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& fits) {
   constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
-  // a mesh that holds its sheet back holds it the more, the longer it stays
+  // a mesh that holds its sheet back does so the more, the longer it stays
   constexpr double too_stiff = -0.005, most_move_then = 0.025;
-  // [rad2] of facets (20 degrees): and so does one on which what lies hooks in a few edges
+  // [rad2] facets of 20 degrees: a sheet that lies on them hooks on a few edges, and is held back
+  // too
   constexpr double too_coarse = 0.12;
-  // [1/rad2] share of the energy that a mesh does not see, by its facets
+  // [1/rad2] share of the energy that a mesh with such facets does not represent
   constexpr double unseen = 0.5;
-  constexpr double noise = 1e-6;  // [J] of a sheet that is nearly flat
+  constexpr double noise = 1e-6;  // [J] for a sheet that is nearly flat
   const Points3 carried = proposal.x;
   Elastic trial = elastic.on_mesh(proposal, stiffening);
   const ElasticReport settled = trial.settle(proposal, held, dt, Settling::briefly),
@@ -59,8 +60,8 @@ Verdict exchange_mesh(
                      verdict.move <= (off ? most_move_then : most_move) &&
                      (!fits || fits(sheet, proposal, verdict.move * side));
   if (!verdict.accepted) return verdict;
-  // the past is moved along with the present, so that velocities are carried over and the jump of
-  // the exchange is none
+  // The past is moved along with the present: velocities are carried over, and the displacement of
+  // the swap itself does not count as motion.
   trial.continue_from(elastic,
                       [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });
   elastic = std::move(trial);

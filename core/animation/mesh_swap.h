@@ -8,23 +8,31 @@ namespace paperbake {
 
 struct Verdict {
   bool accepted = false;
-  double rise = 0;  // [1] of the potential, as a share of the energy that was stored
-  // [1] of the longer side: farthest that a vertex of either mesh lies from the other surface
+  double rise = 0;  // [1] of the potential, as a share of the stored energy
+  // [1] of the longer side: largest distance of a vertex of either mesh from the other surface
   double move = 0;
 };
 
-/// Puts a sheet on another mesh of its pattern, if it stays the same sheet. The proposal is relaxed
-/// with the handles where they are, and taken when that ends at a minimum, the potential rises by
-/// no more than 5 % of the energy that is stored + 1e-6 J, and nothing moves farther than 1 %; 2.5
-/// % where the energy falls by half a percent or more: the old mesh is too stiff there, and the
-/// longer it stays, the farther is the way. The same holds for a sheet that lies on a collider and
-/// turns by 20 degrees and more from facet to facet: the energy may rise there by half of what the
-/// mean square of the folds falls. With it comes a solver that remembers the past of the old one,
-/// carried over. Nothing flows. Refused, a proposal leaves no trace.
-/// proposal    the sheet on its new mesh, positions and velocities carried over
-/// stiffening  as in Elastic::set_mesh, of the new mesh
-/// held        vertices of the new mesh, at the positions of the old one
-/// fits        asked last: may the sheet go there, some way [m] off? empty: it may
+/// Replaces the mesh of a sheet by a proposed one, provided that the sheet stays the same sheet.
+/// The proposal is relaxed with the handles where they are. It is accepted when the relaxation
+/// converges without the sheet coming near itself, the potential rises by no more than 5 % of the
+/// stored energy + 1e-6 J, and nothing moves farther than 1 % of the longer side. There are two
+/// cases in which 2.5 % are allowed:
+/// - The energy falls by 0.5 % or more. The old mesh is too stiff there, and the longer it stays,
+///   the farther the sheet has to move.
+/// - The sheet lies on a collider and turns by 20 degrees or more from facet to facet. The
+///   potential may then also rise by another share of the stored energy: half of what the mean
+///   square of the dihedral angles falls [rad2].
+///
+/// With an accepted proposal comes a solver that has taken over the state of the old one. Nothing
+/// yields. A rejected proposal leaves no trace.
+///
+/// proposal       the sheet on its new mesh, positions and velocities carried over
+/// stiffening     as in Elastic::set_mesh, of the new mesh
+/// held           vertices of the new mesh, at the positions of the old one
+/// dt             [s] of a frame
+/// is_admissible  called last with (old sheet, new sheet, largest displacement [m]); returns
+///                whether the swap may be made. Empty: always.
 Verdict exchange_mesh(
     Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held,
     double dt,

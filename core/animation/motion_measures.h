@@ -6,16 +6,18 @@
 
 namespace paperbake {
 
-/// How far the sheet is from rest: the largest move of a handle that is asked for, of a collider,
-/// or of a vertex in the last step. [m]
+/// How far the sheet is from rest: the largest displacement that a handle or a collider makes in
+/// this frame, or a vertex made in the last step. Infinite when other vertices are held than
+/// before, or when the mesh has changed. [m]
 double unrest(const Sheet& sheet, const Held& held, const Held& held_before, const Points3& before,
               const Colliders* colliders);
 
-/// Vertices that a handle is about to move while no other point of the sheet is held near by.
+/// Vertices that a handle is about to move farther than the first length [m] while no other held
+/// vertex lies within the second [m] of them on the pattern.
 std::vector<int> pulled_alone(const Sheet& sheet, const Held& held, double least_move,
                               double apart);
 
-/// How far held points are asked to go against each other since the frame before. [m]
+/// Largest displacement of a held vertex since the frame before, relative to the mean of all. [m]
 double leap_of(const Sheet& sheet, const Held& held, const Held& held_before);
 
 }  // namespace paperbake

@@ -27,7 +27,8 @@ Method fixed_mesh(int triangles, const RenderFeatures& more) {
   return method;
 }
 
-/// The vertices of a fine mesh where a sheet has them. |V|x3 [m]
+/// Where a sheet has the vertices of a fine mesh; curved: on the curved surface that the mesh of
+/// the sheet stands for. |V|x3 [m]
 Points3 put_on(const Points2& pattern, const Sheet& rough, bool curved) {
   if (!curved) return Transfer(rough.pattern, rough.triangles, pattern)(rough.x);
   Points3 x(pattern.rows(), 3);
@@ -72,7 +73,7 @@ Held Polisher::grip(const std::vector<int>& held, const Points3& held_at) const 
 
 Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held,
                               const Points3& held_at, const PlasticGrid* memory) {
-  constexpr double dt = 1;  // [s] so long that the trace of inertia holds nothing back
+  constexpr double dt = 1;  // [s] so long that the inertia term holds nothing back
   Polished result;
   Sheet& sheet = result.sheet;
   if (!same_apices(started_.sheet.singular, rough.singular)) {

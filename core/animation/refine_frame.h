@@ -8,46 +8,48 @@
 
 namespace paperbake {
 
-/// A frame brought to the minimum of a fine mesh.
+/// A frame that was refined to equilibrium on a fine mesh.
 struct Polished {
   Sheet sheet;
-  // [m] root mean square over the vertices, from where they were put
+  // [m] RMS displacement of the vertices from where the given shape has them
   double moved = 0;
-  double energy_before = 0, energy = 0;  // [J] stored: as it was put there, and at the end
-  double membrane_energy = 0;            // [J] of that at the end, the stretching part
+  double energy_before = 0, energy = 0;  // [J] stored in the given shape, and at the end
+  double membrane_energy = 0;            // [J] the stretching part of `energy`
   int iterations = 0;                    // of Newton's method
   bool converged = true;
-  bool near_itself = false;  // parts came near each other, which this does not feel
+  bool near_itself = false;  // parts came near each other; there is no self-contact here
 };
 
-/// Fine finite elements (step 1 on a fixed mesh) that start from a shape which another method
-/// found: the minimum near by, on the branch that the shape is on. Every frame stands for itself,
-/// so frames may be polished in any order and side by side, by one object each thread; a fem that
-/// marches is as fast, but must come all the way, and may be on another branch by then. How far the
-/// sheet moves estimates the error of the given shape within its branch (algorithm E2.2).
+/// Refines frames to equilibrium. Fine finite elements (step 1 on a fixed mesh) start from a shape
+/// that another method found, and end at the nearest minimum, on the branch of that shape. Frames
+/// are independent: they may be polished in any order and in parallel, with one object for each
+/// thread. A full run of fem takes as long for a frame, but it has to simulate all frames before
+/// it, and may be on another branch by then. How far the sheet moves estimates the error of the
+/// given shape within its branch.
 class Polisher {
  public:
-  /// Handle points and the rims of their discs are vertices of the mesh; so are points and creases
-  /// of `features`.
-  /// triangles  at most, and about so many
+  /// Handle points, the rims of their discs and the points of `features` are vertices of the mesh;
+  /// the creases of `features` run along its edges.
+  /// triangles  the mesh has about so many, and no more
   Polisher(const Shot&, const ElasticOptions&, int triangles, const RenderFeatures& features = {});
 
-  /// rough    the shape, on any mesh of the pattern; one coarser than this is taken as the curved
-  ///          surface it stands for. Its singular points among the vertices of this mesh are
+  /// rough    the shape, on any mesh of the pattern; a mesh coarser than this one stands for a
+  ///          curved surface (curved_surface.h). Singular points that are vertices of this mesh are
   ///          apices.
-  /// held     handles that hold the sheet, and where they have it [m]
-  /// memory   the plastic curvature at that frame; null: elastic paper. Nothing flows.
+  /// held     handles that hold the sheet
+  /// held_at  |held|x3 [m] where they hold it
+  /// memory   the plastic curvature at that frame; null: elastic paper. Nothing yields.
   Polished operator()(const Sheet& rough, const std::vector<int>& held, const Points3& held_at,
                       const PlasticGrid* memory = nullptr);
 
   const StartedSheet& mesh() const { return started_; }
 
-  /// The vertices of these handles, each once, at these places.
+  /// Constraints that hold the vertices of these handles, each once, at these positions.
   Held grip(const std::vector<int>& held, const Points3& held_at) const;
 
  private:
-  StartedSheet started_;  // with the apices of the last frame
-  // keeps the structure of its matrix from frame to frame, and nothing else
+  StartedSheet started_;  // with the singular points of the last frame
+  // keeps from frame to frame the structure of its matrix and nothing else
   Elastic elastic_;
 };
 

@@ -20,7 +20,7 @@ namespace {
 
 /// A frame as the method left it.
 struct Rough {
-  // frame.sheet: to `sheet`, once it has come to its place
+  // frame.sheet points to `sheet` once this object has its final place
   AnimatedFrame frame;
   Sheet sheet;
   std::shared_ptr<const PlasticGrid> memory;  // null: elastic paper
@@ -28,7 +28,7 @@ struct Rough {
 
 struct Attempt {
   std::optional<Polished> polished;  // none: it was not tried
-  std::string unfit;                 // why it is not to be shown; empty: it is
+  std::string unfit;                 // why it is not handed on; empty: it is
   double ms = 0;
 };
 
@@ -51,7 +51,7 @@ class PolishedShot {
     frames_.push_back(std::move(rough));
   }
 
-  /// returns false when on_frame did
+  /// returns  false when on_frame did
   bool hand_on(const std::function<bool(const AnimatedFrame&)>& on_frame) {
     if (frames_.empty()) return true;
     for (int t = 0; t < std::max(1, options_.threads); ++t)
@@ -75,9 +75,9 @@ class PolishedShot {
   }
 
  private:
-  /// A crumple that is polished goes to another one, or to none at all, and frames that are and
-  /// frames that are not polished would flicker: eight frames of the shot are tried, and half of
-  /// them have to be fit.
+  /// A polished crumple ends in another crumple or in no equilibrium at all, and a mixture of
+  /// polished and unpolished frames would flicker. So eight frames of the shot are tried first, and
+  /// the shot is polished if half of them are accepted.
   bool worth_while() {
     constexpr std::size_t samples = 8;
     std::vector<std::size_t> tried;
@@ -101,7 +101,8 @@ class PolishedShot {
 
   const StartedSheet& mesh() const { return polishers_.front().mesh(); }
 
-  /// A relative handle holds the sheet where it is, and so where the polished sheet is.
+  /// A relative handle takes hold of the sheet where it is, and so of the polished sheet where that
+  /// is.
   void regrip() {
     for (const Rough& rough : frames_) {
       std::vector<std::size_t> taking_hold;
@@ -116,7 +117,7 @@ class PolishedShot {
     }
   }
 
-  /// The frame in which a relative handle takes hold was simulated without it.
+  /// True in the frame in which a relative handle takes hold; that frame was simulated without it.
   bool takes_hold(const Rough& rough, std::size_t h) const {
     const Handle& handle = shot_.handles[h];
     const int first = std::max(handle.grab_frame, animation_.first_frame);
@@ -128,7 +129,8 @@ class PolishedShot {
     return !options_.wanted || options_.wanted(rough.frame.frame);
   }
 
-  /// Side by side. returns one for each of the frames
+  /// Polishes these frames in parallel.
+  /// returns  a result for each of them
   std::vector<Attempt> polish(const std::vector<std::size_t>& frames) {
     std::vector<Attempt> attempts(frames.size());
     std::atomic<std::size_t> next = 0;
@@ -136,7 +138,7 @@ class PolishedShot {
       for (std::size_t k = next++; k < frames.size(); k = next++)
         attempts[k] = attempt(frames_[frames[k]], polish);
     };
-    // what one throws comes out here, after the others are through
+    // what another thread throws comes out here, after all are finished
     std::vector<std::future<void>> others;
     for (std::size_t t = 1; t < polishers_.size(); ++t)
       others.push_back(std::async(std::launch::async, work, std::ref(polishers_[t])));
@@ -147,7 +149,7 @@ class PolishedShot {
 
   Attempt attempt(const Rough& rough, Polisher& polish) const {
     constexpr double elsewhere = 0.1;  // [1] of the longer side
-    constexpr double torn = 0.01;      // [1] of an edge
+    constexpr double torn = 0.01;      // [1] |l - L|/L of an edge
     Attempt result;
     if (rough.frame.touching > 0) {
       result.unfit = "the sheet touches itself";
@@ -202,7 +204,7 @@ class PolishedShot {
     frame.energy = polished.energy;
     frame.membrane_energy = polished.membrane_energy;
     frame.converged = true;
-    frame.parts.region.clear();  // they divide another mesh
+    frame.parts.region.clear();  // the regions belong to the mesh of the method
     for (std::size_t h = 0; h < frame.handles.size(); ++h) {
       HandleFrame& handle = frame.handles[h];
       if (handle.state != HandleFrame::free) handle.keyed += regripped_[h];
@@ -219,9 +221,9 @@ class PolishedShot {
   const PolishOptions& options_;
   std::vector<Rough> frames_;
   ShotRecord record_;
-  std::vector<Polisher> polishers_;  // one a thread, all alike
-  // [m] of each handle: from where the method's sheet was taken hold of to where the polished one
-  // was
+  std::vector<Polisher> polishers_;  // one for each thread, all alike
+  // [m] of each handle: displacement from where it took hold of the unpolished sheet to where it
+  // takes hold of the polished one
   std::vector<Vector3d> regripped_;
 };
 

@@ -7,30 +7,31 @@
 namespace paperbake {
 
 struct PolishOptions {
-  int triangles = 6000;                   // at most, of the fine mesh
-  int threads = 1;                        // the frames do not depend on them
-  std::function<bool(int frame)> wanted;  // which frames; empty: all
+  int triangles = 6000;                   // of the fine mesh, at most
+  int threads = 1;                        // the frames do not depend on it
+  std::function<bool(int frame)> wanted;  // which frames to polish; empty: all
 };
 
-/// The method finds the shape of each frame, fine finite elements finish its minimisation
-/// (polish.h). First the whole shot is animated; then the frames are polished, side by side, on one
-/// mesh that has all its singular points and lasting creases. A frame depends on its own rough
-/// shape alone, and on those in which relative handles take hold: there the polished sheet is what
-/// they hold from then on.
+/// The method finds the shape of each frame, then fine finite elements refine it to equilibrium
+/// (refine_frame.h). The whole shot is animated first. Then its frames are polished in parallel, on
+/// one mesh that has all singular points and lasting creases of the shot. A frame depends only on
+/// its own unpolished shape and on the frames in which relative handles take hold: what such a
+/// handle holds from then on is the polished sheet.
 ///
-/// A frame is handed on as the method left it, and its note says so, when parts of the sheet come
-/// near each other (the fine mesh does not feel that), when it does not come to rest, or when it
-/// ends somewhere else (a tenth of the longer side away, or torn). Where that is so of most frames,
-/// as in a crumple, none is polished. Of a polished frame elastic_ms, newton_iterations and the
-/// energies are those of both methods together, and at the end.
+/// A frame is handed on unpolished, and its note says so, when parts of the sheet come near each
+/// other (the fine mesh has no self-contact), when the sheet lies on a collider, when it does not
+/// come to rest, or when it ends in another shape (a tenth of the longer side away, or torn). If
+/// that happens to most of the frames that are tried first, as in a crumple, none is polished. In a
+/// polished frame elastic_ms and newton_iterations are the sums over both methods, and the energies
+/// are those of the polished sheet.
 ///
-/// Several sheets are animated together, and polished each by itself; what touches another is
-/// handed on as the method left it.
+/// Several sheets are animated together and polished one by one. A frame in which a sheet touches
+/// another is handed on unpolished.
 ///
-/// on_frame  as animate_together, but for the order: all frames of a sheet, then those of the next
-///           one
-/// throws    as animate; what was animated before a failure is polished
-/// source    algorithm E2.1
+/// on_frame  as in animate_together, but in another order: all frames of a sheet, then those of the
+///           next
+/// throws    as animate, after polishing what was animated before the failure
+/// source    this project
 void animate_polished(const std::vector<AnimatedSheet>&, const PolishOptions&,
                       const std::function<bool(const AnimatedFrame&)>& on_frame);
 void animate_polished(const Shot&, const Method&, const AnimateOptions&, const PolishOptions&,

@@ -12,14 +12,14 @@
 namespace paperbake {
 namespace {
 
-constexpr double kept = 0.9;  // [1] of the distance that sheets begin with
-// [1] of their whole reach: sheets that begin nearer than the least begin on each other, and have
-// some
+constexpr double kept = 0.9;  // [1] of the distance at which two sheets begin
+// [1] of the full dhat: two sheets that begin closer than the first value begin on each other, and
+// get the second as their dhat
 constexpr double least = 0.02, some = 0.1;
-// [1] of the vertices nearer than the least: the sheets are one
+// [1] if more of the vertices than this begin closer than that, the two sheets coincide
 constexpr double one_place = 0.5;
 
-/// Joins parties until `meet` holds for no two sheets of different ones.
+/// Merges islands until `meet` holds for no two sheets of different islands.
 template <class Meet>
 std::vector<SheetsBeside::Party> join(std::vector<SheetsBeside::Party> parties, Meet meet) {
   const auto any = [&](const SheetsBeside::Party& a, const SheetsBeside::Party& b) {
@@ -41,7 +41,8 @@ std::vector<SheetsBeside::Party> join(std::vector<SheetsBeside::Party> parties, 
   return parties;
 }
 
-/// Where a sheet is at a share of the frame.
+/// Positions of a sheet at a time of the frame (0: start, 1: end), linear between the recorded
+/// ones.
 Points3 place_at(const std::vector<Passed>& way, double at) {
   const auto next =
       std::find_if(way.begin(), way.end(), [&](const Passed& p) { return p.at >= at; });
@@ -65,7 +66,7 @@ SheetsBeside::SheetsBeside(Sheets& sheets, Begin begin) : sheets_(sheets) {
     for (std::size_t a = 0; a < b; ++a) sheets[b]->reach[a] = begun(a, b);
 }
 
-/// The reach of two sheets that begin where they are.
+/// Contact distance of two sheets, from where they begin. [m]
 double SheetsBeside::begun(std::size_t a, std::size_t b) const {
   const Sheet &one = sheets_[a]->sheet(), &other = sheets_[b]->sheet();
   const double near = least * whole(a, b),
@@ -78,7 +79,7 @@ double SheetsBeside::whole(std::size_t a, std::size_t b) const {
 }
 
 bool SheetsBeside::fits(std::size_t s, const Sheet& here, const Sheet& there, double moved) const {
-  constexpr double share = 0.5;  // [1] of the distance
+  constexpr double share = 0.5;  // [1] of the distance before
   for (std::size_t o = 0; o < sheets_.size(); ++o) {
     if (o == s) continue;
     const Sheet& other = sheets_[o]->sheet();

@@ -7,39 +7,41 @@
 
 namespace paperbake {
 
-/// What is between the sheets of a scene while they are animated: how near they may come, and which
-/// of them take a frame together.
+/// Simulation islands: which sheets of a scene come so close to each other in a frame that they are
+/// solved together, and how close they may come.
 class SheetsBeside {
  public:
   using Sheets = std::vector<std::unique_ptr<Animation>>;
 
-  /// Where sheets begin near each other, so near they may be (animate_together); as_kept:
-  /// Animation::reach is known.
+  /// fresh: the contact distances follow from where the sheets begin (animate_together); resumed:
+  /// every SheetSimulation already has its own.
   enum class Begin { anew, as_kept };
   SheetsBeside(Sheets&, Begin);
 
-  /// May sheet s go there, on another mesh or branch? Not where it would pass through another
-  /// sheet, or have passed through it on its way, or where it is less than half as far from it as
-  /// it was, within reach.
+  /// True if sheet s may go from `here` to `there`, on another mesh or branch: no new intersection
+  /// with another sheet, no chance to have passed through one on the way, and no sheet within dhat
+  /// comes closer than half its distance.
+  /// moved  [m] largest displacement of the sheet
   bool fits(std::size_t s, const Sheet& here, const Sheet& there, double moved) const;
 
-  /// Sheets that take the frame together, by number; every sheet is in one.
+  /// Numbers of the sheets that are solved together; every sheet is in one island.
   using Party = std::vector<std::size_t>;
 
-  /// As a frame begins: what is within reach of each other goes together, unless all of it stays.
+  /// The islands at the start of a frame: sheets closer than dhat to each other are in one, unless
+  /// both of them skip the step.
   std::vector<Party> within_reach() const;
 
-  /// Joins those of which two meet on their ways through the frame.
+  /// Merges islands whose sheets collide on their trajectories through the frame.
   std::vector<Party> where_ways_meet(const std::vector<Party>&) const;
 
-  /// The elastic step of one.
+  /// The elastic step of one island.
   void step(const Party&) const;
 
-  /// The sheets of one as they are handed on: as the methods finish them, or as they were simulated
-  /// where they would pass through each other.
+  /// Chooses which sheets of an island are handed on: as their methods finish them, or as simulated
+  /// where the finished ones would intersect each other more often.
   void show(const Party&) const;
 
-  /// After a frame: what parts has its reach back.
+  /// After a frame: gives sheets that have moved apart their contact distance back.
   void part();
 
  private:

@@ -16,16 +16,18 @@
 namespace paperbake {
 namespace {
 
-// [s] of a step with inertia: backward Euler eats motion, the more the longer it is
+// [s] longest step with inertia: backward Euler damps motion, the more the longer the step
 constexpr double longest_swing = 1 / 96.0;
 constexpr int most_halvings_of_a_swing = 8;
-constexpr double jammed_stretch = 0.01;  // [1] of an edge
-// [1] of the longer side: no method touches the mesh; nothing is solved either
+constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
+// [1] of the longer side: below motion_threshold no method changes the mesh, below sleep_threshold
+// nothing is solved either
 constexpr double still = 2e-4, asleep = 1e-5;
 
-/// The start shape is the first frame as it was modelled, unless a handle is keyed away from it
-/// there already. A slight arch that tells which way to buckle would be lost if it were relaxed:
-/// handles that were left lying under it are no reason to.
+/// Puts the held vertices of the start shape at their targets and returns true, unless one of them
+/// is farther away than `same`. The first frame then shows the sheet as it was modelled: relaxing
+/// it would lose a slight arch that tells it which way to buckle, and handles that lie a little
+/// below such an arch are no reason to relax it.
 bool in_place(Sheet& sheet, const Held& held, double side) {
   const double same = 5e-4 * side;  // [m]
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
@@ -35,7 +37,7 @@ bool in_place(Sheet& sheet, const Held& held, double side) {
   return true;
 }
 
-/// Sum over the edges of |fold| x length. [m rad]
+/// Sum of |dihedral angle| x length over the edges. [m rad]
 double fold_integral(const Sheet& sheet) {
   double sum = 0;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
@@ -44,8 +46,8 @@ double fold_integral(const Sheet& sheet) {
   return sum;
 }
 
-/// The sheet as the method hands it on. What touches itself is not moved through itself, nor into a
-/// collider.
+/// The sheet as the method finishes it. The simulated one is kept when the finished one would
+/// intersect itself more often or lie deeper inside a collider.
 Sheet finished(const Method& method, const Sheet& sheet, const Held& held, const Elastic& elastic,
                const ElasticReport& step) {
   Sheet shown = sheet;
@@ -56,7 +58,7 @@ Sheet finished(const Method& method, const Sheet& sheet, const Held& held, const
   return shown;
 }
 
-/// Of a mesh with as many vertices and triangles?
+/// True if the state belongs to a mesh with as many vertices and triangles as the sheet has.
 bool belongs(const ElasticPast& p, const Sheet& sheet) {
   const auto there_are = [](const auto& m, Eigen::Index rows) {
     return m.rows() == 0 || m.rows() == rows;
@@ -194,7 +196,7 @@ void Animation::stay() {
   way_ = {{0, sheet().x}, {1, sheet().x}};
 }
 
-/// A sheet that cannot follow waits, held where it is, for handles that it can follow.
+/// Holds a sheet that cannot follow its handles where it is, until they are where it can.
 void Animation::wait_if_lost() {
   if (step_.lost.empty()) return;
   if (frame_ == options_.first_frame)
@@ -285,7 +287,7 @@ void Animation::step_together(const std::vector<Animation*>& all, const Eigen::M
 }
 
 void Animation::settle(const Fits& fits) {
-  constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
+  constexpr double most_flow = 0.01;  // [1] of the fold integral, in one frame
   leaving_ = step_.last.leaving;
   contact_ = step_.last.contact, touching_ = step_.last.touching,
   on_colliders_ = step_.last.on_colliders;

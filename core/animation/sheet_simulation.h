@@ -11,61 +11,64 @@
 
 namespace paperbake {
 
-/// One sheet while it is animated: the phases of a frame, in this order. What is between sheets is
-/// the business of sheets_beside.h.
+/// Simulation of one sheet. The member functions are the phases of a frame, in this order. What
+/// happens between sheets is in sheet_islands.h.
 class Animation {
  public:
-  /// May the sheet go from where it is on its mesh to where it is on another, or on another branch?
-  /// moved: the way [m]
+  /// Asked before the sheet is replaced by one on another mesh or on another branch: is the change
+  /// admissible? moved: largest displacement [m]
   using Fits = std::function<bool(const Sheet& here, const Sheet& there, double moved)>;
 
   /// number  of the sheet among those that are animated together
-  /// throws  Error(Fault::scene) when options.go_on_from is no state of this shot
+  /// throws  Error(ErrorCode::scene) when options.resume_state is not a state of this shot
   Animation(const Shot&, const Method&, const AnimateOptions&, std::size_t number);
 
   int next_frame() const { return frame_ + 1; }
 
-  /// The handles of the frame, and the mesh for it.
+  /// Begins the next frame: where its handles are, and which mesh it is simulated on.
   void prepare(const Fits& fits);
 
-  /// Nothing is to be done for this frame: the sheet lies still, or begins as it was modelled.
+  /// True if the frame needs no solve: the sheet is at rest, or it begins as it was modelled.
   bool stays() const { return stays_; }
   void stay();
 
-  /// The elastic step by itself. Kept: there is a way back, and way() knows what the sheet passed
+  /// The elastic step of this sheet alone. With a recorded trajectory the step can be undone.
   enum class Trace { kept, none };
   void step(Trace);
-  /// The elastic step of sheets that come near each other; one that has taken it by itself is taken
-  /// back. reach: between them
+  /// The elastic step of several sheets that come near each other. Sheets that have already taken
+  /// it alone are first set back to where it began.
+  /// dhat             |sheets|x|sheets| [m] contact distances, as in Elastic::step_together
+  /// near_each_other  some of them began the shot closer to each other than their full dhat
   enum class Begun { near_each_other, apart };
   static void step_together(const std::vector<Animation*>&, const Eigen::MatrixXd& reach, Begun);
-  /// Where the sheet was in this frame, from its begin.
+  /// Where the sheet was during this frame, from its start on.
   const std::vector<Passed>& way() const { return way_; }
 
-  /// The step is done: what it tells of the next one.
+  /// Ends the step: stores what the next frame has to know of it, and searches for another branch
+  /// when a search is due.
   void settle(const Fits& fits);
 
-  /// What is handed on. as_simulated: nothing of the method's is done to it
+  /// Which sheet is handed on. as_simulated: without what the method does to finish it
   enum class Shown { as_finished, as_simulated };
   void show(Shown);
 
-  /// Of the frame, but for its times.
+  /// The frame to be handed on, without its CPU times.
   AnimatedFrame report();
 
   const Sheet& sheet() const { return started_.sheet; }
-  /// Where its points were as the shot began. |V|x3 [m]
+  /// Positions of its vertices at the start of the shot, on its present mesh. |V|x3 [m]
   Points3 begun() const;
   const Sheet& shown() const { return shown_; }
   const Held& held() const { return held_; }
   const Elastic& elastic() const { return elastic_; }
   bool touches_others() const { return step_.last.touching_others > 0; }
 
-  std::vector<double> reach;  // [m] d^ between it and each sheet before it
+  std::vector<double> reach;  // [m] dhat between this sheet and each sheet before it
 
  private:
-  /// To the mesh that a frame began with. What touches itself may be wedged in a changed one: an
-  /// edge that was turned or moved across a fold is too short, and between barriers there is no way
-  /// to its length.
+  /// The sheet on the mesh that a frame began with, to be restored. A sheet in contact with itself
+  /// may lock after a change of mesh: an edge that was flipped or moved across a fold is too short,
+  /// and the barriers around it keep it from regaining its length.
   struct WayBack {
     Sheet sheet;
     ElasticPast past;
@@ -91,23 +94,24 @@ class Animation {
   Grip grip_;
   int least_halvings_ = 0;
 
-  // what a frame knows of those before it
-  int frame_;  // the last one that was prepared
+  // what a frame knows of the frames before it
+  int frame_;  // the last frame that was prepared
   Sheet shown_;
   Points3 before_;  // [m] positions one frame ago
   Held held_before_;
   bool at_minimum_ = false, flowing_ = false, leaving_ = false, lies_ = false;
   int quiet_frames_ = 0;
-  // with itself; how many features push each other, and are pushed by colliders
+  // contact of the sheet with itself; number of pairs of features that push each other; number of
+  // features that colliders push
   bool contact_ = false;
   int touching_ = 0, on_colliders_ = 0;
-  double inside_ = 0;  // [m] a collider, of what is shown
+  double inside_ = 0;  // [m] how deep the output sheet lies inside a collider
 
-  // of this frame
+  // of the present frame
   Held held_;
-  double leap_ = 0;  // [1] of the longer side
+  double leap_ = 0;  // [1] relative motion of the handles, of the longer side
   bool stays_ = false, sleeps_ = false;
-  std::optional<WayBack> way_back_, begun_;  // to the mesh before, to where the step began
+  std::optional<WayBack> way_back_, begun_;  // the mesh before; the start of the step
   std::vector<Passed> way_;
   SteppedFrame step_;
   AnimatedFrame result_;

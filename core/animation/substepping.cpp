@@ -14,11 +14,11 @@ namespace {
 constexpr int max_halvings = 8;
 constexpr double most_leap = 0.03;  // [1] of the longer side, in one step
 constexpr int most_halvings_of_a_leap = 5;
-// A flat sheet chooses a side as it is pushed together: by its way, in steps so short that neither
-// they nor the mesh have a say.
+// A flat sheet buckles to one side when it is compressed. Its steps are so short there that neither
+// their length nor the mesh decides on the side.
 constexpr double flat = 0.01, most_leap_of_flat = 2e-3;  // [1] of the longer side
 constexpr int most_halvings_of_a_choice = 3;
-// [1] an edge this much too long: the step is not to be trusted
+// [1] |l - L|/L of an edge, beyond which a step that has not converged is rejected
 constexpr double torn = 0.5;
 
 bool chooses(const Follower& f, int halvings) {
@@ -46,7 +46,7 @@ LengthDistortion worst_of(const std::vector<Follower>& sheets) {
   return worst;
 }
 
-/// The part of a frame after `halvings`, which ends at `end`.
+/// Solves the part of the frame that ends at time `end` and is 1/2^halvings of a frame long.
 std::vector<SteppedFrame> follow(const std::vector<Follower>& sheets, const FrameToFollow& frame,
                                  int halvings, double end) {
   std::vector<Sheet> before;

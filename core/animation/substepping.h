@@ -7,45 +7,47 @@
 
 namespace paperbake {
 
-/// The elastic step of one frame, in halves where a whole one fails.
+/// Result of the elastic step of one frame, which is taken in halves where a whole one fails.
 struct SteppedFrame {
   int substeps = 0, iterations = 0;
   bool converged = true;
   ElasticReport last;
-  // why the sheets cannot follow; then they are where they were, and so is all that is known of
-  // them
+  // why the sheets cannot follow their handles; they and all that is known of them are then as they
+  // were before the step. Empty: they can.
   std::string lost = {};
 };
 
-/// A place of a sheet on its way through a frame.
+/// Positions of a sheet at one time of a frame.
 struct Passed {
-  double at;  // [1] share of the frame
+  double at;  // [1] 0: start of the frame, 1: its end
   Points3 x;  // |V|x3 [m]
 };
 
-/// A sheet that is to follow its handles.
+/// A sheet that is to follow its handles through a frame.
 struct Follower {
   Elastic& elastic;
   Sheet& sheet;
-  Held held;  // where the frame ends
-  // [1] of the longer side: how far the handles go against each other
+  Held held;  // at the end of the frame
+  // [1] relative motion of the handles, of the longer side
   double leap;
-  double side;               // [m] the longer one
-  std::vector<Passed>* way;  // what it passes is added; null: nobody asks
-  Points3 begun = {};        // [m] where the shot began, as in Together
+  double side;               // [m] longer side of the pattern
+  std::vector<Passed>* way;  // receives the trajectory; null: not recorded
+  Points3 begun = {};        // [m] positions at the start of the shot, as in JointStepSheet
 };
 
 struct FrameToFollow {
-  std::string where;  // for errors
-  double dt;          // [s]
+  std::string where;  // for error messages
+  double dt;          // [s] length of the frame
   int least_halvings;
-  Eigen::MatrixXd reach;  // [m] of several sheets: d^ between them (elastic.h)
+  Eigen::MatrixXd reach;  // [m] dhat between several sheets (elastic.h)
 };
 
-/// Takes sheets through a frame: one by itself, or several in one step. Down to 1/256 of a frame;
-/// one in which a flat sheet is pushed together in halves to 1/8: where it bends to is to be its
-/// way's affair, not the step's or the mesh's. A leap of more than a whole step takes is halved
-/// before it is tried. throws Error(Fault::simulation) when the energy is not finite
+/// Takes sheets through one frame: one sheet by itself, or several in one joint step. A step that
+/// fails is halved, down to 1/256 of a frame. A frame in which a flat sheet is compressed is halved
+/// down to 1/8, so that the buckling direction does not depend on step size or mesh. Handles that
+/// move farther relative to each other than one step should take are halved before the step is
+/// tried.
+/// throws  Error(ErrorCode::simulation) when the energy is not finite
 std::vector<SteppedFrame> follow(const std::vector<Follower>&, const FrameToFollow&);
 
 }  // namespace paperbake

@@ -13,10 +13,10 @@ namespace {
 
 enum class Pass { both_ways, coarsen };
 
-/// A mesh is changed when there is something to gain: every change costs the sheet some iterations
-/// to come to rest again.
+/// True if changing the mesh is worth it: after every change the sheet needs some iterations to
+/// come to rest again.
 bool is_due(const Sheet& sheet, const Points3& metric) {
-  constexpr double far_too_long = 1.25;  // [1] of an edge as long as it should be
+  constexpr double far_too_long = 1.25;  // [1] metric length of an edge
   constexpr double many = 0.01;          // [1] of the edges
   constexpr double too_many = 1.3;       // [1] of the triangles that the field asks for
   const Misfit is = misfit(sheet, metric);
@@ -24,14 +24,15 @@ bool is_due(const Sheet& sheet, const Points3& metric) {
          sheet.triangles.rows() > too_many * triangles_of(sheet, metric);
 }
 
-/// One pass over a sheet at rest on its mesh: it may become twice as fine, but no finer at once.
-/// returns  did the mesh change?
+/// One pass over a sheet at rest on its mesh. The mesh may become twice as fine in it, but no
+/// finer.
+/// returns  whether the mesh changed
 bool adapt(Sheet& sheet, Points3 metric, int fixed, int most_triangles, Pass pass) {
-  // [1] of the length at which edges are split: what was split is not joined again
+  // [1] of the length at which edges are split: what was split is not collapsed again
   constexpr double joined_below = 0.8;
   constexpr int rounds_of_splits = 2;
   const int rounds_of_collapses = pass == Pass::both_ways ? 3 : 10;
-  // a field that asks for too much is coarsened as a whole
+  // a field that asks for too many triangles is coarsened as a whole
   metric *= std::min(1.0, most_triangles / triangles_of(sheet, metric));
   if (!is_due(sheet, metric)) return false;
   bool changed = false;
@@ -55,7 +56,7 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
   Method method;
   method.name = "adaptive";
   method.first_mesh = [=](const Pattern& cut, const std::vector<Vector2d>& points) {
-    constexpr double mean_edge = 0.8;  // [1] of the longest that is not split
+    constexpr double mean_edge = 0.8;  // [1] of the longest edge that is not split
     PatternMesh mesh =
         mesh_pattern(cut, mean_edge * options.largest * std::sqrt(area(cut)), points, turn);
     number_points_first(mesh);
@@ -65,12 +66,12 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
   const auto unfinished = std::make_shared<bool>(true);  // the last pass changed the mesh
   const double side = longer_side(pattern);
   method.remesh = [=](Sheet& sheet, const Situation& is) {
-    // a jump is followed in many steps, and what the sheet looks like afterwards has little to do
-    // with what it is fine for now
+    // A jump is followed in many steps, and the shape after it has little to do with the one that
+    // the mesh is fine for now.
     constexpr double far = 0.1;  // [1] of the longer side
     constexpr int enough_for_a_jump = 400;
     const bool jumps = is.leap > far;
-    // nor is a shape on its way down a reason for triangles
+    // nor is a shape on its way to the minimum a reason for more triangles
     if (!jumps && (!is.at_minimum || !(is.moving || *unfinished))) return false;
     const Points3 kept =
         is.memory ? is.memory->at_vertices(sheet.pattern, sheet.triangles) : Points3(0, 3);

@@ -9,12 +9,13 @@
 namespace paperbake {
 namespace {
 
-/// About that many triangles, but where handles stand so close that they alone take most of them:
-/// cells between them would be as large as the sheet then, and a straight edge from clamp to handle
-/// a taut string. (S8 with 60: 40 triangles in the clamps, edges of 45 mm, stretched by 8 %.)
+/// A mesh of about so many triangles. Where handles stand so close together that they alone take
+/// most of the triangles, there are more: otherwise the cells between the handles would be as large
+/// as the sheet, and a straight edge from clamp to handle would be a taut string. (S8 with 60: 40
+/// triangles in the clamps, edges of 45 mm, stretched by 8 %.)
 PatternMesh first_mesh_with(const Pattern& pattern, int triangles,
                             const std::vector<Vector2d>& points, double turn) {
-  constexpr double largest_edge = 1.15;  // of what as many equilateral triangles have
+  constexpr double largest_edge = 1.15;  // [1] of the edge of as many equilateral triangles
   const double edge = largest_edge * std::sqrt(area(pattern) / triangles / (std::sqrt(3.0) / 4));
   PatternMesh coarsest = mesh_pattern(pattern, edge, points, turn);
   return coarsest.triangles.rows() > triangles
@@ -56,10 +57,10 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles,
     return !is.leaving && crumple->operate(sheet_now, is.fixed, is.now, is.moving).mesh_changed();
   };
   method.propose = [crumple](const Sheet& sheet_now, const Situation& is) -> std::optional<Sheet> {
-    // what yields keeps its mesh: another one folds in other places, and what yields there too is
-    // not undone
+    // A sheet that yields keeps its mesh: another mesh folds in other places, and what yields there
+    // is not undone.
     if (!is.moving || !is.at_minimum || is.flowing) return std::nullopt;
-    if (!sheet_now.folds.empty()) return std::nullopt;  // its edges are where they have to be
+    if (!sheet_now.folds.empty()) return std::nullopt;  // edges are where creases need them
     return crumple->propose(sheet_now, is.pulled, is.lies, is.now);
   };
   method.judged = [crumple](bool accepted, const Moment& now) { crumple->judged(accepted, now); };

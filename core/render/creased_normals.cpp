@@ -7,14 +7,14 @@
 namespace paperbake {
 namespace {
 
-/// Corner i of the triangle at which vertex v is.
+/// Which corner of the triangle is vertex v.
 int corner_of(const Triangles& triangles, int t, int v) {
   for (int i = 0; i < 2; ++i)
     if (triangles(t, i) == v) return i;
   return 2;
 }
 
-/// The triangle behind the edge opposite corner i; -1 at the border.
+/// The triangle across the edge opposite corner i; -1 at the border.
 int beyond(const Hinges& hinges, int t, int i) {
   const int h = hinges.of_triangle[t][i];
   if (h < 0) return -1;
@@ -46,12 +46,13 @@ CreasedNormals::CreasedNormals(const Triangles& triangles,
     return hinges.of_triangle[t][i] < 0 ? -1 : crease_of_hinge[hinges.of_triangle[t][i]];
   };
 
-  // a triangle of each vertex to begin the round with: behind the border, else behind a crease
+  // a triangle of each vertex to begin the round with: next to the border, otherwise next to a
+  // crease
   std::vector<int> first(vertices_, -1), lines(vertices_, 0);
   std::vector<char> at_border(vertices_, 0);
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
-      // the edge from v that the triangle has on its left
+      // the edge from v that has the triangle on its left side
       const int v = triangles(t, i), right = (i + 2) % 3;
       const bool border = hinges.of_triangle[t][right] < 0, crease = crease_at(t, right) >= 0;
       lines[v] += border || crease;
@@ -95,7 +96,7 @@ Points3 CreasedNormals::normals(const Points3& x) const {
   for (const Crossroads& roads : crossroads_) {
     const int n = static_cast<int>(roads.normal.size());
     mixed.assign(n, Eigen::RowVector3d::Zero());
-    // from sector k to the next
+    // [1] how smoothly sector k passes into the next one
     const auto passage = [&](int k) { return roads.after[k] < 0 ? 0.0 : open[roads.after[k]]; };
     for (int i = 0; i < n; ++i) {
       mixed[i] = sum.row(roads.normal[i]);
@@ -115,7 +116,7 @@ Points3 CreasedNormals::normals(const Points3& x) const {
       sum.row(k) /= length;
     else
       sum.row(k) =
-          Eigen::RowVector3d::UnitZ();  // folded shut upon itself: any direction is as good
+          Eigen::RowVector3d::UnitZ();  // folded flat upon itself: any direction is as good
   }
   return sum;
 }

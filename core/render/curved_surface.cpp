@@ -11,15 +11,15 @@
 namespace paperbake {
 namespace {
 
-/// Folds of a mesh, and for every corner of every triangle the normal of the smooth sheet there.
+/// Dihedral angles of a mesh, and the normal of the smooth sheet at every corner of every triangle.
 struct Folded {
   Hinges hinges;
   std::vector<double> theta, share;  // of each hinge
   Points3 normals;                   // 3|T|x3
 };
 
-/// The triangle beyond the edge opposite corner i of t, and its corner at vertex v; {-1, -1} at the
-/// border.
+/// The triangle across the edge opposite corner i of t, and which of its corners is vertex v; {-1,
+/// -1} at the border.
 std::pair<int, int> across(const Sheet& sheet, const Hinges& hinges, int t, int i, int v) {
   const int h = hinges.of_triangle[t][i];
   if (h < 0) return {-1, -1};
@@ -30,8 +30,8 @@ std::pair<int, int> across(const Sheet& sheet, const Hinges& hinges, int t, int 
   return {-1, -1};
 }
 
-/// Normals of the corners: of the triangles round the vertex, by their angles, each as far as no
-/// crease lies on the way to it.
+/// Normals at the corners: of the triangles around the vertex, weighted by their angles, and each
+/// only as far as no crease lies between.
 Points3 corner_normals(const Sheet& sheet, const Hinges& hinges, const std::vector<double>& share) {
   const int triangles = static_cast<int>(sheet.triangles.rows());
   Points3 weighted(3 * triangles, 3);  // normal x angle of each corner
@@ -44,13 +44,13 @@ Points3 corner_normals(const Sheet& sheet, const Hinges& hinges, const std::vect
     }
   }
   Points3 normals(3 * triangles, 3);
-  // corners at the vertex, and how open the way to them is
+  // corners at the vertex, and [1] how free of creases the path to each of them is
   std::vector<std::pair<int, double>> around;
   for (int t = 0; t < triangles; ++t)
     for (int i = 0; i < 3; ++i) {
       const int v = sheet.triangles(t, i);
       around.assign(1, {3 * t + i, 1.0});
-      for (const int turn : {1, 2}) {  // once round each way
+      for (const int turn : {1, 2}) {  // around the vertex in both directions
         double open = 1;
         std::pair<int, int> at{t, i};
         while (open > 1e-3) {
@@ -93,12 +93,12 @@ Folded look(const Sheet& sheet) {
 // [rad] along an edge: what turns more is a crease, or the error of a needle
 constexpr double most_turn = 0.8;
 
-/// The nearest tensors that bend across one direction only, and by no more than that over the edges
-/// of their vertex.
+/// The nearest tensors that bend in one direction only, and by no more than that along the edges of
+/// their vertex.
 Points3 developable(const Sheet& sheet, const Points3& tensors) {
   std::vector<Principal> principal;
   for (int v = 0; v < tensors.rows(); ++v) principal.push_back(principal_curvature(tensors.row(v)));
-  // of the edges, across
+  // of each vertex: sum of the lengths of its edges across its ruling; number of these edges
   Eigen::VectorXd reach = Eigen::VectorXd::Zero(tensors.rows()), edges = reach;
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
@@ -148,7 +148,8 @@ CurvedSurface curve(const Sheet& sheet, const std::vector<int>& exact) {
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       const int h = folded.hinges.of_triangle[t][i];
-      if (h >= 0 && folded.hinges.hinges[h].triangles[0] != t) continue;  // its other side does it
+      // done from its other side
+      if (h >= 0 && folded.hinges.hinges[h].triangles[0] != t) continue;
       const int j = (i + 1) % 3, k = (i + 2) % 3, a = sheet.triangles(t, j),
                 b = sheet.triangles(t, k);
       const Vector2d e = sheet.pattern.row(b) - sheet.pattern.row(a);
@@ -167,7 +168,7 @@ CurvedSurface curve(const Sheet& sheet, const std::vector<int>& exact) {
         if (folded.hinges.of_triangle[other][m] == h) surface.bulge.row(3 * other + m) = d;
     }
 
-  // the mean of a patch stands out by 1/12 of its bulges
+  // on average a patch rises over its triangle by 1/12 of the sum of its bulges
   Points3 out = Points3::Zero(sheet.x.rows(), 3);
   Eigen::VectorXd area = Eigen::VectorXd::Zero(sheet.x.rows()),
                   open = Eigen::VectorXd::Ones(sheet.x.rows());

@@ -7,32 +7,35 @@
 
 namespace paperbake {
 
-/// How much of an edge with this fold is a crease: 0 below 0.4 rad, 1 beyond 0.8 rad, smooth
-/// between, so that nothing pops while paper is folded. theta [rad], any sign. returns [1]
+/// How far an edge with this dihedral angle is a crease: 0 below 0.4 rad, 1 above 0.8 rad, and
+/// smooth between them, so that nothing jumps while paper is being folded.
+/// theta    [rad] of either sign
+/// returns  [1]
 double crease_share(double theta);
 
-/// The curved sheet that a coarse mesh stands for: one quadratic patch for each triangle, with
-/// common edges.
+/// The curved sheet that a coarse mesh stands for: one quadratic patch for each triangle, with the
+/// same curve on both sides of every edge.
 ///
 ///   x(b) = sum_i b_i c_i + sum_{i<j} b_i b_j d_ij,   d_ij = 1/2 (1 - s) (e^T S e) n
 ///
-/// c  corner, drawn in by half of what the patches round it stand out (a polyline of true lengths
-///    lies outside its arc)
-/// e  edge ij on the pattern;  S  developable curvature tensor, mean of the two ends;  n  unit
-///    normal there (no more than 0.8 rad along an edge: a needle's folds over its small area tell
-///    of any curvature)
-/// s  crease_share of the edge: a crease stays straight and sharp, and what lies beyond it has no
-///    say in S and n
+/// c  corner, drawn in by half of the mean height of the patches around it (a polyline of true
+///    lengths lies outside its arc)
+/// e  edge ij on the pattern
+/// S  developable curvature tensor, mean of the two ends; limited to a turn of 0.8 rad along an
+///    edge, because the dihedral angles of a needle over its small area may give any curvature
+/// n  unit normal at the edge, mean of the two ends
+/// s  crease_share of the edge: a crease stays straight and sharp, and what lies beyond it does not
+///    contribute to S and n
 ///
-/// source  algorithm E2.3 "b1 + shift"; patches with common edges and soft creases are this
-///         project's
+/// source  this project
 struct CurvedSurface {
   Triangles triangles;
   Points3 corners;    // |V|x3   [m]
   Points3 bulge;      // 3|T|x3  [m] d of the edge opposite corner i of triangle t in row 3t + i
   Points3 curvature;  // |V|x3   [1/m] S: Sxx, Sxy, Syy
 
-  /// The surface at a place; weights may lie outside [0, 1], where a finer border does.
+  /// A point of the surface. Its weights may lie outside [0, 1], where a finer border lies outside
+  /// the mesh.
   Vector3d at(const Place&) const;
 };
 

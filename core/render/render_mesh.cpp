@@ -12,16 +12,17 @@
 namespace paperbake {
 namespace {
 
-constexpr double merge = 0.31;    // [edges] points of creases nearer than this are one
-constexpr double spacing = 0.66;  // [edges] at most, between points of a crease
-// [edges] from the border, of points of a crease that runs along it
+constexpr double merge = 0.31;    // [edges] points of creases nearer than this are merged
+constexpr double spacing = 0.66;  // [edges] largest distance of neighbouring points of a crease
+// [edges] distance that the points of a crease keep from a border along which it runs
 constexpr double clear = 0.15;
-// [rad] least angle of triangles that come of turning an edge: 8 degrees
+// [rad] smallest angle of a triangle that a flip may make: 8 degrees
 constexpr double least_turned = 0.14;
-constexpr double most_length = 6;  // [1/m2 m] of simulated edges
-constexpr double border = 1e-3;    // [edges] how near the mesh follows it
+// [1] total length of simulated edges, at most this x area / edge
+constexpr double most_length = 6;
+constexpr double border = 1e-3;  // [edges] how closely the mesh follows the border
 
-/// Points no two of which are nearer than a radius, found again by cells of it.
+/// A set of points in which neighbours within a radius are found by a grid of cells of that size.
 class Sites {
  public:
   explicit Sites(double radius) : radius_(radius) {}
@@ -57,7 +58,7 @@ class Sites {
   std::multimap<std::pair<int, int>, int> cells_;
 };
 
-/// Where segment a crosses segment b, along a in (0, 1); negative: nowhere.
+/// Where segment a crosses segment b: fraction of a in (0, 1); negative: nowhere.
 double crossing(const CreaseLine& a, const CreaseLine& b) {
   const Vector2d d = a.b - a.a, e = b.b - b.a, w = b.a - a.a;
   const double det = d.x() * e.y() - d.y() * e.x();
@@ -66,7 +67,7 @@ double crossing(const CreaseLine& a, const CreaseLine& b) {
   return s > 0 && s < 1 && t >= 0 && t <= 1 ? s : -1;
 }
 
-/// The creases that there is room for, heaviest first.
+/// The creases for which there is room [m], the heaviest first.
 std::vector<CreaseLine> chosen(std::vector<CreaseLine> creases, double room) {
   std::stable_sort(creases.begin(), creases.end(),
                    [](const CreaseLine& a, const CreaseLine& b) { return a.weight > b.weight; });
@@ -78,7 +79,7 @@ std::vector<CreaseLine> chosen(std::vector<CreaseLine> creases, double room) {
   return creases;
 }
 
-/// The sites of one crease in a row; none where it runs so near the border that there is no room.
+/// The points of one crease in order, without those for which there is no room beside the border.
 std::vector<int> lay(const CreaseLine& crease, const std::vector<CreaseLine>& all,
                      const Pattern& pattern, double edge, Sites& sites) {
   std::vector<double> stops{0, 1};
@@ -108,14 +109,14 @@ std::vector<int> lay(const CreaseLine& crease, const std::vector<CreaseLine>& al
   return row;
 }
 
-/// Edges of a triangulation, to be asked for and turned.
+/// Edges of a triangulation, to be looked up and flipped.
 class Edges {
  public:
   Edges(const Points2& pattern, Triangles& triangles) : pattern_(pattern), triangles_(triangles) {
     for (int t = 0; t < triangles.rows(); ++t) enter(t);
   }
   bool has(int a, int b) const { return left_.count({a, b}) || left_.count({b, a}); }
-  /// Makes a-b an edge where it crosses but one, and no needle comes of it.
+  /// Makes a-b an edge if it crosses exactly one edge and the flip makes no needle.
   bool turn_to(int a, int b, const std::set<std::pair<int, int>>& keep) {
     for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
       const int c = it->first.second, t = it->second, d = third(t, a, c);
@@ -135,7 +136,8 @@ class Edges {
     }
     return false;
   }
-  /// A vertex between two that are no neighbours, and nearer than `off` to the way.
+  /// A vertex between a and b, which are not neighbours, nearer to their segment than `off`; -1:
+  /// none.
   int between(int a, int b, double off) const {
     const Vector2d way = (pattern_.row(b) - pattern_.row(a)).normalized();
     for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
@@ -151,7 +153,7 @@ class Edges {
     for (int i = 0; i < 3; ++i) left_[{triangles_(t, i), triangles_(t, (i + 1) % 3)}] = t;
   }
   int third(int t, int a, int b) const { return triangles_.row(t).sum() - a - b; }
-  /// Of a triangle; negative when it is turned over. [rad]
+  /// Smallest angle of a triangle; negative when it is turned over. [rad]
   double least_angle(int a, int b, int c) const {
     double least = M_PI;
     const int v[3] = {a, b, c};
@@ -164,10 +166,10 @@ class Edges {
   }
   const Points2& pattern_;
   Triangles& triangles_;
-  std::map<std::pair<int, int>, int> left_;  // the triangle on the left of each directed edge
+  std::map<std::pair<int, int>, int> left_;  // triangle on the left of each directed edge
 };
 
-/// a and b lie on one of the lines, as far as `near` tells. [m]
+/// True if both a and b lie within `near` of one of the lines. [m]
 bool along(const std::vector<CreaseLine>& lines, const Vector2d& a, const Vector2d& b,
            double near) {
   return std::any_of(lines.begin(), lines.end(), [&](const CreaseLine& line) {
@@ -180,7 +182,7 @@ bool along(const std::vector<CreaseLine>& lines, const Vector2d& a, const Vector
   });
 }
 
-/// Edges on the folds of the pattern.
+/// Edges on the prescribed creases of the pattern.
 std::set<std::pair<int, int>> folded_edges(const RenderMesh& mesh,
                                            const std::vector<FoldLine>& folds) {
   std::set<std::pair<int, int>> found;
@@ -198,8 +200,9 @@ bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseLine>
   return length <= most_length * area(pattern) / edge;
 }
 
-/// With every simulated edge, and every crease, as a row of edges.
-/// throws Error(Fault::scene) when some cross so near to others that no triangulation has them all
+/// The mesh that has every simulated edge and every crease as a row of edges.
+/// throws  Error(ErrorCode::scene) when some of them cross so near to others that no triangulation
+///         has them all
 RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFeatures& features) {
   const double near = 3e-6 * longer_side(pattern);
   Pattern lined = pattern;
@@ -225,23 +228,21 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   if (!features.edges.empty() && has_room(pattern, edge, features.edges)) {
     try {
       return mesh_along_edges(pattern, edge, features);
-    } catch (
-        // without them it is as good a mesh, and what is wrong with the pattern itself is said
-        // below
-        const Error&) {
+    } catch (const Error&) {
+      // The mesh without them is as good. A pattern that is wrong itself is reported below.
     }
   }
   const double exact = 1e-6 * longer_side(pattern);
   Sites sites(merge * edge);
   std::vector<int> site_of_point;
   for (const Vector2d& p : features.points) {
-    // a handle keeps its place though another point is near
+    // a handle keeps its place even if another point is near
     const int known = sites.nearest(p);
     site_of_point.push_back(known >= 0 && (sites.points[known] - p).norm() <= exact ? known
                                                                                     : sites.add(p));
   }
   const std::size_t given = sites.points.size();
-  // creases end in corners of the border, not beside them
+  // creases end in the corners of the border, not beside them
   for (const Vector2d& p : pattern.outline) sites.nearest_or_new(p);
   for (const auto& hole : pattern.holes)
     for (const Vector2d& p : hole) sites.nearest_or_new(p);
@@ -250,7 +251,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   for (const CreaseLine& crease : creases)
     rows.push_back(lay(crease, creases, pattern, edge, sites));
 
-  // of a site that is needed, among the required points
+  // index of a needed site among the required points; -1: not needed
   std::vector<int> number(sites.points.size(), -1);
   std::vector<Vector2d> required(sites.points.begin(), sites.points.begin() + given);
   for (std::size_t s = 0; s < given; ++s) number[s] = static_cast<int>(s);
@@ -284,7 +285,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
 
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features,
                            int most_triangles) {
-  // so many fit without features; with them one more turn or two
+  // so many fit without features; with features it takes another round or two
   edge = std::max(edge, std::sqrt(area(pattern) / most_triangles / (std::sqrt(3.0) / 4)));
   RenderMesh mesh = mesh_for_render(pattern, edge, features);
   while (mesh.triangles.rows() > most_triangles) {

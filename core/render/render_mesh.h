@@ -8,18 +8,18 @@
 
 namespace paperbake {
 
-/// A straight fold on the pattern.
+/// A straight crease on the pattern.
 struct CreaseLine {
   Vector2d a, b;      // [m]
-  double weight = 1;  // [1] who comes first where there are too many
+  double weight = 1;  // [1] where there is no room for all, the heaviest come first
 };
 
-/// What the mesh for a whole shot has to show.
+/// What the mesh for a whole shot has to represent.
 struct RenderFeatures {
-  // [m] vertices: handles, the rims of their discs, singular points
+  // [m] points that become vertices: handles, the rims of their discs, singular points
   std::vector<Vector2d> points;
   std::vector<CreaseLine> creases;
-  // of meshes that were simulated: rows of edges, to a millionth of the sheet
+  // edges of simulated meshes: they become rows of edges, to a millionth of the sheet
   std::vector<CreaseLine> edges = {};
 };
 
@@ -27,28 +27,31 @@ struct RenderFeatures {
 struct RenderMesh {
   Points2 pattern;      // |V|x2 [m]
   Triangles triangles;  // |T|x3 counter-clockwise
-  // which vertex each point became; those nearer than 0.3 edges may share one
+  // vertex of each point; points nearer than 0.3 edges to each other may share one
   std::vector<int> point_vertex;
-  // edges (smaller vertex first, sorted) along which it may fold sharply
+  // edges (smaller vertex first, sorted) along which the mesh may fold sharply
   std::vector<std::pair<int, int>> creases;
-  std::vector<FoldLine> folds = {};  // of the pattern: creases however little they turn
-  bool along_edges = false;          // it has the simulated edges
+  std::vector<FoldLine> folds = {};  // prescribed creases, sharp however small their angle
+  bool along_edges = false;          // the simulated edges are among its edges
 };
 
-/// Near-equilateral triangles of this edge; the border as fine as a thousandth of it; every point a
-/// vertex. A crease is a row of points 2/3 of an edge apart, ends and crossings with other creases
-/// among them, so that the Delaunay triangulation has most edges between them of itself; where one
-/// is missing an edge is turned, down to angles of 8 degrees. Beside the border they keep 0.15
-/// edges away from it. Points of creases nearer than 0.3 edges to others become one with them: no
-/// needles where creases cross or run side by side. Creases beyond half a metre for each square
-/// decimetre and millimetre of edge [area / (2 edge)] are left out, the weightiest last. Simulated
-/// edges, when there are any, are rows of edges exactly, whatever the angles between them, and
-/// creases run along them. Where there are more than 6 m for each square metre and metre of edge,
-/// or some that cross within a millionth of the sheet, it has none of them. throws
-/// Error(Fault::scene) when the outline crosses or touches itself
+/// Triangulates the pattern into near-equilateral triangles with edges of this length [m]. The mesh
+/// follows the border to a thousandth of it, and every point is a vertex.
+///
+/// A crease becomes a row of points 2/3 of an edge apart, which includes its ends and its crossings
+/// with other creases. The Delaunay triangulation has most edges between these points of itself;
+/// where one is missing an edge is flipped, down to angles of 8 degrees. Points of a crease that
+/// runs along the border keep 0.15 edges away from it. Points nearer than 0.3 edges to those of
+/// other creases are merged with them, so that there are no needles where creases cross or run side
+/// by side. Creases beyond a total length of area / (2 edge) [m] are left out, the lightest first.
+///
+/// Simulated edges, if there are any, become rows of edges exactly, whatever the angles between
+/// them, and creases run along them. They are all left out when their total length exceeds 6 area /
+/// edge [m], or when some cross within a millionth of the sheet.
+/// throws  Error(ErrorCode::scene) when the outline crosses or touches itself
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 
-/// The same with edges as much longer as it takes to have no more triangles than that.
+/// The same, with edges as much longer as it takes to have no more triangles than that.
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&, int most_triangles);
 
 }  // namespace paperbake

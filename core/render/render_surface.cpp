@@ -46,8 +46,8 @@ std::vector<Place> RenderSheet::places_on(const Points2& pattern,
     for (int i = 0; i < 3; ++i) found += place.weights[i] * corner(i);
     const Vector2d u = corner(1) - corner(0), w = corner(2) - corner(0), off = p - found;
     const double area = u.x() * w.y() - u.y() * w.x();
-    // a triangle goes on beside its border, but not farther than its own size: a needle would end
-    // anywhere
+    // outside the border the triangle is extended, but not farther than its own size: a needle
+    // would end anywhere
     if (off.squaredNorm() > 1e-18 && area > 0 && off.squaredNorm() < 0.1 * area) {
       const double more1 = (off.x() * w.y() - off.y() * w.x()) / area,
                    more2 = (u.x() * off.y() - u.y() * off.x()) / area;
@@ -102,7 +102,8 @@ void RenderSheet::shade(RenderFrame& frame) const {
 }
 
 int RenderSheet::crossings(const Points3& x) const {
-  // the tree passes by some of the neighbours: it says where to look, not what is there
+  // the tree leaves out some of the neighbours: it tells where to look, but not how many pairs
+  // there are
   if (apart_->tree().near(x, x).empty()) return 0;
   return paperbake::crossings(Sheet{mesh().pattern, x, Points3(), mesh().triangles, {}});
 }
@@ -128,19 +129,19 @@ bool RenderSheet::cuts_through_itself(const Sheet& sheet, const std::vector<Plac
          paperbake::crossings(sheet) == 0;
 }
 
-/// returns  x was changed
+/// returns  whether x was changed
 bool RenderSheet::keep_apart(Points3& x, const Sheet& sheet,
                              const std::vector<Place>& places) const {
   const Points3 exact = facets(sheet, places);
   const LayersApart::Lengths lengths{[this](Points3& at) { limit(at); },
                                      [this](const Points3& at) { return worst_edge(at); }};
-  // among simulated edges there are needles, which may turn over where no layers meet
+  // between simulated edges there are needles, which may turn over where no layers meet
   if (facets_ == Facets::own) return apart_->in_turns(x, exact, lengths, is_held_).changed;
   Eigen::VectorXd off = Eigen::VectorXd::Zero(sheet.triangles.rows());
   for (std::size_t v = 0; v < places.size(); ++v)
     off[places[v].triangle] = std::max(off[places[v].triangle], (x.row(v) - exact.row(v)).norm());
   if (!may_meet_itself(sheet, off)) return false;
-  // what is off in its lengths then is mended, as far as layers stay apart
+  // lengths that are wrong after this are restored, as far as the layers stay apart
   constexpr int most_turns = 6;
   Points3 mended = exact;
   limit(mended);

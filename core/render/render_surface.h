@@ -15,21 +15,22 @@ namespace paperbake {
 
 enum class Quality { draft, shot, hero };
 
-/// A frame on the mesh of the whole shot.
+/// A frame on the render mesh of the shot.
 struct RenderFrame {
   Points3 x;               // |V|x3 [m]
-  Points3 normals;         // unit, numbered as RenderSheet::normal_of_corner says
+  Points3 normals;         // unit; numbered as RenderSurface::normal_of_corner says
   Eigen::VectorXd crease;  // |V| [rad] how sharply the sheet is folded there
-  // layers that passed through each other were taken apart (layers_apart.h)
+  // layers that passed through each other were separated (untangle.h)
   bool kept_apart = false;
 };
 
-/// Puts simulated frames, whatever their mesh, on one mesh: curved as the simulated one stands for
-/// (curved_surface.h), made smooth and true in its lengths (local_global.h, strain_limit.h) and,
-/// where it is to be finer than that pays, subdivided once.
+/// Brings simulated frames, whatever their mesh, to one render mesh for the whole shot: onto the
+/// curved surface that the simulated mesh stands for (curved_surface.h), then smoothed and given
+/// true lengths (shape_fit.h, strain_limit.h). For the finest quality the result is subdivided once
+/// (subdivision.h).
 class RenderSheet {
  public:
-  /// refine  [1] 0, or 1: every triangle in four at the end
+  /// refine  [1] 1: every triangle is divided into four at the end, 0: none is
   RenderSheet(RenderMesh, const LocalGlobalOptions&, int refine);
 
   const RenderMesh& mesh() const { return fine_ ? fine_->mesh : coarse_; }
@@ -37,40 +38,40 @@ class RenderSheet {
     return (fine_normals_ ? *fine_normals_ : coarse_normals_).of_corner();
   }
 
-  /// Where the vertices lie on a simulated mesh; to be kept while that does not change. Beside it,
-  /// as a border that is finer may be, the nearest triangle goes on.
+  /// Where the vertices lie on a simulated mesh; to be kept as long as that mesh does not change.
+  /// For a vertex outside it, as on a finer border, the nearest triangle is extended.
   std::vector<Place> places_on(const Points2& pattern, const Triangles&) const;
 
-  /// From now on these of the points that the mesh was made for are held. To be called before the
-  /// first frame; dear when they are others than before.
+  /// Says which of the points that the mesh was made for are held from now on. Must be called
+  /// before the first frame; expensive when other points are held than before.
   void hold(const std::vector<int>& points);
 
-  /// places  of this mesh on the sheet's
+  /// places   from locate_on() for the mesh of the sheet
   /// held_at  |held points|x3 [m] where they are, exactly
-  /// Several threads may ask at the same time.
+  /// May be called by several threads at the same time.
   RenderFrame frame(const Sheet&, const std::vector<Place>& places, const Points3& held_at) const;
 
-  /// The vertices of mesh() on the flat simulated triangles. |V|x3 [m]
+  /// The vertices of mesh() on the flat triangles of the simulated mesh. |V|x3 [m]
   Points3 facets(const Sheet&, const std::vector<Place>& places) const;
 
-  /// Layers of the sheet are so near each other that, joined by the triangles of mesh(), its
-  /// facets() pass through each other though the sheet does not.
+  /// True if linear_positions(), joined by the triangles of mesh(), pass through each other
+  /// although the simulated sheet does not, because its layers are very near each other.
   bool cuts_through_itself(const Sheet&, const std::vector<Place>& places) const;
 
-  /// What else a frame has, from its positions.
+  /// Computes everything else that a frame has from its positions.
   void shade(RenderFrame&) const;
-  /// Lengths back to the limit.
+  /// Brings edge lengths back to the limit.
   void limit(Points3& x) const { (fine_ ? *fine_limit_ : coarse_limit_)(x, is_held_); }
   double worst_edge(const Points3& x) const {
     return (fine_ ? *fine_limit_ : coarse_limit_).worst(x);
   }
   const std::vector<char>& is_held() const { return is_held_; }
 
-  /// Pairs of triangles of mesh() that pass through each other. x  |V|x3 [m]
+  /// Number of pairs of triangles of mesh() that pass through each other. x  |V|x3 [m]
   int crossings(const Points3& x) const;
 
  private:
-  // the simulated edges cut through triangles of the mesh; they are among its edges
+  // cut: the simulated edges cut through triangles of the mesh; own: they are edges of the mesh
   enum class Facets { cut, own };
   bool keep_apart(Points3& x, const Sheet&, const std::vector<Place>&) const;
 
@@ -82,17 +83,17 @@ class RenderSheet {
   std::optional<Subdivision> fine_;
   std::optional<StrainLimit> fine_limit_;
   std::optional<CreasedNormals> fine_normals_;
-  std::optional<LayersApart> apart_;  // of mesh()
+  std::optional<LayersApart> apart_;  // for mesh()
   std::vector<int> held_;             // vertices, one for each held point
-  std::vector<char> is_held_;         // of the vertices of mesh()
+  std::vector<char> is_held_;         // for the vertices of mesh()
 };
 
-/// The render mesh of a shot. Edges of 5, 2 or 1 mm on a sheet of 0.2 m, and as much longer as it
-/// is larger; at most 400,000 triangles. Hero is shot in four.
-/// simulated_edge  [m] mean edge of the meshes that were simulated: a sixth of it is what is
-///                 smoothed over
-/// features  with simulated edges, when there are any: then the mesh can go back to any simulated
-///           shape exactly
+/// Makes the render mesh of a shot. Draft, shot and hero have edges of 5, 2 and 1 mm on a sheet of
+/// 0.2 m and proportional ones on other sheets, and at most 400,000 triangles. Hero is the mesh of
+/// shot with every triangle divided into four.
+/// simulated_edge  [m] mean edge of the simulated meshes; a sixth of it is the smoothing length
+/// features        with simulated edges, if there are any, the mesh can return to any simulated
+///                 shape exactly
 RenderSheet make_render_sheet(const Pattern&, const RenderFeatures&, double simulated_edge,
                               Quality);
 

@@ -14,12 +14,12 @@ double cotangent(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   return u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
 }
 
-/// F (F^T F)^(-1/2) by the closed form of the root of a 2x2 matrix: C^(1/2) = (C + d)/t, d^2 = det
-/// C, t^2 = tr C + 2 d.
+/// F (F^T F)^(-1/2), by the closed form of the root of a 2x2 matrix C: C^(1/2) = (C + d)/t with d^2
+/// = det C, t^2 = tr C + 2 d.
 Eigen::Matrix<double, 3, 2> nearest_rotation(const Eigen::Matrix<double, 3, 2>& F) {
   const double a = F.col(0).squaredNorm(), b = F.col(0).dot(F.col(1)), c = F.col(1).squaredNorm();
   const double d = std::sqrt(std::max(a * c - b * b, 1e-12)), t = std::sqrt(a + c + 2 * d);
-  // the inverse of the root is (C + d)^(-1) t, with det (C + d) = d t^2
+  // the inverse of the root is t (C + d)^(-1), and det (C + d) = d t^2
   const double scale = 1 / (d * t);
   Eigen::Matrix<double, 3, 2> R;
   R.col(0) = scale * ((c + d) * F.col(0) - b * F.col(1));
@@ -64,7 +64,7 @@ LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles,
               {0, 0, 0},
               ell2 * ell2 / (areas[hinge.triangles[0]] + areas[hinge.triangles[1]]),
               on_fold(folds, pattern, hinge.vertices[0], hinge.vertices[1])};
-    for (int i = 1; i < 4; ++i) {  // about p[0]
+    for (int i = 1; i < 4; ++i) {  // relative to p[0]
       const Vector2d q = p[i] - p[0];
       bend.of_curvature -=
           0.5 * bend.k[i] * Vector3d(q.x() * q.x(), 2 * q.x() * q.y(), q.y() * q.y());

@@ -11,51 +11,53 @@
 namespace paperbake {
 
 struct LocalGlobalOptions {
-  // [m] ell: waves shorter than 4 ell or so are smoothed; a sixth of the simulated edges:
+  // [m] ell: waves shorter than about 4 ell are smoothed. A sixth of the simulated edges: with a
+  // quarter shapes change (S8: c_m 0.05 -> 0.08 %), with a half they are rounded (0.26 %).
   double length = 0.002;
-  //     with a quarter shapes change (S8: c_m 0.05 -> 0.08 %), with a half
-  //     they are rounded (0.26 %)
-  double stretch = 300;  // [1] ks: how much true lengths count against the place
-  // [1] that take out stretch, one solve each: with 1, c_m is 0.051 % on S8 and S5, with 2 0.045
+  double stretch = 300;  // [1] ks: weight of true lengths against position
+  // [1] passes that take out stretch, one solve each: with 1, c_m is 0.051 % on S8 and S5, with 2
+  // 0.045 %
   int steps = 2;
-  // [1] how far the last of them goes, because each falls short: with 1, c_m is a tenth more
+  // [1] over-relaxation of the last pass, because each falls short: with 1, c_m is a tenth larger
   double beyond = 1.5;
 };
 
-/// Makes the shape of a fine mesh smooth where paper is smooth, and its lengths those of the
-/// pattern, near where it is:
+/// Makes a fine mesh smooth where paper is smooth, and gives it the lengths of the pattern, as near
+/// as possible to where it is. Two least-squares problems, one after the other:
 ///
-///   1.  min  sum_v a_v |x_v - y_v|^2  +  ell^4 sum_h |K_h x - c_h K_h y - (1 - c_h) K_h S n|^2 /
-///   A_h
-///   2.  min  sum_v a_v |d_v|^2  +  ell^4 sum_h |K_h d|^2 / A_h  +  ks ell^2 sum_t A_t |F_t(x + d)
-///   - R_t|^2,   x += d;  as often as `steps` says
+///   1.  min  sum_v a_v |x_v - y_v|^2
+///            + ell^4 sum_h |K_h x - c_h K_h y - (1 - c_h) K_h S n|^2 / A_h
+///   2.  min  sum_v a_v |d_v|^2  +  ell^4 sum_h |K_h d|^2 / A_h
+///            + ks ell^2 sum_t A_t |F_t(x + d) - R_t|^2,   x += d,   repeated `steps` times
 ///
-/// y  the shape that is given;  a_v  area of a vertex;  A_t  of a triangle;  A_h  of the two
-///    triangles of a hinge
-/// K  quadratic bending [Bergou 2006]: the cotangents of a hinge, zero for what is flat
-/// c  crease_share of the hinge in y: what is sharp keeps its bend, what is not shall bend as the
-///    curvature S says: K_h S n is K of the height -1/2 q^T S q over the plane with the hinge's
-///    normal n
-/// F  gradient on the pattern;  R  = F (F^T F)^(-1/2) at x, the nearest without stretch
+/// y    the given shape
+/// a_v  area of a vertex;  A_t  of a triangle;  A_h  of the two triangles of a hinge
+/// K    quadratic bending [Bergou 2006]: the cotangents of a hinge, zero for a flat shape
+/// c    crease_share of the hinge in y: a sharp hinge keeps its bend, any other is to bend as the
+///      curvature S says: K_h S n is K of the height -1/2 q^T S q over the plane with the normal n
+///      of the hinge
+/// F    gradient on the pattern
+/// R    F (F^T F)^(-1/2) at x, the nearest map without stretch
 ///
-/// The two are apart because together they hold each other: a ripple is a field of rotations R, and
-/// with those given stretch defends it (ripples of 12 mm with ell 6 mm were left 3/4 of their
-/// height). The second leaves smooth what is smooth. The matrices depend on the pattern and on
-/// which vertices are held only, and are factored when those change.
-/// source  algorithm E2.3 for the terms and the solver; apart, and with the curvature as an aim, by
-///         this project
+/// The problems are separate because together they would hinder each other: a ripple is a field of
+/// rotations R, and with R given, the stretch term defends it (ripples of 12 mm with ell 6 mm kept
+/// 3/4 of their height). The second problem leaves smooth what is smooth. The matrices depend only
+/// on the pattern and on which vertices are held, and are factored when those change.
+/// source  [Bergou 2006] for K; otherwise this project
 class LocalGlobal {
  public:
-  /// folds  whose hinges have c = 1, however little they turn
+  /// creases  prescribed ones: their hinges have c = 1, however small their angle
   LocalGlobal(const Points2& pattern, const Triangles&, const LocalGlobalOptions&,
               const std::vector<FoldLine>& folds = {});
 
-  /// The vertices that stay where they are given, from now on; factors when they are others than
-  /// before.
+  /// These vertices stay where they are given, from now on. Factors the matrices when they are
+  /// others than before.
   void hold(const std::vector<int>& vertices);
 
-  /// y -> x. |V|x3 [m]. curvature  |V|x3 [1/m] Sxx, Sxy, Syy, positive where the sheet bulges to
-  /// its normal. Several threads may ask at the same time, after one has called hold().
+  /// y          |V|x3 [m] the given shape
+  /// curvature  |V|x3 [1/m] Sxx, Sxy, Syy, positive where the sheet bulges towards its normal
+  /// returns    |V|x3 [m] x
+  /// May be called by several threads at the same time, after one of them has called hold().
   Points3 operator()(const Points3& y, const Points3& curvature) const;
 
  private:
@@ -81,7 +83,7 @@ class LocalGlobal {
   std::vector<Face> faces_;
   std::vector<Bend> bends_;
   std::vector<double> area_;                    // a_v
-  Eigen::SparseMatrix<double> smooth_, stiff_;  // of all vertices, both triangles
+  Eigen::SparseMatrix<double> smooth_, stiff_;  // of all vertices, both triangular halves
   std::vector<int> free_;                       // vertices that are not held
   std::optional<std::vector<int>> held_;
   std::optional<ColumnCholesky> smooth_factor_, stiff_factor_;

@@ -12,7 +12,7 @@
 namespace paperbake {
 namespace {
 
-/// An edge of a mesh, its ends in order; what tells it from others.
+/// An edge of a mesh with its ends in order, and the key that tells it from others.
 CreaseLine line_of(const Points2& pattern, int v, int w) {
   const Vector2d p = pattern.row(v), q = pattern.row(w);
   const bool in_order = std::make_pair(p.x(), p.y()) < std::make_pair(q.x(), q.y());
@@ -42,7 +42,7 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   for (std::size_t k = 0; k < record.held.size(); ++k)
     record.held_at.row(k) = frame.handles[record.held[k]].at;
   frames_.push_back(std::move(record));
-  singular_ = sheet.singular;  // it only grows
+  singular_ = sheet.singular;  // the list only grows: paper does not heal
   folds_ = sheet.folds;
   edges_ += mean_edge(sheet.pattern, sheet.triangles);
 

@@ -9,20 +9,20 @@
 
 namespace paperbake {
 
-/// What one frame of a shot leaves behind for the mesh of the whole shot. Small: positions in 32
-/// bits, meshes shared.
+/// What is kept of one frame of a shot to render it on the mesh of the whole shot. It is small:
+/// positions in 32 bits, meshes shared.
 struct RecordedFrame {
   int frame = 0;
-  // number among ShotRecord::meshes
+  // index in ShotRecord::meshes
   int mesh = 0;
   Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> x;  // [m]
   // handles that hold the sheet
   std::vector<int> held;
-  Points3 held_at;  // [m] where they have it
+  Points3 held_at;  // [m] where they hold it
 };
 
-/// Everything that is simulated in a shot of one sheet, and what of it a mesh for all frames has to
-/// show.
+/// Everything that was simulated in a shot of one sheet, and what a mesh for all its frames has to
+/// represent.
 class ShotRecord {
  public:
   struct Mesh {
@@ -36,15 +36,15 @@ class ShotRecord {
   const std::vector<Mesh>& meshes() const { return meshes_; }
   Sheet sheet(const RecordedFrame&) const;  // without velocities and singular points
 
-  /// Points: of the handles, in order, of the rims of their discs, and all singular points there
-  /// ever were. Creases: edges that were sharply folded for two frames' worth, or a quarter of the
-  /// shot.
+  /// Points: the handles, in order, the rims of their discs, and all singular points of the shot.
+  /// Creases: edges that were sharply folded for two frames in sum, or for a quarter of the shot
+  /// where that is less.
   RenderFeatures features(const Shot&) const;
 
-  /// Inner edges of all meshes, each once, in an order that depends on nothing else.
+  /// Inner edges of all meshes, each once, in an order that depends on the edges alone.
   std::vector<CreaseLine> edges() const;
 
-  /// Mean edge of the meshes, over the frames. [m]
+  /// Mean edge of the meshes, averaged over the frames. [m]
   double edge() const;
 
  private:
@@ -54,7 +54,7 @@ class ShotRecord {
   };
   std::vector<Mesh> meshes_;
   std::vector<RecordedFrame> frames_;
-  std::map<std::array<long, 4>, Crease> creases_;  // by their ends in units of 1e-7 m
+  std::map<std::array<long, 4>, Crease> creases_;  // by their ends, in units of 1e-7 m
   std::vector<SingularPoint> singular_;
   std::vector<FoldLine> folds_;
   double edges_ = 0;

@@ -16,7 +16,7 @@ Subdivision subdivide(const RenderMesh& mesh, const Triangles& of_corner) {
   for (int t = 0; t < triangles; ++t)
     for (int i = 0; i < 3; ++i) {
       const int h = hinges.of_triangle[t][i], j = (i + 1) % 3, k = (i + 2) % 3;
-      // seen from the other side, where a and b are the other way round
+      // the edge seen from its other side, where a and b are exchanged
       if (h >= 0 && of_hinge[h] >= 0) {
         Subdivision::Middle& m = result.middles[of_hinge[h]];
         m.normal_a[1] = of_corner(t, k);

@@ -13,8 +13,8 @@ namespace paperbake {
 namespace {
 
 constexpr int rounds = 60;
-constexpr double more = 0.125;  // [1] of the way to the facets, in a round
-constexpr double radius = 8;    // [edges]
+constexpr double more = 0.125;  // [1] by how much blend rises in a round
+constexpr double radius = 8;    // [edges] R
 
 using Corners = std::array<Vector3d, 3>;
 
@@ -23,7 +23,7 @@ Corners corners_of(const Points3& x, const Triangles& triangles, int t) {
           x.row(triangles(t, 2)).transpose()};
 }
 
-/// All corners of p on one side of the plane of q, but those that lie in it.
+/// True if all corners of p that do not lie in the plane of q are on one side of it.
 bool beside(const Corners& p, const Corners& q) {
   const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
   const double a = n.dot(p[0] - q[0]), b = n.dot(p[1] - q[0]), c = n.dot(p[2] - q[0]);
@@ -60,7 +60,7 @@ double distance(const Corners& p, const Corners& q) {
   return least;
 }
 
-/// The patterns of meshes in a row, farther from each other than they are wide. [m]
+/// The patterns of several meshes in a row, with gaps wider than the patterns. [m]
 Points2 side_by_side(const std::vector<const RenderMesh*>& meshes) {
   long vertices = 0;
   for (const RenderMesh* mesh : meshes) vertices += mesh->pattern.rows();
@@ -96,7 +96,7 @@ Triangles in_a_row(const std::vector<const RenderMesh*>& meshes) {
 }  // namespace
 
 bool may_meet_itself(const Sheet& sheet, const Eigen::VectorXd& off) {
-  // [1] cosine of the turn between two triangles with a common vertex
+  // [1] cosine of the angle between the normals of two triangles with a common vertex
   constexpr double sharp = -0.5;
   NearTriangles triangles(sheet.triangles);
   for (const auto& [a, b] :
@@ -173,7 +173,7 @@ struct LayersApart::Push {
   std::vector<double> weight;  // |V|
 };
 
-/// Where the edges of s pass through t.
+/// Adds the displacements d of all points where the edges of s pass through t.
 void LayersApart::push(int s, int t, const Points3& x, const FacetAt& facet_at, Push& push) const {
   const Corners p = corners_of(x, triangles_, s), q = corners_of(x, triangles_, t);
   const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
@@ -210,7 +210,7 @@ LayersApart::Outcome LayersApart::operator()(Points3& x, const Points3& facets,
   const Points3 curved = x;
   Points3 pushed = Points3::Zero(vertices, 3);
   std::vector<double> need(vertices, 0), share(vertices, 0);
-  // in the last round
+  // `moved` and `crossed` are those of the last round
   std::vector<char> seen(vertices, 0), moved(vertices, 1), crossed(candidates.size(), 0);
   for (int round = 0;; ++round) {
     bool any = false;

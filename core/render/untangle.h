@@ -9,51 +9,53 @@
 
 namespace paperbake {
 
-/// Takes parts of a fine curved mesh out of each other: where they pass through each other it goes
-/// back towards the facets of the simulated mesh, which do not.
+/// Separates parts of a fine curved mesh that pass through each other: they go back towards the
+/// facets, the flat triangles of the simulated mesh, which do not.
 ///
-///   x_v = (1 - s_v) x_v + s_v f_v + d_v,   s_v = max_u need_u k(|u - v| / R),   k(r) = (1 -
-///   r^2)^2,   R = 8 edges
+///   x_v = (1 - s_v) x_v + s_v f_v + d_v,   s_v = max_u blend_u k(|u - v| / R),
+///   k(r) = (1 - r^2)^2,   R = 8 edges
 ///
-/// f     the same vertices on the facets
-/// need  0; of the corners of triangles that pass through each other an eighth more, again and
-///       again, until none do
-/// d     0; beside a fold that runs across the edges of the fine mesh facets do not help: of
-///       triangles within R of each other, and where need is 1, the point where an edge passes
-///       through a triangle goes to its two places on the facets
+/// f      the same vertices on the facets
+/// blend  0 at first; at the corners of triangles that pass through each other it rises by an
+///        eighth, again and again, until none of them do
+/// d      0, except where a fold runs across the edges of the fine mesh, so that the facets do not
+///        help: for triangles within R of each other, and where blend is 1, the point where an edge
+///        passes through a triangle goes to its two places on the facets
 ///
 /// Where the vertices on the facets, joined by the triangles of the fine mesh, do not pass through
-/// each other, d is not needed and the end is sure: at the latest where all need is 1.
+/// each other, d is not needed and success is certain, at the latest when blend is 1 everywhere.
 ///
-/// Vertices that are held stay.
+/// Vertices that are held stay where they are.
 class LayersApart {
  public:
   LayersApart(const Points2& pattern, const Triangles&);
-  /// Of several meshes as of one: their vertices in a row, patterns side by side, each with edges
-  /// of its own.
+  /// Treats several meshes as one: their vertices are numbered one mesh after the other and their
+  /// patterns lie side by side. Every mesh has its own R.
   explicit LayersApart(const std::vector<const RenderMesh*>&);
 
   struct Outcome {
-    bool changed;  // x was
+    bool changed;  // whether x was changed
     bool apart;    // nothing passes through anything any more
   };
-  /// facets  |V|x3 [m];  facet_at  [m] of a point of the pattern; none: the end is sure without;  x
-  ///         |V|x3 [m];  held  |V|.
-  /// Several threads may ask at the same time.
+  /// facets    |V|x3 [m] f
+  /// facet_at  [m] where a point of the pattern is on the facets; empty: d is 0
+  /// x         |V|x3 [m]
+  /// held      |V|
+  /// May be called by several threads at the same time.
   using FacetAt = std::function<Vector3d(const Vector2d&)>;
   Outcome operator()(Points3& x, const Points3& facets, const FacetAt& facet_at,
                      const std::vector<char>& held) const;
 
-  /// The same without facet_at, and in turns with what brings lengths back; of the turns' ends the
-  /// one with the best lengths.
+  /// The same without facet_at, alternating with a step that restores lengths. Of the rounds that
+  /// succeed the one with the best lengths is kept.
   struct Lengths {
     std::function<void(Points3& x)> mend;
-    std::function<double(const Points3& x)> worst;  // [1] of an edge
+    std::function<double(const Points3& x)> worst;  // [1] largest length error of an edge
   };
   Outcome in_turns(Points3& x, const Points3& facets, const Lengths&,
                    const std::vector<char>& held) const;
 
-  /// Some triangles do, of those that the tree finds near each other.
+  /// True if some of the triangles that the tree finds near each other do.
   bool pass_through_each_other(const Points3& x) const;
 
   const TriangleTree& tree() const { return tree_; }
@@ -71,8 +73,9 @@ class LayersApart {
   std::vector<int> start_, beside_;  // neighbours of each vertex
 };
 
-/// A surface that leaves the triangles of a sheet by no more than `off` (|T| [m]) might pass
-/// through itself: two of them are near enough, or neighbours folded by more than 120 degrees.
+/// True if a surface that lies within `off` (|T| [m]) of the triangles of a sheet might pass
+/// through itself: two of the triangles are near enough to each other, or two with a common vertex
+/// are folded by more than 120 degrees.
 bool may_meet_itself(const Sheet&, const Eigen::VectorXd& off);
 
 }  // namespace paperbake

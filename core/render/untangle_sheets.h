@@ -8,11 +8,11 @@
 
 namespace paperbake {
 
-/// The render meshes of sheets that come near each other, kept out of each other as the layers of
-/// one sheet are (layers_apart.h).
+/// Separates the render meshes of sheets that come near each other, in the same way as the layers
+/// of one sheet (untangle.h).
 class RenderTogether {
  public:
-  /// sheets  stay where they are as long as this is asked
+  /// sheets  must stay where they are as long as this object is used
   explicit RenderTogether(const std::vector<RenderSheet>& sheets);
 
   /// A sheet of a frame, as it was simulated.
@@ -21,17 +21,18 @@ class RenderTogether {
     const std::vector<Place>* places;
   };
 
-  /// Where one of the frames passes through another, all that is near goes back towards the facets.
-  /// frames, simulated  of every sheet. Several threads may ask at the same time.
+  /// Where one of the frames passes through another, everything near goes back towards the facets.
+  /// frames, simulated  one for each sheet
+  /// May be called by several threads at the same time.
   void keep_apart(std::vector<RenderFrame>& frames, const std::vector<Simulated>&) const;
 
-  /// The facets of sheets, joined by the triangles of their render meshes, pass through each other
-  /// though the sheets do not.
+  /// True if the facets of the sheets, joined by the triangles of their render meshes, pass through
+  /// each other although the simulated sheets do not.
   bool cut_through_each_other(const std::vector<Simulated>&) const;
 
-  /// Of each sheet: pairs of its triangles and of those of sheets before it that pass through each
-  /// other.
-  /// x  of every sheet |V|x3 [m]
+  /// For each sheet, the number of pairs of one of its triangles and one of a sheet before it that
+  /// pass through each other.
+  /// x  for each sheet |V|x3 [m]
   std::vector<int> crossings(const std::vector<Points3>& x) const;
 
  private:

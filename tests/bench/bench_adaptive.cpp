@@ -1,11 +1,12 @@
-// Adaptive remeshing against the finest fem on the sample scenes, beside hybrid and beside fem with
-// as many triangles: a table.
+// Table: adaptive remeshing against the finest fem on the sample scenes, next to hybrid and to fem
+// with as many triangles.
 //
 //   build/paperbake_bench_adaptive [REFERENCE_TRIANGLES [SCENE...]]
 //
-// One thread, CPU time; elastic paper. Columns as in bench_hybrid.cpp; BENCH_CACHE=DIR keeps the
-// runs of fem there for the next time. BENCH_SET="facet_turn=0.15 aspect=3" options of the sizing
-// field.
+// Elastic paper, CPU time of one thread. The columns are those of bench_hybrid.cpp. Environment:
+//   BENCH_CACHE=DIR                        keeps the runs of fem there for the next time
+//   BENCH_SET="facet_turn=0.15 aspect=3"   options of the sizing field
+//   BENCH_FRAMES=1                         rms of every frame
 
 #include "core/geometry/pattern_samples.h"
 #include "tests/bench/against_fem.h"

@@ -1,9 +1,9 @@
-// Crumples by their statistics, which no single run has: a table anyone can print.
+// Table: statistics of crumples, which no single run has.
 //
-//   build/paperbake_bench_crumple [SEEDS]        12 seeds without it
+//   build/paperbake_bench_crumple [SEEDS]        default: 12 seeds
 //
-// Hybrid with plasticity and contact, one thread, CPU time. S4r and S9 by seed; then how much the
-// plastic turn of S4 depends on the density of the mesh; then what a heavier grade does.
+// Hybrid with plasticity and contact, CPU time of one thread. First S4r and S9 for each seed, then
+// how the plastic turn of S4 depends on the density of the mesh, then what a heavier grade changes.
 
 #include "core/animation/animate.h"
 #include "core/geometry/crease_network.h"

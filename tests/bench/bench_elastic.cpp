@@ -1,5 +1,5 @@
-// How long the parts of a Newton iteration take, a whole frame loop, and the geometry round it. One
-// thread throughout.
+// How long the parts of a Newton iteration take, a whole loop over frames, and the geometry around
+// it. One thread throughout.
 //
 //   paperbake_bench [--benchmark_filter=REGEX]
 
@@ -19,7 +19,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int last_push = 24;  // frame of S1 in which the sheet is pushed by 10 mm, an arch
+constexpr int last_push = 24;  // frame of S1 at which the sheet has been pushed by 10 mm: an arch
 
 AnimateOptions s1_options() {
   AnimateOptions options;
@@ -54,10 +54,10 @@ struct Arch {
   void assemble() {
     matrix->set_zero();
     energy->hessian(sheet.x, HessianForm::exact, gradient, *matrix);
-    matrix->shift_diagonal(1e-3);  // [N/m] the little inertia of a quasi-static step
+    matrix->shift_diagonal(1e-3);  // [N/m] the small inertia of a quasi-static step
   }
 
-  /// The handles of S1 sit every centimetre of two borders.
+  /// The handles of S1 are a centimetre apart on two borders.
   bool held(int v) const {
     const Vector2d p = sheet.pattern.row(v);
     const bool border = p.x() < 1e-9 || p.x() > 0.1 - 1e-9;
@@ -110,8 +110,8 @@ void solve(benchmark::State& state) {
   count_triangles(state, a.sheet);
 }
 
-/// Frames 1-24 of S1. The times a frame are animate's own timers; the time of the benchmark is that
-/// of the whole loop.
+/// Frames 1-24 of S1. The times per frame are from the timers of `animate`; the time of the
+/// benchmark is that of the whole loop.
 void frames_of_s1(benchmark::State& state) {
   const Shot shot = test::s1_push();
   double elastic_ms = 0, geometry_ms = 0, iterations = 0, frames = 0;

@@ -1,11 +1,11 @@
-// No more than a scene needs: what is switched on in the sample scenes, why, and what it costs.
+// Table: which features are at work in the sample scenes, why, and what they cost.
 //
-//   build/paperbake_features [REPEATS [SCENE...]]     CPU time of one thread, the least of REPEATS
-//   (5) runs, interleaved
+//   build/paperbake_features [REPEATS [SCENE...]]
 //
-// Method hybrid as `paperbake bake` runs it. A row: is the feature at work, why, ms a frame of the
-// scene and how many of them go when the feature is forced off, and how far that moves the sheet
-// (RMS over 41 x 41 points, mean over the frames, % of the longer side).
+// CPU time of one thread, the least of REPEATS (default 5) interleaved runs. Hybrid as `paperbake
+// bake` runs it. A row shows whether a feature is at work and why, the ms per frame of the scene,
+// how many of these are saved when the feature is switched off, and how far that moves the sheet
+// (RMS over 41 x 41 points, mean over the frames, in % of the longer side).
 
 #include "core/animation/inertia_need.h"
 #include "core/geometry/pattern_samples.h"
@@ -28,13 +28,13 @@ struct Case {
 constexpr Case cases[] = {{"S1_push", 0, 40}, {"S1_push", 0},  {"S2_moebius", 0}, {"S4_crumple", 0},
                           {"S5_roll", 9.81},  {"S8_dcone", 0}, {"S9_unload", 0}};
 
-/// What may be forced off; dynamics, colliders and polish are off in all of them.
+/// What may be switched off; dynamics, colliders and polish are off in all runs.
 enum Feature { plasticity = 1, singular_points = 2, contact = 4, all = 7 };
 
 struct Run {
-  double ms = INFINITY;  // a frame
+  double ms = INFINITY;  // per frame
   std::vector<Points3> frames;
-  int touching = 0, births = 0;  // frames; points
+  int touching = 0, births = 0;  // number of frames; number of points
   double plastic = 0;            // [m rad]
 };
 

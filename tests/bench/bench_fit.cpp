@@ -1,11 +1,11 @@
-// Does a fit to 20 sheets that were pushed (paperbake fit --experiment) hold the law that they were
-// drawn from? Counts trials whose 95 % intervals do, of deviation and offset, and says where all
+// Does a fit to 20 pushed sheets (paperbake fit --experiment) contain the law from which they were
+// drawn? Counts the trials whose 95 % intervals of deviation and offset do, and reports where all
 // points lie.
 //
-//   paperbake_bench_fit [TRIALS [GRADE [SHEETS]]]      100 copy70 20: seven minutes
+//   paperbake_bench_fit [TRIALS [GRADE [SHEETS]]]      default: 100 copy70 20, seven minutes
 //
-// The law is cut off 3 mm from the border, 2.2 deviations below its mean: v is 0.18 mm too far
-// inwards, and deviates by 4 % less.
+// The law is cut off 3 mm from the border, 2.2 deviations below its mean. So the mean of v is
+// 0.18 mm too far inwards and its deviation 4 % too small.
 
 #include "baker/studies/first_point_experiment.h"
 #include "baker/studies/fit.h"

@@ -1,11 +1,12 @@
-// Which frames of a shot are its worst, and why: a table anyone can print.
+// Table: which frames of a shot are the most expensive, and why.
 //
-//   build/paperbake_bench_frames [SCENE [BASE [SEED [LAST_FRAME]]]]        SCENE: all | S1_push,
-//   ...; all, 120, 0, to the end without it
+//   build/paperbake_bench_frames [SCENE [BASE [SEED [LAST_FRAME]]]]
 //
-// Hybrid as the baker runs it (plasticity, contact), one thread, CPU time. A line for every frame
-// that is among the five dearest of its shot; every frame with BENCH_FRAMES=1; BENCH_PROBE=N looks
-// for other branches every N frames.
+// SCENE: all | S1_push, ...; default: all scenes, base 120, seed 0, up to the last frame. Hybrid as
+// in a bake (plasticity, contact), CPU time of one thread. There is a line for each of the five
+// most expensive frames of a shot. Environment:
+//   BENCH_FRAMES=1   a line for every frame
+//   BENCH_PROBE=N    a search for other branches every N frames
 
 #include "core/animation/animate.h"
 #include "core/geometry/measure.h"
@@ -58,7 +59,7 @@ void show(const Case& c, int base, unsigned seed, int last_frame) {
   options.elastic.gravity = c.gravity;
   if (const char* every = std::getenv("BENCH_PROBE")) options.probe_every = std::atoi(every);
   std::vector<Row> rows;
-  double shape = 0;  // tells whether two versions of the program animate the same
+  double shape = 0;  // shows whether two versions of the program animate the same
   animate(shot, hybrid(shot.pattern, shot.paper, base, {}, seed, 0), options,
           [&](const AnimatedFrame& f) {
             Row r{f.frame,

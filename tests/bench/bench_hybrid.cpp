@@ -1,17 +1,20 @@
-// Hybrid against the finest fem on the sample scenes: a table anyone can print.
+// Table: hybrid against the finest fem on the sample scenes.
 //
 //   build/paperbake_bench_hybrid [REFERENCE_TRIANGLES [SCENE...]]
 //
-// One thread, CPU time. All distances over a 41 x 41 grid of the pattern, in % of the longer side.
-//   rms    distance to fem's sheet, mean over the frames; hybrid with three base densities: mean
-//   [least, most]
-//   nrm    angle between the normals as they are shaded, mean over grid and frames [deg]
-//   jit    rms of x_f - 2 x_{f-1} + x_{f-2}: median / 90 % quantile over the frames
-//   ruled  ruling remeshes accepted - rejected, and the largest rise of the potential at an
-//   accepted one
-// Environment: BENCH_BASES="60 75 90" base densities; BENCH_CACHE=DIR keeps the runs of fem there
-// for the next time; BENCH_SET="facet_turn=0.2 flip_gain=0.5" options; facet_turn=0: the robust
-// mesh alone.
+// CPU time of one thread. All distances are over 41 x 41 points of the pattern, in % of the longer
+// side.
+//   rms    distance from the sheet of fem, mean over the frames; for hybrid with three base
+//          densities: mean [smallest, largest]
+//   nrm    angle between the shading normals, mean over points and frames [degrees]
+//   jit    RMS of x_f - 2 x_{f-1} + x_{f-2}: median / 90 % quantile over the frames
+//   ruled  ruled meshes accepted - rejected, and the largest rise of the potential at an accepted
+//          one
+// Environment:
+//   BENCH_BASES="60 75 90"                     base densities
+//   BENCH_CACHE=DIR                            keeps the runs of fem there for the next time
+//   BENCH_SET="facet_turn=0.2 flip_gain=0.5"   options; facet_turn=0: no ruled meshes
+//   BENCH_FRAMES=1                             rms of every frame
 
 #include "core/geometry/pattern_samples.h"
 #include "tests/bench/against_fem.h"

@@ -1,12 +1,12 @@
-// The same shape whatever the settings: quasi-static handles on the same way in other steps, at
-// other speeds, on other first meshes.
+// Table: is the shape the same whatever the settings? Quasi-static handles go the same way in other
+// steps, at other speeds and on other first meshes.
 //
-//   build/paperbake_invariance [METHOD... [SCENE...]]        methods: hybrid, adaptive, fem,
-//   fem6000; all but the last without words
+//   build/paperbake_invariance [METHOD... [SCENE...]]
 //
-// RMS over 41 x 41 points of the pattern in % of the longer side, mean over each fourth frame: each
-// change against the scene as it is, and the two runs that are farthest apart. Elastic paper.
-// BENCH_FRAMES=1: every frame.
+// METHOD: hybrid, adaptive, fem, fem6000; default: all but fem6000. RMS over 41 x 41 points of the
+// pattern in % of the longer side, mean over every fourth frame: each change against the scene as
+// it is, and the two runs that are farthest apart. Elastic paper. BENCH_FRAMES=1 in the environment
+// prints every frame.
 
 #include "core/geometry/pattern_samples.h"
 #include "tests/bench/against_fem.h"

@@ -1,16 +1,15 @@
-// The estimate of a frame's error against its true error, and what polish costs and leaves: two
-// tables.
+// Two tables: the estimated error of a frame against its true error, and what polishing costs and
+// leaves.
 //
 //   build/paperbake_bench_polish [REFERENCE_TRIANGLES [SCENE...]]
 //
-// Every 12th frame of a hybrid (base 120) on elastic paper, as it is rendered (the curved surface
-// that its mesh stands for), RMS over 41 x 41 points of the pattern in % of the longer side:
-//   true      to fem at REFERENCE_TRIANGLES (6,000) that came all the way
-//   estimate  to the minimum near by of fem at 2,400, as `verify --estimate` has it
-//   polished  what the frame has left of the first after polish with as many triangles as the
-//   reference
-// ms of CPU on one thread; spread: an estimate every 12 frames over these. BENCH_CACHE=DIR keeps
-// the runs of fem there.
+// Every 12th frame of hybrid (base 120) on elastic paper, as it is rendered (the curved surface
+// that its mesh stands for). RMS over 41 x 41 points of the pattern, in % of the longer side:
+//   true      distance from a full run of fem with REFERENCE_TRIANGLES (6,000)
+//   estimate  distance from the nearest minimum of fem with 2,400, as in `verify --estimate`
+//   polished  what is left of the first after polishing with as many triangles as the reference has
+// CPU time of one thread [ms]. spread: one estimate every 12 frames, divided over these frames.
+// BENCH_CACHE=DIR in the environment keeps the runs of fem there.
 
 #include "core/animation/cpu_clock.h"
 #include "core/animation/refine_frame.h"

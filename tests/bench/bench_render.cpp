@@ -1,21 +1,20 @@
-// The mesh for the whole shot on the sample scenes: a table anyone can print.
+// Table: the mesh for the whole shot on the sample scenes.
 //
 //   build/paperbake_bench_render [SCENE...]
 //
-// One thread, CPU time. Means over the frames of a hybrid bake.
-//   sim, render  triangles;  mesh s  what the mesh and its factor take, once
-//   ms           a frame: positions + normals;  per 100k: the same for 100,000 triangles
+// CPU time of one thread, means over the frames of a hybrid bake.
+//   sim, render  triangles
+//   mesh s       time for the mesh and its factor, once
+//   ms           for a frame: positions + normals; per 100k: the same for 100,000 triangles
 //   c_m          mean |l - L|/L over the edges in %: mean over the frames, worst frame; worst edge
-//   of the worst frame
-//   simulated    the same of the simulated meshes
-//   far          farthest that a vertex is from the flat simulated triangles, in % of the longer
-//   side
-//   crossings    pairs of triangles that pass through each other, and the frames that have some
-//   (BENCH_CROSSINGS=1)
-//   Ub           bending energy / that of the same frame brought to its minimum on this mesh, by
-//   what the paper remembers then;
-//                and by how far that moves it, RMS in % of the longer side (BENCH_POLISH=1; every
-//                12th frame)
+//                of the worst frame
+//   simulated    c_m of the simulated meshes
+//   far          largest distance of a vertex from the flat simulated triangles, in % of the longer
+//                side
+//   crossings    (BENCH_CROSSINGS=1) pairs of triangles that pass through each other, by frame
+//   Ub           (BENCH_POLISH=1, every 12th frame) bending energy over that of the same frame
+//                brought to its minimum on this mesh with the plastic curvature of that frame; and
+//                by how far this moves it, RMS in % of the longer side
 // Environment: BENCH_QUALITY="draft shot hero"; BENCH_ELASTIC=1: paper that does not yield
 
 #include "core/animation/animate.h"
@@ -46,8 +45,8 @@ constexpr Case cases[] = {{"S1_push", 60, 0},      {"S2_moebius", 72, 0}, {"S4_c
                           {"S4r_release", 144, 0}, {"S5_roll", 72, 9.81}, {"S8_dcone", 96, 0},
                           {"S9_unload", 120, 0},   {"S10_ball", 132, 0}};
 
-/// What the paper remembers at a frame: of each triangle of the simulated mesh the mean of its
-/// corners.
+/// Plastic curvature of the paper at a frame: for each triangle of the simulated mesh the mean of
+/// its corners.
 PlasticGrid remembered(const Pattern& pattern, const Sheet& sheet, const Points3& plastic) {
   PlasticGrid grid(pattern);
   if (plastic.rows() == 0) return grid;
@@ -62,7 +61,7 @@ PlasticGrid remembered(const Pattern& pattern, const Sheet& sheet, const Points3
 }
 
 struct Polished {
-  double ratio;  // bending energy of a frame / of the minimum near by
+  double ratio;  // bending energy of a frame over that of the nearest minimum
   double moved;  // [m] RMS
 };
 Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case& c,
@@ -175,7 +174,7 @@ void run(const Case& c) {
   options.elastic.gravity = c.gravity;
   options.memory = std::getenv("BENCH_ELASTIC") ? Memory::none : Memory::plastic;
   ShotRecord record;
-  std::vector<Points3> plastic;  // of each frame, at the vertices of its mesh
+  std::vector<Points3> plastic;  // for each frame, at the vertices of its mesh
   double triangles = 0;
   try {
     animate(shot, hybrid(shot.pattern, shot.paper, 120, CrumpleOptions{}, 0, 0), options,

@@ -8,7 +8,7 @@
 namespace paperbake::bench {
 namespace {
 
-constexpr int common = 4;  // [frames] every change has each fourth frame
+constexpr int common = 4;  // [frames] every fourth frame exists under every change
 constexpr double degree = M_PI / 180;
 
 }  // namespace
@@ -27,7 +27,7 @@ const std::vector<Change>& changes() {
 }
 
 Shot paced(Shot shot, double pace) {
-  // never stays never
+  // a handle that is never grabbed or released stays so
   const auto step_of = [&](int frame) {
     return std::abs(frame) > 1e8 ? frame : static_cast<int>(std::ceil(frame / pace));
   };

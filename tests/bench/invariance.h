@@ -7,24 +7,25 @@
 
 namespace paperbake::bench {
 
-/// What should not matter to a sheet whose handles move slowly: how the way is cut into steps, how
-/// long it takes, and which mesh it began on.
+/// What should not matter to a sheet whose handles move slowly: into how many steps the motion is
+/// divided, how long it takes, and on which mesh it begins.
 struct Change {
   const char* name;
   double pace;      // [frames] of the scene in one step
-  double slowness;  // [1] how many times longer the handles take for their way
-  double turn;      // [rad] of the first mesh's lattice
-  unsigned ripple;  // seed of what lets a flat sheet choose a side
+  double slowness;  // [1] how many times as long the handles take
+  double turn;      // [rad] rotation of the lattice of the first mesh
+  unsigned ripple;  // seed of the imperfection that lets a flat sheet buckle
 };
 
-/// The shot as it was, and under each of the changes.
+/// The shot as it is, then each of the changes.
 const std::vector<Change>& changes();
 
-/// The shot in steps of `pace` frames, handles in between on straight lines: its frame F is frame F
-/// x pace of the shot.
+/// The shot in steps of `pace` frames, with handles on straight lines in between: its frame F is
+/// frame F x pace of the shot.
 Shot paced(Shot, double pace);
 
-/// Points of the pattern (41 x 41) at the frames of the shot that every change has: each fourth.
+/// Points of the pattern (41 x 41) at those frames of the shot that exist under every change: every
+/// fourth.
 struct Shapes {
   std::vector<Points3> frames;
   int births = 0;
@@ -33,7 +34,7 @@ using MakeMethod = std::function<Method(const Shot&, double turn)>;
 Shapes shapes_of(const Shot&, const MakeMethod&, const Change&, double gravity, double fps,
                  int last_frame);
 
-/// Distance of the points, mean over the frames. [% of the longer side]
+/// RMS distance of the points, mean over the frames. [% of the longer side]
 double apart_pct(const Shapes&, const Shapes&, const Pattern&);
 
 }  // namespace paperbake::bench

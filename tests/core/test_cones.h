@@ -7,9 +7,11 @@
 
 namespace paperbake::test {
 
-/// Bends a sheet to a right circular cone, without stretching it: apex on the pattern, slope of the
-/// generators against the axis. Its curvature is 1/(tan(slope) r) at a distance r from the apex; it
-/// bulges towards its normal.
+/// Bends a sheet to a right circular cone without stretching it.
+/// apex   [m] on the pattern
+/// slope  [rad] of the generators against the axis
+/// The curvature is 1/(tan(slope) r) at a distance r from the apex; the cone bulges towards its
+/// normal.
 inline void bend_to_cone(Sheet& sheet, const Vector2d& apex, double slope) {
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     const Vector2d d = sheet.pattern.row(v).transpose() - apex;
@@ -20,10 +22,10 @@ inline void bend_to_cone(Sheet& sheet, const Vector2d& apex, double slope) {
 }
 
 /// Bends a sheet about the origin of its pattern, without stretching it, to a cone whose rulings
-/// have the slope eps + crest lobe(t): at elevation alpha(t) a ruling has the azimuth phi with dphi
-/// = sqrt(1 - alpha'^2)/cos alpha dt, and `crest` closes the turn.
-/// returns  int kg^2 dt, kg the geodesic curvature of the curve in which it cuts the unit sphere:
-///          psi' + tan alpha cos psi, sin psi = alpha'
+/// have the slope eps + crest lobe(t): at the elevation alpha(t) a ruling has the azimuth phi with
+/// dphi = sqrt(1 - alpha'^2)/cos alpha dt, and `crest` is such that the cone closes after one turn.
+/// returns  int kg^2 dt, where kg is the geodesic curvature of the curve in which the cone cuts the
+///          unit sphere: psi' + tan alpha cos psi, sin psi = alpha'
 inline double bend_to_wavy_cone(Sheet& sheet, double eps,
                                 const std::function<double(double)>& lobe) {
   constexpr int n = 7200;
@@ -64,7 +66,7 @@ inline double bend_to_wavy_cone(Sheet& sheet, double eps,
   return squared;
 }
 
-/// The crest of a d-cone: it lifts off over 139 degrees.
+/// The crest of a d-cone, which lifts off over 139 degrees.
 inline double d_cone_lobe(double t) {
   constexpr double half = 139.0 / 2 * M_PI / 180;
   return std::abs(t) < half ? 0.5 * (1 + std::cos(M_PI * t / half)) : 0;

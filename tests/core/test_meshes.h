@@ -11,7 +11,7 @@
 
 namespace paperbake::test {
 
-/// A flat sheet from pattern and triangles, lying in z = 0.
+/// A flat sheet in the plane z = 0, from pattern and triangles.
 inline Sheet flat_sheet(Points2 pattern, Triangles triangles) {
   Sheet sheet;
   sheet.x = Points3::Zero(pattern.rows(), 3);
@@ -22,9 +22,9 @@ inline Sheet flat_sheet(Points2 pattern, Triangles triangles) {
   return sheet;
 }
 
-/// n ruling strips along x: a column of two vertices at each of n+1 places, each cell cut by a
-/// diagonal, all the same way (alternating ones make every other ruling softer: the arch of 8
-/// strips is 1.4 % instead of 0.6 % too high).
+/// A sheet of n ruling strips along x: two vertices at each of n+1 positions, and every cell cut by
+/// a diagonal in the same direction (alternating diagonals make every other ruling softer: the arch
+/// of 8 strips is then 1.4 % instead of 0.6 % too high).
 inline Sheet strip_sheet(double length, double width, int n) {
   Points2 p(2 * (n + 1), 2);
   Triangles t(2 * n, 3);
@@ -40,7 +40,7 @@ inline Sheet strip_sheet(double length, double width, int n) {
   return flat_sheet(std::move(p), std::move(t));
 }
 
-/// Rows of equilateral-like triangles; inner vertices moved by up to `jitter` edges.
+/// Rows of nearly equilateral triangles; inner vertices are moved by up to `jitter` edges.
 inline Sheet hex_sheet(double length, double width, int columns, double jitter = 0,
                        unsigned seed = 1) {
   const double dx = length / columns;
@@ -61,7 +61,7 @@ inline Sheet hex_sheet(double length, double width, int columns, double jitter =
     for (std::size_t c = 0; c < xs.size(); ++c) {
       Vector2d p(xs[c], width * r / rows);
       if (r > 0 && r < rows && c > 0 && c + 1 < xs.size()) {
-        // in this order whatever the compiler
+        // drawn in this order by every compiler
         const double up = uniform(random), along = uniform(random);
         p += Vector2d(along, up);
       }
@@ -70,7 +70,7 @@ inline Sheet hex_sheet(double length, double width, int columns, double jitter =
     }
   }
   std::vector<Eigen::RowVector3i> faces;
-  for (int r = 0; r < rows; ++r) {  // zip two rows together by x
+  for (int r = 0; r < rows; ++r) {  // joins two rows, ordered by x
     std::size_t i = 0, j = 0;
     while (i + 1 < row[r].size() || j + 1 < row[r + 1].size()) {
       const bool lower =
@@ -90,8 +90,8 @@ inline Sheet hex_sheet(double length, double width, int columns, double jitter =
   return flat_sheet(std::move(p), std::move(t));
 }
 
-/// Wraps a sheet round a cylinder of radius R whose rulings run along pattern y; it bulges upwards,
-/// towards its normal.
+/// Wraps a sheet around a cylinder of radius R [m] whose rulings run along y of the pattern; it
+/// bulges upwards, towards its normal.
 inline void roll(Sheet& sheet, double R) {
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     const double s = sheet.pattern(v, 0) / R;
@@ -99,7 +99,7 @@ inline void roll(Sheet& sheet, double R) {
   }
 }
 
-/// Measured order of convergence of error(h) between h and h/2.
+/// Measured order of convergence of error(h) between h0 and h1.
 inline double order(const std::function<double(double)>& error, double h0, double h1) {
   return std::log(error(h0) / error(h1)) / std::log(h0 / h1);
 }

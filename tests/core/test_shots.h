@@ -34,9 +34,9 @@ inline Handle bare_handle(const std::string& name, const Vector2d& pattern, int 
   return handle;
 }
 
-/// Scene S1: a 10 cm sheet, hinged at both borders, the right one pushed 10 mm inwards in frames
-/// 1-24; with `back`, the same way back in frames 24-47; else from 24 on the middle of the front
-/// border is pushed 20 mm down until frame 60.
+/// Scene S1: a sheet of 10 cm, hinged at two borders, the right one pushed 10 mm inwards in frames
+/// 1-24. With `back` it returns in frames 24-47; otherwise the middle of the front border is pushed
+/// down by 20 mm from frame 24 to frame 60.
 inline Shot s1_push(bool back = false) {
   const int frames = back ? 47 : 60;
   Shot shot = blank_shot(rectangle(0.1, 0.1));
@@ -58,7 +58,7 @@ inline Shot s1_push(bool back = false) {
     for (int f = 23; f < frames; ++f) mid.keyed(f, 2) -= 0.02 * (f - 23) / 36;
     shot.handles.push_back(mid);
   }
-  // the scene's own seed of the arch: 0.1 mm of a half wave
+  // the start shape of the scene has a slight arch, a half wave of 0.1 mm
   const int n = 20;
   shot.start.pattern.resize(2 * (n + 1), 2);
   shot.start.x.resize(2 * (n + 1), 3);

@@ -10,7 +10,7 @@
 namespace paperbake::stress {
 namespace {
 
-/// Numbers in [a, b) one after the other.
+/// Random numbers in [a, b), one after the other.
 class Dice {
  public:
   Dice(std::uint32_t seed, int index) : seed_(seed), at_(std::uint64_t(index) << 20) {}
@@ -33,7 +33,7 @@ std::vector<Vector2d> ellipse(const Vector2d& centre, const Vector2d& radii, int
 }
 
 Pattern make_pattern(Dice& dice) {
-  // [m] 2 mm ... 10 m, evenly over the decades
+  // [m] 2 mm to 10 m, evenly over the decades
   const double side = 0.002 * std::pow(5000, dice(0, 1));
   const double w = side, h = side * dice(0.15, 1);
   switch (dice.below(4)) {
@@ -49,7 +49,7 @@ Pattern make_pattern(Dice& dice) {
   }
 }
 
-/// Flat; the mesh that a scene would bring, fine or bad.
+/// A flat start shape, on the mesh that a scene might bring: fine, or full of slivers.
 Sheet make_start(const Pattern& pattern, bool slivers) {
   std::vector<Vector2d> border = pattern.outline;
   for (const std::vector<Vector2d>& hole : pattern.holes)
@@ -59,7 +59,7 @@ Sheet make_start(const Pattern& pattern, bool slivers) {
   Sheet start;
   start.pattern = mesh.vertices;
   start.triangles = mesh.triangles;
-  if (slivers) {  // every triangle in three, about a point that all but lies on an edge
+  if (slivers) {  // splits every triangle into three at a point almost on an edge
     const int old_points = static_cast<int>(mesh.vertices.rows()),
               old = static_cast<int>(mesh.triangles.rows());
     start.pattern.conservativeResize(old_points + old, 2);
@@ -93,15 +93,15 @@ using Motion = std::function<void(Script&, Dice&)>;
 
 Vector3d flat(const Handle& handle) { return {handle.pattern.x(), handle.pattern.y(), 0}; }
 
-/// Handles go to places that paper can reach: drawn together towards a point, and lifted. way(f) in
-/// [0, 1].
+/// Handles go to places that paper can reach: they are drawn together towards a point and lifted.
+/// way  [1] how far they are in frame f, from 0 to 1
 void gather(Script& script, Dice& dice, const std::function<double(int)>& way) {
   const double side = longer_side(script.shot.pattern), closer = dice(0.3, 0.95);
   const Vector2d middle = extent(script.shot.pattern) / 2;
   for (Handle& handle : script.shot.handles) {
     const double lift = dice(-0.1, 0.1) * side;
-    // two points that come closer by the share c may differ in height by what is left of their
-    // distance
+    // two points whose distance shrinks to the share c may differ in height by what is then left of
+    // the paper between them
     const Vector2d to = middle + closer * (handle.pattern - middle);
     double least = side;
     for (const Handle& other : script.shot.handles)
@@ -157,7 +157,7 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
          const double off = d(0.01, 0.1) * longer_side(s.shot.pattern);
          for (int f = 0; f < second.keyed.rows(); ++f) second.keyed(f, 2) += off * smooth(f, 8);
        }},
-      // handles change places with their mirror images, in an arc
+      // handles change places with their mirror images, on an arc
       {"crossing",
        [](Script& s, Dice& d) {
          const double middle = extent(s.shot.pattern).x() / 2;
@@ -190,7 +190,7 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
          s.shot.start = make_start(s.shot.pattern, true);
          gather(s, d, [&](int f) { return smooth(f, s.options.last_frame); });
        }},
-      // an arch between two borders, pushed through from above
+      // an arch between two borders is pushed through from above
       {"snap-through",
        [](Script& s, Dice& d) {
          const double w = extent(s.shot.pattern).x();
@@ -205,7 +205,7 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
            push.keyed.row(f) << 0, 0, -0.25 * w * smooth(f - 9, s.options.last_frame - 9);
          s.shot.handles.push_back(push);
        }},
-      // in its own plane, nothing tells it which way to buckle
+      // in the plane of the sheet, where nothing tells it to which side to buckle
       {"compressed flat",
        [](Script& s, Dice& d) {
          const double closer = d(0.5, 0.95);
@@ -216,7 +216,7 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
                  (1 - closer) * smooth(f, 6) * (handle.pattern - middle);
        }},
       {"wild",
-       [](Script& s, Dice& d) {  // every handle anywhere, every third frame somewhere else
+       [](Script& s, Dice& d) {  // every handle jumps anywhere every third frame
          const double side = longer_side(s.shot.pattern);
          for (Handle& handle : s.shot.handles)
            for (int f = 3; f < handle.keyed.rows(); f += 3) {
@@ -249,7 +249,7 @@ Script make_script(int index, std::uint32_t seed) {
   script.shot.pattern = make_pattern(dice);
   script.shot.start = make_start(script.shot.pattern, false);
   script.options.last_frame = 12 + dice.below(29);
-  // half of all at 1/24 s, the rest down to 1/2400 s
+  // half of the scripts have steps of 1/24 s, the others down to 1/2400 s
   script.options.fps = 24 * std::pow(100, std::max(0.0, dice(-1, 1)));
   script.options.seed = static_cast<unsigned>(dice.below(1000));
   script.options.memory = Memory::plastic;

@@ -9,20 +9,20 @@
 
 namespace paperbake::stress {
 
-/// One generated shot. The same index and seed give the same.
+/// One generated shot. The same index and seed give the same shot.
 struct Script {
-  std::string kind;  // what is odd about it
+  std::string kind;  // what is unusual about it
   Shot shot;
   AnimateOptions options;  // frames, time step, seed
-  // pairs of handles that are asked to be farther apart than paper between them is long
+  // pairs of handles that are asked to be farther apart than the paper between them is long
   std::vector<ImpossiblePair> impossible;
 };
 
-/// What handles may do that no artist should key: kinds in turn, so that any hundred scripts have
-/// every kind.
+/// Kinds of handle motion that no artist should key. They take turns, so that any hundred scripts
+/// have every kind.
 const std::vector<std::string>& kinds();
 
-/// Sheets of 2 mm to 10 m: rectangles, discs, L shapes, sheets with a hole; 1 to 16 handles; 12 to
+/// Sheets of 2 mm to 10 m: rectangles, discs, L shapes, sheets with a hole. 1 to 16 handles, 12 to
 /// 40 frames.
 Script make_script(int index, std::uint32_t seed);
 

@@ -1,22 +1,23 @@
-// Generated handle scripts, each run by a method in a process of its own and in bounded time: a
-// table anyone can print.
+// Table: generated handle scripts, each of them run by a method in a process of its own and in
+// bounded time.
 //
 //   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem|adaptive] [--jobs N]
-//   [--seconds N] [--json FILE] [--only INDEX] [--rises]
+//                          [--seconds N] [--json FILE] [--only INDEX] [--rises]
 //
-// 1,000 scripts with seed 1 by every method without more words; what they do does not depend on how
-// many run at a time. A script that dies or does not end is named by its index, with what it did
-// until then.
-// feasible      no pair of handles is farther apart than paper between them is long, in any frame
+// The default is 1,000 scripts with seed 1 by every method. Results do not depend on how many
+// scripts run at a time. A script that dies or does not end is reported by its index, with what it
+// did until then.
+// feasible      in no frame are two handles farther apart than the paper between them is long
 // c_m above 2   mean length error above 2 % in a frame, of feasible scripts
-// unreported    a hard handle that is off by more than 1 % of the sheet (and 0.1 mm) and not called
-//               jammed, or an impossible pair of which none is called jammed in its worst frame
-// remeshed      changes of a mesh: proposed and taken; with --rises also those done before a step,
-//               whose relaxation that step is
-// rises         with --rises, which takes its time from the frames': of them, those after which the
-//               sheet at rest, handles where they are, stores more than 1 % (and 1e-6 J) more than
-//               before; of gravity nothing is known there
-// worst ms      the dearest frame: CPU time, one thread
+// unreported    a hard handle that is off by more than 1 % of the sheet (and 0.1 mm) and not
+//               reported as jammed, or an impossible pair of which no handle is reported as jammed
+//               in its worst frame
+// remeshed      changes of a mesh: proposals that were accepted; with --rises also the changes
+//               before a step, which relaxes them
+// rises         only with --rises, which makes frames slower: changes after which the sheet at
+//               rest, with its handles where they are, stores more than 1 % (and 1e-6 J) more than
+//               before; this check leaves gravity out
+// worst ms      the most expensive frame: CPU time of one thread
 
 #include "core/animation/handle_feasibility.h"
 #include "core/geometry/measure.h"
@@ -46,14 +47,14 @@ struct Run {
   int scripts = 1000, first = 0;
   std::uint32_t seed = 1;
   std::size_t jobs = std::max(1u, std::thread::hardware_concurrency());
-  rlim_t seconds = 120;  // of CPU time, for one script
+  rlim_t seconds = 120;  // of CPU time, for each script
   bool watch_rises = false;
 };
 
-/// What a script's process says of itself, through a pipe, after every frame and at its end.
+/// What the process of a script reports through a pipe after every frame and at its end.
 struct Verdict {
-  bool finished = false;  // all frames, or an error that was reported
-  bool threw = false;     // such an error
+  bool finished = false;  // all frames, or with an error that was reported
+  bool threw = false;     // with such an error
   bool nan = false, feasible = true, unreported = false;
   int frames = 0, unconverged = 0, remeshed = 0, rises = 0;
   double c_m = 0, edge = 0, worst_ms = 0, triangles = 0;
@@ -67,8 +68,8 @@ Method make_method(const std::string& name, const Script& script) {
                 0);
 }
 
-/// [J] that the sheet stores at rest with all that handles need where it is, or nothing when it
-/// does not come to rest in the open.
+/// [J] that the sheet stores at rest with all vertices that handles need held where they are;
+/// nothing when it does not come to rest, or touches itself.
 std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const Situation& is) {
   Held held;
   for (int v = 0; v < static_cast<int>(is.fixed.size()); ++v)
@@ -85,7 +86,7 @@ std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const Si
   return report.energy;
 }
 
-/// The same, and tells of its changes of mesh.
+/// The method, made to count its changes of mesh.
 Method watched(Method method, const Script& script, Verdict& v) {
   if (!method.remesh) return method;
   method.remesh = [remesh = method.remesh, &script, &v](Sheet& sheet, const Situation& is) {
@@ -100,9 +101,10 @@ Method watched(Method method, const Script& script, Verdict& v) {
   return method;
 }
 
-/// Is none of a pair that is clearly impossible called jammed in its worst frame?
+/// True if no handle of a clearly impossible pair is reported as jammed in the worst frame of the
+/// pair.
 bool goes_unsaid(const Script& script, const AnimatedFrame& f) {
-  // [m] more than three handles share unseen
+  // [m] more than three handles can share without being noticed
   const double clearly = 0.003 * longer_side(script.shot.pattern);
   return std::any_of(
       script.impossible.begin(), script.impossible.end(), [&](const ImpossiblePair& pair) {

@@ -9,13 +9,13 @@
 namespace paperbake::validation {
 namespace {
 
-// [m] from the clamp line, in the middle of the first cell, to the free end
+// [m] from the clamp line, which is in the middle of the first cell, to the free end
 constexpr double L = 0.1;
 constexpr int cells = 16;
 constexpr double h = L / (cells - 0.5);
 
-/// Near-equilateral triangles in a lattice turned by `angle`, the first two cells the same in all;
-/// angle < 0: ruling strips.
+/// Near-equilateral triangles in a lattice turned by `angle` [rad], with the same first two cells
+/// in all; angle < 0: ruling strips.
 Sheet strip(double angle) {
   if (angle < 0) return test::strip_sheet(cells * h, 4 * h, cells);
   std::vector<Vector2d> clamped;
@@ -26,11 +26,11 @@ Sheet strip(double angle) {
 }
 
 struct Hang {
-  double drop, angle;  // over L; degrees
+  double drop, angle;  // [1] of L; [degrees]
 };
 Hang hang(Sheet sheet, double lam) {
   Paper paper;
-  paper.poisson = 0;  // the closed form is that of a strip which is free to curl across
+  paper.poisson = 0;  // in the closed form the strip is free to curl crosswise
   ElasticOptions options;
   options.stop = 1e-9;
   options.max_iterations = 200;
@@ -47,8 +47,8 @@ Hang hang(Sheet sheet, double lam) {
     elastic.set_mesh(sheet);
     for (int rest = 0; rest < (step == steps ? 4 : 1); ++rest) elastic.step(sheet, held, 1.0);
   }
-  // place and slope of the free end by a straight line through its last two cells, where nothing
-  // bends
+  // position and slope of the free end, from a straight line through the last two cells, where
+  // nothing bends
   double n = 0, s = 0, ss = 0;
   Eigen::Vector2d p = Eigen::Vector2d::Zero(), sp = p;
   for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -61,8 +61,8 @@ Hang hang(Sheet sheet, double lam) {
   return {-tip.y() / L, std::atan2(-slope.y(), slope.x()) * 180 / M_PI};
 }
 
-/// Two such strips in one, let go from level over a line that holds the middle: level there by
-/// symmetry, however wide a cell is.
+/// Two such strips in one, released from level over a line that holds the middle. There it stays
+/// level by symmetry, whatever the width of a cell.
 Shot draped_shot() {
   Shot shot = test::blank_shot(test::rectangle(2 * L, 4 * h));
   for (int k = 0; k <= 8; ++k)
@@ -97,7 +97,7 @@ Hang hang(const Method& method, const Shot& shot, double lam) {
 }  // namespace
 
 Rows cantilever() {
-  // heavy elastica, solved to 5 digits: lam, tip drop/L, tip angle
+  // heavy elastica, solved to 5 digits: lam, drop of the tip / L, angle of the tip
   constexpr double table[][3] = {
       {0.5, 0.06231, 4.763}, {2, 0.23851, 18.426}, {8, 0.64063, 53.865}, {32, 0.87846, 83.730}};
   Rows rows;

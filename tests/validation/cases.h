@@ -11,12 +11,12 @@ namespace paperbake::validation {
 
 /// One line of the table.
 struct Row {
-  std::string name;  // case, mesh or method
+  std::string name;  // of the case, mesh or method
   std::string quantity;
   double expected = 0, got = 0;
-  double tolerance = 0;  // relative; where `expected` is 0, absolute. 0: not judged, only told
+  double tolerance = 0;  // relative; absolute where `expected` is 0; 0: shown but not judged
   std::string source;
-  std::string cannot;  // what a method cannot do, and why; nothing was measured then
+  std::string cannot;  // what a method cannot do, and why; then nothing was measured
 
   bool judged() const { return cannot.empty() && tolerance > 0; }
   double off() const { return expected == 0 ? got : got / expected - 1; }
@@ -34,8 +34,8 @@ Rows wound_strip();  // V7
 Rows crumple();      // V8
 Rows exactness();    // V9
 
-/// The methods, for paper of this shape, with their names. hybrid's triangles are as many as it
-/// begins with; adaptive's as many as it may have.
+/// The methods for a paper of this shape, with their names. The number of hybrid is that of its
+/// first triangles; the number of adaptive is its upper limit.
 inline std::vector<std::pair<std::string, Method>> methods(const Pattern& pattern,
                                                            const Paper& paper) {
   return {{"fem 1700", fem(1700)},
@@ -43,7 +43,7 @@ inline std::vector<std::pair<std::string, Method>> methods(const Pattern& patter
           {"adaptive 3000", adaptive(pattern, 3000)}};
 }
 
-/// Vertices at which `test` is true of the pattern.
+/// The vertices for which `test` is true of their position on the pattern.
 template <class Test>
 std::vector<int> vertices_where(const Sheet& sheet, const Test& test) {
   std::vector<int> found;

@@ -5,14 +5,15 @@
 
 #include <algorithm>
 
-// No single crumple has statistics: counts are means over seeds, lengths are of all seeds together.
+// A single crumple has no statistics: counts are means over seeds, lengths are of all seeds
+// together.
 
 namespace paperbake::validation {
 namespace {
 
 struct Crumpled {
   double births = 0;
-  // by frame: extent over the first frame's; [m] of all creases
+  // by frame: extent over that of the first frame; [m] length of all creases
   std::vector<double> compaction, length;
   std::vector<double> creases;  // [m] of the last frame
 };
@@ -49,9 +50,10 @@ double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   return (n * ab - sa * sb) / std::sqrt((n * aa - sa * sa) * (n * bb - sb * sb));
 }
 
-/// Largest distance between the distribution of ln(length) and the normal one of its own mean and
-/// deviation, over what a sample of that size exceeds in one case of twenty: 0.886/sqrt(n). source
-/// [Lilliefors 1967]
+/// Largest distance between the distribution of ln(length) and the normal distribution with its
+/// mean and deviation, divided by what a sample of that size exceeds in one case of twenty:
+/// 0.886/sqrt(n).
+/// source  [Lilliefors 1967]
 double lognormal_distance(std::vector<double> lengths) {
   std::sort(lengths.begin(), lengths.end());
   const double n = static_cast<double>(lengths.size());
@@ -91,7 +93,7 @@ Rows crumple() {
              "V8: log-normal", ""},
             {name, "corr. of length, ln 1/Delta", 1, growth, 0.1, "V8: l grows as ln 1/Delta", ""}};
   const double side = std::sqrt(area(scene.sheets.front().pattern));
-  // [m] of 10 cm Mylar, by area
+  // [m] measured on Mylar of 10 cm, scaled by area
   const double law =
       5.2 * std::pow(side / 0.1, 2) * (1 - compaction) * std::log(1 + 0.063 / compaction);
   rows.push_back(

@@ -6,27 +6,32 @@
 
 #include <algorithm>
 
-// The table is of sheets that cannot stretch and have no core. In paper of 0.09 mm the core is felt
-// far out: on a whole disc of 50 mm, its middle pushed by 5 mm, the rings between 10 and 40 mm
-// store 0.9 to 1.26 instead of 1.285 and the crest rises to 2.9 instead of 3.98 eps, alike on
-// meshes of 48 and 96 rulings and of fem. So the core is cut out: the paper is a ring between two
-// radii whose rims keep their distances from the tip (its rulings then run through it), with a
-// membrane 100 times as stiff as paper's and nu = 0; it stores E = D/2 I ln(R/r). With paper's own
-// membrane E is 7 % lower, with 10 times that 3-5 %. Whole discs are judged for what a coarse mesh
-// makes of a core that it cannot show (cone_energy.h): against the same disc on a mesh that shows
-// it, all with paper's own membrane. The outer rim may not go below the cone of slope eps, as if
-// pushed into a ring without friction. No scene with such a collider is set up: the minimum is
-// sought in gripped_cone.h.
+// The reference table is for sheets that cannot stretch and have no core. In paper of 0.09 mm the
+// core is felt far out: on a whole disc of 50 mm, pushed by 5 mm in its middle, the rings between
+// 10 and 40 mm store 0.9 to 1.26 instead of 1.285 and the crest rises to 2.9 instead of 3.98 eps,
+// on meshes of 48 and 96 rulings and of fem alike.
+//
+// So the core is cut out. The paper is a ring between two radii whose rims keep their distances
+// from the tip (its rulings then run through the tip), with a membrane 100 times as stiff as that
+// of paper and nu = 0; it stores E = D/2 I ln(R/r). With the membrane of paper E is 7 % lower, with
+// 10 times its stiffness 3-5 % lower.
+//
+// Whole discs show how well a coarse mesh represents a core that it cannot resolve
+// (apex_stiffness.h). They are compared with the same disc on a mesh that resolves it, all with the
+// membrane of paper.
+//
+// The outer rim may not go below the cone of slope eps, as if pushed into a ring without friction.
+// There is no scene with such a collider: the minimum is found by gripped_cone.h.
 
 namespace paperbake::validation {
 namespace {
 
 constexpr double R = 0.05;        // [m]
 constexpr double hole = 0.3 * R;  // [m]
-// [1] membrane, against paper's: the closed form does not stretch
+// [1] stiffness of the membrane over that of paper: the closed form does not stretch
 constexpr double stiffer = 100;
 
-/// Rings in geometric progression and rulings evenly round: edges along the rulings.
+/// Rings in geometric progression and evenly spaced rulings: edges run along the rulings.
 Sheet polar_ring(int rulings, int rings) {
   Points2 p((rings + 1) * rulings, 2);
   Triangles t(2 * rings * rulings, 3);
@@ -43,7 +48,7 @@ Sheet polar_ring(int rulings, int rings) {
   return test::flat_sheet(std::move(p), std::move(t));
 }
 
-/// The mesh of fem: near-equilateral.
+/// The mesh of fem: near-equilateral triangles.
 Sheet equilateral_ring(double edge) {
   Pattern pattern;
   pattern.holes.emplace_back();
@@ -62,7 +67,7 @@ void judge(Rows& rows, const std::string& name, Sheet sheet, double eps, double 
            double crest) {
   Paper paper;
   paper.membrane_stiffness *= stiffer;
-  // else the free rims curl and store less, a layer that the closed form has not
+  // otherwise the free rims curl and store less, in a layer that the closed form does not have
   paper.poisson = 0;
   test::bend_to_wavy_cone(sheet, eps, test::d_cone_lobe);
   Grips grips{vertices_where(sheet, [](const Vector2d& p) { return p.norm() > R * (1 - 1e-3); }),
@@ -87,7 +92,9 @@ void judge(Rows& rows, const std::string& name, Sheet sheet, double eps, double 
 
 }  // namespace
 
-/// A whole disc about its tip. inner  [m] length of the innermost spokes
+/// A whole disc around its tip.
+/// inner  [m] length of the innermost spokes
+/// outer  [m] radius of the disc
 Sheet polar_disc(int rulings, int rings, double inner, double outer) {
   Points2 p(1 + rings * rulings, 2);
   Triangles t((2 * rings - 1) * rulings, 3);
@@ -107,8 +114,8 @@ Sheet polar_disc(int rulings, int rings, double inner, double outer) {
   return test::flat_sheet(std::move(p), std::move(t));
 }
 
-/// Energy of a whole disc of paper pushed by its tip, its core with it, in units of D/2 int kg^2: a
-/// logarithm of its size. [1]
+/// Energy of a whole disc of paper that is pushed by its tip, including its core, in units of
+/// D/2 int kg^2: a logarithm of its size. [1]
 double energy_of_disc(Sheet sheet, double outer, double eps, double squared) {
   Paper paper;
   paper.poisson = 0;
@@ -122,7 +129,7 @@ double energy_of_disc(Sheet sheet, double outer, double eps, double squared) {
   return 2 * (disc.parts().membrane + disc.parts().bending) / (paper.bending_stiffness * squared);
 }
 
-/// A mesh that shows the core against a coarse one whose tip is a singular point.
+/// Compares a coarse mesh, whose tip is a singular point, with a mesh that resolves the core.
 void judge_core(Rows& rows, double outer, double eps, double squared) {
   const double resolved = energy_of_disc(polar_disc(48, 20, 0.3e-3, outer), outer, eps, squared);
   Sheet coarse = polar_disc(48, 3, 0.2 * outer, outer);

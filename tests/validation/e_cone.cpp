@@ -2,25 +2,26 @@
 #include "tests/validation/cases.h"
 #include "tests/validation/gripped_cone.h"
 
-// An excess angle needs a pattern that overlaps itself. The energy takes one: a fan of more than a
-// full turn whose last rulings are at the same place as its first. Two more sectors lie over the
-// seam without stiffness: the hinges of the seam need their far corners. Pattern meshes, and so the
-// methods, know plane regions alone. Core and membrane are as in d_cone.cpp.
+// An excess angle needs a pattern that overlaps itself. The energy accepts one: a fan of more than
+// a full turn, whose last rulings are at the same place as its first. Two more sectors without
+// stiffness lie over the seam, because the hinges of the seam need their far corners. Pattern
+// meshes, and so the methods, know only regions of the plane. Core and membrane are as in
+// d_cone.cpp.
 
 namespace paperbake::validation {
 namespace {
 
 constexpr double R = 0.05, hole = 0.3 * R;  // [m]
-constexpr double stiffer = 100;             // [1] membrane, against paper's
+constexpr double stiffer = 100;             // [1] stiffness of the membrane over that of paper
 
 struct Fan {
   Sheet sheet;
-  std::vector<int> twin;        // |V| as in Grips
-  std::vector<double> factors;  // |T| 0: over the seam
+  std::vector<int> twin;        // |V| as in Grips (gripped_cone.h)
+  std::vector<double> factors;  // |T| on the bending stiffness; 0 over the seam
 };
 
-/// Columns k = -1 .. rulings + 1 of the angle total k/rulings; -1, rulings and rulings + 1 are
-/// where rulings - 1, 0 and 1 are.
+/// Columns k = -1 to rulings + 1 at the angles total k/rulings; columns -1, rulings and rulings + 1
+/// are at the places of rulings - 1, 0 and 1.
 Fan fan(int rulings, int rings, double total) {
   const int columns = rulings + 3;
   Points2 p((rings + 1) * columns, 2);
@@ -41,8 +42,8 @@ Fan fan(int rulings, int rings, double total) {
   return result;
 }
 
-/// Rulings at the elevation a cos 2t, a such that they close after one turn. Column k = 0 has t =
-/// 0.
+/// Puts the rulings at the elevation a cos 2t, with a such that they close after one turn. In
+/// column k = 0, t is 0.
 void bend_to_saddle(Sheet& sheet, int rulings, double total) {
   constexpr int per_sector = 64;
   const int n = rulings * per_sector;

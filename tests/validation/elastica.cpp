@@ -10,7 +10,7 @@ namespace {
 constexpr double side = 0.1;
 const char* const closed_form = "V1: 2E(k)/K(k) = 1.9";
 
-/// Rows of a sheet of side x side whose borders u = 0, side are hinged and 10 % closer.
+/// Rows for a sheet of side x side whose borders u = 0 and u = side are hinged and 10 % closer.
 Rows judge(const std::string& name, const Sheet& sheet, const Paper& paper, double height_tolerance,
            double energy_tolerance, double force_tolerance) {
   const ElasticEnergy energy(paper, sheet.pattern, sheet.triangles);
@@ -88,8 +88,8 @@ Rows elastica() {
   for (const int triangles : {1700, 6000})
     add(judge("fem " + std::to_string(triangles), push_shot(fem(triangles), shot), paper, 0.005,
               0.01, 0.02));
-  // about 10 facets along the arch, in hybrid not all along rulings: 8 % too much energy; told, not
-  // judged
+  // About 10 facets along the arch, in hybrid not all of them along rulings: 8 % too much energy,
+  // which is shown but not judged.
   add(judge("hybrid 120", push_shot(hybrid(shot.pattern, paper, 120, {}, 0, 0), shot), paper, 0.015,
             0, 0));
   add(judge("adaptive 3000", push_shot(adaptive(shot.pattern, 3000), shot), paper, 0.015, 0, 0));

@@ -14,8 +14,8 @@ namespace {
 constexpr double side = 0.1;  // [m]
 const char* const source = "V9";
 
-/// Largest |2 pi - sum of angles| about a singular point inside the sheet: a d-cone closes after
-/// one turn. [rad]
+/// Largest |2 pi - sum of angles| at a singular point inside the sheet: a d-cone closes after one
+/// turn. [rad]
 double cone_defect(const Sheet& sheet) {
   std::vector<double> sum(sheet.x.rows(), 0.0), flat(sheet.x.rows(), 0.0);
   for (int t = 0; t < sheet.triangles.rows(); ++t)
@@ -41,12 +41,12 @@ double cone_defect(const Sheet& sheet) {
 
 struct Played {
   Sheet last;
-  double miss = 0;  // [m] farthest that a held handle is from its point
-  // c_m, longest edge error, angle defect, the worst of all frames
+  double miss = 0;  // [m] largest distance of a held handle from its target
+  // worst of all frames: c_m, length error of an edge, angle defect
   double mean = 0, edge = 0, defect = 0;
-  double cone = 0;               // ... at singular points
-  double rise = 0;               // [1] of the energy by a mesh that was taken
-  int crossings = 0, taken = 0;  // pairs; meshes
+  double cone = 0;               // angle defect at singular points
+  double rise = 0;               // [1] largest rise of the energy by an accepted mesh
+  int crossings = 0, taken = 0;  // pairs of triangles; meshes
 };
 
 Played play(const Shot& shot, const Method& method, const AnimateOptions& options) {
@@ -69,7 +69,7 @@ Played play(const Shot& shot, const Method& method, const AnimateOptions& option
   return played;
 }
 
-/// S1 without the finger from above, at 24 x `times` frames a second.
+/// S1 without the push from above, at 24 x `times` frames a second.
 Shot push(int times = 1) {
   Shot shot = test::s1_push();
   shot.handles.pop_back();

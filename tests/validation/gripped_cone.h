@@ -10,19 +10,19 @@
 
 namespace paperbake::validation {
 
-/// What holds the paper besides itself.
+/// What holds the paper besides its own energy.
 struct Grips {
   std::vector<int> outer;       // vertices that may not go below the cone
-  std::vector<int> on_spheres;  // ... that keep their distance from the tip
-  // |V| vertex that is at the same place and goes with it, or itself; empty: there are none
+  std::vector<int> on_spheres;  // vertices that keep their distance from the tip
+  // |V| vertex at the same place with which a vertex moves, or the vertex itself; empty: no twins
   std::vector<int> twin = {};
 };
 
-/// Energy of the paper and of what holds it, and the way to its minimum.
+/// Energy of the paper and of what holds it, and its minimisation.
 class GrippedCone {
  public:
   /// eps      slope of the cone below which `outer` may not go
-  /// factors  |T| on the bending stiffness
+  /// factors  |T| factors on the bending stiffness
   GrippedCone(const Paper& paper, Sheet& sheet, Grips grips, double eps,
               const std::vector<double>& factors)
       : sheet_(sheet),
@@ -48,14 +48,15 @@ class GrippedCone {
     return sum;
   }
 
-  /// Newton with the exact second derivative, the projected one where that is not positive
-  /// definite. returns the last step's largest move [m]
+  /// Newton's method with the exact second derivative, or the projected one where that is not
+  /// positive definite.
+  /// returns  [m] largest displacement in the last step
   double minimise() {
     constexpr int most = 900;
     double move = 1;
     for (int k = 0; k < most && move > 1e-8; ++k) {
       Points3 gradient;
-      constexpr double shift = 1e-6;  // [N/m] the sheet may turn about the axis
+      constexpr double shift = 1e-6;  // [N/m] the sheet can turn freely about the axis
       for (const HessianForm form : {HessianForm::exact, HessianForm::projected}) {
         matrix_->set_zero();
         energy_.hessian(sheet_.x, form, gradient, *matrix_);
@@ -87,7 +88,7 @@ class GrippedCone {
 
  private:
   static constexpr double obstacle = 5e4;  // [N/m] stiffness of the ring against a rim vertex
-  // [N/m] of a vertex against leaving its distance from the tip
+  // [N/m] stiffness of a vertex against leaving its distance from the tip
   static constexpr double spoke = 4e6;
 
   /// How far a vertex is below the cone. [m]
@@ -105,7 +106,7 @@ class GrippedCone {
     matrix_->add(matrix_->slot(block_of_[v], block_of_[v]), obstacle * n * n.transpose());
   }
 
-  /// The tip's own distance is 0: it is held in all directions.
+  /// The distance of the tip itself is 0: it is held in all directions.
   void push_back(int v, Points3& gradient) {
     const Vector3d x = sheet_.x.row(v);
     const double r = sheet_.pattern.row(v).norm();

@@ -29,9 +29,9 @@ Vector3d principal_box(const Sheet& sheet) {
   return size;
 }
 
-/// The strip with both ends clamped, the far one brought round a circle to the near one and turned
-/// by half a turn about its tangent in frames 1-60. Closed, the two clamps are one flat piece of
-/// the strip; it lies where a Moebius strip is straight.
+/// The strip with both ends clamped. In frames 1-60 the far end is brought around a circle to the
+/// near one and turned by half a turn about its tangent. Once it is closed, the two clamps are one
+/// flat piece of the strip, at a place where a Moebius strip is straight.
 Shot closing_strip(double clamp) {
   constexpr int frames = 60;
   Shot shot = test::blank_shot(test::rectangle(L, W));
@@ -51,7 +51,7 @@ Shot closing_strip(double clamp) {
   return shot;
 }
 
-/// After the last frame of the shot it is left in peace.
+/// After the last frame of its handles the shot continues at rest.
 void judge(Rows& rows, const std::string& name, const Method& method, const Shot& shot,
            const char* source, const Vector3d& expected_box, double expected_energy,
            int last_frame) {
@@ -63,7 +63,7 @@ void judge(Rows& rows, const std::string& name, const Method& method, const Shot
   AnimatedFrame last;
   animate(shot, method, options,
           [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, last = frame, true; });
-  // [J] untwisted
+  // [J] of the untwisted ring
   const double ring = shot.paper.bending_stiffness * 0.5 * W * 2 * M_PI * 2 * M_PI / L;
   const Vector3d box = principal_box(sheet) / L;
   const double tolerance = expected_energy > 0 ? 0.03 : 0;
@@ -91,8 +91,8 @@ Rows moebius() {
           shot, rulings, closed, 3.105, 160);
   judge(rows, "adaptive 3000", adaptive(shot.pattern, 3000), shot, rulings, closed, 3.105, 160);
 
-  // the sample holds the end edges alone: free to kink there, the strip finds a state far below the
-  // closed one
+  // The sample scene holds only the end edges. The strip is free to kink there and finds a state
+  // far below the closed one.
   const Scene scene = read_scene(PAPERBAKE_SAMPLES "/S2_moebius.glb");
   const SceneSheet& s = scene.sheets.front();
   judge(rows, "fem 1700, sample S2", fem(1700), {s.name, s.pattern, s.start, s.handles, Paper{}},

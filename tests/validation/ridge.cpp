@@ -2,17 +2,18 @@
 #include "tests/core/test_shots.h"
 #include "tests/validation/cases.h"
 
-// The minimal ridge of [Lobkovsky 1996]: opposite borders of a strip are held in the shape of a V;
-// the paper between them is free. The law is that of thin paper: the local exponent is 0.23 at X/h
-// 250 and 0.30 at 700, so the decade is 500-5000. There the ridge is 2-5 mm wide, and the 1.8 mm
-// edges of fem 6000 do not show it; a converged one stores about five times as much in bending.
+// The minimal ridge of [Lobkovsky 1996]: opposite borders of a strip are held in the shape of a V,
+// and the paper between them is free. The law holds for thin paper: the local exponent is 0.23 at
+// X/h = 250 and 0.30 at 700, so the decade is 500-5000. There the ridge is 2-5 mm wide, and the
+// 1.8 mm edges of fem 6000 do not resolve it. A converged ridge stores about five times as much
+// energy in bending as in stretching.
 
 namespace paperbake::validation {
 namespace {
 
-constexpr double X = 0.1, half = 0.04;  // [m] length of the ridge; of each flap
+constexpr double X = 0.1, half = 0.04;  // [m] length of the ridge; width of each flap
 
-/// A sheet folded sharply along its middle, which does not stretch it, and then left to itself
+/// A sheet that is folded sharply along its middle, which does not stretch it, and then left free
 /// between its borders.
 Shot folded_strip(double thickness) {
   constexpr int points = 48;
@@ -41,7 +42,7 @@ Shot folded_strip(double thickness) {
 }
 
 struct Stored {
-  double energy, share;  // over D; [1] of it in the membrane
+  double energy, share;  // [1] over D; [1] its share in the membrane
   bool converged;
 };
 Stored fold(const Method& method, const Shot& shot) {
@@ -58,7 +59,8 @@ Stored fold(const Method& method, const Shot& shot) {
   return stored;
 }
 
-/// Slope of ln E/D against ln X/h over a decade of h by least squares, and what it is made of.
+/// Slope of ln E/D against ln X/h over a decade of h, by least squares, and the values that it is
+/// made of.
 void judge(Rows& rows, const std::string& name, const std::function<Method(const Shot&)>& method,
            double tolerance) {
   double n = 0, s = 0, ss = 0, e = 0, se = 0;

@@ -1,7 +1,7 @@
-// Closed forms and laws against what this program computes: a table, and exit code 1 when a line of
-// it fails.
+// Table: closed forms and laws against what this program computes. The exit code is 1 when a line
+// of the table fails.
 //
-//   paperbake_validation [CASE...]        CASE: V1 to V9; all when none is named. One thread.
+//   paperbake_validation [CASE...]        CASE: V1 to V9; default: all. One thread.
 
 #include "tests/validation/cases.h"
 
@@ -36,7 +36,7 @@ constexpr Case cases[] = {
      exactness},
 };
 
-/// returns how many failed
+/// returns  how many lines failed
 int print(const Case& c) {
   std::printf("%s  %s\n", c.name, c.title);
   std::fflush(stdout);

@@ -13,7 +13,8 @@ namespace {
 
 constexpr double length = 0.03, width = 0.015;  // [m]
 
-/// Curvature that stays of a sheet that was wound to k, every vertex led, and let go. [1/m]
+/// Curvature that is left in a sheet after it was wound to the curvature k, with every vertex
+/// guided, and released. [1/m]
 double residual(Sheet sheet, double k, const Paper& paper) {
   PlasticGrid grid(test::rectangle(length, width));
   ElasticOptions options;
@@ -39,8 +40,8 @@ double residual(Sheet sheet, double k, const Paper& paper) {
   return sum / inner.size();
 }
 
-/// The same, its ends brought round a circle by handles in frames 1-25, held there, and let go at
-/// frame 28.
+/// The same with handles: they bring the ends of the strip around a circle in frames 1-25, hold
+/// them there and release them at frame 28.
 Shot winding(double k, const Paper& paper) {
   constexpr int frames = 25, let_go = 28;
   constexpr double clamp = 0.001;  // [m]
@@ -60,7 +61,7 @@ Shot winding(double k, const Paper& paper) {
   return shot;
 }
 
-/// ... of the circle through three points of the centre line. [1/m]
+/// The same curvature, from the circle through three points of the centre line. [1/m]
 double residual(const Method& method, const Shot& shot) {
   AnimateOptions options;
   options.last_frame = 60;
@@ -94,7 +95,7 @@ Rows wound_strip() {
       const double expected = (1 - eta) * std::max(0.0, k - 100);
       char quantity[60];
       std::snprintf(quantity, sizeof quantity, "k %.0f, eta %.1f: residual 1/m", k, eta);
-      const double tolerance = expected == 0 ? 1 : 0.02;  // 1/m below yield
+      const double tolerance = expected == 0 ? 1 : 0.02;  // [1/m] below yield, otherwise relative
       rows.push_back({"80 ruling strips", quantity, expected,
                       residual(test::strip_sheet(length, width, 80), k, paper), tolerance,
                       "V7: (1 - eta)(k - k_y)", ""});

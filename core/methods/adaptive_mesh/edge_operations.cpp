@@ -17,9 +17,9 @@ namespace paperbake {
 namespace {
 
 constexpr double most_compression = 0.03, most_fold = 2.2;  // [1], [rad]
-constexpr double clearance = 0.005;                         // [1] of a new edge
+constexpr double clearance = 0.005;                         // [1] of the length of a new edge
 
-/// An edge a -> b with the triangle on its left, and the one on its right if it is inside.
+/// An edge a -> b with the triangle on its left and, inside the sheet, the one on its right.
 struct Edge {
   int a, b;
   std::array<int, 2> triangles, wings;  // -1: border
@@ -51,7 +51,7 @@ double twice_area(const Sheet& sheet, int a, int b, int c) {
   return cross(at(sheet, b) - at(sheet, a), at(sheet, c) - at(sheet, a));
 }
 
-/// Of a triangle in the mean metric of its corners: 1 equilateral, 0 or less degenerate.
+/// Quality of a triangle in the mean metric of its corners: 1 equilateral, 0 or less degenerate.
 double quality(const Sheet& sheet, const Points3& metric, int a, int b, int c) {
   const Eigen::RowVector3d m = (metric.row(a) + metric.row(b) + metric.row(c)) / 3;
   const auto squared = [&](int i, int j) {
@@ -67,16 +67,18 @@ bool too_compressed(const Sheet& sheet, int a, int b) {
          (1 - most_compression) * (at(sheet, a) - at(sheet, b)).norm();
 }
 
-/// Nothing of the sheet but `changing` lies in the tetrahedron or next to its edge v2-v3.
+/// True if nothing of the sheet except `changing` lies in the tetrahedron or next to its edge
+/// v2-v3.
 bool has_room(const Sheet& sheet, const std::array<int, 4>& v, const std::vector<int>& changing) {
   const auto x = [&](int k) -> Vector3d { return sheet.x.row(v[k]); };
   return tetrahedron_is_empty(sheet, v, {x(0), x(1), x(2), x(3)}, changing,
                               clearance * (x(2) - x(3)).norm());
 }
 
-/// Opposite angles of the edge v0-v1 sum up to more than a straight one in the metric, by a margin.
+/// True if the angles opposite the edge v0-v1 add up to more than pi in the metric, by a margin.
 bool wants_to_flip(const Sheet& sheet, const Points3& metric, const std::array<int, 4>& v) {
-  constexpr double margin = 0.1;  // [1] sine: two diagonals of nearly equal right do not take turns
+  // [1] sine: with nearly equal diagonals an edge does not flip back and forth
+  constexpr double margin = 0.1;
   const Eigen::RowVector3d m =
       0.25 * (metric.row(v[0]) + metric.row(v[1]) + metric.row(v[2]) + metric.row(v[3]));
   Eigen::Matrix2d M;
@@ -90,12 +92,12 @@ bool wants_to_flip(const Sheet& sheet, const Points3& metric, const std::array<i
 }
 
 bool may_flip(const Sheet& sheet, const std::array<int, 4>& v) {
-  constexpr double least_share = 0.05;  // of the pair
+  constexpr double least_share = 0.05;  // [1] of the area of both triangles
   const double left = twice_area(sheet, v[0], v[3], v[2]),
                right = twice_area(sheet, v[3], v[1], v[2]);
   if (std::min(left, right) < least_share * (left + right) || too_compressed(sheet, v[2], v[3]))
     return false;
-  // left of 3 -> 2 lies corner 0
+  // corner 0 is on the left of 3 -> 2
   return std::abs(fold_angle(sheet.x, Hinge{{v[3], v[2], v[0], v[1]}, {0, 0}})) <= most_fold;
 }
 
@@ -107,7 +109,7 @@ void drop_rows(Matrix& m, const std::vector<char>& gone) {
   m.conservativeResize(next, Eigen::NoChange);
 }
 
-/// The mesh as collapses see it: what lies round each vertex, and what has changed in this round.
+/// The mesh during a round of collapses: the triangles around each vertex, and what has changed.
 class Collapses {
  public:
   Collapses(Sheet& sheet, const Points3& metric, int fixed, double longest)
@@ -172,7 +174,7 @@ class Collapses {
     return found;
   }
 
-  /// A vertex of the border leaves it as it is when it slides along a straight part.
+  /// True if the border keeps its shape: the vertex is inside, or slides along a straight part.
   bool border_stays(int from, int to, const Edge& edge) const {
     constexpr double straight = 1e-9;  // [1] sine of the turn
     if (!border_[from]) return true;
@@ -188,7 +190,7 @@ class Collapses {
     return false;
   }
 
-  /// How many triangles have this edge.
+  /// Number of triangles that have this edge.
   int shared(int a, int b) const {
     return static_cast<int>(std::count_if(ring_[a].begin(), ring_[a].end(), [&](int t) {
       return (sheet_.triangles.row(t).array() == b).any();
@@ -199,7 +201,7 @@ class Collapses {
     if (from < fixed_ || folded_[from] || !untouched(from) || !untouched(to) ||
         !border_stays(from, to, edge))
       return false;
-    // the two have no neighbours in common but the wings of their edge
+    // the two have no common neighbours except the wings of their edge
     const std::vector<int> mine = neighbours(from), theirs = neighbours(to);
     std::vector<int> common;
     std::set_intersection(mine.begin(), mine.end(), theirs.begin(), theirs.end(),

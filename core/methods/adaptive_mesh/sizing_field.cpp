@@ -21,7 +21,7 @@ Matrix2d matrix(const Eigen::RowVector3d& m) {
   return M;
 }
 
-/// The same eigenvectors, other eigenvalues.
+/// The matrix with the same eigenvectors and the eigenvalues f.
 template <class Function>
 Matrix2d spectral(const Matrix2d& M, const Function& f) {
   Eigen::SelfAdjointEigenSolver<Matrix2d> solver;
@@ -30,7 +30,7 @@ Matrix2d spectral(const Matrix2d& M, const Function& f) {
   return solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-/// The coarsest metric that is at least as fine as both. A is positive definite.
+/// The coarsest metric that is at least as fine as A and B. A is positive definite.
 Matrix2d finer(const Matrix2d& A, const Matrix2d& B) {
   const Matrix2d more = A - B;
   if (more.trace() >= 0 && more.determinant() >= 0) return A;
@@ -47,7 +47,7 @@ double twice_area(const Sheet& sheet, int t) {
   return (p(1) - p(0)).x() * (p(2) - p(0)).y() - (p(1) - p(0)).y() * (p(2) - p(0)).x();
 }
 
-/// Sizes within their bounds.
+/// The metric with its sizes limited to their bounds.
 Matrix2d bounded(const Matrix2d& M, double longest, double shortest, double aspect) {
   const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(M);
   Vector2d values =
@@ -56,8 +56,8 @@ Matrix2d bounded(const Matrix2d& M, double longest, double shortest, double aspe
   return solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose();
 }
 
-/// From each end of an edge the field at the other may be coarser, by `growth` along an edge of
-/// length 1.
+/// Limits the growth of sizes: seen from either end of an edge, the field at the other end may be
+/// coarser by `growth` if the edge has length 1 in the metric.
 void ease(const Sheet& sheet, std::vector<Matrix2d>& metric, double growth) {
   constexpr int sweeps = 4;
   const auto spread = [&](int from, int to) {
@@ -104,7 +104,7 @@ Points3 sizing_field(const Sheet& sheet, const Points3& kept, double side,
 }
 
 double triangles_of(const Sheet& sheet, const Points3& metric) {
-  // [1] area of a triangle in its metric where edges were split until none is longer than 1,
+  // [1] area of a triangle in its metric after edges were split until none is longer than 1,
   // measured
   constexpr double of_one = 0.19;
   double sum = 0;

@@ -33,7 +33,7 @@ Played play(const Shot& shot, int triangles, int last_frame, double stop = 1e-5,
   return played;
 }
 
-TEST(Animate, SheetPushedAndDrawnBackIsFlatAgain) {
+TEST(AnimateTest, ASheetPushedAndDrawnBackIsFlatAgain) {
   const Played played = play(test::s1_push(/*back=*/true), 600, 47);
   ASSERT_EQ(played.sheets.size(), 47u);
   // the arch of the elastica at 10 %
@@ -42,7 +42,7 @@ TEST(Animate, SheetPushedAndDrawnBackIsFlatAgain) {
   EXPECT_LT(z.maxCoeff() - z.minCoeff(), 1e-4);
 }
 
-TEST(Animate, SameSeedGivesTheSamePositionsToTheLastBit) {
+TEST(AnimateTest, TheSameSeedGivesTheSamePositionsToTheLastBit) {
   Shot shot = test::s1_push();
   shot.start = test::blank_shot(shot.pattern).start;  // flat: the seed chooses the side
   AnimateOptions options;
@@ -60,9 +60,9 @@ TEST(Animate, SameSeedGivesTheSamePositionsToTheLastBit) {
   EXPECT_FALSE(one == end(2));
 }
 
-TEST(Animate, FemConvergesOnTheArchWithTheSquareOfTheEdge) {
-  // scene S1, frame 24, all meshes against the finest; energy, which the mesh does not blur as
-  // interpolation does
+TEST(AnimateTest, TheEnergyOfAFemArchConvergesWithTheSquareOfTheEdge) {
+  // Scene S1, frame 24, all meshes against the finest one. The energy is compared because no
+  // interpolation between meshes blurs it.
   const auto energy = [](int triangles) {
     return play(test::s1_push(), triangles, 24, 1e-7).frames.back().energy;
   };
@@ -73,7 +73,7 @@ TEST(Animate, FemConvergesOnTheArchWithTheSquareOfTheEdge) {
   EXPECT_NEAR(finest / exact, 1, 0.005);
 }
 
-TEST(Animate, RelativeHandleTakesTheSheetFromWhereItIsAtTheGrabFrame) {
+TEST(AnimateTest, ARelativeHandleStartsFromWhereTheSheetIsAtItsGrabFrame) {
   const Played played = play(test::s1_push(), 300, 27);
   const std::size_t mid = 22;
   EXPECT_EQ(played.frames[22].handles[mid].state, HandleFrame::free);
@@ -87,11 +87,11 @@ TEST(Animate, RelativeHandleTakesTheSheetFromWhereItIsAtTheGrabFrame) {
   }
 }
 
-TEST(Animate, HandleLetsGoAtItsReleaseFrame) {
+TEST(AnimateTest, AHandleLetsGoAtItsReleaseFrame) {
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
   for (double x : {0.0, 0.1})
     for (double y : {0.0, 0.1}) shot.handles.push_back(test::bare_handle("h", {x, y}, 10));
-  // paper stretches by 0.002 % for that
+  // paper has to stretch by 0.002 % for this
   for (int f = 0; f < 10; ++f) shot.handles[3].keyed(f, 2) = 0.0005 * f;
   shot.handles[3].release_frame = 6;
   const Played played = play(shot, 200, 10);
@@ -101,7 +101,7 @@ TEST(Animate, HandleLetsGoAtItsReleaseFrame) {
   EXPECT_LT(played.frames[9].handles[3].at.z(), 0.001);  // springs back
 }
 
-TEST(Animate, HandlesBeyondReachAreDrawnTogetherAndReportedAsJammed) {
+TEST(AnimateTest, HandlesBeyondReachAreDrawnTogetherAndReportedAsJammed) {
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
   for (double x : {0.0, 0.1}) shot.handles.push_back(test::bare_handle("h", {x, 0}, 5));
   for (int f = 0; f < 5; ++f) shot.handles[1].keyed(f, 0) = 0.1 + 0.005 * f;
@@ -112,7 +112,7 @@ TEST(Animate, HandlesBeyondReachAreDrawnTogetherAndReportedAsJammed) {
   EXPECT_LT(length_distortion(played.sheets.back()).largest, 0.01);
 }
 
-TEST(Animate, TeleportedHandlesEndNearTheSlowRun) {
+TEST(AnimateTest, HandlesThatJumpEndNearTheSlowRun) {
   Shot slow = test::s1_push(), fast = slow;
   for (Handle& handle : fast.handles)
     for (int f = 1; f < 23; ++f) handle.keyed.row(f) = handle.keyed.row(23);
@@ -123,14 +123,14 @@ TEST(Animate, TeleportedHandlesEndNearTheSlowRun) {
   EXPECT_LT(rms, 0.002 * 0.1);
 }
 
-TEST(Animate, FirstFrameIsTheSheetAsItWasModelled) {
+TEST(AnimateTest, TheFirstFrameIsTheSheetAsItWasModelled) {
   const Played played = play(test::s1_push(), 300, 1);
   EXPECT_EQ(played.frames[0].newton_iterations, 0);
   EXPECT_NEAR(played.sheets[0].x.col(2).maxCoeff(), 1e-4, 1e-6);
 }
 
-TEST(Animate, SlightArchTellsTheSheetWhichWayToBuckleThoughItsHandlesLieFlat) {
-  // as in scene S8: the handles are keyed at z = 0, up to 16 um under the sheet they hold
+TEST(AnimateTest, ASlightArchDecidesTheBucklingSideEvenIfTheHandlesLieFlat) {
+  // as in scene S8: the handles are keyed at z = 0, up to 16 um below the sheet they hold
   for (const double side : {1.0, -1.0}) {
     Shot shot = test::s1_push();
     shot.start.x.col(2) *= side;
@@ -140,7 +140,7 @@ TEST(Animate, SlightArchTellsTheSheetWhichWayToBuckleThoughItsHandlesLieFlat) {
   }
 }
 
-TEST(Animate, FrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
+TEST(AnimateTest, AFrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
   Shot shot = test::s1_push();
   shot.handles[5].keyed(6, 1) = std::numeric_limits<double>::quiet_NaN();
   int frames = 0;
@@ -156,9 +156,9 @@ TEST(Animate, FrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
   EXPECT_EQ(frames, 6);
 }
 
-TEST(Animate, SheetThatCannotFollowStaysAndSaysSoUntilItCan) {
-  // from frame 8 to 10 the paper between hard handles is half as long as they are apart, and no
-  // step gets to a minimum
+TEST(AnimateTest, ASheetThatCannotFollowItsHandlesStaysAndReportsIt) {
+  // In frames 8 to 10 the paper between hard handles is half as long as their distance, and no step
+  // reaches a minimum.
   Method shrinking = fem(100);
   shrinking.remesh = [](Sheet& sheet, const Situation& situation) {
     if (situation.now.frame != 8 && situation.now.frame != 11) return false;
@@ -167,7 +167,7 @@ TEST(Animate, SheetThatCannotFollowStaysAndSaysSoUntilItCan) {
   };
   AnimateOptions options;
   options.last_frame = 13;
-  options.elastic.contact = SelfContact::off;  // else handles would give way
+  options.elastic.contact = SelfContact::off;  // otherwise handles would give way
   options.elastic.max_iterations = 1;
   std::vector<AnimatedFrame> frames;
   std::vector<Points3> x;
@@ -190,7 +190,7 @@ TEST(Animate, SheetThatCannotFollowStaysAndSaysSoUntilItCan) {
   for (const HandleFrame& h : frames[10].handles) EXPECT_NE(h.state, HandleFrame::jammed);
 }
 
-TEST(Animate, StopsWhenAskedTo) {
+TEST(AnimateTest, StopsWhenTheCallbackReturnsFalse) {
   int frames = 0;
   AnimateOptions options;
   options.last_frame = 10;
@@ -198,7 +198,7 @@ TEST(Animate, StopsWhenAskedTo) {
   EXPECT_EQ(frames, 3);
 }
 
-TEST(StartSheet, LoneHandleStiffensADiscOfAFingersSize) {
+TEST(AnimateTest, ALoneHandleStiffensADiscTheSizeOfAFinger) {
   Shot shot = test::blank_shot(test::rectangle(0.2, 0.2));
   shot.handles.push_back(test::bare_handle("lone", {0.1, 0.1}, 1));
   shot.handles[0].radius.reset();

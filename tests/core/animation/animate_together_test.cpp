@@ -23,13 +23,13 @@ AnimateOptions until(int last_frame, double gravity = 0) {
   return options;
 }
 
-/// How far apart two shapes on one mesh are. [m]
+/// Largest distance of a vertex between two shapes on one mesh. [m]
 double off(const Sheet& a, const Sheet& b) { return (a.x - b.x).rowwise().norm().maxCoeff(); }
 
-TEST(AnimateTogether, SheetsThatStayFarFromEachOtherAreAsIfEachWereAloneToTheLastBit) {
+TEST(AnimateTogetherTest, SheetsFarApartGiveTheSameBitsAsAlone) {
   for (const auto method : {coarse_fem, small_hybrid}) {
     std::vector<Shot> shots{test::s1_push(), test::s1_push()};
-    shots[1].start.x.col(1).array() += 0.11;  // beside it: their boxes all but touch
+    shots[1].start.x.col(1).array() += 0.11;  // beside it: their bounding boxes almost touch
     for (Handle& handle : shots[1].handles)
       if (handle.mode == HandleMode::absolute) handle.keyed.col(1).array() += 0.11;
     AnimateOptions options = until(40);
@@ -46,7 +46,7 @@ TEST(AnimateTogether, SheetsThatStayFarFromEachOtherAreAsIfEachWereAloneToTheLas
   }
 }
 
-TEST(AnimateTogether, ACurtainIsPushedAlongByAPalmWhicheverOfThemComesFirst) {
+TEST(AnimateTogetherTest, APalmPushesACurtainWhicheverOfThemIsListedFirst) {
   const std::vector<Shot> shots = test::pushed_curtain(40);
   const AnimateOptions options = until(40, 9.81);
   AnimateOptions off_options = options;
@@ -65,7 +65,7 @@ TEST(AnimateTogether, ACurtainIsPushedAlongByAPalmWhicheverOfThemComesFirst) {
     EXPECT_LT(pushed.energy, 1e-5) << "what a swinging sheet of 10 cm stores [J]";
     for (const HandleFrame& handle : pushed.frames[1].back().handles)
       EXPECT_LT((handle.at - handle.keyed).norm(), 1e-4);
-    // the other way round: numbers of sheets and of vertices must not tell
+    // the other way round: the result must not depend on the order of sheets and vertices
     const Outcome other = test::outcome_of(
         {shots[1], shots[0]}, [&](const Shot& shot, std::size_t s) { return method(shot, 1 - s); },
         options);
@@ -74,7 +74,7 @@ TEST(AnimateTogether, ACurtainIsPushedAlongByAPalmWhicheverOfThemComesFirst) {
   }
 }
 
-TEST(AnimateTogether, ACardThatFallsOnASheetHeldByItsCornersMakesItSag) {
+TEST(AnimateTogetherTest, ACardThatFallsOnASheetHeldByItsCornersMakesItSag) {
   const Vector3d x(1, 0, 0), y(0, 1, 0), above(0.055, 0.024, 0.02);
   constexpr int frames = 40;
   Shot sheet = test::placed(0.21, 0.148, Vector3d::Zero(), x, y),
@@ -100,7 +100,7 @@ TEST(AnimateTogether, ACardThatFallsOnASheetHeldByItsCornersMakesItSag) {
   EXPECT_LT(with.shapes[1].back().x.col(2).maxCoeff(), 0) << "below the corners";
 }
 
-/// Two sheets, one 6 mm over the other, each drawn together by three handles.
+/// Two sheets, one 6 mm above the other, each drawn together by three handles.
 std::vector<Shot> two_crumples() {
   const Vector3d x(1, 0, 0), y(0, 1, 0), middle(0.075, 0.075, 0);
   std::vector<Shot> shots;
@@ -124,7 +124,7 @@ std::vector<Shot> two_crumples() {
   return shots;
 }
 
-TEST(AnimateTogether, TwoSheetsThatAreCrushedTogetherPassThroughNothing) {
+TEST(AnimateTogetherTest, TwoSheetsCrushedTogetherDoNotIntersect) {
   AnimateOptions options = until(30);
   options.memory = Memory::plastic;
   const Outcome crushed = test::outcome_of(two_crumples(), small_hybrid, options);
@@ -138,7 +138,7 @@ TEST(AnimateTogether, TwoSheetsThatAreCrushedTogetherPassThroughNothing) {
   EXPECT_GT(births, 0) << "their meshes change beside each other";
 }
 
-TEST(AnimateTogether, GoesOnFromAnyFrameOfAllSheetsToTheSameBits) {
+TEST(AnimateTogetherTest, AResumedShotOfTwoSheetsGivesTheSameBits) {
   const std::vector<Shot> shots = two_crumples();
   AnimateOptions options = until(18);
   options.memory = Memory::plastic;
@@ -167,7 +167,8 @@ TEST(AnimateTogether, GoesOnFromAnyFrameOfAllSheetsToTheSameBits) {
   EXPECT_THROW(animated({whole[2].second, ""}), Error);
 }
 
-/// Sheets on each other, held at their left border; the right one of the lowest is turned up.
+/// Two sheets on each other, held at their left borders; the right border of the lower one is
+/// lifted.
 std::vector<Shot> stack(double gap, double friction = 0) {
   const Vector3d x(1, 0, 0), y(0, 1, 0);
   std::vector<Shot> shots;
@@ -191,7 +192,7 @@ std::vector<Shot> stack(double gap, double friction = 0) {
   return shots;
 }
 
-TEST(AnimateTogether, AStackOfSheetsNeitherJumpsApartNorLetsOneThrough) {
+TEST(AnimateTogetherTest, AStackOfSheetsNeitherJumpsApartNorIntersects) {
   for (const double friction : {0.0, 0.4}) {
     const Outcome lifted = test::outcome_of(stack(1e-4, friction), coarse_fem, until(20));
     EXPECT_LT((lifted.shapes[1][3].x.col(2).array() - 1e-4).abs().maxCoeff(), 5e-5)
@@ -201,16 +202,16 @@ TEST(AnimateTogether, AStackOfSheetsNeitherJumpsApartNorLetsOneThrough) {
   }
 }
 
-TEST(AnimateTogether, SheetsThatBeginInOnePlaceAreLetBe) {
+TEST(AnimateTogetherTest, CoincidentSheetsIgnoreEachOther) {
   const Outcome lying = test::outcome_of(stack(0), coarse_fem, until(20));
   EXPECT_EQ(lying.touching_others, 0);
   EXPECT_LT(lying.shapes[1].back().x.col(2).cwiseAbs().maxCoeff(), 1e-3)
       << "the upper one stays where it is";
 }
 
-/// A sheet that lies, and one that is joined to it at its left border and stands off by 10 degrees;
-/// its right border is pressed down, 10 mm under the other.
-TEST(AnimateTogether, SheetsThatAreJoinedAtABorderKeepApartElsewhere) {
+/// A sheet that lies flat, and one joined to it at its left border that stands up by 10 degrees;
+/// its right border is pressed down to 10 mm below the other sheet.
+TEST(AnimateTogetherTest, SheetsJoinedAtABorderStayApartElsewhere) {
   const Vector3d x(1, 0, 0), y(0, 1, 0), up(std::cos(0.17), 0, std::sin(0.17));
   Shot page = test::placed(0.1, 0.1, Vector3d::Zero(), x, y),
        leaf = test::placed(0.1, 0.1, Vector3d::Zero(), up, y);
@@ -222,7 +223,7 @@ TEST(AnimateTogether, SheetsThatAreJoinedAtABorderKeepApartElsewhere) {
     test::hold(page, {0, v}, 24, test::stays, Vector3d::Zero(), x, y);
   }
   const Outcome pressed = test::outcome_of({page, leaf}, coarse_fem, until(24));
-  // at first they are as modelled
+  // in the first frame they are as modelled
   for (std::size_t f = 1; f < 24; ++f)
     EXPECT_EQ(crossings_between(pressed.shapes[0][f], pressed.shapes[1][f]), 0) << f;
   EXPECT_GT(pressed.touching_others, 0);

@@ -11,7 +11,7 @@ namespace {
 
 constexpr double length = 0.1, width = 0.05;
 
-/// A strip whose hinged ends are closer by `shortening` of its length, on the elastica of one or
+/// A strip whose hinged ends are closer by `shortening` of its length, on the elastica with one or
 /// two half waves.
 struct Strip {
   Sheet sheet = test::strip_sheet(length, width, 16);
@@ -35,9 +35,9 @@ struct Strip {
   void step() { report = elastic.step(sheet, held, 1 / 24.0); }
 };
 
-// two half waves store four times as much as one: each is the arch of half the length at the same
-// shortening
-TEST(Branches, AStripOnTheHighModeIsBroughtToTheLowOne) {
+// Two half waves store four times as much as one: each of them is the arch of half the length at
+// the same shortening.
+TEST(BranchSearchTest, AStripInTheHighModeIsBroughtToTheLowOne) {
   Strip strip(2, 0.1);
   // [J] closed form of the elastica
   const double arch = 1.0126 * Paper{}.bending_stiffness / length * width;
@@ -56,7 +56,7 @@ TEST(Branches, AStripOnTheHighModeIsBroughtToTheLowOne) {
               1e-12);
 }
 
-TEST(Branches, ALowArchHasAMirrorImageOfTheSameEnergyAndStaysWhereItIs) {
+TEST(BranchSearchTest, ALowArchHasAMirrorImageOfEqualEnergyAndStaysWhereItIs) {
   Strip strip(1, 0.001), alone(1, 0.001);
   ASSERT_GT(strip.sheet.x.col(2).maxCoeff(), 0.0015);
   ASSERT_TRUE(strip.sheet.x == alone.sheet.x);
@@ -65,13 +65,13 @@ TEST(Branches, ALowArchHasAMirrorImageOfTheSameEnergyAndStaysWhereItIs) {
   EXPECT_TRUE(found.equal);
   EXPECT_NE(note_of(found).find("bistable: another branch of equal energy"), std::string::npos)
       << note_of(found);
-  for (int k = 0; k < 3; ++k) {  // no trace, to the last bit, in the steps to come either
+  for (int k = 0; k < 3; ++k) {  // no trace to the last bit, in the following steps either
     EXPECT_TRUE(strip.sheet.x == alone.sheet.x && strip.sheet.v == alone.sheet.v) << k;
     for (Strip* s : {&strip, &alone}) s->held.targets.row(0).x() += 1e-4, s->step();
   }
 }
 
-TEST(Branches, ASheetWithOneShapeIsNotSpokenOf) {
+TEST(BranchSearchTest, ASheetWithOnlyOneShapeGetsNoNote) {
   Strip flat(1, 0);
   const Branches found = probe_branches(flat.sheet, flat.elastic, flat.held, 1 / 24.0, 1, 6);
   EXPECT_FALSE(found.taken || found.equal);
@@ -98,7 +98,7 @@ Played play(const Shot& shot, int last_frame, int probe_every) {
   return played;
 }
 
-TEST(Branches, AShotIsTheSameToTheLastBitWhetherNothingIsFoundOrNothingIsLookedFor) {
+TEST(BranchSearchTest, ASearchThatFindsNothingChangesNoBitOfAShot) {
   const Shot shot = test::s1_push();
   const Played off = play(shot, 20, 0), on = play(shot, 20, 5);
   ASSERT_EQ(off.x.size(), 20u);

@@ -14,11 +14,11 @@ using test::bare_handle;
 using test::rectangle;
 
 constexpr double exact = 1e-12;   // [m] sums of a few square roots in double precision
-constexpr double settled = 2e-9;  // [m] project() stops at overshoots of 1e-9
+constexpr double settled = 2e-9;  // [m] project() stops at an overshoot of 1e-9
 constexpr int first_frame = 10;   // of all shots here
 
-/// A handle of the border x = 0 that rests, and one of the border x = side that is `away` too far
-/// out in each frame.
+/// A handle at the border x = 0 that rests, and one at the border x = side that is too far out by
+/// `away` in each frame.
 std::vector<Handle> pulled_apart(double side, const std::vector<double>& away) {
   const int frames = static_cast<int>(away.size());
   std::vector<Handle> handles = {bare_handle("left", {0, side / 2}, frames),
@@ -38,8 +38,8 @@ std::vector<int> all_of(const std::vector<Handle>& handles) {
   return all;
 }
 
-/// By how much the worst pair is farther apart than paper, stretched by the tolerance and rounded,
-/// is long. [m]
+/// By how much the worst pair is farther apart than the paper, stretched by the tolerance and with
+/// rounding, is long. [m]
 double overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
                  const Points3& targets) {
   double worst = 0;
@@ -53,15 +53,16 @@ double overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
   return worst;
 }
 
-// A sheet of 0.1 m with a slot from above, 0.02 wide and 0.08 deep: the tips are 0.06 apart, but
-// paper between them goes down one flank of the slot, along its bottom and up the other.
+// A sheet of 0.1 m with a slot from above, 0.02 m wide and 0.08 m deep. The tips are 0.06 m apart,
+// but the paper between them goes down one side of the slot, along its bottom and up the other
+// side.
 const Pattern u_shape{
     {{0, 0}, {0.1, 0}, {0.1, 0.1}, {0.06, 0.1}, {0.06, 0.02}, {0.04, 0.02}, {0.04, 0.1}, {0, 0.1}},
     {}};
 const Vector2d left_tip(0.02, 0.1), right_tip(0.08, 0.1);
 const double round_the_slot = 2 * std::hypot(0.02, 0.08) + 0.02;
 
-/// Handles at random places of the pattern, and targets anywhere in a cube of three times its size.
+/// Handles at random points of the pattern, and targets anywhere in a cube of three times its size.
 struct Mess {
   std::vector<Handle> handles;
   Points3 targets;
@@ -73,7 +74,7 @@ Mess mess(const Pattern& pattern, int count, unsigned seed) {
   Mess mess;
   mess.targets.resize(count, 3);
   while (static_cast<int>(mess.handles.size()) < count) {
-    const double y = on_sheet(random), x = on_sheet(random);  // in this order whatever the compiler
+    const double y = on_sheet(random), x = on_sheet(random);  // in this order for every compiler
     if (const Vector2d p(x, y); contains(pattern, p))
       mess.handles.push_back(bare_handle("h", p, 1));
   }
@@ -82,7 +83,7 @@ Mess mess(const Pattern& pattern, int count, unsigned seed) {
   return mess;
 }
 
-TEST(ImpossiblePairs, AreNamedWithTheirFramesAndTheWorstOvershoot) {
+TEST(HandleFeasibilityTest, ImpossiblePairsAreReportedWithFramesAndWorstOvershoot) {
   // 0.04 mm of 100 mm is below the tolerance of 0.05 mm
   const auto pairs =
       pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0.00004, 0.001, 0.003, 0.002, 0, 0}), 16);
@@ -96,19 +97,19 @@ TEST(ImpossiblePairs, AreNamedWithTheirFramesAndTheWorstOvershoot) {
   EXPECT_NEAR(pairs[0].allowed, 0.1, exact);
 }
 
-TEST(ImpossiblePairs, LastAsLongAsAHandleRestsBeyondItsLastKey) {
+TEST(HandleFeasibilityTest, APairStaysImpossibleWhileAHandleRestsAfterItsLastKey) {
   const auto pairs = pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0.001}), 40);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_EQ(pairs[0].first, 11);
   EXPECT_EQ(pairs[0].last, 40);
 }
 
-TEST(ImpossiblePairs, AreLookedForUpToTheLastFrameOnly) {
+TEST(HandleFeasibilityTest, PairsAreCheckedUpToTheLastFrameOnly) {
   EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0, 0.01}), 11).empty());
   EXPECT_EQ(pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0, 0.01}), 12).size(), 1u);
 }
 
-TEST(ImpossiblePairs, TheWorstComesFirst) {
+TEST(HandleFeasibilityTest, TheWorstPairComesFirst) {
   std::vector<Handle> handles = pulled_apart(0.1, {0, 0.001});
   handles.push_back(bare_handle("far", {0.1, 0.1}, 2));
   handles[2].keyed(1, 0) += 0.02;
@@ -122,7 +123,7 @@ TEST(ImpossiblePairs, TheWorstComesFirst) {
   EXPECT_NEAR(pairs[2].apart - pairs[2].allowed, 0.001, exact);
 }
 
-TEST(ImpossiblePairs, RelativeAndSoftHandlesAreNotJudged) {
+TEST(HandleFeasibilityTest, RelativeAndSoftHandlesAreNotChecked) {
   for (const int which : {0, 1}) {
     std::vector<Handle> handles = pulled_apart(0.1, {0, 0.01});
     ASSERT_EQ(pairs_of(rectangle(0.1, 0.1), handles, 11).size(), 1u);
@@ -134,9 +135,9 @@ TEST(ImpossiblePairs, RelativeAndSoftHandlesAreNotJudged) {
   }
 }
 
-TEST(ImpossiblePairs, AHandleReleasedBeforeTheOtherIsGrabbedIsNoPair) {
+TEST(HandleFeasibilityTest, HandlesHeldAtDifferentTimesAreNoPair) {
   std::vector<Handle> handles = pulled_apart(0.1, {0.01, 0.01, 0.01, 0.01});
-  handles[0].release_frame = 12;  // held in 10, 11
+  handles[0].release_frame = 12;  // held in frames 10 and 11
   handles[1].grab_frame = 12;
   EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), handles, 13).empty());
   handles[1].grab_frame = 11;  // one frame in common
@@ -146,16 +147,16 @@ TEST(ImpossiblePairs, AHandleReleasedBeforeTheOtherIsGrabbedIsNoPair) {
   EXPECT_EQ(pairs[0].last, 11);
 }
 
-TEST(ImpossiblePairs, TwoHandlesOnOnePointMayDifferByTheRoundingOfTheFile) {
+TEST(HandleFeasibilityTest, TwoHandlesOnOnePointMayDifferByTheRoundingOfTheFile) {
   std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
                                  bare_handle("b", {0.05, 0.05}, 1)};
-  handles[1].keyed(0, 0) += 6e-8;  // 32-bit numbers near 1 m
+  handles[1].keyed(0, 0) += 6e-8;  // rounding of 32-bit numbers near 1 m
   EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), handles, first_frame).empty());
   handles[1].keyed(0, 0) += 1e-3;
   EXPECT_EQ(pairs_of(rectangle(0.1, 0.1), handles, first_frame).size(), 1u);
 }
 
-TEST(ImpossiblePairs, TipsOfAUMayBeDrawnApartUpToThePaperPath) {
+TEST(HandleFeasibilityTest, TheTipsOfAUMayBeAsFarApartAsThePaperBetweenThemIsLong) {
   std::vector<Handle> handles = {bare_handle("left", left_tip, 1),
                                  bare_handle("right", right_tip, 1)};
   // three times the straight distance
@@ -167,11 +168,11 @@ TEST(ImpossiblePairs, TipsOfAUMayBeDrawnApartUpToThePaperPath) {
   EXPECT_NEAR(pairs[0].allowed, round_the_slot, exact);
 }
 
-TEST(Projection, LeavesWhatIsPossibleUntouchedToTheBit) {
+TEST(HandleFeasibilityTest, ProjectionLeavesPossibleTargetsUntouchedToTheLastBit) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Mess m = mess(rectangle(0.1, 0.1), 12, seed);
-    // the flat sheet turned in space, then crumpled to less: no pair is farther apart than on the
-    // pattern
+    // The flat sheet is turned in space, then made smaller: no pair is farther apart than on the
+    // pattern.
     const Eigen::Matrix3d turn =
         Eigen::AngleAxisd(0.3 * seed, Vector3d(1, 2, 3).normalized()).toRotationMatrix();
     for (const double size : {1.0, 0.7}) {
@@ -186,7 +187,7 @@ TEST(Projection, LeavesWhatIsPossibleUntouchedToTheBit) {
   }
 }
 
-TEST(Projection, LeavesTheTipsOfAUWherePaperCanReach) {
+TEST(HandleFeasibilityTest, ProjectionLeavesTheTipsOfAUWherePaperCanReach) {
   const std::vector<Handle> handles = {bare_handle("left", left_tip, 1),
                                        bare_handle("right", right_tip, 1)};
   Points3 targets(2, 3);
@@ -199,7 +200,7 @@ TEST(Projection, LeavesTheTipsOfAUWherePaperCanReach) {
   EXPECT_NEAR(overshoot(u_shape, handles, targets), 0, settled);
 }
 
-TEST(Projection, MakesImpossibleTargetsPossible) {
+TEST(HandleFeasibilityTest, ProjectionMakesImpossibleTargetsPossible) {
   for (const Pattern& pattern : {rectangle(0.1, 0.1), rectangle(0.3, 0.03), u_shape})
     for (const int count : {2, 3, 7, 20})
       for (unsigned seed = 1; seed <= 8; ++seed) {
@@ -211,9 +212,9 @@ TEST(Projection, MakesImpossibleTargetsPossible) {
       }
 }
 
-TEST(Projection, MakesAStretchedRowPossible) {
-  // a border of 11 handles drawn out to twice its length, and two such borders drawn apart: every
-  // pair is at its limit
+TEST(HandleFeasibilityTest, ProjectionMakesAStretchedRowPossible) {
+  // A border of 11 handles is drawn out to twice its length, and two such borders are drawn apart:
+  // every pair ends at its limit.
   std::vector<Handle> handles;
   for (int i = 0; i <= 10; ++i)
     for (const double side : {0.0, 0.1}) handles.push_back(bare_handle("h", {side, 0.01 * i}, 1));
@@ -224,14 +225,14 @@ TEST(Projection, MakesAStretchedRowPossible) {
   EXPECT_LT(overshoot(rectangle(0.1, 0.1), handles, targets), settled);
 }
 
-TEST(Projection, ReturnsTheLargestMove) {
+TEST(HandleFeasibilityTest, ProjectionReturnsTheLargestDisplacement) {
   Mess m = mess(rectangle(0.1, 0.1), 7, 5);
   const Points3 asked = m.targets;
   const double moved = Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
   EXPECT_NEAR(moved, std::sqrt((m.targets - asked).rowwise().squaredNorm().maxCoeff()), exact);
 }
 
-TEST(Projection, KeepsTheCentreOfTheTargets) {
+TEST(HandleFeasibilityTest, ProjectionKeepsTheCentreOfTheTargets) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     Mess m = mess(rectangle(0.1, 0.1), 9, seed);
     const Eigen::RowVector3d centre = m.targets.colwise().mean();
@@ -240,7 +241,7 @@ TEST(Projection, KeepsTheCentreOfTheTargets) {
   }
 }
 
-TEST(Projection, MovesBothOfAPairAlike) {
+TEST(HandleFeasibilityTest, ProjectionMovesBothHandlesOfAPairByTheSameDistance) {
   const std::vector<Handle> handles = {bare_handle("a", {0, 0}, 1),
                                        bare_handle("b", {0.06, 0.08}, 1)};
   Points3 targets(2, 3);
@@ -258,9 +259,9 @@ TEST(Projection, MovesBothOfAPairAlike) {
             exact);
 }
 
-TEST(Projection, ASmallChangeOfTheTargetsStaysSmall) {
-  // every draw on a pair is the projection on a convex set, which brings no two inputs farther
-  // apart; what it leaves over after its last sweep is 1e-9 per pair
+TEST(HandleFeasibilityTest, ProjectionKeepsASmallChangeOfTheTargetsSmall) {
+  // Every correction of a pair is the projection on a convex set, which moves no two inputs farther
+  // apart; what is left over after the last sweep is 1e-9 per pair.
   constexpr double change = 1e-5;
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Mess m = mess(rectangle(0.1, 0.1), 8, seed);
@@ -277,7 +278,7 @@ TEST(Projection, ASmallChangeOfTheTargetsStaysSmall) {
   }
 }
 
-TEST(Projection, HandlesOnOnePointMeetHalfWay) {
+TEST(HandleFeasibilityTest, HandlesOnOnePointMeetHalfWay) {
   const std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
                                        bare_handle("b", {0.05, 0.05}, 1)};
   Points3 targets(2, 3);
@@ -287,7 +288,7 @@ TEST(Projection, HandlesOnOnePointMeetHalfWay) {
     EXPECT_NEAR((targets.row(k) - Eigen::RowVector3d(0.01, 0, 0)).norm(), 0, Reach::rounding);
 }
 
-TEST(Projection, HandlesOnOnePointWithOneTargetStayThere) {
+TEST(HandleFeasibilityTest, HandlesOnOnePointWithOneTargetStayThere) {
   const std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
                                        bare_handle("b", {0.05, 0.05}, 1),
                                        bare_handle("c", {0.1, 0.05}, 1)};
@@ -296,12 +297,12 @@ TEST(Projection, HandlesOnOnePointWithOneTargetStayThere) {
   const Points3 asked = targets;
   EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0);
   EXPECT_TRUE(targets == asked);
-  targets(2, 0) = 2;  // drawn at by the third they stay together
+  targets(2, 0) = 2;  // the two stay together when a third handle pulls at them
   EXPECT_GT(Reach(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0.1);
   EXPECT_LT((targets.row(0) - targets.row(1)).norm(), Reach::rounding + settled);
 }
 
-TEST(Projection, OnlyTheGivenHandlesAreLookedAt) {
+TEST(HandleFeasibilityTest, ProjectionConsidersOnlyTheGivenHandles) {
   const std::vector<Handle> handles = {bare_handle("a", {0, 0}, 1), bare_handle("b", {0.01, 0}, 1),
                                        bare_handle("c", {0.1, 0}, 1)};
   Points3 targets(2, 3);

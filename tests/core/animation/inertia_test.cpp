@@ -1,5 +1,5 @@
-// --dynamics auto: inertia where a sheet falls, swings or is thrown, and nowhere else; what it is
-// worth against closed forms.
+// --dynamics auto: inertia is switched on where a sheet falls, swings or is thrown, and nowhere
+// else. What it computes is compared with closed forms.
 
 #include "core/animation/inertia_need.h"
 #include "formats/scene/scene_file.h"
@@ -25,8 +25,8 @@ InertiaNeed need_in(const Scene& scene, double gravity) {
   return need_of_inertia(shot_of(scene), gravity, scene.fps, scene.first_frame, scene.last_frame);
 }
 
-/// A sheet of 20 x 10 cm that a row of handles along its short side at x = 0 holds, `bend`ing as it
-/// starts; the handles go along `way`.
+/// A sheet of 20 x 10 cm held by a row of handles along its short side at x = 0. `bend` is its
+/// start shape; the handles move along `way`.
 Scene held_by_an_edge(const std::string& name, const std::function<Vector3d(double, double)>& bend,
                       const std::vector<Vector3d>& way, const std::string& extras = "{}") {
   GltfFixture file;
@@ -52,7 +52,7 @@ std::vector<Vector3d> steady(int frames, const Vector3d& all_the_way) {
   return way;
 }
 
-/// Where the middle of the far edge is in every frame.
+/// The middle of the far edge in every frame. [m]
 std::vector<Vector3d> far_edge(const Shot& shot, const Method& method, Inertia inertia,
                                int last_frame) {
   AnimateOptions options;
@@ -71,10 +71,10 @@ std::vector<Vector3d> far_edge(const Shot& shot, const Method& method, Inertia i
   return path;
 }
 
-TEST(InertiaNeed, SheetThatIsLetGoFallsAndWithoutWeightItDoesNot) {
+TEST(InertiaTest, AReleasedSheetNeedsInertiaOnlyUnderGravity) {
   const Scene scene = held_by_an_edge("let_go", flat, still(24), R"({"paper_release_frame":6})");
   EXPECT_TRUE(need_in(scene, g).needed);
-  // before it is let go
+  // before it is released
   EXPECT_NE(need_in(scene, g).why.find("swings"), std::string::npos) << need_in(scene, g).why;
   EXPECT_FALSE(need_in(scene, 0).needed);
   GltfFixture free;
@@ -86,7 +86,7 @@ TEST(InertiaNeed, SheetThatIsLetGoFallsAndWithoutWeightItDoesNot) {
   EXPECT_NE(need_of_inertia(shot, g, 24, 1, 12).why.find("falls"), std::string::npos);
 }
 
-TEST(InertiaNeed, SheetOnOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
+TEST(InertiaTest, ASheetHeldByOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
   EXPECT_TRUE(need_in(held_by_an_edge("swing", flat, still(24)), g).needed);
   const InertiaNeed rest = need_in(held_by_an_edge("rest", hanging, still(24)), g);
   EXPECT_FALSE(rest.needed);
@@ -95,7 +95,7 @@ TEST(InertiaNeed, SheetOnOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
   EXPECT_TRUE(need_in(held_by_an_edge("fast", hanging, steady(12, {0.5, 0, 0})), g).needed);
 }
 
-TEST(InertiaNeed, SlowPushNeedsNoneAndAWhipDoes) {
+TEST(InertiaTest, ASlowPushNeedsNoInertiaAndAWhipDoes) {
   const auto pushed = [](double fast) {
     GltfFixture file;
     file.mesh("paper", test::grid(4, 4, 0.1, 0.1));
@@ -113,9 +113,9 @@ TEST(InertiaNeed, SlowPushNeedsNoneAndAWhipDoes) {
   EXPECT_TRUE(whip.needed) << whip.sway;
 }
 
-TEST(InertiaNeed, ASceneWithoutWeightLeavesOutWhatIsLess) {
-  // a corner of a floppy poster is taken over it in two seconds: against no weight at all it would
-  // lag by more than a quarter
+TEST(InertiaTest, ASceneWithoutGravityIsJudgedWithThatOfTheEarth) {
+  // A corner of a floppy poster is carried over it in two seconds: without any gravity in the
+  // estimate it would lag by more than a quarter.
   GltfFixture file;
   file.mesh("paper", test::grid(4, 4, 0.3, 0.4));
   for (const Vector3d& top : {Vector3d(0, 0.4, 0), Vector3d(0.3, 0.4, 0)})
@@ -129,20 +129,20 @@ TEST(InertiaNeed, ASceneWithoutWeightLeavesOutWhatIsLess) {
   EXPECT_GT(some.sway, 0.25) << "a scene with little weight is taken at its word";
 }
 
-TEST(InertiaNeed, SwayIsThatOfAnOscillatorWhoseBaseIsSetInMotion) {
-  // velocity steps from 0 to v: r = v/w sin(w t), less what the solver's damping takes in a quarter
-  // of a period
+TEST(InertiaTest, TheSwayIsThatOfAnOscillatorWhoseBaseIsSetInMotion) {
+  // The velocity jumps from 0 to v: r = v/w sin(w t), less what the damping of the solver takes in
+  // a quarter of a period.
   const Shot shot = shot_of(held_by_an_edge("kick", hanging, steady(240, {1.0, 0, 0})));
-  const double v = 1.0 / (239 / 24.0), l = 0.4;  // twice the paper's own 0.2 m
+  const double v = 1.0 / (239 / 24.0), l = 0.4;  // twice the 0.2 m of the paper
   const double w = std::sqrt(std::pow(M_PI, 4) * 2.7e-4 / (0.070 * std::pow(l, 4)) + g / l);
   const double sway = 0.2 * need_of_inertia(shot, g, 24, 1, 240).sway;
   EXPECT_LT(sway, v / w);
   EXPECT_GT(sway, 0.9 * v / w);
 }
 
-TEST(Inertia, SwingingSheetHasThePeriodOfItsPendulum) {
-  // a stiff card on a hinge, let go 30 degrees from hanging: a compound pendulum, T = 2 pi sqrt(2
-  // L/3g) (1 + a^2/16)
+TEST(InertiaTest, ASwingingSheetHasThePeriodOfItsPendulum) {
+  // A stiff card on a hinge, released 30 degrees from hanging, is a compound pendulum:
+  // T = 2 pi sqrt(2 L/3g) (1 + a^2/16)
   const double a = M_PI / 6, L = 0.2;
   Shot shot = shot_of(held_by_an_edge(
       "pendulum",
@@ -154,7 +154,7 @@ TEST(Inertia, SwingingSheetHasThePeriodOfItsPendulum) {
   for (const Method& method :
        {fem(60), hybrid(shot.pattern, shot.paper, 60, {}, 0, 0), adaptive(shot.pattern, 200)}) {
     const std::vector<Vector3d> path = far_edge(shot, method, Inertia::dynamic, 60);
-    std::vector<double> zeros;  // [s] where it passes below the hinge
+    std::vector<double> zeros;  // [s] when it passes below the hinge
     for (std::size_t f = 1; f < path.size(); ++f)
       if (path[f - 1].x() * path[f].x() < 0)
         zeros.push_back((f - 1 + path[f - 1].x() / (path[f - 1].x() - path[f].x())) / 24);
@@ -167,7 +167,7 @@ TEST(Inertia, SwingingSheetHasThePeriodOfItsPendulum) {
   }
 }
 
-TEST(Inertia, SheetThatNothingHoldsFallsAsAStone) {
+TEST(InertiaTest, ASheetThatNothingHoldsFallsLikeAStone) {
   Shot shot = shot_of(held_by_an_edge("stone", flat, still(13)));
   shot.handles.clear();
   const double fallen =
@@ -175,7 +175,7 @@ TEST(Inertia, SheetThatNothingHoldsFallsAsAStone) {
   const double drag = -24 * std::log(0.98), t = 0.5;  // [1/s]; [s]
   const double falls = g / (drag * drag) * (drag * t - 1 + std::exp(-drag * t));
   EXPECT_LT(falls, 0.95 * 0.5 * g * t * t);
-  // backward Euler in 48 steps: n(n+1)/2 for n^2/2
+  // backward Euler in 48 steps: n(n+1)/2 instead of n^2/2
   EXPECT_NEAR(fallen / falls, 1 + 1 / 48.0, 0.005);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double dt = 1.0 / 24;
 
-/// A sheet whose two borders have come nearer in a few steps, with its solver and memory.
+/// A sheet whose two borders were brought nearer in a few steps, with its solver and plastic grid.
 struct Bent {
   Sheet sheet;
   Held held;
@@ -50,7 +50,7 @@ struct Bent {
   }
 };
 
-/// The same sheet on another mesh, and the vertices of its two borders.
+/// The same sheet on another mesh; adds the vertices of its two borders.
 Sheet on_mesh(const Sheet& sheet, Sheet other, std::vector<int>& borders) {
   const Transfer onto(sheet.pattern, sheet.triangles, other.pattern);
   other.x = onto(sheet.x);
@@ -60,13 +60,13 @@ Sheet on_mesh(const Sheet& sheet, Sheet other, std::vector<int>& borders) {
   return other;
 }
 
-/// What a fine mesh reads of the memory.
+/// What a fine mesh reads from the plastic grid.
 PlasticMemory contents(const PlasticGrid& grid) {
   const Sheet fine = test::hex_sheet(0.1, 0.1, 40);
   return grid.read(grid.cover(fine.pattern, fine.triangles));
 }
 
-TEST(Exchange, AStripMeshOfTheSameSheetIsTakenAndGoesOnAtTheSameSpeed) {
+TEST(MeshSwapTest, AMeshOfStripsIsAcceptedAndTheNextStepIsAsFast) {
   Bent bent;
   std::vector<int> borders;
   const Sheet before = bent.sheet;
@@ -77,7 +77,8 @@ TEST(Exchange, AStripMeshOfTheSameSheetIsTakenAndGoesOnAtTheSameSpeed) {
   EXPECT_EQ(bent.sheet.triangles.rows(), 40);
   EXPECT_LT(verdict.rise, 0.05);
   EXPECT_LT(verdict.move, 0.01);
-  // the past came along: the next step needs hardly more than one that never changed its mesh
+  // The past came along: the next step needs hardly more iterations than on a mesh that never
+  // changed.
   Bent other;
   bent.held.vertices = borders;
   const int with = bent.push(0.010).iterations, without = other.push(0.010).iterations;
@@ -86,7 +87,7 @@ TEST(Exchange, AStripMeshOfTheSameSheetIsTakenAndGoesOnAtTheSameSpeed) {
               0.01 * other.sheet.x.col(2).maxCoeff());
 }
 
-TEST(Exchange, AMeshThatCannotFollowIsRefusedAndLeavesNoTrace) {
+TEST(MeshSwapTest, AMeshThatCannotFollowIsRejectedAndLeavesNoTrace) {
   Bent bent, untouched;
   std::vector<int> borders;
   Sheet proposal = on_mesh(bent.sheet, test::strip_sheet(0.1, 0.1, 2), borders);
@@ -101,8 +102,8 @@ TEST(Exchange, AMeshThatCannotFollowIsRefusedAndLeavesNoTrace) {
   EXPECT_TRUE(bent.sheet.x == untouched.sheet.x);  // to the last bit
 }
 
-/// A sheet that hangs between its borders in four facets, pushed together by 30 mm; on a floor at
-/// that height.
+/// A sheet that hangs between its borders in four facets, pushed together by 30 mm, with a floor at
+/// this height [m].
 struct Hung {
   Sheet sheet = test::strip_sheet(0.1, 0.1, 4);
   Held held;
@@ -132,7 +133,7 @@ struct Hung {
   }
 };
 
-TEST(Exchange, WhatLiesAndFoldsInFewFacetsGetsFinerOnesThoughTheyStoreMore) {
+TEST(MeshSwapTest, ACoarseSheetOnAColliderGetsAFinerMeshEvenIfItStoresMore) {
   const double lowest = Hung(-1).sheet.x.col(2).minCoeff();
   for (const bool lies : {true, false}) {
     Hung hung(lies ? lowest + 0.005 : -1);
@@ -148,9 +149,9 @@ TEST(Exchange, WhatLiesAndFoldsInFewFacetsGetsFinerOnesThoughTheyStoreMore) {
   }
 }
 
-TEST(Exchange, NothingFlowsWhetherTakenOrRefused) {
+TEST(MeshSwapTest, NothingYieldsWhetherAcceptedOrRejected) {
   for (const int strips : {20, 2}) {
-    Bent bent(0.0008);  // yields at 18 1/m: the arch has flowed, and would again on another mesh
+    Bent bent(0.0008);  // yields at 18 1/m: the arch has yielded, and would again on another mesh
     ASSERT_GT(bent.memory.integral(), 1e-4);
     const PlasticMemory before = contents(bent.memory);
     std::vector<int> borders;
@@ -163,7 +164,7 @@ TEST(Exchange, NothingFlowsWhetherTakenOrRefused) {
   }
 }
 
-TEST(Exchange, AnArchGetsRulingsThatHoldItsHandlesAndIsTheSameTwice) {
+TEST(MeshSwapTest, AnArchGetsRulingsHoldsItsHandlesAndIsTheSameTwice) {
   const Shot shot = test::s1_push();
   const auto play = [&](double facet_turn, int& accepted) {
     CrumpleOptions options;
@@ -193,7 +194,7 @@ TEST(Exchange, AnArchGetsRulingsThatHoldItsHandlesAndIsTheSameTwice) {
   EXPECT_NEAR(a.x.col(2).maxCoeff() / 0.019492, 1, 0.01);  // the elastica
 }
 
-TEST(Exchange, OptionsTellWhenAMeshIsStaleAndHowLargeItMayGrow) {
+TEST(MeshSwapTest, OptionsDecideWhenAMeshIsStaleAndHowLargeItMayGrow) {
   const Shot shot = test::s1_push();
   struct Seen {
     int accepted = 0;
@@ -214,7 +215,7 @@ TEST(Exchange, OptionsTellWhenAMeshIsStaleAndHowLargeItMayGrow) {
     return seen;
   };
   RulingOptions usual;
-  usual.facet_turn = 0.06;  // folds grow past it several times on the way
+  usual.facet_turn = 0.06;  // dihedral angles exceed it several times on the way
   RulingOptions patient = usual, small = usual;
   patient.stale_fold = 20;
   small.most_share = 0.8;

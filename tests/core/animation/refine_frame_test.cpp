@@ -9,7 +9,7 @@
 namespace paperbake {
 namespace {
 
-/// A frame of a shot by some method, and what holds it.
+/// A frame of a shot as a method simulates it, and what holds the sheet.
 struct Taken {
   Sheet sheet;
   std::vector<int> held;
@@ -35,7 +35,7 @@ Taken take(const Shot& shot, const Method& method, int frame) {
   return taken;
 }
 
-TEST(Polish, ACoarseFrameEndsWhereTheFineOneThatMarchedIs) {
+TEST(RefineFrameTest, ACoarseFrameEndsWhereAFullRunOfFineFemIs) {
   const Shot shot = test::s1_push();
   const Taken coarse = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 20),
               fine = take(shot, fem(1000), 20);
@@ -46,16 +46,16 @@ TEST(Polish, ACoarseFrameEndsWhereTheFineOneThatMarchedIs) {
   const auto rms = [&](const Sheet& a) {
     return rms_distance(samples(a).x, samples(fine.sheet).x);
   };
-  // 0.05 % of the sheet off ...
+  // 0.05 % of the sheet away from the fine run ...
   EXPECT_GT(rms(coarse.sheet), 5e-5);
-  EXPECT_LT(rms(polished.sheet), 0.1 * rms(coarse.sheet));  // ... and that is gone
-  // what it moved was the error
+  EXPECT_LT(rms(polished.sheet), 0.1 * rms(coarse.sheet));  // ... and this error is gone
+  // the distance moved was the error
   EXPECT_NEAR(polished.moved, rms(coarse.sheet), 0.3 * rms(coarse.sheet));
   EXPECT_NEAR(polished.energy, fine.energy, 1e-3 * fine.energy);
   EXPECT_GT(polished.energy_before, polished.energy);
 }
 
-TEST(Polish, HandlesStayWhereTheyHoldTheSheet) {
+TEST(RefineFrameTest, HandlesStayWhereTheyHoldTheSheet) {
   const Shot shot = test::s1_push();
   const Taken coarse = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 30);
   Polisher polish(shot, {}, 400);
@@ -66,7 +66,7 @@ TEST(Polish, HandlesStayWhereTheyHoldTheSheet) {
               coarse.held_at.row(k));
 }
 
-TEST(Polish, AFrameIsTheSameWhicheverWasPolishedBefore) {
+TEST(RefineFrameTest, AFrameIsTheSameWhicheverFrameWasPolishedBeforeIt) {
   const Shot shot = test::s1_push();
   const Method method = hybrid(shot.pattern, shot.paper, 90, {}, 0, 0);
   const Taken one = take(shot, method, 20),
@@ -77,16 +77,16 @@ TEST(Polish, AFrameIsTheSameWhicheverWasPolishedBefore) {
   EXPECT_TRUE(polish(one.sheet, one.held, one.held_at).sheet.x == first);
 }
 
-/// What paper kept is no work to polish it into: a sheet that springs back to an arch of its own
-/// keeps it.
-TEST(Polish, PlasticCurvatureIsPartOfTheMinimum) {
+/// Plastic curvature costs no energy: a sheet that springs back to an arch of its own keeps this
+/// arch.
+TEST(RefineFrameTest, PlasticCurvatureIsPartOfTheMinimum) {
   const Shot shot = test::blank_shot(test::rectangle(0.1, 0.05));
   PlasticGrid memory(shot.pattern);
   Polisher polish(shot, {}, 300);
   const StartedSheet& mesh = polish.mesh();
   const auto cover = memory.cover(mesh.sheet.pattern, mesh.sheet.triangles);
   PlasticMemory gained(static_cast<int>(mesh.sheet.triangles.rows()));
-  gained.curvature.col(0).setConstant(10);  // 1/m along x
+  gained.curvature.col(0).setConstant(10);  // [1/m] along x
   memory.write(cover, gained);
   Sheet arch = mesh.sheet;
   for (int v = 0; v < arch.x.rows(); ++v) {

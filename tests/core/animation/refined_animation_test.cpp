@@ -46,7 +46,7 @@ std::map<int, Frame> marched(const Shot& shot, const Method& method, int last) {
   return frames;
 }
 
-TEST(PolishedAnimation, HasTheEnergyOfAFineFemThatCameAllTheWay) {
+TEST(RefinedAnimationTest, HasTheEnergyOfAFullRunOfFineFem) {
   const Shot shot = test::s1_push();
   const auto ours = polished(shot, 30, triangles(1000)), fine = marched(shot, fem(1000), 30),
              rough = marched(shot, coarse(shot), 30);
@@ -60,7 +60,7 @@ TEST(PolishedAnimation, HasTheEnergyOfAFineFemThatCameAllTheWay) {
   }
 }
 
-TEST(PolishedAnimation, AFrameIsTheSameAloneAndWithAnyNumberOfThreads) {
+TEST(RefinedAnimationTest, AFrameIsTheSameAloneAndWithAnyNumberOfThreads) {
   const Shot shot = test::s1_push();
   const auto all = polished(shot, 28, triangles(400)),
              threads = polished(shot, 28, triangles(400, 3));
@@ -74,9 +74,9 @@ TEST(PolishedAnimation, AFrameIsTheSameAloneAndWithAnyNumberOfThreads) {
   EXPECT_LT(one.at(25).sheet.triangles.rows(), all.at(25).sheet.triangles.rows());
 }
 
-/// The middle handle is relative: it holds the sheet where the sheet is, and the polished one is
+/// The middle handle is relative: it holds the sheet where the sheet is, and the polished sheet is
 /// elsewhere.
-TEST(PolishedAnimation, ARelativeHandleHoldsThePolishedSheetWhereItWas) {
+TEST(RefinedAnimationTest, ARelativeHandleHoldsThePolishedSheetWhereItTookHold) {
   const Shot shot = test::s1_push();
   const auto frames = polished(shot, 28, triangles(400));
   const std::size_t mid = shot.handles.size() - 1;
@@ -93,8 +93,8 @@ TEST(PolishedAnimation, ARelativeHandleHoldsThePolishedSheetWhereItWas) {
   EXPECT_GT((rough.at(28).frame.handles[mid].at - at(28).at).norm(), 1e-6);
 }
 
-TEST(PolishedAnimation, ASheetThatTouchesItselfIsHandedOnAsItWasAndSaysSo) {
-  // its ends are brought together, one above the other
+TEST(RefinedAnimationTest, ASheetThatTouchesItselfIsHandedOnUnpolishedWithANote) {
+  // the ends of the sheet are brought together, one above the other
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.05));
   constexpr int last = 24;
   for (int i = 0; i <= 4; ++i)

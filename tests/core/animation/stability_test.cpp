@@ -1,4 +1,5 @@
-// What handles do that no artist should key: it ends, it is finite, it is reported.
+// Handle motions that no artist should key: the simulation ends, its result is finite, and what
+// cannot be met is reported.
 
 #include "core/animation/animate.h"
 #include "core/geometry/intersections.h"
@@ -44,7 +45,8 @@ Method hybrid_of(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 120
 Method fem_of(const Shot&) { return fem(300); }
 Method adaptive_of(const Shot& shot) { return adaptive(shot.pattern, 800); }
 
-/// The shot with every handle `times` as fast until frame 24 of the slow one, then at rest.
+/// The shot with every handle `times` as fast, up to where the slow one is in frame 24; then at
+/// rest.
 Shot faster(Shot shot, int times) {
   for (Handle& handle : shot.handles) {
     const Points3 slow = handle.keyed;
@@ -55,24 +57,24 @@ Shot faster(Shot shot, int times) {
   return shot;
 }
 
-/// RMS distance over a grid of the pattern. [m]
+/// RMS distance over a grid of points of the pattern. [m]
 double apart(const Ended& a, const Ended& b) {
   const PatternSamples samples(test::rectangle(0.1, 0.1));
   return rms_distance(samples(a.sheet).x, samples(b.sheet).x);
 }
 
-TEST(Stability, APushInOneFrameEndsWhereTheSlowOneDoes) {
+TEST(StabilityTest, APushInOneFrameEndsWhereTheSlowOneDoes) {
   for (const auto& method : {hybrid_of, fem_of}) {
     const Ended slow = play(faster(test::s1_push(), 1), 40, method);
     for (const int times : {16, 24}) {
       const Ended fast = play(faster(test::s1_push(), times), 12, method);
       EXPECT_LT(apart(slow, fast), 0.002 * 0.1) << times;
-      EXPECT_GT(fast.sheet.x.col(2).cwiseAbs().maxCoeff(), 0.015);  // and that is an arch
+      EXPECT_GT(fast.sheet.x.col(2).cwiseAbs().maxCoeff(), 0.015);  // and this is an arch
     }
   }
 }
 
-TEST(Stability, SheetPulledLongerByAFifthIsMetAsFarAsPaperCan) {
+TEST(StabilityTest, ASheetPulledLongerByAFifthFollowsAsFarAsPaperCan) {
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
   for (const double x : {0.0, 0.1})
     for (const double y : {0.0, 0.05, 0.1}) {
@@ -93,7 +95,7 @@ TEST(Stability, SheetPulledLongerByAFifthIsMetAsFarAsPaperCan) {
   }
 }
 
-TEST(Stability, SheetCrushedInOneFrameIsFiniteAndDoesNotPassThroughItself) {
+TEST(StabilityTest, ASheetCrushedInOneFrameStaysFiniteAndDoesNotIntersectItself) {
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
   for (const double x : {0.0, 0.05, 0.1})
     for (const double y : {0.0, 0.05, 0.1}) {
@@ -117,8 +119,8 @@ TEST(Stability, SheetCrushedInOneFrameIsFiniteAndDoesNotPassThroughItself) {
   }
 }
 
-/// Eight handles on the border of a sheet draw it together, lifted in turns, in `way` frames; then
-/// they rest.
+/// Eight handles on the border of a sheet draw it together, lifted and lowered in turns, in `way`
+/// frames; then they rest.
 Shot crushed_in(int way, int frames) {
   Shot shot = test::blank_shot(test::rectangle(0.2, 0.2));
   int lift = 1;
@@ -136,8 +138,8 @@ Shot crushed_in(int way, int frames) {
   return shot;
 }
 
-// of the adaptive method: adaptive_test.cpp
-TEST(Stability, ATeleportHasTheTrianglesOfTheSlowWayASecondLater) {
+// the same test for the adaptive method is in adaptive_test.cpp
+TEST(StabilityTest, ASecondAfterAJumpThereAreAsManyTrianglesAsAfterSlowMotion) {
   const Ended slow = play(crushed_in(24, 48), 48, hybrid_of),
               fast = play(crushed_in(1, 26), 26, hybrid_of);
   const double a = static_cast<double>(slow.sheet.triangles.rows()),
@@ -149,9 +151,9 @@ TEST(Stability, ATeleportHasTheTrianglesOfTheSlowWayASecondLater) {
   EXPECT_EQ(fast.crossed, 0);
 }
 
-TEST(Stability, HandlesThrownAboutEveryThirdFrameAreFollowedOnFewTriangles) {
-  // script 41 of the stress suite: on 2,900 triangles one jump of the sheet's size took 9 s, and
-  // the shot had no end
+TEST(StabilityTest, HandlesThatJumpEveryThirdFrameAreFollowedOnFewTriangles) {
+  // Script 41 of the stress suite. On 2,900 triangles one jump of the size of the sheet took 9 s,
+  // and the shot did not end.
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
   for (const double x : {0.0, 0.1})
     for (const double y : {0.0, 0.1}) {
@@ -168,8 +170,9 @@ TEST(Stability, HandlesThrownAboutEveryThirdFrameAreFollowedOnFewTriangles) {
   EXPECT_EQ(ended.crossed, 0);
 }
 
-TEST(Stability, OnASheetOfTwoMillimetresAHandleThatIsNotMetIsCalledJammed) {
-  // pulled longer by a tenth: 0.1 mm at each end, the whole of a tolerance for large sheets
+TEST(StabilityTest, OnASheetOfTwoMillimetresAnUnmetHandleIsReportedAsJammed) {
+  // The sheet is to be a tenth longer, 0.1 mm at each end, which is the whole tolerance for large
+  // sheets.
   Shot shot = test::blank_shot(test::rectangle(0.002, 0.001));
   for (const double x : {0.0, 0.002}) {
     Handle handle = test::bare_handle("h" + std::to_string(shot.handles.size()), {x, 0.0005}, 8);

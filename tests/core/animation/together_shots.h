@@ -9,8 +9,8 @@
 
 namespace paperbake::test {
 
-/// A rectangle whose start shape is flat: the point u, v of the pattern is at corner + u a + v b. 4
-/// x 4 cells, triangulated.
+/// A rectangle with a flat start shape: the point (u, v) of the pattern is at corner + u a + v b.
+/// The start mesh has 4 x 4 cells.
 inline Shot placed(double width, double height, const Vector3d& corner, const Vector3d& a,
                    const Vector3d& b) {
   constexpr int n = 4;
@@ -30,8 +30,8 @@ inline Shot placed(double width, double height, const Vector3d& corner, const Ve
   return shot;
 }
 
-/// Holds the point of the pattern where it is at the start, moved by `way` (of the frames since the
-/// first).
+/// Holds a point of the pattern where it is at the start, displaced by `way` (argument: frames
+/// since the first). [m]
 inline void hold(Shot& shot, const Vector2d& pattern, int frames,
                  const std::function<Vector3d(int)>& way, const Vector3d& corner, const Vector3d& a,
                  const Vector3d& b) {
@@ -43,7 +43,7 @@ inline void hold(Shot& shot, const Vector2d& pattern, int frames,
 
 inline Vector3d stays(int) { return Vector3d::Zero(); }
 
-/// A curtain of 10 cm hangs from two corners at x = 20 mm; a palm of 6 cm, held at its corners, is
+/// A curtain of 10 cm hangs from two corners at x = 20 mm. A palm of 6 cm, held at its corners, is
 /// carried from x = 0 to 80 mm.
 inline std::vector<Shot> pushed_curtain(int frames) {
   const Vector3d y(0, 1, 0), z(0, 0, 1), low(0.02, 0, 0), palm(0, 0.02, 0.01);
@@ -58,7 +58,7 @@ inline std::vector<Shot> pushed_curtain(int frames) {
   return {curtain, hand};
 }
 
-/// What a shot of several sheets came to.
+/// The result of a shot of several sheets.
 struct Outcome {
   std::vector<std::vector<AnimatedFrame>> frames;  // by sheet
   std::vector<std::vector<Sheet>> shapes;

@@ -37,18 +37,18 @@ std::vector<Sheet> play(const Shot& shot, const Method& method, int last_frame,
   return sheets;
 }
 
-TEST(Adaptive, ArchIsTheElasticaOnFewTrianglesAndItsMeshIsSoundInEveryFrame) {
+TEST(AdaptiveTest, AnArchIsTheElasticaOnFewTrianglesAndASoundMesh) {
   const Shot shot = test::s1_push();
   const std::vector<Sheet> sheets = play(shot, adaptive_of(shot), 24);
   for (const Sheet& sheet : sheets) test::expect_sound(sheet, 0.01);
   EXPECT_LT(sheets.back().triangles.rows(), 250);
   EXPECT_GT(sheets.back().triangles.rows(), sheets.front().triangles.rows());
-  // a polygon of a dozen facets of a quarter rad
+  // the arch is a polygon of a dozen facets that turn by a quarter of a radian
   EXPECT_NEAR(sheets.back().x.col(2).maxCoeff() / 0.019492, 1, 0.02);
   EXPECT_LT(length_distortion(sheets.back()).mean, 1e-4);
 }
 
-TEST(Adaptive, SameSeedSameSheetToTheLastBit) {
+TEST(AdaptiveTest, TheSameSeedGivesTheSameSheetToTheLastBit) {
   const Shot shot = test::s1_push();
   const Sheet a = play(shot, adaptive_of(shot), 16).back(),
               b = play(shot, adaptive_of(shot), 16).back();
@@ -57,9 +57,9 @@ TEST(Adaptive, SameSeedSameSheetToTheLastBit) {
   EXPECT_TRUE(a.x == b.x);
 }
 
-TEST(Adaptive, ASheetThatStaysFlatStaysCoarse) {
+TEST(AdaptiveTest, ASheetThatStaysFlatStaysCoarse) {
   Shot shot = test::blank_shot(test::rectangle(0.2, 0.2));
-  for (const double x : {0.0, 0.2}) {  // carried through the room
+  for (const double x : {0.0, 0.2}) {  // carried through space
     Handle handle = test::bare_handle("h" + std::to_string(shot.handles.size()), {x, 0.1}, 12);
     for (int f = 0; f < 12; ++f) handle.keyed(f, 2) += 0.01 * f;
     shot.handles.push_back(handle);
@@ -69,9 +69,9 @@ TEST(Adaptive, ASheetThatStaysFlatStaysCoarse) {
   EXPECT_LT(sheets.back().triangles.rows(), 80);  // edges of up to a quarter of the side
 }
 
-TEST(Adaptive, AFlatSheetUnderCompressionDoesNotRefineForEver) {
-  // both borders pushed together by 3 %, in the plane, without an arch to begin with: the reference
-  // went to 9,724 triangles in a frame
+TEST(AdaptiveTest, AFlatSheetUnderCompressionIsNotRefinedWithoutEnd) {
+  // Both borders are pushed together by 3 % in the plane, without an initial arch: the reference
+  // went to 9,724 triangles in a frame.
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
   for (int i = 0; i <= 4; ++i)
     for (const double side : {0.0, 0.1}) {
@@ -88,8 +88,8 @@ TEST(Adaptive, AFlatSheetUnderCompressionDoesNotRefineForEver) {
   EXPECT_GT(sheets.back().x.col(2).maxCoeff() - sheets.back().x.col(2).minCoeff(), 0.005);
 }
 
-TEST(Adaptive, ATeleportHasTheTrianglesOfTheSlowWayASecondLater) {
-  const auto pushed = [](int frames) {  // S1's push in so many frames, then at rest
+TEST(AdaptiveTest, ASecondAfterAJumpThereAreAsManyTrianglesAsAfterSlowMotion) {
+  const auto pushed = [](int frames) {  // the push of S1 in so many frames, then rest
     Shot shot = test::s1_push();
     shot.handles.pop_back();
     for (Handle& handle : shot.handles) {
@@ -107,7 +107,7 @@ TEST(Adaptive, ATeleportHasTheTrianglesOfTheSlowWayASecondLater) {
   EXPECT_GT(b.back().triangles.rows(), a.back().triangles.rows() / 1.5);
 }
 
-TEST(Adaptive, AShapeOnItsWayIsNoReasonForTrianglesAndAJumpIsTakenOnFew) {
+TEST(AdaptiveTest, AMovingShapeIsNotRefinedAndAJumpIsTakenOnFewTriangles) {
   const Shot shot = test::s1_push();
   SizingOptions fine;
   fine.facet_turn = 0.05;
@@ -128,7 +128,7 @@ TEST(Adaptive, AShapeOnItsWayIsNoReasonForTrianglesAndAJumpIsTakenOnFew) {
   EXPECT_LT(triangles_after(finer, false, 0.5), 0.9 * arch.triangles.rows());
 }
 
-TEST(Adaptive, AtRestTheMeshStaysAndCostsNothing) {
+TEST(AdaptiveTest, AtRestTheMeshStaysAndCostsNothing) {
   Shot shot = test::s1_push();
   shot.handles.pop_back();
   for (Handle& handle : shot.handles)
@@ -139,7 +139,7 @@ TEST(Adaptive, AtRestTheMeshStaysAndCostsNothing) {
     EXPECT_TRUE(sheets[f].x.rows() == sheets[29].x.rows() && sheets[f].x == sheets[29].x) << f;
 }
 
-TEST(Adaptive, TheCapIsKeptByACoarserFieldNotByStoppingHalfWay) {
+TEST(AdaptiveTest, TheTriangleLimitCoarsensTheWholeField) {
   const Shot shot = test::s1_push();
   SizingOptions fine;
   fine.facet_turn = 0.03;
@@ -147,7 +147,7 @@ TEST(Adaptive, TheCapIsKeptByACoarserFieldNotByStoppingHalfWay) {
   const Sheet sheet = play(shot, adaptive_of(shot, 400, fine), 20).back();
   EXPECT_LE(sheet.triangles.rows(), 400);
   EXPECT_GT(sheet.triangles.rows(), 200);
-  int left = 0;  // the arch is the same on both sides of its crest, and so is the mesh about
+  int left = 0;  // the arch is symmetric about its crest, and so is the mesh, more or less
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     left += (sheet.pattern(sheet.triangles(t, 0), 0) + sheet.pattern(sheet.triangles(t, 1), 0) +
              sheet.pattern(sheet.triangles(t, 2), 0)) /
@@ -156,13 +156,13 @@ TEST(Adaptive, TheCapIsKeptByACoarserFieldNotByStoppingHalfWay) {
   EXPECT_NEAR(left / double(sheet.triangles.rows()), 0.5, 0.1);
 }
 
-TEST(Adaptive, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
+TEST(AdaptiveTest, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
   const Shot shot = test::s1_push();
   const Method method = adaptive_of(shot);
   AnimateOptions options;
   options.last_frame = 40;
   const std::vector<char> fixed = start_sheet(shot, method, 0).fixed;
-  const auto at_rest = [&](Sheet& sheet) {  // [J] with both borders where they are
+  const auto at_rest = [&](Sheet& sheet) {  // [J] with both borders held where they are
     Held held;
     for (int v = 0; v < static_cast<int>(fixed.size()); ++v)
       if (fixed[v] && (sheet.pattern(v, 0) == 0 || sheet.pattern(v, 0) == 0.1))
@@ -177,7 +177,7 @@ TEST(Adaptive, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
   std::vector<double> rises;
   animate(shot, method, options, [&](const AnimatedFrame& frame) {
     Sheet before = *frame.sheet, after = *frame.sheet;
-    // it chooses a side; later a finger holds it too
+    // before frame 4 it is buckling to a side; after frame 24 it is also pushed from above
     if (frame.frame < 4 || frame.frame > 24) return true;
     if (!adaptive_of(shot).remesh(
             after,
@@ -190,8 +190,7 @@ TEST(Adaptive, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
   ASSERT_GT(rises.size(), 5u);
   std::sort(rises.begin(), rises.end());
   EXPECT_LT(rises[rises.size() / 2], 0.01);
-  // on a hundred triangles one diagonal that turns the wrong way costs that much, for a frame or
-  // two
+  // on a hundred triangles one diagonal flipped the wrong way costs this much, for a frame or two
   EXPECT_LT(rises.back(), 0.2);
 }
 

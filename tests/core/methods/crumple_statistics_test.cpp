@@ -1,5 +1,5 @@
-// Crumples by their statistics: no single run has them, so every number here is one of several
-// seeds. Hybrid with plasticity and contact, as the tool bakes.
+// Statistics of crumples. A single run has none, so every number here is from several seeds. The
+// runs are hybrid with plasticity and contact, as in a bake.
 
 #include "core/animation/animate.h"
 #include "core/geometry/intersections.h"
@@ -20,19 +20,19 @@ struct Crumpled {
   int births = 0;
   double first_birth = 0;         // [s]
   double c_m = 0, edge = 0;       // [1] mean over the frames; worst of all frames
-  double lag = 0;                 // [m] farthest that a handle is off
+  double lag = 0;                 // [m] largest distance of a handle from its target
   std::map<int, double> plastic;  // [m rad] by frame
 };
 
 struct Setting {
   std::string scene = "S4_crumple";
   double fps = 24;
-  double thickness = 1;  // [1] of copy70's
+  double thickness = 1;  // [1] of that of copy70
   int base_triangles = 120;
   unsigned seed = 1;
 };
 
-/// As much heavier paper of the same fibres.
+/// Paper that is `factor` times as thick and heavy, of the same fibres.
 Paper times_as_thick(double factor) {
   Paper paper;
   paper.thickness *= factor, paper.area_density *= factor, paper.membrane_stiffness *= factor;
@@ -85,7 +85,7 @@ double mean(const std::vector<Crumpled>& all, const Value& value) {
 }
 double births(const Crumpled& c) { return c.births; }
 
-TEST(CrumpleStatistics, TwelveBallsLetGoNeverCrossKeepTheirLengthsAndAreBrokenInManyPoints) {
+TEST(CrumpleStatisticsTest, TwelveReleasedBallsDoNotIntersectKeepLengthsAndBreak) {
   const std::vector<Crumpled> all = crumples({"S4r_release"}, 12);
   std::vector<double> edges, lags;
   for (const Crumpled& c : all) {
@@ -100,13 +100,13 @@ TEST(CrumpleStatistics, TwelveBallsLetGoNeverCrossKeepTheirLengthsAndAreBrokenIn
   std::sort(edges.begin(), edges.end()), std::sort(lags.begin(), lags.end());
   EXPECT_LE(edges[6], 0.002);
   EXPECT_LE(edges.back(), 0.01);
-  // fem of 3,000 triangles is 6 mm behind; the hybrid was 21 when its edges still turned
+  // fem of 3,000 triangles is 6 mm behind; the hybrid was 21 mm behind when its edges still flipped
   EXPECT_LE(lags[6], 0.014);
-  // a seed scatters by 8, so the mean of 12 by 2.3; 3.3 of these: 99.9 %
+  // births scatter by 8 from seed to seed, so the mean of 12 by 2.3; 3.3 times this: 99.9 %
   EXPECT_NEAR(mean(all, births), 37, 8);
 }
 
-TEST(CrumpleStatistics, TwiceTheFrameRateGivesTheSameCrumples) {
+TEST(CrumpleStatisticsTest, TwiceTheFrameRateGivesTheSameCrumples) {
   const std::vector<Crumpled> slow = crumples({}, 6), fast = crumples({"S4_crumple", 48}, 6);
   const auto first = [](const Crumpled& c) { return c.first_birth; };
   const auto plastic = [](const Crumpled& c) { return c.plastic.rbegin()->second; };
@@ -115,17 +115,17 @@ TEST(CrumpleStatistics, TwiceTheFrameRateGivesTheSameCrumples) {
   EXPECT_NEAR(mean(fast, plastic) / mean(slow, plastic), 1, 0.1);
 }
 
-TEST(CrumpleStatistics, HeavierPaperHasLargerFacets) {
+TEST(CrumpleStatisticsTest, HeavierPaperHasLargerFacets) {
   const double copy = mean(crumples({"S4r_release"}, 6), births),
                card = mean(crumples({"S4r_release", 24, 250 / 70.0}, 6), births);
   EXPECT_GE(card, 8);
-  EXPECT_LT(card, 0.8 * copy);  // facets have 1/births of the sheet
+  EXPECT_LT(card, 0.8 * copy);  // a facet has 1/births of the area of the sheet
 }
 
-TEST(CrumpleStatistics, PlasticTurnDoesNotDependOnTheMesh) {
+TEST(CrumpleStatisticsTest, ThePlasticTurnDoesNotDependOnTheMesh) {
   constexpr int seeds = 4;
-  std::map<int, std::vector<double>> turn;  // of three densities, by frame
-  for (const int base : {150, 300, 600}) {  // end with about 185, 320 and 635 triangles
+  std::map<int, std::vector<double>> turn;  // for three densities, by frame
+  for (const int base : {150, 300, 600}) {  // these end with about 185, 320 and 635 triangles
     const std::vector<Crumpled> all = crumples({"S4_crumple", 24, 1, base}, seeds);
     for (const int frame : {24, 48, 72, 96})
       turn[frame].push_back(mean(all, [&](const Crumpled& c) { return c.plastic.at(frame); }));

@@ -39,7 +39,7 @@ Method hybrid_of(const Shot& shot, unsigned seed = 0) {
   return hybrid(shot.pattern, shot.paper, 120, {}, seed, 0);
 }
 
-TEST(Hybrid, ArchOfAHundredTrianglesIsNearlyTheElastica) {
+TEST(HybridTest, AnArchOfAHundredTrianglesIsNearlyTheElastica) {
   const Shot shot = test::s1_push();
   const Played played = play(shot, hybrid_of(shot), 24);
   const Sheet& sheet = played.sheets.back();
@@ -49,8 +49,8 @@ TEST(Hybrid, ArchOfAHundredTrianglesIsNearlyTheElastica) {
   EXPECT_TRUE(sheet.singular.empty());
 }
 
-TEST(Hybrid, FramesTellTheRulingsAndRegionsOfAnArch) {
-  const Shot shot = test::s1_push();  // bends about lines across the push, along y
+TEST(HybridTest, FramesReportTheRulingsAndRegionsOfAnArch) {
+  const Shot shot = test::s1_push();  // bends about lines along y, across the push
   const Played played = play(shot, hybrid_of(shot), 24);
   const BentParts& parts = played.frames.back().parts;
   ASSERT_GT(parts.rulings.size(), 5u);
@@ -58,10 +58,10 @@ TEST(Hybrid, FramesTellTheRulingsAndRegionsOfAnArch) {
   ASSERT_EQ(static_cast<Eigen::Index>(parts.region.size()), played.sheets.back().triangles.rows());
   const std::set<int> curved(parts.region.begin(), parts.region.end());
   EXPECT_GE(*curved.rbegin(), 0);
-  EXPECT_LE(curved.size(), 5u);  // an arch with its feet, and what is flat
+  EXPECT_LE(curved.size(), 5u);  // an arch, its feet, and what is flat
 }
 
-TEST(Hybrid, NothingChangesWhileNothingMoves) {
+TEST(HybridTest, NothingChangesWhileNothingMoves) {
   Shot shot = test::s1_push();
   for (Handle& handle : shot.handles)  // at rest from frame 12 on
     for (int f = 12; f < handle.keyed.rows(); ++f) handle.keyed.row(f) = handle.keyed.row(11);
@@ -69,15 +69,15 @@ TEST(Hybrid, NothingChangesWhileNothingMoves) {
   const Played played = play(shot, hybrid_of(shot), 30);
   for (std::size_t f = 18; f < played.sheets.size(); ++f) {
     EXPECT_TRUE(played.sheets[f].triangles == played.sheets[17].triangles) << f;
-    // twice the stop
+    // twice the `stop` of the solver
     EXPECT_LT((played.sheets[f].x - played.sheets[17].x).rowwise().norm().maxCoeff(), 2e-5) << f;
     EXPECT_EQ(played.frames[f].newton_iterations, 0) << f;  // and it costs nothing
   }
 }
 
-TEST(Hybrid, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
-  // a 60 x 20 mm strip led round a cylinder by handles along both borders, let go at frame 25;
-  // yield at 100 1/m, hardening 0.3
+TEST(HybridTest, OnlyPaperWoundTooTightlyKeepsACurl) {
+  // A strip of 60 x 20 mm is led around a cylinder by handles along both borders and released at
+  // frame 25; it yields at 100 1/m with a hardening of 0.3.
   const auto curl = [](double curvature) {
     constexpr int frames = 40, rows = 31;
     Shot shot = test::blank_shot(test::rectangle(0.06, 0.02));
@@ -96,7 +96,7 @@ TEST(Hybrid, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
     options.last_frame = frames;
     options.memory = Memory::plastic;
     options.show_memory = true;
-    options.elastic.contact = SelfContact::off;  // it is wound twice round the same cylinder
+    options.elastic.contact = SelfContact::off;  // it is wound twice around the same cylinder
     double plastic = 0, residual = 0, kept = 0;
     animate(
         shot, hybrid(shot.pattern, shot.paper, 240, {}, 0, 0), options,
@@ -111,7 +111,7 @@ TEST(Hybrid, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
             residual += 0.1;
           return true;
         });
-    // the free sheet lies as it remembers, but for its ends
+    // except for its ends the free sheet has the curvature that it kept
     EXPECT_NEAR(kept, residual < 1 ? 0 : residual, std::max(1.0, 0.15 * residual));
     return std::make_pair(residual, plastic);
   };
@@ -121,7 +121,7 @@ TEST(Hybrid, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
   EXPECT_LT(loose.second, 0.02 * tight.second);
 }
 
-/// Eight handles drawn to the middle: the sheet must break.
+/// Eight handles are drawn towards the middle: the sheet must break.
 Shot crush() {
   constexpr int frames = 40;
   Shot shot = test::blank_shot(test::rectangle(0.21, 0.21));
@@ -141,7 +141,7 @@ Shot crush() {
   return shot;
 }
 
-TEST(Hybrid, ACrushedSheetGetsSingularPointsThatStayAndAreItsOwnBySeed) {
+TEST(HybridTest, SingularPointsOfACrushedSheetStayAndDependOnTheSeed) {
   const Shot shot = crush();
   const Played a = play(shot, hybrid_of(shot, 1), 40), again = play(shot, hybrid_of(shot, 1), 40),
                b = play(shot, hybrid_of(shot, 2), 40);
@@ -165,7 +165,7 @@ TEST(Hybrid, ACrushedSheetGetsSingularPointsThatStayAndAreItsOwnBySeed) {
   }
 }
 
-TEST(Hybrid, OptionsBoundHowManyPointsAreBorn) {
+TEST(HybridTest, OptionsBoundTheNumberOfSingularPoints) {
   const Shot shot = crush();
   const auto born = [&](const CrumpleOptions& options) {
     return play(shot, hybrid(shot.pattern, shot.paper, 120, options, 1, 0), 30)

@@ -14,7 +14,7 @@ Change change_named(const std::string& name) {
   throw std::invalid_argument(name);
 }
 
-/// A sample by the hybrid, under a change.
+/// A sample scene simulated with the hybrid method, under a change.
 Shapes hybrid_shapes(const char* scene, const char* change, int last_frame) {
   const auto [shot, fps] = shot_of(cases_named({scene}).front());
   const auto make = [](const Shot& s, double turn) {
@@ -23,27 +23,27 @@ Shapes hybrid_shapes(const char* scene, const char* change, int last_frame) {
   return shapes_of(shot, make, change_named(change), 0, fps, last_frame);
 }
 
-TEST(Invariance, ArchIsTheSameInOtherStepsAtOtherSpeedsAndOnAnotherMesh) {
+TEST(InvarianceTest, AnArchIsTheSameWithOtherStepsSpeedsAndMeshes) {
   const Pattern pattern = shot_of(cases_named({"S1"}).front()).shot.pattern;
   const Shapes arch = hybrid_shapes("S1", "as it is", 24);
   ASSERT_EQ(arch.frames.size(), 6u);
   ASSERT_GT(arch.frames.back().col(2).maxCoeff(), 0.015);
   for (const char* change : {"dt x4", "dt /4", "speed x4", "mesh 17 deg"}) {
     const double apart = apart_pct(arch, hybrid_shapes("S1", change, 24), pattern);
-    EXPECT_GT(apart, 1e-6) << change;  // it did change something
+    EXPECT_GT(apart, 1e-6) << change;  // the change did have an effect
     EXPECT_LT(apart, 0.2) << change;   // measured: 0.04-0.09
   }
 }
 
-TEST(Invariance, StripThatBucklesChoosesTheSameSideOnEveryMesh) {
+TEST(InvarianceTest, AStripBucklesToTheSameSideOnEveryMesh) {
   const Pattern pattern = shot_of(cases_named({"S2"}).front()).shot.pattern;
   const Shapes strip = hybrid_shapes("S2", "as it is", 8);
-  // the other side is 5 % away in frame 4
+  // the opposite side is 5 % away in frame 4
   for (const char* change : {"mesh 17 deg", "mesh 41 deg", "dt /4"})
     EXPECT_LT(apart_pct(strip, hybrid_shapes("S2", change, 8), pattern), 0.3) << change;
 }
 
-TEST(Invariance, StepsOfFourFramesMeetHandlesWhereTheyWereKeyed) {
+TEST(InvarianceTest, StepsOfFourFramesMeetHandlesWhereTheyWereKeyed) {
   Shot shot;
   Handle handle;
   handle.keyed.resize(9, 3);

@@ -10,14 +10,14 @@
 namespace paperbake {
 namespace {
 
-/// A sheet of ruling strips rolled to radius R: rulings along y, the vertices on the arc.
+/// A sheet of ruling strips rolled to radius R: rulings along y, vertices on the arc. [m]
 Sheet ruled_roll(double R, int strips) {
   Sheet sheet = test::strip_sheet(0.1, 0.05, strips);
   test::roll(sheet, R);
   return sheet;
 }
 
-/// Largest distance from the axis of that roll, over places inside, minus R. [m]
+/// Largest |distance from the axis of this roll - R| over points of the inner triangles. [m]
 double off_the_cylinder(const CurvedSurface& surface, double R, int from_border) {
   double most = 0;
   for (int t = from_border; t < surface.triangles.rows() - from_border; ++t)
@@ -29,24 +29,24 @@ double off_the_cylinder(const CurvedSurface& surface, double R, int from_border)
   return most;
 }
 
-TEST(CurvedSurface, StripsOfACylinderBecomeACylinder) {
+TEST(CurvedSurfaceTest, StripsOfACylinderBecomeACylinder) {
   const double R = 0.03;
   const Sheet sheet = ruled_roll(R, 12);
   CurvedSurface flat = curve(sheet), curved = flat;
   flat.bulge.setZero();
   flat.corners = sheet.x;
-  // what the drawing in takes away is half of what the patches stand out on the mean: put it back
-  // to compare with the arc
+  // Drawing the corners in removes half of the mean height of the patches. It is undone here, to
+  // compare with the arc.
   curved.corners = sheet.x;
   const double chord = off_the_cylinder(flat, R, 6);
   ASSERT_GT(chord, 2e-4);  // the strips are 8.3 mm wide: 0.29 mm below their arc
   EXPECT_LT(off_the_cylinder(curved, R, 6), 0.1 * chord);
 }
 
-TEST(CurvedSurface, IsWithoutGapsWhateverTheMesh) {
+TEST(CurvedSurfaceTest, TheSurfaceHasNoGapsOnAnyMesh) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8, 0.25);
   test::roll(sheet, 0.03);
-  // not developable either
+  // and not developable
   for (int v = 0; v < sheet.x.rows(); ++v)
     sheet.x(v, 2) += 2e-3 * std::sin(900 * sheet.pattern(v, 1));
   const CurvedSurface surface = curve(sheet);
@@ -69,7 +69,7 @@ TEST(CurvedSurface, IsWithoutGapsWhateverTheMesh) {
   EXPECT_GT(most_bulge, 1e-4);
 }
 
-TEST(CurvedSurface, AFoldStaysSharpAndFlatBesideIt) {
+TEST(CurvedSurfaceTest, AFoldStaysSharpAndTheSheetBesideItFlat) {
   Sheet sheet = test::strip_sheet(0.1, 0.05, 8);
   for (int v = 0; v < sheet.x.rows(); ++v) {  // folded by 90 degrees along x = 0.05
     const double s = sheet.pattern(v, 0) - 0.05;
@@ -80,7 +80,7 @@ TEST(CurvedSurface, AFoldStaysSharpAndFlatBesideIt) {
   EXPECT_LT(surface.bulge.cwiseAbs().maxCoeff(), 1e-12);
 }
 
-TEST(CurvedSurface, HeldVerticesAreNotDrawnIn) {
+TEST(CurvedSurfaceTest, HeldVerticesAreNotDrawnIn) {
   const Sheet sheet = ruled_roll(0.02, 8);
   const CurvedSurface all = curve(sheet), held = curve(sheet, {6, 7});
   ASSERT_GT((all.corners.row(6) - sheet.x.row(6)).norm(), 1e-5);
@@ -88,7 +88,7 @@ TEST(CurvedSurface, HeldVerticesAreNotDrawnIn) {
   EXPECT_EQ((held.corners.row(7) - sheet.x.row(7)).norm(), 0);
 }
 
-TEST(CreaseShare, RisesSmoothlyFromNothingToAll) {
+TEST(CurvedSurfaceTest, CreaseShareRisesSmoothlyFromZeroToOne) {
   EXPECT_EQ(crease_share(0.4), 0);
   EXPECT_EQ(crease_share(-0.8), 1);
   EXPECT_NEAR(crease_share(0.6), 0.5, 1e-12);

@@ -45,7 +45,7 @@ double area_of(const RenderMesh& mesh) {
   return sum;
 }
 
-TEST(RenderMesh, HasEveryPointAndEveryCrease) {
+TEST(RenderMeshTest, HasEveryPointAndEveryCrease) {
   const RenderFeatures features{{{0.03, 0.04}, {0, 0.05}, {0.1, 0.1}},
                                 {{{0.03, 0.04}, {0.1, 0.0773}}, {{0.01, 0.09}, {0.09, 0.015}}}};
   const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
@@ -70,7 +70,7 @@ TEST(RenderMesh, HasEveryPointAndEveryCrease) {
   EXPECT_NEAR(mesh.triangles.rows(), equilateral, 0.15 * equilateral);
 }
 
-TEST(RenderMesh, SimulatedEdgesAreRowsOfEdges) {
+TEST(RenderMeshTest, SimulatedEdgesAreRowsOfEdges) {
   // two meshes of one shot, whose edges cross at all angles
   const Sheet meshes[] = {test::hex_sheet(0.1, 0.1, 6, 0.2, 1),
                           test::hex_sheet(0.1, 0.1, 5, 0.2, 2)};
@@ -94,7 +94,7 @@ TEST(RenderMesh, SimulatedEdgesAreRowsOfEdges) {
       const int under = locator.locate(middle).triangle;
       for (int i = 0; i < 3; ++i) {
         const Vector2d p = mesh.pattern.row(mesh.triangles(t, i));
-        for (int k = 0; k < 3; ++k) {  // on the inner side of each side of the simulated triangle
+        for (int k = 0; k < 3; ++k) {  // inside each side of the simulated triangle
           const Vector2d a = sheet.pattern.row(sheet.triangles(under, k)),
                          d = (sheet.pattern.row(sheet.triangles(under, (k + 1) % 3)).transpose() -
                               a)
@@ -109,7 +109,7 @@ TEST(RenderMesh, SimulatedEdgesAreRowsOfEdges) {
       << "no room: 3.6 m of edges, and 2 m may be";
 }
 
-TEST(RenderMesh, ACreaseThatRunsIntoTheBorderAtASmallAngleIsWhole) {
+TEST(RenderMeshTest, ACreaseThatMeetsTheBorderAtASmallAngleIsComplete) {
   for (const double slope : {1.0, 0.5, 0.3, 0.2}) {
     const RenderFeatures features{{}, {{{0.0311, 0.0}, {0.07, 0.0389 * slope}}}};
     const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
@@ -120,13 +120,13 @@ TEST(RenderMesh, ACreaseThatRunsIntoTheBorderAtASmallAngleIsWhole) {
   }
 }
 
-TEST(RenderMesh, ACrowdOfCreasesMakesNoNeedles) {
+TEST(RenderMeshTest, ManyCreasesMakeNoNeedles) {
   RenderFeatures features;
   for (int k = 0; k < 60; ++k) {
     const auto at = [&](int i) { return 0.1 * uniform(5, 4 * k + i); };
     features.creases.push_back({{at(0), at(1)}, {at(2), at(3)}, 1.0});
   }
-  for (int k = 0; k < 10; ++k)  // side by side, and twice the same
+  for (int k = 0; k < 10; ++k)  // side by side, and one of them twice
     features.creases.push_back({{0.02, 0.03 + 2e-4 * k}, {0.08, 0.03 - 1e-4 * k}, 1.0});
   features.creases.push_back(features.creases.back());
   const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
@@ -135,7 +135,7 @@ TEST(RenderMesh, ACrowdOfCreasesMakesNoNeedles) {
   EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
 }
 
-TEST(RenderMesh, LeavesOutTheLightestCreasesWhereThereAreTooMany) {
+TEST(RenderMeshTest, LeavesOutTheLightestCreasesWhenThereAreTooMany) {
   RenderFeatures features;
   for (int k = 1; k < 100; ++k)
     features.creases.push_back({{0.001 * k, 0.0}, {0.001 * k, 0.1}, k == 50 ? 2.0 : 1.0});
@@ -148,14 +148,14 @@ TEST(RenderMesh, LeavesOutTheLightestCreasesWhereThereAreTooMany) {
   EXPECT_NEAR(heaviest, 0.1, 1e-6);
 }
 
-TEST(RenderMesh, KeepsToTheMostTriangles) {
+TEST(RenderMeshTest, HasNoMoreTrianglesThanAllowed) {
   const RenderFeatures features{{}, {{{0.01, 0.01}, {0.09, 0.08}}}};
   const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.001, features, 3000);
   EXPECT_LE(mesh.triangles.rows(), 3000);
   EXPECT_GT(mesh.triangles.rows(), 2500);
 }
 
-TEST(RenderMesh, FollowsAFineBorder) {
+TEST(RenderMeshTest, FollowsAFineBorder) {
   Pattern disc;
   for (int k = 0; k < 2000; ++k)
     disc.outline.emplace_back(0.05 + 0.05 * std::cos(M_PI * k / 1000),
@@ -168,7 +168,7 @@ TEST(RenderMesh, FollowsAFineBorder) {
   EXPECT_NEAR(area_of(mesh), M_PI * 0.05 * 0.05, 1e-4 * 0.0079);
 }
 
-/// A sheet folded by `angle` along a line of its mesh, bent to radius R on both sides.
+/// A sheet folded by `angle` [rad] along a line of its mesh, bent to radius R [m] on both sides.
 struct Folded {
   RenderMesh mesh =
       mesh_for_render(test::rectangle(0.1, 0.1), 0.004, {{}, {{{0.05, 0.0}, {0.05, 0.1}}}});
@@ -182,7 +182,7 @@ struct Folded {
           -d * arc.x() + c * arc.y();
     }
   }
-  /// Normal of the curved sheet at pattern s on one side of the fold.
+  /// Normal of the curved sheet at distance s on the pattern, on one side of the fold.
   static Vector3d normal(double s, double side, double angle, double R) {
     const double a = std::abs(s) / R + angle / 2;
     return {side * std::sin(a), 0, std::cos(a)};
@@ -206,18 +206,19 @@ double worst_normal(const Points3& x, const RenderMesh& mesh, const CreasedNorma
   return worst * 180 / M_PI;
 }
 
-TEST(CreasedNormals, AreSplitAtAFoldAndSmoothBesideIt) {
+TEST(RenderMeshTest, NormalsAreSplitAtAFoldAndSmoothBesideIt) {
   const double R = 0.04, angle = 1.2;
   const Folded folded(angle, R);
   const CreasedNormals normals(folded.mesh.triangles, folded.mesh.creases);
-  // at the fold a normal has triangles on one side only, so it is that of a place half an edge
-  // away: 4 mm turn by 5.7 degrees
+  // At the fold a normal has triangles on one side only, so it is the normal half an edge away:
+  // 4 mm turn by 5.7 degrees.
   EXPECT_LT(worst_normal(folded.x, folded.mesh, normals, angle, R), 3.5);
-  EXPECT_NEAR(normals.strength(folded.x).maxCoeff(), angle + 0.1, 0.05);  // + one edge of the bend
+  // plus one edge of the bend
+  EXPECT_NEAR(normals.strength(folded.x).maxCoeff(), angle + 0.1, 0.05);
   EXPECT_GT(normals.of_corner().maxCoeff() + 1, folded.mesh.pattern.rows());
 }
 
-TEST(CreasedNormals, OfACreaseThatLiesFlatAreTheSameOnBothSides) {
+TEST(RenderMeshTest, NormalsOfAFlatCreaseAreTheSameOnBothSides) {
   const Folded folded(0, 0.04);
   const CreasedNormals creased(folded.mesh.triangles, folded.mesh.creases),
       smooth(folded.mesh.triangles, {});
@@ -228,7 +229,7 @@ TEST(CreasedNormals, OfACreaseThatLiesFlatAreTheSameOnBothSides) {
       EXPECT_LT((a.row(creased.of_corner()(t, i)) - b.row(smooth.of_corner()(t, i))).norm(), 1e-12);
 }
 
-TEST(Subdivision, OfAFoldedRollKeepsRadiusAndFold) {
+TEST(RenderMeshTest, SubdivisionOfAFoldedRollKeepsRadiusAndFold) {
   const double R = 0.04, angle = 1.2;
   const Folded folded(angle, R);
   const CreasedNormals normals(folded.mesh.triangles, folded.mesh.creases);
@@ -243,7 +244,7 @@ TEST(Subdivision, OfAFoldedRollKeepsRadiusAndFold) {
   for (std::size_t m = 0; m < fine.middles.size(); ++m) {
     const int v = static_cast<int>(folded.x.rows() + m);
     const double s = fine.mesh.pattern(v, 0) - 0.05;
-    // normals at the border are one-sided
+    // normals at the border have triangles on one side only
     if (fine.mesh.pattern.row(v).minCoeff() < 0.004 || fine.mesh.pattern.row(v).maxCoeff() > 0.096)
       continue;
     const Vector3d& centre = axis[s < 0];
@@ -258,7 +259,7 @@ TEST(Subdivision, OfAFoldedRollKeepsRadiusAndFold) {
   }
   ASSERT_GT(chord, 3e-5);  // 4 mm over 8 R
   EXPECT_LT(off, 0.5 * chord);
-  // 3.3 before
+  // [deg] 3.3 before the subdivision
   EXPECT_LT(
       worst_normal(x, fine.mesh, CreasedNormals(fine.mesh.triangles, fine.mesh.creases), angle, R),
       2.8);

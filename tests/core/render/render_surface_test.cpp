@@ -14,8 +14,8 @@ namespace {
 
 constexpr double R = 0.03;
 
-/// A coarse roll whose edges across have their true lengths, as a simulated sheet's would: chords
-/// of the pattern's length.
+/// A coarse roll whose edges across the rulings have their true lengths, as in a simulated sheet:
+/// they are chords as long as on the pattern.
 Sheet coarse_roll() {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   test::roll(sheet, R);
@@ -34,7 +34,7 @@ Rendered rendered(const Sheet& sheet, Quality quality, const RenderFeatures& fea
   return {std::move(render), std::move(frame)};
 }
 
-/// Mean angle of the normals to those of the roll, at vertices 5 mm and more inside. [deg]
+/// Mean angle between the normals and those of the roll, at vertices at least 5 mm inside. [deg]
 double normals_off(const Rendered& r) {
   double sum = 0, count = 0;
   const Points2& pattern = r.render.mesh().pattern;
@@ -48,9 +48,9 @@ double normals_off(const Rendered& r) {
   return sum / count * 180 / M_PI;
 }
 
-TEST(RenderSheet, ShowsACoarseRollAsARoll) {
+TEST(RenderSurfaceTest, ShowsACoarseRollAsASmoothRoll) {
   const Sheet sheet = coarse_roll();
-  // mean over a facet of 10 mm, were it flat: 4.8 degrees
+  // mean over a flat facet of 10 mm: 4.8 degrees
   const double flat_facet = 180 / M_PI * 0.01 / R / 4;
   for (const Quality quality : {Quality::shot, Quality::hero}) {
     const Rendered r = rendered(sheet, quality);
@@ -61,7 +61,7 @@ TEST(RenderSheet, ShowsACoarseRollAsARoll) {
   }
 }
 
-TEST(RenderSheet, StaysWithinTheChordErrorOfWhatIsSimulated) {
+TEST(RenderSurfaceTest, StaysWithinTheChordErrorOfTheSimulatedSheet) {
   const Sheet sheet = coarse_roll();
   const Rendered r = rendered(sheet, Quality::shot);
   const auto places = r.render.places_on(sheet.pattern, sheet.triangles);
@@ -72,10 +72,11 @@ TEST(RenderSheet, StaysWithinTheChordErrorOfWhatIsSimulated) {
         (interpolate(places[v], sheet.triangles, sheet.x) - r.frame.x.row(v).transpose()).norm());
   const double sagitta = 0.01 * 0.01 / (8 * R);
   EXPECT_GT(most, 0.5 * sagitta);
-  EXPECT_LT(most, 1.5 * sagitta);  // + what the lengths of an arc want that the chords had not
+  // plus what the lengths of the arc need and the chords did not have
+  EXPECT_LT(most, 1.5 * sagitta);
 }
 
-TEST(RenderSheet, HandlesAreWhereTheyAreHeld) {
+TEST(RenderSurfaceTest, HandlesAreWhereTheyAreHeld) {
   const Sheet sheet = coarse_roll();
   const RenderFeatures features{{{0, 0}, {0.05, 0.05}, {0.1, 0.03}}, {}};
   Points3 at(2, 3);
@@ -86,14 +87,14 @@ TEST(RenderSheet, HandlesAreWhereTheyAreHeld) {
               Vector3d(at.row(k)));
 }
 
-TEST(RenderSheet, IsTheSameTwice) {
+TEST(RenderSurfaceTest, GivesTheSameFrameTwice) {
   const Sheet sheet = coarse_roll();
   const Rendered a = rendered(sheet, Quality::hero), b = rendered(sheet, Quality::hero);
   EXPECT_EQ(a.frame.x, b.frame.x);
   EXPECT_EQ(a.frame.normals, b.frame.normals);
 }
 
-TEST(ShotRecord, KeepsMeshesOnceAndWhatAMeshForAllFramesHasToShow) {
+TEST(RenderSurfaceTest, AShotRecordKeepsEachMeshOnceAndTheFeaturesOfTheShot) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const auto fold = [&](double angle) {  // along y = 0.05 of the pattern
     for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -121,7 +122,7 @@ TEST(ShotRecord, KeepsMeshesOnceAndWhatAMeshForAllFramesHasToShow) {
   EXPECT_TRUE(record.frames()[1].held.empty());
   EXPECT_EQ(record.frames()[2].held, std::vector<int>{0});
   EXPECT_EQ(Vector3d(record.frames()[2].held_at.row(0)), Vector3d(0.1, 0.2, 0.3));
-  // 32-bit floats
+  // positions are recorded in 32 bits
   EXPECT_LT((record.sheet(record.frames()[7]).x - sheet.x).cwiseAbs().maxCoeff(), 1e-8);
   const RenderFeatures features = record.features(shot);
   EXPECT_EQ(features.points.front(), Vector2d(0.02, 0.1));

@@ -17,14 +17,14 @@ LocalGlobalOptions smooth_over(double length) {
   return options;
 }
 
-/// The curvature tensors of a sheet that test::roll has rolled.
+/// The curvature tensors of a sheet rolled by test::roll.
 Points3 rolled(const Sheet& sheet, double R) {
   Points3 curvature = Points3::Zero(sheet.x.rows(), 3);
   curvature.col(0).setConstant(1 / R);
   return curvature;
 }
 
-TEST(ColumnCholesky, SolvesThreeColumnsAsADenseSolverDoes) {
+TEST(ShapeFitTest, ColumnCholeskySolvesThreeColumnsLikeADenseSolver) {
   const int n = 60;
   Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(n, n);
   for (int k = 0; k < 400; ++k) {
@@ -39,26 +39,26 @@ TEST(ColumnCholesky, SolvesThreeColumnsAsADenseSolverDoes) {
   const Points3 x = ColumnCholesky(lower.sparseView()).solve(b),
                 wanted = dense.llt().solve(Eigen::MatrixXd(b));
   ASSERT_GT(wanted.norm(), 1);
-  EXPECT_LT((x - wanted).norm(), 1e-5 * wanted.norm());  // 32-bit floats
+  EXPECT_LT((x - wanted).norm(), 1e-5 * wanted.norm());  // the factor has 32-bit numbers
 }
 
-TEST(LocalGlobal, LeavesACylinderWhereItIs) {
+TEST(ShapeFitTest, LeavesACylinderWhereItIs) {
   const double R = 0.03;
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   test::roll(sheet, R);
   LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const Points3 x = solve(sheet.x, rolled(sheet, R));
-  // at the border the quadratic bending knows no moment; elsewhere nothing but the chords of the
-  // mesh
+  // at the border quadratic bending has no moment; elsewhere only the chords of the mesh remain
   EXPECT_LT((x - sheet.x).rowwise().norm().maxCoeff(), 1e-5);
-  // inside, bending of a cylinder is at rest whatever is aimed at; at its border it would roll out
+  // Inside, the bending of a cylinder is at rest whatever curvature is aimed at; at its border it
+  // would unroll.
   const Points3 flattened = solve(sheet.x, Points3::Zero(sheet.x.rows(), 3));
   EXPECT_GT((flattened - sheet.x).rowwise().norm().maxCoeff(), 2e-5)
       << "the curvature that is aimed at does matter";
 }
 
-TEST(LocalGlobal, TakesOutStretch) {
+TEST(ShapeFitTest, RemovesStretch) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   test::roll(sheet, 0.03);
   sheet.x *= 1.005;
@@ -67,11 +67,11 @@ TEST(LocalGlobal, TakesOutStretch) {
   const double before = length_distortion(sheet).mean;
   ASSERT_GT(before, 0.0045);
   sheet.x = solve(sheet.x, rolled(sheet, 0.03));
-  // stretch over the whole sheet is what place resists most
+  // stretch of the whole sheet is what the position term resists most
   EXPECT_LT(length_distortion(sheet).mean, 0.12 * before);
 }
 
-TEST(LocalGlobal, TakesOutRipples) {
+TEST(ShapeFitTest, RemovesRipples) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   test::roll(sheet, 0.03);
   const Points3 smooth = vertex_normals(sheet.x, sheet.triangles);
@@ -88,7 +88,7 @@ TEST(LocalGlobal, TakesOutRipples) {
   EXPECT_LT(roughness(solve(sheet.x, rolled(sheet, 0.03))), 0.2 * rough);
 }
 
-TEST(LocalGlobal, KeepsAFoldSharp) {
+TEST(ShapeFitTest, KeepsAFoldSharp) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50);
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const double s = sheet.pattern(v, 0) - 0.05;
@@ -98,12 +98,12 @@ TEST(LocalGlobal, KeepsAFoldSharp) {
   LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const Points3 x = solve(sheet.x, Points3::Zero(sheet.x.rows(), 3));
-  // every other row of this mesh has its vertices beside the fold, so it is a saw of one edge of 2
-  // mm, and a little of that is smoothed; rounded over 6 mm it would be a millimetre off
+  // Every other row of this mesh has its vertices beside the fold, so that the fold is a saw of one
+  // edge (2 mm), and a little of that is smoothed. Rounded over 6 mm it would be a millimetre away.
   EXPECT_LT((x - sheet.x).rowwise().norm().maxCoeff(), 3e-4);
 }
 
-TEST(LocalGlobal, HeldVerticesStayToTheLastBit) {
+TEST(ShapeFitTest, HeldVerticesStayToTheLastBit) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 20);
   test::roll(sheet, 0.03);
   sheet.x(5, 2) += 1e-3;
@@ -117,7 +117,7 @@ TEST(LocalGlobal, HeldVerticesStayToTheLastBit) {
   EXPECT_GT((solve(sheet.x, rolled(sheet, 0.03)).row(5) - sheet.x.row(5)).norm(), 1e-4);
 }
 
-TEST(LocalGlobal, AnswersTheSameTwice) {
+TEST(ShapeFitTest, GivesTheSameResultTwice) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 20, 0.2);
   test::roll(sheet, 0.03);
   sheet.x(5, 2) += 1e-3;

@@ -10,7 +10,7 @@
 namespace paperbake {
 namespace {
 
-/// A sheet folded by 90 degrees along a line that runs beside the edges of its mesh.
+/// A sheet folded by 90 degrees along a line that is not along the edges of its mesh.
 Sheet cut_by_a_fold() {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -20,18 +20,18 @@ Sheet cut_by_a_fold() {
   return sheet;
 }
 
-TEST(StrainLimit, BringsEdgesThatAFoldCutsBackToTheLimit) {
+TEST(StrainLimitTest, BringsEdgesCutByAFoldBackToTheLimit) {
   Sheet sheet = cut_by_a_fold();
-  // 1 - 1/sqrt 2 where the fold cuts an edge in halves
+  // 1 - 1/sqrt 2 where the fold halves an edge
   ASSERT_GT(length_distortion(sheet).largest, 0.2);
   StrainLimitOptions options;
-  options.sweeps = 400;  // as many as it takes: the two sides are pushed apart as a whole
+  options.sweeps = 400;  // as many as needed: both sides are pushed apart as a whole
   StrainLimit(sheet.pattern, sheet.triangles, options)(sheet.x,
                                                        std::vector<char>(sheet.x.rows(), 0));
   EXPECT_LT(length_distortion(sheet).largest, 1.01 * options.limit);
 }
 
-TEST(StrainLimit, LeavesWhatIsWithinTheLimitToTheLastBit) {
+TEST(StrainLimitTest, LeavesWhatIsWithinTheLimitToTheLastBit) {
   Sheet sheet = cut_by_a_fold();
   const Points3 before = sheet.x;
   StrainLimit(sheet.pattern, sheet.triangles, {})(sheet.x, std::vector<char>(sheet.x.rows(), 0));
@@ -39,7 +39,7 @@ TEST(StrainLimit, LeavesWhatIsWithinTheLimitToTheLastBit) {
   for (int v = 0; v < before.rows(); ++v) {
     const double off = (sheet.x.row(v) - before.row(v)).norm();
     moved = std::max(moved, off);
-    // what is 0.6 mm too short spreads at 2 % a row until it is used up, and that takes 30 mm
+    // The 0.6 mm that are missing are made up at 2 % in each row, which takes 30 mm.
     if (std::abs(sheet.pattern(v, 0) - 0.0507) > 0.035) {
       EXPECT_EQ(off, 0);
     }
@@ -47,7 +47,7 @@ TEST(StrainLimit, LeavesWhatIsWithinTheLimitToTheLastBit) {
   EXPECT_GT(moved, 1e-4);
 }
 
-TEST(StrainLimit, HeldVerticesStayToTheLastBit) {
+TEST(StrainLimitTest, HeldVerticesStayToTheLastBit) {
   Sheet sheet = cut_by_a_fold();
   const Points3 before = sheet.x;
   std::vector<char> held(sheet.x.rows(), 0);
@@ -63,7 +63,7 @@ TEST(StrainLimit, HeldVerticesStayToTheLastBit) {
   EXPECT_GT(moved, 1e-4) << "the others give all the more";
 }
 
-TEST(StrainLimit, TheWorstEdgeIsTheOneThatIsFarthestFromItsLengthEitherWay) {
+TEST(StrainLimitTest, TheWorstEdgeMayBeTooLongOrTooShort) {
   Points2 pattern(3, 2);
   pattern << 0, 0, 0.1, 0, 0, 0.1;
   Triangles triangles(1, 3);

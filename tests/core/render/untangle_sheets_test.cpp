@@ -14,8 +14,8 @@ namespace {
 
 constexpr double height = 0.05, half = M_PI / 6;  // [m], [rad] half the angle of the fold
 
-/// A sheet of four triangles, folded sharply at `fold` from its left border; the bottom of the fold
-/// is at z = `up`. [m]
+/// A sheet of four triangles, folded sharply at the distance `fold` from its left border, with the
+/// bottom of the fold at z = `up`. [m]
 Sheet folded(double width, double fold, double up) {
   Sheet sheet;
   sheet.pattern.resize(6, 2);
@@ -30,7 +30,7 @@ Sheet folded(double width, double fold, double up) {
   return sheet;
 }
 
-/// Two of them, one in the other; their render meshes have nothing in common.
+/// Two such sheets, one in the other; their render meshes have nothing in common.
 struct Nested {
   std::vector<Sheet> sheets;
   std::vector<RenderSheet> renders;
@@ -59,7 +59,7 @@ struct Nested {
   std::vector<Points3> positions() const { return {frames[0].x, frames[1].x}; }
 };
 
-TEST(RenderTogether, FacetsCutThroughEachOtherOnlyWhereTheMeshesHaveNoneOfTheSimulatedEdges) {
+TEST(UntangleSheetsTest, FacetsIntersectOnlyOnMeshesWithoutTheSimulatedEdges) {
   const double gap = 0.1e-3;
   const Nested without(gap, Nested::Edges::none), with(gap, Nested::Edges::all);
   ASSERT_EQ(crossings_between(without.sheets[0], without.sheets[1]), 0);
@@ -67,7 +67,7 @@ TEST(RenderTogether, FacetsCutThroughEachOtherOnlyWhereTheMeshesHaveNoneOfTheSim
   EXPECT_FALSE(RenderTogether(with.renders).cut_through_each_other(with.simulated));
 }
 
-TEST(RenderTogether, ASheetThatBulgesThroughAnotherGoesBackAndBothKeepTheirLengths) {
+TEST(UntangleSheetsTest, ASheetThatBulgesThroughAnotherGoesBackAndBothKeepTheirLengths) {
   Nested nested(0.1e-3, Nested::Edges::all);
   for (int v = 0; v < nested.frames[0].x.rows(); ++v)
     nested.frames[0].x(v, 2) +=
@@ -83,7 +83,7 @@ TEST(RenderTogether, ASheetThatBulgesThroughAnotherGoesBackAndBothKeepTheirLengt
   EXPECT_TRUE(nested.frames[0].kept_apart);
 }
 
-TEST(RenderTogether, WhereNothingPassesThroughAnotherNothingIsMoved) {
+TEST(UntangleSheetsTest, SheetsThatDoNotIntersectAreNotMoved) {
   Nested nested(0.02, Nested::Edges::none);
   const std::vector<Points3> before = nested.positions();
   const RenderTogether together(nested.renders);

@@ -14,7 +14,7 @@ namespace {
 
 constexpr double leg = 0.045, gap = 1e-3;  // [m]
 
-/// A strip folded to a U: where a point of the pattern is, its legs bent towards each other by
+/// Where a point of the pattern is on a strip folded to a U, whose legs bend towards each other by
 /// `bulge`. [m]
 Vector3d folded(const Vector2d& p, double bulge) {
   const double bend = M_PI * gap / 2, s = p.x();
@@ -26,7 +26,7 @@ Vector3d folded(const Vector2d& p, double bulge) {
 }
 
 Sheet strip(double bulge) {
-  // uneven: layers meet nowhere edge on edge
+  // irregular, so that nowhere edge meets edge between layers
   Sheet sheet = test::hex_sheet(2 * leg + M_PI * gap / 2, 0.02, 60, 0.2);
   for (int v = 0; v < sheet.x.rows(); ++v) sheet.x.row(v) = folded(sheet.pattern.row(v), bulge);
   return sheet;
@@ -34,7 +34,7 @@ Sheet strip(double bulge) {
 
 Vector3d on_facets(const Vector2d& p) { return folded(p, 0); }
 
-TEST(LayersApart, LayersThatBulgeThroughEachOtherGoBackAndNoFartherThanTheFacets) {
+TEST(UntangleTest, IntersectingLayersGoBackNoFartherThanTheFacets) {
   const Sheet facets = strip(0), curved = strip(0.8e-3);
   ASSERT_EQ(crossings(facets), 0);
   ASSERT_GT(crossings(curved), 20);
@@ -43,14 +43,14 @@ TEST(LayersApart, LayersThatBulgeThroughEachOtherGoBackAndNoFartherThanTheFacets
   EXPECT_TRUE(
       LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
   EXPECT_EQ(crossings(apart), 0);
-  // nearly half a gap of the bulge needs not go
+  // nearly half a gap of the bulge may stay
   EXPECT_GT((apart.x - facets.x).rowwise().norm().maxCoeff(), 0.2e-3);
   EXPECT_LE((apart.x - facets.x).rowwise().norm().maxCoeff(), 0.8e-3);
-  // the bend is shorter by chords
+  // the chords of the mesh shorten the bend
   EXPECT_LT(length_distortion(apart).largest, length_distortion(facets).largest + 0.01);
 }
 
-TEST(LayersApart, WhereNothingPassesThroughNothingIsMoved) {
+TEST(UntangleTest, LayersThatDoNotIntersectAreNotMoved) {
   const Sheet facets = strip(0), curved = strip(0.4e-3);
   ASSERT_EQ(crossings(curved), 0);
   Sheet apart = curved;
@@ -60,7 +60,7 @@ TEST(LayersApart, WhereNothingPassesThroughNothingIsMoved) {
   EXPECT_EQ(apart.x, curved.x);
 }
 
-TEST(LayersApart, HeldVerticesStay) {
+TEST(UntangleTest, HeldVerticesStay) {
   const Sheet facets = strip(0), curved = strip(0.8e-3);
   Sheet apart = curved;
   std::vector<char> held(apart.x.rows(), 0);
@@ -77,7 +77,7 @@ TEST(LayersApart, HeldVerticesStay) {
   EXPECT_GT(moved, 0.1e-3);
 }
 
-TEST(LayersApart, WhereTheFineFacetsPassThroughEachOtherTooThePointsThatMeetGoToTheirPlaces) {
+TEST(UntangleTest, IfTheFacetsIntersectTooContactPointsGoToTheirPlaces) {
   const Sheet curved = strip(0.502e-3);
   ASSERT_GT(crossings(curved), 5);
   Sheet apart = curved;
@@ -87,7 +87,7 @@ TEST(LayersApart, WhereTheFineFacetsPassThroughEachOtherTooThePointsThatMeetGoTo
   EXPECT_EQ(crossings(apart), 0);
 }
 
-TEST(LayersApart, WithoutPlacesTheEndIsSureHoweverFarThroughEachOtherTheyAre) {
+TEST(UntangleTest, WithFacetsThatDoNotIntersectSuccessIsCertain) {
   const Sheet facets = strip(0), curved = strip(6e-3);
   ASSERT_EQ(crossings(facets), 0);
   ASSERT_GT(crossings(curved), 50);
@@ -99,7 +99,7 @@ TEST(LayersApart, WithoutPlacesTheEndIsSureHoweverFarThroughEachOtherTheyAre) {
   EXPECT_EQ(crossings(apart), 0);
 }
 
-TEST(LayersApart, InTurnsLengthsAreNoWorseThanAfterOne) {
+TEST(UntangleTest, AlternatingRoundsGiveBetterLengthsThanOneRound) {
   const Sheet facets = strip(0), curved = strip(1.5e-3);
   const std::vector<char> held(facets.x.rows(), 0);
   const LayersApart layers(facets.pattern, facets.triangles);
@@ -117,14 +117,14 @@ TEST(LayersApart, InTurnsLengthsAreNoWorseThanAfterOne) {
   EXPECT_LT(limit.worst(turns), limit.worst(once));
 }
 
-TEST(LayersApart, SaysOfFacetsThatPassThroughThemselvesThatTheyAreNotApart) {
+TEST(UntangleTest, ReportsThatIntersectingFacetsCannotBeSeparated) {
   Sheet curved = strip(0.8e-3);
   const std::vector<char> held(curved.x.rows(), 0);
   const Points3 facets = curved.x;
   EXPECT_FALSE(LayersApart(curved.pattern, curved.triangles)(curved.x, facets, {}, held).apart);
 }
 
-TEST(MayMeetItself, ARollWhoseEndsAreNearerThanTheSurfaceIsOff) {
+TEST(UntangleTest, ARollMayMeetItselfIfItsEndsAreNearerThanTheSurfaceIsOff) {
   Sheet sheet = test::hex_sheet(0.1, 0.05, 12);
   const double radius = 0.1 / 6.0;  // 6 of 6.28 rad: the ends are 4.7 mm apart
   for (int v = 0; v < sheet.x.rows(); ++v)
@@ -137,8 +137,7 @@ TEST(MayMeetItself, ARollWhoseEndsAreNearerThanTheSurfaceIsOff) {
   EXPECT_TRUE(may_meet_itself(sheet, off(3e-3)));
 }
 
-// ---- the tree
-// -------------------------------------------------------------------------------------------------
+// Tests of the tree of triangles.
 
 /// How many of these pairs of triangles pass through each other.
 int crossings_among(const std::vector<std::pair<int, int>>& pairs, const Points3& x,
@@ -150,7 +149,7 @@ int crossings_among(const std::vector<std::pair<int, int>>& pairs, const Points3
   }));
 }
 
-TEST(TriangleTree, FindsEveryPairOfLayersThatPassesThroughAndNearlyAllOfNoise) {
+TEST(UntangleTest, TheTreeFindsAllPairsOfLayersAndNearlyAllPairsOfNoise) {
   std::mt19937 random(1);
   for (int k = 0; k < 6; ++k) {
     Sheet sheet = k < 2 ? strip(0.7e-3 + 1e-3 * k) : test::hex_sheet(0.1, 0.1, 14, 0.2, k);
@@ -166,7 +165,7 @@ TEST(TriangleTree, FindsEveryPairOfLayersThatPassesThroughAndNearlyAllOfNoise) {
   }
 }
 
-TEST(TriangleTree, FindsWhatPassesThroughOnTheWay) {
+TEST(UntangleTest, TheTreeFindsPairsThatIntersectOnTheWay) {
   const Sheet from = strip(0.2e-3);
   Points3 to = from.x, middle;
   for (int v = 0; v < to.rows(); ++v)
@@ -178,7 +177,7 @@ TEST(TriangleTree, FindsWhatPassesThroughOnTheWay) {
   EXPECT_EQ(crossings_among(tree.near(from.x, to), middle, from.triangles), between);
 }
 
-TEST(TriangleTree, AGentlyBentSheetHasNoPairAtAll) {
+TEST(UntangleTest, TheTreeFindsNoPairInAGentlyBentSheet) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20, 0.2);
   for (int v = 0; v < sheet.x.rows(); ++v)
     sheet.x(v, 2) = 0.01 * std::sin(40 * sheet.pattern(v, 0));

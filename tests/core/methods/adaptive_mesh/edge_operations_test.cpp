@@ -12,12 +12,12 @@
 namespace paperbake {
 namespace {
 
-/// The same metric everywhere: sizes h_x and h_y. [m]
+/// The same metric everywhere, with sizes h_x and h_y. [m]
 Points3 even(const Sheet& sheet, double h_x, double h_y) {
   return Eigen::RowVector3d(1 / (h_x * h_x), 0, 1 / (h_y * h_y)).replicate(sheet.pattern.rows(), 1);
 }
 
-/// Longest and shortest edge in the metric.
+/// Longest and shortest edge, in the metric.
 std::pair<double, double> lengths(const Sheet& sheet, const Points3& metric) {
   double longest = 0, shortest = 1e9;
   for (int t = 0; t < sheet.triangles.rows(); ++t)
@@ -33,7 +33,7 @@ void refine(Sheet& sheet, Points3& metric, int most = 100000) {
   while (split_long_edges(sheet, metric, most) > 0) flip_to_delaunay(sheet, metric);
 }
 
-TEST(Operations, SplitsAndFlipsMakeAllEdgesShortEnoughAndLongWhereTheyMayBe) {
+TEST(EdgeOperationsTest, SplitsAndFlipsMakeEdgesShortEnoughAndNoShorterThanNeeded) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4, 0.2);
   Points3 metric = even(sheet, 0.005, 0.02);
   refine(sheet, metric);
@@ -47,7 +47,7 @@ TEST(Operations, SplitsAndFlipsMakeAllEdgesShortEnoughAndLongWhereTheyMayBe) {
   EXPECT_LT(sheet.triangles.rows(), 0.4 * fine.triangles.rows());
 }
 
-TEST(Operations, SplitsLeaveTheSurfaceAsItIs) {
+TEST(EdgeOperationsTest, SplitsLeaveTheSurfaceAsItIs) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   test::roll(sheet, 0.05);
   sheet.v = 2 * sheet.x;
@@ -68,7 +68,7 @@ TEST(Operations, SplitsLeaveTheSurfaceAsItIs) {
   test::expect_sound(sheet, 0.01);
 }
 
-TEST(Operations, ThereAreNoMoreTrianglesThanThereMayBe) {
+TEST(EdgeOperationsTest, SplitsStopAtTheLargestNumberOfTriangles) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4);
   Points3 metric = even(sheet, 0.002, 0.002);
   refine(sheet, metric, 300);
@@ -77,7 +77,7 @@ TEST(Operations, ThereAreNoMoreTrianglesThanThereMayBe) {
   test::expect_sound(sheet, 0.01);
 }
 
-TEST(Operations, CollapsesMakeAFineMeshCoarseAndKeepBorderHolesAndFixedVertices) {
+TEST(EdgeOperationsTest, CollapsesKeepBorderHolesAndFixedVertices) {
   const Pattern pattern{{{0, 0}, {0.12, 0}, {0.12, 0.05}, {0.06, 0.08}, {0, 0.08}},
                         {{{0.03, 0.03}, {0.03, 0.04}, {0.05, 0.05}, {0.05, 0.03}}}};
   const std::vector<Vector2d> points{{0.1, 0.02}, {0.101, 0.02}, {0.07, 0}};
@@ -101,7 +101,7 @@ TEST(Operations, CollapsesMakeAFineMeshCoarseAndKeepBorderHolesAndFixedVertices)
   EXPECT_EQ(sheet.pattern.rows(), metric.rows());
 }
 
-TEST(Operations, WhatIsSplitIsNotCollapsedAndAMeshThatFitsIsLeftAlone) {
+TEST(EdgeOperationsTest, WhatWasSplitIsNotCollapsedAndAFittingMeshStays) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4, 0.2);
   Points3 metric = even(sheet, 0.008, 0.02);
   refine(sheet, metric);
@@ -116,8 +116,8 @@ TEST(Operations, WhatIsSplitIsNotCollapsedAndAMeshThatFitsIsLeftAlone) {
   EXPECT_TRUE(sheet.triangles == settled);
 }
 
-TEST(Operations, ACollapseDoesNotSweepThroughAnotherLayer) {
-  // a roof over a flat part, of one sheet: the crest comes down on the spike that stands under it
+TEST(EdgeOperationsTest, ACollapseDoesNotSweepThroughAnotherLayer) {
+  // two layers of one sheet, close above each other
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   const int half = static_cast<int>(sheet.x.rows());
   Points3 x(2 * half, 3);
@@ -141,14 +141,14 @@ TEST(Operations, ACollapseDoesNotSweepThroughAnotherLayer) {
     flip_to_delaunay(layers, metric);
     gone += now;
   }
-  EXPECT_GT(gone, 20);  // along the rulings and where there is room
+  EXPECT_GT(gone, 20);  // along the rulings, and where there is room
   EXPECT_EQ(crossings(layers), 0);
   Sheet alone = test::flat_sheet(sheet.pattern, sheet.triangles);
   alone.x = x.topRows(half);
   Points3 lone_metric = even(alone, 0.08, 0.08);
   for (int round = 0; round < 6; ++round)
     collapse_short_edges(alone, lone_metric, 0, 0.8), flip_to_delaunay(alone, lone_metric);
-  // without the other layer more would have gone
+  // without the other layer more vertices are removed
   EXPECT_LT(2 * alone.triangles.rows(), layers.triangles.rows());
 }
 

@@ -7,7 +7,7 @@
 namespace paperbake {
 namespace {
 
-/// Sizes of the field at the vertex next to a place: across x, across y. [m]
+/// Sizes of the field at the vertex nearest to a point: across x, across y. [m]
 Vector2d sizes_at(const Sheet& sheet, const Points3& field, const Vector2d& p) {
   Eigen::Index v;
   (sheet.pattern.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(&v);
@@ -22,13 +22,13 @@ Sheet cylinder(double radius) {
   return sheet;
 }
 
-TEST(Sizing, OfACylinderIsAFacetAcrossTheRulingsAndLongAlongThem) {
+TEST(SizingFieldTest, OnACylinderSizesAreAFacetAcrossTheRulingsAndLongAlongThem) {
   SizingOptions options;
   options.facet_turn = 0.2;
   for (const double radius : {0.05, 0.03}) {
     const Sheet sheet = cylinder(radius);
     const Vector2d sizes = sizes_at(sheet, sizing_field(sheet, {}, side, options), {0.05, 0.05});
-    // curvature of facets is right to about that
+    // the curvature of the facets is as accurate as this
     EXPECT_NEAR(sizes.x() / (options.facet_turn * radius), 1, 0.05) << radius;
     EXPECT_NEAR(sizes.y() / std::min(0.25 * side, options.aspect * options.facet_turn * radius), 1,
                 0.05)
@@ -36,14 +36,14 @@ TEST(Sizing, OfACylinderIsAFacetAcrossTheRulingsAndLongAlongThem) {
   }
 }
 
-TEST(Sizing, OptionsBoundIt) {
+TEST(SizingFieldTest, OptionsBoundTheSizes) {
   const Sheet sheet = cylinder(0.03);
   const auto sizes = [&](const SizingOptions& options) {
     return sizes_at(sheet, sizing_field(sheet, {}, side, options), {0.05, 0.05});
   };
   SizingOptions usual, round, coarse, small;
   round.aspect = 1.5;
-  coarse.smallest = 0.1;  // of the side
+  coarse.smallest = 0.1;  // of the longer side
   small.largest = 0.12;
   EXPECT_NEAR(sizes(round).y() / sizes(round).x(), 1.5, 0.05);
   EXPECT_NEAR(sizes(coarse).x(), 0.1 * side, 1e-6);
@@ -52,7 +52,7 @@ TEST(Sizing, OptionsBoundIt) {
   EXPECT_GT(sizes(usual).y(), 0.15 * side);
 }
 
-TEST(Sizing, GrowsAwayFromACreaseNoFasterThanItMay) {
+TEST(SizingFieldTest, SizesGrowAwayFromACreaseWithinTheirLimit) {
   Sheet sheet = test::hex_sheet(side, side, 40);
   // a roof along y
   for (int v = 0; v < sheet.x.rows(); ++v)
@@ -65,13 +65,13 @@ TEST(Sizing, GrowsAwayFromACreaseNoFasterThanItMay) {
                beside = sizes_at(sheet, a, {0.06, 0.05}).x(),
                beside_quick = sizes_at(sheet, b, {0.06, 0.05}).x();
   EXPECT_LT(crest, 0.05 * side);
-  // d size / d x <= growth - 1, and what an edge of the test adds
+  // d size / d x <= growth - 1, plus one edge of the test mesh
   EXPECT_LT(beside, 1.2 * crest + 0.25 * 0.01);
   EXPECT_GT(beside_quick, 1.5 * beside);
-  EXPECT_NEAR(sizes_at(sheet, b, {0.01, 0.05}).y(), 0.25 * side, 1e-6);  // flat there
+  EXPECT_NEAR(sizes_at(sheet, b, {0.01, 0.05}).y(), 0.25 * side, 1e-6);  // it is flat there
 }
 
-TEST(Sizing, CompressionAloneAsksForNothing) {
+TEST(SizingFieldTest, CompressionAloneNeedsNoFinerMesh) {
   Sheet sheet = test::hex_sheet(side, side, 8);
   for (const double strain : {0.0, 0.003, 0.2}) {
     sheet.x.col(0) = (1 - strain) * sheet.pattern.col(0);
@@ -83,7 +83,7 @@ TEST(Sizing, CompressionAloneAsksForNothing) {
   }
 }
 
-TEST(Sizing, ACreaseThatWasFlattenedKeepsItsTriangles) {
+TEST(SizingFieldTest, AFlattenedCreaseKeepsItsTriangles) {
   const Sheet sheet = test::hex_sheet(side, side, 20);
   Points3 kept = Points3::Zero(sheet.x.rows(), 3);
   for (int v = 0; v < sheet.x.rows(); ++v)
