@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/point_location.h"
 #include "core/render/shot_record.h"
 #include "formats/cache/alembic_cache.h"
 
@@ -45,7 +46,7 @@ class DamageLayers {
   std::size_t next_ = 0;  // frame whose folds are not yet in the peak
   Eigen::VectorXd peak_;  // [rad]
   int mesh_ = -1;         // that places_ lie on
-  std::vector<Place> places_;
+  std::vector<MeshPoint> places_;
 };
 
 }  // namespace paperbake

@@ -22,7 +22,7 @@ struct AnimateOptions {
   unsigned seed = 0;  // of the geometric imperfection that lets a flat sheet buckle
   // plastic: curvature beyond the yield strain of the paper stays for good, stored on the pattern
   Memory memory = Memory::none;
-  bool show_memory = false;  // fill AnimatedFrame::plastic_curvature
+  bool report_plastic_curvature = false;  // fill AnimatedFrame::plastic_curvature
   // [frames] from one search for another branch (branch_search.h) to the next; 0: no search
   int probe_every = 0;
   // AnimatedFrame::state of an earlier run of the same shot, method and options. The simulation

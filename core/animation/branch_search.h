@@ -8,7 +8,7 @@
 namespace paperbake {
 
 /// Result of a search for other branches, with the handles where they are.
-struct Branches {
+struct BranchSearch {
   double before = 0, after = 0;  // [J] potential of the sheet before and after the search
   bool taken = false;            // another branch is more than 2 % lower: the sheet is on it now
   // no other branch: the sheet touches itself, was not at its minimum yet and is lower now
@@ -29,10 +29,10 @@ struct Branches {
 ///
 /// dt      [s] of a frame
 /// source  this project
-Branches probe_branches(Sheet&, Elastic&, const Held&, double dt, std::uint32_t seed, int frame,
-                        int waves_of_each = 3);
+BranchSearch probe_branches(Sheet&, Elastic&, const PositionConstraints&, double dt,
+                            std::uint32_t seed, int frame, int waves_of_each = 3);
 
 /// What the certificate says about it; empty: nothing.
-std::string note_of(const Branches&);
+std::string note_of(const BranchSearch&);
 
 }  // namespace paperbake

@@ -11,25 +11,25 @@ namespace paperbake {
 
 /// The handles of a shot as position constraints: where they are asked to be, and which vertices
 /// they hold.
-class Grip {
+class HandleConstraints {
  public:
   /// vertices  vertex of each handle
-  Grip(const Shot&, std::vector<int> vertices, int first_frame);
+  HandleConstraints(const Shot&, std::vector<int> vertices, int first_frame);
 
   /// A relative handle starts from where the sheet is at its grab frame, after that frame was
   /// simulated without it.
-  void anchor(const Points3& x, int frame);
+  void bind_relative_handles(const Points3& x, int frame);
 
   /// Held vertices and their targets at a frame. Targets that paper cannot reach are drawn
   /// together.
-  Held held(int frame) const;
+  PositionConstraints held(int frame) const;
 
   std::vector<HandleFrame> report(const Points3& x, int frame) const;
 
-  void archive(Archive&);
+  void archive(Serializer&);
 
  private:
-  bool holds(std::size_t h, int frame) const;
+  bool is_active(std::size_t h, int frame) const;
   Vector3d keyed(std::size_t h, int frame) const;
 
   const std::vector<Handle>& handles_;
@@ -37,9 +37,9 @@ class Grip {
   std::vector<int> vertex_;
   int first_frame_;
   double exact_;  // [m] a handle farther from its target than this is jammed
-  Reach reach_;
+  HandleFeasibility feasibility_;
   // [m] what is added to the keyed position of a relative handle; none: it is not bound yet
-  std::vector<std::optional<Vector3d>> anchor_;
+  std::vector<std::optional<Vector3d>> offset_;
 };
 
 }  // namespace paperbake

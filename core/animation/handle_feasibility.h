@@ -21,7 +21,7 @@ struct ImpossiblePair {
 };
 
 /// How far apart paper lets handles be.
-class Reach {
+class HandleFeasibility {
  public:
   /// [1] Paper stretches by this much before anyone sees it: targets that need no more are used as
   /// they are.
@@ -30,7 +30,7 @@ class Reach {
   /// 32-bit files.
   static constexpr double rounding = 1e-6;
 
-  Reach(const Pattern&, const std::vector<Handle>&);
+  HandleFeasibility(const Pattern&, const std::vector<Handle>&);
 
   /// Pairs of absolute handles that are held at the same time and too far apart by more than the
   /// tolerance, the worst first.

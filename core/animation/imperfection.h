@@ -8,7 +8,7 @@ namespace paperbake {
 /// depend on the seed and not on the mesh, so that every mesh buckles to the same side.
 /// p     [m] point of the pattern
 /// side  [m] longer side of the pattern
-double ripple(const Vector2d& p, double side, unsigned seed);
+double imperfection(const Vector2d& p, double side, unsigned seed);
 
 /// Largest distance of a point from the plane that fits all points best. [m]
 double off_plane(const Points3&);
@@ -16,6 +16,6 @@ double off_plane(const Points3&);
 /// Adds a geometric imperfection of 1e-6 m along the common normal when all points lie in one
 /// plane, so that a flat sheet can buckle.
 /// side  [m] longer side of the pattern
-void disturb_if_flat(Sheet&, double side, unsigned seed);
+void add_geometric_imperfection(Sheet&, double side, unsigned seed);
 
 }  // namespace paperbake

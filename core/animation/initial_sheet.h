@@ -10,7 +10,7 @@ namespace paperbake {
 /// The first mesh of a shot, in the start shape. A flat start gets a geometric imperfection of
 /// 1e-6 m along its normal, which depends on the seed and not on the mesh. Singular points that the
 /// artist has prescribed are born in the first frame.
-struct StartedSheet {
+struct InitialSheet {
   Sheet sheet;
   std::vector<int> handle_vertex;  // vertex of each handle
   // |V| vertices that have to stay where they are on the pattern: handles, the rims of their discs,
@@ -19,7 +19,7 @@ struct StartedSheet {
   // |T| factor on the bending stiffness: 10 inside the discs of handles
   std::vector<double> stiffening;
 };
-StartedSheet start_sheet(const Shot&, const Method&, unsigned seed, int first_frame = 1);
+InitialSheet make_initial_sheet(const Shot&, const Method&, unsigned seed, int first_frame = 1);
 
 /// Factor on the bending stiffness of each triangle, for any mesh of the sheet: 10 inside the discs
 /// of handles, 1 elsewhere. |T|

@@ -6,7 +6,7 @@
 
 namespace paperbake {
 
-struct Verdict {
+struct MeshSwapResult {
   bool accepted = false;
   double rise = 0;  // [1] of the potential, as a share of the stored energy
   // [1] of the longer side: largest distance of a vertex of either mesh from the other surface
@@ -33,9 +33,10 @@ struct Verdict {
 /// dt             [s] of a frame
 /// is_admissible  called last with (old sheet, new sheet, largest displacement [m]); returns
 ///                whether the swap may be made. Empty: always.
-Verdict exchange_mesh(
-    Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held,
-    double dt,
-    const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& fits = {});
+MeshSwapResult try_swap_mesh(Sheet&, Elastic&, Sheet proposal,
+                             const std::vector<double>& stiffening, const PositionConstraints& held,
+                             double dt,
+                             const std::function<bool(const Sheet& here, const Sheet& there,
+                                                      double moved)>& is_admissible = {});
 
 }  // namespace paperbake

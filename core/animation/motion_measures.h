@@ -9,15 +9,17 @@ namespace paperbake {
 /// How far the sheet is from rest: the largest displacement that a handle or a collider makes in
 /// this frame, or a vertex made in the last step. Infinite when other vertices are held than
 /// before, or when the mesh has changed. [m]
-double unrest(const Sheet& sheet, const Held& held, const Held& held_before, const Points3& before,
-              const Colliders* colliders);
+double max_displacement(const Sheet& sheet, const PositionConstraints& held,
+                        const PositionConstraints& held_before, const Points3& before,
+                        const Colliders* colliders);
 
 /// Vertices that a handle is about to move farther than the first length [m] while no other held
 /// vertex lies within the second [m] of them on the pattern.
-std::vector<int> pulled_alone(const Sheet& sheet, const Held& held, double least_move,
-                              double apart);
+std::vector<int> isolated_moving_handles(const Sheet& sheet, const PositionConstraints& held,
+                                         double min_move, double apart);
 
 /// Largest displacement of a held vertex since the frame before, relative to the mean of all. [m]
-double leap_of(const Sheet& sheet, const Held& held, const Held& held_before);
+double relative_handle_motion(const Sheet& sheet, const PositionConstraints& held,
+                              const PositionConstraints& held_before);
 
 }  // namespace paperbake

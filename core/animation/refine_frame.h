@@ -42,13 +42,13 @@ class Polisher {
   Polished operator()(const Sheet& rough, const std::vector<int>& held, const Points3& held_at,
                       const PlasticGrid* memory = nullptr);
 
-  const StartedSheet& mesh() const { return started_; }
+  const InitialSheet& mesh() const { return started_; }
 
   /// Constraints that hold the vertices of these handles, each once, at these positions.
-  Held grip(const std::vector<int>& held, const Points3& held_at) const;
+  PositionConstraints grip(const std::vector<int>& held, const Points3& held_at) const;
 
  private:
-  StartedSheet started_;  // with the singular points of the last frame
+  InitialSheet started_;  // with the singular points of the last frame
   // keeps from frame to frame the structure of its matrix and nothing else
   Elastic elastic_;
 };

@@ -9,49 +9,49 @@ namespace paperbake {
 
 /// Simulation islands: which sheets of a scene come so close to each other in a frame that they are
 /// solved together, and how close they may come.
-class SheetsBeside {
+class SheetIslands {
  public:
-  using Sheets = std::vector<std::unique_ptr<Animation>>;
+  using Sheets = std::vector<std::unique_ptr<SheetSimulation>>;
 
   /// fresh: the contact distances follow from where the sheets begin (animate_together); resumed:
   /// every SheetSimulation already has its own.
-  enum class Begin { anew, as_kept };
-  SheetsBeside(Sheets&, Begin);
+  enum class Start { fresh, resumed };
+  SheetIslands(Sheets&, Start);
 
   /// True if sheet s may go from `here` to `there`, on another mesh or branch: no new intersection
   /// with another sheet, no chance to have passed through one on the way, and no sheet within dhat
   /// comes closer than half its distance.
   /// moved  [m] largest displacement of the sheet
-  bool fits(std::size_t s, const Sheet& here, const Sheet& there, double moved) const;
+  bool is_admissible(std::size_t s, const Sheet& here, const Sheet& there, double moved) const;
 
   /// Numbers of the sheets that are solved together; every sheet is in one island.
-  using Party = std::vector<std::size_t>;
+  using Island = std::vector<std::size_t>;
 
   /// The islands at the start of a frame: sheets closer than dhat to each other are in one, unless
   /// both of them skip the step.
-  std::vector<Party> within_reach() const;
+  std::vector<Island> build_islands() const;
 
   /// Merges islands whose sheets collide on their trajectories through the frame.
-  std::vector<Party> where_ways_meet(const std::vector<Party>&) const;
+  std::vector<Island> merge_colliding(const std::vector<Island>&) const;
 
   /// The elastic step of one island.
-  void step(const Party&) const;
+  void step(const Island&) const;
 
   /// Chooses which sheets of an island are handed on: as their methods finish them, or as simulated
   /// where the finished ones would intersect each other more often.
-  void show(const Party&) const;
+  void finalize(const Island&) const;
 
   /// After a frame: gives sheets that have moved apart their contact distance back.
-  void part();
+  void restore_contact_distances();
 
  private:
-  double between(std::size_t a, std::size_t b) const {
-    return sheets_[std::max(a, b)]->reach[std::min(a, b)];
+  double dhat_between(std::size_t a, std::size_t b) const {
+    return sheets_[std::max(a, b)]->dhat[std::min(a, b)];
   }
-  double whole(std::size_t a, std::size_t b) const;
-  double begun(std::size_t a, std::size_t b) const;
-  Animation::Begun began(const Party&) const;
-  bool meet(std::size_t a, std::size_t b) const;
+  double full_dhat(std::size_t a, std::size_t b) const;
+  double initial_dhat(std::size_t a, std::size_t b) const;
+  SheetSimulation::InitialGap initial_gap(const Island&) const;
+  bool collide(std::size_t a, std::size_t b) const;
 
   Sheets& sheets_;
 };

@@ -8,38 +8,39 @@
 namespace paperbake {
 
 /// Result of the elastic step of one frame, which is taken in halves where a whole one fails.
-struct SteppedFrame {
+struct FrameStepResult {
   int substeps = 0, iterations = 0;
   bool converged = true;
   ElasticReport last;
   // why the sheets cannot follow their handles; they and all that is known of them are then as they
   // were before the step. Empty: they can.
-  std::string lost = {};
+  std::string failure_reason = {};
 };
 
 /// Positions of a sheet at one time of a frame.
-struct Passed {
+struct TrajectoryPoint {
   double at;  // [1] 0: start of the frame, 1: its end
   Points3 x;  // |V|x3 [m]
 };
 
 /// A sheet that is to follow its handles through a frame.
-struct Follower {
+struct SubstepTarget {
   Elastic& elastic;
   Sheet& sheet;
-  Held held;  // at the end of the frame
+  PositionConstraints held;  // at the end of the frame
   // [1] relative motion of the handles, of the longer side
-  double leap;
-  double side;               // [m] longer side of the pattern
-  std::vector<Passed>* way;  // receives the trajectory; null: not recorded
-  Points3 begun = {};        // [m] positions at the start of the shot, as in JointStepSheet
+  double relative_motion;
+  double side;                               // [m] longer side of the pattern
+  std::vector<TrajectoryPoint>* trajectory;  // receives the trajectory; null: not recorded
+  // [m] positions at the start of the shot, as in JointStepSheet
+  Points3 initial_positions = {};
 };
 
-struct FrameToFollow {
+struct FrameInterval {
   std::string where;  // for error messages
   double dt;          // [s] length of the frame
-  int least_halvings;
-  Eigen::MatrixXd reach;  // [m] dhat between several sheets (elastic.h)
+  int min_halvings;
+  Eigen::MatrixXd dhat;  // [m] dhat between several sheets (elastic.h)
 };
 
 /// Takes sheets through one frame: one sheet by itself, or several in one joint step. A step that
@@ -48,6 +49,6 @@ struct FrameToFollow {
 /// move farther relative to each other than one step should take are halved before the step is
 /// tried.
 /// throws  Error(ErrorCode::simulation) when the energy is not finite
-std::vector<SteppedFrame> follow(const std::vector<Follower>&, const FrameToFollow&);
+std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>&, const FrameInterval&);
 
 }  // namespace paperbake

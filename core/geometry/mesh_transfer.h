@@ -6,15 +6,15 @@ namespace paperbake {
 
 /// Interpolates quantities given at the vertices of one mesh of a pattern to other points of it,
 /// such as the vertices of another mesh; linear in each triangle.
-class Transfer {
+class MeshTransfer {
  public:
   /// to  |W|x2 [m] points of the pattern at which values are wanted
-  Transfer(const Points2& pattern, const Triangles&, const Points2& to);
+  MeshTransfer(const Points2& pattern, const Triangles&, const Points2& to);
   Points3 operator()(const Points3& per_vertex) const;  // |V|x3 -> |W|x3
 
  private:
   Triangles triangles_;
-  std::vector<Place> places_;
+  std::vector<MeshPoint> places_;
 };
 
 }  // namespace paperbake

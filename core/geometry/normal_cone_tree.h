@@ -13,9 +13,9 @@ namespace paperbake {
 /// halving the mesh on the pattern again and again. It finds what may come into self-contact:
 /// neighbours on the pattern whose normals all lie in one half-space do not [Volino 1994]. On a
 /// sheet deformed by noise 3 % of the pairs are missed.
-class TriangleTree {
+class NormalConeTree {
  public:
-  TriangleTree(const Points2& pattern, const Triangles&);
+  NormalConeTree(const Points2& pattern, const Triangles&);
 
   /// Pairs of triangles that may intersect while every vertex is anywhere on the straight line from
   /// x to y, in an order that depends on the mesh alone. Pairs with two common corners are left

@@ -7,7 +7,7 @@
 namespace paperbake {
 
 /// A point on a pattern mesh: a triangle and the barycentric weights of its three corners.
-struct Place {
+struct MeshPoint {
   int triangle;
   // [1] sum 1, each in [0, 1]; outside the mesh those of the nearest point of the mesh
   Vector3d weights;
@@ -15,15 +15,15 @@ struct Place {
 
 /// Finds the triangle of a pattern mesh that contains a given point, by a uniform grid of cells.
 /// Keeps copies of the pattern and the triangles.
-class Locator {
+class PointLocator {
  public:
-  Locator(const Points2& pattern, const Triangles&);
+  PointLocator(const Points2& pattern, const Triangles&);
   /// The mesh point at p; outside the mesh, the nearest one.
-  Place locate(const Vector2d& p) const;
+  MeshPoint locate(const Vector2d& p) const;
 
  private:
   bool inside(int triangle, const Vector2d& p, Vector3d& weights) const;
-  Place nearest(const Vector2d& p) const;
+  MeshPoint nearest(const Vector2d& p) const;
 
   Points2 pattern_;
   Triangles triangles_;
@@ -34,6 +34,6 @@ class Locator {
 };
 
 /// Value at a mesh point of a quantity given at the vertices (|V|x3).
-Vector3d interpolate(const Place&, const Triangles&, const Points3& per_vertex);
+Vector3d interpolate(const MeshPoint&, const Triangles&, const Points3& per_vertex);
 
 }  // namespace paperbake

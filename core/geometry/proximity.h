@@ -9,7 +9,7 @@ namespace paperbake {
 
 /// The closest points of two features that have four corners together: a vertex and a triangle, or
 /// two edges.
-struct Nearness {
+struct ClosestPoints {
   // separation = sum_i weights_i corner_i; the weights of the first feature add up to 1, those of
   // the second to -1
   Eigen::Vector4d weights;
@@ -18,10 +18,10 @@ struct Nearness {
 };
 
 /// Corner 0 against the triangle of corners 1, 2, 3. source [Ericson 2005], 5.1.5
-Nearness vertex_to_triangle(const std::array<Vector3d, 4>& corners);
+ClosestPoints vertex_to_triangle(const std::array<Vector3d, 4>& corners);
 
 /// Edge 0-1 against edge 2-3; either may have zero length. source [Ericson 2005], 5.1.9
-Nearness edge_to_edge(const std::array<Vector3d, 4>& corners);
+ClosestPoints edge_to_edge(const std::array<Vector3d, 4>& corners);
 
 /// True when the edge p-q passes through the interior of the triangle. Touching does not count.
 bool pierces(const Vector3d& p, const Vector3d& q, const std::array<Vector3d, 3>& triangle);

@@ -12,9 +12,9 @@ namespace paperbake {
 /// It also makes one triangle responsible for each vertex and each edge, so that every pair of
 /// features occurs in exactly one pair of triangles.
 /// source [Curtis 2008] for these responsibilities
-class NearTriangles {
+class SweptBoxPairs {
  public:
-  explicit NearTriangles(const Triangles&);
+  explicit SweptBoxPairs(const Triangles&);
 
   /// Pairs a < b whose boxes overlap when they are swept from x to x + move and enlarged by
   /// `margin` [m] on all sides; the order depends on the mesh and these arguments alone.

@@ -27,17 +27,17 @@ bool is_due(const Sheet& sheet, const Points3& metric) {
 /// One pass over a sheet at rest on its mesh. The mesh may become twice as fine in it, but no
 /// finer.
 /// returns  whether the mesh changed
-bool adapt(Sheet& sheet, Points3 metric, int fixed, int most_triangles, Pass pass) {
+bool adapt(Sheet& sheet, Points3 metric, int fixed, int max_triangles, Pass pass) {
   // [1] of the length at which edges are split: what was split is not collapsed again
   constexpr double joined_below = 0.8;
   constexpr int rounds_of_splits = 2;
   const int rounds_of_collapses = pass == Pass::both_ways ? 3 : 10;
   // a field that asks for too many triangles is coarsened as a whole
-  metric *= std::min(1.0, most_triangles / triangles_of(sheet, metric));
+  metric *= std::min(1.0, max_triangles / triangles_of(sheet, metric));
   if (!is_due(sheet, metric)) return false;
   bool changed = false;
   for (int round = 0; pass == Pass::both_ways && round < rounds_of_splits; ++round) {
-    const int splits = split_long_edges(sheet, metric, most_triangles);
+    const int splits = split_long_edges(sheet, metric, max_triangles);
     changed |= flip_to_delaunay(sheet, metric) > 0 || splits > 0;
     if (splits == 0) break;
   }
@@ -51,7 +51,7 @@ bool adapt(Sheet& sheet, Points3 metric, int fixed, int most_triangles, Pass pas
 
 }  // namespace
 
-Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions& options,
+Method adaptive(const Pattern& pattern, int max_triangles, const SizingOptions& options,
                 double turn) {
   Method method;
   method.name = "adaptive";
@@ -65,12 +65,12 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
   };
   const auto unfinished = std::make_shared<bool>(true);  // the last pass changed the mesh
   const double side = longer_side(pattern);
-  method.remesh = [=](Sheet& sheet, const Situation& is) {
+  method.remesh = [=](Sheet& sheet, const RemeshContext& is) {
     // A jump is followed in many steps, and the shape after it has little to do with the one that
     // the mesh is fine for now.
     constexpr double far = 0.1;  // [1] of the longer side
     constexpr int enough_for_a_jump = 400;
-    const bool jumps = is.leap > far;
+    const bool jumps = is.relative_handle_motion > far;
     // nor is a shape on its way to the minimum a reason for more triangles
     if (!jumps && (!is.at_minimum || !(is.moving || *unfinished))) return false;
     const Points3 kept =
@@ -78,12 +78,12 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
     const int required = static_cast<int>(std::count(is.fixed.begin(), is.fixed.end(), 1));
     const Points3 metric = sizing_field(sheet, kept, side, options);
     const bool changed = jumps ? adapt(sheet, metric, required,
-                                       std::min(most_triangles, enough_for_a_jump), Pass::coarsen)
-                               : adapt(sheet, metric, required, most_triangles, Pass::both_ways);
+                                       std::min(max_triangles, enough_for_a_jump), Pass::coarsen)
+                               : adapt(sheet, metric, required, max_triangles, Pass::both_ways);
     *unfinished = changed || (jumps && *unfinished);
     return changed;
   };
-  method.archive = [unfinished](Archive& a) { a(*unfinished); };
+  method.archive = [unfinished](Serializer& a) { a(*unfinished); };
   return method;
 }
 

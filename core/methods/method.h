@@ -18,20 +18,20 @@
 namespace paperbake {
 
 /// What a method is told about a sheet whose mesh it may change.
-struct Situation {
+struct RemeshContext {
   // |V| vertices of the first mesh, which keep their place on the pattern and their number
   const std::vector<char>& fixed;
-  const PlasticGrid* memory;  // plastic curvature of the paper; null: elastic paper
-  std::vector<int> pulled;    // vertices that isolated handles are about to move
-  Moment now;
+  const PlasticGrid* memory;                 // plastic curvature of the paper; null: elastic paper
+  std::vector<int> isolated_moving_handles;  // vertices that isolated handles are about to move
+  FrameTime now;
   bool moving;  // handles or sheet moved since the frame before
   // the sheet is snapping through from an unstable shape, so its present shape is not to be trusted
-  bool leaving;
-  bool at_minimum;  // the last step reached a minimum
-  bool flowing;     // the paper yielded in the last step
-  bool lies;        // the last step ended on a collider or another sheet
+  bool snap_in_progress;
+  bool at_minimum;        // the last step reached a minimum
+  bool yielding;          // the paper yielded in the last step
+  bool rests_on_contact;  // the last step ended on a collider or another sheet
   // [1] of the longer side: how far handles are about to move relative to each other
-  double leap;
+  double relative_handle_motion;
 };
 
 /// Everything in which methods differ: the first mesh, and what happens to the mesh between elastic
@@ -52,15 +52,15 @@ struct Method {
   /// Called before the elastic step of a frame. May change the mesh of the sheet as the last step
   /// left it; so every frame that is handed on is a minimum on its own mesh. Empty: the mesh stays.
   /// returns  whether the mesh changed
-  std::function<bool(Sheet&, const Situation&)> remesh;
+  std::function<bool(Sheet&, const RemeshContext&)> remesh;
 
   /// Called before `remesh`. May propose another mesh, with positions carried over from the old
   /// one; vertices that are fixed in the first mesh keep their numbers. The loop relaxes the
   /// proposal with the handles where they were and accepts or rejects it (mesh_swap.h). After an
   /// accepted proposal `remesh` is not called. Empty: nothing is proposed.
-  std::function<std::optional<Sheet>(const Sheet&, const Situation&)> propose;
+  std::function<std::optional<Sheet>(const Sheet&, const RemeshContext&)> propose;
   // called after every proposal with its result
-  std::function<void(bool accepted, const Moment&)> judged;
+  std::function<void(bool accepted, const FrameTime&)> on_proposal_result;
 
   /// Called after the elastic step of a frame, on the copy of the sheet that is handed on; the next
   /// frame starts from the equilibrium itself. Empty: the sheet is handed on as it is.
@@ -71,7 +71,7 @@ struct Method {
 
   /// Writes or reads the state that is kept from frame to frame, after first_mesh. Empty: there is
   /// none.
-  std::function<void(Archive&)> archive;
+  std::function<void(Serializer&)> archive;
 };
 
 /// Standard finite elements: step 1 alone on a fixed mesh of about `triangles` near-equilateral
@@ -104,6 +104,6 @@ Method hybrid(const Pattern&, const Paper&, int base_triangles, const CrumpleOpt
 /// (plastic_grid.h): rest angles are read from it after every change, and nothing has to be carried
 /// from face to face.
 /// source  [Narain 2012], [Narain 2013]
-Method adaptive(const Pattern&, int most_triangles, const SizingOptions& = {}, double turn = 0);
+Method adaptive(const Pattern&, int max_triangles, const SizingOptions& = {}, double turn = 0);
 
 }  // namespace paperbake

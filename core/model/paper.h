@@ -5,7 +5,7 @@
 
 namespace paperbake {
 
-inline constexpr double most_friction = 10;  // [1] a larger value is a typing error
+inline constexpr double max_friction = 10;  // [1] a larger value is a typing error
 
 /// The material of one sheet. Values of a grade come from presets/*.toml, which give their sources.
 struct Paper {

@@ -9,9 +9,9 @@ namespace paperbake {
 /// The flat shape that was cut out of paper: simple polygons that do not touch each other, without
 /// repeating the first vertex at the end. The bounding box begins at (0, 0).
 struct Pattern {
-  std::vector<Vector2d> outline;             // [m] counter-clockwise
-  std::vector<std::vector<Vector2d>> holes;  // [m] clockwise
-  std::vector<FoldLine> folds = {};          // creases within it
+  std::vector<Vector2d> outline;                          // [m] counter-clockwise
+  std::vector<std::vector<Vector2d>> holes;               // [m] clockwise
+  std::vector<PrescribedCrease> prescribed_creases = {};  // creases within it
 };
 
 Vector2d extent(const Pattern&);      // [m] width and height of the bounding box

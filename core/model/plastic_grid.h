@@ -7,7 +7,7 @@
 
 namespace paperbake {
 
-class Archive;
+class Serializer;
 
 /// Plastic state of the bending of each triangle of a mesh.
 struct PlasticMemory {
@@ -60,13 +60,13 @@ class PlasticGrid {
   double write(const Cover&, const PlasticMemory& gained);
 
   /// True if nothing was ever written.
-  bool pristine() const { return pristine_; }
-  void forget();
+  bool is_virgin() const { return is_virgin_; }
+  void reset();
 
   /// [m rad] Integral of |Sp| (Frobenius) over the pattern: length of creases x angle kept in them.
   double integral() const;
 
-  void archive(Archive&);  // what was written; the cells are those of the pattern
+  void archive(Serializer&);  // what was written; the cells are those of the pattern
 
  private:
   struct Cell {
@@ -82,7 +82,7 @@ class PlasticGrid {
   double size_;  // [m] of a cell
   int columns_, rows_;
   double area_inside_;  // [m2] of the pattern per inside cell
-  bool pristine_ = true;
+  bool is_virgin_ = true;
   std::vector<Cell> cells_;  // row by row from (0, 0)
 };
 

@@ -14,7 +14,7 @@ using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// A frame of the animation and its duration.
-struct Moment {
+struct FrameTime {
   int frame = 1;
   double dt = 1 / 24.0;  // [s] since the frame before
   // [1] farthest motion of a handle or a point of the sheet in this frame, over the longer side
@@ -32,7 +32,7 @@ struct SingularPoint {
 
 /// A prescribed crease: a line along which the paper was folded before the first frame. It consists
 /// of edges in every mesh, and these bend easily.
-struct FoldLine {
+struct PrescribedCrease {
   std::vector<Vector2d> line;  // [m] polyline on the pattern, at least two points
   double angle = 0;            // [rad] it springs back to this; > 0 bulges towards the normals
 };
@@ -45,7 +45,7 @@ struct Sheet {
   Triangles triangles;  // |T|x3        counter-clockwise in the pattern
   // apices in order of birth; paper does not heal, so the list only grows
   std::vector<SingularPoint> singular;
-  std::vector<FoldLine> folds = {};  // the same in all frames
+  std::vector<PrescribedCrease> prescribed_creases = {};  // the same in all frames
 };
 
 }  // namespace paperbake

@@ -8,7 +8,7 @@
 namespace paperbake {
 
 /// Rules of the artist for the singular points of a crumple, given on the pattern before it begins.
-struct Pins {
+struct SingularPointRules {
   struct Disc {
     Vector2d centre;  // [m]
     double radius;    // [m]
@@ -21,7 +21,7 @@ struct Pins {
                        [&](const Disc& d) { return (p - d.centre).norm() <= d.radius; });
   }
 
-  void append(const Pins& more) {
+  void append(const SingularPointRules& more) {
     keep.insert(keep.end(), more.keep.begin(), more.keep.end());
     forbid.insert(forbid.end(), more.forbid.begin(), more.forbid.end());
   }

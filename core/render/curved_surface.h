@@ -36,7 +36,7 @@ struct CurvedSurface {
 
   /// A point of the surface. Its weights may lie outside [0, 1], where a finer border lies outside
   /// the mesh.
-  Vector3d at(const Place&) const;
+  Vector3d at(const MeshPoint&) const;
 };
 
 /// exact  vertices that are not drawn in: handles

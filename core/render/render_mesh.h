@@ -9,7 +9,7 @@
 namespace paperbake {
 
 /// A straight crease on the pattern.
-struct CreaseLine {
+struct CreaseSegment {
   Vector2d a, b;      // [m]
   double weight = 1;  // [1] where there is no room for all, the heaviest come first
 };
@@ -18,9 +18,9 @@ struct CreaseLine {
 struct RenderFeatures {
   // [m] points that become vertices: handles, the rims of their discs, singular points
   std::vector<Vector2d> points;
-  std::vector<CreaseLine> creases;
+  std::vector<CreaseSegment> creases;
   // edges of simulated meshes: they become rows of edges, to a millionth of the sheet
-  std::vector<CreaseLine> edges = {};
+  std::vector<CreaseSegment> edges = {};
 };
 
 /// One mesh of the pattern for all frames of a shot.
@@ -31,8 +31,9 @@ struct RenderMesh {
   std::vector<int> point_vertex;
   // edges (smaller vertex first, sorted) along which the mesh may fold sharply
   std::vector<std::pair<int, int>> creases;
-  std::vector<FoldLine> folds = {};  // prescribed creases, sharp however small their angle
-  bool along_edges = false;          // the simulated edges are among its edges
+  // prescribed creases, sharp however small their angle
+  std::vector<PrescribedCrease> prescribed_creases = {};
+  bool along_edges = false;  // the simulated edges are among its edges
 };
 
 /// Triangulates the pattern into near-equilateral triangles with edges of this length [m]. The mesh
@@ -52,6 +53,6 @@ struct RenderMesh {
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 
 /// The same, with edges as much longer as it takes to have no more triangles than that.
-RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&, int most_triangles);
+RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&, int max_triangles);
 
 }  // namespace paperbake

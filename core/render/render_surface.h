@@ -28,10 +28,10 @@ struct RenderFrame {
 /// curved surface that the simulated mesh stands for (curved_surface.h), then smoothed and given
 /// true lengths (shape_fit.h, strain_limit.h). For the finest quality the result is subdivided once
 /// (subdivision.h).
-class RenderSheet {
+class RenderSurface {
  public:
   /// refine  [1] 1: every triangle is divided into four at the end, 0: none is
-  RenderSheet(RenderMesh, const LocalGlobalOptions&, int refine);
+  RenderSurface(RenderMesh, const ShapeFitOptions&, int refine);
 
   const RenderMesh& mesh() const { return fine_ ? fine_->mesh : coarse_; }
   const Triangles& normal_of_corner() const {
@@ -40,7 +40,7 @@ class RenderSheet {
 
   /// Where the vertices lie on a simulated mesh; to be kept as long as that mesh does not change.
   /// For a vertex outside it, as on a finer border, the nearest triangle is extended.
-  std::vector<Place> places_on(const Points2& pattern, const Triangles&) const;
+  std::vector<MeshPoint> locate_on(const Points2& pattern, const Triangles&) const;
 
   /// Says which of the points that the mesh was made for are held from now on. Must be called
   /// before the first frame; expensive when other points are held than before.
@@ -49,19 +49,20 @@ class RenderSheet {
   /// places   from locate_on() for the mesh of the sheet
   /// held_at  |held points|x3 [m] where they are, exactly
   /// May be called by several threads at the same time.
-  RenderFrame frame(const Sheet&, const std::vector<Place>& places, const Points3& held_at) const;
+  RenderFrame frame(const Sheet&, const std::vector<MeshPoint>& places,
+                    const Points3& held_at) const;
 
   /// The vertices of mesh() on the flat triangles of the simulated mesh. |V|x3 [m]
-  Points3 facets(const Sheet&, const std::vector<Place>& places) const;
+  Points3 linear_positions(const Sheet&, const std::vector<MeshPoint>& places) const;
 
   /// True if linear_positions(), joined by the triangles of mesh(), pass through each other
   /// although the simulated sheet does not, because its layers are very near each other.
-  bool cuts_through_itself(const Sheet&, const std::vector<Place>& places) const;
+  bool linear_surface_intersects(const Sheet&, const std::vector<MeshPoint>& places) const;
 
   /// Computes everything else that a frame has from its positions.
   void shade(RenderFrame&) const;
   /// Brings edge lengths back to the limit.
-  void limit(Points3& x) const { (fine_ ? *fine_limit_ : coarse_limit_)(x, is_held_); }
+  void limit_strain(Points3& x) const { (fine_ ? *fine_limit_ : coarse_limit_)(x, is_held_); }
   double worst_edge(const Points3& x) const {
     return (fine_ ? *fine_limit_ : coarse_limit_).worst(x);
   }
@@ -73,19 +74,19 @@ class RenderSheet {
  private:
   // cut: the simulated edges cut through triangles of the mesh; own: they are edges of the mesh
   enum class Facets { cut, own };
-  bool keep_apart(Points3& x, const Sheet&, const std::vector<Place>&) const;
+  bool keep_apart(Points3& x, const Sheet&, const std::vector<MeshPoint>&) const;
 
   Facets facets_;
   RenderMesh coarse_;
-  LocalGlobal local_global_;
+  ShapeFit shape_fit_;
   StrainLimit coarse_limit_;
   CreasedNormals coarse_normals_;
   std::optional<Subdivision> fine_;
   std::optional<StrainLimit> fine_limit_;
   std::optional<CreasedNormals> fine_normals_;
-  std::optional<LayersApart> apart_;  // for mesh()
-  std::vector<int> held_;             // vertices, one for each held point
-  std::vector<char> is_held_;         // for the vertices of mesh()
+  std::optional<Untangler> apart_;  // for mesh()
+  std::vector<int> held_;           // vertices, one for each held point
+  std::vector<char> is_held_;       // for the vertices of mesh()
 };
 
 /// Makes the render mesh of a shot. Draft, shot and hero have edges of 5, 2 and 1 mm on a sheet of
@@ -94,7 +95,7 @@ class RenderSheet {
 /// simulated_edge  [m] mean edge of the simulated meshes; a sixth of it is the smoothing length
 /// features        with simulated edges, if there are any, the mesh can return to any simulated
 ///                 shape exactly
-RenderSheet make_render_sheet(const Pattern&, const RenderFeatures&, double simulated_edge,
-                              Quality);
+RenderSurface make_render_surface(const Pattern&, const RenderFeatures&, double simulated_edge,
+                                  Quality);
 
 }  // namespace paperbake

@@ -10,7 +10,7 @@
 
 namespace paperbake {
 
-struct LocalGlobalOptions {
+struct ShapeFitOptions {
   // [m] ell: waves shorter than about 4 ell are smoothed. A sixth of the simulated edges: with a
   // quarter shapes change (S8: c_m 0.05 -> 0.08 %), with a half they are rounded (0.26 %).
   double length = 0.002;
@@ -44,11 +44,11 @@ struct LocalGlobalOptions {
 /// 3/4 of their height). The second problem leaves smooth what is smooth. The matrices depend only
 /// on the pattern and on which vertices are held, and are factored when those change.
 /// source  [Bergou 2006] for K; otherwise this project
-class LocalGlobal {
+class ShapeFit {
  public:
   /// creases  prescribed ones: their hinges have c = 1, however small their angle
-  LocalGlobal(const Points2& pattern, const Triangles&, const LocalGlobalOptions&,
-              const std::vector<FoldLine>& folds = {});
+  ShapeFit(const Points2& pattern, const Triangles&, const ShapeFitOptions&,
+           const std::vector<PrescribedCrease>& folds = {});
 
   /// These vertices stay where they are given, from now on. Factors the matrices when they are
   /// others than before.
@@ -78,7 +78,7 @@ class LocalGlobal {
   void move(Points3& x, const Points3& pull, const ColumnCholesky&) const;
   Points3 stretch_pull(const Points3& x) const;
 
-  LocalGlobalOptions options_;
+  ShapeFitOptions options_;
   Hinges hinges_;
   std::vector<Face> faces_;
   std::vector<Bend> bends_;

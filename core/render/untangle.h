@@ -26,12 +26,12 @@ namespace paperbake {
 /// each other, d is not needed and success is certain, at the latest when blend is 1 everywhere.
 ///
 /// Vertices that are held stay where they are.
-class LayersApart {
+class Untangler {
  public:
-  LayersApart(const Points2& pattern, const Triangles&);
+  Untangler(const Points2& pattern, const Triangles&);
   /// Treats several meshes as one: their vertices are numbered one mesh after the other and their
   /// patterns lie side by side. Every mesh has its own R.
-  explicit LayersApart(const std::vector<const RenderMesh*>&);
+  explicit Untangler(const std::vector<const RenderMesh*>&);
 
   struct Outcome {
     bool changed;  // whether x was changed
@@ -43,32 +43,32 @@ class LayersApart {
   /// held      |V|
   /// May be called by several threads at the same time.
   using FacetAt = std::function<Vector3d(const Vector2d&)>;
-  Outcome operator()(Points3& x, const Points3& facets, const FacetAt& facet_at,
+  Outcome operator()(Points3& x, const Points3& linear_positions, const FacetAt& facet_at,
                      const std::vector<char>& held) const;
 
   /// The same without facet_at, alternating with a step that restores lengths. Of the rounds that
   /// succeed the one with the best lengths is kept.
   struct Lengths {
-    std::function<void(Points3& x)> mend;
+    std::function<void(Points3& x)> restore;
     std::function<double(const Points3& x)> worst;  // [1] largest length error of an edge
   };
-  Outcome in_turns(Points3& x, const Points3& facets, const Lengths&,
-                   const std::vector<char>& held) const;
+  Outcome untangle_alternating(Points3& x, const Points3& linear_positions, const Lengths&,
+                               const std::vector<char>& held) const;
 
   /// True if some of the triangles that the tree finds near each other do.
   bool pass_through_each_other(const Points3& x) const;
 
-  const TriangleTree& tree() const { return tree_; }
+  const NormalConeTree& tree() const { return tree_; }
 
  private:
   struct Push;
   void push(int s, int t, const Points3& x, const FacetAt&, Push&) const;
-  void spread(int u, double need, std::vector<char>& seen, std::vector<double>& share) const;
+  void spread(int u, double blend, std::vector<char>& seen, std::vector<double>& weight) const;
   void find_neighbours();
 
   Points2 pattern_;
   Triangles triangles_;
-  TriangleTree tree_;
+  NormalConeTree tree_;
   std::vector<double> radius_;       // [m] R of each vertex
   std::vector<int> start_, beside_;  // neighbours of each vertex
 };

@@ -10,15 +10,15 @@ namespace paperbake {
 
 /// Separates the render meshes of sheets that come near each other, in the same way as the layers
 /// of one sheet (untangle.h).
-class RenderTogether {
+class SheetUntangler {
  public:
   /// sheets  must stay where they are as long as this object is used
-  explicit RenderTogether(const std::vector<RenderSheet>& sheets);
+  explicit SheetUntangler(const std::vector<RenderSurface>& sheets);
 
   /// A sheet of a frame, as it was simulated.
   struct Simulated {
     Sheet sheet;
-    const std::vector<Place>* places;
+    const std::vector<MeshPoint>* places;
   };
 
   /// Where one of the frames passes through another, everything near goes back towards the facets.
@@ -28,7 +28,7 @@ class RenderTogether {
 
   /// True if the facets of the sheets, joined by the triangles of their render meshes, pass through
   /// each other although the simulated sheets do not.
-  bool cut_through_each_other(const std::vector<Simulated>&) const;
+  bool linear_surfaces_intersect(const std::vector<Simulated>&) const;
 
   /// For each sheet, the number of pairs of one of its triangles and one of a sheet before it that
   /// pass through each other.
@@ -37,10 +37,10 @@ class RenderTogether {
 
  private:
   Points3 in_a_row(const std::vector<Points3>&) const;
-  std::vector<Points3> facets(const std::vector<Simulated>&) const;
+  std::vector<Points3> linear_positions(const std::vector<Simulated>&) const;
 
-  const std::vector<RenderSheet>& sheets_;
-  std::optional<LayersApart> apart_;
+  const std::vector<RenderSurface>& sheets_;
+  std::optional<Untangler> apart_;
 };
 
 }  // namespace paperbake

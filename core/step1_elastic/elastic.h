@@ -39,7 +39,7 @@ struct ColliderMotion {
 
 /// Vertices whose positions are prescribed for the end of a step, and the motion of the colliders
 /// during it.
-struct Held {
+struct PositionConstraints {
   std::vector<int> vertices;  // each at most once
   Points3 targets;            // |vertices|x3 [m]
   // |vertices| [N/m] stiffness of a soft handle, 0 for a hard one; empty: all are hard
@@ -51,16 +51,16 @@ struct Held {
 struct ElasticReport {
   int iterations = 0;  // number of factorisations of the Hessian
   bool converged = true;
-  double energy = 0;        // [J] membrane + bending
-  double potential = 0;     // [J] energy + potential of gravity (weight x height)
-  double membrane = 0;      // [J] membrane part of the energy
-  double plastic_flow = 0;  // [m rad] growth of PlasticGrid::integral() in this step
+  double energy = 0;             // [J] membrane + bending
+  double potential = 0;          // [J] energy + potential of gravity (weight x height)
+  double membrane = 0;           // [J] membrane part of the energy
+  double plastic_increment = 0;  // [m rad] growth of PlasticGrid::integral() in this step
   // a snap-through is in progress: the sheet is on its way down from an unstable shape, and the
   // shape it has now is not to be relied on
-  bool leaving = false;
+  bool snap_in_progress = false;
   // [1] how much lower the potential of the second branch is, relative to the first; 0 if it was
   // not taken
-  double lower_branch = 0;
+  double energy_gain = 0;
   bool contact = false;  // the sheet came near itself: the step was solved with self-contact
   // active contacts at the end of the step: pairs of a vertex and a triangle, or of two edges, that
   // push each other
@@ -76,38 +76,38 @@ struct ElasticReport {
 ///         when a vertex has moved more than 3 % of the longer side: the shape then belongs to
 ///         another branch.
 /// full    both variants of Newton's method, to `stop`
-enum class Settling { briefly, fully };
+enum class Relaxation { coarse, full };
 
 /// A descent along a second branch from an unstable shape, computed beside the main solution: first
 /// with a softened membrane, then with the true stiffness of the membrane.
-struct SecondWay {
+struct BranchDescent {
   Points3 x;  // |V|x3 [m] where it has got to
-  enum Leg { soft, stiff, done } leg = soft;
-  int tries = 0;  // attempts in this phase that did not converge
+  enum Phase { softened_phase, true_stiffness, finished } phase = softened_phase;
+  int attempts = 0;  // attempts in this phase that did not converge
   bool converged = false;
 };
 
 /// What the solver knows from earlier steps: everything that a step changes besides its sheet.
-struct ElasticPast {
+struct SolverState {
   // |V|x3 [m] before the last step, then before the step preceding it
   std::deque<Points3> positions;
   int steps = 0;         // number of steps so far
   bool remeshed = true;  // the mesh has changed since the last step
   // the last step ended with active contacts, or with handles that the paper does not follow
-  bool careful = false;
+  bool had_contact = false;
   // index of the step before which no new search for a second branch begins
-  int content_until = 0;
-  bool descending = false;          // line-search Newton was still on its way down to a minimum
-  std::optional<SecondWay> second;  // a descent that is not finished yet
-  Ridges ridges;                    // filled in only by state(): the ridges of the last step
+  int branch_cooldown_until = 0;
+  bool descending = false;              // line-search Newton was still on its way down to a minimum
+  std::optional<BranchDescent> second;  // a descent that is not finished yet
+  RidgeField ridges;                    // filled in only by state(): the ridges of the last step
   // filled in only by state(): the plastic grid; none: the paper has never yielded
   std::optional<PlasticGrid> grid;
 };
-void archive(Archive&, ElasticPast&);  // all but the grid, which belongs to the sheet
-void archive(Archive&, Held&);
+void archive(Serializer&, SolverState&);  // all but the grid, which belongs to the sheet
+void archive(Serializer&, PositionConstraints&);
 
-struct Together;
-struct SheetWay;
+struct JointStepSheet;
+struct SweptSheet;
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
 ///
@@ -162,29 +162,29 @@ class Elastic {
   /// three steps a step ends after at most 42 iterations, or 82 as long as an edge is stretched by
   /// more than 0.6 %; the descents on both branches continue in the next step.
   /// throws Error(Fault::simulation) when the energy is not finite
-  ElasticReport step(Sheet&, const Held&, double dt);
+  ElasticReport step(Sheet&, const PositionConstraints&, double dt);
 
   /// One step of several sheets that come closer than dhat to each other. It minimises the sum of
   /// their potentials over the vertices of all of them, with one contact between and within the
   /// sheets, so that a push is passed on to the last of them. All handles pull with springs.
   /// dhat    |sheets|x|sheets| [m] dhat between two sheets; on the diagonal dhat() of each
   /// throws  Error(Fault::simulation) when the energy is not finite
-  static std::vector<ElasticReport> step_together(const std::vector<Together>&,
-                                                  const Eigen::MatrixXd& reach, double dt);
+  static std::vector<ElasticReport> step_together(const std::vector<JointStepSheet>&,
+                                                  const Eigen::MatrixXd& dhat, double dt);
 
   /// [m] dhat of the sheet (self_contact.h); 0 if self-contact is off.
-  double reach() const;
+  double dhat() const;
 
   /// True if the two sheets do not collide along their trajectories, and no pair of features is
   /// closer than dhat at the end of any segment of these: a joint step would then have taken the
   /// sheets to the same places.
-  static bool clear(const SheetWay& a, const SheetWay& b, double reach);
+  static bool clear(const SweptSheet& a, const SweptSheet& b, double dhat);
 
   /// Moves sheet.x to a nearby minimum with the constrained vertices at their targets, and does
   /// nothing else: no second branch is searched, sheet.v does not change, and no plastic increment
   /// is written. This is for a sheet that was placed where it is, not moved there. report.contact:
   /// the sheet came near itself; relaxation does not prevent that.
-  ElasticReport settle(Sheet&, const Held&, double dt, Settling);
+  ElasticReport relax(Sheet&, const PositionConstraints&, double dt, Relaxation);
 
   /// Another solver for the same paper, options and plastic grid, on another mesh.
   Elastic on_mesh(const Sheet&, const std::vector<double>& stiffening = {}) const;
@@ -195,7 +195,7 @@ class Elastic {
   void continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried);
 
   /// Energies stored in the sheet as it is. `iterations` is 0.
-  ElasticReport look(const Sheet&) const;
+  ElasticReport evaluate_energies(const Sheet&) const;
 
   /// [m] Depth of the deepest vertex, edge or triangle of a sheet on this mesh inside a collider; 0
   /// if none is inside.
@@ -203,14 +203,14 @@ class Elastic {
 
   /// A copy of the state, including the plastic grid, and the rollback to such a copy. As long as
   /// the mesh is the same, the steps in between leave no trace.
-  ElasticPast past() const;
-  void take_back(const ElasticPast&);
+  SolverState state() const;
+  void restore(const SolverState&);
 
   /// Lets the paper yield. The grid is read here and by set_mesh, and every step that returns
   /// writes to it. Call this again when something else has changed the grid. The grid must outlive
   /// this object and those made from it by on_mesh, unless they are given another one. Null, as in
   /// the beginning: paper that always springs back.
-  void remember_in(PlasticGrid*);
+  void set_plastic_grid(PlasticGrid*);
 
  private:
   struct Impl;
@@ -218,19 +218,19 @@ class Elastic {
 };
 
 /// One of the sheets that take a step together.
-struct Together {
+struct JointStepSheet {
   Elastic& elastic;
   Sheet& sheet;
-  const Held& held;
+  const PositionConstraints& held;
   // |V|x3 [m] positions of its vertices at the beginning of the shot, if one of the sheets began on
   // another one; else empty for all sheets
   const Points3& begun;
 };
 
 /// The trajectory of a sheet.
-struct SheetWay {
-  const Sheet& sheet;  // its mesh
-  const Held& held;    // at the end
+struct SweptSheet {
+  const Sheet& sheet;               // its mesh
+  const PositionConstraints& held;  // at the end
   // |V|x3 [m] positions with straight motion in between, at the same times as those of the other
   // sheet
   const std::vector<Points3>& places;

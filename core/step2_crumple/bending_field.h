@@ -22,7 +22,7 @@ class BendingField {
   }
 
  private:
-  Locator locator_;
+  PointLocator locator_;
   Triangles triangles_;
   Points3 curvature_;
 };
@@ -33,11 +33,12 @@ class SampleGrid {
  public:
   /// 24 points along the shorter side, but no more than about 1500 altogether
   explicit SampleGrid(const Pattern&);
-  int count() const { return static_cast<int>(places.size()); }
+  int count() const { return static_cast<int>(sample_points.size()); }
   int nearest(const Vector2d& p) const;  // number of the sample point whose cell contains p, or -1
 
-  double step;                               // [m] spacing of the grid
-  std::vector<Vector2d> places;              // [m] sample points inside the pattern, row by row
+  double step;  // [m] spacing of the grid
+  // [m] sample points inside the pattern, row by row
+  std::vector<Vector2d> sample_points;
   std::vector<std::vector<int>> neighbours;  // of each sample point, up to four
 
  private:

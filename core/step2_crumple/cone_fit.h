@@ -37,6 +37,6 @@ struct Cone {
 /// from producing an apex.
 /// scale                    [m] size of the window
 /// cylinder_regularization  [1] 0: the plain fit
-Cone fit_cone(const std::vector<RulingSample>&, double scale, double pull);
+Cone fit_cone(const std::vector<RulingSample>&, double scale, double cylinder_regularization);
 
 }  // namespace paperbake

@@ -26,13 +26,13 @@ struct CrumpleOptions {
   double conflict_folds = 0.23;
   // [rad] threshold of the turning angle next to a singular point, which accounts for the rest
   // (20 degrees)
-  double absorbed_turn = 0.35;
-  double absorbed_folds = 0.4;  // [rad] the same for the folds (23 degrees)
+  double threshold_near_apex = 0.35;
+  double fold_threshold_near_apex = 0.4;  // [rad] the same for the folds (23 degrees)
   // [s] time a conflict must persist before a singular point is born: it is then no accident of the
   // mesh
-  double lasting = 15 / 24.0;
+  double persistence_time = 15 / 24.0;
   // [s] the same for a severe conflict, which exceeds even the thresholds next to a singular point
-  double lasting_sharp = 2 / 24.0;
+  double persistence_time_severe = 2 / 24.0;
   // [1] least distance of singular points, in widths of the longest ridge that the sheet can have
   double spacing = 2;
   // [1] least distance of a singular point from the border, as a fraction of the longer side
@@ -40,10 +40,10 @@ struct CrumpleOptions {
   // [1] an edge is flipped when the other diagonal has less than this fraction of its sagitta
   double flip_gain = 0.65;
   double flip_period = 2 / 24.0;  // [s] time between two searches for edges to flip
-  int most_points = 1000;         // [1] largest number of singular points on one sheet
-  int most_triangles = 250;       // [1] no point is born on a mesh that would exceed this
+  int max_points = 1000;          // [1] largest number of singular points on one sheet
+  int max_triangles = 250;        // [1] no point is born on a mesh that would exceed this
   RulingOptions rulings;
-  Pins pins;  // where singular points must not be born
+  SingularPointRules pins;  // where singular points must not be born
 };
 
 /// What a step of Crumple changed: the number of edge flips and of singular points born.
@@ -66,11 +66,11 @@ class Crumple {
   /// their numbers and new ones are appended; fixed vertices (handles and the rims of their discs)
   /// keep their place on the pattern.
   /// moving  false: the sheet is at rest and nothing is done
-  CrumpleReport operate(Sheet&, const std::vector<char>& fixed, const Moment&, bool moving);
+  CrumpleReport step(Sheet&, const std::vector<char>& fixed, const FrameTime&, bool moving);
 
   /// Sets the mesh from which every ruled mesh is derived. To be called once, before `propose`.
   /// required  number of vertices, from number 0 on, that a ruled mesh must keep as they are
-  void begin_with(const Points2& pattern, const Triangles&, int required);
+  void set_base_mesh(const Points2& pattern, const Triangles&, int required);
 
   /// To be called before `step`, with a sheet in equilibrium. Looks for curved regions and, when
   /// the mesh does not follow their rulings, proposes one that does, with positions and velocities
@@ -78,32 +78,32 @@ class Crumple {
   /// isolated_moving_handles  vertices that are moved by a handle with no other one near
   /// rests_on_contact         something supports the sheet: behind a corner that is pulled it
   ///                          cannot sag and bends into a hook instead
-  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, bool lies,
-                               const Moment&);
+  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& isolated_moving_handles,
+                               bool rests_on_contact, const FrameTime&);
   /// Reports what became of the last proposal.
-  void judged(bool accepted, const Moment&);
+  void on_proposal_result(bool accepted, const FrameTime&);
 
   const Regions& regions() const { return regions_; }
   // of the last proposal that was accepted
   const std::vector<Ruling>& rulings() const { return rulings_; }
 
-  void archive(Archive&);  // everything that changes after set_base_mesh
+  void archive(Serializer&);  // everything that changes after set_base_mesh
 
  private:
   Pattern pattern_;
   Paper paper_;
   CrumpleOptions options_;
   std::uint32_t seed_, sheet_;
-  struct Suspicion {
+  struct PendingConflict {
     Vector2d p;      // [m]
     double seconds;  // [s] how long there has been a conflict around p
   };
-  std::vector<Suspicion> suspicions_;
+  std::vector<PendingConflict> pending_;
   BaseMesh base_;
   int required_ = 0;
   Regions regions_;
   std::vector<Ruling> proposed_, rulings_;
-  RemeshWhen when_;
+  RemeshSchedule when_;
 };
 
 }  // namespace paperbake

@@ -8,7 +8,7 @@
 
 namespace paperbake {
 
-class Archive;
+class Serializer;
 
 /// A part of the sheet that bends in one direction, like a generalised cone. Points in no region
 /// count as flat.
@@ -29,28 +29,28 @@ class Regions {
   Regions(const Pattern&, const RulingOptions&);
 
   /// Updates the regions from the bending of the sheet in the next frame.
-  void follow(const BendingField&);
+  void update(const BendingField&);
 
   const SampleGrid& grid() const { return grid_; }
   // principal curvatures at the sample points of the grid
   const std::vector<Principal>& bending() const { return bending_; }
   // region of each sample point, as an index into all(); -1: flat
-  const std::vector<int>& of_place() const { return of_place_; }
+  const std::vector<int>& region_of_sample() const { return region_of_sample_; }
   const std::vector<CurvedRegion>& all() const { return regions_; }
 
-  void archive(Archive&);  // everything but the bending, which is computed anew
+  void archive(Serializer&);  // everything but the bending, which is computed anew
 
  private:
-  std::vector<int> grow(std::vector<int>& sign_of) const;
-  void name(const std::vector<int>& old_ids);
-  void measure(const std::vector<int>& sign_of);
+  std::vector<int> grow_regions(std::vector<int>& sign_of) const;
+  void assign_ids(const std::vector<int>& old_ids);
+  void fit_cones(const std::vector<int>& sign_of);
 
   SampleGrid grid_;
   RulingOptions options_;
   double curved_above_;  // [1/m]
   std::vector<Principal> bending_;
   std::vector<char> curved_;  // 1: the sample point is curved, with hysteresis
-  std::vector<int> of_place_;
+  std::vector<int> region_of_sample_;
   std::vector<CurvedRegion> regions_;
   int next_id_ = 0;
 };

@@ -14,24 +14,24 @@ struct MeshFit {
 MeshFit mesh_fit(const Sheet&, const BendingField&, const Regions&);
 
 /// Decides when to propose a new ruled mesh; backs off exponentially after rejections.
-class RemeshWhen {
+class RemeshSchedule {
  public:
   /// True when a new mesh should be tried. To be called once at every FrameTime.
   /// max_fold  [rad] dihedral angle beyond which a mesh counts as outdated
-  bool due(const MeshFit&, const Moment&, double most_fold);
+  bool due(const MeshFit&, const FrameTime&, double max_fold);
   /// Reports what became of a mesh that was due.
-  void judged(bool accepted, const Moment&);
+  void on_proposal_result(bool accepted, const FrameTime&);
 
-  void archive(Archive&);
+  void archive(Serializer&);
 
  private:
-  static constexpr double shortest_wait = 1 / 24.0;         // [s] wait after the first rejection
+  static constexpr double min_retry_delay = 1 / 24.0;       // [s] wait after the first rejection
   double last_ = -std::numeric_limits<double>::infinity();  // [s] time of the last ruled mesh
   // [1] how far the sheet has moved since then, in longer sides
-  double way_ = 0;
+  double accumulated_motion_ = 0;
   double not_before_ = last_;  // [s] no attempt is made before this time
   // [s] doubled by every rejection, up to 16 times the shortest
-  double wait_ = shortest_wait;
+  double retry_delay_ = min_retry_delay;
 };
 
 }  // namespace paperbake

@@ -32,7 +32,7 @@ struct RuledMesh {
 ///                 a needle
 std::optional<RuledMesh> ruled_mesh(const BaseMesh&, const std::vector<Vector2d>& required,
                                     const std::vector<Vector2d>& singular,
-                                    const std::vector<Ruling>&, const std::vector<Disc>& guards,
-                                    const RulingOptions&);
+                                    const std::vector<Ruling>&,
+                                    const std::vector<Disc>& keep_out_discs, const RulingOptions&);
 
 }  // namespace paperbake

@@ -14,17 +14,18 @@ struct RulingOptions {
   double coherent = 0.6;
   // [1] distance across the rulings over which one cone is fitted, in roots of the sheet's area
   double window = 0.15;
-  double pull = 0.02;         // [1] regularization of this fit towards a cylinder
-  double across_most = 0.7;   // [h] largest distance between rulings
-  double across_least = 0.5;  // [h] smallest distance between rulings
-  double along_most = 2.0;    // [h] largest distance between vertices on a ruling
-  double merge = 0.2;         // [h] points closer than this are merged
+  // [1] regularization of this fit towards a cylinder
+  double cylinder_regularization = 0.02;
+  double across_most = 0.7;     // [h] largest distance between rulings
+  double across_least = 0.5;    // [h] smallest distance between rulings
+  double along_most = 2.0;      // [h] largest distance between vertices on a ruling
+  double merge_distance = 0.2;  // [h] points closer than this are merged
   // [1] radius of the disc around an isolated moving handle that rulings do not enter, as a
   // fraction of the shorter side
   double guard = 0.3;
   double stale_fold = 1.5;  // [1] a fold of more than this times facet_turn asks for a new mesh
   // [1] largest number of triangles of a ruled mesh, relative to the base mesh
-  double most_share = 1.4;
+  double max_share = 1.4;
 };
 
 }  // namespace paperbake

@@ -11,8 +11,8 @@ struct Ruling {
   Vector2d a, b;  // [m] its ends on the pattern
   // [1/m] curvature across it: 1 over the mean radius, which on a cone is the radius at its middle
   double k = 0;
-  int region = 0;       // index into Regions::all()
-  bool at_tip = false;  // it cuts off a loaded corner
+  int region = 0;            // index into Regions::all()
+  bool cuts_corner = false;  // it cuts off a loaded corner
   double length() const { return (b - a).norm(); }
 };
 
@@ -31,8 +31,9 @@ struct Disc {
 /// loaded_corners  [m] corners of the sheet that are pulled: the shorter the rulings that cut one
 ///                 off are, the closer they are placed to each other
 /// h               [m] mean edge length of the base mesh
-std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField&, const Regions&,
-                                const std::vector<Disc>& guards, const std::vector<Vector2d>& tips,
-                                double h, const RulingOptions&);
+std::vector<Ruling> place_rulings(const Pattern& polygons, const BendingField&, const Regions&,
+                                  const std::vector<Disc>& keep_out_discs,
+                                  const std::vector<Vector2d>& loaded_corners, double h,
+                                  const RulingOptions&);
 
 }  // namespace paperbake

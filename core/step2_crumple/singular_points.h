@@ -17,11 +17,11 @@ struct Conflicts {
   // [rad] the larger of two angles: the turning angle q_v = |k2| sqrt(A_v) in the second direction,
   // and the smaller one of the largest folds of either sign; 0 where nothing may be born
   std::vector<double> turn;
-  std::vector<char> beyond;  // 1: more than paper does
+  std::vector<char> exceeds;  // 1: more than paper does
   // [1/m2] A_v max(0, k1 k2)^2: how much the vertex looks like the core of a new d-cone; 0 where
   // nothing may be born and, below the thresholds, next to a singular point
-  std::vector<double> core = {};
-  std::vector<char> sharp = {};  // 1: so severe that only a singular point can take it
+  std::vector<double> core_weight = {};
+  std::vector<char> severe = {};  // 1: so severe that only a singular point can take it
 };
 /// Finds the conflicts of a sheet.
 /// curvature  |V|x3 [1/m] Sxx, Sxy, Syy of the vertices
@@ -45,7 +45,7 @@ Vector2d middle_of_conflict(const Sheet&, const Conflicts&, const std::vector<in
 /// Least distance between singular points. The ridges that end in one are half as wide as a ridge
 /// across the whole sheet, and there is as much of a facet between them. Thus heavier paper has
 /// larger facets, and a large sheet has larger ones than a small sheet. [m]
-double least_spacing(const Pattern&, const Paper&, const CrumpleOptions&);
+double min_spacing(const Pattern&, const Paper&, const CrumpleOptions&);
 
 /// Draws the place of a new singular point by the law of [Schreck 2015]: from a Gaussian around the
 /// middle of the conflict with the standard deviation of the paper grade, within the sheet, not

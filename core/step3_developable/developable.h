@@ -14,7 +14,7 @@ struct DevelopableOptions {
   int max_iterations = 4;  // [1] one factorisation each
   // [1] largest displacement of a vertex as a fraction of the pattern's diagonal: beyond it the
   // correction is no longer small
-  double most_move = 0.005;
+  double max_move = 0.005;
 };
 
 /// What restore_lengths did.

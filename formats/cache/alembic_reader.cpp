@@ -16,7 +16,7 @@ using alembic::Pod;
 using alembic::Shape;
 
 // twice the longest clip of a scene; frames that are the same take no room in the file
-constexpr std::size_t most_frames = 200000;
+constexpr std::size_t max_frames = 200000;
 
 /// A property as its header tells, and where its samples lie.
 struct Stored {
@@ -189,7 +189,7 @@ struct AlembicReader::Impl {
     Sheet sheet;
     sheet.name = transform.name;
     sheet.frames = mesh.points->header.count;
-    if (sheet.frames > most_frames)
+    if (sheet.frames > max_frames)
       file.refuse("Sheet \"" + transform.name + "\" has " + std::to_string(sheet.frames) +
                   " frames: more than anybody bakes.");
     sheet.constant_topology = mesh.indices->samples.size() == 1 && mesh.counts->samples.size() == 1;

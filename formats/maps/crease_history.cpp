@@ -48,7 +48,7 @@ std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const
   const double border = 1e-6 * longer_side(pattern);
   std::vector<Crease> creases;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
-    const double turn = std::abs(fold_angle(sheet.x, hinge));
+    const double turn = std::abs(dihedral_angle(sheet.x, hinge));
     if (turn <= law.turned[0]) continue;
     const auto& v = hinge.vertices;
     const Vector2d along = at(v[1]) - at(v[0]);
@@ -58,7 +58,8 @@ std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const
     const double wings =
                      0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
                  width = 2.0 / 3 * wings / length;
-    const bool folded = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);  // before the first frame
+    // before the first frame
+    const bool folded = is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]);
     double kept = folded ? turn : turn - law.yield_curvature * width;
     if (plastic.rows() > 0 && !folded) {
       const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));

@@ -5,7 +5,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int most_texels = 512;  // on a side
+constexpr int max_texels = 512;  // on a side
 
 /// Two neighbours along one axis of a grid and how much the second counts, at the place of texel i
 /// of a finer grid.
@@ -23,7 +23,7 @@ Between between(int i, int fine, int coarse) {
 
 FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side, int size)
     : side_(side),
-      rows_{std::min(size, most_texels), 0, std::min(size, most_texels)},
+      rows_{std::min(size, max_texels), 0, std::min(size, max_texels)},
       loops_(loops),
       bulge_(rows_.count(), 0.0f),
       hollow_(rows_.count(), 0.0f) {

@@ -20,7 +20,7 @@ constexpr double curved[2] = {0.18, 0.3};
 constexpr double one_way[2] = {0.5, 0.7};
 constexpr double isotropic = 0.02;  // [1] of k1: a bowl has no ruling
 // [texel] of a line: thinner ones would go missing between centres
-constexpr double least_radius = 0.75;
+constexpr double min_radius = 0.75;
 // [texel] age.crease reaches beyond R, so that no lookup under R meets "none"
 constexpr double age_margin = 1.5;
 // [texel] side of the squares that share one list of near apices
@@ -60,7 +60,7 @@ Vector2d ruling(double xx, double xy, double yy) {
 /// The layers that the shape of the sheet at this place tells alone.
 void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
   const double k1 = larger_principal(f[0], f[1], f[2]);
-  texel.fold_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
+  texel.dihedral_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
   texel.fold_plastic = rounded(larger_principal(f[6], f[7], f[8]), angle_step);
   const double k2 = f[0] + f[2] - k1, bent = std::abs(k1) * scene.side;
   const double coherent = (one_way[1] - std::abs(k2 / k1)) / (one_way[1] - one_way[0]);
@@ -87,7 +87,8 @@ void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<ch
       if (!wanted[rows.index(i, row)]) continue;
       MapTexel& texel = texels[rows.index(i, row)];
       const float peak = rounded(peaks[i], angle_step);
-      texel.fold_peak = std::abs(peak) > std::abs(texel.fold_angle) ? peak : texel.fold_angle;
+      texel.fold_peak =
+          std::abs(peak) > std::abs(texel.dihedral_angle) ? peak : texel.dihedral_angle;
     }
   }
 }
@@ -95,7 +96,7 @@ void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<ch
 void draw_creases(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
                   MapTexel* texels) {
   const double texel_size = scene.side / rows.size,
-               radius = std::max(least_radius, 0.5 * scene.crease_width / texel_size);
+               radius = std::max(min_radius, 0.5 * scene.crease_width / texel_size);
   for (const Crease& crease : scene.creases) {
     Vector2d from = to_texels(crease.from, scene.side, rows.size),
              to = to_texels(crease.to, scene.side, rows.size);
@@ -119,7 +120,7 @@ void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<c
                  MapTexel* texels) {
   if (scene.apices.empty()) return;
   const double texel_size = scene.side / rows.size,
-               radius = std::max(least_radius, scene.crease_width / texel_size);
+               radius = std::max(min_radius, scene.crease_width / texel_size);
   const float step = distance_step(texel_size);
   std::vector<Vector2d> at;
   for (const MapApex& apex : scene.apices)
@@ -166,7 +167,8 @@ std::vector<MapApex> map_apices(const Sheet& sheet) {
   if (apices.empty()) return apices;
   std::vector<double> turn(sheet.pattern.rows(), 0.0);
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
-    for (const int end : {0, 1}) turn[hinge.vertices[end]] += std::abs(fold_angle(sheet.x, hinge));
+    for (const int end : {0, 1})
+      turn[hinge.vertices[end]] += std::abs(dihedral_angle(sheet.x, hinge));
   for (std::size_t k = 0; k < apices.size(); ++k) apices[k].turn = turn[vertex[k]];
   return apices;
 }

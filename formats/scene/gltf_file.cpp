@@ -25,7 +25,7 @@ using gltf::refuse;
 using gltf::text;
 using gltf::whole;
 
-constexpr std::size_t most_zeros = 10000000;  // elements of an accessor without a view
+constexpr std::size_t max_zeros = 10000000;  // elements of an accessor without a view
 
 std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
   std::uint32_t number = 0;
@@ -264,7 +264,7 @@ std::vector<Value> GltfFile::values(const Json& accessor, std::size_t width, std
       for (std::size_t k = 0; k < width; ++k)
         all.push_back(read(from.first + i * from.stride + k * size));
   } else {
-    if (count > most_zeros) refuse("an accessor has more elements than can be");
+    if (count > max_zeros) refuse("an accessor has more elements than can be");
     all.resize(count * width);
   }
   const auto sparse = accessor.find("sparse");

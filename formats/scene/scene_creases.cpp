@@ -19,7 +19,7 @@ constexpr double farthest = 1e-3;  // [m] from the sheet
 constexpr double widest = 170;     // [degrees]
 constexpr double same = 1e-4;      // of the longer side: one place, or on a line
 constexpr double shortest = 2e-3;  // of the longer side: of a part of a crease
-constexpr std::size_t most_edges = 1000;
+constexpr std::size_t max_edges = 1000;
 
 /// Edges of a mesh, each place once.
 struct Net {
@@ -37,9 +37,9 @@ Net net_of(const ImportedFile& file, const ImportedNode& node, const Eigen::Affi
     for (int i = 0; i < mesh.creases.size(); ++i)
       box.extend(world * Vector3d(mesh.x.row(mesh.creases.data()[i])));
   }
-  if (count > most_edges)
+  if (count > max_edges)
     throw Error(Fault::scene, place,
-                fmt::format("{} edges are marked as creases: more than {}.", count, most_edges),
+                fmt::format("{} edges are marked as creases: more than {}.", count, max_edges),
                 "Mark those alone that are folded.");
   Net net;
   const double near = count > 0 ? 1e-6 * box.diagonal().norm() : 0;
@@ -134,7 +134,8 @@ bool along_border(const Pattern& pattern, const Vector2d& a, const Vector2d& b) 
   return on_it(a) && on_it(b) && on_it(0.5 * (a + b)) && on_it(0.25 * a + 0.75 * b);
 }
 
-void check_inside(const FoldLine& crease, const SceneSheet& sheet, const std::string& place) {
+void check_inside(const PrescribedCrease& crease, const SceneSheet& sheet,
+                  const std::string& place) {
   constexpr int samples = 64;  // of each part
   for (std::size_t k = 0; k + 1 < crease.line.size(); ++k)
     for (int i = 0; i <= samples; ++i)
@@ -168,11 +169,11 @@ std::size_t add(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
   for (const std::vector<int>& chain : chains_of(net.edges, points.size())) {
     std::vector<Vector2d> line;
     for (const int v : chain) line.push_back(points[v]);
-    FoldLine crease{simplified(line, side), angle * M_PI / 180};
+    PrescribedCrease crease{simplified(line, side), angle * M_PI / 180};
     if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < shortest * side)
       continue;
     check_inside(crease, sheet, place);
-    sheet.pattern.folds.push_back(std::move(crease));
+    sheet.pattern.prescribed_creases.push_back(std::move(crease));
     sheet.crease_origin.push_back(origin);
     ++added;
   }

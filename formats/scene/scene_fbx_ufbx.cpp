@@ -23,11 +23,11 @@ namespace {
 
 // [frames] a key this near is meant to be on the frame
 constexpr double on_key = 0.01;
-constexpr double longest_clip = 100001;  // [frames] one more than what is refused later
-constexpr double most_samples = 2e7;     // nodes x frames of all takes: gigabytes
+constexpr double max_clip = 100001;  // [frames] one more than what is refused later
+constexpr double max_samples = 2e7;  // nodes x frames of all takes: gigabytes
 constexpr std::uint32_t deepest_node = 10000;
 // [bytes] twice: while it is read, and of what was read
-constexpr std::size_t least_memory = std::size_t(1) << 29, memory_of_byte = 50;
+constexpr std::size_t min_memory = std::size_t(1) << 29, memory_of_byte = 50;
 
 std::string text_of(const ufbx_string& s) { return {s.data, s.length}; }
 Vector3d vector(const ufbx_vec3& v) { return {v.x, v.y, v.z}; }
@@ -247,10 +247,10 @@ Motion Copy::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
   sort_and_merge(key_times);
   const double first = std::floor(std::min(stack.time_begin, key_times.front()) * fps + on_key);
   const double last = std::min(std::ceil(std::max(stack.time_end, key_times.back()) * fps - on_key),
-                               first + longest_clip);
+                               first + max_clip);
   if (!std::isfinite(first) || !std::isfinite(last)) reject_number(node.name, "A key");
   samples += last - first + 1;
-  if (samples > most_samples)
+  if (samples > max_samples)
     throw Error(Fault::scene, fmt::format("take \"{}\"", text_of(stack.name)),
                 "Its frames and nodes are too many to follow.",
                 "Export the sheets and handles alone, or a shorter range.");
@@ -382,7 +382,7 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   options.temp_allocator.memory_limit = options.result_allocator.memory_limit =
-      least_memory + (unknown ? 0 : memory_of_byte * size);
+      min_memory + (unknown ? 0 : memory_of_byte * size);
   ufbx_error error{};
   const std::unique_ptr<ufbx_scene, void (*)(ufbx_scene*)> scene(
       ufbx_load_file(path.c_str(), &options, &error), ufbx_free_scene);

@@ -20,7 +20,7 @@ namespace paperbake {
 namespace {
 
 // [m] beyond them the unit of the file is wrong
-constexpr double longest_sheet = 5, shortest_sheet = 0.005;
+constexpr double max_sheet = 5, min_sheet = 0.005;
 constexpr double size_agreement = 0.01;  // of paper_size
 
 std::string metres(const Vector2d& size) {
@@ -65,7 +65,7 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
   const std::string place = place_of(scene.source, "sheet", node.name);
   const double longer = size.maxCoeff();
   const auto stated = stated_size(node, size);
-  if (!options.unit_scale && (longer > longest_sheet || longer < shortest_sheet))
+  if (!options.unit_scale && (longer > max_sheet || longer < min_sheet))
     throw Error(Fault::scene, place,
                 fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
                             metres(size)),
@@ -83,9 +83,10 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
 
 /// Creases as a job file has them, their ends on the border where they are meant to be: a sheet is
 /// 0.1000001 m wide, and the job says 0.1.
-std::vector<FoldLine> ended_on_border(std::vector<FoldLine> creases, const Pattern& pattern) {
+std::vector<PrescribedCrease> ended_on_border(std::vector<PrescribedCrease> creases,
+                                              const Pattern& pattern) {
   constexpr double near = 1e-4;  // [1] of the longer side
-  for (FoldLine& crease : creases)
+  for (PrescribedCrease& crease : creases)
     for (Vector2d& p : crease.line)
       if (const Vector2d border = nearest_border_point(pattern, p);
           (border - p).norm() <= near * longer_side(pattern))
@@ -95,8 +96,9 @@ std::vector<FoldLine> ended_on_border(std::vector<FoldLine> creases, const Patte
 
 /// A crease that passes a handle or a pinned point by less than a hair goes through it: a mesh that
 /// had both would have slivers between them.
-FoldLine led_through(const FoldLine& crease, const std::vector<Vector2d>& points, double hair) {
-  FoldLine led{{}, crease.angle};
+PrescribedCrease led_through(const PrescribedCrease& crease, const std::vector<Vector2d>& points,
+                             double hair) {
+  PrescribedCrease led{{}, crease.angle};
   for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
     const Vector2d from = crease.line[k], way = crease.line[k + 1] - from;
     std::vector<std::pair<double, Vector2d>> passed{{0, from}};
@@ -122,12 +124,12 @@ FoldLine led_through(const FoldLine& crease, const std::vector<Vector2d>& points
 void lead_creases_through_points(SceneSheet& sheet) {
   std::vector<Vector2d> points = sheet.pins.keep;
   for (const Handle& handle : sheet.handles) points.push_back(handle.pattern);
-  for (FoldLine& crease : sheet.pattern.folds)
+  for (PrescribedCrease& crease : sheet.pattern.prescribed_creases)
     crease = led_through(crease, points, 2e-3 * longer_side(sheet.pattern));
 }
 
 /// throws Error(Fault::command) where a pin is not on the sheet
-void check_pins(const Pins& pins, const Pattern& pattern, const std::string& place,
+void check_pins(const SingularPointRules& pins, const Pattern& pattern, const std::string& place,
                 const std::string& name) {
   constexpr int samples = 64;  // of each part of a crease
   const double rounding = 1e-6 * longer_side(pattern);
@@ -139,7 +141,7 @@ void check_pins(const Pins& pins, const Pattern& pattern, const std::string& pla
                 fmt::format("Its pattern is {}, from (0, 0).", metres(extent(pattern))));
   };
   for (const Vector2d& p : pins.keep) check("singular_keep", p);
-  for (const FoldLine& crease : pattern.folds)
+  for (const PrescribedCrease& crease : pattern.prescribed_creases)
     for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
       if ((crease.line[k + 1] - crease.line[k]).norm() < 1e-3 * longer_side(pattern))
         throw Error(
@@ -168,10 +170,10 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.grammage = positive_property(scene.source, node, "paper_gsm");
   sheet.thickness = positive_property(scene.source, node, "paper_thickness");
   sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
-  if (sheet.friction && *sheet.friction > most_friction)
-    throw Error(Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
-                fmt::format("It can be a number from 0 to {}; paper on paper is about 0.4.",
-                            most_friction));
+  if (sheet.friction && *sheet.friction > max_friction)
+    throw Error(
+        Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
+        fmt::format("It can be a number from 0 to {}; paper on paper is about 0.4.", max_friction));
   if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
     if (*seed < 0)
       throw Error(Fault::scene, place, fmt::format("paper_seed is {}.", *seed),
@@ -181,9 +183,9 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
     if (said.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
   sheet.pins = said.pins;
-  sheet.pattern.folds = ended_on_border(said.creases, sheet.pattern);
+  sheet.pattern.prescribed_creases = ended_on_border(said.creases, sheet.pattern);
   check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
-  sheet.crease_origin.assign(sheet.pattern.folds.size(), "job");
+  sheet.crease_origin.assign(sheet.pattern.prescribed_creases.size(), "job");
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {
       warnings.push_back(fmt::format(

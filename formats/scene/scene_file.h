@@ -43,8 +43,8 @@ struct SceneSheet {
   std::optional<unsigned> seed;  // paper_seed
   // of preset, gsm, thickness, friction, seed: those that the job file says
   std::set<std::string> overridden;
-  Pins pins;
-  // of each of pattern.folds: job, the mesh, "crease.diagonal"
+  SingularPointRules pins;
+  // of each of pattern.prescribed_creases: job, the mesh, "crease.diagonal"
   std::vector<std::string> crease_origin;
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 constexpr double on_border = 1e-5;  // of the longer side
 // [diagonals] in one frame: no one moves paper so; a unit or a wrong key does
-constexpr double longest_jump = 4;
+constexpr double max_jump = 4;
 // keyed scale under half: the way of release both formats carry besides a property
 constexpr double released_scale = 0.5;
 
@@ -181,7 +181,7 @@ void check_jumps(const SceneNodes& scene, const Found& found, const Handle& hand
   const double diagonal = extent(sheet.pattern).norm();
   for (int f = 1; f < handle.keyed.rows(); ++f) {
     const double jump = (handle.keyed.row(f) - handle.keyed.row(f - 1)).norm();
-    if (!(jump > longest_jump * diagonal)) continue;
+    if (!(jump > max_jump * diagonal)) continue;
     const int frame = scene.first_frame + f;
     throw Error(
         Fault::scene,

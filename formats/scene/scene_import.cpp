@@ -17,9 +17,9 @@ namespace {
 
 // what an import may take, with much to spare: two million triangles in a GLB of 36 MB take 180 MB
 // and 0.2 s
-constexpr std::uint64_t least_memory = std::uint64_t(1) << 30, memory_of_byte = 100;  // [bytes]
+constexpr std::uint64_t min_memory = std::uint64_t(1) << 30, memory_of_byte = 100;  // [bytes]
 // of CPU time
-constexpr unsigned least_seconds = 5, bytes_a_second = 1 << 20;
+constexpr unsigned min_seconds = 5, bytes_a_second = 1 << 20;
 
 [[noreturn]] void reject(const std::filesystem::path& path, const std::string& cause,
                          const std::string& remedy = export_again) {
@@ -102,8 +102,8 @@ ImportedFile import_file(const std::filesystem::path& path, std::optional<double
     }
   };
   const Apart apart =
-      run_apart(import, {least_memory + memory_of_byte * size,
-                         least_seconds + static_cast<unsigned>(size / bytes_a_second)});
+      run_apart(import, {min_memory + memory_of_byte * size,
+                         min_seconds + static_cast<unsigned>(size / bytes_a_second)});
   if (!apart.bytes)
     reject(path, fmt::format("The file cannot be read: its import {}.", apart.ended));
   try {

@@ -16,9 +16,9 @@ namespace {
 
 constexpr double frame_rounding = 0.01;  // [frames] files come with 99.9999 for 100
 // [frames] over an hour: more is a wrong fps or a damaged file
-constexpr int longest_clip = 100000;
-constexpr double most_places = 2e7;  // nodes x frames: half a gigabyte of tracks, seconds
-constexpr double widest_turn = 60;   // [degrees] between two keys
+constexpr int max_clip = 100000;
+constexpr double max_places = 2e7;  // nodes x frames: half a gigabyte of tracks, seconds
+constexpr double widest_turn = 60;  // [degrees] between two keys
 
 template <class AnyMotion, class Visit>
 void for_each_track(AnyMotion& motion, Visit visit) {
@@ -311,7 +311,7 @@ void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
   scene.origin["first_frame"] = options.start_frame ? "command line" : "default";
   for (const Take& take : scene.file.takes) {
     if (!(take.begin < take.end) || scene.file.start_lost ||
-        !(std::abs(take.begin) + std::abs(take.end) < longest_clip / scene.fps))
+        !(std::abs(take.begin) + std::abs(take.end) < max_clip / scene.fps))
       continue;
     first = static_cast<int>(std::floor(clock.frame(take.begin))),
     last = static_cast<int>(std::ceil(clock.frame(take.end)));
@@ -335,11 +335,11 @@ void set_frames(SceneNodes& scene, const SceneOptions& options,
   for (const Take* take : used)
     if (take->begin < take->end) clip.add(take->begin), clip.add(take->end);
   const double first = clock.frame(clip.first), last = clock.frame(clip.last);
-  if (!(last - first <= longest_clip) || std::abs(first) > 1e9)
+  if (!(last - first <= max_clip) || std::abs(first) > 1e9)
     throw Error(Fault::scene, scene.source,
                 fmt::format("The clip runs from frame {:.6g} to {:.6g}.", first, last),
                 "Check --fps, and the range of the export.");
-  if ((last - first + 1) * scene.file.nodes.size() > most_places)
+  if ((last - first + 1) * scene.file.nodes.size() > max_places)
     throw Error(Fault::scene, scene.source,
                 fmt::format("The clip has {:.6g} frames of {} nodes: that is too much to follow.",
                             last - first + 1, scene.file.nodes.size()),

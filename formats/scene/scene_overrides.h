@@ -17,8 +17,8 @@ struct NodeOverride {
   std::string pattern;
   std::string place;                                // job.toml:12:1
   std::map<std::string, PropertyValue> properties;  // paper_mode, ...
-  Pins pins = {};                                   // of sheets
-  std::vector<FoldLine> creases = {};
+  SingularPointRules pins = {};                     // of sheets
+  std::vector<PrescribedCrease> creases = {};
 };
 
 /// Does that pattern mean this name? "GRIP*" and "rig:grip_left.001": yes
@@ -27,8 +27,8 @@ bool name_is_like(const std::string& name, const std::string& pattern);
 /// What one node has from overrides.
 struct Overridden {
   std::map<std::string, std::string> places;  // by property
-  Pins pins;                                  // of all sections that mean it ...
-  std::vector<FoldLine> creases;
+  SingularPointRules pins;                    // of all sections that mean it ...
+  std::vector<PrescribedCrease> creases;
   std::string pins_place;  // ... and the last of them
 };
 

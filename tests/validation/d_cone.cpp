@@ -124,7 +124,7 @@ double energy_of_disc(Sheet sheet, double outer, double eps, double squared) {
       paper, sheet,
       {vertices_where(sheet, [&](const Vector2d& p) { return p.norm() > outer * (1 - 1e-3); }),
        {0}},
-      eps, cone_factors(sheet, paper));
+      eps, apex_stiffness_factors(sheet, paper));
   disc.minimise();
   return 2 * (disc.parts().membrane + disc.parts().bending) / (paper.bending_stiffness * squared);
 }

@@ -24,7 +24,7 @@ Misfit misfit(const Sheet&, const Points3& metric);
 /// middle (position and velocity are the means of those of the ends), as long as there are no more
 /// than `max_triangles`.
 /// returns  the number of splits
-int split_long_edges(Sheet&, Points3& metric, int most_triangles);
+int split_long_edges(Sheet&, Points3& metric, int max_triangles);
 
 /// Flips edges until, in the mean metric of the four corners, the two angles opposite an edge add
 /// up to no more than pi, with a margin; at most 6 rounds. An edge stays if flipping it would

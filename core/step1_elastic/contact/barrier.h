@@ -17,7 +17,7 @@ struct Barrier {
   double slope;   // [N]    b'  <= 0
   double second;  // [N/m]  b'' >= 0
 };
-Barrier barrier(double distance, double reach);
+Barrier barrier(double distance, double dhat);
 
 /// Collision-free step of a pair of features: the fraction in [0, 1] of their moves that the four
 /// corners may follow so that at least a fifth of their distance is left all along. The fraction is
@@ -25,8 +25,8 @@ Barrier barrier(double distance, double reach);
 /// edges   true: two edges 0-1 and 2-3; false: vertex 0 and triangle 1-2-3
 /// source  [Li 2021], additive continuous collision detection; where a slab between the two
 ///         features allows larger steps, these are taken
-double free_way(const std::array<Vector3d, 4>& corners, const std::array<Vector3d, 4>& moves,
-                bool edges);
+double collision_free_step(const std::array<Vector3d, 4>& corners,
+                           const std::array<Vector3d, 4>& moves, bool edges);
 
 /// [m] Largest relative displacement of a corner of one feature and a corner of the other. The
 /// features approach each other by no more than this.

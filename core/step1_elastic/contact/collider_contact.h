@@ -21,13 +21,13 @@ namespace paperbake {
 /// kappa = 200 N/m, dhat = 0.5 mm: the force is 0.6 N at a distance of 0.1 mm, and 2 N at 0.1 mm
 /// inside
 /// source  [Li 2020], as a function of the distance itself; the polynomial: this project
-struct Pressing {
+struct ColliderBarrier {
   double value;   // [J]
   double slope;   // [N]
   double second;  // [N/m]
 };
-Pressing pressing(double distance);
-inline constexpr double collider_reach = 5e-4;  // [m] dhat
+ColliderBarrier collider_barrier(double distance);
+inline constexpr double collider_dhat = 5e-4;  // [m] dhat
 
 /// Contact of the mesh of one sheet with colliders: a term of the incremental potential.
 ///
@@ -47,18 +47,18 @@ class ColliderContact {
   ///         collider, the vertex is not pushed out from there: a hand that rests on a table needs
   ///         no force to stay.
   void begin(const Points3& x, const ColliderMotion&, const std::vector<int>& held, double dt,
-             const Gripped& pulled = {});
+             const HardConstraints& hard = {});
 
   /// Replaces targets by the points where the vertices get to from the beginning of the step,
   /// carried along by moving colliders, and sliding along their surface where they are in the way.
   /// vertices  their indices
   /// to        |vertices|x3 [m] the targets
-  void clear_way(const std::vector<int>& vertices, Points3& to);
-  void clear_way(Points3& to);  // the targets of all vertices
+  void project_outside(const std::vector<int>& vertices, Points3& to);
+  void project_outside(Points3& to);  // the targets of all vertices
 
   /// Fraction of the move after which no vertex is deeper inside a collider than a fifth of its
   /// depth(), and no edge or corner has passed through.
-  double free_way(const Points3& y, const Points3& move);
+  double collision_free_step(const Points3& y, const Points3& move);
 
   double energy(const Points3& y);  // [J]
   /// Returns the energy [J]. Adds its gradient [N] to `gradient`, and to the matrix the Hessians
@@ -72,25 +72,25 @@ class ColliderContact {
   double inside(const Points3& y);  // [m] depth of the deepest contact point; 0: none is inside
 
  private:
-  struct Probe {  // a vertex, an edge or a triangle of the sheet
+  struct SheetFeature {  // a vertex, an edge or a triangle of the sheet
     std::array<int, 3> vertices;
     int corners;
     std::vector<int> near;  // of the collider: indices of triangles, edges or corners
   };
-  struct Touch {
+  struct ContactPoint {
     std::array<int, 3> vertices;
     std::array<double, 3> weights;
     int corners;
     Vector3d at, normal;  // of the collider, in its own space
     double distance;
   };
-  struct Meeting {  // an edge or a triangle, and a convex edge or corner of a collider
+  struct FeaturePair {  // an edge or a triangle, and a convex edge or corner of a collider
     std::array<double, 3> weights;
     Vector3d at, apart;  // separation: from `at` to the sheet
     double far;
     enum { outside, inside, nearer_to_another } where;
   };
-  struct Drag {  // friction of one contact
+  struct FrictionContact {  // friction of one contact
     std::array<int, 3> vertices;
     std::array<double, 3> weights;
     int corners;
@@ -98,8 +98,8 @@ class ColliderContact {
     Vector3d carried;  // [m] motion of the collider at this point in this step
     double force;      // [N] friction coefficient x normal force
   };
-  struct Against {  // the sheet against one collider
-    std::vector<Probe> probes;
+  struct ColliderState {  // the sheet against one collider
+    std::vector<SheetFeature> features;
     std::vector<int> close;  // features with something of the collider nearby
     // |V|x3 [m] in the collider's space: the lists are valid while vertices are this near to it;
     // NaN: there are none yet
@@ -107,31 +107,31 @@ class ColliderContact {
     std::vector<char> side;  // |V| -1: the vertex has come round the border of an open collider
   };
 
-  void refresh(std::size_t c, const Points3& home);
-  void gather(std::size_t c, Probe&) const;
-  Points3 at_home(std::size_t c, const Points3& y, const Poses& poses) const;
+  void refresh(std::size_t c, const Points3& local);
+  void find_candidates(std::size_t c, SheetFeature&) const;
+  Points3 to_collider_space(std::size_t c, const Points3& y, const Poses& poses) const;
   template <class Visit>
-  void for_each_touch(std::size_t c, const Points3& home, Visit) const;
+  void for_each_touch(std::size_t c, const Points3& local, Visit) const;
   template <class Visit>
-  void touches_of(std::size_t c, const Probe&, const Points3& home, Visit) const;
-  Meeting meeting(const Collider&, const Probe&, int k, const Points3& home,
-                  const std::vector<char>& side) const;
+  void touches_of(std::size_t c, const SheetFeature&, const Points3& local, Visit) const;
+  FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& local,
+                           const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
   template <class Visit>
   void for_each_touch(const Points3& y, Visit);  // at the end of the step
-  Eigen::Vector2d slip(const Drag&, const Points3& y) const;
-  void begin_friction(std::size_t c, const Points3& home);
-  void excuse(std::size_t c, const Gripped& pulled);
+  Eigen::Vector2d slip(const FrictionContact&, const Points3& y) const;
+  void begin_friction(std::size_t c, const Points3& local);
+  void reduce_barrier_near_handles(std::size_t c, const HardConstraints& hard);
 
   std::shared_ptr<const Colliders> colliders_;
-  std::vector<Against> against_;
+  std::vector<ColliderState> states_;
   std::vector<char> held_;
   // |V| [m] by how much closer than dhat a vertex may come without being pushed
-  std::vector<double> excused_;
+  std::vector<double> reduction_;
   Points3 start_;
   ColliderMotion motion_;
   double epsilon_ = 1e-6;  // [m] contacts that slide less than this stick
-  std::vector<Drag> drags_;
+  std::vector<FrictionContact> friction_contacts_;
 };
 
 }  // namespace paperbake

@@ -12,30 +12,30 @@ namespace paperbake {
 ///   f0(y) = y from epsilon on, -y^3/(3 epsilon^2) + y^2/epsilon + epsilon/3 below
 ///
 /// source  [Li 2020]
-struct Sliding {
+struct FrictionMollifier {
   double value;   // [m]
   double slope;   // [1]
   double second;  // [1/m]
 };
-Sliding sliding(double way, double epsilon);
+FrictionMollifier friction_mollifier(double way, double epsilon);
 
 /// The same for a displacement in a plane. The gradient is across * displacement; the Hessian is
 /// never indefinite.
-struct SlidingInPlane {
+struct FrictionMollifierInPlane {
   double value;            // [m]
   double across;           // [1/m] slope / |displacement|
   Eigen::Matrix2d second;  // [1/m]
 };
-SlidingInPlane sliding(const Eigen::Vector2d& way, double epsilon);
+FrictionMollifierInPlane friction_mollifier(const Eigen::Vector2d& way, double epsilon);
 
 /// How a pair of features at x slides along each other when its corners move: by sum_i along_i
 /// move_i [m]. To first order a rigid motion is no sliding (see Contact).
 /// edges  true: two edges 0-1 and 2-3; false: vertex 0 and triangle 1-2-3
 /// near   the closest points of the features, which do not touch
-std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_by(const std::array<Vector3d, 4>& x, bool edges,
-                                                      const Nearness& near);
+std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_map(const std::array<Vector3d, 4>& x, bool edges,
+                                                       const ClosestPoints& near);
 
 // eps_v [m/s]: contacts that slide more slowly than this stick: epsilon = eps_v dt
-inline constexpr double creep = 1e-4;
+inline constexpr double static_speed_bound = 1e-4;
 
 }  // namespace paperbake

@@ -13,7 +13,7 @@ namespace paperbake {
 
 /// Vertices that hard handles constrain. Pairs that the handles bring together are excluded from
 /// contact.
-struct Gripped {
+struct HardConstraints {
   std::vector<int> vertices;
   Points3 targets;  // |vertices|x3 [m]
 };
@@ -23,14 +23,14 @@ struct Gripped {
 struct ContactPair {
   std::array<int, 4> vertices;  // vertex, triangle; or edge, edge
   bool edges;
-  double reach;  // [m] dhat of this pair
+  double dhat;  // [m] dhat of this pair
 };
 
 /// Several sheets in one mesh, with their vertices one after the other.
-struct JoinedSheets {
+struct SheetPartition {
   std::vector<int> of_vertex;  // |V| index of the sheet
   // |sheets|x|sheets| [m] dhat between two sheets; on the diagonal that of a sheet and itself
-  Eigen::MatrixXd reach;
+  Eigen::MatrixXd dhat;
   // |V|x3 [m] initial positions, if some sheets began on each other; else empty
   Points3 begun = {};
   // |sheets| [1] friction coefficient of each on itself; for two sheets the geometric mean, so zero
@@ -69,32 +69,33 @@ struct JoinedSheets {
 class Contact {
  public:
   Contact(const Points2& pattern, const Triangles&, double friction = 0);
-  Contact(const Points2& pattern, const Triangles&, JoinedSheets);
+  Contact(const Points2& pattern, const Triangles&, SheetPartition);
 
   /// [m] dhat of the sheet: 2 mm, or 1 % of the side of a square of the same area if that is less;
   /// the largest one of several sheets.
-  double reach() const { return reach_; }
+  double dhat() const { return dhat_; }
 
   /// True if nothing collides on the straight motion from `from` to `to` and no pair is closer than
   /// dhat at its end: contact would then have changed nothing. The triangles around one vertex are
   /// checked against each other only where one deviates by 60 degrees or more from their mean
   /// normal.
-  bool clear(const Points3& from, const Points3& to, const Gripped&);
+  bool clear(const Points3& from, const Points3& to, const HardConstraints&);
   /// The same for pairs of features of different sheets only.
-  bool clear_between(const Points3& from, const Points3& to, const Gripped&);
+  bool is_collision_free_between_sheets(const Points3& from, const Points3& to,
+                                        const HardConstraints&);
 
   /// Begins a step of length dt [s] at x.
-  void begin(const Points3& x, const Gripped&, double dt);
+  void begin(const Points3& x, const HardConstraints&, double dt);
 
   /// Finds every pair that can collide or come closer than dhat on the motion from y to y + move.
   /// To be called before any function below is asked about positions on that motion; it costs
   /// little while the sheet stays near the motion of the last update.
-  void cover(const Points3& y, const Points3& move);
+  void update_candidates(const Points3& y, const Points3& move);
   /// The sheet has moved to y, as announced by the last update_candidates.
-  void arrived(const Points3& y);
+  void commit_step(const Points3& y);
 
   /// Fraction of the move that leaves at least a fifth of every gap.
-  double free_way(const Points3& y, const Points3& move) const;
+  double collision_free_step(const Points3& y, const Points3& move) const;
 
   double energy(const Points3& y) const;  // [J]
   /// Returns the energy [J]. Adds its gradient [N] to `gradient`, and to the bound matrix the
@@ -118,7 +119,7 @@ class Contact {
 
  private:
   using Slots = std::array<BlockCholesky::Slot, 10>;  // upper half, row by row
-  struct Drag {                                       // friction of one pair
+  struct FrictionContact {                            // friction of one pair
     std::array<int, 4> vertices;
     // [1] the pair has slid by sum_i along_i (y_i - start_i)
     std::array<Eigen::Matrix<double, 2, 3>, 4> along;
@@ -127,50 +128,50 @@ class Contact {
     bool placed = false;
   };
 
-  NearTriangles& near() const;
-  void judge_by(const Points3& start, const Gripped&);
-  void find_entangled(const Points3& x);
-  bool entangled(const std::array<int, 4>& vertices, bool edges) const;
-  void gather(const Points3& y, const Points3& move);
+  SweptBoxPairs& near() const;
+  void set_constraints(const Points3& start, const HardConstraints&);
+  void find_initially_intersecting(const Points3& x);
+  bool initially_intersecting(const std::array<int, 4>& vertices, bool edges) const;
+  void build_candidates(const Points3& y, const Points3& move);
   void begin_friction(double dt);
-  Eigen::Vector2d slip(const Drag&, const Points3& y) const;  // [m] since the step began
+  Eigen::Vector2d slip(const FrictionContact&, const Points3& y) const;  // [m] since the step began
   Slots slots_of(const std::array<int, 4>& vertices) const;
   template <class Visit>
   void for_each_pair(int a, int b, Visit) const;
   std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, bool edges) const {
     return {sheets_.of_vertex[vertices[0]], sheets_.of_vertex[vertices[edges ? 2 : 1]]};
   }
-  bool any_meets(int a, int b, const Points3& from, const Points3& to) const;
-  double reach_of(const std::array<int, 4>& vertices, bool edges) const;
-  double reach_of_grips(const std::array<int, 4>& vertices, bool edges, double reach) const;
-  bool meets(const Points3& from, const Points3& to, const std::array<int, 4>& vertices,
-             bool edges) const;
-  double slack(const Points3& y) const;
+  bool any_pair_collides(int a, int b, const Points3& from, const Points3& to) const;
+  double dhat_of(const std::array<int, 4>& vertices, bool edges) const;
+  double dhat_near_constraints(const std::array<int, 4>& vertices, bool edges, double dhat) const;
+  bool pair_collides(const Points3& from, const Points3& to, const std::array<int, 4>& vertices,
+                     bool edges) const;
+  double drift(const Points3& y) const;
   template <class Visit>
-  void for_each_active(const Points3& y, double share_of_reach, Visit) const;
+  void for_each_active(const Points3& y, double dhat_ratio, Visit) const;
 
   Points2 pattern_;
   Triangles triangles_;
-  std::optional<SpreadOut> spread_;            // for a single sheet only
-  mutable std::optional<NearTriangles> near_;  // made when it is first needed
-  JoinedSheets sheets_;
-  double reach_;
+  std::optional<SeparationBound> separation_bound_;  // for a single sheet only
+  mutable std::optional<SweptBoxPairs> near_;        // made when it is first needed
+  SheetPartition sheets_;
+  double dhat_;
   // [m] how far vertices may be off the motion of the last update before the list is rebuilt
-  double tube_;
+  double candidate_margin_;
 
-  std::vector<int> grip_;  // |V| index into the constraints; -1: free
-  Gripped gripped_;
+  std::vector<int> constraint_of_;  // |V| index into the constraints; -1: free
+  HardConstraints gripped_;
   Points3 start_;  // [m] positions at the beginning of the step
   // triangles that intersect each other at the beginning of the step
   std::vector<std::pair<int, int>> entangled_;
 
   std::vector<ContactPair> pairs_;
-  std::vector<double> spare_;  // [m] least distance during the motion, less dhat, of each pair
-  Points3 reference_;          // [m] the list is valid within candidate_margin_ of these
-  bool swept_ = false;         // ... and of the motion that begins there
+  std::vector<double> gap_bound_;  // [m] least distance during the motion, less dhat, of each pair
+  Points3 reference_;              // [m] the list is valid within candidate_margin_ of these
+  bool swept_ = false;             // ... and of the motion that begins there
 
   double epsilon_ = 0;  // [m] pairs that slide less than this stick
-  std::vector<Drag> drags_;
+  std::vector<FrictionContact> friction_contacts_;
 
   const BlockCholesky* matrix_ = nullptr;
   std::vector<int> block_of_;

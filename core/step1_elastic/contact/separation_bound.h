@@ -14,14 +14,14 @@ namespace paperbake {
 /// the pattern shows that their images, and so the points themselves, are at least share times as
 /// far apart. J is linear in the positions: what holds at both ends of a straight motion holds all
 /// along it. Only convex patterns have such lines; nothing is known about others.
-class SpreadOut {
+class SeparationBound {
  public:
-  SpreadOut(const Points2& pattern, const Triangles&);
+  SeparationBound(const Points2& pattern, const Triangles&);
 
   /// True if this could be shown for the whole step, looking along the direction that the sheet
   /// faces on the whole. False: it may hold or not.
   /// from, to  |V|x3 [m]
-  bool all_the_way(const Points3& from, const Points3& to, double share) const;
+  bool holds_along_step(const Points3& from, const Points3& to, double share) const;
 
  private:
   Triangles triangles_;

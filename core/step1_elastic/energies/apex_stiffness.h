@@ -35,6 +35,6 @@ double core_radius(const Paper&, double R);
 /// point that is held is no apex.
 /// returns  |T| factors on the bending stiffness; empty if there is no singular point
 /// source   this project
-std::vector<double> cone_factors(const Sheet&, const Paper&);
+std::vector<double> apex_stiffness_factors(const Sheet&, const Paper&);
 
 }  // namespace paperbake

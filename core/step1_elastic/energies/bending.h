@@ -12,21 +12,21 @@
 namespace paperbake {
 
 /// Dihedral angle of a hinge and its gradient. source [Bridson 2003]
-struct Fold {
+struct DihedralAngle {
   double theta;                       // [rad]
   Eigen::Matrix<double, 4, 3> slope;  // [1/m] row k: d theta / d x_k
 };
-Fold fold(const Points3& x, const Hinge&);
+DihedralAngle dihedral_angle_gradient(const Points3& x, const Hinge&);
 
 /// Contribution of one wing of a hinge to the Hessian of its dihedral angle, with respect to the
 /// edge e = x1 - x0 and the arm a = wing - x0; `ae` is the transpose of `ea`. The contributions of
 /// the two wings add up to d2 theta exactly, and each lives on the corners of its own triangle: the
 /// matrix of a sheet needs no block between the two wings for it.
 /// left  true if the wing lies on the left of x0 -> x1
-struct WingHessian {
+struct DihedralHessian {
   Matrix3 ee, ea, aa;  // [1/m2]
 };
-WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left);
+DihedralHessian dihedral_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left);
 
 /// Bending of one triangle, from its shape operator, so that the material does not change with the
 /// mesh.

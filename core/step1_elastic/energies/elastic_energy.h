@@ -23,7 +23,7 @@ class ElasticEnergy {
   ///             moment crosses them, as none crosses a border
   ElasticEnergy(const Paper&, const Points2& pattern, const Triangles&,
                 const std::vector<double>& stiffening = {},
-                const std::vector<FoldLine>& folds = {});
+                const std::vector<PrescribedCrease>& folds = {});
 
   /// [J] Energy at x.
   double energy(const Points3& x) const;
@@ -32,8 +32,8 @@ class ElasticEnergy {
   struct Parts {
     double membrane, bending;
   };
-  Parts parts(const Points3& x) const { return parts(x, fold_angles(x)); }
-  Parts parts(const Points3& x, const std::vector<double>& fold_angles) const;
+  Parts parts(const Points3& x) const { return parts(x, dihedral_angles(x)); }
+  Parts parts(const Points3& x, const std::vector<double>& dihedral_angles) const;
 
   /// [J] Energy at x; gradient |V|x3 [N] is overwritten.
   double gradient(const Points3& x, Points3& gradient) const;
@@ -55,15 +55,15 @@ class ElasticEnergy {
   /// Plastic state of the triangles. Empty in the beginning: paper that always springs back.
   PlasticMemory memory;
   /// Ridges within the triangles; empty: they bend evenly.
-  Ridges ridges;
+  RidgeField ridges;
 
   /// Plastic increment of the triangles if the sheet is left at x, or with these dihedral angles.
-  PlasticMemory gained(const Points3& x) const { return gained(fold_angles(x)); }
-  PlasticMemory gained(const std::vector<double>& fold_angles) const;
+  PlasticMemory gained(const Points3& x) const { return gained(dihedral_angles(x)); }
+  PlasticMemory gained(const std::vector<double>& dihedral_angles) const;
 
   /// [rad] Dihedral angle of each hinge.
-  std::vector<double> fold_angles(const Points3& x) const {
-    return paperbake::fold_angles(x, hinges_.hinges);
+  std::vector<double> dihedral_angles(const Points3& x) const {
+    return paperbake::dihedral_angles(x, hinges_.hinges);
   }
 
   const Hinges& hinges() const { return hinges_; }
@@ -80,12 +80,12 @@ class ElasticEnergy {
   /// and its bending over the whole stencil.
   /// tangent      d2E/dtheta2 of its bending
   /// edge_moment  moments on its angles from both sides
-  void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&,
+  void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<DihedralAngle>&,
                    const Matrix3& tangent, const Vector3d& edge_moment, HessianForm,
                    BlockCholesky&) const;
   Matrix3 corners(const Points3& x, int t) const;
   // [rad] dihedral angles at the three edges of a triangle; 0 at the border
-  Vector3d angles_of(int t, const std::vector<double>& fold_angles) const;
+  Vector3d angles_of(int t, const std::vector<double>& dihedral_angles) const;
   PlasticState past(int t) const;
   /// Adds the springs of the creases at a triangle to its bending: half of each hinge's; the other
   /// half goes to the other triangle.
@@ -98,10 +98,10 @@ class ElasticEnergy {
   std::vector<RestTriangle> rest_;
   std::vector<RestBending> bend_;
   std::vector<Stencil> stencils_;
-  struct FoldSpring {
+  struct CreaseSpring {
     double stiffness = 0, angle = 0;  // [J] k l, 0: on no crease; [rad]
   };
-  std::vector<FoldSpring> springs_;  // of each hinge; empty: there are no creases
+  std::vector<CreaseSpring> springs_;  // of each hinge; empty: there are no creases
 };
 
 }  // namespace paperbake

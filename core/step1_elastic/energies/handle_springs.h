@@ -32,12 +32,12 @@ HandleSpring soft_spring(int vertex, const Vector3d& target, double stiffness);
 HandleSpring yielding_spring(int vertex, const Vector3d& target);
 
 /// The constraints of the hard handles.
-Gripped hard_handles(const Held&);
+HardConstraints hard_handles(const PositionConstraints&);
 
 /// Springs of the soft handles and, on a sheet that touches itself or is jammed, of the hard ones
 /// too.
 enum class HardHandles { are_held, may_yield };
-std::vector<HandleSpring> handle_springs(const Held&, HardHandles);
+std::vector<HandleSpring> handle_springs(const PositionConstraints&, HardHandles);
 
 /// True if the spring pulls with more than its yield force.
 bool yields(const HandleSpring&, const Points3& x);

@@ -25,7 +25,7 @@ struct Elastic::Impl {
   std::optional<ElasticEnergy> energy, softened;
   Eigen::VectorXd mass;
   double mean_edge = 0;
-  ElasticPast past;  // positions are cleared when the number of vertices changes
+  SolverState state;  // positions are cleared when the number of vertices changes
   PlasticGrid* grid = nullptr;
   Points2 pattern;
   Triangles triangles;
@@ -36,20 +36,20 @@ struct Elastic::Impl {
   std::optional<ColliderContact> colliders;
 
   // these belong to the mesh and to the set of constrained vertices
-  std::vector<int> held;    // eliminated from the system
-  std::vector<int> guided;  // vertices that the predictor takes to their targets
+  std::vector<int> held;       // eliminated from the system
+  std::vector<int> predicted;  // vertices that the predictor takes to their targets
   std::vector<int> block_of;
   std::unique_ptr<BlockCholesky> matrix;
   bool matrix_of_contact = false;
   std::unique_ptr<Predictor> predictor;
 
   const PlasticGrid::Cover& cover();
-  void recall();
-  void recall_on_new_mesh();
+  void load_plastic_state();
+  void load_plastic_state_on_new_mesh();
 
   /// Finds the ridges: where the sheet bends in two directions at the beginning of a step, it
   /// yields as ridges do (ridge_yield.h).
-  void look_for_ridges(const Sheet&, const std::vector<int>& vertices);
+  void find_ridges_of_step(const Sheet&, const std::vector<int>& vertices);
 
   /// Solves without plasticity first, if the paper has never yielded: most often it does not yield
   /// in this step either. If no triangle exceeds its yield curvature at that minimum, it is also a
@@ -59,37 +59,39 @@ struct Elastic::Impl {
   /// find   finds where the given sheet yields; called with the sheet as it was at the beginning
   /// solve  a step or a relaxation of the sheet as it is, with the plastic state that is loaded
   template <class Find, class Solve>
-  ElasticReport elastic_first(Sheet&, Find, Solve);
+  ElasticReport try_without_plasticity(Sheet&, Find, Solve);
 
   /// Writes the plastic increment to the grid and loads it as the state before the next step.
   /// returns  [m rad] growth of the integral
-  double remember(const std::vector<double>& fold_angles);
+  double commit_plastic_state(const std::vector<double>& dihedral_angles);
 
   /// Writes the energies stored in the sheet to the report.
-  void tell_stored(const Points3& x, const std::vector<double>& fold_angles, ElasticReport&) const;
+  void report_energies(const Points3& x, const std::vector<double>& dihedral_angles,
+                       ElasticReport&) const;
 
   /// Makes a new predictor if these are not the vertices that the present one takes along.
-  void guide(const Sheet&, const std::vector<int>& hard);
+  void update_predictor(const Sheet&, const std::vector<int>& hard);
   /// Makes a new matrix of the free vertices where the present one does not fit, and updates the
   /// predictor.
   /// fixed     vertices that are eliminated
   /// hard      vertices that the predictor takes to their targets
   /// touching  pairs of vertices that contact couples
-  void hold(const Sheet&, const std::vector<int>& fixed, const std::vector<int>& hard,
-            const std::vector<std::pair<int, int>>& touching);
+  void build_linear_system(const Sheet&, const std::vector<int>& fixed,
+                           const std::vector<int>& hard,
+                           const std::vector<std::pair<int, int>>& touching);
 
-  bool is_coarse() const { return triangles.rows() <= coarse; }
-  Patience patience() const {
-    return past.second ? beside_another : past.steps < 3 ? at_first : later;
+  bool is_interactive() const { return triangles.rows() <= interactive_triangle_limit; }
+  IterationBudget iteration_budget() const {
+    return state.second ? with_pending_branch : state.steps < 3 ? initial_steps : default_steps;
   }
-  int most_iterations() const {
-    return is_coarse()
-               ? std::max(1, patience().on_the_first * options.max_iterations / usual_iterations)
-               : options.max_iterations;
+  int max_iterations_of_step() const {
+    return is_interactive() ? std::max(1, iteration_budget().first_phase * options.max_iterations /
+                                              default_iterations)
+                            : options.max_iterations;
   }
-  int most_in_touch() const {
-    return std::min(options.max_iterations,
-                    is_coarse() ? most_in_touch_coarse : most_iterations_in_touch);
+  int max_contact_iterations() const {
+    return std::min(options.max_iterations, is_interactive() ? max_contact_iterations_interactive
+                                                             : max_contact_iterations_fine);
   }
 
   /// stress  of the membrane where x came from
@@ -102,43 +104,47 @@ struct Elastic::Impl {
   /// Advances the descent in its present phase by at most this number of iterations. On an
   /// interactive mesh one call uses one variant of Newton's method: mixed Newton at the first
   /// attempt, line-search Newton later.
-  void go_on(SecondWay&, const IncrementalPotential& W, int most, ElasticReport&);
+  void advance(BranchDescent&, const IncrementalPotential& W, int most, ElasticReport&);
 
   /// Descends along a second branch from an unstable shape, first with the softened membrane; the
   /// result is taken if it is lower.
   /// before  where this step began
   /// start   the initial guess from there
-  void second_way(const IncrementalPotential& W, const Points3& before, const Points3& start,
-                  const Gripped& hard, Points3& x, ElasticReport&);
+  void descend_second_branch(const IncrementalPotential& W, const Points3& before,
+                             const Points3& start, const HardConstraints& hard, Points3& x,
+                             ElasticReport&);
 
   /// The constraints, with targets as far as colliders let the vertices go.
-  Held reachable(const Sheet&, const Held&, double dt);
+  PositionConstraints reachable_targets(const Sheet&, const PositionConstraints&, double dt);
 
   /// Potential of a step of the sheet from where it is.
   SheetPotential potential(const Sheet&, double dt, std::vector<HandleSpring> springs);
   /// Initial guesses for the end of the step. feels: with contact; then handles may lag behind, and
   /// some of the guesses do not make the sheet jump to them.
-  std::vector<Points3> guesses(const Points3& before, const Gripped& hard, bool feels);
+  std::vector<Points3> guesses(const Points3& before, const HardConstraints& hard, bool feels);
 
   /// One solution of the step; `feels` is null for a step without self-contact.
-  ElasticReport solve(Sheet&, const Held&, const Gripped& hard, double dt, Contact* feels,
-                      const NewtonOptions& how, SecondWays second);
+  ElasticReport solve(Sheet&, const PositionConstraints&, const HardConstraints& hard, double dt,
+                      Contact* feels, const NewtonOptions& how, BranchSearchMode second);
 
   /// Solves without self-contact, and again with it if that turns out to be needed.
-  ElasticReport go(Sheet&, const Held&, const Gripped& hard, double dt);
+  ElasticReport step_with_contact_fallback(Sheet&, const PositionConstraints&,
+                                           const HardConstraints& hard, double dt);
 
   /// Writes to the report what colliders and handles do at the end of the step.
-  void tell_held(const Points3& x, const std::vector<HandleSpring>& springs, ElasticReport&);
+  void report_constraints(const Points3& x, const std::vector<HandleSpring>& springs,
+                          ElasticReport&);
 
   /// Finishes a step that began at `before`: writes the plastic increment and adds the step to the
   /// past.
-  void conclude(Sheet&, const Points3& before, const Held&, double dt, ElasticReport&);
+  void finish_step(Sheet&, const Points3& before, const PositionConstraints&, double dt,
+                   ElasticReport&);
 };
 
 /// Moves x to the initial guess of least potential. With contact, each guess is first shortened so
 /// that the straight motion from `before` to it is collision-free.
 /// throws Error(Fault::simulation) when the potential of no guess is finite
-void begin_at_best(const IncrementalPotential& W, const Points3& before,
-                   std::vector<Points3>& guesses, Points3& x);
+void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
+                          std::vector<Points3>& guesses, Points3& x);
 
 }  // namespace paperbake

@@ -23,18 +23,18 @@ struct NewtonOptions {
   double stop;
   int max_iterations;  // [1] factorisations
   // [1] of these, at most so many by mixed Newton: the rest is for line-search Newton
-  int max_strides = std::min(25, 2 * max_iterations / 3);
-  enum Ways { both, stride, descend } ways = both;
+  int max_mixed_newton = std::min(25, 2 * max_iterations / 3);
+  enum Ways { both, mixed_newton, line_search_newton } ways = both;
   // asked every few iterations of the last variant that is allowed: true ends the minimisation
-  std::function<bool(const Points3&)> in_vain = nullptr;
+  std::function<bool(const Points3&)> should_abort = nullptr;
 };
 
 /// How a minimisation went.
 struct NewtonReport {
   int iterations = 0;
   bool converged = false;
-  bool descended = false;  // line-search Newton was used
-  bool in_vain = false;    // should_abort ended it
+  bool descended = false;     // line-search Newton was used
+  bool should_abort = false;  // should_abort ended it
 };
 
 /// Moves x to a nearby minimum of W by Newton's method, in two variants; the second is used where

@@ -160,7 +160,7 @@ TEST(AnimateTest, ASheetThatCannotFollowItsHandlesStaysAndReportsIt) {
   // In frames 8 to 10 the paper between hard handles is half as long as their distance, and no step
   // reaches a minimum.
   Method shrinking = fem(100);
-  shrinking.remesh = [](Sheet& sheet, const Situation& situation) {
+  shrinking.remesh = [](Sheet& sheet, const RemeshContext& situation) {
     if (situation.now.frame != 8 && situation.now.frame != 11) return false;
     sheet.pattern *= situation.now.frame == 8 ? 0.5 : 2;
     return true;
@@ -202,7 +202,7 @@ TEST(AnimateTest, ALoneHandleStiffensADiscTheSizeOfAFinger) {
   Shot shot = test::blank_shot(test::rectangle(0.2, 0.2));
   shot.handles.push_back(test::bare_handle("lone", {0.1, 0.1}, 1));
   shot.handles[0].radius.reset();
-  const StartedSheet started = start_sheet(shot, fem(800), 0);
+  const InitialSheet started = make_initial_sheet(shot, fem(800), 0);
   double area = 0;
   for (int t = 0; t < started.sheet.triangles.rows(); ++t) {
     if (started.stiffening[t] == 1) continue;

@@ -29,7 +29,7 @@ std::vector<Handle> pulled_apart(double side, const std::vector<double>& away) {
 
 std::vector<ImpossiblePair> pairs_of(const Pattern& pattern, const std::vector<Handle>& handles,
                                      int last_frame) {
-  return Reach(pattern, handles).impossible_pairs(handles, first_frame, last_frame);
+  return HandleFeasibility(pattern, handles).impossible_pairs(handles, first_frame, last_frame);
 }
 
 std::vector<int> all_of(const std::vector<Handle>& handles) {
@@ -47,9 +47,9 @@ double overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
     for (std::size_t j = 0; j < i; ++j)
       worst =
           std::max(worst, (targets.row(i) - targets.row(j)).norm() -
-                              (1 + Reach::tolerance) *
+                              (1 + HandleFeasibility::tolerance) *
                                   paper_distance(pattern, handles[i].pattern, handles[j].pattern) -
-                              Reach::rounding);
+                              HandleFeasibility::rounding);
   return worst;
 }
 
@@ -181,7 +181,8 @@ TEST(HandleFeasibilityTest, ProjectionLeavesPossibleTargetsUntouchedToTheLastBit
         m.targets.row(k) = (turn * flat).transpose() + Eigen::RowVector3d(3, -1, 2);
       }
       Points3 after = m.targets;
-      EXPECT_EQ(Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), after), 0);
+      EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), after),
+                0);
       EXPECT_TRUE(after == m.targets);
     }
   }
@@ -193,10 +194,10 @@ TEST(HandleFeasibilityTest, ProjectionLeavesTheTipsOfAUWherePaperCanReach) {
   Points3 targets(2, 3);
   targets << 0, 0, 0, round_the_slot, 0, 0;
   const Points3 asked = targets;
-  EXPECT_EQ(Reach(u_shape, handles).project({0, 1}, targets), 0);
+  EXPECT_EQ(HandleFeasibility(u_shape, handles).project({0, 1}, targets), 0);
   EXPECT_TRUE(targets == asked);
   targets(1, 0) = 2 * round_the_slot;
-  EXPECT_GT(Reach(u_shape, handles).project({0, 1}, targets), 0);
+  EXPECT_GT(HandleFeasibility(u_shape, handles).project({0, 1}, targets), 0);
   EXPECT_NEAR(overshoot(u_shape, handles, targets), 0, settled);
 }
 
@@ -206,7 +207,8 @@ TEST(HandleFeasibilityTest, ProjectionMakesImpossibleTargetsPossible) {
       for (unsigned seed = 1; seed <= 8; ++seed) {
         Mess m = mess(pattern, count, seed);
         ASSERT_GT(overshoot(pattern, m.handles, m.targets), 0.01);
-        EXPECT_GT(Reach(pattern, m.handles).project(all_of(m.handles), m.targets), 0.005);
+        EXPECT_GT(HandleFeasibility(pattern, m.handles).project(all_of(m.handles), m.targets),
+                  0.005);
         EXPECT_LT(overshoot(pattern, m.handles, m.targets), settled)
             << count << " handles, seed " << seed;
       }
@@ -221,14 +223,15 @@ TEST(HandleFeasibilityTest, ProjectionMakesAStretchedRowPossible) {
   Points3 targets(handles.size(), 3);
   for (std::size_t k = 0; k < handles.size(); ++k)
     targets.row(k) << 2 * handles[k].pattern.x(), 2 * handles[k].pattern.y(), 0;
-  Reach(rectangle(0.1, 0.1), handles).project(all_of(handles), targets);
+  HandleFeasibility(rectangle(0.1, 0.1), handles).project(all_of(handles), targets);
   EXPECT_LT(overshoot(rectangle(0.1, 0.1), handles, targets), settled);
 }
 
 TEST(HandleFeasibilityTest, ProjectionReturnsTheLargestDisplacement) {
   Mess m = mess(rectangle(0.1, 0.1), 7, 5);
   const Points3 asked = m.targets;
-  const double moved = Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
+  const double moved =
+      HandleFeasibility(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
   EXPECT_NEAR(moved, std::sqrt((m.targets - asked).rowwise().squaredNorm().maxCoeff()), exact);
 }
 
@@ -236,7 +239,7 @@ TEST(HandleFeasibilityTest, ProjectionKeepsTheCentreOfTheTargets) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     Mess m = mess(rectangle(0.1, 0.1), 9, seed);
     const Eigen::RowVector3d centre = m.targets.colwise().mean();
-    Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
+    HandleFeasibility(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
     EXPECT_LT((m.targets.colwise().mean() - centre).norm(), exact) << "seed " << seed;
   }
 }
@@ -247,9 +250,9 @@ TEST(HandleFeasibilityTest, ProjectionMovesBothHandlesOfAPairByTheSameDistance) 
   Points3 targets(2, 3);
   targets << 1, 2, 3, 1.3, 2.4, 3.2;
   const Points3 asked = targets;
-  const double moved = Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets);
-  EXPECT_NEAR((targets.row(0) - targets.row(1)).norm(), 0.1 * (1 + Reach::tolerance),
-              Reach::rounding + settled);
+  const double moved = HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1}, targets);
+  EXPECT_NEAR((targets.row(0) - targets.row(1)).norm(), 0.1 * (1 + HandleFeasibility::tolerance),
+              HandleFeasibility::rounding + settled);
   EXPECT_LT((targets.row(0) - asked.row(0) + targets.row(1) - asked.row(1)).norm(), exact);
   EXPECT_NEAR((targets.row(0) - asked.row(0)).norm(), moved, exact);
   EXPECT_LT((targets.row(0) - targets.row(1))
@@ -271,7 +274,7 @@ TEST(HandleFeasibilityTest, ProjectionKeepsASmallChangeOfTheTargetsSmall) {
     for (int k = 0; k < near.size(); ++k) near.data()[k] += uniform(random);
     const double before = (near - m.targets).norm();
     ASSERT_GT(before, change);
-    const Reach reach(rectangle(0.1, 0.1), m.handles);
+    const HandleFeasibility reach(rectangle(0.1, 0.1), m.handles);
     reach.project(all_of(m.handles), m.targets);
     reach.project(all_of(m.handles), near);
     EXPECT_LT((near - m.targets).norm(), before + 28 * settled) << "seed " << seed;
@@ -283,9 +286,11 @@ TEST(HandleFeasibilityTest, HandlesOnOnePointMeetHalfWay) {
                                        bare_handle("b", {0.05, 0.05}, 1)};
   Points3 targets(2, 3);
   targets << 0, 0, 0, 0.02, 0, 0;
-  EXPECT_NEAR(Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.01, Reach::rounding);
+  EXPECT_NEAR(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.01,
+              HandleFeasibility::rounding);
   for (const int k : {0, 1})
-    EXPECT_NEAR((targets.row(k) - Eigen::RowVector3d(0.01, 0, 0)).norm(), 0, Reach::rounding);
+    EXPECT_NEAR((targets.row(k) - Eigen::RowVector3d(0.01, 0, 0)).norm(), 0,
+                HandleFeasibility::rounding);
 }
 
 TEST(HandleFeasibilityTest, HandlesOnOnePointWithOneTargetStayThere) {
@@ -295,11 +300,11 @@ TEST(HandleFeasibilityTest, HandlesOnOnePointWithOneTargetStayThere) {
   Points3 targets(3, 3);
   targets << 1, 2, 3, 1, 2, 3, 1.04, 2, 3;
   const Points3 asked = targets;
-  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0);
+  EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0);
   EXPECT_TRUE(targets == asked);
   targets(2, 0) = 2;  // the two stay together when a third handle pulls at them
-  EXPECT_GT(Reach(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0.1);
-  EXPECT_LT((targets.row(0) - targets.row(1)).norm(), Reach::rounding + settled);
+  EXPECT_GT(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0.1);
+  EXPECT_LT((targets.row(0) - targets.row(1)).norm(), HandleFeasibility::rounding + settled);
 }
 
 TEST(HandleFeasibilityTest, ProjectionConsidersOnlyTheGivenHandles) {
@@ -307,10 +312,10 @@ TEST(HandleFeasibilityTest, ProjectionConsidersOnlyTheGivenHandles) {
                                        bare_handle("c", {0.1, 0}, 1)};
   Points3 targets(2, 3);
   targets << 0, 0, 0, 0.09, 0, 0;
-  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({0, 2}, targets), 0);
-  EXPECT_GT(Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.03);
+  EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 2}, targets), 0);
+  EXPECT_GT(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.03);
   Points3 nobody(0, 3);
-  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({}, nobody), 0);
+  EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), handles).project({}, nobody), 0);
 }
 
 }  // namespace

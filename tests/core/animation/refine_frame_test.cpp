@@ -83,7 +83,7 @@ TEST(RefineFrameTest, PlasticCurvatureIsPartOfTheMinimum) {
   const Shot shot = test::blank_shot(test::rectangle(0.1, 0.05));
   PlasticGrid memory(shot.pattern);
   Polisher polish(shot, {}, 300);
-  const StartedSheet& mesh = polish.mesh();
+  const InitialSheet& mesh = polish.mesh();
   const auto cover = memory.cover(mesh.sheet.pattern, mesh.sheet.triangles);
   PlasticMemory gained(static_cast<int>(mesh.sheet.triangles.rows()));
   gained.curvature.col(0).setConstant(10);  // [1/m] along x

@@ -21,7 +21,7 @@ struct Ended {
   std::vector<HandleFrame> handles;
   double worst_edge = 0;
   int frames = 0, crossed = 0;
-  long most_triangles = 0;
+  long max_triangles = 0;
 };
 
 Ended play(const Shot& shot, int frames, const std::function<Method(const Shot&)>& method) {
@@ -34,7 +34,7 @@ Ended play(const Shot& shot, int frames, const std::function<Method(const Shot&)
     ended.handles = frame.handles;
     ended.worst_edge = std::max(ended.worst_edge, length_distortion(*frame.sheet).largest);
     ended.crossed += crossings(*frame.sheet) > 0;
-    ended.most_triangles = std::max<long>(ended.most_triangles, frame.sheet->triangles.rows());
+    ended.max_triangles = std::max<long>(ended.max_triangles, frame.sheet->triangles.rows());
     ++ended.frames;
     return true;
   });
@@ -147,7 +147,7 @@ TEST(StabilityTest, ASecondAfterAJumpThereAreAsManyTrianglesAsAfterSlowMotion) {
   ASSERT_GT(slow.sheet.x.col(2).maxCoeff() - slow.sheet.x.col(2).minCoeff(), 0.01);
   EXPECT_LT(b, 1.5 * a);
   EXPECT_GT(b, a / 1.5);
-  EXPECT_LT(fast.most_triangles, 1.5 * a);
+  EXPECT_LT(fast.max_triangles, 1.5 * a);
   EXPECT_EQ(fast.crossed, 0);
 }
 
@@ -166,7 +166,7 @@ TEST(StabilityTest, HandlesThatJumpEveryThirdFrameAreFollowedOnFewTriangles) {
   const Ended ended = play(shot, 12, adaptive_of);
   EXPECT_EQ(ended.frames, 12);
   EXPECT_TRUE(ended.sheet.x.allFinite());
-  EXPECT_LE(ended.most_triangles, 600);
+  EXPECT_LE(ended.max_triangles, 600);
   EXPECT_EQ(ended.crossed, 0);
 }
 

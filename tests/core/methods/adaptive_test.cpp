@@ -113,12 +113,21 @@ TEST(AdaptiveTest, AMovingShapeIsNotRefinedAndAJumpIsTakenOnFewTriangles) {
   fine.facet_turn = 0.05;
   Sheet arch = play(shot, adaptive_of(shot, cap, fine), 24).back();
   ASSERT_GT(arch.triangles.rows(), 600);
-  const std::vector<char> fixed = start_sheet(shot, adaptive_of(shot, cap, fine), 0).fixed;
-  const auto triangles_after = [&](const SizingOptions& options, bool at_minimum, double leap) {
+  const std::vector<char> fixed = make_initial_sheet(shot, adaptive_of(shot, cap, fine), 0).fixed;
+  const auto triangles_after = [&](const SizingOptions& options, bool at_minimum,
+                                   double relative_handle_motion) {
     Sheet sheet = arch;
     adaptive_of(shot, cap, options)
-        .remesh(sheet,
-                {fixed, nullptr, {}, {25, 1 / 24.0}, true, false, at_minimum, false, false, leap});
+        .remesh(sheet, {fixed,
+                        nullptr,
+                        {},
+                        {25, 1 / 24.0},
+                        true,
+                        false,
+                        at_minimum,
+                        false,
+                        false,
+                        relative_handle_motion});
     return sheet.triangles.rows();
   };
   SizingOptions finer = fine;
@@ -161,9 +170,9 @@ TEST(AdaptiveTest, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
   const Method method = adaptive_of(shot);
   AnimateOptions options;
   options.last_frame = 40;
-  const std::vector<char> fixed = start_sheet(shot, method, 0).fixed;
+  const std::vector<char> fixed = make_initial_sheet(shot, method, 0).fixed;
   const auto at_rest = [&](Sheet& sheet) {  // [J] with both borders held where they are
-    Held held;
+    PositionConstraints held;
     for (int v = 0; v < static_cast<int>(fixed.size()); ++v)
       if (fixed[v] && (sheet.pattern(v, 0) == 0 || sheet.pattern(v, 0) == 0.1))
         held.vertices.push_back(v);
@@ -172,7 +181,7 @@ TEST(AdaptiveTest, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
       held.targets.row(k) = sheet.x.row(held.vertices[k]);
     Elastic elastic(shot.paper, {});
     elastic.set_mesh(sheet);
-    return elastic.settle(sheet, held, 1 / 24.0, Settling::fully).energy;
+    return elastic.relax(sheet, held, 1 / 24.0, Relaxation::full).energy;
   };
   std::vector<double> rises;
   animate(shot, method, options, [&](const AnimatedFrame& frame) {

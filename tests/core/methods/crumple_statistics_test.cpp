@@ -52,7 +52,7 @@ Crumpled crumple(const Setting& setting) {
   options.seed = setting.seed;
   options.memory = Memory::plastic;
   CrumpleOptions crumples;
-  crumples.most_triangles = std::max(250, 2 * setting.base_triangles);
+  crumples.max_triangles = std::max(250, 2 * setting.base_triangles);
   Crumpled c;
   animate(shot, hybrid(shot.pattern, shot.paper, setting.base_triangles, crumples, setting.seed, 0),
           options, [&](const AnimatedFrame& f) {

@@ -95,7 +95,7 @@ TEST(HybridTest, OnlyPaperWoundTooTightlyKeepsACurl) {
     AnimateOptions options;
     options.last_frame = frames;
     options.memory = Memory::plastic;
-    options.show_memory = true;
+    options.report_plastic_curvature = true;
     options.elastic.contact = SelfContact::off;  // it is wound twice around the same cylinder
     double plastic = 0, residual = 0, kept = 0;
     animate(
@@ -173,8 +173,8 @@ TEST(HybridTest, OptionsBoundTheNumberOfSingularPoints) {
         .singular.size();
   };
   CrumpleOptions one, full;
-  one.most_points = 1;
-  full.most_triangles = 60;  // fewer than the first mesh has
+  one.max_points = 1;
+  full.max_triangles = 60;  // fewer than the first mesh has
   EXPECT_EQ(born(one), 1u);
   EXPECT_EQ(born(full), 0u);
 }

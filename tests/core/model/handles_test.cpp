@@ -36,7 +36,7 @@ void expect_rim(const Pattern& pattern, const Vector2d& centre, double radius,
   }
 }
 
-TEST(Handles, AHandleRestsBeforeItsFirstAndAfterItsLastKey) {
+TEST(HandlesTest, AHandleRestsBeforeItsFirstAndAfterItsLastKey) {
   Handle handle;
   handle.keyed.resize(3, 3);
   handle.keyed << 1, 2, 3, 4, 5, 6, 7, 8, 9;
@@ -47,7 +47,7 @@ TEST(Handles, AHandleRestsBeforeItsFirstAndAfterItsLastKey) {
   EXPECT_EQ(keyed_position(handle, 100), Vector3d(7, 8, 9));
 }
 
-TEST(Handles, AHandleIsHeldFromItsGrabFrameUpToItsReleaseFrame) {
+TEST(HandlesTest, AHandleIsHeldFromItsGrabFrameUpToItsReleaseFrame) {
   Handle handle;
   EXPECT_TRUE(handle.held(-1000) && handle.held(1000));
   handle.grab_frame = 5;
@@ -57,34 +57,34 @@ TEST(Handles, AHandleIsHeldFromItsGrabFrameUpToItsReleaseFrame) {
   EXPECT_FALSE(handle.held(8));
 }
 
-TEST(Handles, TheDiscOfALoneHandleIsAsLargeAsAFinger) {
+TEST(HandlesTest, TheDiscOfALoneHandleIsAsLargeAsAFinger) {
   EXPECT_EQ(disc_radius({finger({0.1, 0.1})}, 0, rectangle(0.3, 0.3)), 0.010);
 }
 
-TEST(Handles, OnASmallSheetTheDiscOfALoneHandleIsATwentiethOfTheShorterSide) {
+TEST(HandlesTest, OnASmallSheetTheDiscOfALoneHandleIsATwentiethOfTheShorterSide) {
   EXPECT_NEAR(disc_radius({finger({0.1, 0.02})}, 0, rectangle(0.3, 0.04)), 0.002, 1e-15);
 }
 
-TEST(Handles, HandlesInARowHaveNoDiscs) {
+TEST(HandlesTest, HandlesInARowHaveNoDiscs) {
   const Pattern sheet = rectangle(0.3, 0.3);
   std::vector<Handle> row;
   for (int i = 0; i <= 10; ++i) row.push_back(finger({0, 0.03 * i * 0.99}));
   for (std::size_t h = 0; h < row.size(); ++h) EXPECT_EQ(disc_radius(row, h, sheet), 0);
 }
 
-TEST(Handles, AnotherHandleWithin30MillimetresMakesARow) {
+TEST(HandlesTest, AnotherHandleWithin30MillimetresMakesARow) {
   const Pattern sheet = rectangle(0.3, 0.3);
   EXPECT_EQ(disc_radius({finger({0.1, 0.1}), finger({0.129, 0.1})}, 0, sheet), 0);
   EXPECT_EQ(disc_radius({finger({0.1, 0.1}), finger({0.131, 0.1})}, 0, sheet), 0.010);
 }
 
-TEST(Handles, OnASmallSheetAnotherHandleWithin15PercentOfTheShorterSideMakesARow) {
+TEST(HandlesTest, OnASmallSheetAnotherHandleWithin15PercentOfTheShorterSideMakesARow) {
   const Pattern sheet = rectangle(0.2, 0.1);
   EXPECT_EQ(disc_radius({finger({0.1, 0.05}), finger({0.114, 0.05})}, 1, sheet), 0);
   EXPECT_NEAR(disc_radius({finger({0.1, 0.05}), finger({0.116, 0.05})}, 1, sheet), 0.005, 1e-15);
 }
 
-TEST(Handles, AnExplicitDiscRadiusIsKeptWhateverIsNear) {
+TEST(HandlesTest, AnExplicitDiscRadiusIsKeptWhateverIsNear) {
   std::vector<Handle> handles = {finger({0.1, 0.1}), finger({0.105, 0.1})};
   handles[0].radius = 0.02;
   EXPECT_EQ(disc_radius(handles, 0, rectangle(0.3, 0.3)), 0.02);
@@ -93,11 +93,11 @@ TEST(Handles, AnExplicitDiscRadiusIsKeptWhateverIsNear) {
   EXPECT_EQ(disc_radius({handles[0]}, 0, rectangle(0.3, 0.3)), 0);
 }
 
-TEST(Handles, TheRimOfABarePointIsEmpty) {
+TEST(HandlesTest, TheRimOfABarePointIsEmpty) {
   EXPECT_TRUE(disc_rim(rectangle(0.1, 0.1), {0.05, 0.05}, 0).empty());
 }
 
-TEST(Handles, TheRimInsideTheSheetIsARegularHexagon) {
+TEST(HandlesTest, TheRimInsideTheSheetIsARegularHexagon) {
   const Pattern sheet = rectangle(0.1, 0.1);
   const Vector2d centre(0.04, 0.06);
   const std::vector<Vector2d> rim = disc_rim(sheet, centre, 0.01);
@@ -106,7 +106,7 @@ TEST(Handles, TheRimInsideTheSheetIsARegularHexagon) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR((rim[i] - rim[(i + 1) % 6]).norm(), 0.01, 1e-12);
 }
 
-TEST(Handles, TheRimAtAStraightBorderHasFourPointsTwoOfThemOnTheBorder) {
+TEST(HandlesTest, TheRimAtAStraightBorderHasFourPointsTwoOfThemOnTheBorder) {
   const Pattern sheet = rectangle(0.1, 0.07);
   for (const Vector2d& centre :
        {Vector2d(0.03, 0), Vector2d(0.1, 0.03), Vector2d(0.03, 0.07), Vector2d(0, 0.03)}) {
@@ -119,7 +119,7 @@ TEST(Handles, TheRimAtAStraightBorderHasFourPointsTwoOfThemOnTheBorder) {
   }
 }
 
-TEST(Handles, TheRimAtACornerHasThreePointsTwoOfThemOnTheBorder) {
+TEST(HandlesTest, TheRimAtACornerHasThreePointsTwoOfThemOnTheBorder) {
   const Pattern sheet = rectangle(0.1, 0.07);
   for (const Vector2d& corner : sheet.outline) {
     const std::vector<Vector2d> rim = disc_rim(sheet, corner, 0.01);
@@ -129,7 +129,7 @@ TEST(Handles, TheRimAtACornerHasThreePointsTwoOfThemOnTheBorder) {
   }
 }
 
-TEST(Handles, ARimCutByTheBorderEndsOnTheBorderAtItsRadius) {
+TEST(HandlesTest, ARimCutByTheBorderEndsOnTheBorderAtItsRadius) {
   const Pattern sheet = rectangle(0.1, 0.07);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.001, 0.009), along(0.02, 0.05);
@@ -142,7 +142,7 @@ TEST(Handles, ARimCutByTheBorderEndsOnTheBorderAtItsRadius) {
   }
 }
 
-TEST(Handles, TheRimBetweenTwoBordersHasTwoArcs) {
+TEST(HandlesTest, TheRimBetweenTwoBordersHasTwoArcs) {
   const Pattern strip = rectangle(0.1, 0.01);
   const std::vector<Vector2d> rim = disc_rim(strip, {0.05, 0.004}, 0.015);
   ASSERT_EQ(rim.size(), 4u);
@@ -150,7 +150,7 @@ TEST(Handles, TheRimBetweenTwoBordersHasTwoArcs) {
   EXPECT_EQ(on_border(strip, rim), 4);
 }
 
-TEST(Handles, ARimPointThatNearlyTouchesTheBorderIsPutOnIt) {
+TEST(HandlesTest, ARimPointThatNearlyTouchesTheBorderIsPutOnIt) {
   const Pattern sheet = rectangle(0.1, 0.1);
   // a hundredth of the radius away
   const std::vector<Vector2d> rim = disc_rim(sheet, {0.0101, 0.05}, 0.01);
@@ -159,7 +159,7 @@ TEST(Handles, ARimPointThatNearlyTouchesTheBorderIsPutOnIt) {
   EXPECT_EQ(on_border(sheet, disc_rim(sheet, {0.0103, 0.05}, 0.01)), 0);
 }
 
-TEST(Handles, TheRimGoesAroundAHole) {
+TEST(HandlesTest, TheRimGoesAroundAHole) {
   Pattern sheet = rectangle(0.1, 0.1);
   sheet.holes = {{{0.05, 0.04}, {0.05, 0.06}, {0.07, 0.06}, {0.07, 0.04}}};
   const std::vector<Vector2d> rim = disc_rim(sheet, {0.04, 0.05}, 0.012);
@@ -168,7 +168,7 @@ TEST(Handles, TheRimGoesAroundAHole) {
   EXPECT_EQ(on_border(sheet, rim), 2);
 }
 
-TEST(Handles, TheRimOfADiscLargerThanTheSheetIsEmpty) {
+TEST(HandlesTest, TheRimOfADiscLargerThanTheSheetIsEmpty) {
   EXPECT_TRUE(disc_rim(rectangle(0.1, 0.1), {0.05, 0.05}, 0.2).empty());
 }
 

@@ -51,7 +51,7 @@ TEST(CurvedSurfaceTest, TheSurfaceHasNoGapsOnAnyMesh) {
     sheet.x(v, 2) += 2e-3 * std::sin(900 * sheet.pattern(v, 1));
   const CurvedSurface surface = curve(sheet);
   const Hinges hinges = find_hinges(sheet.triangles);
-  double most_bulge = 0;
+  double max_bulge = 0;
   for (const Hinge& hinge : hinges.hinges) {
     Vector3d middle[2];
     for (int side = 0; side < 2; ++side) {
@@ -64,9 +64,9 @@ TEST(CurvedSurfaceTest, TheSurfaceHasNoGapsOnAnyMesh) {
       middle[side] = surface.at({hinge.triangles[side], b});
     }
     EXPECT_LT((middle[0] - middle[1]).norm(), 1e-15);
-    most_bulge = std::max(most_bulge, surface.bulge.row(3 * hinge.triangles[0]).norm());
+    max_bulge = std::max(max_bulge, surface.bulge.row(3 * hinge.triangles[0]).norm());
   }
-  EXPECT_GT(most_bulge, 1e-4);
+  EXPECT_GT(max_bulge, 1e-4);
 }
 
 TEST(CurvedSurfaceTest, AFoldStaysSharpAndTheSheetBesideItFlat) {

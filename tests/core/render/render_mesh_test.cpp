@@ -16,7 +16,7 @@
 namespace paperbake {
 namespace {
 
-double least_angle(const Points2& pattern, const Triangles& triangles) {
+double min_angle(const Points2& pattern, const Triangles& triangles) {
   double least = M_PI;
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
@@ -53,19 +53,19 @@ TEST(RenderMeshTest, HasEveryPointAndEveryCrease) {
     EXPECT_LT((mesh.pattern.row(mesh.point_vertex[k]).transpose() - features.points[k]).norm(),
               1e-12);
   double wanted = 0;
-  for (const CreaseLine& c : features.creases) wanted += (c.b - c.a).norm();
+  for (const CreaseSegment& c : features.creases) wanted += (c.b - c.a).norm();
   EXPECT_NEAR(length_of(mesh), wanted, 0.01 * wanted);
   for (const auto& [a, b] : mesh.creases)
     for (const int v : {a, b}) {
       double least = 1;
-      for (const CreaseLine& c : features.creases) {
+      for (const CreaseSegment& c : features.creases) {
         const Vector2d d = (c.b - c.a).normalized(), p = mesh.pattern.row(v).transpose() - c.a;
         least = std::min(least, std::abs(p.x() * d.y() - p.y() * d.x()));
       }
       EXPECT_LT(least, 1e-9) << "vertices of creases lie on them";
     }
   EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
-  EXPECT_GT(least_angle(mesh.pattern, mesh.triangles), 20 * M_PI / 180);
+  EXPECT_GT(min_angle(mesh.pattern, mesh.triangles), 20 * M_PI / 180);
   const double equilateral = 0.01 / (std::sqrt(0.1875) * 0.002 * 0.002);
   EXPECT_NEAR(mesh.triangles.rows(), equilateral, 0.15 * equilateral);
 }
@@ -87,7 +87,7 @@ TEST(RenderMeshTest, SimulatedEdgesAreRowsOfEdges) {
   EXPECT_LT((mesh.pattern.row(mesh.point_vertex[0]).transpose() - features.points[0]).norm(),
             1e-12);
   for (const Sheet& sheet : meshes) {
-    const Locator locator(sheet.pattern, sheet.triangles);
+    const PointLocator locator(sheet.pattern, sheet.triangles);
     for (int t = 0; t < mesh.triangles.rows(); ++t) {
       Vector2d middle = Vector2d::Zero();
       for (int i = 0; i < 3; ++i) middle += mesh.pattern.row(mesh.triangles(t, i)).transpose() / 3;
@@ -115,7 +115,7 @@ TEST(RenderMeshTest, ACreaseThatMeetsTheBorderAtASmallAngleIsComplete) {
     const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
     const double wanted = (features.creases[0].b - features.creases[0].a).norm();
     EXPECT_NEAR(length_of(mesh), wanted, 1e-6) << "slope " << slope;
-    EXPECT_GT(least_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180) << "slope " << slope;
+    EXPECT_GT(min_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180) << "slope " << slope;
     EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
   }
 }
@@ -131,7 +131,7 @@ TEST(RenderMeshTest, ManyCreasesMakeNoNeedles) {
   features.creases.push_back(features.creases.back());
   const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
   EXPECT_GT(mesh.creases.size(), 400u);
-  EXPECT_GT(least_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180);
+  EXPECT_GT(min_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180);
   EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
 }
 

@@ -23,14 +23,14 @@ Sheet coarse_roll() {
 }
 
 struct Rendered {
-  RenderSheet render;
+  RenderSurface render;
   RenderFrame frame;
 };
 Rendered rendered(const Sheet& sheet, Quality quality, const RenderFeatures& features = {},
                   const std::vector<int>& held = {}, const Points3& at = Points3(0, 3)) {
-  RenderSheet render = make_render_sheet(test::rectangle(0.1, 0.1), features, 0.01, quality);
+  RenderSurface render = make_render_surface(test::rectangle(0.1, 0.1), features, 0.01, quality);
   render.hold(held);
-  RenderFrame frame = render.frame(sheet, render.places_on(sheet.pattern, sheet.triangles), at);
+  RenderFrame frame = render.frame(sheet, render.locate_on(sheet.pattern, sheet.triangles), at);
   return {std::move(render), std::move(frame)};
 }
 
@@ -64,7 +64,7 @@ TEST(RenderSurfaceTest, ShowsACoarseRollAsASmoothRoll) {
 TEST(RenderSurfaceTest, StaysWithinTheChordErrorOfTheSimulatedSheet) {
   const Sheet sheet = coarse_roll();
   const Rendered r = rendered(sheet, Quality::shot);
-  const auto places = r.render.places_on(sheet.pattern, sheet.triangles);
+  const auto places = r.render.locate_on(sheet.pattern, sheet.triangles);
   double most = 0;
   for (std::size_t v = 0; v < places.size(); ++v)
     most = std::max(
@@ -128,7 +128,7 @@ TEST(RenderSurfaceTest, AShotRecordKeepsEachMeshOnceAndTheFeaturesOfTheShot) {
   EXPECT_EQ(features.points.front(), Vector2d(0.02, 0.1));
   EXPECT_EQ(features.points.back(), Vector2d(0.03, 0.04));
   double length = 0;
-  for (const CreaseLine& c : features.creases) length += (c.b - c.a).norm();
+  for (const CreaseSegment& c : features.creases) length += (c.b - c.a).norm();
   EXPECT_NEAR(length, 0.1, 1e-9) << "the fold, and nothing else";
 }
 

@@ -11,8 +11,8 @@
 namespace paperbake {
 namespace {
 
-LocalGlobalOptions smooth_over(double length) {
-  LocalGlobalOptions options;
+ShapeFitOptions smooth_over(double length) {
+  ShapeFitOptions options;
   options.length = length;
   return options;
 }
@@ -46,7 +46,7 @@ TEST(ShapeFitTest, LeavesACylinderWhereItIs) {
   const double R = 0.03;
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   test::roll(sheet, R);
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const Points3 x = solve(sheet.x, rolled(sheet, R));
   // at the border quadratic bending has no moment; elsewhere only the chords of the mesh remain
@@ -62,7 +62,7 @@ TEST(ShapeFitTest, RemovesStretch) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   test::roll(sheet, 0.03);
   sheet.x *= 1.005;
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const double before = length_distortion(sheet).mean;
   ASSERT_GT(before, 0.0045);
@@ -78,7 +78,7 @@ TEST(ShapeFitTest, RemovesRipples) {
   for (int v = 0; v < sheet.x.rows(); ++v)  // waves of 12 mm
     sheet.x(v, 2) +=
         1e-4 * std::sin(500 * sheet.pattern(v, 0)) * std::sin(500 * sheet.pattern(v, 1));
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const auto roughness = [&](const Points3& x) {
     return (vertex_normals(x, sheet.triangles) - smooth).rowwise().norm().mean();
@@ -95,7 +95,7 @@ TEST(ShapeFitTest, KeepsAFoldSharp) {
     sheet.x.row(v) << std::min(s, 0.0), sheet.pattern(v, 1), -std::max(s, 0.0);
   }
   ASSERT_LT((sheet.pattern.col(0).array() - 0.05).abs().minCoeff(), 1e-12);
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const Points3 x = solve(sheet.x, Points3::Zero(sheet.x.rows(), 3));
   // Every other row of this mesh has its vertices beside the fold, so that the fold is a saw of one
@@ -108,7 +108,7 @@ TEST(ShapeFitTest, HeldVerticesStayToTheLastBit) {
   test::roll(sheet, 0.03);
   sheet.x(5, 2) += 1e-3;
   sheet.x(40, 2) -= 1e-3;
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({5, 40});
   const Points3 x = solve(sheet.x, rolled(sheet, 0.03));
   EXPECT_EQ(Vector3d(x.row(5)), Vector3d(sheet.x.row(5)));
@@ -122,7 +122,7 @@ TEST(ShapeFitTest, GivesTheSameResultTwice) {
   test::roll(sheet, 0.03);
   sheet.x(5, 2) += 1e-3;
   const auto answer = [&] {
-    LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+    ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
     solve.hold({7});
     return solve(sheet.x, rolled(sheet, 0.03));
   };

@@ -48,7 +48,7 @@ TEST(RegionsTest, RegularizationKeepsNoiseOnParallelRulingsFromMakingAnApex) {
 
 Regions regions_of(const Sheet& sheet, const RulingOptions& options = {}) {
   Regions regions(test::rectangle(0.1, 0.1), options);
-  regions.follow(BendingField(sheet, vertex_curvature(sheet)));
+  regions.update(BendingField(sheet, vertex_curvature(sheet)));
   return regions;
 }
 
@@ -86,7 +86,7 @@ TEST(RegionsTest, ThresholdsHaveHysteresisAndRegionsKeepTheirIds) {
   const auto seen = [&](double k) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 12);
     test::roll(sheet, 1 / k);
-    regions.follow(BendingField(sheet, vertex_curvature(sheet)));
+    regions.update(BendingField(sheet, vertex_curvature(sheet)));
     return regions.all().size();
   };
   EXPECT_EQ(seen(2.4), 0u);
@@ -107,7 +107,7 @@ TEST(RegionsTest, RegionsOfATravellingWaveKeepTheirIds) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
     for (int v = 0; v < sheet.x.rows(); ++v)
       sheet.x(v, 2) = 0.004 * std::sin(2 * M_PI * (sheet.pattern(v, 0) - 0.002 * frame) / 0.1);
-    regions.follow(BendingField(sheet, vertex_curvature(sheet)));
+    regions.update(BendingField(sheet, vertex_curvature(sheet)));
     std::vector<int> ids(2, -1);  // by sign; a third region may enter at the border
     for (const CurvedRegion& region : regions.all())
       if (region.area > 0.002) ids[region.sign > 0] = region.id;

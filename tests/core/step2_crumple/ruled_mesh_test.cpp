@@ -16,7 +16,7 @@ namespace {
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 struct Quality {
-  double area = 0, least_altitude = 1;
+  double area = 0, min_altitude = 1;
   long euler = 0;
 };
 Quality quality(const RuledMesh& mesh) {
@@ -27,8 +27,8 @@ Quality quality(const RuledMesh& mesh) {
                    b = mesh.pattern.row(mesh.triangles(t, 1)),
                    c = mesh.pattern.row(mesh.triangles(t, 2));
     q.area += 0.5 * cross(b - a, c - a);
-    q.least_altitude =
-        std::min(q.least_altitude,
+    q.min_altitude =
+        std::min(q.min_altitude,
                  cross(b - a, c - a) / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}));
     for (int i = 0; i < 3; ++i)
       edges.insert(std::minmax(mesh.triangles(t, i), mesh.triangles(t, (i + 1) % 3)));
@@ -74,8 +74,8 @@ Ruled rule(double R, const RulingOptions& options = {}) {
   test::roll(sheet, R);
   const BendingField field(sheet, vertex_curvature(sheet));
   Regions regions(pattern, options);
-  regions.follow(field);
-  ruled.rulings = lay_rulings(ruled.base.polygons, field, regions, {}, {}, ruled.base.h, options);
+  regions.update(field);
+  ruled.rulings = place_rulings(ruled.base.polygons, field, regions, {}, {}, ruled.base.h, options);
   ruled.mesh = ruled_mesh(ruled.base, ruled.required, {{0.03, 0.06}}, ruled.rulings, {}, options);
   return ruled;
 }
@@ -101,7 +101,7 @@ TEST(RuledMeshTest, CoversThePatternWithTheRequiredPointsFirst) {
     const Quality q = quality(*ruled.mesh);
     EXPECT_NEAR(q.area, 0.01, 1e-14);
     EXPECT_EQ(q.euler, 1);
-    EXPECT_GT(q.least_altitude, 0.03 * ruled.base.h);
+    EXPECT_GT(q.min_altitude, 0.03 * ruled.base.h);
     for (std::size_t i = 0; i < ruled.required.size(); ++i)
       EXPECT_TRUE(ruled.mesh->pattern.row(i).transpose() == ruled.required[i]);
     // the singular point is a vertex
@@ -118,7 +118,7 @@ TEST(RuledMeshTest, EdgesFollowTheRulings) {
   ASSERT_GE(ruled.rulings.size(), 10u);
   int whole = 0;
   for (const Ruling& r : ruled.rulings)
-    whole += covered(*ruled.mesh, r, RulingOptions{}.merge * ruled.base.h) > 0.99;
+    whole += covered(*ruled.mesh, r, RulingOptions{}.merge_distance * ruled.base.h) > 0.99;
   EXPECT_EQ(whole, int(ruled.rulings.size()));
 }
 
@@ -140,7 +140,7 @@ TEST(RuledMeshTest, RulingThatEndsInTheMiddleOfAnotherMakesNoSliver) {
                                 {{0.02 + 0.1 * h, 0.05}, {0.1, 0.055}, 10, 0}};
   const auto mesh = ruled_mesh(ruled.base, {}, {}, tee, {}, {});
   ASSERT_TRUE(mesh);
-  EXPECT_GT(quality(*mesh).least_altitude, 0.09 * h);
+  EXPECT_GT(quality(*mesh).min_altitude, 0.09 * h);
   EXPECT_GT(covered(*mesh, tee[0], 0.2 * h), 0.99);
 }
 
@@ -150,7 +150,7 @@ TEST(RuledMeshTest, OptionsSetTheVerticesOfTheMesh) {
   };
   RulingOptions longer, merging;
   longer.along_most = 4;
-  merging.merge = 0.35;
+  merging.merge_distance = 0.35;
   EXPECT_LT(vertices(longer), 0.8 * vertices({}));
   EXPECT_NE(vertices(merging), vertices({}));
 }
@@ -181,7 +181,7 @@ TEST(RuledMeshTest, MeshFitSeesEdgesAcrossTheRulingsAndLargeFolds) {
     test::roll(sheet, R);
     const BendingField field(sheet, vertex_curvature(sheet));
     Regions regions(test::rectangle(0.1, 0.1), {});
-    regions.follow(field);
+    regions.update(field);
     return mesh_fit(sheet, field, regions);
   };
   EXPECT_NEAR(fit(20, 0.05).largest_fold, 0.1, 0.01);  // 0.1 m in 20 strips on a radius of 0.05 m
@@ -191,35 +191,35 @@ TEST(RuledMeshTest, MeshFitSeesEdgesAcrossTheRulingsAndLargeFolds) {
   test::roll(lattice, 0.05);
   const BendingField field(lattice, vertex_curvature(lattice));
   Regions regions(test::rectangle(0.1, 0.1), {});
-  regions.follow(field);
+  regions.update(field);
   EXPECT_GT(mesh_fit(lattice, field, regions).misalignment, 0.15);
 }
 
 TEST(RuledMeshTest, RemeshingBacksOffAfterRejectionsUntilOneIsAccepted) {
   for (const int rate : {1, 2, 5}) {  // waits are times, whatever the frame rate
     const double dt = 1 / (24.0 * rate);
-    RemeshWhen when;
+    RemeshSchedule when;
     const MeshFit bad{0.5, 1.0};
     const auto wait = [&](int frame) {
-      when.judged(false, Moment{frame, dt});
+      when.on_proposal_result(false, FrameTime{frame, dt});
       int next = frame;
-      while (!when.due(bad, Moment{next, dt}, 0.2)) ++next;
+      while (!when.due(bad, FrameTime{next, dt}, 0.2)) ++next;
       return next - frame;
     };
-    EXPECT_TRUE(when.due(bad, Moment{1 * rate, dt}, 0.2));
-    EXPECT_FALSE(when.due({0.05, 0.1}, Moment{1 * rate, dt}, 0.2));
+    EXPECT_TRUE(when.due(bad, FrameTime{1 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.05, 0.1}, FrameTime{1 * rate, dt}, 0.2));
     EXPECT_EQ(wait(1 * rate), 2 * rate);
     EXPECT_EQ(wait(3 * rate), 4 * rate);
     EXPECT_EQ(wait(7 * rate), 8 * rate);
-    when.judged(true, Moment{20 * rate, dt});
-    EXPECT_FALSE(when.due(bad, Moment{21 * rate, dt}, 0.2));
-    EXPECT_TRUE(when.due(bad, Moment{22 * rate, dt}, 0.2));
+    when.on_proposal_result(true, FrameTime{20 * rate, dt});
+    EXPECT_FALSE(when.due(bad, FrameTime{21 * rate, dt}, 0.2));
+    EXPECT_TRUE(when.due(bad, FrameTime{22 * rate, dt}, 0.2));
     // a large fold alone waits for four frames,
-    EXPECT_FALSE(when.due({0.0, 0.3}, Moment{23 * rate, dt}, 0.2));
-    EXPECT_TRUE(when.due({0.0, 0.3}, Moment{24 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.0, 0.3}, FrameTime{23 * rate, dt}, 0.2));
+    EXPECT_TRUE(when.due({0.0, 0.3}, FrameTime{24 * rate, dt}, 0.2));
     // and a slight misalignment for six
-    EXPECT_FALSE(when.due({0.2, 0.0}, Moment{25 * rate, dt}, 0.2));
-    EXPECT_TRUE(when.due({0.2, 0.0}, Moment{26 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.2, 0.0}, FrameTime{25 * rate, dt}, 0.2));
+    EXPECT_TRUE(when.due({0.2, 0.0}, FrameTime{26 * rate, dt}, 0.2));
     EXPECT_EQ(wait(30 * rate), 2 * rate);
   }
 }
@@ -227,8 +227,8 @@ TEST(RuledMeshTest, RemeshingBacksOffAfterRejectionsUntilOneIsAccepted) {
 TEST(RuledMeshTest, FastSheetIsRemeshedSooner) {
   const MeshFit bad{0.5, 1.0};
   const auto wait = [&](double moved) {
-    RemeshWhen when;
-    when.judged(true, {0, 1 / 24.0});
+    RemeshSchedule when;
+    when.on_proposal_result(true, {0, 1 / 24.0});
     int frame = 1;
     while (!when.due(bad, {frame, 1 / 24.0, moved}, 0.2)) ++frame;
     return frame;

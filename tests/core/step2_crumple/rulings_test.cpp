@@ -21,13 +21,13 @@ bool cross_each_other(const Ruling& r, const Ruling& s) {
 }
 
 std::vector<Ruling> rulings_of(const Sheet& sheet, const RulingOptions& options = {},
-                               const std::vector<Disc>& guards = {},
-                               const std::vector<Vector2d>& tips = {}) {
+                               const std::vector<Disc>& keep_out_discs = {},
+                               const std::vector<Vector2d>& loaded_corners = {}) {
   const Pattern pattern = test::rectangle(0.1, 0.1);
   const BendingField field(sheet, vertex_curvature(sheet));
   Regions regions(pattern, options);
-  regions.follow(field);
-  return lay_rulings(pattern, field, regions, guards, tips, h, options);
+  regions.update(field);
+  return place_rulings(pattern, field, regions, keep_out_discs, loaded_corners, h, options);
 }
 
 void expect_no_crossings(const std::vector<Ruling>& rulings) {
@@ -38,11 +38,12 @@ void expect_no_crossings(const std::vector<Ruling>& rulings) {
 
 /// Expects equal turning angles between neighbouring rulings, except at the corners of the sheet,
 /// where a last ruling is fitted in.
-void expect_equal_turns(std::vector<double> places, double turn_per_place, double facet_turn) {
-  std::sort(places.begin(), places.end());
+void expect_equal_turns(std::vector<double> sample_points, double turn_per_place,
+                        double facet_turn) {
+  std::sort(sample_points.begin(), sample_points.end());
   std::vector<double> turns;
-  for (std::size_t i = 0; i + 1 < places.size(); ++i)
-    turns.push_back((places[i + 1] - places[i]) * turn_per_place / facet_turn);
+  for (std::size_t i = 0; i + 1 < sample_points.size(); ++i)
+    turns.push_back((sample_points[i + 1] - sample_points[i]) * turn_per_place / facet_turn);
   std::sort(turns.begin(), turns.end());
   EXPECT_GT(turns.front(), 0.5);
   EXPECT_LT(turns.back(), 1.4);

@@ -128,24 +128,25 @@ TEST(SingularPointsTest, DrawsNearTheBorderFollowAGaussianTruncatedAtTheMargin) 
 
 TEST(SingularPointsTest, MiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
-  const Vector2d core(0.043, 0.052);
+  const Vector2d core_weight(0.043, 0.052);
   // a dome of 12 mm with positive Gaussian curvature inside and negative curvature around it
   for (int v = 0; v < sheet.x.rows(); ++v)
-    sheet.x(v, 2) = 0.004 * std::exp(-(sheet.pattern.row(v).transpose() - core).squaredNorm() /
-                                     (2 * 0.012 * 0.012));
+    sheet.x(v, 2) =
+        0.004 * std::exp(-(sheet.pattern.row(v).transpose() - core_weight).squaredNorm() /
+                         (2 * 0.012 * 0.012));
   const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), {}, {});
   std::vector<int> members;
   for (int v = 0; v < sheet.pattern.rows(); ++v)
-    if (conflicts.beyond[v]) members.push_back(v);
+    if (conflicts.exceeds[v]) members.push_back(v);
   ASSERT_FALSE(members.empty());
   const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) {
     return conflicts.turn[a] < conflicts.turn[b];
   });
-  EXPECT_GT((sheet.pattern.row(worst).transpose() - core).norm(), 0.002);  // cells of 10 mm
-  EXPECT_LT((middle_of_conflict(sheet, conflicts, members) - core).norm(), 0.0015);
+  EXPECT_GT((sheet.pattern.row(worst).transpose() - core_weight).norm(), 0.002);  // cells of 10 mm
+  EXPECT_LT((middle_of_conflict(sheet, conflicts, members) - core_weight).norm(), 0.0015);
 
   Conflicts saddle = conflicts;  // where nothing bulges, the turning angles decide
-  std::fill(saddle.core.begin(), saddle.core.end(), 0.0);
+  std::fill(saddle.core_weight.begin(), saddle.core_weight.end(), 0.0);
   EXPECT_LT(
       (middle_of_conflict(sheet, saddle, {worst}) - sheet.pattern.row(worst).transpose()).norm(),
       1e-12);
@@ -156,7 +157,7 @@ TEST(SingularPointsTest, SpacingGrowsWithTheThicknessAndTheSizeOfTheSheet) {
   Paper card;
   card.thickness *= 8;
   const auto spacing = [](double side, const Paper& grade) {
-    return least_spacing(test::rectangle(side, side), grade, {});
+    return min_spacing(test::rectangle(side, side), grade, {});
   };
   EXPECT_NEAR(spacing(0.21, paper), 0.0127, 1e-4);  // 2 x 0.4 (90 um)^(1/3) (0.21 m)^(2/3)
   EXPECT_NEAR(spacing(0.21, card) / spacing(0.21, paper), 2, 1e-12);
@@ -181,7 +182,7 @@ TEST(SingularPointsTest, DrawsKeepTheirDistanceFromTheBorderAndOtherPoints) {
     const auto p =
         draw_singular_point(sheet, pattern, Paper{}, conflicts, members, options, seed, 0, 1);
     if (!p) continue;
-    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), least_spacing(pattern, Paper{}, options));
+    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), min_spacing(pattern, Paper{}, options));
     EXPECT_GE((nearest_border_point(pattern, *p) - *p).norm(), options.border_share * 0.1 - 1e-12);
   }
 }

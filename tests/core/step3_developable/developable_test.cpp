@@ -26,7 +26,7 @@ TEST(DevelopableTest, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
   DevelopableOptions all;
   all.left_alone = 0;
   all.max_iterations = 20;
-  all.most_move = 0.05;
+  all.max_move = 0.05;
   const Restored restored = restore_lengths(sheet, {}, all);
   EXPECT_LT(length_distortion(sheet).largest, 0.1 * restored.before);
   EXPECT_LT(angle_defect_max(sheet), 0.1 * defect);  // with the true lengths come the true angles
@@ -67,7 +67,7 @@ TEST(DevelopableTest, HeldVerticesStayAndExcessStretchIsShared) {
 TEST(DevelopableTest, NoVertexMovesFartherThanAllowed) {
   Sheet sheet = noisy_roll(1e-3);
   DevelopableOptions options;
-  options.most_move = 1e-4;
+  options.max_move = 1e-4;
   EXPECT_LE(restore_lengths(sheet, {}, options).moved, 1e-4 * std::sqrt(2) * 0.1 * (1 + 1e-9));
 }
 
