@@ -3,15 +3,19 @@
 
     python3 docs/make_command_line.py [PROGRAM]        PROGRAM: build/paperbake
 
-The text of every row is the help text of the option, so the page can only be wrong where `--help` is.
+The text of every row is the help text of the option, so the page can only be wrong where `--help`
+is.
 """
+
 import os
 import pathlib
 import re
 import subprocess
 import sys
 
-FOLDER = pathlib.Path(os.path.abspath(__file__)).parent  # not resolved: the docs test works in a folder of links
+FOLDER = pathlib.Path(
+    os.path.abspath(__file__)
+).parent  # not resolved: the docs test works in a folder of links
 PAGE = FOLDER / "command_line.md"
 
 HEAD = """# Command line
@@ -38,7 +42,7 @@ EXIT_CODES = """## Exit codes
 | 1 | the simulation failed; frames before the failure are kept in every file |
 | 2 | wrong command line, job file or preset |
 | 3 | the scene cannot be used |
-| 4 | baked, but a quality gate was missed ([which gates there are](output_files.md#gates)); for `verify`: the files do not match the certificate |
+| 4 | baked, but a [quality gate](output_files.md#gates) was missed; `verify`: a file does not match |
 | 5 | stopped by a signal; the same command resumes |
 | 6 | the output folder is in use by another bake, or is not writable |
 """
@@ -47,12 +51,15 @@ EXIT_CODES = """## Exit codes
 def help_of(program, *command):
     done = subprocess.run([program, *command, "--help"], capture_output=True, text=True)
     if done.returncode != 0:
-        sys.exit(f"{program} {' '.join(command)} --help ends with {done.returncode}: {done.stderr.strip()}")
+        sys.exit(f"{' '.join(done.args)} ends with {done.returncode}: {done.stderr.strip()}")
     return done.stdout
 
 
 def entries(text, section):
-    """(name, meaning) of each entry of a section: meanings begin at column 30, those of long names on the next line."""
+    """(name, meaning) of each entry of a section of a help text.
+
+    Meanings begin at column 30, those of long names on the next line.
+    """
     body = re.search(rf"^{section}:\n(.*?)(?:\n\n|\Z)", text, re.M | re.S)
     lines = re.sub(r"\n {30}", "\t", body[1]).split("\n") if body else []
     found = []
@@ -68,12 +75,21 @@ def row(name, meaning):
     value, _, default = rest.rpartition("=") if "=" in rest else (rest, "", "")
     value = re.sub(r"^(?:INT|TEXT):", "", value).translate(str.maketrans("|", "/", "{}"))
     value = value.replace(" REQUIRED", ", required").replace(" Excludes: ", ", not with ")
-    cells = [", ".join(f"`{flag}`" for flag in flags.split(",")), value, f"`{default}`" if default else "", meaning]
+    cells = [
+        ", ".join(f"`{flag}`" for flag in flags.split(",")),
+        value,
+        f"`{default}`" if default else "",
+        meaning,
+    ]
     return "| " + " | ".join(cell.replace("|", "\\|") for cell in cells) + " |\n"
 
 
 def table(rows):
-    return "| option | value | default | meaning |\n|---|---|---|---|\n" + "".join(row(*entry) for entry in rows) + "\n"
+    return (
+        "| option | value | default | meaning |\n|---|---|---|---|\n"
+        + "".join(row(*entry) for entry in rows)
+        + "\n"
+    )
 
 
 def without_help(rows):
@@ -88,7 +104,8 @@ def section(program, command, purpose, of_bake):
     page = f"## {command}\n\n{purpose}.\n\n```text\n{usage}\n```\n\n"
     page += table([entry for entry in rows if entry not in shared])
     if len(shared) > 20:
-        page += "It also takes a scene or a job file, and the options of `bake` but `--dry-run` and `--write-job`.\n\n"
+        page += "It also takes a scene or a job file, and the options of `bake` "
+        page += "but `--dry-run` and `--write-job`.\n\n"
     elif shared:
         names = ", ".join(f"`{entry[0].split()[0].split(',')[-1]}`" for entry in shared)
         page += f"It also takes these options of `bake`: {names}.\n\n"
@@ -97,7 +114,9 @@ def section(program, command, purpose, of_bake):
 
 def page(program):
     commands = entries(help_of(program), "Subcommands")
-    text = HEAD + "".join(f"| [{name}](#{name}) | {purpose} |\n" for name, purpose in commands) + "\n"
+    text = (
+        HEAD + "".join(f"| [{name}](#{name}) | {purpose} |\n" for name, purpose in commands) + "\n"
+    )
     bake = help_of(program, "bake")
     of_bake = entries(bake, "Positionals") + without_help(entries(bake, "Options"))
     for name, purpose in commands:
