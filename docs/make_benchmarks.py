@@ -88,8 +88,8 @@ def cell(column, row):
 
 
 def table(rows, columns):
-    """columns  heading -> key of the file, or function of a row; headings that begin with < are text"""
-    heads = [name.lstrip("<") for name in columns]
+    """columns  heading -> key of the file, or function of a row; headings with < in front are text"""
+    heads = [name.lstrip("<").strip() for name in columns]
     lines = [
         "| " + " | ".join(heads) + " |",
         "|" + "|".join("---" if name.startswith("<") else "--:" for name in columns) + "|",
@@ -405,7 +405,7 @@ def readme(text):
     before, after = text.index(MARKS[0]) + len(MARKS[0]), text.index(MARKS[1])
     where = f"Commit {data.head['commit']}, {data.head['machine']}, one thread."
     legend = "`c_m` is the mean error of the edge lengths of the hybrid."
-    return text[:before] + f"\n{table(data.rows, SPEED)}\n{where} {legend}\n" + text[after:]
+    return text[:before] + f"\n\n{table(data.rows, SPEED)}\n{where} {legend}\n\n" + text[after:]
 
 
 def write(path, text):
