@@ -521,7 +521,7 @@ BENCHES = [
     Bench(
         ["build/paperbake_bench_render"],
         {"render": parse_render, "render_energy": parse_render_energy},
-        {"BENCH_POLISH": "1"},
+        {"BENCH_POLISH": "1", "BENCH_QUALITY": "shot"},
     ),
     Bench(["build/paperbake_bench_polish"], {"estimate": parse_estimate}),
     Bench(["build/paperbake_invariance"], {"invariance": parse_invariance}),

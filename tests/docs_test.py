@@ -66,7 +66,7 @@ BEHIND = {
     "build/paperbake_bench_render": "S2",
     "build/paperbake_bench_fit": "1 copy70 3",
     "build/paperbake_features": "1 S2",
-    "build/paperbake_invariance": "fem S2",
+    "build/paperbake_invariance": "hybrid S2",
     "build/paperbake_validation": "V1",
     "build/paperbake_stress": "--scripts 3 --method hybrid",
 }
