@@ -2,6 +2,7 @@
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,14 +13,6 @@ namespace {
 /// 0 up to soft[0], 1 from soft[1], straight between.
 double rise(double value, const double (&soft)[2]) {
   return std::clamp((value - soft[0]) / (soft[1] - soft[0]), 0.0, 1.0);
-}
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double t = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-  return (p - a - t * along).norm();
 }
 
 bool same_place(const Crease& a, const Crease& b, double same) {

@@ -2,14 +2,13 @@
 
 #include "core/geometry/curvature.h"
 #include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
 #include "core/render/curved_surface.h"
 
 #include <cmath>
 
 namespace paperbake {
 namespace {
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// How far the one-ring reaches from its vertex both ways along a line, and its area.
 struct Rings {

@@ -1,6 +1,7 @@
 #include "formats/maps/map_fields.h"
 
 #include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
 #include "formats/maps/fold_width.h"
 
 #include <limits>
@@ -22,12 +23,6 @@ Eigen::RowVector3d green_strain(const Sheet& sheet, int t, double& area) {
   const Eigen::Matrix<double, 3, 2> F = now * rest.inverse();
   const Eigen::Matrix2d G = 0.5 * (F.transpose() * F - Eigen::Matrix2d::Identity());
   return {G(0, 0), G(0, 1), G(1, 1)};
-}
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double t = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-  return (p - a - t * along).norm();
 }
 
 /// How far a mesh stays behind the border of its pattern: a coarse one cuts off the corners of a
