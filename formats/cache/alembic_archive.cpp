@@ -38,7 +38,7 @@ Changes changes_of(const std::vector<Sample>& samples) {
 std::string header_of(const Property& property, std::uint32_t metadata) {
   const std::size_t count = property.samples.size();
   const Changes changes = changes_of(property.samples);
-  const bool value = property.shape != Shape::compound;
+  const bool value = property.type != PropertyType::compound;
   const bool constant = changes.first == 0,
              partly = !constant && (changes.first > 1 || changes.last + 1 < count);
 
@@ -50,15 +50,15 @@ std::string header_of(const Property& property, std::uint32_t metadata) {
     numbers.append(bytes_of(std::uint64_t{n}).substr(0, std::size_t{1} << width));
   };
 
-  std::uint32_t info = static_cast<std::uint32_t>(property.shape) | width << 2 | metadata << 20;
+  std::uint32_t info = static_cast<std::uint32_t>(property.type) | width << 2 | metadata << 20;
   if (value) {
-    const auto clock = static_cast<std::uint32_t>(property.clock);
+    const auto sampling = static_cast<std::uint32_t>(property.time_sampling);
     info |= static_cast<std::uint32_t>(property.pod) << 4 | property.extent << 12;
-    info |=
-        std::uint32_t{clock != 0} << 8 | std::uint32_t{partly} << 9 | std::uint32_t{constant} << 11;
+    info |= std::uint32_t{sampling != 0} << 8 | std::uint32_t{partly} << 9 |
+            std::uint32_t{constant} << 11;
     number(count);
     if (partly) number(changes.first), number(changes.last);
-    if (clock != 0) number(clock);
+    if (sampling != 0) number(sampling);
   }
   number(property.name.size());
   return std::string(bytes_of(info)) + numbers + property.name;
@@ -72,7 +72,7 @@ OgawaBlock write_samples(Archive& archive, const Property& property, std::string
     if (i > 0 && i < changes.first) continue;  // readers put sample 0 there
     children.push_back(property.samples[i].block);
     // no dimensions: the size tells the count
-    if (property.shape == Shape::array) children.push_back(empty_data);
+    if (property.type == PropertyType::array) children.push_back(empty_data);
     content += raw(property.samples[i].key);
   }
   return archive.file.group(children);
@@ -85,7 +85,7 @@ OgawaBlock write_compound(Archive& archive, const std::vector<Property>& propert
   std::vector<OgawaBlock> children;
   std::string headers;
   for (const Property& property : properties) {
-    children.push_back(property.shape == Shape::compound
+    children.push_back(property.type == PropertyType::compound
                            ? write_compound(archive, property.members, content)
                            : write_samples(archive, property, content));
     headers += header_of(property, metadata_number(archive, property.metadata));
@@ -112,8 +112,8 @@ WrittenObject write_object(Archive& archive, const Object& object) {
     names += child.name;
     names += static_cast<char>(metadata_number(archive, child.metadata));
   }
-  std::string hashes(raw(murmur(content)));
-  hashes += raw(murmur(children_content));
+  std::string hashes(raw(content_hash(content)));
+  hashes += raw(content_hash(children_content));
   blocks.push_back(archive.file.data({names, hashes}));
   return {archive.file.group(blocks), hashes};
 }
@@ -129,15 +129,15 @@ std::string time_sampling(std::size_t most_samples, double seconds_per_sample, d
 }  // namespace
 
 Sample store(Archive& archive, std::string_view bytes) {
-  const ContentKey key = murmur(bytes);
+  const ContentKey key = content_hash(bytes);
   if (bytes.empty()) return {empty_data, key};
   OgawaBlock& block = archive.stored[{key, bytes.size()}];
   if (block == 0) block = archive.file.data({raw(key), bytes});
   return {block, key};
 }
 
-void cut(Archive& archive, std::uint64_t end) {
-  archive.file.cut(end);
+void truncate(Archive& archive, std::uint64_t end) {
+  archive.file.truncate(end);
   archive.metadata.clear();
   for (auto it = archive.stored.begin(); it != archive.stored.end();)
     it = (it->second & ~empty_data) >= end ? archive.stored.erase(it) : std::next(it);
@@ -147,7 +147,7 @@ OgawaBlock write_tree(Archive& archive, const Object& root, const FrameTimes& ti
                       const std::string& metadata) {
   const OgawaBlock objects = write_object(archive, root).block;
   const std::string still = time_sampling(1, 1.0, 0.0),
-                    clock = time_sampling(times.count, times.step, times.start);
+                    sampling = time_sampling(times.count, times.step, times.start);
   std::string texts;
   for (const std::string& text : archive.metadata) {
     assert(text.size() <= 255 && archive.metadata.size() <= 254);
@@ -155,9 +155,9 @@ OgawaBlock write_tree(Archive& archive, const Object& root, const FrameTimes& ti
     texts += text;
   }
   OgawaWriter& file = archive.file;
-  const OgawaBlock outermost =
-      file.group({file.data({bytes_of(file_version)}), file.data({bytes_of(library_version)}),
-                  objects, file.data({metadata}), file.data({still, clock}), file.data({texts})});
+  const OgawaBlock outermost = file.group(
+      {file.data({bytes_of(file_version)}), file.data({bytes_of(library_version)}), objects,
+       file.data({metadata}), file.data({still, sampling}), file.data({texts})});
   file.flush();
   return outermost;
 }

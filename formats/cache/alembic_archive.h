@@ -16,10 +16,10 @@
 /// an Ogawa file.
 namespace paperbake::alembic {
 
-enum class Shape : std::uint32_t { compound = 0, scalar = 1, array = 2 };
+enum class PropertyType : std::uint32_t { compound = 0, scalar = 1, array = 2 };
 enum class Pod : std::uint32_t { boolean = 0, u32 = 5, i32 = 6, f32 = 10, f64 = 11 };
 // the time samplings of the archive, by number
-enum class Clock : std::uint32_t { still = 0, frames = 1 };
+enum class TimeSampling : std::uint32_t { identity = 0, frames = 1 };
 
 /// A stored value. Equal values share one block of the file, so samples are equal when their blocks
 /// are.
@@ -30,10 +30,10 @@ struct Sample {
 
 struct Property {
   std::string name, metadata;
-  Shape shape = Shape::compound;
+  PropertyType type = PropertyType::compound;
   Pod pod = Pod::boolean;
   std::uint32_t extent = 0;  // numbers in one element
-  Clock clock = Clock::still;
+  TimeSampling time_sampling = TimeSampling::identity;
   std::vector<Sample> samples;    // one for each frame
   std::vector<Property> members;  // of a compound
 };
@@ -44,7 +44,7 @@ struct Object {
   std::vector<Object> children;
 };
 
-/// The times of Clock::frames.
+/// The times of TimeSampling::frames.
 struct FrameTimes {
   std::size_t count = 0;
   double step = 0, start = 0;  // [s]
@@ -72,7 +72,7 @@ Sample store(Archive&, std::string_view bytes);
 
 /// The file again as it was when it ended there, also after a write that failed: samples stored
 /// since are forgotten.
-void cut(Archive&, std::uint64_t end);
+void truncate(Archive&, std::uint64_t end);
 
 /// Writes all but the samples, which store() has put there. returns the outermost group, for
 /// OgawaWriter::commit

@@ -106,7 +106,7 @@ struct AlembicWriter::Impl {
 
   /// The file without its last frame.
   void drop_last() {
-    alembic::cut(archive, added.back().begin);
+    alembic::truncate(archive, added.back().begin);
     meshes[added.back().sheet].frames.pop_back();
     added.pop_back();
   }
@@ -136,7 +136,7 @@ std::string AlembicWriter::add_frame(std::size_t sheet, const CacheFrame& frame)
   try {
     mesh.frames.push_back(alembic::store_frame(impl_->archive, frame));
   } catch (const Error&) {
-    alembic::cut(impl_->archive, begin);
+    alembic::truncate(impl_->archive, begin);
     throw;
   }
   impl_->added.push_back({sheet, begin});
@@ -158,7 +158,7 @@ std::vector<std::size_t> AlembicWriter::finish() {
                                  {most, info.frame_step / info.fps, info.first_frame / info.fps},
                                  archive_metadata(info));
     } catch (const Error&) {
-      alembic::cut(archive, begin);
+      alembic::truncate(archive, begin);
       if (impl_->added.size() < 2) throw;
       impl_->drop_last();
       continue;

@@ -103,10 +103,10 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
 
 namespace {
 
-Property animated(std::string name, std::string metadata, Shape shape, Pod pod,
+Property animated(std::string name, std::string metadata, PropertyType type, Pod pod,
                   std::uint32_t extent, std::vector<Sample> samples) {
-  return {std::move(name), std::move(metadata), shape, pod, extent,
-          Clock::frames,   std::move(samples),  {}};
+  return {std::move(name),      std::move(metadata), type, pod, extent,
+          TimeSampling::frames, std::move(samples),  {}};
 }
 
 Property compound(std::string name, std::string metadata, std::vector<Property> members) {
@@ -130,13 +130,13 @@ bool ever_given(const std::vector<MeshFrame>& frames, Sample MeshFrame::*channel
 }
 
 Property box_property(const char* name, std::vector<Sample> samples) {
-  return animated(name, box_meaning, Shape::scalar, Pod::f64, 6, std::move(samples));
+  return animated(name, box_meaning, PropertyType::scalar, Pod::f64, 6, std::move(samples));
 }
 
 Property geometry(const std::vector<MeshFrame>& frames) {
   const auto array = [&](const char* name, const char* meaning, Pod pod, std::uint32_t extent,
                          Sample MeshFrame::*channel) {
-    return animated(name, meaning, Shape::array, pod, extent, column(frames, channel));
+    return animated(name, meaning, PropertyType::array, pod, extent, column(frames, channel));
   };
   std::vector<Property> members{
       box_property(".selfBnds", column(frames, &MeshFrame::bounds)),
@@ -168,10 +168,10 @@ Object sheet_object(Archive& archive, const Mesh& mesh) {
   const char inherits = 1;
   Property inherited{".inherits",
                      "",
-                     Shape::scalar,
+                     PropertyType::scalar,
                      Pod::boolean,
                      1,
-                     Clock::still,
+                     TimeSampling::identity,
                      {store(archive, {&inherits, 1})},
                      {}};
   std::vector<Property> transform{

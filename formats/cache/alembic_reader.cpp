@@ -13,15 +13,15 @@ namespace paperbake {
 namespace {
 
 using alembic::Pod;
-using alembic::Shape;
+using alembic::PropertyType;
 
 // twice the longest clip of a scene; frames that are the same take no room in the file
-constexpr std::size_t most_frames = 200000;
+constexpr std::size_t max_frames = 200000;
 
 /// A property as its header tells, and where its samples lie.
-struct Stored {
+struct PropertyHeader {
   std::string name;
-  Shape shape = Shape::compound;
+  PropertyType type = PropertyType::compound;
   Pod pod = Pod::boolean;
   std::uint32_t extent = 0;
   // samples; which differ (alembic_archive.cpp: Changes)
@@ -30,7 +30,7 @@ struct Stored {
   OgawaBlock block = empty_group;
 
   /// Which of the stored samples stands for sample i.
-  std::size_t place_of(std::size_t i) const {
+  std::size_t stored_index(std::size_t i) const {
     if (constant || i < first) return 0;
     return std::min(i, last) - first + (first > 0 ? 1 : 0);
   }
@@ -64,22 +64,22 @@ class Parser {
   std::string_view rest_;
 };
 
-std::vector<Stored> properties_of(const OgawaReader& file, OgawaBlock compound) {
+std::vector<PropertyHeader> properties_of(const OgawaReader& file, OgawaBlock compound) {
   std::vector<OgawaBlock> children = file.group(compound);
   if (children.empty()) return {};
   const std::string headers = file.data(children.back());
   children.pop_back();
   Parser parser(file, headers);
-  std::vector<Stored> all;
+  std::vector<PropertyHeader> all;
   while (!parser.done()) {
     const auto info = parser.number<std::uint32_t>();
     const std::uint32_t width = 1u << std::min(info >> 2 & 3, 2u);
-    Stored p;
-    p.shape = static_cast<Shape>(std::min(info & 3, 2u));  // 3 is an array of one element
+    PropertyHeader p;
+    p.type = static_cast<PropertyType>(std::min(info & 3, 2u));  // 3 is an array of one element
     p.pod = static_cast<Pod>(info >> 4 & 15);
     p.extent = info >> 12 & 255;
     p.constant = info >> 11 & 1;
-    if (p.shape != Shape::compound) {
+    if (p.type != PropertyType::compound) {
       p.count = parser.number(width);
       p.first = 0, p.last = p.count ? p.count - 1 : 0;
       if (info >> 9 & 1) p.first = parser.number(width), p.last = parser.number(width);
@@ -96,15 +96,15 @@ std::vector<Stored> properties_of(const OgawaReader& file, OgawaBlock compound) 
   return all;
 }
 
-const Stored* find(const std::vector<Stored>& all, std::string_view name) {
+const PropertyHeader* find(const std::vector<PropertyHeader>& all, std::string_view name) {
   const auto found =
-      std::find_if(all.begin(), all.end(), [&](const Stored& p) { return p.name == name; });
+      std::find_if(all.begin(), all.end(), [&](const PropertyHeader& p) { return p.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 
 /// A channel of a mesh: its header and the blocks of its stored samples.
 struct Channel {
-  Stored header;
+  PropertyHeader header;
   std::vector<OgawaBlock> samples;
 };
 
@@ -158,12 +158,12 @@ struct AlembicReader::Impl {
   void read_sheet(const NamedObject& transform) {
     const std::vector<NamedObject> shapes = children_of(file, transform.block);
     if (shapes.size() != 1) file.refuse("Sheet \"" + transform.name + "\" is not one mesh.");
-    const std::vector<Stored> outer =
+    const std::vector<PropertyHeader> outer =
         properties_of(file, properties_block(file, shapes.front().block));
-    const Stored* geometry = find(outer, ".geom");
-    if (!geometry || geometry->shape != Shape::compound)
+    const PropertyHeader* geometry = find(outer, ".geom");
+    if (!geometry || geometry->type != PropertyType::compound)
       file.refuse("Sheet \"" + transform.name + "\" is no mesh.");
-    const std::vector<Stored> members = properties_of(file, geometry->block);
+    const std::vector<PropertyHeader> members = properties_of(file, geometry->block);
     Mesh mesh;
     mesh.points = channel(members, "P", Pod::f32, 3);
     mesh.indices = channel(members, ".faceIndices", Pod::i32, 1);
@@ -171,25 +171,26 @@ struct AlembicReader::Impl {
     if (!mesh.points || !mesh.indices || !mesh.counts)
       file.refuse("Sheet \"" + transform.name + "\" is without points or faces.");
     mesh.velocities = channel(members, ".velocities", Pod::f32, 3);
-    if (const Stored* normals = find(members, "N"); normals && normals->shape == Shape::compound) {
-      const std::vector<Stored> pair = properties_of(file, normals->block);
+    if (const PropertyHeader* normals = find(members, "N");
+        normals && normals->type == PropertyType::compound) {
+      const std::vector<PropertyHeader> pair = properties_of(file, normals->block);
       mesh.normals = channel(pair, ".vals", Pod::f32, 3);
       mesh.normal_indices = channel(pair, ".indices", Pod::u32, 1);
     } else {
       mesh.normals = channel(members, "N", Pod::f32, 3);
     }
-    if (const Stored* others = find(members, ".arbGeomParams");
-        others && others->shape == Shape::compound)
+    if (const PropertyHeader* others = find(members, ".arbGeomParams");
+        others && others->type == PropertyType::compound)
       mesh.colours = channel(properties_of(file, others->block), "crease", Pod::f32, 4);
-    if (const Stored* uv = find(members, "uv"); uv && uv->shape == Shape::compound) {
-      const std::vector<Stored> pair = properties_of(file, uv->block);
+    if (const PropertyHeader* uv = find(members, "uv"); uv && uv->type == PropertyType::compound) {
+      const std::vector<PropertyHeader> pair = properties_of(file, uv->block);
       mesh.uv = channel(pair, ".vals", Pod::f32, 2);
       mesh.uv_indices = channel(pair, ".indices", Pod::u32, 1);
     }
     Sheet sheet;
     sheet.name = transform.name;
     sheet.frames = mesh.points->header.count;
-    if (sheet.frames > most_frames)
+    if (sheet.frames > max_frames)
       file.refuse("Sheet \"" + transform.name + "\" has " + std::to_string(sheet.frames) +
                   " frames: more than anybody bakes.");
     sheet.constant_topology = mesh.indices->samples.size() == 1 && mesh.counts->samples.size() == 1;
@@ -199,17 +200,17 @@ struct AlembicReader::Impl {
     meshes.push_back(std::move(mesh));
   }
 
-  std::optional<Channel> channel(const std::vector<Stored>& members, std::string_view name, Pod pod,
-                                 std::uint32_t extent) const {
-    const Stored* header = find(members, name);
+  std::optional<Channel> channel(const std::vector<PropertyHeader>& members, std::string_view name,
+                                 Pod pod, std::uint32_t extent) const {
+    const PropertyHeader* header = find(members, name);
     if (!header) return std::nullopt;
-    if (header->shape != Shape::array || header->pod != pod || header->extent != extent)
+    if (header->type != PropertyType::array || header->pod != pod || header->extent != extent)
       file.refuse("Property \"" + std::string(name) + "\" is not of the type it should be.");
     // of each sample: data, dimensions
     const std::vector<OgawaBlock> blocks = file.group(header->block);
     Channel c{*header, {}};
     for (std::size_t k = 0; k < blocks.size(); k += 2) c.samples.push_back(blocks[k]);
-    if (header->count > 0 && header->place_of(header->count - 1) >= c.samples.size())
+    if (header->count > 0 && header->stored_index(header->count - 1) >= c.samples.size())
       file.refuse("Property \"" + std::string(name) + "\" is without some of its samples.");
     return c;
   }
@@ -251,15 +252,15 @@ struct AlembicReader::Impl {
   /// The bytes of a sample, which must have the key that stands before them.
   std::string bytes(const Channel& channel, std::size_t i) const {
     if (channel.header.count == 0) return {};
-    const std::string stored =
-        file.data(channel.samples[channel.header.place_of(std::min(i, channel.header.count - 1))]);
+    const std::string stored = file.data(
+        channel.samples[channel.header.stored_index(std::min(i, channel.header.count - 1))]);
     ContentKey key{};
     if (stored.empty()) return {};
     if (stored.size() < key.size())
       file.refuse("A sample of \"" + channel.header.name + "\" is cut short.");
     std::memcpy(key.data(), stored.data(), key.size());
     std::string values = stored.substr(key.size());
-    if (key != murmur(values))
+    if (key != paperbake::content_hash(values))
       file.refuse("A sample of \"" + channel.header.name +
                   "\" is damaged: its key is that of other bytes.");
     return values;
@@ -348,7 +349,7 @@ CacheFrame AlembicReader::frame(std::size_t sheet, std::size_t i) const {
 }
 
 std::string AlembicReader::content_hash(std::size_t sheet, std::size_t i) const {
-  return hex(murmur(impl_->bytes(*impl_->meshes.at(sheet).points, i)));
+  return hex(paperbake::content_hash(impl_->bytes(*impl_->meshes.at(sheet).points, i)));
 }
 
 }  // namespace paperbake

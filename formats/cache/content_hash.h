@@ -15,7 +15,7 @@ using ContentKey = std::array<std::uint8_t, 16>;
 /// two 64-bit halves in order, each little-endian). The key of no bytes at all is zero.
 ///
 /// source  Austin Appleby's public-domain algorithm
-ContentKey murmur(std::string_view bytes);
+ContentKey content_hash(std::string_view bytes);
 
 /// The key as 32 lower-case hex digits, first byte first.
 std::string hex(const ContentKey&);

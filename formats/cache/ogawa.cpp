@@ -38,8 +38,8 @@ OgawaBlock OgawaWriter::group(const std::vector<OgawaBlock>& children) {
   return block;
 }
 
-void OgawaWriter::cut(std::uint64_t end) {
-  file_.cut(end);
+void OgawaWriter::truncate(std::uint64_t end) {
+  file_.truncate(end);
   end_ = end;
 }
 

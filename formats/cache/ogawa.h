@@ -41,7 +41,7 @@ class OgawaWriter {
 
   /// How much is written, and back to that: blocks from there on are forgotten.
   std::uint64_t end() const { return end_; }
-  void cut(std::uint64_t end);
+  void truncate(std::uint64_t end);
   void flush() { file_.flush(); }
 
   /// Marks the file as finished, with `root` as its outermost group, and gives it its name.
@@ -50,7 +50,7 @@ class OgawaWriter {
  private:
   void append(std::string_view bytes);
 
-  WholeFile file_;
+  AtomicFile file_;
   std::uint64_t end_ = 0;  // [bytes] written so far
 };
 

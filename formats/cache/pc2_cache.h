@@ -26,7 +26,7 @@ class Pc2Writer {
 
  private:
   std::filesystem::path path_;
-  WholeFile cache_, rest_;
+  AtomicFile cache_, rest_;
   CacheInfo info_;
   Triangles triangles_;  // of the first frame
   std::int32_t points_ = 0, samples_ = 0;

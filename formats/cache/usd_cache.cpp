@@ -29,7 +29,7 @@ class Spool {
       throw Error(Fault::folder, "temporary files", "There is no room for more.",
                   "Make room in the folder for temporary files (TMPDIR).");
   }
-  void copy_to(WholeFile& out) {
+  void copy_to(AtomicFile& out) {
     std::rewind(file_);
     char buffer[1 << 16];
     while (const std::size_t count = std::fread(buffer, 1, sizeof buffer, file_))
@@ -122,7 +122,7 @@ Points3 corners_of_box(const Points3& x) {
 }  // namespace
 
 struct UsdWriter::Impl {
-  WholeFile file;
+  AtomicFile file;
   CacheInfo info;
   std::vector<UsdSheet> sheets;
 
@@ -156,7 +156,7 @@ struct UsdWriter::Impl {
 
 UsdWriter::UsdWriter(const std::filesystem::path& path, const CacheInfo& info,
                      const std::vector<std::string>& sheet_names)
-    : impl_(new Impl{WholeFile(path), info, {}}) {
+    : impl_(new Impl{AtomicFile(path), info, {}}) {
   std::set<std::string> taken;
   for (const std::string& name : sheet_names) {
     std::string label = identifier(name);
@@ -194,7 +194,7 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
 }
 
 void UsdWriter::finish() {
-  WholeFile& file = impl_->file;
+  AtomicFile& file = impl_->file;
   const CacheInfo& info = impl_->info;
   std::size_t frames = 0;
   for (const UsdSheet& sheet : impl_->sheets) frames = std::max(frames, sheet.frames);

@@ -13,8 +13,8 @@
 namespace paperbake {
 namespace {
 
-constexpr double whole_limit = 2147483647, farthest = 10;  // [m] on any pattern
-constexpr std::size_t most_pins = 1000;
+constexpr double whole_limit = 2147483647, max_coordinate = 10;  // [m] on any pattern
+constexpr std::size_t max_entries = 1000;
 
 /// The texts of an array, joined by commas; none when there is something else in it.
 std::optional<std::string> joined(const toml::array& list) {
@@ -75,7 +75,7 @@ std::vector<JobValue> read_values(const TomlDocument& document, const toml::tabl
   return values;
 }
 
-/// Lists of `count` numbers: [[0.1, 0.2], ...]. Each at most `farthest` from zero.
+/// Lists of `count` numbers: [[0.1, 0.2], ...]. Each at most `max_coordinate` from zero.
 std::vector<std::vector<double>> read_rows(const TomlDocument& document, const toml::node& node,
                                            const std::string& key, std::size_t count,
                                            const char* what) {
@@ -84,7 +84,7 @@ std::vector<std::vector<double>> read_rows(const TomlDocument& document, const t
          fmt::format("\"{}\" must be a list of {} in metres.", key, what));
   };
   const toml::array* list = node.as_array();
-  if (!list || list->empty() || list->size() > most_pins) refuse(node);
+  if (!list || list->empty() || list->size() > max_entries) refuse(node);
   std::vector<std::vector<double>> rows;
   for (const toml::node& entry : *list) {
     const toml::array* numbers = entry.as_array();
@@ -92,7 +92,7 @@ std::vector<std::vector<double>> read_rows(const TomlDocument& document, const t
     rows.emplace_back();
     for (const toml::node& number : *numbers) {
       const auto value = number.is_number() ? number.value<double>() : std::nullopt;
-      if (!value || !(std::abs(*value) <= farthest)) refuse(number);
+      if (!value || !(std::abs(*value) <= max_coordinate)) refuse(number);
       rows.back().push_back(*value);
     }
   }
@@ -134,7 +134,7 @@ std::vector<FoldLine> read_creases(const TomlDocument& document, const toml::tab
   const toml::node* node = table.get("crease");
   if (!node) return creases;
   const toml::array* list = node->as_array();
-  if (!list || list->size() > most_pins)
+  if (!list || list->size() > max_entries)
     fail(document, node->source().begin,
          "\"crease\" must be a list of tables: [{line = [[0, 0.05], [0.1, 0.05]], angle = 30}].");
   for (const toml::node& crease : *list) creases.push_back(read_crease(document, crease));
@@ -160,19 +160,19 @@ std::vector<JobSection> read_sections(const TomlDocument& document, const char* 
   for (const auto& [name, node] : *all) {
     const toml::table* table = node.as_table();
     if (!table)
-      fail(document, place_of(name, node),
+      fail(document, position_of(name, node),
            fmt::format("Values for {}s stand under their names: {}.", kind, form));
     std::vector<std::string> known = names_of(keys);
     known.insert(known.end(), pins.begin(), pins.end());
     refuse_unknown_keys(document, *table, known);
-    const toml::source_position at = place_of(name, node);
+    const toml::source_position at = position_of(name, node);
     sections.push_back(
         {at,
          {std::string(name.str()), place_in(document, at), read_values(document, *table, keys),
           read_pins(document, *table), read_creases(document, *table)}});
   }
   std::sort(sections.begin(), sections.end(),
-            [](const auto& a, const auto& b) { return stands_before(a.first, b.first); });
+            [](const auto& a, const auto& b) { return precedes(a.first, b.first); });
   std::vector<JobSection> sorted;
   for (auto& section : sections) sorted.push_back(std::move(section.second));
   return sorted;
@@ -211,7 +211,7 @@ std::optional<std::string> canonical(const JobKey& key, const std::string& text)
                                                           : std::from_chars(from, to, whole);
     if (key.kind == JobKey::whole) value = static_cast<double>(whole);
     if (failed != std::errc() || end != to || !std::isfinite(value) ||
-        !(value >= key.least && value <= key.most))
+        !(value >= key.min && value <= key.max))
       return std::nullopt;
     return key.kind == JobKey::number ? toml_number(value) : fmt::format("{}", whole);
   }
@@ -223,15 +223,15 @@ std::optional<std::string> canonical(const JobKey& key, const std::string& text)
 }
 
 std::string expected(const JobKey& key) {
-  const bool below = std::isfinite(key.most), above = std::isfinite(key.least);
+  const bool below = std::isfinite(key.max), above = std::isfinite(key.min);
   const char* kind = key.kind == JobKey::whole ? "a whole number" : "a number";
   switch (key.kind) {
     case JobKey::number:
     case JobKey::whole:
-      if (key.least == above_zero) return fmt::format("{} above zero", kind);
-      if (above && below && std::abs(key.least) < whole_limit)
-        return fmt::format("{} from {} to {}", kind, key.least, key.most);
-      return above && !below ? fmt::format("{} from {} on", kind, key.least) : kind;
+      if (key.min == above_zero) return fmt::format("{} above zero", kind);
+      if (above && below && std::abs(key.min) < whole_limit)
+        return fmt::format("{} from {} to {}", kind, key.min, key.max);
+      return above && !below ? fmt::format("{} from {} on", kind, key.min) : kind;
     case JobKey::flag:
       return "true or false";
     case JobKey::word:
@@ -250,8 +250,8 @@ JobFile read_job(const std::filesystem::path& path, const std::vector<JobKey>& k
   refuse_unknown_keys(document, document.root, known);
 
   std::vector<JobKey> paper;
-  for (const Quantity& quantity : quantities)
-    paper.push_back({quantity.key, JobKey::number, quantity.least, quantity.most});
+  for (const PaperParameter& parameter : paper_parameters)
+    paper.push_back({parameter.key, JobKey::number, parameter.min, parameter.max});
   JobFile job;
   job.values = read_values(document, document.root, keys);
   if (const toml::table* table = table_at(document, document.root, "paper", "[paper]")) {

@@ -16,8 +16,8 @@ struct JobKey {
   enum Kind { number, whole, flag, text, word, list };  // list: texts, or one with commas
   std::string name;                                     // map_size
   Kind kind = text;
-  double least = -std::numeric_limits<double>::infinity();  // above_zero: an open bound
-  double most = std::numeric_limits<double>::infinity();
+  double min = -std::numeric_limits<double>::infinity();  // above_zero: an open bound
+  double max = std::numeric_limits<double>::infinity();
   std::vector<std::string> words = {};  // of a word
 };
 inline constexpr double above_zero = std::numeric_limits<double>::min();

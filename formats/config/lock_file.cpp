@@ -31,11 +31,12 @@ const toml::table& table_of(const toml::table& root, const char* key, const std:
 Paper paper_of(const toml::table& table, const std::string& place) {
   Paper paper;
   paper.name = value_of<std::string>(table, "preset", place);
-  for (const Quantity& quantity : quantities) {
-    if (!quantity.required && !table.contains(quantity.key)) continue;
-    const double value = value_of<double>(table, quantity.key, place);
-    if (!quantity.holds(value)) throw Error(Fault::command, place, out_of_bounds(quantity, value));
-    quantity.set(paper, value);
+  for (const PaperParameter& parameter : paper_parameters) {
+    if (!parameter.required && !table.contains(parameter.key)) continue;
+    const double value = value_of<double>(table, parameter.key, place);
+    if (!parameter.accepts(value))
+      throw Error(Fault::command, place, out_of_bounds(parameter, value));
+    parameter.set(paper, value);
   }
   return paper;
 }

@@ -12,21 +12,21 @@ namespace paperbake {
 /// One number of a grade: its place in Paper, the unit in which files and people give it, and what
 /// no paper is beyond. The bounds catch grams, millimetres and micrometres given for SI; tissue and
 /// solid board lie well inside.
-struct Quantity {
+struct PaperParameter {
   const char* key;
   double Paper::*field;
   const char* unit;
-  double least, most;    // in that unit
+  double min, max;       // in that unit
   bool required = true;  // in a preset
   double to_si = 1;
 
-  bool holds(double value) const { return value >= least && value <= most; }  // false for NaN
-  double of(const Paper& paper) const { return paper.*field / to_si; }
+  bool accepts(double value) const { return value >= min && value <= max; }  // false for NaN
+  double get(const Paper& paper) const { return paper.*field / to_si; }
   void set(Paper& paper, double value) const { paper.*field = value * to_si; }
 };
-extern const std::array<Quantity, 11> quantities;
+extern const std::array<PaperParameter, 11> paper_parameters;
 /// The sentence for a value that it does not hold.
-std::string out_of_bounds(const Quantity&, double value);
+std::string out_of_bounds(const PaperParameter&, double value);
 
 /// A paper grade with the evidence behind its numbers. Its file is TOML: `name`, perhaps
 /// `description`, `by_grammage` (false: not a paper that a scene means by its weight alone), and
@@ -41,7 +41,7 @@ struct Preset {
   Paper paper;
   std::string description;
   struct Entry {
-    std::string key;                 // of quantities
+    std::string key;                 // of paper_parameters
     double value;                    // in its unit
     std::string unit, source, mark;  // mark: read | derived | assumed
   };

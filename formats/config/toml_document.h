@@ -26,8 +26,8 @@ std::string place_in(const TomlDocument&, const toml::source_position&);
                        std::string remedy = {});
 
 /// Where a key stands: the bracket of a [table], else the key itself.
-toml::source_position place_of(const toml::key&, const toml::node&);
-bool stands_before(const toml::source_position&, const toml::source_position&);
+toml::source_position position_of(const toml::key&, const toml::node&);
+bool precedes(const toml::source_position&, const toml::source_position&);
 
 /// Unknown keys are errors, the first one in the file first: a slip would silently keep a default.
 void refuse_unknown_keys(const TomlDocument&, const toml::table&,

@@ -13,12 +13,12 @@ namespace paperbake {
 /// its name in commit(), after everything has reached the disk; without commit() it vanishes with
 /// the object. All functions throw Error(Fault::folder) that names the file and the system's
 /// reason.
-class WholeFile {
+class AtomicFile {
  public:
-  explicit WholeFile(std::filesystem::path path);
-  ~WholeFile();
-  WholeFile(const WholeFile&) = delete;
-  WholeFile& operator=(const WholeFile&) = delete;
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(const void* bytes, std::size_t count);
   void write(std::string_view text) { write(text.data(), text.size()); }
@@ -28,7 +28,7 @@ class WholeFile {
   /// Everything from here on is forgotten, and written over next; also after a write that failed.
   /// The room that it took on the disk stays until commit(), so that a little can still be written
   /// when the disk is full.
-  void cut(std::uint64_t position);
+  void truncate(std::uint64_t position);
   void flush();  // tells now whether what is written has found room
 
   /// Where the bytes go until commit(), for libraries that write files by name; they must close it
@@ -46,9 +46,9 @@ class WholeFile {
 };
 
 /// All bytes of a file; nothing when it cannot be read.
-std::optional<std::string> read_whole_file(const std::filesystem::path&);
+std::optional<std::string> read_file(const std::filesystem::path&);
 
 /// The whole text as one file, whole or not at all.
-void write_whole_file(const std::filesystem::path&, std::string_view text);
+void write_atomically(const std::filesystem::path&, std::string_view text);
 
 }  // namespace paperbake

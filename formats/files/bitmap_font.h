@@ -6,7 +6,7 @@ namespace paperbake {
 
 /// Printable ASCII, from the blank to the tilde, as on a character display: five columns of eight
 /// dots, the top one in bit 0; the lowest dot is for what hangs below the line.
-constexpr std::uint8_t dot_letters[95][5] = {
+constexpr std::uint8_t bitmap_font[95][5] = {
     // ! " #
     {0x00, 0x00, 0x00, 0x00, 0x00},
     {0x00, 0x00, 0x5f, 0x00, 0x00},

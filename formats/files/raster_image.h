@@ -44,14 +44,14 @@ struct Camera {
   Vector3d project(const Vector3d& p) const;
 };
 
-struct Frame {
+struct Viewport {
   double left, top, width, height;  // [px] part of a picture
 };
 /// Sees all points from the side `from`, as large as the frame allows; z points up, or y where one
 /// looks along z.
-Camera fit_camera(const Points3&, const Vector3d& from, const Frame&);
+Camera fit_camera(const Points3&, const Vector3d& from, const Viewport&);
 /// Sees a pattern from above: u to the right, v upwards.
-Camera fit_camera(const Points2&, const Frame&);
+Camera fit_camera(const Points2&, const Viewport&);
 
 /// What is drawn on: every pixel has samples x samples colours, each with the depth of what it
 /// shows.
@@ -64,7 +64,7 @@ struct Canvas {
 };
 
 /// Pixels as the mean of their samples.
-Image develop(const Canvas&);
+Image resolve_samples(const Canvas&);
 
 /// What lies nearer hides what lies behind; of two at the same depth the later one is seen. `lift`
 /// [m] brings nearer what shall be seen on a surface; on_top: nearer than everything.
@@ -81,16 +81,19 @@ void draw_smooth_triangles(Canvas&, const Camera&, const Points3& x, const Trian
 /// Darkens what lies in hollows and behind what is nearer, and lightens ridges a little: by the
 /// mean slope of the depths round a pixel, of opposite ones together, so that a plane stays as it
 /// is. What is drawn later is not touched. scale [px/m], reach [px] how far it looks
-void shade_hollows(Canvas&, double scale, double reach);
-/// width [px]; ends are square, half a width beyond the points
-void draw_line(Canvas&, const Camera&, const Vector3d& a, const Vector3d& b, double width, Colour,
-               double lift = 0);
+void apply_ambient_occlusion(Canvas&, double scale, double reach);
+struct LineStyle {
+  double width;  // [px]
+  Colour colour;
+  double lift = 0;  // [m] see above
+};
+/// A line with square ends, half a width beyond the points.
+void draw_line(Canvas&, const Camera&, const Vector3d& a, const Vector3d& b, const LineStyle&);
 /// radius [px]
 void draw_disc(Canvas&, const Camera&, const Vector3d& centre, double radius, Colour,
                double lift = 0);
 /// Over all edges of a mesh, each once.
-void draw_edges(Canvas&, const Camera&, const Points3& x, const Triangles&, double width, Colour,
-                double lift = 0);
+void draw_edges(Canvas&, const Camera&, const Points3& x, const Triangles&, const LineStyle&);
 
 /// Printable ASCII in letters of 5 x 8 dots, 6 dots apart, over everything.
 /// left, top  [px]
@@ -99,7 +102,7 @@ void draw_text(Canvas&, double left, double top, double dot, const std::string&,
 /// Width of such a text. [px]
 double text_width(const std::string&, double dot);
 /// An upright rectangle of the picture, over everything. [px]
-void draw_rectangle(Canvas&, const Frame&, Colour);
+void draw_rectangle(Canvas&, const Viewport&, Colour);
 
 /// Each face by how it is turned to the light, on both sides; `front` where its normal points at
 /// the viewer, else `back`.

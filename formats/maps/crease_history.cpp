@@ -22,14 +22,14 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
   return (p - a - t * along).norm();
 }
 
-bool same_place(const Crease& a, const Crease& b, double same) {
+bool same_place(const DetectedCrease& a, const DetectedCrease& b, double same) {
   const bool straight = (a.from - b.from).norm() <= same && (a.to - b.to).norm() <= same;
   return straight || ((a.from - b.to).norm() <= same && (a.to - b.from).norm() <= same);
 }
 
 /// Does more than half of one lie on the other?
-bool overlap(const Crease& a, const Crease& b, double same) {
-  const auto within = [&](const Crease& inner, const Crease& outer) {
+bool overlap(const DetectedCrease& a, const DetectedCrease& b, double same) {
+  const auto within = [&](const DetectedCrease& inner, const DetectedCrease& outer) {
     const Vector2d middle = 0.5 * (inner.from + inner.to);
     const Vector2d u = (inner.to - inner.from).normalized(),
                    w = (outer.to - outer.from).normalized();
@@ -42,14 +42,15 @@ bool overlap(const Crease& a, const Crease& b, double same) {
 
 }  // namespace
 
-std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const Pattern& pattern,
-                               const CreaseLaw& law) {
+std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& plastic,
+                                           const Pattern& pattern,
+                                           const CreaseThresholds& thresholds) {
   const auto at = [&](int v) -> Vector2d { return sheet.pattern.row(v); };
   const double border = 1e-6 * longer_side(pattern);
-  std::vector<Crease> creases;
+  std::vector<DetectedCrease> creases;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
     const double turn = std::abs(fold_angle(sheet.x, hinge));
-    if (turn <= law.turned[0]) continue;
+    if (turn <= thresholds.angle[0]) continue;
     const auto& v = hinge.vertices;
     const Vector2d along = at(v[1]) - at(v[0]);
     const double length = along.norm();
@@ -59,16 +60,16 @@ std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const
                      0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
                  width = 2.0 / 3 * wings / length;
     const bool folded = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);  // before the first frame
-    double kept = folded ? turn : turn - law.yield_curvature * width;
+    double kept = folded ? turn : turn - thresholds.yield_curvature * width;
     if (plastic.rows() > 0 && !folded) {
       const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));
       const Vector2d n(-along.y() / length, along.x() / length);
       kept =
           std::abs(n.x() * n.x() * S[0] + 2 * n.x() * n.y() * S[1] + n.y() * n.y() * S[2]) * width;
     }
-    Crease crease;
-    crease.strength =
-        rise(turn, law.turned) * rise(kept, law.kept) * std::min(1.0, turn / law.full);
+    DetectedCrease crease;
+    crease.strength = rise(turn, thresholds.angle) * rise(kept, thresholds.plastic_angle) *
+                      std::min(1.0, turn / thresholds.full_angle);
     if (crease.strength <= 0) continue;
     crease.from = at(v[0]);
     crease.to = at(v[1]);
@@ -80,12 +81,12 @@ std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const
   return creases;
 }
 
-void remember(std::vector<Crease>& history, const std::vector<Crease>& now, int frame,
-              double same) {
+void merge_creases(std::vector<DetectedCrease>& history, const std::vector<DetectedCrease>& now,
+                   int frame, double same) {
   const std::size_t known = history.size();
-  for (Crease crease : now) {
+  for (DetectedCrease crease : now) {
     crease.frame_of_birth = frame;
-    Crease* old = nullptr;
+    DetectedCrease* old = nullptr;
     for (std::size_t k = 0; k < known; ++k) {
       if (!old && same_place(history[k], crease, same)) old = &history[k];
       if (overlap(history[k], crease, same))

@@ -8,7 +8,7 @@
 namespace paperbake {
 
 /// A straight crease on the pattern.
-struct Crease {
+struct DetectedCrease {
   Vector2d from, to;    // [m]
   double strength = 0;  // (0, 1], the most so far
   int frame_of_birth = 0;
@@ -23,23 +23,24 @@ struct Crease {
 /// kept    ... and what paper would keep of the angle, were it let go, tells a crease from a roll:
 ///         the plastic curvature across the edge, over the width that the edge stands for; without
 ///         a plastic memory what lies beyond the yield curvature
-struct CreaseLaw {
-  double turned[2] = {0.25, 0.35};  // [rad] |fold angle|
-  double kept[2] = {0.05, 0.15};    // [rad]
-  double full = M_PI / 2;           // [rad] |fold angle| of strength 1
+struct CreaseThresholds {
+  double angle[2] = {0.25, 0.35};          // [rad] |fold angle|
+  double plastic_angle[2] = {0.05, 0.15};  // [rad]
+  double full_angle = M_PI / 2;            // [rad] |fold angle| of strength 1
   // [1/m] 2 eps_y / h of the paper; only read without a plastic memory
   double yield_curvature = 100;
 };
 
 /// The edges of a mesh that are creases now.
 /// plastic_curvature  |V|x3 [1/m], or empty
-std::vector<Crease> creases_of(const Sheet&, const Points3& plastic_curvature, const Pattern&,
-                               const CreaseLaw&);
+std::vector<DetectedCrease> detect_creases(const Sheet&, const Points3& plastic_curvature,
+                                           const Pattern&, const CreaseThresholds&);
 
 /// Adds the creases of a frame to those of all frames before. One that lies where a known one does
 /// (both ends within `same` [m]) makes that one stronger and moves it when it is the stronger one,
 /// so that the memory does not grow with every frame; one that lies along a known one (an edge that
 /// was cut, a crease that grew) is as old as that one. Nothing is forgotten.
-void remember(std::vector<Crease>& history, const std::vector<Crease>& now, int frame, double same);
+void merge_creases(std::vector<DetectedCrease>& history, const std::vector<DetectedCrease>& now,
+                   int frame, double same);
 
 }  // namespace paperbake

@@ -17,12 +17,12 @@ struct CreaseMapOptions {
   double fold_width = 0.002;
   // [m] of the lines of R; never drawn thinner than 1.5 texel
   double crease_width = 0.0005;
-  CreaseLaw law;
+  CreaseThresholds thresholds;
   MapLayout layout = MapLayout::scanline;
   int threads = 1;  // the bytes do not depend on them
 };
 
-/// Crease and apex maps of one sheet as textures: a square of size x size texels over the render uv
+/// DetectedCrease and apex maps of one sheet as textures: a square of size x size texels over the render uv
 /// (pattern / longer side), v up: texel (i, j) of the file, j counted from the top row, has its
 /// centre at u = (i+0.5)/size, v = 1 - (j+0.5)/size.
 ///

@@ -5,15 +5,15 @@
 namespace paperbake {
 namespace {
 
-constexpr int most_texels = 512;  // on a side
+constexpr int max_texels = 512;  // on a side
 
 /// Two neighbours along one axis of a grid and how much the second counts, at the place of texel i
 /// of a finer grid.
-struct Between {
+struct GridNeighbours {
   int first, second;
   float weight;
 };
-Between between(int i, int fine, int coarse) {
+GridNeighbours grid_neighbours(int i, int fine, int coarse) {
   const double at = std::clamp((i + 0.5) * coarse / fine - 0.5, 0.0, coarse - 1.0);
   const int first = static_cast<int>(at);
   return {first, std::min(first + 1, coarse - 1), static_cast<float>(at - first)};
@@ -23,7 +23,7 @@ Between between(int i, int fine, int coarse) {
 
 FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side, int size)
     : side_(side),
-      rows_{std::min(size, most_texels), 0, std::min(size, most_texels)},
+      rows_{std::min(size, max_texels), 0, std::min(size, max_texels)},
       loops_(loops),
       bulge_(rows_.count(), 0.0f),
       hollow_(rows_.count(), 0.0f) {
@@ -42,7 +42,7 @@ void FoldPeak::record(const MapFields& fields) {
 
 std::vector<float> FoldPeak::row(int row, int size) const {
   const int coarse = rows_.size;
-  const Between y = between(row, size, coarse);
+  const GridNeighbours y = grid_neighbours(row, size, coarse);
   // first down the columns of the memory, then along the row
   std::vector<float> bulge(coarse), hollow(coarse), peaks(size);
   const auto down = [&](const std::vector<float>& grid, int i) {
@@ -51,7 +51,7 @@ std::vector<float> FoldPeak::row(int row, int size) const {
   };
   for (int i = 0; i < coarse; ++i) bulge[i] = down(bulge_, i), hollow[i] = down(hollow_, i);
   for (int i = 0; i < size; ++i) {
-    const Between x = between(i, size, coarse);
+    const GridNeighbours x = grid_neighbours(i, size, coarse);
     const auto along = [&](const std::vector<float>& v) {
       return v[x.first] + x.weight * (v[x.second] - v[x.first]);
     };

@@ -7,7 +7,7 @@
 namespace paperbake {
 
 /// No fold turns farther than shut, either way. [rad]
-inline constexpr double shut = 3.14159265358979323846;
+inline constexpr double max_fold_angle = 3.14159265358979323846;
 
 /// Across what width the curvature of each vertex counts as one fold, so that curvature x width is
 /// an angle:
@@ -28,7 +28,7 @@ inline constexpr double shut = 3.14159265358979323846;
 Eigen::VectorXd fold_widths(const Sheet&, const Points3& curvature, double fold_width);
 
 /// Curvature x width, and none of its principal values beyond `shut`. |V|x3 [rad] Fxx, Fxy, Fyy
-Points3 folds_of(const Points3& curvature, const Eigen::VectorXd& width);
+Points3 fold_tensors(const Points3& curvature, const Eigen::VectorXd& width);
 
 /// Principal value of larger magnitude of (Sxx, Sxy, Syy).
 double larger_principal(double xx, double xy, double yy);

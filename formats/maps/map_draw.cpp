@@ -15,12 +15,12 @@ constexpr float strain_step = 1.0f / 4096;  // [%]
 constexpr float unit_step = 1.0f / 1024;    // [1] of a direction
 
 // [rad] |k1| x longer side: B rises from 0 to 1, as core finds curved regions
-constexpr double curved[2] = {0.18, 0.3};
+constexpr double curved_range[2] = {0.18, 0.3};
 // [1] |k2 / k1|: and falls to 0 where paper bends both ways
-constexpr double one_way[2] = {0.5, 0.7};
+constexpr double one_way_range[2] = {0.5, 0.7};
 constexpr double isotropic = 0.02;  // [1] of k1: a bowl has no ruling
 // [texel] of a line: thinner ones would go missing between centres
-constexpr double least_radius = 0.75;
+constexpr double min_radius = 0.75;
 // [texel] age.crease reaches beyond R, so that no lookup under R meets "none"
 constexpr double age_margin = 1.5;
 // [texel] side of the squares that share one list of near apices
@@ -63,11 +63,12 @@ void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
   texel.fold_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
   texel.fold_plastic = rounded(larger_principal(f[6], f[7], f[8]), angle_step);
   const double k2 = f[0] + f[2] - k1, bent = std::abs(k1) * scene.side;
-  const double coherent = (one_way[1] - std::abs(k2 / k1)) / (one_way[1] - one_way[0]);
-  if (bent > curved[0] && std::abs(k1 - k2) > isotropic * std::abs(k1)) {
-    texel.b =
-        static_cast<float>(std::clamp((bent - curved[0]) / (curved[1] - curved[0]), 0.0, 1.0) *
-                           std::clamp(coherent, 0.0, 1.0));
+  const double coherent =
+      (one_way_range[1] - std::abs(k2 / k1)) / (one_way_range[1] - one_way_range[0]);
+  if (bent > curved_range[0] && std::abs(k1 - k2) > isotropic * std::abs(k1)) {
+    texel.b = static_cast<float>(
+        std::clamp((bent - curved_range[0]) / (curved_range[1] - curved_range[0]), 0.0, 1.0) *
+        std::clamp(coherent, 0.0, 1.0));
     const Vector2d along = ruling(f[0], f[1], f[2]);
     texel.dir_x = rounded(along.x(), unit_step);
     texel.dir_y = rounded(along.y(), unit_step);
@@ -95,8 +96,8 @@ void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<ch
 void draw_creases(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
                   MapTexel* texels) {
   const double texel_size = scene.side / rows.size,
-               radius = std::max(least_radius, 0.5 * scene.crease_width / texel_size);
-  for (const Crease& crease : scene.creases) {
+               radius = std::max(min_radius, 0.5 * scene.crease_width / texel_size);
+  for (const DetectedCrease& crease : scene.creases) {
     Vector2d from = to_texels(crease.from, scene.side, rows.size),
              to = to_texels(crease.to, scene.side, rows.size);
     // a crease that ends on the border goes on in the padding
@@ -119,7 +120,7 @@ void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<c
                  MapTexel* texels) {
   if (scene.apices.empty()) return;
   const double texel_size = scene.side / rows.size,
-               radius = std::max(least_radius, scene.crease_width / texel_size);
+               radius = std::max(min_radius, scene.crease_width / texel_size);
   const float step = distance_step(texel_size);
   std::vector<Vector2d> at;
   for (const MapApex& apex : scene.apices)

@@ -24,7 +24,7 @@ struct MapScene {
   double crease_width;                       // [m]
   std::vector<std::vector<Vector2d>> loops;  // [texel] corners of the pattern
   MapFields fields;
-  std::vector<Crease> creases;
+  std::vector<DetectedCrease> creases;
   std::vector<MapApex> apices;
   const FoldPeak* peak = nullptr;
   int frame;

@@ -94,12 +94,12 @@ void draw_rows(const DrawRows& draw, const MapRows& rows, MapTexel* texels) {
 /// Calls take(rows, texels) for the map, from the top, as many strips at a time as there are
 /// threads.
 template <class Take>
-void draw_in_turns(int size, int threads, const DrawRows& draw, std::vector<MapTexel>& texels,
-                   bool keep, const Take& take) {
-  const int turn = strip_rows * std::max(1, threads);
-  texels.resize(std::size_t(size) * (keep ? size : std::min(turn, size)));
-  for (int first = 0; first < size; first += turn) {
-    const MapRows rows{size, first, std::min(first + turn, size)};
+void draw_in_batches(int size, int threads, const DrawRows& draw, std::vector<MapTexel>& texels,
+                     bool keep, const Take& take) {
+  const int batch = strip_rows * std::max(1, threads);
+  texels.resize(std::size_t(size) * (keep ? size : std::min(batch, size)));
+  for (int first = 0; first < size; first += batch) {
+    const MapRows rows{size, first, std::min(first + batch, size)};
     MapTexel* target = texels.data() + (keep ? std::size_t(first) * size : 0);
     draw_rows(draw, rows, target);
     take(rows, target);
@@ -188,7 +188,7 @@ std::vector<Padding> paddings(const std::vector<MapTexel>& level, int size, int 
 
 /// Shares the rows of a level between threads: rows(part, first, last).
 template <class Rows>
-void for_parts(int size, int threads, const Rows& rows) {
+void for_row_ranges(int size, int threads, const Rows& rows) {
   std::vector<std::future<void>> others;
   for (int part = 1; part < threads; ++part)
     others.push_back(std::async(std::launch::async, [&rows, part, size, threads] {
@@ -207,7 +207,7 @@ std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, 
   std::vector<Footprint> columns;
   for (int i = 0; i < next; ++i) columns.push_back(footprint(i, size, next));
   std::vector<MapTexel> level(std::size_t(next) * next);
-  for_parts(next, threads, [&](int, int first, int last) {
+  for_row_ranges(next, threads, [&](int, int first, int last) {
     for (int j = first; j < last; ++j)
       for (int i = 0; i < next; ++i)
         level[std::size_t(j) * next + i] = mean_of(texels, size, columns[i], columns[j]);
@@ -215,7 +215,7 @@ std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, 
   // texels beside the pattern continue it, so that a lookup at its border finds paper on every
   // level
   std::vector<std::vector<Padding>> padding(threads);
-  for_parts(next, threads, [&](int part, int first, int last) {
+  for_row_ranges(next, threads, [&](int part, int first, int last) {
     padding[part] = paddings(level, next, first, last);
   });
   for (const auto& part : padding)
@@ -234,16 +234,16 @@ std::string encode_map(int size, MapLayout layout, const MapInfo& info, const Ma
   std::vector<MapTexel> texels;
   if (layout == MapLayout::scanline) {
     Imf::OutputFile file(stream, header, helpers);
-    draw_in_turns(size, threads, draw, texels, false,
-                  [&](const MapRows& rows, const MapTexel* drawn) {
-                    file.setFrameBuffer(frame_buffer(drawn, size, rows.first));
-                    file.writePixels(rows.last - rows.first);
-                  });
+    draw_in_batches(size, threads, draw, texels, false,
+                    [&](const MapRows& rows, const MapTexel* drawn) {
+                      file.setFrameBuffer(frame_buffer(drawn, size, rows.first));
+                      file.writePixels(rows.last - rows.first);
+                    });
   } else {
     header.setTileDescription(
         Imf::TileDescription(tile, tile, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN));
     Imf::TiledOutputFile file(stream, header, helpers);
-    draw_in_turns(size, threads, draw, texels, true, [](const MapRows&, const MapTexel*) {});
+    draw_in_batches(size, threads, draw, texels, true, [](const MapRows&, const MapTexel*) {});
     for (int level = 0, side = size; level < file.numLevels(); ++level) {
       file.setFrameBuffer(frame_buffer(texels.data(), side, 0));
       file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);

@@ -29,7 +29,7 @@ Value value(const double* n) {
     return Value(n[3], n[0], n[1], n[2]);
 }
 
-/// Makes a rotation of four numbers near one; a curve of such stays in proportion with its slopes.
+/// Makes a rotation of four numbers near one; a curve of such stays in proportion with its tangents.
 double scale_to_unit(const Vector3d&) { return 1; }
 double scale_to_unit(const Eigen::Quaterniond& q) { return q.norm() > 1e-9 ? 1 / q.norm() : 0; }
 
@@ -40,10 +40,10 @@ template <class Value>
 Track<Value> track_of(const std::vector<double>& times, const std::vector<double>& numbers,
                       std::size_t width, const std::string& interpolation) {
   Track<Value> track;
-  track.between = interpolation == "STEP"          ? Between::step
-                  : interpolation == "CUBICSPLINE" ? Between::cubic
-                                                   : Between::line;
-  const bool cubic = track.between == Between::cubic;
+  track.interpolation = interpolation == "STEP"          ? Interpolation::step
+                        : interpolation == "CUBICSPLINE" ? Interpolation::cubic
+                                                         : Interpolation::linear;
+  const bool cubic = track.interpolation == Interpolation::cubic;
   const std::size_t each = (cubic ? 3 : 1) * width;
   if (numbers.size() != times.size() * each)
     refuse(
@@ -62,8 +62,8 @@ Track<Value> track_of(const std::vector<double>& times, const std::vector<double
       p = Value::Identity();
     track.keys.push_back({times[k], p});
     if (!cubic) continue;
-    track.slopes.push_back({value<Value>(n), value<Value>(n + 2 * width)});
-    scale(track.slopes.back().in, unit), scale(track.slopes.back().out, unit);
+    track.tangents.push_back({value<Value>(n), value<Value>(n + 2 * width)});
+    scale(track.tangents.back().in, unit), scale(track.tangents.back().out, unit);
   }
   if constexpr (!std::is_same_v<Value, Vector3d>) make_continuous(track);
   return track;

@@ -25,7 +25,7 @@ using gltf::refuse;
 using gltf::text;
 using gltf::whole;
 
-constexpr std::size_t most_zeros = 10000000;  // elements of an accessor without a view
+constexpr std::size_t max_zeros = 10000000;  // elements of an accessor without a view
 
 std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
   std::uint32_t number = 0;
@@ -100,7 +100,7 @@ std::string bytes_beside(const std::filesystem::path& file, const std::string& u
                 fmt::format("A part of the file is elsewhere: \"{}\".", uri),
                 "Export the scene as one .glb file.");
   for (const std::string& name : {without_escapes(uri), uri})
-    if (auto bytes = read_whole_file(file.parent_path() / name)) return std::move(*bytes);
+    if (auto bytes = read_file(file.parent_path() / name)) return std::move(*bytes);
   throw Error(
       Fault::scene, file.string(),
       fmt::format("A part of the file, \"{}\" beside it, cannot be opened.", without_escapes(uri)),
@@ -165,9 +165,9 @@ const Json& list(const Json& object, const char* key) {
   return *found;
 }
 
-std::size_t whole(const Json& object, const char* key, std::optional<std::size_t> otherwise) {
+std::size_t whole(const Json& object, const char* key, std::optional<std::size_t> fallback) {
   const auto found = object.is_object() ? object.find(key) : object.end();
-  if (found == object.end() && otherwise) return *otherwise;
+  if (found == object.end() && fallback) return *fallback;
   if (found == object.end() || !found->is_number_integer() || *found < 0)
     refuse(fmt::format("\"{}\" is no whole number from 0 on", key));
   return found->get<std::size_t>();
@@ -179,9 +179,9 @@ std::size_t index(const Json& object, const char* key, std::size_t count) {
   return i;
 }
 
-std::string text(const Json& object, const char* key, const std::string& otherwise) {
+std::string text(const Json& object, const char* key, const std::string& fallback) {
   const auto found = object.is_object() ? object.find(key) : object.end();
-  return found != object.end() && found->is_string() ? found->get<std::string>() : otherwise;
+  return found != object.end() && found->is_string() ? found->get<std::string>() : fallback;
 }
 
 std::string name(const Json& list, std::size_t i, const char* key) {
@@ -199,7 +199,7 @@ std::vector<double> numbers(const Json& object, const char* key, std::size_t cou
 }  // namespace gltf
 
 GltfFile::GltfFile(const std::filesystem::path& path) : path_(path) {
-  auto bytes = read_whole_file(path);
+  auto bytes = read_file(path);
   if (!bytes) refuse("it cannot be opened");
   Chunks chunks = chunks_of(std::move(*bytes));
   try {
@@ -230,14 +230,15 @@ const std::string& GltfFile::buffer(std::size_t i) {
 }
 
 /// Where the elements of an accessor lie.
-struct GltfFile::Span {
+struct GltfFile::ElementView {
   const char* first;
   std::size_t stride;  // [bytes]
 };
 
 /// throws std::runtime_error: they are not all in the view
-GltfFile::Span GltfFile::span(const Json& view_of, std::size_t view_index, std::size_t count,
-                              std::size_t element, std::size_t offset) {
+GltfFile::ElementView GltfFile::elements(const Json& view_of, std::size_t view_index,
+                                         std::size_t count, std::size_t element,
+                                         std::size_t offset) {
   const Json& view = view_of[view_index];
   const std::string& bytes = buffer(index(view, "buffer", list(json_, "buffers").size()));
   const std::size_t start = whole(view, "byteOffset", 0), length = whole(view, "byteLength"),
@@ -257,14 +258,14 @@ std::vector<Value> GltfFile::values(const Json& accessor, std::size_t width, std
   const std::size_t count = whole(accessor, "count"), element = width * size;
   std::vector<Value> all;
   if (accessor.contains("bufferView")) {
-    const Span from = span(views, index(accessor, "bufferView", views.size()), count, element,
-                           whole(accessor, "byteOffset", 0));
+    const ElementView from = elements(views, index(accessor, "bufferView", views.size()), count,
+                                      element, whole(accessor, "byteOffset", 0));
     all.reserve(count * width);
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < width; ++k)
         all.push_back(read(from.first + i * from.stride + k * size));
   } else {
-    if (count > most_zeros) refuse("an accessor has more elements than can be");
+    if (count > max_zeros) refuse("an accessor has more elements than can be");
     all.resize(count * width);
   }
   const auto sparse = accessor.find("sparse");
@@ -272,10 +273,10 @@ std::vector<Value> GltfFile::values(const Json& accessor, std::size_t width, std
   const std::size_t changed = whole(*sparse, "count");
   const Json where = sparse->value("indices", Json()), what = sparse->value("values", Json());
   const std::size_t type = whole(where, "componentType"), width_of_index = size_of_type(type);
-  const Span at = span(views, index(where, "bufferView", views.size()), changed, width_of_index,
-                       whole(where, "byteOffset", 0));
-  const Span by = span(views, index(what, "bufferView", views.size()), changed, element,
-                       whole(what, "byteOffset", 0));
+  const ElementView at = elements(views, index(where, "bufferView", views.size()), changed,
+                                  width_of_index, whole(where, "byteOffset", 0));
+  const ElementView by = elements(views, index(what, "bufferView", views.size()), changed, element,
+                                  whole(what, "byteOffset", 0));
   for (std::size_t i = 0; i < changed; ++i) {
     const auto row =
         static_cast<std::size_t>(std::max(0.0, number(at.first + i * width_of_index, type, false)));

@@ -37,10 +37,10 @@ class GltfFile {
   std::vector<std::size_t> indices(std::size_t accessor);
 
  private:
-  struct Span;
+  struct ElementView;
   const std::string& buffer(std::size_t i);
-  Span span(const Json& view_of, std::size_t view, std::size_t count, std::size_t element,
-            std::size_t offset);
+  ElementView elements(const Json& view_of, std::size_t view, std::size_t count,
+                       std::size_t element, std::size_t offset);
   template <class Value, class Read>
   std::vector<Value> values(const Json& accessor, std::size_t width, std::size_t size,
                             const Read& read);
@@ -59,15 +59,15 @@ namespace gltf {
 /// A member that is a list; empty when there is none.
 const nlohmann::json& list(const nlohmann::json& object, const char* key);
 
-/// A member that is a whole number from 0 on; `otherwise` when there is none.
+/// A member that is a whole number from 0 on; `fallback` when there is none.
 std::size_t whole(const nlohmann::json& object, const char* key,
-                  std::optional<std::size_t> otherwise = {});
+                  std::optional<std::size_t> fallback = {});
 
 /// The same, below `count`.
 std::size_t index(const nlohmann::json& object, const char* key, std::size_t count);
 
-/// A member that is text, else `otherwise`.
-std::string text(const nlohmann::json& object, const char* key, const std::string& otherwise);
+/// A member that is text, else `fallback`.
+std::string text(const nlohmann::json& object, const char* key, const std::string& fallback);
 
 /// The name of a node or mesh; without one "nodes[3]".
 std::string name(const nlohmann::json& list, std::size_t i, const char* key);

@@ -46,11 +46,11 @@ bool is_collider(const ImportedNode& node) {
 
 std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
                                          std::vector<std::string>& warnings) {
-  constexpr double still = 1e-9;      // [m], and of a turn
+  constexpr double unmoved = 1e-9;    // [m], and of a turn
   constexpr double same_size = 1e-3;  // [1]
   const auto& nodes = scene.file.nodes;
   std::vector<int> found;
-  std::vector<Eigen::Affine3d> at_home;
+  std::vector<Eigen::Affine3d> from_first_frame;
   std::vector<ColliderMesh> colliders;
   const auto first = world_at(scene, scene.first_frame);
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
@@ -72,14 +72,14 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
         break;
       }
     found.push_back(i);
-    at_home.push_back(first[i].inverse());
+    from_first_frame.push_back(first[i].inverse());
     colliders.push_back(std::move(collider));
   }
   std::vector<double> stretched(found.size(), 0);
   for (int frame = scene.first_frame; frame <= scene.last_frame && !found.empty(); ++frame) {
     const auto world = world_at(scene, frame);
     for (std::size_t c = 0; c < found.size(); ++c)
-      colliders[c].motion.push_back(rigid(world[found[c]] * at_home[c], stretched[c]));
+      colliders[c].motion.push_back(rigid(world[found[c]] * from_first_frame[c], stretched[c]));
   }
   for (std::size_t c = 0; c < found.size(); ++c) {
     auto& motion = colliders[c].motion;
@@ -88,7 +88,7 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
           fmt::format("The size of the collider \"{}\" is keyed: it keeps that of the first frame.",
                       colliders[c].name));
     if (std::all_of(motion.begin(), motion.end(), [&](const Eigen::Isometry3d& m) {
-          return (m.matrix() - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff() < still;
+          return (m.matrix() - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff() < unmoved;
         }))
       motion.clear();
   }

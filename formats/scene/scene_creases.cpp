@@ -15,20 +15,20 @@
 namespace paperbake {
 namespace {
 
-constexpr double farthest = 1e-3;  // [m] from the sheet
-constexpr double widest = 170;     // [degrees]
-constexpr double same = 1e-4;      // of the longer side: one place, or on a line
-constexpr double shortest = 2e-3;  // of the longer side: of a part of a crease
-constexpr std::size_t most_edges = 1000;
+constexpr double max_distance = 1e-3;  // [m] from the sheet
+constexpr double max_angle = 170;      // [degrees]
+constexpr double same_place = 1e-4;    // of the longer side: one place, or on a line
+constexpr double min_length = 2e-3;    // of the longer side: of a part of a crease
+constexpr std::size_t max_edges = 1000;
 
 /// Edges of a mesh, each place once.
-struct Net {
+struct EdgeGraph {
   std::vector<Vector3d> x;  // [m] world
   std::set<std::pair<int, int>> edges;
 };
 
-Net net_of(const ImportedFile& file, const ImportedNode& node, const Eigen::Affine3d& world,
-           const std::string& place) {
+EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
+                     const Eigen::Affine3d& world, const std::string& place) {
   std::size_t count = 0;
   Eigen::AlignedBox3d box;
   for (const int m : node.meshes) {
@@ -37,27 +37,27 @@ Net net_of(const ImportedFile& file, const ImportedNode& node, const Eigen::Affi
     for (int i = 0; i < mesh.creases.size(); ++i)
       box.extend(world * Vector3d(mesh.x.row(mesh.creases.data()[i])));
   }
-  if (count > most_edges)
+  if (count > max_edges)
     throw Error(Fault::scene, place,
-                fmt::format("{} edges are marked as creases: more than {}.", count, most_edges),
+                fmt::format("{} edges are marked as creases: more than {}.", count, max_edges),
                 "Mark those alone that are folded.");
-  Net net;
+  EdgeGraph graph;
   const double near = count > 0 ? 1e-6 * box.diagonal().norm() : 0;
   const auto vertex_at = [&](const Vector3d& p) {
-    for (std::size_t i = 0; i < net.x.size(); ++i)
-      if ((net.x[i] - p).norm() <= near) return static_cast<int>(i);
-    net.x.push_back(p);
-    return static_cast<int>(net.x.size()) - 1;
+    for (std::size_t i = 0; i < graph.x.size(); ++i)
+      if ((graph.x[i] - p).norm() <= near) return static_cast<int>(i);
+    graph.x.push_back(p);
+    return static_cast<int>(graph.x.size()) - 1;
   };
   for (const int m : node.meshes) {
     const ImportedMesh& mesh = file.meshes[m];
     for (int e = 0; e < mesh.creases.rows(); ++e) {
       const int a = vertex_at(world * Vector3d(mesh.x.row(mesh.creases(e, 0)))),
                 b = vertex_at(world * Vector3d(mesh.x.row(mesh.creases(e, 1))));
-      if (a != b) net.edges.insert(std::minmax(a, b));
+      if (a != b) graph.edges.insert(std::minmax(a, b));
     }
   }
-  return net;
+  return graph;
 }
 
 /// Chains of vertices over all edges, each edge once: from ends and branchings, then round what is
@@ -95,9 +95,9 @@ std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double sid
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     bool straight = true;
     for (std::size_t k = kept + 1; k <= i; ++k)
-      straight = straight && off_line(points[k], points[kept], points[i + 1]) <= same * side;
-    if (straight || (points[i] - line.back()).norm() < shortest * side ||
-        (points[i] - points.back()).norm() < shortest * side)
+      straight = straight && off_line(points[k], points[kept], points[i + 1]) <= same_place * side;
+    if (straight || (points[i] - line.back()).norm() < min_length * side ||
+        (points[i] - points.back()).norm() < min_length * side)
       continue;
     line.push_back(points[i]), kept = i;
   }
@@ -105,12 +105,12 @@ std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double sid
   return line;
 }
 
-std::vector<Vector2d> on_pattern(const Net& net, const SceneSheet& sheet,
+std::vector<Vector2d> on_pattern(const EdgeGraph& graph, const SceneSheet& sheet,
                                  const std::string& place) {
   std::vector<Vector2d> points;
-  for (const Vector3d& p : net.x) {
+  for (const Vector3d& p : graph.x) {
     const SheetPoint point = nearest_point(sheet.start, p);
-    if (point.distance > farthest)
+    if (point.distance > max_distance)
       throw Error(
           Fault::scene, place,
           fmt::format(
@@ -119,7 +119,7 @@ std::vector<Vector2d> on_pattern(const Net& net, const SceneSheet& sheet,
           "Lay its edges on the sheet as that is at the first frame, within 1 mm, or name the "
           "sheet in paper_target.");
     const Vector2d border = nearest_border_point(sheet.pattern, point.pattern);
-    points.push_back((border - point.pattern).norm() <= same * longer_side(sheet.pattern)
+    points.push_back((border - point.pattern).norm() <= same_place * longer_side(sheet.pattern)
                          ? border
                          : point.pattern);
   }
@@ -127,7 +127,7 @@ std::vector<Vector2d> on_pattern(const Net& net, const SceneSheet& sheet,
 }
 
 bool along_border(const Pattern& pattern, const Vector2d& a, const Vector2d& b) {
-  const double near = same * longer_side(pattern);
+  const double near = same_place * longer_side(pattern);
   const auto on_it = [&](const Vector2d& p) {
     return (nearest_border_point(pattern, p) - p).norm() <= near;
   };
@@ -140,7 +140,7 @@ void check_inside(const FoldLine& crease, const SceneSheet& sheet, const std::st
     for (int i = 0; i <= samples; ++i)
       if (const Vector2d p =
               crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]);
-          !contains(sheet.pattern, p, same * longer_side(sheet.pattern)))
+          !contains(sheet.pattern, p, same_place * longer_side(sheet.pattern)))
         throw Error(
             Fault::scene, place,
             fmt::format("The crease leaves the sheet \"{}\" at ({:.4g}, {:.4g}) m of its pattern.",
@@ -149,27 +149,27 @@ void check_inside(const FoldLine& crease, const SceneSheet& sheet, const std::st
 }
 
 /// How many were added.
-std::size_t add(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
-                const std::string& kind, const std::string& origin, SceneSheet& sheet) {
+std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
+                           const std::string& kind, const std::string& origin, SceneSheet& sheet) {
   const ImportedNode& n = scene.file.nodes[node];
   const std::string place = place_of(scene.source, kind, n.name);
-  Net net = net_of(scene.file, n, world, place);
+  EdgeGraph graph = edge_graph(scene.file, n, world, place);
   const double angle = number_property(scene.source, n, "paper_crease").value_or(0);
-  if (std::abs(angle) > widest)
+  if (std::abs(angle) > max_angle)
     throw Error(Fault::scene, place, fmt::format("paper_crease is {:g}.", angle),
                 "It is the angle that the crease springs back to: from -170 to 170 degrees.");
-  const std::vector<Vector2d> points = on_pattern(net, sheet, place);
-  for (auto edge = net.edges.begin(); edge != net.edges.end();)
+  const std::vector<Vector2d> points = on_pattern(graph, sheet, place);
+  for (auto edge = graph.edges.begin(); edge != graph.edges.end();)
     edge = along_border(sheet.pattern, points[edge->first], points[edge->second])
-               ? net.edges.erase(edge)
+               ? graph.edges.erase(edge)
                : std::next(edge);
   const double side = longer_side(sheet.pattern);
   std::size_t added = 0;
-  for (const std::vector<int>& chain : chains_of(net.edges, points.size())) {
+  for (const std::vector<int>& chain : chains_of(graph.edges, points.size())) {
     std::vector<Vector2d> line;
     for (const int v : chain) line.push_back(points[v]);
     FoldLine crease{simplified(line, side), angle * M_PI / 180};
-    if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < shortest * side)
+    if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < min_length * side)
       continue;
     check_inside(crease, sheet, place);
     sheet.pattern.folds.push_back(std::move(crease));
@@ -190,7 +190,7 @@ std::size_t sheet_under(const SceneNodes& scene, int node, const Eigen::Affine3d
   const std::string place = place_of(scene.source, "crease", n.name);
   if (const auto target = target_sheet(scene, sheets, node, place)) return *target;
   std::vector<double> off(sheets.size(), 0);
-  for (const Vector3d& p : net_of(scene.file, n, world, place).x)
+  for (const Vector3d& p : edge_graph(scene.file, n, world, place).x)
     for (std::size_t s = 0; s < sheets.size(); ++s)
       off[s] = std::max(off[s], nearest_point(sheets[s].start, p).distance);
   return std::min_element(off.begin(), off.end()) - off.begin();
@@ -205,21 +205,21 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     const ImportedNode& node = nodes[i];
     if (node.pivot || node.meshes.empty()) continue;
-    const bool says = node.properties.count("paper_crease") > 0;
+    const bool has_angle = node.properties.count("paper_crease") > 0;
     const auto sheet = std::find_if(sheets.begin(), sheets.end(),
                                     [&](const SceneSheet& s) { return s.name == node.name; });
     if (sheet != sheets.end()) {
       const std::size_t added =
           has_edges(scene.file, node)
-              ? add(scene, i, world[i], "sheet", "edges marked in the mesh", *sheet)
+              ? add_creases_of(scene, i, world[i], "sheet", "edges marked in the mesh", *sheet)
               : 0;
-      if (says && added == 0)
+      if (has_angle && added == 0)
         warnings.push_back(fmt::format(
             "The sheet \"{}\" has paper_crease, but no edge within it is marked as a crease.",
             node.name));
-    } else if (!is_collider(node) && (says || name_begins_with(node.name, "crease"))) {
+    } else if (!is_collider(node) && (has_angle || name_begins_with(node.name, "crease"))) {
       if (!has_edges(scene.file, node)) {
-        if (says)
+        if (has_angle)
           throw Error(Fault::scene, place_of(scene.source, "crease", node.name),
                       "It has no edges without faces, which would be the crease.",
                       "Draw it as edges alone, and export with Loose Edges (Blender) on.");
@@ -230,7 +230,8 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
         continue;
       }
       SceneSheet& under = sheets[sheet_under(scene, i, world[i], sheets)];
-      if (add(scene, i, world[i], "crease", fmt::format("\"{}\"", node.name), under) == 0)
+      if (add_creases_of(scene, i, world[i], "crease", fmt::format("\"{}\"", node.name), under) ==
+          0)
         warnings.push_back(fmt::format(
             "The crease \"{}\" lies along the border of the sheet \"{}\": it folds nothing.",
             node.name, under.name));

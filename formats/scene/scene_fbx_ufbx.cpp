@@ -23,11 +23,11 @@ namespace {
 
 // [frames] a key this near is meant to be on the frame
 constexpr double on_key = 0.01;
-constexpr double longest_clip = 100001;  // [frames] one more than what is refused later
-constexpr double most_samples = 2e7;     // nodes x frames of all takes: gigabytes
-constexpr std::uint32_t deepest_node = 10000;
+constexpr double max_clip_frames = 100001;  // [frames] one more than what is refused later
+constexpr double max_samples = 2e7;         // nodes x frames of all takes: gigabytes
+constexpr std::uint32_t max_node_depth = 10000;
 // [bytes] twice: while it is read, and of what was read
-constexpr std::size_t least_memory = std::size_t(1) << 29, memory_of_byte = 50;
+constexpr std::size_t min_memory = std::size_t(1) << 29, memory_per_byte = 50;
 
 std::string text_of(const ufbx_string& s) { return {s.data, s.length}; }
 Vector3d vector(const ufbx_vec3& v) { return {v.x, v.y, v.z}; }
@@ -140,12 +140,12 @@ ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   return copy;
 }
 
-/// The file as it becomes ours; `copies` tells where a node went.
-struct Copy {
+/// The file as it becomes ours; `node_index` tells where a node went.
+struct FbxConverter {
   const ufbx_scene& scene;
   double fps;
   ImportedFile file;
-  std::unordered_map<const ufbx_element*, int> copies;
+  std::unordered_map<const ufbx_element*, int> node_index;
   double samples = 0;
   std::set<std::string> thinned;
 
@@ -156,7 +156,7 @@ struct Copy {
 };
 
 /// In order of the file, parents first.
-void Copy::copy_nodes() {
+void FbxConverter::copy_nodes() {
   std::vector<const ufbx_node*> waiting{scene.root_node};
   while (!waiting.empty()) {
     const ufbx_node& node = *waiting.back();
@@ -166,10 +166,10 @@ void Copy::copy_nodes() {
   }
 }
 
-void Copy::copy_node(const ufbx_node& node) {
+void FbxConverter::copy_node(const ufbx_node& node) {
   const auto index_of = [&](const ufbx_node* other) {
-    const auto found = other ? copies.find(&other->element) : copies.end();
-    return found == copies.end() ? -1 : found->second;
+    const auto found = other ? node_index.find(&other->element) : node_index.end();
+    return found == node_index.end() ? -1 : found->second;
   };
   ImportedNode copy;
   copy.name = text_of(node.name);
@@ -189,7 +189,7 @@ void Copy::copy_node(const ufbx_node& node) {
     copy.meshes.push_back(static_cast<int>(file.meshes.size()));
     file.meshes.push_back(copy_mesh(*mesh, node));
   }
-  copies.emplace(&node.element, static_cast<int>(file.nodes.size()));
+  node_index.emplace(&node.element, static_cast<int>(file.nodes.size()));
   file.nodes.push_back(std::move(copy));
 }
 
@@ -241,16 +241,16 @@ void add_sample(Track<Value>& track, double time, const Value& value, std::size_
     track.keys.push_back({time, value});
 }
 
-Motion Copy::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
-                    std::vector<double> key_times) {
+Motion FbxConverter::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
+                            std::vector<double> key_times) {
   Motion motion;
   sort_and_merge(key_times);
   const double first = std::floor(std::min(stack.time_begin, key_times.front()) * fps + on_key);
   const double last = std::min(std::ceil(std::max(stack.time_end, key_times.back()) * fps - on_key),
-                               first + longest_clip);
+                               first + max_clip_frames);
   if (!std::isfinite(first) || !std::isfinite(last)) reject_number(node.name, "A key");
   samples += last - first + 1;
-  if (samples > most_samples)
+  if (samples > max_samples)
     throw Error(Fault::scene, fmt::format("take \"{}\"", text_of(stack.name)),
                 "Its frames and nodes are too many to follow.",
                 "Export the sheets and handles alone, or a shorter range.");
@@ -276,7 +276,7 @@ Motion Copy::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
   return motion;
 }
 
-void Copy::copy_take(const ufbx_anim_stack& stack) {
+void FbxConverter::copy_take(const ufbx_anim_stack& stack) {
   Take take;
   take.name = text_of(stack.name);
   take.begin = std::isfinite(stack.time_begin) ? stack.time_begin : 0;
@@ -302,7 +302,7 @@ void Copy::copy_take(const ufbx_anim_stack& stack) {
     }
   }
   for (const ufbx_node* node : order)
-    if (const auto copy = copies.find(&node->element); copy != copies.end())
+    if (const auto copy = node_index.find(&node->element); copy != node_index.end())
       take.motions.emplace(copy->second, sample(*node, stack, std::move(keys[node])));
   file.takes.push_back(std::move(take));
 }
@@ -335,7 +335,7 @@ void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
 
 /// Blender's "All Actions" writes a stack "object|action" for every action and object, and all of
 /// them from time 0.
-bool lost_start(const ufbx_scene& scene) {
+bool has_lost_start(const ufbx_scene& scene) {
   const bool blender = scene.metadata.exporter == UFBX_EXPORTER_BLENDER_BINARY ||
                        scene.metadata.exporter == UFBX_EXPORTER_BLENDER_ASCII;
   const std::size_t stacks = scene.anim_stacks.count;
@@ -358,18 +358,18 @@ double sampling_rate(const ImportedFile& file, std::optional<double> asked) {
   return 24;
 }
 
-void add_warnings(const Copy& copy, ImportedFile& file) {
-  if (!copy.thinned.empty())
+void add_warnings(const FbxConverter& converter, ImportedFile& file) {
+  if (!converter.thinned.empty())
     file.warnings.push_back(
         fmt::format("Keys of {} node(s), first \"{}\", look thinned out (Simplify of Blender's "
                     "exporter, 1.0 unless set): they may be off by about 1 % of their motion; "
                     "export with Simplify 0.",
-                    copy.thinned.size(), *copy.thinned.begin()));
-  if (copy.scene.constraints.count > 0)
-    file.warnings.push_back(
-        fmt::format("{} constraint(s), first \"{}\", are not followed: bake what they move into "
-                    "keys before the export.",
-                    copy.scene.constraints.count, text_of(copy.scene.constraints[0]->name)));
+                    converter.thinned.size(), *converter.thinned.begin()));
+  if (converter.scene.constraints.count > 0)
+    file.warnings.push_back(fmt::format(
+        "{} constraint(s), first \"{}\", are not followed: bake what they move into "
+        "keys before the export.",
+        converter.scene.constraints.count, text_of(converter.scene.constraints[0]->name)));
 }
 
 }  // namespace
@@ -378,11 +378,11 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
   ufbx_load_opts options{};
   options.file_format = UFBX_FILE_FORMAT_FBX;
   options.ignore_embedded = true;
-  options.node_depth_limit = deepest_node;
+  options.node_depth_limit = max_node_depth;
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   options.temp_allocator.memory_limit = options.result_allocator.memory_limit =
-      least_memory + (unknown ? 0 : memory_of_byte * size);
+      min_memory + (unknown ? 0 : memory_per_byte * size);
   ufbx_error error{};
   const std::unique_ptr<ufbx_scene, void (*)(ufbx_scene*)> scene(
       ufbx_load_file(path.c_str(), &options, &error), ufbx_free_scene);
@@ -392,18 +392,18 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
                 fmt::format("The file cannot be read: {}.", text_of(error.description)),
                 export_again);
   }
-  Copy copy{*scene, 24, {}, {}, 0, {}};
-  copy.file.fbx = true;
-  copy.file.reader = fmt::format("ufbx {}.{}.{}, which evaluates the file's own curves",
-                                 ufbx_source_version / 1000000, ufbx_source_version / 1000 % 1000,
-                                 ufbx_source_version % 1000);
-  copy_settings(scene->settings, copy.file);
-  copy.copy_nodes();
-  copy.fps = sampling_rate(copy.file, fps);
-  for (const ufbx_anim_stack* stack : scene->anim_stacks) copy.copy_take(*stack);
-  copy.file.start_lost = lost_start(*scene);
-  add_warnings(copy, copy.file);
-  return std::move(copy.file);
+  FbxConverter converter{*scene, 24, {}, {}, 0, {}};
+  converter.file.fbx = true;
+  converter.file.reader = fmt::format(
+      "ufbx {}.{}.{}, which evaluates the file's own curves", ufbx_source_version / 1000000,
+      ufbx_source_version / 1000 % 1000, ufbx_source_version % 1000);
+  copy_settings(scene->settings, converter.file);
+  converter.copy_nodes();
+  converter.fps = sampling_rate(converter.file, fps);
+  for (const ufbx_anim_stack* stack : scene->anim_stacks) converter.copy_take(*stack);
+  converter.file.start_lost = has_lost_start(*scene);
+  add_warnings(converter, converter.file);
+  return std::move(converter.file);
 }
 
 }  // namespace paperbake

@@ -20,7 +20,7 @@ namespace paperbake {
 namespace {
 
 // [m] beyond them the unit of the file is wrong
-constexpr double longest_sheet = 5, shortest_sheet = 0.005;
+constexpr double max_sheet_side = 5, min_sheet_side = 0.005;
 constexpr double size_agreement = 0.01;  // of paper_size
 
 std::string metres(const Vector2d& size) {
@@ -65,7 +65,7 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
   const std::string place = place_of(scene.source, "sheet", node.name);
   const double longer = size.maxCoeff();
   const auto stated = stated_size(node, size);
-  if (!options.unit_scale && (longer > longest_sheet || longer < shortest_sheet))
+  if (!options.unit_scale && (longer > max_sheet_side || longer < min_sheet_side))
     throw Error(Fault::scene, place,
                 fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
                             metres(size)),
@@ -83,7 +83,7 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
 
 /// Creases as a job file has them, their ends on the border where they are meant to be: a sheet is
 /// 0.1000001 m wide, and the job says 0.1.
-std::vector<FoldLine> ended_on_border(std::vector<FoldLine> creases, const Pattern& pattern) {
+std::vector<FoldLine> with_ends_on_border(std::vector<FoldLine> creases, const Pattern& pattern) {
   constexpr double near = 1e-4;  // [1] of the longer side
   for (FoldLine& crease : creases)
     for (Vector2d& p : crease.line)
@@ -93,37 +93,38 @@ std::vector<FoldLine> ended_on_border(std::vector<FoldLine> creases, const Patte
   return creases;
 }
 
-/// A crease that passes a handle or a pinned point by less than a hair goes through it: a mesh that
+/// A crease that passes a handle or a pinned point by less than a tolerance goes through it: a mesh that
 /// had both would have slivers between them.
-FoldLine led_through(const FoldLine& crease, const std::vector<Vector2d>& points, double hair) {
-  FoldLine led{{}, crease.angle};
+FoldLine snapped_to_points(const FoldLine& crease, const std::vector<Vector2d>& points,
+                           double tolerance) {
+  FoldLine snapped{{}, crease.angle};
   for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
     const Vector2d from = crease.line[k], way = crease.line[k + 1] - from;
     std::vector<std::pair<double, Vector2d>> passed{{0, from}};
     for (const Vector2d& p : points) {
       const double t = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
-      if ((from + t * way - p).norm() < hair) passed.emplace_back(t, p);
+      if ((from + t * way - p).norm() < tolerance) passed.emplace_back(t, p);
     }
     std::stable_sort(passed.begin(), passed.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [t, p] : passed) {
       // it stands for the end that it lies at
-      if (!led.line.empty() && (p - led.line.back()).norm() < hair)
-        led.line.back() = p;
+      if (!snapped.line.empty() && (p - snapped.line.back()).norm() < tolerance)
+        snapped.line.back() = p;
       else
-        led.line.push_back(p);
+        snapped.line.push_back(p);
     }
   }
-  if (const Vector2d end = crease.line.back(); (end - led.line.back()).norm() >= hair)
-    led.line.push_back(end);
-  return led;
+  if (const Vector2d end = crease.line.back(); (end - snapped.line.back()).norm() >= tolerance)
+    snapped.line.push_back(end);
+  return snapped;
 }
 
-void lead_creases_through_points(SceneSheet& sheet) {
+void snap_creases_to_points(SceneSheet& sheet) {
   std::vector<Vector2d> points = sheet.pins.keep;
   for (const Handle& handle : sheet.handles) points.push_back(handle.pattern);
   for (FoldLine& crease : sheet.pattern.folds)
-    crease = led_through(crease, points, 2e-3 * longer_side(sheet.pattern));
+    crease = snapped_to_points(crease, points, 2e-3 * longer_side(sheet.pattern));
 }
 
 /// throws Error(Fault::command) where a pin is not on the sheet
@@ -154,7 +155,7 @@ void check_pins(const Pins& pins, const Pattern& pattern, const std::string& pla
 }
 
 SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world,
-                      const SceneOptions& options, const Overridden& said,
+                      const SceneOptions& options, const AppliedOverrides& overrides,
                       std::vector<std::string>& warnings) {
   const ImportedNode& node = scene.file.nodes[index];
   const std::string place = place_of(scene.source, "sheet", node.name);
@@ -179,10 +180,10 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
     sheet.seed = static_cast<unsigned>(*seed);
   }
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
-    if (said.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
-  sheet.pins = said.pins;
-  sheet.pattern.folds = ended_on_border(said.creases, sheet.pattern);
-  check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
+    if (overrides.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
+  sheet.pins = overrides.pins;
+  sheet.pattern.folds = with_ends_on_border(overrides.creases, sheet.pattern);
+  check_pins(sheet.pins, sheet.pattern, overrides.pins_place, node.name);
   sheet.crease_origin.assign(sheet.pattern.folds.size(), "job");
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {
@@ -206,7 +207,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
 }
 
 std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions& options,
-                                    const std::vector<Overridden>& said,
+                                    const std::vector<AppliedOverrides>& overrides,
                                     std::vector<std::string>& warnings) {
   const auto world = world_at(scene, scene.first_frame);
   std::vector<SceneSheet> sheets;
@@ -218,7 +219,7 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
       throw Error(Fault::scene, place_of(scene.source, "sheet", node.name),
                   "Two sheets have this name.",
                   "Give every sheet a name of its own and export again.");
-    sheets.push_back(read_sheet(scene, i, world[i], options, said[i], warnings));
+    sheets.push_back(read_sheet(scene, i, world[i], options, overrides[i], warnings));
   }
   if (sheets.empty()) reject_without_sheet(scene);
   return sheets;
@@ -257,7 +258,7 @@ std::optional<double> gravity_of(const SceneNodes& scene,
 }  // namespace
 
 Scene scene_of(ImportedFile file, std::string source, const SceneOptions& options) {
-  const std::vector<Overridden> said = apply_overrides(file, options.overrides);
+  const std::vector<AppliedOverrides> overrides = apply_overrides(file, options.overrides);
   const SceneNodes nodes = scene_nodes(std::move(file), std::move(source), options);
   Scene scene;
   scene.source = nodes.source;
@@ -268,15 +269,15 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   scene.warnings = nodes.warnings;
   for (std::string& warning : unknown_properties(nodes.file.nodes))
     scene.warnings.push_back(std::move(warning));
-  scene.sheets = read_sheets(nodes, options, said, scene.warnings);
+  scene.sheets = read_sheets(nodes, options, overrides, scene.warnings);
   warn_of_keyed_sheets(nodes, scene.warnings);
   add_creases(nodes, scene.sheets, scene.warnings);
   add_handles(nodes, scene.sheets, scene.warnings);
-  for (SceneSheet& sheet : scene.sheets) lead_creases_through_points(sheet);
+  for (SceneSheet& sheet : scene.sheets) snap_creases_to_points(sheet);
   scene.colliders = read_colliders(nodes, scene.warnings);
   scene.gravity = gravity_of(nodes, scene.origin);
-  for (std::size_t i = 0; i < said.size(); ++i)
-    for (const auto& [key, place] : said[i].places) {
+  for (std::size_t i = 0; i < overrides.size(); ++i)
+    for (const auto& [key, place] : overrides[i].places) {
       const ImportedNode& node = nodes.file.nodes[i];
       scene.origin[fmt::format("{} of \"{}\"", key, node.name)] = place;
       if (node.meshes.empty())

@@ -85,12 +85,12 @@ Edges lines_of(const std::vector<int>& corners, std::size_t mode) {
 }
 
 /// The scene as it becomes ours.
-struct Copy {
+struct GltfConverter {
   GltfFile& file;
   const Json& nodes;
-  ImportedFile to;
-  std::map<int, int> copies;                       // node of the file -> ours
-  std::map<std::size_t, std::vector<int>> meshes;  // mesh of the file -> ours
+  ImportedFile result;
+  std::map<int, int> node_index;                         // node of the file -> ours
+  std::map<std::size_t, std::vector<int>> mesh_indices;  // mesh of the file -> ours
 
   void add_nodes(const std::vector<int>& roots);
   void add_node(int i, int parent);
@@ -98,7 +98,7 @@ struct Copy {
   ImportedMesh primitive(const Json& primitive, const std::string& place);
 };
 
-ImportedMesh Copy::primitive(const Json& primitive, const std::string& place) {
+ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& place) {
   const Json& accessors = list(file.json(), "accessors");
   const Json attributes = primitive.value("attributes", Json());
   const auto numbers = [&](const char* attribute, std::size_t width) {
@@ -134,19 +134,19 @@ ImportedMesh Copy::primitive(const Json& primitive, const std::string& place) {
   return copy;
 }
 
-const std::vector<int>& Copy::mesh(std::size_t i) {
-  const auto known = meshes.find(i);
-  if (known != meshes.end()) return known->second;
+const std::vector<int>& GltfConverter::mesh(std::size_t i) {
+  const auto known = mesh_indices.find(i);
+  if (known != mesh_indices.end()) return known->second;
   const Json& all = list(file.json(), "meshes");
-  std::vector<int>& copied = meshes[i];
+  std::vector<int>& copied = mesh_indices[i];
   for (const Json& p : list(all[i], "primitives")) {
-    copied.push_back(static_cast<int>(to.meshes.size()));
-    to.meshes.push_back(primitive(p, fmt::format("mesh \"{}\"", gltf::name(all, i, "meshes"))));
+    copied.push_back(static_cast<int>(result.meshes.size()));
+    result.meshes.push_back(primitive(p, fmt::format("mesh \"{}\"", gltf::name(all, i, "meshes"))));
   }
   return copied;
 }
 
-void Copy::add_node(int i, int parent) {
+void GltfConverter::add_node(int i, int parent) {
   const Json& node = nodes[i];
   ImportedNode copy;
   copy.name = gltf::name(nodes, i, "nodes");
@@ -172,10 +172,10 @@ void Copy::add_node(int i, int parent) {
     const std::size_t m = index(node, "mesh", all.size());
     copy.meshes = mesh(m);
     add_properties(all[m], copy);
-    for (const int copied : copy.meshes) to.meshes[copied].deformed |= node.contains("skin");
+    for (const int copied : copy.meshes) result.meshes[copied].deformed |= node.contains("skin");
   }
-  copies.emplace(i, static_cast<int>(to.nodes.size()));
-  to.nodes.push_back(std::move(copy));
+  node_index.emplace(i, static_cast<int>(result.nodes.size()));
+  result.nodes.push_back(std::move(copy));
 }
 
 std::vector<int> node_list(const Json& object, const char* key, std::size_t nodes) {
@@ -189,7 +189,7 @@ std::vector<int> node_list(const Json& object, const char* key, std::size_t node
 }
 
 /// In order of the file, parents first.
-void Copy::add_nodes(const std::vector<int>& roots) {
+void GltfConverter::add_nodes(const std::vector<int>& roots) {
   struct Waiting {
     int node, parent;
   };
@@ -198,13 +198,13 @@ void Copy::add_nodes(const std::vector<int>& roots) {
   while (!waiting.empty()) {
     const auto [i, parent] = waiting.back();
     waiting.pop_back();
-    if (copies.count(i))
+    if (node_index.count(i))
       refuse(fmt::format("its hierarchy is not a tree: node \"{}\" is in it twice",
                          gltf::name(nodes, i, "nodes")));
     add_node(i, parent);
     const std::vector<int> children = node_list(nodes[i], "children", nodes.size());
     for (auto child = children.rbegin(); child != children.rend(); ++child)
-      waiting.push_back({*child, copies.at(i)});
+      waiting.push_back({*child, node_index.at(i)});
   }
 }
 
@@ -243,20 +243,20 @@ void warn_of_extensions(const Json& json, ImportedFile& file) {
 
 ImportedFile import_gltf(const std::filesystem::path& path) try {
   GltfFile file(path);
-  Copy copy{file, list(file.json(), "nodes"), {}, {}, {}};
-  copy.to.reader = "the file's samplers";
-  copy.to.to_z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  copy.to.up_axis = "y up";
-  warn_of_extensions(file.json(), copy.to);
-  copy.add_nodes(roots_of(file.json()));
+  GltfConverter converter{file, list(file.json(), "nodes"), {}, {}, {}};
+  converter.result.reader = "the file's samplers";
+  converter.result.to_z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  converter.result.up_axis = "y up";
+  warn_of_extensions(file.json(), converter.result);
+  converter.add_nodes(roots_of(file.json()));
   for (const Take& take : gltf_takes(file)) {
-    Take& moved = copy.to.takes.emplace_back();
+    Take& moved = converter.result.takes.emplace_back();
     moved.name = take.name;
     for (const auto& [index, motion] : take.motions)
-      if (const auto node = copy.copies.find(index); node != copy.copies.end())
+      if (const auto node = converter.node_index.find(index); node != converter.node_index.end())
         moved.motions.emplace(node->second, motion);
   }
-  return std::move(copy.to);
+  return std::move(converter.result);
 } catch (const Json::exception&) {
   refuse(
       "its JSON is not that of glTF 2: a text, number, list or object stands where another "

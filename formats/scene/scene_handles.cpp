@@ -18,16 +18,16 @@ namespace {
 
 constexpr double on_border = 1e-5;  // of the longer side
 // [diagonals] in one frame: no one moves paper so; a unit or a wrong key does
-constexpr double longest_jump = 4;
+constexpr double max_jump = 4;
 // keyed scale under half: the way of release both formats carry besides a property
 constexpr double released_scale = 0.5;
 
-struct Found {
-  int node;   // carries name and properties
-  int place;  // node whose origin is the handle: itself, or the child at a bone's tail
+struct HandleNode {
+  int node;    // carries name and properties
+  int origin;  // node whose origin is the handle: itself, or the child at a bone's tail
 };
 
-std::string place_of_handle(const SceneNodes& scene, const Found& handle) {
+std::string place_of_handle(const SceneNodes& scene, const HandleNode& handle) {
   return place_of(scene.source, "handle", scene.file.nodes[handle.node].name);
 }
 
@@ -54,10 +54,10 @@ int tail_of(const SceneNodes& scene, int bone, const std::vector<int>& children)
       "tail.");
 }
 
-std::vector<Found> find_handles(const SceneNodes& scene) {
+std::vector<HandleNode> find_handles(const SceneNodes& scene) {
   const auto& nodes = scene.file.nodes;
   const auto children = children_of(nodes);
-  std::vector<Found> found;
+  std::vector<HandleNode> found;
   std::set<int> leaves;  // of bones that are handles: named like handles, but not meant
   std::set<std::string> names;
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
@@ -103,37 +103,37 @@ Vector2d snapped_to_border(const Pattern& pattern, const Vector2d& p) {
   return (border - p).norm() <= near ? border : p;
 }
 
-struct Grip {
+struct HandleAttachment {
   std::size_t sheet;
   SheetPoint point;
 };
 
-Grip grip_of(const SceneNodes& scene, const std::vector<SceneSheet>& sheets, const Found& handle,
-             const Vector3d& at) {
-  Grip grip{0, {}};
+HandleAttachment attach(const SceneNodes& scene, const std::vector<SceneSheet>& sheets,
+                        const HandleNode& handle, const Vector3d& at) {
+  HandleAttachment attachment{0, {}};
   if (const auto target =
           target_sheet(scene, sheets, handle.node, place_of_handle(scene, handle))) {
-    grip.sheet = *target;
-    grip.point = nearest_point(sheets[grip.sheet].start, at);
+    attachment.sheet = *target;
+    attachment.point = nearest_point(sheets[attachment.sheet].start, at);
   } else {
     for (std::size_t i = 0; i < sheets.size(); ++i) {
       const SheetPoint point = nearest_point(sheets[i].start, at);
-      if (point.distance < grip.point.distance) grip = {i, point};
+      if (point.distance < attachment.point.distance) attachment = {i, point};
     }
   }
-  const SceneSheet& sheet = sheets[grip.sheet];
+  const SceneSheet& sheet = sheets[attachment.sheet];
   const double diagonal = extent(sheet.pattern).norm();
-  if (grip.point.distance > diagonal)
+  if (attachment.point.distance > diagonal)
     throw Error(
         Fault::scene,
         fmt::format("{}, frame {}", place_of_handle(scene, handle), scene.first_frame),
         fmt::format("The handle is {:.3g} m away from the sheet \"{}\", which is {:.3g} m across.",
-                    grip.point.distance, sheet.name, diagonal),
+                    attachment.point.distance, sheet.name, diagonal),
         "Put the handle on its sheet point at the first frame, or name its sheet in paper_target.");
-  return grip;
+  return attachment;
 }
 
-void read_properties(const SceneNodes& scene, const Found& found, Handle& handle) {
+void read_properties(const SceneNodes& scene, const HandleNode& found, Handle& handle) {
   const ImportedNode& node = scene.file.nodes[found.node];
   const std::string& source = scene.source;
   const std::string mode = matched_name(text_property(node, "paper_mode").value_or("absolute"));
@@ -150,7 +150,7 @@ void read_properties(const SceneNodes& scene, const Found& found, Handle& handle
 
 /// Positions over the frames of the scene, and where the scale falls under half of what it was at
 /// the first: which handles that releases.
-std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<Found>& found,
+std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<HandleNode>& found,
                               std::vector<Handle>& handles) {
   const auto size = [](const Eigen::Affine3d& world) {
     return std::cbrt(std::abs(world.linear().determinant()));
@@ -162,7 +162,7 @@ std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<Found>&
     const auto world = world_at(scene, scene.first_frame + f);
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (f == 0) handles[i].keyed.resize(frames, 3), first_size[i] = size(world[found[i].node]);
-      handles[i].keyed.row(f) = origin_of(scene, world, found[i].place);
+      handles[i].keyed.row(f) = origin_of(scene, world, found[i].origin);
       if (size(world[found[i].node]) < released_scale * first_size[i])
         shrunk[i] = std::min(shrunk[i], scene.first_frame + f);
     }
@@ -176,12 +176,12 @@ std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<Found>&
   return by_scale;
 }
 
-void check_jumps(const SceneNodes& scene, const Found& found, const Handle& handle,
+void check_jumps(const SceneNodes& scene, const HandleNode& found, const Handle& handle,
                  const SceneSheet& sheet) {
   const double diagonal = extent(sheet.pattern).norm();
   for (int f = 1; f < handle.keyed.rows(); ++f) {
     const double jump = (handle.keyed.row(f) - handle.keyed.row(f - 1)).norm();
-    if (!(jump > longest_jump * diagonal)) continue;
+    if (!(jump > max_jump * diagonal)) continue;
     const int frame = scene.first_frame + f;
     throw Error(
         Fault::scene,
@@ -207,16 +207,16 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
 }
 
 /// A null that groups handles and is named like one holds paper itself.
-void warn_of_groups(const SceneNodes& scene, const std::vector<Found>& found,
+void warn_of_groups(const SceneNodes& scene, const std::vector<HandleNode>& found,
                     std::vector<std::string>& warnings) {
   const auto& nodes = scene.file.nodes;
   std::map<int, int> below;
-  for (const Found& handle : found) {
+  for (const HandleNode& handle : found) {
     int parent = nodes[handle.node].parent;
     while (parent >= 0 && nodes[parent].pivot) parent = nodes[parent].parent;
     ++below[parent];
   }
-  for (const Found& handle : found)
+  for (const HandleNode& handle : found)
     if (const auto group = below.find(handle.node); group != below.end() && group->second > 1)
       warnings.push_back(
           fmt::format("The handle \"{}\" has {} handles below it and holds the sheet like them: if "
@@ -239,7 +239,7 @@ void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handl
 
 void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
                  std::vector<std::string>& warnings) {
-  const std::vector<Found> found = find_handles(scene);
+  const std::vector<HandleNode> found = find_handles(scene);
   std::vector<Handle> handles(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     handles[i].name = scene.file.nodes[found[i].node].name;
@@ -249,11 +249,11 @@ void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
   warn_of_groups(scene, found, warnings);
   warn_of_stillness(scene, handles, warnings);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const Grip grip = grip_of(scene, sheets, found[i], handles[i].keyed.row(0));
-    SceneSheet& sheet = sheets[grip.sheet];
-    handles[i].pattern = snapped_to_border(sheet.pattern, grip.point.pattern);
+    const HandleAttachment attachment = attach(scene, sheets, found[i], handles[i].keyed.row(0));
+    SceneSheet& sheet = sheets[attachment.sheet];
+    handles[i].pattern = snapped_to_border(sheet.pattern, attachment.point.pattern);
     check_jumps(scene, found[i], handles[i], sheet);
-    warn_of_odd_handle(scene, handles[i], sheet, grip.point.distance, warnings);
+    warn_of_odd_handle(scene, handles[i], sheet, attachment.point.distance, warnings);
     if (by_scale[i]) sheet.scale_releases.insert(handles[i].name);
     sheet.handles.push_back(std::move(handles[i]));
   }

@@ -17,9 +17,9 @@ namespace {
 
 // what an import may take, with much to spare: two million triangles in a GLB of 36 MB take 180 MB
 // and 0.2 s
-constexpr std::uint64_t least_memory = std::uint64_t(1) << 30, memory_of_byte = 100;  // [bytes]
+constexpr std::uint64_t min_memory = std::uint64_t(1) << 30, memory_per_byte = 100;  // [bytes]
 // of CPU time
-constexpr unsigned least_seconds = 5, bytes_a_second = 1 << 20;
+constexpr unsigned min_seconds = 5, bytes_per_second = 1 << 20;
 
 [[noreturn]] void reject(const std::filesystem::path& path, const std::string& cause,
                          const std::string& remedy = export_again) {
@@ -78,7 +78,7 @@ Error foreign_file(const std::filesystem::path& path) {
                "Export the scene from the DCC as .fbx, .gltf or .glb.");
 }
 
-ImportedFile import_here(const std::filesystem::path& path, std::optional<double> fps) try {
+ImportedFile import_in_process(const std::filesystem::path& path, std::optional<double> fps) try {
   return is_gltf(path) ? import_gltf(path) : import_fbx(path, fps);
 } catch (const Error& error) {
   if (error.place == path.string()) throw;
@@ -96,21 +96,20 @@ ImportedFile import_file(const std::filesystem::path& path, std::optional<double
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   const auto import = [&] {
     try {
-      return bytes_of({import_here(path, fps), "", "", ""});
+      return serialize({import_in_process(path, fps), "", "", ""});
     } catch (const Error& error) {
-      return bytes_of({{}, error.place, error.cause, error.remedy});
+      return serialize({{}, error.place, error.cause, error.remedy});
     }
   };
-  const Apart apart =
-      run_apart(import, {least_memory + memory_of_byte * size,
-                         least_seconds + static_cast<unsigned>(size / bytes_a_second)});
-  if (!apart.bytes)
-    reject(path, fmt::format("The file cannot be read: its import {}.", apart.ended));
+  const SandboxResult sandboxed =
+      run_sandboxed(import, {min_memory + memory_per_byte * size,
+                             min_seconds + static_cast<unsigned>(size / bytes_per_second)});
+  if (!sandboxed.bytes)
+    reject(path, fmt::format("The file cannot be read: its import {}.", sandboxed.ended));
   try {
-    SceneMessage message = message_of(*apart.bytes);
-    if (!message.cause.empty())
-      throw Error(Fault::scene, message.place, message.cause, message.remedy);
-    return std::move(message.file);
+    ImportResult result = deserialize(*sandboxed.bytes);
+    if (!result.cause.empty()) throw Error(Fault::scene, result.place, result.cause, result.remedy);
+    return std::move(result.file);
   } catch (const std::runtime_error& error) {
     if (dynamic_cast<const Error*>(&error)) throw;
     reject(path, fmt::format("The file cannot be read: {}.", error.what()));

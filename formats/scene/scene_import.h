@@ -99,6 +99,6 @@ Error foreign_file(const std::filesystem::path&);
 ImportedFile import_file(const std::filesystem::path&, std::optional<double> fps = {});
 
 /// The same in this process, which a damaged file may end.
-ImportedFile import_here(const std::filesystem::path&, std::optional<double> fps = {});
+ImportedFile import_in_process(const std::filesystem::path&, std::optional<double> fps = {});
 
 }  // namespace paperbake

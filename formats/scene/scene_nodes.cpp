@@ -16,9 +16,9 @@ namespace {
 
 constexpr double frame_rounding = 0.01;  // [frames] files come with 99.9999 for 100
 // [frames] over an hour: more is a wrong fps or a damaged file
-constexpr int longest_clip = 100000;
-constexpr double most_places = 2e7;  // nodes x frames: half a gigabyte of tracks, seconds
-constexpr double widest_turn = 60;   // [degrees] between two keys
+constexpr int max_clip_frames = 100000;
+constexpr double max_positions = 2e7;  // nodes x frames: half a gigabyte of tracks, seconds
+constexpr double max_turn = 60;        // [degrees] between two keys
 
 template <class AnyMotion, class Visit>
 void for_each_track(AnyMotion& motion, Visit visit) {
@@ -43,8 +43,8 @@ bool varies(const Motion& motion) {
   for_each_track(motion, [&](const auto& track) {
     for (const auto& key : track.keys)
       varies |= !numbers(key.value).isApprox(numbers(track.keys.front().value), 1e-6);
-    for (const auto& slopes : track.slopes)
-      varies |= numbers(slopes.in).norm() + numbers(slopes.out).norm() > 1e-6;
+    for (const auto& tangents : track.tangents)
+      varies |= numbers(tangents.in).norm() + numbers(tangents.out).norm() > 1e-6;
   });
   return varies;
 }
@@ -102,18 +102,18 @@ bool passes_rest(const Motion& motion, const ImportedNode& node) {
 
 /// Blender writes an animation per object, or per action and object: those of other objects'
 /// actions hold two equal keys, or bring the node where the other is.
-struct Choice {
+struct TakeChoice {
   const Take* take = nullptr;
   bool varies = false, from_rest = true;
   std::size_t keys = 0;
   int moving_takes = 0;
 };
 
-Choice choose_take(const SceneNodes& scene, const std::vector<const Take*>& takes,
-                   const std::vector<int>& group) {
-  Choice best;
+TakeChoice choose_take(const SceneNodes& scene, const std::vector<const Take*>& takes,
+                       const std::vector<int>& group) {
+  TakeChoice best;
   for (const Take* take : takes) {
-    Choice choice{take, false, true, 0, best.moving_takes};
+    TakeChoice choice{take, false, true, 0, best.moving_takes};
     for (int node : group) {
       const auto motion = take->motions.find(node);
       if (motion == take->motions.end()) continue;
@@ -137,7 +137,7 @@ std::vector<const Take*> merge_takes(SceneNodes& scene, const SceneOptions& opti
   std::vector<std::string> contested;
   scene.motions.resize(scene.file.nodes.size());
   for (const std::vector<int>& group : nodes_with_their_pivots(scene.file.nodes)) {
-    const Choice choice = choose_take(scene, takes, group);
+    const TakeChoice choice = choose_take(scene, takes, group);
     if (!choice.take) continue;
     if (std::find(used.begin(), used.end(), choice.take) == used.end()) used.push_back(choice.take);
     const std::string& name = scene.file.nodes[group.front()].name;
@@ -177,23 +177,23 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
       "--fps N or a property paper_fps sets it.");
 }
 
-struct Span {
+struct TimeRange {
   double first = 1e300, last = -1e300;
   void add(double t) { first = std::min(first, t), last = std::max(last, t); }
   bool empty() const { return first > last; }
 };
 
 /// A single key says where a node is, not when; importers put it at time 0.
-Span key_span(const std::vector<Motion>& motions) {
-  Span span;
+TimeRange key_range(const std::vector<Motion>& motions) {
+  TimeRange range;
   for (const Motion& motion : motions)
     if (motion.key_times.size() > 1)
-      span.add(motion.key_times.front()), span.add(motion.key_times.back());
-  return span;
+      range.add(motion.key_times.front()), range.add(motion.key_times.back());
+  return range;
 }
 
 /// Of a time in the file.
-struct Clock {
+struct FrameClock {
   double fps;
   int shift = 0;  // [frames]
   double frame(double seconds) const {
@@ -203,7 +203,7 @@ struct Clock {
 };
 
 bool all_keys_on_frames(const std::vector<Motion>& motions, double fps) {
-  const Clock clock{fps};
+  const FrameClock clock{fps};
   for (const Motion& motion : motions)
     if (motion.key_times.size() > 1)
       for (const double time : motion.key_times)
@@ -240,7 +240,7 @@ int first_frame_shift(SceneNodes& scene, const SceneOptions& options, double fir
   return 1;
 }
 
-void warn_of_keys_between_frames(SceneNodes& scene, const Clock& clock) {
+void warn_of_keys_between_frames(SceneNodes& scene, const FrameClock& clock) {
   std::size_t between = 0, all = 0;
   for (const Motion& motion : scene.motions) {
     if (motion.key_times.size() < 2) continue;
@@ -256,38 +256,38 @@ void warn_of_keys_between_frames(SceneNodes& scene, const Clock& clock) {
                     between, all, scene.fps));
 }
 
-/// Times become frames, and slopes those of frames.
+/// Times become frames, and tangents those of frames.
 template <class Value>
-void put_on_frames(Track<Value>& track, const Clock& clock) {
+void put_on_frames(Track<Value>& track, const FrameClock& clock) {
   for (Key<Value>& key : track.keys) key.time = clock.frame(key.time);
-  for (Slopes<Value>& slopes : track.slopes)
-    for (Value* slope : {&slopes.in, &slopes.out}) {
+  for (Tangents<Value>& tangents : track.tangents)
+    for (Value* tangent : {&tangents.in, &tangents.out}) {
       if constexpr (std::is_same_v<Value, Vector3d>)
-        *slope /= clock.fps;
+        *tangent /= clock.fps;
       else
-        slope->coeffs() /= clock.fps;
+        tangent->coeffs() /= clock.fps;
     }
 }
 
 /// Frames at which something moves, of tracks that are sampled on.
-Span track_span(const std::vector<Motion>& motions) {
-  Span span;
+TimeRange track_range(const std::vector<Motion>& motions) {
+  TimeRange range;
   for (const Motion& motion : motions)
     for_each_track(motion, [&](const auto& track) {
       if (track.keys.size() > 1)
-        span.add(track.keys.front().time), span.add(track.keys.back().time);
+        range.add(track.keys.front().time), range.add(track.keys.back().time);
     });
-  return span;
+  return range;
 }
 
-/// Euler angles that were not sampled are lost in such a span: the file's rotation takes another
+/// Euler angles that were not sampled are lost in such a range: the file's rotation takes another
 /// way.
 void warn_of_wide_turns(SceneNodes& scene) {
-  double widest = widest_turn;
+  double widest = max_turn;
   std::string where;
   for (std::size_t i = 0; i < scene.motions.size(); ++i) {
     const Track<Eigen::Quaterniond>& track = scene.motions[i].rotation;
-    if (track.between == Between::step) continue;
+    if (track.interpolation == Interpolation::step) continue;
     for (std::size_t k = 1; k < track.keys.size(); ++k) {
       const auto &a = track.keys[k - 1], &b = track.keys[k];
       const double turn = a.value.angularDistance(b.value) * 180 / EIGEN_PI;
@@ -306,12 +306,12 @@ void warn_of_wide_turns(SceneNodes& scene) {
 
 /// Frames of a scene that no key moves: those the file gives its first take, or one.
 void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
-  const Clock clock{scene.fps};
+  const FrameClock clock{scene.fps};
   int first = 1, last = 1;
   scene.origin["first_frame"] = options.start_frame ? "command line" : "default";
   for (const Take& take : scene.file.takes) {
     if (!(take.begin < take.end) || scene.file.start_lost ||
-        !(std::abs(take.begin) + std::abs(take.end) < longest_clip / scene.fps))
+        !(std::abs(take.begin) + std::abs(take.end) < max_clip_frames / scene.fps))
       continue;
     first = static_cast<int>(std::floor(clock.frame(take.begin))),
     last = static_cast<int>(std::ceil(clock.frame(take.end)));
@@ -325,21 +325,21 @@ void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
 
 void set_frames(SceneNodes& scene, const SceneOptions& options,
                 const std::vector<const Take*>& used) {
-  const Span keys = key_span(scene.motions);
+  const TimeRange keys = key_range(scene.motions);
   if (keys.empty()) return set_still_frames(scene, options);
-  Clock clock{clock_rate(scene)};
+  FrameClock clock{clock_rate(scene)};
   clock.shift = std::abs(keys.first) * scene.fps < 1e9
                     ? first_frame_shift(scene, options, clock.frame(keys.first))
                     : 0;
-  Span clip = keys;
+  TimeRange clip = keys;
   for (const Take* take : used)
     if (take->begin < take->end) clip.add(take->begin), clip.add(take->end);
   const double first = clock.frame(clip.first), last = clock.frame(clip.last);
-  if (!(last - first <= longest_clip) || std::abs(first) > 1e9)
+  if (!(last - first <= max_clip_frames) || std::abs(first) > 1e9)
     throw Error(Fault::scene, scene.source,
                 fmt::format("The clip runs from frame {:.6g} to {:.6g}.", first, last),
                 "Check --fps, and the range of the export.");
-  if ((last - first + 1) * scene.file.nodes.size() > most_places)
+  if ((last - first + 1) * scene.file.nodes.size() > max_positions)
     throw Error(Fault::scene, scene.source,
                 fmt::format("The clip has {:.6g} frames of {} nodes: that is too much to follow.",
                             last - first + 1, scene.file.nodes.size()),
@@ -351,7 +351,7 @@ void set_frames(SceneNodes& scene, const SceneOptions& options,
   scene.first_frame = static_cast<int>(std::floor(clock.frame(keys.first)));
   scene.last_frame = static_cast<int>(std::ceil(clock.frame(keys.last)));
   // curves may go on beyond their keys, over all of the clip
-  const Span moving = track_span(scene.motions);
+  const TimeRange moving = track_range(scene.motions);
   if (moving.first < scene.first_frame) scene.first_frame = scene.first_clip_frame;
   if (moving.last > scene.last_frame) scene.last_frame = scene.last_clip_frame;
   warn_of_keys_between_frames(scene, clock);

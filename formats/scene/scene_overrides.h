@@ -25,7 +25,7 @@ struct NodeOverride {
 bool name_is_like(const std::string& name, const std::string& pattern);
 
 /// What one node has from overrides.
-struct Overridden {
+struct AppliedOverrides {
   std::map<std::string, std::string> places;  // by property
   Pins pins;                                  // of all sections that mean it ...
   std::vector<FoldLine> creases;
@@ -37,6 +37,6 @@ struct Overridden {
 /// DCC.
 /// returns  of each node
 /// throws Error(Fault::command): nothing is named so, with what there is
-std::vector<Overridden> apply_overrides(ImportedFile&, const std::vector<NodeOverride>&);
+std::vector<AppliedOverrides> apply_overrides(ImportedFile&, const std::vector<NodeOverride>&);
 
 }  // namespace paperbake

@@ -29,7 +29,7 @@ const PropertyValue* find(const ImportedNode& node, const std::string& key) {
   return text && text->empty() ? nullptr : &found->second;
 }
 
-std::string in_words(const PropertyValue& value) {
+std::string to_text(const PropertyValue& value) {
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
   if (const auto* text = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *text);
   return fmt::format("[{}]", fmt::join(std::get<std::vector<double>>(value), ", "));
@@ -48,10 +48,9 @@ std::optional<double> as_number(const PropertyValue& value) {
 
 [[noreturn]] void reject(const std::string& source, const ImportedNode& node,
                          const std::string& key, const char* wanted) {
-  throw Error(
-      Fault::scene, place_of(source, "node", node.name),
-      fmt::format("The property {} is {}, not {}.", key, in_words(*find(node, key)), wanted),
-      "Correct it in the DCC and export again.");
+  throw Error(Fault::scene, place_of(source, "node", node.name),
+              fmt::format("The property {} is {}, not {}.", key, to_text(*find(node, key)), wanted),
+              "Correct it in the DCC and export again.");
 }
 
 }  // namespace
@@ -132,7 +131,7 @@ std::optional<std::string> text_property(const ImportedNode& node, const std::st
   const PropertyValue* value = find(node, key);
   if (!value) return std::nullopt;
   if (const auto* text = std::get_if<std::string>(value)) return *text;
-  return in_words(*value);
+  return to_text(*value);
 }
 
 std::vector<double> list_property(const ImportedNode& node, const std::string& key) {

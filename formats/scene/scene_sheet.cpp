@@ -20,10 +20,10 @@ using Loop = std::vector<int>;
 constexpr double weld_distance = 1e-6;  // of the size
 constexpr double weld_uv = 1e-4;        // uv units
 // of the size: a border vertex nearer to a straight line is no corner
-constexpr double straight = 1e-6;
+constexpr double straightness = 1e-6;
 
 /// All faces of a node in the world, in metres, vertices as the file has them.
-WeldedMesh gather(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
+WeldedMesh combined_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
   int vertices = 0, triangles = 0;
   bool has_uv = true;
   for (int m : file.nodes[node].meshes) {
@@ -100,22 +100,22 @@ int triangles_without_area(const WeldedMesh& mesh) {
   return count;
 }
 
-struct Edges {
+struct EdgeTopology {
   std::map<std::pair<int, int>, std::vector<int>> triangles;  // ends, smaller first -> triangles
-  int crowded = 0;                                            // edges of three triangles and more
+  int overfull = 0;                                           // edges of three triangles and more
   // whose two triangles disagree about the front
-  int twisted = 0;
+  int inconsistent = 0;
   int pieces = 0;
 };
 
-Edges edges_of(const Triangles& triangles) {
-  Edges edges;
+EdgeTopology edge_topology(const Triangles& triangles) {
+  EdgeTopology edges;
   std::map<std::pair<int, int>, int> directed;
   for (int t = 0; t < triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k) {
       const int a = triangles(t, k), b = triangles(t, (k + 1) % 3);
       edges.triangles[std::minmax(a, b)].push_back(t);
-      edges.twisted += ++directed[{a, b}] == 2;
+      edges.inconsistent += ++directed[{a, b}] == 2;
     }
   std::vector<int> piece(triangles.rows());
   std::iota(piece.begin(), piece.end(), 0);
@@ -125,7 +125,7 @@ Edges edges_of(const Triangles& triangles) {
   };
   edges.pieces = static_cast<int>(triangles.rows());
   for (const auto& [ends, sides] : edges.triangles) {
-    edges.crowded += sides.size() > 2;
+    edges.overfull += sides.size() > 2;
     for (int t : sides)
       if (root(t) != root(sides.front())) piece[root(t)] = root(sides.front()), --edges.pieces;
   }
@@ -141,17 +141,17 @@ void check_mesh(const WeldedMesh& mesh, const std::string& place) {
     reject(fmt::format("{} of the {} triangles of the mesh have no area.", flat,
                        mesh.triangles.rows()),
            "Merge doubled vertices and dissolve degenerate faces in the DCC.");
-  const Edges edges = edges_of(mesh.triangles);
-  if (edges.crowded > 0)
-    reject(fmt::format("Three or more faces meet at {} of the mesh's edges.", edges.crowded),
+  const EdgeTopology edges = edge_topology(mesh.triangles);
+  if (edges.overfull > 0)
+    reject(fmt::format("Three or more faces meet at {} of the mesh's edges.", edges.overfull),
            "A sheet is one layer of paper: remove the extra faces.");
   if (edges.pieces > 1)
     reject(fmt::format("The mesh is made of {} pieces.", edges.pieces),
            "Make each sheet an object of its own, or merge the vertices where the pieces meet.");
-  if (edges.twisted > 0)
-    reject(
-        fmt::format("The faces at {} of the mesh's edges disagree about the front.", edges.twisted),
-        "Recalculate the normals in the DCC; a sheet has two sides.");
+  if (edges.inconsistent > 0)
+    reject(fmt::format("The faces at {} of the mesh's edges disagree about the front.",
+                       edges.inconsistent),
+           "Recalculate the normals in the DCC; a sheet has two sides.");
   if (std::none_of(edges.triangles.begin(), edges.triangles.end(),
                    [](const auto& edge) { return edge.second.size() == 1; }))
     reject("The mesh is closed: a sheet of paper has a border.",
@@ -160,8 +160,8 @@ void check_mesh(const WeldedMesh& mesh, const std::string& place) {
 
 /// True when the mesh can be a sheet without a word to the artist.
 bool is_one_layer(const WeldedMesh& mesh) {
-  const Edges edges = edges_of(mesh.triangles);
-  return edges.crowded == 0 && edges.twisted == 0 && edges.pieces == 1;
+  const EdgeTopology edges = edge_topology(mesh.triangles);
+  return edges.overfull == 0 && edges.inconsistent == 0 && edges.pieces == 1;
 }
 
 /// The border, paper on its left: the outline comes out counter-clockwise, holes clockwise.
@@ -198,7 +198,7 @@ double distance_to_line(const Vector2d& p, const Vector2d& a, const Vector2d& b)
 std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double size) {
   std::vector<Vector2d> points;
   for (int v : loop) points.push_back(flat.row(v));
-  const auto rounded = [&](double x) { return std::round(x / (straight * size)); };
+  const auto rounded = [&](double x) { return std::round(x / (straightness * size)); };
   std::rotate(points.begin(),
               std::min_element(points.begin(), points.end(),
                                [&](const Vector2d& a, const Vector2d& b) {
@@ -212,7 +212,7 @@ std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double s
     const Vector2d& next = points[(i + 1) % points.size()];
     bool on_line = true;
     for (std::size_t k = kept + 1; k <= i; ++k)
-      on_line = on_line && distance_to_line(points[k], points[kept], next) <= straight * size;
+      on_line = on_line && distance_to_line(points[k], points[kept], next) <= straightness * size;
     if (on_line) continue;
     kept = i;
     corners.push_back(points[i]);
@@ -312,7 +312,7 @@ Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::s
 
 FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& world,
                      const std::string& place) {
-  const WeldedMesh all = gather(file, node, world);
+  const WeldedMesh all = combined_mesh(file, node, world);
   if (all.triangles.rows() == 0)
     throw Error(Fault::scene, place, "The mesh has no faces.",
                 "Export the sheet as a mesh with faces.");
@@ -340,7 +340,7 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
 }
 
 WeldedMesh welded_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
-  return weld(gather(file, node, world), false);
+  return weld(combined_mesh(file, node, world), false);
 }
 
 }  // namespace paperbake

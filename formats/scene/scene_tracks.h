@@ -17,19 +17,19 @@ struct Key {
 
 /// How a value gets from one key to the next: held; straight, rotations along the shorter arc; or
 /// Hermite's cubic.
-enum class Between : std::uint8_t { step, line, cubic };
+enum class Interpolation : std::uint8_t { step, linear, cubic };
 
 /// Rates of change at a key, on its left and on its right. [1 / unit of time]
 template <class Value>
-struct Slopes {
+struct Tangents {
   Value in, out;
 };
 
 template <class Value>
 struct Track {
-  std::vector<Key<Value>> keys;       // in order of time
-  std::vector<Slopes<Value>> slopes;  // cubic: one a key; else none
-  Between between = Between::line;
+  std::vector<Key<Value>> keys;           // in order of time
+  std::vector<Tangents<Value>> tangents;  // cubic: one a key; else none
+  Interpolation interpolation = Interpolation::linear;
 };
 
 /// Value at a time; `none` for a track without keys, the first or last key's beyond them. cubic: p
@@ -38,7 +38,7 @@ struct Track {
 Vector3d value_at(const Track<Vector3d>&, double time, const Vector3d& none);
 Eigen::Quaterniond value_at(const Track<Eigen::Quaterniond>&, double time);
 
-/// Turns keys over, with their slopes, so that neighbours lie on one side: q and -q are one
+/// Turns keys over, with their tangents, so that neighbours lie on one side: q and -q are one
 /// rotation, but the cubic between them is none.
 void make_continuous(Track<Eigen::Quaterniond>&);
 

@@ -14,10 +14,10 @@ namespace paperbake {
 namespace {
 
 // of an edge's length; more would be a stretch of the paper before it moves [design.md]
-constexpr double agreement = 0.01;
+constexpr double max_edge_change = 0.01;
 constexpr double pi = 3.14159265358979323846;
 
-double turn(const Points2& p, int a, int b, int c) {
+double twice_area(const Points2& p, int a, int b, int c) {
   const Vector2d ab = (p.row(b) - p.row(a)).transpose(), ac = (p.row(c) - p.row(a)).transpose();
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
@@ -43,7 +43,7 @@ double worst_stretch(const WeldedMesh& mesh, const Points2& flat) {
 int clockwise_triangles(const Triangles& triangles, const Points2& flat) {
   int count = 0;
   for (int t = 0; t < triangles.rows(); ++t)
-    count += turn(flat, triangles(t, 0), triangles(t, 1), triangles(t, 2)) <= 0;
+    count += twice_area(flat, triangles(t, 0), triangles(t, 1), triangles(t, 2)) <= 0;
   return count;
 }
 
@@ -141,14 +141,14 @@ std::optional<Points2> pattern_from_uv(const WeldedMesh& mesh) {
     flat.col(0) *= -1;
   else if (clockwise > 0)
     return std::nullopt;
-  if (worst_stretch(mesh, flat) > agreement) return std::nullopt;
+  if (worst_stretch(mesh, flat) > max_edge_change) return std::nullopt;
   return flat;
 }
 
 Points2 unrolled(const WeldedMesh& mesh, const std::string& place) {
   const Points2 flat = unfold(mesh);
   const double stretch = worst_stretch(mesh, flat);
-  if (stretch <= agreement && clockwise_triangles(mesh.triangles, flat) == 0) return flat;
+  if (stretch <= max_edge_change && clockwise_triangles(mesh.triangles, flat) == 0) return flat;
   const AngleDefect defect = worst_angle_defect(mesh);
   // flat at every vertex, and yet not to be laid flat: it runs round
   if (std::abs(defect.degrees) < 0.5)

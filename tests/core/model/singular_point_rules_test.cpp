@@ -116,7 +116,7 @@ TEST(Pins, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
     EXPECT_GT(on, 0.25) << method.name;
     EXPECT_GT(on, 3 * off) << method.name;
 
-    const auto creases = creases_of(last, {}, shot.pattern, CreaseLaw{});
+    const auto creases = detect_creases(last, {}, shot.pattern, CreaseThresholds{});
     double drawn = 0;
     for (const Crease& crease : creases)
       if (fold_under(shot.pattern.folds, crease.from, crease.to))

@@ -93,22 +93,23 @@ std::vector<CacheFrame> rising(int frames, int cells) {
 // [bytes] of a frame to P (data and dimensions) and box: mesh, Xform, archive
 constexpr std::size_t references = 2 * 8 + 3 * 8;
 
-TEST(Murmur, GivesTheKeysFoundInFilesOfOthers) {
+TEST(ContentHash, GivesTheKeysFoundInFilesOfOthers) {
   const std::int32_t three = 3;
-  EXPECT_EQ(hex(murmur({"\x01", 1})), "16fe7483905cce7a85670e43e4678877");
-  EXPECT_EQ(hex(murmur({reinterpret_cast<const char*>(&three), sizeof three})),
+  EXPECT_EQ(hex(content_hash({"\x01", 1})), "16fe7483905cce7a85670e43e4678877");
+  EXPECT_EQ(hex(content_hash({reinterpret_cast<const char*>(&three), sizeof three})),
             "3ba1d27b7fde4848a86e865c6c402dfa");
 }
 
-TEST(Murmur, CountsEveryByteOfBlocksAndRest) {
+TEST(ContentHash, CountsEveryByteOfBlocksAndRest) {
   // two whole blocks and 15 bytes
   const std::string text = "0123456789abcdef0123456789abcdef0123456789abcde";
   for (std::size_t i = 0; i < text.size(); ++i) {
     std::string other = text;
     other[i] ^= 1;
-    EXPECT_NE(hex(murmur(other)), hex(murmur(text))) << "byte " << i;
+    EXPECT_NE(hex(content_hash(other)), hex(content_hash(text))) << "byte " << i;
   }
-  EXPECT_NE(hex(murmur(text + '\0')), hex(murmur(text)));  // the padding of the rest is not content
+  EXPECT_NE(hex(content_hash(text + '\0')),
+            hex(content_hash(text)));  // the padding of the rest is not content
 }
 
 TEST_F(AlembicCache, TheSameCallsWriteTheSameBytes) {
@@ -157,7 +158,7 @@ TEST_F(AlembicCache, TheKeyIsThatOfThePositionsTurnedToYUp) {
   const float stored[] = {1, 3, -2};
   AlembicWriter writer(folder / "cache.abc", {}, {"paper"});
   EXPECT_EQ(writer.add_frame(0, point),
-            hex(murmur({reinterpret_cast<const char*>(stored), sizeof stored})));
+            hex(content_hash({reinterpret_cast<const char*>(stored), sizeof stored})));
 }
 
 TEST_F(AlembicCache, BothZerosHaveOneKey) {

@@ -66,7 +66,7 @@ TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
   triangle << 0, 1, 2;
   draw_smooth_triangles(canvas, plain_camera(100), x, triangle,
                         {{Colour{0, 0, 0}, Colour{200, 0, 0}, Colour{0, 100, 0}}});
-  const Image image = develop(canvas);
+  const Image image = resolve_samples(canvas);
   for (const auto& [column, row] : {std::pair(10, 90), std::pair(40, 70), std::pair(20, 30)}) {
     // one of rounding each sample
     EXPECT_NEAR(image.at(column, row).red, 2.0 * (column + 0.5), 1.01);
@@ -78,8 +78,8 @@ TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
 
 TEST(Picture, ValleysAreDarkenedRidgesAreNotAndASlopeStaysAsItIs) {
   const auto middle_and_side = [](Canvas canvas) {
-    shade_hollows(canvas, 1, 10);
-    const Image image = develop(canvas);
+    apply_ambient_occlusion(canvas, 1, 10);
+    const Image image = resolve_samples(canvas);
     return std::pair(int(image.at(100, 50).red), int(image.at(40, 50).red));
   };
   EXPECT_EQ(middle_and_side(valley(0.7, -0.7)), std::pair(128, 128)) << "a plane that leans";
@@ -98,7 +98,7 @@ TEST(Picture, ATriangleCoversThePixelsInsideItAndNoOthers) {
   Triangles triangle(1, 3);
   triangle << 0, 1, 2;
   draw_triangles(canvas, plain_camera(10), x, triangle, {red});
-  const Image image = develop(canvas);
+  const Image image = resolve_samples(canvas);
   for (int row = 0; row < 10; ++row)
     for (int column = 0; column < 20; ++column) {
       const auto inside = [&](double u, double v) {
@@ -121,7 +121,7 @@ TEST(Picture, TheAreaThatIsPaintedIsThatOfTheTriangle) {
   triangle << 0, 1, 2;
   draw_triangles(canvas, plain_camera(100), x, triangle, {black});
   const double area = 0.5 * std::abs((91.7 - 7.3) * (88.2 - 11.1) - (33.3 - 7.3) * (24.9 - 11.1));
-  EXPECT_NEAR(blackened(develop(canvas)) / area, 1, 2e-3);  // 9 samples a pixel
+  EXPECT_NEAR(blackened(resolve_samples(canvas)) / area, 1, 2e-3);  // 9 samples a pixel
 }
 
 TEST(Picture, WhatIsNearerHidesWhatLiesBehindInEitherOrder) {
@@ -130,7 +130,7 @@ TEST(Picture, WhatIsNearerHidesWhatLiesBehindInEitherOrder) {
     if (near_first) draw_square(canvas, 2, 2, 4, 1, red);
     draw_square(canvas, 4, 4, 4, 0, blue);
     if (!near_first) draw_square(canvas, 2, 2, 4, 1, red);
-    const Image image = develop(canvas);
+    const Image image = resolve_samples(canvas);
     EXPECT_EQ(count(image, red), 16);
     EXPECT_EQ(count(image, blue), 12);
   }
@@ -144,7 +144,7 @@ TEST(Picture, TwoTrianglesThatPassThroughEachOtherAreEachSeenWhereTheyAreNearer)
   Triangles triangles(4, 3);
   triangles << 0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7;
   draw_triangles(canvas, plain_camera(10), x, triangles, {red, red, blue, blue});
-  const Image image = develop(canvas);
+  const Image image = resolve_samples(canvas);
   EXPECT_EQ(count(image, red), 100);
   EXPECT_EQ(count(image, blue), 100);
   EXPECT_EQ(image.at(0, 5), blue);
@@ -155,21 +155,21 @@ TEST(Picture, LinesAndDiscsHaveTheirWidthAtAnySlope) {
   for (const double angle : {0.0, 0.3, 0.8, 1.5}) {
     Canvas canvas(120, 120, white);
     const Vector3d middle(60, 60, 0), along(40 * std::cos(angle), 40 * std::sin(angle), 0);
-    draw_line(canvas, plain_camera(120), middle - along, middle + along, 2, black);
+    draw_line(canvas, plain_camera(120), middle - along, middle + along, {2, black});
     // half a width beyond both ends
-    EXPECT_NEAR(blackened(develop(canvas)) / (2 * 82), 1, 0.03) << angle;
+    EXPECT_NEAR(blackened(resolve_samples(canvas)) / (2 * 82), 1, 0.03) << angle;
   }
   Canvas canvas(40, 40, white);
   draw_disc(canvas, plain_camera(40), {20, 20, 0}, 10, black);
-  EXPECT_NEAR(blackened(develop(canvas)) / (M_PI * 100), 1, 0.01);
+  EXPECT_NEAR(blackened(resolve_samples(canvas)) / (M_PI * 100), 1, 0.01);
 }
 
 TEST(Picture, ALineOnASurfaceIsSeenOnlyWhereTheSurfaceIsNotHidden) {
   Canvas canvas(20, 10, white);
   draw_square(canvas, 0, 0, 10, 0, red);
   draw_square(canvas, 10, 0, 10, 5, blue);
-  draw_line(canvas, plain_camera(10), {0, 5, 0}, {20, 5, 0}, 2, black, /*lift=*/1);
-  const Image image = develop(canvas);
+  draw_line(canvas, plain_camera(10), {0, 5, 0}, {20, 5, 0}, {2, black, /*lift=*/1});
+  const Image image = resolve_samples(canvas);
   EXPECT_EQ(image.at(5, 5), black);
   EXPECT_EQ(image.at(15, 5), blue);
 }
@@ -179,13 +179,13 @@ TEST(Picture, WhatLiesPartlyOutsideThePictureIsCutOff) {
   draw_square(canvas, -1e6, -1e6, 1e6 + 5, 0, black);
   draw_disc(canvas, plain_camera(10), {100, 100, 0}, 5, black);
   draw_text(canvas, -3, 8, 1, "outside", black);
-  EXPECT_EQ(develop(canvas).at(0, 9), black);
-  EXPECT_EQ(develop(canvas).at(9, 0), white);
+  EXPECT_EQ(resolve_samples(canvas).at(0, 9), black);
+  EXPECT_EQ(resolve_samples(canvas).at(9, 0), white);
 }
 
 TEST(Picture, AFittedCameraSeesAllPointsAndFillsTheFrame) {
   const Sheet sheet = test::hex_sheet(0.3, 0.1, 10);
-  const Frame frame{20, 40, 300, 200};
+  const Viewport frame{20, 40, 300, 200};
   const Camera camera = fit_camera(sheet.x, {-0.6, -1, 0.7}, frame);
   Eigen::AlignedBox2d seen;
   for (int v = 0; v < sheet.x.rows(); ++v)
@@ -201,7 +201,7 @@ TEST(Picture, AFittedCameraSeesAllPointsAndFillsTheFrame) {
 TEST(Picture, LettersAreReadable) {
   Canvas canvas(6, 7, white, 1);
   draw_text(canvas, 0, 0, 1, "F", black);
-  const Image image = develop(canvas);
+  const Image image = resolve_samples(canvas);
   const char* expected[] = {"#####.", "#.....", "#.....", "####..", "#.....", "#.....", "#....."};
   for (int row = 0; row < 7; ++row)
     for (int column = 0; column < 6; ++column)
@@ -224,7 +224,7 @@ class PictureFile : public testing::Test {
     Canvas canvas(31, 17, white);
     draw_square(canvas, 3.4, 2.2, 9.7, 0, red);
     draw_square(canvas, 8.1, 5.5, 20, 1, blue);
-    return develop(canvas);
+    return resolve_samples(canvas);
   }
   static std::string bytes_in(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);

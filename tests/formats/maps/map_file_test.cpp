@@ -232,7 +232,7 @@ TEST(MapFile, ABigMapIsDrawnAndPackedInTime) {
     CreaseMapOptions options = of_size(2048);
     options.layout = layout;
     options.threads = 2;
-    options.law.yield_curvature = 5;
+    options.thresholds.yield_curvature = 5;
     CreaseMap map(rectangle(0.21, 0.21), options);
     map.record(1, sheet, vertex_curvature(sheet), vertex_curvature(sheet));
     const auto cpu = std::clock();

@@ -23,10 +23,10 @@ namespace paperbake::test {
 /// first and after the last.
 struct FbxCurve {
   std::vector<double> frames, values;
-  // 4 linear, 2 held, 258 the next key's at once, 1032 cubic with the slopes below
+  // 4 linear, 2 held, 258 the next key's at once, 1032 cubic with the tangents below
   int flags = 4;
-  std::vector<double> slopes = {};  // cubic: [1/s] one a key, the same on both sides
-  char before = 'C', after = 'C';   // C constant, K slope, R repeat, A repeat and add, M mirror
+  std::vector<double> tangents = {};  // cubic: [1/s] one a key, the same on both sides
+  char before = 'C', after = 'C';     // C constant, K slope, R repeat, A repeat and add, M mirror
 };
 
 /// Writes small ASCII FBX files by hand, y up, in centimetres: what Maya and 3ds Max write and
@@ -96,9 +96,9 @@ class FbxFixture {
     const std::size_t n = c.frames.size();
     const std::vector<int> flags(n, c.flags), ones(n, 1);
     std::vector<std::int64_t> times;
-    std::vector<int> data;  // slopes on the right and on the next key's left, weights of a third
+    std::vector<int> data;  // tangents on the right and on the next key's left, weights of a third
     const auto slope = [&](std::size_t i) {
-      return i < c.slopes.size() ? bits(float(c.slopes[i])) : 0;
+      return i < c.tangents.size() ? bits(float(c.tangents[i])) : 0;
     };
     for (std::size_t k = 0; k < n; ++k)
       times.push_back(ticks(c.frames[k])),

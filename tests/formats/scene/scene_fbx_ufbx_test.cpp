@@ -96,7 +96,7 @@ TEST(SceneFbx, StepsAreOnTheirFrameAtRatesOfVideo) {
 }
 
 TEST(SceneFbx, CubicsFollowTheirSlopes) {
-  // x³ over a second: slopes 0 and 3 a second, weights of a third make Bezier's time even
+  // x³ over a second: tangents 0 and 3 a second, weights of a third make Bezier's time even
   std::vector<double> cube;
   for (int f = 0; f <= 24; ++f) cube.push_back(std::pow(f / 24.0, 3));
   expect_way(way(moved("cubic.fbx", {{0, 24}, {0, 1}, 1032, {0, 3}}, 0, 24)), 0, cube, 1e-5);
@@ -125,7 +125,7 @@ TEST(SceneFbx, AShotWhoseCurvesGoOnLastsAsLongAsItsClip) {
     FbxCurve curve{{1, 3}, {0, 2}};
     curve.after = after;
     const std::filesystem::path path = moved("shot.fbx", curve, 1, 9);
-    const ImportedFile file = import_here(path);
+    const ImportedFile file = import_in_process(path);
     EXPECT_EQ(file.takes.at(0).motions.at(0).key_times.size(), 2u);
     return file.takes[0].motions.at(0).translation.keys.back().time * 24;
   };
@@ -200,7 +200,7 @@ TEST(SceneFbx, BonesCarryPropertiesOnThemselvesOrOnTheirData) {
   fbx.node("max", 0,
            "P: \"UDP3DSMAX\", \"KString\", \"\", \"U\", \"paper_mode = "
            "relative&cr;&lf;paper_grab_frame=24&cr;&lf;paper_size = [0.2, 0.1]\"\n");
-  const ImportedFile file = import_here(fbx.write("bones.fbx"));
+  const ImportedFile file = import_in_process(fbx.write("bones.fbx"));
   ASSERT_EQ(file.nodes.size(), 3u);
   EXPECT_EQ(std::get<std::string>(file.nodes[0].properties.at("paper_point")), "tail");
   EXPECT_EQ(std::get<double>(file.nodes[0].properties.at("paper_radius")), 0.002);
@@ -255,7 +255,8 @@ TEST(SceneFbx, OneStackOfAnActionHasLostItsStartToo) {
 TEST(SceneFbx, WhatCannotBeRepairedIsNamed) {
   EXPECT_TRUE(has_warning(read_scene(data / "S6_interp_default.fbx"), "export with Simplify 0"));
   EXPECT_FALSE(has_warning(read_scene(sample("S1_push.fbx")), "constraint"));
-  const ImportedFile sparse = import_here(moved("sparse.fbx", {{1, 9, 20}, {0, 1, 3}}, 1, 20));
+  const ImportedFile sparse =
+      import_in_process(moved("sparse.fbx", {{1, 9, 20}, {0, 1, 3}}, 1, 20));
   EXPECT_TRUE(sparse.warnings.empty());
 }
 
