@@ -13,10 +13,11 @@
 namespace paperbake {
 namespace {
 
-constexpr double whole_limit = 2147483647, max_coordinate = 10;  // [m] on any pattern
-constexpr std::size_t max_entries = 1000;
+constexpr double whole_limit = 2147483647;  // the largest int
+constexpr double max_coordinate = 10;       // [m] on a pattern
+constexpr std::size_t max_entries = 1000;   // of one list
 
-/// The texts of an array, joined by commas; none when there is something else in it.
+/// The texts of an array, joined by commas; nothing when one of its elements is not a text.
 std::optional<std::string> joined(const toml::array& list) {
   std::string text;
   for (const toml::node& node : list) {
@@ -26,7 +27,7 @@ std::optional<std::string> joined(const toml::array& list) {
   return text;
 }
 
-/// What is written there as a word of the command line would say it; none when its type is another.
+/// The value of a node as it would be typed on the command line; nothing when its type is wrong.
 std::optional<std::string> as_text(const JobKey& key, const toml::node& node) {
   switch (key.kind) {
     case JobKey::number:
@@ -53,7 +54,7 @@ std::vector<std::string> names_of(const std::vector<JobKey>& keys) {
   return names;
 }
 
-/// The values of a table for these keys, in order of the keys.
+/// The values that a table has for these keys, in order of the keys.
 std::vector<JobValue> read_values(const TomlDocument& document, const toml::table& table,
                                   const std::vector<JobKey>& keys) {
   std::vector<JobValue> values;
@@ -75,7 +76,7 @@ std::vector<JobValue> read_values(const TomlDocument& document, const toml::tabl
   return values;
 }
 
-/// Lists of `count` numbers: [[0.1, 0.2], ...]. Each at most `max_coordinate` from zero.
+/// A list of lists of `count` numbers: [[0.1, 0.2], ...], each of magnitude `max_coordinate` at most.
 std::vector<std::vector<double>> read_rows(const TomlDocument& document, const toml::node& node,
                                            const std::string& key, std::size_t count,
                                            const char* what) {
@@ -111,7 +112,7 @@ FoldLine read_crease(const TomlDocument& document, const toml::node& node) {
   for (const auto& p : read_rows(document, *line, "line", 2, "points [u, v]"))
     crease.line.emplace_back(p[0], p[1]);
   if (crease.line.size() < 2)
-    fail(document, line->source().begin, "A crease needs two points or more.");
+    fail(document, line->source().begin, "A crease needs at least two points.");
   const JobKey angle{"angle", JobKey::number, -170, 170};
   for (const JobValue& value : read_values(document, *table, {angle}))
     crease.angle = std::stod(value.text) * M_PI / 180;
@@ -161,7 +162,7 @@ std::vector<JobSection> read_sections(const TomlDocument& document, const char* 
     const toml::table* table = node.as_table();
     if (!table)
       fail(document, position_of(name, node),
-           fmt::format("Values for {}s stand under their names: {}.", kind, form));
+           fmt::format("Values for {}s must stand under their names: {}.", kind, form));
     std::vector<std::string> known = names_of(keys);
     known.insert(known.end(), pins.begin(), pins.end());
     refuse_unknown_keys(document, *table, known);
@@ -231,15 +232,15 @@ std::string expected(const JobKey& key) {
       if (key.min == above_zero) return fmt::format("{} above zero", kind);
       if (above && below && std::abs(key.min) < whole_limit)
         return fmt::format("{} from {} to {}", kind, key.min, key.max);
-      return above && !below ? fmt::format("{} from {} on", kind, key.min) : kind;
+      return above && !below ? fmt::format("{}, at least {}", kind, key.min) : kind;
     case JobKey::flag:
       return "true or false";
     case JobKey::word:
       return fmt::format("one of {}", fmt::join(key.words, ", "));
     case JobKey::list:
-      return "a list of texts in quotes";
+      return "a list of quoted texts";
     default:
-      return "a text in quotes";
+      return "a quoted text";
   }
 }
 

@@ -13,7 +13,7 @@
 
 namespace paperbake {
 
-// made from presets/*.toml by cmake/embed_presets.cmake
+// generated from presets/*.toml by cmake/embed_presets.cmake
 struct BuiltInPreset {
   const char* name;
   const char* text;
@@ -54,7 +54,7 @@ std::string required_text(const TomlDocument& document, const toml::table& table
                           const std::string& key, const std::string& where) {
   const toml::node& node = required(document, table, key, where);
   if (!node.is_string())
-    fail(document, node.source().begin, fmt::format("\"{}\" must be a text in quotes.", key));
+    fail(document, node.source().begin, fmt::format("\"{}\" must be a quoted text.", key));
   std::string text = **node.as_string();
   if (text.empty()) fail(document, node.source().begin, fmt::format("\"{}\" is empty.", key));
   return text;
@@ -182,13 +182,13 @@ Preset read_preset(const std::string& name_or_file) {
   if (name_or_file.find('/') != std::string::npos ||
       std::filesystem::path(name_or_file).extension() == ".toml")
     throw Error(Fault::command, name_or_file, "There is no such preset file.",
-                "`paperbake presets` lists the grades that are built in.");
+                "`paperbake presets` lists the built-in grades.");
   std::vector<std::string> names = preset_names();
   names.insert(names.end(), own.begin(), own.end());
   throw Error(
       Fault::command, fmt::format("preset \"{}\"", name_or_file),
       fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),
-      fmt::format("Papers: {}; or name a preset file that exists.", fmt::join(names, ", ")));
+      fmt::format("Papers: {}; or give the path of a preset file.", fmt::join(names, ", ")));
 }
 
 std::vector<std::string> preset_names() {
@@ -199,7 +199,7 @@ std::vector<std::string> preset_names() {
 }
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
-  // optimal string alignment: insert, delete, replace, swap neighbours
+  // optimal string alignment distance
   const auto edit_distance = [&word](const std::string& other) {
     const std::size_t n = word.size(), m = other.size();
     std::vector<std::vector<std::size_t>> d(n + 1, std::vector<std::size_t>(m + 1));

@@ -68,7 +68,7 @@ std::string read_toml_text(const std::filesystem::path& file, const std::string&
   text.resize(stream.gcount());
   if (text.size() > max_size)
     throw Error(Fault::command, file.string(),
-                fmt::format("This is no {} file: it has more than 1 MB.", kind));
+                fmt::format("This is not a {} file: it is larger than 1 MB.", kind));
   return text;
 }
 
