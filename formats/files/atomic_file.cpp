@@ -13,7 +13,7 @@ namespace paperbake {
 
 AtomicFile::AtomicFile(std::filesystem::path path)
     : path_(std::move(path)), part_(path_), file_(nullptr) {
-  // else it would be noticed only when the work is done
+  // a folder of this name would otherwise be noticed only in commit(), after all the work
   if (std::filesystem::is_directory(path_)) {
     errno = EISDIR;
     fail("made");
@@ -55,10 +55,9 @@ void AtomicFile::flush() {
 
 void AtomicFile::commit() {
   if (std::fflush(file_) != 0) fail("written");
-  // beyond the end lies what was cut; a library that writes the file by name has an end of its own
+  // drops what truncate() left behind; end_ is 0 when a library has written the file by its name
   if (end_ > 0 && ::ftruncate(::fileno(file_), static_cast<off_t>(end_)) != 0) fail("written");
-  // a library may have written the file by name, behind our descriptor: sync what the name stands
-  // for
+  // opened again by its name: a library may have replaced the file that file_ refers to
   const int fd = ::open(part_.c_str(), O_RDONLY);
   if (fd < 0 || ::fsync(fd) != 0) fail("written to disk");
   ::close(fd);
@@ -82,7 +81,7 @@ std::optional<std::string> read_file(const std::filesystem::path& path) {
     bytes.resize(std::max<std::size_t>(1 << 16, 2 * end));
     end += got = std::fread(bytes.data() + end, 1, bytes.size() - end, file);
   } while (got > 0);
-  const bool failed = std::ferror(file) != 0;  // a folder opens, and fails here
+  const bool failed = std::ferror(file) != 0;  // a folder can be opened, but not read
   std::fclose(file);
   bytes.resize(end);
   return failed ? std::nullopt : std::optional(std::move(bytes));

@@ -13,9 +13,10 @@
 namespace paperbake {
 namespace {
 
-static_assert(sizeof(Colour) == 3, "rows of pixels are handed to libpng as they are");
+static_assert(sizeof(Colour) == 3, "libpng reads the pixels in place");
 
-/// A triangle in samples: columns x, rows y, depth z. paint(x, y) is its colour there.
+/// Fills a triangle whose corners are given in samples: x column, y row, z depth [m]. paint(x, y) is
+/// its colour at a sample.
 template <class Paint>
 void fill_triangle(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c,
                    const Paint& paint) {
@@ -30,9 +31,9 @@ void fill_triangle(Canvas& canvas, const Vector3d& a, const Vector3d& b, const V
   for (int row = static_cast<int>(std::max(0.0, std::floor(top)));
        row < rows && row + 0.5 <= bottom; ++row) {
     const double y = row + 0.5;
-    double from = std::numeric_limits<double>::infinity(), to = -from;  // where the row is inside
+    double from = std::numeric_limits<double>::infinity(), to = -from;  // span of the row inside
     for (int i = 0; i < 3; ++i) {
-      // an edge is walked the same way for the triangles on both sides: no gap between them
+      // computed from the upper end for both triangles of an edge, so that no gap opens between them
       const bool upwards = corners[i]->y() < corners[i + 1]->y();
       const Vector3d &p = *corners[i + !upwards], &q = *corners[i + upwards];
       if (p.y() == q.y() || y < std::min(p.y(), q.y()) || y > std::max(p.y(), q.y())) continue;
@@ -56,9 +57,9 @@ void fill_triangle(Canvas& canvas, const Vector3d& a, const Vector3d& b, const V
   fill_triangle(canvas, a, b, c, [&](double, double) { return colour; });
 }
 
-/// What lies linearly between three corners of a triangle, in samples.
+/// Linear interpolation of colours given at the three corners of a triangle, in samples.
 struct ColourGradient {
-  // red, green, blue at the first corner; their change a column and a row
+  // red, green, blue at the first corner; their change per column and per row
   Vector3d corner, across, down;
 
   ColourGradient(const Vector3d& a, const Vector3d& b, const Vector3d& c,
@@ -80,7 +81,7 @@ struct ColourGradient {
   }
 };
 
-/// Column and row in samples, depth.
+/// Column and row in samples, and depth [m].
 Vector3d project_to_samples(const Canvas& canvas, const Camera& camera, const Vector3d& p,
                             double lift) {
   const Vector3d q = camera.project(p);
@@ -102,13 +103,13 @@ Camera fit(Camera camera, const Points3& points, const Viewport& frame) {
   return camera;
 }
 
-/// A place beside a pixel and the one opposite to it, at (column, row) and (-column, -row) from it.
+/// Two opposite neighbours of a pixel, at (column, row) and (-column, -row) from it.
 struct SamplePair {
   int column, row;  // [px]
   double distance;  // [px]
 };
 
-/// Pairs on rings around a pixel, at most `reach` [px] away.
+/// Pairs of neighbours on rings around a pixel, at most `reach` [px] away.
 std::vector<SamplePair> sample_pairs(double reach) {
   constexpr int spokes = 8, rings = 4;
   std::vector<SamplePair> pairs;
@@ -237,7 +238,7 @@ void apply_ambient_occlusion(Canvas& canvas, double scale, double reach) {
     for (int column = 0; column < canvas.width; ++column) {
       const float here = depth(column, row);
       if (!paper(here)) continue;
-      double rise = 0;  // mean gradient up to what surrounds it
+      double rise = 0;  // mean slope of the depth up to its neighbours
       for (const SamplePair& pair : pairs) {
         const int left = column - pair.column, right = column + pair.column, above = row - pair.row,
                   below = row + pair.row;
@@ -254,7 +255,7 @@ void apply_ambient_occlusion(Canvas& canvas, double scale, double reach) {
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
           const std::size_t k = std::size_t(row * n + j) * columns + column * n + i;
-          // another layer, or nothing
+          // samples of another layer, or of none, keep their colour
           if (!(std::abs(canvas.depth[k] - here) * scale < 0.5 * reach)) continue;
           Colour& c = canvas.colour[k];
           c = darker > 0 ? mix(c, {}, darker) : mix(c, {255, 255, 255}, -darker);
@@ -340,7 +341,7 @@ std::vector<Colour> flat_shading(const Points3& x, const Triangles& triangles, c
     Vector3d normal = (b - a).cross(c - a).normalized();
     const bool seen_from_front = normal.dot(camera.towards) >= 0;
     if (!seen_from_front) normal = -normal;
-    // no side is all dark
+    // half Lambert: faces turned away from the light are not black
     const double light = ambient + (1 - ambient) * 0.5 * (1 + normal.dot(to_light));
     face[t] = mix({}, seen_from_front ? front : back, light);
   }
