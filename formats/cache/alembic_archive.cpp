@@ -8,11 +8,11 @@ namespace paperbake::alembic {
 namespace {
 
 constexpr std::int32_t file_version = 0;
-constexpr std::int32_t library_version = 10800;  // the Alembic whose files ours look like: 1.8.0
+constexpr std::int32_t library_version = 10800;  // the files have the layout of Alembic 1.8.0
 
 bool operator!=(const Sample& a, const Sample& b) { return a.block != b.block; }
 
-/// The number that stands for a text in headers; 0 is no text.
+/// The number by which headers refer to a metadata text; 0 for an empty text.
 std::uint32_t metadata_number(Archive& archive, const std::string& text) {
   if (text.empty()) return 0;
   auto known = std::find(archive.metadata.begin(), archive.metadata.end(), text);
@@ -20,8 +20,8 @@ std::uint32_t metadata_number(Archive& archive, const std::string& text) {
   return static_cast<std::uint32_t>(known - archive.metadata.begin()) + 1;
 }
 
-/// Which samples differ: the first one from sample 0, the last one from the one before it. Both 0:
-/// none ever does.
+/// first: the first sample that differs from sample 0; last: the last sample that differs from the
+/// one before it. Both are 0 when all samples are equal.
 struct Changes {
   std::size_t first = 0, last = 0;
 };
@@ -43,7 +43,7 @@ std::string header_of(const Property& property, std::uint32_t metadata) {
              partly = !constant && (changes.first > 1 || changes.last + 1 < count);
 
   const std::size_t largest = std::max(count, property.name.size());
-  // of the numbers below: 2^width bytes
+  // each of the numbers below takes 2^width bytes
   const std::uint32_t width = largest <= 0xFF ? 0 : largest <= 0xFFFF ? 1 : 2;
   std::string numbers;
   const auto number = [&](std::size_t n) {
@@ -64,21 +64,21 @@ std::string header_of(const Property& property, std::uint32_t metadata) {
   return std::string(bytes_of(info)) + numbers + property.name;
 }
 
-/// A property's values; the keys of them are added to `content`.
+/// Writes the samples of a property and appends their keys to `content`.
 OgawaBlock write_samples(Archive& archive, const Property& property, std::string& content) {
   const Changes changes = changes_of(property.samples);
   std::vector<OgawaBlock> children;
   for (std::size_t i = 0; i <= changes.last && i < property.samples.size(); ++i) {
-    if (i > 0 && i < changes.first) continue;  // readers put sample 0 there
+    if (i > 0 && i < changes.first) continue;  // readers use sample 0 for these
     children.push_back(property.samples[i].block);
-    // no dimensions: the size tells the count
+    // empty dimensions: readers take the count from the size
     if (property.type == PropertyType::array) children.push_back(empty_data);
     content += raw(property.samples[i].key);
   }
   return archive.file.group(children);
 }
 
-/// All that is in the properties is added to `content`.
+/// Writes properties and appends the keys of their samples and their headers to `content`.
 OgawaBlock write_compound(Archive& archive, const std::vector<Property>& properties,
                           std::string& content) {
   if (properties.empty()) return empty_group;
@@ -97,7 +97,7 @@ OgawaBlock write_compound(Archive& archive, const std::vector<Property>& propert
 
 struct WrittenObject {
   OgawaBlock block;
-  // of the properties and of the children; tools take objects with equal ones for copies
+  // of the properties and of the children; programs treat objects with equal hashes as instances
   std::string hashes;
 };
 
@@ -121,7 +121,7 @@ WrittenObject write_object(Archive& archive, const Object& object) {
 std::string time_sampling(std::size_t most_samples, double seconds_per_sample, double start) {
   std::string text(bytes_of(static_cast<std::uint32_t>(most_samples)));
   text += bytes_of(seconds_per_sample);
-  text += bytes_of(std::uint32_t{1});  // times stored: the start
+  text += bytes_of(std::uint32_t{1});  // number of stored times: the start
   text += bytes_of(start);
   return text;
 }

@@ -6,7 +6,7 @@ namespace paperbake {
 namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-              "keys and files are little-endian; words are copied as they lie");
+              "keys and files are little-endian; words are copied from memory");
 
 constexpr std::uint64_t c1 = 0x87c37b91114253d5, c2 = 0x4cf5ad432745937f;
 
@@ -27,7 +27,8 @@ void mix_into(Words& h, const Words& block) {
   h.high ^= rotated(block.high * c2, 33) * c1;
 }
 
-/// Takes in 16 bytes: the lower half is finished before the upper one, which it feeds.
+/// Updates the state with a block of 16 bytes. The lower half is finished first because the upper
+/// half depends on it.
 void absorb_block(Words& h, const Words& block) {
   mix_into(h, block);
   h.low = (rotated(h.low, 27) + h.high) * 5 + 0x52dce729;
@@ -52,7 +53,7 @@ ContentKey content_hash(std::string_view bytes) {
   const std::size_t whole = bytes.size() / 16 * 16;
   for (std::size_t at = 0; at < whole; at += 16) absorb_block(h, words_at(bytes.data() + at));
 
-  char rest[16] = {};  // a zero word stirs nothing, so the padding does not count
+  char rest[16] = {};  // mixing in a zero word changes nothing, so the padding has no effect
   bytes.substr(whole).copy(rest, sizeof rest);
   mix_into(h, words_at(rest));
 

@@ -13,7 +13,7 @@ namespace {
 struct Header {
   char signature[12] = "POINTCACHE2";
   std::int32_t version = 1, points = 0;
-  float start = 0, rate = 1;  // frame of the first sample; frames a sample
+  float start = 0, rate = 1;  // frame of the first sample; frames per sample
   std::int32_t samples = 0;
 };
 static_assert(sizeof(Header) == 32);
@@ -50,9 +50,10 @@ void Pc2Writer::add_frame(const CacheFrame& frame, double longer_side) {
   }
   if (frame.x.rows() != points_ || frame.triangles.rows() != triangles_.rows() ||
       frame.triangles != triangles_)
-    throw Error(Fault::command, path_.string(),
-                "A point cache has one mesh for the whole shot; this bake's changes.",
-                "Leave out --mesh simulation, or pc2.");
+    throw Error(
+        Fault::command, path_.string(),
+        "A point cache needs one mesh for the whole shot, but the mesh of this bake changes.",
+        "Leave out either --mesh simulation or the format pc2.");
   const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> x = frame.x.cast<float>();
   try {
     cache_.write(x.data(), sizeof(float) * x.size());
