@@ -310,7 +310,7 @@ struct AlembicReader::Impl {
   Eigen::VectorXd crease(const Mesh& mesh, std::size_t i, Eigen::Index vertices) const {
     const std::vector<float> rgba = numbers<float>(*mesh.colours, i);
     if (static_cast<Eigen::Index>(rgba.size()) != 4 * vertices)
-      file.refuse("The numbers of colours and vertices differ.");
+      file.refuse("It does not have one colour for each vertex.");
     Eigen::VectorXd angle(vertices);
     for (Eigen::Index v = 0; v < vertices; ++v) angle[v] = M_PI / 2 * rgba[4 * v];
     return angle;
@@ -320,7 +320,7 @@ struct AlembicReader::Impl {
     const std::vector<float> v = numbers<float>(*mesh.uv, i);
     if (static_cast<Eigen::Index>(v.size()) != 2 * vertices ||
         (mesh.uv_indices && bytes(*mesh.uv_indices, i) != bytes(*mesh.indices, i)))
-      file.refuse("The numbers of uvs and vertices differ.");
+      file.refuse("It does not have one uv for each vertex.");
     Points2 rows(vertices, 2);
     for (Eigen::Index r = 0; r < vertices; ++r) rows.row(r) << v[2 * r], v[2 * r + 1];
     return rows;

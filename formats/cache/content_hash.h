@@ -7,8 +7,8 @@
 
 namespace paperbake {
 
-/// A 128-bit hash of a string of bytes. Strings with equal hashes are taken to be equal; the hash is
-/// not cryptographic and does not resist deliberate collisions.
+/// A 128-bit hash of a string of bytes. Strings with equal hashes are taken to be equal; the hash
+/// is not cryptographic and does not resist deliberate collisions.
 using ContentKey = std::array<std::uint8_t, 16>;
 
 /// MurmurHash3, x64 128-bit variant with seed 0: the key that Alembic stores with every sample, two

@@ -18,8 +18,9 @@ namespace paperbake {
 /// source  the usda format as OpenUSD 26 reads it
 class UsdWriter {
  public:
-  /// Names become identifiers: characters other than ASCII letters and digits become `_`. throws
-  /// Error(ErrorCode::folder) when the file cannot be created
+  /// Names become identifiers: characters other than ASCII letters and digits become `_`, and a
+  /// name that begins with a digit gets one in front. throws Error(ErrorCode::folder) when the file
+  /// cannot be created
   UsdWriter(const std::filesystem::path&, const CacheInfo&,
             const std::vector<std::string>& sheet_names);
   ~UsdWriter();

@@ -76,7 +76,8 @@ std::vector<JobValue> read_values(const TomlDocument& document, const toml::tabl
   return values;
 }
 
-/// A list of lists of `count` numbers: [[0.1, 0.2], ...], each of magnitude `max_coordinate` at most.
+/// A list of lists of `count` numbers: [[0.1, 0.2], ...], each of magnitude `max_coordinate` at
+/// most.
 std::vector<std::vector<double>> read_rows(const TomlDocument& document, const toml::node& node,
                                            const std::string& key, std::size_t count,
                                            const char* what) {

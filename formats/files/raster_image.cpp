@@ -15,8 +15,8 @@ namespace {
 
 static_assert(sizeof(Colour) == 3, "libpng reads the pixels in place");
 
-/// Fills a triangle whose corners are given in samples: x column, y row, z depth [m]. paint(x, y) is
-/// its colour at a sample.
+/// Fills a triangle whose corners are given in samples: x column, y row, z depth [m]. paint(x, y)
+/// is its colour at a sample.
 template <class Paint>
 void fill_triangle(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c,
                    const Paint& paint) {
@@ -33,7 +33,8 @@ void fill_triangle(Canvas& canvas, const Vector3d& a, const Vector3d& b, const V
     const double y = row + 0.5;
     double from = std::numeric_limits<double>::infinity(), to = -from;  // span of the row inside
     for (int i = 0; i < 3; ++i) {
-      // computed from the upper end for both triangles of an edge, so that no gap opens between them
+      // computed from the upper end for both triangles of an edge, so that no gap opens between
+      // them
       const bool upwards = corners[i]->y() < corners[i + 1]->y();
       const Vector3d &p = *corners[i + !upwards], &q = *corners[i + upwards];
       if (p.y() == q.y() || y < std::min(p.y(), q.y()) || y > std::max(p.y(), q.y())) continue;

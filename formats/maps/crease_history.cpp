@@ -9,7 +9,7 @@
 namespace paperbake {
 namespace {
 
-/// 0 up to soft[0], 1 from soft[1], straight between.
+/// 0 up to soft[0], 1 from soft[1], linear between them.
 double rise(double value, const double (&soft)[2]) {
   return std::clamp((value - soft[0]) / (soft[1] - soft[0]), 0.0, 1.0);
 }
@@ -27,7 +27,7 @@ bool same_place(const DetectedCrease& a, const DetectedCrease& b, double same) {
   return straight || ((a.from - b.to).norm() <= same && (a.to - b.from).norm() <= same);
 }
 
-/// Does more than half of one lie on the other?
+/// Whether they are parallel, and the midpoint of one lies on the other.
 bool overlap(const DetectedCrease& a, const DetectedCrease& b, double same) {
   const auto within = [&](const DetectedCrease& inner, const DetectedCrease& outer) {
     const Vector2d middle = 0.5 * (inner.from + inner.to);
@@ -54,12 +54,12 @@ std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& pl
     const auto& v = hinge.vertices;
     const Vector2d along = at(v[1]) - at(v[0]);
     const double length = along.norm();
-    // what an edge of a mesh of equal triangles stands for; half as much again where edges run
-    // along the rulings
+    // the width that an edge of a mesh of equal triangles stands for; 3/2 of that would be right
+    // where the edges run along the rulings
     const double wings =
                      0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
                  width = 2.0 / 3 * wings / length;
-    const bool folded = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);  // before the first frame
+    const bool folded = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);  // a prescribed crease
     double kept = folded ? turn : turn - thresholds.yield_curvature * width;
     if (plastic.rows() > 0 && !folded) {
       const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));

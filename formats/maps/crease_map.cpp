@@ -9,7 +9,7 @@
 namespace paperbake {
 namespace {
 
-/// Creases nearer to each other than this share of their width are one. [1]
+/// [1] creases whose ends are nearer to each other than this fraction of their width are the same
 constexpr double same_crease = 0.5;
 
 std::vector<std::vector<Vector2d>> loops_of(const Pattern& pattern) {
@@ -24,7 +24,7 @@ struct CreaseMap::State {
   Pattern pattern;
   CreaseMapOptions options;
   FoldPeak peak;
-  MapScene scene;  // of the last frame, but for its number and rate
+  MapScene scene;  // of the last recorded frame; write() and picture() set its frame and fps
 };
 
 CreaseMap::CreaseMap(const Pattern& pattern, const CreaseMapOptions& options) {

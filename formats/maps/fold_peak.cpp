@@ -5,10 +5,10 @@
 namespace paperbake {
 namespace {
 
-constexpr int max_texels = 512;  // on a side
+constexpr int max_texels = 512;  // on a side of the grid
 
-/// Two neighbours along one axis of a grid and how much the second counts, at the place of texel i
-/// of a finer grid.
+/// For linear interpolation along one axis: the two texels of the grid around texel i of a finer
+/// grid, and the weight of the second.
 struct GridNeighbours {
   int first, second;
   float weight;
@@ -43,7 +43,7 @@ void FoldPeak::record(const MapFields& fields) {
 std::vector<float> FoldPeak::row(int row, int size) const {
   const int coarse = rows_.size;
   const GridNeighbours y = grid_neighbours(row, size, coarse);
-  // first down the columns of the memory, then along the row
+  // bilinear: first down the columns of the grid, then along the row
   std::vector<float> bulge(coarse), hollow(coarse), peaks(size);
   const auto down = [&](const std::vector<float>& grid, int i) {
     const float a = grid[y.first * coarse + i], b = grid[y.second * coarse + i];

@@ -11,10 +11,12 @@ namespace {
 
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-/// How far the one-ring reaches from its vertex both ways along a line, and its area.
+/// For each vertex the area of its one-ring, and how far that reaches from the vertex in both
+/// directions of a line.
 struct OneRings {
   Eigen::VectorXd area;
-  Eigen::Array<double, Eigen::Dynamic, 2> reach;  // [m] 0 where the line leaves the sheet at once
+  Eigen::Array<double, Eigen::Dynamic, 2>
+      reach;  // [m] 0 where the line leaves the sheet at the vertex
 };
 OneRings one_rings_along(const Sheet& sheet, const Points2& line) {
   const Eigen::Index vertices = sheet.pattern.rows();
@@ -25,7 +27,7 @@ OneRings one_rings_along(const Sheet& sheet, const Points2& line) {
       const int v = sheet.triangles(t, i);
       const Vector2d p = sheet.pattern.row(sheet.triangles(t, (i + 1) % 3)) - sheet.pattern.row(v);
       const Vector2d q = sheet.pattern.row(sheet.triangles(t, (i + 2) % 3)) - sheet.pattern.row(v);
-      // a line along an edge is in both triangles
+      // the tolerance puts a line along an edge into both triangles
       const double doubled = cross(p, q), rounding = -1e-6 * std::sqrt(std::abs(doubled));
       rings.area[v] += 0.5 * doubled;
       for (const int side : {0, 1}) {
@@ -48,7 +50,7 @@ Eigen::VectorXd fold_widths(const Sheet& sheet, const Points3& curvature, double
     const double turn = fold_angle(sheet.x, hinge),
                  size = std::abs(turn) * (sheet.pattern.row(v[1]) - sheet.pattern.row(v[0])).norm();
     for (int k = 0; k < 4; ++k) {
-      const double share = k < 2 ? 1.0 : 0.5;  // as in core/curvature
+      const double share = k < 2 ? 1.0 : 0.5;  // as in core/geometry/curvature
       folded[v[k]] += share * size;
       creased[v[k]] += share * size * crease_share(turn);
     }

@@ -8,7 +8,8 @@
 namespace paperbake {
 namespace {
 
-/// Green strain of a triangle in the coordinates of the pattern: (FᵀF - I)/2 as xx, xy, yy. [1]
+/// Green strain of a triangle in the coordinates of the pattern: (FᵀF - I)/2 as xx, xy, yy [1], and
+/// its area on the pattern [m2].
 Eigen::RowVector3d green_strain(const Sheet& sheet, int t, double& area) {
   const int a = sheet.triangles(t, 0), b = sheet.triangles(t, 1), c = sheet.triangles(t, 2);
   Eigen::Matrix2d rest;
@@ -30,8 +31,8 @@ double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d&
   return (p - a - t * along).norm();
 }
 
-/// How far a mesh stays behind the border of its pattern: a coarse one cuts off the corners of a
-/// round outline.
+/// [texel] the largest distance from a corner of the pattern to the border of the mesh: a coarse
+/// mesh cuts the corners of a round outline.
 double max_border_gap(const std::vector<std::vector<Vector2d>>& loops,
                       const std::vector<FieldCorner>& corner, const MapFields& fields) {
   double gap = 0;

@@ -20,7 +20,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int zip_level = 1;    // level 2 takes a tenth longer to save a hundredth of the size
+constexpr int zip_level = 1;    // level 2 takes 10 % longer and makes the file 1 % smaller
 constexpr int strip_rows = 64;  // a multiple of the 16 rows of a ZIP block
 constexpr int tile = 64;        // [texel]
 
@@ -63,12 +63,12 @@ Imf::Header header_of(int size, const MapInfo& info, const MapScale& scale) {
   return header;
 }
 
-/// Where the library finds the texels of an image of which `first_row` comes first in memory.
+/// Describes to OpenEXR the texels of an image whose first row in memory is `first_row`.
 Imf::FrameBuffer frame_buffer(const MapTexel* texels, int size, int first_row) {
   Imf::FrameBuffer buffer;
   const std::ptrdiff_t row = sizeof(MapTexel) * std::ptrdiff_t(size);
   for (const Layer& layer : layers) {
-    // the library only reads it
+    // OpenEXR only reads it
     char* base =
         const_cast<char*>(reinterpret_cast<const char*>(texels)) + layer.offset - first_row * row;
     buffer.insert(layer.name, Imf::Slice(layer.type, base, sizeof(MapTexel), row));
@@ -76,7 +76,7 @@ Imf::FrameBuffer frame_buffer(const MapTexel* texels, int size, int first_row) {
   return buffer;
 }
 
-/// Draws some rows, in strips on several threads.
+/// Draws some rows, each strip of them on a thread of its own.
 void draw_rows(const DrawRows& draw, const MapRows& rows, MapTexel* texels) {
   std::vector<std::future<void>> others;
   for (int first = rows.first; first < rows.last; first += strip_rows) {
@@ -91,8 +91,8 @@ void draw_rows(const DrawRows& draw, const MapRows& rows, MapTexel* texels) {
   for (auto& other : others) other.get();
 }
 
-/// Calls take(rows, texels) for the map, from the top, as many strips at a time as there are
-/// threads.
+/// Draws a map from the top in batches of as many strips as there are threads, and calls
+/// take(rows, texels) for each. keep: `texels` receives the whole map, else only the current batch.
 template <class Take>
 void draw_in_batches(int size, int threads, const DrawRows& draw, std::vector<MapTexel>& texels,
                      bool keep, const Take& take) {
@@ -106,7 +106,7 @@ void draw_in_batches(int size, int threads, const DrawRows& draw, std::vector<Ma
   }
 }
 
-/// Source texels under texel i of the next level and how much of each.
+/// The texels that texel i of the next level covers along one axis, and the part of each.
 struct Footprint {
   int first, count, nearest;
   double share[3];
@@ -163,7 +163,7 @@ MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint&
   return mean;
 }
 
-/// A texel beside the pattern and the one that it continues, by their indices.
+/// Indices of a texel beside the pattern and of the texel of the pattern that it copies.
 struct Padding {
   std::size_t texel, beside;
 };
@@ -186,7 +186,7 @@ std::vector<Padding> paddings(const std::vector<MapTexel>& level, int size, int 
   return found;
 }
 
-/// Shares the rows of a level between threads: rows(part, first, last).
+/// Divides the rows of a level among threads and calls rows(part, first, last) on each.
 template <class Rows>
 void for_row_ranges(int size, int threads, const Rows& rows) {
   std::vector<std::future<void>> others;
@@ -202,7 +202,7 @@ void for_row_ranges(int size, int threads, const Rows& rows) {
 
 std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, int threads) {
   const int next = std::max(1, size / 2);
-  // small levels are done before a thread has begun
+  // small levels take less time than starting a thread
   threads = std::clamp(next / strip_rows, 1, threads);
   std::vector<Footprint> columns;
   for (int i = 0; i < next; ++i) columns.push_back(footprint(i, size, next));
@@ -212,8 +212,7 @@ std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, 
       for (int i = 0; i < next; ++i)
         level[std::size_t(j) * next + i] = mean_of(texels, size, columns[i], columns[j]);
   });
-  // texels beside the pattern continue it, so that a lookup at its border finds paper on every
-  // level
+  // texels beside the pattern copy it, so that a lookup at its border reads paper on every level
   std::vector<std::vector<Padding>> padding(threads);
   for_row_ranges(next, threads, [&](int part, int first, int last) {
     padding[part] = paddings(level, next, first, last);
@@ -228,8 +227,8 @@ std::string encode_map(int size, MapLayout layout, const MapInfo& info, const Ma
   const int helpers = threads > 1 ? threads : 0;
   if (Imf::globalThreadCount() != helpers) Imf::setGlobalThreadCount(helpers);
   Imf::Header header = header_of(size, info, scale);
-  // encoded in memory: the library's own file classes write the end of a file in destructors, which
-  // hide a full disk
+  // encoded in memory: OpenEXR's file classes write the end of a file in destructors, which cannot
+  // report a full disk
   Imf::StdOSStream stream;
   std::vector<MapTexel> texels;
   if (layout == MapLayout::scanline) {

@@ -29,7 +29,8 @@ Value value(const double* n) {
     return Value(n[3], n[0], n[1], n[2]);
 }
 
-/// Makes a rotation of four numbers near one; a curve of such stays in proportion with its tangents.
+/// Makes a rotation of four numbers near one; a curve of such stays in proportion with its
+/// tangents.
 double scale_to_unit(const Vector3d&) { return 1; }
 double scale_to_unit(const Eigen::Quaterniond& q) { return q.norm() > 1e-9 ? 1 / q.norm() : 0; }
 

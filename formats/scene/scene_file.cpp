@@ -93,8 +93,8 @@ std::vector<FoldLine> with_ends_on_border(std::vector<FoldLine> creases, const P
   return creases;
 }
 
-/// A crease that passes a handle or a pinned point by less than a tolerance goes through it: a mesh that
-/// had both would have slivers between them.
+/// A crease that passes a handle or a pinned point by less than a tolerance goes through it: a mesh
+/// that had both would have slivers between them.
 FoldLine snapped_to_points(const FoldLine& crease, const std::vector<Vector2d>& points,
                            double tolerance) {
   FoldLine snapped{{}, crease.angle};
