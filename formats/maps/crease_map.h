@@ -60,9 +60,9 @@ struct CreaseMapOptions {
 ///   apex.cone    [rad]  turn of the sheet around that point in this frame: sum of |dihedral angle|
 ///                over the mesh edges that meet there; 0 where the sheet is flat there, or where
 ///                there is no point
-///   dir.x, dir.y [1]    unit direction of the ruling on the pattern (x right, v up), x >= 0; (0,
-///                0) where the sheet is flat, as for B. A ruling has no orientation: filter
-///                (x^2 - y^2, 2 x y), as the levels of tiled_mip are
+///   dir.x, dir.y [1]    unit direction of the ruling on the pattern (x right, v up), x >= 0;
+///                (0, 0) where the sheet is flat, as for B. A ruling has no orientation: filter
+///                (x^2 - y^2, 2 x y), as the levels of tiled_mip are filtered
 ///   strain.min, strain.max  [%]  smallest and largest principal stretch - 1 in this frame,
 ///                averaged over the triangles around each vertex and interpolated; < 0 where
 ///                shortened
