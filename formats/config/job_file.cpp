@@ -233,7 +233,7 @@ std::string expected(const JobKey& key) {
       if (key.min == above_zero) return fmt::format("{} above zero", kind);
       if (above && below && std::abs(key.min) < whole_limit)
         return fmt::format("{} from {} to {}", kind, key.min, key.max);
-      return above && !below ? fmt::format("{}, at least {}", kind, key.min) : kind;
+      return above && !below ? fmt::format("{} from {} on", kind, key.min) : kind;
     case JobKey::flag:
       return "true or false";
     case JobKey::word:

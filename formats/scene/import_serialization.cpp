@@ -13,7 +13,8 @@ namespace {
 
 [[noreturn]] void refuse(const char* what) { throw std::runtime_error(what); }
 
-/// The two ways of a message: what `pass` is given, Writer appends and Reader brings back.
+// The functions `field` define the format once for both directions: with a Writer as stream they
+// append a value to the bytes, with a Reader they read it back.
 struct Writer {
   static constexpr bool reads = false;
   std::string bytes;
@@ -26,7 +27,7 @@ struct Reader {
   static constexpr bool reads = true;
   std::string_view rest;
   void raw(void* value, std::size_t size) {
-    if (size > rest.size()) refuse("the message is cut short");
+    if (size > rest.size()) refuse("the data of the import is cut short");
     if (size > 0) std::memcpy(value, rest.data(), size);
     rest.remove_prefix(size);
   }
@@ -44,12 +45,12 @@ void field(Stream& stream, bool& value) {
   value = byte != 0;
 }
 
-/// How many follow; when read, no more than there are bytes for.
+/// The number of elements that follow. A Reader refuses more than there are bytes for.
 template <class Stream>
 std::uint64_t count_field(Stream& stream, std::uint64_t count, std::size_t bytes_each) {
   field(stream, count);
   if constexpr (Stream::reads)
-    if (count > stream.rest.size() / bytes_each) refuse("a list is longer than the message");
+    if (count > stream.rest.size() / bytes_each) refuse("a list is longer than the data");
   return count;
 }
 
@@ -172,7 +173,7 @@ void field(Stream& stream, ImportResult& r) {
 }
 
 void check_times(double before, double time) {
-  if (!std::isfinite(time) || time < before) refuse("a key is no number or out of order");
+  if (!std::isfinite(time) || time < before) refuse("a key is not a number, or is out of order");
 }
 
 template <class Value>
@@ -180,14 +181,14 @@ void check_track(const Track<Value>& track) {
   const bool cubic = track.interpolation == Interpolation::cubic;
   if (track.interpolation > Interpolation::cubic ||
       track.tangents.size() != (cubic ? track.keys.size() : 0))
-    refuse("a track does not have a slope for each key");
+    refuse("a track does not have one tangent for each key");
   double before = -std::numeric_limits<double>::infinity();
   for (const Key<Value>& key : track.keys) {
     check_times(before, key.time), before = key.time;
     if constexpr (std::is_same_v<Value, Vector3d>) {
-      if (!key.value.allFinite()) refuse("a key is no number");
+      if (!key.value.allFinite()) refuse("a key is not a number");
     } else if (!(std::abs(key.value.norm() - 1) < 1e-6)) {
-      refuse("a key is no rotation");
+      refuse("a key is not a rotation");
     }
   }
   for (const Tangents<Value>& tangents : track.tangents) {
@@ -196,7 +197,7 @@ void check_track(const Track<Value>& track) {
       finite = tangents.in.allFinite() && tangents.out.allFinite();
     else
       finite = tangents.in.coeffs().allFinite() && tangents.out.coeffs().allFinite();
-    if (!finite) refuse("a slope is no number");
+    if (!finite) refuse("a tangent is not a number");
   }
 }
 
@@ -208,28 +209,28 @@ void check(const ImportedFile& file) {
     const ImportedNode& node = file.nodes[i];
     if (node.parent != -1 && !below(node.parent, i)) refuse("a node stands before its parent");
     if (!node.local.matrix().allFinite() || !node.scale.allFinite())
-      refuse("a transform is no number");
+      refuse("a transform is not a number");
     if (node.scale_from != -1 && !below(node.scale_from, i))
-      refuse("a node stands before what scales it");
+      refuse("a node stands before the node that scales it");
     for (const int mesh : node.meshes)
-      if (!below(mesh, file.meshes.size())) refuse("a node has a mesh that is not there");
+      if (!below(mesh, file.meshes.size())) refuse("a node has a mesh that does not exist");
   }
   for (const ImportedMesh& mesh : file.meshes) {
     if (mesh.uv.rows() != 0 && mesh.uv.rows() != mesh.x.rows())
       refuse("a mesh does not have one uv for each vertex");
-    if (!mesh.x.allFinite() || !mesh.uv.allFinite()) refuse("a vertex is no number");
+    if (!mesh.x.allFinite() || !mesh.uv.allFinite()) refuse("a vertex is not a number");
     if (mesh.triangles.size() > 0 &&
         (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.x.rows()))
-      refuse("a face has a vertex that is not there");
+      refuse("a face has a vertex that does not exist");
     if (mesh.creases.size() > 0 &&
         (mesh.creases.minCoeff() < 0 || mesh.creases.maxCoeff() >= mesh.x.rows()))
-      refuse("an edge has a vertex that is not there");
+      refuse("an edge has a vertex that does not exist");
   }
   for (const Take& take : file.takes) {
     if (!std::isfinite(take.begin) || !std::isfinite(take.end))
-      refuse("a take's length is no number");
+      refuse("the length of a take is not a number");
     for (const auto& [node, motion] : take.motions) {
-      if (!below(node, file.nodes.size())) refuse("a take moves a node that is not there");
+      if (!below(node, file.nodes.size())) refuse("a take moves a node that does not exist");
       check_track(motion.translation), check_track(motion.scale), check_track(motion.rotation);
       for (std::size_t k = 0; k < motion.key_times.size(); ++k)
         check_times(k > 0 ? motion.key_times[k - 1] : motion.key_times[k], motion.key_times[k]);
@@ -237,7 +238,7 @@ void check(const ImportedFile& file) {
   }
   if (!(file.unit > 0) || !std::isfinite(file.unit) || !(file.fps >= 0) ||
       !std::isfinite(file.fps) || !file.to_z_up.allFinite())
-    refuse("unit, rate or axes are no numbers");
+    refuse("unit, frame rate or axes are not numbers");
 }
 
 }  // namespace

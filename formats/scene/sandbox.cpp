@@ -13,7 +13,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int failed_exit_code = 70;  // exit code of work that threw
+constexpr int failed_exit_code = 70;  // when the work throws or its answer cannot be sent
 
 void limit(int resource, rlim_t max) {
   rlimit now{};
@@ -47,7 +47,8 @@ std::string read_all(int from) {
   return bytes;
 }
 
-/// The size goes ahead: an answer that is cut off is known.
+/// Runs the work in the child process. The answer is preceded by its size, so that the parent can
+/// tell when it is cut off.
 [[noreturn]] void work_and_end(const std::function<std::string()>& work,
                                const SandboxLimits& limits, int to) {
   for (const int signal :
@@ -81,14 +82,14 @@ std::string describe_end(int status, const SandboxLimits& limits) {
 SandboxResult run_sandboxed(const std::function<std::string()>& work, const SandboxLimits& limits) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    return {std::nullopt, std::string("could not be begun: ") + std::strerror(errno)};
+    return {std::nullopt, std::string("could not be started: ") + std::strerror(errno)};
   const pid_t child = ::fork();
   if (child == 0) ::close(ends[0]), work_and_end(work, limits, ends[1]);
   const std::string reason = std::strerror(errno);
   ::close(ends[1]);
   std::string answer = child < 0 ? std::string() : read_all(ends[0]);
   ::close(ends[0]);
-  if (child < 0) return {std::nullopt, "could not be begun: " + reason};
+  if (child < 0) return {std::nullopt, "could not be started: " + reason};
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }

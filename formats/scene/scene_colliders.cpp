@@ -11,7 +11,7 @@
 namespace paperbake {
 namespace {
 
-/// Triangles that have an area. [m]
+/// The triangles that have an area.
 Triangles with_area(const WeldedMesh& mesh) {
   std::vector<int> kept;
   for (int t = 0; t < mesh.triangles.rows(); ++t) {
@@ -24,13 +24,14 @@ Triangles with_area(const WeldedMesh& mesh) {
   return mesh.triangles(kept, Eigen::all);
 }
 
-/// The motion without what it changes of the size. stretched: how much that is [1]
+/// The rigid part of a motion. stretched [1] becomes the largest relative change of length that the
+/// motion has beside it, if that is more than before.
 Eigen::Isometry3d rigid(const Eigen::Affine3d& motion, double& stretched) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(motion.linear(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = svd.matrixU() * svd.matrixV().transpose();
-  // turned inside out
+  // a reflection has no rigid part
   if (pose.linear().determinant() < 0) pose.linear() = Eigen::Matrix3d::Identity(), stretched = 1;
   pose.translation() = motion.translation();
   stretched = std::max(stretched, (svd.singularValues().array() - 1).abs().maxCoeff());
@@ -46,7 +47,7 @@ bool is_collider(const ImportedNode& node) {
 
 std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
                                          std::vector<std::string>& warnings) {
-  constexpr double unmoved = 1e-9;    // [m], and of a turn
+  constexpr double unmoved = 1e-9;    // [m], and [1] for the entries of a rotation
   constexpr double same_size = 1e-3;  // [1]
   const auto& nodes = scene.file.nodes;
   std::vector<int> found;

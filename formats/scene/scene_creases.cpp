@@ -17,11 +17,12 @@ namespace {
 
 constexpr double max_distance = 1e-3;  // [m] from the sheet
 constexpr double max_angle = 170;      // [degrees]
-constexpr double same_place = 1e-4;    // of the longer side: one place, or on a line
-constexpr double min_length = 2e-3;    // of the longer side: of a part of a crease
+constexpr double same_place =
+    1e-4;  // of the longer side: tolerance for the same place and for straight lines
+constexpr double min_length = 2e-3;  // of the longer side: shortest segment of a crease
 constexpr std::size_t max_edges = 1000;
 
-/// Edges of a mesh, each place once.
+/// The marked edges of a mesh as a graph whose vertices are welded.
 struct EdgeGraph {
   std::vector<Vector3d> x;  // [m] world
   std::set<std::pair<int, int>> edges;
@@ -40,7 +41,7 @@ EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
   if (count > max_edges)
     throw Error(Fault::scene, place,
                 fmt::format("{} edges are marked as creases: more than {}.", count, max_edges),
-                "Mark those alone that are folded.");
+                "Mark only those that are folded.");
   EdgeGraph graph;
   const double near = count > 0 ? 1e-6 * box.diagonal().norm() : 0;
   const auto vertex_at = [&](const Vector3d& p) {
@@ -60,8 +61,8 @@ EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
   return graph;
 }
 
-/// Chains of vertices over all edges, each edge once: from ends and branchings, then round what is
-/// closed.
+/// Divides the edges of a graph into chains of vertices, each edge in one: first those between end
+/// points and branchings, then closed loops.
 std::vector<std::vector<int>> chains_of(std::set<std::pair<int, int>> edges, std::size_t vertices) {
   std::vector<std::set<int>> beside(vertices);
   for (const auto& [a, b] : edges) beside[a].insert(b), beside[b].insert(a);
@@ -83,7 +84,7 @@ std::vector<std::vector<int>> chains_of(std::set<std::pair<int, int>> edges, std
   return chains;
 }
 
-/// A polyline without the points that lie on a straight line, or next to another one.
+/// A polyline without the points that lie on a straight line or too close to another point.
 std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double side) {
   const auto off_line = [](const Vector2d& p, const Vector2d& a, const Vector2d& b) {
     const Vector2d d = b - a;
@@ -116,7 +117,7 @@ std::vector<Vector2d> on_pattern(const EdgeGraph& graph, const SceneSheet& sheet
           fmt::format(
               "The crease is {:.3g} mm off the sheet \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m.",
               1e3 * point.distance, sheet.name, p.x(), p.y(), p.z()),
-          "Lay its edges on the sheet as that is at the first frame, within 1 mm, or name the "
+          "Place its edges within 1 mm of the sheet as it is at the first frame, or name the "
           "sheet in paper_target.");
     const Vector2d border = nearest_border_point(sheet.pattern, point.pattern);
     points.push_back((border - point.pattern).norm() <= same_place * longer_side(sheet.pattern)
@@ -145,10 +146,12 @@ void check_inside(const FoldLine& crease, const SceneSheet& sheet, const std::st
             Fault::scene, place,
             fmt::format("The crease leaves the sheet \"{}\" at ({:.4g}, {:.4g}) m of its pattern.",
                         sheet.name, p.x(), p.y()),
-            "Give the edge a vertex where the sheet's border is, or take it away there.");
+            "Split the edge at the border of the sheet and delete the part outside.");
 }
 
-/// How many were added.
+/// Adds the creases that a node defines to a sheet; returns their number.
+/// kind    of the node, for error messages: "sheet" or "crease"
+/// origin  for SceneSheet::crease_origin
 std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
                            const std::string& kind, const std::string& origin, SceneSheet& sheet) {
   const ImportedNode& n = scene.file.nodes[node];
@@ -157,7 +160,7 @@ std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affin
   const double angle = number_property(scene.source, n, "paper_crease").value_or(0);
   if (std::abs(angle) > max_angle)
     throw Error(Fault::scene, place, fmt::format("paper_crease is {:g}.", angle),
-                "It is the angle that the crease springs back to: from -170 to 170 degrees.");
+                "It is the rest angle of the crease: from -170 to 170 degrees.");
   const std::vector<Vector2d> points = on_pattern(graph, sheet, place);
   for (auto edge = graph.edges.begin(); edge != graph.edges.end();)
     edge = along_border(sheet.pattern, points[edge->first], points[edge->second])
@@ -220,12 +223,13 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
     } else if (!is_collider(node) && (has_angle || name_begins_with(node.name, "crease"))) {
       if (!has_edges(scene.file, node)) {
         if (has_angle)
-          throw Error(Fault::scene, place_of(scene.source, "crease", node.name),
-                      "It has no edges without faces, which would be the crease.",
-                      "Draw it as edges alone, and export with Loose Edges (Blender) on.");
+          throw Error(
+              Fault::scene, place_of(scene.source, "crease", node.name),
+              "The mesh has no edges without faces, which would be the crease.",
+              "Draw the crease as edges without faces, and export with Loose Edges (Blender) on.");
         warnings.push_back(
             fmt::format("The mesh \"{}\" is named like a crease, but has no edges without faces: "
-                        "export them with Loose Edges (Blender) on.",
+                        "export with Loose Edges (Blender) on.",
                         node.name));
         continue;
       }

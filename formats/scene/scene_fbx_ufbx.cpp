@@ -1,4 +1,4 @@
-// FBX with ufbx, which cmake/ufbx.cmake brings.
+// FBX import with ufbx, which cmake/ufbx.cmake downloads.
 
 #include "formats/scene/scene_fbx.h"
 
@@ -21,12 +21,12 @@
 namespace paperbake {
 namespace {
 
-// [frames] a key this near is meant to be on the frame
+// [frames] a key this near to a frame is meant to be on it
 constexpr double on_key = 0.01;
-constexpr double max_clip_frames = 100001;  // [frames] one more than what is refused later
-constexpr double max_samples = 2e7;         // nodes x frames of all takes: gigabytes
+constexpr double max_clip_frames = 100001;  // [frames] one more than scene_nodes.cpp permits
+constexpr double max_samples = 2e7;  // nodes x frames of all takes, which would take gigabytes
 constexpr std::uint32_t max_node_depth = 10000;
-// [bytes] twice: while it is read, and of what was read
+// [bytes] memory limit for parsing, and again for its result
 constexpr std::size_t min_memory = std::size_t(1) << 29, memory_per_byte = 50;
 
 std::string text_of(const ufbx_string& s) { return {s.data, s.length}; }
@@ -72,7 +72,7 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// User defined properties of 3ds Max: lines "key = value".
+/// Adds the user-defined properties of 3ds Max, which are lines "key = value".
 void add_max_properties(std::string_view lines, ImportedNode& node) {
   while (!lines.empty()) {
     const std::string_view line = lines.substr(0, lines.find('\n'));
@@ -84,7 +84,8 @@ void add_max_properties(std::string_view lines, ImportedNode& node) {
   }
 }
 
-/// Properties that artists add: of the node, then of what it carries, e.g. a bone or a mesh.
+/// Adds custom properties. To be called for the node first, then for its attributes (bone, mesh):
+/// those added first win.
 void add_properties(const ufbx_props& props, ImportedNode& node) {
   for (const ufbx_prop& p : props.props) {
     const std::string name = text_of(p.name);
@@ -97,7 +98,8 @@ void add_properties(const ufbx_props& props, ImportedNode& node) {
   }
 }
 
-/// Edges with a crease, as for subdivision, and faces of two corners, which are loose edges.
+/// Edges with a crease weight, as for subdivision, and faces with two corners, which are loose
+/// edges.
 Edges creases_of(const ufbx_mesh& mesh) {
   std::vector<int> ends;
   for (std::size_t i = 0; i < std::min(mesh.edge_crease.count, mesh.edges.count); ++i)
@@ -140,7 +142,7 @@ ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   return copy;
 }
 
-/// The file as it becomes ours; `node_index` tells where a node went.
+/// Converts a ufbx scene to an ImportedFile.
 struct FbxConverter {
   const ufbx_scene& scene;
   double fps;
@@ -193,8 +195,8 @@ void FbxConverter::copy_node(const ufbx_node& node) {
   file.nodes.push_back(std::move(copy));
 }
 
-/// Keys that are gone where the curve was straight, of a curve that had one on every frame:
-/// Simplify of Blender's exporter.
+/// Whether a curve looks as if it had a key on every frame once and lost those on straight parts,
+/// as by Simplify of Blender's exporter.
 bool is_thinned(const ufbx_anim_curve& curve, double fps) {
   bool next_frame = false, gap = false;
   for (std::size_t k = 1; k < curve.keyframes.count; ++k) {
@@ -205,7 +207,7 @@ bool is_thinned(const ufbx_anim_curve& curve, double fps) {
   return next_frame && gap;
 }
 
-/// What moves a node: these properties alone.
+/// Whether a property has an influence on the transform of a node.
 bool moves_node(std::string_view property) {
   constexpr std::array names{UFBX_Lcl_Translation, UFBX_Lcl_Rotation,  UFBX_Lcl_Scaling,
                              UFBX_PreRotation,     UFBX_PostRotation,  UFBX_RotationOffset,
@@ -225,7 +227,8 @@ void sort_and_merge(std::vector<double>& times) {
   times.erase(std::unique(times.begin(), times.end()), times.end());
 }
 
-/// Samples that repeat the first or the last value are left out.
+/// Adds a sample to a track. While all samples are equal, only the last is kept. `same` counts the
+/// samples at the end that repeat the one before them, so that the caller can remove them.
 template <class Value>
 void add_sample(Track<Value>& track, double time, const Value& value, std::size_t& same) {
   const auto equal = [&](const Key<Value>& key) {
@@ -252,13 +255,13 @@ Motion FbxConverter::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
   samples += last - first + 1;
   if (samples > max_samples)
     throw Error(Fault::scene, fmt::format("take \"{}\"", text_of(stack.name)),
-                "Its frames and nodes are too many to follow.",
-                "Export the sheets and handles alone, or a shorter range.");
+                "It has too many frames and nodes.",
+                "Export only the sheets and handles, or a shorter range.");
   std::size_t same_t = 0, same_r = 0, same_s = 0;
   for (double frame = first; frame <= last; ++frame) {
     double time = frame / fps;
     const auto key = std::lower_bound(key_times.begin(), key_times.end(), time - on_key / fps);
-    // a step on this frame is past
+    // exactly at the key, so that a step on this frame has been made
     if (key != key_times.end() && *key <= time + on_key / fps) time = *key;
     const ufbx_transform t = ufbx_evaluate_transform(stack.anim, &node, time);
     const Eigen::Quaterniond turn = rotation(t.rotation).normalized();
@@ -311,13 +314,13 @@ Vector3d direction(ufbx_coordinate_axis axis) {
   return (axis % 2 ? -1 : 1) * Vector3d::Unit(axis / 2);
 }
 
-/// ufbx has the rates of video as 32-bit decimals.
+/// ufbx stores rates such as 30000/1001 as 32-bit floats; this gives the exact value.
 double rate_of_video(double fps) {
   const double exact = std::round(fps * 1.001) / 1.001;
   return std::abs(fps / exact - 1) < 1e-5 && std::round(fps) != fps ? exact : fps;
 }
 
-/// Unit, rate and axes of the file.
+/// Sets unit, frame rate and axes of the file.
 void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
   file.unit =
       settings.unit_meters > 0 && std::isfinite(settings.unit_meters) ? settings.unit_meters : 0.01;
@@ -333,8 +336,8 @@ void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
   file.up_axis = fmt::format("{}{} up", axes.up % 2 ? "-" : "", "xyz"[axes.up / 2]);
 }
 
-/// Blender's "All Actions" writes a stack "object|action" for every action and object, and all of
-/// them from time 0.
+/// Whether the file does not say which frame its clip starts at: Blender's "All Actions" writes a
+/// stack "object|action" for every action and object, each from time 0.
 bool has_lost_start(const ufbx_scene& scene) {
   const bool blender = scene.metadata.exporter == UFBX_EXPORTER_BLENDER_BINARY ||
                        scene.metadata.exporter == UFBX_EXPORTER_BLENDER_ASCII;
@@ -346,7 +349,7 @@ bool has_lost_start(const ufbx_scene& scene) {
                      [](const ufbx_anim_stack* stack) { return stack->time_begin == 0; });
 }
 
-/// Of the frames that are sampled, as scene_nodes will find it.
+/// Rate of the frames to sample [1/s]: the one that scene_nodes will determine.
 double sampling_rate(const ImportedFile& file, std::optional<double> asked) {
   if (asked && *asked > 0 && std::isfinite(*asked)) return *asked;
   if (file.fps > 0) return file.fps;

@@ -19,16 +19,16 @@
 namespace paperbake {
 namespace {
 
-// [m] beyond them the unit of the file is wrong
+// [m] limits of the longer side, beyond which the unit of the file must be wrong
 constexpr double max_sheet_side = 5, min_sheet_side = 0.005;
-constexpr double size_agreement = 0.01;  // of paper_size
+constexpr double size_agreement = 0.01;  // relative tolerance of paper_size
 
 std::string metres(const Vector2d& size) {
   return fmt::format("{:.4g} x {:.4g} m", size.x(), size.y());
 }
 
-/// The sides of the sheet after paper_size, turned as the sheet lies; none when there is no such
-/// property.
+/// The size in paper_size, with the two sides exchanged where that fits the measured size better;
+/// nothing without that property.
 std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& measured) {
   const auto list = list_property(node, "paper_size");
   if (list.size() < 2 || !(list[0] > 0) || !(list[1] > 0)) return std::nullopt;
@@ -39,7 +39,8 @@ std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& me
   return off(turned) < off(stated) ? turned : stated;
 }
 
-/// The power of ten that makes the longer side what paper_size says, or else a handy size.
+/// The power of ten by which the sheet should be scaled: to the size in paper_size, else to a
+/// plausible one.
 double likely_factor(double longer, const std::optional<Vector2d>& stated) {
   if (stated) return std::pow(10, std::round(std::log10(stated->maxCoeff() / longer)));
   // centimetres and millimetres first
@@ -81,10 +82,10 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
                          : "Correct paper_size or the mesh; they must agree within 1 %.");
 }
 
-/// Creases as a job file has them, their ends on the border where they are meant to be: a sheet is
-/// 0.1000001 m wide, and the job says 0.1.
+/// Creases of a job file with the points that nearly lie on the border moved onto it: the sheet may
+/// be 0.1000001 m wide where the job says 0.1.
 std::vector<FoldLine> with_ends_on_border(std::vector<FoldLine> creases, const Pattern& pattern) {
-  constexpr double near = 1e-4;  // [1] of the longer side
+  constexpr double near = 1e-4;  // of the longer side
   for (FoldLine& crease : creases)
     for (Vector2d& p : crease.line)
       if (const Vector2d border = nearest_border_point(pattern, p);
@@ -93,8 +94,8 @@ std::vector<FoldLine> with_ends_on_border(std::vector<FoldLine> creases, const P
   return creases;
 }
 
-/// A crease that passes a handle or a pinned point by less than a tolerance goes through it: a mesh
-/// that had both would have slivers between them.
+/// Leads a crease through the handles and singular points that it would pass at less than
+/// `tolerance` [m]: a mesh with both would have slivers between them.
 FoldLine snapped_to_points(const FoldLine& crease, const std::vector<Vector2d>& points,
                            double tolerance) {
   FoldLine snapped{{}, crease.angle};
@@ -108,7 +109,7 @@ FoldLine snapped_to_points(const FoldLine& crease, const std::vector<Vector2d>& 
     std::stable_sort(passed.begin(), passed.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [t, p] : passed) {
-      // it stands for the end that it lies at
+      // a point at the end of a segment replaces that end
       if (!snapped.line.empty() && (p - snapped.line.back()).norm() < tolerance)
         snapped.line.back() = p;
       else
@@ -127,10 +128,11 @@ void snap_creases_to_points(SceneSheet& sheet) {
     crease = snapped_to_points(crease, points, 2e-3 * longer_side(sheet.pattern));
 }
 
-/// throws Error(Fault::command) where a pin is not on the sheet
+/// Checks that singular points and creases of a job file lie on the sheet.
+/// throws Error(ErrorCode::command)
 void check_pins(const Pins& pins, const Pattern& pattern, const std::string& place,
                 const std::string& name) {
-  constexpr int samples = 64;  // of each part of a crease
+  constexpr int samples = 64;  // of each segment of a crease
   const double rounding = 1e-6 * longer_side(pattern);
   const auto check = [&](const char* key, const Vector2d& p) {
     if (contains(pattern, p, rounding)) return;
@@ -146,7 +148,8 @@ void check_pins(const Pins& pins, const Pattern& pattern, const std::string& pla
         throw Error(
             Fault::command, place,
             fmt::format(
-                "A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name),
+                "A segment of a crease of the sheet \"{}\" is shorter than 0.1 % of the sheet.",
+                name),
             "Leave out one of its points.");
       for (int i = 0; i <= samples; ++i)
         check("crease",
@@ -171,12 +174,12 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
   if (sheet.friction && *sheet.friction > most_friction)
     throw Error(Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
-                fmt::format("It can be a number from 0 to {}; paper on paper is about 0.4.",
+                fmt::format("It must be a number from 0 to {}; paper on paper has about 0.4.",
                             most_friction));
   if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
     if (*seed < 0)
       throw Error(Fault::scene, place, fmt::format("paper_seed is {}.", *seed),
-                  "It can be a whole number from 0 on.");
+                  "It must be a whole number of at least 0.");
     sheet.seed = static_cast<unsigned>(*seed);
   }
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
@@ -225,9 +228,9 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
   return sheets;
 }
 
-/// Its own keys move no sheet: that is for handles to do.
+/// Keys of a sheet itself are ignored: only handles move it.
 void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& warnings) {
-  constexpr int looks = 16;
+  constexpr int looks = 16;  // frames that are compared with the first
   const auto first = world_at(scene, scene.first_frame);
   std::set<int> moved;
   for (int look = 1; look <= looks; ++look) {

@@ -32,7 +32,8 @@ std::optional<PropertyValue> value_of(const Json& extra) {
   return extra.get<std::vector<double>>();
 }
 
-/// Properties that artists add: of the node, then of its mesh.
+/// Adds custom properties. To be called for the node first, then for its mesh: those added first
+/// win.
 void add_properties(const Json& object, ImportedNode& node) {
   const auto extras = object.find("extras");
   if (extras == object.end() || !extras->is_object()) return;
@@ -40,13 +41,14 @@ void add_properties(const Json& object, ImportedNode& node) {
     if (const auto value = value_of(extra)) node.properties.emplace(key, *value);
 }
 
-/// The vertices of a primitive's faces, lines or points, one after the other.
+/// The vertex indices of all faces, lines or points of a primitive.
 std::vector<int> corners_of(GltfFile& file, const Json& primitive, Eigen::Index vertices) {
   std::vector<int> corners;
   if (primitive.contains("indices")) {
     for (const std::size_t i :
          file.indices(index(primitive, "indices", list(file.json(), "accessors").size()))) {
-      if (i >= static_cast<std::size_t>(vertices)) refuse("a face has a vertex that is not there");
+      if (i >= static_cast<std::size_t>(vertices))
+        refuse("a face has a vertex that does not exist");
       corners.push_back(static_cast<int>(i));
     }
   } else {
@@ -55,7 +57,8 @@ std::vector<int> corners_of(GltfFile& file, const Json& primitive, Eigen::Index 
   return corners;
 }
 
-/// Triangles by themselves, in a strip or in a fan. source: glTF 2.0, 3.7.2.1
+/// Triangles from the modes triangles, triangle strip and triangle fan.
+/// source  glTF 2.0, section 3.7.2.1
 std::vector<std::array<int, 3>> triangles_of(const std::vector<int>& corners, std::size_t mode) {
   constexpr std::size_t alone = 4, strip = 5, fan = 6;
   std::vector<std::array<int, 3>> triangles;
@@ -66,13 +69,13 @@ std::vector<std::array<int, 3>> triangles_of(const std::vector<int>& corners, st
     const std::array<int, 3> t =
         mode == fan ? std::array{corners[i + 1], corners[i + 2], corners[0]}
                     : std::array{corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]};
-    // strips are sewn together by such
+    // strips are joined by degenerate triangles
     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
   }
   return triangles;
 }
 
-/// Lines by themselves, in a ring or one after the other.
+/// Edges from the modes lines, line loop and line strip.
 Edges lines_of(const std::vector<int>& corners, std::size_t mode) {
   constexpr std::size_t alone = 1, ring = 2, strip = 3;
   std::vector<int> ends;
@@ -84,13 +87,13 @@ Edges lines_of(const std::vector<int>& corners, std::size_t mode) {
   return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
 }
 
-/// The scene as it becomes ours.
+/// Converts a glTF file to an ImportedFile.
 struct GltfConverter {
   GltfFile& file;
   const Json& nodes;
   ImportedFile result;
-  std::map<int, int> node_index;                         // node of the file -> ours
-  std::map<std::size_t, std::vector<int>> mesh_indices;  // mesh of the file -> ours
+  std::map<int, int> node_index;                         // index in the file -> index in result
+  std::map<std::size_t, std::vector<int>> mesh_indices;  // mesh in the file -> meshes in result
 
   void add_nodes(const std::vector<int>& roots);
   void add_node(int i, int parent);
@@ -118,7 +121,7 @@ ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& 
   copy.uv = Eigen::Map<const Points2>(uv.data(), static_cast<Eigen::Index>(uv.size() / 2), 2);
   if (copy.uv.rows() > 0 && copy.uv.rows() != copy.x.rows())
     refuse("a mesh does not have one uv for each vertex");
-  copy.uv.col(1) = 1 - copy.uv.col(1).array();  // v of glTF runs down
+  copy.uv.col(1) = 1 - copy.uv.col(1).array();  // glTF counts v downwards
   if (!copy.x.allFinite() || !copy.uv.allFinite())
     throw Error(Fault::scene, place, "A vertex contains a value that is not a number.",
                 export_again);
@@ -182,13 +185,13 @@ std::vector<int> node_list(const Json& object, const char* key, std::size_t node
   std::vector<int> indices;
   for (const Json& i : list(object, key)) {
     if (!i.is_number_integer() || i < 0 || i >= nodes)
-      refuse(fmt::format("\"{}\" names a node that is not there", key));
+      refuse(fmt::format("\"{}\" names a node that does not exist", key));
     indices.push_back(i.get<int>());
   }
   return indices;
 }
 
-/// In order of the file, parents first.
+/// Adds the nodes in order of the file, parents first.
 void GltfConverter::add_nodes(const std::vector<int>& roots) {
   struct Waiting {
     int node, parent;
@@ -208,7 +211,7 @@ void GltfConverter::add_nodes(const std::vector<int>& roots) {
   }
 }
 
-/// Of the scene that is shown; of a file without scenes every node that is below none.
+/// Roots of the default scene; in a file without scenes all nodes without a parent.
 std::vector<int> roots_of(const Json& json) {
   const Json &nodes = list(json, "nodes"), &scenes = list(json, "scenes");
   if (!scenes.empty())
@@ -223,7 +226,7 @@ std::vector<int> roots_of(const Json& json) {
   return roots;
 }
 
-/// Of extensions without which, the file says, it cannot be understood.
+/// Warns of extensions that the file requires and that are not supported here.
 void warn_of_extensions(const Json& json, ImportedFile& file) {
   const auto known = [](const std::string& name) {
     for (const char* prefix :
@@ -259,8 +262,7 @@ ImportedFile import_gltf(const std::filesystem::path& path) try {
   return std::move(converter.result);
 } catch (const Json::exception&) {
   refuse(
-      "its JSON is not that of glTF 2: a text, number, list or object stands where another "
-      "belongs");
+      "its JSON is not that of glTF 2: a value has the wrong type (text, number, list or object)");
 }
 
 }  // namespace paperbake

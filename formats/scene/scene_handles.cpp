@@ -17,14 +17,14 @@ namespace paperbake {
 namespace {
 
 constexpr double on_border = 1e-5;  // of the longer side
-// [diagonals] in one frame: no one moves paper so; a unit or a wrong key does
+// [diagonals of the sheet] in one frame: more comes from a wrong unit or a wrong key
 constexpr double max_jump = 4;
-// keyed scale under half: the way of release both formats carry besides a property
+// a keyed scale below half also releases a handle: both formats can store that
 constexpr double released_scale = 0.5;
 
 struct HandleNode {
-  int node;    // carries name and properties
-  int origin;  // node whose origin is the handle: itself, or the child at a bone's tail
+  int node;    // has the name and the properties
+  int origin;  // its origin is the position: the node itself, or the child at a bone's tail
 };
 
 std::string place_of_handle(const SceneNodes& scene, const HandleNode& handle) {
@@ -58,7 +58,8 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
   const auto& nodes = scene.file.nodes;
   const auto children = children_of(nodes);
   std::vector<HandleNode> found;
-  std::set<int> leaves;  // of bones that are handles: named like handles, but not meant
+  std::set<int>
+      leaves;  // leaf nodes of bones that are handles: they have a handle's name but are none
   std::set<std::string> names;
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     const auto point = text_property(nodes[i], "paper_point");
@@ -72,14 +73,14 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
     const std::string side = point ? matched_name(*point) : "head";
     if (side != "head" && side != "tail")
       throw Error(Fault::scene, place, fmt::format("paper_point is \"{}\".", *point),
-                  "It can be head or tail.");
+                  "It must be head or tail.");
     if (!flag_property(nodes[i], "paper_ignore"))
       found.push_back({i, side == "tail" ? tail_of(scene, i, children[i]) : i});
     for (int child : children[i])
       if (children[child].empty() && is_tail_leaf(nodes[child].name, nodes[i].name))
         leaves.insert(child);
   }
-  // a sheet may fall on something
+  // without handles the sheet may still fall on a collider
   if (found.empty() && std::none_of(nodes.begin(), nodes.end(), is_collider))
     throw Error(Fault::scene, scene.source,
                 "The scene has no handle: no node's name starts with \"handle\".",
@@ -88,7 +89,7 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
   return found;
 }
 
-/// A point within rounding of a corner or the border is meant to be on it.
+/// Moves a point that is within rounding of a corner or the border onto it.
 Vector2d snapped_to_border(const Pattern& pattern, const Vector2d& p) {
   const double near = on_border * longer_side(pattern);
   const auto corner_near = [&](const std::vector<Vector2d>& loop) {
@@ -139,7 +140,7 @@ void read_properties(const SceneNodes& scene, const HandleNode& found, Handle& h
   const std::string mode = matched_name(text_property(node, "paper_mode").value_or("absolute"));
   if (mode != "absolute" && mode != "relative")
     throw Error(Fault::scene, place_of_handle(scene, found),
-                fmt::format("paper_mode is \"{}\".", mode), "It can be absolute or relative.");
+                fmt::format("paper_mode is \"{}\".", mode), "It must be absolute or relative.");
   handle.mode = mode == "relative" ? HandleMode::relative : HandleMode::absolute;
   handle.grab_frame = whole_property(source, node, "paper_grab_frame").value_or(handle.grab_frame);
   handle.release_frame =
@@ -148,8 +149,8 @@ void read_properties(const SceneNodes& scene, const HandleNode& found, Handle& h
   handle.stiffness = nonnegative_property(source, node, "paper_stiffness").value_or(0);
 }
 
-/// Positions over the frames of the scene, and where the scale falls under half of what it was at
-/// the first: which handles that releases.
+/// Sets the keyed positions over the frames of the scene, and releases handles where their scale
+/// falls below half of that at the first frame. Returns which handles are released so.
 std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<HandleNode>& found,
                               std::vector<Handle>& handles) {
   const auto size = [](const Eigen::Affine3d& world) {
@@ -188,7 +189,7 @@ void check_jumps(const SceneNodes& scene, const HandleNode& found, const Handle&
         fmt::format("{}, frames {}-{}", place_of_handle(scene, found), frame - 1, frame),
         fmt::format("The handle jumps {:.3g} m in one frame; the sheet \"{}\" is {:.3g} m across.",
                     jump, sheet.name, diagonal),
-        "Look for a wrong key there; if all is too large, the unit of the file is wrong: "
+        "Look for a wrong key there; if everything is too large, the unit of the file is wrong: "
         "--unit-scale.");
   }
 }
@@ -197,7 +198,7 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
                         double distance, std::vector<std::string>& warnings) {
   if (handle.mode == HandleMode::absolute && distance > 0.02 * extent(sheet.pattern).norm())
     warnings.push_back(
-        fmt::format("The handle \"{}\" is {:.3g} mm away from its sheet at frame {}: it draws the "
+        fmt::format("The handle \"{}\" is {:.3g} mm away from its sheet at frame {}: it pulls the "
                     "nearest sheet point.",
                     handle.name, 1000 * distance, scene.first_frame));
   if (handle.release_frame <= handle.grab_frame)
@@ -206,7 +207,7 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
                     handle.name, handle.release_frame, handle.grab_frame));
 }
 
-/// A null that groups handles and is named like one holds paper itself.
+/// Warns of nodes that group handles and are taken for handles because of their own name.
 void warn_of_groups(const SceneNodes& scene, const std::vector<HandleNode>& found,
                     std::vector<std::string>& warnings) {
   const auto& nodes = scene.file.nodes;
@@ -219,7 +220,7 @@ void warn_of_groups(const SceneNodes& scene, const std::vector<HandleNode>& foun
   for (const HandleNode& handle : found)
     if (const auto group = below.find(handle.node); group != below.end() && group->second > 1)
       warnings.push_back(
-          fmt::format("The handle \"{}\" has {} handles below it and holds the sheet like them: if "
+          fmt::format("The handle \"{}\" has {} handles below it and holds the sheet, too: if "
                       "it only groups them, rename it or give it paper_ignore.",
                       nodes[handle.node].name, group->second));
 }
@@ -232,7 +233,7 @@ void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handl
   if (handles.empty() || !std::all_of(handles.begin(), handles.end(), still)) return;
   warnings.push_back(scene.file.takes.empty()
                          ? "No handle moves: the file has no animation."
-                         : "No handle moves: no animation of the file is theirs.");
+                         : "No handle moves: no animation of the file belongs to one.");
 }
 
 }  // namespace

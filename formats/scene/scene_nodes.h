@@ -20,7 +20,7 @@ struct SceneNodes {
   std::vector<Motion> motions;
   double unit = 1;                                // [m] of one unit of the file
   double fps = 24;                                // [1/s]
-  int first_frame = 1, last_frame = 1;            // of the first and last key
+  int first_frame = 1, last_frame = 1;            // of the keys, or of curves that go on
   int first_clip_frame = 1, last_clip_frame = 1;  // of the clip, which includes the keys
   std::vector<std::string> warnings;
   std::map<std::string, std::string> origin;
@@ -28,8 +28,9 @@ struct SceneNodes {
 
 /// Merges the takes of a file and determines frames, unit and axes. Each node follows one take:
 /// preferably one that moves it, then one that passes through its rest position, then the one with
-/// most keys. frame = seconds x fps, rounded to the nearest whole frame when within 0.01; where the
-/// file has lost its first frame, that is options.start_frame, else 1.
+/// most keys. frame = seconds x fps, rounded to the nearest whole frame when within 0.01. The first
+/// key is moved to options.start_frame, if given; else a file that has lost its start frame begins
+/// at frame 1.
 /// throws Error(ErrorCode::scene) for an unknown take, or an implausible fps, unit or clip length
 SceneNodes scene_nodes(ImportedFile, std::string source, const SceneOptions&);
 

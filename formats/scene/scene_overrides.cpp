@@ -10,7 +10,7 @@
 namespace paperbake {
 namespace {
 
-/// Wildcards in linear memory: on a mismatch back to the last star, one letter on.
+/// Wildcard matching without recursion: on a mismatch the last star takes one more character.
 bool glob(const std::string& text, const std::string& pattern) {
   std::size_t t = 0, p = 0, star = std::string::npos, after = 0;
   while (t < text.size()) {
@@ -27,7 +27,7 @@ bool glob(const std::string& text, const std::string& pattern) {
   return p == pattern.size();
 }
 
-/// The leaf that an exporter puts at a bone's end is no handle, whatever its name.
+/// Whether a node is the leaf that exporters put at the tail of a bone: it is never a handle.
 bool is_leaf_of_bone(const std::vector<ImportedNode>& nodes, const ImportedNode& node) {
   int parent = node.parent;
   while (parent >= 0 && nodes[parent].pivot) parent = nodes[parent].parent;
@@ -73,7 +73,7 @@ std::vector<AppliedOverrides> apply_overrides(ImportedFile& file,
         names.push_back(fmt::format("{} more", candidates.size() - max_listed));
       throw Error(Fault::command, section.place,
                   fmt::format("No {} of the scene has a name like \"{}\".", kind, section.pattern),
-                  names.empty() ? fmt::format("There is no {}.", kind)
+                  names.empty() ? fmt::format("The scene has no {}.", kind)
                                 : fmt::format("The {}s are: {}.", kind, fmt::join(names, ", ")));
     }
     for (const std::size_t i : matched) {

@@ -14,7 +14,8 @@
 namespace paperbake {
 namespace {
 
-// the words of design.md; the second row belongs to other tools or to later versions
+// paper_uv, paper_locked, paper_weight, paper_interp and paper_tangent are accepted but have no
+// effect
 constexpr std::array known_properties = {
     "paper_grab_frame", "paper_release_frame", "paper_mode",   "paper_radius",  "paper_target",
     "paper_point",      "paper_stiffness",     "paper_ignore", "paper_preset",  "paper_gsm",

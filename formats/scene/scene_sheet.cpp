@@ -18,11 +18,11 @@ namespace {
 using Loop = std::vector<int>;
 
 constexpr double weld_distance = 1e-6;  // of the size
-constexpr double weld_uv = 1e-4;        // uv units
-// of the size: a border vertex nearer to a straight line is no corner
+constexpr double weld_uv = 1e-4;        // in uv
+// of the size: a border vertex nearer than this to a straight line is not a corner
 constexpr double straightness = 1e-6;
 
-/// All faces of a node in the world, in metres, vertices as the file has them.
+/// All faces of a node in the world, in metres, with the vertices of the file.
 WeldedMesh combined_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
   int vertices = 0, triangles = 0;
   bool has_uv = true;
@@ -43,7 +43,7 @@ WeldedMesh combined_mesh(const ImportedFile& file, int node, const Eigen::Affine
     v += n;
     t += static_cast<int>(mesh.triangles.rows());
   }
-  // a mirroring transform turns the winding round, the front stays where the artist sees it
+  // a reflection reverses the winding; swapping corners keeps the front where the artist sees it
   if (world.linear().determinant() < 0) all.triangles.col(1).swap(all.triangles.col(2));
   return all;
 }
@@ -52,8 +52,8 @@ double size_of(const Points3& x) {
   return (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
 }
 
-/// Makes one vertex of those at one place; vertices no face uses are left out. Order of first use
-/// by index.
+/// Merges vertices at the same position, and with keep_uv at the same uv, into the one with the
+/// lowest index; vertices without a face are left out.
 WeldedMesh weld(const WeldedMesh& mesh, bool keep_uv) {
   const double near = weld_distance * size_of(mesh.x);
   std::vector<int> used(mesh.triangles.data(), mesh.triangles.data() + mesh.triangles.size());
@@ -95,17 +95,16 @@ int triangles_without_area(const WeldedMesh& mesh) {
     const auto corner = [&](int k) { return Vector3d(mesh.x.row(mesh.triangles(t, k))); };
     const Vector3d a = corner(1) - corner(0), b = corner(2) - corner(0);
     const double longest2 = std::max({a.squaredNorm(), b.squaredNorm(), (a - b).squaredNorm()});
-    count += a.cross(b).norm() <= 1e-6 * longest2;  // higher than a millionth of its length
+    count += a.cross(b).norm() <= 1e-6 * longest2;  // height below a millionth of the longest side
   }
   return count;
 }
 
 struct EdgeTopology {
-  std::map<std::pair<int, int>, std::vector<int>> triangles;  // ends, smaller first -> triangles
-  int overfull = 0;                                           // edges of three triangles and more
-  // whose two triangles disagree about the front
-  int inconsistent = 0;
-  int pieces = 0;
+  std::map<std::pair<int, int>, std::vector<int>> triangles;  // by ends of the edge, smaller first
+  int overfull = 0;                                           // edges of three or more triangles
+  int inconsistent = 0;  // edges whose two triangles have opposite orientations
+  int pieces = 0;        // connected components
 };
 
 EdgeTopology edge_topology(const Triangles& triangles) {
@@ -155,16 +154,17 @@ void check_mesh(const WeldedMesh& mesh, const std::string& place) {
   if (std::none_of(edges.triangles.begin(), edges.triangles.end(),
                    [](const auto& edge) { return edge.second.size() == 1; }))
     reject("The mesh is closed: a sheet of paper has a border.",
-           "Take away its thickness (Solidify, Shell), or cut it open along edges.");
+           "Remove its thickness (Solidify, Shell), or cut it open along edges.");
 }
 
-/// True when the mesh can be a sheet without a word to the artist.
+/// Whether check_mesh would accept the connectivity of the mesh.
 bool is_one_layer(const WeldedMesh& mesh) {
   const EdgeTopology edges = edge_topology(mesh.triangles);
   return edges.overfull == 0 && edges.inconsistent == 0 && edges.pieces == 1;
 }
 
-/// The border, paper on its left: the outline comes out counter-clockwise, holes clockwise.
+/// The loops of the border, with the paper on their left: outlines counter-clockwise, holes
+/// clockwise.
 std::vector<Loop> border_loops(const Triangles& triangles, const std::string& place) {
   std::map<std::pair<int, int>, int> directed;
   for (int t = 0; t < triangles.rows(); ++t)
@@ -194,7 +194,7 @@ double distance_to_line(const Vector2d& p, const Vector2d& a, const Vector2d& b)
   return std::abs(ab.x() * (p - a).y() - ab.y() * (p - a).x()) / ab.norm();
 }
 
-/// The corners of a loop, beginning with its leftmost lowest: that one is a corner for certain.
+/// The corners of a loop, beginning with the lowest of its leftmost vertices, which must be one.
 std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double size) {
   std::vector<Vector2d> points;
   for (int v : loop) points.push_back(flat.row(v));
@@ -244,8 +244,8 @@ bool overlaps_itself(const Pattern& pattern) {
   return false;
 }
 
-/// An unrolled sheet has no direction of its own: its longest straight border, the first of equals,
-/// goes along x.
+/// Rotates an unrolled sheet, whose direction is arbitrary, so that its longest straight border,
+/// the first of equals, runs along x.
 void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
   Vector2d longest = Vector2d::UnitX();
   double length = 0;
@@ -258,10 +258,11 @@ void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
   flat = (flat * rotation.transpose()).eval();
 }
 
-/// By quarter turns the side up that the UVs have up, whatever their proportions.
-/// all: the same triangles with their uv
+/// Rotates a sheet by quarter turns to agree best with the directions of its UVs, whatever their
+/// proportions.
+/// all  the same triangles with their uv
 void turn_as_uv(Points2& flat, const Triangles& triangles, const WeldedMesh& all) {
-  // how well the uv agree with the flat shape as it is, and turned by 90 degrees
+  // agreement of the uv with the flat shape as it is, and rotated by 90 degrees
   double same = 0, quarter = 0, area = 0;
   for (const int mirrored : {1, -1}) {
     same = quarter = area = 0;
@@ -327,7 +328,7 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
     lay_along_longest_side(*flat, pattern_of(*flat, mesh.triangles, place));
     if (all.uv.rows() > 0) turn_as_uv(*flat, mesh.triangles, all);
   }
-  // the bounding box begins at (0, 0)
+  // the bounding box starts at (0, 0)
   flat->rowwise() -= flat->colwise().minCoeff().eval();
   FlatSheet sheet;
   sheet.pattern = pattern_of(*flat, mesh.triangles, place);
