@@ -170,8 +170,8 @@ std::vector<std::string> user_preset_names() {
 Preset read_preset(const std::string& name_or_file) {
   if (is_file(name_or_file))
     return parse_preset(name_or_file, read_toml_text(name_or_file, "preset"));
-  const std::vector<std::string> own = user_preset_names();
-  if (std::find(own.begin(), own.end(), name_or_file) != own.end()) {
+  const std::vector<std::string> user_names = user_preset_names();
+  if (std::find(user_names.begin(), user_names.end(), name_or_file) != user_names.end()) {
     const std::string file = (user_preset_folder() / (name_or_file + ".toml")).string();
     return parse_preset(file, read_toml_text(file, "preset"));
   }
@@ -184,7 +184,7 @@ Preset read_preset(const std::string& name_or_file) {
     throw Error(Fault::command, name_or_file, "There is no such preset file.",
                 "`paperbake presets` lists the built-in grades.");
   std::vector<std::string> names = preset_names();
-  names.insert(names.end(), own.begin(), own.end());
+  names.insert(names.end(), user_names.begin(), user_names.end());
   throw Error(
       Fault::command, fmt::format("preset \"{}\"", name_or_file),
       fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),

@@ -45,7 +45,7 @@ void refuse_unknown_keys(const TomlDocument& document, const toml::table& table,
   if (!first) return;
   const std::string word(first->str());
   fail(document, at, fmt::format("Unknown key \"{}\".{}", word, did_you_mean(word, known)),
-       fmt::format("Known here: {}.", fmt::join(known, ", ")));
+       fmt::format("Known keys: {}.", fmt::join(known, ", ")));
 }
 
 TomlDocument parse_toml(const std::string& file, const std::string& text) {

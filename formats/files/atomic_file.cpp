@@ -16,11 +16,11 @@ AtomicFile::AtomicFile(std::filesystem::path path)
   // a folder of this name would otherwise be noticed only in commit(), after all the work
   if (std::filesystem::is_directory(path_)) {
     errno = EISDIR;
-    fail("made");
+    fail("created");
   }
   part_ += ".part";
   file_ = std::fopen(part_.c_str(), "wb+");
-  if (!file_) fail("made");
+  if (!file_) fail("created");
 }
 
 AtomicFile::~AtomicFile() {

@@ -42,7 +42,7 @@ class AtomicFile {
 
   std::filesystem::path path_, part_;
   std::FILE* file_;
-  std::uint64_t end_ = 0;  // [bytes] written through here
+  std::uint64_t end_ = 0;  // [bytes] end of what this object has written
 };
 
 /// The bytes of a file; nothing when it cannot be read.

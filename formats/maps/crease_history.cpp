@@ -27,7 +27,7 @@ bool same_place(const DetectedCrease& a, const DetectedCrease& b, double same) {
   return straight || ((a.from - b.to).norm() <= same && (a.to - b.from).norm() <= same);
 }
 
-/// Whether they are parallel, and the midpoint of one lies on the other.
+/// Whether the creases are parallel and the midpoint of one of them lies on the other.
 bool overlap(const DetectedCrease& a, const DetectedCrease& b, double same) {
   const auto within = [&](const DetectedCrease& inner, const DetectedCrease& outer) {
     const Vector2d middle = 0.5 * (inner.from + inner.to);
@@ -59,16 +59,16 @@ std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& pl
     const double wings =
                      0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
                  width = 2.0 / 3 * wings / length;
-    const bool folded = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);  // a prescribed crease
-    double kept = folded ? turn : turn - thresholds.yield_curvature * width;
-    if (plastic.rows() > 0 && !folded) {
+    const bool prescribed = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);
+    double plastic_angle = prescribed ? turn : turn - thresholds.yield_curvature * width;
+    if (plastic.rows() > 0 && !prescribed) {
       const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));
       const Vector2d n(-along.y() / length, along.x() / length);
-      kept =
+      plastic_angle =
           std::abs(n.x() * n.x() * S[0] + 2 * n.x() * n.y() * S[1] + n.y() * n.y() * S[2]) * width;
     }
     DetectedCrease crease;
-    crease.strength = rise(turn, thresholds.angle) * rise(kept, thresholds.plastic_angle) *
+    crease.strength = rise(turn, thresholds.angle) * rise(plastic_angle, thresholds.plastic_angle) *
                       std::min(1.0, turn / thresholds.full_angle);
     if (crease.strength <= 0) continue;
     crease.from = at(v[0]);

@@ -165,7 +165,7 @@ MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint&
 
 /// Indices of a texel beside the pattern and of the texel of the pattern that it copies.
 struct Padding {
-  std::size_t texel, beside;
+  std::size_t texel, source;
 };
 std::vector<Padding> paddings(const std::vector<MapTexel>& level, int size, int first, int last) {
   constexpr int around[8][2] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},
@@ -177,9 +177,9 @@ std::vector<Padding> paddings(const std::vector<MapTexel>& level, int size, int 
       if (level[texel].a > 0) continue;
       for (const auto& [x, y] : around) {
         if (i + x < 0 || j + y < 0 || i + x >= size || j + y >= size) continue;
-        const std::size_t beside = std::size_t(j + y) * size + i + x;
-        if (!(level[beside].a > 0)) continue;
-        found.push_back({texel, beside});
+        const std::size_t source = std::size_t(j + y) * size + i + x;
+        if (!(level[source].a > 0)) continue;
+        found.push_back({texel, source});
         break;
       }
     }
@@ -218,7 +218,7 @@ std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, 
     padding[part] = paddings(level, next, first, last);
   });
   for (const auto& part : padding)
-    for (const Padding& p : part) level[p.texel] = level[p.beside], level[p.texel].a = 0.0f;
+    for (const Padding& p : part) level[p.texel] = level[p.source], level[p.texel].a = 0.0f;
   return level;
 }
 

@@ -138,7 +138,7 @@ void field(Stream& stream, PropertyValue& value) {
     else
       value.template emplace<2>();
   }
-  std::visit([&](auto& held) { field(stream, held); }, value);
+  std::visit([&](auto& alternative) { field(stream, alternative); }, value);
 }
 
 template <class Stream>

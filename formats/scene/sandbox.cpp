@@ -71,7 +71,7 @@ std::string read_all(int from) {
 }
 
 std::string describe_end(int status, const SandboxLimits& limits) {
-  if (!WIFSIGNALED(status)) return "broke off";
+  if (!WIFSIGNALED(status)) return "failed";
   const int signal = WTERMSIG(status);
   if (signal == SIGXCPU) return "ran for more than " + std::to_string(limits.seconds) + " s";
   return std::string("crashed (") + ::strsignal(signal) + ")";

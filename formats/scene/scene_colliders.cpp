@@ -24,8 +24,8 @@ Triangles with_area(const WeldedMesh& mesh) {
   return mesh.triangles(kept, Eigen::all);
 }
 
-/// The rigid part of a motion. stretched [1] becomes the largest relative change of length that the
-/// motion has beside it, if that is more than before.
+/// The rigid part of a motion. stretched [1] is raised to the largest relative change of length of
+/// the motion, if that is larger.
 Eigen::Isometry3d rigid(const Eigen::Affine3d& motion, double& stretched) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(motion.linear(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);

@@ -64,23 +64,24 @@ EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
 /// Divides the edges of a graph into chains of vertices, each edge in one: first those between end
 /// points and branchings, then closed loops.
 std::vector<std::vector<int>> chains_of(std::set<std::pair<int, int>> edges, std::size_t vertices) {
-  std::vector<std::set<int>> beside(vertices);
-  for (const auto& [a, b] : edges) beside[a].insert(b), beside[b].insert(a);
-  const std::vector<std::set<int>> all = beside;
+  std::vector<std::set<int>> neighbours(vertices);
+  for (const auto& [a, b] : edges) neighbours[a].insert(b), neighbours[b].insert(a);
+  const std::vector<std::set<int>> all_neighbours = neighbours;
   const auto chain_from = [&](int first) {
     std::vector<int> chain{first};
-    for (int at = first; !beside[at].empty();) {
-      const int next = *beside[at].begin();
-      beside[at].erase(next), beside[next].erase(at);
+    for (int at = first; !neighbours[at].empty();) {
+      const int next = *neighbours[at].begin();
+      neighbours[at].erase(next), neighbours[next].erase(at);
       chain.push_back(at = next);
-      if (all[at].size() != 2) break;
+      if (all_neighbours[at].size() != 2) break;
     }
     return chain;
   };
   std::vector<std::vector<int>> chains;
   for (const bool closed : {false, true})
     for (int v = 0; v < static_cast<int>(vertices); ++v)
-      while (!beside[v].empty() && (closed || all[v].size() != 2)) chains.push_back(chain_from(v));
+      while (!neighbours[v].empty() && (closed || all_neighbours[v].size() != 2))
+        chains.push_back(chain_from(v));
   return chains;
 }
 
@@ -92,15 +93,15 @@ std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double sid
                         : (p - a).norm();
   };
   std::vector<Vector2d> line{points.front()};
-  std::size_t kept = 0;
+  std::size_t last = 0;
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     bool straight = true;
-    for (std::size_t k = kept + 1; k <= i; ++k)
-      straight = straight && off_line(points[k], points[kept], points[i + 1]) <= same_place * side;
+    for (std::size_t k = last + 1; k <= i; ++k)
+      straight = straight && off_line(points[k], points[last], points[i + 1]) <= same_place * side;
     if (straight || (points[i] - line.back()).norm() < min_length * side ||
         (points[i] - points.back()).norm() < min_length * side)
       continue;
-    line.push_back(points[i]), kept = i;
+    line.push_back(points[i]), last = i;
   }
   line.push_back(points.back());
   return line;
@@ -237,7 +238,7 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
       if (add_creases_of(scene, i, world[i], "crease", fmt::format("\"{}\"", node.name), under) ==
           0)
         warnings.push_back(fmt::format(
-            "The crease \"{}\" lies along the border of the sheet \"{}\": it folds nothing.",
+            "The crease \"{}\" lies along the border of the sheet \"{}\": it has no effect.",
             node.name, under.name));
     }
   }

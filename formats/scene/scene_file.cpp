@@ -100,11 +100,11 @@ FoldLine snapped_to_points(const FoldLine& crease, const std::vector<Vector2d>& 
                            double tolerance) {
   FoldLine snapped{{}, crease.angle};
   for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
-    const Vector2d from = crease.line[k], way = crease.line[k + 1] - from;
+    const Vector2d from = crease.line[k], along = crease.line[k + 1] - from;
     std::vector<std::pair<double, Vector2d>> passed{{0, from}};
     for (const Vector2d& p : points) {
-      const double t = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
-      if ((from + t * way - p).norm() < tolerance) passed.emplace_back(t, p);
+      const double t = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+      if ((from + t * along - p).norm() < tolerance) passed.emplace_back(t, p);
     }
     std::stable_sort(passed.begin(), passed.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });

@@ -58,8 +58,7 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
   const auto& nodes = scene.file.nodes;
   const auto children = children_of(nodes);
   std::vector<HandleNode> found;
-  std::set<int>
-      leaves;  // leaf nodes of bones that are handles: they have a handle's name but are none
+  std::set<int> leaves;  // leaf nodes of bones that are handles: they are not handles themselves
   std::set<std::string> names;
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     const auto point = text_property(nodes[i], "paper_point");

@@ -175,7 +175,7 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
       return set(*fps, fmt::format("paper_fps of \"{}\"", node.name));
   set(24, "default");
   scene.warnings.push_back(
-      "The file does not say its frame rate: 24 frames per second are assumed; "
+      "The file does not state its frame rate: 24 frames per second are assumed; "
       "--fps N or a property paper_fps sets it.");
 }
 
@@ -364,7 +364,7 @@ void set_frames(SceneNodes& scene, const SceneOptions& options,
 void set_unit(SceneNodes& scene, const SceneOptions& options) {
   if (options.unit_scale && !(*options.unit_scale > 0 && std::isfinite(*options.unit_scale)))
     throw Error(Fault::scene, scene.source,
-                fmt::format("A unit of {} m cannot be meant.", *options.unit_scale),
+                fmt::format("A unit of {} m cannot be right.", *options.unit_scale),
                 "Give a positive length in metres to --unit-scale.");
   scene.unit = options.unit_scale.value_or(scene.file.unit);
   scene.origin["unit"] = fmt::format("{:.6g} m, {}", scene.unit,

@@ -207,14 +207,14 @@ std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double s
                                }),
               points.end());
   std::vector<Vector2d> corners = {points.front()};
-  std::size_t kept = 0;
+  std::size_t last = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Vector2d& next = points[(i + 1) % points.size()];
     bool on_line = true;
-    for (std::size_t k = kept + 1; k <= i; ++k)
-      on_line = on_line && distance_to_line(points[k], points[kept], next) <= straightness * size;
+    for (std::size_t k = last + 1; k <= i; ++k)
+      on_line = on_line && distance_to_line(points[k], points[last], next) <= straightness * size;
     if (on_line) continue;
-    kept = i;
+    last = i;
     corners.push_back(points[i]);
   }
   return corners;
@@ -300,13 +300,13 @@ Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::s
       pattern.holes.push_back(std::move(corners));
     } else {
       if (!pattern.outline.empty())
-        throw Error(Fault::scene, place, "Laid flat the sheet overlaps itself.",
+        throw Error(Fault::scene, place, "The sheet overlaps itself when it is laid flat.",
                     "Cut it into sheets that can be laid flat.");
       pattern.outline = std::move(corners);
     }
   }
   if (pattern.outline.empty() || overlaps_itself(pattern))
-    throw Error(Fault::scene, place, "Laid flat the sheet overlaps itself.",
+    throw Error(Fault::scene, place, "The sheet overlaps itself when it is laid flat.",
                 "Cut it into sheets that can be laid flat.");
   return pattern;
 }

@@ -37,7 +37,7 @@ TEST(Sandbox, SaysHowItEndedWhenItDidNotComeToItsEnd) {
   const SandboxResult threw =
       run_sandboxed([]() -> std::string { throw std::runtime_error("foreign"); });
   EXPECT_FALSE(threw.bytes);
-  EXPECT_EQ(threw.ended, "broke off");
+  EXPECT_EQ(threw.ended, "failed");
   // a good end without an answer is none
   const SandboxResult left = run_sandboxed([]() -> std::string { std::_Exit(0); });
   EXPECT_FALSE(left.bytes);
