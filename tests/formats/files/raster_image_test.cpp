@@ -17,14 +17,15 @@ namespace fs = std::filesystem;
 
 constexpr Colour white{255, 255, 255}, red{255, 0, 0}, blue{0, 0, 255}, black{0, 0, 0};
 
-/// Sees the world's x, y at one pixel a metre, (0, 0) at the lower left.
+/// A camera with one pixel per metre that looks along z and has (0, 0) at the lower left.
 Camera plain_camera(int height) {
   Camera camera;
   camera.at = {0, static_cast<double>(height)};
   return camera;
 }
 
-/// One upright square of two triangles from (left, bottom) at depth z.
+/// Draws an upright square of two triangles, with its lower left corner at (left, bottom) and depth
+/// z.
 void draw_square(Canvas& canvas, double left, double bottom, double side, double z, Colour colour) {
   Points3 x(4, 3);
   x << left, bottom, z, left + side, bottom, z, left + side, bottom + side, z, left, bottom + side,
@@ -38,15 +39,15 @@ int count(const Image& image, Colour colour) {
   return static_cast<int>(std::count(image.pixels.begin(), image.pixels.end(), colour));
 }
 
-/// How much of a white picture was made black. [px]
+/// Area of a white image that was painted black. [px]
 double blackened(const Image& image) {
   double sum = 0;
   for (const Colour& c : image.pixels) sum += (255 - c.red) / 255.0;
   return sum;
 }
 
-/// Two squares side by side, 100 px each, that rise to the viewer from their common edge by so much
-/// a pixel.
+/// Two squares side by side, 100 px each, that rise towards the viewer from their common edge with
+/// these slopes.
 Canvas valley(double left_slope, double right_slope) {
   Canvas canvas(200, 100, white);
   Points3 x(6, 3);
@@ -58,7 +59,7 @@ Canvas valley(double left_slope, double right_slope) {
   return canvas;
 }
 
-TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
+TEST(RasterImage, ColoursAreInterpolatedLinearlyBetweenCorners) {
   Canvas canvas(100, 100, white);
   Points3 x(3, 3);
   x << 0, 0, 0, 100, 0, 0, 0, 100, 0;
@@ -68,7 +69,7 @@ TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
                         {{Colour{0, 0, 0}, Colour{200, 0, 0}, Colour{0, 100, 0}}});
   const Image image = resolve_samples(canvas);
   for (const auto& [column, row] : {std::pair(10, 90), std::pair(40, 70), std::pair(20, 30)}) {
-    // one of rounding each sample
+    // each sample is rounded by up to 1
     EXPECT_NEAR(image.at(column, row).red, 2.0 * (column + 0.5), 1.01);
     EXPECT_NEAR(image.at(column, row).green, 100 - (row + 0.5), 1.01);
     EXPECT_EQ(image.at(column, row).blue, 0);
@@ -76,7 +77,7 @@ TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
   EXPECT_EQ(image.at(90, 10), white);
 }
 
-TEST(Picture, ValleysAreDarkenedRidgesAreNotAndASlopeStaysAsItIs) {
+TEST(RasterImage, AmbientOcclusionDarkensValleysAndLeavesPlanesUnchanged) {
   const auto middle_and_side = [](Canvas canvas) {
     apply_ambient_occlusion(canvas, 1, 10);
     const Image image = resolve_samples(canvas);
@@ -91,7 +92,7 @@ TEST(Picture, ValleysAreDarkenedRidgesAreNotAndASlopeStaysAsItIs) {
   EXPECT_EQ(flank, 128);
 }
 
-TEST(Picture, ATriangleCoversThePixelsInsideItAndNoOthers) {
+TEST(RasterImage, ATriangleCoversThePixelsInsideItAndNoOthers) {
   Canvas canvas(20, 10, white);
   Points3 x(3, 3);
   x << 2, 1, 0, 18, 1, 0, 2, 9, 0;  // right-angled: inside below x/16 + y/8 = 1.25
@@ -113,7 +114,7 @@ TEST(Picture, ATriangleCoversThePixelsInsideItAndNoOthers) {
   EXPECT_GT(count(image, red), 40);
 }
 
-TEST(Picture, TheAreaThatIsPaintedIsThatOfTheTriangle) {
+TEST(RasterImage, ThePaintedAreaIsThatOfTheTriangle) {
   Canvas canvas(100, 100, white);
   Points3 x(3, 3);
   x << 7.3, 11.1, 0, 91.7, 24.9, 0, 33.3, 88.2, 0;
@@ -121,10 +122,10 @@ TEST(Picture, TheAreaThatIsPaintedIsThatOfTheTriangle) {
   triangle << 0, 1, 2;
   draw_triangles(canvas, plain_camera(100), x, triangle, {black});
   const double area = 0.5 * std::abs((91.7 - 7.3) * (88.2 - 11.1) - (33.3 - 7.3) * (24.9 - 11.1));
-  EXPECT_NEAR(blackened(resolve_samples(canvas)) / area, 1, 2e-3);  // 9 samples a pixel
+  EXPECT_NEAR(blackened(resolve_samples(canvas)) / area, 1, 2e-3);  // 9 samples per pixel
 }
 
-TEST(Picture, WhatIsNearerHidesWhatLiesBehindInEitherOrder) {
+TEST(RasterImage, NearerTrianglesHideFartherOnesInEitherOrder) {
   for (const bool near_first : {true, false}) {
     Canvas canvas(10, 10, white);
     if (near_first) draw_square(canvas, 2, 2, 4, 1, red);
@@ -136,7 +137,7 @@ TEST(Picture, WhatIsNearerHidesWhatLiesBehindInEitherOrder) {
   }
 }
 
-TEST(Picture, TwoTrianglesThatPassThroughEachOtherAreEachSeenWhereTheyAreNearer) {
+TEST(RasterImage, IntersectingTrianglesAreEachVisibleWhereTheyAreNearer) {
   Canvas canvas(20, 10, white);
   Points3 x(8, 3);
   x << 0, 0, 0, 20, 0, 20, 20, 10, 20, 0, 10, 0,  // rises to the right
@@ -151,7 +152,7 @@ TEST(Picture, TwoTrianglesThatPassThroughEachOtherAreEachSeenWhereTheyAreNearer)
   EXPECT_EQ(image.at(19, 5), red);
 }
 
-TEST(Picture, LinesAndDiscsHaveTheirWidthAtAnySlope) {
+TEST(RasterImage, LinesAndDiscsHaveTheirWidthAtAnySlope) {
   for (const double angle : {0.0, 0.3, 0.8, 1.5}) {
     Canvas canvas(120, 120, white);
     const Vector3d middle(60, 60, 0), along(40 * std::cos(angle), 40 * std::sin(angle), 0);
@@ -164,7 +165,7 @@ TEST(Picture, LinesAndDiscsHaveTheirWidthAtAnySlope) {
   EXPECT_NEAR(blackened(resolve_samples(canvas)) / (M_PI * 100), 1, 0.01);
 }
 
-TEST(Picture, ALineOnASurfaceIsSeenOnlyWhereTheSurfaceIsNotHidden) {
+TEST(RasterImage, ALineOnASurfaceIsHiddenWithTheSurface) {
   Canvas canvas(20, 10, white);
   draw_square(canvas, 0, 0, 10, 0, red);
   draw_square(canvas, 10, 0, 10, 5, blue);
@@ -174,7 +175,7 @@ TEST(Picture, ALineOnASurfaceIsSeenOnlyWhereTheSurfaceIsNotHidden) {
   EXPECT_EQ(image.at(15, 5), blue);
 }
 
-TEST(Picture, WhatLiesPartlyOutsideThePictureIsCutOff) {
+TEST(RasterImage, ShapesPartlyOutsideTheImageAreClipped) {
   Canvas canvas(10, 10, white);
   draw_square(canvas, -1e6, -1e6, 1e6 + 5, 0, black);
   draw_disc(canvas, plain_camera(10), {100, 100, 0}, 5, black);
@@ -183,7 +184,7 @@ TEST(Picture, WhatLiesPartlyOutsideThePictureIsCutOff) {
   EXPECT_EQ(resolve_samples(canvas).at(9, 0), white);
 }
 
-TEST(Picture, AFittedCameraSeesAllPointsAndFillsTheFrame) {
+TEST(RasterImage, AFittedCameraSeesAllPointsAndFillsTheViewport) {
   const Sheet sheet = test::hex_sheet(0.3, 0.1, 10);
   const Viewport frame{20, 40, 300, 200};
   const Camera camera = fit_camera(sheet.x, {-0.6, -1, 0.7}, frame);
@@ -198,7 +199,7 @@ TEST(Picture, AFittedCameraSeesAllPointsAndFillsTheFrame) {
   EXPECT_GT(camera.project({0, -1, 0}).z(), camera.project({0, 1, 0}).z()) << "the front is nearer";
 }
 
-TEST(Picture, LettersAreReadable) {
+TEST(RasterImage, LettersAreReadable) {
   Canvas canvas(6, 7, white, 1);
   draw_text(canvas, 0, 0, 1, "F", black);
   const Image image = resolve_samples(canvas);
@@ -210,7 +211,7 @@ TEST(Picture, LettersAreReadable) {
   EXPECT_EQ(text_width("F", 1), 5);
 }
 
-class PictureFile : public testing::Test {
+class RasterImageFile : public testing::Test {
  protected:
   void SetUp() override {
     folder = fs::path(testing::TempDir()) /
@@ -234,7 +235,7 @@ class PictureFile : public testing::Test {
   fs::path folder;
 };
 
-TEST_F(PictureFile, IsReadBackAsItWasWritten) {
+TEST_F(RasterImageFile, IsReadBackAsItWasWritten) {
   const Image image = coloured();
   write_png(folder / "a.png", image);
   png_image png{};
@@ -249,7 +250,7 @@ TEST_F(PictureFile, IsReadBackAsItWasWritten) {
   EXPECT_GT(count(image, red), 10);
 }
 
-TEST_F(PictureFile, SamePictureGivesTheSameBytesAndNothingThatTellsWhen) {
+TEST_F(RasterImageFile, TheSameImageGivesTheSameBytesWithoutADate) {
   write_png(folder / "a.png", coloured());
   write_png(folder / "b.png", coloured());
   const std::string bytes = bytes_in(folder / "a.png");
@@ -259,7 +260,7 @@ TEST_F(PictureFile, SamePictureGivesTheSameBytesAndNothingThatTellsWhen) {
     EXPECT_EQ(bytes.find(chunk), std::string::npos) << chunk;
 }
 
-TEST_F(PictureFile, AFolderThatIsNotThereIsTheFoldersFault) {
+TEST_F(RasterImageFile, AMissingFolderIsAFolderError) {
   try {
     write_png(folder / "missing" / "a.png", coloured());
     FAIL() << "no error";

@@ -36,32 +36,32 @@ TEST(CreaseHistory, TheEdgesOfAFoldAreCreasesAsStrongAsTheirAngle) {
   EXPECT_EQ(ends_on_border, 2);
 }
 
-TEST(CreaseHistory, ARollIsNoCreaseOnACoarseMesh) {
-  // 0.75 rad from row to row, 60 1/m: paper stays elastic
+TEST(CreaseHistory, ARolledSheetHasNoCreasesOnACoarseMesh) {
+  // 0.75 rad from row to row, but at 60 1/m the paper stays elastic
   const Sheet coarse = rolled(flat_sheet(0.1, 0.1, 0.0125), 60);
   EXPECT_TRUE(detect_creases(coarse, {}, square, {}).empty());
   CreaseThresholds soft;
-  soft.yield_curvature = 10;  // this paper does not
+  soft.yield_curvature = 10;  // this paper yields
   EXPECT_GT(detect_creases(coarse, {}, square, soft).size(), 20u);
 }
 
-TEST(CreaseHistory, WithAPlasticMemoryACreaseIsWhatItKeeps) {
+TEST(CreaseHistory, WithPlasticityTheRemainingAngleDecides) {
   const Sheet sheet = folded_sheet(0.1, 0.1, 0.05, 0.05, 1.2);
   const Points3 none = Points3::Zero(sheet.pattern.rows(), 3);
   EXPECT_TRUE(detect_creases(sheet, none, square, {}).empty());
   EXPECT_EQ(
       detect_creases(sheet, test::tensors(sheet, [](Vector2d) { return 60.0; }), square, {}).size(),
       11u);
-  // bending along the fold is not kept across it
+  // plastic curvature along the fold is no angle across it
   Points3 along = none;
   along.col(2).setConstant(60);
   EXPECT_TRUE(detect_creases(sheet, along, square, {}).empty());
 }
 
-TEST(CreaseHistory, ACreaseThatComesAgainIsTheSameOneAtItsStrongest) {
+TEST(CreaseHistory, ARepeatedCreaseIsStoredOnceAtItsStrongest) {
   std::vector<DetectedCrease> history;
   merge_creases(history, {line({0.01, 0.01}, {0.03, 0.02}, 0.4)}, 3, 2.5e-4);
-  // the other way round, 0.1 mm off, stronger
+  // reversed, 0.1 mm off, stronger
   merge_creases(history, {line({0.03, 0.02}, {0.0101, 0.01}, 0.7)}, 5, 2.5e-4);
   merge_creases(history, {line({0.01, 0.01}, {0.03, 0.02}, 0.5)}, 6, 2.5e-4);
   ASSERT_EQ(history.size(), 1u);
@@ -70,7 +70,7 @@ TEST(CreaseHistory, ACreaseThatComesAgainIsTheSameOneAtItsStrongest) {
   EXPECT_EQ(history[0].to.x(), 0.0101);
 }
 
-TEST(CreaseHistory, APartOfACreaseIsAsOldAsTheWholeAndOthersAreNot) {
+TEST(CreaseHistory, APartOfACreaseInheritsItsAge) {
   std::vector<DetectedCrease> history;
   merge_creases(history, {line({0, 0.05}, {0.1, 0.05}, 0.4)}, 3, 2.5e-4);
   merge_creases(history,
@@ -80,7 +80,7 @@ TEST(CreaseHistory, APartOfACreaseIsAsOldAsTheWholeAndOthersAreNot) {
   ASSERT_EQ(history.size(), 4u);
   EXPECT_EQ(history[1].frame_of_birth, 3);
   EXPECT_EQ(history[2].frame_of_birth, 9);  // another direction
-  EXPECT_EQ(history[3].frame_of_birth, 9);  // beside it
+  EXPECT_EQ(history[3].frame_of_birth, 9);  // parallel, but 2 mm off
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-// What stands in glTF files that no exporter of ours has written.
+// Features of glTF files that the exporters used for the other tests do not write.
 
 #include "formats/scene/scene_import.h"
 
@@ -17,7 +17,7 @@ namespace {
 using test::error_of;
 using test::temporary;
 
-/// The bytes of numbers, as data that are not in base64.
+/// A data URI with the bytes of numbers, escaped instead of base64.
 template <class Number>
 std::string data_uri(const std::vector<Number>& numbers,
                      const std::string& head = "data:application/octet-stream,") {
@@ -36,7 +36,7 @@ std::string buffer(const std::string& uri, std::size_t bytes) {
   return fmt::format(R"({{"byteLength":{},"uri":"{}"}})", bytes, uri);
 }
 
-/// One triangle, its corners given by `positions`, a member of the file's accessors.
+/// Members of a file with one triangle. positions: the accessor of its corners.
 std::string triangle(const std::string& positions, const std::string& more = "") {
   return R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[)" +
          positions + "]" + more;
@@ -44,8 +44,8 @@ std::string triangle(const std::string& positions, const std::string& more = "")
 
 const Points3 corners = (Points3(3, 3) << 0, 0, 0, 0.5, 0, 0, 0, 0, -1).finished();
 
-TEST(GltfFile, NumbersOfASparseAccessorAreChanged) {
-  // three corners, and what the second becomes
+TEST(GltfFile, SparseAccessorsReplaceElements) {
+  // three corners, and the replacement of the second
   const std::vector<float> numbers{0, 0, 0, 9, 9, 9, 0, 0, -1, 0.5f, 0, 0};
   const auto path = file(
       "sparse.gltf",
@@ -58,7 +58,7 @@ TEST(GltfFile, NumbersOfASparseAccessorAreChanged) {
   const ImportedFile imported = import_in_process(path);
   EXPECT_EQ(imported.meshes.at(0).x, corners);
   EXPECT_EQ(imported.meshes.at(0).triangles, (Triangles(1, 3) << 0, 1, 2).finished());
-  EXPECT_EQ(imported.nodes.at(0).name, "nodes[0]");  // of a file without scenes every root
+  EXPECT_EQ(imported.nodes.at(0).name, "nodes[0]");  // without scenes all roots are imported
 }
 
 TEST(GltfFile, QuantizedPositionsAreNumbersOrFractions) {
@@ -114,7 +114,7 @@ TEST(GltfFile, BuffersAreFoundByEscapedAndByPlainNames) {
                "elsewhere: \"https://a.org/b.bin\"");
 }
 
-TEST(GltfFile, PropertiesOfAnyKindAreReadOrLeft) {
+TEST(GltfFile, PropertiesOfSupportedTypesAreRead) {
   const ImportedFile imported = import_in_process(file(
       "extras.gltf",
       R"("nodes":[{"extras":"text"},{"extras":[1]},{"mesh":0,"extras":{"a":1,"b":true,"c":"[1, 2]","d":null,"e":{"f":1},"g":[3,4],"h":"x"}}],)"
@@ -126,7 +126,7 @@ TEST(GltfFile, PropertiesOfAnyKindAreReadOrLeft) {
   EXPECT_EQ(imported.nodes.at(2).properties, wanted);
 }
 
-TEST(GltfFile, DamageAndOtherVersionsAreErrorsInWords) {
+TEST(GltfFile, DamageAndOtherVersionsAreErrors) {
   EXPECT_ERROR(temporary("old.gltf", R"({"asset":{"version":"1.0"}})"), "glTF of version 1.0");
   EXPECT_ERROR(temporary("half.gltf", R"({"asset":{"version":"2.0"},"nodes":[)"),
                "damaged at byte");

@@ -1,4 +1,4 @@
-// What the importing process tells: it comes back as it was, and nothing else does.
+// The result of the importing process: it is restored exactly, and invalid bytes are refused.
 
 #include "formats/scene/import_serialization.h"
 
@@ -21,9 +21,9 @@ ImportResult held_sheet() {
           "", "", ""};
 }
 
-TEST(ImportSerialization, ComesBackAsItWas) {
+TEST(ImportSerialization, RestoresWhatWasWritten) {
   ImportResult result = held_sheet();
-  result.place = "scene.glb", result.cause = "It is torn.";
+  result.place = "scene.glb", result.cause = "It is damaged.";
   const ImportResult back = deserialize(serialize(result));
   EXPECT_EQ(back.place, result.place);
   EXPECT_EQ(back.cause, result.cause);
@@ -38,13 +38,13 @@ TEST(ImportSerialization, ComesBackAsItWas) {
   EXPECT_EQ(serialize(back), serialize(result));
 }
 
-TEST(ImportSerialization, CutShortIsRefused) {
+TEST(ImportSerialization, TruncatedDataIsRefused) {
   const std::string whole = serialize(held_sheet());
   for (std::size_t size = 0; size < whole.size(); size += 7)
     EXPECT_THROW(deserialize(std::string_view(whole).substr(0, size)), std::runtime_error) << size;
 }
 
-TEST(ImportSerialization, WhatAnImportedFileMayNotBeIsRefused) {
+TEST(ImportSerialization, InvalidContentIsRefused) {
   const auto refused = [](const std::function<void(ImportedFile&)>& spoil) {
     ImportResult result = held_sheet();
     spoil(result.file);

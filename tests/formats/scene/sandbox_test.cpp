@@ -1,4 +1,4 @@
-// Work in a process of its own: what comes back, and how it ends where it does not come to its end.
+// Work in a sandboxed process: what it returns, and how its failures are reported.
 
 #include "formats/scene/sandbox.h"
 
@@ -13,21 +13,21 @@
 namespace paperbake {
 namespace {
 
-TEST(Sandbox, HandsBackAllBytes) {
+TEST(Sandbox, ReturnsAllBytes) {
   std::string all;
-  // many times what a pipe holds
+  // many times the capacity of a pipe
   for (unsigned i = 0; i < 3000000; ++i) all += static_cast<char>(i * i % 251);
   EXPECT_EQ(run_sandboxed([&] { return all; }).bytes, all);
   EXPECT_EQ(run_sandboxed([] { return std::string(); }).bytes, "");
 }
 
-TEST(Sandbox, LeavesThisProcessAsItIs) {
+TEST(Sandbox, DoesNotChangeThisProcess) {
   int touched = 0;
   run_sandboxed([&] { return ++touched, std::string(); });
   EXPECT_EQ(touched, 0);
 }
 
-TEST(Sandbox, SaysHowItEndedWhenItDidNotComeToItsEnd) {
+TEST(Sandbox, ReportsHowTheWorkEndedWhenItFailed) {
   const SandboxResult crashed = run_sandboxed([]() -> std::string {
     std::raise(SIGSEGV);
     return "after";
@@ -38,12 +38,12 @@ TEST(Sandbox, SaysHowItEndedWhenItDidNotComeToItsEnd) {
       run_sandboxed([]() -> std::string { throw std::runtime_error("foreign"); });
   EXPECT_FALSE(threw.bytes);
   EXPECT_EQ(threw.ended, "failed");
-  // a good end without an answer is none
+  // exit code 0 without an answer is a failure
   const SandboxResult left = run_sandboxed([]() -> std::string { std::_Exit(0); });
   EXPECT_FALSE(left.bytes);
 }
 
-TEST(Sandbox, EndsWorkThatTakesTooMuch) {
+TEST(Sandbox, EndsWorkThatExceedsItsLimits) {
   const SandboxResult endless = run_sandboxed(
       []() -> std::string {
         for (volatile bool on = true; on;) {
