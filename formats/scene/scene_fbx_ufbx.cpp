@@ -202,7 +202,8 @@ bool is_thinned(const ufbx_anim_curve& curve, double fps) {
   for (std::size_t k = 1; k < curve.keyframes.count; ++k) {
     const double frames = (curve.keyframes[k].time - curve.keyframes[k - 1].time) * fps;
     if (curve.keyframes[k - 1].interpolation != UFBX_INTERPOLATION_LINEAR) return false;
-    next_frame |= std::abs(frames - 1)<on_key, gap |= frames> 1 + on_key;
+    next_frame |= std::abs(frames - 1) < on_key;
+    gap |= frames > 1 + on_key;
   }
   return next_frame && gap;
 }

@@ -175,7 +175,7 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
       return set(*fps, fmt::format("paper_fps of \"{}\"", node.name));
   set(24, "default");
   scene.warnings.push_back(
-      "The file does not state its frame rate: 24 frames per second are assumed; "
+      "The file does not say its frame rate: 24 frames per second are assumed; "
       "--fps N or a property paper_fps sets it.");
 }
 
@@ -240,7 +240,7 @@ int first_frame_shift(SceneNodes& scene, const SceneOptions& options, double fir
   scene.origin["first_frame"] = scene.file.start_lost ? "default" : "file";
   if (!scene.file.start_lost) return 0;
   scene.warnings.push_back(
-      "The file does not state its first frame: 1 is assumed; --start-frame N sets it.");
+      "The file does not say its first frame: 1 is assumed; --start-frame N sets it.");
   return 1;
 }
 
