@@ -181,7 +181,7 @@ std::vector<AnimateOptions> options_of_sheets(const BakePlan& plan, ShowMemory m
   for (std::size_t s = 0; s < options.size(); ++s) {
     // sheets of one seed differ
     options[s].seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);
-    options[s].show_memory = memory == ShowMemory::wanted;
+    options[s].report_plastic_curvature = memory == ShowMemory::wanted;
   }
   return options;
 }

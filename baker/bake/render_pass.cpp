@@ -22,8 +22,8 @@ struct Shown {
 /// Where the vertices of a render mesh lie on the mesh of the frame that was asked for last.
 class PlacesOfFrames {
  public:
-  using Places = std::shared_future<std::vector<Place>>;
-  PlacesOfFrames(const ShotRecord& record, const RenderSheet& sheet)
+  using Places = std::shared_future<std::vector<MeshPoint>>;
+  PlacesOfFrames(const ShotRecord& record, const RenderSurface& sheet)
       : record_(&record), sheet_(&sheet) {}
 
   const Places& at(std::size_t k) {
@@ -31,7 +31,7 @@ class PlacesOfFrames {
     if (mesh != mesh_) {
       const ShotRecord::Mesh& simulated = record_->meshes()[mesh];
       places_ = std::async(std::launch::deferred, [sheet = sheet_, &simulated] {
-                  return sheet->places_on(simulated.pattern, simulated.triangles);
+                  return sheet->locate_on(simulated.pattern, simulated.triangles);
                 }).share();
     }
     mesh_ = mesh;
@@ -40,7 +40,7 @@ class PlacesOfFrames {
 
  private:
   const ShotRecord* record_;
-  const RenderSheet* sheet_;
+  const RenderSurface* sheet_;
   int mesh_ = -1;
   Places places_;
 };
@@ -55,7 +55,7 @@ std::size_t frames_of_any(const std::vector<ShownSheet>& sheets) {
 /// a thread of its own.
 class Renderer {
  public:
-  Renderer(const std::vector<ShownSheet>& shown, std::vector<RenderSheet>& sheets,
+  Renderer(const std::vector<ShownSheet>& shown, std::vector<RenderSurface>& sheets,
            const FrameSpan& wanted, int threads)
       : shown_(shown),
         sheets_(sheets),
@@ -119,7 +119,7 @@ class Renderer {
 
   Shown render(std::size_t k, const std::vector<PlacesOfFrames::Places>& places) const {
     Shown shown;
-    std::vector<RenderTogether::Simulated> simulated;
+    std::vector<SheetUntangler::Simulated> simulated;
     std::vector<double> ms;
     for (std::size_t s = 0; s < places.size(); ++s) {
       const double begun = cpu_ms();
@@ -143,7 +143,7 @@ class Renderer {
   }
 
   /// The curved surface goes beyond its facets: where they lie on something, into it.
-  void keep_out(std::size_t s, std::size_t k, const RenderTogether::Simulated& simulated,
+  void keep_out(std::size_t s, std::size_t k, const SheetUntangler::Simulated& simulated,
                 Points3& x) const {
     const auto& colliders = shown_[s].shot->colliders;
     if (!colliders) return;
@@ -180,8 +180,8 @@ class Renderer {
   }
 
   const std::vector<ShownSheet>& shown_;
-  std::vector<RenderSheet>& sheets_;
-  const RenderTogether together_;
+  std::vector<RenderSurface>& sheets_;
+  const SheetUntangler together_;
   const FrameSpan& wanted_;
   const std::size_t threads_;
   std::vector<std::optional<std::vector<int>>> held_;
@@ -191,18 +191,19 @@ class Renderer {
 };
 
 /// Some frame passes through itself, or through another, however far the render meshes go back.
-bool cut_through(const std::vector<ShownSheet>& shown, const std::vector<RenderSheet>& sheets,
+bool cut_through(const std::vector<ShownSheet>& shown, const std::vector<RenderSurface>& sheets,
                  std::size_t threads) {
-  const RenderTogether together(sheets);
+  const SheetUntangler together(sheets);
   std::vector<PlacesOfFrames> places;
   for (std::size_t s = 0; s < sheets.size(); ++s) places.emplace_back(*shown[s].record, sheets[s]);
   const auto is_cut = [&](std::size_t k, const std::vector<PlacesOfFrames::Places>& at) {
-    std::vector<RenderTogether::Simulated> simulated;
+    std::vector<SheetUntangler::Simulated> simulated;
     for (std::size_t s = 0; s < at.size(); ++s) {
       simulated.push_back({shown[s].record->sheet(shown[s].record->frames()[k]), &at[s].get()});
-      if (sheets[s].cuts_through_itself(simulated[s].sheet, *simulated[s].places)) return true;
+      if (sheets[s].linear_surface_intersects(simulated[s].sheet, *simulated[s].places))
+        return true;
     }
-    return simulated.size() == sheets.size() && together.cut_through_each_other(simulated);
+    return simulated.size() == sheets.size() && together.linear_surfaces_intersect(simulated);
   };
   std::deque<std::future<bool>> coming;
   bool cut = false;
@@ -220,20 +221,20 @@ bool cut_through(const std::vector<ShownSheet>& shown, const std::vector<RenderS
   return cut;
 }
 
-std::vector<RenderSheet> render_sheets(const std::vector<ShownSheet>& shown, Quality quality,
-                                       int threads) {
+std::vector<RenderSurface> render_sheets(const std::vector<ShownSheet>& shown, Quality quality,
+                                         int threads) {
   enum class Edges { some, all };
   const auto make = [&](Edges edges) {
-    std::vector<RenderSheet> sheets;
+    std::vector<RenderSurface> sheets;
     for (const ShownSheet& sheet : shown) {
       RenderFeatures features = sheet.record->features(*sheet.shot);
       if (edges == Edges::all) features.edges = sheet.record->edges();
       sheets.push_back(
-          make_render_sheet(sheet.shot->pattern, features, sheet.record->edge(), quality));
+          make_render_surface(sheet.shot->pattern, features, sheet.record->edge(), quality));
     }
     return sheets;
   };
-  std::vector<RenderSheet> sheets = make(Edges::some);
+  std::vector<RenderSurface> sheets = make(Edges::some);
   return cut_through(shown, sheets, std::max(threads, 1)) ? make(Edges::all) : std::move(sheets);
 }
 
@@ -255,7 +256,7 @@ void render_shot(const std::vector<ShownSheet>& sheets, Quality quality, const F
                  double fps, int threads) {
   const auto& recorded = sheets.front().record->frames();
   if (recorded.empty()) return;
-  std::vector<RenderSheet> renders = render_sheets(sheets, quality, threads);
+  std::vector<RenderSurface> renders = render_sheets(sheets, quality, threads);
   Renderer renderer(sheets, renders, frames, threads);
   std::vector<CacheFrame> cached(sheets.size());
   for (std::size_t s = 0; s < sheets.size(); ++s) {

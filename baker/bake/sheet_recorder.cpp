@@ -245,7 +245,7 @@ void SheetOutput::release_waiting(const Sheet* next) {
 /// Where the vertices of now_ are in another frame, whatever its mesh. |V|x3 [m]
 Points3 SheetOutput::carried(const Sheet& other) const {
   const bool same = other.pattern.rows() == now_.pattern.rows() && other.pattern == now_.pattern;
-  return same ? other.x : Transfer(other.pattern, other.triangles, now_.pattern)(other.x);
+  return same ? other.x : MeshTransfer(other.pattern, other.triangles, now_.pattern)(other.x);
 }
 
 }  // namespace paperbake

@@ -33,13 +33,13 @@ Json handle_json(const SceneSheet& sheet, const Handle& handle) {
   return j;
 }
 
-Json crease_json(const FoldLine& crease, const std::string& origin) {
+Json crease_json(const PrescribedCrease& crease, const std::string& origin) {
   Json line = Json::array();
   for (const Vector2d& p : crease.line) line.push_back({p.x(), p.y()});
   return {{"line_m", std::move(line)}, {"angle_deg", crease.angle * 180 / M_PI}, {"from", origin}};
 }
 
-std::string crease_text(const FoldLine& crease, const std::string& origin) {
+std::string crease_text(const PrescribedCrease& crease, const std::string& origin) {
   const auto point = [](const Vector2d& p) {
     return fmt::format("({:.2f}, {:.2f})", 1e3 * p.x(), 1e3 * p.y());
   };
@@ -54,7 +54,7 @@ std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
   std::vector<SheetImpossible> all;
   for (const SceneSheet& sheet : scene.sheets)
     for (ImpossiblePair& pair :
-         Reach(sheet.pattern, sheet.handles)
+         HandleFeasibility(sheet.pattern, sheet.handles)
              .impossible_pairs(sheet.handles, scene.first_frame, scene.last_frame))
       all.push_back({sheet.name, std::move(pair)});
   return all;
@@ -77,8 +77,9 @@ Json scene_json(const Scene& scene) {
     if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
     if (sheet.friction) j["paper_friction"] = *sheet.friction;
     if (sheet.seed) j["paper_seed"] = *sheet.seed;
-    for (std::size_t c = 0; c < sheet.pattern.folds.size(); ++c)
-      j["creases"].push_back(crease_json(sheet.pattern.folds[c], sheet.crease_origin[c]));
+    for (std::size_t c = 0; c < sheet.pattern.prescribed_creases.size(); ++c)
+      j["creases"].push_back(
+          crease_json(sheet.pattern.prescribed_creases[c], sheet.crease_origin[c]));
     j["handles"] = std::move(handles);
     sheets.push_back(std::move(j));
   }
@@ -112,8 +113,8 @@ std::string scene_text(const Scene& scene) {
         sheet.name, 1e3 * extent(sheet.pattern).x(), 1e3 * extent(sheet.pattern).y(),
         sheet.pattern.outline.size(), sheet.pattern.holes.size(), sheet.start.x.rows(),
         sheet.start.triangles.rows());
-    for (std::size_t c = 0; c < sheet.pattern.folds.size(); ++c)
-      text += crease_text(sheet.pattern.folds[c], sheet.crease_origin[c]);
+    for (std::size_t c = 0; c < sheet.pattern.prescribed_creases.size(); ++c)
+      text += crease_text(sheet.pattern.prescribed_creases[c], sheet.crease_origin[c]);
     for (const Handle& h : sheet.handles) {
       text += fmt::format("  handle \"{}\" at ({:.2f}, {:.2f}) mm, {}", h.name, 1e3 * h.pattern.x(),
                           1e3 * h.pattern.y(),

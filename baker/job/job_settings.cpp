@@ -58,13 +58,14 @@ std::string relative_to(const fs::path& folder, const std::string& path) {
   return fs::proximate(fs::absolute(path), fs::absolute(folder)).generic_string();
 }
 
-std::string pins_text(const Pins& pins, const std::vector<FoldLine>& creases) {
+std::string pins_text(const SingularPointRules& pins,
+                      const std::vector<PrescribedCrease>& creases) {
   std::string text;
   if (!pins.keep.empty()) text += "singular_keep = " + toml_list(pins.keep, toml_point) + "\n";
   if (!pins.forbid.empty())
     text += "singular_forbid = " +
             toml_list(pins.forbid,
-                      [](const Pins::Disc& d) {
+                      [](const SingularPointRules::Disc& d) {
                         return fmt::format("[{}, {}, {}]", toml_number(d.centre.x()),
                                            toml_number(d.centre.y()), toml_number(d.radius));
                       }) +

@@ -13,8 +13,8 @@ namespace {
 using Apply = std::function<void(BakeSettings&, const std::string& text, const std::string& place)>;
 
 /// Sets a field, which may be optional, from a number.
-template <class Place>
-Apply to_number(Place place) {
+template <class MeshPoint>
+Apply to_number(MeshPoint place) {
   return [place](BakeSettings& s, const std::string& text, const std::string&) {
     place(s) = std::stod(text);
   };

@@ -104,7 +104,7 @@ Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed
   if (settings.method == "adaptive") return adaptive(shot.pattern, triangles_wanted(settings));
   CrumpleOptions options;
   options.pins = shot.pins;
-  options.most_triangles = triangles_wanted(settings);
+  options.max_triangles = triangles_wanted(settings);
   return hybrid(shot.pattern, shot.paper, base_wanted(settings), options, seed,
                 static_cast<std::uint32_t>(sheet));
 }
@@ -125,9 +125,9 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
   append_bytes(bytes, shot.start.x);
   append_bytes(bytes, shot.start.triangles);
   for (const Vector2d& p : shot.pins.keep) append_bytes(bytes += "keep", p);
-  for (const Pins::Disc& disc : shot.pins.forbid)
+  for (const SingularPointRules::Disc& disc : shot.pins.forbid)
     append_bytes(bytes += fmt::format("forbid/{}/", disc.radius), disc.centre);
-  for (const FoldLine& fold : shot.pattern.folds) {
+  for (const PrescribedCrease& fold : shot.pattern.prescribed_creases) {
     bytes += fmt::format("fold/{}/", fold.angle);
     for (const Vector2d& p : fold.line) append_bytes(bytes, p);
   }
@@ -323,10 +323,10 @@ BakePlan plan_bake(const BakeSettings& settings) {
                          in_words(!by_sheet                        ? settings.origin("seed")
                                   : sheet.overridden.count("seed") ? Origin::job
                                                                    : Origin::scene)});
-    if (!sheet.pattern.folds.empty()) {
+    if (!sheet.pattern.prescribed_creases.empty()) {
       const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
       of_sheets.push_back({"sheet." + toml_string(sheet.name) + ".crease",
-                           toml_creases(sheet.pattern.folds),
+                           toml_creases(sheet.pattern.prescribed_creases),
                            fmt::format("{}", fmt::join(origins, ", "))});
     }
     plan.seeds.push_back(seed);
@@ -361,7 +361,7 @@ BakePlan plan_bake(const BakeSettings& settings) {
       hash = frame_input_hash(hash, plan.shots, f, plan.animation.first_frame);
     job += hash;
     for (ImpossiblePair& pair :
-         Reach(shot.pattern, shot.handles)
+         HandleFeasibility(shot.pattern, shot.handles)
              .impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
   }

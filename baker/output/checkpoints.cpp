@@ -12,7 +12,7 @@ namespace paperbake {
 
 namespace fs = std::filesystem;
 
-static void archive(Archive& a, HandleFrame& h) { a(h.state, h.keyed, h.at); }
+static void archive(Serializer& a, HandleFrame& h) { a(h.state, h.keyed, h.at); }
 
 namespace {
 
@@ -23,7 +23,7 @@ struct Checkpoint {
   std::vector<std::string> frames;  // as Checkpoints::waiting_
   std::vector<std::string> states;
 
-  void archive(Archive& a) {
+  void archive(Serializer& a) {
     std::string kind = "paperbake checkpoint";
     a(kind, program, start, input, first, last, frames, states);
   }
@@ -35,9 +35,9 @@ std::string seal_of(std::string_view bytes) { return hex(content_hash(bytes)); }
 Checkpoint read_checkpoint(const fs::path& path) {
   const std::string bytes = read_file(path).value_or("");
   const std::size_t seal = seal_of("").size(), size = bytes.size() - std::min(bytes.size(), seal);
-  Archive a(std::string_view(bytes).substr(0, size));
-  a.demand(seal_of(std::string_view(bytes).substr(0, size)) ==
-           std::string_view(bytes).substr(size));
+  Serializer a(std::string_view(bytes).substr(0, size));
+  a.require(seal_of(std::string_view(bytes).substr(0, size)) ==
+            std::string_view(bytes).substr(size));
   Checkpoint checkpoint;
   a(checkpoint);
   a.end();
@@ -46,7 +46,7 @@ Checkpoint read_checkpoint(const fs::path& path) {
 
 /// All that is handed on of a sheet in a frame. mesh: of the frame before in the same checkpoint;
 /// its own afterwards
-void archive_frame(Archive& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
+void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
   a(f.frame, f.of, f.handles, f.elastic_ms, f.geometry_ms, f.substeps, f.newton_iterations,
     f.converged, f.energy, f.membrane_energy, f.plastic, f.plastic_curvature, f.contact, f.touching,
     f.touching_others, f.new_singular, f.remesh, f.remesh_rise, f.parts.rulings, f.parts.region,
@@ -112,8 +112,8 @@ Checkpoints::GoOn Checkpoints::take(const std::function<bool(const AnimatedFrame
           checkpoint.first != kept_until_ + 1)
         break;
       const std::size_t count = checkpoint.frames.size();
-      Archive().demand(count > 0 && count == sheets_ * (checkpoint.last - kept_until_) &&
-                       checkpoint.states.size() == sheets_);
+      Serializer().require(count > 0 && count == sheets_ * (checkpoint.last - kept_until_) &&
+                           checkpoint.states.size() == sheets_);
       for (int f = checkpoint.first; f <= checkpoint.last; ++f) input_ = input_of(f);
       if (checkpoint.input != input_) {
         input_ = input_before;
@@ -124,15 +124,15 @@ Checkpoints::GoOn Checkpoints::take(const std::function<bool(const AnimatedFrame
       for (std::size_t k = 0; k < count; ++k) {
         auto& [frame, sheet] = kept[k];
         const std::size_t of = k % sheets_;
-        Archive a(checkpoint.frames[k]);
+        Serializer a(checkpoint.frames[k]);
         archive_frame(a, frame, sheet, meshes[of]);
         a.end();
-        a.demand(frame.frame == checkpoint.first + static_cast<int>(k / sheets_) &&
-                 frame.of == of && frame.handles.size() == plan_.shots[of].handles.size());
-        a.demand(frame.plastic_curvature.rows() == 0 ||
-                 frame.plastic_curvature.rows() == sheet.x.rows());
-        a.demand(frame.parts.region.empty() ||
-                 static_cast<long>(frame.parts.region.size()) == sheet.triangles.rows());
+        a.require(frame.frame == checkpoint.first + static_cast<int>(k / sheets_) &&
+                  frame.of == of && frame.handles.size() == plan_.shots[of].handles.size());
+        a.require(frame.plastic_curvature.rows() == 0 ||
+                  frame.plastic_curvature.rows() == sheet.x.rows());
+        a.require(frame.parts.region.empty() ||
+                  static_cast<long>(frame.parts.region.size()) == sheet.triangles.rows());
       }
       kept_until_ = checkpoint.last;
       go_on.states = std::move(checkpoint.states);
@@ -163,7 +163,7 @@ void Checkpoints::add(const AnimatedFrame& frame) {
   AnimatedFrame copy = frame;
   Sheet sheet = *frame.sheet;
   if (waiting_.empty()) meshes_.assign(sheets_, {});
-  Archive a;
+  Serializer a;
   archive_frame(a, copy, sheet, meshes_[frame.of]);
   waiting_.push_back(a.bytes());
   states_[frame.of] = frame.state;
@@ -178,7 +178,7 @@ void Checkpoints::keep(int frame) {
   Checkpoint checkpoint{program_key(), plan_.simulation_hash, input_, kept_until_ + 1,
                         frame,         std::move(waiting_),   {}};
   for (const auto& state : states_) checkpoint.states.push_back(state());
-  Archive a;
+  Serializer a;
   a(checkpoint);
   try {
     write_atomically(file(frame - first_frame_ + 1), a.bytes() + seal_of(a.bytes()));

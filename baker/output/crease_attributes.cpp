@@ -14,7 +14,7 @@ Eigen::VectorXd rounded(const Eigen::VectorXd& values, double steps) {
 }
 
 /// Signed turn of the tensors of a simulated mesh, interpolated to some places of it. [rad]
-Eigen::VectorXd turns_at(const std::vector<Place>& places, const Triangles& triangles,
+Eigen::VectorXd turns_at(const std::vector<MeshPoint>& places, const Triangles& triangles,
                          const Points3& tensors) {
   Eigen::VectorXd turns(places.size());
   for (std::size_t v = 0; v < places.size(); ++v) {
@@ -45,7 +45,7 @@ DamageLayers::Turns DamageLayers::turns(std::size_t k, const ShotRecord& record,
   const RecordedFrame& frame = record.frames()[k];
   const ShotRecord::Mesh& mesh = record.meshes()[frame.mesh];
   if (frame.mesh != mesh_) {
-    const Locator locator(mesh.pattern, mesh.triangles);
+    const PointLocator locator(mesh.pattern, mesh.triangles);
     places_.clear();
     for (Eigen::Index v = 0; v < pattern.rows(); ++v)
       places_.push_back(locator.locate(pattern.row(v)));

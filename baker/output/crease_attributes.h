@@ -45,7 +45,7 @@ class DamageLayers {
   std::size_t next_ = 0;  // frame whose folds are not yet in the peak
   Eigen::VectorXd peak_;  // [rad]
   int mesh_ = -1;         // that places_ lie on
-  std::vector<Place> places_;
+  std::vector<MeshPoint> places_;
 };
 
 }  // namespace paperbake

@@ -153,7 +153,7 @@ void draw_sheet(Canvas& canvas, const AnimatedFrame& frame) {
     draw_dot_on_sheet(canvas, camera, handle.at, handle.state == HandleFrame::free ? 2.5 : 4,
                       handle_colour(handle.state));
   if (!sheet.singular.empty()) {
-    const Locator locator(sheet.pattern, sheet.triangles);
+    const PointLocator locator(sheet.pattern, sheet.triangles);
     for (std::size_t k = 0; k < sheet.singular.size(); ++k) {
       const Vector3d at =
           interpolate(locator.locate(sheet.singular[k].pattern), sheet.triangles, sheet.x);

@@ -10,8 +10,8 @@
 namespace paperbake {
 namespace {
 
-constexpr int most_panels = 16, width = 1300, gap = 8, title_height = 36, line_height = 16;  // [px]
-constexpr double letter_dot = 1.6;                                                           // [px]
+constexpr int max_panels = 16, width = 1300, gap = 8, title_height = 36, line_height = 16;  // [px]
+constexpr double letter_dot = 1.6;                                                          // [px]
 const Vector3d view(-0.6, -1.0, 0.75), to_light = Vector3d(-0.8, -0.15, 0.42).normalized(),
                                        to_sky = Vector3d(0.5, -0.5, 0.8).normalized();
 
@@ -168,7 +168,7 @@ Image contact_sheet(const std::string& title, const std::vector<Panel>& panels) 
 
 FrameSpan preview_frames(const FrameSpan& frames) {
   const int steps = (frames.last - frames.first) / frames.step,
-            every = std::max(1, (steps + most_panels - 2) / (most_panels - 1));
+            every = std::max(1, (steps + max_panels - 2) / (max_panels - 1));
   const int last = frames.first + steps * frames.step;
   return {last - steps / every * every * frames.step, last, every * frames.step};
 }

@@ -85,11 +85,11 @@ Report::Report(const BakePlan& plan, std::size_t frames)
     : plan_(plan), frames_(frames), sheets_(plan.shots.size()) {}
 
 void Report::add_frame(std::size_t number, const CacheFrame& frame) {
-  constexpr double most_bytes = 8e6;  // of positions, before base64 makes a third more of them
+  constexpr double max_bytes = 8e6;  // of positions, before base64 makes a third more of them
   ShownSheet& sheet = sheets_.at(number);
   if (number == 0 && sheet.given == 0) {
     const double all = 6.0 * frame.x.rows() * frames_ * sheets_.size();
-    stride_ = static_cast<std::size_t>(std::max(1.0, std::ceil(all / most_bytes)));
+    stride_ = static_cast<std::size_t>(std::max(1.0, std::ceil(all / max_bytes)));
   }
   if (sheet.given++ % stride_ != 0) return;
   if (sheet.meshes.empty() || sheet.meshes.back().rows() != frame.triangles.rows() ||

@@ -54,7 +54,7 @@ BakeSettings settings_for(const ChartSettings& settings, const Size& size) {
 }
 
 Run run(const ChartSettings& settings, const Size& size, unsigned start_seed,
-        Clock::time_point deadline, int most_frames = 1 << 30) {
+        Clock::time_point deadline, int max_frames = 1 << 30) {
   const BakePlan plan = plan_bake(settings_for(settings, size));
   Run r;
   r.point.method = size.method, r.point.size = size.size, r.point.seed = size.seed;
@@ -90,7 +90,7 @@ Run run(const ChartSettings& settings, const Size& size, unsigned start_seed,
       if (f.of + 1 < sheets) return true;
       if (Clock::now() > deadline && f.frame < animation.last_frame)
         r.point.failure = fmt::format("out of time at frame {}", f.frame);
-      return r.point.failure.empty() && static_cast<int>(at) < most_frames;
+      return r.point.failure.empty() && static_cast<int>(at) < max_frames;
     });
   } catch (const Error& error) {
     if (error.fault != Fault::simulation) throw;

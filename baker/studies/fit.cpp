@@ -16,7 +16,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int least_points = 3;
+constexpr int min_points = 3;
 constexpr double tail = 0.025;
 constexpr int splits = 999;
 
@@ -97,10 +97,9 @@ std::vector<Vector2d> read_scatter(const std::filesystem::path& path) {
     }
     points.push_back(p);
   }
-  if (static_cast<int>(points.size()) < least_points)
+  if (static_cast<int>(points.size()) < min_points)
     fail(0, fmt::format("{} points say nothing of a scatter.", points.size()),
-         fmt::format("Measure at least {} sheets; 20 give the deviation within 30 %.",
-                     least_points));
+         fmt::format("Measure at least {} sheets; 20 give the deviation within 30 %.", min_points));
   return points;
 }
 

@@ -27,7 +27,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr int most_pictures = 64;
+constexpr int max_pictures = 64;
 
 /// Held by one process at a time; the others wait.
 class WaitingLock {
@@ -181,7 +181,7 @@ Panel last_frame(const Wedge& wedge, int index, const Json& record) {
 Image picture(const Wedge& wedge, const std::vector<Json>& records) {
   std::vector<Panel> panels;
   for (const Json& record : records)
-    if (static_cast<int>(panels.size()) < most_pictures)
+    if (static_cast<int>(panels.size()) < max_pictures)
       panels.push_back(last_frame(wedge, record["index"], record));
   const std::string first =
       panels.size() < records.size() ? fmt::format("the first {} of ", panels.size()) : "";

@@ -11,7 +11,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int most_variations = 10000;
+constexpr int max_variations = 10000;
 
 /// Options that say nothing of the sheet, or where its files go: the wedge has one of each.
 const std::vector<std::string> shared{"output", "formats", "debug_pictures", "threads", "progress"};
@@ -44,9 +44,9 @@ std::vector<std::string> values_in(const std::string& text, const std::string& p
     throw Error(Fault::command, place, fmt::format("\"{}\" is no range.", text),
                 "Write A..B or A..BxSTEP, for instance 1..16 or 0..10x2.5.");
   const double steps = std::floor((*last - *first) / *step * (1 + 1e-12) + 1e-9);
-  if (steps >= most_variations)
+  if (steps >= max_variations)
     throw Error(Fault::command, place,
-                fmt::format("\"{}\" has more than {} values.", text, most_variations),
+                fmt::format("\"{}\" has more than {} values.", text, max_variations),
                 "Write a larger step: A..BxSTEP.");
   std::vector<std::string> values;
   for (int k = 0; k <= steps; ++k) values.push_back(fmt::format("{:.12g}", *first + k * *step));
@@ -131,9 +131,9 @@ std::vector<Axis> parse_axes(const std::vector<std::string>& texts) {
     count *= axis.values.size();
     axes.push_back(std::move(axis));
   }
-  if (count > most_variations)
+  if (count > max_variations)
     throw Error(Fault::command, "--vary",
-                fmt::format("That makes {:g} variations; {} is the most.", count, most_variations),
+                fmt::format("That makes {:g} variations; {} is the most.", count, max_variations),
                 "Vary fewer keys, or give them fewer values.");
   return axes;
 }

@@ -13,7 +13,7 @@
 namespace paperbake {
 namespace {
 
-using Party = SheetsBeside::Party;
+using Island = SheetIslands::Island;
 
 /// CPU time of each sheet in the frame. [ms]
 struct Times {
@@ -21,46 +21,48 @@ struct Times {
 };
 
 /// Counts what is done for the sheets of a party, to each of them alike.
-void count(std::vector<Times>& times, double Times::*what, const Party& sheets,
-           const std::function<void()>& work) {
-  const double begun = cpu_ms();
+void time_work(std::vector<Times>& times, double Times::*what, const Island& sheets,
+               const std::function<void()>& work) {
+  const double start_ms = cpu_ms();
   work();
-  for (const std::size_t s : sheets) times[s].*what += (cpu_ms() - begun) / sheets.size();
+  for (const std::size_t s : sheets) times[s].*what += (cpu_ms() - start_ms) / sheets.size();
 }
 
 /// The elastic step of a frame: of each sheet by itself, and once more of those that would have
 /// met.
 /// returns  who took it together
-std::vector<Party> step(SheetsBeside::Sheets& sheets, const SheetsBeside* beside,
-                        std::vector<Times>& times) {
-  std::vector<Party> parties;
-  const auto go = [&](const Party& party) {
-    count(times, &Times::elastic, party, [&] {
-      if (party.size() == 1) {
-        Animation& alone = *sheets[party.front()];
-        if (alone.stays())
-          alone.stay();
+std::vector<Island> step(SheetIslands::Sheets& sheets, const SheetIslands* between_sheets,
+                         std::vector<Times>& times) {
+  std::vector<Island> islands;
+  const auto step_island = [&](const Island& island) {
+    time_work(times, &Times::elastic, island, [&] {
+      if (island.size() == 1) {
+        SheetSimulation& alone = *sheets[island.front()];
+        if (alone.is_idle())
+          alone.skip_step();
         else
-          alone.step(beside ? Animation::Trace::kept : Animation::Trace::none);
+          alone.step(between_sheets ? SheetSimulation::RecordTrajectory::yes
+                                    : SheetSimulation::RecordTrajectory::no);
       } else
-        beside->step(party);
+        between_sheets->step(island);
     });
   };
-  if (!beside) {
-    for (std::size_t s = 0; s < sheets.size(); ++s) go(parties.emplace_back(Party{s}));
-    return parties;
+  if (!between_sheets) {
+    for (std::size_t s = 0; s < sheets.size(); ++s) step_island(islands.emplace_back(Island{s}));
+    return islands;
   }
-  Party all;
+  Island all;
   for (std::size_t s = 0; s < sheets.size(); ++s) all.push_back(s);
-  count(times, &Times::elastic, all, [&] { parties = beside->within_reach(); });
-  for (const Party& party : parties) go(party);
+  time_work(times, &Times::elastic, all, [&] { islands = between_sheets->build_islands(); });
+  for (const Island& island : islands) step_island(island);
   for (;;) {
-    std::vector<Party> joined;
-    count(times, &Times::elastic, all, [&] { joined = beside->where_ways_meet(parties); });
-    if (joined.size() == parties.size()) return parties;
-    for (const Party& party : joined)
-      if (std::find(parties.begin(), parties.end(), party) == parties.end()) go(party);
-    parties = std::move(joined);
+    std::vector<Island> joined;
+    time_work(times, &Times::elastic, all,
+              [&] { joined = between_sheets->merge_colliding(islands); });
+    if (joined.size() == islands.size()) return islands;
+    for (const Island& island : joined)
+      if (std::find(islands.begin(), islands.end(), island) == islands.end()) step_island(island);
+    islands = std::move(joined);
   }
 }
 
@@ -69,41 +71,43 @@ std::vector<Party> step(SheetsBeside::Sheets& sheets, const SheetsBeside* beside
 void animate_together(const std::vector<AnimatedSheet>& all,
                       const std::function<bool(const AnimatedFrame&)>& on_frame) {
   const AnimateOptions& options = all.front().options;
-  SheetsBeside::Sheets sheets;
+  SheetIslands::Sheets sheets;
   std::vector<Times> times(all.size());
   for (const AnimatedSheet& one : all)
-    count(times, &Times::geometry, {sheets.size()}, [&] {
+    time_work(times, &Times::geometry, {sheets.size()}, [&] {
       sheets.push_back(
-          std::make_unique<Animation>(one.shot, one.method, one.options, sheets.size()));
+          std::make_unique<SheetSimulation>(one.shot, one.method, one.options, sheets.size()));
     });
   for (const auto& sheet : sheets)
     if (sheet->next_frame() != sheets.front()->next_frame())
       throw Error(Fault::scene, "state", "Sheets that are animated together go on from one frame.");
   const bool begins = options.go_on_from.empty();
   if (!begins) times.assign(all.size(), {});
-  std::optional<SheetsBeside> beside;
+  std::optional<SheetIslands> between_sheets;
   if (all.size() > 1 && options.elastic.contact == SelfContact::automatic)
-    beside.emplace(sheets, begins ? SheetsBeside::Begin::anew : SheetsBeside::Begin::as_kept);
+    between_sheets.emplace(sheets,
+                           begins ? SheetIslands::Start::fresh : SheetIslands::Start::resumed);
 
   for (int frame = sheets.front()->next_frame(); frame <= options.last_frame; ++frame) {
-    const auto fits = [&](std::size_t s) -> Animation::Fits {
+    const auto is_admissible = [&](std::size_t s) -> SheetSimulation::AdmissibilityCheck {
       return [&, s](const Sheet& here, const Sheet& there, double moved) {
-        return !beside || beside->fits(s, here, there, moved);
+        return !between_sheets || between_sheets->is_admissible(s, here, there, moved);
       };
     };
     for (std::size_t s = 0; s < sheets.size(); ++s)
-      count(times, &Times::geometry, {s}, [&] { sheets[s]->prepare(fits(s)); });
-    const std::vector<Party> parties = step(sheets, beside ? &*beside : nullptr, times);
+      time_work(times, &Times::geometry, {s}, [&] { sheets[s]->prepare(is_admissible(s)); });
+    const std::vector<Island> islands =
+        step(sheets, between_sheets ? &*between_sheets : nullptr, times);
     for (std::size_t s = 0; s < sheets.size(); ++s)
-      count(times, &Times::elastic, {s}, [&] { sheets[s]->settle(fits(s)); });
-    for (const Party& party : parties)
-      count(times, &Times::geometry, party, [&] {
-        if (party.size() > 1)
-          beside->show(party);
+      time_work(times, &Times::elastic, {s}, [&] { sheets[s]->finish_step(is_admissible(s)); });
+    for (const Island& island : islands)
+      time_work(times, &Times::geometry, island, [&] {
+        if (island.size() > 1)
+          between_sheets->finalize(island);
         else
-          sheets[party.front()]->show(Animation::Shown::as_finished);
+          sheets[island.front()]->finalize(SheetSimulation::Output::finished_sheet);
       });
-    if (beside) beside->part();
+    if (between_sheets) between_sheets->restore_contact_distances();
     std::vector<AnimatedFrame> results;
     for (std::size_t s = 0; s < sheets.size(); ++s) {
       results.push_back(sheets[s]->report());

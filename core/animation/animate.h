@@ -21,8 +21,8 @@ struct AnimateOptions {
   unsigned seed = 0;  // of the ripple that lets a flat sheet buckle
   // plastic: beyond the yield strain of the grade, on the pattern, for ever
   Memory memory = Memory::none;
-  bool show_memory = false;  // hand on AnimatedFrame::plastic_curvature
-  // [frames] from one search for another branch (branches.h) to the next; 0: none
+  bool report_plastic_curvature = false;  // hand on AnimatedFrame::plastic_curvature
+  // [frames] from one search for another branch (branch_search.h) to the next; 0: none
   int probe_every = 0;
   // AnimatedFrame::state of this shot, method and options: the frames after that one, as they would
   // have been; empty: all
@@ -58,8 +58,8 @@ struct AnimatedSheet {
 /// each other take the frame together (Elastic::step_together). Two sheets have one reach d^
 /// between them: the smaller of theirs; where they begin nearer to each other, 0.9 x that distance,
 /// and as they part, as much. Sheets that begin on each other, crossed or joined at a border, have
-/// a tenth of it, and where they do, none (contact.h); of which half does, none at all until they
-/// are apart.
+/// a tenth of it, and where they do, none (self_contact.h); of which half does, none at all until
+/// they are apart.
 ///
 /// on_frame  called for every frame in order, and of it for every sheet in order
 /// source    this project

@@ -16,13 +16,13 @@ constexpr double amplitudes[] = {0.02, 0.06};  // [1] of the longer side
 constexpr double same = 0.02;                  // [1] of the energy: another branch is lower by more
 // [1] of the longer side, rms: nearer than this it is the same shape
 constexpr double another_shape = 0.01;
-constexpr int most_steps_in_touch = 12;
+constexpr int max_steps_in_touch = 12;
 constexpr double noise = 1e-6;  // [J] of a sheet that is nearly flat
 
 /// The sheet pushed along its normals, by `height` rms.
 Sheet pushed(const Sheet& sheet, double side, double height, std::uint32_t seed) {
   Eigen::VectorXd wave(sheet.x.rows());
-  for (int v = 0; v < wave.size(); ++v) wave[v] = ripple(sheet.pattern.row(v), side, seed);
+  for (int v = 0; v < wave.size(); ++v) wave[v] = imperfection(sheet.pattern.row(v), side, seed);
   const double size = std::sqrt(wave.squaredNorm() / wave.size());
   Sheet moved = sheet;
   if (size > 0)
@@ -31,15 +31,15 @@ Sheet pushed(const Sheet& sheet, double side, double height, std::uint32_t seed)
 }
 
 /// Of a sheet that touches itself.
-Branches finish(Sheet& sheet, Elastic& elastic, const Held& held, double dt) {
+BranchSearch finish(Sheet& sheet, Elastic& elastic, const PositionConstraints& held, double dt) {
   const Sheet sheet_before = sheet;
-  const ElasticPast past = elastic.past();
-  const ElasticReport here = elastic.look(sheet);
+  const SolverState state = elastic.state();
+  const ElasticReport here = elastic.evaluate_energies(sheet);
   ElasticReport there = here;
   there.converged = false;
-  for (int k = 0; k < most_steps_in_touch && !there.converged; ++k)
+  for (int k = 0; k < max_steps_in_touch && !there.converged; ++k)
     there = elastic.step(sheet, held, dt);
-  Branches found;
+  BranchSearch found;
   found.before = here.potential;
   found.after = there.potential;
   found.finished = there.potential < here.potential - same * std::max(here.energy, noise) &&
@@ -47,36 +47,36 @@ Branches finish(Sheet& sheet, Elastic& elastic, const Held& held, double dt) {
   if (found.finished) return found;
   found.after = found.before;
   sheet = sheet_before;
-  elastic.take_back(past);
+  elastic.restore(state);
   return found;
 }
 
 }  // namespace
 
-Branches probe_branches(Sheet& sheet, Elastic& elastic, const Held& held, double dt,
-                        std::uint32_t seed, int frame, int waves_of_each) {
+BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const PositionConstraints& held,
+                            double dt, std::uint32_t seed, int frame, int waves_of_each) {
   const double side =
       (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
-  const ElasticPast as_it_was = elastic.past();
-  if (as_it_was.careful) return finish(sheet, elastic, held, dt);
-  ElasticPast no_past = as_it_was;
+  const SolverState as_it_was = elastic.state();
+  if (as_it_was.had_contact) return finish(sheet, elastic, held, dt);
+  SolverState no_past = as_it_was;
   no_past.positions.clear();
   no_past.second.reset();
-  elastic.take_back(no_past);
+  elastic.restore(no_past);
   const auto relaxed = [&](Sheet& candidate) {
     ElasticReport report;
     // inertia holds it back to where it was pushed, less every time
     for (int time = 0; time < 3; ++time)
-      if (report = elastic.settle(candidate, held, dt, Settling::fully); !report.converged) break;
+      if (report = elastic.relax(candidate, held, dt, Relaxation::full); !report.converged) break;
     return report;
   };
 
   // the sheet itself is relaxed alike: what it has not yet finished is no other branch
   Sheet lowest = sheet;
   ElasticReport here = relaxed(lowest);
-  if (!here.converged || here.contact) here = elastic.look(sheet), lowest = sheet;
+  if (!here.converged || here.contact) here = elastic.evaluate_energies(sheet), lowest = sheet;
   const double step = same * std::max(here.energy, noise);
-  Branches found;
+  BranchSearch found;
   found.before = found.after = here.potential;
   double least = here.potential - step;
   const Points3 now = lowest.x;
@@ -95,25 +95,25 @@ Branches probe_branches(Sheet& sheet, Elastic& elastic, const Held& held, double
       if (there.potential < least)
         least = there.potential, found.taken = true, lowest = std::move(other);
     }
-  elastic.take_back(as_it_was);
+  elastic.restore(as_it_was);
   if (!found.taken) return found;
 
   const Sheet before = sheet;
-  elastic.take_back(no_past);
+  elastic.restore(no_past);
   sheet.x = lowest.x;
-  const ElasticReport arrived = elastic.step(sheet, held, dt);
-  if (arrived.converged && crossings(sheet) == 0) {
+  const ElasticReport has_arrived = elastic.step(sheet, held, dt);
+  if (has_arrived.converged && crossings(sheet) == 0) {
     found.after = least;
     found.equal = false;
     return found;
   }
-  elastic.take_back(as_it_was);
+  elastic.restore(as_it_was);
   sheet = before;
   found.taken = false;
   return found;
 }
 
-std::string note_of(const Branches& found) {
+std::string note_of(const BranchSearch& found) {
   char text[160] = "";
   const double share = 100 * (found.before - found.after) / std::abs(found.before);
   if (found.taken)

@@ -8,7 +8,7 @@
 namespace paperbake {
 
 /// What a probe for other shapes found, with the handles where they are.
-struct Branches {
+struct BranchSearch {
   double before = 0, after = 0;  // [J] potential of the sheet as it was, and as it is now
   bool taken = false;            // another branch is more than 2 % lower: the sheet is on it now
   // no other branch: the sheet touches itself and was not yet at its minimum
@@ -26,10 +26,10 @@ struct Branches {
 /// is.
 /// dt      [s] of a frame
 /// source  this project
-Branches probe_branches(Sheet&, Elastic&, const Held&, double dt, std::uint32_t seed, int frame,
-                        int waves_of_each = 3);
+BranchSearch probe_branches(Sheet&, Elastic&, const PositionConstraints&, double dt,
+                            std::uint32_t seed, int frame, int waves_of_each = 3);
 
 /// What there is to say of it in the certificate; empty: nothing.
-std::string note_of(const Branches&);
+std::string note_of(const BranchSearch&);
 
 }  // namespace paperbake

@@ -5,40 +5,41 @@
 
 namespace paperbake {
 
-Grip::Grip(const Shot& shot, std::vector<int> vertices, int first_frame)
+HandleConstraints::HandleConstraints(const Shot& shot, std::vector<int> vertices, int first_frame)
     : handles_(shot.handles),
       colliders_(shot.colliders.get()),
       vertex_(std::move(vertices)),
       first_frame_(first_frame),
       exact_(std::min(1e-4, 1e-3 * longer_side(shot.pattern))),
-      reach_(shot.pattern, shot.handles),
-      anchor_(shot.handles.size()) {}
+      feasibility_(shot.pattern, shot.handles),
+      offset_(shot.handles.size()) {}
 
-bool Grip::holds(std::size_t h, int frame) const {
+bool HandleConstraints::is_active(std::size_t h, int frame) const {
   const Handle& handle = handles_[h];
-  return handle.held(frame) && (handle.mode == HandleMode::absolute || anchor_[h]);
+  return handle.held(frame) && (handle.mode == HandleMode::absolute || offset_[h]);
 }
 
-Vector3d Grip::keyed(std::size_t h, int frame) const {
+Vector3d HandleConstraints::keyed(std::size_t h, int frame) const {
   const Handle& handle = handles_[h];
   const Vector3d now = keyed_position(handle, frame - first_frame_);
-  return anchor_[h] ? Vector3d(*anchor_[h] + now) : now;
+  return offset_[h] ? Vector3d(*offset_[h] + now) : now;
 }
 
-void Grip::anchor(const Points3& x, int frame) {
+void HandleConstraints::bind_relative_handles(const Points3& x, int frame) {
   for (std::size_t h = 0; h < handles_.size(); ++h)
-    if (handles_[h].mode == HandleMode::relative && handles_[h].held(frame) && !anchor_[h])
-      anchor_[h] =
+    if (handles_[h].mode == HandleMode::relative && handles_[h].held(frame) && !offset_[h])
+      offset_[h] =
           x.row(vertex_[h]).transpose() - keyed_position(handles_[h], frame - first_frame_);
 }
 
-Held Grip::held(int frame) const {
+PositionConstraints HandleConstraints::held(int frame) const {
   std::vector<int> hard, soft;
   for (std::size_t h = 0; h < handles_.size(); ++h)
-    if (holds(h, frame)) (handles_[h].stiffness > 0 ? soft : hard).push_back(static_cast<int>(h));
+    if (is_active(h, frame))
+      (handles_[h].stiffness > 0 ? soft : hard).push_back(static_cast<int>(h));
   Points3 targets(hard.size(), 3);
   for (std::size_t k = 0; k < hard.size(); ++k) targets.row(k) = keyed(hard[k], frame);
-  reach_.project(hard, targets);
+  feasibility_.project(hard, targets);
   // two handles on one point of the sheet hold it where they agree best; a soft one has no say
   // beside a hard one
   struct Pull {
@@ -58,7 +59,7 @@ Held Grip::held(int frame) const {
     pull.sum += handles_[h].stiffness * keyed(h, frame).transpose();
     pull.weight = pull.stiffness += handles_[h].stiffness;
   }
-  Held held;
+  PositionConstraints held;
   held.targets.resize(by_vertex.size(), 3);
   for (const auto& [vertex, pull] : by_vertex) {
     held.targets.row(held.vertices.size()) = pull.sum / pull.weight;
@@ -71,12 +72,12 @@ Held Grip::held(int frame) const {
   return held;
 }
 
-std::vector<HandleFrame> Grip::report(const Points3& x, int frame) const {
+std::vector<HandleFrame> HandleConstraints::report(const Points3& x, int frame) const {
   std::vector<HandleFrame> frames(handles_.size());
   for (std::size_t h = 0; h < handles_.size(); ++h) {
     frames[h].keyed = keyed(h, frame);
     frames[h].at = x.row(vertex_[h]);
-    if (!holds(h, frame)) continue;
+    if (!is_active(h, frame)) continue;
     const bool soft = handles_[h].stiffness > 0;  // it is meant to lag
     frames[h].state = !soft && (frames[h].at - frames[h].keyed).norm() > exact_
                           ? HandleFrame::jammed
@@ -85,9 +86,9 @@ std::vector<HandleFrame> Grip::report(const Points3& x, int frame) const {
   return frames;
 }
 
-void Grip::archive(Archive& a) {
-  a(anchor_);
-  a.demand(anchor_.size() == handles_.size());
+void HandleConstraints::archive(Serializer& a) {
+  a(offset_);
+  a.require(offset_.size() == handles_.size());
 }
 
 }  // namespace paperbake

@@ -11,24 +11,24 @@ namespace paperbake {
 
 /// Handles of the shot as the loop needs them: where they are asked to be, and which vertices that
 /// holds.
-class Grip {
+class HandleConstraints {
  public:
   /// vertices  of each handle
-  Grip(const Shot&, std::vector<int> vertices, int first_frame);
+  HandleConstraints(const Shot&, std::vector<int> vertices, int first_frame);
 
   /// A relative handle begins where the sheet is at its grab frame, after that frame was simulated
   /// without it.
-  void anchor(const Points3& x, int frame);
+  void bind_relative_handles(const Points3& x, int frame);
 
   /// Held vertices and their targets at a frame, drawn together where paper cannot reach.
-  Held held(int frame) const;
+  PositionConstraints held(int frame) const;
 
   std::vector<HandleFrame> report(const Points3& x, int frame) const;
 
-  void archive(Archive&);
+  void archive(Serializer&);
 
  private:
-  bool holds(std::size_t h, int frame) const;
+  bool is_active(std::size_t h, int frame) const;
   Vector3d keyed(std::size_t h, int frame) const;
 
   const std::vector<Handle>& handles_;
@@ -36,9 +36,9 @@ class Grip {
   std::vector<int> vertex_;
   int first_frame_;
   double exact_;  // [m] a handle that is farther off is not met
-  Reach reach_;
+  HandleFeasibility feasibility_;
   // [m] what is added to a relative handle's own position
-  std::vector<std::optional<Vector3d>> anchor_;
+  std::vector<std::optional<Vector3d>> offset_;
 };
 
 }  // namespace paperbake

@@ -5,7 +5,7 @@
 
 namespace paperbake {
 
-Reach::Reach(const Pattern& pattern, const std::vector<Handle>& handles) {
+HandleFeasibility::HandleFeasibility(const Pattern& pattern, const std::vector<Handle>& handles) {
   const int n = static_cast<int>(handles.size());
   paper_.setZero(n, n);
   for (int i = 0; i < n; ++i)
@@ -13,8 +13,9 @@ Reach::Reach(const Pattern& pattern, const std::vector<Handle>& handles) {
       paper_(i, j) = paper_(j, i) = paper_distance(pattern, handles[i].pattern, handles[j].pattern);
 }
 
-std::vector<ImpossiblePair> Reach::impossible_pairs(const std::vector<Handle>& handles,
-                                                    int first_frame, int last_frame) const {
+std::vector<ImpossiblePair> HandleFeasibility::impossible_pairs(const std::vector<Handle>& handles,
+                                                                int first_frame,
+                                                                int last_frame) const {
   std::vector<ImpossiblePair> pairs;
   for (std::size_t i = 0; i < handles.size(); ++i)
     for (std::size_t j = i + 1; j < handles.size(); ++j) {
@@ -43,7 +44,7 @@ std::vector<ImpossiblePair> Reach::impossible_pairs(const std::vector<Handle>& h
   return pairs;
 }
 
-double Reach::project(const std::vector<int>& handles, Points3& targets) const {
+double HandleFeasibility::project(const std::vector<int>& handles, Points3& targets) const {
   constexpr int towards = 300, sweeps = 2000;
   constexpr double settled = 1e-9;  // [m] overshoot that nobody can see
   const Points3 asked = targets;

@@ -21,7 +21,7 @@ struct ImpossiblePair {
 };
 
 /// How far paper lets handles be apart.
-class Reach {
+class HandleFeasibility {
  public:
   /// Paper itself stretches by this much before anyone sees it: what is asked below it is held as
   /// it is.
@@ -30,7 +30,7 @@ class Reach {
   /// [m]
   static constexpr double rounding = 1e-6;
 
-  Reach(const Pattern&, const std::vector<Handle>&);
+  HandleFeasibility(const Pattern&, const std::vector<Handle>&);
 
   /// Absolute handles held at the same time that overshoot by more than the tolerance, by pair.
   /// first_frame: frame of row 0 of Handle::keyed; frames are looked at up to `last_frame`

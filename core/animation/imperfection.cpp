@@ -24,7 +24,7 @@ Plane plane_of(const Points3& x) {
 
 }  // namespace
 
-double ripple(const Vector2d& p, double side, unsigned seed) {
+double imperfection(const Vector2d& p, double side, unsigned seed) {
   constexpr int waves = 6;
   double sum = 0;
   for (int k = 0; k < waves; ++k) {
@@ -36,14 +36,14 @@ double ripple(const Vector2d& p, double side, unsigned seed) {
 
 double off_plane(const Points3& x) { return plane_of(x).off; }
 
-void disturb_if_flat(Sheet& sheet, double side, unsigned seed) {
+void add_geometric_imperfection(Sheet& sheet, double side, unsigned seed) {
   constexpr double height = 1e-6;  // [m]
   const Plane plane = plane_of(sheet.x);
   if (plane.off > 1e-7 * side) return;
   // the side an eigenvector points to is an accident
   const Vector3d up = plane.normal.z() < 0 ? Vector3d(-plane.normal) : plane.normal;
   for (int v = 0; v < sheet.x.rows(); ++v)
-    sheet.x.row(v) += height * ripple(sheet.pattern.row(v), side, seed) * up.transpose();
+    sheet.x.row(v) += height * imperfection(sheet.pattern.row(v), side, seed) * up.transpose();
 }
 
 }  // namespace paperbake

@@ -22,7 +22,8 @@ std::vector<double> disc_factors(const Sheet& sheet, const Shot& shot) {
   return factors;
 }
 
-StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed, int first_frame) {
+InitialSheet make_initial_sheet(const Shot& shot, const Method& method, unsigned seed,
+                                int first_frame) {
   std::vector<Vector2d> points;
   for (const Handle& handle : shot.handles) points.push_back(handle.pattern);
   for (std::size_t h = 0; h < shot.handles.size(); ++h)
@@ -32,7 +33,7 @@ StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed, 
   points.insert(points.end(), shot.pins.keep.begin(), shot.pins.keep.end());
 
   Method::FirstMesh mesh = method.first_mesh(shot.pattern, points);
-  StartedSheet started;
+  InitialSheet started;
   started.handle_vertex.assign(mesh.point_vertex.begin(),
                                mesh.point_vertex.begin() + shot.handles.size());
   Sheet& sheet = started.sheet;
@@ -40,17 +41,17 @@ StartedSheet start_sheet(const Shot& shot, const Method& method, unsigned seed, 
   sheet.triangles = std::move(mesh.triangles);
   sheet.x.resize(sheet.pattern.rows(), 3);
   sheet.v = Points3::Zero(sheet.pattern.rows(), 3);
-  sheet.folds = shot.pattern.folds;
+  sheet.prescribed_creases = shot.pattern.prescribed_creases;
   for (std::size_t k = 0; k < shot.pins.keep.size(); ++k)
     sheet.singular.push_back(
         {sheet.pattern.row(mesh.point_vertex[points.size() - shot.pins.keep.size() + k])
              .transpose(),
          first_frame, "kept here"});
-  const Locator locator(shot.start.pattern, shot.start.triangles);
+  const PointLocator locator(shot.start.pattern, shot.start.triangles);
   for (int v = 0; v < sheet.pattern.rows(); ++v)
     sheet.x.row(v) =
         interpolate(locator.locate(sheet.pattern.row(v)), shot.start.triangles, shot.start.x);
-  disturb_if_flat(sheet, longer_side(shot.pattern), seed);
+  add_geometric_imperfection(sheet, longer_side(shot.pattern), seed);
 
   started.fixed.assign(sheet.pattern.rows(), 0);
   for (const int v : mesh.point_vertex) started.fixed[v] = 1;

@@ -12,9 +12,10 @@ namespace {
 double facets_of(const Sheet& sheet) {
   double stored = 0, sum = 0;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
-    const double fold = fold_angle(sheet.x, hinge), length = (sheet.pattern.row(hinge.vertices[1]) -
-                                                              sheet.pattern.row(hinge.vertices[0]))
-                                                                 .norm();
+    const double fold = dihedral_angle(sheet.x, hinge),
+                 length =
+                     (sheet.pattern.row(hinge.vertices[1]) - sheet.pattern.row(hinge.vertices[0]))
+                         .norm();
     stored += fold * fold * length;
     sum += fold * fold * fold * fold * length;
   }
@@ -23,13 +24,13 @@ double facets_of(const Sheet& sheet) {
 
 }  // namespace
 
-Verdict exchange_mesh(
+MeshSwapResult try_swap_mesh(
     Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening,
-    const Held& held, double dt,
-    const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& fits) {
-  constexpr double most_rise = 0.05, most_move = 0.01;  // [1] of the energy; of the longer side
+    const PositionConstraints& held, double dt,
+    const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& is_admissible) {
+  constexpr double max_rise = 0.05, max_move = 0.01;  // [1] of the energy; of the longer side
   // a mesh that holds its sheet back holds it the more, the longer it stays
-  constexpr double too_stiff = -0.005, most_move_then = 0.025;
+  constexpr double too_stiff = -0.005, max_move_then = 0.025;
   // [rad2] of facets (20 degrees): and so does one on which what lies hooks in a few edges
   constexpr double too_coarse = 0.12;
   // [1/rad2] share of the energy that a mesh does not see, by its facets
@@ -37,15 +38,15 @@ Verdict exchange_mesh(
   constexpr double noise = 1e-6;  // [J] of a sheet that is nearly flat
   const Points3 carried = proposal.x;
   Elastic trial = elastic.on_mesh(proposal, stiffening);
-  const ElasticReport settled = trial.settle(proposal, held, dt, Settling::briefly),
-                      stored = elastic.look(sheet);
+  const ElasticReport settled = trial.relax(proposal, held, dt, Relaxation::coarse),
+                      stored = elastic.evaluate_energies(sheet);
 
-  const Transfer onto(sheet.pattern, sheet.triangles, proposal.pattern),
+  const MeshTransfer onto(sheet.pattern, sheet.triangles, proposal.pattern),
       back(proposal.pattern, proposal.triangles, sheet.pattern);
   const double side =
       (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
   const double rise = settled.potential - stored.potential;
-  Verdict verdict;
+  MeshSwapResult verdict;
   verdict.rise = rise / std::max(stored.energy, noise);
   verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(),
                           (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) /
@@ -55,9 +56,9 @@ Verdict exchange_mesh(
              off = coarse || verdict.rise <= too_stiff;
   const double finer = coarse ? std::max(0.0, facets - facets_of(proposal)) : 0;
   verdict.accepted = settled.converged && !settled.contact &&
-                     rise <= (most_rise + unseen * finer) * stored.energy + noise &&
-                     verdict.move <= (off ? most_move_then : most_move) &&
-                     (!fits || fits(sheet, proposal, verdict.move * side));
+                     rise <= (max_rise + unseen * finer) * stored.energy + noise &&
+                     verdict.move <= (off ? max_move_then : max_move) &&
+                     (!is_admissible || is_admissible(sheet, proposal, verdict.move * side));
   if (!verdict.accepted) return verdict;
   // the past is moved along with the present, so that velocities are carried over and the jump of
   // the exchange is none

@@ -6,7 +6,7 @@
 
 namespace paperbake {
 
-struct Verdict {
+struct MeshSwapResult {
   bool accepted = false;
   double rise = 0;  // [1] of the potential, as a share of the energy that was stored
   // [1] of the longer side: farthest that a vertex of either mesh lies from the other surface
@@ -25,9 +25,10 @@ struct Verdict {
 /// stiffening  as in Elastic::set_mesh, of the new mesh
 /// held        vertices of the new mesh, at the positions of the old one
 /// fits        asked last: may the sheet go there, some way [m] off? empty: it may
-Verdict exchange_mesh(
-    Sheet&, Elastic&, Sheet proposal, const std::vector<double>& stiffening, const Held& held,
-    double dt,
-    const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& fits = {});
+MeshSwapResult try_swap_mesh(Sheet&, Elastic&, Sheet proposal,
+                             const std::vector<double>& stiffening, const PositionConstraints& held,
+                             double dt,
+                             const std::function<bool(const Sheet& here, const Sheet& there,
+                                                      double moved)>& is_admissible = {});
 
 }  // namespace paperbake

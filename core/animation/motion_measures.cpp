@@ -5,8 +5,9 @@
 
 namespace paperbake {
 
-double unrest(const Sheet& sheet, const Held& held, const Held& held_before, const Points3& before,
-              const Colliders* colliders) {
+double max_displacement(const Sheet& sheet, const PositionConstraints& held,
+                        const PositionConstraints& held_before, const Points3& before,
+                        const Colliders* colliders) {
   if (held.vertices != held_before.vertices) return std::numeric_limits<double>::infinity();
   double most =
       held.targets.rows() ? (held.targets - held_before.targets).rowwise().norm().maxCoeff() : 0;
@@ -16,12 +17,12 @@ double unrest(const Sheet& sheet, const Held& held, const Held& held_before, con
   return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
 }
 
-std::vector<int> pulled_alone(const Sheet& sheet, const Held& held, double least_move,
-                              double apart) {
+std::vector<int> isolated_moving_handles(const Sheet& sheet, const PositionConstraints& held,
+                                         double min_move, double apart) {
   std::vector<int> pulled;
   for (std::size_t k = 0; k < held.vertices.size(); ++k) {
     const auto p = sheet.pattern.row(held.vertices[k]);
-    bool alone = (sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm() > least_move;
+    bool alone = (sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm() > min_move;
     for (std::size_t j = 0; j < held.vertices.size() && alone; ++j)
       alone = j == k || (sheet.pattern.row(held.vertices[j]) - p).norm() > apart;
     if (alone) pulled.push_back(held.vertices[k]);
@@ -29,7 +30,8 @@ std::vector<int> pulled_alone(const Sheet& sheet, const Held& held, double least
   return pulled;
 }
 
-double leap_of(const Sheet& sheet, const Held& held, const Held& held_before) {
+double relative_handle_motion(const Sheet& sheet, const PositionConstraints& held,
+                              const PositionConstraints& held_before) {
   Points3 way(held.vertices.size(), 3);
   for (std::size_t k = 0; k < held.vertices.size(); ++k) {
     const auto was =

@@ -28,10 +28,10 @@ Method fixed_mesh(int triangles, const RenderFeatures& more) {
 }
 
 /// The vertices of a fine mesh where a sheet has them. |V|x3 [m]
-Points3 put_on(const Points2& pattern, const Sheet& rough, bool curved) {
-  if (!curved) return Transfer(rough.pattern, rough.triangles, pattern)(rough.x);
+Points3 set_shape(const Points2& pattern, const Sheet& rough, bool curved) {
+  if (!curved) return MeshTransfer(rough.pattern, rough.triangles, pattern)(rough.x);
   Points3 x(pattern.rows(), 3);
-  const Locator locator(rough.pattern, rough.triangles);
+  const PointLocator locator(rough.pattern, rough.triangles);
   const CurvedSurface surface = curve(rough);
   for (int v = 0; v < x.rows(); ++v) x.row(v) = surface.at(locator.locate(pattern.row(v)));
   return x;
@@ -52,13 +52,13 @@ bool same_apices(const std::vector<SingularPoint>& a, const std::vector<Singular
 
 Polisher::Polisher(const Shot& shot, const ElasticOptions& options, int triangles,
                    const RenderFeatures& features)
-    : started_(start_sheet(shot, fixed_mesh(triangles, features), 0)),
+    : started_(make_initial_sheet(shot, fixed_mesh(triangles, features), 0)),
       elastic_(shot.paper, at_rest(options)) {
   elastic_.set_mesh(started_.sheet, started_.stiffening);
 }
 
-Held Polisher::grip(const std::vector<int>& held, const Points3& held_at) const {
-  Held grip;
+PositionConstraints Polisher::grip(const std::vector<int>& held, const Points3& held_at) const {
+  PositionConstraints grip;
   for (std::size_t k = 0; k < held.size(); ++k) {
     const int vertex = started_.handle_vertex[held[k]];
     if (std::find(grip.vertices.begin(), grip.vertices.end(), vertex) != grip.vertices.end())
@@ -80,23 +80,23 @@ Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held,
     elastic_.set_mesh(started_.sheet, started_.stiffening);
   }
   sheet = started_.sheet;
-  sheet.x = put_on(sheet.pattern, rough, rough.triangles.rows() < sheet.triangles.rows());
-  const Held now = grip(held, held_at);
+  sheet.x = set_shape(sheet.pattern, rough, rough.triangles.rows() < sheet.triangles.rows());
+  const PositionConstraints now = grip(held, held_at);
   for (std::size_t k = 0; k < now.vertices.size(); ++k)
     sheet.x.row(now.vertices[k]) = now.targets.row(k);
   const Points3 given = sheet.x;
 
   std::optional<PlasticGrid> grid;
   if (memory) grid = *memory;
-  elastic_.remember_in(grid ? &*grid : nullptr);
-  result.energy_before = elastic_.look(sheet).energy;
-  const ElasticReport report = elastic_.settle(sheet, now, dt, Settling::fully);
+  elastic_.set_plastic_grid(grid ? &*grid : nullptr);
+  result.energy_before = elastic_.evaluate_energies(sheet).energy;
+  const ElasticReport report = elastic_.relax(sheet, now, dt, Relaxation::full);
   result.converged = report.converged;
   result.near_itself = report.contact;
   result.energy = report.energy;
   result.membrane_energy = report.membrane;
   result.iterations = report.iterations;
-  elastic_.remember_in(nullptr);
+  elastic_.set_plastic_grid(nullptr);
   result.moved = std::sqrt((sheet.x - given).rowwise().squaredNorm().mean());
   return result;
 }

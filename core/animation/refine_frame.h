@@ -40,13 +40,13 @@ class Polisher {
   Polished operator()(const Sheet& rough, const std::vector<int>& held, const Points3& held_at,
                       const PlasticGrid* memory = nullptr);
 
-  const StartedSheet& mesh() const { return started_; }
+  const InitialSheet& mesh() const { return started_; }
 
   /// The vertices of these handles, each once, at these places.
-  Held grip(const std::vector<int>& held, const Points3& held_at) const;
+  PositionConstraints grip(const std::vector<int>& held, const Points3& held_at) const;
 
  private:
-  StartedSheet started_;  // with the apices of the last frame
+  InitialSheet started_;  // with the apices of the last frame
   // keeps the structure of its matrix from frame to frame, and nothing else
   Elastic elastic_;
 };

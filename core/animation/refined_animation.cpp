@@ -19,16 +19,16 @@ namespace paperbake {
 namespace {
 
 /// A frame as the method left it.
-struct Rough {
+struct CoarseFrame {
   // frame.sheet: to `sheet`, once it has come to its place
   AnimatedFrame frame;
   Sheet sheet;
   std::shared_ptr<const PlasticGrid> memory;  // null: elastic paper
 };
 
-struct Attempt {
+struct RefinementResult {
   std::optional<Polished> polished;  // none: it was not tried
-  std::string unfit;                 // why it is not to be shown; empty: it is
+  std::string rejection;             // why it is not to be shown; empty: it is
   double ms = 0;
 };
 
@@ -42,7 +42,7 @@ class PolishedShot {
 
   void add(const AnimatedFrame& frame) {
     record_.add(frame);
-    Rough rough{frame, *frame.sheet, {}};
+    CoarseFrame rough{frame, *frame.sheet, {}};
     if (frame.memory) {
       const bool as_before = !frames_.empty() && frames_.back().frame.plastic == frame.plastic;
       rough.memory =
@@ -57,7 +57,7 @@ class PolishedShot {
     for (int t = 0; t < std::max(1, options_.threads); ++t)
       polishers_.emplace_back(shot_, animation_.elastic, options_.triangles,
                               record_.features(shot_));
-    regrip();
+    rebind_relative_handles();
     if (!worth_while()) return hand_on_as_they_are(on_frame);
     const std::size_t at_once = 4 * std::max(1, options_.threads);
     for (std::size_t begin = 0; begin < frames_.size(); begin += at_once) {
@@ -65,10 +65,10 @@ class PolishedShot {
       std::vector<std::size_t> chunk;
       for (std::size_t k = begin; k < end; ++k)
         if (wanted(frames_[k])) chunk.push_back(k);
-      const std::vector<Attempt> attempts = polish(chunk);
+      const std::vector<RefinementResult> attempts = polish(chunk);
       std::size_t next = 0;
       for (std::size_t k = begin; k < end; ++k)
-        if (!show(frames_[k], wanted(frames_[k]) ? attempts[next++] : Attempt{}, on_frame))
+        if (!show(frames_[k], wanted(frames_[k]) ? attempts[next++] : RefinementResult{}, on_frame))
           return false;
     }
     return true;
@@ -85,31 +85,31 @@ class PolishedShot {
       if (const std::size_t k = (2 * s + 1) * frames_.size() / (2 * samples);
           tried.empty() || tried.back() != k)
         tried.push_back(k);
-    const std::vector<Attempt> attempts = polish(tried);
+    const std::vector<RefinementResult> attempts = polish(tried);
     const auto fit = std::count_if(attempts.begin(), attempts.end(),
-                                   [](const Attempt& a) { return a.unfit.empty(); });
+                                   [](const RefinementResult& a) { return a.rejection.empty(); });
     return 2 * static_cast<std::size_t>(fit) >= tried.size();
   }
 
   bool hand_on_as_they_are(const std::function<bool(const AnimatedFrame&)>& on_frame) {
-    Attempt none;
-    none.unfit = "most frames of this shot have no minimum near by";
-    for (Rough& rough : frames_)
+    RefinementResult none;
+    none.rejection = "most frames of this shot have no minimum near by";
+    for (CoarseFrame& rough : frames_)
       if (!show(rough, none, on_frame)) return false;
     return true;
   }
 
-  const StartedSheet& mesh() const { return polishers_.front().mesh(); }
+  const InitialSheet& mesh() const { return polishers_.front().mesh(); }
 
   /// A relative handle holds the sheet where it is, and so where the polished sheet is.
-  void regrip() {
-    for (const Rough& rough : frames_) {
+  void rebind_relative_handles() {
+    for (const CoarseFrame& rough : frames_) {
       std::vector<std::size_t> taking_hold;
       for (std::size_t h = 0; h < shot_.handles.size(); ++h)
         if (takes_hold(rough, h)) taking_hold.push_back(h);
       if (taking_hold.empty()) continue;
-      const Attempt found = attempt(rough, polishers_.front());
-      if (!found.unfit.empty()) continue;
+      const RefinementResult found = attempt(rough, polishers_.front());
+      if (!found.rejection.empty()) continue;
       for (const std::size_t h : taking_hold)
         regripped_[h] = found.polished->sheet.x.row(mesh().handle_vertex[h]).transpose() -
                         rough.frame.handles[h].at;
@@ -117,20 +117,20 @@ class PolishedShot {
   }
 
   /// The frame in which a relative handle takes hold was simulated without it.
-  bool takes_hold(const Rough& rough, std::size_t h) const {
+  bool takes_hold(const CoarseFrame& rough, std::size_t h) const {
     const Handle& handle = shot_.handles[h];
     const int first = std::max(handle.grab_frame, animation_.first_frame);
     return handle.mode == HandleMode::relative && rough.frame.frame == first &&
            rough.frame.handles[h].state != HandleFrame::free;
   }
 
-  bool wanted(const Rough& rough) const {
+  bool wanted(const CoarseFrame& rough) const {
     return !options_.wanted || options_.wanted(rough.frame.frame);
   }
 
   /// Side by side. returns one for each of the frames
-  std::vector<Attempt> polish(const std::vector<std::size_t>& frames) {
-    std::vector<Attempt> attempts(frames.size());
+  std::vector<RefinementResult> polish(const std::vector<std::size_t>& frames) {
+    std::vector<RefinementResult> attempts(frames.size());
     std::atomic<std::size_t> next = 0;
     const auto work = [&](Polisher& polish) {
       for (std::size_t k = next++; k < frames.size(); k = next++)
@@ -145,23 +145,23 @@ class PolishedShot {
     return attempts;
   }
 
-  Attempt attempt(const Rough& rough, Polisher& polish) const {
-    constexpr double elsewhere = 0.1;  // [1] of the longer side
-    constexpr double torn = 0.01;      // [1] of an edge
-    Attempt result;
+  RefinementResult attempt(const CoarseFrame& rough, Polisher& polish) const {
+    constexpr double elsewhere = 0.1;             // [1] of the longer side
+    constexpr double max_trusted_stretch = 0.01;  // [1] of an edge
+    RefinementResult result;
     if (rough.frame.touching > 0) {
-      result.unfit = "the sheet touches itself";
+      result.rejection = "the sheet touches itself";
       return result;
     }
     if (rough.frame.touching_others > 0) {
-      result.unfit = "the sheet touches another";
+      result.rejection = "the sheet touches another";
       return result;
     }
     if (rough.frame.on_colliders > 0) {  // which the fine mesh does not feel
-      result.unfit = "the sheet lies on a collider";
+      result.rejection = "the sheet lies on a collider";
       return result;
     }
-    const double begun = cpu_ms();
+    const double start_ms = cpu_ms();
     std::vector<int> held;
     Points3 held_at(0, 3);
     for (std::size_t h = 0; h < rough.frame.handles.size(); ++h) {
@@ -174,28 +174,28 @@ class PolishedShot {
     try {
       result.polished = polish(rough.sheet, held, held_at, rough.memory.get());
       if (result.polished->near_itself)
-        result.unfit = "parts of the sheet come near each other";
+        result.rejection = "parts of the sheet come near each other";
       else if (!result.polished->converged)
-        result.unfit = "it does not come to rest";
+        result.rejection = "it does not come to rest";
       else if (result.polished->moved > elsewhere * longer_side(shot_.pattern) ||
-               length_distortion(result.polished->sheet).largest > torn)
-        result.unfit = "it ends somewhere else";
+               length_distortion(result.polished->sheet).largest > max_trusted_stretch)
+        result.rejection = "it ends somewhere else";
     } catch (const Error& error) {
-      result.unfit = error.cause;
+      result.rejection = error.cause;
     }
-    result.ms = cpu_ms() - begun;
+    result.ms = cpu_ms() - start_ms;
     return result;
   }
 
-  bool show(Rough& rough, const Attempt& attempt,
+  bool show(CoarseFrame& rough, const RefinementResult& attempt,
             const std::function<bool(const AnimatedFrame&)>& on_frame) const {
     AnimatedFrame& frame = rough.frame;
     frame.sheet = &rough.sheet;
     frame.memory = rough.memory.get();
     frame.elastic_ms += attempt.ms;
-    if (!attempt.unfit.empty())
-      frame.note += (frame.note.empty() ? "" : "; ") + ("not polished: " + attempt.unfit);
-    if (!attempt.polished || !attempt.unfit.empty()) return on_frame(frame);
+    if (!attempt.rejection.empty())
+      frame.note += (frame.note.empty() ? "" : "; ") + ("not polished: " + attempt.rejection);
+    if (!attempt.polished || !attempt.rejection.empty()) return on_frame(frame);
     const Polished& polished = *attempt.polished;
     frame.sheet = &polished.sheet;
     frame.newton_iterations += polished.iterations;
@@ -208,7 +208,7 @@ class PolishedShot {
       if (handle.state != HandleFrame::free) handle.keyed += regripped_[h];
       handle.at = polished.sheet.x.row(mesh().handle_vertex[h]);
     }
-    if (animation_.show_memory && rough.memory)
+    if (animation_.report_plastic_curvature && rough.memory)
       frame.plastic_curvature =
           rough.memory->at_vertices(polished.sheet.pattern, polished.sheet.triangles);
     return on_frame(frame);
@@ -217,7 +217,7 @@ class PolishedShot {
   const Shot& shot_;
   const AnimateOptions& animation_;
   const PolishOptions& options_;
-  std::vector<Rough> frames_;
+  std::vector<CoarseFrame> frames_;
   ShotRecord record_;
   std::vector<Polisher> polishers_;  // one a thread, all alike
   // [m] of each handle: from where the method's sheet was taken hold of to where the polished one

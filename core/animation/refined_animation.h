@@ -13,10 +13,10 @@ struct PolishOptions {
 };
 
 /// The method finds the shape of each frame, fine finite elements finish its minimisation
-/// (polish.h). First the whole shot is animated; then the frames are polished, side by side, on one
-/// mesh that has all its singular points and lasting creases. A frame depends on its own rough
-/// shape alone, and on those in which relative handles take hold: there the polished sheet is what
-/// they hold from then on.
+/// (refine_frame.h). First the whole shot is animated; then the frames are polished, side by side,
+/// on one mesh that has all its singular points and lasting creases. A frame depends on its own
+/// rough shape alone, and on those in which relative handles take hold: there the polished sheet is
+/// what they hold from then on.
 ///
 /// A frame is handed on as the method left it, and its note says so, when parts of the sheet come
 /// near each other (the fine mesh does not feel that), when it does not come to rest, or when it

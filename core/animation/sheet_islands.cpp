@@ -12,160 +12,170 @@
 namespace paperbake {
 namespace {
 
-constexpr double kept = 0.9;  // [1] of the distance that sheets begin with
+constexpr double initial_gap_ratio = 0.9;  // [1] of the distance that sheets begin with
 // [1] of their whole reach: sheets that begin nearer than the least begin on each other, and have
 // some
-constexpr double least = 0.02, some = 0.1;
+constexpr double merged_dhat_ratio = 0.02, joined_dhat_ratio = 0.1;
 // [1] of the vertices nearer than the least: the sheets are one
-constexpr double one_place = 0.5;
+constexpr double coincident_fraction = 0.5;
 
 /// Joins parties until `meet` holds for no two sheets of different ones.
 template <class Meet>
-std::vector<SheetsBeside::Party> join(std::vector<SheetsBeside::Party> parties, Meet meet) {
-  const auto any = [&](const SheetsBeside::Party& a, const SheetsBeside::Party& b) {
+std::vector<SheetIslands::Island> merge_islands(std::vector<SheetIslands::Island> islands,
+                                                Meet collide) {
+  const auto any = [&](const SheetIslands::Island& a, const SheetIslands::Island& b) {
     return std::any_of(a.begin(), a.end(), [&](std::size_t i) {
-      return std::any_of(b.begin(), b.end(), [&](std::size_t j) { return meet(i, j); });
+      return std::any_of(b.begin(), b.end(), [&](std::size_t j) { return collide(i, j); });
     });
   };
-  for (std::size_t a = 0; a < parties.size(); ++a)
-    for (std::size_t b = a + 1; b < parties.size();) {
-      if (!any(parties[a], parties[b])) {
+  for (std::size_t a = 0; a < islands.size(); ++a)
+    for (std::size_t b = a + 1; b < islands.size();) {
+      if (!any(islands[a], islands[b])) {
         ++b;
         continue;
       }
-      parties[a].insert(parties[a].end(), parties[b].begin(), parties[b].end());
-      parties.erase(parties.begin() + b);
+      islands[a].insert(islands[a].end(), islands[b].begin(), islands[b].end());
+      islands.erase(islands.begin() + b);
       b = a + 1;
     }
-  for (SheetsBeside::Party& party : parties) std::sort(party.begin(), party.end());
-  return parties;
+  for (SheetIslands::Island& island : islands) std::sort(island.begin(), island.end());
+  return islands;
 }
 
 /// Where a sheet is at a share of the frame.
-Points3 place_at(const std::vector<Passed>& way, double at) {
-  const auto next =
-      std::find_if(way.begin(), way.end(), [&](const Passed& p) { return p.at >= at; });
-  if (next->at == at || next == way.begin()) return next->x;
-  const Passed& last = *(next - 1);
+Points3 positions_at(const std::vector<TrajectoryPoint>& trajectory, double at) {
+  const auto next = std::find_if(trajectory.begin(), trajectory.end(),
+                                 [&](const TrajectoryPoint& p) { return p.at >= at; });
+  if (next->at == at || next == trajectory.begin()) return next->x;
+  const TrajectoryPoint& last = *(next - 1);
   return last.x + (at - last.at) / (next->at - last.at) * (next->x - last.x);
 }
 
-Eigen::AlignedBox3d box_of(const std::vector<Passed>& way) {
+Eigen::AlignedBox3d box_of(const std::vector<TrajectoryPoint>& trajectory) {
   Eigen::AlignedBox3d box;
-  for (const Passed& p : way)
+  for (const TrajectoryPoint& p : trajectory)
     box.extend(Vector3d(p.x.colwise().minCoeff())).extend(Vector3d(p.x.colwise().maxCoeff()));
   return box;
 }
 
 }  // namespace
 
-SheetsBeside::SheetsBeside(Sheets& sheets, Begin begin) : sheets_(sheets) {
-  if (begin == Begin::as_kept) return;
+SheetIslands::SheetIslands(Sheets& sheets, Start begin) : sheets_(sheets) {
+  if (begin == Start::resumed) return;
   for (std::size_t b = 0; b < sheets.size(); ++b)
-    for (std::size_t a = 0; a < b; ++a) sheets[b]->reach[a] = begun(a, b);
+    for (std::size_t a = 0; a < b; ++a) sheets[b]->dhat[a] = initial_dhat(a, b);
 }
 
 /// The reach of two sheets that begin where they are.
-double SheetsBeside::begun(std::size_t a, std::size_t b) const {
+double SheetIslands::initial_dhat(std::size_t a, std::size_t b) const {
   const Sheet &one = sheets_[a]->sheet(), &other = sheets_[b]->sheet();
-  const double near = least * whole(a, b),
-               apart = kept * distance_between(one, other, whole(a, b) / kept);
-  return apart > near ? apart : share_within(one, other, near) > one_place ? 0 : some * whole(a, b);
+  const double near = merged_dhat_ratio * full_dhat(a, b),
+               apart = initial_gap_ratio *
+                       distance_between(one, other, full_dhat(a, b) / initial_gap_ratio);
+  return apart > near ? apart
+         : share_within(one, other, near) > coincident_fraction
+             ? 0
+             : joined_dhat_ratio * full_dhat(a, b);
 }
 
-double SheetsBeside::whole(std::size_t a, std::size_t b) const {
-  return std::min(sheets_[a]->elastic().reach(), sheets_[b]->elastic().reach());
+double SheetIslands::full_dhat(std::size_t a, std::size_t b) const {
+  return std::min(sheets_[a]->elastic().dhat(), sheets_[b]->elastic().dhat());
 }
 
-bool SheetsBeside::fits(std::size_t s, const Sheet& here, const Sheet& there, double moved) const {
+bool SheetIslands::is_admissible(std::size_t s, const Sheet& here, const Sheet& there,
+                                 double moved) const {
   constexpr double share = 0.5;  // [1] of the distance
   for (std::size_t o = 0; o < sheets_.size(); ++o) {
     if (o == s) continue;
     const Sheet& other = sheets_[o]->sheet();
-    const double reach = between(s, o);
-    if (reach == 0) continue;
-    const double before = distance_between(here, other, reach + moved);
-    if (before == reach + moved) continue;
-    if (before < moved || distance_between(there, other, reach) < share * std::min(reach, before))
+    const double dhat = dhat_between(s, o);
+    if (dhat == 0) continue;
+    const double before = distance_between(here, other, dhat + moved);
+    if (before == dhat + moved) continue;
+    if (before < moved || distance_between(there, other, dhat) < share * std::min(dhat, before))
       return false;
     if (crossings_between(there, other) > crossings_between(here, other)) return false;
   }
   return true;
 }
 
-std::vector<SheetsBeside::Party> SheetsBeside::within_reach() const {
-  std::vector<Party> each;
+std::vector<SheetIslands::Island> SheetIslands::build_islands() const {
+  std::vector<Island> each;
   for (std::size_t s = 0; s < sheets_.size(); ++s) each.push_back({s});
-  return join(std::move(each), [&](std::size_t a, std::size_t b) {
-    return !(sheets_[a]->stays() && sheets_[b]->stays()) &&
-           distance_between(sheets_[a]->sheet(), sheets_[b]->sheet(), between(a, b)) <
-               between(a, b);
+  return merge_islands(std::move(each), [&](std::size_t a, std::size_t b) {
+    return !(sheets_[a]->is_idle() && sheets_[b]->is_idle()) &&
+           distance_between(sheets_[a]->sheet(), sheets_[b]->sheet(), dhat_between(a, b)) <
+               dhat_between(a, b);
   });
 }
 
-bool SheetsBeside::meet(std::size_t a, std::size_t b) const {
-  if (between(a, b) == 0 || (sheets_[a]->stays() && sheets_[b]->stays())) return false;
-  Eigen::AlignedBox3d box = box_of(sheets_[a]->way());
-  box.min().array() -= between(a, b);
-  box.max().array() += between(a, b);
-  if (!box.intersects(box_of(sheets_[b]->way()))) return false;
+bool SheetIslands::collide(std::size_t a, std::size_t b) const {
+  if (dhat_between(a, b) == 0 || (sheets_[a]->is_idle() && sheets_[b]->is_idle())) return false;
+  Eigen::AlignedBox3d box = box_of(sheets_[a]->trajectory());
+  box.min().array() -= dhat_between(a, b);
+  box.max().array() += dhat_between(a, b);
+  if (!box.intersects(box_of(sheets_[b]->trajectory()))) return false;
   std::vector<double> times;
   for (const std::size_t s : {a, b})
-    for (const Passed& p : sheets_[s]->way()) times.push_back(p.at);
+    for (const TrajectoryPoint& p : sheets_[s]->trajectory()) times.push_back(p.at);
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   std::vector<Points3> of_a, of_b;
   for (const double at : times)
-    of_a.push_back(place_at(sheets_[a]->way(), at)),
-        of_b.push_back(place_at(sheets_[b]->way(), at));
-  Points3 begun_a(0, 3), begun_b(0, 3);
-  if (began({a, b}) == Animation::Begun::near_each_other)
-    begun_a = sheets_[a]->begun(), begun_b = sheets_[b]->begun();
-  return !Elastic::clear({sheets_[a]->sheet(), sheets_[a]->held(), of_a, begun_a},
-                         {sheets_[b]->sheet(), sheets_[b]->held(), of_b, begun_b}, between(a, b));
+    of_a.push_back(positions_at(sheets_[a]->trajectory(), at)),
+        of_b.push_back(positions_at(sheets_[b]->trajectory(), at));
+  Points3 initial_a(0, 3), initial_b(0, 3);
+  if (initial_gap({a, b}) == SheetSimulation::InitialGap::within_dhat)
+    initial_a = sheets_[a]->initial_positions(), initial_b = sheets_[b]->initial_positions();
+  return !Elastic::clear({sheets_[a]->sheet(), sheets_[a]->held(), of_a, initial_a},
+                         {sheets_[b]->sheet(), sheets_[b]->held(), of_b, initial_b},
+                         dhat_between(a, b));
 }
 
-std::vector<SheetsBeside::Party> SheetsBeside::where_ways_meet(
-    const std::vector<Party>& parties) const {
-  return join(parties, [&](std::size_t a, std::size_t b) { return meet(a, b); });
+std::vector<SheetIslands::Island> SheetIslands::merge_colliding(
+    const std::vector<Island>& islands) const {
+  return merge_islands(islands, [&](std::size_t a, std::size_t b) { return collide(a, b); });
 }
 
-Animation::Begun SheetsBeside::began(const Party& party) const {
-  for (const std::size_t a : party)
-    for (const std::size_t b : party)
-      if (a < b && between(a, b) < whole(a, b)) return Animation::Begun::near_each_other;
-  return Animation::Begun::apart;
+SheetSimulation::InitialGap SheetIslands::initial_gap(const Island& island) const {
+  for (const std::size_t a : island)
+    for (const std::size_t b : island)
+      if (a < b && dhat_between(a, b) < full_dhat(a, b))
+        return SheetSimulation::InitialGap::within_dhat;
+  return SheetSimulation::InitialGap::apart;
 }
 
-void SheetsBeside::step(const Party& party) const {
-  const auto n = static_cast<Eigen::Index>(party.size());
-  Eigen::MatrixXd reach(n, n);
-  std::vector<Animation*> all;
+void SheetIslands::step(const Island& island) const {
+  const auto n = static_cast<Eigen::Index>(island.size());
+  Eigen::MatrixXd dhat(n, n);
+  std::vector<SheetSimulation*> all;
   for (Eigen::Index i = 0; i < n; ++i) {
-    all.push_back(sheets_[party[i]].get());
+    all.push_back(sheets_[island[i]].get());
     for (Eigen::Index j = 0; j < n; ++j)
-      reach(i, j) = i == j ? all.back()->elastic().reach() : between(party[i], party[j]);
+      dhat(i, j) = i == j ? all.back()->elastic().dhat() : dhat_between(island[i], island[j]);
   }
-  Animation::step_together(all, reach, began(party));
+  SheetSimulation::step_together(all, dhat, initial_gap(island));
 }
 
-void SheetsBeside::show(const Party& party) const {
-  for (const std::size_t s : party) sheets_[s]->show(Animation::Shown::as_finished);
-  for (const std::size_t a : party)
-    for (const std::size_t b : party)
-      if (a < b && crossings_between(sheets_[a]->shown(), sheets_[b]->shown()) >
+void SheetIslands::finalize(const Island& island) const {
+  for (const std::size_t s : island) sheets_[s]->finalize(SheetSimulation::Output::finished_sheet);
+  for (const std::size_t a : island)
+    for (const std::size_t b : island)
+      if (a < b && crossings_between(sheets_[a]->output_sheet(), sheets_[b]->output_sheet()) >
                        crossings_between(sheets_[a]->sheet(), sheets_[b]->sheet()))
-        for (const std::size_t s : {a, b}) sheets_[s]->show(Animation::Shown::as_simulated);
+        for (const std::size_t s : {a, b})
+          sheets_[s]->finalize(SheetSimulation::Output::simulated_sheet);
 }
 
-void SheetsBeside::part() {
+void SheetIslands::restore_contact_distances() {
   for (std::size_t b = 0; b < sheets_.size(); ++b)
     for (std::size_t a = 0; a < b; ++a) {
-      double& reach = sheets_[b]->reach[a];
-      if (reach >= whole(a, b)) continue;
+      double& dhat = sheets_[b]->dhat[a];
+      if (dhat >= full_dhat(a, b)) continue;
       const double apart =
-          kept * distance_between(sheets_[a]->sheet(), sheets_[b]->sheet(), whole(a, b) / kept);
-      if (apart > least * whole(a, b)) reach = std::max(reach, apart);
+          initial_gap_ratio * distance_between(sheets_[a]->sheet(), sheets_[b]->sheet(),
+                                               full_dhat(a, b) / initial_gap_ratio);
+      if (apart > merged_dhat_ratio * full_dhat(a, b)) dhat = std::max(dhat, apart);
     }
 }
 

@@ -9,47 +9,47 @@ namespace paperbake {
 
 /// What is between the sheets of a scene while they are animated: how near they may come, and which
 /// of them take a frame together.
-class SheetsBeside {
+class SheetIslands {
  public:
-  using Sheets = std::vector<std::unique_ptr<Animation>>;
+  using Sheets = std::vector<std::unique_ptr<SheetSimulation>>;
 
-  /// Where sheets begin near each other, so near they may be (animate_together); as_kept:
+  /// Where sheets begin near each other, so near they may be (animate_together); resumed:
   /// Animation::reach is known.
-  enum class Begin { anew, as_kept };
-  SheetsBeside(Sheets&, Begin);
+  enum class Start { fresh, resumed };
+  SheetIslands(Sheets&, Start);
 
   /// May sheet s go there, on another mesh or branch? Not where it would pass through another
   /// sheet, or have passed through it on its way, or where it is less than half as far from it as
   /// it was, within reach.
-  bool fits(std::size_t s, const Sheet& here, const Sheet& there, double moved) const;
+  bool is_admissible(std::size_t s, const Sheet& here, const Sheet& there, double moved) const;
 
   /// Sheets that take the frame together, by number; every sheet is in one.
-  using Party = std::vector<std::size_t>;
+  using Island = std::vector<std::size_t>;
 
   /// As a frame begins: what is within reach of each other goes together, unless all of it stays.
-  std::vector<Party> within_reach() const;
+  std::vector<Island> build_islands() const;
 
   /// Joins those of which two meet on their ways through the frame.
-  std::vector<Party> where_ways_meet(const std::vector<Party>&) const;
+  std::vector<Island> merge_colliding(const std::vector<Island>&) const;
 
   /// The elastic step of one.
-  void step(const Party&) const;
+  void step(const Island&) const;
 
   /// The sheets of one as they are handed on: as the methods finish them, or as they were simulated
   /// where they would pass through each other.
-  void show(const Party&) const;
+  void finalize(const Island&) const;
 
   /// After a frame: what parts has its reach back.
-  void part();
+  void restore_contact_distances();
 
  private:
-  double between(std::size_t a, std::size_t b) const {
-    return sheets_[std::max(a, b)]->reach[std::min(a, b)];
+  double dhat_between(std::size_t a, std::size_t b) const {
+    return sheets_[std::max(a, b)]->dhat[std::min(a, b)];
   }
-  double whole(std::size_t a, std::size_t b) const;
-  double begun(std::size_t a, std::size_t b) const;
-  Animation::Begun began(const Party&) const;
-  bool meet(std::size_t a, std::size_t b) const;
+  double full_dhat(std::size_t a, std::size_t b) const;
+  double initial_dhat(std::size_t a, std::size_t b) const;
+  SheetSimulation::InitialGap initial_gap(const Island&) const;
+  bool collide(std::size_t a, std::size_t b) const;
 
   Sheets& sheets_;
 };

@@ -17,16 +17,16 @@ namespace paperbake {
 namespace {
 
 // [s] of a step with inertia: backward Euler eats motion, the more the longer it is
-constexpr double longest_swing = 1 / 96.0;
-constexpr int most_halvings_of_a_swing = 8;
+constexpr double max_inertial_step = 1 / 96.0;
+constexpr int max_halvings_for_inertia = 8;
 constexpr double jammed_stretch = 0.01;  // [1] of an edge
 // [1] of the longer side: no method touches the mesh; nothing is solved either
-constexpr double still = 2e-4, asleep = 1e-5;
+constexpr double motion_threshold = 2e-4, sleep_threshold = 1e-5;
 
 /// The start shape is the first frame as it was modelled, unless a handle is keyed away from it
 /// there already. A slight arch that tells which way to buckle would be lost if it were relaxed:
 /// handles that were left lying under it are no reason to.
-bool in_place(Sheet& sheet, const Held& held, double side) {
+bool in_place(Sheet& sheet, const PositionConstraints& held, double side) {
   const double same = 5e-4 * side;  // [m]
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     if ((sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm() > same) return false;
@@ -39,25 +39,25 @@ bool in_place(Sheet& sheet, const Held& held, double side) {
 double fold_integral(const Sheet& sheet) {
   double sum = 0;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
-    sum += std::abs(fold_angle(sheet.x, hinge)) *
+    sum += std::abs(dihedral_angle(sheet.x, hinge)) *
            (sheet.pattern.row(hinge.vertices[1]) - sheet.pattern.row(hinge.vertices[0])).norm();
   return sum;
 }
 
 /// The sheet as the method hands it on. What touches itself is not moved through itself, nor into a
 /// collider.
-Sheet finished(const Method& method, const Sheet& sheet, const Held& held, const Elastic& elastic,
-               const ElasticReport& step) {
-  Sheet shown = sheet;
-  if (!method.finish) return shown;
-  method.finish(shown, held.vertices);
-  if (step.touching > 0 && crossings(shown) > crossings(sheet)) return sheet;
-  if (elastic.inside(shown, held.colliders.to) > std::max(step.inside, 5e-5)) return sheet;
-  return shown;
+Sheet finished(const Method& method, const Sheet& sheet, const PositionConstraints& held,
+               const Elastic& elastic, const ElasticReport& step) {
+  Sheet output_sheet = sheet;
+  if (!method.finish) return output_sheet;
+  method.finish(output_sheet, held.vertices);
+  if (step.touching > 0 && crossings(output_sheet) > crossings(sheet)) return sheet;
+  if (elastic.inside(output_sheet, held.colliders.to) > std::max(step.inside, 5e-5)) return sheet;
+  return output_sheet;
 }
 
 /// Of a mesh with as many vertices and triangles?
-bool belongs(const ElasticPast& p, const Sheet& sheet) {
+bool is_of_mesh(const SolverState& p, const Sheet& sheet) {
   const auto there_are = [](const auto& m, Eigen::Index rows) {
     return m.rows() == 0 || m.rows() == rows;
   };
@@ -68,7 +68,7 @@ bool belongs(const ElasticPast& p, const Sheet& sheet) {
          there_are(p.ridges.focus, triangles);
 }
 
-bool belongs(const Held& h, const Sheet& sheet) {
+bool is_of_mesh(const PositionConstraints& h, const Sheet& sheet) {
   const std::size_t n = h.vertices.size();
   return static_cast<std::size_t>(h.targets.rows()) == n &&
          (h.stiffness.empty() || h.stiffness.size() == n) &&
@@ -84,253 +84,263 @@ ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
 
 }  // namespace
 
-Animation::Animation(const Shot& shot, const Method& method, const AnimateOptions& options,
-                     std::size_t number)
-    : reach(number, 0.0),
+SheetSimulation::SheetSimulation(const Shot& shot, const Method& method,
+                                 const AnimateOptions& options, std::size_t number)
+    : dhat(number, 0.0),
       shot_(shot),
       method_(method),
       options_(options),
       number_(number),
       side_(longer_side(shot.pattern)),
-      started_(start_sheet(shot, method, options.seed, options.first_frame)),
+      started_(make_initial_sheet(shot, method, options.seed, options.first_frame)),
       elastic_(shot.paper, options_of(shot, options)),
-      grip_(shot, started_.handle_vertex, options.first_frame),
+      constraints_(shot, started_.handle_vertex, options.first_frame),
       frame_(options.first_frame - 1) {
-  if (options.memory == Memory::plastic) elastic_.remember_in(&memory_.emplace(shot.pattern));
+  if (options.memory == Memory::plastic)
+    elastic_.set_plastic_grid(&plastic_grid_.emplace(shot.pattern));
   elastic_.set_mesh(started_.sheet, started_.stiffening);
   if (options.elastic.inertia == Inertia::dynamic)
-    while (std::ldexp(1 / options.fps, -least_halvings_) > 1.001 * longest_swing &&
-           least_halvings_ < most_halvings_of_a_swing)
-      ++least_halvings_;
+    while (std::ldexp(1 / options.fps, -min_halvings_) > 1.001 * max_inertial_step &&
+           min_halvings_ < max_halvings_for_inertia)
+      ++min_halvings_;
   if (options.go_on_from.empty()) return;
-  Archive kept(options.go_on_from);
+  Serializer kept(options.go_on_from);
   archive(kept);
 }
 
-void Animation::archive(Archive& a) {
+void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
-  ElasticPast past = elastic_.past();
-  a(frame_, sheet, shown_, before_, held_before_, at_minimum_, flowing_, leaving_, lies_,
-    quiet_frames_, contact_, touching_, on_colliders_, past, grip_, reach);
-  if (memory_) a(*memory_);
+  SolverState state = elastic_.state();
+  a(frame_, sheet, output_sheet_, positions_before_, held_before_, at_minimum_, yielding_,
+    snap_in_progress_, rests_on_contact_, idle_frames_, contact_, touching_, on_colliders_, state,
+    constraints_, dhat);
+  if (plastic_grid_) a(*plastic_grid_);
   if (method_.archive) method_.archive(a);
   if (!a.reads()) return;
   a.end();
   const auto rows = sheet.x.rows();
-  a.demand(frame_ >= options_.first_frame && shown_.x.rows() == rows &&
-           (before_.rows() == 0 || before_.rows() == rows));
-  a.demand(belongs(held_before_, sheet) && belongs(past, sheet) && reach.size() == number_);
-  a.demand(std::all_of(started_.handle_vertex.begin(), started_.handle_vertex.end(),
-                       [&](int v) { return v < rows; }));
+  a.require(frame_ >= options_.first_frame && output_sheet_.x.rows() == rows &&
+            (positions_before_.rows() == 0 || positions_before_.rows() == rows));
+  a.require(is_of_mesh(held_before_, sheet) && is_of_mesh(state, sheet) && dhat.size() == number_);
+  a.require(std::all_of(started_.handle_vertex.begin(), started_.handle_vertex.end(),
+                        [&](int v) { return v < rows; }));
   elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-  if (memory_) past.grid = *memory_;
-  elastic_.take_back(past);
+  if (plastic_grid_) state.grid = *plastic_grid_;
+  elastic_.restore(state);
 }
 
-void Animation::prepare(const Fits& fits) {
+void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = started_.sheet;
   result_ = {};
   step_ = {};
   result_.frame = ++frame_;
-  held_ = grip_.held(frame_);
+  held_ = constraints_.held(frame_);
   const bool first = frame_ == options_.first_frame;
   const std::size_t born = sheet.singular.size();
-  const double moved = unrest(sheet, held_, held_before_, before_, shot_.colliders.get());
-  quiet_frames_ = moved < asleep * side_ ? quiet_frames_ + 1 : 0;
-  const bool moving = moved > still * side_;
-  const Moment now{frame_, 1 / options_.fps, moved / side_};
-  leap_ = leap_of(sheet, held_, held_before_) / side_;
-  const Situation situation{
-      started_.fixed,
-      memory_ ? &*memory_ : nullptr,
-      pulled_alone(sheet, held_, still * side_, 0.15 * shorter_side(shot_.pattern)),
-      now,
-      moving,
-      leaving_,
-      at_minimum_,
-      flowing_,
-      lies_,
-      leap_};
+  const double moved =
+      max_displacement(sheet, held_, held_before_, positions_before_, shot_.colliders.get());
+  idle_frames_ = moved < sleep_threshold * side_ ? idle_frames_ + 1 : 0;
+  const bool moving = moved > motion_threshold * side_;
+  const FrameTime now{frame_, 1 / options_.fps, moved / side_};
+  relative_motion_ = relative_handle_motion(sheet, held_, held_before_) / side_;
+  const RemeshContext situation{started_.fixed,
+                                plastic_grid_ ? &*plastic_grid_ : nullptr,
+                                isolated_moving_handles(sheet, held_, motion_threshold * side_,
+                                                        0.15 * shorter_side(shot_.pattern)),
+                                now,
+                                moving,
+                                snap_in_progress_,
+                                at_minimum_,
+                                yielding_,
+                                rests_on_contact_,
+                                relative_motion_};
   if (method_.propose && !first)
     if (auto proposal = method_.propose(sheet, situation)) {
       const std::vector<double> stiffening = disc_factors(*proposal, shot_);
-      const Verdict verdict = exchange_mesh(sheet, elastic_, std::move(*proposal), stiffening,
-                                            held_before_, 1 / options_.fps, fits);
-      method_.judged(verdict.accepted, now);
+      const MeshSwapResult verdict =
+          try_swap_mesh(sheet, elastic_, std::move(*proposal), stiffening, held_before_,
+                        1 / options_.fps, is_admissible);
+      method_.on_proposal_result(verdict.accepted, now);
       result_.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
       result_.remesh_rise = verdict.rise;
     }
   held_before_ = held_;
   held_before_.colliders.from = held_.colliders.to;
-  way_back_.reset();
-  begun_.reset();
+  before_remesh_.reset();
+  step_start_.reset();
   if (method_.remesh && !first && result_.remesh != AnimatedFrame::accepted) {
     Sheet unchanged = sheet;
     if (method_.remesh(sheet, situation)) {
-      way_back_ = {std::move(unchanged), elastic_.past()};
+      before_remesh_ = {std::move(unchanged), elastic_.state()};
       elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-      if (!fits(way_back_->sheet, sheet, 0)) put_on(std::move(*way_back_)), way_back_.reset();
+      if (!is_admissible(before_remesh_->sheet, sheet, 0))
+        restore(std::move(*before_remesh_)), before_remesh_.reset();
     }
   }
-  before_ = sheet.x;
+  positions_before_ = sheet.x;
   result_.new_singular = static_cast<int>(sheet.singular.size() - born);
-  sleeps_ = quiet_frames_ >= 2 && options_.elastic.inertia == Inertia::quasi_static;
-  stays_ = sleeps_ || (first && in_place(sheet, held_, side_));
+  is_sleeping_ = idle_frames_ >= 2 && options_.elastic.inertia == Inertia::quasi_static;
+  is_idle_ = is_sleeping_ || (first && in_place(sheet, held_, side_));
 }
 
-void Animation::put_on(WayBack&& back) {
+void SheetSimulation::restore(Snapshot&& back) {
   Sheet& sheet = started_.sheet;
   sheet = std::move(back.sheet);
   elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-  elastic_.take_back(back.past);
+  elastic_.restore(back.state);
 }
 
-void Animation::stay() {
+void SheetSimulation::skip_step() {
   step_ = {};
-  step_.last = elastic_.look(sheet());
+  step_.last = elastic_.evaluate_energies(sheet());
   step_.last.contact = contact_, step_.last.touching = touching_,
   step_.last.on_colliders = on_colliders_;
   started_.sheet.v.setZero();
-  way_ = {{0, sheet().x}, {1, sheet().x}};
+  trajectory_ = {{0, sheet().x}, {1, sheet().x}};
 }
 
 /// A sheet that cannot follow waits, held where it is, for handles that it can follow.
-void Animation::wait_if_lost() {
-  if (step_.lost.empty()) return;
+void SheetSimulation::hold_if_infeasible() {
+  if (step_.failure_reason.empty()) return;
   if (frame_ == options_.first_frame)
-    throw Error(Fault::simulation, way_through({}).where, step_.lost,
+    throw Error(Fault::simulation, frame_interval({}).where, step_.failure_reason,
                 "Let the sheet start where its handles are.");
-  result_.note = "it stays as it was: " + step_.lost;
-  stay();
+  result_.note = "it stays as it was: " + step_.failure_reason;
+  skip_step();
   step_.converged = false;
   for (std::size_t k = 0; k < held_before_.vertices.size(); ++k)
     held_before_.targets.row(k) = sheet().x.row(held_before_.vertices[k]);
 }
 
-Follower Animation::follower(Trace trace) {
-  return {elastic_, started_.sheet, held_, leap_, side_, trace == Trace::kept ? &way_ : nullptr};
+SubstepTarget SheetSimulation::substep_target(RecordTrajectory trace) {
+  return {elastic_, started_.sheet,
+          held_,    relative_motion_,
+          side_,    trace == RecordTrajectory::yes ? &trajectory_ : nullptr};
 }
 
-FrameToFollow Animation::way_through(const Eigen::MatrixXd& between) const {
+FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
-          1 / options_.fps, least_halvings_, between};
+          1 / options_.fps, min_halvings_, between};
 }
 
-bool Animation::wedged() const {
-  return way_back_ && step_.last.contact && !step_.converged &&
+bool SheetSimulation::is_locked() const {
+  return before_remesh_ && step_.last.contact && !step_.converged &&
          length_distortion(sheet()).largest >
-             std::max(jammed_stretch, 4 * length_distortion(way_back_->sheet).largest);
+             std::max(jammed_stretch, 4 * length_distortion(before_remesh_->sheet).largest);
 }
 
-void Animation::take_way_back() {
-  put_on(std::move(*way_back_));
-  way_back_.reset();
-  before_ = sheet().x;
+void SheetSimulation::undo_remesh() {
+  restore(std::move(*before_remesh_));
+  before_remesh_.reset();
+  positions_before_ = sheet().x;
   result_.new_singular = 0;
 }
 
-void Animation::begin_step(Trace trace) {
-  if (trace == Trace::none) return;
-  begun_ = {sheet(), elastic_.past()};
-  way_ = {{0, sheet().x}};
+void SheetSimulation::begin_step(RecordTrajectory trace) {
+  if (trace == RecordTrajectory::no) return;
+  step_start_ = {sheet(), elastic_.state()};
+  trajectory_ = {{0, sheet().x}};
 }
 
-void Animation::step(Trace trace) {
-  const auto go = [&] {
+void SheetSimulation::step(RecordTrajectory trace) {
+  const auto take_step = [&] {
     begin_step(trace);
-    step_ = follow({follower(trace)}, way_through({})).front();
+    step_ = advance_frame({substep_target(trace)}, frame_interval({})).front();
   };
-  go();
-  if (wedged()) {
-    take_way_back();
-    go();
+  take_step();
+  if (is_locked()) {
+    undo_remesh();
+    take_step();
   }
-  wait_if_lost();
+  hold_if_infeasible();
 }
 
-Points3 Animation::begun() const {
-  return Transfer(shot_.start.pattern, shot_.start.triangles, sheet().pattern)(shot_.start.x);
+Points3 SheetSimulation::initial_positions() const {
+  return MeshTransfer(shot_.start.pattern, shot_.start.triangles, sheet().pattern)(shot_.start.x);
 }
 
-void Animation::step_together(const std::vector<Animation*>& all, const Eigen::MatrixXd& reach,
-                              Begun begun) {
-  const auto take_back = [](Animation& a) {
-    if (!a.begun_) return;
-    a.started_.sheet = a.begun_->sheet;
-    a.elastic_.take_back(a.begun_->past);
+void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
+                                    const Eigen::MatrixXd& dhat, InitialGap initial_positions) {
+  const auto roll_back = [](SheetSimulation& a) {
+    if (!a.step_start_) return;
+    a.started_.sheet = a.step_start_->sheet;
+    a.elastic_.restore(a.step_start_->state);
   };
-  const auto go = [&] {
-    std::vector<Follower> followers;
-    for (Animation* a : all) {
-      a->stays_ = a->sleeps_ = false;
-      a->begin_step(Trace::kept);
-      followers.push_back(a->follower(Trace::kept));
-      if (begun == Begun::near_each_other) followers.back().begun = a->begun();
+  const auto take_step = [&] {
+    std::vector<SubstepTarget> followers;
+    for (SheetSimulation* a : all) {
+      a->is_idle_ = a->is_sleeping_ = false;
+      a->begin_step(RecordTrajectory::yes);
+      followers.push_back(a->substep_target(RecordTrajectory::yes));
+      if (initial_positions == InitialGap::within_dhat)
+        followers.back().initial_positions = a->initial_positions();
     }
-    const std::vector<SteppedFrame> steps = follow(followers, all.front()->way_through(reach));
+    const std::vector<FrameStepResult> steps =
+        advance_frame(followers, all.front()->frame_interval(dhat));
     for (std::size_t k = 0; k < all.size(); ++k) all[k]->step_ = steps[k];
   };
-  for (Animation* a : all) take_back(*a);
-  go();
-  const auto wedged = [](const Animation* a) { return a->wedged(); };
-  if (std::any_of(all.begin(), all.end(), wedged)) {
-    for (Animation* a : all)
-      if (wedged(a))
-        a->take_way_back();
+  for (SheetSimulation* a : all) roll_back(*a);
+  take_step();
+  const auto is_locked = [](const SheetSimulation* a) { return a->is_locked(); };
+  if (std::any_of(all.begin(), all.end(), is_locked)) {
+    for (SheetSimulation* a : all)
+      if (is_locked(a))
+        a->undo_remesh();
       else
-        take_back(*a);
-    go();
+        roll_back(*a);
+    take_step();
   }
-  for (Animation* a : all) a->wait_if_lost();
+  for (SheetSimulation* a : all) a->hold_if_infeasible();
 }
 
-void Animation::settle(const Fits& fits) {
-  constexpr double most_flow = 0.01;  // [1] of the folds, in one frame
-  leaving_ = step_.last.leaving;
+void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
+  constexpr double min_plastic_increment = 0.01;  // [1] of the folds, in one frame
+  snap_in_progress_ = step_.last.snap_in_progress;
   contact_ = step_.last.contact, touching_ = step_.last.touching,
   on_colliders_ = step_.last.on_colliders;
-  lies_ = step_.last.on_colliders > 0 || touches_others();
-  at_minimum_ = step_.converged && !leaving_;
-  flowing_ =
-      step_.last.plastic_flow > 0 && step_.last.plastic_flow > most_flow * fold_integral(sheet());
-  if (step_.last.lower_branch > 1e-3)
+  rests_on_contact_ = step_.last.on_colliders > 0 || touches_others();
+  at_minimum_ = step_.converged && !snap_in_progress_;
+  yielding_ = step_.last.plastic_increment > 0 &&
+              step_.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
+  if (step_.last.energy_gain > 1e-3)
     result_.note = "snap: a second start ended " +
-                   std::to_string(static_cast<int>(std::lround(100 * step_.last.lower_branch))) +
+                   std::to_string(static_cast<int>(std::lround(100 * step_.last.energy_gain))) +
                    " % lower in energy and was taken";
-  if (options_.probe_every > 0 && !sleeps_ && !touches_others() &&
+  if (options_.probe_every > 0 && !is_sleeping_ && !touches_others() &&
       (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
-    probe(fits);
-  grip_.anchor(sheet().x, frame_);
+    probe(is_admissible);
+  constraints_.bind_relative_handles(sheet().x, frame_);
 }
 
-void Animation::probe(const Fits& fits) {
-  WayBack as_it_was{sheet(), elastic_.past()};
-  const Branches found = probe_branches(started_.sheet, elastic_, held_before_, 1 / options_.fps,
-                                        options_.seed, frame_);
+void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
+  Snapshot as_it_was{sheet(), elastic_.state()};
+  const BranchSearch found = probe_branches(started_.sheet, elastic_, held_before_,
+                                            1 / options_.fps, options_.seed, frame_);
   if (found.taken || found.finished) {
-    if (!fits(as_it_was.sheet, sheet(),
-              (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff()))
-      return put_on(std::move(as_it_was));
-    const ElasticReport stored = elastic_.look(sheet());
+    if (!is_admissible(as_it_was.sheet, sheet(),
+                       (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff()))
+      return restore(std::move(as_it_was));
+    const ElasticReport stored = elastic_.evaluate_energies(sheet());
     step_.last.energy = stored.energy, step_.last.membrane = stored.membrane;
   }
   if (const std::string note = note_of(found); !note.empty())
     result_.note += (result_.note.empty() ? "" : "; ") + note;
 }
 
-void Animation::show(Shown how) {
-  if (sleeps_ && frame_ != options_.first_frame) return;
-  shown_ = how == Shown::as_simulated ? sheet()
-                                      : finished(method_, sheet(), held_, elastic_, step_.last);
-  inside_ = elastic_.inside(shown_, held_.colliders.to);
+void SheetSimulation::finalize(Output how) {
+  if (is_sleeping_ && frame_ != options_.first_frame) return;
+  output_sheet_ = how == Output::simulated_sheet
+                      ? sheet()
+                      : finished(method_, sheet(), held_, elastic_, step_.last);
+  inside_ = elastic_.inside(output_sheet_, held_.colliders.to);
 }
 
-AnimatedFrame Animation::report() {
+AnimatedFrame SheetSimulation::report() {
   AnimatedFrame result = std::move(result_);
   result.of = number_;
-  result.sheet = &shown_;
+  result.sheet = &output_sheet_;
   if (method_.parts) result.parts = method_.parts(sheet());
-  result.handles = grip_.report(shown_.x, frame_);
+  result.handles = constraints_.report(output_sheet_.x, frame_);
   result.substeps = step_.substeps;
   result.newton_iterations = step_.iterations;
   result.converged = step_.converged;
@@ -341,12 +351,13 @@ AnimatedFrame Animation::report() {
   result.touching_others = step_.last.touching_others;
   result.on_colliders = step_.last.on_colliders;
   result.inside_colliders = inside_;
-  result.plastic = memory_ ? memory_->integral() : 0;
-  result.memory = memory_ ? &*memory_ : nullptr;
-  if (memory_ && options_.show_memory)
-    result.plastic_curvature = memory_->at_vertices(shown_.pattern, shown_.triangles);
+  result.plastic = plastic_grid_ ? plastic_grid_->integral() : 0;
+  result.memory = plastic_grid_ ? &*plastic_grid_ : nullptr;
+  if (plastic_grid_ && options_.report_plastic_curvature)
+    result.plastic_curvature =
+        plastic_grid_->at_vertices(output_sheet_.pattern, output_sheet_.triangles);
   result.state = [this] {
-    Archive now;
+    Serializer now;
     archive(now);
     return now.bytes();
   };

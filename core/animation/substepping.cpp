@@ -12,57 +12,59 @@ namespace paperbake {
 namespace {
 
 constexpr int max_halvings = 8;
-constexpr double most_leap = 0.03;  // [1] of the longer side, in one step
-constexpr int most_halvings_of_a_leap = 5;
+constexpr double max_motion = 0.03;  // [1] of the longer side, in one step
+constexpr int max_halvings_for_motion = 5;
 // A flat sheet chooses a side as it is pushed together: by its way, in steps so short that neither
 // they nor the mesh have a say.
-constexpr double flat = 0.01, most_leap_of_flat = 2e-3;  // [1] of the longer side
-constexpr int most_halvings_of_a_choice = 3;
+constexpr double flatness = 0.01, max_motion_of_flat_sheet = 2e-3;  // [1] of the longer side
+constexpr int max_halvings_for_buckling = 3;
 // [1] an edge this much too long: the step is not to be trusted
-constexpr double torn = 0.5;
+constexpr double max_trusted_stretch = 0.5;
 
-bool chooses(const Follower& f, int halvings) {
-  return f.leap > most_leap_of_flat && halvings < most_halvings_of_a_choice &&
-         off_plane(f.sheet.x) < flat * f.side;
+bool needs_buckling_substeps(const SubstepTarget& f, int halvings) {
+  return f.relative_motion > max_motion_of_flat_sheet && halvings < max_halvings_for_buckling &&
+         off_plane(f.sheet.x) < flatness * f.side;
 }
-bool goes_too_far(const Follower& f, int halvings) {
-  return f.leap > most_leap && halvings < most_halvings_of_a_leap;
+bool exceeds_max_motion(const SubstepTarget& f, int halvings) {
+  return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
 }
 
-std::vector<ElasticReport> step(const std::vector<Follower>& sheets, const Eigen::MatrixXd& reach,
-                                double dt) {
+std::vector<ElasticReport> step(const std::vector<SubstepTarget>& sheets,
+                                const Eigen::MatrixXd& dhat, double dt) {
   if (sheets.size() == 1)
     return {sheets.front().elastic.step(sheets.front().sheet, sheets.front().held, dt)};
-  std::vector<Together> all;
-  for (const Follower& f : sheets) all.push_back({f.elastic, f.sheet, f.held, f.begun});
-  return Elastic::step_together(all, reach, dt);
+  std::vector<JointStepSheet> all;
+  for (const SubstepTarget& f : sheets)
+    all.push_back({f.elastic, f.sheet, f.held, f.initial_positions});
+  return Elastic::step_together(all, dhat, dt);
 }
 
-LengthDistortion worst_of(const std::vector<Follower>& sheets) {
+LengthDistortion worst_of(const std::vector<SubstepTarget>& sheets) {
   LengthDistortion worst;
-  for (const Follower& f : sheets)
+  for (const SubstepTarget& f : sheets)
     if (const LengthDistortion d = length_distortion(f.sheet); d.largest >= worst.largest)
       worst = d;
   return worst;
 }
 
 /// The part of a frame after `halvings`, which ends at `end`.
-std::vector<SteppedFrame> follow(const std::vector<Follower>& sheets, const FrameToFollow& frame,
-                                 int halvings, double end) {
+std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& sheets,
+                                           const FrameInterval& frame, int halvings, double end) {
   std::vector<Sheet> before;
-  std::vector<ElasticPast> past;
-  for (const Follower& f : sheets) before.push_back(f.sheet), past.push_back(f.elastic.past());
-  std::vector<SteppedFrame> result(sheets.size());
+  std::vector<SolverState> state;
+  for (const SubstepTarget& f : sheets)
+    before.push_back(f.sheet), state.push_back(f.elastic.state());
+  std::vector<FrameStepResult> result(sheets.size());
   std::string failure;
   LengthDistortion distortion;
   const double share = std::ldexp(1, -halvings);
-  const bool is_long = std::any_of(sheets.begin(), sheets.end(), [&](const Follower& f) {
-    return goes_too_far(f, halvings) || chooses(f, halvings);
+  const bool is_long = std::any_of(sheets.begin(), sheets.end(), [&](const SubstepTarget& f) {
+    return exceeds_max_motion(f, halvings) || needs_buckling_substeps(f, halvings);
   });
-  if (!is_long && halvings >= frame.least_halvings) {
+  if (!is_long && halvings >= frame.min_halvings) {
     bool converged = false;
     try {
-      const std::vector<ElasticReport> reports = step(sheets, frame.reach, share * frame.dt);
+      const std::vector<ElasticReport> reports = step(sheets, frame.dhat, share * frame.dt);
       for (std::size_t k = 0; k < sheets.size(); ++k)
         result[k] = {1, reports[k].iterations, reports[k].converged, reports[k]};
       converged = std::all_of(reports.begin(), reports.end(),
@@ -71,19 +73,19 @@ std::vector<SteppedFrame> follow(const std::vector<Follower>& sheets, const Fram
       failure = error.cause;
     }
     if (!converged) distortion = worst_of(sheets);
-    if (failure.empty() && (converged || distortion.largest < torn)) {
-      for (const Follower& f : sheets)
-        if (f.way) f.way->push_back({end, f.sheet.x});
+    if (failure.empty() && (converged || distortion.largest < max_trusted_stretch)) {
+      for (const SubstepTarget& f : sheets)
+        if (f.trajectory) f.trajectory->push_back({end, f.sheet.x});
       return result;
     }
   }
-  const auto take_back = [&] {
+  const auto roll_back = [&] {
     for (std::size_t k = 0; k < sheets.size(); ++k) {
       sheets[k].sheet = before[k];
-      sheets[k].elastic.take_back(past[k]);
+      sheets[k].elastic.restore(state[k]);
     }
   };
-  take_back();
+  roll_back();
   if (halvings == max_halvings) {
     if (!failure.empty())
       throw Error(Fault::simulation, frame.where, failure,
@@ -94,36 +96,40 @@ std::vector<SteppedFrame> follow(const std::vector<Follower>& sheets, const Fram
                   "stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
                   halvings, 100 * distortion.largest, 100 * distortion.where.x(),
                   100 * distortion.where.y());
-    for (SteppedFrame& r : result) r.lost = cause;
+    for (FrameStepResult& r : result) r.failure_reason = cause;
     return result;
   }
-  std::vector<Follower> first, rest;
+  std::vector<SubstepTarget> first, rest;
   for (std::size_t k = 0; k < sheets.size(); ++k) {
-    const Follower& f = sheets[k];
-    Held half = f.held, other = f.held;
+    const SubstepTarget& f = sheets[k];
+    PositionConstraints half = f.held, other = f.held;
     for (std::size_t h = 0; h < half.vertices.size(); ++h)
       half.targets.row(h) = 0.5 * (before[k].x.row(half.vertices[h]) + half.targets.row(h));
     half.colliders.to = between(f.held.colliders.from, f.held.colliders.to);
     other.colliders.from = half.colliders.to;
-    first.push_back({f.elastic, f.sheet, std::move(half), 0.5 * f.leap, f.side, f.way, f.begun});
-    rest.push_back({f.elastic, f.sheet, std::move(other), 0.5 * f.leap, f.side, f.way, f.begun});
+    first.push_back({f.elastic, f.sheet, std::move(half), 0.5 * f.relative_motion, f.side,
+                     f.trajectory, f.initial_positions});
+    rest.push_back({f.elastic, f.sheet, std::move(other), 0.5 * f.relative_motion, f.side,
+                    f.trajectory, f.initial_positions});
   }
-  const std::vector<SteppedFrame> begun = follow(first, frame, halvings + 1, end - 0.5 * share);
-  if (!begun.front().lost.empty()) return begun;
-  std::vector<SteppedFrame> all = follow(rest, frame, halvings + 1, end);
-  if (!all.front().lost.empty()) take_back();
+  const std::vector<FrameStepResult> initial_positions =
+      advance_frame(first, frame, halvings + 1, end - 0.5 * share);
+  if (!initial_positions.front().failure_reason.empty()) return initial_positions;
+  std::vector<FrameStepResult> all = advance_frame(rest, frame, halvings + 1, end);
+  if (!all.front().failure_reason.empty()) roll_back();
   for (std::size_t k = 0; k < sheets.size(); ++k) {
-    all[k].substeps += begun[k].substeps;
-    all[k].iterations += begun[k].iterations + result[k].iterations;
-    all[k].converged &= begun[k].converged;
+    all[k].substeps += initial_positions[k].substeps;
+    all[k].iterations += initial_positions[k].iterations + result[k].iterations;
+    all[k].converged &= initial_positions[k].converged;
   }
   return all;
 }
 
 }  // namespace
 
-std::vector<SteppedFrame> follow(const std::vector<Follower>& sheets, const FrameToFollow& frame) {
-  return follow(sheets, frame, 0, 1);
+std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& sheets,
+                                           const FrameInterval& frame) {
+  return advance_frame(sheets, frame, 0, 1);
 }
 
 }  // namespace paperbake

@@ -202,7 +202,7 @@ void Collider::near_corners(const Vector3d& low, const Vector3d& high, double wi
 
 Collider::OnTriangle Collider::on_triangle(const Vector3d& p, int t) const {
   const std::array<int, 3> v{mesh_.triangles(t, 0), mesh_.triangles(t, 1), mesh_.triangles(t, 2)};
-  const Nearness near =
+  const ClosestPoints near =
       vertex_to_triangle({p, row(mesh_.x, v[0]), row(mesh_.x, v[1]), row(mesh_.x, v[2])});
   int zeros = 0, zero = -1, corner = -1;
   for (int i = 0; i < 3; ++i) near.weights[1 + i] == 0 ? (++zeros, zero = i) : corner = i;

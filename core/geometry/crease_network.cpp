@@ -17,7 +17,7 @@ CreaseNetwork crease_network(const Sheet& sheet) {
   CreaseNetwork network;
   std::vector<std::vector<Part>> creases_at(sheet.pattern.rows());
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
-    if (std::abs(fold_angle(sheet.x, hinge)) < folded) continue;
+    if (std::abs(dihedral_angle(sheet.x, hinge)) < folded) continue;
     const int a = hinge.vertices[0], b = hinge.vertices[1];
     const double length = (sheet.pattern.row(b) - sheet.pattern.row(a)).norm();
     creases_at[a].push_back({b, length}), creases_at[b].push_back({a, length});

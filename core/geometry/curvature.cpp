@@ -33,12 +33,12 @@ struct Ring {
   Matrix2d blind;  // projector on the directions in which the ring has next to no folds
 };
 Ring judge(const Matrix2d& folds, const Matrix2d& round) {
-  constexpr double least_seen = 0.25;
+  constexpr double min_seen = 0.25;
   const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(round);
   Matrix2d root = Matrix2d::Zero(), blind = Matrix2d::Zero();
   for (int i = 0; i < 2; ++i) {
     const Vector2d u = solver.eigenvectors().col(i);
-    if (solver.eigenvalues()[i] < least_seen)
+    if (solver.eigenvalues()[i] < min_seen)
       blind += u * u.transpose();
     else
       root += u * u.transpose() / std::sqrt(solver.eigenvalues()[i]);
@@ -51,9 +51,10 @@ Ring judge(const Matrix2d& folds, const Matrix2d& round) {
 std::vector<double> bending_turns(const Sheet& sheet, const Hinges& hinges) {
   std::vector<double> turns;
   for (const Hinge& hinge : hinges.hinges)
-    turns.push_back(on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1])
-                        ? 0
-                        : fold_angle(sheet.x, hinge));
+    turns.push_back(
+        is_on_crease(sheet.prescribed_creases, sheet.pattern, hinge.vertices[0], hinge.vertices[1])
+            ? 0
+            : dihedral_angle(sheet.x, hinge));
   return turns;
 }
 

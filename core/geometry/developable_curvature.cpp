@@ -66,7 +66,7 @@ Points3 developable_curvature(const Sheet& sheet) {
   };
   std::vector<double> bend;  // theta/A of each hinge [1/m2]
   for (const Hinge& hinge : hinges.hinges)
-    bend.push_back(fold_angle(sheet.x, hinge) /
+    bend.push_back(dihedral_angle(sheet.x, hinge) /
                    (area(hinge.triangles[0]) + area(hinge.triangles[1])));
 
   std::vector<Ring> rings(sheet.pattern.rows());

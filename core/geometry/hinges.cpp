@@ -46,7 +46,7 @@ Hinges find_hinges(const Triangles& triangles) {
   return result;
 }
 
-double fold_angle(const Points3& x, const Hinge& hinge) {
+double dihedral_angle(const Points3& x, const Hinge& hinge) {
   const auto at = [&](int k) -> Vector3d { return x.row(hinge.vertices[k]); };
   const Vector3d x0 = at(0), e = at(1) - x0;
   const Vector3d left = e.cross(at(2) - x0), right = (at(3) - x0).cross(e);
@@ -54,9 +54,9 @@ double fold_angle(const Points3& x, const Hinge& hinge) {
   return std::atan2(left.cross(right).dot(e) / e.norm(), left.dot(right));
 }
 
-std::vector<double> fold_angles(const Points3& x, const std::vector<Hinge>& hinges) {
+std::vector<double> dihedral_angles(const Points3& x, const std::vector<Hinge>& hinges) {
   std::vector<double> theta(hinges.size());
-  for (std::size_t h = 0; h < theta.size(); ++h) theta[h] = fold_angle(x, hinges[h]);
+  for (std::size_t h = 0; h < theta.size(); ++h) theta[h] = dihedral_angle(x, hinges[h]);
   return theta;
 }
 

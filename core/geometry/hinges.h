@@ -24,8 +24,8 @@ struct Hinges {
 Hinges find_hinges(const Triangles&);
 
 /// Dihedral angle of a hinge: 0 = flat, > 0 = bulges towards the normals, in (-pi, pi]. [rad]
-double fold_angle(const Points3& x, const Hinge&);
+double dihedral_angle(const Points3& x, const Hinge&);
 /// Of all hinges. [rad]
-std::vector<double> fold_angles(const Points3& x, const std::vector<Hinge>&);
+std::vector<double> dihedral_angles(const Points3& x, const std::vector<Hinge>&);
 
 }  // namespace paperbake

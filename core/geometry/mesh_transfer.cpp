@@ -2,14 +2,14 @@
 
 namespace paperbake {
 
-Transfer::Transfer(const Points2& pattern, const Triangles& triangles, const Points2& to)
+MeshTransfer::MeshTransfer(const Points2& pattern, const Triangles& triangles, const Points2& to)
     : triangles_(triangles) {
-  const Locator locator(pattern, triangles);
+  const PointLocator locator(pattern, triangles);
   places_.reserve(to.rows());
   for (int v = 0; v < to.rows(); ++v) places_.push_back(locator.locate(to.row(v)));
 }
 
-Points3 Transfer::operator()(const Points3& per_vertex) const {
+Points3 MeshTransfer::operator()(const Points3& per_vertex) const {
   Points3 carried(static_cast<int>(places_.size()), 3);
   for (std::size_t v = 0; v < places_.size(); ++v)
     carried.row(v) = interpolate(places_[v], triangles_, per_vertex);

@@ -7,7 +7,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int most_in_leaf = 4;
+constexpr int max_in_leaf = 4;
 constexpr double any = M_PI;
 constexpr double half_space = 1.5;  // [rad]
 
@@ -17,7 +17,7 @@ double angle_between(const Vector3d& a, const Vector3d& b) {
 
 }  // namespace
 
-TriangleTree::TriangleTree(const Points2& pattern, const Triangles& triangles)
+NormalConeTree::NormalConeTree(const Points2& pattern, const Triangles& triangles)
     : triangles_(triangles), order_(triangles.rows()) {
   std::iota(order_.begin(), order_.end(), 0);
   Points2 middles(triangles.rows(), 2);
@@ -28,7 +28,7 @@ TriangleTree::TriangleTree(const Points2& pattern, const Triangles& triangles)
   if (triangles.rows() > 0) build(middles, pattern, 0, static_cast<int>(triangles.rows()));
 }
 
-int TriangleTree::build(const Points2& middles, const Points2& pattern, int begin, int end) {
+int NormalConeTree::build(const Points2& middles, const Points2& pattern, int begin, int end) {
   const int at = static_cast<int>(nodes_.size());
   nodes_.push_back({begin, end, -1, {}});
   Eigen::AlignedBox2d box, centres;
@@ -37,7 +37,7 @@ int TriangleTree::build(const Points2& middles, const Points2& pattern, int begi
     for (int i = 0; i < 3; ++i) box.extend(pattern.row(triangles_(order_[k], i)).transpose());
   }
   nodes_[at].pattern = box;
-  if (end - begin <= most_in_leaf) return at;
+  if (end - begin <= max_in_leaf) return at;
   const int axis = centres.sizes().x() >= centres.sizes().y() ? 0 : 1, middle = (begin + end) / 2;
   std::nth_element(
       order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](int a, int b) {
@@ -49,13 +49,13 @@ int TriangleTree::build(const Points2& middles, const Points2& pattern, int begi
   return at;
 }
 
-struct TriangleTree::Search {
-  const TriangleTree& tree;
+struct NormalConeTree::Search {
+  const NormalConeTree& tree;
   std::vector<Eigen::AlignedBox3d> boxes = {};  // of the triangles, in the tree's order
   std::vector<Bound> bounds = {};
   std::vector<std::pair<int, int>> found = {};
 
-  Search(const TriangleTree& of, const Points3& x, const Points3& y)
+  Search(const NormalConeTree& of, const Points3& x, const Points3& y)
       : tree(of), boxes(of.order_.size()), bounds(of.nodes_.size()) {
     std::vector<Vector3d> normals(2 * boxes.size());
     for (std::size_t k = 0; k < boxes.size(); ++k) {
@@ -124,7 +124,7 @@ struct TriangleTree::Search {
   }
 };
 
-std::vector<std::pair<int, int>> TriangleTree::near(const Points3& x, const Points3& y) const {
+std::vector<std::pair<int, int>> NormalConeTree::near(const Points3& x, const Points3& y) const {
   return Search(*this, x, y).found;
 }
 

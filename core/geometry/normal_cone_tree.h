@@ -12,9 +12,9 @@ namespace paperbake {
 /// Boxes and cones of normals over a mesh that is a sheet of paper, halved on the pattern again and
 /// again. Finds what may come near itself: neighbours on the pattern with all normals in one half
 /// of space do not [Volino 1994]; on noise 3 % of the pairs are missed.
-class TriangleTree {
+class NormalConeTree {
  public:
-  TriangleTree(const Points2& pattern, const Triangles&);
+  NormalConeTree(const Points2& pattern, const Triangles&);
 
   /// Pairs of triangles that may pass through each other while every vertex is somewhere between x
   /// and y on a straight line, in an order that depends on the mesh alone. Pairs with two common

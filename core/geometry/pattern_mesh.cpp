@@ -102,15 +102,15 @@ void add_required(const std::vector<Vector2d>& required, double snap, Cloud& clo
 }
 
 /// Folded lines in parts of about `edge`, by way of the points that lie on them.
-void add_folds(const std::vector<FoldLine>& folds, double edge, double snap, Cloud& cloud) {
+void add_folds(const std::vector<PrescribedCrease>& folds, double edge, double snap, Cloud& cloud) {
   const auto vertex_at = [&](const Vector2d& p) {
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
       if ((cloud.points[i] - p).norm() <= snap) return static_cast<int>(i);
     cloud.points.push_back(p);
     return static_cast<int>(cloud.points.size()) - 1;
   };
-  for (const Vector2d& p : fold_stops(folds)) vertex_at(p);
-  for (const FoldLine& fold : folds)
+  for (const Vector2d& p : crease_points(folds)) vertex_at(p);
+  for (const PrescribedCrease& fold : folds)
     for (std::size_t s = 0; s + 1 < fold.line.size(); ++s) {
       const Vector2d a = fold.line[s], d = fold.line[s + 1] - a;
       std::vector<std::pair<double, int>> stops;  // share of the way, vertex
@@ -218,7 +218,7 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   // a coarsened border passes beside its required points, or cuts those near it off: bring them
   // onto the polygon
   std::vector<Vector2d> required = points;
-  const std::vector<Vector2d> stops = fold_stops(pattern.folds);
+  const std::vector<Vector2d> stops = crease_points(pattern.prescribed_creases);
   required.insert(required.end(), stops.begin(), stops.end());
   for (Vector2d& p : required) {
     const Vector2d onto = nearest_border_point(cloud.polygons, p);
@@ -230,7 +230,7 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   for (const auto& hole : cloud.polygons.holes) sample_border(hole, edge, required, snap, cloud);
   required.resize(points.size());
   add_required(required, snap, cloud);
-  if (!pattern.folds.empty()) add_folds(pattern.folds, edge, snap, cloud);
+  if (!pattern.prescribed_creases.empty()) add_folds(pattern.prescribed_creases, edge, snap, cloud);
   add_lattice(edge, turn, cloud);
 
   Triangles triangles = triangulate(cloud);

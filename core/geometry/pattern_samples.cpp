@@ -18,11 +18,11 @@ PatternSamples::PatternSamples(const Pattern& pattern, int along) {
 }
 
 PatternSamples::Sampled PatternSamples::operator()(const Sheet& sheet) const {
-  const Locator locator(sheet.pattern, sheet.triangles);
+  const PointLocator locator(sheet.pattern, sheet.triangles);
   const Points3 normals = vertex_normals(sheet.x, sheet.triangles);
   Sampled sampled{Points3(points_.size(), 3), Points3(points_.size(), 3)};
   for (std::size_t k = 0; k < points_.size(); ++k) {
-    const Place place = locator.locate(points_[k]);
+    const MeshPoint place = locator.locate(points_[k]);
     sampled.x.row(k) = interpolate(place, sheet.triangles, sheet.x);
     sampled.normals.row(k) = interpolate(place, sheet.triangles, normals).normalized();
   }

@@ -25,7 +25,7 @@ double nearest_in_triangle(const Vector2d& p, const Vector2d (&corner)[3], Vecto
 
 }  // namespace
 
-Locator::Locator(const Points2& pattern, const Triangles& triangles)
+PointLocator::PointLocator(const Points2& pattern, const Triangles& triangles)
     : pattern_(pattern), triangles_(triangles) {
   for (int v = 0; v < pattern.rows(); ++v) box_.extend(Vector2d(pattern.row(v)));
   const Vector2d size = box_.sizes();
@@ -49,7 +49,7 @@ Locator::Locator(const Points2& pattern, const Triangles& triangles)
   }
 }
 
-bool Locator::inside(int t, const Vector2d& p, Vector3d& weights) const {
+bool PointLocator::inside(int t, const Vector2d& p, Vector3d& weights) const {
   const Vector2d a = pattern_.row(triangles_(t, 0)), b = pattern_.row(triangles_(t, 1)),
                  c = pattern_.row(triangles_(t, 2));
   const Vector2d u = b - a, v = c - a, q = p - a;
@@ -60,11 +60,11 @@ bool Locator::inside(int t, const Vector2d& p, Vector3d& weights) const {
   return weights.minCoeff() >= -1e-9;
 }
 
-Place Locator::locate(const Vector2d& p) const {
+MeshPoint PointLocator::locate(const Vector2d& p) const {
   const int c = static_cast<int>(std::floor((p.x() - box_.min().x()) / cell_));
   const int r = static_cast<int>(std::floor((p.y() - box_.min().y()) / cell_));
   if (c >= 0 && r >= 0 && c < columns_ && r < rows_) {
-    Place place;
+    MeshPoint place;
     for (int t : cells_[static_cast<std::size_t>(r) * columns_ + c])
       if (inside(t, p, place.weights)) {
         place.triangle = t;
@@ -74,8 +74,8 @@ Place Locator::locate(const Vector2d& p) const {
   return nearest(p);
 }
 
-Place Locator::nearest(const Vector2d& p) const {
-  Place best{0, Vector3d::Zero()};
+MeshPoint PointLocator::nearest(const Vector2d& p) const {
+  MeshPoint best{0, Vector3d::Zero()};
   double least = std::numeric_limits<double>::infinity();
   for (int t = 0; t < triangles_.rows(); ++t) {
     Vector3d weights;
@@ -88,7 +88,8 @@ Place Locator::nearest(const Vector2d& p) const {
   return best;
 }
 
-Vector3d interpolate(const Place& place, const Triangles& triangles, const Points3& per_vertex) {
+Vector3d interpolate(const MeshPoint& place, const Triangles& triangles,
+                     const Points3& per_vertex) {
   Vector3d sum = Vector3d::Zero();
   for (int i = 0; i < 3; ++i)
     sum += place.weights[i] * per_vertex.row(triangles(place.triangle, i)).transpose();

@@ -7,7 +7,7 @@
 namespace paperbake {
 
 /// A place on a pattern mesh: triangle and barycentric weights of its three corners.
-struct Place {
+struct MeshPoint {
   int triangle;
   // sum 1; within [0, 1] unless the point lies outside the mesh, then those of the nearest triangle
   Vector3d weights;
@@ -15,15 +15,15 @@ struct Place {
 
 /// Finds the triangle of a pattern mesh under a point, by a grid of cells. Keeps a copy of what it
 /// needs.
-class Locator {
+class PointLocator {
  public:
-  Locator(const Points2& pattern, const Triangles&);
+  PointLocator(const Points2& pattern, const Triangles&);
   /// Outside the mesh: the nearest triangle, with the weights of the nearest point on it.
-  Place locate(const Vector2d& p) const;
+  MeshPoint locate(const Vector2d& p) const;
 
  private:
   bool inside(int triangle, const Vector2d& p, Vector3d& weights) const;
-  Place nearest(const Vector2d& p) const;
+  MeshPoint nearest(const Vector2d& p) const;
 
   Points2 pattern_;
   Triangles triangles_;
@@ -34,6 +34,6 @@ class Locator {
 };
 
 /// Value at a place of a quantity given per vertex (|V|x3).
-Vector3d interpolate(const Place&, const Triangles&, const Points3& per_vertex);
+Vector3d interpolate(const MeshPoint&, const Triangles&, const Points3& per_vertex);
 
 }  // namespace paperbake

@@ -17,10 +17,10 @@ bool lies_on(const Vector2d& p, const Vector2d& a, const Vector2d& b, double nea
 
 }  // namespace
 
-const FoldLine* fold_under(const std::vector<FoldLine>& folds, const Vector2d& a,
-                           const Vector2d& b) {
+const PrescribedCrease* crease_under(const std::vector<PrescribedCrease>& folds, const Vector2d& a,
+                                     const Vector2d& b) {
   const double near = 1e-6 * (b - a).norm();
-  for (const FoldLine& fold : folds)
+  for (const PrescribedCrease& fold : folds)
     for (std::size_t k = 0; k + 1 < fold.line.size(); ++k)
       if (lies_on(a, fold.line[k], fold.line[k + 1], near) &&
           lies_on(b, fold.line[k], fold.line[k + 1], near))
@@ -28,23 +28,24 @@ const FoldLine* fold_under(const std::vector<FoldLine>& folds, const Vector2d& a
   return nullptr;
 }
 
-bool on_fold(const std::vector<FoldLine>& folds, const Points2& pattern, int a, int b) {
-  return !folds.empty() && fold_under(folds, pattern.row(a), pattern.row(b));
+bool is_on_crease(const std::vector<PrescribedCrease>& folds, const Points2& pattern, int a,
+                  int b) {
+  return !folds.empty() && crease_under(folds, pattern.row(a), pattern.row(b));
 }
 
-std::vector<const FoldLine*> fold_lines(const Sheet& sheet, const Hinges& hinges) {
-  std::vector<const FoldLine*> lines;
-  if (sheet.folds.empty()) return lines;
+std::vector<const PrescribedCrease*> crease_of_hinges(const Sheet& sheet, const Hinges& hinges) {
+  std::vector<const PrescribedCrease*> lines;
+  if (sheet.prescribed_creases.empty()) return lines;
   for (const Hinge& hinge : hinges.hinges)
-    lines.push_back(fold_under(sheet.folds, sheet.pattern.row(hinge.vertices[0]),
-                               sheet.pattern.row(hinge.vertices[1])));
+    lines.push_back(crease_under(sheet.prescribed_creases, sheet.pattern.row(hinge.vertices[0]),
+                                 sheet.pattern.row(hinge.vertices[1])));
   return lines;
 }
 
-std::vector<Vector2d> fold_stops(const std::vector<FoldLine>& folds) {
+std::vector<Vector2d> crease_points(const std::vector<PrescribedCrease>& folds) {
   std::vector<Vector2d> stops;
   std::vector<std::pair<Vector2d, Vector2d>> segments;
-  for (const FoldLine& fold : folds) {
+  for (const PrescribedCrease& fold : folds) {
     stops.insert(stops.end(), fold.line.begin(), fold.line.end());
     for (std::size_t k = 0; k + 1 < fold.line.size(); ++k)
       segments.emplace_back(fold.line[k], fold.line[k + 1]);

@@ -9,17 +9,18 @@
 namespace paperbake {
 
 /// The line that the segment a-b lies on; null: none.
-const FoldLine* fold_under(const std::vector<FoldLine>&, const Vector2d& a, const Vector2d& b);
+const PrescribedCrease* crease_under(const std::vector<PrescribedCrease>&, const Vector2d& a,
+                                     const Vector2d& b);
 
 /// Of each hinge of the sheet's mesh: the line that it lies on; null: none. Empty when the sheet
 /// has no lines.
-std::vector<const FoldLine*> fold_lines(const Sheet&, const Hinges&);
+std::vector<const PrescribedCrease*> crease_of_hinges(const Sheet&, const Hinges&);
 // an edge of a mesh
-bool on_fold(const std::vector<FoldLine>&, const Points2& pattern, int a, int b);
+bool is_on_crease(const std::vector<PrescribedCrease>&, const Points2& pattern, int a, int b);
 
 /// Every point where one of the lines crosses another or turns, and all its ends: what a mesh has
 /// to have as vertices, besides. [m]
-std::vector<Vector2d> fold_stops(const std::vector<FoldLine>&);
+std::vector<Vector2d> crease_points(const std::vector<PrescribedCrease>&);
 
 /// What a crease resists: D / 150 h, 13.5 mm of office paper. It stores k/2 (theta - angle)^2 for
 /// each metre of its length; k [N].

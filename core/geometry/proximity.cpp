@@ -6,7 +6,7 @@
 namespace paperbake {
 namespace {
 
-Nearness with_weights(const std::array<Vector3d, 4>& x, const Eigen::Vector4d& w) {
+ClosestPoints with_weights(const std::array<Vector3d, 4>& x, const Eigen::Vector4d& w) {
   return {w, w[0] * x[0] + w[1] * x[1] + w[2] * x[2] + w[3] * x[3]};
 }
 
@@ -19,7 +19,7 @@ bool same_sign(double a, double b) { return (a > 0 && b > 0) || (a < 0 && b < 0)
 
 }  // namespace
 
-Nearness vertex_to_triangle(const std::array<Vector3d, 4>& x) {
+ClosestPoints vertex_to_triangle(const std::array<Vector3d, 4>& x) {
   const Vector3d &p = x[0], &a = x[1], &b = x[2], &c = x[3];
   const Vector3d ab = b - a, ac = c - a, ap = p - a;
   const double d1 = ab.dot(ap), d2 = ac.dot(ap);
@@ -49,7 +49,7 @@ Nearness vertex_to_triangle(const std::array<Vector3d, 4>& x) {
   return with_weights(x, {1, -va / sum, -vb / sum, -vc / sum});
 }
 
-Nearness edge_to_edge(const std::array<Vector3d, 4>& x) {
+ClosestPoints edge_to_edge(const std::array<Vector3d, 4>& x) {
   const Vector3d d1 = x[1] - x[0], d2 = x[3] - x[2], r = x[0] - x[2];
   const double a = d1.squaredNorm(), e = d2.squaredNorm(), f = d2.dot(r);
   double s = 0, t = 0;

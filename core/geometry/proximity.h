@@ -9,7 +9,7 @@ namespace paperbake {
 
 /// The nearest points of two features with four corners together: a vertex and a triangle, or two
 /// edges.
-struct Nearness {
+struct ClosestPoints {
   // apart = sum_i weights_i corner_i; the first feature's add up to 1, the second's to -1
   Eigen::Vector4d weights;
   Vector3d apart;  // [m] from the nearest point of the second feature to that of the first
@@ -17,10 +17,10 @@ struct Nearness {
 };
 
 /// corner 0 against the triangle of corners 1, 2, 3. source [Ericson 2005], 5.1.5
-Nearness vertex_to_triangle(const std::array<Vector3d, 4>& corners);
+ClosestPoints vertex_to_triangle(const std::array<Vector3d, 4>& corners);
 
 /// edge 0-1 against edge 2-3; either may have no length. source [Ericson 2005], 5.1.9
-Nearness edge_to_edge(const std::array<Vector3d, 4>& corners);
+ClosestPoints edge_to_edge(const std::array<Vector3d, 4>& corners);
 
 /// The edge p-q passes through the inside of the triangle. Touching does not count.
 bool pierces(const Vector3d& p, const Vector3d& q, const std::array<Vector3d, 3>& triangle);

@@ -5,7 +5,7 @@
 
 namespace paperbake {
 
-NearTriangles::NearTriangles(const Triangles& triangles)
+SweptBoxPairs::SweptBoxPairs(const Triangles& triangles)
     : triangles_(triangles),
       owned_(triangles.rows()),
       order_(triangles.rows()),
@@ -26,7 +26,7 @@ NearTriangles::NearTriangles(const Triangles& triangles)
       owned_[edges[k][2]].edges |= 1 << edges[k][3];
 }
 
-const std::vector<std::pair<int, int>>& NearTriangles::find(const Points3& x, const Points3& move,
+const std::vector<std::pair<int, int>>& SweptBoxPairs::find(const Points3& x, const Points3& move,
                                                             double margin) {
   pairs_.clear();
   const int n = static_cast<int>(triangles_.rows());

@@ -11,9 +11,9 @@ namespace paperbake {
 /// Finds the triangles of a sheet that come near each other, and says which vertices and edges each
 /// of them answers for, so that every pair of features is met in exactly one pair of triangles.
 /// source [Curtis 2008] for the latter
-class NearTriangles {
+class SweptBoxPairs {
  public:
-  explicit NearTriangles(const Triangles&);
+  explicit SweptBoxPairs(const Triangles&);
 
   /// Pairs a < b whose boxes, swept from x to x + move and grown by `margin` [m] on all sides,
   /// overlap; in no order that depends on anything else. move: |V|x3 [m]

@@ -26,17 +26,17 @@ bool is_due(const Sheet& sheet, const Points3& metric) {
 
 /// One pass over a sheet at rest on its mesh: it may become twice as fine, but no finer at once.
 /// returns  did the mesh change?
-bool adapt(Sheet& sheet, Points3 metric, int fixed, int most_triangles, Pass pass) {
+bool adapt(Sheet& sheet, Points3 metric, int fixed, int max_triangles, Pass pass) {
   // [1] of the length at which edges are split: what was split is not joined again
   constexpr double joined_below = 0.8;
   constexpr int rounds_of_splits = 2;
   const int rounds_of_collapses = pass == Pass::both_ways ? 3 : 10;
   // a field that asks for too much is coarsened as a whole
-  metric *= std::min(1.0, most_triangles / triangles_of(sheet, metric));
+  metric *= std::min(1.0, max_triangles / triangles_of(sheet, metric));
   if (!is_due(sheet, metric)) return false;
   bool changed = false;
   for (int round = 0; pass == Pass::both_ways && round < rounds_of_splits; ++round) {
-    const int splits = split_long_edges(sheet, metric, most_triangles);
+    const int splits = split_long_edges(sheet, metric, max_triangles);
     changed |= flip_to_delaunay(sheet, metric) > 0 || splits > 0;
     if (splits == 0) break;
   }
@@ -50,7 +50,7 @@ bool adapt(Sheet& sheet, Points3 metric, int fixed, int most_triangles, Pass pas
 
 }  // namespace
 
-Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions& options,
+Method adaptive(const Pattern& pattern, int max_triangles, const SizingOptions& options,
                 double turn) {
   Method method;
   method.name = "adaptive";
@@ -64,12 +64,12 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
   };
   const auto unfinished = std::make_shared<bool>(true);  // the last pass changed the mesh
   const double side = longer_side(pattern);
-  method.remesh = [=](Sheet& sheet, const Situation& is) {
+  method.remesh = [=](Sheet& sheet, const RemeshContext& is) {
     // a jump is followed in many steps, and what the sheet looks like afterwards has little to do
     // with what it is fine for now
     constexpr double far = 0.1;  // [1] of the longer side
     constexpr int enough_for_a_jump = 400;
-    const bool jumps = is.leap > far;
+    const bool jumps = is.relative_handle_motion > far;
     // nor is a shape on its way down a reason for triangles
     if (!jumps && (!is.at_minimum || !(is.moving || *unfinished))) return false;
     const Points3 kept =
@@ -77,12 +77,12 @@ Method adaptive(const Pattern& pattern, int most_triangles, const SizingOptions&
     const int required = static_cast<int>(std::count(is.fixed.begin(), is.fixed.end(), 1));
     const Points3 metric = sizing_field(sheet, kept, side, options);
     const bool changed = jumps ? adapt(sheet, metric, required,
-                                       std::min(most_triangles, enough_for_a_jump), Pass::coarsen)
-                               : adapt(sheet, metric, required, most_triangles, Pass::both_ways);
+                                       std::min(max_triangles, enough_for_a_jump), Pass::coarsen)
+                               : adapt(sheet, metric, required, max_triangles, Pass::both_ways);
     *unfinished = changed || (jumps && *unfinished);
     return changed;
   };
-  method.archive = [unfinished](Archive& a) { a(*unfinished); };
+  method.archive = [unfinished](Serializer& a) { a(*unfinished); };
   return method;
 }
 

@@ -32,7 +32,7 @@ BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
                              sheet.pattern.row(corners[2])) /
                             3;
     const int place = regions.grid().nearest(centre),
-              region = place < 0 ? -1 : regions.of_place()[place];
+              region = place < 0 ? -1 : regions.region_of_sample()[place];
     parts.region.push_back(region < 0 ? -1 : regions.all()[region].id);
   }
   return parts;
@@ -48,23 +48,28 @@ Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles,
   method.first_mesh = [=](const Pattern& cut, const std::vector<Vector2d>& points) {
     PatternMesh mesh = first_mesh_with(cut, base_triangles, points, turn);
     const int required = number_points_first(mesh);
-    crumple->begin_with(mesh.vertices, mesh.triangles, required);
+    crumple->set_base_mesh(mesh.vertices, mesh.triangles, required);
     return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles),
                              std::move(mesh.point_vertex)};
   };
-  method.remesh = [crumple](Sheet& sheet_now, const Situation& is) {
-    return !is.leaving && crumple->operate(sheet_now, is.fixed, is.now, is.moving).mesh_changed();
+  method.remesh = [crumple](Sheet& sheet_now, const RemeshContext& is) {
+    return !is.snap_in_progress &&
+           crumple->step(sheet_now, is.fixed, is.now, is.moving).mesh_changed();
   };
-  method.propose = [crumple](const Sheet& sheet_now, const Situation& is) -> std::optional<Sheet> {
+  method.propose = [crumple](const Sheet& sheet_now,
+                             const RemeshContext& is) -> std::optional<Sheet> {
     // what yields keeps its mesh: another one folds in other places, and what yields there too is
     // not undone
-    if (!is.moving || !is.at_minimum || is.flowing) return std::nullopt;
-    if (!sheet_now.folds.empty()) return std::nullopt;  // its edges are where they have to be
-    return crumple->propose(sheet_now, is.pulled, is.lies, is.now);
+    if (!is.moving || !is.at_minimum || is.yielding) return std::nullopt;
+    // its edges are where they have to be
+    if (!sheet_now.prescribed_creases.empty()) return std::nullopt;
+    return crumple->propose(sheet_now, is.isolated_moving_handles, is.rests_on_contact, is.now);
   };
-  method.judged = [crumple](bool accepted, const Moment& now) { crumple->judged(accepted, now); };
+  method.on_proposal_result = [crumple](bool accepted, const FrameTime& now) {
+    crumple->on_proposal_result(accepted, now);
+  };
   method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };
-  method.archive = [crumple](Archive& a) { crumple->archive(a); };
+  method.archive = [crumple](Serializer& a) { crumple->archive(a); };
   method.parts = [crumple](const Sheet& sheet_now) { return bent_parts(*crumple, sheet_now); };
   return method;
 }

@@ -5,7 +5,7 @@
 
 namespace paperbake {
 
-inline constexpr double most_friction = 10;  // [1] beyond it is a slip of the pen
+inline constexpr double max_friction = 10;  // [1] beyond it is a slip of the pen
 
 /// The material of one sheet. Values of a grade come from presets/*.toml, with their sources.
 struct Paper {

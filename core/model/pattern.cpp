@@ -84,7 +84,7 @@ std::vector<Vector2d> reentrant_corners(const Pattern& pattern) {
 
 /// A* over the visibility graph of `points`, from points[0] to points[1]; lines of sight are tested
 /// only when needed.
-double shortest_path(const Pattern& pattern, const std::vector<Vector2d>& points) {
+double min_path(const Pattern& pattern, const std::vector<Vector2d>& points) {
   struct Way {
     double at_least, so_far;
     std::size_t point, from;
@@ -166,7 +166,7 @@ double paper_distance(const Pattern& pattern, const Vector2d& a, const Vector2d&
   if (sees(pattern, points[0], points[1])) return (a - b).norm();
   const std::vector<Vector2d> corners = reentrant_corners(pattern);
   points.insert(points.end(), corners.begin(), corners.end());
-  return shortest_path(pattern, points);
+  return min_path(pattern, points);
 }
 
 }  // namespace paperbake

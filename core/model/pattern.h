@@ -9,9 +9,9 @@ namespace paperbake {
 /// The flat shape that was cut out of paper: simple polygons, not touching each other, no vertex
 /// repeated at the end. Its bounding box begins at (0, 0).
 struct Pattern {
-  std::vector<Vector2d> outline;             // [m] counter-clockwise
-  std::vector<std::vector<Vector2d>> holes;  // [m] clockwise
-  std::vector<FoldLine> folds = {};          // within it
+  std::vector<Vector2d> outline;                          // [m] counter-clockwise
+  std::vector<std::vector<Vector2d>> holes;               // [m] clockwise
+  std::vector<PrescribedCrease> prescribed_creases = {};  // within it
 };
 
 Vector2d extent(const Pattern&);      // [m]  width and height of the bounding box

@@ -104,7 +104,7 @@ PlasticGrid::Cover PlasticGrid::cover(const Points2& pattern, const Triangles& t
 PlasticMemory PlasticGrid::read(const Cover& cover) const {
   const int triangles = static_cast<int>(cover.first.size()) - 1;
   PlasticMemory memory(triangles);
-  if (pristine_) return memory;
+  if (is_virgin_) return memory;
   for (int t = 0; t < triangles; ++t) {
     Eigen::Vector4d sum = Eigen::Vector4d::Zero();
     double ridge = 0;
@@ -121,7 +121,7 @@ PlasticMemory PlasticGrid::read(const Cover& cover) const {
 }
 
 Points3 PlasticGrid::at_vertices(const Points2& pattern, const Triangles& triangles) const {
-  if (pristine()) return Points3::Zero(pattern.rows(), 3);
+  if (is_virgin()) return Points3::Zero(pattern.rows(), 3);
   const Points3 kept = read(cover(pattern, triangles)).curvature;
   Points3 sum = Points3::Zero(pattern.rows(), 3);
   Eigen::VectorXd area = Eigen::VectorXd::Zero(pattern.rows());
@@ -145,7 +145,7 @@ double PlasticGrid::write(const Cover& cover, const PlasticMemory& gained) {
     Eigen::Vector4d gain;
     gain << gained.curvature.row(t).transpose(), gained.hardening[t];
     if (gain.isZero(0)) continue;
-    pristine_ = false;
+    is_virgin_ = false;
     for (int k = cover.first[t]; k < cover.first[t + 1]; ++k) {
       Eigen::Vector4d& memory = cells_[cover.cell[k]].memory;
       growth -= frobenius(memory);
@@ -158,27 +158,27 @@ double PlasticGrid::write(const Cover& cover, const PlasticMemory& gained) {
   return area_inside_ * growth;
 }
 
-void PlasticGrid::forget() {
-  if (pristine_) return;
+void PlasticGrid::reset() {
+  if (is_virgin_) return;
   for (Cell& cell : cells_) cell.memory.setZero(), cell.ridge = 0;
-  pristine_ = true;
+  is_virgin_ = true;
 }
 
-void PlasticGrid::archive(Archive& a) {
+void PlasticGrid::archive(Serializer& a) {
   std::vector<int> written;
   for (int c = 0; c < static_cast<int>(cells_.size()); ++c)
     if (!cells_[c].memory.isZero(0) || cells_[c].ridge != 0) written.push_back(c);
   a(written);
-  if (a.reads()) forget();
+  if (a.reads()) reset();
   for (const int c : written) {
-    a.demand(c >= 0 && c < static_cast<int>(cells_.size()));
+    a.require(c >= 0 && c < static_cast<int>(cells_.size()));
     a(cells_[c].memory, cells_[c].ridge);
   }
-  a(pristine_);
+  a(is_virgin_);
 }
 
 double PlasticGrid::integral() const {
-  if (pristine_) return 0;
+  if (is_virgin_) return 0;
   double sum = 0;
   for (const Cell& cell : cells_) sum += frobenius(cell.memory);
   return area_inside_ * sum;

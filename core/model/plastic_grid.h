@@ -7,7 +7,7 @@
 
 namespace paperbake {
 
-class Archive;
+class Serializer;
 
 /// What the bending of each triangle remembers.
 struct PlasticMemory {
@@ -16,7 +16,7 @@ struct PlasticMemory {
   // |T|   [1/m] alpha: plastic curvature added up along the way, there and back
   Eigen::VectorXd hardening;
   // |T|   [1]   s in [0, 1]: how much of a sharp ridge it was while it flowed
-  // (step1_elastic/ridges.h)
+  // (step1_elastic/ridge_yield.h)
   Eigen::VectorXd ridge;
 
   PlasticMemory() = default;
@@ -60,13 +60,13 @@ class PlasticGrid {
   double write(const Cover&, const PlasticMemory& gained);
 
   /// Nothing was ever written.
-  bool pristine() const { return pristine_; }
-  void forget();
+  bool is_virgin() const { return is_virgin_; }
+  void reset();
 
   /// Integral of |Sp| (Frobenius) over the pattern: length of crease x angle kept in it. [m rad]
   double integral() const;
 
-  void archive(Archive&);  // what was written; the cells are those of the pattern
+  void archive(Serializer&);  // what was written; the cells are those of the pattern
 
  private:
   struct Cell {
@@ -82,7 +82,7 @@ class PlasticGrid {
   double size_;  // [m] of a cell
   int columns_, rows_;
   double area_inside_;  // [m2] of the pattern per inside cell
-  bool pristine_ = true;
+  bool is_virgin_ = true;
   std::vector<Cell> cells_;  // row by row from (0, 0)
 };
 

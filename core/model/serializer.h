@@ -23,34 +23,35 @@ namespace paperbake {
 ///   `archive(Archive&)` of a class
 ///
 /// Reading trusts nothing: whatever the bytes are, it returns or throws Error(Fault::scene).
-class Archive {
+class Serializer {
  public:
-  Archive() = default;  // writes
+  Serializer() = default;  // writes
   // reads what others keep
-  explicit Archive(std::string_view bytes) : left_(bytes), reads_(true) {}
+  explicit Serializer(std::string_view bytes) : remaining_(bytes), reads_(true) {}
 
   bool reads() const { return reads_; }
 
-  template <class... Things>
-  void operator()(Things&... things) {
-    (one(things), ...);
+  template <class... Fields>
+  void operator()(Fields&... things) {
+    (field(things), ...);
   }
 
   /// What was written.
   const std::string& bytes() const { return written_; }
 
   /// Of what was read: something that has to be true of it.
-  void demand(bool holds) const {
+  void require(bool holds) const {
     if (!holds) throw Error(Fault::scene, "state", "The bytes are not what was written.");
   }
   /// Everything was read.
-  void end() const { demand(left_.empty()); }
+  void end() const { require(remaining_.empty()); }
 
  private:
   template <class T, class = void>
   struct HasMember : std::false_type {};
   template <class T>
-  struct HasMember<T, std::void_t<decltype(std::declval<T&>().archive(std::declval<Archive&>()))>>
+  struct HasMember<T,
+                   std::void_t<decltype(std::declval<T&>().archive(std::declval<Serializer&>()))>>
       : std::true_type {};
 
   void raw(void* values, std::size_t count) {
@@ -59,62 +60,62 @@ class Archive {
       written_.append(static_cast<const char*>(values), count);
       return;
     }
-    demand(count <= left_.size());
-    if (count > 0) std::memcpy(values, left_.data(), count);
-    left_.remove_prefix(count);
+    require(count <= remaining_.size());
+    if (count > 0) std::memcpy(values, remaining_.data(), count);
+    remaining_.remove_prefix(count);
   }
 
   /// How many things of at least that many bytes follow.
-  std::size_t count(std::size_t now, std::size_t least_bytes) {
+  std::size_t count(std::size_t now, std::size_t min_bytes) {
     auto n = static_cast<std::uint64_t>(now);
     raw(&n, sizeof n);
-    demand(!reads_ || n <= left_.size() / std::max<std::size_t>(1, least_bytes));
+    require(!reads_ || n <= remaining_.size() / std::max<std::size_t>(1, min_bytes));
     return static_cast<std::size_t>(n);
   }
 
-  void one(bool& value) {
+  void field(bool& value) {
     char byte = value;
     raw(&byte, 1);
     value = byte != 0;
   }
-  void one(std::string& text) {
+  void field(std::string& text) {
     text.resize(count(text.size(), 1));
     raw(text.data(), text.size());
   }
   template <class Scalar, int Rows, int Columns, int Options, int MostRows, int MostColumns>
-  void one(Eigen::Matrix<Scalar, Rows, Columns, Options, MostRows, MostColumns>& m) {
+  void field(Eigen::Matrix<Scalar, Rows, Columns, Options, MostRows, MostColumns>& m) {
     static_assert(Columns != Eigen::Dynamic);
     if constexpr (Rows == Eigen::Dynamic)
       m.resize(count(m.rows(), sizeof(Scalar) * Columns), Columns);
     raw(m.data(), sizeof(Scalar) * m.size());
   }
   template <class T>
-  void one(std::vector<T>& items) {
+  void field(std::vector<T>& items) {
     constexpr bool plain = std::is_arithmetic_v<T>;
     items.resize(count(items.size(), plain ? sizeof(T) : 1));
     if constexpr (plain)
       raw(items.data(), sizeof(T) * items.size());
     else
-      for (T& item : items) one(item);
+      for (T& item : items) field(item);
   }
   template <class T>
-  void one(std::deque<T>& items) {
+  void field(std::deque<T>& items) {
     items.resize(count(items.size(), 1));
-    for (T& item : items) one(item);
+    for (T& item : items) field(item);
   }
   template <class A, class B>
-  void one(std::pair<A, B>& both) {
-    one(both.first), one(both.second);
+  void field(std::pair<A, B>& both) {
+    field(both.first), field(both.second);
   }
   template <class T>
-  void one(std::optional<T>& thing) {
+  void field(std::optional<T>& thing) {
     bool there = thing.has_value();
-    one(there);
+    field(there);
     if (reads_) thing.reset();
-    if (there) one(reads_ ? thing.emplace() : *thing);
+    if (there) field(reads_ ? thing.emplace() : *thing);
   }
   template <class T>
-  void one(T& thing) {
+  void field(T& thing) {
     if constexpr (std::is_arithmetic_v<T> || std::is_enum_v<T>)
       raw(&thing, sizeof thing);
     else if constexpr (HasMember<T>::value)
@@ -124,26 +125,26 @@ class Archive {
   }
 
   std::string written_;
-  std::string_view left_;
+  std::string_view remaining_;
   bool reads_ = false;
 };
 
-inline void archive(Archive& a, SingularPoint& s) { a(s.pattern, s.frame_of_birth, s.cause); }
-inline void archive(Archive& a, FoldLine& f) { a(f.line, f.angle); }
+inline void archive(Serializer& a, SingularPoint& s) { a(s.pattern, s.frame_of_birth, s.cause); }
+inline void archive(Serializer& a, PrescribedCrease& f) { a(f.line, f.angle); }
 
 /// Positions, velocities and apices; the mesh is there already.
-inline void archive_moving(Archive& a, Sheet& s) {
+inline void archive_moving(Serializer& a, Sheet& s) {
   a(s.x, s.v, s.singular);
-  a.demand(s.x.rows() == s.pattern.rows() && (s.v.rows() == 0 || s.v.rows() == s.x.rows()));
+  a.require(s.x.rows() == s.pattern.rows() && (s.v.rows() == 0 || s.v.rows() == s.x.rows()));
 }
 
-inline void archive_mesh(Archive& a, Sheet& s) {
-  a(s.pattern, s.triangles, s.folds);
-  a.demand(s.triangles.size() == 0 ||
-           (s.triangles.minCoeff() >= 0 && s.triangles.maxCoeff() < s.pattern.rows()));
+inline void archive_mesh(Serializer& a, Sheet& s) {
+  a(s.pattern, s.triangles, s.prescribed_creases);
+  a.require(s.triangles.size() == 0 ||
+            (s.triangles.minCoeff() >= 0 && s.triangles.maxCoeff() < s.pattern.rows()));
 }
 
-inline void archive(Archive& a, Sheet& s) {
+inline void archive(Serializer& a, Sheet& s) {
   archive_mesh(a, s);
   archive_moving(a, s);
 }

@@ -14,7 +14,7 @@ using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// A frame of the animation and how long it is.
-struct Moment {
+struct FrameTime {
   int frame = 1;
   double dt = 1 / 24.0;  // [s] from the frame before
   // [1] of the longer side: farthest that a handle or a point of the sheet goes in it
@@ -32,7 +32,7 @@ struct SingularPoint {
 
 /// A line along which the paper was folded before the first frame: edges of every mesh, which turn
 /// easily.
-struct FoldLine {
+struct PrescribedCrease {
   std::vector<Vector2d> line;  // [m] polyline on the pattern, at least two points
   double angle = 0;            // [rad] that it springs back to; > 0 bulges towards the normals
 };
@@ -45,7 +45,7 @@ struct Sheet {
   Triangles triangles;  // |T|x3        counter-clockwise in the pattern
   // apices in order of birth; paper does not heal, so it only grows
   std::vector<SingularPoint> singular;
-  std::vector<FoldLine> folds = {};  // the same in all frames
+  std::vector<PrescribedCrease> prescribed_creases = {};  // the same in all frames
 };
 
 }  // namespace paperbake

@@ -22,7 +22,7 @@ struct Shot {
   Sheet start;                  // a mesh of the sheet at the first frame: pattern, x, triangles
   std::vector<Handle> handles;  // row 0 of keyed = first_frame
   Paper paper;
-  Pins pins = {};
+  SingularPointRules pins = {};
   // turned towards this sheet; null: there are none
   std::shared_ptr<const Colliders> colliders = nullptr;
 };

@@ -8,7 +8,7 @@
 namespace paperbake {
 
 /// What an artist fixes of a crumple before it begins, on the pattern.
-struct Pins {
+struct SingularPointRules {
   struct Disc {
     Vector2d centre;  // [m]
     double radius;    // [m]
@@ -21,7 +21,7 @@ struct Pins {
                        [&](const Disc& d) { return (p - d.centre).norm() <= d.radius; });
   }
 
-  void append(const Pins& more) {
+  void append(const SingularPointRules& more) {
     keep.insert(keep.end(), more.keep.begin(), more.keep.end());
     forbid.insert(forbid.end(), more.forbid.begin(), more.forbid.end());
   }

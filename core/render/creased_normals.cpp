@@ -90,7 +90,7 @@ Points3 CreasedNormals::normals(const Points3& x) const {
   }
   std::vector<double> open(creases_.size());
   for (std::size_t c = 0; c < creases_.size(); ++c)
-    open[c] = sharp_[c] ? 0 : 1 - crease_share(fold_angle(x, creases_[c]));
+    open[c] = sharp_[c] ? 0 : 1 - crease_share(dihedral_angle(x, creases_[c]));
   std::vector<Eigen::RowVector3d> mixed;
   for (const Crossroads& roads : crossroads_) {
     const int n = static_cast<int>(roads.normal.size());
@@ -123,7 +123,7 @@ Points3 CreasedNormals::normals(const Points3& x) const {
 Eigen::VectorXd CreasedNormals::strength(const Points3& x) const {
   Eigen::VectorXd most = Eigen::VectorXd::Zero(vertices_);
   for (const Hinge& crease : creases_) {
-    const double fold = std::abs(fold_angle(x, crease));
+    const double fold = std::abs(dihedral_angle(x, crease));
     for (int k = 0; k < 2; ++k) most[crease.vertices[k]] = std::max(most[crease.vertices[k]], fold);
   }
   return most;

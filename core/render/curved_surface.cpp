@@ -81,17 +81,18 @@ Folded look(const Sheet& sheet) {
   Folded folded;
   folded.hinges = find_hinges(sheet.triangles);
   for (const Hinge& hinge : folded.hinges.hinges) {
-    folded.theta.push_back(fold_angle(sheet.x, hinge));
-    folded.share.push_back(on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1])
-                               ? 1
-                               : crease_share(folded.theta.back()));
+    folded.theta.push_back(dihedral_angle(sheet.x, hinge));
+    folded.share.push_back(
+        is_on_crease(sheet.prescribed_creases, sheet.pattern, hinge.vertices[0], hinge.vertices[1])
+            ? 1
+            : crease_share(folded.theta.back()));
   }
   folded.normals = corner_normals(sheet, folded.hinges, folded.share);
   return folded;
 }
 
 // [rad] along an edge: what turns more is a crease, or the error of a needle
-constexpr double most_turn = 0.8;
+constexpr double max_turn = 0.8;
 
 /// The nearest tensors that bend across one direction only, and by no more than that over the edges
 /// of their vertex.
@@ -112,7 +113,7 @@ Points3 developable(const Sheet& sheet, const Points3& tensors) {
   Points3 result(tensors.rows(), 3);
   for (int v = 0; v < tensors.rows(); ++v) {
     const Vector2d& n = principal[v].across;
-    const double most = most_turn * edges[v] / std::max(reach[v], 1e-12);
+    const double most = max_turn * edges[v] / std::max(reach[v], 1e-12);
     result.row(v) = std::clamp(principal[v].k1, -most, most) *
                     Eigen::RowVector3d(n.x() * n.x(), n.x() * n.y(), n.y() * n.y());
   }
@@ -126,7 +127,7 @@ double crease_share(double theta) {
   return t * t * (3 - 2 * t);
 }
 
-Vector3d CurvedSurface::at(const Place& place) const {
+Vector3d CurvedSurface::at(const MeshPoint& place) const {
   Vector3d x = Vector3d::Zero();
   const Vector3d& b = place.weights;
   for (int i = 0; i < 3; ++i) {
@@ -159,7 +160,7 @@ CurvedSurface curve(const Sheet& sheet, const std::vector<int>& exact) {
       const double open = h < 0 ? 1 : 1 - folded.share[h];
       const double turn =
           (s[0] * e.x() * e.x() + 2 * s[1] * e.x() * e.y() + s[2] * e.y() * e.y()) / e.norm();
-      const Vector3d d = 0.5 * open * std::clamp(turn, -most_turn, most_turn) * e.norm() * n;
+      const Vector3d d = 0.5 * open * std::clamp(turn, -max_turn, max_turn) * e.norm() * n;
       surface.bulge.row(3 * t + i) = d;
       if (h < 0) continue;
       const int other = folded.hinges.hinges[h].triangles[1];

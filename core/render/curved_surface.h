@@ -33,7 +33,7 @@ struct CurvedSurface {
   Points3 curvature;  // |V|x3   [1/m] S: Sxx, Sxy, Syy
 
   /// The surface at a place; weights may lie outside [0, 1], where a finer border does.
-  Vector3d at(const Place&) const;
+  Vector3d at(const MeshPoint&) const;
 };
 
 /// exact  vertices that are not drawn in: handles

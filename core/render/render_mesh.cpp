@@ -17,9 +17,9 @@ constexpr double spacing = 0.66;  // [edges] at most, between points of a crease
 // [edges] from the border, of points of a crease that runs along it
 constexpr double clear = 0.15;
 // [rad] least angle of triangles that come of turning an edge: 8 degrees
-constexpr double least_turned = 0.14;
-constexpr double most_length = 6;  // [1/m2 m] of simulated edges
-constexpr double border = 1e-3;    // [edges] how near the mesh follows it
+constexpr double min_turned = 0.14;
+constexpr double max_length = 6;  // [1/m2 m] of simulated edges
+constexpr double border = 1e-3;   // [edges] how near the mesh follows it
 
 /// Points no two of which are nearer than a radius, found again by cells of it.
 class Sites {
@@ -58,7 +58,7 @@ class Sites {
 };
 
 /// Where segment a crosses segment b, along a in (0, 1); negative: nowhere.
-double crossing(const CreaseLine& a, const CreaseLine& b) {
+double crossing(const CreaseSegment& a, const CreaseSegment& b) {
   const Vector2d d = a.b - a.a, e = b.b - b.a, w = b.a - a.a;
   const double det = d.x() * e.y() - d.y() * e.x();
   if (std::abs(det) < 1e-6 * d.norm() * e.norm()) return -1;
@@ -67,11 +67,12 @@ double crossing(const CreaseLine& a, const CreaseLine& b) {
 }
 
 /// The creases that there is room for, heaviest first.
-std::vector<CreaseLine> chosen(std::vector<CreaseLine> creases, double room) {
-  std::stable_sort(creases.begin(), creases.end(),
-                   [](const CreaseLine& a, const CreaseLine& b) { return a.weight > b.weight; });
+std::vector<CreaseSegment> chosen(std::vector<CreaseSegment> creases, double room) {
+  std::stable_sort(
+      creases.begin(), creases.end(),
+      [](const CreaseSegment& a, const CreaseSegment& b) { return a.weight > b.weight; });
   double length = 0;
-  const auto full = std::find_if(creases.begin(), creases.end(), [&](const CreaseLine& c) {
+  const auto full = std::find_if(creases.begin(), creases.end(), [&](const CreaseSegment& c) {
     return (length += (c.b - c.a).norm()) > room;
   });
   creases.erase(full, creases.end());
@@ -79,10 +80,10 @@ std::vector<CreaseLine> chosen(std::vector<CreaseLine> creases, double room) {
 }
 
 /// The sites of one crease in a row; none where it runs so near the border that there is no room.
-std::vector<int> lay(const CreaseLine& crease, const std::vector<CreaseLine>& all,
+std::vector<int> lay(const CreaseSegment& crease, const std::vector<CreaseSegment>& all,
                      const Pattern& pattern, double edge, Sites& sites) {
   std::vector<double> stops{0, 1};
-  for (const CreaseLine& other : all) {
+  for (const CreaseSegment& other : all) {
     const double at = crossing(crease, other);
     if (at > 0) stops.push_back(at);
   }
@@ -123,7 +124,7 @@ class Edges {
       if (beyond == left_.end() || keep.count(std::minmax(c, d)) ||
           third(beyond->second, d, c) != b)
         continue;
-      if (std::min(least_angle(a, c, b), least_angle(a, b, d)) < least_turned) return false;
+      if (std::min(min_angle(a, c, b), min_angle(a, b, d)) < min_turned) return false;
       const int other = beyond->second;
       for (const auto& edge : {std::pair<int, int>(a, c), {c, d}, {d, a}, {d, c}, {c, b}, {b, d}})
         left_.erase(edge);
@@ -152,7 +153,7 @@ class Edges {
   }
   int third(int t, int a, int b) const { return triangles_.row(t).sum() - a - b; }
   /// Of a triangle; negative when it is turned over. [rad]
-  double least_angle(int a, int b, int c) const {
+  double min_angle(int a, int b, int c) const {
     double least = M_PI;
     const int v[3] = {a, b, c};
     for (int i = 0; i < 3; ++i) {
@@ -168,9 +169,9 @@ class Edges {
 };
 
 /// a and b lie on one of the lines, as far as `near` tells. [m]
-bool along(const std::vector<CreaseLine>& lines, const Vector2d& a, const Vector2d& b,
+bool along(const std::vector<CreaseSegment>& lines, const Vector2d& a, const Vector2d& b,
            double near) {
-  return std::any_of(lines.begin(), lines.end(), [&](const CreaseLine& line) {
+  return std::any_of(lines.begin(), lines.end(), [&](const CreaseSegment& line) {
     const Vector2d d = line.b - line.a;
     const auto on = [&](const Vector2d& p) {
       return (p - line.a - std::clamp((p - line.a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d)
@@ -182,20 +183,20 @@ bool along(const std::vector<CreaseLine>& lines, const Vector2d& a, const Vector
 
 /// Edges on the folds of the pattern.
 std::set<std::pair<int, int>> folded_edges(const RenderMesh& mesh,
-                                           const std::vector<FoldLine>& folds) {
+                                           const std::vector<PrescribedCrease>& folds) {
   std::set<std::pair<int, int>> found;
   for (int t = 0; t < mesh.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
       if (const int a = mesh.triangles(t, i), b = mesh.triangles(t, (i + 1) % 3);
-          a < b && on_fold(folds, mesh.pattern, a, b))
+          a < b && is_on_crease(folds, mesh.pattern, a, b))
         found.insert({a, b});
   return found;
 }
 
-bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseLine>& simulated) {
+bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseSegment>& simulated) {
   double length = 0;
-  for (const CreaseLine& line : simulated) length += (line.b - line.a).norm();
-  return length <= most_length * area(pattern) / edge;
+  for (const CreaseSegment& line : simulated) length += (line.b - line.a).norm();
+  return length <= max_length * area(pattern) / edge;
 }
 
 /// With every simulated edge, and every crease, as a row of edges.
@@ -203,13 +204,18 @@ bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseLine>
 RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFeatures& features) {
   const double near = 3e-6 * longer_side(pattern);
   Pattern lined = pattern;
-  for (const CreaseLine& line : features.edges) lined.folds.push_back({{line.a, line.b}});
+  for (const CreaseSegment& line : features.edges)
+    lined.prescribed_creases.push_back({{line.a, line.b}});
   PatternMesh mesh = mesh_pattern(lined, edge, features.points, 0, border);
-  RenderMesh result{
-      std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, pattern.folds, true};
+  RenderMesh result{std::move(mesh.vertices),
+                    std::move(mesh.triangles),
+                    {},
+                    {},
+                    pattern.prescribed_creases,
+                    true};
   result.point_vertex.assign(mesh.point_vertex.begin(),
                              mesh.point_vertex.begin() + features.points.size());
-  std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
+  std::set<std::pair<int, int>> found = folded_edges(result, pattern.prescribed_creases);
   for (int t = 0; t < result.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
       if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3);
@@ -245,9 +251,9 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   for (const Vector2d& p : pattern.outline) sites.nearest_or_new(p);
   for (const auto& hole : pattern.holes)
     for (const Vector2d& p : hole) sites.nearest_or_new(p);
-  const std::vector<CreaseLine> creases = chosen(features.creases, 0.5 * area(pattern) / edge);
+  const std::vector<CreaseSegment> creases = chosen(features.creases, 0.5 * area(pattern) / edge);
   std::vector<std::vector<int>> rows;
-  for (const CreaseLine& crease : creases)
+  for (const CreaseSegment& crease : creases)
     rows.push_back(lay(crease, creases, pattern, edge, sites));
 
   // of a site that is needed, among the required points
@@ -265,7 +271,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   for (const int site : site_of_point)
     result.point_vertex.push_back(mesh.point_vertex[number[site]]);
   Edges edges(result.pattern, result.triangles);
-  std::set<std::pair<int, int>> found = folded_edges(result, pattern.folds);
+  std::set<std::pair<int, int>> found = folded_edges(result, pattern.prescribed_creases);
   for (const std::vector<int>& row : rows)
     for (std::size_t k = 0; k + 1 < row.size(); ++k) {
       const int a = mesh.point_vertex[number[row[k]]], b = mesh.point_vertex[number[row[k + 1]]];
@@ -278,17 +284,17 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
       }
     }
   result.creases.assign(found.begin(), found.end());
-  result.folds = pattern.folds;
+  result.prescribed_creases = pattern.prescribed_creases;
   return result;
 }
 
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features,
-                           int most_triangles) {
+                           int max_triangles) {
   // so many fit without features; with them one more turn or two
-  edge = std::max(edge, std::sqrt(area(pattern) / most_triangles / (std::sqrt(3.0) / 4)));
+  edge = std::max(edge, std::sqrt(area(pattern) / max_triangles / (std::sqrt(3.0) / 4)));
   RenderMesh mesh = mesh_for_render(pattern, edge, features);
-  while (mesh.triangles.rows() > most_triangles) {
-    edge *= 1.02 * std::sqrt(double(mesh.triangles.rows()) / most_triangles);
+  while (mesh.triangles.rows() > max_triangles) {
+    edge *= 1.02 * std::sqrt(double(mesh.triangles.rows()) / max_triangles);
     mesh = mesh_for_render(pattern, edge, features);
   }
   return mesh;

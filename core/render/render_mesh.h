@@ -9,7 +9,7 @@
 namespace paperbake {
 
 /// A straight fold on the pattern.
-struct CreaseLine {
+struct CreaseSegment {
   Vector2d a, b;      // [m]
   double weight = 1;  // [1] who comes first where there are too many
 };
@@ -18,9 +18,9 @@ struct CreaseLine {
 struct RenderFeatures {
   // [m] vertices: handles, the rims of their discs, singular points
   std::vector<Vector2d> points;
-  std::vector<CreaseLine> creases;
+  std::vector<CreaseSegment> creases;
   // of meshes that were simulated: rows of edges, to a millionth of the sheet
-  std::vector<CreaseLine> edges = {};
+  std::vector<CreaseSegment> edges = {};
 };
 
 /// One mesh of the pattern for all frames of a shot.
@@ -31,8 +31,9 @@ struct RenderMesh {
   std::vector<int> point_vertex;
   // edges (smaller vertex first, sorted) along which it may fold sharply
   std::vector<std::pair<int, int>> creases;
-  std::vector<FoldLine> folds = {};  // of the pattern: creases however little they turn
-  bool along_edges = false;          // it has the simulated edges
+  // of the pattern: creases however little they turn
+  std::vector<PrescribedCrease> prescribed_creases = {};
+  bool along_edges = false;  // it has the simulated edges
 };
 
 /// Near-equilateral triangles of this edge; the border as fine as a thousandth of it; every point a
@@ -49,6 +50,6 @@ struct RenderMesh {
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 
 /// The same with edges as much longer as it takes to have no more triangles than that.
-RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&, int most_triangles);
+RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&, int max_triangles);
 
 }  // namespace paperbake

@@ -12,16 +12,17 @@ namespace {
 
 CreasedNormals normals_of(const RenderMesh& mesh) {
   std::vector<char> sharp;
-  for (const auto& [a, b] : mesh.creases) sharp.push_back(on_fold(mesh.folds, mesh.pattern, a, b));
+  for (const auto& [a, b] : mesh.creases)
+    sharp.push_back(is_on_crease(mesh.prescribed_creases, mesh.pattern, a, b));
   return CreasedNormals(mesh.triangles, mesh.creases, sharp);
 }
 
 }  // namespace
 
-RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int refine)
+RenderSurface::RenderSurface(RenderMesh mesh, const ShapeFitOptions& options, int refine)
     : facets_(mesh.along_edges ? Facets::own : Facets::cut),
       coarse_(std::move(mesh)),
-      local_global_(coarse_.pattern, coarse_.triangles, options, coarse_.folds),
+      shape_fit_(coarse_.pattern, coarse_.triangles, options, coarse_.prescribed_creases),
       coarse_limit_(coarse_.pattern, coarse_.triangles),
       coarse_normals_(normals_of(coarse_)) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
@@ -31,14 +32,14 @@ RenderSheet::RenderSheet(RenderMesh mesh, const LocalGlobalOptions& options, int
   fine_normals_.emplace(normals_of(fine_->mesh));
 }
 
-std::vector<Place> RenderSheet::places_on(const Points2& pattern,
-                                          const Triangles& triangles) const {
-  const Locator locator(pattern, triangles);
-  std::vector<Place> places;
+std::vector<MeshPoint> RenderSurface::locate_on(const Points2& pattern,
+                                                const Triangles& triangles) const {
+  const PointLocator locator(pattern, triangles);
+  std::vector<MeshPoint> places;
   places.reserve(coarse_.pattern.rows());
   for (int v = 0; v < coarse_.pattern.rows(); ++v) {
     const Vector2d p = coarse_.pattern.row(v);
-    Place place = locator.locate(p);
+    MeshPoint place = locator.locate(p);
     const auto corner = [&](int i) -> Vector2d {
       return pattern.row(triangles(place.triangle, i));
     };
@@ -58,19 +59,19 @@ std::vector<Place> RenderSheet::places_on(const Points2& pattern,
   return places;
 }
 
-void RenderSheet::hold(const std::vector<int>& points) {
+void RenderSurface::hold(const std::vector<int>& points) {
   held_.clear();
   for (const int p : points) held_.push_back(coarse_.point_vertex[p]);
   std::vector<int> vertices = held_;
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  local_global_.hold(vertices);
+  shape_fit_.hold(vertices);
   is_held_.assign(mesh().pattern.rows(), 0);
   for (const int v : vertices) is_held_[v] = 1;
 }
 
-RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& places,
-                               const Points3& held_at) const {
+RenderFrame RenderSurface::frame(const Sheet& sheet, const std::vector<MeshPoint>& places,
+                                 const Points3& held_at) const {
   std::vector<int> exact;  // simulated vertices at held points
   for (const int v : held_)
     for (int i = 0; i < 3; ++i)
@@ -84,7 +85,7 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
   for (std::size_t k = 0; k < held_.size(); ++k) y.row(held_[k]) = held_at.row(k);
 
   RenderFrame frame;
-  frame.x = local_global_(y, curvature);
+  frame.x = shape_fit_(y, curvature);
   coarse_limit_(frame.x, is_held_);
   if (fine_) {
     frame.x = fine_->positions(frame.x, coarse_normals_.normals(frame.x));
@@ -95,78 +96,81 @@ RenderFrame RenderSheet::frame(const Sheet& sheet, const std::vector<Place>& pla
   return frame;
 }
 
-void RenderSheet::shade(RenderFrame& frame) const {
+void RenderSurface::shade(RenderFrame& frame) const {
   const CreasedNormals& normals = fine_ ? *fine_normals_ : coarse_normals_;
   frame.normals = normals.normals(frame.x);
   frame.crease = normals.strength(frame.x);
 }
 
-int RenderSheet::crossings(const Points3& x) const {
+int RenderSurface::crossings(const Points3& x) const {
   // the tree passes by some of the neighbours: it says where to look, not what is there
   if (apart_->tree().near(x, x).empty()) return 0;
   return paperbake::crossings(Sheet{mesh().pattern, x, Points3(), mesh().triangles, {}});
 }
 
-Points3 RenderSheet::facets(const Sheet& sheet, const std::vector<Place>& places) const {
-  Points3 facets(mesh().pattern.rows(), 3);
+Points3 RenderSurface::linear_positions(const Sheet& sheet,
+                                        const std::vector<MeshPoint>& places) const {
+  Points3 linear_positions(mesh().pattern.rows(), 3);
   for (std::size_t v = 0; v < places.size(); ++v)
-    facets.row(v) = interpolate(places[v], sheet.triangles, sheet.x);
+    linear_positions.row(v) = interpolate(places[v], sheet.triangles, sheet.x);
   if (fine_)
     for (std::size_t k = 0; k < fine_->middles.size(); ++k)
-      facets.row(places.size() + k) =
-          0.5 * (facets.row(fine_->middles[k].a) + facets.row(fine_->middles[k].b));
-  return facets;
+      linear_positions.row(places.size() + k) = 0.5 * (linear_positions.row(fine_->middles[k].a) +
+                                                       linear_positions.row(fine_->middles[k].b));
+  return linear_positions;
 }
 
-bool RenderSheet::cuts_through_itself(const Sheet& sheet, const std::vector<Place>& places) const {
+bool RenderSurface::linear_surface_intersects(const Sheet& sheet,
+                                              const std::vector<MeshPoint>& places) const {
   // a chord across a fold is no farther from it than half its length
   const double farthest = 0.5 * mean_edge(mesh().pattern, mesh().triangles);
   if (!may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest)))
     return false;
-  const Points3 exact = facets(sheet, places);
+  const Points3 exact = linear_positions(sheet, places);
   return apart_->pass_through_each_other(exact) && crossings(exact) > 0 &&
          paperbake::crossings(sheet) == 0;
 }
 
 /// returns  x was changed
-bool RenderSheet::keep_apart(Points3& x, const Sheet& sheet,
-                             const std::vector<Place>& places) const {
-  const Points3 exact = facets(sheet, places);
-  const LayersApart::Lengths lengths{[this](Points3& at) { limit(at); },
-                                     [this](const Points3& at) { return worst_edge(at); }};
+bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
+                               const std::vector<MeshPoint>& places) const {
+  const Points3 exact = linear_positions(sheet, places);
+  const Untangler::Lengths lengths{[this](Points3& at) { limit_strain(at); },
+                                   [this](const Points3& at) { return worst_edge(at); }};
   // among simulated edges there are needles, which may turn over where no layers meet
-  if (facets_ == Facets::own) return apart_->in_turns(x, exact, lengths, is_held_).changed;
+  if (facets_ == Facets::own)
+    return apart_->untangle_alternating(x, exact, lengths, is_held_).changed;
   Eigen::VectorXd off = Eigen::VectorXd::Zero(sheet.triangles.rows());
   for (std::size_t v = 0; v < places.size(); ++v)
     off[places[v].triangle] = std::max(off[places[v].triangle], (x.row(v) - exact.row(v)).norm());
   if (!may_meet_itself(sheet, off)) return false;
   // what is off in its lengths then is mended, as far as layers stay apart
-  constexpr int most_turns = 6;
+  constexpr int max_turns = 6;
   Points3 mended = exact;
-  limit(mended);
-  const Locator locator(sheet.pattern, sheet.triangles);
+  limit_strain(mended);
+  const PointLocator locator(sheet.pattern, sheet.triangles);
   const auto facet_at = [&](const Vector2d& p) {
     return interpolate(locator.locate(p), sheet.triangles, sheet.x);
   };
-  LayersApart::Outcome outcome = (*apart_)(x, mended, facet_at, is_held_);
+  Untangler::Outcome outcome = (*apart_)(x, mended, facet_at, is_held_);
   const bool changed = outcome.changed;
-  for (int turn = 0; outcome.changed && turn < most_turns; ++turn) {
-    limit(x);
+  for (int turn = 0; outcome.changed && turn < max_turns; ++turn) {
+    limit_strain(x);
     outcome = (*apart_)(x, mended, facet_at, is_held_);
   }
-  if (!outcome.apart) apart_->in_turns(x, exact, lengths, is_held_);
+  if (!outcome.apart) apart_->untangle_alternating(x, exact, lengths, is_held_);
   return changed;
 }
 
-RenderSheet make_render_sheet(const Pattern& pattern, const RenderFeatures& features,
-                              double simulated_edge, Quality quality) {
-  constexpr int most_triangles = 400000;
+RenderSurface make_render_surface(const Pattern& pattern, const RenderFeatures& features,
+                                  double simulated_edge, Quality quality) {
+  constexpr int max_triangles = 400000;
   const double edge = (quality == Quality::draft ? 0.005 : 0.002) * longer_side(pattern) / 0.2;
   const int refine = quality == Quality::hero ? 1 : 0;
-  LocalGlobalOptions options;
+  ShapeFitOptions options;
   options.length = simulated_edge / 6;
-  RenderMesh mesh = mesh_for_render(pattern, edge, features, most_triangles >> (2 * refine));
-  return RenderSheet(std::move(mesh), options, refine);
+  RenderMesh mesh = mesh_for_render(pattern, edge, features, max_triangles >> (2 * refine));
+  return RenderSurface(std::move(mesh), options, refine);
 }
 
 }  // namespace paperbake

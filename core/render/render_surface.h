@@ -18,19 +18,19 @@ enum class Quality { draft, shot, hero };
 /// A frame on the mesh of the whole shot.
 struct RenderFrame {
   Points3 x;               // |V|x3 [m]
-  Points3 normals;         // unit, numbered as RenderSheet::normal_of_corner says
+  Points3 normals;         // unit, numbered as RenderSurface::normal_of_corner says
   Eigen::VectorXd crease;  // |V| [rad] how sharply the sheet is folded there
-  // layers that passed through each other were taken apart (layers_apart.h)
+  // layers that passed through each other were taken apart (untangle.h)
   bool kept_apart = false;
 };
 
 /// Puts simulated frames, whatever their mesh, on one mesh: curved as the simulated one stands for
-/// (curved_surface.h), made smooth and true in its lengths (local_global.h, strain_limit.h) and,
+/// (curved_surface.h), made smooth and true in its lengths (shape_fit.h, strain_limit.h) and,
 /// where it is to be finer than that pays, subdivided once.
-class RenderSheet {
+class RenderSurface {
  public:
   /// refine  [1] 0, or 1: every triangle in four at the end
-  RenderSheet(RenderMesh, const LocalGlobalOptions&, int refine);
+  RenderSurface(RenderMesh, const ShapeFitOptions&, int refine);
 
   const RenderMesh& mesh() const { return fine_ ? fine_->mesh : coarse_; }
   const Triangles& normal_of_corner() const {
@@ -39,7 +39,7 @@ class RenderSheet {
 
   /// Where the vertices lie on a simulated mesh; to be kept while that does not change. Beside it,
   /// as a border that is finer may be, the nearest triangle goes on.
-  std::vector<Place> places_on(const Points2& pattern, const Triangles&) const;
+  std::vector<MeshPoint> locate_on(const Points2& pattern, const Triangles&) const;
 
   /// From now on these of the points that the mesh was made for are held. To be called before the
   /// first frame; dear when they are others than before.
@@ -48,19 +48,20 @@ class RenderSheet {
   /// places  of this mesh on the sheet's
   /// held_at  |held points|x3 [m] where they are, exactly
   /// Several threads may ask at the same time.
-  RenderFrame frame(const Sheet&, const std::vector<Place>& places, const Points3& held_at) const;
+  RenderFrame frame(const Sheet&, const std::vector<MeshPoint>& places,
+                    const Points3& held_at) const;
 
   /// The vertices of mesh() on the flat simulated triangles. |V|x3 [m]
-  Points3 facets(const Sheet&, const std::vector<Place>& places) const;
+  Points3 linear_positions(const Sheet&, const std::vector<MeshPoint>& places) const;
 
   /// Layers of the sheet are so near each other that, joined by the triangles of mesh(), its
   /// facets() pass through each other though the sheet does not.
-  bool cuts_through_itself(const Sheet&, const std::vector<Place>& places) const;
+  bool linear_surface_intersects(const Sheet&, const std::vector<MeshPoint>& places) const;
 
   /// What else a frame has, from its positions.
   void shade(RenderFrame&) const;
   /// Lengths back to the limit.
-  void limit(Points3& x) const { (fine_ ? *fine_limit_ : coarse_limit_)(x, is_held_); }
+  void limit_strain(Points3& x) const { (fine_ ? *fine_limit_ : coarse_limit_)(x, is_held_); }
   double worst_edge(const Points3& x) const {
     return (fine_ ? *fine_limit_ : coarse_limit_).worst(x);
   }
@@ -72,19 +73,19 @@ class RenderSheet {
  private:
   // the simulated edges cut through triangles of the mesh; they are among its edges
   enum class Facets { cut, own };
-  bool keep_apart(Points3& x, const Sheet&, const std::vector<Place>&) const;
+  bool keep_apart(Points3& x, const Sheet&, const std::vector<MeshPoint>&) const;
 
   Facets facets_;
   RenderMesh coarse_;
-  LocalGlobal local_global_;
+  ShapeFit shape_fit_;
   StrainLimit coarse_limit_;
   CreasedNormals coarse_normals_;
   std::optional<Subdivision> fine_;
   std::optional<StrainLimit> fine_limit_;
   std::optional<CreasedNormals> fine_normals_;
-  std::optional<LayersApart> apart_;  // of mesh()
-  std::vector<int> held_;             // vertices, one for each held point
-  std::vector<char> is_held_;         // of the vertices of mesh()
+  std::optional<Untangler> apart_;  // of mesh()
+  std::vector<int> held_;           // vertices, one for each held point
+  std::vector<char> is_held_;       // of the vertices of mesh()
 };
 
 /// The render mesh of a shot. Edges of 5, 2 or 1 mm on a sheet of 0.2 m, and as much longer as it
@@ -93,7 +94,7 @@ class RenderSheet {
 ///                 smoothed over
 /// features  with simulated edges, when there are any: then the mesh can go back to any simulated
 ///           shape exactly
-RenderSheet make_render_sheet(const Pattern&, const RenderFeatures&, double simulated_edge,
-                              Quality);
+RenderSurface make_render_surface(const Pattern&, const RenderFeatures&, double simulated_edge,
+                                  Quality);
 
 }  // namespace paperbake

@@ -29,8 +29,8 @@ Eigen::Matrix<double, 3, 2> nearest_rotation(const Eigen::Matrix<double, 3, 2>& 
 
 }  // namespace
 
-LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles,
-                         const LocalGlobalOptions& options, const std::vector<FoldLine>& folds)
+ShapeFit::ShapeFit(const Points2& pattern, const Triangles& triangles,
+                   const ShapeFitOptions& options, const std::vector<PrescribedCrease>& folds)
     : options_(options), hinges_(find_hinges(triangles)), area_(pattern.rows(), 0.0) {
   const auto at = [&](int v) -> Vector2d { return pattern.row(v); };
   const double ell2 = options.length * options.length;
@@ -63,7 +63,7 @@ LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles,
     Bend bend{{left1 + right1, left0 + right0, -left0 - left1, -right0 - right1},
               {0, 0, 0},
               ell2 * ell2 / (areas[hinge.triangles[0]] + areas[hinge.triangles[1]]),
-              on_fold(folds, pattern, hinge.vertices[0], hinge.vertices[1])};
+              is_on_crease(folds, pattern, hinge.vertices[0], hinge.vertices[1])};
     for (int i = 1; i < 4; ++i) {  // about p[0]
       const Vector2d q = p[i] - p[0];
       bend.of_curvature -=
@@ -83,7 +83,7 @@ LocalGlobal::LocalGlobal(const Points2& pattern, const Triangles& triangles,
   stiff_ += smooth_;
 }
 
-void LocalGlobal::hold(const std::vector<int>& vertices) {
+void ShapeFit::hold(const std::vector<int>& vertices) {
   if (held_ == vertices) return;
   held_ = vertices;
   std::vector<int> place(area_.size(), 0);
@@ -110,7 +110,7 @@ void LocalGlobal::hold(const std::vector<int>& vertices) {
   stiff_factor_.emplace(factored(stiff_));
 }
 
-Points3 LocalGlobal::stretch_pull(const Points3& x) const {
+Points3 ShapeFit::stretch_pull(const Points3& x) const {
   Points3 r = Points3::Zero(x.rows(), 3);
   for (const Face& face : faces_) {
     Eigen::Matrix<double, 3, 2> F = Eigen::Matrix<double, 3, 2>::Zero();
@@ -122,7 +122,7 @@ Points3 LocalGlobal::stretch_pull(const Points3& x) const {
   return r;
 }
 
-Points3 LocalGlobal::bend_pull(const Points3& y, const Points3& bend) const {
+Points3 ShapeFit::bend_pull(const Points3& y, const Points3& bend) const {
   Points3 r = Points3::Zero(y.rows(), 3);
   for (std::size_t h = 0; h < bends_.size(); ++h) {
     const auto& v = hinges_.hinges[h].vertices;
@@ -135,7 +135,7 @@ Points3 LocalGlobal::bend_pull(const Points3& y, const Points3& bend) const {
   return r;
 }
 
-Points3 LocalGlobal::bend(const Points3& y, const Points3& curvature) const {
+Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
   Points3 normal(faces_.size(), 3);
   for (std::size_t t = 0; t < faces_.size(); ++t) {
     const Vector3d a = y.row(faces_[t].v[0]), b = y.row(faces_[t].v[1]), c = y.row(faces_[t].v[2]);
@@ -146,7 +146,7 @@ Points3 LocalGlobal::bend(const Points3& y, const Points3& curvature) const {
     const auto& v = hinges_.hinges[h].vertices;
     const auto& k = bends_[h].k;
     const auto& t = hinges_.hinges[h].triangles;
-    const double c = bends_[h].sharp ? 1 : crease_share(fold_angle(y, hinges_.hinges[h]));
+    const double c = bends_[h].sharp ? 1 : crease_share(dihedral_angle(y, hinges_.hinges[h]));
     const Eigen::RowVector3d n = (normal.row(t[0]) + normal.row(t[1])).normalized();
     const double curved =
         0.5 * (curvature.row(v[0]) + curvature.row(v[1])).dot(bends_[h].of_curvature);
@@ -158,14 +158,14 @@ Points3 LocalGlobal::bend(const Points3& y, const Points3& curvature) const {
   return result;
 }
 
-void LocalGlobal::move(Points3& x, const Points3& pull, const ColumnCholesky& factor) const {
+void ShapeFit::move(Points3& x, const Points3& pull, const ColumnCholesky& factor) const {
   Points3 right(free_.size(), 3);
   for (std::size_t k = 0; k < free_.size(); ++k) right.row(k) = pull.row(free_[k]);
   const Points3 way = factor.solve(right);
   for (std::size_t k = 0; k < free_.size(); ++k) x.row(free_[k]) += way.row(k);
 }
 
-Points3 LocalGlobal::operator()(const Points3& y, const Points3& curvature) const {
+Points3 ShapeFit::operator()(const Points3& y, const Points3& curvature) const {
   Points3 x = y;
   if (free_.empty()) return x;
   move(x, bend_pull(y, bend(y, curvature)), *smooth_factor_);

@@ -10,7 +10,7 @@
 
 namespace paperbake {
 
-struct LocalGlobalOptions {
+struct ShapeFitOptions {
   // [m] ell: waves shorter than 4 ell or so are smoothed; a sixth of the simulated edges:
   double length = 0.002;
   //     with a quarter shapes change (S8: c_m 0.05 -> 0.08 %), with a half
@@ -44,11 +44,11 @@ struct LocalGlobalOptions {
 /// which vertices are held only, and are factored when those change.
 /// source  algorithm E2.3 for the terms and the solver; apart, and with the curvature as an aim, by
 ///         this project
-class LocalGlobal {
+class ShapeFit {
  public:
   /// folds  whose hinges have c = 1, however little they turn
-  LocalGlobal(const Points2& pattern, const Triangles&, const LocalGlobalOptions&,
-              const std::vector<FoldLine>& folds = {});
+  ShapeFit(const Points2& pattern, const Triangles&, const ShapeFitOptions&,
+           const std::vector<PrescribedCrease>& folds = {});
 
   /// The vertices that stay where they are given, from now on; factors when they are others than
   /// before.
@@ -76,7 +76,7 @@ class LocalGlobal {
   void move(Points3& x, const Points3& pull, const ColumnCholesky&) const;
   Points3 stretch_pull(const Points3& x) const;
 
-  LocalGlobalOptions options_;
+  ShapeFitOptions options_;
   Hinges hinges_;
   std::vector<Face> faces_;
   std::vector<Bend> bends_;

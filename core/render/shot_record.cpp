@@ -13,12 +13,12 @@ namespace paperbake {
 namespace {
 
 /// An edge of a mesh, its ends in order; what tells it from others.
-CreaseLine line_of(const Points2& pattern, int v, int w) {
+CreaseSegment line_of(const Points2& pattern, int v, int w) {
   const Vector2d p = pattern.row(v), q = pattern.row(w);
   const bool in_order = std::make_pair(p.x(), p.y()) < std::make_pair(q.x(), q.y());
   return {in_order ? p : q, in_order ? q : p};
 }
-std::array<long, 4> key_of(const CreaseLine& line) {
+std::array<long, 4> key_of(const CreaseSegment& line) {
   const auto key = [](double c) { return std::lround(1e7 * c); };
   return {key(line.a.x()), key(line.a.y()), key(line.b.x()), key(line.b.y())};
 }
@@ -43,14 +43,14 @@ void ShotRecord::add(const AnimatedFrame& frame) {
     record.held_at.row(k) = frame.handles[record.held[k]].at;
   frames_.push_back(std::move(record));
   singular_ = sheet.singular;  // it only grows
-  folds_ = sheet.folds;
+  folds_ = sheet.prescribed_creases;
   edges_ += mean_edge(sheet.pattern, sheet.triangles);
 
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
-    const double share = crease_share(fold_angle(sheet.x, hinge));
+    const double share = crease_share(dihedral_angle(sheet.x, hinge));
     if (share <= 0) continue;
-    const CreaseLine line = line_of(sheet.pattern, hinge.vertices[0], hinge.vertices[1]);
-    Crease& crease = creases_[key_of(line)];
+    const CreaseSegment line = line_of(sheet.pattern, hinge.vertices[0], hinge.vertices[1]);
+    FoldedEdge& crease = creases_[key_of(line)];
     crease.a = line.a;
     crease.b = line.b;
     crease.frames += share;
@@ -72,19 +72,20 @@ RenderFeatures ShotRecord::features(const Shot& shot) const {
   for (const SingularPoint& point : singular_) features.points.push_back(point.pattern);
   const double least = std::min(2.0, 0.25 * frames_.size());
   for (const auto& [key, crease] : creases_)
-    if (crease.frames >= least && !fold_under(shot.pattern.folds, crease.a, crease.b))
+    if (crease.frames >= least &&
+        !crease_under(shot.pattern.prescribed_creases, crease.a, crease.b))
       features.creases.push_back({crease.a, crease.b, crease.frames});
   return features;
 }
 
-std::vector<CreaseLine> ShotRecord::edges() const {
-  std::map<std::array<long, 4>, CreaseLine> found;
+std::vector<CreaseSegment> ShotRecord::edges() const {
+  std::map<std::array<long, 4>, CreaseSegment> found;
   for (const Mesh& mesh : meshes_)
     for (const Hinge& hinge : find_hinges(mesh.triangles).hinges) {
-      const CreaseLine line = line_of(mesh.pattern, hinge.vertices[0], hinge.vertices[1]);
+      const CreaseSegment line = line_of(mesh.pattern, hinge.vertices[0], hinge.vertices[1]);
       found.emplace(key_of(line), line);
     }
-  std::vector<CreaseLine> edges;
+  std::vector<CreaseSegment> edges;
   for (const auto& [key, line] : found) edges.push_back(line);
   return edges;
 }

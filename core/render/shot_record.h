@@ -42,21 +42,21 @@ class ShotRecord {
   RenderFeatures features(const Shot&) const;
 
   /// Inner edges of all meshes, each once, in an order that depends on nothing else.
-  std::vector<CreaseLine> edges() const;
+  std::vector<CreaseSegment> edges() const;
 
   /// Mean edge of the meshes, over the frames. [m]
   double edge() const;
 
  private:
-  struct Crease {
+  struct FoldedEdge {
     Vector2d a, b;
     double frames = 0;  // sum of crease_share
   };
   std::vector<Mesh> meshes_;
   std::vector<RecordedFrame> frames_;
-  std::map<std::array<long, 4>, Crease> creases_;  // by their ends in units of 1e-7 m
+  std::map<std::array<long, 4>, FoldedEdge> creases_;  // by their ends in units of 1e-7 m
   std::vector<SingularPoint> singular_;
-  std::vector<FoldLine> folds_;
+  std::vector<PrescribedCrease> folds_;
   double edges_ = 0;
 };
 

@@ -46,7 +46,7 @@ Subdivision subdivide(const RenderMesh& mesh, const Triangles& of_corner) {
   }
   std::sort(fine.creases.begin(), fine.creases.end());
   fine.point_vertex = mesh.point_vertex;
-  fine.folds = mesh.folds;
+  fine.prescribed_creases = mesh.prescribed_creases;
   fine.triangles.resize(4 * triangles, 3);
   for (int t = 0; t < triangles; ++t) {
     const auto v = mesh.triangles.row(t);

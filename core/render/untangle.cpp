@@ -98,7 +98,7 @@ Triangles in_a_row(const std::vector<const RenderMesh*>& meshes) {
 bool may_meet_itself(const Sheet& sheet, const Eigen::VectorXd& off) {
   // [1] cosine of the turn between two triangles with a common vertex
   constexpr double sharp = -0.5;
-  NearTriangles triangles(sheet.triangles);
+  SweptBoxPairs triangles(sheet.triangles);
   for (const auto& [a, b] :
        triangles.find(sheet.x, Points3::Zero(sheet.x.rows(), 3), off.maxCoeff())) {
     const Corners p = corners_of(sheet.x, sheet.triangles, a),
@@ -113,7 +113,7 @@ bool may_meet_itself(const Sheet& sheet, const Eigen::VectorXd& off) {
   return false;
 }
 
-LayersApart::LayersApart(const Points2& pattern, const Triangles& triangles)
+Untangler::Untangler(const Points2& pattern, const Triangles& triangles)
     : pattern_(pattern),
       triangles_(triangles),
       tree_(pattern, triangles),
@@ -121,15 +121,15 @@ LayersApart::LayersApart(const Points2& pattern, const Triangles& triangles)
   find_neighbours();
 }
 
-bool LayersApart::pass_through_each_other(const Points3& x) const {
+bool Untangler::pass_through_each_other(const Points3& x) const {
   const auto near = tree_.near(x, x);
   return std::any_of(near.begin(), near.end(), [&](const std::pair<int, int>& pair) {
     return cross(x, triangles_, pair.first, pair.second);
   });
 }
 
-LayersApart::LayersApart(const std::vector<const RenderMesh*>& meshes)
-    : LayersApart(side_by_side(meshes), in_a_row(meshes)) {
+Untangler::Untangler(const std::vector<const RenderMesh*>& meshes)
+    : Untangler(side_by_side(meshes), in_a_row(meshes)) {
   std::size_t v = 0;
   for (const RenderMesh* mesh : meshes) {
     const double of_mesh = radius * mean_edge(mesh->pattern, mesh->triangles);
@@ -137,7 +137,7 @@ LayersApart::LayersApart(const std::vector<const RenderMesh*>& meshes)
   }
 }
 
-void LayersApart::find_neighbours() {
+void Untangler::find_neighbours() {
   start_.assign(pattern_.rows() + 1, 0);
   std::vector<std::pair<int, int>> ways;
   for (int t = 0; t < triangles_.rows(); ++t)
@@ -149,15 +149,15 @@ void LayersApart::find_neighbours() {
   for (std::size_t v = 1; v < start_.size(); ++v) start_[v] += start_[v - 1];
 }
 
-void LayersApart::spread(int u, double need, std::vector<char>& seen,
-                         std::vector<double>& share) const {
+void Untangler::spread(int u, double blend, std::vector<char>& seen,
+                       std::vector<double>& weight) const {
   const double r = radius_[u];
   std::vector<int> reached{u};
   seen[u] = 1;
   for (std::size_t k = 0; k < reached.size(); ++k) {
     const int v = reached[k];
     const double r2 = (pattern_.row(v) - pattern_.row(u)).squaredNorm() / (r * r);
-    share[v] = std::max(share[v], need * (1 - r2) * (1 - r2));
+    weight[v] = std::max(weight[v], blend * (1 - r2) * (1 - r2));
     for (int e = start_[v]; e < start_[v + 1]; ++e) {
       const int w = beside_[e];
       if ((pattern_.row(w) - pattern_.row(u)).squaredNorm() >= r * r || seen[w]) continue;
@@ -168,13 +168,13 @@ void LayersApart::spread(int u, double need, std::vector<char>& seen,
   for (const int v : reached) seen[v] = 0;
 }
 
-struct LayersApart::Push {
+struct Untangler::Push {
   Points3 sum;                 // |V|x3 [m]
   std::vector<double> weight;  // |V|
 };
 
 /// Where the edges of s pass through t.
-void LayersApart::push(int s, int t, const Points3& x, const FacetAt& facet_at, Push& push) const {
+void Untangler::push(int s, int t, const Points3& x, const FacetAt& facet_at, Push& push) const {
   const Corners p = corners_of(x, triangles_, s), q = corners_of(x, triangles_, t);
   const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
   for (int i = 0; i < 3; ++i) {
@@ -201,15 +201,15 @@ void LayersApart::push(int s, int t, const Points3& x, const FacetAt& facet_at, 
   }
 }
 
-LayersApart::Outcome LayersApart::operator()(Points3& x, const Points3& facets,
-                                             const FacetAt& facet_at,
-                                             const std::vector<char>& held) const {
-  const auto candidates = tree_.near(x, facets);
+Untangler::Outcome Untangler::operator()(Points3& x, const Points3& linear_positions,
+                                         const FacetAt& facet_at,
+                                         const std::vector<char>& held) const {
+  const auto candidates = tree_.near(x, linear_positions);
   if (candidates.empty()) return {false, true};
   const int vertices = static_cast<int>(x.rows());
   const Points3 curved = x;
   Points3 pushed = Points3::Zero(vertices, 3);
-  std::vector<double> need(vertices, 0), share(vertices, 0);
+  std::vector<double> blend(vertices, 0), weight(vertices, 0);
   // in the last round
   std::vector<char> seen(vertices, 0), moved(vertices, 1), crossed(candidates.size(), 0);
   for (int round = 0;; ++round) {
@@ -230,7 +230,7 @@ LayersApart::Outcome LayersApart::operator()(Points3& x, const Points3& facets,
           !facet_at || (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() >
                            radius_[triangles_(s, 0)];
       for (int i = 0; facet_at && i < 3; ++i)
-        may_rise &= need[triangles_(s, i)] < 1 && need[triangles_(t, i)] < 1;
+        may_rise &= blend[triangles_(s, i)] < 1 && blend[triangles_(t, i)] < 1;
       if (!may_rise) {
         push(s, t, x, facet_at, now);
         push(t, s, x, facet_at, now);
@@ -238,38 +238,38 @@ LayersApart::Outcome LayersApart::operator()(Points3& x, const Points3& facets,
       }
       for (int i = 0; i < 3; ++i)
         for (const int v : {triangles_(s, i), triangles_(t, i)})
-          if (!raising[v] && need[v] < 1) raising[v] = 1, raised.push_back(v);
+          if (!raising[v] && blend[v] < 1) raising[v] = 1, raised.push_back(v);
     }
     if (!any) return {round > 0, true};
     if (facet_at ? round == rounds : raised.empty()) return {round > 0, false};
     for (const int v : raised) {
-      need[v] = round < rounds ? std::min(1.0, std::max(need[v], share[v]) + more) : 1;
-      spread(v, need[v], seen, share);
+      blend[v] = round < rounds ? std::min(1.0, std::max(blend[v], weight[v]) + more) : 1;
+      spread(v, blend[v], seen, weight);
     }
     for (int v = 0; v < vertices; ++v) {
       moved[v] = 0;
       if (held[v]) continue;
       if (now.weight[v] > 0) pushed.row(v) += now.sum.row(v) / now.weight[v];
       const Eigen::RowVector3d to =
-          (1 - share[v]) * curved.row(v) + share[v] * facets.row(v) + pushed.row(v);
+          (1 - weight[v]) * curved.row(v) + weight[v] * linear_positions.row(v) + pushed.row(v);
       moved[v] = to != x.row(v);
       x.row(v) = to;
     }
   }
 }
 
-LayersApart::Outcome LayersApart::in_turns(Points3& x, const Points3& facets,
-                                           const Lengths& lengths,
-                                           const std::vector<char>& held) const {
-  constexpr int most_turns = 6;
-  const Outcome first = (*this)(x, facets, {}, held);
+Untangler::Outcome Untangler::untangle_alternating(Points3& x, const Points3& linear_positions,
+                                                   const Lengths& lengths,
+                                                   const std::vector<char>& held) const {
+  constexpr int max_turns = 6;
+  const Outcome first = (*this)(x, linear_positions, {}, held);
   if (!first.changed) return first;
   Points3 now = x;
   double least = lengths.worst(x);
   Outcome best = first;
-  for (int turn = 0; turn < most_turns; ++turn) {
-    lengths.mend(now);
-    const Outcome outcome = (*this)(now, facets, {}, held);
+  for (int turn = 0; turn < max_turns; ++turn) {
+    lengths.restore(now);
+    const Outcome outcome = (*this)(now, linear_positions, {}, held);
     const double worst = lengths.worst(now);
     if (outcome.apart > best.apart || (outcome.apart == best.apart && worst < least))
       least = worst, best.apart = outcome.apart, x = now;

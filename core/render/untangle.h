@@ -26,12 +26,12 @@ namespace paperbake {
 /// each other, d is not needed and the end is sure: at the latest where all need is 1.
 ///
 /// Vertices that are held stay.
-class LayersApart {
+class Untangler {
  public:
-  LayersApart(const Points2& pattern, const Triangles&);
+  Untangler(const Points2& pattern, const Triangles&);
   /// Of several meshes as of one: their vertices in a row, patterns side by side, each with edges
   /// of its own.
-  explicit LayersApart(const std::vector<const RenderMesh*>&);
+  explicit Untangler(const std::vector<const RenderMesh*>&);
 
   struct Outcome {
     bool changed;  // x was
@@ -41,32 +41,32 @@ class LayersApart {
   ///         |V|x3 [m];  held  |V|.
   /// Several threads may ask at the same time.
   using FacetAt = std::function<Vector3d(const Vector2d&)>;
-  Outcome operator()(Points3& x, const Points3& facets, const FacetAt& facet_at,
+  Outcome operator()(Points3& x, const Points3& linear_positions, const FacetAt& facet_at,
                      const std::vector<char>& held) const;
 
   /// The same without facet_at, and in turns with what brings lengths back; of the turns' ends the
   /// one with the best lengths.
   struct Lengths {
-    std::function<void(Points3& x)> mend;
+    std::function<void(Points3& x)> restore;
     std::function<double(const Points3& x)> worst;  // [1] of an edge
   };
-  Outcome in_turns(Points3& x, const Points3& facets, const Lengths&,
-                   const std::vector<char>& held) const;
+  Outcome untangle_alternating(Points3& x, const Points3& linear_positions, const Lengths&,
+                               const std::vector<char>& held) const;
 
   /// Some triangles do, of those that the tree finds near each other.
   bool pass_through_each_other(const Points3& x) const;
 
-  const TriangleTree& tree() const { return tree_; }
+  const NormalConeTree& tree() const { return tree_; }
 
  private:
   struct Push;
   void push(int s, int t, const Points3& x, const FacetAt&, Push&) const;
-  void spread(int u, double need, std::vector<char>& seen, std::vector<double>& share) const;
+  void spread(int u, double blend, std::vector<char>& seen, std::vector<double>& weight) const;
   void find_neighbours();
 
   Points2 pattern_;
   Triangles triangles_;
-  TriangleTree tree_;
+  NormalConeTree tree_;
   std::vector<double> radius_;       // [m] R of each vertex
   std::vector<int> start_, beside_;  // neighbours of each vertex
 };

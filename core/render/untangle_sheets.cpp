@@ -18,13 +18,13 @@ bool any(const std::vector<int>& counts) {
 
 }  // namespace
 
-RenderTogether::RenderTogether(const std::vector<RenderSheet>& sheets) : sheets_(sheets) {
+SheetUntangler::SheetUntangler(const std::vector<RenderSurface>& sheets) : sheets_(sheets) {
   std::vector<const RenderMesh*> meshes;
-  for (const RenderSheet& sheet : sheets) meshes.push_back(&sheet.mesh());
+  for (const RenderSurface& sheet : sheets) meshes.push_back(&sheet.mesh());
   if (meshes.size() > 1) apart_.emplace(meshes);
 }
 
-Points3 RenderTogether::in_a_row(const std::vector<Points3>& of_sheets) const {
+Points3 SheetUntangler::in_a_row(const std::vector<Points3>& of_sheets) const {
   long vertices = 0;
   for (const Points3& x : of_sheets) vertices += x.rows();
   Points3 all(vertices, 3);
@@ -33,14 +33,16 @@ Points3 RenderTogether::in_a_row(const std::vector<Points3>& of_sheets) const {
   return all;
 }
 
-std::vector<Points3> RenderTogether::facets(const std::vector<Simulated>& simulated) const {
-  std::vector<Points3> facets;
+std::vector<Points3> SheetUntangler::linear_positions(
+    const std::vector<Simulated>& simulated) const {
+  std::vector<Points3> linear_positions;
   for (std::size_t s = 0; s < sheets_.size(); ++s)
-    facets.push_back(sheets_[s].facets(simulated[s].sheet, *simulated[s].places));
-  return facets;
+    linear_positions.push_back(
+        sheets_[s].linear_positions(simulated[s].sheet, *simulated[s].places));
+  return linear_positions;
 }
 
-std::vector<int> RenderTogether::crossings(const std::vector<Points3>& x) const {
+std::vector<int> SheetUntangler::crossings(const std::vector<Points3>& x) const {
   std::vector<int> counts(x.size(), 0);
   std::vector<Eigen::AlignedBox3d> boxes;
   for (std::size_t s = 0; s < x.size(); ++s) {
@@ -53,42 +55,42 @@ std::vector<int> RenderTogether::crossings(const std::vector<Points3>& x) const 
   return counts;
 }
 
-bool RenderTogether::cut_through_each_other(const std::vector<Simulated>& simulated) const {
-  if (!any(crossings(facets(simulated)))) return false;
+bool SheetUntangler::linear_surfaces_intersect(const std::vector<Simulated>& simulated) const {
+  if (!any(crossings(linear_positions(simulated)))) return false;
   for (std::size_t s = 0; s < simulated.size(); ++s)
     for (std::size_t t = 0; t < s; ++t)
       if (crossings_between(simulated[s].sheet, simulated[t].sheet) > 0) return false;
   return true;
 }
 
-void RenderTogether::keep_apart(std::vector<RenderFrame>& frames,
+void SheetUntangler::keep_apart(std::vector<RenderFrame>& frames,
                                 const std::vector<Simulated>& simulated) const {
   if (!apart_) return;
   std::vector<Points3> of_sheets;
   for (const RenderFrame& frame : frames) of_sheets.push_back(frame.x);
   if (!any(crossings(of_sheets))) return;
   std::vector<char> held;
-  for (const RenderSheet& sheet : sheets_)
+  for (const RenderSurface& sheet : sheets_)
     held.insert(held.end(), sheet.is_held().begin(), sheet.is_held().end());
   const auto part = [&](const Points3& x, std::size_t s) -> Points3 {
     long from = 0;
     for (std::size_t t = 0; t < s; ++t) from += of_sheets[t].rows();
     return x.middleRows(from, of_sheets[s].rows());
   };
-  const LayersApart::Lengths lengths{[&](Points3& x) {
-                                       std::vector<Points3> mended;
-                                       for (std::size_t s = 0; s < sheets_.size(); ++s)
-                                         sheets_[s].limit(mended.emplace_back(part(x, s)));
-                                       x = in_a_row(mended);
-                                     },
-                                     [&](const Points3& x) {
-                                       double worst = 0;
-                                       for (std::size_t s = 0; s < sheets_.size(); ++s)
-                                         worst = std::max(worst, sheets_[s].worst_edge(part(x, s)));
-                                       return worst;
-                                     }};
+  const Untangler::Lengths lengths{[&](Points3& x) {
+                                     std::vector<Points3> mended;
+                                     for (std::size_t s = 0; s < sheets_.size(); ++s)
+                                       sheets_[s].limit_strain(mended.emplace_back(part(x, s)));
+                                     x = in_a_row(mended);
+                                   },
+                                   [&](const Points3& x) {
+                                     double worst = 0;
+                                     for (std::size_t s = 0; s < sheets_.size(); ++s)
+                                       worst = std::max(worst, sheets_[s].worst_edge(part(x, s)));
+                                     return worst;
+                                   }};
   Points3 x = in_a_row(of_sheets);
-  apart_->in_turns(x, in_a_row(facets(simulated)), lengths, held);
+  apart_->untangle_alternating(x, in_a_row(linear_positions(simulated)), lengths, held);
   for (std::size_t s = 0; s < frames.size(); ++s) {
     const Points3 now = part(x, s);
     if (now == frames[s].x) continue;

@@ -9,16 +9,16 @@
 namespace paperbake {
 
 /// The render meshes of sheets that come near each other, kept out of each other as the layers of
-/// one sheet are (layers_apart.h).
-class RenderTogether {
+/// one sheet are (untangle.h).
+class SheetUntangler {
  public:
   /// sheets  stay where they are as long as this is asked
-  explicit RenderTogether(const std::vector<RenderSheet>& sheets);
+  explicit SheetUntangler(const std::vector<RenderSurface>& sheets);
 
   /// A sheet of a frame, as it was simulated.
   struct Simulated {
     Sheet sheet;
-    const std::vector<Place>* places;
+    const std::vector<MeshPoint>* places;
   };
 
   /// Where one of the frames passes through another, all that is near goes back towards the facets.
@@ -27,7 +27,7 @@ class RenderTogether {
 
   /// The facets of sheets, joined by the triangles of their render meshes, pass through each other
   /// though the sheets do not.
-  bool cut_through_each_other(const std::vector<Simulated>&) const;
+  bool linear_surfaces_intersect(const std::vector<Simulated>&) const;
 
   /// Of each sheet: pairs of its triangles and of those of sheets before it that pass through each
   /// other.
@@ -36,10 +36,10 @@ class RenderTogether {
 
  private:
   Points3 in_a_row(const std::vector<Points3>&) const;
-  std::vector<Points3> facets(const std::vector<Simulated>&) const;
+  std::vector<Points3> linear_positions(const std::vector<Simulated>&) const;
 
-  const std::vector<RenderSheet>& sheets_;
-  std::optional<LayersApart> apart_;
+  const std::vector<RenderSurface>& sheets_;
+  std::optional<Untangler> apart_;
 };
 
 }  // namespace paperbake

@@ -10,59 +10,59 @@ const PlasticGrid::Cover& Elastic::Impl::cover() {
   return *found_cover;
 }
 
-void Elastic::Impl::recall() {
-  energy->memory = !grid              ? PlasticMemory{}
-                   : grid->pristine() ? PlasticMemory(static_cast<int>(triangles.rows()))
-                                      : grid->read(cover());
+void Elastic::Impl::load_plastic_state() {
+  energy->memory = !grid               ? PlasticMemory{}
+                   : grid->is_virgin() ? PlasticMemory(static_cast<int>(triangles.rows()))
+                                       : grid->read(cover());
   softened->memory = energy->memory;
 }
 
-void Elastic::Impl::recall_on_new_mesh() {
+void Elastic::Impl::load_plastic_state_on_new_mesh() {
   found_cover.reset();
-  recall();
+  load_plastic_state();
 }
 
-void Elastic::Impl::look_for_ridges(const Sheet& sheet, const std::vector<int>& vertices) {
+void Elastic::Impl::find_ridges_of_step(const Sheet& sheet, const std::vector<int>& vertices) {
   if (grid)
     energy->ridges = softened->ridges =
         find_ridges(sheet, energy->hinges(), paper, vertices, energy->memory.ridge);
 }
 
 template <class Find, class Solve>
-ElasticReport Elastic::Impl::elastic_first(Sheet& sheet, Find find, Solve solve) {
-  if (!grid || !grid->pristine() || colliders) {
+ElasticReport Elastic::Impl::try_without_plasticity(Sheet& sheet, Find find, Solve solve) {
+  if (!grid || !grid->is_virgin() || colliders) {
     find(sheet);
     return solve();
   }
   const Sheet before = sheet;
-  const ElasticPast known = past;
+  const SolverState known = state;
   energy->memory = softened->memory = {};
   ElasticReport report = solve();
-  recall();
+  load_plastic_state();
   find(before);
-  if (report.converged && !report.leaving &&
-      energy->gained(energy->fold_angles(sheet.x)).hardening.isZero(0))
+  if (report.converged && !report.snap_in_progress &&
+      energy->gained(energy->dihedral_angles(sheet.x)).hardening.isZero(0))
     return report;
-  const int in_vain = report.iterations;
+  const int should_abort = report.iterations;
   sheet = before;
-  past = known;
+  state = known;
   report = solve();
-  report.iterations += in_vain;
+  report.iterations += should_abort;
   return report;
 }
 
-double Elastic::Impl::remember(const std::vector<double>& fold_angles) {
+double Elastic::Impl::commit_plastic_state(const std::vector<double>& dihedral_angles) {
   if (!grid) return 0;
-  const PlasticMemory gained = energy->gained(fold_angles);
+  const PlasticMemory gained = energy->gained(dihedral_angles);
   if (gained.curvature.isZero(0) && gained.hardening.isZero(0)) return 0;
   const double growth = grid->write(cover(), gained);
-  recall();
+  load_plastic_state();
   return growth;
 }
 
-void Elastic::Impl::tell_stored(const Points3& x, const std::vector<double>& fold_angles,
-                                ElasticReport& report) const {
-  const ElasticEnergy::Parts parts = energy->parts(x, fold_angles);
+void Elastic::Impl::report_energies(const Points3& x, const std::vector<double>& dihedral_angles,
+                                    ElasticReport& report) const {
+  const ElasticEnergy::Parts parts = energy->parts(x, dihedral_angles);
   report.membrane = parts.membrane;
   report.energy = parts.membrane + parts.bending;
   report.potential = report.energy + options.gravity * mass.dot(x.col(2));
@@ -79,29 +79,30 @@ Elastic& Elastic::operator=(Elastic&&) = default;
 
 void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening) {
   Impl& s = *impl_;
-  std::vector<double> factors = cone_factors(sheet, s.paper);
+  std::vector<double> factors = apex_stiffness_factors(sheet, s.paper);
   if (factors.empty())
     factors = stiffening;
   else
     for (std::size_t t = 0; t < stiffening.size(); ++t) factors[t] *= stiffening[t];
-  s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, factors, sheet.folds);
-  Paper soft = s.paper;
-  soft.membrane_stiffness /= softening;
-  s.softened.emplace(soft, sheet.pattern, sheet.triangles, factors, sheet.folds);
+  s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, factors, sheet.prescribed_creases);
+  Paper softened_phase = s.paper;
+  softened_phase.membrane_stiffness /= softening;
+  s.softened.emplace(softened_phase, sheet.pattern, sheet.triangles, factors,
+                     sheet.prescribed_creases);
   s.matrix.reset();
-  s.past.remeshed = true;
+  s.state.remeshed = true;
   s.predictor.reset();
   if (s.options.contact == SelfContact::automatic)
     s.contact.emplace(sheet.pattern, sheet.triangles, s.paper.friction);
   if (s.options.colliders)
     s.colliders.emplace(s.options.colliders, sheet.triangles,
                         static_cast<int>(sheet.pattern.rows()));
-  std::deque<Points3>& positions = s.past.positions;
+  std::deque<Points3>& positions = s.state.positions;
   if (!positions.empty() && positions.front().rows() != sheet.pattern.rows()) positions.clear();
-  if (s.past.second && s.past.second->x.rows() != sheet.pattern.rows()) s.past.second.reset();
+  if (s.state.second && s.state.second->x.rows() != sheet.pattern.rows()) s.state.second.reset();
   s.pattern = sheet.pattern;
   s.triangles = sheet.triangles;
-  s.recall_on_new_mesh();
+  s.load_plastic_state_on_new_mesh();
   s.mass = Eigen::VectorXd::Zero(sheet.pattern.rows());
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const double area = rest_triangle(sheet.pattern, sheet.triangles.row(t)).area;
@@ -110,14 +111,14 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.mean_edge = mean_edge(sheet.pattern, sheet.triangles);
 }
 
-void Elastic::remember_in(PlasticGrid* grid) {
+void Elastic::set_plastic_grid(PlasticGrid* grid) {
   impl_->grid = grid;
-  if (impl_->energy) impl_->recall_on_new_mesh();
+  if (impl_->energy) impl_->load_plastic_state_on_new_mesh();
 }
 
-ElasticReport Elastic::look(const Sheet& sheet) const {
+ElasticReport Elastic::evaluate_energies(const Sheet& sheet) const {
   ElasticReport report;
-  impl_->tell_stored(sheet.x, impl_->energy->fold_angles(sheet.x), report);
+  impl_->report_energies(sheet.x, impl_->energy->dihedral_angles(sheet.x), report);
   return report;
 }
 
@@ -127,128 +128,132 @@ double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
   return impl_->colliders->inside(sheet.x);
 }
 
-ElasticReport Elastic::settle(Sheet& sheet, const Held& asked, double dt, Settling settling) {
+ElasticReport Elastic::relax(Sheet& sheet, const PositionConstraints& asked, double dt,
+                             Relaxation settling) {
   Impl& s = *impl_;
-  const Held held = s.reachable(sheet, asked, dt);
+  const PositionConstraints held = s.reachable_targets(sheet, asked, dt);
   const Points3 before = sheet.x;
-  const Gripped hard = hard_handles(held);
+  const HardConstraints hard = hard_handles(held);
   constexpr double coarser = 10;  // the next step goes on from here
-  const bool briefly = settling == Settling::briefly;
+  const bool coarse = settling == Relaxation::coarse;
   NewtonOptions how{s.options.stop, s.options.max_iterations};
-  if (briefly) {
+  if (coarse) {
     how.stop *= coarser;
-    how.max_iterations = how.max_strides = 20;
-    how.ways = NewtonOptions::stride;
+    how.max_iterations = how.max_mixed_newton = 20;
+    how.ways = NewtonOptions::mixed_newton;
     const double far =
         0.03 * (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
-    how.in_vain = [&, far](const Points3& x) {
+    how.should_abort = [&, far](const Points3& x) {
       return (x - before).rowwise().norm().maxCoeff() > far;
     };
   }
-  ElasticReport report = s.elastic_first(
+  ElasticReport report = s.try_without_plasticity(
       sheet, [](const Sheet&) {},
-      [&] { return s.solve(sheet, held, hard, dt, nullptr, how, SecondWays::none); });
+      [&] { return s.solve(sheet, held, hard, dt, nullptr, how, BranchSearchMode::none); });
   report.contact = s.contact && !s.contact->clear(before, sheet.x, hard);
-  s.tell_stored(sheet.x, s.energy->fold_angles(sheet.x), report);
+  s.report_energies(sheet.x, s.energy->dihedral_angles(sheet.x), report);
   return report;
 }
 
 Elastic Elastic::on_mesh(const Sheet& sheet, const std::vector<double>& stiffening) const {
   Elastic other(impl_->paper, impl_->options);
-  other.remember_in(impl_->grid);
+  other.set_plastic_grid(impl_->grid);
   other.set_mesh(sheet, stiffening);
   return other;
 }
 
 void Elastic::continue_from(const Elastic& other,
                             const std::function<Points3(const Points3&)>& carried) {
-  ElasticPast &here = impl_->past, &there = other.impl_->past;
+  SolverState &here = impl_->state, &there = other.impl_->state;
   here.positions.clear();
   for (const Points3& x : there.positions) here.positions.push_back(carried(x));
   here.steps = there.steps;
-  here.content_until = there.content_until;
+  here.branch_cooldown_until = there.branch_cooldown_until;
   here.second = there.second;
   if (here.second) here.second->x = carried(there.second->x);
 }
 
-ElasticPast Elastic::past() const {
-  ElasticPast copy = impl_->past;
+SolverState Elastic::state() const {
+  SolverState copy = impl_->state;
   copy.ridges = impl_->energy->ridges;
-  if (impl_->grid && !impl_->grid->pristine()) copy.grid = *impl_->grid;
+  if (impl_->grid && !impl_->grid->is_virgin()) copy.grid = *impl_->grid;
   return copy;
 }
 
-void Elastic::take_back(const ElasticPast& past) {
+void Elastic::restore(const SolverState& state) {
   Impl& s = *impl_;
-  s.past = past;
-  s.energy->ridges = s.softened->ridges = std::exchange(s.past.ridges, {});
+  s.state = state;
+  s.energy->ridges = s.softened->ridges = std::exchange(s.state.ridges, {});
   if (!s.grid) return;
-  if (past.grid)
-    *s.grid = *past.grid;
+  if (state.grid)
+    *s.grid = *state.grid;
   else
-    s.grid->forget();
-  s.past.grid.reset();
-  s.recall();
+    s.grid->reset();
+  s.state.grid.reset();
+  s.load_plastic_state();
 }
 
-ElasticReport Elastic::Impl::go(Sheet& sheet, const Held& held, const Gripped& hard, double dt) {
+ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet,
+                                                        const PositionConstraints& held,
+                                                        const HardConstraints& hard, double dt) {
   const Points3 before = sheet.x;
   ElasticReport report;
-  const bool may_touch = options.contact == SelfContact::automatic;
+  const bool contact_enabled = options.contact == SelfContact::automatic;
   const double stop = options.stop;
-  if (!may_touch || !past.careful) {
+  if (!contact_enabled || !state.had_contact) {
     // what lies on something has no second start either, and need not stride far
     const bool lies = colliders && colliders->touching(before) > 0;
-    if (lies) past.second.reset(), past.descending = false;
-    const int most = lies ? options.max_iterations : most_iterations();
-    NewtonOptions how{
-        stop, most, std::min({25, most, 2 * most / 3 + (is_coarse() ? 5 : 0)}),
-        is_coarse() && past.descending ? NewtonOptions::descend : NewtonOptions::both};
-    if (may_touch) how.in_vain = [&](const Points3& x) { return !contact->clear(before, x, hard); };
-    if (lies) how.max_strides = std::min(how.max_strides, most_strides_on_colliders);
+    if (lies) state.second.reset(), state.descending = false;
+    const int most = lies ? options.max_iterations : max_iterations_of_step();
+    NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (is_interactive() ? 5 : 0)}),
+                      is_interactive() && state.descending ? NewtonOptions::line_search_newton
+                                                           : NewtonOptions::both};
+    if (contact_enabled)
+      how.should_abort = [&](const Points3& x) { return !contact->clear(before, x, hard); };
+    if (lies) how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
     report = solve(sheet, held, hard, dt, nullptr, how,
-                   lies ? SecondWays::none : SecondWays::where_restless);
-    report.leaving |= lies && !report.converged;
-    const int more = most_more * options.max_iterations / usual_iterations;
-    if (is_coarse() && !lies && !report.converged && more > 0 &&
-        largest_stretch(sheet) > on_the_way) {
+                   lies ? BranchSearchMode::none : BranchSearchMode::when_slow);
+    report.snap_in_progress |= lies && !report.converged;
+    const int more = extra_iterations * options.max_iterations / default_iterations;
+    if (is_interactive() && !lies && !report.converged && more > 0 &&
+        largest_stretch(sheet) > unfinished_stretch) {
       const ElasticReport so_far = report;
-      report = solve(sheet, held, hard, dt, nullptr, {stop, more, more, NewtonOptions::descend},
-                     SecondWays::none);
+      report = solve(sheet, held, hard, dt, nullptr,
+                     {stop, more, more, NewtonOptions::line_search_newton}, BranchSearchMode::none);
       report.iterations += so_far.iterations;
-      report.lower_branch = so_far.lower_branch;
-      report.leaving = so_far.leaving && !report.converged;
-      past.descending &= !report.converged;
+      report.energy_gain = so_far.energy_gain;
+      report.snap_in_progress = so_far.snap_in_progress && !report.converged;
+      state.descending &= !report.converged;
     }
   }
   const auto jams = [&] {  // what is on its way may be stretched
-    return (report.converged && matrix && largest_stretch(sheet) > jam_stretch) ||
-           report.inside > jam_inside;
+    return (report.converged && matrix && largest_stretch(sheet) > yield_stretch) ||
+           report.inside > yield_depth;
   };
-  if (may_touch && (past.careful || jams() || !contact->clear(before, sheet.x, hard))) {
-    const int in_vain = report.iterations;
+  if (contact_enabled && (state.had_contact || jams() || !contact->clear(before, sheet.x, hard))) {
+    const int should_abort = report.iterations;
     sheet.x = before;
     // beside itself the softened sheet soon meets its own parts: a second start finds nothing
     // better there
-    const NewtonOptions how{stop, most_in_touch()};
-    report = solve(sheet, held, hard, dt, &*contact, how, SecondWays::none);
-    report.iterations += in_vain;
-    past.second.reset();
-    past.descending = false;
-    past.careful = report.touching > 0 || report.yielding > 0;
+    const NewtonOptions how{stop, max_contact_iterations()};
+    report = solve(sheet, held, hard, dt, &*contact, how, BranchSearchMode::none);
+    report.iterations += should_abort;
+    state.second.reset();
+    state.descending = false;
+    state.had_contact = report.touching > 0 || report.yielding > 0;
   }
   return report;
 }
 
-ElasticReport Elastic::step(Sheet& sheet, const Held& asked, double dt) {
+ElasticReport Elastic::step(Sheet& sheet, const PositionConstraints& asked, double dt) {
   Impl& s = *impl_;
-  const Held held = s.reachable(sheet, asked, dt);
-  const Gripped hard = hard_handles(held);
+  const PositionConstraints held = s.reachable_targets(sheet, asked, dt);
+  const HardConstraints hard = hard_handles(held);
   const Points3 before = sheet.x;
-  ElasticReport report = s.elastic_first(
-      sheet, [&](const Sheet& from) { s.look_for_ridges(from, held.vertices); },
-      [&] { return s.go(sheet, held, hard, dt); });
-  s.conclude(sheet, before, held, dt, report);
+  ElasticReport report = s.try_without_plasticity(
+      sheet, [&](const Sheet& from) { s.find_ridges_of_step(from, held.vertices); },
+      [&] { return s.step_with_contact_fallback(sheet, held, hard, dt); });
+  s.finish_step(sheet, before, held, dt, report);
   return report;
 }
 

@@ -35,7 +35,7 @@ struct ColliderMotion {
 };
 
 /// Vertices that are held, and where; and what else is given of a step.
-struct Held {
+struct PositionConstraints {
   std::vector<int> vertices;  // each at most once
   Points3 targets;            // |vertices|x3 [m]
   // |vertices| [N/m] of soft handles, 0: hard; empty: all are hard
@@ -46,14 +46,14 @@ struct Held {
 struct ElasticReport {
   int iterations = 0;  // factorisations of the second derivative
   bool converged = true;
-  double energy = 0;        // [J] membrane + bending
-  double potential = 0;     // [J] energy + weight x height
-  double membrane = 0;      // [J] its membrane part
-  double plastic_flow = 0;  // [m rad] by how much the plastic integral grew in this step
+  double energy = 0;             // [J] membrane + bending
+  double potential = 0;          // [J] energy + weight x height
+  double membrane = 0;           // [J] its membrane part
+  double plastic_increment = 0;  // [m rad] by how much the plastic integral grew in this step
   // it is on its way down from an unstable shape: what it looks like is not to be relied on
-  bool leaving = false;
+  bool snap_in_progress = false;
   // [1] by how much of the potential a second start was lower, when it was taken
-  double lower_branch = 0;
+  double energy_gain = 0;
   bool contact = false;  // the sheet came near itself: the step was taken with contact
   // pairs of vertex and triangle, or edge and edge, that push each other at its end
   int touching = 0;
@@ -66,36 +66,36 @@ struct ElasticReport {
 /// briefly: the first way alone, to ten times `stop`, 20 iterations; what needs more has landed
 /// somewhere else, and so has what leaves its place by 3 % of the longer side. fully: both ways, to
 /// `stop`.
-enum class Settling { briefly, fully };
+enum class Relaxation { coarse, full };
 
 /// A second way down from an unstable shape, gone beside the first: with a softened membrane, then
 /// with the paper's own.
-struct SecondWay {
+struct BranchDescent {
   Points3 x;  // |V|x3 [m] how far it got
-  enum Leg { soft, stiff, done } leg = soft;
-  int tries = 0;  // of this leg, that got nowhere near its end
+  enum Phase { softened_phase, true_stiffness, finished } phase = softened_phase;
+  int attempts = 0;  // of this leg, that got nowhere near its end
   bool converged = false;
 };
 
 /// What the solver knows of the steps before, and all that a step changes besides its sheet.
-struct ElasticPast {
+struct SolverState {
   std::deque<Points3> positions;  // |V|x3 [m] before the last step, before the one before that
   int steps = 0;                  // so far
   bool remeshed = true;           // the mesh has changed since the last step
   // the last step ended with parts touching, or with handles that the paper does not follow
-  bool careful = false;
+  bool had_contact = false;
   // steps: a second way found nothing much lower, none is begun before
-  int content_until = 0;
-  bool descending = false;          // ... on its way down to a minimum
-  std::optional<SecondWay> second;  // not yet at its end
-  Ridges ridges;                    // in a copy: of the last step, and
-  std::optional<PlasticGrid> grid;  // the plastic memory; none: nothing had flowed
+  int branch_cooldown_until = 0;
+  bool descending = false;              // ... on its way down to a minimum
+  std::optional<BranchDescent> second;  // not yet at its end
+  RidgeField ridges;                    // in a copy: of the last step, and
+  std::optional<PlasticGrid> grid;      // the plastic memory; none: nothing had flowed
 };
-void archive(Archive&, ElasticPast&);  // all but the grid, which is the sheet's
-void archive(Archive&, Held&);
+void archive(Serializer&, SolverState&);  // all but the grid, which is the sheet's
+void archive(Serializer&, PositionConstraints&);
 
-struct Together;
-struct SheetWay;
+struct JointStepSheet;
+struct SweptSheet;
 
 /// Step 1 of [Schreck 2015]: the elastic deformation of the sheet while handles move.
 ///
@@ -117,11 +117,11 @@ struct SheetWay;
 ///
 /// With a memory, E_bending yields inside the step (bending.h), and what has flowed at its end is
 /// remembered. A step that brings parts of the sheet near each other is taken with self-contact
-/// (contact.h): the barrier is part of W, no iteration passes through anything, and handles pull
-/// with springs that give way where the paper is jammed (handle_springs.h); it has no second start.
-/// A step in which nothing comes near is the same to the last bit as without contact. Colliders
-/// (colliders.h), where there are any, are part of W in every step. Handles that are to go behind
-/// their surface slide along it.
+/// (self_contact.h): the barrier is part of W, no iteration passes through anything, and handles
+/// pull with springs that give way where the paper is jammed (handle_springs.h); it has no second
+/// start. A step in which nothing comes near is the same to the last bit as without contact.
+/// Colliders (collider_contact.h), where there are any, are part of W in every step. Handles that
+/// are to go behind their surface slide along it.
 ///
 /// source [Martin 2011]; damping of the velocity to 0.98 in 1/24 s
 class Elastic {
@@ -141,28 +141,28 @@ class Elastic {
   /// frame waits for a snap: after the first three a step ends with 42 iterations, or 82 where an
   /// edge is still stretched by .6 %, and both its ways down go on in the next one. throws
   /// Error(Fault::simulation) when the energy is not finite.
-  ElasticReport step(Sheet&, const Held&, double dt);
+  ElasticReport step(Sheet&, const PositionConstraints&, double dt);
 
   /// One step of several sheets that come within reach of each other: to the minimum of the sum of
   /// their potentials over the vertices of all, with one contact between and within them, so that a
   /// push goes through to the last of them. All handles pull with springs.
   /// reach  |sheets|x|sheets| [m] d^ between two, on the diagonal reach() of each
   /// throws Error(Fault::simulation) when the energy is not finite
-  static std::vector<ElasticReport> step_together(const std::vector<Together>&,
-                                                  const Eigen::MatrixXd& reach, double dt);
+  static std::vector<ElasticReport> step_together(const std::vector<JointStepSheet>&,
+                                                  const Eigen::MatrixXd& dhat, double dt);
 
-  /// d^ of the sheet (contact.h); 0: it feels nothing. [m]
-  double reach() const;
+  /// d^ of the sheet (self_contact.h); 0: it feels nothing. [m]
+  double dhat() const;
 
   /// True when nothing of one meets the other on their ways, and no pair is within reach at the end
   /// of any part of them: then a step together would have taken them there, too.
-  static bool clear(const SheetWay& a, const SheetWay& b, double reach);
+  static bool clear(const SweptSheet& a, const SweptSheet& b, double dhat);
 
   /// Moves sheet.x to the minimum near by with the held vertices at their targets, and nothing
   /// else: no second start, no change of sheet.v, nothing flows and nothing is remembered. For a
   /// sheet that was put where it is. report.contact: it came near itself, which a sheet that
   /// settles does not feel.
-  ElasticReport settle(Sheet&, const Held&, double dt, Settling);
+  ElasticReport relax(Sheet&, const PositionConstraints&, double dt, Relaxation);
 
   /// Another one, of the same paper, options and memory.
   Elastic on_mesh(const Sheet&, const std::vector<double>& stiffening = {}) const;
@@ -172,7 +172,7 @@ class Elastic {
   void continue_from(const Elastic& other, const std::function<Points3(const Points3&)>& carried);
 
   /// What is stored in the sheet as it is. `iterations` 0.
-  ElasticReport look(const Sheet&) const;
+  ElasticReport evaluate_energies(const Sheet&) const;
 
   /// How deep the deepest vertex, edge or triangle of a sheet of this mesh is inside a collider; 0:
   /// none. [m]
@@ -180,13 +180,13 @@ class Elastic {
 
   /// A copy, the plastic grid with it, and the way back to it while the mesh is the same: the steps
   /// in between leave no trace.
-  ElasticPast past() const;
-  void take_back(const ElasticPast&);
+  SolverState state() const;
+  void restore(const SolverState&);
 
   /// Lets the paper yield: the memory is read here and by set_mesh, and every step that returns
   /// writes to it. To be called again when the grid was changed by others. It must outlive this
   /// object or its replacement. Null, as at first: paper that springs back whatever is done to it.
-  void remember_in(PlasticGrid*);
+  void set_plastic_grid(PlasticGrid*);
 
  private:
   struct Impl;
@@ -194,19 +194,19 @@ class Elastic {
 };
 
 /// A sheet that takes a step with others.
-struct Together {
+struct JointStepSheet {
   Elastic& elastic;
   Sheet& sheet;
-  const Held& held;
+  const PositionConstraints& held;
   // |V|x3 [m] where its points were at the begin of the shot, when one of the sheets began on
   // another; or empty, of all
   const Points3& begun;
 };
 
 /// Where a sheet went.
-struct SheetWay {
-  const Sheet& sheet;  // its mesh
-  const Held& held;    // at the end
+struct SweptSheet {
+  const Sheet& sheet;               // its mesh
+  const PositionConstraints& held;  // at the end
   // |V|x3 [m], straight ways in between; the other's at the same times
   const std::vector<Points3>& places;
   const Points3& begun;  // as in Together

@@ -16,9 +16,9 @@ SampleGrid::SampleGrid(const Pattern& pattern) {
       const Vector2d p(step * (c + 0.5), step * (r + 0.5));
       if (!contains(pattern, p)) continue;
       number_[r * columns_ + c] = count();
-      places.push_back(p);
+      sample_points.push_back(p);
     }
-  neighbours.resize(places.size());
+  neighbours.resize(sample_points.size());
   for (int r = 0; r < rows_; ++r)
     for (int c = 0; c < columns_; ++c) {
       const int here = number_[r * columns_ + c];

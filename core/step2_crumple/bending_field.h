@@ -22,7 +22,7 @@ class BendingField {
   }
 
  private:
-  Locator locator_;
+  PointLocator locator_;
   Triangles triangles_;
   Points3 curvature_;
 };
@@ -33,11 +33,11 @@ class SampleGrid {
  public:
   /// 24 along the shorter side, no more than 1500 in all
   explicit SampleGrid(const Pattern&);
-  int count() const { return static_cast<int>(places.size()); }
+  int count() const { return static_cast<int>(sample_points.size()); }
   int nearest(const Vector2d& p) const;  // number of the place in whose cell p lies; -1: outside
 
   double step;                               // [m]
-  std::vector<Vector2d> places;              // [m] inside the pattern, row by row
+  std::vector<Vector2d> sample_points;       // [m] inside the pattern, row by row
   std::vector<std::vector<int>> neighbours;  // of each place: up to four
 
  private:

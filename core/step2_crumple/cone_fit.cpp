@@ -13,7 +13,8 @@ Vector2d Cone::ruling(const Vector2d& p) const {
 
 bool Cone::is_cylinder() const { return 10 * std::abs(apex.z()) < apex.head<2>().norm(); }
 
-Cone fit_cone(const std::vector<RulingSample>& samples, double scale, double pull) {
+Cone fit_cone(const std::vector<RulingSample>& samples, double scale,
+              double cylinder_regularization) {
   Cone cone;
   cone.scale = scale;
   double weight = 0;
@@ -31,7 +32,7 @@ Cone fit_cone(const std::vector<RulingSample>& samples, double scale, double pul
       for (int r = 0; r <= c; ++r) M(c, r) += w[c] * q[r];  // the solver reads the lower triangle
   }
   M /= weight;
-  M(2, 2) += pull;
+  M(2, 2) += cylinder_regularization;
   Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
   solver.compute(M);
   cone.apex = solver.eigenvectors().col(0);

@@ -33,6 +33,6 @@ struct Cone {
 /// an apex.
 /// scale  [m] size of the window
 /// pull   [1] 0: the plain fit
-Cone fit_cone(const std::vector<RulingSample>&, double scale, double pull);
+Cone fit_cone(const std::vector<RulingSample>&, double scale, double cylinder_regularization);
 
 }  // namespace paperbake

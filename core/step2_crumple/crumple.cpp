@@ -35,28 +35,29 @@ Crumple::Crumple(const Pattern& pattern, const Paper& paper, const CrumpleOption
       sheet_(sheet),
       regions_(pattern, options.rulings) {}
 
-void Crumple::begin_with(const Points2& pattern, const Triangles& triangles, int required) {
+void Crumple::set_base_mesh(const Points2& pattern, const Triangles& triangles, int required) {
   base_ = base_mesh(pattern, triangles);
   required_ = required;
 }
 
-static void archive(Archive& a, Ruling& r) { a(r.a, r.b, r.k, r.region); }
+static void archive(Serializer& a, Ruling& r) { a(r.a, r.b, r.k, r.region); }
 
-void Crumple::archive(Archive& a) {
-  std::vector<std::pair<Vector2d, double>> suspicions;
-  for (const Suspicion& s : suspicions_) suspicions.emplace_back(s.p, s.seconds);
-  a(suspicions, regions_, rulings_, when_);
-  suspicions_.clear();
-  for (const auto& [p, seconds] : suspicions) suspicions_.push_back({p, seconds});
+void Crumple::archive(Serializer& a) {
+  std::vector<std::pair<Vector2d, double>> pending_conflicts;
+  for (const PendingConflict& s : pending_) pending_conflicts.emplace_back(s.p, s.seconds);
+  a(pending_conflicts, regions_, rulings_, when_);
+  pending_.clear();
+  for (const auto& [p, seconds] : pending_conflicts) pending_.push_back({p, seconds});
 }
 
-std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>& pulled, bool lies,
-                                      const Moment& now) {
+std::optional<Sheet> Crumple::propose(const Sheet& sheet,
+                                      const std::vector<int>& isolated_moving_handles,
+                                      bool rests_on_contact, const FrameTime& now) {
   RulingOptions options = options_.rulings;
   if (options.facet_turn <= 0 || required_ < 0) return std::nullopt;
   const Points3 curvature = bending_of(sheet);
   const BendingField field(sheet, curvature);
-  regions_.follow(field);
+  regions_.update(field);
   if (!when_.due(mesh_fit(sheet, field, regions_), now, options.stale_fold * options.facet_turn))
     return std::nullopt;
 
@@ -64,34 +65,34 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
   for (int v = 0; v < required_; ++v) required.push_back(sheet.pattern.row(v));
   for (const SingularPoint& s : sheet.singular) singular.push_back(s.pattern);
   // a mesh without that vertex would not show whether the conflict lasts
-  for (const Suspicion& s : suspicions_)
+  for (const PendingConflict& s : pending_)
     if (std::none_of(singular.begin(), singular.end(),
                      [&](const Vector2d& p) { return (p - s.p).norm() < 0.5 * base_.h; }))
       singular.push_back(s.p);
-  std::vector<Disc> guards;
-  std::vector<Vector2d> tips;
-  for (const int v : pulled) {
+  std::vector<Disc> keep_out_discs;
+  std::vector<Vector2d> loaded_corners;
+  for (const int v : isolated_moving_handles) {
     const Vector2d p = sheet.pattern.row(v);
-    if (lies && is_corner(base_.polygons, p))
-      tips.push_back(p);
+    if (rests_on_contact && is_corner(base_.polygons, p))
+      loaded_corners.push_back(p);
     else
-      guards.push_back({p, options.guard * shorter_side(pattern_)});
+      keep_out_discs.push_back({p, options.guard * shorter_side(pattern_)});
   }
   std::optional<RuledMesh> mesh;
   for (int attempt = 0; attempt < 3; ++attempt, options.facet_turn *= 1.35) {
-    proposed_ = lay_rulings(base_.polygons, field, regions_, guards, tips, base_.h, options);
+    proposed_ = place_rulings(base_.polygons, field, regions_, keep_out_discs, loaded_corners,
+                              base_.h, options);
     if (proposed_.empty()) return std::nullopt;
-    mesh = ruled_mesh(base_, required, singular, proposed_, guards, options);
-    if (mesh &&
-        mesh->triangles.rows() <= options.most_share * base_.triangles + 2 * singular.size())
+    mesh = ruled_mesh(base_, required, singular, proposed_, keep_out_discs, options);
+    if (mesh && mesh->triangles.rows() <= options.max_share * base_.triangles + 2 * singular.size())
       break;
   }
   if (!mesh) {
-    when_.judged(false, now);
+    when_.on_proposal_result(false, now);
     return std::nullopt;
   }
   Sheet proposal;
-  const Transfer onto(sheet.pattern, sheet.triangles, mesh->pattern);
+  const MeshTransfer onto(sheet.pattern, sheet.triangles, mesh->pattern);
   proposal.x = onto(sheet.x);
   proposal.v = onto(sheet.v);
   proposal.pattern = std::move(mesh->pattern);
@@ -101,14 +102,14 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet, const std::vector<int>
   return proposal;
 }
 
-void Crumple::judged(bool accepted, const Moment& now) {
-  when_.judged(accepted, now);
+void Crumple::on_proposal_result(bool accepted, const FrameTime& now) {
+  when_.on_proposal_result(accepted, now);
   if (!accepted) return;
   rulings_ = proposed_;
 }
 
-CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, const Moment& now,
-                               bool moving) {
+CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const FrameTime& now,
+                            bool moving) {
   CrumpleReport report;
   if (!moving) return report;
   const Points3 curvature = vertex_curvature(sheet);
@@ -120,31 +121,32 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
   // a conflict counts when it has lasted, on whatever mesh; the worst vertex and those about it are
   // one conflict
   const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
-  std::vector<Suspicion> seen;
-  std::vector<int> ripe;
+  std::vector<PendingConflict> seen;
+  std::vector<int> due_for_birth;
   const double rounding = 1e-3 * now.dt;
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
-    if (!conflicts.beyond[v]) continue;
-    Suspicion s{sheet.pattern.row(v), now.dt};
+    if (!conflicts.exceeds[v]) continue;
+    PendingConflict s{sheet.pattern.row(v), now.dt};
     const double ring = ring_size(sheet, v);
-    for (const Suspicion& old : suspicions_)
+    for (const PendingConflict& old : pending_)
       if ((old.p - s.p).norm() < 0.6 * ring) s.seconds = std::max(s.seconds, old.seconds + now.dt);
     seen.push_back(s);
     const bool lasted =
-        s.seconds + rounding >= (conflicts.sharp[v] ? options_.lasting_sharp : options_.lasting);
-    if (lasted) ripe.push_back(v);
+        s.seconds + rounding >=
+        (conflicts.severe[v] ? options_.persistence_time_severe : options_.persistence_time);
+    if (lasted) due_for_birth.push_back(v);
   }
-  suspicions_ = std::move(seen);
-  std::stable_sort(ripe.begin(), ripe.end(),
+  pending_ = std::move(seen);
+  std::stable_sort(due_for_birth.begin(), due_for_birth.end(),
                    [&](int a, int b) { return conflicts.turn[a] > conflicts.turn[b]; });
-  const bool room = static_cast<int>(sheet.singular.size()) < options_.most_points &&
-                    sheet.triangles.rows() + 2 <= options_.most_triangles;
-  for (const int worst : ripe) {  // the first that has room for a point
+  const bool room = static_cast<int>(sheet.singular.size()) < options_.max_points &&
+                    sheet.triangles.rows() + 2 <= options_.max_triangles;
+  for (const int worst : due_for_birth) {  // the first that has room for a point
     if (!room || report.births > 0) break;
     std::vector<int> members;
     const double reach = 1.2 * ring_size(sheet, worst);
     for (int v = 0; v < sheet.pattern.rows(); ++v)
-      if (conflicts.beyond[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach)
+      if (conflicts.exceeds[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach)
         members.push_back(v);
     const auto event = static_cast<std::uint32_t>(sheet.singular.size());
     if (const auto p = draw_singular_point(sheet, pattern_, paper_, conflicts, members, options_,
@@ -158,7 +160,7 @@ CrumpleReport Crumple::operate(Sheet& sheet, const std::vector<char>& fixed, con
       sheet.singular.push_back(
           {sheet.pattern.row(born).transpose(), now.frame,
            "bends " + std::to_string(degrees) + " degrees in the second direction"});
-      suspicions_.clear();
+      pending_.clear();
       ++report.births;
     }
   }

@@ -23,10 +23,12 @@ struct CrumpleOptions {
   // [rad] of both signs that meet in a vertex: the other way to see one (13 degrees)
   double conflict_folds = 0.23;
   // [rad] beside a singular point it takes this much: the point itself does the rest (20 degrees)
-  double absorbed_turn = 0.35;
-  double absorbed_folds = 0.4;      // [rad] (23 degrees)
-  double lasting = 15 / 24.0;       // [s]   after which what lasts is no accident of the mesh ...
-  double lasting_sharp = 2 / 24.0;  // [s]   ... and where it is as sharp as beside a singular point
+  double threshold_near_apex = 0.35;
+  double fold_threshold_near_apex = 0.4;  // [rad] (23 degrees)
+  // [s]   after which what lasts is no accident of the mesh ...
+  double persistence_time = 15 / 24.0;
+  // [s]   ... and where it is as sharp as beside a singular point
+  double persistence_time_severe = 2 / 24.0;
   // [1]   between singular points, in widths of the longest ridge that the sheet can have
   double spacing = 2;
   // [1]   of the longer side: as near as a point may come to the border
@@ -34,10 +36,10 @@ struct CrumpleOptions {
   // [1]   an edge turns when the other diagonal has less than this share of its sagitta ...
   double flip_gain = 0.65;
   double flip_period = 2 / 24.0;  // [s]   ... looked at this often
-  int most_points = 1000;         // [1]   on one sheet
-  int most_triangles = 250;       // [1]   no point is born beyond
+  int max_points = 1000;          // [1]   on one sheet
+  int max_triangles = 250;        // [1]   no point is born beyond
   RulingOptions rulings;
-  Pins pins;  // where singular points may not be born
+  SingularPointRules pins;  // where singular points may not be born
 };
 
 struct CrumpleReport {
@@ -59,11 +61,11 @@ class Crumple {
   /// their numbers, new ones are appended; fixed vertices (handles and the rims of their discs)
   /// keep their place on the pattern.
   /// moving  false: the sheet is at rest, nothing is done
-  CrumpleReport operate(Sheet&, const std::vector<char>& fixed, const Moment&, bool moving);
+  CrumpleReport step(Sheet&, const std::vector<char>& fixed, const FrameTime&, bool moving);
 
   /// The mesh that every ruled one goes back to. To be called once, before `propose`.
   /// required  how many vertices, from number 0 on, hold what a ruled mesh must keep as it is
-  void begin_with(const Points2& pattern, const Triangles&, int required);
+  void set_base_mesh(const Points2& pattern, const Triangles&, int required);
 
   /// Before `operate`, from a sheet at its minimum: looks for curved regions and, when the mesh
   /// does not follow their rulings, proposes one that does, with positions and velocities carried
@@ -71,32 +73,32 @@ class Crumple {
   /// pulled  vertices that a lone handle moves
   /// lies    something carries the sheet: it cannot sag behind a corner that is pulled, but hooks
   ///         there
-  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& pulled, bool lies,
-                               const Moment&);
+  std::optional<Sheet> propose(const Sheet&, const std::vector<int>& isolated_moving_handles,
+                               bool rests_on_contact, const FrameTime&);
   /// What became of the proposal.
-  void judged(bool accepted, const Moment&);
+  void on_proposal_result(bool accepted, const FrameTime&);
 
   const Regions& regions() const { return regions_; }
   // of the last proposal that was accepted
   const std::vector<Ruling>& rulings() const { return rulings_; }
 
-  void archive(Archive&);  // all that came after begin_with
+  void archive(Serializer&);  // all that came after set_base_mesh
 
  private:
   Pattern pattern_;
   Paper paper_;
   CrumpleOptions options_;
   std::uint32_t seed_, sheet_;
-  struct Suspicion {
+  struct PendingConflict {
     Vector2d p;      // [m]
     double seconds;  // how long there has been a conflict about there
   };
-  std::vector<Suspicion> suspicions_;
+  std::vector<PendingConflict> pending_;
   BaseMesh base_;
   int required_ = 0;
   Regions regions_;
   std::vector<Ruling> proposed_, rulings_;
-  RemeshWhen when_;
+  RemeshSchedule when_;
 };
 
 }  // namespace paperbake

@@ -28,16 +28,15 @@ double twice_area(const Vector2d& a, const Vector2d& b, const Vector2d& c) {
 
 /// Edge 0-1 with wings 2 (left) and 3 (right) may become edge 3-2.
 bool may_flip(const Sheet& sheet, const std::array<int, 4>& v) {
-  constexpr double least_share = 0.08, most_compression = 0.03, most_fold = 2.2;
+  constexpr double min_share = 0.08, max_compression = 0.03, max_fold = 2.2;
   const auto p = [&](int k) -> Vector2d { return sheet.pattern.row(v[k]); };
   const double pair = twice_area(p(0), p(1), p(2)) + twice_area(p(1), p(0), p(3));
-  if (std::min(twice_area(p(0), p(3), p(2)), twice_area(p(3), p(1), p(2))) < least_share * pair)
+  if (std::min(twice_area(p(0), p(3), p(2)), twice_area(p(3), p(1), p(2))) < min_share * pair)
     return false;
-  if ((sheet.x.row(v[2]) - sheet.x.row(v[3])).norm() <
-      (1 - most_compression) * (p(2) - p(3)).norm())
+  if ((sheet.x.row(v[2]) - sheet.x.row(v[3])).norm() < (1 - max_compression) * (p(2) - p(3)).norm())
     return false;
   const Hinge turned{{v[3], v[2], v[0], v[1]}, {0, 0}};  // left of 3 -> 2 lies corner 0
-  return std::abs(fold_angle(sheet.x, turned)) <= most_fold;
+  return std::abs(dihedral_angle(sheet.x, turned)) <= max_fold;
 }
 
 /// The sheet passes through nothing when it turns that edge.
@@ -67,7 +66,7 @@ int flip_towards_rulings(Sheet& sheet, const Points3& curvature, double gain) {
       const auto [left, right] = hinge.triangles;
       if (touched[left] || touched[right]) continue;
       const auto& v = hinge.vertices;
-      if (on_fold(sheet.folds, sheet.pattern, v[0], v[1])) continue;
+      if (is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1])) continue;
       const Matrix2d M = 0.25 * (metric[v[0]] + metric[v[1]] + metric[v[2]] + metric[v[3]]);
       const Vector2d old_edge = (sheet.pattern.row(v[1]) - sheet.pattern.row(v[0])).transpose();
       const Vector2d new_edge = (sheet.pattern.row(v[3]) - sheet.pattern.row(v[2])).transpose();

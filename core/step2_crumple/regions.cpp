@@ -13,42 +13,42 @@ Regions::Regions(const Pattern& pattern, const RulingOptions& options)
       options_(options),
       curved_above_(options.curved_above / longer_side(pattern)),
       curved_(grid_.count(), 0),
-      of_place_(grid_.count(), -1) {}
+      region_of_sample_(grid_.count(), -1) {}
 
-void Regions::follow(const BendingField& field) {
+void Regions::update(const BendingField& field) {
   bending_.clear();
   for (int i = 0; i < grid_.count(); ++i) {
-    bending_.push_back(field.at(grid_.places[i]));
+    bending_.push_back(field.at(grid_.sample_points[i]));
     const Principal& k = bending_.back();
     curved_[i] = std::abs(k.k1) > (curved_[i] ? options_.flat_below : 1.0) * curved_above_ &&
                  std::abs(k.k2) < options_.coherent * std::abs(k.k1);
   }
   std::vector<int> old_ids(grid_.count(), -1);
   for (int i = 0; i < grid_.count(); ++i)
-    if (of_place_[i] >= 0) old_ids[i] = regions_[of_place_[i]].id;
+    if (region_of_sample_[i] >= 0) old_ids[i] = regions_[region_of_sample_[i]].id;
   std::vector<int> sign_of;
-  of_place_ = grow(sign_of);
-  measure(sign_of);
-  name(old_ids);
+  region_of_sample_ = grow_regions(sign_of);
+  fit_cones(sign_of);
+  assign_ids(old_ids);
 }
 
-static void archive(Archive& a, CurvedRegion& r) {
+static void archive(Serializer& a, CurvedRegion& r) {
   a(r.id, r.sign, r.area, r.bend, r.cone.centre, r.cone.scale, r.cone.apex, r.cone.residual);
 }
 
-void Regions::archive(Archive& a) {
-  a(curved_, of_place_, regions_, next_id_);
+void Regions::archive(Serializer& a) {
+  a(curved_, region_of_sample_, regions_, next_id_);
   const auto known = [&](int region) {
     return region >= -1 && region < static_cast<int>(regions_.size());
   };
-  a.demand(static_cast<int>(curved_.size()) == grid_.count() &&
-           curved_.size() == of_place_.size() &&
-           std::all_of(of_place_.begin(), of_place_.end(), known));
+  a.require(static_cast<int>(curved_.size()) == grid_.count() &&
+            curved_.size() == region_of_sample_.size() &&
+            std::all_of(region_of_sample_.begin(), region_of_sample_.end(), known));
 }
 
 /// Joins neighbours that bend the same way about nearly the same ruling. Specks of less than 1/200
 /// of the sheet are flat.
-std::vector<int> Regions::grow(std::vector<int>& sign_of) const {
+std::vector<int> Regions::grow_regions(std::vector<int>& sign_of) const {
   // [1] cosine between the rulings of neighbours: 26 degrees, a fan near its apex
   constexpr double same_ruling = 0.9;
   std::vector<int> label(grid_.count(), -1);
@@ -73,35 +73,36 @@ std::vector<int> Regions::grow(std::vector<int>& sign_of) const {
   return label;
 }
 
-void Regions::measure(const std::vector<int>& sign_of) {
+void Regions::fit_cones(const std::vector<int>& sign_of) {
   regions_.assign(sign_of.size(), CurvedRegion{-1, 0, 0, 0, {}});
   std::vector<std::vector<RulingSample>> samples(sign_of.size());
   const double cell = grid_.step * grid_.step;
   for (int i = 0; i < grid_.count(); ++i) {
-    if (of_place_[i] < 0) continue;
-    CurvedRegion& region = regions_[of_place_[i]];
+    if (region_of_sample_[i] < 0) continue;
+    CurvedRegion& region = regions_[region_of_sample_[i]];
     const double k = std::abs(bending_[i].k1);
     region.area += cell;
     region.bend += k * cell;
-    samples[of_place_[i]].push_back({grid_.places[i], bending_[i].across, k * k});
+    samples[region_of_sample_[i]].push_back({grid_.sample_points[i], bending_[i].across, k * k});
   }
   for (std::size_t r = 0; r < regions_.size(); ++r) {
     regions_[r].sign = sign_of[r];
-    regions_[r].cone = fit_cone(samples[r], std::sqrt(regions_[r].area), options_.pull);
+    regions_[r].cone =
+        fit_cone(samples[r], std::sqrt(regions_[r].area), options_.cylinder_regularization);
   }
 }
 
 /// Each region takes the number of the old one that it shares most places with; the largest share
 /// chooses first.
-void Regions::name(const std::vector<int>& old_ids) {
+void Regions::assign_ids(const std::vector<int>& old_ids) {
   std::map<std::pair<int, int>, int> shared;  // (old id, region) -> places
   for (int i = 0; i < grid_.count(); ++i)
-    if (of_place_[i] >= 0 && old_ids[i] >= 0) ++shared[{old_ids[i], of_place_[i]}];
+    if (region_of_sample_[i] >= 0 && old_ids[i] >= 0) ++shared[{old_ids[i], region_of_sample_[i]}];
   std::vector<std::pair<int, std::pair<int, int>>> claims;
-  for (const auto& [pair, places] : shared) claims.emplace_back(-places, pair);
+  for (const auto& [pair, sample_points] : shared) claims.emplace_back(-sample_points, pair);
   std::sort(claims.begin(), claims.end());
   std::vector<int> taken;
-  for (const auto& [places, pair] : claims) {
+  for (const auto& [sample_points, pair] : claims) {
     CurvedRegion& region = regions_[pair.second];
     if (region.id >= 0 || std::count(taken.begin(), taken.end(), pair.first)) continue;
     region.id = pair.first;

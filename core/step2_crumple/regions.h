@@ -8,7 +8,7 @@
 
 namespace paperbake {
 
-class Archive;
+class Serializer;
 
 /// A part of the sheet that bends one way, like a generalised cone. What is in no region counts as
 /// flat.
@@ -29,28 +29,28 @@ class Regions {
   Regions(const Pattern&, const RulingOptions&);
 
   /// Looks at the sheet of the next frame.
-  void follow(const BendingField&);
+  void update(const BendingField&);
 
   const SampleGrid& grid() const { return grid_; }
   // at the places of the grid
   const std::vector<Principal>& bending() const { return bending_; }
   // number in all() of each place; -1: flat
-  const std::vector<int>& of_place() const { return of_place_; }
+  const std::vector<int>& region_of_sample() const { return region_of_sample_; }
   const std::vector<CurvedRegion>& all() const { return regions_; }
 
-  void archive(Archive&);  // all but the bending, which is looked at anew
+  void archive(Serializer&);  // all but the bending, which is looked at anew
 
  private:
-  std::vector<int> grow(std::vector<int>& sign_of) const;
-  void name(const std::vector<int>& old_ids);
-  void measure(const std::vector<int>& sign_of);
+  std::vector<int> grow_regions(std::vector<int>& sign_of) const;
+  void assign_ids(const std::vector<int>& old_ids);
+  void fit_cones(const std::vector<int>& sign_of);
 
   SampleGrid grid_;
   RulingOptions options_;
   double curved_above_;  // [1/m]
   std::vector<Principal> bending_;
   std::vector<char> curved_;  // with hysteresis
-  std::vector<int> of_place_;
+  std::vector<int> region_of_sample_;
   std::vector<CurvedRegion> regions_;
   int next_id_ = 0;
 };

@@ -19,8 +19,8 @@ MeshFit mesh_fit(const Sheet& sheet, const BendingField& field, const Regions& r
     const Vector2d a = sheet.pattern.row(hinge.vertices[0]),
                    b = sheet.pattern.row(hinge.vertices[1]), middle = 0.5 * (a + b);
     const int place = regions.grid().nearest(middle);
-    if (place < 0 || regions.of_place()[place] < 0) continue;
-    const double theta = std::abs(fold_angle(sheet.x, hinge)), weight = theta * (b - a).norm();
+    if (place < 0 || regions.region_of_sample()[place] < 0) continue;
+    const double theta = std::abs(dihedral_angle(sheet.x, hinge)), weight = theta * (b - a).norm();
     off += weight * std::abs((b - a).normalized().dot(field.at(middle).across));
     all += weight;
     if (!singular[hinge.vertices[0]] && !singular[hinge.vertices[1]])
@@ -30,30 +30,32 @@ MeshFit mesh_fit(const Sheet& sheet, const BendingField& field, const Regions& r
   return fit;
 }
 
-bool RemeshWhen::due(const MeshFit& fit, const Moment& now, double most_fold) {
+bool RemeshSchedule::due(const MeshFit& fit, const FrameTime& now, double max_fold) {
   constexpr double soon = 2 / 24.0, later = 4 / 24.0, late = 6 / 24.0;  // [s] age of the mesh
   // what is due now is not put off by rounding
   const double time = now.seconds() + 1e-3 * now.dt;
-  way_ += std::min(now.moved, 1.0);
+  accumulated_motion_ += std::min(now.moved, 1.0);
   if (time < not_before_) return false;
   // [1/s] longer sides: what goes faster outgrows its mesh sooner
   constexpr double usual_speed = 0.02 * 24;
-  const double age = std::max(time - last_, way_ / usual_speed);
-  return (age >= soon && fit.misalignment > 0.3) ||
-         (age >= later && fit.largest_fold > most_fold) || (age >= late && fit.misalignment > 0.12);
+  const double age = std::max(time - last_, accumulated_motion_ / usual_speed);
+  return (age >= soon && fit.misalignment > 0.3) || (age >= later && fit.largest_fold > max_fold) ||
+         (age >= late && fit.misalignment > 0.12);
 }
 
-void RemeshWhen::archive(Archive& a) { a(last_, way_, not_before_, wait_); }
+void RemeshSchedule::archive(Serializer& a) {
+  a(last_, accumulated_motion_, not_before_, retry_delay_);
+}
 
-void RemeshWhen::judged(bool accepted, const Moment& now) {
+void RemeshSchedule::on_proposal_result(bool accepted, const FrameTime& now) {
   if (accepted) {
     last_ = now.seconds();
-    way_ = 0;
-    wait_ = shortest_wait;
+    accumulated_motion_ = 0;
+    retry_delay_ = min_retry_delay;
     return;
   }
-  wait_ = std::min(2 * wait_, 16 * shortest_wait);
-  not_before_ = now.seconds() + wait_;
+  retry_delay_ = std::min(2 * retry_delay_, 16 * min_retry_delay);
+  not_before_ = now.seconds() + retry_delay_;
 }
 
 }  // namespace paperbake

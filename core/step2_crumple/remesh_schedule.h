@@ -14,23 +14,23 @@ struct MeshFit {
 MeshFit mesh_fit(const Sheet&, const BendingField&, const Regions&);
 
 /// When a new ruled mesh is worth its pop: rarely, and the less the more often it was refused.
-class RemeshWhen {
+class RemeshSchedule {
  public:
   /// To be asked once at every moment.
-  bool due(const MeshFit&, const Moment&, double most_fold);
+  bool due(const MeshFit&, const FrameTime&, double max_fold);
   /// What became of a mesh that was due.
-  void judged(bool accepted, const Moment&);
+  void on_proposal_result(bool accepted, const FrameTime&);
 
-  void archive(Archive&);
+  void archive(Serializer&);
 
  private:
-  static constexpr double shortest_wait = 1 / 24.0;         // [s]
+  static constexpr double min_retry_delay = 1 / 24.0;       // [s]
   double last_ = -std::numeric_limits<double>::infinity();  // [s] time of the last ruled mesh
   // [1] of the longer side that the sheet has gone since
-  double way_ = 0;
+  double accumulated_motion_ = 0;
   double not_before_ = last_;  // [s] until then nothing is tried
   // [s] twice as long after every refusal, up to 16 times
-  double wait_ = shortest_wait;
+  double retry_delay_ = min_retry_delay;
 };
 
 }  // namespace paperbake

@@ -38,7 +38,10 @@ std::vector<Vector2d> corners_of(const std::vector<Vector2d>& polygon) {
 class Builder {
  public:
   Builder(const BaseMesh& base, const std::vector<Vector2d>& required, const RulingOptions& options)
-      : base_(base), options_(options), points_(required), tolerance_(options.merge * base.h) {
+      : base_(base),
+        options_(options),
+        points_(required),
+        tolerance_(options.merge_distance * base.h) {
     add_polygon(base.polygons.outline);
     for (const auto& hole : base.polygons.holes) add_polygon(hole);
   }
@@ -58,13 +61,13 @@ class Builder {
     for (const auto& [a, b] : legs) subdivide(a, b);
   }
 
-  void fill(const std::vector<Disc>& guards) {
+  void fill(const std::vector<Disc>& keep_out_discs) {
     for (Side& side : sides_) fill_border(side);
     const std::size_t before = points_.size();
     for (const Vector2d& p : base_.inner) {
-      const bool guarded = std::any_of(guards.begin(), guards.end(), [&](const Disc& d) {
-        return (p - d.centre).norm() < d.radius;
-      });
+      const bool guarded =
+          std::any_of(keep_out_discs.begin(), keep_out_discs.end(),
+                      [&](const Disc& d) { return (p - d.centre).norm() < d.radius; });
       const double clear = (guarded ? 0.4 : 0.6) * base_.h;
       bool free = true;
       for (std::size_t i = 0; i < before && free; ++i) free = (points_[i] - p).norm() >= clear;
@@ -96,7 +99,8 @@ class Builder {
 
   double exact() const { return 1e-7 * base_.h; }
   double near(const Ruling& r) const {
-    return r.at_tip ? 0.5 * std::min(tolerance_, options_.merge * r.length()) : tolerance_;
+    return r.cuts_corner ? 0.5 * std::min(tolerance_, options_.merge_distance * r.length())
+                         : tolerance_;
   }
 
   void add_polygon(const std::vector<Vector2d>& polygon) {
@@ -235,7 +239,7 @@ class Builder {
 };
 
 /// Least altitude of a triangle. [m]
-double least_altitude(const RuledMesh& mesh) {
+double min_altitude(const RuledMesh& mesh) {
   double least = std::numeric_limits<double>::infinity();
   for (int t = 0; t < mesh.triangles.rows(); ++t) {
     const Vector2d a = mesh.pattern.row(mesh.triangles(t, 0)),
@@ -285,14 +289,15 @@ BaseMesh base_mesh(const Points2& pattern, const Triangles& triangles) {
 std::optional<RuledMesh> ruled_mesh(const BaseMesh& base, const std::vector<Vector2d>& required,
                                     const std::vector<Vector2d>& singular,
                                     const std::vector<Ruling>& rulings,
-                                    const std::vector<Disc>& guards, const RulingOptions& options) {
+                                    const std::vector<Disc>& keep_out_discs,
+                                    const RulingOptions& options) {
   constexpr double needle = 0.03;  // [h]
   Builder builder(base, required, options);
   builder.add_singular(singular);
   builder.add_rulings(rulings);
-  builder.fill(guards);
+  builder.fill(keep_out_discs);
   auto mesh = builder.triangulate();
-  if (!mesh || least_altitude(*mesh) < needle * base.h) return std::nullopt;
+  if (!mesh || min_altitude(*mesh) < needle * base.h) return std::nullopt;
   return mesh;
 }
 

@@ -28,7 +28,7 @@ struct RuledMesh {
 /// returns   nothing when there is no sound mesh: edges would cross, or a triangle be a needle
 std::optional<RuledMesh> ruled_mesh(const BaseMesh&, const std::vector<Vector2d>& required,
                                     const std::vector<Vector2d>& singular,
-                                    const std::vector<Ruling>&, const std::vector<Disc>& guards,
-                                    const RulingOptions&);
+                                    const std::vector<Ruling>&,
+                                    const std::vector<Disc>& keep_out_discs, const RulingOptions&);
 
 }  // namespace paperbake

@@ -29,16 +29,16 @@ std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d
 }
 
 /// Lays the rulings of one sheet; remembers those that lie already.
-class Layer {
+class RulingPlacer {
  public:
-  Layer(const Pattern& polygons, const BendingField& field, const Regions& regions,
-        const std::vector<Disc>& guards, const std::vector<Vector2d>& tips, double h,
-        const RulingOptions& options)
+  RulingPlacer(const Pattern& polygons, const BendingField& field, const Regions& regions,
+               const std::vector<Disc>& keep_out_discs, const std::vector<Vector2d>& loaded_corners,
+               double h, const RulingOptions& options)
       : polygons_(polygons),
         field_(field),
         regions_(regions),
-        guards_(guards),
-        tips_(tips),
+        guards_(keep_out_discs),
+        tips_(loaded_corners),
         h_(h),
         options_(options),
         window_(options.window * std::sqrt(area(polygons))),
@@ -46,12 +46,13 @@ class Layer {
         samples_(regions.all().size()) {
     for (int i = 0; i < regions.grid().count(); ++i) {
       const Principal& bend = regions.bending()[i];
-      if (const int region = regions.of_place()[i]; region >= 0)
-        samples_[region].push_back({regions.grid().places[i], bend.across, bend.k1 * bend.k1});
+      if (const int region = regions.region_of_sample()[i]; region >= 0)
+        samples_[region].push_back(
+            {regions.grid().sample_points[i], bend.across, bend.k1 * bend.k1});
     }
   }
 
-  std::vector<Ruling> lay() {
+  std::vector<Ruling> place() {
     const auto& bending = regions_.bending();
     std::vector<int> order(regions_.grid().count());
     std::iota(order.begin(), order.end(), 0);
@@ -59,13 +60,13 @@ class Layer {
       return std::abs(bending[i].k1) > std::abs(bending[j].k1);
     });
     for (const int seed : order) {
-      if (regions_.of_place()[seed] < 0) continue;
-      const Vector2d p = regions_.grid().places[seed];
+      if (regions_.region_of_sample()[seed] < 0) continue;
+      const Vector2d p = regions_.grid().sample_points[seed];
       // a gap of less than 1.6 strips stays
-      if (!free(p, 0.8 * spacing(bending[seed].k1, least_spacing()))) continue;
-      march_from(p, regions_.of_place()[seed], turned(bending[seed].across));
+      if (!free(p, 0.8 * spacing(bending[seed].k1, min_spacing()))) continue;
+      march_from(p, regions_.region_of_sample()[seed], turned(bending[seed].across));
     }
-    return std::move(laid_);
+    return std::move(placed_);
   }
 
  private:
@@ -73,37 +74,37 @@ class Layer {
     return std::clamp(options_.facet_turn / std::max(std::abs(k), 1e-9), least,
                       options_.across_most * h_);
   }
-  double least_spacing() const { return options_.across_least * h_; }
+  double min_spacing() const { return options_.across_least * h_; }
 
   /// Towards a corner of the sheet rulings get shorter, and what bends it gets finer with them.
-  double least_spacing_beside(const Ruling& r) const {
+  double min_spacing_beside(const Ruling& r) const {
     constexpr double of_length = 0.15, least = 0.1;  // [1]; [h]
-    return r.at_tip ? std::min(least_spacing(), std::max(of_length * r.length(), least * h_))
-                    : least_spacing();
+    return r.cuts_corner ? std::min(min_spacing(), std::max(of_length * r.length(), least * h_))
+                         : min_spacing();
   }
 
   bool free(const Vector2d& p, double clear) const {
     for (const Disc& disc : guards_)
       if ((p - disc.centre).norm() < disc.radius) return false;
-    return std::none_of(laid_.begin(), laid_.end(),
+    return std::none_of(placed_.begin(), placed_.end(),
                         [&](const Ruling& r) { return distance_to_segment(p, r.a, r.b) < clear; });
   }
 
   int region_at(const Vector2d& p) const {
     if (!contains(polygons_, p)) return -1;
-    const int place = regions_.grid().nearest(p);
-    return place < 0 ? -1 : regions_.of_place()[place];
+    const int sample = regions_.grid().nearest(p);
+    return sample < 0 ? -1 : regions_.region_of_sample()[sample];
   }
 
   void march_from(const Vector2d& seed, int region, const Vector2d& direction) {
     const std::optional<Ruling> first = ruling_at(seed, region, direction);
     if (!first) return;
-    laid_.push_back(*first);
+    placed_.push_back(*first);
     for (const double side : {1.0, -1.0}) {
       Ruling last = *first;
       for (int guard = 0; guard < 200; ++guard) {
         const Vector2d middle = 0.5 * (last.a + last.b), d = (last.b - last.a).normalized();
-        const double least = least_spacing_beside(last);
+        const double least = min_spacing_beside(last);
         double step = spacing(last.k, least);
         const double ahead = field_.at(middle + side * step * turned(d)).k1;
         step = spacing(0.5 * (std::abs(last.k) + std::abs(ahead)), least);
@@ -111,7 +112,7 @@ class Layer {
         if (region_at(next) != region || !free(next, 0.6 * step)) break;
         const std::optional<Ruling> ruling = ruling_at(next, region, d);
         if (!ruling) break;
-        laid_.push_back(*ruling);
+        placed_.push_back(*ruling);
         last = *ruling;
         if ((last.b - last.a).dot(d) < 0) std::swap(last.a, last.b);
       }
@@ -127,10 +128,10 @@ class Layer {
     int count = 0;
     const double ahead = reach(p, direction, radii, count),
                  behind = reach(p, -direction, radii, count);
-    constexpr double shortest = 0.8, shortest_at_tip = 0.2;  // [h]
+    constexpr double shortest = 0.8, min_at_tip = 0.2;  // [h]
     Ruling ruling{p - behind * direction, p + ahead * direction, 0, region};
-    ruling.at_tip = cuts_a_tip(ruling);
-    if (ruling.length() < (ruling.at_tip ? shortest_at_tip : shortest) * h_ || count == 0)
+    ruling.cuts_corner = cuts_a_tip(ruling);
+    if (ruling.length() < (ruling.cuts_corner ? min_at_tip : shortest) * h_ || count == 0)
       return std::nullopt;
     ruling.k = count / radii;
     return ruling;
@@ -148,7 +149,7 @@ class Layer {
       near_.push_back(s);
       near_.back().weight *= std::exp(-offset * offset);
     }
-    if (near_.size() >= 4) return fit_cone(near_, window_, options_.pull);
+    if (near_.size() >= 4) return fit_cone(near_, window_, options_.cylinder_regularization);
     Cone cylinder;
     cylinder.apex << direction, 0;
     return cylinder;
@@ -174,7 +175,7 @@ class Layer {
   /// How far a ruling goes from p along d: while the sheet bends across it as it does at p. Adds up
   /// the radii on the way.
   double reach(const Vector2d& p, const Vector2d& d, double& radii, int& count) const {
-    constexpr int most_bad = 2;
+    constexpr int max_bad = 2;
     double end = std::numeric_limits<double>::infinity();
     for (const auto* polygon : all_polygons())
       for (std::size_t s = 0; s < polygon->size(); ++s)
@@ -186,7 +187,7 @@ class Layer {
     const double k = field_.at(p).k1, step = size_ / 30;
     double good = 0;
     int bad = 0;
-    for (double t = step; t < end && bad < most_bad; t += step) {
+    for (double t = step; t < end && bad < max_bad; t += step) {
       const Principal here = field_.at(p + t * d);
       const double least =
           std::max(0.25 * std::abs(k),
@@ -200,7 +201,7 @@ class Layer {
       radii += 1 / here.k1;
       ++count;
     }
-    if (bad < most_bad) return end;
+    if (bad < max_bad) return end;
     if (end == border && border - good < 0.5 * h_) return border;
     return good;
   }
@@ -214,7 +215,7 @@ class Layer {
       if (along > 0 && off < disc.radius)
         end = std::min(end, along - std::sqrt(disc.radius * disc.radius - off * off));
     }
-    for (const Ruling& r : laid_)
+    for (const Ruling& r : placed_)
       if (const auto t = meets(p, d, r.a, r.b)) end = std::min(end, std::max(0.0, *t - 0.4 * h_));
     return end;
   }
@@ -235,16 +236,16 @@ class Layer {
   double window_, size_;
   std::vector<std::vector<RulingSample>> samples_;  // of each region
   mutable std::vector<RulingSample> near_;          // of the last fit: its memory
-  std::vector<Ruling> laid_;
+  std::vector<Ruling> placed_;
 };
 
 }  // namespace
 
-std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField& field,
-                                const Regions& regions, const std::vector<Disc>& guards,
-                                const std::vector<Vector2d>& tips, double h,
-                                const RulingOptions& options) {
-  return Layer(polygons, field, regions, guards, tips, h, options).lay();
+std::vector<Ruling> place_rulings(const Pattern& polygons, const BendingField& field,
+                                  const Regions& regions, const std::vector<Disc>& keep_out_discs,
+                                  const std::vector<Vector2d>& loaded_corners, double h,
+                                  const RulingOptions& options) {
+  return RulingPlacer(polygons, field, regions, keep_out_discs, loaded_corners, h, options).place();
 }
 
 }  // namespace paperbake

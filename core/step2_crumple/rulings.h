@@ -11,8 +11,8 @@ struct Ruling {
   Vector2d a, b;  // [m] on the pattern
   // [1/m] curvature across it: 1 over the mean radius, which on a cone is that of its middle
   double k = 0;
-  int region = 0;       // number in Regions::all()
-  bool at_tip = false;  // cuts off a corner that is pulled
+  int region = 0;            // number in Regions::all()
+  bool cuts_corner = false;  // cuts off a corner that is pulled
   double length() const { return (b - a).norm(); }
 };
 
@@ -30,8 +30,9 @@ struct Disc {
 /// tips      [m] corners of the sheet that are pulled: rulings that cut one off are laid the nearer
 ///           to it, the shorter they are
 /// h         [m] spacing of the base mesh
-std::vector<Ruling> lay_rulings(const Pattern& polygons, const BendingField&, const Regions&,
-                                const std::vector<Disc>& guards, const std::vector<Vector2d>& tips,
-                                double h, const RulingOptions&);
+std::vector<Ruling> place_rulings(const Pattern& polygons, const BendingField&, const Regions&,
+                                  const std::vector<Disc>& keep_out_discs,
+                                  const std::vector<Vector2d>& loaded_corners, double h,
+                                  const RulingOptions&);
 
 }  // namespace paperbake

@@ -36,8 +36,9 @@ std::vector<char> singular_vertices(const Sheet& sheet) {
 std::vector<double> folds_of_both_signs(const Sheet& sheet, const Hinges& hinges) {
   std::vector<double> up(sheet.pattern.rows(), 0.0), down = up;
   for (const Hinge& hinge : hinges.hinges) {
-    if (on_fold(sheet.folds, sheet.pattern, hinge.vertices[0], hinge.vertices[1])) continue;
-    const double fold = fold_angle(sheet.x, hinge);
+    if (is_on_crease(sheet.prescribed_creases, sheet.pattern, hinge.vertices[0], hinge.vertices[1]))
+      continue;
+    const double fold = dihedral_angle(sheet.x, hinge);
     for (int k = 0; k < 2; ++k) {
       double& most = (fold > 0 ? up : down)[hinge.vertices[k]];
       most = std::max(most, std::abs(fold));
@@ -55,9 +56,9 @@ void append(Matrix& matrix, const Row& row) {
 
 /// An edge from v to that point would be shorter than paper gets: it cuts a fold short.
 bool cuts_short(const Sheet& sheet, int v, const Vector2d& pattern_end, const Vector3d& end) {
-  constexpr double most_compression = 0.005;
+  constexpr double max_compression = 0.005;
   return (sheet.x.row(v).transpose() - end).norm() <
-         (1 - most_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm();
+         (1 - max_compression) * (sheet.pattern.row(v).transpose() - pattern_end).norm();
 }
 
 /// The ring of a vertex passes through nothing when it goes from where it is to `end` (neither do
@@ -81,15 +82,15 @@ bool ring_has_room(const Sheet& sheet, int vertex, const Vector2d& pattern_end,
 
 /// From `beyond`, p lies well between a and b on the pattern: the triangle beyond the edge a-b can
 /// come up to it.
-bool sees_both(const Sheet& sheet, int beyond, int a, int b, const Vector2d& p) {
-  constexpr double least_share = 0.1;
-  const Vector2d o = sheet.pattern.row(beyond), u = sheet.pattern.row(a).transpose() - o,
+bool sees_both(const Sheet& sheet, int exceeds, int a, int b, const Vector2d& p) {
+  constexpr double min_share = 0.1;
+  const Vector2d o = sheet.pattern.row(exceeds), u = sheet.pattern.row(a).transpose() - o,
                  w = sheet.pattern.row(b).transpose() - o, q = p - o;
   const auto cross = [](const Vector2d& m, const Vector2d& n) {
     return m.x() * n.y() - m.y() * n.x();
   };
   const double whole = cross(u, w);
-  return cross(u, q) / whole > least_share && cross(q, w) / whole > least_share;
+  return cross(u, q) / whole > min_share && cross(q, w) / whole > min_share;
 }
 
 }  // namespace
@@ -126,14 +127,15 @@ Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature,
     const double turn =
         std::abs(p.k2) > options.conflict_ratio * std::abs(p.k1) ? second.turn[v] : 0;
     conflicts.turn[v] = std::max(turn, folds[v]);
-    conflicts.sharp[v] = turn > options.absorbed_turn || folds[v] > options.absorbed_folds;
-    conflicts.beyond[v] =
-        conflicts.sharp[v] ||
+    conflicts.severe[v] =
+        turn > options.threshold_near_apex || folds[v] > options.fold_threshold_near_apex;
+    conflicts.exceeds[v] =
+        conflicts.severe[v] ||
         (!beside[v] && (turn > options.conflict_turn || folds[v] > options.conflict_folds));
     // what bulges beside a singular point is that point's own cone: it would draw the next one
     // there
-    if (!beside[v] || conflicts.beyond[v])
-      conflicts.core[v] = second.area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
+    if (!beside[v] || conflicts.exceeds[v])
+      conflicts.core_weight[v] = second.area[v] * std::pow(std::max(0.0, p.k1 * p.k2), 2);
   }
   return conflicts;
 }
@@ -142,17 +144,17 @@ Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts,
                             const std::vector<int>& members) {
   constexpr double rings = 1.6;
   Vector2d by_core(0, 0), by_turn(0, 0);
-  double core = 0, turn = 0;
+  double core_weight = 0, turn = 0;
   const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) {
     return conflicts.turn[a] < conflicts.turn[b];
   });
   const double reach = rings * ring_size(sheet, worst);
-  for (int v = 0; v < static_cast<int>(conflicts.core.size()); ++v) {
+  for (int v = 0; v < static_cast<int>(conflicts.core_weight.size()); ++v) {
     if ((sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() > reach) continue;
-    by_core += conflicts.core[v] * sheet.pattern.row(v).transpose();
-    core += conflicts.core[v];
+    by_core += conflicts.core_weight[v] * sheet.pattern.row(v).transpose();
+    core_weight += conflicts.core_weight[v];
   }
-  if (core > 0) return by_core / core;
+  if (core_weight > 0) return by_core / core_weight;
   for (const int v : members) {
     by_turn += conflicts.turn[v] * conflicts.turn[v] * sheet.pattern.row(v).transpose();
     turn += conflicts.turn[v] * conflicts.turn[v];
@@ -160,7 +162,7 @@ Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts,
   return by_turn / turn;
 }
 
-double least_spacing(const Pattern& pattern, const Paper& paper, const CrumpleOptions& options) {
+double min_spacing(const Pattern& pattern, const Paper& paper, const CrumpleOptions& options) {
   return options.spacing * ridge_width(paper, std::sqrt(area(pattern)));
 }
 
@@ -171,7 +173,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
                                             std::uint32_t sheet_number, std::uint32_t event) {
   constexpr int tries = 20;
   const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
-  const double spacing = least_spacing(pattern, paper, options);
+  const double spacing = min_spacing(pattern, paper, options);
   const auto clear = [&](const Vector2d& p) {
     return !options.pins.forbids(p) &&
            std::none_of(sheet.singular.begin(), sheet.singular.end(),
@@ -190,7 +192,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
 int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixed) {
   // barycentric weight under which p counts as lying on the opposite edge
   constexpr double near_edge = 0.15;
-  Place place = Locator(sheet.pattern, sheet.triangles).locate(p);
+  MeshPoint place = PointLocator(sheet.pattern, sheet.triangles).locate(p);
   const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(),
                            v = interpolate(place, sheet.triangles, sheet.v).transpose();
   const Hinges hinges = find_hinges(sheet.triangles);
@@ -236,20 +238,21 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
   append(sheet.x, x);
   append(sheet.v, v);
   int edge;
-  bool on_edge =
-      place.weights.minCoeff(&edge) < near_edge && hinges.of_triangle[place.triangle][edge] >= 0 &&
-      !on_fold(sheet.folds, sheet.pattern, sheet.triangles(place.triangle, (edge + 1) % 3),
-               sheet.triangles(place.triangle, (edge + 2) % 3));
+  bool on_edge = place.weights.minCoeff(&edge) < near_edge &&
+                 hinges.of_triangle[place.triangle][edge] >= 0 &&
+                 !is_on_crease(sheet.prescribed_creases, sheet.pattern,
+                               sheet.triangles(place.triangle, (edge + 1) % 3),
+                               sheet.triangles(place.triangle, (edge + 2) % 3));
   // the triangle beyond the edge comes up to the new vertex, if nothing lies between
   if (on_edge) {
     const Hinge& hinge = hinges.hinges[hinges.of_triangle[place.triangle][edge]];
-    const int beyond = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];
+    const int exceeds = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];
     const auto at = [&](int k) -> Vector3d { return sheet.x.row(k); };
     on_edge =
-        sees_both(sheet, beyond, hinge.vertices[0], hinge.vertices[1], p) &&
-        !cuts_short(sheet, beyond, p, x.transpose()) &&
-        tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
-                             {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)},
+        sees_both(sheet, exceeds, hinge.vertices[0], hinge.vertices[1], p) &&
+        !cuts_short(sheet, exceeds, p, x.transpose()) &&
+        tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], exceeds, added},
+                             {at(hinge.vertices[0]), at(hinge.vertices[1]), at(exceeds), at(added)},
                              {hinge.triangles[0], hinge.triangles[1]}, 0);
     if (!on_edge) {  // further in, so that the triangle at the edge is none too thin
       place.weights *= (1 - near_edge) / (1 - place.weights[edge]);

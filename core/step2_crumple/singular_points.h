@@ -19,10 +19,10 @@ struct Conflicts {
   std::vector<double> turn;
   //       folds of either sign, whichever is more; 0 where nothing may
   //       be born
-  std::vector<char> beyond;  // more than paper does
+  std::vector<char> exceeds;  // more than paper does
   // [1/m2] A_v max(0, k1 k2)^2: how much it looks like the core of a new d-cone; 0 where turn is
-  std::vector<double> core = {};
-  std::vector<char> sharp = {};  // as much as only a singular point can take
+  std::vector<double> core_weight = {};
+  std::vector<char> severe = {};  // as much as only a singular point can take
 };
 /// fixed  vertices that are held: a point load is no d-cone
 Conflicts find_conflicts(const Sheet&, const Points3& curvature, const std::vector<char>& fixed,
@@ -43,7 +43,7 @@ Vector2d middle_of_conflict(const Sheet&, const Conflicts&, const std::vector<in
 /// How near singular points may come: each ends ridges half as wide as a ridge across the whole
 /// sheet, with as much of a facet between them. So heavier paper has larger facets, and a large
 /// sheet larger ones than a small sheet. [m]
-double least_spacing(const Pattern&, const Paper&, const CrumpleOptions&);
+double min_spacing(const Pattern&, const Paper&, const CrumpleOptions&);
 
 /// The law of [Schreck 2015]: a point drawn from a Gaussian about the middle of the conflict, with
 /// the deviation of the paper grade, within the sheet, not where it is forbidden and not too near

@@ -171,7 +171,7 @@ Restored restore_lengths(Sheet& sheet, const std::vector<int>& held,
     Points3 x = best;
     const double now =
         iteration.move(x, anchor) ? misfit(weighted.edges, x, options.left_alone) : least;
-    if (now < least && (x - sheet.x).rowwise().norm().maxCoeff() <= options.most_move * size) {
+    if (now < least && (x - sheet.x).rowwise().norm().maxCoeff() <= options.max_move * size) {
       least = now;
       best = x;
       anchor *= 0.1;

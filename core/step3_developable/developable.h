@@ -12,7 +12,7 @@ struct DevelopableOptions {
   double left_alone = 5e-4;
   int max_iterations = 4;  // [1] one factorisation each
   // [1] of the pattern's size: what would move a vertex farther is no small correction
-  double most_move = 0.005;
+  double max_move = 0.005;
 };
 
 struct Restored {

@@ -118,8 +118,8 @@ WrittenObject write_object(Archive& archive, const Object& object) {
   return {archive.file.group(blocks), hashes};
 }
 
-std::string time_sampling(std::size_t most_samples, double seconds_per_sample, double start) {
-  std::string text(bytes_of(static_cast<std::uint32_t>(most_samples)));
+std::string time_sampling(std::size_t max_samples, double seconds_per_sample, double start) {
+  std::string text(bytes_of(static_cast<std::uint32_t>(max_samples)));
   text += bytes_of(seconds_per_sample);
   text += bytes_of(std::uint32_t{1});  // number of stored times: the start
   text += bytes_of(start);

@@ -101,7 +101,7 @@ std::vector<std::vector<double>> read_rows(const TomlDocument& document, const t
   return rows;
 }
 
-FoldLine read_crease(const TomlDocument& document, const toml::node& node) {
+PrescribedCrease read_crease(const TomlDocument& document, const toml::node& node) {
   const toml::table* table = node.as_table();
   if (!table)
     fail(document, node.source().begin,
@@ -109,7 +109,7 @@ FoldLine read_crease(const TomlDocument& document, const toml::node& node) {
   refuse_unknown_keys(document, *table, {"line", "angle"});
   const toml::node* line = table->get("line");
   if (!line) fail(document, table->source().begin, "The key \"line\" of the crease is missing.");
-  FoldLine crease;
+  PrescribedCrease crease;
   for (const auto& p : read_rows(document, *line, "line", 2, "points [u, v]"))
     crease.line.emplace_back(p[0], p[1]);
   if (crease.line.size() < 2)
@@ -120,8 +120,8 @@ FoldLine read_crease(const TomlDocument& document, const toml::node& node) {
   return crease;
 }
 
-Pins read_pins(const TomlDocument& document, const toml::table& table) {
-  Pins pins;
+SingularPointRules read_pins(const TomlDocument& document, const toml::table& table) {
+  SingularPointRules pins;
   if (const toml::node* keep = table.get("singular_keep"))
     for (const auto& p : read_rows(document, *keep, "singular_keep", 2, "points [u, v]"))
       pins.keep.emplace_back(p[0], p[1]);
@@ -131,8 +131,8 @@ Pins read_pins(const TomlDocument& document, const toml::table& table) {
   return pins;
 }
 
-std::vector<FoldLine> read_creases(const TomlDocument& document, const toml::table& table) {
-  std::vector<FoldLine> creases;
+std::vector<PrescribedCrease> read_creases(const TomlDocument& document, const toml::table& table) {
+  std::vector<PrescribedCrease> creases;
   const toml::node* node = table.get("crease");
   if (!node) return creases;
   const toml::array* list = node->as_array();
@@ -186,7 +186,7 @@ const std::vector<JobKey>& sheet_keys() {
   static const std::vector<JobKey> keys{{"preset", JobKey::text},
                                         {"gsm", JobKey::number, 1, 10000},
                                         {"thickness", JobKey::number, 5e-6, 5e-3},
-                                        {"friction", JobKey::number, 0, most_friction},
+                                        {"friction", JobKey::number, 0, max_friction},
                                         {"seed", JobKey::whole, 0, whole_limit}};
   return keys;
 }
@@ -276,8 +276,8 @@ std::string toml_point(const Vector2d& p) {
   return fmt::format("[{}, {}]", toml_number(p.x()), toml_number(p.y()));
 }
 
-std::string toml_creases(const std::vector<FoldLine>& creases) {
-  return toml_list(creases, [](const FoldLine& c) {
+std::string toml_creases(const std::vector<PrescribedCrease>& creases) {
+  return toml_list(creases, [](const PrescribedCrease& c) {
     return fmt::format("{{line = {}, angle = {}}}", toml_list(c.line, toml_point),
                        toml_number(c.angle * 180 / M_PI));
   });

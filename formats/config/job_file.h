@@ -39,8 +39,8 @@ struct JobValue {
 struct JobSection {
   std::string pattern, place;
   std::vector<JobValue> values;
-  Pins pins;  // of sheets
-  std::vector<FoldLine> creases;
+  SingularPointRules pins;  // of sheets
+  std::vector<PrescribedCrease> creases;
 };
 
 /// A job file: every option of the command line for a bake, and in addition values for single
@@ -75,7 +75,7 @@ JobFile read_job(const std::filesystem::path&, const std::vector<JobKey>& keys);
 std::string toml_number(double);
 std::string toml_string(const std::string&);
 std::string toml_point(const Vector2d&);
-std::string toml_creases(const std::vector<FoldLine>&);
+std::string toml_creases(const std::vector<PrescribedCrease>&);
 template <class List, class Text>
 std::string toml_list(const List& list, Text text) {
   std::string joined;

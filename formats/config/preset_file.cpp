@@ -32,7 +32,7 @@ const std::array<PaperParameter, 11> paper_parameters{{
     {"hardening", &Paper::hardening, "1", 0, 0.9},
     {"grain_ratio", &Paper::grain_ratio, "1", 0.1, 10, false},
     {"grain_angle", &Paper::grain_angle, "deg", -360, 360, false, M_PI / 180},
-    {"friction", &Paper::friction, "1", 0, most_friction, false},
+    {"friction", &Paper::friction, "1", 0, max_friction, false},
 }};
 
 namespace {

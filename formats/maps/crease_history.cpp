@@ -49,7 +49,7 @@ std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& pl
   const double border = 1e-6 * longer_side(pattern);
   std::vector<DetectedCrease> creases;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
-    const double turn = std::abs(fold_angle(sheet.x, hinge));
+    const double turn = std::abs(dihedral_angle(sheet.x, hinge));
     if (turn <= thresholds.angle[0]) continue;
     const auto& v = hinge.vertices;
     const Vector2d along = at(v[1]) - at(v[0]);
@@ -59,7 +59,7 @@ std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& pl
     const double wings =
                      0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
                  width = 2.0 / 3 * wings / length;
-    const bool prescribed = on_fold(sheet.folds, sheet.pattern, v[0], v[1]);
+    const bool prescribed = is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]);
     double plastic_angle = prescribed ? turn : turn - thresholds.yield_curvature * width;
     if (plastic.rows() > 0 && !prescribed) {
       const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));

@@ -47,7 +47,7 @@ Eigen::VectorXd fold_widths(const Sheet& sheet, const Points3& curvature, double
   Eigen::VectorXd folded = Eigen::VectorXd::Zero(vertices), creased = folded;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
     const auto& v = hinge.vertices;
-    const double turn = fold_angle(sheet.x, hinge),
+    const double turn = dihedral_angle(sheet.x, hinge),
                  size = std::abs(turn) * (sheet.pattern.row(v[1]) - sheet.pattern.row(v[0])).norm();
     for (int k = 0; k < 4; ++k) {
       const double share = k < 2 ? 1.0 : 0.5;  // as in core/geometry/curvature

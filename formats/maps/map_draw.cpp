@@ -60,7 +60,7 @@ Vector2d ruling(double xx, double xy, double yy) {
 /// Sets the layers that depend only on the shape of the sheet at the texel.
 void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
   const double k1 = larger_principal(f[0], f[1], f[2]);
-  texel.fold_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
+  texel.dihedral_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
   texel.fold_plastic = rounded(larger_principal(f[6], f[7], f[8]), angle_step);
   const double k2 = f[0] + f[2] - k1, bent = std::abs(k1) * scene.side;
   const double coherent =
@@ -88,7 +88,8 @@ void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<ch
       if (!wanted[rows.index(i, row)]) continue;
       MapTexel& texel = texels[rows.index(i, row)];
       const float peak = rounded(peaks[i], angle_step);
-      texel.fold_peak = std::abs(peak) > std::abs(texel.fold_angle) ? peak : texel.fold_angle;
+      texel.fold_peak =
+          std::abs(peak) > std::abs(texel.dihedral_angle) ? peak : texel.dihedral_angle;
     }
   }
 }
@@ -167,7 +168,8 @@ std::vector<MapApex> map_apices(const Sheet& sheet) {
   if (apices.empty()) return apices;
   std::vector<double> turn(sheet.pattern.rows(), 0.0);
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
-    for (const int end : {0, 1}) turn[hinge.vertices[end]] += std::abs(fold_angle(sheet.x, hinge));
+    for (const int end : {0, 1})
+      turn[hinge.vertices[end]] += std::abs(dihedral_angle(sheet.x, hinge));
   for (std::size_t k = 0; k < apices.size(); ++k) apices[k].turn = turn[vertex[k]];
   return apices;
 }

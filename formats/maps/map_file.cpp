@@ -34,7 +34,7 @@ constexpr Layer layers[] = {
     {"G", Imf::HALF, offsetof(MapTexel, g)},
     {"B", Imf::HALF, offsetof(MapTexel, b)},
     {"A", Imf::HALF, offsetof(MapTexel, a)},
-    {"fold.angle", Imf::FLOAT, offsetof(MapTexel, fold_angle)},
+    {"fold.angle", Imf::FLOAT, offsetof(MapTexel, dihedral_angle)},
     {"fold.plastic", Imf::FLOAT, offsetof(MapTexel, fold_plastic)},
     {"fold.peak", Imf::FLOAT, offsetof(MapTexel, fold_peak)},
     {"age.crease", Imf::FLOAT, offsetof(MapTexel, age_crease)},
@@ -123,9 +123,9 @@ Footprint footprint(int i, int size, int next) {
   return f;
 }
 
-constexpr float MapTexel::*averaged[] = {&MapTexel::fold_angle, &MapTexel::fold_plastic,
-                                         &MapTexel::fold_peak,  &MapTexel::apex_dist,
-                                         &MapTexel::strain_min, &MapTexel::strain_max};
+constexpr float MapTexel::*averaged[] = {&MapTexel::dihedral_angle, &MapTexel::fold_plastic,
+                                         &MapTexel::fold_peak,      &MapTexel::apex_dist,
+                                         &MapTexel::strain_min,     &MapTexel::strain_max};
 
 MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint& column,
                  const Footprint& row) {

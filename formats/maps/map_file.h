@@ -16,7 +16,7 @@ namespace paperbake {
 /// All layers of a map at one texel, in the types of the file; crease_map.h describes them.
 struct MapTexel {
   half r{0.0f}, g{0.0f}, b{0.0f}, a{0.0f};
-  float fold_angle = 0, fold_plastic = 0, fold_peak = 0;
+  float dihedral_angle = 0, fold_plastic = 0, fold_peak = 0;
   float age_crease = -1, age_apex = -1;
   float apex_dist = 0, apex_cone = 0;
   std::uint32_t apex_id = 0;

@@ -136,7 +136,8 @@ bool along_border(const Pattern& pattern, const Vector2d& a, const Vector2d& b) 
   return on_it(a) && on_it(b) && on_it(0.5 * (a + b)) && on_it(0.25 * a + 0.75 * b);
 }
 
-void check_inside(const FoldLine& crease, const SceneSheet& sheet, const std::string& place) {
+void check_inside(const PrescribedCrease& crease, const SceneSheet& sheet,
+                  const std::string& place) {
   constexpr int samples = 64;  // of each part
   for (std::size_t k = 0; k + 1 < crease.line.size(); ++k)
     for (int i = 0; i <= samples; ++i)
@@ -172,11 +173,11 @@ std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affin
   for (const std::vector<int>& chain : chains_of(graph.edges, points.size())) {
     std::vector<Vector2d> line;
     for (const int v : chain) line.push_back(points[v]);
-    FoldLine crease{simplified(line, side), angle * M_PI / 180};
+    PrescribedCrease crease{simplified(line, side), angle * M_PI / 180};
     if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < min_length * side)
       continue;
     check_inside(crease, sheet, place);
-    sheet.pattern.folds.push_back(std::move(crease));
+    sheet.pattern.prescribed_creases.push_back(std::move(crease));
     sheet.crease_origin.push_back(origin);
     ++added;
   }

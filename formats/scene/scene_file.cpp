@@ -84,9 +84,10 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
 
 /// Creases of a job file with the points that nearly lie on the border moved onto it: the sheet may
 /// be 0.1000001 m wide where the job says 0.1.
-std::vector<FoldLine> with_ends_on_border(std::vector<FoldLine> creases, const Pattern& pattern) {
+std::vector<PrescribedCrease> with_ends_on_border(std::vector<PrescribedCrease> creases,
+                                                  const Pattern& pattern) {
   constexpr double near = 1e-4;  // of the longer side
-  for (FoldLine& crease : creases)
+  for (PrescribedCrease& crease : creases)
     for (Vector2d& p : crease.line)
       if (const Vector2d border = nearest_border_point(pattern, p);
           (border - p).norm() <= near * longer_side(pattern))
@@ -96,9 +97,9 @@ std::vector<FoldLine> with_ends_on_border(std::vector<FoldLine> creases, const P
 
 /// Leads a crease through the handles and singular points that it would pass at less than
 /// `tolerance` [m]: a mesh with both would have slivers between them.
-FoldLine snapped_to_points(const FoldLine& crease, const std::vector<Vector2d>& points,
-                           double tolerance) {
-  FoldLine snapped{{}, crease.angle};
+PrescribedCrease snapped_to_points(const PrescribedCrease& crease,
+                                   const std::vector<Vector2d>& points, double tolerance) {
+  PrescribedCrease snapped{{}, crease.angle};
   for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
     const Vector2d from = crease.line[k], along = crease.line[k + 1] - from;
     std::vector<std::pair<double, Vector2d>> passed{{0, from}};
@@ -124,13 +125,13 @@ FoldLine snapped_to_points(const FoldLine& crease, const std::vector<Vector2d>& 
 void snap_creases_to_points(SceneSheet& sheet) {
   std::vector<Vector2d> points = sheet.pins.keep;
   for (const Handle& handle : sheet.handles) points.push_back(handle.pattern);
-  for (FoldLine& crease : sheet.pattern.folds)
+  for (PrescribedCrease& crease : sheet.pattern.prescribed_creases)
     crease = snapped_to_points(crease, points, 2e-3 * longer_side(sheet.pattern));
 }
 
 /// Checks that singular points and creases of a job file lie on the sheet.
 /// throws Error(ErrorCode::command)
-void check_pins(const Pins& pins, const Pattern& pattern, const std::string& place,
+void check_pins(const SingularPointRules& pins, const Pattern& pattern, const std::string& place,
                 const std::string& name) {
   constexpr int samples = 64;  // of each segment of a crease
   const double rounding = 1e-6 * longer_side(pattern);
@@ -142,7 +143,7 @@ void check_pins(const Pins& pins, const Pattern& pattern, const std::string& pla
                 fmt::format("Its pattern is {}, from (0, 0).", metres(extent(pattern))));
   };
   for (const Vector2d& p : pins.keep) check("singular_keep", p);
-  for (const FoldLine& crease : pattern.folds)
+  for (const PrescribedCrease& crease : pattern.prescribed_creases)
     for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
       if ((crease.line[k + 1] - crease.line[k]).norm() < 1e-3 * longer_side(pattern))
         throw Error(
@@ -172,10 +173,10 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.grammage = positive_property(scene.source, node, "paper_gsm");
   sheet.thickness = positive_property(scene.source, node, "paper_thickness");
   sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
-  if (sheet.friction && *sheet.friction > most_friction)
+  if (sheet.friction && *sheet.friction > max_friction)
     throw Error(Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
                 fmt::format("It must be a number from 0 to {}; paper on paper has about 0.4.",
-                            most_friction));
+                            max_friction));
   if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
     if (*seed < 0)
       throw Error(Fault::scene, place, fmt::format("paper_seed is {}.", *seed),
@@ -185,9 +186,9 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
     if (overrides.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
   sheet.pins = overrides.pins;
-  sheet.pattern.folds = with_ends_on_border(overrides.creases, sheet.pattern);
+  sheet.pattern.prescribed_creases = with_ends_on_border(overrides.creases, sheet.pattern);
   check_pins(sheet.pins, sheet.pattern, overrides.pins_place, node.name);
-  sheet.crease_origin.assign(sheet.pattern.folds.size(), "job");
+  sheet.crease_origin.assign(sheet.pattern.prescribed_creases.size(), "job");
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {
       warnings.push_back(fmt::format(

@@ -17,8 +17,8 @@ struct NodeOverride {
   std::string pattern;
   std::string place;                                // job.toml:12:1
   std::map<std::string, PropertyValue> properties;  // by full name: paper_mode, ...
-  Pins pins = {};                                   // of sheets
-  std::vector<FoldLine> creases = {};
+  SingularPointRules pins = {};                     // of sheets
+  std::vector<PrescribedCrease> creases = {};
 };
 
 /// Whether a name matches a pattern: "rig:grip_left.001" matches "GRIP*".
@@ -27,8 +27,9 @@ bool name_is_like(const std::string& name, const std::string& pattern);
 /// What the overrides have changed at one node.
 struct AppliedOverrides {
   std::map<std::string, std::string> places;  // place of each property in the job file
-  Pins pins;                                  // of all sections that match the node ...
-  std::vector<FoldLine> creases;
+  // of all sections that match the node ...
+  SingularPointRules pins;
+  std::vector<PrescribedCrease> creases;
   std::string pins_place;  // ... and the place of the last of these sections
 };
 

@@ -31,7 +31,7 @@ struct Run {
   double crease = 0;              // [m] mean length of the creases at the end
 };
 
-Run run(const std::string& name, const Paper& paper, int base_triangles, int most_triangles,
+Run run(const std::string& name, const Paper& paper, int base_triangles, int max_triangles,
         unsigned seed) {
   const Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + name + ".glb");
   const SceneSheet& s = scene.sheets.front();
@@ -42,7 +42,7 @@ Run run(const std::string& name, const Paper& paper, int base_triangles, int mos
   options.seed = seed;
   options.memory = Memory::plastic;
   CrumpleOptions crumple;
-  crumple.most_triangles = most_triangles;
+  crumple.max_triangles = max_triangles;
   Run r;
   animate(shot, hybrid(shot.pattern, paper, base_triangles, crumple, seed, 0), options,
           [&](const AnimatedFrame& f) {

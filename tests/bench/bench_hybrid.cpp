@@ -65,7 +65,7 @@ CrumpleOptions options_set() {
                                                {"merge", &r.merge},
                                                {"guard", &r.guard},
                                                {"stale_fold", &r.stale_fold},
-                                               {"most_share", &r.most_share}};
+                                               {"most_share", &r.max_share}};
   const char* given = std::getenv("BENCH_SET");
   std::istringstream words(given ? given : "");
   for (std::string word; words >> word;) {

@@ -53,7 +53,7 @@ Timed timed(Polisher& polish, const Sheet& sheet, const Grasp& g) {
 
 /// The curved surface that a coarse sheet stands for, on a fine mesh.
 Sheet curved(const Sheet& rough, Sheet fine) {
-  const Locator locator(rough.pattern, rough.triangles);
+  const PointLocator locator(rough.pattern, rough.triangles);
   const CurvedSurface surface = curve(rough);
   for (int v = 0; v < fine.x.rows(); ++v)
     fine.x.row(v) = surface.at(locator.locate(fine.pattern.row(v)));

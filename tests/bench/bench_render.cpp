@@ -71,26 +71,27 @@ Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case
   options.gravity = c.gravity;
   options.contact = SelfContact::off;
   Elastic elastic(Paper{}, options);
-  elastic.remember_in(&grid);
+  elastic.set_plastic_grid(&grid);
   Sheet polished = sheet;
   elastic.set_mesh(polished);
-  const ElasticReport before = elastic.look(polished);
-  Held held;
+  const ElasticReport before = elastic.evaluate_energies(polished);
+  PositionConstraints held;
   for (const int v : vertices)
     if (std::find(held.vertices.begin(), held.vertices.end(), v) == held.vertices.end())
       held.vertices.push_back(v);
   held.targets.resize(held.vertices.size(), 3);
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
     held.targets.row(k) = sheet.x.row(held.vertices[k]);
-  const ElasticReport after = elastic.settle(polished, held, 1.0 / 24, Settling::fully);
+  const ElasticReport after = elastic.relax(polished, held, 1.0 / 24, Relaxation::full);
   return {(before.energy - before.membrane) / (after.energy - after.membrane),
           std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
 }
 
-bool cuts_through_itself(const RenderSheet& render, const ShotRecord& record) {
+bool linear_surface_intersects(const RenderSurface& render, const ShotRecord& record) {
   return std::any_of(record.frames().begin(), record.frames().end(), [&](const RecordedFrame& f) {
     const Sheet sheet = record.sheet(f);
-    return render.cuts_through_itself(sheet, render.places_on(sheet.pattern, sheet.triangles));
+    return render.linear_surface_intersects(sheet,
+                                            render.locate_on(sheet.pattern, sheet.triangles));
   });
 }
 
@@ -101,17 +102,17 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
                                            : Quality::shot;
   double begun = cpu_ms();
   RenderFeatures features = record.features(shot);
-  RenderSheet render = make_render_sheet(shot.pattern, features, record.edge(), quality);
-  if (cuts_through_itself(render, record)) {
+  RenderSurface render = make_render_surface(shot.pattern, features, record.edge(), quality);
+  if (linear_surface_intersects(render, record)) {
     features.edges = record.edges();
-    render = make_render_sheet(shot.pattern, features, record.edge(), quality);
+    render = make_render_surface(shot.pattern, features, record.edge(), quality);
   }
   const double mesh_ms = cpu_ms() - begun;
   const double n = static_cast<double>(record.frames().size()), side = longer_side(shot.pattern);
   double ms = 0, place_ms = 0, mean = 0, worst_mean = 0, worst = 0, simulated = 0, far = 0,
          hold_ms = 0;
   int worst_frame = 0;
-  std::vector<Place> places;
+  std::vector<MeshPoint> places;
   int mesh = -1;
   std::string energies, crossed;
   for (const RecordedFrame& f : record.frames()) {
@@ -120,7 +121,7 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
     render.hold(f.held);
     hold_ms += cpu_ms() - begun;
     begun = cpu_ms();
-    if (f.mesh != mesh) places = render.places_on(sheet.pattern, sheet.triangles);
+    if (f.mesh != mesh) places = render.locate_on(sheet.pattern, sheet.triangles);
     place_ms += cpu_ms() - begun;
     mesh = f.mesh;
     begun = cpu_ms();

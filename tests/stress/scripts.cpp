@@ -264,7 +264,7 @@ Script make_script(int index, std::uint32_t seed) {
     script.shot.handles.push_back(std::move(handle));
   }
   motion(script, dice);
-  script.impossible = Reach(script.shot.pattern, script.shot.handles)
+  script.impossible = HandleFeasibility(script.shot.pattern, script.shot.handles)
                           .impossible_pairs(script.shot.handles, 1, script.options.last_frame);
   return script;
 }

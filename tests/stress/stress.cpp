@@ -51,7 +51,7 @@ struct Run {
 };
 
 /// What a script's process says of itself, through a pipe, after every frame and at its end.
-struct Verdict {
+struct MeshSwapResult {
   bool finished = false;  // all frames, or an error that was reported
   bool threw = false;     // such an error
   bool nan = false, feasible = true, unreported = false;
@@ -69,8 +69,8 @@ Method make_method(const std::string& name, const Script& script) {
 
 /// [J] that the sheet stores at rest with all that handles need where it is, or nothing when it
 /// does not come to rest in the open.
-std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const Situation& is) {
-  Held held;
+std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const RemeshContext& is) {
+  PositionConstraints held;
   for (int v = 0; v < static_cast<int>(is.fixed.size()); ++v)
     if (is.fixed[v]) held.vertices.push_back(v);
   held.targets = sheet.x(held.vertices, Eigen::all);
@@ -78,17 +78,17 @@ std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const Si
   options.max_iterations = 200;
   Elastic elastic(script.shot.paper, options);
   std::optional<PlasticGrid> memory;
-  if (is.memory) elastic.remember_in(&memory.emplace(*is.memory));
+  if (is.memory) elastic.set_plastic_grid(&memory.emplace(*is.memory));
   elastic.set_mesh(sheet);
-  const ElasticReport report = elastic.settle(sheet, held, is.now.dt, Settling::fully);
+  const ElasticReport report = elastic.relax(sheet, held, is.now.dt, Relaxation::full);
   if (!report.converged || report.contact) return std::nullopt;
   return report.energy;
 }
 
 /// The same, and tells of its changes of mesh.
-Method watched(Method method, const Script& script, Verdict& v) {
+Method watched(Method method, const Script& script, MeshSwapResult& v) {
   if (!method.remesh) return method;
-  method.remesh = [remesh = method.remesh, &script, &v](Sheet& sheet, const Situation& is) {
+  method.remesh = [remesh = method.remesh, &script, &v](Sheet& sheet, const RemeshContext& is) {
     const Sheet before = sheet;
     if (!remesh(sheet, is)) return false;
     ++v.remeshed;
@@ -115,9 +115,9 @@ bool goes_unsaid(const Script& script, const AnimatedFrame& f) {
       });
 }
 
-Verdict play(const Script& script, const std::string& method, bool watch_rises,
-             const std::function<void(const Verdict&)>& say) {
-  Verdict v;
+MeshSwapResult play(const Script& script, const std::string& method, bool watch_rises,
+                    const std::function<void(const MeshSwapResult&)>& say) {
+  MeshSwapResult v;
   v.feasible = script.impossible.empty();
   AnimateOptions options = script.options;
   if (method == "fem") options.memory = Memory::none;
@@ -151,7 +151,7 @@ Verdict play(const Script& script, const std::string& method, bool watch_rises,
 }
 
 struct Outcome {
-  Verdict verdict;
+  MeshSwapResult verdict;
   bool crashed = false, endless = false;
 };
 
@@ -168,7 +168,7 @@ Child start(int index, const Run& run, const std::string& method) {
     close(ends[0]);
     const rlimit cpu{run.seconds, run.seconds + 1};
     setrlimit(RLIMIT_CPU, &cpu);
-    const auto say = [&](const Verdict& v) {
+    const auto say = [&](const MeshSwapResult& v) {
       if (write(ends[1], &v, sizeof v) != sizeof v) _exit(1);
     };
     say(play(make_script(index, run.seed), method, run.watch_rises, say));
@@ -180,7 +180,7 @@ Child start(int index, const Run& run, const std::string& method) {
 
 Outcome finish(const Child& child, int status) {
   Outcome o;
-  for (Verdict v; read(child.pipe, &v, sizeof v) == sizeof v;) o.verdict = v;
+  for (MeshSwapResult v; read(child.pipe, &v, sizeof v) == sizeof v;) o.verdict = v;
   close(child.pipe);
   o.endless = WIFSIGNALED(status) && WTERMSIG(status) == SIGXCPU;
   o.crashed = !o.endless && (!WIFEXITED(status) || WEXITSTATUS(status) != 0);
@@ -215,7 +215,7 @@ struct Counts {
 };
 
 void count(Counts& c, const Outcome& o) {
-  const Verdict& v = o.verdict;
+  const MeshSwapResult& v = o.verdict;
   ++c.scripts, c.finished += v.finished, c.threw += v.threw, c.nan += v.nan, c.crashed += o.crashed,
       c.endless += o.endless;
   c.feasible += v.feasible, c.c_m_above_2 += v.feasible && v.c_m > 2, c.unreported += v.unreported;
@@ -249,7 +249,7 @@ nlohmann::ordered_json report(const std::string& method, const Run& run) {
   print_row("all", all, run.watch_rises);
   for (int k = 0; k < scripts; ++k) {
     const Outcome& o = outcomes[k];
-    const Verdict& v = o.verdict;
+    const MeshSwapResult& v = o.verdict;
     if (o.crashed || o.endless || v.nan || v.threw || v.unreported || (v.feasible && v.c_m > 2))
       std::printf(
           "  script %d (%s):%s%s%s%s%s c_m %.2f %%, edge %.1f %%, %d frames, %.0f triangles, worst "

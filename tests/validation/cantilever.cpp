@@ -34,7 +34,7 @@ Hang hang(Sheet sheet, double lam) {
   ElasticOptions options;
   options.stop = 1e-9;
   options.max_iterations = 200;
-  Held held;
+  PositionConstraints held;
   held.vertices = vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1.01 * h; });
   held.targets.resize(held.vertices.size(), 3);
   for (std::size_t k = 0; k < held.vertices.size(); ++k)
@@ -81,7 +81,7 @@ Hang hang(const Method& method, const Shot& shot, double lam) {
   Sheet sheet;
   animate(shot, method, options,
           [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
-  const Locator locator(sheet.pattern, sheet.triangles);
+  const PointLocator locator(sheet.pattern, sheet.triangles);
   const auto at = [&](double u) {
     return interpolate(locator.locate({u, 2 * h}), sheet.triangles, sheet.x);
   };

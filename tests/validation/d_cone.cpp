@@ -13,9 +13,9 @@
 // radii whose rims keep their distances from the tip (its rulings then run through it), with a
 // membrane 100 times as stiff as paper's and nu = 0; it stores E = D/2 I ln(R/r). With paper's own
 // membrane E is 7 % lower, with 10 times that 3-5 %. Whole discs are judged for what a coarse mesh
-// makes of a core that it cannot show (cone_energy.h): against the same disc on a mesh that shows
-// it, all with paper's own membrane. The outer rim may not go below the cone of slope eps, as if
-// pushed into a ring without friction. No scene with such a collider is set up: the minimum is
+// makes of a core that it cannot show (apex_stiffness.h): against the same disc on a mesh that
+// shows it, all with paper's own membrane. The outer rim may not go below the cone of slope eps, as
+// if pushed into a ring without friction. No scene with such a collider is set up: the minimum is
 // sought in gripped_cone.h.
 
 namespace paperbake::validation {
@@ -117,7 +117,7 @@ double energy_of_disc(Sheet sheet, double outer, double eps, double squared) {
       paper, sheet,
       {vertices_where(sheet, [&](const Vector2d& p) { return p.norm() > outer * (1 - 1e-3); }),
        {0}},
-      eps, cone_factors(sheet, paper));
+      eps, apex_stiffness_factors(sheet, paper));
   disc.minimise();
   return 2 * (disc.parts().membrane + disc.parts().bending) / (paper.bending_stiffness * squared);
 }

@@ -42,7 +42,7 @@ Sheet push_strips(int strips, const Paper& paper) {
   options.max_iterations = 200;
   Elastic elastic(paper, options);
   elastic.set_mesh(sheet);
-  Held held;
+  PositionConstraints held;
   held.vertices =
       vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1e-9 || p.x() > side - 1e-9; });
   held.targets.resize(held.vertices.size(), 3);

@@ -85,18 +85,18 @@ Shot push(int times = 1) {
   return shot;
 }
 
-Vector3d at(const Locator& locator, const Sheet& sheet, double u, double v) {
+Vector3d at(const PointLocator& locator, const Sheet& sheet, double u, double v) {
   return interpolate(locator.locate({u, v}), sheet.triangles, sheet.x);
 }
 
 double mid_height(const Sheet& sheet) {
-  return at(Locator(sheet.pattern, sheet.triangles), sheet, 0.5 * side, 0.5 * side).z();
+  return at(PointLocator(sheet.pattern, sheet.triangles), sheet, 0.5 * side, 0.5 * side).z();
 }
 
 /// Largest difference in height between a sheet and its mirror image about the middle between its
 /// hinges. [m]
 double asymmetry(const Sheet& sheet) {
-  const Locator locator(sheet.pattern, sheet.triangles);
+  const PointLocator locator(sheet.pattern, sheet.triangles);
   double most = 0;
   for (int i = 1; i < 40; ++i)
     for (int j = 0; j <= 8; ++j) {

@@ -16,7 +16,7 @@ constexpr double L = 0.3, W = 0.03;  // [m]
 /// Extents of the centre line along its principal axes, the longest first. [m]
 Vector3d principal_box(const Sheet& sheet) {
   constexpr int n = 600;
-  const Locator locator(sheet.pattern, sheet.triangles);
+  const PointLocator locator(sheet.pattern, sheet.triangles);
   Points3 line(n + 1, 3);
   for (int i = 0; i <= n; ++i)
     line.row(i) = interpolate(locator.locate({L * i / n, 0.5 * W}), sheet.triangles, sheet.x);

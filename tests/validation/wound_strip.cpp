@@ -19,13 +19,13 @@ double residual(Sheet sheet, double k, const Paper& paper) {
   ElasticOptions options;
   options.stop = 1e-7;
   Elastic elastic(paper, options);
-  elastic.remember_in(&grid);
+  elastic.set_plastic_grid(&grid);
   elastic.set_mesh(sheet);
   constexpr int steps = 4;
   for (int step = 1; step <= steps; ++step) {
     Sheet rolled = sheet;
     test::roll(rolled, steps / (k * step));
-    Held all;
+    PositionConstraints all;
     for (int v = 0; v < sheet.pattern.rows(); ++v) all.vertices.push_back(v);
     all.targets = rolled.x;
     elastic.step(sheet, all, 1 / 24.0);
@@ -70,7 +70,7 @@ double residual(const Method& method, const Shot& shot) {
   Sheet sheet;
   animate(shot, method, options,
           [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
-  const Locator locator(sheet.pattern, sheet.triangles);
+  const PointLocator locator(sheet.pattern, sheet.triangles);
   const auto at = [&](double part) {
     return interpolate(locator.locate({part * length, 0.5 * width}), sheet.triangles, sheet.x);
   };

@@ -16,8 +16,8 @@
 namespace paperbake {
 namespace {
 
-constexpr double most_compression = 0.03, most_fold = 2.2;  // [1], [rad]
-constexpr double clearance = 0.005;                         // [1] of a new edge
+constexpr double max_compression = 0.03, max_fold = 2.2;  // [1], [rad]
+constexpr double clearance = 0.005;                       // [1] of a new edge
 
 /// An edge a -> b with the triangle on its left, and the one on its right if it is inside.
 struct Edge {
@@ -64,7 +64,7 @@ double quality(const Sheet& sheet, const Points3& metric, int a, int b, int c) {
 
 bool too_compressed(const Sheet& sheet, int a, int b) {
   return (sheet.x.row(a) - sheet.x.row(b)).norm() <
-         (1 - most_compression) * (at(sheet, a) - at(sheet, b)).norm();
+         (1 - max_compression) * (at(sheet, a) - at(sheet, b)).norm();
 }
 
 /// Nothing of the sheet but `changing` lies in the tetrahedron or next to its edge v2-v3.
@@ -90,13 +90,13 @@ bool wants_to_flip(const Sheet& sheet, const Points3& metric, const std::array<i
 }
 
 bool may_flip(const Sheet& sheet, const std::array<int, 4>& v) {
-  constexpr double least_share = 0.05;  // of the pair
+  constexpr double min_share = 0.05;  // of the pair
   const double left = twice_area(sheet, v[0], v[3], v[2]),
                right = twice_area(sheet, v[3], v[1], v[2]);
-  if (std::min(left, right) < least_share * (left + right) || too_compressed(sheet, v[2], v[3]))
+  if (std::min(left, right) < min_share * (left + right) || too_compressed(sheet, v[2], v[3]))
     return false;
   // left of 3 -> 2 lies corner 0
-  return std::abs(fold_angle(sheet.x, Hinge{{v[3], v[2], v[0], v[1]}, {0, 0}})) <= most_fold;
+  return std::abs(dihedral_angle(sheet.x, Hinge{{v[3], v[2], v[0], v[1]}, {0, 0}})) <= max_fold;
 }
 
 template <class Matrix>
@@ -129,7 +129,8 @@ class Collapses {
     std::vector<Edge> edges = edges_of(sheet_, metric_);
     for (const Edge& e : edges) {
       if (e.triangles[1] < 0) border_[e.a] = border_[e.b] = 1;
-      if (on_fold(sheet_.folds, sheet_.pattern, e.a, e.b)) folded_[e.a] = folded_[e.b] = 1;
+      if (is_on_crease(sheet_.prescribed_creases, sheet_.pattern, e.a, e.b))
+        folded_[e.a] = folded_[e.b] = 1;
     }
     std::stable_sort(edges.begin(), edges.end(),
                      [](const Edge& a, const Edge& b) { return a.length < b.length; });
@@ -228,7 +229,7 @@ class Collapses {
       if (too_compressed(sheet_, v, b) || too_compressed(sheet_, v, c)) return false;
       const Vector3d n = normal(v, b, c);
       for (const auto& [w, d, e] : kept)
-        if (n.dot(normal(w, d, e)) < std::cos(most_fold)) return false;
+        if (n.dot(normal(w, d, e)) < std::cos(max_fold)) return false;
     }
     return std::all_of(kept.begin(), kept.end(), [&](const std::array<int, 3>& k) {
       return has_room(sheet_, {from, k[2], to, k[1]}, ring_[from]);
@@ -271,7 +272,7 @@ Misfit misfit(const Sheet& sheet, const Points3& metric) {
   return m;
 }
 
-int split_long_edges(Sheet& sheet, Points3& metric, int most_triangles) {
+int split_long_edges(Sheet& sheet, Points3& metric, int max_triangles) {
   std::vector<Edge> edges = edges_of(sheet, metric);
   edges.erase(
       std::remove_if(edges.begin(), edges.end(), [](const Edge& e) { return e.length <= 1; }),
@@ -285,7 +286,7 @@ int split_long_edges(Sheet& sheet, Points3& metric, int most_triangles) {
   for (const Edge& e : edges) {
     const int more = e.triangles[1] < 0 ? 1 : 2;
     if (touched[e.triangles[0]] || (more == 2 && touched[e.triangles[1]]) ||
-        triangles + more > most_triangles)
+        triangles + more > max_triangles)
       continue;
     triangles += more;
     for (const int t : e.triangles)
@@ -322,7 +323,8 @@ int flip_to_delaunay(Sheet& sheet, const Points3& metric) {
     for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
       const auto [left, right] = hinge.triangles;
       const auto& v = hinge.vertices;
-      if (touched[left] || touched[right] || on_fold(sheet.folds, sheet.pattern, v[0], v[1]) ||
+      if (touched[left] || touched[right] ||
+          is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]) ||
           !wants_to_flip(sheet, metric, v) || !may_flip(sheet, v) ||
           !has_room(sheet, v, {left, right}))
         continue;

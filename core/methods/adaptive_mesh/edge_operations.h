@@ -10,7 +10,7 @@ namespace paperbake {
 /// when its mesh changes: splits leave its surface as it is; flips and collapses that would sweep
 /// over another part of it are left out.
 ///
-/// metric  |V|x3 [1/m2] of the vertices (sizing.h); it follows the vertices
+/// metric  |V|x3 [1/m2] of the vertices (sizing_field.h); it follows the vertices
 /// source  [Narain 2012], section 4; the criterion of flips [Bossen 1996]
 
 /// How far a mesh is from its field.
@@ -21,9 +21,9 @@ struct Misfit {
 Misfit misfit(const Sheet&, const Points3& metric);
 
 /// One round: edges longer than 1, the longest first, get a vertex in their middle (positions and
-/// velocities between those of the ends), as long as there are no more than `most_triangles`.
+/// velocities between those of the ends), as long as there are no more than `max_triangles`.
 /// returns  how many
-int split_long_edges(Sheet&, Points3& metric, int most_triangles);
+int split_long_edges(Sheet&, Points3& metric, int max_triangles);
 
 /// Edges turn until, measured in the mean metric of its four corners, no two opposite angles are
 /// more than a straight one by a margin; in at most 6 rounds. An edge that would compress the sheet

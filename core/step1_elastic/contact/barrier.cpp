@@ -8,11 +8,11 @@
 
 namespace paperbake {
 
-Barrier barrier(double d, double reach) {
+Barrier barrier(double d, double dhat) {
   constexpr double kappa = 50;  // [N/m]
-  if (d >= reach) return {0, 0, 0};
+  if (d >= dhat) return {0, 0, 0};
   if (d <= 0) return {std::numeric_limits<double>::infinity(), 0, 0};
-  const double in = d - reach, logarithm = std::log(d / reach);
+  const double in = d - dhat, logarithm = std::log(d / dhat);
   return {-kappa * in * in * logarithm, -kappa * (2 * in * logarithm + in * in / d),
           -kappa * (2 * logarithm + 4 * in / d - in * in / (d * d))};
 }
@@ -29,37 +29,37 @@ double relative_move(const std::array<Vector3d, 4>& moves, bool edges) {
 /// at constant speed; those of one lie beyond those of the other, because n joins the nearest
 /// points.
 static double within_slab(const std::array<Vector3d, 4>& x, const std::array<Vector3d, 4>& moves,
-                          const Vector3d& n, int cut, double kept) {
+                          const Vector3d& n, int limit_step, double kept) {
   double t = 1;
-  for (int i = 0; i < cut; ++i)
-    for (int j = cut; j < 4; ++j)
+  for (int i = 0; i < limit_step; ++i)
+    for (int j = limit_step; j < 4; ++j)
       if (const double rate = n.dot(moves[i] - moves[j]); rate < 0)
         t = std::min(t, (n.dot(x[i] - x[j]) - kept) / -rate);
   return t;
 }
 
-double free_way(const std::array<Vector3d, 4>& corners, const std::array<Vector3d, 4>& moves,
-                bool edges) {
+double collision_free_step(const std::array<Vector3d, 4>& corners,
+                           const std::array<Vector3d, 4>& moves, bool edges) {
   constexpr double gap_kept = 0.2, of_the_way = 0.9;
   // [m] and of a gap like that: it must not be used up fifth by fifth
   constexpr double tight = 1e-7, tight_kept = 0.95;
-  constexpr int most_steps = 60;
+  constexpr int max_steps = 60;
   const double speed = relative_move(moves, edges);
-  const int cut = edges ? 2 : 1;
+  const int limit_step = edges ? 2 : 1;
   const auto near_at = [&](const std::array<Vector3d, 4>& x) {
     return edges ? edge_to_edge(x) : vertex_to_triangle(x);
   };
-  Nearness near = near_at(corners);
+  ClosestPoints near = near_at(corners);
   double d = near.distance();
   const double kept = std::max(gap_kept * d, tight_kept * std::min(d, tight));
   if (speed == 0 || d - speed > kept) return 1;
   double t = 0;
   std::array<Vector3d, 4> x = corners;
-  for (int k = 0; k < most_steps; ++k) {
+  for (int k = 0; k < max_steps; ++k) {
     const double step = of_the_way * (d - kept) / speed;
     if (!(step > 0)) return t;
     if (k > 0 && d - kept < 0.01 * gap_kept * d) return t;
-    t += std::max(step, within_slab(x, moves, near.apart / d, cut, kept));
+    t += std::max(step, within_slab(x, moves, near.apart / d, limit_step, kept));
     if (t >= 1) return 1;
     for (int i = 0; i < 4; ++i) x[i] = corners[i] + t * moves[i];
     near = near_at(x);

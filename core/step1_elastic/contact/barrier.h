@@ -17,7 +17,7 @@ struct Barrier {
   double slope;   // [N]    b'  <= 0
   double second;  // [N/m]  b'' >= 0
 };
-Barrier barrier(double distance, double reach);
+Barrier barrier(double distance, double dhat);
 
 /// How far the four corners of a pair may follow their moves, as a share in [0, 1], so that a fifth
 /// of their distance is left all the way; less than that where finding it would take long. Corners
@@ -25,8 +25,8 @@ Barrier barrier(double distance, double reach);
 /// edges   two edges 0-1 and 2-3; else vertex 0 and triangle 1-2-3
 /// source  [Li 2021], additive continuous collision detection; a slab between the two where that
 ///         lets them slide farther
-double free_way(const std::array<Vector3d, 4>& corners, const std::array<Vector3d, 4>& moves,
-                bool edges);
+double collision_free_step(const std::array<Vector3d, 4>& corners,
+                           const std::array<Vector3d, 4>& moves, bool edges);
 
 /// The largest distance that a corner of one feature moves against one of the other: they come
 /// nearer by no more. [m]

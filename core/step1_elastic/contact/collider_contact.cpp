@@ -21,16 +21,16 @@ Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
 }  // namespace
 
-Pressing pressing(double d) {
-  constexpr double kappa = 200, reach = collider_reach, first = 0.2 * reach;
+ColliderBarrier collider_barrier(double d) {
+  constexpr double kappa = 200, reach = collider_dhat, first = 0.2 * reach;
   if (d >= reach) return {0, 0, 0};
-  const auto at = [&](double s) -> Pressing {
+  const auto at = [&](double s) -> ColliderBarrier {
     const double in = s - reach, logarithm = std::log(s / reach);
     return {-kappa * in * in * logarithm, -kappa * (2 * in * logarithm + in * in / s),
             -kappa * (2 * logarithm + 4 * in / s - in * in / (s * s))};
   };
   if (d >= first) return at(d);
-  static const Pressing b = at(first);
+  static const ColliderBarrier b = at(first);
   const double in = d - first;
   return {b.value + b.slope * in + 0.5 * b.second * in * in, b.slope + b.second * in, b.second};
 }
@@ -38,88 +38,91 @@ Pressing pressing(double d) {
 ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
                                  const Triangles& triangles, int vertices)
     : colliders_(std::move(colliders)),
-      against_(colliders_->size()),
+      states_(colliders_->size()),
       held_(vertices, 0),
-      excused_(vertices, 0.0) {
-  std::vector<Probe> probes;
+      reduction_(vertices, 0.0) {
+  std::vector<SheetFeature> features;
   std::set<std::pair<int, int>> edges;
-  for (int v = 0; v < vertices; ++v) probes.push_back({{v, -1, -1}, 1, {}});
+  for (int v = 0; v < vertices; ++v) features.push_back({{v, -1, -1}, 1, {}});
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
       edges.insert(std::minmax(triangles(t, i), triangles(t, (i + 1) % 3)));
-  for (const auto& [a, b] : edges) probes.push_back({{a, b, -1}, 2, {}});
+  for (const auto& [a, b] : edges) features.push_back({{a, b, -1}, 2, {}});
   for (int t = 0; t < triangles.rows(); ++t)
-    probes.push_back({{triangles(t, 0), triangles(t, 1), triangles(t, 2)}, 3, {}});
-  for (Against& a : against_) {
-    a.probes = probes;
+    features.push_back({{triangles(t, 0), triangles(t, 1), triangles(t, 2)}, 3, {}});
+  for (ColliderState& a : states_) {
+    a.features = features;
     a.reference = Points3::Constant(vertices, 3, std::numeric_limits<double>::quiet_NaN());
     a.side.assign(vertices, 1);
   }
 }
 
-Points3 ColliderContact::at_home(std::size_t c, const Points3& y, const Poses& poses) const {
+Points3 ColliderContact::to_collider_space(std::size_t c, const Points3& y,
+                                           const Poses& poses) const {
   const Eigen::Isometry3d back = poses[c].inverse();
   return (y * back.linear().transpose()).rowwise() + back.translation().transpose();
 }
 
-void ColliderContact::gather(std::size_t c, Probe& probe) const {
+void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) const {
   const Collider& collider = (*colliders_)[c];
-  const Points3& x = against_[c].reference;
-  Vector3d low = row(x, probe.vertices[0]), high = low;
-  for (int i = 1; i < probe.corners; ++i)
-    low = low.cwiseMin(row(x, probe.vertices[i])), high = high.cwiseMax(row(x, probe.vertices[i]));
-  const double within = std::max(collider_reach, collider.depth()) + tube;
-  probe.near.clear();
-  const auto add = [&](int k) { probe.near.push_back(k); };
-  if (probe.corners == 1) collider.near_triangles(low, high, within, add);
-  if (probe.corners == 2) collider.near_edges(low, high, within, add);
-  if (probe.corners == 3) collider.near_corners(low, high, within, add);
-  std::sort(probe.near.begin(), probe.near.end());
+  const Points3& x = states_[c].reference;
+  Vector3d low = row(x, feature.vertices[0]), high = low;
+  for (int i = 1; i < feature.corners; ++i)
+    low = low.cwiseMin(row(x, feature.vertices[i])),
+    high = high.cwiseMax(row(x, feature.vertices[i]));
+  const double within = std::max(collider_dhat, collider.depth()) + tube;
+  feature.near.clear();
+  const auto add = [&](int k) { feature.near.push_back(k); };
+  if (feature.corners == 1) collider.near_triangles(low, high, within, add);
+  if (feature.corners == 2) collider.near_edges(low, high, within, add);
+  if (feature.corners == 3) collider.near_corners(low, high, within, add);
+  std::sort(feature.near.begin(), feature.near.end());
 }
 
 /// Makes the lists again of what has moved.
-void ColliderContact::refresh(std::size_t c, const Points3& home) {
-  Against& a = against_[c];
-  std::vector<char> stale(home.rows(), 0);
+void ColliderContact::refresh(std::size_t c, const Points3& local) {
+  ColliderState& a = states_[c];
+  std::vector<char> stale(local.rows(), 0);
   bool any = false;
-  for (int v = 0; v < home.rows(); ++v)
-    if (!((home.row(v) - a.reference.row(v)).squaredNorm() <= tube * tube))
+  for (int v = 0; v < local.rows(); ++v)
+    if (!((local.row(v) - a.reference.row(v)).squaredNorm() <= tube * tube))
       stale[v] = 1, any = true;
   if (!any) return;
-  for (int v = 0; v < home.rows(); ++v)
-    if (stale[v]) a.reference.row(v) = home.row(v);
+  for (int v = 0; v < local.rows(); ++v)
+    if (stale[v]) a.reference.row(v) = local.row(v);
   a.close.clear();
-  for (std::size_t k = 0; k < a.probes.size(); ++k) {
-    Probe& probe = a.probes[k];
+  for (std::size_t k = 0; k < a.features.size(); ++k) {
+    SheetFeature& feature = a.features[k];
     bool moved = false;
-    for (int i = 0; i < probe.corners; ++i) moved |= stale[probe.vertices[i]] != 0;
-    if (moved) gather(c, probe);
-    if (!probe.near.empty()) a.close.push_back(static_cast<int>(k));
+    for (int i = 0; i < feature.corners; ++i) moved |= stale[feature.vertices[i]] != 0;
+    if (moved) find_candidates(c, feature);
+    if (!feature.near.empty()) a.close.push_back(static_cast<int>(k));
   }
 }
 
 /// An edge of the sheet and the k-th edge of the collider, or a triangle and its k-th corner.
-ColliderContact::Meeting ColliderContact::meeting(const Collider& collider, const Probe& probe,
-                                                  int k, const Points3& home,
-                                                  const std::vector<char>& side) const {
+ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& collider,
+                                                           const SheetFeature& feature, int k,
+                                                           const Points3& local,
+                                                           const std::vector<char>& side) const {
   const Points3& x = collider.mesh().x;
-  const auto& v = probe.vertices;
+  const auto& v = feature.vertices;
   int behind = 0;
-  for (int i = 0; i < probe.corners; ++i) behind += side[v[i]] < 0;
+  for (int i = 0; i < feature.corners; ++i) behind += side[v[i]] < 0;
   const auto leads_out = [](const Vector3d& n, const Vector3d& inward) {
     return n.dot(inward) <= in_cone * n.norm();
   };
-  Meeting m;
+  FeaturePair m;
   bool out_of_all = true;
-  if (probe.corners == 2) {
+  if (feature.corners == 2) {
     const Collider::Edge& edge = collider.edges()[k];
-    const Nearness near =
-        edge_to_edge({row(home, v[0]), row(home, v[1]), row(x, edge.a), row(x, edge.b)});
+    const ClosestPoints near =
+        edge_to_edge({row(local, v[0]), row(local, v[1]), row(x, edge.a), row(x, edge.b)});
     m = {{near.weights[0], near.weights[1], 0},
          -near.weights[2] * row(x, edge.a) - near.weights[3] * row(x, edge.b),
          near.apart,
          near.distance(),
-         Meeting::outside};
+         FeaturePair::outside};
     const Vector3d along = row(x, edge.b) - row(x, edge.a), first = edge.inward[0],
                    second = behind == 2 && edge.border ? Vector3d(-edge.inward[1]) : edge.inward[1];
     // the plane of one face, seen from the other
@@ -132,125 +135,125 @@ ColliderContact::Meeting ColliderContact::meeting(const Collider& collider, cons
                  near.weights[2] != 0 && near.weights[3] != 0;
   } else {
     const Collider::Corner& corner = collider.corners()[k];
-    const Nearness near = vertex_to_triangle(
-        {row(x, corner.vertex), row(home, v[0]), row(home, v[1]), row(home, v[2])});
+    const ClosestPoints near = vertex_to_triangle(
+        {row(x, corner.vertex), row(local, v[0]), row(local, v[1]), row(local, v[2])});
     m = {{-near.weights[1], -near.weights[2], -near.weights[3]},
          row(x, corner.vertex),
          -near.apart,
          near.distance(),
-         Meeting::outside};
+         FeaturePair::outside};
     Vector3d inward = Vector3d::Zero();
     for (const Vector3d& in : corner.inward)
       inward += in, out_of_all = out_of_all && leads_out(-m.apart, in);
     if (behind > 0 || m.apart.dot(inward) < 0) return m;
   }
   // of an end, it is the vertex that knows how deep
-  for (int i = 0; i < probe.corners; ++i) out_of_all = out_of_all && m.weights[i] > 0;
-  m.where = out_of_all ? Meeting::inside : Meeting::nearer_to_another;
+  for (int i = 0; i < feature.corners; ++i) out_of_all = out_of_all && m.weights[i] > 0;
+  m.where = out_of_all ? FeaturePair::inside : FeaturePair::nearer_to_another;
   return m;
 }
 
 template <class Visit>
-void ColliderContact::touches_of(std::size_t c, const Probe& probe, const Points3& home,
+void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, const Points3& local,
                                  Visit visit) const {
   const Collider& collider = (*colliders_)[c];
-  const std::vector<char>& side = against_[c].side;
-  const auto& v = probe.vertices;
-  if (probe.corners == 1) {
-    for (const SurfacePoint& s : collider.nearest(row(home, v[0]), probe.near, side[v[0]]))
+  const std::vector<char>& side = states_[c].side;
+  const auto& v = feature.vertices;
+  if (feature.corners == 1) {
+    for (const SurfacePoint& s : collider.nearest(row(local, v[0]), feature.near, side[v[0]]))
       if (s.distance > -collider.depth() - tube)
-        visit(Touch{v, {1, 0, 0}, 1, s.at, s.normal, s.distance});
+        visit(ContactPoint{v, {1, 0, 0}, 1, s.at, s.normal, s.distance});
     return;
   }
-  for (const int k : probe.near) {
-    const Meeting m = meeting(collider, probe, k, home, side);
-    const double sign = m.where == Meeting::inside ? -1 : 1;
-    if (m.where == Meeting::nearer_to_another || m.far < 1e-12 ||
+  for (const int k : feature.near) {
+    const FeaturePair m = feature_pair(collider, feature, k, local, side);
+    const double sign = m.where == FeaturePair::inside ? -1 : 1;
+    if (m.where == FeaturePair::nearer_to_another || m.far < 1e-12 ||
         (sign < 0 && m.far > collider.depth()))
       continue;
-    visit(Touch{v, m.weights, probe.corners, m.at, sign / m.far * m.apart, sign * m.far});
+    visit(ContactPoint{v, m.weights, feature.corners, m.at, sign / m.far * m.apart, sign * m.far});
   }
 }
 
 template <class Visit>
-void ColliderContact::for_each_touch(std::size_t c, const Points3& home, Visit visit) const {
-  const Against& a = against_[c];
+void ColliderContact::for_each_touch(std::size_t c, const Points3& local, Visit visit) const {
+  const ColliderState& a = states_[c];
   for (const int k : a.close) {
-    const Probe& probe = a.probes[k];
+    const SheetFeature& feature = a.features[k];
     bool held = true;
-    for (int i = 0; i < probe.corners; ++i) held &= held_[probe.vertices[i]] != 0;
+    for (int i = 0; i < feature.corners; ++i) held &= held_[feature.vertices[i]] != 0;
     if (held) continue;
-    touches_of(c, probe, home, [&](const Touch& touch) {
-      Touch felt = touch;
-      if (probe.corners == 1) felt.distance += excused_[probe.vertices[0]];
-      if (felt.distance < collider_reach) visit(felt);
+    touches_of(c, feature, local, [&](const ContactPoint& touch) {
+      ContactPoint felt = touch;
+      if (feature.corners == 1) felt.distance += reduction_[feature.vertices[0]];
+      if (felt.distance < collider_dhat) visit(felt);
     });
   }
 }
 
 void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
-                            const std::vector<int>& held, double dt, const Gripped& pulled) {
+                            const std::vector<int>& held, double dt, const HardConstraints& hard) {
   start_ = x;
   motion_ = motion;
-  epsilon_ = creep * dt;
+  epsilon_ = static_speed_bound * dt;
   std::fill(held_.begin(), held_.end(), 0);
   for (const int v : held) held_[v] = 1;
-  std::fill(excused_.begin(), excused_.end(), 0.0);
-  drags_.clear();
-  for (std::size_t c = 0; c < against_.size(); ++c) {
+  std::fill(reduction_.begin(), reduction_.end(), 0.0);
+  friction_contacts_.clear();
+  for (std::size_t c = 0; c < states_.size(); ++c) {
     const Collider& collider = (*colliders_)[c];
-    const Points3 home = at_home(c, x, motion.from);
+    const Points3 local = to_collider_space(c, x, motion.from);
     if (!collider.closed())
-      for (int v = 0; v < home.rows(); ++v)
-        against_[c].side[v] =
-            collider.nearest(row(home, v), 4 * collider.depth(), 1).distance < -collider.depth()
+      for (int v = 0; v < local.rows(); ++v)
+        states_[c].side[v] =
+            collider.nearest(row(local, v), 4 * collider.depth(), 1).distance < -collider.depth()
                 ? -1
                 : 1;
-    refresh(c, home);
-    excuse(c, pulled);
-    begin_friction(c, home);
+    refresh(c, local);
+    reduce_barrier_near_handles(c, hard);
+    begin_friction(c, local);
   }
 }
 
-void ColliderContact::excuse(std::size_t c, const Gripped& pulled) {
-  for (std::size_t k = 0; k < pulled.vertices.size(); ++k) {
-    const int v = pulled.vertices[k];
+void ColliderContact::reduce_barrier_near_handles(std::size_t c, const HardConstraints& hard) {
+  for (std::size_t k = 0; k < hard.vertices.size(); ++k) {
+    const int v = hard.vertices[k];
     const double wanted = (*colliders_)[c]
-                              .nearest(motion_.to[c].inverse() * row(pulled.targets, k),
-                                       collider_reach, against_[c].side[v])
+                              .nearest(motion_.to[c].inverse() * row(hard.targets, k),
+                                       collider_dhat, states_[c].side[v])
                               .distance;
-    excused_[v] = std::max(excused_[v], collider_reach - std::clamp(wanted, 0.0, collider_reach));
+    reduction_[v] = std::max(reduction_[v], collider_dhat - std::clamp(wanted, 0.0, collider_dhat));
   }
 }
 
-void ColliderContact::begin_friction(std::size_t c, const Points3& home) {
+void ColliderContact::begin_friction(std::size_t c, const Points3& local) {
   const double mu = (*colliders_)[c].mesh().friction;
   if (mu == 0) return;
-  for_each_touch(c, home, [&](const Touch& touch) {
-    const double force = mu * -pressing(touch.distance).slope;
+  for_each_touch(c, local, [&](const ContactPoint& touch) {
+    const double force = mu * -collider_barrier(touch.distance).slope;
     const Vector3d n = motion_.to[c].linear() * touch.normal;
     Eigen::Matrix<double, 3, 2> along;
     along.col(0) = n.unitOrthogonal();
     along.col(1) = n.cross(along.col(0));
-    drags_.push_back({touch.vertices, touch.weights, touch.corners, along,
-                      motion_.to[c] * touch.at - motion_.from[c] * touch.at, force});
+    friction_contacts_.push_back({touch.vertices, touch.weights, touch.corners, along,
+                                  motion_.to[c] * touch.at - motion_.from[c] * touch.at, force});
   });
 }
 
 /// Goes from `from` as far as the collider lets it, then along it. Both in its space.
 Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d to, int side) const {
-  constexpr int most_turns = 4, most_steps = 100;
+  constexpr int max_turns = 4, max_steps = 100;
   constexpr double near_enough = 2e-6;  // [m]
-  const double within = (to - p).norm() + collider_reach;
+  const double within = (to - p).norm() + collider_dhat;
   SurfacePoint s = collider.nearest(p, std::max(within, 2 * collider.depth()), side);
   if (s.distance < 0) p -= s.distance * s.normal, s.distance = 0;
-  const double kept = std::min(s.distance, 0.2 * collider_reach);
-  for (int turn = 0; turn < most_turns; ++turn) {
+  const double kept = std::min(s.distance, 0.2 * collider_dhat);
+  for (int turn = 0; turn < max_turns; ++turn) {
     const Vector3d move = to - p;
     const double length = move.norm();
     double gone = 0;
     bool hit = false;
-    for (int k = 0; k < most_steps && gone < length; ++k) {
+    for (int k = 0; k < max_steps && gone < length; ++k) {
       s = collider.nearest(p + gone / length * move, length - gone + kept + near_enough, side);
       const double free = s.distance - kept;
       hit = free < near_enough && move.dot(s.normal) < -1e-9 * length;
@@ -265,42 +268,43 @@ Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d t
   return p;
 }
 
-void ColliderContact::clear_way(const std::vector<int>& vertices, Points3& to) {
-  for (std::size_t c = 0; c < against_.size(); ++c) {
+void ColliderContact::project_outside(const std::vector<int>& vertices, Points3& to) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
     const Eigen::Isometry3d from_home = motion_.from[c].inverse(),
                             to_home = motion_.to[c].inverse();
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const Vector3d p = from_home * row(start_, vertices[k]), q = to_home * row(to, k);
-      const Vector3d end = slide((*colliders_)[c], p, q, against_[c].side[vertices[k]]);
+      const Vector3d end = slide((*colliders_)[c], p, q, states_[c].side[vertices[k]]);
       if (end != q) to.row(k) = motion_.to[c] * end;
     }
   }
 }
 
-void ColliderContact::clear_way(Points3& to) {
+void ColliderContact::project_outside(Points3& to) {
   std::vector<int> free;
   for (int v = 0; v < to.rows(); ++v)
     if (!held_[v]) free.push_back(v);
   Points3 wanted = to(free, Eigen::all);
-  clear_way(free, wanted);
+  project_outside(free, wanted);
   to(free, Eigen::all) = wanted;
 }
 
-double ColliderContact::free_way(const Points3& y, const Points3& move) {
+double ColliderContact::collision_free_step(const Points3& y, const Points3& move) {
   constexpr double near_enough = 2e-5;  // [m]
   double share = 1;
-  for (std::size_t c = 0; c < against_.size(); ++c) {
+  for (std::size_t c = 0; c < states_.size(); ++c) {
     const Collider& collider = (*colliders_)[c];
-    const Points3 home = at_home(c, y, motion_.to), way = at_home(c, y + move, motion_.to) - home;
-    refresh(c, home);
-    for (int v = 0; v < home.rows(); ++v) {
+    const Points3 local = to_collider_space(c, y, motion_.to),
+                  way = to_collider_space(c, y + move, motion_.to) - local;
+    refresh(c, local);
+    for (int v = 0; v < local.rows(); ++v) {
       const double length = way.row(v).norm();
       if (length == 0 || held_[v]) continue;
       double floor = -let_in * collider.depth(), gone = 0;
       while (gone < share * length) {
         const SurfacePoint s =
-            collider.nearest(row(home, v) + gone / length * row(way, v),
-                             share * length - gone + collider.depth(), against_[c].side[v]);
+            collider.nearest(row(local, v) + gone / length * row(way, v),
+                             share * length - gone + collider.depth(), states_[c].side[v]);
         if (gone == 0) floor = std::min(floor, s.distance - 2 * near_enough);
         const double free = s.distance - floor;
         if (free < near_enough) break;
@@ -309,23 +313,23 @@ double ColliderContact::free_way(const Points3& y, const Points3& move) {
       share = std::min(share, gone / length);
     }
     Points3 end;
-    for (Probe& probe : against_[c].probes) {
-      if (probe.corners == 1) continue;
+    for (SheetFeature& feature : states_[c].features) {
+      if (feature.corners == 1) continue;
       double fastest = 0;
-      Vector3d low = row(home, probe.vertices[0]), high = low;
-      for (int i = 0; i < probe.corners; ++i) {
-        const Vector3d p = row(home, probe.vertices[i]),
-                       q = p + share * row(way, probe.vertices[i]);
+      Vector3d low = row(local, feature.vertices[0]), high = low;
+      for (int i = 0; i < feature.corners; ++i) {
+        const Vector3d p = row(local, feature.vertices[i]),
+                       q = p + share * row(way, feature.vertices[i]);
         low = low.cwiseMin(p).cwiseMin(q), high = high.cwiseMax(p).cwiseMax(q);
-        fastest = std::max(fastest, share * way.row(probe.vertices[i]).norm());
+        fastest = std::max(fastest, share * way.row(feature.vertices[i]).norm());
       }
-      if (probe.near.empty() && fastest < tube) continue;
+      if (feature.near.empty() && fastest < tube) continue;
       const auto meet = [&](int k) {
         std::array<Vector3d, 4> x, m;
-        const bool edges = probe.corners == 2;
-        for (int i = 0; i < probe.corners; ++i) {
+        const bool edges = feature.corners == 2;
+        for (int i = 0; i < feature.corners; ++i) {
           const int at = edges ? i : i + 1;
-          x[at] = row(home, probe.vertices[i]), m[at] = share * row(way, probe.vertices[i]);
+          x[at] = row(local, feature.vertices[i]), m[at] = share * row(way, feature.vertices[i]);
         }
         const Points3& fixed = collider.mesh().x;
         if (edges)
@@ -334,11 +338,13 @@ double ColliderContact::free_way(const Points3& y, const Points3& move) {
         else
           x[0] = row(fixed, collider.corners()[k].vertex), m[0] = Vector3d::Zero();
         // it is to come out
-        if (meeting(collider, probe, k, home, against_[c].side).where != Meeting::outside) return;
-        const double free = paperbake::free_way(x, m, edges);
+        if (feature_pair(collider, feature, k, local, states_[c].side).where !=
+            FeaturePair::outside)
+          return;
+        const double free = paperbake::collision_free_step(x, m, edges);
         if (free < 1 && free > 0) share *= free;
       };
-      if (probe.corners == 2)
+      if (feature.corners == 2)
         collider.near_edges(low, high, 0, meet);
       else
         collider.near_corners(low, high, 0, meet);
@@ -349,15 +355,15 @@ double ColliderContact::free_way(const Points3& y, const Points3& move) {
 
 template <class Visit>
 void ColliderContact::for_each_touch(const Points3& y, Visit visit) {
-  for (std::size_t c = 0; c < against_.size(); ++c) {
-    const Points3 home = at_home(c, y, motion_.to);
-    refresh(c, home);
-    for_each_touch(c, home, [&](const Touch& touch) { visit(c, touch); });
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const Points3 local = to_collider_space(c, y, motion_.to);
+    refresh(c, local);
+    for_each_touch(c, local, [&](const ContactPoint& touch) { visit(c, touch); });
   }
 }
 
 /// How far a touch has slid along the collider since the step began. [m]
-Eigen::Vector2d ColliderContact::slip(const Drag& drag, const Points3& y) const {
+Eigen::Vector2d ColliderContact::slip(const FrictionContact& drag, const Points3& y) const {
   Vector3d u = -drag.carried;
   for (int i = 0; i < drag.corners; ++i)
     u += drag.weights[i] * (row(y, drag.vertices[i]) - row(start_, drag.vertices[i]));
@@ -366,9 +372,11 @@ Eigen::Vector2d ColliderContact::slip(const Drag& drag, const Points3& y) const 
 
 double ColliderContact::energy(const Points3& y) {
   double sum = 0;
-  for_each_touch(y,
-                 [&](std::size_t, const Touch& touch) { sum += pressing(touch.distance).value; });
-  for (const Drag& drag : drags_) sum += drag.force * sliding(slip(drag, y).norm(), epsilon_).value;
+  for_each_touch(y, [&](std::size_t, const ContactPoint& touch) {
+    sum += collider_barrier(touch.distance).value;
+  });
+  for (const FrictionContact& drag : friction_contacts_)
+    sum += drag.force * friction_mollifier(slip(drag, y).norm(), epsilon_).value;
   return sum;
 }
 
@@ -386,16 +394,16 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
         if (both != 0) matrix->add(matrix->slot(block_of[v[i]], block_of[v[j]]), both * second);
       }
   };
-  for_each_touch(y, [&](std::size_t c, const Touch& touch) {
-    const Pressing b = pressing(touch.distance);
+  for_each_touch(y, [&](std::size_t c, const ContactPoint& touch) {
+    const ColliderBarrier b = collider_barrier(touch.distance);
     const Vector3d n = motion_.to[c].linear() * touch.normal, force = b.slope * n;
     const Matrix3 second = (b.second * n).lazyProduct(n.transpose());
     sum += b.value;
     add(touch.vertices, touch.weights, touch.corners, force, second);
   });
-  for (const Drag& drag : drags_) {
+  for (const FrictionContact& drag : friction_contacts_) {
     const Eigen::Vector2d slid = slip(drag, y);
-    const SlidingInPlane f = sliding(slid, epsilon_);
+    const FrictionMollifierInPlane f = friction_mollifier(slid, epsilon_);
     sum += drag.force * f.value;
     const Vector3d force = drag.force * f.across * (drag.along * slid);
     const Eigen::Matrix<double, 3, 2> half = drag.force * drag.along.lazyProduct(f.second);
@@ -407,18 +415,18 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
 
 int ColliderContact::touching(const Points3& y) {
   int count = 0;
-  for_each_touch(y, [&](std::size_t, const Touch&) { ++count; });
+  for_each_touch(y, [&](std::size_t, const ContactPoint&) { ++count; });
   return count;
 }
 
 double ColliderContact::inside(const Points3& y) {
   double deepest = 0;
-  for (std::size_t c = 0; c < against_.size(); ++c) {
-    const Points3 home = at_home(c, y, motion_.to);
-    refresh(c, home);
-    for (const int k : against_[c].close)
-      touches_of(c, against_[c].probes[k], home,
-                 [&](const Touch& t) { deepest = std::max(deepest, -t.distance); });
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const Points3 local = to_collider_space(c, y, motion_.to);
+    refresh(c, local);
+    for (const int k : states_[c].close)
+      touches_of(c, states_[c].features[k], local,
+                 [&](const ContactPoint& t) { deepest = std::max(deepest, -t.distance); });
   }
   return deepest;
 }

@@ -19,13 +19,13 @@ namespace paperbake {
 ///
 /// kappa = 200 N/m, d^ = 0.5 mm: 0.6 N at a tenth of a millimetre, 2 N as deep inside
 /// source  [Li 2020], of the distance itself; the polynomial: this project
-struct Pressing {
+struct ColliderBarrier {
   double value;   // [J]
   double slope;   // [N]
   double second;  // [N/m]
 };
-Pressing pressing(double distance);
-inline constexpr double collider_reach = 5e-4;  // [m] d^
+ColliderBarrier collider_barrier(double distance);
+inline constexpr double collider_dhat = 5e-4;  // [m] d^
 
 /// One mesh of a sheet against colliders: a term of the incremental potential.
 ///
@@ -43,16 +43,16 @@ class ColliderContact {
   /// springs pull; as near to a collider as they are wanted there, it does not push them: a hand
   /// that lies on a table needs no force to stay
   void begin(const Points3& x, const ColliderMotion&, const std::vector<int>& held, double dt,
-             const Gripped& pulled = {});
+             const HardConstraints& hard = {});
 
   /// Takes a way from where the step began, along with colliders that move and along their surface
   /// where they are in the way. vertices, to: |vertices|x3 [m] where they were to go
-  void clear_way(const std::vector<int>& vertices, Points3& to);
-  void clear_way(Points3& to);  // of all vertices
+  void project_outside(const std::vector<int>& vertices, Points3& to);
+  void project_outside(Points3& to);  // of all vertices
 
   /// Share of the move after which no vertex is deeper inside than 0.2 mm and no edge or corner has
   /// come through.
-  double free_way(const Points3& y, const Points3& move);
+  double collision_free_step(const Points3& y, const Points3& move);
 
   double energy(const Points3& y);  // [J]
   /// The energy; its derivative is added to the gradient, and b'' w_i w_j n n^T and that of the
@@ -65,25 +65,25 @@ class ColliderContact {
   double inside(const Points3& y);  // [m] how deep the deepest is; 0: none
 
  private:
-  struct Probe {  // a vertex, an edge or a triangle of the sheet
+  struct SheetFeature {  // a vertex, an edge or a triangle of the sheet
     std::array<int, 3> vertices;
     int corners;
     std::vector<int> near;  // of the collider: triangles, edges or corners
   };
-  struct Touch {
+  struct ContactPoint {
     std::array<int, 3> vertices;
     std::array<double, 3> weights;
     int corners;
     Vector3d at, normal;  // of the collider, in its own space
     double distance;
   };
-  struct Meeting {  // of features that stick out
+  struct FeaturePair {  // of features that stick out
     std::array<double, 3> weights;
     Vector3d at, apart;  // apart: from there to the sheet
     double far;
     enum { outside, inside, nearer_to_another } where;
   };
-  struct Drag {  // friction of one touch
+  struct FrictionContact {  // friction of one touch
     std::array<int, 3> vertices;
     std::array<double, 3> weights;
     int corners;
@@ -91,38 +91,38 @@ class ColliderContact {
     Vector3d carried;  // [m] how far the collider goes there in this step
     double force;      // [N] friction x pressure
   };
-  struct Against {  // what is known of one collider
-    std::vector<Probe> probes;
+  struct ColliderState {  // what is known of one collider
+    std::vector<SheetFeature> features;
     std::vector<int> close;  // probes that have something near
     // |V|x3 [m] in the collider's space: lists are good within tube of it; NaN: never made
     Points3 reference;
     std::vector<char> side;  // |V| -1: has come round the border of an open one
   };
 
-  void refresh(std::size_t c, const Points3& home);
-  void gather(std::size_t c, Probe&) const;
-  Points3 at_home(std::size_t c, const Points3& y, const Poses& poses) const;
+  void refresh(std::size_t c, const Points3& local);
+  void find_candidates(std::size_t c, SheetFeature&) const;
+  Points3 to_collider_space(std::size_t c, const Points3& y, const Poses& poses) const;
   template <class Visit>
-  void for_each_touch(std::size_t c, const Points3& home, Visit) const;
+  void for_each_touch(std::size_t c, const Points3& local, Visit) const;
   template <class Visit>
-  void touches_of(std::size_t c, const Probe&, const Points3& home, Visit) const;
-  Meeting meeting(const Collider&, const Probe&, int k, const Points3& home,
-                  const std::vector<char>& side) const;
+  void touches_of(std::size_t c, const SheetFeature&, const Points3& local, Visit) const;
+  FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& local,
+                           const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
   template <class Visit>
   void for_each_touch(const Points3& y, Visit);  // at the end of the step
-  Eigen::Vector2d slip(const Drag&, const Points3& y) const;
-  void begin_friction(std::size_t c, const Points3& home);
-  void excuse(std::size_t c, const Gripped& pulled);
+  Eigen::Vector2d slip(const FrictionContact&, const Points3& y) const;
+  void begin_friction(std::size_t c, const Points3& local);
+  void reduce_barrier_near_handles(std::size_t c, const HardConstraints& hard);
 
   std::shared_ptr<const Colliders> colliders_;
-  std::vector<Against> against_;
+  std::vector<ColliderState> states_;
   std::vector<char> held_;
-  std::vector<double> excused_;  // |V| [m] by how much nearer than others they may be
+  std::vector<double> reduction_;  // |V| [m] by how much nearer than others they may be
   Points3 start_;
   ColliderMotion motion_;
   double epsilon_ = 1e-6;  // [m]
-  std::vector<Drag> drags_;
+  std::vector<FrictionContact> friction_contacts_;
 };
 
 }  // namespace paperbake

@@ -6,23 +6,23 @@
 
 namespace paperbake {
 
-Sliding sliding(double y, double epsilon) {
+FrictionMollifier friction_mollifier(double y, double epsilon) {
   if (y >= epsilon) return {y, 1, 0};
   const double s = y / epsilon;
   return {epsilon * (-s * s * s / 3 + s * s + 1.0 / 3), s * (2 - s), 2 * (1 - s) / epsilon};
 }
 
-SlidingInPlane sliding(const Eigen::Vector2d& slid, double epsilon) {
+FrictionMollifierInPlane friction_mollifier(const Eigen::Vector2d& slid, double epsilon) {
   const double way = slid.norm(), least = 1e-6 * epsilon;
-  const Sliding f = sliding(way, epsilon);
+  const FrictionMollifier f = friction_mollifier(way, epsilon);
   const double across = way > least ? f.slope / way : 2 / epsilon;
   Eigen::Matrix2d second = across * Eigen::Matrix2d::Identity();
   if (way > least) second += (f.second - across) / (way * way) * slid * slid.transpose();
   return {f.value, across, second};
 }
 
-std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_by(const std::array<Vector3d, 4>& x, bool edges,
-                                                      const Nearness& near) {
+std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_map(const std::array<Vector3d, 4>& x, bool edges,
+                                                       const ClosestPoints& near) {
   // [1] squared sine, about: a turn about sides that run alike does not show in them
   constexpr double alike = 0.05;
   const double d = near.distance();

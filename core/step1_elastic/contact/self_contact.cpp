@@ -13,14 +13,14 @@ namespace {
 
 constexpr double pattern_share = 0.3;  // of the distance on the pattern
 // of a distance that is meant; of the reach: less is none
-constexpr double begun_share = 0.9, least_share = 0.01;
+constexpr double begun_share = 0.9, min_share = 0.01;
 // of the reach: what begins or is meant nearer chatters, and friction would jam it
 constexpr double lies_on = 0.5;
 constexpr double touching = 1e-12;  // [m] nearer than this there is no direction to push in
 // [1] of the reach: such pairs get their blocks in the matrix
 constexpr double spaced = 1.5;
 
-Nearness nearness(const std::array<Vector3d, 4>& x, bool edges) {
+ClosestPoints nearness(const std::array<Vector3d, 4>& x, bool edges) {
   return edges ? edge_to_edge(x) : vertex_to_triangle(x);
 }
 
@@ -81,7 +81,7 @@ bool separated(const Points3& from, const Points3& to, const int* a, const int* 
 }  // namespace
 
 /// One sheet and itself.
-static JoinedSheets alone(const Points2& pattern, const Triangles& triangles, double friction) {
+static SheetPartition alone(const Points2& pattern, const Triangles& triangles, double friction) {
   double area = 0;
   for (int t = 0; t < triangles.rows(); ++t) area += rest_triangle(pattern, triangles.row(t)).area;
   return {std::vector<int>(pattern.rows(), 0),
@@ -92,66 +92,66 @@ static JoinedSheets alone(const Points2& pattern, const Triangles& triangles, do
 
 Contact::Contact(const Points2& pattern, const Triangles& triangles, double friction)
     : Contact(pattern, triangles, alone(pattern, triangles, friction)) {
-  spread_.emplace(pattern, triangles);
+  separation_bound_.emplace(pattern, triangles);
 }
 
-Contact::Contact(const Points2& pattern, const Triangles& triangles, JoinedSheets sheets)
+Contact::Contact(const Points2& pattern, const Triangles& triangles, SheetPartition sheets)
     : pattern_(pattern),
       triangles_(triangles),
       sheets_(std::move(sheets)),
-      reach_(sheets_.reach.maxCoeff()),
-      tube_(0.5 * reach_),
-      grip_(pattern.rows(), -1) {}
+      dhat_(sheets_.dhat.maxCoeff()),
+      candidate_margin_(0.5 * dhat_),
+      constraint_of_(pattern.rows(), -1) {}
 
-NearTriangles& Contact::near() const {
+SweptBoxPairs& Contact::near() const {
   if (!near_) near_.emplace(triangles_);
   return *near_;
 }
 
-void Contact::judge_by(const Points3& start, const Gripped& gripped) {
-  for (const int v : gripped_.vertices) grip_[v] = -1;
+void Contact::set_constraints(const Points3& start, const HardConstraints& gripped) {
+  for (const int v : gripped_.vertices) constraint_of_[v] = -1;
   gripped_ = gripped;
   for (std::size_t k = 0; k < gripped_.vertices.size(); ++k)
-    grip_[gripped_.vertices[k]] = static_cast<int>(k);
+    constraint_of_[gripped_.vertices[k]] = static_cast<int>(k);
   start_ = start;
 }
 
-double Contact::reach_of(const std::array<int, 4>& v, bool edges) const {
+double Contact::dhat_of(const std::array<int, 4>& v, bool edges) const {
   std::array<Vector3d, 4> p;
   bool all_held = true;
   for (int i = 0; i < 4; ++i) {
     p[i] << pattern_(v[i], 0), pattern_(v[i], 1), 0;
-    all_held &= grip_[v[i]] >= 0;
+    all_held &= constraint_of_[v[i]] >= 0;
   }
   if (all_held) return 0;
   const auto [a, b] = sheets_of(v, edges);
   if (a == b)
-    return reach_of_grips(
-        v, edges, std::min(sheets_.reach(a, a), pattern_share * nearness(p, edges).distance()));
-  double reach = sheets_.reach(a, b);
+    return dhat_near_constraints(
+        v, edges, std::min(sheets_.dhat(a, a), pattern_share * nearness(p, edges).distance()));
+  double dhat = sheets_.dhat(a, b);
   if (sheets_.begun.rows() > 0) {
     const double begun = begun_share * nearness(corners(sheets_.begun, v), edges).distance();
-    if (begun < least_share * reach) return 0;
-    reach = std::min(reach, begun);
+    if (begun < min_share * dhat) return 0;
+    dhat = std::min(dhat, begun);
   }
-  return reach_of_grips(v, edges, reach);
+  return dhat_near_constraints(v, edges, dhat);
 }
 
-double Contact::reach_of_grips(const std::array<int, 4>& v, bool edges, double reach) const {
+double Contact::dhat_near_constraints(const std::array<int, 4>& v, bool edges, double dhat) const {
   const int cut = edges ? 2 : 1;  // corners before it belong to the first feature
   std::vector<int> held[2];
   for (int i = 0; i < 4; ++i)
-    if (grip_[v[i]] >= 0) held[i >= cut].push_back(v[i]);
-  if (held[0].empty() || held[1].empty()) return reach;
+    if (constraint_of_[v[i]] >= 0) held[i >= cut].push_back(v[i]);
+  if (held[0].empty() || held[1].empty()) return dhat;
   // the held part of either side: a point, an edge, or the whole triangle, which all_held has dealt
   // with
   std::array<int, 4> part{held[0].front(), held[0].back(), held[1].front(), held[1].back()};
   std::array<Vector3d, 4> target;
-  for (int i = 0; i < 4; ++i) target[i] = gripped_.targets.row(grip_[part[i]]);
+  for (int i = 0; i < 4; ++i) target[i] = gripped_.targets.row(constraint_of_[part[i]]);
   const double apart =
       std::min(edge_to_edge(target).distance(), edge_to_edge(corners(start_, part)).distance());
-  const double shrunk = std::min(reach, begun_share * apart);
-  return shrunk < least_share * reach ? 0 : shrunk;
+  const double shrunk = std::min(dhat, begun_share * apart);
+  return shrunk < min_share * dhat ? 0 : shrunk;
 }
 
 template <class Visit>
@@ -176,55 +176,57 @@ void Contact::for_each_pair(int a, int b, Visit visit) const {
   }
 }
 
-bool Contact::meets(const Points3& from, const Points3& to, const std::array<int, 4>& v,
-                    bool edges) const {
+bool Contact::pair_collides(const Points3& from, const Points3& to, const std::array<int, 4>& v,
+                            bool edges) const {
   const auto begin = corners(from, v), end = corners(to, v), move = moves(from, to, v);
   const double d0 = nearness(begin, edges).distance(), d1 = nearness(end, edges).distance();
   const bool free = d0 + d1 > relative_move(move, edges);
-  if (d1 >= reach_ && free) return false;
-  const double reach = reach_of(v, edges);
-  if (reach == 0 || d0 <= touching) return false;
-  return d1 < reach || (!free && paperbake::free_way(begin, move, edges) < 1);
+  if (d1 >= dhat_ && free) return false;
+  const double dhat = dhat_of(v, edges);
+  if (dhat == 0 || d0 <= touching) return false;
+  return d1 < dhat || (!free && paperbake::collision_free_step(begin, move, edges) < 1);
 }
 
-bool Contact::any_meets(int a, int b, const Points3& from, const Points3& to) const {
+bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3& to) const {
   bool met = false;
   for_each_pair(a, b, [&](const std::array<int, 4>& v, bool edges) {
-    met = met || meets(from, to, v, edges);
+    met = met || pair_collides(from, to, v, edges);
   });
   return met;
 }
 
-bool Contact::clear(const Points3& from, const Points3& to, const Gripped& gripped) {
-  if (spread_ && spread_->all_the_way(from, to, pattern_share)) return true;
-  judge_by(from, gripped);
+bool Contact::clear(const Points3& from, const Points3& to, const HardConstraints& gripped) {
+  if (separation_bound_ && separation_bound_->holds_along_step(from, to, pattern_share))
+    return true;
+  set_constraints(from, gripped);
   const std::vector<char> flat_from = flat_stars(from, triangles_),
                           flat_to = flat_stars(to, triangles_);
-  for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_)) {
+  for (const auto& [a, b] : near().find(from, to - from, 0.5 * dhat_)) {
     bool neighbours = false, flat = false;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
         if (const int v = triangles_(a, i); v == triangles_(b, j))
           neighbours = true, flat |= flat_from[v] && flat_to[v];
-    if (neighbours ? flat : separated(from, to, &triangles_(a, 0), &triangles_(b, 0), reach_))
+    if (neighbours ? flat : separated(from, to, &triangles_(a, 0), &triangles_(b, 0), dhat_))
       continue;
-    if (any_meets(a, b, from, to)) return false;
+    if (any_pair_collides(a, b, from, to)) return false;
   }
   return true;
 }
 
-bool Contact::clear_between(const Points3& from, const Points3& to, const Gripped& gripped) {
-  judge_by(from, gripped);
-  for (const auto& [a, b] : near().find(from, to - from, 0.5 * reach_)) {
+bool Contact::is_collision_free_between_sheets(const Points3& from, const Points3& to,
+                                               const HardConstraints& gripped) {
+  set_constraints(from, gripped);
+  for (const auto& [a, b] : near().find(from, to - from, 0.5 * dhat_)) {
     if (sheets_.of_vertex[triangles_(a, 0)] == sheets_.of_vertex[triangles_(b, 0)]) continue;
-    if (!separated(from, to, &triangles_(a, 0), &triangles_(b, 0), reach_) &&
-        any_meets(a, b, from, to))
+    if (!separated(from, to, &triangles_(a, 0), &triangles_(b, 0), dhat_) &&
+        any_pair_collides(a, b, from, to))
       return false;
   }
   return true;
 }
 
-void Contact::find_entangled(const Points3& x) {
+void Contact::find_initially_intersecting(const Points3& x) {
   entangled_.clear();
   for (const auto& [a, b] : near().find(x, Points3::Zero(x.rows(), 3), 0)) {
     const auto corner = [&](int t, int i) -> Vector3d { return x.row(triangles_(t, i % 3)); };
@@ -244,7 +246,7 @@ void Contact::find_entangled(const Points3& x) {
   }
 }
 
-bool Contact::entangled(const std::array<int, 4>& v, bool edges) const {
+bool Contact::initially_intersecting(const std::array<int, 4>& v, bool edges) const {
   const auto belongs = [&](int t, int first, int last) {
     return std::all_of(v.begin() + first, v.begin() + last,
                        [&](int w) { return (triangles_.row(t).array() == w).any(); });
@@ -256,41 +258,43 @@ bool Contact::entangled(const std::array<int, 4>& v, bool edges) const {
   });
 }
 
-void Contact::begin(const Points3& x, const Gripped& gripped, double dt) {
-  judge_by(x, gripped);
-  find_entangled(x);
-  gather(x, Points3::Zero(x.rows(), 3));
+void Contact::begin(const Points3& x, const HardConstraints& gripped, double dt) {
+  set_constraints(x, gripped);
+  find_initially_intersecting(x);
+  build_candidates(x, Points3::Zero(x.rows(), 3));
   begin_friction(dt);
 }
 
 void Contact::begin_friction(double dt) {
-  drags_.clear();
-  epsilon_ = creep * dt;
+  friction_contacts_.clear();
+  epsilon_ = static_speed_bound * dt;
   const std::vector<double>& mu = sheets_.friction;
   if (std::all_of(mu.begin(), mu.end(), [](double one) { return one == 0; })) return;
-  for_each_active(start_, 1, [&](std::size_t k, const Nearness& near, double d) {
+  for_each_active(start_, 1, [&](std::size_t k, const ClosestPoints& near, double d) {
     const ContactPair& pair = pairs_[k];
     const auto [a, b] = sheets_of(pair.vertices, pair.edges);
-    if (pair.reach < lies_on * std::min(sheets_.reach(a, a), sheets_.reach(b, b))) return;
-    const double force = std::sqrt(mu[a] * mu[b]) * -barrier(d, pair.reach).slope;
+    if (pair.dhat < lies_on * std::min(sheets_.dhat(a, a), sheets_.dhat(b, b))) return;
+    const double force = std::sqrt(mu[a] * mu[b]) * -barrier(d, pair.dhat).slope;
     if (force > 0)
-      drags_.push_back(
-          {pair.vertices, sliding_by(corners(start_, pair.vertices), pair.edges, near), force, {}});
+      friction_contacts_.push_back({pair.vertices,
+                                    sliding_map(corners(start_, pair.vertices), pair.edges, near),
+                                    force,
+                                    {}});
   });
 }
 
-Eigen::Vector2d Contact::slip(const Drag& drag, const Points3& y) const {
+Eigen::Vector2d Contact::slip(const FrictionContact& drag, const Points3& y) const {
   Eigen::Vector2d u = Eigen::Vector2d::Zero();
   for (int i = 0; i < 4; ++i)
     u += drag.along[i] * (y.row(drag.vertices[i]) - start_.row(drag.vertices[i])).transpose();
   return u;
 }
 
-void Contact::gather(const Points3& y, const Points3& move) {
+void Contact::build_candidates(const Points3& y, const Points3& move) {
   pairs_.clear();
-  spare_.clear();
+  gap_bound_.clear();
   const Points3 end = y + move, low = y.cwiseMin(end), high = y.cwiseMax(end);
-  const double within = reach_ + 2 * tube_;
+  const double within = dhat_ + 2 * candidate_margin_;
   const auto boxes_apart = [&](const std::array<int, 4>& v, bool edges) {
     for (int k = 0; k < 3; ++k) {
       double low_a = low(v[0], k), high_a = high(v[0], k),
@@ -309,11 +313,11 @@ void Contact::gather(const Points3& y, const Points3& move) {
       if (boxes_apart(v, edges)) return;
       const double d = nearness(corners(y, v), edges).distance();
       const double least = d - relative_move(moves(y, end, v), edges);
-      if (least > within || entangled(v, edges)) return;
-      const double reach = reach_of(v, edges);
-      if (reach == 0 || least > reach + 2 * tube_ || d <= touching) return;
-      pairs_.push_back({v, edges, reach});
-      spare_.push_back(least - reach);
+      if (least > within || initially_intersecting(v, edges)) return;
+      const double dhat = dhat_of(v, edges);
+      if (dhat == 0 || least > dhat + 2 * candidate_margin_ || d <= touching) return;
+      pairs_.push_back({v, edges, dhat});
+      gap_bound_.push_back(least - dhat);
     });
   }
   slots_.resize(pairs_.size());
@@ -322,42 +326,42 @@ void Contact::gather(const Points3& y, const Points3& move) {
   swept_ = true;
 }
 
-double Contact::slack(const Points3& y) const { return largest_row(y - reference_); }
+double Contact::drift(const Points3& y) const { return largest_row(y - reference_); }
 
-void Contact::cover(const Points3& y, const Points3& move) {
-  if (slack(y) <= tube_ && slack(y + move) <= tube_)
+void Contact::update_candidates(const Points3& y, const Points3& move) {
+  if (drift(y) <= candidate_margin_ && drift(y + move) <= candidate_margin_)
     swept_ = false;
   else
-    gather(y, move);
+    build_candidates(y, move);
 }
 
-void Contact::arrived(const Points3& y) {
+void Contact::commit_step(const Points3& y) {
   if (swept_) reference_ = y;
   swept_ = false;
 }
 
-double Contact::free_way(const Points3& y, const Points3& move) const {
-  const double fastest = 2 * largest_row(move), off = 2 * slack(y);
+double Contact::collision_free_step(const Points3& y, const Points3& move) const {
+  const double fastest = 2 * largest_row(move), off = 2 * drift(y);
   const Points3 end = y + move;
   double share = 1;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
     const ContactPair& pair = pairs_[k];
     // a gap that is tight counts otherwise
-    if (const double d = spare_[k] + pair.reach - off; d > 1e-6 && 0.8 * d > fastest) continue;
+    if (const double d = gap_bound_[k] + pair.dhat - off; d > 1e-6 && 0.8 * d > fastest) continue;
     auto move_of = moves(y, end, pair.vertices);
     for (Vector3d& m : move_of) m *= share;
-    share *= paperbake::free_way(corners(y, pair.vertices), move_of, pair.edges);
+    share *= paperbake::collision_free_step(corners(y, pair.vertices), move_of, pair.edges);
   }
   return share;
 }
 
 template <class Visit>
-void Contact::for_each_active(const Points3& y, double share_of_reach, Visit visit) const {
-  const double off = 2 * slack(y);
+void Contact::for_each_active(const Points3& y, double dhat_ratio, Visit visit) const {
+  const double off = 2 * drift(y);
   for (std::size_t k = 0; k < pairs_.size(); ++k) {
-    const double within = share_of_reach * pairs_[k].reach;
-    if (spare_[k] + pairs_[k].reach - off >= within) continue;
-    const Nearness near = nearness(corners(y, pairs_[k].vertices), pairs_[k].edges);
+    const double within = dhat_ratio * pairs_[k].dhat;
+    if (gap_bound_[k] + pairs_[k].dhat - off >= within) continue;
+    const ClosestPoints near = nearness(corners(y, pairs_[k].vertices), pairs_[k].edges);
     const double d = near.distance();
     if (d < within) visit(k, near, d);
   }
@@ -365,17 +369,18 @@ void Contact::for_each_active(const Points3& y, double share_of_reach, Visit vis
 
 double Contact::energy(const Points3& y) const {
   double sum = 0;
-  for_each_active(y, 1, [&](std::size_t k, const Nearness&, double d) {
-    sum += barrier(d, pairs_[k].reach).value;
+  for_each_active(y, 1, [&](std::size_t k, const ClosestPoints&, double d) {
+    sum += barrier(d, pairs_[k].dhat).value;
   });
-  for (const Drag& drag : drags_) sum += drag.force * sliding(slip(drag, y).norm(), epsilon_).value;
+  for (const FrictionContact& drag : friction_contacts_)
+    sum += drag.force * friction_mollifier(slip(drag, y).norm(), epsilon_).value;
   return sum;
 }
 
 double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky* matrix) {
   double sum = 0;
-  for_each_active(y, 1, [&](std::size_t k, const Nearness& near, double d) {
-    const Barrier b = barrier(d, pairs_[k].reach);
+  for_each_active(y, 1, [&](std::size_t k, const ClosestPoints& near, double d) {
+    const Barrier b = barrier(d, pairs_[k].dhat);
     const std::array<int, 4>& v = pairs_[k].vertices;
     const Vector3d n = near.apart / d;
     sum += b.value;
@@ -388,9 +393,9 @@ double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky
         if (const double w = near.weights[p] * near.weights[q]; w != 0)
           matrix->add(slots_[k][at], Matrix3(w * nn));
   });
-  for (Drag& drag : drags_) {
+  for (FrictionContact& drag : friction_contacts_) {
     const Eigen::Vector2d slid = slip(drag, y);
-    const SlidingInPlane f = sliding(slid, epsilon_);
+    const FrictionMollifierInPlane f = friction_mollifier(slid, epsilon_);
     sum += drag.force * f.value;
     for (int i = 0; i < 4; ++i)
       gradient.row(drag.vertices[i]) += drag.force * f.across * slid.transpose() * drag.along[i];
@@ -415,7 +420,7 @@ Contact::Slots Contact::slots_of(const std::array<int, 4>& v) const {
 
 std::vector<std::pair<int, int>> Contact::coupled_vertices(const Points3& y) const {
   std::vector<std::pair<int, int>> coupled;
-  for_each_active(y, spaced, [&](std::size_t k, const Nearness&, double) {
+  for_each_active(y, spaced, [&](std::size_t k, const ClosestPoints&, double) {
     const std::array<int, 4>& v = pairs_[k].vertices;
     for (int p = 0; p < 4; ++p)
       for (int q = p + 1; q < 4; ++q) coupled.emplace_back(v[p], v[q]);
@@ -427,12 +432,12 @@ void Contact::bind(const BlockCholesky& matrix, const std::vector<int>& block_of
   matrix_ = &matrix;
   block_of_ = block_of;
   placed_.assign(pairs_.size(), 0);
-  for (Drag& drag : drags_) drag.placed = false;
+  for (FrictionContact& drag : friction_contacts_) drag.placed = false;
 }
 
 std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {
-  std::vector<Active> counts(sheets_.reach.rows());
-  for_each_active(y, 1, [&](std::size_t k, const Nearness&, double) {
+  std::vector<Active> counts(sheets_.dhat.rows());
+  for_each_active(y, 1, [&](std::size_t k, const ClosestPoints&, double) {
     const auto [a, b] = sheets_of(pairs_[k].vertices, pairs_[k].edges);
     if (a == b)
       ++counts[a].own;
@@ -444,7 +449,7 @@ std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {
 
 int Contact::active(const Points3& y) const {
   int count = 0;
-  for_each_active(y, 1, [&](std::size_t, const Nearness&, double) { ++count; });
+  for_each_active(y, 1, [&](std::size_t, const ClosestPoints&, double) { ++count; });
   return count;
 }
 

@@ -13,7 +13,7 @@ namespace paperbake {
 
 /// Where handles hold the sheet, as far as contact has to know: what they bring together is their
 /// own business.
-struct Gripped {
+struct HardConstraints {
   std::vector<int> vertices;
   Points3 targets;  // |vertices|x3 [m]
 };
@@ -23,14 +23,14 @@ struct Gripped {
 struct ContactPair {
   std::array<int, 4> vertices;  // vertex, triangle; or edge, edge
   bool edges;
-  double reach;  // [m] d^ of this pair
+  double dhat;  // [m] d^ of this pair
 };
 
 /// Several sheets in one mesh, their vertices one after the other.
-struct JoinedSheets {
+struct SheetPartition {
   std::vector<int> of_vertex;  // |V| number of its sheet
   // |sheets|x|sheets| [m] d^ between two of them, on the diagonal of one and itself
-  Eigen::MatrixXd reach;
+  Eigen::MatrixXd dhat;
   // |V|x3 [m] where they began, when some began on each other; else empty
   Points3 begun = {};
   // |sheets| [1] mu of each on itself; of two the geometric mean, so that none is none; empty: none
@@ -62,31 +62,32 @@ struct JoinedSheets {
 class Contact {
  public:
   Contact(const Points2& pattern, const Triangles&, double friction = 0);
-  Contact(const Points2& pattern, const Triangles&, JoinedSheets);
+  Contact(const Points2& pattern, const Triangles&, SheetPartition);
 
   /// d^ of the sheet: 2 mm; 1 % of the side of a square of its area where that is less; the
   /// largest, of several. [m]
-  double reach() const { return reach_; }
+  double dhat() const { return dhat_; }
 
   /// True when nothing meets on the straight way from `from` to `to` and no pair is within reach at
   /// its end: then contact would not have changed a thing. What the triangles round a vertex do
   /// among each other is looked at only where they turn by more than 60 degrees from their mean.
-  bool clear(const Points3& from, const Points3& to, const Gripped&);
+  bool clear(const Points3& from, const Points3& to, const HardConstraints&);
   /// The same of features of different sheets alone.
-  bool clear_between(const Points3& from, const Points3& to, const Gripped&);
+  bool is_collision_free_between_sheets(const Points3& from, const Points3& to,
+                                        const HardConstraints&);
 
   /// Begins a step of dt from x.
-  void begin(const Points3& x, const Gripped&, double dt);
+  void begin(const Points3& x, const HardConstraints&, double dt);
 
   /// Finds every pair that can meet or come within reach on the way from y to y + move. To be
   /// called before any function below is asked about a place on that way; it costs little while the
   /// sheet stays near the way covered last.
-  void cover(const Points3& y, const Points3& move);
+  void update_candidates(const Points3& y, const Points3& move);
   /// The sheet has gone the way covered last, up to here.
-  void arrived(const Points3& y);
+  void commit_step(const Points3& y);
 
   /// Share of the move that leaves a fifth of every gap.
-  double free_way(const Points3& y, const Points3& move) const;
+  double collision_free_step(const Points3& y, const Points3& move) const;
 
   double energy(const Points3& y) const;  // [J]
   /// The energy; its derivative is added to the gradient, and b'' w_i w_j n n^T and that of the
@@ -109,7 +110,7 @@ class Contact {
 
  private:
   using Slots = std::array<BlockCholesky::Slot, 10>;  // upper half, row by row
-  struct Drag {                                       // friction of one pair
+  struct FrictionContact {                            // friction of one pair
     std::array<int, 4> vertices;
     // [1] it has slid by sum_i along_i (y_i - start_i)
     std::array<Eigen::Matrix<double, 2, 3>, 4> along;
@@ -118,50 +119,50 @@ class Contact {
     bool placed = false;
   };
 
-  NearTriangles& near() const;
-  void judge_by(const Points3& start, const Gripped&);
-  void find_entangled(const Points3& x);
-  bool entangled(const std::array<int, 4>& vertices, bool edges) const;
-  void gather(const Points3& y, const Points3& move);
+  SweptBoxPairs& near() const;
+  void set_constraints(const Points3& start, const HardConstraints&);
+  void find_initially_intersecting(const Points3& x);
+  bool initially_intersecting(const std::array<int, 4>& vertices, bool edges) const;
+  void build_candidates(const Points3& y, const Points3& move);
   void begin_friction(double dt);
-  Eigen::Vector2d slip(const Drag&, const Points3& y) const;  // [m] since the step began
+  Eigen::Vector2d slip(const FrictionContact&, const Points3& y) const;  // [m] since the step began
   Slots slots_of(const std::array<int, 4>& vertices) const;
   template <class Visit>
   void for_each_pair(int a, int b, Visit) const;
   std::pair<int, int> sheets_of(const std::array<int, 4>& vertices, bool edges) const {
     return {sheets_.of_vertex[vertices[0]], sheets_.of_vertex[vertices[edges ? 2 : 1]]};
   }
-  bool any_meets(int a, int b, const Points3& from, const Points3& to) const;
-  double reach_of(const std::array<int, 4>& vertices, bool edges) const;
-  double reach_of_grips(const std::array<int, 4>& vertices, bool edges, double reach) const;
-  bool meets(const Points3& from, const Points3& to, const std::array<int, 4>& vertices,
-             bool edges) const;
-  double slack(const Points3& y) const;
+  bool any_pair_collides(int a, int b, const Points3& from, const Points3& to) const;
+  double dhat_of(const std::array<int, 4>& vertices, bool edges) const;
+  double dhat_near_constraints(const std::array<int, 4>& vertices, bool edges, double dhat) const;
+  bool pair_collides(const Points3& from, const Points3& to, const std::array<int, 4>& vertices,
+                     bool edges) const;
+  double drift(const Points3& y) const;
   template <class Visit>
-  void for_each_active(const Points3& y, double share_of_reach, Visit) const;
+  void for_each_active(const Points3& y, double dhat_ratio, Visit) const;
 
   Points2 pattern_;
   Triangles triangles_;
-  std::optional<SpreadOut> spread_;            // of one sheet alone
-  mutable std::optional<NearTriangles> near_;  // made when it is first needed
-  JoinedSheets sheets_;
-  double reach_;
+  std::optional<SeparationBound> separation_bound_;  // of one sheet alone
+  mutable std::optional<SweptBoxPairs> near_;        // made when it is first needed
+  SheetPartition sheets_;
+  double dhat_;
   // [m] how far from the way covered last the list is good
-  double tube_;
+  double candidate_margin_;
 
-  std::vector<int> grip_;  // |V| index into gripped_; -1
-  Gripped gripped_;
+  std::vector<int> constraint_of_;  // |V| index into gripped_; -1
+  HardConstraints gripped_;
   Points3 start_;  // [m] as the step began
   // triangles that pass through each other as the step begins
   std::vector<std::pair<int, int>> entangled_;
 
   std::vector<ContactPair> pairs_;
-  std::vector<double> spare_;  // [m] least distance on the way less reach, by pair
-  Points3 reference_;          // [m] the list is good within tube_ of it
-  bool swept_ = false;         // ... and of the way that begins there
+  std::vector<double> gap_bound_;  // [m] least distance on the way less reach, by pair
+  Points3 reference_;              // [m] the list is good within candidate_margin_ of it
+  bool swept_ = false;             // ... and of the way that begins there
 
   double epsilon_ = 0;  // [m] what slides less sticks
-  std::vector<Drag> drags_;
+  std::vector<FrictionContact> friction_contacts_;
 
   const BlockCholesky* matrix_ = nullptr;
   std::vector<int> block_of_;

@@ -46,7 +46,7 @@ Matrix32 orthonormal(const Matrix32& m) {
 
 }  // namespace
 
-SpreadOut::SpreadOut(const Points2& pattern, const Triangles& triangles)
+SeparationBound::SeparationBound(const Points2& pattern, const Triangles& triangles)
     : triangles_(triangles), convex_(is_convex(pattern, triangles)) {
   if (!convex_) return;
   rest_.reserve(triangles.rows());
@@ -54,7 +54,7 @@ SpreadOut::SpreadOut(const Points2& pattern, const Triangles& triangles)
     rest_.push_back(rest_triangle(pattern, triangles.row(t)));
 }
 
-bool SpreadOut::all_the_way(const Points3& from, const Points3& to, double share) const {
+bool SeparationBound::holds_along_step(const Points3& from, const Points3& to, double share) const {
   if (!convex_) return false;
   const auto F = [&](const Points3& x, int t) -> Matrix32 {
     Matrix32 sum = x.row(triangles_(t, 0)).transpose() * rest_[t].g.row(0);

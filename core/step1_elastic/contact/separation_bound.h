@@ -14,14 +14,14 @@ namespace paperbake {
 /// of its points: their images, and so they themselves, are at least share times as far apart. J is
 /// linear in the positions: what holds at both ends of a straight way holds all along it. Only
 /// convex patterns have such lines; of others nothing is known.
-class SpreadOut {
+class SeparationBound {
  public:
-  SpreadOut(const Points2& pattern, const Triangles&);
+  SeparationBound(const Points2& pattern, const Triangles&);
 
   /// Is it so, as far as the direction that the sheet faces on the whole can tell, all the way?
   /// false: it may be so or not.
   /// from, to  |V|x3 [m]
-  bool all_the_way(const Points3& from, const Points3& to, double share) const;
+  bool holds_along_step(const Points3& from, const Points3& to, double share) const;
 
  private:
   Triangles triangles_;

@@ -8,7 +8,7 @@
 namespace paperbake {
 namespace {
 
-constexpr double least_log = 0.5;
+constexpr double min_log = 0.5;
 
 double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   const double along = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
@@ -45,7 +45,7 @@ double core_radius(const Paper& paper, double R) {
   return 0.3 * std::cbrt(paper.thickness) * std::pow(R, 2.0 / 3);
 }
 
-std::vector<double> cone_factors(const Sheet& sheet, const Paper& paper) {
+std::vector<double> apex_stiffness_factors(const Sheet& sheet, const Paper& paper) {
   if (sheet.singular.empty()) return {};
   const Hinges hinges = find_hinges(sheet.triangles);
   // [m] radius, of the vertices that are apices
@@ -68,7 +68,7 @@ std::vector<double> cone_factors(const Sheet& sheet, const Paper& paper) {
       const Vector2d v =
           (sheet.pattern.row(sheet.triangles(t, (i + 2) % 3)) - sheet.pattern.row(apex))
               .transpose();
-      sum += 0.5 * std::max(least_log, mean_log(u, v) - std::log(core[apex]));
+      sum += 0.5 * std::max(min_log, mean_log(u, v) - std::log(core[apex]));
       ++apices;
     }
     if (apices > 0) factors[t] = sum / apices;

@@ -31,6 +31,6 @@ double core_radius(const Paper&, double R);
 /// is held is no apex.
 /// returns  |T| factors on the bending stiffness; empty: there is no singular point
 /// source   this project's
-std::vector<double> cone_factors(const Sheet&, const Paper&);
+std::vector<double> apex_stiffness_factors(const Sheet&, const Paper&);
 
 }  // namespace paperbake

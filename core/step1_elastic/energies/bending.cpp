@@ -42,7 +42,7 @@ ElasticCurvature elastic_curvature(const RestBending& rest, const Vector3d& thet
 
 }  // namespace
 
-Fold fold(const Points3& x, const Hinge& hinge) {
+DihedralAngle dihedral_angle_gradient(const Points3& x, const Hinge& hinge) {
   const auto at = [&](int k) -> Vector3d { return x.row(hinge.vertices[k]); };
   const Vector3d x0 = at(0), e = at(1) - x0;
   const Vector3d left = e.cross(at(2) - x0), right = (at(3) - x0).cross(e);
@@ -52,7 +52,7 @@ Fold fold(const Points3& x, const Hinge& hinge) {
   // where the heights of the wings meet the edge, as a fraction of it
   const double t2 = (at(2) - x0).dot(e) / (length * length);
   const double t3 = (at(3) - x0).dot(e) / (length * length);
-  Fold result;
+  DihedralAngle result;
   result.theta = std::atan2(left.cross(right).dot(e) / length, left.dot(right));
   result.slope.row(0) = -(1 - t2) * g2 - (1 - t3) * g3;
   result.slope.row(1) = -t2 * g2 - t3 * g3;
@@ -61,7 +61,7 @@ Fold fold(const Points3& x, const Hinge& hinge) {
   return result;
 }
 
-WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left) {
+DihedralHessian dihedral_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left) {
   // The wing's part of the slope is -t w by e and w by a, with w = -|e| n/|n|^2, n = +-(e x a), t =
   // a.e/|e|^2. What is skew in its derivative by a twice and e twice cancels against the other
   // wing; the rest are dyads with n.
@@ -75,7 +75,7 @@ WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left
   const Vector3d q = (a - 2 * t * e) / (length * area2) - t * bend_e;
   const Vector3d p = e / (length * area2) - 2 * t * c * by_a;
 
-  WingHessian h;
+  DihedralHessian h;
   h.ee = 0.5 * (n * q.transpose() + q * n.transpose());
   h.aa = c * (n * by_a.transpose() + by_a * n.transpose());
   h.ea = 0.5 * (n * p.transpose() + bend_e * n.transpose() - sign * c * cross_matrix(a - t * e));

@@ -12,21 +12,21 @@
 namespace paperbake {
 
 /// Dihedral angle of a hinge and its gradient. source [Bridson 2003]
-struct Fold {
+struct DihedralAngle {
   double theta;                       // [rad]
   Eigen::Matrix<double, 4, 3> slope;  // [1/m] row k: d theta / d x_k
 };
-Fold fold(const Points3& x, const Hinge&);
+DihedralAngle dihedral_angle_gradient(const Points3& x, const Hinge&);
 
 /// What one wing of a hinge adds to the second derivative of its angle, by the edge e = x1 - x0 and
 /// the arm a = wing - x0; `ae` is the transpose of `ea`. The two wings add up to d2 theta exactly,
 /// and each lives on the corners of its own triangle: a sheet needs no block between the two wings
 /// for it.
 /// left  true when the wing lies on the left of x0 -> x1
-struct WingHessian {
+struct DihedralHessian {
   Matrix3 ee, ea, aa;  // [1/m2]
 };
-WingHessian fold_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left);
+DihedralHessian dihedral_hessian_of_wing(const Vector3d& e, const Vector3d& a, bool left);
 
 /// Bending of one triangle from its shape operator: the material does not change with the mesh.
 ///
@@ -68,7 +68,7 @@ RestBending rest_bending(const Paper&, const Points2& pattern, const Eigen::RowV
 /// What a triangle brings along from its past.
 struct PlasticState {
   Vector3d curvature{0, 0, 0};  // Sp [1/m] Sxx, Sxy, Syy
-  // q_y [1/m] = k_y/m + eta/(1-eta) alpha, m the focus of ridges.h; infinite: elastic
+  // q_y [1/m] = k_y/m + eta/(1-eta) alpha, m the focus of ridge_yield.h; infinite: elastic
   double yield = std::numeric_limits<double>::infinity();
 };
 

@@ -19,7 +19,7 @@ std::array<int, 4> hinge_in_stencil(int i, bool left) {
 
 ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const Triangles& triangles,
                              const std::vector<double>& stiffening,
-                             const std::vector<FoldLine>& folds)
+                             const std::vector<PrescribedCrease>& folds)
     : paper_(paper),
       triangles_(triangles),
       hinges_(find_hinges(triangles)),
@@ -29,9 +29,11 @@ ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const T
   if (!folds.empty())
     for (const Hinge& hinge : hinges_.hinges) {
       const Vector2d a = pattern.row(hinge.vertices[0]), b = pattern.row(hinge.vertices[1]);
-      const FoldLine* fold = fold_under(folds, a, b);
-      springs_.push_back(fold ? FoldSpring{crease_stiffness(paper) * (b - a).norm(), fold->angle}
-                              : FoldSpring{});
+      const PrescribedCrease* dihedral_angle_gradient = crease_under(folds, a, b);
+      springs_.push_back(dihedral_angle_gradient
+                             ? CreaseSpring{crease_stiffness(paper) * (b - a).norm(),
+                                            dihedral_angle_gradient->angle}
+                             : CreaseSpring{});
     }
   for (int t = 0; t < triangles.rows(); ++t) {
     std::array<double, 3> shared_area{0, 0, 0};
@@ -133,8 +135,9 @@ MembraneStress ElasticEnergy::stress(const Points3& x, const Points3& move) cons
 double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* gradient,
                                BlockCholesky* matrix, const MembraneStress* stress) const {
   gradient->setZero(x.rows(), 3);
-  std::vector<Fold> folds(hinges_.hinges.size());
-  for (std::size_t h = 0; h < folds.size(); ++h) folds[h] = fold(x, hinges_.hinges[h]);
+  std::vector<DihedralAngle> folds(hinges_.hinges.size());
+  for (std::size_t h = 0; h < folds.size(); ++h)
+    folds[h] = dihedral_angle_gradient(x, hinges_.hinges[h]);
 
   // an angle feels the moments of both its triangles
   double sum = 0;
@@ -170,7 +173,7 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
 }
 
 void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own,
-                                const std::vector<Fold>& folds, const Matrix3& tangent,
+                                const std::vector<DihedralAngle>& folds, const Matrix3& tangent,
                                 const Vector3d& edge_moment, HessianForm form,
                                 BlockCholesky& matrix) const {
   // d theta / dx of the three angles of this triangle, over the six vertices of its stencil
@@ -184,8 +187,8 @@ void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own,
     if (form == HessianForm::projected) continue;
     // the hinge's own second derivative: the part of this wing lives on the triangle's corners
     const int x0 = at[0], x1 = at[1];
-    const WingHessian w = fold_hessian_of_wing((c.row(x1) - c.row(x0)).transpose(),
-                                               (c.row(i) - c.row(x0)).transpose(), left);
+    const DihedralHessian w = dihedral_hessian_of_wing((c.row(x1) - c.row(x0)).transpose(),
+                                                       (c.row(i) - c.row(x0)).transpose(), left);
     const Matrix3 ee = edge_moment[i] * w.ee, ea = edge_moment[i] * w.ea,
                   aa = edge_moment[i] * w.aa;
     const Matrix3 by_1 = ee + ea.transpose(), by_wing = ea + aa;  // minus the row of x0

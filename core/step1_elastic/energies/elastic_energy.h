@@ -19,11 +19,11 @@ using MembraneStress = std::vector<Eigen::Matrix2d>;  // by triangle, second Pio
 class ElasticEnergy {
  public:
   /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
-  /// folds       lines whose hinges turn by themselves (folds.h): no moment of the paper crosses
-  ///             them, as none crosses a border
+  /// folds       lines whose hinges turn by themselves (prescribed_creases.h): no moment of the
+  ///             paper crosses them, as none crosses a border
   ElasticEnergy(const Paper&, const Points2& pattern, const Triangles&,
                 const std::vector<double>& stiffening = {},
-                const std::vector<FoldLine>& folds = {});
+                const std::vector<PrescribedCrease>& folds = {});
 
   /// Energy at x. [J]
   double energy(const Points3& x) const;
@@ -32,8 +32,8 @@ class ElasticEnergy {
   struct Parts {
     double membrane, bending;
   };
-  Parts parts(const Points3& x) const { return parts(x, fold_angles(x)); }
-  Parts parts(const Points3& x, const std::vector<double>& fold_angles) const;
+  Parts parts(const Points3& x) const { return parts(x, dihedral_angles(x)); }
+  Parts parts(const Points3& x, const std::vector<double>& dihedral_angles) const;
 
   /// Energy at x [J]; gradient |V|x3 [N] is overwritten.
   double gradient(const Points3& x, Points3& gradient) const;
@@ -55,15 +55,15 @@ class ElasticEnergy {
   /// What the triangles remember. Empty at first: paper that springs back whatever is done to it.
   PlasticMemory memory;
   /// How sharply they bend within; empty: evenly.
-  Ridges ridges;
+  RidgeField ridges;
 
   /// What they gain when the sheet is left at x, or with these folds.
-  PlasticMemory gained(const Points3& x) const { return gained(fold_angles(x)); }
-  PlasticMemory gained(const std::vector<double>& fold_angles) const;
+  PlasticMemory gained(const Points3& x) const { return gained(dihedral_angles(x)); }
+  PlasticMemory gained(const std::vector<double>& dihedral_angles) const;
 
   /// [rad] of each hinge.
-  std::vector<double> fold_angles(const Points3& x) const {
-    return paperbake::fold_angles(x, hinges_.hinges);
+  std::vector<double> dihedral_angles(const Points3& x) const {
+    return paperbake::dihedral_angles(x, hinges_.hinges);
   }
 
   const Hinges& hinges() const { return hinges_; }
@@ -79,12 +79,12 @@ class ElasticEnergy {
   /// Adds to the matrix what triangle t contributes: `own`, of its corners alone, and its bending
   /// over the whole stencil.
   /// tangent  d2E/dtheta2 of its bending; edge_moment: what its angles feel from both sides
-  void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<Fold>&,
+  void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<DihedralAngle>&,
                    const Matrix3& tangent, const Vector3d& edge_moment, HessianForm,
                    BlockCholesky&) const;
   Matrix3 corners(const Points3& x, int t) const;
   // at the three edges of a triangle; 0 at the border
-  Vector3d angles_of(int t, const std::vector<double>& fold_angles) const;
+  Vector3d angles_of(int t, const std::vector<double>& dihedral_angles) const;
   PlasticState past(int t) const;
   /// What the folded lines at a triangle add to its bending: half of each hinge's, the other
   /// triangle has the rest.
@@ -97,10 +97,10 @@ class ElasticEnergy {
   std::vector<RestTriangle> rest_;
   std::vector<RestBending> bend_;
   std::vector<Stencil> stencils_;
-  struct FoldSpring {
+  struct CreaseSpring {
     double stiffness = 0, angle = 0;  // [J] k l, 0: no line; [rad]
   };
-  std::vector<FoldSpring> springs_;  // of each hinge; empty: there are no lines
+  std::vector<CreaseSpring> springs_;  // of each hinge; empty: there are no lines
 };
 
 }  // namespace paperbake

@@ -21,8 +21,8 @@ HandleSpring yielding_spring(int vertex, const Vector3d& target) {
   return {vertex, target, hard, yield_force};
 }
 
-Gripped hard_handles(const Held& held) {
-  Gripped hard{{}, Points3(held.targets.rows(), 3)};
+HardConstraints hard_handles(const PositionConstraints& held) {
+  HardConstraints hard{{}, Points3(held.targets.rows(), 3)};
   for (std::size_t k = 0; k < held.vertices.size(); ++k) {
     if (!held.stiffness.empty() && held.stiffness[k] > 0) continue;
     hard.targets.row(hard.vertices.size()) = held.targets.row(k);
@@ -32,7 +32,7 @@ Gripped hard_handles(const Held& held) {
   return hard;
 }
 
-std::vector<HandleSpring> handle_springs(const Held& held, HardHandles hard) {
+std::vector<HandleSpring> handle_springs(const PositionConstraints& held, HardHandles hard) {
   std::vector<HandleSpring> springs;
   for (std::size_t k = 0; k < held.vertices.size(); ++k) {
     const double soft = held.stiffness.empty() ? 0 : held.stiffness[k];

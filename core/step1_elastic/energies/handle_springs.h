@@ -31,11 +31,11 @@ HandleSpring soft_spring(int vertex, const Vector3d& target, double stiffness);
 HandleSpring yielding_spring(int vertex, const Vector3d& target);
 
 /// Those of the handles that are hard.
-Gripped hard_handles(const Held&);
+HardConstraints hard_handles(const PositionConstraints&);
 
 /// Springs of the soft handles and, on a sheet that touches itself or is jammed, of the hard ones.
 enum class HardHandles { are_held, may_yield };
-std::vector<HandleSpring> handle_springs(const Held&, HardHandles);
+std::vector<HandleSpring> handle_springs(const PositionConstraints&, HardHandles);
 
 /// The spring pulls with more than its yield force.
 bool yields(const HandleSpring&, const Points3& x);

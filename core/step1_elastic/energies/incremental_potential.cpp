@@ -68,12 +68,14 @@ double IncrementalPotential::differentiate(const Points3& x, HessianForm form, P
   return value;
 }
 
-double IncrementalPotential::cut(const Points3& x, Points3& move) const {
+double IncrementalPotential::limit_step(const Points3& x, Points3& move) const {
   double free = 1, clear = 1;
-  if (contact) contact->cover(x, move), free = contact->free_way(x, move), move *= free;
+  if (contact)
+    contact->update_candidates(x, move), free = contact->collision_free_step(x, move), move *= free;
   for_each_sheet(x, [&](const SheetPotential& sheet, const Points3& own, Eigen::Index first) {
     if (sheet.colliders)
-      clear = std::min(clear, sheet.colliders->free_way(own, move.middleRows(first, own.rows())));
+      clear = std::min(
+          clear, sheet.colliders->collision_free_step(own, move.middleRows(first, own.rows())));
   });
   move *= clear;
   return free * clear;

@@ -47,7 +47,7 @@ struct IncrementalPotential {
                        const MembraneStress* stress = nullptr) const;
 
   /// Cuts a move where something meets. returns the share that is left
-  double cut(const Points3& x, Points3& move) const;
+  double limit_step(const Points3& x, Points3& move) const;
 
  private:
   template <class Visit>

@@ -10,7 +10,7 @@ namespace {
 
 constexpr double smooth_turn = 6 * M_PI / 180, ridge_turn = 15 * M_PI / 180;
 constexpr double neighbourhood = 0.5;  // of X
-constexpr int least_ends = 4;
+constexpr int min_ends = 4;
 
 double triangle_area(const Sheet& sheet, int t) {
   const Vector2d u =
@@ -48,8 +48,8 @@ double size_across(const Sheet& sheet, int t, const Vector2d& across, double are
 
 }  // namespace
 
-Ridges find_ridges(const Sheet& sheet, const Hinges& hinges, const Paper& paper,
-                   const std::vector<int>& held, const Eigen::VectorXd& remembered) {
+RidgeField find_ridges(const Sheet& sheet, const Hinges& hinges, const Paper& paper,
+                       const std::vector<int>& held, const Eigen::VectorXd& remembered) {
   const int triangles = static_cast<int>(sheet.triangles.rows());
   const Points3 curvature =
       vertex_curvature(sheet.pattern, sheet.triangles, hinges, bending_turns(sheet, hinges));
@@ -58,9 +58,9 @@ Ridges find_ridges(const Sheet& sheet, const Hinges& hinges, const Paper& paper,
   for (int t = 0; t < triangles; ++t) whole += area[t] = triangle_area(sheet, t);
   const Eigen::VectorXd s = sharpness(sheet, hinges, curvature, held);
 
-  Ridges ridges{remembered, Eigen::VectorXd::Ones(triangles)};
+  RidgeField ridges{remembered, Eigen::VectorXd::Ones(triangles)};
   if (s.isZero(0) && remembered.isZero(0)) return ridges;
-  const int ends = std::max<int>(least_ends, static_cast<int>(held.size() + sheet.singular.size()));
+  const int ends = std::max<int>(min_ends, static_cast<int>(held.size() + sheet.singular.size()));
   const double X = std::sqrt(whole / ends);
   const double width = ridge_width(paper, X);
   for (int t = 0; t < triangles; ++t) {

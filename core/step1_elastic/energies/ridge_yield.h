@@ -9,7 +9,7 @@ namespace paperbake {
 /// What a coarse mesh does not show: where paper bends in two directions it goes into flat facets
 /// between sharp ridges, and the fibres of a ridge break long before the mean curvature of a
 /// triangle says so.
-struct Ridges {
+struct RidgeField {
   Eigen::VectorXd share;  // |T| s in [0, 1]: 0 smooth bending, 1 a ridge
   // |T| m >= 1: curvature in the ridge over the mean curvature of the triangle
   Eigen::VectorXd focus;
@@ -33,7 +33,7 @@ struct Ridges {
 /// remembered  |T| s of earlier frames
 /// hinges      of the sheet's triangles
 /// source      this project's, angles measured on S4
-Ridges find_ridges(const Sheet&, const Hinges&, const Paper&, const std::vector<int>& held,
-                   const Eigen::VectorXd& remembered);
+RidgeField find_ridges(const Sheet&, const Hinges&, const Paper&, const std::vector<int>& held,
+                       const Eigen::VectorXd& remembered);
 
 }  // namespace paperbake

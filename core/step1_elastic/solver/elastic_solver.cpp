@@ -15,15 +15,15 @@ constexpr double velocity_kept = 0.98;  // [1] in 1/24 s
 
 }  // namespace
 
-void Elastic::Impl::guide(const Sheet& sheet, const std::vector<int>& hard) {
-  if (!predictor || guided != hard)
-    predictor = std::make_unique<Predictor>(sheet.pattern, sheet.triangles, guided = hard);
+void Elastic::Impl::update_predictor(const Sheet& sheet, const std::vector<int>& hard) {
+  if (!predictor || predicted != hard)
+    predictor = std::make_unique<Predictor>(sheet.pattern, sheet.triangles, predicted = hard);
 }
 
-void Elastic::Impl::hold(const Sheet& sheet, const std::vector<int>& fixed,
-                         const std::vector<int>& hard,
-                         const std::vector<std::pair<int, int>>& touching) {
-  guide(sheet, hard);
+void Elastic::Impl::build_linear_system(const Sheet& sheet, const std::vector<int>& fixed,
+                                        const std::vector<int>& hard,
+                                        const std::vector<std::pair<int, int>>& touching) {
+  update_predictor(sheet, hard);
   if (matrix && fixed == held && !matrix_of_contact && touching.empty()) return;
   held = fixed;
   matrix_of_contact = !touching.empty();
@@ -43,73 +43,77 @@ void Elastic::Impl::hold(const Sheet& sheet, const std::vector<int>& fixed,
   if (matrix) energy->bind(*matrix, block_of), softened->bind(*matrix, block_of);
 }
 
-void Elastic::Impl::go_on(SecondWay& way, const IncrementalPotential& W, int most,
-                          ElasticReport& report) {
-  const bool soft = way.leg == SecondWay::soft;
+void Elastic::Impl::advance(BranchDescent& way, const IncrementalPotential& W, int most,
+                            ElasticReport& report) {
+  const bool softened_phase = way.phase == BranchDescent::softened_phase;
   const SheetPotential& own = W.sheets.front();
   const IncrementalPotential gentle{
       {{*softened, mass, own.xhat, own.inertia, own.gravity, own.springs, own.colliders, block_of}},
       nullptr};
-  const MembraneStress stress = soft ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
-                                     : softened->stress(way.x, Points3::Zero(way.x.rows(), 3));
-  const auto ways = !is_coarse()     ? NewtonOptions::both
-                    : way.tries == 0 ? NewtonOptions::stride
-                                     : NewtonOptions::descend;
-  const NewtonReport newton = minimise(
-      soft ? gentle : W,
-      {options.stop, most, std::min(25, is_coarse() ? most : 2 * most / 3), ways}, stress, way.x);
+  const MembraneStress stress = softened_phase
+                                    ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
+                                    : softened->stress(way.x, Points3::Zero(way.x.rows(), 3));
+  const auto ways = !is_interactive()   ? NewtonOptions::both
+                    : way.attempts == 0 ? NewtonOptions::mixed_newton
+                                        : NewtonOptions::line_search_newton;
+  const NewtonReport newton =
+      minimise(softened_phase ? gentle : W,
+               {options.stop, most, std::min(25, is_interactive() ? most : 2 * most / 3), ways},
+               stress, way.x);
   report.iterations += newton.iterations;
   way.converged = newton.converged;
-  if (!way.converged && is_coarse() && ++way.tries < most_tries) return;
-  way.leg = soft ? SecondWay::stiff : SecondWay::done;
-  way.tries = 0;
+  if (!way.converged && is_interactive() && ++way.attempts < max_attempts) return;
+  way.phase = softened_phase ? BranchDescent::true_stiffness : BranchDescent::finished;
+  way.attempts = 0;
 }
 
-void Elastic::Impl::second_way(const IncrementalPotential& W, const Points3& before,
-                               const Points3& start, const Gripped& hard, Points3& x,
-                               ElasticReport& report) {
+void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const Points3& before,
+                                          const Points3& start, const HardConstraints& hard,
+                                          Points3& x, ElasticReport& report) {
   const auto passes = [&](const Points3& to) {
     return options.contact == SelfContact::automatic && !contact->clear(before, to, hard);
   };
-  std::optional<SecondWay>& way = past.second;
-  const bool leaves = report.iterations > restless || (is_coarse() && !report.converged);
+  std::optional<BranchDescent>& way = state.second;
+  const bool leaves =
+      report.iterations > slow_convergence_iterations || (is_interactive() && !report.converged);
   const bool begun_before = way.has_value();
-  const int in_all = patience().in_all * options.max_iterations / usual_iterations;
+  const int total = iteration_budget().total * options.max_iterations / default_iterations;
   if (way) {
     way->x = predictor->guesses(way->x, {}, hard.targets).front();
-    if (colliders) colliders->clear_way(way->x);
+    if (colliders) colliders->project_outside(way->x);
   } else if (!leaves || (report.converged && passes(x)))
     return;  // what meets itself is not going to stay where it is
-  else if (past.steps < past.content_until)
+  else if (state.steps < state.branch_cooldown_until)
     return;
   else
-    way = SecondWay{start};
-  while (way->leg != SecondWay::done) {
-    const int left = is_coarse() ? std::min(options.max_iterations, in_all - report.iterations)
-                                 : options.max_iterations;
-    if (left < std::min(options.max_iterations, worth_a_try)) return;
-    go_on(*way, W, left, report);
+    way = BranchDescent{start};
+  while (way->phase != BranchDescent::finished) {
+    const int left = is_interactive() ? std::min(options.max_iterations, total - report.iterations)
+                                      : options.max_iterations;
+    if (left < std::min(options.max_iterations, min_iterations_to_start)) return;
+    advance(*way, W, left, report);
   }
   const double here = W(x), there = W(way->x);
-  if (!is_coarse() && past.remeshed && there > here - worth_having * std::abs(here))
-    past.content_until = past.steps + content_for;
+  if (!is_interactive() && state.remeshed && there > here - min_relative_gain * std::abs(here))
+    state.branch_cooldown_until = state.steps + branch_cooldown_steps;
   if (there < here && !passes(way->x)) {
-    report.lower_branch = (here - there) / std::max(std::abs(here), 1e-300);
+    report.energy_gain = (here - there) / std::max(std::abs(here), 1e-300);
     report.converged = way->converged;
-    past.descending = false;
+    state.descending = false;
     x = std::move(way->x);
     way.reset();
   } else if (begun_before && leaves)
-    way = SecondWay{start};  // from where the first way has got to since
+    way = BranchDescent{start};  // from where the first way has got to since
   else
     way.reset();
 }
 
-Held Elastic::Impl::reachable(const Sheet& sheet, const Held& held, double dt) {
-  Held reached = held;
+PositionConstraints Elastic::Impl::reachable_targets(const Sheet& sheet,
+                                                     const PositionConstraints& held, double dt) {
+  PositionConstraints reached = held;
   if (!colliders) return reached;
   colliders->begin(sheet.x, held.colliders, {}, dt);
-  colliders->clear_way(held.vertices, reached.targets);
+  colliders->project_outside(held.vertices, reached.targets);
   return reached;
 }
 
@@ -127,26 +131,26 @@ SheetPotential Elastic::Impl::potential(const Sheet& sheet, double dt,
           block_of};
 }
 
-std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const Gripped& hard,
+std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const HardConstraints& hard,
                                             bool feels) {
-  std::vector<Points3> all = predictor->guesses(before, past.positions, hard.targets);
+  std::vector<Points3> all = predictor->guesses(before, state.positions, hard.targets);
   if (feels) {
-    if (!past.positions.empty()) all.push_back(2 * before - past.positions[0]);
+    if (!state.positions.empty()) all.push_back(2 * before - state.positions[0]);
     all.push_back(before);
   }
   if (colliders)
-    for (Points3& guess : all) colliders->clear_way(guess);
+    for (Points3& guess : all) colliders->project_outside(guess);
   return all;
 }
 
-void begin_at_best(const IncrementalPotential& W, const Points3& before,
-                   std::vector<Points3>& guesses, Points3& x) {
+void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
+                          std::vector<Points3>& guesses, Points3& x) {
   double least = std::numeric_limits<double>::infinity();
   for (Points3& guess : guesses) {
     if (W.contact) {
       const Points3 move = guess - before;
-      W.contact->cover(before, move);
-      guess = before + W.contact->free_way(before, move) * move;
+      W.contact->update_candidates(before, move);
+      guess = before + W.contact->collision_free_step(before, move) * move;
     }
     const double value = W(guess);
     if (value < least) least = value, x = guess;
@@ -155,49 +159,51 @@ void begin_at_best(const IncrementalPotential& W, const Points3& before,
     throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
 }
 
-ElasticReport Elastic::Impl::solve(Sheet& sheet, const Held& handles, const Gripped& hard,
-                                   double dt, Contact* feels, const NewtonOptions& how,
-                                   SecondWays second) {
+ElasticReport Elastic::Impl::solve(Sheet& sheet, const PositionConstraints& handles,
+                                   const HardConstraints& hard, double dt, Contact* feels,
+                                   const NewtonOptions& how, BranchSearchMode second) {
   const std::vector<HandleSpring> springs =
       handle_springs(handles, feels ? HardHandles::may_yield : HardHandles::are_held);
   if (feels) feels->begin(sheet.x, hard, dt);
-  hold(sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
-       feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
+  build_linear_system(
+      sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
+      feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
   if (feels && matrix) feels->bind(*matrix, block_of);
   if (colliders)
     colliders->begin(sheet.x, handles.colliders, feels ? std::vector<int>{} : hard.vertices, dt,
-                     feels ? hard : Gripped{});
+                     feels ? hard : HardConstraints{});
 
   const Points3 before = sheet.x;
   const IncrementalPotential W{{potential(sheet, dt, springs)}, feels};
   std::vector<Points3> starts = guesses(before, hard, feels != nullptr);
-  begin_at_best(W, before, starts, sheet.x);
+  choose_initial_guess(W, before, starts, sheet.x);
 
   ElasticReport report;
   if (matrix) {
     MembraneStress stress = energy->stress(before, Points3::Zero(before.rows(), 3));
     // not in equilibrium: what the mesh did
-    if (past.remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());
+    if (state.remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());
     const NewtonReport newton = minimise(W, how, stress, sheet.x);
     report.iterations = newton.iterations;
     report.converged = newton.converged;
-    if (second == SecondWays::where_restless) {
-      past.descending = newton.descended && !newton.converged;
-      if (!newton.in_vain) second_way(W, before, starts.front(), hard, sheet.x, report);
-      report.leaving = past.descending || past.second;
+    if (second == BranchSearchMode::when_slow) {
+      state.descending = newton.descended && !newton.converged;
+      if (!newton.should_abort)
+        descend_second_branch(W, before, starts.front(), hard, sheet.x, report);
+      report.snap_in_progress = state.descending || state.second;
     }
   }
-  tell_held(sheet.x, feels ? springs : std::vector<HandleSpring>{}, report);
+  report_constraints(sheet.x, feels ? springs : std::vector<HandleSpring>{}, report);
   if (feels) {
-    feels->cover(sheet.x, Points3::Zero(sheet.x.rows(), 3));
+    feels->update_candidates(sheet.x, Points3::Zero(sheet.x.rows(), 3));
     report.contact = true;
     report.touching = feels->active(sheet.x);
   }
   return report;
 }
 
-void Elastic::Impl::tell_held(const Points3& x, const std::vector<HandleSpring>& springs,
-                              ElasticReport& report) {
+void Elastic::Impl::report_constraints(const Points3& x, const std::vector<HandleSpring>& springs,
+                                       ElasticReport& report) {
   report.yielding = static_cast<int>(std::count_if(
       springs.begin(), springs.end(), [&](const HandleSpring& s) { return yields(s, x); }));
   if (!colliders) return;
@@ -205,22 +211,22 @@ void Elastic::Impl::tell_held(const Points3& x, const std::vector<HandleSpring>&
   report.inside = colliders->inside(x);
 }
 
-void Elastic::Impl::conclude(Sheet& sheet, const Points3& before, const Held& held, double dt,
-                             ElasticReport& report) {
+void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before,
+                                const PositionConstraints& held, double dt, ElasticReport& report) {
   constexpr double let_in = 5e-5;  // [m]
   if (report.inside > let_in) {
     push_out(*options.colliders, held.colliders.to, Points3(sheet.x), -let_in, sheet.x);
     report.inside = colliders->inside(sheet.x);
   }
-  past.remeshed = false;
-  ++past.steps;
-  const std::vector<double> folds = energy->fold_angles(sheet.x);
-  report.plastic_flow = remember(folds);
-  tell_stored(sheet.x, folds, report);
+  state.remeshed = false;
+  ++state.steps;
+  const std::vector<double> folds = energy->dihedral_angles(sheet.x);
+  report.plastic_increment = commit_plastic_state(folds);
+  report_energies(sheet.x, folds, report);
   sheet.v = (options.inertia == Inertia::dynamic ? std::pow(velocity_kept, 24 * dt) : 1.0) / dt *
             (sheet.x - before);
-  past.positions.push_front(before);
-  if (past.positions.size() > 2) past.positions.pop_back();
+  state.positions.push_front(before);
+  if (state.positions.size() > 2) state.positions.pop_back();
 }
 
 }  // namespace paperbake

@@ -7,7 +7,7 @@ namespace paperbake {
 namespace {
 
 /// Meshes one after the other.
-struct JoinedMesh {
+struct MergedMesh {
   Points2 pattern;
   Triangles triangles;
   std::vector<int> first{0};   // vertex of each sheet, and one past the last
@@ -28,14 +28,14 @@ struct JoinedMesh {
 
 /// Positions of all; at(k): |V_k|x3 of the k-th
 template <class At>
-Points3 joined(const JoinedMesh& mesh, At at) {
+Points3 joined(const MergedMesh& mesh, At at) {
   Points3 all(mesh.first.back(), 3);
   for (std::size_t k = 0; k + 1 < mesh.first.size(); ++k)
     all.middleRows(mesh.first[k], mesh.rows(k)) = at(k);
   return all;
 }
 
-void add_grips(const Gripped& own, int first, Gripped& all) {
+void add_grips(const HardConstraints& own, int first, HardConstraints& all) {
   for (const int v : own.vertices) all.vertices.push_back(first + v);
   all.targets.conservativeResize(all.vertices.size(), 3);
   all.targets.bottomRows(own.targets.rows()) = own.targets;
@@ -43,12 +43,12 @@ void add_grips(const Gripped& own, int first, Gripped& all) {
 
 }  // namespace
 
-double Elastic::reach() const { return impl_->contact ? impl_->contact->reach() : 0; }
+double Elastic::dhat() const { return impl_->contact ? impl_->contact->dhat() : 0; }
 
-bool Elastic::clear(const SheetWay& a, const SheetWay& b, double reach) {
-  JoinedMesh mesh;
-  Gripped grips{{}, Points3(0, 3)};
-  for (const SheetWay* way : {&a, &b}) {
+bool Elastic::clear(const SweptSheet& a, const SweptSheet& b, double dhat) {
+  MergedMesh mesh;
+  HardConstraints grips{{}, Points3(0, 3)};
+  for (const SweptSheet* way : {&a, &b}) {
     add_grips(hard_handles(way->held), mesh.first.back(), grips);
     mesh.add(way->sheet.pattern, way->sheet.triangles);
   }
@@ -57,33 +57,33 @@ bool Elastic::clear(const SheetWay& a, const SheetWay& b, double reach) {
           ? joined(mesh, [&](std::size_t of) -> const Points3& { return (of == 0 ? a : b).begun; })
           : Points3(0, 3);
   Contact contact(mesh.pattern, mesh.triangles,
-                  {mesh.of_vertex, Eigen::MatrixXd::Constant(2, 2, reach), begun});
+                  {mesh.of_vertex, Eigen::MatrixXd::Constant(2, 2, dhat), begun});
   const auto place = [&](std::size_t k) {
     return joined(mesh,
                   [&](std::size_t of) -> const Points3& { return (of == 0 ? a : b).places[k]; });
   };
   for (std::size_t k = 0; k + 1 < a.places.size(); ++k)
-    if (!contact.clear_between(place(k), place(k + 1), grips)) return false;
+    if (!contact.is_collision_free_between_sheets(place(k), place(k + 1), grips)) return false;
   return true;
 }
 
-std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& all,
-                                                  const Eigen::MatrixXd& reach, double dt) {
+std::vector<ElasticReport> Elastic::step_together(const std::vector<JointStepSheet>& all,
+                                                  const Eigen::MatrixXd& dhat, double dt) {
   const std::size_t n = all.size();
-  JoinedMesh mesh;
-  std::vector<Held> held;
-  std::vector<Gripped> hard;
-  Gripped grips{{}, Points3(0, 3)};
+  MergedMesh mesh;
+  std::vector<PositionConstraints> held;
+  std::vector<HardConstraints> hard;
+  HardConstraints grips{{}, Points3(0, 3)};
   std::vector<double> friction;
-  for (const Together& one : all) {
+  for (const JointStepSheet& one : all) {
     Impl& s = *one.elastic.impl_;
     friction.push_back(s.paper.friction);
-    held.push_back(s.reachable(one.sheet, one.held, dt));
+    held.push_back(s.reachable_targets(one.sheet, one.held, dt));
     hard.push_back(hard_handles(held.back()));
     add_grips(hard.back(), mesh.first.back(), grips);
     mesh.add(s.pattern, s.triangles);
-    s.look_for_ridges(one.sheet, held.back().vertices);
-    s.guide(one.sheet, hard.back().vertices);
+    s.find_ridges_of_step(one.sheet, held.back().vertices);
+    s.update_predictor(one.sheet, hard.back().vertices);
   }
   const Points3 before =
       joined(mesh, [&](std::size_t k) -> const Points3& { return all[k].sheet.x; });
@@ -91,7 +91,7 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
       all.front().begun.rows()
           ? joined(mesh, [&](std::size_t k) -> const Points3& { return all[k].begun; })
           : Points3(0, 3);
-  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, reach, begun, friction});
+  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, dhat, begun, friction});
   contact.begin(before, grips, dt);
 
   // one matrix for all, in which nothing is held: handles pull
@@ -106,7 +106,7 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
 
   IncrementalPotential W{{}, &contact};
   std::vector<std::vector<Points3>> starts;
-  std::size_t most_starts = 0;
+  std::size_t max_starts = 0;
   NewtonOptions how{all.front().elastic.impl_->options.stop, 0};
   double mean_edge = std::numeric_limits<double>::infinity(), stiffness = 0;
   for (std::size_t k = 0; k < n; ++k) {
@@ -118,21 +118,21 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
     W.sheets.push_back(
         s.potential(all[k].sheet, dt, handle_springs(held[k], HardHandles::may_yield)));
     starts.push_back(s.guesses(all[k].sheet.x, hard[k], true));
-    most_starts = std::max(most_starts, starts.back().size());
+    max_starts = std::max(max_starts, starts.back().size());
     mean_edge = std::min(mean_edge, s.mean_edge);
     stiffness = std::max(stiffness, s.paper.membrane_stiffness);
-    how.max_iterations = std::max(how.max_iterations, s.most_in_touch());
+    how.max_iterations = std::max(how.max_iterations, s.max_contact_iterations());
   }
   std::vector<Points3> guesses;
-  for (std::size_t g = 0; g < most_starts; ++g)  // the last of each: it stays where it is
+  for (std::size_t g = 0; g < max_starts; ++g)  // the last of each: it stays where it is
     guesses.push_back(joined(mesh, [&](std::size_t k) -> const Points3& {
       return starts[k][std::min(g, starts[k].size() - 1)];
     }));
   Points3 x = before;
-  begin_at_best(W, before, guesses, x);
+  choose_initial_guess(W, before, guesses, x);
   const NewtonReport newton = minimise({W, matrix, blocks, mean_edge, stiffness}, how, {}, x);
 
-  contact.cover(x, Points3::Zero(x.rows(), 3));
+  contact.update_candidates(x, Points3::Zero(x.rows(), 3));
   const std::vector<Contact::Active> active = contact.active_by_sheet(x);
   std::vector<ElasticReport> reports(n);
   for (std::size_t k = 0; k < n; ++k) {
@@ -146,11 +146,11 @@ std::vector<ElasticReport> Elastic::step_together(const std::vector<Together>& a
     report.contact = true;
     report.touching = active[k].own;
     report.touching_others = active[k].others;
-    s.tell_held(sheet.x, W.sheets[k].springs, report);
-    s.past.second.reset();
-    s.past.descending = false;
-    s.past.careful = report.touching > 0 || report.yielding > 0;
-    s.conclude(sheet, begun, held[k], dt, report);
+    s.report_constraints(sheet.x, W.sheets[k].springs, report);
+    s.state.second.reset();
+    s.state.descending = false;
+    s.state.had_contact = report.touching > 0 || report.yielding > 0;
+    s.finish_step(sheet, begun, held[k], dt, report);
   }
   return reports;
 }

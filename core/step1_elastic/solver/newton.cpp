@@ -26,15 +26,15 @@ class Newton {
         mean_edge_(system.mean_edge),
         membrane_stiffness_(system.membrane_stiffness),
         options_(options),
-        longest_move_(W_.contact ? std::min(2 * mean_edge_, 2.5 * W_.contact->reach())
-                                 : 2 * mean_edge_) {}
+        max_move_(W_.contact ? std::min(2 * mean_edge_, 2.5 * W_.contact->dhat())
+                             : 2 * mean_edge_) {}
 
   /// The first way. stress: where the membrane is before the first step
   /// returns  false when it did not get to a place to stay, x is then anywhere
-  bool stride(MembraneStress stress, Points3& x);
+  bool mixed_newton(MembraneStress stress, Points3& x);
 
   /// The second way.
-  void descend(Points3& x);
+  void line_search_newton(Points3& x);
 
   NewtonReport report;
 
@@ -45,16 +45,16 @@ class Newton {
 
   /// Value at a place that contact has not been asked about.
   double covered(const Points3& x) const {
-    if (W_.contact) W_.contact->cover(x, Points3::Zero(x.rows(), 3));
+    if (W_.contact) W_.contact->update_candidates(x, Points3::Zero(x.rows(), 3));
     return W_(x);
   }
-  bool in_vain(int iteration, const Points3& x) {
-    return report.in_vain = options_.in_vain && iteration > 0 && iteration % asked_every == 0 &&
-                            options_.in_vain(x);
+  bool should_abort(int iteration, const Points3& x) {
+    return report.should_abort = options_.should_abort && iteration > 0 &&
+                                 iteration % asked_every == 0 && options_.should_abort(x);
   }
   void go(Points3& x, const Points3& move) const {
     x += move;
-    if (W_.contact) W_.contact->arrived(x);
+    if (W_.contact) W_.contact->commit_step(x);
   }
   double largest_strain(const MembraneStress& stress) const {
     double most = 0;
@@ -67,8 +67,8 @@ class Newton {
   const std::vector<int>& block_of_;
   double mean_edge_, membrane_stiffness_;
   NewtonOptions options_;
-  double longest_move_;  // [m] of a vertex in one iteration
-  double value_ = 0;     // of W where its derivatives were taken last
+  double max_move_;   // [m] of a vertex in one iteration
+  double value_ = 0;  // of W where its derivatives were taken last
   Points3 gradient_;
 };
 
@@ -116,19 +116,19 @@ double Newton::line_search(const Points3& x, const Points3& move) const {
   return 0;
 }
 
-bool Newton::stride(MembraneStress stress, Points3& x) {
-  constexpr int most_crawling = 8;
+bool Newton::mixed_newton(MembraneStress stress, Points3& x) {
+  constexpr int max_crawling = 8;
   constexpr double torn = 0.005;  // [1] strain beyond which descent does better
   const double first_value = covered(x), first_strain = largest_strain(stress);
   double last = 0;
   int crawling = 0;
-  for (int k = 0; k < options_.max_strides; ++k) {
-    if (options_.ways == NewtonOptions::stride && in_vain(k, x)) return false;
+  for (int k = 0; k < options_.max_mixed_newton; ++k) {
+    if (options_.ways == NewtonOptions::mixed_newton && should_abort(k, x)) return false;
     HessianForm form = HessianForm::exact;
     Points3 move = direction(x, form, &stress);
     const double asked = largest_row(move);
-    if (asked > longest_move_) move *= longest_move_ / asked;
-    const double free = W_.cut(x, move);
+    if (asked > max_move_) move *= max_move_ / asked;
+    const double free = W_.limit_step(x, move);
     stress = W_.sheets.front().elastic.stress(x, move);
     go(x, move);
     // steps shrink at least as fast as their last ratio: the next one bounds the distance to the
@@ -144,24 +144,24 @@ bool Newton::stride(MembraneStress stress, Points3& x) {
     crawling = form == HessianForm::projected && asked > 0.5 * last && asked < 0.1 * mean_edge_
                    ? crawling + 1
                    : 0;
-    if (crawling == most_crawling) return false;
+    if (crawling == max_crawling) return false;
     last = asked;
   }
   return false;
 }
 
-void Newton::descend(Points3& x) {
+void Newton::line_search_newton(Points3& x) {
   covered(x);
   double last = 0;
   report.converged = false;
   HessianForm form = HessianForm::exact;
   report.descended = true;
   for (int k = 1; report.iterations < options_.max_iterations; ++k) {
-    if (in_vain(k, x)) return;
+    if (should_abort(k, x)) return;
     Points3 move = direction(x, form, nullptr);
     const double asked = largest_row(move);
-    if (asked > longest_move_) move *= longest_move_ / asked;
-    const double free = W_.cut(x, move);
+    if (asked > max_move_) move *= max_move_ / asked;
+    const double free = W_.limit_step(x, move);
     const double length = line_search(x, move);
     if (length == 0) {
       if (asked < options_.stop || form == HessianForm::projected) {
@@ -172,8 +172,8 @@ void Newton::descend(Points3& x) {
       continue;
     }
     go(x, length * move);
-    const double done = length * free * std::min(asked, longest_move_);
-    const bool whole = length == 1 && free == 1 && asked <= longest_move_;
+    const double done = length * free * std::min(asked, max_move_);
+    const bool whole = length == 1 && free == 1 && asked <= max_move_;
     const double ahead = last > 0 ? done * std::min(1.0, done / last) : done;
     if (whole && (ahead < options_.stop || done < options_.stop)) {
       report.converged = true;
@@ -191,11 +191,12 @@ NewtonReport minimise(const NewtonSystem& system, const NewtonOptions& options,
   Newton newton(system, options);
   const Points3 start = x;
   // between barriers a stride is cut short before it gets anywhere
-  if (!system.W.contact && options.ways != NewtonOptions::descend && newton.stride(stress, x))
+  if (!system.W.contact && options.ways != NewtonOptions::line_search_newton &&
+      newton.mixed_newton(stress, x))
     return newton.report;
   x = start;
-  if (options.ways == NewtonOptions::stride) return newton.report;
-  newton.descend(x);
+  if (options.ways == NewtonOptions::mixed_newton) return newton.report;
+  newton.line_search_newton(x);
   return newton.report;
 }
 

@@ -22,17 +22,17 @@ struct NewtonOptions {
   double stop;
   int max_iterations;  // [1] factorisations
   // [1] of them on the first way: the rest is for the one that gets there
-  int max_strides = std::min(25, 2 * max_iterations / 3);
-  enum Ways { both, stride, descend } ways = both;
+  int max_mixed_newton = std::min(25, 2 * max_iterations / 3);
+  enum Ways { both, mixed_newton, line_search_newton } ways = both;
   // asked now and then on the last way: true ends it
-  std::function<bool(const Points3&)> in_vain = nullptr;
+  std::function<bool(const Points3&)> should_abort = nullptr;
 };
 
 struct NewtonReport {
   int iterations = 0;
   bool converged = false;
-  bool descended = false;  // the second way was taken
-  bool in_vain = false;    // it was given up
+  bool descended = false;     // the second way was taken
+  bool should_abort = false;  // it was given up
 };
 
 /// Moves x to a minimum of W near by. Two ways, the second where the first does not arrive:

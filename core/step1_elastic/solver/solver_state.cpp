@@ -3,13 +3,13 @@
 
 namespace paperbake {
 
-static void archive(Archive& a, SecondWay& w) { a(w.x, w.leg, w.tries, w.converged); }
+static void archive(Serializer& a, BranchDescent& w) { a(w.x, w.phase, w.attempts, w.converged); }
 
-void archive(Archive& a, ElasticPast& p) {
-  a(p.positions, p.steps, p.remeshed, p.careful, p.content_until, p.descending, p.second,
-    p.ridges.share, p.ridges.focus);
+void archive(Serializer& a, SolverState& p) {
+  a(p.positions, p.steps, p.remeshed, p.had_contact, p.branch_cooldown_until, p.descending,
+    p.second, p.ridges.share, p.ridges.focus);
 }
 
-void archive(Archive& a, Held& h) { a(h.vertices, h.targets, h.stiffness); }
+void archive(Serializer& a, PositionConstraints& h) { a(h.vertices, h.targets, h.stiffness); }
 
 }  // namespace paperbake

@@ -90,8 +90,8 @@ class TwiceTheFrameRate : public CommandLine {
     const AlembicReader coarse = bake_at(scene, more, 24, last),
                         fine = bake_at(scene, more, 48, last);
     const CacheFrame first = coarse.frame(0, 0), fine_first = fine.frame(0, 0);
-    const Locator locator(fine_first.uv, fine_first.triangles);
-    std::vector<Place> places;
+    const PointLocator locator(fine_first.uv, fine_first.triangles);
+    std::vector<MeshPoint> places;
     for (Eigen::Index v = 0; v < first.uv.rows(); ++v)
       places.push_back(locator.locate(first.uv.row(v)));
     const auto fine_at = [&](int half) {

@@ -33,7 +33,7 @@ Played play(const Shot& shot, int triangles, int last_frame, double stop = 1e-5,
   return played;
 }
 
-TEST(Animate, SheetPushedAndDrawnBackIsFlatAgain) {
+TEST(AnimateTest, SheetPushedAndDrawnBackIsFlatAgain) {
   const Played played = play(test::s1_push(/*back=*/true), 600, 47);
   ASSERT_EQ(played.sheets.size(), 47u);
   // the arch of the elastica at 10 %
@@ -42,7 +42,7 @@ TEST(Animate, SheetPushedAndDrawnBackIsFlatAgain) {
   EXPECT_LT(z.maxCoeff() - z.minCoeff(), 1e-4);
 }
 
-TEST(Animate, SameSeedGivesTheSamePositionsToTheLastBit) {
+TEST(AnimateTest, SameSeedGivesTheSamePositionsToTheLastBit) {
   Shot shot = test::s1_push();
   shot.start = test::blank_shot(shot.pattern).start;  // flat: the seed chooses the side
   AnimateOptions options;
@@ -60,7 +60,7 @@ TEST(Animate, SameSeedGivesTheSamePositionsToTheLastBit) {
   EXPECT_FALSE(one == end(2));
 }
 
-TEST(Animate, FemConvergesOnTheArchWithTheSquareOfTheEdge) {
+TEST(AnimateTest, FemConvergesOnTheArchWithTheSquareOfTheEdge) {
   // scene S1, frame 24, all meshes against the finest; energy, which the mesh does not blur as
   // interpolation does
   const auto energy = [](int triangles) {
@@ -73,7 +73,7 @@ TEST(Animate, FemConvergesOnTheArchWithTheSquareOfTheEdge) {
   EXPECT_NEAR(finest / exact, 1, 0.005);
 }
 
-TEST(Animate, RelativeHandleTakesTheSheetFromWhereItIsAtTheGrabFrame) {
+TEST(AnimateTest, RelativeHandleTakesTheSheetFromWhereItIsAtTheGrabFrame) {
   const Played played = play(test::s1_push(), 300, 27);
   const std::size_t mid = 22;
   EXPECT_EQ(played.frames[22].handles[mid].state, HandleFrame::free);
@@ -87,7 +87,7 @@ TEST(Animate, RelativeHandleTakesTheSheetFromWhereItIsAtTheGrabFrame) {
   }
 }
 
-TEST(Animate, HandleLetsGoAtItsReleaseFrame) {
+TEST(AnimateTest, HandleLetsGoAtItsReleaseFrame) {
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
   for (double x : {0.0, 0.1})
     for (double y : {0.0, 0.1}) shot.handles.push_back(test::bare_handle("h", {x, y}, 10));
@@ -101,7 +101,7 @@ TEST(Animate, HandleLetsGoAtItsReleaseFrame) {
   EXPECT_LT(played.frames[9].handles[3].at.z(), 0.001);  // springs back
 }
 
-TEST(Animate, HandlesBeyondReachAreDrawnTogetherAndReportedAsJammed) {
+TEST(AnimateTest, HandlesBeyondReachAreDrawnTogetherAndReportedAsJammed) {
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
   for (double x : {0.0, 0.1}) shot.handles.push_back(test::bare_handle("h", {x, 0}, 5));
   for (int f = 0; f < 5; ++f) shot.handles[1].keyed(f, 0) = 0.1 + 0.005 * f;
@@ -112,7 +112,7 @@ TEST(Animate, HandlesBeyondReachAreDrawnTogetherAndReportedAsJammed) {
   EXPECT_LT(length_distortion(played.sheets.back()).largest, 0.01);
 }
 
-TEST(Animate, TeleportedHandlesEndNearTheSlowRun) {
+TEST(AnimateTest, TeleportedHandlesEndNearTheSlowRun) {
   Shot slow = test::s1_push(), fast = slow;
   for (Handle& handle : fast.handles)
     for (int f = 1; f < 23; ++f) handle.keyed.row(f) = handle.keyed.row(23);
@@ -123,13 +123,13 @@ TEST(Animate, TeleportedHandlesEndNearTheSlowRun) {
   EXPECT_LT(rms, 0.002 * 0.1);
 }
 
-TEST(Animate, FirstFrameIsTheSheetAsItWasModelled) {
+TEST(AnimateTest, FirstFrameIsTheSheetAsItWasModelled) {
   const Played played = play(test::s1_push(), 300, 1);
   EXPECT_EQ(played.frames[0].newton_iterations, 0);
   EXPECT_NEAR(played.sheets[0].x.col(2).maxCoeff(), 1e-4, 1e-6);
 }
 
-TEST(Animate, SlightArchTellsTheSheetWhichWayToBuckleThoughItsHandlesLieFlat) {
+TEST(AnimateTest, SlightArchTellsTheSheetWhichWayToBuckleThoughItsHandlesLieFlat) {
   // as in scene S8: the handles are keyed at z = 0, up to 16 um under the sheet they hold
   for (const double side : {1.0, -1.0}) {
     Shot shot = test::s1_push();
@@ -140,7 +140,7 @@ TEST(Animate, SlightArchTellsTheSheetWhichWayToBuckleThoughItsHandlesLieFlat) {
   }
 }
 
-TEST(Animate, FrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
+TEST(AnimateTest, FrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
   Shot shot = test::s1_push();
   shot.handles[5].keyed(6, 1) = std::numeric_limits<double>::quiet_NaN();
   int frames = 0;
@@ -156,11 +156,11 @@ TEST(Animate, FrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
   EXPECT_EQ(frames, 6);
 }
 
-TEST(Animate, SheetThatCannotFollowStaysAndSaysSoUntilItCan) {
+TEST(AnimateTest, SheetThatCannotFollowStaysAndSaysSoUntilItCan) {
   // from frame 8 to 10 the paper between hard handles is half as long as they are apart, and no
   // step gets to a minimum
   Method shrinking = fem(100);
-  shrinking.remesh = [](Sheet& sheet, const Situation& situation) {
+  shrinking.remesh = [](Sheet& sheet, const RemeshContext& situation) {
     if (situation.now.frame != 8 && situation.now.frame != 11) return false;
     sheet.pattern *= situation.now.frame == 8 ? 0.5 : 2;
     return true;
@@ -190,7 +190,7 @@ TEST(Animate, SheetThatCannotFollowStaysAndSaysSoUntilItCan) {
   for (const HandleFrame& h : frames[10].handles) EXPECT_NE(h.state, HandleFrame::jammed);
 }
 
-TEST(Animate, StopsWhenAskedTo) {
+TEST(AnimateTest, StopsWhenAskedTo) {
   int frames = 0;
   AnimateOptions options;
   options.last_frame = 10;
@@ -198,11 +198,11 @@ TEST(Animate, StopsWhenAskedTo) {
   EXPECT_EQ(frames, 3);
 }
 
-TEST(StartSheet, LoneHandleStiffensADiscOfAFingersSize) {
+TEST(StartSheetTest, LoneHandleStiffensADiscOfAFingersSize) {
   Shot shot = test::blank_shot(test::rectangle(0.2, 0.2));
   shot.handles.push_back(test::bare_handle("lone", {0.1, 0.1}, 1));
   shot.handles[0].radius.reset();
-  const StartedSheet started = start_sheet(shot, fem(800), 0);
+  const InitialSheet started = make_initial_sheet(shot, fem(800), 0);
   double area = 0;
   for (int t = 0; t < started.sheet.triangles.rows(); ++t) {
     if (started.stiffening[t] == 1) continue;

@@ -26,7 +26,7 @@ AnimateOptions until(int last_frame, double gravity = 0) {
 /// How far apart two shapes on one mesh are. [m]
 double off(const Sheet& a, const Sheet& b) { return (a.x - b.x).rowwise().norm().maxCoeff(); }
 
-TEST(AnimateTogether, SheetsThatStayFarFromEachOtherAreAsIfEachWereAloneToTheLastBit) {
+TEST(AnimateTogetherTest, SheetsThatStayFarFromEachOtherAreAsIfEachWereAloneToTheLastBit) {
   for (const auto method : {coarse_fem, small_hybrid}) {
     std::vector<Shot> shots{test::s1_push(), test::s1_push()};
     shots[1].start.x.col(1).array() += 0.11;  // beside it: their boxes all but touch
@@ -46,7 +46,7 @@ TEST(AnimateTogether, SheetsThatStayFarFromEachOtherAreAsIfEachWereAloneToTheLas
   }
 }
 
-TEST(AnimateTogether, ACurtainIsPushedAlongByAPalmWhicheverOfThemComesFirst) {
+TEST(AnimateTogetherTest, ACurtainIsPushedAlongByAPalmWhicheverOfThemComesFirst) {
   const std::vector<Shot> shots = test::pushed_curtain(40);
   const AnimateOptions options = until(40, 9.81);
   AnimateOptions off_options = options;
@@ -74,7 +74,7 @@ TEST(AnimateTogether, ACurtainIsPushedAlongByAPalmWhicheverOfThemComesFirst) {
   }
 }
 
-TEST(AnimateTogether, ACardThatFallsOnASheetHeldByItsCornersMakesItSag) {
+TEST(AnimateTogetherTest, ACardThatFallsOnASheetHeldByItsCornersMakesItSag) {
   const Vector3d x(1, 0, 0), y(0, 1, 0), above(0.055, 0.024, 0.02);
   constexpr int frames = 40;
   Shot sheet = test::placed(0.21, 0.148, Vector3d::Zero(), x, y),
@@ -124,7 +124,7 @@ std::vector<Shot> two_crumples() {
   return shots;
 }
 
-TEST(AnimateTogether, TwoSheetsThatAreCrushedTogetherPassThroughNothing) {
+TEST(AnimateTogetherTest, TwoSheetsThatAreCrushedTogetherPassThroughNothing) {
   AnimateOptions options = until(30);
   options.memory = Memory::plastic;
   const Outcome crushed = test::outcome_of(two_crumples(), small_hybrid, options);
@@ -138,7 +138,7 @@ TEST(AnimateTogether, TwoSheetsThatAreCrushedTogetherPassThroughNothing) {
   EXPECT_GT(births, 0) << "their meshes change beside each other";
 }
 
-TEST(AnimateTogether, GoesOnFromAnyFrameOfAllSheetsToTheSameBits) {
+TEST(AnimateTogetherTest, GoesOnFromAnyFrameOfAllSheetsToTheSameBits) {
   const std::vector<Shot> shots = two_crumples();
   AnimateOptions options = until(18);
   options.memory = Memory::plastic;
@@ -191,7 +191,7 @@ std::vector<Shot> stack(double gap, double friction = 0) {
   return shots;
 }
 
-TEST(AnimateTogether, AStackOfSheetsNeitherJumpsApartNorLetsOneThrough) {
+TEST(AnimateTogetherTest, AStackOfSheetsNeitherJumpsApartNorLetsOneThrough) {
   for (const double friction : {0.0, 0.4}) {
     const Outcome lifted = test::outcome_of(stack(1e-4, friction), coarse_fem, until(20));
     EXPECT_LT((lifted.shapes[1][3].x.col(2).array() - 1e-4).abs().maxCoeff(), 5e-5)
@@ -201,7 +201,7 @@ TEST(AnimateTogether, AStackOfSheetsNeitherJumpsApartNorLetsOneThrough) {
   }
 }
 
-TEST(AnimateTogether, SheetsThatBeginInOnePlaceAreLetBe) {
+TEST(AnimateTogetherTest, SheetsThatBeginInOnePlaceAreLetBe) {
   const Outcome lying = test::outcome_of(stack(0), coarse_fem, until(20));
   EXPECT_EQ(lying.touching_others, 0);
   EXPECT_LT(lying.shapes[1].back().x.col(2).cwiseAbs().maxCoeff(), 1e-3)
@@ -210,7 +210,7 @@ TEST(AnimateTogether, SheetsThatBeginInOnePlaceAreLetBe) {
 
 /// A sheet that lies, and one that is joined to it at its left border and stands off by 10 degrees;
 /// its right border is pressed down, 10 mm under the other.
-TEST(AnimateTogether, SheetsThatAreJoinedAtABorderKeepApartElsewhere) {
+TEST(AnimateTogetherTest, SheetsThatAreJoinedAtABorderKeepApartElsewhere) {
   const Vector3d x(1, 0, 0), y(0, 1, 0), up(std::cos(0.17), 0, std::sin(0.17));
   Shot page = test::placed(0.1, 0.1, Vector3d::Zero(), x, y),
        leaf = test::placed(0.1, 0.1, Vector3d::Zero(), up, y);

@@ -16,7 +16,7 @@ constexpr double length = 0.1, width = 0.05;
 struct Strip {
   Sheet sheet = test::strip_sheet(length, width, 16);
   Elastic elastic{Paper{}, {}};
-  Held held;
+  PositionConstraints held;
   ElasticReport report;
 
   Strip(int half_waves, double shortening) {
@@ -37,12 +37,12 @@ struct Strip {
 
 // two half waves store four times as much as one: each is the arch of half the length at the same
 // shortening
-TEST(Branches, AStripOnTheHighModeIsBroughtToTheLowOne) {
+TEST(BranchSearchTest, AStripOnTheHighModeIsBroughtToTheLowOne) {
   Strip strip(2, 0.1);
   // [J] closed form of the elastica
   const double arch = 1.0126 * Paper{}.bending_stiffness / length * width;
   ASSERT_NEAR(strip.report.energy / arch, 4, 0.08);
-  const Branches found = probe_branches(strip.sheet, strip.elastic, strip.held, 1 / 24.0, 1, 6);
+  const BranchSearch found = probe_branches(strip.sheet, strip.elastic, strip.held, 1 / 24.0, 1, 6);
   EXPECT_TRUE(found.taken);
   EXPECT_NEAR(found.before / arch, 4, 0.08);
   EXPECT_NEAR(found.after / arch, 1, 0.02);
@@ -56,11 +56,11 @@ TEST(Branches, AStripOnTheHighModeIsBroughtToTheLowOne) {
               1e-12);
 }
 
-TEST(Branches, ALowArchHasAMirrorImageOfTheSameEnergyAndStaysWhereItIs) {
+TEST(BranchSearchTest, ALowArchHasAMirrorImageOfTheSameEnergyAndStaysWhereItIs) {
   Strip strip(1, 0.001), alone(1, 0.001);
   ASSERT_GT(strip.sheet.x.col(2).maxCoeff(), 0.0015);
   ASSERT_TRUE(strip.sheet.x == alone.sheet.x);
-  const Branches found = probe_branches(strip.sheet, strip.elastic, strip.held, 1 / 24.0, 1, 6);
+  const BranchSearch found = probe_branches(strip.sheet, strip.elastic, strip.held, 1 / 24.0, 1, 6);
   EXPECT_FALSE(found.taken);
   EXPECT_TRUE(found.equal);
   EXPECT_NE(note_of(found).find("bistable: another branch of equal energy"), std::string::npos)
@@ -71,9 +71,9 @@ TEST(Branches, ALowArchHasAMirrorImageOfTheSameEnergyAndStaysWhereItIs) {
   }
 }
 
-TEST(Branches, ASheetWithOneShapeIsNotSpokenOf) {
+TEST(BranchSearchTest, ASheetWithOneShapeIsNotSpokenOf) {
   Strip flat(1, 0);
-  const Branches found = probe_branches(flat.sheet, flat.elastic, flat.held, 1 / 24.0, 1, 6);
+  const BranchSearch found = probe_branches(flat.sheet, flat.elastic, flat.held, 1 / 24.0, 1, 6);
   EXPECT_FALSE(found.taken || found.equal);
   EXPECT_EQ(note_of(found), "");
 }
@@ -98,7 +98,7 @@ Played play(const Shot& shot, int last_frame, int probe_every) {
   return played;
 }
 
-TEST(Branches, AShotIsTheSameToTheLastBitWhetherNothingIsFoundOrNothingIsLookedFor) {
+TEST(BranchSearchTest, AShotIsTheSameToTheLastBitWhetherNothingIsFoundOrNothingIsLookedFor) {
   const Shot shot = test::s1_push();
   const Played off = play(shot, 20, 0), on = play(shot, 20, 5);
   ASSERT_EQ(off.x.size(), 20u);

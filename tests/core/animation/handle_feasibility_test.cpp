@@ -29,7 +29,7 @@ std::vector<Handle> pulled_apart(double side, const std::vector<double>& away) {
 
 std::vector<ImpossiblePair> pairs_of(const Pattern& pattern, const std::vector<Handle>& handles,
                                      int last_frame) {
-  return Reach(pattern, handles).impossible_pairs(handles, first_frame, last_frame);
+  return HandleFeasibility(pattern, handles).impossible_pairs(handles, first_frame, last_frame);
 }
 
 std::vector<int> all_of(const std::vector<Handle>& handles) {
@@ -47,9 +47,9 @@ double overshoot(const Pattern& pattern, const std::vector<Handle>& handles,
     for (std::size_t j = 0; j < i; ++j)
       worst =
           std::max(worst, (targets.row(i) - targets.row(j)).norm() -
-                              (1 + Reach::tolerance) *
+                              (1 + HandleFeasibility::tolerance) *
                                   paper_distance(pattern, handles[i].pattern, handles[j].pattern) -
-                              Reach::rounding);
+                              HandleFeasibility::rounding);
   return worst;
 }
 
@@ -82,7 +82,7 @@ Mess mess(const Pattern& pattern, int count, unsigned seed) {
   return mess;
 }
 
-TEST(ImpossiblePairs, AreNamedWithTheirFramesAndTheWorstOvershoot) {
+TEST(ImpossiblePairsTest, AreNamedWithTheirFramesAndTheWorstOvershoot) {
   // 0.04 mm of 100 mm is below the tolerance of 0.05 mm
   const auto pairs =
       pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0.00004, 0.001, 0.003, 0.002, 0, 0}), 16);
@@ -96,19 +96,19 @@ TEST(ImpossiblePairs, AreNamedWithTheirFramesAndTheWorstOvershoot) {
   EXPECT_NEAR(pairs[0].allowed, 0.1, exact);
 }
 
-TEST(ImpossiblePairs, LastAsLongAsAHandleRestsBeyondItsLastKey) {
+TEST(ImpossiblePairsTest, LastAsLongAsAHandleRestsBeyondItsLastKey) {
   const auto pairs = pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0.001}), 40);
   ASSERT_EQ(pairs.size(), 1u);
   EXPECT_EQ(pairs[0].first, 11);
   EXPECT_EQ(pairs[0].last, 40);
 }
 
-TEST(ImpossiblePairs, AreLookedForUpToTheLastFrameOnly) {
+TEST(ImpossiblePairsTest, AreLookedForUpToTheLastFrameOnly) {
   EXPECT_TRUE(pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0, 0.01}), 11).empty());
   EXPECT_EQ(pairs_of(rectangle(0.1, 0.1), pulled_apart(0.1, {0, 0, 0.01}), 12).size(), 1u);
 }
 
-TEST(ImpossiblePairs, TheWorstComesFirst) {
+TEST(ImpossiblePairsTest, TheWorstComesFirst) {
   std::vector<Handle> handles = pulled_apart(0.1, {0, 0.001});
   handles.push_back(bare_handle("far", {0.1, 0.1}, 2));
   handles[2].keyed(1, 0) += 0.02;
@@ -122,7 +122,7 @@ TEST(ImpossiblePairs, TheWorstComesFirst) {
   EXPECT_NEAR(pairs[2].apart - pairs[2].allowed, 0.001, exact);
 }
 
-TEST(ImpossiblePairs, RelativeAndSoftHandlesAreNotJudged) {
+TEST(ImpossiblePairsTest, RelativeAndSoftHandlesAreNotJudged) {
   for (const int which : {0, 1}) {
     std::vector<Handle> handles = pulled_apart(0.1, {0, 0.01});
     ASSERT_EQ(pairs_of(rectangle(0.1, 0.1), handles, 11).size(), 1u);
@@ -134,7 +134,7 @@ TEST(ImpossiblePairs, RelativeAndSoftHandlesAreNotJudged) {
   }
 }
 
-TEST(ImpossiblePairs, AHandleReleasedBeforeTheOtherIsGrabbedIsNoPair) {
+TEST(ImpossiblePairsTest, AHandleReleasedBeforeTheOtherIsGrabbedIsNoPair) {
   std::vector<Handle> handles = pulled_apart(0.1, {0.01, 0.01, 0.01, 0.01});
   handles[0].release_frame = 12;  // held in 10, 11
   handles[1].grab_frame = 12;
@@ -146,7 +146,7 @@ TEST(ImpossiblePairs, AHandleReleasedBeforeTheOtherIsGrabbedIsNoPair) {
   EXPECT_EQ(pairs[0].last, 11);
 }
 
-TEST(ImpossiblePairs, TwoHandlesOnOnePointMayDifferByTheRoundingOfTheFile) {
+TEST(ImpossiblePairsTest, TwoHandlesOnOnePointMayDifferByTheRoundingOfTheFile) {
   std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
                                  bare_handle("b", {0.05, 0.05}, 1)};
   handles[1].keyed(0, 0) += 6e-8;  // 32-bit numbers near 1 m
@@ -155,7 +155,7 @@ TEST(ImpossiblePairs, TwoHandlesOnOnePointMayDifferByTheRoundingOfTheFile) {
   EXPECT_EQ(pairs_of(rectangle(0.1, 0.1), handles, first_frame).size(), 1u);
 }
 
-TEST(ImpossiblePairs, TipsOfAUMayBeDrawnApartUpToThePaperPath) {
+TEST(ImpossiblePairsTest, TipsOfAUMayBeDrawnApartUpToThePaperPath) {
   std::vector<Handle> handles = {bare_handle("left", left_tip, 1),
                                  bare_handle("right", right_tip, 1)};
   // three times the straight distance
@@ -167,7 +167,7 @@ TEST(ImpossiblePairs, TipsOfAUMayBeDrawnApartUpToThePaperPath) {
   EXPECT_NEAR(pairs[0].allowed, round_the_slot, exact);
 }
 
-TEST(Projection, LeavesWhatIsPossibleUntouchedToTheBit) {
+TEST(ProjectionTest, LeavesWhatIsPossibleUntouchedToTheBit) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     Mess m = mess(rectangle(0.1, 0.1), 12, seed);
     // the flat sheet turned in space, then crumpled to less: no pair is farther apart than on the
@@ -180,38 +180,40 @@ TEST(Projection, LeavesWhatIsPossibleUntouchedToTheBit) {
         m.targets.row(k) = (turn * flat).transpose() + Eigen::RowVector3d(3, -1, 2);
       }
       Points3 after = m.targets;
-      EXPECT_EQ(Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), after), 0);
+      EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), after),
+                0);
       EXPECT_TRUE(after == m.targets);
     }
   }
 }
 
-TEST(Projection, LeavesTheTipsOfAUWherePaperCanReach) {
+TEST(ProjectionTest, LeavesTheTipsOfAUWherePaperCanReach) {
   const std::vector<Handle> handles = {bare_handle("left", left_tip, 1),
                                        bare_handle("right", right_tip, 1)};
   Points3 targets(2, 3);
   targets << 0, 0, 0, round_the_slot, 0, 0;
   const Points3 asked = targets;
-  EXPECT_EQ(Reach(u_shape, handles).project({0, 1}, targets), 0);
+  EXPECT_EQ(HandleFeasibility(u_shape, handles).project({0, 1}, targets), 0);
   EXPECT_TRUE(targets == asked);
   targets(1, 0) = 2 * round_the_slot;
-  EXPECT_GT(Reach(u_shape, handles).project({0, 1}, targets), 0);
+  EXPECT_GT(HandleFeasibility(u_shape, handles).project({0, 1}, targets), 0);
   EXPECT_NEAR(overshoot(u_shape, handles, targets), 0, settled);
 }
 
-TEST(Projection, MakesImpossibleTargetsPossible) {
+TEST(ProjectionTest, MakesImpossibleTargetsPossible) {
   for (const Pattern& pattern : {rectangle(0.1, 0.1), rectangle(0.3, 0.03), u_shape})
     for (const int count : {2, 3, 7, 20})
       for (unsigned seed = 1; seed <= 8; ++seed) {
         Mess m = mess(pattern, count, seed);
         ASSERT_GT(overshoot(pattern, m.handles, m.targets), 0.01);
-        EXPECT_GT(Reach(pattern, m.handles).project(all_of(m.handles), m.targets), 0.005);
+        EXPECT_GT(HandleFeasibility(pattern, m.handles).project(all_of(m.handles), m.targets),
+                  0.005);
         EXPECT_LT(overshoot(pattern, m.handles, m.targets), settled)
             << count << " handles, seed " << seed;
       }
 }
 
-TEST(Projection, MakesAStretchedRowPossible) {
+TEST(ProjectionTest, MakesAStretchedRowPossible) {
   // a border of 11 handles drawn out to twice its length, and two such borders drawn apart: every
   // pair is at its limit
   std::vector<Handle> handles;
@@ -220,35 +222,36 @@ TEST(Projection, MakesAStretchedRowPossible) {
   Points3 targets(handles.size(), 3);
   for (std::size_t k = 0; k < handles.size(); ++k)
     targets.row(k) << 2 * handles[k].pattern.x(), 2 * handles[k].pattern.y(), 0;
-  Reach(rectangle(0.1, 0.1), handles).project(all_of(handles), targets);
+  HandleFeasibility(rectangle(0.1, 0.1), handles).project(all_of(handles), targets);
   EXPECT_LT(overshoot(rectangle(0.1, 0.1), handles, targets), settled);
 }
 
-TEST(Projection, ReturnsTheLargestMove) {
+TEST(ProjectionTest, ReturnsTheLargestMove) {
   Mess m = mess(rectangle(0.1, 0.1), 7, 5);
   const Points3 asked = m.targets;
-  const double moved = Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
+  const double moved =
+      HandleFeasibility(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
   EXPECT_NEAR(moved, std::sqrt((m.targets - asked).rowwise().squaredNorm().maxCoeff()), exact);
 }
 
-TEST(Projection, KeepsTheCentreOfTheTargets) {
+TEST(ProjectionTest, KeepsTheCentreOfTheTargets) {
   for (unsigned seed = 1; seed <= 8; ++seed) {
     Mess m = mess(rectangle(0.1, 0.1), 9, seed);
     const Eigen::RowVector3d centre = m.targets.colwise().mean();
-    Reach(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
+    HandleFeasibility(rectangle(0.1, 0.1), m.handles).project(all_of(m.handles), m.targets);
     EXPECT_LT((m.targets.colwise().mean() - centre).norm(), exact) << "seed " << seed;
   }
 }
 
-TEST(Projection, MovesBothOfAPairAlike) {
+TEST(ProjectionTest, MovesBothOfAPairAlike) {
   const std::vector<Handle> handles = {bare_handle("a", {0, 0}, 1),
                                        bare_handle("b", {0.06, 0.08}, 1)};
   Points3 targets(2, 3);
   targets << 1, 2, 3, 1.3, 2.4, 3.2;
   const Points3 asked = targets;
-  const double moved = Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets);
-  EXPECT_NEAR((targets.row(0) - targets.row(1)).norm(), 0.1 * (1 + Reach::tolerance),
-              Reach::rounding + settled);
+  const double moved = HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1}, targets);
+  EXPECT_NEAR((targets.row(0) - targets.row(1)).norm(), 0.1 * (1 + HandleFeasibility::tolerance),
+              HandleFeasibility::rounding + settled);
   EXPECT_LT((targets.row(0) - asked.row(0) + targets.row(1) - asked.row(1)).norm(), exact);
   EXPECT_NEAR((targets.row(0) - asked.row(0)).norm(), moved, exact);
   EXPECT_LT((targets.row(0) - targets.row(1))
@@ -258,7 +261,7 @@ TEST(Projection, MovesBothOfAPairAlike) {
             exact);
 }
 
-TEST(Projection, ASmallChangeOfTheTargetsStaysSmall) {
+TEST(ProjectionTest, ASmallChangeOfTheTargetsStaysSmall) {
   // every draw on a pair is the projection on a convex set, which brings no two inputs farther
   // apart; what it leaves over after its last sweep is 1e-9 per pair
   constexpr double change = 1e-5;
@@ -270,46 +273,48 @@ TEST(Projection, ASmallChangeOfTheTargetsStaysSmall) {
     for (int k = 0; k < near.size(); ++k) near.data()[k] += uniform(random);
     const double before = (near - m.targets).norm();
     ASSERT_GT(before, change);
-    const Reach reach(rectangle(0.1, 0.1), m.handles);
+    const HandleFeasibility reach(rectangle(0.1, 0.1), m.handles);
     reach.project(all_of(m.handles), m.targets);
     reach.project(all_of(m.handles), near);
     EXPECT_LT((near - m.targets).norm(), before + 28 * settled) << "seed " << seed;
   }
 }
 
-TEST(Projection, HandlesOnOnePointMeetHalfWay) {
+TEST(ProjectionTest, HandlesOnOnePointMeetHalfWay) {
   const std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
                                        bare_handle("b", {0.05, 0.05}, 1)};
   Points3 targets(2, 3);
   targets << 0, 0, 0, 0.02, 0, 0;
-  EXPECT_NEAR(Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.01, Reach::rounding);
+  EXPECT_NEAR(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.01,
+              HandleFeasibility::rounding);
   for (const int k : {0, 1})
-    EXPECT_NEAR((targets.row(k) - Eigen::RowVector3d(0.01, 0, 0)).norm(), 0, Reach::rounding);
+    EXPECT_NEAR((targets.row(k) - Eigen::RowVector3d(0.01, 0, 0)).norm(), 0,
+                HandleFeasibility::rounding);
 }
 
-TEST(Projection, HandlesOnOnePointWithOneTargetStayThere) {
+TEST(ProjectionTest, HandlesOnOnePointWithOneTargetStayThere) {
   const std::vector<Handle> handles = {bare_handle("a", {0.05, 0.05}, 1),
                                        bare_handle("b", {0.05, 0.05}, 1),
                                        bare_handle("c", {0.1, 0.05}, 1)};
   Points3 targets(3, 3);
   targets << 1, 2, 3, 1, 2, 3, 1.04, 2, 3;
   const Points3 asked = targets;
-  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0);
+  EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0);
   EXPECT_TRUE(targets == asked);
   targets(2, 0) = 2;  // drawn at by the third they stay together
-  EXPECT_GT(Reach(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0.1);
-  EXPECT_LT((targets.row(0) - targets.row(1)).norm(), Reach::rounding + settled);
+  EXPECT_GT(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1, 2}, targets), 0.1);
+  EXPECT_LT((targets.row(0) - targets.row(1)).norm(), HandleFeasibility::rounding + settled);
 }
 
-TEST(Projection, OnlyTheGivenHandlesAreLookedAt) {
+TEST(ProjectionTest, OnlyTheGivenHandlesAreLookedAt) {
   const std::vector<Handle> handles = {bare_handle("a", {0, 0}, 1), bare_handle("b", {0.01, 0}, 1),
                                        bare_handle("c", {0.1, 0}, 1)};
   Points3 targets(2, 3);
   targets << 0, 0, 0, 0.09, 0, 0;
-  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({0, 2}, targets), 0);
-  EXPECT_GT(Reach(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.03);
+  EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 2}, targets), 0);
+  EXPECT_GT(HandleFeasibility(rectangle(0.1, 0.1), handles).project({0, 1}, targets), 0.03);
   Points3 nobody(0, 3);
-  EXPECT_EQ(Reach(rectangle(0.1, 0.1), handles).project({}, nobody), 0);
+  EXPECT_EQ(HandleFeasibility(rectangle(0.1, 0.1), handles).project({}, nobody), 0);
 }
 
 }  // namespace

@@ -71,7 +71,7 @@ std::vector<Vector3d> far_edge(const Shot& shot, const Method& method, Inertia i
   return path;
 }
 
-TEST(InertiaNeed, SheetThatIsLetGoFallsAndWithoutWeightItDoesNot) {
+TEST(InertiaNeedTest, SheetThatIsLetGoFallsAndWithoutWeightItDoesNot) {
   const Scene scene = held_by_an_edge("let_go", flat, still(24), R"({"paper_release_frame":6})");
   EXPECT_TRUE(need_in(scene, g).needed);
   // before it is let go
@@ -86,7 +86,7 @@ TEST(InertiaNeed, SheetThatIsLetGoFallsAndWithoutWeightItDoesNot) {
   EXPECT_NE(need_of_inertia(shot, g, 24, 1, 12).why.find("falls"), std::string::npos);
 }
 
-TEST(InertiaNeed, SheetOnOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
+TEST(InertiaNeedTest, SheetOnOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
   EXPECT_TRUE(need_in(held_by_an_edge("swing", flat, still(24)), g).needed);
   const InertiaNeed rest = need_in(held_by_an_edge("rest", hanging, still(24)), g);
   EXPECT_FALSE(rest.needed);
@@ -95,7 +95,7 @@ TEST(InertiaNeed, SheetOnOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
   EXPECT_TRUE(need_in(held_by_an_edge("fast", hanging, steady(12, {0.5, 0, 0})), g).needed);
 }
 
-TEST(InertiaNeed, SlowPushNeedsNoneAndAWhipDoes) {
+TEST(InertiaNeedTest, SlowPushNeedsNoneAndAWhipDoes) {
   const auto pushed = [](double fast) {
     GltfFixture file;
     file.mesh("paper", test::grid(4, 4, 0.1, 0.1));
@@ -113,7 +113,7 @@ TEST(InertiaNeed, SlowPushNeedsNoneAndAWhipDoes) {
   EXPECT_TRUE(whip.needed) << whip.sway;
 }
 
-TEST(InertiaNeed, ASceneWithoutWeightLeavesOutWhatIsLess) {
+TEST(InertiaNeedTest, ASceneWithoutWeightLeavesOutWhatIsLess) {
   // a corner of a floppy poster is taken over it in two seconds: against no weight at all it would
   // lag by more than a quarter
   GltfFixture file;
@@ -129,7 +129,7 @@ TEST(InertiaNeed, ASceneWithoutWeightLeavesOutWhatIsLess) {
   EXPECT_GT(some.sway, 0.25) << "a scene with little weight is taken at its word";
 }
 
-TEST(InertiaNeed, SwayIsThatOfAnOscillatorWhoseBaseIsSetInMotion) {
+TEST(InertiaNeedTest, SwayIsThatOfAnOscillatorWhoseBaseIsSetInMotion) {
   // velocity steps from 0 to v: r = v/w sin(w t), less what the solver's damping takes in a quarter
   // of a period
   const Shot shot = shot_of(held_by_an_edge("kick", hanging, steady(240, {1.0, 0, 0})));
@@ -140,7 +140,7 @@ TEST(InertiaNeed, SwayIsThatOfAnOscillatorWhoseBaseIsSetInMotion) {
   EXPECT_GT(sway, 0.9 * v / w);
 }
 
-TEST(Inertia, SwingingSheetHasThePeriodOfItsPendulum) {
+TEST(InertiaTest, SwingingSheetHasThePeriodOfItsPendulum) {
   // a stiff card on a hinge, let go 30 degrees from hanging: a compound pendulum, T = 2 pi sqrt(2
   // L/3g) (1 + a^2/16)
   const double a = M_PI / 6, L = 0.2;
@@ -167,7 +167,7 @@ TEST(Inertia, SwingingSheetHasThePeriodOfItsPendulum) {
   }
 }
 
-TEST(Inertia, SheetThatNothingHoldsFallsAsAStone) {
+TEST(InertiaTest, SheetThatNothingHoldsFallsAsAStone) {
   Shot shot = shot_of(held_by_an_edge("stone", flat, still(13)));
   shot.handles.clear();
   const double fallen =

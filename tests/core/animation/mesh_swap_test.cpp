@@ -16,7 +16,7 @@ constexpr double dt = 1.0 / 24;
 /// A sheet whose two borders have come nearer in a few steps, with its solver and memory.
 struct Bent {
   Sheet sheet;
-  Held held;
+  PositionConstraints held;
   PlasticGrid memory{test::rectangle(0.1, 0.1)};
   Elastic elastic;
 
@@ -27,7 +27,7 @@ struct Bent {
       if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9)
         held.vertices.push_back(v);
     }
-    elastic.remember_in(&memory);
+    elastic.set_plastic_grid(&memory);
     elastic.set_mesh(sheet);
     for (int step = 1; step <= 4; ++step) push(0.002 * step);
   }
@@ -36,8 +36,9 @@ struct Bent {
     paper.yield_strain = yield_strain;
     return paper;
   }
-  static Held targets(const Sheet& on, const std::vector<int>& vertices, double way) {
-    Held held{vertices, Points3(vertices.size(), 3)};
+  static PositionConstraints targets(const Sheet& on, const std::vector<int>& vertices,
+                                     double way) {
+    PositionConstraints held{vertices, Points3(vertices.size(), 3)};
     for (std::size_t k = 0; k < vertices.size(); ++k) {
       const auto p = on.pattern.row(vertices[k]);
       held.targets.row(k) << p.x() - (p.x() > 0.05 ? way : 0), p.y(), 0;
@@ -52,7 +53,7 @@ struct Bent {
 
 /// The same sheet on another mesh, and the vertices of its two borders.
 Sheet on_mesh(const Sheet& sheet, Sheet other, std::vector<int>& borders) {
-  const Transfer onto(sheet.pattern, sheet.triangles, other.pattern);
+  const MeshTransfer onto(sheet.pattern, sheet.triangles, other.pattern);
   other.x = onto(sheet.x);
   other.v = onto(sheet.v);
   for (int v = 0; v < other.x.rows(); ++v)
@@ -66,13 +67,13 @@ PlasticMemory contents(const PlasticGrid& grid) {
   return grid.read(grid.cover(fine.pattern, fine.triangles));
 }
 
-TEST(Exchange, AStripMeshOfTheSameSheetIsTakenAndGoesOnAtTheSameSpeed) {
+TEST(ExchangeTest, AStripMeshOfTheSameSheetIsTakenAndGoesOnAtTheSameSpeed) {
   Bent bent;
   std::vector<int> borders;
   const Sheet before = bent.sheet;
   Sheet proposal = on_mesh(bent.sheet, test::strip_sheet(0.1, 0.1, 20), borders);
-  const Verdict verdict = exchange_mesh(bent.sheet, bent.elastic, proposal, {},
-                                        Bent::targets(proposal, borders, 0.008), dt);
+  const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, proposal, {},
+                                               Bent::targets(proposal, borders, 0.008), dt);
   ASSERT_TRUE(verdict.accepted) << verdict.rise << " " << verdict.move;
   EXPECT_EQ(bent.sheet.triangles.rows(), 40);
   EXPECT_LT(verdict.rise, 0.05);
@@ -86,12 +87,12 @@ TEST(Exchange, AStripMeshOfTheSameSheetIsTakenAndGoesOnAtTheSameSpeed) {
               0.01 * other.sheet.x.col(2).maxCoeff());
 }
 
-TEST(Exchange, AMeshThatCannotFollowIsRefusedAndLeavesNoTrace) {
+TEST(ExchangeTest, AMeshThatCannotFollowIsRefusedAndLeavesNoTrace) {
   Bent bent, untouched;
   std::vector<int> borders;
   Sheet proposal = on_mesh(bent.sheet, test::strip_sheet(0.1, 0.1, 2), borders);
-  const Verdict verdict = exchange_mesh(bent.sheet, bent.elastic, proposal, {},
-                                        Bent::targets(proposal, borders, 0.008), dt);
+  const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, proposal, {},
+                                               Bent::targets(proposal, borders, 0.008), dt);
   EXPECT_FALSE(verdict.accepted);
   EXPECT_GT(verdict.move, 0.02);
   EXPECT_TRUE(bent.sheet.x == untouched.sheet.x && bent.sheet.v == untouched.sheet.v &&
@@ -105,7 +106,7 @@ TEST(Exchange, AMeshThatCannotFollowIsRefusedAndLeavesNoTrace) {
 /// that height.
 struct Hung {
   Sheet sheet = test::strip_sheet(0.1, 0.1, 4);
-  Held held;
+  PositionConstraints held;
   std::unique_ptr<Elastic> elastic;
 
   explicit Hung(double floor) {
@@ -125,45 +126,45 @@ struct Hung {
     for (int step = 1; step <= 20; ++step)
       elastic->step(sheet, targets(sheet, held.vertices, 0.0015 * step), dt);
   }
-  Held targets(const Sheet& on, const std::vector<int>& vertices, double way) const {
-    Held wanted = Bent::targets(on, vertices, way);
+  PositionConstraints targets(const Sheet& on, const std::vector<int>& vertices, double way) const {
+    PositionConstraints wanted = Bent::targets(on, vertices, way);
     wanted.colliders = held.colliders;
     return wanted;
   }
 };
 
-TEST(Exchange, WhatLiesAndFoldsInFewFacetsGetsFinerOnesThoughTheyStoreMore) {
+TEST(ExchangeTest, WhatLiesAndFoldsInFewFacetsGetsFinerOnesThoughTheyStoreMore) {
   const double lowest = Hung(-1).sheet.x.col(2).minCoeff();
   for (const bool lies : {true, false}) {
     Hung hung(lies ? lowest + 0.005 : -1);
-    const double stored = hung.elastic->look(hung.sheet).energy;
+    const double stored = hung.elastic->evaluate_energies(hung.sheet).energy;
     std::vector<int> borders;
     Sheet proposal = on_mesh(hung.sheet, test::strip_sheet(0.1, 0.1, 16), borders);
-    const Verdict verdict = exchange_mesh(hung.sheet, *hung.elastic, proposal, {},
-                                          hung.targets(proposal, borders, 0.03), dt);
+    const MeshSwapResult verdict = try_swap_mesh(hung.sheet, *hung.elastic, proposal, {},
+                                                 hung.targets(proposal, borders, 0.03), dt);
     EXPECT_EQ(verdict.accepted, lies) << verdict.rise << " " << verdict.move;
     EXPECT_GT(verdict.rise, lies ? 0.1 : 0.04);
     EXPECT_GT(verdict.move, 0.015);
-    EXPECT_EQ(hung.elastic->look(hung.sheet).energy > 1.1 * stored, lies);
+    EXPECT_EQ(hung.elastic->evaluate_energies(hung.sheet).energy > 1.1 * stored, lies);
   }
 }
 
-TEST(Exchange, NothingFlowsWhetherTakenOrRefused) {
+TEST(ExchangeTest, NothingFlowsWhetherTakenOrRefused) {
   for (const int strips : {20, 2}) {
     Bent bent(0.0008);  // yields at 18 1/m: the arch has flowed, and would again on another mesh
     ASSERT_GT(bent.memory.integral(), 1e-4);
     const PlasticMemory before = contents(bent.memory);
     std::vector<int> borders;
     Sheet proposal = on_mesh(bent.sheet, test::strip_sheet(0.1, 0.1, strips), borders);
-    const Verdict verdict = exchange_mesh(bent.sheet, bent.elastic, proposal, {},
-                                          Bent::targets(proposal, borders, 0.008), dt);
+    const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, proposal, {},
+                                                 Bent::targets(proposal, borders, 0.008), dt);
     EXPECT_EQ(verdict.accepted, strips == 20) << verdict.rise << " " << verdict.move;
     const PlasticMemory after = contents(bent.memory);
     EXPECT_TRUE(before.curvature == after.curvature && before.hardening == after.hardening);
   }
 }
 
-TEST(Exchange, AnArchGetsRulingsThatHoldItsHandlesAndIsTheSameTwice) {
+TEST(ExchangeTest, AnArchGetsRulingsThatHoldItsHandlesAndIsTheSameTwice) {
   const Shot shot = test::s1_push();
   const auto play = [&](double facet_turn, int& accepted) {
     CrumpleOptions options;
@@ -193,7 +194,7 @@ TEST(Exchange, AnArchGetsRulingsThatHoldItsHandlesAndIsTheSameTwice) {
   EXPECT_NEAR(a.x.col(2).maxCoeff() / 0.019492, 1, 0.01);  // the elastica
 }
 
-TEST(Exchange, OptionsTellWhenAMeshIsStaleAndHowLargeItMayGrow) {
+TEST(ExchangeTest, OptionsTellWhenAMeshIsStaleAndHowLargeItMayGrow) {
   const Shot shot = test::s1_push();
   struct Seen {
     int accepted = 0;
@@ -217,7 +218,7 @@ TEST(Exchange, OptionsTellWhenAMeshIsStaleAndHowLargeItMayGrow) {
   usual.facet_turn = 0.06;  // folds grow past it several times on the way
   RulingOptions patient = usual, small = usual;
   patient.stale_fold = 20;
-  small.most_share = 0.8;
+  small.max_share = 0.8;
   EXPECT_LT(play(patient).accepted, play(usual).accepted);
   EXPECT_LT(play(small).triangles, play(usual).triangles);
 }

@@ -35,7 +35,7 @@ Taken take(const Shot& shot, const Method& method, int frame) {
   return taken;
 }
 
-TEST(Polish, ACoarseFrameEndsWhereTheFineOneThatMarchedIs) {
+TEST(PolishTest, ACoarseFrameEndsWhereTheFineOneThatMarchedIs) {
   const Shot shot = test::s1_push();
   const Taken coarse = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 20),
               fine = take(shot, fem(1000), 20);
@@ -55,7 +55,7 @@ TEST(Polish, ACoarseFrameEndsWhereTheFineOneThatMarchedIs) {
   EXPECT_GT(polished.energy_before, polished.energy);
 }
 
-TEST(Polish, HandlesStayWhereTheyHoldTheSheet) {
+TEST(PolishTest, HandlesStayWhereTheyHoldTheSheet) {
   const Shot shot = test::s1_push();
   const Taken coarse = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 30);
   Polisher polish(shot, {}, 400);
@@ -66,7 +66,7 @@ TEST(Polish, HandlesStayWhereTheyHoldTheSheet) {
               coarse.held_at.row(k));
 }
 
-TEST(Polish, AFrameIsTheSameWhicheverWasPolishedBefore) {
+TEST(PolishTest, AFrameIsTheSameWhicheverWasPolishedBefore) {
   const Shot shot = test::s1_push();
   const Method method = hybrid(shot.pattern, shot.paper, 90, {}, 0, 0);
   const Taken one = take(shot, method, 20),
@@ -79,11 +79,11 @@ TEST(Polish, AFrameIsTheSameWhicheverWasPolishedBefore) {
 
 /// What paper kept is no work to polish it into: a sheet that springs back to an arch of its own
 /// keeps it.
-TEST(Polish, PlasticCurvatureIsPartOfTheMinimum) {
+TEST(PolishTest, PlasticCurvatureIsPartOfTheMinimum) {
   const Shot shot = test::blank_shot(test::rectangle(0.1, 0.05));
   PlasticGrid memory(shot.pattern);
   Polisher polish(shot, {}, 300);
-  const StartedSheet& mesh = polish.mesh();
+  const InitialSheet& mesh = polish.mesh();
   const auto cover = memory.cover(mesh.sheet.pattern, mesh.sheet.triangles);
   PlasticMemory gained(static_cast<int>(mesh.sheet.triangles.rows()));
   gained.curvature.col(0).setConstant(10);  // 1/m along x

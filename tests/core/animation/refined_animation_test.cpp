@@ -46,7 +46,7 @@ std::map<int, Frame> marched(const Shot& shot, const Method& method, int last) {
   return frames;
 }
 
-TEST(PolishedAnimation, HasTheEnergyOfAFineFemThatCameAllTheWay) {
+TEST(PolishedAnimationTest, HasTheEnergyOfAFineFemThatCameAllTheWay) {
   const Shot shot = test::s1_push();
   const auto ours = polished(shot, 30, triangles(1000)), fine = marched(shot, fem(1000), 30),
              rough = marched(shot, coarse(shot), 30);
@@ -60,7 +60,7 @@ TEST(PolishedAnimation, HasTheEnergyOfAFineFemThatCameAllTheWay) {
   }
 }
 
-TEST(PolishedAnimation, AFrameIsTheSameAloneAndWithAnyNumberOfThreads) {
+TEST(PolishedAnimationTest, AFrameIsTheSameAloneAndWithAnyNumberOfThreads) {
   const Shot shot = test::s1_push();
   const auto all = polished(shot, 28, triangles(400)),
              threads = polished(shot, 28, triangles(400, 3));
@@ -76,7 +76,7 @@ TEST(PolishedAnimation, AFrameIsTheSameAloneAndWithAnyNumberOfThreads) {
 
 /// The middle handle is relative: it holds the sheet where the sheet is, and the polished one is
 /// elsewhere.
-TEST(PolishedAnimation, ARelativeHandleHoldsThePolishedSheetWhereItWas) {
+TEST(PolishedAnimationTest, ARelativeHandleHoldsThePolishedSheetWhereItWas) {
   const Shot shot = test::s1_push();
   const auto frames = polished(shot, 28, triangles(400));
   const std::size_t mid = shot.handles.size() - 1;
@@ -93,7 +93,7 @@ TEST(PolishedAnimation, ARelativeHandleHoldsThePolishedSheetWhereItWas) {
   EXPECT_GT((rough.at(28).frame.handles[mid].at - at(28).at).norm(), 1e-6);
 }
 
-TEST(PolishedAnimation, ASheetThatTouchesItselfIsHandedOnAsItWasAndSaysSo) {
+TEST(PolishedAnimationTest, ASheetThatTouchesItselfIsHandedOnAsItWasAndSaysSo) {
   // its ends are brought together, one above the other
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.05));
   constexpr int last = 24;

@@ -22,7 +22,7 @@ Sheet folded(int n, const std::vector<int>& columns, double angle) {
   return sheet;
 }
 
-TEST(CreaseNetwork, AFoldAcrossAStripIsOneCreaseOfItsWidth) {
+TEST(CreaseNetworkTest, AFoldAcrossAStripIsOneCreaseOfItsWidth) {
   const CreaseNetwork one = crease_network(folded(6, {3}, 0.5));
   EXPECT_NEAR(one.length, 0.05, 1e-12);
   EXPECT_NEAR(one.count, 1, 1e-12);
@@ -33,11 +33,11 @@ TEST(CreaseNetwork, AFoldAcrossAStripIsOneCreaseOfItsWidth) {
   EXPECT_NEAR(two.mean(), 0.05, 1e-12);
 }
 
-TEST(CreaseNetwork, WhatIsFoldedByLessThanTwentyDegreesIsNoCrease) {
+TEST(CreaseNetworkTest, WhatIsFoldedByLessThanTwentyDegreesIsNoCrease) {
   EXPECT_EQ(crease_network(folded(6, {1, 2, 3, 4, 5}, 0.3)).length, 0);
 }
 
-TEST(CreaseNetwork, ASingularPointCutsACreaseInTwo) {
+TEST(CreaseNetworkTest, ASingularPointCutsACreaseInTwo) {
   Sheet sheet = test::hex_sheet(0.1, 0.0866, 10);  // rows of edges along x
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const double over = sheet.pattern(v, 1) - 0.0433;

@@ -56,7 +56,7 @@ std::vector<int> inner_vertices(int cells) {
   return inner;
 }
 
-TEST(Curvature, ACylinderHasOneOverItsRadiusAcrossAndNothingAlong) {
+TEST(CurvatureTest, ACylinderHasOneOverItsRadiusAcrossAndNothingAlong) {
   for (const double k : {20.0, -20.0})  // bulging to the normal, then hollow
     for (const double angle : {0.0, 0.6}) {
       Sheet sheet = flat_grid(0.1, 24);
@@ -76,7 +76,7 @@ TEST(Curvature, ACylinderHasOneOverItsRadiusAcrossAndNothingAlong) {
     }
 }
 
-TEST(Curvature, AFoldOfThetaSpreadsOverTheAreaOfTheRing) {
+TEST(CurvatureTest, AFoldOfThetaSpreadsOverTheAreaOfTheRing) {
   // folded by theta along the middle line x = 2h of four cells: every term of the formula by hand,
   // the ring is whole
   Sheet sheet = flat_grid(0.04, 4);
@@ -98,7 +98,7 @@ TEST(Curvature, AFoldOfThetaSpreadsOverTheAreaOfTheRing) {
   EXPECT_NEAR(S(centre, 2), 0, 1e-9);
 }
 
-TEST(Curvature, ABorderSeesTheBendingAcrossItToo) {
+TEST(CurvatureTest, ABorderSeesTheBendingAcrossItToo) {
   const double k = 20;
   Sheet sheet = flat_grid(0.1, 20);
   // the borders x = 0 and x = 0.1 are rulings: half of each ring there is missing, and its folds
@@ -108,7 +108,7 @@ TEST(Curvature, ABorderSeesTheBendingAcrossItToo) {
     for (const int i : {0, 1, 19, 20}) EXPECT_NEAR(S(j * 21 + i, 0), k, 0.15 * k) << i << " " << j;
 }
 
-TEST(Curvature, RigidMotionDoesNotChangeIt) {
+TEST(CurvatureTest, RigidMotionDoesNotChangeIt) {
   Sheet sheet = flat_grid(0.1, 8);
   roll(sheet, 15, 0.4);
   const Points3 before = vertex_curvature(sheet);
@@ -119,7 +119,7 @@ TEST(Curvature, RigidMotionDoesNotChangeIt) {
   EXPECT_LT((vertex_curvature(sheet) - before).norm(), 1e-9 * before.norm());
 }
 
-TEST(Curvature, PrincipalValuesRebuildTheTensorAndTheLargerComesFirst) {
+TEST(CurvatureTest, PrincipalValuesRebuildTheTensorAndTheLargerComesFirst) {
   for (const Vector3d& tensor : {Vector3d(3, 1, -8), Vector3d(5, -2, 1), Vector3d(-4, 0, -4),
                                  Vector3d(0, 7, 0), Vector3d(2, 0, 6)}) {
     const Principal p = principal_curvature(tensor);

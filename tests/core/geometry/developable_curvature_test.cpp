@@ -21,7 +21,7 @@ void wind(Sheet& sheet, double k, double angle) {
   }
 }
 
-TEST(DevelopableCurvature, StripsShowRulingsThatAreNotTheirEdges) {
+TEST(DevelopableCurvatureTest, StripsShowRulingsThatAreNotTheirEdges) {
   // a band of one row of cells: all vertices lie on its borders, all edges across stand upright,
   // the true rulings lean
   constexpr double k = 20, angle = 0.35, length = 0.3;
@@ -36,7 +36,7 @@ TEST(DevelopableCurvature, StripsShowRulingsThatAreNotTheirEdges) {
   }
 }
 
-TEST(DevelopableCurvature, ACylinderIsOneAllOverUpToItsBorders) {
+TEST(DevelopableCurvatureTest, ACylinderIsOneAllOverUpToItsBorders) {
   constexpr double k = 10;
   for (const double angle : {0.0, 0.3, 1.1}) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 14);

@@ -30,7 +30,7 @@ Sheet rolled(double h) {
 // -------------------------------------------------------------------------------------------------
 
 // an exact roll: only chords err
-TEST(LengthDistortion, OfARolledSheetFallsWithTheSquareOfTheEdge) {
+TEST(LengthDistortionTest, OfARolledSheetFallsWithTheSquareOfTheEdge) {
   const auto largest = [](double h) { return length_distortion(rolled(h)).largest; };
   const auto mean = [](double h) { return length_distortion(rolled(h)).mean; };
   EXPECT_NEAR(test::order(largest, 0.005, 0.0025), 2, 0.05);
@@ -40,7 +40,7 @@ TEST(LengthDistortion, OfARolledSheetFallsWithTheSquareOfTheEdge) {
   EXPECT_NEAR(largest(0.005), 0.01 / 24, 0.01 * 0.01 / 24);
 }
 
-TEST(LengthDistortion, OfAStretchedSheetIsItsStretch) {
+TEST(LengthDistortionTest, OfAStretchedSheetIsItsStretch) {
   for (const double stretch : {0.03, -0.03}) {
     Sheet sheet = hex_sheet(0.1, 0.1, 8, 0.2);
     sheet.x *= 1 + stretch;
@@ -49,7 +49,7 @@ TEST(LengthDistortion, OfAStretchedSheetIsItsStretch) {
   }
 }
 
-TEST(LengthDistortion, CountsEveryEdgeOnce) {
+TEST(LengthDistortionTest, CountsEveryEdgeOnce) {
   // a square of two triangles, five edges; the diagonal 0-3 belongs to both
   Sheet sheet = strip_sheet(0.1, 0.1, 1);
   sheet.x.row(0) << 0.1, 0, 0.1;  // 0-2 and 0-3 keep their lengths, 0-1 grows by sqrt 3
@@ -58,7 +58,7 @@ TEST(LengthDistortion, CountsEveryEdgeOnce) {
   EXPECT_LT((length_distortion(sheet).where - Vector2d(0, 0.05)).norm(), exact);
 }
 
-TEST(LengthDistortion, NamesTheWorstPlaceOnThePattern) {
+TEST(LengthDistortionTest, NamesTheWorstPlaceOnThePattern) {
   Sheet sheet = hex_sheet(0.1, 0.1, 10);
   roll(sheet, 0.05);
   int spot = 0;
@@ -73,7 +73,7 @@ TEST(LengthDistortion, NamesTheWorstPlaceOnThePattern) {
   EXPECT_LT((distortion.where.transpose() - sheet.pattern.row(spot)).norm(), 0.006);
 }
 
-TEST(LengthDistortion, IsZeroOnAFlatSheet) {
+TEST(LengthDistortionTest, IsZeroOnAFlatSheet) {
   EXPECT_LT(length_distortion(hex_sheet(0.1, 0.1, 8, 0.2)).largest, exact);
 }
 
@@ -101,13 +101,13 @@ Sheet cone(double wedge, int parts) {
   return sheet;
 }
 
-TEST(AngleDefect, OfAConeIsItsWedge) {
+TEST(AngleDefectTest, OfAConeIsItsWedge) {
   for (const double wedge : {1e-4, 0.3, 2.0})
     for (const int parts : {5, 24})
       EXPECT_NEAR(angle_defect_max(cone(wedge, parts)), wedge, exact) << "wedge " << wedge;
 }
 
-TEST(AngleDefect, OfASaddleCountsToo) {
+TEST(AngleDefectTest, OfASaddleCountsToo) {
   // flat; every other rim point goes up, the rest down: more than 360 degrees of paper
   Sheet sheet = cone(0, 8);
   for (int v = 1; v <= 8; ++v) sheet.x(v, 2) = v % 2 ? 0.01 : -0.01;
@@ -117,7 +117,7 @@ TEST(AngleDefect, OfASaddleCountsToo) {
   EXPECT_GT(angle_defect_max(sheet), 0.1);
 }
 
-TEST(AngleDefect, IsZeroOnAFlatSheetAndOnOneFoldedAlongItsEdges) {
+TEST(AngleDefectTest, IsZeroOnAFlatSheetAndOnOneFoldedAlongItsEdges) {
   Sheet sheet = hex_sheet(0.1, 0.1, 8, 0.2);
   EXPECT_LT(angle_defect_max(sheet), exact);
   sheet = cone(0, 8);  // folded along the diameter 1-5, with the apex on the fold
@@ -125,7 +125,7 @@ TEST(AngleDefect, IsZeroOnAFlatSheetAndOnOneFoldedAlongItsEdges) {
   EXPECT_LT(angle_defect_max(sheet), exact);
 }
 
-TEST(AngleDefect, PassesSingularPointsBy) {
+TEST(AngleDefectTest, PassesSingularPointsBy) {
   Sheet sheet = cone(0.3, 12);
   sheet.singular = {{{0.02, 0.01}, 1, "elsewhere"}};
   EXPECT_NEAR(angle_defect_max(sheet), 0.3, exact);
@@ -133,13 +133,13 @@ TEST(AngleDefect, PassesSingularPointsBy) {
   EXPECT_EQ(angle_defect_max(sheet), 0);
 }
 
-TEST(AngleDefect, PassesTheBorderBy) {
+TEST(AngleDefectTest, PassesTheBorderBy) {
   Sheet sheet = strip_sheet(0.1, 0.1, 8);  // border vertices only, with 90 and 180 degrees of paper
   for (int v = 0; v < sheet.x.rows(); ++v) sheet.x(v, 2) = 0.01 * (v % 3);
   EXPECT_EQ(angle_defect_max(sheet), 0);
 }
 
-TEST(VertexNormals, OnACylinderPointAwayFromItsAxis) {
+TEST(VertexNormalsTest, OnACylinderPointAwayFromItsAxis) {
   const double h = 0.0025, R = 0.05;
   const Sheet sheet = rolled(h);
   const Points3 normals = vertex_normals(sheet.x, sheet.triangles);
@@ -156,7 +156,7 @@ TEST(VertexNormals, OnACylinderPointAwayFromItsAxis) {
   }
 }
 
-TEST(VertexNormals, TurnWithTheSheet) {
+TEST(VertexNormalsTest, TurnWithTheSheet) {
   const Sheet sheet = rolled(0.01);
   const Eigen::Matrix3d R =
       Eigen::AngleAxisd(1.1, Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
@@ -167,7 +167,7 @@ TEST(VertexNormals, TurnWithTheSheet) {
             1e-11);
 }
 
-TEST(VertexNormals, WeighTrianglesByTheirAngle) {
+TEST(VertexNormalsTest, WeighTrianglesByTheirAngle) {
   // a corner of a cube, one of its faces cut in two: every face still has 90 degrees
   Points3 x(5, 3);
   x << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0, 0, 0, 1;
@@ -176,7 +176,7 @@ TEST(VertexNormals, WeighTrianglesByTheirAngle) {
   EXPECT_LT((vertex_normals(x, t).row(0) - Eigen::RowVector3d(1, 1, 1).normalized()).norm(), exact);
 }
 
-TEST(VertexNormals, OfATriangleFoldedShutUponItselfAreUnit) {
+TEST(VertexNormalsTest, OfATriangleFoldedShutUponItselfAreUnit) {
   Points3 x(4, 3);
   x << 0, 0, 0, 1, 0, 0, 0, 1, 0, 0, 1, 0;
   Triangles t(2, 3);
@@ -187,7 +187,7 @@ TEST(VertexNormals, OfATriangleFoldedShutUponItselfAreUnit) {
   EXPECT_NEAR(normals(3, 2), -1, exact);
 }
 
-TEST(Measure, LargestStretchIsThatOfTheLongestEdgeAndNothingForASheetThatIsOnlyCompressed) {
+TEST(MeasureTest, LargestStretchIsThatOfTheLongestEdgeAndNothingForASheetThatIsOnlyCompressed) {
   Sheet sheet = test::strip_sheet(0.1, 0.02, 5);
   sheet.x.col(0) *= 0.9;
   EXPECT_EQ(largest_stretch(sheet), 0);
@@ -220,28 +220,28 @@ Sheet strip_along(int cells, const std::function<Vector2d(double)>& curve) {
   return sheet;
 }
 
-TEST(Crossings, NoneInAFlatOrRolledSheet) {
+TEST(CrossingsTest, NoneInAFlatOrRolledSheet) {
   Sheet sheet = hex_sheet(0.1, 0.1, 12, 0.2);
   EXPECT_EQ(crossings(sheet), 0);
   roll(sheet, 0.03);
   EXPECT_EQ(crossings(sheet), 0);
 }
 
-TEST(Crossings, NoneInAStripFoldedOverWithAGap) {
+TEST(CrossingsTest, NoneInAStripFoldedOverWithAGap) {
   const Sheet sheet = strip_along(
       2, [](double t) { return t < 0.6 ? Vector2d(0.3 * t, 0) : Vector2d(0.01, 1e-6); });
   ASSERT_LT(sheet.x.col(0).maxCoeff(), 0.16);
   EXPECT_EQ(crossings(sheet), 0);
 }
 
-TEST(Crossings, NoneInARollOfSeveralTurnsWhoseTurnsKeepApart) {
+TEST(CrossingsTest, NoneInARollOfSeveralTurnsWhoseTurnsKeepApart) {
   const auto spiral = [](double t) {
     return Vector2d((0.01 + 0.003 * t) * std::cos(18 * t), (0.01 + 0.003 * t) * std::sin(18 * t));
   };
   EXPECT_EQ(crossings(strip_along(200, spiral)), 0);
 }
 
-TEST(Crossings, TwoTrianglesThatPierceAreOne) {
+TEST(CrossingsTest, TwoTrianglesThatPierceAreOne) {
   Points3 x(6, 3);
   x << 0, 0, 0, 1, 0, 0, 0, 1, 0, /**/ 0.2, 0.2, -1, 0.3, 0.3, 1, 2, 2, 1;
   EXPECT_EQ(crossings(soup(x)), 1);
@@ -249,7 +249,7 @@ TEST(Crossings, TwoTrianglesThatPierceAreOne) {
   EXPECT_EQ(crossings(soup(x)), 0);
 }
 
-TEST(Crossings, NeighboursOnlyTouch) {
+TEST(CrossingsTest, NeighboursOnlyTouch) {
   Points3 x(5, 3);
   x << 0, 0, 0, 1, 0, 0, 0, 1, 0, -1, 0, 1, 0, -1, 1;
   Sheet sheet = soup(x.topRows(3));
@@ -261,7 +261,7 @@ TEST(Crossings, NeighboursOnlyTouch) {
   EXPECT_EQ(crossings(sheet), 0);
 }
 
-TEST(Crossings, TwoTrianglesRoundOneVertexMayStillPassThroughEachOther) {
+TEST(CrossingsTest, TwoTrianglesRoundOneVertexMayStillPassThroughEachOther) {
   Points3 x(5, 3);
   x << 0, 0, 0, 1, 0, 0, 0, 1, 0, /**/ 0.2, 0.2, -0.5, 0.4, 0.4, 0.5;
   Sheet sheet = soup(x.topRows(3));
@@ -271,7 +271,7 @@ TEST(Crossings, TwoTrianglesRoundOneVertexMayStillPassThroughEachOther) {
   EXPECT_EQ(crossings(sheet), 1);
 }
 
-TEST(Crossings, AStripThatPassesThroughItselfCrossesInThreePairs) {
+TEST(CrossingsTest, AStripThatPassesThroughItselfCrossesInThreePairs) {
   // a loop whose two legs cross within one cell each; two triangles of each, and of the four pairs
   // one lies apart: the diagonals of the cells cut the line of the crossing at different places
   const auto loop = [](double t) {
@@ -296,7 +296,7 @@ int cgal_crossings(const Sheet& sheet) {
   return static_cast<int>(pairs.size());
 }
 
-TEST(Crossings, AgreeWithTheSearchOfCgalOnRandomTriangles) {
+TEST(CrossingsTest, AgreeWithTheSearchOfCgalOnRandomTriangles) {
   std::mt19937 random(7);
   std::uniform_real_distribution<double> place(0, 1), size(-0.3, 0.3);
   int found = 0;
@@ -315,7 +315,7 @@ TEST(Crossings, AgreeWithTheSearchOfCgalOnRandomTriangles) {
   EXPECT_GT(found, 1000);
 }
 
-TEST(Crossings, AgreeWithTheSearchOfCgalOnCrumpledSheets) {
+TEST(CrossingsTest, AgreeWithTheSearchOfCgalOnCrumpledSheets) {
   int found = 0;
   for (unsigned seed = 1; seed <= 40; ++seed) {
     Sheet sheet = hex_sheet(0.1, 0.1, 8);

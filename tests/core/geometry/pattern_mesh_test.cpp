@@ -101,7 +101,7 @@ void expect_sound(const PatternMesh& mesh, const Pattern& pattern, int euler,
     EXPECT_TRUE(used[v]) << "no triangle at " << mesh.vertices.row(v);
 }
 
-TEST(PatternMesh, HasAboutTheNumberOfTrianglesAskedFor) {
+TEST(PatternMeshTest, HasAboutTheNumberOfTrianglesAskedFor) {
   for (const Shape& shape : shapes)
     for (const int count : counts) {
       // 100 on the strip are 2.4 rows of equilateral triangles: from two rows to three the number
@@ -113,7 +113,7 @@ TEST(PatternMesh, HasAboutTheNumberOfTrianglesAskedFor) {
     }
 }
 
-TEST(PatternMesh, CoversThePatternWithCounterClockwiseTriangles) {
+TEST(PatternMeshTest, CoversThePatternWithCounterClockwiseTriangles) {
   for (const Shape& shape : shapes)
     for (const int count : counts) {
       SCOPED_TRACE(shape.name + (", " + std::to_string(count)));
@@ -125,7 +125,7 @@ TEST(PatternMesh, CoversThePatternWithCounterClockwiseTriangles) {
     }
 }
 
-TEST(PatternMesh, EveryRequiredPointIsAVertexAtItsPlace) {
+TEST(PatternMeshTest, EveryRequiredPointIsAVertexAtItsPlace) {
   const std::vector<Vector2d> points = {{0, 0},        {0.2, 0},   {0.05, 0},
                                         {0.2, 0.033},  {0.1, 0.1}, {0.03, 0.17},
                                         {0.031, 0.17}, {0, 0.111}, {0.02, 0.02}};
@@ -139,7 +139,7 @@ TEST(PatternMesh, EveryRequiredPointIsAVertexAtItsPlace) {
   }
 }
 
-TEST(PatternMesh, ARequiredPointOnARoundBorderIsWithinTheToleranceOfTheBorder) {
+TEST(PatternMeshTest, ARequiredPointOnARoundBorderIsWithinTheToleranceOfTheBorder) {
   std::vector<Vector2d> points;
   for (int k = 0; k < 16; ++k)
     points.push_back(0.5 * (disc().outline[4 * k + 1] + disc().outline[4 * k + 2]));
@@ -154,7 +154,7 @@ TEST(PatternMesh, ARequiredPointOnARoundBorderIsWithinTheToleranceOfTheBorder) {
   }
 }
 
-TEST(PatternMesh, ARequiredPointJustInsideARoundBorderIsPartOfTheMesh) {
+TEST(PatternMeshTest, ARequiredPointJustInsideARoundBorderIsPartOfTheMesh) {
   // the chord that stands for a piece of the border may cut it off
   std::vector<Vector2d> points;
   for (int k = 0; k < 64; ++k)
@@ -167,7 +167,7 @@ TEST(PatternMesh, ARequiredPointJustInsideARoundBorderIsPartOfTheMesh) {
   }
 }
 
-TEST(PatternMesh, PointsThatAreTheSameToTheFileShareAVertex) {
+TEST(PatternMeshTest, PointsThatAreTheSameToTheFileShareAVertex) {
   const std::vector<Vector2d> points = {{0.03, 0.04}, {0.03 + 1e-9, 0.04}, {0.03, 0.04}, {0.07, 0},
                                         {0.07, 1e-9}, {0.1, 0.1 - 1e-9},   {0.1, 0.1}};
   const PatternMesh mesh = mesh_pattern_with(rectangle(0.1, 0.1), 300, points);
@@ -179,7 +179,7 @@ TEST(PatternMesh, PointsThatAreTheSameToTheFileShareAVertex) {
   for (int t = 0; t < mesh.triangles.rows(); ++t) EXPECT_GT(smallest_angle(mesh, t), 5);
 }
 
-TEST(PatternMesh, IsNearEquilateralOnPlainShapes) {
+TEST(PatternMeshTest, IsNearEquilateralOnPlainShapes) {
   const struct {
     const char* name;
     double width, height;
@@ -206,7 +206,7 @@ TEST(PatternMesh, IsNearEquilateralOnPlainShapes) {
     }
 }
 
-TEST(PatternMesh, LatticeAndRoundBorderAreSmoothedTogether) {
+TEST(PatternMeshTest, LatticeAndRoundBorderAreSmoothedTogether) {
   for (const int count : {600, 1700, 6000}) {
     const PatternMesh mesh = mesh_pattern_with(disc(), count, {});
     double least = 180;
@@ -216,7 +216,7 @@ TEST(PatternMesh, LatticeAndRoundBorderAreSmoothedTogether) {
   }
 }
 
-TEST(PatternMesh, AFinerEdgeMakesMoreTrianglesOfThatSize) {
+TEST(PatternMeshTest, AFinerEdgeMakesMoreTrianglesOfThatSize) {
   for (const double edge : {0.02, 0.01, 0.004}) {
     const PatternMesh mesh = mesh_pattern(rectangle(0.210, 0.297), edge, {});
     const double expected = 0.210 * 0.297 / (edge * edge * std::sqrt(3.0) / 4);
@@ -225,7 +225,7 @@ TEST(PatternMesh, AFinerEdgeMakesMoreTrianglesOfThatSize) {
   }
 }
 
-TEST(PatternMesh, TheTurnTurnsTheLattice) {
+TEST(PatternMeshTest, TheTurnTurnsTheLattice) {
   // share of the edges inside that run within 10 degrees of the first row of the lattice
   const auto along = [](double turn) {
     const PatternMesh mesh = mesh_pattern(rectangle(0.1, 0.1), 0.004, {}, turn);
@@ -244,7 +244,7 @@ TEST(PatternMesh, TheTurnTurnsTheLattice) {
   for (const double turn : {0.0, 0.26, M_PI / 6}) EXPECT_GT(along(turn), 0.9) << turn;
 }
 
-TEST(PatternMesh, TheSameInputGivesTheSameMesh) {
+TEST(PatternMeshTest, TheSameInputGivesTheSameMesh) {
   for (const Shape& shape : shapes) {
     const std::vector<Vector2d> points = {{0.01, 0.011}, {0.02, 0.003}};
     const PatternMesh one = mesh_pattern_with(shape.pattern, 700, points),
@@ -267,7 +267,7 @@ Fault fault_of(const std::function<void()>& run) {
   return Fault::command;
 }
 
-TEST(PatternMesh, AnOutlineThatCrossesItselfIsRefused) {
+TEST(PatternMeshTest, AnOutlineThatCrossesItselfIsRefused) {
   const Pattern lopsided{{{0, 0}, {0.2, 0}, {0.05, 0.15}, {0.2, 0.2}, {0, 0.2}, {0.15, 0.05}}, {}};
   // its sides cross in the middle of both
   const Pattern bow_tie{{{0, 0}, {0.1, 0.1}, {0.1, 0}, {0, 0.1}}, {}};
@@ -280,7 +280,7 @@ TEST(PatternMesh, AnOutlineThatCrossesItselfIsRefused) {
   }
 }
 
-TEST(PatternMesh, AnOutlineThatTouchesItselfIsRefused) {
+TEST(PatternMeshTest, AnOutlineThatTouchesItselfIsRefused) {
   // two squares that share the corner (0.1, 0.1), and a slot that just reaches the other side
   const Pattern corner{
       {{0, 0}, {0.1, 0}, {0.1, 0.1}, {0.2, 0.1}, {0.2, 0.2}, {0.1, 0.2}, {0.1, 0.1}, {0, 0.1}}, {}};
@@ -291,7 +291,7 @@ TEST(PatternMesh, AnOutlineThatTouchesItselfIsRefused) {
       EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, edge, {}); }), Fault::scene);
 }
 
-TEST(PatternMesh, AHoleThatCrossesTheOutlineIsRefused) {
+TEST(PatternMeshTest, AHoleThatCrossesTheOutlineIsRefused) {
   Pattern pattern = rectangle(0.1, 0.1);
   pattern.holes = {circle({0.09, 0.05}, 0.03, 24, /*counter_clockwise=*/false)};
   EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, 0.01, {}); }), Fault::scene);

@@ -9,7 +9,7 @@ namespace {
 
 const Pattern rectangle{{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0, 0.1}}, {}};
 
-TEST(PatternSamples, MeshesOfOneFlatSheetDoNotDiffer) {
+TEST(PatternSamplesTest, MeshesOfOneFlatSheetDoNotDiffer) {
   const PatternSamples samples(rectangle);
   const auto coarse = samples(test::strip_sheet(0.2, 0.1, 5)),
              fine = samples(test::hex_sheet(0.2, 0.1, 17, 0.2));
@@ -18,7 +18,7 @@ TEST(PatternSamples, MeshesOfOneFlatSheetDoNotDiffer) {
   EXPECT_LT((coarse.normals.col(2).array() - 1).abs().maxCoeff(), 1e-12);
 }
 
-TEST(PatternSamples, TheDistanceOfAMovedSheetIsHowFarItMoved) {
+TEST(PatternSamplesTest, TheDistanceOfAMovedSheetIsHowFarItMoved) {
   const PatternSamples samples(rectangle);
   Sheet moved = test::strip_sheet(0.2, 0.1, 5);
   const auto before = samples(moved);
@@ -26,7 +26,7 @@ TEST(PatternSamples, TheDistanceOfAMovedSheetIsHowFarItMoved) {
   EXPECT_NEAR(rms_distance(before.x, samples(moved).x), 0.003, 1e-15);
 }
 
-TEST(PatternSamples, PointsInAHoleDoNotCount) {
+TEST(PatternSamplesTest, PointsInAHoleDoNotCount) {
   Pattern holed = rectangle;
   holed.holes = {{{0.05, 0.025}, {0.05, 0.075}, {0.15, 0.075}, {0.15, 0.025}}};
   const auto sampled = PatternSamples(holed)(test::strip_sheet(0.2, 0.1, 5));

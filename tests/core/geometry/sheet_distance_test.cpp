@@ -21,7 +21,7 @@ Sheet placed(unsigned seed, double away) {
   return sheet;
 }
 
-TEST(SheetDistance, IsTheLeastOverAllFeatures) {
+TEST(SheetDistanceTest, IsTheLeastOverAllFeatures) {
   int known = 0, crossed = 0;
   for (unsigned seed = 1; seed < 20; ++seed) {
     const Sheet a = placed(seed, 0), b = placed(seed + 30, 0.01 * seed);
@@ -46,7 +46,7 @@ TEST(SheetDistance, IsTheLeastOverAllFeatures) {
   EXPECT_GT(known - crossed, 2);
 }
 
-TEST(SheetDistance, TheShareOfVerticesNearAnotherSheetIsCountedOnBoth) {
+TEST(SheetDistanceTest, TheShareOfVerticesNearAnotherSheetIsCountedOnBoth) {
   Sheet a = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), b = a;
   b.x.col(2).array() += 1e-4;
   EXPECT_EQ(share_within(a, b, 2e-4), 1);
@@ -55,7 +55,7 @@ TEST(SheetDistance, TheShareOfVerticesNearAnotherSheetIsCountedOnBoth) {
   EXPECT_NEAR(share_within(a, b, 2e-4), 0.5, 0.15);
 }
 
-TEST(Crossings, OfTwoSheetsAreThoseOfTheirTrianglesWithEachOther) {
+TEST(CrossingsTest, OfTwoSheetsAreThoseOfTheirTrianglesWithEachOther) {
   Sheet a = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), b = a;
   for (int v = 0; v < b.x.rows(); ++v)
     b.x.row(v) << 0.05, b.pattern(v, 0) + 1e-3, b.pattern(v, 1) - 0.05;

@@ -57,7 +57,7 @@ void expect_solves(System& system) {
   EXPECT_LT((system.sparse.solve(b) - expected).norm(), 1e-12 * expected.norm());
 }
 
-TEST(BlockCholesky, HoldsTheMatrixThatWasAddedUp) {
+TEST(BlockCholeskyTest, HoldsTheMatrixThatWasAddedUp) {
   for (const int blocks : {1, 2, small, large}) {
     const System system = random_system(blocks, blocks);
     EXPECT_LT((system.sparse.dense() - system.dense).norm(), 1e-13 * system.dense.norm())
@@ -65,7 +65,7 @@ TEST(BlockCholesky, HoldsTheMatrixThatWasAddedUp) {
   }
 }
 
-TEST(BlockCholesky, SolvesAsADenseMatrixDoes) {
+TEST(BlockCholeskyTest, SolvesAsADenseMatrixDoes) {
   for (const int blocks : {1, 2, 7, small, 259, 260, large}) {
     System system = random_system(blocks, blocks);
     ASSERT_TRUE(system.sparse.factorise()) << blocks << " blocks";
@@ -73,7 +73,7 @@ TEST(BlockCholesky, SolvesAsADenseMatrixDoes) {
   }
 }
 
-TEST(BlockCholesky, KeepsItsOrderWhenTheValuesChange) {
+TEST(BlockCholeskyTest, KeepsItsOrderWhenTheValuesChange) {
   for (const int blocks : {small, large}) {
     System system = random_system(blocks, 1);
     ASSERT_TRUE(system.sparse.factorise());
@@ -88,7 +88,7 @@ TEST(BlockCholesky, KeepsItsOrderWhenTheValuesChange) {
   }
 }
 
-TEST(BlockCholesky, RefusesAnIndefiniteMatrixUntilItsDiagonalIsShifted) {
+TEST(BlockCholeskyTest, RefusesAnIndefiniteMatrixUntilItsDiagonalIsShifted) {
   for (const int blocks : {1, small, large}) {
     System system = random_system(blocks, 5);
     const int bad = blocks / 2;
@@ -105,7 +105,7 @@ TEST(BlockCholesky, RefusesAnIndefiniteMatrixUntilItsDiagonalIsShifted) {
   }
 }
 
-TEST(BlockCholesky, ShiftsEveryDiagonalEntryAndNothingElse) {
+TEST(BlockCholeskyTest, ShiftsEveryDiagonalEntryAndNothingElse) {
   System system = random_system(small, 8);
   const Eigen::MatrixXd before = system.sparse.dense();
   system.sparse.shift_diagonal(0.25);
@@ -113,7 +113,7 @@ TEST(BlockCholesky, ShiftsEveryDiagonalEntryAndNothingElse) {
   EXPECT_LT((change - 0.25 * Eigen::MatrixXd::Identity(3 * small, 3 * small)).norm(), 1e-12);
 }
 
-TEST(BlockCholesky, ABlockAboveTheDiagonalIsTheMirrorImageOfTheOneBelow) {
+TEST(BlockCholeskyTest, ABlockAboveTheDiagonalIsTheMirrorImageOfTheOneBelow) {
   BlockCholesky one(3, {{0, 1}, {1, 2}}), other(3, {{1, 0}, {2, 1}});
   Eigen::Matrix3d block;
   block << 1, 2, 3, 4, 5, 6, 7, 8, 9;
@@ -127,7 +127,7 @@ TEST(BlockCholesky, ABlockAboveTheDiagonalIsTheMirrorImageOfTheOneBelow) {
   EXPECT_EQ(one.dense(), other.dense());
 }
 
-TEST(BlockCholesky, AnUncoupledPairHasNoPlaceAndWhatIsAddedThereIsPassedBy) {
+TEST(BlockCholeskyTest, AnUncoupledPairHasNoPlaceAndWhatIsAddedThereIsPassedBy) {
   BlockCholesky matrix(4, {{0, 1}, {1, 2}, {2, 3}});
   for (const auto& [i, j] : Pairs{{0, 2}, {2, 0}, {0, 3}, {3, 1}, {-1, 0}, {0, -1}, {-1, -1}}) {
     EXPECT_EQ(matrix.slot(i, j).offset, -1) << i << ' ' << j;
@@ -138,7 +138,7 @@ TEST(BlockCholesky, AnUncoupledPairHasNoPlaceAndWhatIsAddedThereIsPassedBy) {
   EXPECT_GE(matrix.slot(3, 3).offset, 0);
 }
 
-TEST(BlockCholesky, GivesTheSameBitsTwice) {
+TEST(BlockCholeskyTest, GivesTheSameBitsTwice) {
   for (const int blocks : {small, large}) {
     System one = random_system(blocks, 2), two = random_system(blocks, 2);
     const Eigen::VectorXd b = Eigen::VectorXd::LinSpaced(3 * blocks, -1, 2);

@@ -9,7 +9,7 @@ namespace {
 
 /// Its corner hooks before it rolls: on meshes that are too coarse for the hook the paper breaks
 /// there, as many as eight times.
-TEST(CarriedCorner, OfASheetOnTheGroundRollsAndBreaksNothing) {
+TEST(CarriedCornerTest, OfASheetOnTheGroundRollsAndBreaksNothing) {
   const Scene scene = read_scene(PAPERBAKE_SAMPLES "/S5_roll.glb");
   const SceneSheet& s = scene.sheets.front();
   Shot shot{s.name, s.pattern, s.start, s.handles, Paper{}};

@@ -52,7 +52,7 @@ Crumpled crumple(const Setting& setting) {
   options.seed = setting.seed;
   options.memory = Memory::plastic;
   CrumpleOptions crumples;
-  crumples.most_triangles = std::max(250, 2 * setting.base_triangles);
+  crumples.max_triangles = std::max(250, 2 * setting.base_triangles);
   Crumpled c;
   animate(shot, hybrid(shot.pattern, shot.paper, setting.base_triangles, crumples, setting.seed, 0),
           options, [&](const AnimatedFrame& f) {
@@ -85,7 +85,7 @@ double mean(const std::vector<Crumpled>& all, const Value& value) {
 }
 double births(const Crumpled& c) { return c.births; }
 
-TEST(CrumpleStatistics, TwelveBallsLetGoNeverCrossKeepTheirLengthsAndAreBrokenInManyPoints) {
+TEST(CrumpleStatisticsTest, TwelveBallsLetGoNeverCrossKeepTheirLengthsAndAreBrokenInManyPoints) {
   const std::vector<Crumpled> all = crumples({"S4r_release"}, 12);
   std::vector<double> edges, lags;
   for (const Crumpled& c : all) {
@@ -106,7 +106,7 @@ TEST(CrumpleStatistics, TwelveBallsLetGoNeverCrossKeepTheirLengthsAndAreBrokenIn
   EXPECT_NEAR(mean(all, births), 37, 8);
 }
 
-TEST(CrumpleStatistics, TwiceTheFrameRateGivesTheSameCrumples) {
+TEST(CrumpleStatisticsTest, TwiceTheFrameRateGivesTheSameCrumples) {
   const std::vector<Crumpled> slow = crumples({}, 6), fast = crumples({"S4_crumple", 48}, 6);
   const auto first = [](const Crumpled& c) { return c.first_birth; };
   const auto plastic = [](const Crumpled& c) { return c.plastic.rbegin()->second; };
@@ -115,14 +115,14 @@ TEST(CrumpleStatistics, TwiceTheFrameRateGivesTheSameCrumples) {
   EXPECT_NEAR(mean(fast, plastic) / mean(slow, plastic), 1, 0.1);
 }
 
-TEST(CrumpleStatistics, HeavierPaperHasLargerFacets) {
+TEST(CrumpleStatisticsTest, HeavierPaperHasLargerFacets) {
   const double copy = mean(crumples({"S4r_release"}, 6), births),
                card = mean(crumples({"S4r_release", 24, 250 / 70.0}, 6), births);
   EXPECT_GE(card, 8);
   EXPECT_LT(card, 0.8 * copy);  // facets have 1/births of the sheet
 }
 
-TEST(CrumpleStatistics, PlasticTurnDoesNotDependOnTheMesh) {
+TEST(CrumpleStatisticsTest, PlasticTurnDoesNotDependOnTheMesh) {
   constexpr int seeds = 4;
   std::map<int, std::vector<double>> turn;  // of three densities, by frame
   for (const int base : {150, 300, 600}) {  // end with about 185, 320 and 635 triangles

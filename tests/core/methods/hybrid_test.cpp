@@ -39,7 +39,7 @@ Method hybrid_of(const Shot& shot, unsigned seed = 0) {
   return hybrid(shot.pattern, shot.paper, 120, {}, seed, 0);
 }
 
-TEST(Hybrid, ArchOfAHundredTrianglesIsNearlyTheElastica) {
+TEST(HybridTest, ArchOfAHundredTrianglesIsNearlyTheElastica) {
   const Shot shot = test::s1_push();
   const Played played = play(shot, hybrid_of(shot), 24);
   const Sheet& sheet = played.sheets.back();
@@ -49,7 +49,7 @@ TEST(Hybrid, ArchOfAHundredTrianglesIsNearlyTheElastica) {
   EXPECT_TRUE(sheet.singular.empty());
 }
 
-TEST(Hybrid, FramesTellTheRulingsAndRegionsOfAnArch) {
+TEST(HybridTest, FramesTellTheRulingsAndRegionsOfAnArch) {
   const Shot shot = test::s1_push();  // bends about lines across the push, along y
   const Played played = play(shot, hybrid_of(shot), 24);
   const BentParts& parts = played.frames.back().parts;
@@ -61,7 +61,7 @@ TEST(Hybrid, FramesTellTheRulingsAndRegionsOfAnArch) {
   EXPECT_LE(curved.size(), 5u);  // an arch with its feet, and what is flat
 }
 
-TEST(Hybrid, NothingChangesWhileNothingMoves) {
+TEST(HybridTest, NothingChangesWhileNothingMoves) {
   Shot shot = test::s1_push();
   for (Handle& handle : shot.handles)  // at rest from frame 12 on
     for (int f = 12; f < handle.keyed.rows(); ++f) handle.keyed.row(f) = handle.keyed.row(11);
@@ -75,7 +75,7 @@ TEST(Hybrid, NothingChangesWhileNothingMoves) {
   }
 }
 
-TEST(Hybrid, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
+TEST(HybridTest, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
   // a 60 x 20 mm strip led round a cylinder by handles along both borders, let go at frame 25;
   // yield at 100 1/m, hardening 0.3
   const auto curl = [](double curvature) {
@@ -95,7 +95,7 @@ TEST(Hybrid, PaperWoundTooTightKeepsACurlAndPaperThatIsNotKeepsNone) {
     AnimateOptions options;
     options.last_frame = frames;
     options.memory = Memory::plastic;
-    options.show_memory = true;
+    options.report_plastic_curvature = true;
     options.elastic.contact = SelfContact::off;  // it is wound twice round the same cylinder
     double plastic = 0, residual = 0, kept = 0;
     animate(
@@ -141,7 +141,7 @@ Shot crush() {
   return shot;
 }
 
-TEST(Hybrid, ACrushedSheetGetsSingularPointsThatStayAndAreItsOwnBySeed) {
+TEST(HybridTest, ACrushedSheetGetsSingularPointsThatStayAndAreItsOwnBySeed) {
   const Shot shot = crush();
   const Played a = play(shot, hybrid_of(shot, 1), 40), again = play(shot, hybrid_of(shot, 1), 40),
                b = play(shot, hybrid_of(shot, 2), 40);
@@ -165,7 +165,7 @@ TEST(Hybrid, ACrushedSheetGetsSingularPointsThatStayAndAreItsOwnBySeed) {
   }
 }
 
-TEST(Hybrid, OptionsBoundHowManyPointsAreBorn) {
+TEST(HybridTest, OptionsBoundHowManyPointsAreBorn) {
   const Shot shot = crush();
   const auto born = [&](const CrumpleOptions& options) {
     return play(shot, hybrid(shot.pattern, shot.paper, 120, options, 1, 0), 30)
@@ -173,8 +173,8 @@ TEST(Hybrid, OptionsBoundHowManyPointsAreBorn) {
         .singular.size();
   };
   CrumpleOptions one, full;
-  one.most_points = 1;
-  full.most_triangles = 60;  // fewer than the first mesh has
+  one.max_points = 1;
+  full.max_triangles = 60;  // fewer than the first mesh has
   EXPECT_EQ(born(one), 1u);
   EXPECT_EQ(born(full), 0u);
 }

@@ -23,7 +23,7 @@ Shapes hybrid_shapes(const char* scene, const char* change, int last_frame) {
   return shapes_of(shot, make, change_named(change), 0, fps, last_frame);
 }
 
-TEST(Invariance, ArchIsTheSameInOtherStepsAtOtherSpeedsAndOnAnotherMesh) {
+TEST(InvarianceTest, ArchIsTheSameInOtherStepsAtOtherSpeedsAndOnAnotherMesh) {
   const Pattern pattern = shot_of(cases_named({"S1"}).front()).shot.pattern;
   const Shapes arch = hybrid_shapes("S1", "as it is", 24);
   ASSERT_EQ(arch.frames.size(), 6u);
@@ -35,7 +35,7 @@ TEST(Invariance, ArchIsTheSameInOtherStepsAtOtherSpeedsAndOnAnotherMesh) {
   }
 }
 
-TEST(Invariance, StripThatBucklesChoosesTheSameSideOnEveryMesh) {
+TEST(InvarianceTest, StripThatBucklesChoosesTheSameSideOnEveryMesh) {
   const Pattern pattern = shot_of(cases_named({"S2"}).front()).shot.pattern;
   const Shapes strip = hybrid_shapes("S2", "as it is", 8);
   // the other side is 5 % away in frame 4
@@ -43,7 +43,7 @@ TEST(Invariance, StripThatBucklesChoosesTheSameSideOnEveryMesh) {
     EXPECT_LT(apart_pct(strip, hybrid_shapes("S2", change, 8), pattern), 0.3) << change;
 }
 
-TEST(Invariance, StepsOfFourFramesMeetHandlesWhereTheyWereKeyed) {
+TEST(InvarianceTest, StepsOfFourFramesMeetHandlesWhereTheyWereKeyed) {
   Shot shot;
   Handle handle;
   handle.keyed.resize(9, 3);

@@ -34,7 +34,7 @@ void expect_rim(const Pattern& pattern, const Vector2d& centre, double radius,
   }
 }
 
-TEST(Handles, AHandleRestsBeforeItsFirstAndAfterItsLastKey) {
+TEST(HandlesTest, AHandleRestsBeforeItsFirstAndAfterItsLastKey) {
   Handle handle;
   handle.keyed.resize(3, 3);
   handle.keyed << 1, 2, 3, 4, 5, 6, 7, 8, 9;
@@ -45,7 +45,7 @@ TEST(Handles, AHandleRestsBeforeItsFirstAndAfterItsLastKey) {
   EXPECT_EQ(keyed_position(handle, 100), Vector3d(7, 8, 9));
 }
 
-TEST(Handles, AHandleIsHeldFromItsGrabFrameUpToItsReleaseFrame) {
+TEST(HandlesTest, AHandleIsHeldFromItsGrabFrameUpToItsReleaseFrame) {
   Handle handle;
   EXPECT_TRUE(handle.held(-1000) && handle.held(1000));
   handle.grab_frame = 5;
@@ -55,34 +55,34 @@ TEST(Handles, AHandleIsHeldFromItsGrabFrameUpToItsReleaseFrame) {
   EXPECT_FALSE(handle.held(8));
 }
 
-TEST(DiscRadius, OfALoneHandleIsAFinger) {
+TEST(DiscRadiusTest, OfALoneHandleIsAFinger) {
   EXPECT_EQ(disc_radius({finger({0.1, 0.1})}, 0, rectangle(0.3, 0.3)), 0.010);
 }
 
-TEST(DiscRadius, OfALoneHandleOnASmallSheetIsATwentiethOfTheShorterSide) {
+TEST(DiscRadiusTest, OfALoneHandleOnASmallSheetIsATwentiethOfTheShorterSide) {
   EXPECT_NEAR(disc_radius({finger({0.1, 0.02})}, 0, rectangle(0.3, 0.04)), 0.002, 1e-15);
 }
 
-TEST(DiscRadius, IsNothingInARowOfHandles) {
+TEST(DiscRadiusTest, IsNothingInARowOfHandles) {
   const Pattern sheet = rectangle(0.3, 0.3);
   std::vector<Handle> row;
   for (int i = 0; i <= 10; ++i) row.push_back(finger({0, 0.03 * i * 0.99}));
   for (std::size_t h = 0; h < row.size(); ++h) EXPECT_EQ(disc_radius(row, h, sheet), 0);
 }
 
-TEST(DiscRadius, AnotherHandleWithin30MillimetresMakesARow) {
+TEST(DiscRadiusTest, AnotherHandleWithin30MillimetresMakesARow) {
   const Pattern sheet = rectangle(0.3, 0.3);
   EXPECT_EQ(disc_radius({finger({0.1, 0.1}), finger({0.129, 0.1})}, 0, sheet), 0);
   EXPECT_EQ(disc_radius({finger({0.1, 0.1}), finger({0.131, 0.1})}, 0, sheet), 0.010);
 }
 
-TEST(DiscRadius, OnASmallSheetAnotherHandleWithin15PercentOfTheShorterSideMakesARow) {
+TEST(DiscRadiusTest, OnASmallSheetAnotherHandleWithin15PercentOfTheShorterSideMakesARow) {
   const Pattern sheet = rectangle(0.2, 0.1);
   EXPECT_EQ(disc_radius({finger({0.1, 0.05}), finger({0.114, 0.05})}, 1, sheet), 0);
   EXPECT_NEAR(disc_radius({finger({0.1, 0.05}), finger({0.116, 0.05})}, 1, sheet), 0.005, 1e-15);
 }
 
-TEST(DiscRadius, OfItsOwnIsKeptWhateverIsNear) {
+TEST(DiscRadiusTest, OfItsOwnIsKeptWhateverIsNear) {
   std::vector<Handle> handles = {finger({0.1, 0.1}), finger({0.105, 0.1})};
   handles[0].radius = 0.02;
   EXPECT_EQ(disc_radius(handles, 0, rectangle(0.3, 0.3)), 0.02);
@@ -91,11 +91,11 @@ TEST(DiscRadius, OfItsOwnIsKeptWhateverIsNear) {
   EXPECT_EQ(disc_radius({handles[0]}, 0, rectangle(0.3, 0.3)), 0);
 }
 
-TEST(DiscRim, OfABarePointIsEmpty) {
+TEST(DiscRimTest, OfABarePointIsEmpty) {
   EXPECT_TRUE(disc_rim(rectangle(0.1, 0.1), {0.05, 0.05}, 0).empty());
 }
 
-TEST(DiscRim, InsideTheSheetIsARegularHexagon) {
+TEST(DiscRimTest, InsideTheSheetIsARegularHexagon) {
   const Pattern sheet = rectangle(0.1, 0.1);
   const Vector2d centre(0.04, 0.06);
   const std::vector<Vector2d> rim = disc_rim(sheet, centre, 0.01);
@@ -104,7 +104,7 @@ TEST(DiscRim, InsideTheSheetIsARegularHexagon) {
   for (std::size_t i = 0; i < 6; ++i) EXPECT_NEAR((rim[i] - rim[(i + 1) % 6]).norm(), 0.01, 1e-12);
 }
 
-TEST(DiscRim, AtAStraightBorderHasFourPointsWithTwoOnTheBorder) {
+TEST(DiscRimTest, AtAStraightBorderHasFourPointsWithTwoOnTheBorder) {
   const Pattern sheet = rectangle(0.1, 0.07);
   for (const Vector2d& centre :
        {Vector2d(0.03, 0), Vector2d(0.1, 0.03), Vector2d(0.03, 0.07), Vector2d(0, 0.03)}) {
@@ -117,7 +117,7 @@ TEST(DiscRim, AtAStraightBorderHasFourPointsWithTwoOnTheBorder) {
   }
 }
 
-TEST(DiscRim, AtACornerHasThreePointsWithTwoOnTheBorder) {
+TEST(DiscRimTest, AtACornerHasThreePointsWithTwoOnTheBorder) {
   const Pattern sheet = rectangle(0.1, 0.07);
   for (const Vector2d& corner : sheet.outline) {
     const std::vector<Vector2d> rim = disc_rim(sheet, corner, 0.01);
@@ -127,7 +127,7 @@ TEST(DiscRim, AtACornerHasThreePointsWithTwoOnTheBorder) {
   }
 }
 
-TEST(DiscRim, CutByTheBorderAnywhereEndsOnTheBorderAtItsRadius) {
+TEST(DiscRimTest, CutByTheBorderAnywhereEndsOnTheBorderAtItsRadius) {
   const Pattern sheet = rectangle(0.1, 0.07);
   std::mt19937 random(3);
   std::uniform_real_distribution<double> uniform(0.001, 0.009), along(0.02, 0.05);
@@ -140,7 +140,7 @@ TEST(DiscRim, CutByTheBorderAnywhereEndsOnTheBorderAtItsRadius) {
   }
 }
 
-TEST(DiscRim, BetweenTwoBordersHasTwoArcs) {
+TEST(DiscRimTest, BetweenTwoBordersHasTwoArcs) {
   const Pattern strip = rectangle(0.1, 0.01);
   const std::vector<Vector2d> rim = disc_rim(strip, {0.05, 0.004}, 0.015);
   ASSERT_EQ(rim.size(), 4u);
@@ -148,7 +148,7 @@ TEST(DiscRim, BetweenTwoBordersHasTwoArcs) {
   EXPECT_EQ(on_border(strip, rim), 4);
 }
 
-TEST(DiscRim, APointThatNearlyTouchesTheBorderIsPutOnIt) {
+TEST(DiscRimTest, APointThatNearlyTouchesTheBorderIsPutOnIt) {
   const Pattern sheet = rectangle(0.1, 0.1);
   // a hundredth of the radius away
   const std::vector<Vector2d> rim = disc_rim(sheet, {0.0101, 0.05}, 0.01);
@@ -157,7 +157,7 @@ TEST(DiscRim, APointThatNearlyTouchesTheBorderIsPutOnIt) {
   EXPECT_EQ(on_border(sheet, disc_rim(sheet, {0.0103, 0.05}, 0.01)), 0);
 }
 
-TEST(DiscRim, GoesRoundAHole) {
+TEST(DiscRimTest, GoesRoundAHole) {
   Pattern sheet = rectangle(0.1, 0.1);
   sheet.holes = {{{0.05, 0.04}, {0.05, 0.06}, {0.07, 0.06}, {0.07, 0.04}}};
   const std::vector<Vector2d> rim = disc_rim(sheet, {0.04, 0.05}, 0.012);
@@ -166,7 +166,7 @@ TEST(DiscRim, GoesRoundAHole) {
   EXPECT_EQ(on_border(sheet, rim), 2);
 }
 
-TEST(DiscRim, OfADiscLargerThanTheSheetIsEmpty) {
+TEST(DiscRimTest, OfADiscLargerThanTheSheetIsEmpty) {
   EXPECT_TRUE(disc_rim(rectangle(0.1, 0.1), {0.05, 0.05}, 0.2).empty());
 }
 

@@ -33,7 +33,7 @@ Pattern comb(int teeth) {
 
 constexpr double exact = 1e-12;  // sums of a few square roots in double precision
 
-TEST(Pattern, MeasuresOfAnL) {
+TEST(PatternTest, MeasuresOfAnL) {
   EXPECT_NEAR(area(ell()), 0.03, exact);
   EXPECT_NEAR(longer_side(ell()), 0.2, exact);
   const Pattern strip{{{0, 0}, {0.3, 0}, {0.3, 0.03}, {0, 0.03}}, {}};
@@ -41,9 +41,9 @@ TEST(Pattern, MeasuresOfAnL) {
   EXPECT_NEAR((extent(strip) - Vector2d(0.3, 0.03)).norm(), 0, exact);
 }
 
-TEST(Pattern, AreaTakesHolesOff) { EXPECT_NEAR(area(frame()), 0.08, exact); }
+TEST(PatternTest, AreaTakesHolesOff) { EXPECT_NEAR(area(frame()), 0.08, exact); }
 
-TEST(Pattern, TheBorderBelongsToThePattern) {
+TEST(PatternTest, TheBorderBelongsToThePattern) {
   for (double t : {0.0, 0.1, 1.0 / 3, 0.7, 1.0}) {
     const double s = 0.21 * t;
     for (const Vector2d& p : {Vector2d(s, 0), Vector2d(0.21, s), Vector2d(s, 0.21), Vector2d(0, s)})
@@ -52,7 +52,7 @@ TEST(Pattern, TheBorderBelongsToThePattern) {
   EXPECT_TRUE(contains(frame(), {0.15, 0.1}));  // the rim of the hole
 }
 
-TEST(Pattern, ToleranceWidensTheBorderByThatMuch) {
+TEST(PatternTest, ToleranceWidensTheBorderByThatMuch) {
   EXPECT_FALSE(contains(square(0.1), {-1e-6, 0.05}));
   EXPECT_TRUE(contains(square(0.1), {-1e-6, 0.05}, 1.1e-6));
   EXPECT_FALSE(contains(square(0.1), {-1e-6, 0.05}, 0.9e-6));
@@ -60,7 +60,7 @@ TEST(Pattern, ToleranceWidensTheBorderByThatMuch) {
   EXPECT_TRUE(contains(frame(), {0.15, 0.15}, 0.051));
 }
 
-TEST(Pattern, ARayThroughCornersCountsThemOnce) {
+TEST(PatternTest, ARayThroughCornersCountsThemOnce) {
   EXPECT_FALSE(contains(ell(), {-0.1, 0.1}));
   EXPECT_FALSE(contains(ell(), {0.15, 0.15}));
   EXPECT_TRUE(contains(ell(), {0.05, 0.1}));
@@ -68,30 +68,30 @@ TEST(Pattern, ARayThroughCornersCountsThemOnce) {
   EXPECT_TRUE(contains(frame(), {0.05, 0.2}));
 }
 
-TEST(Pattern, NearestBorderPointMayLieOnAHole) {
+TEST(PatternTest, NearestBorderPointMayLieOnAHole) {
   EXPECT_NEAR((nearest_border_point(frame(), {0.15, 0.08}) - Vector2d(0.15, 0.1)).norm(), 0, exact);
   EXPECT_NEAR((nearest_border_point(frame(), {0.02, 0.15}) - Vector2d(0, 0.15)).norm(), 0, exact);
   EXPECT_NEAR((nearest_border_point(square(0.1), {-1, -1}) - Vector2d(0, 0)).norm(), 0, exact);
 }
 
-TEST(PaperDistance, IsStraightInAConvexSheet) {
+TEST(PaperDistanceTest, IsStraightInAConvexSheet) {
   EXPECT_NEAR(paper_distance(square(0.1), {0, 0}, {0.1, 0.1}), 0.1 * std::sqrt(2.0), exact);
   EXPECT_NEAR(paper_distance(square(0.1), {0, 0.03}, {0, 0.07}), 0.04, exact);  // along the border
   EXPECT_NEAR(paper_distance(square(0.1), {0.02, 0.02}, {0.02, 0.02}), 0, exact);
 }
 
-TEST(PaperDistance, GoesRoundTheReentrantCorner) {
+TEST(PaperDistanceTest, GoesRoundTheReentrantCorner) {
   const Vector2d a(0.2, 0.05), b(0.05, 0.2), corner(0.1, 0.1);
   EXPECT_NEAR(paper_distance(ell(), a, b), (a - corner).norm() + (corner - b).norm(), exact);
   // both legs run along the border
   EXPECT_NEAR(paper_distance(ell(), {0.2, 0.1}, {0.1, 0.2}), 0.2, exact);
 }
 
-TEST(PaperDistance, StraightThroughTheReentrantCornerIsStraight) {
+TEST(PaperDistanceTest, StraightThroughTheReentrantCornerIsStraight) {
   EXPECT_NEAR(paper_distance(ell(), {0.2, 0}, {0, 0.2}), 0.2 * std::sqrt(2.0), exact);
 }
 
-TEST(PaperDistance, GoesRoundAHoleOnTheShorterSide) {
+TEST(PaperDistanceTest, GoesRoundAHoleOnTheShorterSide) {
   const Vector2d a(0.05, 0.12), b(0.25, 0.12);  // nearer to the lower rim of the hole
   const double below = (a - Vector2d(0.1, 0.1)).norm() + 0.1 + (Vector2d(0.2, 0.1) - b).norm();
   EXPECT_NEAR(paper_distance(frame(), a, b), below, exact);
@@ -99,14 +99,14 @@ TEST(PaperDistance, GoesRoundAHoleOnTheShorterSide) {
   EXPECT_NEAR(paper_distance(frame(), {0.1, 0.1}, {0.2, 0.2}), 0.2, exact);
 }
 
-TEST(PaperDistance, WindsThroughManyCorners) {
+TEST(PaperDistanceTest, WindsThroughManyCorners) {
   // from tooth to tooth: up to the slot's corner, 0.5 across it, and down; the inner teeth are
   // passed along y = 0.9
   const double way = std::hypot(0.5, 0.9) + 3.5 + std::hypot(0.5, 0.9);
   EXPECT_NEAR(paper_distance(comb(4), {0, 0}, {4.5, 0}), way, exact);
 }
 
-TEST(PaperDistance, IsSymmetricAndNeverShorterThanStraight) {
+TEST(PaperDistanceTest, IsSymmetricAndNeverShorterThanStraight) {
   const std::vector<Vector2d> points = {{0, 0},      {0.3, 0.3},   {0.1, 0.15},
                                         {0.2, 0.17}, {0.29, 0.01}, {0.15, 0.25}};
   for (const auto& a : points)
@@ -116,7 +116,7 @@ TEST(PaperDistance, IsSymmetricAndNeverShorterThanStraight) {
     }
 }
 
-TEST(PaperDistance, PointsAHairOutsideAreTakenToTheBorder) {
+TEST(PaperDistanceTest, PointsAHairOutsideAreTakenToTheBorder) {
   const double hair = 1e-8;  // rounding of a 32-bit file
   EXPECT_NEAR(paper_distance(square(0.1), {-hair, 0.03}, {-hair, 0.07}), 0.04, exact);
   EXPECT_NEAR(paper_distance(ell(), {0.2, 0.1 + hair}, {0.1 + hair, 0.2}), 0.2, 1e-7);

@@ -26,23 +26,23 @@ Sheet triangle() {
   sheet.triangles.resize(1, 3);
   sheet.triangles << 0, 1, 2;
   sheet.singular = {{{0.1, 0.2}, 7, "bends"}};
-  sheet.folds = {{{{0, 0}, {1, 0}, {1, 1}}, -0.5}};
+  sheet.prescribed_creases = {{{{0, 0}, {1, 0}, {1, 1}}, -0.5}};
   return sheet;
 }
 
-TEST(Archive, GivesBackWhatItWasGivenBitForBit) {
+TEST(SerializerTest, GivesBackWhatItWasGivenBitForBit) {
   Sheet sheet = triangle(), other;
   sheet.x(0, 0) = -0.0, sheet.x(1, 1) = std::numeric_limits<double>::denorm_min(),
              sheet.x(2, 2) = std::nextafter(0.1, 1);
   std::optional<double> none, some = 3.0;
   std::deque<Points3> past{Points3::Random(2, 3), Points3(0, 3)};
   bool yes = true;
-  Archive out;
+  Serializer out;
   out(sheet, none, some, past, yes);
   std::optional<double> none_there = 1.0, some_there;
   std::deque<Points3> past_there;
   bool yes_there = false;
-  Archive in(out.bytes());
+  Serializer in(out.bytes());
   in(other, none_there, some_there, past_there, yes_there);
   in.end();
   EXPECT_EQ(other.pattern, sheet.pattern);
@@ -51,30 +51,30 @@ TEST(Archive, GivesBackWhatItWasGivenBitForBit) {
   EXPECT_EQ(other.triangles, sheet.triangles);
   EXPECT_EQ(other.singular.at(0).cause, "bends");
   EXPECT_EQ(other.singular[0].frame_of_birth, 7);
-  EXPECT_EQ(other.folds.at(0).line, sheet.folds[0].line);
-  EXPECT_EQ(other.folds[0].angle, -0.5);
+  EXPECT_EQ(other.prescribed_creases.at(0).line, sheet.prescribed_creases[0].line);
+  EXPECT_EQ(other.prescribed_creases[0].angle, -0.5);
   EXPECT_EQ(none_there, none);
   EXPECT_EQ(some_there, some);
   EXPECT_EQ(past_there, past);
   EXPECT_TRUE(yes_there);
 }
 
-TEST(Archive, RefusesBytesThatWereCutAnywhere) {
+TEST(SerializerTest, RefusesBytesThatWereCutAnywhere) {
   Sheet sheet = triangle();
-  Archive out;
+  Serializer out;
   out(sheet);
   const std::string& bytes = out.bytes();
   ASSERT_GT(bytes.size(), 200u);
   for (std::size_t size = 0; size < bytes.size(); ++size) {
     Sheet there;
-    Archive in(std::string_view(bytes).substr(0, size));
+    Serializer in(std::string_view(bytes).substr(0, size));
     EXPECT_THROW(in(there), Error) << size;
   }
 }
 
-TEST(Archive, SurvivesAnyByteThatIsChanged) {
+TEST(SerializerTest, SurvivesAnyByteThatIsChanged) {
   Sheet sheet = triangle();
-  Archive out;
+  Serializer out;
   out(sheet);
   int refused = 0;
   for (std::size_t k = 0; k < out.bytes().size(); ++k)
@@ -83,7 +83,7 @@ TEST(Archive, SurvivesAnyByteThatIsChanged) {
       bytes[k] = byte;
       Sheet there;
       try {
-        Archive in(bytes);
+        Serializer in(bytes);
         in(there);
         EXPECT_TRUE(there.triangles.size() == 0 ||
                     there.triangles.maxCoeff() < there.pattern.rows());
@@ -163,9 +163,9 @@ TEST_P(AState, IsAllThatTheNextFramesComeFrom) {
 }
 
 /// Paper yields by the ridges of the step before, until a step looks for them again.
-TEST(ElasticPast, ComesBackWithItsRidges) {
+TEST(SolverStateTest, ComesBackWithItsRidges) {
   Sheet saddle = test::hex_sheet(0.1, 0.1, 8);
-  Held held;
+  PositionConstraints held;
   for (int v = 0; v < saddle.x.rows(); ++v) {
     const Vector2d p = saddle.pattern.row(v).transpose() - Vector2d(0.05, 0.05);
     // 30 1/m both ways: a ridge yields, smooth paper does not before 100 1/m
@@ -177,25 +177,25 @@ TEST(ElasticPast, ComesBackWithItsRidges) {
     held.targets.row(k) = saddle.x.row(held.vertices[k]);
   PlasticGrid flowed(test::rectangle(0.1, 0.1));
   Elastic elastic({}, {});
-  elastic.remember_in(&flowed);
+  elastic.set_plastic_grid(&flowed);
   elastic.set_mesh(saddle);
   Sheet after = saddle;
   elastic.step(after, held, 1 / 24.0);
-  ElasticPast past = elastic.past(), there, smooth = past;
+  SolverState past = elastic.past(), there, smooth = past;
   ASSERT_GT(past.ridges.focus.maxCoeff(), 5);
-  Archive out;
+  Serializer out;
   out(past);
-  Archive in(out.bytes());
+  Serializer in(out.bytes());
   in(there);
   in.end();
   there.grid = past.grid;
   smooth.ridges = {};
-  const auto bending = [&](const ElasticPast& told) {  // [J] of the saddle
+  const auto bending = [&](const SolverState& told) {  // [J] of the saddle
     PlasticGrid grid = flowed;
     Elastic other({}, {});
-    other.remember_in(&grid);
+    other.set_plastic_grid(&grid);
     other.set_mesh(saddle);
-    other.take_back(told);
+    other.restore(told);
     const ElasticReport stored = other.look(saddle);
     return stored.energy - stored.membrane;
   };
@@ -203,7 +203,7 @@ TEST(ElasticPast, ComesBackWithItsRidges) {
   EXPECT_GT(bending(smooth), 1.1 * bending(past)) << "it is the ridges that are asked for";
 }
 
-TEST(AnimatedState, OfAnotherShotOrCutIsRefused) {
+TEST(AnimatedStateTest, OfAnotherShotOrCutIsRefused) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 3;

@@ -42,7 +42,7 @@ std::vector<SingularPoint> born(const Shot& shot, int last_frame) {
   return found;
 }
 
-TEST(Pins, ASingularPointThatIsKeptIsThereFromTheFirstFrame) {
+TEST(SingularPointRulesTest, ASingularPointThatIsKeptIsThereFromTheFirstFrame) {
   Shot shot = shot_of(sample("S8_dcone.glb"));
   shot.pins.keep = {{0.065, 0.03}};
   const auto found = born(shot, 4);
@@ -51,11 +51,11 @@ TEST(Pins, ASingularPointThatIsKeptIsThereFromTheFirstFrame) {
   EXPECT_EQ(found[0].frame_of_birth, 1);
 }
 
-TEST(Pins, NoSingularPointIsBornWhereItIsForbidden) {
+TEST(SingularPointRulesTest, NoSingularPointIsBornWhereItIsForbidden) {
   Shot shot = shot_of(sample("S8_dcone.glb"));
   const auto usual = born(shot, 56);
   ASSERT_FALSE(usual.empty());
-  const Pins::Disc disc{usual.front().pattern, 0.02};
+  const SingularPointRules::Disc disc{usual.front().pattern, 0.02};
   shot.pins.forbid = {disc};
   const auto others = born(shot, 56);
   ASSERT_FALSE(others.empty()) << "the next best place is taken";
@@ -67,19 +67,19 @@ Shot creased_push() {
   Scene scene = sample("S1_push.glb");
   Shot shot = shot_of(scene);
   const Vector2d size = extent(shot.pattern);
-  shot.pattern.folds = {{{{0.5 * size.x(), 0}, {0.5 * size.x(), size.y()}}, 0.3}};
+  shot.pattern.prescribed_creases = {{{{0.5 * size.x(), 0}, {0.5 * size.x(), size.y()}}, 0.3}};
   return shot;
 }
 
 /// Mean angle over the hinges of the line, and of the others that are as steep as it is. [rad]
 std::pair<double, double> mean_turns(const Sheet& sheet) {
   const Hinges hinges = find_hinges(sheet.triangles);
-  const auto lines = fold_lines(sheet, hinges);
+  const auto lines = crease_of_hinges(sheet, hinges);
   double on = 0, off = 0, on_length = 0, off_length = 0;
   for (std::size_t h = 0; h < lines.size(); ++h) {
     const auto& v = hinges.hinges[h].vertices;
     const Vector2d along = sheet.pattern.row(v[1]) - sheet.pattern.row(v[0]);
-    const double turn = std::abs(fold_angle(sheet.x, hinges.hinges[h])), length = along.norm();
+    const double turn = std::abs(dihedral_angle(sheet.x, hinges.hinges[h])), length = along.norm();
     if (lines[h])
       on += turn * length, on_length += length;
     else if (std::abs(along.x()) < 0.3 * length)
@@ -88,7 +88,7 @@ std::pair<double, double> mean_turns(const Sheet& sheet) {
   return {on / std::max(on_length, 1e-9), off / std::max(off_length, 1e-9)};
 }
 
-TEST(Pins, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
+TEST(SingularPointRulesTest, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
   const Shot shot = creased_push();
   for (const Method& method :
        {hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), fem(600), adaptive(shot.pattern, 600)}) {
@@ -104,7 +104,7 @@ TEST(Pins, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
     });
     double along = 0;  // [m] of the edges on the line
     const Hinges hinges = find_hinges(last.triangles);
-    const auto lines = fold_lines(last, hinges);
+    const auto lines = crease_of_hinges(last, hinges);
     for (std::size_t h = 0; h < lines.size(); ++h)
       if (lines[h])
         along += (last.pattern.row(hinges.hinges[h].vertices[0]) -
@@ -119,16 +119,16 @@ TEST(Pins, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
     const auto creases = detect_creases(last, {}, shot.pattern, CreaseThresholds{});
     double drawn = 0;
     for (const Crease& crease : creases)
-      if (fold_under(shot.pattern.folds, crease.from, crease.to))
+      if (crease_under(shot.pattern.prescribed_creases, crease.from, crease.to))
         drawn += (crease.to - crease.from).norm();
     EXPECT_GT(drawn, 0.9 * along) << method.name << ": it is in the map";
 
-    RenderSheet render =
-        make_render_sheet(shot.pattern, record.features(shot), record.edge(), Quality::draft);
+    RenderSurface render =
+        make_render_surface(shot.pattern, record.features(shot), record.edge(), Quality::draft);
     render.hold(record.frames().back().held);
     const Sheet recorded = record.sheet(record.frames().back());
     const RenderFrame shown =
-        render.frame(recorded, render.places_on(recorded.pattern, recorded.triangles),
+        render.frame(recorded, render.locate_on(recorded.pattern, recorded.triangles),
                      record.frames().back().held_at);
     double sharpest = 0;  // [rad] between two normals of one vertex
     const Triangles& numbers = render.normal_of_corner();
@@ -144,11 +144,11 @@ TEST(Pins, PaperPushedTogetherFoldsAtItsCreaseByWhateverMethod) {
   }
 }
 
-TEST(Pins, ACreaseSpringsBackToItsAngle) {
+TEST(SingularPointRulesTest, ACreaseSpringsBackToItsAngle) {
   Shot shot = creased_push();
   shot.handles.resize(2);
   shot.handles[1] = shot.handles[0];  // one point holds it in space
-  shot.pattern.folds[0].angle = 0.5;
+  shot.pattern.prescribed_creases[0].angle = 0.5;
   Sheet last;
   AnimateOptions options;
   options.last_frame = 40;
@@ -159,20 +159,20 @@ TEST(Pins, ACreaseSpringsBackToItsAngle) {
   EXPECT_NEAR(mean_turns(last).first, 0.5, 0.02);
 }
 
-TEST(Pins, LinesThatCrossAreRowsOfEdgesOfAMesh) {
+TEST(SingularPointRulesTest, LinesThatCrossAreRowsOfEdgesOfAMesh) {
   Pattern pattern{{{0, 0}, {0.2, 0}, {0.2, 0.1}, {0, 0.1}}, {}, {}};
-  pattern.folds = {{{{0, 0}, {0.2, 0.1}}, 0},
-                   {{{0, 0.1}, {0.07, 0.04}, {0.2, 0.02}}, 0},
-                   {{{0.1, 0}, {0.1, 0.1}}, 0}};
+  pattern.prescribed_creases = {{{{0, 0}, {0.2, 0.1}}, 0},
+                                {{{0, 0.1}, {0.07, 0.04}, {0.2, 0.02}}, 0},
+                                {{{0.1, 0}, {0.1, 0.1}}, 0}};
   double length = 0;
-  for (const FoldLine& fold : pattern.folds)
+  for (const PrescribedCrease& fold : pattern.prescribed_creases)
     for (std::size_t k = 0; k + 1 < fold.line.size(); ++k)
       length += (fold.line[k + 1] - fold.line[k]).norm();
   for (const double edge : {0.04, 0.013, 0.004}) {
     const PatternMesh mesh = mesh_pattern(pattern, edge, {{0.05, 0.05}});
-    Sheet sheet{mesh.vertices, {}, {}, mesh.triangles, {}, pattern.folds};
+    Sheet sheet{mesh.vertices, {}, {}, mesh.triangles, {}, pattern.prescribed_creases};
     const Hinges hinges = find_hinges(mesh.triangles);
-    const auto lines = fold_lines(sheet, hinges);
+    const auto lines = crease_of_hinges(sheet, hinges);
     double found = 0;
     for (std::size_t h = 0; h < lines.size(); ++h)
       if (lines[h])
@@ -184,13 +184,13 @@ TEST(Pins, LinesThatCrossAreRowsOfEdgesOfAMesh) {
   }
 }
 
-TEST(Pins, TheForceOfACreaseIsTheSlopeOfItsEnergy) {
+TEST(SingularPointRulesTest, TheForceOfACreaseIsTheSlopeOfItsEnergy) {
   Pattern pattern{{{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}}, {}, {}};
-  pattern.folds = {{{{0.03, 0}, {0.05, 0.1}}, 0.4}};
+  pattern.prescribed_creases = {{{{0.03, 0}, {0.05, 0.1}}, 0.4}};
   const PatternMesh mesh = mesh_pattern(pattern, 0.03, {});
   Paper paper;
   paper.membrane_stiffness = 1e-3;  // what is left is bending
-  const ElasticEnergy energy(paper, mesh.vertices, mesh.triangles, {}, pattern.folds),
+  const ElasticEnergy energy(paper, mesh.vertices, mesh.triangles, {}, pattern.prescribed_creases),
       plain(paper, mesh.vertices, mesh.triangles);
   Points3 x(mesh.vertices.rows(), 3), gradient;
   for (int v = 0; v < x.rows(); ++v)

@@ -29,7 +29,7 @@ double off_the_cylinder(const CurvedSurface& surface, double R, int from_border)
   return most;
 }
 
-TEST(CurvedSurface, StripsOfACylinderBecomeACylinder) {
+TEST(CurvedSurfaceTest, StripsOfACylinderBecomeACylinder) {
   const double R = 0.03;
   const Sheet sheet = ruled_roll(R, 12);
   CurvedSurface flat = curve(sheet), curved = flat;
@@ -43,7 +43,7 @@ TEST(CurvedSurface, StripsOfACylinderBecomeACylinder) {
   EXPECT_LT(off_the_cylinder(curved, R, 6), 0.1 * chord);
 }
 
-TEST(CurvedSurface, IsWithoutGapsWhateverTheMesh) {
+TEST(CurvedSurfaceTest, IsWithoutGapsWhateverTheMesh) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8, 0.25);
   test::roll(sheet, 0.03);
   // not developable either
@@ -51,7 +51,7 @@ TEST(CurvedSurface, IsWithoutGapsWhateverTheMesh) {
     sheet.x(v, 2) += 2e-3 * std::sin(900 * sheet.pattern(v, 1));
   const CurvedSurface surface = curve(sheet);
   const Hinges hinges = find_hinges(sheet.triangles);
-  double most_bulge = 0;
+  double max_bulge = 0;
   for (const Hinge& hinge : hinges.hinges) {
     Vector3d middle[2];
     for (int side = 0; side < 2; ++side) {
@@ -64,12 +64,12 @@ TEST(CurvedSurface, IsWithoutGapsWhateverTheMesh) {
       middle[side] = surface.at({hinge.triangles[side], b});
     }
     EXPECT_LT((middle[0] - middle[1]).norm(), 1e-15);
-    most_bulge = std::max(most_bulge, surface.bulge.row(3 * hinge.triangles[0]).norm());
+    max_bulge = std::max(max_bulge, surface.bulge.row(3 * hinge.triangles[0]).norm());
   }
-  EXPECT_GT(most_bulge, 1e-4);
+  EXPECT_GT(max_bulge, 1e-4);
 }
 
-TEST(CurvedSurface, AFoldStaysSharpAndFlatBesideIt) {
+TEST(CurvedSurfaceTest, AFoldStaysSharpAndFlatBesideIt) {
   Sheet sheet = test::strip_sheet(0.1, 0.05, 8);
   for (int v = 0; v < sheet.x.rows(); ++v) {  // folded by 90 degrees along x = 0.05
     const double s = sheet.pattern(v, 0) - 0.05;
@@ -80,7 +80,7 @@ TEST(CurvedSurface, AFoldStaysSharpAndFlatBesideIt) {
   EXPECT_LT(surface.bulge.cwiseAbs().maxCoeff(), 1e-12);
 }
 
-TEST(CurvedSurface, HeldVerticesAreNotDrawnIn) {
+TEST(CurvedSurfaceTest, HeldVerticesAreNotDrawnIn) {
   const Sheet sheet = ruled_roll(0.02, 8);
   const CurvedSurface all = curve(sheet), held = curve(sheet, {6, 7});
   ASSERT_GT((all.corners.row(6) - sheet.x.row(6)).norm(), 1e-5);
@@ -88,7 +88,7 @@ TEST(CurvedSurface, HeldVerticesAreNotDrawnIn) {
   EXPECT_EQ((held.corners.row(7) - sheet.x.row(7)).norm(), 0);
 }
 
-TEST(CreaseShare, RisesSmoothlyFromNothingToAll) {
+TEST(CreaseShareTest, RisesSmoothlyFromNothingToAll) {
   EXPECT_EQ(crease_share(0.4), 0);
   EXPECT_EQ(crease_share(-0.8), 1);
   EXPECT_NEAR(crease_share(0.6), 0.5, 1e-12);

@@ -16,7 +16,7 @@
 namespace paperbake {
 namespace {
 
-double least_angle(const Points2& pattern, const Triangles& triangles) {
+double min_angle(const Points2& pattern, const Triangles& triangles) {
   double least = M_PI;
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
@@ -45,7 +45,7 @@ double area_of(const RenderMesh& mesh) {
   return sum;
 }
 
-TEST(RenderMesh, HasEveryPointAndEveryCrease) {
+TEST(RenderMeshTest, HasEveryPointAndEveryCrease) {
   const RenderFeatures features{{{0.03, 0.04}, {0, 0.05}, {0.1, 0.1}},
                                 {{{0.03, 0.04}, {0.1, 0.0773}}, {{0.01, 0.09}, {0.09, 0.015}}}};
   const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
@@ -53,24 +53,24 @@ TEST(RenderMesh, HasEveryPointAndEveryCrease) {
     EXPECT_LT((mesh.pattern.row(mesh.point_vertex[k]).transpose() - features.points[k]).norm(),
               1e-12);
   double wanted = 0;
-  for (const CreaseLine& c : features.creases) wanted += (c.b - c.a).norm();
+  for (const CreaseSegment& c : features.creases) wanted += (c.b - c.a).norm();
   EXPECT_NEAR(length_of(mesh), wanted, 0.01 * wanted);
   for (const auto& [a, b] : mesh.creases)
     for (const int v : {a, b}) {
       double least = 1;
-      for (const CreaseLine& c : features.creases) {
+      for (const CreaseSegment& c : features.creases) {
         const Vector2d d = (c.b - c.a).normalized(), p = mesh.pattern.row(v).transpose() - c.a;
         least = std::min(least, std::abs(p.x() * d.y() - p.y() * d.x()));
       }
       EXPECT_LT(least, 1e-9) << "vertices of creases lie on them";
     }
   EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
-  EXPECT_GT(least_angle(mesh.pattern, mesh.triangles), 20 * M_PI / 180);
+  EXPECT_GT(min_angle(mesh.pattern, mesh.triangles), 20 * M_PI / 180);
   const double equilateral = 0.01 / (std::sqrt(0.1875) * 0.002 * 0.002);
   EXPECT_NEAR(mesh.triangles.rows(), equilateral, 0.15 * equilateral);
 }
 
-TEST(RenderMesh, SimulatedEdgesAreRowsOfEdges) {
+TEST(RenderMeshTest, SimulatedEdgesAreRowsOfEdges) {
   // two meshes of one shot, whose edges cross at all angles
   const Sheet meshes[] = {test::hex_sheet(0.1, 0.1, 6, 0.2, 1),
                           test::hex_sheet(0.1, 0.1, 5, 0.2, 2)};
@@ -87,7 +87,7 @@ TEST(RenderMesh, SimulatedEdgesAreRowsOfEdges) {
   EXPECT_LT((mesh.pattern.row(mesh.point_vertex[0]).transpose() - features.points[0]).norm(),
             1e-12);
   for (const Sheet& sheet : meshes) {
-    const Locator locator(sheet.pattern, sheet.triangles);
+    const PointLocator locator(sheet.pattern, sheet.triangles);
     for (int t = 0; t < mesh.triangles.rows(); ++t) {
       Vector2d middle = Vector2d::Zero();
       for (int i = 0; i < 3; ++i) middle += mesh.pattern.row(mesh.triangles(t, i)).transpose() / 3;
@@ -109,18 +109,18 @@ TEST(RenderMesh, SimulatedEdgesAreRowsOfEdges) {
       << "no room: 3.6 m of edges, and 2 m may be";
 }
 
-TEST(RenderMesh, ACreaseThatRunsIntoTheBorderAtASmallAngleIsWhole) {
+TEST(RenderMeshTest, ACreaseThatRunsIntoTheBorderAtASmallAngleIsWhole) {
   for (const double slope : {1.0, 0.5, 0.3, 0.2}) {
     const RenderFeatures features{{}, {{{0.0311, 0.0}, {0.07, 0.0389 * slope}}}};
     const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
     const double wanted = (features.creases[0].b - features.creases[0].a).norm();
     EXPECT_NEAR(length_of(mesh), wanted, 1e-6) << "slope " << slope;
-    EXPECT_GT(least_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180) << "slope " << slope;
+    EXPECT_GT(min_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180) << "slope " << slope;
     EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
   }
 }
 
-TEST(RenderMesh, ACrowdOfCreasesMakesNoNeedles) {
+TEST(RenderMeshTest, ACrowdOfCreasesMakesNoNeedles) {
   RenderFeatures features;
   for (int k = 0; k < 60; ++k) {
     const auto at = [&](int i) { return 0.1 * uniform(5, 4 * k + i); };
@@ -131,11 +131,11 @@ TEST(RenderMesh, ACrowdOfCreasesMakesNoNeedles) {
   features.creases.push_back(features.creases.back());
   const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.002, features);
   EXPECT_GT(mesh.creases.size(), 400u);
-  EXPECT_GT(least_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180);
+  EXPECT_GT(min_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180);
   EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
 }
 
-TEST(RenderMesh, LeavesOutTheLightestCreasesWhereThereAreTooMany) {
+TEST(RenderMeshTest, LeavesOutTheLightestCreasesWhereThereAreTooMany) {
   RenderFeatures features;
   for (int k = 1; k < 100; ++k)
     features.creases.push_back({{0.001 * k, 0.0}, {0.001 * k, 0.1}, k == 50 ? 2.0 : 1.0});
@@ -148,14 +148,14 @@ TEST(RenderMesh, LeavesOutTheLightestCreasesWhereThereAreTooMany) {
   EXPECT_NEAR(heaviest, 0.1, 1e-6);
 }
 
-TEST(RenderMesh, KeepsToTheMostTriangles) {
+TEST(RenderMeshTest, KeepsToTheMostTriangles) {
   const RenderFeatures features{{}, {{{0.01, 0.01}, {0.09, 0.08}}}};
   const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.001, features, 3000);
   EXPECT_LE(mesh.triangles.rows(), 3000);
   EXPECT_GT(mesh.triangles.rows(), 2500);
 }
 
-TEST(RenderMesh, FollowsAFineBorder) {
+TEST(RenderMeshTest, FollowsAFineBorder) {
   Pattern disc;
   for (int k = 0; k < 2000; ++k)
     disc.outline.emplace_back(0.05 + 0.05 * std::cos(M_PI * k / 1000),
@@ -206,7 +206,7 @@ double worst_normal(const Points3& x, const RenderMesh& mesh, const CreasedNorma
   return worst * 180 / M_PI;
 }
 
-TEST(CreasedNormals, AreSplitAtAFoldAndSmoothBesideIt) {
+TEST(CreasedNormalsTest, AreSplitAtAFoldAndSmoothBesideIt) {
   const double R = 0.04, angle = 1.2;
   const Folded folded(angle, R);
   const CreasedNormals normals(folded.mesh.triangles, folded.mesh.creases);
@@ -217,7 +217,7 @@ TEST(CreasedNormals, AreSplitAtAFoldAndSmoothBesideIt) {
   EXPECT_GT(normals.of_corner().maxCoeff() + 1, folded.mesh.pattern.rows());
 }
 
-TEST(CreasedNormals, OfACreaseThatLiesFlatAreTheSameOnBothSides) {
+TEST(CreasedNormalsTest, OfACreaseThatLiesFlatAreTheSameOnBothSides) {
   const Folded folded(0, 0.04);
   const CreasedNormals creased(folded.mesh.triangles, folded.mesh.creases),
       smooth(folded.mesh.triangles, {});
@@ -228,7 +228,7 @@ TEST(CreasedNormals, OfACreaseThatLiesFlatAreTheSameOnBothSides) {
       EXPECT_LT((a.row(creased.of_corner()(t, i)) - b.row(smooth.of_corner()(t, i))).norm(), 1e-12);
 }
 
-TEST(Subdivision, OfAFoldedRollKeepsRadiusAndFold) {
+TEST(SubdivisionTest, OfAFoldedRollKeepsRadiusAndFold) {
   const double R = 0.04, angle = 1.2;
   const Folded folded(angle, R);
   const CreasedNormals normals(folded.mesh.triangles, folded.mesh.creases);

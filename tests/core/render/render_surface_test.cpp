@@ -23,14 +23,14 @@ Sheet coarse_roll() {
 }
 
 struct Rendered {
-  RenderSheet render;
+  RenderSurface render;
   RenderFrame frame;
 };
 Rendered rendered(const Sheet& sheet, Quality quality, const RenderFeatures& features = {},
                   const std::vector<int>& held = {}, const Points3& at = Points3(0, 3)) {
-  RenderSheet render = make_render_sheet(test::rectangle(0.1, 0.1), features, 0.01, quality);
+  RenderSurface render = make_render_surface(test::rectangle(0.1, 0.1), features, 0.01, quality);
   render.hold(held);
-  RenderFrame frame = render.frame(sheet, render.places_on(sheet.pattern, sheet.triangles), at);
+  RenderFrame frame = render.frame(sheet, render.locate_on(sheet.pattern, sheet.triangles), at);
   return {std::move(render), std::move(frame)};
 }
 
@@ -48,7 +48,7 @@ double normals_off(const Rendered& r) {
   return sum / count * 180 / M_PI;
 }
 
-TEST(RenderSheet, ShowsACoarseRollAsARoll) {
+TEST(RenderSurfaceTest, ShowsACoarseRollAsARoll) {
   const Sheet sheet = coarse_roll();
   // mean over a facet of 10 mm, were it flat: 4.8 degrees
   const double flat_facet = 180 / M_PI * 0.01 / R / 4;
@@ -61,10 +61,10 @@ TEST(RenderSheet, ShowsACoarseRollAsARoll) {
   }
 }
 
-TEST(RenderSheet, StaysWithinTheChordErrorOfWhatIsSimulated) {
+TEST(RenderSurfaceTest, StaysWithinTheChordErrorOfWhatIsSimulated) {
   const Sheet sheet = coarse_roll();
   const Rendered r = rendered(sheet, Quality::shot);
-  const auto places = r.render.places_on(sheet.pattern, sheet.triangles);
+  const auto places = r.render.locate_on(sheet.pattern, sheet.triangles);
   double most = 0;
   for (std::size_t v = 0; v < places.size(); ++v)
     most = std::max(
@@ -75,7 +75,7 @@ TEST(RenderSheet, StaysWithinTheChordErrorOfWhatIsSimulated) {
   EXPECT_LT(most, 1.5 * sagitta);  // + what the lengths of an arc want that the chords had not
 }
 
-TEST(RenderSheet, HandlesAreWhereTheyAreHeld) {
+TEST(RenderSurfaceTest, HandlesAreWhereTheyAreHeld) {
   const Sheet sheet = coarse_roll();
   const RenderFeatures features{{{0, 0}, {0.05, 0.05}, {0.1, 0.03}}, {}};
   Points3 at(2, 3);
@@ -86,14 +86,14 @@ TEST(RenderSheet, HandlesAreWhereTheyAreHeld) {
               Vector3d(at.row(k)));
 }
 
-TEST(RenderSheet, IsTheSameTwice) {
+TEST(RenderSurfaceTest, IsTheSameTwice) {
   const Sheet sheet = coarse_roll();
   const Rendered a = rendered(sheet, Quality::hero), b = rendered(sheet, Quality::hero);
   EXPECT_EQ(a.frame.x, b.frame.x);
   EXPECT_EQ(a.frame.normals, b.frame.normals);
 }
 
-TEST(ShotRecord, KeepsMeshesOnceAndWhatAMeshForAllFramesHasToShow) {
+TEST(ShotRecordTest, KeepsMeshesOnceAndWhatAMeshForAllFramesHasToShow) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const auto fold = [&](double angle) {  // along y = 0.05 of the pattern
     for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -127,7 +127,7 @@ TEST(ShotRecord, KeepsMeshesOnceAndWhatAMeshForAllFramesHasToShow) {
   EXPECT_EQ(features.points.front(), Vector2d(0.02, 0.1));
   EXPECT_EQ(features.points.back(), Vector2d(0.03, 0.04));
   double length = 0;
-  for (const CreaseLine& c : features.creases) length += (c.b - c.a).norm();
+  for (const CreaseSegment& c : features.creases) length += (c.b - c.a).norm();
   EXPECT_NEAR(length, 0.1, 1e-9) << "the fold, and nothing else";
 }
 

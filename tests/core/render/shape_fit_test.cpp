@@ -11,8 +11,8 @@
 namespace paperbake {
 namespace {
 
-LocalGlobalOptions smooth_over(double length) {
-  LocalGlobalOptions options;
+ShapeFitOptions smooth_over(double length) {
+  ShapeFitOptions options;
   options.length = length;
   return options;
 }
@@ -24,7 +24,7 @@ Points3 rolled(const Sheet& sheet, double R) {
   return curvature;
 }
 
-TEST(ColumnCholesky, SolvesThreeColumnsAsADenseSolverDoes) {
+TEST(ColumnCholeskyTest, SolvesThreeColumnsAsADenseSolverDoes) {
   const int n = 60;
   Eigen::MatrixXd dense = Eigen::MatrixXd::Identity(n, n);
   for (int k = 0; k < 400; ++k) {
@@ -42,11 +42,11 @@ TEST(ColumnCholesky, SolvesThreeColumnsAsADenseSolverDoes) {
   EXPECT_LT((x - wanted).norm(), 1e-5 * wanted.norm());  // 32-bit floats
 }
 
-TEST(LocalGlobal, LeavesACylinderWhereItIs) {
+TEST(ShapeFitTest, LeavesACylinderWhereItIs) {
   const double R = 0.03;
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   test::roll(sheet, R);
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const Points3 x = solve(sheet.x, rolled(sheet, R));
   // at the border the quadratic bending knows no moment; elsewhere nothing but the chords of the
@@ -58,11 +58,11 @@ TEST(LocalGlobal, LeavesACylinderWhereItIs) {
       << "the curvature that is aimed at does matter";
 }
 
-TEST(LocalGlobal, TakesOutStretch) {
+TEST(ShapeFitTest, TakesOutStretch) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   test::roll(sheet, 0.03);
   sheet.x *= 1.005;
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const double before = length_distortion(sheet).mean;
   ASSERT_GT(before, 0.0045);
@@ -71,14 +71,14 @@ TEST(LocalGlobal, TakesOutStretch) {
   EXPECT_LT(length_distortion(sheet).mean, 0.12 * before);
 }
 
-TEST(LocalGlobal, TakesOutRipples) {
+TEST(ShapeFitTest, TakesOutRipples) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50, 0.1);
   test::roll(sheet, 0.03);
   const Points3 smooth = vertex_normals(sheet.x, sheet.triangles);
   for (int v = 0; v < sheet.x.rows(); ++v)  // waves of 12 mm
     sheet.x(v, 2) +=
         1e-4 * std::sin(500 * sheet.pattern(v, 0)) * std::sin(500 * sheet.pattern(v, 1));
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const auto roughness = [&](const Points3& x) {
     return (vertex_normals(x, sheet.triangles) - smooth).rowwise().norm().mean();
@@ -88,14 +88,14 @@ TEST(LocalGlobal, TakesOutRipples) {
   EXPECT_LT(roughness(solve(sheet.x, rolled(sheet, 0.03))), 0.2 * rough);
 }
 
-TEST(LocalGlobal, KeepsAFoldSharp) {
+TEST(ShapeFitTest, KeepsAFoldSharp) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 50);
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const double s = sheet.pattern(v, 0) - 0.05;
     sheet.x.row(v) << std::min(s, 0.0), sheet.pattern(v, 1), -std::max(s, 0.0);
   }
   ASSERT_LT((sheet.pattern.col(0).array() - 0.05).abs().minCoeff(), 1e-12);
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({});
   const Points3 x = solve(sheet.x, Points3::Zero(sheet.x.rows(), 3));
   // every other row of this mesh has its vertices beside the fold, so it is a saw of one edge of 2
@@ -103,12 +103,12 @@ TEST(LocalGlobal, KeepsAFoldSharp) {
   EXPECT_LT((x - sheet.x).rowwise().norm().maxCoeff(), 3e-4);
 }
 
-TEST(LocalGlobal, HeldVerticesStayToTheLastBit) {
+TEST(ShapeFitTest, HeldVerticesStayToTheLastBit) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 20);
   test::roll(sheet, 0.03);
   sheet.x(5, 2) += 1e-3;
   sheet.x(40, 2) -= 1e-3;
-  LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+  ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
   solve.hold({5, 40});
   const Points3 x = solve(sheet.x, rolled(sheet, 0.03));
   EXPECT_EQ(Vector3d(x.row(5)), Vector3d(sheet.x.row(5)));
@@ -117,12 +117,12 @@ TEST(LocalGlobal, HeldVerticesStayToTheLastBit) {
   EXPECT_GT((solve(sheet.x, rolled(sheet, 0.03)).row(5) - sheet.x.row(5)).norm(), 1e-4);
 }
 
-TEST(LocalGlobal, AnswersTheSameTwice) {
+TEST(ShapeFitTest, AnswersTheSameTwice) {
   Sheet sheet = test::hex_sheet(0.1, 0.06, 20, 0.2);
   test::roll(sheet, 0.03);
   sheet.x(5, 2) += 1e-3;
   const auto answer = [&] {
-    LocalGlobal solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
+    ShapeFit solve(sheet.pattern, sheet.triangles, smooth_over(0.006));
     solve.hold({7});
     return solve(sheet.x, rolled(sheet, 0.03));
   };

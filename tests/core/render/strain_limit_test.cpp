@@ -20,7 +20,7 @@ Sheet cut_by_a_fold() {
   return sheet;
 }
 
-TEST(StrainLimit, BringsEdgesThatAFoldCutsBackToTheLimit) {
+TEST(StrainLimitTest, BringsEdgesThatAFoldCutsBackToTheLimit) {
   Sheet sheet = cut_by_a_fold();
   // 1 - 1/sqrt 2 where the fold cuts an edge in halves
   ASSERT_GT(length_distortion(sheet).largest, 0.2);
@@ -31,7 +31,7 @@ TEST(StrainLimit, BringsEdgesThatAFoldCutsBackToTheLimit) {
   EXPECT_LT(length_distortion(sheet).largest, 1.01 * options.limit);
 }
 
-TEST(StrainLimit, LeavesWhatIsWithinTheLimitToTheLastBit) {
+TEST(StrainLimitTest, LeavesWhatIsWithinTheLimitToTheLastBit) {
   Sheet sheet = cut_by_a_fold();
   const Points3 before = sheet.x;
   StrainLimit(sheet.pattern, sheet.triangles, {})(sheet.x, std::vector<char>(sheet.x.rows(), 0));
@@ -47,7 +47,7 @@ TEST(StrainLimit, LeavesWhatIsWithinTheLimitToTheLastBit) {
   EXPECT_GT(moved, 1e-4);
 }
 
-TEST(StrainLimit, HeldVerticesStayToTheLastBit) {
+TEST(StrainLimitTest, HeldVerticesStayToTheLastBit) {
   Sheet sheet = cut_by_a_fold();
   const Points3 before = sheet.x;
   std::vector<char> held(sheet.x.rows(), 0);
@@ -63,7 +63,7 @@ TEST(StrainLimit, HeldVerticesStayToTheLastBit) {
   EXPECT_GT(moved, 1e-4) << "the others give all the more";
 }
 
-TEST(StrainLimit, TheWorstEdgeIsTheOneThatIsFarthestFromItsLengthEitherWay) {
+TEST(StrainLimitTest, TheWorstEdgeIsTheOneThatIsFarthestFromItsLengthEitherWay) {
   Points2 pattern(3, 2);
   pattern << 0, 0, 0.1, 0, 0, 0.1;
   Triangles triangles(1, 3);

@@ -33,9 +33,9 @@ Sheet folded(double width, double fold, double up) {
 /// Two of them, one in the other; their render meshes have nothing in common.
 struct Nested {
   std::vector<Sheet> sheets;
-  std::vector<RenderSheet> renders;
-  std::vector<std::vector<Place>> places;
-  std::vector<RenderTogether::Simulated> simulated;
+  std::vector<RenderSurface> renders;
+  std::vector<std::vector<MeshPoint>> places;
+  std::vector<SheetUntangler::Simulated> simulated;
   std::vector<RenderFrame> frames;
 
   enum class Edges { none, all };
@@ -46,10 +46,10 @@ struct Nested {
         for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
           features.edges.push_back(
               {sheet.pattern.row(hinge.vertices[0]), sheet.pattern.row(hinge.vertices[1])});
-      renders.push_back(make_render_sheet(test::rectangle(sheet.pattern(2, 0), height), features,
-                                          0.05, Quality::draft));
+      renders.push_back(make_render_surface(test::rectangle(sheet.pattern(2, 0), height), features,
+                                            0.05, Quality::draft));
       renders.back().hold({});
-      places.push_back(renders.back().places_on(sheet.pattern, sheet.triangles));
+      places.push_back(renders.back().locate_on(sheet.pattern, sheet.triangles));
     }
     for (std::size_t s = 0; s < 2; ++s) {
       simulated.push_back({sheets[s], &places[s]});
@@ -59,20 +59,20 @@ struct Nested {
   std::vector<Points3> positions() const { return {frames[0].x, frames[1].x}; }
 };
 
-TEST(RenderTogether, FacetsCutThroughEachOtherOnlyWhereTheMeshesHaveNoneOfTheSimulatedEdges) {
+TEST(SheetUntanglerTest, FacetsCutThroughEachOtherOnlyWhereTheMeshesHaveNoneOfTheSimulatedEdges) {
   const double gap = 0.1e-3;
   const Nested without(gap, Nested::Edges::none), with(gap, Nested::Edges::all);
   ASSERT_EQ(crossings_between(without.sheets[0], without.sheets[1]), 0);
-  EXPECT_TRUE(RenderTogether(without.renders).cut_through_each_other(without.simulated));
-  EXPECT_FALSE(RenderTogether(with.renders).cut_through_each_other(with.simulated));
+  EXPECT_TRUE(SheetUntangler(without.renders).linear_surfaces_intersect(without.simulated));
+  EXPECT_FALSE(SheetUntangler(with.renders).linear_surfaces_intersect(with.simulated));
 }
 
-TEST(RenderTogether, ASheetThatBulgesThroughAnotherGoesBackAndBothKeepTheirLengths) {
+TEST(SheetUntanglerTest, ASheetThatBulgesThroughAnotherGoesBackAndBothKeepTheirLengths) {
   Nested nested(0.1e-3, Nested::Edges::all);
   for (int v = 0; v < nested.frames[0].x.rows(); ++v)
     nested.frames[0].x(v, 2) +=
         0.5e-3 * std::sin(M_PI * nested.renders[0].mesh().pattern(v, 0) / 0.1);
-  const RenderTogether together(nested.renders);
+  const SheetUntangler together(nested.renders);
   ASSERT_GT(together.crossings(nested.positions())[1], 10);
   together.keep_apart(nested.frames, nested.simulated);
   EXPECT_EQ(together.crossings(nested.positions()), (std::vector<int>{0, 0}));
@@ -83,10 +83,10 @@ TEST(RenderTogether, ASheetThatBulgesThroughAnotherGoesBackAndBothKeepTheirLengt
   EXPECT_TRUE(nested.frames[0].kept_apart);
 }
 
-TEST(RenderTogether, WhereNothingPassesThroughAnotherNothingIsMoved) {
+TEST(SheetUntanglerTest, WhereNothingPassesThroughAnotherNothingIsMoved) {
   Nested nested(0.02, Nested::Edges::none);
   const std::vector<Points3> before = nested.positions();
-  const RenderTogether together(nested.renders);
+  const SheetUntangler together(nested.renders);
   ASSERT_EQ(together.crossings(before), (std::vector<int>{0, 0}));
   together.keep_apart(nested.frames, nested.simulated);
   EXPECT_EQ(nested.positions(), before);

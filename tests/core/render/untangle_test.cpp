@@ -34,39 +34,42 @@ Sheet strip(double bulge) {
 
 Vector3d on_facets(const Vector2d& p) { return folded(p, 0); }
 
-TEST(LayersApart, LayersThatBulgeThroughEachOtherGoBackAndNoFartherThanTheFacets) {
-  const Sheet facets = strip(0), curved = strip(0.8e-3);
-  ASSERT_EQ(crossings(facets), 0);
+TEST(UntanglerTest, LayersThatBulgeThroughEachOtherGoBackAndNoFartherThanTheFacets) {
+  const Sheet linear_positions = strip(0), curved = strip(0.8e-3);
+  ASSERT_EQ(crossings(linear_positions), 0);
   ASSERT_GT(crossings(curved), 20);
   Sheet apart = curved;
   const std::vector<char> held(apart.x.rows(), 0);
   EXPECT_TRUE(
-      LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
+      Untangler(apart.pattern, apart.triangles)(apart.x, linear_positions.x, on_facets, held)
+          .changed);
   EXPECT_EQ(crossings(apart), 0);
   // nearly half a gap of the bulge needs not go
-  EXPECT_GT((apart.x - facets.x).rowwise().norm().maxCoeff(), 0.2e-3);
-  EXPECT_LE((apart.x - facets.x).rowwise().norm().maxCoeff(), 0.8e-3);
+  EXPECT_GT((apart.x - linear_positions.x).rowwise().norm().maxCoeff(), 0.2e-3);
+  EXPECT_LE((apart.x - linear_positions.x).rowwise().norm().maxCoeff(), 0.8e-3);
   // the bend is shorter by chords
-  EXPECT_LT(length_distortion(apart).largest, length_distortion(facets).largest + 0.01);
+  EXPECT_LT(length_distortion(apart).largest, length_distortion(linear_positions).largest + 0.01);
 }
 
-TEST(LayersApart, WhereNothingPassesThroughNothingIsMoved) {
-  const Sheet facets = strip(0), curved = strip(0.4e-3);
+TEST(UntanglerTest, WhereNothingPassesThroughNothingIsMoved) {
+  const Sheet linear_positions = strip(0), curved = strip(0.4e-3);
   ASSERT_EQ(crossings(curved), 0);
   Sheet apart = curved;
   const std::vector<char> held(apart.x.rows(), 0);
   EXPECT_FALSE(
-      LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
+      Untangler(apart.pattern, apart.triangles)(apart.x, linear_positions.x, on_facets, held)
+          .changed);
   EXPECT_EQ(apart.x, curved.x);
 }
 
-TEST(LayersApart, HeldVerticesStay) {
-  const Sheet facets = strip(0), curved = strip(0.8e-3);
+TEST(UntanglerTest, HeldVerticesStay) {
+  const Sheet linear_positions = strip(0), curved = strip(0.8e-3);
   Sheet apart = curved;
   std::vector<char> held(apart.x.rows(), 0);
   for (int v = 0; v < apart.x.rows(); ++v) held[v] = apart.pattern(v, 0) < leg;
   EXPECT_TRUE(
-      LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, on_facets, held).changed);
+      Untangler(apart.pattern, apart.triangles)(apart.x, linear_positions.x, on_facets, held)
+          .changed);
   double moved = 0;
   for (int v = 0; v < apart.x.rows(); ++v) {
     if (held[v])
@@ -77,54 +80,56 @@ TEST(LayersApart, HeldVerticesStay) {
   EXPECT_GT(moved, 0.1e-3);
 }
 
-TEST(LayersApart, WhereTheFineFacetsPassThroughEachOtherTooThePointsThatMeetGoToTheirPlaces) {
+TEST(UntanglerTest, WhereTheFineFacetsPassThroughEachOtherTooThePointsThatMeetGoToTheirPlaces) {
   const Sheet curved = strip(0.502e-3);
   ASSERT_GT(crossings(curved), 5);
   Sheet apart = curved;
   const std::vector<char> held(apart.x.rows(), 0);
   EXPECT_TRUE(
-      LayersApart(apart.pattern, apart.triangles)(apart.x, curved.x, on_facets, held).changed);
+      Untangler(apart.pattern, apart.triangles)(apart.x, curved.x, on_facets, held).changed);
   EXPECT_EQ(crossings(apart), 0);
 }
 
-TEST(LayersApart, WithoutPlacesTheEndIsSureHoweverFarThroughEachOtherTheyAre) {
-  const Sheet facets = strip(0), curved = strip(6e-3);
-  ASSERT_EQ(crossings(facets), 0);
+TEST(UntanglerTest, WithoutPlacesTheEndIsSureHoweverFarThroughEachOtherTheyAre) {
+  const Sheet linear_positions = strip(0), curved = strip(6e-3);
+  ASSERT_EQ(crossings(linear_positions), 0);
   ASSERT_GT(crossings(curved), 50);
   Sheet apart = curved;
   const std::vector<char> held(apart.x.rows(), 0);
-  const LayersApart::Outcome outcome =
-      LayersApart(apart.pattern, apart.triangles)(apart.x, facets.x, {}, held);
+  const Untangler::Outcome outcome =
+      Untangler(apart.pattern, apart.triangles)(apart.x, linear_positions.x, {}, held);
   EXPECT_TRUE(outcome.changed && outcome.apart);
   EXPECT_EQ(crossings(apart), 0);
 }
 
-TEST(LayersApart, InTurnsLengthsAreNoWorseThanAfterOne) {
-  const Sheet facets = strip(0), curved = strip(1.5e-3);
-  const std::vector<char> held(facets.x.rows(), 0);
-  const LayersApart layers(facets.pattern, facets.triangles);
-  const StrainLimit limit(facets.pattern, facets.triangles, {0.002, 60});
+TEST(UntanglerTest, InTurnsLengthsAreNoWorseThanAfterOne) {
+  const Sheet linear_positions = strip(0), curved = strip(1.5e-3);
+  const std::vector<char> held(linear_positions.x.rows(), 0);
+  const Untangler layers(linear_positions.pattern, linear_positions.triangles);
+  const StrainLimit limit(linear_positions.pattern, linear_positions.triangles, {0.002, 60});
   Points3 once = curved.x, turns = curved.x;
-  layers(once, facets.x, {}, held);
+  layers(once, linear_positions.x, {}, held);
   ASSERT_GT(limit.worst(once), 0.004);
   EXPECT_TRUE(layers
-                  .in_turns(turns, facets.x,
-                            {[&](Points3& x) { limit(x, held); },
-                             [&](const Points3& x) { return limit.worst(x); }},
-                            held)
+                  .untangle_alternating(turns, linear_positions.x,
+                                        {[&](Points3& x) { limit(x, held); },
+                                         [&](const Points3& x) { return limit.worst(x); }},
+                                        held)
                   .apart);
-  EXPECT_EQ(crossings(Sheet{facets.pattern, turns, {}, facets.triangles, {}}), 0);
+  EXPECT_EQ(crossings(Sheet{linear_positions.pattern, turns, {}, linear_positions.triangles, {}}),
+            0);
   EXPECT_LT(limit.worst(turns), limit.worst(once));
 }
 
-TEST(LayersApart, SaysOfFacetsThatPassThroughThemselvesThatTheyAreNotApart) {
+TEST(UntanglerTest, SaysOfFacetsThatPassThroughThemselvesThatTheyAreNotApart) {
   Sheet curved = strip(0.8e-3);
   const std::vector<char> held(curved.x.rows(), 0);
-  const Points3 facets = curved.x;
-  EXPECT_FALSE(LayersApart(curved.pattern, curved.triangles)(curved.x, facets, {}, held).apart);
+  const Points3 linear_positions = curved.x;
+  EXPECT_FALSE(
+      Untangler(curved.pattern, curved.triangles)(curved.x, linear_positions, {}, held).apart);
 }
 
-TEST(MayMeetItself, ARollWhoseEndsAreNearerThanTheSurfaceIsOff) {
+TEST(MayMeetItselfTest, ARollWhoseEndsAreNearerThanTheSurfaceIsOff) {
   Sheet sheet = test::hex_sheet(0.1, 0.05, 12);
   const double radius = 0.1 / 6.0;  // 6 of 6.28 rad: the ends are 4.7 mm apart
   for (int v = 0; v < sheet.x.rows(); ++v)
@@ -150,7 +155,7 @@ int crossings_among(const std::vector<std::pair<int, int>>& pairs, const Points3
   }));
 }
 
-TEST(TriangleTree, FindsEveryPairOfLayersThatPassesThroughAndNearlyAllOfNoise) {
+TEST(NormalConeTreeTest, FindsEveryPairOfLayersThatPassesThroughAndNearlyAllOfNoise) {
   std::mt19937 random(1);
   for (int k = 0; k < 6; ++k) {
     Sheet sheet = k < 2 ? strip(0.7e-3 + 1e-3 * k) : test::hex_sheet(0.1, 0.1, 14, 0.2, k);
@@ -159,14 +164,14 @@ TEST(TriangleTree, FindsEveryPairOfLayersThatPassesThroughAndNearlyAllOfNoise) {
       sheet.x(v, 2) += noise(random), sheet.x(v, 0) += noise(random);
     const int all = crossings(sheet);
     ASSERT_GT(all, 10) << k;
-    const TriangleTree tree(sheet.pattern, sheet.triangles);
+    const NormalConeTree tree(sheet.pattern, sheet.triangles);
     const int found = crossings_among(tree.near(sheet.x, sheet.x), sheet.x, sheet.triangles);
     EXPECT_LE(found, all) << k;
     EXPECT_GE(found, k < 2 ? all : 0.95 * all) << k;
   }
 }
 
-TEST(TriangleTree, FindsWhatPassesThroughOnTheWay) {
+TEST(NormalConeTreeTest, FindsWhatPassesThroughOnTheWay) {
   const Sheet from = strip(0.2e-3);
   Points3 to = from.x, middle;
   for (int v = 0; v < to.rows(); ++v)
@@ -174,15 +179,15 @@ TEST(TriangleTree, FindsWhatPassesThroughOnTheWay) {
   middle = 0.5 * (from.x + to);
   const int between = crossings(Sheet{from.pattern, middle, {}, from.triangles, {}});
   ASSERT_GT(between, 3);
-  const TriangleTree tree(from.pattern, from.triangles);
+  const NormalConeTree tree(from.pattern, from.triangles);
   EXPECT_EQ(crossings_among(tree.near(from.x, to), middle, from.triangles), between);
 }
 
-TEST(TriangleTree, AGentlyBentSheetHasNoPairAtAll) {
+TEST(NormalConeTreeTest, AGentlyBentSheetHasNoPairAtAll) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20, 0.2);
   for (int v = 0; v < sheet.x.rows(); ++v)
     sheet.x(v, 2) = 0.01 * std::sin(40 * sheet.pattern(v, 0));
-  EXPECT_TRUE(TriangleTree(sheet.pattern, sheet.triangles).near(sheet.x, sheet.x).empty());
+  EXPECT_TRUE(NormalConeTree(sheet.pattern, sheet.triangles).near(sheet.x, sheet.x).empty());
 }
 
 }  // namespace

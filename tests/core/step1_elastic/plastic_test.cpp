@@ -42,8 +42,8 @@ ElasticOptions tight() {
 }
 
 /// Every vertex held where it is.
-Held every_vertex(const Sheet& sheet) {
-  Held held;
+PositionConstraints every_vertex(const Sheet& sheet) {
+  PositionConstraints held;
   for (int v = 0; v < sheet.x.rows(); ++v) held.vertices.push_back(v);
   held.targets = sheet.x;
   return held;
@@ -60,16 +60,16 @@ struct Wound {
 Wound wind(Sheet sheet, double k, int steps, const Paper& paper = {}) {
   PlasticGrid grid(test::rectangle(length, width));
   Elastic elastic(paper, tight());
-  elastic.remember_in(&grid);
+  elastic.set_plastic_grid(&grid);
   elastic.set_mesh(sheet);
   Wound wound;
   for (int step = 1; step <= steps; ++step) {
     Sheet rolled = sheet;
     test::roll(rolled, steps / (k * step));
-    wound.flow.push_back(elastic.step(sheet, every_vertex(rolled), 1 / 24.0).plastic_flow);
+    wound.flow.push_back(elastic.step(sheet, every_vertex(rolled), 1 / 24.0).plastic_increment);
   }
   for (int rest = 0; rest < 40; ++rest)
-    wound.flow_of_release += elastic.step(sheet, {{}, Points3(0, 3)}, 1.0).plastic_flow;
+    wound.flow_of_release += elastic.step(sheet, {{}, Points3(0, 3)}, 1.0).plastic_increment;
   wound.residual = curvature_of(sheet);
   wound.integral = grid.integral();
   return wound;
@@ -78,7 +78,7 @@ Wound wind(Sheet sheet, double k, int steps, const Paper& paper = {}) {
 /// The default paper yields at 2 * 0.0045 / 90 um = 100 1/m.
 double expected(double k, double eta) { return (1 - eta) * (k - 100); }
 
-TEST(Plastic, WoundSheetKeepsWhatIsBeyondYieldLessTheHardening) {
+TEST(PlasticTest, WoundSheetKeepsWhatIsBeyondYieldLessTheHardening) {
   Paper paper;
   for (const double eta : {0.0, 0.3})
     for (const double k : {140.0, 200.0})
@@ -94,7 +94,7 @@ TEST(Plastic, WoundSheetKeepsWhatIsBeyondYieldLessTheHardening) {
       }
 }
 
-TEST(Plastic, SheetWoundBelowYieldUnrollsFlat) {
+TEST(PlasticTest, SheetWoundBelowYieldUnrollsFlat) {
   for (const int triangles : {160, 500}) {
     const Wound strips = wind(ruling_strips(triangles), 90, 4),
                 equal = wind(near_equilateral(triangles), 90, 4);
@@ -106,7 +106,7 @@ TEST(Plastic, SheetWoundBelowYieldUnrollsFlat) {
   }
 }
 
-TEST(Plastic, MemoryDoesNotDependOnTheNumberOfSteps) {
+TEST(PlasticTest, MemoryDoesNotDependOnTheNumberOfSteps) {
   const Wound strips = wind(ruling_strips(160), 200, 1),
               equal = wind(near_equilateral(160), 200, 1);
   ASSERT_GT(strips.residual, 60);
@@ -121,7 +121,7 @@ TEST(Plastic, MemoryDoesNotDependOnTheNumberOfSteps) {
   }
 }
 
-TEST(Plastic, IntegralGrowsWhileWindingAndIsFrozenOnRelease) {
+TEST(PlasticTest, IntegralGrowsWhileWindingAndIsFrozenOnRelease) {
   const Wound wound = wind(ruling_strips(500), 200, 20);
   double sum = 0;
   for (std::size_t step = 0; step < wound.flow.size(); ++step) {
@@ -139,22 +139,22 @@ TEST(Plastic, IntegralGrowsWhileWindingAndIsFrozenOnRelease) {
   EXPECT_NEAR(wound.integral / sum, 1, 1e-9);
 }
 
-TEST(Plastic, StepThatIsTakenBackLeavesNoTraceWithACopyOfTheGrid) {
+TEST(PlasticTest, StepThatIsTakenBackLeavesNoTraceWithACopyOfTheGrid) {
   Sheet sheet = near_equilateral(160);
   PlasticGrid grid(test::rectangle(length, width));
   Elastic elastic(Paper{}, {});
-  elastic.remember_in(&grid);
+  elastic.set_plastic_grid(&grid);
   elastic.set_mesh(sheet);
   test::roll(sheet, 1 / 200.0);
-  const Held all = every_vertex(sheet);
+  const PositionConstraints all = every_vertex(sheet);
   const PlasticGrid before = grid;
-  const double flow = elastic.step(sheet, all, 1 / 24.0).plastic_flow;
+  const double flow = elastic.step(sheet, all, 1 / 24.0).plastic_increment;
   ASSERT_GT(flow, 0.02);
   // what is remembered does not flow again
-  EXPECT_LT(std::abs(elastic.step(sheet, all, 1 / 24.0).plastic_flow), 1e-12);
+  EXPECT_LT(std::abs(elastic.step(sheet, all, 1 / 24.0).plastic_increment), 1e-12);
   grid = before;
-  elastic.remember_in(&grid);
-  EXPECT_EQ(elastic.step(sheet, all, 1 / 24.0).plastic_flow, flow);
+  elastic.set_plastic_grid(&grid);
+  EXPECT_EQ(elastic.step(sheet, all, 1 / 24.0).plastic_increment, flow);
 }
 
 /// A smooth field of plastic curvature, up to 60 1/m, at the middle of every triangle.
@@ -189,7 +189,7 @@ double integral_through(const PlasticGrid& grid, const Sheet& sheet) {
   return sum;
 }
 
-TEST(Plastic, AnotherMeshReadsTheSameIntegral) {
+TEST(PlasticTest, AnotherMeshReadsTheSameIntegral) {
   for (const auto& [from, to] : {std::pair(160, 500), std::pair(500, 160), std::pair(160, 60)}) {
     const Sheet writer = near_equilateral(from), reader = near_equilateral(to);
     PlasticGrid grid(test::rectangle(length, width));
@@ -200,7 +200,7 @@ TEST(Plastic, AnotherMeshReadsTheSameIntegral) {
   }
 }
 
-TEST(Plastic, WrittenThroughAMeshItIsReadBackByIt) {
+TEST(PlasticTest, WrittenThroughAMeshItIsReadBackByIt) {
   const Sheet sheet = near_equilateral(160);
   PlasticGrid grid(test::rectangle(length, width));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
@@ -220,7 +220,7 @@ struct Held200 {
   Sheet sheet;
 
   Held200() {
-    elastic.remember_in(&grid);
+    elastic.set_plastic_grid(&grid);
     hold(160, 200);
   }
   void remesh(int triangles, double k) {
@@ -238,7 +238,7 @@ struct Held200 {
   }
 };
 
-TEST(Plastic, AVertexRemembersTheMeanOfTheTrianglesAroundIt) {
+TEST(PlasticTest, AVertexRemembersTheMeanOfTheTrianglesAroundIt) {
   const Sheet sheet = near_equilateral(60);
   PlasticGrid grid(test::rectangle(length, width));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
@@ -271,7 +271,7 @@ TEST(Plastic, AVertexRemembersTheMeanOfTheTrianglesAroundIt) {
   }
 }
 
-TEST(Plastic, RemeshingAReleasedSheetChangesLittleOfWhatItKeeps) {
+TEST(PlasticTest, RemeshingAReleasedSheetChangesLittleOfWhatItKeeps) {
   const double same = Held200().release();
   ASSERT_NEAR(same, 70, 1);
   for (const int triangles : {300, 500}) {
@@ -281,7 +281,7 @@ TEST(Plastic, RemeshingAReleasedSheetChangesLittleOfWhatItKeeps) {
   }
 }
 
-TEST(Plastic, RemeshingASheetThatYieldsAddsLittleFlow) {
+TEST(PlasticTest, RemeshingASheetThatYieldsAddsLittleFlow) {
   const double same = Held200().release();
   ASSERT_NEAR(same, 70, 1);
   for (const int triangles : {90, 300, 500}) {
@@ -293,7 +293,7 @@ TEST(Plastic, RemeshingASheetThatYieldsAddsLittleFlow) {
   }
 }
 
-TEST(Plastic, CellsOutsideThePatternAreNeverRead) {
+TEST(PlasticTest, CellsOutsideThePatternAreNeverRead) {
   // an L whose missing quarter is a quarter of its box
   const Pattern shape{{{0, 0}, {0.1, 0}, {0.1, 0.05}, {0.05, 0.05}, {0.05, 0.1}, {0, 0.1}}, {}};
   const PatternMesh mesh = mesh_pattern_with(shape, 300, {});
@@ -311,7 +311,7 @@ TEST(Plastic, CellsOutsideThePatternAreNeverRead) {
   EXPECT_NEAR(grid.write(cover, gain) / (std::sqrt(2) * 10 * area(shape)), 1, 1e-9);
 }
 
-TEST(Plastic, TrianglesThatShareACellDoNotAddUp) {
+TEST(PlasticTest, TrianglesThatShareACellDoNotAddUp) {
   // 9,000 triangles on 64 x 32 cells
   const Sheet sheet = test::hex_sheet(length, width, 90);
   PlasticGrid grid(test::rectangle(length, width));
@@ -326,24 +326,24 @@ TEST(Plastic, TrianglesThatShareACellDoNotAddUp) {
   EXPECT_LT((grid.read(cover).hardening.array() - 10).abs().maxCoeff(), 1e-9);
 }
 
-TEST(PlasticGrid, IsPristineUntilSomethingFlowsAndAgainWhenItForgets) {
+TEST(PlasticGridTest, IsPristineUntilSomethingFlowsAndAgainWhenItForgets) {
   const Sheet sheet = test::strip_sheet(0.1, 0.03, 20);
   PlasticGrid grid(test::rectangle(0.1, 0.03));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
   PlasticMemory gained(static_cast<int>(sheet.triangles.rows()));
   EXPECT_EQ(grid.write(cover, gained), 0);
-  EXPECT_TRUE(grid.pristine());
+  EXPECT_TRUE(grid.is_virgin());
   gained.curvature(3, 0) = gained.hardening[3] = 20;
   EXPECT_GT(grid.write(cover, gained), 0);
-  EXPECT_FALSE(grid.pristine());
+  EXPECT_FALSE(grid.is_virgin());
   EXPECT_GT(grid.read(cover).curvature(3, 0), 1);
-  grid.forget();
-  EXPECT_TRUE(grid.pristine());
+  grid.reset();
+  EXPECT_TRUE(grid.is_virgin());
   EXPECT_EQ(grid.integral(), 0);
   EXPECT_EQ(grid.read(cover).curvature.norm(), 0);
 }
 
-TEST(Plastic, AShotInWhichNothingYieldsIsTheSameToTheLastBitAsOfPaperThatCannot) {
+TEST(PlasticTest, AShotInWhichNothingYieldsIsTheSameToTheLastBitAsOfPaperThatCannot) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 40;

@@ -25,14 +25,14 @@ double misalignment(const Sheet& sheet, const Vector2d& across) {
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
     const Vector2d edge =
         (sheet.pattern.row(hinge.vertices[1]) - sheet.pattern.row(hinge.vertices[0])).transpose();
-    const double weight = std::abs(fold_angle(sheet.x, hinge)) * edge.norm();
+    const double weight = std::abs(dihedral_angle(sheet.x, hinge)) * edge.norm();
     off += weight * std::abs(edge.normalized().dot(across));
     all += weight;
   }
   return off / all;
 }
 
-TEST(Flips, EdgesTurnTowardsTheRulingsOfACylinder) {
+TEST(FlipsTest, EdgesTurnTowardsTheRulingsOfACylinder) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.25, 5);
   for (int v = 0; v < sheet.pattern.rows(); ++v) {  // rulings at 40 degrees
     const double c = std::cos(0.7), s = std::sin(0.7), R = 0.04;
@@ -50,7 +50,7 @@ TEST(Flips, EdgesTurnTowardsTheRulingsOfACylinder) {
   EXPECT_EQ(flip_towards_rulings(sheet, curvature, 0.8), 0);  // it has come to an end
 }
 
-TEST(Flips, NoEdgeTurnsOnASheetWithThreeSingularPoints) {
+TEST(FlipsTest, NoEdgeTurnsOnASheetWithThreeSingularPoints) {
   Sheet smooth = test::hex_sheet(0.1, 0.1, 6, 0.25, 5);
   for (int v = 0; v < smooth.pattern.rows(); ++v)
     smooth.x(v, 2) = 12 * std::pow(smooth.pattern(v, 0) + smooth.pattern(v, 1) - 0.1, 2);
@@ -61,8 +61,7 @@ TEST(Flips, NoEdgeTurnsOnASheetWithThreeSingularPoints) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, {}, 1, 0);
     int flips = 0;
     for (int frame = 1; frame <= 4; ++frame)
-      flips +=
-          crumple.operate(sheet, std::vector<char>(sheet.pattern.rows(), 1), {frame}, true).flips;
+      flips += crumple.step(sheet, std::vector<char>(sheet.pattern.rows(), 1), {frame}, true).flips;
     return flips;
   };
   EXPECT_GT(flips(smooth), 5);
@@ -70,12 +69,12 @@ TEST(Flips, NoEdgeTurnsOnASheetWithThreeSingularPoints) {
   EXPECT_EQ(broken.triangles, before);
 }
 
-TEST(Flips, AFlatSheetKeepsANearDelaunayMesh) {
+TEST(FlipsTest, AFlatSheetKeepsANearDelaunayMesh) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   EXPECT_EQ(flip_towards_rulings(sheet, vertex_curvature(sheet), 0.8), 0);
 }
 
-TEST(Conflict, ACylinderHasNoneASaddleHas) {
+TEST(ConflictTest, ACylinderHasNoneASaddleHas) {
   Sheet cylinder = test::hex_sheet(0.1, 0.1, 10);
   test::roll(cylinder, 0.03);
   Sheet saddle = test::hex_sheet(0.1, 0.1, 10);
@@ -86,12 +85,12 @@ TEST(Conflict, ACylinderHasNoneASaddleHas) {
   }
   const std::vector<char> none;
   const Conflicts smooth = find_conflicts(cylinder, vertex_curvature(cylinder), none, {});
-  EXPECT_EQ(std::count(smooth.beyond.begin(), smooth.beyond.end(), 1), 0);
+  EXPECT_EQ(std::count(smooth.exceeds.begin(), smooth.exceeds.end(), 1), 0);
   const Conflicts torn = find_conflicts(saddle, vertex_curvature(saddle), none, {});
-  EXPECT_GT(std::count(torn.beyond.begin(), torn.beyond.end(), 1), 20);
+  EXPECT_GT(std::count(torn.exceeds.begin(), torn.exceeds.end(), 1), 20);
   const std::vector<char> all(saddle.pattern.rows(), 1);
   const Conflicts held = find_conflicts(saddle, vertex_curvature(saddle), all, {});
-  EXPECT_EQ(std::count(held.beyond.begin(), held.beyond.end(), 1), 0);
+  EXPECT_EQ(std::count(held.exceeds.begin(), held.exceeds.end(), 1), 0);
 }
 
 /// A crease along a row that is a ridge on the right and a valley on the left: the two meet in the
@@ -107,56 +106,56 @@ Sheet ridge_and_valley() {
   return sheet;
 }
 
-TEST(Conflict, ShowsWhereFoldsOfBothSignsMeet) {
+TEST(ConflictTest, ShowsWhereFoldsOfBothSignsMeet) {
   Sheet sheet = ridge_and_valley();
   const Points3 curvature = vertex_curvature(sheet);
   CrumpleOptions folds_alone;
-  folds_alone.conflict_turn = folds_alone.absorbed_turn = 10;
+  folds_alone.conflict_turn = folds_alone.threshold_near_apex = 10;
   const auto count = [&](const CrumpleOptions& options) {
     const Conflicts c = find_conflicts(sheet, curvature, {}, options);
-    return std::count(c.beyond.begin(), c.beyond.end(), 1);
+    return std::count(c.exceeds.begin(), c.exceeds.end(), 1);
   };
   EXPECT_GE(count(folds_alone), 1);
   const Conflicts c = find_conflicts(sheet, curvature, {}, folds_alone);
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
-    if (!c.beyond[v]) continue;
+    if (!c.exceeds[v]) continue;
     // not all along the crease
     EXPECT_LT((sheet.pattern.row(v) - Eigen::RowVector2d(0.05, 0.05)).norm(), 0.021);
   }
   CrumpleOptions blind = folds_alone;
-  blind.conflict_folds = blind.absorbed_folds = 10;
+  blind.conflict_folds = blind.fold_threshold_near_apex = 10;
   EXPECT_EQ(count(blind), 0);
   for (int v = 0; v < sheet.pattern.rows(); ++v)
-    if (c.beyond[v]) sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
+    if (c.exceeds[v]) sheet.singular.push_back({sheet.pattern.row(v).transpose(), 1, "test"});
   CrumpleOptions greedy = folds_alone;
-  greedy.absorbed_folds = 0.01;
+  greedy.fold_threshold_near_apex = 0.01;
   EXPECT_GT(count(greedy), count(folds_alone));  // beside a singular point
 }
 
-TEST(Conflict, BringsAPointWhenItHasLastedSoonerWhereItIsSharp) {
+TEST(ConflictTest, BringsAPointWhenItHasLastedSoonerWhereItIsSharp) {
   const Sheet sheet = ridge_and_valley();
   const auto frames_to_birth = [&](const CrumpleOptions& options, double dt = 1 / 24.0) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, options, 1, 0);
     for (int frame = 1; frame <= 80; ++frame) {
       Sheet now = sheet;  // the conflict is the same in every frame
-      if (crumple.operate(now, {}, {frame, dt}, true).births > 0) return frame;
+      if (crumple.step(now, {}, {frame, dt}, true).births > 0) return frame;
     }
     return 0;
   };
   CrumpleOptions options;
-  options.conflict_turn = options.absorbed_turn = options.absorbed_folds = 10;
-  options.most_triangles = 1000;
-  options.lasting = 5 / 24.0;
+  options.conflict_turn = options.threshold_near_apex = options.fold_threshold_near_apex = 10;
+  options.max_triangles = 1000;
+  options.persistence_time = 5 / 24.0;
   EXPECT_EQ(frames_to_birth(options), 5);
   EXPECT_EQ(frames_to_birth(options, 1 / 48.0), 10);
   EXPECT_EQ(frames_to_birth(options, 1 / 12.0), 3);  // the frame after
-  options.absorbed_folds = 0.2;
-  options.lasting_sharp = 2 / 24.0;
+  options.fold_threshold_near_apex = 0.2;
+  options.persistence_time_severe = 2 / 24.0;
   EXPECT_EQ(frames_to_birth(options), 2);
   EXPECT_EQ(frames_to_birth(options, 1 / 120.0), 10);
 }
 
-TEST(Conflict, BesideASingularPointMoreIsAbsorbed) {
+TEST(ConflictTest, BesideASingularPointMoreIsAbsorbed) {
   Sheet saddle = test::hex_sheet(0.1, 0.1, 10);
   for (int v = 0; v < saddle.x.rows(); ++v) {
     const double a = saddle.pattern(v, 0) - 0.05, b = saddle.pattern(v, 1) - 0.05;
@@ -168,13 +167,13 @@ TEST(Conflict, BesideASingularPointMoreIsAbsorbed) {
         (saddle.pattern.row(inner) - Eigen::RowVector2d(0.05, 0.05)).norm())
       inner = v;
   saddle.singular.push_back({saddle.pattern.row(inner).transpose(), 1, "test"});
-  const auto beyond = [&](double absorbed_turn) {
+  const auto exceeds = [&](double threshold_near_apex) {
     CrumpleOptions options;
-    options.absorbed_turn = absorbed_turn;
+    options.threshold_near_apex = threshold_near_apex;
     const Conflicts c = find_conflicts(saddle, vertex_curvature(saddle), {}, options);
-    return std::count(c.beyond.begin(), c.beyond.end(), 1);
+    return std::count(c.exceeds.begin(), c.exceeds.end(), 1);
   };
-  EXPECT_EQ(beyond(0.14) - beyond(1.0), 6);  // the neighbours of the point in a lattice of six
+  EXPECT_EQ(exceeds(0.14) - exceeds(1.0), 6);  // the neighbours of the point in a lattice of six
 }
 
 }  // namespace

@@ -22,7 +22,7 @@ std::vector<RulingSample> fan(const Vector2d& apex, double noise) {
   return samples;
 }
 
-TEST(ConeFit, FindsTheApexOfExactRulingsAndTheAxisOfParallelOnes) {
+TEST(ConeFitTest, FindsTheApexOfExactRulingsAndTheAxisOfParallelOnes) {
   const Vector2d apex(-0.05, 0.04);
   EXPECT_LT((fit_cone(fan(apex, 0), 0.03, 0).apex_point() - apex).norm(), 1e-9);
   const Cone cylinder = fit_cone(fan({3e6, 4e6}, 0), 0.03, 0);
@@ -31,7 +31,7 @@ TEST(ConeFit, FindsTheApexOfExactRulingsAndTheAxisOfParallelOnes) {
   EXPECT_FALSE(fit_cone(fan(apex, 0), 0.03, 0).is_cylinder());
 }
 
-TEST(ConeFit, NoiseOfRulingsMovesANearApexLittleAndTheRulingsLess) {
+TEST(ConeFitTest, NoiseOfRulingsMovesANearApexLittleAndTheRulingsLess) {
   const Vector2d apex(-0.05, 0.04), p(0.01, 0.01);
   const Cone cone = fit_cone(fan(apex, 1.7 * degree), 0.03, 0);
   EXPECT_GT((cone.apex_point() - apex).norm(), 1e-5);   // the noise was there
@@ -39,7 +39,7 @@ TEST(ConeFit, NoiseOfRulingsMovesANearApexLittleAndTheRulingsLess) {
   EXPECT_GT(std::abs(cone.ruling(p).dot((apex - p).normalized())), std::cos(1.0 * degree));
 }
 
-TEST(ConeFit, ThePullKeepsNoiseOnParallelRulingsFromMakingAnApexNearBy) {
+TEST(ConeFitTest, ThePullKeepsNoiseOnParallelRulingsFromMakingAnApexNearBy) {
   const Cone plain = fit_cone(fan({0, 1e6}, 10 * degree), 0.03, 0),
              pulled = fit_cone(fan({0, 1e6}, 10 * degree), 0.03, 0.5);
   EXPECT_LT(std::abs(pulled.apex.z()), 0.7 * std::abs(plain.apex.z()));
@@ -48,11 +48,11 @@ TEST(ConeFit, ThePullKeepsNoiseOnParallelRulingsFromMakingAnApexNearBy) {
 
 Regions regions_of(const Sheet& sheet, const RulingOptions& options = {}) {
   Regions regions(test::rectangle(0.1, 0.1), options);
-  regions.follow(BendingField(sheet, vertex_curvature(sheet)));
+  regions.update(BendingField(sheet, vertex_curvature(sheet)));
   return regions;
 }
 
-TEST(Regions, AConeIsOneRegionWithItsApex) {
+TEST(RegionsTest, AConeIsOneRegionWithItsApex) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   const Vector2d apex(-0.06, 0.05);
   test::bend_to_cone(sheet, apex, 55 * degree);  // 4.4 1/m at its far end
@@ -66,7 +66,7 @@ TEST(Regions, AConeIsOneRegionWithItsApex) {
   EXPECT_LT((region.cone.apex_point() - apex).norm(), 0.1 * (apex - Vector2d(0.05, 0.05)).norm());
 }
 
-TEST(Regions, AnSBendIsTwoCylindersOfOppositeSigns) {
+TEST(RegionsTest, AnSBendIsTwoCylindersOfOppositeSigns) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   for (int v = 0; v < sheet.x.rows(); ++v)
     sheet.x(v, 2) = 0.004 * std::sin(2 * M_PI * sheet.pattern(v, 0) / 0.1);
@@ -80,13 +80,13 @@ TEST(Regions, AnSBendIsTwoCylindersOfOppositeSigns) {
   }
 }
 
-TEST(Regions, ThresholdsHaveHysteresisAndNumbersLast) {
+TEST(RegionsTest, ThresholdsHaveHysteresisAndNumbersLast) {
   const RulingOptions options;  // on a sheet of 0.1 m: enters at 3 1/m, leaves at 1.8
   Regions regions(test::rectangle(0.1, 0.1), options);
   const auto seen = [&](double k) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 12);
     test::roll(sheet, 1 / k);
-    regions.follow(BendingField(sheet, vertex_curvature(sheet)));
+    regions.update(BendingField(sheet, vertex_curvature(sheet)));
     return regions.all().size();
   };
   EXPECT_EQ(seen(2.4), 0u);
@@ -100,14 +100,14 @@ TEST(Regions, ThresholdsHaveHysteresisAndNumbersLast) {
   EXPECT_NE(regions.all()[0].id, id);  // what was flat in between is another one
 }
 
-TEST(Regions, AWaveThatTravelsKeepsItsNumbers) {
+TEST(RegionsTest, AWaveThatTravelsKeepsItsNumbers) {
   Regions regions(test::rectangle(0.1, 0.1), {});
   std::vector<int> first;
   for (int frame = 0; frame < 10; ++frame) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
     for (int v = 0; v < sheet.x.rows(); ++v)
       sheet.x(v, 2) = 0.004 * std::sin(2 * M_PI * (sheet.pattern(v, 0) - 0.002 * frame) / 0.1);
-    regions.follow(BendingField(sheet, vertex_curvature(sheet)));
+    regions.update(BendingField(sheet, vertex_curvature(sheet)));
     std::vector<int> ids(2, -1);  // by sign; a third region may come in at the border
     for (const CurvedRegion& region : regions.all())
       if (region.area > 0.002) ids[region.sign > 0] = region.id;
@@ -116,7 +116,7 @@ TEST(Regions, AWaveThatTravelsKeepsItsNumbers) {
   }
 }
 
-TEST(Regions, OptionsMoveTheThresholds) {
+TEST(RegionsTest, OptionsMoveTheThresholds) {
   Sheet gentle = test::hex_sheet(0.1, 0.1, 12);
   test::roll(gentle, 1 / 2.0);
   RulingOptions low, strict;

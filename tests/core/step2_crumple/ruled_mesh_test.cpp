@@ -16,7 +16,7 @@ namespace {
 double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 struct Quality {
-  double area = 0, least_altitude = 1;
+  double area = 0, min_altitude = 1;
   long euler = 0;
 };
 Quality quality(const RuledMesh& mesh) {
@@ -27,8 +27,8 @@ Quality quality(const RuledMesh& mesh) {
                    b = mesh.pattern.row(mesh.triangles(t, 1)),
                    c = mesh.pattern.row(mesh.triangles(t, 2));
     q.area += 0.5 * cross(b - a, c - a);
-    q.least_altitude =
-        std::min(q.least_altitude,
+    q.min_altitude =
+        std::min(q.min_altitude,
                  cross(b - a, c - a) / std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()}));
     for (int i = 0; i < 3; ++i)
       edges.insert(std::minmax(mesh.triangles(t, i), mesh.triangles(t, (i + 1) % 3)));
@@ -74,13 +74,13 @@ Ruled rule(double R, const RulingOptions& options = {}) {
   test::roll(sheet, R);
   const BendingField field(sheet, vertex_curvature(sheet));
   Regions regions(pattern, options);
-  regions.follow(field);
-  ruled.rulings = lay_rulings(ruled.base.polygons, field, regions, {}, {}, ruled.base.h, options);
+  regions.update(field);
+  ruled.rulings = place_rulings(ruled.base.polygons, field, regions, {}, {}, ruled.base.h, options);
   ruled.mesh = ruled_mesh(ruled.base, ruled.required, {{0.03, 0.06}}, ruled.rulings, {}, options);
   return ruled;
 }
 
-TEST(BaseMesh, KnowsCornersHolesAndInnerPoints) {
+TEST(BaseMeshTest, KnowsCornersHolesAndInnerPoints) {
   Pattern pattern = test::rectangle(0.1, 0.08);
   pattern.holes.push_back({{0.04, 0.03}, {0.04, 0.05}, {0.06, 0.05}, {0.06, 0.03}});
   const PatternMesh mesh = mesh_pattern(pattern, 0.01, {});
@@ -94,14 +94,14 @@ TEST(BaseMesh, KnowsCornersHolesAndInnerPoints) {
     EXPECT_GT((nearest_border_point(pattern, p) - p).norm(), 1e-3);
 }
 
-TEST(RuledMesh, CoversThePatternWithTheRequiredPointsFirst) {
+TEST(RuledMeshTest, CoversThePatternWithTheRequiredPointsFirst) {
   for (double R : {0.03, 0.06, 0.15}) {
     const Ruled ruled = rule(R);
     ASSERT_TRUE(ruled.mesh) << R;
     const Quality q = quality(*ruled.mesh);
     EXPECT_NEAR(q.area, 0.01, 1e-14);
     EXPECT_EQ(q.euler, 1);
-    EXPECT_GT(q.least_altitude, 0.03 * ruled.base.h);
+    EXPECT_GT(q.min_altitude, 0.03 * ruled.base.h);
     for (std::size_t i = 0; i < ruled.required.size(); ++i)
       EXPECT_TRUE(ruled.mesh->pattern.row(i).transpose() == ruled.required[i]);
     // the singular point
@@ -112,17 +112,17 @@ TEST(RuledMesh, CoversThePatternWithTheRequiredPointsFirst) {
   }
 }
 
-TEST(RuledMesh, EdgesFollowTheRulings) {
+TEST(RuledMeshTest, EdgesFollowTheRulings) {
   const Ruled ruled = rule(0.06);
   ASSERT_TRUE(ruled.mesh);
   ASSERT_GE(ruled.rulings.size(), 10u);
   int whole = 0;
   for (const Ruling& r : ruled.rulings)
-    whole += covered(*ruled.mesh, r, RulingOptions{}.merge * ruled.base.h) > 0.99;
+    whole += covered(*ruled.mesh, r, RulingOptions{}.merge_distance * ruled.base.h) > 0.99;
   EXPECT_EQ(whole, int(ruled.rulings.size()));
 }
 
-TEST(RuledMesh, OfTwoRulingsThatCrossOneIsLeftOut) {
+TEST(RuledMeshTest, OfTwoRulingsThatCrossOneIsLeftOut) {
   Ruled ruled = rule(0.06);
   const std::vector<Ruling> crossed{{{0.02, 0.0}, {0.08, 0.1}, 10, 0},
                                     {{0.08, 0.0}, {0.02, 0.1}, 10, 0}};
@@ -133,29 +133,29 @@ TEST(RuledMesh, OfTwoRulingsThatCrossOneIsLeftOut) {
   EXPECT_LT(covered(*mesh, crossed[1], 1e-9), 0.6);
 }
 
-TEST(RuledMesh, RulingsThatMeetInTheMiddleOfAnotherMakeNoSliver) {
+TEST(RuledMeshTest, RulingsThatMeetInTheMiddleOfAnotherMakeNoSliver) {
   Ruled ruled = rule(0.06);
   const double h = ruled.base.h;
   const std::vector<Ruling> tee{{{0.02, 0.0}, {0.02, 0.1}, 10, 0},
                                 {{0.02 + 0.1 * h, 0.05}, {0.1, 0.055}, 10, 0}};
   const auto mesh = ruled_mesh(ruled.base, {}, {}, tee, {}, {});
   ASSERT_TRUE(mesh);
-  EXPECT_GT(quality(*mesh).least_altitude, 0.09 * h);
+  EXPECT_GT(quality(*mesh).min_altitude, 0.09 * h);
   EXPECT_GT(covered(*mesh, tee[0], 0.2 * h), 0.99);
 }
 
-TEST(RuledMesh, OptionsSetItsPoints) {
+TEST(RuledMeshTest, OptionsSetItsPoints) {
   const auto vertices = [](const RulingOptions& options) {
     return rule(0.06, options).mesh->pattern.rows();
   };
   RulingOptions longer, merging;
   longer.along_most = 4;
-  merging.merge = 0.35;
+  merging.merge_distance = 0.35;
   EXPECT_LT(vertices(longer), 0.8 * vertices({}));
   EXPECT_NE(vertices(merging), vertices({}));
 }
 
-TEST(RuledMesh, InAGuardAllPointsOfTheBaseMeshStay) {
+TEST(RuledMeshTest, InAGuardAllPointsOfTheBaseMeshStay) {
   Ruled ruled = rule(0.06);
   const Disc guard{{0.1, 0.05}, 0.03};
   const auto mesh = ruled_mesh(ruled.base, {}, {}, {}, {guard}, {});
@@ -169,19 +169,19 @@ TEST(RuledMesh, InAGuardAllPointsOfTheBaseMeshStay) {
   EXPECT_GE(inside, 3);
 }
 
-TEST(RuledMesh, TheSameTwice) {
+TEST(RuledMeshTest, TheSameTwice) {
   const Ruled a = rule(0.045), b = rule(0.045);
   ASSERT_TRUE(a.mesh && b.mesh);
   EXPECT_TRUE(a.mesh->pattern == b.mesh->pattern && a.mesh->triangles == b.mesh->triangles);
 }
 
-TEST(MeshFit, SeesEdgesAcrossTheBendingAndLargeFolds) {
+TEST(MeshFitTest, SeesEdgesAcrossTheBendingAndLargeFolds) {
   const auto fit = [](int strips, double R) {
     Sheet sheet = test::strip_sheet(0.1, 0.1, strips);
     test::roll(sheet, R);
     const BendingField field(sheet, vertex_curvature(sheet));
     Regions regions(test::rectangle(0.1, 0.1), {});
-    regions.follow(field);
+    regions.update(field);
     return mesh_fit(sheet, field, regions);
   };
   EXPECT_NEAR(fit(20, 0.05).largest_fold, 0.1, 0.01);  // 0.1 m in 20 strips round 0.05 m
@@ -191,43 +191,43 @@ TEST(MeshFit, SeesEdgesAcrossTheBendingAndLargeFolds) {
   test::roll(lattice, 0.05);
   const BendingField field(lattice, vertex_curvature(lattice));
   Regions regions(test::rectangle(0.1, 0.1), {});
-  regions.follow(field);
+  regions.update(field);
   EXPECT_GT(mesh_fit(lattice, field, regions).misalignment, 0.15);
 }
 
-TEST(RemeshWhen, RefusalsMakeItWaitAndAnAcceptedOneForgives) {
+TEST(RemeshScheduleTest, RefusalsMakeItWaitAndAnAcceptedOneForgives) {
   for (const int rate : {1, 2, 5}) {  // in seconds, whatever the frames
     const double dt = 1 / (24.0 * rate);
-    RemeshWhen when;
+    RemeshSchedule when;
     const MeshFit bad{0.5, 1.0};
     const auto wait = [&](int frame) {
-      when.judged(false, Moment{frame, dt});
+      when.on_proposal_result(false, FrameTime{frame, dt});
       int next = frame;
-      while (!when.due(bad, Moment{next, dt}, 0.2)) ++next;
+      while (!when.due(bad, FrameTime{next, dt}, 0.2)) ++next;
       return next - frame;
     };
-    EXPECT_TRUE(when.due(bad, Moment{1 * rate, dt}, 0.2));
-    EXPECT_FALSE(when.due({0.05, 0.1}, Moment{1 * rate, dt}, 0.2));
+    EXPECT_TRUE(when.due(bad, FrameTime{1 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.05, 0.1}, FrameTime{1 * rate, dt}, 0.2));
     EXPECT_EQ(wait(1 * rate), 2 * rate);
     EXPECT_EQ(wait(3 * rate), 4 * rate);
     EXPECT_EQ(wait(7 * rate), 8 * rate);
-    when.judged(true, Moment{20 * rate, dt});
-    EXPECT_FALSE(when.due(bad, Moment{21 * rate, dt}, 0.2));
-    EXPECT_TRUE(when.due(bad, Moment{22 * rate, dt}, 0.2));
+    when.on_proposal_result(true, FrameTime{20 * rate, dt});
+    EXPECT_FALSE(when.due(bad, FrameTime{21 * rate, dt}, 0.2));
+    EXPECT_TRUE(when.due(bad, FrameTime{22 * rate, dt}, 0.2));
     // a large fold alone waits four frames,
-    EXPECT_FALSE(when.due({0.0, 0.3}, Moment{23 * rate, dt}, 0.2));
-    EXPECT_TRUE(when.due({0.0, 0.3}, Moment{24 * rate, dt}, 0.2));
-    EXPECT_FALSE(when.due({0.2, 0.0}, Moment{25 * rate, dt}, 0.2));  // a slight misalignment six
-    EXPECT_TRUE(when.due({0.2, 0.0}, Moment{26 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.0, 0.3}, FrameTime{23 * rate, dt}, 0.2));
+    EXPECT_TRUE(when.due({0.0, 0.3}, FrameTime{24 * rate, dt}, 0.2));
+    EXPECT_FALSE(when.due({0.2, 0.0}, FrameTime{25 * rate, dt}, 0.2));  // a slight misalignment six
+    EXPECT_TRUE(when.due({0.2, 0.0}, FrameTime{26 * rate, dt}, 0.2));
     EXPECT_EQ(wait(30 * rate), 2 * rate);
   }
 }
 
-TEST(RemeshWhen, WhatGoesFastOutgrowsItsMeshSooner) {
+TEST(RemeshScheduleTest, WhatGoesFastOutgrowsItsMeshSooner) {
   const MeshFit bad{0.5, 1.0};
   const auto wait = [&](double moved) {
-    RemeshWhen when;
-    when.judged(true, {0, 1 / 24.0});
+    RemeshSchedule when;
+    when.on_proposal_result(true, {0, 1 / 24.0});
     int frame = 1;
     while (!when.due(bad, {frame, 1 / 24.0, moved}, 0.2)) ++frame;
     return frame;

@@ -21,13 +21,13 @@ bool cross_each_other(const Ruling& r, const Ruling& s) {
 }
 
 std::vector<Ruling> rulings_of(const Sheet& sheet, const RulingOptions& options = {},
-                               const std::vector<Disc>& guards = {},
-                               const std::vector<Vector2d>& tips = {}) {
+                               const std::vector<Disc>& keep_out_discs = {},
+                               const std::vector<Vector2d>& loaded_corners = {}) {
   const Pattern pattern = test::rectangle(0.1, 0.1);
   const BendingField field(sheet, vertex_curvature(sheet));
   Regions regions(pattern, options);
-  regions.follow(field);
-  return lay_rulings(pattern, field, regions, guards, tips, h, options);
+  regions.update(field);
+  return place_rulings(pattern, field, regions, keep_out_discs, loaded_corners, h, options);
 }
 
 void expect_no_crossings(const std::vector<Ruling>& rulings) {
@@ -37,11 +37,12 @@ void expect_no_crossings(const std::vector<Ruling>& rulings) {
 }
 
 /// All but the gaps at the corners of the sheet, where a last ruling is fitted in, are the same.
-void expect_equal_turns(std::vector<double> places, double turn_per_place, double facet_turn) {
-  std::sort(places.begin(), places.end());
+void expect_equal_turns(std::vector<double> sample_points, double turn_per_place,
+                        double facet_turn) {
+  std::sort(sample_points.begin(), sample_points.end());
   std::vector<double> turns;
-  for (std::size_t i = 0; i + 1 < places.size(); ++i)
-    turns.push_back((places[i + 1] - places[i]) * turn_per_place / facet_turn);
+  for (std::size_t i = 0; i + 1 < sample_points.size(); ++i)
+    turns.push_back((sample_points[i + 1] - sample_points[i]) * turn_per_place / facet_turn);
   std::sort(turns.begin(), turns.end());
   EXPECT_GT(turns.front(), 0.5);
   EXPECT_LT(turns.back(), 1.4);
@@ -50,7 +51,7 @@ void expect_equal_turns(std::vector<double> places, double turn_per_place, doubl
   EXPECT_NEAR(turns[turns.size() * 3 / 4], 1, 0.15);
 }
 
-TEST(Rulings, OfACylinderAreParallelAndTurnEqually) {
+TEST(RulingsTest, OfACylinderAreParallelAndTurnEqually) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   const double R = 0.06, c = std::cos(0.5), s = std::sin(0.5);  // rulings at 0.5 rad from y
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
@@ -73,7 +74,7 @@ TEST(Rulings, OfACylinderAreParallelAndTurnEqually) {
   expect_equal_turns(offsets, 1 / R, options.facet_turn);
 }
 
-TEST(Rulings, OfAConeAreAFanOfEqualTurns) {
+TEST(RulingsTest, OfAConeAreAFanOfEqualTurns) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   const Vector2d apex(-0.06, 0.05);
   const double slope = 50 * degree;
@@ -96,7 +97,7 @@ TEST(Rulings, OfAConeAreAFanOfEqualTurns) {
   expect_equal_turns(angles, 1 / std::tan(slope), options.facet_turn);
 }
 
-TEST(Rulings, OptionsSetTheirDistance) {
+TEST(RulingsTest, OptionsSetTheirDistance) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   test::roll(sheet, 0.06);
   const auto count = [&](const RulingOptions& options) {
@@ -116,7 +117,7 @@ TEST(Rulings, OptionsSetTheirDistance) {
   EXPECT_LT(count(far), 0.1 / (0.7 * 0.75 * h));
 }
 
-TEST(Rulings, NearATipThatIsPulledComeAsNearAsTheyAreShort) {
+TEST(RulingsTest, NearATipThatIsPulledComeAsNearAsTheyAreShort) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 40);
   const double R = 0.01;  // the turn alone asks for 1 mm
   for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -146,7 +147,7 @@ TEST(Rulings, NearATipThatIsPulledComeAsNearAsTheyAreShort) {
   EXPECT_GE(pulled.size(), 2 * usual.size());
 }
 
-TEST(Rulings, DoNotEnterAGuardAndAFlatSheetHasNone) {
+TEST(RulingsTest, DoNotEnterAGuardAndAFlatSheetHasNone) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   EXPECT_TRUE(rulings_of(sheet).empty());
   test::roll(sheet, 0.06);

@@ -18,7 +18,7 @@
 namespace paperbake {
 namespace {
 
-TEST(Random, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
+TEST(RandomTest, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
   constexpr int n = 20000;
   Vector2d mean(0, 0);
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
@@ -34,7 +34,7 @@ TEST(Random, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) {
   EXPECT_NEAR(scatter(0, 1), 0, error);
 }
 
-TEST(SingularPoint, LawScattersByThePapersDeviationAboutTheMiddleOfTheConflict) {
+TEST(SingularPointTest, LawScattersByThePapersDeviationAboutTheMiddleOfTheConflict) {
   const Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const Pattern pattern = test::rectangle(0.1, 0.1);
   int inner = 0;
@@ -94,7 +94,7 @@ Draws draw_about(const Vector2d& middle, const Paper& paper) {
 
 // of 200 normal draws the deviation is known to 1/sqrt(2 x 199) = 5 %, the mean to 1/sqrt(200)
 // deviations; 3.3 of these: 99.9 %
-TEST(SingularPoint, TwoHundredDrawsHaveTheDeviationOfTheGrade) {
+TEST(SingularPointTest, TwoHundredDrawsHaveTheDeviationOfTheGrade) {
   for (const double sigma : {0.002, 0.005, 0.010}) {
     Paper paper;
     paper.apex_scatter = sigma;
@@ -108,7 +108,7 @@ TEST(SingularPoint, TwoHundredDrawsHaveTheDeviationOfTheGrade) {
 
 // refused draws are drawn anew: a normal law cut off at a = (3 mm - middle)/sigma has the mean
 // sigma m, m = phi(a)/(1 - Phi(a)), and the variance sigma^2 (1 + a m - m^2)
-TEST(SingularPoint, NearTheBorderTheLawIsTheGaussianCutOffAtTheMargin) {
+TEST(SingularPointTest, NearTheBorderTheLawIsTheGaussianCutOffAtTheMargin) {
   const Paper paper;
   const double sigma = paper.apex_scatter, margin = CrumpleOptions{}.border_share * 0.1;
   for (const double v : {0.005, 0.008, 0.012}) {
@@ -126,37 +126,38 @@ TEST(SingularPoint, NearTheBorderTheLawIsTheGaussianCutOffAtTheMargin) {
   }
 }
 
-TEST(SingularPoint, TheMiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) {
+TEST(SingularPointTest, TheMiddleOfAConflictIsWhereTheSheetBulgesNotTheWorstVertex) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
-  const Vector2d core(0.043, 0.052);
+  const Vector2d core_weight(0.043, 0.052);
   // a dome of 12 mm: positive curvature in it, negative round it
   for (int v = 0; v < sheet.x.rows(); ++v)
-    sheet.x(v, 2) = 0.004 * std::exp(-(sheet.pattern.row(v).transpose() - core).squaredNorm() /
-                                     (2 * 0.012 * 0.012));
+    sheet.x(v, 2) =
+        0.004 * std::exp(-(sheet.pattern.row(v).transpose() - core_weight).squaredNorm() /
+                         (2 * 0.012 * 0.012));
   const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), {}, {});
   std::vector<int> members;
   for (int v = 0; v < sheet.pattern.rows(); ++v)
-    if (conflicts.beyond[v]) members.push_back(v);
+    if (conflicts.exceeds[v]) members.push_back(v);
   ASSERT_FALSE(members.empty());
   const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) {
     return conflicts.turn[a] < conflicts.turn[b];
   });
-  EXPECT_GT((sheet.pattern.row(worst).transpose() - core).norm(), 0.002);  // cells of 10 mm
-  EXPECT_LT((middle_of_conflict(sheet, conflicts, members) - core).norm(), 0.0015);
+  EXPECT_GT((sheet.pattern.row(worst).transpose() - core_weight).norm(), 0.002);  // cells of 10 mm
+  EXPECT_LT((middle_of_conflict(sheet, conflicts, members) - core_weight).norm(), 0.0015);
 
   Conflicts saddle = conflicts;  // where nothing bulges the turning angles decide
-  std::fill(saddle.core.begin(), saddle.core.end(), 0.0);
+  std::fill(saddle.core_weight.begin(), saddle.core_weight.end(), 0.0);
   EXPECT_LT(
       (middle_of_conflict(sheet, saddle, {worst}) - sheet.pattern.row(worst).transpose()).norm(),
       1e-12);
 }
 
-TEST(SingularPoint, SpacingGrowsWithThePaperAndWithTheSheet) {
+TEST(SingularPointTest, SpacingGrowsWithThePaperAndWithTheSheet) {
   const Paper paper;
   Paper card;
   card.thickness *= 8;
   const auto spacing = [](double side, const Paper& grade) {
-    return least_spacing(test::rectangle(side, side), grade, {});
+    return min_spacing(test::rectangle(side, side), grade, {});
   };
   EXPECT_NEAR(spacing(0.21, paper), 0.0127, 1e-4);  // 2 x 0.4 (90 um)^(1/3) (0.21 m)^(2/3)
   EXPECT_NEAR(spacing(0.21, card) / spacing(0.21, paper), 2, 1e-12);
@@ -165,7 +166,7 @@ TEST(SingularPoint, SpacingGrowsWithThePaperAndWithTheSheet) {
   EXPECT_GT(spacing(10, paper), 0.01 * 10);       // and those of a sail are worth their triangles
 }
 
-TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
+TEST(SingularPointTest, KeepsItsDistanceFromBorderAndOtherPoints) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);
   const Pattern pattern = test::rectangle(0.1, 0.1);
   const CrumpleOptions options;
@@ -180,12 +181,12 @@ TEST(SingularPoint, KeepsItsDistanceFromBorderAndOtherPoints) {
     const auto p =
         draw_singular_point(sheet, pattern, Paper{}, conflicts, members, options, seed, 0, 1);
     if (!p) continue;
-    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), least_spacing(pattern, Paper{}, options));
+    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), min_spacing(pattern, Paper{}, options));
     EXPECT_GE((nearest_border_point(pattern, *p) - *p).norm(), options.border_share * 0.1 - 1e-12);
   }
 }
 
-TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
+TEST(SingularPointTest, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
   int exact = 0;
   for (unsigned seed = 0; seed < 60; ++seed) {
     Sheet sheet = test::hex_sheet(0.1, 0.1, 6, 0.1, seed);
@@ -208,7 +209,7 @@ TEST(SingularPoint, BecomesAVertexWhereverItFallsAndTheMeshStaysSound) {
   EXPECT_GT(exact, 0.7 * 60 * 5);
 }
 
-TEST(SingularPoint, BesideAnEdgeNoTriangleIsTurnedOver) {
+TEST(SingularPointTest, BesideAnEdgeNoTriangleIsTurnedOver) {
   // the lower triangle is so flat that its tip does not see what lies above the left half of the
   // common edge
   Points2 pattern(4, 2);
@@ -224,7 +225,7 @@ TEST(SingularPoint, BesideAnEdgeNoTriangleIsTurnedOver) {
     }
 }
 
-TEST(SingularPoint, AFoldedRingIsNotCutShortAndAFlipNotTakenThroughAnotherLayer) {
+TEST(SingularPointTest, AFoldedRingIsNotCutShortAndAFlipNotTakenThroughAnotherLayer) {
   // two triangles folded by 90 degrees: a point just beyond the fold stays in its own triangle
   Sheet bent = test::flat_sheet((Points2(4, 2) << 0, 0, 0.1, 0, 0.05, 0.08, 0.05, -0.08).finished(),
                                 (Triangles(2, 3) << 0, 1, 2, 1, 0, 3).finished());

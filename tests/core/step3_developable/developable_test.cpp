@@ -18,7 +18,7 @@ Sheet noisy_roll(double noise) {
   return sheet;
 }
 
-TEST(Developable, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
+TEST(DevelopableTest, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
   Sheet sheet = noisy_roll(2e-5);
   const double defect = angle_defect_max(sheet);
   const Points3 before = sheet.x;
@@ -26,7 +26,7 @@ TEST(Developable, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
   DevelopableOptions all;
   all.left_alone = 0;
   all.max_iterations = 20;
-  all.most_move = 0.05;
+  all.max_move = 0.05;
   const Restored restored = restore_lengths(sheet, {}, all);
   EXPECT_LT(length_distortion(sheet).largest, 0.1 * restored.before);
   EXPECT_LT(angle_defect_max(sheet), 0.1 * defect);  // true edges have true angles
@@ -35,7 +35,7 @@ TEST(Developable, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
   EXPECT_LT(restored.moved, 5e-4);  // the shape is the same
 }
 
-TEST(Developable, WhatNoOneSeesIsLeftAlone) {
+TEST(DevelopableTest, WhatNoOneSeesIsLeftAlone) {
   Sheet sheet = noisy_roll(2e-5);
   const Points3 before = sheet.x;
   DevelopableOptions lax;
@@ -49,7 +49,7 @@ TEST(Developable, WhatNoOneSeesIsLeftAlone) {
   EXPECT_GT(largest, 0.5 * DevelopableOptions{}.left_alone);
 }
 
-TEST(Developable, HeldVerticesStayAndShareWhatTheyAskTooMuch) {
+TEST(DevelopableTest, HeldVerticesStayAndShareWhatTheyAskTooMuch) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10);  // flat, two opposite borders 0.4 % too far apart
   std::vector<int> held;
   for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -64,14 +64,14 @@ TEST(Developable, HeldVerticesStayAndShareWhatTheyAskTooMuch) {
   EXPECT_LT(length_distortion(sheet).largest, 0.006);  // 0.4 % everywhere is the least there is
 }
 
-TEST(Developable, NoVertexGoesFartherThanTold) {
+TEST(DevelopableTest, NoVertexGoesFartherThanTold) {
   Sheet sheet = noisy_roll(1e-3);
   DevelopableOptions options;
-  options.most_move = 1e-4;
+  options.max_move = 1e-4;
   EXPECT_LE(restore_lengths(sheet, {}, options).moved, 1e-4 * std::sqrt(2) * 0.1 * (1 + 1e-9));
 }
 
-TEST(Developable, SheetHeldEverywhereStays) {
+TEST(DevelopableTest, SheetHeldEverywhereStays) {
   Sheet sheet = noisy_roll(1e-3);
   std::vector<int> all(sheet.x.rows());
   for (int v = 0; v < sheet.x.rows(); ++v) all[v] = v;

@@ -86,7 +86,7 @@ inline Imf::FrameBuffer frame_buffer(Image& image) {
   };
   MapTexel& t = image.texels[0];
   add("R", t.r), add("G", t.g), add("B", t.b), add("A", t.a);
-  add("fold.angle", t.fold_angle), add("fold.plastic", t.fold_plastic),
+  add("fold.angle", t.dihedral_angle), add("fold.plastic", t.fold_plastic),
       add("fold.peak", t.fold_peak);
   add("age.crease", t.age_crease), add("age.apex", t.age_apex);
   add("apex.dist", t.apex_dist), add("apex.cone", t.apex_cone), add("apex.id", t.apex_id);

@@ -17,9 +17,9 @@ Sheet folded_grid(double edge, double angle, double jitter) {
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     Vector2d p = sheet.pattern.row(v);
     const bool border = std::min({p.x(), p.y(), 0.1 - p.x(), 0.1 - p.y()}) < 1e-9,
-               on_fold = std::abs(p.x() - 0.05) < 1e-9;
+               is_on_crease = std::abs(p.x() - 0.05) < 1e-9;
     if (!border)
-      p += jitter * edge * Vector2d(on_fold ? 0 : std::sin(37.0 * v), std::sin(91.0 * v));
+      p += jitter * edge * Vector2d(is_on_crease ? 0 : std::sin(37.0 * v), std::sin(91.0 * v));
     sheet.pattern.row(v) = p;
     const double d = p.x() - 0.05;
     sheet.x.row(v) << (d > 0 ? d * std::cos(angle) : d), p.y(), (d > 0 ? -d * std::sin(angle) : 0);

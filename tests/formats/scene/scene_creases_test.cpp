@@ -36,8 +36,8 @@ double max_distance(const Line& a, Line b) {
 }
 
 /// The prescribed creases of the only sheet.
-const std::vector<FoldLine>& creases(const Scene& scene) {
-  return scene.sheets.at(0).pattern.folds;
+const std::vector<PrescribedCrease>& creases(const Scene& scene) {
+  return scene.sheets.at(0).pattern.prescribed_creases;
 }
 
 TEST(SceneCreases, EdgesBecomeOnePolylineWithTheAngleOfTheirNode) {

@@ -33,7 +33,7 @@ void refine(Sheet& sheet, Points3& metric, int most = 100000) {
   while (split_long_edges(sheet, metric, most) > 0) flip_to_delaunay(sheet, metric);
 }
 
-TEST(Operations, SplitsAndFlipsMakeAllEdgesShortEnoughAndLongWhereTheyMayBe) {
+TEST(OperationsTest, SplitsAndFlipsMakeAllEdgesShortEnoughAndLongWhereTheyMayBe) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4, 0.2);
   Points3 metric = even(sheet, 0.005, 0.02);
   refine(sheet, metric);
@@ -47,7 +47,7 @@ TEST(Operations, SplitsAndFlipsMakeAllEdgesShortEnoughAndLongWhereTheyMayBe) {
   EXPECT_LT(sheet.triangles.rows(), 0.4 * fine.triangles.rows());
 }
 
-TEST(Operations, SplitsLeaveTheSurfaceAsItIs) {
+TEST(OperationsTest, SplitsLeaveTheSurfaceAsItIs) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   test::roll(sheet, 0.05);
   sheet.v = 2 * sheet.x;
@@ -68,7 +68,7 @@ TEST(Operations, SplitsLeaveTheSurfaceAsItIs) {
   test::expect_sound(sheet, 0.01);
 }
 
-TEST(Operations, ThereAreNoMoreTrianglesThanThereMayBe) {
+TEST(OperationsTest, ThereAreNoMoreTrianglesThanThereMayBe) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4);
   Points3 metric = even(sheet, 0.002, 0.002);
   refine(sheet, metric, 300);
@@ -77,7 +77,7 @@ TEST(Operations, ThereAreNoMoreTrianglesThanThereMayBe) {
   test::expect_sound(sheet, 0.01);
 }
 
-TEST(Operations, CollapsesMakeAFineMeshCoarseAndKeepBorderHolesAndFixedVertices) {
+TEST(OperationsTest, CollapsesMakeAFineMeshCoarseAndKeepBorderHolesAndFixedVertices) {
   const Pattern pattern{{{0, 0}, {0.12, 0}, {0.12, 0.05}, {0.06, 0.08}, {0, 0.08}},
                         {{{0.03, 0.03}, {0.03, 0.04}, {0.05, 0.05}, {0.05, 0.03}}}};
   const std::vector<Vector2d> points{{0.1, 0.02}, {0.101, 0.02}, {0.07, 0}};
@@ -101,7 +101,7 @@ TEST(Operations, CollapsesMakeAFineMeshCoarseAndKeepBorderHolesAndFixedVertices)
   EXPECT_EQ(sheet.pattern.rows(), metric.rows());
 }
 
-TEST(Operations, WhatIsSplitIsNotCollapsedAndAMeshThatFitsIsLeftAlone) {
+TEST(OperationsTest, WhatIsSplitIsNotCollapsedAndAMeshThatFitsIsLeftAlone) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4, 0.2);
   Points3 metric = even(sheet, 0.008, 0.02);
   refine(sheet, metric);
@@ -116,7 +116,7 @@ TEST(Operations, WhatIsSplitIsNotCollapsedAndAMeshThatFitsIsLeftAlone) {
   EXPECT_TRUE(sheet.triangles == settled);
 }
 
-TEST(Operations, ACollapseDoesNotSweepThroughAnotherLayer) {
+TEST(OperationsTest, ACollapseDoesNotSweepThroughAnotherLayer) {
   // a roof over a flat part, of one sheet: the crest comes down on the spike that stands under it
   Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
   const int half = static_cast<int>(sheet.x.rows());

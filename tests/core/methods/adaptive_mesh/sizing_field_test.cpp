@@ -22,7 +22,7 @@ Sheet cylinder(double radius) {
   return sheet;
 }
 
-TEST(Sizing, OfACylinderIsAFacetAcrossTheRulingsAndLongAlongThem) {
+TEST(SizingTest, OfACylinderIsAFacetAcrossTheRulingsAndLongAlongThem) {
   SizingOptions options;
   options.facet_turn = 0.2;
   for (const double radius : {0.05, 0.03}) {
@@ -36,7 +36,7 @@ TEST(Sizing, OfACylinderIsAFacetAcrossTheRulingsAndLongAlongThem) {
   }
 }
 
-TEST(Sizing, OptionsBoundIt) {
+TEST(SizingTest, OptionsBoundIt) {
   const Sheet sheet = cylinder(0.03);
   const auto sizes = [&](const SizingOptions& options) {
     return sizes_at(sheet, sizing_field(sheet, {}, side, options), {0.05, 0.05});
@@ -52,7 +52,7 @@ TEST(Sizing, OptionsBoundIt) {
   EXPECT_GT(sizes(usual).y(), 0.15 * side);
 }
 
-TEST(Sizing, GrowsAwayFromACreaseNoFasterThanItMay) {
+TEST(SizingTest, GrowsAwayFromACreaseNoFasterThanItMay) {
   Sheet sheet = test::hex_sheet(side, side, 40);
   // a roof along y
   for (int v = 0; v < sheet.x.rows(); ++v)
@@ -71,7 +71,7 @@ TEST(Sizing, GrowsAwayFromACreaseNoFasterThanItMay) {
   EXPECT_NEAR(sizes_at(sheet, b, {0.01, 0.05}).y(), 0.25 * side, 1e-6);  // flat there
 }
 
-TEST(Sizing, CompressionAloneAsksForNothing) {
+TEST(SizingTest, CompressionAloneAsksForNothing) {
   Sheet sheet = test::hex_sheet(side, side, 8);
   for (const double strain : {0.0, 0.003, 0.2}) {
     sheet.x.col(0) = (1 - strain) * sheet.pattern.col(0);
@@ -83,7 +83,7 @@ TEST(Sizing, CompressionAloneAsksForNothing) {
   }
 }
 
-TEST(Sizing, ACreaseThatWasFlattenedKeepsItsTriangles) {
+TEST(SizingTest, ACreaseThatWasFlattenedKeepsItsTriangles) {
   const Sheet sheet = test::hex_sheet(side, side, 20);
   Points3 kept = Points3::Zero(sheet.x.rows(), 3);
   for (int v = 0; v < sheet.x.rows(); ++v)

@@ -54,22 +54,22 @@ double energy_at(Contact& contact, const Points3& x) {
   return contact.energy(x);
 }
 
-TEST(Barrier, SlopeAndSecondAreDerivativesOfTheValue) {
-  const double reach = 2e-3, step = 1e-9;
+TEST(BarrierTest, SlopeAndSecondAreDerivativesOfTheValue) {
+  const double dhat = 2e-3, step = 1e-9;
   for (const double d : {1e-5, 2e-4, 1e-3, 1.9e-3}) {
-    const Barrier b = barrier(d, reach);
+    const Barrier b = barrier(d, dhat);
     ASSERT_LT(b.slope, -1e-6);
-    EXPECT_NEAR((barrier(d + step, reach).value - barrier(d - step, reach).value) / (2 * step),
+    EXPECT_NEAR((barrier(d + step, dhat).value - barrier(d - step, dhat).value) / (2 * step),
                 b.slope, 1e-5 * std::abs(b.slope) + 1e-7);
-    EXPECT_NEAR((barrier(d + step, reach).slope - barrier(d - step, reach).slope) / (2 * step),
+    EXPECT_NEAR((barrier(d + step, dhat).slope - barrier(d - step, dhat).slope) / (2 * step),
                 b.second, 1e-5 * b.second + 1e-4);
     EXPECT_GE(b.second, 0);
   }
-  EXPECT_EQ(barrier(reach, reach).value, 0);
-  EXPECT_EQ(barrier(reach, reach).slope, 0);
+  EXPECT_EQ(barrier(dhat, dhat).value, 0);
+  EXPECT_EQ(barrier(dhat, dhat).slope, 0);
 }
 
-TEST(Barrier, AFastVertexNeverPassesATriangleNorAnEdgeAnEdge) {
+TEST(BarrierTest, AFastVertexNeverPassesATriangleNorAnEdgeAnEdge) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> uniform(-1, 1);
   const auto point = [&] { return Vector3d(uniform(random), uniform(random), uniform(random)); };
@@ -78,7 +78,7 @@ TEST(Barrier, AFastVertexNeverPassesATriangleNorAnEdgeAnEdge) {
     const bool edges = k % 2;
     Corners x, move;
     for (int i = 0; i < 4; ++i) x[i] = point(), move[i] = 5 * point();
-    const double share = free_way(x, move, edges), d = distance(x, edges);
+    const double share = collision_free_step(x, move, edges), d = distance(x, edges);
     ASSERT_GE(share, 0);
     ASSERT_LE(share, 1);
     stopped += share < 1;
@@ -91,23 +91,24 @@ TEST(Barrier, AFastVertexNeverPassesATriangleNorAnEdgeAnEdge) {
   EXPECT_GT(stopped, 500);
 }
 
-TEST(Barrier, AVertexThatFliesStraightAtATriangleGetsFourFifthsOfTheWay) {
+TEST(BarrierTest, AVertexThatFliesStraightAtATriangleGetsFourFifthsOfTheWay) {
   const Corners x{Vector3d(0, 0, 1), Vector3d(-3, -3, 0), Vector3d(3, -3, 0), Vector3d(0, 3, 0)};
   const Corners move{Vector3d(0, 0, -100), Vector3d::Zero(), Vector3d::Zero(), Vector3d::Zero()};
-  EXPECT_NEAR(100 * free_way(x, move, false), 0.8, 0.01);
+  EXPECT_NEAR(100 * collision_free_step(x, move, false), 0.8, 0.01);
 }
 
-TEST(Barrier, AVertexThatSlidesALongWayOverATriangleAndTurnsWithItIsHardlyHeldUp) {
+TEST(BarrierTest, AVertexThatSlidesALongWayOverATriangleAndTurnsWithItIsHardlyHeldUp) {
   const Corners x{Vector3d(0.2, 0.2, 1e-7), Vector3d(0, 0, 0), Vector3d(1, 0, 0),
                   Vector3d(0, 1, 0)};
   Corners move{Vector3d(0.3, 0.1, -4e-9), Vector3d(0, 0, 0), Vector3d(0, 0, 0), Vector3d(0, 0, 0)};
-  EXPECT_EQ(free_way(x, move, false), 1);  // steps of what is left of the gap would need millions
+  // steps of what is left of the gap would need millions
+  EXPECT_EQ(collision_free_step(x, move, false), 1);
   move[0].z() = -2e-7;
   // of a tight gap a twentieth may be used
-  EXPECT_NEAR(free_way(x, move, false), 0.5 * (1 - 0.95), 1e-3);
+  EXPECT_NEAR(collision_free_step(x, move, false), 0.5 * (1 - 0.95), 1e-3);
 }
 
-TEST(Contact, GradientIsTheDerivativeOfTheEnergyWithManyPairsActive) {
+TEST(ContactTest, GradientIsTheDerivativeOfTheEnergyWithManyPairsActive) {
   const Sheet sheet = two_layers(6e-4);
   Contact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {}, frame);
@@ -128,7 +129,7 @@ TEST(Contact, GradientIsTheDerivativeOfTheEnergyWithManyPairsActive) {
   }
 }
 
-TEST(Contact, SecondDerivativeIsExactWhereNormalsStandStillAndNeverIndefinite) {
+TEST(ContactTest, SecondDerivativeIsExactWhereNormalsStandStillAndNeverIndefinite) {
   // vertices over the inside of one large triangle, moving up and down: the normal stays
   Sheet low = test::flat_sheet((Points2(3, 2) << 0, 0, 1, 0, 0, 1).finished(),
                                (Triangles(1, 3) << 0, 1, 2).finished());
@@ -179,7 +180,7 @@ TEST(Contact, SecondDerivativeIsExactWhereNormalsStandStillAndNeverIndefinite) {
   EXPECT_GT(eigenvalues.minCoeff(), -1e-9 * eigenvalues.maxCoeff());
 }
 
-TEST(Contact, EveryPairWithinReachIsInTheListAllAlongTheWay) {
+TEST(ContactTest, EveryPairWithinReachIsInTheListAllAlongTheWay) {
   const Sheet sheet = two_layers(4e-3);
   Points3 move = still(sheet);
   std::mt19937 random(9);
@@ -188,7 +189,7 @@ TEST(Contact, EveryPairWithinReachIsInTheListAllAlongTheWay) {
     move.row(v) << 2e-3 * normal(random), 2e-3 * normal(random), 2e-3 * normal(random);
   Contact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {}, frame);
-  contact.cover(sheet.x, move);
+  contact.update_candidates(sheet.x, move);
   std::set<std::pair<std::set<int>, bool>> listed;
   for (const ContactPair& p : contact.pairs())
     listed.insert({{p.vertices.begin(), p.vertices.end()}, p.edges});
@@ -207,7 +208,7 @@ TEST(Contact, EveryPairWithinReachIsInTheListAllAlongTheWay) {
         const auto flat = [&](int k) {
           return Vector3d(sheet.pattern(k, 0), sheet.pattern(k, 1), 0);
         };
-        if (d >= std::min(contact.reach(),
+        if (d >= std::min(contact.dhat(),
                           0.3 * distance({flat(v), flat(c[0]), flat(c[1]), flat(c[2])}, false)))
           continue;
         ++within;
@@ -217,7 +218,7 @@ TEST(Contact, EveryPairWithinReachIsInTheListAllAlongTheWay) {
   EXPECT_GT(within, 20);
 }
 
-TEST(Contact, AFlatOrGentlyRolledSheetIsClearAndHasNoActivePair) {
+TEST(ContactTest, AFlatOrGentlyRolledSheetIsClearAndHasNoActivePair) {
   Sheet sheet = test::hex_sheet(0.2, 0.2, 10, 0.2);
   const Points3 flat = sheet.x;
   test::roll(sheet, 0.2);  // a radian: more and the straight way would fold it
@@ -228,7 +229,7 @@ TEST(Contact, AFlatOrGentlyRolledSheetIsClearAndHasNoActivePair) {
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
-TEST(Contact, ALayerThatJumpsThroughAnotherOrEndsBesideItIsNotClear) {
+TEST(ContactTest, ALayerThatJumpsThroughAnotherOrEndsBesideItIsNotClear) {
   const Sheet sheet = two_layers(0.02);
   Contact contact(sheet.pattern, sheet.triangles);
   const auto lowered = [&](double by) {
@@ -242,7 +243,7 @@ TEST(Contact, ALayerThatJumpsThroughAnotherOrEndsBesideItIsNotClear) {
   EXPECT_FALSE(contact.clear(sheet.x, lowered(0.04), {}));
 }
 
-TEST(Contact, WhatHandlesBringTogetherIsLeftToThem) {
+TEST(ContactTest, WhatHandlesBringTogetherIsLeftToThem) {
   Sheet sheet = test::strip_sheet(0.3, 0.03, 20);
   // a ring: its ends meet, held there
   for (int v = 0; v < sheet.x.rows(); ++v) {
@@ -251,7 +252,7 @@ TEST(Contact, WhatHandlesBringTogetherIsLeftToThem) {
         0.3 / (2 * M_PI) * (1 - std::cos(a));
   }
   sheet.x.bottomRows<2>().rowwise() += Eigen::RowVector3d(0, 0, 1e-4);
-  Gripped ends{{0, 1, 40, 41}, Points3(4, 3)};
+  HardConstraints ends{{0, 1, 40, 41}, Points3(4, 3)};
   ends.targets << sheet.x.row(0), sheet.x.row(1), sheet.x.row(0), sheet.x.row(1);
   Contact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {}, frame);
@@ -260,7 +261,7 @@ TEST(Contact, WhatHandlesBringTogetherIsLeftToThem) {
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
-TEST(Contact, ASheetThatTouchesOrCrossesItselfAsAStepBeginsHasAFiniteEnergy) {
+TEST(ContactTest, ASheetThatTouchesOrCrossesItselfAsAStepBeginsHasAFiniteEnergy) {
   for (const double shift : {0.0, 0.01}) {
     Sheet sheet = two_layers(1e-3);
     for (int v = 0; v < sheet.x.rows(); ++v) {

@@ -13,20 +13,24 @@
 namespace paperbake {
 namespace {
 
-constexpr double g = 9.81, reach = 1e-3, dt = 1 / 96.0;
+constexpr double g = 9.81, dhat = 1e-3, dt = 1 / 96.0;
 
-TEST(Sliding, SlopesAreDerivativesAndAllOfItIsFrictionBeyondEpsilon) {
+TEST(FrictionMollifierTest, SlopesAreDerivativesAndAllOfItIsFrictionBeyondEpsilon) {
   const double epsilon = 1e-6;
   for (const double y : {1e-7, 5e-7, 9.9e-7, 1.01e-6, 1e-5}) {
     const double e = 1e-11;
-    EXPECT_NEAR((sliding(y + e, epsilon).value - sliding(y - e, epsilon).value) / (2 * e),
-                sliding(y, epsilon).slope, 1e-5)
+    EXPECT_NEAR(
+        (friction_mollifier(y + e, epsilon).value - friction_mollifier(y - e, epsilon).value) /
+            (2 * e),
+        friction_mollifier(y, epsilon).slope, 1e-5)
         << y;
-    EXPECT_NEAR((sliding(y + e, epsilon).slope - sliding(y - e, epsilon).slope) / (2 * e),
-                sliding(y, epsilon).second, 1e-4 / epsilon)
+    EXPECT_NEAR(
+        (friction_mollifier(y + e, epsilon).slope - friction_mollifier(y - e, epsilon).slope) /
+            (2 * e),
+        friction_mollifier(y, epsilon).second, 1e-4 / epsilon)
         << y;
   }
-  EXPECT_EQ(sliding(2e-6, epsilon).slope, 1);
+  EXPECT_EQ(friction_mollifier(2e-6, epsilon).slope, 1);
 }
 
 /// One sheet over another, both of one jittered mesh or of two, and what their contact does as they
@@ -57,7 +61,7 @@ struct Layers {
 
   Contact contact(double mu_low, double mu_high) const {
     Contact contact(pattern, triangles,
-                    {of_vertex, Eigen::MatrixXd::Constant(2, 2, reach), {}, {mu_low, mu_high}});
+                    {of_vertex, Eigen::MatrixXd::Constant(2, 2, dhat), {}, {mu_low, mu_high}});
     contact.begin(start, {}, dt);
     return contact;
   }
@@ -101,7 +105,7 @@ std::vector<Layers> single_pairs() {
           {roof, triangle({0.01, -0.05, 6e-4}, {0.02, 0.04, 6e-4}, {0.02, 0.01, 0.05})}};
 }
 
-TEST(LayersThatRub, GradientAndSecondDerivativeAreThoseOfTheEnergyAndNothingIsIndefinite) {
+TEST(LayersThatRubTest, GradientAndSecondDerivativeAreThoseOfTheEnergyAndNothingIsIndefinite) {
   const Layers layers = rumpled();
   Contact contact = layers.contact(0.4, 0.3);
   BlockCholesky matrix(static_cast<int>(layers.start.rows()), layers.all);
@@ -146,7 +150,7 @@ TEST(LayersThatRub, GradientAndSecondDerivativeAreThoseOfTheEnergyAndNothingIsIn
   }
 }
 
-TEST(LayersThatRub, ForcesAndTurnsOfAPairCancelAndItSlidesWithItsWholeFriction) {
+TEST(LayersThatRubTest, ForcesAndTurnsOfAPairCancelAndItSlidesWithItsWholeFriction) {
   for (const Layers& layers : single_pairs()) {
     const Contact contact = layers.contact(0.4, 0.4);
     ASSERT_EQ(contact.active(layers.start), 1);
@@ -163,7 +167,7 @@ TEST(LayersThatRub, ForcesAndTurnsOfAPairCancelAndItSlidesWithItsWholeFriction) 
   }
 }
 
-TEST(LayersThatRub, WhatMovesAsOneFeelsNothingAndOfTwoPapersNoneIsNone) {
+TEST(LayersThatRubTest, WhatMovesAsOneFeelsNothingAndOfTwoPapersNoneIsNone) {
   for (const Layers& layers : single_pairs())
     for (const Vector3d& by : {Vector3d(0.2, 0, 0), Vector3d(0, -0.2, 0), Vector3d(0, 0, 1)}) {
       const Points3 y = layers.turned(by).rowwise() + Eigen::RowVector3d(0.1, 0.2, 0.3);
@@ -182,7 +186,7 @@ TEST(LayersThatRub, WhatMovesAsOneFeelsNothingAndOfTwoPapersNoneIsNone) {
 struct Leaf {
   Sheet low = test::hex_sheet(0.12, 0.09, 9, 0.2, 1), leaf = test::hex_sheet(0.05, 0.05, 5, 0.2, 2);
   Eigen::Matrix3d turn;
-  Held everywhere, own;
+  PositionConstraints everywhere, own;
   Elastic of_low, of_leaf;
 
   static Paper paper(double mu) {
@@ -202,7 +206,7 @@ struct Leaf {
       : turn(Eigen::AngleAxisd(std::atan(slope), Vector3d::UnitY()).toRotationMatrix().transpose()),
         of_low(paper(mu), options(inertia)),
         of_leaf(paper(mu), options(inertia)) {
-    leaf.x.rowwise() += Eigen::RowVector3d(0.02, 0.02, 0.99 * reach);
+    leaf.x.rowwise() += Eigen::RowVector3d(0.02, 0.02, 0.99 * dhat);
     low.x = (low.x * turn).eval(), leaf.x = (leaf.x * turn).eval();
     everywhere.vertices.resize(low.x.rows());
     std::iota(everywhere.vertices.begin(), everywhere.vertices.end(), 0);
@@ -213,7 +217,7 @@ struct Leaf {
   void step() {
     const Points3 none(0, 3);
     Elastic::step_together({{of_low, low, everywhere, none}, {of_leaf, leaf, own, none}},
-                           Eigen::MatrixXd::Constant(2, 2, reach), dt);
+                           Eigen::MatrixXd::Constant(2, 2, dhat), dt);
   }
 };
 
@@ -229,10 +233,10 @@ std::pair<double, double> speeds(double slope, double mu) {
   return {half_way, down()};
 }
 
-TEST(LayersThatRub, ALeafSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulombSays) {
+TEST(LayersThatRubTest, ALeafSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulombSays) {
   const double damping = -24 * std::log(0.98);
-  EXPECT_LT(speeds(0.3, 0.4).second, creep);
-  EXPECT_LT(speeds(0.37, 0.4).second, creep);
+  EXPECT_LT(speeds(0.3, 0.4).second, static_speed_bound);
+  EXPECT_LT(speeds(0.37, 0.4).second, static_speed_bound);
   for (const double mu : {0.0, 0.4}) {
     const auto [before, after] = speeds(0.6, mu);
     const double angle = std::atan(0.6), a = g * (std::sin(angle) - mu * std::cos(angle)) -
@@ -241,7 +245,7 @@ TEST(LayersThatRub, ALeafSticksOnASlopeBelowItsCoefficientAndSlidesAboveAsCoulom
   }
 }
 
-TEST(LayersThatRub, ALeafThatASoftHandPullsStaysUntilTheHandPullsAsCoulombSaysAndNoMore) {
+TEST(LayersThatRubTest, ALeafThatASoftHandPullsStaysUntilTheHandPullsAsCoulombSaysAndNoMore) {
   constexpr double stiffness = 0.5;  // [N/m]
   Leaf leaf(0, 0.4, Inertia::quasi_static);
   const double lag = 0.4 * Paper{}.area_density * 0.05 * 0.05 * g / stiffness;  // [m] 1.4 mm
@@ -258,7 +262,7 @@ TEST(LayersThatRub, ALeafThatASoftHandPullsStaysUntilTheHandPullsAsCoulombSaysAn
     const double gone = (leaf.leaf.x - start).col(0).mean(),
                  behind = leaf.own.targets(0, 0) - leaf.leaf.x(front, 0);
     if (k * 1e-4 < 0.9 * lag) {
-      EXPECT_LT(gone, k * creep * dt) << k;
+      EXPECT_LT(gone, k * static_speed_bound * dt) << k;
     }
     if (k * 1e-4 > 1.5 * lag) {
       EXPECT_NEAR(behind, lag, 0.03 * lag) << k;

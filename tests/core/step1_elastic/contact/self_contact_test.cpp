@@ -23,7 +23,7 @@ std::vector<Points3> shapes(const Shot& shot, const Method& method, const Animat
   return all;
 }
 
-TEST(SelfContact, AShotInWhichNothingTouchesIsTheSameToTheLastBit) {
+TEST(SelfContactTest, AShotInWhichNothingTouchesIsTheSameToTheLastBit) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 60;
@@ -60,7 +60,7 @@ Shot crumple() {
   return shot;
 }
 
-TEST(SelfContact, ACrumpledSheetNeverPassesThroughItself) {
+TEST(SelfContactTest, ACrumpledSheetNeverPassesThroughItself) {
   const Shot shot = crumple();
   int crossed[2] = {0, 0}, touching = 0;
   double stretch = 0;
@@ -86,7 +86,7 @@ TEST(SelfContact, ACrumpledSheetNeverPassesThroughItself) {
   EXPECT_LT(stretch, 0.02);
 }
 
-TEST(SelfContact, ACrumpledSheetAtRestStillTouchesItself) {
+TEST(SelfContactTest, ACrumpledSheetAtRestStillTouchesItself) {
   const Shot shot = crumple();
   AnimateOptions options;
   options.last_frame = 60;
@@ -107,7 +107,7 @@ TEST(SelfContact, ACrumpledSheetAtRestStillTouchesItself) {
   EXPECT_GT(touching, 0);
 }
 
-TEST(SelfContact, AHandlePressedAgainstTheSheetIsJammedAndHeldAgainWhenItComesBack) {
+TEST(SelfContactTest, AHandlePressedAgainstTheSheetIsJammedAndHeldAgainWhenItComesBack) {
   // the left half of a strip is held flat; the right end is carried over it, keyed through it, and
   // back up
   const int frames = 48;

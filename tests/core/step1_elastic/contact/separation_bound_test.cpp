@@ -10,7 +10,7 @@ namespace paperbake {
 namespace {
 
 /// Least distance in space over distance on the pattern, of any two vertices.
-double least_share(const Points2& pattern, const Points3& x) {
+double min_share(const Points2& pattern, const Points3& x) {
   double least = 1e300;
   for (int a = 0; a < x.rows(); ++a)
     for (int b = 0; b < a; ++b)
@@ -19,9 +19,9 @@ double least_share(const Points2& pattern, const Points3& x) {
   return least;
 }
 
-TEST(SpreadOut, HoldsWhereItSaysSoAllAlongTheWay) {
+TEST(SeparationBoundTest, HoldsWhereItSaysSoAllAlongTheWay) {
   const Sheet flat = test::hex_sheet(0.2, 0.15, 12, 0.2);
-  const SpreadOut spread(flat.pattern, flat.triangles);
+  const SeparationBound spread(flat.pattern, flat.triangles);
   std::mt19937 random(5);
   std::uniform_real_distribution<double> number(-1, 1);
   int held = 0;
@@ -39,29 +39,29 @@ TEST(SpreadOut, HoldsWhereItSaysSoAllAlongTheWay) {
     };
     const double by = 0.06 * std::abs(number(random));
     const Points3 from = crumpled(by), to = crumpled(by);
-    if (!spread.all_the_way(from, to, 0.3)) continue;
+    if (!spread.holds_along_step(from, to, 0.3)) continue;
     ++held;
     for (const double t : {0.0, 0.25, 0.5, 0.75, 1.0})
-      EXPECT_GE(least_share(flat.pattern, (1 - t) * from + t * to), 0.3);
+      EXPECT_GE(min_share(flat.pattern, (1 - t) * from + t * to), 0.3);
   }
   EXPECT_GT(held, 60);
   EXPECT_LT(held, 270);
 }
 
-TEST(SpreadOut, SeesARollUntilItBendsBack) {
+TEST(SeparationBoundTest, SeesARollUntilItBendsBack) {
   Sheet sheet = test::hex_sheet(0.2, 0.2, 10, 0.2);
   const Points3 flat = sheet.x;
-  const SpreadOut spread(sheet.pattern, sheet.triangles);
-  EXPECT_TRUE(spread.all_the_way(flat, flat, 0.3));
+  const SeparationBound spread(sheet.pattern, sheet.triangles);
+  EXPECT_TRUE(spread.holds_along_step(flat, flat, 0.3));
   // turned by pi in its plane: a straight way goes through a point
-  EXPECT_TRUE(spread.all_the_way(flat, -flat, 0.3) == false);
+  EXPECT_TRUE(spread.holds_along_step(flat, -flat, 0.3) == false);
   test::roll(sheet, 0.1);
-  EXPECT_TRUE(spread.all_the_way(sheet.x, sheet.x, 0.3));  // 2 rad
+  EXPECT_TRUE(spread.holds_along_step(sheet.x, sheet.x, 0.3));  // 2 rad
   test::roll(sheet, 0.05);
-  EXPECT_FALSE(spread.all_the_way(sheet.x, sheet.x, 0.3));  // 4 rad: the ends face each other
+  EXPECT_FALSE(spread.holds_along_step(sheet.x, sheet.x, 0.3));  // 4 rad: the ends face each other
 }
 
-TEST(SpreadOut, KnowsNothingOfPatternsThatAreNotConvex) {
+TEST(SeparationBoundTest, KnowsNothingOfPatternsThatAreNotConvex) {
   const Sheet whole = test::hex_sheet(0.2, 0.2, 10, 0.2);
   const auto without = [&](auto left_out) {
     std::vector<Eigen::RowVector3i> kept;
@@ -74,7 +74,7 @@ TEST(SpreadOut, KnowsNothingOfPatternsThatAreNotConvex) {
     }
     Triangles triangles(kept.size(), 3);
     for (std::size_t t = 0; t < kept.size(); ++t) triangles.row(t) = kept[t];
-    return SpreadOut(whole.pattern, triangles).all_the_way(whole.x, whole.x, 0.3);
+    return SeparationBound(whole.pattern, triangles).holds_along_step(whole.x, whole.x, 0.3);
   };
   EXPECT_TRUE(without([](const auto&) { return false; }));
   // an L

@@ -83,16 +83,16 @@ double gentle(Sheet sheet, bool with_logarithm = true) {
   constexpr double slope = 0.01;
   sheet.x.col(2) = slope * sheet.pattern.rowwise().norm();
   return ratio(sheet, 2 * M_PI * slope * slope,
-               with_logarithm ? cone_factors(sheet, Paper{}) : std::vector<double>{});
+               with_logarithm ? apex_stiffness_factors(sheet, Paper{}) : std::vector<double>{});
 }
 
 /// Of one with two crests, which does not stretch.
 double wavy(Sheet sheet) {
   const double squared = test::bend_to_wavy_cone(sheet, eps, saddle);
-  return ratio(sheet, squared, cone_factors(sheet, Paper{}));
+  return ratio(sheet, squared, apex_stiffness_factors(sheet, Paper{}));
 }
 
-TEST(ConeEnergy, ConeHasItsExactEnergyHoweverFarOutTheFirstRingIs) {
+TEST(ConeEnergyTest, ConeHasItsExactEnergyHoweverFarOutTheFirstRingIs) {
   for (const double first : {0.003, 0.005, 0.01, 0.02, 0.04})
     EXPECT_NEAR(gentle(disc(32, rings_from(first))), 1, 0.03) << first;
   // the shape operator alone: every ring that is put in adds to it
@@ -100,7 +100,7 @@ TEST(ConeEnergy, ConeHasItsExactEnergyHoweverFarOutTheFirstRingIs) {
             gentle(disc(32, rings_from(0.04)), false) + 0.6);
 }
 
-TEST(ConeEnergy, TwiceAsManyRulingsChangeItByLessThanFivePercent) {
+TEST(ConeEnergyTest, TwiceAsManyRulingsChangeItByLessThanFivePercent) {
   EXPECT_NEAR(gentle(disc(8, rings_from(0.01))), 1, 0.12);  // sectors of 45 degrees
   for (const int rulings : {12, 24, 48})
     EXPECT_NEAR(
@@ -112,17 +112,17 @@ TEST(ConeEnergy, TwiceAsManyRulingsChangeItByLessThanFivePercent) {
   EXPECT_NEAR(wavy(disc(96, rings_from(0.01))), 1, 0.02);
 }
 
-TEST(ConeEnergy, IrregularFansHaveTheSameEnergy) {
+TEST(ConeEnergyTest, IrregularFansHaveTheSameEnergy) {
   for (const int rulings : {12, 24, 48})
     EXPECT_NEAR(gentle(disc(rulings, rings_from(0.01), 0.2)), 1, 0.1) << rulings;
 }
 
-TEST(ConeEnergy, RefiningTheWholeMeshChangesItByLessThanTenPercent) {
+TEST(ConeEnergyTest, RefiningTheWholeMeshChangesItByLessThanTenPercent) {
   for (const double edge : {0.02, 0.012, 0.007, 0.004})
     EXPECT_NEAR(gentle(any_mesh(edge)), 1, 0.1) << edge;
 }
 
-TEST(ConeEnergy, FactorIsHalfTheMeanLogarithmOverTheAngle) {
+TEST(ConeEnergyTest, FactorIsHalfTheMeanLogarithmOverTheAngle) {
   const Paper paper;
   Points2 p(4, 2);
   p << 0, 0, 0.03, 0, -0.01, 0.017, -0.01, -0.025;  // spokes of 30, 20 and 27 mm at obtuse angles
@@ -130,7 +130,7 @@ TEST(ConeEnergy, FactorIsHalfTheMeanLogarithmOverTheAngle) {
   t << 0, 1, 2, 0, 2, 3, 0, 3, 1;
   Sheet sheet = test::flat_sheet(p, t);
   sheet.singular.push_back({Vector2d(0, 0), 1, ""});
-  const std::vector<double> factors = cone_factors(sheet, paper);
+  const std::vector<double> factors = apex_stiffness_factors(sheet, paper);
   for (int k = 0; k < 3; ++k) {
     const Vector2d a = p.row(t(k, 1)), b = p.row(t(k, 2)), along = b - a;
     double size = 1e9;  // from the apex to the border
@@ -154,21 +154,21 @@ TEST(ConeEnergy, FactorIsHalfTheMeanLogarithmOverTheAngle) {
   }
 }
 
-TEST(ConeEnergy, ConeAsSmallAsItsCoreStoresWhatTheCoreDoes) {
+TEST(ConeEnergyTest, ConeAsSmallAsItsCoreStoresWhatTheCoreDoes) {
   // r_c is 1.8 mm
-  const std::vector<double> factors = cone_factors(disc(12, {0.001, 0.01, R}), Paper{});
+  const std::vector<double> factors = apex_stiffness_factors(disc(12, {0.001, 0.01, R}), Paper{});
   EXPECT_EQ(*std::min_element(factors.begin(), factors.end()), 0.25);
   EXPECT_EQ(*std::max_element(factors.begin(), factors.end()), 1);
 }
 
-TEST(ConeEnergy, HeavierPaperHasALargerCoreAndSoHasALargerCone) {
+TEST(ConeEnergyTest, HeavierPaperHasALargerCoreAndSoHasALargerCone) {
   Paper heavy;
   heavy.thickness *= 8;
   EXPECT_NEAR(core_radius(heavy, R) / core_radius(Paper{}, R), 2, 1e-9);
   EXPECT_NEAR(core_radius(Paper{}, 8 * R) / core_radius(Paper{}, R), 4, 1e-9);
   Sheet sheet = disc(12, rings_from(0.01));
-  const double alone = cone_factors(sheet, Paper{})[0];
-  EXPECT_NEAR(cone_factors(sheet, heavy)[0], alone - 0.5 * std::log(2), 1e-9);
+  const double alone = apex_stiffness_factors(sheet, Paper{})[0];
+  EXPECT_NEAR(apex_stiffness_factors(sheet, heavy)[0], alone - 0.5 * std::log(2), 1e-9);
   // where the second ring is: the cones end at each other
   sheet.singular.push_back({sheet.pattern.row(13), 1, ""});
   int far = 0;  // a triangle that has the first apex alone
@@ -177,29 +177,29 @@ TEST(ConeEnergy, HeavierPaperHasALargerCoreAndSoHasALargerCone) {
     ++far;
   // of a polygon
   EXPECT_NEAR(
-      cone_factors(sheet, Paper{})[far],
+      apex_stiffness_factors(sheet, Paper{})[far],
       alone + 0.5 * 2.0 / 3 * std::log(R * std::cos(M_PI / 12) / sheet.pattern.row(13).norm()),
       1e-9);
 }
 
-TEST(ConeEnergy, OnlyTrianglesAtSingularPointsHaveAFactor) {
+TEST(ConeEnergyTest, OnlyTrianglesAtSingularPointsHaveAFactor) {
   Sheet sheet = disc(12, {0.02, 0.035, R});
-  const std::vector<double> factors = cone_factors(sheet, Paper{});
+  const std::vector<double> factors = apex_stiffness_factors(sheet, Paper{});
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const bool at_apex = (sheet.triangles.row(t).array() == 0).any();
     EXPECT_EQ(factors[t] != 1, at_apex) << t;
   }
   sheet.singular.clear();
-  EXPECT_TRUE(cone_factors(sheet, Paper{}).empty());
+  EXPECT_TRUE(apex_stiffness_factors(sheet, Paper{}).empty());
 }
 
-TEST(ConeEnergy, ElasticStepsFeelItAndTheDiscsOfHandlesOnTopOfIt) {
+TEST(ConeEnergyTest, ElasticStepsFeelItAndTheDiscsOfHandlesOnTopOfIt) {
   Sheet sheet = disc(24, {0.02, 0.035, R});
   test::bend_to_wavy_cone(sheet, eps, saddle);
   const auto bending = [&](const std::vector<double>& stiffening) {
     Elastic elastic(Paper{}, {});
     elastic.set_mesh(sheet, stiffening);
-    const ElasticReport stored = elastic.look(sheet);
+    const ElasticReport stored = elastic.evaluate_energies(sheet);
     return stored.energy - stored.membrane;
   };
   const double with = bending({});

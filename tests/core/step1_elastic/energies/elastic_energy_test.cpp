@@ -60,7 +60,7 @@ Eigen::MatrixXd dense_hessian(ElasticEnergy& energy, const Points3& x, HessianFo
   return matrix.dense();
 }
 
-TEST(ElasticEnergy, GradientAgreesWithCentralDifferencesWhereSomeTrianglesYieldAndOthersDoNot) {
+TEST(ElasticEnergyTest, GradientAgreesWithCentralDifferencesWhereSomeTrianglesYieldAndOthersDoNot) {
   const Sheet sheet = crumpled();
   ElasticEnergy energy(soft_paper(), sheet.pattern, sheet.triangles);
   energy.memory = some_memory(sheet);
@@ -81,7 +81,7 @@ TEST(ElasticEnergy, GradientAgreesWithCentralDifferencesWhereSomeTrianglesYieldA
   EXPECT_LT((gradient - numeric).norm() / gradient.norm(), 1e-7);
 }
 
-TEST(ElasticEnergy, SecondDerivativeAgreesWithCentralDifferencesOfTheGradient) {
+TEST(ElasticEnergyTest, SecondDerivativeAgreesWithCentralDifferencesOfTheGradient) {
   const Sheet sheet = crumpled();
   ElasticEnergy energy(soft_paper(), sheet.pattern, sheet.triangles);
   energy.memory = some_memory(sheet);
@@ -103,7 +103,7 @@ TEST(ElasticEnergy, SecondDerivativeAgreesWithCentralDifferencesOfTheGradient) {
   EXPECT_LT((hessian - numeric).norm() / hessian.norm(), 1e-7);
 }
 
-TEST(ElasticEnergy, PaperThatNeverYieldsHasTheElasticEnergyToTheLastBit) {
+TEST(ElasticEnergyTest, PaperThatNeverYieldsHasTheElasticEnergyToTheLastBit) {
   const Sheet sheet = crumpled();
   Paper paper;
   ElasticEnergy without(paper, sheet.pattern, sheet.triangles);
@@ -134,7 +134,7 @@ struct OneTriangle {
   Vector3d angles(double q) const { return origin + q * theta; }
 };
 
-TEST(ElasticEnergy, EnergyAndMomentAreContinuousWhereATriangleYields) {
+TEST(ElasticEnergyTest, EnergyAndMomentAreContinuousWhereATriangleYields) {
   const OneTriangle t;
   Vector3d below, at, above;
   const double d = 1e-9 * t.past.yield;
@@ -150,7 +150,7 @@ TEST(ElasticEnergy, EnergyAndMomentAreContinuousWhereATriangleYields) {
   EXPECT_NEAR(t.theta.dot(soft * t.theta) / t.theta.dot(stiff * t.theta), t.rest.hardening, 1e-6);
 }
 
-TEST(ElasticEnergy, TangentOfATriangleThatYieldsHasNoNegativeEigenvalue) {
+TEST(ElasticEnergyTest, TangentOfATriangleThatYieldsHasNoNegativeEigenvalue) {
   OneTriangle t;
   for (const double eta : {0.0, 0.3}) {
     t.rest.hardening = eta;
@@ -162,7 +162,7 @@ TEST(ElasticEnergy, TangentOfATriangleThatYieldsHasNoNegativeEigenvalue) {
   }
 }
 
-TEST(ElasticEnergy, ReturningAfterAStepLeavesTheMomentAsItWas) {
+TEST(ElasticEnergyTest, ReturningAfterAStepLeavesTheMomentAsItWas) {
   const OneTriangle t;
   const Vector3d angles = t.angles(3 * t.past.yield);
   Vector3d during, after;
@@ -176,7 +176,7 @@ TEST(ElasticEnergy, ReturningAfterAStepLeavesTheMomentAsItWas) {
   EXPECT_LT(plastic_gain(t.rest, angles, next).hardening, 1e-12 * gain.hardening);
 }
 
-TEST(ElasticEnergy, SheetInItsPlasticShapeIsAtRestUpToItsBorders) {
+TEST(ElasticEnergyTest, SheetInItsPlasticShapeIsAtRestUpToItsBorders) {
   // the last triangles have no fold that could tell the curvature across the border: they must not
   // take it from Sp either
   Sheet sheet = test::strip_sheet(0.03, 0.015, 40);
@@ -191,7 +191,7 @@ TEST(ElasticEnergy, SheetInItsPlasticShapeIsAtRestUpToItsBorders) {
   EXPECT_EQ(energy.gained(sheet.x).hardening.maxCoeff(), 0);
 }
 
-TEST(ElasticEnergy, SecondDerivativeIsRightRoundAVertexOfValenceThree) {
+TEST(ElasticEnergyTest, SecondDerivativeIsRightRoundAVertexOfValenceThree) {
   // both wings across the two inner edges of a corner triangle are then one and the same vertex
   Points2 p(4, 2);
   p << 0, 0, 0.1, 0, 0.03, 0.09, 0.04, 0.03;
@@ -215,7 +215,7 @@ TEST(ElasticEnergy, SecondDerivativeIsRightRoundAVertexOfValenceThree) {
   }
 }
 
-TEST(ElasticEnergy, ProjectedFormHasNoNegativeEigenvalueWhereTheExactOneHas) {
+TEST(ElasticEnergyTest, ProjectedFormHasNoNegativeEigenvalueWhereTheExactOneHas) {
   const Sheet sheet = crumpled();
   ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
   const auto lowest = [&](HessianForm form) {
@@ -226,12 +226,12 @@ TEST(ElasticEnergy, ProjectedFormHasNoNegativeEigenvalueWhereTheExactOneHas) {
   EXPECT_GT(lowest(HessianForm::projected), -1e-6);  // rounding of eigenvalues up to 1e6 N/m
 }
 
-TEST(ElasticEnergy, AnglesArePositiveWhereTheSheetBulgesToItsNormal) {
+TEST(ElasticEnergyTest, AnglesArePositiveWhereTheSheetBulgesToItsNormal) {
   Sheet sheet = test::strip_sheet(0.1, 0.05, 10);
   test::roll(sheet, 0.05);
   const Hinges hinges = find_hinges(sheet.triangles);
   double turn = 0;
-  for (const Hinge& hinge : hinges.hinges) turn += fold_angle(sheet.x, hinge);
+  for (const Hinge& hinge : hinges.hinges) turn += dihedral_angle(sheet.x, hinge);
   EXPECT_NEAR(turn, 0.1 / 0.05 * 9 / 10, 1e-9);  // 10 chords of an arc of 2 rad turn 9 times
 }
 
@@ -257,14 +257,14 @@ double cylinder_ratio(Sheet sheet, double length) {
     for (int i = 0; i < 3; ++i)
       theta[i] = hinges.of_triangle[t][i] < 0
                      ? 0
-                     : fold_angle(sheet.x, hinges.hinges[hinges.of_triangle[t][i]]);
+                     : dihedral_angle(sheet.x, hinges.hinges[hinges.of_triangle[t][i]]);
     sum += bending_energy(rest, theta);
     area += rest.area;
   }
   return sum / (0.5 * paper.bending_stiffness * area / (0.05 * 0.05));
 }
 
-TEST(ElasticEnergy, CylinderHasItsExactEnergyOnAnyKindOfMesh) {
+TEST(ElasticEnergyTest, CylinderHasItsExactEnergyOnAnyKindOfMesh) {
   EXPECT_NEAR(cylinder_ratio(test::hex_sheet(0.1, 0.1, 14), 0.1), 1, 0.1);
   EXPECT_NEAR(cylinder_ratio(test::hex_sheet(0.1, 0.1, 14, 0.2), 0.1), 1, 0.1);
   EXPECT_NEAR(cylinder_ratio(test::strip_sheet(0.1, 0.1, 20), 0.1), 1, 0.01);
@@ -278,7 +278,7 @@ Sheet bent_sheet() {
   return sheet;
 }
 
-TEST(ElasticEnergy, PredictedStressIsThatOfTheNewPlaceToFirstOrder) {
+TEST(ElasticEnergyTest, PredictedStressIsThatOfTheNewPlaceToFirstOrder) {
   const Sheet sheet = bent_sheet();
   const ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
   Points3 move(sheet.x.rows(), 3);
@@ -298,7 +298,7 @@ TEST(ElasticEnergy, PredictedStressIsThatOfTheNewPlaceToFirstOrder) {
   EXPECT_NEAR(error(1e-5) / error(5e-6), 4, 0.01);
 }
 
-TEST(ElasticEnergy, PaperIsStifferAlongItsGrain) {
+TEST(ElasticEnergyTest, PaperIsStifferAlongItsGrain) {
   Sheet sheet = test::hex_sheet(0.1, 0.07, 8);
   test::roll(sheet, 0.03);  // along u
   Paper paper;
@@ -316,7 +316,7 @@ TEST(ElasticEnergy, PaperIsStifferAlongItsGrain) {
   EXPECT_NEAR(share(-M_PI / 4), share(M_PI / 4), 3e-3);
 }
 
-TEST(ElasticEnergy, WhatAGrainKeepsIsTheCurvatureItWasBentTo) {
+TEST(ElasticEnergyTest, WhatAGrainKeepsIsTheCurvatureItWasBentTo) {
   Sheet sheet = test::hex_sheet(0.1, 0.07, 8);
   test::roll(sheet, 0.003);  // 333 1/m
   Paper paper;
@@ -332,7 +332,7 @@ TEST(ElasticEnergy, WhatAGrainKeepsIsTheCurvatureItWasBentTo) {
             1e-6 * first.curvature.cwiseAbs().maxCoeff());
 }
 
-TEST(ElasticEnergy, OwnStressGivesTheOwnSecondDerivative) {
+TEST(ElasticEnergyTest, OwnStressGivesTheOwnSecondDerivative) {
   const Sheet sheet = bent_sheet();
   ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
   const int n = static_cast<int>(sheet.x.rows());

@@ -8,7 +8,7 @@
 namespace paperbake {
 namespace {
 
-TEST(HandleSprings, DerivativesAreThoseOfTheEnergyBelowAndBeyondTheYieldForce) {
+TEST(HandleSpringsTest, DerivativesAreThoseOfTheEnergyBelowAndBeyondTheYieldForce) {
   BlockCholesky matrix(1, {});
   const double step = 1e-9;
   for (const double way : {4e-6, 2e-3}) {  // [m] hard; given way
@@ -37,14 +37,14 @@ TEST(HandleSprings, DerivativesAreThoseOfTheEnergyBelowAndBeyondTheYieldForce) {
   }
 }
 
-TEST(HandleSprings, ASheetHungOnSoftHandlesSinksUntilTheyCarryItsWeight) {
+TEST(HandleSpringsTest, ASheetHungOnSoftHandlesSinksUntilTheyCarryItsWeight) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4);
   ElasticOptions options;
   options.gravity = 9.81;
   const Paper paper;
   Elastic elastic(paper, options);
   elastic.set_mesh(sheet);
-  Held held;
+  PositionConstraints held;
   const double stiffness[] = {3.0, 3.0, 5.0, 5.0};  // [N/m]
   const Vector2d corners[] = {{0, 0}, {0.1, 0}, {0, 0.1}, {0.1, 0.1}};
   held.targets.resize(4, 3);

@@ -20,26 +20,26 @@ Sheet doubly_curved(double kx, double ky, int cells = 8) {
   return sheet;
 }
 
-Ridges ridges_of(const Sheet& sheet, const std::vector<int>& held,
-                 const Eigen::VectorXd& remembered) {
+RidgeField ridges_of(const Sheet& sheet, const std::vector<int>& held,
+                     const Eigen::VectorXd& remembered) {
   return find_ridges(sheet, find_hinges(sheet.triangles), Paper{}, held, remembered);
 }
 
-Ridges ridges_of(const Sheet& sheet, const std::vector<int>& held = {}) {
+RidgeField ridges_of(const Sheet& sheet, const std::vector<int>& held = {}) {
   return ridges_of(sheet, held, Eigen::VectorXd::Zero(sheet.triangles.rows()));
 }
 
-TEST(Ridges, CylinderHasNoneHoweverTight) {
+TEST(RidgeFieldTest, CylinderHasNoneHoweverTight) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 12);
   test::roll(sheet, 0.02);
-  const Ridges ridges = ridges_of(sheet);
+  const RidgeField ridges = ridges_of(sheet);
   EXPECT_EQ(ridges.share.maxCoeff(), 0);
   EXPECT_EQ(ridges.focus.maxCoeff(), 1);
 }
 
-TEST(Ridges, SheetThatBendsInTwoDirectionsIsFocusedToTheWidthOfARidge) {
+TEST(RidgeFieldTest, SheetThatBendsInTwoDirectionsIsFocusedToTheWidthOfARidge) {
   const Sheet sheet = doubly_curved(40, -40);  // 40 1/m over a cell of 12 mm: 28 degrees
-  const Ridges ridges = ridges_of(sheet);
+  const RidgeField ridges = ridges_of(sheet);
   EXPECT_EQ(ridges.share.maxCoeff(), 1);
   // X = sqrt(0.01 m2 / 4) = 50 mm, w = 0.4 (90 um)^(1/3) X^(2/3) = 2.43 mm; a triangle of 12.5 mm
   // is 5.4 to 12.5 mm wide: X/2 counts
@@ -51,40 +51,40 @@ TEST(Ridges, SheetThatBendsInTwoDirectionsIsFocusedToTheWidthOfARidge) {
   }
 }
 
-TEST(Ridges, CreaseOfASheetThatBendsAlongItIsNone) {
+TEST(RidgeFieldTest, CreaseOfASheetThatBendsAlongItIsNone) {
   Sheet sheet = doubly_curved(20, 0);  // 20 1/m over a cell of 12 mm: 14 degrees
   const double row = sheet.pattern.col(1).maxCoeff() * 5 / 9;
   for (int v = 0; v < sheet.x.rows(); ++v)
     sheet.x(v, 2) -= 0.5 * std::abs(sheet.pattern(v, 1) - row);
   ASSERT_GT(ridges_of(sheet).share.maxCoeff(), 0.5) << "of paper that was not folded there";
-  sheet.folds = {{{{0, row}, {0.1, row}}, 0}};
+  sheet.prescribed_creases = {{{{0, row}, {0.1, row}}, 0}};
   EXPECT_EQ(ridges_of(sheet).share.maxCoeff(), 0);
 }
 
-TEST(Ridges, TrianglesLargerThanHalfAFacetFocusOverTheirOwnSize) {
+TEST(RidgeFieldTest, TrianglesLargerThanHalfAFacetFocusOverTheirOwnSize) {
   const Sheet sheet = doubly_curved(40, -40, 2);  // cells of 50 mm, X/2 = 25 mm
-  const Ridges ridges = ridges_of(sheet);
+  const RidgeField ridges = ridges_of(sheet);
   ASSERT_EQ(ridges.share.maxCoeff(), 1);
   EXPECT_GT(ridges.focus.maxCoeff(), 1.2 * 0.025 / ridge_width(Paper{}, 0.05));
 }
 
-TEST(Ridges, PointLoadIsNone) {
+TEST(RidgeFieldTest, PointLoadIsNone) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   int middle;
   (sheet.pattern.rowwise() - Eigen::RowVector2d(0.05, 0.05)).rowwise().norm().minCoeff(&middle);
   sheet.x(middle, 2) = 0.006;
-  const Ridges free = ridges_of(sheet), held = ridges_of(sheet, {middle});
+  const RidgeField free = ridges_of(sheet), held = ridges_of(sheet, {middle});
   EXPECT_GT(free.share.maxCoeff(), 0.5);
   EXPECT_LT(held.share.sum(), 0.6 * free.share.sum());
 }
 
-TEST(Ridges, OnceARidgeAlwaysARidge) {
+TEST(RidgeFieldTest, OnceARidgeAlwaysARidge) {
   const Sheet sheet = doubly_curved(0, 0);
   const Eigen::VectorXd remembered = Eigen::VectorXd::Constant(sheet.triangles.rows(), 0.7);
   EXPECT_TRUE(ridges_of(sheet, {}, remembered).share == remembered);
 }
 
-TEST(Ridges, FibresOfARidgeYieldEarlier) {
+TEST(RidgeFieldTest, FibresOfARidgeYieldEarlier) {
   // 43 1/m of |S|, far below the 100 1/m of smooth bending
   const Sheet sheet = doubly_curved(30, -30);
   ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
@@ -97,7 +97,7 @@ TEST(Ridges, FibresOfARidgeYieldEarlier) {
     EXPECT_EQ(gain.ridge[t] > 0, gain.hardening[t] > 0 && energy.ridges.share[t] > 0);
 }
 
-TEST(Ridges, GridKeepsTheSharpestThatAPlaceEverWas) {
+TEST(RidgeFieldTest, GridKeepsTheSharpestThatAPlaceEverWas) {
   const Sheet sheet = test::hex_sheet(0.1, 0.1, 8);
   PlasticGrid grid(test::rectangle(0.1, 0.1));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);

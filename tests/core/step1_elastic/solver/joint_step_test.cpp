@@ -44,7 +44,7 @@ struct TwoLayers {
     pattern << low.pattern, high.pattern;
     Triangles triangles(low.triangles.rows() + high.triangles.rows(), 3);
     triangles << low.triangles, (high.triangles.array() + n).matrix();
-    JoinedSheets sheets{std::vector<int>(n, 0), Eigen::MatrixXd::Constant(2, 2, 1e-3)};
+    SheetPartition sheets{std::vector<int>(n, 0), Eigen::MatrixXd::Constant(2, 2, 1e-3)};
     sheets.of_vertex.resize(n + m, 1);
     contact.emplace(pattern, triangles, sheets);
     x.resize(n + m, 3);
@@ -80,7 +80,7 @@ struct TwoLayers {
   }
 };
 
-TEST(ElasticTogether, ThePotentialOfTwoSheetsHasTheDerivativesOfItsValue) {
+TEST(ElasticTogetherTest, ThePotentialOfTwoSheetsHasTheDerivativesOfItsValue) {
   TwoLayers two;
   two.contact->begin(two.x, {}, dt);
   ASSERT_GT(two.contact->active_by_sheet(two.x)[0].others, 100);
@@ -119,7 +119,7 @@ TEST(ElasticTogether, ThePotentialOfTwoSheetsHasTheDerivativesOfItsValue) {
             1e-5 * told.norm());
 }
 
-TEST(ElasticTogether, SheetsPushEachOtherAlikeAndTurnEachOtherAlike) {
+TEST(ElasticTogetherTest, SheetsPushEachOtherAlikeAndTurnEachOtherAlike) {
   TwoLayers two;
   two.contact->begin(two.x, {}, dt);
   Points3 force = Points3::Zero(two.x.rows(), 3);
@@ -133,7 +133,7 @@ TEST(ElasticTogether, SheetsPushEachOtherAlikeAndTurnEachOtherAlike) {
 }
 
 /// Two free sheets, one over the other, of which the lower one flies up.
-TEST(ElasticTogether, AFreeSheetThatRunsIntoAnotherHandsItsMomentumOn) {
+TEST(ElasticTogetherTest, AFreeSheetThatRunsIntoAnotherHandsItsMomentumOn) {
   Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.08, 0.08, 5, 0.2, 2);
   high.x.rowwise() += Eigen::RowVector3d(0.01, 0.01, 3e-3);
   ElasticOptions options;
@@ -143,9 +143,9 @@ TEST(ElasticTogether, AFreeSheetThatRunsIntoAnotherHandsItsMomentumOn) {
   of_low.set_mesh(low), of_high.set_mesh(high);
   const double speed = 0.1;  // [m/s]: through it in one step of 96
   low.v.col(2).setConstant(speed);
-  const Held none{{}, Points3(0, 3)};
+  const PositionConstraints none{{}, Points3(0, 3)};
   const Points3 nowhere(0, 3);
-  const Eigen::MatrixXd reach = Eigen::MatrixXd::Constant(2, 2, 1e-3);
+  const Eigen::MatrixXd dhat = Eigen::MatrixXd::Constant(2, 2, 1e-3);
   const auto momentum = [&](const Sheet& s) {
     double sum = 0;
     for (int t = 0; t < s.triangles.rows(); ++t)
@@ -159,7 +159,7 @@ TEST(ElasticTogether, AFreeSheetThatRunsIntoAnotherHandsItsMomentumOn) {
   int touching = 0;
   for (int k = 0; k < 12; ++k) {
     const std::vector<ElasticReport> reports = Elastic::step_together(
-        {{of_low, low, none, nowhere}, {of_high, high, none, nowhere}}, reach, 1 / 96.0);
+        {{of_low, low, none, nowhere}, {of_high, high, none, nowhere}}, dhat, 1 / 96.0);
     touching = std::max(touching, reports[0].touching_others);
     EXPECT_EQ(reports[0].touching_others, reports[1].touching_others);
     EXPECT_EQ(crossings_between(low, high), 0);
@@ -171,10 +171,10 @@ TEST(ElasticTogether, AFreeSheetThatRunsIntoAnotherHandsItsMomentumOn) {
   EXPECT_NEAR((momentum(low) + momentum(high)) / (begun * lost), 1, 0.04);
 }
 
-TEST(ElasticTogether, WaysAreClearUntilOneGoesThroughTheOtherOrEndsBesideIt) {
+TEST(ElasticTogetherTest, WaysAreClearUntilOneGoesThroughTheOtherOrEndsBesideIt) {
   Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.08, 0.08, 5, 0.2, 2);
   high.x.col(2).array() += 0.01;
-  const Held none{{}, Points3(0, 3)};
+  const PositionConstraints none{{}, Points3(0, 3)};
   const Points3 nowhere(0, 3);
   const auto clear = [&](const std::vector<double>& heights) {
     std::vector<Points3> stays(heights.size(), low.x), goes;

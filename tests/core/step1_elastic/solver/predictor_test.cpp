@@ -8,10 +8,10 @@ namespace paperbake {
 namespace {
 
 /// A jittered sheet held at its borders x = 0 and x = 0.1.
-struct Gripped {
+struct HardConstraints {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 12, 0.15);
   std::vector<int> held;
-  Gripped() {
+  HardConstraints() {
     for (int v = 0; v < sheet.pattern.rows(); ++v)
       if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9) held.push_back(v);
   }
@@ -37,8 +37,8 @@ Points3 moving(const Sheet& sheet, double t, double acceleration) {
 
 constexpr double rounding = 1e-13;  // [m] of a solve with some 200 unknowns of size 0.1
 
-TEST(Predictor, HeldVerticesAreExactlyAtTheirTargets) {
-  const Gripped g;
+TEST(PredictorTest, HeldVerticesAreExactlyAtTheirTargets) {
+  const HardConstraints g;
   Points3 targets = g.rows_of_held(g.sheet.x);
   std::mt19937 random(1);
   std::uniform_real_distribution<double> uniform(-0.05, 0.05);
@@ -49,22 +49,22 @@ TEST(Predictor, HeldVerticesAreExactlyAtTheirTargets) {
   for (const Points3& guess : guesses) EXPECT_EQ(g.rows_of_held(guess), targets);  // to the bit
 }
 
-TEST(Predictor, ATranslationOfAllHandlesTranslatesTheSheet) {
-  const Gripped g;
+TEST(PredictorTest, ATranslationOfAllHandlesTranslatesTheSheet) {
+  const HardConstraints g;
   const Points3 x = moving(g.sheet, 0.02, 0);  // arched, not flat
   const Eigen::RowVector3d way(0.3, -0.2, 0.5);
   const Points3 guess = g.predictor().guesses(x, {}, g.rows_of_held(x).rowwise() + way)[0];
   EXPECT_LT((guess - (x.rowwise() + way)).cwiseAbs().maxCoeff(), rounding);
 }
 
-TEST(Predictor, ARestingSheetIsGuessedAtRest) {
-  const Gripped g;
+TEST(PredictorTest, ARestingSheetIsGuessedAtRest) {
+  const HardConstraints g;
   const Points3 x = moving(g.sheet, 0.02, 0);
   EXPECT_EQ(g.predictor().guesses(x, {}, g.rows_of_held(x))[0], x);
 }
 
-TEST(Predictor, LinearMotionIsPredictedExactly) {
-  const Gripped g;
+TEST(PredictorTest, LinearMotionIsPredictedExactly) {
+  const HardConstraints g;
   const double dt = 0.01;
   const Points3 expected = moving(g.sheet, dt, 0), x = moving(g.sheet, 0, 0);
   ASSERT_GT((expected - x).norm(), 0.05);
@@ -75,8 +75,8 @@ TEST(Predictor, LinearMotionIsPredictedExactly) {
   EXPECT_LT((guesses[1] - expected).cwiseAbs().maxCoeff(), rounding);
 }
 
-TEST(Predictor, QuadraticMotionIsPredictedExactly) {
-  const Gripped g;
+TEST(PredictorTest, QuadraticMotionIsPredictedExactly) {
+  const HardConstraints g;
   const double dt = 0.01, acceleration = 50;
   const Points3 expected = moving(g.sheet, dt, acceleration);
   const auto guesses = g.predictor().guesses(
@@ -90,7 +90,7 @@ TEST(Predictor, QuadraticMotionIsPredictedExactly) {
 
 /// Least area that a triangle keeps in the plane, over its area on the pattern; below 0 it is
 /// inverted.
-double least_area_kept(const Sheet& sheet, const Points3& x) {
+double min_area_kept(const Sheet& sheet, const Points3& x) {
   double least = 1e9;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     const auto area = [&](const auto& at) {
@@ -103,8 +103,8 @@ double least_area_kept(const Sheet& sheet, const Points3& x) {
   return least;
 }
 
-TEST(Predictor, AJumpOfABorderInvertsNoTriangle) {
-  const Gripped g;
+TEST(PredictorTest, AJumpOfABorderInvertsNoTriangle) {
+  const HardConstraints g;
   const Predictor predictor = g.predictor();
   // the border x = 0.1 leaps in the plane: nearly onto the other, far away, sideways, turned by 30
   // degrees
@@ -123,13 +123,13 @@ TEST(Predictor, AJumpOfABorderInvertsNoTriangle) {
     }
     const Points3 guess = predictor.guesses(g.sheet.x, {}, targets)[0];
     ASSERT_GT((guess - g.sheet.x).norm(), 0.1);
-    EXPECT_GT(least_area_kept(g.sheet, guess), 0) << jump.way.transpose() << ", turn " << jump.turn;
+    EXPECT_GT(min_area_kept(g.sheet, guess), 0) << jump.way.transpose() << ", turn " << jump.turn;
   }
 }
 
-TEST(Predictor, AJumpOfABorderIsSpreadEvenlyUpToTheOther) {
+TEST(PredictorTest, AJumpOfABorderIsSpreadEvenlyUpToTheOther) {
   // harmonic with free sides and a constant jump at one end: linear in between, on any mesh
-  const Gripped g;
+  const HardConstraints g;
   Points3 targets = g.rows_of_held(g.sheet.x);
   for (int k = 0; k < targets.rows(); ++k)
     if (targets(k, 0) > 0.05) targets.row(k) += Eigen::RowVector3d(-0.03, 0.02, 0.07);
@@ -141,7 +141,7 @@ TEST(Predictor, AJumpOfABorderIsSpreadEvenlyUpToTheOther) {
   }
 }
 
-TEST(Predictor, AllVerticesHeldOrNoneNeedsNoHarmonicFunction) {
+TEST(PredictorTest, AllVerticesHeldOrNoneNeedsNoHarmonicFunction) {
   const Sheet sheet = test::hex_sheet(0.1, 0.1, 2);
   std::vector<int> all(sheet.x.rows());
   for (int v = 0; v < sheet.x.rows(); ++v) all[v] = v;
