@@ -23,11 +23,11 @@ namespace {
 
 // [frames] a key this near to a frame is meant to be on it
 constexpr double on_key = 0.01;
-constexpr double max_clip_frames = 100001;  // [frames] one more than scene_nodes.cpp permits
+constexpr double max_sampled_frames = 100001;  // [frames] one more than scene_nodes.cpp permits
 constexpr double max_samples = 2e7;  // nodes x frames of all takes, which would take gigabytes
 constexpr std::uint32_t max_node_depth = 10000;
 // [bytes] memory limit for parsing, and again for its result
-constexpr std::size_t min_memory = std::size_t(1) << 29, memory_per_byte = 50;
+constexpr std::size_t parser_min_memory = std::size_t(1) << 29, parser_memory_per_byte = 50;
 
 std::string text_of(const ufbx_string& s) { return {s.data, s.length}; }
 Vector3d vector(const ufbx_vec3& v) { return {v.x, v.y, v.z}; }
@@ -251,7 +251,7 @@ Motion FbxConverter::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
   sort_and_merge(key_times);
   const double first = std::floor(std::min(stack.time_begin, key_times.front()) * fps + on_key);
   const double last = std::min(std::ceil(std::max(stack.time_end, key_times.back()) * fps - on_key),
-                               first + max_clip_frames);
+                               first + max_sampled_frames);
   if (!std::isfinite(first) || !std::isfinite(last)) reject_number(node.name, "A key");
   samples += last - first + 1;
   if (samples > max_samples)
@@ -386,7 +386,7 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   options.temp_allocator.memory_limit = options.result_allocator.memory_limit =
-      min_memory + (unknown ? 0 : memory_per_byte * size);
+      parser_min_memory + (unknown ? 0 : parser_memory_per_byte * size);
   ufbx_error error{};
   const std::unique_ptr<ufbx_scene, void (*)(ufbx_scene*)> scene(
       ufbx_load_file(path.c_str(), &options, &error), ufbx_free_scene);
