@@ -40,9 +40,9 @@ void note_inside(FrameRecord& record, double inside_mm) {
 
 }  // namespace
 
-SheetOutput::SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet,
-                         Caches& caches, std::string suffix, Certificate& certificate,
-                         BakeFiles& files, Progress& progress)
+SheetRecorder::SheetRecorder(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet,
+                             CacheWriters& caches, std::string suffix, Certificate& certificate,
+                             BakeFiles& files, Progress& progress)
     : settings_(settings),
       plan_(plan),
       sheet_(sheet),
@@ -56,7 +56,7 @@ SheetOutput::SheetOutput(const BakeSettings& settings, const BakePlan& plan, std
   if (caches_.wants_layers()) damage_.emplace(shot_, widest_fold(shot_), plan.animation.fps);
 }
 
-void SheetOutput::take(const AnimatedFrame& frame) {
+void SheetRecorder::consume(const AnimatedFrame& frame) {
   const bool wanted = plan_.frames.contains(frame.frame),
              simulated = settings_.mesh == CacheMesh::simulation;
   input_hash_ =
@@ -69,35 +69,35 @@ void SheetOutput::take(const AnimatedFrame& frame) {
     certificate_.singular.push_back({shot_.sheet_name, frame.sheet->singular[k]});
   known_singular_ = frame.sheet->singular.size();
   if (wanted) {
-    certificate_.frames.push_back(judge(frame));
-    judge_beside_others(*frame.sheet, certificate_.frames.back());
+    certificate_.frames.push_back(measure(frame));
+    count_intersections(*frame.sheet, certificate_.frames.back());
     record_handles(frame);
   }
-  release_waiting(&*frame.sheet);
+  flush_deferred(&*frame.sheet);
   before_ = std::move(now_);
   now_ = *frame.sheet;
-  if (wanted && caches_.any() && simulated) wait(*frame.sheet);
+  if (wanted && caches_.any() && simulated) defer(*frame.sheet);
   draw_map(frame);
   draw_debug_picture(frame);
   if (wanted) progress_.simulated(certificate_.frames.back());
 }
 
-std::optional<ShownSheet> SheetOutput::finish_frames() {
-  release_waiting(nullptr);
+std::optional<RenderInput> SheetRecorder::render_input() {
+  flush_deferred(nullptr);
   certificate_.crease_length += crease_network(now_).length;
   if (record_.frames().empty()) return {};
-  ShownSheet shown{&record_,
-                   &shot_,
-                   {},
-                   [this](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
-                     while (certificate_.frames[rendered_].frame != number ||
-                            certificate_.frames[rendered_].sheet != shot_.sheet_name)
-                       ++rendered_;
-                     FrameRecord& r = certificate_.frames[rendered_];
-                     r.render = numbers;
-                     r.content_hash = caches_.add_frame(sheet_, number, frame);
-                     progress_.rendered(r);
-                   }};
+  RenderInput shown{&record_,
+                    &shot_,
+                    {},
+                    [this](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
+                      while (certificate_.frames[rendered_].frame != number ||
+                             certificate_.frames[rendered_].sheet != shot_.sheet_name)
+                        ++rendered_;
+                      FrameRecord& r = certificate_.frames[rendered_];
+                      r.render = numbers;
+                      r.content_hash = caches_.add_frame(sheet_, number, frame);
+                      progress_.rendered(r);
+                    }};
   if (damage_)
     shown.layers = [this](std::size_t k, const Points2& pattern) {
       return damage_->at(k, record_, pattern);
@@ -105,7 +105,7 @@ std::optional<ShownSheet> SheetOutput::finish_frames() {
   return shown;
 }
 
-void SheetOutput::finish() {
+void SheetRecorder::finish() {
   if (!map_) return;
   write_map("final");
   if (caches_.report())
@@ -113,7 +113,7 @@ void SheetOutput::finish() {
                               png_bytes(map_->picture(map_info())));
 }
 
-FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
+FrameRecord SheetRecorder::measure(const AnimatedFrame& frame) const {
   const Sheet& sheet = *frame.sheet;
   const LengthDistortion length = length_distortion(sheet);
   FrameRecord r;
@@ -148,14 +148,14 @@ FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
   return r;
 }
 
-void SheetOutput::judge_beside_others(const Sheet& sheet, FrameRecord& record) {
+void SheetRecorder::count_intersections(const Sheet& sheet, FrameRecord& record) {
   if (plan_.shots.size() < 2) return;
   record.crossings_with_others = certificate_.together.add(record.frame, sheet);
   if (record.crossings_with_others > 0)
     record.note += fmt::format("{}passes through another sheet", record.note.empty() ? "" : "; ");
 }
 
-void SheetOutput::record_handles(const AnimatedFrame& frame) {
+void SheetRecorder::record_handles(const AnimatedFrame& frame) {
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     HandleRecord r;
@@ -172,7 +172,7 @@ void SheetOutput::record_handles(const AnimatedFrame& frame) {
   }
 }
 
-void SheetOutput::draw_map(const AnimatedFrame& frame) {
+void SheetRecorder::draw_map(const AnimatedFrame& frame) {
   if (!settings_.formats.count("maps")) return;
   if (!map_) map_.emplace(shot_.pattern, map_options(settings_, shot_));
   map_->record(frame.frame, *frame.sheet, vertex_curvature(*frame.sheet), frame.plastic_curvature);
@@ -182,13 +182,13 @@ void SheetOutput::draw_map(const AnimatedFrame& frame) {
   if (wanted && frame.frame >= plan_.frames.first) write_map(fmt::format("{:04}", frame.frame));
 }
 
-void SheetOutput::write_map(const std::string& frame) {
+void SheetRecorder::write_map(const std::string& frame) {
   const std::string file = fmt::format("maps/{}{}.{}.exr", plan_.name, suffix_, frame);
-  if (files_.losses.attempt(file, [&] { map_->write(files_.folder / file, map_info()); }))
+  if (files_.failures.try_write(file, [&] { map_->write(files_.folder / file, map_info()); }))
     files_.written.push_back(files_.folder / file);
 }
 
-void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) {
+void SheetRecorder::draw_debug_picture(const AnimatedFrame& frame) {
   if (!settings_.debug_pictures || frame.frame < plan_.frames.first) return;
   const bool listed = std::any_of(plan_.debug_frames.begin(), plan_.debug_frames.end(),
                                   [&](const FrameSpan& s) { return s.contains(frame.frame); });
@@ -197,53 +197,53 @@ void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) {
       fmt::format("{}, {}, {}, frame {}", plan_.name, shot_.sheet_name, plan_.method, frame.frame);
   const auto file =
       *settings_.debug_pictures / fmt::format("{}{}.{:04}.png", plan_.name, suffix_, frame.frame);
-  if (files_.losses.attempt(file.string(),
-                            [&] { write_png(file, debug_picture(shot_, frame, title)); }))
+  if (files_.failures.try_write(file.string(),
+                                [&] { write_png(file, debug_picture(shot_, frame, title)); }))
     files_.pictures.push_back(file);
 }
 
-MapInfo SheetOutput::map_info() const {
+MapInfo SheetRecorder::map_info() const {
   return {last_map_frame_, plan_.animation.fps, plan_.seeds[sheet_], plan_.presets[sheet_]};
 }
 
-void SheetOutput::wait(const Sheet& sheet) {
+void SheetRecorder::defer(const Sheet& sheet) {
   CacheFrame frame;
   frame.x = sheet.x;
   frame.normal = vertex_normals(sheet.x, sheet.triangles);
   frame.triangles = sheet.triangles;
   frame.uv = sheet.pattern / longer_side(shot_.pattern);
   frame.velocity = sheet.v;  // backward difference, where neighbours cannot be compared
-  waiting_ = std::move(frame);
-  waiting_record_ = certificate_.frames.size() - 1;
+  deferred_ = std::move(frame);
+  deferred_record_ = certificate_.frames.size() - 1;
 }
 
 /// Central difference of the true motion of the sheet points that are vertices of the waiting
 /// frame, `now_`. next: the sheet one frame later; null at the end of the shot.
-void SheetOutput::release_waiting(const Sheet* next) {
-  if (!waiting_) return;
+void SheetRecorder::flush_deferred(const Sheet* next) {
+  if (!deferred_) return;
   const double fps = plan_.animation.fps;
   const bool has_before = before_.x.rows() > 0;
   if (has_before && next)
-    waiting_->velocity = 0.5 * fps * (carried(*next) - carried(before_));
+    deferred_->velocity = 0.5 * fps * (resample(*next) - resample(before_));
   else if (next)
-    waiting_->velocity = fps * (carried(*next) - now_.x);
+    deferred_->velocity = fps * (resample(*next) - now_.x);
   else if (has_before)
-    waiting_->velocity = fps * (now_.x - carried(before_));
-  FrameRecord& r = certificate_.frames[waiting_record_];
-  const LengthDistortion stored = cache_distortion(*waiting_, longer_side(shot_.pattern));
-  r.render = {static_cast<int>(waiting_->triangles.rows()),
+    deferred_->velocity = fps * (now_.x - resample(before_));
+  FrameRecord& r = certificate_.frames[deferred_record_];
+  const LengthDistortion stored = cache_distortion(*deferred_, longer_side(shot_.pattern));
+  r.render = {static_cast<int>(deferred_->triangles.rows()),
               100 * stored.mean,
               100 * stored.largest,
               0,
               r.crossings,
               false,
               r.crossings_with_others};
-  r.content_hash = caches_.add_frame(sheet_, r.frame, *waiting_);
-  waiting_.reset();
+  r.content_hash = caches_.add_frame(sheet_, r.frame, *deferred_);
+  deferred_.reset();
 }
 
 /// Where the vertices of now_ are in another frame, whatever its mesh. |V|x3 [m]
-Points3 SheetOutput::carried(const Sheet& other) const {
+Points3 SheetRecorder::resample(const Sheet& other) const {
   const bool same = other.pattern.rows() == now_.pattern.rows() && other.pattern == now_.pattern;
   return same ? other.x : MeshTransfer(other.pattern, other.triangles, now_.pattern)(other.x);
 }

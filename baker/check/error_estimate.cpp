@@ -148,10 +148,11 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
                                     const AlembicReader& cache, const LockedJob& job) {
   std::vector<BakedSheet> sheets;
   std::map<std::string, std::size_t> number;
-  for (const Json& said : summary.at("sheets")) {
+  for (const Json& certified : summary.at("sheets")) {
     BakedSheet sheet;
-    sheet.name = said.at("name");
-    sheet.side = std::max(said.at("width_m").get<double>(), said.at("height_m").get<double>());
+    sheet.name = certified.at("name");
+    sheet.side =
+        std::max(certified.at("width_m").get<double>(), certified.at("height_m").get<double>());
     sheet.shot.sheet_name = sheet.name;
     if (const auto paper = job.papers.find(sheet.name); paper != job.papers.end())
       sheet.shot.paper = paper->second;
@@ -227,7 +228,7 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
                 "Bake with --formats abc,cert.");
   const LockedJob job = read_lock(folder / "job.lock.toml");
   const AlembicReader cache(folder / cache_file);
-  const double begun = cpu_ms();
+  const double start_ms = cpu_ms();
   ErrorEstimates all;
   std::size_t frames = 0;
   const std::vector<BakedSheet> sheets = sheets_of(folder, summary, cache, job);
@@ -239,7 +240,7 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
         all.frames.push_back(estimate(k, as_sheet(cache.frame(s, k), sheet.side)));
     frames += sheet.frames.size();
   }
-  all.ms_per_frame = (cpu_ms() - begun) / std::max<std::size_t>(1, frames);
+  all.ms_per_frame = (cpu_ms() - start_ms) / std::max<std::size_t>(1, frames);
   return all;
 }
 

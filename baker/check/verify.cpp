@@ -148,11 +148,11 @@ class Verifier {
     if (stored.x.rows() == 0 || stored.uv.rows() == 0)
       return differs(frame, file, "It has no points or no uv: nothing can be measured.");
     const auto compare = [&](const char* field, double found, double same, const char* unit) {
-      const double said = record.at(field);
-      if (std::abs(found - said) > same)
+      const double certified = record.at(field);
+      if (std::abs(found - certified) > same)
         differs(frame, file,
-                fmt::format("{}: the certificate says {:.6g} {}, the cache {:.6g}.", field, said,
-                            unit, found));
+                fmt::format("{}: the certificate says {:.6g} {}, the cache {:.6g}.", field,
+                            certified, unit, found));
     };
     if (cache.content_hash(sheet, i) != record.at("content_hash"))
       differs(frame, file, "content_hash: the positions are not those that were written.");
@@ -213,14 +213,14 @@ std::string verification_text(const fs::path& folder, const Verification& v) {
     return fmt::format("{}: {} frames and {} files agree with the certificate.\n", folder.string(),
                        v.frames, v.files);
   std::string text = fmt::format("{}: not as the certificate says.\n", folder.string());
-  constexpr std::size_t most = 20;
-  for (std::size_t k = 0; k < std::min(most, v.differences.size()); ++k) {
+  constexpr std::size_t max_listed = 20;
+  for (std::size_t k = 0; k < std::min(max_listed, v.differences.size()); ++k) {
     const Difference& d = v.differences[k];
     text += d.frame ? fmt::format("  frame {}, {}: {}\n", *d.frame, d.file, d.what)
                     : fmt::format("  {}: {}\n", d.file, d.what);
   }
-  if (v.differences.size() > most)
-    text += fmt::format("  and {} more\n", v.differences.size() - most);
+  if (v.differences.size() > max_listed)
+    text += fmt::format("  and {} more\n", v.differences.size() - max_listed);
   return text;
 }
 

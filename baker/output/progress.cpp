@@ -103,7 +103,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean_
   }
 }
 
-void Progress::say(const std::string& sentence) {
+void Progress::message(const std::string& sentence) {
   if (style_ == Style::none) return;
   if (style_ == Style::json) {
     fmt::print(stderr, "{}\n", nlohmann::json{{"message", sentence}}.dump());

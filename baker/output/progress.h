@@ -28,7 +28,7 @@ class Progress {
   void taken(const std::string& sheet, int last_frame);
   void rendered(const FrameRecord&);
   /// A sentence on a line of its own, whatever the mode (but none).
-  void say(const std::string& sentence);
+  void message(const std::string& sentence);
 
  private:
   enum class Style { bar, plain, json, none };

@@ -42,7 +42,7 @@ Json render_spread(const std::vector<FrameRecord>& frames,
              : spread(rendered, [&](const FrameRecord& f) { return value(*f.render); });
 }
 
-std::string colliders_in_words(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
+std::string describe_colliders(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   if (!plan.shots.front().colliders) return "none in scene";
   std::vector<std::string> names;
   for (const Collider& collider : *plan.shots.front().colliders)
@@ -56,7 +56,7 @@ std::string colliders_in_words(const BakePlan& plan, const std::vector<FrameReco
 }
 
 /// Of layers on layers: the coefficient of every sheet where they differ.
-std::string friction_in_words(const BakePlan& plan) {
+std::string describe_friction(const BakePlan& plan) {
   std::set<double> all;
   for (const Shot& shot : plan.shots) all.insert(shot.paper.friction);
   return all == std::set<double>{0} ? "without friction"
@@ -76,12 +76,13 @@ Json between_sheets(const BakePlan& plan, const std::vector<FrameRecord>& frames
           ? "no sheet comes near another"
           : fmt::format("contact: sheets push each other in {} frames from {} to {}, {}",
                         touching.size(), *touching.begin(), *touching.rbegin(),
-                        friction_in_words(plan));
-  if (const std::string through = sheets_in_words(frames); !through.empty()) why += "; " + through;
+                        describe_friction(plan));
+  if (const std::string through = describe_sheet_intersections(frames); !through.empty())
+    why += "; " + through;
   return {{"on", !touching.empty()}, {"why", why}};
 }
 
-std::string polish_in_words(const BakePlan& plan) {
+std::string describe_polish(const BakePlan& plan) {
   const bool several = plan.polish.triangles > 0 && plan.shots.size() > 1;
   return plan.polish.why + (several ? "; each sheet by itself, and frames in which it touches "
                                       "another are left as they were"
@@ -114,7 +115,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
                        : "looked for; no two bending directions conflicted for long enough")},
       {"contact", model(touching > 0,
                         touching > 0 ? fmt::format("the sheet comes near itself in {} frames, {}",
-                                                   touching, friction_in_words(plan))
+                                                   touching, describe_friction(plan))
                                      : "the sheet never comes near itself")},
       {"layers_apart",
        model(apart > 0,
@@ -123,9 +124,9 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
                                apart)
                  : "the curved sheet never passes through itself")},
       {"between_sheets", between_sheets(plan, frames)},
-      {"polish", model(plan.polish.triangles > 0, polish_in_words(plan))},
+      {"polish", model(plan.polish.triangles > 0, describe_polish(plan))},
       {"colliders",
-       model(plan.shots.front().colliders != nullptr, colliders_in_words(plan, frames))}};
+       model(plan.shots.front().colliders != nullptr, describe_colliders(plan, frames))}};
 }
 
 }  // namespace
@@ -184,7 +185,7 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   return missed;
 }
 
-std::string sheets_in_words(const std::vector<FrameRecord>& frames) {
+std::string describe_sheet_intersections(const std::vector<FrameRecord>& frames) {
   std::set<int> through;
   for (const FrameRecord& f : frames)
     if (f.crossings_with_others > 0) through.insert(f.frame);

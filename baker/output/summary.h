@@ -21,7 +21,7 @@ std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecor
                                       const BakePlan&);
 
 /// Which frames have sheets that pass through others, in words; empty: none.
-std::string sheets_in_words(const std::vector<FrameRecord>&);
+std::string describe_sheet_intersections(const std::vector<FrameRecord>&);
 
 /// What the processor calls itself.
 std::string machine_name();

@@ -64,9 +64,9 @@ Json literal(const Axis& axis, const std::string& value) {
 /// What a variation was asked to be and to write, as far as it is known without reading the scene.
 std::string inputs_key(const BakeSettings& settings) {
   std::string bytes = PAPERBAKE_VERSION;
-  for (const auto& [name, said] : settings.said)
+  for (const auto& [name, given] : settings.given)
     if (name != "output" && name != "scene" && name != "threads" && name != "progress")
-      bytes += "/" + name + "=" + said.text;
+      bytes += "/" + name + "=" + given.text;
   for (const SetValue& set : settings.set) bytes += fmt::format("/{}={}", set.key, set.value);
   for (const std::string& format : settings.formats) bytes += "/" + format;
   return hex(content_hash(bytes + "/" + text_of(settings.scene)));
@@ -117,11 +117,11 @@ std::string in_lines(const Json& json) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void keep(const Wedge& wedge, int index, const Json& record) {
+void write_record(const Wedge& wedge, int index, const Json& record) {
   write_atomically(wedge.state(index, ".json"), in_lines(record));
 }
 
-std::string in_words(const Json& value) {
+std::string cell_text(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
@@ -135,11 +135,11 @@ std::string table_csv(const Wedge& wedge, const std::vector<Json>& records) {
   for (const Axis& axis : wedge.axes) text += "," + axis.key;
   for (const char* name : numbers) text += fmt::format(",{}", name);
   for (const Json& record : records) {
-    text += "\n" + in_words(record["index"]);
+    text += "\n" + cell_text(record["index"]);
     for (const Axis& axis : wedge.axes)
-      text += "," + csv_field(in_words(record["values"][axis.key]));
+      text += "," + csv_field(cell_text(record["values"][axis.key]));
     for (const char* name : numbers)
-      text += "," + (record[name].is_null() ? "" : csv_field(in_words(record[name])));
+      text += "," + (record[name].is_null() ? "" : csv_field(cell_text(record[name])));
   }
   return text + "\n";
 }
@@ -160,7 +160,7 @@ Panel last_frame(const Wedge& wedge, int index, const Json& record) {
       wedge.name(index) +
       (record["exit_code"] == 0 ? "" : fmt::format("  exit {}", record["exit_code"].dump())));
   for (const auto& [key, value] : record["values"].items())
-    panel.caption.push_back(fmt::format("{} {}", key, in_words(value)));
+    panel.caption.push_back(fmt::format("{} {}", key, cell_text(value)));
   const BakeSettings settings = wedge.settings(index);
   const fs::path folder = wedge.folder(index),
                  cache = folder /
@@ -208,7 +208,7 @@ int code_of(const std::vector<Json>& records) {
 Wedge::Wedge(BakeSettings settings, std::vector<Axis> varied)
     : common(std::move(settings)), axes(std::move(varied)), output(common.output) {
   common.formats.insert({"abc", "cert"});
-  if (!common.said.count("threads")) common.threads = 1;
+  if (!common.given.count("threads")) common.threads = 1;
 }
 
 std::string Wedge::name(int index) const {
@@ -238,7 +238,7 @@ int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& s
   try {
     const BakePlan plan = plan_bake(settings);
     record["job_hash"] = plan.job_hash;
-    record["exit_code"] = bake_and_tell(settings, plan, stop).exit_code;
+    record["exit_code"] = bake_with_progress(settings, plan, stop).exit_code;
   } catch (const Error& error) {
     if (error.fault == Fault::stopped) {
       std::error_code none;
@@ -254,7 +254,7 @@ int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& s
   if (record["message"] != "")
     fmt::print(stderr, "paperbake: {}\n", record["message"].get<std::string>());
   take_certificate(record, wedge.folder(index), record["job_hash"]);
-  keep(wedge, index, record);
+  write_record(wedge, index, record);
   return record["exit_code"];
 }
 
@@ -263,7 +263,7 @@ std::string describe_variation(const Wedge& wedge, int index) {
   std::string line = wedge.name(index);
   const Json values = record.value("values", Json::object());
   for (const auto& [key, value] : values.items())
-    line += fmt::format(" {}={}", key, in_words(value));
+    line += fmt::format(" {}={}", key, cell_text(value));
   const std::string message = record.value("message", "");
   return line + fmt::format(": exit code {}", record.value("exit_code", Json()).dump()) +
          (message.empty() ? "" : "\n" + message);
@@ -277,7 +277,7 @@ void note_end(const Wedge& wedge, int index, int exit_code) {
   record["exit_code"] = exit_code;
   record["message"] =
       fmt::format("It ended before its time; see {}.", wedge.state(index, ".log").string());
-  keep(wedge, index, record);
+  write_record(wedge, index, record);
 }
 
 WedgeOutcome finish_wedge(const Wedge& wedge) {
