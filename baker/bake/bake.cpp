@@ -75,11 +75,9 @@ void write_certificate(const BakeSettings& settings, const BakePlan& plan,
       for (const auto& file : files.written)
         hashes[std::filesystem::relative(file, files.folder).generic_string()] = file_hash(file);
       const auto error = final_error(failure, files.failures, certificate);
-      return summary_json(plan, certificate.frames, certificate.crease_length, outcome.missed,
-                          error                    ? static_cast<int>(error->fault)
-                          : outcome.missed.empty() ? 0
-                                                   : 4,
-                          error ? error->what() : "", hashes);
+      const int exit_code = error ? static_cast<int>(error->fault) : outcome.missed.empty() ? 0 : 4;
+      return summary_json(plan, certificate.frames, certificate.crease_length,
+                          {outcome.missed, exit_code, error ? error->what() : ""}, hashes);
     });
   }
   outcome.exit_code = outcome.missed.empty() ? 0 : 4;

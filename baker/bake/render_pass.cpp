@@ -16,7 +16,7 @@ namespace {
 /// One frame of every sheet; in front those that have it, of a bake that ended between two sheets.
 struct RenderedFrame {
   std::vector<RenderFrame> frames;
-  std::vector<RenderNumbers> numbers;  // of a frame that is wanted
+  std::vector<RenderStatistics> statistics;  // of a frame that is wanted
 };
 
 /// Where the vertices of a render mesh lie on the mesh of the frame that was asked for last.
@@ -138,7 +138,7 @@ class Renderer {
       ms[s] += each_ms + cpu_ms() - start_ms;
     }
     if (wanted_.contains(shown_.front().record->frames()[k].frame))
-      shown.numbers = measure(shown.frames, ms);
+      shown.statistics = measure(shown.frames, ms);
     return shown;
   }
 
@@ -156,9 +156,9 @@ class Renderer {
              x);
   }
 
-  std::vector<RenderNumbers> measure(const std::vector<RenderFrame>& frames,
-                                     const std::vector<double>& ms) const {
-    std::vector<RenderNumbers> numbers;
+  std::vector<RenderStatistics> measure(const std::vector<RenderFrame>& frames,
+                                        const std::vector<double>& ms) const {
+    std::vector<RenderStatistics> statistics;
     std::vector<Points3> stored_x;
     for (std::size_t s = 0; s < frames.size(); ++s) {
       const RenderMesh& mesh = sheets_[s].mesh();
@@ -169,14 +169,18 @@ class Renderer {
       stored.uv = mesh.pattern / side;
       const LengthDistortion length = cache_distortion(stored, side);
       stored_x.push_back(frames[s].x.cast<float>().cast<double>());
-      numbers.push_back({static_cast<int>(mesh.triangles.rows()), 100 * length.mean,
-                         100 * length.largest, ms[s], sheets_[s].crossings(stored_x[s]),
-                         frames[s].kept_apart});
+      RenderStatistics& sheet = statistics.emplace_back();
+      sheet.triangles = static_cast<int>(mesh.triangles.rows());
+      sheet.stretch_mean = length.mean;
+      sheet.stretch_max = length.largest;
+      sheet.ms = ms[s];
+      sheet.crossings = sheets_[s].crossings(stored_x[s]);
+      sheet.kept_apart = frames[s].kept_apart;
     }
     const std::vector<int> with_others = together_.crossings(stored_x);
     for (std::size_t s = 0; s < frames.size(); ++s)
-      numbers[s].crossings_with_others = with_others[s];
-    return numbers;
+      statistics[s].crossings_with_others = with_others[s];
+    return statistics;
   }
 
   const std::vector<RenderInput>& shown_;
@@ -222,7 +226,7 @@ bool cut_through(const std::vector<RenderInput>& shown, const std::vector<Render
 }
 
 std::vector<RenderSurface> render_sheets(const std::vector<RenderInput>& shown, Quality quality,
-                                       int threads) {
+                                         int threads) {
   enum class Edges { some, all };
   const auto make = [&](Edges edges) {
     std::vector<RenderSurface> sheets;
@@ -281,7 +285,7 @@ void render_shot(const std::vector<RenderInput>& sheets, Quality quality, const 
       cached[s].normal = now->frames[s].normals;
       cached[s].crease = now->frames[s].crease;
       if (sheets[s].layers) cached[s].layers = sheets[s].layers(k, renders[s].mesh().pattern);
-      sheets[s].write(recorded[k].frame, cached[s], now->numbers[s]);
+      sheets[s].write(recorded[k].frame, cached[s], now->statistics[s]);
     }
   }
 }

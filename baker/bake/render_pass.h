@@ -19,7 +19,7 @@ struct RenderInput {
   /// empty.
   std::function<std::vector<CacheLayer>(std::size_t k, const Points2& pattern)> layers;
   /// Called for each frame that is wanted, in order.
-  std::function<void(int frame, const CacheFrame&, const RenderNumbers&)> write;
+  std::function<void(int frame, const CacheFrame&, const RenderStatistics&)> write;
 };
 
 /// The second pass of a bake: sheets that were simulated go, frame by frame, each onto one mesh

@@ -29,13 +29,16 @@ CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot) {
   return options;
 }
 
-/// What of a frame is inside a collider is said where it can be seen.
-void note_inside(FrameRecord& record, double inside_mm) {
-  constexpr double seen = 0.1;  // [mm]
-  if (inside_mm > seen && record.inside_mm <= seen)
-    record.note +=
-        fmt::format("{}inside a collider by {:.2f} mm", record.note.empty() ? "" : "; ", inside_mm);
-  record.inside_mm = std::max(record.inside_mm, inside_mm);
+void append_note(FrameRecord& record, const std::string& note) {
+  record.note += (record.note.empty() ? "" : "; ") + note;
+}
+
+/// Notes that the sheet is inside a collider, where that can be seen.
+void note_inside(FrameRecord& record) {
+  constexpr double visible = 0.1;  // [mm]
+  const double inside_mm = 1e3 * record.statistics.inside_colliders;
+  if (inside_mm > visible)
+    append_note(record, fmt::format("inside a collider by {:.2f} mm", inside_mm));
 }
 
 }  // namespace
@@ -89,12 +92,12 @@ std::optional<RenderInput> SheetRecorder::render_input() {
   RenderInput shown{&record_,
                     &shot_,
                     {},
-                    [this](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
+                    [this](int number, const CacheFrame& frame, const RenderStatistics& numbers) {
                       while (certificate_.frames[rendered_].frame != number ||
                              certificate_.frames[rendered_].sheet != shot_.sheet_name)
                         ++rendered_;
                       FrameRecord& r = certificate_.frames[rendered_];
-                      r.render = numbers;
+                      r.statistics.render = numbers;
                       r.content_hash = caches_.add_frame(sheet_, number, frame);
                       progress_.rendered(r);
                     }};
@@ -119,40 +122,32 @@ FrameRecord SheetRecorder::measure(const AnimatedFrame& frame) const {
   FrameRecord r;
   r.frame = frame.frame;
   r.sheet = shot_.sheet_name;
-  r.triangles = static_cast<int>(sheet.triangles.rows());
-  r.stretch_mean_pct = 100 * length.mean;
-  r.stretch_max_pct = 100 * length.largest;
-  r.angle_defect_max_deg = angle_defect_max(sheet) * 180 / M_PI;
+  r.statistics = frame.statistics;
+  FrameStatistics& statistics = r.statistics;
+  statistics.triangles = static_cast<int>(sheet.triangles.rows());
+  statistics.stretch_mean = length.mean;
+  statistics.stretch_max = length.largest;
+  statistics.angle_defect_max = angle_defect_max(sheet);
+  statistics.singular = static_cast<int>(sheet.singular.size());
+  statistics.crossings = crossings(sheet);
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     if (handle.state == HandleFrame::free) continue;
-    const double off_mm = 1e3 * (handle.at - handle.keyed).norm();
-    r.handle_err_max_mm = std::max(r.handle_err_max_mm, off_mm);
-    if (handle.state == HandleFrame::jammed) r.jammed.push_back({shot_.handles[h].name, off_mm});
+    const double off = (handle.at - handle.keyed).norm();
+    statistics.handle_error_max = std::max(statistics.handle_error_max, off);
+    if (handle.state == HandleFrame::jammed) r.jammed.push_back({shot_.handles[h].name, 1e3 * off});
   }
-  r.singular = static_cast<int>(sheet.singular.size());
-  r.new_singular = frame.new_singular;
-  r.elastic_ms = frame.elastic_ms;
-  r.geometry_ms = frame.geometry_ms;
-  r.substeps = frame.substeps;
-  r.newton_iterations = frame.newton_iterations;
-  r.converged = frame.converged;
-  r.energy_J = frame.energy;
-  r.crossings = crossings(sheet);
-  r.touching = frame.touching;
-  r.touching_others = frame.touching_others;
-  r.on_colliders = frame.on_colliders;
   r.note = frame.note;
-  note_inside(r, 1e3 * frame.inside_colliders);
+  note_inside(r);
   r.input_hash = input_hash_;
   return r;
 }
 
 void SheetRecorder::count_intersections(const Sheet& sheet, FrameRecord& record) {
   if (plan_.shots.size() < 2) return;
-  record.crossings_with_others = certificate_.together.add(record.frame, sheet);
-  if (record.crossings_with_others > 0)
-    record.note += fmt::format("{}passes through another sheet", record.note.empty() ? "" : "; ");
+  record.statistics.crossings_with_others = certificate_.intersections.add(record.frame, sheet);
+  if (record.statistics.crossings_with_others > 0)
+    append_note(record, "passes through another sheet");
 }
 
 void SheetRecorder::record_handles(const AnimatedFrame& frame) {
@@ -192,7 +187,7 @@ void SheetRecorder::draw_debug_picture(const AnimatedFrame& frame) {
   if (!settings_.debug_pictures || frame.frame < plan_.frames.first) return;
   const bool listed = std::any_of(plan_.debug_frames.begin(), plan_.debug_frames.end(),
                                   [&](const FrameSpan& s) { return s.contains(frame.frame); });
-  if (!listed && frame.new_singular == 0 && frame.frame != plan_.frames.last) return;
+  if (!listed && frame.statistics.new_singular == 0 && frame.frame != plan_.frames.last) return;
   const std::string title =
       fmt::format("{}, {}, {}, frame {}", plan_.name, shot_.sheet_name, plan_.method, frame.frame);
   const auto file =
@@ -231,13 +226,12 @@ void SheetRecorder::flush_deferred(const Sheet* next) {
     deferred_->velocity = fps * (now_.x - resample(before_));
   FrameRecord& r = certificate_.frames[deferred_record_];
   const LengthDistortion stored = cache_distortion(*deferred_, longer_side(shot_.pattern));
-  r.render = {static_cast<int>(deferred_->triangles.rows()),
-              100 * stored.mean,
-              100 * stored.largest,
-              0,
-              r.crossings,
-              false,
-              r.crossings_with_others};
+  RenderStatistics& render = r.statistics.render.emplace();
+  render.triangles = static_cast<int>(deferred_->triangles.rows());
+  render.stretch_mean = stored.mean;
+  render.stretch_max = stored.largest;
+  render.crossings = r.statistics.crossings;
+  render.crossings_with_others = r.statistics.crossings_with_others;
   r.content_hash = caches_.add_frame(sheet_, r.frame, *deferred_);
   deferred_.reset();
 }

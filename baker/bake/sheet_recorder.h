@@ -23,8 +23,8 @@ struct Certificate {
   std::vector<FrameRecord> frames;
   std::vector<HandleRecord> handles;
   std::vector<SingularRecord> singular;
-  double crease_length = 0;     // [m] of the last frames of all sheets
-  SheetIntersections together;  // of scenes with several
+  double crease_length = 0;          // [m] of the last frames of all sheets
+  SheetIntersections intersections;  // of scenes with several
 };
 
 /// The files of a bake; shared by its sheets.

@@ -14,6 +14,12 @@ namespace fs = std::filesystem;
 
 static void archive(Serializer& a, HandleFrame& h) { a(h.state, h.keyed, h.at); }
 
+static void archive(Archive& a, FrameStatistics& s) {
+  visit_frame_statistics([&](const auto& field) {
+    if (auto* value = find_statistic(s, field)) a(*value);  // nothing is rendered yet
+  });
+}
+
 namespace {
 
 struct Checkpoint {
@@ -47,10 +53,8 @@ Checkpoint read_checkpoint(const fs::path& path) {
 /// All that is handed on of a sheet in a frame. mesh: of the frame before in the same checkpoint;
 /// its own afterwards
 void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
-  a(f.frame, f.of, f.handles, f.elastic_ms, f.geometry_ms, f.substeps, f.newton_iterations,
-    f.converged, f.energy, f.membrane_energy, f.plastic, f.plastic_curvature, f.contact, f.touching,
-    f.touching_others, f.new_singular, f.remesh, f.remesh_rise, f.parts.rulings, f.parts.region,
-    f.on_colliders, f.inside_colliders, f.note);
+  a(f.frame, f.of, f.handles, f.statistics, f.plastic_curvature, f.parts.rulings, f.parts.region,
+    f.note);
   const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
   bool as_before =
       !a.reads() && same(now.pattern, mesh.pattern) && same(now.triangles, mesh.triangles);

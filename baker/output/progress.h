@@ -37,7 +37,7 @@ class Progress {
     int done = 0, taken = 0;  // taken: of them, from an earlier bake
     double seconds = 0;       // that its frames took
   };
-  void frame(Pass&, const FrameRecord&, double stretch_mean_pct, int triangles);
+  void frame(Pass&, const FrameRecord&, double stretch_mean, int triangles);
   double seconds_left() const;
 
   Style style_;

@@ -9,6 +9,7 @@
 #include "formats/cache/alembic_reader.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/certificate.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -72,45 +73,73 @@ std::string inputs_key(const BakeSettings& settings) {
   return hex(content_hash(bytes + "/" + text_of(settings.scene)));
 }
 
+/// The columns of a bake's results, in the order of wedge.csv.
+std::vector<std::string> result_columns() {
+  std::vector<std::string> names;
+  visit_frame_statistics([&](const auto& field) {
+    if (field.column.name) names.push_back(field.column.name);
+  });
+  names.push_back("crease_length_m");
+  return names;
+}
+
 Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
   Json values = Json::object();
   const std::vector<std::string> texts = values_of(wedge.axes, index);
   for (std::size_t k = 0; k < texts.size(); ++k)
     values[wedge.axes[k].key] = literal(wedge.axes[k], texts[k]);
-  return {{"index", index},
-          {"values", values},
-          {"exit_code", nullptr},
-          {"c_m_pct", nullptr},
-          {"worst_edge_pct", nullptr},
-          {"singular", nullptr},
-          {"energy_J", nullptr},
-          {"crease_length_m", nullptr},
-          {"job_hash", ""},
-          {"folder", wedge.name(index)},
-          {"message", ""},
-          {"inputs", inputs}};
+  Json record{{"index", index}, {"values", values}, {"exit_code", nullptr}};
+  for (const std::string& name : result_columns()) record[name] = nullptr;
+  record["job_hash"] = "";
+  record["folder"] = wedge.name(index);
+  record["message"] = "";
+  record["inputs"] = inputs;
+  return record;
 }
 
-/// The numbers of a certificate; none of another job.
+/// Frames of a certificate that have the number of the last one: one for each sheet.
+std::vector<FrameRecord> last_frames(const fs::path& lines) {
+  std::vector<FrameRecord> last;
+  std::ifstream stream(lines);
+  for (std::string line; std::getline(stream, line);)
+    if (std::optional<FrameRecord> record = parse_frame_line(line)) {
+      if (!last.empty() && last.front().frame != record->frame) last.clear();
+      last.push_back(std::move(*record));
+    }
+  return last;
+}
+
+/// Takes the numbers of a certificate into a record, unless it is that of another job.
 void take_certificate(Json& record, const fs::path& folder, const std::string& job_hash) {
   const Json summary = read_object(folder / "cert" / "summary.json");
   if (job_hash.empty() || summary.value("job_hash", "") != job_hash) return;
-  const std::pair<const char*, const char*> numbers[] = {{"c_m_pct", "/stretch_mean_pct/mean"},
-                                                         {"worst_edge_pct", "/stretch_max_pct/max"},
-                                                         {"singular", "/singular"},
-                                                         {"crease_length_m", "/crease_length_m"}};
-  for (const auto& [name, pointer] : numbers)
-    record[name] = summary.value(Json::json_pointer(pointer), Json());
-  std::ifstream lines(folder / "cert" / "frames.jsonl");
-  double energy = 0;
-  int last = 0;
-  for (std::string line; std::getline(lines, line);) {
-    const Json frame = Json::parse(line, nullptr, false);
-    if (!frame.is_object()) continue;
-    if (frame.value("frame", last) != last) last = frame["frame"], energy = 0;
-    energy += frame.value("energy_J", 0.0);  // of all sheets
-  }
-  record["energy_J"] = energy;
+  const std::vector<FrameRecord> last = last_frames(folder / "cert" / "frames.jsonl");
+  const auto of_shot = [&](const std::string& pointer) {
+    return summary.value(Json::json_pointer("/" + pointer), Json());
+  };
+  visit_frame_statistics([&](const auto& field) {
+    if (!field.column.name) return;
+    Json& place = record[field.column.name];
+    const std::string name = field.shot_name;
+    switch (field.column.value) {
+      case WedgeColumn::mean:
+        place = of_shot(name + "/mean");
+        break;
+      case WedgeColumn::largest:
+        place = of_shot(name + "/max");
+        break;
+      case WedgeColumn::of_shot:
+        place = of_shot(name);
+        break;
+      case WedgeColumn::last_frame: {
+        double sum = 0;
+        for (const FrameRecord& r : last) sum += statistic_value(r.statistics, field).value_or(0);
+        place = sum;
+        break;
+      }
+    }
+  });
+  record["crease_length_m"] = of_shot("crease_length_m");
 }
 
 std::string in_lines(const Json& json) {
@@ -129,16 +158,17 @@ std::string cell_text(const Json& value) {
 // ------------------------------------------------------------------------------------------
 
 std::string table_csv(const Wedge& wedge, const std::vector<Json>& records) {
-  constexpr const char* numbers[] = {"exit_code", "c_m_pct",         "worst_edge_pct", "singular",
-                                     "energy_J",  "crease_length_m", "job_hash",       "folder"};
+  std::vector<std::string> columns{"exit_code"};
+  for (const std::string& name : result_columns()) columns.push_back(name);
+  columns.insert(columns.end(), {"job_hash", "folder"});
   std::string text = "index";
   for (const Axis& axis : wedge.axes) text += "," + axis.key;
-  for (const char* name : numbers) text += fmt::format(",{}", name);
+  for (const std::string& name : columns) text += "," + name;
   for (const Json& record : records) {
     text += "\n" + cell_text(record["index"]);
     for (const Axis& axis : wedge.axes)
       text += "," + csv_field(cell_text(record["values"][axis.key]));
-    for (const char* name : numbers)
+    for (const std::string& name : columns)
       text += "," + (record[name].is_null() ? "" : csv_field(cell_text(record[name])));
   }
   return text + "\n";

@@ -259,9 +259,9 @@ TEST_F(BakeCommandTest, TheHybridBeginsWithNoMoreTrianglesThanItMayHave) {
 TEST(GatesTest, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
   FrameRecord record;
   record.frame = 7;
-  record.render = {100, 0, 0, 1, 0, true};
+  record.statistics.render.emplace().kept_apart = true;
   EXPECT_TRUE(missed_gates({}, {record}, {}).empty());
-  record.render->crossings = 3;
+  record.statistics.render->crossings = 3;
   EXPECT_EQ(
       missed_gates({}, {record}, {}),
       std::vector<std::string>{"Frame 7: 3 pairs of rendered triangles pass through each other."});
@@ -270,14 +270,14 @@ TEST(GatesTest, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
 TEST(GatesTest, ACrossingOfTheRenderMeshesOfTwoSheetsIsOneThatIsMissed) {
   FrameRecord record;
   record.frame = 7;
-  record.render = {100, 0, 0, 1, 0, true, 5};
+  record.statistics.render.emplace().crossings_with_others = 5;
   EXPECT_EQ(missed_gates({}, {record}, {}),
             std::vector<std::string>{
                 "Frame 7: 5 pairs of rendered triangles of two sheets pass through each other."});
   // of the other sheet: as simulated they cross there, too, and that is told elsewhere
   FrameRecord other = record;
-  other.render->crossings_with_others = 0;
-  other.crossings_with_others = 2;
+  other.statistics.render->crossings_with_others = 0;
+  other.statistics.crossings_with_others = 2;
   EXPECT_TRUE(missed_gates({}, {record, other}, {}).empty());
   other.frame = 8;
   EXPECT_EQ(missed_gates({}, {record, other}, {}).size(), 1u);

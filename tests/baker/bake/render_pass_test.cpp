@@ -57,9 +57,9 @@ TEST(RenderPassTest, SheetsOneInTheOtherAreApartAndTheSameForAnyNumberOfThreads)
   const auto positions = [&](int threads, bool together) {
     std::vector<std::vector<Points3>> all(2);
     const auto write = [&](std::size_t s) {
-      return [&all, s](int, const CacheFrame& frame, const RenderNumbers& numbers) {
-        EXPECT_EQ(numbers.crossings, 0);
-        EXPECT_EQ(numbers.crossings_with_others, 0);
+      return [&all, s](int, const CacheFrame& frame, const RenderStatistics& rendered) {
+        EXPECT_EQ(rendered.crossings, 0);
+        EXPECT_EQ(rendered.crossings_with_others, 0);
         all[s].push_back(frame.x);
       };
     };

@@ -72,8 +72,8 @@ TEST(SheetRecorderTest, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSh
       fastest = std::max(fastest, expected.norm());
     }
     EXPECT_EQ(certificate.frames[f - 1].content_hash, cache.content_hash(0, f - 1));
-    ASSERT_TRUE(certificate.frames[f - 1].render.has_value());
-    EXPECT_EQ(certificate.frames[f - 1].render->triangles, stored.triangles.rows());
+    ASSERT_TRUE(certificate.frames[f - 1].statistics.render.has_value());
+    EXPECT_EQ(certificate.frames[f - 1].statistics.render->triangles, stored.triangles.rows());
   }
   EXPECT_GT(fastest, 0.3);
   std::filesystem::remove_all(folder);
