@@ -133,7 +133,7 @@ int run_bake(const BakeWords& words) {
                 "Write -o DIR, or output = \"DIR\" in the job file.");
   const BakePlan plan = plan_bake(settings);
   if (words.write_job) {
-    write_whole_file(*words.write_job, job_text(settings, *words.write_job));
+    write_atomically(*words.write_job, job_text(settings, *words.write_job));
     if (settings.output.empty()) {
       fmt::print("{}\n", words.write_job->string());
       return plan.impossible.empty() ? 0 : gate_missed;
@@ -225,7 +225,7 @@ int run_inspect(const std::filesystem::path& file, const OptionWords& words, boo
     if (*tracks == "-")
       fmt::print("{}", csv);
     else
-      write_whole_file(*tracks, csv);
+      write_atomically(*tracks, csv);
     return 0;
   }
   const bool cache = file.extension() == ".abc";
@@ -309,7 +309,7 @@ int run_chart(ChartSettings settings, const ChartWords& words) {
                                                        {"chart.svg", chart_svg(result)},
                                                        {"statistics.csv", statistics_csv(result)}};
   for (const auto& [name, text] : files) {
-    write_whole_file(folder.path() / name, text);
+    write_atomically(folder.path() / name, text);
     fmt::print("{}\n", (folder.path() / name).string());
   }
   return 0;

@@ -51,7 +51,7 @@ void write_certificate(const BakeSettings& settings, const BakePlan& plan,
   gates.max_stretch_pct = settings.max_stretch_pct;
   outcome.missed = missed_gates(gates, certificate.frames, plan);
   const auto write = [&](const std::string& file, const std::function<std::string()>& text) {
-    if (files.losses.attempt(file, [&] { write_whole_file(files.folder / file, text()); }))
+    if (files.losses.attempt(file, [&] { write_atomically(files.folder / file, text()); }))
       files.written.push_back(files.folder / file);
   };
   if (report)

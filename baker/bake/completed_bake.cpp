@@ -58,7 +58,7 @@ void note_finished(const fs::path& folder, const std::string& request, const Bak
                   {"exit_code", outcome.exit_code},
                   {"missed", outcome.missed},
                   {"files", names}};
-  write_whole_file(note_in(folder), note.dump(1, ' ', false, Json::error_handler_t::replace));
+  write_atomically(note_in(folder), note.dump(1, ' ', false, Json::error_handler_t::replace));
 }
 
 void forget_finished(const fs::path& folder) {

@@ -32,7 +32,7 @@ constexpr int about_a_snap = 6;           // [frames]
 constexpr double drop_of_a_snap = 0.3;    // [1] of the energy
 
 std::string text_of(const fs::path& path) {
-  if (auto text = read_whole_file(path)) return *text;
+  if (auto text = read_file(path)) return *text;
   throw Error(Fault::command, path.string(), "There is no such file, or it cannot be read.",
               "Name the output folder of a bake with cache and certificate.");
 }

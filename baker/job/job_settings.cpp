@@ -185,12 +185,12 @@ std::string job_text(const BakeSettings& settings, const fs::path& file) {
   text += "\n# One number of the paper, over preset and scene.\n[paper]\n";
   const Paper usual;
   const bool commanded = settings.origin("preset") == Origin::command;
-  for (const Quantity& quantity : quantities) {
-    std::string line = fmt::format("# {} = {}", quantity.key, toml_number(quantity.of(usual)));
+  for (const PaperParameter& parameter : paper_parameters) {
+    std::string line = fmt::format("# {} = {}", parameter.key, toml_number(parameter.get(usual)));
     for (const SetValue& set : settings.set)
-      if (set.key == quantity.key && (set.origin == Origin::command || !commanded))
+      if (set.key == parameter.key && (set.origin == Origin::command || !commanded))
         line = fmt::format("{} = {}", set.key, toml_number(set.value));
-    text += fmt::format("{}  # [{}]\n", line, quantity.unit);
+    text += fmt::format("{}  # [{}]\n", line, parameter.unit);
   }
   text +=
       "\n# Sheets and handles by name: * and ? stand for letters; case, namespaces in front and "

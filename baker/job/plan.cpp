@@ -279,7 +279,7 @@ std::string frame_input_hash(const std::string& before, const std::vector<Shot>&
       for (const Eigen::Isometry3d& pose : poses_at(*shot.colliders, frame - first_frame))
         append_bytes(bytes, pose.matrix());
   }
-  return hex(murmur(bytes));
+  return hex(content_hash(bytes));
 }
 
 /// Of each sheet its own hash and, where there are several, those of all.
@@ -287,7 +287,7 @@ static std::vector<std::string> with_all(std::vector<std::string> hashes) {
   std::string all;
   for (const std::string& hash : hashes) all += hash;
   if (hashes.size() > 1)
-    for (std::string& hash : hashes) hash = hex(murmur(hash + all));
+    for (std::string& hash : hashes) hash = hex(content_hash(hash + all));
   return hashes;
 }
 
@@ -357,8 +357,9 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   }
   std::vector<std::string> simulated;
   for (std::size_t s = 0; s < plan.shots.size(); ++s) {
-    plan.start_hash.push_back(hex(murmur(start_bytes(plan.shots[s], plan.seeds[s], values))));
-    simulated.push_back(hex(murmur(start_bytes(plan.shots[s], plan.seeds[s], of_simulation))));
+    plan.start_hash.push_back(hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], values))));
+    simulated.push_back(
+        hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], of_simulation))));
   }
   plan.start_hash = with_all(std::move(plan.start_hash));
   plan.simulation_hash = with_all(std::move(simulated)).front();
@@ -373,7 +374,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
              .impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
   }
-  plan.job_hash = hex(murmur(job));
+  plan.job_hash = hex(content_hash(job));
   if (settings.strict && !plan.impossible.empty()) {
     const ImpossiblePair& pair = plan.impossible.front().pair;
     throw Error(Fault::scene,

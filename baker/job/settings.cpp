@@ -78,16 +78,16 @@ SetValue parse_set(const std::string& text) {
                 "Write --set key=value, for instance --set thickness=90e-6.");
   const std::string name = text.substr(0, equals), number = text.substr(equals + 1);
   std::vector<std::string> names;
-  for (const Quantity& quantity : quantities) {
-    names.push_back(quantity.key);
-    if (name != quantity.key) continue;
+  for (const PaperParameter& parameter : paper_parameters) {
+    names.push_back(parameter.key);
+    if (name != parameter.key) continue;
     const auto value = canonical({name, JobKey::number}, number);
     if (!value)
       throw Error(Fault::command, "--set " + name, fmt::format("\"{}\" is not a number.", number),
                   "Write for instance --set thickness=90e-6.");
-    if (!quantity.holds(std::stod(*value)))
-      throw Error(Fault::command, "--set " + name, out_of_bounds(quantity, std::stod(*value)),
-                  fmt::format("Give the value in {}.", quantity.unit));
+    if (!parameter.accepts(std::stod(*value)))
+      throw Error(Fault::command, "--set " + name, out_of_bounds(parameter, std::stod(*value)),
+                  fmt::format("Give the value in {}.", parameter.unit));
     return {name, std::stod(*value), Origin::command};
   }
   const std::string near = nearest_word(name, names);
@@ -130,13 +130,14 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
   if (own_friction) paper.friction = *sheet.friction;
   const std::string prefix = "paper." + toml_string(sheet.name) + ".";
   resolved.used.push_back({prefix + "preset", toml_string(paper.name), in_words(origin)});
-  for (const Quantity& quantity : quantities) {
-    Origin who = own_friction && quantity.field == &Paper::friction ? of_sheet("friction") : scaled;
+  for (const PaperParameter& parameter : paper_parameters) {
+    Origin who =
+        own_friction && parameter.field == &Paper::friction ? of_sheet("friction") : scaled;
     for (const SetValue& set : settings.set)
-      if (set.key == quantity.key && (set.origin == Origin::command || named != Origin::command))
-        quantity.set(paper, set.value), who = set.origin;
+      if (set.key == parameter.key && (set.origin == Origin::command || named != Origin::command))
+        parameter.set(paper, set.value), who = set.origin;
     resolved.used.push_back(
-        {prefix + quantity.key, toml_number(quantity.of(paper)), in_words(who)});
+        {prefix + parameter.key, toml_number(parameter.get(paper)), in_words(who)});
   }
   return resolved;
 }

@@ -29,11 +29,11 @@ struct Checkpoint {
   }
 };
 
-std::string seal_of(std::string_view bytes) { return hex(murmur(bytes)); }
+std::string seal_of(std::string_view bytes) { return hex(content_hash(bytes)); }
 
 /// throws Error(Fault::scene): cut short, or not what was written
 Checkpoint read_checkpoint(const fs::path& path) {
-  const std::string bytes = read_whole_file(path).value_or("");
+  const std::string bytes = read_file(path).value_or("");
   const std::size_t seal = seal_of("").size(), size = bytes.size() - std::min(bytes.size(), seal);
   Serializer a(std::string_view(bytes).substr(0, size));
   a.require(seal_of(std::string_view(bytes).substr(0, size)) ==
@@ -181,7 +181,7 @@ void Checkpoints::keep(int frame) {
   Serializer a;
   a(checkpoint);
   try {
-    write_whole_file(file(frame - first_frame_ + 1), a.bytes() + seal_of(a.bytes()));
+    write_atomically(file(frame - first_frame_ + 1), a.bytes() + seal_of(a.bytes()));
     kept_until_ = frame;
     failure_.clear();
     waiting_.clear();

@@ -12,7 +12,7 @@ namespace paperbake {
 namespace {
 
 constexpr int width = 1600, height = 860;  // [px]
-constexpr Frame left_panel{40, 100, 690, 680}, right_panel{820, 100, 740, 680};
+constexpr Viewport left_panel{40, 100, 690, 680}, right_panel{820, 100, 740, 680};
 // [1/m] below it no ruling is drawn
 constexpr double flat = 3;
 const Vector3d view(-0.6, -1.0, 0.7), to_light = Vector3d(-0.75, -0.25, 0.6).normalized();
@@ -112,7 +112,7 @@ void draw_pattern(Canvas& canvas, const Shot& shot, const AnimatedFrame& frame) 
   draw_triangles(canvas, camera, flat_x, sheet.triangles, face);
   const double edge = mean_edge(sheet.pattern, sheet.triangles),
                fine = std::min(1.0, 0.06 * edge * camera.scale);
-  draw_edges(canvas, camera, flat_x, sheet.triangles, fine, mesh_line);
+  draw_edges(canvas, camera, flat_x, sheet.triangles, {fine, mesh_line});
 
   const double reach = 0.17 * edge;
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
@@ -120,10 +120,10 @@ void draw_pattern(Canvas& canvas, const Shot& shot, const AnimatedFrame& frame) 
     if (std::abs(p.k1) <= flat) continue;
     const Vector2d at = sheet.pattern.row(v), along(-p.across.y(), p.across.x());
     draw_line(canvas, camera, on_pattern(at - reach * along), on_pattern(at + reach * along),
-              1.8 * fine, stroke);
+              {1.8 * fine, stroke});
   }
   for (const auto& [from, to] : frame.parts.rulings)
-    draw_line(canvas, camera, on_pattern(from), on_pattern(to), 2, ruling_line);
+    draw_line(canvas, camera, on_pattern(from), on_pattern(to), {2, ruling_line});
 
   for (std::size_t h = 0; h < shot.handles.size(); ++h) {
     const Vector2d& at = shot.handles[h].pattern;
@@ -148,7 +148,7 @@ void draw_sheet(Canvas& canvas, const AnimatedFrame& frame) {
                  flat_shading(sheet.x, sheet.triangles, camera, to_light, paper_front, paper_back));
   const double fine =
       std::min(1.0, 0.06 * mean_edge(sheet.pattern, sheet.triangles) * camera.scale);
-  draw_edges(canvas, camera, sheet.x, sheet.triangles, 0.8 * fine, facet_line, 1.5 * pixel);
+  draw_edges(canvas, camera, sheet.x, sheet.triangles, {0.8 * fine, facet_line, 1.5 * pixel});
   for (const HandleFrame& handle : frame.handles)
     draw_dot_on_sheet(canvas, camera, handle.at, handle.state == HandleFrame::free ? 2.5 : 4,
                       handle_colour(handle.state));
@@ -187,7 +187,7 @@ Image debug_picture(const Shot& shot, const AnimatedFrame& frame, const std::str
   draw_pattern(canvas, shot, frame);
   draw_sheet(canvas, frame);
   draw_captions(canvas, frame, title);
-  return develop(canvas);
+  return resolve_samples(canvas);
 }
 
 }  // namespace paperbake

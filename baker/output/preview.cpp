@@ -68,7 +68,7 @@ Points3 points_of(const std::vector<Panel>& panels) {
 /// Fills what the paper has left free of the picture; before paper, by more than lies on it, a
 /// veil.
 /// picture  [px] whole ones
-void draw_colliders(Canvas& canvas, const Camera& camera, const Frame& picture,
+void draw_colliders(Canvas& canvas, const Camera& camera, const Viewport& picture,
                     const std::vector<PlacedCollider>& colliders) {
   constexpr double veil = 0.4, on_paper = 4;  // [1], [px]
   Canvas own(static_cast<int>(picture.width), static_cast<int>(picture.height), {}, canvas.samples);
@@ -150,7 +150,7 @@ Image contact_sheet(const std::string& title, const std::vector<Panel>& panels) 
       draw_smooth_triangles(canvas, cameras.back(), sheet.x, sheet.triangles,
                             shading(sheet, camera));
   }
-  shade_hollows(canvas, camera.scale, 0.04 * panel_width);
+  apply_ambient_occlusion(canvas, camera.scale, 0.04 * panel_width);
   for (std::size_t p = 0; p < panels.size(); ++p) {
     const double left = gap + (p % columns) * (panel_width + gap),
                  top = title_height + (p / columns) * (panel_height + gap);
@@ -163,7 +163,7 @@ Image contact_sheet(const std::string& title, const std::vector<Panel>& panels) 
                 letters);
   }
   draw_text(canvas, gap, 10, 2, title, letters);
-  return develop(canvas);
+  return resolve_samples(canvas);
 }
 
 FrameSpan preview_frames(const FrameSpan& frames) {

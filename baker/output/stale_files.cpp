@@ -53,7 +53,7 @@ void replace_earlier(const fs::path& folder, const std::vector<fs::path>& writte
   }
   std::string text;
   for (const auto& [path, key] : files) text += key + " " + path + "\n";
-  write_whole_file(list, text);
+  write_atomically(list, text);
 }
 
 }  // namespace paperbake

@@ -46,8 +46,8 @@ Handle handle_at(const std::string& name, const Vector2d& pattern) {
 void draw_cross(Canvas& canvas, const Camera& camera, const Vector2d& p, double px, Colour colour) {
   const double r = px / camera.scale;
   for (const double s : {-r, r})
-    draw_line(canvas, camera, {p.x() - r, p.y() - s, 0}, {p.x() + r, p.y() + s, 0}, 2, colour,
-              on_top);
+    draw_line(canvas, camera, {p.x() - r, p.y() - s, 0}, {p.x() + r, p.y() + s, 0},
+              {2, colour, on_top});
 }
 
 void draw_circle(Canvas& canvas, const Camera& camera, const Vector2d& centre, double radius,
@@ -57,7 +57,7 @@ void draw_circle(Canvas& canvas, const Camera& camera, const Vector2d& centre, d
     return Vector3d(centre.x() + radius * std::cos(2 * M_PI * k / parts),
                     centre.y() + radius * std::sin(2 * M_PI * k / parts), 0);
   };
-  for (int k = 0; k < parts; ++k) draw_line(canvas, camera, at(k), at(k + 1), 1, colour, on_top);
+  for (int k = 0; k < parts; ++k) draw_line(canvas, camera, at(k), at(k + 1), {1, colour, on_top});
 }
 
 }  // namespace
@@ -135,13 +135,13 @@ Image draw_scatter(const ScatterPicture& shown) {
   Canvas canvas(700, 760, {246, 246, 246});
   Points2 corners(4, 2);
   corners << 0, 0, side, 0, side, side, 0, side;
-  const Camera camera = fit_camera(corners, Frame{40, 80, 620, 620});
+  const Camera camera = fit_camera(corners, Viewport{40, 80, 620, 620});
   draw_rectangle(canvas, {40, 80, 620, 620}, white);
   for (int i = 0; i <= 10; ++i) {
     const double at = side * i / 10;
     const double width = i % 10 == 0 ? 2 : 0.7;
-    draw_line(canvas, camera, {at, 0, 0}, {at, side, 0}, width, grey, on_top);
-    draw_line(canvas, camera, {0, at, 0}, {side, at, 0}, width, grey, on_top);
+    draw_line(canvas, camera, {at, 0, 0}, {at, side, 0}, {width, grey, on_top});
+    draw_line(canvas, camera, {0, at, 0}, {side, at, 0}, {width, grey, on_top});
   }
   if (!shown.crosses.empty())
     for (const double deviations : {1.0, 2.0})
@@ -153,7 +153,7 @@ Image draw_scatter(const ScatterPicture& shown) {
   draw_text(canvas, 40, 48, 1.6, shown.caption, ink);
   draw_text(canvas, 300, 716, 1.6, "pushed here", ink);
   draw_text(canvas, 40, 716, 1.6, "grid 10 mm", grey);
-  return develop(canvas);
+  return resolve_samples(canvas);
 }
 
 Image scatter_picture(const Paper& paper, const std::vector<FirstPoint>& points) {

@@ -29,7 +29,7 @@ std::filesystem::path picture_beside(const std::filesystem::path& file, const ch
 int run_experiment(const FitWords& words) {
   const Paper paper = read_preset(*words.experiment).paper;
   const auto picture = picture_beside(words.output, ".csv");
-  write_whole_file(words.output, scatter_csv({}));  // known to be writable before the work begins
+  write_atomically(words.output, scatter_csv({}));  // known to be writable before the work begins
   const std::vector<FirstPoint> points = push_sheets(paper, words.sheets, 1, say_on_stderr);
   const Scatter scatter = scatter_of(points);
   fmt::print(stderr,
@@ -37,7 +37,7 @@ int run_experiment(const FitWords& words) {
              "{:.2f} mm\n",
              points.size(), words.sheets, 1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(),
              1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter);
-  write_whole_file(words.output, scatter_csv(points));
+  write_atomically(words.output, scatter_csv(points));
   write_png(picture, scatter_picture(paper, points));
   fmt::print("{}\n{}\n", words.output.string(), picture.string());
   return 0;
@@ -73,7 +73,7 @@ int run_fit(const FitWords& words) {
              1e3 * fit.offset_u.low, 1e3 * fit.offset_u.high, 1e3 * fit.offset.y(),
              1e3 * fit.offset_v.low, 1e3 * fit.offset_v.high, simulated.size(), 1e3 * test.energy,
              test.p, test.p < 0.05 ? ": they do not scatter like the measured ones" : "");
-  write_whole_file(words.output, preset_text(fitted));
+  write_atomically(words.output, preset_text(fitted));
   write_png(picture, fit_picture(fitted, measured, simulated, fit));
   fmt::print("{}\n{}\n", words.output.string(), picture.string());
   return 0;

@@ -49,7 +49,7 @@ class WaitingLock {
   int lock_;
 };
 
-std::string text_of(const fs::path& file) { return read_whole_file(file).value_or(""); }
+std::string text_of(const fs::path& file) { return read_file(file).value_or(""); }
 
 /// A JSON object of a file; empty when there is none.
 Json read_object(const fs::path& file) {
@@ -69,7 +69,7 @@ std::string inputs_key(const BakeSettings& settings) {
       bytes += "/" + name + "=" + said.text;
   for (const SetValue& set : settings.set) bytes += fmt::format("/{}={}", set.key, set.value);
   for (const std::string& format : settings.formats) bytes += "/" + format;
-  return hex(murmur(bytes + "/" + text_of(settings.scene)));
+  return hex(content_hash(bytes + "/" + text_of(settings.scene)));
 }
 
 Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
@@ -118,7 +118,7 @@ std::string in_lines(const Json& json) {
 }
 
 void keep(const Wedge& wedge, int index, const Json& record) {
-  write_whole_file(wedge.state(index, ".json"), in_lines(record));
+  write_atomically(wedge.state(index, ".json"), in_lines(record));
 }
 
 std::string in_words(const Json& value) {
@@ -297,9 +297,9 @@ WedgeOutcome finish_wedge(const Wedge& wedge) {
   outcome.files = {csv, json, png};
   const std::string table = table_csv(wedge, records), text = table_json(wedge, records);
   if (fs::is_regular_file(png) && text_of(csv) == table && text_of(json) == text) return outcome;
-  write_whole_file(csv, table);
+  write_atomically(csv, table);
   write_png(png, picture(wedge, records));
-  write_whole_file(json, text);  // the last: with it the others are known to be of the same bakes
+  write_atomically(json, text);  // the last: with it the others are known to be of the same bakes
   return outcome;
 }
 

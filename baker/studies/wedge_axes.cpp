@@ -57,7 +57,7 @@ std::vector<std::string> all_keys() {
   std::vector<std::string> keys;
   for (const Option& o : options())
     if (std::find(shared.begin(), shared.end(), o.name) == shared.end()) keys.push_back(o.name);
-  for (const Quantity& quantity : quantities) keys.push_back(quantity.key);
+  for (const PaperParameter& parameter : paper_parameters) keys.push_back(parameter.key);
   return keys;
 }
 

@@ -54,7 +54,7 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int most, const std::vector<std::str
 void submit_wedge(const Wedge& wedge, const std::vector<std::string>& words) {
   make_folder(wedge.output / ".state");
   const auto script = wedge.output / "wedge.sbatch";
-  write_whole_file(script, slurm_script(words_of_one(words), wedge.count(), wedge.common.threads,
+  write_atomically(script, slurm_script(words_of_one(words), wedge.count(), wedge.common.threads,
                                         wedge.output / ".state"));
   submit_to_slurm(script);
 }

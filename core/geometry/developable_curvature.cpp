@@ -1,6 +1,7 @@
 #include "core/geometry/developable_curvature.h"
 
 #include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/LU>
@@ -13,8 +14,6 @@ namespace paperbake {
 namespace {
 
 using Eigen::Matrix2d;
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// Sxx, sqrt(2) Sxy, Syy: the inner product of two tensors is the dot product of these vectors.
 Vector3d as_vector(const Matrix2d& S) { return {S(0, 0), std::sqrt(2.0) * S(0, 1), S(1, 1)}; }
@@ -34,7 +33,7 @@ Matrix2d completion(const Term& p, const Term& q, const Vector2d& b) {
 }
 
 /// What the triangles around a vertex determine of its curvature tensor.
-struct Ring {
+struct Neighbourhood {
   double area = 0;  // [m2]
   // [m2] sum of area x projector onto the components that a triangle determines
   Eigen::Matrix3d known = Eigen::Matrix3d::Zero();
@@ -69,7 +68,7 @@ Points3 developable_curvature(const Sheet& sheet) {
     bend.push_back(dihedral_angle(sheet.x, hinge) /
                    (area(hinge.triangles[0]) + area(hinge.triangles[1])));
 
-  std::vector<Ring> rings(sheet.pattern.rows());
+  std::vector<Neighbourhood> rings(sheet.pattern.rows());
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     Matrix2d S = Matrix2d::Zero();
     std::array<Term, 3> terms;
@@ -92,7 +91,7 @@ Points3 developable_curvature(const Sheet& sheet) {
     }
     if (told == 2) S += completion(terms[0], terms[1], border);
     for (int i = 0; i < 3; ++i) {
-      Ring& ring = rings[sheet.triangles(t, i)];
+      Neighbourhood& ring = rings[sheet.triangles(t, i)];
       ring.area += area(t);
       ring.known += area(t) * known;
       ring.told += area(t) * known * as_vector(S);
@@ -114,7 +113,7 @@ Points3 developable_curvature(const Sheet& sheet) {
     }
   Points3 result = Points3::Zero(sheet.pattern.rows(), 3);
   for (int v = 0; v < result.rows(); ++v) {
-    const Ring& ring = rings[v];
+    const Neighbourhood& ring = rings[v];
     if (ring.area <= 0) continue;
     const bool ask = neighbours[v] > 0 && !ring.knows_all();
     const Vector3d s = ring.curvature(ask ? Vector3d(around[v] / neighbours[v])

@@ -2,6 +2,8 @@
 
 #include "core/model/sheet.h"
 
+#include <cmath>
+
 namespace paperbake {
 
 /// How well a sheet keeps the edge lengths of its pattern.
@@ -24,5 +26,10 @@ double angle_defect_max(const Sheet&);
 
 /// Unit normals of the vertices: the triangle normals, weighted by the angles at the vertex. |V|x3
 Points3 vertex_normals(const Points3& x, const Triangles&);
+
+/// Length of the longest row; 0 for no rows.
+inline double max_row_norm(const Points3& d) {
+  return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0;
+}
 
 }  // namespace paperbake

@@ -11,7 +11,7 @@ constexpr int max_in_leaf = 4;
 constexpr double any = M_PI;
 constexpr double half_space = 1.5;  // [rad] a cone with a smaller angle lies in one half-space
 
-double angle_between(const Vector3d& a, const Vector3d& b) {
+double angle_of_normals(const Vector3d& a, const Vector3d& b) {
   return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
 }
 
@@ -90,7 +90,8 @@ struct NormalConeTree::Search {
   static Bound joined(const Bound& a, const Bound& b) {
     Bound both{a.box.merged(b.box), (a.axis + b.axis).stableNormalized(), any};
     if (std::max(a.angle, b.angle) < half_space)
-      both.angle = std::min(any, std::max(a.angle, b.angle) + 0.5 * angle_between(a.axis, b.axis));
+      both.angle =
+          std::min(any, std::max(a.angle, b.angle) + 0.5 * angle_of_normals(a.axis, b.axis));
     return both;
   }
 

@@ -4,6 +4,7 @@
 #include "core/geometry/odt_smoothing.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/error.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,12 +14,6 @@
 
 namespace paperbake {
 namespace {
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d d = b - a;
-  const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-  return (p - a - t * d).norm();
-}
 
 /// The points of a mesh under construction: first the border polygons, then the required points
 /// inside, then the free points.

@@ -1,11 +1,11 @@
 #include "core/geometry/prescribed_creases.h"
 
+#include "core/model/segment2.h"
+
 #include <cmath>
 
 namespace paperbake {
 namespace {
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 /// True when p lies on the segment a-b within the tolerance `near` [m].
 bool lies_on(const Vector2d& p, const Vector2d& a, const Vector2d& b, double near) {

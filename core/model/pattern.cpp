@@ -1,5 +1,7 @@
 #include "core/model/pattern.h"
 
+#include "core/model/segment2.h"
+
 #include <algorithm>
 #include <cmath>
 #include <functional>
@@ -8,8 +10,6 @@
 
 namespace paperbake {
 namespace {
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 double signed_area(const std::vector<Vector2d>& loop) {
   double twice = 0;

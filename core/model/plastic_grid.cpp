@@ -1,5 +1,6 @@
 #include "core/model/plastic_grid.h"
 
+#include "core/model/segment2.h"
 #include "core/model/serializer.h"
 
 #include <algorithm>
@@ -13,8 +14,6 @@ constexpr int cells_along = 64;
 double frobenius(const Eigen::Vector4d& memory) {
   return std::sqrt(memory[0] * memory[0] + 2 * memory[1] * memory[1] + memory[2] * memory[2]);
 }
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 }  // namespace
 

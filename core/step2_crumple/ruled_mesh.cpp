@@ -2,6 +2,7 @@
 
 #include "core/geometry/constrained_delaunay.h"
 #include "core/geometry/measure.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,14 +12,8 @@
 namespace paperbake {
 namespace {
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
 double along(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   return (p - a).dot(b - a) / (b - a).squaredNorm();
-}
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  return (p - a - std::clamp(along(p, a, b), 0.0, 1.0) * (b - a)).norm();
 }
 
 /// The vertices of a polygon in which it turns noticeably.

@@ -1,5 +1,7 @@
 #include "core/step2_crumple/rulings.h"
 
+#include "core/model/segment2.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -9,14 +11,6 @@ namespace paperbake {
 namespace {
 
 Vector2d turned(const Vector2d& d) { return {-d.y(), d.x()}; }
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d d = b - a;
-  const double t = std::clamp((p - a).dot(d) / d.squaredNorm(), 0.0, 1.0);
-  return (p - a - t * d).norm();
-}
-
 /// Where the ray from p in the unit direction d meets the segment a-b, as a length along it. [m]
 std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d& a,
                             const Vector2d& b) {

@@ -12,17 +12,16 @@
 #include <utility>
 #include <vector>
 
-/// An Alembic archive as a tree of objects and properties, whatever they mean, and how it lies in
-/// an Ogawa file.
+/// The generic layer of Alembic: an archive as a tree of objects and properties, and its layout in
+/// an Ogawa file. Meshes are built on it in alembic_mesh.h.
 namespace paperbake::alembic {
 
-enum class Shape : std::uint32_t { compound = 0, scalar = 1, array = 2 };
+enum class PropertyType : std::uint32_t { compound = 0, scalar = 1, array = 2 };
 enum class Pod : std::uint32_t { boolean = 0, u32 = 5, i32 = 6, f32 = 10, f64 = 11 };
-// the time samplings of the archive, by number
-enum class Clock : std::uint32_t { still = 0, frames = 1 };
+// index of a time sampling of the archive; identity is for values that do not change
+enum class TimeSampling : std::uint32_t { identity = 0, frames = 1 };
 
-/// A stored value. Equal values share one block of the file, so samples are equal when their blocks
-/// are.
+/// A value in the file. Equal values share one block, so samples are equal if their blocks are.
 struct Sample {
   OgawaBlock block;
   ContentKey key;
@@ -30,10 +29,10 @@ struct Sample {
 
 struct Property {
   std::string name, metadata;
-  Shape shape = Shape::compound;
+  PropertyType type = PropertyType::compound;
   Pod pod = Pod::boolean;
-  std::uint32_t extent = 0;  // numbers in one element
-  Clock clock = Clock::still;
+  std::uint32_t extent = 0;  // numbers per element
+  TimeSampling time_sampling = TimeSampling::identity;
   std::vector<Sample> samples;    // one for each frame
   std::vector<Property> members;  // of a compound
 };
@@ -44,39 +43,39 @@ struct Object {
   std::vector<Object> children;
 };
 
-/// The times of Clock::frames.
+/// The times of TimeSampling::frames.
 struct FrameTimes {
   std::size_t count = 0;
   double step = 0, start = 0;  // [s]
 };
 
-/// The file, and what is known of it while it grows.
+/// The file, and an index of what has been written to it.
 struct Archive {
   explicit Archive(const std::filesystem::path& path) : file(path) {}
 
   OgawaWriter file;
-  // by key and size: every sample so far
+  // every sample so far, by key and size [bytes]
   std::map<std::pair<ContentKey, std::size_t>, OgawaBlock> stored;
-  // texts that headers refer to by number, from 1
+  // metadata texts, which headers refer to by their number from 1
   std::vector<std::string> metadata;
 };
 
-/// The bytes of an array or matrix, as it lies in memory; a view of `values`.
+/// A view of the bytes of an array or matrix in memory.
 template <class Values>
 std::string_view raw(const Values& values) {
   return {reinterpret_cast<const char*>(values.data()), values.size() * sizeof *values.data()};
 }
 
-/// Puts a value into the file, unless the same bytes are there already, in whichever property.
+/// Stores a value in the file, unless the same bytes have been stored before for any property.
 Sample store(Archive&, std::string_view bytes);
 
-/// The file again as it was when it ended there, also after a write that failed: samples stored
-/// since are forgotten.
-void cut(Archive&, std::uint64_t end);
+/// Restores the state that the file had when its end was there: samples stored since are dropped.
+/// May be called after a write that failed.
+void truncate(Archive&, std::uint64_t end);
 
-/// Writes all but the samples, which store() has put there. returns the outermost group, for
-/// OgawaWriter::commit
+/// Writes the tree over the samples that store() has written.
 /// metadata  of the archive itself: key=value;key=value
+/// returns   the outermost group, for OgawaWriter::commit
 OgawaBlock write_tree(Archive&, const Object& root, const FrameTimes&, const std::string& metadata);
 
 }  // namespace paperbake::alembic

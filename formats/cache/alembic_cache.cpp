@@ -17,10 +17,9 @@ namespace {
 using alembic::Mesh;
 
 // ---- names and texts
-// ----------------------------------------------------------------------------------------------
 
-/// A name every host takes: Alembic forbids `/`, Maya `:` and `|`, and Blender's own exporter gives
-/// up dots and spaces.
+/// A name that every program accepts: Alembic forbids `/`, Maya `:` and `|`, and Blender's own
+/// exporter replaces dots and spaces.
 std::string legal_name(std::string name) {
   for (char& c : name)
     if (std::string_view(" ./\\:;|=\"'*?<>").find(c) != std::string_view::npos ||
@@ -35,7 +34,7 @@ std::vector<Mesh> meshes_named(const std::vector<std::string>& names) {
   for (const std::string& name : names) {
     const std::string legal = legal_name(name);
     std::string label = legal;
-    // "a.b" beside "a_b"
+    // "a.b" and "a_b" become the same name
     for (int n = 2; !taken.insert(label).second; ++n) label = legal + "_" + std::to_string(n);
     meshes.push_back({name, label, {}});
   }
@@ -44,7 +43,7 @@ std::vector<Mesh> meshes_named(const std::vector<std::string>& names) {
 
 std::string legal_text(std::string text) {
   for (char& c : text)
-    if (c == ';' || c == '=' || c == '\0') c = '_';  // they separate pairs
+    if (c == ';' || c == '=' || c == '\0') c = '_';  // these separate the pairs
   return text;
 }
 
@@ -62,8 +61,7 @@ std::string archive_metadata(const CacheInfo& info) {
   return text;
 }
 
-// ---- what a frame may hold
-// ----------------------------------------------------------------------------------------
+// ---- checks of a frame
 
 template <class Rows>
 void refuse_unless_finite(const Rows& rows, const char* what, const std::string& place) {
@@ -75,7 +73,7 @@ void refuse_unless_finite(const Rows& rows, const char* what, const std::string&
     throw Error(Fault::simulation, place,
                 std::string("The ") + what + " of vertex " + std::to_string(i) +
                     " is not a finite number: (" + values + ").",
-                "The sheet was lost before this frame: move the handles more slowly there, and "
+                "The simulation failed before this frame: move the handles more slowly there and "
                 "bake again.");
   }
 }
@@ -100,13 +98,13 @@ struct AlembicWriter::Impl {
   std::vector<Mesh> meshes;
   struct Added {
     std::size_t sheet;
-    std::uint64_t begin;  // where in the file
+    std::uint64_t begin;  // [bytes] position in the file
   };
-  std::vector<Added> added;  // frames, in order
+  std::vector<Added> added;  // the frames in the order of add_frame
 
-  /// The file without its last frame.
+  /// Removes the last frame from the file.
   void drop_last() {
-    alembic::cut(archive, added.back().begin);
+    alembic::truncate(archive, added.back().begin);
     meshes[added.back().sheet].frames.pop_back();
     added.pop_back();
   }
@@ -136,7 +134,7 @@ std::string AlembicWriter::add_frame(std::size_t sheet, const CacheFrame& frame)
   try {
     mesh.frames.push_back(alembic::store_frame(impl_->archive, frame));
   } catch (const Error&) {
-    alembic::cut(impl_->archive, begin);
+    alembic::truncate(impl_->archive, begin);
     throw;
   }
   impl_->added.push_back({sheet, begin});
@@ -158,7 +156,7 @@ std::vector<std::size_t> AlembicWriter::finish() {
                                  {most, info.frame_step / info.fps, info.first_frame / info.fps},
                                  archive_metadata(info));
     } catch (const Error&) {
-      alembic::cut(archive, begin);
+      alembic::truncate(archive, begin);
       if (impl_->added.size() < 2) throw;
       impl_->drop_last();
       continue;

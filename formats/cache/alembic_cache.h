@@ -12,66 +12,69 @@
 
 namespace paperbake {
 
-/// Settings of a whole cache. Nothing with a date, a path or a host name goes into the file.
+/// Settings of a whole cache. No date, path or host name is written to the file.
 struct CacheInfo {
   double fps = 24;
   int first_frame = 1;
   int frame_step = 1;  // frames from one sample to the next
-  // extra archive metadata: key, value (job hash, version)
+  // additional archive metadata, such as job hash and version: key, value
   std::vector<std::pair<std::string, std::string>> metadata;
 };
 
-/// A number for each vertex.
+/// A number for each vertex of a frame.
 struct CacheLayer {
   std::string name;        // an identifier
   Eigen::VectorXd values;  // |V|
 };
 
-/// One frame of one mesh, in world space: z up, metres. Turned into y up and clockwise faces by the
-/// writer. The number of vertices and the triangles may change from frame to frame.
+/// One frame of one mesh in world space: z up, metres, counter-clockwise faces. The Alembic writer
+/// converts it to y up and clockwise faces. Vertices and triangles may change from frame to frame.
 struct CacheFrame {
   Points3 x;         // |V|x3 [m]
-  Points3 velocity;  // |V|x3 [m/s]  may be empty: then none is written
-  // |V|x3        unit, per vertex; with normal_of_corner any number of them; may be empty
+  Points3 velocity;  // |V|x3 [m/s], or empty: none is written
+  // |V|x3, or any number of rows when normal_of_corner is given; unit; may be empty
   Points3 normal;
-  // |T|x3  which normal each corner has; may be empty; stored once while it does not change
+  // |T|x3 index of the normal of each corner, or empty; stored once while it does not change
   Triangles normal_of_corner;
-  // |V| [rad] how sharply the sheet is folded there; may be empty: then no colour is written
+  // |V| [rad] how sharply the sheet is folded at the vertex, or empty: no colour is written
   Eigen::VectorXd crease;
-  std::vector<CacheLayer> layers;  // more that the sheet shows; only USD layers have them
-  Triangles triangles;  // |T|x3        counter-clockwise; stored once while it does not change
-  // |V|x2        per vertex, v up; may be empty; stored once while it does not change
+  std::vector<CacheLayer> layers;  // further attributes; written to USD only
+  Triangles triangles;             // |T|x3 counter-clockwise; stored once while it does not change
+  // |V|x2 v up, or empty; stored once while it does not change
   Points2 uv;
 };
 
-/// Writes an Alembic (Ogawa) file with one Xform + PolyMesh for each sheet, frame by frame. The
-/// file gets its name when finish() is called; before that it is NAME.part, and it is removed when
-/// the writer goes without finish().
+/// Writes an Alembic (Ogawa) file with an Xform and a PolyMesh for each sheet, frame by frame. The
+/// file is NAME.part until finish() gives it its name; without finish() the destructor deletes it.
 ///
-/// Sample i is at (first_frame + i) / fps seconds. Numbers are stored as 32-bit floats. The same
-/// calls write the same bytes. Values that were stored before, of whatever sheet and frame, are not
-/// stored again; only where each sample lies and its key stay in memory (under 1 kB per sheet and
-/// frame).
+/// Sample i has the time (first_frame + i frame_step) / fps in seconds. Numbers are stored as
+/// 32-bit floats. The same calls write the same bytes. A value that has been stored before, for
+/// any sheet or frame, is referred to, not stored again; the writer keeps only position and key of
+/// each sample in memory (under 1 kB per sheet and frame).
 class AlembicWriter {
  public:
-  /// sheet_names: unique; a name is that of the Xform, the mesh under it is called NAME + "Shape".
-  /// Characters that hosts refuse (dot, space, slash, colon, ...) become `_`; names that are the
-  /// same after that get `_2`, `_3`, ... throws Error(Fault::folder) when the file cannot be made.
+  /// sheet_names: unique. The Xform of a sheet gets its name, the mesh below that NAME + "Shape".
+  /// Characters that other programs do not accept (dot, space, slash, colon, ...) become `_`; names
+  /// that are equal after that get `_2`, `_3`, ... throws Error(ErrorCode::folder) when the file
+  /// cannot be created
   AlembicWriter(const std::filesystem::path&, const CacheInfo&,
                 const std::vector<std::string>& sheet_names);
   ~AlembicWriter();
 
-  /// Appends the next frame of sheet `sheet` (index into sheet_names). throws
-  /// Error(Fault::simulation) when a value is not finite as a float: the frame leaves no trace
-  /// then, and finish() may still keep those before it; Error(Fault::folder) when the disk is full:
-  /// the same, and no frame may follow. returns the 128-bit content key of the stored positions, 32
-  /// hex digits.
+  /// Appends the next frame of a sheet.
+  /// sheet    index into sheet_names
+  /// returns  content hash of the stored positions: 128 bits as 32 hex digits
+  /// throws   Error(ErrorCode::simulation) when a value is not finite as a 32-bit float,
+  ///          Error(ErrorCode::folder) when the disk is full. Either way nothing of the frame stays
+  ///          in the file and finish() keeps the frames before it; after a full disk no frame may
+  ///          be added.
   std::string add_frame(std::size_t sheet, const CacheFrame&);
 
-  /// Writes the rest, syncs, and gives the file its name; the last call. A sheet may have fewer
-  /// frames than another, and without any it is left out; without any frame there is no file. Where
-  /// there is no room for the rest, the last frames give up theirs. returns how many frames of each
-  /// sheet the file has throws Error(Fault::folder) when there is no room for even one
+  /// Writes the index, syncs the file and gives it its name; must be the last call. Sheets may have
+  /// different numbers of frames; a sheet without frames is left out, and without any frame there
+  /// is no file. When the disk has no room for the index, the last frames are dropped to make it.
+  /// returns  number of frames of each sheet in the file
+  /// throws   Error(ErrorCode::folder) when there is no room even for one frame
   std::vector<std::size_t> finish();
 
  private:

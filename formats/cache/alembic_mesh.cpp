@@ -5,7 +5,7 @@
 namespace paperbake::alembic {
 namespace {
 
-// What the schemas demand of us: readers find a mesh, and its channels, by these texts alone.
+// Metadata of the AbcGeom schemas: readers recognise meshes and their channels only by these texts.
 constexpr const char* xform_object =
     "schema=AbcGeom_Xform_v3;schemaObjTitle=AbcGeom_Xform_v3:.xform";
 constexpr const char* xform_schema = "schema=AbcGeom_Xform_v3";
@@ -13,36 +13,35 @@ constexpr const char* mesh_object =
     "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_PolyMesh_"
     "v1:.geom";
 constexpr const char* mesh_schema = "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1";
-constexpr const char* box_meaning = "interpretation=box";
-constexpr const char* point_meaning = "geoScope=vtx;interpretation=point";
-constexpr const char* velocity_meaning = "interpretation=vector";
-constexpr const char* normal_meaning =
+constexpr const char* box_metadata = "interpretation=box";
+constexpr const char* point_metadata = "geoScope=vtx;interpretation=point";
+constexpr const char* velocity_metadata = "interpretation=vector";
+constexpr const char* normal_metadata =
     "arrayExtent=1;geoScope=vtx;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_"
     "t";
-constexpr const char* corner_normal_meaning =
+constexpr const char* corner_normal_metadata =
     "arrayExtent=1;geoScope=fvr;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_"
     "t";
-constexpr const char* uv_meaning =
+constexpr const char* uv_metadata =
     "arrayExtent=1;geoScope=fvr;interpretation=vector;isGeomParam=true;podExtent=2;podName=float32_"
     "t;sourceName=UVMap";
 
-constexpr const char* colour_meaning =
+constexpr const char* colour_metadata =
     "arrayExtent=1;geoScope=vtx;interpretation=rgba;isGeomParam=true;podExtent=4;podName=float32_t";
 
 using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 // ---- from a frame to samples
-// --------------------------------------------------------------------------------------
 
 Floats3 y_up(const Points3& rows) {
   Floats3 turned(rows.rows(), 3);
   turned << rows.col(0).cast<float>(), rows.col(2).cast<float>(), -rows.col(1).cast<float>();
-  turned.array() += 0.0f;  // -0 becomes 0: equal values have equal keys
+  turned.array() += 0.0f;  // -0 becomes 0, so that equal values have equal keys
   return turned;
 }
 
-/// Grey: white where the sheet is folded by a right angle or more.
+/// Grey levels: black where the sheet is flat, white where it is folded by a right angle or more.
 Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colours(const Eigen::VectorXd& crease) {
   Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> rgba(crease.size(), 4);
   rgba.leftCols<3>() = (crease / (M_PI / 2)).cwiseMin(1.0).cast<float>().replicate<1, 3>();
@@ -50,7 +49,7 @@ Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colours(const Eigen::Ve
   return rgba;
 }
 
-/// The corners in reverse: seen from its front, an Alembic face runs clockwise.
+/// The corners in reverse order: seen from its front, an Alembic face is clockwise.
 Triangles clockwise(const Triangles& triangles) { return triangles.rowwise().reverse(); }
 
 Box box_of(const Floats3& points) {
@@ -93,20 +92,20 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
   samples.indices = store(archive, raw(triangles));
   samples.counts = store(archive, raw(corners_of_faces));
   samples.uv = store(archive, raw(uv));
-  // a corner's uv is that of its vertex: these are the bytes of the face indices, and cost nothing
+  // the uv of a corner is that of its vertex: the indices equal the face indices, which are stored
+  // already
   samples.uv_indices = uv.rows() == 0 ? samples.uv : samples.indices;
   return samples;
 }
 
 // ---- from samples to properties
-// -----------------------------------------------------------------------------------
 
 namespace {
 
-Property animated(std::string name, std::string metadata, Shape shape, Pod pod,
+Property animated(std::string name, std::string metadata, PropertyType type, Pod pod,
                   std::uint32_t extent, std::vector<Sample> samples) {
-  return {std::move(name), std::move(metadata), shape, pod, extent,
-          Clock::frames,   std::move(samples),  {}};
+  return {std::move(name),      std::move(metadata), type, pod, extent,
+          TimeSampling::frames, std::move(samples),  {}};
 }
 
 Property compound(std::string name, std::string metadata, std::vector<Property> members) {
@@ -123,55 +122,56 @@ std::vector<Sample> column(const std::vector<MeshFrame>& frames, Sample MeshFram
   return samples;
 }
 
-/// A channel that was never given is left out of the file.
+/// Whether any frame has the channel.
 bool ever_given(const std::vector<MeshFrame>& frames, Sample MeshFrame::*channel) {
   return std::any_of(frames.begin(), frames.end(),
                      [&](const MeshFrame& f) { return (f.*channel).block != empty_data; });
 }
 
 Property box_property(const char* name, std::vector<Sample> samples) {
-  return animated(name, box_meaning, Shape::scalar, Pod::f64, 6, std::move(samples));
+  return animated(name, box_metadata, PropertyType::scalar, Pod::f64, 6, std::move(samples));
 }
 
 Property geometry(const std::vector<MeshFrame>& frames) {
   const auto array = [&](const char* name, const char* meaning, Pod pod, std::uint32_t extent,
                          Sample MeshFrame::*channel) {
-    return animated(name, meaning, Shape::array, pod, extent, column(frames, channel));
+    return animated(name, meaning, PropertyType::array, pod, extent, column(frames, channel));
   };
   std::vector<Property> members{
       box_property(".selfBnds", column(frames, &MeshFrame::bounds)),
-      array("P", point_meaning, Pod::f32, 3, &MeshFrame::points),
+      array("P", point_metadata, Pod::f32, 3, &MeshFrame::points),
       array(".faceIndices", "", Pod::i32, 1, &MeshFrame::indices),
       array(".faceCounts", "", Pod::i32, 1, &MeshFrame::counts),
   };
   if (ever_given(frames, &MeshFrame::velocities))
-    members.push_back(array(".velocities", velocity_meaning, Pod::f32, 3, &MeshFrame::velocities));
+    members.push_back(array(".velocities", velocity_metadata, Pod::f32, 3, &MeshFrame::velocities));
   if (ever_given(frames, &MeshFrame::normal_indices))
     members.push_back(
-        compound("N", corner_normal_meaning,
-                 {array(".vals", corner_normal_meaning, Pod::f32, 3, &MeshFrame::normals),
+        compound("N", corner_normal_metadata,
+                 {array(".vals", corner_normal_metadata, Pod::f32, 3, &MeshFrame::normals),
                   array(".indices", "", Pod::u32, 1, &MeshFrame::normal_indices)}));
   else if (ever_given(frames, &MeshFrame::normals))
-    members.push_back(array("N", normal_meaning, Pod::f32, 3, &MeshFrame::normals));
+    members.push_back(array("N", normal_metadata, Pod::f32, 3, &MeshFrame::normals));
   if (ever_given(frames, &MeshFrame::uv))
-    members.push_back(compound("uv", uv_meaning,
-                               {array(".vals", uv_meaning, Pod::f32, 2, &MeshFrame::uv),
+    members.push_back(compound("uv", uv_metadata,
+                               {array(".vals", uv_metadata, Pod::f32, 2, &MeshFrame::uv),
                                 array(".indices", "", Pod::u32, 1, &MeshFrame::uv_indices)}));
   if (ever_given(frames, &MeshFrame::colours))
-    members.push_back(compound(
-        ".arbGeomParams", "", {array("crease", colour_meaning, Pod::f32, 4, &MeshFrame::colours)}));
+    members.push_back(
+        compound(".arbGeomParams", "",
+                 {array("crease", colour_metadata, Pod::f32, 4, &MeshFrame::colours)}));
   return compound(".geom", mesh_schema, std::move(members));
 }
 
-/// The sheet as hosts expect it: the mesh under an Xform that does nothing but carry the name.
+/// The mesh below an Xform that carries the name and transforms nothing, as programs expect it.
 Object sheet_object(Archive& archive, const Mesh& mesh) {
   const char inherits = 1;
   Property inherited{".inherits",
                      "",
-                     Shape::scalar,
+                     PropertyType::scalar,
                      Pod::boolean,
                      1,
-                     Clock::still,
+                     TimeSampling::identity,
                      {store(archive, {&inherits, 1})},
                      {}};
   std::vector<Property> transform{

@@ -9,17 +9,18 @@
 #include <string>
 #include <vector>
 
-/// Meshes as the schemas of AbcGeom want them: which properties, of what type, with which texts.
+/// Triangle meshes as the AbcGeom schemas of Alembic define them: the properties of a mesh, their
+/// types and their metadata.
 namespace paperbake::alembic {
 
-/// min x y z, max x y z: the order of the file.
+/// A bounding box.
 struct Box {
   static constexpr double huge = std::numeric_limits<double>::max();
-  // of nothing; what readers expect of an empty mesh
+  // [m] min x y z, max x y z, as in the file; initially empty, as readers expect of an empty mesh
   std::array<double, 6> sides{huge, huge, huge, -huge, -huge, -huge};
 };
 
-/// The samples of one mesh at one frame.
+/// The stored samples of one mesh at one frame.
 struct MeshFrame {
   Box box;
   Sample bounds, points, velocities, normals, normal_indices, indices, counts, uv, uv_indices,
@@ -27,15 +28,15 @@ struct MeshFrame {
 };
 
 struct Mesh {
-  std::string name, label;  // as asked for, as stored
+  std::string name, label;  // as given by the caller, as written to the file
   std::vector<MeshFrame> frames;
 };
 
-/// Puts the values of a frame into the file: y up, faces clockwise, 32-bit floats.
+/// Stores the values of a frame in the file: y up, clockwise faces, 32-bit floats.
 MeshFrame store_frame(Archive&, const CacheFrame&);
 
-/// The archive with one Xform + PolyMesh for each mesh that has a frame; the longest has `frames`.
-/// Channels that no frame of a mesh gives are left out.
+/// The tree of the archive: an Xform and a PolyMesh for each mesh that has frames; `frames` is the
+/// largest number of frames. Channels that no frame of a mesh has are left out.
 Object archive_object(Archive&, const std::vector<Mesh>&, std::size_t frames);
 
 }  // namespace paperbake::alembic

@@ -13,30 +13,31 @@ namespace paperbake {
 namespace {
 
 using alembic::Pod;
-using alembic::Shape;
+using alembic::PropertyType;
 
-// twice the longest clip of a scene; frames that are the same take no room in the file
+// twice the longest clip of a scene; a limit is needed because equal frames take no space in the
+// file, so that a few bytes can claim any number of them
 constexpr std::size_t max_frames = 200000;
 
-/// A property as its header tells, and where its samples lie.
-struct Stored {
+/// What the header of a property says, and the block of its samples.
+struct PropertyHeader {
   std::string name;
-  Shape shape = Shape::compound;
+  PropertyType type = PropertyType::compound;
   Pod pod = Pod::boolean;
   std::uint32_t extent = 0;
-  // samples; which differ (alembic_archive.cpp: Changes)
+  // number of samples; the first and last change (alembic_archive.cpp: Changes)
   std::size_t count = 0, first = 0, last = 0;
   bool constant = false;
   OgawaBlock block = empty_group;
 
-  /// Which of the stored samples stands for sample i.
-  std::size_t place_of(std::size_t i) const {
+  /// Index of sample i among the stored samples.
+  std::size_t stored_index(std::size_t i) const {
     if (constant || i < first) return 0;
     return std::min(i, last) - first + (first > 0 ? 1 : 0);
   }
 };
 
-/// Takes numbers off the front of some bytes.
+/// Reads numbers from the front of a string of bytes.
 class Parser {
  public:
   Parser(const OgawaReader& file, std::string_view bytes) : file_(file), rest_(bytes) {}
@@ -64,22 +65,22 @@ class Parser {
   std::string_view rest_;
 };
 
-std::vector<Stored> properties_of(const OgawaReader& file, OgawaBlock compound) {
+std::vector<PropertyHeader> properties_of(const OgawaReader& file, OgawaBlock compound) {
   std::vector<OgawaBlock> children = file.group(compound);
   if (children.empty()) return {};
   const std::string headers = file.data(children.back());
   children.pop_back();
   Parser parser(file, headers);
-  std::vector<Stored> all;
+  std::vector<PropertyHeader> all;
   while (!parser.done()) {
     const auto info = parser.number<std::uint32_t>();
     const std::uint32_t width = 1u << std::min(info >> 2 & 3, 2u);
-    Stored p;
-    p.shape = static_cast<Shape>(std::min(info & 3, 2u));  // 3 is an array of one element
+    PropertyHeader p;
+    p.type = static_cast<PropertyType>(std::min(info & 3, 2u));  // 3 is an array with one element
     p.pod = static_cast<Pod>(info >> 4 & 15);
     p.extent = info >> 12 & 255;
     p.constant = info >> 11 & 1;
-    if (p.shape != Shape::compound) {
+    if (p.type != PropertyType::compound) {
       p.count = parser.number(width);
       p.first = 0, p.last = p.count ? p.count - 1 : 0;
       if (info >> 9 & 1) p.first = parser.number(width), p.last = parser.number(width);
@@ -96,15 +97,15 @@ std::vector<Stored> properties_of(const OgawaReader& file, OgawaBlock compound) 
   return all;
 }
 
-const Stored* find(const std::vector<Stored>& all, std::string_view name) {
+const PropertyHeader* find(const std::vector<PropertyHeader>& all, std::string_view name) {
   const auto found =
-      std::find_if(all.begin(), all.end(), [&](const Stored& p) { return p.name == name; });
+      std::find_if(all.begin(), all.end(), [&](const PropertyHeader& p) { return p.name == name; });
   return found == all.end() ? nullptr : &*found;
 }
 
 /// A channel of a mesh: its header and the blocks of its stored samples.
 struct Channel {
-  Stored header;
+  PropertyHeader header;
   std::vector<OgawaBlock> samples;
 };
 
@@ -116,7 +117,7 @@ struct NamedObject {
 std::vector<NamedObject> children_of(const OgawaReader& file, OgawaBlock object) {
   constexpr std::size_t hashes = 32;
   const std::vector<OgawaBlock> blocks = file.group(object);
-  if (blocks.size() < 2) file.refuse("An object is without its parts.");
+  if (blocks.size() < 2) file.refuse("An object lacks some of its parts.");
   const std::string names = file.data(blocks.back());
   if (names.size() < hashes) file.refuse("The names of an object's children are cut short.");
   Parser parser(file, std::string_view(names).substr(0, names.size() - hashes));
@@ -157,32 +158,34 @@ struct AlembicReader::Impl {
 
   void read_sheet(const NamedObject& transform) {
     const std::vector<NamedObject> shapes = children_of(file, transform.block);
-    if (shapes.size() != 1) file.refuse("Sheet \"" + transform.name + "\" is not one mesh.");
-    const std::vector<Stored> outer =
+    if (shapes.size() != 1)
+      file.refuse("Sheet \"" + transform.name + "\" does not consist of one mesh.");
+    const std::vector<PropertyHeader> outer =
         properties_of(file, properties_block(file, shapes.front().block));
-    const Stored* geometry = find(outer, ".geom");
-    if (!geometry || geometry->shape != Shape::compound)
-      file.refuse("Sheet \"" + transform.name + "\" is no mesh.");
-    const std::vector<Stored> members = properties_of(file, geometry->block);
+    const PropertyHeader* geometry = find(outer, ".geom");
+    if (!geometry || geometry->type != PropertyType::compound)
+      file.refuse("Sheet \"" + transform.name + "\" is not a mesh.");
+    const std::vector<PropertyHeader> members = properties_of(file, geometry->block);
     Mesh mesh;
     mesh.points = channel(members, "P", Pod::f32, 3);
     mesh.indices = channel(members, ".faceIndices", Pod::i32, 1);
     mesh.counts = channel(members, ".faceCounts", Pod::i32, 1);
     if (!mesh.points || !mesh.indices || !mesh.counts)
-      file.refuse("Sheet \"" + transform.name + "\" is without points or faces.");
+      file.refuse("Sheet \"" + transform.name + "\" has no points or no faces.");
     mesh.velocities = channel(members, ".velocities", Pod::f32, 3);
-    if (const Stored* normals = find(members, "N"); normals && normals->shape == Shape::compound) {
-      const std::vector<Stored> pair = properties_of(file, normals->block);
+    if (const PropertyHeader* normals = find(members, "N");
+        normals && normals->type == PropertyType::compound) {
+      const std::vector<PropertyHeader> pair = properties_of(file, normals->block);
       mesh.normals = channel(pair, ".vals", Pod::f32, 3);
       mesh.normal_indices = channel(pair, ".indices", Pod::u32, 1);
     } else {
       mesh.normals = channel(members, "N", Pod::f32, 3);
     }
-    if (const Stored* others = find(members, ".arbGeomParams");
-        others && others->shape == Shape::compound)
+    if (const PropertyHeader* others = find(members, ".arbGeomParams");
+        others && others->type == PropertyType::compound)
       mesh.colours = channel(properties_of(file, others->block), "crease", Pod::f32, 4);
-    if (const Stored* uv = find(members, "uv"); uv && uv->shape == Shape::compound) {
-      const std::vector<Stored> pair = properties_of(file, uv->block);
+    if (const PropertyHeader* uv = find(members, "uv"); uv && uv->type == PropertyType::compound) {
+      const std::vector<PropertyHeader> pair = properties_of(file, uv->block);
       mesh.uv = channel(pair, ".vals", Pod::f32, 2);
       mesh.uv_indices = channel(pair, ".indices", Pod::u32, 1);
     }
@@ -191,7 +194,7 @@ struct AlembicReader::Impl {
     sheet.frames = mesh.points->header.count;
     if (sheet.frames > max_frames)
       file.refuse("Sheet \"" + transform.name + "\" has " + std::to_string(sheet.frames) +
-                  " frames: more than anybody bakes.");
+                  " frames; the limit is " + std::to_string(max_frames) + ".");
     sheet.constant_topology = mesh.indices->samples.size() == 1 && mesh.counts->samples.size() == 1;
     sheet.velocity = mesh.velocities.has_value(), sheet.normal = mesh.normals.has_value(),
     sheet.uv = mesh.uv.has_value(), sheet.crease = mesh.colours.has_value();
@@ -199,18 +202,18 @@ struct AlembicReader::Impl {
     meshes.push_back(std::move(mesh));
   }
 
-  std::optional<Channel> channel(const std::vector<Stored>& members, std::string_view name, Pod pod,
-                                 std::uint32_t extent) const {
-    const Stored* header = find(members, name);
+  std::optional<Channel> channel(const std::vector<PropertyHeader>& members, std::string_view name,
+                                 Pod pod, std::uint32_t extent) const {
+    const PropertyHeader* header = find(members, name);
     if (!header) return std::nullopt;
-    if (header->shape != Shape::array || header->pod != pod || header->extent != extent)
-      file.refuse("Property \"" + std::string(name) + "\" is not of the type it should be.");
-    // of each sample: data, dimensions
+    if (header->type != PropertyType::array || header->pod != pod || header->extent != extent)
+      file.refuse("Property \"" + std::string(name) + "\" does not have the expected type.");
+    // two blocks for each sample: data and dimensions
     const std::vector<OgawaBlock> blocks = file.group(header->block);
     Channel c{*header, {}};
     for (std::size_t k = 0; k < blocks.size(); k += 2) c.samples.push_back(blocks[k]);
-    if (header->count > 0 && header->place_of(header->count - 1) >= c.samples.size())
-      file.refuse("Property \"" + std::string(name) + "\" is without some of its samples.");
+    if (header->count > 0 && header->stored_index(header->count - 1) >= c.samples.size())
+      file.refuse("Property \"" + std::string(name) + "\" lacks some of its samples.");
     return c;
   }
 
@@ -238,30 +241,30 @@ struct AlembicReader::Impl {
     for (int sampling = 0; sampling < 2; ++sampling) {
       parser.number<std::uint32_t>();
       step = parser.number<double>();
-      if (parser.number<std::uint32_t>() != 1) file.refuse("Its times are not evenly spaced.");
+      if (parser.number<std::uint32_t>() != 1) file.refuse("Its sample times are not uniform.");
       start = parser.number<double>();
     }
     const double first = start * info.fps, frames = step * info.fps;
     if (!(std::abs(first) < 1e9 && frames > 0.5 && frames < 1e9))
-      file.refuse("Its times are not those of frames.");
+      file.refuse("Its sample times do not fall on frames.");
     info.first_frame = static_cast<int>(std::lround(first));
     info.frame_step = static_cast<int>(std::lround(frames));
   }
 
-  /// The bytes of a sample, which must have the key that stands before them.
+  /// The bytes of a sample. They must match the key that is stored before them.
   std::string bytes(const Channel& channel, std::size_t i) const {
     if (channel.header.count == 0) return {};
-    const std::string stored =
-        file.data(channel.samples[channel.header.place_of(std::min(i, channel.header.count - 1))]);
+    const std::string stored = file.data(
+        channel.samples[channel.header.stored_index(std::min(i, channel.header.count - 1))]);
     ContentKey key{};
     if (stored.empty()) return {};
     if (stored.size() < key.size())
       file.refuse("A sample of \"" + channel.header.name + "\" is cut short.");
     std::memcpy(key.data(), stored.data(), key.size());
     std::string values = stored.substr(key.size());
-    if (key != murmur(values))
+    if (key != paperbake::content_hash(values))
       file.refuse("A sample of \"" + channel.header.name +
-                  "\" is damaged: its key is that of other bytes.");
+                  "\" is damaged: its bytes do not match their hash.");
     return values;
   }
 
@@ -270,7 +273,7 @@ struct AlembicReader::Impl {
     const std::string raw = bytes(channel, i);
     std::vector<Number> values(raw.size() / sizeof(Number));
     if (values.size() * sizeof(Number) != raw.size() || values.size() % channel.header.extent != 0)
-      file.refuse("A sample of \"" + channel.header.name + "\" does not hold whole elements.");
+      file.refuse("A sample of \"" + channel.header.name + "\" ends within an element.");
     if (!values.empty()) std::memcpy(values.data(), raw.data(), raw.size());
     return values;
   }
@@ -284,11 +287,11 @@ struct AlembicReader::Impl {
     return rows;
   }
 
-  /// Rows of three numbers below `count`, each row from its end.
+  /// Rows of three indices below `count`, each row in reverse order.
   Triangles reversed(const std::vector<std::int32_t>& corners, Eigen::Index count) const {
     const auto inside = [&](std::int32_t v) { return v >= 0 && v < count; };
     if (corners.size() % 3 != 0 || !std::all_of(corners.begin(), corners.end(), inside))
-      file.refuse("A face has a corner that is not there.");
+      file.refuse("A face refers to a vertex that does not exist.");
     Triangles all(corners.size() / 3, 3);
     for (Eigen::Index t = 0; t < all.rows(); ++t)
       all.row(t) << corners[3 * t + 2], corners[3 * t + 1], corners[3 * t];
@@ -300,14 +303,14 @@ struct AlembicReader::Impl {
                                     counts = numbers<std::int32_t>(*mesh.counts, i);
     const auto three = [](std::int32_t n) { return n == 3; };
     if (!std::all_of(counts.begin(), counts.end(), three) || corners.size() != 3 * counts.size())
-      file.refuse("There are faces that are no triangles.");
+      file.refuse("Some faces are not triangles.");
     return reversed(corners, vertices);
   }
 
   Eigen::VectorXd crease(const Mesh& mesh, std::size_t i, Eigen::Index vertices) const {
     const std::vector<float> rgba = numbers<float>(*mesh.colours, i);
     if (static_cast<Eigen::Index>(rgba.size()) != 4 * vertices)
-      file.refuse("There is not one colour for each vertex.");
+      file.refuse("It does not have one colour for each vertex.");
     Eigen::VectorXd angle(vertices);
     for (Eigen::Index v = 0; v < vertices; ++v) angle[v] = M_PI / 2 * rgba[4 * v];
     return angle;
@@ -317,7 +320,7 @@ struct AlembicReader::Impl {
     const std::vector<float> v = numbers<float>(*mesh.uv, i);
     if (static_cast<Eigen::Index>(v.size()) != 2 * vertices ||
         (mesh.uv_indices && bytes(*mesh.uv_indices, i) != bytes(*mesh.indices, i)))
-      file.refuse("There is not one uv for each vertex.");
+      file.refuse("It does not have one uv for each vertex.");
     Points2 rows(vertices, 2);
     for (Eigen::Index r = 0; r < vertices; ++r) rows.row(r) << v[2 * r], v[2 * r + 1];
     return rows;
@@ -348,7 +351,7 @@ CacheFrame AlembicReader::frame(std::size_t sheet, std::size_t i) const {
 }
 
 std::string AlembicReader::content_hash(std::size_t sheet, std::size_t i) const {
-  return hex(murmur(impl_->bytes(*impl_->meshes.at(sheet).points, i)));
+  return hex(paperbake::content_hash(impl_->bytes(*impl_->meshes.at(sheet).points, i)));
 }
 
 }  // namespace paperbake

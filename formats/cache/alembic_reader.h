@@ -10,30 +10,31 @@
 
 namespace paperbake {
 
-/// Reads back what AlembicWriter writes: triangle meshes, each under an Xform that carries its
-/// name. It is the writer's other half, not a reader of Alembic at large: what the writer does not
-/// write is refused. Whatever the bytes are, a call returns or throws. All functions throw
-/// Error(Fault::scene) that names the file, the place in it and what is wrong.
+/// Reads the caches of AlembicWriter: triangle meshes, each below an Xform that carries its name.
+/// It is not a general Alembic reader: what the writer does not write is refused. Every function
+/// returns or throws for any bytes whatsoever; it throws Error(ErrorCode::scene) with the file and
+/// what is wrong with it.
 class AlembicReader {
  public:
   struct Sheet {
-    std::string name;  // of the Xform
+    std::string name;  // name of the Xform
     std::size_t frames = 0;
-    bool constant_topology = false;  // faces are stored once
+    bool constant_topology = false;  // the faces are stored once
     bool velocity = false, normal = false, uv = false, crease = false;
   };
 
   explicit AlembicReader(const std::filesystem::path&);
   ~AlembicReader();
 
-  const CacheInfo& info() const;  // frame_step and first_frame from the stored times
+  const CacheInfo& info() const;  // frame_step and first_frame follow from the stored times
   const std::vector<Sheet>& sheets() const;
 
-  /// z up, faces counter-clockwise, as it was given to the writer but for the rounding to 32 bits;
-  /// creases up to a right angle.
+  /// Frame i of a sheet as it was given to the writer: z up, counter-clockwise faces. Numbers are
+  /// rounded to 32 bits, creases limited to a right angle.
   CacheFrame frame(std::size_t sheet, std::size_t i) const;
 
-  /// As AlembicWriter::add_frame returned it, made anew from the stored positions.
+  /// What AlembicWriter::add_frame returned for this frame, computed again from the stored
+  /// positions.
   std::string content_hash(std::size_t sheet, std::size_t i) const;
 
  private:

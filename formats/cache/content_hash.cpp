@@ -6,7 +6,7 @@ namespace paperbake {
 namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-              "keys and files are little-endian; words are copied as they lie");
+              "keys and files are little-endian; words are copied from memory");
 
 constexpr std::uint64_t c1 = 0x87c37b91114253d5, c2 = 0x4cf5ad432745937f;
 
@@ -22,14 +22,15 @@ Words words_at(const char* bytes) {
 
 std::uint64_t rotated(std::uint64_t word, int bits) { return word << bits | word >> (64 - bits); }
 
-void stir(Words& h, const Words& block) {
+void mix_into(Words& h, const Words& block) {
   h.low ^= rotated(block.low * c1, 31) * c2;
   h.high ^= rotated(block.high * c2, 33) * c1;
 }
 
-/// Takes in 16 bytes: the lower half is finished before the upper one, which it feeds.
-void take_in(Words& h, const Words& block) {
-  stir(h, block);
+/// Updates the state with a block of 16 bytes. The lower half is finished first because the upper
+/// half depends on it.
+void absorb_block(Words& h, const Words& block) {
+  mix_into(h, block);
   h.low = (rotated(h.low, 27) + h.high) * 5 + 0x52dce729;
   h.high = (rotated(h.high, 31) + h.low) * 5 + 0x38495ab5;
 }
@@ -40,27 +41,27 @@ std::uint64_t avalanche(std::uint64_t word) {
   return word ^ word >> 33;
 }
 
-void exchange(Words& h) {
+void add_halves(Words& h) {
   h.low += h.high;
   h.high += h.low;
 }
 
 }  // namespace
 
-ContentKey murmur(std::string_view bytes) {
+ContentKey content_hash(std::string_view bytes) {
   Words h{0, 0};
   const std::size_t whole = bytes.size() / 16 * 16;
-  for (std::size_t at = 0; at < whole; at += 16) take_in(h, words_at(bytes.data() + at));
+  for (std::size_t at = 0; at < whole; at += 16) absorb_block(h, words_at(bytes.data() + at));
 
-  char rest[16] = {};  // a zero word stirs nothing, so the padding does not count
+  char rest[16] = {};  // mixing in a zero word changes nothing, so the padding has no effect
   bytes.substr(whole).copy(rest, sizeof rest);
-  stir(h, words_at(rest));
+  mix_into(h, words_at(rest));
 
   h.low ^= bytes.size();
   h.high ^= bytes.size();
-  exchange(h);
+  add_halves(h);
   h = {avalanche(h.low), avalanche(h.high)};
-  exchange(h);
+  add_halves(h);
 
   ContentKey key;
   std::memcpy(key.data(), &h, key.size());

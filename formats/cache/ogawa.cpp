@@ -6,11 +6,11 @@ namespace paperbake {
 namespace {
 
 static_assert(__BYTE_ORDER__ == __ORDER_LITTLE_ENDIAN__,
-              "Ogawa is little-endian; numbers are written as they lie in memory");
+              "Ogawa is little-endian; numbers are copied from memory");
 
 // format version 1, no root yet
 constexpr std::string_view unfinished_head{"Ogawa\x00\x00\x01\0\0\0\0\0\0\0\0", 16};
-// places in the head
+// [bytes] positions in the head
 constexpr std::uint64_t finished_at = 5, root_at = 8;
 
 }  // namespace
@@ -38,8 +38,8 @@ OgawaBlock OgawaWriter::group(const std::vector<OgawaBlock>& children) {
   return block;
 }
 
-void OgawaWriter::cut(std::uint64_t end) {
-  file_.cut(end);
+void OgawaWriter::truncate(std::uint64_t end) {
+  file_.truncate(end);
   end_ = end;
 }
 

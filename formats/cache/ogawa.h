@@ -11,37 +11,39 @@
 
 namespace paperbake {
 
-/// A block of an Ogawa file as a group refers to it: its position, and the top bit when it is data.
+/// A reference to a block of an Ogawa file: its position in bytes, with the top bit set when the
+/// block is data and clear when it is a group.
 using OgawaBlock = std::uint64_t;
 inline constexpr OgawaBlock empty_group = 0;
 inline constexpr OgawaBlock empty_data = OgawaBlock{1} << 63;
 
-/// The bytes of a number as an Ogawa file has them (little-endian); a view of `value`.
+/// A view of the bytes of a number, which are those of an Ogawa file (little-endian).
 template <class Number>
 std::string_view bytes_of(const Number& value) {
   static_assert(std::is_arithmetic_v<Number>);
   return {reinterpret_cast<const char*>(&value), sizeof value};
 }
 
-/// Streams the container under Alembic: a tree of groups over blocks of data, each child before its
-/// group. Nothing but positions stays with the caller, and a block may be put into several groups.
-/// The file appears under its name in commit(); before that it is NAME.part, marked as unfinished,
-/// and without commit() it vanishes with the writer. All functions throw Error(Fault::folder);
-/// after that the writer can only be cut, or destroyed.
+/// Writes Ogawa, the container format of Alembic: a tree of groups whose leaves are blocks of data.
+/// Children are written before their group; the caller keeps only their positions, and several
+/// groups may share a block. The file is an AtomicFile: until commit() it is NAME.part and marked
+/// as unfinished. All functions throw Error(ErrorCode::folder); after that only truncate() and the
+/// destructor may be called.
 class OgawaWriter {
  public:
   explicit OgawaWriter(std::filesystem::path);
 
-  /// A block of the parts one after another; empty_data, and nothing written, when there are no
-  /// bytes in them.
+  /// Writes a block of data that consists of the parts one after another. Without any bytes it
+  /// writes nothing and returns empty_data.
   OgawaBlock data(std::initializer_list<std::string_view> parts);
 
-  /// A group of blocks written before; empty_group, and nothing written, when there are none.
+  /// Writes a group of blocks that are in the file. Without children it writes nothing and returns
+  /// empty_group.
   OgawaBlock group(const std::vector<OgawaBlock>& children);
 
-  /// How much is written, and back to that: blocks from there on are forgotten.
+  /// The end of what is written [bytes]; truncate() drops all blocks from there on.
   std::uint64_t end() const { return end_; }
-  void cut(std::uint64_t end);
+  void truncate(std::uint64_t end);
   void flush() { file_.flush(); }
 
   /// Marks the file as finished, with `root` as its outermost group, and gives it its name.
@@ -50,7 +52,7 @@ class OgawaWriter {
  private:
   void append(std::string_view bytes);
 
-  WholeFile file_;
+  AtomicFile file_;
   std::uint64_t end_ = 0;  // [bytes] written so far
 };
 

@@ -25,8 +25,8 @@ OgawaReader::OgawaReader(std::filesystem::path path)
   std::array<unsigned char, 8> head{};
   if (size_ >= head_size) read(0, head.data(), head.size());
   if (head[0] == 'O' && head[5] == 0 && size_ >= head_size)
-    refuse("The cache was not finished when it was written.");
-  if (head != finished_head) refuse("This is no Alembic (Ogawa) file.");
+    refuse("The cache is unfinished: writing it was interrupted.");
+  if (head != finished_head) refuse("This is not an Alembic (Ogawa) file.");
   read(8, &root_, sizeof root_);
 }
 
@@ -38,12 +38,12 @@ std::string OgawaReader::data(OgawaBlock block) const {
 }
 
 std::uint64_t OgawaReader::data_size(OgawaBlock block) const {
-  if (!is_data(block)) refuse("A group stands where data should.");
+  if (!is_data(block)) refuse("There is a group where data is expected.");
   return block == empty_data ? 0 : count_at(block & ~empty_data, 1);
 }
 
 std::vector<OgawaBlock> OgawaReader::group(OgawaBlock block) const {
-  if (is_data(block)) refuse("Data stand where a group should.");
+  if (is_data(block)) refuse("There is data where a group is expected.");
   if (block == empty_group) return {};
   std::vector<OgawaBlock> children(count_at(block, sizeof(OgawaBlock)));
   if (!children.empty())
@@ -51,8 +51,8 @@ std::vector<OgawaBlock> OgawaReader::group(OgawaBlock block) const {
   return children;
 }
 
-/// The number of things, of so many bytes each, that a block at this position says it has; no more
-/// than the file can hold.
+/// The number of items, each of bytes_each bytes, in the block at this position. Refuses a number
+/// of items that the rest of the file cannot hold.
 std::uint64_t OgawaReader::count_at(std::uint64_t position, std::uint64_t bytes_each) const {
   std::uint64_t count = 0;
   if (position < head_size) refuse("A block lies in the head of the file.");

@@ -10,9 +10,9 @@
 
 namespace paperbake {
 
-/// Reads what OgawaWriter writes. Nothing in the file is trusted: whatever the bytes are, a call
-/// returns or throws. All functions throw Error(Fault::scene) that names the file and what is wrong
-/// with it.
+/// Reads the files of OgawaWriter. Nothing in the file is trusted: every function returns or throws
+/// for any bytes whatsoever; it throws Error(ErrorCode::scene) with the file and what is wrong with
+/// it.
 class OgawaReader {
  public:
   explicit OgawaReader(std::filesystem::path);

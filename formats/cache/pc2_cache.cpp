@@ -9,14 +9,14 @@
 namespace paperbake {
 namespace {
 
-/// The head of a .pc2, little-endian.
-struct Head {
+/// The header of a .pc2, little-endian.
+struct Header {
   char signature[12] = "POINTCACHE2";
   std::int32_t version = 1, points = 0;
-  float start = 0, rate = 1;  // frame of the first sample; frames a sample
+  float start = 0, rate = 1;  // frame of the first sample; frames per sample
   std::int32_t samples = 0;
 };
-static_assert(sizeof(Head) == 32);
+static_assert(sizeof(Header) == 32);
 
 std::string rest_obj(const CacheFrame& frame, double longer_side) {
   std::string text = "# the flat pattern, in metres\n";
@@ -38,7 +38,7 @@ std::string rest_obj(const CacheFrame& frame, double longer_side) {
 Pc2Writer::Pc2Writer(const std::filesystem::path& cache, const std::filesystem::path& rest,
                      const CacheInfo& info)
     : path_(cache), cache_(cache), rest_(rest), info_(info) {
-  const Head unfinished;
+  const Header unfinished;
   cache_.write(&unfinished, sizeof unfinished);
 }
 
@@ -50,15 +50,16 @@ void Pc2Writer::add_frame(const CacheFrame& frame, double longer_side) {
   }
   if (frame.x.rows() != points_ || frame.triangles.rows() != triangles_.rows() ||
       frame.triangles != triangles_)
-    throw Error(Fault::command, path_.string(),
-                "A point cache has one mesh for the whole shot; this bake's changes.",
-                "Leave out --mesh simulation, or pc2.");
+    throw Error(
+        Fault::command, path_.string(),
+        "A point cache needs one mesh for the whole shot, but the mesh of this bake changes.",
+        "Leave out either --mesh simulation or the format pc2.");
   const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> x = frame.x.cast<float>();
   try {
     cache_.write(x.data(), sizeof(float) * x.size());
     cache_.flush();
   } catch (const Error&) {
-    cache_.cut(sizeof(Head) + std::uint64_t(samples_) * sizeof(float) * x.size());
+    cache_.truncate(sizeof(Header) + std::uint64_t(samples_) * sizeof(float) * x.size());
     throw;
   }
   ++samples_;
@@ -66,12 +67,12 @@ void Pc2Writer::add_frame(const CacheFrame& frame, double longer_side) {
 
 std::size_t Pc2Writer::finish() {
   if (samples_ == 0) return 0;
-  Head head;
-  head.points = points_;
-  head.start = static_cast<float>(info_.first_frame),
-  head.rate = static_cast<float>(info_.frame_step);
-  head.samples = samples_;
-  cache_.write_at(0, &head, sizeof head);
+  Header header;
+  header.points = points_;
+  header.start = static_cast<float>(info_.first_frame),
+  header.rate = static_cast<float>(info_.frame_step);
+  header.samples = samples_;
+  cache_.write_at(0, &header, sizeof header);
   rest_.commit();
   cache_.commit();
   return samples_;

@@ -12,13 +12,14 @@
 namespace paperbake {
 namespace {
 
-/// Text that waits on the disk until it is its turn.
+/// Text that is kept in a temporary file until it can be written to the layer.
 class Spool {
  public:
   Spool() : file_(std::tmpfile()) {
     if (!file_)
-      throw Error(Fault::folder, "temporary files", "The system does not give one.",
-                  "Make room in the folder for temporary files (TMPDIR).");
+      throw Error(
+          Fault::folder, "temporary files", "A temporary file cannot be created.",
+          "Check free space and write permission of the folder for temporary files (TMPDIR).");
   }
   ~Spool() { std::fclose(file_); }
   Spool(const Spool&) = delete;
@@ -26,10 +27,11 @@ class Spool {
 
   void write(std::string_view text) {
     if (std::fwrite(text.data(), 1, text.size(), file_) != text.size())
-      throw Error(Fault::folder, "temporary files", "There is no room for more.",
-                  "Make room in the folder for temporary files (TMPDIR).");
+      throw Error(
+          Fault::folder, "temporary files", "A temporary file cannot be written.",
+          "Check free space and write permission of the folder for temporary files (TMPDIR).");
   }
-  void copy_to(WholeFile& out) {
+  void copy_to(AtomicFile& out) {
     std::rewind(file_);
     char buffer[1 << 16];
     while (const std::size_t count = std::fread(buffer, 1, sizeof buffer, file_))
@@ -40,10 +42,10 @@ class Spool {
   std::FILE* file_;
 };
 
-/// One attribute over time.
+/// An attribute of a mesh over time.
 struct Attribute {
   std::string declaration, interpolation;  // "point3f[] points"; "vertex" or empty
-  std::string first;                       // its value in the first frame
+  std::string first;                       // value in the first frame
   bool varies = false;
   std::unique_ptr<Spool> samples = std::make_unique<Spool>();
 };
@@ -69,7 +71,8 @@ std::string quoted(const std::string& text) {
   return result + '"';
 }
 
-/// [(x, y, z), ...] y up, each number the shortest that reads back as the same 32 bits.
+/// [(x, y, z), ...] with y up; each number has the fewest digits that read back as the same 32-bit
+/// float.
 std::string vectors(const Points3& rows) {
   std::string text = "[";
   auto out = std::back_inserter(text);
@@ -112,7 +115,7 @@ std::string threes(Eigen::Index count) {
 }
 
 Points3 corners_of_box(const Points3& x) {
-  Points3 box(2, 3);  // y up turns the sign of z, and with it which corner is the lower one
+  Points3 box(2, 3);  // y up negates the old y, so its upper bound belongs to the lower corner
   if (x.rows() == 0) return box.setZero();
   const Eigen::RowVector3d low = x.colwise().minCoeff(), high = x.colwise().maxCoeff();
   box << low.x(), high.y(), low.z(), high.x(), low.y(), high.z();
@@ -122,7 +125,7 @@ Points3 corners_of_box(const Points3& x) {
 }  // namespace
 
 struct UsdWriter::Impl {
-  WholeFile file;
+  AtomicFile file;
   CacheInfo info;
   std::vector<UsdSheet> sheets;
 
@@ -156,7 +159,7 @@ struct UsdWriter::Impl {
 
 UsdWriter::UsdWriter(const std::filesystem::path& path, const CacheInfo& info,
                      const std::vector<std::string>& sheet_names)
-    : impl_(new Impl{WholeFile(path), info, {}}) {
+    : impl_(new Impl{AtomicFile(path), info, {}}) {
   std::set<std::string> taken;
   for (const std::string& name : sheet_names) {
     std::string label = identifier(name);
@@ -194,7 +197,7 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
 }
 
 void UsdWriter::finish() {
-  WholeFile& file = impl_->file;
+  AtomicFile& file = impl_->file;
   const CacheInfo& info = impl_->info;
   std::size_t frames = 0;
   for (const UsdSheet& sheet : impl_->sheets) frames = std::max(frames, sheet.frames);

@@ -9,25 +9,27 @@
 
 namespace paperbake {
 
-/// Writes the same frames as AlembicWriter as a USD layer in text (.usda): a mesh /shot/SHEET each,
-/// y up, metres, time codes = frames, velocities a second, primvars:crease in radians, and a
-/// primvar for each layer of the frames. What is the same in all frames is stored once. Every
-/// attribute's samples wait in a nameless file of their own, because a layer wants them one after
-/// another; the layer itself appears whole or not at all. The same calls write the same bytes.
-/// source  usda as OpenUSD 26 reads it
+/// Writes the frames of AlembicWriter as a USD layer in text form (.usda): a mesh /shot/SHEET for
+/// each sheet, y up, metres, time codes = frame numbers, velocities in m/s, primvars:crease in
+/// radians, and a primvar for each CacheLayer. A value that is equal in all frames is stored once.
+/// A layer lists the samples of one attribute after another, so those of each attribute are spooled
+/// to a temporary file of their own. The layer is an AtomicFile. The same calls write the same
+/// bytes.
+/// source  the usda format as OpenUSD 26 reads it
 class UsdWriter {
  public:
-  /// Names become identifiers: letters, digits, `_`. throws Error(Fault::folder) when the file
-  /// cannot be made.
+  /// Names become identifiers: characters other than ASCII letters and digits become `_`, and a
+  /// name that begins with a digit gets one in front. throws Error(ErrorCode::folder) when the file
+  /// cannot be created
   UsdWriter(const std::filesystem::path&, const CacheInfo&,
             const std::vector<std::string>& sheet_names);
   ~UsdWriter();
 
-  /// Appends the next frame of a sheet. Values must be finite. throws Error(Fault::folder) when the
-  /// disk is full.
+  /// Appends the next frame of a sheet. Values must be finite. throws Error(ErrorCode::folder) when
+  /// the disk is full
   void add_frame(std::size_t sheet, const CacheFrame&);
 
-  /// Gives the file its name; the last call.
+  /// Writes the layer and gives the file its name; must be the last call.
   void finish();
 
  private:

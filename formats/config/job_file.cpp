@@ -13,10 +13,11 @@
 namespace paperbake {
 namespace {
 
-constexpr double whole_limit = 2147483647, farthest = 10;  // [m] on any pattern
-constexpr std::size_t max_pins = 1000;
+constexpr double whole_limit = 2147483647;  // the largest int
+constexpr double max_coordinate = 10;       // [m] on a pattern
+constexpr std::size_t max_entries = 1000;   // of one list
 
-/// The texts of an array, joined by commas; none when there is something else in it.
+/// The texts of an array, joined by commas; nothing when one of its elements is not a text.
 std::optional<std::string> joined(const toml::array& list) {
   std::string text;
   for (const toml::node& node : list) {
@@ -26,7 +27,7 @@ std::optional<std::string> joined(const toml::array& list) {
   return text;
 }
 
-/// What is written there as a word of the command line would say it; none when its type is another.
+/// The value of a node as it would be typed on the command line; nothing when its type is wrong.
 std::optional<std::string> as_text(const JobKey& key, const toml::node& node) {
   switch (key.kind) {
     case JobKey::number:
@@ -53,7 +54,7 @@ std::vector<std::string> names_of(const std::vector<JobKey>& keys) {
   return names;
 }
 
-/// The values of a table for these keys, in order of the keys.
+/// The values that a table has for these keys, in order of the keys.
 std::vector<JobValue> read_values(const TomlDocument& document, const toml::table& table,
                                   const std::vector<JobKey>& keys) {
   std::vector<JobValue> values;
@@ -75,7 +76,8 @@ std::vector<JobValue> read_values(const TomlDocument& document, const toml::tabl
   return values;
 }
 
-/// Lists of `count` numbers: [[0.1, 0.2], ...]. Each at most `farthest` from zero.
+/// A list of lists of `count` numbers: [[0.1, 0.2], ...], each of magnitude `max_coordinate` at
+/// most.
 std::vector<std::vector<double>> read_rows(const TomlDocument& document, const toml::node& node,
                                            const std::string& key, std::size_t count,
                                            const char* what) {
@@ -84,7 +86,7 @@ std::vector<std::vector<double>> read_rows(const TomlDocument& document, const t
          fmt::format("\"{}\" must be a list of {} in metres.", key, what));
   };
   const toml::array* list = node.as_array();
-  if (!list || list->empty() || list->size() > max_pins) refuse(node);
+  if (!list || list->empty() || list->size() > max_entries) refuse(node);
   std::vector<std::vector<double>> rows;
   for (const toml::node& entry : *list) {
     const toml::array* numbers = entry.as_array();
@@ -92,7 +94,7 @@ std::vector<std::vector<double>> read_rows(const TomlDocument& document, const t
     rows.emplace_back();
     for (const toml::node& number : *numbers) {
       const auto value = number.is_number() ? number.value<double>() : std::nullopt;
-      if (!value || !(std::abs(*value) <= farthest)) refuse(number);
+      if (!value || !(std::abs(*value) <= max_coordinate)) refuse(number);
       rows.back().push_back(*value);
     }
   }
@@ -111,7 +113,7 @@ PrescribedCrease read_crease(const TomlDocument& document, const toml::node& nod
   for (const auto& p : read_rows(document, *line, "line", 2, "points [u, v]"))
     crease.line.emplace_back(p[0], p[1]);
   if (crease.line.size() < 2)
-    fail(document, line->source().begin, "A crease needs two points or more.");
+    fail(document, line->source().begin, "A crease needs at least two points.");
   const JobKey angle{"angle", JobKey::number, -170, 170};
   for (const JobValue& value : read_values(document, *table, {angle}))
     crease.angle = std::stod(value.text) * M_PI / 180;
@@ -134,7 +136,7 @@ std::vector<PrescribedCrease> read_creases(const TomlDocument& document, const t
   const toml::node* node = table.get("crease");
   if (!node) return creases;
   const toml::array* list = node->as_array();
-  if (!list || list->size() > max_pins)
+  if (!list || list->size() > max_entries)
     fail(document, node->source().begin,
          "\"crease\" must be a list of tables: [{line = [[0, 0.05], [0.1, 0.05]], angle = 30}].");
   for (const toml::node& crease : *list) creases.push_back(read_crease(document, crease));
@@ -160,19 +162,19 @@ std::vector<JobSection> read_sections(const TomlDocument& document, const char* 
   for (const auto& [name, node] : *all) {
     const toml::table* table = node.as_table();
     if (!table)
-      fail(document, place_of(name, node),
-           fmt::format("Values for {}s stand under their names: {}.", kind, form));
+      fail(document, position_of(name, node),
+           fmt::format("Values for {}s must stand under their names: {}.", kind, form));
     std::vector<std::string> known = names_of(keys);
     known.insert(known.end(), pins.begin(), pins.end());
     refuse_unknown_keys(document, *table, known);
-    const toml::source_position at = place_of(name, node);
+    const toml::source_position at = position_of(name, node);
     sections.push_back(
         {at,
          {std::string(name.str()), place_in(document, at), read_values(document, *table, keys),
           read_pins(document, *table), read_creases(document, *table)}});
   }
   std::sort(sections.begin(), sections.end(),
-            [](const auto& a, const auto& b) { return stands_before(a.first, b.first); });
+            [](const auto& a, const auto& b) { return precedes(a.first, b.first); });
   std::vector<JobSection> sorted;
   for (auto& section : sections) sorted.push_back(std::move(section.second));
   return sorted;
@@ -211,7 +213,7 @@ std::optional<std::string> canonical(const JobKey& key, const std::string& text)
                                                           : std::from_chars(from, to, whole);
     if (key.kind == JobKey::whole) value = static_cast<double>(whole);
     if (failed != std::errc() || end != to || !std::isfinite(value) ||
-        !(value >= key.least && value <= key.most))
+        !(value >= key.min && value <= key.max))
       return std::nullopt;
     return key.kind == JobKey::number ? toml_number(value) : fmt::format("{}", whole);
   }
@@ -223,23 +225,23 @@ std::optional<std::string> canonical(const JobKey& key, const std::string& text)
 }
 
 std::string expected(const JobKey& key) {
-  const bool below = std::isfinite(key.most), above = std::isfinite(key.least);
+  const bool below = std::isfinite(key.max), above = std::isfinite(key.min);
   const char* kind = key.kind == JobKey::whole ? "a whole number" : "a number";
   switch (key.kind) {
     case JobKey::number:
     case JobKey::whole:
-      if (key.least == above_zero) return fmt::format("{} above zero", kind);
-      if (above && below && std::abs(key.least) < whole_limit)
-        return fmt::format("{} from {} to {}", kind, key.least, key.most);
-      return above && !below ? fmt::format("{} from {} on", kind, key.least) : kind;
+      if (key.min == above_zero) return fmt::format("{} above zero", kind);
+      if (above && below && std::abs(key.min) < whole_limit)
+        return fmt::format("{} from {} to {}", kind, key.min, key.max);
+      return above && !below ? fmt::format("{} from {} on", kind, key.min) : kind;
     case JobKey::flag:
       return "true or false";
     case JobKey::word:
       return fmt::format("one of {}", fmt::join(key.words, ", "));
     case JobKey::list:
-      return "a list of texts in quotes";
+      return "a list of quoted texts";
     default:
-      return "a text in quotes";
+      return "a quoted text";
   }
 }
 
@@ -250,8 +252,8 @@ JobFile read_job(const std::filesystem::path& path, const std::vector<JobKey>& k
   refuse_unknown_keys(document, document.root, known);
 
   std::vector<JobKey> paper;
-  for (const Quantity& quantity : quantities)
-    paper.push_back({quantity.key, JobKey::number, quantity.least, quantity.most});
+  for (const PaperParameter& parameter : paper_parameters)
+    paper.push_back({parameter.key, JobKey::number, parameter.min, parameter.max});
   JobFile job;
   job.values = read_values(document, document.root, keys);
   if (const toml::table* table = table_at(document, document.root, "paper", "[paper]")) {

@@ -15,27 +15,28 @@ template <class T>
 T value_of(const toml::table& table, const char* key, const std::string& place) {
   const auto value = table[key].template value<T>();
   if (!value)
-    throw Error(Fault::command, place, fmt::format("It has no \"{}\".", key),
-                "Bake again: the file is not one that this version writes.");
+    throw Error(Fault::command, place, fmt::format("The key \"{}\" is missing.", key),
+                "Bake again: this version of paperbake did not write this file.");
   return *value;
 }
 
 const toml::table& table_of(const toml::table& root, const char* key, const std::string& place) {
   const toml::table* table = root[key].as_table();
   if (!table)
-    throw Error(Fault::command, place, fmt::format("It has no table [{}].", key),
-                "Bake again: the file is not one that this version writes.");
+    throw Error(Fault::command, place, fmt::format("The table [{}] is missing.", key),
+                "Bake again: this version of paperbake did not write this file.");
   return *table;
 }
 
 Paper paper_of(const toml::table& table, const std::string& place) {
   Paper paper;
   paper.name = value_of<std::string>(table, "preset", place);
-  for (const Quantity& quantity : quantities) {
-    if (!quantity.required && !table.contains(quantity.key)) continue;
-    const double value = value_of<double>(table, quantity.key, place);
-    if (!quantity.holds(value)) throw Error(Fault::command, place, out_of_bounds(quantity, value));
-    quantity.set(paper, value);
+  for (const PaperParameter& parameter : paper_parameters) {
+    if (!parameter.required && !table.contains(parameter.key)) continue;
+    const double value = value_of<double>(table, parameter.key, place);
+    if (!parameter.accepts(value))
+      throw Error(Fault::command, place, out_of_bounds(parameter, value));
+    parameter.set(paper, value);
   }
   return paper;
 }
@@ -54,8 +55,9 @@ LockedJob read_lock(const std::filesystem::path& path) {
   if (!(job.fps > 0) || !std::isfinite(job.fps) || !std::isfinite(job.gravity) || !(job.stop > 0))
     throw Error(
         Fault::command, path.string(),
-        fmt::format("No shot has {} frames a second, a gravity of {} m/s2 and a stop of {} m.",
-                    job.fps, job.gravity, job.stop));
+        fmt::format(
+            "{} frames per second, a gravity of {} m/s2 and a stop of {} m cannot be right.",
+            job.fps, job.gravity, job.stop));
   for (const auto& [sheet, node] : table_of(root, "paper", path.string()))
     if (const toml::table* table = node.as_table())
       job.papers[std::string(sheet.str())] =

@@ -13,7 +13,7 @@
 
 namespace paperbake {
 
-// made from presets/*.toml by cmake/embed_presets.cmake
+// generated from presets/*.toml by cmake/embed_presets.cmake
 struct BuiltInPreset {
   const char* name;
   const char* text;
@@ -21,7 +21,7 @@ struct BuiltInPreset {
 extern const BuiltInPreset built_in_presets[];
 extern const int built_in_preset_count;
 
-const std::array<Quantity, 11> quantities{{
+const std::array<PaperParameter, 11> paper_parameters{{
     {"thickness", &Paper::thickness, "m", 5e-6, 5e-3},
     {"bending_stiffness", &Paper::bending_stiffness, "N m", 1e-8, 10},
     {"membrane_stiffness", &Paper::membrane_stiffness, "N/m", 1e2, 1e8},
@@ -54,41 +54,41 @@ std::string required_text(const TomlDocument& document, const toml::table& table
                           const std::string& key, const std::string& where) {
   const toml::node& node = required(document, table, key, where);
   if (!node.is_string())
-    fail(document, node.source().begin, fmt::format("\"{}\" must be a text in quotes.", key));
+    fail(document, node.source().begin, fmt::format("\"{}\" must be a quoted text.", key));
   std::string text = **node.as_string();
   if (text.empty()) fail(document, node.source().begin, fmt::format("\"{}\" is empty.", key));
   return text;
 }
 
-double read_value(const TomlDocument& document, const toml::table& table, const Quantity& quantity,
-                  const std::string& where) {
+double read_value(const TomlDocument& document, const toml::table& table,
+                  const PaperParameter& parameter, const std::string& where) {
   const toml::node& node = required(document, table, "value", where);
   if (!node.is_number())
     fail(document, node.source().begin,
-         fmt::format("The value of {} must be a number.", quantity.key));
+         fmt::format("The value of {} must be a number.", parameter.key));
   const double value = *node.value<double>();
-  if (!quantity.holds(value))
-    fail(document, node.source().begin, out_of_bounds(quantity, value),
-         fmt::format("Give the value in {}.", quantity.unit));
+  if (!parameter.accepts(value))
+    fail(document, node.source().begin, out_of_bounds(parameter, value),
+         fmt::format("Give the value in {}.", parameter.unit));
   return value;
 }
 
-Preset::Entry read_entry(const TomlDocument& document, const Quantity& quantity) {
-  const toml::node& node = required(document, document.root, quantity.key, "");
+Preset::Entry read_entry(const TomlDocument& document, const PaperParameter& parameter) {
+  const toml::node& node = required(document, document.root, parameter.key, "");
   const toml::table* table = node.as_table();
   if (!table)
     fail(document, node.source().begin,
-         fmt::format("\"{}\" must be a table with value, unit, source and mark.", quantity.key));
+         fmt::format("\"{}\" must be a table with value, unit, source and mark.", parameter.key));
   refuse_unknown_keys(document, *table, {"value", "unit", "source", "mark"});
 
-  const std::string where = fmt::format(" from [{}]", quantity.key);
-  Preset::Entry entry{quantity.key, read_value(document, *table, quantity, where),
+  const std::string where = fmt::format(" from [{}]", parameter.key);
+  Preset::Entry entry{parameter.key, read_value(document, *table, parameter, where),
                       required_text(document, *table, "unit", where),
                       required_text(document, *table, "source", where),
                       required_text(document, *table, "mark", where)};
-  if (entry.unit != quantity.unit)
+  if (entry.unit != parameter.unit)
     fail(document, table->get("unit")->source().begin,
-         fmt::format("The unit of {} is \"{}\", not \"{}\".", quantity.key, quantity.unit,
+         fmt::format("The unit of {} is \"{}\", not \"{}\".", parameter.key, parameter.unit,
                      entry.unit));
   const std::vector<std::string> marks = {"read", "derived", "assumed"};
   if (std::find(marks.begin(), marks.end(), entry.mark) == marks.end())
@@ -98,10 +98,10 @@ Preset::Entry read_entry(const TomlDocument& document, const Quantity& quantity)
   return entry;
 }
 
-Preset read_text(const std::string& file, const std::string& text) {
+Preset parse_preset(const std::string& file, const std::string& text) {
   const TomlDocument document = parse_toml(file, text);
   std::vector<std::string> known = {"name", "description", "by_grammage"};
-  for (const Quantity& quantity : quantities) known.push_back(quantity.key);
+  for (const PaperParameter& parameter : paper_parameters) known.push_back(parameter.key);
   refuse_unknown_keys(document, document.root, known);
 
   Preset preset;
@@ -115,26 +115,25 @@ Preset read_text(const std::string& file, const std::string& text) {
       fail(document, chosen->source().begin, "\"by_grammage\" must be true or false.");
     preset.by_grammage = **chosen->as_boolean();
   }
-  for (const Quantity& quantity : quantities) {
-    if (!quantity.required && !document.root.contains(quantity.key)) continue;
-    preset.entries.push_back(read_entry(document, quantity));
-    quantity.set(preset.paper, preset.entries.back().value);
+  for (const PaperParameter& parameter : paper_parameters) {
+    if (!parameter.required && !document.root.contains(parameter.key)) continue;
+    preset.entries.push_back(read_entry(document, parameter));
+    parameter.set(preset.paper, preset.entries.back().value);
   }
   const auto place = [&](const Preset::Entry& entry) {
     return document.root.get(entry.key)->source().begin;
   };
-  std::sort(preset.entries.begin(), preset.entries.end(),
-            [&](const Preset::Entry& p, const Preset::Entry& q) {
-              return stands_before(place(p), place(q));
-            });
+  std::sort(
+      preset.entries.begin(), preset.entries.end(),
+      [&](const Preset::Entry& p, const Preset::Entry& q) { return precedes(place(p), place(q)); });
   return preset;
 }
 
 }  // namespace
 
-std::string out_of_bounds(const Quantity& quantity, double value) {
-  return fmt::format("The {} cannot be {}: paper lies between {} and {} [{}].", quantity.key, value,
-                     quantity.least, quantity.most, quantity.unit);
+std::string out_of_bounds(const PaperParameter& parameter, double value) {
+  return fmt::format("The {} cannot be {}: paper lies between {} and {} [{}].", parameter.key,
+                     value, parameter.min, parameter.max, parameter.unit);
 }
 
 std::string preset_text(const Preset& preset) {
@@ -169,26 +168,27 @@ std::vector<std::string> user_preset_names() {
 }
 
 Preset read_preset(const std::string& name_or_file) {
-  if (is_file(name_or_file)) return read_text(name_or_file, read_toml_text(name_or_file, "preset"));
-  const std::vector<std::string> own = user_preset_names();
-  if (std::find(own.begin(), own.end(), name_or_file) != own.end()) {
+  if (is_file(name_or_file))
+    return parse_preset(name_or_file, read_toml_text(name_or_file, "preset"));
+  const std::vector<std::string> user_names = user_preset_names();
+  if (std::find(user_names.begin(), user_names.end(), name_or_file) != user_names.end()) {
     const std::string file = (user_preset_folder() / (name_or_file + ".toml")).string();
-    return read_text(file, read_toml_text(file, "preset"));
+    return parse_preset(file, read_toml_text(file, "preset"));
   }
   for (int i = 0; i < built_in_preset_count; ++i)
     if (name_or_file == built_in_presets[i].name)
-      return read_text(fmt::format("presets/{}.toml", name_or_file), built_in_presets[i].text);
+      return parse_preset(fmt::format("presets/{}.toml", name_or_file), built_in_presets[i].text);
 
   if (name_or_file.find('/') != std::string::npos ||
       std::filesystem::path(name_or_file).extension() == ".toml")
     throw Error(Fault::command, name_or_file, "There is no such preset file.",
-                "`paperbake presets` lists the grades that are built in.");
+                "`paperbake presets` lists the built-in grades.");
   std::vector<std::string> names = preset_names();
-  names.insert(names.end(), own.begin(), own.end());
+  names.insert(names.end(), user_names.begin(), user_names.end());
   throw Error(
       Fault::command, fmt::format("preset \"{}\"", name_or_file),
       fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),
-      fmt::format("Papers: {}; or name a preset file that exists.", fmt::join(names, ", ")));
+      fmt::format("Papers: {}; or give the path of a preset file.", fmt::join(names, ", ")));
 }
 
 std::vector<std::string> preset_names() {
@@ -199,8 +199,8 @@ std::vector<std::string> preset_names() {
 }
 
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words) {
-  // optimal string alignment: insert, delete, replace, swap neighbours
-  const auto slips = [&word](const std::string& other) {
+  // optimal string alignment distance
+  const auto edit_distance = [&word](const std::string& other) {
     const std::size_t n = word.size(), m = other.size();
     std::vector<std::vector<std::size_t>> d(n + 1, std::vector<std::size_t>(m + 1));
     for (std::size_t i = 0; i <= n; ++i)
@@ -219,7 +219,7 @@ std::string nearest_word(const std::string& word, const std::vector<std::string>
   std::string nearest;
   std::size_t least = std::string::npos;
   for (const std::string& other : words) {
-    const std::size_t longer = std::max(word.size(), other.size()), count = slips(other);
+    const std::size_t longer = std::max(word.size(), other.size()), count = edit_distance(other);
     const std::size_t allowed = std::max<std::size_t>(1, longer / 3);
     if (count > allowed || count >= longer || count >= least) continue;
     nearest = other;

@@ -9,65 +9,66 @@
 
 namespace paperbake {
 
-/// One number of a grade: its place in Paper, the unit in which files and people give it, and what
-/// no paper is beyond. The bounds catch grams, millimetres and micrometres given for SI; tissue and
-/// solid board lie well inside.
-struct Quantity {
+/// One number of Paper as files and the command line know it: its key, its unit and its permitted
+/// range. The range catches grams, millimetres and micrometres given instead of SI units; tissue
+/// and solid board lie well inside.
+struct PaperParameter {
   const char* key;
   double Paper::*field;
   const char* unit;
-  double least, most;    // in that unit
+  double min, max;       // in that unit
   bool required = true;  // in a preset
-  double to_si = 1;
+  double to_si = 1;      // value in Paper / value in that unit
 
-  bool holds(double value) const { return value >= least && value <= most; }  // false for NaN
-  double of(const Paper& paper) const { return paper.*field / to_si; }
+  bool accepts(double value) const { return value >= min && value <= max; }  // false for NaN
+  double get(const Paper& paper) const { return paper.*field / to_si; }
   void set(Paper& paper, double value) const { paper.*field = value * to_si; }
 };
-extern const std::array<Quantity, 11> quantities;
-/// The sentence for a value that it does not hold.
-std::string out_of_bounds(const Quantity&, double value);
+extern const std::array<PaperParameter, 11> paper_parameters;
+/// The error message for a value that is not accepted.
+std::string out_of_bounds(const PaperParameter&, double value);
 
-/// A paper grade with the evidence behind its numbers. Its file is TOML: `name`, perhaps
-/// `description`, `by_grammage` (false: not a paper that a scene means by its weight alone), and
-/// one table for each number of Paper; the grain's and friction's may be left out:
+/// A paper grade with the evidence for its numbers. A preset file is TOML: `name`, optionally
+/// `description` and `by_grammage` (false: a scene that gives only its weight does not get this
+/// grade), and one table for each parameter; those of grain and friction may be left out:
 ///
 ///   [thickness]
-///   value  = 90e-6        SI, in the unit below
-///   unit   = "m"          must be the unit of that key
+///   value  = 90e-6        in the unit below
+///   unit   = "m"          must be the unit of that parameter
 ///   source = "GPO D10"    where the number comes from
 ///   mark   = "read"       read | derived | assumed
 struct Preset {
   Paper paper;
   std::string description;
   struct Entry {
-    std::string key;                 // of quantities
+    std::string key;                 // of paper_parameters
     double value;                    // in its unit
     std::string unit, source, mark;  // mark: read | derived | assumed
   };
   std::vector<Entry> entries;  // in order of the file
-  bool by_grammage = true;     // paper_gsm of a scene may choose it
-  std::string text;            // the file as it stands
-  std::string file;            // its path, or presets/NAME.toml of one that is built in
+  bool by_grammage = true;     // paper_gsm of a scene may choose this grade
+  std::string text;            // the whole file
+  std::string file;            // its path, or presets/NAME.toml for a built-in one
 };
 
-/// `name_or_file`: a file that exists; or the name of a grade: NAME.toml in the user's own folder,
-/// then built in (the files of presets/, compiled into the program). throws Error(Fault::command):
-/// unknown grade (with the nearest name); syntax error, unknown or missing key, wrong type, wrong
-/// unit, value outside what paper can be: with file:line:column
+/// Reads a preset. `name_or_file` is the path of an existing file, or the name of a grade:
+/// NAME.toml in the user's own folder is preferred to a built-in preset (the files of presets/,
+/// compiled into the program). throws Error(ErrorCode::command): unknown grade (with the nearest
+/// name); or, at file:line:column, a syntax error, an unknown or missing key, a wrong type, a
+/// wrong unit, a value out of range
 Preset read_preset(const std::string& name_or_file);
-/// A file that reads as this preset; comments are lost.
+/// A preset file with the same content, without the comments of the original.
 std::string preset_text(const Preset&);
-std::vector<std::string> preset_names();  // built in, sorted
+std::vector<std::string> preset_names();  // of the built-in ones, sorted
 
-/// $XDG_CONFIG_HOME/paperbake/presets, without it ~/.config/paperbake/presets; empty when neither
-/// is set.
+/// $XDG_CONFIG_HOME/paperbake/presets, else ~/.config/paperbake/presets; empty when neither
+/// variable is set.
 std::filesystem::path user_preset_folder();
-std::vector<std::string> user_preset_names();  // NAME of NAME.toml in there, sorted
+std::vector<std::string> user_preset_names();  // NAME of each NAME.toml there, sorted
 
-/// The nearest of `words` to `word` by edit distance, when it is near enough to be a slip (at most
-/// a third of the longer one wrong, one letter always allowed; two neighbours swapped are one
-/// slip); else empty. The first of equals.
+/// The word most similar to `word` by edit distance (insert, delete, replace, swap neighbours),
+/// the first of equals. Empty when none is similar enough to be meant: at most a third of the
+/// letters of the longer word may differ, and one always may.
 std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace paperbake

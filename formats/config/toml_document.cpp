@@ -24,12 +24,12 @@ std::string did_you_mean(const std::string& word, const std::vector<std::string>
   return nearest.empty() ? "" : fmt::format(" Did you mean \"{}\"?", nearest);
 }
 
-toml::source_position place_of(const toml::key& key, const toml::node& node) {
+toml::source_position position_of(const toml::key& key, const toml::node& node) {
   const toml::table* table = node.as_table();
   return table && !table->is_inline() ? node.source().begin : key.source().begin;
 }
 
-bool stands_before(const toml::source_position& p, const toml::source_position& q) {
+bool precedes(const toml::source_position& p, const toml::source_position& q) {
   return p.line != q.line ? p.line < q.line : p.column < q.column;
 }
 
@@ -39,13 +39,13 @@ void refuse_unknown_keys(const TomlDocument& document, const toml::table& table,
   toml::source_position at;
   for (const auto& [key, node] : table) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
-    const toml::source_position place = place_of(key, node);
-    if (!first || stands_before(place, at)) first = &key, at = place;
+    const toml::source_position place = position_of(key, node);
+    if (!first || precedes(place, at)) first = &key, at = place;
   }
   if (!first) return;
   const std::string word(first->str());
   fail(document, at, fmt::format("Unknown key \"{}\".{}", word, did_you_mean(word, known)),
-       fmt::format("Known here: {}.", fmt::join(known, ", ")));
+       fmt::format("Known keys: {}.", fmt::join(known, ", ")));
 }
 
 TomlDocument parse_toml(const std::string& file, const std::string& text) {
@@ -58,17 +58,17 @@ TomlDocument parse_toml(const std::string& file, const std::string& text) {
 }
 
 std::string read_toml_text(const std::filesystem::path& file, const std::string& kind) {
-  constexpr std::size_t most = 1 << 20;
+  constexpr std::size_t max_size = 1 << 20;
   std::ifstream stream(file, std::ios::binary);
-  std::string text(most + 1, '\0');
+  std::string text(max_size + 1, '\0');
   if (stream) stream.read(text.data(), text.size());
   if (!stream.is_open() || stream.bad())
     throw Error(Fault::command, file.string(), fmt::format("The {} file cannot be read.", kind),
                 "Check its name and permissions.");
   text.resize(stream.gcount());
-  if (text.size() > most)
+  if (text.size() > max_size)
     throw Error(Fault::command, file.string(),
-                fmt::format("This is no {} file: it has more than 1 MB.", kind));
+                fmt::format("This is not a {} file: it is larger than 1 MB.", kind));
   return text;
 }
 

@@ -8,32 +8,33 @@
 
 namespace paperbake {
 
-/// A file as TOML, and how to speak of places in it. Every error is Error(Fault::command) with
-/// place file:line:column.
+/// A parsed TOML file, with functions that report errors at a place in it. They all throw
+/// Error(ErrorCode::command) whose place reads file:line:column.
 struct TomlDocument {
   std::string file;
   toml::table root;
 };
 
-/// throws where the text is no TOML
+/// Parses the text of a file. throws when the text is not TOML
 TomlDocument parse_toml(const std::string& file, const std::string& text);
 
-/// The whole file, at most 1 MB. kind: "preset", "job" for messages
+/// The text of a file of at most 1 MB. kind: "preset", "job" or "lock", for error messages
 std::string read_toml_text(const std::filesystem::path&, const std::string& kind);
 
 std::string place_in(const TomlDocument&, const toml::source_position&);
 [[noreturn]] void fail(const TomlDocument&, const toml::source_position&, std::string cause,
                        std::string remedy = {});
 
-/// Where a key stands: the bracket of a [table], else the key itself.
-toml::source_position place_of(const toml::key&, const toml::node&);
-bool stands_before(const toml::source_position&, const toml::source_position&);
+/// Position of a key: of the opening bracket for a [table], else of the key itself.
+toml::source_position position_of(const toml::key&, const toml::node&);
+bool precedes(const toml::source_position&, const toml::source_position&);
 
-/// Unknown keys are errors, the first one in the file first: a slip would silently keep a default.
+/// Throws at the first unknown key of the file: a misspelt key would otherwise silently leave its
+/// default in force.
 void refuse_unknown_keys(const TomlDocument&, const toml::table&,
                          const std::vector<std::string>& known);
 
-/// ' Did you mean "copy70"?', or nothing when no word is near.
+/// ' Did you mean "copy70"?', or an empty text when no word is similar enough.
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
 
 }  // namespace paperbake

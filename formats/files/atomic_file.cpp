@@ -11,54 +11,53 @@
 
 namespace paperbake {
 
-WholeFile::WholeFile(std::filesystem::path path)
+AtomicFile::AtomicFile(std::filesystem::path path)
     : path_(std::move(path)), part_(path_), file_(nullptr) {
-  // else it would be noticed only when the work is done
+  // a folder of this name would otherwise be noticed only in commit(), after all the work
   if (std::filesystem::is_directory(path_)) {
     errno = EISDIR;
-    fail("made");
+    fail("created");
   }
   part_ += ".part";
   file_ = std::fopen(part_.c_str(), "wb+");
-  if (!file_) fail("made");
+  if (!file_) fail("created");
 }
 
-WholeFile::~WholeFile() {
+AtomicFile::~AtomicFile() {
   if (!file_) return;
   std::fclose(file_);
   std::error_code ignored;
   std::filesystem::remove(part_, ignored);
 }
 
-void WholeFile::write(const void* bytes, std::size_t count) {
+void AtomicFile::write(const void* bytes, std::size_t count) {
   if (std::fwrite(bytes, 1, count, file_) != count) fail("written");
   end_ += count;
 }
 
-void WholeFile::write_at(std::uint64_t position, const void* bytes, std::size_t count) {
+void AtomicFile::write_at(std::uint64_t position, const void* bytes, std::size_t count) {
   if (std::fseek(file_, static_cast<long>(position), SEEK_SET) != 0) fail("written");
   if (std::fwrite(bytes, 1, count, file_) != count ||
       std::fseek(file_, static_cast<long>(end_), SEEK_SET) != 0)
     fail("written");
 }
 
-void WholeFile::cut(std::uint64_t position) {
+void AtomicFile::truncate(std::uint64_t position) {
   __fpurge(file_);
   std::clearerr(file_);
   if (std::fseek(file_, static_cast<long>(position), SEEK_SET) != 0) fail("written");
   end_ = position;
 }
 
-void WholeFile::flush() {
+void AtomicFile::flush() {
   if (std::fflush(file_) != 0) fail("written");
 }
 
-void WholeFile::commit() {
+void AtomicFile::commit() {
   if (std::fflush(file_) != 0) fail("written");
-  // beyond the end lies what was cut; a library that writes the file by name has an end of its own
+  // drops what truncate() left behind; end_ is 0 when a library has written the file by its name
   if (end_ > 0 && ::ftruncate(::fileno(file_), static_cast<off_t>(end_)) != 0) fail("written");
-  // a library may have written the file by name, behind our descriptor: sync what the name stands
-  // for
+  // opened again by its name: a library may have replaced the file that file_ refers to
   const int fd = ::open(part_.c_str(), O_RDONLY);
   if (fd < 0 || ::fsync(fd) != 0) fail("written to disk");
   ::close(fd);
@@ -67,13 +66,13 @@ void WholeFile::commit() {
   file_ = nullptr;
 }
 
-void WholeFile::fail(const char* doing) const {
+void AtomicFile::fail(const char* doing) const {
   throw Error(Fault::folder, path_.string(),
               std::string("The file cannot be ") + doing + ": " + std::strerror(errno) + ".",
               "Check free space and write permission of the folder, or choose another with -o.");
 }
 
-std::optional<std::string> read_whole_file(const std::filesystem::path& path) {
+std::optional<std::string> read_file(const std::filesystem::path& path) {
   std::FILE* file = std::fopen(path.c_str(), "rb");
   if (!file) return {};
   std::string bytes;
@@ -82,14 +81,14 @@ std::optional<std::string> read_whole_file(const std::filesystem::path& path) {
     bytes.resize(std::max<std::size_t>(1 << 16, 2 * end));
     end += got = std::fread(bytes.data() + end, 1, bytes.size() - end, file);
   } while (got > 0);
-  const bool failed = std::ferror(file) != 0;  // a folder opens, and fails here
+  const bool failed = std::ferror(file) != 0;  // a folder can be opened, but not read
   std::fclose(file);
   bytes.resize(end);
   return failed ? std::nullopt : std::optional(std::move(bytes));
 }
 
-void write_whole_file(const std::filesystem::path& path, std::string_view text) {
-  WholeFile file(path);
+void write_atomically(const std::filesystem::path& path, std::string_view text) {
+  AtomicFile file(path);
   file.write(text);
   file.commit();
 }

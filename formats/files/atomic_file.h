@@ -9,30 +9,30 @@
 
 namespace paperbake {
 
-/// A file that appears whole or not at all. It is written beside its place as NAME.part and takes
-/// its name in commit(), after everything has reached the disk; without commit() it vanishes with
-/// the object. All functions throw Error(Fault::folder) that names the file and the system's
-/// reason.
-class WholeFile {
+/// A file that appears under its name complete or not at all. Everything is written to NAME.part
+/// beside it, which commit() renames after all bytes have reached the disk; without commit() the
+/// destructor deletes it. All functions throw Error(ErrorCode::folder) with the file and the
+/// reason that the system gives.
+class AtomicFile {
  public:
-  explicit WholeFile(std::filesystem::path path);
-  ~WholeFile();
-  WholeFile(const WholeFile&) = delete;
-  WholeFile& operator=(const WholeFile&) = delete;
+  explicit AtomicFile(std::filesystem::path path);
+  ~AtomicFile();
+  AtomicFile(const AtomicFile&) = delete;
+  AtomicFile& operator=(const AtomicFile&) = delete;
 
   void write(const void* bytes, std::size_t count);
   void write(std::string_view text) { write(text.data(), text.size()); }
-  // position: within what is written
+  // position: before the end of what has been written
   void write_at(std::uint64_t position, const void* bytes, std::size_t count);
 
-  /// Everything from here on is forgotten, and written over next; also after a write that failed.
-  /// The room that it took on the disk stays until commit(), so that a little can still be written
-  /// when the disk is full.
-  void cut(std::uint64_t position);
-  void flush();  // tells now whether what is written has found room
+  /// Drops everything from this position on; the next write starts there. May be called after a
+  /// write that failed. The disk space is released only by commit(), so that something smaller can
+  /// still be written when the disk is full.
+  void truncate(std::uint64_t position);
+  void flush();  // throws now if the disk has no room for what has been written
 
-  /// Where the bytes go until commit(), for libraries that write files by name; they must close it
-  /// before commit().
+  /// The path of NAME.part, for libraries that open a file by its name; they must close it before
+  /// commit().
   const std::filesystem::path& part() const { return part_; }
 
   void commit();
@@ -42,13 +42,13 @@ class WholeFile {
 
   std::filesystem::path path_, part_;
   std::FILE* file_;
-  std::uint64_t end_ = 0;  // [bytes] written through here
+  std::uint64_t end_ = 0;  // [bytes] end of what this object has written
 };
 
-/// All bytes of a file; nothing when it cannot be read.
-std::optional<std::string> read_whole_file(const std::filesystem::path&);
+/// The bytes of a file; nothing when it cannot be read.
+std::optional<std::string> read_file(const std::filesystem::path&);
 
-/// The whole text as one file, whole or not at all.
-void write_whole_file(const std::filesystem::path&, std::string_view text);
+/// Writes a text as an AtomicFile.
+void write_atomically(const std::filesystem::path&, std::string_view text);
 
 }  // namespace paperbake

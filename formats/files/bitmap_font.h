@@ -4,9 +4,9 @@
 
 namespace paperbake {
 
-/// Printable ASCII, from the blank to the tilde, as on a character display: five columns of eight
-/// dots, the top one in bit 0; the lowest dot is for what hangs below the line.
-constexpr std::uint8_t dot_letters[95][5] = {
+/// A font for printable ASCII, from space to tilde: five columns of eight dots for each character,
+/// the top dot in bit 0; the lowest dot is for descenders.
+constexpr std::uint8_t bitmap_font[95][5] = {
     // ! " #
     {0x00, 0x00, 0x00, 0x00, 0x00},
     {0x00, 0x00, 0x5f, 0x00, 0x00},

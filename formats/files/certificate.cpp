@@ -14,10 +14,10 @@
 namespace paperbake {
 namespace {
 
-/// The number itself, when it is one. A NaN in a certificate is a mistake of the simulation, never
-/// a value. throws Error(Fault::simulation) that names frame, sheet and field
+/// Returns the number if it is finite: NaN and infinity in a certificate are failures of the
+/// simulation. throws Error(ErrorCode::simulation) with frame, sheet and field
 double finite(double value, const char* field, int frame, const std::string& sheet) {
-  if (std::isfinite(value)) return value + 0.0;  // + 0: no negative zero
+  if (std::isfinite(value)) return value + 0.0;  // + 0.0 turns -0 into 0
   throw Error(Fault::simulation, fmt::format("frame {}, sheet \"{}\"", frame, sheet),
               fmt::format("The certificate's {} is not a finite number.", field));
 }
@@ -34,7 +34,7 @@ const char* state_name(HandleRecord::State state) {
   return "";
 }
 
-/// The rows of a CSV text as RFC 4180 has them; what is quoted may hold commas and line ends.
+/// The rows of a CSV text according to RFC 4180: a quoted field may contain commas and line ends.
 std::vector<std::vector<std::string>> parse_csv(const std::string& text) {
   std::vector<std::vector<std::string>> rows;
   std::vector<std::string> row{""};
@@ -107,7 +107,7 @@ std::string frame_line(const FrameRecord& r) {
   line["note"] = r.note;
   line["input_hash"] = r.input_hash;
   line["content_hash"] = r.content_hash;
-  // names come from scene files in any encoding: bytes that are not UTF-8 must not end the bake
+  // names come from scene files in any encoding: bytes that are not UTF-8 must not stop the bake
   return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
 }
 
@@ -146,7 +146,7 @@ std::vector<HandleRecord> parse_handles_csv(const std::string& text) {
     for (int i = 0; i < 8 && good; ++i) good = read_number(f[3 + i], n[1 + i]);
     if (!good || (f[11] != "held" && f[11] != "free" && f[11] != "jammed"))
       throw Error(Fault::scene, fmt::format("handles.csv, row {}", k + 1),
-                  "It is not a row that this version writes.");
+                  "This version of paperbake does not write such a row.");
     r.frame = static_cast<int>(n[0]);
     r.sheet = f[1], r.handle = f[2];
     r.pattern << n[1], n[2];
@@ -168,7 +168,7 @@ std::string singular_csv(const std::vector<SingularRecord>& records) {
   });
 
   std::string csv = "id,sheet,frame,u,v,cause\n";
-  std::map<std::string, int> born;  // of each sheet
+  std::map<std::string, int> born;  // points of each sheet so far
   for (const SingularRecord* r : by_birth) {
     const int frame = r->point.frame_of_birth;
     csv +=

@@ -13,12 +13,13 @@
 namespace paperbake {
 namespace {
 
-static_assert(sizeof(Colour) == 3, "rows of pixels are handed to libpng as they are");
+static_assert(sizeof(Colour) == 3, "libpng reads the pixels in place");
 
-/// A triangle in samples: columns x, rows y, depth z. paint(x, y) is its colour there.
+/// Fills a triangle whose corners are given in samples: x column, y row, z depth [m]. paint(x, y)
+/// is its colour at a sample.
 template <class Paint>
-void fill_with(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c,
-               const Paint& paint) {
+void fill_triangle(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c,
+                   const Paint& paint) {
   const Vector3d ab = b - a, ac = c - a;
   const double twice_area = ab.x() * ac.y() - ac.x() * ab.y();
   const double zx = twice_area == 0 ? 0 : (ab.z() * ac.y() - ac.z() * ab.y()) / twice_area;
@@ -30,9 +31,10 @@ void fill_with(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vecto
   for (int row = static_cast<int>(std::max(0.0, std::floor(top)));
        row < rows && row + 0.5 <= bottom; ++row) {
     const double y = row + 0.5;
-    double from = std::numeric_limits<double>::infinity(), to = -from;  // where the row is inside
+    double from = std::numeric_limits<double>::infinity(), to = -from;  // span of the row inside
     for (int i = 0; i < 3; ++i) {
-      // an edge is walked the same way for the triangles on both sides: no gap between them
+      // computed from the upper end for both triangles of an edge, so that no gap opens between
+      // them
       const bool upwards = corners[i]->y() < corners[i + 1]->y();
       const Vector3d &p = *corners[i + !upwards], &q = *corners[i + upwards];
       if (p.y() == q.y() || y < std::min(p.y(), q.y()) || y > std::max(p.y(), q.y())) continue;
@@ -51,17 +53,18 @@ void fill_with(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vecto
   }
 }
 
-void fill(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c, Colour colour) {
-  fill_with(canvas, a, b, c, [&](double, double) { return colour; });
+void fill_triangle(Canvas& canvas, const Vector3d& a, const Vector3d& b, const Vector3d& c,
+                   Colour colour) {
+  fill_triangle(canvas, a, b, c, [&](double, double) { return colour; });
 }
 
-/// What lies linearly between three corners of a triangle, in samples.
-struct Slope {
-  // red, green, blue at the first corner; their change a column and a row
+/// Linear interpolation of colours given at the three corners of a triangle, in samples.
+struct ColourGradient {
+  // red, green, blue at the first corner; their change per column and per row
   Vector3d corner, across, down;
 
-  Slope(const Vector3d& a, const Vector3d& b, const Vector3d& c,
-        const std::array<Colour, 3>& colours) {
+  ColourGradient(const Vector3d& a, const Vector3d& b, const Vector3d& c,
+                 const std::array<Colour, 3>& colours) {
     const auto rgb = [](Colour k) { return Vector3d(k.red, k.green, k.blue); };
     const Vector3d ab = b - a, ac = c - a, to_b = rgb(colours[1]) - rgb(colours[0]),
                    to_c = rgb(colours[2]) - rgb(colours[0]);
@@ -79,13 +82,14 @@ struct Slope {
   }
 };
 
-/// Column and row in samples, depth.
-Vector3d in_samples(const Canvas& canvas, const Camera& camera, const Vector3d& p, double lift) {
+/// Column and row in samples, and depth [m].
+Vector3d project_to_samples(const Canvas& canvas, const Camera& camera, const Vector3d& p,
+                            double lift) {
   const Vector3d q = camera.project(p);
   return {q.x() * canvas.samples, q.y() * canvas.samples, q.z() + lift};
 }
 
-Camera fit(Camera camera, const Points3& points, const Frame& frame) {
+Camera fit(Camera camera, const Points3& points, const Viewport& frame) {
   camera.at = {frame.left + 0.5 * frame.width, frame.top + 0.5 * frame.height};
   if (points.rows() == 0) return camera;
   Eigen::AlignedBox3d seen;
@@ -98,6 +102,26 @@ Camera fit(Camera camera, const Points3& points, const Frame& frame) {
   const double scale = std::min(frame.width / size.x(), frame.height / size.y());
   camera.scale = std::isfinite(scale) ? scale : 1;
   return camera;
+}
+
+/// Two opposite neighbours of a pixel, at (column, row) and (-column, -row) from it.
+struct SamplePair {
+  int column, row;  // [px]
+  double distance;  // [px]
+};
+
+/// Pairs of neighbours on rings around a pixel, at most `reach` [px] away.
+std::vector<SamplePair> sample_pairs(double reach) {
+  constexpr int spokes = 8, rings = 4;
+  std::vector<SamplePair> pairs;
+  for (int ring = 1; ring <= rings; ++ring)
+    for (int k = 0; k < spokes; ++k) {
+      const double turn = M_PI * (k + 0.5 * (ring % 2)) / spokes, r = reach * ring / rings;
+      const int column = static_cast<int>(std::lround(r * std::cos(turn))),
+                row = static_cast<int>(std::lround(r * std::sin(turn)));
+      if (column || row) pairs.push_back({column, row, std::hypot(column, row)});
+    }
+  return pairs;
 }
 
 }  // namespace
@@ -126,7 +150,7 @@ std::string png_bytes(const Image& image) {
 }
 
 void write_png(const std::filesystem::path& path, const Image& image) {
-  write_whole_file(path, png_bytes(image));
+  write_atomically(path, png_bytes(image));
 }
 
 Vector3d Camera::project(const Vector3d& p) const {
@@ -134,7 +158,7 @@ Vector3d Camera::project(const Vector3d& p) const {
   return {at.x() + scale * right.dot(d), at.y() - scale * up.dot(d), towards.dot(d)};
 }
 
-Camera fit_camera(const Points3& points, const Vector3d& from, const Frame& frame) {
+Camera fit_camera(const Points3& points, const Vector3d& from, const Viewport& frame) {
   Camera camera;
   camera.towards = from.normalized();
   const Vector3d upwards =
@@ -144,7 +168,7 @@ Camera fit_camera(const Points3& points, const Vector3d& from, const Frame& fram
   return fit(camera, points, frame);
 }
 
-Camera fit_camera(const Points2& points, const Frame& frame) {
+Camera fit_camera(const Points2& points, const Viewport& frame) {
   Points3 flat = Points3::Zero(points.rows(), 3);
   flat.leftCols<2>() = points;
   return fit(Camera{}, flat, frame);
@@ -157,7 +181,7 @@ Canvas::Canvas(int width, int height, Colour background, int samples)
       colour(std::size_t(width) * height * samples * samples, background),
       depth(colour.size(), -std::numeric_limits<float>::infinity()) {}
 
-Image develop(const Canvas& canvas) {
+Image resolve_samples(const Canvas& canvas) {
   Image image{canvas.width, canvas.height, {}};
   image.pixels.reserve(std::size_t(canvas.width) * canvas.height);
   const int n = canvas.samples, columns = canvas.width * n;
@@ -181,8 +205,9 @@ void draw_triangles(Canvas& canvas, const Camera& camera, const Points3& x,
                     const Triangles& triangles, const std::vector<Colour>& face) {
   for (int t = 0; t < triangles.rows(); ++t) {
     Vector3d corner[3];
-    for (int i = 0; i < 3; ++i) corner[i] = in_samples(canvas, camera, x.row(triangles(t, i)), 0);
-    fill(canvas, corner[0], corner[1], corner[2], face[t]);
+    for (int i = 0; i < 3; ++i)
+      corner[i] = project_to_samples(canvas, camera, x.row(triangles(t, i)), 0);
+    fill_triangle(canvas, corner[0], corner[1], corner[2], face[t]);
   }
 }
 
@@ -191,30 +216,18 @@ void draw_smooth_triangles(Canvas& canvas, const Camera& camera, const Points3& 
                            const std::vector<std::array<Colour, 3>>& corners) {
   for (int t = 0; t < triangles.rows(); ++t) {
     Vector3d p[3];
-    for (int i = 0; i < 3; ++i) p[i] = in_samples(canvas, camera, x.row(triangles(t, i)), 0);
-    const Slope slope(p[0], p[1], p[2], corners[t]);
-    fill_with(canvas, p[0], p[1], p[2], [&](double column, double row) {
-      return slope.at(column - p[0].x(), row - p[0].y());
+    for (int i = 0; i < 3; ++i)
+      p[i] = project_to_samples(canvas, camera, x.row(triangles(t, i)), 0);
+    const ColourGradient gradient(p[0], p[1], p[2], corners[t]);
+    fill_triangle(canvas, p[0], p[1], p[2], [&](double column, double row) {
+      return gradient.at(column - p[0].x(), row - p[0].y());
     });
   }
 }
 
-void shade_hollows(Canvas& canvas, double scale, double reach) {
-  constexpr int spokes = 8, rings = 4;
-  constexpr double strength = 0.9, most = 0.55, brightest = 0.12;
-  struct Tap {
-    int column, row;
-    double far;  // [px]
-  };
-  std::vector<Tap> taps;  // each stands for itself and its opposite
-  for (int ring = 1; ring <= rings; ++ring)
-    for (int k = 0; k < spokes; ++k) {
-      const double turn = M_PI * (k + 0.5 * (ring % 2)) / spokes, r = reach * ring / rings;
-      const Tap tap{static_cast<int>(std::lround(r * std::cos(turn))),
-                    static_cast<int>(std::lround(r * std::sin(turn))), 0};
-      if (tap.column || tap.row)
-        taps.push_back({tap.column, tap.row, std::hypot(tap.column, tap.row)});
-    }
+void apply_ambient_occlusion(Canvas& canvas, double scale, double reach) {
+  constexpr double strength = 0.9, max_darkening = 0.55, max_brightening = 0.12;
+  const std::vector<SamplePair> pairs = sample_pairs(reach);
   const int n = canvas.samples, columns = canvas.width * n;
   const auto paper = [](float depth) {
     return depth > -std::numeric_limits<float>::infinity() && depth < 0.5 * on_top;
@@ -226,24 +239,24 @@ void shade_hollows(Canvas& canvas, double scale, double reach) {
     for (int column = 0; column < canvas.width; ++column) {
       const float here = depth(column, row);
       if (!paper(here)) continue;
-      double rise = 0;  // mean slope up to what surrounds it
-      for (const Tap& tap : taps) {
-        const int left = column - tap.column, right = column + tap.column, above = row - tap.row,
-                  below = row + tap.row;
+      double rise = 0;  // mean slope of the depth up to its neighbours
+      for (const SamplePair& pair : pairs) {
+        const int left = column - pair.column, right = column + pair.column, above = row - pair.row,
+                  below = row + pair.row;
         if (std::min(left, right) < 0 || std::max(left, right) >= canvas.width || above < 0 ||
             below >= canvas.height)
           continue;
         const float a = depth(left, above), b = depth(right, below);
         if (paper(a) && paper(b))
-          rise +=
-              std::clamp(0.5 * scale * (double(a) - here + double(b) - here) / tap.far, -1.0, 1.0);
+          rise += std::clamp(0.5 * scale * (double(a) - here + double(b) - here) / pair.distance,
+                             -1.0, 1.0);
       }
-      rise /= taps.size();
-      const double darker = std::clamp(strength * rise, -brightest, most);
+      rise /= pairs.size();
+      const double darker = std::clamp(strength * rise, -max_brightening, max_darkening);
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
           const std::size_t k = std::size_t(row * n + j) * columns + column * n + i;
-          // another layer, or nothing
+          // samples of another layer, or of none, keep their colour
           if (!(std::abs(canvas.depth[k] - here) * scale < 0.5 * reach)) continue;
           Colour& c = canvas.colour[k];
           c = darker > 0 ? mix(c, {}, darker) : mix(c, {255, 255, 255}, -darker);
@@ -252,9 +265,10 @@ void shade_hollows(Canvas& canvas, double scale, double reach) {
 }
 
 void draw_line(Canvas& canvas, const Camera& camera, const Vector3d& a, const Vector3d& b,
-               double width, Colour colour, double lift) {
-  const Vector3d p = in_samples(canvas, camera, a, lift), q = in_samples(canvas, camera, b, lift);
-  const double half = 0.5 * width * canvas.samples,
+               const LineStyle& style) {
+  const Vector3d p = project_to_samples(canvas, camera, a, style.lift),
+                 q = project_to_samples(canvas, camera, b, style.lift);
+  const double half = 0.5 * style.width * canvas.samples,
                length = std::hypot(q.x() - p.x(), q.y() - p.y());
   const Vector3d along =
       length > 0 ? Vector3d(half / length * (q.x() - p.x()), half / length * (q.y() - p.y()), 0)
@@ -262,30 +276,30 @@ void draw_line(Canvas& canvas, const Camera& camera, const Vector3d& a, const Ve
   const Vector3d aside(-along.y(), along.x(), 0);
   const Vector3d corners[] = {p - along - aside, q + along - aside, q + along + aside,
                               p - along + aside};
-  fill(canvas, corners[0], corners[1], corners[2], colour);
-  fill(canvas, corners[0], corners[2], corners[3], colour);
+  fill_triangle(canvas, corners[0], corners[1], corners[2], style.colour);
+  fill_triangle(canvas, corners[0], corners[2], corners[3], style.colour);
 }
 
 void draw_disc(Canvas& canvas, const Camera& camera, const Vector3d& centre, double radius,
                Colour colour, double lift) {
   constexpr int sides = 32;
-  const Vector3d p = in_samples(canvas, camera, centre, lift);
+  const Vector3d p = project_to_samples(canvas, camera, centre, lift);
   const double r = radius * canvas.samples;
   const auto rim = [&](int k) {
     return Vector3d(p.x() + r * std::cos(2 * M_PI * k / sides),
                     p.y() + r * std::sin(2 * M_PI * k / sides), p.z());
   };
-  for (int k = 0; k < sides; ++k) fill(canvas, p, rim(k), rim(k + 1), colour);
+  for (int k = 0; k < sides; ++k) fill_triangle(canvas, p, rim(k), rim(k + 1), colour);
 }
 
 void draw_edges(Canvas& canvas, const Camera& camera, const Points3& x, const Triangles& triangles,
-                double width, Colour colour, double lift) {
+                const LineStyle& style) {
   std::set<std::pair<int, int>> drawn;
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       const int a = triangles(t, i), b = triangles(t, (i + 1) % 3);
       if (drawn.emplace(std::minmax(a, b)).second)
-        draw_line(canvas, camera, x.row(a), x.row(b), width, colour, lift);
+        draw_line(canvas, camera, x.row(a), x.row(b), style);
     }
 }
 
@@ -295,7 +309,7 @@ void draw_text(Canvas& canvas, double left, double top, double dot, const std::s
     if (text[k] <= ' ' || text[k] > '~') continue;
     for (int column = 0; column < 5; ++column)
       for (int row = 0; row < 8; ++row)
-        if (dot_letters[text[k] - ' '][column] >> row & 1)
+        if (bitmap_font[text[k] - ' '][column] >> row & 1)
           draw_rectangle(canvas, {left + dot * (6.0 * k + column), top + dot * row, dot, dot},
                          colour);
   }
@@ -305,7 +319,7 @@ double text_width(const std::string& text, double dot) {
   return text.empty() ? 0 : dot * (6.0 * text.size() - 1);
 }
 
-void draw_rectangle(Canvas& canvas, const Frame& frame, Colour colour) {
+void draw_rectangle(Canvas& canvas, const Viewport& frame, Colour colour) {
   const int n = canvas.samples, columns = canvas.width * n, rows = canvas.height * n;
   const auto sample = [&](double px, int most) {
     return std::clamp(static_cast<int>(std::lround(px * n)), 0, most);
@@ -328,7 +342,7 @@ std::vector<Colour> flat_shading(const Points3& x, const Triangles& triangles, c
     Vector3d normal = (b - a).cross(c - a).normalized();
     const bool seen_from_front = normal.dot(camera.towards) >= 0;
     if (!seen_from_front) normal = -normal;
-    // no side is all dark
+    // half Lambert: faces turned away from the light are not black
     const double light = ambient + (1 - ambient) * 0.5 * (1 + normal.dot(to_light));
     face[t] = mix({}, seen_from_front ? front : back, light);
   }

@@ -16,7 +16,7 @@ struct Colour {
     return red == o.red && green == o.green && blue == o.blue;
   }
 };
-/// a (1-t) + b t, t in [0, 1].
+/// Linear interpolation a (1-t) + b t; t is clamped to [0, 1].
 Colour mix(Colour a, Colour b, double t);
 
 struct Image {
@@ -25,84 +25,94 @@ struct Image {
   const Colour& at(int column, int row) const { return pixels[std::size_t(row) * width + column]; }
 };
 
-/// The bytes of a PNG file, 8 bits; the same for the same picture.
+/// The bytes of a PNG file with 8 bits per channel; equal images give equal bytes.
 std::string png_bytes(const Image&);
 
-/// As PNG, 8 bits, whole or not at all; the same bytes for the same picture. throws
-/// Error(Fault::folder)
+/// Writes png_bytes as an AtomicFile. throws Error(ErrorCode::folder)
 void write_png(const std::filesystem::path&, const Image&);
 
-/// A parallel projection into the picture. Columns run to the right and rows downwards.
+/// An orthographic projection into an image, whose columns run to the right and rows downwards.
 struct Camera {
-  // [m]    point of the world that is seen ...
+  // [m] the point of the world that is projected to ...
   Vector3d centre{0, 0, 0};
-  Vector2d at{0, 0};                                       // [px]   ... here
-  Vector3d right{1, 0, 0}, up{0, 1, 0}, towards{0, 0, 1};  // unit, towards: at the viewer
+  Vector2d at{0, 0};                                       // [px] ... this point of the image
+  Vector3d right{1, 0, 0}, up{0, 1, 0}, towards{0, 0, 1};  // unit; towards: to the viewer
   double scale = 1;                                        // [px/m]
 
-  /// Column and row [px], and how near it is [m]: the larger, the nearer.
+  /// Column and row [px], and depth [m]: larger is nearer to the viewer.
   Vector3d project(const Vector3d& p) const;
 };
 
-struct Frame {
-  double left, top, width, height;  // [px] part of a picture
+/// An upright rectangle of an image.
+struct Viewport {
+  double left, top, width, height;  // [px]
 };
-/// Sees all points from the side `from`, as large as the frame allows; z points up, or y where one
-/// looks along z.
-Camera fit_camera(const Points3&, const Vector3d& from, const Frame&);
-/// Sees a pattern from above: u to the right, v upwards.
-Camera fit_camera(const Points2&, const Frame&);
+/// A camera that looks from direction `from` and sees all points as large as the viewport allows.
+/// z points up in the image, or y when the camera looks along z.
+Camera fit_camera(const Points3&, const Vector3d& from, const Viewport&);
+/// A camera that sees a pattern from above: u to the right, v upwards.
+Camera fit_camera(const Points2&, const Viewport&);
 
-/// What is drawn on: every pixel has samples x samples colours, each with the depth of what it
-/// shows.
+/// A supersampled image with a depth buffer: each pixel has samples x samples colours and depths.
 struct Canvas {
   Canvas(int width, int height, Colour background, int samples = 3);
 
-  int width, height, samples;  // [px], [1]
+  int width, height, samples;  // [px], [px], [1]
   std::vector<Colour> colour;  // of each sample, row by row
-  std::vector<float> depth;    // [m] of each sample; nothing there: -infinity
+  std::vector<float> depth;    // [m] of each sample; -infinity where nothing is drawn
 };
 
-/// Pixels as the mean of their samples.
-Image develop(const Canvas&);
+/// The image whose pixels are the means of their samples.
+Image resolve_samples(const Canvas&);
 
-/// What lies nearer hides what lies behind; of two at the same depth the later one is seen. `lift`
-/// [m] brings nearer what shall be seen on a surface; on_top: nearer than everything.
+// What is drawn hides everything of smaller or equal depth. `lift` [m] is added to the depth of
+// what shall be seen on a surface; on_top is in front of everything.
 constexpr double on_top = 1e9;
 
-/// x        |V|x3 [m]
-/// face     |T| colours
+/// Draws triangles, each of one colour.
+/// x     |V|x3 [m]
+/// face  |T| colours
 void draw_triangles(Canvas&, const Camera&, const Points3& x, const Triangles&,
                     const std::vector<Colour>& face);
-/// The same with colours that run from corner to corner.
+/// Draws triangles whose colours are interpolated linearly between their corners.
+/// x        |V|x3 [m]
 /// corners  |T| times three colours
 void draw_smooth_triangles(Canvas&, const Camera&, const Points3& x, const Triangles&,
                            const std::vector<std::array<Colour, 3>>& corners);
-/// Darkens what lies in hollows and behind what is nearer, and lightens ridges a little: by the
-/// mean slope of the depths round a pixel, of opposite ones together, so that a plane stays as it
-/// is. What is drawn later is not touched. scale [px/m], reach [px] how far it looks
-void shade_hollows(Canvas&, double scale, double reach);
-/// width [px]; ends are square, half a width beyond the points
-void draw_line(Canvas&, const Camera&, const Vector3d& a, const Vector3d& b, double width, Colour,
-               double lift = 0);
-/// radius [px]
+/// Screen-space ambient occlusion: darkens hollows and what lies behind nearer parts, and lightens
+/// ridges a little. Measured by the mean slope of the depth around a pixel, opposite directions
+/// taken together, so that a plane at any angle keeps its colour. Only affects what is already
+/// drawn.
+/// scale  [px/m] of the camera
+/// reach  [px]   radius of the neighbourhood
+void apply_ambient_occlusion(Canvas&, double scale, double reach);
+
+struct LineStyle {
+  double width;  // [px]
+  Colour colour;
+  double lift = 0;  // [m] see on_top
+};
+/// Draws a line with square ends, which extend it by half its width.
+void draw_line(Canvas&, const Camera&, const Vector3d& a, const Vector3d& b, const LineStyle&);
+/// Draws a disc that faces the viewer.
+/// radius  [px]
 void draw_disc(Canvas&, const Camera&, const Vector3d& centre, double radius, Colour,
                double lift = 0);
-/// Over all edges of a mesh, each once.
-void draw_edges(Canvas&, const Camera&, const Points3& x, const Triangles&, double width, Colour,
-                double lift = 0);
+/// Draws a line along each edge of a mesh.
+void draw_edges(Canvas&, const Camera&, const Points3& x, const Triangles&, const LineStyle&);
 
-/// Printable ASCII in letters of 5 x 8 dots, 6 dots apart, over everything.
+/// Writes printable ASCII on top of everything, in letters of 5 x 8 dots, 6 dots from one letter
+/// to the next.
 /// left, top  [px]
 /// dot        [px] size of a dot
 void draw_text(Canvas&, double left, double top, double dot, const std::string&, Colour);
 /// Width of such a text. [px]
 double text_width(const std::string&, double dot);
-/// An upright rectangle of the picture, over everything. [px]
-void draw_rectangle(Canvas&, const Frame&, Colour);
+/// Fills a rectangle, on top of everything.
+void draw_rectangle(Canvas&, const Viewport&, Colour);
 
-/// Each face by how it is turned to the light, on both sides; `front` where its normal points at
-/// the viewer, else `back`.
+/// A colour for each face by its angle to the light, lit from both sides: `front` where the normal
+/// points towards the viewer, else `back`.
 /// to_light  unit
 std::vector<Colour> flat_shading(const Points3& x, const Triangles&, const Camera&,
                                  const Vector3d& to_light, Colour front, Colour back);

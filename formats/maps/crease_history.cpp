@@ -2,6 +2,7 @@
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,27 +10,19 @@
 namespace paperbake {
 namespace {
 
-/// 0 up to soft[0], 1 from soft[1], straight between.
+/// 0 up to soft[0], 1 from soft[1], linear between them.
 double rise(double value, const double (&soft)[2]) {
   return std::clamp((value - soft[0]) / (soft[1] - soft[0]), 0.0, 1.0);
 }
 
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double t = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-  return (p - a - t * along).norm();
-}
-
-bool same_place(const Crease& a, const Crease& b, double same) {
+bool same_place(const DetectedCrease& a, const DetectedCrease& b, double same) {
   const bool straight = (a.from - b.from).norm() <= same && (a.to - b.to).norm() <= same;
   return straight || ((a.from - b.to).norm() <= same && (a.to - b.from).norm() <= same);
 }
 
-/// Does more than half of one lie on the other?
-bool overlap(const Crease& a, const Crease& b, double same) {
-  const auto within = [&](const Crease& inner, const Crease& outer) {
+/// Whether the creases are parallel and the midpoint of one of them lies on the other.
+bool overlap(const DetectedCrease& a, const DetectedCrease& b, double same) {
+  const auto within = [&](const DetectedCrease& inner, const DetectedCrease& outer) {
     const Vector2d middle = 0.5 * (inner.from + inner.to);
     const Vector2d u = (inner.to - inner.from).normalized(),
                    w = (outer.to - outer.from).normalized();
@@ -42,34 +35,34 @@ bool overlap(const Crease& a, const Crease& b, double same) {
 
 }  // namespace
 
-std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const Pattern& pattern,
-                               const CreaseLaw& law) {
+std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& plastic,
+                                           const Pattern& pattern,
+                                           const CreaseThresholds& thresholds) {
   const auto at = [&](int v) -> Vector2d { return sheet.pattern.row(v); };
   const double border = 1e-6 * longer_side(pattern);
-  std::vector<Crease> creases;
+  std::vector<DetectedCrease> creases;
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
     const double turn = std::abs(dihedral_angle(sheet.x, hinge));
-    if (turn <= law.turned[0]) continue;
+    if (turn <= thresholds.angle[0]) continue;
     const auto& v = hinge.vertices;
     const Vector2d along = at(v[1]) - at(v[0]);
     const double length = along.norm();
-    // what an edge of a mesh of equal triangles stands for; half as much again where edges run
-    // along the rulings
+    // the width that an edge of a mesh of equal triangles stands for; 3/2 of that would be right
+    // where the edges run along the rulings
     const double wings =
                      0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
                  width = 2.0 / 3 * wings / length;
-    // before the first frame
-    const bool folded = is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]);
-    double kept = folded ? turn : turn - law.yield_curvature * width;
-    if (plastic.rows() > 0 && !folded) {
+    const bool prescribed = is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]);
+    double plastic_angle = prescribed ? turn : turn - thresholds.yield_curvature * width;
+    if (plastic.rows() > 0 && !prescribed) {
       const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));
       const Vector2d n(-along.y() / length, along.x() / length);
-      kept =
+      plastic_angle =
           std::abs(n.x() * n.x() * S[0] + 2 * n.x() * n.y() * S[1] + n.y() * n.y() * S[2]) * width;
     }
-    Crease crease;
-    crease.strength =
-        rise(turn, law.turned) * rise(kept, law.kept) * std::min(1.0, turn / law.full);
+    DetectedCrease crease;
+    crease.strength = rise(turn, thresholds.angle) * rise(plastic_angle, thresholds.plastic_angle) *
+                      std::min(1.0, turn / thresholds.full_angle);
     if (crease.strength <= 0) continue;
     crease.from = at(v[0]);
     crease.to = at(v[1]);
@@ -81,12 +74,12 @@ std::vector<Crease> creases_of(const Sheet& sheet, const Points3& plastic, const
   return creases;
 }
 
-void remember(std::vector<Crease>& history, const std::vector<Crease>& now, int frame,
-              double same) {
+void merge_creases(std::vector<DetectedCrease>& history, const std::vector<DetectedCrease>& now,
+                   int frame, double same) {
   const std::size_t known = history.size();
-  for (Crease crease : now) {
+  for (DetectedCrease crease : now) {
     crease.frame_of_birth = frame;
-    Crease* old = nullptr;
+    DetectedCrease* old = nullptr;
     for (std::size_t k = 0; k < known; ++k) {
       if (!old && same_place(history[k], crease, same)) old = &history[k];
       if (overlap(history[k], crease, same))

@@ -7,39 +7,41 @@
 
 namespace paperbake {
 
-/// A straight crease on the pattern.
-struct Crease {
+/// A straight crease that the simulated sheet shows, as a segment on the pattern.
+struct DetectedCrease {
   Vector2d from, to;    // [m]
-  double strength = 0;  // (0, 1], the most so far
+  double strength = 0;  // (0, 1], the largest so far
   int frame_of_birth = 0;
-  bool from_border = false, to_border = false;  // does that end lie on the border of the pattern?
+  bool from_border = false, to_border = false;  // whether that end lies on the pattern's border
 };
 
-/// When an edge of the simulation mesh counts as a crease. Both conditions are soft: strength rises
-/// from 0 at the first number of a pair to what the angle says at the second.
+/// When an edge of the simulation mesh counts as a crease. It has to satisfy two soft conditions,
+/// each given by a pair of thresholds: below the first the strength is 0, above the second the
+/// condition does not reduce it.
 ///
-/// turned  a mesh of any size folds at its edges where paper is merely rolled, so the angle alone
-///         tells little ...
-/// kept    ... and what paper would keep of the angle, were it let go, tells a crease from a roll:
-///         the plastic curvature across the edge, over the width that the edge stands for; without
-///         a plastic memory what lies beyond the yield curvature
-struct CreaseLaw {
-  double turned[2] = {0.25, 0.35};  // [rad] |fold angle|
-  double kept[2] = {0.05, 0.15};    // [rad]
-  double full = M_PI / 2;           // [rad] |fold angle| of strength 1
-  // [1/m] 2 eps_y / h of the paper; only read without a plastic memory
+/// angle          dihedral angle at the edge. Alone it says little: every mesh is folded at its
+///                edges where paper is merely rolled.
+/// plastic_angle  the angle that would remain if the paper were released, which tells a crease from
+///                a roll: plastic curvature across the edge times the width that the edge stands
+///                for; in a simulation without plasticity, the excess over the yield curvature
+struct CreaseThresholds {
+  double angle[2] = {0.25, 0.35};          // [rad]
+  double plastic_angle[2] = {0.05, 0.15};  // [rad]
+  double full_angle = M_PI / 2;            // [rad] dihedral angle of strength 1
+  // [1/m] 2 eps_y / h of the paper; only used in a simulation without plasticity
   double yield_curvature = 100;
 };
 
-/// The edges of a mesh that are creases now.
-/// plastic_curvature  |V|x3 [1/m], or empty
-std::vector<Crease> creases_of(const Sheet&, const Points3& plastic_curvature, const Pattern&,
-                               const CreaseLaw&);
+/// The edges of the mesh that are creases in this frame.
+/// plastic_curvature  |V|x3 [1/m], or empty in a simulation without plasticity
+std::vector<DetectedCrease> detect_creases(const Sheet&, const Points3& plastic_curvature,
+                                           const Pattern&, const CreaseThresholds&);
 
-/// Adds the creases of a frame to those of all frames before. One that lies where a known one does
-/// (both ends within `same` [m]) makes that one stronger and moves it when it is the stronger one,
-/// so that the memory does not grow with every frame; one that lies along a known one (an edge that
-/// was cut, a crease that grew) is as old as that one. Nothing is forgotten.
-void remember(std::vector<Crease>& history, const std::vector<Crease>& now, int frame, double same);
+/// Adds the creases of a frame to those of all frames before; none is ever removed. A crease in the
+/// place of a known one (both ends within `same` [m]) replaces it if it is stronger and is dropped
+/// otherwise, so that the history does not grow with every frame. A crease that lies along a known
+/// one (part of an edge that was split, or a crease that has grown) inherits its frame of birth.
+void merge_creases(std::vector<DetectedCrease>& history, const std::vector<DetectedCrease>& now,
+                   int frame, double same);
 
 }  // namespace paperbake

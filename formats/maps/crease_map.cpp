@@ -9,7 +9,7 @@
 namespace paperbake {
 namespace {
 
-/// Creases nearer to each other than this share of their width are one. [1]
+/// [1] creases whose ends are nearer to each other than this fraction of their width are the same
 constexpr double same_crease = 0.5;
 
 std::vector<std::vector<Vector2d>> loops_of(const Pattern& pattern) {
@@ -24,7 +24,7 @@ struct CreaseMap::State {
   Pattern pattern;
   CreaseMapOptions options;
   FoldPeak peak;
-  MapScene scene;  // of the last frame, but for its number and rate
+  MapScene scene;  // of the last recorded frame; write() and picture() set its frame and fps
 };
 
 CreaseMap::CreaseMap(const Pattern& pattern, const CreaseMapOptions& options) {
@@ -55,8 +55,8 @@ void CreaseMap::record(int frame, const Sheet& sheet, const Points3& curvature,
   s.scene.fields = map_fields(sheet, curvature, plastic, s.options.fold_width);
   s.scene.apices = map_apices(sheet);
   s.peak.record(s.scene.fields);
-  remember(s.scene.creases, creases_of(sheet, plastic, s.pattern, s.options.law), frame,
-           same_crease * s.options.crease_width);
+  merge_creases(s.scene.creases, detect_creases(sheet, plastic, s.pattern, s.options.thresholds),
+                frame, same_crease * s.options.crease_width);
 }
 
 void CreaseMap::write(const std::filesystem::path& path, const MapInfo& info) const {
@@ -65,20 +65,20 @@ void CreaseMap::write(const std::filesystem::path& path, const MapInfo& info) co
   scene.frame = info.frame;
   scene.fps = info.fps;
   const MapScale scale{scene.side / scene.size, options.fold_width, options.crease_width};
-  write_whole_file(path, encode_map(scene.size, options.layout, info, scale, options.threads,
+  write_atomically(path, encode_map(scene.size, options.layout, info, scale, options.threads,
                                     [&](const MapRows& rows, MapTexel* texels) {
                                       draw_map(scene, rows, texels);
                                     }));
 }
 
 Image CreaseMap::picture(const MapInfo& info) const {
-  constexpr int most = 1024;
+  constexpr int max_size = 1024;
   constexpr Colour background{225, 225, 222}, paper{252, 250, 244}, outward{178, 48, 30},
       inward{36, 84, 168}, apex{20, 20, 20};
   MapScene& scene = state_->scene;
   scene.frame = info.frame;
   scene.fps = info.fps;
-  const int every = (scene.size + most - 1) / most, size = scene.size / every;
+  const int every = (scene.size + max_size - 1) / max_size, size = scene.size / every;
   std::vector<MapTexel> strip(std::size_t(16) * scene.size);
   Image image{size, size, std::vector<Colour>(std::size_t(size) * size)};
   for (int first = 0; first < scene.size; first += 16) {

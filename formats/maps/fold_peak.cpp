@@ -5,15 +5,15 @@
 namespace paperbake {
 namespace {
 
-constexpr int max_texels = 512;  // on a side
+constexpr int max_texels = 512;  // on a side of the grid
 
-/// Two neighbours along one axis of a grid and how much the second counts, at the place of texel i
-/// of a finer grid.
-struct Between {
+/// For linear interpolation along one axis: the two texels of the grid around texel i of a finer
+/// grid, and the weight of the second.
+struct GridNeighbours {
   int first, second;
   float weight;
 };
-Between between(int i, int fine, int coarse) {
+GridNeighbours grid_neighbours(int i, int fine, int coarse) {
   const double at = std::clamp((i + 0.5) * coarse / fine - 0.5, 0.0, coarse - 1.0);
   const int first = static_cast<int>(at);
   return {first, std::min(first + 1, coarse - 1), static_cast<float>(at - first)};
@@ -42,8 +42,8 @@ void FoldPeak::record(const MapFields& fields) {
 
 std::vector<float> FoldPeak::row(int row, int size) const {
   const int coarse = rows_.size;
-  const Between y = between(row, size, coarse);
-  // first down the columns of the memory, then along the row
+  const GridNeighbours y = grid_neighbours(row, size, coarse);
+  // bilinear: first down the columns of the grid, then along the row
   std::vector<float> bulge(coarse), hollow(coarse), peaks(size);
   const auto down = [&](const std::vector<float>& grid, int i) {
     const float a = grid[y.first * coarse + i], b = grid[y.second * coarse + i];
@@ -51,7 +51,7 @@ std::vector<float> FoldPeak::row(int row, int size) const {
   };
   for (int i = 0; i < coarse; ++i) bulge[i] = down(bulge_, i), hollow[i] = down(hollow_, i);
   for (int i = 0; i < size; ++i) {
-    const Between x = between(i, size, coarse);
+    const GridNeighbours x = grid_neighbours(i, size, coarse);
     const auto along = [&](const std::vector<float>& v) {
       return v[x.first] + x.weight * (v[x.second] - v[x.first]);
     };

@@ -4,18 +4,20 @@
 
 namespace paperbake {
 
-/// Remembers the fold.angle of largest magnitude that each place of a pattern has seen, on a grid
-/// of at most 512 texels along the longer side. A fold is at least 2 % of the sheet wide, ten of
-/// these texels: what it looks like between them is not lost.
+/// Accumulates the fold.angle of largest magnitude so far for each place of a pattern, on a grid of
+/// at most 512 texels along the longer side. That is fine enough: a fold is at least 2 % of the
+/// sheet wide, which is ten of these texels.
 class FoldPeak {
  public:
-  /// size: texels on a side of the maps; loops: corners of the pattern over `side` [m], in pattern
-  /// coordinates [m]
+  /// loops  corners of the pattern's outline and holes [m]
+  /// side   longer side of the pattern [m]
+  /// size   texels on a side of the maps
   FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side, int size);
 
+  /// Takes a frame into account.
   void record(const MapFields&);
 
-  /// The peak between the texels of the memory, for a row of a map of `size` texels. [rad]
+  /// The peak for each texel of a row of a map of `size` texels, interpolated on the grid. [rad]
   std::vector<float> row(int row, int size) const;
 
  private:
@@ -23,10 +25,11 @@ class FoldPeak {
   MapRows rows_;
   std::vector<std::vector<Vector2d>> loops_;  // [texel]
   std::vector<char> wanted_;
-  // Both principal values are continuous on a sheet, the larger one of them is not where its sign
-  // flips. So the largest of each is remembered and interpolated, and which of them is the peak is
-  // decided at the texel of the map: no stairs, no line of zero.
-  std::vector<float> bulge_, hollow_;  // [rad] at least 0
+  // Both principal values are continuous on a sheet, but the one of larger magnitude is not where
+  // its sign changes. So the maximum of each is stored and interpolated, and which of them is the
+  // peak is decided for each texel of the map: interpolating the peak itself would give stairs and
+  // lines of zeros.
+  std::vector<float> bulge_, hollow_;  // [rad] >= 0, towards the normal and away from it
 };
 
 }  // namespace paperbake

@@ -8,66 +8,67 @@
 namespace paperbake {
 namespace {
 
-// Digits below what a render can show are noise to the compressor: rounding halves the time and
-// quarters the file.
+// Layers are rounded: digits that no render can show are noise to the compressor. Rounding halves
+// the time and makes the file four times smaller.
 constexpr float angle_step = 1.0f / 4096;   // [rad] 0.014 degrees
 constexpr float strain_step = 1.0f / 4096;  // [%]
-constexpr float unit_step = 1.0f / 1024;    // [1] of a direction
+constexpr float unit_step = 1.0f / 1024;    // [1] components of a direction
 
-// [rad] |k1| x longer side: B rises from 0 to 1, as core finds curved regions
-constexpr double curved[2] = {0.18, 0.3};
-// [1] |k2 / k1|: and falls to 0 where paper bends both ways
-constexpr double one_way[2] = {0.5, 0.7};
-constexpr double isotropic = 0.02;  // [1] of k1: a bowl has no ruling
-// [texel] of a line: thinner ones would go missing between centres
+// [rad] |k1| x longer side over which B rises from 0 to 1, as step 2 finds curved regions
+constexpr double curved_range[2] = {0.18, 0.3};
+// [1] |k2 / k1| over which B falls to 0, since the paper bends in both directions
+constexpr double one_way_range[2] = {0.5, 0.7};
+constexpr double isotropic = 0.02;  // [1] |k1 - k2| / |k1| below which a bowl has no ruling
+// [texel] of a line or disc: a thinner one would be lost between the centres of texels
 constexpr double min_radius = 0.75;
-// [texel] age.crease reaches beyond R, so that no lookup under R meets "none"
+// [texel] how far age.crease reaches beyond R: a filtered lookup where R is drawn must not meet -1
 constexpr double age_margin = 1.5;
-// [texel] side of the squares that share one list of near apices
+// [texel] side of the blocks that share one list of near apices
 constexpr int block = 16;
 
-// + 0: no negative zero
+/// The nearest multiple of `step`; + 0 turns -0 into 0.
 float rounded(double value, float step) {
   return std::nearbyint(static_cast<float>(value) / step) * step + 0.0f;
 }
 
-/// A power of two, so that the last bits of a rounded number are zeros: 1/16 to 1/8 texel. [m]
+/// [m] 1/16 to 1/8 texel; a power of two, so that the last bits of a rounded number are zeros.
 float distance_step(double texel_size) {
   return static_cast<float>(std::exp2(std::floor(std::log2(texel_size / 8))));
 }
 
-/// How much of a texel a line or disc of this radius covers, as if its border were straight there.
-/// [1]
+/// [0, 1] part of a texel that a line or disc of this radius covers, taking its border there as
+/// straight. radius, distance [texel]
 double cover(double radius, double distance) {
   return std::clamp(radius + 0.5 - distance, 0.0, 1.0);
 }
 
-/// Stretch of a principal Green strain. [%]
+/// [%] stretch - 1 for a principal Green strain.
 double percent(double green) { return 100 * (std::sqrt(std::max(0.0, 1 + 2 * green)) - 1); }
 
-/// Unit direction along which the sheet does not bend, x >= 0. The tensor is not isotropic.
+/// Unit direction along which the sheet bends least, x >= 0. The tensor must not be isotropic.
 Vector2d ruling(double xx, double xy, double yy) {
   const double half_difference = 0.5 * (xx - yy),
                radius = std::sqrt(half_difference * half_difference + xy * xy);
-  // the eigenvector of the larger eigenvalue at phi, of the smaller one across it; bending is along
-  // that of larger magnitude
+  // the eigenvector of the larger eigenvalue is at angle phi, that of the smaller one across it;
+  // the sheet bends along that of larger magnitude, and the ruling runs across
   const double sign = xx + yy >= 0 ? -1 : 1, c = sign * half_difference / radius,
                s = sign * xy / radius;
   return {std::sqrt(std::max(0.0, 0.5 * (1 + c))),
           std::copysign(std::sqrt(std::max(0.0, 0.5 * (1 - c))), s)};
 }
 
-/// The layers that the shape of the sheet at this place tells alone.
+/// Sets the layers that depend only on the shape of the sheet at the texel.
 void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
   const double k1 = larger_principal(f[0], f[1], f[2]);
   texel.dihedral_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
   texel.fold_plastic = rounded(larger_principal(f[6], f[7], f[8]), angle_step);
   const double k2 = f[0] + f[2] - k1, bent = std::abs(k1) * scene.side;
-  const double coherent = (one_way[1] - std::abs(k2 / k1)) / (one_way[1] - one_way[0]);
-  if (bent > curved[0] && std::abs(k1 - k2) > isotropic * std::abs(k1)) {
-    texel.b =
-        static_cast<float>(std::clamp((bent - curved[0]) / (curved[1] - curved[0]), 0.0, 1.0) *
-                           std::clamp(coherent, 0.0, 1.0));
+  const double coherent =
+      (one_way_range[1] - std::abs(k2 / k1)) / (one_way_range[1] - one_way_range[0]);
+  if (bent > curved_range[0] && std::abs(k1 - k2) > isotropic * std::abs(k1)) {
+    texel.b = static_cast<float>(
+        std::clamp((bent - curved_range[0]) / (curved_range[1] - curved_range[0]), 0.0, 1.0) *
+        std::clamp(coherent, 0.0, 1.0));
     const Vector2d along = ruling(f[0], f[1], f[2]);
     texel.dir_x = rounded(along.x(), unit_step);
     texel.dir_y = rounded(along.y(), unit_step);
@@ -78,7 +79,7 @@ void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
   texel.strain_max = rounded(percent(mean + radius), strain_step);
 }
 
-/// A peak is remembered between the texels; where the sheet folds more than that now, it is now.
+/// Sets fold.peak: interpolated on the grid of FoldPeak, or fold.angle where that is larger now.
 void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
                 MapTexel* texels) {
   for (int row = rows.first; row < rows.last; ++row) {
@@ -97,10 +98,10 @@ void draw_creases(const MapScene& scene, const MapRows& rows, const std::vector<
                   MapTexel* texels) {
   const double texel_size = scene.side / rows.size,
                radius = std::max(min_radius, 0.5 * scene.crease_width / texel_size);
-  for (const Crease& crease : scene.creases) {
+  for (const DetectedCrease& crease : scene.creases) {
     Vector2d from = to_texels(crease.from, scene.side, rows.size),
              to = to_texels(crease.to, scene.side, rows.size);
-    // a crease that ends on the border goes on in the padding
+    // a crease that ends on the border continues in the padding
     const Vector2d beyond = (map_padding + 1) * (to - from).normalized();
     if (crease.from_border) from -= beyond;
     if (crease.to_border) to += beyond;

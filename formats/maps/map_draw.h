@@ -11,28 +11,28 @@ namespace paperbake {
 struct MapApex {
   Vector2d pattern;  // [m]
   int frame_of_birth;
-  double turn;  // [rad] sum of |fold angle| over the edges that meet there, at this frame
+  double turn;  // [rad] sum of |dihedral angle| over the edges that meet there in this frame
 };
 
-/// The singular points of a sheet with how far it turns about each: about the vertex next to it.
+/// The singular points of a sheet, and the turn of the sheet around the vertex nearest to each.
 std::vector<MapApex> map_apices(const Sheet&);
 
-/// All that a map of one frame is drawn from.
+/// Everything that a map of one frame is drawn from.
 struct MapScene {
   int size;                                  // texels on a side
   double side, diagonal;                     // [m] of the pattern
   double crease_width;                       // [m]
   std::vector<std::vector<Vector2d>> loops;  // [texel] corners of the pattern
   MapFields fields;
-  std::vector<Crease> creases;
+  std::vector<DetectedCrease> creases;
   std::vector<MapApex> apices;
   const FoldPeak* peak = nullptr;
   int frame;
   double fps;
 };
 
-/// Draws some rows of the map; what it does to one row does not depend on the others, but for the
-/// order of `rows.first`, which is a multiple of 16. See crease_map.h for the layers.
+/// Draws some rows of the map, whose layers crease_map.h describes. rows.first must be a multiple
+/// of 16; then the texels of a row do not depend on which rows are drawn together.
 void draw_map(const MapScene&, const MapRows&, MapTexel*);
 
 }  // namespace paperbake

@@ -1,6 +1,7 @@
 #include "formats/maps/map_fields.h"
 
 #include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
 #include "formats/maps/fold_width.h"
 
 #include <limits>
@@ -8,7 +9,8 @@
 namespace paperbake {
 namespace {
 
-/// Green strain of a triangle in the coordinates of the pattern: (FᵀF - I)/2 as xx, xy, yy. [1]
+/// Green strain of a triangle in the coordinates of the pattern: (FᵀF - I)/2 as xx, xy, yy [1], and
+/// its area on the pattern [m2].
 Eigen::RowVector3d green_strain(const Sheet& sheet, int t, double& area) {
   const int a = sheet.triangles(t, 0), b = sheet.triangles(t, 1), c = sheet.triangles(t, 2);
   Eigen::Matrix2d rest;
@@ -24,16 +26,10 @@ Eigen::RowVector3d green_strain(const Sheet& sheet, int t, double& area) {
   return {G(0, 0), G(0, 1), G(1, 1)};
 }
 
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const Vector2d along = b - a;
-  const double t = std::clamp((p - a).dot(along) / std::max(along.squaredNorm(), 1e-300), 0.0, 1.0);
-  return (p - a - t * along).norm();
-}
-
-/// How far a mesh stays behind the border of its pattern: a coarse one cuts off the corners of a
-/// round outline.
-double gap(const std::vector<std::vector<Vector2d>>& loops, const std::vector<FieldCorner>& corner,
-           const MapFields& fields) {
+/// [texel] the largest distance from a corner of the pattern to the border of the mesh: a coarse
+/// mesh cuts the corners of a round outline.
+double max_border_gap(const std::vector<std::vector<Vector2d>>& loops,
+                      const std::vector<FieldCorner>& corner, const MapFields& fields) {
   double gap = 0;
   for (const auto& loop : loops)
     for (const Vector2d& p : loop) {
@@ -54,20 +50,20 @@ MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3
                    std::vector<Fields>(sheet.pattern.rows(), Fields::Zero()),
                    {}};
   const Eigen::VectorXd width = fold_widths(sheet, curvature, fold_width);
-  const Points3 fold = folds_of(curvature, width),
-                plastic_fold = plastic.rows() > 0 ? folds_of(plastic, width) : Points3();
-  std::vector<double> around(sheet.pattern.rows(), 0.0);
+  const Points3 fold = fold_tensors(curvature, width),
+                plastic_fold = plastic.rows() > 0 ? fold_tensors(plastic, width) : Points3();
+  std::vector<double> area_around(sheet.pattern.rows(), 0.0);
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
     double area;
     const Eigen::RowVector3d strain = green_strain(sheet, t, area);
     for (int k = 0; k < 3; ++k) {
       fields.of_vertex[sheet.triangles(t, k)].tail<3>() += area * strain.transpose().array();
-      around[sheet.triangles(t, k)] += area;
+      area_around[sheet.triangles(t, k)] += area;
     }
   }
-  for (std::size_t v = 0; v < around.size(); ++v) {
+  for (std::size_t v = 0; v < area_around.size(); ++v) {
     Fields& f = fields.of_vertex[v];
-    if (around[v] > 0) f.tail<3>() /= around[v];
+    if (area_around[v] > 0) f.tail<3>() /= area_around[v];
     f.head<3>() = curvature.row(v).transpose().array();
     f.segment<3>(3) = fold.row(v).transpose().array();
     if (plastic.rows() > 0) f.segment<3>(6) = plastic_fold.row(v).transpose().array();
@@ -106,7 +102,7 @@ void for_each_texel(const MapFields& fields, double side,
     float t = 0;
   };
   std::vector<Nearest> nearest(rows.count());
-  const double reach = gap(loops, corner, fields) + map_padding + 2;
+  const double reach = max_border_gap(loops, corner, fields) + map_padding + 2;
   for (std::size_t e = 0; e < fields.border.size(); ++e)
     for_each_near_segment(corner[fields.border[e].first].at, corner[fields.border[e].second].at,
                           reach, rows, [&](int i, int row, double distance, double t) {

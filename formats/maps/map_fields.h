@@ -8,34 +8,39 @@
 
 namespace paperbake {
 
-/// What a map shows of the shape of a sheet, at the vertices of its mesh.
+/// The quantities of a sheet's shape that a map shows, at the vertices of its mesh.
 struct MapFields {
   Points2 pattern;  // |V|x2 [m]
   Triangles triangles;
-  // |V| curvature [1/m], fold [rad], plastic fold [rad], Green strain [1]: Sxx, Sxy, Syy each
+  // |V| four tensors Sxx, Sxy, Syy each: curvature [1/m], fold angle [rad], plastic fold angle
+  // [rad], Green strain [1]
   std::vector<Fields> of_vertex;
-  std::vector<std::pair<int, int>> border;  // vertices of the edges with one triangle
+  std::vector<std::pair<int, int>> border;  // ends of the edges with one triangle
 };
 
-/// curvature  |V|x3 [1/m], of core/curvature
-/// plastic    |V|x3 [1/m], or empty: 0
-/// fold_width [m] of rolled paper; folds: fold_width.h Strain is that of the triangles around a
-/// vertex, weighted by area: a triangle alone is stiffer than paper and strains in turns with its
-/// neighbours.
+/// Evaluates the fields of a sheet. Strain is averaged over the triangles around a vertex, weighted
+/// by area: the strains of single triangles alternate in sign, because a constant-strain triangle
+/// is stiffer than paper.
+/// curvature   |V|x3 [1/m], of core/geometry/curvature
+/// plastic     |V|x3 [1/m], or empty for none
+/// fold_width  [m] see fold_width.h
 MapFields map_fields(const Sheet&, const Points3& curvature, const Points3& plastic,
                      double fold_width);
 
-/// Calls texel(index, fields) once for every wanted texel of the rows (indices as MapRows::index):
-/// the fields at its centre, linear in the triangle there; outside the mesh those of the nearest
-/// point of its border, whatever the distance.
-/// loops   [texel] of the pattern; they bound how far a mesh may stay behind it
-/// wanted  one for each texel of the rows
+/// Calls texel(index, fields) once for every wanted texel of the rows, with the fields at its
+/// centre, interpolated linearly in the triangle there; outside the mesh those of the nearest point
+/// of its border, at any distance.
+/// side    [m] longer side of the pattern
+/// loops   [texel] corners of the pattern's outline and holes; a coarse mesh may stay behind them
+/// wanted  one entry for each texel of the rows
+/// texel   index as MapRows::index
 void for_each_texel(const MapFields&, double side, const std::vector<std::vector<Vector2d>>& loops,
                     const MapRows&, const std::vector<char>& wanted,
                     const std::function<void(int, const Fields&)>& texel);
 
-/// The texels that a lookup inside the pattern may touch: those with any part of it in them, and
-/// those with their centre at most map_padding texels from its border.
+/// The texels that a filtered lookup inside the pattern may read: those that overlap the pattern,
+/// and those whose centre is at most map_padding texels from its border.
+/// coverage  of area_coverage
 inline constexpr int map_padding = 4;
 std::vector<char> wanted_texels(const std::vector<std::vector<Vector2d>>& loops,
                                 const std::vector<float>& coverage, const MapRows&);

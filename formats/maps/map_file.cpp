@@ -20,7 +20,7 @@
 namespace paperbake {
 namespace {
 
-constexpr int zip_level = 1;    // level 2 takes a tenth longer to save a hundredth of the size
+constexpr int zip_level = 1;    // level 2 takes 10 % longer and makes the file 1 % smaller
 constexpr int strip_rows = 64;  // a multiple of the 16 rows of a ZIP block
 constexpr int tile = 64;        // [texel]
 
@@ -63,12 +63,12 @@ Imf::Header header_of(int size, const MapInfo& info, const MapScale& scale) {
   return header;
 }
 
-/// Where the library finds the texels of an image of which `first_row` comes first in memory.
+/// Describes to OpenEXR the texels of an image whose first row in memory is `first_row`.
 Imf::FrameBuffer frame_buffer(const MapTexel* texels, int size, int first_row) {
   Imf::FrameBuffer buffer;
   const std::ptrdiff_t row = sizeof(MapTexel) * std::ptrdiff_t(size);
   for (const Layer& layer : layers) {
-    // the library only reads it
+    // OpenEXR only reads it
     char* base =
         const_cast<char*>(reinterpret_cast<const char*>(texels)) + layer.offset - first_row * row;
     buffer.insert(layer.name, Imf::Slice(layer.type, base, sizeof(MapTexel), row));
@@ -76,7 +76,7 @@ Imf::FrameBuffer frame_buffer(const MapTexel* texels, int size, int first_row) {
   return buffer;
 }
 
-/// Draws some rows, in strips on several threads.
+/// Draws some rows, each strip of them on a thread of its own.
 void draw_rows(const DrawRows& draw, const MapRows& rows, MapTexel* texels) {
   std::vector<std::future<void>> others;
   for (int first = rows.first; first < rows.last; first += strip_rows) {
@@ -91,22 +91,22 @@ void draw_rows(const DrawRows& draw, const MapRows& rows, MapTexel* texels) {
   for (auto& other : others) other.get();
 }
 
-/// Calls take(rows, texels) for the map, from the top, as many strips at a time as there are
-/// threads.
+/// Draws a map from the top in batches of as many strips as there are threads, and calls
+/// take(rows, texels) for each. keep: `texels` receives the whole map, else only the current batch.
 template <class Take>
-void draw_in_turns(int size, int threads, const DrawRows& draw, std::vector<MapTexel>& texels,
-                   bool keep, const Take& take) {
-  const int turn = strip_rows * std::max(1, threads);
-  texels.resize(std::size_t(size) * (keep ? size : std::min(turn, size)));
-  for (int first = 0; first < size; first += turn) {
-    const MapRows rows{size, first, std::min(first + turn, size)};
+void draw_in_batches(int size, int threads, const DrawRows& draw, std::vector<MapTexel>& texels,
+                     bool keep, const Take& take) {
+  const int batch = strip_rows * std::max(1, threads);
+  texels.resize(std::size_t(size) * (keep ? size : std::min(batch, size)));
+  for (int first = 0; first < size; first += batch) {
+    const MapRows rows{size, first, std::min(first + batch, size)};
     MapTexel* target = texels.data() + (keep ? std::size_t(first) * size : 0);
     draw_rows(draw, rows, target);
     take(rows, target);
   }
 }
 
-/// Source texels under texel i of the next level and how much of each.
+/// The texels that texel i of the next level covers along one axis, and the part of each.
 struct Footprint {
   int first, count, nearest;
   double share[3];
@@ -163,9 +163,9 @@ MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint&
   return mean;
 }
 
-/// A texel beside the pattern and the one that it continues, by their indices.
+/// Indices of a texel beside the pattern and of the texel of the pattern that it copies.
 struct Padding {
-  std::size_t texel, beside;
+  std::size_t texel, source;
 };
 std::vector<Padding> paddings(const std::vector<MapTexel>& level, int size, int first, int last) {
   constexpr int around[8][2] = {{1, 0}, {-1, 0}, {0, 1},  {0, -1},
@@ -177,18 +177,18 @@ std::vector<Padding> paddings(const std::vector<MapTexel>& level, int size, int 
       if (level[texel].a > 0) continue;
       for (const auto& [x, y] : around) {
         if (i + x < 0 || j + y < 0 || i + x >= size || j + y >= size) continue;
-        const std::size_t beside = std::size_t(j + y) * size + i + x;
-        if (!(level[beside].a > 0)) continue;
-        found.push_back({texel, beside});
+        const std::size_t source = std::size_t(j + y) * size + i + x;
+        if (!(level[source].a > 0)) continue;
+        found.push_back({texel, source});
         break;
       }
     }
   return found;
 }
 
-/// Shares the rows of a level between threads: rows(part, first, last).
+/// Divides the rows of a level among threads and calls rows(part, first, last) on each.
 template <class Rows>
-void for_parts(int size, int threads, const Rows& rows) {
+void for_row_ranges(int size, int threads, const Rows& rows) {
   std::vector<std::future<void>> others;
   for (int part = 1; part < threads; ++part)
     others.push_back(std::async(std::launch::async, [&rows, part, size, threads] {
@@ -202,24 +202,23 @@ void for_parts(int size, int threads, const Rows& rows) {
 
 std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, int threads) {
   const int next = std::max(1, size / 2);
-  // small levels are done before a thread has begun
+  // small levels take less time than starting a thread
   threads = std::clamp(next / strip_rows, 1, threads);
   std::vector<Footprint> columns;
   for (int i = 0; i < next; ++i) columns.push_back(footprint(i, size, next));
   std::vector<MapTexel> level(std::size_t(next) * next);
-  for_parts(next, threads, [&](int, int first, int last) {
+  for_row_ranges(next, threads, [&](int, int first, int last) {
     for (int j = first; j < last; ++j)
       for (int i = 0; i < next; ++i)
         level[std::size_t(j) * next + i] = mean_of(texels, size, columns[i], columns[j]);
   });
-  // texels beside the pattern continue it, so that a lookup at its border finds paper on every
-  // level
+  // texels beside the pattern copy it, so that a lookup at its border reads paper on every level
   std::vector<std::vector<Padding>> padding(threads);
-  for_parts(next, threads, [&](int part, int first, int last) {
+  for_row_ranges(next, threads, [&](int part, int first, int last) {
     padding[part] = paddings(level, next, first, last);
   });
   for (const auto& part : padding)
-    for (const Padding& p : part) level[p.texel] = level[p.beside], level[p.texel].a = 0.0f;
+    for (const Padding& p : part) level[p.texel] = level[p.source], level[p.texel].a = 0.0f;
   return level;
 }
 
@@ -228,22 +227,22 @@ std::string encode_map(int size, MapLayout layout, const MapInfo& info, const Ma
   const int helpers = threads > 1 ? threads : 0;
   if (Imf::globalThreadCount() != helpers) Imf::setGlobalThreadCount(helpers);
   Imf::Header header = header_of(size, info, scale);
-  // encoded in memory: the library's own file classes write the end of a file in destructors, which
-  // hide a full disk
+  // encoded in memory: OpenEXR's file classes write the end of a file in destructors, which cannot
+  // report a full disk
   Imf::StdOSStream stream;
   std::vector<MapTexel> texels;
   if (layout == MapLayout::scanline) {
     Imf::OutputFile file(stream, header, helpers);
-    draw_in_turns(size, threads, draw, texels, false,
-                  [&](const MapRows& rows, const MapTexel* drawn) {
-                    file.setFrameBuffer(frame_buffer(drawn, size, rows.first));
-                    file.writePixels(rows.last - rows.first);
-                  });
+    draw_in_batches(size, threads, draw, texels, false,
+                    [&](const MapRows& rows, const MapTexel* drawn) {
+                      file.setFrameBuffer(frame_buffer(drawn, size, rows.first));
+                      file.writePixels(rows.last - rows.first);
+                    });
   } else {
     header.setTileDescription(
         Imf::TileDescription(tile, tile, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN));
     Imf::TiledOutputFile file(stream, header, helpers);
-    draw_in_turns(size, threads, draw, texels, true, [](const MapRows&, const MapTexel*) {});
+    draw_in_batches(size, threads, draw, texels, true, [](const MapRows&, const MapTexel*) {});
     for (int level = 0, side = size; level < file.numLevels(); ++level) {
       file.setFrameBuffer(frame_buffer(texels.data(), side, 0));
       file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);

@@ -13,7 +13,7 @@
 
 namespace paperbake {
 
-/// All layers of a map at one texel, in the types of the file; see crease_map.h for what they mean.
+/// All layers of a map at one texel, in the types of the file; crease_map.h describes them.
 struct MapTexel {
   half r{0.0f}, g{0.0f}, b{0.0f}, a{0.0f};
   float dihedral_angle = 0, fold_plastic = 0, fold_peak = 0;
@@ -24,29 +24,29 @@ struct MapTexel {
   float strain_min = 0, strain_max = 0;
 };
 
-/// What the header says beside MapInfo. [m]
+/// Lengths in the header of the file, in addition to MapInfo. [m]
 struct MapScale {
   double texel = 0, fold_width = 0, crease_width = 0;
 };
 
-/// Fills the texels of some rows, row after row; it is called for several strips of rows at once.
+/// Fills the texels of some rows, row after row. Called for several strips of rows concurrently.
 using DrawRows = std::function<void(const MapRows&, MapTexel*)>;
 
-/// The bytes of an OpenEXR file with the layers that `draw` draws; the same ones at any number of
-/// threads.
+/// The bytes of an OpenEXR file with the layers that `draw` fills; they do not depend on the number
+/// of threads.
 ///
-/// scanline   drawn and packed a strip at a time, 14 MB of texels at 2048
-/// tiled_mip  all levels are in memory at once, 75 bytes for each texel of the largest
+/// scanline   drawn and compressed strip by strip: 14 MB of texels at size 2048 with two threads
+/// tiled_mip  all levels are in memory at once: 75 bytes for each texel of the largest level
 ///
-/// threads  1: none but the caller's
+/// threads  1: only that of the caller
 std::string encode_map(int size, MapLayout, const MapInfo&, const MapScale&, int threads,
                        const DrawRows& draw);
 
-/// The next level of a map: each side floor(size / 2), at least 1. Masks and data are means over
-/// the area of the texels under the new one, weighted by how much pattern lies in them (A: over all
-/// of the area); age.crease over those that have a crease; directions as lines without a head.
-/// apex.id, apex.cone and age.apex are those of one texel, next to the new one's centre.
-/// threads  at least 1; the texels do not depend on them
+/// The next level of a mip-map: each side is floor(size / 2), at least 1. A new texel is the mean
+/// of the texels that it covers, weighted by the part of the pattern in them (A: by their area);
+/// age.crease is averaged over those with a crease, directions as rulings without orientation.
+/// apex.id, apex.cone and age.apex are taken from the texel next to the centre.
+/// threads  at least 1; no influence on the texels
 std::vector<MapTexel> next_level(const std::vector<MapTexel>&, int size, int threads);
 
 }  // namespace paperbake

@@ -5,23 +5,24 @@
 namespace paperbake {
 namespace {
 
-/// Adds what the part of an edge within one row does to the area on its right: summed along the
-/// row, `change` is the area. source: the accumulation buffer of font rasterisers
+/// Adds the part of an edge within one row to an accumulation buffer, whose running sum along the
+/// row is the covered area: the area to the right of the edge, with the sign of `height`.
+/// source  the accumulation buffers of font rasterisers
 void add_row_of_edge(double* change, double from, double to, double height) {
   const double left = std::min(from, to), right = std::max(from, to);
   const double first = std::floor(left), last = std::ceil(right);
   const int i = static_cast<int>(first), n = static_cast<int>(last);
-  if (n <= i + 1) {  // within one texel
+  if (n <= i + 1) {  // all within one texel
     const double right_share = 0.5 * (from + to) - first;
     change[i] += height * (1 - right_share);
     change[i + 1] += height * right_share;
     return;
   }
-  const double slope = 1 / (right - left);  // height a texel, as a share
+  const double slope = 1 / (right - left);  // part of the height per texel
   const double in_first = first + 1 - left, in_last = right - (last - 1);
-  double before = 0;  // area share of the texel to the left
+  double before = 0;  // part of the area of the texel to the left
   for (int k = i; k < n; ++k) {
-    double share;  // of texel k that lies right of the edge's part so far
+    double share;  // part of texel k that lies to the right of the edge
     if (k == i)
       share = 0.5 * slope * in_first * in_first;
     else if (k == n - 1)
@@ -46,7 +47,7 @@ std::vector<float> area_coverage(const std::vector<std::vector<Vector2d>>& loops
   std::vector<double> change(std::size_t(rows.last - rows.first) * stride, 0.0);
   for (const auto& loop : loops)
     for (std::size_t k = 0; k < loop.size(); ++k) {
-      // from here on texel i is i <= x < i + 1
+      // shifted so that texel i is the interval i <= x < i + 1
       const Vector2d p = loop[k] + Vector2d(0.5, 0.5),
                      q = loop[(k + 1) % loop.size()] + Vector2d(0.5, 0.5);
       if (p.y() == q.y()) continue;
@@ -71,7 +72,7 @@ std::vector<float> area_coverage(const std::vector<std::vector<Vector2d>>& loops
     double sum = 0;
     for (int i = 0; i < rows.size; ++i) {
       sum += change[std::size_t(row - rows.first) * stride + i];
-      // what is left of rounding must not make a rim of texels that are covered by nothing
+      // rounding errors must not give a rim of texels outside the polygons any coverage
       coverage[rows.index(i, row)] = sum < 1e-6 ? 0.0f : static_cast<float>(std::min(sum, 1.0));
     }
   }

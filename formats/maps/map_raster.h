@@ -8,12 +8,15 @@
 
 namespace paperbake {
 
-/// A point in texels of a square map over the render uv: (i, j) is the centre of texel i of row j,
-/// row 0 at the top. side [m]: longer side of the pattern; size: texels on a side
+/// A point of the pattern in texels of a square map over the render uv: (i, j) is the centre of
+/// texel i of row j, with row 0 at the top.
+/// pattern  [m]
+/// side     [m] longer side of the pattern
+/// size     texels on a side of the map
 Vector2d to_texels(const Vector2d& pattern, double side, int size);
 
-/// The rows first <= row < last of a map of size x size texels: maps are drawn in strips that know
-/// nothing of each other.
+/// The rows first <= row < last of a map of size x size texels. Maps are drawn in such strips,
+/// independently of each other.
 struct MapRows {
   int size, first, last;
 
@@ -21,12 +24,11 @@ struct MapRows {
   int index(int i, int row) const { return (row - first) * size + i; }
 };
 
-/// How much of each texel lies in the polygons (outline counter-clockwise in the pattern, holes
-/// clockwise), exactly. [0, 1]
-/// loops  corners [texel]
+/// The exact part of each texel that lies in the polygons. [0, 1]
+/// loops  corners [texel]; on the pattern outlines are counter-clockwise and holes clockwise
 std::vector<float> area_coverage(const std::vector<std::vector<Vector2d>>& loops, const MapRows&);
 
-/// Quantities that are linear in a triangle.
+/// Quantities that are interpolated linearly in a triangle.
 using Fields = Eigen::Array<double, 12, 1>;
 struct FieldCorner {
   Vector2d at;  // [texel]
@@ -39,14 +41,14 @@ inline int first_at_or_after(double x, int low, int high) {
   return static_cast<int>(std::ceil(std::clamp(x, double(low), double(high))));
 }
 
-/// The two triangles of an edge must find the very same cut with a row, so it is always computed
-/// from its upper end.
+/// Where an edge meets a row. It is always computed from the upper end of the edge, so that the two
+/// triangles of an edge get exactly the same point.
 FieldCorner cut_edge(const FieldCorner& p, const FieldCorner& q, int row);
 
 }  // namespace raster
 
-/// Calls texel(i, row, fields) for every texel centre in the triangle. Spans are half open in both
-/// directions, so that triangles with a common edge leave no gap between them and share no texel.
+/// Calls texel(i, row, fields) for every texel whose centre lies in the triangle. Spans are half
+/// open in both directions, so that triangles with a common edge leave no gap and share no texel.
 template <class Texel>
 void for_each_in_triangle(const FieldCorner (&corner)[3], const MapRows& rows, const Texel& texel) {
   const auto [top, bottom] = std::minmax({corner[0].at.y(), corner[1].at.y(), corner[2].at.y()});
@@ -69,8 +71,8 @@ void for_each_in_triangle(const FieldCorner (&corner)[3], const MapRows& rows, c
   }
 }
 
-/// Calls texel(i, row, distance, t) for every texel centre within `reach` of the segment; t in [0,
-/// 1] is where on it the nearest point lies. All in texels.
+/// Calls texel(i, row, distance, t) for every texel whose centre is within `reach` of the segment;
+/// its nearest point on the segment is a + t (b - a), t in [0, 1]. Lengths are in texels.
 template <class Texel>
 void for_each_near_segment(const Vector2d& a, const Vector2d& b, double reach, const MapRows& rows,
                            const Texel& texel) {
@@ -81,7 +83,7 @@ void for_each_near_segment(const Vector2d& a, const Vector2d& b, double reach, c
       raster::first_at_or_after(std::floor(bottom + reach) + 1, rows.first, rows.last);
   for (int row = raster::first_at_or_after(top - reach, rows.first, rows.last); row < end_row;
        ++row) {
-    // the piece of the segment that can be so near to this row
+    // the part of the segment that can be within reach of this row
     double from = 0, to = 1;
     if (std::abs(along.y()) > 1e-9) {
       const double s = (row - reach - a.y()) / along.y(), e = (row + reach - a.y()) / along.y();
@@ -99,8 +101,8 @@ void for_each_near_segment(const Vector2d& a, const Vector2d& b, double reach, c
   }
 }
 
-/// Numbers of the points that can be the nearest one to a texel of the block of texels around
-/// `centre` with half diagonal `reach`. All in texels.
+/// Indices of the points that may be the nearest one to some texel of a block with this centre and
+/// half diagonal `reach`. All in texels.
 std::vector<int> near_points(const std::vector<Vector2d>& points, const Vector2d& centre,
                              double reach);
 

@@ -83,7 +83,7 @@ ImportedMesh copy_mesh(const aiMesh& mesh) {
     if (face.mNumIndices != 3) continue;  // points and lines
     for (unsigned k = 0; k < 3; ++k) {
       if (face.mIndices[k] >= mesh.mNumVertices)
-        throw Error(Fault::scene, where(), "A face names a vertex that does not exist.");
+        throw Error(Fault::scene, where(), "A face refers to a vertex that does not exist.");
       corners.push_back(static_cast<int>(face.mIndices[k]));
     }
   }
@@ -106,8 +106,8 @@ double as_typed(float f) {
 
 const aiScene& assimp_scene(Assimp::Importer& importer, const std::filesystem::path& path,
                             const std::string& format) {
-  // without them the rotations about Maya's pivots would be lost: measured on
-  // maya_anim_pivot_rotate
+  // without pivots the rotations about Maya's pivots are lost, as the test file
+  // maya_anim_pivot_rotate shows
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
   if (!scene || !scene->mRootNode)

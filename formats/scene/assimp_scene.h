@@ -9,23 +9,26 @@
 
 namespace paperbake {
 
-/// The scene of a file, faces as triangles; it lives as long as the importer. throws
-/// Error(Fault::scene) at `path`: assimp cannot read it, or its format is not the one named ("FBX")
+/// The scene of a file, with its faces split into triangles; it lives as long as the importer.
+/// format  the only one accepted, by its assimp name: "FBX"
+/// throws  Error(ErrorCode::scene) at `path` when assimp cannot read it or it has another format
 const aiScene& assimp_scene(Assimp::Importer&, const std::filesystem::path& path,
                             const std::string& format);
 
-/// Copies what is below a node, parents before children, in order of the file. `copied` is told of
-/// each node and its index. throws Error(Fault::scene) at the node: a number that is none
+/// Copies all nodes below a node, parents before children, in order of the file, and calls
+/// copied(node, index) after each. throws Error(ErrorCode::scene) at a node with a number that is
+/// not finite
 void copy_nodes(const aiNode& root, ImportedFile&,
                 const std::function<void(const aiNode&, int)>& copied);
 
-/// All meshes, in order. throws Error(Fault::scene) at the mesh: a number that is none, a face with
-/// a vertex that does not exist
+/// Copies all meshes in order. throws Error(ErrorCode::scene) at a mesh with a number that is not
+/// finite, or a face with a vertex that does not exist
 void copy_meshes(const aiScene&, ImportedFile&);
 
 Vector3d vector(const aiVector3D&);
 
-/// The shortest decimal that the 32-bit number stands for: 0.002 typed by the artist stays 0.002.
+/// The double whose shortest decimal is that of the 32-bit number: a 0.002 typed by the artist
+/// stays 0.002.
 double as_typed(float);
 
 }  // namespace paperbake

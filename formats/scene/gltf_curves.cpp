@@ -29,7 +29,8 @@ Value value(const double* n) {
     return Value(n[3], n[0], n[1], n[2]);
 }
 
-/// Makes a rotation of four numbers near one; a curve of such stays in proportion with its slopes.
+/// The factor that makes a key a unit quaternion. The tangents of the key are multiplied by it,
+/// too, so that the curve keeps its shape.
 double scale_to_unit(const Vector3d&) { return 1; }
 double scale_to_unit(const Eigen::Quaterniond& q) { return q.norm() > 1e-9 ? 1 / q.norm() : 0; }
 
@@ -40,10 +41,10 @@ template <class Value>
 Track<Value> track_of(const std::vector<double>& times, const std::vector<double>& numbers,
                       std::size_t width, const std::string& interpolation) {
   Track<Value> track;
-  track.between = interpolation == "STEP"          ? Between::step
-                  : interpolation == "CUBICSPLINE" ? Between::cubic
-                                                   : Between::line;
-  const bool cubic = track.between == Between::cubic;
+  track.interpolation = interpolation == "STEP"          ? Interpolation::step
+                        : interpolation == "CUBICSPLINE" ? Interpolation::cubic
+                                                         : Interpolation::linear;
+  const bool cubic = track.interpolation == Interpolation::cubic;
   const std::size_t each = (cubic ? 3 : 1) * width;
   if (numbers.size() != times.size() * each)
     refuse(
@@ -62,20 +63,21 @@ Track<Value> track_of(const std::vector<double>& times, const std::vector<double
       p = Value::Identity();
     track.keys.push_back({times[k], p});
     if (!cubic) continue;
-    track.slopes.push_back({value<Value>(n), value<Value>(n + 2 * width)});
-    scale(track.slopes.back().in, unit), scale(track.slopes.back().out, unit);
+    track.tangents.push_back({value<Value>(n), value<Value>(n + 2 * width)});
+    scale(track.tangents.back().in, unit), scale(track.tangents.back().out, unit);
   }
   if constexpr (!std::is_same_v<Value, Vector3d>) make_continuous(track);
   return track;
 }
 
-/// Which part of which node a channel moves, if it does.
+/// The node that a channel moves, and which part of its transform.
 struct Target {
   std::size_t node;
   std::string path;  // translation, rotation or scale
 };
 
-/// source: glTF 2.0, 5.7; KHR_animation_pointer
+/// The target of a channel; nothing when it is not the transform of a node.
+/// source  glTF 2.0, 5.7; KHR_animation_pointer
 std::optional<Target> target_of(const Json& channel, std::size_t nodes) {
   const Json target = channel.is_object() ? channel.value("target", Json()) : Json();
   std::string path = text(target, "path", "");
@@ -97,7 +99,7 @@ std::optional<Target> target_of(const Json& channel, std::size_t nodes) {
   } else if (target.is_object() && target.contains("node")) {
     node = index(target, "node", nodes);
   } else {
-    return std::nullopt;  // of an extension
+    return std::nullopt;  // target of another extension
   }
   if (path != "translation" && path != "rotation" && path != "scale") return std::nullopt;
   return Target{node, path};
@@ -129,7 +131,7 @@ void read_channel(GltfFile& file, const Json& channel, const Json& samplers, Tak
   motion.key_times.insert(motion.key_times.end(), times.begin(), times.end());
 }
 
-/// What a channel does not move stays as the node has it.
+/// Keys the parts of the transform that no channel moves with their value at the node.
 void fill_from_node(Motion& motion, const Json& node) {
   Eigen::Affine3d rest = Eigen::Affine3d::Identity();
   Vector3d size = Vector3d::Ones();

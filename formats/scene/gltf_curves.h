@@ -7,10 +7,11 @@
 
 namespace paperbake {
 
-/// The animations of a glTF file, motions by node index of the file: STEP, LINEAR and CUBICSPLINE
-/// samplers on translation, rotation and scale of nodes, of floats or normalized integers. throws
-/// Error(Fault::scene) at the node: a key that is no number; std::exception, in words: damaged.
-/// source: glTF 2.0
+/// Reads the animations of a glTF file, with motions by the file's own node index: STEP, LINEAR and
+/// CUBICSPLINE samplers of floats or normalized integers for translation, rotation and scale.
+/// throws  Error(ErrorCode::scene) at a node with a key that is not finite;
+///         std::exception that describes the damage of a damaged file
+/// source  glTF 2.0
 std::vector<Take> gltf_takes(GltfFile&);
 
 }  // namespace paperbake

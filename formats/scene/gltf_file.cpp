@@ -25,7 +25,7 @@ using gltf::refuse;
 using gltf::text;
 using gltf::whole;
 
-constexpr std::size_t max_zeros = 10000000;  // elements of an accessor without a view
+constexpr std::size_t max_zeros = 10000000;  // elements of an accessor without a buffer view
 
 std::uint32_t little_endian(std::string_view bytes, std::size_t at) {
   std::uint32_t number = 0;
@@ -37,7 +37,7 @@ struct Chunks {
   std::string json, binary;
 };
 
-/// The two chunks of a GLB file; a .gltf file is its JSON.
+/// The two chunks of a GLB file; all of a .gltf file is JSON.
 Chunks chunks_of(std::string bytes) {
   if (bytes.compare(0, 4, "glTF") != 0) return {std::move(bytes), ""};
   Chunks chunks;
@@ -84,7 +84,7 @@ std::string without_escapes(std::string_view uri) {
   return text;
 }
 
-/// "data:;base64,AAAA"
+/// The bytes of a data URI: "data:;base64,AAAA".
 std::string bytes_of_data(std::string_view uri) {
   const std::size_t comma = std::min(uri.find(','), uri.size());
   const std::string bytes = without_escapes(uri.substr(std::min(comma + 1, uri.size())));
@@ -100,14 +100,14 @@ std::string bytes_beside(const std::filesystem::path& file, const std::string& u
                 fmt::format("A part of the file is elsewhere: \"{}\".", uri),
                 "Export the scene as one .glb file.");
   for (const std::string& name : {without_escapes(uri), uri})
-    if (auto bytes = read_whole_file(file.parent_path() / name)) return std::move(*bytes);
+    if (auto bytes = read_file(file.parent_path() / name)) return std::move(*bytes);
   throw Error(
       Fault::scene, file.string(),
       fmt::format("A part of the file, \"{}\" beside it, cannot be opened.", without_escapes(uri)),
       remedy);
 }
 
-/// Compressions of what is read here.
+/// Refuses compressed files.
 void check_extensions(const Json& json, const std::filesystem::path& path) {
   for (const Json& name : list(json, "extensionsRequired"))
     for (const char* unread :
@@ -123,7 +123,7 @@ double read(const char* at, bool normalized) {
   Number value;
   std::memcpy(&value, at, sizeof value);
   if (!normalized || !std::is_integral_v<Number>) return static_cast<double>(value);
-  // source: glTF 2.0, 3.11
+  // source: glTF 2.0, section 3.11
   return std::max(
       static_cast<double>(value) / static_cast<double>(std::numeric_limits<Number>::max()), -1.0);
 }
@@ -161,15 +161,15 @@ const Json& list(const Json& object, const char* key) {
   static const Json none = Json::array();
   const auto found = object.is_object() ? object.find(key) : object.end();
   if (found == object.end()) return none;
-  if (!found->is_array()) refuse(fmt::format("\"{}\" is no list", key));
+  if (!found->is_array()) refuse(fmt::format("\"{}\" is not a list", key));
   return *found;
 }
 
-std::size_t whole(const Json& object, const char* key, std::optional<std::size_t> otherwise) {
+std::size_t whole(const Json& object, const char* key, std::optional<std::size_t> fallback) {
   const auto found = object.is_object() ? object.find(key) : object.end();
-  if (found == object.end() && otherwise) return *otherwise;
+  if (found == object.end() && fallback) return *fallback;
   if (found == object.end() || !found->is_number_integer() || *found < 0)
-    refuse(fmt::format("\"{}\" is no whole number from 0 on", key));
+    refuse(fmt::format("\"{}\" is not a whole number of at least 0", key));
   return found->get<std::size_t>();
 }
 
@@ -179,9 +179,9 @@ std::size_t index(const Json& object, const char* key, std::size_t count) {
   return i;
 }
 
-std::string text(const Json& object, const char* key, const std::string& otherwise) {
+std::string text(const Json& object, const char* key, const std::string& fallback) {
   const auto found = object.is_object() ? object.find(key) : object.end();
-  return found != object.end() && found->is_string() ? found->get<std::string>() : otherwise;
+  return found != object.end() && found->is_string() ? found->get<std::string>() : fallback;
 }
 
 std::string name(const Json& list, std::size_t i, const char* key) {
@@ -199,7 +199,7 @@ std::vector<double> numbers(const Json& object, const char* key, std::size_t cou
 }  // namespace gltf
 
 GltfFile::GltfFile(const std::filesystem::path& path) : path_(path) {
-  auto bytes = read_whole_file(path);
+  auto bytes = read_file(path);
   if (!bytes) refuse("it cannot be opened");
   Chunks chunks = chunks_of(std::move(*bytes));
   try {
@@ -214,7 +214,7 @@ GltfFile::GltfFile(const std::filesystem::path& path) : path_(path) {
       text(json_.is_object() ? json_.value("asset", Json()) : Json(), "version", "");
   if (!version.empty() && version[0] != '2')
     throw Error(Fault::scene, path.string(),
-                fmt::format("This is glTF of version {}; version 2 can be read.", version),
+                fmt::format("This is glTF of version {}; only version 2 can be read.", version),
                 "Export the scene as glTF 2.0.");
   if (version.empty()) throw foreign_file(path);
   check_extensions(json_, path);
@@ -229,21 +229,26 @@ const std::string& GltfFile::buffer(std::size_t i) {
                                                     : bytes_beside(path_, uri);
 }
 
-/// Where the elements of an accessor lie.
-struct GltfFile::Span {
+/// The elements of an accessor in the bytes of its buffer.
+struct GltfFile::ElementView {
   const char* first;
   std::size_t stride;  // [bytes]
 };
 
-/// throws std::runtime_error: they are not all in the view
-GltfFile::Span GltfFile::span(const Json& view_of, std::size_t view_index, std::size_t count,
-                              std::size_t element, std::size_t offset) {
+/// The elements of an accessor.
+/// view_of, view_index  the buffer views, and the one of the accessor
+/// element              [bytes] size of an element
+/// offset               [bytes] of the first element in the view
+/// throws               std::runtime_error when the view does not contain all of them
+GltfFile::ElementView GltfFile::elements(const Json& view_of, std::size_t view_index,
+                                         std::size_t count, std::size_t element,
+                                         std::size_t offset) {
   const Json& view = view_of[view_index];
   const std::string& bytes = buffer(index(view, "buffer", list(json_, "buffers").size()));
   const std::size_t start = whole(view, "byteOffset", 0), length = whole(view, "byteLength"),
                     stride = whole(view, "byteStride", element);
   if (start > bytes.size() || length > bytes.size() - start || offset > length)
-    refuse("a view is longer than its buffer");
+    refuse("a buffer view is longer than its buffer");
   if (count > 0 && (stride < element || element > length - offset ||
                     count - 1 > (length - offset - element) / stride))
     refuse("an accessor is longer than its view");
@@ -257,14 +262,14 @@ std::vector<Value> GltfFile::values(const Json& accessor, std::size_t width, std
   const std::size_t count = whole(accessor, "count"), element = width * size;
   std::vector<Value> all;
   if (accessor.contains("bufferView")) {
-    const Span from = span(views, index(accessor, "bufferView", views.size()), count, element,
-                           whole(accessor, "byteOffset", 0));
+    const ElementView from = elements(views, index(accessor, "bufferView", views.size()), count,
+                                      element, whole(accessor, "byteOffset", 0));
     all.reserve(count * width);
     for (std::size_t i = 0; i < count; ++i)
       for (std::size_t k = 0; k < width; ++k)
         all.push_back(read(from.first + i * from.stride + k * size));
   } else {
-    if (count > max_zeros) refuse("an accessor has more elements than can be");
+    if (count > max_zeros) refuse("an accessor without data has too many elements");
     all.resize(count * width);
   }
   const auto sparse = accessor.find("sparse");
@@ -272,14 +277,14 @@ std::vector<Value> GltfFile::values(const Json& accessor, std::size_t width, std
   const std::size_t changed = whole(*sparse, "count");
   const Json where = sparse->value("indices", Json()), what = sparse->value("values", Json());
   const std::size_t type = whole(where, "componentType"), width_of_index = size_of_type(type);
-  const Span at = span(views, index(where, "bufferView", views.size()), changed, width_of_index,
-                       whole(where, "byteOffset", 0));
-  const Span by = span(views, index(what, "bufferView", views.size()), changed, element,
-                       whole(what, "byteOffset", 0));
+  const ElementView at = elements(views, index(where, "bufferView", views.size()), changed,
+                                  width_of_index, whole(where, "byteOffset", 0));
+  const ElementView by = elements(views, index(what, "bufferView", views.size()), changed, element,
+                                  whole(what, "byteOffset", 0));
   for (std::size_t i = 0; i < changed; ++i) {
     const auto row =
         static_cast<std::size_t>(std::max(0.0, number(at.first + i * width_of_index, type, false)));
-    if (row >= count) refuse("a sparse accessor changes an element that is not there");
+    if (row >= count) refuse("a sparse accessor changes an element that does not exist");
     for (std::size_t k = 0; k < width; ++k)
       all[row * width + k] = read(by.first + i * element + k * size);
   }
@@ -303,7 +308,7 @@ std::vector<std::size_t> GltfFile::indices(std::size_t accessor_index) {
   const Json& accessor = list(json_, "accessors")[accessor_index];
   const std::size_t type = whole(accessor, "componentType");
   if (text(accessor, "type", "") != "SCALAR" || (type != 5121 && type != 5123 && type != 5125))
-    refuse("the vertices of faces are no whole numbers");
+    refuse("the vertex indices of faces are not whole numbers");
   return values<std::size_t>(accessor, 1, size_of_type(type), [&](const char* at) {
     return static_cast<std::size_t>(number(at, type, false));
   });

@@ -13,66 +13,68 @@
 
 namespace paperbake {
 
-/// A .gltf or .glb file of version 2: its JSON and the numbers behind its accessors, in the file,
-/// in data URIs and in files beside it, dense or sparse. Nothing in the file is trusted. source:
-/// glTF 2.0
+/// A .gltf or .glb file of version 2: its JSON, and the numbers that its accessors refer to, dense
+/// or sparse, in the file itself, in data URIs or in files beside it. Nothing in the file is
+/// trusted.
+/// source  glTF 2.0
 class GltfFile {
  public:
   using Json = nlohmann::json;
 
-  /// throws Error(Fault::scene) at `path`: another version, a compression that is not read;
-  /// std::exception, in words: damaged
+  /// throws Error(ErrorCode::scene) at `path` for another version or an unsupported compression;
+  /// std::exception that describes the damage of a damaged file
   explicit GltfFile(const std::filesystem::path& path);
 
   const Json& json() const { return json_; }
 
-  // as_flagged: plain unless the accessor says normalized
+  // How integers become numbers: as fractions of the largest, or as the accessor's flag says.
   enum class Integers { normalized, as_flagged };
 
-  /// count x width numbers, one row an element. throws Error(Fault::scene) at `path`: a buffer that
-  /// is not there; std::runtime_error, in words: damaged
+  /// The elements of an accessor: count x width numbers, one row per element.
+  /// throws Error(ErrorCode::scene) at `path` when a buffer is missing; std::runtime_error that
+  /// describes the damage of a damaged file
   std::vector<double> numbers(std::size_t accessor, std::size_t width, Integers);
 
-  /// The same of vertex numbers.
+  /// The elements of an accessor of vertex indices. Throws as numbers() does.
   std::vector<std::size_t> indices(std::size_t accessor);
 
  private:
-  struct Span;
+  struct ElementView;
   const std::string& buffer(std::size_t i);
-  Span span(const Json& view_of, std::size_t view, std::size_t count, std::size_t element,
-            std::size_t offset);
+  ElementView elements(const Json& view_of, std::size_t view, std::size_t count,
+                       std::size_t element, std::size_t offset);
   template <class Value, class Read>
   std::vector<Value> values(const Json& accessor, std::size_t width, std::size_t size,
                             const Read& read);
 
   std::filesystem::path path_;
   Json json_;
-  std::string binary_;                          // of a GLB
-  std::map<std::size_t, std::string> buffers_;  // as they are needed
+  std::string binary_;                          // binary chunk of a GLB
+  std::map<std::size_t, std::string> buffers_;  // loaded on demand
 };
 
 namespace gltf {
 
-/// What is wrong with the bytes of a file, in words. throws std::runtime_error
+/// Throws a std::runtime_error with what is wrong in a file.
 [[noreturn]] void refuse(const std::string& what);
 
-/// A member that is a list; empty when there is none.
+/// The array with this key; an empty one when the object has no such member.
 const nlohmann::json& list(const nlohmann::json& object, const char* key);
 
-/// A member that is a whole number from 0 on; `otherwise` when there is none.
+/// The non-negative integer with this key; `fallback` when the object has no such member.
 std::size_t whole(const nlohmann::json& object, const char* key,
-                  std::optional<std::size_t> otherwise = {});
+                  std::optional<std::size_t> fallback = {});
 
-/// The same, below `count`.
+/// The non-negative integer with this key, which must be below `count`.
 std::size_t index(const nlohmann::json& object, const char* key, std::size_t count);
 
-/// A member that is text, else `otherwise`.
-std::string text(const nlohmann::json& object, const char* key, const std::string& otherwise);
+/// The text with this key; `fallback` when there is no such member or it is not a text.
+std::string text(const nlohmann::json& object, const char* key, const std::string& fallback);
 
-/// The name of a node or mesh; without one "nodes[3]".
+/// The name of entry i of a list, or KEY[i] when it has none: "nodes[3]".
 std::string name(const nlohmann::json& list, std::size_t i, const char* key);
 
-/// So many numbers; none when there are not as many, or one is none.
+/// The array of `count` numbers with this key; empty when it has another length or other content.
 std::vector<double> numbers(const nlohmann::json& object, const char* key, std::size_t count);
 
 }  // namespace gltf

@@ -13,8 +13,9 @@ namespace {
 
 [[noreturn]] void refuse(const char* what) { throw std::runtime_error(what); }
 
-/// The two ways of a message: what `pass` is given, Write appends and Read brings back.
-struct Write {
+// The functions `field` define the format once for both directions: with a Writer as stream they
+// append a value to the bytes, with a Reader they read it back.
+struct Writer {
   static constexpr bool reads = false;
   std::string bytes;
   void raw(const void* value, std::size_t size) {
@@ -22,114 +23,114 @@ struct Write {
   }
 };
 
-struct Read {
+struct Reader {
   static constexpr bool reads = true;
   std::string_view rest;
   void raw(void* value, std::size_t size) {
-    if (size > rest.size()) refuse("the message is cut short");
+    if (size > rest.size()) refuse("the data of the import is cut short");
     if (size > 0) std::memcpy(value, rest.data(), size);
     rest.remove_prefix(size);
   }
 };
 
-template <class Way, class Number>
-std::enable_if_t<std::is_arithmetic_v<Number>> pass(Way& way, Number& value) {
-  way.raw(&value, sizeof value);
+template <class Stream, class Number>
+std::enable_if_t<std::is_arithmetic_v<Number>> field(Stream& stream, Number& value) {
+  stream.raw(&value, sizeof value);
 }
 
-template <class Way>
-void pass(Way& way, bool& value) {
+template <class Stream>
+void field(Stream& stream, bool& value) {
   std::uint8_t byte = value;
-  pass(way, byte);
+  field(stream, byte);
   value = byte != 0;
 }
 
-/// How many follow; when read, no more than there are bytes for.
-template <class Way>
-std::uint64_t pass_count(Way& way, std::uint64_t count, std::size_t bytes_each) {
-  pass(way, count);
-  if constexpr (Way::reads)
-    if (count > way.rest.size() / bytes_each) refuse("a list is longer than the message");
+/// The number of elements that follow. A Reader refuses more than there are bytes for.
+template <class Stream>
+std::uint64_t count_field(Stream& stream, std::uint64_t count, std::size_t bytes_each) {
+  field(stream, count);
+  if constexpr (Stream::reads)
+    if (count > stream.rest.size() / bytes_each) refuse("a list is longer than the data");
   return count;
 }
 
-template <class Way>
-void pass(Way& way, std::string& text) {
-  text.resize(pass_count(way, text.size(), 1));
-  way.raw(text.data(), text.size());
+template <class Stream>
+void field(Stream& stream, std::string& text) {
+  text.resize(count_field(stream, text.size(), 1));
+  stream.raw(text.data(), text.size());
 }
 
-template <class Way, class Value>
-void pass(Way& way, std::vector<Value>& list) {
-  std::uint64_t count = pass_count(way, list.size(), 1);
-  if constexpr (Way::reads)
-    for (list.clear(); count > 0; --count) pass(way, list.emplace_back());
+template <class Stream, class Value>
+void field(Stream& stream, std::vector<Value>& list) {
+  std::uint64_t count = count_field(stream, list.size(), 1);
+  if constexpr (Stream::reads)
+    for (list.clear(); count > 0; --count) field(stream, list.emplace_back());
   else
-    for (Value& value : list) pass(way, value);
+    for (Value& value : list) field(stream, value);
 }
 
-template <class Way, class Name, class Value>
-void pass(Way& way, std::map<Name, Value>& map) {
-  std::uint64_t count = pass_count(way, map.size(), 1);
-  if constexpr (Way::reads)
+template <class Stream, class Name, class Value>
+void field(Stream& stream, std::map<Name, Value>& map) {
+  std::uint64_t count = count_field(stream, map.size(), 1);
+  if constexpr (Stream::reads)
     for (map.clear(); count > 0; --count) {
       Name name{};
-      pass(way, name);
-      pass(way, map[name]);
+      field(stream, name);
+      field(stream, map[name]);
     }
   else
     for (auto& [name, value] : map) {
       Name copy = name;
-      pass(way, copy), pass(way, value);
+      field(stream, copy), field(stream, value);
     }
 }
 
-template <class Way, class Scalar, int Rows, int Columns, int Order>
-void pass(Way& way, Eigen::Matrix<Scalar, Rows, Columns, Order>& m) {
+template <class Stream, class Scalar, int Rows, int Columns, int Order>
+void field(Stream& stream, Eigen::Matrix<Scalar, Rows, Columns, Order>& m) {
   if constexpr (Rows == Eigen::Dynamic)
-    m.resize(static_cast<Eigen::Index>(pass_count(way, m.rows(), Columns * sizeof(Scalar))),
+    m.resize(static_cast<Eigen::Index>(count_field(stream, m.rows(), Columns * sizeof(Scalar))),
              Columns);
-  way.raw(m.data(), m.size() * sizeof(Scalar));
+  stream.raw(m.data(), m.size() * sizeof(Scalar));
 }
 
-template <class Way>
-void pass(Way& way, Eigen::Affine3d& t) {
-  pass(way, t.matrix());
+template <class Stream>
+void field(Stream& stream, Eigen::Affine3d& t) {
+  field(stream, t.matrix());
 }
 
-template <class Way>
-void pass(Way& way, Eigen::Quaterniond& q) {
-  pass(way, q.coeffs());
+template <class Stream>
+void field(Stream& stream, Eigen::Quaterniond& q) {
+  field(stream, q.coeffs());
 }
 
-template <class Way, class Value>
-void pass(Way& way, Key<Value>& key) {
-  pass(way, key.time), pass(way, key.value);
+template <class Stream, class Value>
+void field(Stream& stream, Key<Value>& key) {
+  field(stream, key.time), field(stream, key.value);
 }
 
-template <class Way, class Value>
-void pass(Way& way, Slopes<Value>& slopes) {
-  pass(way, slopes.in), pass(way, slopes.out);
+template <class Stream, class Value>
+void field(Stream& stream, Tangents<Value>& tangents) {
+  field(stream, tangents.in), field(stream, tangents.out);
 }
 
-template <class Way, class Value>
-void pass(Way& way, Track<Value>& track) {
-  std::uint8_t between = static_cast<std::uint8_t>(track.between);
-  pass(way, track.keys), pass(way, track.slopes), pass(way, between);
-  track.between = static_cast<Between>(between);
+template <class Stream, class Value>
+void field(Stream& stream, Track<Value>& track) {
+  std::uint8_t interpolation = static_cast<std::uint8_t>(track.interpolation);
+  field(stream, track.keys), field(stream, track.tangents), field(stream, interpolation);
+  track.interpolation = static_cast<Interpolation>(interpolation);
 }
 
-template <class Way>
-void pass(Way& way, Motion& motion) {
-  pass(way, motion.translation), pass(way, motion.scale), pass(way, motion.rotation),
-      pass(way, motion.key_times);
+template <class Stream>
+void field(Stream& stream, Motion& motion) {
+  field(stream, motion.translation), field(stream, motion.scale), field(stream, motion.rotation),
+      field(stream, motion.key_times);
 }
 
-template <class Way>
-void pass(Way& way, PropertyValue& value) {
+template <class Stream>
+void field(Stream& stream, PropertyValue& value) {
   std::uint8_t kind = static_cast<std::uint8_t>(value.index());
-  pass(way, kind);
-  if constexpr (Way::reads) {
+  field(stream, kind);
+  if constexpr (Stream::reads) {
     if (kind == 0)
       value.template emplace<0>();
     else if (kind == 1)
@@ -137,64 +138,66 @@ void pass(Way& way, PropertyValue& value) {
     else
       value.template emplace<2>();
   }
-  std::visit([&](auto& held) { pass(way, held); }, value);
+  std::visit([&](auto& alternative) { field(stream, alternative); }, value);
 }
 
-template <class Way>
-void pass(Way& way, ImportedNode& n) {
-  pass(way, n.name), pass(way, n.parent), pass(way, n.local), pass(way, n.scale),
-      pass(way, n.own_scale), pass(way, n.scale_from), pass(way, n.pivot),
-      pass(way, n.offsets_mesh_only), pass(way, n.meshes), pass(way, n.properties);
+template <class Stream>
+void field(Stream& stream, ImportedNode& n) {
+  field(stream, n.name), field(stream, n.parent), field(stream, n.local), field(stream, n.scale),
+      field(stream, n.own_scale), field(stream, n.scale_from), field(stream, n.pivot),
+      field(stream, n.offsets_mesh_only), field(stream, n.meshes), field(stream, n.properties);
 }
 
-template <class Way>
-void pass(Way& way, ImportedMesh& m) {
-  pass(way, m.x), pass(way, m.uv), pass(way, m.triangles), pass(way, m.creases),
-      pass(way, m.deformed);
+template <class Stream>
+void field(Stream& stream, ImportedMesh& m) {
+  field(stream, m.x), field(stream, m.uv), field(stream, m.triangles), field(stream, m.creases),
+      field(stream, m.deformed);
 }
 
-template <class Way>
-void pass(Way& way, Take& t) {
-  pass(way, t.name), pass(way, t.begin), pass(way, t.end), pass(way, t.motions);
+template <class Stream>
+void field(Stream& stream, Take& t) {
+  field(stream, t.name), field(stream, t.begin), field(stream, t.end), field(stream, t.motions);
 }
 
-template <class Way>
-void pass(Way& way, ImportedFile& f) {
-  pass(way, f.fbx), pass(way, f.start_lost), pass(way, f.reader), pass(way, f.warnings),
-      pass(way, f.nodes), pass(way, f.meshes), pass(way, f.takes), pass(way, f.unit),
-      pass(way, f.fps), pass(way, f.to_z_up), pass(way, f.up_axis);
+template <class Stream>
+void field(Stream& stream, ImportedFile& f) {
+  field(stream, f.fbx), field(stream, f.start_lost), field(stream, f.reader),
+      field(stream, f.warnings), field(stream, f.nodes), field(stream, f.meshes),
+      field(stream, f.takes), field(stream, f.unit), field(stream, f.fps), field(stream, f.to_z_up),
+      field(stream, f.up_axis);
 }
 
-template <class Way>
-void pass(Way& way, SceneMessage& m) {
-  pass(way, m.file), pass(way, m.place), pass(way, m.cause), pass(way, m.remedy);
+template <class Stream>
+void field(Stream& stream, ImportResult& r) {
+  field(stream, r.file), field(stream, r.place), field(stream, r.cause), field(stream, r.remedy);
 }
 
 void check_times(double before, double time) {
-  if (!std::isfinite(time) || time < before) refuse("a key is no number or out of order");
+  if (!std::isfinite(time) || time < before) refuse("a key is not a number, or is out of order");
 }
 
 template <class Value>
 void check_track(const Track<Value>& track) {
-  const bool cubic = track.between == Between::cubic;
-  if (track.between > Between::cubic || track.slopes.size() != (cubic ? track.keys.size() : 0))
-    refuse("a track does not have a slope for each key");
+  const bool cubic = track.interpolation == Interpolation::cubic;
+  if (track.interpolation > Interpolation::cubic ||
+      track.tangents.size() != (cubic ? track.keys.size() : 0))
+    refuse("a track does not have one tangent for each key");
   double before = -std::numeric_limits<double>::infinity();
   for (const Key<Value>& key : track.keys) {
     check_times(before, key.time), before = key.time;
     if constexpr (std::is_same_v<Value, Vector3d>) {
-      if (!key.value.allFinite()) refuse("a key is no number");
+      if (!key.value.allFinite()) refuse("a key is not a number");
     } else if (!(std::abs(key.value.norm() - 1) < 1e-6)) {
-      refuse("a key is no rotation");
+      refuse("a key is not a rotation");
     }
   }
-  for (const Slopes<Value>& slopes : track.slopes) {
+  for (const Tangents<Value>& tangents : track.tangents) {
     bool finite;
     if constexpr (std::is_same_v<Value, Vector3d>)
-      finite = slopes.in.allFinite() && slopes.out.allFinite();
+      finite = tangents.in.allFinite() && tangents.out.allFinite();
     else
-      finite = slopes.in.coeffs().allFinite() && slopes.out.coeffs().allFinite();
-    if (!finite) refuse("a slope is no number");
+      finite = tangents.in.coeffs().allFinite() && tangents.out.coeffs().allFinite();
+    if (!finite) refuse("a tangent is not a number");
   }
 }
 
@@ -206,28 +209,28 @@ void check(const ImportedFile& file) {
     const ImportedNode& node = file.nodes[i];
     if (node.parent != -1 && !below(node.parent, i)) refuse("a node stands before its parent");
     if (!node.local.matrix().allFinite() || !node.scale.allFinite())
-      refuse("a transform is no number");
+      refuse("a transform is not a number");
     if (node.scale_from != -1 && !below(node.scale_from, i))
-      refuse("a node stands before what scales it");
+      refuse("a node stands before the node that scales it");
     for (const int mesh : node.meshes)
-      if (!below(mesh, file.meshes.size())) refuse("a node has a mesh that is not there");
+      if (!below(mesh, file.meshes.size())) refuse("a node has a mesh that does not exist");
   }
   for (const ImportedMesh& mesh : file.meshes) {
     if (mesh.uv.rows() != 0 && mesh.uv.rows() != mesh.x.rows())
       refuse("a mesh does not have one uv for each vertex");
-    if (!mesh.x.allFinite() || !mesh.uv.allFinite()) refuse("a vertex is no number");
+    if (!mesh.x.allFinite() || !mesh.uv.allFinite()) refuse("a vertex is not a number");
     if (mesh.triangles.size() > 0 &&
         (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.x.rows()))
-      refuse("a face has a vertex that is not there");
+      refuse("a face has a vertex that does not exist");
     if (mesh.creases.size() > 0 &&
         (mesh.creases.minCoeff() < 0 || mesh.creases.maxCoeff() >= mesh.x.rows()))
-      refuse("an edge has a vertex that is not there");
+      refuse("an edge has a vertex that does not exist");
   }
   for (const Take& take : file.takes) {
     if (!std::isfinite(take.begin) || !std::isfinite(take.end))
-      refuse("a take's length is no number");
+      refuse("the length of a take is not a number");
     for (const auto& [node, motion] : take.motions) {
-      if (!below(node, file.nodes.size())) refuse("a take moves a node that is not there");
+      if (!below(node, file.nodes.size())) refuse("a take moves a node that does not exist");
       check_track(motion.translation), check_track(motion.scale), check_track(motion.rotation);
       for (std::size_t k = 0; k < motion.key_times.size(); ++k)
         check_times(k > 0 ? motion.key_times[k - 1] : motion.key_times[k], motion.key_times[k]);
@@ -235,23 +238,23 @@ void check(const ImportedFile& file) {
   }
   if (!(file.unit > 0) || !std::isfinite(file.unit) || !(file.fps >= 0) ||
       !std::isfinite(file.fps) || !file.to_z_up.allFinite())
-    refuse("unit, rate or axes are no numbers");
+    refuse("unit, frame rate or axes are not numbers");
 }
 
 }  // namespace
 
-std::string bytes_of(SceneMessage message) {
-  Write to;
-  pass(to, message);
+std::string serialize(ImportResult result) {
+  Writer to;
+  field(to, result);
   return std::move(to.bytes);
 }
 
-SceneMessage message_of(std::string_view bytes) {
-  Read from{bytes};
-  SceneMessage message;
-  pass(from, message);
-  check(message.file);
-  return message;
+ImportResult deserialize(std::string_view bytes) {
+  Reader from{bytes};
+  ImportResult result;
+  field(from, result);
+  check(result.file);
+  return result;
 }
 
 }  // namespace paperbake

@@ -7,16 +7,18 @@
 
 namespace paperbake {
 
-/// What comes of reading a scene file, from one process to another.
-struct SceneMessage {
+/// The outcome of importing a scene file, as it is sent from the importing process to its parent.
+struct ImportResult {
   ImportedFile file;
-  std::string place, cause, remedy;  // of an error; no cause: there was none
+  std::string place, cause, remedy;  // of the error; without an error cause is empty
 };
 
-std::string bytes_of(SceneMessage);
+std::string serialize(ImportResult);
 
-/// The message again. Nothing in the bytes is trusted: they come from where foreign code has been
-/// at work. throws std::runtime_error when they are no message or break what ImportedFile promises
-SceneMessage message_of(std::string_view bytes);
+/// Reads what serialize() wrote. Nothing in the bytes is trusted, because the importing process has
+/// run third-party code on an unchecked file.
+/// throws std::runtime_error when the bytes are not an ImportResult, or violate what import_file
+/// promises of an ImportedFile
+ImportResult deserialize(std::string_view bytes);
 
 }  // namespace paperbake

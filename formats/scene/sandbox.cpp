@@ -13,12 +13,12 @@
 namespace paperbake {
 namespace {
 
-constexpr int broken = 70;  // exit code of work that threw
+constexpr int failed_exit_code = 70;  // when the work throws or its answer cannot be sent
 
-void limit(int resource, rlim_t most) {
+void limit(int resource, rlim_t max) {
   rlimit now{};
   if (::getrlimit(static_cast<__rlimit_resource_t>(resource), &now) != 0) return;
-  now.rlim_cur = std::min(now.rlim_max, most);
+  now.rlim_cur = std::min(now.rlim_max, max);
   ::setrlimit(static_cast<__rlimit_resource_t>(resource), &now);
 }
 
@@ -47,9 +47,10 @@ std::string read_all(int from) {
   return bytes;
 }
 
-/// The size goes ahead: an answer that is cut off is known.
-[[noreturn]] void work_and_end(const std::function<std::string()>& work, const ApartLimits& limits,
-                               int to) {
+/// Runs the work in the child process. The answer is preceded by its size, so that the parent can
+/// tell when it is cut off.
+[[noreturn]] void work_and_end(const std::function<std::string()>& work,
+                               const SandboxLimits& limits, int to) {
   for (const int signal :
        {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGINT, SIGXCPU, SIGPIPE})
     std::signal(signal, SIG_DFL);
@@ -63,14 +64,14 @@ std::string read_all(int from) {
     const std::uint64_t size = answer.size();
     const bool sent = write_all(to, reinterpret_cast<const char*>(&size), sizeof size) &&
                       write_all(to, answer.data(), answer.size());
-    ::_exit(sent ? 0 : broken);
+    ::_exit(sent ? 0 : failed_exit_code);
   } catch (...) {
-    ::_exit(broken);
+    ::_exit(failed_exit_code);
   }
 }
 
-std::string in_words(int status, const ApartLimits& limits) {
-  if (!WIFSIGNALED(status)) return "broke off";
+std::string describe_end(int status, const SandboxLimits& limits) {
+  if (!WIFSIGNALED(status)) return "failed";
   const int signal = WTERMSIG(status);
   if (signal == SIGXCPU) return "ran for more than " + std::to_string(limits.seconds) + " s";
   return std::string("crashed (") + ::strsignal(signal) + ")";
@@ -78,24 +79,24 @@ std::string in_words(int status, const ApartLimits& limits) {
 
 }  // namespace
 
-Apart run_apart(const std::function<std::string()>& work, const ApartLimits& limits) {
+SandboxResult run_sandboxed(const std::function<std::string()>& work, const SandboxLimits& limits) {
   int ends[2];
   if (::pipe2(ends, O_CLOEXEC) != 0)
-    return {std::nullopt, std::string("could not be begun: ") + std::strerror(errno)};
+    return {std::nullopt, std::string("could not be started: ") + std::strerror(errno)};
   const pid_t child = ::fork();
   if (child == 0) ::close(ends[0]), work_and_end(work, limits, ends[1]);
   const std::string reason = std::strerror(errno);
   ::close(ends[1]);
   std::string answer = child < 0 ? std::string() : read_all(ends[0]);
   ::close(ends[0]);
-  if (child < 0) return {std::nullopt, "could not be begun: " + reason};
+  if (child < 0) return {std::nullopt, "could not be started: " + reason};
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   std::uint64_t size = 0;
   if (answer.size() >= sizeof size) std::memcpy(&size, answer.data(), sizeof size);
   if (answer.size() < sizeof size || answer.size() - sizeof size != size)
-    return {std::nullopt, in_words(status, limits)};
+    return {std::nullopt, describe_end(status, limits)};
   return {answer.substr(sizeof size), ""};
 }
 

@@ -7,22 +7,23 @@
 
 namespace paperbake {
 
-/// What a process of its own may take; beyond them it ends.
-struct ApartLimits {
-  std::uint64_t bytes = std::uint64_t(2) << 30;  // of memory, besides what this process has already
+/// Limits of a sandboxed process; exceeding one of them ends it.
+struct SandboxLimits {
+  std::uint64_t bytes = std::uint64_t(2) << 30;  // of memory, in addition to what this process uses
   unsigned seconds = 10;                         // of CPU time
 };
 
-struct Apart {
-  // what the work returned, whole; none: it did not come to its end
+struct SandboxResult {
+  // what the work returned; nothing when it did not finish
   std::optional<std::string> bytes;
-  // else how it ended, for a sentence: "crashed (Segmentation fault)", "ran for more than 10 s"
+  // how it ended instead, as part of a sentence: "crashed (Segmentation fault)", "ran for more than
+  // 10 s"
   std::string ended;
 };
 
-/// Does the work in a process of its own: whatever foreign code makes of bytes that nobody has
-/// checked - a crash, memory without end, a loop - is the end of that process only. The work must
-/// return; what it prints is lost, what it throws is a crash.
-Apart run_apart(const std::function<std::string()>& work, const ApartLimits& = {});
+/// Runs `work` in a child process: when third-party code crashes, allocates without limit or loops
+/// on an unchecked file, only that process ends. What the work prints is discarded; an exception
+/// that leaves it counts as a failure.
+SandboxResult run_sandboxed(const std::function<std::string()>& work, const SandboxLimits& = {});
 
 }  // namespace paperbake

@@ -11,7 +11,7 @@
 namespace paperbake {
 namespace {
 
-/// Triangles that have an area. [m]
+/// The triangles that have an area.
 Triangles with_area(const WeldedMesh& mesh) {
   std::vector<int> kept;
   for (int t = 0; t < mesh.triangles.rows(); ++t) {
@@ -24,13 +24,14 @@ Triangles with_area(const WeldedMesh& mesh) {
   return mesh.triangles(kept, Eigen::all);
 }
 
-/// The motion without what it changes of the size. stretched: how much that is [1]
+/// The rigid part of a motion. stretched [1] is raised to the largest relative change of length of
+/// the motion, if that is larger.
 Eigen::Isometry3d rigid(const Eigen::Affine3d& motion, double& stretched) {
   const Eigen::JacobiSVD<Eigen::Matrix3d> svd(motion.linear(),
                                               Eigen::ComputeFullU | Eigen::ComputeFullV);
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = svd.matrixU() * svd.matrixV().transpose();
-  // turned inside out
+  // a reflection has no rigid part
   if (pose.linear().determinant() < 0) pose.linear() = Eigen::Matrix3d::Identity(), stretched = 1;
   pose.translation() = motion.translation();
   stretched = std::max(stretched, (svd.singularValues().array() - 1).abs().maxCoeff());
@@ -46,11 +47,11 @@ bool is_collider(const ImportedNode& node) {
 
 std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
                                          std::vector<std::string>& warnings) {
-  constexpr double still = 1e-9;      // [m], and of a turn
+  constexpr double unmoved = 1e-9;    // [m], and [1] for the entries of a rotation
   constexpr double same_size = 1e-3;  // [1]
   const auto& nodes = scene.file.nodes;
   std::vector<int> found;
-  std::vector<Eigen::Affine3d> at_home;
+  std::vector<Eigen::Affine3d> from_first_frame;
   std::vector<ColliderMesh> colliders;
   const auto first = world_at(scene, scene.first_frame);
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
@@ -72,14 +73,14 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
         break;
       }
     found.push_back(i);
-    at_home.push_back(first[i].inverse());
+    from_first_frame.push_back(first[i].inverse());
     colliders.push_back(std::move(collider));
   }
   std::vector<double> stretched(found.size(), 0);
   for (int frame = scene.first_frame; frame <= scene.last_frame && !found.empty(); ++frame) {
     const auto world = world_at(scene, frame);
     for (std::size_t c = 0; c < found.size(); ++c)
-      colliders[c].motion.push_back(rigid(world[found[c]] * at_home[c], stretched[c]));
+      colliders[c].motion.push_back(rigid(world[found[c]] * from_first_frame[c], stretched[c]));
   }
   for (std::size_t c = 0; c < found.size(); ++c) {
     auto& motion = colliders[c].motion;
@@ -88,7 +89,7 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
           fmt::format("The size of the collider \"{}\" is keyed: it keeps that of the first frame.",
                       colliders[c].name));
     if (std::all_of(motion.begin(), motion.end(), [&](const Eigen::Isometry3d& m) {
-          return (m.matrix() - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff() < still;
+          return (m.matrix() - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff() < unmoved;
         }))
       motion.clear();
   }

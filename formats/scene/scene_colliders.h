@@ -8,13 +8,15 @@
 
 namespace paperbake {
 
-/// A node with a mesh that is named `collider...` or has the property paper_collider; no sheet.
+/// Whether a node is a collider: it has a mesh, is named collider... or has the property
+/// paper_collider, and is not a sheet.
 bool is_collider(const ImportedNode&);
 
-/// The colliders of a scene, in order of the file: all faces of a node, welded, where they are at
-/// the first frame, and how the node carries them from there, rigidly; paper_friction, else that of
-/// paper on wood. Warns of keyed sizes, bones and meshes without faces, which are not followed.
-/// throws Error(Fault::scene): a bad property
+/// Reads the colliders of a scene, in order of the file. A collider has all faces of its node,
+/// welded, in their position at the first frame, the rigid motion of the node from there, and the
+/// friction coefficient paper_friction, else that of paper on wood. Adds warnings of what is not
+/// followed: keyed scale, bones, blend shapes, and meshes without faces.
+/// throws Error(ErrorCode::scene) for an invalid property
 std::vector<ColliderMesh> read_colliders(const SceneNodes&, std::vector<std::string>& warnings);
 
 }  // namespace paperbake

@@ -15,20 +15,21 @@
 namespace paperbake {
 namespace {
 
-constexpr double farthest = 1e-3;  // [m] from the sheet
-constexpr double widest = 170;     // [degrees]
-constexpr double same = 1e-4;      // of the longer side: one place, or on a line
-constexpr double shortest = 2e-3;  // of the longer side: of a part of a crease
+constexpr double max_distance = 1e-3;  // [m] from the sheet
+constexpr double max_angle = 170;      // [degrees]
+constexpr double same_place =
+    1e-4;  // of the longer side: tolerance for the same place and for straight lines
+constexpr double min_length = 2e-3;  // of the longer side: shortest segment of a crease
 constexpr std::size_t max_edges = 1000;
 
-/// Edges of a mesh, each place once.
-struct Net {
+/// The marked edges of a mesh as a graph whose vertices are welded.
+struct EdgeGraph {
   std::vector<Vector3d> x;  // [m] world
   std::set<std::pair<int, int>> edges;
 };
 
-Net net_of(const ImportedFile& file, const ImportedNode& node, const Eigen::Affine3d& world,
-           const std::string& place) {
+EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
+                     const Eigen::Affine3d& world, const std::string& place) {
   std::size_t count = 0;
   Eigen::AlignedBox3d box;
   for (const int m : node.meshes) {
@@ -40,50 +41,51 @@ Net net_of(const ImportedFile& file, const ImportedNode& node, const Eigen::Affi
   if (count > max_edges)
     throw Error(Fault::scene, place,
                 fmt::format("{} edges are marked as creases: more than {}.", count, max_edges),
-                "Mark those alone that are folded.");
-  Net net;
+                "Mark only those that are folded.");
+  EdgeGraph graph;
   const double near = count > 0 ? 1e-6 * box.diagonal().norm() : 0;
   const auto vertex_at = [&](const Vector3d& p) {
-    for (std::size_t i = 0; i < net.x.size(); ++i)
-      if ((net.x[i] - p).norm() <= near) return static_cast<int>(i);
-    net.x.push_back(p);
-    return static_cast<int>(net.x.size()) - 1;
+    for (std::size_t i = 0; i < graph.x.size(); ++i)
+      if ((graph.x[i] - p).norm() <= near) return static_cast<int>(i);
+    graph.x.push_back(p);
+    return static_cast<int>(graph.x.size()) - 1;
   };
   for (const int m : node.meshes) {
     const ImportedMesh& mesh = file.meshes[m];
     for (int e = 0; e < mesh.creases.rows(); ++e) {
       const int a = vertex_at(world * Vector3d(mesh.x.row(mesh.creases(e, 0)))),
                 b = vertex_at(world * Vector3d(mesh.x.row(mesh.creases(e, 1))));
-      if (a != b) net.edges.insert(std::minmax(a, b));
+      if (a != b) graph.edges.insert(std::minmax(a, b));
     }
   }
-  return net;
+  return graph;
 }
 
-/// Chains of vertices over all edges, each edge once: from ends and branchings, then round what is
-/// closed.
+/// Divides the edges of a graph into chains of vertices, each edge in one: first those between end
+/// points and branchings, then closed loops.
 std::vector<std::vector<int>> chains_of(std::set<std::pair<int, int>> edges, std::size_t vertices) {
-  std::vector<std::set<int>> beside(vertices);
-  for (const auto& [a, b] : edges) beside[a].insert(b), beside[b].insert(a);
-  const std::vector<std::set<int>> all = beside;
+  std::vector<std::set<int>> neighbours(vertices);
+  for (const auto& [a, b] : edges) neighbours[a].insert(b), neighbours[b].insert(a);
+  const std::vector<std::set<int>> all_neighbours = neighbours;
   const auto chain_from = [&](int first) {
     std::vector<int> chain{first};
-    for (int at = first; !beside[at].empty();) {
-      const int next = *beside[at].begin();
-      beside[at].erase(next), beside[next].erase(at);
+    for (int at = first; !neighbours[at].empty();) {
+      const int next = *neighbours[at].begin();
+      neighbours[at].erase(next), neighbours[next].erase(at);
       chain.push_back(at = next);
-      if (all[at].size() != 2) break;
+      if (all_neighbours[at].size() != 2) break;
     }
     return chain;
   };
   std::vector<std::vector<int>> chains;
   for (const bool closed : {false, true})
     for (int v = 0; v < static_cast<int>(vertices); ++v)
-      while (!beside[v].empty() && (closed || all[v].size() != 2)) chains.push_back(chain_from(v));
+      while (!neighbours[v].empty() && (closed || all_neighbours[v].size() != 2))
+        chains.push_back(chain_from(v));
   return chains;
 }
 
-/// A polyline without the points that lie on a straight line, or next to another one.
+/// A polyline without the points that lie on a straight line or too close to another point.
 std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double side) {
   const auto off_line = [](const Vector2d& p, const Vector2d& a, const Vector2d& b) {
     const Vector2d d = b - a;
@@ -91,35 +93,35 @@ std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double sid
                         : (p - a).norm();
   };
   std::vector<Vector2d> line{points.front()};
-  std::size_t kept = 0;
+  std::size_t last = 0;
   for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     bool straight = true;
-    for (std::size_t k = kept + 1; k <= i; ++k)
-      straight = straight && off_line(points[k], points[kept], points[i + 1]) <= same * side;
-    if (straight || (points[i] - line.back()).norm() < shortest * side ||
-        (points[i] - points.back()).norm() < shortest * side)
+    for (std::size_t k = last + 1; k <= i; ++k)
+      straight = straight && off_line(points[k], points[last], points[i + 1]) <= same_place * side;
+    if (straight || (points[i] - line.back()).norm() < min_length * side ||
+        (points[i] - points.back()).norm() < min_length * side)
       continue;
-    line.push_back(points[i]), kept = i;
+    line.push_back(points[i]), last = i;
   }
   line.push_back(points.back());
   return line;
 }
 
-std::vector<Vector2d> on_pattern(const Net& net, const SceneSheet& sheet,
+std::vector<Vector2d> on_pattern(const EdgeGraph& graph, const SceneSheet& sheet,
                                  const std::string& place) {
   std::vector<Vector2d> points;
-  for (const Vector3d& p : net.x) {
+  for (const Vector3d& p : graph.x) {
     const SheetPoint point = nearest_point(sheet.start, p);
-    if (point.distance > farthest)
+    if (point.distance > max_distance)
       throw Error(
           Fault::scene, place,
           fmt::format(
               "The crease is {:.3g} mm off the sheet \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m.",
               1e3 * point.distance, sheet.name, p.x(), p.y(), p.z()),
-          "Lay its edges on the sheet as that is at the first frame, within 1 mm, or name the "
+          "Place its edges within 1 mm of the sheet as it is at the first frame, or name the "
           "sheet in paper_target.");
     const Vector2d border = nearest_border_point(sheet.pattern, point.pattern);
-    points.push_back((border - point.pattern).norm() <= same * longer_side(sheet.pattern)
+    points.push_back((border - point.pattern).norm() <= same_place * longer_side(sheet.pattern)
                          ? border
                          : point.pattern);
   }
@@ -127,7 +129,7 @@ std::vector<Vector2d> on_pattern(const Net& net, const SceneSheet& sheet,
 }
 
 bool along_border(const Pattern& pattern, const Vector2d& a, const Vector2d& b) {
-  const double near = same * longer_side(pattern);
+  const double near = same_place * longer_side(pattern);
   const auto on_it = [&](const Vector2d& p) {
     return (nearest_border_point(pattern, p) - p).norm() <= near;
   };
@@ -141,36 +143,38 @@ void check_inside(const PrescribedCrease& crease, const SceneSheet& sheet,
     for (int i = 0; i <= samples; ++i)
       if (const Vector2d p =
               crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]);
-          !contains(sheet.pattern, p, same * longer_side(sheet.pattern)))
+          !contains(sheet.pattern, p, same_place * longer_side(sheet.pattern)))
         throw Error(
             Fault::scene, place,
             fmt::format("The crease leaves the sheet \"{}\" at ({:.4g}, {:.4g}) m of its pattern.",
                         sheet.name, p.x(), p.y()),
-            "Give the edge a vertex where the sheet's border is, or take it away there.");
+            "Split the edge at the border of the sheet and delete the part outside.");
 }
 
-/// How many were added.
-std::size_t add(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
-                const std::string& kind, const std::string& origin, SceneSheet& sheet) {
+/// Adds the creases that a node defines to a sheet; returns their number.
+/// kind    of the node, for error messages: "sheet" or "crease"
+/// origin  for SceneSheet::crease_origin
+std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affine3d& world,
+                           const std::string& kind, const std::string& origin, SceneSheet& sheet) {
   const ImportedNode& n = scene.file.nodes[node];
   const std::string place = place_of(scene.source, kind, n.name);
-  Net net = net_of(scene.file, n, world, place);
+  EdgeGraph graph = edge_graph(scene.file, n, world, place);
   const double angle = number_property(scene.source, n, "paper_crease").value_or(0);
-  if (std::abs(angle) > widest)
+  if (std::abs(angle) > max_angle)
     throw Error(Fault::scene, place, fmt::format("paper_crease is {:g}.", angle),
-                "It is the angle that the crease springs back to: from -170 to 170 degrees.");
-  const std::vector<Vector2d> points = on_pattern(net, sheet, place);
-  for (auto edge = net.edges.begin(); edge != net.edges.end();)
+                "It is the rest angle of the crease: from -170 to 170 degrees.");
+  const std::vector<Vector2d> points = on_pattern(graph, sheet, place);
+  for (auto edge = graph.edges.begin(); edge != graph.edges.end();)
     edge = along_border(sheet.pattern, points[edge->first], points[edge->second])
-               ? net.edges.erase(edge)
+               ? graph.edges.erase(edge)
                : std::next(edge);
   const double side = longer_side(sheet.pattern);
   std::size_t added = 0;
-  for (const std::vector<int>& chain : chains_of(net.edges, points.size())) {
+  for (const std::vector<int>& chain : chains_of(graph.edges, points.size())) {
     std::vector<Vector2d> line;
     for (const int v : chain) line.push_back(points[v]);
     PrescribedCrease crease{simplified(line, side), angle * M_PI / 180};
-    if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < shortest * side)
+    if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < min_length * side)
       continue;
     check_inside(crease, sheet, place);
     sheet.pattern.prescribed_creases.push_back(std::move(crease));
@@ -191,7 +195,7 @@ std::size_t sheet_under(const SceneNodes& scene, int node, const Eigen::Affine3d
   const std::string place = place_of(scene.source, "crease", n.name);
   if (const auto target = target_sheet(scene, sheets, node, place)) return *target;
   std::vector<double> off(sheets.size(), 0);
-  for (const Vector3d& p : net_of(scene.file, n, world, place).x)
+  for (const Vector3d& p : edge_graph(scene.file, n, world, place).x)
     for (std::size_t s = 0; s < sheets.size(); ++s)
       off[s] = std::max(off[s], nearest_point(sheets[s].start, p).distance);
   return std::min_element(off.begin(), off.end()) - off.begin();
@@ -206,34 +210,36 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     const ImportedNode& node = nodes[i];
     if (node.pivot || node.meshes.empty()) continue;
-    const bool says = node.properties.count("paper_crease") > 0;
+    const bool has_angle = node.properties.count("paper_crease") > 0;
     const auto sheet = std::find_if(sheets.begin(), sheets.end(),
                                     [&](const SceneSheet& s) { return s.name == node.name; });
     if (sheet != sheets.end()) {
       const std::size_t added =
           has_edges(scene.file, node)
-              ? add(scene, i, world[i], "sheet", "edges marked in the mesh", *sheet)
+              ? add_creases_of(scene, i, world[i], "sheet", "edges marked in the mesh", *sheet)
               : 0;
-      if (says && added == 0)
+      if (has_angle && added == 0)
         warnings.push_back(fmt::format(
             "The sheet \"{}\" has paper_crease, but no edge within it is marked as a crease.",
             node.name));
-    } else if (!is_collider(node) && (says || name_begins_with(node.name, "crease"))) {
+    } else if (!is_collider(node) && (has_angle || name_begins_with(node.name, "crease"))) {
       if (!has_edges(scene.file, node)) {
-        if (says)
-          throw Error(Fault::scene, place_of(scene.source, "crease", node.name),
-                      "It has no edges without faces, which would be the crease.",
-                      "Draw it as edges alone, and export with Loose Edges (Blender) on.");
+        if (has_angle)
+          throw Error(
+              Fault::scene, place_of(scene.source, "crease", node.name),
+              "The mesh has no edges without faces, which would be the crease.",
+              "Draw the crease as edges without faces, and export with Loose Edges (Blender) on.");
         warnings.push_back(
             fmt::format("The mesh \"{}\" is named like a crease, but has no edges without faces: "
-                        "export them with Loose Edges (Blender) on.",
+                        "export with Loose Edges (Blender) on.",
                         node.name));
         continue;
       }
       SceneSheet& under = sheets[sheet_under(scene, i, world[i], sheets)];
-      if (add(scene, i, world[i], "crease", fmt::format("\"{}\"", node.name), under) == 0)
+      if (add_creases_of(scene, i, world[i], "crease", fmt::format("\"{}\"", node.name), under) ==
+          0)
         warnings.push_back(fmt::format(
-            "The crease \"{}\" lies along the border of the sheet \"{}\": it folds nothing.",
+            "The crease \"{}\" lies along the border of the sheet \"{}\": it has no effect.",
             node.name, under.name));
     }
   }

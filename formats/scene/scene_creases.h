@@ -7,13 +7,17 @@
 
 namespace paperbake {
 
-/// Adds to the sheets the folds that they have from the start, behind those of a job file: edges
-/// that are marked in the mesh of the sheet (edge creases of FBX, edges without faces), and the
-/// edges of meshes named crease... or with paper_crease, which lie on a sheet: the one in
-/// paper_target, else the nearest. paper_crease, there or on the sheet: the angle that they spring
-/// back to [degrees], else 0. Edges along the border are left out. The file's edges become
-/// polylines on the pattern, broken where they branch. throws Error(Fault::scene) at the mesh: it
-/// is more than 1 mm off its sheet, leaves it, has no edges or too many, an angle beyond 170
+/// Adds to the sheets the prescribed creases that the scene defines, after those of a job file:
+///
+/// - marked edges in the mesh of a sheet (edge creases of FBX, edges without faces);
+/// - edges of meshes that are named crease... or have paper_crease. They must lie on the sheet
+///   named in paper_target, else on the nearest one.
+///
+/// The property paper_crease of the mesh or the sheet is the rest angle [degrees], default 0. The
+/// edges are joined to polylines on the pattern, which end where edges branch; edges along the
+/// border are left out.
+/// throws Error(ErrorCode::scene) at a mesh that is more than 1 mm off its sheet, leaves it, has no
+/// edges or too many, or has an angle beyond 170 degrees
 void add_creases(const SceneNodes&, std::vector<SceneSheet>&, std::vector<std::string>& warnings);
 
 }  // namespace paperbake

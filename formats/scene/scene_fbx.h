@@ -4,10 +4,11 @@
 
 namespace paperbake {
 
-/// An FBX file, binary or ASCII: by ufbx where the build has it (scene_fbx_ufbx.cpp), else by
-/// assimp (scene_fbx_assimp.cpp). ufbx evaluates curves as the DCC does - steps, tangents, layers,
-/// extrapolation - and the tracks hold the values at whole frames. fps: rate of these frames; none:
-/// the file's throws Error(Fault::scene): damaged or foreign file
+/// Reads a binary or ASCII FBX file, with ufbx where the build has it (scene_fbx_ufbx.cpp), else
+/// with assimp (scene_fbx_assimp.cpp). ufbx evaluates curves as the DCC does, with steps, tangents,
+/// layers and extrapolation; the tracks then hold the values at whole frames.
+/// fps     [1/s] rate of these frames, default: that of the file
+/// throws  Error(ErrorCode::scene) for a damaged file or one of another format
 ImportedFile import_fbx(const std::filesystem::path&, std::optional<double> fps);
 
 }  // namespace paperbake

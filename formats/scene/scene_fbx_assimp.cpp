@@ -1,4 +1,4 @@
-// FBX without ufbx (cmake/ufbx.cmake).
+// FBX import with assimp, for builds without ufbx (cmake/ufbx.cmake).
 
 #include "formats/scene/scene_fbx.h"
 
@@ -20,7 +20,7 @@ const std::string pivot_mark = "_$AssimpFbx$_";
 
 Motion copy_channel(const aiNodeAnim& channel, double ticks_per_second) {
   Motion motion;
-  double sum = 0;  // not finite as soon as one value is not
+  double sum = 0;  // not finite if any value is not
   const auto at = [&](double ticks) {
     sum += ticks / ticks_per_second;
     return motion.key_times.emplace_back(ticks / ticks_per_second);
@@ -68,7 +68,8 @@ Take copy_take(const aiAnimation& animation, const std::map<std::string, int>& n
   return take;
 }
 
-/// Rate of an FBX time mode; 0 when the file leaves it open. source: FBX SDK, FbxTime::EMode
+/// Frame rate of an FBX time mode [1/s]; 0 when the file does not state it.
+/// source  FBX SDK, FbxTime::EMode
 double frame_rate(int mode, double custom) {
   switch (mode) {
     case 1:
@@ -102,7 +103,7 @@ double frame_rate(int mode, double custom) {
   }
 }
 
-/// FBX: unit, frame rate and axes from GlobalSettings, which assimp hands on but does not apply.
+/// Sets unit, frame rate and axes from GlobalSettings, which assimp passes on but does not apply.
 void read_global_settings(const aiMetadata& settings, ImportedFile& file) {
   const auto whole = [&](const char* key, int value) {
     std::int32_t found;
@@ -118,7 +119,7 @@ void read_global_settings(const aiMetadata& settings, ImportedFile& file) {
   int up = whole("UpAxis", 1), right = whole("CoordAxis", 0);
   if (up < 0 || up > 2 || right < 0 || right > 2 || up == right) up = 1, right = 0;
   const double up_sign = whole("UpAxisSign", 1) < 0 ? -1 : 1;
-  // the front axis follows: FBX is right-handed
+  // the front axis follows from these, since FBX is right-handed
   const Vector3d z = up_sign * Vector3d::Unit(up),
                  x = (whole("CoordAxisSign", 1) < 0 ? -1 : 1) * Vector3d::Unit(right);
   file.to_z_up.row(0) = x;
@@ -137,7 +138,7 @@ void mark_pivot(ImportedNode& node) {
   node.name.resize(mark);
 }
 
-/// Takes know nodes by their names only.
+/// Warns of moving nodes that share a name: assimp's takes refer to nodes by name.
 void warn_of_doubled_names(ImportedFile& file) {
   std::map<std::string, int> count;
   std::set<int> moved;
@@ -161,12 +162,12 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
   file.warnings.push_back(
       "This program was built without ufbx (its build had no cargo, or no network): of an FBX file "
       "only curves with a key on every frame are read "
-      "exactly. Steps, tangents, layers and scale inheritance are lost, which was up to all of the "
+      "exactly. Steps, tangents, layers and scale inheritance are lost, which can be all of the "
       "motion of Maya's unbaked curves.");
   file.to_z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   file.up_axis = "y up";
   if (scene.mMetaData) read_global_settings(*scene.mMetaData, file);
-  // channels of a take name their node; pivots under their raw name
+  // the channels of a take name their node; a pivot keeps its raw name there
   std::map<std::string, int> first_of_name;
   copy_nodes(*scene.mRootNode, file, [&](const aiNode& node, int index) {
     first_of_name.emplace(node.mName.C_Str(), index);

@@ -1,4 +1,4 @@
-// FBX with ufbx, which cmake/ufbx.cmake brings.
+// FBX import with ufbx, which cmake/ufbx.cmake downloads.
 
 #include "formats/scene/scene_fbx.h"
 
@@ -21,13 +21,13 @@
 namespace paperbake {
 namespace {
 
-// [frames] a key this near is meant to be on the frame
+// [frames] a key this near to a frame is meant to be on it
 constexpr double on_key = 0.01;
-constexpr double max_clip = 100001;  // [frames] one more than what is refused later
-constexpr double max_samples = 2e7;  // nodes x frames of all takes: gigabytes
-constexpr std::uint32_t deepest_node = 10000;
-// [bytes] twice: while it is read, and of what was read
-constexpr std::size_t min_memory = std::size_t(1) << 29, memory_of_byte = 50;
+constexpr double max_sampled_frames = 100001;  // [frames] one more than scene_nodes.cpp permits
+constexpr double max_samples = 2e7;  // nodes x frames of all takes, which would take gigabytes
+constexpr std::uint32_t max_node_depth = 10000;
+// [bytes] memory limit for parsing, and again for its result
+constexpr std::size_t parser_min_memory = std::size_t(1) << 29, parser_memory_per_byte = 50;
 
 std::string text_of(const ufbx_string& s) { return {s.data, s.length}; }
 Vector3d vector(const ufbx_vec3& v) { return {v.x, v.y, v.z}; }
@@ -72,7 +72,7 @@ std::string_view trimmed(std::string_view s) {
   return s;
 }
 
-/// User defined properties of 3ds Max: lines "key = value".
+/// Adds the user-defined properties of 3ds Max, which are lines "key = value".
 void add_max_properties(std::string_view lines, ImportedNode& node) {
   while (!lines.empty()) {
     const std::string_view line = lines.substr(0, lines.find('\n'));
@@ -84,7 +84,8 @@ void add_max_properties(std::string_view lines, ImportedNode& node) {
   }
 }
 
-/// Properties that artists add: of the node, then of what it carries, e.g. a bone or a mesh.
+/// Adds custom properties. To be called for the node first, then for its attributes (bone, mesh):
+/// those added first win.
 void add_properties(const ufbx_props& props, ImportedNode& node) {
   for (const ufbx_prop& p : props.props) {
     const std::string name = text_of(p.name);
@@ -97,7 +98,8 @@ void add_properties(const ufbx_props& props, ImportedNode& node) {
   }
 }
 
-/// Edges with a crease, as for subdivision, and faces of two corners, which are loose edges.
+/// Edges with a crease weight, as for subdivision, and faces with two corners, which are loose
+/// edges.
 Edges creases_of(const ufbx_mesh& mesh) {
   std::vector<int> ends;
   for (std::size_t i = 0; i < std::min(mesh.edge_crease.count, mesh.edges.count); ++i)
@@ -140,12 +142,12 @@ ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   return copy;
 }
 
-/// The file as it becomes ours; `copies` tells where a node went.
-struct Copy {
+/// Converts a ufbx scene to an ImportedFile.
+struct FbxConverter {
   const ufbx_scene& scene;
   double fps;
   ImportedFile file;
-  std::unordered_map<const ufbx_element*, int> copies;
+  std::unordered_map<const ufbx_element*, int> node_index;
   double samples = 0;
   std::set<std::string> thinned;
 
@@ -156,7 +158,7 @@ struct Copy {
 };
 
 /// In order of the file, parents first.
-void Copy::copy_nodes() {
+void FbxConverter::copy_nodes() {
   std::vector<const ufbx_node*> waiting{scene.root_node};
   while (!waiting.empty()) {
     const ufbx_node& node = *waiting.back();
@@ -166,10 +168,10 @@ void Copy::copy_nodes() {
   }
 }
 
-void Copy::copy_node(const ufbx_node& node) {
+void FbxConverter::copy_node(const ufbx_node& node) {
   const auto index_of = [&](const ufbx_node* other) {
-    const auto found = other ? copies.find(&other->element) : copies.end();
-    return found == copies.end() ? -1 : found->second;
+    const auto found = other ? node_index.find(&other->element) : node_index.end();
+    return found == node_index.end() ? -1 : found->second;
   };
   ImportedNode copy;
   copy.name = text_of(node.name);
@@ -189,23 +191,24 @@ void Copy::copy_node(const ufbx_node& node) {
     copy.meshes.push_back(static_cast<int>(file.meshes.size()));
     file.meshes.push_back(copy_mesh(*mesh, node));
   }
-  copies.emplace(&node.element, static_cast<int>(file.nodes.size()));
+  node_index.emplace(&node.element, static_cast<int>(file.nodes.size()));
   file.nodes.push_back(std::move(copy));
 }
 
-/// Keys that are gone where the curve was straight, of a curve that had one on every frame:
-/// Simplify of Blender's exporter.
+/// Whether a curve looks as if it had a key on every frame once and lost those on straight parts,
+/// as by Simplify of Blender's exporter.
 bool is_thinned(const ufbx_anim_curve& curve, double fps) {
   bool next_frame = false, gap = false;
   for (std::size_t k = 1; k < curve.keyframes.count; ++k) {
     const double frames = (curve.keyframes[k].time - curve.keyframes[k - 1].time) * fps;
     if (curve.keyframes[k - 1].interpolation != UFBX_INTERPOLATION_LINEAR) return false;
-    next_frame |= std::abs(frames - 1)<on_key, gap |= frames> 1 + on_key;
+    next_frame |= std::abs(frames - 1) < on_key;
+    gap |= frames > 1 + on_key;
   }
   return next_frame && gap;
 }
 
-/// What moves a node: these properties alone.
+/// Whether a property has an influence on the transform of a node.
 bool moves_node(std::string_view property) {
   constexpr std::array names{UFBX_Lcl_Translation, UFBX_Lcl_Rotation,  UFBX_Lcl_Scaling,
                              UFBX_PreRotation,     UFBX_PostRotation,  UFBX_RotationOffset,
@@ -225,7 +228,8 @@ void sort_and_merge(std::vector<double>& times) {
   times.erase(std::unique(times.begin(), times.end()), times.end());
 }
 
-/// Samples that repeat the first or the last value are left out.
+/// Adds a sample to a track. While all samples are equal, only the last is kept. `same` counts the
+/// samples at the end that repeat the one before them, so that the caller can remove them.
 template <class Value>
 void add_sample(Track<Value>& track, double time, const Value& value, std::size_t& same) {
   const auto equal = [&](const Key<Value>& key) {
@@ -241,24 +245,24 @@ void add_sample(Track<Value>& track, double time, const Value& value, std::size_
     track.keys.push_back({time, value});
 }
 
-Motion Copy::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
-                    std::vector<double> key_times) {
+Motion FbxConverter::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
+                            std::vector<double> key_times) {
   Motion motion;
   sort_and_merge(key_times);
   const double first = std::floor(std::min(stack.time_begin, key_times.front()) * fps + on_key);
   const double last = std::min(std::ceil(std::max(stack.time_end, key_times.back()) * fps - on_key),
-                               first + max_clip);
+                               first + max_sampled_frames);
   if (!std::isfinite(first) || !std::isfinite(last)) reject_number(node.name, "A key");
   samples += last - first + 1;
   if (samples > max_samples)
     throw Error(Fault::scene, fmt::format("take \"{}\"", text_of(stack.name)),
-                "Its frames and nodes are too many to follow.",
-                "Export the sheets and handles alone, or a shorter range.");
+                "It has too many frames and nodes.",
+                "Export only the sheets and handles, or a shorter range.");
   std::size_t same_t = 0, same_r = 0, same_s = 0;
   for (double frame = first; frame <= last; ++frame) {
     double time = frame / fps;
     const auto key = std::lower_bound(key_times.begin(), key_times.end(), time - on_key / fps);
-    // a step on this frame is past
+    // exactly at the key, so that a step on this frame has been made
     if (key != key_times.end() && *key <= time + on_key / fps) time = *key;
     const ufbx_transform t = ufbx_evaluate_transform(stack.anim, &node, time);
     const Eigen::Quaterniond turn = rotation(t.rotation).normalized();
@@ -276,7 +280,7 @@ Motion Copy::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
   return motion;
 }
 
-void Copy::copy_take(const ufbx_anim_stack& stack) {
+void FbxConverter::copy_take(const ufbx_anim_stack& stack) {
   Take take;
   take.name = text_of(stack.name);
   take.begin = std::isfinite(stack.time_begin) ? stack.time_begin : 0;
@@ -302,7 +306,7 @@ void Copy::copy_take(const ufbx_anim_stack& stack) {
     }
   }
   for (const ufbx_node* node : order)
-    if (const auto copy = copies.find(&node->element); copy != copies.end())
+    if (const auto copy = node_index.find(&node->element); copy != node_index.end())
       take.motions.emplace(copy->second, sample(*node, stack, std::move(keys[node])));
   file.takes.push_back(std::move(take));
 }
@@ -311,13 +315,13 @@ Vector3d direction(ufbx_coordinate_axis axis) {
   return (axis % 2 ? -1 : 1) * Vector3d::Unit(axis / 2);
 }
 
-/// ufbx has the rates of video as 32-bit decimals.
+/// ufbx stores rates such as 30000/1001 as 32-bit floats; this gives the exact value.
 double rate_of_video(double fps) {
   const double exact = std::round(fps * 1.001) / 1.001;
   return std::abs(fps / exact - 1) < 1e-5 && std::round(fps) != fps ? exact : fps;
 }
 
-/// Unit, rate and axes of the file.
+/// Sets unit, frame rate and axes of the file.
 void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
   file.unit =
       settings.unit_meters > 0 && std::isfinite(settings.unit_meters) ? settings.unit_meters : 0.01;
@@ -333,9 +337,9 @@ void copy_settings(const ufbx_scene_settings& settings, ImportedFile& file) {
   file.up_axis = fmt::format("{}{} up", axes.up % 2 ? "-" : "", "xyz"[axes.up / 2]);
 }
 
-/// Blender's "All Actions" writes a stack "object|action" for every action and object, and all of
-/// them from time 0.
-bool lost_start(const ufbx_scene& scene) {
+/// Whether the file does not say which frame its clip starts at: Blender's "All Actions" writes a
+/// stack "object|action" for every action and object, each from time 0.
+bool has_lost_start(const ufbx_scene& scene) {
   const bool blender = scene.metadata.exporter == UFBX_EXPORTER_BLENDER_BINARY ||
                        scene.metadata.exporter == UFBX_EXPORTER_BLENDER_ASCII;
   const std::size_t stacks = scene.anim_stacks.count;
@@ -346,7 +350,7 @@ bool lost_start(const ufbx_scene& scene) {
                      [](const ufbx_anim_stack* stack) { return stack->time_begin == 0; });
 }
 
-/// Of the frames that are sampled, as scene_nodes will find it.
+/// Rate of the frames to sample [1/s]: the one that scene_nodes will determine.
 double sampling_rate(const ImportedFile& file, std::optional<double> asked) {
   if (asked && *asked > 0 && std::isfinite(*asked)) return *asked;
   if (file.fps > 0) return file.fps;
@@ -358,18 +362,18 @@ double sampling_rate(const ImportedFile& file, std::optional<double> asked) {
   return 24;
 }
 
-void add_warnings(const Copy& copy, ImportedFile& file) {
-  if (!copy.thinned.empty())
+void add_warnings(const FbxConverter& converter, ImportedFile& file) {
+  if (!converter.thinned.empty())
     file.warnings.push_back(
         fmt::format("Keys of {} node(s), first \"{}\", look thinned out (Simplify of Blender's "
                     "exporter, 1.0 unless set): they may be off by about 1 % of their motion; "
                     "export with Simplify 0.",
-                    copy.thinned.size(), *copy.thinned.begin()));
-  if (copy.scene.constraints.count > 0)
-    file.warnings.push_back(
-        fmt::format("{} constraint(s), first \"{}\", are not followed: bake what they move into "
-                    "keys before the export.",
-                    copy.scene.constraints.count, text_of(copy.scene.constraints[0]->name)));
+                    converter.thinned.size(), *converter.thinned.begin()));
+  if (converter.scene.constraints.count > 0)
+    file.warnings.push_back(fmt::format(
+        "{} constraint(s), first \"{}\", are not followed: bake what they move into "
+        "keys before the export.",
+        converter.scene.constraints.count, text_of(converter.scene.constraints[0]->name)));
 }
 
 }  // namespace
@@ -378,11 +382,11 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
   ufbx_load_opts options{};
   options.file_format = UFBX_FILE_FORMAT_FBX;
   options.ignore_embedded = true;
-  options.node_depth_limit = deepest_node;
+  options.node_depth_limit = max_node_depth;
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   options.temp_allocator.memory_limit = options.result_allocator.memory_limit =
-      min_memory + (unknown ? 0 : memory_of_byte * size);
+      parser_min_memory + (unknown ? 0 : parser_memory_per_byte * size);
   ufbx_error error{};
   const std::unique_ptr<ufbx_scene, void (*)(ufbx_scene*)> scene(
       ufbx_load_file(path.c_str(), &options, &error), ufbx_free_scene);
@@ -392,18 +396,18 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
                 fmt::format("The file cannot be read: {}.", text_of(error.description)),
                 export_again);
   }
-  Copy copy{*scene, 24, {}, {}, 0, {}};
-  copy.file.fbx = true;
-  copy.file.reader = fmt::format("ufbx {}.{}.{}, which evaluates the file's own curves",
-                                 ufbx_source_version / 1000000, ufbx_source_version / 1000 % 1000,
-                                 ufbx_source_version % 1000);
-  copy_settings(scene->settings, copy.file);
-  copy.copy_nodes();
-  copy.fps = sampling_rate(copy.file, fps);
-  for (const ufbx_anim_stack* stack : scene->anim_stacks) copy.copy_take(*stack);
-  copy.file.start_lost = lost_start(*scene);
-  add_warnings(copy, copy.file);
-  return std::move(copy.file);
+  FbxConverter converter{*scene, 24, {}, {}, 0, {}};
+  converter.file.fbx = true;
+  converter.file.reader = fmt::format(
+      "ufbx {}.{}.{}, which evaluates the file's own curves", ufbx_source_version / 1000000,
+      ufbx_source_version / 1000 % 1000, ufbx_source_version % 1000);
+  copy_settings(scene->settings, converter.file);
+  converter.copy_nodes();
+  converter.fps = sampling_rate(converter.file, fps);
+  for (const ufbx_anim_stack* stack : scene->anim_stacks) converter.copy_take(*stack);
+  converter.file.start_lost = has_lost_start(*scene);
+  add_warnings(converter, converter.file);
+  return std::move(converter.file);
 }
 
 }  // namespace paperbake

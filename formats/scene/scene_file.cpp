@@ -19,16 +19,16 @@
 namespace paperbake {
 namespace {
 
-// [m] beyond them the unit of the file is wrong
-constexpr double max_sheet = 5, min_sheet = 0.005;
-constexpr double size_agreement = 0.01;  // of paper_size
+// [m] limits of the longer side, beyond which the unit of the file must be wrong
+constexpr double max_sheet_side = 5, min_sheet_side = 0.005;
+constexpr double size_agreement = 0.01;  // relative tolerance of paper_size
 
 std::string metres(const Vector2d& size) {
   return fmt::format("{:.4g} x {:.4g} m", size.x(), size.y());
 }
 
-/// The sides of the sheet after paper_size, turned as the sheet lies; none when there is no such
-/// property.
+/// The size in paper_size, with the two sides exchanged where that fits the measured size better;
+/// nothing without that property.
 std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& measured) {
   const auto list = list_property(node, "paper_size");
   if (list.size() < 2 || !(list[0] > 0) || !(list[1] > 0)) return std::nullopt;
@@ -39,7 +39,8 @@ std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& me
   return off(turned) < off(stated) ? turned : stated;
 }
 
-/// The power of ten that makes the longer side what paper_size says, or else a handy size.
+/// The power of ten by which the sheet should be scaled: to the size in paper_size, else to a
+/// plausible one.
 double likely_factor(double longer, const std::optional<Vector2d>& stated) {
   if (stated) return std::pow(10, std::round(std::log10(stated->maxCoeff() / longer)));
   // centimetres and millimetres first
@@ -65,7 +66,7 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
   const std::string place = place_of(scene.source, "sheet", node.name);
   const double longer = size.maxCoeff();
   const auto stated = stated_size(node, size);
-  if (!options.unit_scale && (longer > max_sheet || longer < min_sheet))
+  if (!options.unit_scale && (longer > max_sheet_side || longer < min_sheet_side))
     throw Error(Fault::scene, place,
                 fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
                             metres(size)),
@@ -81,11 +82,11 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
                          : "Correct paper_size or the mesh; they must agree within 1 %.");
 }
 
-/// Creases as a job file has them, their ends on the border where they are meant to be: a sheet is
-/// 0.1000001 m wide, and the job says 0.1.
-std::vector<PrescribedCrease> ended_on_border(std::vector<PrescribedCrease> creases,
-                                              const Pattern& pattern) {
-  constexpr double near = 1e-4;  // [1] of the longer side
+/// Creases of a job file with the points that nearly lie on the border moved onto it: the sheet may
+/// be 0.1000001 m wide where the job says 0.1.
+std::vector<PrescribedCrease> with_ends_on_border(std::vector<PrescribedCrease> creases,
+                                                  const Pattern& pattern) {
+  constexpr double near = 1e-4;  // of the longer side
   for (PrescribedCrease& crease : creases)
     for (Vector2d& p : crease.line)
       if (const Vector2d border = nearest_border_point(pattern, p);
@@ -94,44 +95,45 @@ std::vector<PrescribedCrease> ended_on_border(std::vector<PrescribedCrease> crea
   return creases;
 }
 
-/// A crease that passes a handle or a pinned point by less than a hair goes through it: a mesh that
-/// had both would have slivers between them.
-PrescribedCrease led_through(const PrescribedCrease& crease, const std::vector<Vector2d>& points,
-                             double hair) {
-  PrescribedCrease led{{}, crease.angle};
+/// Leads a crease through the handles and singular points that it would pass at less than
+/// `tolerance` [m]: a mesh with both would have slivers between them.
+PrescribedCrease snapped_to_points(const PrescribedCrease& crease,
+                                   const std::vector<Vector2d>& points, double tolerance) {
+  PrescribedCrease snapped{{}, crease.angle};
   for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
-    const Vector2d from = crease.line[k], way = crease.line[k + 1] - from;
+    const Vector2d from = crease.line[k], along = crease.line[k + 1] - from;
     std::vector<std::pair<double, Vector2d>> passed{{0, from}};
     for (const Vector2d& p : points) {
-      const double t = std::clamp((p - from).dot(way) / way.squaredNorm(), 0.0, 1.0);
-      if ((from + t * way - p).norm() < hair) passed.emplace_back(t, p);
+      const double t = std::clamp((p - from).dot(along) / along.squaredNorm(), 0.0, 1.0);
+      if ((from + t * along - p).norm() < tolerance) passed.emplace_back(t, p);
     }
     std::stable_sort(passed.begin(), passed.end(),
                      [](const auto& a, const auto& b) { return a.first < b.first; });
     for (const auto& [t, p] : passed) {
-      // it stands for the end that it lies at
-      if (!led.line.empty() && (p - led.line.back()).norm() < hair)
-        led.line.back() = p;
+      // a point at the end of a segment replaces that end
+      if (!snapped.line.empty() && (p - snapped.line.back()).norm() < tolerance)
+        snapped.line.back() = p;
       else
-        led.line.push_back(p);
+        snapped.line.push_back(p);
     }
   }
-  if (const Vector2d end = crease.line.back(); (end - led.line.back()).norm() >= hair)
-    led.line.push_back(end);
-  return led;
+  if (const Vector2d end = crease.line.back(); (end - snapped.line.back()).norm() >= tolerance)
+    snapped.line.push_back(end);
+  return snapped;
 }
 
-void lead_creases_through_points(SceneSheet& sheet) {
+void snap_creases_to_points(SceneSheet& sheet) {
   std::vector<Vector2d> points = sheet.pins.keep;
   for (const Handle& handle : sheet.handles) points.push_back(handle.pattern);
   for (PrescribedCrease& crease : sheet.pattern.prescribed_creases)
-    crease = led_through(crease, points, 2e-3 * longer_side(sheet.pattern));
+    crease = snapped_to_points(crease, points, 2e-3 * longer_side(sheet.pattern));
 }
 
-/// throws Error(Fault::command) where a pin is not on the sheet
+/// Checks that singular points and creases of a job file lie on the sheet.
+/// throws Error(ErrorCode::command)
 void check_pins(const SingularPointRules& pins, const Pattern& pattern, const std::string& place,
                 const std::string& name) {
-  constexpr int samples = 64;  // of each part of a crease
+  constexpr int samples = 64;  // of each segment of a crease
   const double rounding = 1e-6 * longer_side(pattern);
   const auto check = [&](const char* key, const Vector2d& p) {
     if (contains(pattern, p, rounding)) return;
@@ -147,7 +149,8 @@ void check_pins(const SingularPointRules& pins, const Pattern& pattern, const st
         throw Error(
             Fault::command, place,
             fmt::format(
-                "A part of a crease of the sheet \"{}\" is shorter than a thousandth of it.", name),
+                "A segment of a crease of the sheet \"{}\" is shorter than 0.1 % of the sheet.",
+                name),
             "Leave out one of its points.");
       for (int i = 0; i <= samples; ++i)
         check("crease",
@@ -156,7 +159,7 @@ void check_pins(const SingularPointRules& pins, const Pattern& pattern, const st
 }
 
 SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world,
-                      const SceneOptions& options, const Overridden& said,
+                      const SceneOptions& options, const AppliedOverrides& overrides,
                       std::vector<std::string>& warnings) {
   const ImportedNode& node = scene.file.nodes[index];
   const std::string place = place_of(scene.source, "sheet", node.name);
@@ -171,20 +174,20 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.thickness = positive_property(scene.source, node, "paper_thickness");
   sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
   if (sheet.friction && *sheet.friction > max_friction)
-    throw Error(
-        Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
-        fmt::format("It can be a number from 0 to {}; paper on paper is about 0.4.", max_friction));
+    throw Error(Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
+                fmt::format("It must be a number from 0 to {}; paper on paper has about 0.4.",
+                            max_friction));
   if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
     if (*seed < 0)
       throw Error(Fault::scene, place, fmt::format("paper_seed is {}.", *seed),
-                  "It can be a whole number from 0 on.");
+                  "It must be a whole number of at least 0.");
     sheet.seed = static_cast<unsigned>(*seed);
   }
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
-    if (said.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
-  sheet.pins = said.pins;
-  sheet.pattern.prescribed_creases = ended_on_border(said.creases, sheet.pattern);
-  check_pins(sheet.pins, sheet.pattern, said.pins_place, node.name);
+    if (overrides.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
+  sheet.pins = overrides.pins;
+  sheet.pattern.prescribed_creases = with_ends_on_border(overrides.creases, sheet.pattern);
+  check_pins(sheet.pins, sheet.pattern, overrides.pins_place, node.name);
   sheet.crease_origin.assign(sheet.pattern.prescribed_creases.size(), "job");
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {
@@ -208,7 +211,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
 }
 
 std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions& options,
-                                    const std::vector<Overridden>& said,
+                                    const std::vector<AppliedOverrides>& overrides,
                                     std::vector<std::string>& warnings) {
   const auto world = world_at(scene, scene.first_frame);
   std::vector<SceneSheet> sheets;
@@ -220,15 +223,15 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
       throw Error(Fault::scene, place_of(scene.source, "sheet", node.name),
                   "Two sheets have this name.",
                   "Give every sheet a name of its own and export again.");
-    sheets.push_back(read_sheet(scene, i, world[i], options, said[i], warnings));
+    sheets.push_back(read_sheet(scene, i, world[i], options, overrides[i], warnings));
   }
   if (sheets.empty()) reject_without_sheet(scene);
   return sheets;
 }
 
-/// Its own keys move no sheet: that is for handles to do.
+/// Keys of a sheet itself are ignored: only handles move it.
 void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& warnings) {
-  constexpr int looks = 16;
+  constexpr int looks = 16;  // frames that are compared with the first
   const auto first = world_at(scene, scene.first_frame);
   std::set<int> moved;
   for (int look = 1; look <= looks; ++look) {
@@ -259,7 +262,7 @@ std::optional<double> gravity_of(const SceneNodes& scene,
 }  // namespace
 
 Scene scene_of(ImportedFile file, std::string source, const SceneOptions& options) {
-  const std::vector<Overridden> said = apply_overrides(file, options.overrides);
+  const std::vector<AppliedOverrides> overrides = apply_overrides(file, options.overrides);
   const SceneNodes nodes = scene_nodes(std::move(file), std::move(source), options);
   Scene scene;
   scene.source = nodes.source;
@@ -270,15 +273,15 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   scene.warnings = nodes.warnings;
   for (std::string& warning : unknown_properties(nodes.file.nodes))
     scene.warnings.push_back(std::move(warning));
-  scene.sheets = read_sheets(nodes, options, said, scene.warnings);
+  scene.sheets = read_sheets(nodes, options, overrides, scene.warnings);
   warn_of_keyed_sheets(nodes, scene.warnings);
   add_creases(nodes, scene.sheets, scene.warnings);
   add_handles(nodes, scene.sheets, scene.warnings);
-  for (SceneSheet& sheet : scene.sheets) lead_creases_through_points(sheet);
+  for (SceneSheet& sheet : scene.sheets) snap_creases_to_points(sheet);
   scene.colliders = read_colliders(nodes, scene.warnings);
   scene.gravity = gravity_of(nodes, scene.origin);
-  for (std::size_t i = 0; i < said.size(); ++i)
-    for (const auto& [key, place] : said[i].places) {
+  for (std::size_t i = 0; i < overrides.size(); ++i)
+    for (const auto& [key, place] : overrides[i].places) {
       const ImportedNode& node = nodes.file.nodes[i];
       scene.origin[fmt::format("{} of \"{}\"", key, node.name)] = place;
       if (node.meshes.empty())

@@ -32,7 +32,8 @@ std::optional<PropertyValue> value_of(const Json& extra) {
   return extra.get<std::vector<double>>();
 }
 
-/// Properties that artists add: of the node, then of its mesh.
+/// Adds custom properties. To be called for the node first, then for its mesh: those added first
+/// win.
 void add_properties(const Json& object, ImportedNode& node) {
   const auto extras = object.find("extras");
   if (extras == object.end() || !extras->is_object()) return;
@@ -40,13 +41,14 @@ void add_properties(const Json& object, ImportedNode& node) {
     if (const auto value = value_of(extra)) node.properties.emplace(key, *value);
 }
 
-/// The vertices of a primitive's faces, lines or points, one after the other.
+/// The vertex indices of all faces, lines or points of a primitive.
 std::vector<int> corners_of(GltfFile& file, const Json& primitive, Eigen::Index vertices) {
   std::vector<int> corners;
   if (primitive.contains("indices")) {
     for (const std::size_t i :
          file.indices(index(primitive, "indices", list(file.json(), "accessors").size()))) {
-      if (i >= static_cast<std::size_t>(vertices)) refuse("a face has a vertex that is not there");
+      if (i >= static_cast<std::size_t>(vertices))
+        refuse("a face has a vertex that does not exist");
       corners.push_back(static_cast<int>(i));
     }
   } else {
@@ -55,7 +57,8 @@ std::vector<int> corners_of(GltfFile& file, const Json& primitive, Eigen::Index 
   return corners;
 }
 
-/// Triangles by themselves, in a strip or in a fan. source: glTF 2.0, 3.7.2.1
+/// Triangles from the modes triangles, triangle strip and triangle fan.
+/// source  glTF 2.0, section 3.7.2.1
 std::vector<std::array<int, 3>> triangles_of(const std::vector<int>& corners, std::size_t mode) {
   constexpr std::size_t alone = 4, strip = 5, fan = 6;
   std::vector<std::array<int, 3>> triangles;
@@ -66,13 +69,13 @@ std::vector<std::array<int, 3>> triangles_of(const std::vector<int>& corners, st
     const std::array<int, 3> t =
         mode == fan ? std::array{corners[i + 1], corners[i + 2], corners[0]}
                     : std::array{corners[i], corners[i + 1 + i % 2], corners[i + 2 - i % 2]};
-    // strips are sewn together by such
+    // strips are joined by degenerate triangles
     if (t[0] != t[1] && t[1] != t[2] && t[2] != t[0]) triangles.push_back(t);
   }
   return triangles;
 }
 
-/// Lines by themselves, in a ring or one after the other.
+/// Edges from the modes lines, line loop and line strip.
 Edges lines_of(const std::vector<int>& corners, std::size_t mode) {
   constexpr std::size_t alone = 1, ring = 2, strip = 3;
   std::vector<int> ends;
@@ -84,13 +87,13 @@ Edges lines_of(const std::vector<int>& corners, std::size_t mode) {
   return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
 }
 
-/// The scene as it becomes ours.
-struct Copy {
+/// Converts a glTF file to an ImportedFile.
+struct GltfConverter {
   GltfFile& file;
   const Json& nodes;
-  ImportedFile to;
-  std::map<int, int> copies;                       // node of the file -> ours
-  std::map<std::size_t, std::vector<int>> meshes;  // mesh of the file -> ours
+  ImportedFile result;
+  std::map<int, int> node_index;                         // index in the file -> index in result
+  std::map<std::size_t, std::vector<int>> mesh_indices;  // mesh in the file -> meshes in result
 
   void add_nodes(const std::vector<int>& roots);
   void add_node(int i, int parent);
@@ -98,7 +101,7 @@ struct Copy {
   ImportedMesh primitive(const Json& primitive, const std::string& place);
 };
 
-ImportedMesh Copy::primitive(const Json& primitive, const std::string& place) {
+ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& place) {
   const Json& accessors = list(file.json(), "accessors");
   const Json attributes = primitive.value("attributes", Json());
   const auto numbers = [&](const char* attribute, std::size_t width) {
@@ -118,7 +121,7 @@ ImportedMesh Copy::primitive(const Json& primitive, const std::string& place) {
   copy.uv = Eigen::Map<const Points2>(uv.data(), static_cast<Eigen::Index>(uv.size() / 2), 2);
   if (copy.uv.rows() > 0 && copy.uv.rows() != copy.x.rows())
     refuse("a mesh does not have one uv for each vertex");
-  copy.uv.col(1) = 1 - copy.uv.col(1).array();  // v of glTF runs down
+  copy.uv.col(1) = 1 - copy.uv.col(1).array();  // glTF counts v downwards
   if (!copy.x.allFinite() || !copy.uv.allFinite())
     throw Error(Fault::scene, place, "A vertex contains a value that is not a number.",
                 export_again);
@@ -134,19 +137,19 @@ ImportedMesh Copy::primitive(const Json& primitive, const std::string& place) {
   return copy;
 }
 
-const std::vector<int>& Copy::mesh(std::size_t i) {
-  const auto known = meshes.find(i);
-  if (known != meshes.end()) return known->second;
+const std::vector<int>& GltfConverter::mesh(std::size_t i) {
+  const auto known = mesh_indices.find(i);
+  if (known != mesh_indices.end()) return known->second;
   const Json& all = list(file.json(), "meshes");
-  std::vector<int>& copied = meshes[i];
+  std::vector<int>& copied = mesh_indices[i];
   for (const Json& p : list(all[i], "primitives")) {
-    copied.push_back(static_cast<int>(to.meshes.size()));
-    to.meshes.push_back(primitive(p, fmt::format("mesh \"{}\"", gltf::name(all, i, "meshes"))));
+    copied.push_back(static_cast<int>(result.meshes.size()));
+    result.meshes.push_back(primitive(p, fmt::format("mesh \"{}\"", gltf::name(all, i, "meshes"))));
   }
   return copied;
 }
 
-void Copy::add_node(int i, int parent) {
+void GltfConverter::add_node(int i, int parent) {
   const Json& node = nodes[i];
   ImportedNode copy;
   copy.name = gltf::name(nodes, i, "nodes");
@@ -172,24 +175,24 @@ void Copy::add_node(int i, int parent) {
     const std::size_t m = index(node, "mesh", all.size());
     copy.meshes = mesh(m);
     add_properties(all[m], copy);
-    for (const int copied : copy.meshes) to.meshes[copied].deformed |= node.contains("skin");
+    for (const int copied : copy.meshes) result.meshes[copied].deformed |= node.contains("skin");
   }
-  copies.emplace(i, static_cast<int>(to.nodes.size()));
-  to.nodes.push_back(std::move(copy));
+  node_index.emplace(i, static_cast<int>(result.nodes.size()));
+  result.nodes.push_back(std::move(copy));
 }
 
 std::vector<int> node_list(const Json& object, const char* key, std::size_t nodes) {
   std::vector<int> indices;
   for (const Json& i : list(object, key)) {
     if (!i.is_number_integer() || i < 0 || i >= nodes)
-      refuse(fmt::format("\"{}\" names a node that is not there", key));
+      refuse(fmt::format("\"{}\" names a node that does not exist", key));
     indices.push_back(i.get<int>());
   }
   return indices;
 }
 
-/// In order of the file, parents first.
-void Copy::add_nodes(const std::vector<int>& roots) {
+/// Adds the nodes in order of the file, parents first.
+void GltfConverter::add_nodes(const std::vector<int>& roots) {
   struct Waiting {
     int node, parent;
   };
@@ -198,17 +201,17 @@ void Copy::add_nodes(const std::vector<int>& roots) {
   while (!waiting.empty()) {
     const auto [i, parent] = waiting.back();
     waiting.pop_back();
-    if (copies.count(i))
+    if (node_index.count(i))
       refuse(fmt::format("its hierarchy is not a tree: node \"{}\" is in it twice",
                          gltf::name(nodes, i, "nodes")));
     add_node(i, parent);
     const std::vector<int> children = node_list(nodes[i], "children", nodes.size());
     for (auto child = children.rbegin(); child != children.rend(); ++child)
-      waiting.push_back({*child, copies.at(i)});
+      waiting.push_back({*child, node_index.at(i)});
   }
 }
 
-/// Of the scene that is shown; of a file without scenes every node that is below none.
+/// Roots of the default scene; in a file without scenes all nodes without a parent.
 std::vector<int> roots_of(const Json& json) {
   const Json &nodes = list(json, "nodes"), &scenes = list(json, "scenes");
   if (!scenes.empty())
@@ -223,7 +226,7 @@ std::vector<int> roots_of(const Json& json) {
   return roots;
 }
 
-/// Of extensions without which, the file says, it cannot be understood.
+/// Warns of extensions that the file requires and that are not supported here.
 void warn_of_extensions(const Json& json, ImportedFile& file) {
   const auto known = [](const std::string& name) {
     for (const char* prefix :
@@ -243,24 +246,23 @@ void warn_of_extensions(const Json& json, ImportedFile& file) {
 
 ImportedFile import_gltf(const std::filesystem::path& path) try {
   GltfFile file(path);
-  Copy copy{file, list(file.json(), "nodes"), {}, {}, {}};
-  copy.to.reader = "the file's samplers";
-  copy.to.to_z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
-  copy.to.up_axis = "y up";
-  warn_of_extensions(file.json(), copy.to);
-  copy.add_nodes(roots_of(file.json()));
+  GltfConverter converter{file, list(file.json(), "nodes"), {}, {}, {}};
+  converter.result.reader = "the file's samplers";
+  converter.result.to_z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
+  converter.result.up_axis = "y up";
+  warn_of_extensions(file.json(), converter.result);
+  converter.add_nodes(roots_of(file.json()));
   for (const Take& take : gltf_takes(file)) {
-    Take& moved = copy.to.takes.emplace_back();
+    Take& moved = converter.result.takes.emplace_back();
     moved.name = take.name;
     for (const auto& [index, motion] : take.motions)
-      if (const auto node = copy.copies.find(index); node != copy.copies.end())
+      if (const auto node = converter.node_index.find(index); node != converter.node_index.end())
         moved.motions.emplace(node->second, motion);
   }
-  return std::move(copy.to);
+  return std::move(converter.result);
 } catch (const Json::exception&) {
   refuse(
-      "its JSON is not that of glTF 2: a text, number, list or object stands where another "
-      "belongs");
+      "its JSON is not that of glTF 2: a value has the wrong type (text, number, list or object)");
 }
 
 }  // namespace paperbake

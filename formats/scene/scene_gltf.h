@@ -4,9 +4,10 @@
 
 namespace paperbake {
 
-/// A glTF 2 or GLB file: nodes, faces and properties of the scene that is shown, every animation as
-/// its samplers have it (gltf_curves.h). throws Error(Fault::scene): damaged or foreign file;
-/// std::exception: damaged, in words
+/// Reads a glTF 2 or GLB file: nodes, faces and properties of its default scene, and all animations
+/// (gltf_curves.h).
+/// throws Error(ErrorCode::scene) for a damaged file or one of another format; std::exception that
+/// describes the damage of a damaged file
 ImportedFile import_gltf(const std::filesystem::path&);
 
 }  // namespace paperbake

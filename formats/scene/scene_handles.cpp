@@ -17,17 +17,17 @@ namespace paperbake {
 namespace {
 
 constexpr double on_border = 1e-5;  // of the longer side
-// [diagonals] in one frame: no one moves paper so; a unit or a wrong key does
+// [diagonals of the sheet] in one frame: more comes from a wrong unit or a wrong key
 constexpr double max_jump = 4;
-// keyed scale under half: the way of release both formats carry besides a property
+// a keyed scale below half also releases a handle: both formats can store that
 constexpr double released_scale = 0.5;
 
-struct Found {
-  int node;   // carries name and properties
-  int place;  // node whose origin is the handle: itself, or the child at a bone's tail
+struct HandleNode {
+  int node;    // has the name and the properties
+  int origin;  // its origin is the position: the node itself, or the child at a bone's tail
 };
 
-std::string place_of_handle(const SceneNodes& scene, const Found& handle) {
+std::string place_of_handle(const SceneNodes& scene, const HandleNode& handle) {
   return place_of(scene.source, "handle", scene.file.nodes[handle.node].name);
 }
 
@@ -54,11 +54,11 @@ int tail_of(const SceneNodes& scene, int bone, const std::vector<int>& children)
       "tail.");
 }
 
-std::vector<Found> find_handles(const SceneNodes& scene) {
+std::vector<HandleNode> find_handles(const SceneNodes& scene) {
   const auto& nodes = scene.file.nodes;
   const auto children = children_of(nodes);
-  std::vector<Found> found;
-  std::set<int> leaves;  // of bones that are handles: named like handles, but not meant
+  std::vector<HandleNode> found;
+  std::set<int> leaves;  // leaf nodes of bones that are handles: they are not handles themselves
   std::set<std::string> names;
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     const auto point = text_property(nodes[i], "paper_point");
@@ -72,14 +72,14 @@ std::vector<Found> find_handles(const SceneNodes& scene) {
     const std::string side = point ? matched_name(*point) : "head";
     if (side != "head" && side != "tail")
       throw Error(Fault::scene, place, fmt::format("paper_point is \"{}\".", *point),
-                  "It can be head or tail.");
+                  "It must be head or tail.");
     if (!flag_property(nodes[i], "paper_ignore"))
       found.push_back({i, side == "tail" ? tail_of(scene, i, children[i]) : i});
     for (int child : children[i])
       if (children[child].empty() && is_tail_leaf(nodes[child].name, nodes[i].name))
         leaves.insert(child);
   }
-  // a sheet may fall on something
+  // without handles the sheet may still fall on a collider
   if (found.empty() && std::none_of(nodes.begin(), nodes.end(), is_collider))
     throw Error(Fault::scene, scene.source,
                 "The scene has no handle: no node's name starts with \"handle\".",
@@ -88,7 +88,7 @@ std::vector<Found> find_handles(const SceneNodes& scene) {
   return found;
 }
 
-/// A point within rounding of a corner or the border is meant to be on it.
+/// Moves a point that is within rounding of a corner or the border onto it.
 Vector2d snapped_to_border(const Pattern& pattern, const Vector2d& p) {
   const double near = on_border * longer_side(pattern);
   const auto corner_near = [&](const std::vector<Vector2d>& loop) {
@@ -103,43 +103,43 @@ Vector2d snapped_to_border(const Pattern& pattern, const Vector2d& p) {
   return (border - p).norm() <= near ? border : p;
 }
 
-struct Grip {
+struct HandleAttachment {
   std::size_t sheet;
   SheetPoint point;
 };
 
-Grip grip_of(const SceneNodes& scene, const std::vector<SceneSheet>& sheets, const Found& handle,
-             const Vector3d& at) {
-  Grip grip{0, {}};
+HandleAttachment attach(const SceneNodes& scene, const std::vector<SceneSheet>& sheets,
+                        const HandleNode& handle, const Vector3d& at) {
+  HandleAttachment attachment{0, {}};
   if (const auto target =
           target_sheet(scene, sheets, handle.node, place_of_handle(scene, handle))) {
-    grip.sheet = *target;
-    grip.point = nearest_point(sheets[grip.sheet].start, at);
+    attachment.sheet = *target;
+    attachment.point = nearest_point(sheets[attachment.sheet].start, at);
   } else {
     for (std::size_t i = 0; i < sheets.size(); ++i) {
       const SheetPoint point = nearest_point(sheets[i].start, at);
-      if (point.distance < grip.point.distance) grip = {i, point};
+      if (point.distance < attachment.point.distance) attachment = {i, point};
     }
   }
-  const SceneSheet& sheet = sheets[grip.sheet];
+  const SceneSheet& sheet = sheets[attachment.sheet];
   const double diagonal = extent(sheet.pattern).norm();
-  if (grip.point.distance > diagonal)
+  if (attachment.point.distance > diagonal)
     throw Error(
         Fault::scene,
         fmt::format("{}, frame {}", place_of_handle(scene, handle), scene.first_frame),
         fmt::format("The handle is {:.3g} m away from the sheet \"{}\", which is {:.3g} m across.",
-                    grip.point.distance, sheet.name, diagonal),
+                    attachment.point.distance, sheet.name, diagonal),
         "Put the handle on its sheet point at the first frame, or name its sheet in paper_target.");
-  return grip;
+  return attachment;
 }
 
-void read_properties(const SceneNodes& scene, const Found& found, Handle& handle) {
+void read_properties(const SceneNodes& scene, const HandleNode& found, Handle& handle) {
   const ImportedNode& node = scene.file.nodes[found.node];
   const std::string& source = scene.source;
   const std::string mode = matched_name(text_property(node, "paper_mode").value_or("absolute"));
   if (mode != "absolute" && mode != "relative")
     throw Error(Fault::scene, place_of_handle(scene, found),
-                fmt::format("paper_mode is \"{}\".", mode), "It can be absolute or relative.");
+                fmt::format("paper_mode is \"{}\".", mode), "It must be absolute or relative.");
   handle.mode = mode == "relative" ? HandleMode::relative : HandleMode::absolute;
   handle.grab_frame = whole_property(source, node, "paper_grab_frame").value_or(handle.grab_frame);
   handle.release_frame =
@@ -148,9 +148,9 @@ void read_properties(const SceneNodes& scene, const Found& found, Handle& handle
   handle.stiffness = nonnegative_property(source, node, "paper_stiffness").value_or(0);
 }
 
-/// Positions over the frames of the scene, and where the scale falls under half of what it was at
-/// the first: which handles that releases.
-std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<Found>& found,
+/// Sets the keyed positions over the frames of the scene, and releases handles where their scale
+/// falls below half of that at the first frame. Returns which handles are released so.
+std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<HandleNode>& found,
                               std::vector<Handle>& handles) {
   const auto size = [](const Eigen::Affine3d& world) {
     return std::cbrt(std::abs(world.linear().determinant()));
@@ -162,7 +162,7 @@ std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<Found>&
     const auto world = world_at(scene, scene.first_frame + f);
     for (std::size_t i = 0; i < found.size(); ++i) {
       if (f == 0) handles[i].keyed.resize(frames, 3), first_size[i] = size(world[found[i].node]);
-      handles[i].keyed.row(f) = origin_of(scene, world, found[i].place);
+      handles[i].keyed.row(f) = origin_of(scene, world, found[i].origin);
       if (size(world[found[i].node]) < released_scale * first_size[i])
         shrunk[i] = std::min(shrunk[i], scene.first_frame + f);
     }
@@ -176,7 +176,7 @@ std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<Found>&
   return by_scale;
 }
 
-void check_jumps(const SceneNodes& scene, const Found& found, const Handle& handle,
+void check_jumps(const SceneNodes& scene, const HandleNode& found, const Handle& handle,
                  const SceneSheet& sheet) {
   const double diagonal = extent(sheet.pattern).norm();
   for (int f = 1; f < handle.keyed.rows(); ++f) {
@@ -188,7 +188,7 @@ void check_jumps(const SceneNodes& scene, const Found& found, const Handle& hand
         fmt::format("{}, frames {}-{}", place_of_handle(scene, found), frame - 1, frame),
         fmt::format("The handle jumps {:.3g} m in one frame; the sheet \"{}\" is {:.3g} m across.",
                     jump, sheet.name, diagonal),
-        "Look for a wrong key there; if all is too large, the unit of the file is wrong: "
+        "Look for a wrong key there; if everything is too large, the unit of the file is wrong: "
         "--unit-scale.");
   }
 }
@@ -197,7 +197,7 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
                         double distance, std::vector<std::string>& warnings) {
   if (handle.mode == HandleMode::absolute && distance > 0.02 * extent(sheet.pattern).norm())
     warnings.push_back(
-        fmt::format("The handle \"{}\" is {:.3g} mm away from its sheet at frame {}: it draws the "
+        fmt::format("The handle \"{}\" is {:.3g} mm away from its sheet at frame {}: it pulls the "
                     "nearest sheet point.",
                     handle.name, 1000 * distance, scene.first_frame));
   if (handle.release_frame <= handle.grab_frame)
@@ -206,20 +206,20 @@ void warn_of_odd_handle(const SceneNodes& scene, const Handle& handle, const Sce
                     handle.name, handle.release_frame, handle.grab_frame));
 }
 
-/// A null that groups handles and is named like one holds paper itself.
-void warn_of_groups(const SceneNodes& scene, const std::vector<Found>& found,
+/// Warns of nodes that group handles and are taken for handles because of their own name.
+void warn_of_groups(const SceneNodes& scene, const std::vector<HandleNode>& found,
                     std::vector<std::string>& warnings) {
   const auto& nodes = scene.file.nodes;
   std::map<int, int> below;
-  for (const Found& handle : found) {
+  for (const HandleNode& handle : found) {
     int parent = nodes[handle.node].parent;
     while (parent >= 0 && nodes[parent].pivot) parent = nodes[parent].parent;
     ++below[parent];
   }
-  for (const Found& handle : found)
+  for (const HandleNode& handle : found)
     if (const auto group = below.find(handle.node); group != below.end() && group->second > 1)
       warnings.push_back(
-          fmt::format("The handle \"{}\" has {} handles below it and holds the sheet like them: if "
+          fmt::format("The handle \"{}\" has {} handles below it and holds the sheet, too: if "
                       "it only groups them, rename it or give it paper_ignore.",
                       nodes[handle.node].name, group->second));
 }
@@ -232,14 +232,14 @@ void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handl
   if (handles.empty() || !std::all_of(handles.begin(), handles.end(), still)) return;
   warnings.push_back(scene.file.takes.empty()
                          ? "No handle moves: the file has no animation."
-                         : "No handle moves: no animation of the file is theirs.");
+                         : "No handle moves: no animation of the file belongs to one.");
 }
 
 }  // namespace
 
 void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
                  std::vector<std::string>& warnings) {
-  const std::vector<Found> found = find_handles(scene);
+  const std::vector<HandleNode> found = find_handles(scene);
   std::vector<Handle> handles(found.size());
   for (std::size_t i = 0; i < found.size(); ++i) {
     handles[i].name = scene.file.nodes[found[i].node].name;
@@ -249,11 +249,11 @@ void add_handles(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
   warn_of_groups(scene, found, warnings);
   warn_of_stillness(scene, handles, warnings);
   for (std::size_t i = 0; i < found.size(); ++i) {
-    const Grip grip = grip_of(scene, sheets, found[i], handles[i].keyed.row(0));
-    SceneSheet& sheet = sheets[grip.sheet];
-    handles[i].pattern = snapped_to_border(sheet.pattern, grip.point.pattern);
+    const HandleAttachment attachment = attach(scene, sheets, found[i], handles[i].keyed.row(0));
+    SceneSheet& sheet = sheets[attachment.sheet];
+    handles[i].pattern = snapped_to_border(sheet.pattern, attachment.point.pattern);
     check_jumps(scene, found[i], handles[i], sheet);
-    warn_of_odd_handle(scene, handles[i], sheet, grip.point.distance, warnings);
+    warn_of_odd_handle(scene, handles[i], sheet, attachment.point.distance, warnings);
     if (by_scale[i]) sheet.scale_releases.insert(handles[i].name);
     sheet.handles.push_back(std::move(handles[i]));
   }

@@ -15,11 +15,11 @@
 namespace paperbake {
 namespace {
 
-// what an import may take, with much to spare: two million triangles in a GLB of 36 MB take 180 MB
-// and 0.2 s
-constexpr std::uint64_t min_memory = std::uint64_t(1) << 30, memory_of_byte = 100;  // [bytes]
-// of CPU time
-constexpr unsigned min_seconds = 5, bytes_a_second = 1 << 20;
+// Limits of an import, far above its needs: two million triangles in a GLB of 36 MB take 180 MB and
+// 0.2 s.
+constexpr std::uint64_t min_memory = std::uint64_t(1) << 30;     // [bytes]
+constexpr std::uint64_t memory_per_byte = 100;                   // [bytes] per byte of the file
+constexpr unsigned min_seconds = 5, bytes_per_second = 1 << 20;  // of CPU time
 
 [[noreturn]] void reject(const std::filesystem::path& path, const std::string& cause,
                          const std::string& remedy = export_again) {
@@ -32,7 +32,7 @@ std::string lower_case_extension(const std::filesystem::path& path) {
   return extension;
 }
 
-/// What can be told without the importer, in clearer words than its own.
+/// Reports what can be seen without the importer, in clearer words than it would.
 void check_file(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
@@ -54,14 +54,14 @@ void check_file(const std::filesystem::path& path) {
   };
   const std::uintmax_t version = number(4), promised = number(8);
   if (version != 2)
-    reject(path, fmt::format("This is GLB of version {}; version 2 can be read.", version),
+    reject(path, fmt::format("This is GLB of version {}; only version 2 can be read.", version),
            "Export the scene as glTF 2.0.");
   if (promised > size)
     reject(path, fmt::format("The file is cut off: it has {} of its {} bytes.", size, promised),
            "Copy or export it again.");
 }
 
-/// What a file is, by its first bytes: whatever its name says.
+/// Whether the first bytes of a file are those of glTF, whatever its name.
 bool is_gltf(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   std::string head(4, '\0');
@@ -78,7 +78,7 @@ Error foreign_file(const std::filesystem::path& path) {
                "Export the scene from the DCC as .fbx, .gltf or .glb.");
 }
 
-ImportedFile import_here(const std::filesystem::path& path, std::optional<double> fps) try {
+ImportedFile import_in_process(const std::filesystem::path& path, std::optional<double> fps) try {
   return is_gltf(path) ? import_gltf(path) : import_fbx(path, fps);
 } catch (const Error& error) {
   if (error.place == path.string()) throw;
@@ -96,21 +96,20 @@ ImportedFile import_file(const std::filesystem::path& path, std::optional<double
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   const auto import = [&] {
     try {
-      return bytes_of({import_here(path, fps), "", "", ""});
+      return serialize({import_in_process(path, fps), "", "", ""});
     } catch (const Error& error) {
-      return bytes_of({{}, error.place, error.cause, error.remedy});
+      return serialize({{}, error.place, error.cause, error.remedy});
     }
   };
-  const Apart apart =
-      run_apart(import, {min_memory + memory_of_byte * size,
-                         min_seconds + static_cast<unsigned>(size / bytes_a_second)});
-  if (!apart.bytes)
-    reject(path, fmt::format("The file cannot be read: its import {}.", apart.ended));
+  const SandboxResult sandboxed =
+      run_sandboxed(import, {min_memory + memory_per_byte * size,
+                             min_seconds + static_cast<unsigned>(size / bytes_per_second)});
+  if (!sandboxed.bytes)
+    reject(path, fmt::format("The file cannot be read: its import {}.", sandboxed.ended));
   try {
-    SceneMessage message = message_of(*apart.bytes);
-    if (!message.cause.empty())
-      throw Error(Fault::scene, message.place, message.cause, message.remedy);
-    return std::move(message.file);
+    ImportResult result = deserialize(*sandboxed.bytes);
+    if (!result.cause.empty()) throw Error(Fault::scene, result.place, result.cause, result.remedy);
+    return std::move(result.file);
   } catch (const std::runtime_error& error) {
     if (dynamic_cast<const Error*>(&error)) throw;
     reject(path, fmt::format("The file cannot be read: {}.", error.what()));

@@ -15,90 +15,91 @@
 
 namespace paperbake {
 
-/// A custom property of a node. Whole numbers and truth values come as numbers, arrays of numbers
+/// The value of a custom property. Integers and booleans are stored as numbers, arrays of numbers
 /// as lists.
 using PropertyValue = std::variant<double, std::string, std::vector<double>>;
 
-/// What one take says about one node: its local transform is T R S, each part keyed by itself; an
-/// empty part is the identity.
+/// The motion of a node in a take: its local transform is T R S with separately keyed parts; a part
+/// without keys is the identity.
 struct Motion {
   Track<Vector3d> translation, scale;
   Track<Eigen::Quaterniond> rotation;
-  // [as the tracks] what was keyed, in order: tracks may be sampled between these
+  // [s] times of the original keys, in order; the tracks may be samples between them
   std::vector<double> key_times;
 };
 
 struct ImportedNode {
-  // raw; for a pivot: that of the node it belongs to
+  // full name; for a pivot that of the node to which it belongs
   std::string name;
-  int parent = -1;                                      // comes before its children; -1: none
-  Eigen::Affine3d local = Eigen::Affine3d::Identity();  // where no take moves it, but for `scale`
+  int parent = -1;                                      // comes before its children; -1 for a root
+  Eigen::Affine3d local = Eigen::Affine3d::Identity();  // at rest, without `scale`
   Vector3d scale = Vector3d::Ones();
-  // the parent's scale moves its origin, but does not scale it (FBX InheritType RrSs, Rrs)
+  // the parent's scale acts on its origin only (FBX InheritType RrSs, Rrs)
   bool own_scale = false;
-  // then: the node above whose scale it is multiplied by; -1: none
+  // for own_scale: the ancestor by whose scale its own is multiplied; -1: none
   int scale_from = -1;
-  // a part of an FBX node's transform, no node of the file
+  // a part of the transform of an FBX node, not a node of the file
   bool pivot = false;
-  // a pivot that moves the mesh, not the node (FBX geometric transform)
+  // a pivot that moves the mesh but not the node (FBX geometric transform)
   bool offsets_mesh_only = false;
   std::vector<int> meshes;
   std::map<std::string, PropertyValue> properties;
 };
 
-/// Ends of edges, as vertices.
+/// Edges by the indices of their end vertices.
 using Edges = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
 /// A mesh in the space of its node.
 struct ImportedMesh {
-  Points3 x;   // |V|x3  units of the file
-  Points2 uv;  // |V|x2  or empty
+  Points3 x;   // |V|x3 in units of the file
+  Points2 uv;  // |V|x2, or empty
   Triangles triangles;
-  // |E|x2  edges that are marked as creases, or that belong to no face
+  // |E|x2 edges that are marked as creases or belong to no face
   Edges creases;
-  // by bones or blend shapes, which are not followed
+  // it has bones or blend shapes, which are not followed
   bool deformed = false;
 };
 
-/// A stack (FBX) or animation (glTF).
+/// An animation of the scene: a stack (FBX) or animation (glTF).
 struct Take {
   std::string name;
-  double begin = 0, end = 0;      // [s] as the file says; equal: it does not
-  std::map<int, Motion> motions;  // node -> motion
+  double begin = 0, end = 0;      // [s] as stated in the file; equal when it is not
+  std::map<int, Motion> motions;  // by index of the node
 };
 
-/// A DCC file as it is: its own units, axes and seconds.
+/// The content of a DCC file in its own units and axes, with times in seconds.
 struct ImportedFile {
   bool fbx = false;  // else glTF
-  // times count from the clip's start, and its frame is not known
+  // times count from the start of the clip, whose frame is not known
   bool start_lost = false;
-  std::string reader;                 // for messages: what read the curves
+  std::string reader;                 // how the curves were read, for messages
   std::vector<std::string> warnings;  // one sentence each
   std::vector<ImportedNode> nodes;    // in order of the file
   std::vector<ImportedMesh> meshes;
   std::vector<Take> takes;
-  double unit = 1;  // [m]    length of one unit
-  double fps = 0;   // [1/s]  0: the file does not say
+  double unit = 1;  // [m] length of one unit
+  double fps = 0;   // [1/s] 0 when the file does not state it
   Eigen::Matrix3d to_z_up = Eigen::Matrix3d::Identity();
-  std::string up_axis;  // for messages: "y up"
+  std::string up_axis;  // "y up", for messages
 };
 
 /// The remedy for a damaged file.
 inline const char* const export_again =
     "Export the file again as FBX, glTF or GLB and check that it opens in the DCC.";
 
-/// The error of a file of another kind.
+/// The error for a file that is neither FBX nor glTF.
 Error foreign_file(const std::filesystem::path&);
 
-/// Reads an FBX, glTF or GLB file. Every number in it is finite and every triangle has its
-/// vertices. The importer, which trusts what it reads, works in a process of its own
-/// (formats/scene/sandbox.h) within limits of memory and time. fps: of the frames that will be
-/// asked for, where it is not the file's own; curves of FBX are sampled there throws
-/// Error(Fault::scene): missing, damaged or foreign file, one that the importer does not survive.
-/// source: import.md
+/// Reads an FBX, glTF or GLB file in a sandboxed process with limited memory and time (sandbox.h),
+/// so that a malformed file cannot crash this one. In the result every number is finite, every
+/// triangle has its vertices and every node comes after its parent.
+/// fps     [1/s] rate of the frames at which curves of FBX are sampled, default: that of the file
+/// throws  Error(ErrorCode::scene) for a missing file, one of another format, a damaged file, or
+///         one whose import crashes or exceeds the limits
 ImportedFile import_file(const std::filesystem::path&, std::optional<double> fps = {});
 
-/// The same in this process, which a damaged file may end.
-ImportedFile import_here(const std::filesystem::path&, std::optional<double> fps = {});
+/// The same within this process, which a malformed file may crash. For the sandboxed process
+/// itself, and for tests.
+ImportedFile import_in_process(const std::filesystem::path&, std::optional<double> fps = {});
 
 }  // namespace paperbake

@@ -14,11 +14,11 @@
 namespace paperbake {
 namespace {
 
-constexpr double frame_rounding = 0.01;  // [frames] files come with 99.9999 for 100
-// [frames] over an hour: more is a wrong fps or a damaged file
-constexpr int max_clip = 100000;
-constexpr double max_places = 2e7;  // nodes x frames: half a gigabyte of tracks, seconds
-constexpr double widest_turn = 60;  // [degrees] between two keys
+constexpr double frame_rounding = 0.01;  // [frames] files store 99.9999 for 100
+// [frames] more than an hour: beyond it the fps is wrong or the file is damaged
+constexpr int max_clip_frames = 100000;
+constexpr double max_positions = 2e7;  // nodes x frames: takes half a gigabyte and some seconds
+constexpr double max_turn = 60;        // [degrees] between two keys
 
 template <class AnyMotion, class Visit>
 void for_each_track(AnyMotion& motion, Visit visit) {
@@ -43,8 +43,8 @@ bool varies(const Motion& motion) {
   for_each_track(motion, [&](const auto& track) {
     for (const auto& key : track.keys)
       varies |= !numbers(key.value).isApprox(numbers(track.keys.front().value), 1e-6);
-    for (const auto& slopes : track.slopes)
-      varies |= numbers(slopes.in).norm() + numbers(slopes.out).norm() > 1e-6;
+    for (const auto& tangents : track.tangents)
+      varies |= numbers(tangents.in).norm() + numbers(tangents.out).norm() > 1e-6;
   });
   return varies;
 }
@@ -59,12 +59,12 @@ std::vector<const Take*> wanted_takes(const SceneNodes& scene, const SceneOption
   if (options.take && takes.empty())
     throw Error(Fault::scene, scene.source,
                 fmt::format("The file has no take \"{}\".", *options.take),
-                names.empty() ? "It has no animation at all."
-                              : fmt::format("--take can be {}.", fmt::join(names, ", ")));
+                names.empty() ? "It has no animation."
+                              : fmt::format("--take must be one of {}.", fmt::join(names, ", ")));
   return takes;
 }
 
-/// A node of the file with the pivots that FBX import puts above it: they are moved by one and the
+/// Groups each node of the file with the pivots that FBX import puts above it: they must follow the
 /// same take.
 std::vector<std::vector<int>> nodes_with_their_pivots(const std::vector<ImportedNode>& nodes) {
   std::vector<std::vector<int>> groups;
@@ -81,39 +81,41 @@ std::vector<std::vector<int>> nodes_with_their_pivots(const std::vector<Imported
   return groups;
 }
 
-/// Whether a motion passes where the node stands without it: it was exported while that take, and
-/// no other, moved it.
+/// Whether a motion passes through the rest position of its node: then the node was exported while
+/// this take moved it.
 bool passes_rest(const Motion& motion, const ImportedNode& node) {
-  constexpr int parts = 8;       // of the time between two keys
-  constexpr double near = 0.05;  // of the way the take goes
+  constexpr int parts = 8;       // samples between two keys
+  constexpr double near = 0.05;  // of the size of the path
   double nearest = std::numeric_limits<double>::infinity();
-  Eigen::AlignedBox3d way;
+  Eigen::AlignedBox3d path;
   for (std::size_t k = 0; k < motion.key_times.size(); ++k)
     for (int part = 0; part < (k + 1 < motion.key_times.size() ? parts : 1); ++part) {
       const double step = part > 0 ? (motion.key_times[k + 1] - motion.key_times[k]) / parts : 0;
       const Vector3d at =
           value_at(motion.translation, motion.key_times[k] + part * step, Vector3d::Zero());
-      way.extend(at);
+      path.extend(at);
       nearest = std::min(nearest, (at - node.local.translation()).norm());
     }
-  return nearest <= std::max(near * way.diagonal().norm(),
-                             1e-5 * way.max().cwiseAbs().cwiseMax(way.min().cwiseAbs()).maxCoeff());
+  return nearest <=
+         std::max(near * path.diagonal().norm(),
+                  1e-5 * path.max().cwiseAbs().cwiseMax(path.min().cwiseAbs()).maxCoeff());
 }
 
-/// Blender writes an animation per object, or per action and object: those of other objects'
-/// actions hold two equal keys, or bring the node where the other is.
-struct Choice {
+/// A take that a node can follow, and how well it fits. Blender writes an animation for each
+/// object, or for each action and object: those of the actions of other objects have two equal
+/// keys, or move the node to where the other object is.
+struct TakeChoice {
   const Take* take = nullptr;
   bool varies = false, from_rest = true;
   std::size_t keys = 0;
   int moving_takes = 0;
 };
 
-Choice choose_take(const SceneNodes& scene, const std::vector<const Take*>& takes,
-                   const std::vector<int>& group) {
-  Choice best;
+TakeChoice choose_take(const SceneNodes& scene, const std::vector<const Take*>& takes,
+                       const std::vector<int>& group) {
+  TakeChoice best;
   for (const Take* take : takes) {
-    Choice choice{take, false, true, 0, best.moving_takes};
+    TakeChoice choice{take, false, true, 0, best.moving_takes};
     for (int node : group) {
       const auto motion = take->motions.find(node);
       if (motion == take->motions.end()) continue;
@@ -130,14 +132,14 @@ Choice choose_take(const SceneNodes& scene, const std::vector<const Take*>& take
   return best;
 }
 
-/// Fills scene.motions, times still in seconds; returns the takes that were used.
+/// Sets scene.motions, with times in seconds; returns the takes that are used.
 std::vector<const Take*> merge_takes(SceneNodes& scene, const SceneOptions& options) {
   const auto takes = wanted_takes(scene, options);
   std::vector<const Take*> used;
   std::vector<std::string> contested;
   scene.motions.resize(scene.file.nodes.size());
   for (const std::vector<int>& group : nodes_with_their_pivots(scene.file.nodes)) {
-    const Choice choice = choose_take(scene, takes, group);
+    const TakeChoice choice = choose_take(scene, takes, group);
     if (!choice.take) continue;
     if (std::find(used.begin(), used.end(), choice.take) == used.end()) used.push_back(choice.take);
     const std::string& name = scene.file.nodes[group.front()].name;
@@ -164,7 +166,7 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
   };
   if (options.fps && !(*options.fps > 0 && std::isfinite(*options.fps)))
     throw Error(Fault::scene, scene.source,
-                fmt::format("{} frames per second cannot be meant.", *options.fps),
+                fmt::format("{} frames per second cannot be right.", *options.fps),
                 "Give a positive number to --fps.");
   if (options.fps) return set(*options.fps, "command line");
   if (scene.file.fps > 0) return set(scene.file.fps, "file");
@@ -177,23 +179,24 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
       "--fps N or a property paper_fps sets it.");
 }
 
-struct Span {
+struct TimeRange {
   double first = 1e300, last = -1e300;
   void add(double t) { first = std::min(first, t), last = std::max(last, t); }
   bool empty() const { return first > last; }
 };
 
-/// A single key says where a node is, not when; importers put it at time 0.
-Span key_span(const std::vector<Motion>& motions) {
-  Span span;
+/// Range of the keys. A track with a single key is not counted: it only says where the node is, and
+/// importers put it at time 0.
+TimeRange key_range(const std::vector<Motion>& motions) {
+  TimeRange range;
   for (const Motion& motion : motions)
     if (motion.key_times.size() > 1)
-      span.add(motion.key_times.front()), span.add(motion.key_times.back());
-  return span;
+      range.add(motion.key_times.front()), range.add(motion.key_times.back());
+  return range;
 }
 
-/// Of a time in the file.
-struct Clock {
+/// Converts times in the file to frames.
+struct FrameClock {
   double fps;
   int shift = 0;  // [frames]
   double frame(double seconds) const {
@@ -203,7 +206,7 @@ struct Clock {
 };
 
 bool all_keys_on_frames(const std::vector<Motion>& motions, double fps) {
-  const Clock clock{fps};
+  const FrameClock clock{fps};
   for (const Motion& motion : motions)
     if (motion.key_times.size() > 1)
       for (const double time : motion.key_times)
@@ -211,14 +214,15 @@ bool all_keys_on_frames(const std::vector<Motion>& motions, double fps) {
   return true;
 }
 
-/// Frames per second of the times in a glTF file: the scene's, or one that differs from it by the
-/// 1000/1001 of video. Blender writes frame/(30 x 1.001) where 29.97 is meant. source: import.md 5
+/// Frames per second by which the times in the file were computed: that of the scene, or for glTF
+/// one that differs by a factor of 1.001, the ratio of video rates. Blender, for example, writes
+/// frame / (30 x 1.001) for a scene of 29.97.
 double clock_rate(SceneNodes& scene) {
   if (scene.file.fbx || all_keys_on_frames(scene.motions, scene.fps)) return scene.fps;
   for (const double off : {1.001 * 1.001, 1.001, 1 / 1.001}) {
     if (!all_keys_on_frames(scene.motions, scene.fps * off)) continue;
     scene.warnings.push_back(
-        fmt::format("The file's times are those of {:.6g} frames per second: its keys are put on "
+        fmt::format("The file's times are those of {:.6g} frames per second: its keys are moved to "
                     "whole frames of {:.6g}.",
                     scene.fps * off, scene.fps));
     return scene.fps * off;
@@ -226,7 +230,7 @@ double clock_rate(SceneNodes& scene) {
   return scene.fps;
 }
 
-/// The frame that time 0 of the file falls on.
+/// The frame at time 0 of the file.
 int first_frame_shift(SceneNodes& scene, const SceneOptions& options, double first_key) {
   if (options.start_frame) {
     scene.origin["first_frame"] = "command line";
@@ -240,7 +244,7 @@ int first_frame_shift(SceneNodes& scene, const SceneOptions& options, double fir
   return 1;
 }
 
-void warn_of_keys_between_frames(SceneNodes& scene, const Clock& clock) {
+void warn_of_keys_between_frames(SceneNodes& scene, const FrameClock& clock) {
   std::size_t between = 0, all = 0;
   for (const Motion& motion : scene.motions) {
     if (motion.key_times.size() < 2) continue;
@@ -251,43 +255,42 @@ void warn_of_keys_between_frames(SceneNodes& scene, const Clock& clock) {
   if (between > 0)
     scene.warnings.push_back(
         fmt::format("{} of {} keys lie between whole frames at {:.6g} frames per second: is that "
-                    "the scene's rate "
-                    "(--fps)?",
+                    "the frame rate of the scene (--fps)?",
                     between, all, scene.fps));
 }
 
-/// Times become frames, and slopes those of frames.
+/// Converts the times of a track to frames, and its tangents accordingly.
 template <class Value>
-void put_on_frames(Track<Value>& track, const Clock& clock) {
+void convert_to_frames(Track<Value>& track, const FrameClock& clock) {
   for (Key<Value>& key : track.keys) key.time = clock.frame(key.time);
-  for (Slopes<Value>& slopes : track.slopes)
-    for (Value* slope : {&slopes.in, &slopes.out}) {
+  for (Tangents<Value>& tangents : track.tangents)
+    for (Value* tangent : {&tangents.in, &tangents.out}) {
       if constexpr (std::is_same_v<Value, Vector3d>)
-        *slope /= clock.fps;
+        *tangent /= clock.fps;
       else
-        slope->coeffs() /= clock.fps;
+        tangent->coeffs() /= clock.fps;
     }
 }
 
-/// Frames at which something moves, of tracks that are sampled on.
-Span track_span(const std::vector<Motion>& motions) {
-  Span span;
+/// Range of the frames in which something moves; sampled tracks may go on beyond their keys.
+TimeRange track_range(const std::vector<Motion>& motions) {
+  TimeRange range;
   for (const Motion& motion : motions)
     for_each_track(motion, [&](const auto& track) {
       if (track.keys.size() > 1)
-        span.add(track.keys.front().time), span.add(track.keys.back().time);
+        range.add(track.keys.front().time), range.add(track.keys.back().time);
     });
-  return span;
+  return range;
 }
 
-/// Euler angles that were not sampled are lost in such a span: the file's rotation takes another
-/// way.
+/// Warns of wide rotations between two keys: there the shorter arc of the file may differ from what
+/// the DCC interpolates with Euler angles.
 void warn_of_wide_turns(SceneNodes& scene) {
-  double widest = widest_turn;
+  double widest = max_turn;
   std::string where;
   for (std::size_t i = 0; i < scene.motions.size(); ++i) {
     const Track<Eigen::Quaterniond>& track = scene.motions[i].rotation;
-    if (track.between == Between::step) continue;
+    if (track.interpolation == Interpolation::step) continue;
     for (std::size_t k = 1; k < track.keys.size(); ++k) {
       const auto &a = track.keys[k - 1], &b = track.keys[k];
       const double turn = a.value.angularDistance(b.value) * 180 / EIGEN_PI;
@@ -300,18 +303,18 @@ void warn_of_wide_turns(SceneNodes& scene) {
   }
   if (!where.empty())
     scene.warnings.push_back(where +
-                             ": the file does not say how the DCC goes from one to the other; "
+                             ": the file does not say how the DCC interpolates between them; "
                              "export with a key on every frame.");
 }
 
-/// Frames of a scene that no key moves: those the file gives its first take, or one.
+/// Sets the frames of a scene without keyed motion: those of the first take that has any, else 1.
 void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
-  const Clock clock{scene.fps};
+  const FrameClock clock{scene.fps};
   int first = 1, last = 1;
   scene.origin["first_frame"] = options.start_frame ? "command line" : "default";
   for (const Take& take : scene.file.takes) {
     if (!(take.begin < take.end) || scene.file.start_lost ||
-        !(std::abs(take.begin) + std::abs(take.end) < max_clip / scene.fps))
+        !(std::abs(take.begin) + std::abs(take.end) < max_clip_frames / scene.fps))
       continue;
     first = static_cast<int>(std::floor(clock.frame(take.begin))),
     last = static_cast<int>(std::ceil(clock.frame(take.end)));
@@ -325,33 +328,33 @@ void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
 
 void set_frames(SceneNodes& scene, const SceneOptions& options,
                 const std::vector<const Take*>& used) {
-  const Span keys = key_span(scene.motions);
+  const TimeRange keys = key_range(scene.motions);
   if (keys.empty()) return set_still_frames(scene, options);
-  Clock clock{clock_rate(scene)};
+  FrameClock clock{clock_rate(scene)};
   clock.shift = std::abs(keys.first) * scene.fps < 1e9
                     ? first_frame_shift(scene, options, clock.frame(keys.first))
                     : 0;
-  Span clip = keys;
+  TimeRange clip = keys;
   for (const Take* take : used)
     if (take->begin < take->end) clip.add(take->begin), clip.add(take->end);
   const double first = clock.frame(clip.first), last = clock.frame(clip.last);
-  if (!(last - first <= max_clip) || std::abs(first) > 1e9)
+  if (!(last - first <= max_clip_frames) || std::abs(first) > 1e9)
     throw Error(Fault::scene, scene.source,
                 fmt::format("The clip runs from frame {:.6g} to {:.6g}.", first, last),
                 "Check --fps, and the range of the export.");
-  if ((last - first + 1) * scene.file.nodes.size() > max_places)
+  if ((last - first + 1) * scene.file.nodes.size() > max_positions)
     throw Error(Fault::scene, scene.source,
-                fmt::format("The clip has {:.6g} frames of {} nodes: that is too much to follow.",
+                fmt::format("The clip has {:.6g} frames of {} nodes, which is too much.",
                             last - first + 1, scene.file.nodes.size()),
-                "Export the sheets and handles alone, or a shorter range.");
+                "Export only the sheets and handles, or a shorter range.");
   for (Motion& motion : scene.motions)
-    for_each_track(motion, [&](auto& track) { put_on_frames(track, clock); });
+    for_each_track(motion, [&](auto& track) { convert_to_frames(track, clock); });
   scene.first_clip_frame = static_cast<int>(std::floor(first));
   scene.last_clip_frame = static_cast<int>(std::ceil(last));
   scene.first_frame = static_cast<int>(std::floor(clock.frame(keys.first)));
   scene.last_frame = static_cast<int>(std::ceil(clock.frame(keys.last)));
-  // curves may go on beyond their keys, over all of the clip
-  const Span moving = track_span(scene.motions);
+  // curves that go on beyond their keys do so over the whole clip
+  const TimeRange moving = track_range(scene.motions);
   if (moving.first < scene.first_frame) scene.first_frame = scene.first_clip_frame;
   if (moving.last > scene.last_frame) scene.last_frame = scene.last_clip_frame;
   warn_of_keys_between_frames(scene, clock);
@@ -361,7 +364,7 @@ void set_frames(SceneNodes& scene, const SceneOptions& options,
 void set_unit(SceneNodes& scene, const SceneOptions& options) {
   if (options.unit_scale && !(*options.unit_scale > 0 && std::isfinite(*options.unit_scale)))
     throw Error(Fault::scene, scene.source,
-                fmt::format("A unit of {} m cannot be meant.", *options.unit_scale),
+                fmt::format("A unit of {} m cannot be right.", *options.unit_scale),
                 "Give a positive length in metres to --unit-scale.");
   scene.unit = options.unit_scale.value_or(scene.file.unit);
   scene.origin["unit"] = fmt::format("{:.6g} m, {}", scene.unit,
@@ -371,7 +374,7 @@ void set_unit(SceneNodes& scene, const SceneOptions& options) {
   scene.origin["up_axis"] = scene.file.up_axis + (scene.file.fbx ? ", file" : ", glTF");
 }
 
-/// Local transform without its scale, and that.
+/// A local transform as its part without scale, and the scale.
 struct Local {
   Eigen::Affine3d place;
   Vector3d scale;

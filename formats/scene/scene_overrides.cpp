@@ -10,7 +10,7 @@
 namespace paperbake {
 namespace {
 
-/// Wildcards in linear memory: on a mismatch back to the last star, one letter on.
+/// Wildcard matching without recursion: on a mismatch the last star takes one more character.
 bool glob(const std::string& text, const std::string& pattern) {
   std::size_t t = 0, p = 0, star = std::string::npos, after = 0;
   while (t < text.size()) {
@@ -27,15 +27,15 @@ bool glob(const std::string& text, const std::string& pattern) {
   return p == pattern.size();
 }
 
-/// The leaf that an exporter puts at a bone's end is no handle, whatever its name.
+/// Whether a node is the leaf that exporters put at the tail of a bone: it is never a handle.
 bool is_leaf_of_bone(const std::vector<ImportedNode>& nodes, const ImportedNode& node) {
   int parent = node.parent;
   while (parent >= 0 && nodes[parent].pivot) parent = nodes[parent].parent;
   return parent >= 0 && is_tail_leaf(node.name, nodes[parent].name);
 }
 
-bool may_be(const NodeOverride& section, const std::vector<ImportedNode>& nodes,
-            const ImportedNode& node) {
+bool is_candidate(const NodeOverride& section, const std::vector<ImportedNode>& nodes,
+                  const ImportedNode& node) {
   if (node.pivot) return false;
   if (section.kind == NodeOverride::sheet)
     return !node.meshes.empty() && name_begins_with(node.name, "paper");
@@ -51,43 +51,44 @@ bool name_is_like(const std::string& name, const std::string& pattern) {
   return name == pattern || glob(matched_name(name), matched_name(pattern));
 }
 
-std::vector<Overridden> apply_overrides(ImportedFile& file,
-                                        const std::vector<NodeOverride>& sections) {
-  std::vector<Overridden> given(file.nodes.size());
+std::vector<AppliedOverrides> apply_overrides(ImportedFile& file,
+                                              const std::vector<NodeOverride>& sections) {
+  std::vector<AppliedOverrides> applied(file.nodes.size());
   for (const NodeOverride& section : sections) {
-    std::vector<std::size_t> there, meant;
+    std::vector<std::size_t> candidates, matched;
     for (std::size_t i = 0; i < file.nodes.size(); ++i)
-      if (may_be(section, file.nodes, file.nodes[i])) there.push_back(i);
-    for (const std::size_t i : there)
-      if (file.nodes[i].name == section.pattern) meant.push_back(i);
-    if (meant.empty())
-      for (const std::size_t i : there)
-        if (name_is_like(file.nodes[i].name, section.pattern)) meant.push_back(i);
-    if (meant.empty()) {
+      if (is_candidate(section, file.nodes, file.nodes[i])) candidates.push_back(i);
+    for (const std::size_t i : candidates)
+      if (file.nodes[i].name == section.pattern) matched.push_back(i);
+    if (matched.empty())
+      for (const std::size_t i : candidates)
+        if (name_is_like(file.nodes[i].name, section.pattern)) matched.push_back(i);
+    if (matched.empty()) {
       const char* kind = section.kind == NodeOverride::sheet ? "sheet" : "handle";
-      constexpr std::size_t most = 12;
+      constexpr std::size_t max_listed = 12;
       std::vector<std::string> names;
-      for (const std::size_t i : there)
-        if (names.size() < most) names.push_back('"' + file.nodes[i].name + '"');
-      if (there.size() > most) names.push_back(fmt::format("{} more", there.size() - most));
+      for (const std::size_t i : candidates)
+        if (names.size() < max_listed) names.push_back('"' + file.nodes[i].name + '"');
+      if (candidates.size() > max_listed)
+        names.push_back(fmt::format("{} more", candidates.size() - max_listed));
       throw Error(Fault::command, section.place,
                   fmt::format("No {} of the scene has a name like \"{}\".", kind, section.pattern),
-                  names.empty() ? fmt::format("There is no {}.", kind)
+                  names.empty() ? fmt::format("The scene has no {}.", kind)
                                 : fmt::format("The {}s are: {}.", kind, fmt::join(names, ", ")));
     }
-    for (const std::size_t i : meant) {
+    for (const std::size_t i : matched) {
       auto& properties = file.nodes[i].properties;
       if (section.properties.count("paper_preset"))
         properties.erase("paper_gsm"), properties.erase("paper_thickness");
       for (const auto& [key, value] : section.properties)
-        properties[key] = value, given[i].places[key] = section.place;
-      given[i].pins.append(section.pins);
-      given[i].creases.insert(given[i].creases.end(), section.creases.begin(),
-                              section.creases.end());
-      given[i].pins_place = section.place;
+        properties[key] = value, applied[i].places[key] = section.place;
+      applied[i].pins.append(section.pins);
+      applied[i].creases.insert(applied[i].creases.end(), section.creases.begin(),
+                                section.creases.end());
+      applied[i].pins_place = section.place;
     }
   }
-  return given;
+  return applied;
 }
 
 }  // namespace paperbake

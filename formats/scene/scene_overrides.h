@@ -9,34 +9,35 @@
 
 namespace paperbake {
 
-/// Properties that a job file gives to the sheets or handles of a scene whose name is like a
-/// pattern.
+/// A section of a job file: properties for the sheets or handles whose names match a pattern.
 struct NodeOverride {
   enum Kind { sheet, handle } kind;
-  // one full name, or * and ? for letters and names as matched_name sees them
+  // the full name of one node, or a pattern for names as matched_name returns them: * stands for
+  // any characters, ? for one
   std::string pattern;
   std::string place;                                // job.toml:12:1
-  std::map<std::string, PropertyValue> properties;  // paper_mode, ...
+  std::map<std::string, PropertyValue> properties;  // by full name: paper_mode, ...
   SingularPointRules pins = {};                     // of sheets
   std::vector<PrescribedCrease> creases = {};
 };
 
-/// Does that pattern mean this name? "GRIP*" and "rig:grip_left.001": yes
+/// Whether a name matches a pattern: "rig:grip_left.001" matches "GRIP*".
 bool name_is_like(const std::string& name, const std::string& pattern);
 
-/// What one node has from overrides.
-struct Overridden {
-  std::map<std::string, std::string> places;  // by property
-  SingularPointRules pins;                    // of all sections that mean it ...
+/// What the overrides have changed at one node.
+struct AppliedOverrides {
+  std::map<std::string, std::string> places;  // place of each property in the job file
+  // of all sections that match the node ...
+  SingularPointRules pins;
   std::vector<PrescribedCrease> creases;
-  std::string pins_place;  // ... and the last of them
+  std::string pins_place;  // ... and the place of the last of these sections
 };
 
-/// Gives the nodes their properties; a later override wins. A paper_preset takes away what the
-/// scene says of the paper; with paper_point any node that is no mesh becomes a handle, as in the
-/// DCC.
-/// returns  of each node
-/// throws Error(Fault::command): nothing is named so, with what there is
-std::vector<Overridden> apply_overrides(ImportedFile&, const std::vector<NodeOverride>&);
+/// Sets the properties of the nodes that match; a later override wins. paper_preset removes
+/// paper_gsm and paper_thickness of the scene; paper_point makes any matching node without a mesh a
+/// handle, as it does in the DCC.
+/// returns  what was changed, for each node
+/// throws   Error(ErrorCode::command) when no node matches, with the names that there are
+std::vector<AppliedOverrides> apply_overrides(ImportedFile&, const std::vector<NodeOverride>&);
 
 }  // namespace paperbake

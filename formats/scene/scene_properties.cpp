@@ -14,7 +14,8 @@
 namespace paperbake {
 namespace {
 
-// the words of design.md; the second row belongs to other tools or to later versions
+// paper_uv, paper_locked, paper_weight, paper_interp and paper_tangent are accepted but have no
+// effect
 constexpr std::array known_properties = {
     "paper_grab_frame", "paper_release_frame", "paper_mode",   "paper_radius",  "paper_target",
     "paper_point",      "paper_stiffness",     "paper_ignore", "paper_preset",  "paper_gsm",
@@ -29,7 +30,7 @@ const PropertyValue* find(const ImportedNode& node, const std::string& key) {
   return text && text->empty() ? nullptr : &found->second;
 }
 
-std::string in_words(const PropertyValue& value) {
+std::string to_text(const PropertyValue& value) {
   if (const auto* number = std::get_if<double>(&value)) return fmt::format("{}", *number);
   if (const auto* text = std::get_if<std::string>(&value)) return fmt::format("\"{}\"", *text);
   return fmt::format("[{}]", fmt::join(std::get<std::vector<double>>(value), ", "));
@@ -48,10 +49,9 @@ std::optional<double> as_number(const PropertyValue& value) {
 
 [[noreturn]] void reject(const std::string& source, const ImportedNode& node,
                          const std::string& key, const char* wanted) {
-  throw Error(
-      Fault::scene, place_of(source, "node", node.name),
-      fmt::format("The property {} is {}, not {}.", key, in_words(*find(node, key)), wanted),
-      "Correct it in the DCC and export again.");
+  throw Error(Fault::scene, place_of(source, "node", node.name),
+              fmt::format("The property {} is {}, not {}.", key, to_text(*find(node, key)), wanted),
+              "Correct it in the DCC and export again.");
 }
 
 }  // namespace
@@ -132,7 +132,7 @@ std::optional<std::string> text_property(const ImportedNode& node, const std::st
   const PropertyValue* value = find(node, key);
   if (!value) return std::nullopt;
   if (const auto* text = std::get_if<std::string>(value)) return *text;
-  return in_words(*value);
+  return to_text(*value);
 }
 
 std::vector<double> list_property(const ImportedNode& node, const std::string& key) {

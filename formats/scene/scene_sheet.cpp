@@ -18,12 +18,12 @@ namespace {
 using Loop = std::vector<int>;
 
 constexpr double weld_distance = 1e-6;  // of the size
-constexpr double weld_uv = 1e-4;        // uv units
-// of the size: a border vertex nearer to a straight line is no corner
-constexpr double straight = 1e-6;
+constexpr double weld_uv = 1e-4;        // in uv
+// of the size: a border vertex nearer than this to a straight line is not a corner
+constexpr double straightness = 1e-6;
 
-/// All faces of a node in the world, in metres, vertices as the file has them.
-WeldedMesh gather(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
+/// All faces of a node in the world, in metres, with the vertices of the file.
+WeldedMesh combined_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
   int vertices = 0, triangles = 0;
   bool has_uv = true;
   for (int m : file.nodes[node].meshes) {
@@ -43,7 +43,7 @@ WeldedMesh gather(const ImportedFile& file, int node, const Eigen::Affine3d& wor
     v += n;
     t += static_cast<int>(mesh.triangles.rows());
   }
-  // a mirroring transform turns the winding round, the front stays where the artist sees it
+  // a reflection reverses the winding; swapping corners keeps the front where the artist sees it
   if (world.linear().determinant() < 0) all.triangles.col(1).swap(all.triangles.col(2));
   return all;
 }
@@ -52,8 +52,8 @@ double size_of(const Points3& x) {
   return (x.colwise().maxCoeff() - x.colwise().minCoeff()).norm();
 }
 
-/// Makes one vertex of those at one place; vertices no face uses are left out. Order of first use
-/// by index.
+/// Merges vertices at the same position, and with keep_uv at the same uv, into the one with the
+/// lowest index; vertices without a face are left out.
 WeldedMesh weld(const WeldedMesh& mesh, bool keep_uv) {
   const double near = weld_distance * size_of(mesh.x);
   std::vector<int> used(mesh.triangles.data(), mesh.triangles.data() + mesh.triangles.size());
@@ -95,27 +95,26 @@ int triangles_without_area(const WeldedMesh& mesh) {
     const auto corner = [&](int k) { return Vector3d(mesh.x.row(mesh.triangles(t, k))); };
     const Vector3d a = corner(1) - corner(0), b = corner(2) - corner(0);
     const double longest2 = std::max({a.squaredNorm(), b.squaredNorm(), (a - b).squaredNorm()});
-    count += a.cross(b).norm() <= 1e-6 * longest2;  // higher than a millionth of its length
+    count += a.cross(b).norm() <= 1e-6 * longest2;  // height below a millionth of the longest side
   }
   return count;
 }
 
-struct Edges {
-  std::map<std::pair<int, int>, std::vector<int>> triangles;  // ends, smaller first -> triangles
-  int crowded = 0;                                            // edges of three triangles and more
-  // whose two triangles disagree about the front
-  int twisted = 0;
-  int pieces = 0;
+struct EdgeTopology {
+  std::map<std::pair<int, int>, std::vector<int>> triangles;  // by ends of the edge, smaller first
+  int overfull = 0;                                           // edges of three or more triangles
+  int inconsistent = 0;  // edges whose two triangles have opposite orientations
+  int pieces = 0;        // connected components
 };
 
-Edges edges_of(const Triangles& triangles) {
-  Edges edges;
+EdgeTopology edge_topology(const Triangles& triangles) {
+  EdgeTopology edges;
   std::map<std::pair<int, int>, int> directed;
   for (int t = 0; t < triangles.rows(); ++t)
     for (int k = 0; k < 3; ++k) {
       const int a = triangles(t, k), b = triangles(t, (k + 1) % 3);
       edges.triangles[std::minmax(a, b)].push_back(t);
-      edges.twisted += ++directed[{a, b}] == 2;
+      edges.inconsistent += ++directed[{a, b}] == 2;
     }
   std::vector<int> piece(triangles.rows());
   std::iota(piece.begin(), piece.end(), 0);
@@ -125,7 +124,7 @@ Edges edges_of(const Triangles& triangles) {
   };
   edges.pieces = static_cast<int>(triangles.rows());
   for (const auto& [ends, sides] : edges.triangles) {
-    edges.crowded += sides.size() > 2;
+    edges.overfull += sides.size() > 2;
     for (int t : sides)
       if (root(t) != root(sides.front())) piece[root(t)] = root(sides.front()), --edges.pieces;
   }
@@ -141,30 +140,31 @@ void check_mesh(const WeldedMesh& mesh, const std::string& place) {
     reject(fmt::format("{} of the {} triangles of the mesh have no area.", flat,
                        mesh.triangles.rows()),
            "Merge doubled vertices and dissolve degenerate faces in the DCC.");
-  const Edges edges = edges_of(mesh.triangles);
-  if (edges.crowded > 0)
-    reject(fmt::format("Three or more faces meet at {} of the mesh's edges.", edges.crowded),
+  const EdgeTopology edges = edge_topology(mesh.triangles);
+  if (edges.overfull > 0)
+    reject(fmt::format("Three or more faces meet at {} of the mesh's edges.", edges.overfull),
            "A sheet is one layer of paper: remove the extra faces.");
   if (edges.pieces > 1)
     reject(fmt::format("The mesh is made of {} pieces.", edges.pieces),
            "Make each sheet an object of its own, or merge the vertices where the pieces meet.");
-  if (edges.twisted > 0)
-    reject(
-        fmt::format("The faces at {} of the mesh's edges disagree about the front.", edges.twisted),
-        "Recalculate the normals in the DCC; a sheet has two sides.");
+  if (edges.inconsistent > 0)
+    reject(fmt::format("The faces at {} of the mesh's edges disagree about the front.",
+                       edges.inconsistent),
+           "Recalculate the normals in the DCC; a sheet has two sides.");
   if (std::none_of(edges.triangles.begin(), edges.triangles.end(),
                    [](const auto& edge) { return edge.second.size() == 1; }))
     reject("The mesh is closed: a sheet of paper has a border.",
-           "Take away its thickness (Solidify, Shell), or cut it open along edges.");
+           "Remove its thickness (Solidify, Shell), or cut it open along edges.");
 }
 
-/// True when the mesh can be a sheet without a word to the artist.
+/// Whether check_mesh would accept the connectivity of the mesh.
 bool is_one_layer(const WeldedMesh& mesh) {
-  const Edges edges = edges_of(mesh.triangles);
-  return edges.crowded == 0 && edges.twisted == 0 && edges.pieces == 1;
+  const EdgeTopology edges = edge_topology(mesh.triangles);
+  return edges.overfull == 0 && edges.inconsistent == 0 && edges.pieces == 1;
 }
 
-/// The border, paper on its left: the outline comes out counter-clockwise, holes clockwise.
+/// The loops of the border, with the paper on their left: outlines counter-clockwise, holes
+/// clockwise.
 std::vector<Loop> border_loops(const Triangles& triangles, const std::string& place) {
   std::map<std::pair<int, int>, int> directed;
   for (int t = 0; t < triangles.rows(); ++t)
@@ -194,11 +194,11 @@ double distance_to_line(const Vector2d& p, const Vector2d& a, const Vector2d& b)
   return std::abs(ab.x() * (p - a).y() - ab.y() * (p - a).x()) / ab.norm();
 }
 
-/// The corners of a loop, beginning with its leftmost lowest: that one is a corner for certain.
+/// The corners of a loop, beginning with the lowest of its leftmost vertices, which must be one.
 std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double size) {
   std::vector<Vector2d> points;
   for (int v : loop) points.push_back(flat.row(v));
-  const auto rounded = [&](double x) { return std::round(x / (straight * size)); };
+  const auto rounded = [&](double x) { return std::round(x / (straightness * size)); };
   std::rotate(points.begin(),
               std::min_element(points.begin(), points.end(),
                                [&](const Vector2d& a, const Vector2d& b) {
@@ -207,14 +207,14 @@ std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double s
                                }),
               points.end());
   std::vector<Vector2d> corners = {points.front()};
-  std::size_t kept = 0;
+  std::size_t last = 0;
   for (std::size_t i = 1; i < points.size(); ++i) {
     const Vector2d& next = points[(i + 1) % points.size()];
     bool on_line = true;
-    for (std::size_t k = kept + 1; k <= i; ++k)
-      on_line = on_line && distance_to_line(points[k], points[kept], next) <= straight * size;
+    for (std::size_t k = last + 1; k <= i; ++k)
+      on_line = on_line && distance_to_line(points[k], points[last], next) <= straightness * size;
     if (on_line) continue;
-    kept = i;
+    last = i;
     corners.push_back(points[i]);
   }
   return corners;
@@ -244,8 +244,8 @@ bool overlaps_itself(const Pattern& pattern) {
   return false;
 }
 
-/// An unrolled sheet has no direction of its own: its longest straight border, the first of equals,
-/// goes along x.
+/// Rotates an unrolled sheet, whose direction is arbitrary, so that its longest straight border,
+/// the first of equals, runs along x.
 void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
   Vector2d longest = Vector2d::UnitX();
   double length = 0;
@@ -258,10 +258,11 @@ void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
   flat = (flat * rotation.transpose()).eval();
 }
 
-/// By quarter turns the side up that the UVs have up, whatever their proportions.
-/// all: the same triangles with their uv
+/// Rotates a sheet by quarter turns to agree best with the directions of its UVs, whatever their
+/// proportions.
+/// all  the same triangles with their uv
 void turn_as_uv(Points2& flat, const Triangles& triangles, const WeldedMesh& all) {
-  // how well the uv agree with the flat shape as it is, and turned by 90 degrees
+  // agreement of the uv with the flat shape as it is, and rotated by 90 degrees
   double same = 0, quarter = 0, area = 0;
   for (const int mirrored : {1, -1}) {
     same = quarter = area = 0;
@@ -299,20 +300,20 @@ Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::s
       pattern.holes.push_back(std::move(corners));
     } else {
       if (!pattern.outline.empty())
-        throw Error(Fault::scene, place, "Laid flat the sheet overlaps itself.",
+        throw Error(Fault::scene, place, "The sheet overlaps itself when it is laid flat.",
                     "Cut it into sheets that can be laid flat.");
       pattern.outline = std::move(corners);
     }
   }
   if (pattern.outline.empty() || overlaps_itself(pattern))
-    throw Error(Fault::scene, place, "Laid flat the sheet overlaps itself.",
+    throw Error(Fault::scene, place, "The sheet overlaps itself when it is laid flat.",
                 "Cut it into sheets that can be laid flat.");
   return pattern;
 }
 
 FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& world,
                      const std::string& place) {
-  const WeldedMesh all = gather(file, node, world);
+  const WeldedMesh all = combined_mesh(file, node, world);
   if (all.triangles.rows() == 0)
     throw Error(Fault::scene, place, "The mesh has no faces.",
                 "Export the sheet as a mesh with faces.");
@@ -327,7 +328,7 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
     lay_along_longest_side(*flat, pattern_of(*flat, mesh.triangles, place));
     if (all.uv.rows() > 0) turn_as_uv(*flat, mesh.triangles, all);
   }
-  // the bounding box begins at (0, 0)
+  // the bounding box starts at (0, 0)
   flat->rowwise() -= flat->colwise().minCoeff().eval();
   FlatSheet sheet;
   sheet.pattern = pattern_of(*flat, mesh.triangles, place);
@@ -340,7 +341,7 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
 }
 
 WeldedMesh welded_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
-  return weld(gather(file, node, world), false);
+  return weld(combined_mesh(file, node, world), false);
 }
 
 }  // namespace paperbake

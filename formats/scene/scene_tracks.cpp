@@ -39,12 +39,12 @@ Value value_of(const Track<Value>& track, double time, const Value& none) {
                                       [](double t, const Key<Value>& key) { return t < key.time; });
   if (after == keys.begin()) return keys.front().value;
   const auto before = std::prev(after);
-  if (after == keys.end() || before->time == time || track.between == Between::step)
+  if (after == keys.end() || before->time == time || track.interpolation == Interpolation::step)
     return before->value;
   const double d = after->time - before->time, t = (time - before->time) / d;
-  if (track.between == Between::line) return mix(before->value, after->value, t);
+  if (track.interpolation == Interpolation::linear) return mix(before->value, after->value, t);
   const auto i = before - keys.begin();
-  return mix(before->value, track.slopes[i].out, track.slopes[i + 1].in, after->value, t, d);
+  return mix(before->value, track.tangents[i].out, track.tangents[i + 1].in, after->value, t, d);
 }
 
 }  // namespace
@@ -61,8 +61,8 @@ void make_continuous(Track<Eigen::Quaterniond>& track) {
   for (std::size_t k = 1; k < track.keys.size(); ++k) {
     if (track.keys[k].value.dot(track.keys[k - 1].value) >= 0) continue;
     track.keys[k].value.coeffs() *= -1;
-    if (!track.slopes.empty())
-      track.slopes[k].in.coeffs() *= -1, track.slopes[k].out.coeffs() *= -1;
+    if (!track.tangents.empty())
+      track.tangents[k].in.coeffs() *= -1, track.tangents[k].out.coeffs() *= -1;
   }
 }
 

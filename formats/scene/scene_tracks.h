@@ -15,31 +15,35 @@ struct Key {
   Value value;
 };
 
-/// How a value gets from one key to the next: held; straight, rotations along the shorter arc; or
-/// Hermite's cubic.
-enum class Between : std::uint8_t { step, line, cubic };
+/// Interpolation from one key to the next: constant; linear, for rotations along the shorter arc;
+/// or a cubic Hermite curve.
+enum class Interpolation : std::uint8_t { step, linear, cubic };
 
-/// Rates of change at a key, on its left and on its right. [1 / unit of time]
+/// Derivatives at a key, on its left (in) and on its right (out). [1 / unit of time]
 template <class Value>
-struct Slopes {
+struct Tangents {
   Value in, out;
 };
 
 template <class Value>
 struct Track {
-  std::vector<Key<Value>> keys;       // in order of time
-  std::vector<Slopes<Value>> slopes;  // cubic: one a key; else none
-  Between between = Between::line;
+  std::vector<Key<Value>> keys;           // in order of time
+  std::vector<Tangents<Value>> tangents;  // one for each key when cubic, else empty
+  Interpolation interpolation = Interpolation::linear;
 };
 
-/// Value at a time; `none` for a track without keys, the first or last key's beyond them. cubic: p
-/// = (2t³-3t²+1) a + (t³-2t²+t) d a_out + (-2t³+3t²) b + (t³-t²) d b_in, d the time between the
-/// keys; of rotations the four numbers, made a unit again. source: glTF 2.0, appendix C
+/// The value at a time: `none` for a track without keys, before the first and after the last key
+/// the value of that key. Between keys a and b with time step d, a cubic track has the value
+///
+///   p = (2t³-3t²+1) a + (t³-2t²+t) d a_out + (-2t³+3t²) b + (t³-t²) d b_in,   t in [0, 1];
+///
+/// a rotation is evaluated as four numbers and normalized.
+/// source  glTF 2.0, appendix C
 Vector3d value_at(const Track<Vector3d>&, double time, const Vector3d& none);
 Eigen::Quaterniond value_at(const Track<Eigen::Quaterniond>&, double time);
 
-/// Turns keys over, with their slopes, so that neighbours lie on one side: q and -q are one
-/// rotation, but the cubic between them is none.
+/// Changes the sign of keys and their tangents so that neighbouring keys have a non-negative dot
+/// product: q and -q are the same rotation, but a cubic must not run from one to the other.
 void make_continuous(Track<Eigen::Quaterniond>&);
 
 }  // namespace paperbake

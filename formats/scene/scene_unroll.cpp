@@ -13,11 +13,11 @@
 namespace paperbake {
 namespace {
 
-// of an edge's length; more would be a stretch of the paper before it moves [design.md]
-constexpr double agreement = 0.01;
+// relative change of an edge's length: more would stretch the paper before it moves
+constexpr double max_edge_change = 0.01;
 constexpr double pi = 3.14159265358979323846;
 
-double turn(const Points2& p, int a, int b, int c) {
+double twice_area(const Points2& p, int a, int b, int c) {
   const Vector2d ab = (p.row(b) - p.row(a)).transpose(), ac = (p.row(c) - p.row(a)).transpose();
   return ab.x() * ac.y() - ab.y() * ac.x();
 }
@@ -29,7 +29,7 @@ void for_each_corner(const Triangles& triangles, Visit visit) {
       visit(t, triangles(t, k), triangles(t, (k + 1) % 3), triangles(t, (k + 2) % 3));
 }
 
-/// Largest relative difference of an edge's length between the flat shape and space.
+/// Largest relative difference of an edge's length on the flat shape from that in space.
 double worst_stretch(const WeldedMesh& mesh, const Points2& flat) {
   double worst = 0;
   for_each_corner(mesh.triangles, [&](int, int a, int b, int) {
@@ -43,7 +43,7 @@ double worst_stretch(const WeldedMesh& mesh, const Points2& flat) {
 int clockwise_triangles(const Triangles& triangles, const Points2& flat) {
   int count = 0;
   for (int t = 0; t < triangles.rows(); ++t)
-    count += turn(flat, triangles(t, 0), triangles(t, 1), triangles(t, 2)) <= 0;
+    count += twice_area(flat, triangles(t, 0), triangles(t, 1), triangles(t, 2)) <= 0;
   return count;
 }
 
@@ -58,8 +58,8 @@ struct AngleDefect {
   int vertex = 0;
 };
 
-/// What the angles round an inner vertex miss to a full turn; largest by size. 0 where the surface
-/// can be laid flat.
+/// The angle defect of largest magnitude: 360 degrees minus the sum of the angles around an inner
+/// vertex. It is 0 where the surface can be laid flat.
 AngleDefect worst_angle_defect(const WeldedMesh& mesh) {
   std::vector<double> angle(mesh.x.rows(), 0);
   std::vector<bool> border(mesh.x.rows(), false);
@@ -77,7 +77,7 @@ AngleDefect worst_angle_defect(const WeldedMesh& mesh) {
   return worst;
 }
 
-/// Where the third corner lies, left of a -> b, by the lengths it has in space.
+/// Position of the third corner of a triangle, left of a -> b, by its lengths in space.
 Vector2d third_corner(const WeldedMesh& mesh, const Points2& flat, int a, int b, int c) {
   const Vector3d ab = mesh.x.row(b) - mesh.x.row(a), ac = mesh.x.row(c) - mesh.x.row(a);
   const double along = ac.dot(ab) / ab.norm(), across = ab.cross(ac).norm() / ab.norm();
@@ -86,7 +86,7 @@ Vector2d third_corner(const WeldedMesh& mesh, const Points2& flat, int a, int b,
          across * Vector2d(-direction.y(), direction.x());
 }
 
-/// The triangle nearest to the middle: rounding then grows over half the sheet only.
+/// The triangle nearest to the centre: starting there keeps rounding errors smallest.
 int middle_triangle(const WeldedMesh& mesh) {
   const Vector3d middle = mesh.x.colwise().mean();
   int nearest = 0;
@@ -107,7 +107,7 @@ Points2 unfold(const WeldedMesh& mesh) {
             b = mesh.triangles(first, 1);
   flat(b, 0) = (mesh.x.row(b) - mesh.x.row(a)).norm();
   placed[a] = placed[b] = true;
-  // breadth first, with flat ends: the triangle on their left is next
+  // breadth first over edges whose ends are placed: the triangle on their left is next
   std::deque<std::pair<int, int>> edges = {{a, b}};
   while (!edges.empty()) {
     const auto [from, to] = edges.front();
@@ -141,28 +141,29 @@ std::optional<Points2> pattern_from_uv(const WeldedMesh& mesh) {
     flat.col(0) *= -1;
   else if (clockwise > 0)
     return std::nullopt;
-  if (worst_stretch(mesh, flat) > agreement) return std::nullopt;
+  if (worst_stretch(mesh, flat) > max_edge_change) return std::nullopt;
   return flat;
 }
 
 Points2 unrolled(const WeldedMesh& mesh, const std::string& place) {
   const Points2 flat = unfold(mesh);
   const double stretch = worst_stretch(mesh, flat);
-  if (stretch <= agreement && clockwise_triangles(mesh.triangles, flat) == 0) return flat;
+  if (stretch <= max_edge_change && clockwise_triangles(mesh.triangles, flat) == 0) return flat;
   const AngleDefect defect = worst_angle_defect(mesh);
-  // flat at every vertex, and yet not to be laid flat: it runs round
+  // developable at every vertex, but it cannot be laid flat: it is a closed strip
   if (std::abs(defect.degrees) < 0.5)
     throw Error(Fault::scene, place,
                 "The sheet closes on itself and cannot be laid flat in one piece.",
                 "Cut the mesh along a seam, or give it UVs that are cut there.");
   const Vector3d at = mesh.x.row(defect.vertex);
-  throw Error(Fault::scene, place,
-              fmt::format("The sheet is not developable: laid flat an edge changes by {:.3g} %; "
-                          "the worst angle defect is {:.3g} degrees, "
-                          "at ({:.4g}, {:.4g}, {:.4g}) m.",
-                          100 * stretch, defect.degrees, at.x(), at.y(), at.z()),
-              "Model the sheet flat, or bent without stretch like a cylinder or a cone, or give it "
-              "the UVs of the flat shape.");
+  throw Error(
+      Fault::scene, place,
+      fmt::format("The sheet is not developable: when laid flat, an edge changes by {:.3g} %; "
+                  "the worst angle defect is {:.3g} degrees, "
+                  "at ({:.4g}, {:.4g}, {:.4g}) m.",
+                  100 * stretch, defect.degrees, at.x(), at.y(), at.z()),
+      "Model the sheet flat, or bent without stretch like a cylinder or a cone, or give it "
+      "the UVs of the flat shape.");
 }
 
 }  // namespace paperbake

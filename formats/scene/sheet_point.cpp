@@ -9,8 +9,8 @@
 namespace paperbake {
 namespace {
 
-/// Weights of the corners of a triangle at its point nearest to p. source: Ericson, Real-Time
-/// Collision Detection, 5.1.5
+/// Barycentric coordinates of the point of a triangle that is nearest to p.
+/// source  [Ericson 2005] Real-Time Collision Detection, section 5.1.5
 Vector3d nearest_weights(const Vector3d& p, const Vector3d& a, const Vector3d& b,
                          const Vector3d& c) {
   const Vector3d ab = b - a, ac = c - a, ap = p - a, bp = p - b, cp = p - c;
@@ -61,7 +61,7 @@ std::optional<std::size_t> target_sheet(const SceneNodes& scene,
   }
   if (alike.size() == 1) return alike.front();
   throw Error(Fault::scene, place,
-              fmt::format("paper_target names \"{}\", which is no sheet of the scene.", *target),
+              fmt::format("paper_target names \"{}\", which is not a sheet of the scene.", *target),
               fmt::format("The sheets are: {}.", fmt::join(names, ", ")));
 }
 

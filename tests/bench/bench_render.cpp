@@ -56,7 +56,7 @@ PlasticGrid remembered(const Pattern& pattern, const Sheet& sheet, const Points3
         (plastic.row(sheet.triangles(t, 0)) + plastic.row(sheet.triangles(t, 1)) +
          plastic.row(sheet.triangles(t, 2))) /
         3;
-  grid.write(grid.update_candidates(sheet.pattern, sheet.triangles), memory);
+  grid.write(grid.cover(sheet.pattern, sheet.triangles), memory);
   return grid;
 }
 

@@ -196,14 +196,14 @@ struct Kept {
              [&](const AnimatedFrame& frame) { return checkpoints.add(frame), true; });
     std::ifstream file(folder / "checkpoint.000002", std::ios::binary);
     body.assign(std::istreambuf_iterator<char>(file), {});
-    body.resize(body.size() - hex(murmur("")).size());
+    body.resize(body.size() - hex(content_hash("")).size());
   }
 };
 
 void read_checkpoint(const std::string& changes) {
   static const Kept kept;
   const std::string body = changed(kept.body, changes);
-  written("checkpoint.000002", body + hex(murmur(body)));
+  written("checkpoint.000002", body + hex(content_hash(body)));
   Checkpoints(kept.folder, kept.plan, 2).take([](const AnimatedFrame&) { return true; });
 }
 
@@ -215,11 +215,11 @@ const std::map<std::string, Reader>& readers() {
        [](const std::string& bytes) { ends_well([&] { read_scene(scene_file(bytes)); }); }},
       {"import",
        [](const std::string& bytes) {
-         ends_well([&] { bytes_of({import_here(scene_file(bytes)), "", "", ""}); });
+         ends_well([&] { serialize({import_in_process(scene_file(bytes)), "", "", ""}); });
        }},
       {"imported",
        [](const std::string& bytes) {
-         ends_well_or_refuses([&] { scene_of(message_of(bytes).file, "message"); });
+         ends_well_or_refuses([&] { scene_of(deserialize(bytes).file, "message"); });
        }},
       {"gltf_curves",
        [](const std::string& bytes) {

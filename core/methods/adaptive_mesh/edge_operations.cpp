@@ -4,6 +4,7 @@
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/proximity.h"
 #include "core/methods/adaptive_mesh/sizing_field.h"
+#include "core/model/segment2.h"
 
 #include <Eigen/Cholesky>
 
@@ -42,8 +43,6 @@ std::vector<Edge> edges_of(const Sheet& sheet, const Points3& metric) {
   for (Edge& e : edges) e.length = metric_length(sheet, metric, e.a, e.b);
   return edges;
 }
-
-double cross(const Vector2d& a, const Vector2d& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 Vector2d at(const Sheet& sheet, int v) { return sheet.pattern.row(v); }
 

@@ -1,5 +1,6 @@
 #include "core/step1_elastic/contact/self_contact.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/proximity.h"
 #include "core/step1_elastic/contact/barrier.h"
 #include "core/step1_elastic/contact/friction.h"
@@ -36,8 +37,6 @@ std::array<Vector3d, 4> moves(const Points3& from, const Points3& to, const std:
   for (int i = 0; i < 4; ++i) m[i] = (to.row(v[i]) - from.row(v[i])).transpose();
   return m;
 }
-
-double largest_row(const Points3& d) { return std::sqrt(d.rowwise().squaredNorm().maxCoeff()); }
 
 /// Vertices around which no triangle deviates by 60 degrees or more from the mean normal: nothing
 /// but neighbours can be near there.
@@ -328,7 +327,7 @@ void Contact::build_candidates(const Points3& y, const Points3& move) {
   swept_ = true;
 }
 
-double Contact::drift(const Points3& y) const { return largest_row(y - reference_); }
+double Contact::drift(const Points3& y) const { return max_row_norm(y - reference_); }
 
 void Contact::update_candidates(const Points3& y, const Points3& move) {
   if (drift(y) <= candidate_margin_ && drift(y + move) <= candidate_margin_)
@@ -343,7 +342,7 @@ void Contact::commit_step(const Points3& y) {
 }
 
 double Contact::collision_free_step(const Points3& y, const Points3& move) const {
-  const double fastest = 2 * largest_row(move), off = 2 * drift(y);
+  const double fastest = 2 * max_row_norm(move), off = 2 * drift(y);
   const Points3 end = y + move;
   double share = 1;
   for (std::size_t k = 0; k < pairs_.size(); ++k) {

@@ -1,6 +1,7 @@
 #include "core/step1_elastic/energies/apex_stiffness.h"
 
 #include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -9,11 +10,6 @@ namespace paperbake {
 namespace {
 
 constexpr double min_log = 0.5;
-
-double distance_to_segment(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
-  const double along = std::clamp((p - a).dot(b - a) / (b - a).squaredNorm(), 0.0, 1.0);
-  return (p - a - along * (b - a)).norm();
-}
 
 /// Distance on the pattern from a singular point to the nearest other one, or to the border.
 double size_of_cone(const Sheet& sheet, const Hinges& hinges, std::size_t k) {

@@ -1,5 +1,6 @@
 #include "core/step1_elastic/solver/newton.h"
 
+#include "core/geometry/measure.h"
 #include "core/model/error.h"
 
 #include <algorithm>
@@ -11,10 +12,6 @@ namespace {
 constexpr double sufficient_decrease = 1e-4;
 constexpr int max_halvings = 30;
 constexpr int asked_every = 4;  // [1] iterations between two calls of should_abort
-
-double largest_row(const Points3& d) {
-  return d.rows() ? std::sqrt(d.rowwise().squaredNorm().maxCoeff()) : 0;
-}
 
 /// One minimisation.
 class Newton {
@@ -126,7 +123,7 @@ bool Newton::mixed_newton(MembraneStress stress, Points3& x) {
     if (options_.ways == NewtonOptions::mixed_newton && should_abort(k, x)) return false;
     HessianForm form = HessianForm::exact;
     Points3 move = direction(x, form, &stress);
-    const double asked = largest_row(move);
+    const double asked = max_row_norm(move);
     if (asked > max_move_) move *= max_move_ / asked;
     const double free = W_.limit_step(x, move);
     stress = W_.sheets.front().elastic.stress(x, move);
@@ -159,7 +156,7 @@ void Newton::line_search_newton(Points3& x) {
   for (int k = 1; report.iterations < options_.max_iterations; ++k) {
     if (should_abort(k, x)) return;
     Points3 move = direction(x, form, nullptr);
-    const double asked = largest_row(move);
+    const double asked = max_row_norm(move);
     if (asked > max_move_) move *= max_move_ / asked;
     const double free = W_.limit_step(x, move);
     const double length = line_search(x, move);

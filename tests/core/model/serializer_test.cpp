@@ -181,7 +181,7 @@ TEST(Serializer, TheSolverStateKeepsItsRidges) {
   elastic.set_mesh(saddle);
   Sheet after = saddle;
   elastic.step(after, held, 1 / 24.0);
-  SolverState past = elastic.past(), there, smooth = past;
+  SolverState past = elastic.state(), there, smooth = past;
   ASSERT_GT(past.ridges.focus.maxCoeff(), 5);
   Serializer out;
   out(past);
@@ -196,7 +196,7 @@ TEST(Serializer, TheSolverStateKeepsItsRidges) {
     other.set_plastic_grid(&grid);
     other.set_mesh(saddle);
     other.restore(told);
-    const ElasticReport stored = other.look(saddle);
+    const ElasticReport stored = other.evaluate_energies(saddle);
     return stored.energy - stored.membrane;
   };
   EXPECT_EQ(bending(there), bending(past));

@@ -117,7 +117,7 @@ TEST(SingularPointRulesTest, PaperPushedTogetherBendsAtItsCreaseWithEveryMethod)
     EXPECT_GT(on, 0.25) << method.name;
     EXPECT_GT(on, 3 * off) << method.name;
 
-    const auto creases = creases_of(last, {}, shot.pattern, CreaseLaw{});
+    const auto creases = detect_creases(last, {}, shot.pattern, CreaseThresholds{});
     double drawn = 0;
     for (const Crease& crease : creases)
       if (crease_under(shot.pattern.prescribed_creases, crease.from, crease.to))

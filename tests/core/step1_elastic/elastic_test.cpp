@@ -189,7 +189,7 @@ TEST(ElasticTest, PlasticCurvatureIsTheShapeASheetTakesWhenItIsFree) {
   PlasticMemory bent(static_cast<int>(sheet.triangles.rows()));
   bent.curvature.col(0).setConstant(1 / 0.08);
   PlasticGrid grid(test::rectangle(0.1, 0.03));
-  grid.write(grid.update_candidates(sheet.pattern, sheet.triangles), bent);
+  grid.write(grid.cover(sheet.pattern, sheet.triangles), bent);
   Elastic elastic(Paper{}, tight());
   elastic.set_plastic_grid(&grid);
   elastic.set_mesh(sheet);

@@ -15,15 +15,14 @@
 #include <sys/resource.h>
 #include <vector>
 
-// What the numbers in the file mean to others is judged by tests/interop/; here: the promises of
-// the writer.
+// The guarantees of the writer. How other programs read the files is tested in tests/interop/.
 
 namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A square cut into 2 * cells * cells triangles, `height` over the floor.
+/// A unit square of 2 * cells * cells triangles at some height [m].
 CacheFrame square(int cells, double height) {
   CacheFrame frame;
   const int side = cells + 1;
@@ -53,8 +52,8 @@ Number number_at(const std::string& bytes, std::size_t position) {
   return number;
 }
 
-/// How many samples the second time sampling of the file says there are: the fifth child of the
-/// root.
+/// The number of samples in the second time sampling of the file. The samplings are the fifth child
+/// of the root.
 std::uint32_t frames_on_the_clock(const std::string& bytes) {
   const auto root = number_at<std::uint64_t>(bytes, 8);
   const auto samplings =
@@ -63,7 +62,7 @@ std::uint32_t frames_on_the_clock(const std::string& bytes) {
   return number_at<std::uint32_t>(bytes, samplings + 8 + 24);
 }
 
-class AlembicCache : public testing::Test {
+class AlembicCacheTest : public testing::Test {
  protected:
   void SetUp() override {
     folder = fs::path(testing::TempDir()) /
@@ -90,28 +89,11 @@ std::vector<CacheFrame> rising(int frames, int cells) {
   return sequence;
 }
 
-// [bytes] of a frame to P (data and dimensions) and box: mesh, Xform, archive
+// [bytes] references of a frame to P (data and dimensions) and to the box in mesh, Xform and
+// archive
 constexpr std::size_t references = 2 * 8 + 3 * 8;
 
-TEST(Murmur, GivesTheKeysFoundInFilesOfOthers) {
-  const std::int32_t three = 3;
-  EXPECT_EQ(hex(murmur({"\x01", 1})), "16fe7483905cce7a85670e43e4678877");
-  EXPECT_EQ(hex(murmur({reinterpret_cast<const char*>(&three), sizeof three})),
-            "3ba1d27b7fde4848a86e865c6c402dfa");
-}
-
-TEST(Murmur, CountsEveryByteOfBlocksAndRest) {
-  // two whole blocks and 15 bytes
-  const std::string text = "0123456789abcdef0123456789abcdef0123456789abcde";
-  for (std::size_t i = 0; i < text.size(); ++i) {
-    std::string other = text;
-    other[i] ^= 1;
-    EXPECT_NE(hex(murmur(other)), hex(murmur(text))) << "byte " << i;
-  }
-  EXPECT_NE(hex(murmur(text + '\0')), hex(murmur(text)));  // the padding of the rest is not content
-}
-
-TEST_F(AlembicCache, TheSameCallsWriteTheSameBytes) {
+TEST_F(AlembicCacheTest, TheSameCallsWriteTheSameBytes) {
   const std::string once = cache_of(rising(4, 3));
   ASSERT_GT(once.size(), 1000u);
   EXPECT_EQ(once.substr(0, 8), std::string("Ogawa\xFF\0\1", 8));  // finished, version 1
@@ -119,30 +101,30 @@ TEST_F(AlembicCache, TheSameCallsWriteTheSameBytes) {
   EXPECT_NE(cache_of(rising(5, 3)), once);
 }
 
-/// [bytes] of a frame that brings new positions, and nothing else, to the only sheet.
+/// [bytes] size of a frame of the only sheet with new positions and nothing else new.
 std::size_t cost_of_positions(std::size_t vertices) {
   const std::size_t head = 8 + 16;  // size and key of a block
   return head + 12 * vertices + head + 6 * 8 + references;
 }
 
-TEST_F(AlembicCache, AFrameOfConstantTopologyCostsPositionsAndBoundsOnly) {
+TEST_F(AlembicCacheTest, AFrameOfConstantTopologyCostsPositionsAndBoundsOnly) {
   const std::size_t four = cache_of(rising(4, 20)).size(), five = cache_of(rising(5, 20)).size();
   EXPECT_EQ(five - four, cost_of_positions(21 * 21));  // no faces, no uv
 }
 
-TEST_F(AlembicCache, ASheetThatNeverMovesCostsNothingPerFrame) {
+TEST_F(AlembicCacheTest, ASheetThatNeverMovesCostsNothingPerFrame) {
   const std::string one = cache_of({square(5, 1)});
   EXPECT_EQ(cache_of(std::vector<CacheFrame>(9, square(5, 1))).size(), one.size());
 }
 
-TEST_F(AlembicCache, AFrameSeenBeforeIsReferredTo) {
+TEST_F(AlembicCacheTest, AFrameSeenBeforeIsReferredTo) {
   std::vector<CacheFrame> frames = rising(4, 20);
   const std::size_t before = cache_of(frames).size();
   frames.push_back(frames[1]);
   EXPECT_EQ(cache_of(frames).size() - before, references);
 }
 
-TEST_F(AlembicCache, ANewCutStoresItsFacesAndUvOnce) {
+TEST_F(AlembicCacheTest, ANewMeshStoresItsFacesAndUvOnce) {
   std::vector<CacheFrame> frames = rising(3, 6);
   frames.push_back(square(20, 4));
   const std::size_t cut = cache_of(frames).size();
@@ -150,17 +132,17 @@ TEST_F(AlembicCache, ANewCutStoresItsFacesAndUvOnce) {
   EXPECT_EQ(cache_of(frames).size() - cut, cost_of_positions(21 * 21));
 }
 
-TEST_F(AlembicCache, TheKeyIsThatOfThePositionsTurnedToYUp) {
+TEST_F(AlembicCacheTest, TheContentHashIsThatOfTheYUpPositions) {
   CacheFrame point;
   point.x.resize(1, 3);
   point.x << 1, 2, 3;
   const float stored[] = {1, 3, -2};
   AlembicWriter writer(folder / "cache.abc", {}, {"paper"});
   EXPECT_EQ(writer.add_frame(0, point),
-            hex(murmur({reinterpret_cast<const char*>(stored), sizeof stored})));
+            hex(content_hash({reinterpret_cast<const char*>(stored), sizeof stored})));
 }
 
-TEST_F(AlembicCache, BothZerosHaveOneKey) {
+TEST_F(AlembicCacheTest, NegativeZeroHasTheHashOfZero) {
   CacheFrame zero = square(1, 0), minus = zero;
   minus.x = -minus.x.array() * 0.0;
   zero.x.setZero();
@@ -169,10 +151,11 @@ TEST_F(AlembicCache, BothZerosHaveOneKey) {
   EXPECT_EQ(writer.add_frame(0, zero), writer.add_frame(0, minus));
 }
 
-TEST_F(AlembicCache, RefusesANumberThatIsNoneAndNamesSheetFrameAndVertex) {
+TEST_F(AlembicCacheTest, RefusesNonFiniteNumbersAndNamesSheetFrameAndVertex) {
   const double none = std::numeric_limits<double>::quiet_NaN(),
                endless = std::numeric_limits<double>::infinity();
-  for (const double bad : {none, endless, -endless, 1e300}) {  // the last is infinite as a float
+  for (const double bad :
+       {none, endless, -endless, 1e300}) {  // 1e300 is infinite as a 32-bit float
     CacheInfo info;
     info.first_frame = 1001;
     AlembicWriter writer(folder / "cache.abc", info, {"table", "letter.001"});
@@ -190,7 +173,7 @@ TEST_F(AlembicCache, RefusesANumberThatIsNoneAndNamesSheetFrameAndVertex) {
   }
 }
 
-TEST_F(AlembicCache, RefusesBadNumbersInEveryChannel) {
+TEST_F(AlembicCacheTest, RefusesNonFiniteNumbersInEveryChannel) {
   AlembicWriter writer(folder / "cache.abc", {}, {"paper"});
   const double none = std::numeric_limits<double>::quiet_NaN();
   CacheFrame velocity = square(1, 1), normal = velocity, uv = velocity;
@@ -202,7 +185,7 @@ TEST_F(AlembicCache, RefusesBadNumbersInEveryChannel) {
   EXPECT_THROW(writer.add_frame(0, uv), Error);
 }
 
-TEST_F(AlembicCache, ARefusedFrameLeavesNoTrace) {
+TEST_F(AlembicCacheTest, ARefusedFrameLeavesNoTrace) {
   const std::string good = cache_of(rising(2, 4));
   AlembicWriter writer(folder / "refused.abc", {}, {"paper"});
   for (const CacheFrame& frame : rising(2, 4)) writer.add_frame(0, frame);
@@ -213,7 +196,7 @@ TEST_F(AlembicCache, ARefusedFrameLeavesNoTrace) {
   EXPECT_EQ(bytes_in(folder / "refused.abc"), good);
 }
 
-TEST_F(AlembicCache, KeepsEveryFrameOfASheetThatHasMoreThanAnother) {
+TEST_F(AlembicCacheTest, SheetsMayHaveDifferentNumbersOfFrames) {
   AlembicWriter writer(folder / "cache.abc", {}, {"long", "short", "none"});
   for (const CacheFrame& frame : rising(3, 2)) writer.add_frame(0, frame);
   for (const CacheFrame& frame : rising(2, 4)) writer.add_frame(1, frame);
@@ -225,12 +208,12 @@ TEST_F(AlembicCache, KeepsEveryFrameOfASheetThatHasMoreThanAnother) {
   EXPECT_EQ(reader.sheets()[1].frames, 2u);
 }
 
-TEST_F(AlembicCache, WhenThereIsNoMoreRoomItKeepsTheFramesBefore) {
+TEST_F(AlembicCacheTest, KeepsTheFramesBeforeTheDiskIsFull) {
   const std::vector<CacheFrame> frames = rising(12, 30);  // about 23 kB a frame
   const std::string whole = cache_of(frames);
   rlimit before;
   getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit small{whole.size() / 2, before.rlim_max};  // stands for a disk that fills up
+  const rlimit small{whole.size() / 2, before.rlim_max};  // simulates a disk that fills up
   const auto old = std::signal(SIGXFSZ, SIG_IGN);
   std::size_t given = 0;
   std::vector<std::size_t> kept;
@@ -248,13 +231,13 @@ TEST_F(AlembicCache, WhenThereIsNoMoreRoomItKeepsTheFramesBefore) {
   std::signal(SIGXFSZ, old);
   ASSERT_LT(given, frames.size());
   ASSERT_EQ(kept.size(), 1u);
-  EXPECT_GE(kept[0] + 2, given);  // the one that did not fit, and one that made room for the index
+  EXPECT_GE(kept[0] + 2, given);  // one did not fit, and one made room for the index
   ASSERT_GE(kept[0], 3u);
-  // not a byte differs from the cache of a shot of so many frames
+  // the same bytes as the cache of a shorter shot
   EXPECT_EQ(bytes_in(folder / "full.abc"), cache_of({frames.begin(), frames.begin() + kept[0]}));
 }
 
-TEST_F(AlembicCache, NamesBecomeLegalAndStayApart) {
+TEST_F(AlembicCacheTest, NamesBecomeLegalAndStayUnique) {
   AlembicWriter writer(folder / "cache.abc", {}, {"a.b", "a_b", "a/b"});
   for (std::size_t sheet = 0; sheet < 3; ++sheet) writer.add_frame(sheet, square(1, sheet));
   writer.finish();
@@ -264,7 +247,7 @@ TEST_F(AlembicCache, NamesBecomeLegalAndStayApart) {
   EXPECT_EQ(bytes.find("a.b"), std::string::npos);
 }
 
-TEST_F(AlembicCache, MetadataCannotBreakOutOfItsPair) {
+TEST_F(AlembicCacheTest, MetadataCannotBreakOutOfItsPair) {
   CacheInfo info;
   info.metadata = {{"job", "x;_ai_Application=other"}};
   AlembicWriter writer(folder / "cache.abc", info, {"paper"});
@@ -274,7 +257,7 @@ TEST_F(AlembicCache, MetadataCannotBreakOutOfItsPair) {
   EXPECT_NE(bytes.find("_ai_Application=paperbake;job=x__ai_Application_other"), std::string::npos);
 }
 
-TEST_F(AlembicCache, WithoutFinishThereIsNoFile) {
+TEST_F(AlembicCacheTest, WithoutFinishThereIsNoFile) {
   {
     AlembicWriter writer(folder / "cache.abc", {}, {"paper"});
     writer.add_frame(0, square(10, 1));
@@ -284,7 +267,7 @@ TEST_F(AlembicCache, WithoutFinishThereIsNoFile) {
   EXPECT_TRUE(fs::is_empty(folder));
 }
 
-TEST_F(AlembicCache, AnOldCacheStaysUntilTheNewOneIsFinished) {
+TEST_F(AlembicCacheTest, AnOldCacheStaysUntilTheNewOneIsFinished) {
   const std::string old = cache_of(rising(2, 2));
   AlembicWriter writer(folder / "cache.abc", {}, {"paper"});
   writer.add_frame(0, square(3, 1));
@@ -294,7 +277,7 @@ TEST_F(AlembicCache, AnOldCacheStaysUntilTheNewOneIsFinished) {
   EXPECT_FALSE(fs::exists(folder / "cache.abc.part"));
 }
 
-TEST_F(AlembicCache, AFolderThatCannotBeWrittenIsTheFoldersFault) {
+TEST_F(AlembicCacheTest, AFolderThatCannotBeWrittenIsAFolderError) {
   std::ofstream(folder / "plain") << "a file, not a folder";
   for (const char* place : {"plain/cache.abc", "missing/cache.abc"}) try {
       AlembicWriter writer(folder / place, {}, {"paper"});

@@ -9,15 +9,15 @@
 #include <fstream>
 #include <iterator>
 
-// That the files are Alembic is judged by tests/interop/; here: what was written is read, and
-// nothing else is.
+// The reader returns what the writer has written and refuses everything else. Whether the files are
+// valid Alembic is tested with other programs in tests/interop/.
 
 namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// A square of two triangles; frame by frame higher.
+/// A square of two triangles at some height [m].
 CacheFrame square(double height) {
   CacheFrame frame;
   frame.x.resize(4, 3), frame.uv.resize(4, 2), frame.triangles.resize(2, 3);
@@ -29,7 +29,7 @@ CacheFrame square(double height) {
   return frame;
 }
 
-/// The same with its other diagonal and a point in the middle of it.
+/// The same square with both diagonals and a vertex in the middle.
 CacheFrame changed_square(double height) {
   CacheFrame frame = square(height);
   frame.x.conservativeResize(5, 3), frame.uv.conservativeResize(5, 2);
@@ -42,7 +42,7 @@ CacheFrame changed_square(double height) {
   return frame;
 }
 
-class Reader : public testing::Test {
+class AlembicReaderTest : public testing::Test {
  protected:
   void SetUp() override {
     folder = fs::path(testing::TempDir()) /
@@ -52,8 +52,8 @@ class Reader : public testing::Test {
   }
   void TearDown() override { fs::remove_all(folder); }
 
-  /// Two sheets: one that only rises, and is at rest for a while, and one that changes its mesh on
-  /// the way.
+  /// Writes two sheets: one that rises with pauses, and one whose mesh changes. Returns the content
+  /// hashes of the first.
   std::vector<std::string> write() const {
     AlembicWriter writer(file, CacheInfo{25, 1001, 2, {{"paperbake_job", "abc"}}},
                          {"paper", "paper.two"});
@@ -75,7 +75,7 @@ class Reader : public testing::Test {
   fs::path folder, file;
 };
 
-TEST_F(Reader, GivesBackWhatWasWritten) {
+TEST_F(AlembicReaderTest, GivesBackWhatWasWritten) {
   const std::vector<std::string> keys = write();
   const AlembicReader cache(file);
   EXPECT_EQ(cache.info().fps, 25);
@@ -98,13 +98,13 @@ TEST_F(Reader, GivesBackWhatWasWritten) {
       EXPECT_TRUE(read.x == given.x && read.velocity == given.velocity &&
                   read.normal == given.normal && read.uv == given.uv)
           << i;
-      EXPECT_TRUE(read.triangles == given.triangles) << i;  // first corner first
+      EXPECT_TRUE(read.triangles == given.triangles) << i;  // starting with the same corner
     }
     EXPECT_EQ(cache.content_hash(0, i), keys[i]);
   }
 }
 
-TEST_F(Reader, RefusesWhatIsNoFinishedCache) {
+TEST_F(AlembicReaderTest, RefusesDamagedAndUnfinishedCaches) {
   write();
   const std::string whole = bytes();
   const auto refused = [&](const std::string& damaged) {
@@ -132,15 +132,14 @@ TEST_F(Reader, RefusesWhatIsNoFinishedCache) {
   EXPECT_THROW(AlembicReader{folder}, Error);
 }
 
-/// A few bytes may say that a frame lasts for ever: whoever goes through all frames must come to an
-/// end.
-TEST_F(Reader, RefusesMoreFramesThanAnybodyBakes) {
+// A few bytes can claim an endless number of equal frames; a loop over all frames must end.
+TEST_F(AlembicReaderTest, RefusesAnImplausibleNumberOfFrames) {
   AlembicWriter writer(file, CacheInfo{}, {"paper"});
   for (int i = 0; i < 70000; ++i) writer.add_frame(0, square(0));
   writer.finish();
   std::string whole = bytes();
   EXPECT_EQ(AlembicReader(file).sheets()[0].frames, 70000u);
-  // 70000, little end first
+  // 70000, little-endian
   const std::string count{"\x70\x11\x01\0", 4}, absurd{"\xff\xff\xff\x7f", 4};
   int found = 0;
   for (std::size_t at = 0; (at = whole.find(count, at)) != std::string::npos; at += 4, ++found)
@@ -155,8 +154,8 @@ TEST_F(Reader, RefusesMoreFramesThanAnybodyBakes) {
   }
 }
 
-/// Values that differ are always noticed, by their keys; whatever else is hit, the reader ends.
-TEST_F(Reader, EndsOnAnyBytes) {
+// Damaged values are always detected by their hashes; any other damage must not crash the reader.
+TEST_F(AlembicReaderTest, ReturnsOrThrowsOnAnyBytes) {
   write();
   const std::string whole = bytes();
   int refused = 0, rounds = 600;
@@ -177,7 +176,7 @@ TEST_F(Reader, EndsOnAnyBytes) {
       ++refused;
     }
   }
-  EXPECT_GT(refused, rounds / 2);  // the rest hit metadata, bounds, names
+  EXPECT_GT(refused, rounds / 2);  // the rest hits metadata, bounds and names
 }
 
 }  // namespace

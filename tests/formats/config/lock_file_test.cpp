@@ -37,7 +37,7 @@ hardening = 0.2
 seed = 3
 )";
 
-TEST(LockFile, SaysWithWhatASheetWasSimulated) {
+TEST(LockFile, HasTheSettingsOfTheSimulation) {
   const LockedJob job = read_lock(written(lock));
   EXPECT_EQ(job.method, "fem");
   EXPECT_EQ(job.fps, 25);
@@ -51,7 +51,7 @@ TEST(LockFile, SaysWithWhatASheetWasSimulated) {
   EXPECT_EQ(paper.hardening, 0.2);
 }
 
-TEST(LockFile, WhatIsMissingIsNamed) {
+TEST(LockFile, AMissingKeyIsNamed) {
   std::string cut = lock;
   cut.replace(cut.find("thickness = 0.00011\n"), 20, "");
   for (const auto& [text, cause] : {std::pair<std::string, std::string>{cut, "thickness"},

@@ -13,7 +13,8 @@
 namespace paperbake {
 namespace {
 
-/// Preset text with one line replaced, as a file that goes when the test ends.
+/// The text of a preset with one passage replaced, as a file that is deleted at the end of the
+/// test.
 struct PresetFile {
   std::string path, text;
   PresetFile(const std::string& from = "", const std::string& to = "") {
@@ -86,8 +87,7 @@ TEST(PresetFile, TheDefaultPaperOfTheCoreIsCopy70) {
 }
 
 TEST(PresetFile, EveryBuiltInGradeAgreesWithThePlateFormula) {
-  // D = (E h) h^2 / 12(1-nu^2): a slip in one of the three numbers would show; 3 %, since they are
-  // given with two digits
+  // D = (E h) h^2 / 12(1-nu^2) shows an error in any of the numbers; 3 % since they have two digits
   ASSERT_EQ(preset_names(),
             (std::vector<std::string>{"book120", "card200", "card300", "copy70", "copy80", "copy90",
                                       "kami63", "kraft90", "newsprint45", "offset160", "tissue17",
@@ -135,7 +135,7 @@ TEST(PresetFile, GrainMayBeLeftOutAndIsGivenInDegrees) {
   EXPECT_EQ(read_preset(turned.path).paper.grain_ratio, 1);
 }
 
-TEST(PresetFile, MaySayHowItRubsOnItself) {
+TEST(PresetFile, MayGiveTheFrictionOfThePaper) {
   const PresetFile rough("[grain_angle]\n",
                          "[friction]\nvalue = 0.4\nunit = \"1\"\nsource = \"IBM\"\nmark = "
                          "\"assumed\"\n\n[grain_angle]\n");
@@ -168,7 +168,7 @@ TEST(PresetFile, AWholeNumberIsANumber) {
   EXPECT_EQ(read_preset(file.path).paper.poisson, 0);
 }
 
-TEST(PresetFile, AnUnknownGradeIsAnsweredWithTheNearestNameAndTheList) {
+TEST(PresetFile, AnUnknownGradeIsAnErrorWithTheNearestNameAndTheList) {
   const Error error = error_of("copy7");
   EXPECT_EQ(error.cause, "Unknown paper \"copy7\". Did you mean \"copy70\"?");
   EXPECT_NE(error.remedy.find("copy70, copy80, copy90"), std::string::npos);
@@ -244,7 +244,7 @@ TEST(PresetFile, NotANumberAndInfinityAreOutOfRange) {
   }
 }
 
-TEST(PresetFile, AnUnknownMarkIsAnsweredWithTheNearest) {
+TEST(PresetFile, AnUnknownMarkIsAnErrorWithTheNearest) {
   const PresetFile file("mark = \"derived\"", "mark = \"derivd\"");
   EXPECT_EQ(error_of(file.path).cause, "Unknown mark \"derivd\". Did you mean \"derived\"?");
 }
@@ -273,7 +273,7 @@ TEST(PresetFile, NearestWordAcceptsSlipsAndNothingElse) {
   const std::vector<std::string> words = {"thickness", "poisson", "unit"};
   EXPECT_EQ(nearest_word("thicknes", words), "thickness");
   EXPECT_EQ(nearest_word("thinkess", words), "thickness");
-  EXPECT_EQ(nearest_word("posison", words), "poisson");  // neighbours swapped: one slip
+  EXPECT_EQ(nearest_word("posison", words), "poisson");  // a swap counts as one error
   EXPECT_EQ(nearest_word("unti", words), "unit");
   EXPECT_EQ(nearest_word("density", words), "");
   EXPECT_EQ(nearest_word("", words), "");

@@ -18,7 +18,7 @@ FrameRecord full_record() {
   r.frame = 37;
   r.sheet = "paper_A";
   r.triangles = 243;
-  r.stretch_mean_pct = 0.1 + 0.2;  // 0.30000000000000004: 17 digits are needed
+  r.stretch_mean_pct = 0.1 + 0.2;  // 0.30000000000000004 needs 17 digits
   r.stretch_max_pct = 1.0 / 3;
   r.angle_defect_max_deg = 12.5;
   r.handle_err_max_mm = 4e-13;
@@ -119,11 +119,11 @@ TEST(Certificate, NoHandleJammedIsAnEmptyList) {
   FrameRecord r;
   EXPECT_TRUE(nlohmann::json::parse(frame_line(r))["jammed"].is_array());
   EXPECT_TRUE(nlohmann::json::parse(frame_line(r))["jammed"].empty());
-  r.jammed = {{"only", 1}};  // one pair must not collapse to a flat list
+  r.jammed = {{"only", 1}};  // a single pair must still be a list of lists
   EXPECT_EQ(nlohmann::json::parse(frame_line(r))["jammed"].dump(), "[[\"only\",1.0]]");
 }
 
-TEST(Certificate, ANumberThatIsNoneIsAnErrorNamingFrameAndField) {
+TEST(Certificate, ANonFiniteNumberIsAnErrorNamingFrameAndField) {
   for (const double value : {nan, HUGE_VAL, -HUGE_VAL}) {
     FrameRecord r = full_record();
     r.energy_J = value;
@@ -145,13 +145,13 @@ TEST(Certificate, ANumberThatIsNoneIsAnErrorNamingFrameAndField) {
   EXPECT_THROW(singular_csv({{"s", {Vector2d(0, nan), 1, "c"}}}), Error);
 }
 
-TEST(Certificate, ANameThatIsNotUtf8DoesNotEndTheBake) {
+TEST(Certificate, ANameThatIsNotUtf8DoesNotStopTheBake) {
   FrameRecord r = full_record();
   r.sheet = "pap\xE9r";  // Latin-1
   EXPECT_EQ(nlohmann::json::parse(frame_line(r))["sheet"], "pap\xEF\xBF\xBDr");
 }
 
-TEST(Certificate, HandleRowsStandUnderTheExactHeader) {
+TEST(Certificate, HandleRowsHaveTheExactHeader) {
   HandleRecord r;
   r.frame = 5;
   r.sheet = "paper";
@@ -183,7 +183,7 @@ TEST(Certificate, NamesWithCommasQuotesAndLineEndsAreQuoted) {
   EXPECT_NE(csv.find("\n0,\"a,b\",\"say \"\"hi\"\"\nthere\",0,0,"), std::string::npos) << csv;
 }
 
-TEST(Certificate, WhatWasNotRenderedHasNoRenderNumbers) {
+TEST(Certificate, AFrameThatWasNotRenderedHasNoRenderNumbers) {
   FrameRecord r = full_record();
   r.render.reset();
   const auto line = nlohmann::json::parse(frame_line(r));
@@ -205,13 +205,13 @@ TEST(Certificate, SingularRowsAreInOrderOfBirthAndNumberedAsTheMapsOfTheirSheet)
             "2,A,60,0.02,0.03,conflict\n");
 }
 
-TEST(Certificate, WithoutRecordsOnlyTheHeadersStand) {
+TEST(Certificate, WithoutRecordsThereIsOnlyTheHeader) {
   EXPECT_EQ(handles_csv({}),
             "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state\n");
   EXPECT_EQ(singular_csv({}), "id,sheet,frame,u,v,cause\n");
 }
 
-TEST(Certificate, RowsOfHandlesThatNoVersionWritesAreRefused) {
+TEST(Certificate, DamagedHandleRowsAreRefused) {
   const std::string
       head = "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state\n",
       rest = ",paper,corner,0,0,0,0,0,0,0,0,";

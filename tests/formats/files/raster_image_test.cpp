@@ -17,14 +17,15 @@ namespace fs = std::filesystem;
 
 constexpr Colour white{255, 255, 255}, red{255, 0, 0}, blue{0, 0, 255}, black{0, 0, 0};
 
-/// Sees the world's x, y at one pixel a metre, (0, 0) at the lower left.
+/// A camera with one pixel per metre that looks along z and has (0, 0) at the lower left.
 Camera plain_camera(int height) {
   Camera camera;
   camera.at = {0, static_cast<double>(height)};
   return camera;
 }
 
-/// One upright square of two triangles from (left, bottom) at depth z.
+/// Draws an upright square of two triangles, with its lower left corner at (left, bottom) and depth
+/// z.
 void draw_square(Canvas& canvas, double left, double bottom, double side, double z, Colour colour) {
   Points3 x(4, 3);
   x << left, bottom, z, left + side, bottom, z, left + side, bottom + side, z, left, bottom + side,
@@ -38,15 +39,15 @@ int count(const Image& image, Colour colour) {
   return static_cast<int>(std::count(image.pixels.begin(), image.pixels.end(), colour));
 }
 
-/// How much of a white picture was made black. [px]
+/// Area of a white image that was painted black. [px]
 double blackened(const Image& image) {
   double sum = 0;
   for (const Colour& c : image.pixels) sum += (255 - c.red) / 255.0;
   return sum;
 }
 
-/// Two squares side by side, 100 px each, that rise to the viewer from their common edge by so much
-/// a pixel.
+/// Two squares side by side, 100 px each, that rise towards the viewer from their common edge with
+/// these slopes.
 Canvas valley(double left_slope, double right_slope) {
   Canvas canvas(200, 100, white);
   Points3 x(6, 3);
@@ -58,7 +59,7 @@ Canvas valley(double left_slope, double right_slope) {
   return canvas;
 }
 
-TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
+TEST(RasterImage, ColoursAreInterpolatedLinearlyBetweenCorners) {
   Canvas canvas(100, 100, white);
   Points3 x(3, 3);
   x << 0, 0, 0, 100, 0, 0, 0, 100, 0;
@@ -66,9 +67,9 @@ TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
   triangle << 0, 1, 2;
   draw_smooth_triangles(canvas, plain_camera(100), x, triangle,
                         {{Colour{0, 0, 0}, Colour{200, 0, 0}, Colour{0, 100, 0}}});
-  const Image image = develop(canvas);
+  const Image image = resolve_samples(canvas);
   for (const auto& [column, row] : {std::pair(10, 90), std::pair(40, 70), std::pair(20, 30)}) {
-    // one of rounding each sample
+    // each sample is rounded by up to 1
     EXPECT_NEAR(image.at(column, row).red, 2.0 * (column + 0.5), 1.01);
     EXPECT_NEAR(image.at(column, row).green, 100 - (row + 0.5), 1.01);
     EXPECT_EQ(image.at(column, row).blue, 0);
@@ -76,10 +77,10 @@ TEST(Picture, ColoursOfCornersRunLinearlyBetweenThem) {
   EXPECT_EQ(image.at(90, 10), white);
 }
 
-TEST(Picture, ValleysAreDarkenedRidgesAreNotAndASlopeStaysAsItIs) {
+TEST(RasterImage, AmbientOcclusionDarkensValleysAndLeavesPlanesUnchanged) {
   const auto middle_and_side = [](Canvas canvas) {
-    shade_hollows(canvas, 1, 10);
-    const Image image = develop(canvas);
+    apply_ambient_occlusion(canvas, 1, 10);
+    const Image image = resolve_samples(canvas);
     return std::pair(int(image.at(100, 50).red), int(image.at(40, 50).red));
   };
   EXPECT_EQ(middle_and_side(valley(0.7, -0.7)), std::pair(128, 128)) << "a plane that leans";
@@ -91,14 +92,14 @@ TEST(Picture, ValleysAreDarkenedRidgesAreNotAndASlopeStaysAsItIs) {
   EXPECT_EQ(flank, 128);
 }
 
-TEST(Picture, ATriangleCoversThePixelsInsideItAndNoOthers) {
+TEST(RasterImage, ATriangleCoversThePixelsInsideItAndNoOthers) {
   Canvas canvas(20, 10, white);
   Points3 x(3, 3);
   x << 2, 1, 0, 18, 1, 0, 2, 9, 0;  // right-angled: inside below x/16 + y/8 = 1.25
   Triangles triangle(1, 3);
   triangle << 0, 1, 2;
   draw_triangles(canvas, plain_camera(10), x, triangle, {red});
-  const Image image = develop(canvas);
+  const Image image = resolve_samples(canvas);
   for (int row = 0; row < 10; ++row)
     for (int column = 0; column < 20; ++column) {
       const auto inside = [&](double u, double v) {
@@ -113,7 +114,7 @@ TEST(Picture, ATriangleCoversThePixelsInsideItAndNoOthers) {
   EXPECT_GT(count(image, red), 40);
 }
 
-TEST(Picture, TheAreaThatIsPaintedIsThatOfTheTriangle) {
+TEST(RasterImage, ThePaintedAreaIsThatOfTheTriangle) {
   Canvas canvas(100, 100, white);
   Points3 x(3, 3);
   x << 7.3, 11.1, 0, 91.7, 24.9, 0, 33.3, 88.2, 0;
@@ -121,22 +122,22 @@ TEST(Picture, TheAreaThatIsPaintedIsThatOfTheTriangle) {
   triangle << 0, 1, 2;
   draw_triangles(canvas, plain_camera(100), x, triangle, {black});
   const double area = 0.5 * std::abs((91.7 - 7.3) * (88.2 - 11.1) - (33.3 - 7.3) * (24.9 - 11.1));
-  EXPECT_NEAR(blackened(develop(canvas)) / area, 1, 2e-3);  // 9 samples a pixel
+  EXPECT_NEAR(blackened(resolve_samples(canvas)) / area, 1, 2e-3);  // 9 samples per pixel
 }
 
-TEST(Picture, WhatIsNearerHidesWhatLiesBehindInEitherOrder) {
+TEST(RasterImage, NearerTrianglesHideFartherOnesInEitherOrder) {
   for (const bool near_first : {true, false}) {
     Canvas canvas(10, 10, white);
     if (near_first) draw_square(canvas, 2, 2, 4, 1, red);
     draw_square(canvas, 4, 4, 4, 0, blue);
     if (!near_first) draw_square(canvas, 2, 2, 4, 1, red);
-    const Image image = develop(canvas);
+    const Image image = resolve_samples(canvas);
     EXPECT_EQ(count(image, red), 16);
     EXPECT_EQ(count(image, blue), 12);
   }
 }
 
-TEST(Picture, TwoTrianglesThatPassThroughEachOtherAreEachSeenWhereTheyAreNearer) {
+TEST(RasterImage, IntersectingTrianglesAreEachVisibleWhereTheyAreNearer) {
   Canvas canvas(20, 10, white);
   Points3 x(8, 3);
   x << 0, 0, 0, 20, 0, 20, 20, 10, 20, 0, 10, 0,  // rises to the right
@@ -144,48 +145,48 @@ TEST(Picture, TwoTrianglesThatPassThroughEachOtherAreEachSeenWhereTheyAreNearer)
   Triangles triangles(4, 3);
   triangles << 0, 1, 2, 0, 2, 3, 4, 5, 6, 4, 6, 7;
   draw_triangles(canvas, plain_camera(10), x, triangles, {red, red, blue, blue});
-  const Image image = develop(canvas);
+  const Image image = resolve_samples(canvas);
   EXPECT_EQ(count(image, red), 100);
   EXPECT_EQ(count(image, blue), 100);
   EXPECT_EQ(image.at(0, 5), blue);
   EXPECT_EQ(image.at(19, 5), red);
 }
 
-TEST(Picture, LinesAndDiscsHaveTheirWidthAtAnySlope) {
+TEST(RasterImage, LinesAndDiscsHaveTheirWidthAtAnySlope) {
   for (const double angle : {0.0, 0.3, 0.8, 1.5}) {
     Canvas canvas(120, 120, white);
     const Vector3d middle(60, 60, 0), along(40 * std::cos(angle), 40 * std::sin(angle), 0);
-    draw_line(canvas, plain_camera(120), middle - along, middle + along, 2, black);
+    draw_line(canvas, plain_camera(120), middle - along, middle + along, {2, black});
     // half a width beyond both ends
-    EXPECT_NEAR(blackened(develop(canvas)) / (2 * 82), 1, 0.03) << angle;
+    EXPECT_NEAR(blackened(resolve_samples(canvas)) / (2 * 82), 1, 0.03) << angle;
   }
   Canvas canvas(40, 40, white);
   draw_disc(canvas, plain_camera(40), {20, 20, 0}, 10, black);
-  EXPECT_NEAR(blackened(develop(canvas)) / (M_PI * 100), 1, 0.01);
+  EXPECT_NEAR(blackened(resolve_samples(canvas)) / (M_PI * 100), 1, 0.01);
 }
 
-TEST(Picture, ALineOnASurfaceIsSeenOnlyWhereTheSurfaceIsNotHidden) {
+TEST(RasterImage, ALineOnASurfaceIsHiddenWithTheSurface) {
   Canvas canvas(20, 10, white);
   draw_square(canvas, 0, 0, 10, 0, red);
   draw_square(canvas, 10, 0, 10, 5, blue);
-  draw_line(canvas, plain_camera(10), {0, 5, 0}, {20, 5, 0}, 2, black, /*lift=*/1);
-  const Image image = develop(canvas);
+  draw_line(canvas, plain_camera(10), {0, 5, 0}, {20, 5, 0}, {2, black, /*lift=*/1});
+  const Image image = resolve_samples(canvas);
   EXPECT_EQ(image.at(5, 5), black);
   EXPECT_EQ(image.at(15, 5), blue);
 }
 
-TEST(Picture, WhatLiesPartlyOutsideThePictureIsCutOff) {
+TEST(RasterImage, ShapesPartlyOutsideTheImageAreClipped) {
   Canvas canvas(10, 10, white);
   draw_square(canvas, -1e6, -1e6, 1e6 + 5, 0, black);
   draw_disc(canvas, plain_camera(10), {100, 100, 0}, 5, black);
   draw_text(canvas, -3, 8, 1, "outside", black);
-  EXPECT_EQ(develop(canvas).at(0, 9), black);
-  EXPECT_EQ(develop(canvas).at(9, 0), white);
+  EXPECT_EQ(resolve_samples(canvas).at(0, 9), black);
+  EXPECT_EQ(resolve_samples(canvas).at(9, 0), white);
 }
 
-TEST(Picture, AFittedCameraSeesAllPointsAndFillsTheFrame) {
+TEST(RasterImage, AFittedCameraSeesAllPointsAndFillsTheViewport) {
   const Sheet sheet = test::hex_sheet(0.3, 0.1, 10);
-  const Frame frame{20, 40, 300, 200};
+  const Viewport frame{20, 40, 300, 200};
   const Camera camera = fit_camera(sheet.x, {-0.6, -1, 0.7}, frame);
   Eigen::AlignedBox2d seen;
   for (int v = 0; v < sheet.x.rows(); ++v)
@@ -198,10 +199,10 @@ TEST(Picture, AFittedCameraSeesAllPointsAndFillsTheFrame) {
   EXPECT_GT(camera.project({0, -1, 0}).z(), camera.project({0, 1, 0}).z()) << "the front is nearer";
 }
 
-TEST(Picture, LettersAreReadable) {
+TEST(RasterImage, LettersAreReadable) {
   Canvas canvas(6, 7, white, 1);
   draw_text(canvas, 0, 0, 1, "F", black);
-  const Image image = develop(canvas);
+  const Image image = resolve_samples(canvas);
   const char* expected[] = {"#####.", "#.....", "#.....", "####..", "#.....", "#.....", "#....."};
   for (int row = 0; row < 7; ++row)
     for (int column = 0; column < 6; ++column)
@@ -210,7 +211,7 @@ TEST(Picture, LettersAreReadable) {
   EXPECT_EQ(text_width("F", 1), 5);
 }
 
-class PictureFile : public testing::Test {
+class RasterImageFile : public testing::Test {
  protected:
   void SetUp() override {
     folder = fs::path(testing::TempDir()) /
@@ -224,7 +225,7 @@ class PictureFile : public testing::Test {
     Canvas canvas(31, 17, white);
     draw_square(canvas, 3.4, 2.2, 9.7, 0, red);
     draw_square(canvas, 8.1, 5.5, 20, 1, blue);
-    return develop(canvas);
+    return resolve_samples(canvas);
   }
   static std::string bytes_in(const fs::path& path) {
     std::ifstream file(path, std::ios::binary);
@@ -234,7 +235,7 @@ class PictureFile : public testing::Test {
   fs::path folder;
 };
 
-TEST_F(PictureFile, IsReadBackAsItWasWritten) {
+TEST_F(RasterImageFile, IsReadBackAsItWasWritten) {
   const Image image = coloured();
   write_png(folder / "a.png", image);
   png_image png{};
@@ -249,7 +250,7 @@ TEST_F(PictureFile, IsReadBackAsItWasWritten) {
   EXPECT_GT(count(image, red), 10);
 }
 
-TEST_F(PictureFile, SamePictureGivesTheSameBytesAndNothingThatTellsWhen) {
+TEST_F(RasterImageFile, TheSameImageGivesTheSameBytesWithoutADate) {
   write_png(folder / "a.png", coloured());
   write_png(folder / "b.png", coloured());
   const std::string bytes = bytes_in(folder / "a.png");
@@ -259,7 +260,7 @@ TEST_F(PictureFile, SamePictureGivesTheSameBytesAndNothingThatTellsWhen) {
     EXPECT_EQ(bytes.find(chunk), std::string::npos) << chunk;
 }
 
-TEST_F(PictureFile, AFolderThatIsNotThereIsTheFoldersFault) {
+TEST_F(RasterImageFile, AMissingFolderIsAFolderError) {
   try {
     write_png(folder / "missing" / "a.png", coloured());
     FAIL() << "no error";

@@ -16,13 +16,13 @@
 #include <utility>
 #include <vector>
 
-/// Sheets whose creases are known, and the images that maps of them are in the file.
+/// Sheets with known creases, and the texels of the files of their maps.
 namespace paperbake::test {
 
 inline constexpr double fold_width = 0.002;       // [m]
-inline constexpr double angle_step = 1.0 / 4096;  // [rad] of the file
+inline constexpr double angle_step = 1.0 / 4096;  // [rad] resolution of angles in the file
 
-/// Flat grid over the rectangle, cells nearly square with side `edge`.
+/// A flat rectangle with a grid of nearly square cells of side `edge`.
 inline Sheet flat_sheet(double width, double height, double edge) {
   const int nx = std::lround(width / edge), ny = std::lround(height / edge), row = nx + 1;
   Sheet sheet;
@@ -41,7 +41,8 @@ inline Sheet flat_sheet(double width, double height, double edge) {
   return sheet;
 }
 
-/// Rolled about the y axis to curvature k [1/m], bulging to its normal when k > 0.
+/// A flat sheet rolled about the y axis to curvature k [1/m], bulging towards its normal when k >
+/// 0.
 inline Sheet rolled(Sheet sheet, double k) {
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     const double s = sheet.pattern(v, 0);
@@ -50,14 +51,14 @@ inline Sheet rolled(Sheet sheet, double k) {
   return sheet;
 }
 
-/// Vertex tensors k(p) across x, as if measured on a sheet.
+/// Curvature tensors at the vertices with curvature k(p) in direction x, as if measured on a sheet.
 inline Points3 tensors(const Sheet& sheet, const std::function<double(Vector2d)>& k) {
   Points3 S = Points3::Zero(sheet.pattern.rows(), 3);
   for (int v = 0; v < S.rows(); ++v) S(v, 0) = k(sheet.pattern.row(v).transpose());
   return S;
 }
 
-/// A folder that goes when the test ends.
+/// A folder that is deleted at the end of the test.
 struct Folder {
   std::filesystem::path path = std::filesystem::temp_directory_path() /
                                (std::string("paperbake_maps_") +
@@ -66,7 +67,7 @@ struct Folder {
   ~Folder() { std::filesystem::remove_all(path); }
 };
 
-/// The texels of a file, or of one level of it, row by row from the top.
+/// The texels of a file or of one of its levels, row by row from the top.
 struct Image {
   int size = 0;
   std::vector<MapTexel> texels;
@@ -117,11 +118,11 @@ inline CreaseMapOptions of_size(int size) {
   return options;
 }
 
-/// The rectangle, folded by `angle` [rad] along the line from (bottom, 0) to (top, height), which
-/// runs along edges of the mesh; > 0 bulges to the normal.
+/// A rectangle folded by `angle` [rad] along the line from (bottom, 0) to (top, height), which runs
+/// along edges of the mesh; it bulges towards the normal when angle > 0.
 inline Sheet folded_sheet(double width, double height, double bottom, double top, double angle) {
   constexpr int rows = 12;  // of vertices along the fold
-  const int row = 5;        // left border, half-way, fold, half-way, right border
+  const int row = 5;        // left border, beside the fold, fold, beside the fold, right border
   Sheet sheet;
   sheet.pattern.resize(rows * row, 2);
   sheet.triangles.resize(2 * (rows - 1) * (row - 1), 3);
@@ -133,7 +134,7 @@ inline Sheet folded_sheet(double width, double height, double bottom, double top
     for (int i = 0; i < row; ++i) {
       const Vector2d p(u[i], v);
       sheet.pattern.row(row * j + i) = p;
-      // along, to the right
+      // distances along the fold, and to its right
       const double s = along.dot(p - on), d = along.y() * (p - on).x() - along.x() * (p - on).y();
       sheet.x.row(row * j + i) << (d > 0 ? d * std::cos(angle) : d), s,
           (d > 0 ? -d * std::sin(angle) : 0);

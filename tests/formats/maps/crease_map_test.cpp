@@ -1,5 +1,4 @@
-// What the texels of a crease map say of the sheet. See crease_map_file_test.cpp for the file
-// around them.
+// The texels of crease maps of sheets with known shapes. The file is tested in map_file_test.cpp.
 
 #include "formats/maps/crease_map.h"
 
@@ -32,8 +31,8 @@ TEST(CreaseMap, ACylinderTurnsByTheFoldWidthOverItsRadius) {
     const Sheet sheet = rolled(flat_sheet(0.1, 0.1, 0.002), 1 / radius);
     map.record(1, sheet, vertex_curvature(sheet));
     const Image image = written(map);
-    // 8 texels = 3 edges inside the border, where the one-rings are whole; 3 % is what the
-    // certificate of the maps promises
+    // at least 8 texels = 3 edges from the border, where the one-rings are complete; 3 % is the
+    // accuracy that the maps promise
     for (int j = 8; j < 120; ++j)
       for (int i = 8; i < 120; ++i)
         ASSERT_NEAR(image.at(i, j).dihedral_angle, fold_width / radius,
@@ -48,8 +47,7 @@ TEST(CreaseMap, AFoldNearTheTopOfThePatternIsNearTheTopRows) {
                return std::abs(p.y() - 0.09) < 1e-6 ? 100.0 : 0.0;
              }));
   const Image image = written(map);
-  // v = 0.9 lies on the line between rows 9 and 10; the fold falls to nothing one edge = 5 rows
-  // away
+  // v = 0.9 is the line between rows 9 and 10; the fold falls to 0 over one edge = 5 rows
   EXPECT_NEAR(image.at(50, 9).dihedral_angle, 100 * fold_width * 0.9, 2 * angle_step);
   EXPECT_NEAR(image.at(50, 10).dihedral_angle, 100 * fold_width * 0.9, 2 * angle_step);
   EXPECT_EQ(image.at(50, 3).dihedral_angle, 0);
@@ -71,8 +69,8 @@ TEST(CreaseMap, ATexelIsTheInterpolatedTensorAtItsCentre) {
 }
 
 TEST(CreaseMap, TheEigenvalueIsTakenAfterInterpolatingTheTensor) {
-  // x-bend at one end, y-bend of the same size at the other: half-way the tensor is k/2 in every
-  // direction, not k
+  // bent along x at one end and along y at the other: half-way the tensor is k/2 in every
+  // direction, and its eigenvalue is not k
   Sheet sheet = flat_sheet(0.1, 0.1, 0.1);
   Points3 S = Points3::Zero(4, 3);
   for (int v = 0; v < 4; ++v) (sheet.pattern(v, 0) > 0.05 ? S(v, 2) : S(v, 0)) = 80;
@@ -84,14 +82,15 @@ TEST(CreaseMap, TheEigenvalueIsTakenAfterInterpolatingTheTensor) {
 }
 
 TEST(CreaseMap, ThePeakKeepsAnEarlierFoldWithItsSignWhenTheSheetFlattens) {
-  CreaseMap map(rectangle(0.1, 0.1), of_size(1024));  // finer than the memory: interpolated
-  // the sheet is meshed anew
+  CreaseMap map(rectangle(0.1, 0.1),
+                of_size(1024));  // finer than the grid of the peak, so interpolated
+  // the sheet is remeshed
   const Sheet coarse = flat_sheet(0.1, 0.1, 0.02), fine = flat_sheet(0.1, 0.1, 0.004);
   const auto left_hollow = [](double size) {
     return [size](Vector2d p) { return p.x() < 0.05 ? -size : size / 2; };
   };
   map.record(1, fine, tensors(fine, left_hollow(150)));
-  map.record(1, coarse, tensors(coarse, left_hollow(-10)));  // now bulges a little on the left
+  map.record(1, coarse, tensors(coarse, left_hollow(-10)));  // now the left bulges a little
   const Image image = written(map);
   EXPECT_NEAR(image.at(200, 512).dihedral_angle, 10 * fold_width, angle_step);
   EXPECT_NEAR(image.at(200, 512).fold_peak, -150 * fold_width, 2 * angle_step);
@@ -110,13 +109,13 @@ TEST(CreaseMap, ThePeakIsNowhereSmallerThanTheAngle) {
     ASSERT_GE(std::abs(image.texels[t].fold_peak), std::abs(image.texels[t].dihedral_angle)) << t;
     larger += std::abs(image.texels[t].fold_peak) > std::abs(image.texels[t].dihedral_angle) + 0.01;
   }
-  EXPECT_GT(larger, 512 * 512 / 10);  // and the first frame is not forgotten
+  EXPECT_GT(larger, 512 * 512 / 10);  // where the first frame had the peak
 }
 
 TEST(CreaseMap, ThePeakDoesNotVanishWhereItsSignFlips) {
   CreaseMap map(rectangle(0.1, 0.1), of_size(1024));
   const Sheet sheet = flat_sheet(0.1, 0.1, 0.05);
-  // |peak| = 100 1/m on both sides of u = 1/2, by two frames
+  // two frames give |peak| = 100 1/m on both sides of u = 1/2, with opposite signs
   map.record(1, sheet,
              tensors(sheet, [](Vector2d p) { return 100 - 1000 * std::max(0.0, p.x() - 0.05); }));
   map.record(1, sheet, tensors(sheet, [](Vector2d p) {
@@ -157,8 +156,7 @@ TEST(CreaseMap, WithoutAnApexTheDistanceIsTheDiagonal) {
 }
 
 TEST(CreaseMap, NoTexelInsideIsLeftOutOnAMeshOfSlivers) {
-  // every triangle has a corner in one point off the centre, so the pattern is covered by 400
-  // slivers
+  // all triangles share a vertex off the centre, so the pattern is covered by 400 slivers
   const int rim = 400;
   const Vector2d centre(0.0312, 0.0577);
   Sheet sheet;
@@ -186,7 +184,7 @@ TEST(CreaseMap, NoTexelInsideIsLeftOutOnAMeshOfSlivers) {
 }
 
 TEST(CreaseMap, AMeshThatCutsTheCornersOfThePatternLeavesNoHole) {
-  Pattern octagon;  // the sheet below is only the square inside it
+  Pattern octagon;  // the mesh covers only the inscribed square
   for (int k = 0; k < 8; ++k)
     octagon.outline.push_back(Vector2d(0.05, 0.05) +
                               0.05 * Vector2d(std::cos(k * M_PI / 4), std::sin(k * M_PI / 4)));
@@ -203,13 +201,13 @@ TEST(CreaseMap, AMeshThatCutsTheCornersOfThePatternLeavesNoHole) {
   int covered = 0;
   for (const MapTexel& texel : image.texels)
     covered += std::abs(texel.dihedral_angle - 70 * fold_width) < angle_step;
-  // area of the octagon 2 sqrt(2) r^2 and a rim of 4 texels all around
+  // area of the octagon, 2 sqrt(2) r^2, and at most a rim of 4 texels around it
   EXPECT_GE(covered, 2 * std::sqrt(2.0) * 64 * 64);
   EXPECT_LE(covered, 2 * std::sqrt(2.0) * 69 * 69);
 }
 
 TEST(CreaseMap, ANonSquareSheetIsNotStretchedAndPaddedByFourTexels) {
-  CreaseMap map(rectangle(0.1, 0.05), of_size(100));  // wide: the lower half of the map
+  CreaseMap map(rectangle(0.1, 0.05), of_size(100));  // covers the lower half of the map
   Sheet sheet = flat_sheet(0.1, 0.05, 0.01);
   sheet.singular = {{Vector2d(0.05, 0.025), 1, "a"}};
   map.record(1, sheet, tensors(sheet, [](Vector2d p) { return 50 + 1000 * p.y(); }));
@@ -219,7 +217,8 @@ TEST(CreaseMap, ANonSquareSheetIsNotStretchedAndPaddedByFourTexels) {
       ASSERT_NEAR(image.at(i, j).dihedral_angle, (50 + 100 * (1 - (j + 0.5) / 100)) * fold_width,
                   angle_step);
     for (int j = 46; j < 50; ++j) {
-      ASSERT_NEAR(image.at(i, j).dihedral_angle, 100 * fold_width, angle_step);  // as on the border
+      ASSERT_NEAR(image.at(i, j).dihedral_angle, 100 * fold_width,
+                  angle_step);  // the value at the border
       ASSERT_NEAR(image.at(i, j).fold_peak, 100 * fold_width, angle_step);
       ASSERT_EQ(image.at(i, j).a, 0);
       ASSERT_EQ(image.at(i, j).apex_id, 1u);
@@ -236,7 +235,7 @@ TEST(CreaseMap, ANonSquareSheetIsNotStretchedAndPaddedByFourTexels) {
 TEST(CreaseMap, AHoleOfThePatternIsOutside) {
   Pattern pattern = rectangle(0.1, 0.1);
   pattern.holes = {{{0.03, 0.03}, {0.03, 0.07}, {0.07, 0.07}, {0.07, 0.03}}};
-  // as a mesh with the hole, for the texels outside the hole
+  // a mesh without the hole gives the same texels outside it
   const Sheet sheet = flat_sheet(0.1, 0.1, 0.01);
   CreaseMap map(pattern, of_size(100));
   map.record(1, sheet, tensors(sheet, [](Vector2d) { return 90.0; }));
@@ -255,7 +254,7 @@ TEST(CreaseMap, ACurvatureThatIsNotANumberIsRefused) {
   EXPECT_THROW(map.record(1, sheet, S), Error);
 }
 
-/// Where a row of a layer has its weight, in texels, between two columns.
+/// Centroid of a layer in a row between two columns. [texel]
 template <class Value>
 double centre_of_row(const Image& image, int j, int from, int to, const Value& value) {
   double sum = 0, moment = 0;
@@ -267,7 +266,7 @@ double centre_of_row(const Image& image, int j, int from, int to, const Value& v
 }
 
 TEST(CreaseMap, AFoldIsFoundWithinHalfATexelOfWhereItIs) {
-  const double bottom = 0.0417, top = 0.0566;  // slanted: it crosses 76 columns of 512
+  const double bottom = 0.0417, top = 0.0566;  // slanted, over 76 columns of 512
   for (const int size : {512, 2048}) {
     CreaseMap map(rectangle(0.1, 0.1), of_size(size));
     const Sheet sheet = folded_sheet(0.1, 0.1, bottom, top, 1.2);
@@ -277,7 +276,7 @@ TEST(CreaseMap, AFoldIsFoundWithinHalfATexelOfWhereItIs) {
       const double v = 1 - (j + 0.5) / size,
                    fold = (bottom + (top - bottom) * v) / 0.1 * size - 0.5;
       const int near = size / 20;
-      // 1.2 / (pi/2), from the texel next to it
+      // 1.2 / (pi/2) = 0.76, at the nearest texel
       ASSERT_GT(image.at(std::lround(fold), j).r, 0.7f) << j;
       ASSERT_NEAR(
           centre_of_row(image, j, fold - near, fold + near, [](const MapTexel& t) { return t.r; }),
@@ -285,7 +284,7 @@ TEST(CreaseMap, AFoldIsFoundWithinHalfATexelOfWhereItIs) {
           << j;
       // one-rings that reach the border see less of the fold
       if (j < size / 4 || j >= 3 * size / 4) continue;
-      // fold.angle is a roof over the fold: its upper tenth
+      // fold.angle has the shape of a roof over the fold: the centroid of its upper tenth
       const double top_angle = image.at(std::lround(fold), j).dihedral_angle;
       ASSERT_GT(top_angle, 0.1) << j;
       ASSERT_NEAR(centre_of_row(image, j, fold - near, fold + near,
@@ -362,7 +361,7 @@ TEST(CreaseMap, ACreaseStaysWhenTheSheetIsFlatAgainAndGetsStrongerButNeverWeaker
   EXPECT_NEAR(strength, 1.4 / (M_PI / 2), 0.01);
 }
 
-TEST(CreaseMap, FoldPlasticIsWhatThePaperKeeps) {
+TEST(CreaseMap, FoldPlasticIsTheAngleOfThePlasticCurvature) {
   CreaseMap map(rectangle(0.1, 0.1), of_size(64));
   const Sheet sheet = flat_sheet(0.1, 0.1, 0.01);
   map.record(1, sheet, tensors(sheet, [](Vector2d) { return 150.0; }),

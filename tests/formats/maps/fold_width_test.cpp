@@ -1,4 +1,4 @@
-// Angles of folds from curvatures: a crease has the angle it was folded by, whatever the mesh.
+// Angles of folds from curvatures do not depend on the mesh.
 
 #include "formats/maps/fold_width.h"
 
@@ -10,8 +10,8 @@
 namespace paperbake {
 namespace {
 
-/// A flat grid folded by `angle` along the column of vertices at x = 0.05; the inner vertices of
-/// the other columns may be moved about.
+/// A flat grid folded by `angle` [rad] along the column of vertices at x = 0.05. jitter:
+/// displacement of inner vertices, in edges
 Sheet folded_grid(double edge, double angle, double jitter) {
   Sheet sheet = test::flat_sheet(0.1, 0.1, edge);
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
@@ -48,9 +48,9 @@ TEST(FoldWidth, ACreaseHasTheAngleItWasFoldedByWhateverTheMesh) {
         const Points3 curvature = vertex_curvature(sheet);
         double least;
         const double most =
-            largest(folds_of(curvature, fold_widths(sheet, curvature, 0.006)), least, sheet);
-        // straight through regular rings it is the angle exactly; core/curvature allows for
-        // irregular ones, as if they were round
+            largest(fold_tensors(curvature, fold_widths(sheet, curvature, 0.006)), least, sheet);
+        // exact for a fold straight through regular one-rings; core/geometry/curvature treats
+        // irregular ones as if they were round
         EXPECT_NEAR(least, std::abs(angle), (jitter > 0 ? 0.12 : 0.02) * std::abs(angle))
             << edge << ' ' << jitter << ' ' << angle;
         EXPECT_LE(most, (jitter > 0 ? 1.25 : 1.1) * std::abs(angle))
@@ -60,7 +60,7 @@ TEST(FoldWidth, ACreaseHasTheAngleItWasFoldedByWhateverTheMesh) {
 
 TEST(FoldWidth, RolledPaperTurnsByItsCurvatureWhateverTheMesh) {
   for (const double edge : {0.0025, 0.01}) {
-    // folds of 0.25 rad at most: no crease
+    // dihedral angles of 0.25 rad at most are not creases
     const Sheet sheet = test::rolled(test::flat_sheet(0.1, 0.1, edge), 25);
     const Points3 curvature = vertex_curvature(sheet);
     const Eigen::VectorXd width = fold_widths(sheet, curvature, 0.006);
@@ -69,12 +69,13 @@ TEST(FoldWidth, RolledPaperTurnsByItsCurvatureWhateverTheMesh) {
   }
 }
 
-TEST(FoldWidth, NoFoldIsMoreThanShut) {
+TEST(FoldWidth, NoFoldTurnsBeyondShut) {
   Points3 curvature(3, 3);
   curvature << 500, 0, 500, 0, -1000, 0, 20, 0, 0;
-  const Points3 folds = folds_of(curvature, Eigen::VectorXd::Constant(3, 0.01));
-  EXPECT_DOUBLE_EQ(larger_principal(folds(0, 0), folds(0, 1), folds(0, 2)), shut);
-  EXPECT_DOUBLE_EQ(std::abs(larger_principal(folds(1, 0), folds(1, 1), folds(1, 2))), shut);
+  const Points3 folds = fold_tensors(curvature, Eigen::VectorXd::Constant(3, 0.01));
+  EXPECT_DOUBLE_EQ(larger_principal(folds(0, 0), folds(0, 1), folds(0, 2)), max_fold_angle);
+  EXPECT_DOUBLE_EQ(std::abs(larger_principal(folds(1, 0), folds(1, 1), folds(1, 2))),
+                   max_fold_angle);
   EXPECT_DOUBLE_EQ(larger_principal(folds(2, 0), folds(2, 1), folds(2, 2)), 0.2);
 }
 

@@ -1,4 +1,4 @@
-// What the layers of a map say of a sheet whose shape is known.
+// The layers of maps of sheets with known shapes.
 
 #include "formats/maps/map_draw.h"
 
@@ -20,7 +20,7 @@ using test::of_size;
 using test::rectangle;
 using test::written;
 
-/// k1 across the direction at `angle`, k2 along it, everywhere.
+/// Uniform curvature tensors: k2 along the direction at `angle`, k1 across it.
 Points3 bent(const Sheet& sheet, double k1, double k2, double angle) {
   const Vector2d along(std::cos(angle), std::sin(angle)), across(-along.y(), along.x());
   const Eigen::Matrix2d S = k1 * across * across.transpose() + k2 * along * along.transpose();
@@ -45,7 +45,7 @@ TEST(MapDraw, DirectionsRunAlongTheRulings) {
     }
 }
 
-TEST(MapDraw, CurvedIsWhatBendsOneWayAndFlatHasNoDirection) {
+TEST(MapDraw, BIsSetWherePaperBendsInOneDirectionAndFlatPaperHasNoRuling) {
   const Sheet sheet = flat_sheet(0.1, 0.1, 0.05);
   EXPECT_EQ(texel_of(sheet, bent(sheet, 3.1, 0, 0.4)).b, 1);  // 0.31 rad over 0.1 m
   EXPECT_NEAR(texel_of(sheet, bent(sheet, 2.4, 0, 0.4)).b, 0.5, 1e-3);
@@ -58,9 +58,9 @@ TEST(MapDraw, CurvedIsWhatBendsOneWayAndFlatHasNoDirection) {
   EXPECT_EQ(texel_of(sheet, bent(sheet, 60, 60, 0.4)).dir_x, 0);  // a ball has no ruling
 }
 
-TEST(MapDraw, StrainsAreTheStretchesOfTheSheetInPercent) {
+TEST(MapDraw, StrainsArePrincipalStretchesInPercent) {
   Sheet sheet = flat_sheet(0.1, 0.1, 0.02);
-  // 2 % longer at 30 degrees, 3 % shorter across, then turned
+  // 2 % longer in the direction at 30 degrees, 3 % shorter across, then rotated
   for (int v = 0; v < sheet.x.rows(); ++v) {
     const Vector2d a(std::cos(M_PI / 6), std::sin(M_PI / 6)), b(-a.y(), a.x()),
         p = sheet.pattern.row(v);
@@ -71,12 +71,12 @@ TEST(MapDraw, StrainsAreTheStretchesOfTheSheetInPercent) {
   EXPECT_NEAR(t.strain_min, -3, 3e-4);
 }
 
-TEST(MapDraw, TheConeOfAnApexIsHowFarTheSheetTurnsAboutIt) {
+TEST(MapDraw, ApexConeIsTheTurnOfTheSheetAroundTheApex) {
   Sheet sheet = folded_sheet(0.1, 0.1, 0.05, 0.05, 0.8);
   sheet.singular = {{sheet.pattern.row(5 * 6 + 2), 1, "on the fold"},
                     {sheet.pattern.row(5 * 6 + 1), 1, "beside it"}};
   const std::vector<MapApex> apices = map_apices(sheet);
-  EXPECT_NEAR(apices[0].turn, 2 * 0.8, 1e-9);  // the fold passes through it: two edges
+  EXPECT_NEAR(apices[0].turn, 2 * 0.8, 1e-9);  // two edges of the fold meet there
   EXPECT_NEAR(apices[1].turn, 0, 1e-9);
   CreaseMap map(rectangle(0.1, 0.1), of_size(64));
   map.record(1, sheet, vertex_curvature(sheet));
@@ -99,7 +99,7 @@ TEST(MapDraw, CoverageIsTheAreaOfThePattern) {
   }
 }
 
-TEST(MapDraw, ACreaseGoesOnIntoThePaddingAndItsAgeReachesBeyondIt) {
+TEST(MapDraw, ACreaseContinuesInThePaddingAndItsAgeReachesBeyondIt) {
   CreaseMap map(rectangle(0.1, 0.05), of_size(100));  // the lower half of the map
   const Sheet sheet = folded_sheet(0.1, 0.05, 0.04, 0.06, 1.2);
   map.record(1, sheet, vertex_curvature(sheet));

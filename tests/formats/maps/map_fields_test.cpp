@@ -29,7 +29,8 @@ TEST(MapFields, EveryWantedTexelIsVisitedOnceInsideLinearOutsideAsOnTheBorder) {
   for_each_texel(fields, 0.1, {loop}, rows, wanted, [&](int index, const Fields& f) {
     ++visits[index];
     const double x = 0.1 * (index % 64 + 0.5) / 64, y = 0.1 * (1 - (index / 64 + 16 + 0.5) / 64);
-    EXPECT_NEAR(f[0], 7 + 100 * x + 300 * std::min(y, 0.05), 1e-5);  // float: where on the border
+    EXPECT_NEAR(f[0], 7 + 100 * x + 300 * std::min(y, 0.05),
+                1e-5);  // the place on the border is a 32-bit float
     EXPECT_NEAR(f[3], 0.002 * f[0], 1e-12);
     EXPECT_NEAR(f[9], 0, 1e-12);
   });

@@ -1,5 +1,4 @@
-// The file of a crease map: its channels and header, its bytes, its levels, and disks that do not
-// take it.
+// The file of a crease map: channels, header, bytes, mip-map levels, and errors of the disk.
 
 #include "formats/maps/map_file.h"
 
@@ -114,7 +113,7 @@ TEST(MapFile, TheFileHasItsSixteenLayersAndItsHeaderAndNothingElse) {
   }
 }
 
-/// A sheet with something on every layer.
+/// A sheet that shows on every layer.
 Sheet busy_sheet() {
   Sheet sheet = folded_sheet(0.1, 0.1, 0.03, 0.06, 1.2);
   sheet.singular = {{Vector2d(0.03, 0.04), 1, "a"}, {Vector2d(0.071, 0.08), 1, "b"}};
@@ -149,7 +148,7 @@ TEST(MapFile, TheLevelsOfATiledMapAreHalvedAndTheFirstIsTheScanlineMap) {
   std::vector<Image> levels;
   Image scanline;
   for (const MapLayout layout : {MapLayout::scanline, MapLayout::tiled_mip}) {
-    // no power of two: levels of 150, 75, 37, 18, 9, 4, 2, 1
+    // not a power of two: levels of 150, 75, 37, 18, 9, 4, 2, 1
     CreaseMapOptions options = of_size(300);
     options.layout = layout;
     CreaseMap map(rectangle(0.1, 0.1), options);
@@ -183,7 +182,8 @@ TEST(MapFile, TheLevelsOfATiledMapAreHalvedAndTheFirstIsTheScanlineMap) {
   };
   ASSERT_GT(mean(levels[0]), 0.003);
   for (const Image& level : levels) {
-    EXPECT_NEAR(mean(level), mean(levels[0]), 0.003 * mean(levels[0])) << level.size;  // of HALF
+    EXPECT_NEAR(mean(level), mean(levels[0]), 0.003 * mean(levels[0]))
+        << level.size;  // rounding of HALF
     for (const MapTexel& t : level.texels) {
       ASSERT_TRUE(t.apex_id == 1 || t.apex_id == 2);
       ASSERT_EQ(t.a, 1);
@@ -191,7 +191,7 @@ TEST(MapFile, TheLevelsOfATiledMapAreHalvedAndTheFirstIsTheScanlineMap) {
   }
 }
 
-TEST(MapFile, ALevelIsTheMeanOfWhatIsCoveredAndNumbersAreNotAveraged) {
+TEST(MapFile, ALevelIsTheMeanOfTheCoveredTexelsAndIdsAreNotAveraged) {
   std::vector<MapTexel> four(4);
   four[0].a = 1.0f, four[0].r = 1.0f, four[0].dihedral_angle = 0.3f, four[0].apex_id = 7,
   four[0].dir_x = 0, four[0].dir_y = 1;
@@ -204,12 +204,13 @@ TEST(MapFile, ALevelIsTheMeanOfWhatIsCoveredAndNumbersAreNotAveraged) {
   EXPECT_FLOAT_EQ(one[0].a, 0.375f);
   EXPECT_NEAR(one[0].r, 2.0 / 3, 1e-3);
   EXPECT_FLOAT_EQ(one[0].dihedral_angle, 0.4f);
-  EXPECT_EQ(one[0].apex_id, 7u);  // of the one with most paper, as the one at the centre has none
+  EXPECT_EQ(one[0].apex_id,
+            7u);  // of the texel with most paper, since the one at the centre has none
   EXPECT_EQ(one[0].age_crease, 2);
-  EXPECT_NEAR(std::abs(one[0].dir_y), 1, 1e-6);  // up and down are one ruling
+  EXPECT_NEAR(std::abs(one[0].dir_y), 1, 1e-6);  // up and down are the same ruling
 }
 
-TEST(MapFile, AnOddSideIsSharedOutByArea) {
+TEST(MapFile, TexelsOfAnOddSideAreWeightedByArea) {
   std::vector<MapTexel> row(9);
   // the middle column
   for (int t = 0; t < 9; ++t) row[t].a = 1.0f, row[t].strain_max = t % 3 == 1 ? 3.0f : 0.0f;
@@ -218,7 +219,7 @@ TEST(MapFile, AnOddSideIsSharedOutByArea) {
   EXPECT_FLOAT_EQ(one[0].strain_max, 1);
   std::vector<MapTexel> five(25);
   for (int t = 0; t < 25; ++t) five[t].a = 1.0f, five[t].strain_max = t % 5 == 2 ? 1.0f : 0.0f;
-  // half a texel of two and a half
+  // half a texel out of 2.5
   for (const MapTexel& t : next_level(five, 5, 1)) EXPECT_FLOAT_EQ(t.strain_max, 0.2f);
 }
 
@@ -232,7 +233,7 @@ TEST(MapFile, ABigMapIsDrawnAndPackedInTime) {
     CreaseMapOptions options = of_size(2048);
     options.layout = layout;
     options.threads = 2;
-    options.law.yield_curvature = 5;
+    options.thresholds.yield_curvature = 5;
     CreaseMap map(rectangle(0.21, 0.21), options);
     map.record(1, sheet, vertex_curvature(sheet), vertex_curvature(sheet));
     const auto cpu = std::clock();
@@ -243,7 +244,7 @@ TEST(MapFile, ABigMapIsDrawnAndPackedInTime) {
                 layout == MapLayout::scanline ? "scanline" : "tiled-mip", seconds,
                 std::chrono::duration<double>(std::chrono::steady_clock::now() - wall).count(),
                 1e-6 * std::filesystem::file_size(folder.path / "map.exr"));
-    // 2 s on two cores are 4 s of them; a frame takes half of that where nothing else runs
+    // CPU time: 2 s on two cores; an idle machine needs half of that
     if (layout == MapLayout::scanline) {
       EXPECT_LT(seconds, 4);
     }
@@ -251,7 +252,7 @@ TEST(MapFile, ABigMapIsDrawnAndPackedInTime) {
   Imf::setGlobalThreadCount(0);
 }
 
-TEST(MapFile, AFolderThatIsNotThereIsAFolderError) {
+TEST(MapFile, AMissingFolderIsAFolderError) {
   const Folder folder;
   CreaseMap map(rectangle(0.1, 0.1), of_size(16));
   try {
@@ -265,8 +266,8 @@ TEST(MapFile, AFolderThatIsNotThereIsAFolderError) {
 
 TEST(MapFile, AFullDiskIsAFolderErrorAndLeavesNoFile) {
   const Folder folder;
-  // a flat sheet: the file is so small that all of it waits in a buffer until the end, where errors
-  // are easily lost
+  // the map of a flat sheet is so small that it stays in a buffer until the file is closed, where
+  // errors are easily missed
   CreaseMap map(rectangle(0.1, 0.1), of_size(64));
   const Sheet sheet = flat_sheet(0.1, 0.1, 0.01);
   map.record(1, sheet, vertex_curvature(sheet));
@@ -275,7 +276,7 @@ TEST(MapFile, AFullDiskIsAFolderErrorAndLeavesNoFile) {
 
   rlimit before;
   getrlimit(RLIMIT_FSIZE, &before);
-  const rlimit small{512, before.rlim_max};  // stands for a disk with 512 bytes left
+  const rlimit small{512, before.rlim_max};  // simulates a disk with 512 bytes left
   const auto old = std::signal(SIGXFSZ, SIG_IGN);
   setrlimit(RLIMIT_FSIZE, &small);
   bool folder_error = false;

@@ -12,7 +12,7 @@ double total(const std::vector<float>& values) {
   return std::accumulate(values.begin(), values.end(), 0.0);
 }
 
-/// Corners in texels, counter-clockwise on the pattern, whose v points up.
+/// A regular polygon [texel]; direction 1: counter-clockwise on the pattern, whose v points up.
 std::vector<Vector2d> round_loop(const Vector2d& centre, double radius, int corners,
                                  double direction) {
   std::vector<Vector2d> loop;
@@ -28,14 +28,14 @@ TEST(MapRaster, CoverageIsTheAreaOfThePolygonsWithoutTheirHoles) {
                                                  round_loop({35, 27.2}, 8.1, n, -1)};
   const double area = 0.5 * n * std::sin(2 * M_PI / n) * (29.7 * 29.7 - 8.1 * 8.1);
   const std::vector<float> coverage = area_coverage(loops, {64, 0, 64});
-  EXPECT_NEAR(total(coverage), area, 1e-3);  // float texels
+  EXPECT_NEAR(total(coverage), area, 1e-3);  // texels are 32-bit floats
   int partly = 0;
   for (const float a : coverage) {
     ASSERT_GE(a, 0);
     ASSERT_LE(a, 1);
     partly += a > 0 && a < 1;
   }
-  EXPECT_GT(partly, 200);  // a texel for each of the two circumferences of 187 + 51, at least
+  EXPECT_GT(partly, 200);  // at least one texel per texel of the two circumferences, 187 + 51
 }
 
 TEST(MapRaster, StripsOfRowsAreTheWholePicture) {
@@ -49,7 +49,7 @@ TEST(MapRaster, StripsOfRowsAreTheWholePicture) {
 }
 
 TEST(MapRaster, ATexelHalfInASquareIsHalfCovered) {
-  // centres: 1 ends in mid-texel
+  // integers are centres: an edge at 1 bisects texel 1
   const std::vector<float> coverage =
       area_coverage({{{1, 1}, {1, 5.25}, {3, 5.25}, {3, 1}}}, {8, 0, 8});
   EXPECT_FLOAT_EQ(coverage[2 * 8 + 1], 0.5f);
@@ -75,7 +75,7 @@ TEST(MapRaster, NearASegmentAreAllTexelsWithinReachAndNoOthers) {
         double nearest = 1e9;
         for (int k = 0; k <= 2000; ++k)
           nearest = std::min(nearest, (p + k / 2000.0 * (q - p) - Vector2d(i, j)).norm());
-        if (std::abs(nearest - reach) < 0.01) continue;  // too close to call by sampling
+        if (std::abs(nearest - reach) < 0.01) continue;  // too close for the sampled distance
         ASSERT_EQ(hits[j * 32 + i], nearest < reach) << i << ", " << j;
         found += hits[j * 32 + i];
       }

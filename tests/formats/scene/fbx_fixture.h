@@ -19,26 +19,27 @@
 
 namespace paperbake::test {
 
-/// Keys of one number of a property, at frames; how each goes on to the next; what is before the
-/// first and after the last.
+/// An animation curve for one component of a property: keys at frames, their interpolation, and the
+/// extrapolation before the first and after the last key.
 struct FbxCurve {
   std::vector<double> frames, values;
-  // 4 linear, 2 held, 258 the next key's at once, 1032 cubic with the slopes below
+  // 4 linear, 2 constant, 258 constant with the value of the next key, 1032 cubic
   int flags = 4;
-  std::vector<double> slopes = {};  // cubic: [1/s] one a key, the same on both sides
-  char before = 'C', after = 'C';   // C constant, K slope, R repeat, A repeat and add, M mirror
+  std::vector<double> tangents = {};  // [1/s] for cubic: one per key, the same on both sides
+  char before = 'C', after = 'C';     // C constant, K slope, R repeat, A repeat and add, M mirror
 };
 
-/// Writes small ASCII FBX files by hand, y up, in centimetres: what Maya and 3ds Max write and
+/// Writes small ASCII FBX files (y up, centimetres) with features that Maya and 3ds Max use and
 /// Blender does not.
 class FbxFixture {
  public:
   static constexpr std::int64_t second = 46186158000;
   double fps = 24;
-  std::string settings = R"(P: "TimeMode", "enum", "", "",11)";  // 24 frames a second
+  std::string settings = R"(P: "TimeMode", "enum", "", "",11)";  // 24 frames per second
   std::string creator = "FBX SDK/FBX Plugins version 2020.3";
 
-  /// kind: Null, or LimbNode for a bone, whose attribute gets bone_properties. parent 0: none.
+  /// kind: Null, or LimbNode for a bone, whose attribute gets bone_properties. parent: 0 for a
+  /// root.
   std::int64_t node(const std::string& name, std::int64_t parent = 0,
                     const std::string& properties = "", const std::string& kind = "Null",
                     const std::string& bone_properties = "") {
@@ -75,7 +76,7 @@ class FbxFixture {
         stack_, name, ticks(first), ticks(last));
     return stack_;
   }
-  /// Of the last stack.
+  /// Adds a layer to the last stack.
   std::int64_t layer(const std::string& properties = "") {
     const std::int64_t id = next_id_++;
     objects_ += fmt::format(
@@ -84,7 +85,7 @@ class FbxFixture {
     connect(id, stack_);
     return id;
   }
-  /// property: "Lcl Translation"; axis: X, Y or Z; rest: the property's three values
+  /// Adds a curve. property: e.g. "Lcl Translation"; axis: X, Y or Z; rest: the property's value
   void curve(std::int64_t layer, std::int64_t node, const std::string& property, char axis,
              const FbxCurve& c, const Vector3d& rest = Vector3d::Zero()) {
     const std::int64_t values = next_id_++, id = next_id_++;
@@ -96,9 +97,9 @@ class FbxFixture {
     const std::size_t n = c.frames.size();
     const std::vector<int> flags(n, c.flags), ones(n, 1);
     std::vector<std::int64_t> times;
-    std::vector<int> data;  // slopes on the right and on the next key's left, weights of a third
+    std::vector<int> data;  // tangents on the right and on the next key's left, weights of a third
     const auto slope = [&](std::size_t i) {
-      return i < c.slopes.size() ? bits(float(c.slopes[i])) : 0;
+      return i < c.tangents.size() ? bits(float(c.tangents[i])) : 0;
     };
     for (std::size_t k = 0; k < n; ++k)
       times.push_back(ticks(c.frames[k])),

@@ -1,4 +1,4 @@
-// Samplers of glTF as they are written: each interpolation, whatever the names and signs.
+// Animation samplers of glTF: every interpolation, signs of quaternions, video frame rates, damage.
 
 #include "formats/scene/gltf_curves.h"
 
@@ -20,7 +20,7 @@ using test::has_warning;
 using test::HeldSheet;
 using test::temporary;
 
-/// A child one metre along x of a node that is turned: its track tells the rotation.
+/// A child one metre along x from a node that rotates: its track shows the rotation.
 struct Arm : GltfFixture {
   int turned, tip;
   Arm() {
@@ -37,7 +37,7 @@ struct Arm : GltfFixture {
   }
 };
 
-/// About the world's z, which is the file's y: x, y, z, w.
+/// Quaternion (x, y, z, w) of a rotation about the world's z, which is the file's y.
 std::vector<float> turn(double degrees, double sign = 1) {
   const double half = degrees * EIGEN_PI / 360;
   return {0, float(sign * std::sin(half)), 0, float(sign * std::cos(half))};
@@ -64,8 +64,9 @@ TEST(GltfCurves, StepsHold) {
   EXPECT_EQ(track.col(0), Eigen::VectorXd((Eigen::VectorXd(5) << 1, 1, 2, 2, 3).finished()));
 }
 
-TEST(GltfCurves, CubicsAreHermitesWithSlopesTimesTheSpan) {
-  GltfFixture fixture;  // x³ from 0 to 0.5 s, and to 1 s: in, value, out; a cubic is met exactly
+TEST(GltfCurves, CubicsAreHermiteCurvesWithTangentsPerSecond) {
+  // x³ with keys at 0, 0.5 and 1 s as in-tangent, value, out-tangent; reproduced exactly
+  GltfFixture fixture;
   fixture.animate(
       fixture.node("a", {0, 0, 0}), "translation", {0, 0.5, 1},
       {9, 9, 9, 0, 0, 0, 0, 0, 0, 0.75, 0, 0, 0.125, 0, 0, 0.75, 0, 0, 3, 0, 0, 1, 0, 0, 9, 9, 9},
@@ -83,7 +84,7 @@ TEST(GltfCurves, RotationsTakeTheShorterArcWhateverTheirSigns) {
   turned_over.animate(turned_over.turned, "rotation", {0, 4 / 24.0},
                       joined({turn(0), turn(80, -1)}));
   for (const auto& track : {plain.track("plain.gltf"), turned_over.track("over.gltf")})
-    // slerp: as fast all the way
+    // slerp has constant speed
     for (int f = 0; f <= 4; ++f) EXPECT_NEAR(angle(track, f), 20 * f, 1e-5) << f;
 }
 
@@ -102,7 +103,7 @@ TEST(GltfCurves, CubicRotationsOfFlippedNeighboursAreOneCurve) {
                           turn(90), still}),
                   "CUBICSPLINE");
   const Points3 a = plain.track("cubic_plain.gltf"), b = flipped.track("cubic_flipped.gltf");
-  // of the first span, 0.5 s long
+  // in the first interval, which is 0.5 s long
   const double t = 0.25, s25 = std::sin(25 * EIGEN_PI / 180), c25 = std::cos(25 * EIGEN_PI / 180);
   const double slope_part = 0.5 * (t * t * t - 2 * t * t + t + t * t * t - t * t),
                last = 3 * t * t - 2 * t * t * t;
@@ -111,7 +112,7 @@ TEST(GltfCurves, CubicRotationsOfFlippedNeighboursAreOneCurve) {
       2 * std::atan2(last * s25 + slope_part * 0.7, 1 - last + last * c25 + slope_part * 0.1) *
           180 / EIGEN_PI,
       1e-5);
-  EXPECT_GT(std::abs(angle(a, 3) - 12.5), 0.1);  // no slerp
+  EXPECT_GT(std::abs(angle(a, 3) - 12.5), 0.1);  // differs from slerp
   EXPECT_NEAR((a - b).norm(), 0, 1e-9);
   EXPECT_NEAR(angle(a, 12), 50, 1e-4);
 }
@@ -122,7 +123,7 @@ TEST(GltfCurves, NormalizedIntegersAreRead) {
   EXPECT_NEAR(angle(arm.track("shorts.gltf"), 2), 40, 0.01);
 }
 
-TEST(GltfCurves, WhatNoChannelMovesStaysAsTheNodeHasIt) {
+TEST(GltfCurves, PartsThatNoChannelMovesKeepTheirRestValue) {
   GltfFixture fixture;
   const int tip = fixture.node("tip", {1, 0, 0});
   fixture.make_child(tip);
@@ -133,10 +134,10 @@ TEST(GltfCurves, WhatNoChannelMovesStaysAsTheNodeHasIt) {
   EXPECT_NEAR((tracks.positions.at(at).row(4) - Eigen::RowVector3d(0, 3, 5)).norm(), 0, 1e-6);
 }
 
-TEST(GltfCurves, AClockOfVideoIsPutOnWholeFrames) {
+TEST(GltfCurves, TimesOfVideoRatesAreMovedToWholeFrames) {
   SceneOptions options;
   options.fps = 30000.0 / 1001;
-  // as Blender writes 29.97; as who forgets the 1001 does
+  // as Blender writes 29.97, and as an exporter writes it that ignores the factor 1.001
   for (const double rate : {30 * 1.001, 30.0}) {
     GltfFixture fixture;
     std::vector<double> seconds;
@@ -153,15 +154,15 @@ TEST(GltfCurves, AClockOfVideoIsPutOnWholeFrames) {
   HeldSheet held;
   held.animate(held.fixed, "translation", {100 / 30.03, 200 / 30.03}, {0, 0, 0, 0.01f, 0, 0});
   HeldSheet alone;
-  // its other keys are those of 24
+  // the other keys of this scene are at 24 frames per second
   EXPECT_FALSE(has_warning(read_scene(held.write("no_video.gltf"), options), "whole frames of"));
 }
 
-TEST(GltfCurves, WideTurnsBetweenKeysAreNamed) {
+TEST(GltfCurves, WideRotationsBetweenKeysAreWarnedOf) {
   HeldSheet held;
   held.animate(held.moved, "rotation", {1 / 24.0, 9 / 24.0, 10 / 24.0},
                joined({turn(0), turn(50), turn(150)}));
-  // 50 in 8 frames; 100 in one, which is all there is to know
+  // 50 degrees in 8 frames, and 100 in one frame, which cannot be resolved further
   EXPECT_FALSE(has_warning(read_scene(held.write("turns.gltf")), "degrees"));
   held.animate(held.fixed, "rotation", {1 / 24.0, 9 / 24.0}, joined({turn(0), turn(100)}));
   EXPECT_TRUE(
@@ -195,9 +196,9 @@ struct CurvesFile {
   double tolerance;  // [m]
 };
 
-class CurvesOfBlender : public testing::TestWithParam<CurvesFile> {};
+class GltfCurvesBlender : public testing::TestWithParam<CurvesFile> {};
 
-TEST_P(CurvesOfBlender, AreWhereBlenderHadThem) {
+TEST_P(GltfCurvesBlender, AreWhereBlenderHadThem) {
   const std::filesystem::path data(PAPERBAKE_DATA);
   std::filesystem::path csv = test::sample(std::string(GetParam().truth) + ".handles.csv");
   if (!std::filesystem::exists(csv)) csv = data / csv.filename();
@@ -207,9 +208,9 @@ TEST_P(CurvesOfBlender, AreWhereBlenderHadThem) {
   EXPECT_LE(error.worst, GetParam().tolerance);
 }
 
-// 1e-7 m: keys are 32-bit floats, the csv has 7 digits. S2: its Euler turns are no cubics of four
-// numbers: 0.103 mm in the file itself [import.md]
-INSTANTIATE_TEST_SUITE_P(Files, CurvesOfBlender,
+// Keys are 32-bit floats and the csv has 7 digits, which gives 1e-7 m. S2 was animated with Euler
+// angles, which cubic quaternions cannot represent: the file itself is 0.103 mm off.
+INSTANTIATE_TEST_SUITE_P(Files, GltfCurvesBlender,
                          testing::Values(CurvesFile{"S1_push_curves.glb", "S1_push", 1e-6},
                                          CurvesFile{"S2_moebius_curves.glb", "S2_moebius", 1.1e-4},
                                          CurvesFile{"S4_crumple_curves.glb", "S4_crumple", 1e-6},

@@ -1,4 +1,4 @@
-// What stands in glTF files that no exporter of ours has written.
+// Features of glTF files that the exporters used for the other tests do not write.
 
 #include "formats/scene/scene_import.h"
 
@@ -17,7 +17,7 @@ namespace {
 using test::error_of;
 using test::temporary;
 
-/// The bytes of numbers, as data that are not in base64.
+/// A data URI with the bytes of numbers, escaped instead of base64.
 template <class Number>
 std::string data_uri(const std::vector<Number>& numbers,
                      const std::string& head = "data:application/octet-stream,") {
@@ -36,7 +36,7 @@ std::string buffer(const std::string& uri, std::size_t bytes) {
   return fmt::format(R"({{"byteLength":{},"uri":"{}"}})", bytes, uri);
 }
 
-/// One triangle, its corners given by `positions`, a member of the file's accessors.
+/// Members of a file with one triangle. positions: the accessor of its corners.
 std::string triangle(const std::string& positions, const std::string& more = "") {
   return R"("nodes":[{"mesh":0}],"meshes":[{"primitives":[{"attributes":{"POSITION":0}}]}],"accessors":[)" +
          positions + "]" + more;
@@ -44,8 +44,8 @@ std::string triangle(const std::string& positions, const std::string& more = "")
 
 const Points3 corners = (Points3(3, 3) << 0, 0, 0, 0.5, 0, 0, 0, 0, -1).finished();
 
-TEST(GltfFile, NumbersOfASparseAccessorAreChanged) {
-  // three corners, and what the second becomes
+TEST(GltfFile, SparseAccessorsReplaceElements) {
+  // three corners, and the replacement of the second
   const std::vector<float> numbers{0, 0, 0, 9, 9, 9, 0, 0, -1, 0.5f, 0, 0};
   const auto path = file(
       "sparse.gltf",
@@ -55,10 +55,10 @@ TEST(GltfFile, NumbersOfASparseAccessorAreChanged) {
           R"(,"bufferViews":[{"buffer":0,"byteLength":36},{"buffer":0,"byteOffset":36,"byteLength":12},{"buffer":1,"byteLength":1}],"buffers":[)" +
               buffer(data_uri(numbers), 48) + "," +
               buffer(data_uri(std::vector<std::uint8_t>{1}), 1) + "]"));
-  const ImportedFile imported = import_here(path);
+  const ImportedFile imported = import_in_process(path);
   EXPECT_EQ(imported.meshes.at(0).x, corners);
   EXPECT_EQ(imported.meshes.at(0).triangles, (Triangles(1, 3) << 0, 1, 2).finished());
-  EXPECT_EQ(imported.nodes.at(0).name, "nodes[0]");  // of a file without scenes every root
+  EXPECT_EQ(imported.nodes.at(0).name, "nodes[0]");  // without scenes all roots are imported
 }
 
 TEST(GltfFile, QuantizedPositionsAreNumbersOrFractions) {
@@ -72,8 +72,9 @@ TEST(GltfFile, QuantizedPositionsAreNumbersOrFractions) {
                 fraction),
             R"(,"extensionsRequired":["KHR_mesh_quantization"],"bufferViews":[{"buffer":0,"byteLength":24,"byteStride":8}],"buffers":[)" +
                 buffer(data_uri(numbers), 24) + "]"));
-    EXPECT_NEAR((import_here(path).meshes.at(0).x * (fraction ? 1 : 1 / 32767.0) - corners).norm(),
-                0, 1e-4)
+    EXPECT_NEAR(
+        (import_in_process(path).meshes.at(0).x * (fraction ? 1 : 1 / 32767.0) - corners).norm(), 0,
+        1e-4)
         << fraction;
   }
 }
@@ -81,7 +82,7 @@ TEST(GltfFile, QuantizedPositionsAreNumbersOrFractions) {
 TEST(GltfFile, StripsAndFansAreTriangles) {
   const std::vector<float> numbers{0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0};
   const auto with = [&](int mode) {
-    return import_here(
+    return import_in_process(
                file(
                    "strip.gltf",
                    fmt::format(
@@ -101,10 +102,11 @@ TEST(GltfFile, BuffersAreFoundByEscapedAndByPlainNames) {
   const std::string accessor = R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"})",
                     view = R"(,"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[)";
   for (const char* uri : {"a%20part.bin", "a part.bin", "./a%20part.bin"})
-    EXPECT_EQ(import_here(file("beside.gltf", triangle(accessor, view + buffer(uri, 36) + "]")))
-                  .meshes.at(0)
-                  .x,
-              corners)
+    EXPECT_EQ(
+        import_in_process(file("beside.gltf", triangle(accessor, view + buffer(uri, 36) + "]")))
+            .meshes.at(0)
+            .x,
+        corners)
         << uri;
   EXPECT_ERROR(file("gone.gltf", triangle(accessor, view + buffer("gone%20part.bin", 36) + "]")),
                "\"gone part.bin\" beside it, cannot be opened");
@@ -112,8 +114,8 @@ TEST(GltfFile, BuffersAreFoundByEscapedAndByPlainNames) {
                "elsewhere: \"https://a.org/b.bin\"");
 }
 
-TEST(GltfFile, PropertiesOfAnyKindAreReadOrLeft) {
-  const ImportedFile imported = import_here(file(
+TEST(GltfFile, PropertiesOfSupportedTypesAreRead) {
+  const ImportedFile imported = import_in_process(file(
       "extras.gltf",
       R"("nodes":[{"extras":"text"},{"extras":[1]},{"mesh":0,"extras":{"a":1,"b":true,"c":"[1, 2]","d":null,"e":{"f":1},"g":[3,4],"h":"x"}}],)"
       R"("meshes":[{"extras":{"h":"of the mesh","i":5},"primitives":[]}])"));
@@ -124,7 +126,7 @@ TEST(GltfFile, PropertiesOfAnyKindAreReadOrLeft) {
   EXPECT_EQ(imported.nodes.at(2).properties, wanted);
 }
 
-TEST(GltfFile, DamageAndOtherVersionsAreErrorsInWords) {
+TEST(GltfFile, DamageAndOtherVersionsAreErrors) {
   EXPECT_ERROR(temporary("old.gltf", R"({"asset":{"version":"1.0"}})"), "glTF of version 1.0");
   EXPECT_ERROR(temporary("half.gltf", R"({"asset":{"version":"2.0"},"nodes":[)"),
                "damaged at byte");
@@ -150,7 +152,7 @@ TEST(GltfFile, PointersToNodesMoveThem) {
       R"({"KHR_animation_pointer":{"pointer":"/materials/0/alphaCutoff"}}}}]}],"accessors":[{"bufferView":0,"componentType":5126,"count":2,"type":"SCALAR"},)"
       R"({"bufferView":0,"byteOffset":8,"componentType":5126,"count":2,"type":"VEC3"}],"bufferViews":[{"buffer":0,"byteLength":32}],"buffers":[)" +
           buffer(data_uri(numbers), 32) + "]");
-  const ImportedFile imported = import_here(path);
+  const ImportedFile imported = import_in_process(path);
   ASSERT_EQ(imported.takes.at(0).motions.size(), 1u);
   EXPECT_EQ(imported.takes[0].motions.at(0).translation.keys.at(1).value, Vector3d(1, 0, 0));
 }

@@ -20,15 +20,15 @@
 
 namespace paperbake::test {
 
-/// A mesh as a glTF file has it: z up here, y up in the file.
+/// A mesh for a glTF file. Here z is up; it is written with y up.
 struct FlatMesh {
   std::vector<Vector3d> x;   // units of the file
-  std::vector<Vector2d> uv;  // empty: none
-  std::vector<int> corners;  // three a triangle
+  std::vector<Vector2d> uv;  // or empty
+  std::vector<int> corners;  // three per triangle
 };
 
-/// A sheet of nx x ny cells of two triangles each; `keep` says which cells are paper, `bend` puts
-/// pattern points into space.
+/// A sheet of nx x ny cells of two triangles each. keep: which cells are paper, default all; bend:
+/// maps points of the pattern to space.
 inline FlatMesh grid(int nx, int ny, double width, double height,
                      const std::function<bool(int, int)>& keep = nullptr,
                      const std::function<Vector3d(double, double)>& bend = nullptr) {
@@ -48,7 +48,7 @@ inline FlatMesh grid(int nx, int ny, double width, double height,
   return mesh;
 }
 
-/// Writes small .gltf files by hand: what no exporter would write can be tested.
+/// Writes small .gltf files, also with content that no exporter would write.
 class GltfFixture {
  public:
   /// extras: JSON object, e.g. {"paper_gsm": 70}
@@ -65,7 +65,7 @@ class GltfFixture {
     return node(name, Vector3d::Zero(), extras, fmt::format(R"("mesh":{},)", meshes_.size() - 1));
   }
 
-  /// A mesh of lines alone, two corners each.
+  /// A mesh of lines without faces. corners: two per line
   int lines(const std::string& name, const std::vector<Vector3d>& points,
             const std::vector<int>& corners, const std::string& extras = "{}") {
     std::vector<float> x;
@@ -76,7 +76,7 @@ class GltfFixture {
     return node(name, Vector3d::Zero(), extras, fmt::format(R"("mesh":{},)", meshes_.size() - 1));
   }
 
-  /// members: more of the node's JSON, each with its comma behind
+  /// members: further members of the node's JSON, each followed by a comma
   int node(const std::string& name, const Vector3d& at, const std::string& extras = "{}",
            const std::string& members = "") {
     nodes_.push_back(fmt::format(R"({{{}"name":"{}","translation":[{},{},{}],"extras":{}}})",
@@ -87,7 +87,7 @@ class GltfFixture {
 
   void make_child(int node) { roots_.erase(std::find(roots_.begin(), roots_.end(), node)); }
 
-  /// One animation that moves a node over frames of 1/24 s.
+  /// Adds an animation that moves a node, with frames of 1/24 s.
   void move(int node, const std::vector<int>& frames, const std::vector<Vector3d>& positions) {
     std::vector<float> values;
     for (const Vector3d& p : positions) append(values, p);
@@ -99,8 +99,8 @@ class GltfFixture {
     animate(node, "scale", seconds(frames), values);
   }
 
-  /// One animation of a part of a node - path: translation, rotation or scale - as its sampler: the
-  /// file's own axes.
+  /// Adds an animation with one sampler, in the axes of the file.
+  /// path  translation, rotation or scale
   void animate(int node, const char* path, const std::vector<double>& seconds,
                const std::vector<float>& values, const char* interpolation = "LINEAR",
                int component = 5126) {

@@ -1,4 +1,4 @@
-// What the importing process tells: it comes back as it was, and nothing else does.
+// The result of the importing process: it is restored exactly, and invalid bytes are refused.
 
 #include "formats/scene/import_serialization.h"
 
@@ -13,43 +13,43 @@
 namespace paperbake {
 namespace {
 
-SceneMessage held_sheet() {
-  return {import_here(
+ImportResult held_sheet() {
+  return {import_in_process(
               test::HeldSheet(test::grid(2, 2, 0.2, 0.2),
                               R"({"paper_gsm":80,"paper_preset":"copy90","paper_size":[0.2,0.2]})")
                   .write("message.gltf")),
           "", "", ""};
 }
 
-TEST(SceneMessage, ComesBackAsItWas) {
-  SceneMessage message = held_sheet();
-  message.place = "scene.glb", message.cause = "It is torn.";
-  const SceneMessage back = message_of(bytes_of(message));
-  EXPECT_EQ(back.place, message.place);
-  EXPECT_EQ(back.cause, message.cause);
+TEST(ImportSerialization, RestoresWhatWasWritten) {
+  ImportResult result = held_sheet();
+  result.place = "scene.glb", result.cause = "It is damaged.";
+  const ImportResult back = deserialize(serialize(result));
+  EXPECT_EQ(back.place, result.place);
+  EXPECT_EQ(back.cause, result.cause);
   ASSERT_EQ(back.file.nodes.size(), 3u);
   EXPECT_EQ(back.file.nodes[0].name, "paper");
-  EXPECT_EQ(back.file.nodes[0].properties, message.file.nodes[0].properties);
-  ASSERT_EQ(message.file.nodes[0].properties.size(), 3u);  // a number, a text, a list
-  EXPECT_TRUE(back.file.meshes.at(0).x == message.file.meshes[0].x &&
-              back.file.meshes[0].triangles == message.file.meshes[0].triangles);
+  EXPECT_EQ(back.file.nodes[0].properties, result.file.nodes[0].properties);
+  ASSERT_EQ(result.file.nodes[0].properties.size(), 3u);  // a number, a text, a list
+  EXPECT_TRUE(back.file.meshes.at(0).x == result.file.meshes[0].x &&
+              back.file.meshes[0].triangles == result.file.meshes[0].triangles);
   ASSERT_EQ(back.file.takes.at(0).motions.count(2), 1u);
   EXPECT_EQ(back.file.takes[0].motions.at(2).translation.keys.size(), 2u);
-  EXPECT_EQ(bytes_of(back), bytes_of(message));
+  EXPECT_EQ(serialize(back), serialize(result));
 }
 
-TEST(SceneMessage, CutShortIsRefused) {
-  const std::string whole = bytes_of(held_sheet());
+TEST(ImportSerialization, TruncatedDataIsRefused) {
+  const std::string whole = serialize(held_sheet());
   for (std::size_t size = 0; size < whole.size(); size += 7)
-    EXPECT_THROW(message_of(std::string_view(whole).substr(0, size)), std::runtime_error) << size;
+    EXPECT_THROW(deserialize(std::string_view(whole).substr(0, size)), std::runtime_error) << size;
 }
 
-TEST(SceneMessage, WhatAnImportedFileMayNotBeIsRefused) {
+TEST(ImportSerialization, InvalidContentIsRefused) {
   const auto refused = [](const std::function<void(ImportedFile&)>& spoil) {
-    SceneMessage message = held_sheet();
-    spoil(message.file);
+    ImportResult result = held_sheet();
+    spoil(result.file);
     try {
-      message_of(bytes_of(message));
+      deserialize(serialize(result));
     } catch (const std::runtime_error&) {
       return true;
     }

@@ -1,4 +1,4 @@
-// Work in a process of its own: what comes back, and how it ends where it does not come to its end.
+// Work in a sandboxed process: what it returns, and how its failures are reported.
 
 #include "formats/scene/sandbox.h"
 
@@ -13,37 +13,38 @@
 namespace paperbake {
 namespace {
 
-TEST(Apart, HandsBackAllBytes) {
+TEST(Sandbox, ReturnsAllBytes) {
   std::string all;
-  // many times what a pipe holds
+  // many times the capacity of a pipe
   for (unsigned i = 0; i < 3000000; ++i) all += static_cast<char>(i * i % 251);
-  EXPECT_EQ(run_apart([&] { return all; }).bytes, all);
-  EXPECT_EQ(run_apart([] { return std::string(); }).bytes, "");
+  EXPECT_EQ(run_sandboxed([&] { return all; }).bytes, all);
+  EXPECT_EQ(run_sandboxed([] { return std::string(); }).bytes, "");
 }
 
-TEST(Apart, LeavesThisProcessAsItIs) {
+TEST(Sandbox, DoesNotChangeThisProcess) {
   int touched = 0;
-  run_apart([&] { return ++touched, std::string(); });
+  run_sandboxed([&] { return ++touched, std::string(); });
   EXPECT_EQ(touched, 0);
 }
 
-TEST(Apart, SaysHowItEndedWhenItDidNotComeToItsEnd) {
-  const Apart crashed = run_apart([]() -> std::string {
+TEST(Sandbox, ReportsHowTheWorkEndedWhenItFailed) {
+  const SandboxResult crashed = run_sandboxed([]() -> std::string {
     std::raise(SIGSEGV);
     return "after";
   });
   EXPECT_FALSE(crashed.bytes);
   EXPECT_EQ(crashed.ended, "crashed (Segmentation fault)");
-  const Apart threw = run_apart([]() -> std::string { throw std::runtime_error("foreign"); });
+  const SandboxResult threw =
+      run_sandboxed([]() -> std::string { throw std::runtime_error("foreign"); });
   EXPECT_FALSE(threw.bytes);
-  EXPECT_EQ(threw.ended, "broke off");
-  // a good end without an answer is none
-  const Apart left = run_apart([]() -> std::string { std::_Exit(0); });
+  EXPECT_EQ(threw.ended, "failed");
+  // exit code 0 without an answer is a failure
+  const SandboxResult left = run_sandboxed([]() -> std::string { std::_Exit(0); });
   EXPECT_FALSE(left.bytes);
 }
 
-TEST(Apart, EndsWorkThatTakesTooMuch) {
-  const Apart endless = run_apart(
+TEST(Sandbox, EndsWorkThatExceedsItsLimits) {
+  const SandboxResult endless = run_sandboxed(
       []() -> std::string {
         for (volatile bool on = true; on;) {
         }
@@ -57,8 +58,8 @@ TEST(Apart, EndsWorkThatTakesTooMuch) {
       return std::string(std::vector<char>(megabytes << 20, 'x').back() == 'x' ? "had" : "");
     };
   };
-  EXPECT_FALSE(run_apart(greedy(600), {std::uint64_t(300) << 20, 10}).bytes);
-  EXPECT_EQ(run_apart(greedy(100), {std::uint64_t(300) << 20, 10}).bytes, "had");
+  EXPECT_FALSE(run_sandboxed(greedy(600), {std::uint64_t(300) << 20, 10}).bytes);
+  EXPECT_EQ(run_sandboxed(greedy(100), {std::uint64_t(300) << 20, 10}).bytes, "had");
 }
 
 }  // namespace

@@ -6,7 +6,7 @@
 namespace paperbake::test {
 namespace {
 
-TEST(SceneColliders, AreFoundByNameAndByPropertyAndTheSheetIsNone) {
+TEST(SceneColliders, AreFoundByNameAndByProperty) {
   HeldSheet fixture;
   fixture.mesh("Collider_Table.001", grid(1, 1, 0.5, 0.5), R"({"paper_friction":0.25})");
   fixture.mesh("floor", grid(2, 2, 0.5, 0.5), R"({"paper_collider":true})");
@@ -21,7 +21,7 @@ TEST(SceneColliders, AreFoundByNameAndByPropertyAndTheSheetIsNone) {
   EXPECT_TRUE(scene.colliders[0].motion.empty());
 }
 
-TEST(SceneColliders, GoWithTheirNodesAndKeepTheirSize) {
+TEST(SceneColliders, MoveWithTheirNodesAndKeepTheirSize) {
   HeldSheet fixture;
   const int table = fixture.mesh("collider", grid(1, 1, 0.5, 0.5));
   fixture.move(table, {1, 5}, {{0, 0, -0.1}, {0.4, 0, -0.1}});
@@ -36,7 +36,7 @@ TEST(SceneColliders, GoWithTheirNodesAndKeepTheirSize) {
   EXPECT_TRUE(has_warning(scene, "The size of the collider \"collider.balloon\" is keyed"));
 }
 
-TEST(SceneColliders, WithOneASheetNeedsNoHandle) {
+TEST(SceneColliders, ASheetNeedsNoHandleBesideOne) {
   GltfFixture fixture;
   fixture.mesh("paper", grid(4, 4, 0.2, 0.2));
   EXPECT_THROW(read_scene(fixture.write("nothing.gltf")), Error);

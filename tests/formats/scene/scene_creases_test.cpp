@@ -1,4 +1,4 @@
-// Folds that a sheet has from the start, by edges in the scene.
+// Prescribed creases from edges in the scene.
 
 #include "formats/scene/scene_file.h"
 
@@ -25,8 +25,8 @@ const std::filesystem::path data =
 
 using Line = std::vector<Vector2d>;
 
-/// Largest distance of the points of two polylines, whichever way they run. [m]
-double apart(const Line& a, Line b) {
+/// Largest distance [m] of corresponding points of two polylines, in either direction.
+double max_distance(const Line& a, Line b) {
   if (a.size() != b.size()) return INFINITY;
   if ((a.front() - b.front()).norm() > (a.front() - b.back()).norm())
     std::reverse(b.begin(), b.end());
@@ -35,24 +35,24 @@ double apart(const Line& a, Line b) {
   return worst;
 }
 
-/// Those of the only sheet.
+/// The prescribed creases of the only sheet.
 const std::vector<PrescribedCrease>& creases(const Scene& scene) {
   return scene.sheets.at(0).pattern.prescribed_creases;
 }
 
-TEST(SceneCreases, EdgesOnTheSheetAreOneLineWithTheAngleOfTheirNode) {
+TEST(SceneCreases, EdgesBecomeOnePolylineWithTheAngleOfTheirNode) {
   HeldSheet held;
   held.lines("crease.bend", {{0.05, 0, 0}, {0.05, 0.1, 0}, {0.05, 0.05, 0}, {0.2, 0.15, 0}},
              {0, 2, 2, 1, 1, 3}, R"({"paper_crease":30})");
   const Scene scene = read_scene(held.write("bend.gltf"));
   ASSERT_EQ(creases(scene).size(), 1u);
-  EXPECT_LT(apart(creases(scene)[0].line, {{0.05, 0}, {0.05, 0.1}, {0.2, 0.15}}), 1e-7);
+  EXPECT_LT(max_distance(creases(scene)[0].line, {{0.05, 0}, {0.05, 0.1}, {0.2, 0.15}}), 1e-7);
   EXPECT_NEAR(creases(scene)[0].angle, EIGEN_PI / 6, 1e-12);
   EXPECT_EQ(scene.sheets[0].crease_origin, std::vector<std::string>{"\"crease.bend\""});
   EXPECT_FALSE(has_warning(scene, "paper_crease"));
 }
 
-TEST(SceneCreases, BranchesAreLinesOfTheirOwnAndRingsAreClosed) {
+TEST(SceneCreases, BranchesAreSeparatePolylinesAndLoopsAreClosed) {
   HeldSheet held;
   const std::vector<Vector3d> star{{0.1, 0.1, 0}, {0, 0.1, 0}, {0.2, 0.1, 0}, {0.1, 0.2, 0}};
   held.lines("crease.star", star, {0, 1, 0, 2, 0, 3});
@@ -74,9 +74,9 @@ TEST(SceneCreases, LieOnTheSheetAsItIsAtTheFirstFrame) {
     return Vector3d(radius * std::sin(u / radius), v, radius * std::cos(u / radius));
   };
   held.lines("crease", {at(0.1, 0.05), at(0.1, 0.15)}, {0, 1});
-  EXPECT_LT(
-      apart(creases(read_scene(held.write("rolled.gltf"))).at(0).line, {{0.1, 0.05}, {0.1, 0.15}}),
-      1e-4);
+  EXPECT_LT(max_distance(creases(read_scene(held.write("rolled.gltf"))).at(0).line,
+                         {{0.1, 0.05}, {0.1, 0.15}}),
+            1e-4);
 }
 
 TEST(SceneCreases, TheSheetIsTheNearestOrTheOneNamed) {
@@ -92,7 +92,7 @@ TEST(SceneCreases, TheSheetIsTheNearestOrTheOneNamed) {
   EXPECT_EQ(scene.sheets.at(1).crease_origin, std::vector<std::string>{"\"crease.near\""});
 }
 
-TEST(SceneCreases, WhatCannotBeACreaseIsAnErrorInWords) {
+TEST(SceneCreases, EdgesThatCannotBeCreasesAreErrors) {
   const auto with = [](const std::vector<Vector3d>& points, const std::string& extras = "{}",
                        const std::string& name = "crease.x") {
     HeldSheet held(grid(4, 4, 0.2, 0.2, [](int i, int j) { return i < 2 || j < 2; }));
@@ -115,19 +115,19 @@ TEST(SceneCreases, WhatCannotBeACreaseIsAnErrorInWords) {
       "no edge within it is marked"));
 }
 
-/// Files of Blender's own exporters, of one scene: in FBX the edges of the sheet's mesh at y = 0.1
-/// are creased, with 40 degrees; in both an object of two loose edges from a corner to the middle
-/// and to the side.
+// Written by Blender's own exporters from one scene. In FBX the edges of the sheet's mesh at y =
+// 0.1 have a crease weight and an angle of 40 degrees; in both files an object of two loose edges
+// runs from a corner to the middle and on to the opposite side.
 TEST(SceneCreases, BlendersCreasesAreRead) {
   const Scene fbx = read_scene(data / "creases.fbx"), gltf = read_scene(data / "creases.glb");
   const Line drawn{{0, 0}, {0.1, 0.05}, {0.2, 0.05}}, marked{{0, 0.1}, {0.2, 0.1}};
   ASSERT_EQ(creases(fbx).size(), 2u);
   ASSERT_EQ(creases(gltf).size(), 1u);
-  EXPECT_LT(apart(creases(fbx)[0].line, drawn), 1e-6);
-  EXPECT_LT(apart(creases(fbx)[1].line, marked), 1e-6);
+  EXPECT_LT(max_distance(creases(fbx)[0].line, drawn), 1e-6);
+  EXPECT_LT(max_distance(creases(fbx)[1].line, marked), 1e-6);
   EXPECT_NEAR(creases(fbx)[1].angle * 180 / EIGEN_PI, 40, 1e-6);
   EXPECT_EQ(fbx.sheets[0].crease_origin[1], "edges marked in the mesh");
-  EXPECT_LT(apart(creases(gltf)[0].line, drawn), 1e-6);
+  EXPECT_LT(max_distance(creases(gltf)[0].line, drawn), 1e-6);
   EXPECT_NEAR(creases(gltf)[0].angle * 180 / EIGEN_PI, -20, 1e-6);
 }
 

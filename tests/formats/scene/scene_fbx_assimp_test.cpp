@@ -1,4 +1,4 @@
-// FBX without ufbx: what is lost is said.
+// FBX import without ufbx warns of what is lost.
 
 #include "formats/scene/scene_file.h"
 
@@ -9,7 +9,7 @@
 namespace paperbake {
 namespace {
 
-TEST(SceneFbxByAssimp, WhatItCostsIsSaid) {
+TEST(SceneFbxAssimp, LossesAreWarnedOf) {
   const Scene scene = read_scene(test::sample("S7_stacks.fbx"));
   EXPECT_EQ(scene.first_frame, 1);
   EXPECT_TRUE(test::has_warning(scene, "built without ufbx"));

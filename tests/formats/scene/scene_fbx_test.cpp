@@ -1,4 +1,4 @@
-// What FBX files say of their axes, unit, rate and names: shared scenes with another byte or two.
+// Axes, unit, frame rate and names of FBX files: sample scenes with a few bytes changed.
 
 #include "formats/scene/scene_file.h"
 
@@ -18,8 +18,8 @@ using test::sample;
 using test::temporary;
 using test::whole;
 
-/// Sets a property of a binary FBX file: its name is followed by three strings (type, kind, flags)
-/// and the value.
+/// Sets a property of a binary FBX file, whose name is followed by three strings (type, label,
+/// flags) and the value.
 template <class Value>
 void set_fbx(std::string& fbx, const std::string& name, Value value) {
   std::size_t at = fbx.find(std::string("S") + char(name.size()) + std::string(3, '\0') + name);
@@ -28,9 +28,9 @@ void set_fbx(std::string& fbx, const std::string& name, Value value) {
   std::memcpy(&fbx[at + 1], &value, sizeof value);
 }
 
-TEST(SceneFileFbx, AxesAreThoseOfTheFile) {
+TEST(SceneFbx, AxesAreThoseOfTheFile) {
   std::string fbx = whole(sample("S1_push.fbx"));
-  // as if made z up: the numbers are now the world's own, up to the unit
+  // declared as z up: now the numbers of the file are those of the world, but for the unit
   set_fbx(fbx, "UpAxis", 2);
   set_fbx(fbx, "FrontAxis", 1);
   set_fbx(fbx, "FrontAxisSign", -1);
@@ -44,7 +44,7 @@ TEST(SceneFileFbx, AxesAreThoseOfTheFile) {
   EXPECT_NEAR((z - Eigen::RowVector3d(y.x(), y.z(), -y.y())).norm(), 0, 1e-12);
 }
 
-TEST(SceneFileFbx, UnitIsThatOfTheFile) {
+TEST(SceneFbx, UnitIsThatOfTheFile) {
   std::string fbx = whole(sample("S1_push.fbx"));
   set_fbx(fbx, "UnitScaleFactor", 2.0);
   const Tracks tracks = read_tracks(temporary("unit.fbx", fbx));
@@ -56,7 +56,7 @@ TEST(SceneFileFbx, UnitIsThatOfTheFile) {
                "The file is probably in centimetres: bake with --unit-scale 0.01");
 }
 
-TEST(SceneFileFbx, RateIsThatOfTheFile) {
+TEST(SceneFbx, RateIsThatOfTheFile) {
   std::string fbx = whole(sample("S1_push.fbx"));
   set_fbx(fbx, "TimeMode", 9);  // NTSC
   EXPECT_DOUBLE_EQ(read_scene(temporary("ntsc.fbx", fbx)).fps, 30000.0 / 1001);
@@ -66,17 +66,17 @@ TEST(SceneFileFbx, RateIsThatOfTheFile) {
   options.start_frame = 1;
   const Scene slow = read_scene(temporary("custom.fbx", fbx), options);
   EXPECT_DOUBLE_EQ(slow.fps, 12);
-  // 59 frames of 24 are 29.5 of 12: from 1, or from 0.5, which is from 0
+  // 59 frames at 24 are 29.5 at 12, counted from frame 1 or from 0.5, which becomes 0
   EXPECT_NEAR(slow.last_frame, 31, 1);
 }
 
-TEST(SceneFileFbx, NamesTwice) {
+TEST(SceneFbx, DuplicateNamesAreErrors) {
   std::string fbx = whole(sample("S7_stacks.fbx"));
   for (std::size_t at; (at = fbx.find("corner.1")) != std::string::npos;) fbx[at + 7] = '0';
   EXPECT_ERROR(temporary("twice.fbx", fbx), "handle \"handle.corner.0\"\n  Two handles");
 }
 
-TEST(SceneFileFbx, KeyedScaleReleasesWithoutTheProperty) {
+TEST(SceneFbx, KeyedScaleReleasesWithoutTheProperty) {
   for (const char* extension : {".fbx", ".glb"}) {
     std::string file = whole(sample(std::string("S3_unload") + extension));
     for (std::size_t at; (at = file.find("paper_release_frame")) != std::string::npos;)

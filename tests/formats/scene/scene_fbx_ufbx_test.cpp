@@ -1,5 +1,4 @@
-// FBX as DCCs key it: curves, layers, what goes on beyond the keys, inherited scale, bones, clocks.
-// Needs ufbx.
+// FBX import with ufbx: curves, layers, extrapolation, inherited scale, bones, frame rates.
 
 #include "formats/scene/scene_file.h"
 #include "formats/scene/scene_import.h"
@@ -28,20 +27,20 @@ using test::whole;
 
 const std::filesystem::path data(PAPERBAKE_DATA);
 
-/// x in centimetres of a node at the frames of the clip, and its first frame.
-struct Way {
+/// The x of a node [cm] at the frames of the clip, and the first of these frames.
+struct XTrack {
   int first;
   std::vector<double> x;
 };
 
-Way way(const std::filesystem::path& path, const std::string& node = "a",
-        const SceneOptions& options = {}) {
+XTrack x_track(const std::filesystem::path& path, const std::string& node = "a",
+               const SceneOptions& options = {}) {
   const Tracks tracks = read_tracks(path, options);
   const auto at = std::find(tracks.names.begin(), tracks.names.end(), node) - tracks.names.begin();
-  Way way{tracks.first_frame, {}};
+  XTrack track{tracks.first_frame, {}};
   for (long f = 0; f < tracks.positions.at(at).rows(); ++f)
-    way.x.push_back(100 * tracks.positions[at](f, 0));
-  return way;
+    track.x.push_back(100 * tracks.positions[at](f, 0));
+  return track;
 }
 
 /// A node "a" whose x follows one curve over a clip.
@@ -54,16 +53,17 @@ std::filesystem::path moved(const std::string& name, const FbxCurve& curve, doub
   return fbx.write(name);
 }
 
-void expect_way(const Way& way, int first, const std::vector<double>& x, double tolerance = 1e-6) {
-  EXPECT_EQ(way.first, first);
-  ASSERT_EQ(way.x.size(), x.size());
+void expect_track(const XTrack& track, int first, const std::vector<double>& x,
+                  double tolerance = 1e-6) {
+  EXPECT_EQ(track.first, first);
+  ASSERT_EQ(track.x.size(), x.size());
   for (std::size_t i = 0; i < x.size(); ++i)
-    EXPECT_NEAR(way.x[i], x[i], tolerance) << "frame " << first + static_cast<int>(i);
+    EXPECT_NEAR(track.x[i], x[i], tolerance) << "frame " << first + static_cast<int>(i);
 }
 
-class OfMaya : public testing::TestWithParam<const char*> {};
+class SceneFbxUfbxMaya : public testing::TestWithParam<const char*> {};
 
-TEST_P(OfMaya, EveryNodeIsWhereMayaHadIt) {
+TEST_P(SceneFbxUfbxMaya, EveryNodeIsWhereMayaHadIt) {
   const test::TrackError error =
       test::track_error(read_tracks(data / (GetParam() + std::string(".fbx"))),
                         data / (GetParam() + std::string(".csv")));
@@ -72,18 +72,18 @@ TEST_P(OfMaya, EveryNodeIsWhereMayaHadIt) {
   EXPECT_LE(error.worst, 1e-5 * error.motion);
 }
 
-INSTANTIATE_TEST_SUITE_P(Files, OfMaya,
+INSTANTIATE_TEST_SUITE_P(Files, SceneFbxUfbxMaya,
                          testing::Values("maya_anim_interpolation_7700_ascii",
                                          "maya_anim_layers_7500_binary",
                                          "maya_anim_pivot_rotate_7700_ascii"),
                          [](const auto& info) { return std::string(info.param); });
 
-TEST(SceneFbx, StepsHoldAndLateStepsComeAtOnce) {
-  expect_way(way(moved("held.fbx", {{1, 3, 5}, {1, 2, 4}, 2}, 1, 5)), 1, {1, 1, 2, 2, 4});
-  expect_way(way(moved("late.fbx", {{1, 3, 5}, {1, 2, 4}, 258}, 1, 5)), 1, {1, 2, 2, 4, 4});
+TEST(SceneFbxUfbx, StepsHoldTheirValueOrTakeTheNextOne) {
+  expect_track(x_track(moved("held.fbx", {{1, 3, 5}, {1, 2, 4}, 2}, 1, 5)), 1, {1, 1, 2, 2, 4});
+  expect_track(x_track(moved("late.fbx", {{1, 3, 5}, {1, 2, 4}, 258}, 1, 5)), 1, {1, 2, 2, 4, 4});
 }
 
-TEST(SceneFbx, StepsAreOnTheirFrameAtRatesOfVideo) {
+TEST(SceneFbxUfbx, StepsAreOnTheirFrameAtRatesOfVideo) {
   FbxFixture fbx;
   fbx.settings = R"(P: "TimeMode", "enum", "", "",9)";
   fbx.fps = 30000.0 / 1001;
@@ -92,40 +92,40 @@ TEST(SceneFbx, StepsAreOnTheirFrameAtRatesOfVideo) {
   FbxCurve steps{{}, {}, 2, {}};
   for (int f = 1001; f <= 1100; ++f) steps.frames.push_back(f), steps.values.push_back(f);
   fbx.curve(fbx.layer(), a, "Lcl Translation", 'X', steps);
-  expect_way(way(fbx.write("video.fbx")), 1001, steps.values, 1e-4);
+  expect_track(x_track(fbx.write("video.fbx")), 1001, steps.values, 1e-4);
 }
 
-TEST(SceneFbx, CubicsFollowTheirSlopes) {
-  // x³ over a second: slopes 0 and 3 a second, weights of a third make Bezier's time even
+TEST(SceneFbxUfbx, CubicsFollowTheirSlopes) {
+  // x³ over a second: tangents 0 and 3 per second; with weights of 1/3 Bezier time is uniform
   std::vector<double> cube;
   for (int f = 0; f <= 24; ++f) cube.push_back(std::pow(f / 24.0, 3));
-  expect_way(way(moved("cubic.fbx", {{0, 24}, {0, 1}, 1032, {0, 3}}, 0, 24)), 0, cube, 1e-5);
+  expect_track(x_track(moved("cubic.fbx", {{0, 24}, {0, 1}, 1032, {0, 3}}, 0, 24)), 0, cube, 1e-5);
 }
 
-TEST(SceneFbx, CurvesGoOnBeyondTheirKeys) {
+TEST(SceneFbxUfbx, CurvesGoOnBeyondTheirKeys) {
   const auto path = [](char after) {
     FbxCurve curve{{1, 3}, {0, 2}};
     curve.after = after;
     return moved(std::string("after_") + after + ".fbx", curve, 1, 7);
   };
-  expect_way(way(path('C')), 1, {0, 1, 2, 2, 2, 2, 2});
-  // at the seam either end is right; the next line says which frames are sure
-  expect_way(way(path('R')), 1, {0, 1, 2, 1, 0, 1, 0}, 2.0001);
-  EXPECT_NEAR(way(path('R')).x.at(3), 1, 1e-6);
-  EXPECT_NEAR(way(path('R')).x.at(5), 1, 1e-6);
-  expect_way(way(path('A')), 1, {0, 1, 2, 3, 4, 5, 6});
-  expect_way(way(path('M')), 1, {0, 1, 2, 1, 0, 1, 2});
+  expect_track(x_track(path('C')), 1, {0, 1, 2, 2, 2, 2, 2});
+  // at the seam either value is right; the next lines check the frames between
+  expect_track(x_track(path('R')), 1, {0, 1, 2, 1, 0, 1, 0}, 2.0001);
+  EXPECT_NEAR(x_track(path('R')).x.at(3), 1, 1e-6);
+  EXPECT_NEAR(x_track(path('R')).x.at(5), 1, 1e-6);
+  expect_track(x_track(path('A')), 1, {0, 1, 2, 3, 4, 5, 6});
+  expect_track(x_track(path('M')), 1, {0, 1, 2, 1, 0, 1, 2});
   FbxCurve before{{5, 7}, {0, 2}};
   before.before = 'A';
-  expect_way(way(moved("before.fbx", before, 1, 7)), 1, {-4, -3, -2, -1, 0, 1, 2});
+  expect_track(x_track(moved("before.fbx", before, 1, 7)), 1, {-4, -3, -2, -1, 0, 1, 2});
 }
 
-TEST(SceneFbx, AShotWhoseCurvesGoOnLastsAsLongAsItsClip) {
+TEST(SceneFbxUfbx, CurvesThatGoOnAreSampledOverTheWholeClip) {
   const auto frames = [](char after) {
     FbxCurve curve{{1, 3}, {0, 2}};
     curve.after = after;
     const std::filesystem::path path = moved("shot.fbx", curve, 1, 9);
-    const ImportedFile file = import_here(path);
+    const ImportedFile file = import_in_process(path);
     EXPECT_EQ(file.takes.at(0).motions.at(0).key_times.size(), 2u);
     return file.takes[0].motions.at(0).translation.keys.back().time * 24;
   };
@@ -133,7 +133,7 @@ TEST(SceneFbx, AShotWhoseCurvesGoOnLastsAsLongAsItsClip) {
   EXPECT_NEAR(frames('A'), 9, 1e-9);
 }
 
-TEST(SceneFbx, LayersAddByTheirWeight) {
+TEST(SceneFbxUfbx, LayersAddByTheirWeight) {
   FbxFixture fbx;
   const auto a = fbx.node("a");
   fbx.stack("Take 001", 1, 3);
@@ -142,12 +142,12 @@ TEST(SceneFbx, LayersAddByTheirWeight) {
       fbx.layer(
           "P: \"Weight\", \"Number\", \"\", \"A\",25\nP: \"BlendMode\", \"enum\", \"\", \"\",0"),
       a, "Lcl Translation", 'X', {{1, 3}, {0, 8}});
-  expect_way(way(fbx.write("layers.fbx")), 1, {0, 2, 4});
+  expect_track(x_track(fbx.write("layers.fbx")), 1, {0, 2, 4});
 }
 
-TEST(SceneFbx, ScaleIsInheritedAsTheNodeSays) {
-  // parent: 2, 3, 1 along its axes, child 10 along x and turned by 90 degrees about z, grandchild
-  // at (1, 0, 0) of that
+TEST(SceneFbxUfbx, ScaleIsInheritedAsTheNodeSays) {
+  // the parent is scaled by (2, 3, 1), the child is at x = 10 and rotated by 90 degrees about z,
+  // the grandchild is at (1, 0, 0) of the child
   const auto tip = [](int inherit) {
     FbxFixture fbx;
     const auto parent = fbx.node("parent", 0, FbxFixture::vector("Lcl Scaling", {2, 3, 1}));
@@ -166,32 +166,34 @@ TEST(SceneFbx, ScaleIsInheritedAsTheNodeSays) {
         std::find(tracks.names.begin(), tracks.names.end(), "tip") - tracks.names.begin();
     return Vector3d(100 * tracks.positions.at(at).row(1));  // the file's y is the world's z
   };
-  // RSrs: scaled along the parent's axes
+  // RSrs: the parent's scale acts along the parent's axes
   EXPECT_NEAR((tip(1) - Vector3d(20, 0, 3 * 5 * 2)).norm(), 0, 1e-9);
-  // RrSs: axis by axis, along its own
+  // RrSs: the scales are multiplied axis by axis, along the child's axes
   EXPECT_NEAR((tip(0) - Vector3d(20, 0, 2 * 5 * 2)).norm(), 0, 1e-9);
-  EXPECT_NEAR((tip(2) - Vector3d(20, 0, 5 * 2)).norm(), 0, 1e-9);  // Rrs: by itself alone
+  EXPECT_NEAR((tip(2) - Vector3d(20, 0, 5 * 2)).norm(), 0,
+              1e-9);  // Rrs: only the child's own scale
 }
 
-TEST(SceneFbx, TracksBeginWhereTheClipDoes) {
-  expect_way(way(moved("late_clip.fbx", {{1001, 1003}, {0, 2}}, 1001, 1004)), 1001, {0, 1, 2, 2});
-  expect_way(way(moved("negative.fbx", {{-10, -8}, {0, 2}}, -10, -7)), -10, {0, 1, 2, 2});
+TEST(SceneFbxUfbx, TracksBeginWhereTheClipDoes) {
+  expect_track(x_track(moved("late_clip.fbx", {{1001, 1003}, {0, 2}}, 1001, 1004)), 1001,
+               {0, 1, 2, 2});
+  expect_track(x_track(moved("negative.fbx", {{-10, -8}, {0, 2}}, -10, -7)), -10, {0, 1, 2, 2});
   SceneOptions options;
   options.start_frame = 5;
-  EXPECT_EQ(way(moved("moved_clip.fbx", {{1001, 1003}, {0, 2}}, 1001, 1003), "a", options).first,
-            5);
+  EXPECT_EQ(
+      x_track(moved("moved_clip.fbx", {{1001, 1003}, {0, 2}}, 1001, 1003), "a", options).first, 5);
 }
 
-TEST(SceneFbx, AnotherRateSamplesTheCurvesThere) {
+TEST(SceneFbxUfbx, AnotherFrameRateSamplesTheCurvesAtItsFrames) {
   SceneOptions options;
   options.fps = 48;
-  expect_way(way(moved("faster.fbx", {{0, 1}, {0, 1}, 1032, {0, 0}}, 0, 1), "a", options), 0,
-             {0, 0.5, 1}, 1e-6);
-  expect_way(way(moved("faster_step.fbx", {{0, 1, 2}, {0, 1, 2}, 2}, 0, 2), "a", options), 0,
-             {0, 0, 1, 1, 2});
+  expect_track(x_track(moved("faster.fbx", {{0, 1}, {0, 1}, 1032, {0, 0}}, 0, 1), "a", options), 0,
+               {0, 0.5, 1}, 1e-6);
+  expect_track(x_track(moved("faster_step.fbx", {{0, 1, 2}, {0, 1, 2}, 2}, 0, 2), "a", options), 0,
+               {0, 0, 1, 1, 2});
 }
 
-TEST(SceneFbx, BonesCarryPropertiesOnThemselvesOrOnTheirData) {
+TEST(SceneFbxUfbx, BonesCarryPropertiesOnThemselvesOrOnTheirData) {
   FbxFixture fbx;
   const auto bone = fbx.node("bone", 0, "", "LimbNode",
                              FbxFixture::property("paper_point", "KString", "\"tail\"") +
@@ -200,7 +202,7 @@ TEST(SceneFbx, BonesCarryPropertiesOnThemselvesOrOnTheirData) {
   fbx.node("max", 0,
            "P: \"UDP3DSMAX\", \"KString\", \"\", \"U\", \"paper_mode = "
            "relative&cr;&lf;paper_grab_frame=24&cr;&lf;paper_size = [0.2, 0.1]\"\n");
-  const ImportedFile file = import_here(fbx.write("bones.fbx"));
+  const ImportedFile file = import_in_process(fbx.write("bones.fbx"));
   ASSERT_EQ(file.nodes.size(), 3u);
   EXPECT_EQ(std::get<std::string>(file.nodes[0].properties.at("paper_point")), "tail");
   EXPECT_EQ(std::get<double>(file.nodes[0].properties.at("paper_radius")), 0.002);
@@ -209,7 +211,7 @@ TEST(SceneFbx, BonesCarryPropertiesOnThemselvesOrOnTheirData) {
   EXPECT_EQ(std::get<std::vector<double>>(file.nodes[2].properties.at("paper_size")).size(), 2u);
 }
 
-TEST(SceneFbx, StepsOfTheTakeThatIsNamed) {
+TEST(SceneFbxUfbx, OnlyTheNamedTakeIsUsed) {
   FbxFixture fbx;
   const auto a = fbx.node("a");
   fbx.stack("walk", 1, 3);
@@ -218,12 +220,12 @@ TEST(SceneFbx, StepsOfTheTakeThatIsNamed) {
   fbx.curve(fbx.layer(), a, "Lcl Translation", 'X', {{11, 13}, {0, 6}});
   SceneOptions options;
   options.take = "run";
-  expect_way(way(fbx.write("takes.fbx"), "a", options), 11, {0, 3, 6});
+  expect_track(x_track(fbx.write("takes.fbx"), "a", options), 11, {0, 3, 6});
   options.take = "walk";
-  expect_way(way(fbx.write("takes.fbx"), "a", options), 1, {0, 1, 2});
+  expect_track(x_track(fbx.write("takes.fbx"), "a", options), 1, {0, 1, 2});
 }
 
-TEST(SceneFbx, TheFirstFrameIsTheFilesUnlessBlenderLostIt) {
+TEST(SceneFbxUfbx, TheFirstFrameIsThatOfTheFileUnlessBlenderLostIt) {
   const Scene scene = read_scene(sample("S7_stacks.fbx"));
   EXPECT_EQ(scene.first_frame, 10);
   EXPECT_EQ(scene.last_frame, 34);
@@ -239,8 +241,9 @@ TEST(SceneFbx, TheFirstFrameIsTheFilesUnlessBlenderLostIt) {
   EXPECT_LE(error.worst, 3.5e-4);  // Simplify, which is on by default
 }
 
-/// A scene of one object has one such stack; a scene's own stack has its name alone.
-TEST(SceneFbx, OneStackOfAnActionHasLostItsStartToo) {
+// With "All Actions" a scene of one object has one stack "object|action"; the stack of a scene has
+// only the name of the scene.
+TEST(SceneFbxUfbx, ASingleStackOfAnActionHasAlsoLostItsStart) {
   for (const std::string name : {"handle|lift", "Scene"}) {
     FbxFixture fixture;
     fixture.creator = "Blender (stable FBX IO) - 4.5.0 - 5.13.0";
@@ -252,14 +255,15 @@ TEST(SceneFbx, OneStackOfAnActionHasLostItsStartToo) {
   }
 }
 
-TEST(SceneFbx, WhatCannotBeRepairedIsNamed) {
+TEST(SceneFbxUfbx, ThinnedOutCurvesAreWarnedOf) {
   EXPECT_TRUE(has_warning(read_scene(data / "S6_interp_default.fbx"), "export with Simplify 0"));
   EXPECT_FALSE(has_warning(read_scene(sample("S1_push.fbx")), "constraint"));
-  const ImportedFile sparse = import_here(moved("sparse.fbx", {{1, 9, 20}, {0, 1, 3}}, 1, 20));
+  const ImportedFile sparse =
+      import_in_process(moved("sparse.fbx", {{1, 9, 20}, {0, 1, 3}}, 1, 20));
   EXPECT_TRUE(sparse.warnings.empty());
 }
 
-TEST(SceneFbx, ClipsThatNobodyCanMeanAreErrors) {
+TEST(SceneFbxUfbx, ImplausiblyLongClipsAreErrors) {
   try {
     read_tracks(moved("endless.fbx", {{0, 5e6}, {0, 1}}, 0, 5e6));
     FAIL();

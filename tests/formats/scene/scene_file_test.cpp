@@ -1,4 +1,4 @@
-// Scene files as a whole: what cannot be read, names and takes, first frame and rate.
+// Scene files as a whole: unreadable files, names, takes, first frame and frame rate.
 
 #include "formats/scene/scene_file.h"
 
@@ -24,7 +24,7 @@ using test::sample;
 using test::temporary;
 using test::whole;
 
-TEST(SceneFileByHand, FilesThatCannotBeRead) {
+TEST(SceneFile, FilesThatCannotBeReadAreErrors) {
   EXPECT_ERROR("nowhere/fold.glb", "no such file");
   EXPECT_ERROR(testing::TempDir(), "not a file");
   EXPECT_ERROR(temporary("notes.txt", "buy paper"), "not an FBX, glTF or GLB");
@@ -34,7 +34,7 @@ TEST(SceneFileByHand, FilesThatCannotBeRead) {
   EXPECT_ERROR(temporary("triangle.fbx", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "triangle.fbx");
 }
 
-TEST(SceneFileByHand, TruncatedFilesAreErrors) {
+TEST(SceneFile, TruncatedFilesAreErrors) {
   const std::string glb = whole(sample("S7_stacks.glb")), fbx = whole(sample("S7_stacks.fbx"));
   EXPECT_ERROR(temporary("cut.glb", glb.substr(0, glb.size() - 100)), "cut off");
   for (int part = 1; part < 8; ++part) {
@@ -43,9 +43,8 @@ TEST(SceneFileByHand, TruncatedFilesAreErrors) {
   }
 }
 
-/// assimp follows rings and nesting until its stack is full: that must not be the end of the
-/// program.
-TEST(SceneFileByHand, FilesThatTheImporterDoesNotSurviveAreErrors) {
+// assimp follows cycles and nesting until its stack overflows, which must not crash the program.
+TEST(SceneFile, FilesThatCrashTheImporterAreErrors) {
   const std::string head =
       "; FBX 7.4.0 project file\nFBXHeaderExtension: {\nFBXHeaderVersion: 1003\nFBXVersion: "
       "7400\n}\n";
@@ -59,7 +58,7 @@ TEST(SceneFileByHand, FilesThatTheImporterDoesNotSurviveAreErrors) {
                "cannot be read");
 }
 
-TEST(SceneFileByHand, CountsThatNobodyCanMeanAreErrors) {
+TEST(SceneFile, ImplausibleCountsAreErrors) {
   std::string glb1("glTF\1\0\0\0\x20\0\0\0\xff\xff\xff\x7f\0\0\0\0", 20);
   EXPECT_ERROR(temporary("one.glb", glb1), "GLB of version 1");
   HeldSheet crowd;
@@ -68,7 +67,7 @@ TEST(SceneFileByHand, CountsThatNobodyCanMeanAreErrors) {
   EXPECT_ERROR(crowd.write("crowd.gltf"), "96001 frames of 303 nodes");
 }
 
-TEST(SceneFileByHand, NoSheetNoHandle) {
+TEST(SceneFile, ASceneWithoutSheetOrHandleIsAnError) {
   EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, "leaf").write("leaf.gltf"),
                "the meshes are \"leaf\"");
   GltfFixture bare;
@@ -77,9 +76,9 @@ TEST(SceneFileByHand, NoSheetNoHandle) {
   EXPECT_ERROR(bare.write("bare.gltf"), "has no handle");
 }
 
-/// Of two takes that move a node the one counts during which it was exported, were the other's keys
-/// ever so many.
-TEST(SceneFileByHand, ATakeThatPassesWhereTheNodeStandsWins) {
+// Of two takes that move a node, the one in which it was exported is used, even if the other has
+// more keys.
+TEST(SceneFile, ATakeThroughTheRestPositionIsPreferred) {
   HeldSheet fixture;
   fixture.move(
       fixture.moved, {1, 2, 3, 4, 5},
@@ -91,7 +90,7 @@ TEST(SceneFileByHand, ATakeThatPassesWhereTheNodeStandsWins) {
       1e-7);
 }
 
-TEST(SceneFileByHand, NamesTwice) {
+TEST(SceneFile, DuplicateNamesAreErrors) {
   HeldSheet handles;
   handles.node("handle.fixed", {0, 0.2, 0});
   EXPECT_ERROR(handles.write("handles_twice.gltf"), "handle \"handle.fixed\"\n  Two handles");
@@ -100,15 +99,15 @@ TEST(SceneFileByHand, NamesTwice) {
   EXPECT_ERROR(sheets.write("sheets_twice.gltf"), "Two sheets");
 }
 
-TEST(SceneFileByHand, TakesThatCompeteAreNamed) {
+TEST(SceneFile, CompetingTakesAreWarnedOf) {
   HeldSheet fixture;
   fixture.move(fixture.moved, {1, 2, 5}, {{0.2, 0.2, 0}, {0.2, 0.2, 0}, {0.2, 0.2, 0.01}});
   const Scene scene = read_scene(fixture.write("two_takes.gltf"));
   EXPECT_TRUE(has_warning(scene, "first \"handle.moved\" (\"move 2 b\" is used): --take"));
-  EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 2), 0.01, 1e-8);  // that with most keys
+  EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 2), 0.01, 1e-8);  // of the take with most keys
 }
 
-TEST(SceneFileByHand, NodesOfOneNameMoveEachByItself) {
+TEST(SceneFile, NodesOfTheSameNameMoveIndependently) {
   HeldSheet fixture;
   const int first = fixture.node("rig", {0, 0, 0}), second = fixture.node("rig", {0, 0, 0}),
             third = fixture.node("rig", {0, 0, 0});
@@ -121,7 +120,7 @@ TEST(SceneFileByHand, NodesOfOneNameMoveEachByItself) {
   }
 }
 
-TEST(SceneFileByHand, NamesAreMatchedWithoutNamespaceCaseAndNumber) {
+TEST(SceneFile, NamesAreMatchedWithoutNamespaceCaseAndNumber) {
   HeldSheet fixture(grid(2, 2, 0.2, 0.2), "{}", "{}", 1, "shot:Paper_A.001");
   fixture.node("rig:HANDLE-top", {0.1, 0.2, 0});
   const Scene scene = read_scene(fixture.write("names.gltf"));
@@ -129,7 +128,7 @@ TEST(SceneFileByHand, NamesAreMatchedWithoutNamespaceCaseAndNumber) {
   EXPECT_NEAR((handle(scene, "rig:HANDLE-top").pattern - Vector2d(0.1, 0.2)).norm(), 0, 1e-7);
 }
 
-TEST(SceneFileByHand, NotANumberIsAnError) {
+TEST(SceneFile, NotANumberIsAnError) {
   const double nan = std::numeric_limits<double>::quiet_NaN();
   FlatMesh mesh = grid(2, 2, 0.2, 0.2);
   mesh.x[4].z() = nan;
@@ -139,7 +138,7 @@ TEST(SceneFileByHand, NotANumberIsAnError) {
   EXPECT_ERROR(fixture.write("nan_key.gltf"), "node \"handle.fixed\"");
 }
 
-TEST(SceneFileByHand, StartFrameMovesTheFirstKey) {
+TEST(SceneFile, StartFrameMovesTheFirstKey) {
   SceneOptions options;
   options.start_frame = 101;
   const Scene scene = read_scene(HeldSheet().write("start.gltf"), options);
@@ -148,7 +147,7 @@ TEST(SceneFileByHand, StartFrameMovesTheFirstKey) {
   EXPECT_NEAR(handle(scene, "handle.moved").keyed(1, 0), 0.195, 1e-7);
 }
 
-TEST(SceneFileByHand, AWrongRateIsSuspected) {
+TEST(SceneFile, KeysBetweenFramesAreWarnedOf) {
   SceneOptions options;
   options.fps = 30;  // frame 5 at 24 is 6.25 at 30
   const Scene scene = read_scene(HeldSheet().write("rate.gltf"), options);
@@ -156,7 +155,7 @@ TEST(SceneFileByHand, AWrongRateIsSuspected) {
   EXPECT_TRUE(has_warning(scene, "between whole frames"));
 }
 
-TEST(SceneFileByHand, TracksNeedNoSheet) {
+TEST(SceneFile, TracksNeedNoSheet) {
   GltfFixture fixture;
   const int child = fixture.node("child", {0, 0.1, 0});
   const int parent =
@@ -165,7 +164,7 @@ TEST(SceneFileByHand, TracksNeedNoSheet) {
   fixture.move(parent, {2, 4}, {{1, 0, 0}, {1, 0, 2}});
   const Tracks tracks = read_tracks(fixture.write("tracks.gltf"));
   EXPECT_EQ(tracks.first_frame, 2);
-  // the one root is a node of the file
+  // the single root is a node of the file
   EXPECT_EQ(tracks.names, (std::vector<std::string>{"parent", "child"}));
   EXPECT_NEAR((tracks.positions[1].row(1) - Eigen::RowVector3d(1, 0.1, 1)).norm(), 0, 1e-7);
 }

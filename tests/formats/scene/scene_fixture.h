@@ -14,8 +14,8 @@
 #include <stdexcept>
 #include <string>
 
-/// Scenes to read, shared, of given bytes or made by hand, and what is asked of a scene that was
-/// read.
+/// Scene files for tests (samples, files of given bytes, files written by hand), and queries on the
+/// scenes read from them.
 namespace paperbake::test {
 
 inline std::filesystem::path sample(const std::string& file) {
@@ -33,8 +33,8 @@ inline std::filesystem::path temporary(const std::string& name, const std::strin
   return path;
 }
 
-/// A sheet, a square of 0.2 m if not told otherwise, under two handles, one of which moves 2 cm
-/// from frame 1 to 5.
+/// A sheet, by default a square of 0.2 m, with two handles, one of which moves by 2 cm from frame 1
+/// to 5.
 struct HeldSheet : GltfFixture {
   int paper = -1, fixed = -1, moved = -1;
   explicit HeldSheet(const FlatMesh& mesh = grid(4, 4, 0.2, 0.2),
@@ -60,7 +60,7 @@ inline bool has_warning(const Scene& scene, const std::string& words) {
                      [&](const std::string& w) { return w.find(words) != std::string::npos; });
 }
 
-/// The whole text of the error, "" when there is none.
+/// The text of the error of reading a file, or "" when it can be read.
 inline std::string error_of(const std::filesystem::path& path, const SceneOptions& options = {}) {
   try {
     read_scene(path, options);
@@ -72,7 +72,7 @@ inline std::string error_of(const std::filesystem::path& path, const SceneOption
   return "";
 }
 
-/// The scene cannot be read, and the error says so in these words.
+/// Expects that the scene cannot be read, with an error that contains these words.
 #define EXPECT_ERROR(path, words)                                           \
   EXPECT_NE(paperbake::test::error_of(path).find(words), std::string::npos) \
       << paperbake::test::error_of(path)

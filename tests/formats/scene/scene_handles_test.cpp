@@ -1,4 +1,4 @@
-// Handles: which sheet they hold and where, when, and by which point of a bone.
+// Handles: the sheet that they hold, where and when, and the head or tail of bones.
 
 #include "formats/scene/scene_file.h"
 
@@ -19,7 +19,7 @@ using test::handle;
 using test::has_warning;
 using test::HeldSheet;
 
-TEST(SceneFileByHand, HandlesMoveInStraightLinesBetweenKeys) {
+TEST(SceneHandles, HandlesMoveLinearlyBetweenKeys) {
   const Scene scene = read_scene(HeldSheet().write("line.gltf"));
   EXPECT_EQ(scene.first_frame, 1);
   EXPECT_EQ(scene.last_frame, 5);
@@ -28,7 +28,7 @@ TEST(SceneFileByHand, HandlesMoveInStraightLinesBetweenKeys) {
       1e-7);
 }
 
-TEST(SceneFileByHand, AHandleThatJumpsNamesFramesAndDistance) {
+TEST(SceneHandles, AHandleThatJumpsNamesFramesAndDistance) {
   HeldSheet fixture;
   const int wild = fixture.node("handle.wild", {0.1, 0, 0});
   fixture.move(wild, {1, 2, 3, 5}, {{0.1, 0, 0}, {0.1, 0, 0}, {0.1, 0, 2}, {0.1, 0, 2}});
@@ -37,7 +37,7 @@ TEST(SceneFileByHand, AHandleThatJumpsNamesFramesAndDistance) {
   EXPECT_NE(text.find("jumps 2 m"), std::string::npos) << text;
 }
 
-TEST(SceneFileByHand, ANullThatGroupsHandlesIsToldFromThem) {
+TEST(SceneHandles, ANodeThatGroupsHandlesIsWarnedOf) {
   HeldSheet fixture;
   fixture.make_child(fixture.fixed), fixture.make_child(fixture.moved);
   fixture.node("handles_grp", {0, 0, 0}, "{}",
@@ -46,7 +46,7 @@ TEST(SceneFileByHand, ANullThatGroupsHandlesIsToldFromThem) {
                           "\"handles_grp\" has 2 handles below it"));
 }
 
-TEST(SceneFileByHand, SaysThatNothingMovesOrThatASheetIsKeyed) {
+TEST(SceneHandles, MotionlessHandlesAndKeyedSheetsAreWarnedOf) {
   GltfFixture still;
   still.mesh("paper", grid(2, 2, 0.2, 0.2));
   still.node("handle", {0, 0, 0});
@@ -60,13 +60,13 @@ TEST(SceneFileByHand, SaysThatNothingMovesOrThatASheetIsKeyed) {
   EXPECT_FALSE(has_warning(scene, "No handle moves"));
 }
 
-TEST(SceneFileByHand, AHandleFarFromEverySheet) {
+TEST(SceneHandles, AHandleFarFromEverySheetIsAnError) {
   HeldSheet fixture;
   fixture.node("handle.far", {0.5, 0.6, 0});
   EXPECT_ERROR(fixture.write("far.gltf"), "is 0.5 m away from the sheet \"paper\"");
 }
 
-TEST(SceneFileByHand, KeyedScaleUnderHalfReleases) {
+TEST(SceneHandles, AKeyedScaleBelowHalfReleasesAHandle) {
   HeldSheet fixture;
   const int shrinking = fixture.node("handle.shrinking", {0, 0.2, 0});
   fixture.scale(shrinking, {1, 3, 4, 5}, {1, 1, 0.01, 1});
@@ -75,7 +75,7 @@ TEST(SceneFileByHand, KeyedScaleUnderHalfReleases) {
   EXPECT_FALSE(handle(scene, "handle.shrinking").held(5));
 }
 
-TEST(SceneFileByHand, HandlesGoToTheirTargetElseToTheNearestSheet) {
+TEST(SceneHandles, HandlesGoToTheirTargetElseToTheNearestSheet) {
   HeldSheet fixture;
   FlatMesh above = grid(2, 2, 0.2, 0.2);
   for (Vector3d& p : above.x) p.z() += 0.01;
@@ -88,7 +88,7 @@ TEST(SceneFileByHand, HandlesGoToTheirTargetElseToTheNearestSheet) {
   EXPECT_EQ(scene.sheets[1].handles.back().name, "handle.near");
 }
 
-TEST(SceneFileByHand, BonesHoldAtTheirHeadOrTail) {
+TEST(SceneHandles, BonesHoldAtTheirHeadOrTail) {
   HeldSheet fixture;
   const int leaf = fixture.node("finger_leaf", {0, 0, 0.05});
   const int finger = fixture.node("finger", {0.1, 0.1, 0}, R"({"paper_point":"tail"})",
@@ -101,7 +101,7 @@ TEST(SceneFileByHand, BonesHoldAtTheirHeadOrTail) {
   fixture.move(finger, {1, 5}, {{0.1, 0.1, 0}, {0.1, 0.1, 0.02}});
   ASSERT_GT(bone, finger);
   const Scene scene = read_scene(fixture.write("bones.gltf"));
-  EXPECT_EQ(scene.sheets.at(0).handles.size(), 4u);  // no handle.bone_end
+  EXPECT_EQ(scene.sheets.at(0).handles.size(), 4u);  // handle.bone_end is not a handle
   EXPECT_NEAR((handle(scene, "finger").keyed.row(4) - Eigen::RowVector3d(0.1, 0.1, 0.07)).norm(), 0,
               1e-7);
   EXPECT_NEAR((handle(scene, "handle.bone").keyed.row(4) - Eigen::RowVector3d(0.05, 0.1, 0)).norm(),

@@ -25,7 +25,7 @@ NodeOverride radius(const std::string& pattern, double value) {
   return {NodeOverride::handle, pattern, "job.toml:1:1", {{"paper_radius", value}}, {}};
 }
 
-TEST(SceneOverrides, NamesAreLikeAPatternWhateverTheDccDidToThem) {
+TEST(SceneOverrides, NamesMatchAPatternWithoutNamespaceCaseAndNumber) {
   EXPECT_TRUE(name_is_like("rig:Grip_Left.001", "GRIP*"));
   EXPECT_TRUE(name_is_like("rig:Grip_Left.001", "grip.l?ft"));
   EXPECT_TRUE(name_is_like("handle-a-b-a-b", "*a?b"));
@@ -37,7 +37,7 @@ TEST(SceneOverrides, NamesAreLikeAPatternWhateverTheDccDidToThem) {
       << "and it comes to an end";
 }
 
-TEST(SceneOverrides, AFullNameMeansThatNodeAloneAndALaterSectionWins) {
+TEST(SceneOverrides, AFullNameMatchesOneNodeAndALaterSectionWins) {
   ImportedFile file = scene_with({"handle", "handle.001", "handle.002", "table"});
   const auto given = apply_overrides(file, {radius("handle*", 1), radius("handle.001", 2)});
   EXPECT_EQ(radius_of(file.nodes[0]), 1);
@@ -57,7 +57,7 @@ TEST(SceneOverrides, APointMakesABoneAHandleButNotTheLeafAtItsEnd) {
   EXPECT_EQ(file.nodes[1].properties.count("paper_point"), 0u);
 }
 
-TEST(SceneOverrides, APresetTakesAwayWhatTheSceneSaysOfThePaper) {
+TEST(SceneOverrides, APresetReplacesThePaperPropertiesOfTheScene) {
   ImportedFile file = scene_with({"paper"});
   file.nodes[0].meshes = {0};
   file.nodes[0].properties = {{"paper_gsm", 200.0}, {"paper_thickness", 1e-4}, {"paper_seed", 3.0}};
@@ -71,7 +71,7 @@ TEST(SceneOverrides, APresetTakesAwayWhatTheSceneSaysOfThePaper) {
   EXPECT_EQ(file.nodes[0].properties.count("paper_seed"), 1u);
 }
 
-TEST(SceneOverrides, APatternThatMeansNothingIsAnErrorThatNamesWhatThereIs) {
+TEST(SceneOverrides, APatternWithoutAMatchIsAnErrorThatListsTheNames) {
   ImportedFile file = scene_with({"handle.a", "handle.b"});
   try {
     apply_overrides(file, {radius("grip", 1)});

@@ -1,4 +1,4 @@
-// The custom properties paper_*: read whatever their type, refused by node and key.
+// The custom properties paper_*: their types, and errors with node and key.
 
 #include "formats/scene/scene_file.h"
 
@@ -14,7 +14,7 @@ using test::handle;
 using test::has_warning;
 using test::HeldSheet;
 
-TEST(SceneFileByHand, UnknownPropertiesOnlyWarn) {
+TEST(SceneProperties, UnknownPropertiesOnlyWarn) {
   const HeldSheet fixture(grid(2, 2, 0.2, 0.2), R"({"paper_uv":1})",
                           R"({"paper_colour":"red","paper_weight":1,"other":2})");
   const Scene scene = read_scene(fixture.write("unknown.gltf"));
@@ -23,7 +23,7 @@ TEST(SceneFileByHand, UnknownPropertiesOnlyWarn) {
                has_warning(scene, "other"));
 }
 
-TEST(SceneFileByHand, PropertiesAreReadWhateverTheirType) {
+TEST(SceneProperties, PropertiesAreReadWhateverTheirType) {
   const char* on_sheet =
       R"({"paper_gsm":"80","paper_seed":7,"paper_preset":"copy70","paper_fps":24,"paper_gravity":9.81,"paper_friction":"0.25"})";
   const char* on_handle =
@@ -46,7 +46,7 @@ TEST(SceneFileByHand, PropertiesAreReadWhateverTheirType) {
   EXPECT_FALSE(has_warning(scene, "--fps"));
 }
 
-TEST(SceneFileByHand, BadPropertiesNameNodeAndKey) {
+TEST(SceneProperties, InvalidPropertiesAreErrorsWithNodeAndKey) {
   EXPECT_ERROR(HeldSheet(grid(2, 2, 0.2, 0.2), R"({"paper_friction":40})").write("bad.gltf"),
                "paper_friction is 40");
   const auto with = [](const char* extras) {

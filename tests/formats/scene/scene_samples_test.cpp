@@ -1,4 +1,4 @@
-// The shared scenes, FBX and glTF, against what Blender evaluated of them.
+// The sample scenes as FBX and glTF, compared with what Blender evaluated.
 
 #include "formats/scene/scene_file.h"
 
@@ -31,8 +31,8 @@ struct Sample {
   double fbx_tolerance;  // [m]
 };
 
-// 1e-6 m: csv has 1e-7, both formats 32-bit floats. S5.fbx was thinned out by the exporter's
-// Simplify: 0.165 mm [import.md]
+// 1e-6 m: the csv has a resolution of 1e-7 m, and both formats have 32-bit floats. The keys of
+// S5.fbx were thinned out by the exporter's Simplify, which makes it 0.165 mm off.
 const Sample samples[] = {
     {"S1_push", 1, 60, 121, {0.1, 0.1}, 1e-6},   {"S2_moebius", 1, 72, 93, {0.3, 0.03}, 1e-6},
     {"S3_unload", 1, 96, 121, {0.1, 0.1}, 1e-6}, {"S4_crumple", 1, 96, 4, {0.21, 0.21}, 1e-6},
@@ -63,13 +63,13 @@ std::vector<SampleFile> sample_files() {
   return files;
 }
 
-class SceneFile : public testing::TestWithParam<SampleFile> {};
-INSTANTIATE_TEST_SUITE_P(Samples, SceneFile, testing::ValuesIn(sample_files()),
+class SceneSamplesTest : public testing::TestWithParam<SampleFile> {};
+INSTANTIATE_TEST_SUITE_P(Samples, SceneSamplesTest, testing::ValuesIn(sample_files()),
                          [](const auto& info) {
                            return info.param.sample.name + ("_" + info.param.extension.substr(1));
                          });
 
-TEST_P(SceneFile, HandlesAreWhereBlenderHadThem) {
+TEST_P(SceneSamplesTest, HandlesAreWhereBlenderHadThem) {
   const Scene scene = read_scene(GetParam().path(), GetParam().options());
   ASSERT_EQ(scene.sheets.size(), 1u);
   std::size_t compared = 0;
@@ -92,7 +92,7 @@ TEST_P(SceneFile, HandlesAreWhereBlenderHadThem) {
   RecordProperty("worst_mm", std::to_string(1000 * worst));
 }
 
-TEST_P(SceneFile, TracksAreWhereBlenderHadThem) {
+TEST_P(SceneSamplesTest, TracksAreWhereBlenderHadThem) {
   const Tracks tracks = read_tracks(GetParam().path(), GetParam().options());
   EXPECT_EQ(tracks.first_frame, GetParam().sample.first_frame);
   double worst = 0;
@@ -113,26 +113,26 @@ TEST_P(SceneFile, TracksAreWhereBlenderHadThem) {
     EXPECT_FALSE(std::count(tracks.names.begin(), tracks.names.end(), root));
 }
 
-TEST_P(SceneFile, SheetIsWeldedAndItsPatternKnown) {
+TEST_P(SceneSamplesTest, SheetIsWeldedAndItsPatternKnown) {
   const Scene scene = read_scene(GetParam().path(), GetParam().options());
   const SceneSheet& sheet = scene.sheets.at(0);
   const Vector2d size = GetParam().sample.size;
   EXPECT_EQ(sheet.name, "paper");
   EXPECT_EQ(sheet.start.x.rows(), GetParam().sample.vertices);
   EXPECT_EQ(sheet.start.pattern.rows(), GetParam().sample.vertices);
-  ASSERT_EQ(sheet.pattern.outline.size(), 4u);  // true corners only
+  ASSERT_EQ(sheet.pattern.outline.size(), 4u);  // without border vertices on straight lines
   const Vector2d corners[] = {{0, 0}, {size.x(), 0}, size, {0, size.y()}};
   for (int i = 0; i < 4; ++i)
     EXPECT_NEAR((sheet.pattern.outline[i] - corners[i]).norm(), 0, 1e-6) << i;
   EXPECT_EQ(scene.first_frame, GetParam().sample.first_frame);
   EXPECT_EQ(scene.last_frame, GetParam().sample.last_frame);
   EXPECT_DOUBLE_EQ(scene.fps, 24);
-  // flat at the first frame but for S1's seed of 1e-4 m: the pattern is the sheet
+  // flat at the first frame, but for S1's imperfection of 1e-4 m: positions equal the pattern
   for (int v = 0; v < sheet.start.x.rows(); ++v)
     ASSERT_NEAR((sheet.start.x.row(v).head<2>() - sheet.start.pattern.row(v)).norm(), 0, 1e-6) << v;
 }
 
-TEST_P(SceneFile, EveryHandleHoldsTheSheetPointUnderIt) {
+TEST_P(SceneSamplesTest, EveryHandleHoldsTheSheetPointUnderIt) {
   const Scene scene = read_scene(GetParam().path(), GetParam().options());
   for (const Handle& handle : scene.sheets.at(0).handles) {
     EXPECT_NEAR((handle.keyed.row(0).head<2>().transpose() - handle.pattern).norm(), 0, 2e-6)
@@ -141,12 +141,12 @@ TEST_P(SceneFile, EveryHandleHoldsTheSheetPointUnderIt) {
   }
 }
 
-TEST(SceneFileSamples, PatternPointsOfS1) {
+TEST(SceneSamples, PatternPointsOfS1) {
   for (const char* file : {"S1_push.fbx", "S1_push.glb"}) {
     const Scene scene = read_scene(sample(file));
     EXPECT_NEAR((handle(scene, "handle.left.3").pattern - Vector2d(0, 0.03)).norm(), 0, 1e-6)
         << file;
-    // on the border, not beside it
+    // exactly on the border
     EXPECT_EQ(handle(scene, "handle.left.3").pattern.x(), 0) << file;
     EXPECT_NEAR((handle(scene, "handle.mid.0").pattern - Vector2d(0.05, 0)).norm(), 0, 1e-6)
         << file;
@@ -154,7 +154,7 @@ TEST(SceneFileSamples, PatternPointsOfS1) {
   }
 }
 
-TEST(SceneFileSamples, HandlesOfASheetOfOneQuadSitAtMidBorder) {
+TEST(SceneSamples, HandlesOfASheetOfOneQuadSitAtMidBorder) {
   for (const char* file : {"S4_crumple.fbx", "S4_crumple.glb"}) {
     const Scene scene = read_scene(sample(file));
     EXPECT_EQ(scene.sheets[0].start.triangles.rows(), 2) << file;
@@ -166,7 +166,7 @@ TEST(SceneFileSamples, HandlesOfASheetOfOneQuadSitAtMidBorder) {
   }
 }
 
-TEST(SceneFileSamples, PropertiesComeThroughBothFormatsAlike) {
+TEST(SceneSamples, PropertiesComeThroughBothFormatsAlike) {
   for (const char* file : {"S1_push.fbx", "S1_push.glb"}) {
     const Scene scene = read_scene(sample(file));
     const Handle& middle = handle(scene, "handle.mid.0");
@@ -183,7 +183,7 @@ TEST(SceneFileSamples, PropertiesComeThroughBothFormatsAlike) {
   }
 }
 
-TEST(SceneFileSamples, ReleaseFrameOfS3) {
+TEST(SceneSamples, ReleaseFrameOfS3) {
   for (const char* file : {"S3_unload.fbx", "S3_unload.glb"}) {
     const Scene scene = read_scene(sample(file));
     EXPECT_EQ(handle(scene, "handle.left.5").release_frame, 61) << file;
@@ -191,7 +191,7 @@ TEST(SceneFileSamples, ReleaseFrameOfS3) {
   }
 }
 
-TEST(SceneFileSamples, LaterScenesAreRead) {
+TEST(SceneSamples, LaterScenesAreRead) {
   EXPECT_EQ(read_scene(sample("S4r_release.glb")).last_frame, 144);
   EXPECT_EQ(read_scene(sample("S9_unload.glb")).last_frame, 120);
   const Scene ball = read_scene(sample("S10_ball.glb"));
@@ -203,7 +203,7 @@ TEST(SceneFileSamples, LaterScenesAreRead) {
   EXPECT_EQ(palm.sheets[1].handles.size(), 4u);
 }
 
-TEST(SceneFileSamples, GltfHasNoRate) {
+TEST(SceneSamples, GltfHasNoRate) {
   const Scene fbx = read_scene(sample("S7_stacks.fbx")), glb = read_scene(sample("S7_stacks.glb"));
   EXPECT_EQ(glb.first_frame, 10);
   EXPECT_TRUE(has_warning(glb, "--fps"));
@@ -212,7 +212,7 @@ TEST(SceneFileSamples, GltfHasNoRate) {
   EXPECT_EQ(glb.origin.at("fps"), "default");
 }
 
-TEST(SceneFileSamples, TheGroundIsACollider) {
+TEST(SceneSamples, TheGroundIsACollider) {
   for (const char* file : {"S5_roll.glb", "S5_roll.fbx"}) {
     const Scene scene = read_scene(sample(file));
     ASSERT_EQ(scene.colliders.size(), 1u) << file;
@@ -221,7 +221,7 @@ TEST(SceneFileSamples, TheGroundIsACollider) {
   }
 }
 
-TEST(SceneFileSamples, TakeChoosesOneAnimation) {
+TEST(SceneSamples, TakeChoosesOneAnimation) {
   SceneOptions options;
   options.take = "handle.corner.2";
   const Scene scene = read_scene(sample("S7_stacks.glb"), options);

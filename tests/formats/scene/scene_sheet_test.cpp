@@ -1,4 +1,4 @@
-// From a mesh to a sheet and its pattern, by meshes made by hand.
+// The sheet and its pattern from meshes written by hand.
 
 #include "formats/scene/scene_file.h"
 
@@ -21,9 +21,9 @@ using test::HeldSheet;
 
 bool hole_in_the_middle(int i, int j) { return !(i == 2 && 1 <= j && j <= 2); }
 
-/// A square whose faces are given in any order lies as its uv do, whose proportions need not be
-/// those of the sheet.
-TEST(SceneSheet, AnUnrolledSheetLiesAsItsUvDo) {
+// The orientation does not depend on the order of the faces, and the UVs need not have the
+// proportions of the sheet.
+TEST(SceneSheet, AnUnrolledSheetIsOrientedAsItsUvs) {
   for (int turned = 0; turned < 4; ++turned) {
     FlatMesh mesh = grid(3, 3, 0.2, 0.2);
     for (Vector2d& uv : mesh.uv) {
@@ -38,7 +38,7 @@ TEST(SceneSheet, AnUnrolledSheetLiesAsItsUvDo) {
   }
 }
 
-TEST(SceneSheet, AClosedMeshIsToldSo) {
+TEST(SceneSheet, AClosedMeshIsAnError) {
   FlatMesh box;
   for (int i = 0; i < 8; ++i)
     box.x.push_back(Vector3d(0.1 * (i & 1), 0.1 * (i >> 1 & 1), 0.001 * (i >> 2)));
@@ -48,7 +48,7 @@ TEST(SceneSheet, AClosedMeshIsToldSo) {
                "The mesh is closed: a sheet of paper has a border.");
 }
 
-TEST(SceneFileByHand, AHoleIsAHole) {
+TEST(SceneSheet, HolesOfTheMeshAreHolesOfThePattern) {
   FlatMesh mesh = grid(5, 4, 0.25, 0.2, hole_in_the_middle);
   for (bool with_uv : {true, false}) {
     if (!with_uv) mesh.uv.clear();
@@ -63,7 +63,7 @@ TEST(SceneFileByHand, AHoleIsAHole) {
   }
 }
 
-TEST(SceneFileByHand, AnLKeepsItsReentrantCorner) {
+TEST(SceneSheet, AnLShapeKeepsItsReentrantCorner) {
   const Scene scene = read_scene(HeldSheet(grid(4, 4, 0.2, 0.2, [](int i, int j) {
                                    return i < 2 || j < 2;
                                  })).write("ell.gltf"));
@@ -71,7 +71,7 @@ TEST(SceneFileByHand, AnLKeepsItsReentrantCorner) {
   EXPECT_NEAR(area(scene.sheets[0].pattern), 0.03, 1e-8);
 }
 
-TEST(SceneFileByHand, ARolledSheetIsUnrolledWithoutUvs) {
+TEST(SceneSheet, ARolledSheetIsUnrolledWithoutUvs) {
   // a quarter turn of radius 0.1 in 40 chords of 2 r sin(pi / 160) each
   const auto roll = [](double u, double v) {
     return Vector3d(0.1 * std::sin(u / 0.1), v, 0.1 * std::cos(u / 0.1));
@@ -81,19 +81,19 @@ TEST(SceneFileByHand, ARolledSheetIsUnrolledWithoutUvs) {
   const Scene scene = read_scene(HeldSheet(mesh).write("roll.gltf"));
   const double arc = 40 * 0.2 * std::sin(M_PI / 160);
   EXPECT_NEAR(longer_side(scene.sheets.at(0).pattern), 0.2, 1e-6);
-  // 32-bit positions, added over 40 chords
+  // rounding of 32-bit positions adds up over 40 chords
   EXPECT_NEAR(shorter_side(scene.sheets[0].pattern), arc, 1e-6);
   EXPECT_EQ(scene.sheets[0].pattern.outline.size(), 4u);
 }
 
-TEST(SceneFileByHand, UvsThatDisagreeAreNotBelieved) {
+TEST(SceneSheet, UvsThatDisagreeWithEdgeLengthsAreIgnored) {
   FlatMesh mesh = grid(4, 4, 0.2, 0.1);
   for (Vector2d& uv : mesh.uv) uv.y() *= 2;  // stretched to a square
   const Scene scene = read_scene(HeldSheet(mesh).write("stretched.gltf"));
   EXPECT_NEAR((extent(scene.sheets.at(0).pattern) - Vector2d(0.2, 0.1)).norm(), 0, 1e-7);
 }
 
-TEST(SceneFileByHand, MirroredUvsGiveAPatternSeenFromTheFront) {
+TEST(SceneSheet, MirroredUvsGiveAPatternSeenFromTheFront) {
   FlatMesh mesh = grid(4, 2, 0.2, 0.1);
   for (Vector2d& uv : mesh.uv) uv.x() = 1 - uv.x();
   const Scene scene = read_scene(HeldSheet(mesh).write("mirrored.gltf"));
@@ -106,22 +106,22 @@ TEST(SceneFileByHand, MirroredUvsGiveAPatternSeenFromTheFront) {
   EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 1e-4);
 }
 
-TEST(SceneFileByHand, ASheetCutInItsUvsStaysCut) {
-  // a full tube whose first and last column are one place but two ends of the UVs
+TEST(SceneSheet, ASheetCutInItsUvsStaysCut) {
+  // a closed tube: its first and last column coincide in space, but not in the UVs
   const auto tube = [](double u, double v) {
     return Vector3d(0.05 * std::cos(u / 0.05), 0.05 * std::sin(u / 0.05), v);
   };
   FlatMesh mesh = grid(36, 3, 0.1 * M_PI, 0.1, nullptr, tube);
   const Scene scene = read_scene(HeldSheet(mesh).write("tube.gltf"));
   EXPECT_EQ(scene.sheets.at(0).start.x.rows(), 37 * 4);
-  // its UVs measure the arc, its edges are chords, 0.13 % shorter: the fitted scale lies between
+  // UVs measure arcs, edges are chords and 0.13 % shorter: the fitted scale lies between them
   EXPECT_GT(longer_side(scene.sheets[0].pattern), 36 * 0.1 * std::sin(M_PI / 36));
   EXPECT_LT(longer_side(scene.sheets[0].pattern), 0.1 * M_PI);
   mesh.uv.clear();
   EXPECT_ERROR(HeldSheet(mesh).write("closed_tube.gltf"), "closes on itself");
 }
 
-TEST(SceneFileByHand, ABowlIsNotDevelopable) {
+TEST(SceneSheet, ABowlIsNotDevelopable) {
   const auto bowl = [](double u, double v) {
     return Vector3d(u, v, 5 * ((u - 0.1) * (u - 0.1) + (v - 0.1) * (v - 0.1)));
   };
@@ -129,7 +129,7 @@ TEST(SceneFileByHand, ABowlIsNotDevelopable) {
                "worst angle defect");
 }
 
-TEST(SceneFileByHand, MeshesThatAreNoSheetAreNamed) {
+TEST(SceneSheet, MeshesThatCannotBeSheetsAreErrors) {
   FlatMesh two = grid(5, 4, 0.25, 0.2, [](int i, int) { return i != 2; });
   EXPECT_ERROR(HeldSheet(two).write("two.gltf"), "2 pieces");
   FlatMesh fin = grid(2, 2, 0.2, 0.2);
@@ -145,7 +145,7 @@ TEST(SceneFileByHand, MeshesThatAreNoSheetAreNamed) {
   EXPECT_ERROR(HeldSheet(turned).write("turned.gltf"), "disagree about the front");
 }
 
-TEST(SceneFileByHand, ASceneInCentimetres) {
+TEST(SceneSheet, ASceneInCentimetresIsAnErrorWithTheUnitToUse) {
   const FlatMesh mesh = grid(4, 4, 20, 20);
   const std::string text = error_of(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"));
   EXPECT_NE(text.find("20 x 20 m"), std::string::npos) << text;
@@ -157,7 +157,7 @@ TEST(SceneFileByHand, ASceneInCentimetres) {
   EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 0), 0.18, 1e-7);
 }
 
-TEST(SceneFileByHand, PaperSizeMustAgree) {
+TEST(SceneSheet, PaperSizeMustAgreeWithTheMesh) {
   EXPECT_EQ(
       error_of(
           HeldSheet(grid(2, 2, 0.2, 0.1), R"({"paper_size":[0.1,0.2]})").write("turned_size.gltf")),

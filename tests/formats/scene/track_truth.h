@@ -13,7 +13,7 @@
 
 namespace paperbake::test {
 
-/// What a DCC evaluated, from rows "frame,node,x,y,z": node -> frame -> position. [m]
+/// Positions [m] that a DCC evaluated, by node and frame, from rows "frame,node,x,y,z".
 inline std::map<std::string, std::map<int, Vector3d>> truth(const std::filesystem::path& csv) {
   std::map<std::string, std::map<int, Vector3d>> rows;
   std::ifstream file(csv);
@@ -31,13 +31,12 @@ inline std::map<std::string, std::map<int, Vector3d>> truth(const std::filesyste
 }
 
 struct TrackError {
-  double worst = 0;   // [m]
-  double motion = 0;  // [m] the longest way of a node from where it was first
-  int compared = 0;   // positions
+  double worst = 0;   // [m] largest error
+  double motion = 0;  // [m] largest distance of a node from its first position
+  int compared = 0;   // number of positions
 };
 
-/// Tracks of a file against what a DCC evaluated; a position that is not there is a failure of the
-/// test.
+/// Compares the tracks of a file with what a DCC evaluated. A missing position fails the test.
 inline TrackError track_error(const Tracks& tracks, const std::filesystem::path& csv) {
   TrackError error;
   for (const auto& [node, rows] : truth(csv)) {
