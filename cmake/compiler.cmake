@@ -1,4 +1,5 @@
-# How everything is compiled: the target paperbake_options, which every library links privately.
+# How everything here is compiled. The options are those of this folder and the folders in it: a
+# project that links the libraries, installed or by add_subdirectory, gets none of them.
 
 set(CMAKE_CXX_STANDARD 17)
 set(CMAKE_CXX_STANDARD_REQUIRED ON)
@@ -14,24 +15,31 @@ if(CCACHE)
       ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${CCACHE})
 endif()
 
-add_library(paperbake_options INTERFACE)
-target_compile_options(paperbake_options INTERFACE
+add_compile_options(
   -Wall -Wextra -fno-math-errno -fpch-preprocess
   $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)  # GCC 12 reports an overflow in fmt 9 that is none
 if(PAPERBAKE_CPU AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
-  target_compile_options(paperbake_options INTERFACE -march=${PAPERBAKE_CPU})
+  add_compile_options(-march=${PAPERBAKE_CPU})
 endif()
+
+# The libraries may become part of a shared library. A function keeps being inlined into its
+# neighbours although a shared library could replace it: the same instructions compute the same
+# bytes as without.
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+add_compile_options(-fno-semantic-interposition)
+
+# Assertions name their files from the root of the project, wherever that lies
+add_compile_options(-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/= -fmacro-prefix-map=../=)
+
 if(DEFINED ENV{CI})
-  target_compile_options(paperbake_options INTERFACE -Werror)
+  add_compile_options(-Werror)
 endif()
 if(PAPERBAKE_SANITIZE)
-  target_compile_options(paperbake_options INTERFACE
-    -fsanitize=${PAPERBAKE_SANITIZE} -fno-sanitize-recover=all -g)
-  target_link_options(paperbake_options INTERFACE -fsanitize=${PAPERBAKE_SANITIZE})
+  add_compile_options(-fsanitize=${PAPERBAKE_SANITIZE} -fno-sanitize-recover=all -g)
+  add_link_options(-fsanitize=${PAPERBAKE_SANITIZE})
 endif()
 if(PAPERBAKE_FUZZ)  # branches are counted everywhere; a main is linked into the fuzzers only
-  target_compile_options(paperbake_options INTERFACE
+  add_compile_options(
     -fsanitize=fuzzer-no-link
     -fno-sanitize=pointer-overflow)  # Eigen adds offsets to the null pointer of an empty matrix
 endif()
-target_include_directories(paperbake_options INTERFACE ${PROJECT_SOURCE_DIR})

@@ -1,6 +1,7 @@
 # The packages that paperbake is built on.
 
 find_package(Eigen3 REQUIRED NO_MODULE)
+find_package(CHOLMOD REQUIRED)
 find_package(CGAL REQUIRED)
 find_package(CLI11 REQUIRED)
 find_package(nlohmann_json REQUIRED)
@@ -19,18 +20,11 @@ if(PAPERBAKE_FUZZ)
     INTERFACE_LINK_LIBRARIES "")
 endif()
 
-find_path(CHOLMOD_INCLUDE cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
-find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
-add_library(cholmod INTERFACE)
-target_include_directories(cholmod SYSTEM INTERFACE ${CHOLMOD_INCLUDE})
-target_link_libraries(cholmod INTERFACE ${CHOLMOD_LIBRARY})
-
 include(ufbx)
 if(UFBX_FOLDER)
-  add_library(ufbx STATIC ${UFBX_FOLDER}/ufbx.c)
+  add_library(ufbx OBJECT ${UFBX_FOLDER}/ufbx.c)  # becomes a part of the library "formats"
   target_include_directories(ufbx SYSTEM PUBLIC ${UFBX_FOLDER})
   target_compile_options(ufbx PRIVATE -w)
-  target_link_libraries(ufbx PRIVATE paperbake_options)
 else()
   find_package(assimp REQUIRED)
 endif()

@@ -135,8 +135,6 @@ void render_outputs(const BakeSettings& settings, const BakePlan& plan,
   }
 }
 
-enum class ShowMemory { wanted, no };
-
 /// Polished frames depend on those behind them; what paper touches of colliders is not in the
 /// state.
 bool can_resume(const BakePlan& plan) {
@@ -171,17 +169,6 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan,
   for (std::size_t s = 0; s < resume.states.size(); ++s)
     options[s].go_on_from = std::move(resume.states[s]);
   return resume.last_frame + 1;
-}
-
-/// What the sheets of a bake are animated with.
-std::vector<AnimateOptions> options_of_sheets(const BakePlan& plan, ShowMemory memory) {
-  std::vector<AnimateOptions> options(plan.shots.size(), plan.animation);
-  for (std::size_t s = 0; s < options.size(); ++s) {
-    // sheets of one seed differ
-    options[s].seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);
-    options[s].report_plastic_curvature = memory == ShowMemory::wanted;
-  }
-  return options;
 }
 
 }  // namespace
@@ -219,8 +206,8 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   // a later bake may want maps of these frames
   const bool wants_memory =
       can_resume(plan) || settings.formats.count("maps") || caches.wants_layers();
-  std::vector<AnimateOptions> options =
-      options_of_sheets(plan, wants_memory ? ShowMemory::wanted : ShowMemory::no);
+  std::vector<AnimateOptions> options = options_of_sheets(plan);
+  for (AnimateOptions& of_sheet : options) of_sheet.report_plastic_curvature = wants_memory;
   const std::string rest = "the rest of the frames";
   Checkpoints checkpoints(folder.sub(".state"), plan, settings.checkpoint_every);
   int simulated_from = plan.animation.first_frame;

@@ -292,16 +292,25 @@ static std::vector<std::string> with_all(std::vector<std::string> hashes) {
   return hashes;
 }
 
-BakePlan plan_bake(const BakeSettings& settings) {
-  BakePlan plan;
-  plan.name = settings.name.empty() ? settings.scene.stem().string() : settings.name;
-  decided_polishing(settings);  // a contradiction is said before the scene is read
+/// throws Error(Fault::command) where options contradict each other
+static void check_options(const BakeSettings& settings) {
+  decided_polishing(settings);
   if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation &&
       settings.method != "fem")
     throw Error(Fault::command, "--formats pc2",
                 "A point cache has one mesh for the whole shot, and the simulated one changes.",
                 "Leave out --mesh simulation, or pc2.");
-  Scene scene = read_scene(settings.scene, settings.reading);
+}
+
+BakePlan plan_bake(const BakeSettings& settings) {
+  check_options(settings);  // before the scene is read, which takes time
+  return plan_bake(settings, read_scene(settings.scene, settings.reading));
+}
+
+BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
+  check_options(settings);
+  BakePlan plan;
+  plan.name = settings.name.empty() ? settings.scene.stem().string() : settings.name;
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;
@@ -377,6 +386,13 @@ BakePlan plan_bake(const BakeSettings& settings) {
                 "far as paper can.");
   }
   return plan;
+}
+
+std::vector<AnimateOptions> options_of_sheets(const BakePlan& plan) {
+  std::vector<AnimateOptions> options(plan.shots.size(), plan.animation);
+  for (std::size_t s = 0; s < options.size(); ++s)  // sheets of one seed differ
+    options[s].seed = plan.seeds[s] + 0x9e3779b9u * static_cast<unsigned>(s);
+  return options;
 }
 
 void simulate(const BakePlan& plan, const std::vector<AnimateOptions>& options, int threads,

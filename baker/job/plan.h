@@ -66,6 +66,12 @@ struct BakePlan {
 /// method, and with `strict` handles that ask the impossible
 BakePlan plan_bake(const BakeSettings&);
 
+/// The same for a scene that has been read, or made in code.
+BakePlan plan_bake(const BakeSettings&, Scene);
+
+/// What each sheet of a plan is animated with.
+std::vector<AnimateOptions> options_of_sheets(const BakePlan&);
+
 /// Simulates the sheets of a plan: animate_together, polished where that is planned, for the frames
 /// that are written and their neighbours.
 /// options  of each sheet

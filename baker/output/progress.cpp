@@ -33,6 +33,13 @@ Progress::Progress(ProgressMode mode, int frames, Passes passes)
   }
 }
 
+Progress::Progress(std::function<void(const ProgressStep&)> on_step,
+                   std::function<void(const std::string&)> on_message, int frames, Passes passes)
+    : Progress(ProgressMode::none, frames, passes) {
+  on_step_ = std::move(on_step);
+  on_message_ = std::move(on_message);
+}
+
 Progress::~Progress() {
   if (bar_open_) fmt::print(stderr, "\n");
 }
@@ -42,6 +49,7 @@ void Progress::simulated(const FrameRecord& record) {
   if (taken == taken_.end() || record.frame > taken->second)
     return frame(simulate_, record, record.statistics.stretch_mean, record.statistics.triangles);
   ++simulate_.done, ++simulate_.taken;
+  if (on_step_) on_step_({simulate_.name, record.sheet, record.frame, simulate_.done, frames_});
   last_ = std::chrono::steady_clock::now();
 }
 
@@ -67,6 +75,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean,
   const auto now = std::chrono::steady_clock::now();
   pass.seconds += std::chrono::duration<double>(now - last_).count();
   last_ = now;
+  if (on_step_) on_step_({pass.name, record.sheet, record.frame, pass.done, frames_});
   const int steps = passes_ == Passes::simulate ? frames_ : 2 * frames_;
   switch (style_) {
     case Style::none:
@@ -105,6 +114,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean,
 }
 
 void Progress::message(const std::string& sentence) {
+  if (on_message_) on_message_(sentence);
   if (style_ == Style::none) return;
   if (style_ == Style::json) {
     fmt::print(stderr, "{}\n", nlohmann::json{{"message", sentence}}.dump());

@@ -4,6 +4,7 @@
 #include "formats/files/certificate.h"
 
 #include <chrono>
+#include <functional>
 #include <map>
 #include <string>
 
@@ -13,12 +14,23 @@ namespace paperbake {
 /// they are rendered, that is, put on the mesh of the whole shot.
 enum class Passes { simulate, simulate_and_render };
 
+/// A frame that is done with a pass.
+struct ProgressStep {
+  std::string pass;  // "simulated" or "rendered"
+  std::string sheet;
+  int frame = 0;
+  int done = 0, frames = 0;  // frames of all sheets that are done with this pass, and in all
+};
+
 /// Tells on stderr how far a bake is: a bar on a terminal, plain lines otherwise, one JSON object a
 /// frame and pass on demand.
 class Progress {
  public:
   /// frames  of all sheets
   Progress(ProgressMode, int frames, Passes);
+  /// Tells these functions instead, and nothing on stderr; they may be empty.
+  Progress(std::function<void(const ProgressStep&)> on_step,
+           std::function<void(const std::string& sentence)> on_message, int frames, Passes);
   ~Progress();
 
   /// A frame is done with a pass. c_m: of the simulated mesh, then of the rendered one
@@ -41,6 +53,8 @@ class Progress {
   double seconds_left() const;
 
   Style style_;
+  std::function<void(const ProgressStep&)> on_step_;
+  std::function<void(const std::string&)> on_message_;
   int frames_;
   Passes passes_;
   Pass simulate_{"simulated"}, render_{"rendered"};
