@@ -1,4 +1,5 @@
 #include "core/animation/animate.h"
+#include "core/methods/fem.h"
 #include "core/step1_elastic/contact/collider_contact.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
