@@ -7,10 +7,6 @@
 # All hold the program of this build as it is. Those for other machines come from a build for the
 # baseline (cmake --preset package); the version of any other names the processor it is for.
 
-# assertions name their source files from the root of the project, wherever that lies
-target_compile_options(paperbake_options INTERFACE
-  -fmacro-prefix-map=${PROJECT_SOURCE_DIR}/= -fmacro-prefix-map=../=)
-
 set(DIST ${CMAKE_BINARY_DIR}/dist)
 set(PACKAGE_VERSION ${PROJECT_VERSION})
 if(PAPERBAKE_CPU AND NOT PAPERBAKE_CPU MATCHES "^x86-64(-v2)?$")

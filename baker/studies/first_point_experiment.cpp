@@ -107,7 +107,7 @@ std::optional<FirstPoint> first_singular_point(const Paper& paper, unsigned seed
   std::optional<FirstPoint> found;
   animate(shot, hybrid(shot.pattern, paper, base_triangles, unruled(), seed, 0), options,
           [&](const AnimatedFrame& frame) {
-            if (frame.new_singular > 0)
+            if (frame.statistics.new_singular > 0)
               found = FirstPoint{frame.sheet->singular.front().pattern, seed, frame.frame};
             return !found;
           });

@@ -18,7 +18,7 @@ struct Seen {
 std::vector<Seen> frames_of(const BakePlan& plan) {
   std::vector<Seen> seen;
   simulate(plan, {plan.animation}, 1, [&](const AnimatedFrame& f) {
-    seen.push_back({*f.sheet, f.parts.rulings, f.new_singular, f.state()});
+    seen.push_back({*f.sheet, f.parts.rulings, f.statistics.new_singular, f.state()});
     return true;
   });
   return seen;
