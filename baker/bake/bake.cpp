@@ -30,13 +30,13 @@ std::string sheet_file_name(std::string name) {
 }
 
 /// What ends a bake that did not go well, with what is kept all the same.
-std::optional<Error> ending(const std::optional<Error>& failure, const Losses& losses,
-                            const Certificate& certificate) {
-  if (!failure && losses.all().empty()) return {};
-  const Error& error = failure ? *failure : losses.all().front().error;
+std::optional<Error> final_error(const std::optional<Error>& failure, const WriteFailures& failures,
+                                 const Certificate& certificate) {
+  if (!failure && failures.all().empty()) return {};
+  const Error& error = failure ? *failure : failures.all().front().error;
   const int last = certificate.frames.back().frame;
   const std::string lost =
-      losses.all().empty() ? "" : fmt::format(" Of what was asked for {}.", losses.sentence());
+      failures.all().empty() ? "" : fmt::format(" Of what was asked for {}.", failures.summary());
   return Error(error.fault, error.place, error.cause,
                fmt::format("Frames up to {} are kept.{} {}", last, lost, error.remedy));
 }
@@ -51,13 +51,13 @@ void write_certificate(const BakeSettings& settings, const BakePlan& plan,
   gates.max_stretch_pct = settings.max_stretch_pct;
   outcome.missed = missed_gates(gates, certificate.frames, plan);
   const auto write = [&](const std::string& file, const std::function<std::string()>& text) {
-    if (files.losses.attempt(file, [&] { write_atomically(files.folder / file, text()); }))
+    if (files.failures.try_write(file, [&] { write_atomically(files.folder / file, text()); }))
       files.written.push_back(files.folder / file);
   };
   if (report)
     write("report.html", [&] {
       std::vector<std::string> sentences = outcome.missed;
-      if (const auto error = ending(failure, files.losses, certificate))
+      if (const auto error = final_error(failure, files.failures, certificate))
         sentences.push_back(error->cause + " " + error->remedy);
       return report->html(certificate.frames, sentences);
     });
@@ -74,12 +74,10 @@ void write_certificate(const BakeSettings& settings, const BakePlan& plan,
       std::map<std::string, std::string> hashes;
       for (const auto& file : files.written)
         hashes[std::filesystem::relative(file, files.folder).generic_string()] = file_hash(file);
-      const auto error = ending(failure, files.losses, certificate);
-      return summary_json(plan, certificate.frames, certificate.crease_length, outcome.missed,
-                          error                    ? static_cast<int>(error->fault)
-                          : outcome.missed.empty() ? 0
-                                                   : 4,
-                          error ? error->what() : "", hashes);
+      const auto error = final_error(failure, files.failures, certificate);
+      const int exit_code = error ? static_cast<int>(error->fault) : outcome.missed.empty() ? 0 : 4;
+      return summary_json(plan, certificate.frames, certificate.crease_length,
+                          {outcome.missed, exit_code, error ? error->what() : ""}, hashes);
     });
   }
   outcome.exit_code = outcome.missed.empty() ? 0 : 4;
@@ -87,8 +85,8 @@ void write_certificate(const BakeSettings& settings, const BakePlan& plan,
 
 /// Lines of frames that the .abc has in the end keep their key; of the others it is empty. Sorts
 /// the lines by frame, singular points by sheet.
-void settle(Certificate& certificate, const BakePlan& plan,
-            const std::vector<std::size_t>& in_alembic) {
+void finalize_certificate(Certificate& certificate, const BakePlan& plan,
+                          const std::vector<std::size_t>& in_alembic) {
   std::map<std::string, std::size_t> left, number;
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     left[plan.shots[s].sheet_name] = in_alembic[s], number[plan.shots[s].sheet_name] = s;
@@ -119,19 +117,19 @@ std::vector<std::size_t> frames_of_sheets(const Certificate& certificate, const 
 /// The second pass: what was recorded, on meshes for the whole shot; sheets that come near each
 /// other together.
 void render_outputs(const BakeSettings& settings, const BakePlan& plan,
-                    const std::vector<std::unique_ptr<SheetOutput>>& outputs,
-                    const FrameSpan& frames, Losses& losses) {
-  std::vector<ShownSheet> shown;
+                    const std::vector<std::unique_ptr<SheetRecorder>>& outputs,
+                    const FrameSpan& frames, WriteFailures& failures) {
+  std::vector<RenderInput> shown;
   std::vector<const ShotRecord*> records;
   for (const auto& output : outputs)
-    if (auto sheet = output->finish_frames())
+    if (auto sheet = output->render_input())
       shown.push_back(std::move(*sheet)), records.push_back(shown.back().record);
   for (const std::vector<std::size_t>& list : near_each_other(records)) {
-    std::vector<ShownSheet> sheets;
+    std::vector<RenderInput> sheets;
     std::vector<std::string> names;
     for (const std::size_t s : list)
       sheets.push_back(shown[s]), names.push_back('"' + shown[s].shot->sheet_name + '"');
-    losses.attempt(fmt::format("render mesh of sheet {}", fmt::join(names, ", ")), [&] {
+    failures.try_write(fmt::format("render mesh of sheet {}", fmt::join(names, ", ")), [&] {
       render_shot(sheets, settings.quality, frames, plan.animation.fps, settings.threads);
     });
   }
@@ -156,21 +154,21 @@ Error stopped(const BakeSettings& settings, const BakePlan& plan, int frame) {
 
 /// Hands on what earlier bakes have simulated, and leaves in the options where to go on. returns
 /// the first frame that is not there
-int take_frames(Checkpoints& checkpoints, const BakePlan& plan,
+int load_frames(Checkpoints& checkpoints, const BakePlan& plan,
                 std::vector<AnimateOptions>& options, Progress& progress,
                 const std::function<bool(const AnimatedFrame&)>& consumer) {
-  Checkpoints::GoOn go_on = checkpoints.take([&](const AnimatedFrame& frame) {
+  Checkpoints::ResumePoint resume = checkpoints.load([&](const AnimatedFrame& frame) {
     progress.taken(plan.shots[frame.of].sheet_name, frame.frame);
     return consumer(frame);
   });
   const int first = plan.animation.first_frame;
-  if (!go_on.damaged.empty()) progress.say("warning: " + go_on.damaged);
-  if (go_on.last_frame >= first)
-    progress.say(fmt::format("Frames {}-{} are as an earlier bake simulated them.", first,
-                             go_on.last_frame));
-  for (std::size_t s = 0; s < go_on.states.size(); ++s)
-    options[s].go_on_from = std::move(go_on.states[s]);
-  return go_on.last_frame + 1;
+  if (!resume.damaged.empty()) progress.message("warning: " + resume.damaged);
+  if (resume.last_frame >= first)
+    progress.message(fmt::format("Frames {}-{} are as an earlier bake simulated them.", first,
+                                 resume.last_frame));
+  for (std::size_t s = 0; s < resume.states.size(); ++s)
+    options[s].go_on_from = std::move(resume.states[s]);
+  return resume.last_frame + 1;
 }
 
 }  // namespace
@@ -185,26 +183,26 @@ Passes passes_of(const BakeSettings& settings) {
 BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& progress,
                  const std::function<bool()>& stop) {
   const OutputFolder folder(settings.output);
-  const std::string request = request_of(settings, plan);
+  const std::string key = bake_key(settings, plan);
   if (settings.resume == Resume::automatic)
-    if (auto before = finished_before(folder.path(), request)) return *before;
+    if (auto before = find_completed_bake(folder.path(), key)) return *before;
   if (settings.debug_pictures) make_folder(*settings.debug_pictures, "--debug-pictures");
   for (const char* sub : {"maps", "cert"})
     if (settings.formats.count(sub)) folder.sub(sub);
-  forget_finished(folder.path());
+  invalidate_completed_bake(folder.path());
   BakeOutcome outcome;
   BakeFiles files{folder.path(), {}, {}, {}};
   Certificate certificate;
   std::vector<std::string> suffixes;
   for (const Shot& shot : plan.shots)
     suffixes.push_back(plan.shots.size() > 1 ? "." + sheet_file_name(shot.sheet_name) : "");
-  Caches caches(settings, plan, folder.path(), suffixes, files.losses);
+  CacheWriters caches(settings, plan, folder.path(), suffixes, files.failures);
 
-  std::vector<std::unique_ptr<SheetOutput>> outputs;
+  std::vector<std::unique_ptr<SheetRecorder>> outputs;
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
-    outputs.push_back(std::make_unique<SheetOutput>(settings, plan, s, caches, suffixes[s],
-                                                    certificate, files, progress));
-  const auto take = [&](const AnimatedFrame& frame) { outputs[frame.of]->take(frame); };
+    outputs.push_back(std::make_unique<SheetRecorder>(settings, plan, s, caches, suffixes[s],
+                                                      certificate, files, progress));
+  const auto consume = [&](const AnimatedFrame& frame) { outputs[frame.of]->consume(frame); };
   // a later bake may want maps of these frames
   const bool wants_memory =
       can_resume(plan) || settings.formats.count("maps") || caches.wants_layers();
@@ -215,10 +213,10 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   int simulated_from = plan.animation.first_frame;
   if (settings.resume == Resume::automatic && can_resume(plan))
     simulated_from =
-        take_frames(checkpoints, plan, options, progress, [&](const AnimatedFrame& frame) {
-          return files.losses.attempt(rest, [&] { take(frame); });
+        load_frames(checkpoints, plan, options, progress, [&](const AnimatedFrame& frame) {
+          return files.failures.try_write(rest, [&] { consume(frame); });
         });
-  FrameQueue queue(settings.threads, take);
+  FrameQueue queue(settings.threads, consume);
   std::optional<Error> failure;
   try {
     if (simulated_from <= plan.animation.last_frame)
@@ -234,45 +232,46 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   } catch (const Error& error) {
     failure = error;  // what was baked so far is kept
   }
-  files.losses.attempt(rest, [&] { queue.finish(); });
+  files.failures.try_write(rest, [&] { queue.finish(); });
   if (!checkpoints.failure().empty())
-    progress.say("warning: what a later bake would go on from could not be kept: " +
-                 checkpoints.failure());
+    progress.message("warning: what a later bake would go on from could not be kept: " +
+                     checkpoints.failure());
   if (certificate.frames.empty() && failure) throw *failure;
-  if (certificate.frames.empty()) throw files.losses.all().front().error;
-  render_outputs(settings, plan, outputs, caches.shown_frames(), files.losses);
+  if (certificate.frames.empty()) throw files.failures.all().front().error;
+  render_outputs(settings, plan, outputs, caches.shown_frames(), files.failures);
   for (const auto& output : outputs) output->finish();
-  const Caches::Finished whole =
+  const CacheWriters::Finished whole =
       caches.finish(frames_of_sheets(certificate, plan), certificate.handles);
   files.written.insert(files.written.begin(), whole.files.begin(), whole.files.end());
-  settle(certificate, plan, whole.in_alembic);
-  if (const std::string words = sheets_in_words(certificate.frames); !words.empty())
-    progress.say("warning: " + words + ".");
+  finalize_certificate(certificate, plan, whole.in_alembic);
+  if (const std::string words = describe_sheet_intersections(certificate.frames); !words.empty())
+    progress.message("warning: " + words + ".");
   write_certificate(settings, plan, certificate, caches.report(), failure, files, outcome);
   outcome.files = files.written;
   std::vector<std::filesystem::path> all = files.written;
   all.insert(all.end(), files.pictures.begin(), files.pictures.end());
-  const Earlier earlier = files.losses.all().empty() ? Earlier::removed : Earlier::kept;
-  files.losses.attempt(".state/written", [&] { replace_earlier(folder.path(), all, earlier); });
-  if (const auto error = ending(failure, files.losses, certificate)) throw *error;
-  note_finished(folder.path(), request, outcome);
+  const StaleFiles stale = files.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep;
+  files.failures.try_write(".state/written", [&] { replace_outputs(folder.path(), all, stale); });
+  if (const auto error = final_error(failure, files.failures, certificate)) throw *error;
+  record_completed_bake(folder.path(), key, outcome);
   return outcome;
 }
 
-void say_warnings(const BakePlan& plan, Progress& progress) {
-  for (const std::string& warning : plan.warnings) progress.say("warning: " + warning);
-  for (const SheetImpossible& pair : plan.impossible) progress.say("warning: " + describe(pair));
+void print_warnings(const BakePlan& plan, Progress& progress) {
+  for (const std::string& warning : plan.warnings) progress.message("warning: " + warning);
+  for (const SheetImpossible& pair : plan.impossible)
+    progress.message("warning: " + describe(pair));
 }
 
-BakeOutcome bake_and_tell(const BakeSettings& settings, const BakePlan& plan,
-                          const std::function<bool()>& stop) {
+BakeOutcome bake_with_progress(const BakeSettings& settings, const BakePlan& plan,
+                               const std::function<bool()>& stop) {
   const FrameSpan& f = plan.frames;
   Progress progress(settings.progress,
                     static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1),
                     passes_of(settings));
-  say_warnings(plan, progress);
+  print_warnings(plan, progress);
   const BakeOutcome outcome = bake(settings, plan, progress, stop);
-  for (const std::string& sentence : outcome.missed) progress.say("gate missed: " + sentence);
+  for (const std::string& sentence : outcome.missed) progress.message("gate missed: " + sentence);
   return outcome;
 }
 

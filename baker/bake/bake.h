@@ -32,10 +32,10 @@ BakeOutcome bake(const BakeSettings&, const BakePlan&, Progress&,
                  const std::function<bool()>& stop = {});
 
 /// Warnings of a plan.
-void say_warnings(const BakePlan&, Progress&);
+void print_warnings(const BakePlan&, Progress&);
 
 /// The same, told on stderr: warnings, how far it is, gates that were missed.
-BakeOutcome bake_and_tell(const BakeSettings&, const BakePlan&,
-                          const std::function<bool()>& stop = {});
+BakeOutcome bake_with_progress(const BakeSettings&, const BakePlan&,
+                               const std::function<bool()>& stop = {});
 
 }  // namespace paperbake

@@ -13,18 +13,18 @@ namespace paperbake {
 
 /// All that the files of a bake depend on: program, job, formats, names, frames with maps and
 /// pictures.
-std::string request_of(const BakeSettings&, const BakePlan&);
+std::string bake_key(const BakeSettings&, const BakePlan&);
 
 /// The outcome of the bake before, when that was asked for the same and every file is there as it
 /// was written.
-std::optional<BakeOutcome> finished_before(const std::filesystem::path& folder,
-                                           const std::string& request);
+std::optional<BakeOutcome> find_completed_bake(const std::filesystem::path& folder,
+                                               const std::string& key);
 
 /// throws Error(Fault::folder)
-void note_finished(const std::filesystem::path& folder, const std::string& request,
-                   const BakeOutcome&);
+void record_completed_bake(const std::filesystem::path& folder, const std::string& key,
+                           const BakeOutcome&);
 
 /// To be called before anything is written.
-void forget_finished(const std::filesystem::path& folder);
+void invalidate_completed_bake(const std::filesystem::path& folder);
 
 }  // namespace paperbake

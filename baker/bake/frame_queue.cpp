@@ -17,7 +17,7 @@ FrameQueue::~FrameQueue() {
 }
 
 bool FrameQueue::push(const AnimatedFrame& frame) {
-  constexpr std::size_t most = 8;  // a few megabytes
+  constexpr std::size_t max_waiting = 8;  // a few megabytes
   if (!thread_.joinable()) {
     AnimatedFrame alone = frame;
     alone.memory = nullptr;
@@ -26,7 +26,7 @@ bool FrameQueue::push(const AnimatedFrame& frame) {
     return true;
   }
   std::unique_lock lock(mutex_);
-  changed_.wait(lock, [&] { return items_.size() < most || failure_; });
+  changed_.wait(lock, [&] { return items_.size() < max_waiting || failure_; });
   if (failure_) return false;
   items_.push_back({frame, *frame.sheet});
   items_.back().frame.memory = nullptr;  // it flows on meanwhile

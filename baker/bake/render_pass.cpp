@@ -14,16 +14,16 @@ namespace paperbake {
 namespace {
 
 /// One frame of every sheet; in front those that have it, of a bake that ended between two sheets.
-struct Shown {
+struct RenderedFrame {
   std::vector<RenderFrame> frames;
-  std::vector<RenderNumbers> numbers;  // of a frame that is wanted
+  std::vector<RenderStatistics> statistics;  // of a frame that is wanted
 };
 
 /// Where the vertices of a render mesh lie on the mesh of the frame that was asked for last.
-class PlacesOfFrames {
+class MeshPointCache {
  public:
   using Places = std::shared_future<std::vector<MeshPoint>>;
-  PlacesOfFrames(const ShotRecord& record, const RenderSurface& sheet)
+  MeshPointCache(const ShotRecord& record, const RenderSurface& sheet)
       : record_(&record), sheet_(&sheet) {}
 
   const Places& at(std::size_t k) {
@@ -45,17 +45,17 @@ class PlacesOfFrames {
   Places places_;
 };
 
-std::size_t frames_of_any(const std::vector<ShownSheet>& sheets) {
-  std::size_t most = 0;
-  for (const ShownSheet& sheet : sheets) most = std::max(most, sheet.record->frames().size());
-  return most;
+std::size_t frames_of_any(const std::vector<RenderInput>& sheets) {
+  std::size_t count = 0;
+  for (const RenderInput& sheet : sheets) count = std::max(count, sheet.record->frames().size());
+  return count;
 }
 
 /// Frames of records on the render meshes, some of them ahead of the one that is asked for: each on
 /// a thread of its own.
 class Renderer {
  public:
-  Renderer(const std::vector<ShownSheet>& shown, std::vector<RenderSurface>& sheets,
+  Renderer(const std::vector<RenderInput>& shown, std::vector<RenderSurface>& sheets,
            const FrameSpan& wanted, int threads)
       : shown_(shown),
         sheets_(sheets),
@@ -68,24 +68,24 @@ class Renderer {
   }
 
   /// The k-th of the records; k grows from call to call.
-  Shown operator()(std::size_t k) {
-    while (!coming_.empty() && coming_.front().k < k) coming_.pop_front();  // waits for it
+  RenderedFrame operator()(std::size_t k) {
+    while (!pending_.empty() && pending_.front().k < k) pending_.pop_front();  // waits for it
     for (next_ = std::max(next_, k);
-         next_ < frames_of_any(shown_) && (coming_.size() < threads_ || next_ == k); ++next_)
-      if (is_needed(next_) && !begin(next_)) break;
-    Shown shown = coming_.front().shown.get();
-    coming_.pop_front();
+         next_ < frames_of_any(shown_) && (pending_.size() < threads_ || next_ == k); ++next_)
+      if (is_needed(next_) && !start(next_)) break;
+    RenderedFrame shown = pending_.front().rendered.get();
+    pending_.pop_front();
     return shown;
   }
 
  private:
-  struct Coming {
+  struct PendingFrame {
     std::size_t k;
-    std::future<Shown> shown;
+    std::future<RenderedFrame> rendered;
   };
 
   /// Sheets that have a k-th frame: the first ones.
-  std::size_t there(std::size_t k) const {
+  std::size_t sheets_with_frame(std::size_t k) const {
     std::size_t count = 0;
     while (count < shown_.size() && k < shown_[count].record->frames().size()) ++count;
     return count;
@@ -101,50 +101,50 @@ class Renderer {
   }
 
   /// False: others are on the way, with other handles held.
-  bool begin(std::size_t k) {
-    std::vector<PlacesOfFrames::Places> places;
-    for (std::size_t s = 0; s < there(k); ++s) {
+  bool start(std::size_t k) {
+    std::vector<MeshPointCache::Places> places;
+    for (std::size_t s = 0; s < sheets_with_frame(k); ++s) {
       const RecordedFrame& recorded = shown_[s].record->frames()[k];
       if (held_[s] != recorded.held) {
-        if (!coming_.empty()) return false;
+        if (!pending_.empty()) return false;
         sheets_[s].hold(recorded.held);  // dear, but seldom: no frame's time
         held_[s] = recorded.held;
       }
     }
-    for (std::size_t s = 0; s < there(k); ++s) places.push_back(places_[s].at(k));
-    coming_.push_back({k, std::async(threads_ > 1 ? std::launch::async : std::launch::deferred,
-                                     [this, k, places] { return render(k, places); })});
+    for (std::size_t s = 0; s < sheets_with_frame(k); ++s) places.push_back(places_[s].at(k));
+    pending_.push_back({k, std::async(threads_ > 1 ? std::launch::async : std::launch::deferred,
+                                      [this, k, places] { return render(k, places); })});
     return true;
   }
 
-  Shown render(std::size_t k, const std::vector<PlacesOfFrames::Places>& places) const {
-    Shown shown;
+  RenderedFrame render(std::size_t k, const std::vector<MeshPointCache::Places>& places) const {
+    RenderedFrame shown;
     std::vector<SheetUntangler::Simulated> simulated;
     std::vector<double> ms;
     for (std::size_t s = 0; s < places.size(); ++s) {
-      const double begun = cpu_ms();
+      const double start_ms = cpu_ms();
       const RecordedFrame& recorded = shown_[s].record->frames()[k];
       simulated.push_back({shown_[s].record->sheet(recorded), &places[s].get()});
       shown.frames.push_back(
           sheets_[s].frame(simulated[s].sheet, *simulated[s].places, recorded.held_at));
-      ms.push_back(cpu_ms() - begun);
+      ms.push_back(cpu_ms() - start_ms);
     }
-    const double begun = cpu_ms();
+    const double start_ms = cpu_ms();
     if (shown.frames.size() == sheets_.size()) together_.keep_apart(shown.frames, simulated);
-    const double each_ms = (cpu_ms() - begun) / std::max<std::size_t>(1, places.size());
+    const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, places.size());
     for (std::size_t s = 0; s < places.size(); ++s) {
-      const double begun = cpu_ms();
-      keep_out(s, k, simulated[s], shown.frames[s].x);
-      ms[s] += each_ms + cpu_ms() - begun;
+      const double start_ms = cpu_ms();
+      push_out_of_colliders(s, k, simulated[s], shown.frames[s].x);
+      ms[s] += each_ms + cpu_ms() - start_ms;
     }
     if (wanted_.contains(shown_.front().record->frames()[k].frame))
-      shown.numbers = judge(shown.frames, ms);
+      shown.statistics = measure(shown.frames, ms);
     return shown;
   }
 
   /// The curved surface goes beyond its facets: where they lie on something, into it.
-  void keep_out(std::size_t s, std::size_t k, const SheetUntangler::Simulated& simulated,
-                Points3& x) const {
+  void push_out_of_colliders(std::size_t s, std::size_t k,
+                             const SheetUntangler::Simulated& simulated, Points3& x) const {
     const auto& colliders = shown_[s].shot->colliders;
     if (!colliders) return;
     const auto& frames = shown_[s].record->frames();
@@ -156,9 +156,9 @@ class Renderer {
              x);
   }
 
-  std::vector<RenderNumbers> judge(const std::vector<RenderFrame>& frames,
-                                   const std::vector<double>& ms) const {
-    std::vector<RenderNumbers> numbers;
+  std::vector<RenderStatistics> measure(const std::vector<RenderFrame>& frames,
+                                        const std::vector<double>& ms) const {
+    std::vector<RenderStatistics> statistics;
     std::vector<Points3> stored_x;
     for (std::size_t s = 0; s < frames.size(); ++s) {
       const RenderMesh& mesh = sheets_[s].mesh();
@@ -169,34 +169,38 @@ class Renderer {
       stored.uv = mesh.pattern / side;
       const LengthDistortion length = cache_distortion(stored, side);
       stored_x.push_back(frames[s].x.cast<float>().cast<double>());
-      numbers.push_back({static_cast<int>(mesh.triangles.rows()), 100 * length.mean,
-                         100 * length.largest, ms[s], sheets_[s].crossings(stored_x[s]),
-                         frames[s].kept_apart});
+      RenderStatistics& sheet = statistics.emplace_back();
+      sheet.triangles = static_cast<int>(mesh.triangles.rows());
+      sheet.stretch_mean = length.mean;
+      sheet.stretch_max = length.largest;
+      sheet.ms = ms[s];
+      sheet.crossings = sheets_[s].crossings(stored_x[s]);
+      sheet.kept_apart = frames[s].kept_apart;
     }
     const std::vector<int> with_others = together_.crossings(stored_x);
     for (std::size_t s = 0; s < frames.size(); ++s)
-      numbers[s].crossings_with_others = with_others[s];
-    return numbers;
+      statistics[s].crossings_with_others = with_others[s];
+    return statistics;
   }
 
-  const std::vector<ShownSheet>& shown_;
+  const std::vector<RenderInput>& shown_;
   std::vector<RenderSurface>& sheets_;
   const SheetUntangler together_;
   const FrameSpan& wanted_;
   const std::size_t threads_;
   std::vector<std::optional<std::vector<int>>> held_;
-  std::vector<PlacesOfFrames> places_;
-  std::size_t next_ = 0;       // to be begun
-  std::deque<Coming> coming_;  // in order
+  std::vector<MeshPointCache> places_;
+  std::size_t next_ = 0;              // to be start_ms
+  std::deque<PendingFrame> pending_;  // in order
 };
 
 /// Some frame passes through itself, or through another, however far the render meshes go back.
-bool cut_through(const std::vector<ShownSheet>& shown, const std::vector<RenderSurface>& sheets,
+bool cut_through(const std::vector<RenderInput>& shown, const std::vector<RenderSurface>& sheets,
                  std::size_t threads) {
   const SheetUntangler together(sheets);
-  std::vector<PlacesOfFrames> places;
+  std::vector<MeshPointCache> places;
   for (std::size_t s = 0; s < sheets.size(); ++s) places.emplace_back(*shown[s].record, sheets[s]);
-  const auto is_cut = [&](std::size_t k, const std::vector<PlacesOfFrames::Places>& at) {
+  const auto is_cut = [&](std::size_t k, const std::vector<MeshPointCache::Places>& at) {
     std::vector<SheetUntangler::Simulated> simulated;
     for (std::size_t s = 0; s < at.size(); ++s) {
       simulated.push_back({shown[s].record->sheet(shown[s].record->frames()[k]), &at[s].get()});
@@ -205,28 +209,28 @@ bool cut_through(const std::vector<ShownSheet>& shown, const std::vector<RenderS
     }
     return simulated.size() == sheets.size() && together.linear_surfaces_intersect(simulated);
   };
-  std::deque<std::future<bool>> coming;
+  std::deque<std::future<bool>> pending;
   bool cut = false;
   for (std::size_t k = frames_of_any(shown); k-- > 0 && !cut;) {  // the tightest come last
-    std::vector<PlacesOfFrames::Places> at;
+    std::vector<MeshPointCache::Places> at;
     for (std::size_t s = 0; s < sheets.size() && k < shown[s].record->frames().size(); ++s)
       at.push_back(places[s].at(k));
-    coming.push_back(std::async(threads > 1 ? std::launch::async : std::launch::deferred,
-                                [&is_cut, k, at] { return is_cut(k, at); }));
-    if (coming.size() < threads) continue;
-    cut = coming.front().get();
-    coming.pop_front();
+    pending.push_back(std::async(threads > 1 ? std::launch::async : std::launch::deferred,
+                                 [&is_cut, k, at] { return is_cut(k, at); }));
+    if (pending.size() < threads) continue;
+    cut = pending.front().get();
+    pending.pop_front();
   }
-  for (std::future<bool>& other : coming) cut |= other.get();
+  for (std::future<bool>& other : pending) cut |= other.get();
   return cut;
 }
 
-std::vector<RenderSurface> render_sheets(const std::vector<ShownSheet>& shown, Quality quality,
+std::vector<RenderSurface> render_sheets(const std::vector<RenderInput>& shown, Quality quality,
                                          int threads) {
   enum class Edges { some, all };
   const auto make = [&](Edges edges) {
     std::vector<RenderSurface> sheets;
-    for (const ShownSheet& sheet : shown) {
+    for (const RenderInput& sheet : shown) {
       RenderFeatures features = sheet.record->features(*sheet.shot);
       if (edges == Edges::all) features.edges = sheet.record->edges();
       sheets.push_back(
@@ -238,9 +242,9 @@ std::vector<RenderSurface> render_sheets(const std::vector<ShownSheet>& shown, Q
   return cut_through(shown, sheets, std::max(threads, 1)) ? make(Edges::all) : std::move(sheets);
 }
 
-Points3 velocity_of(const std::optional<Shown>& before, const Shown& now,
-                    const std::optional<Shown>& next, std::size_t s, double fps) {
-  const auto has = [&](const std::optional<Shown>& other) {
+Points3 velocity_of(const std::optional<RenderedFrame>& before, const RenderedFrame& now,
+                    const std::optional<RenderedFrame>& next, std::size_t s, double fps) {
+  const auto has = [&](const std::optional<RenderedFrame>& other) {
     return other && s < other->frames.size();
   };
   const Points3& x = now.frames[s].x;
@@ -252,7 +256,7 @@ Points3 velocity_of(const std::optional<Shown>& before, const Shown& now,
 
 }  // namespace
 
-void render_shot(const std::vector<ShownSheet>& sheets, Quality quality, const FrameSpan& frames,
+void render_shot(const std::vector<RenderInput>& sheets, Quality quality, const FrameSpan& frames,
                  double fps, int threads) {
   const auto& recorded = sheets.front().record->frames();
   if (recorded.empty()) return;
@@ -265,7 +269,7 @@ void render_shot(const std::vector<ShownSheet>& sheets, Quality quality, const F
     cached[s].uv = renders[s].mesh().pattern / longer_side(sheets[s].shot->pattern);
   }
 
-  std::optional<Shown> before, now, next;
+  std::optional<RenderedFrame> before, now, next;
   const int last = static_cast<int>(recorded.size()) - 1;
   for (int k = 0; k <= last; ++k) {
     before = std::move(now);
@@ -281,7 +285,7 @@ void render_shot(const std::vector<ShownSheet>& sheets, Quality quality, const F
       cached[s].normal = now->frames[s].normals;
       cached[s].crease = now->frames[s].crease;
       if (sheets[s].layers) cached[s].layers = sheets[s].layers(k, renders[s].mesh().pattern);
-      sheets[s].write(recorded[k].frame, cached[s], now->numbers[s]);
+      sheets[s].write(recorded[k].frame, cached[s], now->statistics[s]);
     }
   }
 }

@@ -12,14 +12,14 @@
 namespace paperbake {
 
 /// A sheet that was simulated, to be rendered.
-struct ShownSheet {
+struct RenderInput {
   const ShotRecord* record;
   const Shot* shot;
   /// Layers of a recorded frame (by its place in the record) at the points of the mesh; may be
   /// empty.
   std::function<std::vector<CacheLayer>(std::size_t k, const Points2& pattern)> layers;
   /// Called for each frame that is wanted, in order.
-  std::function<void(int frame, const CacheFrame&, const RenderNumbers&)> write;
+  std::function<void(int frame, const CacheFrame&, const RenderStatistics&)> write;
 };
 
 /// The second pass of a bake: sheets that were simulated go, frame by frame, each onto one mesh
@@ -29,7 +29,7 @@ struct ShownSheet {
 /// are central differences of what is rendered, one-sided at the ends of the record.
 /// sheets  that come near each other, or one; their records begin with the same frame
 /// frames  of the records that are wanted; fps [1/s]
-void render_shot(const std::vector<ShownSheet>& sheets, Quality, const FrameSpan& frames,
+void render_shot(const std::vector<RenderInput>& sheets, Quality, const FrameSpan& frames,
                  double fps, int threads);
 
 /// Numbers of sheets that ever come so near each other that boxes round them meet; every one is in

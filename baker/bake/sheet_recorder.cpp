@@ -29,20 +29,23 @@ CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot) {
   return options;
 }
 
-/// What of a frame is inside a collider is said where it can be seen.
-void note_inside(FrameRecord& record, double inside_mm) {
-  constexpr double seen = 0.1;  // [mm]
-  if (inside_mm > seen && record.inside_mm <= seen)
-    record.note +=
-        fmt::format("{}inside a collider by {:.2f} mm", record.note.empty() ? "" : "; ", inside_mm);
-  record.inside_mm = std::max(record.inside_mm, inside_mm);
+void append_note(FrameRecord& record, const std::string& note) {
+  record.note += (record.note.empty() ? "" : "; ") + note;
+}
+
+/// Notes that the sheet is inside a collider, where that can be seen.
+void note_inside(FrameRecord& record) {
+  constexpr double visible = 0.1;  // [mm]
+  const double inside_mm = 1e3 * record.statistics.inside_colliders;
+  if (inside_mm > visible)
+    append_note(record, fmt::format("inside a collider by {:.2f} mm", inside_mm));
 }
 
 }  // namespace
 
-SheetOutput::SheetOutput(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet,
-                         Caches& caches, std::string suffix, Certificate& certificate,
-                         BakeFiles& files, Progress& progress)
+SheetRecorder::SheetRecorder(const BakeSettings& settings, const BakePlan& plan, std::size_t sheet,
+                             CacheWriters& caches, std::string suffix, Certificate& certificate,
+                             BakeFiles& files, Progress& progress)
     : settings_(settings),
       plan_(plan),
       sheet_(sheet),
@@ -56,7 +59,7 @@ SheetOutput::SheetOutput(const BakeSettings& settings, const BakePlan& plan, std
   if (caches_.wants_layers()) damage_.emplace(shot_, widest_fold(shot_), plan.animation.fps);
 }
 
-void SheetOutput::take(const AnimatedFrame& frame) {
+void SheetRecorder::consume(const AnimatedFrame& frame) {
   const bool wanted = plan_.frames.contains(frame.frame),
              simulated = settings_.mesh == CacheMesh::simulation;
   input_hash_ =
@@ -69,35 +72,35 @@ void SheetOutput::take(const AnimatedFrame& frame) {
     certificate_.singular.push_back({shot_.sheet_name, frame.sheet->singular[k]});
   known_singular_ = frame.sheet->singular.size();
   if (wanted) {
-    certificate_.frames.push_back(judge(frame));
-    judge_beside_others(*frame.sheet, certificate_.frames.back());
+    certificate_.frames.push_back(measure(frame));
+    count_intersections(*frame.sheet, certificate_.frames.back());
     record_handles(frame);
   }
-  release_waiting(&*frame.sheet);
+  flush_deferred(&*frame.sheet);
   before_ = std::move(now_);
   now_ = *frame.sheet;
-  if (wanted && caches_.any() && simulated) wait(*frame.sheet);
+  if (wanted && caches_.any() && simulated) defer(*frame.sheet);
   draw_map(frame);
   draw_debug_picture(frame);
   if (wanted) progress_.simulated(certificate_.frames.back());
 }
 
-std::optional<ShownSheet> SheetOutput::finish_frames() {
-  release_waiting(nullptr);
+std::optional<RenderInput> SheetRecorder::render_input() {
+  flush_deferred(nullptr);
   certificate_.crease_length += crease_network(now_).length;
   if (record_.frames().empty()) return {};
-  ShownSheet shown{&record_,
-                   &shot_,
-                   {},
-                   [this](int number, const CacheFrame& frame, const RenderNumbers& numbers) {
-                     while (certificate_.frames[rendered_].frame != number ||
-                            certificate_.frames[rendered_].sheet != shot_.sheet_name)
-                       ++rendered_;
-                     FrameRecord& r = certificate_.frames[rendered_];
-                     r.render = numbers;
-                     r.content_hash = caches_.add_frame(sheet_, number, frame);
-                     progress_.rendered(r);
-                   }};
+  RenderInput shown{&record_,
+                    &shot_,
+                    {},
+                    [this](int number, const CacheFrame& frame, const RenderStatistics& numbers) {
+                      while (certificate_.frames[rendered_].frame != number ||
+                             certificate_.frames[rendered_].sheet != shot_.sheet_name)
+                        ++rendered_;
+                      FrameRecord& r = certificate_.frames[rendered_];
+                      r.statistics.render = numbers;
+                      r.content_hash = caches_.add_frame(sheet_, number, frame);
+                      progress_.rendered(r);
+                    }};
   if (damage_)
     shown.layers = [this](std::size_t k, const Points2& pattern) {
       return damage_->at(k, record_, pattern);
@@ -105,7 +108,7 @@ std::optional<ShownSheet> SheetOutput::finish_frames() {
   return shown;
 }
 
-void SheetOutput::finish() {
+void SheetRecorder::finish() {
   if (!map_) return;
   write_map("final");
   if (caches_.report())
@@ -113,49 +116,41 @@ void SheetOutput::finish() {
                               png_bytes(map_->picture(map_info())));
 }
 
-FrameRecord SheetOutput::judge(const AnimatedFrame& frame) const {
+FrameRecord SheetRecorder::measure(const AnimatedFrame& frame) const {
   const Sheet& sheet = *frame.sheet;
   const LengthDistortion length = length_distortion(sheet);
   FrameRecord r;
   r.frame = frame.frame;
   r.sheet = shot_.sheet_name;
-  r.triangles = static_cast<int>(sheet.triangles.rows());
-  r.stretch_mean_pct = 100 * length.mean;
-  r.stretch_max_pct = 100 * length.largest;
-  r.angle_defect_max_deg = angle_defect_max(sheet) * 180 / M_PI;
+  r.statistics = frame.statistics;
+  FrameStatistics& statistics = r.statistics;
+  statistics.triangles = static_cast<int>(sheet.triangles.rows());
+  statistics.stretch_mean = length.mean;
+  statistics.stretch_max = length.largest;
+  statistics.angle_defect_max = angle_defect_max(sheet);
+  statistics.singular = static_cast<int>(sheet.singular.size());
+  statistics.crossings = crossings(sheet);
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     if (handle.state == HandleFrame::free) continue;
-    const double off_mm = 1e3 * (handle.at - handle.keyed).norm();
-    r.handle_err_max_mm = std::max(r.handle_err_max_mm, off_mm);
-    if (handle.state == HandleFrame::jammed) r.jammed.push_back({shot_.handles[h].name, off_mm});
+    const double off = (handle.at - handle.keyed).norm();
+    statistics.handle_error_max = std::max(statistics.handle_error_max, off);
+    if (handle.state == HandleFrame::jammed) r.jammed.push_back({shot_.handles[h].name, 1e3 * off});
   }
-  r.singular = static_cast<int>(sheet.singular.size());
-  r.new_singular = frame.new_singular;
-  r.elastic_ms = frame.elastic_ms;
-  r.geometry_ms = frame.geometry_ms;
-  r.substeps = frame.substeps;
-  r.newton_iterations = frame.newton_iterations;
-  r.converged = frame.converged;
-  r.energy_J = frame.energy;
-  r.crossings = crossings(sheet);
-  r.touching = frame.touching;
-  r.touching_others = frame.touching_others;
-  r.on_colliders = frame.on_colliders;
   r.note = frame.note;
-  note_inside(r, 1e3 * frame.inside_colliders);
+  note_inside(r);
   r.input_hash = input_hash_;
   return r;
 }
 
-void SheetOutput::judge_beside_others(const Sheet& sheet, FrameRecord& record) {
+void SheetRecorder::count_intersections(const Sheet& sheet, FrameRecord& record) {
   if (plan_.shots.size() < 2) return;
-  record.crossings_with_others = certificate_.together.add(record.frame, sheet);
-  if (record.crossings_with_others > 0)
-    record.note += fmt::format("{}passes through another sheet", record.note.empty() ? "" : "; ");
+  record.statistics.crossings_with_others = certificate_.intersections.add(record.frame, sheet);
+  if (record.statistics.crossings_with_others > 0)
+    append_note(record, "passes through another sheet");
 }
 
-void SheetOutput::record_handles(const AnimatedFrame& frame) {
+void SheetRecorder::record_handles(const AnimatedFrame& frame) {
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     HandleRecord r;
@@ -172,7 +167,7 @@ void SheetOutput::record_handles(const AnimatedFrame& frame) {
   }
 }
 
-void SheetOutput::draw_map(const AnimatedFrame& frame) {
+void SheetRecorder::draw_map(const AnimatedFrame& frame) {
   if (!settings_.formats.count("maps")) return;
   if (!map_) map_.emplace(shot_.pattern, map_options(settings_, shot_));
   map_->record(frame.frame, *frame.sheet, vertex_curvature(*frame.sheet), frame.plastic_curvature);
@@ -182,68 +177,67 @@ void SheetOutput::draw_map(const AnimatedFrame& frame) {
   if (wanted && frame.frame >= plan_.frames.first) write_map(fmt::format("{:04}", frame.frame));
 }
 
-void SheetOutput::write_map(const std::string& frame) {
+void SheetRecorder::write_map(const std::string& frame) {
   const std::string file = fmt::format("maps/{}{}.{}.exr", plan_.name, suffix_, frame);
-  if (files_.losses.attempt(file, [&] { map_->write(files_.folder / file, map_info()); }))
+  if (files_.failures.try_write(file, [&] { map_->write(files_.folder / file, map_info()); }))
     files_.written.push_back(files_.folder / file);
 }
 
-void SheetOutput::draw_debug_picture(const AnimatedFrame& frame) {
+void SheetRecorder::draw_debug_picture(const AnimatedFrame& frame) {
   if (!settings_.debug_pictures || frame.frame < plan_.frames.first) return;
   const bool listed = std::any_of(plan_.debug_frames.begin(), plan_.debug_frames.end(),
                                   [&](const FrameSpan& s) { return s.contains(frame.frame); });
-  if (!listed && frame.new_singular == 0 && frame.frame != plan_.frames.last) return;
+  if (!listed && frame.statistics.new_singular == 0 && frame.frame != plan_.frames.last) return;
   const std::string title =
       fmt::format("{}, {}, {}, frame {}", plan_.name, shot_.sheet_name, plan_.method, frame.frame);
   const auto file =
       *settings_.debug_pictures / fmt::format("{}{}.{:04}.png", plan_.name, suffix_, frame.frame);
-  if (files_.losses.attempt(file.string(),
-                            [&] { write_png(file, debug_picture(shot_, frame, title)); }))
+  if (files_.failures.try_write(file.string(),
+                                [&] { write_png(file, debug_picture(shot_, frame, title)); }))
     files_.pictures.push_back(file);
 }
 
-MapInfo SheetOutput::map_info() const {
+MapInfo SheetRecorder::map_info() const {
   return {last_map_frame_, plan_.animation.fps, plan_.seeds[sheet_], plan_.presets[sheet_]};
 }
 
-void SheetOutput::wait(const Sheet& sheet) {
+void SheetRecorder::defer(const Sheet& sheet) {
   CacheFrame frame;
   frame.x = sheet.x;
   frame.normal = vertex_normals(sheet.x, sheet.triangles);
   frame.triangles = sheet.triangles;
   frame.uv = sheet.pattern / longer_side(shot_.pattern);
   frame.velocity = sheet.v;  // backward difference, where neighbours cannot be compared
-  waiting_ = std::move(frame);
-  waiting_record_ = certificate_.frames.size() - 1;
+  deferred_ = std::move(frame);
+  deferred_record_ = certificate_.frames.size() - 1;
 }
 
 /// Central difference of the true motion of the sheet points that are vertices of the waiting
 /// frame, `now_`. next: the sheet one frame later; null at the end of the shot.
-void SheetOutput::release_waiting(const Sheet* next) {
-  if (!waiting_) return;
+void SheetRecorder::flush_deferred(const Sheet* next) {
+  if (!deferred_) return;
   const double fps = plan_.animation.fps;
   const bool has_before = before_.x.rows() > 0;
   if (has_before && next)
-    waiting_->velocity = 0.5 * fps * (carried(*next) - carried(before_));
+    deferred_->velocity = 0.5 * fps * (resample(*next) - resample(before_));
   else if (next)
-    waiting_->velocity = fps * (carried(*next) - now_.x);
+    deferred_->velocity = fps * (resample(*next) - now_.x);
   else if (has_before)
-    waiting_->velocity = fps * (now_.x - carried(before_));
-  FrameRecord& r = certificate_.frames[waiting_record_];
-  const LengthDistortion stored = cache_distortion(*waiting_, longer_side(shot_.pattern));
-  r.render = {static_cast<int>(waiting_->triangles.rows()),
-              100 * stored.mean,
-              100 * stored.largest,
-              0,
-              r.crossings,
-              false,
-              r.crossings_with_others};
-  r.content_hash = caches_.add_frame(sheet_, r.frame, *waiting_);
-  waiting_.reset();
+    deferred_->velocity = fps * (now_.x - resample(before_));
+  FrameRecord& r = certificate_.frames[deferred_record_];
+  const LengthDistortion stored = cache_distortion(*deferred_, longer_side(shot_.pattern));
+  RenderStatistics& render = r.statistics.render.emplace();
+  render.triangles = static_cast<int>(deferred_->triangles.rows());
+  render.stretch_mean = stored.mean;
+  render.stretch_max = stored.largest;
+  render.crossings = r.statistics.crossings;
+  render.crossings_with_others = r.statistics.crossings_with_others;
+  r.content_hash = caches_.add_frame(sheet_, r.frame, *deferred_);
+  deferred_.reset();
 }
 
 /// Where the vertices of now_ are in another frame, whatever its mesh. |V|x3 [m]
-Points3 SheetOutput::carried(const Sheet& other) const {
+Points3 SheetRecorder::resample(const Sheet& other) const {
   const bool same = other.pattern.rows() == now_.pattern.rows() && other.pattern == now_.pattern;
   return same ? other.x : MeshTransfer(other.pattern, other.triangles, now_.pattern)(other.x);
 }

@@ -23,8 +23,8 @@ struct Certificate {
   std::vector<FrameRecord> frames;
   std::vector<HandleRecord> handles;
   std::vector<SingularRecord> singular;
-  double crease_length = 0;  // [m] of the last frames of all sheets
-  SheetsTogether together;   // of scenes with several
+  double crease_length = 0;          // [m] of the last frames of all sheets
+  SheetIntersections intersections;  // of scenes with several
 };
 
 /// The files of a bake; shared by its sheets.
@@ -32,7 +32,7 @@ struct BakeFiles {
   std::filesystem::path folder;
   // pictures: of --debug-pictures, which are no result
   std::vector<std::filesystem::path> written, pictures;
-  Losses losses;  // by their names in the folder
+  WriteFailures failures;  // by their names in the folder
 };
 
 /// Takes the frames of one sheet as they are simulated, among those of others, and hands them on to
@@ -40,52 +40,52 @@ struct BakeFiles {
 /// those of the simulation mesh as they come: there a frame waits for its successor, so that its
 /// velocity is the central difference of the true motion. A frame is in the certificate before
 /// anything is written of it, and what cannot be written is a loss, never the end of the bake.
-class SheetOutput {
+class SheetRecorder {
  public:
   /// suffix  of file names, when there are several sheets
-  SheetOutput(const BakeSettings&, const BakePlan&, std::size_t sheet, Caches&, std::string suffix,
-              Certificate&, BakeFiles&, Progress&);
+  SheetRecorder(const BakeSettings&, const BakePlan&, std::size_t sheet, CacheWriters&,
+                std::string suffix, Certificate&, BakeFiles&, Progress&);
 
-  void take(const AnimatedFrame&);
+  void consume(const AnimatedFrame&);
 
   /// After the last frame: what there is to render; nothing where simulated meshes are cached, or
   /// none.
-  std::optional<ShownSheet> finish_frames();
+  std::optional<RenderInput> render_input();
   /// After they were rendered.
   void finish();
 
  private:
-  FrameRecord judge(const AnimatedFrame&) const;
-  void judge_beside_others(const Sheet&, FrameRecord&);
+  FrameRecord measure(const AnimatedFrame&) const;
+  void count_intersections(const Sheet&, FrameRecord&);
   void record_handles(const AnimatedFrame&);
   void draw_map(const AnimatedFrame&);
   void draw_debug_picture(const AnimatedFrame&);
   void write_map(const std::string& frame);
   MapInfo map_info() const;
-  void wait(const Sheet&);
-  void release_waiting(const Sheet* next);
-  Points3 carried(const Sheet& other) const;
+  void defer(const Sheet&);
+  void flush_deferred(const Sheet* next);
+  Points3 resample(const Sheet& other) const;
 
   const BakeSettings& settings_;
   const BakePlan& plan_;
   std::size_t sheet_;
   const Shot& shot_;
-  Caches& caches_;
+  CacheWriters& caches_;
   std::string suffix_;
   Certificate& certificate_;
   BakeFiles& files_;
   Progress& progress_;
   std::string input_hash_;
-  ShotRecord record_;                   // for the render mesh
-  std::optional<DamageLayers> damage_;  // on it
+  ShotRecord record_;                       // for the render mesh
+  std::optional<CreaseAttributes> damage_;  // on it
   std::size_t known_singular_ = 0;
   std::optional<CreaseMap> map_;
   int last_map_frame_ = 0;
   Sheet before_, now_;  // one frame before the waiting one, and that
-  std::optional<CacheFrame> waiting_;
+  std::optional<CacheFrame> deferred_;
   // line of the certificate from which the next that is rendered is looked for
   std::size_t rendered_ = 0;
-  std::size_t waiting_record_ = 0;  // its line of the certificate
+  std::size_t deferred_record_ = 0;  // its line of the certificate
 };
 
 }  // namespace paperbake

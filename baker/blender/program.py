@@ -3,12 +3,14 @@
 import collections
 import json
 import os
+import pathlib
 import queue
 import shutil
 import subprocess
 import threading
 import time
 
+BUNDLED = pathlib.Path(__file__).resolve().parent / "bundled" / "bin" / "paperbake"  # of the zip that brings the program
 PREFERENCES = "Edit > Preferences > Add-ons > Paperbake"
 KILL_AFTER = 3.0  # [s] without an answer to SIGTERM
 GATE_MISSED, STOPPED = 4, 5
@@ -21,8 +23,22 @@ class Unusable(Exception):
     """What stops a bake before it begins, in words for the artist."""
 
 
+def bundled():
+    """The program that came with the add-on. Throws Unusable."""
+    if not os.access(BUNDLED, os.X_OK):  # Blender installs no file with the permission to run
+        try:
+            BUNDLED.chmod(0o755)
+        except OSError as error:
+            raise Unusable(f"{BUNDLED} may not be run: {error.strerror}. Install the add-on anew, "
+                           f"or give the place of another paperbake in {PREFERENCES}.") from error
+    return os.fspath(BUNDLED)
+
+
 def located(path):
-    """The program at `path`, or on PATH when that is empty. Throws Unusable."""
+    """The program at `path`; when that is empty the one that came with the add-on, else the one on
+    PATH. Throws Unusable."""
+    if not path and BUNDLED.exists():
+        return bundled()
     found = shutil.which(path or "paperbake")
     if found:
         return found
@@ -32,14 +48,23 @@ def located(path):
     raise Unusable(f"{path} {why}. Give the place of paperbake in {PREFERENCES}.")
 
 
+def environment(program):
+    """Of the process. The bundled program has libraries of its own: what a script that starts Blender
+    has put on the loader's path is not for it."""
+    left_out = ("LD_LIBRARY_PATH", "LD_PRELOAD") if program == os.fspath(BUNDLED) else ()
+    return {name: value for name, value in os.environ.items() if name not in left_out}
+
+
 def answer(program, *words):
     """What the program prints on stdout. Throws Unusable."""
     try:
-        done = subprocess.run([program, *words], capture_output=True, text=True, timeout=20, check=False)
+        done = subprocess.run([program, *words], capture_output=True, text=True, timeout=20, check=False,
+                              env=environment(program))
     except (OSError, subprocess.TimeoutExpired) as error:
         raise Unusable(f"{program} does not run: {error}.") from error
     if done.returncode:
-        raise Unusable(f"{program} {' '.join(words)}: {one_line(done.stderr)}")
+        said = one_line(done.stderr) or ended_by(done.returncode)
+        raise Unusable(f"{program} {' '.join(words)}: {said}")
     return done.stdout
 
 
@@ -59,6 +84,12 @@ def one_line(text):
                     for i, line in enumerate(text.strip().splitlines())).removeprefix("paperbake: ")
 
 
+def ended_by(code):
+    """A signal in words for the artist."""
+    why = {9: " (is memory short?)", 4: " (this build is for newer processors)"}
+    return f"paperbake was ended by signal {-code}{why.get(-code, '')}." if code < 0 else ""
+
+
 class Process:
     """A bake. A thread reads the pipe, so that nobody waits: not the program for a full pipe, not the window for a line."""
 
@@ -66,7 +97,7 @@ class Process:
         """Throws Unusable."""
         try:
             self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-                                             text=True, encoding="utf-8", errors="replace")
+                                             text=True, encoding="utf-8", errors="replace", env=environment(command[0]))
         except OSError as error:
             raise Unusable(f"{command[0]} does not run: {error}.") from error
         self._lines = queue.SimpleQueue()
@@ -148,5 +179,5 @@ def outcome(code, process, summary, fresh):
         said = f" {' '.join(process.messages)}" if process.messages else ""
         return Outcome("WARNING" if said else "INFO", f"Baked {summary.get('frames', 0)} frames, length error {worst:.2g} %.{said}", fresh)
     if code < 0:
-        return Outcome("ERROR", f"paperbake was ended by signal {-code}{' (is memory short?)' if code == -9 else ''}.", False)
+        return Outcome("ERROR", ended_by(code), False)
     return Outcome("ERROR", one_line(process.error) or f"paperbake ended with code {code} and said nothing.", fresh)

@@ -21,7 +21,8 @@ MODES = [("absolute", "Absolute", "The sheet's point goes where the handle is"),
 class Preferences(bpy.types.AddonPreferences):
     bl_idname = PACKAGE
 
-    program: bpy.props.StringProperty(name="paperbake", subtype="FILE_PATH", description="The program; empty: found on PATH")
+    program: bpy.props.StringProperty(name="paperbake", subtype="FILE_PATH",
+                                      description="Another program than the one that came with the add-on; empty: that one, else the one on PATH")
 
     def draw(self, context):
         self.layout.prop(self, "program")

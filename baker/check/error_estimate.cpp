@@ -17,6 +17,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <stdexcept>
 
 namespace paperbake {
 namespace {
@@ -37,19 +38,12 @@ std::string text_of(const fs::path& path) {
               "Name the output folder of a bake with cache and certificate.");
 }
 
-/// What the certificate says of one frame of a sheet.
-struct Certified {
-  int frame;
-  double energy;
-  bool touching, touching_others, on_colliders;
-};
-
 /// One baked sheet, as a shot whose handles are where they were held.
 struct BakedSheet {
   std::string name;
   double side;  // [m]
   Shot shot;
-  std::vector<Certified> frames;
+  std::vector<FrameRecord> frames;
   // by frame: handle and where it has the sheet
   std::map<int, std::vector<std::pair<int, Vector3d>>> held;
 };
@@ -66,16 +60,18 @@ Sheet as_sheet(const CacheFrame& frame, double side) {
 /// An energy that falls by more than 30 % within a frame is a snap, and whoever comes a frame later
 /// is somewhere else.
 std::string doubt(const BakedSheet& sheet, std::size_t at) {
+  const auto energy = [&](std::size_t k) { return sheet.frames[k].statistics.energy; };
+  const FrameRecord& now = sheet.frames[at];
   for (std::size_t k = 1; k < sheet.frames.size(); ++k)
-    if (std::abs(sheet.frames[k].frame - sheet.frames[at].frame) <= about_a_snap &&
-        sheet.frames[k].energy < (1 - drop_of_a_snap) * sheet.frames[k - 1].energy)
+    if (std::abs(sheet.frames[k].frame - now.frame) <= about_a_snap &&
+        energy(k) < (1 - drop_of_a_snap) * energy(k - 1))
       return fmt::format(
           "the energy falls by {:.0f} % at frame {}: the timing of a snap is uncertain",
-          100 * (1 - sheet.frames[k].energy / sheet.frames[k - 1].energy), sheet.frames[k].frame);
-  if (sheet.frames[at].touching_others)
+          100 * (1 - energy(k) / energy(k - 1)), sheet.frames[k].frame);
+  if (now.statistics.touching_others > 0)
     return "the sheet touches another, which the estimate does not feel";
-  return sheet.frames[at].touching ? "the sheet touches itself, which the estimate does not feel"
-                                   : "";
+  return now.statistics.touching > 0 ? "the sheet touches itself, which the estimate does not feel"
+                                     : "";
 }
 
 class Estimator {
@@ -87,11 +83,12 @@ class Estimator {
         coarse_(sheet.shot, options_, probing) {}
 
   ErrorEstimate operator()(std::size_t at, const Sheet& baked) {
-    const Certified& now = sheet_.frames[at];
+    const FrameRecord& now = sheet_.frames[at];
+    const double energy = now.statistics.energy;
     ErrorEstimate e;
     e.frame = now.frame;
     e.sheet = sheet_.name;
-    if (now.on_colliders) {
+    if (now.statistics.on_colliders > 0) {
       e.rms_pct = e.energy_loss_pct = NAN;
       e.uncertain = "the sheet lies on a collider, which is not in the files";
       return e;
@@ -106,9 +103,9 @@ class Estimator {
       }
     const Polished polished = fine_(baked, held, held_at);
     e.rms_pct = 100 * polished.moved / sheet_.side;
-    e.energy_loss_pct = now.energy > 0 ? 100 * (1 - polished.energy / now.energy) : 0;
+    e.energy_loss_pct = energy > 0 ? 100 * (1 - polished.energy / energy) : 0;
     e.uncertain = doubt(sheet_, at);
-    if (e.uncertain.empty() && polished.energy > of_another_paper * now.energy)
+    if (e.uncertain.empty() && polished.energy > of_another_paper * energy)
       e.uncertain = "paper that has yielded stores less, and what it keeps is not in the files";
     if (e.uncertain.empty() && !polished.converged)
       e.uncertain = "the finer mesh did not come to rest";
@@ -148,10 +145,11 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
                                     const AlembicReader& cache, const LockedJob& job) {
   std::vector<BakedSheet> sheets;
   std::map<std::string, std::size_t> number;
-  for (const Json& said : summary.at("sheets")) {
+  for (const Json& certified : summary.at("sheets")) {
     BakedSheet sheet;
-    sheet.name = said.at("name");
-    sheet.side = std::max(said.at("width_m").get<double>(), said.at("height_m").get<double>());
+    sheet.name = certified.at("name");
+    sheet.side =
+        std::max(certified.at("width_m").get<double>(), certified.at("height_m").get<double>());
     sheet.shot.sheet_name = sheet.name;
     if (const auto paper = job.papers.find(sheet.name); paper != job.papers.end())
       sheet.shot.paper = paper->second;
@@ -182,10 +180,10 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
   }
   std::ifstream lines(folder / "cert/frames.jsonl");
   for (std::string line; std::getline(lines, line);) {
-    const Json record = Json::parse(line);
-    sheets[number.at(record.at("sheet"))].frames.push_back(
-        {record.at("frame"), record.at("energy_J"), record.at("touching").get<int>() > 0,
-         record.at("touching_others").get<int>() > 0, record.at("on_colliders").get<int>() > 0});
+    std::optional<FrameRecord> record = parse_frame_line(line);
+    if (!record) throw std::runtime_error("a line of cert/frames.jsonl is not one of this version");
+    std::vector<FrameRecord>& frames = sheets[number.at(record->sheet)].frames;
+    frames.push_back(std::move(*record));
   }
   return sheets;
 }
@@ -227,7 +225,7 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
                 "Bake with --formats abc,cert.");
   const LockedJob job = read_lock(folder / "job.lock.toml");
   const AlembicReader cache(folder / cache_file);
-  const double begun = cpu_ms();
+  const double start_ms = cpu_ms();
   ErrorEstimates all;
   std::size_t frames = 0;
   const std::vector<BakedSheet> sheets = sheets_of(folder, summary, cache, job);
@@ -239,7 +237,7 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
         all.frames.push_back(estimate(k, as_sheet(cache.frame(s, k), sheet.side)));
     frames += sheet.frames.size();
   }
-  all.ms_per_frame = (cpu_ms() - begun) / std::max<std::size_t>(1, frames);
+  all.ms_per_frame = (cpu_ms() - start_ms) / std::max<std::size_t>(1, frames);
   return all;
 }
 

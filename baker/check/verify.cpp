@@ -14,6 +14,7 @@
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 
 namespace paperbake {
 namespace {
@@ -21,7 +22,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-constexpr double same_pct = 1e-3, same_mm = 1e-3;
+constexpr double tolerance_mm = 1e-3;  // of a handle
 
 /// One look at one folder.
 class Verifier {
@@ -109,28 +110,28 @@ class Verifier {
     if (cache->sheets().size() > longer_side.size())
       return differs({}, file, "It does not hold the sheets of the certificate.");
     std::vector<std::size_t> seen(longer_side.size(), 0);
-    std::string lines = read("cert/frames.jsonl");
-    for (std::size_t from = 0; from < lines.size();) {
-      const std::size_t end = std::min(lines.find('\n', from), lines.size());
-      const Json record = Json::parse(lines.begin() + from, lines.begin() + end, nullptr, false);
-      from = end + 1;
-      if (record.is_discarded() || !sheet_number.count(record.at("sheet"))) {
+    std::istringstream lines(read("cert/frames.jsonl"));
+    for (std::string line; std::getline(lines, line);) {
+      const std::optional<FrameRecord> record = parse_frame_line(line);
+      if (!record || !sheet_number.count(record->sheet)) {
         differs({}, "cert/frames.jsonl", "A line of it is not one that was written.");
         continue;
       }
       ++result_.frames;
-      // it says itself that the cache does not have it
-      if (record.at("content_hash") == "") continue;
-      const std::size_t sheet = sheet_number[record.at("sheet")], i = seen[sheet]++;
-      const int frame = record.at("frame");
+      if (record->content_hash.empty()) continue;  // the line says that the cache lacks the frame
+      const std::size_t sheet = sheet_number[record->sheet], i = seen[sheet]++;
       if (sheet >= cache->sheets().size() || i >= cache->sheets()[sheet].frames) {
-        differs(frame, file, "The frame is missing.");
+        differs(record->frame, file, "The frame is missing.");
         continue;
       }
       try {
-        compare_frame(file, *cache, sheet, i, longer_side[sheet], record, handles);
+        const CacheFrame stored = cache->frame(sheet, i);
+        if (cache->content_hash(sheet, i) != record->content_hash)
+          differs(record->frame, file,
+                  "content_hash: the positions are not those that were written.");
+        compare_frame(file, stored, longer_side[sheet], *record, handles);
       } catch (const Error& error) {
-        differs(frame, file, error.cause);
+        differs(record->frame, file, error.cause);
       }
     }
     for (std::size_t s = 0; s < cache->sheets().size(); ++s)
@@ -140,47 +141,58 @@ class Verifier {
                             cache->sheets()[s].name, cache->sheets()[s].frames));
   }
 
-  void compare_frame(const std::string& file, const AlembicReader& cache, std::size_t sheet,
-                     std::size_t i, double longer_side, const Json& record,
-                     const HandlesOfFrames& handles) {
-    const int frame = record.at("frame");
-    const CacheFrame stored = cache.frame(sheet, i);
+  void compare_frame(const std::string& file, const CacheFrame& stored, double longer_side,
+                     const FrameRecord& record, const HandlesOfFrames& handles) {
     if (stored.x.rows() == 0 || stored.uv.rows() == 0)
-      return differs(frame, file, "It has no points or no uv: nothing can be measured.");
-    const auto compare = [&](const char* field, double found, double same, const char* unit) {
-      const double said = record.at(field);
-      if (std::abs(found - said) > same)
-        differs(frame, file,
-                fmt::format("{}: the certificate says {:.6g} {}, the cache {:.6g}.", field, said,
-                            unit, found));
-    };
-    if (cache.content_hash(sheet, i) != record.at("content_hash"))
-      differs(frame, file, "content_hash: the positions are not those that were written.");
-    compare("render_triangles", static_cast<double>(stored.triangles.rows()), 0, "");
+      return differs(record.frame, file, "It has no points or no uv: nothing can be measured.");
+    FrameStatistics found;
+    found.render.emplace();
+    found.render->triangles = static_cast<int>(stored.triangles.rows());
     const LengthDistortion length = cache_distortion(stored, longer_side);
-    compare("render_stretch_mean_pct", 100 * length.mean, same_pct, "%");
-    compare("render_stretch_max_pct", 100 * length.largest, same_pct, "%");
+    found.render->stretch_mean = length.mean;
+    found.render->stretch_max = length.largest;
+    if (const auto rows = handles.find({record.frame, record.sheet}); rows != handles.end())
+      found.handle_error_max = compare_handles(file, stored, longer_side, rows->second);
+    compare_statistics(file, record, found);
+  }
+
+  /// returns  how far the worst handle is from its keyed position [m]
+  double compare_handles(const std::string& file, const CacheFrame& stored, double longer_side,
+                         const std::vector<HandleRecord>& handles) {
     double worst = 0;
-    if (const auto found = handles.find({frame, record.at("sheet")}); found != handles.end())
-      for (const HandleRecord& handle : found->second) {
-        Eigen::Index vertex = 0;
-        (stored.uv * longer_side)
-            .rowwise()
-            .
-            operator-(handle.pattern.transpose())
-            .rowwise()
-            .squaredNorm()
-            .minCoeff(&vertex);
-        const Vector3d at = stored.x.row(vertex);
-        // it holds nothing: where it is, only the simulation knows exactly
-        if (handle.state == HandleRecord::free_state) continue;
-        if (const double off = 1e3 * (at - handle.held).norm(); off > same_mm)
-          differs(frame, file,
-                  fmt::format("Handle \"{}\" is {:.4g} mm from where handles.csv has it.",
-                              handle.handle, off));
-        worst = std::max(worst, 1e3 * (at - handle.keyed).norm());
-      }
-    compare("handle_err_max_mm", worst, same_mm, "mm");
+    for (const HandleRecord& handle : handles) {
+      // where a handle that holds nothing is, only the simulation knows exactly
+      if (handle.state == HandleRecord::free_state) continue;
+      Eigen::Index vertex = 0;
+      (stored.uv * longer_side)
+          .rowwise()
+          .
+          operator-(handle.pattern.transpose())
+          .rowwise()
+          .squaredNorm()
+          .minCoeff(&vertex);
+      const Vector3d at = stored.x.row(vertex);
+      if (const double off = 1e3 * (at - handle.held).norm(); off > tolerance_mm)
+        differs(handle.frame, file,
+                fmt::format("Handle \"{}\" is {:.4g} mm from where handles.csv has it.",
+                            handle.handle, off));
+      worst = std::max(worst, (at - handle.keyed).norm());
+    }
+    return worst;
+  }
+
+  /// The numbers that were measured anew, in the units of the certificate.
+  void compare_statistics(const std::string& file, const FrameRecord& record,
+                          const FrameStatistics& found) {
+    visit_frame_statistics([&](const auto& field) {
+      if (!field.tolerance) return;
+      const double now = statistic_value(found, field).value_or(0),
+                   certified = statistic_value(record.statistics, field).value_or(NAN);
+      if (!(std::abs(now - certified) <= *field.tolerance))
+        differs(record.frame, file,
+                fmt::format("{}: the certificate says {:.6g} {}, the cache {:.6g}.", field.name,
+                            certified, field.unit.symbol, now));
+    });
   }
 
   HandlesOfFrames read_handles() {
@@ -213,14 +225,14 @@ std::string verification_text(const fs::path& folder, const Verification& v) {
     return fmt::format("{}: {} frames and {} files agree with the certificate.\n", folder.string(),
                        v.frames, v.files);
   std::string text = fmt::format("{}: not as the certificate says.\n", folder.string());
-  constexpr std::size_t most = 20;
-  for (std::size_t k = 0; k < std::min(most, v.differences.size()); ++k) {
+  constexpr std::size_t max_listed = 20;
+  for (std::size_t k = 0; k < std::min(max_listed, v.differences.size()); ++k) {
     const Difference& d = v.differences[k];
     text += d.frame ? fmt::format("  frame {}, {}: {}\n", *d.frame, d.file, d.what)
                     : fmt::format("  {}: {}\n", d.file, d.what);
   }
-  if (v.differences.size() > most)
-    text += fmt::format("  and {} more\n", v.differences.size() - most);
+  if (v.differences.size() > max_listed)
+    text += fmt::format("  and {} more\n", v.differences.size() - max_listed);
   return text;
 }
 

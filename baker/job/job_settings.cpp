@@ -131,11 +131,12 @@ std::string handle_comment(const Scene& scene, const SceneSheet& sheet, std::siz
 
 std::string option_text(const BakeSettings& settings, const Option& option,
                         const fs::path& folder) {
-  const auto said = settings.said.find(option.name);
-  if (said == settings.said.end())
-    return fmt::format("# {} = {}\n", option.name,
-                       literal(option, option.usual.empty() ? option.example : option.usual));
-  std::string text = said->second.text;
+  const auto given = settings.given.find(option.name);
+  if (given == settings.given.end())
+    return fmt::format(
+        "# {} = {}\n", option.name,
+        literal(option, option.default_value.empty() ? option.example : option.default_value));
+  std::string text = given->second.text;
   std::error_code none;
   if (is_path(option.name) || (option.name == "preset" && fs::is_regular_file(text, none)))
     text = relative_to(folder, text);
@@ -146,7 +147,7 @@ std::string option_text(const BakeSettings& settings, const Option& option,
 
 bool is_job(const fs::path& path) { return path.extension() == ".toml"; }
 
-void take_job(BakeSettings& settings, const fs::path& path) {
+void load_job(BakeSettings& settings, const fs::path& path) {
   JobFile job = read_job(path, {options().begin(), options().end()});
   const fs::path folder = path.parent_path();
   settings.name = path.stem().string();
@@ -154,7 +155,7 @@ void take_job(BakeSettings& settings, const fs::path& path) {
     const std::string text = is_path(value.key)      ? (folder / value.text).string()
                              : value.key == "preset" ? preset_from(folder, value.text)
                                                      : value.text;
-    say(settings, option(value.key), text, value.place, Origin::job);
+    apply_option(settings, option(value.key), text, value.place, Origin::job);
   }
   for (const JobValue& value : job.paper)
     settings.set.push_back({value.key, std::stod(value.text), Origin::job});
@@ -178,15 +179,16 @@ std::string job_text(const BakeSettings& settings, const fs::path& file) {
       "# A job: `paperbake bake " + file.filename().string() +
       "`. Paths are meant from the folder of this file; what the command line says wins.\n";
   for (const Option& option : options()) {
-    if (!option.meaning.empty()) text += fmt::format("\n# {}\n", option.meaning);
+    if (!option.help.empty()) text += fmt::format("\n# {}\n", option.help);
     if (option.kind == JobKey::word) text += fmt::format("# ({})\n", fmt::join(option.words, ", "));
     text += option_text(settings, option, folder);
   }
   text += "\n# One number of the paper, over preset and scene.\n[paper]\n";
-  const Paper usual;
+  const Paper default_paper;
   const bool commanded = settings.origin("preset") == Origin::command;
   for (const PaperParameter& parameter : paper_parameters) {
-    std::string line = fmt::format("# {} = {}", parameter.key, toml_number(parameter.get(usual)));
+    std::string line =
+        fmt::format("# {} = {}", parameter.key, toml_number(parameter.get(default_paper)));
     for (const SetValue& set : settings.set)
       if (set.key == parameter.key && (set.origin == Origin::command || !commanded))
         line = fmt::format("{} = {}", set.key, toml_number(set.value));

@@ -13,9 +13,9 @@ namespace paperbake {
 /// on this one table.
 struct Option : JobKey {
   std::string flags;  // on the command line: --map-size
-  std::string meaning;
-  // what it is when nobody says, as the command line would; empty: the meaning tells ...
-  std::string usual;
+  std::string help;
+  // what it is when nobody says, as the command line would; empty: the help tells ...
+  std::string default_value;
   std::string example;  // ... and this is one
   /// throws Error(Fault::command) at `place` when the text means nothing
   std::function<void(BakeSettings&, const std::string& text, const std::string& place)> apply;
@@ -27,6 +27,7 @@ const Option& option(const std::string& name);
 
 /// Checks a value and applies it.
 /// throws Error(Fault::command) at `place`: it is not what the option may be
-void say(BakeSettings&, const Option&, const std::string& text, const std::string& place, Origin);
+void apply_option(BakeSettings&, const Option&, const std::string& text, const std::string& place,
+                  Origin);
 
 }  // namespace paperbake

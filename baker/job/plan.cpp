@@ -20,8 +20,8 @@ bool is_hybrid(const BakeSettings& settings) {
 }
 
 /// throws Error(Fault::command) when it is asked for where it can do nothing
-Polishing polishing_of(const BakeSettings& settings) {
-  constexpr int usual = 6000;
+Polishing decided_polishing(const BakeSettings& settings) {
+  constexpr int default_triangles = 6000;
   const bool by_method = settings.method == hybrid_and_fem;
   const char* option = by_method ? "--method hybrid+fem" : "--polish";
   if (by_method && settings.polish == 0)
@@ -32,30 +32,30 @@ Polishing polishing_of(const BakeSettings& settings) {
       throw Error(Fault::command, option,
                   "There is nothing that fem could finish of its own frames.",
                   "A finer fem is --triangles N.");
-    return {settings.polish.value_or(usual), "asked for with " + std::string(option)};
+    return {settings.polish.value_or(default_triangles), "asked for with " + std::string(option)};
   }
   if (settings.polish) return {0, "off with --polish 0"};
   const bool hero = settings.quality == Quality::hero && settings.mesh == CacheMesh::render;
-  if (hero && settings.method == "hybrid") return {usual, "--quality hero"};
+  if (hero && settings.method == "hybrid") return {default_triangles, "--quality hero"};
   return {0, settings.method == "fem" ? "fem is at its minimum" : "not asked for"};
 }
 
 /// As asked for; else what the sheet that needs inertia most has to say.
-void settle_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
+void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   bool dynamic = settings.dynamics == Dynamics::on;
   plan.why_inertia = dynamic ? "asked for with --dynamics on" : "switched off with --dynamics off";
   if (settings.dynamics == Dynamics::automatic) {
-    InertiaNeed most;
+    InertiaNeed greatest;
     for (const Shot& shot : plan.shots) {
       InertiaNeed need =
           need_of_inertia(shot, plan.animation.elastic.gravity, scene.fps, scene.first_frame,
                           std::max(scene.last_frame, plan.animation.last_frame));
-      if (most.why.empty() || need.needed > most.needed ||
-          (need.needed == most.needed && need.sway > most.sway))
-        most = std::move(need);
+      if (greatest.why.empty() || need.needed > greatest.needed ||
+          (need.needed == greatest.needed && need.sway > greatest.sway))
+        greatest = std::move(need);
     }
-    dynamic = most.needed;
-    plan.why_inertia = most.why;
+    dynamic = greatest.needed;
+    plan.why_inertia = greatest.why;
   }
   plan.animation.elastic.inertia = dynamic ? Inertia::dynamic : Inertia::quasi_static;
   if (settings.probe_every > 0 && dynamic)
@@ -67,8 +67,8 @@ void settle_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& 
 }
 
 /// throws Error(Fault::command) when polish was asked for and the sheet has inertia
-void settle_polish(const BakeSettings& settings, BakePlan& plan) {
-  plan.polish = polishing_of(settings);
+void decide_polish(const BakeSettings& settings, BakePlan& plan) {
+  plan.polish = decided_polishing(settings);
   if (plan.polish.triangles > 0 && plan.animation.elastic.inertia == Inertia::dynamic) {
     if (settings.polish || settings.method == hybrid_and_fem)
       throw Error(
@@ -90,12 +90,13 @@ int triangles_wanted(const BakeSettings& settings) {
 
 /// What the hybrid begins with: no more than it may have.
 int base_wanted(const BakeSettings& settings) {
-  const int most = triangles_wanted(settings);
-  if (settings.base_triangles > most && settings.origin("base_triangles") != Origin::fallback)
+  const int max_triangles = triangles_wanted(settings);
+  if (settings.base_triangles > max_triangles &&
+      settings.origin("base_triangles") != Origin::fallback)
     throw Error(Fault::command, fmt::format("--base-triangles {}", settings.base_triangles),
-                fmt::format("The mesh may have no more than {} triangles.", most),
+                fmt::format("The mesh may have no more than {} triangles.", max_triangles),
                 "Give more with --triangles.");
-  return std::min(settings.base_triangles, most);
+  return std::min(settings.base_triangles, max_triangles);
 }
 
 Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed,
@@ -145,18 +146,18 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
   return bytes;
 }
 
-void settle_frames(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
+void decide_frames(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   plan.frames = settings.frames.value_or(FrameSpan{scene.first_frame, scene.last_frame, 1});
   if (plan.frames.last < scene.first_frame)
     throw Error(Fault::command, "--frames",
                 fmt::format("The scene begins at frame {}, the range ends at {}.",
                             scene.first_frame, plan.frames.last),
                 fmt::format("The keys cover frames {}-{}.", scene.first_frame, scene.last_frame));
-  constexpr int longest = 100000;
-  if (plan.frames.last - scene.first_frame >= longest)
+  constexpr int max_frames = 100000;
+  if (plan.frames.last - scene.first_frame >= max_frames)
     throw Error(Fault::command, "--frames",
                 fmt::format("The range ends at {}: that is more than {} frames.", plan.frames.last,
-                            longest));
+                            max_frames));
   if (plan.frames.first < scene.first_frame) {
     plan.warnings.push_back(
         fmt::format("--frames begins at {}, before the scene's first frame {}: baked from {}.",
@@ -177,20 +178,20 @@ std::string literal(const PropertyValue& value) {
   return fmt::format("{}", std::get<double>(value));
 }
 
-void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
+void record_used_values(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   auto& used = plan.used;
   const auto note = [&](const char* table, const char* key, std::string value,
                         Origin otherwise = Origin::fallback) {
     used.push_back({fmt::format("{}.{}", table, key), std::move(value),
-                    in_words(settings.origin(key, otherwise))});
+                    to_string(settings.origin(key, otherwise))});
   };
   const auto of_scene = [&](const char* option, const char* key) {
-    if (settings.said.count(option)) return std::string(in_words(settings.origin(option)));
+    if (settings.given.count(option)) return std::string(to_string(settings.origin(option)));
     const auto found = scene.origin.find(key);
     return found == scene.origin.end() ? std::string("scene") : found->second;
   };
   used.push_back({"scene.file", toml_string(scene.source),
-                  in_words(settings.origin("scene", Origin::command))});
+                  to_string(settings.origin("scene", Origin::command))});
   used.push_back({"scene.fps", toml_number(scene.fps), of_scene("fps", "fps")});
   used.push_back({"scene.first_frame", std::to_string(scene.first_frame),
                   of_scene("start_frame", "first_frame")});
@@ -211,7 +212,7 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
        scene.gravity ? Origin::scene : Origin::fallback);
   used.push_back(
       {"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
-       settings.dynamics == Dynamics::automatic ? "auto" : in_words(settings.origin("dynamics"))});
+       settings.dynamics == Dynamics::automatic ? "auto" : to_string(settings.origin("dynamics"))});
   if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
   note("bake", "frames",
        toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
@@ -223,7 +224,7 @@ void note_used(const BakeSettings& settings, const Scene& scene, BakePlan& plan)
   note("bake", "strict", settings.strict ? "true" : "false");
   for (const GivenProperty& given : scene.given)
     used.push_back({fmt::format("handle.{}.{}", toml_string(given.handle), given.key),
-                    literal(given.value), in_words(Origin::job)});
+                    literal(given.value), to_string(Origin::job)});
 }
 
 /// A value that no simulated frame depends on.
@@ -293,7 +294,7 @@ static std::vector<std::string> with_all(std::vector<std::string> hashes) {
 
 /// throws Error(Fault::command) where options contradict each other
 static void check_options(const BakeSettings& settings) {
-  polishing_of(settings);
+  decided_polishing(settings);
   if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation &&
       settings.method != "fem")
     throw Error(Fault::command, "--formats pc2",
@@ -316,7 +317,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   plan.animation.elastic.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
   plan.animation.probe_every = settings.probe_every;
   plan.animation.memory = settings.method == "fem" ? Memory::none : Memory::plastic;
-  settle_frames(settings, scene, plan);
+  decide_frames(settings, scene, plan);
   if (settings.preset)  // an unknown grade is an error even if no sheet were there to use it
     read_preset(*settings.preset);
 
@@ -329,9 +330,9 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
     const unsigned seed = by_sheet ? *sheet.seed : settings.seed.value_or(0);
     of_sheets.insert(of_sheets.end(), resolved.used.begin(), resolved.used.end());
     of_sheets.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
-                         in_words(!by_sheet                        ? settings.origin("seed")
-                                  : sheet.overridden.count("seed") ? Origin::job
-                                                                   : Origin::scene)});
+                         to_string(!by_sheet                        ? settings.origin("seed")
+                                   : sheet.overridden.count("seed") ? Origin::job
+                                                                    : Origin::scene)});
     if (!sheet.pattern.prescribed_creases.empty()) {
       const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
       of_sheets.push_back({"sheet." + toml_string(sheet.name) + ".crease",
@@ -344,9 +345,9 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
 
-  settle_inertia(settings, scene, plan);
-  settle_polish(settings, plan);
-  note_used(settings, scene, plan);
+  decide_inertia(settings, scene, plan);
+  decide_polish(settings, plan);
+  record_used_values(settings, scene, plan);
   plan.used.insert(plan.used.end(), of_sheets.begin(), of_sheets.end());
 
   std::string job, values = PAPERBAKE_VERSION "\n", of_simulation = values;

@@ -66,7 +66,7 @@ std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::stri
   return spans;
 }
 
-const char* in_words(Origin origin) {
+const char* to_string(Origin origin) {
   constexpr const char* words[] = {"default", "preset", "scene", "job", "command line"};
   return words[static_cast<int>(origin)];
 }
@@ -129,15 +129,14 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
   const bool own_friction = counts("friction") && sheet.friction;
   if (own_friction) paper.friction = *sheet.friction;
   const std::string prefix = "paper." + toml_string(sheet.name) + ".";
-  resolved.used.push_back({prefix + "preset", toml_string(paper.name), in_words(origin)});
+  resolved.used.push_back({prefix + "preset", toml_string(paper.name), to_string(origin)});
   for (const PaperParameter& parameter : paper_parameters) {
-    Origin who =
-        own_friction && parameter.field == &Paper::friction ? of_sheet("friction") : scaled;
+    Origin who = own_friction && parameter.field == &Paper::friction ? of_sheet("friction") : scaled;
     for (const SetValue& set : settings.set)
       if (set.key == parameter.key && (set.origin == Origin::command || named != Origin::command))
         parameter.set(paper, set.value), who = set.origin;
     resolved.used.push_back(
-        {prefix + parameter.key, toml_number(parameter.get(paper)), in_words(who)});
+        {prefix + parameter.key, toml_number(parameter.get(paper)), to_string(who)});
   }
   return resolved;
 }

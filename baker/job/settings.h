@@ -36,7 +36,7 @@ enum class Resume { automatic, never };
 
 /// Who said a value, the later one wins.
 enum class Origin { fallback, preset, scene, job, command };
-const char* in_words(Origin);  // "default", ..., "command line"
+const char* to_string(Origin);  // "default", ..., "command line"
 
 /// One number of the paper, over preset and scene.
 struct SetValue {
@@ -82,16 +82,16 @@ struct BakeSettings {
   int threads = 2;
   ProgressMode progress = ProgressMode::automatic;
 
-  struct Said {
+  struct GivenOption {
     std::string text;  // canonical (formats/config/job_file.h)
     Origin origin;
   };
   // the options that were given, by name (baker/job/options.h)
-  std::map<std::string, Said> said;
+  std::map<std::string, GivenOption> given;
   std::vector<JobSection> sheets, handles;  // of the job file, as it has them
   Origin origin(const std::string& option, Origin otherwise = Origin::fallback) const {
-    const auto found = said.find(option);
-    return found == said.end() ? otherwise : found->second.origin;
+    const auto found = given.find(option);
+    return found == given.end() ? otherwise : found->second.origin;
   }
 };
 

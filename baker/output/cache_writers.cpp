@@ -6,10 +6,10 @@
 
 namespace paperbake {
 
-Caches::Caches(const BakeSettings& settings, const BakePlan& plan,
-               const std::filesystem::path& folder, const std::vector<std::string>& suffixes,
-               Losses& losses)
-    : plan_(plan), folder_(folder), suffixes_(suffixes), losses_(losses) {
+CacheWriters::CacheWriters(const BakeSettings& settings, const BakePlan& plan,
+                           const std::filesystem::path& folder,
+                           const std::vector<std::string>& suffixes, WriteFailures& failures)
+    : plan_(plan), folder_(folder), suffixes_(suffixes), failures_(failures) {
   const CacheInfo info{
       plan.animation.fps,
       plan.frames.first,
@@ -34,31 +34,31 @@ Caches::Caches(const BakeSettings& settings, const BakePlan& plan,
     report_.emplace(plan, (plan.frames.last - plan.frames.first) / plan.frames.step + 1);
 }
 
-FrameSpan Caches::shown_frames() const {
+FrameSpan CacheWriters::shown_frames() const {
   return alembic_ || usd_ || !pc2_.empty() || report_ ? plan_.frames : preview_frames(plan_.frames);
 }
 
-std::string Caches::add_frame(std::size_t sheet, int number, const CacheFrame& frame) {
+std::string CacheWriters::add_frame(std::size_t sheet, int number, const CacheFrame& frame) {
   std::string key;
-  if (alembic_) losses_.attempt(name(".abc"), [&] { key = alembic_->add_frame(sheet, frame); });
-  if (usd_) losses_.attempt(name(".usda"), [&] { usd_->add_frame(sheet, frame); });
+  if (alembic_) failures_.try_write(name(".abc"), [&] { key = alembic_->add_frame(sheet, frame); });
+  if (usd_) failures_.try_write(name(".usda"), [&] { usd_->add_frame(sheet, frame); });
   if (!pc2_.empty())
-    losses_.attempt(name(suffixes_[sheet] + ".pc2"), [&] {
+    failures_.try_write(name(suffixes_[sheet] + ".pc2"), [&] {
       pc2_[sheet]->add_frame(frame, longer_side(plan_.shots[sheet].pattern));
     });
-  if (report_) losses_.attempt("report.html", [&] { report_->add_frame(sheet, frame); });
+  if (report_) failures_.try_write("report.html", [&] { report_->add_frame(sheet, frame); });
   if (preview_) preview_->add_frame(number, frame);
   return key;
 }
 
-Caches::Finished Caches::finish(const std::vector<std::size_t>& frames,
-                                const std::vector<HandleRecord>& handles) {
+CacheWriters::Finished CacheWriters::finish(const std::vector<std::size_t>& frames,
+                                            const std::vector<HandleRecord>& handles) {
   Finished finished;
   finished.in_alembic.assign(frames.size(), 0);
   if (alembic_)
     keep(
         name(".abc"), frames, [&] { return finished.in_alembic = alembic_->finish(); }, finished);
-  if (usd_ && losses_.attempt(name(".usda"), [&] { usd_->finish(); }))
+  if (usd_ && failures_.try_write(name(".usda"), [&] { usd_->finish(); }))
     finished.files.push_back(folder_ / name(".usda"));
   for (std::size_t s = 0; s < pc2_.size(); ++s) {
     const std::size_t before = finished.files.size();
@@ -69,15 +69,16 @@ Caches::Finished Caches::finish(const std::vector<std::size_t>& frames,
       finished.files.push_back(folder_ / name(suffixes_[s] + ".rest.obj"));
   }
   const auto picture = folder_ / name(".preview.png");
-  if (preview_ && losses_.attempt(name(".preview.png"),
-                                  [&] { write_png(picture, preview_->picture(handles)); }))
+  if (preview_ && failures_.try_write(name(".preview.png"),
+                                      [&] { write_png(picture, preview_->picture(handles)); }))
     finished.files.push_back(picture);
   return finished;
 }
 
 /// Finishes a cache that can keep the frames before it failed, and says how far it goes.
-void Caches::keep(const std::string& file, const std::vector<std::size_t>& wanted,
-                  const std::function<std::vector<std::size_t>()>& finish, Finished& finished) {
+void CacheWriters::keep(const std::string& file, const std::vector<std::size_t>& wanted,
+                        const std::function<std::vector<std::size_t>()>& finish,
+                        Finished& finished) {
   try {
     const std::vector<std::size_t> kept = finish();
     std::size_t most = 0;
@@ -85,7 +86,7 @@ void Caches::keep(const std::string& file, const std::vector<std::size_t>& wante
     if (kept != wanted) {
       const Error short_of_room(Fault::folder, (folder_ / file).string(),
                                 "There was no room for all of it.", "Make room, and bake again.");
-      losses_.kept(
+      failures_.record_partial(
           file,
           most ? fmt::format("ends at frame {}",
                              plan_.frames.first + plan_.frames.step * (static_cast<int>(most) - 1))
@@ -94,7 +95,7 @@ void Caches::keep(const std::string& file, const std::vector<std::size_t>& wante
     }
     if (most > 0) finished.files.push_back(folder_ / file);
   } catch (const Error& error) {
-    losses_.attempt(file, [&] { throw error; });
+    failures_.try_write(file, [&] { throw error; });
   }
 }
 

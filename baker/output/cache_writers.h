@@ -21,12 +21,12 @@ namespace paperbake {
 /// .pc2 with its .rest.obj for each, a preview picture, and what report.html shows of them. Which
 /// of them there are, --formats says. One that fails ends there, and the others go on; what there
 /// is of it is kept where its format allows.
-class Caches {
+class CacheWriters {
  public:
   /// suffixes  of file names, one a sheet
   /// throws Error(Fault::folder) when a file cannot be made
-  Caches(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder,
-         const std::vector<std::string>& suffixes, Losses&);
+  CacheWriters(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder,
+               const std::vector<std::string>& suffixes, WriteFailures&);
 
   bool any() const { return alembic_ || usd_ || !pc2_.empty() || report_ || preview_; }
   bool wants_layers() const { return usd_ != nullptr; }
@@ -56,7 +56,7 @@ class Caches {
   const BakePlan& plan_;
   std::filesystem::path folder_;
   std::vector<std::string> suffixes_;
-  Losses& losses_;
+  WriteFailures& failures_;
   std::unique_ptr<AlembicWriter> alembic_;
   std::unique_ptr<UsdWriter> usd_;
   std::vector<std::unique_ptr<Pc2Writer>> pc2_;

@@ -14,6 +14,12 @@ namespace fs = std::filesystem;
 
 static void archive(Serializer& a, HandleFrame& h) { a(h.state, h.keyed, h.at); }
 
+static void archive(Archive& a, FrameStatistics& s) {
+  visit_frame_statistics([&](const auto& field) {
+    if (auto* value = find_statistic(s, field)) a(*value);  // nothing is rendered yet
+  });
+}
+
 namespace {
 
 struct Checkpoint {
@@ -47,10 +53,8 @@ Checkpoint read_checkpoint(const fs::path& path) {
 /// All that is handed on of a sheet in a frame. mesh: of the frame before in the same checkpoint;
 /// its own afterwards
 void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
-  a(f.frame, f.of, f.handles, f.elastic_ms, f.geometry_ms, f.substeps, f.newton_iterations,
-    f.converged, f.energy, f.membrane_energy, f.plastic, f.plastic_curvature, f.contact, f.touching,
-    f.touching_others, f.new_singular, f.remesh, f.remesh_rise, f.parts.rulings, f.parts.region,
-    f.on_colliders, f.inside_colliders, f.note);
+  a(f.frame, f.of, f.handles, f.statistics, f.plastic_curvature, f.parts.rulings, f.parts.region,
+    f.note);
   const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
   bool as_before =
       !a.reads() && same(now.pattern, mesh.pattern) && same(now.triangles, mesh.triangles);
@@ -100,8 +104,9 @@ std::string Checkpoints::input_of(int frame) const {
   return frame_input_hash(input_, plan_.shots, frame, first_frame_);
 }
 
-Checkpoints::GoOn Checkpoints::take(const std::function<bool(const AnimatedFrame&)>& on_frame) {
-  GoOn go_on{kept_until_, {}, ""};
+Checkpoints::ResumePoint Checkpoints::load(
+    const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  ResumePoint resume{kept_until_, {}, ""};
   const int last_wanted = plan_.animation.last_frame;
   for (const fs::path& path : files()) {
     if (path.extension() == ".part") continue;
@@ -135,30 +140,30 @@ Checkpoints::GoOn Checkpoints::take(const std::function<bool(const AnimatedFrame
                   static_cast<long>(frame.parts.region.size()) == sheet.triangles.rows());
       }
       kept_until_ = checkpoint.last;
-      go_on.states = std::move(checkpoint.states);
+      resume.states = std::move(checkpoint.states);
       for (auto& [frame, sheet] : kept) {
         if (frame.frame > last_wanted) break;
         frame.sheet = &sheet;
-        go_on.last_frame = frame.frame;
-        if (!on_frame(frame)) return go_on;
+        resume.last_frame = frame.frame;
+        if (!on_frame(frame)) return resume;
       }
     } catch (const std::exception&) {  // of a file that is none, too
       input_ = input_before;
-      go_on.damaged = fmt::format("{} is damaged: the frames after {} are simulated again.",
-                                  path.string(), kept_until_);
+      resume.damaged = fmt::format("{} is damaged: the frames after {} are simulated again.",
+                                   path.string(), kept_until_);
       break;
     }
     if (kept_until_ >= last_wanted) break;
   }
-  return go_on;
+  return resume;
 }
 
 void Checkpoints::add(const AnimatedFrame& frame) {
-  if (!begun_) {  // what comes after this frame is no longer what comes after it
+  if (!removed_outdated_) {  // what comes after this frame is no longer what comes after it
     std::error_code none;
     for (const fs::path& old : files())
       if (old.filename() > file(kept_until_ - first_frame_ + 1).filename()) fs::remove(old, none);
-    begun_ = true;
+    removed_outdated_ = true;
   }
   AnimatedFrame copy = frame;
   Sheet sheet = *frame.sheet;

@@ -23,14 +23,14 @@ class Checkpoints {
   /// every  frames there is one, and after the last
   Checkpoints(std::filesystem::path folder, const BakePlan&, int every);
 
-  struct GoOn {
+  struct ResumePoint {
     int last_frame;                   // taken; one less than the first of the shot: none was
     std::vector<std::string> states;  // of each sheet: AnimateOptions::go_on_from
     std::string damaged;  // a sentence about a checkpoint that is not used; empty: there is none
   };
   /// Hands on the frames of earlier bakes that would be simulated alike, until on_frame returns
   /// false. To be called first, if at all.
-  GoOn take(const std::function<bool(const AnimatedFrame&)>& on_frame);
+  ResumePoint load(const std::function<bool(const AnimatedFrame&)>& on_frame);
 
   /// The next sheet of a frame as it was simulated; after the last one, where it is due, a
   /// checkpoint is kept.
@@ -55,7 +55,7 @@ class Checkpoints {
   std::vector<std::string> waiting_;  // frames since, as bytes, and of each frame the sheets
   std::vector<Sheet> meshes_;         // of the last of them
   std::vector<std::function<std::string()>> states_;  // after it
-  bool begun_ = false;                                // older ones are gone
+  bool removed_outdated_ = false;                     // older ones are gone
   std::string failure_;
 };
 

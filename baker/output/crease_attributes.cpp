@@ -26,10 +26,10 @@ Eigen::VectorXd turns_at(const std::vector<MeshPoint>& places, const Triangles& 
 
 }  // namespace
 
-DamageLayers::DamageLayers(const Shot& shot, double fold_width, double fps)
+CreaseAttributes::CreaseAttributes(const Shot& shot, double fold_width, double fps)
     : diagonal_(extent(shot.pattern).norm()), fold_width_(fold_width), fps_(fps) {}
 
-void DamageLayers::add(const AnimatedFrame& frame) {
+void CreaseAttributes::add(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   const Points3 curvature = vertex_curvature(sheet);
   const Eigen::VectorXd width = fold_widths(sheet, curvature, fold_width_);
@@ -40,8 +40,8 @@ void DamageLayers::add(const AnimatedFrame& frame) {
   singular_ = sheet.singular;  // it only grows
 }
 
-DamageLayers::Turns DamageLayers::turns(std::size_t k, const ShotRecord& record,
-                                        const Points2& pattern) {
+CreaseAttributes::CreaseAngles CreaseAttributes::angles(std::size_t k, const ShotRecord& record,
+                                                        const Points2& pattern) {
   const RecordedFrame& frame = record.frames()[k];
   const ShotRecord::Mesh& mesh = record.meshes()[frame.mesh];
   if (frame.mesh != mesh_) {
@@ -51,19 +51,19 @@ DamageLayers::Turns DamageLayers::turns(std::size_t k, const ShotRecord& record,
       places_.push_back(locator.locate(pattern.row(v)));
     mesh_ = frame.mesh;
   }
-  Turns found;
+  CreaseAngles found;
   found.now = turns_at(places_, mesh.triangles, folds_[k].now);
   if (folds_[k].plastic.rows() > 0)
     found.plastic = turns_at(places_, mesh.triangles, folds_[k].plastic);
   return found;
 }
 
-std::vector<CacheLayer> DamageLayers::at(std::size_t k, const ShotRecord& record,
-                                         const Points2& pattern) {
+std::vector<CacheLayer> CreaseAttributes::at(std::size_t k, const ShotRecord& record,
+                                             const Points2& pattern) {
   if (next_ == 0) peak_ = Eigen::VectorXd::Zero(pattern.rows());
-  Turns shown;
+  CreaseAngles shown;
   for (; next_ <= k; ++next_) {
-    shown = turns(next_, record, pattern);
+    shown = angles(next_, record, pattern);
     peak_ = (shown.now.array().abs() > peak_.array().abs()).select(shown.now, peak_);
   }
   Eigen::VectorXd distance = Eigen::VectorXd::Constant(pattern.rows(), diagonal_),

@@ -20,9 +20,9 @@ namespace paperbake {
 ///   apexAge       [s]   age.apex: since the birth of that point; -1 without one
 ///
 /// Rounded to 1e-4 rad, 1e-5 m and 1e-4 s, for layers are text.
-class DamageLayers {
+class CreaseAttributes {
  public:
-  DamageLayers(const Shot&, double fold_width, double fps);
+  CreaseAttributes(const Shot&, double fold_width, double fps);
 
   /// Every frame as it is simulated, in order.
   void add(const AnimatedFrame&);
@@ -31,17 +31,17 @@ class DamageLayers {
   std::vector<CacheLayer> at(std::size_t k, const ShotRecord& record, const Points2& pattern);
 
  private:
-  struct Folds {
+  struct SimulatedCreases {
     Points3 now, plastic;  // |V|x3 [rad] at the vertices of the simulated mesh
     std::size_t singular;  // points so far
   };
-  struct Turns {
+  struct CreaseAngles {
     Eigen::VectorXd now, plastic;  // [rad] at the vertices of the rendered mesh
   };
-  Turns turns(std::size_t k, const ShotRecord&, const Points2& pattern);
+  CreaseAngles angles(std::size_t k, const ShotRecord&, const Points2& pattern);
 
   double diagonal_, fold_width_, fps_;
-  std::vector<Folds> folds_;  // of each frame
+  std::vector<SimulatedCreases> folds_;  // of each frame
   std::vector<SingularPoint> singular_;
   std::size_t next_ = 0;  // frame whose folds are not yet in the peak
   Eigen::VectorXd peak_;  // [rad]

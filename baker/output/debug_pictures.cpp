@@ -171,11 +171,14 @@ void draw_captions(Canvas& canvas, const AnimatedFrame& frame, const std::string
       canvas, 40, 48, 1.6,
       fmt::format("{} triangles, {} singular points ({} new), c_m {:.3g} %, worst edge {:.2g} % at "
                   "({:.1f}, {:.1f}) mm, energy {:.4g} mJ, {} Newton steps{}{}",
-                  frame.sheet->triangles.rows(), frame.sheet->singular.size(), frame.new_singular,
-                  100 * length.mean, 100 * length.largest, 1e3 * length.where.x(),
-                  1e3 * length.where.y(), 1e3 * frame.energy, frame.newton_iterations,
-                  frame.substeps > 1 ? fmt::format(" in {} substeps", frame.substeps) : "",
-                  frame.converged ? "" : ", not converged"),
+                  frame.sheet->triangles.rows(), frame.sheet->singular.size(),
+                  frame.statistics.new_singular, 100 * length.mean, 100 * length.largest,
+                  1e3 * length.where.x(), 1e3 * length.where.y(), 1e3 * frame.statistics.energy,
+                  frame.statistics.newton_iterations,
+                  frame.statistics.substeps > 1
+                      ? fmt::format(" in {} substeps", frame.statistics.substeps)
+                      : "",
+                  frame.statistics.converged ? "" : ", not converged"),
       ink);
   draw_text(canvas, 40, 66, 1.6, frame.note, faint);
 }

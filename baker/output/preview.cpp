@@ -176,7 +176,7 @@ FrameSpan preview_frames(const FrameSpan& frames) {
 void Preview::add_frame(int frame, const CacheFrame& cached) {
   if (!frames_.contains(frame)) return;
   auto at = std::lower_bound(shown_.begin(), shown_.end(), frame,
-                             [](const Shown& s, int f) { return s.frame < f; });
+                             [](const PreviewFrame& s, int f) { return s.frame < f; });
   if (at == shown_.end() || at->frame != frame) at = shown_.insert(at, {frame, {}});
   CacheFrame kept;
   kept.x = cached.x, kept.triangles = cached.triangles, kept.normal = cached.normal,
@@ -186,7 +186,7 @@ void Preview::add_frame(int frame, const CacheFrame& cached) {
 
 Image Preview::picture(const std::vector<HandleRecord>& handles) const {
   std::vector<Panel> panels;
-  for (const Shown& shown : shown_) {
+  for (const PreviewFrame& shown : shown_) {
     Panel panel{{std::to_string(shown.frame)}, shown.sheets, {}, {}};
     if (colliders_) {
       const Poses poses = poses_at(*colliders_, shown.frame - first_frame_);

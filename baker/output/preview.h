@@ -53,7 +53,7 @@ class Preview {
   Image picture(const std::vector<HandleRecord>&) const;
 
  private:
-  struct Shown {
+  struct PreviewFrame {
     int frame;
     std::vector<CacheFrame> sheets;
   };
@@ -61,7 +61,7 @@ class Preview {
   FrameSpan frames_;
   std::shared_ptr<const Colliders> colliders_;
   int first_frame_;
-  std::vector<Shown> shown_;  // in order
+  std::vector<PreviewFrame> shown_;  // in order
 };
 
 }  // namespace paperbake

@@ -47,7 +47,7 @@ Progress::~Progress() {
 void Progress::simulated(const FrameRecord& record) {
   const auto taken = taken_.find(record.sheet);
   if (taken == taken_.end() || record.frame > taken->second)
-    return frame(simulate_, record, record.stretch_mean_pct, record.triangles);
+    return frame(simulate_, record, record.statistics.stretch_mean, record.statistics.triangles);
   ++simulate_.done, ++simulate_.taken;
   if (on_step_) on_step_({simulate_.name, record.sheet, record.frame, simulate_.done, frames_});
   last_ = std::chrono::steady_clock::now();
@@ -56,7 +56,8 @@ void Progress::simulated(const FrameRecord& record) {
 void Progress::taken(const std::string& sheet, int last_frame) { taken_[sheet] = last_frame; }
 
 void Progress::rendered(const FrameRecord& record) {
-  frame(render_, record, record.render->stretch_mean_pct, record.render->triangles);
+  frame(render_, record, record.statistics.render->stretch_mean,
+        record.statistics.render->triangles);
 }
 
 /// A pass that has not begun is not counted: what it will take is not known.
@@ -68,9 +69,9 @@ double Progress::seconds_left() const {
   return left;
 }
 
-void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean_pct,
-                     int triangles) {
+void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean, int triangles) {
   ++pass.done;
+  const double stretch_mean_pct = 100 * stretch_mean;
   const auto now = std::chrono::steady_clock::now();
   pass.seconds += std::chrono::duration<double>(now - last_).count();
   last_ = now;
@@ -94,7 +95,7 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean_
           stderr,
           "{} {} frame {} ({}/{})  {} left  c_m {:.4f} %  {} triangles  {} singular points\n",
           record.sheet, pass.name, record.frame, pass.done, frames_, clock_text(seconds_left()),
-          stretch_mean_pct, triangles, record.singular);
+          stretch_mean_pct, triangles, record.statistics.singular);
       return;
     case Style::json:
       fmt::print(stderr, "{}\n",
@@ -106,13 +107,13 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean_
                                         {"seconds_left", seconds_left()},
                                         {"stretch_mean_pct", stretch_mean_pct},
                                         {"triangles", triangles},
-                                        {"singular", record.singular}}
+                                        {"singular", record.statistics.singular}}
                      .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
       return;
   }
 }
 
-void Progress::say(const std::string& sentence) {
+void Progress::message(const std::string& sentence) {
   if (on_message_) on_message_(sentence);
   if (style_ == Style::none) return;
   if (style_ == Style::json) {

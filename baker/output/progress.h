@@ -40,7 +40,7 @@ class Progress {
   void taken(const std::string& sheet, int last_frame);
   void rendered(const FrameRecord&);
   /// A sentence on a line of its own, whatever the mode (but none).
-  void say(const std::string& sentence);
+  void message(const std::string& sentence);
 
  private:
   enum class Style { bar, plain, json, none };
@@ -49,7 +49,7 @@ class Progress {
     int done = 0, taken = 0;  // taken: of them, from an earlier bake
     double seconds = 0;       // that its frames took
   };
-  void frame(Pass&, const FrameRecord&, double stretch_mean_pct, int triangles);
+  void frame(Pass&, const FrameRecord&, double stretch_mean, int triangles);
   double seconds_left() const;
 
   Style style_;

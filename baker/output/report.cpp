@@ -1,8 +1,9 @@
 #include "baker/output/report.h"
 
+#include "baker/output/frame_curves.h"
+
 #include <algorithm>
 #include <fmt/format.h>
-#include <functional>
 #include <nlohmann/json.hpp>
 
 // The parts of the page, as they lie in the source tree and in Debian's libjs-three and
@@ -48,37 +49,6 @@ void replace(std::string& page, std::string_view mark, std::string_view text) {
   page.replace(page.find(mark), mark.size(), text);
 }
 
-/// One number of every frame; of several sheets the sum or the worst.
-struct Line {
-  const char* name;
-  std::function<double(const FrameRecord&)> value;
-  bool sum;
-};
-struct Curve {
-  const char* unit;
-  bool stepped;
-  std::vector<Line> lines;
-};
-
-std::vector<Curve> curves() {
-  return {
-      {"%", false, {{"c_m", [](const FrameRecord& r) { return r.stretch_mean_pct; }, false}}},
-      {"%", false, {{"worst edge", [](const FrameRecord& r) { return r.stretch_max_pct; }, false}}},
-      {"",
-       true,
-       {{"triangles simulated", [](const FrameRecord& r) { return double(r.triangles); }, true}}},
-      {"ms",
-       false,
-       {{"elastic", [](const FrameRecord& r) { return r.elastic_ms; }, true},
-        {"geometry", [](const FrameRecord& r) { return r.geometry_ms; }, true}}},
-      {"",
-       true,
-       {{"singular points", [](const FrameRecord& r) { return double(r.singular); }, true}}},
-      {"mm",
-       false,
-       {{"worst handle", [](const FrameRecord& r) { return r.handle_err_max_mm; }, false}}}};
-}
-
 }  // namespace
 
 Report::Report(const BakePlan& plan, std::size_t frames)
@@ -122,9 +92,9 @@ std::string Report::html(const std::vector<FrameRecord>& records,
     data["settings"].push_back({value.key, value.value, value.origin});
 
   data["curves"] = Json::array();
-  for (const Curve& curve : curves()) {
+  for (const FrameChart& curve : frame_charts()) {
     Json lines = Json::array();
-    for (const Line& line : curve.lines) {
+    for (const FrameLine& line : curve.lines) {
       std::map<int, double> by_frame;
       for (const FrameRecord& r : records) {
         double& value = by_frame[r.frame];

@@ -9,11 +9,11 @@ static Eigen::AlignedBox3d box_of(const Points3& x) {
   return {Vector3d(x.colwise().minCoeff()), Vector3d(x.colwise().maxCoeff())};
 }
 
-int SheetsTogether::add(int frame, const Sheet& sheet) {
+int SheetIntersections::add(int frame, const Sheet& sheet) {
   int count = 0;
-  std::vector<Placed>& placed = placed_[frame];
+  std::vector<PlacedSheet>& placed = placed_[frame];
   const Eigen::AlignedBox3d here = box_of(sheet.x);
-  for (const Placed& other : placed)
+  for (const PlacedSheet& other : placed)
     if (here.intersects(box_of(other.x)))
       count += crossings_between(sheet, Sheet{{}, other.x, {}, other.triangles, {}});
   placed.push_back({sheet.x, sheet.triangles});

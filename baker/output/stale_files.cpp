@@ -24,7 +24,7 @@ std::map<std::string, std::string> read_list(const fs::path& list) {
 
 }  // namespace
 
-bool are_as_written(const fs::path& folder) {
+bool outputs_unmodified(const fs::path& folder) {
   const auto files = read_list(folder / ".state" / "written");
   const auto whole = [&](const auto& file) {
     std::error_code none;
@@ -34,8 +34,8 @@ bool are_as_written(const fs::path& folder) {
   return !files.empty() && std::all_of(files.begin(), files.end(), whole);
 }
 
-void replace_earlier(const fs::path& folder, const std::vector<fs::path>& written,
-                     Earlier earlier) {
+void replace_outputs(const fs::path& folder, const std::vector<fs::path>& written,
+                     StaleFiles stale) {
   const fs::path base = fs::absolute(folder).lexically_normal(), list = base / ".state" / "written";
   std::map<std::string, std::string> files;
   for (const fs::path& path : written)
@@ -46,7 +46,7 @@ void replace_earlier(const fs::path& folder, const std::vector<fs::path>& writte
     if (files.count(path) || !fs::is_regular_file(base / path, none) ||
         file_hash(base / path) != key)
       continue;
-    if (earlier == Earlier::removed)
+    if (stale == StaleFiles::remove)
       fs::remove(base / path, none);
     else
       files[path] = key;

@@ -5,7 +5,7 @@
 
 namespace paperbake {
 
-enum class Earlier { removed, kept };
+enum class StaleFiles { remove, keep };
 
 /// Makes an output folder that of the bake that wrote these files: what the bake before it wrote
 /// and this one did not is removed, unless somebody has changed it since; files of others stay.
@@ -13,10 +13,10 @@ enum class Earlier { removed, kept };
 /// kept  for a bake that could not write all it should: the older files stay for now, and on the
 ///       list
 /// throws Error(Fault::folder)
-void replace_earlier(const std::filesystem::path& folder,
-                     const std::vector<std::filesystem::path>& written, Earlier);
+void replace_outputs(const std::filesystem::path& folder,
+                     const std::vector<std::filesystem::path>& written, StaleFiles);
 
 /// Every file on that list is there as it was written, and there are some.
-bool are_as_written(const std::filesystem::path& folder);
+bool outputs_unmodified(const std::filesystem::path& folder);
 
 }  // namespace paperbake

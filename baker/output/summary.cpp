@@ -7,100 +7,119 @@
 #include <fmt/ranges.h>
 #include <fstream>
 #include <functional>
-#include <iterator>
 #include <nlohmann/json.hpp>
-#include <numeric>
+#include <optional>
 #include <set>
 #include <thread>
+#include <type_traits>
 
 namespace paperbake {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// Mean and largest of one number over the frames, with the frame of the largest.
-Json spread(const std::vector<FrameRecord>& frames,
-            const std::function<double(const FrameRecord&)>& value) {
+/// One number over those frames that have it, in the unit of its field: mean, largest, and the frame
+/// of the largest. null: no frame has it
+template <class Field>
+Json spread(const std::vector<FrameRecord>& frames, const Field& field) {
   double sum = 0, largest = 0;
-  int at = frames.empty() ? 0 : frames.front().frame;
+  int count = 0, frame_of_largest = 0;
   for (const FrameRecord& f : frames) {
-    sum += value(f);
-    if (value(f) > largest) largest = value(f), at = f.frame;
+    const std::optional<double> value = statistic_value(f.statistics, field);
+    if (!value) continue;
+    if (count++ == 0) frame_of_largest = f.frame;
+    sum += *value;
+    if (*value > largest) largest = *value, frame_of_largest = f.frame;
   }
-  return {
-      {"mean", frames.empty() ? 0 : sum / frames.size()}, {"max", largest}, {"frame_of_max", at}};
+  if (count == 0) return {};
+  return {{"mean", sum / count}, {"max", largest}, {"frame_of_max", frame_of_largest}};
 }
 
-/// The same over the frames that were rendered; null when none was.
-Json render_spread(const std::vector<FrameRecord>& frames,
-                   const std::function<double(const RenderNumbers&)>& value) {
-  std::vector<FrameRecord> rendered;
-  std::copy_if(frames.begin(), frames.end(), std::back_inserter(rendered),
-               [](const FrameRecord& f) { return f.render.has_value(); });
-  return rendered.empty()
-             ? Json()
-             : spread(rendered, [&](const FrameRecord& f) { return value(*f.render); });
+/// The numbers of visit_frame_statistics over the shot.
+void add_statistics(Json& summary, const std::vector<FrameRecord>& frames) {
+  visit_frame_statistics([&](const auto& field) {
+    using Value = typename std::decay_t<decltype(field)>::Value;
+    if (field.over_shot == ShotValue::none) return;
+    Json& place = summary[field.shot_name];
+    if (field.over_shot == ShotValue::spread) {
+      place = spread(frames, field);
+      return;
+    }
+    Value sum = {}, largest = {};
+    int frames_not = 0;
+    for (const FrameRecord& f : frames)
+      if (const auto* value = find_statistic(f.statistics, field)) {
+        sum = static_cast<Value>(sum + *value);
+        largest = std::max(largest, *value);
+        frames_not += !*value;
+      }
+    if (field.over_shot == ShotValue::sum) place = sum;
+    if (field.over_shot == ShotValue::largest) place = largest;
+    if (field.over_shot == ShotValue::frames_not) place = frames_not;
+  });
 }
 
-std::string colliders_in_words(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
+std::string describe_colliders(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   if (!plan.shots.front().colliders) return "none in scene";
   std::vector<std::string> names;
   for (const Collider& collider : *plan.shots.front().colliders)
     names.push_back('"' + collider.mesh().name + '"');
-  const auto touched = std::count_if(frames.begin(), frames.end(),
-                                     [](const FrameRecord& f) { return f.on_colliders > 0; });
+  int touched = 0;
   double inside = 0;
-  for (const FrameRecord& f : frames) inside = std::max(inside, f.inside_mm);
+  for (const FrameRecord& f : frames) {
+    touched += f.statistics.on_colliders > 0;
+    inside = std::max(inside, f.statistics.inside_colliders);
+  }
   return fmt::format("in scene: {}; touched in {} frames, {:.3f} mm inside at most",
-                     fmt::join(names, ", "), touched, inside);
+                     fmt::join(names, ", "), touched, 1e3 * inside);
 }
 
-/// Of layers on layers: the coefficient of every sheet where they differ.
-std::string friction_in_words(const BakePlan& plan) {
+/// Friction between layers: the coefficient of every sheet where they differ.
+std::string describe_friction(const BakePlan& plan) {
   std::set<double> all;
   for (const Shot& shot : plan.shots) all.insert(shot.paper.friction);
   return all == std::set<double>{0} ? "without friction"
                                     : fmt::format("with friction {}", fmt::join(all, ", "));
 }
 
-/// Do the sheets of the scene push each other, and did they?
+/// Whether contact between the sheets of the scene was simulated, and whether it was needed.
 Json between_sheets(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   if (plan.shots.size() < 2) return {{"on", false}, {"why", "one sheet"}};
   if (plan.animation.elastic.contact == SelfContact::off)
     return {{"on", false}, {"why", "contact is off"}};
   std::set<int> touching;
   for (const FrameRecord& f : frames)
-    if (f.touching_others > 0) touching.insert(f.frame);
+    if (f.statistics.touching_others > 0) touching.insert(f.frame);
   std::string why =
       touching.empty()
           ? "no sheet comes near another"
           : fmt::format("contact: sheets push each other in {} frames from {} to {}, {}",
                         touching.size(), *touching.begin(), *touching.rbegin(),
-                        friction_in_words(plan));
-  if (const std::string through = sheets_in_words(frames); !through.empty()) why += "; " + through;
+                        describe_friction(plan));
+  if (const std::string through = describe_sheet_intersections(frames); !through.empty())
+    why += "; " + through;
   return {{"on", !touching.empty()}, {"why", why}};
 }
 
-std::string polish_in_words(const BakePlan& plan) {
+std::string describe_polish(const BakePlan& plan) {
   const bool several = plan.polish.triangles > 0 && plan.shots.size() > 1;
   return plan.polish.why + (several ? "; each sheet by itself, and frames in which it touches "
                                       "another are left as they were"
                                     : "");
 }
 
+/// What was switched on, and why.
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
-  const auto touching = std::count_if(frames.begin(), frames.end(),
-                                      [](const FrameRecord& f) { return f.touching > 0; });
-  const auto apart = std::count_if(frames.begin(), frames.end(), [](const FrameRecord& f) {
-    return f.render && f.render->kept_apart;
-  });
+  int touching = 0, untangled = 0, births = 0;
+  for (const FrameRecord& f : frames) {
+    touching += f.statistics.touching > 0;
+    untangled += f.statistics.render && f.statistics.render->kept_apart;
+    births += f.statistics.new_singular;
+  }
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const std::string& method = plan.methods.front().name;
   const bool yields = plan.animation.memory == Memory::plastic, singular = method == "hybrid";
-  const int births =
-      std::accumulate(frames.begin(), frames.end(), 0,
-                      [](int sum, const FrameRecord& f) { return sum + f.new_singular; });
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {
       {"dynamics", model(dynamic, plan.why_inertia)},
@@ -114,18 +133,43 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
                        : "looked for; no two bending directions conflicted for long enough")},
       {"contact", model(touching > 0,
                         touching > 0 ? fmt::format("the sheet comes near itself in {} frames, {}",
-                                                   touching, friction_in_words(plan))
+                                                   touching, describe_friction(plan))
                                      : "the sheet never comes near itself")},
       {"layers_apart",
-       model(apart > 0,
-             apart > 0
+       model(untangled > 0,
+             untangled > 0
                  ? fmt::format("the curved sheet would have passed through itself in {} frames",
-                               apart)
+                               untangled)
                  : "the curved sheet never passes through itself")},
       {"between_sheets", between_sheets(plan, frames)},
-      {"polish", model(plan.polish.triangles > 0, polish_in_words(plan))},
+      {"polish", model(plan.polish.triangles > 0, describe_polish(plan))},
       {"colliders",
-       model(plan.shots.front().colliders != nullptr, colliders_in_words(plan, frames))}};
+       model(plan.shots.front().colliders != nullptr, describe_colliders(plan, frames))}};
+}
+
+Json sheets_of(const BakePlan& plan) {
+  Json sheets = Json::array();
+  for (std::size_t s = 0; s < plan.shots.size(); ++s)
+    sheets.push_back({{"name", plan.shots[s].sheet_name},
+                      {"preset", plan.presets[s]},
+                      {"seed", plan.seeds[s]},
+                      {"width_m", extent(plan.shots[s].pattern).x()},
+                      {"height_m", extent(plan.shots[s].pattern).y()},
+                      {"handles", plan.shots[s].handles.size()}});
+  return sheets;
+}
+
+Json impossible_handles(const BakePlan& plan) {
+  Json impossible = Json::array();
+  for (const SheetImpossible& i : plan.impossible)
+    impossible.push_back({{"sheet", i.sheet},
+                          {"handles", {i.pair.a, i.pair.b}},
+                          {"frame", i.pair.frame},
+                          {"frames", {i.pair.first, i.pair.last}},
+                          {"apart_mm", 1e3 * i.pair.apart},
+                          {"paper_mm", 1e3 * i.pair.allowed},
+                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)}});
+  return impossible;
 }
 
 }  // namespace
@@ -151,29 +195,34 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
                                    fmt::arg("value", value(*worst)), fmt::arg("limit", limit)));
   };
   check(
-      gates.mean_stretch_pct, [](const FrameRecord& f) { return f.stretch_mean_pct; },
+      gates.mean_stretch_pct, [](const FrameRecord& f) { return 100 * f.statistics.stretch_mean; },
       "Frame {frame}: mean stretch {value:.2f} %, more than {limit:g} %.");
   check(
-      gates.max_stretch_pct, [](const FrameRecord& f) { return f.stretch_max_pct; },
+      gates.max_stretch_pct, [](const FrameRecord& f) { return 100 * f.statistics.stretch_max; },
       "Frame {frame}: an edge is off by {value:.2f} %, more than {limit:g} %.");
   check(
-      gates.handle_err_mm, [](const FrameRecord& f) { return f.handle_err_max_mm; },
+      gates.handle_err_mm, [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
       "Frame {frame}: a handle is off by {value:.2f} mm, more than {limit:g} mm.");
   check(
-      0, [](const FrameRecord& f) { return double(f.crossings); },
+      0, [](const FrameRecord& f) { return double(f.statistics.crossings); },
       "Frame {frame}: {value:.0f} pairs of triangles pass through each other.");
   check(
-      0, [](const FrameRecord& f) { return f.render ? double(f.render->crossings) : 0; },
+      0,
+      [](const FrameRecord& f) {
+        return f.statistics.render ? double(f.statistics.render->crossings) : 0;
+      },
       "Frame {frame}: {value:.0f} pairs of rendered triangles pass through each other.");
-  // where they pass through each other as simulated, as those joined at a border do, so will the
-  // rendered ones
+  // sheets that pass through each other as simulated, such as those joined at a border, do so as
+  // rendered too
   std::set<int> crossed;
   for (const FrameRecord& f : frames)
-    if (f.crossings_with_others > 0) crossed.insert(f.frame);
+    if (f.statistics.crossings_with_others > 0) crossed.insert(f.frame);
   check(
       0,
       [&](const FrameRecord& f) {
-        return f.render && !crossed.count(f.frame) ? double(f.render->crossings_with_others) : 0;
+        return f.statistics.render && !crossed.count(f.frame)
+                   ? double(f.statistics.render->crossings_with_others)
+                   : 0;
       },
       "Frame {frame}: {value:.0f} pairs of rendered triangles of two sheets pass through each "
       "other.");
@@ -184,89 +233,40 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   return missed;
 }
 
-std::string sheets_in_words(const std::vector<FrameRecord>& frames) {
+std::string describe_sheet_intersections(const std::vector<FrameRecord>& frames) {
   std::set<int> through;
   for (const FrameRecord& f : frames)
-    if (f.crossings_with_others > 0) through.insert(f.frame);
+    if (f.statistics.crossings_with_others > 0) through.insert(f.frame);
   if (through.empty()) return "";
   return fmt::format("in {} frames from {} to {} one sheet passes through another", through.size(),
                      *through.begin(), *through.rbegin());
 }
 
 std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames,
-                         double crease_length, const std::vector<std::string>& missed,
-                         int exit_code, const std::string& failure,
+                         double crease_length, const SummaryEnding& ending,
                          const std::map<std::string, std::string>& files) {
-  Json sheets = Json::array(), impossible = Json::array(), settings = Json::object();
-  for (std::size_t s = 0; s < plan.shots.size(); ++s)
-    sheets.push_back({{"name", plan.shots[s].sheet_name},
-                      {"preset", plan.presets[s]},
-                      {"seed", plan.seeds[s]},
-                      {"width_m", extent(plan.shots[s].pattern).x()},
-                      {"height_m", extent(plan.shots[s].pattern).y()},
-                      {"handles", plan.shots[s].handles.size()}});
-  for (const SheetImpossible& i : plan.impossible)
-    impossible.push_back({{"sheet", i.sheet},
-                          {"handles", {i.pair.a, i.pair.b}},
-                          {"frame", i.pair.frame},
-                          {"frames", {i.pair.first, i.pair.last}},
-                          {"apart_mm", 1e3 * i.pair.apart},
-                          {"paper_mm", 1e3 * i.pair.allowed},
-                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)}});
+  Json settings = Json::object();
   for (const UsedValue& value : plan.used) settings[value.key] = value.value;
-  const auto count = [&](auto test) { return std::count_if(frames.begin(), frames.end(), test); };
-  int singular = 0, crossings = 0;
-  for (const FrameRecord& f : frames)
-    singular += f.new_singular, crossings = std::max(crossings, f.crossings);
-
-  const Json summary{
-      {"program", "paperbake"},
-      {"version", PAPERBAKE_VERSION},
-      {"job_hash", plan.job_hash},
-      {"method", plan.method},
-      {"fps", plan.animation.fps},
-      {"first_frame", plan.frames.first},
-      {"last_frame", plan.frames.last},
-      {"frames", frames.size()},
-      {"sheets", sheets},
-      {"triangles", spread(frames, [](const FrameRecord& f) { return double(f.triangles); })},
-      {"stretch_mean_pct", spread(frames, [](const FrameRecord& f) { return f.stretch_mean_pct; })},
-      {"stretch_max_pct", spread(frames, [](const FrameRecord& f) { return f.stretch_max_pct; })},
-      {"angle_defect_max_deg",
-       spread(frames, [](const FrameRecord& f) { return f.angle_defect_max_deg; })},
-      {"handle_err_max_mm",
-       spread(frames, [](const FrameRecord& f) { return f.handle_err_max_mm; })},
-      {"render_stretch_mean_pct",
-       render_spread(frames, [](const RenderNumbers& r) { return r.stretch_mean_pct; })},
-      {"render_stretch_max_pct",
-       render_spread(frames, [](const RenderNumbers& r) { return r.stretch_max_pct; })},
-      {"render_triangles",
-       render_spread(frames, [](const RenderNumbers& r) { return double(r.triangles); })},
-      {"render_ms", render_spread(frames, [](const RenderNumbers& r) { return r.ms; })},
-      {"render_crossings",
-       render_spread(frames, [](const RenderNumbers& r) { return double(r.crossings); })},
-      {"render_crossings_with_others",
-       render_spread(frames,
-                     [](const RenderNumbers& r) { return double(r.crossings_with_others); })},
-      {"elastic_ms", spread(frames, [](const FrameRecord& f) { return f.elastic_ms; })},
-      {"geometry_ms", spread(frames, [](const FrameRecord& f) { return f.geometry_ms; })},
-      {"newton_iterations",
-       spread(frames, [](const FrameRecord& f) { return double(f.newton_iterations); })},
-      {"energy_J", spread(frames, [](const FrameRecord& f) { return f.energy_J; })},
-      {"singular", singular},
-      {"crease_length_m", crease_length},
-      {"crossings", crossings},
-      {"not_converged", count([](const FrameRecord& f) { return !f.converged; })},
-      {"jammed_frames", count([](const FrameRecord& f) { return !f.jammed.empty(); })},
-      {"impossible_handles", impossible},
-      {"gates_missed", missed},
-      {"exit_code", exit_code},
-      {"failure", failure.empty() ? Json() : Json(failure)},
-      {"models", models(plan, frames)},
-      {"warnings", plan.warnings},
-      {"settings", settings},
-      {"machine", {{"cpu", machine_name()}, {"cores", std::thread::hardware_concurrency()}}},
-      {"files", files}};
+  const auto jammed = std::count_if(frames.begin(), frames.end(),
+                                    [](const FrameRecord& f) { return !f.jammed.empty(); });
+  Json summary{{"program", "paperbake"},         {"version", PAPERBAKE_VERSION},
+               {"job_hash", plan.job_hash},      {"method", plan.method},
+               {"fps", plan.animation.fps},      {"first_frame", plan.frames.first},
+               {"last_frame", plan.frames.last}, {"frames", frames.size()},
+               {"sheets", sheets_of(plan)}};
+  add_statistics(summary, frames);
+  summary.update(
+      {{"crease_length_m", crease_length},
+       {"jammed_frames", jammed},
+       {"impossible_handles", impossible_handles(plan)},
+       {"gates_missed", ending.missed_gates},
+       {"exit_code", ending.exit_code},
+       {"failure", ending.failure.empty() ? Json() : Json(ending.failure)},
+       {"models", models(plan, frames)},
+       {"warnings", plan.warnings},
+       {"settings", settings},
+       {"machine", {{"cpu", machine_name()}, {"cores", std::thread::hardware_concurrency()}}},
+       {"files", files}});
   return sealed(summary.dump(1, ' ', false, Json::error_handler_t::replace));
 }
 

@@ -5,7 +5,7 @@
 
 namespace paperbake {
 
-bool Losses::attempt(const std::string& file, const std::function<void()>& write) {
+bool WriteFailures::try_write(const std::string& file, const std::function<void()>& write) {
   if (find(file)) return false;
   try {
     write();
@@ -19,24 +19,26 @@ bool Losses::attempt(const std::string& file, const std::function<void()>& write
   return false;
 }
 
-void Losses::kept(const std::string& file, const std::string& how_much, const Error& error) {
+void WriteFailures::record_partial(const std::string& file, const std::string& how_much,
+                                   const Error& error) {
   if (!find(file)) all_.push_back({file, error});
-  find(file)->kept = how_much;
+  find(file)->partial = how_much;
 }
 
-std::string Losses::sentence() const {
-  constexpr std::size_t most = 3;
+std::string WriteFailures::summary() const {
+  constexpr std::size_t max_listed = 3;
   std::string text;
-  for (std::size_t k = 0; k < std::min(most, all_.size()); ++k)
-    text += (k ? "; " : "") + (all_[k].kept.empty() ? "there is no " + all_[k].file
-                                                    : all_[k].file + " " + all_[k].kept);
-  if (all_.size() > most) text += fmt::format("; and {} more are not there", all_.size() - most);
+  for (std::size_t k = 0; k < std::min(max_listed, all_.size()); ++k)
+    text += (k ? "; " : "") + (all_[k].partial.empty() ? "there is no " + all_[k].file
+                                                       : all_[k].file + " " + all_[k].partial);
+  if (all_.size() > max_listed)
+    text += fmt::format("; and {} more are not there", all_.size() - max_listed);
   return text;
 }
 
-Loss* Losses::find(const std::string& file) {
-  const auto found =
-      std::find_if(all_.begin(), all_.end(), [&](const Loss& loss) { return loss.file == file; });
+WriteFailure* WriteFailures::find(const std::string& file) {
+  const auto found = std::find_if(
+      all_.begin(), all_.end(), [&](const WriteFailure& failure) { return failure.file == file; });
   return found == all_.end() ? nullptr : &*found;
 }
 

@@ -17,7 +17,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-const char* const loose = "fem-loose";  // fem that stops ten times farther from the minimum
+const char* const loose_fem = "fem-loose";  // fem that stops ten times farther from the minimum
 
 struct Size {
   std::string method;
@@ -39,8 +39,8 @@ struct Run {
 
 BakeSettings settings_for(const ChartSettings& settings, const Size& size) {
   BakeSettings s = settings.job;
-  s.method = size.method == loose ? "fem" : size.method;
-  if (size.method == loose) s.stop = 10 * s.stop;
+  s.method = size.method == loose_fem ? "fem" : size.method;
+  if (size.method == loose_fem) s.stop = 10 * s.stop;
   s.seed = size.seed;
   if (size.method == hybrid_and_fem) {
     s.polish = size.size;
@@ -126,20 +126,20 @@ double median(std::vector<double> values) {
 }
 
 /// What each method is run at, besides the reference.
-std::vector<Size> ladder(const ChartSettings& settings, int reference, unsigned seed) {
+std::vector<Size> size_ladder(const ChartSettings& settings, int reference, unsigned seed) {
   std::vector<Size> sizes;
   for (const std::string& method : settings.methods) {
     if (method == "hybrid")
       for (const int base : {60, 90, 120, 180}) sizes.push_back({method, base, seed});
     if (method == "adaptive")
       // the last: what its sizing field asks for
-      for (const int most : {60, 120, 240, 3000}) sizes.push_back({method, most, seed});
+      for (const int cap : {60, 120, 240, 3000}) sizes.push_back({method, cap, seed});
     if (method == hybrid_and_fem)
       for (const int part : {1, 4}) sizes.push_back({method, reference / part, seed});
     if (method == "fem") {
       for (int n = reference / 8; n >= std::max(60, reference / 32); n /= 2)
         sizes.push_back({method, n, seed});
-      for (const int part : {1, 4, 16}) sizes.push_back({loose, reference / part, seed});
+      for (const int part : {1, 4, 16}) sizes.push_back({loose_fem, reference / part, seed});
     }
   }
   return sizes;
@@ -153,11 +153,11 @@ void check_methods(const std::vector<std::string>& methods) {
 }
 
 /// The runs of a chart, within its budget.
-class Charting {
+class ChartRunner {
  public:
-  Charting(const ChartSettings& settings, const std::function<void(const std::string&)>& say)
+  ChartRunner(const ChartSettings& settings, const std::function<void(const std::string&)>& log)
       : settings_(settings),
-        say_(say),
+        log_(log),
         end_(Clock::now() + std::chrono::duration_cast<Clock::duration>(
                                 std::chrono::duration<double>(settings.budget))) {
     BakeSettings first = settings.job;
@@ -178,16 +178,16 @@ class Charting {
   }
 
   Chart operator()() {
-    say_("warming up");
+    log_("warming up");
     run(settings_, {"fem", 200, seed_}, seed_, end_, 5);
     find_reference();
-    for (const Size& size : ladder(settings_, reference_, seed_)) {
+    for (const Size& size : size_ladder(settings_, reference_, seed_)) {
       add(size);
       // without a singular point nothing was drawn: other seeds would do the same
       for (unsigned other = 1; other < 3 && runs_.back().point.singular > 0; ++other)
         add({size.method, size.size, seed_ + other});
     }
-    twin();
+    run_control();
     repeat();
     return finished();
   }
@@ -199,13 +199,13 @@ class Charting {
     const auto share =
         Clock::now() + std::chrono::duration_cast<Clock::duration>(0.4 * (end_ - Clock::now()));
     for (reference_ = settings_.reference; reference_ >= 100; reference_ /= 2) {
-      say_(fmt::format("reference: fem, {} triangles", reference_));
+      log_(fmt::format("reference: fem, {} triangles", reference_));
       runs_.assign(1, run(settings_, {"fem", reference_, seed_}, seed_, share));
       const ChartPoint& p = runs_.front().point;
       if (p.failure.empty()) break;
       chart_.remarks.push_back(
           fmt::format("fem with {} triangles is no reference: {}", reference_, p.failure));
-      say_(chart_.remarks.back());
+      log_(chart_.remarks.back());
     }
     if (runs_.empty() || !runs_.front().point.failure.empty())
       throw Error(Fault::simulation, settings_.job.scene.string(),
@@ -222,23 +222,23 @@ class Charting {
       chart_.remarks.push_back(fmt::format("no time left for {} {}", size.method, size.size));
       return;
     }
-    say_(fmt::format("{}, size {}, seed {}", size.method, size.size, size.seed));
+    log_(fmt::format("{}, size {}, seed {}", size.method, size.size, size.seed));
     runs_.push_back(run(settings_, size, seed_, end_));
-    if (!runs_.back().point.failure.empty()) say_(runs_.back().point.failure);
+    if (!runs_.back().point.failure.empty()) log_(runs_.back().point.failure);
   }
 
   /// Another mesh of nearly as many triangles: what a change that should not matter does.
-  void twin() {
+  void run_control() {
     if (seconds_left() <= 0) return;
     const int size = static_cast<int>(std::lround(0.93 * reference_));
-    say_(fmt::format("twin of the reference: fem, {} triangles", size));
+    log_(fmt::format("twin of the reference: fem, {} triangles", size));
     const Run other = run(settings_, {"fem", size, seed_}, seed_, end_);
-    chart_.twin_pct = distance_pct(other, runs_.front());
+    chart_.control_pct = distance_pct(other, runs_.front());
     std::vector<double> distances;
     for (std::size_t k = 1; k < runs_.size(); ++k)
       if (runs_[k].point.failure.empty())
         distances.push_back(distance_pct(runs_[k], runs_.front()));
-    chart_.chaotic = distances.empty() ? false : chart_.twin_pct > median(distances);
+    chart_.chaotic = distances.empty() ? false : chart_.control_pct > median(distances);
   }
 
   void repeat() {
@@ -249,7 +249,7 @@ class Charting {
         const ChartPoint& p = runs_[k].point;
         if (seconds_left() <= 0) return;
         if (!p.failure.empty()) continue;
-        say_(fmt::format("{}, size {}, seed {}, run {}", p.method, p.size, p.seed, again + 1));
+        log_(fmt::format("{}, size {}, seed {}, run {}", p.method, p.size, p.seed, again + 1));
         const Run timed = run(settings_, {p.method, p.size, p.seed}, seed_, end_);
         if (timed.point.failure.empty()) times_[k].push_back(timed.times);
       }
@@ -275,12 +275,12 @@ class Charting {
           chart_.remarks.begin(),
           fmt::format("chaotic: two references on different meshes differ by {:.2g} %, more than "
                       "the methods do; compare statistics instead",
-                      chart_.twin_pct));
+                      chart_.control_pct));
     return std::move(chart_);
   }
 
   ChartSettings settings_;
-  const std::function<void(const std::string&)>& say_;
+  const std::function<void(const std::string&)>& log_;
   Clock::time_point end_;
   unsigned seed_ = 0;
   int reference_ = 0;
@@ -291,9 +291,9 @@ class Charting {
 
 }  // namespace
 
-Chart chart(const ChartSettings& settings, const std::function<void(const std::string&)>& say) {
+Chart chart(const ChartSettings& settings, const std::function<void(const std::string&)>& log) {
   check_methods(settings.methods);
-  return Charting(settings, say)();
+  return ChartRunner(settings, log)();
 }
 
 double richardson_error(double far, double near) {

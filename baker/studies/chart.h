@@ -45,7 +45,7 @@ struct Chart {
   std::vector<ChartPoint> points;  // the reference first
   double reference_error_pct = 0;  // its own, by Richardson's extrapolation
   // from the reference to fem on another mesh of nearly as many triangles
-  double twin_pct = 0;
+  double control_pct = 0;
   bool chaotic = false;  // twins differ by more than methods do: distances mean nothing
   std::string machine;
   std::vector<std::string> remarks;
@@ -56,9 +56,9 @@ struct Chart {
 /// a loose stop, ten times farther from the minimum ("fem-loose"), the others (with three seeds
 /// where there are singular points), a twin of the reference, then repeats, until the budget is
 /// used up.
-/// say  a sentence on what is being done
+/// log  a sentence on what is being done
 /// throws as plan_bake does; Error(Fault::simulation) when no reference comes to an end
-Chart chart(const ChartSettings&, const std::function<void(const std::string&)>& say);
+Chart chart(const ChartSettings&, const std::function<void(const std::string&)>& log);
 
 /// Error of the finest of three results on n/4, n/2 and n triangles, from how far the coarser ones
 /// are from it: with an error C n^-q each, near = C n^-q (2^q - 1), far = C n^-q (4^q - 1). q is

@@ -55,11 +55,11 @@ class LogAxis {
     values.erase(std::remove_if(values.begin(), values.end(),
                                 [](double v) { return !(v > 0) || !std::isfinite(v); }),
                  values.end());
-    const double least = values.empty() ? 1 : *std::min_element(values.begin(), values.end());
-    const double most = values.empty() ? 10 : *std::max_element(values.begin(), values.end());
-    const double room = std::max(0.08 * std::log10(most / least), 0.12);
+    const double low = values.empty() ? 1 : *std::min_element(values.begin(), values.end());
+    const double high = values.empty() ? 10 : *std::max_element(values.begin(), values.end());
+    const double room = std::max(0.08 * std::log10(high / low), 0.12);
     // room for the last label
-    low_ = std::log10(least) - room, high_ = std::log10(most) + 1.6 * room;
+    low_ = std::log10(low) - room, high_ = std::log10(high) + 1.6 * room;
   }
   double operator()(double value) const {
     return a_ + (b_ - a_) * (std::log10(std::max(value, 1e-300)) - low_) / (high_ - low_);
@@ -170,16 +170,16 @@ std::string draw(const Panel& panel, const std::vector<ChartPoint>& points, doub
     }
   for (const auto& [size, seeds] : sizes) {
     const char* colour = colour_of(size.first);
-    double px = 0, least = 1e300, most = 0;
+    double px = 0, low = 1e300, high = 0;
     for (const ChartPoint* p : seeds) {
       px += x(p->total_ms()) / seeds.size();
-      least = std::min(least, panel.value(*p)), most = std::max(most, panel.value(*p));
+      low = std::min(low, panel.value(*p)), high = std::max(high, panel.value(*p));
     }
     if (seeds.size() > 1)
       svg += fmt::format(
           "<line x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\" stroke=\"{3}\" "
           "stroke-width=\"2\"/>\n",
-          px, y(least), y(most), colour);
+          px, y(low), y(high), colour);
     for (const ChartPoint* p : seeds) {
       const double a = x(p->total_ms()), b = y(panel.value(*p));
       if (p->failure.empty()) {
@@ -216,9 +216,9 @@ std::string chart_svg(const Chart& chart) {
     distance.lines.push_back(
         {chart.reference_error_pct,
          fmt::format("error of the reference itself: {:.2g} %", chart.reference_error_pct)});
-  if (chart.twin_pct > 0)
+  if (chart.control_pct > 0)
     distance.lines.push_back(
-        {chart.twin_pct, fmt::format("reference on another mesh: {:.2g} %", chart.twin_pct)});
+        {chart.control_pct, fmt::format("reference on another mesh: {:.2g} %", chart.control_pct)});
   const Panel energy{"Stored energy over the reference's (chaotic scene)",
                      "mean over the frames",
                      [](const ChartPoint& p) { return p.energy_rel; },

@@ -15,7 +15,7 @@
 namespace paperbake {
 namespace {
 
-/// The signals that run_children waits for, blocked while it lives.
+/// The signals that run_processes waits for, blocked while it lives.
 class BlockedSignals {
  public:
   BlockedSignals() {
@@ -35,10 +35,11 @@ class BlockedSignals {
   sigset_t set_, before_;
 };
 
-pid_t start(const std::string& program, const Child& child, const BlockedSignals& signals) {
-  std::vector<char*> words{const_cast<char*>(program.c_str())};
-  for (const std::string& word : child.words) words.push_back(const_cast<char*>(word.c_str()));
-  words.push_back(nullptr);
+pid_t start(const std::string& program, const ProcessSpec& process, const BlockedSignals& signals) {
+  std::vector<char*> arguments{const_cast<char*>(program.c_str())};
+  for (const std::string& argument : process.arguments)
+    arguments.push_back(const_cast<char*>(argument.c_str()));
+  arguments.push_back(nullptr);
   const pid_t parent = getpid(), pid = fork();
   if (pid < 0)
     throw Error(Fault::folder, program,
@@ -50,12 +51,12 @@ pid_t start(const std::string& program, const Child& child, const BlockedSignals
   signals.restore();
   // a bake uses no more, and the others would spin for a while
   setenv("OPENBLAS_NUM_THREADS", "1", 1);
-  const int log = open(child.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666),
+  const int log = open(process.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666),
             nothing = open("/dev/null", O_RDONLY);
   dup2(nothing, STDIN_FILENO);
   dup2(log, STDOUT_FILENO);
   dup2(log, STDERR_FILENO);
-  execv(program.c_str(), words.data());
+  execv(program.c_str(), arguments.data());
   _exit(127);
 }
 
@@ -70,17 +71,18 @@ std::filesystem::path this_program() {
   return program;
 }
 
-bool run_children(const std::vector<Child>& children, int most,
-                  const std::function<void(std::size_t, int)>& ended) {
+bool run_processes(const std::vector<ProcessSpec>& processes, int max_running,
+                   const std::function<void(std::size_t, int)>& ended) {
   const std::string program = this_program();
   const BlockedSignals signals;
   std::map<pid_t, std::size_t> running;
   std::size_t next = 0;
   bool interrupted = false;
-  while (!running.empty() || (next < children.size() && !interrupted)) {
-    for (; next < children.size() && static_cast<int>(running.size()) < most && !interrupted;
+  while (!running.empty() || (next < processes.size() && !interrupted)) {
+    for (;
+         next < processes.size() && static_cast<int>(running.size()) < max_running && !interrupted;
          ++next)
-      running[start(program, children[next], signals)] = next;
+      running[start(program, processes[next], signals)] = next;
     if (signals.wait() != SIGCHLD) {
       interrupted = true;
       for (const auto& [pid, number] : running) kill(pid, SIGTERM);

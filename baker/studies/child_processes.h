@@ -8,22 +8,22 @@
 namespace paperbake {
 
 /// One run of a program.
-struct Child {
-  std::vector<std::string> words;  // behind the program's name
-  std::filesystem::path log;       // takes what it prints
+struct ProcessSpec {
+  std::vector<std::string> arguments;  // behind the program's name
+  std::filesystem::path log;           // takes what it prints
 };
 
 /// This program itself. throws Error(Fault::folder) when the system does not tell
 std::filesystem::path this_program();
 
-/// Runs this program once with the words of each child, at most `most` at a time, in order. A child
+/// Runs this program once with the arguments of each child, at most `max_running` at a time, in order. A child
 /// ends with its parent, however that ends. SIGINT and SIGTERM are passed on to all that run, and
 /// no more is begun.
 /// ended  called for each that came to its end: its number and its exit code; 128 + the signal that
 ///        ended it
 /// returns  whether a signal interrupted
 /// throws Error(Fault::folder) when a child cannot be started
-bool run_children(const std::vector<Child>&, int most,
-                  const std::function<void(std::size_t, int)>& ended);
+bool run_processes(const std::vector<ProcessSpec>&, int max_running,
+                   const std::function<void(std::size_t, int)>& ended);
 
 }  // namespace paperbake

@@ -171,12 +171,12 @@ Image scatter_picture(const Paper& paper, const std::vector<FirstPoint>& points)
 }
 
 std::vector<FirstPoint> push_sheets(const Paper& paper, int sheets, unsigned first_seed,
-                                    const std::function<void(const std::string&)>& say) {
+                                    const std::function<void(const std::string&)>& log) {
   std::vector<FirstPoint> points;
   for (int sheet = 1; sheet <= sheets; ++sheet) {
     const auto point = first_singular_point(paper, first_seed + sheet - 1);
     if (point) points.push_back(*point);
-    say(fmt::format("sheet {} of {}: {}", sheet, sheets,
+    log(fmt::format("sheet {} of {}: {}", sheet, sheets,
                     point ? fmt::format("frame {}, ({:.1f}, {:.1f}) mm", point->frame,
                                         1e3 * point->pattern.x(), 1e3 * point->pattern.y())
                           : "no singular point"));

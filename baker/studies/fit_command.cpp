@@ -12,7 +12,7 @@
 namespace paperbake {
 namespace {
 
-void say_on_stderr(const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); }
+void print_to_stderr(const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); }
 
 constexpr unsigned other_sheets = 1000001;  // seeds that --experiment does not come to
 
@@ -26,42 +26,44 @@ std::filesystem::path picture_beside(const std::filesystem::path& file, const ch
   return picture;
 }
 
-int run_experiment(const FitWords& words) {
-  const Paper paper = read_preset(*words.experiment).paper;
-  const auto picture = picture_beside(words.output, ".csv");
-  write_atomically(words.output, scatter_csv({}));  // known to be writable before the work begins
-  const std::vector<FirstPoint> points = push_sheets(paper, words.sheets, 1, say_on_stderr);
+int run_experiment(const FitArguments& arguments) {
+  const Paper paper = read_preset(*arguments.experiment).paper;
+  const auto picture = picture_beside(arguments.output, ".csv");
+  write_atomically(arguments.output,
+                   scatter_csv({}));  // known to be writable before the work begins
+  const std::vector<FirstPoint> points = push_sheets(paper, arguments.sheets, 1, print_to_stderr);
   const Scatter scatter = scatter_of(points);
   fmt::print(stderr,
              "{} of {} sheets: mean ({:.2f}, {:.2f}) mm, deviation {:.2f} mm; apex_scatter of {}: "
              "{:.2f} mm\n",
-             points.size(), words.sheets, 1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(),
+             points.size(), arguments.sheets, 1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(),
              1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter);
-  write_atomically(words.output, scatter_csv(points));
+  write_atomically(arguments.output, scatter_csv(points));
   write_png(picture, scatter_picture(paper, points));
-  fmt::print("{}\n{}\n", words.output.string(), picture.string());
+  fmt::print("{}\n{}\n", arguments.output.string(), picture.string());
   return 0;
 }
 
 }  // namespace
 
-int run_fit(const FitWords& words) {
-  if (words.experiment) return run_experiment(words);
-  if (!words.scatter || !words.from)
+int run_fit(const FitArguments& arguments) {
+  if (arguments.experiment) return run_experiment(arguments);
+  if (!arguments.scatter || !arguments.from)
     throw Error(Fault::command, "fit", "There is nothing to fit.",
                 "paperbake fit SCATTER.csv --from copy70 -o my.toml fits a grade; --experiment "
                 "copy70 --sheets 20 -o scatter.csv repeats the experiment.");
-  const Preset from = read_preset(*words.from);
-  const auto picture = picture_beside(words.output, ".toml");
-  const std::vector<Vector2d> measured = read_scatter(*words.scatter);
+  const Preset from = read_preset(*arguments.from);
+  const auto picture = picture_beside(arguments.output, ".toml");
+  const std::vector<Vector2d> measured = read_scatter(*arguments.scatter);
   Paper unscattered = from.paper;
   unscattered.apex_scatter = 0;
   const ScatterFit fit =
-      fit_scatter(measured, push_sheets(unscattered, 1, 1, say_on_stderr).front().pattern);
-  const Preset fitted =
-      with_scatter(from, words.output.stem().string(), fit, words.scatter->filename().string());
+      fit_scatter(measured, push_sheets(unscattered, 1, 1, print_to_stderr).front().pattern);
+  const Preset fitted = with_scatter(from, arguments.output.stem().string(), fit,
+                                     arguments.scatter->filename().string());
   std::vector<Vector2d> simulated;
-  for (const FirstPoint& p : push_sheets(fitted.paper, words.sheets, other_sheets, say_on_stderr))
+  for (const FirstPoint& p :
+       push_sheets(fitted.paper, arguments.sheets, other_sheets, print_to_stderr))
     simulated.push_back(p.pattern);
   const TwoSamples test = compare_samples(measured, simulated);
   fmt::print(stderr,
@@ -73,9 +75,9 @@ int run_fit(const FitWords& words) {
              1e3 * fit.offset_u.low, 1e3 * fit.offset_u.high, 1e3 * fit.offset.y(),
              1e3 * fit.offset_v.low, 1e3 * fit.offset_v.high, simulated.size(), 1e3 * test.energy,
              test.p, test.p < 0.05 ? ": they do not scatter like the measured ones" : "");
-  write_atomically(words.output, preset_text(fitted));
+  write_atomically(arguments.output, preset_text(fitted));
   write_png(picture, fit_picture(fitted, measured, simulated, fit));
-  fmt::print("{}\n{}\n", words.output.string(), picture.string());
+  fmt::print("{}\n{}\n", arguments.output.string(), picture.string());
   return 0;
 }
 

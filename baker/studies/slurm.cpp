@@ -22,10 +22,10 @@ std::string quoted(const std::string& word) {
 
 }  // namespace
 
-std::string slurm_script(const std::vector<std::string>& words, int count, int threads,
+std::string slurm_script(const std::vector<std::string>& arguments, int count, int threads,
                          const std::filesystem::path& logs) {
   std::string command = quoted(this_program().string());
-  for (const std::string& word : words) command += " " + quoted(word);
+  for (const std::string& argument : arguments) command += " " + quoted(argument);
   return fmt::format(
       "#!/bin/bash\n#SBATCH --job-name=paperbake\n#SBATCH --array=1-{}\n#SBATCH "
       "--ntasks=1\n#SBATCH --cpus-per-task={}\n#SBATCH --requeue\n"
@@ -37,10 +37,10 @@ std::string slurm_script(const std::vector<std::string>& words, int count, int t
 
 void submit_to_slurm(const std::filesystem::path& script) {
   const std::string file = script.string();
-  const char* words[] = {"sbatch", file.c_str(), nullptr};
+  const char* arguments[] = {"sbatch", file.c_str(), nullptr};
   pid_t child = 0;
   const int failed =
-      posix_spawnp(&child, words[0], nullptr, nullptr, const_cast<char**>(words), environ);
+      posix_spawnp(&child, arguments[0], nullptr, nullptr, const_cast<char**>(arguments), environ);
   if (failed)
     throw Error(
         Fault::command, "--submit slurm",

@@ -7,8 +7,8 @@
 namespace paperbake {
 
 /// A script of Slurm: an array of jobs 1 to `count`, each running this program in this folder with
-/// these words and --index behind them. logs: folder for what they print
-std::string slurm_script(const std::vector<std::string>& words, int count, int threads,
+/// these arguments and --index behind them. logs: folder for what they print
+std::string slurm_script(const std::vector<std::string>& arguments, int count, int threads,
                          const std::filesystem::path& logs);
 
 /// Hands a script to sbatch; what that prints, it prints.

@@ -9,6 +9,7 @@
 #include "formats/cache/alembic_reader.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/certificate.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -64,12 +65,22 @@ Json literal(const Axis& axis, const std::string& value) {
 /// What a variation was asked to be and to write, as far as it is known without reading the scene.
 std::string inputs_key(const BakeSettings& settings) {
   std::string bytes = PAPERBAKE_VERSION;
-  for (const auto& [name, said] : settings.said)
+  for (const auto& [name, given] : settings.given)
     if (name != "output" && name != "scene" && name != "threads" && name != "progress")
-      bytes += "/" + name + "=" + said.text;
+      bytes += "/" + name + "=" + given.text;
   for (const SetValue& set : settings.set) bytes += fmt::format("/{}={}", set.key, set.value);
   for (const std::string& format : settings.formats) bytes += "/" + format;
   return hex(content_hash(bytes + "/" + text_of(settings.scene)));
+}
+
+/// The columns of a bake's results, in the order of wedge.csv.
+std::vector<std::string> result_columns() {
+  std::vector<std::string> names;
+  visit_frame_statistics([&](const auto& field) {
+    if (field.column.name) names.push_back(field.column.name);
+  });
+  names.push_back("crease_length_m");
+  return names;
 }
 
 Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
@@ -77,51 +88,69 @@ Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
   const std::vector<std::string> texts = values_of(wedge.axes, index);
   for (std::size_t k = 0; k < texts.size(); ++k)
     values[wedge.axes[k].key] = literal(wedge.axes[k], texts[k]);
-  return {{"index", index},
-          {"values", values},
-          {"exit_code", nullptr},
-          {"c_m_pct", nullptr},
-          {"worst_edge_pct", nullptr},
-          {"singular", nullptr},
-          {"energy_J", nullptr},
-          {"crease_length_m", nullptr},
-          {"job_hash", ""},
-          {"folder", wedge.name(index)},
-          {"message", ""},
-          {"inputs", inputs}};
+  Json record{{"index", index}, {"values", values}, {"exit_code", nullptr}};
+  for (const std::string& name : result_columns()) record[name] = nullptr;
+  record["job_hash"] = "";
+  record["folder"] = wedge.name(index);
+  record["message"] = "";
+  record["inputs"] = inputs;
+  return record;
 }
 
-/// The numbers of a certificate; none of another job.
+/// Frames of a certificate that have the number of the last one: one for each sheet.
+std::vector<FrameRecord> last_frames(const fs::path& lines) {
+  std::vector<FrameRecord> last;
+  std::ifstream stream(lines);
+  for (std::string line; std::getline(stream, line);)
+    if (std::optional<FrameRecord> record = parse_frame_line(line)) {
+      if (!last.empty() && last.front().frame != record->frame) last.clear();
+      last.push_back(std::move(*record));
+    }
+  return last;
+}
+
+/// Takes the numbers of a certificate into a record, unless it is that of another job.
 void take_certificate(Json& record, const fs::path& folder, const std::string& job_hash) {
   const Json summary = read_object(folder / "cert" / "summary.json");
   if (job_hash.empty() || summary.value("job_hash", "") != job_hash) return;
-  const std::pair<const char*, const char*> numbers[] = {{"c_m_pct", "/stretch_mean_pct/mean"},
-                                                         {"worst_edge_pct", "/stretch_max_pct/max"},
-                                                         {"singular", "/singular"},
-                                                         {"crease_length_m", "/crease_length_m"}};
-  for (const auto& [name, pointer] : numbers)
-    record[name] = summary.value(Json::json_pointer(pointer), Json());
-  std::ifstream lines(folder / "cert" / "frames.jsonl");
-  double energy = 0;
-  int last = 0;
-  for (std::string line; std::getline(lines, line);) {
-    const Json frame = Json::parse(line, nullptr, false);
-    if (!frame.is_object()) continue;
-    if (frame.value("frame", last) != last) last = frame["frame"], energy = 0;
-    energy += frame.value("energy_J", 0.0);  // of all sheets
-  }
-  record["energy_J"] = energy;
+  const std::vector<FrameRecord> last = last_frames(folder / "cert" / "frames.jsonl");
+  const auto of_shot = [&](const std::string& pointer) {
+    return summary.value(Json::json_pointer("/" + pointer), Json());
+  };
+  visit_frame_statistics([&](const auto& field) {
+    if (!field.column.name) return;
+    Json& place = record[field.column.name];
+    const std::string name = field.shot_name;
+    switch (field.column.value) {
+      case WedgeColumn::mean:
+        place = of_shot(name + "/mean");
+        break;
+      case WedgeColumn::largest:
+        place = of_shot(name + "/max");
+        break;
+      case WedgeColumn::of_shot:
+        place = of_shot(name);
+        break;
+      case WedgeColumn::last_frame: {
+        double sum = 0;
+        for (const FrameRecord& r : last) sum += statistic_value(r.statistics, field).value_or(0);
+        place = sum;
+        break;
+      }
+    }
+  });
+  record["crease_length_m"] = of_shot("crease_length_m");
 }
 
 std::string in_lines(const Json& json) {
   return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
-void keep(const Wedge& wedge, int index, const Json& record) {
+void write_record(const Wedge& wedge, int index, const Json& record) {
   write_atomically(wedge.state(index, ".json"), in_lines(record));
 }
 
-std::string in_words(const Json& value) {
+std::string cell_text(const Json& value) {
   return value.is_string() ? value.get<std::string>() : value.dump();
 }
 
@@ -129,17 +158,18 @@ std::string in_words(const Json& value) {
 // ------------------------------------------------------------------------------------------
 
 std::string table_csv(const Wedge& wedge, const std::vector<Json>& records) {
-  constexpr const char* numbers[] = {"exit_code", "c_m_pct",         "worst_edge_pct", "singular",
-                                     "energy_J",  "crease_length_m", "job_hash",       "folder"};
+  std::vector<std::string> columns{"exit_code"};
+  for (const std::string& name : result_columns()) columns.push_back(name);
+  columns.insert(columns.end(), {"job_hash", "folder"});
   std::string text = "index";
   for (const Axis& axis : wedge.axes) text += "," + axis.key;
-  for (const char* name : numbers) text += fmt::format(",{}", name);
+  for (const std::string& name : columns) text += "," + name;
   for (const Json& record : records) {
-    text += "\n" + in_words(record["index"]);
+    text += "\n" + cell_text(record["index"]);
     for (const Axis& axis : wedge.axes)
-      text += "," + csv_field(in_words(record["values"][axis.key]));
-    for (const char* name : numbers)
-      text += "," + (record[name].is_null() ? "" : csv_field(in_words(record[name])));
+      text += "," + csv_field(cell_text(record["values"][axis.key]));
+    for (const std::string& name : columns)
+      text += "," + (record[name].is_null() ? "" : csv_field(cell_text(record[name])));
   }
   return text + "\n";
 }
@@ -160,7 +190,7 @@ Panel last_frame(const Wedge& wedge, int index, const Json& record) {
       wedge.name(index) +
       (record["exit_code"] == 0 ? "" : fmt::format("  exit {}", record["exit_code"].dump())));
   for (const auto& [key, value] : record["values"].items())
-    panel.caption.push_back(fmt::format("{} {}", key, in_words(value)));
+    panel.caption.push_back(fmt::format("{} {}", key, cell_text(value)));
   const BakeSettings settings = wedge.settings(index);
   const fs::path folder = wedge.folder(index),
                  cache = folder /
@@ -208,7 +238,7 @@ int code_of(const std::vector<Json>& records) {
 Wedge::Wedge(BakeSettings settings, std::vector<Axis> varied)
     : common(std::move(settings)), axes(std::move(varied)), output(common.output) {
   common.formats.insert({"abc", "cert"});
-  if (!common.said.count("threads")) common.threads = 1;
+  if (!common.given.count("threads")) common.threads = 1;
 }
 
 std::string Wedge::name(int index) const {
@@ -238,7 +268,7 @@ int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& s
   try {
     const BakePlan plan = plan_bake(settings);
     record["job_hash"] = plan.job_hash;
-    record["exit_code"] = bake_and_tell(settings, plan, stop).exit_code;
+    record["exit_code"] = bake_with_progress(settings, plan, stop).exit_code;
   } catch (const Error& error) {
     if (error.fault == Fault::stopped) {
       std::error_code none;
@@ -254,7 +284,7 @@ int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& s
   if (record["message"] != "")
     fmt::print(stderr, "paperbake: {}\n", record["message"].get<std::string>());
   take_certificate(record, wedge.folder(index), record["job_hash"]);
-  keep(wedge, index, record);
+  write_record(wedge, index, record);
   return record["exit_code"];
 }
 
@@ -263,7 +293,7 @@ std::string describe_variation(const Wedge& wedge, int index) {
   std::string line = wedge.name(index);
   const Json values = record.value("values", Json::object());
   for (const auto& [key, value] : values.items())
-    line += fmt::format(" {}={}", key, in_words(value));
+    line += fmt::format(" {}={}", key, cell_text(value));
   const std::string message = record.value("message", "");
   return line + fmt::format(": exit code {}", record.value("exit_code", Json()).dump()) +
          (message.empty() ? "" : "\n" + message);
@@ -277,7 +307,7 @@ void note_end(const Wedge& wedge, int index, int exit_code) {
   record["exit_code"] = exit_code;
   record["message"] =
       fmt::format("It ended before its time; see {}.", wedge.state(index, ".log").string());
-  keep(wedge, index, record);
+  write_record(wedge, index, record);
 }
 
 WedgeOutcome finish_wedge(const Wedge& wedge) {

@@ -65,7 +65,7 @@ void apply(BakeSettings& settings, const Axis& axis, const std::string& value) {
   if (axis.of_paper)
     settings.set.push_back(parse_set(axis.key + "=" + value));
   else
-    say(settings, option(axis.key), value, "--vary " + axis.key, Origin::command);
+    apply_option(settings, option(axis.key), value, "--vary " + axis.key, Origin::command);
 }
 
 /// The value as the key has it. throws Error(Fault::command) when it may not

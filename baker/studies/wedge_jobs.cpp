@@ -12,32 +12,33 @@ namespace paperbake {
 namespace {
 
 /// Without what says who bakes.
-std::vector<std::string> words_of_one(const std::vector<std::string>& words) {
+std::vector<std::string> arguments_of_one(const std::vector<std::string>& arguments) {
   std::vector<std::string> kept;
-  for (std::size_t k = 0; k < words.size(); ++k) {
-    if (words[k] == "--jobs" || words[k] == "--submit")
+  for (std::size_t k = 0; k < arguments.size(); ++k) {
+    if (arguments[k] == "--jobs" || arguments[k] == "--submit")
       ++k;
-    else if (words[k].rfind("--jobs=", 0) != 0 && words[k].rfind("--submit=", 0) != 0)
-      kept.push_back(words[k]);
+    else if (arguments[k].rfind("--jobs=", 0) != 0 && arguments[k].rfind("--submit=", 0) != 0)
+      kept.push_back(arguments[k]);
   }
   return kept;
 }
 
 }  // namespace
 
-WedgeOutcome bake_wedge(const Wedge& wedge, int most, const std::vector<std::string>& words) {
+WedgeOutcome bake_wedge(const Wedge& wedge, int max_running,
+                        const std::vector<std::string>& arguments) {
   make_folder(wedge.output / ".state");
-  std::vector<Child> children;
+  std::vector<ProcessSpec> processes;
   for (int index = 1; index <= wedge.count(); ++index) {
-    Child child{words_of_one(words), wedge.state(index, ".log")};
-    child.words.insert(child.words.end(), {"--index", std::to_string(index)});
+    ProcessSpec process{arguments_of_one(arguments), wedge.state(index, ".log")};
+    process.arguments.insert(process.arguments.end(), {"--index", std::to_string(index)});
     // the last find cores free
-    if (index > wedge.count() - (most - 1) && !wedge.common.said.count("threads"))
-      child.words.insert(child.words.end(), {"--threads", std::to_string(most)});
-    children.push_back(std::move(child));
+    if (index > wedge.count() - (max_running - 1) && !wedge.common.given.count("threads"))
+      process.arguments.insert(process.arguments.end(), {"--threads", std::to_string(max_running)});
+    processes.push_back(std::move(process));
   }
   int ended = 0;
-  const bool interrupted = run_children(children, most, [&](std::size_t number, int code) {
+  const bool interrupted = run_processes(processes, max_running, [&](std::size_t number, int code) {
     const int index = static_cast<int>(number) + 1;
     note_end(wedge, index, code);
     ++ended;
@@ -51,11 +52,11 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int most, const std::vector<std::str
       "The same command goes on with what is left.");
 }
 
-void submit_wedge(const Wedge& wedge, const std::vector<std::string>& words) {
+void submit_wedge(const Wedge& wedge, const std::vector<std::string>& arguments) {
   make_folder(wedge.output / ".state");
   const auto script = wedge.output / "wedge.sbatch";
-  write_atomically(script, slurm_script(words_of_one(words), wedge.count(), wedge.common.threads,
-                                        wedge.output / ".state"));
+  write_atomically(script, slurm_script(arguments_of_one(arguments), wedge.count(),
+                                        wedge.common.threads, wedge.output / ".state"));
   submit_to_slurm(script);
 }
 

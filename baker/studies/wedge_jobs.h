@@ -7,15 +7,15 @@
 
 namespace paperbake {
 
-/// Bakes all variations, `most` at a time, each by a process of its own that this program starts
+/// Bakes all variations, `max_running` at a time, each by a process of its own that this program starts
 /// with --index, and tells of each on stderr.
-/// words  of the command line that asked for the wedge
+/// arguments  of the command line that asked for the wedge
 /// returns  as finish_wedge does
 /// throws Error(Fault::stopped): SIGINT or SIGTERM; the bakes have ended after their frame
-WedgeOutcome bake_wedge(const Wedge&, int most, const std::vector<std::string>& words);
+WedgeOutcome bake_wedge(const Wedge&, int max_running, const std::vector<std::string>& arguments);
 
 /// Leaves that to Slurm: writes DIR/wedge.sbatch and hands it to sbatch.
 /// throws Error(Fault::command): there is no sbatch here, or it refuses; the script stays
-void submit_wedge(const Wedge&, const std::vector<std::string>& words);
+void submit_wedge(const Wedge&, const std::vector<std::string>& arguments);
 
 }  // namespace paperbake

@@ -111,8 +111,8 @@ void animate_together(const std::vector<AnimatedSheet>& all,
     std::vector<AnimatedFrame> results;
     for (std::size_t s = 0; s < sheets.size(); ++s) {
       results.push_back(sheets[s]->report());
-      results.back().elastic_ms = times[s].elastic;
-      results.back().geometry_ms = times[s].geometry;
+      results.back().statistics.elastic_ms = times[s].elastic;
+      results.back().statistics.geometry_ms = times[s].geometry;
     }
     times.assign(all.size(), {});
     for (const AnimatedFrame& result : results)

@@ -44,7 +44,8 @@ class PolishedShot {
     record_.add(frame);
     CoarseFrame rough{frame, *frame.sheet, {}};
     if (frame.memory) {
-      const bool as_before = !frames_.empty() && frames_.back().frame.plastic == frame.plastic;
+      const bool as_before =
+          !frames_.empty() && frames_.back().frame.statistics.plastic == frame.statistics.plastic;
       rough.memory =
           as_before ? frames_.back().memory : std::make_shared<const PlasticGrid>(*frame.memory);
     }
@@ -151,15 +152,15 @@ class PolishedShot {
     constexpr double elsewhere = 0.1;             // [1] of the longer side
     constexpr double max_trusted_stretch = 0.01;  // [1] |l - L|/L of an edge
     RefinementResult result;
-    if (rough.frame.touching > 0) {
+    if (rough.frame.statistics.touching > 0) {
       result.rejection = "the sheet touches itself";
       return result;
     }
-    if (rough.frame.touching_others > 0) {
+    if (rough.frame.statistics.touching_others > 0) {
       result.rejection = "the sheet touches another";
       return result;
     }
-    if (rough.frame.on_colliders > 0) {  // which the fine mesh does not feel
+    if (rough.frame.statistics.on_colliders > 0) {  // which the fine mesh does not feel
       result.rejection = "the sheet lies on a collider";
       return result;
     }
@@ -194,16 +195,16 @@ class PolishedShot {
     AnimatedFrame& frame = rough.frame;
     frame.sheet = &rough.sheet;
     frame.memory = rough.memory.get();
-    frame.elastic_ms += attempt.ms;
+    frame.statistics.elastic_ms += attempt.ms;
     if (!attempt.rejection.empty())
       frame.note += (frame.note.empty() ? "" : "; ") + ("not polished: " + attempt.rejection);
     if (!attempt.polished || !attempt.rejection.empty()) return on_frame(frame);
     const Polished& polished = *attempt.polished;
     frame.sheet = &polished.sheet;
-    frame.newton_iterations += polished.iterations;
-    frame.energy = polished.energy;
-    frame.membrane_energy = polished.membrane_energy;
-    frame.converged = true;
+    frame.statistics.newton_iterations += polished.iterations;
+    frame.statistics.energy = polished.energy;
+    frame.statistics.membrane_energy = polished.membrane_energy;
+    frame.statistics.converged = true;
     frame.parts.region.clear();  // the regions belong to the mesh of the method
     for (std::size_t h = 0; h < frame.handles.size(); ++h) {
       HandleFrame& handle = frame.handles[h];

@@ -163,14 +163,15 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
           try_swap_mesh(sheet, elastic_, std::move(*proposal), stiffening, held_before_,
                         1 / options_.fps, is_admissible);
       method_.on_proposal_result(verdict.accepted, now);
-      result_.remesh = verdict.accepted ? AnimatedFrame::accepted : AnimatedFrame::rejected;
-      result_.remesh_rise = verdict.rise;
+      result_.statistics.remesh =
+          verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
+      result_.statistics.remesh_rise = verdict.rise;
     }
   held_before_ = held_;
   held_before_.colliders.from = held_.colliders.to;
   before_remesh_.reset();
   step_start_.reset();
-  if (method_.remesh && !first && result_.remesh != AnimatedFrame::accepted) {
+  if (method_.remesh && !first && result_.statistics.remesh != FrameStatistics::accepted) {
     Sheet unchanged = sheet;
     if (method_.remesh(sheet, situation)) {
       before_remesh_ = {std::move(unchanged), elastic_.state()};
@@ -180,7 +181,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
     }
   }
   positions_before_ = sheet.x;
-  result_.new_singular = static_cast<int>(sheet.singular.size() - born);
+  result_.statistics.new_singular = static_cast<int>(sheet.singular.size() - born);
   is_sleeping_ = idle_frames_ >= 2 && options_.elastic.inertia == Inertia::quasi_static;
   is_idle_ = is_sleeping_ || (first && in_place(sheet, held_, side_));
 }
@@ -235,7 +236,7 @@ void SheetSimulation::undo_remesh() {
   restore(std::move(*before_remesh_));
   before_remesh_.reset();
   positions_before_ = sheet().x;
-  result_.new_singular = 0;
+  result_.statistics.new_singular = 0;
 }
 
 void SheetSimulation::begin_step(RecordTrajectory trace) {
@@ -343,17 +344,18 @@ AnimatedFrame SheetSimulation::report() {
   result.sheet = &output_sheet_;
   if (method_.parts) result.parts = method_.parts(sheet());
   result.handles = constraints_.report(output_sheet_.x, frame_);
-  result.substeps = step_.substeps;
-  result.newton_iterations = step_.iterations;
-  result.converged = step_.converged;
-  result.energy = step_.last.energy;
-  result.membrane_energy = step_.last.membrane;
-  result.contact = step_.last.contact;
-  result.touching = step_.last.touching;
-  result.touching_others = step_.last.touching_others;
-  result.on_colliders = step_.last.on_colliders;
-  result.inside_colliders = inside_;
-  result.plastic = plastic_grid_ ? plastic_grid_->integral() : 0;
+  FrameStatistics& statistics = result.statistics;
+  statistics.substeps = step_.substeps;
+  statistics.newton_iterations = step_.iterations;
+  statistics.converged = step_.converged;
+  statistics.energy = step_.last.energy;
+  statistics.membrane_energy = step_.last.membrane;
+  statistics.contact = step_.last.contact;
+  statistics.touching = step_.last.touching;
+  statistics.touching_others = step_.last.touching_others;
+  statistics.on_colliders = step_.last.on_colliders;
+  statistics.inside_colliders = inside_;
+  statistics.plastic = plastic_grid_ ? plastic_grid_->integral() : 0;
   result.memory = plastic_grid_ ? &*plastic_grid_ : nullptr;
   if (plastic_grid_ && options_.report_plastic_curvature)
     result.plastic_curvature =

@@ -14,6 +14,8 @@
 namespace paperbake {
 namespace {
 
+using Json = nlohmann::ordered_json;
+
 /// Returns the number if it is finite: NaN and infinity in a certificate are failures of the
 /// simulation. throws Error(ErrorCode::simulation) with frame, sheet and field
 double finite(double value, const char* field, int frame, const std::string& sheet) {
@@ -64,51 +66,54 @@ bool read_number(const std::string& text, double& value) {
 }  // namespace
 
 std::string frame_line(const FrameRecord& r) {
-  nlohmann::ordered_json line;
-  const auto add = [&](const char* field, double value) {
-    line[field] = finite(value, field, r.frame, r.sheet);
-  };
+  Json line;
   line["frame"] = r.frame;
   line["sheet"] = r.sheet;
-  line["triangles"] = r.triangles;
-  add("stretch_mean_pct", r.stretch_mean_pct);
-  add("stretch_max_pct", r.stretch_max_pct);
-  add("angle_defect_max_deg", r.angle_defect_max_deg);
-  add("handle_err_max_mm", r.handle_err_max_mm);
-  line["singular"] = r.singular;
-  line["new_singular"] = r.new_singular;
-  add("elastic_ms", r.elastic_ms);
-  add("geometry_ms", r.geometry_ms);
-  line["substeps"] = r.substeps;
-  line["newton_iterations"] = r.newton_iterations;
-  line["converged"] = r.converged;
-  add("energy_J", r.energy_J);
-  for (const char* field : {"render_triangles", "render_stretch_mean_pct", "render_stretch_max_pct",
-                            "render_ms", "render_crossings", "render_crossings_with_others"})
-    line[field] = nullptr;
-  if (r.render) {
-    line["render_triangles"] = r.render->triangles;
-    add("render_stretch_mean_pct", r.render->stretch_mean_pct);
-    add("render_stretch_max_pct", r.render->stretch_max_pct);
-    add("render_ms", r.render->ms);
-    line["render_crossings"] = r.render->crossings;
-    line["render_crossings_with_others"] = r.render->crossings_with_others;
-  }
-  line["crossings"] = r.crossings;
-  line["crossings_with_others"] = r.crossings_with_others;
-  line["touching"] = r.touching;
-  line["touching_others"] = r.touching_others;
-  line["on_colliders"] = r.on_colliders;
-  add("inside_mm", r.inside_mm);
-  line["jammed"] = nlohmann::ordered_json::array();
+  visit_frame_statistics([&](const auto& field) {
+    if (!field.name) return;
+    const auto* value = find_statistic(r.statistics, field);
+    Json& place = line[field.name];
+    if (!value) return;  // null
+    if constexpr (std::is_floating_point_v<typename std::decay_t<decltype(field)>::Value>)
+      place = finite(field.unit.of(*value), field.name, r.frame, r.sheet);
+    else
+      place = *value;
+  });
+  line["jammed"] = Json::array();
   for (const Jam& jam : r.jammed)
-    line["jammed"].push_back(nlohmann::ordered_json::array(
-        {jam.handle, finite(jam.off_mm, "jammed", r.frame, r.sheet)}));
+    line["jammed"].push_back(
+        Json::array({jam.handle, finite(jam.off_mm, "jammed", r.frame, r.sheet)}));
   line["note"] = r.note;
   line["input_hash"] = r.input_hash;
   line["content_hash"] = r.content_hash;
   // names come from scene files in any encoding: bytes that are not UTF-8 must not stop the bake
-  return line.dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+}
+
+std::optional<FrameRecord> parse_frame_line(const std::string& text) try {
+  const Json line = Json::parse(text);
+  FrameRecord r;
+  r.frame = line.at("frame");
+  r.sheet = line.at("sheet");
+  if (const auto found = line.find("render_triangles"); found != line.end() && !found->is_null())
+    r.statistics.render.emplace();
+  visit_frame_statistics([&](const auto& field) {
+    auto* value = find_statistic(r.statistics, field);
+    if (!field.name || !value || !line.contains(field.name)) return;
+    using Value = typename std::decay_t<decltype(field)>::Value;
+    const Json& place = line[field.name];
+    if constexpr (std::is_floating_point_v<Value>)
+      *value = field.unit.to_si(place.get<double>());
+    else
+      *value = place.get<Value>();
+  });
+  for (const Json& jam : line.at("jammed")) r.jammed.push_back({jam.at(0), jam.at(1)});
+  r.note = line.at("note");
+  r.input_hash = line.at("input_hash");
+  r.content_hash = line.at("content_hash");
+  return r;
+} catch (const Json::exception&) {
+  return std::nullopt;
 }
 
 std::string csv_field(const std::string& text) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/frame_statistics.h"
 #include "core/model/sheet.h"
 
 #include <optional>
@@ -14,46 +15,11 @@ struct Jam {
   double off_mm;  // [mm] distance from the target
 };
 
-/// Quality of one frame of one sheet as it is written to the caches.
-struct RenderNumbers {
-  int triangles = 0;
-  double stretch_mean_pct = 0, stretch_max_pct = 0;  // [%] relative length error of the edges
-  // [ms] CPU time for positions and normals, without writing; 0 for a simulation mesh
-  double ms = 0;
-  // pairs of its triangles that intersect
-  int crossings = 0;
-  // layers that would have intersected were untangled
-  bool kept_apart = false;
-  // intersecting pairs of one of its triangles and one of a sheet before it in the scene
-  int crossings_with_others = 0;
-};
-
-/// Quality of one simulated frame of one sheet: one line of cert/frames.jsonl, whose keys have
-/// these names and this order.
+/// Quality of one frame of one sheet: one line of cert/frames.jsonl.
 struct FrameRecord {
   int frame = 0;
   std::string sheet;
-  int triangles = 0;
-  // [%] c_m = mean |l-L|/L over the edges of the simulation mesh after step 3, and their maximum
-  double stretch_mean_pct = 0;
-  double stretch_max_pct = 0;
-  double angle_defect_max_deg = 0;
-  double handle_err_max_mm = 0;            // [mm] from the keyed positions
-  int singular = 0, new_singular = 0;      // singular points so far, and born in this frame
-  double elastic_ms = 0, geometry_ms = 0;  // [ms] CPU time over all threads
-  int substeps = 1, newton_iterations = 0;
-  bool converged = true;
-  double energy_J = 0;
-  // render_triangles, ..., render_crossings_with_others: null when the frame was not rendered
-  std::optional<RenderNumbers> render;
-  // of the simulation mesh:
-  int crossings = 0;              // pairs of triangles that intersect
-  int crossings_with_others = 0;  // pairs with a triangle of a sheet before it in the scene
-  int touching = 0;               // pairs of vertices, edges and triangles in active contact
-  int touching_others = 0;        // pairs in active contact with another sheet
-  int on_colliders = 0;           // vertices, edges and triangles in active contact with colliders
-  // [mm] deepest penetration into a collider, of the simulation or the render mesh
-  double inside_mm = 0;
+  FrameStatistics statistics;
   std::vector<Jam> jammed;
   std::string note;
   std::string input_hash;
@@ -81,9 +47,14 @@ struct SingularRecord {
 // the same double. Each function throws Error(ErrorCode::simulation), with frame, sheet and field,
 // when a number is NaN or infinite.
 
-/// One JSON object on one line, without a newline. `jammed` is a list of [handle, mm]. Bytes of a
-/// name that are not UTF-8 become U+FFFD.
+/// One JSON object on one line, without a newline: frame, sheet, the numbers of
+/// visit_frame_statistics in their order and units (null where the frame was not rendered), `jammed`
+/// as a list of [handle, mm], note and hashes. Bytes of a name that are not UTF-8 become U+FFFD.
 std::string frame_line(const FrameRecord&);
+
+/// Reads such a line; a number that is missing in it keeps its default.
+/// returns  nothing if the text is not such a line
+std::optional<FrameRecord> parse_frame_line(const std::string& line);
 
 /// CSV with the columns
 ///   frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state

@@ -14,7 +14,7 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::CommandLine;
+using CommandLineTest = test::CommandLine;
 using test::Ended;
 using test::fields_of;
 using test::is_error;
@@ -23,13 +23,13 @@ using test::read;
 using test::samples;
 using test::write;
 
-TEST_F(CommandLine, WithoutACommandItEndsWithTwo) {
+TEST_F(CommandLineTest, WithoutACommandItEndsWithTwo) {
   EXPECT_TRUE(is_error(run({}), 2, "command line", "subcommand"));
   EXPECT_TRUE(is_error(run({"bake"}), 2, "command line", "SCENE"));
   EXPECT_TRUE(is_error(run({"bake", samples + "/S4_crumple.glb"}), 2, "command line", "--output"));
 }
 
-TEST_F(CommandLine, AnUnknownOptionEndsWithTwoAndIsNamed) {
+TEST_F(CommandLineTest, AnUnknownOptionEndsWithTwoAndIsNamed) {
   EXPECT_TRUE(is_error(bake({"--colour", "red"}), 2, "command line", "--colour"));
   EXPECT_TRUE(is_error(bake({"--stop", "soon"}), 2, "--stop", "soon"));
   EXPECT_TRUE(is_error(run({"bake", "scene.glb", "-o", output(), "--progress", "loud"}), 2,
@@ -37,7 +37,7 @@ TEST_F(CommandLine, AnUnknownOptionEndsWithTwoAndIsNamed) {
   EXPECT_FALSE(fs::exists(output()));
 }
 
-TEST_F(CommandLine, HelpAndVersionAreNoErrors) {
+TEST_F(CommandLineTest, HelpAndVersionAreNoErrors) {
   const Ended help = run({"bake", "--help"}), version = run({"--version"});
   EXPECT_EQ(help.code, 0);
   for (const char* option : {"--preset", "--method", "--seed", "--triangles", "--gravity",
@@ -48,34 +48,34 @@ TEST_F(CommandLine, HelpAndVersionAreNoErrors) {
       << version.out;
 }
 
-TEST_F(CommandLine, AMissingSceneEndsWithThree) {
+TEST_F(CommandLineTest, AMissingSceneEndsWithThree) {
   const std::string scene = folder / "nowhere.glb";
   EXPECT_TRUE(is_error(bake({}, scene), 3, scene, "no such file"));
   EXPECT_TRUE(is_error(run({"inspect", scene}), 3, scene, "no such file"));
   EXPECT_FALSE(fs::exists(output()));
 }
 
-TEST_F(CommandLine, ATextRenamedToFbxIsNoScene) {
+TEST_F(CommandLineTest, ATextRenamedToFbxIsNoScene) {
   const std::string scene = folder / "letter.fbx";
   write(scene, "Dear artist,\nthis is no scene.\n");
   EXPECT_TRUE(is_error(bake({}, scene), 3, scene, ""));
   EXPECT_FALSE(fs::exists(output()));
 }
 
-TEST_F(CommandLine, AnUnknownPresetEndsWithTwoAndTheNearestName) {
+TEST_F(CommandLineTest, AnUnknownPresetEndsWithTwoAndTheNearestName) {
   EXPECT_TRUE(
       is_error(bake({"--preset", "copy7O"}), 2, "preset \"copy7O\"", "Did you mean \"copy70\"?"));
   EXPECT_TRUE(
       is_error(run({"presets", "copi90"}), 2, "preset \"copi90\"", "Did you mean \"copy90\"?"));
 }
 
-TEST_F(CommandLine, AnUnknownMethodEndsWithTwo) {
+TEST_F(CommandLineTest, AnUnknownMethodEndsWithTwo) {
   const Ended ended = bake({"--method", "origami"});
   EXPECT_TRUE(is_error(ended, 2, "--method", "origami"));
   EXPECT_NE(ended.err.find("fem"), std::string::npos) << "what there is should be listed";
 }
 
-TEST_F(CommandLine, PolishIsRefusedWhereItCanDoNothing) {
+TEST_F(CommandLineTest, PolishIsRefusedWhereItCanDoNothing) {
   EXPECT_TRUE(
       is_error(bake({"--method", "fem", "--polish", "3000"}), 2, "--polish", "nothing that fem"));
   EXPECT_TRUE(is_error(bake({"--polish", "3000", "--dynamics", "on"}), 2, "--polish", "at rest"));
@@ -83,7 +83,7 @@ TEST_F(CommandLine, PolishIsRefusedWhereItCanDoNothing) {
       is_error(bake({"--method", "hybrid+fem", "--polish", "0"}), 2, "--polish 0", "hybrid+fem"));
 }
 
-TEST_F(CommandLine, HeroAndHybridWithFemArePolishedUnlessSaidOtherwise) {
+TEST_F(CommandLineTest, HeroAndHybridWithFemArePolishedUnlessSaidOtherwise) {
   const auto polished = [&](const std::vector<std::string>& options) {
     std::vector<std::string> words{"--dry-run"};
     words.insert(words.end(), options.begin(), options.end());
@@ -99,7 +99,7 @@ TEST_F(CommandLine, HeroAndHybridWithFemArePolishedUnlessSaidOtherwise) {
   EXPECT_EQ(polished({"--method", "hybrid+fem", "--polish", "800"}), "800");
 }
 
-TEST_F(CommandLine, AnUnknownKeyOfSetEndsWithTwoAndTheNearestName) {
+TEST_F(CommandLineTest, AnUnknownKeyOfSetEndsWithTwoAndTheNearestName) {
   EXPECT_TRUE(is_error(bake({"--set", "thicknes=9e-5"}), 2, "--set thicknes",
                        "Did you mean \"thickness\"?"));
   EXPECT_TRUE(is_error(bake({"--set", "thickness=thin"}), 2, "--set thickness",
@@ -109,7 +109,7 @@ TEST_F(CommandLine, AnUnknownKeyOfSetEndsWithTwoAndTheNearestName) {
   EXPECT_TRUE(is_error(bake({"--set", "thickness"}), 2, "--set thickness", "value"));
 }
 
-TEST_F(CommandLine, AFrameRangeThatIsNoneEndsWithTwo) {
+TEST_F(CommandLineTest, AFrameRangeThatIsNoneEndsWithTwo) {
   for (const char* range : {"6-1", "one-six", "1-", "1-6x0", "1-6y2", "1-6 ", "1..6"}) {
     const Ended ended =
         run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--frames", range});
@@ -119,7 +119,7 @@ TEST_F(CommandLine, AFrameRangeThatIsNoneEndsWithTwo) {
   EXPECT_FALSE(fs::exists(output()));
 }
 
-TEST_F(CommandLine, ANumberThatIsNoneEndsWithTwo) {
+TEST_F(CommandLineTest, ANumberThatIsNoneEndsWithTwo) {
   for (const char* option : {"--stop", "--gravity", "--fps", "--max-stretch"})
     for (const char* text : {"nan", "inf", "soon"})
       EXPECT_TRUE(is_error(bake({option, text}), 2, option, text)) << option;
@@ -130,7 +130,7 @@ TEST_F(CommandLine, ANumberThatIsNoneEndsWithTwo) {
                        "no such preset file"));
 }
 
-TEST_F(CommandLine, AProbeOfSheetsThatSwingEndsWithTwo) {
+TEST_F(CommandLineTest, AProbeOfSheetsThatSwingEndsWithTwo) {
   EXPECT_TRUE(is_error(bake({"--probe", "6", "--dynamics", "on"}), 2, "--probe", "inertia"));
   EXPECT_TRUE(is_error(bake({"--probe", "-1"}), 2, "--probe", "-1"));
   const Ended ended = bake({"--dry-run", "--probe", "6"});
@@ -138,17 +138,17 @@ TEST_F(CommandLine, AProbeOfSheetsThatSwingEndsWithTwo) {
   EXPECT_NE(ended.out.find("probe = 6  # command line"), std::string::npos) << ended.out;
 }
 
-TEST_F(CommandLine, AnUnknownFormatEndsWithTwo) {
+TEST_F(CommandLineTest, AnUnknownFormatEndsWithTwo) {
   EXPECT_TRUE(is_error(bake({"--formats", "abc,gif"}), 2, "--formats", "gif"));
 }
 
-TEST_F(CommandLine, APointCacheOfAMeshThatChangesEndsWithTwoBeforeAnythingIsBaked) {
+TEST_F(CommandLineTest, APointCacheOfAMeshThatChangesEndsWithTwoBeforeAnythingIsBaked) {
   EXPECT_TRUE(is_error(bake({"--method", "hybrid", "--formats", "pc2", "--mesh", "simulation"}), 2,
                        "--formats pc2", "one mesh"));
   EXPECT_FALSE(fs::exists(folder / "out"));
 }
 
-TEST_F(CommandLine, ADryRunPrintsTheJobAndWritesNothing) {
+TEST_F(CommandLineTest, ADryRunPrintsTheJobAndWritesNothing) {
   const Ended ended = bake({"--dry-run", "--seed", "7", "--set", "thickness=1e-4"});
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_NE(ended.out.find("seed = 7  # command line"), std::string::npos) << ended.out;
@@ -159,7 +159,7 @@ TEST_F(CommandLine, ADryRunPrintsTheJobAndWritesNothing) {
       << "it is the job that would be baked";
 }
 
-TEST_F(CommandLine, TheCapOfAdaptiveIsThreeThousandTrianglesUnlessToldOtherwise) {
+TEST_F(CommandLineTest, TheCapOfAdaptiveIsThreeThousandTrianglesUnlessToldOtherwise) {
   const std::vector<std::string> job{
       "bake", samples + "/S1_push.glb", "-o", output(), "--dry-run", "--method", "adaptive"};
   EXPECT_NE(run(job).out.find("triangles = 3000  # default"), std::string::npos);
@@ -168,7 +168,7 @@ TEST_F(CommandLine, TheCapOfAdaptiveIsThreeThousandTrianglesUnlessToldOtherwise)
   EXPECT_NE(run(capped).out.find("triangles = 500  # command line"), std::string::npos);
 }
 
-TEST_F(CommandLine, TheExperimentWritesAPointForEachSheetAndAPicture) {
+TEST_F(CommandLineTest, TheExperimentWritesAPointForEachSheetAndAPicture) {
   const std::string csv = folder / "scatter.csv";
   const Ended ended = run({"fit", "--experiment", "copy70", "--sheets", "2", "-o", csv});
   ASSERT_EQ(ended.code, 0) << ended.err;
@@ -186,7 +186,7 @@ TEST_F(CommandLine, TheExperimentWritesAPointForEachSheetAndAPicture) {
   EXPECT_EQ(read(folder / "scatter.png").substr(1, 3), "PNG");
 }
 
-TEST_F(CommandLine, AGradeThatFitsMeasuredPointsCanBeBakedWith) {
+TEST_F(CommandLineTest, AGradeThatFitsMeasuredPointsCanBeBakedWith) {
   const std::string csv = folder / "scatter.csv", mine = folder / "mine.toml";
   write(csv, "u,v\n0.049,0.012\n0.05,0.018\n0.047,0.014\n0.044,0.015\n");
   const Ended ended = run({"fit", csv, "--from", "copy90", "--sheets", "2", "-o", mine});
@@ -197,7 +197,7 @@ TEST_F(CommandLine, AGradeThatFitsMeasuredPointsCanBeBakedWith) {
             std::string::npos);
 }
 
-TEST_F(CommandLine, FittingNeedsPointsAndAGrade) {
+TEST_F(CommandLineTest, FittingNeedsPointsAndAGrade) {
   EXPECT_TRUE(is_error(run({"fit", "-o", folder / "my.toml"}), 2, "fit", "nothing to fit"));
   EXPECT_TRUE(is_error(run({"fit", "points.csv", "--from", "copy70", "-o", folder / "my.toml"}), 2,
                        "points.csv", "cannot be read"));
@@ -207,7 +207,7 @@ TEST_F(CommandLine, FittingNeedsPointsAndAGrade) {
                        6, folder / "missing" / "a.csv", ""));
 }
 
-TEST_F(CommandLine, PresetsAreListedAndOnePrintedIsAPresetFile) {
+TEST_F(CommandLineTest, PresetsAreListedAndOnePrintedIsAPresetFile) {
   const Ended list = run({"presets"}), one = run({"presets", "copy70"});
   EXPECT_EQ(list.code, 0);
   EXPECT_TRUE(std::regex_search(list.out, std::regex("(^|\n)copy70 "))) << list.out;

@@ -11,9 +11,9 @@ namespace {
 
 using test::read;
 
-class Grades : public test::CommandLine, public testing::WithParamInterface<std::string> {};
+class GradesTest : public test::CommandLine, public testing::WithParamInterface<std::string> {};
 
-TEST_P(Grades, PushADConeWithoutStretching) {
+TEST_P(GradesTest, EveryGradeMakesADConeWithoutStretching) {
   const test::Ended ended =
       run({"bake", test::samples + "/S8_dcone.glb", "-o", output(), "--preset", GetParam(),
            "--formats", "cert", "--mesh", "simulation", "--progress", "none"});
@@ -25,7 +25,7 @@ TEST_P(Grades, PushADConeWithoutStretching) {
   EXPECT_LT(summary["stretch_max_pct"]["max"], 1);
 }
 
-INSTANTIATE_TEST_SUITE_P(BuiltIn, Grades, testing::ValuesIn(preset_names()),
+INSTANTIATE_TEST_SUITE_P(BuiltIn, GradesTest, testing::ValuesIn(preset_names()),
                          [](const auto& grade) { return grade.param; });
 
 }  // namespace

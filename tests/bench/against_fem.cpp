@@ -34,17 +34,18 @@ Run run(const Shot& shot, const Method& method, const Case& c, double fps) {
   animate(shot, method, options, [&](const AnimatedFrame& f) {
     PatternSamples::Sampled sampled = samples(*f.sheet);
     r.frames.push_back(std::move(sampled.x)), r.normals.push_back(std::move(sampled.normals));
-    r.accepted += f.remesh == AnimatedFrame::accepted;
-    r.rejected += f.remesh == AnimatedFrame::rejected;
-    if (f.remesh == AnimatedFrame::accepted) r.rise = std::max(r.rise, 100 * f.remesh_rise);
+    r.accepted += f.statistics.remesh == FrameStatistics::accepted;
+    r.rejected += f.statistics.remesh == FrameStatistics::rejected;
+    if (f.statistics.remesh == FrameStatistics::accepted)
+      r.rise = std::max(r.rise, 100 * f.statistics.remesh_rise);
     const LengthDistortion d = length_distortion(*f.sheet);
     r.triangles += f.sheet->triangles.rows();
-    r.elastic_ms += f.elastic_ms;
-    r.geometry_ms += f.geometry_ms;
-    r.worst_ms = std::max(r.worst_ms, f.elastic_ms + f.geometry_ms);
+    r.elastic_ms += f.statistics.elastic_ms;
+    r.geometry_ms += f.statistics.geometry_ms;
+    r.worst_ms = std::max(r.worst_ms, f.statistics.elastic_ms + f.statistics.geometry_ms);
     r.c_m += 100 * d.mean;
     r.edge = std::max(r.edge, 100 * d.largest);
-    r.iterations += f.newton_iterations;
+    r.iterations += f.statistics.newton_iterations;
     r.singular = static_cast<int>(f.sheet->singular.size());
     return true;
   });

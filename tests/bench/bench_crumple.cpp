@@ -49,9 +49,9 @@ Run run(const std::string& name, const Paper& paper, int base_triangles, int max
             const LengthDistortion d = length_distortion(*f.sheet);
             ++r.frames;
             r.triangles += f.sheet->triangles.rows();
-            r.elastic_ms += f.elastic_ms;
-            r.geometry_ms += f.geometry_ms;
-            r.worst_ms = std::max(r.worst_ms, f.elastic_ms + f.geometry_ms);
+            r.elastic_ms += f.statistics.elastic_ms;
+            r.geometry_ms += f.statistics.geometry_ms;
+            r.worst_ms = std::max(r.worst_ms, f.statistics.elastic_ms + f.statistics.geometry_ms);
             r.c_m += 100 * d.mean;
             r.edge = std::max(r.edge, 100 * d.largest);
             r.last_lag = 0;
@@ -60,10 +60,10 @@ Run run(const std::string& name, const Paper& paper, int base_triangles, int max
                 r.last_lag = std::max(r.last_lag, 1e3 * (h.at - h.keyed).norm());
             r.lag = std::max(r.lag, r.last_lag);
             r.crossed += crossings(*f.sheet) > 0;
-            r.unfinished += !f.converged;
+            r.unfinished += !f.statistics.converged;
             r.births = static_cast<int>(f.sheet->singular.size());
             if (f.frame == options.last_frame) r.crease = crease_network(*f.sheet).mean();
-            r.plastic[f.frame] = f.plastic;
+            r.plastic[f.frame] = f.statistics.plastic;
             return true;
           });
   r.triangles /= r.frames, r.elastic_ms /= r.frames, r.geometry_ms /= r.frames, r.c_m /= r.frames;

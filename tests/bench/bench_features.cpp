@@ -51,13 +51,13 @@ void play(const Shot& shot, const AnimateOptions& as_baked, int off, Run& run) {
   int frames = 0;
   animate(shot, hybrid(shot.pattern, shot.paper, 120, crumple, 0, 0), options,
           [&](const AnimatedFrame& f) {
-            ms += f.elastic_ms + f.geometry_ms;
+            ms += f.statistics.elastic_ms + f.statistics.geometry_ms;
             ++frames;
             if (!first_time) return true;
             run.frames.push_back(samples(*f.sheet).x);
-            run.touching += f.touching > 0;
-            run.births += f.new_singular;
-            run.plastic = f.plastic;
+            run.touching += f.statistics.touching > 0;
+            run.births += f.statistics.new_singular;
+            run.plastic = f.statistics.plastic;
             return true;
           });
   run.ms = std::min(run.ms, ms / frames);

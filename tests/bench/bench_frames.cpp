@@ -32,7 +32,7 @@ struct Row {
   int frame, triangles, iterations, substeps, touching, births;
   double elastic_ms, geometry_ms, energy, lag, edge;
   bool contact, converged;
-  AnimatedFrame::Remesh remesh;
+  FrameStatistics::Remesh remesh;
   std::string note;
   double ms() const { return elastic_ms + geometry_ms; }
 };
@@ -64,18 +64,18 @@ void show(const Case& c, int base, unsigned seed, int last_frame) {
           [&](const AnimatedFrame& f) {
             Row r{f.frame,
                   static_cast<int>(f.sheet->triangles.rows()),
-                  f.newton_iterations,
-                  f.substeps,
-                  f.touching,
-                  f.new_singular,
-                  f.elastic_ms,
-                  f.geometry_ms,
-                  f.energy,
+                  f.statistics.newton_iterations,
+                  f.statistics.substeps,
+                  f.statistics.touching,
+                  f.statistics.new_singular,
+                  f.statistics.elastic_ms,
+                  f.statistics.geometry_ms,
+                  f.statistics.energy,
                   0,
                   100 * length_distortion(*f.sheet).largest,
-                  f.contact,
-                  f.converged,
-                  f.remesh,
+                  f.statistics.contact,
+                  f.statistics.converged,
+                  f.statistics.remesh,
                   f.note};
             for (const HandleFrame& h : f.handles)
               if (h.state != HandleFrame::free)

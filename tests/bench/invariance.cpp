@@ -62,7 +62,7 @@ Shapes shapes_of(const Shot& shot, const MakeMethod& make, const Change& change,
     const double frame = f.frame * change.pace;
     if (frame >= common && std::fmod(frame, common) == 0)
       shapes.frames.push_back(samples(*f.sheet).x);
-    shapes.births += f.new_singular;
+    shapes.births += f.statistics.new_singular;
     return true;
   });
   return shapes;

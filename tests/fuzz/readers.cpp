@@ -241,7 +241,7 @@ const std::map<std::string, Reader>& readers() {
        [](const std::string& bytes) {
          ends_well([&] {
            BakeSettings settings;
-           take_job(settings, written("job.toml", bytes));
+           load_job(settings, written("job.toml", bytes));
          });
        }},
       {"certificate", read_certificate},

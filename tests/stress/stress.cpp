@@ -129,13 +129,13 @@ MeshSwapResult play(const Script& script, const std::string& method, bool watch_
     animate(script.shot, watch_rises ? watched(plain, script, v) : plain, options,
             [&](const AnimatedFrame& f) {
               ++v.frames;
-              v.nan |= !f.sheet->x.allFinite() || !std::isfinite(f.energy);
-              v.unconverged += !f.converged;
-              if (f.remesh == AnimatedFrame::accepted)
-                ++v.remeshed, v.rises += f.remesh_rise > 0.01;
+              v.nan |= !f.sheet->x.allFinite() || !std::isfinite(f.statistics.energy);
+              v.unconverged += !f.statistics.converged;
+              if (f.statistics.remesh == FrameStatistics::accepted)
+                ++v.remeshed, v.rises += f.statistics.remesh_rise > 0.01;
               const LengthDistortion d = length_distortion(*f.sheet);
               v.c_m = std::max(v.c_m, 100 * d.mean), v.edge = std::max(v.edge, 100 * d.largest);
-              v.worst_ms = std::max(v.worst_ms, f.elastic_ms + f.geometry_ms);
+              v.worst_ms = std::max(v.worst_ms, f.statistics.elastic_ms + f.statistics.geometry_ms);
               v.triangles = std::max(v.triangles, double(f.sheet->triangles.rows()));
               for (const HandleFrame& h : f.handles)
                 v.unreported |= h.state == HandleFrame::held &&

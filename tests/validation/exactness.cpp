@@ -60,8 +60,8 @@ Played play(const Shot& shot, const Method& method, const AnimateOptions& option
     played.edge = std::max(played.edge, lengths.largest);
     played.defect = std::max(played.defect, angle_defect_max(*frame.sheet));
     played.cone = std::max(played.cone, cone_defect(*frame.sheet));
-    if (frame.remesh == AnimatedFrame::accepted)
-      ++played.taken, played.rise = std::max(played.rise, frame.remesh_rise);
+    if (frame.statistics.remesh == FrameStatistics::accepted)
+      ++played.taken, played.rise = std::max(played.rise, frame.statistics.remesh_rise);
     played.crossings += crossings(*frame.sheet);
     played.last = *frame.sheet;
     return true;

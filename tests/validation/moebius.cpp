@@ -67,13 +67,13 @@ void judge(Rows& rows, const std::string& name, const Method& method, const Shot
   const double ring = shot.paper.bending_stiffness * 0.5 * W * 2 * M_PI * 2 * M_PI / L;
   const Vector3d box = principal_box(sheet) / L;
   const double tolerance = expected_energy > 0 ? 0.03 : 0;
-  rows.push_back({name, "energy / that of the ring", expected_energy, last.energy / ring, tolerance,
-                  source, ""});
+  rows.push_back({name, "energy / that of the ring", expected_energy, last.statistics.energy / ring,
+                  tolerance, source, ""});
   for (int i = 0; i < 3; ++i)
     rows.push_back({name, "centre line box / L, axis " + std::to_string(i + 1), expected_box[i],
                     box[i], tolerance, source, ""});
-  rows.push_back(
-      {name, "membrane share of the energy", 0, last.membrane_energy / last.energy, 0, "", ""});
+  rows.push_back({name, "membrane share of the energy", 0,
+                  last.statistics.membrane_energy / last.statistics.energy, 0, "", ""});
 }
 
 }  // namespace

@@ -52,8 +52,9 @@ Stored fold(const Method& method, const Shot& shot) {
   options.elastic.contact = SelfContact::off;
   Stored stored{};
   animate(shot, method, options, [&](const AnimatedFrame& frame) {
-    stored = {frame.energy / shot.paper.bending_stiffness, frame.membrane_energy / frame.energy,
-              frame.converged};
+    stored = {frame.statistics.energy / shot.paper.bending_stiffness,
+              frame.statistics.membrane_energy / frame.statistics.energy,
+              frame.statistics.converged};
     return true;
   });
   return stored;

@@ -28,6 +28,7 @@ using test::read;
 using test::samples;
 using test::Words;
 using test::write;
+using BakeCommandTest = test::CommandLine;
 
 using Record = nlohmann::json;
 std::vector<Record> frames_of(const fs::path& folder) {
@@ -37,7 +38,7 @@ std::vector<Record> frames_of(const fs::path& folder) {
   return frames;
 }
 
-class ABake : public CommandLine {
+class BakeTest : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
@@ -57,7 +58,7 @@ class ABake : public CommandLine {
   Ended ended{};
 };
 
-TEST_F(ABake, LeavesTheFilesOfTheDesignAndNoPart) {
+TEST_F(BakeTest, TheOutputFolderHasAllDocumentedFilesAndNoUnfinishedOne) {
   std::set<std::string> found;
   for (const auto& entry : fs::recursive_directory_iterator(output()))
     if (entry.is_regular_file())
@@ -74,7 +75,7 @@ TEST_F(ABake, LeavesTheFilesOfTheDesignAndNoPart) {
   }
 }
 
-TEST_F(ABake, SaysOfEveryModelWhetherItIsOnAndWhy) {
+TEST_F(BakeTest, TheSummarySaysOfEveryModelWhetherItIsOnAndWhy) {
   const Record models = Record::parse(text("cert/summary.json"))["models"];
   for (const char* key : {"dynamics", "gravity", "plasticity", "singular_points", "contact",
                           "layers_apart", "colliders", "polish", "between_sheets"}) {
@@ -87,7 +88,7 @@ TEST_F(ABake, SaysOfEveryModelWhetherItIsOnAndWhy) {
   EXPECT_EQ(models["colliders"]["why"], "none in scene");
 }
 
-TEST_F(CommandLine, SheetThatIsLetGoUnderGravityIsBakedWithInertia) {
+TEST_F(BakeCommandTest, ASheetThatIsLetGoUnderGravityIsBakedWithInertia) {
   const Ended ended = run({"bake", samples + "/S9_unload.glb", "-o", output(), "--gravity", "9.81",
                            "--frames", "58-64", "--formats", "cert"});
   ASSERT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;
@@ -100,14 +101,14 @@ TEST_F(CommandLine, SheetThatIsLetGoUnderGravityIsBakedWithInertia) {
             std::string::npos);
 }
 
-TEST_F(ABake, PrintsTheFilesOnStdoutAndTheFramesOnStderr) {
+TEST_F(BakeTest, FilesArePrintedOnStdoutAndFramesOnStderr) {
   const std::vector<std::string> files = lines_of(ended.out);
   EXPECT_FALSE(files.empty());
   for (const std::string& file : files) EXPECT_TRUE(fs::exists(file)) << file;
   EXPECT_NE(ended.err.find("frame 6"), std::string::npos) << ended.err;
 }
 
-TEST_F(ABake, HasALineAFrameWithAllKeysOfTheDesignInTheirOrder) {
+TEST_F(BakeTest, EveryFrameHasALineWithAllDocumentedKeysInTheirOrder) {
   const std::vector<std::string> keys{"frame",
                                       "sheet",
                                       "triangles",
@@ -155,7 +156,7 @@ TEST_F(ABake, HasALineAFrameWithAllKeysOfTheDesignInTheirOrder) {
   EXPECT_EQ(contents.size(), 6u) << "the sheet moves, so no two frames are alike";
 }
 
-TEST_F(ABake, HasARowAFrameAndHandle) {
+TEST_F(BakeTest, EveryHandleHasARowInEveryFrame) {
   const std::vector<std::string> rows = lines_of(text("cert/handles.csv"));
   EXPECT_EQ(rows.at(0),
             "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state");
@@ -171,7 +172,7 @@ TEST_F(ABake, HasARowAFrameAndHandle) {
   }
 }
 
-TEST_F(ABake, SumsUpTheShotAsItsFramesSay) {
+TEST_F(BakeTest, TheSummaryAgreesWithTheFrames) {
   const auto summary = nlohmann::json::parse(text("cert/summary.json"));
   EXPECT_EQ(summary.at("exit_code"), ended.code);
   EXPECT_EQ(summary.at("frames"), 6);
@@ -187,7 +188,7 @@ TEST_F(ABake, SumsUpTheShotAsItsFramesSay) {
   EXPECT_GT(double(summary["stretch_mean_pct"]["max"]), 0);
 }
 
-TEST_F(ABake, KeepsAListOfSingularPointsAndOfEveryValueWithItsOrigin) {
+TEST_F(BakeTest, SingularPointsAndTheOriginOfEveryValueAreListed) {
   EXPECT_EQ(lines_of(text("singular.csv")).at(0), "id,sheet,frame,u,v,cause");
   const std::string lock = text("job.lock.toml");
   for (const char* line : {"triangles = 200  # command line", "method = \"fem\"  # command line",
@@ -195,7 +196,7 @@ TEST_F(ABake, KeepsAListOfSingularPointsAndOfEveryValueWithItsOrigin) {
     EXPECT_NE(lock.find(line), std::string::npos) << line << " is not in\n" << lock;
 }
 
-TEST_F(ABake, OfEverySecondFrameHasEverySecondFrameOfTheWhole) {
+TEST_F(BakeTest, BakingEverySecondFrameGivesEverySecondFrameOfTheWholeBake) {
   std::map<int, std::string> whole;
   for (const Record& frame : frames_of(output())) whole[frame["frame"]] = frame["content_hash"];
   const fs::path other = folder / "sparse";
@@ -209,7 +210,7 @@ TEST_F(ABake, OfEverySecondFrameHasEverySecondFrameOfTheWhole) {
   EXPECT_EQ(frames, (std::vector<int>{2, 4, 6}));
 }
 
-TEST_F(CommandLine, ABakeTellsInWhichFramesOneSheetPassesThroughAnother) {
+TEST_F(BakeCommandTest, ABakeTellsInWhichFramesOneSheetPassesThroughAnother) {
   test::GltfFixture scene;
   for (const bool falls : {false, true}) {
     // tilted by 15 mm to either side, as it was modelled: what is above stays above
@@ -236,7 +237,7 @@ TEST_F(CommandLine, ABakeTellsInWhichFramesOneSheetPassesThroughAnother) {
         << frame;
 }
 
-TEST_F(CommandLine, TheHybridBeginsWithNoMoreTrianglesThanItMayHave) {
+TEST_F(BakeCommandTest, TheHybridBeginsWithNoMoreTrianglesThanItMayHave) {
   const auto bake_with = [&](const Words& more) {
     Words words{"bake",       samples + "/S8_dcone.glb",
                 "-o",         output(),
@@ -255,34 +256,34 @@ TEST_F(CommandLine, TheHybridBeginsWithNoMoreTrianglesThanItMayHave) {
                        "--base-triangles 300", "no more than 200"));
 }
 
-TEST(Gates, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
+TEST(GatesTest, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
   FrameRecord record;
   record.frame = 7;
-  record.render = {100, 0, 0, 1, 0, true};
+  record.statistics.render.emplace().kept_apart = true;
   EXPECT_TRUE(missed_gates({}, {record}, {}).empty());
-  record.render->crossings = 3;
+  record.statistics.render->crossings = 3;
   EXPECT_EQ(
       missed_gates({}, {record}, {}),
       std::vector<std::string>{"Frame 7: 3 pairs of rendered triangles pass through each other."});
 }
 
-TEST(Gates, ACrossingOfTheRenderMeshesOfTwoSheetsIsOneThatIsMissed) {
+TEST(GatesTest, ACrossingOfTheRenderMeshesOfTwoSheetsIsOneThatIsMissed) {
   FrameRecord record;
   record.frame = 7;
-  record.render = {100, 0, 0, 1, 0, true, 5};
+  record.statistics.render.emplace().crossings_with_others = 5;
   EXPECT_EQ(missed_gates({}, {record}, {}),
             std::vector<std::string>{
                 "Frame 7: 5 pairs of rendered triangles of two sheets pass through each other."});
   // of the other sheet: as simulated they cross there, too, and that is told elsewhere
   FrameRecord other = record;
-  other.render->crossings_with_others = 0;
-  other.crossings_with_others = 2;
+  other.statistics.render->crossings_with_others = 0;
+  other.statistics.crossings_with_others = 2;
   EXPECT_TRUE(missed_gates({}, {record, other}, {}).empty());
   other.frame = 8;
   EXPECT_EQ(missed_gates({}, {record, other}, {}).size(), 1u);
 }
 
-TEST_F(ABake, HasOneRenderMeshForTheWholeShotAsFineAsTheQualitySays) {
+TEST_F(BakeTest, TheWholeShotHasOneRenderMeshAsFineAsTheQualitySays) {
   const auto triangles = [](const std::vector<Record>& frames) {
     std::set<int> all;
     for (const Record& frame : frames) all.insert(int(frame["render_triangles"]));
@@ -319,7 +320,7 @@ TEST_F(ABake, HasOneRenderMeshForTheWholeShotAsFineAsTheQualitySays) {
   }
 }
 
-TEST_F(ABake, PutsWholeFilesOverThoseOfTheBakeBefore) {
+TEST_F(BakeTest, ASecondBakeReplacesTheFilesOfTheFirstByWholeOnes) {
   const std::string before = text("S4_crumple.abc");
   write(fs::path(output()) / "notes.txt", "of the artist");
   ASSERT_EQ(run(job("S4_crumple.glb", output(), "1-6")).code, 0);
@@ -327,7 +328,7 @@ TEST_F(ABake, PutsWholeFilesOverThoseOfTheBakeBefore) {
   EXPECT_EQ(text("notes.txt"), "of the artist");
 }
 
-TEST_F(ABake, OfAnFbxIsTheSameAsOfTheGlb) {
+TEST_F(BakeTest, AnFbxBakesLikeTheSameSceneAsGlb) {
   const fs::path other = folder / "fbx";
   Words words = job("S4_crumple.fbx", other, "1-6");
   words.insert(words.end(), {"--start-frame", "1"});

@@ -13,7 +13,7 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::CommandLine;
+using ImpossibleHandlesTest = test::CommandLine;
 using test::Ended;
 using test::is_error;
 using test::read;
@@ -28,7 +28,7 @@ fs::path drawn_apart(double factor) {
   return scene.write("drawn_apart.gltf");
 }
 
-TEST_F(CommandLine, HandlesThatAskTheImpossibleAreNamedAndEndWithFour) {
+TEST_F(ImpossibleHandlesTest, HandlesThatAskTheImpossibleAreNamedAndEndWithFour) {
   const std::string scene = drawn_apart(1.1);
   const Ended ended = run({"bake", scene, "-o", output(), "--triangles", "50", "--map-size", "8"});
   EXPECT_EQ(ended.code, 4) << ended.err;
@@ -44,7 +44,7 @@ TEST_F(CommandLine, HandlesThatAskTheImpossibleAreNamedAndEndWithFour) {
       << "the request is projected to what paper can reach";
 }
 
-TEST_F(CommandLine, StrictRefusesTheImpossibleWithThreeBeforeAnythingIsWritten) {
+TEST_F(ImpossibleHandlesTest, StrictRefusesTheImpossibleWithThreeBeforeAnythingIsWritten) {
   const std::string scene = drawn_apart(1.1);
   const std::string place = scene + ", handles \"handle.still\" and \"handle.drawn\"";
   EXPECT_TRUE(
@@ -52,7 +52,7 @@ TEST_F(CommandLine, StrictRefusesTheImpossibleWithThreeBeforeAnythingIsWritten) 
   EXPECT_FALSE(fs::exists(output()));
 }
 
-TEST_F(CommandLine, HandlesThatComeCloserAskNothingImpossible) {
+TEST_F(ImpossibleHandlesTest, HandlesThatComeCloserAskNothingImpossible) {
   const Ended ended = run({"bake", drawn_apart(0.9), "-o", output(), "--triangles", "50",
                            "--map-size", "8", "--strict"});
   EXPECT_EQ(ended.code, 0) << ended.err;

@@ -8,15 +8,14 @@
 namespace paperbake {
 namespace {
 
-using test::AResumedBake;
-using test::AResumedPush;
 using test::Words;
+using KillPushTest = test::ResumePushFixture;
 
-class AnUnluckyBake : public AResumedBake, public testing::WithParamInterface<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Methods, AnUnluckyBake, testing::Values("hybrid", "fem", "adaptive"),
+class KillTest : public test::ResumeFixture, public testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Methods, KillTest, testing::Values("hybrid", "fem", "adaptive"),
                          [](const auto& info) { return std::string(info.param); });
 
-TEST_P(AnUnluckyBake, EndsLikeALuckyOne) {
+TEST_P(KillTest, ABakeThatIsKilledFiftyTimesEndsLikeOneThatNeverWas) {
   Words how{"--method", GetParam(), "--checkpoint", "5"};
   if (std::string(GetParam()) != "hybrid") how.insert(how.end(), {"--triangles", "300"});
   bake_whole("whole", how, "1-80");
@@ -33,7 +32,7 @@ TEST_P(AnUnluckyBake, EndsLikeALuckyOne) {
   expect_same("out", "whole");
 }
 
-TEST_F(AResumedPush, OfTwoSheetsThatIsKilledThirtyTimesEndsLikeALuckyOne) {
+TEST_F(KillPushTest, ABakeOfTwoSheetsThatIsKilledThirtyTimesEndsLikeOneThatNeverWas) {
   run(pushed("whole", 2, 0.03, over));
   std::mt19937 random(1);
   int killed = 0;

@@ -39,7 +39,7 @@ ShotRecord record_of(const std::vector<double>& up) {
   return record;
 }
 
-TEST(RenderPass, SheetsThatComeNearEachOtherInSomeFrameAreRenderedTogether) {
+TEST(RenderPassTest, SheetsThatComeNearEachOtherInSomeFrameAreRenderedTogether) {
   const ShotRecord a = record_of({0, 0, 0}), b = record_of({1, 0.05, 1}),
                    far = record_of({2, 2, 2}), between = record_of({2, 0.1, 3});
   using Lists = std::vector<std::vector<std::size_t>>;
@@ -50,20 +50,20 @@ TEST(RenderPass, SheetsThatComeNearEachOtherInSomeFrameAreRenderedTogether) {
   EXPECT_TRUE(near_each_other({}).empty());
 }
 
-TEST(RenderPass, SheetsOneInTheOtherAreApartAndTheSameForAnyNumberOfThreads) {
+TEST(RenderPassTest, SheetsOneInTheOtherAreApartAndTheSameForAnyNumberOfThreads) {
   const ShotRecord low = record_of({0, 0, 0, 0, 0, 0}),
                    high = record_of({1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4});
   const Shot shot = test::blank_shot(test::rectangle(size, size));
   const auto positions = [&](int threads, bool together) {
     std::vector<std::vector<Points3>> all(2);
     const auto write = [&](std::size_t s) {
-      return [&all, s](int, const CacheFrame& frame, const RenderNumbers& numbers) {
-        EXPECT_EQ(numbers.crossings, 0);
-        EXPECT_EQ(numbers.crossings_with_others, 0);
+      return [&all, s](int, const CacheFrame& frame, const RenderStatistics& rendered) {
+        EXPECT_EQ(rendered.crossings, 0);
+        EXPECT_EQ(rendered.crossings_with_others, 0);
         all[s].push_back(frame.x);
       };
     };
-    const ShownSheet first{&low, &shot, {}, write(0)}, second{&high, &shot, {}, write(1)};
+    const RenderInput first{&low, &shot, {}, write(0)}, second{&high, &shot, {}, write(1)};
     const FrameSpan frames{1, 6, 1};
     if (together)
       render_shot({first, second}, Quality::draft, frames, 24, threads);

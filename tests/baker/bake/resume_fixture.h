@@ -31,7 +31,7 @@ inline std::map<std::string, std::string> persistence_time(const fs::path& folde
   return files;
 }
 
-class AResumedBake : public CommandLine {
+class ResumeFixture : public CommandLine {
  protected:
   /// Where a crumple touches itself and gets singular points; method and speed of a few frames a
   /// second.
@@ -99,7 +99,7 @@ class AResumedBake : public CommandLine {
   }
 };
 
-class AResumedPush : public AResumedBake {
+class ResumePushFixture : public ResumeFixture {
  protected:
   /// Sheets held at two corners and pushed at the border between the others, for 30 frames. lift
   /// [m] of the last key, at frame 30

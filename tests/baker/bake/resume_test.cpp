@@ -11,8 +11,6 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::AResumedBake;
-using test::AResumedPush;
 using test::Ended;
 using test::is_error;
 using test::lines_of;
@@ -20,8 +18,10 @@ using test::read;
 using test::samples;
 using test::Words;
 using test::write;
+using ResumeTest = test::ResumeFixture;
+using ResumePushTest = test::ResumePushFixture;
 
-TEST_F(AResumedBake, DoesNothingWhenNothingHasChanged) {
+TEST_F(ResumeTest, ASecondBakeDoesNothingWhenNothingHasChanged) {
   const Ended first = run(words("out", {}, "1-6"));
   ASSERT_EQ(simulated(first), 6) << first.err;
   const auto before = fs::last_write_time(folder / "out/S4_crumple.abc");
@@ -33,7 +33,7 @@ TEST_F(AResumedBake, DoesNothingWhenNothingHasChanged) {
   EXPECT_EQ(fs::last_write_time(folder / "out/S4_crumple.abc"), before);
 }
 
-TEST_F(AResumedBake, ThatMissedAGateMissesItAgainWithoutWork) {
+TEST_F(ResumeTest, ABakeThatMissedAGateMissesItAgainWithoutWork) {
   const Ended first = run(words("out", {"--max-stretch", "1e-7"}, "1-6"));
   ASSERT_EQ(first.code, 4) << first.err;
   const Ended second = run(words("out", {"--max-stretch", "1e-7"}, "1-6"));
@@ -42,7 +42,7 @@ TEST_F(AResumedBake, ThatMissedAGateMissesItAgainWithoutWork) {
   EXPECT_NE(second.err.find("gate missed: Frame"), std::string::npos) << second.err;
 }
 
-TEST_F(AResumedBake, WritesAgainWhatSomebodyChangedOrTookAwayAndWhatIsAskedForBesides) {
+TEST_F(ResumeTest, FilesThatWereChangedRemovedOrNewlyAskedForAreWrittenAgain) {
   bake_whole("out", {}, "1-6");
   bake_whole("whole", {"--formats", "abc,maps,cert,report,usd"}, "1-6");
   write(folder / "out/singular.csv", "mine");
@@ -56,7 +56,7 @@ TEST_F(AResumedBake, WritesAgainWhatSomebodyChangedOrTookAwayAndWhatIsAskedForBe
   expect_same("out", "whole");
 }
 
-TEST_F(AResumedBake, OfMoreFramesSimulatesTheNewOnes) {
+TEST_F(ResumeTest, ALongerBakeSimulatesOnlyTheNewFrames) {
   bake_whole("out", {}, "1-20");
   bake_whole("whole", {}, "1-30");
   const Ended longer = run(words("out", {}, "1-30"));
@@ -68,11 +68,12 @@ TEST_F(AResumedBake, OfMoreFramesSimulatesTheNewOnes) {
   expect_same("out", "shorter");
 }
 
-class AKilledBake : public AResumedBake, public testing::WithParamInterface<const char*> {};
-INSTANTIATE_TEST_SUITE_P(Methods, AKilledBake, testing::Values("hybrid", "fem", "adaptive"),
+class ResumeAfterKillTest : public test::ResumeFixture,
+                            public testing::WithParamInterface<const char*> {};
+INSTANTIATE_TEST_SUITE_P(Methods, ResumeAfterKillTest, testing::Values("hybrid", "fem", "adaptive"),
                          [](const auto& info) { return std::string(info.param); });
 
-TEST_P(AKilledBake, GoesOnFromItsLastCheckpointToTheSameBytes) {
+TEST_P(ResumeAfterKillTest, AKilledBakeResumesFromItsLastCheckpointToTheSameBytes) {
   const bool hybrid = std::string(GetParam()) == "hybrid";
   const std::string frames = hybrid ? "1-72" : "1-20";
   Words how{"--method", GetParam(), "--checkpoint", hybrid ? "12" : "4"};
@@ -96,7 +97,7 @@ TEST_P(AKilledBake, GoesOnFromItsLastCheckpointToTheSameBytes) {
   }
 }
 
-TEST_F(AResumedBake, ThatIsStoppedKeepsWhatItHasAndGoesOn) {
+TEST_F(ResumeTest, AStoppedBakeKeepsItsFramesAndResumes) {
   bake_whole("whole", {}, "1-40");
   EXPECT_EQ(bake_until(7, 0, SIGTERM, words("out", {}, "1-40")), 5);
   EXPECT_NE(read(folder / "stderr.txt").find("The bake was stopped."), std::string::npos);
@@ -111,13 +112,13 @@ TEST_F(AResumedBake, ThatIsStoppedKeepsWhatItHasAndGoesOn) {
   expect_same("out", "whole");
 }
 
-TEST_F(AResumedBake, NeverSimulatesEveryFrame) {
+TEST_F(ResumeTest, ResumeNeverSimulatesEveryFrame) {
   bake_whole("out", {}, "1-6");
   EXPECT_EQ(simulated(run(words("out", {"--resume", "never"}, "1-6"))), 6);
   EXPECT_TRUE(is_error(run(words("out", {"--resume", "always"}, "1-6")), 2, "--resume", "always"));
 }
 
-TEST_F(AResumedBake, OfOtherPaperOrSeedBeginsAnew) {
+TEST_F(ResumeTest, AnotherPaperOrSeedStartsFromTheFirstFrame) {
   bake_whole("out", {}, "1-6");
   EXPECT_EQ(simulated(run(words("out", {"--seed", "3"}, "1-6"))), 6);
   EXPECT_EQ(simulated(run(words("out", {"--seed", "3", "--set", "thickness=1e-4"}, "1-6"))), 6);
@@ -125,7 +126,7 @@ TEST_F(AResumedBake, OfOtherPaperOrSeedBeginsAnew) {
   expect_same("out", "whole");
 }
 
-TEST_F(AResumedBake, FromADamagedCheckpointTakesTheOneBeforeItAndSaysSo) {
+TEST_F(ResumeTest, ADamagedCheckpointIsReportedAndTheOneBeforeItUsed) {
   const Words every{"--checkpoint", "4"};
   bake_whole("whole", every, "1-14");
   int damage = 0;
@@ -151,7 +152,7 @@ TEST_F(AResumedBake, FromADamagedCheckpointTakesTheOneBeforeItAndSaysSo) {
   }
 }
 
-TEST_F(AResumedPush, OfTwoSheetsThatPushEachOtherGoesOnWithBothWhetherItWasStoppedOrKilled) {
+TEST_F(ResumePushTest, TwoSheetsThatPushEachOtherResumeTogetherAfterAStopOrAKill) {
   const Ended whole = run(pushed("whole", 2, 0.03, over));
   ASSERT_EQ(simulated(whole), 60) << whole.err;
   int touching = 0;
@@ -170,7 +171,7 @@ TEST_F(AResumedPush, OfTwoSheetsThatPushEachOtherGoesOnWithBothWhetherItWasStopp
   expect_same("killed", "whole");
 }
 
-TEST_F(AResumedPush, OfTwoSheetsBeginsAnewWhereTheOtherSheetIsAnother) {
+TEST_F(ResumePushTest, AChangeOfOneSheetResumesBothFromTheCheckpointBeforeIt) {
   run(pushed("out", 2, 0.03, over));
   run(pushed("whole", 2, 0.02, over));
   const Ended other = run(pushed("out", 2, 0.02, over));
@@ -178,7 +179,7 @@ TEST_F(AResumedPush, OfTwoSheetsBeginsAnewWhereTheOtherSheetIsAnother) {
   expect_same("out", "whole");
 }
 
-TEST_F(AResumedPush, WithAKeyMovedGoesOnFromTheCheckpointBeforeIt) {
+TEST_F(ResumePushTest, AMovedKeyResumesFromTheCheckpointBeforeIt) {
   const auto bake_with = [&](const std::string& out, double lift) {
     return run(pushed(out, 1, lift));
   };
@@ -191,7 +192,7 @@ TEST_F(AResumedPush, WithAKeyMovedGoesOnFromTheCheckpointBeforeIt) {
   expect_same("out", "whole");
 }
 
-TEST_F(AResumedBake, WhoseDiskWasFullHasLostNothingThatIsSimulated) {
+TEST_F(ResumeTest, AFullDiskLosesNoSimulatedFrame) {
   const Words often{"--checkpoint", "2", "--method", "fem", "--triangles", "200"};
   bake_whole("whole", often, "1-12");
   rlimit before;
@@ -210,12 +211,12 @@ TEST_F(AResumedBake, WhoseDiskWasFullHasLostNothingThatIsSimulated) {
   expect_same("out", "whole");
 }
 
-TEST_F(AResumedBake, WhereNothingCanBeWrittenEndsWithSix) {
+TEST_F(ResumeTest, AnUnwritableOutputFolderEndsWithSix) {
   EXPECT_TRUE(is_error(run({"bake", samples + "/S4_crumple.glb", "-o", "/proc/out", "--fps", "24"}),
                        6, "/proc/out", "cannot be made"));
 }
 
-TEST_F(AResumedBake, ThatCannotKeepACheckpointGoesOnAndSaysSo) {
+TEST_F(ResumeTest, ACheckpointThatCannotBeWrittenIsReportedAndTheBakeGoesOn) {
   fs::create_directories(folder / "out/.state/checkpoint.000006/in_the_way");
   const Ended ended = run(words("out", {}, "1-6"));
   EXPECT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;

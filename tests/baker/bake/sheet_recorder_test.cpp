@@ -27,9 +27,9 @@ Sheet sheet_at(int columns, unsigned seed, double t) {
   return sheet;
 }
 
-TEST(SheetOutput, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSheetsOwnPoints) {
+TEST(SheetRecorderTest, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSheetsOwnPoints) {
   const std::filesystem::path folder = std::filesystem::path(testing::TempDir()) /
-                                       ("paperbake_sheet_output_" + std::to_string(getpid()));
+                                       ("paperbake_sheet_recorder_" + std::to_string(getpid()));
   std::filesystem::create_directories(folder);
   BakeSettings settings;
   settings.mesh = CacheMesh::simulation;
@@ -42,19 +42,19 @@ TEST(SheetOutput, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSheetsOw
   const double dt = 1 / plan.animation.fps;
   BakeFiles files{folder, {}, {}, {}};
   Certificate certificate;
-  Caches caches(settings, plan, folder, {""}, files.losses);
+  CacheWriters caches(settings, plan, folder, {""}, files.failures);
   Progress progress(ProgressMode::none, 6, Passes::simulate);
-  SheetOutput output(settings, plan, 0, caches, "", certificate, files, progress);
+  SheetRecorder recorder(settings, plan, 0, caches, "", certificate, files, progress);
   for (int f = 1; f <= 6; ++f) {
     // the same mesh twice, then always another
     const Sheet sheet = sheet_at(f < 3 ? 7 : 5 + 2 * (f % 3), f < 3 ? 1 : f, f * dt);
     AnimatedFrame frame;
     frame.frame = f;
     frame.sheet = &sheet;
-    output.take(frame);
+    recorder.consume(frame);
   }
-  output.finish_frames();
-  output.finish();
+  recorder.render_input();
+  recorder.finish();
   caches.finish({6}, {});
 
   const AlembicReader cache(folder / "changing.abc");
@@ -72,8 +72,8 @@ TEST(SheetOutput, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSheetsOw
       fastest = std::max(fastest, expected.norm());
     }
     EXPECT_EQ(certificate.frames[f - 1].content_hash, cache.content_hash(0, f - 1));
-    ASSERT_TRUE(certificate.frames[f - 1].render.has_value());
-    EXPECT_EQ(certificate.frames[f - 1].render->triangles, stored.triangles.rows());
+    ASSERT_TRUE(certificate.frames[f - 1].statistics.render.has_value());
+    EXPECT_EQ(certificate.frames[f - 1].statistics.render->triangles, stored.triangles.rows());
   }
   EXPECT_GT(fastest, 0.3);
   std::filesystem::remove_all(folder);

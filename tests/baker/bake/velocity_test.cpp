@@ -59,7 +59,7 @@ struct Figures {
   Spread alike, own;
 };
 
-class TwiceTheFrameRate : public CommandLine {
+class VelocityTest : public CommandLine {
  protected:
   AlembicReader bake_at(const std::string& scene, const Words& more, int fps, int last) const {
     const std::string to = folder / ("at" + std::to_string(fps));
@@ -131,7 +131,7 @@ const Words fem{"--method", "fem", "--triangles", "600"}, hybrid{"--method", "hy
 // hybrid also every frame with another mesh or a birth (every fourth of S8, most of S4): the sheet
 // moves by a little then that is nobody's motion.
 
-TEST_F(TwiceTheFrameRate, TheStripIsHalfAFrameLaterWhereItsVelocitySays) {
+TEST_F(VelocityTest, TheStripIsHalfAFrameLaterWhereItsVelocitySays) {
   for (const Words& method : {fem, hybrid}) {
     const Figures figures = compare("S2_moebius", method, 44);
     ASSERT_EQ(figures.own.off.size(), 42u);
@@ -141,14 +141,14 @@ TEST_F(TwiceTheFrameRate, TheStripIsHalfAFrameLaterWhereItsVelocitySays) {
   }
 }
 
-TEST_F(TwiceTheFrameRate, TheConeIsHalfAFrameLaterWhereItsVelocitySays) {
+TEST_F(VelocityTest, TheConeIsHalfAFrameLaterWhereItsVelocitySays) {
   const Figures smooth = compare("S8_dcone", fem, 44), exchanged = compare("S8_dcone", hybrid, 44);
   EXPECT_GE(smooth.own.within(), 26);
   EXPECT_GE(smooth.alike.within(), 20);
   EXPECT_LE(exchanged.own.median(), 0.1);
 }
 
-TEST_F(TwiceTheFrameRate, TheCrumpleIsHalfAFrameLaterWhereItsVelocitySays) {
+TEST_F(VelocityTest, TheCrumpleIsHalfAFrameLaterWhereItsVelocitySays) {
   const Figures smooth = compare("S4_crumple", fem, 36),
                 exchanged = compare("S4_crumple", hybrid, 36);
   EXPECT_GE(smooth.own.within(), 32);

@@ -8,12 +8,12 @@
 namespace paperbake {
 namespace {
 
-using test::CommandLine;
+using ErrorEstimateTest = test::CommandLine;
 using test::Ended;
 using test::is_error;
 using test::samples;
 
-TEST_F(CommandLine, TheEstimateOfACoarseBakeIsLargerThanThatOfAFineOne) {
+TEST_F(ErrorEstimateTest, TheEstimateOfACoarseBakeIsLargerThanThatOfAFineOne) {
   const auto estimate = [&](const test::Words& method) {
     test::Words words{"bake",       samples + "/S1_push.glb",
                       "-o",         output(),
@@ -40,12 +40,12 @@ TEST_F(CommandLine, TheEstimateOfACoarseBakeIsLargerThanThatOfAFineOne) {
   }
 }
 
-TEST_F(CommandLine, AFolderWithoutACacheCannotBeEstimated) {
+TEST_F(ErrorEstimateTest, AFolderWithoutACacheCannotBeEstimated) {
   ASSERT_EQ(bake({"--formats", "cert"}).code, 0);
   EXPECT_TRUE(is_error(run({"verify", output(), "--estimate"}), 2, output(), "no cache"));
 }
 
-TEST_F(CommandLine, ASheetThatSwingsCannotBeEstimatedNorOneThatLiesOnSomething) {
+TEST_F(ErrorEstimateTest, ASheetThatSwingsCannotBeEstimatedNorOneThatLiesOnSomething) {
   ASSERT_EQ(bake({"--formats", "abc,cert", "--dynamics", "on"}).code, 0);
   EXPECT_TRUE(
       is_error(run({"verify", output(), "--estimate"}), 2, output(), "It moves with inertia"));
@@ -64,7 +64,7 @@ TEST_F(CommandLine, ASheetThatSwingsCannotBeEstimatedNorOneThatLiesOnSomething) 
   EXPECT_GT(on_ground, 0);
 }
 
-TEST_F(CommandLine, ACertificateOfAnotherSheetCannotBeEstimated) {
+TEST_F(ErrorEstimateTest, ACertificateOfAnotherSheetCannotBeEstimated) {
   ASSERT_EQ(bake({"--formats", "abc,cert"}).code, 0);
   const auto handles = std::filesystem::path(output()) / "cert/handles.csv";
   std::string text = test::read(handles);

@@ -16,14 +16,14 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::CommandLine;
+using InspectTest = test::CommandLine;
 using test::Ended;
 using test::fields_of;
 using test::lines_of;
 using test::read;
 using test::samples;
 
-TEST_F(CommandLine, TheTracksOfAnInspectionAreWhereTheDccHasTheHandles) {
+TEST_F(InspectTest, TheTracksOfAnInspectionAreWhereTheDccHasTheHandles) {
   const fs::path csv = folder / "tracks.csv";
   ASSERT_EQ(run({"inspect", samples + "/S1_push.glb", "--tracks", csv}).code, 0);
   const std::vector<std::string> tracks = lines_of(read(csv)),
@@ -53,7 +53,7 @@ TEST_F(CommandLine, TheTracksOfAnInspectionAreWhereTheDccHasTheHandles) {
   EXPECT_GT(moved, 0.01);
 }
 
-TEST_F(CommandLine, AnInspectionAsJsonSaysWhatIsInTheScene) {
+TEST_F(InspectTest, AnInspectionAsJsonSaysWhatIsInTheScene) {
   const Ended ended = run({"inspect", samples + "/S1_push.glb", "--json"});
   ASSERT_EQ(ended.code, 0) << ended.err;
   const auto scene = nlohmann::json::parse(ended.out);

@@ -22,7 +22,7 @@ using test::read;
 using test::samples;
 using test::write;
 
-class AVerifiedBake : public CommandLine {
+class VerifyTest : public CommandLine {
  protected:
   void SetUp() override {
     CommandLine::SetUp();
@@ -34,7 +34,7 @@ class AVerifiedBake : public CommandLine {
   Ended ended{};
 };
 
-TEST_F(AVerifiedBake, AgreesWithItsCertificate) {
+TEST_F(VerifyTest, ABakedFolderAgreesWithItsCertificate) {
   const Ended verdict = run({"verify", output(), "--json"});
   EXPECT_EQ(verdict.code, 0) << verdict.out;
   const auto json = nlohmann::json::parse(verdict.out);
@@ -47,7 +47,7 @@ TEST_F(AVerifiedBake, AgreesWithItsCertificate) {
   EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
-TEST_F(AVerifiedBake, NoticesOneFlippedBitWhereverItIs) {
+TEST_F(VerifyTest, OneFlippedBitIsNoticedWhereverItIs) {
   int flips = 0;
   for (const auto& entry : fs::recursive_directory_iterator(output())) {
     // what the next bake needs is no result
@@ -68,7 +68,7 @@ TEST_F(AVerifiedBake, NoticesOneFlippedBitWhereverItIs) {
   EXPECT_TRUE(verify(output()).differences.empty());
 }
 
-TEST_F(AVerifiedBake, NamesTheFirstFrameThatIsOff) {
+TEST_F(VerifyTest, TheFirstFrameThatIsOffIsNamed) {
   std::string lines = read(file("cert/frames.jsonl"));
   const std::size_t fifth = lines.find("{\"frame\":5"),
                     field = lines.find("\"render_stretch_max_pct\":", fifth);
@@ -84,7 +84,7 @@ TEST_F(AVerifiedBake, NamesTheFirstFrameThatIsOff) {
             std::string::npos);
 }
 
-TEST_F(AVerifiedBake, MissesWhatIsMissing) {
+TEST_F(VerifyTest, AMissingFileIsADifference) {
   fs::remove(file("maps/S4_crumple.final.exr"));
   EXPECT_EQ(run({"verify", output()}).code, 4);
   fs::remove(file("cert/summary.json"));
@@ -94,14 +94,14 @@ TEST_F(AVerifiedBake, MissesWhatIsMissing) {
   EXPECT_EQ(run({"verify", output() + "/nowhere"}).code, 2);
 }
 
-TEST_F(AVerifiedBake, IsTruthfulWhateverItsGatesSaid) {
+TEST_F(VerifyTest, ABakeThatMissedItsGatesAgreesWithItsCertificateToo) {
   ended = run({"bake", samples + "/S1_push.glb", "-o", output(), "--frames", "1-30",
                "--max-stretch", "1e-9", "--formats", "abc,cert"});
   ASSERT_EQ(ended.code, 4);
   EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
-TEST_F(AVerifiedBake, ItsCacheIsInspected) {
+TEST_F(VerifyTest, AnInspectionDescribesABakedCache) {
   const auto json =
       nlohmann::json::parse(run({"inspect", file("S4_crumple.abc").string(), "--json"}).out);
   EXPECT_EQ(json["fps"], 24);

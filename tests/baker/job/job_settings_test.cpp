@@ -22,7 +22,7 @@ using test::samples;
 using test::Words;
 using test::write;
 
-class Job : public CommandLine {
+class JobSettingsTest : public CommandLine {
  protected:
   /// A job of S4 in the test's folder; dry.
   Ended dry(const std::string& lines, const Words& more = {}) const {
@@ -42,7 +42,7 @@ testing::AssertionResult says(const Ended& ended, const std::string& line) {
   return testing::AssertionFailure() << "no line " << line << " in\n" << ended.out << ended.err;
 }
 
-TEST_F(Job, TheLaterOfDefaultSceneJobAndCommandLineWins) {
+TEST_F(JobSettingsTest, TheLaterOfDefaultSceneJobAndCommandLineWins) {
   EXPECT_TRUE(says(dry(""), "max_stretch = 5.0  # default"));
   EXPECT_TRUE(says(dry("max_stretch = 7"), "max_stretch = 7.0  # job"));
   EXPECT_TRUE(
@@ -54,7 +54,7 @@ TEST_F(Job, TheLaterOfDefaultSceneJobAndCommandLineWins) {
                    "thickness = 9.6e-05  # command line"));
 }
 
-TEST_F(Job, APresetReplacesWhatThoseBeforeItSayOfThePaper) {
+TEST_F(JobSettingsTest, APresetReplacesWhatThoseBeforeItSayOfThePaper) {
   const std::string sheet = "[sheet.\"PAPER\"]\ngsm = 140\nseed = 9\n";
   EXPECT_TRUE(says(dry(sheet), "area_density = 0.14  # job"));
   EXPECT_TRUE(says(dry(sheet), "seed = 9  # job"));
@@ -72,7 +72,7 @@ TEST_F(Job, APresetReplacesWhatThoseBeforeItSayOfThePaper) {
                    "preset = \"copy90\"  # job"));
 }
 
-TEST_F(Job, AMistakeEndsWithTwoAndSaysLineColumnAndWhatIsMeant) {
+TEST_F(JobSettingsTest, AMistakeEndsWithTwoAndSaysLineColumnAndWhatIsMeant) {
   EXPECT_TRUE(is_error(dry("map_sise = 8"), 2, place(2, 1), "Did you mean \"map_size\"?"));
   EXPECT_TRUE(
       is_error(dry("map_size = 0"), 2, place(2, 12), "a whole number from 1 to 16384, not 0"));
@@ -98,14 +98,14 @@ TEST_F(Job, AMistakeEndsWithTwoAndSaysLineColumnAndWhatIsMeant) {
   EXPECT_TRUE(is_error(dry("x = ["), 2, place(2, 6), "not TOML"));
 }
 
-TEST_F(Job, ASectionThatMeansNothingSaysWhatThereIs) {
+TEST_F(JobSettingsTest, ASectionThatMeansNothingSaysWhatThereIs) {
   const Ended ended = dry("[handle.\"grip*\"]\nmode = \"relative\"");
   EXPECT_TRUE(is_error(ended, 2, place(2, 1), "No handle of the scene has a name like \"grip*\"."));
   EXPECT_NE(ended.err.find("\"handle.corner.0\""), std::string::npos) << ended.err;
   EXPECT_TRUE(is_error(dry("[sheet.\"card\"]\ngsm = 90"), 2, place(2, 1), "\"card\""));
 }
 
-TEST_F(Job, HandlesAreMeantByNameAndTheJobWinsOverTheScene) {
+TEST_F(JobSettingsTest, HandlesAreMeantByNameAndTheJobWinsOverTheScene) {
   dry("[handle.\"HANDLE_corner-?\"]\nmode = \"relative\"\nrelease_frame = "
       "50\n[handle.\"*.2\"]\nrelease_frame = 40\n[handle.\"handle.edge*\"]\nignore = true\n");
   const Ended ended = run({"inspect", folder / "shot.toml", "--json"});
@@ -120,10 +120,10 @@ TEST_F(Job, HandlesAreMeantByNameAndTheJobWinsOverTheScene) {
   EXPECT_TRUE(is_error(dry("[handle.\"*\"]\nignore = true\n"), 3, "S4_crumple.glb", "no handle"));
 }
 
-TEST_F(Job, AWrittenJobGivesTheSameBytes) {
-  const Words said{"--seed", "7",      "--set",     "thickness=95e-6",
-                   "--stop", ".00002", "--formats", "abc,cert"};
-  Words words = said;
+TEST_F(JobSettingsTest, AWrittenJobGivesTheSameBytes) {
+  const Words given{"--seed", "7",      "--set",     "thickness=95e-6",
+                    "--stop", ".00002", "--formats", "abc,cert"};
+  Words words = given;
   words.insert(words.end(), {"--write-job", folder / "again.toml"});
   ASSERT_EQ(bake(words).code, 0);
   const Ended again = run({"bake", folder / "again.toml", "-o", folder / "second"});
@@ -138,7 +138,7 @@ TEST_F(Job, AWrittenJobGivesTheSameBytes) {
       << "paths from the folder of the job: " << text;
 }
 
-TEST_F(Job, AllThatAWrittenJobLeavesOutMayBeUncommented) {
+TEST_F(JobSettingsTest, AllThatAWrittenJobLeavesOutMayBeUncommented) {
   ASSERT_EQ(run({"bake", samples + "/S4_crumple.glb", "--write-job", folder / "all.toml"}).code, 0);
   std::string open;
   for (const std::string& line : test::lines_of(read(folder / "all.toml"))) {
@@ -155,7 +155,7 @@ TEST_F(Job, AllThatAWrittenJobLeavesOutMayBeUncommented) {
   EXPECT_NE(ended.out.find("mode = \"absolute\"  # job"), std::string::npos) << ended.out;
 }
 
-TEST_F(Job, TheSampleWithPinsIsBaked) {
+TEST_F(JobSettingsTest, TheSampleWithPinsIsBaked) {
   const Ended ended = run({"bake", samples + "/S8_pinned.toml", "-o", folder / "out", "--frames",
                            "1-2", "--formats", "cert", "--progress", "none"});
   ASSERT_EQ(ended.code, 0) << ended.err;
@@ -172,7 +172,7 @@ TEST_F(Job, TheSampleWithPinsIsBaked) {
   }
 }
 
-TEST_F(Job, WithoutAnOutputFolderItEndsWithTwo) {
+TEST_F(JobSettingsTest, WithoutAnOutputFolderItEndsWithTwo) {
   write(folder / "shot.toml", "scene = \"" + samples + "/S4_crumple.glb\"\n");
   EXPECT_TRUE(is_error(run({"bake", folder / "shot.toml"}), 2, "command line", "--output"));
   write(folder / "shot.toml", "output = \"out\"\n");

@@ -17,7 +17,7 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::CommandLine;
+using CacheWritersTest = test::CommandLine;
 using test::Ended;
 using test::fields_of;
 using test::lines_of;
@@ -45,7 +45,8 @@ fs::path two_crumples() {
   return scene.write("two_crumples.gltf");
 }
 
-TEST_F(CommandLine, TwoSheetsAreInEveryFormatAndTheirMapsNumberTheirSingularPointsAsTheListDoes) {
+TEST_F(CacheWritersTest,
+       TwoSheetsAreInEveryFormatAndTheirMapsNumberTheirSingularPointsAsTheListDoes) {
   const Ended ended = run({"bake", two_crumples(), "-o", output(), "--fps", "24", "--frames",
                            "1-24", "--quality", "draft", "--map-size", "256", "--formats",
                            "abc,maps,cert,report,usd,pc2", "--max-stretch", "30"});

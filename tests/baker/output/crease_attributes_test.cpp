@@ -17,9 +17,9 @@ const Eigen::VectorXd& layer(const std::vector<CacheLayer>& layers, const std::s
       ->values;
 }
 
-TEST(DamageLayers, AreTheFoldsNowAndTheMostSoFarAndTheNearestPoints) {
+TEST(CreaseAttributesTest, LayersHoldFoldsNowTheirPeakAndTheNearestSingularPoints) {
   const Shot shot = test::blank_shot(test::rectangle(0.1, 0.1));
-  DamageLayers damage(shot, 0.004, 24);
+  CreaseAttributes damage(shot, 0.004, 24);
   ShotRecord record;
   const double curvatures[] = {30, -50, 10};
   std::vector<SingularPoint> singular;

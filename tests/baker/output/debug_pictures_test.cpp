@@ -37,7 +37,7 @@ int different(const Image& a, const Image& b) {
   return n;
 }
 
-TEST(DebugPicture, BulgesAreRedAndHollowsBlue) {
+TEST(DebugPictureTest, BulgesAreRedAndHollowsBlue) {
   Wound wound(0.02);
   const Image out = wound.draw();
   wound.sheet.x.col(2) *= -1;
@@ -50,7 +50,7 @@ TEST(DebugPicture, BulgesAreRedAndHollowsBlue) {
       << red << " " << blue;
 }
 
-TEST(DebugPicture, SingularPointsAreSeenOnPatternAndSheetWithTheirNumbers) {
+TEST(DebugPictureTest, SingularPointsAreSeenOnPatternAndSheetWithTheirNumbers) {
   Wound wound(0.05);
   EXPECT_EQ(count(wound.draw(), magenta), 0);
   wound.sheet.singular.push_back({{0.03, 0.05}, 1, "test"});
@@ -60,14 +60,14 @@ TEST(DebugPicture, SingularPointsAreSeenOnPatternAndSheetWithTheirNumbers) {
   EXPECT_GT(count(wound.draw(), magenta), 1.8 * count(one, magenta));
 }
 
-TEST(DebugPicture, AJammedHandleHasAnotherColourThanAHeldOne) {
+TEST(DebugPictureTest, AJammedHandleHasAnotherColourThanAHeldOne) {
   Wound wound(0.05);
   EXPECT_EQ(count(wound.draw(), orange), 0);
   wound.frame.handles[0].state = HandleFrame::jammed;
   EXPECT_GT(count(wound.draw(), orange), 50);
 }
 
-TEST(DebugPicture, RulingsAndRegionsOfAMethodAreDrawnOnThePattern) {
+TEST(DebugPictureTest, RulingsAndRegionsOfAMethodAreDrawnOnThePattern) {
   Wound wound(0.05);
   const Image plain = wound.draw();
   wound.frame.parts.rulings.push_back({{0.05, 0}, {0.05, 0.1}});

@@ -16,7 +16,7 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::CommandLine;
+using OutputFolderTest = test::CommandLine;
 using test::Ended;
 using test::is_error;
 using test::read;
@@ -24,7 +24,7 @@ using test::samples;
 using test::Words;
 using test::write;
 
-TEST_F(CommandLine, MapsAndCertificateOfAnEarlierBakeDoNotStayBesideANewOne) {
+TEST_F(OutputFolderTest, MapsAndCertificateOfAnEarlierBakeDoNotStayBesideANewOne) {
   ASSERT_EQ(bake({"--map-frames", "1-2"}).code, 0);
   const fs::path maps = fs::path(output()) / "maps", cert = fs::path(output()) / "cert";
   write(maps / "notes.txt", "mine");
@@ -36,24 +36,24 @@ TEST_F(CommandLine, MapsAndCertificateOfAnEarlierBakeDoNotStayBesideANewOne) {
   EXPECT_TRUE(fs::exists(maps / "notes.txt"));
 }
 
-TEST_F(CommandLine, AFileInTheWayOfTheOutputFolderEndsWithSix) {
+TEST_F(OutputFolderTest, AFileInTheWayOfTheOutputFolderEndsWithSix) {
   fs::create_directories(folder / "out");
   write(output(), "I was here first.");
   EXPECT_TRUE(is_error(bake({}), 6, output(), "file is in the way"));
   EXPECT_EQ(read(output()), "I was here first.");
 }
 
-TEST_F(CommandLine, AFileInTheWayOfAParentFolderEndsWithSix) {
+TEST_F(OutputFolderTest, AFileInTheWayOfAParentFolderEndsWithSix) {
   write(folder / "out", "I was here first.");
   EXPECT_TRUE(is_error(bake({}), 6, output(), "file is in the way"));
 }
 
-TEST_F(CommandLine, AFolderInTheWayOfAnOutputFileEndsWithSix) {
+TEST_F(OutputFolderTest, AFolderInTheWayOfAnOutputFileEndsWithSix) {
   fs::create_directories(fs::path(output()) / "S4_crumple.abc" / "full");
   EXPECT_TRUE(is_error(bake({}), 6, output() + "/S4_crumple.abc", ""));
 }
 
-TEST_F(CommandLine, ABusyOutputFolderEndsWithSixUntilItIsFree) {
+TEST_F(OutputFolderTest, ABusyOutputFolderEndsWithSixUntilItIsFree) {
   const fs::path state = fs::path(output()) / ".state";
   fs::create_directories(state);
   const int lock = ::open((state / "lock").c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
@@ -64,7 +64,7 @@ TEST_F(CommandLine, ABusyOutputFolderEndsWithSixUntilItIsFree) {
   EXPECT_EQ(bake({}).code, 0);
 }
 
-TEST_F(CommandLine, DebugPicturesAreOfTheFramesOfTheMapsAndOfTheLast) {
+TEST_F(OutputFolderTest, DebugPicturesAreOfTheFramesOfTheMapsAndOfTheLast) {
   const std::string pictures = folder / "pictures" / "here";
   const Words words{"bake",
                     samples + "/S4_crumple.glb",
@@ -98,7 +98,7 @@ TEST_F(CommandLine, DebugPicturesAreOfTheFramesOfTheMapsAndOfTheLast) {
   EXPECT_EQ(read(others + "/S4_crumple.0007.png"), bytes) << "same frame, same picture";
 }
 
-TEST_F(CommandLine, AFileInTheWayOfTheDebugPicturesEndsWithSix) {
+TEST_F(OutputFolderTest, AFileInTheWayOfTheDebugPicturesEndsWithSix) {
   write(folder / "pictures", "I was here first.");
   const Ended ended = bake({"--debug-pictures", folder / "pictures"});
   EXPECT_TRUE(is_error(ended, 6, folder / "pictures", "file is in the way"));

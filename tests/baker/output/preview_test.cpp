@@ -15,7 +15,7 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::CommandLine;
+using PreviewCommandTest = test::CommandLine;
 using test::Ended;
 using test::read;
 
@@ -37,7 +37,7 @@ bool cool(const Colour& c) { return c.red > 60 && c.blue > c.red + 10; }  // of 
 bool green(const Colour& c) { return c == Colour{10, 170, 70}; }
 bool orange(const Colour& c) { return c == Colour{240, 130, 0}; }
 
-TEST(Preview, FramesAreEvenlyApartEndWithTheLastAndAreSixteenAtMost) {
+TEST(PreviewTest, FramesAreEvenlyApartEndWithTheLastAndAreSixteenAtMost) {
   for (const FrameSpan& frames : std::vector<FrameSpan>{
            {1, 96, 1}, {1, 17, 1}, {5, 5, 1}, {3, 140, 4}, {1, 1000, 1}, {10, 25, 1}}) {
     const FrameSpan shown = preview_frames(frames);
@@ -55,7 +55,7 @@ TEST(Preview, FramesAreEvenlyApartEndWithTheLastAndAreSixteenAtMost) {
   EXPECT_EQ(preview_frames({1, 16, 1}).step, 1);
 }
 
-TEST(Preview, TheBackOfPaperIsBluerThanItsFront) {
+TEST(PreviewTest, TheBackOfPaperIsBluerThanItsFront) {
   CacheFrame turned = flat();
   turned.triangles.col(1).swap(turned.triangles.col(2));
   const Image front = contact_sheet("", {panel(flat())}), back = contact_sheet("", {panel(turned)});
@@ -64,7 +64,7 @@ TEST(Preview, TheBackOfPaperIsBluerThanItsFront) {
   EXPECT_GT(count(back, cool), 100000);
 }
 
-TEST(Preview, ACreasePartsLightFromDark) {
+TEST(PreviewTest, ACreasePartsLightFromDark) {
   CacheFrame roof = flat();
   for (Eigen::Index v = 0; v < roof.x.rows(); ++v)
     roof.x(v, 2) = -0.5 * std::abs(roof.x(v, 0) - 0.05);
@@ -76,7 +76,7 @@ TEST(Preview, ACreasePartsLightFromDark) {
   EXPECT_GT(shaded, 50000);
 }
 
-TEST(Preview, OneCameraSeesAllPanels) {
+TEST(PreviewTest, OneCameraSeesAllPanels) {
   const Image image = contact_sheet("", {panel(flat()), panel(flat({0.1, 0, 0}))});
   // of the paper in these columns [px], from the first of them
   const auto middle = [&](int from, int to) {
@@ -90,7 +90,7 @@ TEST(Preview, OneCameraSeesAllPanels) {
       << "what moves to the right must do so in the picture";
 }
 
-TEST(Preview, HandlesAreGreenWhereTheyHoldAndOrangeWhereJammed) {
+TEST(PreviewTest, HandlesAreGreenWhereTheyHoldAndOrangeWhereJammed) {
   Panel held = panel(flat());
   HandleRecord handle;
   handle.held = {0.05, 0.05, 0};
@@ -114,7 +114,7 @@ PlacedCollider plane(double half, double height) {
   return made;
 }
 
-TEST(Preview, CollidersAreBlueGreyBesideThePaperAndChangeNothingOfItsSize) {
+TEST(PreviewTest, CollidersAreBlueGreyBesideThePaperAndChangeNothingOfItsSize) {
   const auto solid = [](const Colour& c) {
     return c.red > 70 && c.red < 150 && c.blue > c.red + 8;
   };
@@ -128,7 +128,7 @@ TEST(Preview, CollidersAreBlueGreyBesideThePaperAndChangeNothingOfItsSize) {
   EXPECT_NEAR(count(image, warm), count(without, warm), 0.03 * count(without, warm));
 }
 
-TEST(Preview, APlaneBeforeThePaperDoesNotHideIt) {
+TEST(PreviewTest, APlaneBeforeThePaperDoesNotHideIt) {
   Panel with = panel(flat());
   const int seen = count(contact_sheet("", {with}), warm);
   with.colliders = {plane(10, 0.05)};
@@ -138,7 +138,7 @@ TEST(Preview, APlaneBeforeThePaperDoesNotHideIt) {
   EXPECT_GT(through, 0.9 * seen);
 }
 
-TEST(Preview, CollidersStayInTheirPanel) {
+TEST(PreviewTest, CollidersStayInTheirPanel) {
   Panel with = panel(flat());
   const Panel without = with;
   with.colliders = {plane(10, -0.01)};
@@ -149,7 +149,7 @@ TEST(Preview, CollidersStayInTheirPanel) {
       ASSERT_EQ(image.at(column, row), one.at(column, row)) << column << " " << row;
 }
 
-TEST_F(CommandLine, APreviewAloneIsOnePictureAndTheSameWithOneThreadAndTwo) {
+TEST_F(PreviewCommandTest, APreviewAloneIsOnePictureAndTheSameWithOneThreadAndTwo) {
   const auto preview = [&](const std::string& threads) {
     const Ended ended = run(crumple("1-6", {"--formats", "preview", "--quality", "draft",
                                             "--threads", threads, "--progress", "none"}));
@@ -163,7 +163,7 @@ TEST_F(CommandLine, APreviewAloneIsOnePictureAndTheSameWithOneThreadAndTwo) {
   EXPECT_EQ(one, preview("2"));
 }
 
-TEST_F(CommandLine, APreviewBesideACacheLeavesEveryFrameInTheCertificateRendered) {
+TEST_F(PreviewCommandTest, APreviewBesideACacheLeavesEveryFrameInTheCertificateRendered) {
   const Ended ended = run(crumple(
       "1-20", {"--formats", "abc,cert,preview", "--quality", "draft", "--progress", "none"}));
   ASSERT_EQ(ended.code, 0) << ended.err;
@@ -173,7 +173,7 @@ TEST_F(CommandLine, APreviewBesideACacheLeavesEveryFrameInTheCertificateRendered
   EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
-TEST_F(CommandLine, APreviewAndACertificateAloneRenderOnlyWhatIsShown) {
+TEST_F(PreviewCommandTest, APreviewAndACertificateAloneRenderOnlyWhatIsShown) {
   const Ended ended = run(
       crumple("1-20", {"--formats", "cert,preview", "--quality", "draft", "--progress", "none"}));
   ASSERT_EQ(ended.code, 0) << ended.err;

@@ -11,28 +11,28 @@
 namespace paperbake {
 namespace {
 
-using test::CommandLine;
+using ProgressTest = test::CommandLine;
 using test::Ended;
 using test::lines_of;
 
-TEST_F(CommandLine, BothPassesOfABakeTellOfEveryFrame) {
+TEST_F(ProgressTest, BothPassesOfABakeTellOfEveryFrame) {
   const Ended ended = run(crumple("1-3", {"--fps", "24", "--progress", "json"}));
   ASSERT_EQ(ended.code, 0) << ended.err;
   std::map<std::string, int> done;
   for (const std::string& line : lines_of(ended.err)) {
-    const auto said = nlohmann::json::parse(line);
-    EXPECT_EQ(said["done"], ++done[said["pass"]]) << line;
-    EXPECT_EQ(said["frame"], said["done"]);
-    EXPECT_EQ(said["frames"], 3);
-    EXPECT_GE(double(said["seconds_left"]), 0);
-    if (said["pass"] == "rendered") {
-      EXPECT_GT(said["triangles"], 10000);
+    const auto given = nlohmann::json::parse(line);
+    EXPECT_EQ(given["done"], ++done[given["pass"]]) << line;
+    EXPECT_EQ(given["frame"], given["done"]);
+    EXPECT_EQ(given["frames"], 3);
+    EXPECT_GE(double(given["seconds_left"]), 0);
+    if (given["pass"] == "rendered") {
+      EXPECT_GT(given["triangles"], 10000);
     }
   }
   EXPECT_EQ(done, (std::map<std::string, int>{{"rendered", 3}, {"simulated", 3}}));
 }
 
-TEST_F(CommandLine, APlainBakeSaysWhichPassIsAtWhichFrame) {
+TEST_F(ProgressTest, APlainBakeSaysWhichPassIsAtWhichFrame) {
   const Ended ended = run(crumple("1-2", {"--fps", "24", "--progress", "plain"}));
   for (const char* words : {"paper simulated frame 2 (2/2)", "paper rendered frame 1 (1/2)",
                             "paper rendered frame 2 (2/2)  0:00 left"})
@@ -40,7 +40,7 @@ TEST_F(CommandLine, APlainBakeSaysWhichPassIsAtWhichFrame) {
   EXPECT_TRUE(bake({}).err.empty());
 }
 
-TEST_F(CommandLine, ABakeWithoutACacheHasOnePass) {
+TEST_F(ProgressTest, ABakeWithoutACacheHasOnePass) {
   for (const auto& more :
        {std::vector<std::string>{"--formats", "maps,cert"}, {"--mesh", "simulation"}}) {
     auto words = more;

@@ -12,7 +12,7 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using test::CommandLine;
+using ReportTest = test::CommandLine;
 using test::Ended;
 using test::read;
 
@@ -26,7 +26,7 @@ std::size_t bytes_in_base64(const std::string& text) {
   return text.size() / 4 * 3 - std::count(text.end() - 2, text.end(), '=');
 }
 
-TEST_F(CommandLine, AReportHoldsEveryFrameItsCurvesAndSettingsAndNeedsNothingElse) {
+TEST_F(ReportTest, AReportHoldsEveryFrameItsCurvesAndSettingsAndNeedsNothingElse) {
   const Ended ended = run(crumple("1-8", {"--mesh", "simulation", "--formats", "cert,report"}));
   ASSERT_EQ(ended.code, 0) << ended.err;
   const std::string page = read(fs::path(output()) / "report.html");

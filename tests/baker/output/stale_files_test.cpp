@@ -17,7 +17,7 @@ using test::samples;
 using test::Words;
 using test::write;
 
-class ASecondBake : public CommandLine {
+class StaleFilesTest : public CommandLine {
  protected:
   void bake_as(const Words& more) const {
     Words words{"bake",        samples + "/S4_crumple.glb",
@@ -39,7 +39,7 @@ class ASecondBake : public CommandLine {
   }
 };
 
-TEST_F(ASecondBake, TakesAwayWhatOnlyTheFirstOneWroteAndNothingElse) {
+TEST_F(StaleFilesTest, ASecondBakeRemovesWhatOnlyTheFirstWroteAndNothingElse) {
   const fs::path pictures = fs::path(output()) / "pictures", out = output();
   bake_as({"--formats", "abc,usd,pc2,maps,cert,report", "--debug-pictures", pictures.string()});
   const auto first = files();
@@ -59,7 +59,7 @@ TEST_F(ASecondBake, TakesAwayWhatOnlyTheFirstOneWroteAndNothingElse) {
   EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
-TEST_F(ASecondBake, WithoutACertificateLeavesNoOldOne) {
+TEST_F(StaleFilesTest, ABakeWithoutACertificateLeavesNoOldOne) {
   bake_as({"--formats", "abc,cert"});
   bake_as({"--formats", "abc"});
   EXPECT_FALSE(files().count("cert/summary.json"));

@@ -25,20 +25,20 @@ using test::read;
 using test::Words;
 using test::write;
 
-TEST(Losses, AWriterThatFailedIsNotCalledAgainAndTheOthersAre) {
-  Losses losses;
+TEST(WriteFailuresTest, AWriterThatFailedIsNotCalledAgainAndTheOthersAre) {
+  WriteFailures failures;
   int calls = 0;
-  EXPECT_FALSE(losses.attempt("a", [&] { ++calls, throw Error(Fault::folder, "a", "full"); }));
-  EXPECT_FALSE(losses.attempt("a", [&] { ++calls; }));
-  EXPECT_TRUE(losses.attempt("b", [&] { ++calls; }));
-  EXPECT_FALSE(losses.attempt("c", [] { throw std::runtime_error("of a library"); }));
+  EXPECT_FALSE(failures.try_write("a", [&] { ++calls, throw Error(Fault::folder, "a", "full"); }));
+  EXPECT_FALSE(failures.try_write("a", [&] { ++calls; }));
+  EXPECT_TRUE(failures.try_write("b", [&] { ++calls; }));
+  EXPECT_FALSE(failures.try_write("c", [] { throw std::runtime_error("of a library"); }));
   EXPECT_EQ(calls, 2);
-  ASSERT_EQ(losses.all().size(), 2u);
-  losses.kept("a", "ends at frame 4", losses.all()[0].error);
-  EXPECT_EQ(losses.sentence(), "a ends at frame 4; there is no c");
+  ASSERT_EQ(failures.all().size(), 2u);
+  failures.record_partial("a", "ends at frame 4", failures.all()[0].error);
+  EXPECT_EQ(failures.summary(), "a ends at frame 4; there is no c");
 }
 
-class AFailingBake : public CommandLine {
+class BakeFailureTest : public CommandLine {
  protected:
   Words words(const std::string& frames, const std::string& formats) const {
     return crumple(frames, {"--map-frames", frames, "--formats", formats});
@@ -56,7 +56,7 @@ class AFailingBake : public CommandLine {
   }
 };
 
-TEST_F(AFailingBake, ThatMayNotMakeItsMapsEndsBeforeAFrameIsSimulated) {
+TEST_F(BakeFailureTest, AMapsFolderThatCannotBeMadeEndsTheBakeBeforeItsFirstFrame) {
   fs::create_directories(output());
   write(file("maps"), "a file");
   const Ended ended = run(crumple("1-4", {"--fps", "24"}));
@@ -64,7 +64,7 @@ TEST_F(AFailingBake, ThatMayNotMakeItsMapsEndsBeforeAFrameIsSimulated) {
   EXPECT_EQ(ended.err.find("simulated"), std::string::npos);
 }
 
-TEST_F(AFailingBake, WithoutOneMapHasEverythingElseAndSaysSo) {
+TEST_F(BakeFailureTest, AMapThatCannotBeWrittenIsReportedAndEverythingElseIsThere) {
   fs::create_directories(file("maps/S4_crumple.0003.exr"));
   const Ended ended = run(words("1-6", "abc,maps,cert,report"));
   EXPECT_EQ(ended.code, 6);
@@ -86,7 +86,7 @@ TEST_F(AFailingBake, WithoutOneMapHasEverythingElseAndSaysSo) {
   expect_no_parts();
 }
 
-TEST_F(AFailingBake, OfTwoThreadsLosesNoMoreThanOfOne) {
+TEST_F(BakeFailureTest, OneThreadKeepsAsManyFramesAsTwo) {
   fs::create_directories(file("maps/S4_crumple.0002.exr"));
   Words one = words("1-4", "abc,maps,cert");
   one.insert(one.end(), {"--threads", "1"});
@@ -94,8 +94,7 @@ TEST_F(AFailingBake, OfTwoThreadsLosesNoMoreThanOfOne) {
   EXPECT_EQ(frames().size(), 4u);
 }
 
-TEST_F(AFailingBake,
-       WhoseDiskIsFullInTheSecondPassKeepsTheCacheUpToThereAndEveryLineOfTheCertificate) {
+TEST_F(BakeFailureTest, ADiskFullInTheSecondPassKeepsTheCacheUpToThereAndTheWholeCertificate) {
   rlimit before;
   getrlimit(RLIMIT_FSIZE, &before);
   const rlimit small{4'000'000, before.rlim_max};  // stands for a disk that fills up
@@ -119,7 +118,7 @@ TEST_F(AFailingBake,
   expect_no_parts();
 }
 
-TEST_F(AFailingBake, LeavesTheWholeCacheOfTheBakeBeforeWhereItsOwnIsLost) {
+TEST_F(BakeFailureTest, TheCacheOfTheEarlierBakeStaysUntilABakeSucceeds) {
   ASSERT_EQ(run(words("1-2", "abc,usd,cert")).code, 0);
   const std::string old = read(file("S4_crumple.usda"));
   fs::create_directories(file("maps/S4_crumple.0002.exr"));
@@ -130,7 +129,7 @@ TEST_F(AFailingBake, LeavesTheWholeCacheOfTheBakeBeforeWhereItsOwnIsLost) {
   EXPECT_FALSE(fs::exists(file("S4_crumple.usda")));
 }
 
-TEST_F(AFailingBake, OnlyOfTheCertificateSaysNothingOfARenderMesh) {
+TEST_F(BakeFailureTest, ACertificateAloneHasNoRenderNumbers) {
   ASSERT_EQ(run(words("1-3", "cert")).code, 0);
   for (const auto& frame : frames()) {
     EXPECT_TRUE(frame["render_triangles"].is_null());

@@ -11,7 +11,7 @@
 namespace paperbake {
 namespace {
 
-using test::CommandLine;
+using ChartCommandTest = test::CommandLine;
 using test::Ended;
 using test::fields_of;
 using test::is_error;
@@ -25,7 +25,7 @@ ChartPoint point(const std::string& method, int size, double ms, double rms) {
   return p;
 }
 
-TEST(Chart, RichardsonFindsTheErrorOfAPowerLaw) {
+TEST(ChartTest, RichardsonFindsTheErrorOfAPowerLaw) {
   for (const double q : {0.5, 1.0, 1.7}) {
     const auto error = [&](double n) { return 30 * std::pow(n, -q); };
     EXPECT_NEAR(richardson_error(error(1500) - error(6000), error(3000) - error(6000)), error(6000),
@@ -36,7 +36,7 @@ TEST(Chart, RichardsonFindsTheErrorOfAPowerLaw) {
   EXPECT_NEAR(richardson_error(1.0, 1.0), 1 / (std::exp2(0.25) - 1), 1e-12);
 }
 
-TEST(Chart, TheFrontHasThePointsThatNoOtherBeatsInBoth) {
+TEST(ChartTest, TheFrontHasThePointsThatNoOtherBeatsInBoth) {
   ChartPoint failed = point("fem", 50, 0.1, 0.01);
   failed.failure = "out of time";
   const std::vector<ChartPoint> points{point("fem", 6000, 100, 0),  point("fem", 1500, 20, 0.02),
@@ -45,7 +45,7 @@ TEST(Chart, TheFrontHasThePointsThatNoOtherBeatsInBoth) {
   EXPECT_EQ(pareto_front(points), (std::vector<int>{3, 2, 1}));
 }
 
-TEST(Chart, ThePictureNamesEveryMethodAndSaysWhatDidNotFinish) {
+TEST(ChartTest, ThePictureNamesEveryMethodAndSaysWhatDidNotFinish) {
   Chart chart;
   chart.scene = "folds & <creases>";
   chart.points = {point("fem", 6000, 100, 0), point("fem", 1500, 20, 0.02),
@@ -59,7 +59,7 @@ TEST(Chart, ThePictureNamesEveryMethodAndSaysWhatDidNotFinish) {
   EXPECT_NE(chart_svg(chart).find(">1500 unfinished</text>"), std::string::npos);
 }
 
-TEST_F(CommandLine, AChartHasARowForEveryRunAndTheHybridComesNearTheReference) {
+TEST_F(ChartCommandTest, AChartHasARowForEveryRunAndTheHybridComesNearTheReference) {
   const Ended ended = run({"chart", test::samples + "/S1_push.glb", "-o", output(), "--frames",
                            "1-12", "--reference", "800", "--repeat", "1", "--budget", "60"});
   ASSERT_EQ(ended.code, 0) << ended.err;
@@ -88,7 +88,7 @@ TEST_F(CommandLine, AChartHasARowForEveryRunAndTheHybridComesNearTheReference) {
   EXPECT_EQ(lines_of(read(output() + "/statistics.csv")).size(), rows.size());
 }
 
-TEST_F(CommandLine, AChartOfASheetThatSwingsLeavesOutWhatIsAtRest) {
+TEST_F(ChartCommandTest, AChartOfASheetThatSwingsLeavesOutWhatIsAtRest) {
   test::GltfFixture scene;
   scene.mesh("paper", test::grid(2, 2, 0.1, 0.1));
   for (const Vector3d& at : {Vector3d(0, 0, 0), Vector3d(0, 0.1, 0)})
@@ -101,7 +101,7 @@ TEST_F(CommandLine, AChartOfASheetThatSwingsLeavesOutWhatIsAtRest) {
   EXPECT_NE(read(output() + "/chart.svg").find("hybrid+fem left out"), std::string::npos);
 }
 
-TEST_F(CommandLine, AChartOfAnUnknownMethodOrSceneEndsWithTwoOrThree) {
+TEST_F(ChartCommandTest, AChartOfAnUnknownMethodOrSceneEndsWithTwoOrThree) {
   EXPECT_TRUE(is_error(
       run({"chart", test::samples + "/S1_push.glb", "-o", output(), "--methods", "hybrid,spline"}),
       2, "--methods", "spline"));
@@ -110,7 +110,7 @@ TEST_F(CommandLine, AChartOfAnUnknownMethodOrSceneEndsWithTwoOrThree) {
   EXPECT_FALSE(test::fs::exists(output() + "/chart.csv"));
 }
 
-TEST_F(CommandLine, AChartWithoutTimeForItsReferenceSaysSo) {
+TEST_F(ChartCommandTest, AChartWithoutTimeForItsReferenceSaysSo) {
   const Ended ended = run({"chart", test::samples + "/S4_crumple.glb", "-o", output(),
                            "--reference", "6000", "--budget", "0.02"});
   EXPECT_EQ(ended.code, 1) << ended.err;

@@ -8,7 +8,7 @@ namespace paperbake {
 namespace {
 
 // the core of positive Gauss curvature that fine finite elements have there: (50 +- 2, 10-20) mm
-TEST(Experiment, TheMeanOfTheLawLiesInTheCoreThatFineFiniteElementsHave) {
+TEST(FirstPointExperimentTest, TheMeanOfTheLawLiesInTheCoreThatFineFiniteElementsHave) {
   for (const char* grade : {"copy70", "copy90"}) {
     Paper paper = read_preset(grade).paper;
     paper.apex_scatter = 0;  // the mean itself is drawn
@@ -20,7 +20,7 @@ TEST(Experiment, TheMeanOfTheLawLiesInTheCoreThatFineFiniteElementsHave) {
   }
 }
 
-TEST(Experiment, SheetsDifferByTheDrawAlone) {
+TEST(FirstPointExperimentTest, SheetsDifferByTheDrawAlone) {
   const Paper paper = read_preset("copy70").paper;
   const auto one = first_singular_point(paper, 1), again = first_singular_point(paper, 1),
              other = first_singular_point(paper, 2);
@@ -30,7 +30,7 @@ TEST(Experiment, SheetsDifferByTheDrawAlone) {
   EXPECT_EQ(one->frame, other->frame);
 }
 
-TEST(Experiment, ScatterIsTheDeviationOfBothDirections) {
+TEST(FirstPointExperimentTest, ScatterIsTheDeviationOfBothDirections) {
   const std::vector<FirstPoint> points{{{0.05, 0.01}, 1, 40},
                                        {{0.05, 0.02}, 2, 41},
                                        {{0.044, 0.015}, 3, 40},

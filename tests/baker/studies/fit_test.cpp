@@ -20,7 +20,7 @@ std::vector<Vector2d> sample(unsigned seed, int sheets, const Vector2d& mean, do
 }
 
 // 95 of 100 trials: of 1,000 between 930 and 970 (three deviations of the count)
-TEST(Fit, IntervalsHoldTheTruthInNineteenOfTwentyTrials) {
+TEST(FitTest, IntervalsHoldTheTruthInNineteenOfTwentyTrials) {
   const Vector2d truth(0.002, -0.001);
   constexpr double deviation = 0.004;
   int in_u = 0, in_v = 0, in_deviation = 0;
@@ -33,7 +33,7 @@ TEST(Fit, IntervalsHoldTheTruthInNineteenOfTwentyTrials) {
   for (const int held : {in_u, in_v, in_deviation}) EXPECT_NEAR(held, 950, 21);
 }
 
-TEST(Fit, LikeliestDeviationIsTheRootMeanSquareAboutTheMean) {
+TEST(FitTest, LikeliestDeviationIsTheRootMeanSquareAboutTheMean) {
   const ScatterFit fit = fit_scatter({law + Vector2d(3e-3, 0), law - Vector2d(3e-3, 0),
                                       law + Vector2d(0, 4e-3), law - Vector2d(0, 4e-3)},
                                      law);
@@ -47,7 +47,7 @@ TEST(Fit, LikeliestDeviationIsTheRootMeanSquareAboutTheMean) {
   EXPECT_NEAR(fit.offset_u.high, 2.4469 * fit.deviation / 2, 1e-7);
 }
 
-TEST(Fit, SamplesOfOneLawAreNotToldApartAndOthersAre) {
+TEST(FitTest, SamplesOfOneLawAreNotToldApartAndOthersAre) {
   int alike = 0;
   for (unsigned trial = 0; trial < 40; ++trial)
     alike +=
@@ -61,7 +61,7 @@ TEST(Fit, SamplesOfOneLawAreNotToldApartAndOthersAre) {
   EXPECT_LT(compare_samples(sample(1, 30, law, 0.005), sample(2, 30, law, 0.0015)).p, 0.01);
 }
 
-TEST(Fit, FittedGradeReadsAsThePresetItIs) {
+TEST(FitTest, FittedGradeReadsAsThePresetItIs) {
   const ScatterFit fit = fit_scatter(sample(7, 20, law, 0.003), law);
   const Preset mine = with_scatter(read_preset("copy70"), "mine", fit, "points \"a\".csv");
   const auto path = std::filesystem::path(testing::TempDir()) / "paperbake_fit_mine.toml";
@@ -80,7 +80,7 @@ TEST(Fit, FittedGradeReadsAsThePresetItIs) {
   std::filesystem::remove(path);
 }
 
-TEST(Fit, BadFilesAreNamedWithTheirLine) {
+TEST(FitTest, BadFilesAreNamedWithTheirLine) {
   const auto path = std::filesystem::path(testing::TempDir()) / "paperbake_fit_points.csv";
   const auto error = [&](const std::string& text) {
     std::ofstream(path) << text;

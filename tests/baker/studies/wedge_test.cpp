@@ -47,7 +47,7 @@ bool says(const std::string& text, const std::string& part) {
   return text.find(part) != std::string::npos;
 }
 
-TEST(Vary, RangesStepsAndValuesAreToldApart) {
+TEST(WedgeAxesTest, RangesStepsAndValuesAreToldApart) {
   EXPECT_EQ(values("seed=1..4"), (Words{"1", "2", "3", "4"}));
   EXPECT_EQ(values("seed=7,1..5x2"), (Words{"7", "1", "3", "5"}));
   EXPECT_EQ(values("gravity=0..9.8x4.9"), (Words{"0.0", "4.9", "9.8"}))
@@ -58,7 +58,7 @@ TEST(Vary, RangesStepsAndValuesAreToldApart) {
   EXPECT_EQ(parse_axis("map-size=64").key, "map_size");
 }
 
-TEST(Vary, WhatCannotBeVariedIsRefusedWithPlaceAndRemedy) {
+TEST(WedgeAxesTest, WhatCannotBeVariedIsRefusedWithPlaceAndRemedy) {
   EXPECT_TRUE(says(message([] { parse_axis("sed=1..4"); }), "Did you mean \"seed\"?"));
   EXPECT_TRUE(says(message([] { parse_axis("thicknes=90e-6"); }), "Did you mean \"thickness\"?"));
   EXPECT_TRUE(
@@ -81,7 +81,7 @@ TEST(Vary, WhatCannotBeVariedIsRefusedWithPlaceAndRemedy) {
   EXPECT_TRUE(says(message([] { parse_axis("seed=1..4000000000"); }), "10000"));
 }
 
-TEST(Vary, EveryValueMeetsEveryOtherAndTheLastKeyChangesFirst) {
+TEST(WedgeAxesTest, EveryValueMeetsEveryOtherAndTheLastKeyChangesFirst) {
   const auto axes = parse_axes({"seed=1..2", "preset=copy70,copy90", "thickness=9e-5"});
   std::set<Words> all;
   ASSERT_EQ(variations(axes), 4);
@@ -95,7 +95,7 @@ TEST(Vary, EveryValueMeetsEveryOtherAndTheLastKeyChangesFirst) {
   EXPECT_EQ(settings.set[0].value, 9e-5);
 }
 
-class WedgeProgram : public CommandLine {
+class WedgeTest : public CommandLine {
  protected:
   Words words(const std::string& folder, const Words& more) const {
     Words all{"wedge",       samples + "/S4_crumple.glb",
@@ -136,7 +136,7 @@ class WedgeProgram : public CommandLine {
   }
 };
 
-TEST_F(WedgeProgram, EachVariationIsTheBakeThatItsWordsAskFor) {
+TEST_F(WedgeTest, EachVariationIsTheBakeThatItsWordsAskFor) {
   const Ended ended =
       wedge({"--vary", "seed=1..2", "--vary", "preset=copy70,copy90", "--jobs", "2"});
   ASSERT_EQ(ended.code, 0) << ended.err;
@@ -166,7 +166,7 @@ TEST_F(WedgeProgram, EachVariationIsTheBakeThatItsWordsAskFor) {
   EXPECT_EQ(read(out("wedge.png")).substr(1, 3), "PNG");
 }
 
-TEST_F(WedgeProgram, WhatIsBakedIsNotBakedAgainAndWhatIsMissingIs) {
+TEST_F(WedgeTest, WhatIsBakedIsNotBakedAgainAndWhatIsMissingIs) {
   const Words seeds{"--vary", "seed=1..2"};
   ASSERT_EQ(wedge(seeds).code, 0);
   const auto before = times(output());
@@ -184,7 +184,7 @@ TEST_F(WedgeProgram, WhatIsBakedIsNotBakedAgainAndWhatIsMissingIs) {
       << "another job";
 }
 
-TEST_F(WedgeProgram, OneByOneInAnyOrderTheyAreTheSameAndTheLastWritesTheTable) {
+TEST_F(WedgeTest, OneByOneInAnyOrderTheyAreTheSameAndTheLastWritesTheTable) {
   const auto one = [&](const std::string& index) {
     return wedge({"--vary", "seed=1..3", "--index", index}).code;
   };
@@ -198,7 +198,7 @@ TEST_F(WedgeProgram, OneByOneInAnyOrderTheyAreTheSameAndTheLastWritesTheTable) {
   EXPECT_TRUE(is_error(wedge({"--vary", "seed=1..3", "--index", "4"}), 2, "--index 4", "1 to 3"));
 }
 
-TEST_F(WedgeProgram, TheExitCodeIsFourForGatesElseTheWorst) {
+TEST_F(WedgeTest, TheExitCodeIsFourForGatesElseTheWorst) {
   const Ended gate = wedge({"--vary", "seed=1..2", "--max-stretch", "1e-9"});
   EXPECT_EQ(gate.code, 4);
   EXPECT_EQ(Json::parse(read(out("wedge.json")))["variations"][0]["exit_code"], 4);
@@ -213,7 +213,7 @@ TEST_F(WedgeProgram, TheExitCodeIsFourForGatesElseTheWorst) {
   EXPECT_TRUE(says(rows[1]["message"], "--probe"));
 }
 
-TEST_F(WedgeProgram, NothingIsWrittenWhenWordsOrSceneAreWrong) {
+TEST_F(WedgeTest, NothingIsWrittenWhenWordsOrSceneAreWrong) {
   EXPECT_TRUE(is_error(wedge({"--vary", "sed=1..2"}), 2, "--vary sed", "Did you mean \"seed\"?"));
   EXPECT_TRUE(is_error(wedge({"--vary", "triangles=1..3"}), 2, "--vary triangles", "\"1\" is not"));
   EXPECT_TRUE(is_error(run({"wedge", folder / "none.glb", "-o", output(), "--vary", "seed=1..2"}),
@@ -221,7 +221,7 @@ TEST_F(WedgeProgram, NothingIsWrittenWhenWordsOrSceneAreWrong) {
   EXPECT_FALSE(fs::exists(output()));
 }
 
-TEST_F(WedgeProgram, WithoutSbatchTheScriptIsWrittenAllTheSame) {
+TEST_F(WedgeTest, WithoutSbatchTheScriptIsWrittenAllTheSame) {
   const std::string path = std::getenv("PATH");
   setenv("PATH", folder.c_str(), 1);
   const Ended ended = wedge({"--vary", "seed=1..4", "--jobs", "2", "--submit", "slurm"});
@@ -235,7 +235,7 @@ TEST_F(WedgeProgram, WithoutSbatchTheScriptIsWrittenAllTheSame) {
     EXPECT_FALSE(says(script, of_all)) << of_all;
 }
 
-TEST_F(WedgeProgram, AnInterruptEndsTheChildrenAfterTheirFrame) {
+TEST_F(WedgeTest, AnInterruptEndsTheChildrenAfterTheirFrame) {
   const pid_t program =
       start(folder, {"wedge", samples + "/S4_crumple.glb", "-o", output(), "--triangles", "8000",
                      "--method", "fem", "--vary", "seed=1..4", "--jobs", "2"});
@@ -250,7 +250,7 @@ TEST_F(WedgeProgram, AnInterruptEndsTheChildrenAfterTheirFrame) {
   EXPECT_FALSE(fs::exists(out("wedge.csv")));
 }
 
-TEST_F(WedgeProgram, AVariationThatIsStoppedKeepsItsFrames) {
+TEST_F(WedgeTest, AVariationThatIsStoppedKeepsItsFrames) {
   const pid_t program =
       start(folder, {"wedge", samples + "/S4_crumple.glb", "-o", output(), "--method", "fem",
                      "--triangles", "3000", "--vary", "seed=1..2", "--index", "1"});

@@ -64,7 +64,7 @@ TEST(AnimateTest, TheEnergyOfAFemArchConvergesWithTheSquareOfTheEdge) {
   // Scene S1, frame 24, all meshes against the finest one. The energy is compared because no
   // interpolation between meshes blurs it.
   const auto energy = [](int triangles) {
-    return play(test::s1_push(), triangles, 24, 1e-7).frames.back().energy;
+    return play(test::s1_push(), triangles, 24, 1e-7).frames.back().statistics.energy;
   };
   const double exact = 1.0126 * 2.7e-4;  // U L/(D W) of the elastica, times D W/L of a square sheet
   const double coarse = energy(200), fine = energy(800), finest = energy(3200);
@@ -125,7 +125,7 @@ TEST(AnimateTest, HandlesThatJumpEndNearTheSlowRun) {
 
 TEST(AnimateTest, TheFirstFrameIsTheSheetAsItWasModelled) {
   const Played played = play(test::s1_push(), 300, 1);
-  EXPECT_EQ(played.frames[0].newton_iterations, 0);
+  EXPECT_EQ(played.frames[0].statistics.newton_iterations, 0);
   EXPECT_NEAR(played.sheets[0].x.col(2).maxCoeff(), 1e-4, 1e-6);
 }
 
@@ -178,7 +178,7 @@ TEST(AnimateTest, ASheetThatCannotFollowItsHandlesStaysAndReportsIt) {
   });
   ASSERT_EQ(frames.size(), 13u);
   for (int f = 8; f <= 10; ++f) {
-    EXPECT_FALSE(frames[f - 1].converged);
+    EXPECT_FALSE(frames[f - 1].statistics.converged);
     EXPECT_NE(frames[f - 1].note.find("it stays as it was: The sheet cannot follow the handles"),
               std::string::npos)
         << frames[f - 1].note;

@@ -134,7 +134,7 @@ TEST(AnimateTogetherTest, TwoSheetsCrushedTogetherDoNotIntersect) {
   EXPECT_LT(crushed.stretch, 0.02);
   int births = 0;
   for (const auto& sheet : crushed.frames)
-    for (const AnimatedFrame& f : sheet) births += f.new_singular;
+    for (const AnimatedFrame& f : sheet) births += f.statistics.new_singular;
   EXPECT_GT(births, 0) << "their meshes change beside each other";
 }
 

@@ -92,7 +92,7 @@ Played play(const Shot& shot, int last_frame, int probe_every) {
   animate(shot, fem(100), options, [&](const AnimatedFrame& f) {
     played.x.push_back(f.sheet->x);
     played.notes.push_back(f.note);
-    played.energy.push_back(f.energy);
+    played.energy.push_back(f.statistics.energy);
     return true;
   });
   return played;

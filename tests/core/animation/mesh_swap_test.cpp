@@ -176,7 +176,7 @@ TEST(MeshSwapTest, AnArchGetsRulingsHoldsItsHandlesAndIsTheSameTwice) {
     accepted = 0;
     animate(shot, hybrid(shot.pattern, shot.paper, 90, options, 0, 0), animation,
             [&](const AnimatedFrame& frame) {
-              accepted += frame.remesh == AnimatedFrame::accepted;
+              accepted += frame.statistics.remesh == FrameStatistics::accepted;
               for (const HandleFrame& handle : frame.handles)
                 if (handle.state != HandleFrame::free) {
                   EXPECT_LT((handle.at - handle.keyed).norm(), 1e-4) << frame.frame;
@@ -209,7 +209,7 @@ TEST(MeshSwapTest, OptionsDecideWhenAMeshIsStaleAndHowLargeItMayGrow) {
     Seen seen;
     animate(shot, hybrid(shot.pattern, shot.paper, 90, options, 0, 0), animation,
             [&](const AnimatedFrame& frame) {
-              seen.accepted += frame.remesh == AnimatedFrame::accepted;
+              seen.accepted += frame.statistics.remesh == FrameStatistics::accepted;
               seen.triangles = std::max<long>(seen.triangles, frame.sheet->triangles.rows());
               return true;
             });

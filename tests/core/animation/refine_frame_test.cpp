@@ -23,7 +23,7 @@ Taken take(const Shot& shot, const Method& method, int frame) {
   animate(shot, method, options, [&](const AnimatedFrame& f) {
     if (f.frame < frame) return true;
     taken.sheet = *f.sheet;
-    taken.energy = f.energy;
+    taken.energy = f.statistics.energy;
     for (std::size_t h = 0; h < f.handles.size(); ++h) {
       if (f.handles[h].state == HandleFrame::free) continue;
       taken.held.push_back(static_cast<int>(h));

@@ -52,11 +52,14 @@ TEST(RefinedAnimationTest, HasTheEnergyOfAFullRunOfFineFem) {
              rough = marched(shot, coarse(shot), 30);
   ASSERT_EQ(ours.size(), 30u);
   for (const int f : {6, 12, 24, 30}) {
-    EXPECT_NEAR(ours.at(f).frame.energy, fine.at(f).frame.energy, 2e-3 * fine.at(f).frame.energy)
+    EXPECT_NEAR(ours.at(f).frame.statistics.energy, fine.at(f).frame.statistics.energy,
+                2e-3 * fine.at(f).frame.statistics.energy)
         << f;
     EXPECT_GT(ours.at(f).sheet.triangles.rows(), 800) << f;
     EXPECT_LT(length_distortion(ours.at(f).sheet).mean, 1e-4) << f;
-    EXPECT_GT(ours.at(f).frame.newton_iterations, rough.at(f).frame.newton_iterations) << f;
+    EXPECT_GT(ours.at(f).frame.statistics.newton_iterations,
+              rough.at(f).frame.statistics.newton_iterations)
+        << f;
   }
 }
 
@@ -111,7 +114,7 @@ TEST(RefinedAnimationTest, ASheetThatTouchesItselfIsHandedOnUnpolishedWithANote)
              rough = marched(shot, coarse(shot), last);
   int touching = 0;
   for (const auto& [f, frame] : frames) {
-    if (rough.at(f).frame.touching == 0) continue;
+    if (rough.at(f).frame.statistics.touching == 0) continue;
     ++touching;
     EXPECT_NE(frame.frame.note.find("not polished"), std::string::npos) << f;
     EXPECT_TRUE(frame.sheet.x == rough.at(f).sheet.x) << f;

@@ -80,10 +80,10 @@ inline Outcome outcome_of(const std::vector<Shot>& shots,
     outcome.crossings += paperbake::crossings(*f.sheet);
     for (std::size_t o = 0; o < f.of; ++o)
       outcome.crossings_with_others += crossings_between(*f.sheet, outcome.shapes[o].back());
-    outcome.touching_others = std::max(outcome.touching_others, f.touching_others);
+    outcome.touching_others = std::max(outcome.touching_others, f.statistics.touching_others);
     outcome.stretch = std::max(outcome.stretch, length_distortion(*f.sheet).largest);
-    outcome.energy = std::max(outcome.energy, f.energy);
-    outcome.elastic_ms += f.elastic_ms;
+    outcome.energy = std::max(outcome.energy, f.statistics.energy);
+    outcome.elastic_ms += f.statistics.elastic_ms;
     outcome.frames[f.of].push_back(f);
     outcome.shapes[f.of].push_back(*f.sheet);
     return true;

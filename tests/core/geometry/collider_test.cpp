@@ -287,7 +287,7 @@ TEST(ColliderTest, ColliderStopsTheHandleWhichIsJammedWhenHard) {
     HandleFrame::State last = HandleFrame::free;
     animate(shot, fem(150), options, [&](const AnimatedFrame& frame) {
       lowest = std::min(lowest, frame.sheet->x.col(2).minCoeff());
-      EXPECT_LT(frame.inside_colliders, 1e-4);
+      EXPECT_LT(frame.statistics.inside_colliders, 1e-4);
       last = frame.handles[0].state;
       off = (frame.handles[0].at - frame.handles[0].keyed).norm();
       along = frame.handles[0].at.x();
@@ -315,7 +315,7 @@ TEST(ColliderTest, MovingBoxPushesTheSheetWhichStaysWhereItWasLeft) {
   options.elastic.inertia = Inertia::dynamic;
   options.last_frame = frames;
   animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
-    EXPECT_LT(frame.inside_colliders, 1e-4);
+    EXPECT_LT(frame.statistics.inside_colliders, 1e-4);
     if (frame.frame > 24) {
       EXPECT_NEAR(frame.sheet->x.col(0).minCoeff(), 0.025, 1e-3);
     }

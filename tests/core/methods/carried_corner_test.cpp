@@ -24,11 +24,11 @@ TEST(CarriedCornerTest, ASheetCarriedByItsCornerRollsAndDoesNotBreak) {
     double energy = 0;
     animate(shot, hybrid(shot.pattern, shot.paper, base, {}, 0, 0), options,
             [&](const AnimatedFrame& frame) {
-              EXPECT_EQ(frame.new_singular, 0) << base << " " << frame.frame;
-              EXPECT_LT(frame.inside_colliders, 1e-4) << base << " " << frame.frame;
+              EXPECT_EQ(frame.statistics.new_singular, 0) << base << " " << frame.frame;
+              EXPECT_LT(frame.statistics.inside_colliders, 1e-4) << base << " " << frame.frame;
               for (const HandleFrame& handle : frame.handles)
                 EXPECT_NE(handle.state, HandleFrame::jammed) << base << " " << frame.frame;
-              energy = frame.energy;
+              energy = frame.statistics.energy;
               return true;
             });
     // fem of 6,000 triangles stores 5.03 mJ and does not yield; a locked fold stored 12 mJ

@@ -62,9 +62,10 @@ Crumpled crumple(const Setting& setting) {
             c.edge = std::max(c.edge, d.largest);
             for (const HandleFrame& h : f.handles)
               if (h.state != HandleFrame::free) c.lag = std::max(c.lag, (h.at - h.keyed).norm());
-            if (c.births == 0 && f.new_singular > 0) c.first_birth = f.frame / options.fps;
+            if (c.births == 0 && f.statistics.new_singular > 0)
+              c.first_birth = f.frame / options.fps;
             c.births = static_cast<int>(f.sheet->singular.size());
-            c.plastic[f.frame] = f.plastic;
+            c.plastic[f.frame] = f.statistics.plastic;
             return true;
           });
   return c;

@@ -71,7 +71,7 @@ TEST(HybridTest, NothingChangesWhileNothingMoves) {
     EXPECT_TRUE(played.sheets[f].triangles == played.sheets[17].triangles) << f;
     // twice the `stop` of the solver
     EXPECT_LT((played.sheets[f].x - played.sheets[17].x).rowwise().norm().maxCoeff(), 2e-5) << f;
-    EXPECT_EQ(played.frames[f].newton_iterations, 0) << f;  // and it costs nothing
+    EXPECT_EQ(played.frames[f].statistics.newton_iterations, 0) << f;  // and it costs nothing
   }
 }
 
@@ -101,8 +101,8 @@ TEST(HybridTest, OnlyPaperWoundTooTightlyKeepsACurl) {
     animate(
         shot, hybrid(shot.pattern, shot.paper, 240, {}, 0, 0), options,
         [&](const AnimatedFrame& frame) {
-          EXPECT_GE(frame.plastic, plastic - 1e-9);  // paper does not heal
-          plastic = frame.plastic;
+          EXPECT_GE(frame.statistics.plastic, plastic - 1e-9);  // paper does not heal
+          plastic = frame.statistics.plastic;
           EXPECT_EQ(frame.plastic_curvature.rows(), frame.sheet->pattern.rows());
           kept = frame.plastic_curvature.col(0).mean();
           // mean curvature from the chord between the ends: c = 2/k sin(k L/2)
@@ -152,7 +152,7 @@ TEST(HybridTest, SingularPointsOfACrushedSheetStayAndDependOnTheSeed) {
     for (std::size_t k = 0; k < a.sheets[f - 1].singular.size(); ++k)
       EXPECT_TRUE(a.sheets[f].singular[k].pattern == a.sheets[f - 1].singular[k].pattern);
     test::expect_sound(a.sheets[f], 0.21 * 0.21);
-    EXPECT_EQ(a.frames[f].new_singular,
+    EXPECT_EQ(a.frames[f].statistics.new_singular,
               int(a.sheets[f].singular.size() - a.sheets[f - 1].singular.size()));
   }
   EXPECT_TRUE(a.sheets.back().x == again.sheets.back().x);

@@ -136,7 +136,8 @@ TEST_P(SerializerTest, TheStateIsEverythingThatTheNextFramesDependOn) {
   const auto frames = [&](const AnimateOptions& how) {
     std::vector<Seen> seen;
     animate(shot, c.method(shot), how, [&](const AnimatedFrame& f) {
-      seen.push_back({*f.sheet, f.energy, f.plastic, f.newton_iterations, f.state()});
+      seen.push_back({*f.sheet, f.statistics.energy, f.statistics.plastic,
+                      f.statistics.newton_iterations, f.state()});
       return true;
     });
     return seen;
