@@ -2,6 +2,9 @@
 
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"
 #include "formats/config/job_file.h"
@@ -99,8 +102,8 @@ int base_wanted(const BakeSettings& settings) {
   return std::min(settings.base_triangles, max_triangles);
 }
 
-Method make_method(const BakeSettings& settings, const Shot& shot, unsigned seed,
-                   std::size_t sheet) {
+MethodChoice make_method(const BakeSettings& settings, const Shot& shot, unsigned seed,
+                         std::size_t sheet) {
   if (settings.method == "fem") return fem(triangles_wanted(settings));
   if (settings.method == "adaptive") return adaptive(shot.pattern, triangles_wanted(settings));
   CrumpleOptions options;

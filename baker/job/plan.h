@@ -48,7 +48,7 @@ struct BakePlan {
   std::vector<FrameSpan> debug_frames;
   // as it is called: with "+fem" behind it when frames are polished
   std::string method;
-  std::vector<Method> methods;  // of each sheet
+  std::vector<MethodChoice> methods;  // of each sheet
   Polishing polish;
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;

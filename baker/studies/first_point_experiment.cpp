@@ -1,5 +1,6 @@
 #include "baker/studies/first_point_experiment.h"
 
+#include "core/methods/hybrid.h"
 #include "core/model/error.h"
 
 #include <cmath>

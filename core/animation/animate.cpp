@@ -120,7 +120,7 @@ void animate_together(const std::vector<AnimatedSheet>& all,
   }
 }
 
-void animate(const Shot& shot, const Method& method, const AnimateOptions& options,
+void animate(const Shot& shot, const MethodChoice& method, const AnimateOptions& options,
              const std::function<bool(const AnimatedFrame&)>& on_frame) {
   animate_together({{shot, method, options}}, on_frame);
 }

@@ -45,14 +45,14 @@ struct AnimateOptions {
 ///           when its energy is not finite; frames handed out before stay valid.
 ///           Error(ErrorCode::scene) when resume_state is not a state of this shot.
 /// source    the loop of [Schreck 2015], section 2
-void animate(const Shot&, const Method&, const AnimateOptions&,
+void animate(const Shot&, const MethodChoice&, const AnimateOptions&,
              const std::function<bool(const AnimatedFrame&)>& on_frame);
 
 /// One of several sheets that are animated together. Each has its own method and options, but the
 /// frame range, the frame rate and the elastic options must be the same for all.
 struct AnimatedSheet {
   const Shot& shot;
-  const Method& method;
+  const MethodChoice& method;
   const AnimateOptions& options;
 };
 

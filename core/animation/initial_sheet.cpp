@@ -22,8 +22,7 @@ std::vector<double> disc_factors(const Sheet& sheet, const Shot& shot) {
   return factors;
 }
 
-InitialSheet make_initial_sheet(const Shot& shot, const Method& method, unsigned seed,
-                                int first_frame) {
+InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed, int first_frame) {
   std::vector<Vector2d> points;
   for (const Handle& handle : shot.handles) points.push_back(handle.pattern);
   for (std::size_t h = 0; h < shot.handles.size(); ++h)

@@ -19,7 +19,8 @@ struct InitialSheet {
   // |T| factor on the bending stiffness: 10 inside the discs of handles
   std::vector<double> stiffening;
 };
-InitialSheet make_initial_sheet(const Shot&, const Method&, unsigned seed, int first_frame = 1);
+/// method  makes the mesh (Method::first_mesh)
+InitialSheet make_initial_sheet(const Shot&, Method&, unsigned seed, int first_frame = 1);
 
 /// Factor on the bending stiffness of each triangle, for any mesh of the sheet: 10 inside the discs
 /// of handles, 1 elsewhere. |T|

@@ -12,19 +12,28 @@
 namespace paperbake {
 namespace {
 
-Method fixed_mesh(int triangles, const RenderFeatures& more) {
-  Method method;
-  method.name = "polish";
-  method.first_mesh = [triangles, more](const Pattern& pattern,
-                                        const std::vector<Vector2d>& points) {
-    RenderFeatures all{points, more.creases};
-    all.points.insert(all.points.end(), more.points.begin(), more.points.end());
-    RenderMesh mesh = mesh_for_render(pattern, 0, all, triangles);
+/// A mesh that has the features of the whole shot and stays as it is.
+class FixedMesh : public Method {
+ public:
+  FixedMesh(int max_triangles, const RenderFeatures& features)
+      : max_triangles_(max_triangles), features_(features) {}
+
+  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+    RenderFeatures all{points, features_.creases};
+    all.points.insert(all.points.end(), features_.points.begin(), features_.points.end());
+    RenderMesh mesh = mesh_for_render(pattern, 0, all, max_triangles_);
     mesh.point_vertex.resize(points.size());
-    return Method::FirstMesh{std::move(mesh.pattern), std::move(mesh.triangles),
-                             std::move(mesh.point_vertex)};
-  };
-  return method;
+    return {std::move(mesh.pattern), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+  }
+
+ private:
+  int max_triangles_;
+  const RenderFeatures& features_;
+};
+
+InitialSheet mesh_with(const Shot& shot, int max_triangles, const RenderFeatures& features) {
+  FixedMesh mesh(max_triangles, features);
+  return make_initial_sheet(shot, mesh, 0);
 }
 
 /// Where a sheet has the vertices of a fine mesh; curved: on the curved surface that the mesh of
@@ -53,8 +62,7 @@ bool same_apices(const std::vector<SingularPoint>& a, const std::vector<Singular
 
 Polisher::Polisher(const Shot& shot, const ElasticOptions& options, int triangles,
                    const RenderFeatures& features)
-    : started_(make_initial_sheet(shot, fixed_mesh(triangles, features), 0)),
-      elastic_(shot.paper, at_rest(options)) {
+    : started_(mesh_with(shot, triangles, features)), elastic_(shot.paper, at_rest(options)) {
   elastic_.set_mesh(started_.sheet, started_.stiffening);
 }
 

@@ -249,7 +249,7 @@ void animate_polished(const std::vector<AnimatedSheet>& sheets, const PolishOpti
   if (failure) throw *failure;
 }
 
-void animate_polished(const Shot& shot, const Method& method, const AnimateOptions& animation,
+void animate_polished(const Shot& shot, const MethodChoice& method, const AnimateOptions& animation,
                       const PolishOptions& options,
                       const std::function<bool(const AnimatedFrame&)>& on_frame) {
   animate_polished({{shot, method, animation}}, options, on_frame);

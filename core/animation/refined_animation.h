@@ -34,7 +34,7 @@ struct PolishOptions {
 /// source    this project
 void animate_polished(const std::vector<AnimatedSheet>&, const PolishOptions&,
                       const std::function<bool(const AnimatedFrame&)>& on_frame);
-void animate_polished(const Shot&, const Method&, const AnimateOptions&, const PolishOptions&,
+void animate_polished(const Shot&, const MethodChoice&, const AnimateOptions&, const PolishOptions&,
                       const std::function<bool(const AnimatedFrame&)>& on_frame);
 
 }  // namespace paperbake

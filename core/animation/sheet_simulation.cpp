@@ -51,8 +51,7 @@ double fold_integral(const Sheet& sheet) {
 Sheet finished(const Method& method, const Sheet& sheet, const PositionConstraints& held,
                const Elastic& elastic, const ElasticReport& step) {
   Sheet output_sheet = sheet;
-  if (!method.finish) return output_sheet;
-  method.finish(output_sheet, held.vertices);
+  if (!method.finish(output_sheet, held.vertices)) return output_sheet;
   if (step.touching > 0 && crossings(output_sheet) > crossings(sheet)) return sheet;
   if (elastic.inside(output_sheet, held.colliders.to) > std::max(step.inside, 5e-5)) return sheet;
   return output_sheet;
@@ -86,15 +85,15 @@ ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
 
 }  // namespace
 
-SheetSimulation::SheetSimulation(const Shot& shot, const Method& method,
+SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
                                  const AnimateOptions& options, std::size_t number)
     : dhat(number, 0.0),
       shot_(shot),
-      method_(method),
+      method_(method.make()),
       options_(options),
       number_(number),
       side_(longer_side(shot.pattern)),
-      started_(make_initial_sheet(shot, method, options.seed, options.first_frame)),
+      started_(make_initial_sheet(shot, *method_, options.seed, options.first_frame)),
       elastic_(shot.paper, options_of(shot, options)),
       constraints_(shot, started_.handle_vertex, options.first_frame),
       frame_(options.first_frame - 1) {
@@ -117,7 +116,7 @@ void SheetSimulation::archive(Serializer& a) {
     snap_in_progress_, rests_on_contact_, idle_frames_, contact_, touching_, on_colliders_, state,
     constraints_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
-  if (method_.archive) method_.archive(a);
+  method_->archive(a);
   if (!a.reads()) return;
   a.end();
   const auto rows = sheet.x.rows();
@@ -156,13 +155,13 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
                                 yielding_,
                                 rests_on_contact_,
                                 relative_motion_};
-  if (method_.propose && !first)
-    if (auto proposal = method_.propose(sheet, situation)) {
+  if (!first)
+    if (auto proposal = method_->propose(sheet, situation)) {
       const std::vector<double> stiffening = disc_factors(*proposal, shot_);
       const MeshSwapResult verdict =
           try_swap_mesh(sheet, elastic_, std::move(*proposal), stiffening, held_before_,
                         1 / options_.fps, is_admissible);
-      method_.on_proposal_result(verdict.accepted, now);
+      method_->on_proposal_result(verdict.accepted, now);
       result_.statistics.remesh =
           verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
       result_.statistics.remesh_rise = verdict.rise;
@@ -171,9 +170,9 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   held_before_.colliders.from = held_.colliders.to;
   before_remesh_.reset();
   step_start_.reset();
-  if (method_.remesh && !first && result_.statistics.remesh != FrameStatistics::accepted) {
+  if (!first && result_.statistics.remesh != FrameStatistics::accepted) {
     Sheet unchanged = sheet;
-    if (method_.remesh(sheet, situation)) {
+    if (method_->remesh(sheet, situation)) {
       before_remesh_ = {std::move(unchanged), elastic_.state()};
       elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
       if (!is_admissible(before_remesh_->sheet, sheet, 0))
@@ -334,7 +333,7 @@ void SheetSimulation::finalize(Output how) {
   if (is_sleeping_ && frame_ != options_.first_frame) return;
   output_sheet_ = how == Output::simulated_sheet
                       ? sheet()
-                      : finished(method_, sheet(), held_, elastic_, step_.last);
+                      : finished(*method_, sheet(), held_, elastic_, step_.last);
   inside_ = elastic_.inside(output_sheet_, held_.colliders.to);
 }
 
@@ -342,7 +341,7 @@ AnimatedFrame SheetSimulation::report() {
   AnimatedFrame result = std::move(result_);
   result.of = number_;
   result.sheet = &output_sheet_;
-  if (method_.parts) result.parts = method_.parts(sheet());
+  result.parts = method_->parts(sheet());
   result.handles = constraints_.report(output_sheet_.x, frame_);
   FrameStatistics& statistics = result.statistics;
   statistics.substeps = step_.substeps;

@@ -22,7 +22,7 @@ class SheetSimulation {
 
   /// number  of the sheet among those that are animated together
   /// throws  Error(ErrorCode::scene) when options.resume_state is not a state of this shot
-  SheetSimulation(const Shot&, const Method&, const AnimateOptions&, std::size_t number);
+  SheetSimulation(const Shot&, const MethodChoice&, const AnimateOptions&, std::size_t number);
 
   int next_frame() const { return frame_ + 1; }
 
@@ -86,7 +86,7 @@ class SheetSimulation {
   void probe(const AdmissibilityCheck& is_admissible);
 
   const Shot& shot_;
-  const Method& method_;
+  std::unique_ptr<Method> method_;
   AnimateOptions options_;
   std::size_t number_;
   double side_;

@@ -194,16 +194,15 @@ Error crossed_outline() {
                "Repair the sheet mesh in the DCC.");
 }
 
-Triangles triangulate(const Cloud& cloud) {
-  auto triangles = constrained_delaunay(cloud.points, cloud.border, cloud.chords);
-  if (!triangles) throw crossed_outline();
-  return std::move(*triangles);
+std::optional<Triangles> triangulate(const Cloud& cloud) {
+  return constrained_delaunay(cloud.points, cloud.border, cloud.chords);
 }
 
 }  // namespace
 
-PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<Vector2d>& points,
-                         double turn, double border) {
+std::optional<PatternMesh> try_mesh_pattern(const Pattern& pattern, double edge,
+                                            const std::vector<Vector2d>& points, double turn,
+                                            double border) {
   constexpr int smoothing_passes = 6;
   const double snap = 1e-6 * longer_side(pattern);
   Cloud cloud;
@@ -228,17 +227,25 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
   if (!pattern.prescribed_creases.empty()) add_folds(pattern.prescribed_creases, edge, snap, cloud);
   add_lattice(edge, turn, cloud);
 
-  Triangles triangles = triangulate(cloud);
-  for (int pass = 0; pass < smoothing_passes; ++pass) {
-    smooth_points(triangles, cloud.points, cloud.fixed);
+  std::optional<Triangles> triangles = triangulate(cloud);
+  for (int pass = 0; triangles && pass < smoothing_passes; ++pass) {
+    smooth_points(*triangles, cloud.points, cloud.fixed);
     triangles = triangulate(cloud);
   }
+  if (!triangles) return std::nullopt;
   PatternMesh mesh;
   mesh.vertices.resize(static_cast<int>(cloud.points.size()), 2);
   for (std::size_t i = 0; i < cloud.points.size(); ++i) mesh.vertices.row(i) = cloud.points[i];
-  mesh.triangles = std::move(triangles);
+  mesh.triangles = std::move(*triangles);
   mesh.point_vertex = std::move(cloud.point_vertex);
   return mesh;
+}
+
+PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<Vector2d>& points,
+                         double turn, double border) {
+  std::optional<PatternMesh> mesh = try_mesh_pattern(pattern, edge, points, turn, border);
+  if (!mesh) throw crossed_outline();
+  return std::move(*mesh);
 }
 
 PatternMesh mesh_pattern_with(const Pattern& pattern, int triangles,

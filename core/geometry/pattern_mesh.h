@@ -2,6 +2,7 @@
 
 #include "core/model/pattern.h"
 
+#include <optional>
 #include <vector>
 
 namespace paperbake {
@@ -24,6 +25,12 @@ struct PatternMesh {
 /// throws  Error(ErrorCode::scene) when the outline crosses or touches itself
 PatternMesh mesh_pattern(const Pattern&, double edge, const std::vector<Vector2d>& points,
                          double turn = 0, double border = 0.02);
+
+/// The same, but returns nothing where mesh_pattern throws, and where prescribed creases cross so
+/// near to others that no triangulation has them all.
+std::optional<PatternMesh> try_mesh_pattern(const Pattern&, double edge,
+                                            const std::vector<Vector2d>& points, double turn = 0,
+                                            double border = 0.02);
 
 /// The same with about `triangles` triangles (within 10 %, where the outline and the points leave
 /// that choice).

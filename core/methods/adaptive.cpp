@@ -1,4 +1,4 @@
-#include "core/methods/method.h"
+#include "core/methods/adaptive.h"
 
 #include "core/geometry/pattern_mesh.h"
 #include "core/methods/adaptive_mesh/edge_operations.h"
@@ -6,7 +6,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 namespace paperbake {
 namespace {
@@ -49,42 +48,53 @@ bool adapt(Sheet& sheet, Points3 metric, int fixed, int max_triangles, Pass pass
   return changed;
 }
 
-}  // namespace
+class Adaptive : public Method {
+ public:
+  Adaptive(double side, int max_triangles, const SizingOptions& options)
+      : side_(side), max_triangles_(max_triangles), options_(options) {}
 
-Method adaptive(const Pattern& pattern, int max_triangles, const SizingOptions& options,
-                double turn) {
-  Method method;
-  method.name = "adaptive";
-  method.first_mesh = [=](const Pattern& cut, const std::vector<Vector2d>& points) {
+  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     constexpr double mean_edge = 0.8;  // [1] of the longest edge that is not split
-    PatternMesh mesh =
-        mesh_pattern(cut, mean_edge * options.largest * std::sqrt(area(cut)), points, turn);
+    PatternMesh mesh = mesh_pattern(
+        pattern, mean_edge * options_.largest * std::sqrt(area(pattern)), points, options_.turn);
     number_points_first(mesh);
-    return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles),
-                             std::move(mesh.point_vertex)};
-  };
-  const auto unfinished = std::make_shared<bool>(true);  // the last pass changed the mesh
-  const double side = longer_side(pattern);
-  method.remesh = [=](Sheet& sheet, const RemeshContext& is) {
+    return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+  }
+
+  bool remesh(Sheet& sheet, const RemeshContext& is) override {
     // A jump is followed in many steps, and the shape after it has little to do with the one that
     // the mesh is fine for now.
     constexpr double far = 0.1;  // [1] of the longer side
     constexpr int enough_for_a_jump = 400;
     const bool jumps = is.relative_handle_motion > far;
     // nor is a shape on its way to the minimum a reason for more triangles
-    if (!jumps && (!is.at_minimum || !(is.moving || *unfinished))) return false;
+    if (!jumps && (!is.at_minimum || !(is.moving || unfinished_))) return false;
     const Points3 kept =
         is.memory ? is.memory->at_vertices(sheet.pattern, sheet.triangles) : Points3(0, 3);
     const int required = static_cast<int>(std::count(is.fixed.begin(), is.fixed.end(), 1));
-    const Points3 metric = sizing_field(sheet, kept, side, options);
+    const Points3 metric = sizing_field(sheet, kept, side_, options_);
     const bool changed = jumps ? adapt(sheet, metric, required,
-                                       std::min(max_triangles, enough_for_a_jump), Pass::coarsen)
-                               : adapt(sheet, metric, required, max_triangles, Pass::both_ways);
-    *unfinished = changed || (jumps && *unfinished);
+                                       std::min(max_triangles_, enough_for_a_jump), Pass::coarsen)
+                               : adapt(sheet, metric, required, max_triangles_, Pass::both_ways);
+    unfinished_ = changed || (jumps && unfinished_);
     return changed;
-  };
-  method.archive = [unfinished](Serializer& a) { a(*unfinished); };
-  return method;
+  }
+
+  void archive(Serializer& a) override { a(unfinished_); }
+
+ private:
+  double side_;  // [m] longer side of the pattern
+  int max_triangles_;
+  SizingOptions options_;
+  bool unfinished_ = true;  // the last pass changed the mesh
+};
+
+}  // namespace
+
+MethodChoice adaptive(const Pattern& pattern, int max_triangles, const SizingOptions& options) {
+  return {"adaptive", [=, side = longer_side(pattern)] {
+            return std::make_unique<Adaptive>(side, max_triangles, options);
+          }};
 }
 
 }  // namespace paperbake

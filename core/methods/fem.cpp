@@ -1,18 +1,27 @@
-#include "core/methods/method.h"
+#include "core/methods/fem.h"
 
 #include "core/geometry/pattern_mesh.h"
 
 namespace paperbake {
+namespace {
 
-Method fem(int triangles, double turn) {
-  Method method;
-  method.name = "fem";
-  method.first_mesh = [=](const Pattern& pattern, const std::vector<Vector2d>& points) {
-    PatternMesh mesh = mesh_pattern_with(pattern, triangles, points, turn);
-    return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles),
-                             std::move(mesh.point_vertex)};
-  };
-  return method;
+class Fem : public Method {
+ public:
+  explicit Fem(const FirstLattice& lattice) : lattice_(lattice) {}
+
+  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+    PatternMesh mesh = mesh_pattern_with(pattern, lattice_.triangles, points, lattice_.turn);
+    return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+  }
+
+ private:
+  FirstLattice lattice_;
+};
+
+}  // namespace
+
+MethodChoice fem(const FirstLattice& lattice) {
+  return {"fem", [=] { return std::make_unique<Fem>(lattice); }};
 }
 
 }  // namespace paperbake

@@ -1,10 +1,9 @@
-#include "core/methods/method.h"
+#include "core/methods/hybrid.h"
 
 #include "core/geometry/pattern_mesh.h"
 #include "core/step3_developable/developable.h"
 
 #include <cmath>
-#include <memory>
 
 namespace paperbake {
 namespace {
@@ -13,14 +12,15 @@ namespace {
 /// most of the triangles, there are more: otherwise the cells between the handles would be as large
 /// as the sheet, and a straight edge from clamp to handle would be a taut string. (S8 with 60: 40
 /// triangles in the clamps, edges of 45 mm, stretched by 8 %.)
-PatternMesh first_mesh_with(const Pattern& pattern, int triangles,
-                            const std::vector<Vector2d>& points, double turn) {
+PatternMesh first_mesh_with(const Pattern& pattern, const FirstLattice& lattice,
+                            const std::vector<Vector2d>& points) {
   constexpr double largest_edge = 1.15;  // [1] of the edge of as many equilateral triangles
-  const double edge = largest_edge * std::sqrt(area(pattern) / triangles / (std::sqrt(3.0) / 4));
-  PatternMesh coarsest = mesh_pattern(pattern, edge, points, turn);
-  return coarsest.triangles.rows() > triangles
+  const double edge =
+      largest_edge * std::sqrt(area(pattern) / lattice.triangles / (std::sqrt(3.0) / 4));
+  PatternMesh coarsest = mesh_pattern(pattern, edge, points, lattice.turn);
+  return coarsest.triangles.rows() > lattice.triangles
              ? coarsest
-             : mesh_pattern_with(pattern, triangles, points, turn);
+             : mesh_pattern_with(pattern, lattice.triangles, points, lattice.turn);
 }
 
 BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
@@ -39,40 +39,53 @@ BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
   return parts;
 }
 
-}  // namespace
+class Hybrid : public Method {
+ public:
+  Hybrid(const FirstLattice& lattice, Crumple crumple)
+      : lattice_(lattice), crumple_(std::move(crumple)) {}
 
-Method hybrid(const Pattern& pattern, const Paper& paper, int base_triangles,
-              const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet, double turn) {
-  Method method;
-  method.name = "hybrid";
-  const auto crumple = std::make_shared<Crumple>(pattern, paper, options, seed, sheet);
-  method.first_mesh = [=](const Pattern& cut, const std::vector<Vector2d>& points) {
-    PatternMesh mesh = first_mesh_with(cut, base_triangles, points, turn);
+  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+    PatternMesh mesh = first_mesh_with(pattern, lattice_, points);
     const int required = number_points_first(mesh);
-    crumple->set_base_mesh(mesh.vertices, mesh.triangles, required);
-    return Method::FirstMesh{std::move(mesh.vertices), std::move(mesh.triangles),
-                             std::move(mesh.point_vertex)};
-  };
-  method.remesh = [crumple](Sheet& sheet_now, const RemeshContext& is) {
-    return !is.snap_in_progress &&
-           crumple->step(sheet_now, is.fixed, is.now, is.moving).mesh_changed();
-  };
-  method.propose = [crumple](const Sheet& sheet_now,
-                             const RemeshContext& is) -> std::optional<Sheet> {
+    crumple_.set_base_mesh(mesh.vertices, mesh.triangles, required);
+    return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+  }
+
+  std::optional<Sheet> propose(const Sheet& sheet, const RemeshContext& is) override {
     // A sheet that yields keeps its mesh: another mesh folds in other places, and what yields there
     // is not undone.
     if (!is.moving || !is.at_minimum || is.yielding) return std::nullopt;
     // edges are where creases need them
-    if (!sheet_now.prescribed_creases.empty()) return std::nullopt;
-    return crumple->propose(sheet_now, is.isolated_moving_handles, is.rests_on_contact, is.now);
-  };
-  method.on_proposal_result = [crumple](bool accepted, const FrameTime& now) {
-    crumple->on_proposal_result(accepted, now);
-  };
-  method.finish = [](Sheet& shown, const std::vector<int>& held) { restore_lengths(shown, held); };
-  method.archive = [crumple](Serializer& a) { crumple->archive(a); };
-  method.parts = [crumple](const Sheet& sheet_now) { return bent_parts(*crumple, sheet_now); };
-  return method;
+    if (!sheet.prescribed_creases.empty()) return std::nullopt;
+    return crumple_.propose(sheet, is.isolated_moving_handles, is.rests_on_contact, is.now);
+  }
+  void on_proposal_result(bool accepted, const FrameTime& now) override {
+    crumple_.on_proposal_result(accepted, now);
+  }
+
+  bool remesh(Sheet& sheet, const RemeshContext& is) override {
+    return !is.snap_in_progress && crumple_.step(sheet, is.fixed, is.now, is.moving).mesh_changed();
+  }
+
+  bool finish(Sheet& shown, const std::vector<int>& held) const override {
+    restore_lengths(shown, held);
+    return true;
+  }
+  BentParts parts(const Sheet& sheet) const override { return bent_parts(crumple_, sheet); }
+  void archive(Serializer& a) override { crumple_.archive(a); }
+
+ private:
+  FirstLattice lattice_;
+  Crumple crumple_;
+};
+
+}  // namespace
+
+MethodChoice hybrid(const Pattern& pattern, const Paper& paper, const FirstLattice& lattice,
+                    const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet) {
+  return {"hybrid", [=] {
+            return std::make_unique<Hybrid>(lattice, Crumple(pattern, paper, options, seed, sheet));
+          }};
 }
 
 }  // namespace paperbake

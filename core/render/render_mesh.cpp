@@ -2,11 +2,11 @@
 
 #include "core/geometry/pattern_mesh.h"
 #include "core/geometry/prescribed_creases.h"
-#include "core/model/error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <set>
 
 namespace paperbake {
@@ -201,23 +201,20 @@ bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseSegme
   return length <= max_length * area(pattern) / edge;
 }
 
-/// The mesh that has every simulated edge and every crease as a row of edges.
-/// throws  Error(ErrorCode::scene) when some of them cross so near to others that no triangulation
-///         has them all
-RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFeatures& features) {
+/// The mesh that has every simulated edge and every crease as a row of edges; nothing when some of
+/// them cross so near to others that no triangulation has them all.
+std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
+                                           const RenderFeatures& features) {
   const double near = 3e-6 * longer_side(pattern);
   Pattern lined = pattern;
   for (const CreaseSegment& line : features.edges)
     lined.prescribed_creases.push_back({{line.a, line.b}});
-  PatternMesh mesh = mesh_pattern(lined, edge, features.points, 0, border);
-  RenderMesh result{std::move(mesh.vertices),
-                    std::move(mesh.triangles),
-                    {},
-                    {},
-                    pattern.prescribed_creases,
-                    true};
-  result.point_vertex.assign(mesh.point_vertex.begin(),
-                             mesh.point_vertex.begin() + features.points.size());
+  std::optional<PatternMesh> mesh = try_mesh_pattern(lined, edge, features.points, 0, border);
+  if (!mesh) return std::nullopt;
+  RenderMesh result{std::move(mesh->vertices),  std::move(mesh->triangles), {}, {},
+                    pattern.prescribed_creases, SimulatedEdges::kept};
+  result.point_vertex.assign(mesh->point_vertex.begin(),
+                             mesh->point_vertex.begin() + features.points.size());
   std::set<std::pair<int, int>> found = folded_edges(result, pattern.prescribed_creases);
   for (int t = 0; t < result.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
@@ -231,12 +228,13 @@ RenderMesh mesh_along_edges(const Pattern& pattern, double edge, const RenderFea
 }  // namespace
 
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
-  if (!features.edges.empty() && has_room(pattern, edge, features.edges)) {
-    try {
-      return mesh_along_edges(pattern, edge, features);
-    } catch (const Error&) {
-      // The mesh without them is as good. A pattern that is wrong itself is reported below.
-    }
+  SimulatedEdges simulated_edges = SimulatedEdges::none;
+  if (!features.edges.empty()) {
+    const bool fits = has_room(pattern, edge, features.edges);
+    if (fits)
+      if (auto mesh = mesh_along_edges(pattern, edge, features)) return std::move(*mesh);
+    // a pattern that is wrong itself has no mesh below either, and that throws
+    simulated_edges = fits ? SimulatedEdges::too_close : SimulatedEdges::too_long;
   }
   const double exact = 1e-6 * longer_side(pattern);
   Sites sites(merge * edge);
@@ -268,7 +266,8 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
         required.push_back(sites.points[s]);
       }
   PatternMesh mesh = mesh_pattern(pattern, edge, required, 0, border);
-  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, {}};
+  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, {},
+                    simulated_edges};
   for (const int site : site_of_point)
     result.point_vertex.push_back(mesh.point_vertex[number[site]]);
   Edges edges(result.pattern, result.triangles);

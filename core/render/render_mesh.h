@@ -23,6 +23,14 @@ struct RenderFeatures {
   std::vector<CreaseSegment> edges = {};
 };
 
+/// What became of the simulated edges that a render mesh was to have.
+enum class SimulatedEdges {
+  none,      // there are none
+  kept,      // they are among the edges of the mesh
+  too_long,  // left out: there is no room for their total length
+  too_close  // left out: some cross so near to others that no triangulation has them all
+};
+
 /// One mesh of the pattern for all frames of a shot.
 struct RenderMesh {
   Points2 pattern;      // |V|x2 [m]
@@ -33,7 +41,7 @@ struct RenderMesh {
   std::vector<std::pair<int, int>> creases;
   // prescribed creases, sharp however small their angle
   std::vector<PrescribedCrease> prescribed_creases = {};
-  bool along_edges = false;  // the simulated edges are among its edges
+  SimulatedEdges simulated_edges = SimulatedEdges::none;
 };
 
 /// Triangulates the pattern into near-equilateral triangles with edges of this length [m]. The mesh
@@ -48,7 +56,7 @@ struct RenderMesh {
 ///
 /// Simulated edges, if there are any, become rows of edges exactly, whatever the angles between
 /// them, and creases run along them. They are all left out when their total length exceeds 6 area /
-/// edge [m], or when some cross within a millionth of the sheet.
+/// edge [m], or when some cross within a millionth of the sheet; `simulated_edges` says so.
 /// throws  Error(ErrorCode::scene) when the outline crosses or touches itself
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 

@@ -20,7 +20,7 @@ CreasedNormals normals_of(const RenderMesh& mesh) {
 }  // namespace
 
 RenderSurface::RenderSurface(RenderMesh mesh, const ShapeFitOptions& options, int refine)
-    : facets_(mesh.along_edges ? Facets::own : Facets::cut),
+    : facets_(mesh.simulated_edges == SimulatedEdges::kept ? Facets::own : Facets::cut),
       coarse_(std::move(mesh)),
       shape_fit_(coarse_.pattern, coarse_.triangles, options, coarse_.prescribed_creases),
       coarse_limit_(coarse_.pattern, coarse_.triangles),

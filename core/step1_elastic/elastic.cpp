@@ -124,8 +124,9 @@ ElasticReport Elastic::evaluate_energies(const Sheet& sheet) const {
 
 double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
   if (!impl_->colliders) return 0;
-  impl_->colliders->begin(sheet.x, {poses, poses}, {}, 1);
-  return impl_->colliders->inside(sheet.x);
+  ColliderContact at_rest = *impl_->colliders;  // the step that its own contact is in goes on
+  at_rest.begin(sheet.x, {poses, poses}, {}, 1);
+  return at_rest.inside(sheet.x);
 }
 
 ElasticReport Elastic::relax(Sheet& sheet, const PositionConstraints& asked, double dt,
@@ -164,7 +165,8 @@ Elastic Elastic::on_mesh(const Sheet& sheet, const std::vector<double>& stiffeni
 
 void Elastic::continue_from(const Elastic& other,
                             const std::function<Points3(const Points3&)>& carried) {
-  SolverState &here = impl_->state, &there = other.impl_->state;
+  SolverState& here = impl_->state;
+  const SolverState& there = other.impl_->state;
   here.positions.clear();
   for (const Points3& x : there.positions) here.positions.push_back(carried(x));
   here.steps = there.steps;

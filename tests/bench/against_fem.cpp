@@ -2,6 +2,7 @@
 
 #include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
+#include "core/methods/fem.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,7 @@ CaseShot shot_of(const Case& c) {
   return {shot, scene.fps};
 }
 
-Run run(const Shot& shot, const Method& method, const Case& c, double fps) {
+Run run(const Shot& shot, const MethodChoice& method, const Case& c, double fps) {
   AnimateOptions options;
   options.fps = fps;
   options.last_frame = c.last_frame;

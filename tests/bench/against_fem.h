@@ -40,7 +40,7 @@ struct CaseShot {
 CaseShot shot_of(const Case&);
 
 /// Simulates a scene with a method: elastic paper, one thread.
-Run run(const Shot&, const Method&, const Case&, double fps);
+Run run(const Shot&, const MethodChoice&, const Case&, double fps);
 
 /// The same with fem. With BENCH_CACHE in the environment the run is read from that folder if it is
 /// there, and stored there if it is not.

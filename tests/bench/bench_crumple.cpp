@@ -9,6 +9,7 @@
 #include "core/geometry/crease_network.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 
 #include <algorithm>

@@ -8,6 +8,7 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/pattern_mesh.h"
+#include "core/methods/fem.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
 #include "tests/core/test_shots.h"
 

@@ -9,6 +9,7 @@
 
 #include "core/animation/inertia_need.h"
 #include "core/geometry/pattern_samples.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 
 #include <algorithm>

@@ -10,6 +10,7 @@
 
 #include "core/animation/animate.h"
 #include "core/geometry/measure.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 
 #include <algorithm>

@@ -17,6 +17,7 @@
 //   BENCH_FRAMES=1                             rms of every frame
 
 #include "core/geometry/pattern_samples.h"
+#include "core/methods/hybrid.h"
 #include "tests/bench/against_fem.h"
 
 #include <algorithm>

@@ -9,6 +9,9 @@
 // prints every frame.
 
 #include "core/geometry/pattern_samples.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "tests/bench/against_fem.h"
 #include "tests/bench/invariance.h"
 
@@ -21,12 +24,23 @@ namespace paperbake::bench {
 namespace {
 
 const std::map<std::string, MakeMethod> methods{
-    {"hybrid", [](const Shot& shot,
-                  double turn) { return hybrid(shot.pattern, shot.paper, 120, {}, 0, 0, turn); }},
+    {"hybrid",
+     [](const Shot& shot, double turn) {
+       return hybrid(shot.pattern, shot.paper, {120, turn}, {}, 0, 0);
+     }},
     {"adaptive",
-     [](const Shot& shot, double turn) { return adaptive(shot.pattern, 3000, {}, turn); }},
-    {"fem", [](const Shot&, double turn) { return fem(1700, turn); }},
-    {"fem6000", [](const Shot&, double turn) { return fem(6000, turn); }}};
+     [](const Shot& shot, double turn) {
+       SizingOptions options;
+       options.turn = turn;
+       return adaptive(shot.pattern, 3000, options);
+     }},
+    {"fem",
+     [](const Shot&, double turn) {
+       return fem({1700, turn});
+     }},
+    {"fem6000", [](const Shot&, double turn) {
+       return fem({6000, turn});
+     }}};
 
 void print_row(const std::string& method, const Case& c) {
   const auto [shot, fps] = shot_of(c);

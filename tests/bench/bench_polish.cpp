@@ -14,6 +14,7 @@
 #include "core/animation/cpu_clock.h"
 #include "core/animation/refine_frame.h"
 #include "core/geometry/pattern_samples.h"
+#include "core/methods/hybrid.h"
 #include "core/render/curved_surface.h"
 #include "tests/bench/against_fem.h"
 

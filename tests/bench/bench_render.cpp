@@ -21,6 +21,7 @@
 #include "core/animation/cpu_clock.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/methods/hybrid.h"
 #include "core/model/plastic_grid.h"
 #include "core/render/render_surface.h"
 #include "core/render/shot_record.h"

@@ -30,7 +30,7 @@ struct Shapes {
   std::vector<Points3> frames;
   int births = 0;
 };
-using MakeMethod = std::function<Method(const Shot&, double turn)>;
+using MakeMethod = std::function<MethodChoice(const Shot&, double turn)>;
 Shapes shapes_of(const Shot&, const MakeMethod&, const Change&, double gravity, double fps,
                  int last_frame);
 

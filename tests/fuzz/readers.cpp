@@ -5,6 +5,7 @@
 #include "baker/output/cache_measure.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/file_hash.h"
+#include "core/methods/hybrid.h"
 #include "core/model/error.h"
 #include "formats/cache/alembic_cache.h"
 #include "formats/cache/alembic_reader.h"
@@ -168,7 +169,7 @@ struct Pushed {
     animate(shot, method(), options,
             [&](const AnimatedFrame& frame) { return state = frame.state(), true; });
   }
-  Method method() const { return hybrid(shot.pattern, shot.paper, 40, {}, 1, 0); }
+  MethodChoice method() const { return hybrid(shot.pattern, shot.paper, 40, {}, 1, 0); }
 };
 
 void read_state(const std::string& changes) {

@@ -21,6 +21,9 @@
 
 #include "core/animation/handle_feasibility.h"
 #include "core/geometry/measure.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "tests/stress/scripts.h"
 
 #include <algorithm>
@@ -61,7 +64,7 @@ struct MeshSwapResult {
   char error[200] = "";
 };
 
-Method make_method(const std::string& name, const Script& script) {
+MethodChoice make_method(const std::string& name, const Script& script) {
   if (name == "fem") return fem(400);
   if (name == "adaptive") return adaptive(script.shot.pattern, 3000);
   return hybrid(script.shot.pattern, script.shot.paper, 120, CrumpleOptions{}, script.options.seed,
@@ -86,19 +89,45 @@ std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const Re
   return report.energy;
 }
 
-/// The method, made to count its changes of mesh.
-Method watched(Method method, const Script& script, MeshSwapResult& v) {
-  if (!method.remesh) return method;
-  method.remesh = [remesh = method.remesh, &script, &v](Sheet& sheet, const RemeshContext& is) {
+/// A method whose changes of mesh are counted.
+class Watched : public Method {
+ public:
+  Watched(std::unique_ptr<Method> method, const Script& script, MeshSwapResult& v)
+      : method_(std::move(method)), script_(script), v_(v) {}
+
+  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+    return method_->first_mesh(pattern, points);
+  }
+  std::optional<Sheet> propose(const Sheet& sheet, const RemeshContext& is) override {
+    return method_->propose(sheet, is);
+  }
+  void on_proposal_result(bool accepted, const FrameTime& now) override {
+    method_->on_proposal_result(accepted, now);
+  }
+  bool remesh(Sheet& sheet, const RemeshContext& is) override {
     const Sheet before = sheet;
-    if (!remesh(sheet, is)) return false;
-    ++v.remeshed;
-    const std::optional<double> was = stored_at_rest(before, script, is),
-                                now = was ? stored_at_rest(sheet, script, is) : was;
-    v.rises += now && *now > 1.01 * *was + 1e-6;
+    if (!method_->remesh(sheet, is)) return false;
+    ++v_.remeshed;
+    const std::optional<double> was = stored_at_rest(before, script_, is),
+                                now = was ? stored_at_rest(sheet, script_, is) : was;
+    v_.rises += now && *now > 1.01 * *was + 1e-6;
     return true;
-  };
-  return method;
+  }
+  bool finish(Sheet& sheet, const std::vector<int>& held) const override {
+    return method_->finish(sheet, held);
+  }
+  BentParts parts(const Sheet& sheet) const override { return method_->parts(sheet); }
+  void archive(Serializer& a) override { method_->archive(a); }
+
+ private:
+  std::unique_ptr<Method> method_;
+  const Script& script_;
+  MeshSwapResult& v_;
+};
+
+MethodChoice watched(const MethodChoice& method, const Script& script, MeshSwapResult& v) {
+  return {method.name,
+          [&, make = method.make] { return std::make_unique<Watched>(make(), script, v); }};
 }
 
 /// True if no handle of a clearly impossible pair is reported as jammed in the worst frame of the
@@ -125,7 +154,7 @@ MeshSwapResult play(const Script& script, const std::string& method, bool watch_
   if (method == "fem") options.memory = Memory::none;
   const double side = longer_side(script.shot.pattern);
   try {
-    const Method plain = make_method(method, script);
+    const MethodChoice plain = make_method(method, script);
     animate(script.shot, watch_rises ? watched(plain, script, v) : plain, options,
             [&](const AnimatedFrame& f) {
               ++v.frames;

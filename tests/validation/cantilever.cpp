@@ -72,7 +72,7 @@ Shot draped_shot() {
 }
 
 /// Mean of both ends.
-Hang hang(const Method& method, const Shot& shot, double lam) {
+Hang hang(const MethodChoice& method, const Shot& shot, double lam) {
   AnimateOptions options;
   options.last_frame = 40;
   options.elastic.stop = 1e-7;

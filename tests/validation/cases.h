@@ -36,8 +36,8 @@ Rows exactness();    // V9
 
 /// The methods for a paper of this shape, with their names. The number of hybrid is that of its
 /// first triangles; the number of adaptive is its upper limit.
-inline std::vector<std::pair<std::string, Method>> methods(const Pattern& pattern,
-                                                           const Paper& paper) {
+inline std::vector<std::pair<std::string, MethodChoice>> methods(const Pattern& pattern,
+                                                                 const Paper& paper) {
   return {{"fem 1700", fem(1700)},
           {"hybrid 120", hybrid(pattern, paper, 120, {}, 0, 0)},
           {"adaptive 3000", adaptive(pattern, 3000)}};

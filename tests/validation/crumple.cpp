@@ -1,5 +1,6 @@
 #include "core/animation/animate.h"
 #include "core/geometry/crease_network.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 #include "tests/validation/cases.h"
 

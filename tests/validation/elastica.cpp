@@ -1,4 +1,7 @@
 #include "core/animation/animate.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
@@ -60,7 +63,7 @@ Sheet push_strips(int strips, const Paper& paper) {
   return sheet;
 }
 
-Sheet push_shot(const Method& method, const Shot& shot) {
+Sheet push_shot(const MethodChoice& method, const Shot& shot) {
   AnimateOptions options;
   options.last_frame = 30;
   options.elastic.stop = 1e-7;

@@ -2,6 +2,9 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/point_location.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 #include "tests/core/test_shots.h"
 #include "tests/validation/cases.h"
@@ -49,7 +52,7 @@ struct Played {
   int crossings = 0, taken = 0;  // pairs of triangles; meshes
 };
 
-Played play(const Shot& shot, const Method& method, const AnimateOptions& options) {
+Played play(const Shot& shot, const MethodChoice& method, const AnimateOptions& options) {
   Played played;
   animate(shot, method, options, [&](const AnimatedFrame& frame) {
     const LengthDistortion lengths = length_distortion(*frame.sheet);
@@ -108,7 +111,7 @@ double asymmetry(const Sheet& sheet) {
 }
 
 void judge(Rows& rows, const std::string& name,
-           const std::function<Method(const Shot&, double turn)>& method) {
+           const std::function<MethodChoice(const Shot&, double turn)>& method) {
   AnimateOptions options;
   options.last_frame = 30;
   options.elastic.stop = 1e-7;
@@ -170,12 +173,15 @@ void judge_hybrid(Rows& rows, const std::string& file) {
 
 Rows exactness() {
   Rows rows;
-  judge(rows, "fem 1700", [](const Shot&, double turn) { return fem(1700, turn); });
+  judge(rows, "fem 1700", [](const Shot&, double turn) { return fem({1700, turn}); });
   judge(rows, "hybrid 120", [](const Shot& shot, double turn) {
-    return hybrid(shot.pattern, shot.paper, 120, {}, 0, 0, turn);
+    return hybrid(shot.pattern, shot.paper, {120, turn}, {}, 0, 0);
   });
-  judge(rows, "adaptive 3000",
-        [](const Shot& shot, double turn) { return adaptive(shot.pattern, 3000, {}, turn); });
+  judge(rows, "adaptive 3000", [](const Shot& shot, double turn) {
+    SizingOptions options;
+    options.turn = turn;
+    return adaptive(shot.pattern, 3000, options);
+  });
   for (const char* const scene : {"S4_crumple", "S5_roll", "S8_dcone"}) judge_hybrid(rows, scene);
   rows.push_back({"fem", "rise of energy by a mesh", 0, 0, 0, "", "its mesh never changes"});
   rows.push_back(

@@ -1,5 +1,8 @@
 #include "core/animation/animate.h"
 #include "core/geometry/point_location.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 #include "tests/core/test_shots.h"
 #include "tests/validation/cases.h"
@@ -52,7 +55,7 @@ Shot closing_strip(double clamp) {
 }
 
 /// After the last frame of its handles the shot continues at rest.
-void judge(Rows& rows, const std::string& name, const Method& method, const Shot& shot,
+void judge(Rows& rows, const std::string& name, const MethodChoice& method, const Shot& shot,
            const char* source, const Vector3d& expected_box, double expected_energy,
            int last_frame) {
   AnimateOptions options;

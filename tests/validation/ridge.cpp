@@ -1,4 +1,6 @@
 #include "core/animation/animate.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
 #include "tests/core/test_shots.h"
 #include "tests/validation/cases.h"
 
@@ -45,7 +47,7 @@ struct Stored {
   double energy, share;  // [1] over D; [1] its share in the membrane
   bool converged;
 };
-Stored fold(const Method& method, const Shot& shot) {
+Stored fold(const MethodChoice& method, const Shot& shot) {
   AnimateOptions options;
   options.last_frame = 12;
   options.elastic.stop = 1e-7;
@@ -62,8 +64,8 @@ Stored fold(const Method& method, const Shot& shot) {
 
 /// Slope of ln E/D against ln X/h over a decade of h, by least squares, and the values that it is
 /// made of.
-void judge(Rows& rows, const std::string& name, const std::function<Method(const Shot&)>& method,
-           double tolerance) {
+void judge(Rows& rows, const std::string& name,
+           const std::function<MethodChoice(const Shot&)>& method, double tolerance) {
   double n = 0, s = 0, ss = 0, e = 0, se = 0;
   Rows single;
   for (const double thickness : {2e-5, 3.6e-5, 6.3e-5, 1.1e-4, 2e-4}) {

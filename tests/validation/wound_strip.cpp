@@ -62,7 +62,7 @@ Shot winding(double k, const Paper& paper) {
 }
 
 /// The same curvature, from the circle through three points of the centre line. [1/m]
-double residual(const Method& method, const Shot& shot) {
+double residual(const MethodChoice& method, const Shot& shot) {
   AnimateOptions options;
   options.last_frame = 60;
   options.memory = Memory::plastic;

@@ -11,6 +11,8 @@ struct SizingOptions {
   double smallest = 1 / 64.0;  // [1]   shortest edge, of the longer side: a plastic cell
   double aspect = 6;           // [1]   longest edge over shortest edge at one point
   double growth = 2;           // [1]   size at one end of an edge over the size at the other
+  // [rad] rotation of the lattice of the first mesh (pattern_mesh.h); no result should depend on it
+  double turn = 0;
 };
 
 /// Sizing field: a metric M on the pattern for each vertex. An edge d has the right length when

@@ -2,6 +2,7 @@
 
 #include "core/animation/initial_sheet.h"
 #include "core/geometry/measure.h"
+#include "core/methods/fem.h"
 #include "core/model/error.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
@@ -156,15 +157,23 @@ TEST(AnimateTest, AFrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
   EXPECT_EQ(frames, 6);
 }
 
+/// A fixed mesh whose pattern is half as large in frames 8 to 10.
+class Shrinking : public Method {
+ public:
+  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+    return fem(100).make()->first_mesh(pattern, points);
+  }
+  bool remesh(Sheet& sheet, const RemeshContext& is) override {
+    if (is.now.frame != 8 && is.now.frame != 11) return false;
+    sheet.pattern *= is.now.frame == 8 ? 0.5 : 2;
+    return true;
+  }
+};
+
 TEST(AnimateTest, ASheetThatCannotFollowItsHandlesStaysAndReportsIt) {
   // In frames 8 to 10 the paper between hard handles is half as long as their distance, and no step
   // reaches a minimum.
-  Method shrinking = fem(100);
-  shrinking.remesh = [](Sheet& sheet, const RemeshContext& situation) {
-    if (situation.now.frame != 8 && situation.now.frame != 11) return false;
-    sheet.pattern *= situation.now.frame == 8 ? 0.5 : 2;
-    return true;
-  };
+  const MethodChoice shrinking{"shrinking", [] { return std::make_unique<Shrinking>(); }};
   AnimateOptions options;
   options.last_frame = 13;
   options.elastic.contact = SelfContact::off;  // otherwise handles would give way
@@ -202,7 +211,7 @@ TEST(AnimateTest, ALoneHandleStiffensADiscTheSizeOfAFinger) {
   Shot shot = test::blank_shot(test::rectangle(0.2, 0.2));
   shot.handles.push_back(test::bare_handle("lone", {0.1, 0.1}, 1));
   shot.handles[0].radius.reset();
-  const InitialSheet started = make_initial_sheet(shot, fem(800), 0);
+  const InitialSheet started = make_initial_sheet(shot, *fem(800).make(), 0);
   double area = 0;
   for (int t = 0; t < started.sheet.triangles.rows(); ++t) {
     if (started.stiffening[t] == 1) continue;

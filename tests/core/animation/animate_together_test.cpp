@@ -1,6 +1,8 @@
 // Whole shots of several sheets.
 
 #include "core/geometry/intersections.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "core/model/error.h"
 #include "tests/core/animation/together_shots.h"
 
@@ -11,8 +13,8 @@ namespace {
 
 using test::Outcome;
 
-Method coarse_fem(const Shot&, std::size_t) { return fem(150); }
-Method small_hybrid(const Shot& shot, std::size_t sheet) {
+MethodChoice coarse_fem(const Shot&, std::size_t) { return fem(150); }
+MethodChoice small_hybrid(const Shot& shot, std::size_t sheet) {
   return hybrid(shot.pattern, shot.paper, 80, {}, 1, static_cast<std::uint32_t>(sheet));
 }
 
@@ -143,7 +145,7 @@ TEST(AnimateTogetherTest, AResumedShotOfTwoSheetsGivesTheSameBits) {
   AnimateOptions options = until(18);
   options.memory = Memory::plastic;
   const auto animated = [&](const std::vector<std::string>& states) {
-    std::vector<Method> methods{small_hybrid(shots[0], 0), small_hybrid(shots[1], 1)};
+    std::vector<MethodChoice> methods{small_hybrid(shots[0], 0), small_hybrid(shots[1], 1)};
     std::vector<AnimateOptions> all(2, options);
     for (std::size_t s = 0; s < states.size(); ++s) all[s].go_on_from = states[s];
     std::vector<std::pair<Points3, std::string>> frames;

@@ -1,6 +1,7 @@
 #include "core/animation/branch_search.h"
 
 #include "core/animation/animate.h"
+#include "core/methods/fem.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
 

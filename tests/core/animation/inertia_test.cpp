@@ -2,6 +2,9 @@
 // else. What it computes is compared with closed forms.
 
 #include "core/animation/inertia_need.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 #include "tests/formats/scene/gltf_fixture.h"
 
@@ -53,7 +56,7 @@ std::vector<Vector3d> steady(int frames, const Vector3d& all_the_way) {
 }
 
 /// The middle of the far edge in every frame. [m]
-std::vector<Vector3d> far_edge(const Shot& shot, const Method& method, Inertia inertia,
+std::vector<Vector3d> far_edge(const Shot& shot, const MethodChoice& method, Inertia inertia,
                                int last_frame) {
   AnimateOptions options;
   options.last_frame = last_frame;
@@ -151,7 +154,7 @@ TEST(InertiaTest, ASwingingSheetHasThePeriodOfItsPendulum) {
   shot.paper.bending_stiffness = 0.1;
   ASSERT_TRUE(need_of_inertia(shot, g, 24, 1, 60).needed);
   const double period = 2 * M_PI * std::sqrt(2 * L / (3 * g)) * (1 + a * a / 16);
-  for (const Method& method :
+  for (const MethodChoice& method :
        {fem(60), hybrid(shot.pattern, shot.paper, 60, {}, 0, 0), adaptive(shot.pattern, 200)}) {
     const std::vector<Vector3d> path = far_edge(shot, method, Inertia::dynamic, 60);
     std::vector<double> zeros;  // [s] when it passes below the hinge

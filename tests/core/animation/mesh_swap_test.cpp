@@ -2,6 +2,7 @@
 
 #include "core/animation/animate.h"
 #include "core/geometry/mesh_transfer.h"
+#include "core/methods/hybrid.h"
 #include "core/step2_crumple/crumple.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"

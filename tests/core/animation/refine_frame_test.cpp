@@ -2,6 +2,8 @@
 #include "core/animation/initial_sheet.h"
 
 #include "core/geometry/pattern_samples.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +18,7 @@ struct Taken {
   Points3 held_at;
   double energy = 0;
 };
-Taken take(const Shot& shot, const Method& method, int frame) {
+Taken take(const Shot& shot, const MethodChoice& method, int frame) {
   AnimateOptions options;
   options.last_frame = frame;
   Taken taken;
@@ -68,7 +70,7 @@ TEST(RefineFrameTest, HandlesStayWhereTheyHoldTheSheet) {
 
 TEST(RefineFrameTest, AFrameIsTheSameWhicheverFrameWasPolishedBeforeIt) {
   const Shot shot = test::s1_push();
-  const Method method = hybrid(shot.pattern, shot.paper, 90, {}, 0, 0);
+  const MethodChoice method = hybrid(shot.pattern, shot.paper, 90, {}, 0, 0);
   const Taken one = take(shot, method, 20),
               other = take(shot, hybrid(shot.pattern, shot.paper, 90, {}, 0, 0), 10);
   Polisher polish(shot, {}, 400);

@@ -1,6 +1,8 @@
 #include "core/animation/refined_animation.h"
 
 #include "core/geometry/measure.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -27,7 +29,7 @@ AnimateOptions until(int frame) {
   options.last_frame = frame;
   return options;
 }
-Method coarse(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 90, {}, 0, 0); }
+MethodChoice coarse(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 90, {}, 0, 0); }
 
 std::map<int, Frame> polished(const Shot& shot, int last, const PolishOptions& how) {
   std::map<int, Frame> frames;
@@ -37,7 +39,7 @@ std::map<int, Frame> polished(const Shot& shot, int last, const PolishOptions& h
   });
   return frames;
 }
-std::map<int, Frame> marched(const Shot& shot, const Method& method, int last) {
+std::map<int, Frame> marched(const Shot& shot, const MethodChoice& method, int last) {
   std::map<int, Frame> frames;
   animate(shot, method, until(last), [&](const AnimatedFrame& f) {
     frames[f.frame] = {f, *f.sheet};

@@ -5,6 +5,9 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +27,7 @@ struct Ended {
   long max_triangles = 0;
 };
 
-Ended play(const Shot& shot, int frames, const std::function<Method(const Shot&)>& method) {
+Ended play(const Shot& shot, int frames, const std::function<MethodChoice(const Shot&)>& method) {
   AnimateOptions options;
   options.last_frame = frames;
   options.memory = Memory::plastic;
@@ -41,9 +44,9 @@ Ended play(const Shot& shot, int frames, const std::function<Method(const Shot&)
   return ended;
 }
 
-Method hybrid_of(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 120, {}, 0, 0); }
-Method fem_of(const Shot&) { return fem(300); }
-Method adaptive_of(const Shot& shot) { return adaptive(shot.pattern, 800); }
+MethodChoice hybrid_of(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 120, {}, 0, 0); }
+MethodChoice fem_of(const Shot&) { return fem(300); }
+MethodChoice adaptive_of(const Shot& shot) { return adaptive(shot.pattern, 800); }
 
 /// The shot with every handle `times` as fast, up to where the slow one is in frame 24; then at
 /// rest.

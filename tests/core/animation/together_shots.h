@@ -67,9 +67,9 @@ struct Outcome {
 };
 
 inline Outcome outcome_of(const std::vector<Shot>& shots,
-                          const std::function<Method(const Shot&, std::size_t)>& method_of,
+                          const std::function<MethodChoice(const Shot&, std::size_t)>& method_of,
                           const AnimateOptions& options) {
-  std::vector<Method> methods;
+  std::vector<MethodChoice> methods;
   std::vector<AnimatedSheet> all;
   for (std::size_t s = 0; s < shots.size(); ++s) methods.push_back(method_of(shots[s], s));
   for (std::size_t s = 0; s < shots.size(); ++s) all.push_back({shots[s], methods[s], options});

@@ -1,4 +1,5 @@
 #include "core/animation/animate.h"
+#include "core/methods/fem.h"
 #include "core/step1_elastic/contact/collider_contact.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
@@ -221,6 +222,31 @@ TEST(ColliderRestTest, FallenSheetRestsWhereTheGroundCarriesItsWeight) {
   EXPECT_LT(sheet.v.rowwise().norm().maxCoeff(), 1e-3);
   EXPECT_LT(sheet.x.col(2).maxCoeff(), collider_dhat);
   EXPECT_GT(sheet.x.col(2).minCoeff(), 0.95 * collider_dhat);
+}
+
+TEST(ColliderRestTest, AskingHowDeepAnotherSheetLiesChangesNothing) {
+  const auto colliders = all({ground()});
+  ElasticOptions options;
+  options.gravity = g;
+  options.colliders = colliders;
+  Sheet asked = hex_sheet(0.05, 0.05, 6), untouched;
+  asked.x.col(2).array() += 2e-4;
+  untouched = asked;
+  Elastic asks(Paper{}, options), silent(Paper{}, options);
+  asks.set_mesh(asked), silent.set_mesh(untouched);
+  Sheet sunk = asked;
+  sunk.x.col(2).array() -= 7e-4;
+  sunk.x.col(0).array() += 0.03;
+  const Elastic& constant = asks;
+  for (int k = 0; k < 5; ++k) {
+    EXPECT_NEAR(constant.inside(sunk, poses_at(*colliders, 0)), 5e-4, 1e-12);
+    const ElasticReport a = asks.step(asked, resting(*colliders), 1 / 24.0),
+                        b = silent.step(untouched, resting(*colliders), 1 / 24.0);
+    ASSERT_GT(a.on_colliders, 0);
+    EXPECT_EQ(a.on_colliders, b.on_colliders);
+    EXPECT_EQ(a.iterations, b.iterations);
+    EXPECT_TRUE(asked.x == untouched.x) << k;  // to the last bit
+  }
 }
 
 /// Speeds of a sheet on a plane of this slope after an eighth and a quarter of a second. [m/s]

@@ -1,8 +1,8 @@
 #include "core/animation/initial_sheet.h"
-#include "core/methods/method.h"
 
 #include "core/animation/animate.h"
 #include "core/geometry/measure.h"
+#include "core/methods/adaptive.h"
 #include "core/step1_elastic/elastic.h"
 #include "tests/core/geometry/sound_mesh.h"
 #include "tests/core/test_shots.h"
@@ -16,11 +16,11 @@ namespace {
 
 constexpr int cap = 3000;
 
-Method adaptive_of(const Shot& shot, int most = cap, const SizingOptions& options = {}) {
+MethodChoice adaptive_of(const Shot& shot, int most = cap, const SizingOptions& options = {}) {
   return adaptive(shot.pattern, most, options);
 }
 
-std::vector<Sheet> play(const Shot& shot, const Method& method, int last_frame,
+std::vector<Sheet> play(const Shot& shot, const MethodChoice& method, int last_frame,
                         Memory memory = Memory::none) {
   AnimateOptions options;
   options.last_frame = last_frame;
@@ -113,21 +113,14 @@ TEST(AdaptiveTest, AMovingShapeIsNotRefinedAndAJumpIsTakenOnFewTriangles) {
   fine.facet_turn = 0.05;
   Sheet arch = play(shot, adaptive_of(shot, cap, fine), 24).back();
   ASSERT_GT(arch.triangles.rows(), 600);
-  const std::vector<char> fixed = make_initial_sheet(shot, adaptive_of(shot, cap, fine), 0).fixed;
+  const std::vector<char> fixed =
+      make_initial_sheet(shot, *adaptive_of(shot, cap, fine).make(), 0).fixed;
   const auto triangles_after = [&](const SizingOptions& options, bool at_minimum,
                                    double relative_handle_motion) {
     Sheet sheet = arch;
-    adaptive_of(shot, cap, options)
-        .remesh(sheet, {fixed,
-                        nullptr,
-                        {},
-                        {25, 1 / 24.0},
-                        true,
-                        false,
-                        at_minimum,
-                        false,
-                        false,
-                        relative_handle_motion});
+    const RemeshContext is{fixed, nullptr,    {},    {25, 1 / 24.0}, true,
+                           false, at_minimum, false, false,          relative_handle_motion};
+    adaptive_of(shot, cap, options).make()->remesh(sheet, is);
     return sheet.triangles.rows();
   };
   SizingOptions finer = fine;
@@ -167,10 +160,10 @@ TEST(AdaptiveTest, TheTriangleLimitCoarsensTheWholeField) {
 
 TEST(AdaptiveTest, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
   const Shot shot = test::s1_push();
-  const Method method = adaptive_of(shot);
+  const MethodChoice method = adaptive_of(shot);
   AnimateOptions options;
   options.last_frame = 40;
-  const std::vector<char> fixed = make_initial_sheet(shot, method, 0).fixed;
+  const std::vector<char> fixed = make_initial_sheet(shot, *method.make(), 0).fixed;
   const auto at_rest = [&](Sheet& sheet) {  // [J] with both borders held where they are
     PositionConstraints held;
     for (int v = 0; v < static_cast<int>(fixed.size()); ++v)
@@ -188,10 +181,9 @@ TEST(AdaptiveTest, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
     Sheet before = *frame.sheet, after = *frame.sheet;
     // before frame 4 it is buckling to a side; after frame 24 it is also pushed from above
     if (frame.frame < 4 || frame.frame > 24) return true;
-    if (!adaptive_of(shot).remesh(
-            after,
-            {fixed, nullptr, {}, {frame.frame, 1 / 24.0}, true, false, true, false, false, 0}))
-      return true;
+    const RemeshContext is{fixed, nullptr, {}, {frame.frame, 1 / 24.0}, true, false, true,
+                           false, false,   0};
+    if (!method.make()->remesh(after, is)) return true;
     const double was = at_rest(before);
     rises.push_back(at_rest(after) / was - 1);
     return true;

@@ -1,5 +1,5 @@
 #include "core/animation/animate.h"
-#include "core/methods/method.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 
 #include <gtest/gtest.h>

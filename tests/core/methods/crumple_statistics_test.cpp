@@ -4,6 +4,7 @@
 #include "core/animation/animate.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 
 #include <gtest/gtest.h>

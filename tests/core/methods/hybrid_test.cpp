@@ -1,11 +1,11 @@
 #include "core/geometry/intersections.h"
-#include "core/methods/method.h"
 
 #include "core/animation/animate.h"
 #include "core/geometry/curvature.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/random.h"
+#include "core/methods/hybrid.h"
 #include "core/step2_crumple/edge_flips.h"
 #include "core/step2_crumple/singular_points.h"
 #include "tests/core/geometry/sound_mesh.h"
@@ -23,7 +23,7 @@ struct Played {
   std::vector<Sheet> sheets;
   std::vector<AnimatedFrame> frames;
 };
-Played play(const Shot& shot, const Method& method, int last_frame) {
+Played play(const Shot& shot, const MethodChoice& method, int last_frame) {
   AnimateOptions options;
   options.last_frame = last_frame;
   Played played;
@@ -35,7 +35,7 @@ Played play(const Shot& shot, const Method& method, int last_frame) {
   return played;
 }
 
-Method hybrid_of(const Shot& shot, unsigned seed = 0) {
+MethodChoice hybrid_of(const Shot& shot, unsigned seed = 0) {
   return hybrid(shot.pattern, shot.paper, 120, {}, seed, 0);
 }
 

@@ -1,4 +1,5 @@
 #include "tests/bench/invariance.h"
+#include "core/methods/hybrid.h"
 #include "tests/bench/against_fem.h"
 
 #include <gtest/gtest.h>
@@ -18,7 +19,7 @@ Change change_named(const std::string& name) {
 Shapes hybrid_shapes(const char* scene, const char* change, int last_frame) {
   const auto [shot, fps] = shot_of(cases_named({scene}).front());
   const auto make = [](const Shot& s, double turn) {
-    return hybrid(s.pattern, s.paper, 120, {}, 0, 0, turn);
+    return hybrid(s.pattern, s.paper, {120, turn}, {}, 0, 0);
   };
   return shapes_of(shot, make, change_named(change), 0, fps, last_frame);
 }

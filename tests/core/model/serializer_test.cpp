@@ -2,9 +2,11 @@
 // from it as if it had never stopped.
 
 #include "core/model/serializer.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 
 #include "core/animation/animate.h"
-#include "core/methods/method.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
 
@@ -96,7 +98,7 @@ TEST(Serializer, SurvivesAChangeOfAnyByte) {
 
 struct Case {
   const char* name;
-  std::function<Method(const Shot&)> method;
+  std::function<MethodChoice(const Shot&)> method;
   Memory memory;
   Inertia inertia;
   int probe_every;

@@ -5,6 +5,9 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/pattern_mesh.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "core/render/render_surface.h"
 #include "core/render/shot_record.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
@@ -91,7 +94,7 @@ std::pair<double, double> mean_turns(const Sheet& sheet) {
 
 TEST(SingularPointRulesTest, PaperPushedTogetherBendsAtItsCreaseWithEveryMethod) {
   const Shot shot = creased_push();
-  for (const Method& method :
+  for (const MethodChoice& method :
        {hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), fem(600), adaptive(shot.pattern, 600)}) {
     AnimateOptions options;
     options.last_frame = 24;

@@ -81,7 +81,7 @@ TEST(RenderMeshTest, SimulatedEdgesAreRowsOfEdges) {
           {sheet.pattern.row(hinge.vertices[0]), sheet.pattern.row(hinge.vertices[1])});
   features.creases = {features.edges[7]};
   const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features);
-  ASSERT_TRUE(mesh.along_edges);
+  ASSERT_EQ(mesh.simulated_edges, SimulatedEdges::kept);
   EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
   EXPECT_NEAR(length_of(mesh), (features.edges[7].b - features.edges[7].a).norm(), 1e-6);
   EXPECT_LT((mesh.pattern.row(mesh.point_vertex[0]).transpose() - features.points[0]).norm(),
@@ -105,8 +105,32 @@ TEST(RenderMeshTest, SimulatedEdgesAreRowsOfEdges) {
       }
     }
   }
-  EXPECT_FALSE(mesh_for_render(test::rectangle(0.1, 0.1), 0.03, features).along_edges)
+  EXPECT_EQ(mesh_for_render(test::rectangle(0.1, 0.1), 0.03, features).simulated_edges,
+            SimulatedEdges::too_long)
       << "no room: 3.6 m of edges, and 2 m may be";
+}
+
+TEST(RenderMeshTest, SimulatedEdgesThatNoTriangulationHasAreLeftOutAndTheMeshSaysSo) {
+  // they cross within a millionth of the sheet
+  RenderFeatures features{{}, {}};
+  features.edges = {{{0.02, 0.05}, {0.08, 0.05}}, {{0.02, 0.05 - 3e-7}, {0.08, 0.05 + 3e-7}}};
+  const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features);
+  EXPECT_EQ(mesh.simulated_edges, SimulatedEdges::too_close);
+  EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
+  features.edges.pop_back();
+  EXPECT_EQ(mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features).simulated_edges,
+            SimulatedEdges::kept);
+  features.edges.clear();
+  EXPECT_EQ(mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features).simulated_edges,
+            SimulatedEdges::none);
+}
+
+TEST(RenderMeshTest, AnOutlineThatCrossesItselfIsAnErrorWithSimulatedEdgesToo) {
+  const Pattern crossed{{{0, 0}, {0.1, 0.1}, {0.1, 0}, {0, 0.1}}, {}};
+  RenderFeatures features{{}, {}};
+  EXPECT_THROW(mesh_for_render(crossed, 0.003, features), Error);
+  features.edges = {{{0.04, 0.05}, {0.06, 0.05}}};
+  EXPECT_THROW(mesh_for_render(crossed, 0.003, features), Error);
 }
 
 TEST(RenderMeshTest, ACreaseThatMeetsTheBorderAtASmallAngleIsComplete) {

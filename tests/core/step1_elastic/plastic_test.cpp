@@ -1,3 +1,4 @@
+#include "core/methods/hybrid.h"
 #include "core/model/plastic_grid.h"
 
 #include "core/animation/animate.h"

@@ -2,6 +2,8 @@
 
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
@@ -11,8 +13,8 @@
 namespace paperbake {
 namespace {
 
-std::vector<Points3> shapes(const Shot& shot, const Method& method, const AnimateOptions& options,
-                            bool& touched) {
+std::vector<Points3> shapes(const Shot& shot, const MethodChoice& method,
+                            const AnimateOptions& options, bool& touched) {
   std::vector<Points3> all;
   touched = false;
   animate(shot, method, options, [&](const AnimatedFrame& f) {

@@ -1,0 +1,76 @@
+#include "baker/job/plan.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace paperbake {
+namespace {
+
+/// Everything that a frame hands on, except times.
+struct Seen {
+  Sheet sheet;
+  std::vector<std::pair<Vector2d, Vector2d>> rulings;
+  int births;
+  std::string state;  // what the next frame depends on, bit for bit
+};
+
+std::vector<Seen> frames_of(const BakePlan& plan) {
+  std::vector<Seen> seen;
+  simulate(plan, {plan.animation}, 1, [&](const AnimatedFrame& f) {
+    seen.push_back({*f.sheet, f.parts.rulings, f.new_singular, f.state()});
+    return true;
+  });
+  return seen;
+}
+
+BakePlan plan_of(const char* scene, const char* method, int last_frame) {
+  BakeSettings settings;
+  settings.scene = std::string(PAPERBAKE_SAMPLES "/") + scene;
+  settings.method = method;
+  settings.frames = FrameSpan{1, last_frame, 1};
+  return plan_bake(settings);
+}
+
+int births(const std::vector<Seen>& frames) {
+  int sum = 0;
+  for (const Seen& f : frames) sum += f.births;
+  return sum;
+}
+
+void expect_same(const std::vector<Seen>& once, const std::vector<Seen>& again) {
+  ASSERT_EQ(once.size(), again.size());
+  for (std::size_t k = 0; k < once.size(); ++k) {
+    ASSERT_EQ(once[k].state, again[k].state) << "frame " << k + 1;
+    ASSERT_EQ(once[k].sheet.x.rows(), again[k].sheet.x.rows()) << "frame " << k + 1;
+    EXPECT_EQ(once[k].sheet.x, again[k].sheet.x) << "frame " << k + 1;
+    EXPECT_EQ(once[k].rulings, again[k].rulings) << "frame " << k + 1;
+    EXPECT_EQ(once[k].births, again[k].births) << "frame " << k + 1;
+  }
+}
+
+TEST(PlanTest, GivesTheSameCrumpleEveryTimeItIsSimulated) {
+  const BakePlan plan = plan_of("S4_crumple.glb", "hybrid", 32);
+  const std::vector<Seen> once = frames_of(plan);
+  ASSERT_GE(births(once), 3);
+  expect_same(once, frames_of(plan));
+}
+
+TEST(PlanTest, GivesTheSameRulingsEveryTimeItIsSimulated) {
+  const BakePlan plan = plan_of("S2_moebius.glb", "hybrid", 72);
+  const std::vector<Seen> once = frames_of(plan);
+  ASSERT_GT(births(once), 0);
+  ASSERT_TRUE(
+      std::any_of(once.begin(), once.end(), [](const Seen& f) { return !f.rulings.empty(); }));
+  expect_same(once, frames_of(plan));
+}
+
+TEST(PlanTest, GivesTheSameAdaptiveMeshesEveryTimeItIsSimulated) {
+  const BakePlan plan = plan_of("S1_push.glb", "adaptive", 24);
+  const std::vector<Seen> once = frames_of(plan);
+  ASSERT_NE(once.front().sheet.triangles.rows(), once.back().sheet.triangles.rows());
+  expect_same(once, frames_of(plan));
+}
+
+}  // namespace
+}  // namespace paperbake
