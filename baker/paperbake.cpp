@@ -95,7 +95,8 @@ BakeSettings settings_of(const Scene& scene, const BakeJob& job) {
   settings.scene = scene.source.empty() ? "scene" : scene.source;
   settings.progress = ProgressMode::none;
   for (const auto& [name, text] : job.options)
-    say(settings, option_called(name), text, fmt::format("option \"{}\"", name), Origin::job);
+    apply_option(settings, option_called(name), text, fmt::format("option \"{}\"", name),
+                 Origin::job);
   for (const auto& [name, value] : job.paper)
     settings.set.push_back(parse_set(fmt::format("{}={}", name, value)));
   return settings;
@@ -144,7 +145,7 @@ BakeResult bake_scene(const Scene& scene, const std::filesystem::path& folder, c
           callbacks.on_progress({step.pass, step.sheet, step.frame, step.done, step.frames});
       },
       callbacks.on_message, frames, passes_of(settings));
-  say_warnings(plan, progress);
+  print_warnings(plan, progress);
   BakeOutcome outcome = bake(settings, plan, progress, callbacks.cancel);
   return {std::move(outcome.files), std::move(outcome.missed)};
 }

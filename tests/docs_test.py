@@ -78,6 +78,9 @@ NOT_RUN = {  # each has to be printed somewhere
     "ctest --test-dir build -R docs": "runs this test",
     "python3 docs/measure_benchmarks.py": "an hour; its parsers read what the benches print here",
     "build/paperbake_bench_crumple": "a minute and more on one core, and nothing makes it shorter",
+    "cmake --install build --prefix PREFIX": "the test library installs and moves it",
+    "cmake -S samples/cpp -B OWN -DCMAKE_PREFIX_PATH=PREFIX": "the test library does",
+    "cmake --build OWN": "the test library does",
     "cmake --preset fuzz": "configures anew, with clang",
     "blender -b": "Blender is not installed; interop.blender_addon bakes in its Python module",
 }
@@ -285,7 +288,7 @@ def wrong_programs(clone, source):
     ):
         (clone.root / f"readme{number}.cpp").write_text(program)
         code, said = clone.run(
-            "g++ -std=c++17 -fsyntax-only -I . -isystem /usr/include/eigen3 "
+            "g++ -std=c++17 -fsyntax-only -I . -I build/include -isystem /usr/include/eigen3 "
             f"-isystem /usr/include/suitesparse readme{number}.cpp"
         )
         wrong += [("README.md", f"C++ program {number}: {said[-1500:]}")] if code else []
