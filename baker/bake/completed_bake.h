@@ -1,6 +1,7 @@
 #pragma once
 
-#include "baker/bake/bake.h"
+#include "baker/bake/bake_outcome.h"
+#include "baker/job/plan.h"
 
 #include <filesystem>
 #include <optional>

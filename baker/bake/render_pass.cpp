@@ -2,7 +2,9 @@
 
 #include "baker/output/cache_measure.h"
 #include "core/animation/cpu_clock.h"
+#include "core/geometry/collider.h"
 #include "core/geometry/point_location.h"
+#include "core/render/render_surface.h"
 #include "core/render/untangle_sheets.h"
 
 #include <algorithm>
@@ -13,37 +15,7 @@
 namespace paperbake {
 namespace {
 
-/// One frame of every sheet; in front those that have it, of a bake that ended between two sheets.
-struct RenderedFrame {
-  std::vector<RenderFrame> frames;
-  std::vector<RenderStatistics> statistics;  // of a frame that is wanted
-};
-
-/// Where the vertices of a render mesh lie on the mesh of the frame that was asked for last.
-class MeshPointCache {
- public:
-  using Places = std::shared_future<std::vector<MeshPoint>>;
-  MeshPointCache(const ShotRecord& record, const RenderSurface& sheet)
-      : record_(&record), sheet_(&sheet) {}
-
-  const Places& at(std::size_t k) {
-    const int mesh = record_->frames()[k].mesh;
-    if (mesh != mesh_) {
-      const ShotRecord::Mesh& simulated = record_->meshes()[mesh];
-      places_ = std::async(std::launch::deferred, [sheet = sheet_, &simulated] {
-                  return sheet->locate_on(simulated.pattern, simulated.triangles);
-                }).share();
-    }
-    mesh_ = mesh;
-    return places_;
-  }
-
- private:
-  const ShotRecord* record_;
-  const RenderSurface* sheet_;
-  int mesh_ = -1;
-  Places places_;
-};
+using MeshPoints = std::shared_future<std::vector<MeshPoint>>;
 
 std::size_t frames_of_any(const std::vector<RenderInput>& sheets) {
   std::size_t count = 0;
@@ -51,104 +23,144 @@ std::size_t frames_of_any(const std::vector<RenderInput>& sheets) {
   return count;
 }
 
-/// Frames of records on the render meshes, some of them ahead of the one that is asked for: each on
-/// a thread of its own.
-class Renderer {
+/// Where to start work that may run on a thread of its own.
+std::launch launch_policy(int threads) {
+  return threads > 1 ? std::launch::async : std::launch::deferred;
+}
+
+}  // namespace
+
+/// Where the vertices of a render mesh lie on the simulated mesh of the frame that was asked for
+/// last.
+class RenderPass::MeshPointCache {
  public:
-  Renderer(const std::vector<RenderInput>& shown, std::vector<RenderSurface>& sheets,
-           const FrameSpan& wanted, int threads)
-      : shown_(shown),
-        sheets_(sheets),
-        together_(sheets),
-        wanted_(wanted),
-        threads_(std::max(threads, 1)),
-        held_(sheets.size()) {
-    for (std::size_t s = 0; s < sheets.size(); ++s)
-      places_.emplace_back(*shown[s].record, sheets[s]);
+  MeshPointCache(const ShotRecord& record, const RenderSurface& surface)
+      : record_(&record), surface_(&surface) {}
+
+  const MeshPoints& at(std::size_t k) {
+    const int mesh = record_->frames()[k].mesh;
+    if (mesh != mesh_) {
+      const ShotRecord::Mesh& simulated = record_->meshes()[mesh];
+      points_ = std::async(std::launch::deferred, [surface = surface_, &simulated] {
+                  return surface->locate_on(simulated.pattern, simulated.triangles);
+                }).share();
+    }
+    mesh_ = mesh;
+    return points_;
   }
 
-  /// The k-th of the records; k grows from call to call.
-  RenderedFrame operator()(std::size_t k) {
+ private:
+  const ShotRecord* record_;
+  const RenderSurface* surface_;
+  int mesh_ = -1;
+  MeshPoints points_;
+};
+
+/// One frame of every sheet that has it, the first ones: a bake may have ended between two sheets.
+struct RenderPass::FrameOfSheets {
+  std::vector<RenderFrame> frames;
+  std::vector<RenderStatistics> statistics;  // of a frame that is wanted
+};
+
+/// Renders frames of the records, some of them ahead of the one that is asked for, each on a thread
+/// of its own.
+class RenderPass::FrameRenderer {
+ public:
+  FrameRenderer(const std::vector<RenderInput>& inputs, std::vector<RenderSurface>& surfaces,
+                const FrameSpan& wanted, int threads)
+      : inputs_(inputs),
+        surfaces_(surfaces),
+        untangler_(surfaces),
+        wanted_(wanted),
+        threads_(std::max(threads, 1)),
+        held_(surfaces.size()) {
+    for (std::size_t s = 0; s < surfaces.size(); ++s)
+      points_.emplace_back(*inputs[s].record, surfaces[s]);
+  }
+
+  /// The k-th frame of the records; k grows from call to call.
+  FrameOfSheets operator()(std::size_t k) {
     while (!pending_.empty() && pending_.front().k < k) pending_.pop_front();  // waits for it
     for (next_ = std::max(next_, k);
-         next_ < frames_of_any(shown_) && (pending_.size() < threads_ || next_ == k); ++next_)
+         next_ < frames_of_any(inputs_) && (pending_.size() < threads_ || next_ == k); ++next_)
       if (is_needed(next_) && !start(next_)) break;
-    RenderedFrame shown = pending_.front().rendered.get();
+    FrameOfSheets rendered = pending_.front().rendered.get();
     pending_.pop_front();
-    return shown;
+    return rendered;
   }
 
  private:
   struct PendingFrame {
     std::size_t k;
-    std::future<RenderedFrame> rendered;
+    std::future<FrameOfSheets> rendered;
   };
 
-  /// Sheets that have a k-th frame: the first ones.
+  /// How many sheets have a k-th frame: the first ones.
   std::size_t sheets_with_frame(std::size_t k) const {
     std::size_t count = 0;
-    while (count < shown_.size() && k < shown_[count].record->frames().size()) ++count;
+    while (count < inputs_.size() && k < inputs_[count].record->frames().size()) ++count;
     return count;
   }
 
-  /// It, or the one before or after it, is wanted.
+  /// The frame is wanted, or one beside it, whose velocity depends on it.
   bool is_needed(std::size_t k) const {
-    const auto& frames = shown_.front().record->frames();
+    const auto& frames = inputs_.front().record->frames();
     const auto wanted = [&](std::size_t i) {
       return i < frames.size() && wanted_.contains(frames[i].frame);
     };
     return wanted(k) || wanted(k + 1) || wanted(k - 1);
   }
 
-  /// False: others are on the way, with other handles held.
+  /// False while frames are pending in which other handles hold the sheet.
   bool start(std::size_t k) {
-    std::vector<MeshPointCache::Places> places;
+    std::vector<MeshPoints> points;
     for (std::size_t s = 0; s < sheets_with_frame(k); ++s) {
-      const RecordedFrame& recorded = shown_[s].record->frames()[k];
+      const RecordedFrame& recorded = inputs_[s].record->frames()[k];
       if (held_[s] != recorded.held) {
         if (!pending_.empty()) return false;
-        sheets_[s].hold(recorded.held);  // dear, but seldom: no frame's time
+        surfaces_[s].hold(recorded.held);  // expensive, but rare: it counts for no frame's time
         held_[s] = recorded.held;
       }
     }
-    for (std::size_t s = 0; s < sheets_with_frame(k); ++s) places.push_back(places_[s].at(k));
-    pending_.push_back({k, std::async(threads_ > 1 ? std::launch::async : std::launch::deferred,
-                                      [this, k, places] { return render(k, places); })});
+    for (std::size_t s = 0; s < sheets_with_frame(k); ++s) points.push_back(points_[s].at(k));
+    pending_.push_back({k, std::async(launch_policy(static_cast<int>(threads_)),
+                                      [this, k, points] { return render(k, points); })});
     return true;
   }
 
-  RenderedFrame render(std::size_t k, const std::vector<MeshPointCache::Places>& places) const {
-    RenderedFrame shown;
+  FrameOfSheets render(std::size_t k, const std::vector<MeshPoints>& points) const {
+    FrameOfSheets rendered;
     std::vector<SheetUntangler::Simulated> simulated;
     std::vector<double> ms;
-    for (std::size_t s = 0; s < places.size(); ++s) {
+    for (std::size_t s = 0; s < points.size(); ++s) {
       const double start_ms = cpu_ms();
-      const RecordedFrame& recorded = shown_[s].record->frames()[k];
-      simulated.push_back({shown_[s].record->sheet(recorded), &places[s].get()});
-      shown.frames.push_back(
-          sheets_[s].frame(simulated[s].sheet, *simulated[s].places, recorded.held_at));
+      const RecordedFrame& recorded = inputs_[s].record->frames()[k];
+      simulated.push_back({inputs_[s].record->sheet(recorded), &points[s].get()});
+      rendered.frames.push_back(
+          surfaces_[s].frame(simulated[s].sheet, *simulated[s].places, recorded.held_at));
       ms.push_back(cpu_ms() - start_ms);
     }
     const double start_ms = cpu_ms();
-    if (shown.frames.size() == sheets_.size()) together_.keep_apart(shown.frames, simulated);
-    const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, places.size());
-    for (std::size_t s = 0; s < places.size(); ++s) {
+    if (rendered.frames.size() == surfaces_.size())
+      untangler_.keep_apart(rendered.frames, simulated);
+    const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, points.size());
+    for (std::size_t s = 0; s < points.size(); ++s) {
       const double start_ms = cpu_ms();
-      push_out_of_colliders(s, k, simulated[s], shown.frames[s].x);
+      push_out_of_colliders(s, k, simulated[s], rendered.frames[s].x);
       ms[s] += each_ms + cpu_ms() - start_ms;
     }
-    if (wanted_.contains(shown_.front().record->frames()[k].frame))
-      shown.statistics = measure(shown.frames, ms);
-    return shown;
+    if (wanted_.contains(inputs_.front().record->frames()[k].frame))
+      rendered.statistics = measure(rendered.frames, ms);
+    return rendered;
   }
 
-  /// The curved surface goes beyond its facets: where they lie on something, into it.
+  /// The curved surface stands out from its facets: where they rest on a collider, into it.
   void push_out_of_colliders(std::size_t s, std::size_t k,
                              const SheetUntangler::Simulated& simulated, Points3& x) const {
-    const auto& colliders = shown_[s].shot->colliders;
+    const auto& colliders = inputs_[s].shot->colliders;
     if (!colliders) return;
-    const auto& frames = shown_[s].record->frames();
-    Points3 on_facets = x;  // middles of a finer mesh are near enough
+    const auto& frames = inputs_[s].record->frames();
+    Points3 on_facets = x;  // vertices of a finer mesh, in the middle of edges, are near enough
     for (std::size_t v = 0; v < simulated.places->size(); ++v)
       on_facets.row(v) =
           interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
@@ -156,13 +168,14 @@ class Renderer {
              x);
   }
 
+  /// ms  of each sheet
   std::vector<RenderStatistics> measure(const std::vector<RenderFrame>& frames,
                                         const std::vector<double>& ms) const {
     std::vector<RenderStatistics> statistics;
     std::vector<Points3> stored_x;
     for (std::size_t s = 0; s < frames.size(); ++s) {
-      const RenderMesh& mesh = sheets_[s].mesh();
-      const double side = longer_side(shown_[s].shot->pattern);
+      const RenderMesh& mesh = surfaces_[s].mesh();
+      const double side = longer_side(inputs_[s].shot->pattern);
       CacheFrame stored;
       stored.x = frames[s].x;
       stored.triangles = mesh.triangles;
@@ -174,154 +187,185 @@ class Renderer {
       sheet.stretch_mean = length.mean;
       sheet.stretch_max = length.largest;
       sheet.ms = ms[s];
-      sheet.crossings = sheets_[s].crossings(stored_x[s]);
+      sheet.crossings = surfaces_[s].crossings(stored_x[s]);
       sheet.kept_apart = frames[s].kept_apart;
     }
-    const std::vector<int> with_others = together_.crossings(stored_x);
+    const std::vector<int> with_others = untangler_.crossings(stored_x);
     for (std::size_t s = 0; s < frames.size(); ++s)
       statistics[s].crossings_with_others = with_others[s];
     return statistics;
   }
 
-  const std::vector<RenderInput>& shown_;
-  std::vector<RenderSurface>& sheets_;
-  const SheetUntangler together_;
+  const std::vector<RenderInput>& inputs_;
+  std::vector<RenderSurface>& surfaces_;
+  const SheetUntangler untangler_;
   const FrameSpan& wanted_;
   const std::size_t threads_;
   std::vector<std::optional<std::vector<int>>> held_;
-  std::vector<MeshPointCache> places_;
-  std::size_t next_ = 0;              // to be start_ms
+  std::vector<MeshPointCache> points_;
+  std::size_t next_ = 0;              // the first that was not started
   std::deque<PendingFrame> pending_;  // in order
 };
 
-/// Some frame passes through itself, or through another, however far the render meshes go back.
-bool cut_through(const std::vector<RenderInput>& shown, const std::vector<RenderSurface>& sheets,
-                 std::size_t threads) {
-  const SheetUntangler together(sheets);
-  std::vector<MeshPointCache> places;
-  for (std::size_t s = 0; s < sheets.size(); ++s) places.emplace_back(*shown[s].record, sheets[s]);
-  const auto is_cut = [&](std::size_t k, const std::vector<MeshPointCache::Places>& at) {
+struct RenderPass::State {
+  State(std::vector<RenderInput> sheets, const Options& with)
+      : inputs(std::move(sheets)),
+        options(with),
+        surfaces(make_surfaces()),
+        renderer(inputs, surfaces, options.frames, options.threads),
+        rendered(inputs.size()) {
+    for (std::size_t s = 0; s < inputs.size(); ++s) {
+      rendered[s].mesh.triangles = surfaces[s].mesh().triangles;
+      rendered[s].mesh.normal_of_corner = surfaces[s].normal_of_corner();
+      rendered[s].mesh.uv = surfaces[s].mesh().pattern / longer_side(inputs[s].shot->pattern);
+    }
+  }
+
+  std::vector<RenderSurface> make_surfaces() const;
+  bool some_frame_intersects(const std::vector<RenderSurface>&) const;
+  Points3 velocity(std::size_t sheet) const;
+  bool next();
+
+  std::vector<RenderInput> inputs;
+  Options options;
+  std::vector<RenderSurface> surfaces;
+  FrameRenderer renderer;
+  std::optional<FrameOfSheets> before, now, after;
+  std::size_t k = 0;  // of the frame in the records that comes next
+  std::vector<RenderedSheet> rendered;
+};
+
+/// Does the surface of some frame intersect itself or another, however flat the render meshes are
+/// made?
+bool RenderPass::State::some_frame_intersects(const std::vector<RenderSurface>& sheets) const {
+  const SheetUntangler untangler(sheets);
+  std::vector<MeshPointCache> points;
+  for (std::size_t s = 0; s < sheets.size(); ++s) points.emplace_back(*inputs[s].record, sheets[s]);
+  const auto intersects = [&](std::size_t k, const std::vector<MeshPoints>& at) {
     std::vector<SheetUntangler::Simulated> simulated;
     for (std::size_t s = 0; s < at.size(); ++s) {
-      simulated.push_back({shown[s].record->sheet(shown[s].record->frames()[k]), &at[s].get()});
+      simulated.push_back({inputs[s].record->sheet(inputs[s].record->frames()[k]), &at[s].get()});
       if (sheets[s].linear_surface_intersects(simulated[s].sheet, *simulated[s].places))
         return true;
     }
-    return simulated.size() == sheets.size() && together.linear_surfaces_intersect(simulated);
+    return simulated.size() == sheets.size() && untangler.linear_surfaces_intersect(simulated);
   };
+  const std::size_t threads = std::max(options.threads, 1);
   std::deque<std::future<bool>> pending;
-  bool cut = false;
-  for (std::size_t k = frames_of_any(shown); k-- > 0 && !cut;) {  // the tightest come last
-    std::vector<MeshPointCache::Places> at;
-    for (std::size_t s = 0; s < sheets.size() && k < shown[s].record->frames().size(); ++s)
-      at.push_back(places[s].at(k));
-    pending.push_back(std::async(threads > 1 ? std::launch::async : std::launch::deferred,
-                                 [&is_cut, k, at] { return is_cut(k, at); }));
+  bool found = false;
+  for (std::size_t k = frames_of_any(inputs); k-- > 0 && !found;) {  // the tightest come last
+    std::vector<MeshPoints> at;
+    for (std::size_t s = 0; s < sheets.size() && k < inputs[s].record->frames().size(); ++s)
+      at.push_back(points[s].at(k));
+    pending.push_back(std::async(launch_policy(options.threads),
+                                 [&intersects, k, at] { return intersects(k, at); }));
     if (pending.size() < threads) continue;
-    cut = pending.front().get();
+    found = pending.front().get();
     pending.pop_front();
   }
-  for (std::future<bool>& other : pending) cut |= other.get();
-  return cut;
+  for (std::future<bool>& other : pending) found |= other.get();
+  return found;
 }
 
-std::vector<RenderSurface> render_sheets(const std::vector<RenderInput>& shown, Quality quality,
-                                         int threads) {
-  enum class Edges { some, all };
+std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
+  enum class Edges { creases, all };
   const auto make = [&](Edges edges) {
     std::vector<RenderSurface> sheets;
-    for (const RenderInput& sheet : shown) {
+    for (const RenderInput& sheet : inputs) {
       RenderFeatures features = sheet.record->features(*sheet.shot);
       if (edges == Edges::all) features.edges = sheet.record->edges();
-      sheets.push_back(
-          make_render_surface(sheet.shot->pattern, features, sheet.record->edge(), quality));
+      sheets.push_back(make_render_surface(sheet.shot->pattern, features, sheet.record->edge(),
+                                           options.quality));
     }
     return sheets;
   };
-  std::vector<RenderSurface> sheets = make(Edges::some);
-  return cut_through(shown, sheets, std::max(threads, 1)) ? make(Edges::all) : std::move(sheets);
+  std::vector<RenderSurface> sheets = make(Edges::creases);
+  return some_frame_intersects(sheets) ? make(Edges::all) : std::move(sheets);
 }
 
-Points3 velocity_of(const std::optional<RenderedFrame>& before, const RenderedFrame& now,
-                    const std::optional<RenderedFrame>& next, std::size_t s, double fps) {
-  const auto has = [&](const std::optional<RenderedFrame>& other) {
+Points3 RenderPass::State::velocity(std::size_t s) const {
+  const auto has = [&](const std::optional<FrameOfSheets>& other) {
     return other && s < other->frames.size();
   };
-  const Points3& x = now.frames[s].x;
-  if (has(before) && has(next)) return 0.5 * fps * (next->frames[s].x - before->frames[s].x);
-  if (has(next)) return fps * (next->frames[s].x - x);
-  if (has(before)) return fps * (x - before->frames[s].x);
+  const Points3& x = now->frames[s].x;
+  if (has(before) && has(after))
+    return 0.5 * options.fps * (after->frames[s].x - before->frames[s].x);
+  if (has(after)) return options.fps * (after->frames[s].x - x);
+  if (has(before)) return options.fps * (x - before->frames[s].x);
   return Points3::Zero(x.rows(), 3);
 }
 
-}  // namespace
-
-void render_shot(const std::vector<RenderInput>& sheets, Quality quality, const FrameSpan& frames,
-                 double fps, int threads) {
-  const auto& recorded = sheets.front().record->frames();
-  if (recorded.empty()) return;
-  std::vector<RenderSurface> renders = render_sheets(sheets, quality, threads);
-  Renderer renderer(sheets, renders, frames, threads);
-  std::vector<CacheFrame> cached(sheets.size());
-  for (std::size_t s = 0; s < sheets.size(); ++s) {
-    cached[s].triangles = renders[s].mesh().triangles;
-    cached[s].normal_of_corner = renders[s].normal_of_corner();
-    cached[s].uv = renders[s].mesh().pattern / longer_side(sheets[s].shot->pattern);
-  }
-
-  std::optional<RenderedFrame> before, now, next;
-  const int last = static_cast<int>(recorded.size()) - 1;
-  for (int k = 0; k <= last; ++k) {
+bool RenderPass::State::next() {
+  const auto& recorded = inputs.front().record->frames();
+  for (; k < recorded.size(); ++k) {
     before = std::move(now);
-    now = std::move(next);
-    next.reset();
-    if (!frames.contains(recorded[k].frame)) continue;
-    if (k > 0 && !before) before = renderer(k - 1);
-    if (!now) now = renderer(k);
-    if (k < last) next = renderer(k + 1);
-    for (std::size_t s = 0; s < now->frames.size(); ++s) {
-      cached[s].velocity = velocity_of(before, *now, next, s, fps);
-      cached[s].x = now->frames[s].x;
-      cached[s].normal = now->frames[s].normals;
-      cached[s].crease = now->frames[s].crease;
-      if (sheets[s].layers) cached[s].layers = sheets[s].layers(k, renders[s].mesh().pattern);
-      sheets[s].write(recorded[k].frame, cached[s], now->statistics[s]);
-    }
+    now = std::move(after);
+    after.reset();
+    if (options.frames.contains(recorded[k].frame)) break;
   }
+  if (k == recorded.size()) return false;
+  if (k > 0 && !before) before = renderer(k - 1);
+  if (!now) now = renderer(k);
+  if (k + 1 < recorded.size()) after = renderer(k + 1);
+  rendered.resize(now->frames.size());
+  for (std::size_t s = 0; s < rendered.size(); ++s) {
+    rendered[s].frame = recorded[k].frame;
+    rendered[s].record_index = k;
+    rendered[s].mesh.velocity = velocity(s);
+    rendered[s].mesh.x = now->frames[s].x;
+    rendered[s].mesh.normal = now->frames[s].normals;
+    rendered[s].mesh.crease = now->frames[s].crease;
+    rendered[s].statistics = now->statistics[s];
+  }
+  ++k;
+  return true;
 }
 
-std::vector<std::vector<std::size_t>> near_each_other(
+RenderPass::RenderPass(std::vector<RenderInput> sheets, const Options& options)
+    : state_(std::make_unique<State>(std::move(sheets), options)) {}
+
+RenderPass::~RenderPass() = default;
+
+bool RenderPass::next() { return state_->next(); }
+
+std::vector<RenderedSheet>& RenderPass::sheets() { return state_->rendered; }
+
+const Points2& RenderPass::pattern(std::size_t sheet) const {
+  return state_->surfaces[sheet].mesh().pattern;
+}
+
+std::vector<std::vector<std::size_t>> groups_near_each_other(
     const std::vector<const ShotRecord*>& records) {
   std::vector<std::vector<Eigen::AlignedBox3f>> boxes(records.size());
   for (std::size_t s = 0; s < records.size(); ++s)
     for (const RecordedFrame& frame : records[s]->frames()) {
-      // what is curved stands out from its facets by less than half an edge
-      const Eigen::Vector3f off =
+      // the curved surface stands out from its facets by less than half an edge
+      const Eigen::Vector3f margin =
           Eigen::Vector3f::Constant(static_cast<float>(0.5 * records[s]->edge()));
-      boxes[s].emplace_back(frame.x.colwise().minCoeff().transpose() - off,
-                            frame.x.colwise().maxCoeff().transpose() + off);
+      boxes[s].emplace_back(frame.x.colwise().minCoeff().transpose() - margin,
+                            frame.x.colwise().maxCoeff().transpose() + margin);
     }
   const auto near = [&](std::size_t s, std::size_t t) {
     for (std::size_t k = 0; k < std::min(boxes[s].size(), boxes[t].size()); ++k)
       if (boxes[s][k].intersects(boxes[t][k])) return true;
     return false;
   };
-  std::vector<std::size_t> first(records.size());  // of the list that it is in
+  std::vector<std::size_t> group(records.size());  // named after its first sheet
   for (std::size_t s = 0; s < records.size(); ++s) {
-    first[s] = s;
+    group[s] = s;
     for (std::size_t t = 0; t < s; ++t)
-      if (const std::size_t a = std::min(first[s], first[t]), b = std::max(first[s], first[t]);
+      if (const std::size_t a = std::min(group[s], group[t]), b = std::max(group[s], group[t]);
           a != b && near(s, t))
-        std::replace(first.begin(), first.begin() + s + 1, b, a);
+        std::replace(group.begin(), group.begin() + static_cast<std::ptrdiff_t>(s) + 1, b, a);
   }
-  std::vector<std::vector<std::size_t>> lists;
-  for (std::size_t f = 0; f < records.size(); ++f) {
-    std::vector<std::size_t> list;
+  std::vector<std::vector<std::size_t>> groups;
+  for (std::size_t first = 0; first < records.size(); ++first) {
+    std::vector<std::size_t> sheets;
     for (std::size_t s = 0; s < records.size(); ++s)
-      if (first[s] == f) list.push_back(s);
-    if (!list.empty()) lists.push_back(list);
+      if (group[s] == first) sheets.push_back(s);
+    if (!sheets.empty()) groups.push_back(sheets);
   }
-  return lists;
+  return groups;
 }
 
 }  // namespace paperbake

@@ -1,39 +1,69 @@
 #pragma once
 
 #include "baker/job/settings.h"
+#include "core/model/frame_statistics.h"
+#include "core/model/shot.h"
 #include "core/render/render_surface.h"
 #include "core/render/shot_record.h"
 #include "formats/cache/alembic_cache.h"
-#include "formats/files/certificate.h"
 
-#include <functional>
+#include <cstddef>
+#include <memory>
 #include <vector>
 
 namespace paperbake {
 
-/// A sheet that was simulated, to be rendered.
+/// A simulated sheet that is to be rendered.
 struct RenderInput {
   const ShotRecord* record;
   const Shot* shot;
-  /// Layers of a recorded frame (by its place in the record) at the points of the mesh; may be
-  /// empty.
-  std::function<std::vector<CacheLayer>(std::size_t k, const Points2& pattern)> layers;
-  /// Called for each frame that is wanted, in order.
-  std::function<void(int frame, const CacheFrame&, const RenderStatistics&)> write;
 };
 
-/// The second pass of a bake: sheets that were simulated go, frame by frame, each onto one mesh
-/// that has all of its handles, singular points and lasting creases; and all simulated edges, where
-/// layers, or sheets, are so near each other that it would pass through itself without them. No
-/// more than three frames are kept at a time, and as many as there are threads are made. Velocities
-/// are central differences of what is rendered, one-sided at the ends of the record.
-/// sheets  that come near each other, or one; their records begin with the same frame
-/// frames  of the records that are wanted; fps [1/s]
-void render_shot(const std::vector<RenderInput>& sheets, Quality, const FrameSpan& frames,
-                 double fps, int threads);
+/// One frame of one sheet on its render mesh.
+struct RenderedSheet {
+  int frame = 0;
+  std::size_t record_index = 0;  // of the frame in the record
+  CacheFrame mesh;
+  RenderStatistics statistics;
+};
 
-/// Numbers of sheets that ever come so near each other that boxes round them meet; every one is in
-/// one list, alone or not. Lists and what is in them are in order.
-std::vector<std::vector<std::size_t>> near_each_other(const std::vector<const ShotRecord*>&);
+/// Second stage of a bake: puts the simulated frames of sheets on one mesh for the whole shot, which
+/// has all handles, singular points and lasting creases of its sheet; and all simulated edges, if
+/// layers or sheets come so near each other that the surface would intersect without them.
+/// Velocities are central differences of what is rendered, one-sided at the ends of the record. As
+/// many frames are made ahead as there are threads; at most three finished ones are kept.
+class RenderPass {
+ public:
+  struct Options {
+    Quality quality;
+    FrameSpan frames;  // of the records that are wanted
+    double fps;        // [1/s]
+    int threads;
+  };
+  /// sheets  that come near each other, or one; their records begin with the same frame
+  RenderPass(std::vector<RenderInput> sheets, const Options&);
+  ~RenderPass();
+  RenderPass(const RenderPass&) = delete;
+  RenderPass& operator=(const RenderPass&) = delete;
+
+  /// Moves on to the next wanted frame. returns  false after the last one
+  bool next();
+  /// The frame on those sheets that have it, the first ones. Valid until next() is called; may be
+  /// changed.
+  std::vector<RenderedSheet>& sheets();
+  /// |V|x2 [m] where the vertices of a render mesh lie on the pattern.
+  const Points2& pattern(std::size_t sheet) const;
+
+ private:
+  class MeshPointCache;
+  struct FrameOfSheets;
+  class FrameRenderer;
+  struct State;
+  std::unique_ptr<State> state_;
+};
+
+/// Groups sheets that ever come so near each other that their bounding boxes overlap; every sheet
+/// is in one group, alone or not. Groups and the indices in them are in ascending order.
+std::vector<std::vector<std::size_t>> groups_near_each_other(const std::vector<const ShotRecord*>&);
 
 }  // namespace paperbake

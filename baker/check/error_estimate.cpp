@@ -111,7 +111,7 @@ class Estimator {
       e.uncertain = "the finer mesh did not come to rest";
     if (e.uncertain.empty() && polished.near_itself)
       e.uncertain = "the sheet comes near itself, which the estimate does not feel";
-    if (e.uncertain.empty()) e.lower_branch_pct = energy_gain(baked, held, held_at, now.frame);
+    if (e.uncertain.empty()) e.lower_branch_pct = lower_branch(baked, held, held_at, now.frame);
     return e;
   }
 
@@ -124,8 +124,8 @@ class Estimator {
   }
 
   /// On a coarser mesh: a branch that is lower there is lower.
-  double energy_gain(const Sheet& baked, const std::vector<int>& held, const Points3& held_at,
-                     int frame) {
+  double lower_branch(const Sheet& baked, const std::vector<int>& held, const Points3& held_at,
+                      int frame) {
     Polished relaxed = coarse_(baked, held, held_at);
     if (!relaxed.converged) return 0;
     Elastic elastic(sheet_.shot.paper, options_);

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <set>
 #include <utility>
 
 namespace paperbake {
@@ -12,9 +13,9 @@ namespace {
 
 using Apply = std::function<void(BakeSettings&, const std::string& text, const std::string& place)>;
 
-/// Sets a field, which may be optional, from a number.
-template <class MeshPoint>
-Apply to_number(MeshPoint place) {
+/// Sets a field, which may be optional, to a number. place: returns the field
+template <class Place>
+Apply to_number(Place place) {
   return [place](BakeSettings& s, const std::string& text, const std::string&) {
     place(s) = std::stod(text);
   };
@@ -27,33 +28,39 @@ Apply to_whole(Field BakeSettings::*field) {
   };
 }
 
-/// One of several words, the first of them the usual one unless the table says otherwise.
-template <class Value>
-Option word(std::string name, Value BakeSettings::*field,
-            std::vector<std::pair<std::string, Value>> values, std::string default_value,
-            std::string help) {
-  Option option{{std::move(name), JobKey::word}, "", std::move(help),
-                std::move(default_value),        "", nullptr};
-  for (const auto& [text, value] : values) option.words.push_back(text);
-  option.apply = [field, values](BakeSettings& s, const std::string& text, const std::string&) {
-    s.*field = std::find_if(values.begin(), values.end(), [&](const auto& v) {
-                 return v.first == text;
-               })->second;
-  };
-  return option;
-}
-
 Option with_default(JobKey key, std::string default_value, std::string help, Apply apply) {
   return {std::move(key), "", std::move(help), std::move(default_value), "", std::move(apply)};
 }
 
-/// One that depends on scene, preset or method when nobody says.
+/// An option whose value depends on scene, preset or method unless it is given.
 Option without_default(JobKey key, std::string example, std::string help, Apply apply) {
   return {std::move(key), "", std::move(help), "", std::move(example), std::move(apply)};
 }
 
+/// An option that is one of several words.
+template <class Value>
+Option word(std::string name, Value BakeSettings::*field,
+            const std::vector<std::pair<std::string, Value>>& values, std::string default_value,
+            std::string help) {
+  JobKey key{std::move(name), JobKey::word};
+  for (const auto& [text, value] : values) key.words.push_back(text);
+  return with_default(
+      std::move(key), std::move(default_value), std::move(help),
+      [field, values](BakeSettings& s, const std::string& text, const std::string&) {
+        s.*field = std::find_if(values.begin(), values.end(), [&](const auto& v) {
+                     return v.first == text;
+                   })->second;
+      });
+}
+
+std::vector<std::string> format_names() {
+  std::vector<std::string> names;
+  for (const OutputFormat& format : output_formats()) names.push_back(format.name);
+  return names;
+}
+
 std::set<std::string> parse_formats(const std::string& text, const std::string& place) {
-  const std::vector<std::string> known{"abc", "maps", "cert", "report", "usd", "pc2", "preview"};
+  const std::vector<std::string> known = format_names();
   std::set<std::string> formats;
   for (std::size_t from = 0; from <= text.size();) {
     const std::size_t comma = std::min(text.find(',', from), text.size());
@@ -67,21 +74,32 @@ std::set<std::string> parse_formats(const std::string& text, const std::string& 
   return formats;
 }
 
-std::vector<Option> make_options() {
+Option formats_option() {
+  std::vector<std::string> defaults, described;
+  for (const OutputFormat& format : output_formats()) {
+    if (format.is_default) defaults.push_back(format.name);
+    described.push_back(fmt::format("{} ({})", format.name, format.what));
+  }
+  return with_default(
+      {"formats", JobKey::list}, fmt::format("{}", fmt::join(defaults, ",")),
+      fmt::format("What to write, separated by commas: {}", fmt::join(described, ", ")),
+      [](auto& s, auto& text, auto& place) { s.formats = parse_formats(text, place); });
+}
+
+std::vector<Option> scene_and_method() {
   using K = JobKey;
-  std::vector<Option> all{
+  return {
       without_default({"scene", K::text}, "shot.glb",
                       "An .fbx, .glb or .gltf file with a sheet and animated handles",
                       [](auto& s, auto& text, auto&) { s.scene = text; }),
-      without_default({"output", K::text}, "out", "Output folder; made when missing",
+      without_default({"output", K::text}, "out", "Output folder; created if it is missing",
                       [](auto& s, auto& text, auto&) { s.output = text; }),
-      without_default(
-          {"preset", K::text}, "copy70",
-          "Paper grade (see `paperbake presets`) or a preset file; replaces what the scene says "
-          "of the paper, else copy70",
-          [](auto& s, auto& text, auto&) { s.preset = text; }),
+      without_default({"preset", K::text}, "copy70",
+                      "Paper grade (see `paperbake presets`) or a preset file; overrides the paper "
+                      "of the scene. Without either it is copy70",
+                      [](auto& s, auto& text, auto&) { s.preset = text; }),
       with_default({"method", K::text}, "hybrid",
-                   "How to simulate: hybrid, fem, adaptive; hybrid+fem: hybrid, polished",
+                   "Simulation method: hybrid, fem, adaptive, or hybrid+fem (hybrid with --polish)",
                    [](auto& s, auto& text, auto& place) {
                      if (!is_method(text))
                        throw Error(Fault::command, place,
@@ -91,104 +109,138 @@ std::vector<Option> make_options() {
                    }),
       without_default(
           {"seed", K::whole, 0, 4294967295.0}, "0",
-          "Seed of all that is random; else the sheet's paper_seed, else 0",
+          "Seed of everything random; otherwise paper_seed of the sheet, or 0",
           [](auto& s, auto& text, auto&) { s.seed = static_cast<unsigned>(std::stoll(text)); }),
       without_default(
           {"triangles", K::whole, 2, 400000}, "1700",
-          "Triangles of fem's mesh, within 10 % (1700); the most that hybrid (250, or twice what "
-          "it begins with) and adaptive (3000) may have",
+          "Triangles of the simulation mesh: for fem their number, within 10 % (1700 by "
+          "default); for hybrid and adaptive the largest number (250 or twice "
+          "--base-triangles; 3000)",
           to_whole(&BakeSettings::triangles)),
-      without_default(
-          {"polish", K::whole, 0, 400000}, "0",
-          "Bring every frame to the minimum of a fem of at most this many triangles, on the "
-          "branch that the method found; 0: do not (hero: 6,000)",
-          to_whole(&BakeSettings::polish)),
+      without_default({"polish", K::whole, 0, 400000}, "0",
+                      "Refine every frame to equilibrium on a finite element mesh of at most this "
+                      "many triangles, keeping the shape that the method found; 0 turns it off. "
+                      "Default: 0; 6,000 for hybrid with --quality hero",
+                      to_whole(&BakeSettings::polish)),
       with_default({"base_triangles", K::whole, 2, 100000}, "120",
-                   "Triangles that hybrid begins with", to_whole(&BakeSettings::base_triangles)),
+                   "Triangles of the mesh that hybrid starts with",
+                   to_whole(&BakeSettings::base_triangles)),
+  };
+}
+
+std::vector<Option> meshes_and_physics() {
+  using K = JobKey;
+  return {
       word<CacheMesh>(
           "mesh", &BakeSettings::mesh,
           {{"render", CacheMesh::render}, {"simulation", CacheMesh::simulation}}, "render",
-          "Mesh in the cache: render (one for the whole shot), simulation (as it is simulated)"),
+          "Mesh in the caches: render (one fine mesh for the whole shot) or simulation (the coarse "
+          "mesh of each frame)"),
       word<Quality>(
           "quality", &BakeSettings::quality,
           {{"draft", Quality::draft}, {"shot", Quality::shot}, {"hero", Quality::hero}}, "shot",
-          "Edges of the render mesh on a sheet of 0.2 m: draft 5 mm, shot 2 mm, hero 1 mm"),
-      with_default(
-          {"formats", K::list}, "abc,maps,cert,report",
-          "What to write, of abc,maps,cert,report,usd,pc2,preview",
-          [](auto& s, auto& text, auto& place) { s.formats = parse_formats(text, place); }),
+          "Edge length of the render mesh, for a sheet of 0.2 m: draft 5 mm, shot 2 mm, hero 1 mm"),
+      formats_option(),
       without_default({"gravity", K::number}, "0",
-                      "m/s2, positive = downwards; else the scene's paper_gravity, else 0",
+                      "Gravity in m/s2, positive downwards; otherwise paper_gravity of the scene, "
+                      "or 0",
                       [](auto& s, auto& text, auto&) { s.gravity = std::stod(text); }),
       with_default({"stop", K::number, above_zero}, "1e-5",
-                   "Newton's stop: metres from the minimum",
+                   "Tolerance of Newton's method: estimated distance from equilibrium in metres",
                    to_number([](auto& s) -> auto& { return s.stop; })),
       word<Dynamics>("dynamics", &BakeSettings::dynamics,
                      {{"auto", Dynamics::automatic}, {"off", Dynamics::off}, {"on", Dynamics::on}},
-                     "auto", "Inertia: auto (where a sheet falls, swings or is thrown), off, on"),
-      with_default(
-          {"probe", K::whole, 0, 100000}, "0",
-          "Every N frames, look for another shape of less energy under the same handles, and take "
-          "it; 0: never",
-          to_whole(&BakeSettings::probe_every)),
+                     "auto", "Inertia: auto (if a sheet falls, swings or is thrown), off, on"),
+      with_default({"probe", K::whole, 0, 100000}, "0",
+                   "Every N frames, search for a shape of lower energy under the same handles, and "
+                   "snap to it; 0 turns it off",
+                   to_whole(&BakeSettings::probe_every)),
       without_default(
           {"frames", K::text}, "1-96",
-          "A-B or A-BxN: frames to write; simulated from the scene's first; past the last key "
-          "handles rest",
+          "Frames to write: A-B, or A-BxN for every N-th. The simulation always starts at the "
+          "first frame of the scene; after the last key handles rest",
           [](auto& s, auto& text, auto& place) { s.frames = parse_frames(text, place); }),
-      with_default({"map_size", K::whole, 1, 16384}, "1024", "Texels on a side of the maps",
+  };
+}
+
+std::vector<Option> maps_and_gates() {
+  using K = JobKey;
+  return {
+      with_default({"map_size", K::whole, 1, 16384}, "1024", "Size of the square maps in texels",
                    to_whole(&BakeSettings::map_size)),
       word<MapLayout>("map_layout", &BakeSettings::map_layout,
                       {{"scanline", MapLayout::scanline}, {"tiled-mip", MapLayout::tiled_mip}},
                       "scanline",
-                      "scanline; tiled-mip: 64 x 64 tiles with mip levels, for renderers"),
+                      "Layout of the maps: scanline, or tiled-mip (64 x 64 tiles with mip levels, "
+                      "for renderers)"),
       without_default(
           {"map_frames", K::list}, "1-96x12",
-          "Frames with a map: A-BxN,...; the final one always (default: every 12th)",
+          "Frames with a map: A-BxN, several separated by commas. There is always one of the last "
+          "frame. Default: every 12th",
           [](auto& s, auto& text, auto& place) { s.map_frames = parse_frame_list(text, place); }),
-      without_default(
-          {"debug_pictures", K::text}, "pictures",
-          "Folder for pictures of pattern mesh and sheet: of the frames of --map-frames (else "
-          "every 6th), of births and of the last",
-          [](auto& s, auto& text, auto&) { s.debug_pictures = text; }),
+      without_default({"debug_pictures", K::text}, "pictures",
+                      "Write pictures of the simulation mesh, on the pattern and in space, to this "
+                      "folder: for the frames of --map-frames (otherwise every 6th), frames with a "
+                      "new singular point, and the last frame",
+                      [](auto& s, auto& text, auto&) { s.debug_pictures = text; }),
       with_default({"max_stretch", K::number, above_zero}, "5",
-                   "Gate: longest or shortest edge in percent of its rest length",
+                   "Quality gate: largest length error of an edge in percent",
                    to_number([](auto& s) -> auto& { return s.max_stretch_pct; })),
-      with_default(
-          {"strict", K::flag}, "false",
-          "Refuse handles that ask the impossible, instead of meeting them as far as paper can",
-          [](auto& s, auto& text, auto&) { s.strict = text == "true"; }),
+      with_default({"strict", K::flag}, "false",
+                   "Stop if handles ask for more than paper can reach; otherwise they are followed "
+                   "as far as possible",
+                   [](auto& s, auto& text, auto&) { s.strict = text == "true"; }),
+  };
+}
+
+std::vector<Option> run() {
+  using K = JobKey;
+  return {
       word<Resume>("resume", &BakeSettings::resume,
                    {{"auto", Resume::automatic}, {"never", Resume::never}}, "auto",
-                   "auto: what an earlier bake left in the folder is not simulated again as far as "
-                   "nothing has changed; never: begin at the first frame"),
+                   "auto: reuse the frames of an earlier bake in the folder, up to the first "
+                   "change; never: simulate all frames"),
       with_default({"checkpoint", K::whole, 1, 100000}, "12",
-                   "Every N frames, keep what a later bake can go on from",
+                   "Every N frames, keep a checkpoint that a later bake can resume from",
                    to_whole(&BakeSettings::checkpoint_every)),
       with_default({"threads", K::whole, 1, 4096}, "2",
-                   "Threads; the result does not depend on them", to_whole(&BakeSettings::threads)),
+                   "Number of threads; the result does not depend on it",
+                   to_whole(&BakeSettings::threads)),
       word<ProgressMode>("progress", &BakeSettings::progress,
                          {{"auto", ProgressMode::automatic},
                           {"plain", ProgressMode::plain},
                           {"json", ProgressMode::json},
                           {"none", ProgressMode::none}},
-                         "auto", "How to tell on stderr how far it is"),
-      without_default(
-          {"fps", K::number, above_zero}, "24",
-          "Frames a second, instead of the file's own (glTF has none: else paper_fps, else 24)",
-          to_number([](auto& s) -> auto& { return s.reading.fps; })),
-      without_default(
-          {"start_frame", K::whole, -1e6, 1e6}, "1",
-          "Frame of the first key, where the file has lost it (Blender's FBX export with All "
-          "Actions) or is to be moved",
-          [](auto& s, auto& text, auto&) { s.reading.start_frame = std::stoi(text); }),
+                         "auto",
+                         "Progress on stderr: auto (a bar on a terminal, otherwise plain), plain "
+                         "(lines), json (an object for each frame), none"),
+  };
+}
+
+std::vector<Option> reading() {
+  using K = JobKey;
+  return {
+      without_default({"fps", K::number, above_zero}, "24",
+                      "Frame rate, instead of that of the file. glTF has none: there it is "
+                      "otherwise paper_fps, or 24",
+                      to_number([](auto& s) -> auto& { return s.reading.fps; })),
+      without_default({"start_frame", K::whole, -1e6, 1e6}, "1",
+                      "Frame of the first key, if the file has lost it (FBX export of Blender with "
+                      "All Actions) or the animation is to be moved",
+                      [](auto& s, auto& text, auto&) { s.reading.start_frame = std::stoi(text); }),
       without_default({"unit_scale", K::number, above_zero}, "1",
                       "Length of one unit of the file in metres",
                       to_number([](auto& s) -> auto& { return s.reading.unit_scale; })),
       without_default({"take", K::text}, "Take 001",
-                      "Name of the one animation to use; else all are merged",
+                      "Name of the only animation to use; otherwise all are merged",
                       [](auto& s, auto& text, auto&) { s.reading.take = text; }),
   };
+}
+
+std::vector<Option> make_options() {
+  std::vector<Option> all;
+  for (const auto& group : {scene_and_method, meshes_and_physics, maps_and_gates, run, reading})
+    for (Option& option : group()) all.push_back(std::move(option));
   for (Option& option : all) {
     option.flags = "--" + option.name;
     std::replace(option.flags.begin(), option.flags.end(), '_', '-');

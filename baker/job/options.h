@@ -9,24 +9,24 @@
 
 namespace paperbake {
 
-/// An option of a bake: the command line, its help, the job file's reader and its writer all draw
-/// on this one table.
+/// An option of a bake. Command line, its help and documentation, the reader and the writer of job
+/// files are all made from this one table.
 struct Option : JobKey {
   std::string flags;  // on the command line: --map-size
   std::string help;
-  // what it is when nobody says, as the command line would; empty: the help tells ...
-  std::string default_value;
-  std::string example;  // ... and this is one
-  /// throws Error(Fault::command) at `place` when the text means nothing
+  std::string default_value;  // as on the command line; empty: the help explains it ...
+  std::string example;        // ... and this is one
+  /// Sets the value. throws Error(Fault::command) at `place` when the text has no meaning
   std::function<void(BakeSettings&, const std::string& text, const std::string& place)> apply;
 };
 
-/// In the order of the help. All but --set, which a job file says as [paper].
+/// All options but --set, which a job file writes as [paper], in the order of the help.
 const std::vector<Option>& options();
+/// The option of that name, which must exist.
 const Option& option(const std::string& name);
 
-/// Checks a value and applies it.
-/// throws Error(Fault::command) at `place`: it is not what the option may be
+/// Checks a value, sets it and notes who gave it.
+/// throws Error(Fault::command) at `place` when the option does not permit it
 void apply_option(BakeSettings&, const Option&, const std::string& text, const std::string& place,
                   Origin);
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <set>
 #include <string>
@@ -23,7 +24,10 @@ struct OutputFormat {
   std::unique_ptr<FrameWriter> (*make_writer)(const WriterInput&);
 
   /// Folder inside the output folder that its files lie in; empty: none.
-  std::string folder() const { return file.substr(0, file.find('/') + 1); }
+  std::string folder() const {
+    const std::size_t slash = file.find('/');
+    return slash == std::string::npos ? "" : file.substr(0, slash);
+  }
 };
 
 /// Every format, in the order of the help. The table stands in baker/output/output_formats.cpp,

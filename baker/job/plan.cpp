@@ -22,7 +22,7 @@ bool is_hybrid(const BakeSettings& settings) {
   return settings.method == "hybrid" || settings.method == hybrid_and_fem;
 }
 
-/// throws Error(Fault::command) when it is asked for where it can do nothing
+/// throws Error(Fault::command) when polish is asked for but has no effect
 Polishing decided_polishing(const BakeSettings& settings) {
   constexpr int default_triangles = 6000;
   const bool by_method = settings.method == hybrid_and_fem;
@@ -33,8 +33,8 @@ Polishing decided_polishing(const BakeSettings& settings) {
   if (by_method || settings.polish.value_or(0) > 0) {
     if (settings.method == "fem")
       throw Error(Fault::command, option,
-                  "There is nothing that fem could finish of its own frames.",
-                  "A finer fem is --triangles N.");
+                  "There is nothing that fem could improve in its own frames.",
+                  "For a finer mesh bake with --triangles N.");
     return {settings.polish.value_or(default_triangles), "asked for with " + std::string(option)};
   }
   if (settings.polish) return {0, "off with --polish 0"};
@@ -43,7 +43,7 @@ Polishing decided_polishing(const BakeSettings& settings) {
   return {0, settings.method == "fem" ? "fem is at its minimum" : "not asked for"};
 }
 
-/// As asked for; else what the sheet that needs inertia most has to say.
+/// With --dynamics auto the sheet that needs inertia most decides.
 void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   bool dynamic = settings.dynamics == Dynamics::on;
   plan.why_inertia = dynamic ? "asked for with --dynamics on" : "switched off with --dynamics off";
@@ -64,20 +64,20 @@ void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& 
   if (settings.probe_every > 0 && dynamic)
     throw Error(
         Fault::command, "--probe",
-        "With inertia a sheet swings between its shapes: there is no lower one to look for (" +
+        "With inertia a sheet swings between its shapes, so a lower one is not searched for (" +
             plan.why_inertia + ").",
         "Bake with --dynamics off, or without --probe.");
 }
 
-/// throws Error(Fault::command) when polish was asked for and the sheet has inertia
+/// throws Error(Fault::command) when polish is asked for and the sheets have inertia
 void decide_polish(const BakeSettings& settings, BakePlan& plan) {
   plan.polish = decided_polishing(settings);
   if (plan.polish.triangles > 0 && plan.animation.elastic.inertia == Inertia::dynamic) {
     if (settings.polish || settings.method == hybrid_and_fem)
-      throw Error(
-          Fault::command, "--polish",
-          "A polished frame is at rest, and with inertia none is (" + plan.why_inertia + ").",
-          "Bake with --dynamics off, or without polish.");
+      throw Error(Fault::command, "--polish",
+                  "A polished frame is at rest, but the sheets move with inertia (" +
+                      plan.why_inertia + ").",
+                  "Bake with --dynamics off, or without polish.");
     plan.polish = {0, "a polished frame is at rest, and with inertia none is"};
   }
   plan.method = settings.method;
@@ -91,7 +91,7 @@ int triangles_wanted(const BakeSettings& settings) {
                                                                      : 1700);
 }
 
-/// What the hybrid begins with: no more than it may have.
+/// Triangles that the hybrid starts with: no more than it may have.
 int base_wanted(const BakeSettings& settings) {
   const int max_triangles = triangles_wanted(settings);
   if (settings.base_triangles > max_triangles &&
@@ -113,7 +113,7 @@ MethodChoice make_method(const BakeSettings& settings, const Shot& shot, unsigne
                 static_cast<std::uint32_t>(sheet));
 }
 
-/// Bytes of numbers, for hashing.
+/// Appends the bytes of numbers, for a hash.
 template <class Matrix>
 void append_bytes(std::string& bytes, const Matrix& values) {
   bytes.append(reinterpret_cast<const char*>(values.data()),
@@ -230,7 +230,7 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
                     literal(given.value), to_string(Origin::job)});
 }
 
-/// A value that no simulated frame depends on.
+/// Is this a value that no simulated frame depends on?
 bool is_of_output(const std::string& key) {
   const char* const keys[] = {"scene.file",      "scene.last_frame", "bake.frames",
                               "bake.mesh",       "bake.quality",     "bake.map_size",
@@ -286,8 +286,50 @@ std::string frame_input_hash(const std::string& before, const std::vector<Shot>&
   return hex(content_hash(bytes));
 }
 
-/// Of each sheet its own hash and, where there are several, those of all.
-static std::vector<std::string> with_all(std::vector<std::string> hashes) {
+namespace {
+
+/// throws Error(Fault::command) when options contradict each other
+void check_options(const BakeSettings& settings) {
+  decided_polishing(settings);
+  if (settings.mesh != CacheMesh::simulation || settings.method == "fem") return;
+  for (const OutputFormat& format : output_formats())
+    if (format.needs_one_mesh && settings.formats.count(format.name))
+      throw Error(Fault::command, "--formats " + format.name,
+                  "A point cache has one mesh for the whole shot, and the simulated one changes.",
+                  fmt::format("Leave out --mesh simulation, or {}.", format.name));
+}
+
+/// Paper, seed, shot and method of every sheet.
+/// returns  the values that were used, for job.lock.toml
+std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, BakePlan& plan) {
+  std::vector<UsedValue> used;
+  for (SceneSheet& sheet : scene.sheets) {
+    const ResolvedPaper resolved = resolve_paper(settings, sheet);
+    const bool by_sheet =
+        sheet.seed && (!settings.seed ||
+                       (settings.origin("seed") == Origin::job && sheet.overridden.count("seed")));
+    const unsigned seed = by_sheet ? *sheet.seed : settings.seed.value_or(0);
+    used.insert(used.end(), resolved.used.begin(), resolved.used.end());
+    used.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
+                    to_string(!by_sheet                        ? settings.origin("seed")
+                              : sheet.overridden.count("seed") ? Origin::job
+                                                               : Origin::scene)});
+    if (!sheet.pattern.prescribed_creases.empty()) {
+      const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
+      used.push_back({"sheet." + toml_string(sheet.name) + ".crease",
+                      toml_creases(sheet.pattern.prescribed_creases),
+                      fmt::format("{}", fmt::join(origins, ", "))});
+    }
+    plan.seeds.push_back(seed);
+    plan.presets.push_back(resolved.paper.name);
+    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
+    plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
+  }
+  return used;
+}
+
+/// For several sheets, which may touch, the hash of each with those of all; for one, its own.
+std::vector<std::string> with_all(std::vector<std::string> hashes) {
   std::string all;
   for (const std::string& hash : hashes) all += hash;
   if (hashes.size() > 1)
@@ -295,15 +337,48 @@ static std::vector<std::string> with_all(std::vector<std::string> hashes) {
   return hashes;
 }
 
-/// throws Error(Fault::command) where options contradict each other
-static void check_options(const BakeSettings& settings) {
-  decided_polishing(settings);
-  if (settings.formats.count("pc2") && settings.mesh == CacheMesh::simulation &&
-      settings.method != "fem")
-    throw Error(Fault::command, "--formats pc2",
-                "A point cache has one mesh for the whole shot, and the simulated one changes.",
-                "Leave out --mesh simulation, or pc2.");
+/// Hashes of everything that the frames, and that the simulated frames alone, depend on.
+void hash_inputs(BakePlan& plan) {
+  std::string job, values = PAPERBAKE_VERSION "\n", of_simulation = values;
+  for (const UsedValue& value : plan.used) {
+    const std::string line = value.key + " = " + value.value + "\n";
+    if (value.key != "scene.file") values += line;
+    if (!is_of_output(value.key)) of_simulation += line;
+  }
+  std::vector<std::string> simulated;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
+    plan.start_hash.push_back(hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], values))));
+    simulated.push_back(
+        hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], of_simulation))));
+  }
+  plan.start_hash = with_all(std::move(plan.start_hash));
+  plan.simulation_hash = with_all(std::move(simulated)).front();
+  for (std::string hash : plan.start_hash) {
+    for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
+      hash = frame_input_hash(hash, plan.shots, f, plan.animation.first_frame);
+    job += hash;
+  }
+  plan.job_hash = hex(content_hash(job));
 }
+
+/// throws Error(Fault::scene) with --strict when there are some
+void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
+  for (const Shot& shot : plan.shots)
+    for (ImpossiblePair& pair :
+         HandleFeasibility(shot.pattern, shot.handles)
+             .impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
+      plan.impossible.push_back({shot.sheet_name, std::move(pair)});
+  if (!settings.strict || plan.impossible.empty()) return;
+  const ImpossiblePair& pair = plan.impossible.front().pair;
+  throw Error(Fault::scene,
+              fmt::format("{}, handles \"{}\" and \"{}\", frames {}-{}", settings.scene.string(),
+                          pair.a, pair.b, pair.first, pair.last),
+              describe(plan.impossible.front()),
+              "Bring the handles closer together, or bake without --strict: then they are followed "
+              "as far as paper can.");
+}
+
+}  // namespace
 
 BakePlan plan_bake(const BakeSettings& settings) {
   check_options(settings);  // before the scene is read, which takes time
@@ -321,73 +396,15 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   plan.animation.probe_every = settings.probe_every;
   plan.animation.memory = settings.method == "fem" ? Memory::none : Memory::plastic;
   decide_frames(settings, scene, plan);
-  if (settings.preset)  // an unknown grade is an error even if no sheet were there to use it
+  if (settings.preset)  // an unknown grade is an error even if no sheet uses it
     read_preset(*settings.preset);
-
-  std::vector<UsedValue> of_sheets;
-  for (SceneSheet& sheet : scene.sheets) {
-    const ResolvedPaper resolved = resolve_paper(settings, sheet);
-    const bool by_sheet =
-        sheet.seed && (!settings.seed ||
-                       (settings.origin("seed") == Origin::job && sheet.overridden.count("seed")));
-    const unsigned seed = by_sheet ? *sheet.seed : settings.seed.value_or(0);
-    of_sheets.insert(of_sheets.end(), resolved.used.begin(), resolved.used.end());
-    of_sheets.push_back({"paper." + toml_string(sheet.name) + ".seed", std::to_string(seed),
-                         to_string(!by_sheet                        ? settings.origin("seed")
-                                   : sheet.overridden.count("seed") ? Origin::job
-                                                                    : Origin::scene)});
-    if (!sheet.pattern.prescribed_creases.empty()) {
-      const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
-      of_sheets.push_back({"sheet." + toml_string(sheet.name) + ".crease",
-                           toml_creases(sheet.pattern.prescribed_creases),
-                           fmt::format("{}", fmt::join(origins, ", "))});
-    }
-    plan.seeds.push_back(seed);
-    plan.presets.push_back(resolved.paper.name);
-    plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
-    plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
-  }
-
+  const std::vector<UsedValue> of_sheets = plan_sheets(settings, scene, plan);
   decide_inertia(settings, scene, plan);
   decide_polish(settings, plan);
   record_used_values(settings, scene, plan);
   plan.used.insert(plan.used.end(), of_sheets.begin(), of_sheets.end());
-
-  std::string job, values = PAPERBAKE_VERSION "\n", of_simulation = values;
-  for (const UsedValue& value : plan.used) {
-    const std::string line = value.key + " = " + value.value + "\n";
-    if (value.key != "scene.file") values += line;
-    if (!is_of_output(value.key)) of_simulation += line;
-  }
-  std::vector<std::string> simulated;
-  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
-    plan.start_hash.push_back(hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], values))));
-    simulated.push_back(
-        hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], of_simulation))));
-  }
-  plan.start_hash = with_all(std::move(plan.start_hash));
-  plan.simulation_hash = with_all(std::move(simulated)).front();
-  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
-    const Shot& shot = plan.shots[s];
-    std::string hash = plan.start_hash[s];
-    for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
-      hash = frame_input_hash(hash, plan.shots, f, plan.animation.first_frame);
-    job += hash;
-    for (ImpossiblePair& pair :
-         HandleFeasibility(shot.pattern, shot.handles)
-             .impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
-      plan.impossible.push_back({shot.sheet_name, std::move(pair)});
-  }
-  plan.job_hash = hex(content_hash(job));
-  if (settings.strict && !plan.impossible.empty()) {
-    const ImpossiblePair& pair = plan.impossible.front().pair;
-    throw Error(Fault::scene,
-                fmt::format("{}, handles \"{}\" and \"{}\", frames {}-{}", settings.scene.string(),
-                            pair.a, pair.b, pair.first, pair.last),
-                describe(plan.impossible.front()),
-                "Bring the handles closer together, or bake without --strict: then they are met as "
-                "far as paper can.");
-  }
+  hash_inputs(plan);
+  find_impossible_handles(settings, plan);
   return plan;
 }
 

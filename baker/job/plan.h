@@ -10,7 +10,7 @@
 
 namespace paperbake {
 
-/// A pair of handles that asks the impossible, and of which sheet.
+/// A pair of handles of a sheet that are farther apart than the paper between them is long.
 struct SheetImpossible {
   std::string sheet;
   ImpossiblePair pair;
@@ -18,23 +18,23 @@ struct SheetImpossible {
 
 inline constexpr const char* hybrid_and_fem = "hybrid+fem";  // hybrid, polished
 
-/// What --method may say, and the whole list in words.
+/// Is this a method that --method accepts?
 bool is_method(const std::string&);
 inline constexpr const char* all_methods = "hybrid, fem, adaptive, hybrid+fem";
 
-/// Are frames finished by a fine fem (core/animation/refined_animation.h)?
+/// Whether every frame is refined on a fine finite element mesh (core/animation/refined_animation.h).
 struct Polishing {
-  int triangles = 0;  // 0: they are not
+  int triangles = 0;  // 0: it is not
   std::string why;
 };
 
-/// The frames of which a bake draws such a picture when none are named: every 6th, the last, and
-/// every frame with a birth.
+/// Without --map-frames debug pictures are drawn of every 6th frame, of the last one, and of frames
+/// with a new singular point.
 constexpr int debug_picture_step = 6;
 
-/// All that a bake will do, decided before anything is simulated or written.
+/// Everything that a bake will do, decided before anything is simulated or written.
 struct BakePlan {
-  // stem of the scene file: begins the names of the output files
+  // stem of the scene or job file: the names of the output files begin with it
   std::string name;
   std::vector<Shot> shots;           // one a sheet
   std::vector<unsigned> seeds;       // of each sheet
@@ -44,49 +44,50 @@ struct BakePlan {
   std::string why_inertia;  // or why not
   FrameSpan frames;         // written
   std::vector<FrameSpan> map_frames;
-  // with a debug picture, besides the last and those with a birth
+  // with a debug picture, besides the last and those with a new singular point
   std::vector<FrameSpan> debug_frames;
-  // as it is called: with "+fem" behind it when frames are polished
+  // its name, followed by "+fem" when frames are polished
   std::string method;
   std::vector<MethodChoice> methods;  // of each sheet
   Polishing polish;
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;  // every value and where it came from, for job.lock.toml
-  // of each sheet, and of those it may touch: version, settings, paper, pattern, start shape,
+  // of each sheet, together with those it may touch: version, settings, paper, pattern, start shape,
   // handle points
   std::vector<std::string> start_hash;
-  // of all sheets: what of that the simulation depends on; nothing of frames written and how
+  // of all sheets: the same without the values that only concern which frames are written, and how
   std::string simulation_hash;
-  // over the whole job: input of all sheets and frames; no threads, formats or paths
+  // of the whole job: inputs of all sheets and frames, without threads, formats and paths
   std::string job_hash;
 };
 
-/// Reads the scene and settles every value. throws Error: scene unusable, unknown preset, unknown
-/// method, and with `strict` handles that ask the impossible
+/// Reads the scene and decides every value. throws Error: unusable scene, unknown preset, unknown
+/// method, contradicting options, and with `strict` handles that ask for more than paper can reach
 BakePlan plan_bake(const BakeSettings&);
 
 /// The same for a scene that has been read, or made in code.
 BakePlan plan_bake(const BakeSettings&, Scene);
 
-/// What each sheet of a plan is animated with.
+/// Options of each sheet of a plan.
 std::vector<AnimateOptions> options_of_sheets(const BakePlan&);
 
-/// Simulates the sheets of a plan: animate_together, polished where that is planned, for the frames
-/// that are written and their neighbours.
+/// Simulates the sheets of a plan with animate_together; if polish is planned, the frames that are
+/// written and their neighbours are polished.
 /// options  of each sheet
 void simulate(const BakePlan&, const std::vector<AnimateOptions>& options, int threads,
               const std::function<bool(const AnimatedFrame&)>& on_frame);
 
-/// One sentence about such a pair: frames, names, overshoot.
+/// One sentence: names, frames, overshoot.
 std::string describe(const SheetImpossible&);
 
-/// Hash of what frame `frame` of sheets that may touch depends on beyond `before`, the hash of the
-/// frame before it: keys and grips.
+/// Hash of all inputs up to a frame: the hash of the frame before it, keyed positions of the handles,
+/// which of them hold, and poses of the colliders.
+/// before  the hash of the frame before it
 std::string frame_input_hash(const std::string& before, const std::vector<Shot>&, int frame,
                              int first_frame);
 
-/// job.lock.toml.
+/// The text of job.lock.toml.
 std::string lock_text(const BakePlan&);
 
 }  // namespace paperbake

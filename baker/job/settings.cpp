@@ -131,7 +131,8 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
   const std::string prefix = "paper." + toml_string(sheet.name) + ".";
   resolved.used.push_back({prefix + "preset", toml_string(paper.name), to_string(origin)});
   for (const PaperParameter& parameter : paper_parameters) {
-    Origin who = own_friction && parameter.field == &Paper::friction ? of_sheet("friction") : scaled;
+    Origin who =
+        own_friction && parameter.field == &Paper::friction ? of_sheet("friction") : scaled;
     for (const SetValue& set : settings.set)
       if (set.key == parameter.key && (set.origin == Origin::command || named != Origin::command))
         parameter.set(paper, set.value), who = set.origin;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "baker/job/output_formats.h"
 #include "core/model/paper.h"
 #include "core/render/render_surface.h"
 #include "core/step1_elastic/elastic.h"
@@ -69,7 +70,7 @@ struct BakeSettings {
   // one for the whole shot, or as it is simulated
   CacheMesh mesh = CacheMesh::render;
   Quality quality = Quality::shot;  // of the render mesh
-  std::set<std::string> formats{"abc", "maps", "cert", "report"};
+  std::set<std::string> formats = default_formats();
   int map_size = 1024;  // [texels]
   MapLayout map_layout = MapLayout::scanline;
   std::optional<std::vector<FrameSpan>> map_frames;     // none: every 12th

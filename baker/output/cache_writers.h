@@ -1,67 +1,43 @@
 #pragma once
 
-#include "baker/job/plan.h"
-#include "baker/output/preview.h"
-#include "baker/output/report.h"
-#include "baker/output/write_failures.h"
-#include "formats/cache/alembic_cache.h"
-#include "formats/cache/pc2_cache.h"
-#include "formats/cache/usd_cache.h"
+#include "baker/output/frame_writer.h"
 
-#include <filesystem>
-#include <functional>
 #include <memory>
-#include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
 namespace paperbake {
 
-/// The files of a bake that hold the moving meshes frame by frame: .abc and .usda for all sheets, a
-/// .pc2 with its .rest.obj for each, a preview picture, and what report.html shows of them. Which
-/// of them there are, --formats says. One that fails ends there, and the others go on; what there
-/// is of it is kept where its format allows.
+/// The writers of the formats that a bake was asked for. One that fails ends there, and the others
+/// go on; the frames that it has written are kept where its format allows it.
 class CacheWriters {
  public:
-  /// suffixes  of file names, one a sheet
-  /// throws Error(Fault::folder) when a file cannot be made
-  CacheWriters(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder,
-               const std::vector<std::string>& suffixes, WriteFailures&);
+  /// files  must outlive this
+  /// throws Error(Fault::folder) when a file cannot be created
+  CacheWriters(const std::set<std::string>& formats, const WriterInput&, BakeFiles& files);
 
-  bool any() const { return alembic_ || usd_ || !pc2_.empty() || report_ || preview_; }
-  bool wants_layers() const { return usd_ != nullptr; }
+  bool empty() const { return writers_.empty(); }
+  bool store_crease_attributes() const;
+  bool show_maps() const;
+  /// The frames that at least one file shows, out of those that the bake writes.
+  FrameSpan frames_shown() const;
 
-  /// Those of the written frames that some file shows.
-  FrameSpan shown_frames() const;
-
-  /// Appends the next frame of a sheet to each of them.
-  /// returns  the key of its positions in the .abc; empty when it is not there
+  /// Appends the next frame of a sheet to every file.
+  /// returns  hash of its positions in the .abc; empty when they are not in it
   std::string add_frame(std::size_t sheet, int frame, const CacheFrame&);
+  void add_map(const std::string& caption, const std::string& png);
 
-  struct Finished {
-    std::vector<std::filesystem::path> files;  // in the order an artist looks for them
-    std::vector<std::size_t> in_alembic;       // frames of each sheet
-  };
-  /// Gives the files their names; the last call but for the report, which is written by others.
-  /// frames   of each sheet that there should be
-  /// handles  of all frames, for the preview
-  Finished finish(const std::vector<std::size_t>& frames, const std::vector<HandleRecord>& handles);
-  Report* report() { return report_ ? &*report_ : nullptr; }
+  /// Completes the files and lists them.
+  /// returns  how many frames of each sheet are in the file whose hashes add_frame returned
+  std::vector<std::size_t> finish(const FinishedFrames&);
+  /// After finish: writes the files that tell how the bake ended.
+  void write_ending(const BakeEnding&);
 
  private:
-  std::string name(const std::string& ending) const { return plan_.name + ending; }
-  void keep(const std::string& file, const std::vector<std::size_t>& wanted,
-            const std::function<std::vector<std::size_t>()>& finish, Finished&);
-
-  const BakePlan& plan_;
-  std::filesystem::path folder_;
-  std::vector<std::string> suffixes_;
-  WriteFailures& failures_;
-  std::unique_ptr<AlembicWriter> alembic_;
-  std::unique_ptr<UsdWriter> usd_;
-  std::vector<std::unique_ptr<Pc2Writer>> pc2_;
-  std::optional<Report> report_;
-  std::optional<Preview> preview_;
+  FrameSpan frames_;
+  BakeFiles& files_;
+  std::vector<std::unique_ptr<FrameWriter>> writers_;
 };
 
 }  // namespace paperbake

@@ -13,7 +13,7 @@ namespace paperbake::test {
 
 /// The files of a bake that are the same whenever it is baked, and the certificate without its
 /// times.
-inline std::map<std::string, std::string> persistence_time(const fs::path& folder) {
+inline std::map<std::string, std::string> comparable_files(const fs::path& folder) {
   std::map<std::string, std::string> files;
   for (const auto& entry : fs::recursive_directory_iterator(folder)) {
     const std::string name = fs::relative(entry.path(), folder).generic_string();
@@ -88,7 +88,7 @@ class ResumeFixture : public CommandLine {
   }
 
   void expect_same(const std::string& out, const std::string& whole) const {
-    const auto got = persistence_time(folder / out), wanted = persistence_time(folder / whole);
+    const auto got = comparable_files(folder / out), wanted = comparable_files(folder / whole);
     ASSERT_GT(wanted.size(), 3u);
     for (const auto& [name, bytes] : wanted)
       EXPECT_TRUE(got.count(name) && got.at(name) == bytes)
@@ -103,8 +103,8 @@ class ResumePushFixture : public ResumeFixture {
  protected:
   /// Sheets held at two corners and pushed at the border between the others, for 30 frames. lift
   /// [m] of the last key, at frame 30
-  enum MeshPoint { beside, over };
-  Words pushed(const std::string& out, int sheets, double lift, MeshPoint where = beside) const {
+  enum Arrangement { beside, over };
+  Words pushed(const std::string& out, int sheets, double lift, Arrangement where = beside) const {
     test::GltfFixture scene;
     for (int s = 0; s < sheets; ++s) {
       const Vector3d place(where == beside ? 0.2 * s : 0, 0, where == over ? 0.004 * s : 0),

@@ -1,0 +1,25 @@
+#pragma once
+
+#include "baker/bake/shot_certificate.h"
+#include "baker/job/plan.h"
+#include "baker/output/bake_files.h"
+#include "baker/output/cache_writers.h"
+#include "baker/output/progress.h"
+
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// What the stages of a bake share.
+struct BakeContext {
+  const BakeSettings& settings;
+  const BakePlan& plan;
+  std::vector<std::string> suffixes;  // of file names, one a sheet; empty where there is one sheet
+  BakeFiles& files;
+  ShotCertificate& certificate;
+  CacheWriters& caches;
+  Progress& progress;
+};
+
+}  // namespace paperbake

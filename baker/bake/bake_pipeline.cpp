@@ -1,0 +1,158 @@
+#include "baker/bake/bake_pipeline.h"
+
+#include "baker/bake/render_pass.h"
+#include "baker/output/file_hash.h"
+#include "baker/output/stale_files.h"
+#include "baker/output/summary.h"
+#include "formats/files/atomic_file.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <functional>
+#include <map>
+#include <string>
+
+namespace paperbake {
+namespace {
+
+/// The part of file names that tells the sheets of a scene apart.
+std::vector<std::string> file_suffixes(const BakePlan& plan) {
+  std::vector<std::string> suffixes;
+  for (const Shot& shot : plan.shots) {
+    std::string name = shot.sheet_name;
+    std::replace_if(
+        name.begin(), name.end(),
+        [](char c) { return c == '/' || c == '.' || c == ':' || c == ' '; }, '_');
+    suffixes.push_back(plan.shots.size() > 1 ? "." + name : "");
+  }
+  return suffixes;
+}
+
+}  // namespace
+
+BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
+                           const std::filesystem::path& folder, Progress& progress)
+    : files_(folder),
+      certificate_(plan),
+      caches_(settings.formats, {plan, folder, file_suffixes(plan)}, files_),
+      context_{settings, plan, file_suffixes(plan), files_, certificate_, caches_, progress} {
+  for (std::size_t s = 0; s < plan.shots.size(); ++s)
+    recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));
+}
+
+bool BakePipeline::needs_plastic_curvature() const {
+  return context_.settings.formats.count("maps") > 0 || caches_.store_crease_attributes();
+}
+
+void BakePipeline::record(const AnimatedFrame& frame) { recorders_[frame.of]->consume(frame); }
+
+void BakePipeline::render() {
+  std::vector<std::size_t> sheets;
+  std::vector<const ShotRecord*> records;
+  for (std::size_t s = 0; s < recorders_.size(); ++s) {
+    recorders_[s]->finish_simulation();
+    if (recorders_[s]->record().frames().empty()) continue;
+    sheets.push_back(s);
+    records.push_back(&recorders_[s]->record());
+  }
+  for (std::vector<std::size_t> group : groups_near_each_other(records)) {
+    for (std::size_t& member : group) member = sheets[member];
+    std::vector<std::string> names;
+    for (const std::size_t s : group)
+      names.push_back('"' + context_.plan.shots[s].sheet_name + '"');
+    files_.failures.try_write(fmt::format("render mesh of sheet {}", fmt::join(names, ", ")),
+                              [&] { render_group(group); });
+  }
+  for (const auto& recorder : recorders_) recorder->finish();
+}
+
+/// sheets  that come near each other
+void BakePipeline::render_group(const std::vector<std::size_t>& sheets) {
+  const BakeSettings& settings = context_.settings;
+  const BakePlan& plan = context_.plan;
+  std::vector<RenderInput> inputs;
+  for (const std::size_t s : sheets) inputs.push_back({&recorders_[s]->record(), &plan.shots[s]});
+  RenderPass pass(std::move(inputs),
+                  {settings.quality, caches_.frames_shown(), plan.animation.fps, settings.threads});
+  while (pass.next())
+    for (std::size_t i = 0; i < pass.sheets().size(); ++i) {
+      RenderedSheet& rendered = pass.sheets()[i];
+      const std::size_t s = sheets[i];
+      rendered.mesh.layers =
+          recorders_[s]->crease_attributes(rendered.record_index, pass.pattern(i));
+      FrameRecord& line = certificate_.line(s, rendered.frame);
+      line.statistics.render = rendered.statistics;
+      line.content_hash = caches_.add_frame(s, rendered.frame, rendered.mesh);
+      context_.progress.rendered(line);
+    }
+}
+
+BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
+  const BakePlan& plan = context_.plan;
+  const std::size_t maps = files_.written().size();
+  certificate_.finalize(caches_.finish({certificate_.lines_of_sheets(), certificate_.handles}));
+  files_.move_to_front_after(maps);
+  if (const std::string where = describe_sheet_intersections(certificate_.frames()); !where.empty())
+    context_.progress.message("warning: " + where + ".");
+
+  Gates gates;
+  gates.max_stretch_pct = context_.settings.max_stretch_pct;
+  BakeOutcome outcome;
+  outcome.missed = missed_gates(gates, certificate_.frames(), plan);
+  outcome.exit_code = outcome.missed.empty() ? 0 : 4;
+  write_certificate(outcome, failure);
+  outcome.files = files_.written();
+
+  std::vector<std::filesystem::path> all = files_.written();
+  all.insert(all.end(), files_.pictures().begin(), files_.pictures().end());
+  const StaleFiles stale = files_.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep;
+  files_.failures.try_write(".state/written",
+                            [&] { replace_outputs(files_.folder(), all, stale); });
+  if (const auto error = final_error(failure)) throw *error;
+  return outcome;
+}
+
+/// Report, certificate and lock file; the summary last, which holds the hashes of all other files.
+void BakePipeline::write_certificate(const BakeOutcome& outcome,
+                                     const std::optional<Error>& failure) {
+  const auto write = [&](const std::string& file, const std::function<std::string()>& text) {
+    files_.write(file, [&](const auto& path) { write_atomically(path, text()); });
+  };
+  std::vector<std::string> sentences = outcome.missed;
+  if (const auto error = final_error(failure))
+    sentences.push_back(error->cause + " " + error->remedy);
+  caches_.write_ending({certificate_.frames(), std::move(sentences)});
+  write("singular.csv", [&] { return singular_csv(certificate_.singular); });
+  write("job.lock.toml", [&] { return lock_text(context_.plan); });
+  if (!context_.settings.formats.count("cert")) return;
+  write("cert/frames.jsonl", [&] {
+    std::string lines;
+    for (const FrameRecord& record : certificate_.frames()) lines += frame_line(record) + "\n";
+    return lines;
+  });
+  write("cert/handles.csv", [&] { return handles_csv(certificate_.handles); });
+  write("cert/summary.json", [&] {
+    std::map<std::string, std::string> hashes;
+    for (const auto& file : files_.written())
+      hashes[std::filesystem::relative(file, files_.folder()).generic_string()] = file_hash(file);
+    const auto error = final_error(failure);
+    return summary_json(context_.plan, certificate_.frames(), certificate_.crease_length,
+                        {outcome.missed, error ? static_cast<int>(error->fault) : outcome.exit_code,
+                         error ? error->what() : ""},
+                        hashes);
+  });
+}
+
+/// What ends a bake that did not go well, with what is kept all the same.
+std::optional<Error> BakePipeline::final_error(const std::optional<Error>& failure) const {
+  const WriteFailures& failures = files_.failures;
+  if (!failure && failures.all().empty()) return {};
+  const Error& error = failure ? *failure : failures.all().front().error;
+  const std::string lost =
+      failures.all().empty() ? "" : fmt::format(" Of what was asked for {}.", failures.summary());
+  return Error(error.fault, error.place, error.cause,
+               fmt::format("Frames up to {} are kept.{} {}", certificate_.frames().back().frame,
+                           lost, error.remedy));
+}
+
+}  // namespace paperbake

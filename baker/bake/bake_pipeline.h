@@ -1,0 +1,57 @@
+#pragma once
+
+#include "baker/bake/bake_context.h"
+#include "baker/bake/bake_outcome.h"
+#include "baker/bake/sheet_recorder.h"
+#include "core/model/error.h"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace paperbake {
+
+/// The way of the frames of a bake, in three stages:
+///
+///   record  every simulated frame goes to the recorder of its sheet (sheet_recorder.h)
+///   render  recorded frames are put on render meshes (render_pass.h) and go to the caches
+///   write   caches, certificate and all other files are completed
+///
+/// A file that cannot be written is recorded as a failure; everything else goes on.
+class BakePipeline {
+ public:
+  /// folder  the output folder, which is there
+  /// throws  Error(Fault::folder) when a file of a cache cannot be created
+  BakePipeline(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder,
+               Progress&);
+  BakePipeline(const BakePipeline&) = delete;
+  BakePipeline& operator=(const BakePipeline&) = delete;
+
+  /// Maps and crease attributes show what the paper keeps.
+  bool needs_plastic_curvature() const;
+
+  void record(const AnimatedFrame&);
+  void render();
+  /// failure  what ended the simulation
+  /// throws   when something failed: that, or the first file that could not be written; with what
+  ///          is kept all the same
+  BakeOutcome write(const std::optional<Error>& failure);
+
+  BakeFiles& files() { return files_; }
+  /// No frame was recorded that is to be written.
+  bool is_empty() const { return certificate_.frames().empty(); }
+
+ private:
+  void render_group(const std::vector<std::size_t>& sheets);
+  void write_certificate(const BakeOutcome&, const std::optional<Error>& failure);
+  std::optional<Error> final_error(const std::optional<Error>& failure) const;
+
+  BakeFiles files_;
+  ShotCertificate certificate_;
+  CacheWriters caches_;
+  BakeContext context_;
+  std::vector<std::unique_ptr<SheetRecorder>> recorders_;
+};
+
+}  // namespace paperbake

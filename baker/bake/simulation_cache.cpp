@@ -1,0 +1,60 @@
+#include "baker/bake/simulation_cache.h"
+
+#include "baker/output/cache_measure.h"
+#include "core/geometry/measure.h"
+#include "core/geometry/mesh_transfer.h"
+
+namespace paperbake {
+
+void SimulationCache::consume(const AnimatedFrame& frame) {
+  flush_deferred(frame.sheet);
+  before_ = std::move(now_);
+  now_ = *frame.sheet;
+  if (bake_.plan.frames.contains(frame.frame)) defer(frame);
+}
+
+void SimulationCache::defer(const AnimatedFrame& frame) {
+  const Sheet& sheet = *frame.sheet;
+  CacheFrame& cached = deferred_.emplace();
+  cached.x = sheet.x;
+  cached.normal = vertex_normals(sheet.x, sheet.triangles);
+  cached.triangles = sheet.triangles;
+  cached.uv = sheet.pattern / longer_side(bake_.plan.shots[sheet_].pattern);
+  cached.velocity = sheet.v;  // backward difference, where neighbours cannot be compared
+  deferred_frame_ = frame.frame;
+}
+
+/// Gives the deferred frame the central difference of the true motion of the sheet points that are
+/// its vertices, and hands it on. next: the sheet one frame later; null at the end of the shot
+void SimulationCache::flush_deferred(const Sheet* next) {
+  if (!deferred_) return;
+  const double fps = bake_.plan.animation.fps;
+  const bool has_before = before_.x.rows() > 0;
+  if (has_before && next)
+    deferred_->velocity = 0.5 * fps * (resample(*next) - resample(before_));
+  else if (next)
+    deferred_->velocity = fps * (resample(*next) - now_.x);
+  else if (has_before)
+    deferred_->velocity = fps * (now_.x - resample(before_));
+
+  FrameRecord& line = bake_.certificate.line(sheet_, deferred_frame_);
+  const LengthDistortion stored =
+      cache_distortion(*deferred_, longer_side(bake_.plan.shots[sheet_].pattern));
+  RenderStatistics& render = line.statistics.render.emplace();
+  render.triangles = static_cast<int>(deferred_->triangles.rows());
+  render.stretch_mean = stored.mean;
+  render.stretch_max = stored.largest;
+  render.crossings = line.statistics.crossings;
+  render.crossings_with_others = line.statistics.crossings_with_others;
+  line.content_hash = bake_.caches.add_frame(sheet_, deferred_frame_, *deferred_);
+  deferred_.reset();
+}
+
+/// Positions in another frame, whatever its mesh, of the points that are vertices of now_.
+/// |V|x3 [m]
+Points3 SimulationCache::resample(const Sheet& other) const {
+  const bool same = other.pattern.rows() == now_.pattern.rows() && other.pattern == now_.pattern;
+  return same ? other.x : MeshTransfer(other.pattern, other.triangles, now_.pattern)(other.x);
+}
+
+}  // namespace paperbake

@@ -1,0 +1,77 @@
+#pragma once
+
+#include "baker/job/plan.h"
+#include "baker/output/bake_files.h"
+#include "formats/cache/alembic_cache.h"
+#include "formats/files/certificate.h"
+
+#include <filesystem>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// What a writer is made from.
+struct WriterInput {
+  const BakePlan& plan;
+  std::filesystem::path folder;
+  // of the names of files that there is one of for each sheet: ".SHEET", or empty for a single one
+  std::vector<std::string> suffixes;
+};
+
+/// What is known when all frames have been handed on.
+struct FinishedFrames {
+  std::vector<std::size_t> frames;           // of each sheet that should have been written
+  const std::vector<HandleRecord>& handles;  // of all frames
+};
+
+/// How the bake ended.
+struct BakeEnding {
+  const std::vector<FrameRecord>& frames;  // frame by frame
+  std::vector<std::string> sentences;      // gates that were missed, what failed
+};
+
+/// Writes the frames of a bake in one format. A writer that throws gets no further frames of that
+/// file; the other writers go on.
+class FrameWriter {
+ public:
+  virtual ~FrameWriter() = default;
+
+  /// Name in the output folder of the file that the frames of this sheet go into.
+  virtual std::string file(std::size_t sheet) const = 0;
+  /// The frames that it shows, out of those that the bake writes.
+  virtual FrameSpan frames_shown(const FrameSpan& written) const { return written; }
+  /// Does it store CacheFrame::layers, the crease attributes?
+  virtual bool stores_crease_attributes() const { return false; }
+  /// Does it show pictures of the maps?
+  virtual bool shows_maps() const { return false; }
+
+  /// Appends the next frame of a sheet.
+  /// returns  hash of the positions as they are in the file; empty if the format has none
+  virtual std::string add_frame(std::size_t sheet, int frame, const CacheFrame&) = 0;
+  /// Takes a picture of a map. png: bytes of a PNG file
+  virtual void add_map(const std::string& /*caption*/, const std::string& /*png*/) {}
+
+  /// Completes its files and lists those that there are.
+  /// returns  how many frames of each sheet have the hash that add_frame returned; empty: none
+  virtual std::vector<std::size_t> finish(const FinishedFrames&, BakeFiles&) = 0;
+  /// Called after every writer has finished: for a file that tells how the bake ended.
+  virtual void write_ending(const BakeEnding&, BakeFiles&) {}
+};
+
+// The formats of baker/output/output_formats.cpp. Each throws Error(Fault::folder) when its file
+// cannot be created.
+
+/// NAME.abc, all sheets.
+std::unique_ptr<FrameWriter> make_alembic_writer(const WriterInput&);
+/// NAME.usda, all sheets.
+std::unique_ptr<FrameWriter> make_usd_writer(const WriterInput&);
+/// NAME[.SHEET].pc2 and NAME[.SHEET].rest.obj, one pair for each sheet.
+std::unique_ptr<FrameWriter> make_pc2_writer(const WriterInput&);
+/// report.html, written when the bake has ended.
+std::unique_ptr<FrameWriter> make_report_writer(const WriterInput&);
+/// NAME.preview.png.
+std::unique_ptr<FrameWriter> make_preview_writer(const WriterInput&);
+
+}  // namespace paperbake

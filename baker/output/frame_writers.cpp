@@ -1,0 +1,186 @@
+#include "baker/output/frame_writer.h"
+#include "baker/output/preview.h"
+#include "baker/output/report.h"
+#include "formats/cache/pc2_cache.h"
+#include "formats/cache/usd_cache.h"
+#include "formats/files/atomic_file.h"
+
+#include <fmt/format.h>
+
+namespace paperbake {
+namespace {
+
+CacheInfo cache_info(const BakePlan& plan) {
+  return {plan.animation.fps,
+          plan.frames.first,
+          plan.frames.step,
+          {{"paperbake_version", PAPERBAKE_VERSION}, {"paperbake_job", plan.job_hash}}};
+}
+
+std::vector<std::string> sheet_names(const BakePlan& plan) {
+  std::vector<std::string> names;
+  for (const Shot& shot : plan.shots) names.push_back(shot.sheet_name);
+  return names;
+}
+
+/// Number of the n-th frame that is written.
+std::function<int(std::size_t)> numbering(const FrameSpan& frames) {
+  return [frames](std::size_t n) { return frames.first + frames.step * static_cast<int>(n); };
+}
+
+class AlembicFrameWriter : public FrameWriter {
+ public:
+  explicit AlembicFrameWriter(const WriterInput& input)
+      : file_(input.plan.name + ".abc"),
+        frames_(input.plan.frames),
+        writer_(input.folder / file_, cache_info(input.plan), sheet_names(input.plan)) {}
+
+  std::string file(std::size_t) const override { return file_; }
+  std::string add_frame(std::size_t sheet, int, const CacheFrame& frame) override {
+    return writer_.add_frame(sheet, frame);
+  }
+  std::vector<std::size_t> finish(const FinishedFrames& shot, BakeFiles& files) override {
+    return files.finish_cache(
+        file_, shot.frames, [&] { return writer_.finish(); }, numbering(frames_));
+  }
+
+ private:
+  std::string file_;
+  FrameSpan frames_;
+  AlembicWriter writer_;
+};
+
+class UsdFrameWriter : public FrameWriter {
+ public:
+  explicit UsdFrameWriter(const WriterInput& input)
+      : file_(input.plan.name + ".usda"),
+        writer_(input.folder / file_, cache_info(input.plan), sheet_names(input.plan)) {}
+
+  std::string file(std::size_t) const override { return file_; }
+  bool stores_crease_attributes() const override { return true; }
+  std::string add_frame(std::size_t sheet, int, const CacheFrame& frame) override {
+    writer_.add_frame(sheet, frame);
+    return {};
+  }
+  std::vector<std::size_t> finish(const FinishedFrames&, BakeFiles& files) override {
+    files.write(file_, [&](const auto&) { writer_.finish(); });
+    return {};
+  }
+
+ private:
+  std::string file_;
+  UsdWriter writer_;
+};
+
+class Pc2FrameWriter : public FrameWriter {
+ public:
+  explicit Pc2FrameWriter(const WriterInput& input) : plan_(input.plan) {
+    for (const std::string& suffix : input.suffixes) {
+      names_.push_back(plan_.name + suffix);
+      writers_.push_back(std::make_unique<Pc2Writer>(input.folder / (names_.back() + ".pc2"),
+                                                     input.folder / (names_.back() + ".rest.obj"),
+                                                     cache_info(plan_)));
+    }
+  }
+
+  std::string file(std::size_t sheet) const override { return names_[sheet] + ".pc2"; }
+  std::string add_frame(std::size_t sheet, int, const CacheFrame& frame) override {
+    writers_[sheet]->add_frame(frame, longer_side(plan_.shots[sheet].pattern));
+    return {};
+  }
+  std::vector<std::size_t> finish(const FinishedFrames& shot, BakeFiles& files) override {
+    for (std::size_t s = 0; s < writers_.size(); ++s) {
+      const auto kept = files.finish_cache(
+          file(s), {shot.frames[s]},
+          [&] { return std::vector<std::size_t>{writers_[s]->finish()}; }, numbering(plan_.frames));
+      if (kept.front() > 0) files.add(names_[s] + ".rest.obj");
+    }
+    return {};
+  }
+
+ private:
+  const BakePlan& plan_;
+  std::vector<std::string> names_;
+  std::vector<std::unique_ptr<Pc2Writer>> writers_;
+};
+
+class ReportFrameWriter : public FrameWriter {
+ public:
+  explicit ReportFrameWriter(const WriterInput& input)
+      : report_(
+            input.plan,
+            static_cast<std::size_t>(
+                (input.plan.frames.last - input.plan.frames.first) / input.plan.frames.step + 1)) {}
+
+  std::string file(std::size_t) const override { return "report.html"; }
+  bool shows_maps() const override { return true; }
+  std::string add_frame(std::size_t sheet, int, const CacheFrame& frame) override {
+    report_.add_frame(sheet, frame);
+    return {};
+  }
+  void add_map(const std::string& caption, const std::string& png) override {
+    report_.add_map(caption, png);
+  }
+  std::vector<std::size_t> finish(const FinishedFrames&, BakeFiles&) override { return {}; }
+  void write_ending(const BakeEnding& ending, BakeFiles& files) override {
+    files.write(file(0), [&](const auto& path) {
+      write_atomically(path, report_.html(ending.frames, ending.sentences));
+    });
+  }
+
+ private:
+  Report report_;
+};
+
+class PreviewFrameWriter : public FrameWriter {
+ public:
+  explicit PreviewFrameWriter(const WriterInput& input)
+      : file_(input.plan.name + ".preview.png"),
+        preview_(
+            fmt::format("{}, {}, {}, seed {}, frames {}-{}", input.plan.name, input.plan.method,
+                        input.plan.presets.front(), input.plan.seeds.front(),
+                        input.plan.frames.first, input.plan.frames.last),
+            input.plan.frames, input.plan.shots.front().colliders,
+            input.plan.animation.first_frame) {}
+
+  std::string file(std::size_t) const override { return file_; }
+  FrameSpan frames_shown(const FrameSpan& written) const override {
+    return preview_frames(written);
+  }
+  std::string add_frame(std::size_t, int number, const CacheFrame& frame) override {
+    preview_.add_frame(number, frame);
+    return {};
+  }
+  std::vector<std::size_t> finish(const FinishedFrames& shot, BakeFiles& files) override {
+    files.write(file_, [&](const auto& path) { write_png(path, preview_.picture(shot.handles)); });
+    return {};
+  }
+
+ private:
+  std::string file_;
+  Preview preview_;
+};
+
+}  // namespace
+
+std::unique_ptr<FrameWriter> make_alembic_writer(const WriterInput& input) {
+  return std::make_unique<AlembicFrameWriter>(input);
+}
+
+std::unique_ptr<FrameWriter> make_usd_writer(const WriterInput& input) {
+  return std::make_unique<UsdFrameWriter>(input);
+}
+
+std::unique_ptr<FrameWriter> make_pc2_writer(const WriterInput& input) {
+  return std::make_unique<Pc2FrameWriter>(input);
+}
+
+std::unique_ptr<FrameWriter> make_report_writer(const WriterInput& input) {
+  return std::make_unique<ReportFrameWriter>(input);
+}
+
+std::unique_ptr<FrameWriter> make_preview_writer(const WriterInput& input) {
+  return std::make_unique<PreviewFrameWriter>(input);
+}
+
+}  // namespace paperbake
