@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 static void archive(Serializer& a, HandleFrame& h) { a(h.state, h.keyed, h.at); }
 
-static void archive(Archive& a, FrameStatistics& s) {
+static void archive(Serializer& a, FrameStatistics& s) {
   visit_frame_statistics([&](const auto& field) {
     if (auto* value = find_statistic(s, field)) a(*value);  // nothing is rendered yet
   });
