@@ -33,10 +33,11 @@ void CreaseAttributes::add(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   const Points3 curvature = vertex_curvature(sheet);
   const Eigen::VectorXd width = fold_widths(sheet, curvature, fold_width_);
-  folds_.push_back(
-      {folds_of(curvature, width),
-       frame.plastic_curvature.rows() > 0 ? folds_of(frame.plastic_curvature, width) : Points3(),
-       sheet.singular.size()});
+  folds_.push_back({fold_tensors(curvature, width),
+                    frame.plastic_curvature.rows() > 0
+                        ? fold_tensors(frame.plastic_curvature, width)
+                        : Points3(),
+                    sheet.singular.size()});
   singular_ = sheet.singular;  // it only grows
 }
 

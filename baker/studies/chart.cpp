@@ -79,13 +79,14 @@ Run run(const ChartSettings& settings, const Size& size, unsigned start_seed,
       r.shapes[f.of].push_back(samples[f.of](*f.sheet).x / longer_side(plan.shots[f.of].pattern));
       const LengthDistortion d = length_distortion(*f.sheet);
       ++wanted, c_m += 100 * d.mean, triangles += static_cast<double>(f.sheet->triangles.rows());
-      r.times.elastic_ms += f.elastic_ms, r.times.geometry_ms += f.geometry_ms;
+      r.times.elastic_ms += f.statistics.elastic_ms,
+          r.times.geometry_ms += f.statistics.geometry_ms;
       const std::size_t at = r.shapes[f.of].size();
       frame_ms.resize(std::max(frame_ms.size(), at), 0.0);
-      frame_ms[at - 1] += f.elastic_ms + f.geometry_ms;
+      frame_ms[at - 1] += f.statistics.elastic_ms + f.statistics.geometry_ms;
       r.point.max_stretch_pct = std::max(r.point.max_stretch_pct, 100 * d.largest);
-      r.point.not_converged += !f.converged;
-      r.energy += f.energy;
+      r.point.not_converged += !f.statistics.converged;
+      r.energy += f.statistics.energy;
       last[f.of] = {crease_network(*f.sheet), static_cast<int>(f.sheet->singular.size())};
       if (f.of + 1 < sheets) return true;
       if (Clock::now() > deadline && f.frame < animation.last_frame)

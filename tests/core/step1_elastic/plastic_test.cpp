@@ -355,7 +355,7 @@ TEST(PlasticTest, WhereNothingYieldsAShotIsBitIdenticalToOneWithoutPlasticity) {
     animate(shot, hybrid(shot.pattern, shot.paper, 100, {}, 1, 0), options,
             [&](const AnimatedFrame& f) {
               x.push_back(f.sheet->x);
-              flowed = f.plastic;
+              flowed = f.statistics.plastic;
               return true;
             });
     return x;

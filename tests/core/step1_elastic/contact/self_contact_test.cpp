@@ -19,7 +19,7 @@ std::vector<Points3> shapes(const Shot& shot, const MethodChoice& method,
   touched = false;
   animate(shot, method, options, [&](const AnimatedFrame& f) {
     all.push_back(f.sheet->x);
-    touched |= f.contact;
+    touched |= f.statistics.contact;
     return true;
   });
   return all;
@@ -77,7 +77,7 @@ TEST(SelfContactTest, ACrumpledSheetNeverPassesThroughItself) {
             [&](const AnimatedFrame& f) {
               crossed[on] += crossings(*f.sheet);
               if (on)
-                touching = std::max(touching, f.touching),
+                touching = std::max(touching, f.statistics.touching),
                 stretch = std::max(stretch, length_distortion(*f.sheet).largest);
               return true;
             });
@@ -97,12 +97,12 @@ TEST(SelfContactTest, ACrumpledSheetAtRestStillTouchesItself) {
   int touching = 0, asleep = 0;
   animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 2, 0), options,
           [&](const AnimatedFrame& f) {
-            if (f.frame > 40 && f.substeps == 0) {
+            if (f.frame > 40 && f.statistics.substeps == 0) {
               ++asleep;
-              EXPECT_EQ(f.touching, touching) << f.frame;
-              EXPECT_TRUE(f.contact);
+              EXPECT_EQ(f.statistics.touching, touching) << f.frame;
+              EXPECT_TRUE(f.statistics.contact);
             }
-            touching = f.touching;
+            touching = f.statistics.touching;
             return true;
           });
   EXPECT_GT(asleep, 5);
