@@ -40,6 +40,14 @@ std::string base64_of(const Values& values) {
 
 void replace(std::string& page, std::string_view mark, std::string_view text) { page.replace(page.find(mark), mark.size(), text); }
 
+/// How much a sheet is folded: over its inner edges, length times fold angle. [m rad]
+double folding(const Points3& x, const Hinges& hinges) {
+  double sum = 0;
+  for (const Hinge& hinge : hinges.hinges)
+    sum += (x.row(hinge.vertices[1]) - x.row(hinge.vertices[0])).norm() * std::abs(fold_angle(x, hinge));
+  return sum;
+}
+
 /// One number of every frame; of several sheets the sum or the worst.
 struct Line {
   const char* name;
@@ -53,12 +61,12 @@ struct Curve {
 };
 
 std::vector<Curve> curves() {
-  return {{"%", false, {{"c_m", [](const FrameRecord& r) { return r.stretch_mean_pct; }, false}}},
-          {"%", false, {{"worst edge", [](const FrameRecord& r) { return r.stretch_max_pct; }, false}}},
-          {"", true, {{"triangles simulated", [](const FrameRecord& r) { return double(r.triangles); }, true}}},
-          {"ms", false, {{"elastic", [](const FrameRecord& r) { return r.elastic_ms; }, true}, {"geometry", [](const FrameRecord& r) { return r.geometry_ms; }, true}}},
-          {"", true, {{"singular points", [](const FrameRecord& r) { return double(r.singular); }, true}}},
-          {"mm", false, {{"worst handle", [](const FrameRecord& r) { return r.handle_err_max_mm; }, false}}}};
+  return {{"%", false, {{"mean length error of the edges (c_m)", [](const FrameRecord& r) { return r.stretch_mean_pct; }, false}}},
+          {"%", false, {{"largest length error of an edge", [](const FrameRecord& r) { return r.stretch_max_pct; }, false}}},
+          {"", true, {{"triangles of the simulated mesh", [](const FrameRecord& r) { return double(r.triangles); }, true}}},
+          {"ms", false, {{"CPU time: elastic solver", [](const FrameRecord& r) { return r.elastic_ms; }, true}, {"mesh and singular points", [](const FrameRecord& r) { return r.geometry_ms; }, true}}},
+          {"", true, {{"singular points so far", [](const FrameRecord& r) { return double(r.singular); }, true}}},
+          {"mm", false, {{"handle that is farthest from its key", [](const FrameRecord& r) { return r.handle_err_max_mm; }, false}}}};
 }
 
 }  // namespace
@@ -74,8 +82,17 @@ void Report::add_frame(std::size_t number, const CacheFrame& frame) {
   }
   if (sheet.given++ % stride_ != 0) return;
   if (sheet.meshes.empty() || sheet.meshes.back().rows() != frame.triangles.rows() || sheet.meshes.back() != frame.triangles)
-    sheet.meshes.push_back(frame.triangles);
-  sheet.frames.push_back({sheet.meshes.size() - 1, frame.x.cast<float>()});
+    sheet.meshes.push_back(frame.triangles), sheet.hinges = find_hinges(frame.triangles);
+  sheet.frames.push_back({sheet.meshes.size() - 1, frame.x.cast<float>(), folding(frame.x, sheet.hinges)});
+}
+
+std::size_t Report::most_folded() const {
+  std::vector<double> folded;
+  for (const ShownSheet& sheet : sheets_) {
+    folded.resize(std::max(folded.size(), sheet.frames.size()));
+    for (std::size_t k = 0; k < sheet.frames.size(); ++k) folded[k] += sheet.frames[k].folding;
+  }
+  return stride_ * (std::max_element(folded.begin(), folded.end()) - folded.begin());
 }
 
 void Report::add_map(const std::string& caption, const std::string& png) { maps_.push_back({caption, png}); }
@@ -86,6 +103,7 @@ std::string Report::html(const std::vector<FrameRecord>& records, const std::vec
   for (const FrameRecord& r : records)
     if (frames.empty() || frames.back() != r.frame) frames.push_back(r.frame);
   data["frames"] = frames;
+  data["begin"] = most_folded();
   data["what"] = frames.empty() ? "" : fmt::format("{}, frames {}-{} at {:g} fps, paperbake " PAPERBAKE_VERSION, plan_.method, frames.front(), frames.back(), plan_.animation.fps);
   data["settings"] = Json::array();
   for (const UsedValue& value : plan_.used) data["settings"].push_back({value.key, value.value, value.origin});
