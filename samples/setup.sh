@@ -5,6 +5,11 @@ fail() {
   exit 1
 }
 
+# say SENTENCE: a heading between the stages
+say() {
+  printf '\n== %s\n' "$*"
+}
+
 # packages GROUP...: the names in these groups of packages.txt
 packages() {
   sed 's/#.*//' packages.txt | awk -v groups=" $* " 'NF && /^\[/ { on = index(groups, " " substr($1, 2, length($1) - 2) " "); next } NF && on { print $1 }'
@@ -21,7 +26,7 @@ missing_packages() {
 apt_install() {
   local as_root=(env DEBIAN_FRONTEND=noninteractive)
   ((EUID == 0)) || as_root=(sudo -n "${as_root[@]}")
-  echo "Installing $*"
+  echo "Installing $# packages and what they depend on (apt says how much that is): $*"
   "${as_root[@]}" apt-get update && "${as_root[@]}" apt-get install -y --no-install-recommends "$@"
 }
 
@@ -29,7 +34,10 @@ apt_install() {
 install_packages() {
   local missing
   mapfile -t missing < <(missing_packages "$@")
-  ((${#missing[@]})) || return 0
+  if ((${#missing[@]} == 0)); then
+    echo "All are installed."
+    return
+  fi
   apt_install "${missing[@]}" || fail "These Debian packages are missing and could not be installed from here; install them and run this again: ${missing[*]}"
 }
 
@@ -42,13 +50,32 @@ install_cargo() {
 # configure TESTS: ON or OFF; a build folder that has the tests already serves both
 configure() {
   if [[ -f build/build.ninja ]]; then
-    [[ $1 == OFF ]] || grep -q '^PAPERBAKE_TESTS:BOOL=ON$' build/CMakeCache.txt && return
+    if [[ $1 == OFF ]] || grep -q '^PAPERBAKE_TESTS:BOOL=ON$' build/CMakeCache.txt; then
+      echo "It is configured already."
+      return
+    fi
   fi
   install_cargo
   cmake -S . -B build -G Ninja -DPAPERBAKE_TESTS="$1"
 }
 
+# steps_left TARGET: how many files the build has yet to compile or link
+steps_left() {
+  cmake --build build --target "$1" -- -n | grep -c '^\[[0-9]' || true
+}
+
 # build [TARGET]: everything when no target is named
 build() {
-  cmake --build build --target "${1:-all}"
+  local target=${1:-all} steps cores
+  steps=$(steps_left "$target") cores=$(nproc)
+  if ((steps == 0)); then
+    echo "It is compiled already."
+    return
+  fi
+  # paperbake's 170 steps took 639 s of CPU time on a Xeon (Sapphire Rapids, 2.0 GHz) with an empty ccache, 3.8 s each
+  local minutes=$(((steps * 38 / cores + 599) / 600))
+  if [[ $target == paperbake ]] && ((minutes > 1)); then
+    echo "$steps steps on $cores cores: about $minutes minutes, less where ccache knows them; ninja counts them."
+  fi
+  cmake --build build --target "$target"
 }

@@ -49,6 +49,64 @@ void replace(std::string& page, std::string_view mark, std::string_view text) {
   page.replace(page.find(mark), mark.size(), text);
 }
 
+/// How much a sheet is folded: over its inner edges, length times dihedral angle. [m rad]
+double folding(const Points3& x, const Hinges& hinges) {
+  double sum = 0;
+  for (const Hinge& hinge : hinges.hinges)
+    sum += (x.row(hinge.vertices[1]) - x.row(hinge.vertices[0])).norm() *
+           std::abs(dihedral_angle(x, hinge));
+  return sum;
+}
+
+/// Curves over time, one point a frame; of several sheets the sum or the worst.
+Json curves_json(const std::vector<FrameRecord>& records) {
+  Json curves = Json::array();
+  for (const FrameChart& curve : frame_charts()) {
+    Json lines = Json::array();
+    for (const FrameLine& line : curve.lines) {
+      std::map<int, double> by_frame;
+      for (const FrameRecord& r : records) {
+        double& value = by_frame[r.frame];
+        value = line.sum ? value + line.value(r) : std::max(value, line.value(r));
+      }
+      Json values = Json::array();
+      for (const auto& [frame, value] : by_frame) values.push_back(value);
+      lines.push_back({{"name", line.name}, {"values", values}});
+    }
+    curves.push_back({{"unit", curve.unit}, {"stepped", curve.stepped}, {"lines", lines}});
+  }
+  return curves;
+}
+
+/// Positions in 16 bits between the corners of the box that the sheet moves in.
+template <class Sheet>
+Json sheet_json(const Sheet& sheet) {
+  Eigen::RowVector3f low = sheet.frames.front().x.colwise().minCoeff(), high = low;
+  for (const auto& frame : sheet.frames) {
+    low = low.cwiseMin(frame.x.colwise().minCoeff());
+    high = high.cwiseMax(frame.x.colwise().maxCoeff());
+  }
+  Json meshes = Json::array(), shown = Json::array();
+  for (const Triangles& triangles : sheet.meshes)
+    meshes.push_back(base64_of(Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>(
+        triangles.cast<std::uint32_t>())));
+  const Eigen::RowVector3f span = (high - low).cwiseMax(1e-9f);
+  for (const auto& frame : sheet.frames) {
+    const auto share = ((frame.x.rowwise() - low).array().rowwise() / span.array() * 65535.0f)
+                           .round()
+                           .matrix()
+                           .eval();
+    shown.push_back(
+        {{"mesh", frame.mesh},
+         {"x", base64_of(Eigen::Matrix<std::uint16_t, Eigen::Dynamic, 3, Eigen::RowMajor>(
+                   share.cast<std::uint16_t>()))}});
+  }
+  return {{"low", {low.x(), low.y(), low.z()}},
+          {"high", {low.x() + span.x(), low.y() + span.y(), low.z() + span.z()}},
+          {"meshes", meshes},
+          {"frames", shown}};
+}
+
 }  // namespace
 
 Report::Report(const BakePlan& plan, std::size_t frames)
@@ -64,8 +122,18 @@ void Report::add_frame(std::size_t number, const CacheFrame& frame) {
   if (sheet.given++ % stride_ != 0) return;
   if (sheet.meshes.empty() || sheet.meshes.back().rows() != frame.triangles.rows() ||
       sheet.meshes.back() != frame.triangles)
-    sheet.meshes.push_back(frame.triangles);
-  sheet.frames.push_back({sheet.meshes.size() - 1, frame.x.cast<float>()});
+    sheet.meshes.push_back(frame.triangles), sheet.hinges = find_hinges(frame.triangles);
+  sheet.frames.push_back(
+      {sheet.meshes.size() - 1, frame.x.cast<float>(), folding(frame.x, sheet.hinges)});
+}
+
+std::size_t Report::most_folded() const {
+  std::vector<double> folded;
+  for (const ShownSheet& sheet : sheets_) {
+    folded.resize(std::max(folded.size(), sheet.frames.size()));
+    for (std::size_t k = 0; k < sheet.frames.size(); ++k) folded[k] += sheet.frames[k].folding;
+  }
+  return stride_ * (std::max_element(folded.begin(), folded.end()) - folded.begin());
 }
 
 void Report::add_map(const std::string& caption, const std::string& png) {
@@ -82,6 +150,7 @@ std::string Report::html(const std::vector<FrameRecord>& records,
   for (const FrameRecord& r : records)
     if (frames.empty() || frames.back() != r.frame) frames.push_back(r.frame);
   data["frames"] = frames;
+  data["begin"] = most_folded();
   data["what"] =
       frames.empty()
           ? ""
@@ -91,49 +160,10 @@ std::string Report::html(const std::vector<FrameRecord>& records,
   for (const UsedValue& value : plan_.used)
     data["settings"].push_back({value.key, value.value, value.origin});
 
-  data["curves"] = Json::array();
-  for (const FrameChart& curve : frame_charts()) {
-    Json lines = Json::array();
-    for (const FrameLine& line : curve.lines) {
-      std::map<int, double> by_frame;
-      for (const FrameRecord& r : records) {
-        double& value = by_frame[r.frame];
-        value = line.sum ? value + line.value(r) : std::max(value, line.value(r));
-      }
-      Json values = Json::array();
-      for (const auto& [frame, value] : by_frame) values.push_back(value);
-      lines.push_back({{"name", line.name}, {"values", values}});
-    }
-    data["curves"].push_back({{"unit", curve.unit}, {"stepped", curve.stepped}, {"lines", lines}});
-  }
-
+  data["curves"] = curves_json(records);
   data["sheets"] = Json::array();
-  for (const ShownSheet& sheet : sheets_) {
-    if (sheet.frames.empty()) continue;
-    Eigen::RowVector3f low = sheet.frames.front().x.colwise().minCoeff(), high = low;
-    for (const ShownFrame& frame : sheet.frames) {
-      low = low.cwiseMin(frame.x.colwise().minCoeff());
-      high = high.cwiseMax(frame.x.colwise().maxCoeff());
-    }
-    Json meshes = Json::array(), shown = Json::array();
-    for (const Triangles& triangles : sheet.meshes)
-      meshes.push_back(base64_of(Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>(
-          triangles.cast<std::uint32_t>())));
-    const Eigen::RowVector3f span = (high - low).cwiseMax(1e-9f);
-    for (const ShownFrame& frame : sheet.frames) {
-      const Floats3 share =
-          ((frame.x.rowwise() - low).array().rowwise() / span.array() * 65535.0f).round();
-      shown.push_back(
-          {{"mesh", frame.mesh},
-           {"x", base64_of(Eigen::Matrix<std::uint16_t, Eigen::Dynamic, 3, Eigen::RowMajor>(
-                     share.cast<std::uint16_t>()))}});
-    }
-    data["sheets"].push_back(
-        {{"low", {low.x(), low.y(), low.z()}},
-         {"high", {low.x() + span.x(), low.y() + span.y(), low.z() + span.z()}},
-         {"meshes", meshes},
-         {"frames", shown}});
-  }
+  for (const ShownSheet& sheet : sheets_)
+    if (!sheet.frames.empty()) data["sheets"].push_back(sheet_json(sheet));
   data["maps"] = Json::array();
   for (const Picture& picture : maps_)
     data["maps"].push_back({{"caption", picture.caption}, {"png", base64(picture.png)}});

@@ -205,7 +205,7 @@ void read_checkpoint(const std::string& changes) {
   static const Kept kept;
   const std::string body = changed(kept.body, changes);
   written("checkpoint.000002", body + hex(content_hash(body)));
-  Checkpoints(kept.folder, kept.plan, 2).take([](const AnimatedFrame&) { return true; });
+  Checkpoints(kept.folder, kept.plan, 2).load([](const AnimatedFrame&) { return true; });
 }
 
 }  // namespace

@@ -49,5 +49,17 @@ TEST_F(ReportTest, AReportHoldsEveryFrameItsCurvesAndSettingsAndNeedsNothingElse
   EXPECT_GT(data["settings"].size(), 10u);
 }
 
+TEST_F(ReportTest, AReportOpensAtTheFrameInWhichThePaperIsFoldedMost) {
+  // S3 is pushed until frame 60, and springs back when its borders are let go at 61
+  const Ended ended = run({"bake", test::samples + "/S3_unload.glb", "-o", output(), "--method",
+                           "fem", "--triangles", "200", "--mesh", "simulation", "--frames", "1-70",
+                           "--formats", "report", "--progress", "none"});
+  ASSERT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;
+  const auto data = data_of(read(fs::path(output()) / "report.html"));
+  const int begin = data["frames"].at(data["begin"].get<std::size_t>());
+  EXPECT_GE(begin, 50);
+  EXPECT_LE(begin, 60);
+}
+
 }  // namespace
 }  // namespace paperbake
