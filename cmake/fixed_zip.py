@@ -31,5 +31,5 @@ def write_zip(path, entries, last=()):
             entry = zipfile.ZipInfo(name, EARLIEST)
             entry.external_attr = (stat.S_IFREG | (0o755 if runs else 0o644)) << 16
             data = source if isinstance(source, bytes) else source.read_bytes()
-            archive.writestr(entry, data, zipfile.ZIP_DEFLATED, 9)
+            archive.writestr(entry, data, zipfile.ZIP_DEFLATED)
     part.replace(path)

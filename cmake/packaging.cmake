@@ -73,6 +73,9 @@ set(CPACK_DEBIAN_PACKAGE_DEPENDS libopenblas0-pthread)
 set(CPACK_DEBIAN_COMPRESSION_TYPE xz)
 set(CPACK_PROJECT_CONFIG_FILE ${PACKING}/packing_time.cmake)
 include(CPack)
-add_custom_target(package_deb COMMAND ${CMAKE_CPACK_COMMAND} -G DEB DEPENDS paperbake VERBATIM)
+add_custom_target(package_deb
+  COMMAND ${CMAKE_CPACK_COMMAND} -G DEB
+  COMMAND ${CMAKE_COMMAND} -E rm -rf ${DIST}/_CPack_Packages
+  DEPENDS paperbake VERBATIM)
 
 include(${PROJECT_SOURCE_DIR}/tests/packaging/tests.cmake)

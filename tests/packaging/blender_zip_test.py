@@ -24,7 +24,11 @@ def judge_program(judgement, program):
 
 
 def judge_bake(judgement, bpy, fixture):
-    """Marked, baked with a grade of the program's own, and loaded: the paper moves."""
+    """Marked, baked with a grade of the program's own, and loaded: the paper moves. What a script
+    that starts Blender puts on the loader's path does not reach the program."""
+    (FOLDER / "wrong").mkdir()
+    (FOLDER / "wrong" / "libstdc++.so.6").write_text("no library", encoding="utf-8")
+    os.environ["LD_LIBRARY_PATH"] = str(FOLDER / "wrong")
     scene, sheet = fixture.new_scene("letter")
     fixture.mark_and_hold(judgement, scene, sheet)
     sheet["paper_preset"] = "copy90"

@@ -1,13 +1,15 @@
 """Tests what is in the packages: the same bytes when they are packed again, nothing of the machine
 that packed them, no instruction beyond the baseline, and the terms of all that is in them.
 
-    same_bytes_test.py SOURCE BUILD VERSION FOLDER
+    contents_test.py SOURCE BUILD VERSION FOLDER
 """
 
 import hashlib
 import os
 import pathlib
 import re
+import shutil
+import signal
 import subprocess
 import sys
 import unittest
@@ -89,6 +91,20 @@ class Packages(unittest.TestCase):
             self.assertTrue(beyond, f"version {VERSION} of a program for any processor")
         else:
             self.assertIsNone(beyond, f"version {VERSION}: {beyond}")
+
+    def test_program_and_libraries_run_on_the_oldest_processor(self):
+        """Nehalem, the first of x86-64-v2, as qemu plays it. A build for newer ones does not."""
+        emulator = shutil.which("qemu-x86_64")
+        self.assertTrue(emulator, "qemu-x86_64 is missing: packages.txt, [packages]")
+        done = subprocess.run(
+            [emulator, "-cpu", "Nehalem", BUNDLE / "bin" / "paperbake", "bake",
+             SOURCE / "samples" / "S1_push.glb", "-o", FOLDER / "nehalem", "--quality", "draft",
+             "--frames", "1-12", "--map-size", "64"], capture_output=True, text=True, check=False)
+        if "+" in VERSION:
+            self.assertEqual(done.returncode, -signal.SIGILL, done.stderr)
+        else:
+            self.assertEqual(done.returncode, 0, done.stderr)
+            self.assertGreater((FOLDER / "nehalem" / "S1_push.abc").stat().st_size, 1e5)
 
     def test_every_library_is_in_them_with_its_terms(self):
         needed = {name for name in libraries_of(PROGRAM) if name not in SYSTEM}
