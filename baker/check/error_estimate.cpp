@@ -118,7 +118,7 @@ class Estimator {
  private:
   static ElasticOptions options_of(const LockedJob& job) {
     ElasticOptions options;
-    options.gravity = job.gravity;
+    options.forces.gravity = job.gravity;
     options.stop = job.stop;
     return options;
   }

@@ -51,7 +51,7 @@ void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& 
     InertiaNeed greatest;
     for (const Shot& shot : plan.shots) {
       InertiaNeed need =
-          need_of_inertia(shot, plan.animation.elastic.gravity, scene.fps, scene.first_frame,
+          need_of_inertia(shot, plan.animation.elastic.forces, scene.fps, scene.first_frame,
                           std::max(scene.last_frame, plan.animation.last_frame));
       if (greatest.why.empty() || need.needed > greatest.needed ||
           (need.needed == greatest.needed && need.sway > greatest.sway))
@@ -211,7 +211,7 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
                      : settings.quality == Quality::hero ? "hero"
                                                          : "shot"));
   note("bake", "stop", toml_number(settings.stop));
-  note("bake", "gravity", toml_number(plan.animation.elastic.gravity),
+  note("bake", "gravity", toml_number(plan.animation.elastic.forces.gravity),
        scene.gravity ? Origin::scene : Origin::fallback);
   used.push_back(
       {"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
@@ -392,7 +392,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;
-  plan.animation.elastic.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
+  plan.animation.elastic.forces.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
   plan.animation.probe_every = settings.probe_every;
   plan.animation.memory = settings.method == "fem" ? Memory::none : Memory::plastic;
   decide_frames(settings, scene, plan);

@@ -123,7 +123,8 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {
       {"dynamics", model(dynamic, plan.why_inertia)},
-      {"gravity", model(elastic.gravity != 0, fmt::format("{} m/s2", elastic.gravity))},
+      {"gravity",
+       model(elastic.forces.gravity != 0, fmt::format("{} m/s2", elastic.forces.gravity))},
       {"plasticity",
        model(yields, yields ? "paper that yields keeps its creases" : "method fem is elastic")},
       {"singular_points",

@@ -167,7 +167,7 @@ class ChartRunner {
     seed_ = plan.seeds.front();
     chart_.scene = fmt::format("{}, frames {}-{}, {}, gravity {:g} m/s2, stop {:g} m", plan.name,
                                plan.frames.first, plan.frames.last, fmt::join(plan.presets, ", "),
-                               plan.animation.elastic.gravity, settings.job.stop);
+                               plan.animation.elastic.forces.gravity, settings.job.stop);
     chart_.machine = machine_name();
     if (const auto at =
             std::find(settings_.methods.begin(), settings_.methods.end(), hybrid_and_fem);

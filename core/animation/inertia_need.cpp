@@ -52,7 +52,8 @@ double free_length(const Shot& shot, const std::vector<int>& held) {
 }
 
 /// True if the start shape hangs straight below the points that hold it.
-bool hangs(const Shot& shot, const std::vector<int>& held, double gravity, double side) {
+bool hangs(const Shot& shot, const std::vector<int>& held, const ExternalForces& forces,
+           double side) {
   const auto at = [&](int h) { return keyed_position(shot.handles[h], 0); };
   Vector3d middle = Vector3d::Zero(), along = Vector3d::Zero();
   for (const int h : held) {
@@ -61,12 +62,12 @@ bool hangs(const Shot& shot, const std::vector<int>& held, double gravity, doubl
   }
   Vector3d down = shot.start.x.colwise().mean().transpose() - middle;
   if (along.norm() > 0) down -= along * along.dot(down) / along.squaredNorm();
-  return down.z() * gravity < 0 && down.head<2>().norm() < carried_along * side;
+  return down.z() * forces.gravity < 0 && down.head<2>().norm() < carried_along * side;
 }
 
 /// Sway that the motion of one handle causes while it holds the sheet. [m]
-double sway_of(const Shot& shot, const Handle& handle, double gravity, double fps, int first_frame,
-               int last_frame) {
+double sway_of(const Shot& shot, const Handle& handle, const ExternalForces& forces, double fps,
+               int first_frame, int last_frame) {
   double most = 0, w = 0;
   std::vector<int> held;
   Vector3d r = Vector3d::Zero(), r_per_w = r, v = r;  // r'/w
@@ -79,7 +80,7 @@ double sway_of(const Shot& shot, const Handle& handle, double gravity, double fp
       const double before = w;
       w = std::sqrt(std::pow(M_PI, 4) * shot.paper.bending_stiffness /
                         (shot.paper.area_density * std::pow(l, 4)) +
-                    (gravity != 0 ? std::abs(gravity) : of_the_earth) / l);
+                    (forces.gravity != 0 ? std::abs(forces.gravity) : of_the_earth) / l);
       if (before > 0) r_per_w *= before / w;
     }
     const Vector3d v_next = handle.held(frame)
@@ -107,21 +108,21 @@ std::string text(const char* format, Values... values) {
 
 }  // namespace
 
-InertiaNeed need_of_inertia(const Shot& shot, double gravity, double fps, int first_frame,
-                            int last_frame) {
+InertiaNeed need_of_inertia(const Shot& shot, const ExternalForces& forces, double fps,
+                            int first_frame, int last_frame) {
   const double side = longer_side(shot.pattern);
   InertiaNeed need;
   for (const Handle& handle : shot.handles)
     need.sway =
-        std::max(need.sway, sway_of(shot, handle, gravity, fps, first_frame, last_frame) / side);
+        std::max(need.sway, sway_of(shot, handle, forces, fps, first_frame, last_frame) / side);
   const std::vector<int> at_first = held_at(shot, first_frame);
   bool hanging = false;
-  for (int frame = first_frame; frame <= last_frame && gravity != 0; ++frame) {
+  for (int frame = first_frame; frame <= last_frame && forces.gravity != 0; ++frame) {
     const std::vector<int> held = held_at(shot, frame);
     if (held.empty())
       return {true, need.sway, text("nothing holds the sheet from frame %d on: it falls", frame)};
     if (off_line(shot, held) > on_a_line * side) continue;
-    if (held != at_first || !hangs(shot, held, gravity, side) || need.sway > carried_along)
+    if (held != at_first || !hangs(shot, held, forces, side) || need.sway > carried_along)
       return {true, need.sway,
               text("the sheet is held at a point or on a line from frame %d on: it swings", frame)};
     hanging = true;

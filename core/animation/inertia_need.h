@@ -31,9 +31,8 @@ struct InertiaNeed {
 ///   reality air holds paper back, which is not modelled. In a scene without gravity g is that of
 ///   the earth, so that accelerations which are small beside weight do not count there either.
 ///
-/// gravity  [m/s2] along -z
 /// first_frame, last_frame  of the scene, however much of it is simulated
-InertiaNeed need_of_inertia(const Shot&, double gravity, double fps, int first_frame,
+InertiaNeed need_of_inertia(const Shot&, const ExternalForces&, double fps, int first_frame,
                             int last_frame);
 
 }  // namespace paperbake

@@ -65,7 +65,7 @@ void Elastic::Impl::report_energies(const Points3& x, const std::vector<double>&
   const ElasticEnergy::Parts parts = energy->parts(x, dihedral_angles);
   report.membrane = parts.membrane;
   report.energy = parts.membrane + parts.bending;
-  report.potential = report.energy + options.gravity * mass.dot(x.col(2));
+  report.potential = report.energy + options.forces.energy(mass, x);
 }
 
 Elastic::Elastic(const Paper& paper, const ElasticOptions& options)

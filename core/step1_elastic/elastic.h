@@ -4,6 +4,7 @@
 #include "core/model/paper.h"
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
+#include "core/step1_elastic/energies/external_forces.h"
 #include "core/step1_elastic/energies/ridge_yield.h"
 
 #include <deque>
@@ -24,7 +25,7 @@ struct ElasticOptions {
   // minimum
   double stop = 1e-5;
   int max_iterations = 60;  // [1] an unfinished minimisation continues in the next step
-  double gravity = 0;       // [m/s2] along -z
+  ExternalForces forces;
   Inertia inertia = Inertia::quasi_static;
   SelfContact contact = SelfContact::automatic;
   // obstacles that the sheet must not pass through; null: there are none
@@ -52,7 +53,7 @@ struct ElasticReport {
   int iterations = 0;  // number of factorisations of the Hessian
   bool converged = true;
   double energy = 0;             // [J] membrane + bending
-  double potential = 0;          // [J] energy + potential of gravity (weight x height)
+  double potential = 0;          // [J] energy + potential of the external forces
   double membrane = 0;           // [J] membrane part of the energy
   double plastic_increment = 0;  // [m rad] growth of PlasticGrid::integral() in this step
   // a snap-through is in progress: the sheet is on its way down from an unstable shape, and the
@@ -113,7 +114,9 @@ struct SweptSheet;
 ///
 /// A step minimises the incremental potential of backward Euler over the free vertices:
 ///
-///   W(x) = sum_i m_i/(2 dt^2) |x_i - xhat_i|^2 + E_membrane(x) + E_bending(x) + sum_i m_i g z_i
+///   W(x) = sum_i m_i (|x_i - xhat_i|^2/(2 dt^2) + phi(x_i)) + E_membrane(x) + E_bending(x)
+///
+/// phi           potential of the external forces per unit of mass (external_forces.h)
 ///
 /// dynamic:       xhat = x + dt v, and m is the mass of the paper
 /// quasi-static:  xhat = x, and m is a hundredth of the mass: just enough to make the answer unique

@@ -29,7 +29,7 @@ Run run(const Shot& shot, const MethodChoice& method, const Case& c, double fps)
   AnimateOptions options;
   options.fps = fps;
   options.last_frame = c.last_frame;
-  options.elastic.gravity = c.gravity;
+  options.elastic.forces.gravity = c.gravity;
   const PatternSamples samples(shot.pattern, grid);
   Run r;
   animate(shot, method, options, [&](const AnimatedFrame& f) {

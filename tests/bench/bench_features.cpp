@@ -80,10 +80,10 @@ void print_scene(const Case& c, int repeats) {
   options.fps = scene.fps;
   options.first_frame = scene.first_frame;
   options.last_frame = std::min(scene.last_frame, c.last_frame);
-  options.elastic.gravity = c.gravity;
+  options.elastic.forces.gravity = c.gravity;
   options.memory = Memory::plastic;
   const InertiaNeed inertia =
-      need_of_inertia(shot, c.gravity, scene.fps, scene.first_frame, scene.last_frame);
+      need_of_inertia(shot, {c.gravity}, scene.fps, scene.first_frame, scene.last_frame);
   if (inertia.needed) options.elastic.inertia = Inertia::dynamic;
 
   const int sets[] = {0, plasticity, singular_points, contact, all};

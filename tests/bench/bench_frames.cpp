@@ -57,7 +57,7 @@ void show(const Case& c, int base, unsigned seed, int last_frame) {
   options.last_frame = std::min(scene.last_frame, last_frame);
   options.seed = seed;
   options.memory = Memory::plastic;
-  options.elastic.gravity = c.gravity;
+  options.elastic.forces.gravity = c.gravity;
   if (const char* every = std::getenv("BENCH_PROBE")) options.probe_every = std::atoi(every);
   std::vector<Row> rows;
   double shape = 0;  // shows whether two versions of the program animate the same

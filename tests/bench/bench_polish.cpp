@@ -73,7 +73,7 @@ void compare(const Case& c, int triangles, Counts& all) {
   AnimateOptions options;
   options.fps = fps;
   options.last_frame = c.last_frame;
-  options.elastic.gravity = c.gravity;
+  options.elastic.forces.gravity = c.gravity;
   Polisher estimator(shot, options.elastic, estimating), polisher(shot, options.elastic, triangles);
   const PatternSamples samples(shot.pattern);
   const auto pct = [&](const Points3& a, const Points3& b) {

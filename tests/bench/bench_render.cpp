@@ -68,7 +68,7 @@ struct Polished {
 Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case& c,
                 PlasticGrid grid) {
   ElasticOptions options;
-  options.gravity = c.gravity;
+  options.forces.gravity = c.gravity;
   options.contact = SelfContact::off;
   Elastic elastic(Paper{}, options);
   elastic.set_plastic_grid(&grid);
@@ -173,7 +173,7 @@ void run(const Case& c) {
   AnimateOptions options;
   options.fps = scene.fps;
   options.last_frame = c.last_frame;
-  options.elastic.gravity = c.gravity;
+  options.elastic.forces.gravity = c.gravity;
   options.memory = std::getenv("BENCH_ELASTIC") ? Memory::none : Memory::plastic;
   ShotRecord record;
   std::vector<Points3> plastic;  // for each frame, at the vertices of its mesh

@@ -55,7 +55,7 @@ Shapes shapes_of(const Shot& shot, const MakeMethod& make, const Change& change,
   options.first_frame = static_cast<int>(std::floor(1 / change.pace));
   options.last_frame = static_cast<int>(last_frame / common * common / change.pace);
   options.seed = change.ripple;
-  options.elastic.gravity = gravity;
+  options.elastic.forces.gravity = gravity;
   const PatternSamples samples(shot.pattern);
   Shapes shapes;
   animate(paced(shot, change.pace), make(shot, change.turn), options, [&](const AnimatedFrame& f) {

@@ -41,7 +41,7 @@ Hang hang(Sheet sheet, double lam) {
     held.targets.row(k) = sheet.x.row(held.vertices[k]);
   constexpr int steps = 16;
   for (int step = 1; step <= steps; ++step) {
-    options.gravity =
+    options.forces.gravity =
         lam * paper.bending_stiffness / (paper.area_density * std::pow(L, 3)) * step / steps;
     Elastic elastic(paper, options);
     elastic.set_mesh(sheet);
@@ -76,7 +76,7 @@ Hang hang(const MethodChoice& method, const Shot& shot, double lam) {
   AnimateOptions options;
   options.last_frame = 40;
   options.elastic.stop = 1e-7;
-  options.elastic.gravity =
+  options.elastic.forces.gravity =
       lam * shot.paper.bending_stiffness / (shot.paper.area_density * std::pow(L, 3));
   Sheet sheet;
   animate(shot, method, options,

@@ -3,6 +3,7 @@
 #include "core/step1_elastic/contact/collider_contact.h"
 #include "core/step1_elastic/contact/self_contact.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
+#include "core/step1_elastic/energies/external_forces.h"
 #include "core/step1_elastic/energies/handle_springs.h"
 
 #include <vector>
@@ -12,21 +13,22 @@ namespace paperbake {
 /// The potential that a step of one sheet minimises, without self-contact. The solver eliminates
 /// the constrained vertices.
 ///
-///   W(x) = sum_i m_i/2 inertia |x_i - xhat_i|^2 + E(x) + sum_i m_i g z_i
-///          + handle springs + colliders
+///   W(x) = E(x) + sum_i m_i (inertia/2 |x_i - xhat_i|^2 + phi(x_i)) + handle springs + colliders
+///
+/// phi  potential of the external forces per unit of mass (external_forces.h)
 struct SheetPotential {
   const ElasticEnergy& elastic;
   const Eigen::VectorXd& mass;  // [kg] of the vertices
   Points3 xhat;
   double inertia;  // [1/s2] factor on the mass
-  double gravity;
+  ExternalForces forces;
   std::vector<HandleSpring> springs;
   ColliderContact* colliders;        // null: there are none
   const std::vector<int>& block_of;  // |V| block row in the matrix, -1: constrained
 
   double energy_and_springs(const Points3& x) const;
-  double inertia_and_weight(const Points3& x) const {
-    return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + gravity * x.col(2));
+  double inertia_and_forces(const Points3& x) const {
+    return mass.dot(0.5 * inertia * (x - xhat).rowwise().squaredNorm() + forces.potential(x));
   }
   /// The value without colliders, and its derivatives; gradient |V|x3 is overwritten.
   double differentiate(const Points3& x, HessianForm, Points3& gradient, BlockCholesky&,

@@ -48,7 +48,7 @@ void Elastic::Impl::advance(BranchDescent& way, const IncrementalPotential& W, i
   const bool softened_phase = way.phase == BranchDescent::softened_phase;
   const SheetPotential& own = W.sheets.front();
   const IncrementalPotential gentle{
-      {{*softened, mass, own.xhat, own.inertia, own.gravity, own.springs, own.colliders, block_of}},
+      {{*softened, mass, own.xhat, own.inertia, own.forces, own.springs, own.colliders, block_of}},
       nullptr};
   const MembraneStress stress = softened_phase
                                     ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
@@ -125,7 +125,7 @@ SheetPotential Elastic::Impl::potential(const Sheet& sheet, double dt,
           mass,
           dynamic ? Points3(sheet.x + dt * sheet.v) : sheet.x,
           inertia,
-          options.gravity,
+          options.forces,
           std::move(springs),
           colliders ? &*colliders : nullptr,
           block_of};

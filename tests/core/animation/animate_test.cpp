@@ -24,7 +24,7 @@ Played play(const Shot& shot, int triangles, int last_frame, double stop = 1e-5,
   AnimateOptions options;
   options.last_frame = last_frame;
   options.elastic.stop = stop;
-  options.elastic.gravity = gravity;
+  options.elastic.forces.gravity = gravity;
   Played played;
   animate(shot, fem(triangles), options, [&](const AnimatedFrame& frame) {
     played.sheets.push_back(*frame.sheet);

@@ -21,7 +21,7 @@ MethodChoice small_hybrid(const Shot& shot, std::size_t sheet) {
 AnimateOptions until(int last_frame, double gravity = 0) {
   AnimateOptions options;
   options.last_frame = last_frame;
-  options.elastic.gravity = gravity;
+  options.elastic.forces.gravity = gravity;
   return options;
 }
 

@@ -25,7 +25,7 @@ Shot shot_of(const Scene& scene) {
 }
 
 InertiaNeed need_in(const Scene& scene, double gravity) {
-  return need_of_inertia(shot_of(scene), gravity, scene.fps, scene.first_frame, scene.last_frame);
+  return need_of_inertia(shot_of(scene), {gravity}, scene.fps, scene.first_frame, scene.last_frame);
 }
 
 /// A sheet of 20 x 10 cm held by a row of handles along its short side at x = 0. `bend` is its
@@ -60,7 +60,7 @@ std::vector<Vector3d> far_edge(const Shot& shot, const MethodChoice& method, Ine
                                int last_frame) {
   AnimateOptions options;
   options.last_frame = last_frame;
-  options.elastic.gravity = g;
+  options.elastic.forces.gravity = g;
   options.elastic.inertia = inertia;
   std::vector<Vector3d> path;
   animate(shot, method, options, [&](const AnimatedFrame& f) {
@@ -86,7 +86,7 @@ TEST(InertiaTest, AReleasedSheetNeedsInertiaOnlyUnderGravity) {
   free.move(node, {0, 11}, {{0, 0, 0}, {0, 0, 0}});
   Shot shot = shot_of(read_scene(free.write("free.gltf")));
   shot.handles.clear();
-  EXPECT_NE(need_of_inertia(shot, g, 24, 1, 12).why.find("falls"), std::string::npos);
+  EXPECT_NE(need_of_inertia(shot, {g}, 24, 1, 12).why.find("falls"), std::string::npos);
 }
 
 TEST(InertiaTest, ASheetHeldByOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
@@ -138,7 +138,7 @@ TEST(InertiaTest, TheSwayIsThatOfAnOscillatorWhoseBaseIsSetInMotion) {
   const Shot shot = shot_of(held_by_an_edge("kick", hanging, steady(240, {1.0, 0, 0})));
   const double v = 1.0 / (239 / 24.0), l = 0.4;  // twice the 0.2 m of the paper
   const double w = std::sqrt(std::pow(M_PI, 4) * 2.7e-4 / (0.070 * std::pow(l, 4)) + g / l);
-  const double sway = 0.2 * need_of_inertia(shot, g, 24, 1, 240).sway;
+  const double sway = 0.2 * need_of_inertia(shot, {g}, 24, 1, 240).sway;
   EXPECT_LT(sway, v / w);
   EXPECT_GT(sway, 0.9 * v / w);
 }
@@ -152,7 +152,7 @@ TEST(InertiaTest, ASwingingSheetHasThePeriodOfItsPendulum) {
       [&](double u, double v) { return Vector3d(u * std::sin(a), v, -u * std::cos(a)); },
       still(60)));
   shot.paper.bending_stiffness = 0.1;
-  ASSERT_TRUE(need_of_inertia(shot, g, 24, 1, 60).needed);
+  ASSERT_TRUE(need_of_inertia(shot, {g}, 24, 1, 60).needed);
   const double period = 2 * M_PI * std::sqrt(2 * L / (3 * g)) * (1 + a * a / 16);
   for (const MethodChoice& method :
        {fem(60), hybrid(shot.pattern, shot.paper, 60, {}, 0, 0), adaptive(shot.pattern, 200)}) {

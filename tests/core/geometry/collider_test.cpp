@@ -154,7 +154,7 @@ TEST(ColliderTest, UnconvergedElasticStepReportsASnapInProgress) {
   held.targets = sheet.x.row(0) + Eigen::RowVector3d(0.002, 0.002, 0.01);
   for (const int most : {1, 60}) {
     ElasticOptions options;
-    options.gravity = g;
+    options.forces.gravity = g;
     options.max_iterations = most;
     options.colliders = all({ground()});
     Elastic elastic(Paper{}, options);
@@ -197,7 +197,7 @@ TEST(ColliderTest, ContactHessianIsExactOnAPlane) {
 /// Steps a free sheet. returns  [m/s] its mean velocity half way through
 Vector3d relax(Sheet& sheet, const std::shared_ptr<const Colliders>& colliders, int steps) {
   ElasticOptions options;
-  options.gravity = g;
+  options.forces.gravity = g;
   options.inertia = Inertia::dynamic;
   options.colliders = colliders;
   options.stop = 1e-7;  // a hundredth of what a sheet slides in one step
@@ -227,7 +227,7 @@ TEST(ColliderRestTest, FallenSheetRestsWhereTheGroundCarriesItsWeight) {
 TEST(ColliderRestTest, AskingHowDeepAnotherSheetLiesChangesNothing) {
   const auto colliders = all({ground()});
   ElasticOptions options;
-  options.gravity = g;
+  options.forces.gravity = g;
   options.colliders = colliders;
   Sheet asked = hex_sheet(0.05, 0.05, 6), untouched;
   asked.x.col(2).array() += 2e-4;
@@ -306,7 +306,7 @@ TEST(ColliderTest, ColliderStopsTheHandleWhichIsJammedWhenHard) {
     shot.handles = {handle};
     shot.colliders = all({box({-0.2, -0.2, -0.05}, {0.3, 0.3, 0})});
     AnimateOptions options;
-    options.elastic.gravity = g;
+    options.elastic.forces.gravity = g;
     options.elastic.inertia = Inertia::dynamic;
     options.last_frame = frames;
     double lowest = 1, off = 0, along = 0;
@@ -337,7 +337,7 @@ TEST(ColliderTest, MovingBoxPushesTheSheetWhichStaysWhereItWasLeft) {
   }
   shot.colliders = all({ground(), pusher});
   AnimateOptions options;
-  options.elastic.gravity = g;
+  options.elastic.forces.gravity = g;
   options.elastic.inertia = Inertia::dynamic;
   options.last_frame = frames;
   animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {

@@ -19,7 +19,7 @@ TEST(CarriedCornerTest, ASheetCarriedByItsCornerRollsAndDoesNotBreak) {
   options.fps = scene.fps;
   options.last_frame = 72;
   options.memory = Memory::plastic;
-  options.elastic.gravity = 9.81;
+  options.elastic.forces.gravity = 9.81;
   for (const int base : {90, 120}) {
     double energy = 0;
     animate(shot, hybrid(shot.pattern, shot.paper, base, {}, 0, 0), options,

@@ -3,6 +3,7 @@
 #include "core/geometry/hinges.h"
 #include "core/geometry/point_location.h"
 #include "core/geometry/random.h"
+#include "core/model/error.h"
 #include "core/render/creased_normals.h"
 #include "core/render/subdivision.h"
 #include "tests/core/test_meshes.h"

@@ -122,7 +122,7 @@ Hang hang(Cantilever c, double lam) {
     held.targets.row(k) = c.sheet.x.row(held.vertices[k]);
   constexpr int steps = 16;
   for (int step = 1; step <= steps; ++step) {
-    options.gravity =
+    options.forces.gravity =
         lam * paper.bending_stiffness / (paper.area_density * std::pow(c.L, 3)) * step / steps;
     Elastic elastic(paper, options);
     elastic.set_mesh(c.sheet);
@@ -171,7 +171,7 @@ TEST(ElasticTest, HeavyCantileverDoesNotDependOnTheDirectionOfTheMesh) {
 
 TEST(ElasticTest, FreeSheetFallsWithGravityWhenInertiaIsOn) {
   ElasticOptions options = tight();
-  options.gravity = 9.81;
+  options.forces.gravity = 9.81;
   options.inertia = Inertia::dynamic;
   Sheet sheet = hex_sheet(0.1, 0.1, 4);
   Elastic elastic(Paper{}, options);

@@ -195,7 +195,7 @@ struct Leaf {
   }
   static ElasticOptions options(Inertia inertia) {
     ElasticOptions options;
-    options.gravity = g;
+    options.forces.gravity = g;
     options.inertia = inertia;
     options.stop = 1e-7;  // a hundredth of what it slides in a step
     return options;

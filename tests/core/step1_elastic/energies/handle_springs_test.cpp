@@ -40,7 +40,7 @@ TEST(HandleSpringsTest, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
 TEST(HandleSpringsTest, ASheetHungOnSoftHandlesSinksUntilTheyCarryItsWeight) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4);
   ElasticOptions options;
-  options.gravity = 9.81;
+  options.forces.gravity = 9.81;
   const Paper paper;
   Elastic elastic(paper, options);
   elastic.set_mesh(sheet);
@@ -60,7 +60,7 @@ TEST(HandleSpringsTest, ASheetHungOnSoftHandlesSinksUntilTheyCarryItsWeight) {
   double carried = 0;
   for (int k = 0; k < 4; ++k)
     carried += held.stiffness[k] * (held.targets(k, 2) - sheet.x(held.vertices[k], 2));
-  const double weight = paper.area_density * 0.01 * options.gravity;
+  const double weight = paper.area_density * 0.01 * options.forces.gravity;
   EXPECT_NEAR(carried, weight, 0.01 * weight);  // it still creeps inwards, a little each frame
 }
 
