@@ -56,7 +56,7 @@ configure() {
     fi
   fi
   install_cargo
-  cmake -S . -B build -G Ninja -DPAPERBAKE_TESTS="$1"
+  cmake -S . -B build -G Ninja -DPAPERBAKE_TESTS="$1" -DPAPERBAKE_UNITY=ON
 }
 
 # steps_left TARGET: how many files the build has yet to compile or link

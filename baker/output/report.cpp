@@ -99,7 +99,7 @@ Json sheet_json(const Sheet& sheet) {
     shown.push_back(
         {{"mesh", frame.mesh},
          {"x", base64_of(Eigen::Matrix<std::uint16_t, Eigen::Dynamic, 3, Eigen::RowMajor>(
-                   share.cast<std::uint16_t>()))}});
+                   share.template cast<std::uint16_t>()))}});
   }
   return {{"low", {low.x(), low.y(), low.z()}},
           {"high", {low.x() + span.x(), low.y() + span.y(), low.z() + span.z()}},
