@@ -25,11 +25,11 @@ IN_ROOT = 'mount -t proc proc "$0/proc" && exec chroot "$0" "$@"'
 
 
 def mirror():
-    """Debian's archive, as apt of this machine knows it."""
+    """Debian's archive, as apt of this machine knows it; none: debootstrap knows one itself."""
     known = subprocess.run(["apt-get", "indextargets", "--format", "$(REPO_URI) $(RELEASE)",
                             "Created-By: Packages"], capture_output=True, text=True, check=False)
     found = [line.split()[0] for line in known.stdout.splitlines() if line.endswith(" bookworm")]
-    return found[0] if found else "http://deb.debian.org/debian"
+    return found[:1]
 
 
 def make_debian():
@@ -44,7 +44,7 @@ def make_debian():
         skip("mounts are not permitted here")
     DEBS.mkdir(parents=True, exist_ok=True)
     made = subprocess.run(["debootstrap", "--variant=minbase", f"--cache-dir={DEBS}", "bookworm",
-                           ROOT, mirror()], capture_output=True, text=True, check=False)
+                           ROOT, *mirror()], capture_output=True, text=True, check=False)
     if made.returncode != 0:
         skip("debootstrap made no Debian system:\n" + made.stdout[-1500:] + made.stderr[-500:])
 

@@ -85,7 +85,7 @@ def _text(value: Word) -> str:
 
 
 def _run(command: List[str]) -> Generator[Progress, None, Summary]:
-    # A session of its own: a Ctrl-C that interrupts Python reaches the program once, through
+    # Apart from the terminal: a Ctrl-C that interrupts Python reaches the program once, through
     # _stop; twice would kill it. What it lists goes into a file: a pipe that nobody reads while
     # frames come would fill up.
     with tempfile.TemporaryFile() as listed, subprocess.Popen(
