@@ -82,6 +82,12 @@ NOT_RUN = {  # each has to be printed somewhere
     "cmake -S samples/cpp -B OWN -DCMAKE_PREFIX_PATH=PREFIX": "the test library does",
     "cmake --build OWN": "the test library does",
     "cmake --preset fuzz": "configures anew, with clang",
+    "ctest --test-dir build -L packages": "runs tests like this one",
+    "ctest --test-dir build-package -L packages -V": "runs tests like this one, in another build",
+    "cmake --preset package": "configures anew; the tests of the label packages pack this build",
+    "cmake --build --preset package --target package_deb": "packages.made does, in this build",
+    "cmake --build --preset package --target blender_addon": "packages.made does, in this build",
+    "cmake --build --preset package --target wheel": "packages.made does, in this build",
     "blender -b": "Blender is not installed; interop.blender_addon bakes in its Python module",
 }
 
