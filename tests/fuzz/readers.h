@@ -21,7 +21,7 @@ using Reader = std::function<void(const std::string& bytes)>;
 /// fbx          import_fbx in this process, for ufbx built with sanitizers
 /// preset       read_preset
 /// lock         read_lock
-/// job          take_job
+/// job          load_job
 /// certificate  verify of a folder with a "cache.abc"; the bytes are its handles.csv, frames.jsonl
 ///              and summary.json, separated by the byte 0x1E; the summary is sealed afterwards
 /// cache        AlembicReader: the first sheets and the first frames of each

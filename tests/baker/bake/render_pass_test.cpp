@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <map>
 
 namespace paperbake {
 namespace {
@@ -43,39 +44,55 @@ TEST(RenderPassTest, SheetsThatComeNearEachOtherInSomeFrameAreRenderedTogether) 
   const ShotRecord a = record_of({0, 0, 0}), b = record_of({1, 0.05, 1}),
                    far = record_of({2, 2, 2}), between = record_of({2, 0.1, 3});
   using Lists = std::vector<std::vector<std::size_t>>;
-  EXPECT_EQ(near_each_other({&a, &far, &b}), (Lists{{0, 2}, {1}}));
-  EXPECT_EQ(near_each_other({&a, &far}), (Lists{{0}, {1}}));
-  EXPECT_EQ(near_each_other({&far, &a, &b, &between}), (Lists{{0, 1, 2, 3}}))
+  EXPECT_EQ(groups_near_each_other({&a, &far, &b}), (Lists{{0, 2}, {1}}));
+  EXPECT_EQ(groups_near_each_other({&a, &far}), (Lists{{0}, {1}}));
+  EXPECT_EQ(groups_near_each_other({&far, &a, &b, &between}), (Lists{{0, 1, 2, 3}}))
       << "by way of those between";
-  EXPECT_TRUE(near_each_other({}).empty());
+  EXPECT_TRUE(groups_near_each_other({}).empty());
 }
 
 TEST(RenderPassTest, SheetsOneInTheOtherAreApartAndTheSameForAnyNumberOfThreads) {
   const ShotRecord low = record_of({0, 0, 0, 0, 0, 0}),
                    high = record_of({1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4});
   const Shot shot = test::blank_shot(test::rectangle(size, size));
-  const auto positions = [&](int threads, bool together) {
+  const auto positions = [&](int threads) {
     std::vector<std::vector<Points3>> all(2);
-    const auto write = [&](std::size_t s) {
-      return [&all, s](int, const CacheFrame& frame, const RenderStatistics& rendered) {
-        EXPECT_EQ(rendered.crossings, 0);
-        EXPECT_EQ(rendered.crossings_with_others, 0);
-        all[s].push_back(frame.x);
-      };
-    };
-    const RenderInput first{&low, &shot, {}, write(0)}, second{&high, &shot, {}, write(1)};
-    const FrameSpan frames{1, 6, 1};
-    if (together)
-      render_shot({first, second}, Quality::draft, frames, 24, threads);
-    else
-      render_shot({first}, Quality::draft, frames, 24, threads),
-          render_shot({second}, Quality::draft, frames, 24, threads);
+    RenderPass pass({{&low, &shot}, {&high, &shot}}, {Quality::draft, {1, 6, 1}, 24, threads});
+    for (int frame = 1; pass.next(); ++frame)
+      for (std::size_t s = 0; s < pass.sheets().size(); ++s) {
+        const RenderedSheet& rendered = pass.sheets()[s];
+        EXPECT_EQ(rendered.frame, frame);
+        EXPECT_EQ(rendered.statistics.crossings, 0);
+        EXPECT_EQ(rendered.statistics.crossings_with_others, 0);
+        all[s].push_back(rendered.mesh.x);
+      }
+    EXPECT_FALSE(pass.next()) << "there is nothing after the last frame";
     return all;
   };
-  const auto one = positions(1, true);
+  const auto one = positions(1);
   ASSERT_EQ(one[0].size(), 6u);
   ASSERT_EQ(one[1].size(), 6u);
-  EXPECT_EQ(positions(3, true), one);
+  EXPECT_EQ(positions(3), one);
+}
+
+TEST(RenderPassTest, VelocitiesAreCentralDifferencesAlsoBesideFramesThatAreLeftOut) {
+  const std::vector<double> up{0, 0.01, 0.03, 0.06, 0.1};
+  const ShotRecord record = record_of(up);
+  const Shot shot = test::blank_shot(test::rectangle(size, size));
+  const auto frames = [&](const FrameSpan& wanted) {
+    std::map<int, CacheFrame> all;
+    RenderPass pass({{&record, &shot}}, {Quality::draft, wanted, 24, 2});
+    while (pass.next()) all[pass.sheets().front().frame] = pass.sheets().front().mesh;
+    return all;
+  };
+  auto every = frames({1, 5, 1}), second = frames({2, 4, 2});
+  ASSERT_EQ(every.size(), 5u);
+  ASSERT_EQ(second.size(), 2u);
+  EXPECT_EQ(second[4].velocity, every[4].velocity);
+  EXPECT_EQ(every[3].velocity, Points3(0.5 * 24 * (every[4].x - every[2].x)));
+  EXPECT_EQ(every[1].velocity, Points3(24 * (every[2].x - every[1].x)));
+  EXPECT_EQ(every[5].velocity, Points3(24 * (every[5].x - every[4].x)));
+  EXPECT_GT(every[3].velocity.rowwise().norm().maxCoeff(), 0.1);
 }
 
 }  // namespace
