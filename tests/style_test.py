@@ -19,6 +19,29 @@ CLANG_FORMAT = "clang-format-14"  # other versions format a few lines differentl
 FOLDERS = ["core", "formats", "baker", "tests", "samples"]
 MAX_LINES, MAX_PARAMETERS = 60, 6
 
+# Functions that are still larger, with what they have: none of them may grow, and one that has become
+# small enough is a fault until its line here is gone. A list of fields is not divided by its length.
+STILL_LARGER = {
+    ("branch_search.cpp", "probe_branches"): (60, 7),
+    ("mesh_swap.cpp", "try_swap_mesh"): (60, 7),
+    ("substepping.cpp", "advance_frame"): (76, 6),
+    ("collider.cpp", "Collider::Collider"): (80, 6),
+    ("developable_curvature.cpp", "developable_curvature"): (67, 6),
+    ("frame_statistics.h", "visit_frame_statistics"): (81, 6),
+    ("collider_contact.cpp", "ColliderContact::collision_free_step"): (63, 6),
+    ("elastic_energy.cpp", "ElasticEnergy::add_element"): (60, 8),
+    ("membrane.cpp", "membrane_energy"): (60, 7),
+    ("elastic_solver.cpp", "Elastic::Impl::solve"): (60, 7),
+    ("joint_step.cpp", "Elastic::step_together"): (88, 6),
+    ("crumple.cpp", "Crumple::step"): (67, 6),
+    ("rulings.cpp", "RulingPlacer::RulingPlacer"): (60, 7),
+    ("rulings.cpp", "place_rulings"): (60, 7),
+    ("singular_points.cpp", "draw_singular_point"): (60, 9),
+    ("singular_points.cpp", "insert_vertex"): (100, 6),
+    ("chart_picture.cpp", "text"): (60, 7),
+    ("chart_picture.cpp", "draw"): (87, 6),
+}
+
 
 def sources(root):
     return sorted(path for folder in FOLDERS for path in (root / folder).rglob("*")
@@ -36,16 +59,22 @@ def unformatted(files):
 
 def too_large(files):
     """Functions of the product; tests may list as many cases as they need."""
-    faults, functions = [], 0
+    faults, functions, larger = [], 0, set()
     for path in files:
         for function in lizard.analyze_file(str(path)).function_list:
             functions += 1
             parameters = len(function.full_parameters)
             where = f"{path}:{function.start_line}: {function.name}"
-            if function.length > MAX_LINES:
-                faults.append(f"{where} has {function.length} lines, at most {MAX_LINES} are allowed")
-            if parameters > MAX_PARAMETERS:
-                faults.append(f"{where} has {parameters} parameters, at most {MAX_PARAMETERS} are allowed")
+            key = (path.name, function.name.removeprefix("paperbake::"))
+            lines_allowed, parameters_allowed = STILL_LARGER.get(key, (MAX_LINES, MAX_PARAMETERS))
+            if function.length > MAX_LINES or parameters > MAX_PARAMETERS:
+                larger.add(key)
+            if function.length > lines_allowed:
+                faults.append(f"{where} has {function.length} lines, at most {lines_allowed} are allowed")
+            if parameters > parameters_allowed:
+                faults.append(f"{where} has {parameters} parameters, at most {parameters_allowed} are allowed")
+    for name, function in sorted(set(STILL_LARGER) - larger):
+        faults.append(f"{name}: {function} is small enough: take it out of STILL_LARGER in tests/style_test.py")
     return faults, functions
 
 

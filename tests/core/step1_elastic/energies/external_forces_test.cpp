@@ -17,8 +17,7 @@ TEST(ExternalForcesTest, TheGradientIsTheDerivativeOfTheEnergyAndThePotential) {
     for (int k = 0; k < 3; ++k) {
       Points3 ahead = x, behind = x;
       ahead(v, k) += step, behind(v, k) -= step;
-      const double slope =
-          (forces.energy(mass, ahead) - forces.energy(mass, behind)) / (2 * step);
+      const double slope = (forces.energy(mass, ahead) - forces.energy(mass, behind)) / (2 * step);
       EXPECT_NEAR(slope, mass[v] * Eigen::RowVector3d(forces.gradient())[k], 1e-12);
     }
 }
