@@ -122,7 +122,7 @@ TEST(SingularPointRulesTest, PaperPushedTogetherBendsAtItsCreaseWithEveryMethod)
 
     const auto creases = detect_creases(last, {}, shot.pattern, CreaseThresholds{});
     double drawn = 0;
-    for (const Crease& crease : creases)
+    for (const DetectedCrease& crease : creases)
       if (crease_under(shot.pattern.prescribed_creases, crease.from, crease.to))
         drawn += (crease.to - crease.from).norm();
     EXPECT_GT(drawn, 0.9 * along) << method.name << ": it is in the map";
