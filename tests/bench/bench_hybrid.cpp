@@ -56,20 +56,21 @@ void print_row(const std::string& label, const Run& r, const Run& reference, dou
 CrumpleOptions options_set() {
   CrumpleOptions o;
   RulingOptions& r = o.rulings;
-  const std::map<std::string, double*> by_name{{"flip_gain", &o.flip_gain},
-                                               {"conflict_turn", &o.conflict_turn},
-                                               {"facet_turn", &r.facet_turn},
-                                               {"curved_above", &r.curved_above},
-                                               {"coherent", &r.coherent},
-                                               {"window", &r.window},
-                                               {"pull", &r.pull},
-                                               {"across_most", &r.across_most},
-                                               {"across_least", &r.across_least},
-                                               {"along_most", &r.along_most},
-                                               {"merge", &r.merge},
-                                               {"guard", &r.guard},
-                                               {"stale_fold", &r.stale_fold},
-                                               {"most_share", &r.max_share}};
+  const std::map<std::string, double*> by_name{
+      {"flip_gain", &o.flip_gain},
+      {"conflict_turn", &o.conflict_turn},
+      {"facet_turn", &r.facet_turn},
+      {"curved_above", &r.curved_above},
+      {"coherent", &r.coherent},
+      {"window", &r.window},
+      {"cylinder_regularization", &r.cylinder_regularization},
+      {"across_most", &r.across_most},
+      {"across_least", &r.across_least},
+      {"along_most", &r.along_most},
+      {"merge_distance", &r.merge_distance},
+      {"guard", &r.guard},
+      {"stale_fold", &r.stale_fold},
+      {"max_share", &r.max_share}};
   const char* given = std::getenv("BENCH_SET");
   std::istringstream words(given ? given : "");
   for (std::string word; words >> word;) {

@@ -1,6 +1,8 @@
 #pragma once
 
-#include "core/methods/method.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
 
 #include <cmath>
 #include <string>
