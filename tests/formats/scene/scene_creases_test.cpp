@@ -105,11 +105,12 @@ TEST(SceneCreases, EdgesThatCannotBeCreasesAreErrors) {
   EXPECT_ERROR(with({{0.2, 0.05, 0}, {0.05, 0.2, 0}}), "leaves the sheet \"paper\"");
   EXPECT_ERROR(with({{0.05, 0, 0}, {0.05, 0.1, 0}}, R"({"paper_crease":200})"), "from -170 to 170");
   EXPECT_ERROR(with({{0.05, 0, 0}, {0.05, 0.1, 0}}, R"({"paper_target":"papre"})"),
-               "no sheet of the scene");
+               "not a sheet of the scene");
   EXPECT_TRUE(has_warning(read_scene(with({{0, 0, 0}, {0.1, 0, 0}})), "lies along the border"));
   HeldSheet held;
   held.mesh("fold", grid(1, 1, 0.1, 0.1), R"({"paper_crease":0})");
-  EXPECT_ERROR(held.write("faces_only.gltf"), "crease \"fold\"\n  It has no edges without faces");
+  EXPECT_ERROR(held.write("faces_only.gltf"),
+               "crease \"fold\"\n  The mesh has no edges without faces");
   EXPECT_TRUE(has_warning(
       read_scene(HeldSheet(grid(4, 4, 0.2, 0.2), R"({"paper_crease":20})").write("unmarked.gltf")),
       "no edge within it is marked"));
