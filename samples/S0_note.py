@@ -15,7 +15,7 @@ import struct
 
 SIDE, SHARE, RISE, TURN, OPENED = 0.21, 0.55, 0.018, math.radians(7), 0.4  # m, 1, m, rad, 1
 LAST, FPS = 92, 24
-KEYS = ((1, 0.0), (56, 1.0), (60, 1.0), (76, 1.0 - OPENED), (LAST, 1.0 - OPENED))  # frame, how far the fingers are closed
+MOTION = ((1, 0.0), (56, 1.0), (60, 1.0), (76, 1.0 - OPENED), (LAST, 1.0 - OPENED))  # frame, how far the fingers are closed
 FINGERS = (  # name, place on the note, rises or sinks, frame of release
     ("front.left", 0.0, 0.0, -1, None),
     ("front.right", 1.0, 0.0, -1, None),
@@ -38,12 +38,12 @@ def between(a, b, t):
 
 
 def closing(frame):
-    """How far the fingers are closed at a frame: between two keys a cubic that begins and ends at rest."""
-    for (begin, a), (end, b) in zip(KEYS, KEYS[1:]):
+    """How far the fingers are closed at a frame: between two of MOTION a cubic that begins and ends at rest."""
+    for (begin, a), (end, b) in zip(MOTION, MOTION[1:]):
         if frame <= end:
             t = (frame - begin) / (end - begin)
             return a + (b - a) * t * t * (3 - 2 * t)
-    return KEYS[-1][1]
+    return MOTION[-1][1]
 
 
 class Glb:
@@ -87,12 +87,12 @@ def scene(glb):
     nodes = [{"name": "paper", "mesh": 0, "extras": {"paper_size": [SIDE, SIDE], "paper_gsm": 70, "paper_thickness": 9e-5, "paper_fps": FPS}}]
     channels, samplers = [], []
     meshes = [note(glb)]
-    times = glb.add([frame / FPS for frame, _ in KEYS], 1, "f")
+    frames = range(1, LAST + 1)  # a key at each: programs differ in how they read curves with tangents
+    times = glb.add([frame / FPS for frame in frames], 1, "f")
     for name, u, v, way, release in FINGERS:
         flat, end = (u * SIDE, v * SIDE, 0.0), closed(u, v, way)
-        keyed = [y_up(between(flat, end, t)) for _, t in KEYS]
-        output = [c for place in keyed for c in [0, 0, 0] + place + [0, 0, 0]]  # tangent before, value, tangent behind
-        samplers.append({"input": times, "interpolation": "CUBICSPLINE", "output": glb.add(output, 3, "f")})
+        keyed = [c for frame in frames for c in y_up(between(flat, end, closing(frame)))]
+        samplers.append({"input": times, "interpolation": "LINEAR", "output": glb.add(keyed, 3, "f")})
         channels.append({"sampler": len(samplers) - 1, "target": {"node": len(nodes), "path": "translation"}})
         nodes.append({"name": "handle." + name, "translation": y_up(flat)})
         if release is not None:
