@@ -84,8 +84,6 @@ NOT_RUN = {  # each has to be printed somewhere
     "cmake --preset fuzz": "configures anew, with clang",
     "ctest --test-dir build -L packages": "runs tests like this one",
     "ctest --test-dir build-package -L packages -V": "runs tests like this one, in another build",
-    "OWN/bake_a_sheet FOLDER": "the test library does",
-    "OWN/read_a_cache FOLDER/arch.abc": "the test library does",
     "python3 tests/packaging/baseline_cost.py build-package/paperbake build/paperbake": "needs a second build",
     "cmake --preset package": "configures anew; the tests of the label packages pack this build",
     "cmake --build --preset package --target package_deb": "packages.made does, in this build",
