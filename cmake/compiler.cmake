@@ -31,7 +31,9 @@ add_compile_options(-fno-semantic-interposition)
 # Assertions name their files from the root of the project, wherever that lies
 add_compile_options(-fmacro-prefix-map=${PROJECT_SOURCE_DIR}/= -fmacro-prefix-map=../=)
 
-if(DEFINED ENV{CI})
+# Warnings are errors where it is asked for: cmake -DPAPERBAKE_WERROR=ON
+option(PAPERBAKE_WERROR "Treat warnings as errors" OFF)
+if(PAPERBAKE_WERROR)
   add_compile_options(-Werror)
 endif()
 if(PAPERBAKE_SANITIZE)
