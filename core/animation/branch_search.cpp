@@ -31,14 +31,14 @@ Sheet pushed(const Sheet& sheet, double side, double height, std::uint32_t seed)
 }
 
 /// The search for a sheet that touches itself.
-BranchSearch finish(Sheet& sheet, Elastic& elastic, const PositionConstraints& held, double dt) {
+BranchSearch finish(Sheet& sheet, Elastic& elastic, const StepInput& input, double dt) {
   const Sheet sheet_before = sheet;
   const SolverState state = elastic.state();
   const ElasticReport here = elastic.evaluate_energies(sheet);
   ElasticReport there = here;
   there.converged = false;
   for (int k = 0; k < max_steps_in_touch && !there.converged; ++k)
-    there = elastic.step(sheet, held, dt);
+    there = elastic.step(sheet, input, dt);
   BranchSearch found;
   found.before = here.potential;
   found.after = there.potential;
@@ -53,12 +53,12 @@ BranchSearch finish(Sheet& sheet, Elastic& elastic, const PositionConstraints& h
 
 }  // namespace
 
-BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const PositionConstraints& held,
-                            double dt, std::uint32_t seed, int frame, int waves_of_each) {
+BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& input, double dt,
+                            std::uint32_t seed, int frame, int waves_of_each) {
   const double side =
       (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
   const SolverState as_it_was = elastic.state();
-  if (as_it_was.had_contact) return finish(sheet, elastic, held, dt);
+  if (as_it_was.had_contact) return finish(sheet, elastic, input, dt);
   SolverState no_past = as_it_was;
   no_past.positions.clear();
   no_past.second.reset();
@@ -67,7 +67,7 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const PositionConstr
     ElasticReport report;
     // the inertia term holds it where it was pushed to, a little less every time
     for (int time = 0; time < 3; ++time)
-      if (report = elastic.relax(candidate, held, dt, Relaxation::full); !report.converged) break;
+      if (report = elastic.relax(candidate, input, dt, Relaxation::full); !report.converged) break;
     return report;
   };
 
@@ -102,7 +102,7 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const PositionConstr
   const Sheet before = sheet;
   elastic.restore(no_past);
   sheet.x = lowest.x;
-  const ElasticReport has_arrived = elastic.step(sheet, held, dt);
+  const ElasticReport has_arrived = elastic.step(sheet, input, dt);
   if (has_arrived.converged && crossings(sheet) == 0) {
     found.after = least;
     found.equal = false;

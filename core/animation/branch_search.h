@@ -29,8 +29,8 @@ struct BranchSearch {
 ///
 /// dt      [s] of a frame
 /// source  this project
-BranchSearch probe_branches(Sheet&, Elastic&, const PositionConstraints&, double dt,
-                            std::uint32_t seed, int frame, int waves_of_each = 3);
+BranchSearch probe_branches(Sheet&, Elastic&, const StepInput&, double dt, std::uint32_t seed,
+                            int frame, int waves_of_each = 3);
 
 /// What the certificate says about it; empty: nothing.
 std::string note_of(const BranchSearch&);

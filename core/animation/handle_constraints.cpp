@@ -7,7 +7,6 @@ namespace paperbake {
 
 HandleConstraints::HandleConstraints(const Shot& shot, std::vector<int> vertices, int first_frame)
     : handles_(shot.handles),
-      colliders_(shot.colliders.get()),
       vertex_(std::move(vertices)),
       first_frame_(first_frame),
       exact_(std::min(1e-4, 1e-3 * longer_side(shot.pattern))),
@@ -60,15 +59,8 @@ PositionConstraints HandleConstraints::held(int frame) const {
     pull.weight = pull.stiffness += handles_[h].stiffness;
   }
   PositionConstraints held;
-  held.targets.resize(by_vertex.size(), 3);
-  for (const auto& [vertex, pull] : by_vertex) {
-    held.targets.row(held.vertices.size()) = pull.sum / pull.weight;
-    held.vertices.push_back(vertex);
-    held.stiffness.push_back(pull.stiffness);
-  }
-  if (colliders_)
-    held.colliders = {poses_at(*colliders_, frame - 1 - first_frame_),
-                      poses_at(*colliders_, frame - first_frame_)};
+  for (const auto& [vertex, pull] : by_vertex)
+    held.push_back({vertex, pull.sum / pull.weight, pull.stiffness});
   return held;
 }
 

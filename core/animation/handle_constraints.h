@@ -33,7 +33,6 @@ class HandleConstraints {
   Vector3d keyed(std::size_t h, int frame) const;
 
   const std::vector<Handle>& handles_;
-  const Colliders* colliders_;  // null: there are none
   std::vector<int> vertex_;
   int first_frame_;
   double exact_;  // [m] a handle farther from its target than this is jammed

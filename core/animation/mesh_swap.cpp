@@ -26,7 +26,7 @@ double facets_of(const Sheet& sheet) {
 
 MeshSwapResult try_swap_mesh(
     Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening,
-    const PositionConstraints& held, double dt,
+    const StepInput& input, double dt,
     const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& is_admissible) {
   constexpr double max_rise = 0.05, max_move = 0.01;  // [1] of the energy; of the longer side
   // a mesh that holds its sheet back does so the more, the longer it stays
@@ -39,7 +39,7 @@ MeshSwapResult try_swap_mesh(
   constexpr double noise = 1e-6;  // [J] for a sheet that is nearly flat
   const Points3 carried = proposal.x;
   Elastic trial = elastic.on_mesh(proposal, stiffening);
-  const ElasticReport settled = trial.relax(proposal, held, dt, Relaxation::coarse),
+  const ElasticReport settled = trial.relax(proposal, input, dt, Relaxation::coarse),
                       stored = elastic.evaluate_energies(sheet);
 
   const MeshTransfer onto(sheet.pattern, sheet.triangles, proposal.pattern),

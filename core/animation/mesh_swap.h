@@ -29,12 +29,13 @@ struct MeshSwapResult {
 ///
 /// proposal       the sheet on its new mesh, positions and velocities carried over
 /// stiffening     as in Elastic::set_mesh, of the new mesh
-/// held           vertices of the new mesh, at the positions of the old one
+/// input          constraints on vertices of the new mesh, at the positions of the old one; the
+///                colliders stand still
 /// dt             [s] of a frame
 /// is_admissible  called last with (old sheet, new sheet, largest displacement [m]); returns
 ///                whether the swap may be made. Empty: always.
 MeshSwapResult try_swap_mesh(Sheet&, Elastic&, Sheet proposal,
-                             const std::vector<double>& stiffening, const PositionConstraints& held,
+                             const std::vector<double>& stiffening, const StepInput& input,
                              double dt,
                              const std::function<bool(const Sheet& here, const Sheet& there,
                                                       double moved)>& is_admissible = {});

@@ -4,15 +4,26 @@
 #include <limits>
 
 namespace paperbake {
+namespace {
 
-double max_displacement(const Sheet& sheet, const PositionConstraints& held,
+/// |constraints|x3 [m]
+Points3 targets_of(const PositionConstraints& constraints) {
+  Points3 targets(constraints.size(), 3);
+  for (std::size_t k = 0; k < constraints.size(); ++k) targets.row(k) = constraints[k].target;
+  return targets;
+}
+
+}  // namespace
+
+double max_displacement(const Sheet& sheet, const StepInput& now,
                         const PositionConstraints& held_before, const Points3& before,
                         const Colliders* colliders) {
-  if (held.vertices != held_before.vertices) return std::numeric_limits<double>::infinity();
+  const PositionConstraints& held = now.constraints;
+  if (vertices_of(held) != vertices_of(held_before)) return std::numeric_limits<double>::infinity();
   double most =
-      held.targets.rows() ? (held.targets - held_before.targets).rowwise().norm().maxCoeff() : 0;
+      held.empty() ? 0 : (targets_of(held) - targets_of(held_before)).rowwise().norm().maxCoeff();
   if (colliders)
-    most = std::max(most, farthest_move(*colliders, held.colliders.from, held.colliders.to));
+    most = std::max(most, farthest_move(*colliders, now.colliders.from, now.colliders.to));
   if (before.rows() != sheet.x.rows()) return std::numeric_limits<double>::infinity();
   return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
 }
@@ -20,27 +31,27 @@ double max_displacement(const Sheet& sheet, const PositionConstraints& held,
 std::vector<int> isolated_moving_handles(const Sheet& sheet, const PositionConstraints& held,
                                          double min_move, double apart) {
   std::vector<int> pulled;
-  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
-    const auto p = sheet.pattern.row(held.vertices[k]);
-    bool alone = (sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm() > min_move;
-    for (std::size_t j = 0; j < held.vertices.size() && alone; ++j)
-      alone = j == k || (sheet.pattern.row(held.vertices[j]) - p).norm() > apart;
-    if (alone) pulled.push_back(held.vertices[k]);
+  for (const PositionConstraint& c : held) {
+    const auto p = sheet.pattern.row(c.vertex);
+    const bool moves = (sheet.x.row(c.vertex) - c.target.transpose()).norm() > min_move;
+    if (moves && std::all_of(held.begin(), held.end(), [&](const PositionConstraint& other) {
+          return &other == &c || (sheet.pattern.row(other.vertex) - p).norm() > apart;
+        }))
+      pulled.push_back(c.vertex);
   }
   return pulled;
 }
 
 double relative_handle_motion(const Sheet& sheet, const PositionConstraints& held,
                               const PositionConstraints& held_before) {
-  Points3 way(held.vertices.size(), 3);
-  for (std::size_t k = 0; k < held.vertices.size(); ++k) {
+  Points3 way(held.size(), 3);
+  for (std::size_t k = 0; k < held.size(); ++k) {
     const auto was =
-        std::find(held_before.vertices.begin(), held_before.vertices.end(), held.vertices[k]);
-    const Eigen::RowVector3d from =
-        was == held_before.vertices.end()
-            ? Eigen::RowVector3d(sheet.x.row(held.vertices[k]))
-            : Eigen::RowVector3d(held_before.targets.row(was - held_before.vertices.begin()));
-    way.row(k) = held.targets.row(k) - from;
+        std::find_if(held_before.begin(), held_before.end(),
+                     [&](const PositionConstraint& c) { return c.vertex == held[k].vertex; });
+    const Vector3d from =
+        was == held_before.end() ? Vector3d(sheet.x.row(held[k].vertex)) : was->target;
+    way.row(k) = held[k].target - from;
   }
   return way.rows() ? (way.rowwise() - way.colwise().mean().eval()).rowwise().norm().maxCoeff() : 0;
 }

@@ -9,7 +9,7 @@ namespace paperbake {
 /// How far the sheet is from rest: the largest displacement that a handle or a collider makes in
 /// this frame, or a vertex made in the last step. Infinite when other vertices are held than
 /// before, or when the mesh has changed. [m]
-double max_displacement(const Sheet& sheet, const PositionConstraints& held,
+double max_displacement(const Sheet& sheet, const StepInput& now,
                         const PositionConstraints& held_before, const Points3& before,
                         const Colliders* colliders);
 

@@ -70,11 +70,9 @@ PositionConstraints Polisher::grip(const std::vector<int>& held, const Points3& 
   PositionConstraints grip;
   for (std::size_t k = 0; k < held.size(); ++k) {
     const int vertex = started_.handle_vertex[held[k]];
-    if (std::find(grip.vertices.begin(), grip.vertices.end(), vertex) != grip.vertices.end())
-      continue;
-    grip.vertices.push_back(vertex);
-    grip.targets.conservativeResize(grip.vertices.size(), 3);
-    grip.targets.bottomRows(1) = held_at.row(k);
+    if (std::none_of(grip.begin(), grip.end(),
+                     [&](const PositionConstraint& c) { return c.vertex == vertex; }))
+      grip.push_back({vertex, held_at.row(k)});
   }
   return grip;
 }
@@ -91,15 +89,14 @@ Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held,
   sheet = started_.sheet;
   sheet.x = set_shape(sheet.pattern, rough, rough.triangles.rows() < sheet.triangles.rows());
   const PositionConstraints now = grip(held, held_at);
-  for (std::size_t k = 0; k < now.vertices.size(); ++k)
-    sheet.x.row(now.vertices[k]) = now.targets.row(k);
+  for (const PositionConstraint& c : now) sheet.x.row(c.vertex) = c.target;
   const Points3 given = sheet.x;
 
   std::optional<PlasticGrid> grid;
   if (memory) grid = *memory;
   elastic_.set_plastic_grid(grid ? &*grid : nullptr);
   result.energy_before = elastic_.evaluate_energies(sheet).energy;
-  const ElasticReport report = elastic_.relax(sheet, now, dt, Relaxation::full);
+  const ElasticReport report = elastic_.relax(sheet, {now}, dt, Relaxation::full);
   result.converged = report.converged;
   result.near_itself = report.contact;
   result.energy = report.energy;

@@ -128,8 +128,8 @@ bool SheetIslands::collide(std::size_t a, std::size_t b) const {
   Points3 initial_a(0, 3), initial_b(0, 3);
   if (initial_gap({a, b}) == SheetSimulation::InitialGap::within_dhat)
     initial_a = sheets_[a]->initial_positions(), initial_b = sheets_[b]->initial_positions();
-  return !Elastic::clear({sheets_[a]->sheet(), sheets_[a]->held(), of_a, initial_a},
-                         {sheets_[b]->sheet(), sheets_[b]->held(), of_b, initial_b},
+  return !Elastic::clear({sheets_[a]->sheet(), sheets_[a]->constraints(), of_a, initial_a},
+                         {sheets_[b]->sheet(), sheets_[b]->constraints(), of_b, initial_b},
                          dhat_between(a, b));
 }
 

@@ -28,12 +28,11 @@ constexpr double motion_threshold = 2e-4, sleep_threshold = 1e-5;
 /// is farther away than `same`. The first frame then shows the sheet as it was modelled: relaxing
 /// it would lose a slight arch that tells it which way to buckle, and handles that lie a little
 /// below such an arch are no reason to relax it.
-bool in_place(Sheet& sheet, const PositionConstraints& held, double side) {
+bool in_place(Sheet& sheet, const PositionConstraints& constraints, double side) {
   const double same = 5e-4 * side;  // [m]
-  for (std::size_t k = 0; k < held.vertices.size(); ++k)
-    if ((sheet.x.row(held.vertices[k]) - held.targets.row(k)).norm() > same) return false;
-  for (std::size_t k = 0; k < held.vertices.size(); ++k)
-    sheet.x.row(held.vertices[k]) = held.targets.row(k);
+  for (const PositionConstraint& c : constraints)
+    if ((sheet.x.row(c.vertex) - c.target.transpose()).norm() > same) return false;
+  for (const PositionConstraint& c : constraints) sheet.x.row(c.vertex) = c.target;
   return true;
 }
 
@@ -48,12 +47,12 @@ double fold_integral(const Sheet& sheet) {
 
 /// The sheet as the method finishes it. The simulated one is kept when the finished one would
 /// intersect itself more often or lie deeper inside a collider.
-Sheet finished(const Method& method, const Sheet& sheet, const PositionConstraints& held,
+Sheet finished(const Method& method, const Sheet& sheet, const StepInput& input,
                const Elastic& elastic, const ElasticReport& step) {
   Sheet output_sheet = sheet;
-  if (!method.finish(output_sheet, held.vertices)) return output_sheet;
+  if (!method.finish(output_sheet, vertices_of(input.constraints))) return output_sheet;
   if (step.touching > 0 && crossings(output_sheet) > crossings(sheet)) return sheet;
-  if (elastic.inside(output_sheet, held.colliders.to) > std::max(step.inside, 5e-5)) return sheet;
+  if (elastic.inside(output_sheet, input.colliders.to) > std::max(step.inside, 5e-5)) return sheet;
   return output_sheet;
 }
 
@@ -69,12 +68,10 @@ bool is_of_mesh(const SolverState& p, const Sheet& sheet) {
          there_are(p.ridges.focus, triangles);
 }
 
-bool is_of_mesh(const PositionConstraints& h, const Sheet& sheet) {
-  const std::size_t n = h.vertices.size();
-  return static_cast<std::size_t>(h.targets.rows()) == n &&
-         (h.stiffness.empty() || h.stiffness.size() == n) &&
-         std::all_of(h.vertices.begin(), h.vertices.end(),
-                     [&](int v) { return v >= 0 && v < sheet.x.rows(); });
+bool is_of_mesh(const PositionConstraints& constraints, const Sheet& sheet) {
+  return std::all_of(constraints.begin(), constraints.end(), [&](const PositionConstraint& c) {
+    return c.vertex >= 0 && c.vertex < sheet.x.rows();
+  });
 }
 
 ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
@@ -95,7 +92,7 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       side_(longer_side(shot.pattern)),
       started_(make_initial_sheet(shot, *method_, options.seed, options.first_frame)),
       elastic_(shot.paper, options_of(shot, options)),
-      constraints_(shot, started_.handle_vertex, options.first_frame),
+      handles_(shot, started_.handle_vertex, options.first_frame),
       frame_(options.first_frame - 1) {
   if (options.memory == Memory::plastic)
     elastic_.set_plastic_grid(&plastic_grid_.emplace(shot.pattern));
@@ -112,9 +109,9 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
 void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
   SolverState state = elastic_.state();
-  a(frame_, sheet, output_sheet_, positions_before_, held_before_, at_minimum_, yielding_,
-    snap_in_progress_, rests_on_contact_, idle_frames_, contact_, touching_, on_colliders_, state,
-    constraints_, dhat);
+  a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
+    yielding_, snap_in_progress_, rests_on_contact_, idle_frames_, contact_, touching_,
+    on_colliders_, state, handles_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
@@ -122,7 +119,8 @@ void SheetSimulation::archive(Serializer& a) {
   const auto rows = sheet.x.rows();
   a.require(frame_ >= options_.first_frame && output_sheet_.x.rows() == rows &&
             (positions_before_.rows() == 0 || positions_before_.rows() == rows));
-  a.require(is_of_mesh(held_before_, sheet) && is_of_mesh(state, sheet) && dhat.size() == number_);
+  a.require(is_of_mesh(input_before_.constraints, sheet) && is_of_mesh(state, sheet) &&
+            dhat.size() == number_);
   a.require(std::all_of(started_.handle_vertex.begin(), started_.handle_vertex.end(),
                         [&](int v) { return v < rows; }));
   elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
@@ -135,39 +133,43 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   result_ = {};
   step_ = {};
   result_.frame = ++frame_;
-  held_ = constraints_.held(frame_);
+  input_ = {handles_.held(frame_)};
+  if (shot_.colliders)
+    input_.colliders = motion_to(*shot_.colliders, frame_ - options_.first_frame);
   const bool first = frame_ == options_.first_frame;
   const std::size_t born = sheet.singular.size();
-  const double moved =
-      max_displacement(sheet, held_, held_before_, positions_before_, shot_.colliders.get());
+  const double moved = max_displacement(sheet, input_, input_before_.constraints, positions_before_,
+                                        shot_.colliders.get());
   idle_frames_ = moved < sleep_threshold * side_ ? idle_frames_ + 1 : 0;
   const bool moving = moved > motion_threshold * side_;
   const FrameTime now{frame_, 1 / options_.fps, moved / side_};
-  relative_motion_ = relative_handle_motion(sheet, held_, held_before_) / side_;
-  const RemeshContext situation{started_.fixed,
-                                plastic_grid_ ? &*plastic_grid_ : nullptr,
-                                isolated_moving_handles(sheet, held_, motion_threshold * side_,
-                                                        0.15 * shorter_side(shot_.pattern)),
-                                now,
-                                moving,
-                                snap_in_progress_,
-                                at_minimum_,
-                                yielding_,
-                                rests_on_contact_,
-                                relative_motion_};
+  relative_motion_ =
+      relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
+  const RemeshContext situation{
+      started_.fixed,
+      plastic_grid_ ? &*plastic_grid_ : nullptr,
+      isolated_moving_handles(sheet, input_.constraints, motion_threshold * side_,
+                              0.15 * shorter_side(shot_.pattern)),
+      now,
+      moving,
+      snap_in_progress_,
+      at_minimum_,
+      yielding_,
+      rests_on_contact_,
+      relative_motion_};
   if (!first)
     if (auto proposal = method_->propose(sheet, situation)) {
       const std::vector<double> stiffening = disc_factors(*proposal, shot_);
       const MeshSwapResult verdict =
-          try_swap_mesh(sheet, elastic_, std::move(*proposal), stiffening, held_before_,
+          try_swap_mesh(sheet, elastic_, std::move(*proposal), stiffening, input_before_,
                         1 / options_.fps, is_admissible);
       method_->on_proposal_result(verdict.accepted, now);
       result_.statistics.remesh =
           verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
       result_.statistics.remesh_rise = verdict.rise;
     }
-  held_before_ = held_;
-  held_before_.colliders.from = held_.colliders.to;
+  input_before_ = input_;
+  input_before_.colliders.from = input_.colliders.to;
   before_remesh_.reset();
   step_start_.reset();
   if (!first && result_.statistics.remesh != FrameStatistics::accepted) {
@@ -182,7 +184,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   positions_before_ = sheet.x;
   result_.statistics.new_singular = static_cast<int>(sheet.singular.size() - born);
   is_sleeping_ = idle_frames_ >= 2 && options_.elastic.inertia == Inertia::quasi_static;
-  is_idle_ = is_sleeping_ || (first && in_place(sheet, held_, side_));
+  is_idle_ = is_sleeping_ || (first && in_place(sheet, input_.constraints, side_));
 }
 
 void SheetSimulation::restore(Snapshot&& back) {
@@ -210,13 +212,12 @@ void SheetSimulation::hold_if_infeasible() {
   result_.note = "it stays as it was: " + step_.failure_reason;
   skip_step();
   step_.converged = false;
-  for (std::size_t k = 0; k < held_before_.vertices.size(); ++k)
-    held_before_.targets.row(k) = sheet().x.row(held_before_.vertices[k]);
+  for (PositionConstraint& c : input_before_.constraints) c.target = sheet().x.row(c.vertex);
 }
 
 SubstepTarget SheetSimulation::substep_target(RecordTrajectory trace) {
   return {elastic_, started_.sheet,
-          held_,    relative_motion_,
+          input_,   relative_motion_,
           side_,    trace == RecordTrajectory::yes ? &trajectory_ : nullptr};
 }
 
@@ -311,12 +312,12 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   if (options_.probe_every > 0 && !is_sleeping_ && !touches_others() &&
       (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
     probe(is_admissible);
-  constraints_.bind_relative_handles(sheet().x, frame_);
+  handles_.bind_relative_handles(sheet().x, frame_);
 }
 
 void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
   Snapshot as_it_was{sheet(), elastic_.state()};
-  const BranchSearch found = probe_branches(started_.sheet, elastic_, held_before_,
+  const BranchSearch found = probe_branches(started_.sheet, elastic_, input_before_,
                                             1 / options_.fps, options_.seed, frame_);
   if (found.taken || found.finished) {
     if (!is_admissible(as_it_was.sheet, sheet(),
@@ -333,8 +334,8 @@ void SheetSimulation::finalize(Output how) {
   if (is_sleeping_ && frame_ != options_.first_frame) return;
   output_sheet_ = how == Output::simulated_sheet
                       ? sheet()
-                      : finished(*method_, sheet(), held_, elastic_, step_.last);
-  inside_ = elastic_.inside(output_sheet_, held_.colliders.to);
+                      : finished(*method_, sheet(), input_, elastic_, step_.last);
+  inside_ = elastic_.inside(output_sheet_, input_.colliders.to);
 }
 
 AnimatedFrame SheetSimulation::report() {
@@ -342,7 +343,7 @@ AnimatedFrame SheetSimulation::report() {
   result.of = number_;
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
-  result.handles = constraints_.report(output_sheet_.x, frame_);
+  result.handles = handles_.report(output_sheet_.x, frame_);
   FrameStatistics& statistics = result.statistics;
   statistics.substeps = step_.substeps;
   statistics.newton_iterations = step_.iterations;

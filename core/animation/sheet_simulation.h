@@ -61,7 +61,7 @@ class SheetSimulation {
   /// Positions of its vertices at the start of the shot, on its present mesh. |V|x3 [m]
   Points3 initial_positions() const;
   const Sheet& output_sheet() const { return output_sheet_; }
-  const PositionConstraints& held() const { return held_; }
+  const PositionConstraints& constraints() const { return input_.constraints; }
   const Elastic& elastic() const { return elastic_; }
   bool touches_others() const { return step_.last.touching_others > 0; }
 
@@ -93,14 +93,14 @@ class SheetSimulation {
   InitialSheet started_;
   Elastic elastic_;
   std::optional<PlasticGrid> plastic_grid_;
-  HandleConstraints constraints_;
+  HandleConstraints handles_;
   int min_halvings_ = 0;
 
   // what a frame knows of the frames before it
   int frame_;  // the last frame that was prepared
   Sheet output_sheet_;
   Points3 positions_before_;  // [m] positions one frame ago
-  PositionConstraints held_before_;
+  StepInput input_before_;    // of that frame, with the colliders standing still
   bool at_minimum_ = false, yielding_ = false, snap_in_progress_ = false, rests_on_contact_ = false;
   int idle_frames_ = 0;
   // contact of the sheet with itself; number of pairs of features that push each other; number of
@@ -110,7 +110,7 @@ class SheetSimulation {
   double inside_ = 0;  // [m] how deep the output sheet lies inside a collider
 
   // of the present frame
-  PositionConstraints held_;
+  StepInput input_;
   double relative_motion_ = 0;  // [1] relative motion of the handles, of the longer side
   bool is_idle_ = false, is_sleeping_ = false;
   std::optional<Snapshot> before_remesh_, step_start_;  // the mesh before; the start of the step

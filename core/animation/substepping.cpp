@@ -32,10 +32,10 @@ bool exceeds_max_motion(const SubstepTarget& f, int halvings) {
 std::vector<ElasticReport> step(const std::vector<SubstepTarget>& sheets,
                                 const Eigen::MatrixXd& dhat, double dt) {
   if (sheets.size() == 1)
-    return {sheets.front().elastic.step(sheets.front().sheet, sheets.front().held, dt)};
+    return {sheets.front().elastic.step(sheets.front().sheet, sheets.front().input, dt)};
   std::vector<JointStepSheet> all;
   for (const SubstepTarget& f : sheets)
-    all.push_back({f.elastic, f.sheet, f.held, f.initial_positions});
+    all.push_back({f.elastic, f.sheet, f.input, f.initial_positions});
   return Elastic::step_together(all, dhat, dt);
 }
 
@@ -102,10 +102,10 @@ std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& she
   std::vector<SubstepTarget> first, rest;
   for (std::size_t k = 0; k < sheets.size(); ++k) {
     const SubstepTarget& f = sheets[k];
-    PositionConstraints half = f.held, other = f.held;
-    for (std::size_t h = 0; h < half.vertices.size(); ++h)
-      half.targets.row(h) = 0.5 * (before[k].x.row(half.vertices[h]) + half.targets.row(h));
-    half.colliders.to = between(f.held.colliders.from, f.held.colliders.to);
+    StepInput half = f.input, other = f.input;
+    for (PositionConstraint& c : half.constraints)
+      c.target = 0.5 * (before[k].x.row(c.vertex).transpose() + c.target);
+    half.colliders.to = between(f.input.colliders.from, f.input.colliders.to);
     other.colliders.from = half.colliders.to;
     first.push_back({f.elastic, f.sheet, std::move(half), 0.5 * f.relative_motion, f.side,
                      f.trajectory, f.initial_positions});

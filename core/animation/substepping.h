@@ -27,7 +27,7 @@ struct TrajectoryPoint {
 struct SubstepTarget {
   Elastic& elastic;
   Sheet& sheet;
-  PositionConstraints held;  // at the end of the frame
+  StepInput input;  // of the whole frame
   // [1] relative motion of the handles, of the longer side
   double relative_motion;
   double side;                               // [m] longer side of the pattern

@@ -271,6 +271,10 @@ Poses poses_at(const Colliders& colliders, int row) {
   return poses;
 }
 
+ColliderMotion motion_to(const Colliders& colliders, int row) {
+  return {poses_at(colliders, row - 1), poses_at(colliders, row)};
+}
+
 Poses between(const Poses& a, const Poses& b) {
   Poses half;
   for (std::size_t c = 0; c < a.size(); ++c) {

@@ -129,6 +129,13 @@ using Poses = std::vector<Eigen::Isometry3d>;
 Poses poses_at(const Colliders&, int row);
 /// The poses half way between two others: rotations by slerp, translations by their mean.
 Poses between(const Poses&, const Poses&);
+/// Poses of the colliders at the beginning and at the end of a step. Empty if there are no
+/// colliders.
+struct ColliderMotion {
+  Poses from, to;
+};
+/// The motion from the row before to this one.
+ColliderMotion motion_to(const Colliders&, int row);
 /// Largest displacement of any point of the colliders. [m]
 double farthest_move(const Colliders&, const Poses& from, const Poses& to);
 

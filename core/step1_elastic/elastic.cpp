@@ -43,11 +43,11 @@ ElasticReport Elastic::Impl::try_without_plasticity(Sheet& sheet, Find find, Sol
   if (report.converged && !report.snap_in_progress &&
       energy->gained(energy->dihedral_angles(sheet.x)).hardening.isZero(0))
     return report;
-  const int should_abort = report.iterations;
+  const int wasted_iterations = report.iterations;
   sheet = before;
   state = known;
   report = solve();
-  report.iterations += should_abort;
+  report.iterations += wasted_iterations;
   return report;
 }
 
@@ -129,12 +129,10 @@ double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
   return at_rest.inside(sheet.x);
 }
 
-ElasticReport Elastic::relax(Sheet& sheet, const PositionConstraints& asked, double dt,
-                             Relaxation settling) {
+ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Relaxation settling) {
   Impl& s = *impl_;
-  const PositionConstraints held = s.reachable_targets(sheet, asked, dt);
+  const StepProblem problem = s.problem_of(sheet, input, dt);
   const Points3 before = sheet.x;
-  const HardConstraints hard = hard_handles(held);
   constexpr double coarser = 10;  // the next step continues from here
   const bool coarse = settling == Relaxation::coarse;
   NewtonOptions how{s.options.stop, s.options.max_iterations};
@@ -150,8 +148,8 @@ ElasticReport Elastic::relax(Sheet& sheet, const PositionConstraints& asked, dou
   }
   ElasticReport report = s.try_without_plasticity(
       sheet, [](const Sheet&) {},
-      [&] { return s.solve(sheet, held, hard, dt, nullptr, how, BranchSearchMode::none); });
-  report.contact = s.contact && !s.contact->clear(before, sheet.x, hard);
+      [&] { return s.solve(sheet, problem, nullptr, how, BranchSearchMode::none); });
+  report.contact = s.contact && !s.contact->clear(before, sheet.x, problem.hard);
   s.report_energies(sheet.x, s.energy->dihedral_angles(sheet.x), report);
   return report;
 }
@@ -195,9 +193,7 @@ void Elastic::restore(const SolverState& state) {
   s.load_plastic_state();
 }
 
-ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet,
-                                                        const PositionConstraints& held,
-                                                        const HardConstraints& hard, double dt) {
+ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const StepProblem& step) {
   const Points3 before = sheet.x;
   ElasticReport report;
   const bool contact_enabled = options.contact == SelfContact::automatic;
@@ -211,17 +207,17 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet,
                       is_interactive() && state.descending ? NewtonOptions::line_search_newton
                                                            : NewtonOptions::both};
     if (contact_enabled)
-      how.should_abort = [&](const Points3& x) { return !contact->clear(before, x, hard); };
+      how.should_abort = [&](const Points3& x) { return !contact->clear(before, x, step.hard); };
     if (lies) how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
-    report = solve(sheet, held, hard, dt, nullptr, how,
+    report = solve(sheet, step, nullptr, how,
                    lies ? BranchSearchMode::none : BranchSearchMode::when_slow);
     report.snap_in_progress |= lies && !report.converged;
     const int more = extra_iterations * options.max_iterations / default_iterations;
     if (is_interactive() && !lies && !report.converged && more > 0 &&
         largest_stretch(sheet) > unfinished_stretch) {
       const ElasticReport so_far = report;
-      report = solve(sheet, held, hard, dt, nullptr,
-                     {stop, more, more, NewtonOptions::line_search_newton}, BranchSearchMode::none);
+      report = solve(sheet, step, nullptr, {stop, more, more, NewtonOptions::line_search_newton},
+                     BranchSearchMode::none);
       report.iterations += so_far.iterations;
       report.energy_gain = so_far.energy_gain;
       report.snap_in_progress = so_far.snap_in_progress && !report.converged;
@@ -232,14 +228,15 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet,
     return (report.converged && matrix && largest_stretch(sheet) > yield_stretch) ||
            report.inside > yield_depth;
   };
-  if (contact_enabled && (state.had_contact || jams() || !contact->clear(before, sheet.x, hard))) {
-    const int should_abort = report.iterations;
+  if (contact_enabled &&
+      (state.had_contact || jams() || !contact->clear(before, sheet.x, step.hard))) {
+    const int wasted_iterations = report.iterations;
     sheet.x = before;
     // close to itself a softened sheet soon collides with its own parts: a second branch finds
     // nothing better there
     const NewtonOptions how{stop, max_contact_iterations()};
-    report = solve(sheet, held, hard, dt, &*contact, how, BranchSearchMode::none);
-    report.iterations += should_abort;
+    report = solve(sheet, step, &*contact, how, BranchSearchMode::none);
+    report.iterations += wasted_iterations;
     state.second.reset();
     state.descending = false;
     state.had_contact = report.touching > 0 || report.yielding > 0;
@@ -247,15 +244,15 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet,
   return report;
 }
 
-ElasticReport Elastic::step(Sheet& sheet, const PositionConstraints& asked, double dt) {
+ElasticReport Elastic::step(Sheet& sheet, const StepInput& input, double dt) {
   Impl& s = *impl_;
-  const PositionConstraints held = s.reachable_targets(sheet, asked, dt);
-  const HardConstraints hard = hard_handles(held);
+  const StepProblem problem = s.problem_of(sheet, input, dt);
   const Points3 before = sheet.x;
   ElasticReport report = s.try_without_plasticity(
-      sheet, [&](const Sheet& from) { s.find_ridges_of_step(from, held.vertices); },
-      [&] { return s.step_with_contact_fallback(sheet, held, hard, dt); });
-  s.finish_step(sheet, before, held, dt, report);
+      sheet,
+      [&](const Sheet& from) { s.find_ridges_of_step(from, vertices_of(problem.constraints)); },
+      [&] { return s.step_with_contact_fallback(sheet, problem); });
+  s.finish_step(sheet, before, problem, report);
   return report;
 }
 

@@ -6,6 +6,7 @@
 #include "core/model/sheet.h"
 #include "core/step1_elastic/energies/external_forces.h"
 #include "core/step1_elastic/energies/ridge_yield.h"
+#include "core/step1_elastic/position_constraints.h"
 
 #include <deque>
 #include <functional>
@@ -32,19 +33,9 @@ struct ElasticOptions {
   std::shared_ptr<const Colliders> colliders = nullptr;
 };
 
-/// Poses of the colliders at the beginning and at the end of a step. Empty if there are no
-/// colliders.
-struct ColliderMotion {
-  Poses from, to;
-};
-
-/// Vertices whose positions are prescribed for the end of a step, and the motion of the colliders
-/// during it.
-struct PositionConstraints {
-  std::vector<int> vertices;  // each at most once
-  Points3 targets;            // |vertices|x3 [m]
-  // |vertices| [N/m] stiffness of a soft handle, 0 for a hard one; empty: all are hard
-  std::vector<double> stiffness = {};
+/// What moves the sheet in a step.
+struct StepInput {
+  PositionConstraints constraints;  // at the end of the step
   ColliderMotion colliders = {};
 };
 
@@ -105,7 +96,6 @@ struct SolverState {
   std::optional<PlasticGrid> grid;
 };
 void archive(Serializer&, SolverState&);  // all but the grid, which belongs to the sheet
-void archive(Serializer&, PositionConstraints&);
 
 struct JointStepSheet;
 struct SweptSheet;
@@ -165,7 +155,7 @@ class Elastic {
   /// three steps a step ends after at most 42 iterations, or 82 as long as an edge is stretched by
   /// more than 0.6 %; the descents on both branches continue in the next step.
   /// throws Error(Fault::simulation) when the energy is not finite
-  ElasticReport step(Sheet&, const PositionConstraints&, double dt);
+  ElasticReport step(Sheet&, const StepInput&, double dt);
 
   /// One step of several sheets that come closer than dhat to each other. It minimises the sum of
   /// their potentials over the vertices of all of them, with one contact between and within the
@@ -187,7 +177,7 @@ class Elastic {
   /// nothing else: no second branch is searched, sheet.v does not change, and no plastic increment
   /// is written. This is for a sheet that was placed where it is, not moved there. report.contact:
   /// the sheet came near itself; relaxation does not prevent that.
-  ElasticReport relax(Sheet&, const PositionConstraints&, double dt, Relaxation);
+  ElasticReport relax(Sheet&, const StepInput&, double dt, Relaxation);
 
   /// Another solver for the same paper, options and plastic grid, on another mesh.
   Elastic on_mesh(const Sheet&, const std::vector<double>& stiffening = {}) const;
@@ -224,7 +214,7 @@ class Elastic {
 struct JointStepSheet {
   Elastic& elastic;
   Sheet& sheet;
-  const PositionConstraints& held;
+  const StepInput& input;
   // |V|x3 [m] positions of its vertices at the beginning of the shot, if one of the sheets began on
   // another one; else empty for all sheets
   const Points3& begun;
@@ -232,8 +222,8 @@ struct JointStepSheet {
 
 /// The trajectory of a sheet.
 struct SweptSheet {
-  const Sheet& sheet;               // its mesh
-  const PositionConstraints& held;  // at the end
+  const Sheet& sheet;                      // its mesh
+  const PositionConstraints& constraints;  // at the end
   // |V|x3 [m] positions with straight motion in between, at the same times as those of the other
   // sheet
   const std::vector<Points3>& places;

@@ -77,12 +77,10 @@ Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case
   const ElasticReport before = elastic.evaluate_energies(polished);
   PositionConstraints held;
   for (const int v : vertices)
-    if (std::find(held.vertices.begin(), held.vertices.end(), v) == held.vertices.end())
-      held.vertices.push_back(v);
-  held.targets.resize(held.vertices.size(), 3);
-  for (std::size_t k = 0; k < held.vertices.size(); ++k)
-    held.targets.row(k) = sheet.x.row(held.vertices[k]);
-  const ElasticReport after = elastic.relax(polished, held, 1.0 / 24, Relaxation::full);
+    if (std::none_of(held.begin(), held.end(),
+                     [&](const PositionConstraint& c) { return c.vertex == v; }))
+      held.push_back({v, sheet.x.row(v)});
+  const ElasticReport after = elastic.relax(polished, {held}, 1.0 / 24, Relaxation::full);
   return {(before.energy - before.membrane) / (after.energy - after.membrane),
           std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
 }

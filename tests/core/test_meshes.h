@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/model/sheet.h"
+#include "core/step1_elastic/elastic.h"
 
 #include <algorithm>
 #include <cmath>
@@ -102,6 +102,13 @@ inline void roll(Sheet& sheet, double R) {
 /// Measured order of convergence of error(h) between h0 and h1.
 inline double order(const std::function<double(double)>& error, double h0, double h1) {
   return std::log(error(h0) / error(h1)) / std::log(h0 / h1);
+}
+
+/// Hard constraints that hold these vertices where x has them.
+inline PositionConstraints held_at(const std::vector<int>& vertices, const Points3& x) {
+  PositionConstraints held;
+  for (const int v : vertices) held.push_back({v, x.row(v)});
+  return held;
 }
 
 }  // namespace paperbake::test

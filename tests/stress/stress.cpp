@@ -76,15 +76,14 @@ MethodChoice make_method(const std::string& name, const Script& script) {
 std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const RemeshContext& is) {
   PositionConstraints held;
   for (int v = 0; v < static_cast<int>(is.fixed.size()); ++v)
-    if (is.fixed[v]) held.vertices.push_back(v);
-  held.targets = sheet.x(held.vertices, Eigen::all);
+    if (is.fixed[v]) held.push_back({v, sheet.x.row(v)});
   ElasticOptions options;
   options.max_iterations = 200;
   Elastic elastic(script.shot.paper, options);
   std::optional<PlasticGrid> memory;
   if (is.memory) elastic.set_plastic_grid(&memory.emplace(*is.memory));
   elastic.set_mesh(sheet);
-  const ElasticReport report = elastic.relax(sheet, held, is.now.dt, Relaxation::full);
+  const ElasticReport report = elastic.relax(sheet, {held}, is.now.dt, Relaxation::full);
   if (!report.converged || report.contact) return std::nullopt;
   return report.energy;
 }

@@ -34,18 +34,15 @@ Hang hang(Sheet sheet, double lam) {
   ElasticOptions options;
   options.stop = 1e-9;
   options.max_iterations = 200;
-  PositionConstraints held;
-  held.vertices = vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1.01 * h; });
-  held.targets.resize(held.vertices.size(), 3);
-  for (std::size_t k = 0; k < held.vertices.size(); ++k)
-    held.targets.row(k) = sheet.x.row(held.vertices[k]);
+  const PositionConstraints held = test::held_at(
+      vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1.01 * h; }), sheet.x);
   constexpr int steps = 16;
   for (int step = 1; step <= steps; ++step) {
     options.forces.gravity =
         lam * paper.bending_stiffness / (paper.area_density * std::pow(L, 3)) * step / steps;
     Elastic elastic(paper, options);
     elastic.set_mesh(sheet);
-    for (int rest = 0; rest < (step == steps ? 4 : 1); ++rest) elastic.step(sheet, held, 1.0);
+    for (int rest = 0; rest < (step == steps ? 4 : 1); ++rest) elastic.step(sheet, {held}, 1.0);
   }
   // position and slope of the free end, from a straight line through the last two cells, where
   // nothing bends

@@ -45,20 +45,17 @@ Sheet push_strips(int strips, const Paper& paper) {
   options.max_iterations = 200;
   Elastic elastic(paper, options);
   elastic.set_mesh(sheet);
-  PositionConstraints held;
-  held.vertices =
-      vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1e-9 || p.x() > side - 1e-9; });
-  held.targets.resize(held.vertices.size(), 3);
+  PositionConstraints held = test::held_at(
+      vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1e-9 || p.x() > side - 1e-9; }),
+      sheet.x);
   constexpr int steps = 20, rests = 6;
   for (int step = 1; step <= steps + rests; ++step) {
-    for (std::size_t k = 0; k < held.vertices.size(); ++k) {
-      const auto p = sheet.pattern.row(held.vertices[k]);
-      held.targets.row(k) << p.x() - (p.x() > 0.5 * side
-                                          ? 0.1 * side * std::min(step, steps) / steps
-                                          : 0),
+    for (PositionConstraint& c : held) {
+      const auto p = sheet.pattern.row(c.vertex);
+      c.target << p.x() - (p.x() > 0.5 * side ? 0.1 * side * std::min(step, steps) / steps : 0),
           p.y(), 0;
     }
-    elastic.step(sheet, held, 1 / 24.0);
+    elastic.step(sheet, {held}, 1 / 24.0);
   }
   return sheet;
 }

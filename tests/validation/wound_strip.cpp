@@ -27,11 +27,10 @@ double residual(Sheet sheet, double k, const Paper& paper) {
     Sheet rolled = sheet;
     test::roll(rolled, steps / (k * step));
     PositionConstraints all;
-    for (int v = 0; v < sheet.pattern.rows(); ++v) all.vertices.push_back(v);
-    all.targets = rolled.x;
-    elastic.step(sheet, all, 1 / 24.0);
+    for (int v = 0; v < sheet.pattern.rows(); ++v) all.push_back({v, rolled.x.row(v)});
+    elastic.step(sheet, {all}, 1 / 24.0);
   }
-  for (int rest = 0; rest < 40; ++rest) elastic.step(sheet, {{}, Points3(0, 3)}, 1.0);
+  for (int rest = 0; rest < 40; ++rest) elastic.step(sheet, {}, 1.0);
   const Points3 curvature = vertex_curvature(sheet);
   const std::vector<int> inner = vertices_where(
       sheet, [](const Vector2d& p) { return std::abs(p.x() - 0.5 * length) < 0.4 * length; });

@@ -193,7 +193,8 @@ void ColliderContact::for_each_touch(std::size_t c, const Points3& local, Visit 
 }
 
 void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
-                            const std::vector<int>& held, double dt, const HardConstraints& hard) {
+                            const std::vector<int>& held, double dt,
+                            const PositionConstraints& pulled) {
   start_ = x;
   motion_ = motion;
   epsilon_ = static_speed_bound * dt;
@@ -211,18 +212,19 @@ void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
                 ? -1
                 : 1;
     refresh(c, local);
-    reduce_barrier_near_handles(c, hard);
+    reduce_barrier_near_handles(c, pulled);
     begin_friction(c, local);
   }
 }
 
-void ColliderContact::reduce_barrier_near_handles(std::size_t c, const HardConstraints& hard) {
-  for (std::size_t k = 0; k < hard.vertices.size(); ++k) {
-    const int v = hard.vertices[k];
-    const double wanted = (*colliders_)[c]
-                              .nearest(motion_.to[c].inverse() * row(hard.targets, k),
-                                       collider_dhat, states_[c].side[v])
-                              .distance;
+void ColliderContact::reduce_barrier_near_handles(std::size_t c,
+                                                  const PositionConstraints& pulled) {
+  for (const PositionConstraint& pull : pulled) {
+    const int v = pull.vertex;
+    const double wanted =
+        (*colliders_)[c]
+            .nearest(motion_.to[c].inverse() * pull.target, collider_dhat, states_[c].side[v])
+            .distance;
     reduction_[v] = std::max(reduction_[v], collider_dhat - std::clamp(wanted, 0.0, collider_dhat));
   }
 }
@@ -270,25 +272,23 @@ Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d t
   return p;
 }
 
-void ColliderContact::project_outside(const std::vector<int>& vertices, Points3& to) {
+/// Where the vertex gets to on its way to a target.
+Vector3d ColliderContact::reachable(int v, Vector3d to) const {
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Eigen::Isometry3d from_home = motion_.from[c].inverse(),
-                            to_home = motion_.to[c].inverse();
-    for (std::size_t k = 0; k < vertices.size(); ++k) {
-      const Vector3d p = from_home * row(start_, vertices[k]), q = to_home * row(to, k);
-      const Vector3d end = slide((*colliders_)[c], p, q, states_[c].side[vertices[k]]);
-      if (end != q) to.row(k) = motion_.to[c] * end;
-    }
+    const Vector3d p = motion_.from[c].inverse() * row(start_, v), q = motion_.to[c].inverse() * to;
+    const Vector3d end = slide((*colliders_)[c], p, q, states_[c].side[v]);
+    if (end != q) to = motion_.to[c] * end;
   }
+  return to;
 }
 
-void ColliderContact::project_outside(Points3& to) {
-  std::vector<int> free;
+void ColliderContact::project_outside(PositionConstraints& constraints) const {
+  for (PositionConstraint& c : constraints) c.target = reachable(c.vertex, c.target);
+}
+
+void ColliderContact::project_outside(Points3& to) const {
   for (int v = 0; v < to.rows(); ++v)
-    if (!held_[v]) free.push_back(v);
-  Points3 wanted = to(free, Eigen::all);
-  project_outside(free, wanted);
-  to(free, Eigen::all) = wanted;
+    if (!held_[v]) to.row(v) = reachable(v, row(to, v));
 }
 
 double ColliderContact::collision_free_step(const Points3& y, const Points3& move) {

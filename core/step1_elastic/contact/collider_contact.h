@@ -2,8 +2,7 @@
 
 #include "core/geometry/collider.h"
 #include "core/linear_algebra/block_cholesky.h"
-#include "core/step1_elastic/contact/self_contact.h"
-#include "core/step1_elastic/elastic.h"
+#include "core/step1_elastic/position_constraints.h"
 
 #include <array>
 #include <memory>
@@ -47,14 +46,14 @@ class ColliderContact {
   ///         collider, the vertex is not pushed out from there: a hand that rests on a table needs
   ///         no force to stay.
   void begin(const Points3& x, const ColliderMotion&, const std::vector<int>& held, double dt,
-             const HardConstraints& hard = {});
+             const PositionConstraints& pulled = {});
 
   /// Replaces targets by the points where the vertices get to from the beginning of the step,
   /// carried along by moving colliders, and sliding along their surface where they are in the way.
-  /// vertices  their indices
-  /// to        |vertices|x3 [m] the targets
-  void project_outside(const std::vector<int>& vertices, Points3& to);
-  void project_outside(Points3& to);  // the targets of all vertices
+  void project_outside(PositionConstraints&) const;
+  /// The same for a target of every vertex; those of `held` vertices stay.
+  /// to  |V|x3 [m]
+  void project_outside(Points3& to) const;
 
   /// Fraction of the move after which no vertex is deeper inside a collider than a fifth of its
   /// depth(), and no edge or corner has passed through.
@@ -117,11 +116,12 @@ class ColliderContact {
   FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& local,
                            const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
+  Vector3d reachable(int vertex, Vector3d to) const;
   template <class Visit>
   void for_each_touch(const Points3& y, Visit);  // at the end of the step
   Eigen::Vector2d slip(const FrictionContact&, const Points3& y) const;
   void begin_friction(std::size_t c, const Points3& local);
-  void reduce_barrier_near_handles(std::size_t c, const HardConstraints& hard);
+  void reduce_barrier_near_handles(std::size_t c, const PositionConstraints& pulled);
 
   std::shared_ptr<const Colliders> colliders_;
   std::vector<ColliderState> states_;

@@ -109,11 +109,11 @@ SweptBoxPairs& Contact::near() const {
   return *near_;
 }
 
-void Contact::set_constraints(const Points3& start, const HardConstraints& gripped) {
-  for (const int v : gripped_.vertices) constraint_of_[v] = -1;
-  gripped_ = gripped;
-  for (std::size_t k = 0; k < gripped_.vertices.size(); ++k)
-    constraint_of_[gripped_.vertices[k]] = static_cast<int>(k);
+void Contact::set_constraints(const Points3& start, const PositionConstraints& hard) {
+  for (const PositionConstraint& c : hard_) constraint_of_[c.vertex] = -1;
+  hard_ = hard;
+  for (std::size_t k = 0; k < hard_.size(); ++k)
+    constraint_of_[hard_[k].vertex] = static_cast<int>(k);
   start_ = start;
 }
 
@@ -148,7 +148,7 @@ double Contact::dhat_near_constraints(const std::array<int, 4>& v, bool edges, d
   // four corners are constrained, which all_held has dealt with
   std::array<int, 4> part{held[0].front(), held[0].back(), held[1].front(), held[1].back()};
   std::array<Vector3d, 4> target;
-  for (int i = 0; i < 4; ++i) target[i] = gripped_.targets.row(constraint_of_[part[i]]);
+  for (int i = 0; i < 4; ++i) target[i] = hard_[constraint_of_[part[i]]].target;
   const double apart =
       std::min(edge_to_edge(target).distance(), edge_to_edge(corners(start_, part)).distance());
   const double shrunk = std::min(dhat, begun_share * apart);
@@ -196,10 +196,10 @@ bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3
   return met;
 }
 
-bool Contact::clear(const Points3& from, const Points3& to, const HardConstraints& gripped) {
+bool Contact::clear(const Points3& from, const Points3& to, const PositionConstraints& hard) {
   if (separation_bound_ && separation_bound_->holds_along_step(from, to, pattern_share))
     return true;
-  set_constraints(from, gripped);
+  set_constraints(from, hard);
   const std::vector<char> flat_from = flat_stars(from, triangles_),
                           flat_to = flat_stars(to, triangles_);
   for (const auto& [a, b] : near().find(from, to - from, 0.5 * dhat_)) {
@@ -216,8 +216,8 @@ bool Contact::clear(const Points3& from, const Points3& to, const HardConstraint
 }
 
 bool Contact::is_collision_free_between_sheets(const Points3& from, const Points3& to,
-                                               const HardConstraints& gripped) {
-  set_constraints(from, gripped);
+                                               const PositionConstraints& hard) {
+  set_constraints(from, hard);
   for (const auto& [a, b] : near().find(from, to - from, 0.5 * dhat_)) {
     if (sheets_.of_vertex[triangles_(a, 0)] == sheets_.of_vertex[triangles_(b, 0)]) continue;
     if (!separated(from, to, &triangles_(a, 0), &triangles_(b, 0), dhat_) &&
@@ -259,8 +259,8 @@ bool Contact::initially_intersecting(const std::array<int, 4>& v, bool edges) co
   });
 }
 
-void Contact::begin(const Points3& x, const HardConstraints& gripped, double dt) {
-  set_constraints(x, gripped);
+void Contact::begin(const Points3& x, const PositionConstraints& hard, double dt) {
+  set_constraints(x, hard);
   find_initially_intersecting(x);
   build_candidates(x, Points3::Zero(x.rows(), 3));
   begin_friction(dt);

@@ -3,6 +3,7 @@
 #include "core/geometry/swept_box_pairs.h"
 #include "core/linear_algebra/block_cholesky.h"
 #include "core/step1_elastic/contact/separation_bound.h"
+#include "core/step1_elastic/position_constraints.h"
 
 #include <array>
 #include <optional>
@@ -10,13 +11,6 @@
 #include <vector>
 
 namespace paperbake {
-
-/// Vertices that hard handles constrain. Pairs that the handles bring together are excluded from
-/// contact.
-struct HardConstraints {
-  std::vector<int> vertices;
-  Points3 targets;  // |vertices|x3 [m]
-};
 
 /// Two features that may collide: a vertex and a triangle that it is no corner of, or two edges
 /// without a common vertex.
@@ -79,13 +73,14 @@ class Contact {
   /// dhat at its end: contact would then have changed nothing. The triangles around one vertex are
   /// checked against each other only where one deviates by 60 degrees or more from their mean
   /// normal.
-  bool clear(const Points3& from, const Points3& to, const HardConstraints&);
+  bool clear(const Points3& from, const Points3& to, const PositionConstraints& hard);
   /// The same for pairs of features of different sheets only.
   bool is_collision_free_between_sheets(const Points3& from, const Points3& to,
-                                        const HardConstraints&);
+                                        const PositionConstraints& hard);
 
   /// Begins a step of length dt [s] at x.
-  void begin(const Points3& x, const HardConstraints&, double dt);
+  /// hard  pairs of features that these constraints bring together are excluded from contact
+  void begin(const Points3& x, const PositionConstraints& hard, double dt);
 
   /// Finds every pair that can collide or come closer than dhat on the motion from y to y + move.
   /// To be called before any function below is asked about positions on that motion; it costs
@@ -129,7 +124,7 @@ class Contact {
   };
 
   SweptBoxPairs& near() const;
-  void set_constraints(const Points3& start, const HardConstraints&);
+  void set_constraints(const Points3& start, const PositionConstraints& hard);
   void find_initially_intersecting(const Points3& x);
   bool initially_intersecting(const std::array<int, 4>& vertices, bool edges) const;
   void build_candidates(const Points3& y, const Points3& move);
@@ -159,8 +154,8 @@ class Contact {
   // [m] how far vertices may be off the motion of the last update before the list is rebuilt
   double candidate_margin_;
 
-  std::vector<int> constraint_of_;  // |V| index into the constraints; -1: free
-  HardConstraints gripped_;
+  std::vector<int> constraint_of_;  // |V| index into hard_; -1: free
+  PositionConstraints hard_;
   Points3 start_;  // [m] positions at the beginning of the step
   // triangles that intersect each other at the beginning of the step
   std::vector<std::pair<int, int>> entangled_;

@@ -6,7 +6,7 @@ namespace paperbake {
 
 double SheetPotential::energy_and_springs(const Points3& x) const {
   double value = elastic.energy(x) + inertia_and_forces(x);
-  if (!springs.empty()) value += energy(springs, x);
+  if (!springs.empty()) value += spring_energy(springs, x);
   return value;
 }
 
@@ -15,7 +15,7 @@ double SheetPotential::differentiate(const Points3& x, HessianForm form, Points3
   double value = elastic.hessian(x, form, gradient, matrix, stress) + inertia_and_forces(x);
   for (int v = 0; v < x.rows(); ++v)
     gradient.row(v) += mass[v] * (inertia * (x.row(v) - xhat.row(v)) + forces.gradient());
-  if (!springs.empty()) value += paperbake::differentiate(springs, x, block_of, gradient, matrix);
+  if (!springs.empty()) value += differentiate_springs(springs, x, block_of, gradient, matrix);
   return value;
 }
 

@@ -22,7 +22,7 @@ struct SheetPotential {
   Points3 xhat;
   double inertia;  // [1/s2] factor on the mass
   ExternalForces forces;
-  std::vector<HandleSpring> springs;
+  PositionConstraints springs;       // constraints that pull (handle_springs.h)
   ColliderContact* colliders;        // null: there are none
   const std::vector<int>& block_of;  // |V| block row in the matrix, -1: constrained
 

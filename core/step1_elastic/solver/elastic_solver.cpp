@@ -68,7 +68,7 @@ void Elastic::Impl::advance(BranchDescent& way, const IncrementalPotential& W, i
 }
 
 void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const Points3& before,
-                                          const Points3& start, const HardConstraints& hard,
+                                          const Points3& start, const PositionConstraints& hard,
                                           Points3& x, ElasticReport& report) {
   const auto passes = [&](const Points3& to) {
     return options.contact == SelfContact::automatic && !contact->clear(before, to, hard);
@@ -79,7 +79,7 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const P
   const bool begun_before = way.has_value();
   const int total = iteration_budget().total * options.max_iterations / default_iterations;
   if (way) {
-    way->x = predictor->guesses(way->x, {}, hard.targets).front();
+    way->x = predictor->guesses(way->x, {}, hard).front();
     if (colliders) colliders->project_outside(way->x);
   } else if (!leaves || (report.converged && passes(x)))
     return;  // a shape that collides with itself is not where the sheet will stay
@@ -108,17 +108,17 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const P
     way.reset();
 }
 
-PositionConstraints Elastic::Impl::reachable_targets(const Sheet& sheet,
-                                                     const PositionConstraints& held, double dt) {
-  PositionConstraints reached = held;
-  if (!colliders) return reached;
-  colliders->begin(sheet.x, held.colliders, {}, dt);
-  colliders->project_outside(held.vertices, reached.targets);
-  return reached;
+StepProblem Elastic::Impl::problem_of(const Sheet& sheet, const StepInput& input, double dt) {
+  PositionConstraints constraints = input.constraints;
+  if (colliders) {
+    colliders->begin(sheet.x, input.colliders, {}, dt);
+    colliders->project_outside(constraints);
+  }
+  return {constraints, hard_constraints(constraints), input.colliders, dt};
 }
 
 SheetPotential Elastic::Impl::potential(const Sheet& sheet, double dt,
-                                        std::vector<HandleSpring> springs) {
+                                        PositionConstraints springs) {
   const bool dynamic = options.inertia == Inertia::dynamic;
   const double inertia = (dynamic ? 1 : quasi_static_mass) / (dt * dt);
   return {*energy,
@@ -131,9 +131,9 @@ SheetPotential Elastic::Impl::potential(const Sheet& sheet, double dt,
           block_of};
 }
 
-std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const HardConstraints& hard,
+std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const PositionConstraints& hard,
                                             bool feels) {
-  std::vector<Points3> all = predictor->guesses(before, state.positions, hard.targets);
+  std::vector<Points3> all = predictor->guesses(before, state.positions, hard);
   if (feels) {
     if (!state.positions.empty()) all.push_back(2 * before - state.positions[0]);
     all.push_back(before);
@@ -159,23 +159,24 @@ void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
     throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
 }
 
-ElasticReport Elastic::Impl::solve(Sheet& sheet, const PositionConstraints& handles,
-                                   const HardConstraints& hard, double dt, Contact* feels,
+ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contact* feels,
                                    const NewtonOptions& how, BranchSearchMode second) {
-  const std::vector<HandleSpring> springs =
-      handle_springs(handles, feels ? HardHandles::may_yield : HardHandles::are_held);
-  if (feels) feels->begin(sheet.x, hard, dt);
+  // with self-contact the hard handles pull as well, and none is eliminated
+  const std::vector<int> hard = vertices_of(step.hard),
+                         eliminated = feels ? std::vector<int>{} : hard;
+  const PositionConstraints springs = feels ? step.constraints : soft_constraints(step.constraints);
+  if (feels) feels->begin(sheet.x, step.hard, step.dt);
   build_linear_system(
-      sheet, feels ? std::vector<int>{} : hard.vertices, hard.vertices,
+      sheet, eliminated, hard,
       feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
   if (feels && matrix) feels->bind(*matrix, block_of);
   if (colliders)
-    colliders->begin(sheet.x, handles.colliders, feels ? std::vector<int>{} : hard.vertices, dt,
-                     feels ? hard : HardConstraints{});
+    colliders->begin(sheet.x, step.colliders, eliminated, step.dt,
+                     feels ? step.hard : PositionConstraints{});
 
   const Points3 before = sheet.x;
-  const IncrementalPotential W{{potential(sheet, dt, springs)}, feels};
-  std::vector<Points3> starts = guesses(before, hard, feels != nullptr);
+  const IncrementalPotential W{{potential(sheet, step.dt, springs)}, feels};
+  std::vector<Points3> starts = guesses(before, step.hard, feels != nullptr);
   choose_initial_guess(W, before, starts, sheet.x);
 
   ElasticReport report;
@@ -189,11 +190,11 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const PositionConstraints& hand
     if (second == BranchSearchMode::when_slow) {
       state.descending = newton.descended && !newton.converged;
       if (!newton.should_abort)
-        descend_second_branch(W, before, starts.front(), hard, sheet.x, report);
+        descend_second_branch(W, before, starts.front(), step.hard, sheet.x, report);
       report.snap_in_progress = state.descending || state.second;
     }
   }
-  report_constraints(sheet.x, feels ? springs : std::vector<HandleSpring>{}, report);
+  report_constraints(sheet.x, feels ? springs : PositionConstraints{}, report);
   if (feels) {
     feels->update_candidates(sheet.x, Points3::Zero(sheet.x.rows(), 3));
     report.contact = true;
@@ -202,20 +203,21 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const PositionConstraints& hand
   return report;
 }
 
-void Elastic::Impl::report_constraints(const Points3& x, const std::vector<HandleSpring>& springs,
+void Elastic::Impl::report_constraints(const Points3& x, const PositionConstraints& may_yield,
                                        ElasticReport& report) {
-  report.yielding = static_cast<int>(std::count_if(
-      springs.begin(), springs.end(), [&](const HandleSpring& s) { return yields(s, x); }));
+  report.yielding =
+      static_cast<int>(std::count_if(may_yield.begin(), may_yield.end(),
+                                     [&](const PositionConstraint& c) { return yields(c, x); }));
   if (!colliders) return;
   report.on_colliders = colliders->touching(x);
   report.inside = colliders->inside(x);
 }
 
-void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before,
-                                const PositionConstraints& held, double dt, ElasticReport& report) {
+void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before, const StepProblem& step,
+                                ElasticReport& report) {
   constexpr double let_in = 5e-5;  // [m] depth inside a collider that is tolerated
   if (report.inside > let_in) {
-    push_out(*options.colliders, held.colliders.to, Points3(sheet.x), -let_in, sheet.x);
+    push_out(*options.colliders, step.colliders.to, Points3(sheet.x), -let_in, sheet.x);
     report.inside = colliders->inside(sheet.x);
   }
   state.remeshed = false;
@@ -223,8 +225,8 @@ void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before,
   const std::vector<double> folds = energy->dihedral_angles(sheet.x);
   report.plastic_increment = commit_plastic_state(folds);
   report_energies(sheet.x, folds, report);
-  sheet.v = (options.inertia == Inertia::dynamic ? std::pow(velocity_kept, 24 * dt) : 1.0) / dt *
-            (sheet.x - before);
+  sheet.v = (options.inertia == Inertia::dynamic ? std::pow(velocity_kept, 24 * step.dt) : 1.0) /
+            step.dt * (sheet.x - before);
   state.positions.push_front(before);
   if (state.positions.size() > 2) state.positions.pop_back();
 }

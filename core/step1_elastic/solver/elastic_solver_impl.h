@@ -17,8 +17,18 @@
 
 namespace paperbake {
 
+/// A step as the solver takes it.
+struct StepProblem {
+  PositionConstraints constraints;  // with targets as far as colliders let the vertices go
+  PositionConstraints hard;         // those of them that are hard
+  ColliderMotion colliders;
+  double dt;  // [s]
+};
+
 /// The solver's data for one sheet, and the parts of a step.
 struct Elastic::Impl {
+  class JointStep;  // joint_step.cpp
+
   Paper paper;
   ElasticOptions options;
 
@@ -111,34 +121,32 @@ struct Elastic::Impl {
   /// before  where this step began
   /// start   the initial guess from there
   void descend_second_branch(const IncrementalPotential& W, const Points3& before,
-                             const Points3& start, const HardConstraints& hard, Points3& x,
+                             const Points3& start, const PositionConstraints& hard, Points3& x,
                              ElasticReport&);
 
-  /// The constraints, with targets as far as colliders let the vertices go.
-  PositionConstraints reachable_targets(const Sheet&, const PositionConstraints&, double dt);
+  /// The step that begins where the sheet is.
+  StepProblem problem_of(const Sheet&, const StepInput&, double dt);
 
-  /// Potential of a step of the sheet from where it is.
-  SheetPotential potential(const Sheet&, double dt, std::vector<HandleSpring> springs);
+  /// Potential of a step of the sheet from where it is. springs  constraints that pull
+  SheetPotential potential(const Sheet&, double dt, PositionConstraints springs);
   /// Initial guesses for the end of the step. feels: with contact; then handles may lag behind, and
   /// some of the guesses do not make the sheet jump to them.
-  std::vector<Points3> guesses(const Points3& before, const HardConstraints& hard, bool feels);
+  std::vector<Points3> guesses(const Points3& before, const PositionConstraints& hard, bool feels);
 
   /// One solution of the step; `feels` is null for a step without self-contact.
-  ElasticReport solve(Sheet&, const PositionConstraints&, const HardConstraints& hard, double dt,
-                      Contact* feels, const NewtonOptions& how, BranchSearchMode second);
+  ElasticReport solve(Sheet&, const StepProblem&, Contact* feels, const NewtonOptions& how,
+                      BranchSearchMode second);
 
   /// Solves without self-contact, and again with it if that turns out to be needed.
-  ElasticReport step_with_contact_fallback(Sheet&, const PositionConstraints&,
-                                           const HardConstraints& hard, double dt);
+  ElasticReport step_with_contact_fallback(Sheet&, const StepProblem&);
 
   /// Writes to the report what colliders and handles do at the end of the step.
-  void report_constraints(const Points3& x, const std::vector<HandleSpring>& springs,
-                          ElasticReport&);
+  /// may_yield  constraints that give way
+  void report_constraints(const Points3& x, const PositionConstraints& may_yield, ElasticReport&);
 
   /// Finishes a step that began at `before`: writes the plastic increment and adds the step to the
   /// past.
-  void finish_step(Sheet&, const Points3& before, const PositionConstraints&, double dt,
-                   ElasticReport&);
+  void finish_step(Sheet&, const Points3& before, const StepProblem&, ElasticReport&);
 };
 
 /// Moves x to the initial guess of least potential. With contact, each guess is first shortened so

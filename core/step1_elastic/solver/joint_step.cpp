@@ -35,10 +35,10 @@ Points3 joined(const MergedMesh& mesh, At at) {
   return all;
 }
 
-void add_grips(const HardConstraints& own, int first, HardConstraints& all) {
-  for (const int v : own.vertices) all.vertices.push_back(first + v);
-  all.targets.conservativeResize(all.vertices.size(), 3);
-  all.targets.bottomRows(own.targets.rows()) = own.targets;
+/// Adds the hard constraints of a sheet whose first vertex in the joint mesh is `first`.
+void add_hard(const PositionConstraints& own, int first, PositionConstraints& all) {
+  for (const PositionConstraint& c : own)
+    if (c.is_hard()) all.push_back({first + c.vertex, c.target});
 }
 
 }  // namespace
@@ -47,9 +47,9 @@ double Elastic::dhat() const { return impl_->contact ? impl_->contact->dhat() : 
 
 bool Elastic::clear(const SweptSheet& a, const SweptSheet& b, double dhat) {
   MergedMesh mesh;
-  HardConstraints grips{{}, Points3(0, 3)};
+  PositionConstraints hard;
   for (const SweptSheet* way : {&a, &b}) {
-    add_grips(hard_handles(way->held), mesh.first.back(), grips);
+    add_hard(way->constraints, mesh.first.back(), hard);
     mesh.add(way->sheet.pattern, way->sheet.triangles);
   }
   const Points3 begun =
@@ -63,97 +63,157 @@ bool Elastic::clear(const SweptSheet& a, const SweptSheet& b, double dhat) {
                   [&](std::size_t of) -> const Points3& { return (of == 0 ? a : b).places[k]; });
   };
   for (std::size_t k = 0; k + 1 < a.places.size(); ++k)
-    if (!contact.is_collision_free_between_sheets(place(k), place(k + 1), grips)) return false;
+    if (!contact.is_collision_free_between_sheets(place(k), place(k + 1), hard)) return false;
   return true;
 }
 
-std::vector<ElasticReport> Elastic::step_together(const std::vector<JointStepSheet>& all,
-                                                  const Eigen::MatrixXd& dhat, double dt) {
-  const std::size_t n = all.size();
-  MergedMesh mesh;
-  std::vector<PositionConstraints> held;
-  std::vector<HardConstraints> hard;
-  HardConstraints grips{{}, Points3(0, 3)};
-  std::vector<double> friction;
-  for (const JointStepSheet& one : all) {
-    Impl& s = *one.elastic.impl_;
-    friction.push_back(s.paper.friction);
-    held.push_back(s.reachable_targets(one.sheet, one.held, dt));
-    hard.push_back(hard_handles(held.back()));
-    add_grips(hard.back(), mesh.first.back(), grips);
-    mesh.add(s.pattern, s.triangles);
-    s.find_ridges_of_step(one.sheet, held.back().vertices);
-    s.update_predictor(one.sheet, hard.back().vertices);
+/// One step of several sheets, with one matrix and one contact for all.
+class Elastic::Impl::JointStep {
+ public:
+  JointStep(const std::vector<JointStepSheet>& sheets, double dt);
+  std::vector<ElasticReport> solve(const Eigen::MatrixXd& dhat);
+
+ private:
+  Impl& solver(std::size_t k) const { return *sheets_[k].elastic.impl_; }
+  Contact make_contact(const Eigen::MatrixXd& dhat) const;
+  BlockCholesky make_matrix(const Contact&) const;
+  /// The sum of the potentials, with all their terms bound to the matrix.
+  IncrementalPotential bind(BlockCholesky&, Contact&) const;
+  std::vector<Points3> guesses() const;
+  NewtonReport minimise(const IncrementalPotential&, BlockCholesky&, Points3& x) const;
+  void finish(std::size_t k, const Points3& x, const PositionConstraints& springs,
+              ElasticReport&) const;
+
+  const std::vector<JointStepSheet>& sheets_;
+  std::vector<StepProblem> problems_;  // of each sheet
+  double dt_;                          // [s]
+  MergedMesh mesh_;
+  Points3 before_;            // |V|x3 [m] positions at the beginning
+  PositionConstraints hard_;  // of all sheets
+  // no vertex is eliminated: handles pull with springs
+  std::vector<int> block_of_;
+};
+
+Elastic::Impl::JointStep::JointStep(const std::vector<JointStepSheet>& sheets, double dt)
+    : sheets_(sheets), dt_(dt) {
+  for (std::size_t k = 0; k < sheets.size(); ++k) {
+    Impl& s = solver(k);
+    const Sheet& sheet = sheets[k].sheet;
+    problems_.push_back(s.problem_of(sheet, sheets[k].input, dt));
+    add_hard(problems_[k].hard, mesh_.first.back(), hard_);
+    mesh_.add(s.pattern, s.triangles);
+    s.find_ridges_of_step(sheet, vertices_of(problems_[k].constraints));
+    s.update_predictor(sheet, vertices_of(problems_[k].hard));
   }
-  const Points3 before =
-      joined(mesh, [&](std::size_t k) -> const Points3& { return all[k].sheet.x; });
+  before_ = joined(mesh_, [&](std::size_t k) -> const Points3& { return sheets[k].sheet.x; });
+  block_of_.resize(mesh_.first.back());
+  std::iota(block_of_.begin(), block_of_.end(), 0);
+}
+
+Contact Elastic::Impl::JointStep::make_contact(const Eigen::MatrixXd& dhat) const {
+  std::vector<double> friction;
+  for (std::size_t k = 0; k < sheets_.size(); ++k) friction.push_back(solver(k).paper.friction);
   const Points3 begun =
-      all.front().begun.rows()
-          ? joined(mesh, [&](std::size_t k) -> const Points3& { return all[k].begun; })
+      sheets_.front().begun.rows()
+          ? joined(mesh_, [&](std::size_t k) -> const Points3& { return sheets_[k].begun; })
           : Points3(0, 3);
-  Contact contact(mesh.pattern, mesh.triangles, {mesh.of_vertex, dhat, begun, friction});
-  contact.begin(before, grips, dt);
+  return Contact(mesh_.pattern, mesh_.triangles, {mesh_.of_vertex, dhat, begun, friction});
+}
 
-  // one matrix for all sheets, in which no vertex is eliminated: handles pull with springs
-  std::vector<std::pair<int, int>> coupled = contact.coupled_vertices(before);
-  for (std::size_t k = 0; k < n; ++k)
-    for (const auto& [i, j] : all[k].elastic.impl_->energy->coupled_vertices())
-      coupled.emplace_back(mesh.first[k] + i, mesh.first[k] + j);
-  BlockCholesky matrix(mesh.first.back(), std::move(coupled));
-  std::vector<int> blocks(mesh.first.back());
-  std::iota(blocks.begin(), blocks.end(), 0);
-  contact.bind(matrix, blocks);
+BlockCholesky Elastic::Impl::JointStep::make_matrix(const Contact& contact) const {
+  std::vector<std::pair<int, int>> coupled = contact.coupled_vertices(before_);
+  for (std::size_t k = 0; k < sheets_.size(); ++k)
+    for (const auto& [i, j] : solver(k).energy->coupled_vertices())
+      coupled.emplace_back(mesh_.first[k] + i, mesh_.first[k] + j);
+  return BlockCholesky(mesh_.first.back(), std::move(coupled));
+}
 
+IncrementalPotential Elastic::Impl::JointStep::bind(BlockCholesky& matrix, Contact& contact) const {
+  contact.bind(matrix, block_of_);
   IncrementalPotential W{{}, &contact};
+  for (std::size_t k = 0; k < sheets_.size(); ++k) {
+    Impl& s = solver(k);
+    const StepProblem& problem = problems_[k];
+    s.matrix.reset();  // its energy is now bound to the matrix of all
+    s.block_of.assign(block_of_.begin() + mesh_.first[k], block_of_.begin() + mesh_.first[k + 1]);
+    s.energy->bind(matrix, s.block_of);
+    if (s.colliders)
+      s.colliders->begin(sheets_[k].sheet.x, problem.colliders, {}, dt_, problem.hard);
+    W.sheets.push_back(s.potential(sheets_[k].sheet, dt_, problem.constraints));
+  }
+  return W;
+}
+
+/// Guesses for all sheets; one with fewer of its own repeats its last, which leaves it where it is.
+std::vector<Points3> Elastic::Impl::JointStep::guesses() const {
   std::vector<std::vector<Points3>> starts;
   std::size_t max_starts = 0;
-  NewtonOptions how{all.front().elastic.impl_->options.stop, 0};
-  double mean_edge = std::numeric_limits<double>::infinity(), stiffness = 0;
-  for (std::size_t k = 0; k < n; ++k) {
-    Impl& s = *all[k].elastic.impl_;
-    s.matrix.reset();  // its energy is now bound to the matrix of all
-    s.block_of.assign(blocks.begin() + mesh.first[k], blocks.begin() + mesh.first[k + 1]);
-    s.energy->bind(matrix, s.block_of);
-    if (s.colliders) s.colliders->begin(all[k].sheet.x, held[k].colliders, {}, dt, hard[k]);
-    W.sheets.push_back(
-        s.potential(all[k].sheet, dt, handle_springs(held[k], HardHandles::may_yield)));
-    starts.push_back(s.guesses(all[k].sheet.x, hard[k], true));
+  for (std::size_t k = 0; k < sheets_.size(); ++k) {
+    starts.push_back(solver(k).guesses(sheets_[k].sheet.x, problems_[k].hard, true));
     max_starts = std::max(max_starts, starts.back().size());
+  }
+  std::vector<Points3> guesses;
+  for (std::size_t g = 0; g < max_starts; ++g)
+    guesses.push_back(joined(mesh_, [&](std::size_t k) -> const Points3& {
+      return starts[k][std::min(g, starts[k].size() - 1)];
+    }));
+  return guesses;
+}
+
+NewtonReport Elastic::Impl::JointStep::minimise(const IncrementalPotential& W,
+                                                BlockCholesky& matrix, Points3& x) const {
+  NewtonOptions how{solver(0).options.stop, 0};
+  double mean_edge = std::numeric_limits<double>::infinity(), stiffness = 0;
+  for (std::size_t k = 0; k < sheets_.size(); ++k) {
+    const Impl& s = solver(k);
     mean_edge = std::min(mean_edge, s.mean_edge);
     stiffness = std::max(stiffness, s.paper.membrane_stiffness);
     how.max_iterations = std::max(how.max_iterations, s.max_contact_iterations());
   }
-  std::vector<Points3> guesses;
-  // a sheet with fewer guesses repeats its last one, which leaves it where it is
-  for (std::size_t g = 0; g < max_starts; ++g)
-    guesses.push_back(joined(mesh, [&](std::size_t k) -> const Points3& {
-      return starts[k][std::min(g, starts[k].size() - 1)];
-    }));
-  Points3 x = before;
-  choose_initial_guess(W, before, guesses, x);
-  const NewtonReport newton = minimise({W, matrix, blocks, mean_edge, stiffness}, how, {}, x);
+  return paperbake::minimise({W, matrix, block_of_, mean_edge, stiffness}, how, {}, x);
+}
+
+void Elastic::Impl::JointStep::finish(std::size_t k, const Points3& x,
+                                      const PositionConstraints& springs,
+                                      ElasticReport& report) const {
+  Impl& s = solver(k);
+  Sheet& sheet = sheets_[k].sheet;
+  const Points3 before = sheet.x;
+  sheet.x = x.middleRows(mesh_.first[k], mesh_.rows(k));
+  s.report_constraints(sheet.x, springs, report);
+  s.state.second.reset();
+  s.state.descending = false;
+  s.state.had_contact = report.touching > 0 || report.yielding > 0;
+  s.finish_step(sheet, before, problems_[k], report);
+}
+
+std::vector<ElasticReport> Elastic::Impl::JointStep::solve(const Eigen::MatrixXd& dhat) {
+  Contact contact = make_contact(dhat);
+  contact.begin(before_, hard_, dt_);
+  BlockCholesky matrix = make_matrix(contact);
+  const IncrementalPotential W = bind(matrix, contact);
+  std::vector<Points3> starts = guesses();
+  Points3 x = before_;
+  choose_initial_guess(W, before_, starts, x);
+  const NewtonReport newton = minimise(W, matrix, x);
 
   contact.update_candidates(x, Points3::Zero(x.rows(), 3));
   const std::vector<Contact::Active> active = contact.active_by_sheet(x);
-  std::vector<ElasticReport> reports(n);
-  for (std::size_t k = 0; k < n; ++k) {
-    Impl& s = *all[k].elastic.impl_;
-    Sheet& sheet = all[k].sheet;
-    ElasticReport& report = reports[k];
-    const Points3 begun = sheet.x;
-    sheet.x = x.middleRows(mesh.first[k], mesh.rows(k));
-    report.iterations = newton.iterations;
-    report.converged = newton.converged;
-    report.contact = true;
-    report.touching = active[k].own;
-    report.touching_others = active[k].others;
-    s.report_constraints(sheet.x, W.sheets[k].springs, report);
-    s.state.second.reset();
-    s.state.descending = false;
-    s.state.had_contact = report.touching > 0 || report.yielding > 0;
-    s.finish_step(sheet, begun, held[k], dt, report);
+  std::vector<ElasticReport> reports(sheets_.size());
+  for (std::size_t k = 0; k < sheets_.size(); ++k) {
+    reports[k].iterations = newton.iterations;
+    reports[k].converged = newton.converged;
+    reports[k].contact = true;
+    reports[k].touching = active[k].own;
+    reports[k].touching_others = active[k].others;
+    finish(k, x, W.sheets[k].springs, reports[k]);
   }
   return reports;
+}
+
+std::vector<ElasticReport> Elastic::step_together(const std::vector<JointStepSheet>& all,
+                                                  const Eigen::MatrixXd& dhat, double dt) {
+  return Impl::JointStep(all, dt).solve(dhat);
 }
 
 }  // namespace paperbake

@@ -31,12 +31,12 @@ Predictor::Predictor(const Points2& pattern, const Triangles& triangles, std::ve
   laplacian_.compute(matrix);
 }
 
-void Predictor::spread(const Points3& targets, Points3& guess) const {
+void Predictor::spread(const PositionConstraints& hard, Points3& guess) const {
   if (held_.empty()) return;
   Eigen::MatrixXd missing(held_.size(), 3);
   for (std::size_t k = 0; k < held_.size(); ++k)
-    missing.row(k) = targets.row(k) - guess.row(held_[k]);
-  for (std::size_t k = 0; k < held_.size(); ++k) guess.row(held_[k]) = targets.row(k);
+    missing.row(k) = hard[k].target.transpose() - guess.row(held_[k]);
+  for (const PositionConstraint& c : hard) guess.row(c.vertex) = c.target;
   if (coupling_.rows() == 0 || missing.isZero(0)) return;
   const Eigen::MatrixXd move = laplacian_.solve(-coupling_ * missing);
   for (int v = 0; v < guess.rows(); ++v)
@@ -44,11 +44,11 @@ void Predictor::spread(const Points3& targets, Points3& guess) const {
 }
 
 std::vector<Points3> Predictor::guesses(const Points3& x, const std::deque<Points3>& past,
-                                        const Points3& targets) const {
+                                        const PositionConstraints& hard) const {
   std::vector<Points3> all{x};
   if (past.size() > 0) all.push_back(2 * x - past[0]);
   if (past.size() > 1) all.push_back(3 * x - 3 * past[0] + past[1]);
-  for (Points3& guess : all) spread(targets, guess);
+  for (Points3& guess : all) spread(hard, guess);
   return all;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "core/model/sheet.h"
+#include "core/step1_elastic/position_constraints.h"
 
 #include <Eigen/SparseCholesky>
 
@@ -14,18 +14,19 @@ namespace paperbake {
 /// function on the pattern, so that even a jump leaves no triangle behind.
 class Predictor {
  public:
+  /// held  the constrained vertices
   Predictor(const Points2& pattern, const Triangles&, std::vector<int> held);
 
   /// x        |V|x3 [m] present positions
   /// past     |V|x3 [m] positions one, two, ... steps ago, newest first; may be empty
-  /// targets  |held|x3 [m]
+  /// hard     constraints of the held vertices, in the same order
   /// returns  guesses with the constrained vertices at their targets: at rest, and extrapolated
   ///          linearly and quadratically in time as far as the past allows
   std::vector<Points3> guesses(const Points3& x, const std::deque<Points3>& past,
-                               const Points3& targets) const;
+                               const PositionConstraints& hard) const;
 
  private:
-  void spread(const Points3& targets, Points3& guess) const;
+  void spread(const PositionConstraints& hard, Points3& guess) const;
 
   // place_[v]: row of a free vertex, or -1 - k for the constrained vertex k
   std::vector<int> held_, place_;

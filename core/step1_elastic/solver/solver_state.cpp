@@ -10,6 +10,4 @@ void archive(Serializer& a, SolverState& p) {
     p.second, p.ridges.share, p.ridges.focus);
 }
 
-void archive(Serializer& a, PositionConstraints& h) { a(h.vertices, h.targets, h.stiffness); }
-
 }  // namespace paperbake

@@ -17,23 +17,20 @@ constexpr double length = 0.1, width = 0.05;
 struct Strip {
   Sheet sheet = test::strip_sheet(length, width, 16);
   Elastic elastic{Paper{}, {}};
-  PositionConstraints held;
+  StepInput input;
   ElasticReport report;
 
   Strip(int half_waves, double shortening) {
     for (int v = 0; v < sheet.x.rows(); ++v) {
       const double s = sheet.pattern(v, 0) / length;
-      if (s < 1e-9 || s > 1 - 1e-9) held.vertices.push_back(v);
       sheet.x.row(v) << (1 - shortening) * s * length, sheet.pattern(v, 1),
           0.6 * length / half_waves * std::sqrt(shortening) * std::sin(half_waves * M_PI * s);
+      if (s < 1e-9 || s > 1 - 1e-9) input.constraints.push_back({v, sheet.x.row(v)});
     }
-    held.targets.resize(held.vertices.size(), 3);
-    for (std::size_t k = 0; k < held.vertices.size(); ++k)
-      held.targets.row(k) = sheet.x.row(held.vertices[k]);
     elastic.set_mesh(sheet);
     for (int k = 0; k < 6; ++k) step();
   }
-  void step() { report = elastic.step(sheet, held, 1 / 24.0); }
+  void step() { report = elastic.step(sheet, input, 1 / 24.0); }
 };
 
 // Two half waves store four times as much as one: each of them is the arch of half the length at
@@ -43,7 +40,8 @@ TEST(BranchSearchTest, AStripInTheHighModeIsBroughtToTheLowOne) {
   // [J] closed form of the elastica
   const double arch = 1.0126 * Paper{}.bending_stiffness / length * width;
   ASSERT_NEAR(strip.report.energy / arch, 4, 0.08);
-  const BranchSearch found = probe_branches(strip.sheet, strip.elastic, strip.held, 1 / 24.0, 1, 6);
+  const BranchSearch found =
+      probe_branches(strip.sheet, strip.elastic, strip.input, 1 / 24.0, 1, 6);
   EXPECT_TRUE(found.taken);
   EXPECT_NEAR(found.before / arch, 4, 0.08);
   EXPECT_NEAR(found.after / arch, 1, 0.02);
@@ -52,29 +50,29 @@ TEST(BranchSearchTest, AStripInTheHighModeIsBroughtToTheLowOne) {
   strip.step();
   EXPECT_TRUE(strip.report.converged);
   EXPECT_NEAR(strip.report.energy / arch, 1, 0.02);
-  for (std::size_t k = 0; k < strip.held.vertices.size(); ++k)
-    EXPECT_LT((strip.sheet.x.row(strip.held.vertices[k]) - strip.held.targets.row(k)).norm(),
-              1e-12);
+  for (const PositionConstraint& c : strip.input.constraints)
+    EXPECT_LT((strip.sheet.x.row(c.vertex).transpose() - c.target).norm(), 1e-12);
 }
 
 TEST(BranchSearchTest, ALowArchHasAMirrorImageOfEqualEnergyAndStaysWhereItIs) {
   Strip strip(1, 0.001), alone(1, 0.001);
   ASSERT_GT(strip.sheet.x.col(2).maxCoeff(), 0.0015);
   ASSERT_TRUE(strip.sheet.x == alone.sheet.x);
-  const BranchSearch found = probe_branches(strip.sheet, strip.elastic, strip.held, 1 / 24.0, 1, 6);
+  const BranchSearch found =
+      probe_branches(strip.sheet, strip.elastic, strip.input, 1 / 24.0, 1, 6);
   EXPECT_FALSE(found.taken);
   EXPECT_TRUE(found.equal);
   EXPECT_NE(note_of(found).find("bistable: another branch of equal energy"), std::string::npos)
       << note_of(found);
   for (int k = 0; k < 3; ++k) {  // no trace to the last bit, in the following steps either
     EXPECT_TRUE(strip.sheet.x == alone.sheet.x && strip.sheet.v == alone.sheet.v) << k;
-    for (Strip* s : {&strip, &alone}) s->held.targets.row(0).x() += 1e-4, s->step();
+    for (Strip* s : {&strip, &alone}) s->input.constraints[0].target.x() += 1e-4, s->step();
   }
 }
 
 TEST(BranchSearchTest, ASheetWithOnlyOneShapeGetsNoNote) {
   Strip flat(1, 0);
-  const BranchSearch found = probe_branches(flat.sheet, flat.elastic, flat.held, 1 / 24.0, 1, 6);
+  const BranchSearch found = probe_branches(flat.sheet, flat.elastic, flat.input, 1 / 24.0, 1, 6);
   EXPECT_FALSE(found.taken || found.equal);
   EXPECT_EQ(note_of(found), "");
 }

@@ -17,7 +17,7 @@ constexpr double dt = 1.0 / 24;
 /// A sheet whose two borders were brought nearer in a few steps, with its solver and plastic grid.
 struct Bent {
   Sheet sheet;
-  PositionConstraints held;
+  std::vector<int> borders;
   PlasticGrid memory{test::rectangle(0.1, 0.1)};
   Elastic elastic;
 
@@ -25,8 +25,7 @@ struct Bent {
       : sheet(test::hex_sheet(0.1, 0.1, 10)), elastic(paper(yield_strain), {}) {
     for (int v = 0; v < sheet.x.rows(); ++v) {
       sheet.x(v, 2) = 1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / 0.1);
-      if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9)
-        held.vertices.push_back(v);
+      if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9) borders.push_back(v);
     }
     elastic.set_plastic_grid(&memory);
     elastic.set_mesh(sheet);
@@ -37,19 +36,15 @@ struct Bent {
     paper.yield_strain = yield_strain;
     return paper;
   }
-  static PositionConstraints targets(const Sheet& on, const std::vector<int>& vertices,
-                                     double way) {
-    PositionConstraints held{vertices, Points3(vertices.size(), 3)};
-    for (std::size_t k = 0; k < vertices.size(); ++k) {
-      const auto p = on.pattern.row(vertices[k]);
-      held.targets.row(k) << p.x() - (p.x() > 0.05 ? way : 0), p.y(), 0;
+  static StepInput targets(const Sheet& on, const std::vector<int>& vertices, double way) {
+    StepInput input;
+    for (const int v : vertices) {
+      const Vector2d p = on.pattern.row(v);
+      input.constraints.push_back({v, {p.x() - (p.x() > 0.05 ? way : 0), p.y(), 0}});
     }
-    return held;
+    return input;
   }
-  ElasticReport push(double way) {
-    held = targets(sheet, held.vertices, way);
-    return elastic.step(sheet, held, dt);
-  }
+  ElasticReport push(double way) { return elastic.step(sheet, targets(sheet, borders, way), dt); }
 };
 
 /// The same sheet on another mesh; adds the vertices of its two borders.
@@ -82,7 +77,7 @@ TEST(MeshSwapTest, AMeshOfStripsIsAcceptedAndTheNextStepIsAsFast) {
   // The past came along: the next step needs hardly more iterations than on a mesh that never
   // changed.
   Bent other;
-  bent.held.vertices = borders;
+  bent.borders = borders;
   const int with = bent.push(0.010).iterations, without = other.push(0.010).iterations;
   EXPECT_LE(with, without + 2);
   EXPECT_NEAR(bent.sheet.x.col(2).maxCoeff(), other.sheet.x.col(2).maxCoeff(),
@@ -108,7 +103,7 @@ TEST(MeshSwapTest, AMeshThatCannotFollowIsRejectedAndLeavesNoTrace) {
 /// this height [m].
 struct Hung {
   Sheet sheet = test::strip_sheet(0.1, 0.1, 4);
-  PositionConstraints held;
+  ColliderMotion standing;
   std::unique_ptr<Elastic> elastic;
 
   explicit Hung(double floor) {
@@ -117,21 +112,19 @@ struct Hung {
     ground.triangles << 0, 1, 2, 0, 2, 3;
     ElasticOptions options;
     options.colliders = std::make_shared<const Colliders>(1, Collider(ground));
-    held.colliders = {poses_at(*options.colliders, 0), poses_at(*options.colliders, 0)};
+    standing = {poses_at(*options.colliders, 0), poses_at(*options.colliders, 0)};
+    std::vector<int> borders;
     for (int v = 0; v < sheet.x.rows(); ++v) {
       sheet.x(v, 2) = -1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / 0.1);
-      if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9)
-        held.vertices.push_back(v);
+      if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9) borders.push_back(v);
     }
     elastic = std::make_unique<Elastic>(Paper{}, options);
     elastic->set_mesh(sheet);
     for (int step = 1; step <= 20; ++step)
-      elastic->step(sheet, targets(sheet, held.vertices, 0.0015 * step), dt);
+      elastic->step(sheet, targets(sheet, borders, 0.0015 * step), dt);
   }
-  PositionConstraints targets(const Sheet& on, const std::vector<int>& vertices, double way) const {
-    PositionConstraints wanted = Bent::targets(on, vertices, way);
-    wanted.colliders = held.colliders;
-    return wanted;
+  StepInput targets(const Sheet& on, const std::vector<int>& vertices, double way) const {
+    return {Bent::targets(on, vertices, way).constraints, standing};
   }
 };
 

@@ -41,11 +41,8 @@ std::shared_ptr<const Colliders> all(const std::vector<ColliderMesh>& meshes) {
   return std::make_shared<const Colliders>(meshes.begin(), meshes.end());
 }
 
-PositionConstraints resting(const Colliders& colliders) {
-  PositionConstraints held;
-  held.targets.resize(0, 3);
-  held.colliders = {poses_at(colliders, 0), poses_at(colliders, 0)};
-  return held;
+StepInput resting(const Colliders& colliders) {
+  return {{}, {poses_at(colliders, 0), poses_at(colliders, 0)}};
 }
 
 TEST(ColliderTest, BarrierSlopesAreDerivativesAndTheLawContinuesInside) {
@@ -133,14 +130,14 @@ TEST(ColliderTest, ContactDoesNotPushAHandThatLiesOnTheCollider) {
   one << 0, 1, 2;
   ColliderContact contact(colliders, one, 3);
   const Poses at = poses_at(*colliders, 0);
-  const auto push = [&](const HardConstraints& pulled, double height) {
+  const auto push = [&](const PositionConstraints& pulled, double height) {
     contact.begin(x, {at, at}, {}, 1 / 24.0, pulled);
     Points3 y = x, gradient = Points3::Zero(3, 3);
     y(0, 2) = height;
     contact.differentiate(y, {0, 1, 2}, gradient, nullptr);
     return -gradient(0, 2);
   };
-  const HardConstraints hand{{0}, x.row(0)};
+  const PositionConstraints hand{{0, x.row(0)}};
   EXPECT_GT(push({}, 1e-4), 0.3);  // the push that a handle gives way to
   EXPECT_EQ(push(hand, 1e-4), 0);
   EXPECT_GT(push(hand, -1e-4), 0.01);  // but it must not be pressed in
@@ -149,9 +146,8 @@ TEST(ColliderTest, ContactDoesNotPushAHandThatLiesOnTheCollider) {
 TEST(ColliderTest, UnconvergedElasticStepReportsASnapInProgress) {
   Sheet sheet = hex_sheet(0.1, 0.1, 8);
   sheet.x.col(2).array() += 4e-4;
-  PositionConstraints held = resting(*all({ground()}));
-  held.vertices = {0};
-  held.targets = sheet.x.row(0) + Eigen::RowVector3d(0.002, 0.002, 0.01);
+  StepInput held = resting(*all({ground()}));
+  held.constraints = {{0, sheet.x.row(0) + Eigen::RowVector3d(0.002, 0.002, 0.01)}};
   for (const int most : {1, 60}) {
     ElasticOptions options;
     options.forces.gravity = g;

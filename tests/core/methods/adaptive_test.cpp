@@ -168,13 +168,10 @@ TEST(AdaptiveTest, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
     PositionConstraints held;
     for (int v = 0; v < static_cast<int>(fixed.size()); ++v)
       if (fixed[v] && (sheet.pattern(v, 0) == 0 || sheet.pattern(v, 0) == 0.1))
-        held.vertices.push_back(v);
-    held.targets.resize(held.vertices.size(), 3);
-    for (std::size_t k = 0; k < held.vertices.size(); ++k)
-      held.targets.row(k) = sheet.x.row(held.vertices[k]);
+        held.push_back({v, sheet.x.row(v)});
     Elastic elastic(shot.paper, {});
     elastic.set_mesh(sheet);
-    return elastic.relax(sheet, held, 1 / 24.0, Relaxation::full).energy;
+    return elastic.relax(sheet, {held}, 1 / 24.0, Relaxation::full).energy;
   };
   std::vector<double> rises;
   animate(shot, method, options, [&](const AnimatedFrame& frame) {

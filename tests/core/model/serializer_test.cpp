@@ -173,17 +173,14 @@ TEST(Serializer, TheSolverStateKeepsItsRidges) {
     const Vector2d p = saddle.pattern.row(v).transpose() - Vector2d(0.05, 0.05);
     // 30 1/m both ways: a ridge yields; smooth paper does not below 100 1/m
     saddle.x(v, 2) = 15 * (p.x() * p.x() - p.y() * p.y());
-    if (std::abs(p.x()) > 0.0499 && std::abs(p.y()) > 0.0499) held.vertices.push_back(v);
+    if (std::abs(p.x()) > 0.0499 && std::abs(p.y()) > 0.0499) held.push_back({v, saddle.x.row(v)});
   }
-  held.targets.resize(held.vertices.size(), 3);
-  for (std::size_t k = 0; k < held.vertices.size(); ++k)
-    held.targets.row(k) = saddle.x.row(held.vertices[k]);
   PlasticGrid flowed(test::rectangle(0.1, 0.1));
   Elastic elastic({}, {});
   elastic.set_plastic_grid(&flowed);
   elastic.set_mesh(saddle);
   Sheet after = saddle;
-  elastic.step(after, held, 1 / 24.0);
+  elastic.step(after, {held}, 1 / 24.0);
   SolverState past = elastic.state(), there, smooth = past;
   ASSERT_GT(past.ridges.focus.maxCoeff(), 5);
   Serializer out;

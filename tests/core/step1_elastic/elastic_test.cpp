@@ -40,20 +40,19 @@ Arch elastica(Sheet sheet, double L, double width) {
     sheet.x(v, 2) = 1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / L);
   Elastic elastic(paper, tight());
   elastic.set_mesh(sheet);
-  PositionConstraints held;
-  held.vertices =
-      vertices_where(sheet, [&](const Vector2d& p) { return p.x() < 1e-9 || p.x() > L - 1e-9; });
-  held.targets.resize(held.vertices.size(), 3);
+  PositionConstraints held = test::held_at(
+      vertices_where(sheet, [&](const Vector2d& p) { return p.x() < 1e-9 || p.x() > L - 1e-9; }),
+      sheet.x);
   ElasticReport report;
   constexpr int steps = 20;
   // the last steps are at rest, so that no trace of the motion is left
   for (int step = 1; step <= steps + 3; ++step) {
     const double shortening = 0.1 * L * std::min(step, steps) / steps;
-    for (std::size_t k = 0; k < held.vertices.size(); ++k) {
-      const auto p = sheet.pattern.row(held.vertices[k]);
-      held.targets.row(k) << (p.x() > 0.5 * L ? p.x() - shortening : p.x()), p.y(), 0;
+    for (PositionConstraint& c : held) {
+      const auto p = sheet.pattern.row(c.vertex);
+      c.target << (p.x() > 0.5 * L ? p.x() - shortening : p.x()), p.y(), 0;
     }
-    report = elastic.step(sheet, held, 1 / 24.0);
+    report = elastic.step(sheet, {held}, 1 / 24.0);
     EXPECT_TRUE(report.converged);
   }
   double height = 0;
@@ -115,11 +114,8 @@ Hang hang(Cantilever c, double lam) {
   Paper paper;
   paper.poisson = 0;
   ElasticOptions options = tight();
-  PositionConstraints held;
-  held.vertices = vertices_where(c.sheet, [&](const Vector2d& p) { return p.x() < 1.01 * c.h; });
-  held.targets.resize(held.vertices.size(), 3);
-  for (std::size_t k = 0; k < held.vertices.size(); ++k)
-    held.targets.row(k) = c.sheet.x.row(held.vertices[k]);
+  const PositionConstraints held = test::held_at(
+      vertices_where(c.sheet, [&](const Vector2d& p) { return p.x() < 1.01 * c.h; }), c.sheet.x);
   constexpr int steps = 16;
   for (int step = 1; step <= steps; ++step) {
     options.forces.gravity =
@@ -127,7 +123,7 @@ Hang hang(Cantilever c, double lam) {
     Elastic elastic(paper, options);
     elastic.set_mesh(c.sheet);
     for (int rest = 0; rest < (step == steps ? 4 : 1); ++rest)
-      EXPECT_TRUE(elastic.step(c.sheet, held, 1.0).converged);
+      EXPECT_TRUE(elastic.step(c.sheet, {held}, 1.0).converged);
   }
   // position and slope of the free end, from a straight line through its last two cells, where
   // nothing bends
@@ -177,7 +173,7 @@ TEST(ElasticTest, FreeSheetFallsWithGravityWhenInertiaIsOn) {
   Elastic elastic(Paper{}, options);
   elastic.set_mesh(sheet);
   const double dt = 1e-3;
-  for (int k = 0; k < 10; ++k) elastic.step(sheet, {{}, Points3(0, 3)}, dt);
+  for (int k = 0; k < 10; ++k) elastic.step(sheet, {}, dt);
   // backward Euler: z_n = -g dt^2 n(n+1)/2, a little less because of the damping (0.98 per 1/24 s)
   const double fallen = -sheet.x.col(2).mean();
   EXPECT_NEAR(fallen / (9.81 * dt * dt * 55), 1, 0.004);
@@ -193,7 +189,7 @@ TEST(ElasticTest, PlasticCurvatureIsTheShapeASheetTakesWhenItIsFree) {
   Elastic elastic(Paper{}, tight());
   elastic.set_plastic_grid(&grid);
   elastic.set_mesh(sheet);
-  for (int k = 0; k < 30; ++k) elastic.step(sheet, {{}, Points3(0, 3)}, 1.0);
+  for (int k = 0; k < 30; ++k) elastic.step(sheet, {}, 1.0);
   // the chord of an arc of 0.1 m with the radius 0.08 m
   const double chord = (sheet.x.row(0) - sheet.x.row(40)).norm();
   EXPECT_NEAR(chord, 2 * 0.08 * std::sin(0.1 / 0.16), 0.01 * 0.1);
@@ -209,13 +205,13 @@ TEST(ElasticTest, SettingAMeshWithTheSameVerticesKeepsTheInitialGuess) {
     options.stop = 1e-7;
     Elastic elastic(Paper{}, options);
     elastic.set_mesh(sheet);
-    PositionConstraints held{{0, 1, 40, 41}, Points3(4, 3)};
+    PositionConstraints held = test::held_at({0, 1, 40, 41}, sheet.x);
     int iterations = 0;
     for (int step = 0; step < 12; ++step) {
       const double right = 0.097 - 2e-4 * step;
-      held.targets << 0, 0, 0, 0, 0.05, 0, right, 0, 0, right, 0.05, 0;
+      for (int k = 0; k < 4; ++k) held[k].target << (k < 2 ? 0 : right), (k % 2 ? 0.05 : 0), 0;
       if (step == 11 && set_again) elastic.set_mesh(sheet);
-      iterations = elastic.step(sheet, held, 1 / 24.0).iterations;
+      iterations = elastic.step(sheet, {held}, 1 / 24.0).iterations;
     }
     return iterations;
   };
@@ -244,11 +240,11 @@ TEST(ElasticTest, UnfinishedMinimisationIsReportedAndContinuesInLaterSteps) {
     sheet.x(v, 2) = 0.01 * std::sin(30 * sheet.pattern(v, 0));
   Elastic elastic(Paper{}, options);
   elastic.set_mesh(sheet);
-  PositionConstraints held{{0}, sheet.x.row(0)};
-  EXPECT_FALSE(elastic.step(sheet, held, 1 / 24.0).converged);
+  const PositionConstraints held = test::held_at({0}, sheet.x);
+  EXPECT_FALSE(elastic.step(sheet, {held}, 1 / 24.0).converged);
   bool converged = false;
   for (int k = 0; k < 200 && !converged; ++k)
-    converged = elastic.step(sheet, held, 1 / 24.0).converged;
+    converged = elastic.step(sheet, {held}, 1 / 24.0).converged;
   EXPECT_TRUE(converged);
 }
 
@@ -265,26 +261,24 @@ struct Snapping {
   Snapping() {
     for (int v = 0; v < sheet.x.rows(); ++v)
       sheet.x(v, 2) = 1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / 0.1);
-    held.vertices =
-        vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1e-9 || p.x() > 0.1 - 1e-9; });
-    held.targets.resize(held.vertices.size(), 3);
+    held = test::held_at(
+        vertices_where(sheet, [](const Vector2d& p) { return p.x() < 1e-9 || p.x() > 0.1 - 1e-9; }),
+        sheet.x);
     elastic.set_mesh(sheet);
   }
   void step() {
     ++steps;
     if (steps == 25) {
-      held.vertices.push_back(vertices_where(sheet, [](const Vector2d& p) {
-                                return p.y() < 1e-9 && std::abs(p.x() - 0.05) < 0.008;
-                              }).at(0));
-      held.targets.conservativeResize(held.vertices.size(), 3);
-      held.targets.bottomRows<1>() = sheet.x.row(held.vertices.back());
+      const int middle = vertices_where(sheet, [](const Vector2d& p) {
+                           return p.y() < 1e-9 && std::abs(p.x() - 0.05) < 0.008;
+                         }).at(0);
+      held.push_back({middle, sheet.x.row(middle)});
     }
-    if (steps > 24 && steps <= 60) held.targets(held.targets.rows() - 1, 2) -= 0.02 / 36;
-    for (std::size_t k = 0; k < held.vertices.size(); ++k)
-      if (const auto p = sheet.pattern.row(held.vertices[k]); p.x() < 1e-9 || p.x() > 0.1 - 1e-9)
-        held.targets.row(k) << p.x() - (p.x() > 0.05 ? 0.01 * std::min(steps, 24) / 24 : 0), p.y(),
-            0;
-    report = elastic.step(sheet, held, 1 / 24.0);
+    if (steps > 24 && steps <= 60) held.back().target.z() -= 0.02 / 36;
+    for (PositionConstraint& c : held)
+      if (const auto p = sheet.pattern.row(c.vertex); p.x() < 1e-9 || p.x() > 0.1 - 1e-9)
+        c.target << p.x() - (p.x() > 0.05 ? 0.01 * std::min(steps, 24) / 24 : 0), p.y(), 0;
+    report = elastic.step(sheet, {held}, 1 / 24.0);
   }
 };
 
@@ -338,14 +332,14 @@ TEST(ElasticTest, ClosingArchTakesFewIterationsPerStep) {
   elastic.set_mesh(sheet);
   PositionConstraints held;
   for (int v = 0; v < sheet.x.rows(); ++v)
-    if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9) held.vertices.push_back(v);
-  held.targets.resize(held.vertices.size(), 3);
+    if (sheet.pattern(v, 0) < 1e-9 || sheet.pattern(v, 0) > 0.1 - 1e-9)
+      held.push_back({v, sheet.x.row(v)});
   for (int step = 0; step < 15; ++step) {
-    for (std::size_t k = 0; k < held.vertices.size(); ++k) {
-      const Vector2d p = sheet.pattern.row(held.vertices[k]);
-      held.targets.row(k) << p.x() - (p.x() > 0.05 ? 0.002 * step : 0), p.y(), 0;
+    for (PositionConstraint& c : held) {
+      const Vector2d p = sheet.pattern.row(c.vertex);
+      c.target << p.x() - (p.x() > 0.05 ? 0.002 * step : 0), p.y(), 0;
     }
-    const ElasticReport report = elastic.step(sheet, held, 1 / 24.0);
+    const ElasticReport report = elastic.step(sheet, {held}, 1 / 24.0);
     EXPECT_TRUE(report.converged);
     if (step > 2) {
       EXPECT_LE(report.iterations, 4) << "step " << step;

@@ -45,8 +45,7 @@ ElasticOptions tight() {
 /// Constrains every vertex to where it is.
 PositionConstraints every_vertex(const Sheet& sheet) {
   PositionConstraints held;
-  for (int v = 0; v < sheet.x.rows(); ++v) held.vertices.push_back(v);
-  held.targets = sheet.x;
+  for (int v = 0; v < sheet.x.rows(); ++v) held.push_back({v, sheet.x.row(v)});
   return held;
 }
 
@@ -68,10 +67,10 @@ Wound wind(Sheet sheet, double k, int steps, const Paper& paper = {}) {
   for (int step = 1; step <= steps; ++step) {
     Sheet rolled = sheet;
     test::roll(rolled, steps / (k * step));
-    wound.flow.push_back(elastic.step(sheet, every_vertex(rolled), 1 / 24.0).plastic_increment);
+    wound.flow.push_back(elastic.step(sheet, {every_vertex(rolled)}, 1 / 24.0).plastic_increment);
   }
   for (int rest = 0; rest < 40; ++rest)
-    wound.flow_of_release += elastic.step(sheet, {{}, Points3(0, 3)}, 1.0).plastic_increment;
+    wound.flow_of_release += elastic.step(sheet, {}, 1.0).plastic_increment;
   wound.residual = curvature_of(sheet);
   wound.integral = grid.integral();
   return wound;
@@ -150,13 +149,13 @@ TEST(PlasticTest, RestoringACopyOfTheGridUndoesAStep) {
   test::roll(sheet, 1 / 200.0);
   const PositionConstraints all = every_vertex(sheet);
   const PlasticGrid before = grid;
-  const double flow = elastic.step(sheet, all, 1 / 24.0).plastic_increment;
+  const double flow = elastic.step(sheet, {all}, 1 / 24.0).plastic_increment;
   ASSERT_GT(flow, 0.02);
   // what has been written does not yield again
-  EXPECT_LT(std::abs(elastic.step(sheet, all, 1 / 24.0).plastic_increment), 1e-12);
+  EXPECT_LT(std::abs(elastic.step(sheet, {all}, 1 / 24.0).plastic_increment), 1e-12);
   grid = before;
   elastic.set_plastic_grid(&grid);
-  EXPECT_EQ(elastic.step(sheet, all, 1 / 24.0).plastic_increment, flow);
+  EXPECT_EQ(elastic.step(sheet, {all}, 1 / 24.0).plastic_increment, flow);
 }
 
 /// A smooth field of plastic curvature, up to 60 1/m, at the middle of every triangle.
@@ -232,10 +231,10 @@ struct Held200 {
   }
   void hold(int triangles, double k) {
     remesh(triangles, k);
-    elastic.step(sheet, every_vertex(sheet), 1 / 24.0);
+    elastic.step(sheet, {every_vertex(sheet)}, 1 / 24.0);
   }
   double release() {
-    for (int rest = 0; rest < 40; ++rest) elastic.step(sheet, {{}, Points3(0, 3)}, 1.0);
+    for (int rest = 0; rest < 40; ++rest) elastic.step(sheet, {}, 1.0);
     return curvature_of(sheet);
   }
 };

@@ -252,8 +252,8 @@ TEST(BarrierTest, PairsThatHandlesBringTogetherAreExcluded) {
         0.3 / (2 * M_PI) * (1 - std::cos(a));
   }
   sheet.x.bottomRows<2>().rowwise() += Eigen::RowVector3d(0, 0, 1e-4);
-  HardConstraints ends{{0, 1, 40, 41}, Points3(4, 3)};
-  ends.targets << sheet.x.row(0), sheet.x.row(1), sheet.x.row(0), sheet.x.row(1);
+  const PositionConstraints ends{
+      {0, sheet.x.row(0)}, {1, sheet.x.row(1)}, {40, sheet.x.row(0)}, {41, sheet.x.row(1)}};
   Contact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {}, frame);
   EXPECT_GT(contact.active(sheet.x), 0);

@@ -185,7 +185,7 @@ TEST(FrictionTest, RigidMotionMeetsNoFrictionAndZeroOnEitherSheetGivesZero) {
 struct Leaf {
   Sheet low = test::hex_sheet(0.12, 0.09, 9, 0.2, 1), leaf = test::hex_sheet(0.05, 0.05, 5, 0.2, 2);
   Eigen::Matrix3d turn;
-  PositionConstraints everywhere, own;
+  StepInput everywhere, own;
   Elastic of_low, of_leaf;
 
   static Paper paper(double mu) {
@@ -207,9 +207,7 @@ struct Leaf {
         of_leaf(paper(mu), options(inertia)) {
     leaf.x.rowwise() += Eigen::RowVector3d(0.02, 0.02, 0.99 * dhat);
     low.x = (low.x * turn).eval(), leaf.x = (leaf.x * turn).eval();
-    everywhere.vertices.resize(low.x.rows());
-    std::iota(everywhere.vertices.begin(), everywhere.vertices.end(), 0);
-    everywhere.targets = low.x, own.targets.resize(0, 3);
+    for (int v = 0; v < low.x.rows(); ++v) everywhere.constraints.push_back({v, low.x.row(v)});
     of_low.set_mesh(low), of_leaf.set_mesh(leaf);
   }
 
@@ -253,13 +251,14 @@ TEST(FrictionTest, ALeafPulledByASoftHandleStartsToSlideAtTheForceOfCoulombsLaw)
     if ((leaf.leaf.pattern.row(v) - Eigen::RowVector2d(0.05, 0.025)).norm() <
         (leaf.leaf.pattern.row(front) - Eigen::RowVector2d(0.05, 0.025)).norm())
       front = v;
-  leaf.own = {{front}, leaf.leaf.x.row(front), {stiffness}};
+  leaf.own.constraints = {{front, leaf.leaf.x.row(front), stiffness}};
+  Vector3d& target = leaf.own.constraints.front().target;
   const Points3 start = leaf.leaf.x;
   for (int k = 1; k <= 60; ++k) {
-    leaf.own.targets = start.row(front) + Eigen::RowVector3d(k * 1e-4, 0, 0);
+    target = start.row(front).transpose() + Vector3d(k * 1e-4, 0, 0);
     leaf.step();
     const double gone = (leaf.leaf.x - start).col(0).mean(),
-                 behind = leaf.own.targets(0, 0) - leaf.leaf.x(front, 0);
+                 behind = target.x() - leaf.leaf.x(front, 0);
     if (k * 1e-4 < 0.9 * lag) {
       EXPECT_LT(gone, k * static_speed_bound * dt) << k;
     }

@@ -12,23 +12,23 @@ TEST(HandleSpringsTest, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
   BlockCholesky matrix(1, {});
   const double step = 1e-9;
   for (const double way : {4e-6, 2e-3}) {  // [m] the paper follows; the spring gives way
-    const std::vector<HandleSpring> springs{yielding_spring(0, Vector3d(0.1, 0.2, 0.3))};
+    const PositionConstraints springs{{0, {0.1, 0.2, 0.3}}};
     const Points3 x = (Vector3d(0.1, 0.2, 0.3) + way * Vector3d(2, -1, 2) / 3).transpose();
     EXPECT_EQ(yields(springs[0], x), way > 1e-3);
     const auto differentiate_at = [&](const Points3& y, Points3& gradient) {
       matrix.set_zero();
       gradient = Points3::Zero(1, 3);
-      return differentiate(springs, y, {0}, gradient, matrix);
+      return differentiate_springs(springs, y, {0}, gradient, matrix);
     };
     Points3 gradient, before, after;
-    EXPECT_EQ(differentiate_at(x, gradient), energy(springs, x));
+    EXPECT_EQ(differentiate_at(x, gradient), spring_energy(springs, x));
     ASSERT_GT(gradient.norm(), 0.1);
     const Eigen::MatrixXd second = matrix.dense();
     for (int k = 0; k < 3; ++k) {
       Points3 ahead = x, behind = x;
       ahead(0, k) += step, behind(0, k) -= step;
-      EXPECT_NEAR((energy(springs, ahead) - energy(springs, behind)) / (2 * step), gradient(0, k),
-                  1e-4);
+      EXPECT_NEAR((spring_energy(springs, ahead) - spring_energy(springs, behind)) / (2 * step),
+                  gradient(0, k), 1e-4);
       differentiate_at(behind, before);
       differentiate_at(ahead, after);
       const Eigen::RowVector3d change = (after - before) / (2 * step);
@@ -47,19 +47,15 @@ TEST(HandleSpringsTest, ASheetHungOnSoftHandlesSinksUntilTheyCarryItsWeight) {
   PositionConstraints held;
   const double stiffness[] = {3.0, 3.0, 5.0, 5.0};  // [N/m]
   const Vector2d corners[] = {{0, 0}, {0.1, 0}, {0, 0.1}, {0.1, 0.1}};
-  held.targets.resize(4, 3);
   for (int k = 0; k < 4; ++k)
     for (int v = 0; v < sheet.x.rows(); ++v)
-      if ((sheet.pattern.row(v).transpose() - corners[k]).norm() < 1e-9) {
-        held.targets.row(held.vertices.size()) = sheet.x.row(v);
-        held.vertices.push_back(v);
-        held.stiffness.push_back(stiffness[k]);
-      }
-  ASSERT_EQ(held.vertices.size(), 4u);
-  for (int k = 0; k < 60; ++k) elastic.step(sheet, held, 1 / 24.0);
+      if ((sheet.pattern.row(v).transpose() - corners[k]).norm() < 1e-9)
+        held.push_back({v, sheet.x.row(v), stiffness[k]});
+  ASSERT_EQ(held.size(), 4u);
+  for (int k = 0; k < 60; ++k) elastic.step(sheet, {held}, 1 / 24.0);
   double carried = 0;
-  for (int k = 0; k < 4; ++k)
-    carried += held.stiffness[k] * (held.targets(k, 2) - sheet.x(held.vertices[k], 2));
+  for (const PositionConstraint& c : held)
+    carried += c.stiffness * (c.target.z() - sheet.x(c.vertex, 2));
   const double weight = paper.area_density * 0.01 * options.forces.gravity;
   EXPECT_NEAR(carried, weight, 0.01 * weight);  // it still creeps inwards, a little each frame
 }

@@ -64,16 +64,16 @@ struct TwoLayers {
               mass_low,
               xhat.topRows(n),
               5e4,
-              9.81,
-              {soft_spring(3, Vector3d(0, 0, 0.01), 20)},
+              ExternalForces{9.81},
+              {{3, {0, 0, 0.01}, 20}},
               nullptr,
               blocks_low},
              {*of_high,
               mass_high,
               xhat.bottomRows(high.x.rows()),
               2e4,
-              9.81,
-              {yielding_spring(1, Vector3d(0, 0.01, 0))},
+              ExternalForces{9.81},
+              {{1, {0, 0.01, 0}}},
               nullptr,
               blocks_high}},
             felt};
@@ -143,7 +143,7 @@ TEST(JointStepTest, AFreeSheetThatRunsIntoAnotherPassesItsMomentumOn) {
   of_low.set_mesh(low), of_high.set_mesh(high);
   const double speed = 0.1;  // [m/s] enough to pass through it in one step of 1/96 s
   low.v.col(2).setConstant(speed);
-  const PositionConstraints none{{}, Points3(0, 3)};
+  const StepInput none;
   const Points3 nowhere(0, 3);
   const Eigen::MatrixXd dhat = Eigen::MatrixXd::Constant(2, 2, 1e-3);
   const auto momentum = [&](const Sheet& s) {
@@ -174,7 +174,7 @@ TEST(JointStepTest, AFreeSheetThatRunsIntoAnotherPassesItsMomentumOn) {
 TEST(JointStepTest, CollisionFreeUntilASheetPassesThroughTheOtherOrEndsCloseToIt) {
   Sheet low = test::hex_sheet(0.1, 0.1, 6, 0.2, 1), high = test::hex_sheet(0.08, 0.08, 5, 0.2, 2);
   high.x.col(2).array() += 0.01;
-  const PositionConstraints none{{}, Points3(0, 3)};
+  const PositionConstraints none;
   const Points3 nowhere(0, 3);
   const auto clear = [&](const std::vector<double>& heights) {
     std::vector<Points3> stays(heights.size(), low.x), goes;

@@ -1,0 +1,33 @@
+#pragma once
+
+#include "core/model/sheet.h"
+
+#include <vector>
+
+namespace paperbake {
+
+class Serializer;
+
+/// A vertex that a handle holds, and where it is to be at the end of a step. A hard constraint is
+/// met exactly as long as the sheet does not touch itself; all others pull with springs
+/// (handle_springs.h).
+struct PositionConstraint {
+  int vertex;
+  Vector3d target;       // [m]
+  double stiffness = 0;  // [N/m] of a soft constraint; 0: it is hard
+  bool is_hard() const { return !(stiffness > 0); }
+};
+
+/// Constraints of one sheet, each vertex at most once. The same list goes from the handles of an
+/// animation to the terms of the solver.
+using PositionConstraints = std::vector<PositionConstraint>;
+
+/// Those that are hard, and those that are soft, in the same order.
+PositionConstraints hard_constraints(const PositionConstraints&);
+PositionConstraints soft_constraints(const PositionConstraints&);
+
+std::vector<int> vertices_of(const PositionConstraints&);
+
+void archive(Serializer&, PositionConstraint&);
+
+}  // namespace paperbake
