@@ -13,6 +13,7 @@ namespace paperbake {
 namespace {
 
 constexpr double amplitudes[] = {0.02, 0.06};  // [1] of the longer side
+constexpr int waves_of_each = 3;
 constexpr double same = 0.02;  // [1] of the energy: another branch is lower by more than this
 // [1] of the longer side, RMS: a shape closer than this is the same
 constexpr double another_shape = 0.01;
@@ -54,7 +55,7 @@ BranchSearch finish(Sheet& sheet, Elastic& elastic, const StepInput& input, doub
 }  // namespace
 
 BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& input, double dt,
-                            std::uint32_t seed, int frame, int waves_of_each) {
+                            std::uint32_t seed, int frame) {
   const double side =
       (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
   const SolverState as_it_was = elastic.state();

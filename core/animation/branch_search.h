@@ -18,11 +18,11 @@ struct BranchSearch {
 };
 
 /// Looks for other minima of the potential. The sheet is displaced along its normals by long waves
-/// that depend on seed and frame: three (waves_of_each) with an RMS height of 2 % of its longer
-/// side, and three with 6 %. Each displaced sheet is relaxed with the handles where they are. The
-/// lowest result that is a minimum, does not intersect itself and is more than 2 % below the sheet
-/// as it is, is taken: an elastic step leads to it, so that the sheet yields and touches as in any
-/// step. Otherwise the search leaves no trace.
+/// that depend on seed and frame: three with an RMS height of 2 % of its longer side, and three
+/// with 6 %. Each displaced sheet is relaxed with the handles where they are. The lowest result
+/// that is a minimum, does not intersect itself and is more than 2 % below the sheet as it is, is
+/// taken: an elastic step leads to it, so that the sheet yields and touches as in any step.
+/// Otherwise the search leaves no trace.
 ///
 /// A sheet that touches itself cannot be displaced without passing through itself. It is given up
 /// to twelve more steps to come lower on its own branch.
@@ -30,7 +30,7 @@ struct BranchSearch {
 /// dt      [s] of a frame
 /// source  this project
 BranchSearch probe_branches(Sheet&, Elastic&, const StepInput&, double dt, std::uint32_t seed,
-                            int frame, int waves_of_each = 3);
+                            int frame);
 
 /// What the certificate says about it; empty: nothing.
 std::string note_of(const BranchSearch&);

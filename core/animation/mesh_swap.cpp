@@ -25,8 +25,7 @@ double facets_of(const Sheet& sheet) {
 }  // namespace
 
 MeshSwapResult try_swap_mesh(
-    Sheet& sheet, Elastic& elastic, Sheet proposal, const std::vector<double>& stiffening,
-    const StepInput& input, double dt,
+    Sheet& sheet, Elastic& elastic, MeshProposal proposed, const StepInput& input, double dt,
     const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& is_admissible) {
   constexpr double max_rise = 0.05, max_move = 0.01;  // [1] of the energy; of the longer side
   // a mesh that holds its sheet back does so the more, the longer it stays
@@ -37,8 +36,9 @@ MeshSwapResult try_swap_mesh(
   // [1/rad2] share of the energy that a mesh with such facets does not represent
   constexpr double unseen = 0.5;
   constexpr double noise = 1e-6;  // [J] for a sheet that is nearly flat
+  Sheet& proposal = proposed.sheet;
   const Points3 carried = proposal.x;
-  Elastic trial = elastic.on_mesh(proposal, stiffening);
+  Elastic trial = elastic.on_mesh(proposal, proposed.stiffening);
   const ElasticReport settled = trial.relax(proposal, input, dt, Relaxation::coarse),
                       stored = elastic.evaluate_energies(sheet);
 

@@ -6,6 +6,11 @@
 
 namespace paperbake {
 
+struct MeshProposal {
+  Sheet sheet;                     // on its new mesh, positions and velocities carried over
+  std::vector<double> stiffening;  // as in Elastic::set_mesh, of the new mesh
+};
+
 struct MeshSwapResult {
   bool accepted = false;
   double rise = 0;  // [1] of the potential, as a share of the stored energy
@@ -27,16 +32,12 @@ struct MeshSwapResult {
 /// With an accepted proposal comes a solver that has taken over the state of the old one. Nothing
 /// yields. A rejected proposal leaves no trace.
 ///
-/// proposal       the sheet on its new mesh, positions and velocities carried over
-/// stiffening     as in Elastic::set_mesh, of the new mesh
 /// input          constraints on vertices of the new mesh, at the positions of the old one; the
 ///                colliders stand still
 /// dt             [s] of a frame
 /// is_admissible  called last with (old sheet, new sheet, largest displacement [m]); returns
 ///                whether the swap may be made. Empty: always.
-MeshSwapResult try_swap_mesh(Sheet&, Elastic&, Sheet proposal,
-                             const std::vector<double>& stiffening, const StepInput& input,
-                             double dt,
+MeshSwapResult try_swap_mesh(Sheet&, Elastic&, MeshProposal, const StepInput& input, double dt,
                              const std::function<bool(const Sheet& here, const Sheet& there,
                                                       double moved)>& is_admissible = {});
 

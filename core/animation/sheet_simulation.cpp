@@ -159,10 +159,10 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       relative_motion_};
   if (!first)
     if (auto proposal = method_->propose(sheet, situation)) {
-      const std::vector<double> stiffening = disc_factors(*proposal, shot_);
+      std::vector<double> stiffening = disc_factors(*proposal, shot_);
       const MeshSwapResult verdict =
-          try_swap_mesh(sheet, elastic_, std::move(*proposal), stiffening, input_before_,
-                        1 / options_.fps, is_admissible);
+          try_swap_mesh(sheet, elastic_, {std::move(*proposal), std::move(stiffening)},
+                        input_before_, 1 / options_.fps, is_admissible);
       method_->on_proposal_result(verdict.accepted, now);
       result_.statistics.remesh =
           verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <optional>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -47,80 +49,126 @@ LengthDistortion worst_of(const std::vector<SubstepTarget>& sheets) {
   return worst;
 }
 
-/// Solves the part of the frame that ends at time `end` and is 1/2^halvings of a frame long.
-std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& sheets,
-                                           const FrameInterval& frame, int halvings, double end) {
-  std::vector<Sheet> before;
-  std::vector<SolverState> state;
-  for (const SubstepTarget& f : sheets)
-    before.push_back(f.sheet), state.push_back(f.elastic.state());
-  std::vector<FrameStepResult> result(sheets.size());
-  std::string failure;
+/// A part of the frame that is 1/2^halvings of it long and ends at time `end`.
+struct FramePart {
+  int halvings;
+  double end;  // [1] of the frame
+  double length() const { return std::ldexp(1, -halvings); }
+};
+
+/// Why a step was rejected.
+struct Rejection {
+  std::string error;  // thrown by the solver; empty: none was
   LengthDistortion distortion;
-  const double share = std::ldexp(1, -halvings);
-  const bool is_long = std::any_of(sheets.begin(), sheets.end(), [&](const SubstepTarget& f) {
-    return exceeds_max_motion(f, halvings) || needs_buckling_substeps(f, halvings);
-  });
-  if (!is_long && halvings >= frame.min_halvings) {
-    bool converged = false;
-    try {
-      const std::vector<ElasticReport> reports = step(sheets, frame.dhat, share * frame.dt);
-      for (std::size_t k = 0; k < sheets.size(); ++k)
-        result[k] = {1, reports[k].iterations, reports[k].converged, reports[k]};
-      converged = std::all_of(reports.begin(), reports.end(),
-                              [](const ElasticReport& r) { return r.converged; });
-    } catch (const Error& error) {
-      failure = error.cause;
-    }
-    if (!converged) distortion = worst_of(sheets);
-    if (failure.empty() && (converged || distortion.largest < max_trusted_stretch)) {
-      for (const SubstepTarget& f : sheets)
-        if (f.trajectory) f.trajectory->push_back({end, f.sheet.x});
-      return result;
+};
+
+/// Takes a part of the frame in one step.
+/// returns  nothing if the step was accepted
+std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
+                                  const FrameInterval& frame, const FramePart& part,
+                                  std::vector<FrameStepResult>& result) {
+  Rejection rejection;
+  bool converged = false;
+  try {
+    const std::vector<ElasticReport> reports = step(sheets, frame.dhat, part.length() * frame.dt);
+    for (std::size_t k = 0; k < sheets.size(); ++k)
+      result[k] = {1, reports[k].iterations, reports[k].converged, reports[k]};
+    converged = std::all_of(reports.begin(), reports.end(),
+                            [](const ElasticReport& r) { return r.converged; });
+  } catch (const Error& error) {
+    rejection.error = error.cause;
+  }
+  if (!converged) rejection.distortion = worst_of(sheets);
+  if (!rejection.error.empty() ||
+      !(converged || rejection.distortion.largest < max_trusted_stretch))
+    return rejection;
+  for (const SubstepTarget& f : sheets)
+    if (f.trajectory) f.trajectory->push_back({part.end, f.sheet.x});
+  return std::nullopt;
+}
+
+/// The message of a part of the frame that cannot be halved once more.
+/// throws  Error(Fault::simulation) when the solver did
+std::string reason_of(const Rejection& rejection, const FrameInterval& frame) {
+  if (!rejection.error.empty())
+    throw Error(Fault::simulation, frame.where, rejection.error,
+                "Move the handles more slowly before this frame.");
+  char cause[200];
+  std::snprintf(cause, sizeof cause,
+                "The sheet cannot follow the handles: %d halvings of the time step, worst "
+                "stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
+                max_halvings, 100 * rejection.distortion.largest,
+                100 * rejection.distortion.where.x(), 100 * rejection.distortion.where.y());
+  return cause;
+}
+
+/// What a sheet is to follow in the two halves of a part of the frame.
+std::pair<SubstepTarget, SubstepTarget> halves_of(const SubstepTarget& whole) {
+  StepInput half = whole.input, other = whole.input;
+  for (PositionConstraint& c : half.constraints)
+    c.target = 0.5 * (whole.sheet.x.row(c.vertex).transpose() + c.target);
+  half.colliders.to = between(whole.input.colliders.from, whole.input.colliders.to);
+  other.colliders.from = half.colliders.to;
+  const auto with = [&](StepInput input) -> SubstepTarget {
+    return {whole.elastic, whole.sheet,      std::move(input),       0.5 * whole.relative_motion,
+            whole.side,    whole.trajectory, whole.initial_positions};
+  };
+  return {with(std::move(half)), with(std::move(other))};
+}
+
+/// The sheets and all that is known of them at the beginning of a part of the frame.
+class Beginning {
+ public:
+  explicit Beginning(const std::vector<SubstepTarget>& sheets) : sheets_(sheets) {
+    for (const SubstepTarget& f : sheets)
+      before_.push_back(f.sheet), state_.push_back(f.elastic.state());
+  }
+  void restore() const {
+    for (std::size_t k = 0; k < sheets_.size(); ++k) {
+      sheets_[k].sheet = before_[k];
+      sheets_[k].elastic.restore(state_[k]);
     }
   }
-  const auto roll_back = [&] {
-    for (std::size_t k = 0; k < sheets.size(); ++k) {
-      sheets[k].sheet = before[k];
-      sheets[k].elastic.restore(state[k]);
-    }
-  };
-  roll_back();
-  if (halvings == max_halvings) {
-    if (!failure.empty())
-      throw Error(Fault::simulation, frame.where, failure,
-                  "Move the handles more slowly before this frame.");
-    char cause[200];
-    std::snprintf(cause, sizeof cause,
-                  "The sheet cannot follow the handles: %d halvings of the time step, worst "
-                  "stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
-                  halvings, 100 * distortion.largest, 100 * distortion.where.x(),
-                  100 * distortion.where.y());
-    for (FrameStepResult& r : result) r.failure_reason = cause;
+
+ private:
+  const std::vector<SubstepTarget>& sheets_;
+  std::vector<Sheet> before_;
+  std::vector<SolverState> state_;
+};
+
+std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& sheets,
+                                          const FrameInterval& frame, const FramePart& part) {
+  const Beginning beginning(sheets);
+  std::vector<FrameStepResult> result(sheets.size());
+  std::optional<Rejection> rejection = Rejection{};
+  const bool is_long = std::any_of(sheets.begin(), sheets.end(), [&](const SubstepTarget& f) {
+    return exceeds_max_motion(f, part.halvings) || needs_buckling_substeps(f, part.halvings);
+  });
+  if (!is_long && part.halvings >= frame.min_halvings)
+    rejection = try_step(sheets, frame, part, result);
+  if (!rejection) return result;
+  beginning.restore();
+  if (part.halvings == max_halvings) {
+    const std::string reason = reason_of(*rejection, frame);
+    for (FrameStepResult& r : result) r.failure_reason = reason;
     return result;
   }
   std::vector<SubstepTarget> first, rest;
-  for (std::size_t k = 0; k < sheets.size(); ++k) {
-    const SubstepTarget& f = sheets[k];
-    StepInput half = f.input, other = f.input;
-    for (PositionConstraint& c : half.constraints)
-      c.target = 0.5 * (before[k].x.row(c.vertex).transpose() + c.target);
-    half.colliders.to = between(f.input.colliders.from, f.input.colliders.to);
-    other.colliders.from = half.colliders.to;
-    first.push_back({f.elastic, f.sheet, std::move(half), 0.5 * f.relative_motion, f.side,
-                     f.trajectory, f.initial_positions});
-    rest.push_back({f.elastic, f.sheet, std::move(other), 0.5 * f.relative_motion, f.side,
-                    f.trajectory, f.initial_positions});
+  for (const SubstepTarget& f : sheets) {
+    auto [half, other] = halves_of(f);
+    first.push_back(std::move(half));
+    rest.push_back(std::move(other));
   }
-  const std::vector<FrameStepResult> initial_positions =
-      advance_frame(first, frame, halvings + 1, end - 0.5 * share);
-  if (!initial_positions.front().failure_reason.empty()) return initial_positions;
-  std::vector<FrameStepResult> all = advance_frame(rest, frame, halvings + 1, end);
-  if (!all.front().failure_reason.empty()) roll_back();
+  const int halvings = part.halvings + 1;
+  const std::vector<FrameStepResult> half =
+      advance_part(first, frame, {halvings, part.end - 0.5 * part.length()});
+  if (!half.front().failure_reason.empty()) return half;
+  std::vector<FrameStepResult> all = advance_part(rest, frame, {halvings, part.end});
+  if (!all.front().failure_reason.empty()) beginning.restore();
   for (std::size_t k = 0; k < sheets.size(); ++k) {
-    all[k].substeps += initial_positions[k].substeps;
-    all[k].iterations += initial_positions[k].iterations + result[k].iterations;
-    all[k].converged &= initial_positions[k].converged;
+    all[k].substeps += half[k].substeps;
+    all[k].iterations += half[k].iterations + result[k].iterations;
+    all[k].converged &= half[k].converged;
   }
   return all;
 }
@@ -129,7 +177,7 @@ std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& she
 
 std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& sheets,
                                            const FrameInterval& frame) {
-  return advance_frame(sheets, frame, 0, 1);
+  return advance_part(sheets, frame, {0, 1});
 }
 
 }  // namespace paperbake

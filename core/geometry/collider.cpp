@@ -9,7 +9,18 @@
 #include <numeric>
 
 namespace paperbake {
+
+struct MeshEdges {
+  struct Wing {
+    int triangle, corner;  // the edge lies opposite this corner
+    bool forwards;         // the triangle runs from the smaller vertex number to the larger
+  };
+  std::map<std::pair<int, int>, std::vector<Wing>> wings;  // by the ends, the smaller first
+};
+
 namespace {
+
+using Wing = MeshEdges::Wing;
 
 constexpr double flat = 0.01;  // [rad] an edge with a smaller dihedral angle counts as flat
 constexpr double deepest = 3e-3, deepest_of_open = 1e-3;  // [m] limits of depth()
@@ -18,19 +29,12 @@ constexpr double other_direction = 0.866;  // [1] cosine of 30 degrees
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
-struct Wing {
-  int triangle, corner;  // the edge lies opposite this corner
-  bool forwards;         // the triangle runs from the smaller vertex number to the larger
-};
-
-using EdgeMap = std::map<std::pair<int, int>, std::vector<Wing>>;
-
-EdgeMap edges_of(const Triangles& triangles) {
-  EdgeMap edges;
+MeshEdges edges_of(const Triangles& triangles) {
+  MeshEdges edges;
   for (int t = 0; t < triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       const int a = triangles(t, (i + 1) % 3), b = triangles(t, (i + 2) % 3);
-      edges[std::minmax(a, b)].push_back({t, i, a < b});
+      edges.wings[std::minmax(a, b)].push_back({t, i, a < b});
     }
   return edges;
 }
@@ -44,8 +48,8 @@ double volume(const Points3& x, const Triangles& triangles) {
 
 void turn(Triangles& triangles) { triangles.col(1).swap(triangles.col(2)); }
 
-bool is_closed(const EdgeMap& edges) {
-  return std::all_of(edges.begin(), edges.end(), [](const auto& e) {
+bool is_closed(const MeshEdges& edges) {
+  return std::all_of(edges.wings.begin(), edges.wings.end(), [](const auto& e) {
     return e.second.size() == 2 && e.second[0].forwards != e.second[1].forwards;
   });
 }
@@ -105,11 +109,17 @@ Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
   const Points3& x = mesh_.x;
   closed_ = is_closed(edges_of(triangles));
   if (closed_ && volume(x, triangles) < 0) turn(triangles);
-  const EdgeMap edges = edges_of(triangles);
+  const MeshEdges edges = edges_of(triangles);
   const Eigen::AlignedBox3d all(Vector3d(x.colwise().minCoeff().transpose()),
                                 Vector3d(x.colwise().maxCoeff().transpose()));
   depth_ = closed_ ? std::min(deepest, of_thickness * all.sizes().minCoeff()) : deepest_of_open;
+  find_normals();
+  find_corners(edges, find_sharp_edges(edges));
+}
 
+void Collider::find_normals() {
+  const Triangles& triangles = mesh_.triangles;
+  const Points3& x = mesh_.x;
   const int n = static_cast<int>(triangles.rows());
   face_normal_.resize(n, 3);
   vertex_normal_ = Points3::Zero(x.rows(), 3);
@@ -131,12 +141,16 @@ Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
     if (const double length = vertex_normal_.row(v).norm(); length > 0)
       vertex_normal_.row(v) /= length;
   triangle_tree_.build(boxes);
+}
 
-  edge_normal_.resize(n);
-  border_edge_.assign(n, {0, 0, 0});
+std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
+  const Triangles& triangles = mesh_.triangles;
+  const Points3& x = mesh_.x;
+  edge_normal_.resize(triangles.rows());
+  border_edge_.assign(triangles.rows(), {0, 0, 0});
   std::vector<char> sharp(x.rows(), 0);
   std::vector<Eigen::AlignedBox3d> edge_boxes;
-  for (const auto& [ends, wings] : edges) {
+  for (const auto& [ends, wings] : edges.wings) {
     const int a = ends.first, b = ends.second;
     Vector3d sum = Vector3d::Zero();
     for (const Wing& w : wings) sum += row(face_normal_, w.triangle);
@@ -165,9 +179,13 @@ Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
     edge_boxes.push_back(box.extend(row(x, b)));
   }
   edge_tree_.build(edge_boxes);
+  return sharp;
+}
 
+void Collider::find_corners(const MeshEdges& edges, const std::vector<char>& sharp) {
+  const Points3& x = mesh_.x;
   std::vector<std::vector<Vector3d>> outgoing(x.rows());
-  for (const auto& [ends, wings] : edges) {
+  for (const auto& [ends, wings] : edges.wings) {
     const Vector3d along = (row(x, ends.second) - row(x, ends.first)).normalized();
     outgoing[ends.first].push_back(along), outgoing[ends.second].push_back(-along);
   }

@@ -32,6 +32,8 @@ struct SurfacePoint {
   double distance;  // [m] signed distance of the query point, negative behind the front
 };
 
+struct MeshEdges;  // collider.cpp: the triangles at each edge of a mesh
+
 /// A rigid obstacle for the paper, prepared for distance queries. All points are given in collider
 /// space. For a closed mesh the inside is forbidden, whatever the orientation of its triangles. For
 /// an open mesh the space behind its front is forbidden, except to points that have come round its
@@ -106,6 +108,11 @@ class Collider {
     bool border;
   };
   OnTriangle on_triangle(const Vector3d& p, int t) const;
+
+  // parts of the construction, in this order
+  void find_normals();
+  std::vector<char> find_sharp_edges(const MeshEdges&);  // returns |V| whether one ends there
+  void find_corners(const MeshEdges&, const std::vector<char>& sharp);
 
   ColliderMesh mesh_;
   bool closed_ = false;

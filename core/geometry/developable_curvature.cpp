@@ -53,9 +53,7 @@ struct Neighbourhood {
   }
 };
 
-}  // namespace
-
-Points3 developable_curvature(const Sheet& sheet) {
+std::vector<Neighbourhood> neighbourhoods_of(const Sheet& sheet) {
   const Hinges hinges = find_hinges(sheet.triangles);
   const auto corner = [&](int t, int i) -> Vector2d {
     return sheet.pattern.row(sheet.triangles(t, i % 3));
@@ -99,6 +97,13 @@ Points3 developable_curvature(const Sheet& sheet) {
     }
   }
 
+  return rings;
+}
+
+}  // namespace
+
+Points3 developable_curvature(const Sheet& sheet) {
+  const std::vector<Neighbourhood> rings = neighbourhoods_of(sheet);
   std::vector<Vector3d> around(rings.size(), Vector3d::Zero());
   std::vector<int> neighbours(rings.size(), 0);
   for (int t = 0; t < sheet.triangles.rows(); ++t)

@@ -13,8 +13,11 @@ std::uint64_t scramble(std::uint64_t);
 /// A uniformly distributed number in [-1, 1).
 double uniform(std::uint32_t seed, std::uint64_t index);
 
-/// Two independent standard normal numbers.
-Vector2d gaussian(std::uint32_t seed, std::uint32_t sheet, std::uint32_t event,
-                  std::uint32_t attempt);
+/// An event that is left to chance: its draws depend on these numbers alone.
+struct RandomEvent {
+  std::uint32_t seed, sheet, event;
+};
+/// Two independent standard normal numbers, of each attempt others.
+Vector2d gaussian(const RandomEvent&, std::uint32_t attempt);
 
 }  // namespace paperbake

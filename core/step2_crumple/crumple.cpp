@@ -19,6 +19,8 @@ Points3 bending_of(const Sheet& sheet) {
   return sheet.singular.empty() ? developable_curvature(sheet) : vertex_curvature(sheet);
 }
 
+constexpr double rounding = 1e-3;  // [frames] times that differ by less are equal
+
 bool is_corner(const Pattern& polygons, const Vector2d& p) {
   return std::any_of(polygons.outline.begin(), polygons.outline.end(),
                      [&](const Vector2d& corner) { return (corner - p).norm() < 1e-9; });
@@ -69,21 +71,19 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
     if (std::none_of(singular.begin(), singular.end(),
                      [&](const Vector2d& p) { return (p - s.p).norm() < 0.5 * base_.h; }))
       singular.push_back(s.p);
-  std::vector<Disc> keep_out_discs;
-  std::vector<Vector2d> loaded_corners;
+  PulledPlaces pulled;
   for (const int v : isolated_moving_handles) {
     const Vector2d p = sheet.pattern.row(v);
     if (rests_on_contact && is_corner(base_.polygons, p))
-      loaded_corners.push_back(p);
+      pulled.loaded_corners.push_back(p);
     else
-      keep_out_discs.push_back({p, options.guard * shorter_side(pattern_)});
+      pulled.keep_out_discs.push_back({p, options.guard * shorter_side(pattern_)});
   }
   std::optional<RuledMesh> mesh;
   for (int attempt = 0; attempt < 3; ++attempt, options.facet_turn *= 1.35) {
-    proposed_ = place_rulings(base_.polygons, field, regions_, keep_out_discs, loaded_corners,
-                              base_.h, options);
+    proposed_ = place_rulings(base_.polygons, field, regions_, pulled, base_.h, options);
     if (proposed_.empty()) return std::nullopt;
-    mesh = ruled_mesh(base_, required, singular, proposed_, keep_out_discs, options);
+    mesh = ruled_mesh(base_, required, singular, proposed_, pulled.keep_out_discs, options);
     if (mesh && mesh->triangles.rows() <= options.max_share * base_.triangles + 2 * singular.size())
       break;
   }
@@ -108,64 +108,72 @@ void Crumple::on_proposal_result(bool accepted, const FrameTime& now) {
   rulings_ = proposed_;
 }
 
+std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const Conflicts& conflicts, double dt) {
+  std::vector<PendingConflict> seen;
+  std::vector<int> due;
+  for (int v = 0; v < sheet.pattern.rows(); ++v) {
+    if (!conflicts.exceeds[v]) continue;
+    PendingConflict s{sheet.pattern.row(v), dt};
+    const double ring = ring_size(sheet, v);
+    for (const PendingConflict& old : pending_)
+      if ((old.p - s.p).norm() < 0.6 * ring) s.seconds = std::max(s.seconds, old.seconds + dt);
+    seen.push_back(s);
+    const bool lasted =
+        s.seconds + rounding * dt >=
+        (conflicts.severe[v] ? options_.persistence_time_severe : options_.persistence_time);
+    if (lasted) due.push_back(v);
+  }
+  pending_ = std::move(seen);
+  std::stable_sort(due.begin(), due.end(),
+                   [&](int a, int b) { return conflicts.turn[a] > conflicts.turn[b]; });
+  return due;
+}
+
+bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
+                         const std::vector<char>& fixed, int frame) {
+  // the worst vertex and those around it are one conflict
+  std::vector<int> members;
+  const double reach = 1.2 * ring_size(sheet, worst);
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if (conflicts.exceeds[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach)
+      members.push_back(v);
+  const auto event = static_cast<std::uint32_t>(sheet.singular.size());
+  const auto p =
+      draw_singular_point(sheet, pattern_, paper_, middle_of_conflict(sheet, conflicts, members),
+                          options_, {seed_, sheet_, event});
+  if (!p) return false;
+  Sheet grown = sheet;
+  const int born = insert_vertex(grown, *p, fixed);
+  // it may have come to lie a little beside p, where no singular point is allowed
+  if (options_.pins.forbids(grown.pattern.row(born))) return false;
+  sheet = std::move(grown);
+  const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
+  sheet.singular.push_back(
+      {sheet.pattern.row(born).transpose(), frame,
+       "bends " + std::to_string(degrees) + " degrees in the second direction"});
+  pending_.clear();
+  return true;
+}
+
 CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const FrameTime& now,
                             bool moving) {
   CrumpleReport report;
   if (!moving) return report;
-  const Points3 curvature = vertex_curvature(sheet);
   // creases run along the edges of a crumpled mesh, so that a flip would take its crease with it; a
   // sheet with only one or two singular points is smooth elsewhere
   constexpr std::size_t crumpled = 3;
   const bool smooth = sheet.singular.size() < crumpled;
 
-  // a conflict counts once it has persisted, even across a change of mesh; the worst vertex and
-  // those around it are one conflict
-  const Conflicts conflicts = find_conflicts(sheet, curvature, fixed, options_);
-  std::vector<PendingConflict> seen;
-  std::vector<int> due_for_birth;
-  const double rounding = 1e-3 * now.dt;
-  for (int v = 0; v < sheet.pattern.rows(); ++v) {
-    if (!conflicts.exceeds[v]) continue;
-    PendingConflict s{sheet.pattern.row(v), now.dt};
-    const double ring = ring_size(sheet, v);
-    for (const PendingConflict& old : pending_)
-      if ((old.p - s.p).norm() < 0.6 * ring) s.seconds = std::max(s.seconds, old.seconds + now.dt);
-    seen.push_back(s);
-    const bool lasted =
-        s.seconds + rounding >=
-        (conflicts.severe[v] ? options_.persistence_time_severe : options_.persistence_time);
-    if (lasted) due_for_birth.push_back(v);
-  }
-  pending_ = std::move(seen);
-  std::stable_sort(due_for_birth.begin(), due_for_birth.end(),
-                   [&](int a, int b) { return conflicts.turn[a] > conflicts.turn[b]; });
-  const bool room = static_cast<int>(sheet.singular.size()) < options_.max_points &&
-                    sheet.triangles.rows() + 2 <= options_.max_triangles;
-  for (const int worst : due_for_birth) {  // the first conflict that has room for a singular point
-    if (!room || report.births > 0) break;
-    std::vector<int> members;
-    const double reach = 1.2 * ring_size(sheet, worst);
-    for (int v = 0; v < sheet.pattern.rows(); ++v)
-      if (conflicts.exceeds[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach)
-        members.push_back(v);
-    const auto event = static_cast<std::uint32_t>(sheet.singular.size());
-    if (const auto p = draw_singular_point(sheet, pattern_, paper_, conflicts, members, options_,
-                                           seed_, sheet_, event)) {
-      Sheet grown = sheet;
-      const int born = insert_vertex(grown, *p, fixed);
-      // it may have come to lie a little beside p, where no singular point is allowed
-      if (options_.pins.forbids(grown.pattern.row(born))) continue;
-      sheet = std::move(grown);
-      const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
-      sheet.singular.push_back(
-          {sheet.pattern.row(born).transpose(), now.frame,
-           "bends " + std::to_string(degrees) + " degrees in the second direction"});
-      pending_.clear();
-      ++report.births;
-    }
-  }
+  const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), fixed, options_);
+  const std::vector<int> due = due_for_birth(sheet, conflicts, now.dt);
+  if (static_cast<int>(sheet.singular.size()) < options_.max_points &&
+      sheet.triangles.rows() + 2 <= options_.max_triangles)
+    // the first conflict that has room for a singular point
+    report.births = std::any_of(due.begin(), due.end(), [&](int worst) {
+      return give_birth(sheet, worst, conflicts, fixed, now.frame);
+    });
   const auto periods = [&](double time) {
-    return std::floor((time + rounding) / options_.flip_period);
+    return std::floor((time + rounding * now.dt) / options_.flip_period);
   };
   const bool time_to_flip = periods(now.seconds()) > periods(now.seconds() - now.dt);
   if (smooth && (time_to_flip || report.births > 0)) {

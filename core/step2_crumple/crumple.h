@@ -46,6 +46,8 @@ struct CrumpleOptions {
   SingularPointRules pins;  // where singular points must not be born
 };
 
+struct Conflicts;
+
 /// What a step of Crumple changed: the number of edge flips and of singular points born.
 struct CrumpleReport {
   int flips = 0, births = 0;
@@ -98,6 +100,13 @@ class Crumple {
     Vector2d p;      // [m]
     double seconds;  // [s] how long there has been a conflict around p
   };
+  /// Updates the pending conflicts. A conflict counts once it has persisted, even across a change
+  /// of mesh.
+  /// returns  vertices at which it has, the worst first
+  std::vector<int> due_for_birth(const Sheet&, const Conflicts&, double dt);
+  /// Makes a singular point where the conflict around a vertex is, if there is room for one.
+  bool give_birth(Sheet&, int worst, const Conflicts&, const std::vector<char>& fixed, int frame);
+
   std::vector<PendingConflict> pending_;
   BaseMesh base_;
   int required_ = 0;

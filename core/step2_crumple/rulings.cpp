@@ -26,13 +26,11 @@ std::optional<double> meets(const Vector2d& p, const Vector2d& d, const Vector2d
 class RulingPlacer {
  public:
   RulingPlacer(const Pattern& polygons, const BendingField& field, const Regions& regions,
-               const std::vector<Disc>& keep_out_discs, const std::vector<Vector2d>& loaded_corners,
-               double h, const RulingOptions& options)
+               const PulledPlaces& pulled, double h, const RulingOptions& options)
       : polygons_(polygons),
         field_(field),
         regions_(regions),
-        guards_(keep_out_discs),
-        tips_(loaded_corners),
+        pulled_(pulled),
         h_(h),
         options_(options),
         window_(options.window * std::sqrt(area(polygons))),
@@ -78,7 +76,7 @@ class RulingPlacer {
   }
 
   bool free(const Vector2d& p, double clear) const {
-    for (const Disc& disc : guards_)
+    for (const Disc& disc : pulled_.keep_out_discs)
       if ((p - disc.centre).norm() < disc.radius) return false;
     return std::none_of(placed_.begin(), placed_.end(),
                         [&](const Ruling& r) { return distance_to_segment(p, r.a, r.b) < clear; });
@@ -154,7 +152,7 @@ class RulingPlacer {
     const std::vector<Vector2d>& outline = polygons_.outline;
     const std::size_t n = outline.size();
     for (std::size_t i = 0; i < n; ++i) {
-      if (std::none_of(tips_.begin(), tips_.end(),
+      if (std::none_of(pulled_.loaded_corners.begin(), pulled_.loaded_corners.end(),
                        [&](const Vector2d& tip) { return (outline[i] - tip).norm() < 1e-9; }))
         continue;
       const auto on = [&](const Vector2d& p, const Vector2d& other) {
@@ -203,7 +201,7 @@ class RulingPlacer {
   /// Length along a ray to the first keep-out disc, or to a little before the first ruling. [m]
   double obstacle(const Vector2d& p, const Vector2d& d) const {
     double end = std::numeric_limits<double>::infinity();
-    for (const Disc& disc : guards_) {
+    for (const Disc& disc : pulled_.keep_out_discs) {
       const double along = (disc.centre - p).dot(d), off = std::abs(cross(disc.centre - p, d));
       if (along > 0 && off < disc.radius)
         end = std::min(end, along - std::sqrt(disc.radius * disc.radius - off * off));
@@ -222,8 +220,7 @@ class RulingPlacer {
   const Pattern& polygons_;
   const BendingField& field_;
   const Regions& regions_;
-  const std::vector<Disc>& guards_;
-  const std::vector<Vector2d>& tips_;
+  const PulledPlaces& pulled_;
   double h_;
   const RulingOptions& options_;
   double window_, size_;
@@ -235,10 +232,9 @@ class RulingPlacer {
 }  // namespace
 
 std::vector<Ruling> place_rulings(const Pattern& polygons, const BendingField& field,
-                                  const Regions& regions, const std::vector<Disc>& keep_out_discs,
-                                  const std::vector<Vector2d>& loaded_corners, double h,
+                                  const Regions& regions, const PulledPlaces& pulled, double h,
                                   const RulingOptions& options) {
-  return RulingPlacer(polygons, field, regions, keep_out_discs, loaded_corners, h, options).place();
+  return RulingPlacer(polygons, field, regions, pulled, h, options).place();
 }
 
 }  // namespace paperbake

@@ -22,18 +22,21 @@ struct Disc {
   double radius;    // [m]
 };
 
+/// Where handles that no other one is near pull at the sheet.
+struct PulledPlaces {
+  std::vector<Disc> keep_out_discs;  // that no ruling enters
+  // [m] corners of the sheet that are pulled: the shorter the rulings that cut one off are, the
+  // closer they are placed to each other
+  std::vector<Vector2d> loaded_corners;
+};
+
 /// Places rulings all over the curved regions, so that the sheet turns by facet_turn from one to
 /// the next. It starts where the bending is strongest: each ruling is that of the cone fitted there
 /// and extends as far as the sheet bends as the cone says, and the next one follows at facet_turn/k
 /// from its middle. Thus cylinders get parallel rulings, cones get fans, and no two rulings cross.
-/// polygons        [m] region that the mesh covers
-/// keep_out_discs  discs that no ruling enters
-/// loaded_corners  [m] corners of the sheet that are pulled: the shorter the rulings that cut one
-///                 off are, the closer they are placed to each other
-/// h               [m] mean edge length of the base mesh
+/// polygons  [m] region that the mesh covers
+/// h         [m] mean edge length of the base mesh
 std::vector<Ruling> place_rulings(const Pattern& polygons, const BendingField&, const Regions&,
-                                  const std::vector<Disc>& keep_out_discs,
-                                  const std::vector<Vector2d>& loaded_corners, double h,
-                                  const RulingOptions&);
+                                  const PulledPlaces&, double h, const RulingOptions&);
 
 }  // namespace paperbake

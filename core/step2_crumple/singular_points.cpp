@@ -168,12 +168,10 @@ double min_spacing(const Pattern& pattern, const Paper& paper, const CrumpleOpti
 }
 
 std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& pattern,
-                                            const Paper& paper, const Conflicts& conflicts,
-                                            const std::vector<int>& members,
-                                            const CrumpleOptions& options, std::uint32_t seed,
-                                            std::uint32_t sheet_number, std::uint32_t event) {
+                                            const Paper& paper, const Vector2d& middle,
+                                            const CrumpleOptions& options,
+                                            const RandomEvent& birth) {
   constexpr int tries = 20;
-  const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
   const double spacing = min_spacing(pattern, paper, options);
   const auto clear = [&](const Vector2d& p) {
     return !options.pins.forbids(p) &&
@@ -182,7 +180,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
   };
   const double margin = options.border_share * longer_side(pattern);
   for (std::uint32_t attempt = 0; attempt < tries; ++attempt) {
-    const Vector2d p = middle + paper.apex_scatter * gaussian(seed, sheet_number, event, attempt);
+    const Vector2d p = middle + paper.apex_scatter * gaussian(birth, attempt);
     if (contains(pattern, p) && (nearest_border_point(pattern, p) - p).norm() >= margin && clear(p))
       return p;
   }
@@ -190,10 +188,71 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
   return middle;
 }
 
+namespace {
+
+/// True if a vertex may move to p on the pattern without turning one of its triangles over.
+bool triangles_stay(const Sheet& sheet, int vertex, const Vector2d& p) {
+  const auto area = [&](int t, const Vector2d& at_vertex) {
+    const auto corner = [&](int i) -> Vector2d {
+      const int v = sheet.triangles(t, i);
+      return v == vertex ? at_vertex : Vector2d(sheet.pattern.row(v));
+    };
+    const Vector2d u = corner(1) - corner(0), w = corner(2) - corner(0);
+    return u.x() * w.y() - u.y() * w.x();
+  };
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    if ((sheet.triangles.row(t).array() == vertex).any() &&
+        !(area(t, p) > 0.3 * area(t, sheet.pattern.row(vertex))))
+      return false;
+  return true;
+}
+
+/// True if the triangle beyond a hinge of `triangle` may be extended to the vertex `added`, so that
+/// the hinge is split there: nothing lies between.
+bool may_split(const Sheet& sheet, const Hinge& hinge, int triangle, int added) {
+  const Vector2d p = sheet.pattern.row(added);
+  const int beyond = hinge.vertices[hinge.triangles[0] == triangle ? 3 : 2];
+  const auto at = [&](int k) -> Vector3d { return sheet.x.row(k); };
+  return sees_both(sheet, beyond, hinge.vertices[0], hinge.vertices[1], p) &&
+         !cuts_short(sheet, beyond, p, at(added)) &&
+         tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], beyond, added},
+                              {at(hinge.vertices[0]), at(hinge.vertices[1]), at(beyond), at(added)},
+                              {hinge.triangles[0], hinge.triangles[1]}, 0);
+}
+
+/// Divides a triangle at the vertex `added`: into three, or into two where the vertex lies on the
+/// edge opposite the corner `left_out`.
+void split_triangle(Sheet& sheet, int triangle, int left_out, int added) {
+  const Eigen::RowVector3i c = sheet.triangles.row(triangle);
+  bool first = true;
+  for (int i = 0; i < 3; ++i) {
+    if (i == left_out) continue;
+    // the edge opposite corner i, and the new vertex
+    const Eigen::RowVector3i part(c[(i + 1) % 3], c[(i + 2) % 3], added);
+    if (first)
+      sheet.triangles.row(triangle) = part;
+    else
+      append(sheet.triangles, part);
+    first = false;
+  }
+}
+
+/// Places an appended vertex where a mesh point is.
+void place_vertex(Sheet& sheet, int vertex, const MeshPoint& place) {
+  Points3 flat = Points3::Zero(sheet.pattern.rows(), 3);
+  flat.leftCols<2>() = sheet.pattern;
+  sheet.pattern.row(vertex) = interpolate(place, sheet.triangles, flat).head<2>().transpose();
+  sheet.x.row(vertex) = interpolate(place, sheet.triangles, sheet.x).transpose();
+  sheet.v.row(vertex) = interpolate(place, sheet.triangles, sheet.v).transpose();
+}
+
+}  // namespace
+
 int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixed) {
   // barycentric weight below which p counts as lying on the opposite edge
   constexpr double near_edge = 0.15;
   MeshPoint place = PointLocator(sheet.pattern, sheet.triangles).locate(p);
+  const int triangle = place.triangle;
   const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(),
                            v = interpolate(place, sheet.triangles, sheet.v).transpose();
   const Hinges hinges = find_hinges(sheet.triangles);
@@ -203,35 +262,15 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
     return !border[k] && !singular[k] && !(k < static_cast<int>(fixed.size()) && fixed[k]);
   };
 
-  // move the nearest corner if it may move there without turning a triangle over
   int corner;
   place.weights.maxCoeff(&corner);
-  const int candidate = sheet.triangles(place.triangle, corner);
-  if (place.weights[corner] > 0.6 && movable(candidate)) {
-    const Eigen::RowVector2d old = sheet.pattern.row(candidate);
-    const auto area = [&](int t) {
-      const Vector2d u =
-          (sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0)))
-              .transpose();
-      const Vector2d w =
-          (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0)))
-              .transpose();
-      return u.x() * w.y() - u.y() * w.x();
-    };
-    bool good = true;
-    for (int t = 0; t < sheet.triangles.rows() && good; ++t) {
-      if (!(sheet.triangles.row(t).array() == candidate).any()) continue;
-      const double before = area(t);
-      sheet.pattern.row(candidate) = p.transpose();
-      good = area(t) > 0.3 * before;
-      sheet.pattern.row(candidate) = old;
-    }
-    if (good && ring_has_room(sheet, candidate, p, x.transpose())) {
-      sheet.pattern.row(candidate) = p.transpose();
-      sheet.x.row(candidate) = x;
-      sheet.v.row(candidate) = v;
-      return candidate;
-    }
+  if (const int nearest = sheet.triangles(triangle, corner);
+      place.weights[corner] > 0.6 && movable(nearest) && triangles_stay(sheet, nearest, p) &&
+      ring_has_room(sheet, nearest, p, x.transpose())) {
+    sheet.pattern.row(nearest) = p.transpose();
+    sheet.x.row(nearest) = x;
+    sheet.v.row(nearest) = v;
+    return nearest;
   }
 
   const int added = static_cast<int>(sheet.pattern.rows());
@@ -239,54 +278,26 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
   append(sheet.x, x);
   append(sheet.v, v);
   int edge;
-  bool on_edge = place.weights.minCoeff(&edge) < near_edge &&
-                 hinges.of_triangle[place.triangle][edge] >= 0 &&
-                 !is_on_crease(sheet.prescribed_creases, sheet.pattern,
-                               sheet.triangles(place.triangle, (edge + 1) % 3),
-                               sheet.triangles(place.triangle, (edge + 2) % 3));
-  // split the edge and extend the triangle beyond it to the new vertex, if nothing lies between
-  if (on_edge) {
-    const Hinge& hinge = hinges.hinges[hinges.of_triangle[place.triangle][edge]];
-    const int exceeds = hinge.vertices[hinge.triangles[0] == place.triangle ? 3 : 2];
-    const auto at = [&](int k) -> Vector3d { return sheet.x.row(k); };
-    on_edge =
-        sees_both(sheet, exceeds, hinge.vertices[0], hinge.vertices[1], p) &&
-        !cuts_short(sheet, exceeds, p, x.transpose()) &&
-        tetrahedron_is_empty(sheet, {hinge.vertices[0], hinge.vertices[1], exceeds, added},
-                             {at(hinge.vertices[0]), at(hinge.vertices[1]), at(exceeds), at(added)},
-                             {hinge.triangles[0], hinge.triangles[1]}, 0);
-    if (!on_edge) {  // farther inside, so that the triangle at the edge does not become too thin
-      place.weights *= (1 - near_edge) / (1 - place.weights[edge]);
-      place.weights[edge] = near_edge;
-      Points3 flat = Points3::Zero(sheet.pattern.rows(), 3);
-      flat.leftCols<2>() = sheet.pattern;
-      sheet.pattern.row(added) = interpolate(place, sheet.triangles, flat).head<2>().transpose();
-      sheet.x.row(added) = interpolate(place, sheet.triangles, sheet.x).transpose();
-      sheet.v.row(added) = interpolate(place, sheet.triangles, sheet.v).transpose();
-    }
-  }
-  std::vector<int> split{place.triangle};
-  if (on_edge) {
-    const auto& sides = hinges.hinges[hinges.of_triangle[place.triangle][edge]].triangles;
-    split.push_back(sides[0] == place.triangle ? sides[1] : sides[0]);
-  }
-  for (const int t : split) {
-    const Eigen::RowVector3i c = sheet.triangles.row(t);
-    int left_out = -1;  // the corner opposite the split edge
-    if (on_edge)
-      for (int i = 0; i < 3; ++i)
-        if (hinges.of_triangle[t][i] == hinges.of_triangle[place.triangle][edge]) left_out = i;
-    bool first = true;
-    for (int i = 0; i < 3; ++i) {
-      if (i == left_out) continue;
-      // the edge opposite corner i, and the new vertex
-      const Eigen::RowVector3i part(c[(i + 1) % 3], c[(i + 2) % 3], added);
-      if (first)
-        sheet.triangles.row(t) = part;
-      else
-        append(sheet.triangles, part);
-      first = false;
-    }
+  const bool near = place.weights.minCoeff(&edge) < near_edge;
+  const int h = hinges.of_triangle[triangle][edge];
+  if (!near || h < 0 ||
+      is_on_crease(sheet.prescribed_creases, sheet.pattern,
+                   sheet.triangles(triangle, (edge + 1) % 3),
+                   sheet.triangles(triangle, (edge + 2) % 3))) {
+    split_triangle(sheet, triangle, -1, added);
+  } else if (may_split(sheet, hinges.hinges[h], triangle, added)) {
+    const auto& sides = hinges.hinges[h].triangles;
+    const int other = sides[0] == triangle ? sides[1] : sides[0];
+    const auto& edges = hinges.of_triangle[other];
+    split_triangle(sheet, triangle, edge, added);
+    split_triangle(sheet, other,
+                   static_cast<int>(std::find(edges.begin(), edges.end(), h) - edges.begin()),
+                   added);
+  } else {  // farther inside, so that the triangle at the edge does not become too thin
+    place.weights *= (1 - near_edge) / (1 - place.weights[edge]);
+    place.weights[edge] = near_edge;
+    place_vertex(sheet, added, place);
+    split_triangle(sheet, triangle, -1, added);
   }
   return added;
 }

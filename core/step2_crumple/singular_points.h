@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/random.h"
 #include "core/model/paper.h"
 #include "core/model/pattern.h"
 #include "core/model/sheet.h"
@@ -51,13 +52,12 @@ double min_spacing(const Pattern&, const Paper&, const CrumpleOptions&);
 /// middle of the conflict with the standard deviation of the paper grade, within the sheet, not
 /// where it is forbidden and not too close to the border or to other points. After 20 rejected
 /// draws it is the middle itself.
-/// members  vertices of the conflict
-/// event    number of the birth on this sheet: the draw depends on seed, sheet and event alone
+/// middle   [m] middle_of_conflict()
+/// birth    its number is that of the birth on this sheet
 /// returns  [m] nothing when even the middle is forbidden or too close to another singular point
 std::optional<Vector2d> draw_singular_point(const Sheet&, const Pattern&, const Paper&,
-                                            const Conflicts&, const std::vector<int>& members,
-                                            const CrumpleOptions&, std::uint32_t seed,
-                                            std::uint32_t sheet_number, std::uint32_t event);
+                                            const Vector2d& middle, const CrumpleOptions&,
+                                            const RandomEvent& birth);
 
 /// Makes p a vertex of the mesh: a free inner vertex nearby is moved there on the pattern,
 /// otherwise the edge or the triangle under p is split. Position and velocity are interpolated.

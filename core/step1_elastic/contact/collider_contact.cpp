@@ -291,66 +291,79 @@ void ColliderContact::project_outside(Points3& to) const {
     if (!held_[v]) to.row(v) = reachable(v, row(to, v));
 }
 
-double ColliderContact::collision_free_step(const Points3& y, const Points3& move) {
+/// What is left of a share of the motion when no vertex may go deeper into the collider than it may.
+double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& local,
+                                               const Points3& way, double share) const {
   constexpr double near_enough = 2e-5;  // [m]
+  const Collider& collider = (*colliders_)[c];
+  for (int v = 0; v < local.rows(); ++v) {
+    const double length = way.row(v).norm();
+    if (length == 0 || held_[v]) continue;
+    double floor = -let_in * collider.depth(), gone = 0;
+    while (gone < share * length) {
+      const SurfacePoint s =
+          collider.nearest(row(local, v) + gone / length * row(way, v),
+                           share * length - gone + collider.depth(), states_[c].side[v]);
+      if (gone == 0) floor = std::min(floor, s.distance - 2 * near_enough);
+      const double free = s.distance - floor;
+      if (free < near_enough) break;
+      gone += free;
+    }
+    share = std::min(share, gone / length);
+  }
+  return share;
+}
+
+/// What is left of a share of the motion when an edge or a triangle of the sheet may not pass
+/// through an edge or a corner of the collider.
+double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature& feature,
+                                              const Points3& local, const Points3& way,
+                                              double share) const {
+  const Collider& collider = (*colliders_)[c];
+  double fastest = 0;
+  Vector3d low = row(local, feature.vertices[0]), high = low;
+  for (int i = 0; i < feature.corners; ++i) {
+    const Vector3d p = row(local, feature.vertices[i]),
+                   q = p + share * row(way, feature.vertices[i]);
+    low = low.cwiseMin(p).cwiseMin(q), high = high.cwiseMax(p).cwiseMax(q);
+    fastest = std::max(fastest, share * way.row(feature.vertices[i]).norm());
+  }
+  if (feature.near.empty() && fastest < tube) return share;
+  const auto meet = [&](int k) {
+    std::array<Vector3d, 4> x, m;
+    const bool edges = feature.corners == 2;
+    for (int i = 0; i < feature.corners; ++i) {
+      const int at = edges ? i : i + 1;
+      x[at] = row(local, feature.vertices[i]), m[at] = share * row(way, feature.vertices[i]);
+    }
+    const Points3& fixed = collider.mesh().x;
+    if (edges)
+      x[2] = row(fixed, collider.edges()[k].a), x[3] = row(fixed, collider.edges()[k].b),
+      m[2] = m[3] = Vector3d::Zero();
+    else
+      x[0] = row(fixed, collider.corners()[k].vertex), m[0] = Vector3d::Zero();
+    // what is inside already has to be able to come out
+    if (feature_pair(collider, feature, k, local, states_[c].side).where != FeaturePair::outside)
+      return;
+    const double free = paperbake::collision_free_step(x, m, edges);
+    if (free < 1 && free > 0) share *= free;
+  };
+  if (feature.corners == 2)
+    collider.near_edges(low, high, 0, meet);
+  else
+    collider.near_corners(low, high, 0, meet);
+  return share;
+}
+
+double ColliderContact::collision_free_step(const Points3& y, const Points3& move) {
   double share = 1;
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Collider& collider = (*colliders_)[c];
     const Points3 local = to_collider_space(c, y, motion_.to),
                   way = to_collider_space(c, y + move, motion_.to) - local;
     refresh(c, local);
-    for (int v = 0; v < local.rows(); ++v) {
-      const double length = way.row(v).norm();
-      if (length == 0 || held_[v]) continue;
-      double floor = -let_in * collider.depth(), gone = 0;
-      while (gone < share * length) {
-        const SurfacePoint s =
-            collider.nearest(row(local, v) + gone / length * row(way, v),
-                             share * length - gone + collider.depth(), states_[c].side[v]);
-        if (gone == 0) floor = std::min(floor, s.distance - 2 * near_enough);
-        const double free = s.distance - floor;
-        if (free < near_enough) break;
-        gone += free;
-      }
-      share = std::min(share, gone / length);
-    }
-    Points3 end;
-    for (SheetFeature& feature : states_[c].features) {
-      if (feature.corners == 1) continue;
-      double fastest = 0;
-      Vector3d low = row(local, feature.vertices[0]), high = low;
-      for (int i = 0; i < feature.corners; ++i) {
-        const Vector3d p = row(local, feature.vertices[i]),
-                       q = p + share * row(way, feature.vertices[i]);
-        low = low.cwiseMin(p).cwiseMin(q), high = high.cwiseMax(p).cwiseMax(q);
-        fastest = std::max(fastest, share * way.row(feature.vertices[i]).norm());
-      }
-      if (feature.near.empty() && fastest < tube) continue;
-      const auto meet = [&](int k) {
-        std::array<Vector3d, 4> x, m;
-        const bool edges = feature.corners == 2;
-        for (int i = 0; i < feature.corners; ++i) {
-          const int at = edges ? i : i + 1;
-          x[at] = row(local, feature.vertices[i]), m[at] = share * row(way, feature.vertices[i]);
-        }
-        const Points3& fixed = collider.mesh().x;
-        if (edges)
-          x[2] = row(fixed, collider.edges()[k].a), x[3] = row(fixed, collider.edges()[k].b),
-          m[2] = m[3] = Vector3d::Zero();
-        else
-          x[0] = row(fixed, collider.corners()[k].vertex), m[0] = Vector3d::Zero();
-        // what is inside already has to be able to come out
-        if (feature_pair(collider, feature, k, local, states_[c].side).where !=
-            FeaturePair::outside)
-          return;
-        const double free = paperbake::collision_free_step(x, m, edges);
-        if (free < 1 && free > 0) share *= free;
-      };
-      if (feature.corners == 2)
-        collider.near_edges(low, high, 0, meet);
-      else
-        collider.near_corners(low, high, 0, meet);
-    }
+    share = free_share_of_vertices(c, local, way, share);
+    for (const SheetFeature& feature : states_[c].features)
+      if (feature.corners > 1) share = free_share_of_feature(c, feature, local, way, share);
   }
   return share;
 }

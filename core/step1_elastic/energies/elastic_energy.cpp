@@ -160,22 +160,22 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
     Matrix3 g = Matrix3::Zero();
     Matrix9 k = Matrix9::Zero();
     const Matrix3 c = corners(x, t);
-    sum += membrane_energy(paper_, rest_[t], c, &g, matrix ? &k : nullptr, form,
-                           stress ? &(*stress)[t] : nullptr);
+    const MembraneHessian hessian{k, form, stress ? &(*stress)[t] : nullptr};
+    sum += membrane_energy(paper_, rest_[t], c, &g, matrix ? &hessian : nullptr);
     for (int i = 0; i < 3; ++i) gradient->row(triangles_(t, i)) += g.row(i);
     if (!matrix) continue;
     Vector3d edge_moment;
     for (int i = 0; i < 3; ++i)
       edge_moment[i] = hinges_.of_triangle[t][i] < 0 ? 0 : moment[hinges_.of_triangle[t][i]];
-    add_element(t, c, k, folds, tangent[t], edge_moment, form, *matrix);
+    add_element(t, {c, k, tangent[t], edge_moment}, folds, form, *matrix);
   }
   return sum;
 }
 
-void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own,
-                                const std::vector<DihedralAngle>& folds, const Matrix3& tangent,
-                                const Vector3d& edge_moment, HessianForm form,
+void ElasticEnergy::add_element(int t, const Element& element,
+                                const std::vector<DihedralAngle>& folds, HessianForm form,
                                 BlockCholesky& matrix) const {
+  const auto& [c, own, tangent, moments] = element;
   // d theta / dx of the three angles of this triangle, over the six vertices of its stencil
   Eigen::Matrix<double, 18, 3> J = Eigen::Matrix<double, 18, 3>::Zero();
   for (int i = 0; i < 3; ++i) {
@@ -189,8 +189,7 @@ void ElasticEnergy::add_element(int t, const Matrix3& c, Matrix9& own,
     const int x0 = at[0], x1 = at[1];
     const DihedralHessian w = dihedral_hessian_of_wing((c.row(x1) - c.row(x0)).transpose(),
                                                        (c.row(i) - c.row(x0)).transpose(), left);
-    const Matrix3 ee = edge_moment[i] * w.ee, ea = edge_moment[i] * w.ea,
-                  aa = edge_moment[i] * w.aa;
+    const Matrix3 ee = moments[i] * w.ee, ea = moments[i] * w.ea, aa = moments[i] * w.aa;
     const Matrix3 by_1 = ee + ea.transpose(), by_wing = ea + aa;  // minus the row of x0
     const auto block = [&](int p, int q) { return own.block<3, 3>(3 * p, 3 * q); };
     block(x0, x0) += by_1 + by_wing;

@@ -76,12 +76,15 @@ class ElasticEnergy {
   };
   double evaluate(const Points3& x, HessianForm, Points3* gradient, BlockCholesky* matrix,
                   const MembraneStress* stress = nullptr) const;
-  /// Adds the contribution of triangle t to the matrix: `own`, which is that of its corners alone,
-  /// and its bending over the whole stencil.
-  /// tangent      d2E/dtheta2 of its bending
-  /// edge_moment  moments on its angles from both sides
-  void add_element(int t, const Matrix3& corners, Matrix9& own, const std::vector<DihedralAngle>&,
-                   const Matrix3& tangent, const Vector3d& edge_moment, HessianForm,
+  struct Element {            // a triangle, for the Hessian
+    const Matrix3& corners;   // [m]
+    Matrix9& own;             // [N/m] what its corners alone contribute
+    const Matrix3& tangent;   // [J] d2E/dtheta2 of its bending
+    const Vector3d& moments;  // [J] on its angles, from both sides
+  };
+  /// Adds the contribution of triangle t to the matrix: its own, and its bending over the whole
+  /// stencil.
+  void add_element(int t, const Element&, const std::vector<DihedralAngle>&, HessianForm,
                    BlockCholesky&) const;
   Matrix3 corners(const Points3& x, int t) const;
   // [rad] dihedral angles at the three edges of a triangle; 0 at the border

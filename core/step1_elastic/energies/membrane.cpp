@@ -42,8 +42,7 @@ RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& cor
 }
 
 double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matrix3& x,
-                       Matrix3* gradient, Matrix9* hessian, HessianForm form,
-                       const Eigen::Matrix2d* given_stress) {
+                       Matrix3* gradient, const MembraneHessian* hessian) {
   const double mu = shear_modulus(paper), lambda = lame_modulus(paper);
   const Eigen::Matrix<double, 3, 2> F = x.transpose() * rest.g;
   const Eigen::Matrix2d G = 0.5 * (F.transpose() * F - Eigen::Matrix2d::Identity());
@@ -52,8 +51,8 @@ double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matri
   if (gradient) gradient->noalias() += rest.area * rest.g * S * F.transpose();
   if (!hessian) return energy;
 
-  const Eigen::Matrix2d& felt = given_stress ? *given_stress : S;
-  const Eigen::Matrix2d stress = form == HessianForm::exact ? felt : tensile_part(felt);
+  const Eigen::Matrix2d& felt = hessian->stress ? *hessian->stress : S;
+  const Eigen::Matrix2d stress = hessian->form == HessianForm::exact ? felt : tensile_part(felt);
   const Eigen::Matrix3d geometric = rest.area * rest.g * stress * rest.g.transpose();
   const Eigen::Matrix3d metric = rest.area * mu * rest.g * rest.g.transpose();
   const Eigen::Matrix3d FFt = F * F.transpose();
@@ -64,8 +63,8 @@ double membrane_energy(const Paper& paper, const RestTriangle& rest, const Matri
                               (rest.area * lambda) * Fg.col(i) * Fg.col(j).transpose() +
                               (rest.area * mu) * Fg.col(j) * Fg.col(i).transpose();
       block.diagonal().array() += geometric(i, j);
-      hessian->block<3, 3>(3 * i, 3 * j) += block;
-      if (i != j) hessian->block<3, 3>(3 * j, 3 * i) += block.transpose();
+      hessian->sum.block<3, 3>(3 * i, 3 * j) += block;
+      if (i != j) hessian->sum.block<3, 3>(3 * j, 3 * i) += block.transpose();
     }
   return energy;
 }

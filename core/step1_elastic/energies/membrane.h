@@ -18,6 +18,14 @@ struct RestTriangle {
 };
 RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& corners);
 
+/// Where membrane_energy adds the Hessian, and which.
+struct MembraneHessian {
+  Matrix9& sum;  // [N/m] d2W/dx2 is added to it, corner by corner
+  HessianForm form = HessianForm::exact;
+  // 2x2 [N/m] taken for S (below) in the geometric part; null: S itself
+  const Eigen::Matrix2d* stress = nullptr;
+};
+
 /// Stretching energy of one triangle: constant strain, St. Venant-Kirchhoff, plane stress.
 ///
 ///   F = sum_i x_i g_i^T,   G = (F^T F - I)/2,   S = lambda (tr G) I + 2 mu G,   W = A/2 S:G
@@ -25,14 +33,12 @@ RestTriangle rest_triangle(const Points2& pattern, const Eigen::RowVector3i& cor
 ///
 /// x          3x3 [m]    row i: position of corner i
 /// gradient   3x3 [N]    dW/dx is added to it; may be null
-/// hessian    9x9 [N/m]  d2W/dx2 is added to it, corner by corner; may be null
-/// stress     2x2 [N/m]  taken for S in the geometric part of the Hessian; null: S itself
+/// hessian    may be null
 /// returns        [J]
 /// source     [Volino 2009]; the projected form keeps only the tensile part of the stress in the
 ///            geometric term
 double membrane_energy(const Paper&, const RestTriangle&, const Matrix3& x,
-                       Matrix3* gradient = nullptr, Matrix9* hessian = nullptr,
-                       HessianForm = HessianForm::exact, const Eigen::Matrix2d* stress = nullptr);
+                       Matrix3* gradient = nullptr, const MembraneHessian* hessian = nullptr);
 
 /// 2x2 [N/m] S at x + move, to first order in move (second Piola-Kirchhoff).
 Eigen::Matrix2d membrane_stress(const Paper&, const RestTriangle&, const Matrix3& x,

@@ -15,7 +15,8 @@ const Vector2d law(0.048, 0.014);
 
 std::vector<Vector2d> sample(unsigned seed, int sheets, const Vector2d& mean, double deviation) {
   std::vector<Vector2d> points;
-  for (int k = 0; k < sheets; ++k) points.push_back(mean + deviation * gaussian(seed, k, 0, 0));
+  for (int k = 0; k < sheets; ++k)
+    points.push_back(mean + deviation * gaussian({seed, static_cast<std::uint32_t>(k), 0}, 0));
   return points;
 }
 

@@ -68,7 +68,7 @@ TEST(MeshSwapTest, AMeshOfStripsIsAcceptedAndTheNextStepIsAsFast) {
   std::vector<int> borders;
   const Sheet before = bent.sheet;
   Sheet proposal = on_mesh(bent.sheet, test::strip_sheet(0.1, 0.1, 20), borders);
-  const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, proposal, {},
+  const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, {proposal, {}},
                                                Bent::targets(proposal, borders, 0.008), dt);
   ASSERT_TRUE(verdict.accepted) << verdict.rise << " " << verdict.move;
   EXPECT_EQ(bent.sheet.triangles.rows(), 40);
@@ -88,7 +88,7 @@ TEST(MeshSwapTest, AMeshThatCannotFollowIsRejectedAndLeavesNoTrace) {
   Bent bent, untouched;
   std::vector<int> borders;
   Sheet proposal = on_mesh(bent.sheet, test::strip_sheet(0.1, 0.1, 2), borders);
-  const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, proposal, {},
+  const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, {proposal, {}},
                                                Bent::targets(proposal, borders, 0.008), dt);
   EXPECT_FALSE(verdict.accepted);
   EXPECT_GT(verdict.move, 0.02);
@@ -135,7 +135,7 @@ TEST(MeshSwapTest, ACoarseSheetOnAColliderGetsAFinerMeshEvenIfItStoresMore) {
     const double stored = hung.elastic->evaluate_energies(hung.sheet).energy;
     std::vector<int> borders;
     Sheet proposal = on_mesh(hung.sheet, test::strip_sheet(0.1, 0.1, 16), borders);
-    const MeshSwapResult verdict = try_swap_mesh(hung.sheet, *hung.elastic, proposal, {},
+    const MeshSwapResult verdict = try_swap_mesh(hung.sheet, *hung.elastic, {proposal, {}},
                                                  hung.targets(proposal, borders, 0.03), dt);
     EXPECT_EQ(verdict.accepted, lies) << verdict.rise << " " << verdict.move;
     EXPECT_GT(verdict.rise, lies ? 0.1 : 0.04);
@@ -151,7 +151,7 @@ TEST(MeshSwapTest, NothingYieldsWhetherAcceptedOrRejected) {
     const PlasticMemory before = contents(bent.memory);
     std::vector<int> borders;
     Sheet proposal = on_mesh(bent.sheet, test::strip_sheet(0.1, 0.1, strips), borders);
-    const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, proposal, {},
+    const MeshSwapResult verdict = try_swap_mesh(bent.sheet, bent.elastic, {proposal, {}},
                                                  Bent::targets(proposal, borders, 0.008), dt);
     EXPECT_EQ(verdict.accepted, strips == 20) << verdict.rise << " " << verdict.move;
     const PlasticMemory after = contents(bent.memory);

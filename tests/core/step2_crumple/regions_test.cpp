@@ -16,7 +16,8 @@ std::vector<RulingSample> fan(const Vector2d& apex, double noise) {
   for (int i = 0; i < 40; ++i) {
     const Vector2d p(0.03 * uniform(7, 2 * i), 0.03 * uniform(7, 2 * i + 1));
     const Vector2d ruling =
-        Eigen::Rotation2Dd(noise * gaussian(3, 0, i, 0).x()) * (apex - p).normalized();
+        Eigen::Rotation2Dd(noise * gaussian({3, 0, static_cast<std::uint32_t>(i)}, 0).x()) *
+        (apex - p).normalized();
     samples.push_back({p, Vector2d(-ruling.y(), ruling.x()), 1.0});
   }
   return samples;

@@ -75,7 +75,7 @@ Ruled rule(double R, const RulingOptions& options = {}) {
   const BendingField field(sheet, vertex_curvature(sheet));
   Regions regions(pattern, options);
   regions.update(field);
-  ruled.rulings = place_rulings(ruled.base.polygons, field, regions, {}, {}, ruled.base.h, options);
+  ruled.rulings = place_rulings(ruled.base.polygons, field, regions, {}, ruled.base.h, options);
   ruled.mesh = ruled_mesh(ruled.base, ruled.required, {{0.03, 0.06}}, ruled.rulings, {}, options);
   return ruled;
 }

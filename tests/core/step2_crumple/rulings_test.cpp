@@ -27,7 +27,7 @@ std::vector<Ruling> rulings_of(const Sheet& sheet, const RulingOptions& options 
   const BendingField field(sheet, vertex_curvature(sheet));
   Regions regions(pattern, options);
   regions.update(field);
-  return place_rulings(pattern, field, regions, keep_out_discs, loaded_corners, h, options);
+  return place_rulings(pattern, field, regions, {keep_out_discs, loaded_corners}, h, options);
 }
 
 void expect_no_crossings(const std::vector<Ruling>& rulings) {

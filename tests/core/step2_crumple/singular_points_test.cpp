@@ -23,7 +23,7 @@ TEST(SingularPointsTest, GaussianDrawsHaveMeanZeroDeviationOneAndNoCorrelation) 
   Vector2d mean(0, 0);
   Eigen::Matrix2d scatter = Eigen::Matrix2d::Zero();
   for (int k = 0; k < n; ++k) {
-    const Vector2d g = gaussian(7, 0, k, 0);
+    const Vector2d g = gaussian({7, 0, static_cast<std::uint32_t>(k)}, 0);
     mean += g / n;
     scatter += g * g.transpose() / n;
   }
@@ -44,17 +44,17 @@ TEST(SingularPointsTest, DrawsScatterAroundTheMiddleOfTheConflictByThePapersDevi
       inner = v;
   Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.2),
                       std::vector<char>(sheet.pattern.rows(), 1)};
+  const Vector2d middle = middle_of_conflict(sheet, conflicts, {inner});
   Paper paper;
   Vector2d mean(0, 0);
   double variance = 0;
   constexpr int n = 4000;
   std::set<std::pair<double, double>> places;
   for (unsigned seed = 0; seed < n; ++seed) {
-    const auto p = draw_singular_point(sheet, pattern, paper, conflicts, {inner}, {}, seed, 0, 0);
+    const auto p = draw_singular_point(sheet, pattern, paper, middle, {}, {seed, 0, 0});
     ASSERT_TRUE(p);
     // the same arguments give the same point: there is no hidden state
-    EXPECT_TRUE(*p ==
-                *draw_singular_point(sheet, pattern, paper, conflicts, {inner}, {}, seed, 0, 0));
+    EXPECT_TRUE(*p == *draw_singular_point(sheet, pattern, paper, middle, {}, {seed, 0, 0}));
     places.emplace(p->x(), p->y());
     const Vector2d off = *p - sheet.pattern.row(inner).transpose();
     mean += off / n;
@@ -81,11 +81,11 @@ Draws draw_about(const Vector2d& middle, const Paper& paper) {
   sheet.pattern.row(member) = middle.transpose();
   const Conflicts conflicts{std::vector<double>(sheet.pattern.rows(), 0.2),
                             std::vector<char>(sheet.pattern.rows(), 1)};
+  const Vector2d aim = middle_of_conflict(sheet, conflicts, {member});
   Draws result;
   std::vector<Vector2d> points;
   for (unsigned seed = 0; seed < draws; ++seed)
-    points.push_back(
-        *draw_singular_point(sheet, pattern, paper, conflicts, {member}, {}, seed, 0, 0));
+    points.push_back(*draw_singular_point(sheet, pattern, paper, aim, {}, {seed, 0, 0}));
   for (const Vector2d& p : points) result.mean += p / draws;
   for (const Vector2d& p : points) result.deviation += (p - result.mean).cwiseAbs2() / (draws - 1);
   result.deviation = result.deviation.cwiseSqrt();
@@ -177,10 +177,10 @@ TEST(SingularPointsTest, DrawsKeepTheirDistanceFromTheBorderAndOtherPoints) {
   for (int v = 0; v < sheet.pattern.rows(); ++v)
     if (sheet.pattern(v, 1) < 0.012 && sheet.pattern(v, 1) > 1e-9) members.push_back(v);
   ASSERT_GT(members.size(), 3u);
+  const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
   sheet.singular.push_back({Vector2d(0.05, 0.0085), 1, "test"});
   for (unsigned seed = 0; seed < 500; ++seed) {
-    const auto p =
-        draw_singular_point(sheet, pattern, Paper{}, conflicts, members, options, seed, 0, 1);
+    const auto p = draw_singular_point(sheet, pattern, Paper{}, middle, options, {seed, 0, 1});
     if (!p) continue;
     EXPECT_GE((*p - sheet.singular[0].pattern).norm(), min_spacing(pattern, Paper{}, options));
     EXPECT_GE((nearest_border_point(pattern, *p) - *p).norm(), options.border_share * 0.1 - 1e-12);
