@@ -130,8 +130,8 @@ class Estimator {
     if (!relaxed.converged) return 0;
     Elastic elastic(sheet_.shot.paper, options_);
     elastic.set_mesh(relaxed.sheet, coarse_.mesh().stiffening);
-    const BranchSearch found = probe_branches(relaxed.sheet, elastic, coarse_.grip(held, held_at),
-                                              1.0 / 24, 0, frame, waves);
+    const BranchSearch found = probe_branches(relaxed.sheet, elastic, {coarse_.grip(held, held_at)},
+                                              {1.0 / 24, 0, frame, waves});
     return found.taken ? 100 * (found.before - found.after) / std::abs(found.before) : 0;
   }
 

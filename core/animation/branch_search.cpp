@@ -13,7 +13,6 @@ namespace paperbake {
 namespace {
 
 constexpr double amplitudes[] = {0.02, 0.06};  // [1] of the longer side
-constexpr int waves_of_each = 3;
 constexpr double same = 0.02;  // [1] of the energy: another branch is lower by more than this
 // [1] of the longer side, RMS: a shape closer than this is the same
 constexpr double another_shape = 0.01;
@@ -54,8 +53,9 @@ BranchSearch finish(Sheet& sheet, Elastic& elastic, const StepInput& input, doub
 
 }  // namespace
 
-BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& input, double dt,
-                            std::uint32_t seed, int frame) {
+BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& input,
+                            const BranchSearchOptions& options) {
+  const double dt = options.dt;
   const double side =
       (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
   const SolverState as_it_was = elastic.state();
@@ -84,10 +84,10 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
   const Points3 now = lowest.x;
   int candidate = 0;
   for (const double amplitude : amplitudes)
-    for (int k = 0; k < waves_of_each; ++k) {
-      const auto wave =
-          static_cast<std::uint32_t>(scramble((std::uint64_t(seed) << 32 | std::uint32_t(frame)) +
-                                              0x9e3779b97f4a7c15ull * ++candidate));
+    for (int k = 0; k < options.waves_of_each; ++k) {
+      const auto wave = static_cast<std::uint32_t>(
+          scramble((std::uint64_t(options.seed) << 32 | std::uint32_t(options.frame)) +
+                   0x9e3779b97f4a7c15ull * ++candidate));
       Sheet other = pushed(sheet, side, amplitude * side, wave);
       const ElasticReport there = relaxed(other);
       if (!there.converged || crossings(other) > 0) continue;

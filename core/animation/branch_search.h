@@ -17,9 +17,16 @@ struct BranchSearch {
   bool equal = false;
 };
 
+struct BranchSearchOptions {
+  double dt;           // [s] of a frame
+  std::uint32_t seed;  // of the sheet
+  int frame;
+  int waves_of_each = 3;  // number of waves of each height
+};
+
 /// Looks for other minima of the potential. The sheet is displaced along its normals by long waves
-/// that depend on seed and frame: three with an RMS height of 2 % of its longer side, and three
-/// with 6 %. Each displaced sheet is relaxed with the handles where they are. The lowest result
+/// that depend on seed and frame: waves_of_each with an RMS height of 2 % of its longer side, and as
+/// many with 6 %. Each displaced sheet is relaxed with the handles where they are. The lowest result
 /// that is a minimum, does not intersect itself and is more than 2 % below the sheet as it is, is
 /// taken: an elastic step leads to it, so that the sheet yields and touches as in any step.
 /// Otherwise the search leaves no trace.
@@ -27,10 +34,8 @@ struct BranchSearch {
 /// A sheet that touches itself cannot be displaced without passing through itself. It is given up
 /// to twelve more steps to come lower on its own branch.
 ///
-/// dt      [s] of a frame
 /// source  this project
-BranchSearch probe_branches(Sheet&, Elastic&, const StepInput&, double dt, std::uint32_t seed,
-                            int frame);
+BranchSearch probe_branches(Sheet&, Elastic&, const StepInput&, const BranchSearchOptions&);
 
 /// What the certificate says about it; empty: nothing.
 std::string note_of(const BranchSearch&);

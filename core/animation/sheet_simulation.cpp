@@ -318,7 +318,7 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
 void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
   Snapshot as_it_was{sheet(), elastic_.state()};
   const BranchSearch found = probe_branches(started_.sheet, elastic_, input_before_,
-                                            1 / options_.fps, options_.seed, frame_);
+                                            {1 / options_.fps, options_.seed, frame_});
   if (found.taken || found.finished) {
     if (!is_admissible(as_it_was.sheet, sheet(),
                        (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff()))

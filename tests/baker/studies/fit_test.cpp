@@ -2,6 +2,7 @@
 
 #include "core/geometry/random.h"
 #include "core/model/error.h"
+#include "tests/own_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -65,7 +66,7 @@ TEST(FitTest, SamplesOfOneLawAreNotToldApartAndOthersAre) {
 TEST(FitTest, FittedGradeReadsAsThePresetItIs) {
   const ScatterFit fit = fit_scatter(sample(7, 20, law, 0.003), law);
   const Preset mine = with_scatter(read_preset("copy70"), "mine", fit, "points \"a\".csv");
-  const auto path = std::filesystem::path(testing::TempDir()) / "paperbake_fit_mine.toml";
+  const auto path = test::own_folder() / "paperbake_fit_mine.toml";
   std::ofstream(path) << preset_text(mine);
   const Preset read = read_preset(path.string());
   EXPECT_EQ(read.paper.name, "mine");
@@ -78,11 +79,10 @@ TEST(FitTest, FittedGradeReadsAsThePresetItIs) {
     EXPECT_EQ(e.mark, "derived");
     EXPECT_NE(e.source.find("points \"a\".csv"), std::string::npos);
   }
-  std::filesystem::remove(path);
 }
 
 TEST(FitTest, BadFilesAreNamedWithTheirLine) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "paperbake_fit_points.csv";
+  const auto path = test::own_folder() / "paperbake_fit_points.csv";
   const auto error = [&](const std::string& text) {
     std::ofstream(path) << text;
     try {
@@ -101,7 +101,6 @@ TEST(FitTest, BadFilesAreNamedWithTheirLine) {
   EXPECT_NE(error("u,v\nnan,0.01\n").find("beside the sheet"), std::string::npos);
   EXPECT_NE(error("u,v\n0.05,0.01\n").find("1 points say nothing"), std::string::npos);
   EXPECT_EQ(error("name, u ,\"v\"\r\na,0.05,0.01\r\n\nb,0.05,0.012\nc,0.04,0.01\n"), "read");
-  std::filesystem::remove(path);
 }
 
 }  // namespace

@@ -41,7 +41,7 @@ TEST(BranchSearchTest, AStripInTheHighModeIsBroughtToTheLowOne) {
   const double arch = 1.0126 * Paper{}.bending_stiffness / length * width;
   ASSERT_NEAR(strip.report.energy / arch, 4, 0.08);
   const BranchSearch found =
-      probe_branches(strip.sheet, strip.elastic, strip.input, 1 / 24.0, 1, 6);
+      probe_branches(strip.sheet, strip.elastic, strip.input, {1 / 24.0, 1, 6});
   EXPECT_TRUE(found.taken);
   EXPECT_NEAR(found.before / arch, 4, 0.08);
   EXPECT_NEAR(found.after / arch, 1, 0.02);
@@ -59,7 +59,7 @@ TEST(BranchSearchTest, ALowArchHasAMirrorImageOfEqualEnergyAndStaysWhereItIs) {
   ASSERT_GT(strip.sheet.x.col(2).maxCoeff(), 0.0015);
   ASSERT_TRUE(strip.sheet.x == alone.sheet.x);
   const BranchSearch found =
-      probe_branches(strip.sheet, strip.elastic, strip.input, 1 / 24.0, 1, 6);
+      probe_branches(strip.sheet, strip.elastic, strip.input, {1 / 24.0, 1, 6});
   EXPECT_FALSE(found.taken);
   EXPECT_TRUE(found.equal);
   EXPECT_NE(note_of(found).find("bistable: another branch of equal energy"), std::string::npos)
@@ -72,7 +72,7 @@ TEST(BranchSearchTest, ALowArchHasAMirrorImageOfEqualEnergyAndStaysWhereItIs) {
 
 TEST(BranchSearchTest, ASheetWithOnlyOneShapeGetsNoNote) {
   Strip flat(1, 0);
-  const BranchSearch found = probe_branches(flat.sheet, flat.elastic, flat.input, 1 / 24.0, 1, 6);
+  const BranchSearch found = probe_branches(flat.sheet, flat.elastic, flat.input, {1 / 24.0, 1, 6});
   EXPECT_FALSE(found.taken || found.equal);
   EXPECT_EQ(note_of(found), "");
 }

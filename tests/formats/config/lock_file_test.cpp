@@ -1,6 +1,7 @@
 #include "formats/config/lock_file.h"
 
 #include "core/model/error.h"
+#include "tests/own_folder.h"
 
 #include <gtest/gtest.h>
 
@@ -12,7 +13,7 @@ namespace paperbake {
 namespace {
 
 std::filesystem::path written(const std::string& text) {
-  const auto path = std::filesystem::path(testing::TempDir()) / "lock_file_test.toml";
+  const auto path = test::own_folder() / "lock_file_test.toml";
   std::ofstream(path) << text;
   return path;
 }
