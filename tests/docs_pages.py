@@ -15,6 +15,7 @@ CODE = ("core", "formats", "baker", "tests")
 SKIPPED = {".git", ".venv", ".cache", "out", "__pycache__"}
 YEAR = r"(?:18|19|20)\d\d"
 KEY = re.compile(rf"([A-Z][\w-]+(?:,? (?:and |& )?[A-Z][\w-]+)*) ({YEAR}(?:, {YEAR})*)")
+YEARLESS = re.compile(r"^[^\n]*?//[^\n]*\[([A-Z][a-z]+(?:,? (?:and |& )?[A-Z][a-z]+)*)\](?!\()", re.M)
 
 
 def markdown_pages(source):
@@ -95,6 +96,11 @@ def cited_keys(text):
                 }
 
 
+def yearless_keys(text):
+    """(line, key) of every name in brackets, in a comment of C++, that has no year."""
+    return [(line_of(text, found.start(1)), found[1]) for found in YEARLESS.finditer(text)]
+
+
 def source_files(source):
     for top in CODE + ("presets", "docs"):
         for path in sorted((source / top).rglob("*")):
@@ -108,15 +114,23 @@ def source_files(source):
 
 
 def wrong_citations(source):
-    """Keys without an entry in docs/bibliography.md, and entries that nobody cites."""
+    """Keys without an entry in docs/bibliography.md, and entries that nobody cites.
+
+    An entry without a year is an abbreviation; presets write it without brackets.
+    """
     entries = set(
-        re.findall(
-            rf"^- \*\*\[([^\]]+ {YEAR})\]\*\*", (source / "docs/bibliography.md").read_text(), re.M
-        )
+        re.findall(r"^- \*\*\[([^\]]+)\]\*\*", (source / "docs/bibliography.md").read_text(), re.M)
     )
     wrong, used = [], set()
     for path in source_files(source):
-        for line, key, names in cited_keys(path.read_text(errors="replace")):
+        text = path.read_text(errors="replace")
+        used |= {e for e in entries if e.isupper() and re.search(rf"\b{e}\b", text)}
+        if path.suffix in (".h", ".cpp"):
+            wrong += [
+                (f"{path.relative_to(source)}:{line}", f"[{key}] is a citation without a year")
+                for line, key in yearless_keys(text)
+            ]
+        for line, key, names in cited_keys(text):
             used |= entries & names
             if not entries & names:
                 wrong.append(

@@ -372,10 +372,11 @@ def try_the_checks(clone):
     keys = [
         key
         for _, key, _ in docs_pages.cited_keys(
-            "/// [Cerda 1999,\n///  Mowitz 2012] as [Narain 2012, 2013], x[2000]"
+            "/// [Cerda 1999,\n///  Mowitz 2020] as [Narain 2012, 2013], x[2000]"
         )
     ]
-    assert keys == ["Cerda 1999", "Mowitz 2012", "Narain 2012", "Narain 2013"], keys
+    assert keys == ["Cerda 1999", "Mowitz 2020", "Narain 2012", "Narain 2013"], keys
+    assert docs_pages.yearless_keys("/// a\n/// [m] of [Cerda], [N m]\nx = y[A];\n") == [(2, "Cerda")]
 
 
 def main():

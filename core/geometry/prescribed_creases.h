@@ -23,8 +23,8 @@ std::vector<Vector2d> crease_points(const std::vector<PrescribedCrease>&);
 
 /// Stiffness k [N] of a prescribed crease per unit length: D / 150 h, where 150 h is 13.5 mm for
 /// office paper. The crease stores k/2 (theta - angle)^2 per metre of its length.
-/// source  prefolded paper: 147 h at 0.129 mm [Pradier 2016], 185 h at 0.27 mm [Yasuda]; virgin
-///         creases of board 1.6-133 mm
+/// source  prefolded paper: 147 h at 0.129 mm [Pradier 2016], 185 h at 0.27 mm [Yasuda 2013], both
+///         from the survey of [Filipov 2017]; virgin creases of board 1.6-133 mm
 inline double crease_stiffness(const Paper& paper) {
   return paper.bending_stiffness / (150 * paper.thickness);
 }

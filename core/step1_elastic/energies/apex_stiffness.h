@@ -12,7 +12,7 @@ namespace paperbake {
 /// (The energy of discs of 25, 50 and 100 mm that are pushed at their tips to a slope of 0.1, on
 /// meshes resolved to 0.3 mm, is that of cones with cores of 3.0, 3.5 and 4.0 mm; at a slope of
 /// 0.05, of 5.3, 6.1 and 7.2 mm. Crumples are steeper.)
-/// source  exponents of the crescent of a d-cone [Cerda 1999, Mowitz 2012]; the prefactor is
+/// source  exponents of the crescent of a d-cone [Cerda 1999, Mowitz 2020]; the prefactor is
 ///         measured there as 0.2-0.5
 double core_radius(const Paper&, double R);
 
