@@ -17,7 +17,8 @@ endif()
 
 add_compile_options(
   -Wall -Wextra -fno-math-errno -fpch-preprocess
-  $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)  # GCC 12 reports an overflow in fmt 9 that is none
+  # GCC 12 reports an overflow in fmt 9 that is none
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-stringop-overflow>)
 if(PAPERBAKE_CPU AND CMAKE_SYSTEM_PROCESSOR MATCHES "x86_64|AMD64")
   add_compile_options(-march=${PAPERBAKE_CPU})
 endif()

@@ -1,6 +1,7 @@
 # Writes presets as C++, so that the program needs no files beside it:
 #   cmake -P embed_presets.cmake OUT.cpp NAME.toml ...
-# The order in OUT.cpp is that of the names, and no path goes into it: the same presets give the same bytes.
+# The order in OUT.cpp is that of the names, and no path goes into it: the same presets give the
+# same bytes.
 
 math(EXPR last "${CMAKE_ARGC} - 1")
 set(output "${CMAKE_ARGV3}")

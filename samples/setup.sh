@@ -1,4 +1,5 @@
-# What samples/run and tests/run share: packages, configuration, build. Sourced in the root of the clone.
+# What samples/run and tests/run share: packages, configuration, build. Sourced in the root of the
+# clone.
 
 fail() {
   echo "${0##*/}: $*" >&2
@@ -12,14 +13,18 @@ say() {
 
 # packages GROUP...: the names in these groups of packages.txt
 packages() {
-  sed 's/#.*//' packages.txt | awk -v groups=" $* " 'NF && /^\[/ { on = index(groups, " " substr($1, 2, length($1) - 2) " "); next } NF && on { print $1 }'
+  sed 's/#.*//' packages.txt | awk -v groups=" $* " '
+    NF && /^\[/ { on = index(groups, " " substr($1, 2, length($1) - 2) " "); next }
+    NF && on { print $1 }'
 }
 
 # missing_packages GROUP...: those of them that are not installed
 missing_packages() {
   local wanted
   wanted=$(packages "$@" | sort -u)
-  comm -23 <(echo "$wanted") <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' $wanted 2>/dev/null | sed -n 's/^installed //p' | sort -u)
+  comm -23 <(echo "$wanted") \
+    <(dpkg-query -W -f '${db:Status-Status} ${Package}\n' $wanted 2>/dev/null |
+      sed -n 's/^installed //p' | sort -u)
 }
 
 # apt_install PACKAGE...: never asks the user
@@ -38,25 +43,42 @@ install_packages() {
     echo "All are installed."
     return
   fi
-  apt_install "${missing[@]}" || fail "These Debian packages are missing and could not be installed from here; install them and run this again: ${missing[*]}"
+  apt_install "${missing[@]}" ||
+    fail "These Debian packages are missing and could not be installed from here;" \
+      "install them and run this again: ${missing[*]}"
 }
 
 # install_cargo: any will do, and the build goes on without
 install_cargo() {
   command -v cargo "${HOME:-}/.cargo/bin/cargo" >/dev/null && return
-  apt_install $(packages fbx) || echo "There is no cargo: FBX files will be read through assimp, which loses steps, tangents and layers." >&2
+  apt_install $(packages fbx) || echo "There is no cargo: FBX files will be read through assimp," \
+    "which loses steps, tangents and layers." >&2
 }
 
-# configure TESTS: ON or OFF; a build folder that has the tests already serves both
+# configure TESTS: ON or OFF; a build folder that has the tests already serves both.
+# PAPERBAKE_WERROR=ON in the environment makes warnings errors; without it the folder stays as it
+# is, and a new one has them as warnings.
 configure() {
-  if [[ -f build/build.ninja ]]; then
-    if [[ $1 == OFF ]] || grep -q '^PAPERBAKE_TESTS:BOOL=ON$' build/CMakeCache.txt; then
-      echo "It is configured already."
-      return
-    fi
+  local wanted=("PAPERBAKE_TESTS:BOOL=$1") options=(-DPAPERBAKE_TESTS="$1" -DPAPERBAKE_UNITY=ON)
+  [[ $1 == ON ]] || wanted=()
+  if [[ -n ${PAPERBAKE_WERROR:-} ]]; then
+    wanted+=("PAPERBAKE_WERROR:BOOL=$PAPERBAKE_WERROR")
+    options+=(-DPAPERBAKE_WERROR="$PAPERBAKE_WERROR")
+  fi
+  if [[ -f build/build.ninja ]] && has_settings "${wanted[@]}"; then
+    echo "It is configured already."
+    return
   fi
   install_cargo
-  cmake -S . -B build -G Ninja -DPAPERBAKE_TESTS="$1" -DPAPERBAKE_UNITY=ON
+  cmake -S . -B build -G Ninja "${options[@]}"
+}
+
+# has_settings LINE...: whether the build folder is configured so
+has_settings() {
+  local line
+  for line; do
+    grep -qxF "$line" build/CMakeCache.txt || return 1
+  done
 }
 
 # steps_left TARGET: how many files the build has yet to compile or link
@@ -72,10 +94,12 @@ build() {
     echo "It is compiled already."
     return
   fi
-  # paperbake's 170 steps took 639 s of CPU time on a Xeon (Sapphire Rapids, 2.0 GHz) with an empty ccache, 3.8 s each
+  # paperbake's 170 steps took 639 s of CPU time on a Xeon (Sapphire Rapids, 2.0 GHz) with an empty
+  # ccache, 3.8 s each
   local minutes=$(((steps * 38 / cores + 599) / 600))
   if [[ $target == paperbake ]] && ((minutes > 1)); then
-    echo "$steps steps on $cores cores: about $minutes minutes, less where ccache knows them; ninja counts them."
+    echo "$steps steps on $cores cores: about $minutes minutes, less where ccache knows them;" \
+      "ninja counts them."
   fi
   cmake --build build --target "$target"
 }

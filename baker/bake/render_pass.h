@@ -27,11 +27,12 @@ struct RenderedSheet {
   RenderStatistics statistics;
 };
 
-/// Second stage of a bake: puts the simulated frames of sheets on one mesh for the whole shot, which
-/// has all handles, singular points and lasting creases of its sheet; and all simulated edges, if
-/// layers or sheets come so near each other that the surface would intersect without them.
-/// Velocities are central differences of what is rendered, one-sided at the ends of the record. As
-/// many frames are made ahead as there are threads; at most three finished ones are kept.
+/// Second stage of a bake: puts the simulated frames of sheets on one mesh for the whole shot,
+/// which has all handles, singular points and lasting creases of its sheet; and all simulated
+/// edges, if layers or sheets come so near each other that the surface would intersect without
+/// them. Velocities are central differences of what is rendered, one-sided at the ends of the
+/// record. As many frames are made ahead as there are threads; at most three finished ones are
+/// kept.
 class RenderPass {
  public:
   struct Options {

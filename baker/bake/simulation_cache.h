@@ -7,9 +7,9 @@
 
 namespace paperbake {
 
-/// Hands the simulated meshes of one sheet to the caches, for --mesh simulation. A frame is deferred
-/// until the next one is there, so that its velocity is the central difference of the true motion
-/// of the sheet, even where its mesh changes.
+/// Hands the simulated meshes of one sheet to the caches, for --mesh simulation. A frame is
+/// deferred until the next one is there, so that its velocity is the central difference of the true
+/// motion of the sheet, even where its mesh changes.
 class SimulationCache {
  public:
   SimulationCache(const BakeContext& bake, std::size_t sheet) : bake_(bake), sheet_(sheet) {}

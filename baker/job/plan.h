@@ -22,7 +22,8 @@ inline constexpr const char* hybrid_and_fem = "hybrid+fem";  // hybrid, polished
 bool is_method(const std::string&);
 inline constexpr const char* all_methods = "hybrid, fem, adaptive, hybrid+fem";
 
-/// Whether every frame is refined on a fine finite element mesh (core/animation/refined_animation.h).
+/// Whether every frame is refined on a fine finite element mesh
+/// (core/animation/refined_animation.h).
 struct Polishing {
   int triangles = 0;  // 0: it is not
   std::string why;
@@ -53,8 +54,8 @@ struct BakePlan {
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;  // every value and where it came from, for job.lock.toml
-  // of each sheet, together with those it may touch: version, settings, paper, pattern, start shape,
-  // handle points
+  // of each sheet, together with those it may touch: version, settings, paper, pattern, start
+  // shape, handle points
   std::vector<std::string> start_hash;
   // of all sheets: the same without the values that only concern which frames are written, and how
   std::string simulation_hash;
@@ -81,8 +82,8 @@ void simulate(const BakePlan&, const std::vector<AnimateOptions>& options, int t
 /// One sentence: names, frames, overshoot.
 std::string describe(const SheetImpossible&);
 
-/// Hash of all inputs up to a frame: the hash of the frame before it, keyed positions of the handles,
-/// which of them hold, and poses of the colliders.
+/// Hash of all inputs up to a frame: the hash of the frame before it, keyed positions of the
+/// handles, which of them hold, and poses of the colliders.
 /// before  the hash of the frame before it
 std::string frame_input_hash(const std::string& before, const std::vector<Shot>&, int frame,
                              int first_frame);

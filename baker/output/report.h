@@ -14,10 +14,10 @@ namespace paperbake {
 
 /// report.html: one page that opens from disk in any browser, with everything in it. The animation
 /// in 3D to play, scrub and orbit, curves over time, the maps at the end, the settings. It opens at
-/// the frame in which the paper is folded most: the largest sum, over the inner edges of the meshes,
-/// of length times dihedral angle. Positions are kept in 16 bits (1/65,535 of the room the sheet
-/// takes); a shot of so many vertices that the page would be larger than about 12 MB is shown in
-/// fewer frames.
+/// the frame in which the paper is folded most: the largest sum, over the inner edges of the
+/// meshes, of length times dihedral angle. Positions are kept in 16 bits (1/65,535 of the room the
+/// sheet takes); a shot of so many vertices that the page would be larger than about 12 MB is shown
+/// in fewer frames.
 class Report {
  public:
   /// frames  that will be added of each sheet

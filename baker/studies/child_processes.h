@@ -16,11 +16,11 @@ struct ProcessSpec {
 /// This program itself. throws Error(Fault::folder) when the system does not tell
 std::filesystem::path this_program();
 
-/// Runs this program once with the arguments of each child, at most `max_running` at a time, in order. A child
-/// ends with its parent, however that ends. SIGINT and SIGTERM are passed on to all that run, and
-/// no more is begun.
-/// ended  called for each that came to its end: its number and its exit code; 128 + the signal that
-///        ended it
+/// Runs this program once with the arguments of each child, at most `max_running` at a time, in
+/// order. A child ends with its parent, however that ends. SIGINT and SIGTERM are passed on to all
+/// that run, and no more is begun.
+/// ended  called for each that came to its end: its number and its exit code; 128 + the signal
+///        that ended it
 /// returns  whether a signal interrupted
 /// throws Error(Fault::folder) when a child cannot be started
 bool run_processes(const std::vector<ProcessSpec>&, int max_running,

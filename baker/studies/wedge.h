@@ -13,7 +13,7 @@ namespace paperbake {
 /// its own: DIR/0001, DIR/0002, ... What each came to lies in DIR/.state, one file each, so that
 /// processes on one machine or many can share the work.
 struct Wedge {
-  /// The settings that all have in common; output: DIR. CacheWriters (abc) and certificates (cert) are
+  /// The settings that all have in common; output: DIR. Caches (abc) and certificates (cert) are
   /// always written, and a bake has one thread unless another number is said.
   Wedge(BakeSettings, std::vector<Axis>);
 

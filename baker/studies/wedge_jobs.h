@@ -7,8 +7,8 @@
 
 namespace paperbake {
 
-/// Bakes all variations, `max_running` at a time, each by a process of its own that this program starts
-/// with --index, and tells of each on stderr.
+/// Bakes all variations, `max_running` at a time, each by a process of its own that this program
+/// starts with --index, and tells of each on stderr.
 /// arguments  of the command line that asked for the wedge
 /// returns  as finish_wedge does
 /// throws Error(Fault::stopped): SIGINT or SIGTERM; the bakes have ended after their frame

@@ -51,6 +51,15 @@ BranchSearch finish(Sheet& sheet, Elastic& elastic, const StepInput& input, doub
   return found;
 }
 
+/// Brings the sheet to the minimum in whose basin it lies.
+ElasticReport relax_fully(Sheet& sheet, Elastic& elastic, const StepInput& input, double dt) {
+  ElasticReport report;
+  // the inertia term holds it where it was pushed to, a little less every time
+  for (int time = 0; time < 3; ++time)
+    if (report = elastic.relax(sheet, input, dt, Relaxation::full); !report.converged) break;
+  return report;
+}
+
 }  // namespace
 
 BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& input,
@@ -64,19 +73,15 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
   no_past.positions.clear();
   no_past.second.reset();
   elastic.restore(no_past);
-  const auto relaxed = [&](Sheet& candidate) {
-    ElasticReport report;
-    // the inertia term holds it where it was pushed to, a little less every time
-    for (int time = 0; time < 3; ++time)
-      if (report = elastic.relax(candidate, input, dt, Relaxation::full); !report.converged) break;
-    return report;
-  };
 
   // The sheet itself is relaxed in the same way: what its minimisation has left over is not another
   // branch.
   Sheet lowest = sheet;
-  ElasticReport here = relaxed(lowest);
-  if (!here.converged || here.contact) here = elastic.evaluate_energies(sheet), lowest = sheet;
+  ElasticReport here = relax_fully(lowest, elastic, input, dt);
+  if (!here.converged || here.contact) {
+    here = elastic.evaluate_energies(sheet);
+    lowest = sheet;
+  }
   const double step = same * std::max(here.energy, noise);
   BranchSearch found;
   found.before = found.after = here.potential;
@@ -89,13 +94,16 @@ BranchSearch probe_branches(Sheet& sheet, Elastic& elastic, const StepInput& inp
           scramble((std::uint64_t(options.seed) << 32 | std::uint32_t(options.frame)) +
                    0x9e3779b97f4a7c15ull * ++candidate));
       Sheet other = pushed(sheet, side, amplitude * side, wave);
-      const ElasticReport there = relaxed(other);
+      const ElasticReport there = relax_fully(other, elastic, input, dt);
       if (!there.converged || crossings(other) > 0) continue;
       if (std::abs(there.potential - here.potential) <= step)
         found.equal |=
             std::sqrt((other.x - now).rowwise().squaredNorm().mean()) > another_shape * side;
-      if (there.potential < least)
-        least = there.potential, found.taken = true, lowest = std::move(other);
+      if (there.potential < least) {
+        least = there.potential;
+        found.taken = true;
+        lowest = std::move(other);
+      }
     }
   elastic.restore(as_it_was);
   if (!found.taken) return found;

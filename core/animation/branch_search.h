@@ -25,10 +25,10 @@ struct BranchSearchOptions {
 };
 
 /// Looks for other minima of the potential. The sheet is displaced along its normals by long waves
-/// that depend on seed and frame: waves_of_each with an RMS height of 2 % of its longer side, and as
-/// many with 6 %. Each displaced sheet is relaxed with the handles where they are. The lowest result
-/// that is a minimum, does not intersect itself and is more than 2 % below the sheet as it is, is
-/// taken: an elastic step leads to it, so that the sheet yields and touches as in any step.
+/// that depend on seed and frame: waves_of_each with an RMS height of 2 % of its longer side, and
+/// as many with 6 %. Each displaced sheet is relaxed with the handles where they are. The lowest
+/// result that is a minimum, does not intersect itself and is more than 2 % below the sheet as it
+/// is, is taken: an elastic step leads to it, so that the sheet yields and touches as in any step.
 /// Otherwise the search leaves no trace.
 ///
 /// A sheet that touches itself cannot be displaced without passing through itself. It is given up

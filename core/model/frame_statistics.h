@@ -20,8 +20,9 @@ struct RenderStatistics {
 };
 
 /// The numbers of one frame of one sheet, in SI units and milliseconds. Each has a row in
-/// visit_frame_statistics below; checkpoints, the certificate, its summary, the curves of the report
-/// and the table of a wedge are written from there. A new number is a field here and a row there.
+/// visit_frame_statistics below; checkpoints, the certificate, its summary, the curves of the
+/// report and the table of a wedge are written from there. A new number is a field here and a row
+/// there.
 struct FrameStatistics {
   // of the simulated mesh after step 3, measured by whoever records the frame
   int triangles = 0;

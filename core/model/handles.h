@@ -26,7 +26,7 @@ struct Handle {
   int grab_frame = std::numeric_limits<int>::min();     // held from this frame (included) ...
   int release_frame = std::numeric_limits<int>::max();  // ... to this one (excluded)
   // [m] paper_radius; 0: a bare point; none: a lone handle has the size of a finger
-  std::optional<double> radius;
+  std::optional<double> radius = {};
   double stiffness = 0;  // [N/m] 0: hard
 
   bool held(int frame) const { return grab_frame <= frame && frame < release_frame; }

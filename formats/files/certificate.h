@@ -48,8 +48,9 @@ struct SingularRecord {
 // when a number is NaN or infinite.
 
 /// One JSON object on one line, without a newline: frame, sheet, the numbers of
-/// visit_frame_statistics in their order and units (null where the frame was not rendered), `jammed`
-/// as a list of [handle, mm], note and hashes. Bytes of a name that are not UTF-8 become U+FFFD.
+/// visit_frame_statistics in their order and units (null where the frame was not rendered),
+/// `jammed` as a list of [handle, mm], note and hashes. Bytes of a name that are not UTF-8 become
+/// U+FFFD.
 std::string frame_line(const FrameRecord&);
 
 /// Reads such a line; a number that is missing in it keeps its default.

@@ -291,7 +291,8 @@ void ColliderContact::project_outside(Points3& to) const {
     if (!held_[v]) to.row(v) = reachable(v, row(to, v));
 }
 
-/// What is left of a share of the motion when no vertex may go deeper into the collider than it may.
+/// What is left of a share of the motion when no vertex may go deeper into the collider than it
+/// may.
 double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& local,
                                                const Points3& way, double share) const {
   constexpr double near_enough = 2e-5;  // [m]

@@ -14,8 +14,8 @@ namespace paperbake {
 ///            k r0^2/2 + F0 (r - r0) + k_y (r - r0)^2/2 beyond
 ///
 /// r    [m] distance from the target
-/// k    [N/m] of a soft constraint its own stiffness; of a hard one so large that r is a few microns
-///      as long as the paper follows
+/// k    [N/m] of a soft constraint its own stiffness; of a hard one so large that r is a few
+///      microns as long as the paper follows
 /// F0   [N] infinite for a soft constraint
 /// k_y  [N/m] of a hard constraint that the paper cannot follow
 /// source  this project; force and stiffness were measured on crumpled sheets

@@ -54,9 +54,12 @@ TEST(FrameStatistics, EveryRowIsOfANumberOfItsOwnUnderANameOfItsOwn) {
   std::set<std::string> names, in_summary;
   visit_frame_statistics([&](const auto& field) {
     EXPECT_TRUE(numbers.insert(find_statistic(statistics, field)).second) << field.name;
-    if (field.name) EXPECT_TRUE(names.insert(field.name).second) << field.name;
-    if (field.over_shot != ShotValue::none)
+    if (field.name) {
+      EXPECT_TRUE(names.insert(field.name).second) << field.name;
+    }
+    if (field.over_shot != ShotValue::none) {
       EXPECT_TRUE(in_summary.insert(field.shot_name).second) << field.shot_name;
+    }
   });
   EXPECT_GT(in_summary.size(), 10u);
 }
