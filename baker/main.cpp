@@ -4,6 +4,7 @@
 #include "baker/check/verify.h"
 #include "baker/job/job_settings.h"
 #include "baker/job/options.h"
+#include "baker/job/version.h"
 #include "baker/output/output_folder.h"
 #include "baker/studies/chart.h"
 #include "baker/studies/chart_picture.h"
@@ -405,7 +406,7 @@ int run_verify(const VerifyArguments& parsed) {
 
 int run(int argc, char** argv) {
   CLI::App app("Bakes paper animation from handles keyed in a DCC.", "paperbake");
-  app.set_version_flag("--version", "paperbake " PAPERBAKE_VERSION);
+  app.set_version_flag("--version", std::string("paperbake ") + program_version);
   app.require_subcommand(1);
 
   BakeArguments bake;

@@ -1,5 +1,6 @@
 #include "baker/job/plan.h"
 
+#include "baker/job/version.h"
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
 #include "core/methods/adaptive.h"
@@ -339,7 +340,7 @@ std::vector<std::string> with_all(std::vector<std::string> hashes) {
 
 /// Hashes of everything that the frames, and that the simulated frames alone, depend on.
 void hash_inputs(BakePlan& plan) {
-  std::string job, values = PAPERBAKE_VERSION "\n", of_simulation = values;
+  std::string job, values = std::string(program_version) + "\n", of_simulation = values;
   for (const UsedValue& value : plan.used) {
     const std::string line = value.key + " = " + value.value + "\n";
     if (value.key != "scene.file") values += line;
@@ -432,7 +433,7 @@ void simulate(const BakePlan& plan, const std::vector<AnimateOptions>& options, 
 std::string lock_text(const BakePlan& plan) {
   std::string text = "# Every value of this bake and, behind it, where it came from.\n";
   text += fmt::format("program = \"paperbake\"\nversion = \"{}\"\njob_hash = \"{}\"\n",
-                      PAPERBAKE_VERSION, plan.job_hash);
+                      program_version, plan.job_hash);
   std::string table;
   for (const UsedValue& value : plan.used) {
     const std::size_t dot = value.key.rfind('.');

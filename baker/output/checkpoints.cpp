@@ -1,5 +1,6 @@
 #include "baker/output/checkpoints.h"
 
+#include "baker/job/version.h"
 #include "baker/output/file_hash.h"
 #include "core/model/serializer.h"
 #include "formats/cache/content_hash.h"
@@ -70,7 +71,7 @@ void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
 }  // namespace
 
 const std::string& program_key() {
-  static const std::string key = PAPERBAKE_VERSION " " + file_hash("/proc/self/exe");
+  static const std::string key = std::string(program_version) + " " + file_hash("/proc/self/exe");
   return key;
 }
 

@@ -1,3 +1,4 @@
+#include "baker/job/version.h"
 #include "baker/output/frame_writer.h"
 #include "baker/output/preview.h"
 #include "baker/output/report.h"
@@ -14,7 +15,7 @@ CacheInfo cache_info(const BakePlan& plan) {
   return {plan.animation.fps,
           plan.frames.first,
           plan.frames.step,
-          {{"paperbake_version", PAPERBAKE_VERSION}, {"paperbake_job", plan.job_hash}}};
+          {{"paperbake_version", program_version}, {"paperbake_job", plan.job_hash}}};
 }
 
 std::vector<std::string> sheet_names(const BakePlan& plan) {

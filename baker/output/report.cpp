@@ -1,5 +1,6 @@
 #include "baker/output/report.h"
 
+#include "baker/job/version.h"
 #include "baker/output/frame_curves.h"
 
 #include <algorithm>
@@ -151,11 +152,10 @@ std::string Report::html(const std::vector<FrameRecord>& records,
     if (frames.empty() || frames.back() != r.frame) frames.push_back(r.frame);
   data["frames"] = frames;
   data["begin"] = most_folded();
-  data["what"] =
-      frames.empty()
-          ? ""
-          : fmt::format("{}, frames {}-{} at {:g} fps, paperbake " PAPERBAKE_VERSION, plan_.method,
-                        frames.front(), frames.back(), plan_.animation.fps);
+  data["what"] = frames.empty() ? ""
+                                : fmt::format("{}, frames {}-{} at {:g} fps, paperbake {}",
+                                              plan_.method, frames.front(), frames.back(),
+                                              plan_.animation.fps, program_version);
   data["settings"] = Json::array();
   for (const UsedValue& value : plan_.used)
     data["settings"].push_back({value.key, value.value, value.origin});

@@ -1,5 +1,6 @@
 #include "baker/output/summary.h"
 
+#include "baker/job/version.h"
 #include "baker/output/file_hash.h"
 
 #include <algorithm>
@@ -18,8 +19,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-/// One number over those frames that have it, in the unit of its field: mean, largest, and the frame
-/// of the largest. null: no frame has it
+/// One number over those frames that have it, in the unit of its field: mean, largest, and the
+/// frame of the largest. null: no frame has it
 template <class Field>
 Json spread(const std::vector<FrameRecord>& frames, const Field& field) {
   double sum = 0, largest = 0;
@@ -250,7 +251,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
   for (const UsedValue& value : plan.used) settings[value.key] = value.value;
   const auto jammed = std::count_if(frames.begin(), frames.end(),
                                     [](const FrameRecord& f) { return !f.jammed.empty(); });
-  Json summary{{"program", "paperbake"},         {"version", PAPERBAKE_VERSION},
+  Json summary{{"program", "paperbake"},         {"version", program_version},
                {"job_hash", plan.job_hash},      {"method", plan.method},
                {"fps", plan.animation.fps},      {"first_frame", plan.frames.first},
                {"last_frame", plan.frames.last}, {"frames", frames.size()},

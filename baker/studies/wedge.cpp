@@ -3,6 +3,7 @@
 #include "baker/bake/bake.h"
 #include "baker/check/verify.h"
 #include "baker/job/options.h"
+#include "baker/job/version.h"
 #include "baker/output/output_folder.h"
 #include "baker/output/preview.h"
 #include "core/model/error.h"
@@ -64,7 +65,7 @@ Json literal(const Axis& axis, const std::string& value) {
 
 /// What a variation was asked to be and to write, as far as it is known without reading the scene.
 std::string inputs_key(const BakeSettings& settings) {
-  std::string bytes = PAPERBAKE_VERSION;
+  std::string bytes = program_version;
   for (const auto& [name, given] : settings.given)
     if (name != "output" && name != "scene" && name != "threads" && name != "progress")
       bytes += "/" + name + "=" + given.text;
@@ -178,7 +179,7 @@ std::string table_json(const Wedge& wedge, const std::vector<Json>& records) {
   Json keys = Json::array();
   for (const Axis& axis : wedge.axes) keys.push_back(axis.key);
   return in_lines({{"program", "paperbake"},
-                   {"version", PAPERBAKE_VERSION},
+                   {"version", program_version},
                    {"keys", keys},
                    {"variations", records}});
 }
