@@ -14,17 +14,17 @@
 namespace paperbake {
 namespace {
 
-using Json = nlohmann::ordered_json;
+using OrderedJson = nlohmann::ordered_json;
 
 const char* release_origin(const SceneSheet& sheet, const Handle& handle) {
   return sheet.scale_releases.count(handle.name) ? "keyed scale" : "paper_release_frame";
 }
 
-Json handle_json(const SceneSheet& sheet, const Handle& handle) {
-  Json j{{"name", handle.name},
-         {"u_m", handle.pattern.x()},
-         {"v_m", handle.pattern.y()},
-         {"mode", handle.mode == HandleMode::relative ? "relative" : "absolute"}};
+OrderedJson handle_json(const SceneSheet& sheet, const Handle& handle) {
+  OrderedJson j{{"name", handle.name},
+                {"u_m", handle.pattern.x()},
+                {"v_m", handle.pattern.y()},
+                {"mode", handle.mode == HandleMode::relative ? "relative" : "absolute"}};
   if (handle.grab_frame != std::numeric_limits<int>::min()) j["grab_frame"] = handle.grab_frame;
   if (handle.release_frame != std::numeric_limits<int>::max())
     j["release_frame"] = handle.release_frame, j["release_from"] = release_origin(sheet, handle);
@@ -33,8 +33,8 @@ Json handle_json(const SceneSheet& sheet, const Handle& handle) {
   return j;
 }
 
-Json crease_json(const PrescribedCrease& crease, const std::string& origin) {
-  Json line = Json::array();
+OrderedJson crease_json(const PrescribedCrease& crease, const std::string& origin) {
+  OrderedJson line = OrderedJson::array();
   for (const Vector2d& p : crease.line) line.push_back({p.x(), p.y()});
   return {{"line_m", std::move(line)}, {"angle_deg", crease.angle * 180 / M_PI}, {"from", origin}};
 }
@@ -60,18 +60,18 @@ std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
   return all;
 }
 
-Json scene_json(const Scene& scene) {
-  Json sheets = Json::array(), impossible = Json::array();
+OrderedJson scene_json(const Scene& scene) {
+  OrderedJson sheets = OrderedJson::array(), impossible = OrderedJson::array();
   for (const SceneSheet& sheet : scene.sheets) {
-    Json handles = Json::array();
+    OrderedJson handles = OrderedJson::array();
     for (const Handle& handle : sheet.handles) handles.push_back(handle_json(sheet, handle));
-    Json j{{"name", sheet.name},
-           {"width_m", extent(sheet.pattern).x()},
-           {"height_m", extent(sheet.pattern).y()},
-           {"outline_corners", sheet.pattern.outline.size()},
-           {"holes", sheet.pattern.holes.size()},
-           {"vertices", sheet.start.x.rows()},
-           {"triangles", sheet.start.triangles.rows()}};
+    OrderedJson j{{"name", sheet.name},
+                  {"width_m", extent(sheet.pattern).x()},
+                  {"height_m", extent(sheet.pattern).y()},
+                  {"outline_corners", sheet.pattern.outline.size()},
+                  {"holes", sheet.pattern.holes.size()},
+                  {"vertices", sheet.start.x.rows()},
+                  {"triangles", sheet.start.triangles.rows()}};
     if (sheet.preset) j["paper_preset"] = *sheet.preset;
     if (sheet.grammage) j["paper_gsm"] = *sheet.grammage;
     if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
@@ -89,10 +89,10 @@ Json scene_json(const Scene& scene) {
                           {"frame", i.pair.frame},
                           {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
                           {"text", describe(i)}});
-  Json j{{"file", scene.source},
-         {"fps", scene.fps},
-         {"first_frame", scene.first_frame},
-         {"last_frame", scene.last_frame}};
+  OrderedJson j{{"file", scene.source},
+                {"fps", scene.fps},
+                {"first_frame", scene.first_frame},
+                {"last_frame", scene.last_frame}};
   if (scene.gravity) j["gravity"] = *scene.gravity;
   j["origin"] = scene.origin;
   j["sheets"] = std::move(sheets);
@@ -169,7 +169,7 @@ std::string inspect_cache(const std::filesystem::path& path, bool json) {
   const auto bytes = std::filesystem::file_size(path);
   std::string text = fmt::format("{}: {:.2f} MB, {} sheets at {} fps\n", path.filename().string(),
                                  1e-6 * bytes, cache.sheets().size(), info.fps);
-  Json metadata = Json::object(), sheets = Json::array();
+  OrderedJson metadata = OrderedJson::object(), sheets = OrderedJson::array();
   for (const auto& [key, value] : info.metadata) {
     metadata[key] = value;
     text += fmt::format("  {} = {}\n", key, value);
@@ -183,14 +183,14 @@ std::string inspect_cache(const std::filesystem::path& path, bool json) {
          {std::pair(sheet.velocity, "velocities"), std::pair(sheet.normal, "normals"),
           std::pair(sheet.uv, "uv"), std::pair(sheet.crease, "crease strength")})
       if (has) channels.push_back(name);
-    Json j{{"name", sheet.name},
-           {"frames", sheet.frames},
-           {"first_frame", info.first_frame},
-           {"last_frame", last},
-           {"constant_topology", sheet.constant_topology},
-           {"vertices", spread.vertices},
-           {"triangles", spread.triangles},
-           {"channels", channels}};
+    OrderedJson j{{"name", sheet.name},
+                  {"frames", sheet.frames},
+                  {"first_frame", info.first_frame},
+                  {"last_frame", last},
+                  {"constant_topology", sheet.constant_topology},
+                  {"vertices", spread.vertices},
+                  {"triangles", spread.triangles},
+                  {"channels", channels}};
     text += fmt::format("sheet \"{}\": frames {}-{}{}, ", sheet.name, info.first_frame, last,
                         info.frame_step > 1 ? fmt::format(" by {}", info.frame_step) : "");
     text +=
@@ -211,12 +211,12 @@ std::string inspect_cache(const std::filesystem::path& path, bool json) {
     sheets.push_back(std::move(j));
   }
   if (!json) return text;
-  const Json all{{"file", path.filename().string()},
-                 {"bytes", bytes},
-                 {"fps", info.fps},
-                 {"metadata", metadata},
-                 {"sheets", sheets}};
-  return all.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  const OrderedJson all{{"file", path.filename().string()},
+                        {"bytes", bytes},
+                        {"fps", info.fps},
+                        {"metadata", metadata},
+                        {"sheets", sheets}};
+  return all.dump(1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 std::string inspect_job(const BakeSettings& settings, bool json) {
@@ -228,16 +228,16 @@ std::string inspect_job(const BakeSettings& settings, bool json) {
       text += fmt::format("  {} = {}  # {}\n", value.key, value.value, value.origin);
     return text;
   }
-  Json j = scene_json(scene);
+  OrderedJson j = scene_json(scene);
   for (const UsedValue& value : plan.used)
     j["values"].push_back({{"key", value.key}, {"value", value.value}, {"origin", value.origin}});
-  return j.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return j.dump(1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
 }
 
 std::string inspect_scene(const std::filesystem::path& path, const SceneOptions& options,
                           bool json) {
   const Scene scene = read_scene(path, options);
-  return json ? scene_json(scene).dump(1, ' ', false, Json::error_handler_t::replace) + "\n"
+  return json ? scene_json(scene).dump(1, ' ', false, OrderedJson::error_handler_t::replace) + "\n"
               : scene_text(scene);
 }
 

@@ -80,7 +80,7 @@ class LogAxis {
   double a_, b_, low_, high_;
 };
 
-struct Panel {
+struct PlotPanel {
   std::string title, unit;
   std::function<double(const ChartPoint&)> value;
   std::vector<std::pair<double, std::string>> lines;  // across: value and what it is
@@ -115,7 +115,7 @@ class Labels {
   std::vector<std::array<double, 4>> taken_;
 };
 
-std::string draw(const Panel& panel, const std::vector<ChartPoint>& points, double left,
+std::string draw(const PlotPanel& panel, const std::vector<ChartPoint>& points, double left,
                  double panel_width) {
   std::vector<double> xs, ys;
   for (const ChartPoint& p : points)
@@ -207,11 +207,11 @@ std::string draw(const Panel& panel, const std::vector<ChartPoint>& points, doub
 
 std::string chart_svg(const Chart& chart) {
   const auto c_m = [](const ChartPoint& p) { return p.c_m_pct; };
-  Panel distance{"Distance to the reference",
-                 "RMS over 41 x 41 points, % of the longer side",
-                 [](const ChartPoint& p) { return p.rms_pct; },
-                 {},
-                 pareto_front(chart.points)};
+  PlotPanel distance{"Distance to the reference",
+                     "RMS over 41 x 41 points, % of the longer side",
+                     [](const ChartPoint& p) { return p.rms_pct; },
+                     {},
+                     pareto_front(chart.points)};
   if (chart.reference_error_pct > 0)
     distance.lines.push_back(
         {chart.reference_error_pct,
@@ -219,12 +219,13 @@ std::string chart_svg(const Chart& chart) {
   if (chart.control_pct > 0)
     distance.lines.push_back(
         {chart.control_pct, fmt::format("reference on another mesh: {:.2g} %", chart.control_pct)});
-  const Panel energy{"Stored energy over the reference's (chaotic scene)",
-                     "mean over the frames",
-                     [](const ChartPoint& p) { return p.energy_rel; },
-                     {{1.0, "the reference"}},
-                     {}};
-  const Panel lengths{"Length error c_m", "mean |l - L|/L over edges and frames, %", c_m, {}, {}};
+  const PlotPanel energy{"Stored energy over the reference's (chaotic scene)",
+                         "mean over the frames",
+                         [](const ChartPoint& p) { return p.energy_rel; },
+                         {{1.0, "the reference"}},
+                         {}};
+  const PlotPanel lengths{
+      "Length error c_m", "mean |l - L|/L over edges and frames, %", c_m, {}, {}};
 
   std::string svg = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{0}\" height=\"{1}\" viewBox=\"0 0 {0} "
