@@ -112,8 +112,8 @@ TEST(RenderMeshTest, SimulatedEdgesAreRowsOfEdges) {
 }
 
 TEST(RenderMeshTest, SimulatedEdgesThatNearlyCoincideAreKeptOrLeftOutAndTheMeshSaysSo) {
-  // Edges that cross within a millionth of the sheet. Which of them no triangulation has is a matter
-  // of rounding.
+  // Edges that cross within a millionth of the sheet. Which of them no triangulation has is a
+  // matter of rounding.
   RenderFeatures features;
   for (int k = 1; k <= 40; ++k) {
     const double off = 2.5e-8 * k;
@@ -131,6 +131,23 @@ TEST(RenderMeshTest, SimulatedEdgesThatNearlyCoincideAreKeptOrLeftOutAndTheMeshS
   features.edges.clear();
   EXPECT_EQ(mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features).simulated_edges,
             SimulatedEdges::none);
+}
+
+TEST(RenderMeshTest, SimulatedEdgesThatNoTriangulationHasAreLeftOutAndTheMeshSaysSo) {
+  // one that leads across a hole, and one that leaves the sheet: they cross the border whatever the
+  // rounding
+  Pattern holed = test::rectangle(0.1, 0.1);
+  holed.holes = {{{0.04, 0.04}, {0.04, 0.06}, {0.06, 0.06}, {0.06, 0.04}}};
+  RenderFeatures features;
+  features.edges = {{{0.02, 0.05}, {0.08, 0.0513}}};
+  const RenderMesh around = mesh_for_render(holed, 0.003, features);
+  EXPECT_EQ(around.simulated_edges, SimulatedEdges::too_close);
+  EXPECT_NEAR(area_of(around), 0.01 - 0.0004, 1e-12);
+
+  features.edges = {{{0.02, 0.05}, {0.08, 0.12}}};
+  const RenderMesh inside = mesh_for_render(test::rectangle(0.1, 0.1), 0.003, features);
+  EXPECT_EQ(inside.simulated_edges, SimulatedEdges::too_close);
+  EXPECT_NEAR(area_of(inside), 0.01, 1e-12);
 }
 
 TEST(RenderMeshTest, AnOutlineThatCrossesItselfIsAnErrorWithSimulatedEdgesToo) {

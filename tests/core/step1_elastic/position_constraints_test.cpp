@@ -7,9 +7,8 @@
 namespace paperbake {
 namespace {
 
-const PositionConstraints three{{7, Vector3d(1, 2, 3)},
-                                {2, Vector3d(4, 5, 6), 0.5},
-                                {9, Vector3d(7, 8, 9)}};
+const PositionConstraints three{
+    {7, Vector3d(1, 2, 3)}, {2, Vector3d(4, 5, 6), 0.5}, {9, Vector3d(7, 8, 9)}};
 
 TEST(PositionConstraintsTest, EachIsHardOrSoftAndTheirOrderStays) {
   EXPECT_EQ(vertices_of(three), (std::vector<int>{7, 2, 9}));

@@ -9,17 +9,17 @@
 namespace paperbake {
 namespace {
 
-/// A rolled sheet whose vertices are displaced at random, by a few `noise` [m] at most.
+/// A rolled sheet whose vertices are displaced at random, by at most `noise` [m] along each axis.
 Sheet noisy_roll(double noise) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 10, 0.2);
   test::roll(sheet, 0.06);
   for (int v = 0; v < sheet.x.rows(); ++v)
-    for (int c = 0; c < 3; ++c) sheet.x(v, c) += noise * (2 * uniform(7, 3 * v + c) - 1);
+    for (int c = 0; c < 3; ++c) sheet.x(v, c) += noise * uniform(7, 3 * v + c);
   return sheet;
 }
 
 TEST(DevelopableTest, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
-  Sheet sheet = noisy_roll(2e-5);
+  Sheet sheet = noisy_roll(4e-5);
   const double defect = angle_defect_max(sheet);
   const Points3 before = sheet.x;
   ASSERT_GT(length_distortion(sheet).largest, 0.002);
@@ -36,7 +36,7 @@ TEST(DevelopableTest, RestoredSheetHasTheLengthsAndAnglesOfItsPattern) {
 }
 
 TEST(DevelopableTest, SmallLengthErrorsAreLeftAlone) {
-  Sheet sheet = noisy_roll(2e-5);
+  Sheet sheet = noisy_roll(4e-5);
   const Points3 before = sheet.x;
   DevelopableOptions lax;
   lax.left_alone = 0.1;
@@ -65,14 +65,14 @@ TEST(DevelopableTest, HeldVerticesStayAndExcessStretchIsShared) {
 }
 
 TEST(DevelopableTest, NoVertexMovesFartherThanAllowed) {
-  Sheet sheet = noisy_roll(1e-3);
+  Sheet sheet = noisy_roll(2e-3);
   DevelopableOptions options;
   options.max_move = 1e-4;
   EXPECT_LE(restore_lengths(sheet, {}, options).moved, 1e-4 * std::sqrt(2) * 0.1 * (1 + 1e-9));
 }
 
 TEST(DevelopableTest, SheetHeldEverywhereStays) {
-  Sheet sheet = noisy_roll(1e-3);
+  Sheet sheet = noisy_roll(2e-3);
   std::vector<int> all(sheet.x.rows());
   for (int v = 0; v < sheet.x.rows(); ++v) all[v] = v;
   const Points3 before = sheet.x;
