@@ -181,7 +181,106 @@ def half():
         gravity=9.81)
 
 
-SCENES = (letter, half)
+def quarter():
+    """A square folded twice, the second fold across the first: four layers.
+
+    The first fold is turned by 178.8 degrees, so that its layers are 0.6 to 1.3 mm apart where
+    hands hold them. The second turns the lower layer by 176 degrees and, at its end, lifts it by
+    1.2 mm over the two layers that it carries between itself and the lower half: round those, this
+    outer layer needs the paper on both sides of its fold, and has just enough. The layer inside is
+    held at its corner until it can no longer spring out; then it lies as long as it is.
+    """
+    middle, side = 60, 120
+
+    def second(frame):
+        return along(frame, ((48, 0), (96, 176)))
+
+    def first_fold(frame):
+        return turned(along(frame, ((1, 0), (40, 178.8))), mm((middle, 0))[0], (0, -1, 0))
+
+    def second_fold(frame):
+        lift = Vector((0, 0, 1.2 * MM * eased(second(frame), 120, 176)))
+        turn = turned(second(frame), mm((0, middle))[0], (1, 0, 0))
+        return Matrix.Translation(lift) @ turn
+
+    def both_folds(frame):
+        return second_fold(frame) @ first_fold(frame)
+
+    released = min(f for f in range(48, 97) if second(f) >= 120)
+    return Scene("F3_quarter", (0.120, 0.120), 108, (
+        Hand("lower", mm((0, 0), (30, 3), (3, 35)), flat, rectangle(0, 0, middle, middle)),
+        Hand("lower.over", mm((120, 0), (90, 5), (118, 25)), first_fold,
+             rectangle(middle, 0, side, middle)),
+        Hand("upper", mm((0, 120), (30, 117), (3, 85)), second_fold,
+             rectangle(0, middle, middle, side)),
+        Hand("upper.over", mm((120, 120)), both_folds, release=released)))
+
+
+def fan():
+    """Five strips turned to and fro by 80 degrees, four pleats between them; then opened by half."""
+    width, height, count, inset = 160, 100, 5, 8
+    strip = width / count
+
+    def steepness(frame):
+        return along(frame, ((1, 0), (60, 80), (66, 80), (90, 40)))
+
+    def hand(i):
+        centre = (i + 0.5) * strip
+
+        def pose(frame):
+            turn = steepness(frame)
+            nearer = (centre - width / 2) * (math.cos(math.radians(turn)) - 1) * MM
+            way = turned(turn * (-1) ** i, mm((centre, 0))[0], (0, -1, 0))
+            return Matrix.Translation(Vector((nearer, 0, 0))) @ way
+
+        points = [(centre + x, y) for y in (0, height) for x in (-inset, inset)]
+        return Hand("strip%d" % i, mm(*points), pose,
+                    rectangle(i * strip, 0, (i + 1) * strip, height))
+
+    return Scene("F4_fan", (0.160, 0.100), 96, tuple(hand(i) for i in range(count)))
+
+
+def corner():
+    """A corner folded over along a diagonal line, turned back, and folded again on that line."""
+    def folded(frame):
+        turn = along(frame, ((1, 0), (36, 175), (42, 175), (66, 20), (70, 20), (102, 175)))
+        return turned(turn, mm((105, 105))[0], (1, -1, 0))
+
+    page = mm((0, 0), (75, 0), (150, 0), (0, 75), (0, 150), (90, 90))
+    flap = mm((150, 150), (145, 85), (85, 145), (120, 120))
+    return Scene("F5_corner", (0.150, 0.150), 108, (
+        Hand("page", page, flat, mm((0, 0), (150, 0), (150, 60), (60, 150), (0, 150))),
+        Hand("flap", flap, folded, mm((150, 60), (150, 150), (60, 150)))))
+
+
+def pinch():
+    """A page of which two fingers carry one edge over to the other; a flat box presses the loop.
+
+    No hand holds three points, so nothing says where the fold will be: the sheet lies in a loop, and
+    the box makes the fold, a little beyond the middle.
+    """
+    width, height = 150, 210
+    end, above = 6, 3  # [mm] where the carried edge comes to lie
+
+    def carried(frame):
+        t = along(frame, ((1, 0), (44, 1)))
+        around, half_way = math.pi * t, (height - end) / 2
+        y = height - half_way * (1 - math.cos(around))
+        return Matrix.Translation(Vector((0, y - height, 80 * math.sin(around) + above * t)) * MM)
+
+    def pressing(frame):
+        height_above = along(frame, ((40, 140), (70, 3), (76, 3), (92, 140)))
+        return Vector((0, 0, height_above * MM))
+
+    return Scene("F6_pinch", (0.150, 0.210), 120, (
+        Hand("near", mm((30, 0), (120, 0)), flat),
+        Hand("far", mm((30, height), (120, height)), carried, release=96)),
+        (table(0.150, 0.210), Box("collider.press", mm((-10, 50, 0))[0], (0.170, 0.070, 0.015),
+                                  pressing)),
+        gravity=9.81)
+
+
+SCENES = (letter, half, quarter, fan, corner, pinch)
 
 
 # What paper needs to follow
@@ -243,6 +342,8 @@ def least_layer_gap(scene, positions, frame):
 def least_box_gap(scene, positions, frame):
     """[m] Of handles and flat flaps from the boxes."""
     points = []
+    if not scene.boxes:
+        return math.inf
     for hand in (hand for hand in scene.hands if hand.holds(frame)):
         points += positions[hand.name]
         points += [hand.pose(frame) @ p for p in samples_of(hand.flap)] if hand.flap else []
