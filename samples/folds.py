@@ -138,6 +138,10 @@ def letter():
     def top(frame):
         return turned(along(frame, ((40, 0), (90, 165))), mm((0, 198))[0], (1, 0, 0))
 
+    edge = turned(177.5, mm((0, 96))[0], (-1, 0, 0)) @ sheet_point(0, 0)
+    room = (198 * MM - edge.y) * math.tan(math.radians(180 - 165))  # [m] under the top third there
+    assert room >= 2 * LAYER_GAP, "the bottom edge has no place between its neighbours"
+
     middle = mm((0, 110), (210, 110), (105, 147), (0, 184), (210, 184))
     low = mm((0, free), (105, free), (210, free), (52.5, 66), (157.5, 66))
     high = mm((0, 297), (105, 297), (210, 297), (52.5, 247.5), (157.5, 247.5))
@@ -217,7 +221,7 @@ def quarter():
 
 
 def fan():
-    """Five strips turned to and fro by 80 degrees, four pleats between them; then opened by half."""
+    """Five strips turned to and fro by 80 degrees, four pleats between; then opened by half."""
     width, height, count, inset = 160, 100, 5, 8
     strip = width / count
 
@@ -256,8 +260,8 @@ def corner():
 def pinch():
     """A page of which two fingers carry one edge over to the other; a flat box presses the loop.
 
-    No hand holds three points, so nothing says where the fold will be: the sheet lies in a loop, and
-    the box makes the fold, a little beyond the middle.
+    No hand holds three points, so nothing says where the fold is to be: the sheet lies in a loop,
+    and the box makes the fold, a little beyond the middle.
     """
     width, height = 150, 210
     end, above = 6, 3  # [mm] where the carried edge comes to lie
@@ -354,14 +358,15 @@ def check(scene, positions):
     """Asserts at every frame: hands are rigid; no two handles are farther apart than the paper
     between them is long; stacked handles and flaps leave room for layers; boxes are outside."""
     frames = range(1, scene.last + 1)
+    assert any(hand.pose(1) != hand.pose(scene.last) for hand in scene.hands)
     apart, rigid = map(max, zip(*(worst_stretch(scene, positions[f], f) for f in frames)))
     layers = min(least_layer_gap(scene, positions[f], f) for f in frames if f > 1)
     boxes = min(least_box_gap(scene, positions[f], f) for f in frames)
     off = max((x - hand.pose(f) @ sheet_point(*p)).length for f in frames for hand in scene.hands
               for p, x in zip(hand.points, positions[f][hand.name]))
     start = max((hand.pose(1) @ v - v).length for hand in scene.hands for v in corners_of(scene))
-    print("%s: hands rigid to %.4f mm; handles of two hands at most %+.4f mm farther apart than on "
-          "the sheet; layers at least %.3f mm, colliders %.3f mm away"
+    print("%s: hands rigid to %.5f mm; handles of two hands at most %+.5f mm farther apart than on "
+          "the sheet; nearest layer %.3f mm away, nearest collider %.3f mm (inf: there is none)"
           % (scene.name, rigid / MM, apart / MM, layers / MM, boxes / MM))
     assert off <= ROUNDING and start <= ROUNDING  # keys mean what they say; the sheet begins flat
     assert rigid <= ROUNDING and apart <= ROUNDING
