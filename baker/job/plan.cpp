@@ -1,6 +1,7 @@
 #include "baker/job/plan.h"
 
 #include "baker/job/version.h"
+#include "core/animation/expected_creases.h"
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
 #include "core/methods/adaptive.h"
@@ -133,7 +134,7 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
   for (const SingularPointRules::Disc& disc : shot.pins.forbid)
     append_bytes(bytes += fmt::format("forbid/{}/", disc.radius), disc.centre);
   for (const PrescribedCrease& fold : shot.pattern.prescribed_creases) {
-    bytes += fmt::format("fold/{}/", fold.angle);
+    bytes += fmt::format("fold/{}/{}/", fold.angle, fold.folded);
     for (const Vector2d& p : fold.line) append_bytes(bytes, p);
   }
   for (const Handle& handle : shot.handles) {
@@ -324,6 +325,8 @@ std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, B
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
+
+    add_expected_creases(plan.shots.back(), plan.animation.first_frame);
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
   return used;

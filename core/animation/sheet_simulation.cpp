@@ -1,6 +1,7 @@
 #include "core/animation/sheet_simulation.h"
 
 #include "core/animation/branch_search.h"
+#include "core/animation/expected_creases.h"
 #include "core/animation/initial_sheet.h"
 #include "core/animation/mesh_swap.h"
 #include "core/animation/motion_measures.h"
@@ -134,6 +135,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   step_ = {};
   result_.frame = ++frame_;
   input_ = {handles_.held(frame_)};
+  fold_by_hands(started_.sheet, shot_.hands, frame_ - options_.first_frame);
   if (shot_.colliders)
     input_.colliders = motion_to(*shot_.colliders, frame_ - options_.first_frame);
   const bool first = frame_ == options_.first_frame;

@@ -51,10 +51,9 @@ Ring judge(const Matrix2d& folds, const Matrix2d& round) {
 std::vector<double> bending_turns(const Sheet& sheet, const Hinges& hinges) {
   std::vector<double> turns;
   for (const Hinge& hinge : hinges.hinges)
-    turns.push_back(
-        is_on_crease(sheet.prescribed_creases, sheet.pattern, hinge.vertices[0], hinge.vertices[1])
-            ? 0
-            : dihedral_angle(sheet.x, hinge));
+    turns.push_back(is_folded(sheet, hinge.vertices[0], hinge.vertices[1])
+                        ? 0
+                        : dihedral_angle(sheet.x, hinge));
   return turns;
 }
 

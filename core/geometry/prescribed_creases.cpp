@@ -2,6 +2,7 @@
 
 #include "core/model/segment2.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace paperbake {
@@ -31,6 +32,52 @@ const PrescribedCrease* crease_under(const std::vector<PrescribedCrease>& folds,
 bool is_on_crease(const std::vector<PrescribedCrease>& folds, const Points2& pattern, int a,
                   int b) {
   return !folds.empty() && crease_under(folds, pattern.row(a), pattern.row(b));
+}
+
+CreaseEdge crease_edge(const Sheet& sheet, const PrescribedCrease& crease, const Vector2d& a,
+                       const Vector2d& b) {
+  const Vector2d d = b - a;
+  const double length = d.norm(), near = 1e-6 * length;
+  CreaseEdge edge{a, b, crease.angle, crease.folded, {}};
+  double known = 0, sum = 0;  // [1] share of the edge, and the rest angle over it
+  bool folded = false;
+  for (const CreaseEdge& part : sheet.crease_edges) {
+    if (std::abs(cross(d, part.a - a)) > near * length ||
+        std::abs(cross(d, part.b - a)) > near * length)
+      continue;
+    const double from = (part.a - a).dot(d) / (length * length),
+                 to = (part.b - a).dot(d) / (length * length);
+    const double share = std::min(1.0, std::max(from, to)) - std::max(0.0, std::min(from, to));
+    if (share <= 1e-6) continue;
+    known += share;
+    sum += share * part.rest_angle;
+
+    folded |= part.folded;
+    if (part.pressed) edge.pressed = part.pressed;
+  }
+  if (known > 0) {
+    edge.rest_angle = sum / known;
+    edge.folded = folded;
+  }
+  return edge;
+}
+
+bool is_folded(const Sheet& sheet, int a, int b) {
+  if (sheet.prescribed_creases.empty()) return false;
+  const Vector2d p = sheet.pattern.row(a), q = sheet.pattern.row(b);
+  const PrescribedCrease* crease = crease_under(sheet.prescribed_creases, p, q);
+  return crease && crease_edge(sheet, *crease, p, q).folded;
+}
+
+std::vector<PrescribedCrease> folded_creases(const Sheet& sheet) {
+  std::vector<PrescribedCrease> folded;
+  for (const PrescribedCrease& crease : sheet.prescribed_creases)
+    if (crease.folded || std::any_of(sheet.crease_edges.begin(), sheet.crease_edges.end(),
+                                     [&](const CreaseEdge& edge) {
+                                       return edge.folded && crease_under({crease}, edge.a, edge.b);
+                                     }))
+      folded.push_back(crease);
+  return folded;
 }
 
 std::vector<const PrescribedCrease*> crease_of_hinges(const Sheet& sheet, const Hinges& hinges) {

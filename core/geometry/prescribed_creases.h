@@ -1,7 +1,6 @@
 #pragma once
 
 #include "core/geometry/hinges.h"
-#include "core/model/paper.h"
 #include "core/model/sheet.h"
 
 #include <vector>
@@ -21,12 +20,15 @@ bool is_on_crease(const std::vector<PrescribedCrease>&, const Points2& pattern, 
 /// All points at which prescribed creases cross, turn or end: a mesh must have vertices there. [m]
 std::vector<Vector2d> crease_points(const std::vector<PrescribedCrease>&);
 
-/// Stiffness k [N] of a prescribed crease per unit length: D / 150 h, where 150 h is 13.5 mm for
-/// office paper. The crease stores k/2 (theta - angle)^2 per metre of its length.
-/// source  prefolded paper: 147 h at 0.129 mm [Pradier 2016], 185 h at 0.27 mm [Yasuda 2013], both
-///         from the survey of [Filipov 2017]; virgin creases of board 1.6-133 mm
-inline double crease_stiffness(const Paper& paper) {
-  return paper.bending_stiffness / (150 * paper.thickness);
-}
+/// State of a crease on the mesh edge a-b, which lies on it: the mean over the parts of the edge
+/// whose state the sheet knows, or that of the first frame. An edge is folded where any part is.
+CreaseEdge crease_edge(const Sheet&, const PrescribedCrease&, const Vector2d& a, const Vector2d& b);
+
+/// True when the mesh edge between vertices a and b lies on a prescribed crease that is folded
+/// there.
+bool is_folded(const Sheet&, int a, int b);
+
+/// The prescribed creases of the sheet that are folded somewhere.
+std::vector<PrescribedCrease> folded_creases(const Sheet&);
 
 }  // namespace paperbake

@@ -130,11 +130,12 @@ class Serializer {
 };
 
 inline void archive(Serializer& a, SingularPoint& s) { a(s.pattern, s.frame_of_birth, s.cause); }
-inline void archive(Serializer& a, PrescribedCrease& f) { a(f.line, f.angle); }
+inline void archive(Serializer& a, PrescribedCrease& f) { a(f.line, f.angle, f.folded); }
+inline void archive(Serializer& a, CreaseEdge& e) { a(e.a, e.b, e.rest_angle, e.folded, e.pressed); }
 
-/// Positions, velocities and apices, for a sheet whose mesh is known already.
+/// Positions, velocities, apices and the state of creases, for a sheet whose mesh is known already.
 inline void archive_moving(Serializer& a, Sheet& s) {
-  a(s.x, s.v, s.singular);
+  a(s.x, s.v, s.singular, s.crease_edges);
   a.require(s.x.rows() == s.pattern.rows() && (s.v.rows() == 0 || s.v.rows() == s.x.rows()));
 }
 

@@ -2,6 +2,7 @@
 
 #include <Eigen/Geometry>
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -30,11 +31,22 @@ struct SingularPoint {
   std::string cause;
 };
 
-/// A prescribed crease: a line along which the paper was folded before the first frame. It consists
-/// of edges in every mesh, and these bend easily.
+/// A prescribed crease: a line along which the paper was folded before the first frame, or along
+/// which the handles are going to fold it. It consists of edges in every mesh. Where it is folded,
+/// these are hinges (crease_law.h); where it is not folded yet, the paper bends as everywhere else.
 struct PrescribedCrease {
   std::vector<Vector2d> line;  // [m] polyline on the pattern, at least two points
   double angle = 0;            // [rad] it springs back to this; > 0 bulges towards the normals
+  bool folded = true;          // before the first frame
+};
+
+/// The state of a prescribed crease at one of the mesh edges it consists of.
+struct CreaseEdge {
+  Vector2d a, b;          // [m] ends of the edge on the pattern
+  double rest_angle = 0;  // [rad] theta_p: it springs back to this
+  bool folded = true;     // false: the paper has never been folded here
+  // [rad] the angle of the hands that press it in this frame; none: it is free
+  std::optional<double> pressed = {};
 };
 
 /// A sheet of paper at one moment: its flat pattern and where it is in space.
@@ -46,6 +58,9 @@ struct Sheet {
   // apices in order of birth; paper does not heal, so the list only grows
   std::vector<SingularPoint> singular;
   std::vector<PrescribedCrease> prescribed_creases = {};  // the same in all frames
+  // their state where it is no longer that of the first frame. It may come from an earlier mesh:
+  // prescribed_creases.h finds the state of an edge
+  std::vector<CreaseEdge> crease_edges = {};
 };
 
 }  // namespace paperbake

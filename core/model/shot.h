@@ -15,6 +15,16 @@ namespace paperbake {
 class Collider;  // core/geometry/collider.h
 using Colliders = std::vector<Collider>;
 
+/// Handles that hold the paper on both sides of a prescribed crease like two hands, and so fold it.
+struct FoldingHands {
+  int crease;  // index into Pattern::prescribed_creases
+
+  // |F| [rad] dihedral angle between the two hands: element f is of frame first_frame + f of the
+  // scene; not a number where one of them does not hold
+  std::vector<double> turn;
+  Vector2d between;  // [m] a point of the pattern between the two hands
+};
+
 /// One sheet and everything that is done to it.
 struct Shot {
   std::string sheet_name;
@@ -23,6 +33,7 @@ struct Shot {
   std::vector<Handle> handles;  // row 0 of keyed is first_frame
   Paper paper;
   SingularPointRules pins = {};
+  std::vector<FoldingHands> hands = {};
   // with their fronts turned towards this sheet; null: there are none
   std::shared_ptr<const Colliders> colliders = nullptr;
 };

@@ -82,10 +82,9 @@ Folded look(const Sheet& sheet) {
   folded.hinges = find_hinges(sheet.triangles);
   for (const Hinge& hinge : folded.hinges.hinges) {
     folded.theta.push_back(dihedral_angle(sheet.x, hinge));
-    folded.share.push_back(
-        is_on_crease(sheet.prescribed_creases, sheet.pattern, hinge.vertices[0], hinge.vertices[1])
-            ? 1
-            : crease_share(folded.theta.back()));
+    folded.share.push_back(is_folded(sheet, hinge.vertices[0], hinge.vertices[1])
+                               ? 1
+                               : crease_share(folded.theta.back()));
   }
   folded.normals = corner_normals(sheet, folded.hinges, folded.share);
   return folded;

@@ -170,7 +170,9 @@ RenderSurface make_render_surface(const Pattern& pattern, const RenderFeatures& 
   const int refine = quality == Quality::hero ? 1 : 0;
   ShapeFitOptions options;
   options.length = simulated_edge / 6;
-  RenderMesh mesh = mesh_for_render(pattern, edge, features, max_triangles >> (2 * refine));
+  Pattern folded = pattern;
+  folded.prescribed_creases = features.prescribed_creases;
+  RenderMesh mesh = mesh_for_render(folded, edge, features, max_triangles >> (2 * refine));
   return RenderSurface(std::move(mesh), options, refine);
 }
 

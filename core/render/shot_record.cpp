@@ -43,7 +43,7 @@ void ShotRecord::add(const AnimatedFrame& frame) {
     record.held_at.row(k) = frame.handles[record.held[k]].at;
   frames_.push_back(std::move(record));
   singular_ = sheet.singular;  // the list only grows: paper does not heal
-  folds_ = sheet.prescribed_creases;
+  folds_ = folded_creases(sheet);
   edges_ += mean_edge(sheet.pattern, sheet.triangles);
 
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
@@ -64,6 +64,7 @@ Sheet ShotRecord::sheet(const RecordedFrame& frame) const {
 
 RenderFeatures ShotRecord::features(const Shot& shot) const {
   RenderFeatures features;
+  features.prescribed_creases = folds_;
   for (const Handle& handle : shot.handles) features.points.push_back(handle.pattern);
   for (std::size_t h = 0; h < shot.handles.size(); ++h)
     for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern,
@@ -73,7 +74,7 @@ RenderFeatures ShotRecord::features(const Shot& shot) const {
   const double least = std::min(2.0, 0.25 * frames_.size());
   for (const auto& [key, crease] : creases_)
     if (crease.frames >= least &&
-        !crease_under(shot.pattern.prescribed_creases, crease.a, crease.b))
+        !crease_under(folds_, crease.a, crease.b))
       features.creases.push_back({crease.a, crease.b, crease.frames});
   return features;
 }

@@ -30,7 +30,7 @@ void Elastic::Impl::find_ridges_of_step(const Sheet& sheet, const std::vector<in
 
 template <class Find, class Solve>
 ElasticReport Elastic::Impl::try_without_plasticity(Sheet& sheet, Find find, Solve solve) {
-  if (!grid || !grid->is_virgin() || colliders) {
+  if (!grid || !grid->is_virgin() || colliders || energy->has_creases()) {
     find(sheet);
     return solve();
   }
@@ -49,6 +49,23 @@ ElasticReport Elastic::Impl::try_without_plasticity(Sheet& sheet, Find find, Sol
   report = solve();
   report.iterations += wasted_iterations;
   return report;
+}
+
+double Elastic::Impl::load_creases(const Sheet& sheet, Curl curl) {
+  softened->load_creases(sheet);
+  const std::vector<int> beside = energy->load_creases(sheet);
+  if (curl == Curl::stays || beside.empty() || !grid || grid->is_virgin()) return 0;
+  PlasticMemory removed(static_cast<int>(triangles.rows()));
+  for (const int t : beside) removed.curvature.row(t) = -energy->memory.curvature.row(t);
+  const double growth = grid->write(cover(), removed);
+  load_plastic_state();
+  return growth;
+}
+
+double Elastic::Impl::commit_creases(Sheet& sheet, const std::vector<double>& dihedral_angles) {
+  if (!energy->has_creases()) return 0;
+  sheet.crease_edges = energy->creases_left(dihedral_angles);
+  return load_creases(sheet, Curl::removed);
 }
 
 double Elastic::Impl::commit_plastic_state(const std::vector<double>& dihedral_angles) {
@@ -89,6 +106,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   softened_phase.membrane_stiffness /= softening;
   s.softened.emplace(softened_phase, sheet.pattern, sheet.triangles, factors,
                      sheet.prescribed_creases);
+  s.load_creases(sheet, Impl::Curl::stays);
   s.matrix.reset();
   s.state.remeshed = true;
   s.predictor.reset();
@@ -118,6 +136,7 @@ void Elastic::set_plastic_grid(PlasticGrid* grid) {
 
 ElasticReport Elastic::evaluate_energies(const Sheet& sheet) const {
   ElasticReport report;
+  impl_->load_creases(sheet, Impl::Curl::stays);
   impl_->report_energies(sheet.x, impl_->energy->dihedral_angles(sheet.x), report);
   return report;
 }
@@ -132,6 +151,7 @@ double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
 ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Relaxation settling) {
   Impl& s = *impl_;
   const StepProblem problem = s.problem_of(sheet, input, dt);
+  s.load_creases(sheet, Impl::Curl::removed);
   const Points3 before = sheet.x;
   constexpr double coarser = 10;  // the next step continues from here
   const bool coarse = settling == Relaxation::coarse;
@@ -247,6 +267,7 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
 ElasticReport Elastic::step(Sheet& sheet, const StepInput& input, double dt) {
   Impl& s = *impl_;
   const StepProblem problem = s.problem_of(sheet, input, dt);
+  s.load_creases(sheet, Impl::Curl::removed);
   const Points3 before = sheet.x;
   ElasticReport report = s.try_without_plasticity(
       sheet,

@@ -52,7 +52,7 @@ std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& pl
     const double wings =
                      0.5 * (cross(along, at(v[2]) - at(v[0])) + cross(at(v[3]) - at(v[0]), along)),
                  width = 2.0 / 3 * wings / length;
-    const bool prescribed = is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]);
+    const bool prescribed = is_folded(sheet, v[0], v[1]);
     double plastic_angle = prescribed ? turn : turn - thresholds.yield_curvature * width;
     if (plastic.rows() > 0 && !prescribed) {
       const Eigen::RowVector3d S = 0.5 * (plastic.row(v[0]) + plastic.row(v[1]));

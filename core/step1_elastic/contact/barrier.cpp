@@ -9,7 +9,7 @@
 namespace paperbake {
 
 Barrier barrier(double d, double dhat) {
-  constexpr double kappa = 50;  // [N/m]
+  const double kappa = 0.05 / dhat;  // [N/m]
   if (d >= dhat) return {0, 0, 0};
   if (d <= 0) return {std::numeric_limits<double>::infinity(), 0, 0};
   const double in = d - dhat, logarithm = std::log(d / dhat);

@@ -9,7 +9,7 @@ namespace paperbake {
 /// Barrier energy between two features and its derivatives with respect to their distance d. Zero
 /// from dhat on; infinite at 0.
 ///
-///   b(d) = -kappa (d - dhat)^2 ln(d/dhat),   kappa = 50 N/m
+///   b(d) = -kappa (d - dhat)^2 ln(d/dhat),   kappa = 0.05 N / dhat
 ///
 /// source  [Li 2020], as a function of the distance itself
 struct Barrier {

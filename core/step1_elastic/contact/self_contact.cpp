@@ -12,6 +12,7 @@
 namespace paperbake {
 namespace {
 
+constexpr double max_dhat = 5e-4;      // [m]
 constexpr double pattern_share = 0.3;  // [1] dhat over the distance on the pattern
 // [1] dhat over a distance that targets or the initial positions prescribe; a pair whose dhat would
 // be less than this fraction of that of the sheets has none
@@ -86,7 +87,7 @@ static SheetPartition alone(const Points2& pattern, const Triangles& triangles, 
   double area = 0;
   for (int t = 0; t < triangles.rows(); ++t) area += rest_triangle(pattern, triangles.row(t)).area;
   return {std::vector<int>(pattern.rows(), 0),
-          Eigen::MatrixXd::Constant(1, 1, std::min(2e-3, 0.01 * std::sqrt(area))),
+          Eigen::MatrixXd::Constant(1, 1, std::min(max_dhat, 0.01 * std::sqrt(area))),
           {},
           {friction}};
 }

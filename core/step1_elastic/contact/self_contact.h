@@ -65,7 +65,7 @@ class Contact {
   Contact(const Points2& pattern, const Triangles&, double friction = 0);
   Contact(const Points2& pattern, const Triangles&, SheetPartition);
 
-  /// [m] dhat of the sheet: 2 mm, or 1 % of the side of a square of the same area if that is less;
+  /// [m] dhat of the sheet: 0.5 mm, or 1 % of the side of a square of the same area if that is less;
   /// the largest one of several sheets.
   double dhat() const { return dhat_; }
 

@@ -2,10 +2,18 @@
 
 #include "core/geometry/prescribed_creases.h"
 
+#include <algorithm>
+#include <cmath>
+#include <set>
+
 namespace paperbake {
 namespace {
 
 using Matrix18 = Eigen::Matrix<double, 18, 18>;
+
+// [1] of the curvature at which the paper yields: an expected crease becomes a hinge here. At this
+// share the plate carries the yield moment of the hinge, so that the moment does not jump.
+constexpr double birth_share = 0.6;
 
 /// Where vertex k of the hinge opposite corner i sits among the six vertices of a triangle's
 /// stencil. The edge opposite corner i runs from corner i+1 to i+2. So does the hinge if the
@@ -19,31 +27,30 @@ std::array<int, 4> hinge_in_stencil(int i, bool left) {
 
 ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const Triangles& triangles,
                              const std::vector<double>& stiffening,
-                             const std::vector<PrescribedCrease>& folds)
+                             const std::vector<PrescribedCrease>& creases)
     : paper_(paper),
+      pattern_(pattern),
+      stiffening_(stiffening),
       triangles_(triangles),
       hinges_(find_hinges(triangles)),
-      stencils_(triangles.rows()) {
+      stencils_(triangles.rows()),
+      law_(crease_law(paper)) {
   for (int t = 0; t < triangles.rows(); ++t)
     rest_.push_back(rest_triangle(pattern, triangles.row(t)));
-  if (!folds.empty())
-    for (const Hinge& hinge : hinges_.hinges) {
-      const Vector2d a = pattern.row(hinge.vertices[0]), b = pattern.row(hinge.vertices[1]);
-      const PrescribedCrease* dihedral_angle_gradient = crease_under(folds, a, b);
-      springs_.push_back(dihedral_angle_gradient
-                             ? CreaseSpring{crease_stiffness(paper) * (b - a).norm(),
-                                            dihedral_angle_gradient->angle}
-                             : CreaseSpring{});
-    }
+  if (!creases.empty()) crease_of_hinge_.assign(hinges_.hinges.size(), -1);
+  for (std::size_t h = 0; h < crease_of_hinge_.size(); ++h) {
+    const Hinge& hinge = hinges_.hinges[h];
+    const Vector2d a = pattern.row(hinge.vertices[0]), b = pattern.row(hinge.vertices[1]);
+    const PrescribedCrease* crease = crease_under(creases, a, b);
+    if (!crease) continue;
+    const double length = (b - a).norm();
+    crease_of_hinge_[h] = static_cast<int>(creases_.size());
+    creases_.push_back(
+        {static_cast<int>(h), *crease, CreaseEdge{a, b, crease->angle, crease->folded}, length,
+         (rest_[hinge.triangles[0]].area + rest_[hinge.triangles[1]].area) / length});
+  }
   for (int t = 0; t < triangles.rows(); ++t) {
-    std::array<double, 3> shared_area{0, 0, 0};
-    for (int i = 0; i < 3; ++i)
-      if (const int h = hinges_.of_triangle[t][i];
-          h >= 0 && (springs_.empty() || springs_[h].stiffness == 0))
-        shared_area[i] =
-            rest_[hinges_.hinges[h].triangles[0]].area + rest_[hinges_.hinges[h].triangles[1]].area;
-    bend_.push_back(rest_bending(paper, pattern, triangles.row(t), shared_area,
-                                 stiffening.empty() ? 1 : stiffening[t]));
+    bend_.push_back(rest_of_bending(t));
     for (int i = 0; i < 3; ++i) {
       stencils_[t].vertices[i] = triangles(t, i);
       const int h = hinges_.of_triangle[t][i];
@@ -73,19 +80,67 @@ Vector3d ElasticEnergy::angles_of(int t, const std::vector<double>& theta) const
   return angles;
 }
 
-double ElasticEnergy::add_folds(int t, const Vector3d& angles, Vector3d* moment,
-                                Matrix3* tangent) const {
-  if (springs_.empty()) return 0;
-  double sum = 0;
+RestBending ElasticEnergy::rest_of_bending(int t) const {
+  std::array<double, 3> shared_area{0, 0, 0};
   for (int i = 0; i < 3; ++i) {
     const int h = hinges_.of_triangle[t][i];
     if (h < 0) continue;
-    const double k = 0.5 * springs_[h].stiffness, off = angles[i] - springs_[h].angle;
-    sum += 0.5 * k * off * off;
-    if (moment) (*moment)[i] += k * off;
-    if (tangent) (*tangent)(i, i) += k;
+    if (const int c = creases_.empty() ? -1 : crease_of_hinge_[h];
+        c >= 0 && creases_[c].edge.folded)
+      continue;
+    shared_area[i] =
+        rest_[hinges_.hinges[h].triangles[0]].area + rest_[hinges_.hinges[h].triangles[1]].area;
+  }
+  return rest_bending(paper_, pattern_, triangles_.row(t), shared_area,
+                      stiffening_.empty() ? 1 : stiffening_[t]);
+}
+
+CreaseResponse ElasticEnergy::response_of(const CreaseEdge& edge, double theta) const {
+  return edge.pressed ? press_crease(law_, edge.rest_angle, *edge.pressed, theta)
+                      : turn_crease(law_, edge.rest_angle, theta);
+}
+
+double ElasticEnergy::add_creases(int t, const Vector3d& angles, Vector3d* moment,
+                                  Matrix3* tangent) const {
+  if (creases_.empty()) return 0;
+  double sum = 0;
+  for (int i = 0; i < 3; ++i) {
+    const int h = hinges_.of_triangle[t][i], c = h < 0 ? -1 : crease_of_hinge_[h];
+    if (c < 0 || !creases_[c].edge.folded) continue;
+    const double half = 0.5 * creases_[c].length;
+    const CreaseResponse response = response_of(creases_[c].edge, angles[i]);
+    sum += half * response.energy;
+    if (moment) (*moment)[i] += half * response.moment;
+    if (tangent) (*tangent)(i, i) += half * response.tangent;
   }
   return sum;
+}
+
+std::vector<int> ElasticEnergy::load_creases(const Sheet& sheet) {
+  std::set<int> changed, folded;
+  for (CreaseHinge& hinge : creases_) {
+    const bool was_folded = hinge.edge.folded;
+    hinge.edge = crease_edge(sheet, hinge.crease, hinge.edge.a, hinge.edge.b);
+    if (hinge.edge.folded == was_folded) continue;
+    for (const int t : hinges_.hinges[hinge.hinge].triangles) {
+      changed.insert(t);
+      if (!was_folded) folded.insert(t);
+    }
+  }
+  for (const int t : changed) bend_[t] = rest_of_bending(t);
+  return {folded.begin(), folded.end()};
+}
+
+std::vector<CreaseEdge> ElasticEnergy::creases_left(const std::vector<double>& theta) const {
+  const double first_yield = 2 * paper_.yield_strain / paper_.thickness;
+  std::vector<CreaseEdge> left;
+  for (const CreaseHinge& hinge : creases_) {
+    CreaseEdge edge = hinge.edge;
+    edge.folded |= std::abs(theta[hinge.hinge]) > birth_share * first_yield * hinge.width;
+    if (edge.folded) edge.rest_angle = response_of(edge, theta[hinge.hinge]).rest;
+    left.push_back(edge);
+  }
+  return left;
 }
 
 PlasticMemory ElasticEnergy::gained(const std::vector<double>& theta) const {
@@ -110,7 +165,7 @@ ElasticEnergy::Parts ElasticEnergy::parts(const Points3& x,
   for (int t = 0; t < triangles_.rows(); ++t) {
     sum.membrane += membrane_energy(paper_, rest_[t], corners(x, t));
     const Vector3d angles = angles_of(t, theta);
-    sum.bending += bending_energy(bend_[t], angles, past(t)) + add_folds(t, angles);
+    sum.bending += bending_energy(bend_[t], angles, past(t)) + add_creases(t, angles);
   }
   return sum;
 }
@@ -148,7 +203,7 @@ double ElasticEnergy::evaluate(const Points3& x, HessianForm form, Points3* grad
     for (int i = 0; i < 3; ++i)
       angles[i] = hinges_.of_triangle[t][i] < 0 ? 0 : folds[hinges_.of_triangle[t][i]].theta;
     sum += bending_energy(bend_[t], angles, past(t), &m, matrix ? &tangent[t] : nullptr);
-    sum += add_folds(t, angles, &m, matrix ? &tangent[t] : nullptr);
+    sum += add_creases(t, angles, &m, matrix ? &tangent[t] : nullptr);
     for (int i = 0; i < 3; ++i)
       if (hinges_.of_triangle[t][i] >= 0) moment[hinges_.of_triangle[t][i]] += m[i];
   }

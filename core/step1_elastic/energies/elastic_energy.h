@@ -3,6 +3,7 @@
 #include "core/linear_algebra/block_cholesky.h"
 #include "core/model/plastic_grid.h"
 #include "core/step1_elastic/energies/bending.h"
+#include "core/step1_elastic/energies/crease_law.h"
 #include "core/step1_elastic/energies/membrane.h"
 #include "core/step1_elastic/energies/ridge_yield.h"
 
@@ -19,11 +20,11 @@ using MembraneStress = std::vector<Eigen::Matrix2d>;  // [N/m] per triangle, sec
 class ElasticEnergy {
  public:
   /// stiffening  |T| factors on the bending stiffness; empty: 1 everywhere
-  /// creases     their hinges turn by springs of their own (prescribed_creases.h): no bending
-  ///             moment crosses them, as none crosses a border
+  /// creases     where they are folded they are hinges with a law of their own (crease_law.h): no
+  ///             bending moment of the plate crosses them, as none crosses a border
   ElasticEnergy(const Paper&, const Points2& pattern, const Triangles&,
                 const std::vector<double>& stiffening = {},
-                const std::vector<PrescribedCrease>& folds = {});
+                const std::vector<PrescribedCrease>& creases = {});
 
   /// [J] Energy at x.
   double energy(const Points3& x) const;
@@ -56,6 +57,15 @@ class ElasticEnergy {
   PlasticMemory memory;
   /// Ridges within the triangles; empty: they bend evenly.
   RidgeField ridges;
+
+  bool has_creases() const { return !creases_.empty(); }
+
+  /// Reads the state of the creases from the sheet.
+  /// returns  the triangles beside edges that are folded now and were not before
+  std::vector<int> load_creases(const Sheet&);
+  /// State of the creases if the sheet is left with these dihedral angles. An edge folds where it
+  /// bends the paper beyond its first yield.
+  std::vector<CreaseEdge> creases_left(const std::vector<double>& dihedral_angles) const;
 
   /// Plastic increment of the triangles if the sheet is left at x, or with these dihedral angles.
   PlasticMemory gained(const Points3& x) const { return gained(dihedral_angles(x)); }
@@ -90,21 +100,31 @@ class ElasticEnergy {
   // [rad] dihedral angles at the three edges of a triangle; 0 at the border
   Vector3d angles_of(int t, const std::vector<double>& dihedral_angles) const;
   PlasticState past(int t) const;
-  /// Adds the springs of the creases at a triangle to its bending: half of each hinge's; the other
-  /// half goes to the other triangle.
-  double add_folds(int t, const Vector3d& angles, Vector3d* moment = nullptr,
-                   Matrix3* tangent = nullptr) const;
+  /// Adds the folded creases at a triangle to its bending: half of each hinge; the other half goes
+  /// to the other triangle.
+  double add_creases(int t, const Vector3d& angles, Vector3d* moment = nullptr,
+                     Matrix3* tangent = nullptr) const;
+  CreaseResponse response_of(const CreaseEdge&, double theta) const;
+  RestBending rest_of_bending(int t) const;
 
   Paper paper_;
+  Points2 pattern_;
+  std::vector<double> stiffening_;
   Triangles triangles_;
   Hinges hinges_;
   std::vector<RestTriangle> rest_;
   std::vector<RestBending> bend_;
   std::vector<Stencil> stencils_;
-  struct CreaseSpring {
-    double stiffness = 0, angle = 0;  // [J] k l, 0: on no crease; [rad]
+  struct CreaseHinge {
+    int hinge;
+    PrescribedCrease crease;
+    CreaseEdge edge;
+    double length;  // [m]
+    double width;   // [m] of the paper that its angle is spread over while it is not folded
   };
-  std::vector<CreaseSpring> springs_;  // of each hinge; empty: there are no creases
+  std::vector<CreaseHinge> creases_;
+  std::vector<int> crease_of_hinge_;  // index into creases_, -1: none; empty: there are no creases
+  CreaseLaw law_;
 };
 
 }  // namespace paperbake

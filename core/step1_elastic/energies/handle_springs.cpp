@@ -8,7 +8,7 @@ namespace paperbake {
 namespace {
 
 constexpr double hard = 3e4;         // [N/m] a tenth of the stiffness of paper itself
-constexpr double yield_force = 0.3;  // [N]
+constexpr double yield_force = 3;    // [N] a hand holds paper by this
 constexpr double yielding = 300;     // [N/m]
 
 struct Spring {

@@ -223,7 +223,7 @@ void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before, const StepP
   state.remeshed = false;
   ++state.steps;
   const std::vector<double> folds = energy->dihedral_angles(sheet.x);
-  report.plastic_increment = commit_plastic_state(folds);
+  report.plastic_increment = commit_plastic_state(folds) + commit_creases(sheet, folds);
   report_energies(sheet.x, folds, report);
   sheet.v = (options.inertia == Inertia::dynamic ? std::pow(velocity_kept, 24 * step.dt) : 1.0) /
             step.dt * (sheet.x - before);

@@ -75,6 +75,20 @@ struct Elastic::Impl {
   /// returns  [m rad] growth of the integral
   double commit_plastic_state(const std::vector<double>& dihedral_angles);
 
+
+  /// Reads the state of the creases from the sheet: at the beginning of each step, because the sheet
+  /// may have been set back or folded since the last one.
+  /// curl  removed: the plastic curvature of triangles at edges that are folded now, and were not
+  ///       before, is taken out of the grid. It has become the rest angle of the crease; left in
+  ///       the triangles beside it, it would keep them curled.
+  /// returns  [m rad] growth of the integral of the grid
+  enum class Curl { removed, stays };
+  double load_creases(const Sheet&, Curl);
+  /// Writes the state of the creases at the end of a step to the sheet. Where the paper has folded
+  /// in this step, the edge is a hinge from now on.
+  /// returns  [m rad] growth of the integral of the grid
+  double commit_creases(Sheet&, const std::vector<double>& dihedral_angles);
+
   /// Writes the energies stored in the sheet to the report.
   void report_energies(const Points3& x, const std::vector<double>& dihedral_angles,
                        ElasticReport&) const;
@@ -100,8 +114,9 @@ struct Elastic::Impl {
                             : options.max_iterations;
   }
   int max_contact_iterations() const {
-    return std::min(options.max_iterations, is_interactive() ? max_contact_iterations_interactive
-                                                             : max_contact_iterations_fine);
+    const int most =
+        is_interactive() ? max_contact_iterations_interactive : max_contact_iterations_fine;
+    return std::max(1, most * options.max_iterations / default_iterations);
   }
 
   /// stress  of the membrane where x came from

@@ -23,7 +23,7 @@ class Newton {
         mean_edge_(system.mean_edge),
         membrane_stiffness_(system.membrane_stiffness),
         options_(options),
-        max_move_(W_.contact ? std::min(2 * mean_edge_, 2.5 * W_.contact->dhat())
+        max_move_(W_.contact ? std::min(2 * mean_edge_, 10 * W_.contact->dhat())
                              : 2 * mean_edge_) {}
 
   /// The first variant. stress: of the membrane before the first iteration

@@ -10,7 +10,7 @@ inline constexpr int slow_convergence_iterations = 15;
 
 // [1] A sheet in contact with itself can make small moves without end: what is unfinished continues
 // in the next frame.
-inline constexpr int max_contact_iterations_fine = 20, max_contact_iterations_interactive = 40;
+inline constexpr int max_contact_iterations_fine = 40, max_contact_iterations_interactive = 100;
 
 inline constexpr int max_mixed_newton_on_colliders = 12;
 

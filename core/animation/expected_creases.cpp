@@ -1,0 +1,351 @@
+#include "core/animation/expected_creases.h"
+
+#include "core/geometry/prescribed_creases.h"
+#include "core/model/segment2.h"
+
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+using Eigen::Matrix3d;
+
+constexpr double rigid = 2e-3;      // [1] of the longer side: a clamp keeps its distances to this
+constexpr double min_width = 0.02;  // [1] of the longer side: a clamp is no line
+constexpr double min_turn = 60 * M_PI / 180;
+constexpr double straight = 0.05;    // [1] ratio of the singular values of R_a - R_b
+constexpr double max_misfit = 0.02;  // [1] of the longer side
+constexpr double on_line = 5e-3;     // [1] of the longer side: handles this near are on the line
+constexpr double first_turn = 3 * M_PI / 180;
+constexpr double same_line = 0.01;  // [1] of the longer side
+
+struct Pose {
+  Matrix3d turn;
+  Vector3d shift;  // [m]
+};
+
+/// A straight line on the pattern.
+struct Line {
+  Vector2d point, direction;  // [m], of length 1
+  double misfit = 0;          // [m]
+  std::vector<double> turn;   // [rad] as in FoldingHands
+  Vector2d between{0, 0};     // [m]
+  double reach = 0;           // [m] distance of the two clamps
+  double side(const Vector2d& p) const { return cross(direction, p - point); }  // [m]
+};
+
+/// Handles that hold a part of the sheet as a rigid plate.
+struct Clamp {
+  std::vector<int> handles;
+};
+
+class Clamps {
+ public:
+  Clamps(const Shot& shot, int first_frame)
+      : shot_(shot), first_(first_frame), side_(longer_side(shot.pattern)) {
+    for (std::size_t h = 0; h < shot.handles.size(); ++h) {
+      frames_ = std::max(frames_, static_cast<int>(shot.handles[h].keyed.rows()));
+      if (shot.handles[h].mode == HandleMode::absolute) absolute_.push_back(static_cast<int>(h));
+    }
+    find();
+  }
+
+  std::vector<ExpectedCrease> folds() const {
+    std::vector<Line> candidates;
+    for (std::size_t a = 0; a < clamps_.size(); ++a)
+      for (std::size_t b = 0; b < a; ++b)
+        if (const auto line = fold_between(clamps_[a], clamps_[b])) candidates.push_back(*line);
+
+    // neighbours first: clamps with others between them may agree on a line by chance
+    std::sort(candidates.begin(), candidates.end(),
+              [](const Line& a, const Line& b) { return a.reach < b.reach; });
+
+    std::vector<ExpectedCrease> folds;
+    for (const Line& line : candidates)
+      for (PrescribedCrease& part : on_paper(through_handles(line)))
+        if (std::none_of(folds.begin(), folds.end(),
+                         [&](const ExpectedCrease& known) { return same(known.crease, part); }))
+          folds.push_back({std::move(part), line.turn, line.between});
+    return folds;
+  }
+
+ private:
+  Vector2d place(int h) const { return shot_.handles[h].pattern; }
+  Vector3d keyed(int h, int row) const { return keyed_position(shot_.handles[h], row); }
+  bool held(int h, int row) const { return shot_.handles[h].held(first_ + row); }
+
+  bool are_rigid(int h, int k) const {
+    const double apart = (place(h) - place(k)).norm();
+    bool together = false;
+    for (int row = 0; row < frames_; ++row) {
+      if (!held(h, row) || !held(k, row)) continue;
+      together = true;
+      if (std::abs((keyed(h, row) - keyed(k, row)).norm() - apart) > rigid * side_) return false;
+    }
+    return together;
+  }
+
+  /// Each handle with those near it first, as long as all are rigid with each other.
+  void find() {
+    const std::size_t n = absolute_.size();
+    std::vector<std::vector<char>> rigid_with(n, std::vector<char>(n, 0));
+    for (std::size_t i = 0; i < n; ++i)
+      for (std::size_t j = 0; j < i; ++j)
+        rigid_with[i][j] = rigid_with[j][i] = are_rigid(absolute_[i], absolute_[j]);
+    std::set<std::vector<int>> found;
+    for (std::size_t seed = 0; seed < n; ++seed) {
+      std::vector<std::size_t> order(n);
+      for (std::size_t i = 0; i < n; ++i) order[i] = i;
+      const auto distance = [&](std::size_t i) {
+        return (place(absolute_[i]) - place(absolute_[seed])).norm();
+      };
+      std::stable_sort(order.begin(), order.end(),
+                       [&](std::size_t i, std::size_t j) { return distance(i) < distance(j); });
+      std::vector<std::size_t> members{seed};
+      for (const std::size_t i : order)
+        if (i != seed && std::all_of(members.begin(), members.end(),
+                                     [&](std::size_t m) { return rigid_with[i][m]; }))
+          members.push_back(i);
+      Clamp clamp;
+      for (const std::size_t m : members) clamp.handles.push_back(absolute_[m]);
+      std::sort(clamp.handles.begin(), clamp.handles.end());
+      if (is_plate(clamp) && found.insert(clamp.handles).second) clamps_.push_back(clamp);
+    }
+  }
+
+  bool is_plate(const Clamp& clamp) const {
+    if (clamp.handles.size() < 3) return false;
+    Points2 p(clamp.handles.size(), 2);
+    for (Eigen::Index k = 0; k < p.rows(); ++k) p.row(k) = place(clamp.handles[k]);
+    p.rowwise() -= p.colwise().mean().eval();
+    const Eigen::JacobiSVD<Points2> svd(p);
+    return svd.singularValues()[1] > min_width * side_;
+  }
+
+  /// Least squares [Kabsch 1976]; none: not all handles hold.
+  std::optional<Pose> pose(const Clamp& clamp, int row) const {
+    Vector3d from(0, 0, 0), to(0, 0, 0);
+    const double n = static_cast<double>(clamp.handles.size());
+    const auto flat = [&](int h) { return Vector3d(place(h).x(), place(h).y(), 0); };
+    for (const int h : clamp.handles) {
+      if (!held(h, row)) return std::nullopt;
+      from += flat(h) / n;
+      to += keyed(h, row) / n;
+    }
+    Matrix3d covariance = Matrix3d::Zero();
+    for (const int h : clamp.handles)
+      covariance += (keyed(h, row) - to) * (flat(h) - from).transpose();
+    const Eigen::JacobiSVD<Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Matrix3d proper = Matrix3d::Identity();
+    proper(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
+    const Matrix3d turn = svd.matrixU() * proper * svd.matrixV().transpose();
+    return Pose{turn, to - turn * from};
+  }
+
+  std::optional<Line> fold_between(const Clamp& a, const Clamp& b) const {
+    double most = 0;
+    std::optional<std::pair<Pose, Pose>> at_most;
+    for (int row = 0; row < frames_; ++row) {
+      const std::optional<Pose> pa = pose(a, row), pb = pose(b, row);
+      if (!pa || !pb) continue;
+      const double turn = Eigen::AngleAxisd(pa->turn.transpose() * pb->turn).angle();
+      if (turn > most) most = turn, at_most = {*pa, *pb};
+    }
+    if (most < min_turn) return std::nullopt;
+    const auto& [pa, pb] = *at_most;
+    const Eigen::Matrix<double, 3, 2> M = (pa.turn - pb.turn).leftCols<2>();
+    const Vector3d d = pa.shift - pb.shift;
+    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(M, Eigen::ComputeThinU | Eigen::ComputeThinV);
+    const Eigen::VectorXd sigma = svd.singularValues();
+    if (sigma[1] > straight * sigma[0]) return std::nullopt;
+    Line line;
+    line.point = -svd.matrixU().col(0).dot(d) / sigma[0] * svd.matrixV().col(0);
+    line.direction = svd.matrixV().col(1);
+    line.misfit = (M * line.point + d).norm();
+    if (line.misfit > max_misfit * side_ || side_of(line, a) * side_of(line, b) >= 0)
+      return std::nullopt;
+
+    for (const Clamp& other : clamps_)
+      if (side_of(line, other) == 0) return std::nullopt;
+    line.reach = (middle(a) - middle(b)).norm();
+    line.between = 0.5 * (middle(a) + middle(b));
+    line.turn = side_of(line, a) > 0 ? turns(line, a, b) : turns(line, b, a);
+    return line;
+  }
+
+  Vector2d middle(const Clamp& clamp) const {
+    Vector2d sum(0, 0);
+    for (const int h : clamp.handles) sum += place(h);
+    return sum / clamp.handles.size();
+  }
+
+  /// The dihedral angle between two clamps on the left and on the right of the line, in every frame;
+  /// it changes by less than half a turn from one frame to the next.
+  std::vector<double> turns(const Line& line, const Clamp& left, const Clamp& right) const {
+    std::vector<double> turns(frames_, std::numeric_limits<double>::quiet_NaN());
+    double last = 0;
+    for (int row = 0; row < frames_; ++row) {
+      const std::optional<Pose> l = pose(left, row), r = pose(right, row);
+      if (!l || !r) continue;
+      const Vector3d along = l->turn.leftCols<2>() * line.direction, nl = l->turn.col(2),
+                     nr = r->turn.col(2);
+      const double turn = std::atan2(nl.cross(nr).dot(along), nl.dot(nr));
+      turns[row] = last = turn + 2 * M_PI * std::round((last - turn) / (2 * M_PI));
+    }
+    return turns;
+  }
+
+  /// 1 or -1: the side of the line on which all handles of the clamp are; 0: they are on both.
+  int side_of(const Line& line, const Clamp& clamp) const {
+    double low = 0, high = 0;
+    for (const int h : clamp.handles) {
+      low = std::min(low, line.side(place(h)));
+      high = std::max(high, line.side(place(h)));
+    }
+    const double near = on_line * side_;
+    return high > near ? (low < -near ? 0 : 1) : low < -near ? -1 : 0;
+  }
+
+  /// The line through the two handles on it that are farthest from each other, or through the only
+  /// one.
+  Line through_handles(Line line) const {
+    std::vector<Vector2d> on;
+    for (const Handle& handle : shot_.handles)
+      if (std::abs(line.side(handle.pattern)) < on_line * side_) on.push_back(handle.pattern);
+    if (on.empty()) return line;
+    const auto [first, last] =
+        std::minmax_element(on.begin(), on.end(), [&](const Vector2d& p, const Vector2d& q) {
+          return line.direction.dot(p) < line.direction.dot(q);
+        });
+    line.point = *first;
+    if (const Vector2d along = *last - *first; along.norm() > 0.1 * side_)
+      line.direction = along.normalized();
+    return line;
+  }
+
+  /// The parts of the line that lie on the sheet.
+  std::vector<PrescribedCrease> on_paper(const Line& line) const {
+    std::vector<double> cuts;
+    const auto cut = [&](const std::vector<Vector2d>& polygon) {
+      for (std::size_t i = 0; i < polygon.size(); ++i) {
+        const Vector2d p = polygon[i], q = polygon[(i + 1) % polygon.size()];
+        const double sp = line.side(p), sq = line.side(q);
+        if ((sp > 0) == (sq > 0)) continue;
+        cuts.push_back(line.direction.dot(p + sp / (sp - sq) * (q - p) - line.point));
+      }
+    };
+    cut(shot_.pattern.outline);
+    for (const auto& hole : shot_.pattern.holes) cut(hole);
+    std::sort(cuts.begin(), cuts.end());
+    const auto at = [&](double s) -> Vector2d {
+      const Vector2d p = line.point + s * line.direction;
+      for (const Handle& handle : shot_.handles)  // an end beside a handle is the handle
+        if ((handle.pattern - p).norm() < on_line * side_) return handle.pattern;
+      return p;
+    };
+    std::vector<PrescribedCrease> parts;
+    for (std::size_t k = 0; k + 1 < cuts.size(); k += 2)
+      if (cuts[k + 1] - cuts[k] > same_line * side_)
+        parts.push_back({{at(cuts[k]), at(cuts[k + 1])}, 0, false});
+    return parts;
+  }
+
+  bool same(const PrescribedCrease& a, const PrescribedCrease& b) const {
+    const auto near = [&](const Vector2d& p, const PrescribedCrease& c) {
+      return distance_to_segment(p, c.line.front(), c.line.back()) < same_line * side_;
+    };
+    return near(a.line.front(), b) && near(a.line.back(), b);
+  }
+
+  const Shot& shot_;
+  int first_, frames_ = 0;
+  double side_;  // [m]
+  std::vector<int> absolute_;
+  std::vector<Clamp> clamps_;
+};
+
+}  // namespace
+
+std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) {
+  std::vector<ExpectedCrease> expected = Clamps(shot, first_frame).folds();
+  // what the artist has drawn is known already
+  const double near = same_line * longer_side(shot.pattern);
+  expected.erase(
+      std::remove_if(expected.begin(), expected.end(),
+                     [&](const ExpectedCrease& line) {
+                       const Vector2d middle = 0.5 * (line.crease.line[0] + line.crease.line[1]);
+                       for (const PrescribedCrease& drawn : shot.pattern.prescribed_creases)
+                         for (std::size_t k = 0; k + 1 < drawn.line.size(); ++k)
+                           if (distance_to_segment(middle, drawn.line[k], drawn.line[k + 1]) < near)
+                             return true;
+                       return false;
+                     }),
+      expected.end());
+  return expected;
+}
+
+void add_expected_creases(Shot& shot, int first_frame) {
+  std::vector<PrescribedCrease>& creases = shot.pattern.prescribed_creases;
+  for (ExpectedCrease& expected : expected_creases(shot, first_frame)) {
+    shot.hands.push_back(
+        {static_cast<int>(creases.size()), std::move(expected.turn), expected.between});
+    creases.push_back(std::move(expected.crease));
+  }
+}
+
+namespace {
+
+double turn_at(const FoldingHands& hands, int row) {
+  return hands.turn[std::min<std::size_t>(row, hands.turn.size() - 1)];
+}
+
+/// 1, or -1 where the paper at p lies upside down for the hands, beyond folds that are shut.
+double facing(const Sheet& sheet, const std::vector<FoldingHands>& all, const FoldingHands& hands,
+              const Vector2d& p, int row) {
+  double sign = 1;
+  for (const FoldingHands& others : all) {
+    if (&others == &hands || !(std::cos(turn_at(others, row)) < 0)) continue;
+    const std::vector<Vector2d>& line = sheet.prescribed_creases[others.crease].line;
+    const Vector2d along = line.back() - line.front();
+    if (cross(along, p - line.front()) * cross(along, hands.between - line.front()) < 0)
+      sign = -sign;
+  }
+  return sign;
+}
+
+}  // namespace
+
+void fold_by_hands(Sheet& sheet, const std::vector<FoldingHands>& hands, int row) {
+  if (hands.empty() || row < 0) return;
+
+  const Hinges hinges = find_hinges(sheet.triangles);
+  const std::vector<const PrescribedCrease*> lines = crease_of_hinges(sheet, hinges);
+  std::vector<CreaseEdge> edges;
+  for (std::size_t h = 0; h < lines.size(); ++h) {
+    if (!lines[h]) continue;
+    const auto& v = hinges.hinges[h].vertices;
+    CreaseEdge edge =
+        crease_edge(sheet, *lines[h], sheet.pattern.row(v[0]), sheet.pattern.row(v[1]));
+    edge.pressed.reset();
+    for (const FoldingHands& two : hands) {
+      if (lines[h] != &sheet.prescribed_creases[two.crease]) continue;
+
+      double turn = turn_at(two, row);
+      if (std::isnan(turn)) continue;
+      turn *= facing(sheet, hands, two, 0.5 * (edge.a + edge.b), row);
+
+      edge.folded |= std::abs(turn) > first_turn;
+
+      if (edge.folded) edge.pressed = turn;
+    }
+    edges.push_back(edge);
+  }
+  sheet.crease_edges = std::move(edges);
+}
+}  // namespace paperbake

@@ -1,0 +1,45 @@
+#pragma once
+
+#include "core/model/shot.h"
+
+#include <vector>
+
+namespace paperbake {
+
+/// A line along which the handles of a shot are going to fold its sheet.
+struct ExpectedCrease {
+  PrescribedCrease crease;  // not folded yet
+
+  std::vector<double> turn;  // [rad] and a point between the hands, as in FoldingHands
+  Vector2d between;          // [m]
+};
+
+/// The lines along which the handles of a shot are going to fold its sheet. They are known before
+/// the first frame, because all keys are.
+///
+/// A clamp is a set of at least three absolute handles, not all in one line, whose distances stay
+/// those of the pattern for as long as they hold: the paper between them moves as a rigid plate,
+/// p -> R p + t. Two clamps whose poses differ by a turn of at least 60 degrees fold the paper
+/// where both poses agree,
+///
+///   (R_a - R_b) p + t_a - t_b = 0,
+///
+/// if that is a line to within 2 % of the longer side at the frame of the largest turn, with the
+/// two clamps on different sides of it and no clamp on both. Handles that are on the line within
+/// 0.5 % of the longer side are taken as points of it. Lines end at the border.
+///
+/// first_frame  frame of row 0 of Handle::keyed
+/// source       this project
+std::vector<ExpectedCrease> expected_creases(const Shot&, int first_frame);
+
+/// Adds the expected creases to the pattern of the shot, and the hands that fold along them.
+void add_expected_creases(Shot&, int first_frame);
+
+/// Lets the hands fold the sheet: fingers press a crease along its whole length to the angle between
+/// the hands. Where it crosses another fold that is more shut than open, it turns the other way
+/// beyond it: the paper lies upside down there. From an angle of 3 degrees on the crease is folded.
+/// What the paper makes of it is for the next elastic step to find.
+/// row  frame - first frame of the scene
+void fold_by_hands(Sheet&, const std::vector<FoldingHands>&, int row);
+
+}  // namespace paperbake
