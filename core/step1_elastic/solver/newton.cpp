@@ -149,7 +149,7 @@ bool Newton::mixed_newton(MembraneStress stress, Points3& x) {
 
 void Newton::line_search_newton(Points3& x) {
   covered(x);
-  double last = 0;
+  double last = 0, before_last = 0;
   report.converged = false;
   HessianForm form = HessianForm::exact;
   report.descended = true;
@@ -172,10 +172,15 @@ void Newton::line_search_newton(Points3& x) {
     const double done = length * free * std::min(asked, max_move_);
     const bool whole = length == 1 && free == 1 && asked <= max_move_;
     const double ahead = last > 0 ? done * std::min(1.0, done / last) : done;
-    if (whole && (ahead < options_.stop || done < options_.stop)) {
+    // Between barriers steps alternate between long and short, and those of the projected Hessian are
+    // too short: there, steps have to shrink twice.
+    const bool trusted = !W_.contact || (form == HessianForm::exact && before_last > 0 &&
+                                         last < before_last && done < last);
+    if (whole && trusted && (ahead < options_.stop || done < options_.stop)) {
       report.converged = true;
       return;
     }
+    before_last = whole ? last : 0;
     last = whole ? done : 0;
     form = HessianForm::exact;
   }
