@@ -3,6 +3,7 @@
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/segment2.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
 #include <algorithm>
@@ -16,8 +17,9 @@ namespace {
 
 using Eigen::Matrix3d;
 
-constexpr double rigid = 2e-3;      // [1] of the longer side: a clamp keeps its distances to this
-constexpr double min_width = 0.02;  // [1] of the longer side: a clamp is no line
+constexpr double rigid = 2e-3;       // [1] of the longer side: a clamp keeps its distances to this
+constexpr double min_length = 0.05;  // [1] of the longer side, of a clamp
+constexpr double min_width = 0.02;   // [1] of the longer side: a clamp is no line
 constexpr double min_turn = 60 * M_PI / 180;
 constexpr double straight = 0.05;    // [1] ratio of the singular values of R_a - R_b
 constexpr double max_misfit = 0.02;  // [1] of the longer side
@@ -33,16 +35,16 @@ struct Pose {
 /// A straight line on the pattern.
 struct Line {
   Vector2d point, direction;  // [m], of length 1
-  double misfit = 0;          // [m]
   std::vector<double> turn;   // [rad] as in FoldingHands
   Vector2d between{0, 0};     // [m]
   double reach = 0;           // [m] distance of the two clamps
   double side(const Vector2d& p) const { return cross(direction, p - point); }  // [m]
 };
 
-/// Handles that hold a part of the sheet as a rigid plate.
+/// Handles that hold a part of the sheet as a rigid plate, or along a straight edge of one.
 struct Clamp {
   std::vector<int> handles;
+  bool is_plate;  // false: they stand in a row, and what is beside the row may turn about it
 };
 
 class Clamps {
@@ -60,7 +62,12 @@ class Clamps {
     std::vector<Line> candidates;
     for (std::size_t a = 0; a < clamps_.size(); ++a)
       for (std::size_t b = 0; b < a; ++b)
-        if (const auto line = fold_between(clamps_[a], clamps_[b])) candidates.push_back(*line);
+        for (const auto& [first, second] :
+             {std::pair{&clamps_[a], &clamps_[b]}, {&clamps_[b], &clamps_[a]}})
+          if (const auto line = fold_between(*first, *second)) {
+            candidates.push_back(*line);
+            break;
+          }
 
     // neighbours first: clamps with others between them may agree on a line by chance
     std::sort(candidates.begin(), candidates.end(),
@@ -112,20 +119,23 @@ class Clamps {
         if (i != seed && std::all_of(members.begin(), members.end(),
                                      [&](std::size_t m) { return rigid_with[i][m]; }))
           members.push_back(i);
-      Clamp clamp;
-      for (const std::size_t m : members) clamp.handles.push_back(absolute_[m]);
-      std::sort(clamp.handles.begin(), clamp.handles.end());
-      if (is_plate(clamp) && found.insert(clamp.handles).second) clamps_.push_back(clamp);
+      std::vector<int> handles;
+      for (const std::size_t m : members) handles.push_back(absolute_[m]);
+      std::sort(handles.begin(), handles.end());
+      const Vector2d size = extent_of(handles);
+      if (size[0] > min_length * side_ && found.insert(handles).second)
+        clamps_.push_back({handles, handles.size() > 2 && size[1] > min_width * side_});
     }
   }
 
-  bool is_plate(const Clamp& clamp) const {
-    if (clamp.handles.size() < 3) return false;
-    Points2 p(clamp.handles.size(), 2);
-    for (Eigen::Index k = 0; k < p.rows(); ++k) p.row(k) = place(clamp.handles[k]);
+  /// [m] Root of the summed squares of the distances from the middle, along and across the handles.
+  Vector2d extent_of(const std::vector<int>& handles) const {
+    Points2 p(handles.size(), 2);
+    for (Eigen::Index k = 0; k < p.rows(); ++k) p.row(k) = place(handles[k]);
     p.rowwise() -= p.colwise().mean().eval();
-    const Eigen::JacobiSVD<Points2> svd(p);
-    return svd.singularValues()[1] > min_width * side_;
+    const Eigen::Matrix2d spread = p.transpose() * p;
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread, Eigen::EigenvaluesOnly);
+    return axes.eigenvalues().cwiseMax(0).cwiseSqrt().reverse();
   }
 
   /// Least squares [Kabsch 1976]; none: not all handles hold.
@@ -148,7 +158,32 @@ class Clamps {
     return Pose{turn, to - turn * from};
   }
 
-  std::optional<Line> fold_between(const Clamp& a, const Clamp& b) const {
+  /// The line along which the second clamp turns against the first, a plate.
+  std::optional<Line> fold_between(const Clamp& plate, const Clamp& other) const {
+    if (!plate.is_plate) return std::nullopt;
+    std::optional<Line> line =
+        other.is_plate ? axis_of_plates(plate, other) : axis_of_row(plate, other);
+    if (!line || side_of(*line, plate) * side_of(*line, other) >= 0) return std::nullopt;
+    for (const Clamp& third : clamps_)
+      if (side_of(*line, third) == 0) return std::nullopt;
+    line->reach = (middle(plate) - middle(other)).norm();
+    line->between = 0.5 * (middle(plate) + middle(other));
+    const double sign = side_of(*line, plate) > 0 ? 1 : -1;
+    double most = 0;
+    line->turn.assign(frames_, std::numeric_limits<double>::quiet_NaN());
+    double last = 0;
+    for (int row = 0; row < frames_; ++row) {
+      const std::optional<double> turn = turn_of(*line, plate, other, row);
+      if (!turn) continue;
+      line->turn[row] = last =
+          sign * *turn + 2 * M_PI * std::round((last - sign * *turn) / (2 * M_PI));
+      most = std::max(most, std::abs(last));
+    }
+    return most < min_turn ? std::nullopt : line;
+  }
+
+  /// Where two plates agree in the frame of their largest turn.
+  std::optional<Line> axis_of_plates(const Clamp& a, const Clamp& b) const {
     double most = 0;
     std::optional<std::pair<Pose, Pose>> at_most;
     for (int row = 0; row < frames_; ++row) {
@@ -167,38 +202,86 @@ class Clamps {
     Line line;
     line.point = -svd.matrixU().col(0).dot(d) / sigma[0] * svd.matrixV().col(0);
     line.direction = svd.matrixV().col(1);
-    line.misfit = (M * line.point + d).norm();
-    if (line.misfit > max_misfit * side_ || side_of(line, a) * side_of(line, b) >= 0)
-      return std::nullopt;
-
-    for (const Clamp& other : clamps_)
-      if (side_of(line, other) == 0) return std::nullopt;
-    line.reach = (middle(a) - middle(b)).norm();
-    line.between = 0.5 * (middle(a) + middle(b));
-    line.turn = side_of(line, a) > 0 ? turns(line, a, b) : turns(line, b, a);
     return line;
+  }
+
+  /// Where a handle is, seen from a plate: its pattern is the plane z = 0. [m]
+  Vector3d seen_from(const Pose& plate, int h, int row) const {
+    return plate.turn.transpose() * (keyed(h, row) - plate.shift);
+  }
+
+  /// The points p of the plate whose distance from every handle stays that of the pattern,
+  ///
+  ///   2 p.(a - q_xy) = |a|^2 - |q|^2,
+  ///
+  /// where a is the handle on the pattern and q is where it goes: of each handle a line, in the
+  /// frame in which the handles are farthest from where a flat sheet would have them.
+  std::optional<Line> axis_of_row(const Clamp& plate, const Clamp& handles) const {
+    double most = 0;
+    Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
+    Vector2d sum(0, 0);  // of c n, where n.p = c
+    for (int row = 0; row < frames_; ++row) {
+      const std::optional<Pose> from = pose(plate, row);
+      if (!from || !pose(handles, row)) continue;
+      Eigen::Matrix2d normals_now = Eigen::Matrix2d::Zero();
+      Vector2d sum_now(0, 0);
+      for (const int h : handles.handles) {
+        const Vector3d q = seen_from(*from, h, row);
+        const Vector2d a = place(h), n = 2 * (a - q.head<2>());
+        normals_now += n * n.transpose();
+        sum_now += (a.squaredNorm() - q.squaredNorm()) * n;
+      }
+      if (normals_now.trace() > most)
+        most = normals_now.trace(), normals = normals_now, sum = sum_now;
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(normals);
+    const double along = axes.eigenvalues()[1];
+    if (!(along > 0) || axes.eigenvalues()[0] > straight * straight * along) return std::nullopt;
+    const Vector2d normal = axes.eigenvectors().col(1);
+    Line line;
+    line.point = sum.dot(normal) / along * normal;
+    line.direction = {-normal.y(), normal.x()};
+    return line;
+  }
+
+  /// [rad] Dihedral angle between a plate on the left of the line and another clamp on the right, in
+  /// the first half of a turn to either side; none: one of them does not hold, or the paper between
+  /// them cannot be flat up to the line, because it is bowed.
+  std::optional<double> turn_of(const Line& line, const Clamp& plate, const Clamp& other,
+                                int row) const {
+    const std::optional<Pose> left = pose(plate, row);
+    if (!left) return std::nullopt;
+    if (other.is_plate) {
+      const std::optional<Pose> right = pose(other, row);
+      if (!right) return std::nullopt;
+      const Vector2d at =
+          line.point + line.direction.dot(line.between - line.point) * line.direction;
+      const Vector3d gap =
+          (left->turn - right->turn).leftCols<2>() * at + left->shift - right->shift;
+      if (gap.norm() > max_misfit * side_) return std::nullopt;
+      const Vector3d along = left->turn.leftCols<2>() * line.direction, nl = left->turn.col(2),
+                     nr = right->turn.col(2);
+      return std::atan2(nl.cross(nr).dot(along), nl.dot(nr));
+    }
+    Vector2d arm(0, 0);  // [m] away from the line in the plate, and along its normal
+    for (const int h : other.handles) {
+      if (!held(h, row)) return std::nullopt;
+      const Vector3d q = seen_from(*left, h, row);
+      const double reach = std::abs(line.side(place(h))),
+                   out = line.side(q.head<2>()) * (line.side(place(h)) < 0 ? -1 : 1);
+      const Vector2d along = q.head<2>() - place(h);
+      if (std::abs(std::hypot(out, q.z()) - reach) > std::min(max_misfit * side_, 0.1 * reach) ||
+          std::abs(along.dot(line.direction)) > max_misfit * side_)
+        return std::nullopt;
+      arm += Vector2d(out, q.z());
+    }
+    return (side_of(line, plate) > 0 ? -1 : 1) * std::atan2(arm.y(), arm.x());
   }
 
   Vector2d middle(const Clamp& clamp) const {
     Vector2d sum(0, 0);
     for (const int h : clamp.handles) sum += place(h);
     return sum / clamp.handles.size();
-  }
-
-  /// The dihedral angle between two clamps on the left and on the right of the line, in every frame;
-  /// it changes by less than half a turn from one frame to the next.
-  std::vector<double> turns(const Line& line, const Clamp& left, const Clamp& right) const {
-    std::vector<double> turns(frames_, std::numeric_limits<double>::quiet_NaN());
-    double last = 0;
-    for (int row = 0; row < frames_; ++row) {
-      const std::optional<Pose> l = pose(left, row), r = pose(right, row);
-      if (!l || !r) continue;
-      const Vector3d along = l->turn.leftCols<2>() * line.direction, nl = l->turn.col(2),
-                     nr = r->turn.col(2);
-      const double turn = std::atan2(nl.cross(nr).dot(along), nl.dot(nr));
-      turns[row] = last = turn + 2 * M_PI * std::round((last - turn) / (2 * M_PI));
-    }
-    return turns;
   }
 
   /// 1 or -1: the side of the line on which all handles of the clamp are; 0: they are on both.
