@@ -256,12 +256,12 @@ class Clamps {
       if (!right) return std::nullopt;
       const Vector2d at =
           line.point + line.direction.dot(line.between - line.point) * line.direction;
-      const Vector3d gap =
-          (left->turn - right->turn).leftCols<2>() * at + left->shift - right->shift;
-      if (gap.norm() > max_misfit * side_) return std::nullopt;
       const Vector3d along = left->turn.leftCols<2>() * line.direction, nl = left->turn.col(2),
                      nr = right->turn.col(2);
-      return std::atan2(nl.cross(nr).dot(along), nl.dot(nr));
+      const double turn = std::atan2(nl.cross(nr).dot(along), nl.dot(nr));
+      const double gap =
+          ((left->turn - right->turn).leftCols<2>() * at + left->shift - right->shift).norm();
+      return gap > max_slack(line, turn) ? std::nullopt : std::optional(turn);
     }
     Vector2d arm(0, 0);  // [m] away from the line in the plate, and along its normal
     for (const int h : other.handles) {
@@ -269,13 +269,20 @@ class Clamps {
       const Vector3d q = seen_from(*left, h, row);
       const double reach = std::abs(line.side(place(h))),
                    out = line.side(q.head<2>()) * (line.side(place(h)) < 0 ? -1 : 1);
-      const Vector2d along = q.head<2>() - place(h);
-      if (std::abs(std::hypot(out, q.z()) - reach) > std::min(max_misfit * side_, 0.1 * reach) ||
-          std::abs(along.dot(line.direction)) > max_misfit * side_)
+      const double turn = std::atan2(q.z(), out),
+                   slide = (q.head<2>() - place(h)).dot(line.direction);
+      if (std::max(std::abs(std::hypot(out, q.z()) - reach), std::abs(slide)) >
+          max_slack(line, turn))
         return std::nullopt;
       arm += Vector2d(out, q.z());
     }
     return (side_of(line, plate) > 0 ? -1 : 1) * std::atan2(arm.y(), arm.x());
+  }
+
+  /// [m] By how much two clamps may miss each other at the line and still fold the paper there. A
+  /// sheet of length l that bends evenly by the same turn misses it by about l turn/8.
+  double max_slack(const Line& line, double turn) const {
+    return std::min(max_misfit * side_, 0.25 * line.reach * std::abs(turn) / 8);
   }
 
   Vector2d middle(const Clamp& clamp) const {
