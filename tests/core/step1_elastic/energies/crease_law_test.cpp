@@ -15,7 +15,8 @@ constexpr double degrees = M_PI / 180;
 const CreaseLaw law = crease_law(Paper{});
 const std::array<double, 5> rests{0, 0.7, -0.7, 2.2, -2.2};  // [rad]
 
-/// [rad] Angles beyond which a crease with this rest angle yields: k (theta - rest) - H rest = +-M_s
+/// [rad] Angles beyond which a crease with this rest angle yields: k (theta - rest) - H rest is M_s
+/// or -M_s there.
 double yields_above(double rest) {
   return rest + (law.yield_moment + law.hardening * rest) / law.stiffness;
 }
@@ -153,7 +154,7 @@ TEST(CreaseLawTest, HandsPressACreaseToTheirAngleWhileItsRestAngleYieldsAsWithou
       EXPECT_DOUBLE_EQ(response.energy, 0.5 * law.stiffness * off * off);
       EXPECT_DOUBLE_EQ(response.moment, law.stiffness * off);
       EXPECT_EQ(response.tangent, law.stiffness);
-      EXPECT_EQ(response.rest, turn_crease(law, rest, theta).rest);
+      EXPECT_DOUBLE_EQ(response.rest, turn_crease(law, rest, theta).rest);
     }
   });
 }
