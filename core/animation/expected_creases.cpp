@@ -395,12 +395,20 @@ double turn_at(const FoldingHands& hands, int row) {
   return hands.turn[std::min<std::size_t>(row, hands.turn.size() - 1)];
 }
 
-/// 1, or -1 where the paper at p lies upside down for the hands, beyond folds that are shut.
+/// The row in which the hands began the turn that they have in this one.
+int begin_of_turn(const FoldingHands& hands, int row) {
+  while (row > 0 && !(std::abs(turn_at(hands, row)) <= first_turn)) --row;
+  return row;
+}
+
+/// 1, or -1 where the paper at p lay upside down for the hands when they began, beyond folds that
+/// were shut. A fold across it that is shut later carries the crease along and does not change it.
 double facing(const Sheet& sheet, const std::vector<FoldingHands>& all, const FoldingHands& hands,
               const Vector2d& p, int row) {
+  const int begin = begin_of_turn(hands, row);
   double sign = 1;
   for (const FoldingHands& others : all) {
-    if (&others == &hands || !(std::cos(turn_at(others, row)) < 0)) continue;
+    if (&others == &hands || !(std::cos(turn_at(others, begin)) < 0)) continue;
     const std::vector<Vector2d>& line = sheet.prescribed_creases[others.crease].line;
     const Vector2d along = line.back() - line.front();
     if (cross(along, p - line.front()) * cross(along, hands.between - line.front()) < 0)

@@ -36,8 +36,9 @@ std::vector<ExpectedCrease> expected_creases(const Shot&, int first_frame);
 void add_expected_creases(Shot&, int first_frame);
 
 /// Lets the hands fold the sheet: fingers press a crease along its whole length to the angle between
-/// the hands. Where it crosses another fold that is more shut than open, it turns the other way
-/// beyond it: the paper lies upside down there. From an angle of 3 degrees on the crease is folded.
+/// the hands. Where it crosses another fold that was more shut than open when they began, it turns
+/// the other way beyond it: the paper lies upside down there. From an angle of 3 degrees on the
+/// crease is folded.
 /// What the paper makes of it is for the next elastic step to find.
 /// row  frame - first frame of the scene
 void fold_by_hands(Sheet&, const std::vector<FoldingHands>&, int row);

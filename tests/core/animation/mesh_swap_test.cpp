@@ -131,7 +131,7 @@ struct Hung {
 TEST(MeshSwapTest, ACoarseSheetOnAColliderGetsAFinerMeshEvenIfItStoresMore) {
   const double lowest = Hung(-1).sheet.x.col(2).minCoeff();
   for (const bool lies : {true, false}) {
-    Hung hung(lies ? lowest + 0.005 : -1);
+    Hung hung(lies ? lowest + 0.004 : -1);
     const double stored = hung.elastic->evaluate_energies(hung.sheet).energy;
     std::vector<int> borders;
     Sheet proposal = on_mesh(hung.sheet, test::strip_sheet(0.1, 0.1, 16), borders);

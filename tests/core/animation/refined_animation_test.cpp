@@ -108,7 +108,7 @@ TEST(RefinedAnimationTest, ASheetThatTouchesItselfIsHandedOnUnpolishedWithANote)
       for (int f = 0; f < last; ++f) {
         const double t = f / (last - 1.0);
         if (end > 0)
-          handle.keyed.row(f) << 0.1 - 0.1 * t, 0.0125 * i, 0.02 * std::sin(M_PI * t) + 0.0005 * t;
+          handle.keyed.row(f) << 0.1 - 0.1 * t, 0.0125 * i, 0.02 * std::sin(M_PI * t) + 0.0002 * t;
       }
       shot.handles.push_back(handle);
     }

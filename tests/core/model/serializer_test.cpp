@@ -28,7 +28,8 @@ Sheet triangle() {
   sheet.triangles.resize(1, 3);
   sheet.triangles << 0, 1, 2;
   sheet.singular = {{{0.1, 0.2}, 7, "bends"}};
-  sheet.prescribed_creases = {{{{0, 0}, {1, 0}, {1, 1}}, -0.5}};
+  sheet.prescribed_creases = {{{{0, 0}, {1, 0}, {1, 1}}, -0.5}, {{{0, 1}, {1, 1}}, 0, false}};
+  sheet.crease_edges = {{{0, 0}, {0.5, 0}, -1.25, true, 2.5}, {{0, 1}, {1, 1}, 0.25, false, {}}};
   return sheet;
 }
 
@@ -55,6 +56,16 @@ TEST(Serializer, ReadsBackWhatItWroteBitForBit) {
   EXPECT_EQ(other.singular[0].frame_of_birth, 7);
   EXPECT_EQ(other.prescribed_creases.at(0).line, sheet.prescribed_creases[0].line);
   EXPECT_EQ(other.prescribed_creases[0].angle, -0.5);
+  EXPECT_TRUE(other.prescribed_creases[0].folded);
+  EXPECT_FALSE(other.prescribed_creases.at(1).folded);
+  ASSERT_EQ(other.crease_edges.size(), 2u);
+  for (std::size_t e = 0; e < 2; ++e) {
+    const CreaseEdge &edge = other.crease_edges[e], &was = sheet.crease_edges[e];
+    EXPECT_TRUE(edge.a == was.a && edge.b == was.b);
+    EXPECT_EQ(edge.rest_angle, was.rest_angle);
+    EXPECT_EQ(edge.folded, was.folded);
+    EXPECT_EQ(edge.pressed, was.pressed);
+  }
   EXPECT_EQ(none_there, none);
   EXPECT_EQ(some_there, some);
   EXPECT_EQ(past_there, past);

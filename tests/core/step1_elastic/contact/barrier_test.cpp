@@ -46,6 +46,12 @@ Sheet two_layers(double gap) {
   return join(low, high);
 }
 
+/// [m] dhat of two_layers(), however far apart they are
+double dhat_of_layers() {
+  const Sheet layers = two_layers(1);
+  return Contact(layers.pattern, layers.triangles).dhat();
+}
+
 Points3 still(const Sheet& sheet) { return Points3::Zero(sheet.x.rows(), 3); }
 
 /// Energy with a new list of pairs.
@@ -109,7 +115,7 @@ TEST(BarrierTest, AVertexThatSlidesFarOverATriangleInATightGapIsHardlyHeldUp) {
 }
 
 TEST(BarrierTest, GradientMatchesTheEnergyWithManyActivePairs) {
-  const Sheet sheet = two_layers(6e-4);
+  const Sheet sheet = two_layers(0.4 * dhat_of_layers());
   Contact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {}, frame);
   ASSERT_GT(contact.active(sheet.x), 200);
@@ -136,8 +142,10 @@ TEST(BarrierTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
   Sheet high = test::hex_sheet(0.1, 0.1, 4, 0.2, 2);
   std::mt19937 random(3);
   std::normal_distribution<double> normal;
-  high.x.rowwise() += Eigen::RowVector3d(0.2, 0.2, 1e-3);
-  for (int v = 0; v < high.x.rows(); ++v) high.x(v, 2) += 1e-4 * normal(random);
+  const Sheet apart = join(low, high);
+  const double dhat = Contact(apart.pattern, apart.triangles).dhat();
+  high.x.rowwise() += Eigen::RowVector3d(0.2, 0.2, 0.5 * dhat);
+  for (int v = 0; v < high.x.rows(); ++v) high.x(v, 2) += 0.05 * dhat * normal(random);
   const Sheet sheet = join(low, high);
   const int n = static_cast<int>(sheet.x.rows());
   std::vector<int> block(n);
@@ -163,7 +171,7 @@ TEST(BarrierTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
   for (int v = 0; v < n; ++v) error = std::max(error, std::abs(change(v, 2) - told[3 * v + 2]));
   EXPECT_LT(error, 1e-5 * told.norm());
 
-  const Sheet layers = two_layers(6e-4);
+  const Sheet layers = two_layers(0.4 * dhat_of_layers());
   const int m = static_cast<int>(layers.x.rows());
   all.clear();
   block.resize(m);
@@ -181,12 +189,14 @@ TEST(BarrierTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
 }
 
 TEST(BarrierTest, EveryPairCloserThanDhatDuringTheStepIsInTheList) {
-  const Sheet sheet = two_layers(4e-3);
+  const double dhat = dhat_of_layers();
+  const Sheet sheet = two_layers(3 * dhat);
   Points3 move = still(sheet);
   std::mt19937 random(9);
   std::normal_distribution<double> normal;
   for (int v = 0; v < move.rows(); ++v)
-    move.row(v) << 2e-3 * normal(random), 2e-3 * normal(random), 2e-3 * normal(random);
+    move.row(v) << 1.5 * dhat * normal(random), 1.5 * dhat * normal(random),
+        1.5 * dhat * normal(random);
   Contact contact(sheet.pattern, sheet.triangles);
   contact.begin(sheet.x, {}, frame);
   contact.update_candidates(sheet.x, move);

@@ -1,5 +1,6 @@
 #include "core/step1_elastic/energies/elastic_energy.h"
 
+#include "core/geometry/prescribed_creases.h"
 #include "tests/core/test_meshes.h"
 
 #include <Eigen/Eigenvalues>
@@ -350,6 +351,161 @@ TEST(ElasticEnergyTest, GivingThePresentStressGivesTheExactHessian) {
   const Eigen::MatrixXd exact = second_derivative(nullptr);
   EXPECT_LT((second_derivative(&own) - exact).norm(), 1e-12 * exact.norm());
   EXPECT_GT((second_derivative(&none) - exact).norm(), 1e-4 * exact.norm());
+}
+
+/// crumpled() with creases on a third of its hinges: by turns free ones, ones that are pressed, and
+/// ones that are not folded yet.
+Sheet creased() {
+  Sheet sheet = crumpled();
+  const std::vector<Hinge> hinges = find_hinges(sheet.triangles).hinges;
+  for (std::size_t h = 0; h < hinges.size(); h += 3) {
+    const Vector2d a = sheet.pattern.row(hinges[h].vertices[0]),
+                   b = sheet.pattern.row(hinges[h].vertices[1]);
+    const bool folded = h % 9 != 6;
+    const double rest = std::sin(static_cast<double>(h));
+    sheet.prescribed_creases.push_back({{a, b}, 0, false});
+    sheet.crease_edges.push_back({a, b, folded ? rest : 0, folded, {}});
+    if (h % 9 == 3) sheet.crease_edges.back().pressed = 2.5 * std::cos(static_cast<double>(h));
+  }
+  return sheet;
+}
+
+/// With its creases as the sheet has them.
+ElasticEnergy energy_of_creased(const Sheet& sheet, const Paper& paper = soft_paper()) {
+  ElasticEnergy energy(paper, sheet.pattern, sheet.triangles, {}, sheet.prescribed_creases);
+  energy.load_creases(sheet);
+  return energy;
+}
+
+TEST(ElasticEnergyTest, DerivativesMatchCentralDifferencesWhereCreasesYieldAndArePressed) {
+  const Sheet sheet = creased();
+  ElasticEnergy energy = energy_of_creased(sheet);
+  energy.memory = some_memory(sheet);
+  int free = 0, pressed = 0, unfolded = 0, yielded = 0;
+  const std::vector<CreaseEdge> left = energy.creases_left(energy.dihedral_angles(sheet.x));
+  ASSERT_EQ(left.size(), sheet.crease_edges.size());
+  for (std::size_t e = 0; e < left.size(); ++e) {
+    const CreaseEdge& edge = sheet.crease_edges[e];
+    ++(edge.pressed ? pressed : edge.folded ? free : unfolded);
+    yielded += edge.folded && !edge.pressed && left[e].rest_angle != edge.rest_angle;
+  }
+  ASSERT_GT(pressed, 5);
+  ASSERT_GT(unfolded, 5);
+  ASSERT_GT(yielded, 2);
+  ASSERT_LT(yielded, free) << "some of them turn elastically";
+  Points3 gradient, none;
+  energy.gradient(sheet.x, gradient);
+  ElasticEnergy without(soft_paper(), sheet.pattern, sheet.triangles);
+  without.memory = energy.memory;
+  without.gradient(sheet.x, none);
+  ASSERT_GT((gradient - none).norm(), 1e-2) << "creases contribute";
+  const Eigen::MatrixXd hessian = dense_hessian(energy, sheet.x, HessianForm::exact);
+  Eigen::MatrixXd second(sheet.x.size(), sheet.x.size());
+  Points3 x = sheet.x, numeric(x.rows(), 3), up, down;
+  const double h = 1e-7;
+  for (int k = 0; k < x.size(); ++k) {
+    const double at = x.data()[k];
+    x.data()[k] = at + h;
+    const double above = energy.energy(x);
+    energy.gradient(x, up);
+    x.data()[k] = at - h;
+    numeric.data()[k] = (above - energy.energy(x)) / (2 * h);
+    energy.gradient(x, down);
+    x.data()[k] = at;
+    for (int j = 0; j < x.size(); ++j) second(j, k) = (up.data()[j] - down.data()[j]) / (2 * h);
+  }
+  EXPECT_LT((gradient - numeric).norm() / gradient.norm(), 1e-7);
+  EXPECT_LT((hessian - second).norm() / hessian.norm(), 1e-7);
+}
+
+TEST(ElasticEnergyTest, ProjectedFormHasNoNegativeEigenvalueWithCreases) {
+  const Sheet sheet = creased();
+  ElasticEnergy energy = energy_of_creased(sheet);
+  const auto lowest = [&](HessianForm form) {
+    return Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(dense_hessian(energy, sheet.x, form))
+        .eigenvalues()[0];
+  };
+  EXPECT_LT(lowest(HessianForm::exact), -1.0);
+  EXPECT_GT(lowest(HessianForm::projected), -1e-6);  // rounding of eigenvalues up to 1e6 N/m
+}
+
+/// Two flat halves of a strip, turned by this angle [rad] about a crease in its middle.
+Sheet turned_halves(double angle, bool folded) {
+  Sheet sheet = test::strip_sheet(0.1, 0.05, 10);
+  sheet.prescribed_creases = {{{{0.05, 0}, {0.05, 0.05}}, 0, folded}};
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    if (const double beyond = sheet.pattern(v, 0) - 0.05; beyond > 0)
+      sheet.x.row(v) << 0.05 + beyond * std::cos(angle), sheet.pattern(v, 1),
+          -beyond * std::sin(angle);
+  return sheet;
+}
+
+TEST(ElasticEnergyTest, NoMomentOfThePlateCrossesAFoldedCrease) {
+  const Paper paper;
+  for (const double angle : {-2.0, 0.3, 2.0}) {
+    const Sheet folded = turned_halves(angle, true), other = turned_halves(angle, false);
+    const ElasticEnergy crease = energy_of_creased(folded, paper),
+                        plate = energy_of_creased(other, paper);
+    const CreaseResponse alone = turn_crease(crease_law(paper), 0, angle);
+    ASSERT_EQ(alone.rest == 0, std::abs(angle) < 0.5) << "elastic, and beyond its yield";
+    EXPECT_NEAR(crease.parts(folded.x).bending, 0.05 * alone.energy, 1e-12 * alone.energy);
+    // what is not folded bends as paper, by this angle over a width of 10 mm: D/2 (angle/w)^2 w l
+    const double bent = 0.5 * paper.bending_stiffness * angle * angle / 0.01 * 0.05;
+    EXPECT_NEAR(plate.parts(other.x).bending, bent, 1e-9 * bent);
+    // what the crease does to the paper: its moment over 10 mm, to and from the nearest vertices
+    Points3 gradient;
+    crease.gradient(folded.x, gradient);
+    for (int v = 0; v < gradient.rows(); ++v)
+      if (std::abs(folded.pattern(v, 0) - 0.05) > 0.0101)
+        EXPECT_LT(gradient.row(v).norm(), 1e-9) << v;
+    const Eigen::RowVector3d beside = gradient.row(8) + gradient.row(9);
+    EXPECT_NEAR(beside.norm(), std::abs(0.05 * alone.moment / 0.01), 1e-9);
+  }
+}
+
+TEST(ElasticEnergyTest, ACreaseThatIsNotFoldedIsTheSamePaperToTheLastBit) {
+  const Sheet sheet = turned_halves(0.3, false);
+  const ElasticEnergy with = energy_of_creased(sheet),
+                      without(soft_paper(), sheet.pattern, sheet.triangles);
+  ASSERT_GT(without.parts(sheet.x).bending, 1e-5);
+  EXPECT_EQ(with.energy(sheet.x), without.energy(sheet.x));
+}
+
+TEST(ElasticEnergyTest, AnExpectedCreaseFoldsWhereThePaperCarriesTheYieldMomentOfACrease) {
+  const Paper paper;
+  const double width = 0.01;  // of the paper beside the crease, on a mesh of cells of 10 mm
+  // the curvature at which a plate with this stiffness carries it
+  const double born = crease_law(paper).yield_moment / paper.bending_stiffness * width;
+  ASSERT_NEAR(born, 0.6 * 2 * paper.yield_strain / paper.thickness * width, 1e-12);
+  for (const double share : {-1.01, -0.99, 0.99, 1.01}) {
+    Sheet sheet = turned_halves(share * born, false);
+    ElasticEnergy energy = energy_of_creased(sheet, paper);
+    sheet.crease_edges = energy.creases_left(energy.dihedral_angles(sheet.x));
+    ASSERT_EQ(sheet.crease_edges.size(), 1u);
+    EXPECT_EQ(sheet.crease_edges[0].folded, std::abs(share) > 1) << share;
+    // both triangles beside it are to lose what has curled them, once
+    EXPECT_EQ(energy.load_creases(sheet).size(), std::abs(share) > 1 ? 2u : 0u);
+    EXPECT_EQ(energy.load_creases(sheet).size(), 0u);
+    EXPECT_EQ(is_folded(sheet, 10, 11), std::abs(share) > 1);
+  }
+}
+
+TEST(ElasticEnergyTest, ACreaseThatIsLeftTurnedKeepsItsMoment) {
+  const Paper paper;
+  Sheet sheet = turned_halves(2.0, true);
+  ElasticEnergy energy = energy_of_creased(sheet, paper);
+  Points3 during, after;
+  energy.gradient(sheet.x, during);
+  ASSERT_GT(during.norm(), 1e-2);
+  sheet.crease_edges = energy.creases_left(energy.dihedral_angles(sheet.x));
+  ASSERT_GT(sheet.crease_edges.at(0).rest_angle, 1.0);
+  energy.load_creases(sheet);
+  energy.gradient(sheet.x, after);
+  EXPECT_LT((after - during).norm(), 1e-12 * during.norm());
+  // let go, the halves are in equilibrium at the rest angle
+  Sheet sprung = turned_halves(sheet.crease_edges[0].rest_angle, true);
+  energy.gradient(sprung.x, after);
+  EXPECT_LT(after.norm(), 1e-9 * during.norm());
 }
 
 }  // namespace

@@ -1,0 +1,94 @@
+// The fold scenes, from their files to the certificate: hands fold paper where they say, and it
+// neither stretches nor passes through itself.
+
+#include "core/geometry/hinges.h"
+#include "formats/cache/alembic_reader.h"
+#include "tests/baker/program_fixture.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::Ended;
+using test::lines_of;
+using test::read;
+
+struct FoldScene {
+  const char* name;
+  std::size_t frames;
+};
+
+class FoldSceneTest : public test::CommandLine, public testing::WithParamInterface<FoldScene> {
+ protected:
+  Ended bake(const std::string& scene, const test::Words& more = {}) const {
+    test::Words words{"bake",       samples() + scene + ".glb",
+                      "-o",         output(),
+                      "--formats",  "abc,cert",
+                      "--quality",  "draft",
+                      "--progress", "none"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  }
+  static std::string samples() { return test::samples + "/"; }
+};
+
+INSTANTIATE_TEST_SUITE_P(Samples, FoldSceneTest,
+                         testing::Values(FoldScene{"F1_letter", 96}, FoldScene{"F2_half", 120},
+                                         FoldScene{"F4_fan", 96}, FoldScene{"F5_corner", 108}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(FoldSceneTest, PaperIsFoldedByItsHandsWithoutStretchOrCrossing) {
+  const Ended ended = bake(GetParam().name);
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const std::vector<std::string> lines = lines_of(read(fs::path(output()) / "cert/frames.jsonl"));
+  ASSERT_EQ(lines.size(), GetParam().frames);
+  int unfinished = 0;
+  for (const std::string& line : lines) {
+    const json frame = json::parse(line);
+    const std::string where = frame["frame"].dump();
+    EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 1) << where;
+    for (const char* stretch : {"stretch_max_pct", "render_stretch_max_pct"})
+      EXPECT_LE(frame[stretch].get<double>(), 0.3) << stretch << " " << where;
+    for (const char* none : {"crossings", "crossings_with_others", "render_crossings",
+                             "render_crossings_with_others", "singular"})
+      EXPECT_EQ(frame[none], 0) << none << " " << where;
+    unfinished += !frame["converged"].get<bool>();
+  }
+  EXPECT_LE(unfinished, 1);
+}
+
+using FoldedLetterTest = FoldSceneTest;
+INSTANTIATE_TEST_SUITE_P(Samples, FoldedLetterTest, testing::Values(FoldScene{"F1_letter", 96}),
+                         [](const auto& info) { return std::string(info.param.name); });
+
+TEST_P(FoldedLetterTest, NearlyAllOfTheTurnAcrossAFoldIsOnItsLine) {
+  ASSERT_EQ(bake(GetParam().name, {"--mesh", "simulation"}).code, 0);
+  const AlembicReader cache(fs::path(output()) / "F1_letter.abc");
+  const CacheFrame last = cache.frame(0, cache.sheets().at(0).frames - 1);
+  constexpr double unit = 0.297, width = 0.210, degrees = M_PI / 180;  // [m] of uv, of the sheet
+  ASSERT_EQ(last.uv.rows(), last.x.rows());
+  const Points2 pattern = unit * last.uv;
+  for (const auto& [fold, turned] : {std::pair(0.096, 177.5), std::pair(0.198, 165.0)}) {
+    double on_line = 0, beside = 0;  // [rad] mean over the width
+    for (const Hinge& hinge : find_hinges(last.triangles).hinges) {
+      const Vector2d a = pattern.row(hinge.vertices[0]), b = pattern.row(hinge.vertices[1]);
+      const double off = std::max(std::abs(a.y() - fold), std::abs(b.y() - fold)),
+                   turn = std::abs(dihedral_angle(last.x, hinge) * (b - a).x()) / width;
+      if (off < 0.05) (off < 1e-4 ? on_line : beside) += turn;
+    }
+    EXPECT_NEAR(on_line, turned * degrees, 5 * degrees) << fold;
+    EXPECT_GE(on_line, 0.95 * (on_line + beside)) << fold;
+  }
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,499 @@
+#include "core/animation/expected_creases.h"
+
+#include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
+#include "tests/core/test_meshes.h"
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+#include <random>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+using Eigen::Isometry3d;
+using Poses = std::function<Isometry3d(double share)>;  // of the time, from 0 to 1
+
+constexpr int frames = 25, first_frame = 1;
+constexpr double degrees = M_PI / 180;
+
+/// Handles that move as one rigid plate, from where they hold the flat sheet.
+struct Plate {
+  std::vector<Vector2d> points;  // [m]
+  Poses pose;
+};
+
+Vector3d on_sheet(const Vector2d& p) { return {p.x(), p.y(), 0}; }
+
+Isometry3d still(double) { return Isometry3d::Identity(); }
+
+/// The turn about a line of the flat sheet, right-handed about its direction.
+Isometry3d turned(double angle, const Vector2d& point, const Vector2d& direction) {
+  return Isometry3d(Eigen::Translation3d(on_sheet(point)) *
+                    Eigen::AngleAxisd(angle, on_sheet(direction).normalized()) *
+                    Eigen::Translation3d(-on_sheet(point)));
+}
+
+Poses turning(double angle, const Vector2d& point, const Vector2d& direction) {
+  return [=](double share) { return turned(share * angle, point, direction); };
+}
+
+void hold(Shot& shot, const Plate& plate) {
+  for (const Vector2d& p : plate.points) {
+    Handle handle = test::bare_handle("handle." + std::to_string(shot.handles.size()), p, frames);
+    for (int f = 0; f < frames; ++f)
+      handle.keyed.row(f) = plate.pose(f / (frames - 1.0)) * on_sheet(p);
+    shot.handles.push_back(handle);
+  }
+}
+
+Shot held(const Pattern& pattern, const std::vector<Plate>& plates) {
+  Shot shot = test::blank_shot(pattern);
+  for (const Plate& plate : plates) hold(shot, plate);
+  return shot;
+}
+
+std::vector<ExpectedCrease> lines_of(const Shot& shot) {
+  return expected_creases(shot, first_frame);
+}
+
+/// The only line whose two ends are these, in one of the two orders.
+const ExpectedCrease* line_between(const std::vector<ExpectedCrease>& lines, const Vector2d& a,
+                                   const Vector2d& b, double near = 1e-9) {
+  const ExpectedCrease* found = nullptr;
+  for (const ExpectedCrease& line : lines) {
+    EXPECT_EQ(line.crease.line.size(), 2u);
+    const Vector2d p = line.crease.line.front(), q = line.crease.line.back();
+    if (((p - a).norm() > near || (q - b).norm() > near) &&
+        ((p - b).norm() > near || (q - a).norm() > near))
+      continue;
+    EXPECT_EQ(found, nullptr) << "the same line twice";
+    found = &line;
+  }
+  return found;
+}
+
+/// [rad] between two plates with an edge a-b in common; `left` is on the left of the way from a to
+/// b.
+double angle_between(const Isometry3d& left, const Isometry3d& right, const Vector2d& a,
+                     const Vector2d& b) {
+  const Vector2d across = Vector2d(a.y() - b.y(), b.x() - a.x());
+  Points3 x(4, 3);
+  x << (left * on_sheet(a)).transpose(), (left * on_sheet(b)).transpose(),
+      (left * on_sheet(0.5 * (a + b) + across)).transpose(),
+      (right * on_sheet(0.5 * (a + b) - across)).transpose();
+  return dihedral_angle(x, {{0, 1, 2, 3}, {0, 1}});
+}
+
+const Pattern a4 = test::rectangle(0.210, 0.297);
+constexpr double low_fold = 0.099, high_fold = 0.198;  // [m]
+
+const std::vector<Vector2d> in_the_middle{
+    {0, 0.110}, {0.210, 0.110}, {0.105, 0.147}, {0, 0.184}, {0.210, 0.184}};
+const std::vector<Vector2d> at_the_bottom{
+    {0, 0.030}, {0.105, 0.030}, {0.210, 0.030}, {0.0525, 0.066}, {0.1575, 0.066}};
+const std::vector<Vector2d> at_the_top{
+    {0, 0.297}, {0.105, 0.297}, {0.210, 0.297}, {0.0525, 0.2475}, {0.1575, 0.2475}};
+
+/// The bottom third first and up, the top third after it, up too or under the sheet.
+std::vector<Plate> letter(double bottom = 177.5 * degrees, double top = 165 * degrees) {
+  return {{in_the_middle, still},
+          {at_the_bottom,
+           [=](double s) {
+             return turned(std::min(1.0, 2 * s) * bottom, {0, low_fold}, {-1, 0});
+           }},
+          {at_the_top, [=](double s) {
+             return turned(std::max(0.0, 2 * s - 1) * top, {0, high_fold}, {1, 0});
+           }}};
+}
+
+TEST(ExpectedCreasesTest, ThreeClampsOfALetterGiveItsTwoLinesAndTurns) {
+  for (const double top : {165 * degrees, -165 * degrees}) {
+    const std::vector<Plate> plates = letter(177.5 * degrees, top);
+    const std::vector<ExpectedCrease> lines = lines_of(held(a4, plates));
+    ASSERT_EQ(lines.size(), 2u);
+    const ExpectedCrease *low = line_between(lines, {0, low_fold}, {0.210, low_fold}),
+                         *high = line_between(lines, {0, high_fold}, {0.210, high_fold});
+    ASSERT_TRUE(low && high);
+    for (const ExpectedCrease* line : {low, high}) {
+      EXPECT_FALSE(line->crease.folded);
+      EXPECT_EQ(line->crease.angle, 0);
+      ASSERT_EQ(line->turn.size(), std::size_t(frames));
+    }
+    EXPECT_NEAR(low->turn.back(), -177.5 * degrees, 1e-9) << "up: it bulges away from the normals";
+    EXPECT_NEAR(high->turn.back(), -top, 1e-9);
+    for (int f = 0; f < frames; ++f) {
+      const double s = f / (frames - 1.0);
+      const Isometry3d middle = plates[0].pose(s), bottom = plates[1].pose(s),
+                       over = plates[2].pose(s);
+      EXPECT_NEAR(low->turn[f], angle_between(middle, bottom, {0, low_fold}, {0.210, low_fold}),
+                  1e-9);
+      EXPECT_NEAR(high->turn[f], angle_between(over, middle, {0, high_fold}, {0.210, high_fold}),
+                  1e-9);
+    }
+    EXPECT_TRUE(low->between.y() > 0.048 && low->between.y() < 0.147);
+    EXPECT_TRUE(high->between.y() > 0.147 && high->between.y() < 0.273);
+  }
+}
+
+TEST(ExpectedCreasesTest, TheTurnGoesOnBeyondHalfATurn) {
+  const auto lines = lines_of(held(a4, letter(190 * degrees, 0)));
+  ASSERT_EQ(lines.size(), 1u);
+  for (int f = 0; f < frames; ++f)
+    EXPECT_NEAR(lines[0].turn[f], -190 * degrees * std::min(1.0, 2 * f / (frames - 1.0)), 1e-9);
+}
+
+/// Strips side by side, turned to and fro by this angle.
+std::vector<Plate> fan(int strips, double angle) {
+  constexpr double width = 0.032;
+  std::vector<Plate> plates;
+  for (int i = 0; i < strips; ++i) {
+    const double left = i * width;
+    plates.push_back(
+        {{{left + 0.008, 0}, {left + 0.024, 0}, {left + 0.008, 0.1}, {left + 0.024, 0.1}},
+         [=](double s) {
+           Isometry3d pose = Isometry3d::Identity();
+           for (int k = 1; k <= i; ++k)
+             pose = pose * turned((k % 2 ? 1 : -1) * s * angle, {k * width, 0}, {0, 1});
+           return pose;
+         }});
+  }
+  return plates;
+}
+
+TEST(ExpectedCreasesTest, AFanOfFiveStripsGivesFourLinesOfAlternatingSign) {
+  for (const double angle : {70 * degrees, 160 * degrees}) {
+    const std::vector<ExpectedCrease> lines =
+        lines_of(held(test::rectangle(0.160, 0.1), fan(5, angle)));
+    EXPECT_EQ(lines.size(), 4u);
+    for (int k = 1; k <= 4; ++k) {
+      const ExpectedCrease* line = line_between(lines, {0.032 * k, 0}, {0.032 * k, 0.1});
+      ASSERT_TRUE(line) << k;
+      EXPECT_NEAR(line->turn.back(), (k % 2 ? 1 : -1) * angle, 1e-9);
+      EXPECT_NEAR(line->between.x(), 0.032 * k, 1e-9);
+    }
+  }
+}
+
+const Pattern page = test::rectangle(0.150, 0.150);
+const std::vector<Vector2d> on_the_page{{0, 0}, {0.150, 0}, {0, 0.150}, {0.090, 0.090}},
+    on_the_corner{{0.150, 0.150}, {0.145, 0.085}, {0.085, 0.145}, {0.120, 0.120}};
+
+/// A corner turned over along the line x + y = 210 mm.
+std::vector<Plate> corner(double angle) {
+  return {{on_the_page, still}, {on_the_corner, turning(angle, {0.105, 0.105}, {1, -1})}};
+}
+
+TEST(ExpectedCreasesTest, ACornerIsFoldedAlongADiagonalLine) {
+  const std::vector<ExpectedCrease> lines = lines_of(held(page, corner(175 * degrees)));
+  ASSERT_EQ(lines.size(), 1u);
+  ASSERT_TRUE(line_between(lines, {0.150, 0.060}, {0.060, 0.150}));
+  EXPECT_NEAR(lines[0].turn.back(), -175 * degrees, 1e-9);
+  EXPECT_NEAR(lines[0].turn[12], -87.5 * degrees, 1e-9);
+}
+
+TEST(ExpectedCreasesTest, AWholeSceneThatIsTurnedAndMovedHasTheSameLines) {
+  const Isometry3d moved =
+      Eigen::Translation3d(3, -2, 1.5) * Eigen::AngleAxisd(2.2, Vector3d(1, 2, -0.5).normalized());
+  for (Shot shot : {held(a4, letter()), held(page, corner(150 * degrees))}) {
+    const std::vector<ExpectedCrease> here = lines_of(shot);
+    for (Handle& handle : shot.handles)
+      for (int f = 0; f < frames; ++f)
+        handle.keyed.row(f) = moved * Vector3d(handle.keyed.row(f).transpose());
+    const std::vector<ExpectedCrease> there = lines_of(shot);
+    ASSERT_GT(here.size(), 0u);
+    ASSERT_EQ(here.size(), there.size());
+    for (const ExpectedCrease& line : here) {
+      const ExpectedCrease* same =
+          line_between(there, line.crease.line.front(), line.crease.line.back());
+      ASSERT_TRUE(same);
+      for (int f = 0; f < frames; ++f) EXPECT_NEAR(same->turn[f], line.turn[f], 1e-9);
+    }
+  }
+}
+
+TEST(ExpectedCreasesTest, AHoleDividesALine) {
+  Pattern pattern = a4;
+  pattern.holes = {{{0.08, 0.09}, {0.08, 0.105}, {0.13, 0.105}, {0.13, 0.09}}};
+  const std::vector<ExpectedCrease> lines = lines_of(held(pattern, letter()));
+  EXPECT_EQ(lines.size(), 3u);
+  EXPECT_TRUE(line_between(lines, {0, low_fold}, {0.08, low_fold}));
+  EXPECT_TRUE(line_between(lines, {0.13, low_fold}, {0.210, low_fold}));
+}
+
+TEST(ExpectedCreasesTest, AHandleThatIsNearlyOnTheLineBecomesAPointOfIt) {
+  const auto with = [](const std::vector<Vector2d>& more) {
+    std::vector<Plate> plates = letter();
+    plates.push_back({more, still});
+    return lines_of(held(a4, plates));
+  };
+  const auto distance = [](const ExpectedCrease& line, const Vector2d& p) {
+    return distance_to_segment(p, line.crease.line.front(), line.crease.line.back());
+  };
+  const Vector2d inside(0.1, low_fold + 1e-4), at_border(0.210, low_fold - 1e-4),
+      far(0.1, low_fold + 5e-3);
+  for (const auto& points : std::vector<std::vector<Vector2d>>{
+           {inside}, {at_border}, {{0, low_fold + 1e-4}, at_border}}) {
+    const std::vector<ExpectedCrease> lines = with(points);
+    ASSERT_EQ(lines.size(), 2u);
+    const bool first = distance(lines[0], points[0]) < 1e-3;
+    const ExpectedCrease& low = lines[first ? 0 : 1];
+    for (const Vector2d& p : points) EXPECT_LT(distance(low, p), 1e-12);
+  }
+  // exactly, where it is the end of the line
+  const std::vector<ExpectedCrease> ends = with({at_border});
+  int exact = 0;
+  for (const ExpectedCrease& line : ends)
+    for (const Vector2d& p : line.crease.line) exact += p == at_border;
+  EXPECT_EQ(exact, 1);
+  EXPECT_TRUE(line_between(with({far}), {0, low_fold}, {0.210, low_fold}));
+}
+
+TEST(ExpectedCreasesTest, ALineThatTheArtistHasDrawnIsNotFoundTwice) {
+  Shot shot = held(a4, letter());
+  shot.pattern.prescribed_creases = {{{{0, 0.0992}, {0.210, 0.0988}}, -1.0}};
+  const std::vector<ExpectedCrease> lines = lines_of(shot);
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_TRUE(line_between(lines, {0, high_fold}, {0.210, high_fold}));
+  add_expected_creases(shot, first_frame);
+  ASSERT_EQ(shot.pattern.prescribed_creases.size(), 2u);
+  EXPECT_EQ(shot.pattern.prescribed_creases[0].angle, -1.0);
+  ASSERT_EQ(shot.hands.size(), 1u);
+  EXPECT_EQ(shot.hands[0].crease, 1);
+  EXPECT_EQ(shot.hands[0].turn, lines[0].turn);
+  EXPECT_TRUE(lines_of(shot).empty()) << "what was added is known, too";
+}
+
+TEST(ExpectedCreasesTest, HandlesThatOnlyMoveAlongFoldNothing) {
+  const auto by = [](const Vector3d& way) {
+    return [=](double s) { return Isometry3d(Eigen::Translation3d(s * way)); };
+  };
+  EXPECT_TRUE(lines_of(held(a4, {{in_the_middle, still},
+                                 {at_the_bottom, by({0, 0.08, 0.03})},
+                                 {at_the_top, by({0.01, -0.05, 0.08})}}))
+                  .empty());
+}
+
+TEST(ExpectedCreasesTest, ATurnOfLessThanSixtyDegreesIsNoFold) {
+  EXPECT_TRUE(lines_of(held(page, corner(59 * degrees))).empty());
+  EXPECT_EQ(lines_of(held(page, corner(61 * degrees))).size(), 1u);
+}
+
+TEST(ExpectedCreasesTest, HandlesInOneLineAreNoClamp) {
+  const Poses turn = turning(170 * degrees, {0, low_fold}, {-1, 0});
+  const std::vector<Vector2d> row{{0, 0}, {0.105, 0}, {0.210, 0}};
+  EXPECT_TRUE(lines_of(held(a4, {{in_the_middle, still}, {row, turn}})).empty());
+  EXPECT_TRUE(lines_of(held(a4, {{in_the_middle, still}, {{row[0], row[2]}, turn}})).empty());
+  std::vector<Vector2d> plate = row;
+  plate.push_back({0.1, 0.03});
+  EXPECT_EQ(lines_of(held(a4, {{in_the_middle, still}, {plate, turn}})).size(), 1u);
+}
+
+TEST(ExpectedCreasesTest, ATwistedStripIsNotFolded) {
+  const double length = 0.3, width = 0.03;
+  const std::vector<Vector2d> left{{0, 0}, {0, width}, {0.02, 0}, {0.02, width}},
+      right{{length, 0}, {length, width}, {length - 0.02, 0}, {length - 0.02, width}};
+  const auto twist = [=](double angle) { return turned(angle, {0, 0.5 * width}, {1, 0}); };
+  const Poses straight = [=](double s) { return twist(s * M_PI); };
+  // a Moebius strip: bent to a ring, and twisted by half a turn
+  const Poses ring = [=](double s) {
+    const double around = 2 * M_PI * s;
+    const Vector3d end =
+        s == 0 ? Vector3d(length, 0, 0)
+               : Vector3d(std::sin(around), 0, 1 - std::cos(around)) * length / around;
+    return Isometry3d(Eigen::Translation3d(end) * Eigen::AngleAxisd(-around, Vector3d::UnitY()) *
+                      twist(s * M_PI) * Eigen::Translation3d(-length, 0, 0));
+  };
+  for (const Poses& way : {straight, ring})
+    EXPECT_TRUE(
+        lines_of(held(test::rectangle(length, width), {{left, still}, {right, way}})).empty());
+}
+
+/// Handles all over the sheet, each on a way of its own towards its middle.
+Shot crumpled(unsigned seed, int handles) {
+  std::mt19937 random(seed);
+  std::uniform_real_distribution<double> uniform(0, 1);
+  std::normal_distribution<double> normal;
+  Shot shot = test::blank_shot(a4);
+  for (int h = 0; h < handles; ++h) {
+    const double u = uniform(random), v = uniform(random);
+    const Vector2d p(0.210 * u, 0.297 * v);
+    const double x = normal(random), y = normal(random), z = normal(random);
+    const Vector3d end = Vector3d(0.105, 0.15, 0.05) + 0.02 * Vector3d(x, y, z);
+    hold(shot, {{p}, [=](double s) {
+                  return Isometry3d(Eigen::Translation3d(s * (end - on_sheet(p))));
+                }});
+  }
+  return shot;
+}
+
+TEST(ExpectedCreasesTest, HandlesThatCrumpleASheetFoldNoLine) {
+  for (unsigned seed = 1; seed <= 10; ++seed)
+    for (const int handles : {4, 12, 40})
+      EXPECT_TRUE(lines_of(crumpled(seed, handles)).empty()) << seed << " " << handles;
+}
+
+TEST(ExpectedCreasesTest, HandsThatTurnAsTheyLikeFoldNoLine) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    std::mt19937 random(seed);
+    std::normal_distribution<double> normal;
+    std::vector<Plate> plates{{in_the_middle, still}};
+    for (const auto& points : {at_the_bottom, at_the_top}) {
+      Vector3d axis, way;
+      for (int i = 0; i < 3; ++i) axis[i] = normal(random), way[i] = 0.03 * normal(random);
+      plates.push_back({points, [=](double s) {
+                          return Isometry3d(
+                              Eigen::Translation3d(s * way + on_sheet(points[1])) *
+                              Eigen::AngleAxisd(s * 150 * degrees, axis.normalized()) *
+                              Eigen::Translation3d(-on_sheet(points[1])));
+                        }});
+    }
+    EXPECT_TRUE(lines_of(held(a4, plates)).empty()) << seed;
+  }
+}
+
+TEST(ExpectedCreasesTest, HandlesThatLetGoBeforeTheyTurnFoldNothing) {
+  std::vector<Plate> plates = corner(0);
+  plates[1].pose = [](double s) {
+    return turned(std::max(0.0, 2 * s - 1) * 175 * degrees, {0.105, 0.105}, {1, -1});
+  };
+  Shot shot = held(page, plates);
+  ASSERT_EQ(lines_of(shot).size(), 1u);
+  for (std::size_t h = on_the_page.size(); h < shot.handles.size(); ++h)
+    shot.handles[h].release_frame = first_frame + 12;
+  EXPECT_TRUE(lines_of(shot).empty());
+  // let go on the way, they have folded it; from then on nobody knows the turn
+  for (Handle& handle : shot.handles) handle.release_frame = first_frame + 22;
+  const std::vector<ExpectedCrease> lines = lines_of(shot);
+  ASSERT_EQ(lines.size(), 1u);
+  for (int f = 0; f < frames; ++f) EXPECT_EQ(std::isnan(lines[0].turn[f]), f >= 22) << f;
+}
+
+TEST(ExpectedCreasesTest, RelativeHandlesAreNoClamp) {
+  Shot shot = held(page, corner(175 * degrees));
+  for (std::size_t h = on_the_page.size(); h < shot.handles.size(); ++h)
+    shot.handles[h].mode = HandleMode::relative;
+  EXPECT_TRUE(lines_of(shot).empty());
+}
+
+// Hands that fold
+
+constexpr double side = 0.1;  // [m] of the sheet below
+constexpr double nobody = std::numeric_limits<double>::quiet_NaN();
+
+/// A square of 4 x 4 cells with a crease along x = side/2 and one along y = side/2.
+Sheet crossed_sheet() {
+  Points2 p(25, 2);
+  Triangles t(32, 3);
+  for (int j = 0, k = 0; j <= 4; ++j)
+    for (int i = 0; i <= 4; ++i) {
+      p.row(5 * j + i) << side * i / 4, side * j / 4;
+      if (i == 4 || j == 4) continue;
+      const int a = 5 * j + i;
+      t.row(k++) << a, a + 1, a + 6;
+      t.row(k++) << a, a + 6, a + 5;
+    }
+  Sheet sheet = test::flat_sheet(p, t);
+  const double middle = side / 2;
+  sheet.prescribed_creases = {{{{middle, 0}, {middle, side}}, 0, false},
+                              {{{0, middle}, {side, middle}}, 0, false}};
+  return sheet;
+}
+
+/// Calls test(crease, centre, edge) for the edges of both creases.
+template <class Test>
+void for_edges(const Sheet& sheet, const Test& test) {
+  ASSERT_EQ(sheet.crease_edges.size(), 8u);
+  for (const CreaseEdge& edge : sheet.crease_edges)
+    test(edge.a.x() == edge.b.x() ? 0 : 1, Vector2d(0.5 * (edge.a + edge.b)), edge);
+}
+
+TEST(FoldByHandsTest, HandsPressTheirWholeCreaseToTheAngleBetweenThem) {
+  Sheet sheet = crossed_sheet();
+  const std::vector<FoldingHands> hands{
+      {0, {0.0, 2 * degrees, -1.5, nobody, 0.01}, {side / 2, 0.01}}};
+  for (int row = 0; row < 7; ++row) {
+    fold_by_hands(sheet, hands, row);
+    for_edges(sheet, [&](int crease, const Vector2d&, const CreaseEdge& edge) {
+      EXPECT_EQ(edge.folded, crease == 0 && row >= 2) << row;
+      EXPECT_EQ(edge.pressed.has_value(), crease == 0 && row >= 2 && row != 3) << row;
+      if (edge.pressed) {
+        EXPECT_EQ(*edge.pressed, row == 2 ? -1.5 : 0.01) << "the last turn is kept";
+      }
+      EXPECT_EQ(edge.rest_angle, 0) << "what the paper keeps is not for hands to say";
+    });
+  }
+}
+
+TEST(FoldByHandsTest, WithoutHandsNothingIsPressed) {
+  Sheet sheet = crossed_sheet();
+  fold_by_hands(sheet, {}, 3);
+  EXPECT_TRUE(sheet.crease_edges.empty());
+}
+
+/// The sheet is folded along x = side/2, shut; then across, with a hand on the left half.
+const std::vector<FoldingHands> one_after_the_other{
+    {0, {0, -1.0, -3.1, -3.1, -3.1, -3.1}, {side / 2, 0.01}},
+    {1, {0, 0, 0, -1.0, -2.0, -3.1}, {0.01, side / 2}}};
+
+TEST(FoldByHandsTest, ASecondFoldTurnsTheOtherWayBeyondAFirstOneThatIsShut) {
+  Sheet sheet = crossed_sheet();
+  for (int row = 0; row < 6; ++row) {
+    fold_by_hands(sheet, one_after_the_other, row);
+    if (row < 3) continue;
+    for_edges(sheet, [&](int crease, const Vector2d& at, const CreaseEdge& edge) {
+      if (crease == 0) return;
+      const double turn = one_after_the_other[1].turn[row];
+      EXPECT_TRUE(edge.folded);
+      ASSERT_TRUE(edge.pressed);
+      EXPECT_EQ(*edge.pressed, at.x() < side / 2 ? turn : -turn) << row << " " << at.x();
+    });
+  }
+}
+
+TEST(FoldByHandsTest, AFirstFoldKeepsItsSignWhileASecondOneShutsAcrossIt) {
+  Sheet sheet = crossed_sheet();
+  for (int row = 0; row < 6; ++row) {
+    fold_by_hands(sheet, one_after_the_other, row);
+    for_edges(sheet, [&](int crease, const Vector2d& at, const CreaseEdge& edge) {
+      if (crease == 1 || row == 0) return;
+      ASSERT_TRUE(edge.pressed);
+      // three of the four lines that meet turn one way, and one the other (Maekawa)
+      EXPECT_EQ(*edge.pressed, one_after_the_other[0].turn[row]) << row << " " << at.y();
+    });
+  }
+}
+
+TEST(FoldByHandsTest, AFoldAcrossOneThatHasBeenOpenedAgainTurnsOneWay) {
+  Sheet sheet = crossed_sheet();
+  const std::vector<FoldingHands> hands{{0, {0, -3.1, 0, 0, 0}, {side / 2, 0.01}},
+                                        {1, {0, 0, 0, -1.0, -3.1}, {0.01, side / 2}}};
+  for (int row = 3; row < 5; ++row) {
+    fold_by_hands(sheet, hands, row);
+    for_edges(sheet, [&](int crease, const Vector2d&, const CreaseEdge& edge) {
+      ASSERT_TRUE(crease == 0 || edge.pressed);
+      if (crease == 1) {
+        EXPECT_EQ(*edge.pressed, hands[1].turn[row]);
+      }
+    });
+  }
+}
+
+TEST(FoldByHandsTest, WhatThePaperHasKeptSurvivesTheHands) {
+  Sheet sheet = crossed_sheet();
+  sheet.crease_edges = {{{side / 2, 0}, {side / 2, side}, -2.0, true, -3.0}};
+  fold_by_hands(sheet, {{0, {nobody}, {side / 2, 0.01}}}, 0);
+  for_edges(sheet, [&](int crease, const Vector2d&, const CreaseEdge& edge) {
+    EXPECT_EQ(edge.folded, crease == 0);
+    EXPECT_EQ(edge.rest_angle, crease == 0 ? -2.0 : 0.0);
+    EXPECT_FALSE(edge.pressed) << "nobody holds it any longer";
+  });
+}
+
+}  // namespace
+}  // namespace paperbake
