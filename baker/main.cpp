@@ -130,7 +130,7 @@ int run_bake(const BakeArguments& parsed) {
   BakeSettings settings;
   apply_command_line(parsed, settings);
   if (settings.output.empty() && !parsed.write_job && !parsed.dry_run)
-    throw Error(Fault::command, "command line", "--output is required: the folder to write to.",
+    throw Error(ErrorCode::command, "command line", "--output is required: the folder to write to.",
                 "Write -o DIR, or output = \"DIR\" in the job file.");
   const BakePlan plan = plan_bake(settings);
   if (parsed.write_job) {
@@ -194,7 +194,7 @@ int run_wedge(const WedgeArguments& parsed, const std::vector<std::string>& argu
   BakeSettings settings;
   apply_command_line(parsed, settings);
   if (settings.output.empty())
-    throw Error(Fault::command, "command line", "--output is required: the folder to write to.",
+    throw Error(ErrorCode::command, "command line", "--output is required: the folder to write to.",
                 "Write -o DIR.");
   const Wedge wedge(settings, parse_axes(parsed.vary));
   if (parsed.index) {
@@ -337,7 +337,7 @@ int run_chart(const ChartArguments& parsed) {
   ChartSettings settings = parsed.settings;
   apply_command_line(parsed, settings.job);
   if (settings.job.output.empty())
-    throw Error(Fault::command, "command line", "--output is required: the folder to write to.",
+    throw Error(ErrorCode::command, "command line", "--output is required: the folder to write to.",
                 "Write -o DIR.");
   settings.methods.clear();
   for (const std::string& name : CLI::detail::split(parsed.methods, ','))
@@ -427,7 +427,7 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version
-    throw Error(Fault::command, "command line", fmt::format("{}.", error.what()),
+    throw Error(ErrorCode::command, "command line", fmt::format("{}.", error.what()),
                 "paperbake --help and paperbake COMMAND --help list what there is.");
   }
 
@@ -454,9 +454,9 @@ int main(int argc, char** argv) {
     return paperbake::run(argc, argv);
   } catch (const paperbake::Error& error) {
     fmt::print(stderr, "paperbake: {}\n", error.what());
-    return static_cast<int>(error.fault);
+    return static_cast<int>(error.code);
   } catch (const std::exception& error) {
     fmt::print(stderr, "paperbake: {}\n", error.what());
-    return static_cast<int>(paperbake::Fault::simulation);
+    return static_cast<int>(paperbake::ErrorCode::simulation);
   }
 }

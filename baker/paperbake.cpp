@@ -16,10 +16,10 @@ namespace {
 void check_handle(const Handle& handle, const SceneSheet& sheet) {
   const std::string place = fmt::format("sheet \"{}\", handle \"{}\"", sheet.name, handle.name);
   if (handle.keyed.rows() == 0 || !handle.keyed.allFinite())
-    throw Error(Fault::scene, place, "Its positions are missing or not finite.",
+    throw Error(ErrorCode::scene, place, "Its positions are missing or not finite.",
                 "Handle::keyed needs one row for each frame from the scene's first.");
   if (!contains(sheet.pattern, handle.pattern, 1e-6 * longer_side(sheet.pattern)))
-    throw Error(Fault::scene, place,
+    throw Error(ErrorCode::scene, place,
                 fmt::format("Its point ({:.4g}, {:.4g}) m is not on the pattern.",
                             handle.pattern.x(), handle.pattern.y()),
                 "Handle::pattern is a point of the flat sheet in metres.");
@@ -29,12 +29,12 @@ void check_sheet(const SceneSheet& sheet) {
   const std::string place = fmt::format("sheet \"{}\"", sheet.name);
   const auto& outline = sheet.pattern.outline;
   if (outline.size() < 3 || !(area(sheet.pattern) > 0))
-    throw Error(Fault::scene, place, "The outline of its pattern has no area.",
+    throw Error(ErrorCode::scene, place, "The outline of its pattern has no area.",
                 "Pattern::outline is counter-clockwise and has at least three corners.");
   Vector2d corner = outline.front();
   for (const Vector2d& p : outline) corner = corner.cwiseMin(p);
   if (corner.cwiseAbs().maxCoeff() > 1e-6 * longer_side(sheet.pattern))
-    throw Error(Fault::scene, place,
+    throw Error(ErrorCode::scene, place,
                 fmt::format("The bounding box of its pattern begins at ({:.4g}, {:.4g}) m.",
                             corner.x(), corner.y()),
                 "Move the pattern so that it begins at (0, 0).");
@@ -43,7 +43,7 @@ void check_sheet(const SceneSheet& sheet) {
       start.triangles.rows() == 0 || start.triangles.minCoeff() < 0 ||
       start.triangles.maxCoeff() >= start.x.rows())
     throw Error(
-        Fault::scene, place, "The mesh of its first frame is empty or does not fit together.",
+        ErrorCode::scene, place, "The mesh of its first frame is empty or does not fit together.",
         "SceneSheet::start has a row of pattern and one of x for each vertex, and triangles "
         "of their indices.");
   for (const Handle& handle : sheet.handles) check_handle(handle, sheet);
@@ -53,9 +53,9 @@ void check_sheet(const SceneSheet& sheet) {
 void check_scene(const Scene& scene) {
   const std::string place = scene.source.empty() ? "scene" : scene.source;
   if (scene.sheets.empty())
-    throw Error(Fault::scene, place, "There is no sheet.", "Add one to Scene::sheets.");
+    throw Error(ErrorCode::scene, place, "There is no sheet.", "Add one to Scene::sheets.");
   if (!(scene.fps > 0) || scene.last_frame < scene.first_frame)
-    throw Error(Fault::scene, place,
+    throw Error(ErrorCode::scene, place,
                 fmt::format("Frames {}-{} at {} frames a second cannot be.", scene.first_frame,
                             scene.last_frame, scene.fps),
                 "Set Scene::first_frame, last_frame and fps.");
@@ -63,20 +63,20 @@ void check_scene(const Scene& scene) {
     check_sheet(scene.sheets[s]);
     for (std::size_t other = 0; other < s; ++other)
       if (scene.sheets[other].name == scene.sheets[s].name)
-        throw Error(Fault::scene, place,
+        throw Error(ErrorCode::scene, place,
                     fmt::format("Two sheets are called \"{}\".", scene.sheets[s].name),
                     "Give each a name of its own.");
   }
 }
 
-/// throws Error(Fault::command) when there is no such option, or it is not one of a scene that has
-/// been read
+/// throws Error(ErrorCode::command) when there is no such option, or it is not one of a scene that
+/// has been read
 const Option& option_called(const std::string& name) {
   const std::vector<std::string> settled{"scene",       "output",     "progress", "fps",
                                          "start_frame", "unit_scale", "take"};
   const std::string place = fmt::format("option \"{}\"", name);
   if (std::count(settled.begin(), settled.end(), name))
-    throw Error(Fault::command, place, "The scene has been read, and the call says the rest.",
+    throw Error(ErrorCode::command, place, "The scene has been read, and the call says the rest.",
                 "Say it to read_scene(), or in the Scene.");
   std::vector<std::string> names;
   for (const Option& option : options()) {
@@ -85,7 +85,7 @@ const Option& option_called(const std::string& name) {
   }
   const std::string near = nearest_word(name, names);
   throw Error(
-      Fault::command, place,
+      ErrorCode::command, place,
       "There is no such option." + (near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
       "docs/command_line.md has all options of bake.");
 }
@@ -106,7 +106,7 @@ BakeSettings settings_of(const Scene& scene, const BakeJob& job) {
 
 SceneSheet flat_sheet(std::string name, double width, double height) {
   if (!(width > 0) || !(height > 0))
-    throw Error(Fault::scene, fmt::format("sheet \"{}\"", name),
+    throw Error(ErrorCode::scene, fmt::format("sheet \"{}\"", name),
                 fmt::format("It would be {} m by {} m.", width, height), "");
   SceneSheet sheet;
   sheet.name = std::move(name);

@@ -49,12 +49,12 @@ struct BakeJob {
 ///
 /// on_frame  called on this thread for every frame in order, and within a frame for every sheet in
 ///           order; with the option polish: for all frames of a sheet, then for those of the next.
-///           frame.of is the index into scene.sheets. The frame and its sheet are valid until
-///           on_frame returns: copy what is to be kept. Return false to cancel: simulate_scene()
-///           then returns, and nothing is thrown.
-/// throws    Error(Fault::scene): a sheet or a handle that cannot be;
-///           Error(Fault::command): unknown option or paper grade, or a value out of range;
-///           Error(Fault::simulation): a sheet cannot follow its handles into the first frame
+///           frame.sheet_index is the index into scene.sheets. The frame and its sheet are valid
+///           until on_frame returns: copy what is to be kept. Return false to cancel:
+///           simulate_scene() then returns, and nothing is thrown.
+/// throws    Error(ErrorCode::scene): a sheet or a handle that cannot be;
+///           Error(ErrorCode::command): unknown option or paper grade, or a value out of range;
+///           Error(ErrorCode::simulation): a sheet cannot follow its handles into the first frame
 void simulate_scene(const Scene&, const BakeJob&,
                     const std::function<bool(const AnimatedFrame&)>& on_frame);
 
@@ -86,9 +86,9 @@ struct BakeResult {
 /// certificate, report. The names of the files begin with the stem of scene.source, or with "scene"
 /// when that is empty. What an earlier bake left in the folder is not simulated again as far as
 /// nothing has changed.
-/// throws  what simulate_scene() throws; Error(Fault::folder): folder busy or not writable;
-///         Error(Fault::stopped): cancelled. Frames until then are kept, and the same call goes on
-///         from there.
+/// throws  what simulate_scene() throws; Error(ErrorCode::folder): folder busy or not writable;
+///         Error(ErrorCode::stopped): cancelled. Frames until then are kept, and the same call goes
+///         on from there.
 BakeResult bake_scene(const Scene&, const std::filesystem::path& folder, const BakeJob& = {},
                       const BakeCallbacks& = {});
 

@@ -1,9 +1,10 @@
 #!/usr/bin/env python3
 """Runs the benches of a build and writes what they print to docs/data/*.csv.
 
-    python3 docs/measure_benchmarks.py [NAME...]
+    python3 docs/measure_benchmarks.py [--try] [NAME...]
 
-Without a name all of them: an hour on an idle machine.
+Without a name all of them: an hour on an idle machine. --try runs a small part of each and writes
+nothing: whether every program runs and prints what is read here.
 Every file says on which machine, at which commit and by which command its rows were measured.
 docs/make_benchmarks.py makes docs/benchmarks.md and the table of the README from these files.
 """
@@ -421,9 +422,10 @@ def bake(program, scene, *options):
 GRAVITY = {"S5_roll": ("--gravity", "9.81")}
 
 
-def measure_fem(program):
+def measure_fem(program, in_part):
     rows = []
-    for scene in ("S1_push", "S8_dcone", "S5_roll", "S2_moebius", "S4_crumple"):
+    scenes = ("S1_push", "S8_dcone", "S5_roll", "S2_moebius", "S4_crumple")
+    for scene in scenes[:1] if in_part else scenes:
         _, summary, frames, _ = bake(
             program,
             scene,
@@ -453,9 +455,9 @@ def measure_fem(program):
     return rows
 
 
-def measure_bakes(program):
+def measure_bakes(program, in_part):
     rows = []
-    for scene in (
+    scenes = (
         "S1_push",
         "S2_moebius",
         "S4_crumple",
@@ -464,7 +466,8 @@ def measure_bakes(program):
         "S8_dcone",
         "S9_unload",
         "S10_ball",
-    ):
+    )
+    for scene in scenes[:1] if in_part else scenes:
         one, summary, _, size = bake(program, scene, "--threads", "1", *GRAVITY.get(scene, ()))
         two = bake(program, scene, "--threads", "2", *GRAVITY.get(scene, ()))[0]
         rows.append(
@@ -483,17 +486,21 @@ def measure_bakes(program):
 
 
 class Bench:
-    """A program of the build; several tables may come from what it prints once."""
+    """A program of the build; several tables may come from what it prints once.
 
-    def __init__(self, command, tables, environment=None, written=None):
-        self.command, self.tables, self.environment = command, tables, environment or {}
+    part  arguments with which it measures a small part only
+    """
+
+    def __init__(self, command, tables, part, environment=None, written=None):
+        self.command, self.tables, self.part = command, tables, part.split()
+        self.environment = environment or {}
         self.written = written or " ".join(
             [f"{k}={v}" for k, v in self.environment.items()] + command
         )
 
-    def output(self):
+    def output(self, in_part):
         done = subprocess.run(
-            self.command,
+            self.command + (self.part if in_part else []),
             cwd=ROOT,
             env={**os.environ, "OPENBLAS_NUM_THREADS": "1", **self.environment},
             capture_output=True,
@@ -508,8 +515,8 @@ class Bench:
 
 PROGRAM = "build/paperbake"
 BENCHES = [
-    Bench(["build/paperbake_bench_hybrid"], {"hybrid": parse_hybrid}),
-    Bench(["build/paperbake_bench_adaptive"], {"adaptive": parse_adaptive}),
+    Bench(["build/paperbake_bench_hybrid"], {"hybrid": parse_hybrid}, "300 S2"),
+    Bench(["build/paperbake_bench_adaptive"], {"adaptive": parse_adaptive}, "300 S2"),
     Bench(
         ["build/paperbake_bench_crumple"],
         {
@@ -517,21 +524,24 @@ BENCHES = [
             "crumple_density": parse_crumple_density,
             "crumple_grammage": parse_crumple_grammage,
         },
+        "1",
     ),
     Bench(
         ["build/paperbake_bench_render"],
         {"render": parse_render, "render_energy": parse_render_energy},
+        "S2",
         {"BENCH_POLISH": "1", "BENCH_QUALITY": "shot"},
     ),
-    Bench(["build/paperbake_bench_polish"], {"estimate": parse_estimate}),
-    Bench(["build/paperbake_invariance"], {"invariance": parse_invariance}),
-    Bench(["build/paperbake_features"], {"features": parse_features}),
-    Bench(["build/paperbake_stress"], {"stress": parse_stress}),
-    Bench(["build/paperbake_bench_fit"], {"fit": parse_fit}),
-    Bench(["build/paperbake_validation"], {"validation": parse_validation}),
+    Bench(["build/paperbake_bench_polish"], {"estimate": parse_estimate}, "300 S2"),
+    Bench(["build/paperbake_invariance"], {"invariance": parse_invariance}, "hybrid S2"),
+    Bench(["build/paperbake_features"], {"features": parse_features}, "1 S2"),
+    Bench(["build/paperbake_stress"], {"stress": parse_stress}, "--scripts 3 --method hybrid"),
+    Bench(["build/paperbake_bench_fit"], {"fit": parse_fit}, "1 copy70 3"),
+    Bench(["build/paperbake_validation"], {"validation": parse_validation}, "V1"),
     Bench(
         ["build/paperbake_bench", "--benchmark_format=json"],
         {"newton_step": parse_newton_step},
+        "--benchmark_filter=/150$ --benchmark_min_time=0.01",
         written="build/paperbake_bench",
     ),
 ]
@@ -561,9 +571,12 @@ def commit():
     return git("rev-parse", "--short", "HEAD") + (" with changes" if changed else "")
 
 
-def write(name, rows, command):
+def write(name, rows, command, in_part):
     if not rows:
         sys.exit(f"{command} prints nothing that belongs into {name}.csv")
+    if in_part:
+        print(f"{name}.csv: {rows[0]}", flush=True)
+        return
     text = io.StringIO()
     text.write(f"# machine: {machine()}\n# commit: {commit()}\n# command: {command}\n")
     writer = csv.DictWriter(
@@ -576,7 +589,8 @@ def write(name, rows, command):
 
 
 def main():
-    wanted = set(sys.argv[1:])
+    in_part = "--try" in sys.argv
+    wanted = set(sys.argv[1:]) - {"--try"}
     known = {table for bench in BENCHES for table in bench.tables} | set(BAKES)
     if wanted - known:
         sys.exit(
@@ -589,12 +603,12 @@ def main():
         if not (ROOT / bench.command[0]).exists():
             print(f"{bench.command[0]} was not built: {', '.join(bench.tables)} stay as they are")
             continue
-        text = bench.output()
+        text = bench.output(in_part)
         for name, parse in bench.tables.items():
-            write(name, parse(text), bench.written)
+            write(name, parse(text), bench.written, in_part)
     for name, (measure, command) in BAKES.items():
         if not wanted or name in wanted:
-            write(name, measure(PROGRAM), command)
+            write(name, measure(PROGRAM, in_part), command, in_part)
 
 
 if __name__ == "__main__":

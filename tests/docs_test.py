@@ -58,18 +58,7 @@ SHORTER = {
     "wedge": {"--quality": "draft", "--frames": "1-6", "--map-size": "64"},
     "chart": {"--frames": "1-6", "--reference": "300", "--repeat": "1", "--budget": "30"},
 }
-BEHIND = {
-    "build/paperbake_bench": "--benchmark_filter=energy/150 --benchmark_min_time=0.01",
-    "build/paperbake_bench_hybrid": "300 S2",
-    "build/paperbake_bench_adaptive": "300 S2",
-    "build/paperbake_bench_polish": "300 S2",
-    "build/paperbake_bench_render": "S2",
-    "build/paperbake_bench_fit": "1 copy70 3",
-    "build/paperbake_features": "1 S2",
-    "build/paperbake_invariance": "hybrid S2",
-    "build/paperbake_validation": "V1",
-    "build/paperbake_stress": "--scripts 3 --method hybrid",
-}
+BEHIND = {bench.command[0]: " ".join(bench.part) for bench in measure_benchmarks.BENCHES}
 LESS = {"--budget": "30"}  # where a line says more
 NOT_RUN = {  # each has to be printed somewhere
     "tests/run": "runs this test",

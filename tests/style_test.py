@@ -27,7 +27,6 @@ MAX_LINES, MAX_PARAMETERS, MAX_COLUMNS = 60, 6, 100
 STILL_LARGER = {
     ("frame_statistics.h", "visit_frame_statistics"): (81, 6),
     ("chart_picture.cpp", "text"): (60, 7),
-    ("chart_picture.cpp", "draw"): (87, 6),
 }
 
 

@@ -27,7 +27,7 @@ bool can_resume(const BakePlan& plan) {
 }
 
 Error stopped(const BakeSettings& settings, const BakePlan& plan, int frame) {
-  return Error(Fault::stopped, fmt::format("frame {} of {}", frame, plan.animation.last_frame),
+  return Error(ErrorCode::stopped, fmt::format("frame {} of {}", frame, plan.animation.last_frame),
                "The bake was stopped.",
                !can_resume(plan) ? "A bake with polish or colliders starts from its first frame."
                : settings.resume == Resume::never
@@ -48,7 +48,7 @@ void make_folders(const BakeSettings& settings, const OutputFolder& folder) {
 int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pipeline,
                 Progress& progress, std::vector<AnimateOptions>& options) {
   Checkpoints::ResumePoint resume = checkpoints.load([&](const AnimatedFrame& frame) {
-    progress.taken(plan.shots[frame.of].sheet_name, frame.frame);
+    progress.taken(plan.shots[frame.sheet_index].sheet_name, frame.frame);
     return pipeline.files().failures.try_write(rest_of_frames, [&] { pipeline.record(frame); });
   });
   const int first = plan.animation.first_frame;
@@ -57,7 +57,7 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pi
     progress.message(fmt::format("Frames {}-{} are as an earlier bake simulated them.", first,
                                  resume.last_frame));
   for (std::size_t s = 0; s < resume.states.size(); ++s)
-    options[s].go_on_from = std::move(resume.states[s]);
+    options[s].resume_state = std::move(resume.states[s]);
   return resume.last_frame + 1;
 }
 
@@ -83,7 +83,8 @@ std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan&
         if (resumable) checkpoints.add(frame);
         if (!queue.push(frame)) return false;
         // polished frames come sheet by sheet
-        const bool is_last_sheet = plan.polish.triangles > 0 || frame.of + 1 == plan.shots.size();
+        const bool is_last_sheet =
+            plan.polish.triangles > 0 || frame.sheet_index + 1 == plan.shots.size();
         if (!is_last_sheet || !stop || frame.frame == plan.animation.last_frame || !stop())
           return true;
         if (resumable) checkpoints.keep(frame.frame);

@@ -16,10 +16,10 @@ Passes passes_of(const BakeSettings&);
 /// Frames that an earlier bake simulated from the same input are loaded from its checkpoints; if
 /// everything that is asked for was written already, nothing is done and the outcome is the same.
 /// stop    asked after every frame: should this be the last one?
-/// throws  Error(Fault::folder): the folder is in use or not writable, or a file could not be
-///         written; Error(Fault::simulation): a sheet could not follow its handles;
-///         Error(Fault::stopped). What was simulated until then is written all the same, as far as
-///         that is possible.
+/// throws  Error(ErrorCode::folder): the folder is in use or not writable, or a file could not be
+///         written; Error(ErrorCode::simulation): a sheet could not follow its handles;
+///         Error(ErrorCode::stopped). What was simulated until then is written all the same, as far
+///         as that is possible.
 BakeOutcome bake(const BakeSettings&, const BakePlan&, Progress&,
                  const std::function<bool()>& stop = {});
 

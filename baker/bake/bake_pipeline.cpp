@@ -44,7 +44,9 @@ bool BakePipeline::needs_plastic_curvature() const {
   return context_.settings.formats.count("maps") > 0 || caches_.store_crease_attributes();
 }
 
-void BakePipeline::record(const AnimatedFrame& frame) { recorders_[frame.of]->consume(frame); }
+void BakePipeline::record(const AnimatedFrame& frame) {
+  recorders_[frame.sheet_index]->consume(frame);
+}
 
 void BakePipeline::render() {
   std::vector<std::size_t> sheets;
@@ -137,7 +139,7 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
       hashes[std::filesystem::relative(file, files_.folder()).generic_string()] = file_hash(file);
     const auto error = final_error(failure);
     return summary_json(context_.plan, certificate_.frames(), certificate_.crease_length,
-                        {outcome.missed, error ? static_cast<int>(error->fault) : outcome.exit_code,
+                        {outcome.missed, error ? static_cast<int>(error->code) : outcome.exit_code,
                          error ? error->what() : ""},
                         hashes);
   });
@@ -150,7 +152,7 @@ std::optional<Error> BakePipeline::final_error(const std::optional<Error>& failu
   const Error& error = failure ? *failure : failures.all().front().error;
   const std::string lost =
       failures.all().empty() ? "" : fmt::format(" Of what was asked for {}.", failures.summary());
-  return Error(error.fault, error.place, error.cause,
+  return Error(error.code, error.place, error.cause,
                fmt::format("Frames up to {} are kept.{} {}", certificate_.frames().back().frame,
                            lost, error.remedy));
 }

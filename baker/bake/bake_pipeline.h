@@ -22,7 +22,7 @@ namespace paperbake {
 class BakePipeline {
  public:
   /// folder  the output folder, which is there
-  /// throws  Error(Fault::folder) when a file of a cache cannot be created
+  /// throws  Error(ErrorCode::folder) when a file of a cache cannot be created
   BakePipeline(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder,
                Progress&);
   BakePipeline(const BakePipeline&) = delete;

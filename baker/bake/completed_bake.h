@@ -21,7 +21,7 @@ std::string bake_key(const BakeSettings&, const BakePlan&);
 std::optional<BakeOutcome> find_completed_bake(const std::filesystem::path& folder,
                                                const std::string& key);
 
-/// throws Error(Fault::folder)
+/// throws Error(ErrorCode::folder)
 void record_completed_bake(const std::filesystem::path& folder, const std::string& key,
                            const BakeOutcome&);
 

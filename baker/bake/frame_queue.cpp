@@ -20,7 +20,7 @@ bool FrameQueue::push(const AnimatedFrame& frame) {
   constexpr std::size_t max_waiting = 8;  // a few megabytes
   if (!thread_.joinable()) {
     AnimatedFrame alone = frame;
-    alone.memory = nullptr;
+    alone.plastic_grid = nullptr;
     alone.state = nullptr;
     consumer_(alone);
     return true;
@@ -29,7 +29,7 @@ bool FrameQueue::push(const AnimatedFrame& frame) {
   changed_.wait(lock, [&] { return items_.size() < max_waiting || failure_; });
   if (failure_) return false;
   items_.push_back({frame, *frame.sheet});
-  items_.back().frame.memory = nullptr;  // it flows on meanwhile
+  items_.back().frame.plastic_grid = nullptr;  // it flows on meanwhile
   items_.back().frame.state = nullptr;
   changed_.notify_all();
   return true;

@@ -34,7 +34,7 @@ constexpr double drop_of_a_snap = 0.3;    // [1] of the energy
 
 std::string text_of(const fs::path& path) {
   if (auto text = read_file(path)) return *text;
-  throw Error(Fault::command, path.string(), "There is no such file, or it cannot be read.",
+  throw Error(ErrorCode::command, path.string(), "There is no such file, or it cannot be read.",
               "Name the output folder of a bake with cache and certificate.");
 }
 
@@ -155,7 +155,7 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
       sheet.shot.paper = paper->second;
     const CacheFrame first = cache.frame(sheets.size(), 0);
     if (first.triangles.rows() == 0 || first.uv.rows() == 0)
-      throw Error(Fault::command, fmt::format("{}, sheet \"{}\"", folder.string(), sheet.name),
+      throw Error(ErrorCode::command, fmt::format("{}, sheet \"{}\"", folder.string(), sheet.name),
                   "Its first frame in the cache has no faces or no uv.", "Bake again.");
     sheet.shot.start = as_sheet(first, sheet.side);
     sheet.shot.pattern =
@@ -195,7 +195,7 @@ std::vector<BakedSheet> sheets_of(const fs::path& folder, const Json& summary,
 } catch (const Error&) {
   throw;
 } catch (const std::exception& error) {
-  throw Error(Fault::command, (folder / "cert").string(),
+  throw Error(ErrorCode::command, (folder / "cert").string(),
               fmt::format("The certificate is not that of the cache ({}).", error.what()),
               "Bake again.");
 }
@@ -210,18 +210,18 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
     for (const auto& [file, hash] : summary.at("files").items())
       if (fs::path(file).extension() == ".abc") cache_file = file;
   } catch (const Json::exception&) {
-    throw Error(Fault::command, (folder / "cert/summary.json").string(),
+    throw Error(ErrorCode::command, (folder / "cert/summary.json").string(),
                 "It is not a certificate that this version writes.");
   }
   if (const Json inertia = summary.value(Json::json_pointer("/models/dynamics"), Json::object());
       inertia.value("on", false))
-    throw Error(Fault::command, folder.string(),
+    throw Error(ErrorCode::command, folder.string(),
                 "It moves with inertia (" + inertia.value("why", "") +
                     "), and an estimate is of a sheet at rest.",
                 "Bake with --dynamics off, or see with paperbake chart how far the methods are "
                 "from each other.");
   if (cache_file.empty())
-    throw Error(Fault::command, folder.string(), "There is no cache to estimate.",
+    throw Error(ErrorCode::command, folder.string(), "There is no cache to estimate.",
                 "Bake with --formats abc,cert.");
   const LockedJob job = read_lock(folder / "job.lock.toml");
   const AlembicReader cache(folder / cache_file);

@@ -28,7 +28,7 @@ struct ErrorEstimates {
 };
 
 /// Every 12th frame of a baked folder and its last one, from the files alone. throws
-/// Error(Fault::command): the folder has no cache or no certificate, or the sheets move with
+/// Error(ErrorCode::command): the folder has no cache or no certificate, or the sheets move with
 /// inertia
 ErrorEstimates estimate_errors(const std::filesystem::path& folder);
 

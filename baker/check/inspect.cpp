@@ -26,8 +26,10 @@ OrderedJson handle_json(const SceneSheet& sheet, const Handle& handle) {
                 {"v_m", handle.pattern.y()},
                 {"mode", handle.mode == HandleMode::relative ? "relative" : "absolute"}};
   if (handle.grab_frame != std::numeric_limits<int>::min()) j["grab_frame"] = handle.grab_frame;
-  if (handle.release_frame != std::numeric_limits<int>::max())
-    j["release_frame"] = handle.release_frame, j["release_from"] = release_origin(sheet, handle);
+  if (handle.release_frame != std::numeric_limits<int>::max()) {
+    j["release_frame"] = handle.release_frame;
+    j["release_from"] = release_origin(sheet, handle);
+  }
   if (handle.radius) j["radius_m"] = *handle.radius;
   if (handle.stiffness > 0) j["stiffness_N_per_m"] = handle.stiffness;
   return j;

@@ -9,7 +9,7 @@
 namespace paperbake {
 
 /// What is in a scene file, where each value came from, and what is wrong with it; as text for
-/// people or as JSON. throws Error(Fault::scene) as read_scene does
+/// people or as JSON. throws Error(ErrorCode::scene) as read_scene does
 std::string inspect_scene(const std::filesystem::path&, const SceneOptions&, bool json);
 
 /// The same of the scene of a job, with what the job says, and behind it every value that a bake
@@ -17,7 +17,7 @@ std::string inspect_scene(const std::filesystem::path&, const SceneOptions&, boo
 std::string inspect_job(const BakeSettings&, bool json);
 
 /// What an artist wants to know of a cache that was baked: sheets, frames, meshes, channels, size.
-/// throws Error(Fault::scene) as AlembicReader does
+/// throws Error(ErrorCode::scene) as AlembicReader does
 std::string inspect_cache(const std::filesystem::path&, bool json);
 
 /// frame,node,x,y,z of every node and bone at every whole frame; world, z up, metres.

@@ -215,7 +215,7 @@ class Verifier {
 Verification verify(const fs::path& folder) {
   std::error_code none;
   if (!fs::is_directory(folder, none))
-    throw Error(Fault::command, folder.string(), "There is no such folder.",
+    throw Error(ErrorCode::command, folder.string(), "There is no such folder.",
                 "Name the output folder of a bake.");
   return Verifier(folder).run();
 }

@@ -23,7 +23,7 @@ struct Verification {
 /// Makes the certificate's render numbers, handle errors and hashes anew from the files alone, and
 /// compares: lengths to 0.001 %, places to 0.001 mm, hashes exactly. Every file that the bake wrote
 /// is looked at to its last byte. A folder without a whole certificate is a difference, not an
-/// error. throws Error(Fault::command) when there is no such folder
+/// error. throws Error(ErrorCode::command) when there is no such folder
 Verification verify(const std::filesystem::path& folder);
 
 /// For people, and as JSON: {agrees, frames, files, first_frame_off, differences: [{frame, file,

@@ -38,7 +38,8 @@ const JobKey& key_named(const std::vector<JobKey>& keys, const std::string& name
 }
 
 NodeOverride override_of(NodeOverride::Kind kind, const JobSection& section) {
-  NodeOverride made{kind, section.pattern, section.place, {}, section.pins, section.creases};
+  NodeOverride made{
+      kind, section.pattern, section.place, {}, section.singular_point_rules, section.creases};
   const auto& keys = kind == NodeOverride::sheet ? sheet_keys() : handle_keys();
   for (const JobValue& value : section.values)
     made.properties["paper_" + value.key] = property_of(key_named(keys, value.key), value.text);
@@ -58,13 +59,13 @@ std::string relative_to(const fs::path& folder, const std::string& path) {
   return fs::proximate(fs::absolute(path), fs::absolute(folder)).generic_string();
 }
 
-std::string pins_text(const SingularPointRules& pins,
-                      const std::vector<PrescribedCrease>& creases) {
+std::string rules_text(const SingularPointRules& rules,
+                       const std::vector<PrescribedCrease>& creases) {
   std::string text;
-  if (!pins.keep.empty()) text += "singular_keep = " + toml_list(pins.keep, toml_point) + "\n";
-  if (!pins.forbid.empty())
+  if (!rules.fixed.empty()) text += "singular_keep = " + toml_list(rules.fixed, toml_point) + "\n";
+  if (!rules.forbidden.empty())
     text += "singular_forbid = " +
-            toml_list(pins.forbid,
+            toml_list(rules.forbidden,
                       [](const SingularPointRules::Disc& d) {
                         return fmt::format("[{}, {}, {}]", toml_number(d.centre.x()),
                                            toml_number(d.centre.y()), toml_number(d.radius));
@@ -86,7 +87,7 @@ std::string sections_text(const char* kind, const std::vector<JobKey>& keys,
           "{} = {}\n", value.key,
           literal(key_named(keys, value.key), file ? relative_to(folder, value.text) : value.text));
     }
-    text += pins_text(section.pins, section.creases);
+    text += rules_text(section.singular_point_rules, section.creases);
   }
   return text;
 }
@@ -169,7 +170,7 @@ void load_job(BakeSettings& settings, const fs::path& path) {
   settings.sheets = std::move(job.sheets);
   settings.handles = std::move(job.handles);
   if (settings.scene.empty())
-    throw Error(Fault::command, path.string(), "The key \"scene\" is missing.",
+    throw Error(ErrorCode::command, path.string(), "The key \"scene\" is missing.",
                 "Write for instance scene = \"shot.glb\", from the folder of the job file.");
 }
 

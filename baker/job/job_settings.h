@@ -11,7 +11,7 @@ bool is_job(const std::filesystem::path&);  // by its extension, .toml
 
 /// Reads a job file into settings of which nothing is said yet; what the command line says comes
 /// after it. Paths in it are meant from its folder. Names the output files after it. throws
-/// Error(Fault::command) as read_job does, and when it names no scene
+/// Error(ErrorCode::command) as read_job does, and when it names no scene
 void load_job(BakeSettings&, const std::filesystem::path& job);
 
 /// The job file of these settings, to lie at `file`: every option with its meaning, those that were

@@ -66,7 +66,7 @@ std::set<std::string> parse_formats(const std::string& text, const std::string& 
     const std::size_t comma = std::min(text.find(',', from), text.size());
     const std::string name = text.substr(from, comma - from);
     if (std::find(known.begin(), known.end(), name) == known.end())
-      throw Error(Fault::command, place, fmt::format("Unknown format \"{}\".", name),
+      throw Error(ErrorCode::command, place, fmt::format("Unknown format \"{}\".", name),
                   fmt::format("This version writes: {}.", fmt::join(known, ", ")));
     formats.insert(name);
     from = comma + 1;
@@ -102,7 +102,7 @@ std::vector<Option> scene_and_method() {
                    "Simulation method: hybrid, fem, adaptive, or hybrid+fem (hybrid with --polish)",
                    [](auto& s, auto& text, auto& place) {
                      if (!is_method(text))
-                       throw Error(Fault::command, place,
+                       throw Error(ErrorCode::command, place,
                                    fmt::format("Unknown method \"{}\".", text),
                                    fmt::format("This version has: {}.", all_methods));
                      s.method = text;
@@ -264,7 +264,8 @@ void apply_option(BakeSettings& settings, const Option& option, const std::strin
                   const std::string& place, Origin origin) {
   const auto value = canonical(option, text);
   if (!value)
-    throw Error(Fault::command, place, fmt::format("\"{}\" is not {}.", text, expected(option)));
+    throw Error(ErrorCode::command, place,
+                fmt::format("\"{}\" is not {}.", text, expected(option)));
   option.apply(settings, *value, place);
   settings.given[option.name] = {*value, origin};
 }

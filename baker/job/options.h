@@ -16,7 +16,7 @@ struct Option : JobKey {
   std::string help;
   std::string default_value;  // as on the command line; empty: the help explains it ...
   std::string example;        // ... and this is one
-  /// Sets the value. throws Error(Fault::command) at `place` when the text has no meaning
+  /// Sets the value. throws Error(ErrorCode::command) at `place` when the text has no meaning
   std::function<void(BakeSettings&, const std::string& text, const std::string& place)> apply;
 };
 
@@ -26,7 +26,7 @@ const std::vector<Option>& options();
 const Option& option(const std::string& name);
 
 /// Checks a value, sets it and notes who gave it.
-/// throws Error(Fault::command) at `place` when the option does not permit it
+/// throws Error(ErrorCode::command) at `place` when the option does not permit it
 void apply_option(BakeSettings&, const Option&, const std::string& text, const std::string& place,
                   Origin);
 

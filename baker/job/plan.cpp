@@ -24,17 +24,17 @@ bool is_hybrid(const BakeSettings& settings) {
   return settings.method == "hybrid" || settings.method == hybrid_and_fem;
 }
 
-/// throws Error(Fault::command) when polish is asked for but has no effect
+/// throws Error(ErrorCode::command) when polish is asked for but has no effect
 Polishing decided_polishing(const BakeSettings& settings) {
   constexpr int default_triangles = 6000;
   const bool by_method = settings.method == hybrid_and_fem;
   const char* option = by_method ? "--method hybrid+fem" : "--polish";
   if (by_method && settings.polish == 0)
-    throw Error(Fault::command, "--polish 0", "Frames of hybrid+fem are polished.",
+    throw Error(ErrorCode::command, "--polish 0", "Frames of hybrid+fem are polished.",
                 "Bake with --method hybrid.");
   if (by_method || settings.polish.value_or(0) > 0) {
     if (settings.method == "fem")
-      throw Error(Fault::command, option,
+      throw Error(ErrorCode::command, option,
                   "There is nothing that fem could improve in its own frames.",
                   "For a finer mesh bake with --triangles N.");
     return {settings.polish.value_or(default_triangles), "asked for with " + std::string(option)};
@@ -65,18 +65,18 @@ void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& 
   plan.animation.elastic.inertia = dynamic ? Inertia::dynamic : Inertia::quasi_static;
   if (settings.probe_every > 0 && dynamic)
     throw Error(
-        Fault::command, "--probe",
+        ErrorCode::command, "--probe",
         "With inertia a sheet swings between its shapes, so a lower one is not searched for (" +
             plan.why_inertia + ").",
         "Bake with --dynamics off, or without --probe.");
 }
 
-/// throws Error(Fault::command) when polish is asked for and the sheets have inertia
+/// throws Error(ErrorCode::command) when polish is asked for and the sheets have inertia
 void decide_polish(const BakeSettings& settings, BakePlan& plan) {
   plan.polish = decided_polishing(settings);
   if (plan.polish.triangles > 0 && plan.animation.elastic.inertia == Inertia::dynamic) {
     if (settings.polish || settings.method == hybrid_and_fem)
-      throw Error(Fault::command, "--polish",
+      throw Error(ErrorCode::command, "--polish",
                   "A polished frame is at rest, but the sheets move with inertia (" +
                       plan.why_inertia + ").",
                   "Bake with --dynamics off, or without polish.");
@@ -98,7 +98,7 @@ int base_wanted(const BakeSettings& settings) {
   const int max_triangles = triangles_wanted(settings);
   if (settings.base_triangles > max_triangles &&
       settings.origin("base_triangles") != Origin::fallback)
-    throw Error(Fault::command, fmt::format("--base-triangles {}", settings.base_triangles),
+    throw Error(ErrorCode::command, fmt::format("--base-triangles {}", settings.base_triangles),
                 fmt::format("The mesh may have no more than {} triangles.", max_triangles),
                 "Give more with --triangles.");
   return std::min(settings.base_triangles, max_triangles);
@@ -109,7 +109,7 @@ MethodChoice make_method(const BakeSettings& settings, const Shot& shot, unsigne
   if (settings.method == "fem") return fem(triangles_wanted(settings));
   if (settings.method == "adaptive") return adaptive(shot.pattern, triangles_wanted(settings));
   CrumpleOptions options;
-  options.pins = shot.pins;
+  options.singular_point_rules = shot.singular_point_rules;
   options.max_triangles = triangles_wanted(settings);
   return hybrid(shot.pattern, shot.paper, base_wanted(settings), options, seed,
                 static_cast<std::uint32_t>(sheet));
@@ -130,8 +130,8 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
   append_bytes(bytes, shot.start.pattern);
   append_bytes(bytes, shot.start.x);
   append_bytes(bytes, shot.start.triangles);
-  for (const Vector2d& p : shot.pins.keep) append_bytes(bytes += "keep", p);
-  for (const SingularPointRules::Disc& disc : shot.pins.forbid)
+  for (const Vector2d& p : shot.singular_point_rules.fixed) append_bytes(bytes += "keep", p);
+  for (const SingularPointRules::Disc& disc : shot.singular_point_rules.forbidden)
     append_bytes(bytes += fmt::format("forbid/{}/", disc.radius), disc.centre);
   for (const PrescribedCrease& fold : shot.pattern.prescribed_creases) {
     bytes += fmt::format("fold/{}/{}/", fold.angle, fold.folded);
@@ -154,13 +154,13 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
 void decide_frames(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   plan.frames = settings.frames.value_or(FrameSpan{scene.first_frame, scene.last_frame, 1});
   if (plan.frames.last < scene.first_frame)
-    throw Error(Fault::command, "--frames",
+    throw Error(ErrorCode::command, "--frames",
                 fmt::format("The scene begins at frame {}, the range ends at {}.",
                             scene.first_frame, plan.frames.last),
                 fmt::format("The keys cover frames {}-{}.", scene.first_frame, scene.last_frame));
   constexpr int max_frames = 100000;
   if (plan.frames.last - scene.first_frame >= max_frames)
-    throw Error(Fault::command, "--frames",
+    throw Error(ErrorCode::command, "--frames",
                 fmt::format("The range ends at {}: that is more than {} frames.", plan.frames.last,
                             max_frames));
   if (plan.frames.first < scene.first_frame) {
@@ -246,7 +246,7 @@ Shot make_shot(SceneSheet&& sheet, const Paper& paper, std::vector<ColliderMesh>
             std::move(sheet.start),
             std::move(sheet.handles),
             paper,
-            std::move(sheet.pins)};
+            std::move(sheet.singular_point_rules)};
   shot.colliders = facing_colliders(std::move(colliders), shot.start.x, shot.handles);
   return shot;
 }
@@ -290,13 +290,13 @@ std::string frame_input_hash(const std::string& before, const std::vector<Shot>&
 
 namespace {
 
-/// throws Error(Fault::command) when options contradict each other
+/// throws Error(ErrorCode::command) when options contradict each other
 void check_options(const BakeSettings& settings) {
   decided_polishing(settings);
   if (settings.mesh != CacheMesh::simulation || settings.method == "fem") return;
   for (const OutputFormat& format : output_formats())
     if (format.needs_one_mesh && settings.formats.count(format.name))
-      throw Error(Fault::command, "--formats " + format.name,
+      throw Error(ErrorCode::command, "--formats " + format.name,
                   "A point cache has one mesh for the whole shot, and the simulated one changes.",
                   fmt::format("Leave out --mesh simulation, or {}.", format.name));
 }
@@ -365,7 +365,7 @@ void hash_inputs(BakePlan& plan) {
   plan.job_hash = hex(content_hash(job));
 }
 
-/// throws Error(Fault::scene) with --strict when there are some
+/// throws Error(ErrorCode::scene) with --strict when there are some
 void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
   for (const Shot& shot : plan.shots)
     for (ImpossiblePair& pair :
@@ -374,7 +374,7 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
   if (!settings.strict || plan.impossible.empty()) return;
   const ImpossiblePair& pair = plan.impossible.front().pair;
-  throw Error(Fault::scene,
+  throw Error(ErrorCode::scene,
               fmt::format("{}, handles \"{}\" and \"{}\", frames {}-{}", settings.scene.string(),
                           pair.a, pair.b, pair.first, pair.last),
               describe(plan.impossible.front()),
@@ -398,7 +398,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   plan.animation.elastic.stop = settings.stop;
   plan.animation.elastic.forces.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
   plan.animation.probe_every = settings.probe_every;
-  plan.animation.memory = settings.method == "fem" ? Memory::none : Memory::plastic;
+  plan.animation.plasticity = settings.method == "fem" ? Plasticity::off : Plasticity::on;
   decide_frames(settings, scene, plan);
   if (settings.preset)  // an unknown grade is an error even if no sheet uses it
     read_preset(*settings.preset);

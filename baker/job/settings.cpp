@@ -30,7 +30,10 @@ std::string nearest_grade(double grammage) {
   for (const std::string& name : preset_names()) {
     const Preset preset = read_preset(name);
     const double off = std::abs(std::log(1e3 * preset.paper.area_density / grammage));
-    if (preset.by_grammage && off < least) least = off, best = name;
+    if (preset.by_grammage && off < least) {
+      least = off;
+      best = name;
+    }
   }
   return best;
 }
@@ -51,7 +54,7 @@ FrameSpan parse_frames(const std::string& text, const std::string& place) {
   if (good && take(rest, '-')) good = take_int(rest, span.last);
   if (good && take(rest, 'x')) good = take_int(rest, span.step);
   if (!good || !rest.empty() || span.last < span.first || span.step < 1)
-    throw Error(Fault::command, place, fmt::format("\"{}\" is no range of frames.", text),
+    throw Error(ErrorCode::command, place, fmt::format("\"{}\" is no range of frames.", text),
                 "Write A-B or A-BxN, for instance 1-96 or 1-96x2.");
   return span;
 }
@@ -74,7 +77,7 @@ const char* to_string(Origin origin) {
 SetValue parse_set(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
-    throw Error(Fault::command, "--set " + text, "A key and a value are needed.",
+    throw Error(ErrorCode::command, "--set " + text, "A key and a value are needed.",
                 "Write --set key=value, for instance --set thickness=90e-6.");
   const std::string name = text.substr(0, equals), number = text.substr(equals + 1);
   std::vector<std::string> names;
@@ -83,15 +86,16 @@ SetValue parse_set(const std::string& text) {
     if (name != parameter.key) continue;
     const auto value = canonical({name, JobKey::number}, number);
     if (!value)
-      throw Error(Fault::command, "--set " + name, fmt::format("\"{}\" is not a number.", number),
+      throw Error(ErrorCode::command, "--set " + name,
+                  fmt::format("\"{}\" is not a number.", number),
                   "Write for instance --set thickness=90e-6.");
     if (!parameter.accepts(std::stod(*value)))
-      throw Error(Fault::command, "--set " + name, out_of_bounds(parameter, std::stod(*value)),
+      throw Error(ErrorCode::command, "--set " + name, out_of_bounds(parameter, std::stod(*value)),
                   fmt::format("Give the value in {}.", parameter.unit));
     return {name, std::stod(*value), Origin::command};
   }
   const std::string near = nearest_word(name, names);
-  throw Error(Fault::command, "--set " + name,
+  throw Error(ErrorCode::command, "--set " + name,
               fmt::format("Unknown key \"{}\".{}", name,
                           near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
               fmt::format("The keys are: {}.", fmt::join(names, ", ")));
@@ -107,10 +111,13 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
   };
   std::string grade = settings.preset.value_or("copy70");
   Origin origin = named, scaled = Origin::preset;
-  if (counts("preset") && sheet.preset)
-    grade = *sheet.preset, origin = of_sheet("preset");
-  else if (counts("gsm") && sheet.grammage && !settings.preset)
-    grade = nearest_grade(*sheet.grammage), origin = of_sheet("gsm");
+  if (counts("preset") && sheet.preset) {
+    grade = *sheet.preset;
+    origin = of_sheet("preset");
+  } else if (counts("gsm") && sheet.grammage && !settings.preset) {
+    grade = nearest_grade(*sheet.grammage);
+    origin = of_sheet("gsm");
+  }
 
   ResolvedPaper resolved;
   Paper& paper = resolved.paper;
@@ -134,8 +141,10 @@ ResolvedPaper resolve_paper(const BakeSettings& settings, const SceneSheet& shee
     Origin who =
         own_friction && parameter.field == &Paper::friction ? of_sheet("friction") : scaled;
     for (const SetValue& set : settings.set)
-      if (set.key == parameter.key && (set.origin == Origin::command || named != Origin::command))
-        parameter.set(paper, set.value), who = set.origin;
+      if (set.key == parameter.key && (set.origin == Origin::command || named != Origin::command)) {
+        parameter.set(paper, set.value);
+        who = set.origin;
+      }
     resolved.used.push_back(
         {prefix + parameter.key, toml_number(parameter.get(paper)), to_string(who)});
   }

@@ -25,7 +25,7 @@ struct FrameSpan {
     return frame >= first && frame <= last && (frame - first) % step == 0;
   }
 };
-/// "A-B", "A-BxN" or "A". throws Error(Fault::command) at `place`
+/// "A-B", "A-BxN" or "A". throws Error(ErrorCode::command) at `place`
 FrameSpan parse_frames(const std::string& text, const std::string& place);
 /// Spans separated by commas. throws as above
 std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::string& place);
@@ -96,8 +96,8 @@ struct BakeSettings {
   }
 };
 
-/// key=value. throws Error(Fault::command): unknown key (with the nearest name), no number, none
-/// that paper has
+/// key=value. throws Error(ErrorCode::command): unknown key (with the nearest name), no number,
+/// none that paper has
 SetValue parse_set(const std::string& text);
 
 /// One value as it was used and who said so.
@@ -117,7 +117,7 @@ struct ResolvedPaper {
 /// replaces all that those before it say of the paper; in a job the preset of a [sheet] counts for
 /// more than that for all, and [paper] for more than both. A sheet's gsm scales the nearest grade:
 /// thickness and E h with the grammage, D with its cube; its thickness then sets the thickness, E
-/// unchanged. throws Error(Fault::command): unknown preset
+/// unchanged. throws Error(ErrorCode::command): unknown preset
 ResolvedPaper resolve_paper(const BakeSettings&, const SceneSheet&);
 
 }  // namespace paperbake

@@ -22,7 +22,7 @@ std::vector<std::size_t> BakeFiles::finish_cache(
     const std::vector<std::size_t> kept = finish();
     const std::size_t most = kept.empty() ? 0 : *std::max_element(kept.begin(), kept.end());
     if (kept != wanted) {
-      const Error no_room(Fault::folder, (folder_ / file).string(),
+      const Error no_room(ErrorCode::folder, (folder_ / file).string(),
                           "There was no room for all of it.", "Make room, and bake again.");
       failures.record_partial(
           file, most > 0 ? fmt::format("ends at frame {}", frame_number(most - 1)) : "has no frame",

@@ -14,7 +14,7 @@ namespace paperbake {
 class CacheWriters {
  public:
   /// files  must outlive this
-  /// throws Error(Fault::folder) when a file cannot be created
+  /// throws Error(ErrorCode::folder) when a file cannot be created
   CacheWriters(const std::set<std::string>& formats, const WriterInput&, BakeFiles& files);
 
   bool empty() const { return writers_.empty(); }

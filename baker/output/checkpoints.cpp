@@ -38,7 +38,7 @@ struct Checkpoint {
 
 std::string seal_of(std::string_view bytes) { return hex(content_hash(bytes)); }
 
-/// throws Error(Fault::scene): cut short, or not what was written
+/// throws Error(ErrorCode::scene): cut short, or not what was written
 Checkpoint read_checkpoint(const fs::path& path) {
   const std::string bytes = read_file(path).value_or("");
   const std::size_t seal = seal_of("").size(), size = bytes.size() - std::min(bytes.size(), seal);
@@ -54,8 +54,8 @@ Checkpoint read_checkpoint(const fs::path& path) {
 /// All that is handed on of a sheet in a frame. mesh: of the frame before in the same checkpoint;
 /// its own afterwards
 void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
-  a(f.frame, f.of, f.handles, f.statistics, f.plastic_curvature, f.parts.rulings, f.parts.region,
-    f.note);
+  a(f.frame, f.sheet_index, f.handles, f.statistics, f.plastic_curvature, f.parts.rulings,
+    f.parts.region, f.note);
   const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
   bool as_before =
       !a.reads() && same(now.pattern, mesh.pattern) && same(now.triangles, mesh.triangles);
@@ -134,7 +134,8 @@ Checkpoints::ResumePoint Checkpoints::load(
         archive_frame(a, frame, sheet, meshes[of]);
         a.end();
         a.require(frame.frame == checkpoint.first + static_cast<int>(k / sheets_) &&
-                  frame.of == of && frame.handles.size() == plan_.shots[of].handles.size());
+                  frame.sheet_index == of &&
+                  frame.handles.size() == plan_.shots[of].handles.size());
         a.require(frame.plastic_curvature.rows() == 0 ||
                   frame.plastic_curvature.rows() == sheet.x.rows());
         a.require(frame.parts.region.empty() ||
@@ -170,10 +171,10 @@ void Checkpoints::add(const AnimatedFrame& frame) {
   Sheet sheet = *frame.sheet;
   if (waiting_.empty()) meshes_.assign(sheets_, {});
   Serializer a;
-  archive_frame(a, copy, sheet, meshes_[frame.of]);
+  archive_frame(a, copy, sheet, meshes_[frame.sheet_index]);
   waiting_.push_back(a.bytes());
-  states_[frame.of] = frame.state;
-  if (frame.of + 1 < sheets_) return;
+  states_[frame.sheet_index] = frame.state;
+  if (frame.sheet_index + 1 < sheets_) return;
   input_ = input_of(frame.frame);
   if ((frame.frame - first_frame_ + 1) % every_ == 0 || frame.frame == plan_.animation.last_frame)
     keep(frame.frame);

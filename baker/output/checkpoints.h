@@ -25,7 +25,7 @@ class Checkpoints {
 
   struct ResumePoint {
     int last_frame;                   // taken; one less than the first of the shot: none was
-    std::vector<std::string> states;  // of each sheet: AnimateOptions::go_on_from
+    std::vector<std::string> states;  // of each sheet: AnimateOptions::resume_state
     std::string damaged;  // a sentence about a checkpoint that is not used; empty: there is none
   };
   /// Hands on the frames of earlier bakes that would be simulated alike, until on_frame returns

@@ -13,7 +13,7 @@ constexpr const char* seal_key = "\"seal\": \"";
 
 std::string read_output(const std::filesystem::path& path) {
   if (auto text = read_file(path)) return *text;
-  throw Error(Fault::folder, path.string(), "There is no such file, or it cannot be read.");
+  throw Error(ErrorCode::folder, path.string(), "There is no such file, or it cannot be read.");
 }
 
 std::string sealed(std::string text) {

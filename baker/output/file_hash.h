@@ -10,10 +10,10 @@ namespace paperbake {
 std::string sealed(std::string summary_text);
 bool seal_holds(const std::string& summary_text);
 
-/// The key of a file's bytes: 32 hex digits. throws Error(Fault::folder) when it cannot be read
+/// The key of a file's bytes: 32 hex digits. throws Error(ErrorCode::folder) when it cannot be read
 std::string file_hash(const std::filesystem::path&);
 
-/// The text of a file. throws Error(Fault::folder) when it cannot be read
+/// The text of a file. throws Error(ErrorCode::folder) when it cannot be read
 std::string read_output(const std::filesystem::path&);
 
 }  // namespace paperbake

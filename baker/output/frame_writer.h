@@ -60,8 +60,8 @@ class FrameWriter {
   virtual void write_ending(const BakeEnding&, BakeFiles&) {}
 };
 
-// The formats of baker/output/output_formats.cpp. Each throws Error(Fault::folder) when its file
-// cannot be created.
+// The formats of baker/output/output_formats.cpp. Each throws Error(ErrorCode::folder) when its
+// file cannot be created.
 
 /// NAME.abc, all sheets.
 std::unique_ptr<FrameWriter> make_alembic_writer(const WriterInput&);

@@ -15,14 +15,14 @@ void make_folder(const std::filesystem::path& path, const char* option) {
   std::filesystem::create_directories(path, failed);
   if (failed || !std::filesystem::is_directory(path))
     throw Error(
-        Fault::folder, path.string(),
+        ErrorCode::folder, path.string(),
         "The output folder cannot be made: " +
             (failed && failed != std::errc::not_a_directory ? failed.message()
                                                             : std::string("a file is in the way")) +
             ".",
         std::string("Choose another with ") + option + ".");
   if (::access(path.c_str(), W_OK) != 0)
-    throw Error(Fault::folder, path.string(),
+    throw Error(ErrorCode::folder, path.string(),
                 std::string("The output folder is not writable: ") + std::strerror(errno) + ".",
                 std::string("Choose another with ") + option + ".");
 }
@@ -32,12 +32,12 @@ OutputFolder::OutputFolder(const std::filesystem::path& path) : path_(path) {
   const auto lock = sub(".state") / "lock";
   lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
   if (lock_ < 0)
-    throw Error(Fault::folder, path_.string(),
+    throw Error(ErrorCode::folder, path_.string(),
                 std::string("The output folder is not writable: ") + std::strerror(errno) + ".",
                 "Choose another with -o.");
   if (::flock(lock_, LOCK_EX | LOCK_NB) != 0) {
     ::close(lock_);
-    throw Error(Fault::folder, path_.string(), "Another bake is working in this folder.",
+    throw Error(ErrorCode::folder, path_.string(), "Another bake is working in this folder.",
                 "Wait for it, or choose another folder with -o.");
   }
 }

@@ -6,14 +6,14 @@ namespace paperbake {
 
 /// Makes a folder with its parents when it is missing.
 /// option  the one that names another folder
-/// throws Error(Fault::folder): cannot be made, or not writable
+/// throws Error(ErrorCode::folder): cannot be made, or not writable
 void make_folder(const std::filesystem::path&, const char* option = "-o");
 
 /// The folder a bake writes into, made with its parents and locked against a second bake for as
 /// long as this lives.
 class OutputFolder {
  public:
-  /// throws Error(Fault::folder): cannot be made, not writable, or another bake works in it
+  /// throws Error(ErrorCode::folder): cannot be made, not writable, or another bake works in it
   explicit OutputFolder(const std::filesystem::path&);
   ~OutputFolder();
   OutputFolder(const OutputFolder&) = delete;

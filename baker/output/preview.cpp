@@ -60,8 +60,10 @@ Points3 points_of(const std::vector<Panel>& panels) {
   Points3 points(count, 3);
   Eigen::Index at = 0;
   for (const Panel& panel : panels)
-    for (const CacheFrame& sheet : panel.sheets)
-      points.middleRows(at, sheet.x.rows()) = sheet.x, at += sheet.x.rows();
+    for (const CacheFrame& sheet : panel.sheets) {
+      points.middleRows(at, sheet.x.rows()) = sheet.x;
+      at += sheet.x.rows();
+    }
   return points;
 }
 
@@ -93,9 +95,10 @@ void draw_colliders(Canvas& canvas, const Camera& camera, const Viewport& pictur
       const std::size_t at = (std::size_t(picture.top) * n + row) * canvas.width * n +
                              std::size_t(picture.left) * n + column;
       if (own.depth[k] == nothing) continue;
-      if (canvas.depth[at] == nothing)
-        canvas.colour[at] = own.colour[k], canvas.depth[at] = own.depth[k];
-      else if (own.depth[k] > canvas.depth[at] + on_paper / camera.scale)
+      if (canvas.depth[at] == nothing) {
+        canvas.colour[at] = own.colour[k];
+        canvas.depth[at] = own.depth[k];
+      } else if (own.depth[k] > canvas.depth[at] + on_paper / camera.scale)
         canvas.colour[at] = mix(canvas.colour[at], own.colour[k], veil);
     }
 }
@@ -179,7 +182,9 @@ void Preview::add_frame(int frame, const CacheFrame& cached) {
                              [](const PreviewFrame& s, int f) { return s.frame < f; });
   if (at == shown_.end() || at->frame != frame) at = shown_.insert(at, {frame, {}});
   CacheFrame kept;
-  kept.x = cached.x, kept.triangles = cached.triangles, kept.normal = cached.normal,
+  kept.x = cached.x;
+  kept.triangles = cached.triangles;
+  kept.normal = cached.normal;
   kept.normal_of_corner = cached.normal_of_corner;
   at->sheets.push_back(std::move(kept));
 }

@@ -48,7 +48,8 @@ void Progress::simulated(const FrameRecord& record) {
   const auto taken = taken_.find(record.sheet);
   if (taken == taken_.end() || record.frame > taken->second)
     return frame(simulate_, record, record.statistics.stretch_mean, record.statistics.triangles);
-  ++simulate_.done, ++simulate_.taken;
+  ++simulate_.done;
+  ++simulate_.taken;
   if (on_step_) on_step_({simulate_.name, record.sheet, record.frame, simulate_.done, frames_});
   last_ = std::chrono::steady_clock::now();
 }

@@ -122,8 +122,10 @@ void Report::add_frame(std::size_t number, const CacheFrame& frame) {
   }
   if (sheet.given++ % stride_ != 0) return;
   if (sheet.meshes.empty() || sheet.meshes.back().rows() != frame.triangles.rows() ||
-      sheet.meshes.back() != frame.triangles)
-    sheet.meshes.push_back(frame.triangles), sheet.hinges = find_hinges(frame.triangles);
+      sheet.meshes.back() != frame.triangles) {
+    sheet.meshes.push_back(frame.triangles);
+    sheet.hinges = find_hinges(frame.triangles);
+  }
   sheet.frames.push_back(
       {sheet.meshes.size() - 1, frame.x.cast<float>(), folding(frame.x, sheet.hinges)});
 }

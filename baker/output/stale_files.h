@@ -12,7 +12,7 @@ enum class StaleFiles { remove, keep };
 /// Which they were, `.state/written` says: a key and a path a line.
 /// kept  for a bake that could not write all it should: the older files stay for now, and on the
 ///       list
-/// throws Error(Fault::folder)
+/// throws Error(ErrorCode::folder)
 void replace_outputs(const std::filesystem::path& folder,
                      const std::vector<std::filesystem::path>& written, StaleFiles);
 

@@ -30,7 +30,10 @@ Json spread(const std::vector<FrameRecord>& frames, const Field& field) {
     if (!value) continue;
     if (count++ == 0) frame_of_largest = f.frame;
     sum += *value;
-    if (*value > largest) largest = *value, frame_of_largest = f.frame;
+    if (*value > largest) {
+      largest = *value;
+      frame_of_largest = f.frame;
+    }
   }
   if (count == 0) return {};
   return {{"mean", sum / count}, {"max", largest}, {"frame_of_max", frame_of_largest}};
@@ -120,7 +123,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const ElasticOptions& elastic = plan.animation.elastic;
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const std::string& method = plan.methods.front().name;
-  const bool yields = plan.animation.memory == Memory::plastic, singular = method == "hybrid";
+  const bool yields = plan.animation.plasticity == Plasticity::on, singular = method == "hybrid";
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {
       {"dynamics", model(dynamic, plan.why_inertia)},

@@ -13,7 +13,7 @@ bool WriteFailures::try_write(const std::string& file, const std::function<void(
   } catch (const Error& error) {
     all_.push_back({file, error});
   } catch (const std::exception& error) {  // of a library
-    all_.push_back({file, Error(Fault::simulation, file,
+    all_.push_back({file, Error(ErrorCode::simulation, file,
                                 fmt::format("It cannot be made: {}.", error.what()))});
   }
   return false;

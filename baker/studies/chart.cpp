@@ -53,20 +53,34 @@ BakeSettings settings_for(const ChartSettings& settings, const Size& size) {
   return s;
 }
 
+struct LastFrame {  // of a sheet
+  CreaseNetwork network;
+  int singular = 0;
+};
+
+/// Adds up what the sheets of a run have in the end.
+void count_creases(const std::vector<LastFrame>& sheets, ChartPoint& point) {
+  double creases = 0;
+  for (const LastFrame& sheet : sheets) {
+    point.crease_length += sheet.network.length;
+    creases += sheet.network.count;
+    point.singular += sheet.singular;
+  }
+  point.mean_crease = point.crease_length / std::max(1.0, creases);
+}
+
 Run run(const ChartSettings& settings, const Size& size, unsigned start_seed,
         Clock::time_point deadline, int max_frames = 1 << 30) {
   const BakePlan plan = plan_bake(settings_for(settings, size));
   Run r;
-  r.point.method = size.method, r.point.size = size.size, r.point.seed = size.seed;
+  r.point.method = size.method;
+  r.point.size = size.size;
+  r.point.seed = size.seed;
   std::vector<double> frame_ms;
   int wanted = 0;
   double c_m = 0, triangles = 0;
   const std::size_t sheets = plan.shots.size();
-  struct Last {  // frame of a sheet
-    CreaseNetwork network;
-    int singular = 0;
-  };
-  std::vector<Last> last(sheets);
+  std::vector<LastFrame> last(sheets);
   std::vector<PatternSamples> samples;
   for (const Shot& shot : plan.shots) samples.emplace_back(shot.pattern);
   AnimateOptions animation = plan.animation;
@@ -76,34 +90,34 @@ Run run(const ChartSettings& settings, const Size& size, unsigned start_seed,
   try {
     simulate(plan, std::vector(sheets, animation), 1, [&](const AnimatedFrame& f) {
       if (!plan.frames.contains(f.frame)) return true;
-      r.shapes[f.of].push_back(samples[f.of](*f.sheet).x / longer_side(plan.shots[f.of].pattern));
+      r.shapes[f.sheet_index].push_back(samples[f.sheet_index](*f.sheet).x /
+                                        longer_side(plan.shots[f.sheet_index].pattern));
       const LengthDistortion d = length_distortion(*f.sheet);
-      ++wanted, c_m += 100 * d.mean, triangles += static_cast<double>(f.sheet->triangles.rows());
-      r.times.elastic_ms += f.statistics.elastic_ms,
-          r.times.geometry_ms += f.statistics.geometry_ms;
-      const std::size_t at = r.shapes[f.of].size();
+      ++wanted;
+      c_m += 100 * d.mean;
+      triangles += static_cast<double>(f.sheet->triangles.rows());
+      r.times.elastic_ms += f.statistics.elastic_ms;
+      r.times.geometry_ms += f.statistics.geometry_ms;
+      const std::size_t at = r.shapes[f.sheet_index].size();
       frame_ms.resize(std::max(frame_ms.size(), at), 0.0);
       frame_ms[at - 1] += f.statistics.elastic_ms + f.statistics.geometry_ms;
       r.point.max_stretch_pct = std::max(r.point.max_stretch_pct, 100 * d.largest);
       r.point.not_converged += !f.statistics.converged;
       r.energy += f.statistics.energy;
-      last[f.of] = {crease_network(*f.sheet), static_cast<int>(f.sheet->singular.size())};
-      if (f.of + 1 < sheets) return true;
+      last[f.sheet_index] = {crease_network(*f.sheet), static_cast<int>(f.sheet->singular.size())};
+      if (f.sheet_index + 1 < sheets) return true;
       if (Clock::now() > deadline && f.frame < animation.last_frame)
         r.point.failure = fmt::format("out of time at frame {}", f.frame);
       return r.point.failure.empty() && static_cast<int>(at) < max_frames;
     });
   } catch (const Error& error) {
-    if (error.fault != Fault::simulation) throw;
+    if (error.code != ErrorCode::simulation) throw;
     r.point.failure = error.place + ": " + error.cause;
   }
-  double creases = 0;
-  for (const Last& sheet : last)
-    r.point.crease_length += sheet.network.length, creases += sheet.network.count,
-        r.point.singular += sheet.singular;
-  r.point.mean_crease = r.point.crease_length / std::max(1.0, creases);
+  count_creases(last, r.point);
   const double frames = std::max<std::size_t>(1, frame_ms.size());
-  r.times.elastic_ms /= frames, r.times.geometry_ms /= frames;
+  r.times.elastic_ms /= frames;
+  r.times.geometry_ms /= frames;
   r.times.worst_frame_ms =
       frame_ms.empty() ? 0 : *std::max_element(frame_ms.begin(), frame_ms.end());
   r.point.c_m_pct = c_m / std::max(1, wanted);
@@ -149,7 +163,7 @@ std::vector<Size> size_ladder(const ChartSettings& settings, int reference, unsi
 void check_methods(const std::vector<std::string>& methods) {
   for (const std::string& method : methods)
     if (!is_method(method))
-      throw Error(Fault::command, "--methods", fmt::format("Unknown method \"{}\".", method),
+      throw Error(ErrorCode::command, "--methods", fmt::format("Unknown method \"{}\".", method),
                   fmt::format("This version charts: {}.", all_methods));
 }
 
@@ -209,7 +223,7 @@ class ChartRunner {
       log_(chart_.remarks.back());
     }
     if (runs_.empty() || !runs_.front().point.failure.empty())
-      throw Error(Fault::simulation, settings_.job.scene.string(),
+      throw Error(ErrorCode::simulation, settings_.job.scene.string(),
                   "No reference: fem does not come to an end, however coarse.",
                   "Give it more time with --budget, or fewer frames with --frames.");
     for (const int part : {2, 4}) add({"fem", reference_ / part, seed_});

@@ -57,7 +57,7 @@ struct Chart {
 /// where there are singular points), a twin of the reference, then repeats, until the budget is
 /// used up.
 /// log  a sentence on what is being done
-/// throws as plan_bake does; Error(Fault::simulation) when no reference comes to an end
+/// throws as plan_bake does; Error(ErrorCode::simulation) when no reference comes to an end
 Chart chart(const ChartSettings&, const std::function<void(const std::string&)>& log);
 
 /// Error of the finest of three results on n/4, n/2 and n triangles, from how far the coarser ones

@@ -59,7 +59,8 @@ class LogAxis {
     const double high = values.empty() ? 10 : *std::max_element(values.begin(), values.end());
     const double room = std::max(0.08 * std::log10(high / low), 0.12);
     // room for the last label
-    low_ = std::log10(low) - room, high_ = std::log10(high) + 1.6 * room;
+    low_ = std::log10(low) - room;
+    high_ = std::log10(high) + 1.6 * room;
   }
   double operator()(double value) const {
     return a_ + (b_ - a_) * (std::log10(std::max(value, 1e-300)) - low_) / (high_ - low_);
@@ -115,18 +116,10 @@ class Labels {
   std::vector<std::array<double, 4>> taken_;
 };
 
-std::string draw(const PlotPanel& panel, const std::vector<ChartPoint>& points, double left,
-                 double panel_width) {
-  std::vector<double> xs, ys;
-  for (const ChartPoint& p : points)
-    if (panel.value(p) > 0) xs.push_back(p.total_ms()), ys.push_back(panel.value(p));
-  for (const auto& [value, what] : panel.lines) ys.push_back(value);
-  const double bottom = panel_top + panel_height, right = left + panel_width;
-  const LogAxis x(xs, left, right), y(ys, bottom, panel_top);
-  std::string svg = fmt::format(
-      "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#ffffff\" stroke=\"#888888\"/>\n",
-      left, panel_top, panel_width, panel_height);
-  svg += text(left, panel_top - 12, 15, panel.title, "start", "#222222", " font-weight=\"bold\"");
+/// Lines at the ticks of both axes, and their numbers.
+std::string draw_grid(const LogAxis& x, const LogAxis& y, double left, double right) {
+  const double bottom = panel_top + panel_height;
+  std::string svg;
   for (const double t : x.ticks()) {
     svg += fmt::format(
         "<line x1=\"{0:.1f}\" y1=\"{1}\" x2=\"{0:.1f}\" y2=\"{2}\" stroke=\"#e4e4e4\"/>\n", x(t),
@@ -139,6 +132,54 @@ std::string draw(const PlotPanel& panel, const std::vector<ChartPoint>& points, 
         left, right);
     svg += text(left - 6, y(t) + 4, 12, fmt::format("{:g}", t), "end");
   }
+  return svg;
+}
+
+/// The band along the points that no other one beats.
+std::string draw_front(const PlotPanel& panel, const std::vector<ChartPoint>& points,
+                       const LogAxis& x, const LogAxis& y) {
+  if (panel.front.size() < 2) return "";
+  std::string path;
+  for (std::size_t k = 0; k < panel.front.size(); ++k) {
+    const ChartPoint& p = points[panel.front[k]];
+    path += fmt::format("{}{:.1f} {:.1f} ", k == 0 ? "M" : "L", x(p.total_ms()), y(panel.value(p)));
+  }
+  return fmt::format(
+      "<path d=\"{}\" fill=\"none\" stroke=\"#bbbbbb\" stroke-width=\"7\" "
+      "stroke-linejoin=\"round\" stroke-opacity=\"0.6\"/>\n",
+      path);
+}
+
+/// A disc; for a run that failed, a ring with a cross beside it.
+std::string draw_mark(double a, double b, const char* colour, bool failed) {
+  if (!failed)
+    return fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\" fill=\"{}\"/>\n", a, b,
+                       colour);
+  return fmt::format(
+             "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5.5\" fill=\"#ffffff\" stroke=\"{}\" "
+             "stroke-width=\"1.5\"/>\n",
+             a, b, colour) +
+         fmt::format(
+             "<path d=\"M{:.1f} {:.1f} l8 8 m0 -8 l-8 8\" stroke=\"{}\" stroke-width=\"1.5\"/>\n",
+             a - 4, b - 4, colour);
+}
+
+std::string draw(const PlotPanel& panel, const std::vector<ChartPoint>& points, double left,
+                 double panel_width) {
+  std::vector<double> xs, ys;
+  for (const ChartPoint& p : points)
+    if (panel.value(p) > 0) {
+      xs.push_back(p.total_ms());
+      ys.push_back(panel.value(p));
+    }
+  for (const auto& [value, what] : panel.lines) ys.push_back(value);
+  const double bottom = panel_top + panel_height, right = left + panel_width;
+  const LogAxis x(xs, left, right), y(ys, bottom, panel_top);
+  std::string svg = fmt::format(
+      "<rect x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" fill=\"#ffffff\" stroke=\"#888888\"/>\n",
+      left, panel_top, panel_width, panel_height);
+  svg += text(left, panel_top - 12, 15, panel.title, "start", "#222222", " font-weight=\"bold\"");
+  svg += draw_grid(x, y, left, right);
   svg += text(left + panel_width / 2, bottom + 38, 13,
               "CPU time of a frame, elastic + geometry [ms]", "middle");
   svg += text(left + 8, panel_top + 18, 12, panel.unit, "start", "#555555");
@@ -150,18 +191,7 @@ std::string draw(const PlotPanel& panel, const std::vector<ChartPoint>& points, 
         y(value), left, right);
     svg += text(right - 6, y(value) - 5, 11.5, what, "end", "#555555");
   }
-  if (panel.front.size() > 1) {
-    std::string path;
-    for (std::size_t k = 0; k < panel.front.size(); ++k) {
-      const ChartPoint& p = points[panel.front[k]];
-      path +=
-          fmt::format("{}{:.1f} {:.1f} ", k == 0 ? "M" : "L", x(p.total_ms()), y(panel.value(p)));
-    }
-    svg += fmt::format(
-        "<path d=\"{}\" fill=\"none\" stroke=\"#bbbbbb\" stroke-width=\"7\" "
-        "stroke-linejoin=\"round\" stroke-opacity=\"0.6\"/>\n",
-        path);
-  }
+  svg += draw_front(panel, points, x, y);
   std::map<std::pair<std::string, int>, std::vector<const ChartPoint*>> sizes;  // seeds of one size
   for (const ChartPoint& p : points)
     if (panel.value(p) > 0) {
@@ -173,28 +203,16 @@ std::string draw(const PlotPanel& panel, const std::vector<ChartPoint>& points, 
     double px = 0, low = 1e300, high = 0;
     for (const ChartPoint* p : seeds) {
       px += x(p->total_ms()) / seeds.size();
-      low = std::min(low, panel.value(*p)), high = std::max(high, panel.value(*p));
+      low = std::min(low, panel.value(*p));
+      high = std::max(high, panel.value(*p));
     }
     if (seeds.size() > 1)
       svg += fmt::format(
           "<line x1=\"{0:.1f}\" y1=\"{1:.1f}\" x2=\"{0:.1f}\" y2=\"{2:.1f}\" stroke=\"{3}\" "
           "stroke-width=\"2\"/>\n",
           px, y(low), y(high), colour);
-    for (const ChartPoint* p : seeds) {
-      const double a = x(p->total_ms()), b = y(panel.value(*p));
-      if (p->failure.empty()) {
-        svg += fmt::format("<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"4.5\" fill=\"{}\"/>\n", a, b,
-                           colour);
-      } else {
-        svg += fmt::format(
-            "<circle cx=\"{:.1f}\" cy=\"{:.1f}\" r=\"5.5\" fill=\"#ffffff\" stroke=\"{}\" "
-            "stroke-width=\"1.5\"/>\n",
-            a, b, colour);
-        svg += fmt::format(
-            "<path d=\"M{:.1f} {:.1f} l8 8 m0 -8 l-8 8\" stroke=\"{}\" stroke-width=\"1.5\"/>\n",
-            a - 4, b - 4, colour);
-      }
-    }
+    for (const ChartPoint* p : seeds)
+      svg += draw_mark(x(p->total_ms()), y(panel.value(*p)), colour, !p->failure.empty());
     const ChartPoint& lead = *seeds[seeds.size() / 2];
     svg += labels.place(x(lead.total_ms()), y(panel.value(lead)),
                         fmt::format("{}{}", size.second, lead.failure.empty() ? "" : " unfinished"),

@@ -42,7 +42,7 @@ pid_t start(const std::string& program, const ProcessSpec& process, const Blocke
   arguments.push_back(nullptr);
   const pid_t parent = getpid(), pid = fork();
   if (pid < 0)
-    throw Error(Fault::folder, program,
+    throw Error(ErrorCode::folder, program,
                 std::string("It cannot be started: ") + std::strerror(errno) + ".",
                 "Ask for fewer at a time with --jobs.");
   if (pid > 0) return pid;
@@ -66,7 +66,7 @@ std::filesystem::path this_program() {
   std::error_code failed;
   const auto program = std::filesystem::read_symlink("/proc/self/exe", failed);
   if (failed)
-    throw Error(Fault::folder, "/proc/self/exe",
+    throw Error(ErrorCode::folder, "/proc/self/exe",
                 "The system does not tell where this program lies: " + failed.message() + ".");
   return program;
 }

@@ -13,7 +13,7 @@ struct ProcessSpec {
   std::filesystem::path log;           // takes what it prints
 };
 
-/// This program itself. throws Error(Fault::folder) when the system does not tell
+/// This program itself. throws Error(ErrorCode::folder) when the system does not tell
 std::filesystem::path this_program();
 
 /// Runs this program once with the arguments of each child, at most `max_running` at a time, in
@@ -22,7 +22,7 @@ std::filesystem::path this_program();
 /// ended  called for each that came to its end: its number and its exit code; 128 + the signal
 ///        that ended it
 /// returns  whether a signal interrupted
-/// throws Error(Fault::folder) when a child cannot be started
+/// throws Error(ErrorCode::folder) when a child cannot be started
 bool run_processes(const std::vector<ProcessSpec>&, int max_running,
                    const std::function<void(std::size_t, int)>& ended);
 

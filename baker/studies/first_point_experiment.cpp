@@ -103,7 +103,7 @@ std::optional<FirstPoint> first_singular_point(const Paper& paper, unsigned seed
   AnimateOptions options;
   options.last_frame = experiment_frames;
   options.seed = seed;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   std::optional<FirstPoint> found;
   animate(shot, hybrid(shot.pattern, paper, base_triangles, unruled(), seed, 0), options,
           [&](const AnimatedFrame& frame) {
@@ -183,7 +183,7 @@ std::vector<FirstPoint> push_sheets(const Paper& paper, int sheets, unsigned fir
                           : "no singular point"));
   }
   if (points.empty())
-    throw Error(Fault::simulation, fmt::format("{}, {} sheets", paper.name, sheets),
+    throw Error(ErrorCode::simulation, fmt::format("{}, {} sheets", paper.name, sheets),
                 fmt::format("No sheet got a singular point in {} frames.", experiment_frames));
   return points;
 }

@@ -63,7 +63,7 @@ Image scatter_picture(const Paper&, const std::vector<FirstPoint>&);
 /// The first singular points of sheets of a grade, with seeds from `first_seed` on; those that get
 /// none are left out.
 /// log  called with a sentence about each sheet
-/// throws Error(Fault::simulation) when no sheet gets one
+/// throws Error(ErrorCode::simulation) when no sheet gets one
 std::vector<FirstPoint> push_sheets(const Paper&, int sheets, unsigned first_seed,
                                     const std::function<void(const std::string&)>& log);
 

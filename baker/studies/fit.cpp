@@ -45,7 +45,10 @@ double mean_distance(const std::vector<Vector2d>& points, const std::vector<int>
   long pairs = 0;
   for (std::size_t i = 0; i < points.size(); ++i)
     for (std::size_t j = 0; j < points.size(); ++j)
-      if (of_a[i] == side_a && of_a[j] == side_b) sum += (points[i] - points[j]).norm(), ++pairs;
+      if (of_a[i] == side_a && of_a[j] == side_b) {
+        sum += (points[i] - points[j]).norm();
+        ++pairs;
+      }
   return sum / pairs;
 }
 
@@ -59,8 +62,8 @@ double energy_distance(const std::vector<Vector2d>& points, const std::vector<in
 std::vector<Vector2d> read_scatter(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   const auto fail = [&](int line, const std::string& cause, const std::string& remedy = "") {
-    throw Error(Fault::command, line ? fmt::format("{}:{}", path.string(), line) : path.string(),
-                cause, remedy);
+    throw Error(ErrorCode::command,
+                line ? fmt::format("{}:{}", path.string(), line) : path.string(), cause, remedy);
   };
   if (!file)
     fail(0, "The file of points cannot be read.",

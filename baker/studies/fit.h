@@ -12,8 +12,8 @@ namespace paperbake {
 /// Where the first singular points of measured sheets lie. The file: a line of names with u and v
 /// among them, then a line a sheet, in metres on the sheet of the experiment.
 /// returns  at least 3 points
-/// throws   Error(Fault::command) with file:line: no such file or column, no number, a point beside
-///          the sheet, too few points
+/// throws   Error(ErrorCode::command) with file:line: no such file or column, no number, a point
+///          beside the sheet, too few points
 std::vector<Vector2d> read_scatter(const std::filesystem::path&);
 
 struct Interval {

@@ -20,7 +20,7 @@ std::filesystem::path picture_beside(const std::filesystem::path& file, const ch
   auto picture = file;
   picture.replace_extension(".png");
   if (picture == file)
-    throw Error(Fault::command, "-o " + file.string(),
+    throw Error(ErrorCode::command, "-o " + file.string(),
                 "The picture beside it would have the same name.",
                 fmt::format("Write -o NAME{}.", extension));
   return picture;
@@ -49,7 +49,7 @@ int run_experiment(const FitArguments& arguments) {
 int run_fit(const FitArguments& arguments) {
   if (arguments.experiment) return run_experiment(arguments);
   if (!arguments.scatter || !arguments.from)
-    throw Error(Fault::command, "fit", "There is nothing to fit.",
+    throw Error(ErrorCode::command, "fit", "There is nothing to fit.",
                 "paperbake fit SCATTER.csv --from copy70 -o my.toml fits a grade; --experiment "
                 "copy70 --sheets 20 -o scatter.csv repeats the experiment.");
   const Preset from = read_preset(*arguments.from);

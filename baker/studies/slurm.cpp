@@ -43,7 +43,7 @@ void submit_to_slurm(const std::filesystem::path& script) {
       posix_spawnp(&child, arguments[0], nullptr, nullptr, const_cast<char**>(arguments), environ);
   if (failed)
     throw Error(
-        Fault::command, "--submit slurm",
+        ErrorCode::command, "--submit slurm",
         fmt::format("sbatch cannot be started here: {}.", std::strerror(failed)),
         fmt::format("The script is written: run sbatch {} where Slurm is (Debian: slurm-wlm).",
                     file));
@@ -51,7 +51,7 @@ void submit_to_slurm(const std::filesystem::path& script) {
   while (waitpid(child, &status, 0) < 0 && errno == EINTR) {
   }
   if (!WIFEXITED(status) || WEXITSTATUS(status) != 0)
-    throw Error(Fault::command, "--submit slurm",
+    throw Error(ErrorCode::command, "--submit slurm",
                 "sbatch did not take the job; what it said stands above.",
                 fmt::format("The script is written: {}.", file));
 }

@@ -12,7 +12,7 @@ std::string slurm_script(const std::vector<std::string>& arguments, int count, i
                          const std::filesystem::path& logs);
 
 /// Hands a script to sbatch; what that prints, it prints.
-/// throws Error(Fault::command): there is no sbatch here, or it refuses
+/// throws Error(ErrorCode::command): there is no sbatch here, or it refuses
 void submit_to_slurm(const std::filesystem::path& script);
 
 }  // namespace paperbake

@@ -39,7 +39,7 @@ class WaitingLock {
     while (lock_ >= 0 && ::flock(lock_, LOCK_EX) != 0)
       if (errno != EINTR) break;
     if (lock_ < 0)
-      throw Error(Fault::folder, file.string(),
+      throw Error(ErrorCode::folder, file.string(),
                   std::string("The output folder is not writable: ") + std::strerror(errno) + ".",
                   "Choose another with -o.");
   }
@@ -259,7 +259,7 @@ BakeSettings Wedge::settings(int index) const {
 
 int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& stop) {
   if (index < 1 || index > wedge.count())
-    throw Error(Fault::command, fmt::format("--index {}", index),
+    throw Error(ErrorCode::command, fmt::format("--index {}", index),
                 fmt::format("There are variations 1 to {}.", wedge.count()));
   make_folder(wedge.output / ".state");
   const WaitingLock mine(wedge.state(index, ".lock"));
@@ -271,15 +271,15 @@ int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& s
     record["job_hash"] = plan.job_hash;
     record["exit_code"] = bake_with_progress(settings, plan, stop).exit_code;
   } catch (const Error& error) {
-    if (error.fault == Fault::stopped) {
+    if (error.code == ErrorCode::stopped) {
       std::error_code none;
       fs::remove(wedge.state(index, ".json"), none);
       throw;
     }
-    record["exit_code"] = static_cast<int>(error.fault);
+    record["exit_code"] = static_cast<int>(error.code);
     record["message"] = error.what();
   } catch (const std::exception& error) {
-    record["exit_code"] = static_cast<int>(Fault::simulation);
+    record["exit_code"] = static_cast<int>(ErrorCode::simulation);
     record["message"] = error.what();
   }
   if (record["message"] != "")

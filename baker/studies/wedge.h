@@ -32,8 +32,8 @@ struct Wedge {
 /// another bakes it waits and finds it done. Warnings, progress and messages go to stderr.
 /// stop     as that of a bake
 /// returns  the exit code of the bake
-/// throws Error(Fault::command): there is no such variation; Error(Fault::folder): DIR is not
-/// writable; Error(Fault::stopped)
+/// throws Error(ErrorCode::command): there is no such variation; Error(ErrorCode::folder): DIR is
+/// not writable; Error(ErrorCode::stopped)
 int bake_variation(const Wedge&, int index, const std::function<bool()>& stop = {});
 
 /// One line about a variation that came to an end: index, values, exit code or message.
@@ -52,7 +52,7 @@ struct WedgeOutcome {
 /// When every variation came to an end: wedge.csv, wedge.json (index, values, exit code, mean
 /// length error and worst edge of all frames, singular points, energy and crease length of the last
 /// frame, key of the job, folder) and wedge.png, the last frame of each. Files that say so already
-/// stay as they are. One process at a time. throws Error(Fault::folder)
+/// stay as they are. One process at a time. throws Error(ErrorCode::folder)
 WedgeOutcome finish_wedge(const Wedge&);
 
 }  // namespace paperbake

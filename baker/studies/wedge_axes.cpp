@@ -41,11 +41,11 @@ std::vector<std::string> values_in(const std::string& text, const std::string& p
   const auto step = by == std::string::npos ? 1.0 : number_in(rest.substr(by + 1));
   if (!first || !last) return {text};  // a file name, ../my.toml
   if (!step || *step <= 0 || *last < *first)
-    throw Error(Fault::command, place, fmt::format("\"{}\" is no range.", text),
+    throw Error(ErrorCode::command, place, fmt::format("\"{}\" is no range.", text),
                 "Write A..B or A..BxSTEP, for instance 1..16 or 0..10x2.5.");
   const double steps = std::floor((*last - *first) / *step * (1 + 1e-12) + 1e-9);
   if (steps >= max_variations)
-    throw Error(Fault::command, place,
+    throw Error(ErrorCode::command, place,
                 fmt::format("\"{}\" has more than {} values.", text, max_variations),
                 "Write a larger step: A..BxSTEP.");
   std::vector<std::string> values;
@@ -68,18 +68,18 @@ void apply(BakeSettings& settings, const Axis& axis, const std::string& value) {
     apply_option(settings, option(axis.key), value, "--vary " + axis.key, Origin::command);
 }
 
-/// The value as the key has it. throws Error(Fault::command) when it may not
+/// The value as the key has it. throws Error(ErrorCode::command) when it may not
 std::string checked(const Axis& axis, const std::string& text) {
   const std::string place = "--vary " + axis.key;
   const JobKey key = axis.of_paper ? JobKey{axis.key, JobKey::number} : JobKey(option(axis.key));
   const auto value = canonical(key, text);
   if (!value)
-    throw Error(Fault::command, place, fmt::format("\"{}\" is not {}.", text, expected(key)));
+    throw Error(ErrorCode::command, place, fmt::format("\"{}\" is not {}.", text, expected(key)));
   BakeSettings scratch;
   try {
     apply(scratch, axis, *value);
   } catch (const Error& error) {
-    throw Error(error.fault, place, error.cause, error.remedy);
+    throw Error(error.code, place, error.cause, error.remedy);
   }
   if (axis.key == "preset") read_preset(text);  // an unknown one is said before anything is baked
   return *value;
@@ -91,20 +91,20 @@ Axis parse_axis(const std::string& text) {
   const std::size_t equals = text.find('=');
   if (equals == std::string::npos || equals == 0)
     throw Error(
-        Fault::command, "--vary " + text, "A key and its values are needed.",
+        ErrorCode::command, "--vary " + text, "A key and its values are needed.",
         "Write --vary key=values, for instance --vary seed=1..16 or --vary preset=copy70,copy90.");
   Axis axis;
   axis.key = text.substr(0, equals);
   std::replace(axis.key.begin(), axis.key.end(), '-', '_');
   const std::string place = "--vary " + axis.key;
   if (std::find(shared.begin(), shared.end(), axis.key) != shared.end())
-    throw Error(Fault::command, place, "All variations have this in common.",
+    throw Error(ErrorCode::command, place, "All variations have this in common.",
                 fmt::format("Say it once, with --{}.",
                             axis.key == "debug_pictures" ? "debug-pictures" : axis.key));
   const std::vector<std::string> keys = all_keys();
   if (std::find(keys.begin(), keys.end(), axis.key) == keys.end()) {
     const std::string near = nearest_word(axis.key, keys);
-    throw Error(Fault::command, place,
+    throw Error(ErrorCode::command, place,
                 fmt::format("Unknown key \"{}\".{}", axis.key,
                             near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
                 fmt::format("The keys are: {}.", fmt::join(keys, ", ")));
@@ -125,14 +125,14 @@ std::vector<Axis> parse_axes(const std::vector<std::string>& texts) {
   for (const std::string& text : texts) {
     Axis axis = parse_axis(text);
     if (std::any_of(axes.begin(), axes.end(), [&](const Axis& a) { return a.key == axis.key; }))
-      throw Error(Fault::command, "--vary " + axis.key, "It is varied twice.",
+      throw Error(ErrorCode::command, "--vary " + axis.key, "It is varied twice.",
                   fmt::format("Write all its values behind one --vary {}=, separated by commas.",
                               axis.key));
     count *= axis.values.size();
     axes.push_back(std::move(axis));
   }
   if (count > max_variations)
-    throw Error(Fault::command, "--vary",
+    throw Error(ErrorCode::command, "--vary",
                 fmt::format("That makes {:g} variations; {} is the most.", count, max_variations),
                 "Vary fewer keys, or give them fewer values.");
   return axes;

@@ -16,11 +16,11 @@ struct Axis {
 };
 
 /// seed=1..16, gravity=0..9.8x2.45 (steps of 2.45), preset=copy70,copy90, thickness=80e-6,95e-6;
-/// ranges and values may be mixed. throws Error(Fault::command): unknown key (with the nearest
+/// ranges and values may be mixed. throws Error(ErrorCode::command): unknown key (with the nearest
 /// name), one that all variations share, no value, one that the key may not have
 Axis parse_axis(const std::string& text);
 
-/// throws Error(Fault::command): one key twice, more than 10,000 variations
+/// throws Error(ErrorCode::command): one key twice, more than 10,000 variations
 std::vector<Axis> parse_axes(const std::vector<std::string>& texts);
 
 /// How many variations there are: every value of a key with every value of all others; 1 without

@@ -47,7 +47,7 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int max_running,
   });
   if (!interrupted) return finish_wedge(wedge);
   throw Error(
-      Fault::stopped, wedge.output.string(),
+      ErrorCode::stopped, wedge.output.string(),
       fmt::format("The bakes were stopped; {} of {} had come to an end.", ended, wedge.count()),
       "The same command goes on with what is left.");
 }

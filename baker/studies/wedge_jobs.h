@@ -11,11 +11,11 @@ namespace paperbake {
 /// starts with --index, and tells of each on stderr.
 /// arguments  of the command line that asked for the wedge
 /// returns  as finish_wedge does
-/// throws Error(Fault::stopped): SIGINT or SIGTERM; the bakes have ended after their frame
+/// throws Error(ErrorCode::stopped): SIGINT or SIGTERM; the bakes have ended after their frame
 WedgeOutcome bake_wedge(const Wedge&, int max_running, const std::vector<std::string>& arguments);
 
 /// Leaves that to Slurm: writes DIR/wedge.sbatch and hands it to sbatch.
-/// throws Error(Fault::command): there is no sbatch here, or it refuses; the script stays
+/// throws Error(ErrorCode::command): there is no sbatch here, or it refuses; the script stays
 void submit_wedge(const Wedge&, const std::vector<std::string>& arguments);
 
 }  // namespace paperbake

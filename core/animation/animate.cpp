@@ -80,8 +80,9 @@ void animate_together(const std::vector<AnimatedSheet>& all,
     });
   for (const auto& sheet : sheets)
     if (sheet->next_frame() != sheets.front()->next_frame())
-      throw Error(Fault::scene, "state", "Sheets that are animated together go on from one frame.");
-  const bool begins = options.go_on_from.empty();
+      throw Error(ErrorCode::scene, "state",
+                  "Sheets that are animated together go on from one frame.");
+  const bool begins = options.resume_state.empty();
   if (!begins) times.assign(all.size(), {});
   std::optional<SheetIslands> between_sheets;
   if (all.size() > 1 && options.elastic.contact == SelfContact::automatic)

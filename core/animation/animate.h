@@ -11,24 +11,24 @@
 
 namespace paperbake {
 
-/// Whether the paper yields. none: it springs back completely; plastic: it keeps a permanent
-/// curvature where it was bent beyond its yield strain.
-enum class Memory { none, plastic };
+/// Whether the paper yields. off: it springs back completely; on: it keeps a permanent curvature
+/// where it was bent beyond its yield strain.
+enum class Plasticity { off, on };
 
 struct AnimateOptions {
   ElasticOptions elastic;
   double fps = 24;  // [1/s]
   int first_frame = 1, last_frame = 1;
   unsigned seed = 0;  // of the geometric imperfection that lets a flat sheet buckle
-  // plastic: curvature beyond the yield strain of the paper stays for good, stored on the pattern
-  Memory memory = Memory::none;
+  // on: curvature beyond the yield strain of the paper stays for good, stored on the pattern
+  Plasticity plasticity = Plasticity::off;
   bool report_plastic_curvature = false;  // fill AnimatedFrame::plastic_curvature
   // [frames] from one search for another branch (branch_search.h) to the next; 0: no search
   int probe_every = 0;
   // AnimatedFrame::state of an earlier run of the same shot, method and options. The simulation
   // continues with the frame after that one and gives the same frames as an uninterrupted run.
   // Empty: all frames.
-  std::string go_on_from;
+  std::string resume_state;
 };
 
 /// Simulates one sheet through its shot, frame by frame: handles -> step 1 -> method -> frame.

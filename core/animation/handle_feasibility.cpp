@@ -33,7 +33,11 @@ std::vector<ImpossiblePair> HandleFeasibility::impossible_pairs(const std::vecto
         if (over <= 0) continue;
         if (worst == 0) pair.first = frame;
         pair.last = frame;
-        if (over > worst) worst = over, pair.frame = frame, pair.apart = apart;
+        if (over > worst) {
+          worst = over;
+          pair.frame = frame;
+          pair.apart = apart;
+        }
       }
       if (worst > 0) pairs.push_back(pair);
     }

@@ -22,13 +22,13 @@ std::vector<int> held_at(const Shot& shot, int frame) {
 /// Largest distance of a held point from one line through held points, on the pattern. [m]
 double off_line(const Shot& shot, const std::vector<int>& held) {
   double off = 0;
-  Vector2d far = Vector2d::Zero();
+  Vector2d farthest = Vector2d::Zero();
   for (const int h : held)
     if (const Vector2d d = shot.handles[h].pattern - shot.handles[held.front()].pattern;
-        d.norm() > far.norm())
-      far = d;
-  if (far.norm() == 0) return 0;
-  const Vector2d across = Vector2d(-far.y(), far.x()).normalized();
+        d.norm() > farthest.norm())
+      farthest = d;
+  if (farthest.norm() == 0) return 0;
+  const Vector2d across = Vector2d(-farthest.y(), farthest.x()).normalized();
   for (const int h : held)
     off = std::max(
         off, std::abs(across.dot(shot.handles[h].pattern - shot.handles[held.front()].pattern)));

@@ -29,7 +29,8 @@ InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed,
     for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern,
                                       disc_radius(shot.handles, h, shot.pattern)))
       points.push_back(p);
-  points.insert(points.end(), shot.pins.keep.begin(), shot.pins.keep.end());
+  points.insert(points.end(), shot.singular_point_rules.fixed.begin(),
+                shot.singular_point_rules.fixed.end());
 
   Method::FirstMesh mesh = method.first_mesh(shot.pattern, points);
   InitialSheet started;
@@ -41,9 +42,10 @@ InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed,
   sheet.x.resize(sheet.pattern.rows(), 3);
   sheet.v = Points3::Zero(sheet.pattern.rows(), 3);
   sheet.prescribed_creases = shot.pattern.prescribed_creases;
-  for (std::size_t k = 0; k < shot.pins.keep.size(); ++k)
+  for (std::size_t k = 0; k < shot.singular_point_rules.fixed.size(); ++k)
     sheet.singular.push_back(
-        {sheet.pattern.row(mesh.point_vertex[points.size() - shot.pins.keep.size() + k])
+        {sheet.pattern
+             .row(mesh.point_vertex[points.size() - shot.singular_point_rules.fixed.size() + k])
              .transpose(),
          first_frame, "kept here"});
   const PointLocator locator(shot.start.pattern, shot.start.triangles);

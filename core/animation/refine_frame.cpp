@@ -78,7 +78,7 @@ PositionConstraints Polisher::grip(const std::vector<int>& held, const Points3& 
 }
 
 Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held,
-                              const Points3& held_at, const PlasticGrid* memory) {
+                              const Points3& held_at, const PlasticGrid* plastic_grid) {
   constexpr double dt = 1;  // [s] so long that the inertia term holds nothing back
   Polished result;
   Sheet& sheet = result.sheet;
@@ -93,7 +93,7 @@ Polished Polisher::operator()(const Sheet& rough, const std::vector<int>& held,
   const Points3 given = sheet.x;
 
   std::optional<PlasticGrid> grid;
-  if (memory) grid = *memory;
+  if (plastic_grid) grid = *plastic_grid;
   elastic_.set_plastic_grid(grid ? &*grid : nullptr);
   result.energy_before = elastic_.evaluate_energies(sheet).energy;
   const ElasticReport report = elastic_.relax(sheet, {now}, dt, Relaxation::full);

@@ -38,9 +38,9 @@ class Polisher {
   ///          apices.
   /// held     handles that hold the sheet
   /// held_at  |held|x3 [m] where they hold it
-  /// memory   the plastic curvature at that frame; null: elastic paper. Nothing yields.
+  /// plastic_grid   the plastic curvature at that frame; null: elastic paper. Nothing yields.
   Polished operator()(const Sheet& rough, const std::vector<int>& held, const Points3& held_at,
-                      const PlasticGrid* memory = nullptr);
+                      const PlasticGrid* plastic_grid = nullptr);
 
   const InitialSheet& mesh() const { return started_; }
 

@@ -23,7 +23,7 @@ struct CoarseFrame {
   // frame.sheet points to `sheet` once this object has its final place
   AnimatedFrame frame;
   Sheet sheet;
-  std::shared_ptr<const PlasticGrid> memory;  // null: elastic paper
+  std::shared_ptr<const PlasticGrid> plastic_grid;  // null: elastic paper
 };
 
 struct RefinementResult {
@@ -43,11 +43,11 @@ class PolishedShot {
   void add(const AnimatedFrame& frame) {
     record_.add(frame);
     CoarseFrame rough{frame, *frame.sheet, {}};
-    if (frame.memory) {
+    if (frame.plastic_grid) {
       const bool as_before =
           !frames_.empty() && frames_.back().frame.statistics.plastic == frame.statistics.plastic;
-      rough.memory =
-          as_before ? frames_.back().memory : std::make_shared<const PlasticGrid>(*frame.memory);
+      rough.plastic_grid = as_before ? frames_.back().plastic_grid
+                                     : std::make_shared<const PlasticGrid>(*frame.plastic_grid);
     }
     frames_.push_back(std::move(rough));
   }
@@ -175,7 +175,7 @@ class PolishedShot {
       held_at.bottomRows(1) = (handle.at + regripped_[h]).transpose();
     }
     try {
-      result.polished = polish(rough.sheet, held, held_at, rough.memory.get());
+      result.polished = polish(rough.sheet, held, held_at, rough.plastic_grid.get());
       if (result.polished->near_itself)
         result.rejection = "parts of the sheet come near each other";
       else if (!result.polished->converged)
@@ -194,7 +194,7 @@ class PolishedShot {
             const std::function<bool(const AnimatedFrame&)>& on_frame) const {
     AnimatedFrame& frame = rough.frame;
     frame.sheet = &rough.sheet;
-    frame.memory = rough.memory.get();
+    frame.plastic_grid = rough.plastic_grid.get();
     frame.statistics.elastic_ms += attempt.ms;
     if (!attempt.rejection.empty())
       frame.note += (frame.note.empty() ? "" : "; ") + ("not polished: " + attempt.rejection);
@@ -211,9 +211,9 @@ class PolishedShot {
       if (handle.state != HandleFrame::free) handle.keyed += regripped_[h];
       handle.at = polished.sheet.x.row(mesh().handle_vertex[h]);
     }
-    if (animation_.report_plastic_curvature && rough.memory)
+    if (animation_.report_plastic_curvature && rough.plastic_grid)
       frame.plastic_curvature =
-          rough.memory->at_vertices(polished.sheet.pattern, polished.sheet.triangles);
+          rough.plastic_grid->at_vertices(polished.sheet.pattern, polished.sheet.triangles);
     return on_frame(frame);
   }
 
@@ -238,7 +238,7 @@ void animate_polished(const std::vector<AnimatedSheet>& sheets, const PolishOpti
   std::optional<Error> failure;
   try {
     animate_together(sheets, [&](const AnimatedFrame& frame) {
-      polished[frame.of].add(frame);
+      polished[frame.sheet_index].add(frame);
       return true;
     });
   } catch (const Error& error) {

@@ -122,12 +122,15 @@ bool SheetIslands::collide(std::size_t a, std::size_t b) const {
   std::sort(times.begin(), times.end());
   times.erase(std::unique(times.begin(), times.end()), times.end());
   std::vector<Points3> of_a, of_b;
-  for (const double at : times)
-    of_a.push_back(positions_at(sheets_[a]->trajectory(), at)),
-        of_b.push_back(positions_at(sheets_[b]->trajectory(), at));
+  for (const double at : times) {
+    of_a.push_back(positions_at(sheets_[a]->trajectory(), at));
+    of_b.push_back(positions_at(sheets_[b]->trajectory(), at));
+  }
   Points3 initial_a(0, 3), initial_b(0, 3);
-  if (initial_gap({a, b}) == SheetSimulation::InitialGap::within_dhat)
-    initial_a = sheets_[a]->initial_positions(), initial_b = sheets_[b]->initial_positions();
+  if (initial_gap({a, b}) == SheetSimulation::InitialGap::within_dhat) {
+    initial_a = sheets_[a]->initial_positions();
+    initial_b = sheets_[b]->initial_positions();
+  }
   return !Elastic::clear({sheets_[a]->sheet(), sheets_[a]->constraints(), of_a, initial_a},
                          {sheets_[b]->sheet(), sheets_[b]->constraints(), of_b, initial_b},
                          dhat_between(a, b));

@@ -95,15 +95,15 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       elastic_(shot.paper, options_of(shot, options)),
       handles_(shot, started_.handle_vertex, options.first_frame),
       frame_(options.first_frame - 1) {
-  if (options.memory == Memory::plastic)
+  if (options.plasticity == Plasticity::on)
     elastic_.set_plastic_grid(&plastic_grid_.emplace(shot.pattern));
   elastic_.set_mesh(started_.sheet, started_.stiffening);
   if (options.elastic.inertia == Inertia::dynamic)
     while (std::ldexp(1 / options.fps, -min_halvings_) > 1.001 * max_inertial_step &&
            min_halvings_ < max_halvings_for_inertia)
       ++min_halvings_;
-  if (options.go_on_from.empty()) return;
-  Serializer kept(options.go_on_from);
+  if (options.resume_state.empty()) return;
+  Serializer kept(options.resume_state);
   archive(kept);
 }
 
@@ -179,8 +179,10 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
     if (method_->remesh(sheet, situation)) {
       before_remesh_ = {std::move(unchanged), elastic_.state()};
       elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-      if (!is_admissible(before_remesh_->sheet, sheet, 0))
-        restore(std::move(*before_remesh_)), before_remesh_.reset();
+      if (!is_admissible(before_remesh_->sheet, sheet, 0)) {
+        restore(std::move(*before_remesh_));
+        before_remesh_.reset();
+      }
     }
   }
   positions_before_ = sheet.x;
@@ -199,7 +201,8 @@ void SheetSimulation::restore(Snapshot&& back) {
 void SheetSimulation::skip_step() {
   step_ = {};
   step_.last = elastic_.evaluate_energies(sheet());
-  step_.last.contact = contact_, step_.last.touching = touching_,
+  step_.last.contact = contact_;
+  step_.last.touching = touching_;
   step_.last.on_colliders = on_colliders_;
   started_.sheet.v.setZero();
   trajectory_ = {{0, sheet().x}, {1, sheet().x}};
@@ -209,7 +212,7 @@ void SheetSimulation::skip_step() {
 void SheetSimulation::hold_if_infeasible() {
   if (step_.failure_reason.empty()) return;
   if (frame_ == options_.first_frame)
-    throw Error(Fault::simulation, frame_interval({}).where, step_.failure_reason,
+    throw Error(ErrorCode::simulation, frame_interval({}).where, step_.failure_reason,
                 "Let the sheet start where its handles are.");
   result_.note = "it stays as it was: " + step_.failure_reason;
   skip_step();
@@ -301,7 +304,8 @@ void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
 void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   constexpr double min_plastic_increment = 0.01;  // [1] of the fold integral, in one frame
   snap_in_progress_ = step_.last.snap_in_progress;
-  contact_ = step_.last.contact, touching_ = step_.last.touching,
+  contact_ = step_.last.contact;
+  touching_ = step_.last.touching;
   on_colliders_ = step_.last.on_colliders;
   rests_on_contact_ = step_.last.on_colliders > 0 || touches_others();
   at_minimum_ = step_.converged && !snap_in_progress_;
@@ -326,7 +330,8 @@ void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
                        (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff()))
       return restore(std::move(as_it_was));
     const ElasticReport stored = elastic_.evaluate_energies(sheet());
-    step_.last.energy = stored.energy, step_.last.membrane = stored.membrane;
+    step_.last.energy = stored.energy;
+    step_.last.membrane = stored.membrane;
   }
   if (const std::string note = note_of(found); !note.empty())
     result_.note += (result_.note.empty() ? "" : "; ") + note;
@@ -342,7 +347,7 @@ void SheetSimulation::finalize(Output how) {
 
 AnimatedFrame SheetSimulation::report() {
   AnimatedFrame result = std::move(result_);
-  result.of = number_;
+  result.sheet_index = number_;
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
   result.handles = handles_.report(output_sheet_.x, frame_);
@@ -358,7 +363,7 @@ AnimatedFrame SheetSimulation::report() {
   statistics.on_colliders = step_.last.on_colliders;
   statistics.inside_colliders = inside_;
   statistics.plastic = plastic_grid_ ? plastic_grid_->integral() : 0;
-  result.memory = plastic_grid_ ? &*plastic_grid_ : nullptr;
+  result.plastic_grid = plastic_grid_ ? &*plastic_grid_ : nullptr;
   if (plastic_grid_ && options_.report_plastic_curvature)
     result.plastic_curvature =
         plastic_grid_->at_vertices(output_sheet_.pattern, output_sheet_.triangles);

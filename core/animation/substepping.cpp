@@ -88,10 +88,10 @@ std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
 }
 
 /// The message of a part of the frame that cannot be halved once more.
-/// throws  Error(Fault::simulation) when the solver did
+/// throws  Error(ErrorCode::simulation) when the solver did
 std::string reason_of(const Rejection& rejection, const FrameInterval& frame) {
   if (!rejection.error.empty())
-    throw Error(Fault::simulation, frame.where, rejection.error,
+    throw Error(ErrorCode::simulation, frame.where, rejection.error,
                 "Move the handles more slowly before this frame.");
   char cause[200];
   std::snprintf(cause, sizeof cause,
@@ -120,8 +120,10 @@ std::pair<SubstepTarget, SubstepTarget> halves_of(const SubstepTarget& whole) {
 class Beginning {
  public:
   explicit Beginning(const std::vector<SubstepTarget>& sheets) : sheets_(sheets) {
-    for (const SubstepTarget& f : sheets)
-      before_.push_back(f.sheet), state_.push_back(f.elastic.state());
+    for (const SubstepTarget& f : sheets) {
+      before_.push_back(f.sheet);
+      state_.push_back(f.elastic.state());
+    }
   }
   void restore() const {
     for (std::size_t k = 0; k < sheets_.size(); ++k) {

@@ -84,7 +84,8 @@ int Collider::Tree::build(std::vector<int>& items, int begin, int end,
                      return ca != cb ? ca < cb : a < b;
                    });
   const int left = build(items, begin, middle, boxes), right = build(items, middle, end, boxes);
-  nodes_[at].left = left, nodes_[at].right = right;
+  nodes_[at].left = left;
+  nodes_[at].right = right;
   return at;
 }
 
@@ -99,8 +100,10 @@ void Collider::Tree::visit(const Eigen::AlignedBox3d& box,
     if (!node.box.intersects(box)) continue;
     if (node.item >= 0)
       visit(node.item);
-    else
-      open[top++] = node.right, open[top++] = node.left;
+    else {
+      open[top++] = node.right;
+      open[top++] = node.left;
+    }
   }
 }
 
@@ -155,9 +158,10 @@ std::vector<char> Collider::find_sharp_edges(const MeshEdges& edges) {
     Vector3d sum = Vector3d::Zero();
     for (const Wing& w : wings) sum += row(face_normal_, w.triangle);
     const bool border = wings.size() == 1;
-    for (const Wing& w : wings)
-      edge_normal_[w.triangle][w.corner] = sum.normalized(),
+    for (const Wing& w : wings) {
+      edge_normal_[w.triangle][w.corner] = sum.normalized();
       border_edge_[w.triangle][w.corner] = border;
+    }
     const Vector3d along = (row(x, b) - row(x, a)).normalized();
     const auto inward = [&](const Wing& w) -> Vector3d {
       const Vector3d to = row(x, triangles(w.triangle, w.corner)) - row(x, a);
@@ -187,7 +191,8 @@ void Collider::find_corners(const MeshEdges& edges, const std::vector<char>& sha
   std::vector<std::vector<Vector3d>> outgoing(x.rows());
   for (const auto& [ends, wings] : edges.wings) {
     const Vector3d along = (row(x, ends.second) - row(x, ends.first)).normalized();
-    outgoing[ends.first].push_back(along), outgoing[ends.second].push_back(-along);
+    outgoing[ends.first].push_back(along);
+    outgoing[ends.second].push_back(-along);
   }
   std::vector<Eigen::AlignedBox3d> corner_boxes;
   for (int v = 0; v < x.rows(); ++v) {
@@ -225,9 +230,14 @@ Collider::OnTriangle Collider::on_triangle(const Vector3d& p, int t) const {
   int zeros = 0, zero = -1, corner = -1;
   for (int i = 0; i < 3; ++i) near.weights[1 + i] == 0 ? (++zeros, zero = i) : corner = i;
   OnTriangle on{p - near.apart, near.apart, row(face_normal_, t), false};
-  if (zeros == 1) on.pseudo_normal = edge_normal_[t][zero], on.border = border_edge_[t][zero];
-  if (zeros == 2)
-    on.pseudo_normal = row(vertex_normal_, v[corner]), on.border = border_vertex_[v[corner]];
+  if (zeros == 1) {
+    on.pseudo_normal = edge_normal_[t][zero];
+    on.border = border_edge_[t][zero];
+  }
+  if (zeros == 2) {
+    on.pseudo_normal = row(vertex_normal_, v[corner]);
+    on.border = border_vertex_[v[corner]];
+  }
   return on;
 }
 
@@ -252,14 +262,15 @@ std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector
   found.push_back(
       {at, d < coincident ? Vector3d(side * pseudo_normal) : Vector3d(sign / d * apart), sign * d});
   for (std::size_t k = 0; k < all.size(); ++k) {
-    const double far = all[k].apart.norm();
-    if (far < coincident || side * all[k].apart.dot(row(face_normal_, triangles[k])) < 0.5 * far)
+    const double distance = all[k].apart.norm();
+    if (distance < coincident ||
+        side * all[k].apart.dot(row(face_normal_, triangles[k])) < 0.5 * distance)
       continue;
-    const Vector3d n = all[k].apart / far;
+    const Vector3d n = all[k].apart / distance;
     const bool known = std::any_of(found.begin(), found.end(), [&](const SurfacePoint& s) {
       return s.normal.dot(n) > other_direction;
     });
-    if (!known) found.push_back({all[k].at, n, far});
+    if (!known) found.push_back({all[k].at, n, distance});
   }
   return found;
 }

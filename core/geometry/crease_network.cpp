@@ -20,7 +20,8 @@ CreaseNetwork crease_network(const Sheet& sheet) {
     if (std::abs(dihedral_angle(sheet.x, hinge)) < folded) continue;
     const int a = hinge.vertices[0], b = hinge.vertices[1];
     const double length = (sheet.pattern.row(b) - sheet.pattern.row(a)).norm();
-    creases_at[a].push_back({b, length}), creases_at[b].push_back({a, length});
+    creases_at[a].push_back({b, length});
+    creases_at[b].push_back({a, length});
     network.length += length;
   }
   const auto is_end = [&](int v) {
@@ -37,7 +38,9 @@ CreaseNetwork crease_network(const Sheet& sheet) {
       double length = first.length;
       while (!is_end(to)) {
         const Part& next = creases_at[to][creases_at[to][0].to == from];
-        from = to, to = next.to, length += next.length;
+        from = to;
+        to = next.to;
+        length += next.length;
       }
       // a crease is found from both of its ends: keep it once
       if (v < to || (v == to && first.to < from)) network.creases.push_back(length);

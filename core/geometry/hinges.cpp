@@ -30,7 +30,7 @@ Hinges find_hinges(const Triangles& triangles) {
       if (*twin == none) {
         if (*link_to(a, b) != none)
           throw Error(
-              Fault::simulation, "mesh",
+              ErrorCode::simulation, "mesh",
               "An edge of the mesh has more than two triangles, or two with opposite sides up.");
         open.push_back({b, t, i, first[a]});
         first[a] = static_cast<int>(open.size()) - 1;

@@ -49,7 +49,11 @@ bool cross(const Sheet& sheet, int s, int t) {
   int shared = 0, of_s = -1, of_t = -1;  // number of common corners; the last one in s and in t
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      if (sheet.triangles(s, i) == sheet.triangles(t, j)) ++shared, of_s = i, of_t = j;
+      if (sheet.triangles(s, i) == sheet.triangles(t, j)) {
+        ++shared;
+        of_s = i;
+        of_t = j;
+      }
   if (shared > 1) return false;
   const auto p = corners(sheet, s), q = corners(sheet, t);
   if (shared == 0) return cross(p, q);

@@ -78,8 +78,10 @@ struct NormalConeTree::Search {
 
   Bound leaf(const Node& node, const std::vector<Vector3d>& normals) const {
     Bound bound{{}, Vector3d::Zero(), 0};
-    for (int k = node.begin; k < node.end; ++k)
-      bound.box.extend(boxes[k]), bound.axis += normals[2 * k] + normals[2 * k + 1];
+    for (int k = node.begin; k < node.end; ++k) {
+      bound.box.extend(boxes[k]);
+      bound.axis += normals[2 * k] + normals[2 * k + 1];
+    }
     bound.axis.normalize();
     double least = 1;
     for (int k = 2 * node.begin; k < 2 * node.end; ++k)
@@ -98,7 +100,12 @@ struct NormalConeTree::Search {
   void within(int n) {
     const Node& node = tree.nodes_[n];
     if (bounds[n].angle < half_space) return;
-    if (node.second >= 0) return within(n + 1), within(node.second), between(n + 1, node.second);
+    if (node.second >= 0) {
+      within(n + 1);
+      within(node.second);
+      between(n + 1, node.second);
+      return;
+    }
     for (int i = node.begin; i < node.end; ++i)
       for (int j = i + 1; j < node.end; ++j) meet(i, j);
   }
@@ -110,9 +117,11 @@ struct NormalConeTree::Search {
       for (int i = a.begin; i < a.end; ++i)
         for (int j = b.begin; j < b.end; ++j) meet(i, j);
     } else if (b.second < 0 || (a.second >= 0 && a.end - a.begin >= b.end - b.begin)) {
-      between(n + 1, m), between(a.second, m);
+      between(n + 1, m);
+      between(a.second, m);
     } else {
-      between(n, m + 1), between(n, b.second);
+      between(n, m + 1);
+      between(n, b.second);
     }
   }
   void meet(int i, int j) {

@@ -17,13 +17,13 @@ void smooth_points(const Triangles& triangles, std::vector<Vector2d>& points, in
                                          u.x() * v.squaredNorm() - v.x() * u.squaredNorm()) /
                                     (2 * cross);
     const Vector2d middle = (a + b + c) / 3;
-    const bool far = (centre - middle).squaredNorm() > 0.25 * std::abs(cross);
+    const bool is_obtuse = (centre - middle).squaredNorm() > 0.25 * std::abs(cross);
     for (int i = 0; i < 3; ++i) {
       const int p = triangles(t, i);
       sum[p] += 0.5 * cross * centre;
       centroid[p] += 0.5 * cross * middle;
       weight[p] += 0.5 * cross;
-      obtuse[p] |= far;
+      obtuse[p] |= is_obtuse;
     }
   }
   for (std::size_t p = static_cast<std::size_t>(fixed); p < points.size(); ++p)

@@ -85,8 +85,10 @@ void add_required(const std::vector<Vector2d>& required, double snap, Cloud& clo
     int nearest = -1;
     double least = snap;
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
-      if ((cloud.points[i] - p).norm() <= least)
-        least = (cloud.points[i] - p).norm(), nearest = static_cast<int>(i);
+      if ((cloud.points[i] - p).norm() <= least) {
+        least = (cloud.points[i] - p).norm();
+        nearest = static_cast<int>(i);
+      }
     if (nearest < 0) {
       nearest = static_cast<int>(cloud.points.size());
       cloud.points.push_back(p);
@@ -190,7 +192,7 @@ void add_lattice(double edge, double turn, Cloud& cloud) {
 }
 
 Error crossed_outline() {
-  return Error(Fault::scene, "outline of the sheet", "The outline crosses or touches itself.",
+  return Error(ErrorCode::scene, "outline of the sheet", "The outline crosses or touches itself.",
                "Repair the sheet mesh in the DCC.");
 }
 

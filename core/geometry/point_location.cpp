@@ -84,7 +84,10 @@ MeshPoint PointLocator::nearest(const Vector2d& p) const {
     const Vector2d corner[3] = {pattern_.row(triangles_(t, 0)), pattern_.row(triangles_(t, 1)),
                                 pattern_.row(triangles_(t, 2))};
     const double distance = nearest_in_triangle(p, corner, weights);
-    if (distance < least) least = distance, best = {t, weights};
+    if (distance < least) {
+      least = distance;
+      best = {t, weights};
+    }
   }
   return best;
 }

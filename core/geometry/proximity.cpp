@@ -57,8 +57,14 @@ ClosestPoints edge_to_edge(const std::array<Vector3d, 4>& x) {
     const double b = d1.dot(d2), c = d1.dot(r), determinant = a * e - b * b;
     s = determinant > 1e-14 * a * e ? std::clamp((b * f - c * e) / determinant, 0.0, 1.0) : 0.5;
     t = (b * s + f) / e;
-    if (t < 0) t = 0, s = std::clamp(-c / a, 0.0, 1.0);
-    if (t > 1) t = 1, s = std::clamp((b - c) / a, 0.0, 1.0);
+    if (t < 0) {
+      t = 0;
+      s = std::clamp(-c / a, 0.0, 1.0);
+    }
+    if (t > 1) {
+      t = 1;
+      s = std::clamp((b - c) / a, 0.0, 1.0);
+    }
   } else if (a > 0) {
     s = std::clamp(-d1.dot(r) / a, 0.0, 1.0);
   } else if (e > 0) {

@@ -37,7 +37,10 @@ std::vector<Boxed> boxes_in(const Sheet& sheet, const Eigen::AlignedBox3d& part)
 
 double distance_of(const Sheet& a, int s, const Sheet& b, int t) {
   std::array<Vector3d, 3> p, q;
-  for (int i = 0; i < 3; ++i) p[i] = a.x.row(a.triangles(s, i)), q[i] = b.x.row(b.triangles(t, i));
+  for (int i = 0; i < 3; ++i) {
+    p[i] = a.x.row(a.triangles(s, i));
+    q[i] = b.x.row(b.triangles(t, i));
+  }
   double least = std::numeric_limits<double>::infinity();
   for (int i = 0; i < 3; ++i) {
     least = std::min({least, vertex_to_triangle({p[i], q[0], q[1], q[2]}).distance(),

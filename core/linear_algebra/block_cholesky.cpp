@@ -64,7 +64,7 @@ std::vector<int> elimination_order(int blocks, const std::vector<std::pair<int, 
   c->postorder = 1;
   cholmod_factor* symbolic = cholmod_analyze(graph, c);
   if (!symbolic)
-    throw Error(Fault::simulation, "elastic step",
+    throw Error(ErrorCode::simulation, "elastic step",
                 "The matrix order could not be found: out of memory.");
   std::copy_n(static_cast<int*>(symbolic->Perm), blocks, order.begin());
   cholmod_free_factor(&symbolic, c);
@@ -127,7 +127,7 @@ BlockCholesky::BlockCholesky(int blocks, std::vector<std::pair<int, int>> couple
   factor_.reset(cholmod_analyze(matrix_.get(), c));
   rhs_.reset(cholmod_allocate_dense(3 * blocks, 1, 3 * blocks, CHOLMOD_REAL, c));
   if (!factor_ || !rhs_)
-    throw Error(Fault::simulation, "elastic step",
+    throw Error(ErrorCode::simulation, "elastic step",
                 "The matrix could not be laid out: out of memory.");
 }
 
@@ -161,7 +161,7 @@ bool BlockCholesky::factorise() {
   const auto turn = turn_at_blas();
   cholmod_factorize(matrix_.get(), factor_.get(), common_.get());
   if (common_->status == CHOLMOD_OUT_OF_MEMORY)
-    throw Error(Fault::simulation, "elastic step",
+    throw Error(ErrorCode::simulation, "elastic step",
                 "The matrix could not be factorised: out of memory.", "Use fewer triangles.");
   return common_->status == CHOLMOD_OK && factor_->minor == factor_->n;
 }
@@ -175,7 +175,9 @@ const Eigen::VectorXd& BlockCholesky::solve(const Eigen::VectorXd& b) {
     Eigen::Map<Eigen::Vector3d>(rhs + 3 * place_[i]) = b.segment<3>(3 * i);
   cholmod_dense *x = x_.release(), *y = y_.release(), *e = e_.release();
   cholmod_solve2(CHOLMOD_A, factor_.get(), rhs_.get(), nullptr, &x, nullptr, &y, &e, common_.get());
-  x_.reset(x), y_.reset(y), e_.reset(e);
+  x_.reset(x);
+  y_.reset(y);
+  e_.reset(e);
   const double* solution = static_cast<const double*>(x->x);
   for (int i = 0; i < blocks; ++i)
     solution_.segment<3>(3 * i) = Eigen::Map<const Eigen::Vector3d>(solution + 3 * place_[i]);

@@ -9,7 +9,7 @@ namespace paperbake {
 ColumnCholesky::ColumnCholesky(const Eigen::SparseMatrix<double>& lower) {
   const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(lower);
   if (solver.info() != Eigen::Success)
-    throw Error(Fault::simulation, "render mesh", "Its matrix is not positive definite.");
+    throw Error(ErrorCode::simulation, "render mesh", "Its matrix is not positive definite.");
   const int n = static_cast<int>(lower.rows());
   place_.assign(solver.permutationP().indices().data(), solver.permutationP().indices().data() + n);
   const Eigen::SparseMatrix<double> factor = solver.matrixL();

@@ -15,7 +15,7 @@ namespace paperbake {
 class ColumnCholesky {
  public:
   /// lower   lower triangle of the matrix
-  /// throws  Error(Fault::simulation) if the matrix is not positive definite
+  /// throws  Error(ErrorCode::simulation) if the matrix is not positive definite
   explicit ColumnCholesky(const Eigen::SparseMatrix<double>& lower);
   /// b        |n|x3
   /// returns  |n|x3

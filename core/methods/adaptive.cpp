@@ -64,18 +64,20 @@ class Adaptive : public Method {
   bool remesh(Sheet& sheet, const RemeshContext& is) override {
     // A jump is followed in many steps, and the shape after it has little to do with the one that
     // the mesh is fine for now.
-    constexpr double far = 0.1;  // [1] of the longer side
-    constexpr int enough_for_a_jump = 400;
-    const bool jumps = is.relative_handle_motion > far;
+    constexpr double jump_threshold = 0.1;  // [1] of the longer side
+    constexpr int max_triangles_after_jump = 400;
+    const bool jumps = is.relative_handle_motion > jump_threshold;
     // nor is a shape on its way to the minimum a reason for more triangles
     if (!jumps && (!is.at_minimum || !(is.moving || unfinished_))) return false;
-    const Points3 kept =
-        is.memory ? is.memory->at_vertices(sheet.pattern, sheet.triangles) : Points3(0, 3);
+    const Points3 kept = is.plastic_grid
+                             ? is.plastic_grid->at_vertices(sheet.pattern, sheet.triangles)
+                             : Points3(0, 3);
     const int required = static_cast<int>(std::count(is.fixed.begin(), is.fixed.end(), 1));
     const Points3 metric = sizing_field(sheet, kept, side_, options_);
-    const bool changed = jumps ? adapt(sheet, metric, required,
-                                       std::min(max_triangles_, enough_for_a_jump), Pass::coarsen)
-                               : adapt(sheet, metric, required, max_triangles_, Pass::both_ways);
+    const bool changed =
+        jumps ? adapt(sheet, metric, required, std::min(max_triangles_, max_triangles_after_jump),
+                      Pass::coarsen)
+              : adapt(sheet, metric, required, max_triangles_, Pass::both_ways);
     unfinished_ = changed || (jumps && unfinished_);
     return changed;
   }

@@ -19,7 +19,7 @@ class Serializer;
 struct RemeshContext {
   // |V| vertices of the first mesh, which keep their place on the pattern and their number
   const std::vector<char>& fixed;
-  const PlasticGrid* memory;                 // plastic curvature of the paper; null: elastic paper
+  const PlasticGrid* plastic_grid;           // plastic curvature of the paper; null: elastic paper
   std::vector<int> isolated_moving_handles;  // vertices that isolated handles are about to move
   FrameTime now;
   bool moving;  // handles or sheet moved since the frame before

@@ -6,7 +6,7 @@
 namespace paperbake {
 
 /// What went wrong, by who has to act. The value is the exit code of the tool.
-enum class Fault {
+enum class ErrorCode {
   simulation = 1,  // the solver could not continue
   command = 2,     // the command line, preset or job file is wrong
   scene = 3,       // the scene cannot be used
@@ -21,14 +21,14 @@ enum class Fault {
 ///   remedy     one sentence: what to try; may be empty
 ///   what()     the three, each on its own line, the last two indented
 struct Error : std::runtime_error {
-  Error(Fault fault, std::string place, std::string cause, std::string remedy = {})
+  Error(ErrorCode code, std::string place, std::string cause, std::string remedy = {})
       : std::runtime_error(place + "\n  " + cause + (remedy.empty() ? "" : "\n  " + remedy)),
-        fault(fault),
+        code(code),
         place(std::move(place)),
         cause(std::move(cause)),
         remedy(std::move(remedy)) {}
 
-  Fault fault;
+  ErrorCode code;
   std::string place, cause, remedy;
 };
 

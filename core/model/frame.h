@@ -32,11 +32,11 @@ struct HandleFrame {
 struct AnimatedFrame {
   int frame = 0;
   // index of the sheet among those that are animated together
-  std::size_t of = 0;
+  std::size_t sheet_index = 0;
   const Sheet* sheet = nullptr;      // belongs to animate; copy what is to be kept
   std::vector<HandleFrame> handles;  // as in Shot::handles
   FrameStatistics statistics;
-  const PlasticGrid* memory = nullptr;  // plastic state; belongs to animate
+  const PlasticGrid* plastic_grid = nullptr;  // plastic state; belongs to animate
   // |V|x3 [1/m] plastic curvature Sxx, Sxy, Syy at the vertices of the sheet; empty if not asked
   // for
   Points3 plastic_curvature;

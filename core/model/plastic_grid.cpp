@@ -30,8 +30,11 @@ PlasticGrid::PlasticGrid(const Pattern& pattern) : size_(longer_side(pattern) / 
     front.push_back(c);
   }
   if (front.empty())  // a pattern thinner than a cell
-    for (int c = 0; c < static_cast<int>(cells_.size()); ++c)
-      cells_[c].inside = true, cells_[c].nearest = c, front.push_back(c);
+    for (int c = 0; c < static_cast<int>(cells_.size()); ++c) {
+      cells_[c].inside = true;
+      cells_[c].nearest = c;
+      front.push_back(c);
+    }
   area_inside_ = area(pattern) / front.size();
 
   // from the inside cells outwards, ring by ring
@@ -81,7 +84,10 @@ PlasticGrid::Cover PlasticGrid::cover(const Points2& pattern, const Triangles& t
     area[t] = 0.5 * cross(corner[1] - corner[0], corner[2] - corner[0]);
     cover.first.push_back(static_cast<int>(cover.cell.size()));
     for (int c : centres_in(corner))
-      if (cells_[c].inside && !taken[c]) taken[c] = true, cover.cell.push_back(c);
+      if (cells_[c].inside && !taken[c]) {
+        taken[c] = true;
+        cover.cell.push_back(c);
+      }
     if (cover.first.back() == static_cast<int>(cover.cell.size())) {
       const Vector2d middle = (corner[0] + corner[1] + corner[2]) / (3 * size_);
       const int column = std::clamp(static_cast<int>(middle.x()), 0, columns_ - 1);
@@ -159,7 +165,10 @@ double PlasticGrid::write(const Cover& cover, const PlasticMemory& gained) {
 
 void PlasticGrid::reset() {
   if (is_virgin_) return;
-  for (Cell& cell : cells_) cell.memory.setZero(), cell.ridge = 0;
+  for (Cell& cell : cells_) {
+    cell.memory.setZero();
+    cell.ridge = 0;
+  }
   is_virgin_ = true;
 }
 

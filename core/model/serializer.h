@@ -22,7 +22,7 @@ namespace paperbake {
 ///   void archive(Serializer& a, PendingConflict& s) { a(s.p, s.seconds); }
 ///
 /// for a struct; for a class a member `archive(Serializer&)`. Reading trusts nothing: whatever the
-/// bytes are, it returns or throws Error(Fault::scene).
+/// bytes are, it returns or throws Error(ErrorCode::scene).
 class Serializer {
  public:
   Serializer() = default;  // writes
@@ -41,7 +41,7 @@ class Serializer {
 
   /// Throws unless a condition on what was read holds.
   void require(bool holds) const {
-    if (!holds) throw Error(Fault::scene, "state", "The bytes are not what was written.");
+    if (!holds) throw Error(ErrorCode::scene, "state", "The bytes are not what was written.");
   }
   /// Throws unless everything was read.
   void end() const { require(remaining_.empty()); }
@@ -105,7 +105,8 @@ class Serializer {
   }
   template <class A, class B>
   void field(std::pair<A, B>& both) {
-    field(both.first), field(both.second);
+    field(both.first);
+    field(both.second);
   }
   template <class T>
   void field(std::optional<T>& thing) {

@@ -32,7 +32,7 @@ struct Shot {
   Sheet start;                  // a mesh of the sheet at the first frame: pattern, x, triangles
   std::vector<Handle> handles;  // row 0 of keyed is first_frame
   Paper paper;
-  SingularPointRules pins = {};
+  SingularPointRules singular_point_rules = {};
   std::vector<FoldingHands> hands = {};
   // with their fronts turned towards this sheet; null: there are none
   std::shared_ptr<const Colliders> colliders = nullptr;

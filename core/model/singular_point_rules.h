@@ -13,17 +13,17 @@ struct SingularPointRules {
     Vector2d centre;  // [m]
     double radius;    // [m]
   };
-  std::vector<Vector2d> keep;  // [m] singular points that exist from the first frame on
-  std::vector<Disc> forbid;    // no singular point is born in these
+  std::vector<Vector2d> fixed;  // [m] singular points that exist from the first frame on
+  std::vector<Disc> forbidden;  // no singular point is born in these
 
   bool forbids(const Vector2d& p) const {
-    return std::any_of(forbid.begin(), forbid.end(),
+    return std::any_of(forbidden.begin(), forbidden.end(),
                        [&](const Disc& d) { return (p - d.centre).norm() <= d.radius; });
   }
 
   void append(const SingularPointRules& more) {
-    keep.insert(keep.end(), more.keep.begin(), more.keep.end());
-    forbid.insert(forbid.end(), more.forbid.begin(), more.forbid.end());
+    fixed.insert(fixed.end(), more.fixed.begin(), more.fixed.end());
+    forbidden.insert(forbidden.end(), more.forbidden.begin(), more.forbidden.end());
   }
 };
 

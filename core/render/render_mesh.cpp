@@ -34,8 +34,10 @@ class Sites {
       for (int y = cy - 1; y <= cy + 1; ++y) {
         const auto range = cells_.equal_range({x, y});
         for (auto it = range.first; it != range.second; ++it)
-          if ((points[it->second] - p).norm() < least)
-            least = (points[it->second] - p).norm(), best = it->second;
+          if ((points[it->second] - p).norm() < least) {
+            least = (points[it->second] - p).norm();
+            best = it->second;
+          }
       }
     return best;
   }

@@ -145,7 +145,10 @@ void Untangler::find_neighbours() {
       for (const int k : {1, 2}) ways.emplace_back(triangles_(t, i), triangles_(t, (i + k) % 3));
   std::sort(ways.begin(), ways.end());
   ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
-  for (const auto& [a, b] : ways) ++start_[a + 1], beside_.push_back(b);
+  for (const auto& [a, b] : ways) {
+    ++start_[a + 1];
+    beside_.push_back(b);
+  }
   for (std::size_t v = 1; v < start_.size(); ++v) start_[v] += start_[v - 1];
 }
 
@@ -238,7 +241,10 @@ Untangler::Outcome Untangler::operator()(Points3& x, const Points3& linear_posit
       }
       for (int i = 0; i < 3; ++i)
         for (const int v : {triangles_(s, i), triangles_(t, i)})
-          if (!raising[v] && blend[v] < 1) raising[v] = 1, raised.push_back(v);
+          if (!raising[v] && blend[v] < 1) {
+            raising[v] = 1;
+            raised.push_back(v);
+          }
     }
     if (!any) return {round > 0, true};
     if (facet_at ? round == rounds : raised.empty()) return {round > 0, false};
@@ -271,8 +277,11 @@ Untangler::Outcome Untangler::untangle_alternating(Points3& x, const Points3& li
     lengths.restore(now);
     const Outcome outcome = (*this)(now, linear_positions, {}, held);
     const double worst = lengths.worst(now);
-    if (outcome.apart > best.apart || (outcome.apart == best.apart && worst < least))
-      least = worst, best.apart = outcome.apart, x = now;
+    if (outcome.apart > best.apart || (outcome.apart == best.apart && worst < least)) {
+      least = worst;
+      best.apart = outcome.apart;
+      x = now;
+    }
     if (!outcome.changed) break;
   }
   return best;

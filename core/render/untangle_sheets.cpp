@@ -29,7 +29,10 @@ Points3 SheetUntangler::in_a_row(const std::vector<Points3>& of_sheets) const {
   for (const Points3& x : of_sheets) vertices += x.rows();
   Points3 all(vertices, 3);
   long from = 0;
-  for (const Points3& x : of_sheets) all.middleRows(from, x.rows()) = x, from += x.rows();
+  for (const Points3& x : of_sheets) {
+    all.middleRows(from, x.rows()) = x;
+    from += x.rows();
+  }
   return all;
 }
 

@@ -160,10 +160,10 @@ ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Re
     how.stop *= coarser;
     how.max_iterations = how.max_mixed_newton = 20;
     how.ways = NewtonOptions::mixed_newton;
-    const double far =
+    const double max_displacement =
         0.03 * (sheet.pattern.colwise().maxCoeff() - sheet.pattern.colwise().minCoeff()).maxCoeff();
-    how.should_abort = [&, far](const Points3& x) {
-      return (x - before).rowwise().norm().maxCoeff() > far;
+    how.should_abort = [&, max_displacement](const Points3& x) {
+      return (x - before).rowwise().norm().maxCoeff() > max_displacement;
     };
   }
   ElasticReport report = s.try_without_plasticity(
@@ -221,7 +221,10 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
   if (!contact_enabled || !state.had_contact) {
     // a sheet that rests on a collider has no second branch, and needs few mixed Newton iterations
     const bool lies = colliders && colliders->touching(before) > 0;
-    if (lies) state.second.reset(), state.descending = false;
+    if (lies) {
+      state.second.reset();
+      state.descending = false;
+    }
     const int most = lies ? options.max_iterations : max_iterations_of_step();
     NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (is_interactive() ? 5 : 0)}),
                       is_interactive() && state.descending ? NewtonOptions::line_search_newton

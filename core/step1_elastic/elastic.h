@@ -154,14 +154,14 @@ class Elastic {
   /// On meshes of at most 400 triangles a snap-through may span several frames. After the first
   /// three steps a step ends after at most 42 iterations, or 82 as long as an edge is stretched by
   /// more than 0.6 %; the descents on both branches continue in the next step.
-  /// throws Error(Fault::simulation) when the energy is not finite
+  /// throws Error(ErrorCode::simulation) when the energy is not finite
   ElasticReport step(Sheet&, const StepInput&, double dt);
 
   /// One step of several sheets that come closer than dhat to each other. It minimises the sum of
   /// their potentials over the vertices of all of them, with one contact between and within the
   /// sheets, so that a push is passed on to the last of them. All handles pull with springs.
   /// dhat    |sheets|x|sheets| [m] dhat between two sheets; on the diagonal dhat() of each
-  /// throws  Error(Fault::simulation) when the energy is not finite
+  /// throws  Error(ErrorCode::simulation) when the energy is not finite
   static std::vector<ElasticReport> step_together(const std::vector<JointStepSheet>&,
                                                   const Eigen::MatrixXd& dhat, double dt);
 

@@ -145,7 +145,7 @@ bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
   Sheet grown = sheet;
   const int born = insert_vertex(grown, *p, fixed);
   // it may have come to lie a little beside p, where no singular point is allowed
-  if (options_.pins.forbids(grown.pattern.row(born))) return false;
+  if (options_.singular_point_rules.forbids(grown.pattern.row(born))) return false;
   sheet = std::move(grown);
   const int degrees = static_cast<int>(std::lround(conflicts.turn[worst] * 180 / M_PI));
   sheet.singular.push_back(

@@ -43,7 +43,7 @@ struct CrumpleOptions {
   int max_points = 1000;          // [1] largest number of singular points on one sheet
   int max_triangles = 250;        // [1] no point is born on a mesh that would exceed this
   RulingOptions rulings;
-  SingularPointRules pins;  // where singular points must not be born
+  SingularPointRules singular_point_rules;  // where singular points must not be born
 };
 
 struct Conflicts;

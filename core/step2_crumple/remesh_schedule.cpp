@@ -37,8 +37,8 @@ bool RemeshSchedule::due(const MeshFit& fit, const FrameTime& now, double max_fo
   accumulated_motion_ += std::min(now.moved, 1.0);
   if (time < not_before_) return false;
   // [1/s] longer sides per second: a sheet that moves faster outgrows its mesh sooner
-  constexpr double usual_speed = 0.02 * 24;
-  const double age = std::max(time - last_, accumulated_motion_ / usual_speed);
+  constexpr double reference_speed = 0.02 * 24;
+  const double age = std::max(time - last_, accumulated_motion_ / reference_speed);
   return (age >= soon && fit.misalignment > 0.3) || (age >= later && fit.largest_fold > max_fold) ||
          (age >= late && fit.misalignment > 0.12);
 }

@@ -124,8 +124,10 @@ class Builder {
     int nearest = -1;
     double least = tolerance;
     for (std::size_t i = 0; i < points_.size(); ++i)
-      if ((points_[i] - p).norm() <= least)
-        least = (points_[i] - p).norm(), nearest = static_cast<int>(i);
+      if ((points_[i] - p).norm() <= least) {
+        least = (points_[i] - p).norm();
+        nearest = static_cast<int>(i);
+      }
     if (nearest >= 0) return nearest;
     points_.push_back(p);
     return static_cast<int>(points_.size()) - 1;

@@ -174,7 +174,7 @@ std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& p
   constexpr int tries = 20;
   const double spacing = min_spacing(pattern, paper, options);
   const auto clear = [&](const Vector2d& p) {
-    return !options.pins.forbids(p) &&
+    return !options.singular_point_rules.forbids(p) &&
            std::none_of(sheet.singular.begin(), sheet.singular.end(),
                         [&](const SingularPoint& s) { return (s.pattern - p).norm() < spacing; });
   };

@@ -57,7 +57,10 @@ std::string header_of(const Property& property, std::uint32_t metadata) {
     info |= std::uint32_t{sampling != 0} << 8 | std::uint32_t{partly} << 9 |
             std::uint32_t{constant} << 11;
     number(count);
-    if (partly) number(changes.first), number(changes.last);
+    if (partly) {
+      number(changes.first);
+      number(changes.last);
+    }
     if (sampling != 0) number(sampling);
   }
   number(property.name.size());

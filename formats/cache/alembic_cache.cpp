@@ -70,7 +70,7 @@ void refuse_unless_finite(const Rows& rows, const char* what, const std::string&
     std::string values;
     for (const double value : rows.row(i))
       values += (values.empty() ? "" : ", ") + std::to_string(value);
-    throw Error(Fault::simulation, place,
+    throw Error(ErrorCode::simulation, place,
                 std::string("The ") + what + " of vertex " + std::to_string(i) +
                     " is not a finite number: (" + values + ").",
                 "The simulation failed before this frame: move the handles more slowly there and "

@@ -82,8 +82,12 @@ std::vector<PropertyHeader> properties_of(const OgawaReader& file, OgawaBlock co
     p.constant = info >> 11 & 1;
     if (p.type != PropertyType::compound) {
       p.count = parser.number(width);
-      p.first = 0, p.last = p.count ? p.count - 1 : 0;
-      if (info >> 9 & 1) p.first = parser.number(width), p.last = parser.number(width);
+      p.first = 0;
+      p.last = p.count ? p.count - 1 : 0;
+      if (info >> 9 & 1) {
+        p.first = parser.number(width);
+        p.last = parser.number(width);
+      }
       if (info >> 8 & 1) parser.number(width);
       if (p.last >= std::max<std::size_t>(p.count, 1) || p.first > p.last)
         file.refuse("The samples of a property are out of order.");
@@ -196,8 +200,10 @@ struct AlembicReader::Impl {
       file.refuse("Sheet \"" + transform.name + "\" has " + std::to_string(sheet.frames) +
                   " frames; the limit is " + std::to_string(max_frames) + ".");
     sheet.constant_topology = mesh.indices->samples.size() == 1 && mesh.counts->samples.size() == 1;
-    sheet.velocity = mesh.velocities.has_value(), sheet.normal = mesh.normals.has_value(),
-    sheet.uv = mesh.uv.has_value(), sheet.crease = mesh.colours.has_value();
+    sheet.velocity = mesh.velocities.has_value();
+    sheet.normal = mesh.normals.has_value();
+    sheet.uv = mesh.uv.has_value();
+    sheet.crease = mesh.colours.has_value();
     sheets.push_back(std::move(sheet));
     meshes.push_back(std::move(mesh));
   }

@@ -72,7 +72,7 @@ void OgawaReader::read(std::uint64_t position, void* bytes, std::uint64_t count)
 }
 
 void OgawaReader::refuse(const std::string& cause) const {
-  throw Error(Fault::scene, path_.string(), cause, "Bake it again.");
+  throw Error(ErrorCode::scene, path_.string(), cause, "Bake it again.");
 }
 
 }  // namespace paperbake

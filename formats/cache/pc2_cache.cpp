@@ -51,7 +51,7 @@ void Pc2Writer::add_frame(const CacheFrame& frame, double longer_side) {
   if (frame.x.rows() != points_ || frame.triangles.rows() != triangles_.rows() ||
       frame.triangles != triangles_)
     throw Error(
-        Fault::command, path_.string(),
+        ErrorCode::command, path_.string(),
         "A point cache needs one mesh for the whole shot, but the mesh of this bake changes.",
         "Leave out either --mesh simulation or the format pc2.");
   const Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> x = frame.x.cast<float>();
@@ -69,7 +69,7 @@ std::size_t Pc2Writer::finish() {
   if (samples_ == 0) return 0;
   Header header;
   header.points = points_;
-  header.start = static_cast<float>(info_.first_frame),
+  header.start = static_cast<float>(info_.first_frame);
   header.rate = static_cast<float>(info_.frame_step);
   header.samples = samples_;
   cache_.write_at(0, &header, sizeof header);

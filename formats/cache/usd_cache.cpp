@@ -18,7 +18,7 @@ class Spool {
   Spool() : file_(std::tmpfile()) {
     if (!file_)
       throw Error(
-          Fault::folder, "temporary files", "A temporary file cannot be created.",
+          ErrorCode::folder, "temporary files", "A temporary file cannot be created.",
           "Check free space and write permission of the folder for temporary files (TMPDIR).");
   }
   ~Spool() { std::fclose(file_); }
@@ -28,7 +28,7 @@ class Spool {
   void write(std::string_view text) {
     if (std::fwrite(text.data(), 1, text.size(), file_) != text.size())
       throw Error(
-          Fault::folder, "temporary files", "A temporary file cannot be written.",
+          ErrorCode::folder, "temporary files", "A temporary file cannot be written.",
           "Check free space and write permission of the folder for temporary files (TMPDIR).");
   }
   void copy_to(AtomicFile& out) {

@@ -120,15 +120,16 @@ PrescribedCrease read_crease(const TomlDocument& document, const toml::node& nod
   return crease;
 }
 
-SingularPointRules read_pins(const TomlDocument& document, const toml::table& table) {
-  SingularPointRules pins;
+SingularPointRules read_singular_point_rules(const TomlDocument& document,
+                                             const toml::table& table) {
+  SingularPointRules rules;
   if (const toml::node* keep = table.get("singular_keep"))
     for (const auto& p : read_rows(document, *keep, "singular_keep", 2, "points [u, v]"))
-      pins.keep.emplace_back(p[0], p[1]);
+      rules.fixed.emplace_back(p[0], p[1]);
   if (const toml::node* forbid = table.get("singular_forbid"))
     for (const auto& p : read_rows(document, *forbid, "singular_forbid", 3, "discs [u, v, radius]"))
-      pins.forbid.push_back({{p[0], p[1]}, p[2]});
-  return pins;
+      rules.forbidden.push_back({{p[0], p[1]}, p[2]});
+  return rules;
 }
 
 std::vector<PrescribedCrease> read_creases(const TomlDocument& document, const toml::table& table) {
@@ -154,7 +155,7 @@ const toml::table* table_at(const TomlDocument& document, const toml::table& par
 
 std::vector<JobSection> read_sections(const TomlDocument& document, const char* kind,
                                       const std::vector<JobKey>& keys,
-                                      const std::vector<std::string>& pins) {
+                                      const std::vector<std::string>& rule_keys) {
   const std::string form = fmt::format("[{}.\"NAME*\"]", kind);
   const toml::table* all = table_at(document, document.root, kind, form.c_str());
   if (!all) return {};
@@ -165,13 +166,13 @@ std::vector<JobSection> read_sections(const TomlDocument& document, const char* 
       fail(document, position_of(name, node),
            fmt::format("Values for {}s must stand under their names: {}.", kind, form));
     std::vector<std::string> known = names_of(keys);
-    known.insert(known.end(), pins.begin(), pins.end());
+    known.insert(known.end(), rule_keys.begin(), rule_keys.end());
     refuse_unknown_keys(document, *table, known);
     const toml::source_position at = position_of(name, node);
     sections.push_back(
         {at,
          {std::string(name.str()), place_in(document, at), read_values(document, *table, keys),
-          read_pins(document, *table), read_creases(document, *table)}});
+          read_singular_point_rules(document, *table), read_creases(document, *table)}});
   }
   std::sort(sections.begin(), sections.end(),
             [](const auto& a, const auto& b) { return precedes(a.first, b.first); });

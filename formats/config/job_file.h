@@ -39,7 +39,7 @@ struct JobValue {
 struct JobSection {
   std::string pattern, place;
   std::vector<JobValue> values;
-  SingularPointRules pins;  // of sheets
+  SingularPointRules singular_point_rules;  // of sheets
   std::vector<PrescribedCrease> creases;
 };
 

@@ -15,7 +15,7 @@ template <class T>
 T value_of(const toml::table& table, const char* key, const std::string& place) {
   const auto value = table[key].template value<T>();
   if (!value)
-    throw Error(Fault::command, place, fmt::format("The key \"{}\" is missing.", key),
+    throw Error(ErrorCode::command, place, fmt::format("The key \"{}\" is missing.", key),
                 "Bake again: this version of paperbake did not write this file.");
   return *value;
 }
@@ -23,7 +23,7 @@ T value_of(const toml::table& table, const char* key, const std::string& place) 
 const toml::table& table_of(const toml::table& root, const char* key, const std::string& place) {
   const toml::table* table = root[key].as_table();
   if (!table)
-    throw Error(Fault::command, place, fmt::format("The table [{}] is missing.", key),
+    throw Error(ErrorCode::command, place, fmt::format("The table [{}] is missing.", key),
                 "Bake again: this version of paperbake did not write this file.");
   return *table;
 }
@@ -35,7 +35,7 @@ Paper paper_of(const toml::table& table, const std::string& place) {
     if (!parameter.required && !table.contains(parameter.key)) continue;
     const double value = value_of<double>(table, parameter.key, place);
     if (!parameter.accepts(value))
-      throw Error(Fault::command, place, out_of_bounds(parameter, value));
+      throw Error(ErrorCode::command, place, out_of_bounds(parameter, value));
     parameter.set(paper, value);
   }
   return paper;
@@ -54,7 +54,7 @@ LockedJob read_lock(const std::filesystem::path& path) {
   job.fps = value_of<double>(table_of(root, "scene", path.string()), "fps", path.string());
   if (!(job.fps > 0) || !std::isfinite(job.fps) || !std::isfinite(job.gravity) || !(job.stop > 0))
     throw Error(
-        Fault::command, path.string(),
+        ErrorCode::command, path.string(),
         fmt::format(
             "{} frames per second, a gravity of {} m/s2 and a stop of {} m cannot be right.",
             job.fps, job.gravity, job.stop));

@@ -181,12 +181,12 @@ Preset read_preset(const std::string& name_or_file) {
 
   if (name_or_file.find('/') != std::string::npos ||
       std::filesystem::path(name_or_file).extension() == ".toml")
-    throw Error(Fault::command, name_or_file, "There is no such preset file.",
+    throw Error(ErrorCode::command, name_or_file, "There is no such preset file.",
                 "`paperbake presets` lists the built-in grades.");
   std::vector<std::string> names = preset_names();
   names.insert(names.end(), user_names.begin(), user_names.end());
   throw Error(
-      Fault::command, fmt::format("preset \"{}\"", name_or_file),
+      ErrorCode::command, fmt::format("preset \"{}\"", name_or_file),
       fmt::format("Unknown paper \"{}\".{}", name_or_file, did_you_mean(name_or_file, names)),
       fmt::format("Papers: {}; or give the path of a preset file.", fmt::join(names, ", ")));
 }

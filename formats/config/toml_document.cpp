@@ -16,7 +16,7 @@ std::string place_in(const TomlDocument& document, const toml::source_position& 
 
 void fail(const TomlDocument& document, const toml::source_position& at, std::string cause,
           std::string remedy) {
-  throw Error(Fault::command, place_in(document, at), std::move(cause), std::move(remedy));
+  throw Error(ErrorCode::command, place_in(document, at), std::move(cause), std::move(remedy));
 }
 
 std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
@@ -40,7 +40,10 @@ void refuse_unknown_keys(const TomlDocument& document, const toml::table& table,
   for (const auto& [key, node] : table) {
     if (std::find(known.begin(), known.end(), key.str()) != known.end()) continue;
     const toml::source_position place = position_of(key, node);
-    if (!first || precedes(place, at)) first = &key, at = place;
+    if (!first || precedes(place, at)) {
+      first = &key;
+      at = place;
+    }
   }
   if (!first) return;
   const std::string word(first->str());
@@ -63,11 +66,11 @@ std::string read_toml_text(const std::filesystem::path& file, const std::string&
   std::string text(max_size + 1, '\0');
   if (stream) stream.read(text.data(), text.size());
   if (!stream.is_open() || stream.bad())
-    throw Error(Fault::command, file.string(), fmt::format("The {} file cannot be read.", kind),
+    throw Error(ErrorCode::command, file.string(), fmt::format("The {} file cannot be read.", kind),
                 "Check its name and permissions.");
   text.resize(stream.gcount());
   if (text.size() > max_size)
-    throw Error(Fault::command, file.string(),
+    throw Error(ErrorCode::command, file.string(),
                 fmt::format("This is not a {} file: it is larger than 1 MB.", kind));
   return text;
 }

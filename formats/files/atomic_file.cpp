@@ -67,7 +67,7 @@ void AtomicFile::commit() {
 }
 
 void AtomicFile::fail(const char* doing) const {
-  throw Error(Fault::folder, path_.string(),
+  throw Error(ErrorCode::folder, path_.string(),
               std::string("The file cannot be ") + doing + ": " + std::strerror(errno) + ".",
               "Check free space and write permission of the folder, or choose another with -o.");
 }

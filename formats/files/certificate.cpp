@@ -20,7 +20,7 @@ using Json = nlohmann::ordered_json;
 /// simulation. throws Error(ErrorCode::simulation) with frame, sheet and field
 double finite(double value, const char* field, int frame, const std::string& sheet) {
   if (std::isfinite(value)) return value + 0.0;  // + 0.0 turns -0 into 0
-  throw Error(Fault::simulation, fmt::format("frame {}, sheet \"{}\"", frame, sheet),
+  throw Error(ErrorCode::simulation, fmt::format("frame {}, sheet \"{}\"", frame, sheet),
               fmt::format("The certificate's {} is not a finite number.", field));
 }
 
@@ -49,9 +49,10 @@ std::vector<std::vector<std::string>> parse_csv(const std::string& text) {
       quoted = !quoted;
     else if (c == ',' && !quoted)
       row.emplace_back();
-    else if (c == '\n' && !quoted)
-      rows.push_back(std::move(row)), row.assign(1, "");
-    else
+    else if (c == '\n' && !quoted) {
+      rows.push_back(std::move(row));
+      row.assign(1, "");
+    } else
       row.back() += c;
   }
   if (row.size() > 1) rows.push_back(std::move(row));
@@ -150,10 +151,11 @@ std::vector<HandleRecord> parse_handles_csv(const std::string& text) {
                 std::abs(n[0]) <= std::numeric_limits<int>::max();
     for (int i = 0; i < 8 && good; ++i) good = read_number(f[3 + i], n[1 + i]);
     if (!good || (f[11] != "held" && f[11] != "free" && f[11] != "jammed"))
-      throw Error(Fault::scene, fmt::format("handles.csv, row {}", k + 1),
+      throw Error(ErrorCode::scene, fmt::format("handles.csv, row {}", k + 1),
                   "This version of paperbake does not write such a row.");
     r.frame = static_cast<int>(n[0]);
-    r.sheet = f[1], r.handle = f[2];
+    r.sheet = f[1];
+    r.handle = f[2];
     r.pattern << n[1], n[2];
     r.keyed << n[3], n[4], n[5];
     r.held << n[6], n[7], n[8];

@@ -39,7 +39,8 @@ void fill_triangle(Canvas& canvas, const Vector3d& a, const Vector3d& b, const V
       const Vector3d &p = *corners[i + !upwards], &q = *corners[i + upwards];
       if (p.y() == q.y() || y < std::min(p.y(), q.y()) || y > std::max(p.y(), q.y())) continue;
       const double x = p.x() + (y - p.y()) / (q.y() - p.y()) * (q.x() - p.x());
-      from = std::min(from, x), to = std::max(to, x);
+      from = std::min(from, x);
+      to = std::max(to, x);
     }
     if (!(to >= 0 && from <= columns)) continue;
     for (int column = static_cast<int>(std::max(0.0, std::ceil(from - 0.5)));
@@ -143,7 +144,7 @@ std::string png_bytes(const Image& image) {
   png_alloc_size_t size = bytes.size();
   if (!png_image_write_to_memory(&png, bytes.data(), &size, /*convert_to_8_bit=*/0,
                                  image.pixels.data(), /*row_stride=*/0, /*colormap=*/nullptr))
-    throw Error(Fault::folder, "picture",
+    throw Error(ErrorCode::folder, "picture",
                 std::string("It cannot be encoded: ") + png.message + ".");
   bytes.resize(size);
   return bytes;
@@ -191,7 +192,9 @@ Image resolve_samples(const Canvas& canvas) {
       for (int j = 0; j < n; ++j)
         for (int i = 0; i < n; ++i) {
           const Colour& c = canvas.colour[std::size_t(row * n + j) * columns + column * n + i];
-          red += c.red, green += c.green, blue += c.blue;
+          red += c.red;
+          green += c.green;
+          blue += c.blue;
         }
       const auto mean = [&](int sum) {
         return static_cast<std::uint8_t>((sum + n * n / 2) / (n * n));

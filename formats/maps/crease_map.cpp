@@ -49,7 +49,7 @@ void CreaseMap::record(int frame, const Sheet& sheet, const Points3& curvature,
                        const Points3& plastic) {
   assert(curvature.rows() == sheet.pattern.rows());
   if (!curvature.allFinite() || !plastic.allFinite())
-    throw Error(Fault::simulation, "crease map",
+    throw Error(ErrorCode::simulation, "crease map",
                 "The curvature of the sheet is not a finite number.");
   State& s = *state_;
   s.scene.fields = map_fields(sheet, curvature, plastic, s.options.fold_width);

@@ -49,7 +49,10 @@ std::vector<float> FoldPeak::row(int row, int size) const {
     const float a = grid[y.first * coarse + i], b = grid[y.second * coarse + i];
     return a + y.weight * (b - a);
   };
-  for (int i = 0; i < coarse; ++i) bulge[i] = down(bulge_, i), hollow[i] = down(hollow_, i);
+  for (int i = 0; i < coarse; ++i) {
+    bulge[i] = down(bulge_, i);
+    hollow[i] = down(hollow_, i);
+  }
   for (int i = 0; i < size; ++i) {
     const GridNeighbours x = grid_neighbours(i, size, coarse);
     const auto along = [&](const std::vector<float>& v) {

@@ -137,7 +137,10 @@ void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<c
           int nearest = 0;
           for (const int k : near) {
             const double d = (at[k] - Vector2d(i, row)).squaredNorm();
-            if (d < squared) squared = d, nearest = k;
+            if (d < squared) {
+              squared = d;
+              nearest = k;
+            }
           }
           const MapApex& apex = scene.apices[nearest];
           const double distance = std::sqrt(squared);

@@ -140,18 +140,27 @@ MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint&
       all += area;
       if (weight <= 0) continue;
       covered += weight;
-      r += weight * t.r, g += weight * t.g, b += weight * t.b;
+      r += weight * t.r;
+      g += weight * t.g;
+      b += weight * t.b;
       for (std::size_t k = 0; k < std::size(averaged); ++k) sum[k] += weight * t.*averaged[k];
       cos2 += weight * (t.dir_x * t.dir_x - t.dir_y * t.dir_y);
       sin2 += weight * 2 * t.dir_x * t.dir_y;
-      if (t.age_crease >= 0) creased += weight, age += weight * t.age_crease;
-      if (!centre_covered && weight > best)
-        best = weight, mean.apex_id = t.apex_id, mean.apex_cone = t.apex_cone,
+      if (t.age_crease >= 0) {
+        creased += weight;
+        age += weight * t.age_crease;
+      }
+      if (!centre_covered && weight > best) {
+        best = weight;
+        mean.apex_id = t.apex_id;
+        mean.apex_cone = t.apex_cone;
         mean.age_apex = t.age_apex;
+      }
     }
   if (covered <= 0) return mean;
   mean.a = static_cast<float>(covered / all);
-  mean.r = static_cast<float>(r / covered), mean.g = static_cast<float>(g / covered),
+  mean.r = static_cast<float>(r / covered);
+  mean.g = static_cast<float>(g / covered);
   mean.b = static_cast<float>(b / covered);
   for (std::size_t k = 0; k < std::size(averaged); ++k)
     mean.*averaged[k] = static_cast<float>(sum[k] / covered);
@@ -218,7 +227,10 @@ std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, 
     padding[part] = paddings(level, next, first, last);
   });
   for (const auto& part : padding)
-    for (const Padding& p : part) level[p.texel] = level[p.source], level[p.texel].a = 0.0f;
+    for (const Padding& p : part) {
+      level[p.texel] = level[p.source];
+      level[p.texel].a = 0.0f;
+    }
   return level;
 }
 

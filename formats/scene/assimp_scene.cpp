@@ -52,7 +52,7 @@ void copy_node(const aiNode& node, int parent, ImportedFile& file,
   copy.parent = parent;
   copy.local = transform(node.mTransformation);
   if (!copy.local.matrix().allFinite())
-    throw Error(Fault::scene, fmt::format("node \"{}\"", copy.name),
+    throw Error(ErrorCode::scene, fmt::format("node \"{}\"", copy.name),
                 "Its transform contains a value that is not a number.");
   copy.meshes.assign(node.mMeshes, node.mMeshes + node.mNumMeshes);
   for (unsigned i = 0; node.mMetaData && i < node.mMetaData->mNumProperties; ++i)
@@ -76,14 +76,14 @@ ImportedMesh copy_mesh(const aiMesh& mesh) {
     if (copy.uv.rows() > 0) copy.uv.row(i) = vector(mesh.mTextureCoords[0][i]).head<2>();
   }
   if (!copy.x.allFinite() || !copy.uv.allFinite())
-    throw Error(Fault::scene, where(), "A vertex contains a value that is not a number.");
+    throw Error(ErrorCode::scene, where(), "A vertex contains a value that is not a number.");
   std::vector<int> corners;
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {
     const aiFace& face = mesh.mFaces[i];
     if (face.mNumIndices != 3) continue;  // points and lines
     for (unsigned k = 0; k < 3; ++k) {
       if (face.mIndices[k] >= mesh.mNumVertices)
-        throw Error(Fault::scene, where(), "A face refers to a vertex that does not exist.");
+        throw Error(ErrorCode::scene, where(), "A face refers to a vertex that does not exist.");
       corners.push_back(static_cast<int>(face.mIndices[k]));
     }
   }
@@ -111,7 +111,7 @@ const aiScene& assimp_scene(Assimp::Importer& importer, const std::filesystem::p
   importer.SetPropertyBool(AI_CONFIG_IMPORT_FBX_PRESERVE_PIVOTS, true);
   const aiScene* scene = importer.ReadFile(path.string(), aiProcess_Triangulate);
   if (!scene || !scene->mRootNode)
-    throw Error(Fault::scene, path.string(),
+    throw Error(ErrorCode::scene, path.string(),
                 fmt::format("The file cannot be read: {}", importer.GetErrorString()),
                 export_again);
   aiString found;

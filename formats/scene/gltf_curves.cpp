@@ -64,7 +64,8 @@ Track<Value> track_of(const std::vector<double>& times, const std::vector<double
     track.keys.push_back({times[k], p});
     if (!cubic) continue;
     track.tangents.push_back({value<Value>(n), value<Value>(n + 2 * width)});
-    scale(track.tangents.back().in, unit), scale(track.tangents.back().out, unit);
+    scale(track.tangents.back().in, unit);
+    scale(track.tangents.back().out, unit);
   }
   if constexpr (!std::is_same_v<Value, Vector3d>) make_continuous(track);
   return track;
@@ -119,7 +120,8 @@ void read_channel(GltfFile& file, const Json& channel, const Json& samplers, Tak
   const auto finite = [](double n) { return std::isfinite(n); };
   if (!std::all_of(times.begin(), times.end(), finite) ||
       !std::all_of(numbers.begin(), numbers.end(), finite))
-    throw Error(Fault::scene, fmt::format("node \"{}\"", gltf::name(nodes, target->node, "nodes")),
+    throw Error(ErrorCode::scene,
+                fmt::format("node \"{}\"", gltf::name(nodes, target->node, "nodes")),
                 "A key contains a value that is not a number.", export_again);
   const std::string interpolation = text(sampler, "interpolation", "LINEAR");
   Motion& motion = take.motions[static_cast<int>(target->node)];

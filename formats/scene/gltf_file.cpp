@@ -63,8 +63,12 @@ std::string from_base64(std::string_view text) {
                       : c == '/' || c == '_' ? 63
                                              : -1;
     if (digit < 0) continue;
-    group = (group << 6 | digit) & 0xFFFFFF, bits += 6;
-    if (bits >= 8) bits -= 8, bytes.push_back(static_cast<char>(group >> bits));
+    group = (group << 6 | digit) & 0xFFFFFF;
+    bits += 6;
+    if (bits >= 8) {
+      bits -= 8;
+      bytes.push_back(static_cast<char>(group >> bits));
+    }
   }
   return bytes;
 }
@@ -96,13 +100,13 @@ std::string bytes_beside(const std::filesystem::path& file, const std::string& u
   constexpr const char* remedy =
       "Put it there under that name, or export the scene as one .glb file.";
   if (uri.find("://") != std::string::npos)
-    throw Error(Fault::scene, file.string(),
+    throw Error(ErrorCode::scene, file.string(),
                 fmt::format("A part of the file is elsewhere: \"{}\".", uri),
                 "Export the scene as one .glb file.");
   for (const std::string& name : {without_escapes(uri), uri})
     if (auto bytes = read_file(file.parent_path() / name)) return std::move(*bytes);
   throw Error(
-      Fault::scene, file.string(),
+      ErrorCode::scene, file.string(),
       fmt::format("A part of the file, \"{}\" beside it, cannot be opened.", without_escapes(uri)),
       remedy);
 }
@@ -113,7 +117,7 @@ void check_extensions(const Json& json, const std::filesystem::path& path) {
     for (const char* unread :
          {"EXT_meshopt_compression", "KHR_meshopt_compression", "KHR_draco_mesh_compression"})
       if (name == unread)
-        throw Error(Fault::scene, path.string(),
+        throw Error(ErrorCode::scene, path.string(),
                     fmt::format("The file is compressed ({}).", unread),
                     "Export it without compression.");
 }
@@ -213,7 +217,7 @@ GltfFile::GltfFile(const std::filesystem::path& path) : path_(path) {
   const std::string version =
       text(json_.is_object() ? json_.value("asset", Json()) : Json(), "version", "");
   if (!version.empty() && version[0] != '2')
-    throw Error(Fault::scene, path.string(),
+    throw Error(ErrorCode::scene, path.string(),
                 fmt::format("This is glTF of version {}; only version 2 can be read.", version),
                 "Export the scene as glTF 2.0.");
   if (version.empty()) throw foreign_file(path);

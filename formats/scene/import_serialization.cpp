@@ -81,7 +81,8 @@ void field(Stream& stream, std::map<Name, Value>& map) {
   else
     for (auto& [name, value] : map) {
       Name copy = name;
-      field(stream, copy), field(stream, value);
+      field(stream, copy);
+      field(stream, value);
     }
 }
 
@@ -105,25 +106,31 @@ void field(Stream& stream, Eigen::Quaterniond& q) {
 
 template <class Stream, class Value>
 void field(Stream& stream, Key<Value>& key) {
-  field(stream, key.time), field(stream, key.value);
+  field(stream, key.time);
+  field(stream, key.value);
 }
 
 template <class Stream, class Value>
 void field(Stream& stream, Tangents<Value>& tangents) {
-  field(stream, tangents.in), field(stream, tangents.out);
+  field(stream, tangents.in);
+  field(stream, tangents.out);
 }
 
 template <class Stream, class Value>
 void field(Stream& stream, Track<Value>& track) {
   std::uint8_t interpolation = static_cast<std::uint8_t>(track.interpolation);
-  field(stream, track.keys), field(stream, track.tangents), field(stream, interpolation);
+  field(stream, track.keys);
+  field(stream, track.tangents);
+  field(stream, interpolation);
   track.interpolation = static_cast<Interpolation>(interpolation);
 }
 
 template <class Stream>
 void field(Stream& stream, Motion& motion) {
-  field(stream, motion.translation), field(stream, motion.scale), field(stream, motion.rotation),
-      field(stream, motion.key_times);
+  field(stream, motion.translation);
+  field(stream, motion.scale);
+  field(stream, motion.rotation);
+  field(stream, motion.key_times);
 }
 
 template <class Stream>
@@ -143,33 +150,56 @@ void field(Stream& stream, PropertyValue& value) {
 
 template <class Stream>
 void field(Stream& stream, ImportedNode& n) {
-  field(stream, n.name), field(stream, n.parent), field(stream, n.local), field(stream, n.scale),
-      field(stream, n.own_scale), field(stream, n.scale_from), field(stream, n.pivot),
-      field(stream, n.offsets_mesh_only), field(stream, n.meshes), field(stream, n.properties);
+  field(stream, n.name);
+  field(stream, n.parent);
+  field(stream, n.local);
+  field(stream, n.scale);
+  field(stream, n.own_scale);
+  field(stream, n.scale_from);
+  field(stream, n.pivot);
+  field(stream, n.offsets_mesh_only);
+  field(stream, n.meshes);
+  field(stream, n.properties);
 }
 
 template <class Stream>
 void field(Stream& stream, ImportedMesh& m) {
-  field(stream, m.x), field(stream, m.uv), field(stream, m.triangles), field(stream, m.creases),
-      field(stream, m.deformed);
+  field(stream, m.x);
+  field(stream, m.uv);
+  field(stream, m.triangles);
+  field(stream, m.creases);
+  field(stream, m.deformed);
 }
 
 template <class Stream>
 void field(Stream& stream, Take& t) {
-  field(stream, t.name), field(stream, t.begin), field(stream, t.end), field(stream, t.motions);
+  field(stream, t.name);
+  field(stream, t.begin);
+  field(stream, t.end);
+  field(stream, t.motions);
 }
 
 template <class Stream>
 void field(Stream& stream, ImportedFile& f) {
-  field(stream, f.fbx), field(stream, f.start_lost), field(stream, f.reader),
-      field(stream, f.warnings), field(stream, f.nodes), field(stream, f.meshes),
-      field(stream, f.takes), field(stream, f.unit), field(stream, f.fps), field(stream, f.to_z_up),
-      field(stream, f.up_axis);
+  field(stream, f.fbx);
+  field(stream, f.start_lost);
+  field(stream, f.reader);
+  field(stream, f.warnings);
+  field(stream, f.nodes);
+  field(stream, f.meshes);
+  field(stream, f.takes);
+  field(stream, f.unit);
+  field(stream, f.fps);
+  field(stream, f.to_z_up);
+  field(stream, f.up_axis);
 }
 
 template <class Stream>
 void field(Stream& stream, ImportResult& r) {
-  field(stream, r.file), field(stream, r.place), field(stream, r.cause), field(stream, r.remedy);
+  field(stream, r.file);
+  field(stream, r.place);
+  field(stream, r.cause);
+  field(stream, r.remedy);
 }
 
 void check_times(double before, double time) {
@@ -184,7 +214,8 @@ void check_track(const Track<Value>& track) {
     refuse("a track does not have one tangent for each key");
   double before = -std::numeric_limits<double>::infinity();
   for (const Key<Value>& key : track.keys) {
-    check_times(before, key.time), before = key.time;
+    check_times(before, key.time);
+    before = key.time;
     if constexpr (std::is_same_v<Value, Vector3d>) {
       if (!key.value.allFinite()) refuse("a key is not a number");
     } else if (!(std::abs(key.value.norm() - 1) < 1e-6)) {
@@ -231,7 +262,9 @@ void check(const ImportedFile& file) {
       refuse("the length of a take is not a number");
     for (const auto& [node, motion] : take.motions) {
       if (!below(node, file.nodes.size())) refuse("a take moves a node that does not exist");
-      check_track(motion.translation), check_track(motion.scale), check_track(motion.rotation);
+      check_track(motion.translation);
+      check_track(motion.scale);
+      check_track(motion.rotation);
       for (std::size_t k = 0; k < motion.key_times.size(); ++k)
         check_times(k > 0 ? motion.key_times[k - 1] : motion.key_times[k], motion.key_times[k]);
     }

@@ -32,7 +32,10 @@ bool write_all(int to, const char* bytes, std::size_t count) {
   while (count > 0) {
     const ssize_t done = ::write(to, bytes, count);
     if (done < 0 && errno != EINTR) return false;
-    if (done > 0) bytes += done, count -= static_cast<std::size_t>(done);
+    if (done > 0) {
+      bytes += done;
+      count -= static_cast<std::size_t>(done);
+    }
   }
   return true;
 }
@@ -57,8 +60,10 @@ std::string read_all(int from) {
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, limits.seconds);
   limit(RLIMIT_AS, memory_in_use() + limits.bytes);
-  if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0)
-    ::dup2(nowhere, STDOUT_FILENO), ::dup2(nowhere, STDERR_FILENO);
+  if (const int nowhere = ::open("/dev/null", O_WRONLY); nowhere >= 0) {
+    ::dup2(nowhere, STDOUT_FILENO);
+    ::dup2(nowhere, STDERR_FILENO);
+  }
   try {
     const std::string answer = work();
     const std::uint64_t size = answer.size();
@@ -84,7 +89,10 @@ SandboxResult run_sandboxed(const std::function<std::string()>& work, const Sand
   if (::pipe2(ends, O_CLOEXEC) != 0)
     return {std::nullopt, std::string("could not be started: ") + std::strerror(errno)};
   const pid_t child = ::fork();
-  if (child == 0) ::close(ends[0]), work_and_end(work, limits, ends[1]);
+  if (child == 0) {
+    ::close(ends[0]);
+    work_and_end(work, limits, ends[1]);
+  }
   const std::string reason = std::strerror(errno);
   ::close(ends[1]);
   std::string answer = child < 0 ? std::string() : read_all(ends[0]);

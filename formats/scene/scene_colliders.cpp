@@ -32,7 +32,10 @@ Eigen::Isometry3d rigid(const Eigen::Affine3d& motion, double& stretched) {
   Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
   pose.linear() = svd.matrixU() * svd.matrixV().transpose();
   // a reflection has no rigid part
-  if (pose.linear().determinant() < 0) pose.linear() = Eigen::Matrix3d::Identity(), stretched = 1;
+  if (pose.linear().determinant() < 0) {
+    pose.linear() = Eigen::Matrix3d::Identity();
+    stretched = 1;
+  }
   pose.translation() = motion.translation();
   stretched = std::max(stretched, (svd.singularValues().array() - 1).abs().maxCoeff());
   return pose;

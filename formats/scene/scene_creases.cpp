@@ -39,7 +39,7 @@ EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
       box.extend(world * Vector3d(mesh.x.row(mesh.creases.data()[i])));
   }
   if (count > max_edges)
-    throw Error(Fault::scene, place,
+    throw Error(ErrorCode::scene, place,
                 fmt::format("{} edges are marked as creases: more than {}.", count, max_edges),
                 "Mark only those that are folded.");
   EdgeGraph graph;
@@ -65,13 +65,17 @@ EdgeGraph edge_graph(const ImportedFile& file, const ImportedNode& node,
 /// points and branchings, then closed loops.
 std::vector<std::vector<int>> chains_of(std::set<std::pair<int, int>> edges, std::size_t vertices) {
   std::vector<std::set<int>> neighbours(vertices);
-  for (const auto& [a, b] : edges) neighbours[a].insert(b), neighbours[b].insert(a);
+  for (const auto& [a, b] : edges) {
+    neighbours[a].insert(b);
+    neighbours[b].insert(a);
+  }
   const std::vector<std::set<int>> all_neighbours = neighbours;
   const auto chain_from = [&](int first) {
     std::vector<int> chain{first};
     for (int at = first; !neighbours[at].empty();) {
       const int next = *neighbours[at].begin();
-      neighbours[at].erase(next), neighbours[next].erase(at);
+      neighbours[at].erase(next);
+      neighbours[next].erase(at);
       chain.push_back(at = next);
       if (all_neighbours[at].size() != 2) break;
     }
@@ -101,7 +105,8 @@ std::vector<Vector2d> simplified(const std::vector<Vector2d>& points, double sid
     if (straight || (points[i] - line.back()).norm() < min_length * side ||
         (points[i] - points.back()).norm() < min_length * side)
       continue;
-    line.push_back(points[i]), last = i;
+    line.push_back(points[i]);
+    last = i;
   }
   line.push_back(points.back());
   return line;
@@ -114,7 +119,7 @@ std::vector<Vector2d> on_pattern(const EdgeGraph& graph, const SceneSheet& sheet
     const SheetPoint point = nearest_point(sheet.start, p);
     if (point.distance > max_distance)
       throw Error(
-          Fault::scene, place,
+          ErrorCode::scene, place,
           fmt::format(
               "The crease is {:.3g} mm off the sheet \"{}\", at ({:.4g}, {:.4g}, {:.4g}) m.",
               1e3 * point.distance, sheet.name, p.x(), p.y(), p.z()),
@@ -145,7 +150,7 @@ void check_inside(const PrescribedCrease& crease, const SceneSheet& sheet,
               crease.line[k] + i / double(samples) * (crease.line[k + 1] - crease.line[k]);
           !contains(sheet.pattern, p, same_place * longer_side(sheet.pattern)))
         throw Error(
-            Fault::scene, place,
+            ErrorCode::scene, place,
             fmt::format("The crease leaves the sheet \"{}\" at ({:.4g}, {:.4g}) m of its pattern.",
                         sheet.name, p.x(), p.y()),
             "Split the edge at the border of the sheet and delete the part outside.");
@@ -161,7 +166,7 @@ std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affin
   EdgeGraph graph = edge_graph(scene.file, n, world, place);
   const double angle = number_property(scene.source, n, "paper_crease").value_or(0);
   if (std::abs(angle) > max_angle)
-    throw Error(Fault::scene, place, fmt::format("paper_crease is {:g}.", angle),
+    throw Error(ErrorCode::scene, place, fmt::format("paper_crease is {:g}.", angle),
                 "It is the rest angle of the crease: from -170 to 170 degrees.");
   const std::vector<Vector2d> points = on_pattern(graph, sheet, place);
   for (auto edge = graph.edges.begin(); edge != graph.edges.end();)
@@ -226,7 +231,7 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
       if (!has_edges(scene.file, node)) {
         if (has_angle)
           throw Error(
-              Fault::scene, place_of(scene.source, "crease", node.name),
+              ErrorCode::scene, place_of(scene.source, "crease", node.name),
               "The mesh has no edges without faces, which would be the crease.",
               "Draw the crease as edges without faces, and export with Loose Edges (Blender) on.");
         warnings.push_back(

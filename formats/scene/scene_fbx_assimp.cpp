@@ -27,8 +27,10 @@ Motion copy_channel(const aiNodeAnim& channel, double ticks_per_second) {
   };
   const auto copy_vectors = [&](const aiVectorKey* keys, unsigned count,
                                 std::vector<Key<Vector3d>>& to) {
-    for (unsigned i = 0; i < count; ++i)
-      to.push_back({at(keys[i].mTime), vector(keys[i].mValue)}), sum += to.back().value.sum();
+    for (unsigned i = 0; i < count; ++i) {
+      to.push_back({at(keys[i].mTime), vector(keys[i].mValue)});
+      sum += to.back().value.sum();
+    }
   };
   copy_vectors(channel.mPositionKeys, channel.mNumPositionKeys, motion.translation.keys);
   copy_vectors(channel.mScalingKeys, channel.mNumScalingKeys, motion.scale.keys);
@@ -41,13 +43,15 @@ Motion copy_channel(const aiNodeAnim& channel, double ticks_per_second) {
     sum += rotation.coeffs().sum();
   }
   if (!std::isfinite(sum))
-    throw Error(Fault::scene, fmt::format("node \"{}\"", channel.mNodeName.C_Str()),
+    throw Error(ErrorCode::scene, fmt::format("node \"{}\"", channel.mNodeName.C_Str()),
                 "A key contains a value that is not a number.");
   const auto sort = [](auto& keys) {
     std::stable_sort(keys.begin(), keys.end(),
                      [](const auto& a, const auto& b) { return a.time < b.time; });
   };
-  sort(motion.translation.keys), sort(motion.rotation.keys), sort(motion.scale.keys);
+  sort(motion.translation.keys);
+  sort(motion.rotation.keys);
+  sort(motion.scale.keys);
   std::sort(motion.key_times.begin(), motion.key_times.end());
   motion.key_times.erase(std::unique(motion.key_times.begin(), motion.key_times.end()),
                          motion.key_times.end());
@@ -117,7 +121,10 @@ void read_global_settings(const aiMetadata& settings, ImportedFile& file) {
   if (!(file.unit > 0) || !std::isfinite(file.unit)) file.unit = 0.01;
   file.fps = frame_rate(whole("FrameRate", 0), number("CustomFrameRate", 0));
   int up = whole("UpAxis", 1), right = whole("CoordAxis", 0);
-  if (up < 0 || up > 2 || right < 0 || right > 2 || up == right) up = 1, right = 0;
+  if (up < 0 || up > 2 || right < 0 || right > 2 || up == right) {
+    up = 1;
+    right = 0;
+  }
   const double up_sign = whole("UpAxisSign", 1) < 0 ? -1 : 1;
   // the front axis follows from these, since FBX is right-handed
   const Vector3d z = up_sign * Vector3d::Unit(up),

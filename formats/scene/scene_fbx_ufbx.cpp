@@ -41,7 +41,7 @@ Eigen::Affine3d affine(const ufbx_matrix& m) {
 }
 
 [[noreturn]] void reject_number(const ufbx_string& node, const char* what) {
-  throw Error(Fault::scene, fmt::format("node \"{}\"", text_of(node)),
+  throw Error(ErrorCode::scene, fmt::format("node \"{}\"", text_of(node)),
               fmt::format("{} contains a value that is not a number.", what), export_again);
 }
 
@@ -103,13 +103,15 @@ void add_properties(const ufbx_props& props, ImportedNode& node) {
 Edges creases_of(const ufbx_mesh& mesh) {
   std::vector<int> ends;
   for (std::size_t i = 0; i < std::min(mesh.edge_crease.count, mesh.edges.count); ++i)
-    if (mesh.edge_crease[i] > 0)
-      ends.push_back(static_cast<int>(mesh.edges[i].a)),
-          ends.push_back(static_cast<int>(mesh.edges[i].b));
+    if (mesh.edge_crease[i] > 0) {
+      ends.push_back(static_cast<int>(mesh.edges[i].a));
+      ends.push_back(static_cast<int>(mesh.edges[i].b));
+    }
   for (const ufbx_face& face : mesh.faces)
-    if (face.num_indices == 2)
-      ends.push_back(static_cast<int>(face.index_begin)),
-          ends.push_back(static_cast<int>(face.index_begin) + 1);
+    if (face.num_indices == 2) {
+      ends.push_back(static_cast<int>(face.index_begin));
+      ends.push_back(static_cast<int>(face.index_begin) + 1);
+    }
   return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
 }
 
@@ -239,9 +241,10 @@ void add_sample(Track<Value>& track, double time, const Value& value, std::size_
       return key.value.coeffs() == value.coeffs();
   };
   same = !track.keys.empty() && equal(track.keys.back()) ? same + 1 : 0;
-  if (same > 0 && same == track.keys.size())
-    track.keys.front().time = time, same = 0;
-  else
+  if (same > 0 && same == track.keys.size()) {
+    track.keys.front().time = time;
+    same = 0;
+  } else
     track.keys.push_back({time, value});
 }
 
@@ -255,7 +258,7 @@ Motion FbxConverter::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
   if (!std::isfinite(first) || !std::isfinite(last)) reject_number(node.name, "A key");
   samples += last - first + 1;
   if (samples > max_samples)
-    throw Error(Fault::scene, fmt::format("take \"{}\"", text_of(stack.name)),
+    throw Error(ErrorCode::scene, fmt::format("take \"{}\"", text_of(stack.name)),
                 "It has too many frames and nodes.",
                 "Export only the sheets and handles, or a shorter range.");
   std::size_t same_t = 0, same_r = 0, same_s = 0;
@@ -392,7 +395,7 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
       ufbx_load_file(path.c_str(), &options, &error), ufbx_free_scene);
   if (!scene) {
     if (error.type == UFBX_ERROR_UNRECOGNIZED_FILE_FORMAT) throw foreign_file(path);
-    throw Error(Fault::scene, path.string(),
+    throw Error(ErrorCode::scene, path.string(),
                 fmt::format("The file cannot be read: {}.", text_of(error.description)),
                 export_again);
   }

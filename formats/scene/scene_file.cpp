@@ -67,7 +67,7 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
   const double longer = size.maxCoeff();
   const auto stated = stated_size(node, size);
   if (!options.unit_scale && (longer > max_sheet_side || longer < min_sheet_side))
-    throw Error(Fault::scene, place,
+    throw Error(ErrorCode::scene, place,
                 fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
                             metres(size)),
                 unit_remedy(scene, likely_factor(longer, stated)));
@@ -75,7 +75,7 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
     return;
   const double ratio = std::log10(stated->maxCoeff() / longer), power = std::round(ratio);
   const bool wrong_unit = power != 0 && std::abs(ratio - power) < size_agreement;
-  throw Error(Fault::scene, place,
+  throw Error(ErrorCode::scene, place,
               fmt::format("The sheet is {}, but its property paper_size says {}.", metres(size),
                           metres(*stated)),
               wrong_unit ? unit_remedy(scene, std::pow(10, power))
@@ -123,7 +123,7 @@ PrescribedCrease snapped_to_points(const PrescribedCrease& crease,
 }
 
 void snap_creases_to_points(SceneSheet& sheet) {
-  std::vector<Vector2d> points = sheet.pins.keep;
+  std::vector<Vector2d> points = sheet.singular_point_rules.fixed;
   for (const Handle& handle : sheet.handles) points.push_back(handle.pattern);
   for (PrescribedCrease& crease : sheet.pattern.prescribed_creases)
     crease = snapped_to_points(crease, points, 2e-3 * longer_side(sheet.pattern));
@@ -131,23 +131,23 @@ void snap_creases_to_points(SceneSheet& sheet) {
 
 /// Checks that singular points and creases of a job file lie on the sheet.
 /// throws Error(ErrorCode::command)
-void check_pins(const SingularPointRules& pins, const Pattern& pattern, const std::string& place,
-                const std::string& name) {
+void check_rules(const SingularPointRules& rules, const Pattern& pattern, const std::string& place,
+                 const std::string& name) {
   constexpr int samples = 64;  // of each segment of a crease
   const double rounding = 1e-6 * longer_side(pattern);
   const auto check = [&](const char* key, const Vector2d& p) {
     if (contains(pattern, p, rounding)) return;
-    throw Error(Fault::command, place,
+    throw Error(ErrorCode::command, place,
                 fmt::format("The {} at ({:g}, {:g}) m is not on the sheet \"{}\".", key, p.x(),
                             p.y(), name),
                 fmt::format("Its pattern is {}, from (0, 0).", metres(extent(pattern))));
   };
-  for (const Vector2d& p : pins.keep) check("singular_keep", p);
+  for (const Vector2d& p : rules.fixed) check("singular_keep", p);
   for (const PrescribedCrease& crease : pattern.prescribed_creases)
     for (std::size_t k = 0; k + 1 < crease.line.size(); ++k) {
       if ((crease.line[k + 1] - crease.line[k]).norm() < 1e-3 * longer_side(pattern))
         throw Error(
-            Fault::command, place,
+            ErrorCode::command, place,
             fmt::format(
                 "A segment of a crease of the sheet \"{}\" is shorter than 0.1 % of the sheet.",
                 name),
@@ -174,20 +174,20 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.thickness = positive_property(scene.source, node, "paper_thickness");
   sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
   if (sheet.friction && *sheet.friction > max_friction)
-    throw Error(Fault::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
+    throw Error(ErrorCode::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
                 fmt::format("It must be a number from 0 to {}; paper on paper has about 0.4.",
                             max_friction));
   if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
     if (*seed < 0)
-      throw Error(Fault::scene, place, fmt::format("paper_seed is {}.", *seed),
+      throw Error(ErrorCode::scene, place, fmt::format("paper_seed is {}.", *seed),
                   "It must be a whole number of at least 0.");
     sheet.seed = static_cast<unsigned>(*seed);
   }
   for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
     if (overrides.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
-  sheet.pins = overrides.pins;
+  sheet.singular_point_rules = overrides.singular_point_rules;
   sheet.pattern.prescribed_creases = with_ends_on_border(overrides.creases, sheet.pattern);
-  check_pins(sheet.pins, sheet.pattern, overrides.pins_place, node.name);
+  check_rules(sheet.singular_point_rules, sheet.pattern, overrides.rules_place, node.name);
   sheet.crease_origin.assign(sheet.pattern.prescribed_creases.size(), "job");
   for (int m : node.meshes)
     if (scene.file.meshes[m].deformed) {
@@ -203,7 +203,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   std::vector<std::string> meshes;
   for (const ImportedNode& node : scene.file.nodes)
     if (!node.meshes.empty() && meshes.size() < 8) meshes.push_back('"' + node.name + '"');
-  throw Error(Fault::scene, scene.source,
+  throw Error(ErrorCode::scene, scene.source,
               "The scene has no sheet: no mesh whose name starts with \"paper\".",
               meshes.empty() ? "It has no mesh at all: was the sheet exported?"
                              : fmt::format("Rename the mesh that is the sheet; the meshes are {}.",
@@ -220,7 +220,7 @@ std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions&
     const ImportedNode& node = scene.file.nodes[i];
     if (node.meshes.empty() || !name_begins_with(node.name, "paper")) continue;
     if (!names.insert(node.name).second)
-      throw Error(Fault::scene, place_of(scene.source, "sheet", node.name),
+      throw Error(ErrorCode::scene, place_of(scene.source, "sheet", node.name),
                   "Two sheets have this name.",
                   "Give every sheet a name of its own and export again.");
     sheets.push_back(read_sheet(scene, i, world[i], options, overrides[i], warnings));

@@ -43,7 +43,7 @@ struct SceneSheet {
   std::optional<unsigned> seed;  // paper_seed
   // those of preset, gsm, thickness, friction and seed that come from a job file
   std::set<std::string> overridden;
-  SingularPointRules pins;
+  SingularPointRules singular_point_rules;
   // where each prescribed crease comes from: "job", "edges marked in the mesh", the name of a node
   std::vector<std::string> crease_origin;
 };

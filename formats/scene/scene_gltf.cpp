@@ -80,10 +80,14 @@ Edges lines_of(const std::vector<int>& corners, std::size_t mode) {
   constexpr std::size_t alone = 1, ring = 2, strip = 3;
   std::vector<int> ends;
   if (mode == alone) ends.assign(corners.begin(), corners.end() - corners.size() % 2);
-  for (std::size_t i = 0; (mode == ring || mode == strip) && i + 1 < corners.size(); ++i)
-    ends.push_back(corners[i]), ends.push_back(corners[i + 1]);
-  if (mode == ring && corners.size() > 2)
-    ends.push_back(corners.back()), ends.push_back(corners.front());
+  for (std::size_t i = 0; (mode == ring || mode == strip) && i + 1 < corners.size(); ++i) {
+    ends.push_back(corners[i]);
+    ends.push_back(corners[i + 1]);
+  }
+  if (mode == ring && corners.size() > 2) {
+    ends.push_back(corners.back());
+    ends.push_back(corners.front());
+  }
   return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
 }
 
@@ -113,7 +117,7 @@ ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& 
   if (primitive.value("extensions", Json::object()).contains("KHR_draco_mesh_compression") &&
       attributes.contains("POSITION") &&
       !accessors[index(attributes, "POSITION", accessors.size())].contains("bufferView"))
-    throw Error(Fault::scene, place, "The mesh is compressed (KHR_draco_mesh_compression).",
+    throw Error(ErrorCode::scene, place, "The mesh is compressed (KHR_draco_mesh_compression).",
                 "Export it without compression.");
   const std::vector<double> x = numbers("POSITION", 3), uv = numbers("TEXCOORD_0", 2);
   ImportedMesh copy;
@@ -123,7 +127,7 @@ ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& 
     refuse("a mesh does not have one uv for each vertex");
   copy.uv.col(1) = 1 - copy.uv.col(1).array();  // glTF counts v downwards
   if (!copy.x.allFinite() || !copy.uv.allFinite())
-    throw Error(Fault::scene, place, "A vertex contains a value that is not a number.",
+    throw Error(ErrorCode::scene, place, "A vertex contains a value that is not a number.",
                 export_again);
   const std::vector<int> corners = corners_of(file, primitive, copy.x.rows());
   const std::size_t mode = whole(primitive, "mode", 4);
@@ -167,7 +171,7 @@ void GltfConverter::add_node(int i, int parent) {
   for (const char* part : {"matrix", "translation", "rotation", "scale"})
     for (const Json& n : list(node, part))
       if (!n.is_number())
-        throw Error(Fault::scene, fmt::format("node \"{}\"", copy.name),
+        throw Error(ErrorCode::scene, fmt::format("node \"{}\"", copy.name),
                     "Its transform contains a value that is not a number.", export_again);
   add_properties(node, copy);
   if (node.contains("mesh")) {

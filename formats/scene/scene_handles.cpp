@@ -47,7 +47,7 @@ int tail_of(const SceneNodes& scene, int bone, const std::vector<int>& children)
     if (is_tail_leaf(nodes[child].name, nodes[bone].name)) return child;
   if (children.size() == 1) return children.front();
   throw Error(
-      Fault::scene, place_of(scene.source, "handle", nodes[bone].name),
+      ErrorCode::scene, place_of(scene.source, "handle", nodes[bone].name),
       fmt::format("paper_point is tail, but the bone has {} children: its tail is not in the file.",
                   children.size()),
       "Export with \"Add leaf bones\", or parent an empty named handle... to the bone at its "
@@ -67,11 +67,11 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
       continue;
     const std::string place = place_of(scene.source, "handle", nodes[i].name);
     if (!names.insert(nodes[i].name).second)
-      throw Error(Fault::scene, place, "Two handles have this name.",
+      throw Error(ErrorCode::scene, place, "Two handles have this name.",
                   "Give every handle a name of its own and export again.");
     const std::string side = point ? matched_name(*point) : "head";
     if (side != "head" && side != "tail")
-      throw Error(Fault::scene, place, fmt::format("paper_point is \"{}\".", *point),
+      throw Error(ErrorCode::scene, place, fmt::format("paper_point is \"{}\".", *point),
                   "It must be head or tail.");
     if (!flag_property(nodes[i], "paper_ignore"))
       found.push_back({i, side == "tail" ? tail_of(scene, i, children[i]) : i});
@@ -81,7 +81,7 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
   }
   // without handles the sheet may still fall on a collider
   if (found.empty() && std::none_of(nodes.begin(), nodes.end(), is_collider))
-    throw Error(Fault::scene, scene.source,
+    throw Error(ErrorCode::scene, scene.source,
                 "The scene has no handle: no node's name starts with \"handle\".",
                 "Put an empty or a locator named handle... on the sheet at the first frame, and "
                 "animate it.");
@@ -125,7 +125,7 @@ HandleAttachment attach(const SceneNodes& scene, const std::vector<SceneSheet>& 
   const double diagonal = extent(sheet.pattern).norm();
   if (attachment.point.distance > diagonal)
     throw Error(
-        Fault::scene,
+        ErrorCode::scene,
         fmt::format("{}, frame {}", place_of_handle(scene, handle), scene.first_frame),
         fmt::format("The handle is {:.3g} m away from the sheet \"{}\", which is {:.3g} m across.",
                     attachment.point.distance, sheet.name, diagonal),
@@ -138,7 +138,7 @@ void read_properties(const SceneNodes& scene, const HandleNode& found, Handle& h
   const std::string& source = scene.source;
   const std::string mode = matched_name(text_property(node, "paper_mode").value_or("absolute"));
   if (mode != "absolute" && mode != "relative")
-    throw Error(Fault::scene, place_of_handle(scene, found),
+    throw Error(ErrorCode::scene, place_of_handle(scene, found),
                 fmt::format("paper_mode is \"{}\".", mode), "It must be absolute or relative.");
   handle.mode = mode == "relative" ? HandleMode::relative : HandleMode::absolute;
   handle.grab_frame = whole_property(source, node, "paper_grab_frame").value_or(handle.grab_frame);
@@ -161,7 +161,10 @@ std::vector<bool> read_motion(const SceneNodes& scene, const std::vector<HandleN
   for (int f = 0; f < frames; ++f) {
     const auto world = world_at(scene, scene.first_frame + f);
     for (std::size_t i = 0; i < found.size(); ++i) {
-      if (f == 0) handles[i].keyed.resize(frames, 3), first_size[i] = size(world[found[i].node]);
+      if (f == 0) {
+        handles[i].keyed.resize(frames, 3);
+        first_size[i] = size(world[found[i].node]);
+      }
       handles[i].keyed.row(f) = origin_of(scene, world, found[i].origin);
       if (size(world[found[i].node]) < released_scale * first_size[i])
         shrunk[i] = std::min(shrunk[i], scene.first_frame + f);
@@ -184,7 +187,7 @@ void check_jumps(const SceneNodes& scene, const HandleNode& found, const Handle&
     if (!(jump > max_jump * diagonal)) continue;
     const int frame = scene.first_frame + f;
     throw Error(
-        Fault::scene,
+        ErrorCode::scene,
         fmt::format("{}, frames {}-{}", place_of_handle(scene, found), frame - 1, frame),
         fmt::format("The handle jumps {:.3g} m in one frame; the sheet \"{}\" is {:.3g} m across.",
                     jump, sheet.name, diagonal),

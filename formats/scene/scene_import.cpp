@@ -23,7 +23,7 @@ constexpr unsigned min_seconds = 5, bytes_per_second = 1 << 20;  // of CPU time
 
 [[noreturn]] void reject(const std::filesystem::path& path, const std::string& cause,
                          const std::string& remedy = export_again) {
-  throw Error(Fault::scene, path.string(), cause, remedy);
+  throw Error(ErrorCode::scene, path.string(), cause, remedy);
 }
 
 std::string lower_case_extension(const std::filesystem::path& path) {
@@ -73,7 +73,7 @@ bool is_gltf(const std::filesystem::path& path) {
 }  // namespace
 
 Error foreign_file(const std::filesystem::path& path) {
-  return Error(Fault::scene, path.string(),
+  return Error(ErrorCode::scene, path.string(),
                "This is not an FBX, glTF 2 or GLB file, whatever its name says.",
                "Export the scene from the DCC as .fbx, .gltf or .glb.");
 }
@@ -82,8 +82,7 @@ ImportedFile import_in_process(const std::filesystem::path& path, std::optional<
   return is_gltf(path) ? import_gltf(path) : import_fbx(path, fps);
 } catch (const Error& error) {
   if (error.place == path.string()) throw;
-  throw Error(error.fault, path.filename().string() + ", " + error.place, error.cause,
-              export_again);
+  throw Error(error.code, path.filename().string() + ", " + error.place, error.cause, export_again);
 } catch (const std::bad_alloc&) {
   reject(path, "The file asks for more memory than a scene of its size needs.");
 } catch (const std::exception& error) {
@@ -108,7 +107,8 @@ ImportedFile import_file(const std::filesystem::path& path, std::optional<double
     reject(path, fmt::format("The file cannot be read: its import {}.", sandboxed.ended));
   try {
     ImportResult result = deserialize(*sandboxed.bytes);
-    if (!result.cause.empty()) throw Error(Fault::scene, result.place, result.cause, result.remedy);
+    if (!result.cause.empty())
+      throw Error(ErrorCode::scene, result.place, result.cause, result.remedy);
     return std::move(result.file);
   } catch (const std::runtime_error& error) {
     if (dynamic_cast<const Error*>(&error)) throw;

@@ -57,7 +57,7 @@ std::vector<const Take*> wanted_takes(const SceneNodes& scene, const SceneOption
     if (!options.take || *options.take == take.name) takes.push_back(&take);
   }
   if (options.take && takes.empty())
-    throw Error(Fault::scene, scene.source,
+    throw Error(ErrorCode::scene, scene.source,
                 fmt::format("The file has no take \"{}\".", *options.take),
                 names.empty() ? "It has no animation."
                               : fmt::format("--take must be one of {}.", fmt::join(names, ", ")));
@@ -165,7 +165,7 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
     scene.origin["fps"] = std::move(from);
   };
   if (options.fps && !(*options.fps > 0 && std::isfinite(*options.fps)))
-    throw Error(Fault::scene, scene.source,
+    throw Error(ErrorCode::scene, scene.source,
                 fmt::format("{} frames per second cannot be right.", *options.fps),
                 "Give a positive number to --fps.");
   if (options.fps) return set(*options.fps, "command line");
@@ -181,7 +181,10 @@ void set_fps(SceneNodes& scene, const SceneOptions& options) {
 
 struct TimeRange {
   double first = 1e300, last = -1e300;
-  void add(double t) { first = std::min(first, t), last = std::max(last, t); }
+  void add(double t) {
+    first = std::min(first, t);
+    last = std::max(last, t);
+  }
   bool empty() const { return first > last; }
 };
 
@@ -190,8 +193,10 @@ struct TimeRange {
 TimeRange key_range(const std::vector<Motion>& motions) {
   TimeRange range;
   for (const Motion& motion : motions)
-    if (motion.key_times.size() > 1)
-      range.add(motion.key_times.front()), range.add(motion.key_times.back());
+    if (motion.key_times.size() > 1) {
+      range.add(motion.key_times.front());
+      range.add(motion.key_times.back());
+    }
   return range;
 }
 
@@ -277,8 +282,10 @@ TimeRange track_range(const std::vector<Motion>& motions) {
   TimeRange range;
   for (const Motion& motion : motions)
     for_each_track(motion, [&](const auto& track) {
-      if (track.keys.size() > 1)
-        range.add(track.keys.front().time), range.add(track.keys.back().time);
+      if (track.keys.size() > 1) {
+        range.add(track.keys.front().time);
+        range.add(track.keys.back().time);
+      }
     });
   return range;
 }
@@ -316,7 +323,7 @@ void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
     if (!(take.begin < take.end) || scene.file.start_lost ||
         !(std::abs(take.begin) + std::abs(take.end) < max_clip_frames / scene.fps))
       continue;
-    first = static_cast<int>(std::floor(clock.frame(take.begin))),
+    first = static_cast<int>(std::floor(clock.frame(take.begin)));
     last = static_cast<int>(std::ceil(clock.frame(take.end)));
     if (!options.start_frame) scene.origin["first_frame"] = "file";
     break;
@@ -336,14 +343,17 @@ void set_frames(SceneNodes& scene, const SceneOptions& options,
                     : 0;
   TimeRange clip = keys;
   for (const Take* take : used)
-    if (take->begin < take->end) clip.add(take->begin), clip.add(take->end);
+    if (take->begin < take->end) {
+      clip.add(take->begin);
+      clip.add(take->end);
+    }
   const double first = clock.frame(clip.first), last = clock.frame(clip.last);
   if (!(last - first <= max_clip_frames) || std::abs(first) > 1e9)
-    throw Error(Fault::scene, scene.source,
+    throw Error(ErrorCode::scene, scene.source,
                 fmt::format("The clip runs from frame {:.6g} to {:.6g}.", first, last),
                 "Check --fps, and the range of the export.");
   if ((last - first + 1) * scene.file.nodes.size() > max_positions)
-    throw Error(Fault::scene, scene.source,
+    throw Error(ErrorCode::scene, scene.source,
                 fmt::format("The clip has {:.6g} frames of {} nodes, which is too much.",
                             last - first + 1, scene.file.nodes.size()),
                 "Export only the sheets and handles, or a shorter range.");
@@ -363,7 +373,7 @@ void set_frames(SceneNodes& scene, const SceneOptions& options,
 
 void set_unit(SceneNodes& scene, const SceneOptions& options) {
   if (options.unit_scale && !(*options.unit_scale > 0 && std::isfinite(*options.unit_scale)))
-    throw Error(Fault::scene, scene.source,
+    throw Error(ErrorCode::scene, scene.source,
                 fmt::format("A unit of {} m cannot be right.", *options.unit_scale),
                 "Give a positive length in metres to --unit-scale.");
   scene.unit = options.unit_scale.value_or(scene.file.unit);

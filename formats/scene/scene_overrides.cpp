@@ -14,13 +14,16 @@ namespace {
 bool glob(const std::string& text, const std::string& pattern) {
   std::size_t t = 0, p = 0, star = std::string::npos, after = 0;
   while (t < text.size()) {
-    if (p < pattern.size() && pattern[p] == '*')
-      star = p++, after = t;
-    else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t]))
-      ++p, ++t;
-    else if (star != std::string::npos)
-      p = star + 1, t = ++after;
-    else
+    if (p < pattern.size() && pattern[p] == '*') {
+      star = p++;
+      after = t;
+    } else if (p < pattern.size() && (pattern[p] == '?' || pattern[p] == text[t])) {
+      ++p;
+      ++t;
+    } else if (star != std::string::npos) {
+      p = star + 1;
+      t = ++after;
+    } else
       return false;
   }
   while (p < pattern.size() && pattern[p] == '*') ++p;
@@ -71,21 +74,25 @@ std::vector<AppliedOverrides> apply_overrides(ImportedFile& file,
         if (names.size() < max_listed) names.push_back('"' + file.nodes[i].name + '"');
       if (candidates.size() > max_listed)
         names.push_back(fmt::format("{} more", candidates.size() - max_listed));
-      throw Error(Fault::command, section.place,
+      throw Error(ErrorCode::command, section.place,
                   fmt::format("No {} of the scene has a name like \"{}\".", kind, section.pattern),
                   names.empty() ? fmt::format("The scene has no {}.", kind)
                                 : fmt::format("The {}s are: {}.", kind, fmt::join(names, ", ")));
     }
     for (const std::size_t i : matched) {
       auto& properties = file.nodes[i].properties;
-      if (section.properties.count("paper_preset"))
-        properties.erase("paper_gsm"), properties.erase("paper_thickness");
-      for (const auto& [key, value] : section.properties)
-        properties[key] = value, applied[i].places[key] = section.place;
-      applied[i].pins.append(section.pins);
+      if (section.properties.count("paper_preset")) {
+        properties.erase("paper_gsm");
+        properties.erase("paper_thickness");
+      }
+      for (const auto& [key, value] : section.properties) {
+        properties[key] = value;
+        applied[i].places[key] = section.place;
+      }
+      applied[i].singular_point_rules.append(section.singular_point_rules);
       applied[i].creases.insert(applied[i].creases.end(), section.creases.begin(),
                                 section.creases.end());
-      applied[i].pins_place = section.place;
+      applied[i].rules_place = section.place;
     }
   }
   return applied;

@@ -17,7 +17,7 @@ struct NodeOverride {
   std::string pattern;
   std::string place;                                // job.toml:12:1
   std::map<std::string, PropertyValue> properties;  // by full name: paper_mode, ...
-  SingularPointRules pins = {};                     // of sheets
+  SingularPointRules singular_point_rules = {};     // of sheets
   std::vector<PrescribedCrease> creases = {};
 };
 
@@ -28,9 +28,9 @@ bool name_is_like(const std::string& name, const std::string& pattern);
 struct AppliedOverrides {
   std::map<std::string, std::string> places;  // place of each property in the job file
   // of all sections that match the node ...
-  SingularPointRules pins;
+  SingularPointRules singular_point_rules;
   std::vector<PrescribedCrease> creases;
-  std::string pins_place;  // ... and the place of the last of these sections
+  std::string rules_place;  // ... and the place of the last of these sections
 };
 
 /// Sets the properties of the nodes that match; a later override wins. paper_preset removes

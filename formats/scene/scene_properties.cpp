@@ -49,7 +49,7 @@ std::optional<double> as_number(const PropertyValue& value) {
 
 [[noreturn]] void reject(const std::string& source, const ImportedNode& node,
                          const std::string& key, const char* wanted) {
-  throw Error(Fault::scene, place_of(source, "node", node.name),
+  throw Error(ErrorCode::scene, place_of(source, "node", node.name),
               fmt::format("The property {} is {}, not {}.", key, to_text(*find(node, key)), wanted),
               "Correct it in the DCC and export again.");
 }

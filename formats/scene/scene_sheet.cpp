@@ -81,7 +81,10 @@ WeldedMesh weld(const WeldedMesh& mesh, bool keep_uv) {
     }
   std::vector<int> kept, number(mesh.x.rows(), -1);
   for (int v : used)
-    if (root(v) == v) number[v] = static_cast<int>(kept.size()), kept.push_back(v);
+    if (root(v) == v) {
+      number[v] = static_cast<int>(kept.size());
+      kept.push_back(v);
+    }
   WeldedMesh welded{mesh.x(kept, Eigen::all), Points2(), mesh.triangles};
   if (keep_uv) welded.uv = mesh.uv(kept, Eigen::all);
   for (int i = 0; i < welded.triangles.size(); ++i)
@@ -126,14 +129,17 @@ EdgeTopology edge_topology(const Triangles& triangles) {
   for (const auto& [ends, sides] : edges.triangles) {
     edges.overfull += sides.size() > 2;
     for (int t : sides)
-      if (root(t) != root(sides.front())) piece[root(t)] = root(sides.front()), --edges.pieces;
+      if (root(t) != root(sides.front())) {
+        piece[root(t)] = root(sides.front());
+        --edges.pieces;
+      }
   }
   return edges;
 }
 
 void check_mesh(const WeldedMesh& mesh, const std::string& place) {
   const auto reject = [&](const std::string& cause, const char* remedy) {
-    throw Error(Fault::scene, place, cause, remedy);
+    throw Error(ErrorCode::scene, place, cause, remedy);
   };
   const int flat = triangles_without_area(mesh);
   if (flat > 0)
@@ -173,7 +179,7 @@ std::vector<Loop> border_loops(const Triangles& triangles, const std::string& pl
   for (const auto& [edge, t] : directed) {
     if (directed.count({edge.second, edge.first})) continue;
     if (!next.emplace(edge.first, edge.second).second)
-      throw Error(Fault::scene, place, "The border of the mesh touches itself at a vertex.",
+      throw Error(ErrorCode::scene, place, "The border of the mesh touches itself at a vertex.",
                   "Split that vertex, or join the faces there by an edge.");
   }
   std::vector<Loop> loops;
@@ -251,7 +257,10 @@ void lay_along_longest_side(Points2& flat, const Pattern& pattern) {
   double length = 0;
   for (std::size_t i = 0; i < pattern.outline.size(); ++i) {
     const Vector2d side = pattern.outline[(i + 1) % pattern.outline.size()] - pattern.outline[i];
-    if (side.norm() > 1.001 * length) length = side.norm(), longest = side.normalized();
+    if (side.norm() > 1.001 * length) {
+      length = side.norm();
+      longest = side.normalized();
+    }
   }
   Eigen::Matrix2d rotation;
   rotation << longest.x(), longest.y(), -longest.y(), longest.x();
@@ -276,7 +285,8 @@ void turn_as_uv(Points2& flat, const Triangles& triangles, const WeldedMesh& all
       area += uv(0).x() * uv(1).y() - uv(0).y() * uv(1).x();
       for (int k = 0; k < 3; ++k) {
         const Vector2d a = uv(k), b = edge(flat, triangles, k);
-        same += a.dot(b), quarter += a.y() * b.x() - a.x() * b.y();
+        same += a.dot(b);
+        quarter += a.y() * b.x() - a.x() * b.y();
       }
     }
     if (area >= 0) break;
@@ -300,13 +310,13 @@ Pattern pattern_of(const Points2& flat, const Triangles& triangles, const std::s
       pattern.holes.push_back(std::move(corners));
     } else {
       if (!pattern.outline.empty())
-        throw Error(Fault::scene, place, "The sheet overlaps itself when it is laid flat.",
+        throw Error(ErrorCode::scene, place, "The sheet overlaps itself when it is laid flat.",
                     "Cut it into sheets that can be laid flat.");
       pattern.outline = std::move(corners);
     }
   }
   if (pattern.outline.empty() || overlaps_itself(pattern))
-    throw Error(Fault::scene, place, "The sheet overlaps itself when it is laid flat.",
+    throw Error(ErrorCode::scene, place, "The sheet overlaps itself when it is laid flat.",
                 "Cut it into sheets that can be laid flat.");
   return pattern;
 }
@@ -315,7 +325,7 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
                      const std::string& place) {
   const WeldedMesh all = combined_mesh(file, node, world);
   if (all.triangles.rows() == 0)
-    throw Error(Fault::scene, place, "The mesh has no faces.",
+    throw Error(ErrorCode::scene, place, "The mesh has no faces.",
                 "Export the sheet as a mesh with faces.");
   WeldedMesh mesh = weld(all, all.uv.rows() > 0);
   std::optional<Points2> flat;

@@ -61,8 +61,10 @@ void make_continuous(Track<Eigen::Quaterniond>& track) {
   for (std::size_t k = 1; k < track.keys.size(); ++k) {
     if (track.keys[k].value.dot(track.keys[k - 1].value) >= 0) continue;
     track.keys[k].value.coeffs() *= -1;
-    if (!track.tangents.empty())
-      track.tangents[k].in.coeffs() *= -1, track.tangents[k].out.coeffs() *= -1;
+    if (!track.tangents.empty()) {
+      track.tangents[k].in.coeffs() *= -1;
+      track.tangents[k].out.coeffs() *= -1;
+    }
   }
 }
 

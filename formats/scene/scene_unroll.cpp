@@ -94,7 +94,10 @@ int middle_triangle(const WeldedMesh& mesh) {
   for (int t = 0; t < mesh.triangles.rows(); ++t) {
     const auto corner = [&](int k) { return mesh.x.row(mesh.triangles(t, k)).transpose(); };
     const double distance = ((corner(0) + corner(1) + corner(2)) / 3 - middle).norm();
-    if (distance < nearest_distance) nearest_distance = distance, nearest = t;
+    if (distance < nearest_distance) {
+      nearest_distance = distance;
+      nearest = t;
+    }
   }
   return nearest;
 }
@@ -152,12 +155,12 @@ Points2 unrolled(const WeldedMesh& mesh, const std::string& place) {
   const AngleDefect defect = worst_angle_defect(mesh);
   // developable at every vertex, but it cannot be laid flat: it is a closed strip
   if (std::abs(defect.degrees) < 0.5)
-    throw Error(Fault::scene, place,
+    throw Error(ErrorCode::scene, place,
                 "The sheet closes on itself and cannot be laid flat in one piece.",
                 "Cut the mesh along a seam, or give it UVs that are cut there.");
   const Vector3d at = mesh.x.row(defect.vertex);
   throw Error(
-      Fault::scene, place,
+      ErrorCode::scene, place,
       fmt::format("The sheet is not developable: when laid flat, an edge changes by {:.3g} %; "
                   "the worst angle defect is {:.3g} degrees, "
                   "at ({:.4g}, {:.4g}, {:.4g}) m.",

@@ -60,7 +60,7 @@ std::optional<std::size_t> target_sheet(const SceneNodes& scene,
     names.push_back(sheets[i].name);
   }
   if (alike.size() == 1) return alike.front();
-  throw Error(Fault::scene, place,
+  throw Error(ErrorCode::scene, place,
               fmt::format("paper_target names \"{}\", which is not a sheet of the scene.", *target),
               fmt::format("The sheets are: {}.", fmt::join(names, ", ")));
 }

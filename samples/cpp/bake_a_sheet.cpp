@@ -27,7 +27,8 @@ static Scene sheet_pushed_together() {
   Scene scene;
   scene.source = "arch";  // begins the names of the output files
   scene.fps = 24;
-  scene.first_frame = 1, scene.last_frame = 25;
+  scene.first_frame = 1;
+  scene.last_frame = 25;
 
   const double width = 0.12, height = 0.06;
   const Vector3d still(0, 0, 0), to_the_left(-0.03, 0, 0);
@@ -42,7 +43,10 @@ static Scene sheet_pushed_together() {
 }
 
 int main(int argc, char** argv) {
-  if (argc != 2) return std::fprintf(stderr, "usage: bake_a_sheet FOLDER\n"), 2;
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: bake_a_sheet FOLDER\n");
+    return 2;
+  }
   std::signal(SIGINT, [](int) { stop = 1; });
 
   BakeCallbacks callbacks;
@@ -60,6 +64,6 @@ int main(int argc, char** argv) {
     for (const auto& gate : result.missed_gates) std::printf("gate missed: %s\n", gate.c_str());
   } catch (const Error& error) {  // place, cause and remedy, each on its own line
     std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.fault);
+    return static_cast<int>(error.code);
   }
 }

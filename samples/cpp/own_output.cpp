@@ -23,7 +23,10 @@ static void write_obj(const std::string& path, const Points3& x, const Triangles
 }
 
 int main(int argc, char** argv) {
-  if (argc < 3) return std::fprintf(stderr, "usage: own_output SCENE FOLDER [FRAMES]\n"), 2;
+  if (argc < 3) {
+    std::fprintf(stderr, "usage: own_output SCENE FOLDER [FRAMES]\n");
+    return 2;
+  }
   const std::string folder = argv[2];
   int frames_left = argc > 3 ? std::atoi(argv[3]) : 1000000;
 
@@ -34,7 +37,8 @@ int main(int argc, char** argv) {
     simulate_scene(scene, {{"method", "hybrid"}}, [&](const AnimatedFrame& frame) {
       // The frame is ours until this function returns: what is to be kept has to be copied.
       const Sheet& sheet = *frame.sheet;
-      const std::string name = scene.sheets[frame.of].name + "." + std::to_string(frame.frame);
+      const std::string name =
+          scene.sheets[frame.sheet_index].name + "." + std::to_string(frame.frame);
       write_obj(folder + "/" + name + ".obj", sheet.x, sheet.triangles);
       std::printf("%s: %ld vertices, %zu singular points\n", name.c_str(),
                   static_cast<long>(sheet.x.rows()), sheet.singular.size());
@@ -42,6 +46,6 @@ int main(int argc, char** argv) {
     });
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.fault);
+    return static_cast<int>(error.code);
   }
 }

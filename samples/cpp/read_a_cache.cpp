@@ -12,7 +12,10 @@
 using namespace paperbake;
 
 int main(int argc, char** argv) {
-  if (argc != 2) return std::fprintf(stderr, "usage: read_a_cache FILE.abc\n"), 2;
+  if (argc != 2) {
+    std::fprintf(stderr, "usage: read_a_cache FILE.abc\n");
+    return 2;
+  }
   try {
     const AlembicReader cache(argv[1]);
     std::printf("%g frames a second\n", cache.info().fps);
@@ -30,6 +33,6 @@ int main(int argc, char** argv) {
     }
   } catch (const Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.fault);
+    return static_cast<int>(error.code);
   }
 }

@@ -60,7 +60,7 @@ Error error_of(const std::function<void()>& call) {
   } catch (const Error& error) {
     return error;
   }
-  return Error(Fault::simulation, "", "");
+  return Error(ErrorCode::simulation, "", "");
 }
 
 Error error_of(const Scene& scene, const BakeJob& job = {}) {
@@ -97,7 +97,7 @@ TEST_F(Library, HandsOnEveryFrameInOrderWithTheHandlesWhereTheyAreKeyed) {
   int frames = 0;
   simulate_scene(scene, {}, [&](const AnimatedFrame& frame) {
     EXPECT_EQ(frame.frame, ++frames);
-    EXPECT_EQ(frame.of, 0u);
+    EXPECT_EQ(frame.sheet_index, 0u);
     for (std::size_t h = 0; h < 4; ++h)
       EXPECT_LT(
           (frame.handles[h].at - keyed_position(scene.sheets[0].handles[h], frames - 1)).norm(),
@@ -150,12 +150,12 @@ TEST_F(Library, TwoSimulationsAtOnceAreTwoOneAfterTheOther) {
 
 TEST_F(Library, NumbersOfThePaperAndItsGradeChangeTheShape) {
   const Scene scene = pushed_sheet();
-  const Points3 usual = positions(scene).back();
+  const Points3 by_default = positions(scene).back();
   BakeJob job;
   job.paper["apex_scatter"] = 0.005;  // what it is without
-  EXPECT_EQ(distance(positions(scene, job).back(), usual), 0);
+  EXPECT_EQ(distance(positions(scene, job).back(), by_default), 0);
   job.paper["membrane_stiffness"] = 1e4;
-  EXPECT_GT(distance(positions(scene, job).back(), usual), 1e-6);
+  EXPECT_GT(distance(positions(scene, job).back(), by_default), 1e-6);
 }
 
 TEST_F(Library, ABakeHasTheFramesThatASimulationHandsOn) {
@@ -197,7 +197,7 @@ TEST_F(Library, ABakeThatIsCancelledGoesOnWhereItStopped) {
   callbacks.on_message = [&](const std::string& text) { messages.push_back(text); };
   callbacks.cancel = [&] { return simulated == 3; };
   const Error error = error_of([&] { bake_scene(pushed_sheet(), folder(), small, callbacks); });
-  EXPECT_EQ(error.fault, Fault::stopped);
+  EXPECT_EQ(error.code, ErrorCode::stopped);
   EXPECT_EQ(simulated, 3);
 
   callbacks.cancel = {};
@@ -220,10 +220,10 @@ TEST_F(Library, HandlesThatAskTheImpossibleAreAWarning) {
 
 TEST_F(Library, AnOptionThatIsNotThereIsAnErrorWithTheNearestName) {
   const Error error = error_of(pushed_sheet(), {{"metod", "fem"}});
-  EXPECT_EQ(error.fault, Fault::command);
+  EXPECT_EQ(error.code, ErrorCode::command);
   EXPECT_EQ(error.place, "option \"metod\"");
   EXPECT_NE(error.cause.find("\"method\""), std::string::npos) << error.cause;
-  EXPECT_EQ(error_of(pushed_sheet(), {{"method", "magic"}}).fault, Fault::command);
+  EXPECT_EQ(error_of(pushed_sheet(), {{"method", "magic"}}).code, ErrorCode::command);
 }
 
 TEST_F(Library, AnOptionOfReadingComesTooLateForAScene) {
@@ -238,7 +238,7 @@ TEST_F(Library, ASceneThatCannotBeIsAnErrorThatNamesItsPlace) {
     Scene scene = pushed_sheet();
     spoil(scene);
     const Error error = error_of(scene);
-    return error.fault == Fault::scene ? error.place : "nothing is wrong";
+    return error.code == ErrorCode::scene ? error.place : "nothing is wrong";
   };
   EXPECT_EQ(place_of([](Scene&) {}), "nothing is wrong");
   EXPECT_EQ(place_of([](Scene& s) { s.sheets.clear(); }), "push");
@@ -260,7 +260,7 @@ TEST_F(Library, ASceneThatCannotBeIsAnErrorThatNamesItsPlace) {
   EXPECT_EQ(place_of([](Scene& s) { s.sheets[0].handles[1].keyed.resize(0, 3); }), handle);
   EXPECT_EQ(place_of([](Scene& s) { s.sheets[0].handles[1].keyed(2, 0) = NAN; }), handle);
   EXPECT_EQ(place_of([](Scene& s) { s.sheets[0].handles[1].pattern.x() = -0.01; }), handle);
-  EXPECT_EQ(error_of([] { flat_sheet("a", 0.1, 0); }).fault, Fault::scene);
+  EXPECT_EQ(error_of([] { flat_sheet("a", 0.1, 0); }).code, ErrorCode::scene);
 }
 
 }  // namespace

@@ -34,7 +34,8 @@ Run run(const Shot& shot, const MethodChoice& method, const Case& c, double fps)
   Run r;
   animate(shot, method, options, [&](const AnimatedFrame& f) {
     PatternSamples::Sampled sampled = samples(*f.sheet);
-    r.frames.push_back(std::move(sampled.x)), r.normals.push_back(std::move(sampled.normals));
+    r.frames.push_back(std::move(sampled.x));
+    r.normals.push_back(std::move(sampled.normals));
     r.accepted += f.statistics.remesh == FrameStatistics::accepted;
     r.rejected += f.statistics.remesh == FrameStatistics::rejected;
     if (f.statistics.remesh == FrameStatistics::accepted)
@@ -51,7 +52,11 @@ Run run(const Shot& shot, const MethodChoice& method, const Case& c, double fps)
     return true;
   });
   const double n = static_cast<double>(r.frames.size());
-  r.triangles /= n, r.elastic_ms /= n, r.geometry_ms /= n, r.c_m /= n, r.iterations /= n;
+  r.triangles /= n;
+  r.elastic_ms /= n;
+  r.geometry_ms /= n;
+  r.c_m /= n;
+  r.iterations /= n;
   return r;
 }
 

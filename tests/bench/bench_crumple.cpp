@@ -41,7 +41,7 @@ Run run(const std::string& name, const Paper& paper, int base_triangles, int max
   options.fps = scene.fps;
   options.last_frame = scene.last_frame;
   options.seed = seed;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   CrumpleOptions crumple;
   crumple.max_triangles = max_triangles;
   Run r;
@@ -67,7 +67,10 @@ Run run(const std::string& name, const Paper& paper, int base_triangles, int max
             r.plastic[f.frame] = f.statistics.plastic;
             return true;
           });
-  r.triangles /= r.frames, r.elastic_ms /= r.frames, r.geometry_ms /= r.frames, r.c_m /= r.frames;
+  r.triangles /= r.frames;
+  r.elastic_ms /= r.frames;
+  r.geometry_ms /= r.frames;
+  r.c_m /= r.frames;
   r.facet = std::sqrt(area(shot.pattern) / std::max(1, r.births));
   return r;
 }
@@ -89,8 +92,10 @@ void by_seed(const std::string& name, int seeds) {
                 r.triangles, r.elastic_ms, r.geometry_ms, r.worst_ms, r.c_m, r.edge, r.crossed,
                 r.births, r.unfinished, r.lag, r.plastic.rbegin()->second);
     std::fflush(stdout);
-    edges.push_back(r.edge), times.push_back(r.elastic_ms + r.geometry_ms), lags.push_back(r.lag),
-        worst.push_back(r.worst_ms);
+    edges.push_back(r.edge);
+    times.push_back(r.elastic_ms + r.geometry_ms);
+    lags.push_back(r.lag);
+    worst.push_back(r.worst_ms);
   }
   std::printf("  median: %.2f ms (worst frame %.1f), edge %.2f %%, most %.2f %%, lag %.1f mm\n\n",
               median(times), median(worst), median(edges),
@@ -122,13 +127,17 @@ void by_grade(int seeds) {
   for (const double grammage : {70, 105, 140, 200, 250, 300}) {
     Paper paper;
     const double factor = grammage / 70;
-    paper.thickness *= factor, paper.area_density *= factor, paper.membrane_stiffness *= factor;
+    paper.thickness *= factor;
+    paper.area_density *= factor;
+    paper.membrane_stiffness *= factor;
     paper.bending_stiffness *= factor * factor * factor;
     double births = 0, facet = 0, crease = 0, plastic = 0;
     for (int seed = 1; seed <= seeds; ++seed) {
       const Run r = run("S4r_release", paper, 120, 250, seed);
-      births += double(r.births) / seeds, facet += r.facet / seeds, crease += r.crease / seeds,
-          plastic += r.plastic.rbegin()->second / seeds;
+      births += double(r.births) / seeds;
+      facet += r.facet / seeds;
+      crease += r.crease / seeds;
+      plastic += r.plastic.rbegin()->second / seeds;
     }
     std::printf(
         "  %3.0f g/m2, %3.0f um: %.1f singular points, %.0f mm apart, creases %.1f mm, plastic "

@@ -39,8 +39,10 @@ struct Arch {
 
   explicit Arch(int triangles) {
     const Shot shot = test::s1_push();
-    animate(shot, fem(triangles), s1_options(),
-            [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
+    animate(shot, fem(triangles), s1_options(), [&](const AnimatedFrame& frame) {
+      sheet = *frame.sheet;
+      return true;
+    });
     energy = std::make_unique<ElasticEnergy>(shot.paper, sheet.pattern, sheet.triangles);
     std::vector<int> block_of(sheet.x.rows());
     for (int v = 0; v < sheet.x.rows(); ++v) block_of[v] = held(v) ? -1 : free++;
@@ -118,13 +120,15 @@ void frames_of_s1(benchmark::State& state) {
   double elastic_ms = 0, geometry_ms = 0, iterations = 0, frames = 0;
   Sheet last;
   for (auto _ : state)
-    animate(
-        shot, fem(static_cast<int>(state.range(0))), s1_options(), [&](const AnimatedFrame& frame) {
-          elastic_ms += frame.statistics.elastic_ms, geometry_ms += frame.statistics.geometry_ms,
-              iterations += frame.statistics.newton_iterations, frames += 1;
-          if (frame.frame == last_push) last = *frame.sheet;
-          return true;
-        });
+    animate(shot, fem(static_cast<int>(state.range(0))), s1_options(),
+            [&](const AnimatedFrame& frame) {
+              elastic_ms += frame.statistics.elastic_ms;
+              geometry_ms += frame.statistics.geometry_ms;
+              iterations += frame.statistics.newton_iterations;
+              frames += 1;
+              if (frame.frame == last_push) last = *frame.sheet;
+              return true;
+            });
   state.counters["elastic_ms/frame"] = elastic_ms / frames;
   state.counters["geometry_ms/frame"] = geometry_ms / frames;
   state.counters["iterations/frame"] = iterations / frames;

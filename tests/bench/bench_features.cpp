@@ -41,7 +41,7 @@ struct Run {
 
 void play(const Shot& shot, const AnimateOptions& as_baked, int off, Run& run) {
   AnimateOptions options = as_baked;
-  if (off & plasticity) options.memory = Memory::none;
+  if (off & plasticity) options.plasticity = Plasticity::off;
   if (off & contact) options.elastic.contact = SelfContact::off;
   CrumpleOptions crumple;
   crumple.max_triangles = 250;
@@ -81,7 +81,7 @@ void print_scene(const Case& c, int repeats) {
   options.first_frame = scene.first_frame;
   options.last_frame = std::min(scene.last_frame, c.last_frame);
   options.elastic.forces.gravity = c.gravity;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   const InertiaNeed inertia =
       need_of_inertia(shot, {c.gravity}, scene.fps, scene.first_frame, scene.last_frame);
   if (inertia.needed) options.elastic.inertia = Inertia::dynamic;
@@ -104,22 +104,24 @@ void print_scene(const Case& c, int repeats) {
       c.name, options.last_frame, as_baked.ms, runs[4].ms, as_baked.ms / runs[4].ms,
       apart_pct(as_baked, runs[4], side));
   char text[120];
-  row("dynamics", inertia.needed, inertia.why), std::printf("\n");
+  row("dynamics", inertia.needed, inertia.why);
+  std::printf("\n");
   std::snprintf(text, sizeof text, "%.4f m rad stay bent", as_baked.plastic);
-  row("plasticity", as_baked.plastic > 0, as_baked.plastic > 0 ? text : "no fibre yields"),
-      cost(runs[1]);
+  row("plasticity", as_baked.plastic > 0, as_baked.plastic > 0 ? text : "no fibre yields");
+  cost(runs[1]);
   std::snprintf(text, sizeof text, "%d born where two bending directions conflict",
                 as_baked.births);
   row("singular points", as_baked.births > 0,
-      as_baked.births ? text : "no two bending directions conflict for long"),
-      cost(runs[2]);
+      as_baked.births ? text : "no two bending directions conflict for long");
+  cost(runs[2]);
   std::snprintf(text, sizeof text, "the sheet touches itself in %d frames", as_baked.touching);
   row("contact", as_baked.touching > 0,
-      as_baked.touching ? text : "the sheet never touches itself"),
-      cost(runs[3]);
-  row("colliders", false, scene.colliders.empty() ? "none in scene" : "left out here"),
-      std::printf("\n");
-  row("polish", false, "frames are handed on as simulated"), std::printf("\n");
+      as_baked.touching ? text : "the sheet never touches itself");
+  cost(runs[3]);
+  row("colliders", false, scene.colliders.empty() ? "none in scene" : "left out here");
+  std::printf("\n");
+  row("polish", false, "frames are handed on as simulated");
+  std::printf("\n");
   std::fflush(stdout);
 }
 

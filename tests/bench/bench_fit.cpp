@@ -32,12 +32,16 @@ void recover(const Paper& paper, int trials, int sheets) {
     for (const FirstPoint& p : push_sheets(paper, sheets, 1 + trial * sheets, silent)) {
       measured.push_back(p.pattern);
       const Vector2d off = p.pattern - law;
-      sum += off, squares += off.cwiseProduct(off), ++points;
+      sum += off;
+      squares += off.cwiseProduct(off);
+      ++points;
     }
     const ScatterFit fit = fit_scatter(measured, law);
     const bool u = fit.offset_u.holds(0), v = fit.offset_v.holds(0),
                deviation = fit.deviation_within.holds(paper.apex_scatter);
-    in_u += u, in_v += v, in_deviation += deviation;
+    in_u += u;
+    in_v += v;
+    in_deviation += deviation;
     std::printf(
         "  trial %3d: %2d points, deviation %.2f mm [%.2f, %.2f]%s, off by (%.2f, %.2f) mm%s%s\n",
         trial + 1, fit.points, 1e3 * fit.deviation, 1e3 * fit.deviation_within.low,

@@ -56,7 +56,7 @@ void show(const Case& c, int base, unsigned seed, int last_frame) {
   options.fps = scene.fps;
   options.last_frame = std::min(scene.last_frame, last_frame);
   options.seed = seed;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   options.elastic.forces.gravity = c.gravity;
   if (const char* every = std::getenv("BENCH_PROBE")) options.probe_every = std::atoi(every);
   std::vector<Row> rows;
@@ -88,7 +88,10 @@ void show(const Case& c, int base, unsigned seed, int last_frame) {
   std::vector<Row> worst = rows;
   std::sort(worst.begin(), worst.end(), [](const Row& a, const Row& b) { return a.ms() > b.ms(); });
   double sum = 0, iterations = 0;
-  for (const Row& r : rows) sum += r.ms(), iterations += r.iterations;
+  for (const Row& r : rows) {
+    sum += r.ms();
+    iterations += r.iterations;
+  }
   std::printf(
       "%s, base %d, seed %u: mean %.2f ms, %.1f it; worst %.1f, median %.1f ms; shape %.17g\n",
       c.name, base, seed, sum / rows.size(), iterations / rows.size(), worst.front().ms(),

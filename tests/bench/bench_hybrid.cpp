@@ -105,9 +105,13 @@ void compare(const Case& c, int reference_triangles) {
       for (std::size_t f = 0; f < h.frames.size(); ++f)
         std::printf("    frame %2zu rms %.3f %%\n", f + 1,
                     100 / side * rms_distance(h.frames[f], reference.frames[f]));
-    sum += rms, least = std::min(least, rms), most = std::max(most, rms);
-    normals += normals_deg(h, reference), mean.triangles += h.triangles,
-        mean.elastic_ms += h.elastic_ms, mean.geometry_ms += h.geometry_ms;
+    sum += rms;
+    least = std::min(least, rms);
+    most = std::max(most, rms);
+    normals += normals_deg(h, reference);
+    mean.triangles += h.triangles;
+    mean.elastic_ms += h.elastic_ms;
+    mean.geometry_ms += h.geometry_ms;
   }
   const double n = static_cast<double>(bases().size());
   std::printf("  hybrid: %.0f tri, %.2f + %.2f ms, nrm %.2f deg, rms %.3f [%.3f, %.3f] %%\n",

@@ -54,8 +54,10 @@ void print_row(const std::string& method, const Case& c) {
   std::pair<std::size_t, std::size_t> farthest;
   for (std::size_t a = 0; a < runs.size(); ++a)
     for (std::size_t b = 0; b < a; ++b)
-      if (const double apart = apart_pct(runs[a], runs[b], shot.pattern); apart > most)
-        most = apart, farthest = {b, a};
+      if (const double apart = apart_pct(runs[a], runs[b], shot.pattern); apart > most) {
+        most = apart;
+        farthest = {b, a};
+      }
   std::printf("   %.3f: %s, %s\n", most, changes()[farthest.first].name,
               changes()[farthest.second].name);
   if (std::getenv("BENCH_FRAMES"))

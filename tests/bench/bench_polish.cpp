@@ -89,7 +89,8 @@ void compare(const Case& c, int triangles, Counts& all) {
         const double error = pct(samples(curved(*f.sheet, estimate.polished.sheet)).x, truth),
                      estimated = 100 / side * estimate.polished.moved;
         const bool within = std::abs(estimated / error - 1) <= 0.3;
-        ++all.frames, all.within += within;
+        ++all.frames;
+        all.within += within;
         estimates_ms += estimate.ms;
         std::printf(
             "  f%2d  estimate %.3f  true %.3f  ratio %.2f%s  %3.0f ms, %2d it;  polished %.3f  "

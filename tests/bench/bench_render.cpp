@@ -133,7 +133,10 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
     const LengthDistortion d = length_distortion(shown);
     mean += 100 * d.mean / n;
     simulated += 100 * length_distortion(sheet).mean / n;
-    if (100 * d.mean > worst_mean) worst_mean = 100 * d.mean, worst_frame = f.frame;
+    if (100 * d.mean > worst_mean) {
+      worst_mean = 100 * d.mean;
+      worst_frame = f.frame;
+    }
     worst = std::max(worst, 100 * d.largest);
     for (std::size_t v = 0; v < places.size(); ++v)
       far = std::max(
@@ -172,7 +175,7 @@ void run(const Case& c) {
   options.fps = scene.fps;
   options.last_frame = c.last_frame;
   options.elastic.forces.gravity = c.gravity;
-  options.memory = std::getenv("BENCH_ELASTIC") ? Memory::none : Memory::plastic;
+  options.plasticity = std::getenv("BENCH_ELASTIC") ? Plasticity::off : Plasticity::on;
   ShotRecord record;
   std::vector<Points3> plastic;  // for each frame, at the vertices of its mesh
   double triangles = 0;

@@ -77,10 +77,13 @@ inline Sheet hex_sheet(double length, double width, int columns, double jitter =
           j + 1 >= row[r + 1].size() ||
           (i + 1 < row[r].size() && points[row[r][i + 1]].x() + points[row[r][i]].x() <=
                                         points[row[r + 1][j + 1]].x() + points[row[r + 1][j]].x());
-      if (lower)
-        faces.emplace_back(row[r][i], row[r][i + 1], row[r + 1][j]), ++i;
-      else
-        faces.emplace_back(row[r][i], row[r + 1][j + 1], row[r + 1][j]), ++j;
+      if (lower) {
+        faces.emplace_back(row[r][i], row[r][i + 1], row[r + 1][j]);
+        ++i;
+      } else {
+        faces.emplace_back(row[r][i], row[r + 1][j + 1], row[r + 1][j]);
+        ++j;
+      }
     }
   }
   Points2 p(points.size(), 2);

@@ -113,7 +113,9 @@ void read_cache(const std::string& bytes) {
 fs::path small_cache() {
   const fs::path path = written("cache.abc", "");
   CacheFrame frame;
-  frame.x.resize(4, 3), frame.uv.resize(4, 2), frame.triangles.resize(2, 3);
+  frame.x.resize(4, 3);
+  frame.uv.resize(4, 2);
+  frame.triangles.resize(2, 3);
   frame.uv << 0, 0, 1, 0, 0, 1, 1, 1;
   frame.x << 0.1 * frame.uv, Eigen::Vector4d::Zero();
   frame.triangles << 0, 1, 3, 0, 3, 2;
@@ -129,8 +131,9 @@ void read_certificate(const std::string& bytes) {
   std::size_t part = 0;
   for (const char c : bytes) c == '\x1e' && part < 2 ? void(++part) : parts[part].push_back(c);
   if (parts[2].find('}') != std::string::npos) parts[2] = sealed(parts[2]);
-  written("cert/handles.csv", parts[0]), written("cert/frames.jsonl", parts[1]),
-      written("cert/summary.json", parts[2]);
+  written("cert/handles.csv", parts[0]);
+  written("cert/frames.jsonl", parts[1]);
+  written("cert/summary.json", parts[2]);
   ends_well([&] {
     const Verification found = verify(folder);
     verification_text(folder, found);
@@ -165,9 +168,11 @@ struct Pushed {
   std::string state;
   Pushed() {
     options.last_frame = 12;
-    options.memory = Memory::plastic;
-    animate(shot, method(), options,
-            [&](const AnimatedFrame& frame) { return state = frame.state(), true; });
+    options.plasticity = Plasticity::on;
+    animate(shot, method(), options, [&](const AnimatedFrame& frame) {
+      state = frame.state();
+      return true;
+    });
   }
   MethodChoice method() const { return hybrid(shot.pattern, shot.paper, 40, {}, 1, 0); }
 };
@@ -175,7 +180,7 @@ struct Pushed {
 void read_state(const std::string& changes) {
   static const Pushed pushed;
   AnimateOptions options = pushed.options;
-  options.go_on_from = changed(pushed.state, changes);
+  options.resume_state = changed(pushed.state, changes);
   ends_well([&] {
     animate(pushed.shot, pushed.method(), options, [](const AnimatedFrame&) { return false; });
   });
@@ -193,8 +198,10 @@ struct Kept {
     settings.frames = FrameSpan{1, 2, 1};
     plan = plan_bake(settings);
     Checkpoints checkpoints(folder, plan, 2);
-    simulate(plan, {plan.animation}, 1,
-             [&](const AnimatedFrame& frame) { return checkpoints.add(frame), true; });
+    simulate(plan, {plan.animation}, 1, [&](const AnimatedFrame& frame) {
+      checkpoints.add(frame);
+      return true;
+    });
     std::ifstream file(folder / "checkpoint.000002", std::ios::binary);
     body.assign(std::istreambuf_iterator<char>(file), {});
     body.resize(body.size() - hex(content_hash("")).size());

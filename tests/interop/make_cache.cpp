@@ -33,7 +33,9 @@ struct Sequence {
 CacheFrame rolled(int columns, int rows, double radius) {
   CacheFrame frame;
   const int vertices = (columns + 1) * (rows + 1);
-  frame.x.resize(vertices, 3), frame.normal.resize(vertices, 3), frame.uv.resize(vertices, 2);
+  frame.x.resize(vertices, 3);
+  frame.normal.resize(vertices, 3);
+  frame.uv.resize(vertices, 2);
   for (int i = 0; i < vertices; ++i) {
     const double u = double(i % (columns + 1)) / columns, v = double(i / (columns + 1)) / rows,
                  angle = 0.21 * u / radius;
@@ -95,8 +97,10 @@ void print_rows(std::ostream& out, const char* name, const Rows& rows) {
 }
 
 void print_cut(std::ostream& out, const CacheFrame& frame) {
-  print_rows(out, "triangles", frame.triangles), out << ',';
-  print_rows(out, "uv", frame.uv), out << ',';
+  print_rows(out, "triangles", frame.triangles);
+  out << ',';
+  print_rows(out, "uv", frame.uv);
+  out << ',';
 }
 
 /// A sheet has the triangles and uv of its first frame; a frame that is cut otherwise has its own.
@@ -108,9 +112,12 @@ void print_sheet(std::ostream& out, const Sequence& sheet) {
   for (const CacheFrame& frame : sheet.frames) {
     out << (&frame == &first ? "\n{" : ",\n{");
     if (frame.triangles.rows() != first.triangles.rows()) print_cut(out, frame);
-    print_rows(out, "x", frame.x), out << ',';
-    print_rows(out, "velocity", frame.velocity), out << ',';
-    print_rows(out, "normal", frame.normal), out << '}';
+    print_rows(out, "x", frame.x);
+    out << ',';
+    print_rows(out, "velocity", frame.velocity);
+    out << ',';
+    print_rows(out, "normal", frame.normal);
+    out << '}';
   }
   out << "]}";
 }
@@ -121,8 +128,10 @@ void print_expected(std::ostream& out, const CacheInfo& info, const std::vector<
     out << (i ? "," : "") << '"' << info.metadata[i].first << "\":\"" << info.metadata[i].second
         << '"';
   out << "},\"sheets\":[";
-  for (std::size_t i = 0; i < sheets.size(); ++i)
-    out << (i ? "," : ""), print_sheet(out, sheets[i]);
+  for (std::size_t i = 0; i < sheets.size(); ++i) {
+    out << (i ? "," : "");
+    print_sheet(out, sheets[i]);
+  }
   out << "]}\n";
 }
 
@@ -147,7 +156,10 @@ void write_case(const std::filesystem::path& stem, const CacheInfo& info,
 }  // namespace
 
 int main(int argc, char** argv) {
-  if (argc != 2) return std::cerr << "usage: make_cache FOLDER\n", 2;
+  if (argc != 2) {
+    std::cerr << "usage: make_cache FOLDER\n";
+    return 2;
+  }
   const std::filesystem::path folder = argv[1];
   try {
     const CacheInfo constant{
@@ -160,6 +172,7 @@ int main(int argc, char** argv) {
     const CacheInfo varying{25, 101, 1, {{"paperbake_job", "4567cdef"}}};
     write_case(folder / "varying", varying, varying_topology(varying.fps));
   } catch (const Error& error) {
-    return std::cerr << "make_cache: " << error.what() << '\n', int(error.fault);
+    std::cerr << "make_cache: " << error.what() << '\n';
+    return int(error.code);
   }
 }

@@ -165,8 +165,8 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
            const double arm = handle.pattern.x() - middle, up = d(-0.2, 0.2);
            for (int f = 0; f < handle.keyed.rows(); ++f) {
              const double turn = M_PI * smooth(f, s.options.last_frame);
-             handle.keyed(f, 0) = middle + arm * std::cos(turn),
-                             handle.keyed(f, 2) = up * std::abs(arm) * std::sin(turn);
+             handle.keyed(f, 0) = middle + arm * std::cos(turn);
+             handle.keyed(f, 2) = up * std::abs(arm) * std::sin(turn);
            }
          }
        }},
@@ -181,7 +181,9 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
          const std::vector<Handle> once = s.shot.handles;
          for (Handle& handle : s.shot.handles) handle.release_frame = 9;
          for (Handle again : once) {
-           again.name += ".again", again.mode = HandleMode::relative, again.grab_frame = 12;
+           again.name += ".again";
+           again.mode = HandleMode::relative;
+           again.grab_frame = 12;
            s.shot.handles.push_back(again);
          }
        }},
@@ -199,8 +201,10 @@ const std::vector<std::pair<std::string, Motion>>& motions() {
            for (int f = 0; f < handle.keyed.rows(); ++f)
              handle.keyed(f, 0) += 0.12 * smooth(f, 8) * (w / 2 - handle.pattern.x());
          Handle push = s.shot.handles.front();
-         push.name = "push", push.pattern = nearest_border_point(s.shot.pattern, {w / 2, 0}),
-         push.mode = HandleMode::relative, push.grab_frame = 9;
+         push.name = "push";
+         push.pattern = nearest_border_point(s.shot.pattern, {w / 2, 0});
+         push.mode = HandleMode::relative;
+         push.grab_frame = 9;
          for (int f = 0; f < push.keyed.rows(); ++f)
            push.keyed.row(f) << 0, 0, -0.25 * w * smooth(f - 9, s.options.last_frame - 9);
          s.shot.handles.push_back(push);
@@ -252,7 +256,7 @@ Script make_script(int index, std::uint32_t seed) {
   // half of the scripts have steps of 1/24 s, the others down to 1/2400 s
   script.options.fps = 24 * std::pow(100, std::max(0.0, dice(-1, 1)));
   script.options.seed = static_cast<unsigned>(dice.below(1000));
-  script.options.memory = Memory::plastic;
+  script.options.plasticity = Plasticity::on;
   const int handles = 1 + dice.below(16);
   for (const Vector2d& p : points_on(script.shot.pattern, handles, dice)) {
     Handle handle;

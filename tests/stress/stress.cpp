@@ -81,7 +81,7 @@ std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const Re
   options.max_iterations = 200;
   Elastic elastic(script.shot.paper, options);
   std::optional<PlasticGrid> memory;
-  if (is.memory) elastic.set_plastic_grid(&memory.emplace(*is.memory));
+  if (is.plastic_grid) elastic.set_plastic_grid(&memory.emplace(*is.plastic_grid));
   elastic.set_mesh(sheet);
   const ElasticReport report = elastic.relax(sheet, {held}, is.now.dt, Relaxation::full);
   if (!report.converged || report.contact) return std::nullopt;
@@ -150,7 +150,7 @@ MeshSwapResult play(const Script& script, const std::string& method, bool watch_
   MeshSwapResult v;
   v.feasible = script.impossible.empty();
   AnimateOptions options = script.options;
-  if (method == "fem") options.memory = Memory::none;
+  if (method == "fem") options.plasticity = Plasticity::off;
   const double side = longer_side(script.shot.pattern);
   try {
     const MethodChoice plain = make_method(method, script);
@@ -159,10 +159,13 @@ MeshSwapResult play(const Script& script, const std::string& method, bool watch_
               ++v.frames;
               v.nan |= !f.sheet->x.allFinite() || !std::isfinite(f.statistics.energy);
               v.unconverged += !f.statistics.converged;
-              if (f.statistics.remesh == FrameStatistics::accepted)
-                ++v.remeshed, v.rises += f.statistics.remesh_rise > 0.01;
+              if (f.statistics.remesh == FrameStatistics::accepted) {
+                ++v.remeshed;
+                v.rises += f.statistics.remesh_rise > 0.01;
+              }
               const LengthDistortion d = length_distortion(*f.sheet);
-              v.c_m = std::max(v.c_m, 100 * d.mean), v.edge = std::max(v.edge, 100 * d.largest);
+              v.c_m = std::max(v.c_m, 100 * d.mean);
+              v.edge = std::max(v.edge, 100 * d.largest);
               v.worst_ms = std::max(v.worst_ms, f.statistics.elastic_ms + f.statistics.geometry_ms);
               v.triangles = std::max(v.triangles, double(f.sheet->triangles.rows()));
               for (const HandleFrame& h : f.handles)
@@ -192,7 +195,10 @@ struct Child {
 
 Child start(int index, const Run& run, const std::string& method) {
   int ends[2];
-  if (pipe(ends) != 0) std::perror("pipe"), std::exit(1);
+  if (pipe(ends) != 0) {
+    std::perror("pipe");
+    std::exit(1);
+  }
   const pid_t pid = fork();
   if (pid == 0) {
     close(ends[0]);
@@ -224,7 +230,8 @@ std::vector<Outcome> run_all(const Run& run, const std::string& method) {
   for (int next = 0; next < scripts || !running.empty();) {
     while (next < scripts && running.size() < run.jobs) {
       const Child child = start(run.first + next, run, method);
-      running[child.pid] = child, ++next;
+      running[child.pid] = child;
+      ++next;
     }
     int status = 0;
     const pid_t done = waitpid(-1, &status, 0);
@@ -246,11 +253,20 @@ struct Counts {
 
 void count(Counts& c, const Outcome& o) {
   const MeshSwapResult& v = o.verdict;
-  ++c.scripts, c.finished += v.finished, c.threw += v.threw, c.nan += v.nan, c.crashed += o.crashed,
-      c.endless += o.endless;
-  c.feasible += v.feasible, c.c_m_above_2 += v.feasible && v.c_m > 2, c.unreported += v.unreported;
-  c.remeshed += v.remeshed, c.rises += v.rises, c.unconverged += v.unconverged > 0;
-  c.worst_ms = std::max(c.worst_ms, v.worst_ms), c.triangles = std::max(c.triangles, v.triangles);
+  ++c.scripts;
+  c.finished += v.finished;
+  c.threw += v.threw;
+  c.nan += v.nan;
+  c.crashed += o.crashed;
+  c.endless += o.endless;
+  c.feasible += v.feasible;
+  c.c_m_above_2 += v.feasible && v.c_m > 2;
+  c.unreported += v.unreported;
+  c.remeshed += v.remeshed;
+  c.rises += v.rises;
+  c.unconverged += v.unconverged > 0;
+  c.worst_ms = std::max(c.worst_ms, v.worst_ms);
+  c.triangles = std::max(c.triangles, v.triangles);
 }
 
 void print_row(const std::string& name, const Counts& c, bool watches) {
@@ -313,11 +329,12 @@ int main(int argc, char** argv) {
       run.watch_rises = true;
       if (++i == argc) break;
     }
-    if (i + 1 == argc)
-      return std::fprintf(stderr,
-                          "paperbake_stress [--scripts N] [--seed S] [--method M] [--jobs N] "
-                          "[--seconds N] [--json FILE] [--only I] [--rises]\n"),
-             2;
+    if (i + 1 == argc) {
+      std::fprintf(stderr,
+                   "paperbake_stress [--scripts N] [--seed S] [--method M] [--jobs N] "
+                   "[--seconds N] [--json FILE] [--only I] [--rises]\n");
+      return 2;
+    }
     const std::string option = argv[i], value = argv[i + 1];
     if (option == "--scripts")
       run.scripts = std::max(1, std::atoi(value.c_str()));
@@ -331,10 +348,13 @@ int main(int argc, char** argv) {
       run.seconds = std::max(1, std::atoi(value.c_str()));
     else if (option == "--json")
       json = value;
-    else if (option == "--only")
-      run.first = std::atoi(value.c_str()), run.scripts = 1;
-    else
-      return std::fprintf(stderr, "paperbake_stress: unknown option %s\n", option.c_str()), 2;
+    else if (option == "--only") {
+      run.first = std::atoi(value.c_str());
+      run.scripts = 1;
+    } else {
+      std::fprintf(stderr, "paperbake_stress: unknown option %s\n", option.c_str());
+      return 2;
+    }
   }
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const std::string& method : methods) all.push_back(paperbake::stress::report(method, run));

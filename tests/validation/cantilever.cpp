@@ -52,7 +52,11 @@ Hang hang(Sheet sheet, double lam) {
     const double a = sheet.pattern(v, 0) - cells * h;
     if (a < -1.6 * h) continue;
     const Eigen::Vector2d q(sheet.x(v, 0), sheet.x(v, 2));
-    n += 1, s += a, ss += a * a, p += q, sp += a * q;
+    n += 1;
+    s += a;
+    ss += a * a;
+    p += q;
+    sp += a * q;
   }
   const Eigen::Vector2d slope = (n * sp - s * p) / (n * ss - s * s), tip = (p - slope * s) / n;
   return {-tip.y() / L, std::atan2(-slope.y(), slope.x()) * 180 / M_PI};
@@ -76,8 +80,10 @@ Hang hang(const MethodChoice& method, const Shot& shot, double lam) {
   options.elastic.forces.gravity =
       lam * shot.paper.bending_stiffness / (shot.paper.area_density * std::pow(L, 3));
   Sheet sheet;
-  animate(shot, method, options,
-          [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
+  animate(shot, method, options, [&](const AnimatedFrame& frame) {
+    sheet = *frame.sheet;
+    return true;
+  });
   const PointLocator locator(sheet.pattern, sheet.triangles);
   const auto at = [&](double u) {
     return interpolate(locator.locate({u, 2 * h}), sheet.triangles, sheet.x);

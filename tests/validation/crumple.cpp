@@ -26,7 +26,7 @@ Crumpled run(const Scene& scene, unsigned seed) {
   options.fps = scene.fps;
   options.last_frame = scene.last_frame;
   options.seed = seed;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   Crumpled c;
   animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, seed, 0), options,
           [&](const AnimatedFrame& frame) {
@@ -46,8 +46,14 @@ Crumpled run(const Scene& scene, unsigned seed) {
 
 double correlation(const std::vector<double>& a, const std::vector<double>& b) {
   double n = 0, sa = 0, sb = 0, aa = 0, bb = 0, ab = 0;
-  for (std::size_t i = 0; i < a.size(); ++i)
-    n += 1, sa += a[i], sb += b[i], aa += a[i] * a[i], bb += b[i] * b[i], ab += a[i] * b[i];
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    n += 1;
+    sa += a[i];
+    sb += b[i];
+    aa += a[i] * a[i];
+    bb += b[i] * b[i];
+    ab += a[i] * b[i];
+  }
   return (n * ab - sa * sb) / std::sqrt((n * aa - sa * sa) * (n * bb - sb * sb));
 }
 
@@ -59,7 +65,11 @@ double lognormal_distance(std::vector<double> lengths) {
   std::sort(lengths.begin(), lengths.end());
   const double n = static_cast<double>(lengths.size());
   double sum = 0, squares = 0;
-  for (double& l : lengths) l = std::log(l), sum += l, squares += l * l;
+  for (double& l : lengths) {
+    l = std::log(l);
+    sum += l;
+    squares += l * l;
+  }
   const double mean = sum / n, deviation = std::sqrt((squares - n * mean * mean) / (n - 1));
   double most = 0;
   for (std::size_t i = 0; i < lengths.size(); ++i) {
@@ -78,11 +88,14 @@ Rows crumple() {
   std::vector<double> creases;
   for (unsigned seed = 1; seed <= seeds; ++seed) {
     const Crumpled c = run(scene, seed);
-    births += c.births / seeds, least = std::min(least, c.births), most = std::max(most, c.births);
+    births += c.births / seeds;
+    least = std::min(least, c.births);
+    most = std::max(most, c.births);
     std::vector<double> logarithm;
     for (const double delta : c.compaction) logarithm.push_back(-std::log(delta));
     growth += correlation(logarithm, c.length) / seeds;
-    length += c.length.back() / seeds, compaction += c.compaction.back() / seeds;
+    length += c.length.back() / seeds;
+    compaction += c.compaction.back() / seeds;
     creases.insert(creases.end(), c.creases.begin(), c.creases.end());
   }
   const std::string name = "hybrid 120";

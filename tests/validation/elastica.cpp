@@ -65,8 +65,10 @@ Sheet push_shot(const MethodChoice& method, const Shot& shot) {
   options.last_frame = 30;
   options.elastic.stop = 1e-7;
   Sheet sheet;
-  animate(shot, method, options,
-          [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
+  animate(shot, method, options, [&](const AnimatedFrame& frame) {
+    sheet = *frame.sheet;
+    return true;
+  });
   return sheet;
 }
 

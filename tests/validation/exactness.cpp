@@ -59,12 +59,14 @@ Played play(const Shot& shot, const MethodChoice& method, const AnimateOptions& 
     for (const HandleFrame& handle : frame.handles)
       if (handle.state == HandleFrame::held)
         played.miss = std::max(played.miss, (handle.at - handle.keyed).norm());
-    played.mean = std::max(played.mean, lengths.mean),
+    played.mean = std::max(played.mean, lengths.mean);
     played.edge = std::max(played.edge, lengths.largest);
     played.defect = std::max(played.defect, angle_defect_max(*frame.sheet));
     played.cone = std::max(played.cone, cone_defect(*frame.sheet));
-    if (frame.statistics.remesh == FrameStatistics::accepted)
-      ++played.taken, played.rise = std::max(played.rise, frame.statistics.remesh_rise);
+    if (frame.statistics.remesh == FrameStatistics::accepted) {
+      ++played.taken;
+      played.rise = std::max(played.rise, frame.statistics.remesh_rise);
+    }
     played.crossings += crossings(*frame.sheet);
     played.last = *frame.sheet;
     return true;
@@ -135,7 +137,8 @@ void judge(Rows& rows, const std::string& name,
 
   const Shot fine = push(2);
   AnimateOptions halved = options;
-  halved.fps = 48, halved.last_frame = 59;
+  halved.fps = 48;
+  halved.last_frame = 59;
   rows.push_back({name, "mid height, dt halved", mid_height(once.last),
                   mid_height(play(fine, method(fine, 0), halved).last), 0.005, source, ""});
 
@@ -154,7 +157,7 @@ void judge_hybrid(Rows& rows, const std::string& file) {
   AnimateOptions options;
   options.fps = scene.fps;
   options.last_frame = scene.last_frame;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   const Played played = play(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options);
   const std::string name = "hybrid 120, " + file;
   rows.push_back({name, "farthest handle not jammed, m", 0, played.miss, 1e-4, source, ""});

@@ -35,7 +35,10 @@ class GrippedCone {
     for (int v = 0; v < sheet.x.rows(); ++v)
       if (block_of_[v] < 0) block_of_[v] = block_of_[grips_.twin[v]];
     std::vector<std::pair<int, int>> coupled = energy_.coupled_vertices();
-    for (auto& [a, b] : coupled) a = block_of_[a], b = block_of_[b];
+    for (auto& [a, b] : coupled) {
+      a = block_of_[a];
+      b = block_of_[b];
+    }
     matrix_ = std::make_unique<BlockCholesky>(blocks_, coupled);
     energy_.bind(*matrix_, block_of_);
   }

@@ -64,8 +64,11 @@ void judge(Rows& rows, const std::string& name, const MethodChoice& method, cons
   options.elastic.stop = 1e-6;
   Sheet sheet;
   AnimatedFrame last;
-  animate(shot, method, options,
-          [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, last = frame, true; });
+  animate(shot, method, options, [&](const AnimatedFrame& frame) {
+    sheet = *frame.sheet;
+    last = frame;
+    return true;
+  });
   // [J] of the untwisted ring
   const double ring = shot.paper.bending_stiffness * 0.5 * W * 2 * M_PI * 2 * M_PI / L;
   const Vector3d box = principal_box(sheet) / L;

@@ -21,7 +21,8 @@ Shot folded_strip(double thickness) {
   constexpr int points = 48;
   Shot shot = test::blank_shot(test::rectangle(X, 2 * half));
   const double factor = thickness / shot.paper.thickness;
-  shot.paper.thickness *= factor, shot.paper.membrane_stiffness *= factor;
+  shot.paper.thickness *= factor;
+  shot.paper.membrane_stiffness *= factor;
   shot.paper.bending_stiffness *= factor * factor * factor;
   const auto place = [](double u, double v) {
     return Vector3d(u, half + (v - half) * std::sqrt(0.5), -std::abs(v - half) * std::sqrt(0.5));
@@ -72,7 +73,11 @@ void judge(Rows& rows, const std::string& name,
     const Shot shot = folded_strip(thickness);
     const Stored stored = fold(method(shot), shot);
     const double a = std::log(X / thickness), b = std::log(stored.energy);
-    n += 1, s += a, ss += a * a, e += b, se += a * b;
+    n += 1;
+    s += a;
+    ss += a * a;
+    e += b;
+    se += a * b;
     char label[80];
     std::snprintf(label, sizeof label, "%s, X/h %.0f", name.c_str(), X / thickness);
     single.push_back({label, "E / D", 0, stored.energy, 0, "", ""});

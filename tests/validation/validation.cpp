@@ -76,7 +76,10 @@ int main(int argc, char** argv) {
   for (const auto& c : paperbake::validation::cases) {
     bool wanted = argc < 2;
     for (int i = 1; i < argc; ++i) wanted |= std::strcmp(argv[i], c.name) == 0;
-    if (wanted) failed += print(c), ++run;
+    if (wanted) {
+      failed += print(c);
+      ++run;
+    }
   }
   std::printf("%d cases, %d lines failed\n", run, failed);
   return failed > 0 || run == 0;

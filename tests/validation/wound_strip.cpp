@@ -64,12 +64,14 @@ Shot winding(double k, const Paper& paper) {
 double residual(const MethodChoice& method, const Shot& shot) {
   AnimateOptions options;
   options.last_frame = 60;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   options.elastic.stop = 1e-7;
   options.elastic.contact = SelfContact::off;
   Sheet sheet;
-  animate(shot, method, options,
-          [&](const AnimatedFrame& frame) { return sheet = *frame.sheet, true; });
+  animate(shot, method, options, [&](const AnimatedFrame& frame) {
+    sheet = *frame.sheet;
+    return true;
+  });
   const PointLocator locator(sheet.pattern, sheet.triangles);
   const auto at = [&](double part) {
     return interpolate(locator.locate({part * length, 0.5 * width}), sheet.triangles, sheet.x);

@@ -138,10 +138,13 @@ class Collapses {
     int collapsed = 0;
     for (const Edge& e : edges) {
       if (e.length >= longest_) break;
-      if (may_go(e.a, e.b, e))
-        collapse(e.a, e.b), ++collapsed;
-      else if (may_go(e.b, e.a, e))
-        collapse(e.b, e.a), ++collapsed;
+      if (may_go(e.a, e.b, e)) {
+        collapse(e.a, e.b);
+        ++collapsed;
+      } else if (may_go(e.b, e.a, e)) {
+        collapse(e.b, e.a);
+        ++collapsed;
+      }
     }
     return collapsed;
   }
@@ -268,8 +271,10 @@ class Collapses {
 Misfit misfit(const Sheet& sheet, const Points3& metric) {
   Misfit m;
   const std::vector<Edge> edges = edges_of(sheet, metric);
-  for (const Edge& e : edges)
-    m.longest = std::max(m.longest, e.length), m.too_long += (e.length > 1) / double(edges.size());
+  for (const Edge& e : edges) {
+    m.longest = std::max(m.longest, e.length);
+    m.too_long += (e.length > 1) / double(edges.size());
+  }
   return m;
 }
 

@@ -67,9 +67,10 @@ void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) cons
   const Collider& collider = (*colliders_)[c];
   const Points3& x = states_[c].reference;
   Vector3d low = row(x, feature.vertices[0]), high = low;
-  for (int i = 1; i < feature.corners; ++i)
-    low = low.cwiseMin(row(x, feature.vertices[i])),
+  for (int i = 1; i < feature.corners; ++i) {
+    low = low.cwiseMin(row(x, feature.vertices[i]));
     high = high.cwiseMax(row(x, feature.vertices[i]));
+  }
   const double within = std::max(collider_dhat, collider.depth()) + tube;
   feature.near.clear();
   const auto add = [&](int k) { feature.near.push_back(k); };
@@ -85,8 +86,10 @@ void ColliderContact::refresh(std::size_t c, const Points3& local) {
   std::vector<char> stale(local.rows(), 0);
   bool any = false;
   for (int v = 0; v < local.rows(); ++v)
-    if (!((local.row(v) - a.reference.row(v)).squaredNorm() <= tube * tube))
-      stale[v] = 1, any = true;
+    if (!((local.row(v) - a.reference.row(v)).squaredNorm() <= tube * tube)) {
+      stale[v] = 1;
+      any = true;
+    }
   if (!any) return;
   for (int v = 0; v < local.rows(); ++v)
     if (stale[v]) a.reference.row(v) = local.row(v);
@@ -144,8 +147,10 @@ ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& colli
          near.distance(),
          FeaturePair::outside};
     Vector3d inward = Vector3d::Zero();
-    for (const Vector3d& in : corner.inward)
-      inward += in, out_of_all = out_of_all && leads_out(-m.apart, in);
+    for (const Vector3d& in : corner.inward) {
+      inward += in;
+      out_of_all = out_of_all && leads_out(-m.apart, in);
+    }
     if (behind > 0 || m.apart.dot(inward) < 0) return m;
   }
   // beside the ends of the edge, or outside the triangle, the contact of a vertex gives the depth
@@ -169,10 +174,11 @@ void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, con
   for (const int k : feature.near) {
     const FeaturePair m = feature_pair(collider, feature, k, local, side);
     const double sign = m.where == FeaturePair::inside ? -1 : 1;
-    if (m.where == FeaturePair::nearer_to_another || m.far < 1e-12 ||
-        (sign < 0 && m.far > collider.depth()))
+    if (m.where == FeaturePair::nearer_to_another || m.distance < 1e-12 ||
+        (sign < 0 && m.distance > collider.depth()))
       continue;
-    visit(ContactPoint{v, m.weights, feature.corners, m.at, sign / m.far * m.apart, sign * m.far});
+    visit(ContactPoint{v, m.weights, feature.corners, m.at, sign / m.distance * m.apart,
+                       sign * m.distance});
   }
 }
 
@@ -250,7 +256,10 @@ Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d t
   constexpr double near_enough = 2e-6;  // [m]
   const double within = (to - p).norm() + collider_dhat;
   SurfacePoint s = collider.nearest(p, std::max(within, 2 * collider.depth()), side);
-  if (s.distance < 0) p -= s.distance * s.normal, s.distance = 0;
+  if (s.distance < 0) {
+    p -= s.distance * s.normal;
+    s.distance = 0;
+  }
   const double kept = std::min(s.distance, 0.2 * collider_dhat);
   for (int turn = 0; turn < max_turns; ++turn) {
     const Vector3d move = to - p;
@@ -326,7 +335,8 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
   for (int i = 0; i < feature.corners; ++i) {
     const Vector3d p = row(local, feature.vertices[i]),
                    q = p + share * row(way, feature.vertices[i]);
-    low = low.cwiseMin(p).cwiseMin(q), high = high.cwiseMax(p).cwiseMax(q);
+    low = low.cwiseMin(p).cwiseMin(q);
+    high = high.cwiseMax(p).cwiseMax(q);
     fastest = std::max(fastest, share * way.row(feature.vertices[i]).norm());
   }
   if (feature.near.empty() && fastest < tube) return share;
@@ -335,14 +345,18 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
     const bool edges = feature.corners == 2;
     for (int i = 0; i < feature.corners; ++i) {
       const int at = edges ? i : i + 1;
-      x[at] = row(local, feature.vertices[i]), m[at] = share * row(way, feature.vertices[i]);
+      x[at] = row(local, feature.vertices[i]);
+      m[at] = share * row(way, feature.vertices[i]);
     }
     const Points3& fixed = collider.mesh().x;
-    if (edges)
-      x[2] = row(fixed, collider.edges()[k].a), x[3] = row(fixed, collider.edges()[k].b),
+    if (edges) {
+      x[2] = row(fixed, collider.edges()[k].a);
+      x[3] = row(fixed, collider.edges()[k].b);
       m[2] = m[3] = Vector3d::Zero();
-    else
-      x[0] = row(fixed, collider.corners()[k].vertex), m[0] = Vector3d::Zero();
+    } else {
+      x[0] = row(fixed, collider.corners()[k].vertex);
+      m[0] = Vector3d::Zero();
+    }
     // what is inside already has to be able to come out
     if (feature_pair(collider, feature, k, local, states_[c].side).where != FeaturePair::outside)
       return;

@@ -86,7 +86,7 @@ class ColliderContact {
   struct FeaturePair {  // an edge or a triangle, and a convex edge or corner of a collider
     std::array<double, 3> weights;
     Vector3d at, apart;  // separation: from `at` to the sheet
-    double far;
+    double distance;
     enum { outside, inside, nearer_to_another } where;
   };
   struct FrictionContact {  // friction of one contact

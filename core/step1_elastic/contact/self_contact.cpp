@@ -207,8 +207,10 @@ bool Contact::clear(const Points3& from, const Points3& to, const PositionConstr
     bool neighbours = false, flat = false;
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        if (const int v = triangles_(a, i); v == triangles_(b, j))
-          neighbours = true, flat |= flat_from[v] && flat_to[v];
+        if (const int v = triangles_(a, i); v == triangles_(b, j)) {
+          neighbours = true;
+          flat |= flat_from[v] && flat_to[v];
+        }
     if (neighbours ? flat : separated(from, to, &triangles_(a, 0), &triangles_(b, 0), dhat_))
       continue;
     if (any_pair_collides(a, b, from, to)) return false;
@@ -302,10 +304,13 @@ void Contact::build_candidates(const Points3& y, const Points3& move) {
       double low_a = low(v[0], k), high_a = high(v[0], k),
              low_b = std::min(low(v[2], k), low(v[3], k)),
              high_b = std::max(high(v[2], k), high(v[3], k));
-      if (edges)
-        low_a = std::min(low_a, low(v[1], k)), high_a = std::max(high_a, high(v[1], k));
-      else
-        low_b = std::min(low_b, low(v[1], k)), high_b = std::max(high_b, high(v[1], k));
+      if (edges) {
+        low_a = std::min(low_a, low(v[1], k));
+        high_a = std::max(high_a, high(v[1], k));
+      } else {
+        low_b = std::min(low_b, low(v[1], k));
+        high_b = std::max(high_b, high(v[1], k));
+      }
       if (low_b - high_a > within || low_a - high_b > within) return true;
     }
     return false;
@@ -388,7 +393,10 @@ double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky
     sum += b.value;
     for (int i = 0; i < 4; ++i) gradient.row(v[i]) += b.slope * near.weights[i] * n.transpose();
     if (!matrix) return;
-    if (!placed_[k]) slots_[k] = slots_of(v), placed_[k] = 1;
+    if (!placed_[k]) {
+      slots_[k] = slots_of(v);
+      placed_[k] = 1;
+    }
     const Matrix3 nn = b.second * n * n.transpose();
     for (int p = 0, at = 0; p < 4; ++p)
       for (int q = p; q < 4; ++q, ++at)
@@ -402,7 +410,10 @@ double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky
     for (int i = 0; i < 4; ++i)
       gradient.row(drag.vertices[i]) += drag.force * f.across * slid.transpose() * drag.along[i];
     if (!matrix) continue;
-    if (!drag.placed) drag.slots = slots_of(drag.vertices), drag.placed = true;
+    if (!drag.placed) {
+      drag.slots = slots_of(drag.vertices);
+      drag.placed = true;
+    }
     for (int p = 0, at = 0; p < 4; ++p) {
       const Eigen::Matrix<double, 3, 2> half =
           drag.force * drag.along[p].transpose().lazyProduct(f.second);
@@ -443,8 +454,10 @@ std::vector<Contact::Active> Contact::active_by_sheet(const Points3& y) const {
     const auto [a, b] = sheets_of(pairs_[k].vertices, pairs_[k].edges);
     if (a == b)
       ++counts[a].own;
-    else
-      ++counts[a].others, ++counts[b].others;
+    else {
+      ++counts[a].others;
+      ++counts[b].others;
+    }
   });
   return counts;
 }

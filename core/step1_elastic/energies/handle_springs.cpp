@@ -51,7 +51,10 @@ double differentiate_springs(const PositionConstraints& constraints, const Point
     const double r = d.norm(), beyond = r - s.yield_force / s.stiffness;
     // second derivative across and along the direction to the target
     double across = s.stiffness, along = s.stiffness;
-    if (beyond > 0) across = (s.yield_force + yielding * beyond) / r, along = yielding;
+    if (beyond > 0) {
+      across = (s.yield_force + yielding * beyond) / r;
+      along = yielding;
+    }
     gradient.row(c.vertex) += across * d.transpose();
     Matrix3 second = across * Matrix3::Identity();
     if (beyond > 0) second += (along - across) / (r * r) * d * d.transpose();

@@ -70,8 +70,11 @@ double IncrementalPotential::differentiate(const Points3& x, HessianForm form, P
 
 double IncrementalPotential::limit_step(const Points3& x, Points3& move) const {
   double free = 1, clear = 1;
-  if (contact)
-    contact->update_candidates(x, move), free = contact->collision_free_step(x, move), move *= free;
+  if (contact) {
+    contact->update_candidates(x, move);
+    free = contact->collision_free_step(x, move);
+    move *= free;
+  }
   for_each_sheet(x, [&](const SheetPotential& sheet, const Points3& own, Eigen::Index first) {
     if (sheet.colliders)
       clear = std::min(

@@ -41,7 +41,8 @@ double size_across(const Sheet& sheet, int t, const Vector2d& across, double are
   double low = 1e300, high = -1e300;
   for (int i = 0; i < 3; ++i) {
     const double p = along.dot(sheet.pattern.row(sheet.triangles(t, i)));
-    low = std::min(low, p), high = std::max(high, p);
+    low = std::min(low, p);
+    high = std::max(high, p);
   }
   return 2 * area / (high - low);
 }

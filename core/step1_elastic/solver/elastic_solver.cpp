@@ -40,7 +40,10 @@ void Elastic::Impl::build_linear_system(const Sheet& sheet, const std::vector<in
   for (const auto& pair : energy->coupled_vertices()) couple(pair);
   for (const auto& pair : touching) couple(pair);
   matrix = blocks ? std::make_unique<BlockCholesky>(blocks, std::move(coupled)) : nullptr;
-  if (matrix) energy->bind(*matrix, block_of), softened->bind(*matrix, block_of);
+  if (matrix) {
+    energy->bind(*matrix, block_of);
+    softened->bind(*matrix, block_of);
+  }
 }
 
 void Elastic::Impl::advance(BranchDescent& way, const IncrementalPotential& W, int most,
@@ -153,10 +156,13 @@ void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
       guess = before + W.contact->collision_free_step(before, move) * move;
     }
     const double value = W(guess);
-    if (value < least) least = value, x = guess;
+    if (value < least) {
+      least = value;
+      x = guess;
+    }
   }
   if (!std::isfinite(least))
-    throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
+    throw Error(ErrorCode::simulation, "elastic step", "The energy of the sheet is not finite.");
 }
 
 ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contact* feels,

@@ -76,7 +76,7 @@ Points3 Newton::direction(const Points3& x, HessianForm& form, const MembraneStr
   for (;; form = HessianForm::projected) {
     value_ = W_.differentiate(x, form, gradient_, matrix_, stress);
     if (!std::isfinite(value_))
-      throw Error(Fault::simulation, "elastic step", "The energy of the sheet is not finite.");
+      throw Error(ErrorCode::simulation, "elastic step", "The energy of the sheet is not finite.");
     bool definite = matrix_.factorise();
     if (!definite && form == HessianForm::exact) continue;
     for (double shift = 1e-8 * membrane_stiffness_; !definite; shift *= 100) {

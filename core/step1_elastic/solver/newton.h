@@ -50,7 +50,7 @@ struct NewtonReport {
 ///
 /// With contact only the second variant is used, and no iteration passes through anything.
 /// stress  of the membrane where x came from; empty for several sheets, which are always in contact
-/// throws  Error(Fault::simulation) when W is not finite
+/// throws  Error(ErrorCode::simulation) when W is not finite
 NewtonReport minimise(const NewtonSystem&, const NewtonOptions&, const MembraneStress& stress,
                       Points3& x);
 

@@ -39,12 +39,13 @@ TEST_P(FrameQueueTest, ConsumerSeesEveryFrameInOrderAsItWasWhenPushed) {
 TEST_P(FrameQueueTest, MemoryOfThePaperStaysWithTheSimulation) {
   const Sheet sheet;
   std::vector<bool> seen;
-  FrameQueue queue(GetParam(),
-                   [&](const AnimatedFrame& frame) { seen.push_back(frame.memory != nullptr); });
+  FrameQueue queue(GetParam(), [&](const AnimatedFrame& frame) {
+    seen.push_back(frame.plastic_grid != nullptr);
+  });
   {
     const PlasticGrid memory(Pattern{{{0, 0}, {0.1, 0}, {0.1, 0.1}, {0, 0.1}}, {}});
     AnimatedFrame frame = frame_of(1, sheet);
-    frame.memory = &memory;
+    frame.plastic_grid = &memory;
     EXPECT_TRUE(queue.push(frame));
   }
   queue.finish();

@@ -90,7 +90,8 @@ TEST_P(ResumeAfterKillTest, AKilledBakeResumesFromItsLastCheckpointToTheSameByte
     int births = 0, touching = 0;
     for (const std::string& line : lines_of(read(folder / "out/cert/frames.jsonl"))) {
       const auto record = nlohmann::json::parse(line);
-      births += record["new_singular"].get<int>(), touching += record["touching"] > 0;
+      births += record["new_singular"].get<int>();
+      touching += record["touching"] > 0;
     }
     EXPECT_GT(births, 0) << "a crumple without a birth proves little";
     EXPECT_GT(touching, 0);

@@ -37,7 +37,9 @@ TEST(SheetRecorderTest, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSh
   BakePlan plan;
   plan.name = "changing";
   plan.shots = {test::blank_shot(test::rectangle(0.1, 0.1))};
-  plan.seeds = {0}, plan.presets = {"copy70"}, plan.start_hash = {""};
+  plan.seeds = {0};
+  plan.presets = {"copy70"};
+  plan.start_hash = {""};
   plan.frames = {1, 6, 1};
   const double dt = 1 / plan.animation.fps;
   BakeFiles files(folder);

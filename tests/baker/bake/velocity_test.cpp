@@ -68,9 +68,10 @@ class VelocityTest : public CommandLine {
       for (std::size_t at = 0; (at = bytes.find(from, at)) != std::string::npos; ++at)
         bytes.replace(at, from.size(), to);
     };
-    if (fps == 48)
-      replace("\"paper_grab_frame\":24", "\"paper_grab_frame\":48"),
-          replace("\"paper_release_frame\":73", "\"paper_release_frame\":99");
+    if (fps == 48) {
+      replace("\"paper_grab_frame\":24", "\"paper_grab_frame\":48");
+      replace("\"paper_release_frame\":73", "\"paper_release_frame\":99");
+    }
     std::filesystem::create_directories(to);
     test::write(to + "/" + scene + ".glb", bytes);
     Words words{"bake",       to + "/" + scene + ".glb",

@@ -17,7 +17,7 @@ int number(std::size_t n) { return 10 + 2 * static_cast<int>(n); }
 TEST(BakeFilesTest, AFileThatFailedIsNotListedAndNotTriedAgain) {
   BakeFiles files("out");
   EXPECT_TRUE(files.write("a", [](const auto& path) { EXPECT_EQ(path, "out/a"); }));
-  EXPECT_FALSE(files.write("b", [](const auto&) { throw Error(Fault::folder, "b", "full"); }));
+  EXPECT_FALSE(files.write("b", [](const auto&) { throw Error(ErrorCode::folder, "b", "full"); }));
   EXPECT_FALSE(files.write("b", [](const auto&) { FAIL() << "it has failed"; }));
   EXPECT_EQ(files.written(), Paths{"out/a"});
   ASSERT_EQ(files.failures.all().size(), 1u);
@@ -47,7 +47,7 @@ TEST(BakeFilesTest, ACacheThatLacksFramesIsListedWithTheLastOneItHas) {
 
 TEST(BakeFilesTest, ACacheThatCannotBeFinishedHasNoFrames) {
   BakeFiles files("out");
-  const auto fail = []() -> Counts { throw Error(Fault::folder, "c", "full"); };
+  const auto fail = []() -> Counts { throw Error(ErrorCode::folder, "c", "full"); };
   EXPECT_EQ(files.finish_cache("c", {3, 3}, fail, number), (Counts{0, 0}));
   EXPECT_TRUE(files.written().empty());
   EXPECT_EQ(files.failures.summary(), "there is no c");

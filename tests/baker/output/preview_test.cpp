@@ -83,7 +83,10 @@ TEST(PreviewTest, OneCameraSeesAllPanels) {
     double sum = 0, n = 0;
     for (int row = 0; row < image.height; ++row)
       for (int column = from; column < to; ++column)
-        if (warm(image.at(column, row))) sum += column - from, ++n;
+        if (warm(image.at(column, row))) {
+          sum += column - from;
+          ++n;
+        }
     return sum / n;
   };
   EXPECT_GT(middle(654, 1300), middle(8, 654) + 100)

@@ -28,7 +28,10 @@ using test::write;
 TEST(WriteFailuresTest, AWriterThatFailedIsNotCalledAgainAndTheOthersAre) {
   WriteFailures failures;
   int calls = 0;
-  EXPECT_FALSE(failures.try_write("a", [&] { ++calls, throw Error(Fault::folder, "a", "full"); }));
+  EXPECT_FALSE(failures.try_write("a", [&] {
+    ++calls;
+    throw Error(ErrorCode::folder, "a", "full");
+  }));
   EXPECT_FALSE(failures.try_write("a", [&] { ++calls; }));
   EXPECT_TRUE(failures.try_write("b", [&] { ++calls; }));
   EXPECT_FALSE(failures.try_write("c", [] { throw std::runtime_error("of a library"); }));

@@ -20,8 +20,13 @@ using test::read;
 
 ChartPoint point(const std::string& method, int size, double ms, double rms) {
   ChartPoint p;
-  p.method = method, p.size = size, p.triangles = size, p.elastic_ms = ms, p.rms_pct = rms,
-  p.c_m_pct = 0.01, p.energy_rel = 1;
+  p.method = method;
+  p.size = size;
+  p.triangles = size;
+  p.elastic_ms = ms;
+  p.rms_pct = rms;
+  p.c_m_pct = 0.01;
+  p.energy_rel = 1;
   return p;
 }
 

@@ -88,7 +88,7 @@ TEST(FitTest, BadFilesAreNamedWithTheirLine) {
     try {
       read_scatter(path);
     } catch (const Error& e) {
-      EXPECT_EQ(e.fault, Fault::command);
+      EXPECT_EQ(e.code, ErrorCode::command);
       return std::string(e.what());
     }
     return std::string("read");

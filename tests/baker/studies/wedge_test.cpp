@@ -38,7 +38,7 @@ std::string message(const std::function<void()>& call) {
   try {
     call();
   } catch (const Error& error) {
-    EXPECT_EQ(error.fault, Fault::command);
+    EXPECT_EQ(error.code, ErrorCode::command);
     return error.what();
   }
   return "nothing was thrown";

@@ -51,8 +51,10 @@ TEST(AnimateTest, TheSameSeedGivesTheSamePositionsToTheLastBit) {
   const auto end = [&](unsigned seed) {
     options.seed = seed;
     Points3 x;
-    animate(shot, fem(200), options,
-            [&](const AnimatedFrame& frame) { return x = frame.sheet->x, true; });
+    animate(shot, fem(200), options, [&](const AnimatedFrame& frame) {
+      x = frame.sheet->x;
+      return true;
+    });
     return x;
   };
   const Points3 one = end(1);
@@ -148,10 +150,13 @@ TEST(AnimateTest, AFrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
   AnimateOptions options;
   options.last_frame = 20;
   try {
-    animate(shot, fem(100), options, [&](const AnimatedFrame&) { return ++frames, true; });
+    animate(shot, fem(100), options, [&](const AnimatedFrame&) {
+      ++frames;
+      return true;
+    });
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_EQ(error.fault, Fault::simulation);
+    EXPECT_EQ(error.code, ErrorCode::simulation);
     EXPECT_EQ(error.place, "frame 7 of 20");
   }
   EXPECT_EQ(frames, 6);

@@ -35,7 +35,7 @@ TEST(AnimateTogetherTest, SheetsFarApartGiveTheSameBitsAsAlone) {
     for (Handle& handle : shots[1].handles)
       if (handle.mode == HandleMode::absolute) handle.keyed.col(1).array() += 0.11;
     AnimateOptions options = until(40);
-    options.memory = Memory::plastic;
+    options.plasticity = Plasticity::on;
     const Outcome both = test::outcome_of(shots, method, options);
     for (std::size_t s = 0; s < 2; ++s) {
       const Outcome alone = test::outcome_of(
@@ -81,7 +81,8 @@ TEST(AnimateTogetherTest, ACardThatFallsOnASheetHeldByItsCornersMakesItSag) {
   constexpr int frames = 40;
   Shot sheet = test::placed(0.21, 0.148, Vector3d::Zero(), x, y),
        card = test::placed(0.1, 0.1, above, x, y);
-  card.paper.area_density = 0.2, card.paper.bending_stiffness *= 10;
+  card.paper.area_density = 0.2;
+  card.paper.bending_stiffness *= 10;
   for (const double u : {0.0, 0.21})
     for (const double v : {0.0, 0.148})
       test::hold(
@@ -128,7 +129,7 @@ std::vector<Shot> two_crumples() {
 
 TEST(AnimateTogetherTest, TwoSheetsCrushedTogetherDoNotIntersect) {
   AnimateOptions options = until(30);
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   const Outcome crushed = test::outcome_of(two_crumples(), small_hybrid, options);
   EXPECT_EQ(crushed.crossings, 0);
   EXPECT_EQ(crushed.crossings_with_others, 0);
@@ -143,11 +144,11 @@ TEST(AnimateTogetherTest, TwoSheetsCrushedTogetherDoNotIntersect) {
 TEST(AnimateTogetherTest, AResumedShotOfTwoSheetsGivesTheSameBits) {
   const std::vector<Shot> shots = two_crumples();
   AnimateOptions options = until(18);
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   const auto animated = [&](const std::vector<std::string>& states) {
     std::vector<MethodChoice> methods{small_hybrid(shots[0], 0), small_hybrid(shots[1], 1)};
     std::vector<AnimateOptions> all(2, options);
-    for (std::size_t s = 0; s < states.size(); ++s) all[s].go_on_from = states[s];
+    for (std::size_t s = 0; s < states.size(); ++s) all[s].resume_state = states[s];
     std::vector<std::pair<Points3, std::string>> frames;
     animate_together({{shots[0], methods[0], all[0]}, {shots[1], methods[1], all[1]}},
                      [&](const AnimatedFrame& f) {

@@ -66,7 +66,10 @@ TEST(BranchSearchTest, ALowArchHasAMirrorImageOfEqualEnergyAndStaysWhereItIs) {
       << note_of(found);
   for (int k = 0; k < 3; ++k) {  // no trace to the last bit, in the following steps either
     EXPECT_TRUE(strip.sheet.x == alone.sheet.x && strip.sheet.v == alone.sheet.v) << k;
-    for (Strip* s : {&strip, &alone}) s->input.constraints[0].target.x() += 1e-4, s->step();
+    for (Strip* s : {&strip, &alone}) {
+      s->input.constraints[0].target.x() += 1e-4;
+      s->step();
+    }
   }
 }
 
@@ -85,7 +88,7 @@ struct Played {
 Played play(const Shot& shot, int last_frame, int probe_every) {
   AnimateOptions options;
   options.last_frame = last_frame;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   options.probe_every = probe_every;
   Played played;
   animate(shot, fem(100), options, [&](const AnimatedFrame& f) {

@@ -39,8 +39,10 @@ Scene held_by_an_edge(const std::string& name, const std::function<Vector3d(doub
     const int node = file.node("handle." + std::to_string(k), at, extras);
     std::vector<int> frames;
     std::vector<Vector3d> places;
-    for (std::size_t f = 0; f < way.size(); ++f)
-      frames.push_back(static_cast<int>(f)), places.push_back(at + way[f]);
+    for (std::size_t f = 0; f < way.size(); ++f) {
+      frames.push_back(static_cast<int>(f));
+      places.push_back(at + way[f]);
+    }
     file.move(node, frames, places);
   }
   return read_scene(file.write(name + ".gltf"));
@@ -67,7 +69,10 @@ std::vector<Vector3d> far_edge(const Shot& shot, const MethodChoice& method, Ine
     Vector3d sum = Vector3d::Zero();
     int n = 0;
     for (int v = 0; v < f.sheet->x.rows(); ++v)
-      if (f.sheet->pattern(v, 0) > 0.2 - 1e-6) sum += f.sheet->x.row(v).transpose(), ++n;
+      if (f.sheet->pattern(v, 0) > 0.2 - 1e-6) {
+        sum += f.sheet->x.row(v).transpose();
+        ++n;
+      }
     path.push_back(sum / n);
     return true;
   });

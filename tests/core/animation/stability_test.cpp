@@ -30,7 +30,7 @@ struct Ended {
 Ended play(const Shot& shot, int frames, const std::function<MethodChoice(const Shot&)>& method) {
   AnimateOptions options;
   options.last_frame = frames;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   Ended ended;
   animate(shot, method(shot), options, [&](const AnimatedFrame& frame) {
     ended.sheet = *frame.sheet;

@@ -54,7 +54,8 @@ inline std::vector<Shot> pushed_curtain(int frames) {
       hold(
           hand, {u, v}, frames, [=](int f) { return Vector3d(0.08 * f / (frames - 1.0), 0, 0); },
           palm, y, z);
-  curtain.sheet_name = "curtain", hand.sheet_name = "hand";
+  curtain.sheet_name = "curtain";
+  hand.sheet_name = "hand";
   return {curtain, hand};
 }
 
@@ -78,14 +79,14 @@ inline Outcome outcome_of(const std::vector<Shot>& shots,
   outcome.shapes.resize(shots.size());
   animate_together(all, [&](const AnimatedFrame& f) {
     outcome.crossings += paperbake::crossings(*f.sheet);
-    for (std::size_t o = 0; o < f.of; ++o)
+    for (std::size_t o = 0; o < f.sheet_index; ++o)
       outcome.crossings_with_others += crossings_between(*f.sheet, outcome.shapes[o].back());
     outcome.touching_others = std::max(outcome.touching_others, f.statistics.touching_others);
     outcome.stretch = std::max(outcome.stretch, length_distortion(*f.sheet).largest);
     outcome.energy = std::max(outcome.energy, f.statistics.energy);
     outcome.elastic_ms += f.statistics.elastic_ms;
-    outcome.frames[f.of].push_back(f);
-    outcome.shapes[f.of].push_back(*f.sheet);
+    outcome.frames[f.sheet_index].push_back(f);
+    outcome.shapes[f.sheet_index].push_back(*f.sheet);
     return true;
   });
   return outcome;

@@ -182,7 +182,8 @@ TEST(ColliderTest, ContactHessianIsExactOnAPlane) {
   for (int k = 0; k < 9; ++k) {
     const double e = 1e-10;
     Points3 up = Points3::Zero(3, 3), down = up, a = x, b = x;
-    a.data()[k] += e, b.data()[k] -= e;
+    a.data()[k] += e;
+    b.data()[k] -= e;
     contact.differentiate(a, blocks, up, nullptr);
     contact.differentiate(b, blocks, down, nullptr);
     for (int i = 0; i < 9; ++i)
@@ -229,7 +230,8 @@ TEST(ColliderRestTest, AskingHowDeepAnotherSheetLiesChangesNothing) {
   asked.x.col(2).array() += 2e-4;
   untouched = asked;
   Elastic asks(Paper{}, options), silent(Paper{}, options);
-  asks.set_mesh(asked), silent.set_mesh(untouched);
+  asks.set_mesh(asked);
+  silent.set_mesh(untouched);
   Sheet sunk = asked;
   sunk.x.col(2).array() -= 7e-4;
   sunk.x.col(0).array() += 0.03;

@@ -17,7 +17,8 @@ Sheet folded(int n, const std::vector<int>& columns, double angle) {
   for (int i = 0; i <= n; ++i) {
     for (int k : {0, 1}) sheet.x.row(2 * i + k) << x, sheet.pattern(2 * i + k, 1), z;
     if (std::find(columns.begin(), columns.end(), i) != columns.end()) turn += angle;
-    x += 0.1 / n * std::cos(turn), z += 0.1 / n * std::sin(turn);
+    x += 0.1 / n * std::cos(turn);
+    z += 0.1 / n * std::sin(turn);
   }
   return sheet;
 }

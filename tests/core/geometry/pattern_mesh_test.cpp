@@ -237,7 +237,8 @@ TEST(PatternMeshTest, TurnRotatesTheLattice) {
         if ((a - Vector2d(0.05, 0.05)).norm() > 0.04) continue;
         // the lattice repeats itself after 60 degrees
         const double angle = std::atan2((b - a).y(), (b - a).x()) * 3;
-        ++all, count += std::cos(2 * angle - 6 * turn) > std::cos(M_PI / 3);
+        ++all;
+        count += std::cos(2 * angle - 6 * turn) > std::cos(M_PI / 3);
       }
     return double(count) / all;
   };
@@ -256,15 +257,15 @@ TEST(PatternMeshTest, SameInputGivesTheSameMesh) {
   }
 }
 
-Fault fault_of(const std::function<void()>& run) {
+ErrorCode fault_of(const std::function<void()>& run) {
   try {
     run();
   } catch (const Error& error) {
     EXPECT_NE(error.cause.find("crosses or touches itself"), std::string::npos) << error.what();
-    return error.fault;
+    return error.code;
   }
   ADD_FAILURE() << "nothing was thrown";
-  return Fault::command;
+  return ErrorCode::command;
 }
 
 TEST(PatternMeshTest, OutlineThatCrossesItselfIsRejected) {
@@ -273,10 +274,10 @@ TEST(PatternMeshTest, OutlineThatCrossesItselfIsRejected) {
   const Pattern bow_tie{{{0, 0}, {0.1, 0.1}, {0.1, 0}, {0, 0.1}}, {}};
   for (const Pattern& pattern : {lopsided, bow_tie})
     for (const double edge : {0.05, 0.03, 0.02, 0.01, 0.007})
-      EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, edge, {}); }), Fault::scene) << edge;
+      EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, edge, {}); }), ErrorCode::scene) << edge;
   for (const int count : counts) {
-    EXPECT_EQ(fault_of([&] { mesh_pattern_with(lopsided, count, {}); }), Fault::scene) << count;
-    EXPECT_EQ(fault_of([&] { mesh_pattern_with(bow_tie, count, {}); }), Fault::scene) << count;
+    EXPECT_EQ(fault_of([&] { mesh_pattern_with(lopsided, count, {}); }), ErrorCode::scene) << count;
+    EXPECT_EQ(fault_of([&] { mesh_pattern_with(bow_tie, count, {}); }), ErrorCode::scene) << count;
   }
 }
 
@@ -288,13 +289,13 @@ TEST(PatternMeshTest, OutlineThatTouchesItselfIsRejected) {
                     {}};
   for (const Pattern& pattern : {corner, cut})
     for (const double edge : {0.02, 0.011})
-      EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, edge, {}); }), Fault::scene);
+      EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, edge, {}); }), ErrorCode::scene);
 }
 
 TEST(PatternMeshTest, HoleThatCrossesTheOutlineIsRejected) {
   Pattern pattern = rectangle(0.1, 0.1);
   pattern.holes = {circle({0.09, 0.05}, 0.03, 24, /*counter_clockwise=*/false)};
-  EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, 0.01, {}); }), Fault::scene);
+  EXPECT_EQ(fault_of([&] { mesh_pattern(pattern, 0.01, {}); }), ErrorCode::scene);
 }
 
 }  // namespace

@@ -63,7 +63,10 @@ TEST(PointLocationTest, WeightsReproduceThePoint) {
     for (int k = 0; k < 2000; ++k) {  // random points of random triangles
       const int t = static_cast<int>(uniform(random) * sheet.triangles.rows());
       double a = uniform(random), b = uniform(random);
-      if (a + b > 1) a = 1 - a, b = 1 - b;
+      if (a + b > 1) {
+        a = 1 - a;
+        b = 1 - b;
+      }
       const Vector2d p = point_at({t, Vector3d(1 - a - b, a, b)}, sheet);
       const MeshPoint place = locator.locate(p);
       EXPECT_LT((point_at(place, sheet) - p).norm(), exact);

@@ -37,7 +37,10 @@ TEST(SheetDistanceTest, DistanceIsTheLeastOverAllPairsOfFeatures) {
             least = std::min(least, edge_to_edge({p(i), p(i + 1), q(j), q(j + 1)}).distance());
         }
       }
-    if (crossings_between(a, b) > 0) least = 0, ++crossed;
+    if (crossings_between(a, b) > 0) {
+      least = 0;
+      ++crossed;
+    }
     ++known;
     EXPECT_DOUBLE_EQ(distance_between(a, b, 1), least) << seed;
     EXPECT_EQ(distance_between(a, b, 0.5 * least), 0.5 * least) << seed;
@@ -61,7 +64,8 @@ TEST(SheetDistanceTest, IntersectionsOfTwoSheetsAreThoseBetweenTheirTriangles) {
     b.x.row(v) << 0.05, b.pattern(v, 0) + 1e-3, b.pattern(v, 1) - 0.05;
   Sheet both = a;
   const int n = static_cast<int>(a.x.rows());
-  both.x.conservativeResize(2 * n, 3), both.x.bottomRows(n) = b.x;
+  both.x.conservativeResize(2 * n, 3);
+  both.x.bottomRows(n) = b.x;
   both.triangles.conservativeResize(2 * a.triangles.rows(), 3);
   both.triangles.bottomRows(a.triangles.rows()) = b.triangles.array() + n;
   EXPECT_GT(crossings_between(a, b), 5);

@@ -21,10 +21,10 @@ MethodChoice adaptive_of(const Shot& shot, int most = cap, const SizingOptions& 
 }
 
 std::vector<Sheet> play(const Shot& shot, const MethodChoice& method, int last_frame,
-                        Memory memory = Memory::none) {
+                        Plasticity plasticity = Plasticity::off) {
   AnimateOptions options;
   options.last_frame = last_frame;
-  options.memory = memory;
+  options.plasticity = plasticity;
   std::vector<Sheet> sheets;
   animate(shot, method, options, [&](const AnimatedFrame& frame) {
     sheets.push_back(*frame.sheet);

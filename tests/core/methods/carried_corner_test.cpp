@@ -18,7 +18,7 @@ TEST(CarriedCornerTest, ASheetCarriedByItsCornerRollsAndDoesNotBreak) {
   AnimateOptions options;
   options.fps = scene.fps;
   options.last_frame = 72;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   options.elastic.forces.gravity = 9.81;
   for (const int base : {90, 120}) {
     double energy = 0;

@@ -36,7 +36,9 @@ struct Setting {
 /// Paper that is `factor` times as thick and heavy, of the same fibres.
 Paper times_as_thick(double factor) {
   Paper paper;
-  paper.thickness *= factor, paper.area_density *= factor, paper.membrane_stiffness *= factor;
+  paper.thickness *= factor;
+  paper.area_density *= factor;
+  paper.membrane_stiffness *= factor;
   paper.bending_stiffness *= factor * factor * factor;
   return paper;
 }
@@ -51,7 +53,7 @@ Crumpled crumple(const Setting& setting) {
   options.fps = scene.fps;
   options.last_frame = scene.last_frame;
   options.seed = setting.seed;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   CrumpleOptions crumples;
   crumples.max_triangles = std::max(250, 2 * setting.base_triangles);
   Crumpled c;
@@ -97,9 +99,11 @@ TEST(CrumpleStatisticsTest, TwelveReleasedBallsDoNotIntersectKeepLengthsAndBreak
     EXPECT_LE(c.c_m, 3e-4);
     EXPECT_NEAR(c.first_birth, 0.5, 0.25);
     EXPECT_GE(c.plastic.rbegin()->second, 0.9 * c.plastic.at(96));  // creases stay
-    edges.push_back(c.edge), lags.push_back(c.lag);
+    edges.push_back(c.edge);
+    lags.push_back(c.lag);
   }
-  std::sort(edges.begin(), edges.end()), std::sort(lags.begin(), lags.end());
+  std::sort(edges.begin(), edges.end());
+  std::sort(lags.begin(), lags.end());
   EXPECT_LE(edges[6], 0.002);
   EXPECT_LE(edges.back(), 0.01);
   // fem of 3,000 triangles is 6 mm behind; the hybrid was 21 mm behind when its edges still flipped

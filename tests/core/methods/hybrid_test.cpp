@@ -94,7 +94,7 @@ TEST(HybridTest, OnlyPaperWoundTooTightlyKeepsACurl) {
       }
     AnimateOptions options;
     options.last_frame = frames;
-    options.memory = Memory::plastic;
+    options.plasticity = Plasticity::on;
     options.report_plastic_curvature = true;
     options.elastic.contact = SelfContact::off;  // it is wound twice around the same cylinder
     double plastic = 0, residual = 0, kept = 0;

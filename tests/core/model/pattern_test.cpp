@@ -117,9 +117,9 @@ TEST(PatternTest, PaperDistanceIsSymmetricAndNeverShorterThanStraight) {
 }
 
 TEST(PatternTest, PointsSlightlyOutsideAreMovedToTheBorder) {
-  const double hair = 1e-8;  // rounding of a 32-bit file
-  EXPECT_NEAR(paper_distance(square(0.1), {-hair, 0.03}, {-hair, 0.07}), 0.04, exact);
-  EXPECT_NEAR(paper_distance(ell(), {0.2, 0.1 + hair}, {0.1 + hair, 0.2}), 0.2, 1e-7);
+  const double rounding = 1e-8;  // of a 32-bit file
+  EXPECT_NEAR(paper_distance(square(0.1), {-rounding, 0.03}, {-rounding, 0.07}), 0.04, exact);
+  EXPECT_NEAR(paper_distance(ell(), {0.2, 0.1 + rounding}, {0.1 + rounding, 0.2}), 0.2, 1e-7);
 }
 
 }  // namespace

@@ -35,8 +35,9 @@ Sheet triangle() {
 
 TEST(Serializer, ReadsBackWhatItWroteBitForBit) {
   Sheet sheet = triangle(), other;
-  sheet.x(0, 0) = -0.0, sheet.x(1, 1) = std::numeric_limits<double>::denorm_min(),
-             sheet.x(2, 2) = std::nextafter(0.1, 1);
+  sheet.x(0, 0) = -0.0;
+  sheet.x(1, 1) = std::numeric_limits<double>::denorm_min();
+  sheet.x(2, 2) = std::nextafter(0.1, 1);
   std::optional<double> none, some = 3.0;
   std::deque<Points3> past{Points3::Random(2, 3), Points3(0, 3)};
   bool yes = true;
@@ -110,7 +111,7 @@ TEST(Serializer, SurvivesAChangeOfAnyByte) {
 struct Case {
   const char* name;
   std::function<MethodChoice(const Shot&)> method;
-  Memory memory;
+  Plasticity plasticity;
   Inertia inertia;
   int probe_every;
 };
@@ -120,13 +121,13 @@ INSTANTIATE_TEST_SUITE_P(
     Methods, SerializerTest,
     testing::Values(Case{"hybrid",
                          [](const Shot& s) { return hybrid(s.pattern, s.paper, 80, {}, 1, 0); },
-                         Memory::plastic, Inertia::quasi_static, 0},
+                         Plasticity::on, Inertia::quasi_static, 0},
                     Case{"hybrid_that_is_probed",
                          [](const Shot& s) { return hybrid(s.pattern, s.paper, 60, {}, 1, 0); },
-                         Memory::plastic, Inertia::quasi_static, 5},
+                         Plasticity::on, Inertia::quasi_static, 5},
                     Case{"adaptive", [](const Shot& s) { return adaptive(s.pattern, 400); },
-                         Memory::plastic, Inertia::quasi_static, 0},
-                    Case{"fem_that_swings", [](const Shot&) { return fem(120); }, Memory::none,
+                         Plasticity::on, Inertia::quasi_static, 0},
+                    Case{"fem_that_swings", [](const Shot&) { return fem(120); }, Plasticity::off,
                          Inertia::dynamic, 0}),
     [](const auto& info) { return std::string(info.param.name); });
 
@@ -143,7 +144,7 @@ TEST_P(SerializerTest, TheStateIsEverythingThatTheNextFramesDependOn) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 32;  // includes the frame in which a relative handle takes hold
-  options.memory = c.memory;
+  options.plasticity = c.plasticity;
   options.elastic.inertia = c.inertia;
   options.probe_every = c.probe_every;
   const auto frames = [&](const AnimateOptions& how) {
@@ -159,7 +160,7 @@ TEST_P(SerializerTest, TheStateIsEverythingThatTheNextFramesDependOn) {
   ASSERT_EQ(whole.size(), 32u);
   EXPECT_GT((whole[31].sheet.x.topRows(4) - whole[3].sheet.x.topRows(4)).norm(), 1e-3);
   for (const int from : {1, 2, 7, 16, 24, 25, 31}) {
-    options.go_on_from = whole[from - 1].state;
+    options.resume_state = whole[from - 1].state;
     const std::vector<Seen> rest = frames(options);
     ASSERT_EQ(rest.size(), whole.size() - from);
     for (std::size_t k = 0; k < rest.size(); ++k) {
@@ -218,18 +219,21 @@ TEST(Serializer, ATruncatedStateOrOneOfAnotherShotIsRefused) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 3;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   std::string state;
-  const auto keep = [&](const AnimatedFrame& f) { return state = f.state(), true; };
+  const auto keep = [&](const AnimatedFrame& f) {
+    state = f.state();
+    return true;
+  };
   animate(shot, fem(60), options, keep);
   const std::string whole = state;
   for (const std::size_t size : {std::size_t(1), whole.size() / 2, whole.size() - 1}) {
-    options.go_on_from = whole.substr(0, size);
+    options.resume_state = whole.substr(0, size);
     EXPECT_THROW(animate(shot, fem(60), options, keep), Error) << size;
   }
   Shot other = shot;
   other.handles.pop_back();
-  options.go_on_from = whole;
+  options.resume_state = whole;
   EXPECT_THROW(animate(other, fem(60), options, keep), Error);
 }
 

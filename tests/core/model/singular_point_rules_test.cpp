@@ -32,10 +32,10 @@ Shot shot_of(const Scene& scene) {
 
 std::vector<SingularPoint> born(const Shot& shot, int last_frame) {
   CrumpleOptions crumple;
-  crumple.pins = shot.pins;
+  crumple.singular_point_rules = shot.singular_point_rules;
   AnimateOptions options;
   options.last_frame = last_frame;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   std::vector<SingularPoint> found;
   animate(shot, hybrid(shot.pattern, shot.paper, 120, crumple, 0, 0), options,
           [&](const AnimatedFrame& f) {
@@ -47,19 +47,19 @@ std::vector<SingularPoint> born(const Shot& shot, int last_frame) {
 
 TEST(SingularPointRulesTest, AFixedSingularPointExistsFromTheFirstFrame) {
   Shot shot = shot_of(sample("S8_dcone.glb"));
-  shot.pins.keep = {{0.065, 0.03}};
+  shot.singular_point_rules.fixed = {{0.065, 0.03}};
   const auto found = born(shot, 4);
   ASSERT_EQ(found.size(), 1u);
-  EXPECT_LT((found[0].pattern - shot.pins.keep[0]).norm(), 1e-9);
+  EXPECT_LT((found[0].pattern - shot.singular_point_rules.fixed[0]).norm(), 1e-9);
   EXPECT_EQ(found[0].frame_of_birth, 1);
 }
 
 TEST(SingularPointRulesTest, NoSingularPointIsBornWhereItIsForbidden) {
   Shot shot = shot_of(sample("S8_dcone.glb"));
-  const auto usual = born(shot, 56);
-  ASSERT_FALSE(usual.empty());
-  const SingularPointRules::Disc disc{usual.front().pattern, 0.02};
-  shot.pins.forbid = {disc};
+  const auto without_rules = born(shot, 56);
+  ASSERT_FALSE(without_rules.empty());
+  const SingularPointRules::Disc disc{without_rules.front().pattern, 0.02};
+  shot.singular_point_rules.forbidden = {disc};
   const auto others = born(shot, 56);
   ASSERT_FALSE(others.empty()) << "the next best place is taken";
   for (const SingularPoint& s : others) EXPECT_GT((s.pattern - disc.centre).norm(), disc.radius);
@@ -84,10 +84,13 @@ std::pair<double, double> mean_turns(const Sheet& sheet) {
     const auto& v = hinges.hinges[h].vertices;
     const Vector2d along = sheet.pattern.row(v[1]) - sheet.pattern.row(v[0]);
     const double turn = std::abs(dihedral_angle(sheet.x, hinges.hinges[h])), length = along.norm();
-    if (lines[h])
-      on += turn * length, on_length += length;
-    else if (std::abs(along.x()) < 0.3 * length)
-      off += turn * length, off_length += length;
+    if (lines[h]) {
+      on += turn * length;
+      on_length += length;
+    } else if (std::abs(along.x()) < 0.3 * length) {
+      off += turn * length;
+      off_length += length;
+    }
   }
   return {on / std::max(on_length, 1e-9), off / std::max(off_length, 1e-9)};
 }
@@ -98,7 +101,7 @@ TEST(SingularPointRulesTest, PaperPushedTogetherBendsAtItsCreaseWithEveryMethod)
        {hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), fem(600), adaptive(shot.pattern, 600)}) {
     AnimateOptions options;
     options.last_frame = 24;
-    options.memory = method.name == "fem" ? Memory::none : Memory::plastic;
+    options.plasticity = method.name == "fem" ? Plasticity::off : Plasticity::on;
     ShotRecord record;
     Sheet last;
     animate(shot, method, options, [&](const AnimatedFrame& f) {
@@ -207,7 +210,8 @@ TEST(SingularPointRulesTest, TheForceOfACreaseIsTheGradientOfItsEnergy) {
   for (int v = 0; v < x.rows(); ++v)
     for (int c = 0; c < 3; ++c) {
       Points3 up = x, down = x;
-      up(v, c) += step, down(v, c) -= step;
+      up(v, c) += step;
+      down(v, c) -= step;
       worst = std::max(
           worst, std::abs((energy.energy(up) - energy.energy(down)) / (2 * step) - gradient(v, c)));
     }

@@ -30,7 +30,8 @@ TEST(ShapeFitTest, ColumnCholeskySolvesThreeColumnsLikeADenseSolver) {
   for (int k = 0; k < 400; ++k) {
     const int i = 7 * k % n, j = (13 * k + 5) % n;
     Eigen::VectorXd e = Eigen::VectorXd::Zero(n);
-    e[i] += 1, e[j] -= 0.5;
+    e[i] += 1;
+    e[j] -= 0.5;
     dense += e * e.transpose();
   }
   Points3 b(n, 3);

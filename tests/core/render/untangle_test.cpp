@@ -159,8 +159,10 @@ TEST(UntangleTest, TheTreeFindsAllPairsOfLayersAndNearlyAllPairsOfNoise) {
   for (int k = 0; k < 6; ++k) {
     Sheet sheet = k < 2 ? strip(0.7e-3 + 1e-3 * k) : test::hex_sheet(0.1, 0.1, 14, 0.2, k);
     std::normal_distribution<double> noise(0, k < 2 ? 1e-4 : 6e-3);
-    for (int v = 0; v < sheet.x.rows(); ++v)
-      sheet.x(v, 2) += noise(random), sheet.x(v, 0) += noise(random);
+    for (int v = 0; v < sheet.x.rows(); ++v) {
+      sheet.x(v, 2) += noise(random);
+      sheet.x(v, 0) += noise(random);
+    }
     const int all = crossings(sheet);
     ASSERT_GT(all, 10) << k;
     const NormalConeTree tree(sheet.pattern, sheet.triangles);

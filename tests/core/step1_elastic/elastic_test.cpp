@@ -134,7 +134,11 @@ Hang hang(Cantilever c, double lam) {
     const double a = c.sheet.pattern(v, 0) - end;
     if (a < -1.6 * c.h) continue;
     const Eigen::Vector2d q(c.sheet.x(v, 0), c.sheet.x(v, 2));
-    n += 1, s += a, ss += a * a, p += q, sp += a * q;
+    n += 1;
+    s += a;
+    ss += a * a;
+    p += q;
+    sp += a * q;
   }
   const Eigen::Vector2d slope = (n * sp - s * p) / (n * ss - s * s), tip = (p - slope * s) / n;
   return {-tip.y() / c.L, std::atan2(-slope.y(), slope.x()) * 180 / M_PI};
@@ -158,7 +162,8 @@ TEST(ElasticTest, HeavyCantileverDoesNotDependOnTheDirectionOfTheMesh) {
     double least = 1e9, most = 0;
     for (const double degrees : {0.0, 30.0, 45.0}) {
       const double drop = hang(cantilever(degrees * M_PI / 180), lam).drop;
-      least = std::min(least, drop), most = std::max(most, drop);
+      least = std::min(least, drop);
+      most = std::max(most, drop);
     }
     EXPECT_GT(least, 0.05);
     EXPECT_LT(most / least - 1, 0.02) << "lam " << lam;
@@ -287,8 +292,10 @@ TEST(ElasticTest, OnAnInteractiveMeshNoStepWaitsForASnapThrough) {
   int most = 0, snap_in_progress = 0;
   for (int k = 0; k < 80; ++k) {
     s.step();
-    if (k > 2)
-      most = std::max(most, s.report.iterations), snap_in_progress += s.report.snap_in_progress;
+    if (k > 2) {
+      most = std::max(most, s.report.iterations);
+      snap_in_progress += s.report.snap_in_progress;
+    }
   }
   EXPECT_GT(snap_in_progress, 0);  // else nothing has snapped through
   EXPECT_LE(most, 42);
@@ -308,7 +315,12 @@ TEST(ElasticTest, StepThatIsRolledBackLeavesNoTrace) {
     const ElasticReport report = s.report;
     if (k == 30 || report.snap_in_progress) {
       ++snaps;
-      const auto again = [&] { s.sheet = before, s.held = held, --s.steps, s.step(); };
+      const auto again = [&] {
+        s.sheet = before;
+        s.held = held;
+        --s.steps;
+        s.step();
+      };
       again();  // with the state after the step that is to be undone
       other += !(s.sheet.x == x);
       s.elastic.restore(state);

@@ -30,8 +30,10 @@ double curvature_of(const Sheet& sheet) {
   double sum = 0;
   int count = 0;
   for (int v = 0; v < sheet.x.rows(); ++v)
-    if (std::abs(sheet.pattern(v, 0) - 0.5 * length) < 0.4 * length)
-      sum += curvature(v, 0), ++count;
+    if (std::abs(sheet.pattern(v, 0) - 0.5 * length) < 0.4 * length) {
+      sum += curvature(v, 0);
+      ++count;
+    }
   return sum / count;
 }
 
@@ -267,7 +269,10 @@ TEST(PlasticTest, PlasticCurvatureOfAVertexIsTheMeanOfTheTrianglesAroundIt) {
   for (int v = 0; v < after.rows(); ++v) {
     double ring = 0, own = 0;
     for (int t = 0; t < sheet.triangles.rows(); ++t)
-      if ((sheet.triangles.row(t).array() == v).any()) ring += area(t), own += t == 7 ? area(t) : 0;
+      if ((sheet.triangles.row(t).array() == v).any()) {
+        ring += area(t);
+        own += t == 7 ? area(t) : 0;
+      }
     EXPECT_NEAR(after(v, 2), 50 * own / ring, 1e-9) << v;
   }
 }
@@ -348,8 +353,8 @@ TEST(PlasticTest, WhereNothingYieldsAShotIsBitIdenticalToOneWithoutPlasticity) {
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 40;
-  const auto play = [&](Memory memory, double& flowed) {
-    options.memory = memory;
+  const auto play = [&](Plasticity plasticity, double& flowed) {
+    options.plasticity = plasticity;
     std::vector<Points3> x;
     animate(shot, hybrid(shot.pattern, shot.paper, 100, {}, 1, 0), options,
             [&](const AnimatedFrame& f) {
@@ -360,8 +365,8 @@ TEST(PlasticTest, WhereNothingYieldsAShotIsBitIdenticalToOneWithoutPlasticity) {
     return x;
   };
   double flowed, unused;
-  const std::vector<Points3> can = play(Memory::plastic, flowed),
-                             cannot = play(Memory::none, unused);
+  const std::vector<Points3> can = play(Plasticity::on, flowed),
+                             cannot = play(Plasticity::off, unused);
   ASSERT_EQ(can.size(), 40u);
   EXPECT_EQ(flowed, 0);
   for (std::size_t f = 0; f < can.size(); ++f) ASSERT_TRUE(can[f] == cannot[f]) << f;

@@ -26,8 +26,9 @@ namespace fs = std::filesystem;
 CacheFrame square(int cells, double height) {
   CacheFrame frame;
   const int side = cells + 1;
-  frame.x.resize(side * side, 3), frame.uv.resize(side * side, 2),
-      frame.triangles.resize(2 * cells * cells, 3);
+  frame.x.resize(side * side, 3);
+  frame.uv.resize(side * side, 2);
+  frame.triangles.resize(2 * cells * cells, 3);
   for (int i = 0; i < side * side; ++i) {
     frame.uv.row(i) << double(i % side) / cells, double(i / side) / cells;
     frame.x.row(i) << frame.uv.row(i), height;
@@ -166,7 +167,7 @@ TEST_F(AlembicCacheTest, RefusesNonFiniteNumbersAndNamesSheetFrameAndVertex) {
       writer.add_frame(1, frame);
       FAIL() << bad << " was taken";
     } catch (const Error& error) {
-      EXPECT_EQ(error.fault, Fault::simulation);
+      EXPECT_EQ(error.code, ErrorCode::simulation);
       EXPECT_EQ(error.place, "sheet \"letter.001\", frame 1002");
       EXPECT_NE(error.cause.find("position of vertex 7"), std::string::npos) << error.cause;
     }
@@ -177,8 +178,10 @@ TEST_F(AlembicCacheTest, RefusesNonFiniteNumbersInEveryChannel) {
   AlembicWriter writer(folder / "cache.abc", {}, {"paper"});
   const double none = std::numeric_limits<double>::quiet_NaN();
   CacheFrame velocity = square(1, 1), normal = velocity, uv = velocity;
-  velocity.velocity = velocity.x, velocity.velocity(0, 2) = none;
-  normal.normal = normal.x, normal.normal(3, 0) = none;
+  velocity.velocity = velocity.x;
+  velocity.velocity(0, 2) = none;
+  normal.normal = normal.x;
+  normal.normal(3, 0) = none;
   uv.uv(1, 1) = none;
   EXPECT_THROW(writer.add_frame(0, velocity), Error);
   EXPECT_THROW(writer.add_frame(0, normal), Error);
@@ -223,7 +226,7 @@ TEST_F(AlembicCacheTest, KeepsTheFramesBeforeTheDiskIsFull) {
     try {
       for (; given < frames.size(); ++given) writer.add_frame(0, frames[given]);
     } catch (const Error& error) {
-      EXPECT_EQ(error.fault, Fault::folder);
+      EXPECT_EQ(error.code, ErrorCode::folder);
     }
     kept = writer.finish();
   }
@@ -283,7 +286,7 @@ TEST_F(AlembicCacheTest, AFolderThatCannotBeWrittenIsAFolderError) {
       AlembicWriter writer(folder / place, {}, {"paper"});
       FAIL() << place << " was made";
     } catch (const Error& error) {
-      EXPECT_EQ(error.fault, Fault::folder);
+      EXPECT_EQ(error.code, ErrorCode::folder);
       EXPECT_NE(error.place.find("cache.abc"), std::string::npos) << error.place;
     }
 }

@@ -20,7 +20,9 @@ namespace fs = std::filesystem;
 /// A square of two triangles at some height [m].
 CacheFrame square(double height) {
   CacheFrame frame;
-  frame.x.resize(4, 3), frame.uv.resize(4, 2), frame.triangles.resize(2, 3);
+  frame.x.resize(4, 3);
+  frame.uv.resize(4, 2);
+  frame.triangles.resize(2, 3);
   for (int i = 0; i < 4; ++i) frame.uv.row(i) << i % 2, i / 2;
   frame.x << frame.uv, Eigen::Vector4d::Constant(height);
   frame.triangles << 0, 1, 3, 0, 3, 2;
@@ -32,7 +34,8 @@ CacheFrame square(double height) {
 /// The same square with both diagonals and a vertex in the middle.
 CacheFrame changed_square(double height) {
   CacheFrame frame = square(height);
-  frame.x.conservativeResize(5, 3), frame.uv.conservativeResize(5, 2);
+  frame.x.conservativeResize(5, 3);
+  frame.uv.conservativeResize(5, 2);
   frame.x.row(4) << 0.5, 0.5, height;
   frame.uv.row(4) << 0.5, 0.5;
   frame.triangles.resize(4, 3);
@@ -114,7 +117,7 @@ TEST_F(AlembicReaderTest, RefusesDamagedAndUnfinishedCaches) {
       for (std::size_t s = 0; s < cache.sheets().size(); ++s)
         for (std::size_t i = 0; i < cache.sheets()[s].frames; ++i) cache.frame(s, i);
     } catch (const Error& error) {
-      EXPECT_EQ(error.fault, Fault::scene);
+      EXPECT_EQ(error.code, ErrorCode::scene);
       EXPECT_EQ(error.place, file.string());
       return true;
     }

@@ -62,7 +62,7 @@ TEST(LockFile, AMissingKeyIsNamed) {
       read_lock(written(text));
       ADD_FAILURE() << text;
     } catch (const Error& error) {
-      EXPECT_EQ(error.fault, Fault::command);
+      EXPECT_EQ(error.code, ErrorCode::command);
       EXPECT_NE(std::string(error.what()).find(cause), std::string::npos) << error.what();
     }
   }

@@ -45,11 +45,11 @@ Error error_of(const std::string& name_or_file) {
   try {
     read_preset(name_or_file);
   } catch (const Error& error) {
-    EXPECT_EQ(error.fault, Fault::command);
+    EXPECT_EQ(error.code, ErrorCode::command);
     return error;
   }
   ADD_FAILURE() << name_or_file << " was read without an error";
-  return Error(Fault::command, "", "");
+  return Error(ErrorCode::command, "", "");
 }
 
 TEST(PresetFile, TheBuiltInGradesHaveTheDocumentedValues) {

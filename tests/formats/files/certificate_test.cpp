@@ -155,7 +155,7 @@ TEST(Certificate, ANonFiniteNumberIsAnErrorNamingFrameAndField) {
       frame_line(r);
       FAIL() << "accepted " << value;
     } catch (const Error& error) {
-      EXPECT_EQ(error.fault, Fault::simulation);
+      EXPECT_EQ(error.code, ErrorCode::simulation);
       EXPECT_EQ(error.place, "frame 37, sheet \"paper_A\"");
       EXPECT_NE(error.cause.find("energy_J"), std::string::npos);
     }

@@ -265,7 +265,7 @@ TEST_F(RasterImageFile, AMissingFolderIsAFolderError) {
     write_png(folder / "missing" / "a.png", coloured());
     FAIL() << "no error";
   } catch (const Error& error) {
-    EXPECT_EQ(error.fault, Fault::folder);
+    EXPECT_EQ(error.code, ErrorCode::folder);
     EXPECT_NE(std::string(error.what()).find("a.png"), std::string::npos);
   }
 }

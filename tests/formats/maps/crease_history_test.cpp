@@ -16,7 +16,9 @@ const Pattern square = rectangle(0.1, 0.1);
 
 DetectedCrease line(Vector2d from, Vector2d to, double strength) {
   DetectedCrease crease;
-  crease.from = from, crease.to = to, crease.strength = strength;
+  crease.from = from;
+  crease.to = to;
+  crease.strength = strength;
   return crease;
 }
 

@@ -63,7 +63,10 @@ struct Folder {
   std::filesystem::path path = std::filesystem::temp_directory_path() /
                                (std::string("paperbake_maps_") +
                                 testing::UnitTest::GetInstance()->current_test_info()->name());
-  Folder() { std::filesystem::remove_all(path), std::filesystem::create_directories(path); }
+  Folder() {
+    std::filesystem::remove_all(path);
+    std::filesystem::create_directories(path);
+  }
   ~Folder() { std::filesystem::remove_all(path); }
 };
 
@@ -85,13 +88,22 @@ inline Imf::FrameBuffer frame_buffer(Image& image) {
                                    sizeof(MapTexel) * image.size));
   };
   MapTexel& t = image.texels[0];
-  add("R", t.r), add("G", t.g), add("B", t.b), add("A", t.a);
-  add("fold.angle", t.dihedral_angle), add("fold.plastic", t.fold_plastic),
-      add("fold.peak", t.fold_peak);
-  add("age.crease", t.age_crease), add("age.apex", t.age_apex);
-  add("apex.dist", t.apex_dist), add("apex.cone", t.apex_cone), add("apex.id", t.apex_id);
-  add("dir.x", t.dir_x), add("dir.y", t.dir_y), add("strain.min", t.strain_min),
-      add("strain.max", t.strain_max);
+  add("R", t.r);
+  add("G", t.g);
+  add("B", t.b);
+  add("A", t.a);
+  add("fold.angle", t.dihedral_angle);
+  add("fold.plastic", t.fold_plastic);
+  add("fold.peak", t.fold_peak);
+  add("age.crease", t.age_crease);
+  add("age.apex", t.age_apex);
+  add("apex.dist", t.apex_dist);
+  add("apex.cone", t.apex_cone);
+  add("apex.id", t.apex_id);
+  add("dir.x", t.dir_x);
+  add("dir.y", t.dir_y);
+  add("strain.min", t.strain_min);
+  add("strain.max", t.strain_max);
   return buffer;
 }
 

@@ -314,8 +314,14 @@ TEST(CreaseMap, AnApexIsFoundWithinATexelAndIsTheOneOfItsNumber) {
       for (int j = v - size / 30; j < v + size / 30; ++j)
         for (int i = u - size / 30; i < u + size / 30; ++i) {
           const MapTexel& t = image.at(i, j);
-          mask += t.g, x += i * double(t.g), y += j * double(t.g);
-          if (t.apex_dist < nearest) nearest = t.apex_dist, at_i = i, at_j = j;
+          mask += t.g;
+          x += i * double(t.g);
+          y += j * double(t.g);
+          if (t.apex_dist < nearest) {
+            nearest = t.apex_dist;
+            at_i = i;
+            at_j = j;
+          }
         }
       ASSERT_GT(mask, 1);
       EXPECT_NEAR(x / mask, u, 0.25);

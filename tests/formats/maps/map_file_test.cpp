@@ -193,12 +193,22 @@ TEST(MapFile, TheLevelsOfATiledMapAreHalvedAndTheFirstIsTheScanlineMap) {
 
 TEST(MapFile, ALevelIsTheMeanOfTheCoveredTexelsAndIdsAreNotAveraged) {
   std::vector<MapTexel> four(4);
-  four[0].a = 1.0f, four[0].r = 1.0f, four[0].dihedral_angle = 0.3f, four[0].apex_id = 7,
-  four[0].dir_x = 0, four[0].dir_y = 1;
-  four[1].a = 0.5f, four[1].r = 0.0f, four[1].dihedral_angle = 0.6f, four[1].apex_id = 9,
-  four[1].dir_x = 0, four[1].dir_y = -1;
+  four[0].a = 1.0f;
+  four[0].r = 1.0f;
+  four[0].dihedral_angle = 0.3f;
+  four[0].apex_id = 7;
+  four[0].dir_x = 0;
+  four[0].dir_y = 1;
+  four[1].a = 0.5f;
+  four[1].r = 0.0f;
+  four[1].dihedral_angle = 0.6f;
+  four[1].apex_id = 9;
+  four[1].dir_x = 0;
+  four[1].dir_y = -1;
   four[0].age_crease = 2;
-  four[2].r = 1.0f, four[2].dihedral_angle = 99, four[2].apex_id = 11;  // padding: not covered
+  four[2].r = 1.0f;
+  four[2].dihedral_angle = 99;
+  four[2].apex_id = 11;  // padding: not covered
   const std::vector<MapTexel> one = next_level(four, 2, 1);
   ASSERT_EQ(one.size(), 1u);
   EXPECT_FLOAT_EQ(one[0].a, 0.375f);
@@ -213,12 +223,18 @@ TEST(MapFile, ALevelIsTheMeanOfTheCoveredTexelsAndIdsAreNotAveraged) {
 TEST(MapFile, TexelsOfAnOddSideAreWeightedByArea) {
   std::vector<MapTexel> row(9);
   // the middle column
-  for (int t = 0; t < 9; ++t) row[t].a = 1.0f, row[t].strain_max = t % 3 == 1 ? 3.0f : 0.0f;
+  for (int t = 0; t < 9; ++t) {
+    row[t].a = 1.0f;
+    row[t].strain_max = t % 3 == 1 ? 3.0f : 0.0f;
+  }
   const std::vector<MapTexel> one = next_level(row, 3, 2);
   ASSERT_EQ(one.size(), 1u);
   EXPECT_FLOAT_EQ(one[0].strain_max, 1);
   std::vector<MapTexel> five(25);
-  for (int t = 0; t < 25; ++t) five[t].a = 1.0f, five[t].strain_max = t % 5 == 2 ? 1.0f : 0.0f;
+  for (int t = 0; t < 25; ++t) {
+    five[t].a = 1.0f;
+    five[t].strain_max = t % 5 == 2 ? 1.0f : 0.0f;
+  }
   // half a texel out of 2.5
   for (const MapTexel& t : next_level(five, 5, 1)) EXPECT_FLOAT_EQ(t.strain_max, 0.2f);
 }
@@ -259,7 +275,7 @@ TEST(MapFile, AMissingFolderIsAFolderError) {
     map.write(folder.path / "missing" / "map.exr", {});
     FAIL();
   } catch (const Error& error) {
-    EXPECT_EQ(error.fault, Fault::folder);
+    EXPECT_EQ(error.code, ErrorCode::folder);
     EXPECT_NE(error.place.find("map.exr"), std::string::npos);
   }
 }
@@ -283,7 +299,7 @@ TEST(MapFile, AFullDiskIsAFolderErrorAndLeavesNoFile) {
   try {
     map.write(folder.path / "map.exr", {});
   } catch (const Error& error) {
-    folder_error = error.fault == Fault::folder;
+    folder_error = error.code == ErrorCode::folder;
   }
   setrlimit(RLIMIT_FSIZE, &before);
   std::signal(SIGXFSZ, old);

@@ -101,9 +101,10 @@ class FbxFixture {
     const auto slope = [&](std::size_t i) {
       return i < c.tangents.size() ? bits(float(c.tangents[i])) : 0;
     };
-    for (std::size_t k = 0; k < n; ++k)
-      times.push_back(ticks(c.frames[k])),
-          data.insert(data.end(), {slope(k), slope(k + 1), 218434821, 0});
+    for (std::size_t k = 0; k < n; ++k) {
+      times.push_back(ticks(c.frames[k]));
+      data.insert(data.end(), {slope(k), slope(k + 1), 218434821, 0});
+    }
     const auto array = [](const char* name, const auto& list) {
       return fmt::format("{}: *{} {{\na: {}\n}}\n", name, list.size(), fmt::join(list, ","));
     };

@@ -142,8 +142,10 @@ TEST(GltfCurves, TimesOfVideoRatesAreMovedToWholeFrames) {
     GltfFixture fixture;
     std::vector<double> seconds;
     std::vector<float> values;
-    for (int f = 100; f <= 300; f += 4)
-      seconds.push_back(f / rate), values.insert(values.end(), {float(f), 0, 0});
+    for (int f = 100; f <= 300; f += 4) {
+      seconds.push_back(f / rate);
+      values.insert(values.end(), {float(f), 0, 0});
+    }
     fixture.animate(fixture.node("a", {0, 0, 0}), "translation", seconds, values);
     const Tracks tracks = read_tracks(fixture.write("video.gltf"), options);
     EXPECT_EQ(tracks.first_frame, 100);

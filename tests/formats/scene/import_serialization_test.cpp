@@ -23,7 +23,8 @@ ImportResult held_sheet() {
 
 TEST(ImportSerialization, RestoresWhatWasWritten) {
   ImportResult result = held_sheet();
-  result.place = "scene.glb", result.cause = "It is damaged.";
+  result.place = "scene.glb";
+  result.cause = "It is damaged.";
   const ImportResult back = deserialize(serialize(result));
   EXPECT_EQ(back.place, result.place);
   EXPECT_EQ(back.cause, result.cause);

@@ -23,7 +23,10 @@ TEST(Sandbox, ReturnsAllBytes) {
 
 TEST(Sandbox, DoesNotChangeThisProcess) {
   int touched = 0;
-  run_sandboxed([&] { return ++touched, std::string(); });
+  run_sandboxed([&] {
+    ++touched;
+    return std::string();
+  });
   EXPECT_EQ(touched, 0);
 }
 

@@ -90,7 +90,10 @@ TEST(SceneFbxUfbx, StepsAreOnTheirFrameAtRatesOfVideo) {
   const auto a = fbx.node("a");
   fbx.stack("Take 001", 1001, 1100);
   FbxCurve steps{{}, {}, 2, {}};
-  for (int f = 1001; f <= 1100; ++f) steps.frames.push_back(f), steps.values.push_back(f);
+  for (int f = 1001; f <= 1100; ++f) {
+    steps.frames.push_back(f);
+    steps.values.push_back(f);
+  }
   fbx.curve(fbx.layer(), a, "Lcl Translation", 'X', steps);
   expect_track(x_track(fbx.write("video.fbx")), 1001, steps.values, 1e-4);
 }

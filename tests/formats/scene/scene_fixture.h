@@ -65,7 +65,7 @@ inline std::string error_of(const std::filesystem::path& path, const SceneOption
   try {
     read_scene(path, options);
   } catch (const Error& error) {
-    EXPECT_EQ(error.fault, Fault::scene);
+    EXPECT_EQ(error.code, ErrorCode::scene);
     EXPECT_FALSE(error.remedy.empty()) << error.what();
     return error.what();
   }

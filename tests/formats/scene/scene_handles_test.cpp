@@ -39,7 +39,8 @@ TEST(SceneHandles, AHandleThatJumpsNamesFramesAndDistance) {
 
 TEST(SceneHandles, ANodeThatGroupsHandlesIsWarnedOf) {
   HeldSheet fixture;
-  fixture.make_child(fixture.fixed), fixture.make_child(fixture.moved);
+  fixture.make_child(fixture.fixed);
+  fixture.make_child(fixture.moved);
   fixture.node("handles_grp", {0, 0, 0}, "{}",
                fmt::format(R"("children":[{},{}],)", fixture.fixed, fixture.moved));
   EXPECT_TRUE(has_warning(read_scene(fixture.write("group.gltf")),

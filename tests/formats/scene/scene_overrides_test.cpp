@@ -77,7 +77,7 @@ TEST(SceneOverrides, APatternWithoutAMatchIsAnErrorThatListsTheNames) {
     apply_overrides(file, {radius("grip", 1)});
     FAIL();
   } catch (const Error& error) {
-    EXPECT_EQ(error.fault, Fault::command);
+    EXPECT_EQ(error.code, ErrorCode::command);
     EXPECT_EQ(error.place, "job.toml:1:1");
     EXPECT_NE(error.remedy.find("\"handle.a\", \"handle.b\""), std::string::npos) << error.remedy;
   }

@@ -11,6 +11,6 @@ extern "C" int bake_six_frames(const char* scene, const char* folder) {
     return result.missed_gates.empty() ? 0 : 4;
   } catch (const paperbake::Error& error) {
     std::fprintf(stderr, "%s\n", error.what());
-    return static_cast<int>(error.fault);
+    return static_cast<int>(error.code);
   }
 }

@@ -24,7 +24,8 @@ std::pair<double, double> lengths(const Sheet& sheet, const Points3& metric) {
     for (int i = 0; i < 3; ++i) {
       const double l =
           metric_length(sheet, metric, sheet.triangles(t, i), sheet.triangles(t, (i + 1) % 3));
-      longest = std::max(longest, l), shortest = std::min(shortest, l);
+      longest = std::max(longest, l);
+      shortest = std::min(shortest, l);
     }
   return {longest, shortest};
 }
@@ -146,8 +147,10 @@ TEST(EdgeOperationsTest, ACollapseDoesNotSweepThroughAnotherLayer) {
   Sheet alone = test::flat_sheet(sheet.pattern, sheet.triangles);
   alone.x = x.topRows(half);
   Points3 lone_metric = even(alone, 0.08, 0.08);
-  for (int round = 0; round < 6; ++round)
-    collapse_short_edges(alone, lone_metric, 0, 0.8), flip_to_delaunay(alone, lone_metric);
+  for (int round = 0; round < 6; ++round) {
+    collapse_short_edges(alone, lone_metric, 0, 0.8);
+    flip_to_delaunay(alone, lone_metric);
+  }
   // without the other layer more vertices are removed
   EXPECT_LT(2 * alone.triangles.rows(), layers.triangles.rows());
 }

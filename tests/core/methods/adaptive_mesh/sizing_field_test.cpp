@@ -41,15 +41,15 @@ TEST(SizingFieldTest, OptionsBoundTheSizes) {
   const auto sizes = [&](const SizingOptions& options) {
     return sizes_at(sheet, sizing_field(sheet, {}, side, options), {0.05, 0.05});
   };
-  SizingOptions usual, round, coarse, small;
+  SizingOptions by_default, round, coarse, small;
   round.aspect = 1.5;
   coarse.smallest = 0.1;  // of the longer side
   small.largest = 0.12;
   EXPECT_NEAR(sizes(round).y() / sizes(round).x(), 1.5, 0.05);
   EXPECT_NEAR(sizes(coarse).x(), 0.1 * side, 1e-6);
   EXPECT_NEAR(sizes(small).y(), 0.12 * side, 1e-4);
-  EXPECT_LT(sizes(usual).x(), 0.08 * side);
-  EXPECT_GT(sizes(usual).y(), 0.15 * side);
+  EXPECT_LT(sizes(by_default).x(), 0.08 * side);
+  EXPECT_GT(sizes(by_default).y(), 0.15 * side);
 }
 
 TEST(SizingFieldTest, SizesGrowAwayFromACreaseWithinTheirLimit) {

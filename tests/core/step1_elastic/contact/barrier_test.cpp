@@ -83,7 +83,10 @@ TEST(BarrierTest, NoFastVertexPassesThroughATriangleNorAnEdgeThroughAnEdge) {
   for (int k = 0; k < 4000; ++k) {
     const bool edges = k % 2;
     Corners x, move;
-    for (int i = 0; i < 4; ++i) x[i] = point(), move[i] = 5 * point();
+    for (int i = 0; i < 4; ++i) {
+      x[i] = point();
+      move[i] = 5 * point();
+    }
     const double share = collision_free_step(x, move, edges), d = distance(x, edges);
     ASSERT_GE(share, 0);
     ASSERT_LE(share, 1);

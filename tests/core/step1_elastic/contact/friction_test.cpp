@@ -206,9 +206,11 @@ struct Leaf {
         of_low(paper(mu), options(inertia)),
         of_leaf(paper(mu), options(inertia)) {
     leaf.x.rowwise() += Eigen::RowVector3d(0.02, 0.02, 0.99 * dhat);
-    low.x = (low.x * turn).eval(), leaf.x = (leaf.x * turn).eval();
+    low.x = (low.x * turn).eval();
+    leaf.x = (leaf.x * turn).eval();
     for (int v = 0; v < low.x.rows(); ++v) everywhere.constraints.push_back({v, low.x.row(v)});
-    of_low.set_mesh(low), of_leaf.set_mesh(leaf);
+    of_low.set_mesh(low);
+    of_leaf.set_mesh(leaf);
   }
 
   void step() {

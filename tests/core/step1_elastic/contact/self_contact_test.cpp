@@ -29,7 +29,7 @@ TEST(SelfContactTest, AShotInWhichNothingTouchesIsBitIdenticalToOneWithoutContac
   const Shot shot = test::s1_push();
   AnimateOptions options;
   options.last_frame = 60;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   bool touched, unused;
   const auto method = [&] { return hybrid(shot.pattern, shot.paper, 100, {}, 1, 0); };
   const std::vector<Points3> with = shapes(shot, method(), options, touched);
@@ -70,15 +70,16 @@ TEST(SelfContactTest, ACrumpledSheetNeverPassesThroughItself) {
     AnimateOptions options;
     options.last_frame = 34;
     options.seed = 2;
-    options.memory = Memory::plastic;
+    options.plasticity = Plasticity::on;
     options.elastic.contact = contact;
     const bool on = contact == SelfContact::automatic;
     animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 2, 0), options,
             [&](const AnimatedFrame& f) {
               crossed[on] += crossings(*f.sheet);
-              if (on)
-                touching = std::max(touching, f.statistics.touching),
+              if (on) {
+                touching = std::max(touching, f.statistics.touching);
                 stretch = std::max(stretch, length_distortion(*f.sheet).largest);
+              }
               return true;
             });
   }
@@ -93,7 +94,7 @@ TEST(SelfContactTest, ACrumpledSheetAtRestStillTouchesItself) {
   AnimateOptions options;
   options.last_frame = 60;
   options.seed = 2;
-  options.memory = Memory::plastic;
+  options.plasticity = Plasticity::on;
   int touching = 0, asleep = 0;
   animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 2, 0), options,
           [&](const AnimatedFrame& f) {

@@ -16,7 +16,8 @@ TEST(ExternalForcesTest, TheGradientIsTheDerivativeOfTheEnergyAndThePotential) {
   for (int v = 0; v < 3; ++v)
     for (int k = 0; k < 3; ++k) {
       Points3 ahead = x, behind = x;
-      ahead(v, k) += step, behind(v, k) -= step;
+      ahead(v, k) += step;
+      behind(v, k) -= step;
       const double slope = (forces.energy(mass, ahead) - forces.energy(mass, behind)) / (2 * step);
       EXPECT_NEAR(slope, mass[v] * Eigen::RowVector3d(forces.gradient())[k], 1e-12);
     }

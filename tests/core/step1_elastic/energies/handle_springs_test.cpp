@@ -26,7 +26,8 @@ TEST(HandleSpringsTest, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
     const Eigen::MatrixXd second = matrix.dense();
     for (int k = 0; k < 3; ++k) {
       Points3 ahead = x, behind = x;
-      ahead(0, k) += step, behind(0, k) -= step;
+      ahead(0, k) += step;
+      behind(0, k) -= step;
       EXPECT_NEAR((spring_energy(springs, ahead) - spring_energy(springs, behind)) / (2 * step),
                   gradient(0, k), 1e-4);
       differentiate_at(behind, before);

@@ -102,8 +102,10 @@ TEST(RidgeYieldTest, TheGridKeepsTheSharpestRidgeThatAPlaceEverHad) {
   PlasticGrid grid(test::rectangle(0.1, 0.1));
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
   PlasticMemory sharp(static_cast<int>(sheet.triangles.rows())), blunt = sharp;
-  sharp.hardening.setConstant(1), sharp.ridge.setConstant(0.8);
-  blunt.hardening.setConstant(1), blunt.ridge.setConstant(0.3);
+  sharp.hardening.setConstant(1);
+  sharp.ridge.setConstant(0.8);
+  blunt.hardening.setConstant(1);
+  blunt.ridge.setConstant(0.3);
   grid.write(cover, sharp);
   grid.write(cover, blunt);
   EXPECT_NEAR(grid.read(cover).ridge.minCoeff(), 0.8, 1e-12);

@@ -34,11 +34,13 @@ struct TwoLayers {
     for (Sheet* s : {&low, &high})
       for (int v = 0; v < s->x.rows(); ++v)
         s->x.row(v) += Eigen::RowVector3d(0.1 * noise(random), 0.1 * noise(random), noise(random));
-    stiff.bending_stiffness *= 5, stiff.membrane_stiffness *= 2;
+    stiff.bending_stiffness *= 5;
+    stiff.membrane_stiffness *= 2;
     of_low.emplace(Paper{}, low.pattern, low.triangles);
     of_high.emplace(stiff, high.pattern, high.triangles);
     const int n = static_cast<int>(low.x.rows()), m = static_cast<int>(high.x.rows());
-    mass_low = Eigen::VectorXd::Constant(n, 1e-5), mass_high = Eigen::VectorXd::Constant(m, 3e-5);
+    mass_low = Eigen::VectorXd::Constant(n, 1e-5);
+    mass_high = Eigen::VectorXd::Constant(m, 3e-5);
     Points2 pattern(n + m, 2);
     // they overlap on the pattern, but features of two sheets are not neighbours because of that
     pattern << low.pattern, high.pattern;
@@ -52,8 +54,8 @@ struct TwoLayers {
     xhat = x.array() + 1e-3;
     blocks.resize(n + m);
     std::iota(blocks.begin(), blocks.end(), 0);
-    blocks_low.assign(blocks.begin(), blocks.begin() + n),
-        blocks_high.assign(blocks.begin() + n, blocks.end());
+    blocks_low.assign(blocks.begin(), blocks.begin() + n);
+    blocks_high.assign(blocks.begin() + n, blocks.end());
     for (int i = 0; i < n + m; ++i)
       for (int j = 0; j < i; ++j) coupled.emplace_back(i, j);
   }
@@ -85,7 +87,8 @@ TEST(JointStepTest, DerivativesOfThePotentialOfTwoSheetsMatchItsValue) {
   two.contact->begin(two.x, {}, dt);
   ASSERT_GT(two.contact->active_by_sheet(two.x)[0].others, 100);
   BlockCholesky matrix(static_cast<int>(two.x.rows()), two.coupled);
-  two.of_low->bind(matrix, two.blocks_low), two.of_high->bind(matrix, two.blocks_high);
+  two.of_low->bind(matrix, two.blocks_low);
+  two.of_high->bind(matrix, two.blocks_high);
   two.contact->bind(matrix, two.blocks);
   const IncrementalPotential W = two.potential(&*two.contact), apart = two.potential(nullptr);
   Points3 gradient, unused, before, after;
@@ -140,7 +143,8 @@ TEST(JointStepTest, AFreeSheetThatRunsIntoAnotherPassesItsMomentumOn) {
   options.inertia = Inertia::dynamic;
   options.stop = 1e-8;
   Elastic of_low({}, options), of_high({}, options);
-  of_low.set_mesh(low), of_high.set_mesh(high);
+  of_low.set_mesh(low);
+  of_high.set_mesh(high);
   const double speed = 0.1;  // [m/s] enough to pass through it in one step of 1/96 s
   low.v.col(2).setConstant(speed);
   const StepInput none;
@@ -178,7 +182,10 @@ TEST(JointStepTest, CollisionFreeUntilASheetPassesThroughTheOtherOrEndsCloseToIt
   const Points3 nowhere(0, 3);
   const auto clear = [&](const std::vector<double>& heights) {
     std::vector<Points3> stays(heights.size(), low.x), goes;
-    for (const double z : heights) goes.push_back(high.x), goes.back().col(2).setConstant(z);
+    for (const double z : heights) {
+      goes.push_back(high.x);
+      goes.back().col(2).setConstant(z);
+    }
     return Elastic::clear({low, none, stays, nowhere}, {high, none, goes, nowhere}, 2e-3);
   };
   EXPECT_TRUE(clear({0.01, 0.003}));
