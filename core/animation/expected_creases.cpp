@@ -244,9 +244,9 @@ class Clamps {
     return line;
   }
 
-  /// [rad] Dihedral angle between a plate on the left of the line and another clamp on the right, in
-  /// the first half of a turn to either side; none: one of them does not hold, or the paper between
-  /// them cannot be flat up to the line, because it is bowed.
+  /// [rad] Dihedral angle between a plate on the left of the line and another clamp on the right,
+  /// in the first half of a turn to either side; none: one of them does not hold, or the paper
+  /// between them cannot be flat up to the line, because it is bowed.
   std::optional<double> turn_of(const Line& line, const Clamp& plate, const Clamp& other,
                                 int row) const {
     const std::optional<Pose> left = pose(plate, row);

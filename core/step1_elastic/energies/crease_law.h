@@ -54,8 +54,8 @@ inline CreaseResponse turn_crease(const CreaseLaw& law, double rest, double thet
           tangent, p};
 }
 
-/// The same for a crease that hands press to the angle `pressed` [rad]: their moment takes the place
-/// of its own, and its rest angle yields as it does without them.
+/// The same for a crease that hands press to the angle `pressed` [rad]: their moment takes the
+/// place of its own, and its rest angle yields as it does without them.
 inline CreaseResponse press_crease(const CreaseLaw& law, double rest, double pressed,
                                    double theta) {
   const double off = theta - pressed;

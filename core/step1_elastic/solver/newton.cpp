@@ -172,8 +172,8 @@ void Newton::line_search_newton(Points3& x) {
     const double done = length * free * std::min(asked, max_move_);
     const bool whole = length == 1 && free == 1 && asked <= max_move_;
     const double ahead = last > 0 ? done * std::min(1.0, done / last) : done;
-    // Between barriers steps alternate between long and short, and those of the projected Hessian are
-    // too short: there, steps have to shrink twice.
+    // Between barriers steps alternate between long and short, and those of the projected Hessian
+    // are too short: there, steps have to shrink twice.
     const bool trusted = !W_.contact || (form == HessianForm::exact && before_last > 0 &&
                                          last < before_last && done < last);
     if (whole && trusted && (ahead < options_.stop || done < options_.stop)) {

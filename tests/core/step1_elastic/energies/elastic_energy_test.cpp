@@ -455,9 +455,11 @@ TEST(ElasticEnergyTest, NoMomentOfThePlateCrossesAFoldedCrease) {
     // what the crease does to the paper: its moment over 10 mm, to and from the nearest vertices
     Points3 gradient;
     crease.gradient(folded.x, gradient);
-    for (int v = 0; v < gradient.rows(); ++v)
-      if (std::abs(folded.pattern(v, 0) - 0.05) > 0.0101)
+    for (int v = 0; v < gradient.rows(); ++v) {
+      if (std::abs(folded.pattern(v, 0) - 0.05) > 0.0101) {
         EXPECT_LT(gradient.row(v).norm(), 1e-9) << v;
+      }
+    }
     const Eigen::RowVector3d beside = gradient.row(8) + gradient.row(9);
     EXPECT_NEAR(beside.norm(), std::abs(0.05 * alone.moment / 0.01), 1e-9);
   }
