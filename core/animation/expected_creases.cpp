@@ -23,6 +23,7 @@ constexpr double min_width = 0.02;   // [1] of the longer side: a clamp is no li
 constexpr double min_turn = 60 * M_PI / 180;
 constexpr double straight = 0.05;    // [1] ratio of the singular values of R_a - R_b
 constexpr double max_misfit = 0.02;  // [1] of the longer side
+constexpr double min_rise = 0.5;     // [1] of the distance of a row from the line
 constexpr double on_line = 5e-3;     // [1] of the longer side: handles this near are on the line
 constexpr double first_turn = 3 * M_PI / 180;
 constexpr double same_line = 0.01;  // [1] of the longer side
@@ -217,7 +218,7 @@ class Clamps {
   /// where a is the handle on the pattern and q is where it goes: of each handle a line, in the
   /// frame in which the handles are farthest from where a flat sheet would have them.
   std::optional<Line> axis_of_row(const Clamp& plate, const Clamp& handles) const {
-    double most = 0;
+    double most = 0, highest = 0;
     Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
     Vector2d sum(0, 0);  // of c n, where n.p = c
     for (int row = 0; row < frames_; ++row) {
@@ -228,6 +229,7 @@ class Clamps {
       for (const int h : handles.handles) {
         const Vector3d q = seen_from(*from, h, row);
         const Vector2d a = place(h), n = 2 * (a - q.head<2>());
+        highest = std::max(highest, std::abs(q.z()));
         normals_now += n * n.transpose();
         sum_now += (a.squaredNorm() - q.squaredNorm()) * n;
       }
@@ -241,6 +243,8 @@ class Clamps {
     Line line;
     line.point = sum.dot(normal) / along * normal;
     line.direction = {-normal.y(), normal.x()};
+    // handles that stay near the plane do not turn: they push the paper together
+    if (highest < min_rise * std::abs(line.side(middle(handles)))) return std::nullopt;
     return line;
   }
 
@@ -282,7 +286,8 @@ class Clamps {
   /// [m] By how much two clamps may miss each other at the line and still fold the paper there. A
   /// sheet of length l that bends evenly by the same turn misses it by about l turn/8.
   double max_slack(const Line& line, double turn) const {
-    return std::min(max_misfit * side_, 0.25 * line.reach * std::abs(turn) / 8);
+    constexpr double rounding = 1e-4;  // [1] of the longer side
+    return std::min(max_misfit * side_, rounding * side_ + 0.25 * line.reach * std::abs(turn) / 8);
   }
 
   Vector2d middle(const Clamp& clamp) const {

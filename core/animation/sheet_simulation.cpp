@@ -135,9 +135,9 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   step_ = {};
   result_.frame = ++frame_;
   input_ = {handles_.held(frame_)};
-  fold_by_hands(started_.sheet, shot_.hands, frame_ - options_.first_frame);
-  if (shot_.colliders)
-    input_.colliders = motion_to(*shot_.colliders, frame_ - options_.first_frame);
+  const int row = frame_ - options_.first_frame;
+  fold_by_hands(sheet, shot_.hands, row);
+  if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
   const bool first = frame_ == options_.first_frame;
   const std::size_t born = sheet.singular.size();
   const double moved = max_displacement(sheet, input_, input_before_.constraints, positions_before_,

@@ -22,7 +22,7 @@ Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 }  // namespace
 
 ColliderBarrier collider_barrier(double d) {
-  constexpr double kappa = 2000, reach = collider_dhat, first = 0.2 * reach;
+  constexpr double kappa = 200, reach = collider_dhat, first = 0.2 * reach;
   if (d >= reach) return {0, 0, 0};
   const auto at = [&](double s) -> ColliderBarrier {
     const double in = s - reach, logarithm = std::log(s / reach);

@@ -23,8 +23,8 @@ class Newton {
         mean_edge_(system.mean_edge),
         membrane_stiffness_(system.membrane_stiffness),
         options_(options),
-        max_move_(W_.contact ? std::min(2 * mean_edge_, 10 * W_.contact->dhat())
-                             : 2 * mean_edge_) {}
+        max_move_(W_.contact ? std::min(2 * mean_edge_, 10 * W_.contact->dhat()) : 2 * mean_edge_) {
+  }
 
   /// The first variant. stress: of the membrane before the first iteration
   /// returns  false if it did not converge to an acceptable minimum; x is then arbitrary

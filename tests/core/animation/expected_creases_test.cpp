@@ -284,14 +284,28 @@ TEST(ExpectedCreasesTest, ATurnOfLessThanSixtyDegreesIsNoFold) {
   EXPECT_EQ(lines_of(held(page, corner(61 * degrees))).size(), 1u);
 }
 
-TEST(ExpectedCreasesTest, HandlesInOneLineAreNoClamp) {
+TEST(ExpectedCreasesTest, ARowOfHandlesFoldsAgainstAPlateWhereItGoesOnAnArc) {
   const Poses turn = turning(170 * degrees, {0, low_fold}, {-1, 0});
   const std::vector<Vector2d> row{{0, 0}, {0.105, 0}, {0.210, 0}};
-  EXPECT_TRUE(lines_of(held(a4, {{in_the_middle, still}, {row, turn}})).empty());
-  EXPECT_TRUE(lines_of(held(a4, {{in_the_middle, still}, {{row[0], row[2]}, turn}})).empty());
   std::vector<Vector2d> plate = row;
   plate.push_back({0.1, 0.03});
-  EXPECT_EQ(lines_of(held(a4, {{in_the_middle, still}, {plate, turn}})).size(), 1u);
+  const std::vector<ExpectedCrease> expected =
+      lines_of(held(a4, {{in_the_middle, still}, {plate, turn}}));
+  ASSERT_EQ(expected.size(), 1u);
+  for (const std::vector<Vector2d>& some : {row, {row[0], row[2]}}) {
+    const std::vector<ExpectedCrease> lines =
+        lines_of(held(a4, {{in_the_middle, still}, {some, turn}}));
+    ASSERT_EQ(lines.size(), 1u);
+    EXPECT_TRUE(line_between(lines, {0, low_fold}, {0.210, low_fold}));
+    for (int f = 0; f < frames; ++f) EXPECT_NEAR(lines[0].turn[f], expected[0].turn[f], 1e-6) << f;
+  }
+  // a row that comes nearer in the plane of the sheet bows it
+  const auto push = [](double s) {
+    return Isometry3d(Eigen::Translation3d(Vector3d(0, 0.05 * s, 0)));
+  };
+  EXPECT_TRUE(lines_of(held(a4, {{in_the_middle, still}, {row, push}})).empty());
+  // two rows say nothing of the plane between them
+  EXPECT_TRUE(lines_of(held(a4, {{{{0, 0.15}, {0.21, 0.15}}, still}, {row, turn}})).empty());
 }
 
 TEST(ExpectedCreasesTest, ATwistedStripIsNotFolded) {
