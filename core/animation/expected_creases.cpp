@@ -185,8 +185,8 @@ class Clamps {
     return sum / clamp.handles.size();
   }
 
-  /// The dihedral angle between two clamps on the left and on the right of the line, in every frame;
-  /// it changes by less than half a turn from one frame to the next.
+  /// The dihedral angle between two clamps on the left and on the right of the line, in every
+  /// frame; it changes by less than half a turn from one frame to the next.
   std::vector<double> turns(const Line& line, const Clamp& left, const Clamp& right) const {
     std::vector<double> turns(frames_, std::numeric_limits<double>::quiet_NaN());
     double last = 0;

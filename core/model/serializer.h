@@ -131,7 +131,9 @@ class Serializer {
 
 inline void archive(Serializer& a, SingularPoint& s) { a(s.pattern, s.frame_of_birth, s.cause); }
 inline void archive(Serializer& a, PrescribedCrease& f) { a(f.line, f.angle, f.folded); }
-inline void archive(Serializer& a, CreaseEdge& e) { a(e.a, e.b, e.rest_angle, e.folded, e.pressed); }
+inline void archive(Serializer& a, CreaseEdge& e) {
+  a(e.a, e.b, e.rest_angle, e.folded, e.pressed);
+}
 
 /// Positions, velocities, apices and the state of creases, for a sheet whose mesh is known already.
 inline void archive_moving(Serializer& a, Sheet& s) {

@@ -73,8 +73,7 @@ RenderFeatures ShotRecord::features(const Shot& shot) const {
   for (const SingularPoint& point : singular_) features.points.push_back(point.pattern);
   const double least = std::min(2.0, 0.25 * frames_.size());
   for (const auto& [key, crease] : creases_)
-    if (crease.frames >= least &&
-        !crease_under(folds_, crease.a, crease.b))
+    if (crease.frames >= least && !crease_under(folds_, crease.a, crease.b))
       features.creases.push_back({crease.a, crease.b, crease.frames});
   return features;
 }

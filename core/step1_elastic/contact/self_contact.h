@@ -65,8 +65,8 @@ class Contact {
   Contact(const Points2& pattern, const Triangles&, double friction = 0);
   Contact(const Points2& pattern, const Triangles&, SheetPartition);
 
-  /// [m] dhat of the sheet: 0.5 mm, or 1 % of the side of a square of the same area if that is less;
-  /// the largest one of several sheets.
+  /// [m] dhat of the sheet: 0.5 mm, or 1 % of the side of a square of the same area if that is
+  /// less; the largest one of several sheets.
   double dhat() const { return dhat_; }
 
   /// True if nothing collides on the straight motion from `from` to `to` and no pair is closer than

@@ -20,10 +20,10 @@ struct CreaseLaw {
 ///         would fold instead
 ///   H   = 0.03 k: a little, so that the tangent never vanishes
 ///
-/// source  150 h: prefolded paper, 147 h at 0.129 mm [Pradier 2016], 185 h at 0.27 mm [Yasuda 2013],
-///         both from the survey of [Filipov 2017]; 10-100 h and more [Lechenault
-///         2014]; 0.6 and 0.03: assumed. Copy paper that was folded flat and let go keeps a turn
-///         of 128 degrees with them; by hand, without a nail, 90-130 are usual.
+/// source  150 h: prefolded paper, 147 h at 0.129 mm [Pradier 2016], 185 h at 0.27 mm
+///         [Yasuda 2013], both from the survey of [Filipov 2017]; 10-100 h and more
+///         [Lechenault 2014]; 0.6 and 0.03: assumed. Copy paper that was folded flat and let go
+///         keeps a turn of 129.7 degrees with them; by hand, without a nail, 90-130 are usual.
 inline CreaseLaw crease_law(const Paper& paper) {
   const double k = paper.bending_stiffness / (150 * paper.thickness);
   return {k, 0.6 * paper.bending_stiffness * 2 * paper.yield_strain / paper.thickness, 0.03 * k};
@@ -54,8 +54,8 @@ inline CreaseResponse turn_crease(const CreaseLaw& law, double rest, double thet
           tangent, p};
 }
 
-/// The same for a crease that hands press to the angle `pressed` [rad]: their moment takes the place
-/// of its own, and its rest angle yields as it does without them.
+/// The same for a crease that hands press to the angle `pressed` [rad]: their moment takes the
+/// place of its own, and its rest angle yields as it does without them.
 inline CreaseResponse press_crease(const CreaseLaw& law, double rest, double pressed,
                                    double theta) {
   const double off = theta - pressed;

@@ -7,9 +7,9 @@
 namespace paperbake {
 namespace {
 
-constexpr double hard = 3e4;         // [N/m] a tenth of the stiffness of paper itself
-constexpr double yield_force = 3;    // [N] a hand holds paper by this
-constexpr double yielding = 300;     // [N/m]
+constexpr double hard = 3e4;       // [N/m] a tenth of the stiffness of paper itself
+constexpr double yield_force = 3;  // [N] a hand holds paper by this
+constexpr double yielding = 300;   // [N/m]
 
 struct Spring {
   double stiffness;    // [N/m] k

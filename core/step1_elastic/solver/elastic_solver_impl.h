@@ -75,9 +75,8 @@ struct Elastic::Impl {
   /// returns  [m rad] growth of the integral
   double commit_plastic_state(const std::vector<double>& dihedral_angles);
 
-
-  /// Reads the state of the creases from the sheet: at the beginning of each step, because the sheet
-  /// may have been set back or folded since the last one.
+  /// Reads the state of the creases from the sheet: at the beginning of each step, because the
+  /// sheet may have been set back or folded since the last one.
   /// curl  removed: the plastic curvature of triangles at edges that are folded now, and were not
   ///       before, is taken out of the grid. It has become the rest angle of the crease; left in
   ///       the triangles beside it, it would keep them curled.

@@ -23,8 +23,8 @@ class Newton {
         mean_edge_(system.mean_edge),
         membrane_stiffness_(system.membrane_stiffness),
         options_(options),
-        max_move_(W_.contact ? std::min(2 * mean_edge_, 10 * W_.contact->dhat())
-                             : 2 * mean_edge_) {}
+        max_move_(W_.contact ? std::min(2 * mean_edge_, 10 * W_.contact->dhat()) : 2 * mean_edge_) {
+  }
 
   /// The first variant. stress: of the membrane before the first iteration
   /// returns  false if it did not converge to an acceptable minimum; x is then arbitrary
@@ -172,8 +172,8 @@ void Newton::line_search_newton(Points3& x) {
     const double done = length * free * std::min(asked, max_move_);
     const bool whole = length == 1 && free == 1 && asked <= max_move_;
     const double ahead = last > 0 ? done * std::min(1.0, done / last) : done;
-    // Between barriers steps alternate between long and short, and those of the projected Hessian are
-    // too short: there, steps have to shrink twice.
+    // Between barriers steps alternate between long and short, and those of the projected Hessian
+    // are too short: there, steps have to shrink twice.
     const bool trusted = !W_.contact || (form == HessianForm::exact && before_last > 0 &&
                                          last < before_last && done < last);
     if (whole && trusted && (ahead < options_.stop || done < options_.stop)) {

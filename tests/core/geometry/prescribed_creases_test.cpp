@@ -9,8 +9,8 @@
 namespace paperbake {
 namespace {
 
-/// A sheet with a crease along y = 0.1 from x = 0 to 0.4, which is not folded in the first frame, and
-/// another one along x = 0.2, which was folded by -0.5 rad before it.
+/// A sheet with a crease along y = 0.1 from x = 0 to 0.4, which is not folded in the first frame,
+/// and another one along x = 0.2, which was folded by -0.5 rad before it.
 Sheet creased_sheet(std::vector<CreaseEdge> edges = {}) {
   Sheet sheet;
   sheet.prescribed_creases = {{{{0, 0.1}, {0.4, 0.1}}, 0, false},
