@@ -4,10 +4,11 @@
 
 option(PAPERBAKE_UNITY "Compile the files of each room together: a faster first build" OFF)
 
-# paperbake_unity(TARGET [APART FILE...]): the files after APART are compiled by themselves,
-# because names of theirs, or of the packages they include, would clash
+# paperbake_unity(TARGET [APART FILE...] [TOGETHER ROOM...]): the files after APART are compiled by
+# themselves, because names of theirs, or of the packages they include, would clash; the rooms after
+# TOGETHER are one translation unit
 function(paperbake_unity target)
-  cmake_parse_arguments(PARSE_ARGV 1 UNITY "" "" "APART")
+  cmake_parse_arguments(PARSE_ARGV 1 UNITY "" "" "APART;TOGETHER")
   if(NOT PAPERBAKE_UNITY)
     return()
   endif()
@@ -20,6 +21,9 @@ function(paperbake_unity target)
   list(REMOVE_ITEM sources ${UNITY_APART})
   foreach(source IN LISTS sources)
     string(REGEX MATCH "^[a-z0-9_]+" room ${source})
+    if(room IN_LIST UNITY_TOGETHER)
+      list(JOIN UNITY_TOGETHER "_" room)
+    endif()
     set_source_files_properties(${source} PROPERTIES UNITY_GROUP ${room})
   endforeach()
 endfunction()
