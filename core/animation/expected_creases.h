@@ -28,6 +28,12 @@ struct ExpectedCrease {
 /// two clamps on different sides of it and no clamp on both. Handles that are on the line within
 /// 0.5 % of the longer side are taken as points of it. Lines end at the border.
 ///
+/// Two or more handles in a row are enough on one side, if they are lifted out of the plane of the
+/// clamp on the other: the crease is where their distance from the clamp stays that of the pattern.
+///
+/// The turn of the hands is known while the flat paper on both sides would meet at the line. Where
+/// it would not, the paper is bowed, and nothing presses the crease.
+///
 /// first_frame  frame of row 0 of Handle::keyed
 /// source       this project
 std::vector<ExpectedCrease> expected_creases(const Shot&, int first_frame);

@@ -17,7 +17,7 @@ namespace paperbake {
 /// From 0.2 dhat down it is continued by its Taylor polynomial of degree 2. So a sheet may begin
 /// inside the collider, as one that was modelled lying on the ground does.
 ///
-/// kappa = 2000 N/m, dhat = 0.5 mm: the force is 6 N at a distance of 0.1 mm, and 20 N at 0.1 mm
+/// kappa = 200 N/m, dhat = 0.5 mm: the force is 0.6 N at a distance of 0.1 mm, and 2 N at 0.1 mm
 /// inside
 /// source  [Li 2020], as a function of the distance itself; the polynomial: this project
 struct ColliderBarrier {
