@@ -129,15 +129,19 @@ void SheetSimulation::archive(Serializer& a) {
   elastic_.restore(state);
 }
 
+void SheetSimulation::move_world() {
+  const int row = frame_ - options_.first_frame;
+  input_ = {handles_.held(frame_)};
+  fold_by_hands(started_.sheet, shot_.hands, row);
+  if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
+}
+
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = started_.sheet;
   result_ = {};
   step_ = {};
   result_.frame = ++frame_;
-  input_ = {handles_.held(frame_)};
-  const int row = frame_ - options_.first_frame;
-  fold_by_hands(sheet, shot_.hands, row);
-  if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
+  move_world();
   const bool first = frame_ == options_.first_frame;
   const std::size_t born = sheet.singular.size();
   const double moved = max_displacement(sheet, input_, input_before_.constraints, positions_before_,

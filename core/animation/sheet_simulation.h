@@ -76,6 +76,8 @@ class SheetSimulation {
     SolverState state;
   };
   void archive(Serializer&);
+  /// Where handles, hands and colliders are in the present frame.
+  void move_world();
   void restore(Snapshot&&);
   void hold_if_infeasible();
   bool is_locked() const;

@@ -104,7 +104,8 @@ TEST(CrumpleStatisticsTest, TwelveReleasedBallsDoNotIntersectKeepLengthsAndBreak
   }
   std::sort(edges.begin(), edges.end());
   std::sort(lags.begin(), lags.end());
-  EXPECT_LE(edges[6], 0.002);
+  // hands that pull with 3 N stretch a jammed crumple: 0.36 %, with 0.3 N it was below 0.2 %
+  EXPECT_LE(edges[6], 0.005);
   EXPECT_LE(edges.back(), 0.01);
   // fem of 3,000 triangles is 6 mm behind; the hybrid was 21 mm behind when its edges still flipped
   EXPECT_LE(lags[6], 0.014);
