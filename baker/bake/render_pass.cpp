@@ -11,6 +11,7 @@
 #include <deque>
 #include <future>
 #include <optional>
+#include <set>
 
 namespace paperbake {
 namespace {
@@ -222,7 +223,9 @@ struct RenderPass::State {
   }
 
   std::vector<RenderSurface> make_surfaces() const;
-  bool some_frame_intersects(const std::vector<RenderSurface>&) const;
+  // for each sheet, triangles of its simulated meshes
+  using FacetsOfSheets = std::vector<std::set<ShotRecord::Facet>>;
+  FacetsOfSheets intersecting_facets(const std::vector<RenderSurface>&) const;
   Points3 velocity(std::size_t sheet) const;
   bool next();
 
@@ -235,52 +238,68 @@ struct RenderPass::State {
   std::vector<RenderedSheet> rendered;
 };
 
-/// Does the surface of some frame intersect itself or another, however flat the render meshes are
-/// made?
-bool RenderPass::State::some_frame_intersects(const std::vector<RenderSurface>& sheets) const {
+/// The facets of all frames that intersect each other, however flat the render meshes are made,
+/// because these cut off the folds of layers that are near each other.
+RenderPass::State::FacetsOfSheets RenderPass::State::intersecting_facets(
+    const std::vector<RenderSurface>& sheets) const {
   const SheetUntangler untangler(sheets);
   std::vector<MeshPointCache> points;
   for (std::size_t s = 0; s < sheets.size(); ++s) points.emplace_back(*inputs[s].record, sheets[s]);
-  const auto intersects = [&](std::size_t k, const std::vector<MeshPoints>& at) {
+  const auto of_frame = [&](std::size_t k, const std::vector<MeshPoints>& at) {
+    FacetsOfSheets facets(sheets.size());
     std::vector<SheetUntangler::Simulated> simulated;
+    const auto mesh = [&](std::size_t s) { return inputs[s].record->frames()[k].mesh; };
     for (std::size_t s = 0; s < at.size(); ++s) {
       simulated.push_back({inputs[s].record->sheet(inputs[s].record->frames()[k]), &at[s].get()});
-      if (sheets[s].linear_surface_intersects(simulated[s].sheet, *simulated[s].places))
-        return true;
+      for (const int t : sheets[s].intersecting_facets(simulated[s].sheet, *simulated[s].places))
+        facets[s].insert({mesh(s), t});
     }
-    return simulated.size() == sheets.size() && untangler.linear_surfaces_intersect(simulated);
+    if (simulated.size() == sheets.size() && untangler.linear_surfaces_intersect(simulated))
+      for (std::size_t s = 0; s < at.size(); ++s)
+        for (int t = 0; t < simulated[s].sheet.triangles.rows(); ++t)
+          facets[s].insert({mesh(s), t});
+    return facets;
   };
-  const std::size_t threads = std::max(options.threads, 1);
-  std::deque<std::future<bool>> pending;
-  bool found = false;
-  for (std::size_t k = frames_of_any(inputs); k-- > 0 && !found;) {  // the tightest come last
-    std::vector<MeshPoints> at;
-    for (std::size_t s = 0; s < sheets.size() && k < inputs[s].record->frames().size(); ++s)
-      at.push_back(points[s].at(k));
-    pending.push_back(std::async(launch_policy(options.threads),
-                                 [&intersects, k, at] { return intersects(k, at); }));
-    if (pending.size() < threads) continue;
-    found = pending.front().get();
+  const std::size_t threads = std::max(options.threads, 1), frames = frames_of_any(inputs);
+  FacetsOfSheets found(sheets.size());
+  std::deque<std::future<FacetsOfSheets>> pending;
+  for (std::size_t k = 0; k < frames || !pending.empty(); ++k) {
+    if (k < frames) {
+      std::vector<MeshPoints> at;
+      for (std::size_t s = 0; s < sheets.size() && k < inputs[s].record->frames().size(); ++s)
+        at.push_back(points[s].at(k));
+      pending.push_back(std::async(launch_policy(options.threads),
+                                   [&of_frame, k, at] { return of_frame(k, at); }));
+      if (pending.size() < threads) continue;
+    }
+    const FacetsOfSheets more = pending.front().get();
     pending.pop_front();
+    for (std::size_t s = 0; s < found.size(); ++s) found[s].insert(more[s].begin(), more[s].end());
   }
-  for (std::future<bool>& other : pending) found |= other.get();
   return found;
 }
 
 std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
-  enum class Edges { creases, all };
-  const auto make = [&](Edges edges) {
+  constexpr int max_rounds = 4;
+  FacetsOfSheets exact(inputs.size());  // whose edges are among those of the render mesh
+  for (int round = 0;; ++round) {
     std::vector<RenderSurface> sheets;
-    for (const RenderInput& sheet : inputs) {
-      RenderFeatures features = sheet.record->features(*sheet.shot);
-      if (edges == Edges::all) features.edges = sheet.record->edges();
-      sheets.push_back(make_render_surface(sheet.shot->pattern, features, sheet.record->edge(),
-                                           options.quality));
+    for (std::size_t s = 0; s < inputs.size(); ++s) {
+      RenderFeatures features = inputs[s].record->features(*inputs[s].shot);
+      features.edges = inputs[s].record->edges(exact[s]);
+      sheets.push_back(make_render_surface(inputs[s].shot->pattern, features,
+                                           inputs[s].record->edge(), options.quality));
     }
-    return sheets;
-  };
-  std::vector<RenderSurface> sheets = make(Edges::creases);
-  return some_frame_intersects(sheets) ? make(Edges::all) : std::move(sheets);
+    if (round == max_rounds) return sheets;
+    FacetsOfSheets wanted = exact;
+    const FacetsOfSheets found = intersecting_facets(sheets);
+    for (std::size_t s = 0; s < wanted.size(); ++s)
+      wanted[s].insert(found[s].begin(), found[s].end());
+    std::size_t more = 0;
+    for (std::size_t s = 0; s < wanted.size(); ++s) more += wanted[s].size() - exact[s].size();
+    if (more == 0) return sheets;
+    exact = std::move(wanted);
+  }
 }
 
 Points3 RenderPass::State::velocity(std::size_t s) const {

@@ -75,8 +75,8 @@ void animate_together(const std::vector<AnimatedSheet>& all,
   std::vector<Times> times(all.size());
   for (const AnimatedSheet& one : all)
     time_work(times, &Times::geometry, {sheets.size()}, [&] {
-      sheets.push_back(
-          std::make_unique<SheetSimulation>(one.shot, one.method, one.options, sheets.size()));
+      sheets.push_back(std::make_unique<SheetSimulation>(
+          one.shot, one.method, one.options, SheetSimulation::Place{sheets.size(), all.size()}));
     });
   for (const auto& sheet : sheets)
     if (sheet->next_frame() != sheets.front()->next_frame())

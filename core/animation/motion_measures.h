@@ -22,4 +22,8 @@ std::vector<int> isolated_moving_handles(const Sheet& sheet, const PositionConst
 double relative_handle_motion(const Sheet& sheet, const PositionConstraints& held,
                               const PositionConstraints& held_before);
 
+/// Root mean square of what is left of the displacements of the vertices without the rigid motion
+/// that is nearest to them. 0 if the numbers of vertices differ. [m]
+double rms_deformation(const Points3& before, const Points3& now);
+
 }  // namespace paperbake

@@ -84,12 +84,13 @@ ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
 }  // namespace
 
 SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
-                                 const AnimateOptions& options, std::size_t number)
-    : dhat(number, 0.0),
+                                 const AnimateOptions& options, const Place& place)
+    : dhat(place.number, 0.0),
       shot_(shot),
       method_(method.make()),
       options_(options),
-      number_(number),
+      number_(place.number),
+      alone_(place.sheets == 1),
       side_(longer_side(shot.pattern)),
       started_(make_initial_sheet(shot, *method_, options.seed, options.first_frame)),
       elastic_(shot.paper, options_of(shot, options)),
@@ -136,6 +137,49 @@ void SheetSimulation::move_world() {
   if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
 }
 
+RemeshContext SheetSimulation::remesh_context(double share) const {
+  const Sheet& sheet = started_.sheet;
+  return {started_.fixed,
+          plastic_grid_ ? &*plastic_grid_ : nullptr,
+          isolated_moving_handles(sheet, input_.constraints, motion_threshold * side_,
+                                  0.15 * shorter_side(shot_.pattern)),
+          {frame_, 1 / options_.fps, max_motion_ / side_},
+          max_motion_ > motion_threshold * side_,
+          snap_in_progress_,
+          at_minimum_,
+          yielding_,
+          rests_on_contact_,
+          share * relative_motion_,
+          share * rms_deformation(positions_before_, sheet.x) / side_,
+          [this] { return elastic_.local_energies(started_.sheet); }};
+}
+
+void SheetSimulation::carry_state(const Sheet& before) {
+  const Sheet& sheet = started_.sheet;
+  SolverState known = elastic_.state();
+  const MeshTransfer onto(before.pattern, before.triangles, sheet.pattern);
+  for (Points3& x : known.positions) x = onto(x);
+  if (known.second) known.second->x = onto(known.second->x);
+  known.remeshed = true;
+  known.ridges = {};
+  elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
+  elastic_.restore(known);
+}
+
+void SheetSimulation::remesh(double share) {
+  Sheet& sheet = started_.sheet;
+  Sheet unchanged = sheet;
+  before_remesh_.reset();
+  const MeshChange change = method_->remesh(sheet, remesh_context(share));
+  if (change == MeshChange::none) return;
+  before_remesh_ = {std::move(unchanged), elastic_.state()};
+  vertices_moved_ = change == MeshChange::moved;
+  if (vertices_moved_)
+    carry_state(before_remesh_->sheet);
+  else
+    elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
+}
+
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = started_.sheet;
   result_ = {};
@@ -143,54 +187,38 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   result_.frame = ++frame_;
   move_world();
   const bool first = frame_ == options_.first_frame;
-  const std::size_t born = sheet.singular.size();
-  const double moved = max_displacement(sheet, input_, input_before_.constraints, positions_before_,
-                                        shot_.colliders.get());
-  idle_frames_ = moved < sleep_threshold * side_ ? idle_frames_ + 1 : 0;
-  const bool moving = moved > motion_threshold * side_;
-  const FrameTime now{frame_, 1 / options_.fps, moved / side_};
+  singular_before_ = sheet.singular.size();
+  max_motion_ = max_displacement(sheet, input_, input_before_.constraints, positions_before_,
+                                 shot_.colliders.get());
+  idle_frames_ = max_motion_ < sleep_threshold * side_ ? idle_frames_ + 1 : 0;
   relative_motion_ =
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
-  const RemeshContext situation{
-      started_.fixed,
-      plastic_grid_ ? &*plastic_grid_ : nullptr,
-      isolated_moving_handles(sheet, input_.constraints, motion_threshold * side_,
-                              0.15 * shorter_side(shot_.pattern)),
-      now,
-      moving,
-      snap_in_progress_,
-      at_minimum_,
-      yielding_,
-      rests_on_contact_,
-      relative_motion_};
+  load_parts_ = alone_ && !first ? method_->load_parts(sheet, relative_motion_) : 1;
+  const RemeshContext situation = remesh_context(1.0 / load_parts_);
   if (!first)
     if (auto proposal = method_->propose(sheet, situation)) {
       std::vector<double> stiffening = disc_factors(*proposal, shot_);
       const MeshSwapResult verdict =
           try_swap_mesh(sheet, elastic_, {std::move(*proposal), std::move(stiffening)},
                         input_before_, 1 / options_.fps, is_admissible);
-      method_->on_proposal_result(verdict.accepted, now);
+      method_->on_proposal_result(verdict.accepted, situation.now);
       result_.statistics.remesh =
           verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
       result_.statistics.remesh_rise = verdict.rise;
     }
+  came_from_ = input_before_.constraints;
   input_before_ = input_;
   input_before_.colliders.from = input_.colliders.to;
   before_remesh_.reset();
   step_start_.reset();
   if (!first && result_.statistics.remesh != FrameStatistics::accepted) {
-    Sheet unchanged = sheet;
-    if (method_->remesh(sheet, situation)) {
-      before_remesh_ = {std::move(unchanged), elastic_.state()};
-      elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-      if (!is_admissible(before_remesh_->sheet, sheet, 0)) {
-        restore(std::move(*before_remesh_));
-        before_remesh_.reset();
-      }
+    remesh(1.0 / load_parts_);
+    if (before_remesh_ && !is_admissible(before_remesh_->sheet, sheet, 0)) {
+      restore(std::move(*before_remesh_));
+      before_remesh_.reset();
     }
   }
   positions_before_ = sheet.x;
-  result_.statistics.new_singular = static_cast<int>(sheet.singular.size() - born);
   is_sleeping_ = idle_frames_ >= 2 && options_.elastic.inertia == Inertia::quasi_static;
   is_idle_ = is_sleeping_ || (first && in_place(sheet, input_.constraints, side_));
 }
@@ -236,7 +264,8 @@ FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) co
 }
 
 bool SheetSimulation::is_locked() const {
-  return before_remesh_ && step_.last.contact && !step_.converged &&
+  if (!before_remesh_ || !step_.last.contact || step_.converged) return false;
+  return vertices_moved_ ||
          length_distortion(sheet()).largest >
              std::max(jammed_stretch, 4 * length_distortion(before_remesh_->sheet).largest);
 }
@@ -245,7 +274,6 @@ void SheetSimulation::undo_remesh() {
   restore(std::move(*before_remesh_));
   before_remesh_.reset();
   positions_before_ = sheet().x;
-  result_.statistics.new_singular = 0;
 }
 
 void SheetSimulation::begin_step(RecordTrajectory trace) {
@@ -254,15 +282,51 @@ void SheetSimulation::begin_step(RecordTrajectory trace) {
   trajectory_ = {{0, sheet().x}};
 }
 
-void SheetSimulation::step(RecordTrajectory trace) {
+StepInput SheetSimulation::input_of_part(int part) const {
+  StepInput input = input_;
+  const double share = double(part) / load_parts_;
+  for (PositionConstraint& c : input.constraints) {
+    const auto before =
+        std::find_if(came_from_.begin(), came_from_.end(),
+                     [&](const PositionConstraint& other) { return other.vertex == c.vertex; });
+    if (before != came_from_.end()) c.target = (1 - share) * before->target + share * c.target;
+  }
+  input.colliders.from =
+      between(input_.colliders.from, input_.colliders.to, double(part - 1) / load_parts_);
+  input.colliders.to = between(input_.colliders.from, input_.colliders.to, share);
+  return input;
+}
+
+void SheetSimulation::step_part(RecordTrajectory trace, int part) {
   const auto take_step = [&] {
     begin_step(trace);
-    step_ = advance_frame({substep_target(trace)}, frame_interval({})).front();
+    SubstepTarget target = substep_target(trace);
+    FrameInterval interval = frame_interval({});
+    if (load_parts_ > 1) {
+      target.input = input_of_part(part);
+      target.relative_motion /= load_parts_;
+      interval.dt /= load_parts_;
+    }
+    step_ = advance_frame({target}, interval).front();
   };
   take_step();
   if (is_locked()) {
     undo_remesh();
     take_step();
+  }
+}
+
+void SheetSimulation::step(RecordTrajectory trace) {
+  FrameStepResult before;
+  for (int part = 1; part <= load_parts_ && step_.failure_reason.empty(); ++part) {
+    if (part > 1) remesh(1.0 / load_parts_);
+    before = step_;
+    step_part(trace, part);
+    step_.substeps += before.substeps;
+    step_.iterations += before.iterations;
+    step_.converged &= before.converged;
+    at_minimum_ = step_.converged && !step_.last.snap_in_progress;
+    step_.last.plastic_increment += before.last.plastic_increment;
   }
   hold_if_infeasible();
 }
@@ -307,6 +371,7 @@ void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
 
 void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   constexpr double min_plastic_increment = 0.01;  // [1] of the fold integral, in one frame
+  result_.statistics.new_singular = static_cast<int>(sheet().singular.size() - singular_before_);
   snap_in_progress_ = step_.last.snap_in_progress;
   contact_ = step_.last.contact;
   touching_ = step_.last.touching;

@@ -20,9 +20,12 @@ class SheetSimulation {
   using AdmissibilityCheck =
       std::function<bool(const Sheet& here, const Sheet& there, double moved)>;
 
-  /// number  of the sheet among those that are animated together
+  /// A sheet among those that are animated together.
+  struct Place {
+    std::size_t number, sheets;
+  };
   /// throws  Error(ErrorCode::scene) when options.resume_state is not a state of this shot
-  SheetSimulation(const Shot&, const MethodChoice&, const AnimateOptions&, std::size_t number);
+  SheetSimulation(const Shot&, const MethodChoice&, const AnimateOptions&, const Place&);
 
   int next_frame() const { return frame_ + 1; }
 
@@ -79,11 +82,20 @@ class SheetSimulation {
   /// Where handles, hands and colliders are in the present frame.
   void move_world();
   void restore(Snapshot&&);
+  /// What the method is told before part of a frame. share: [1] of the frame
+  RemeshContext remesh_context(double share) const;
+  /// Lets the method change the mesh. before_remesh_ keeps what was there.
+  void remesh(double share);
+  /// Gives the solver the present mesh, and carries over what it knows from the mesh before it.
+  void carry_state(const Sheet& before);
+  /// The input of a part of the frame. part: 1 to load_parts_
+  StepInput input_of_part(int part) const;
   void hold_if_infeasible();
   bool is_locked() const;
   void begin_step(RecordTrajectory);
   void undo_remesh();
   SubstepTarget substep_target(RecordTrajectory);
+  void step_part(RecordTrajectory, int part);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat) const;
   void probe(const AdmissibilityCheck& is_admissible);
 
@@ -91,6 +103,7 @@ class SheetSimulation {
   std::unique_ptr<Method> method_;
   AnimateOptions options_;
   std::size_t number_;
+  bool alone_;  // no other sheet is animated with it
   double side_;
   InitialSheet started_;
   Elastic elastic_;
@@ -113,9 +126,15 @@ class SheetSimulation {
 
   // of the present frame
   StepInput input_;
+  // the targets of the frame before, from which the handles come
+  PositionConstraints came_from_;
   double relative_motion_ = 0;  // [1] relative motion of the handles, of the longer side
+  double max_motion_ = 0;       // [m] of a handle, a collider or a vertex (motion_measures.h)
+  int load_parts_ = 1;          // number of parts in which the step is taken
+  std::size_t singular_before_ = 0;
   bool is_idle_ = false, is_sleeping_ = false;
   std::optional<Snapshot> before_remesh_, step_start_;  // the mesh before; the start of the step
+  bool vertices_moved_ = false;  // on the pattern, by the last change of mesh
   std::vector<TrajectoryPoint> trajectory_;
   FrameStepResult step_;
   AnimatedFrame result_;

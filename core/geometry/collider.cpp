@@ -304,16 +304,16 @@ ColliderMotion motion_to(const Colliders& colliders, int row) {
   return {poses_at(colliders, row - 1), poses_at(colliders, row)};
 }
 
-Poses between(const Poses& a, const Poses& b) {
-  Poses half;
+Poses between(const Poses& a, const Poses& b, double share) {
+  Poses on_the_way;
   for (std::size_t c = 0; c < a.size(); ++c) {
     const Eigen::Quaterniond p(a[c].linear()), q(b[c].linear());
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() = p.slerp(0.5, q).normalized().toRotationMatrix();
-    pose.translation() = 0.5 * (a[c].translation() + b[c].translation());
-    half.push_back(pose.isApprox(a[c], 1e-15) ? a[c] : pose);
+    pose.linear() = p.slerp(share, q).normalized().toRotationMatrix();
+    pose.translation() = (1 - share) * a[c].translation() + share * b[c].translation();
+    on_the_way.push_back(pose.isApprox(a[c], 1e-15) ? a[c] : pose);
   }
-  return half;
+  return on_the_way;
 }
 
 double farthest_move(const Colliders& colliders, const Poses& from, const Poses& to) {

@@ -134,8 +134,9 @@ using Poses = std::vector<Eigen::Isometry3d>;
 /// Poses of the colliders in one frame; before the first and after the last key they stand still.
 /// row  frame - first frame of the scene
 Poses poses_at(const Colliders&, int row);
-/// The poses half way between two others: rotations by slerp, translations by their mean.
-Poses between(const Poses&, const Poses&);
+/// The poses on the way from one to another: rotations by slerp, translations on a straight line.
+/// share  [1] of the way
+Poses between(const Poses&, const Poses&, double share = 0.5);
 /// Poses of the colliders at the beginning and at the end of a step. Empty if there are no
 /// colliders.
 struct ColliderMotion {

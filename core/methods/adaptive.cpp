@@ -1,7 +1,8 @@
 #include "core/methods/adaptive.h"
 
+#include "core/geometry/edge_operations.h"
 #include "core/geometry/pattern_mesh.h"
-#include "core/methods/adaptive_mesh/edge_operations.h"
+#include "core/methods/adaptive_mesh/sizing_field.h"
 #include "core/model/serializer.h"
 
 #include <algorithm>
@@ -41,7 +42,9 @@ bool adapt(Sheet& sheet, Points3 metric, int fixed, int max_triangles, Pass pass
     if (splits == 0) break;
   }
   for (int round = 0; round < rounds_of_collapses; ++round) {
-    if (collapse_short_edges(sheet, metric, fixed, joined_below) == 0) break;
+    std::vector<char> kept(sheet.pattern.rows(), 0);
+    std::fill_n(kept.begin(), fixed, 1);
+    if (collapse_short_edges(sheet, metric, kept, joined_below) == 0) break;
     flip_to_delaunay(sheet, metric);
     changed = true;
   }
@@ -61,14 +64,14 @@ class Adaptive : public Method {
     return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   }
 
-  bool remesh(Sheet& sheet, const RemeshContext& is) override {
+  MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
     // A jump is followed in many steps, and the shape after it has little to do with the one that
     // the mesh is fine for now.
     constexpr double jump_threshold = 0.1;  // [1] of the longer side
     constexpr int max_triangles_after_jump = 400;
     const bool jumps = is.relative_handle_motion > jump_threshold;
     // nor is a shape on its way to the minimum a reason for more triangles
-    if (!jumps && (!is.at_minimum || !(is.moving || unfinished_))) return false;
+    if (!jumps && (!is.at_minimum || !(is.moving || unfinished_))) return MeshChange::none;
     const Points3 kept = is.plastic_grid
                              ? is.plastic_grid->at_vertices(sheet.pattern, sheet.triangles)
                              : Points3(0, 3);
@@ -79,7 +82,7 @@ class Adaptive : public Method {
                       Pass::coarsen)
               : adapt(sheet, metric, required, max_triangles_, Pass::both_ways);
     unfinished_ = changed || (jumps && unfinished_);
-    return changed;
+    return changed ? MeshChange::local : MeshChange::none;
   }
 
   void archive(Serializer& a) override { a(unfinished_); }

@@ -3,6 +3,7 @@
 #include "core/geometry/pattern_mesh.h"
 #include "core/step3_developable/developable.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace paperbake {
@@ -63,8 +64,17 @@ class Hybrid : public Method {
     crumple_.on_proposal_result(accepted, now);
   }
 
-  bool remesh(Sheet& sheet, const RemeshContext& is) override {
-    return !is.snap_in_progress && crumple_.step(sheet, is.fixed, is.now, is.moving).mesh_changed();
+  MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
+    if (is.snap_in_progress) return MeshChange::none;
+    const double way =
+        std::max(is.relative_handle_motion, is.rests_on_contact ? is.deformation : 0);
+    const CrumpleReport report =
+        crumple_.step(sheet, is.fixed, is.now, {way, is.moving, is.at_minimum}, is.local_energies);
+    if (report.moves + report.resized > 0) return MeshChange::moved;
+    return report.mesh_changed() ? MeshChange::local : MeshChange::none;
+  }
+  int load_parts(const Sheet& sheet, double relative_handle_motion) const override {
+    return crumple_.load_parts(sheet, relative_handle_motion);
   }
 
   bool finish(Sheet& shown, const std::vector<int>& held) const override {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/model/frame.h"
+#include "core/model/local_energies.h"
 #include "core/model/pattern.h"
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
@@ -30,6 +31,17 @@ struct RemeshContext {
   bool rests_on_contact;  // the last step ended on a collider or another sheet
   // [1] of the longer side: how far handles are about to move relative to each other
   double relative_handle_motion;
+  // [1] of the longer side: how far its points went in the last step, apart from a rigid motion;
+  // root mean square
+  double deformation;
+  std::function<LocalEnergies()> local_energies;  // of the sheet as it is
+};
+
+/// What a method did to the mesh of a sheet.
+enum class MeshChange {
+  none,
+  local,  // there are vertices or edges that were not there before
+  moved,  // vertices have other numbers or other places on the pattern
 };
 
 /// Everything in which methods differ: the first mesh, and what happens to the mesh between elastic
@@ -60,8 +72,12 @@ class Method {
 
   /// Called before the elastic step of a frame. May change the mesh of the sheet as the last step
   /// left it; so every frame that is handed on is a minimum on its own mesh.
-  /// returns  whether the mesh changed
-  virtual bool remesh(Sheet&, const RemeshContext&) { return false; }
+  virtual MeshChange remesh(Sheet&, const RemeshContext&) { return MeshChange::none; }
+
+  /// Into how many parts of equal length the frame is divided in which the handles make this motion
+  /// relative to each other [1, of the longer side]. `remesh` is called before each of them. A sheet
+  /// that is animated together with others takes every frame as a whole.
+  virtual int load_parts(const Sheet&, double /*relative_handle_motion*/) const { return 1; }
 
   /// Called after the elastic step of a frame, on the copy of the sheet that is handed on; the next
   /// frame starts from the equilibrium itself.

@@ -2,6 +2,7 @@
 
 #include "core/geometry/pattern_mesh.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -69,17 +70,30 @@ double crossing(const CreaseSegment& a, const CreaseSegment& b) {
   return s > 0 && s < 1 && t >= 0 && t <= 1 ? s : -1;
 }
 
-/// The creases for which there is room [m], the heaviest first.
-std::vector<CreaseSegment> chosen(std::vector<CreaseSegment> creases, double room) {
+/// The creases for which there is room [m], the heaviest first. One that lies beside a heavier one,
+/// or beside one of `lines`, is left out: folds that wander over the sheet leave many lines, and a
+/// mesh that followed them all would follow none.
+std::vector<CreaseSegment> chosen(std::vector<CreaseSegment> creases, double room, double edge,
+                                  const std::vector<CreaseSegment>& lines) {
   std::stable_sort(
       creases.begin(), creases.end(),
       [](const CreaseSegment& a, const CreaseSegment& b) { return a.weight > b.weight; });
+  const double beside = 0.5 * edge;
+  std::vector<CreaseSegment> taken;
+  const auto lies_beside = [&](const CreaseSegment& c, const std::vector<CreaseSegment>& others) {
+    return std::any_of(others.begin(), others.end(), [&](const CreaseSegment& other) {
+      return distance_to_segment(c.a, other.a, other.b) < beside &&
+             distance_to_segment(c.b, other.a, other.b) < beside;
+    });
+  };
   double length = 0;
-  const auto full = std::find_if(creases.begin(), creases.end(), [&](const CreaseSegment& c) {
-    return (length += (c.b - c.a).norm()) > room;
-  });
-  creases.erase(full, creases.end());
-  return creases;
+  for (const CreaseSegment& c : creases) {
+    if (lies_beside(c, taken) || lies_beside(c, lines)) continue;
+    length += (c.b - c.a).norm();
+    if (length > room) break;
+    taken.push_back(c);
+  }
+  return taken;
 }
 
 /// The points of one crease in order, without those for which there is no room beside the border.
@@ -209,8 +223,23 @@ std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
                                            const RenderFeatures& features) {
   const double near = 3e-6 * longer_side(pattern);
   Pattern lined = pattern;
-  for (const CreaseSegment& line : features.edges)
+  Sites ends(merge * edge);
+  for (const Vector2d& p : features.points) ends.add(p);
+  for (const CreaseSegment& line : features.edges) {
     lined.prescribed_creases.push_back({{line.a, line.b}});
+    ends.add(line.a);
+    ends.add(line.b);
+  }
+  const std::vector<CreaseSegment> creases =
+      chosen(features.creases, 0.5 * area(pattern) / edge, edge, features.edges);
+  std::vector<CreaseSegment> sharp = features.creases;
+  for (const CreaseSegment& crease : creases) {
+    const Vector2d a = ends.points[ends.nearest_or_new(crease.a)],
+                   b = ends.points[ends.nearest_or_new(crease.b)];
+    if (a == b) continue;
+    lined.prescribed_creases.push_back({{a, b}});
+    sharp.push_back({a, b});
+  }
   std::optional<PatternMesh> mesh = try_mesh_pattern(lined, edge, features.points, 0, border);
   if (!mesh) return std::nullopt;
   RenderMesh result{std::move(mesh->vertices),  std::move(mesh->triangles), {}, {},
@@ -221,7 +250,7 @@ std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
   for (int t = 0; t < result.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
       if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3);
-          a < b && along(features.creases, result.pattern.row(a), result.pattern.row(b), near))
+          a < b && along(sharp, result.pattern.row(a), result.pattern.row(b), near))
         found.insert({a, b});
   result.creases.assign(found.begin(), found.end());
   return result;
@@ -252,7 +281,8 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   for (const Vector2d& p : pattern.outline) sites.nearest_or_new(p);
   for (const auto& hole : pattern.holes)
     for (const Vector2d& p : hole) sites.nearest_or_new(p);
-  const std::vector<CreaseSegment> creases = chosen(features.creases, 0.5 * area(pattern) / edge);
+  const std::vector<CreaseSegment> creases =
+      chosen(features.creases, 0.5 * area(pattern) / edge, edge, {});
   std::vector<std::vector<int>> rows;
   for (const CreaseSegment& crease : creases)
     rows.push_back(lay(crease, creases, pattern, edge, sites));

@@ -6,6 +6,7 @@
 #include "core/render/curved_surface.h"
 
 #include <algorithm>
+#include <set>
 
 namespace paperbake {
 namespace {
@@ -121,15 +122,31 @@ Points3 RenderSurface::linear_positions(const Sheet& sheet,
   return linear_positions;
 }
 
-bool RenderSurface::linear_surface_intersects(const Sheet& sheet,
-                                              const std::vector<MeshPoint>& places) const {
+std::vector<int> RenderSurface::intersecting_facets(const Sheet& sheet,
+                                                    const std::vector<MeshPoint>& places) const {
   // a chord across a fold is no farther from it than half its length
   const double farthest = 0.5 * mean_edge(mesh().pattern, mesh().triangles);
   if (!may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest)))
-    return false;
-  const Points3 exact = linear_positions(sheet, places);
-  return apart_->pass_through_each_other(exact) && crossings(exact) > 0 &&
-         paperbake::crossings(sheet) == 0;
+    return {};
+  const std::vector<std::pair<int, int>> pairs =
+      apart_->intersections(linear_positions(sheet, places));
+  if (pairs.empty() || paperbake::crossings(sheet) > 0) return {};
+  std::set<int> facets;
+  const auto add = [&](int vertex) {
+    const int in_middle = vertex - static_cast<int>(places.size());
+    if (in_middle < 0) {
+      facets.insert(places[vertex].triangle);
+      return;
+    }
+    facets.insert(places[fine_->middles[in_middle].a].triangle);
+    facets.insert(places[fine_->middles[in_middle].b].triangle);
+  };
+  for (const auto& [a, b] : pairs)
+    for (int i = 0; i < 3; ++i) {
+      add(mesh().triangles(a, i));
+      add(mesh().triangles(b, i));
+    }
+  return {facets.begin(), facets.end()};
 }
 
 /// returns  whether x was changed

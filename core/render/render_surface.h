@@ -55,9 +55,10 @@ class RenderSurface {
   /// The vertices of mesh() on the flat triangles of the simulated mesh. |V|x3 [m]
   Points3 linear_positions(const Sheet&, const std::vector<MeshPoint>& places) const;
 
-  /// True if linear_positions(), joined by the triangles of mesh(), pass through each other
-  /// although the simulated sheet does not, because its layers are very near each other.
-  bool linear_surface_intersects(const Sheet&, const std::vector<MeshPoint>& places) const;
+  /// The triangles of the simulated sheet at which linear_positions(), joined by the triangles of
+  /// mesh(), pass through each other although the sheet does not, because its layers are very near
+  /// each other. In order.
+  std::vector<int> intersecting_facets(const Sheet&, const std::vector<MeshPoint>& places) const;
 
   /// Computes everything else that a frame has from its positions.
   void shade(RenderFrame&) const;

@@ -23,6 +23,10 @@ std::array<long, 4> key_of(const CreaseSegment& line) {
   return {key(line.a.x()), key(line.a.y()), key(line.b.x()), key(line.b.y())};
 }
 
+/// By how much an edge is too short that runs straight across a fold, from one side to the other as
+/// far beyond it. [1]
+double shortening(double theta) { return 1 - std::cos(0.5 * theta); }
+
 }  // namespace
 
 void ShotRecord::add(const AnimatedFrame& frame) {
@@ -47,13 +51,13 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   edges_ += mean_edge(sheet.pattern, sheet.triangles);
 
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
-    const double share = crease_share(dihedral_angle(sheet.x, hinge));
-    if (share <= 0) continue;
+    const double theta = dihedral_angle(sheet.x, hinge);
+    if (crease_share(theta) <= 0) continue;
     const CreaseSegment line = line_of(sheet.pattern, hinge.vertices[0], hinge.vertices[1]);
     FoldedEdge& crease = creases_[key_of(line)];
     crease.a = line.a;
     crease.b = line.b;
-    crease.frames += share;
+    crease.error += std::pow(shortening(theta), 2);
   }
 }
 
@@ -71,20 +75,26 @@ RenderFeatures ShotRecord::features(const Shot& shot) const {
                                       disc_radius(shot.handles, h, shot.pattern)))
       features.points.push_back(p);
   for (const SingularPoint& point : singular_) features.points.push_back(point.pattern);
-  const double least = std::min(2.0, 0.25 * frames_.size());
+  const double least = std::min(2.0, 0.25 * frames_.size()) * std::pow(shortening(0.4), 2);
   for (const auto& [key, crease] : creases_)
-    if (crease.frames >= least && !crease_under(folds_, crease.a, crease.b))
-      features.creases.push_back({crease.a, crease.b, crease.frames});
+    if (crease.error >= least && !crease_under(folds_, crease.a, crease.b))
+      features.creases.push_back({crease.a, crease.b, crease.error});
   return features;
 }
 
-std::vector<CreaseSegment> ShotRecord::edges() const {
+std::vector<CreaseSegment> ShotRecord::edges(const std::set<Facet>& facets) const {
   std::map<std::array<long, 4>, CreaseSegment> found;
-  for (const Mesh& mesh : meshes_)
-    for (const Hinge& hinge : find_hinges(mesh.triangles).hinges) {
-      const CreaseSegment line = line_of(mesh.pattern, hinge.vertices[0], hinge.vertices[1]);
+  std::map<int, Hinges> hinges;  // of the meshes
+  for (const auto& [m, triangle] : facets) {
+    const Mesh& mesh = meshes_[m];
+    if (!hinges.count(m)) hinges[m] = find_hinges(mesh.triangles);
+    for (const int h : hinges[m].of_triangle[triangle]) {
+      if (h < 0) continue;
+      const auto& ends = hinges[m].hinges[h].vertices;
+      const CreaseSegment line = line_of(mesh.pattern, ends[0], ends[1]);
       found.emplace(key_of(line), line);
     }
+  }
   std::vector<CreaseSegment> edges;
   for (const auto& [key, line] : found) edges.push_back(line);
   return edges;

@@ -121,11 +121,11 @@ Untangler::Untangler(const Points2& pattern, const Triangles& triangles)
   find_neighbours();
 }
 
-bool Untangler::pass_through_each_other(const Points3& x) const {
-  const auto near = tree_.near(x, x);
-  return std::any_of(near.begin(), near.end(), [&](const std::pair<int, int>& pair) {
-    return cross(x, triangles_, pair.first, pair.second);
-  });
+std::vector<std::pair<int, int>> Untangler::intersections(const Points3& x) const {
+  std::vector<std::pair<int, int>> found;
+  for (const std::pair<int, int>& pair : tree_.near(x, x))
+    if (cross(x, triangles_, pair.first, pair.second)) found.push_back(pair);
+  return found;
 }
 
 Untangler::Untangler(const std::vector<const RenderMesh*>& meshes)

@@ -5,6 +5,7 @@
 #include "core/render/render_mesh.h"
 
 #include <functional>
+#include <utility>
 #include <vector>
 
 namespace paperbake {
@@ -55,8 +56,9 @@ class Untangler {
   Outcome untangle_alternating(Points3& x, const Points3& linear_positions, const Lengths&,
                                const std::vector<char>& held) const;
 
-  /// True if some of the triangles that the tree finds near each other do.
-  bool pass_through_each_other(const Points3& x) const;
+  /// Those of the pairs of triangles that the tree finds near each other that do pass through each
+  /// other.
+  std::vector<std::pair<int, int>> intersections(const Points3& x) const;
 
   const NormalConeTree& tree() const { return tree_; }
 

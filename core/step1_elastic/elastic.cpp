@@ -141,6 +141,11 @@ ElasticReport Elastic::evaluate_energies(const Sheet& sheet) const {
   return report;
 }
 
+LocalEnergies Elastic::local_energies(const Sheet& sheet) const {
+  impl_->load_creases(sheet, Impl::Curl::stays);
+  return impl_->energy->local_energies(sheet.x);
+}
+
 double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
   if (!impl_->colliders) return 0;
   ColliderContact at_rest = *impl_->colliders;  // the step that its own contact is in goes on

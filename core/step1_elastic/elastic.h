@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/collider.h"
+#include "core/model/local_energies.h"
 #include "core/model/paper.h"
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
@@ -189,6 +190,9 @@ class Elastic {
 
   /// Energies stored in the sheet as it is. `iterations` is 0.
   ElasticReport evaluate_energies(const Sheet&) const;
+
+  /// The same by triangle, with the configurational forces on the vertices.
+  LocalEnergies local_energies(const Sheet&) const;
 
   /// [m] Depth of the deepest vertex, edge or triangle of a sheet on this mesh inside a collider; 0
   /// if none is inside.

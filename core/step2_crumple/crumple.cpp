@@ -19,8 +19,6 @@ Points3 bending_of(const Sheet& sheet) {
   return sheet.singular.empty() ? developable_curvature(sheet) : vertex_curvature(sheet);
 }
 
-constexpr double rounding = 1e-3;  // [frames] times that differ by less are equal
-
 bool is_corner(const Pattern& polygons, const Vector2d& p) {
   return std::any_of(polygons.outline.begin(), polygons.outline.end(),
                      [&](const Vector2d& corner) { return (corner - p).norm() < 1e-9; });
@@ -35,6 +33,7 @@ Crumple::Crumple(const Pattern& pattern, const Paper& paper, const CrumpleOption
       options_(options),
       seed_(seed),
       sheet_(sheet),
+      crumpled_(pattern, paper, options, seed, sheet),
       regions_(pattern, options.rulings) {}
 
 void Crumple::set_base_mesh(const Points2& pattern, const Triangles& triangles, int required) {
@@ -44,19 +43,19 @@ void Crumple::set_base_mesh(const Points2& pattern, const Triangles& triangles, 
 
 static void archive(Serializer& a, Ruling& r) { a(r.a, r.b, r.k, r.region); }
 
-void Crumple::archive(Serializer& a) {
-  std::vector<std::pair<Vector2d, double>> pending_conflicts;
-  for (const PendingConflict& s : pending_) pending_conflicts.emplace_back(s.p, s.seconds);
-  a(pending_conflicts, regions_, rulings_, when_);
-  pending_.clear();
-  for (const auto& [p, seconds] : pending_conflicts) pending_.push_back({p, seconds});
+void Crumple::archive(Serializer& a) { a(pending_, crumpled_, regions_, rulings_, when_); }
+
+bool Crumple::is_crumpled(const Sheet& sheet) const {
+  // a sheet with only one or two singular points is smooth elsewhere
+  constexpr std::size_t crumpled = 3;
+  return sheet.singular.size() >= crumpled;
 }
 
 std::optional<Sheet> Crumple::propose(const Sheet& sheet,
                                       const std::vector<int>& isolated_moving_handles,
                                       bool rests_on_contact, const FrameTime& now) {
   RulingOptions options = options_.rulings;
-  if (options.facet_turn <= 0 || required_ < 0) return std::nullopt;
+  if (options.facet_turn <= 0 || required_ < 0 || is_crumpled(sheet)) return std::nullopt;
   const Points3 curvature = bending_of(sheet);
   const BendingField field(sheet, curvature);
   regions_.update(field);
@@ -67,10 +66,10 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
   for (int v = 0; v < required_; ++v) required.push_back(sheet.pattern.row(v));
   for (const SingularPoint& s : sheet.singular) singular.push_back(s.pattern);
   // a mesh without a vertex at a pending conflict would not show whether the conflict persists
-  for (const PendingConflict& s : pending_)
+  for (const Vector2d& place : pending_.places())
     if (std::none_of(singular.begin(), singular.end(),
-                     [&](const Vector2d& p) { return (p - s.p).norm() < 0.5 * base_.h; }))
-      singular.push_back(s.p);
+                     [&](const Vector2d& p) { return (p - place).norm() < 0.5 * base_.h; }))
+      singular.push_back(place);
   PulledPlaces pulled;
   for (const int v : isolated_moving_handles) {
     const Vector2d p = sheet.pattern.row(v);
@@ -108,22 +107,22 @@ void Crumple::on_proposal_result(bool accepted, const FrameTime& now) {
   rulings_ = proposed_;
 }
 
-std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const Conflicts& conflicts, double dt) {
-  std::vector<PendingConflict> seen;
-  std::vector<int> due;
+std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const VertexRings& rings,
+                                        const Conflicts& conflicts, double way) {
+  constexpr double reach = 0.6;      // [1] of the size of the ring
+  constexpr double rounding = 1e-3;  // [1] of the way: ways that differ by less are equal
+  std::vector<int> found, due;
+  std::vector<LastingPlaces::Seen> seen;
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
     if (!conflicts.exceeds[v]) continue;
-    PendingConflict s{sheet.pattern.row(v), dt};
-    const double ring = ring_size(sheet, v);
-    for (const PendingConflict& old : pending_)
-      if ((old.p - s.p).norm() < 0.6 * ring) s.seconds = std::max(s.seconds, old.seconds + dt);
-    seen.push_back(s);
-    const bool lasted =
-        s.seconds + rounding * dt >=
-        (conflicts.severe[v] ? options_.persistence_time_severe : options_.persistence_time);
-    if (lasted) due.push_back(v);
+    found.push_back(v);
+    seen.push_back({sheet.pattern.row(v), reach * ring_size(sheet, rings, v)});
   }
-  pending_ = std::move(seen);
+  const std::vector<double> lasted = pending_.see(seen, way);
+  for (std::size_t k = 0; k < found.size(); ++k)
+    if (lasted[k] + rounding * way >=
+        (conflicts.severe[found[k]] ? options_.persistence_severe : options_.persistence))
+      due.push_back(found[k]);
   std::stable_sort(due.begin(), due.end(),
                    [&](int a, int b) { return conflicts.turn[a] > conflicts.turn[b]; });
   return due;
@@ -133,7 +132,8 @@ bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
                          const std::vector<char>& fixed, int frame) {
   // the worst vertex and those around it are one conflict
   std::vector<int> members;
-  const double reach = 1.2 * ring_size(sheet, worst);
+  const VertexRings rings(sheet.triangles, find_hinges(sheet.triangles), sheet.pattern.rows());
+  const double reach = 1.2 * ring_size(sheet, rings, worst);
   for (int v = 0; v < sheet.pattern.rows(); ++v)
     if (conflicts.exceeds[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach)
       members.push_back(v);
@@ -151,37 +151,61 @@ bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
   sheet.singular.push_back(
       {sheet.pattern.row(born).transpose(), frame,
        "bends " + std::to_string(degrees) + " degrees in the second direction"});
-  pending_.clear();
+  pending_.forget();
   return true;
 }
 
-CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const FrameTime& now,
-                            bool moving) {
+CrumpleReport Crumple::step_smooth(Sheet& sheet, const std::vector<char>& fixed,
+                                   const FrameTime& now, double way) {
   CrumpleReport report;
-  if (!moving) return report;
-  // creases run along the edges of a crumpled mesh, so that a flip would take its crease with it; a
-  // sheet with only one or two singular points is smooth elsewhere
-  constexpr std::size_t crumpled = 3;
-  const bool smooth = sheet.singular.size() < crumpled;
-
+  const Hinges hinges = find_hinges(sheet.triangles);
   const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), fixed, options_);
-  const std::vector<int> due = due_for_birth(sheet, conflicts, now.dt);
+  const std::vector<int> due = due_for_birth(
+      sheet, VertexRings(sheet.triangles, hinges, sheet.pattern.rows()), conflicts, way);
   if (static_cast<int>(sheet.singular.size()) < options_.max_points &&
       sheet.triangles.rows() + 2 <= options_.max_triangles)
     // the first conflict that has room for a singular point
     report.births = std::any_of(due.begin(), due.end(), [&](int worst) {
       return give_birth(sheet, worst, conflicts, fixed, now.frame);
     });
+  constexpr double rounding = 1e-3;  // [frames] times that differ by less are equal
   const auto periods = [&](double time) {
     return std::floor((time + rounding * now.dt) / options_.flip_period);
   };
   const bool time_to_flip = periods(now.seconds()) > periods(now.seconds() - now.dt);
-  if (smooth && (time_to_flip || report.births > 0)) {
+  if (time_to_flip || report.births > 0) {
     // strips hide bending that is not along their edges
     const Points3 bending = rulings_.empty() ? vertex_curvature(sheet) : bending_of(sheet);
     report.flips = flip_towards_rulings(sheet, bending, options_.flip_gain);
   }
   return report;
+}
+
+CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const FrameTime& now,
+                            const Deformation& is, const std::function<LocalEnergies()>& stored) {
+  if (!is.moving) return {};
+  const double way = std::min(options_.largest_way, is.way);
+  if (is_crumpled(sheet)) {
+    // away from a minimum the forces on the vertices say nothing about where they would rather be
+    if (!(way > 0) || !is.at_minimum) return {};
+    return crumpled_.step(sheet, {fixed, stored(), way, now.frame});
+  }
+  CrumpleReport report = step_smooth(sheet, fixed, now, way);
+  // as many points as would be born if the same way was gone in small steps
+  for (double rest = is.way - options_.persistence_severe;
+       rest > 0 && report.births > 0 && !is_crumpled(sheet); rest -= options_.persistence_severe) {
+    const CrumpleReport more = step_smooth(sheet, fixed, now, options_.persistence_severe);
+    if (more.births == 0) break;
+    report.births += more.births;
+    report.flips += more.flips;
+  }
+  return report;
+}
+
+int Crumple::load_parts(const Sheet& sheet, double way) const {
+  constexpr int most = 16;
+  if (!is_crumpled(sheet)) return 1;
+  return std::clamp(static_cast<int>(std::ceil(way / options_.largest_way)), 1, most);
 }
 
 }  // namespace paperbake

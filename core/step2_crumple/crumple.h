@@ -3,72 +3,49 @@
 #include "core/model/paper.h"
 #include "core/model/pattern.h"
 #include "core/model/sheet.h"
-#include "core/model/singular_point_rules.h"
+#include "core/step2_crumple/crumple_options.h"
+#include "core/step2_crumple/crumpled_mesh.h"
+#include "core/step2_crumple/lasting_places.h"
 #include "core/step2_crumple/remesh_schedule.h"
 #include "core/step2_crumple/ruled_mesh.h"
 
 #include <cstdint>
+#include <functional>
 #include <optional>
-#include <string>
 #include <vector>
 
 namespace paperbake {
 
-/// When bending directions conflict, where a singular point is born and when an edge is flipped.
-/// Angles in radians, lengths in metres.
-struct CrumpleOptions {
-  // [rad] turning angle |k2| sqrt(A) in the second principal direction above which there is a
-  // conflict, because paper does not bend that way (8 degrees)
-  double conflict_turn = 0.14;
-  double conflict_ratio = 0.15;  // [1] besides, |k2| must be more than this fraction of |k1|
-  // [rad] the other sign of a conflict: folds of both signs at one vertex, both larger than this
-  // (13 degrees)
-  double conflict_folds = 0.23;
-  // [rad] threshold of the turning angle next to a singular point, which accounts for the rest
-  // (20 degrees)
-  double threshold_near_apex = 0.35;
-  double fold_threshold_near_apex = 0.4;  // [rad] the same for the folds (23 degrees)
-  // [s] time a conflict must persist before a singular point is born: it is then no accident of the
-  // mesh
-  double persistence_time = 15 / 24.0;
-  // [s] the same for a severe conflict, which exceeds even the thresholds next to a singular point
-  double persistence_time_severe = 2 / 24.0;
-  // [1] least distance of singular points, in widths of the longest ridge that the sheet can have
-  double spacing = 2;
-  // [1] least distance of a singular point from the border, as a fraction of the longer side
-  double border_share = 0.03;
-  // [1] an edge is flipped when the other diagonal has less than this fraction of its sagitta
-  double flip_gain = 0.65;
-  double flip_period = 2 / 24.0;  // [s] time between two searches for edges to flip
-  int max_points = 1000;          // [1] largest number of singular points on one sheet
-  int max_triangles = 250;        // [1] no point is born on a mesh that would exceed this
-  RulingOptions rulings;
-  SingularPointRules singular_point_rules;  // where singular points must not be born
-};
-
 struct Conflicts;
 
-/// What a step of Crumple changed: the number of edge flips and of singular points born.
-struct CrumpleReport {
-  int flips = 0, births = 0;
-  bool mesh_changed() const { return flips > 0 || births > 0; }
-};
-
-/// Step 2 of [Schreck 2015] for one sheet. Its robust part changes the mesh that is there: edge
-/// flips make it follow the bending, and where two bending directions conflict for long enough, a
-/// singular point is born at a place drawn from the law of the paper. In addition it proposes new
-/// meshes whose edges are the rulings of the curved regions.
+/// Step 2 of [Schreck 2015] for one sheet. A sheet is smooth as long as it has fewer than three
+/// singular points. Its mesh is then changed where it is: edge flips make it follow the bending, and
+/// where two bending directions conflict for long enough, a singular point is born at a place drawn
+/// from the law of the paper. In addition new meshes are proposed whose edges are the rulings of the
+/// curved regions. A sheet with more singular points is crumpled (crumpled_mesh.h).
 class Crumple {
  public:
   /// seed, sheet  the random draws depend on these and on the number of the event alone
   Crumple(const Pattern&, const Paper&, const CrumpleOptions&, std::uint32_t seed,
           std::uint32_t sheet);
 
-  /// Examines the sheet as step 1 left it and changes its mesh for the next step. Vertices keep
-  /// their numbers and new ones are appended; fixed vertices (handles and the rims of their discs)
-  /// keep their place on the pattern.
-  /// moving  false: the sheet is at rest and nothing is done
-  CrumpleReport step(Sheet&, const std::vector<char>& fixed, const FrameTime&, bool moving);
+  /// How the sheet is deformed in the step that is about to be taken.
+  struct Deformation {
+    // [1] of the longer side: the largest distance that a handle goes relative to the others, or of
+    // a sheet that lies on something or swings, the distance that its points went
+    double way;
+    bool moving;      // false: the sheet is at rest
+    bool at_minimum;  // the last step reached a minimum
+  };
+  /// Examines the sheet as step 1 left it and changes its mesh for the next step. Fixed vertices
+  /// (handles and the rims of their discs) keep their number and their place on the pattern.
+  /// stored  the energies of the sheet
+  CrumpleReport step(Sheet&, const std::vector<char>& fixed, const FrameTime&, const Deformation&,
+                     const std::function<LocalEnergies()>& stored);
+
+  /// Into how many parts a frame is to be divided. The folds of a crumpled sheet follow the load in
+  /// small steps only.
+  int load_parts(const Sheet&, double way) const;
 
   /// Sets the mesh from which every ruled mesh is derived. To be called once, before `propose`.
   /// required  number of vertices, from number 0 on, that a ruled mesh must keep as they are
@@ -96,18 +73,16 @@ class Crumple {
   Paper paper_;
   CrumpleOptions options_;
   std::uint32_t seed_, sheet_;
-  struct PendingConflict {
-    Vector2d p;      // [m]
-    double seconds;  // [s] how long there has been a conflict around p
-  };
-  /// Updates the pending conflicts. A conflict counts once it has persisted, even across a change
-  /// of mesh.
+  bool is_crumpled(const Sheet&) const;
+  CrumpleReport step_smooth(Sheet&, const std::vector<char>& fixed, const FrameTime&, double way);
+  /// Updates the pending conflicts. A conflict counts once it has persisted.
   /// returns  vertices at which it has, the worst first
-  std::vector<int> due_for_birth(const Sheet&, const Conflicts&, double dt);
+  std::vector<int> due_for_birth(const Sheet&, const VertexRings&, const Conflicts&, double way);
   /// Makes a singular point where the conflict around a vertex is, if there is room for one.
   bool give_birth(Sheet&, int worst, const Conflicts&, const std::vector<char>& fixed, int frame);
 
-  std::vector<PendingConflict> pending_;
+  LastingPlaces pending_;  // conflicts
+  CrumpledMesh crumpled_;
   BaseMesh base_;
   int required_ = 0;
   Regions regions_;

@@ -6,6 +6,7 @@
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/proximity.h"
 #include "core/geometry/random.h"
+#include "core/geometry/vertex_rings.h"
 
 #include <algorithm>
 #include <cmath>
@@ -13,23 +14,6 @@
 
 namespace paperbake {
 namespace {
-
-std::vector<char> border_vertices(const Triangles& triangles, const Hinges& hinges, long count) {
-  std::vector<char> border(count, 0);
-  for (int t = 0; t < triangles.rows(); ++t)
-    for (int i = 0; i < 3; ++i)
-      if (hinges.of_triangle[t][i] < 0)
-        border[triangles(t, (i + 1) % 3)] = border[triangles(t, (i + 2) % 3)] = 1;
-  return border;
-}
-
-std::vector<char> singular_vertices(const Sheet& sheet) {
-  std::vector<char> singular(sheet.pattern.rows(), 0);
-  for (const SingularPoint& s : sheet.singular)
-    for (int v = 0; v < sheet.pattern.rows(); ++v)
-      if ((sheet.pattern.row(v).transpose() - s.pattern).norm() < 1e-9) singular[v] = 1;
-  return singular;
-}
 
 /// For each vertex, the smaller of the largest positive and the largest negative dihedral angle of
 /// its edges, as magnitudes. [rad]
@@ -96,15 +80,12 @@ bool sees_both(const Sheet& sheet, int exceeds, int a, int b, const Vector2d& p)
 
 }  // namespace
 
-double ring_size(const Sheet& sheet, int vertex) {
-  double size = 0;
-  for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    if (!(sheet.triangles.row(t).array() == vertex).any()) continue;
-    for (int i = 0; i < 3; ++i)
-      size = std::max(
-          size, (sheet.pattern.row(sheet.triangles(t, i)) - sheet.pattern.row(vertex)).norm());
-  }
-  return size;
+std::vector<char> singular_vertices(const Sheet& sheet) {
+  std::vector<char> singular(sheet.pattern.rows(), 0);
+  for (const SingularPoint& s : sheet.singular)
+    for (int v = 0; v < sheet.pattern.rows(); ++v)
+      if ((sheet.pattern.row(v).transpose() - s.pattern).norm() < 1e-9) singular[v] = 1;
+  return singular;
 }
 
 Conflicts find_conflicts(const Sheet& sheet, const Points3& curvature,
@@ -149,7 +130,8 @@ Vector2d middle_of_conflict(const Sheet& sheet, const Conflicts& conflicts,
   const int worst = *std::max_element(members.begin(), members.end(), [&](int a, int b) {
     return conflicts.turn[a] < conflicts.turn[b];
   });
-  const double reach = rings * ring_size(sheet, worst);
+  const VertexRings around(sheet.triangles, find_hinges(sheet.triangles), sheet.pattern.rows());
+  const double reach = rings * ring_size(sheet, around, worst);
   for (int v = 0; v < static_cast<int>(conflicts.core_weight.size()); ++v) {
     if ((sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() > reach) continue;
     by_core += conflicts.core_weight[v] * sheet.pattern.row(v).transpose();
@@ -256,10 +238,10 @@ int insert_vertex(Sheet& sheet, const Vector2d& p, const std::vector<char>& fixe
   const Eigen::RowVector3d x = interpolate(place, sheet.triangles, sheet.x).transpose(),
                            v = interpolate(place, sheet.triangles, sheet.v).transpose();
   const Hinges hinges = find_hinges(sheet.triangles);
-  const std::vector<char> border = border_vertices(sheet.triangles, hinges, sheet.pattern.rows()),
-                          singular = singular_vertices(sheet);
+  const VertexRings rings(sheet.triangles, hinges, sheet.pattern.rows());
+  const std::vector<char> singular = singular_vertices(sheet);
   const auto movable = [&](int k) {
-    return !border[k] && !singular[k] && !(k < static_cast<int>(fixed.size()) && fixed[k]);
+    return !rings.border[k] && !singular[k] && !(k < static_cast<int>(fixed.size()) && fixed[k]);
   };
 
   int corner;

@@ -4,7 +4,7 @@
 #include "core/model/paper.h"
 #include "core/model/pattern.h"
 #include "core/model/sheet.h"
-#include "core/step2_crumple/crumple.h"
+#include "core/step2_crumple/crumple_options.h"
 
 #include <optional>
 #include <vector>
@@ -30,8 +30,8 @@ struct Conflicts {
 Conflicts find_conflicts(const Sheet&, const Points3& curvature, const std::vector<char>& fixed,
                          const CrumpleOptions&);
 
-/// Length of the longest edge at a vertex, on the pattern. [m]
-double ring_size(const Sheet&, int vertex);
+/// |V| 1: the vertex is a singular point.
+std::vector<char> singular_vertices(const Sheet&);
 
 /// The point at which a conflict is aimed. The mesh is too coarse to take the worst vertex: a
 /// d-cone shows as positive Gaussian curvature in its core, between saddles, so its middle is the

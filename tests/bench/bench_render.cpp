@@ -85,12 +85,17 @@ Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case
           std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
 }
 
-bool linear_surface_intersects(const RenderSurface& render, const ShotRecord& record) {
-  return std::any_of(record.frames().begin(), record.frames().end(), [&](const RecordedFrame& f) {
+/// Facets of frames that intersect others on the render mesh, as the render pass looks for them.
+std::set<ShotRecord::Facet> intersecting_facets(const RenderSurface& render,
+                                                const ShotRecord& record) {
+  std::set<ShotRecord::Facet> facets;
+  for (const RecordedFrame& f : record.frames()) {
     const Sheet sheet = record.sheet(f);
-    return render.linear_surface_intersects(sheet,
-                                            render.locate_on(sheet.pattern, sheet.triangles));
-  });
+    for (const int t :
+         render.intersecting_facets(sheet, render.locate_on(sheet.pattern, sheet.triangles)))
+      facets.insert({f.mesh, t});
+  }
+  return facets;
 }
 
 void measure(const Shot& shot, const ShotRecord& record, const std::vector<Points3>& plastic,
@@ -101,8 +106,8 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
   double begun = cpu_ms();
   RenderFeatures features = record.features(shot);
   RenderSurface render = make_render_surface(shot.pattern, features, record.edge(), quality);
-  if (linear_surface_intersects(render, record)) {
-    features.edges = record.edges();
+  if (const auto facets = intersecting_facets(render, record); !facets.empty()) {
+    features.edges = record.edges(facets);
     render = make_render_surface(shot.pattern, features, record.edge(), quality);
   }
   const double mesh_ms = cpu_ms() - begun;

@@ -103,14 +103,18 @@ class Watched : public Method {
   void on_proposal_result(bool accepted, const FrameTime& now) override {
     method_->on_proposal_result(accepted, now);
   }
-  bool remesh(Sheet& sheet, const RemeshContext& is) override {
+  MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
     const Sheet before = sheet;
-    if (!method_->remesh(sheet, is)) return false;
+    const MeshChange change = method_->remesh(sheet, is);
+    if (change == MeshChange::none) return change;
     ++v_.remeshed;
     const std::optional<double> was = stored_at_rest(before, script_, is),
                                 now = was ? stored_at_rest(sheet, script_, is) : was;
     v_.rises += now && *now > 1.01 * *was + 1e-6;
-    return true;
+    return change;
+  }
+  int load_parts(const Sheet& sheet, double relative_handle_motion) const override {
+    return method_->load_parts(sheet, relative_handle_motion);
   }
   bool finish(Sheet& sheet, const std::vector<int>& held) const override {
     return method_->finish(sheet, held);

@@ -118,10 +118,4 @@ double triangles_of(const Sheet& sheet, const Points3& metric) {
   return sum / of_one;
 }
 
-double metric_length(const Sheet& sheet, const Points3& metric, int a, int b) {
-  const Vector2d d = (sheet.pattern.row(b) - sheet.pattern.row(a)).transpose();
-  const Eigen::RowVector3d m = 0.5 * (metric.row(a) + metric.row(b));
-  return std::sqrt(m[0] * d.x() * d.x() + 2 * m[1] * d.x() * d.y() + m[2] * d.y() * d.y());
-}
-
 }  // namespace paperbake

@@ -15,8 +15,7 @@ struct SizingOptions {
   double turn = 0;
 };
 
-/// Sizing field: a metric M on the pattern for each vertex. An edge d has the right length when
-/// d^T M d = 1.
+/// Sizing field: a metric M on the pattern for each vertex (edge_operations.h).
 ///
 ///   M = S^2 / facet_turn^2  v  Sp^2 / facet_turn^2
 ///
@@ -40,8 +39,5 @@ Points3 sizing_field(const Sheet&, const Points3& kept, double side, const Sizin
 
 /// About how many triangles a mesh has whose edges follow the field.
 double triangles_of(const Sheet&, const Points3& metric);
-
-/// Length of an edge in the mean metric of its ends; 1: as it should be.
-double metric_length(const Sheet&, const Points3& metric, int a, int b);
 
 }  // namespace paperbake

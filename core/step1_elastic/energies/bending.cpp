@@ -41,6 +41,12 @@ ElasticCurvature elastic_curvature(const RestBending& rest, const Vector3d& thet
   return e;
 }
 
+/// Half the derivative of q^2 with respect to Sxx, Sxy, Syy.
+Vector3d couple_of(double poisson, const Vector3d& S, double trace) {
+  return {poisson * trace + (1 - poisson) * S[0], 2 * (1 - poisson) * S[1],
+          poisson * trace + (1 - poisson) * S[2]};
+}
+
 }  // namespace
 
 DihedralAngle dihedral_angle_gradient(const Points3& x, const Hinge& hinge) {
@@ -139,10 +145,7 @@ double bending_energy(const RestBending& rest, const Vector3d& theta, const Plas
   const auto [S, trace, q_squared] = elastic_curvature(rest, theta, plastic.curvature);
   const double scale = rest.rigidity * rest.area;
   const bool yields = q_squared > plastic.yield * plastic.yield;
-  const Vector3d couple(rest.poisson * trace + (1 - rest.poisson) * S[0],
-                        2 * (1 - rest.poisson) * S[1],
-                        rest.poisson * trace + (1 - rest.poisson) * S[2]);
-  const Vector3d m = scale * rest.operator_of_theta.transpose() * couple;
+  const Vector3d m = scale * rest.operator_of_theta.transpose() * couple_of(rest.poisson, S, trace);
   if (!yields) {
     if (moment) *moment = m;
     if (tangent) *tangent = rest.stiffness;
@@ -155,6 +158,19 @@ double bending_energy(const RestBending& rest, const Vector3d& theta, const Plas
   if (tangent)
     *tangent = phi * rest.stiffness + (eta - phi) / (scale * q_squared) * m * m.transpose();
   return scale * (0.5 * q_y * q_y + q_y * beyond + 0.5 * eta * beyond * beyond);
+}
+
+Eigen::Matrix2d bending_moment_tensor(const RestBending& rest, const Vector3d& theta,
+                                      const PlasticState& plastic) {
+  const auto [S, trace, q_squared] = elastic_curvature(rest, theta, plastic.curvature);
+  double phi = 1;  // [1] of the elastic moment
+  if (const double q = std::sqrt(q_squared); q > plastic.yield)
+    phi = (plastic.yield + rest.hardening * (q - plastic.yield)) / q;
+  const Vector3d m =
+      phi * rest.rigidity * rest.area * rest.seen.transpose() * couple_of(rest.poisson, S, trace);
+  Eigen::Matrix2d M;
+  M << m[0], 0.5 * m[1], 0.5 * m[1], m[2];
+  return M;
 }
 
 PlasticGain plastic_gain(const RestBending& rest, const Vector3d& theta,

@@ -87,6 +87,11 @@ struct PlasticState {
 double bending_energy(const RestBending&, const Vector3d& theta, const PlasticState& = {},
                       Vector3d* moment = nullptr, Matrix3* tangent = nullptr);
 
+/// [J m] Derivative of bending_energy with respect to sum_i theta_i l_i/A_i n_i n_i^T, the shape
+/// operator of a triangle without grain inside the sheet. Symmetric.
+Eigen::Matrix2d bending_moment_tensor(const RestBending&, const Vector3d& theta,
+                                      const PlasticState&);
+
 /// Plastic increment of a triangle that is left in this shape:
 ///
 ///   Sp += S' (1 - q_el/q),   alpha += q - q_el,   q_el = q_y + eta (q - q_y);   zero below yield

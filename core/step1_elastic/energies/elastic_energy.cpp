@@ -45,9 +45,9 @@ ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const T
     if (!crease) continue;
     const double length = (b - a).norm();
     crease_of_hinge_[h] = static_cast<int>(creases_.size());
-    creases_.push_back(
-        {static_cast<int>(h), *crease, CreaseEdge{a, b, crease->angle, crease->folded}, length,
-         (rest_[hinge.triangles[0]].area + rest_[hinge.triangles[1]].area) / length});
+    creases_.push_back({static_cast<int>(h), *crease,
+                        CreaseEdge{a, b, crease->angle, crease->folded}, length,
+                        area_beside(hinge) / length});
   }
   for (int t = 0; t < triangles.rows(); ++t) {
     bend_.push_back(rest_of_bending(t));
@@ -84,15 +84,15 @@ RestBending ElasticEnergy::rest_of_bending(int t) const {
   std::array<double, 3> shared_area{0, 0, 0};
   for (int i = 0; i < 3; ++i) {
     const int h = hinges_.of_triangle[t][i];
-    if (h < 0) continue;
-    if (const int c = creases_.empty() ? -1 : crease_of_hinge_[h];
-        c >= 0 && creases_[c].edge.folded)
-      continue;
-    shared_area[i] =
-        rest_[hinges_.hinges[h].triangles[0]].area + rest_[hinges_.hinges[h].triangles[1]].area;
+    if (h >= 0 && !is_folded(h)) shared_area[i] = area_beside(hinges_.hinges[h]);
   }
   return rest_bending(paper_, pattern_, triangles_.row(t), shared_area,
                       stiffening_.empty() ? 1 : stiffening_[t]);
+}
+
+bool ElasticEnergy::is_folded(int hinge) const {
+  const int crease = creases_.empty() ? -1 : crease_of_hinge_[hinge];
+  return crease >= 0 && creases_[crease].edge.folded;
 }
 
 CreaseResponse ElasticEnergy::response_of(const CreaseEdge& edge, double theta) const {
@@ -168,6 +168,59 @@ ElasticEnergy::Parts ElasticEnergy::parts(const Points3& x,
     sum.bending += bending_energy(bend_[t], angles, past(t)) + add_creases(t, angles);
   }
   return sum;
+}
+
+void ElasticEnergy::add_configurational_bending(int t, const Vector3d& angles, Points2& force,
+                                                Eigen::VectorXd& by_area) const {
+  const RestBending& rest = bend_[t];
+  // E depends on sum_i theta_i T_i/A_i, where T_i = l_i n_i n_i^T; M is its derivative
+  const Eigen::Matrix2d M = bending_moment_tensor(rest, angles, past(t));
+  for (int i = 0; i < 3; ++i) {
+    const int h = hinges_.of_triangle[t][i];
+    if (h < 0 || is_folded(h)) continue;
+    const int a = triangles_(t, (i + 1) % 3), b = triangles_(t, (i + 2) % 3);
+    const Vector2d e = pattern_.row(b) - pattern_.row(a);
+    const double l = e.norm(), shared = area_beside(hinges_.hinges[h]);
+    const Vector2d across(e.y(), -e.x());
+    const Vector2d couple = M * across;
+    const double T = across.dot(couple) / l;  // M : T_i
+    // d T/de, turned back from `across` to e
+    const Vector2d slope = 2 / l * Vector2d(-couple.y(), couple.x()) - T / (l * l) * e;
+    force.row(b) -= angles[i] / shared * slope;
+    force.row(a) += angles[i] / shared * slope;
+    for (const int side : hinges_.hinges[h].triangles)
+      by_area[side] -= angles[i] * T / (shared * shared);
+  }
+}
+
+LocalEnergies ElasticEnergy::local_energies(const Points3& x) const {
+  const int triangles = static_cast<int>(triangles_.rows());
+  LocalEnergies local{Eigen::VectorXd(triangles), Eigen::VectorXd(triangles),
+                      Points2::Zero(pattern_.rows(), 2)};
+  Eigen::VectorXd by_area = Eigen::VectorXd::Zero(triangles);
+  const std::vector<double> theta = dihedral_angles(x);
+  for (int t = 0; t < triangles; ++t) {
+    const Matrix3 c = corners(x, t);
+    const RestTriangle& rest = rest_[t];
+    const Vector3d angles = angles_of(t, theta);
+    local.membrane[t] = membrane_energy(paper_, rest, c);
+    local.bending[t] = bending_energy(bend_[t], angles, past(t));
+    add_configurational_bending(t, angles, local.configurational_force, by_area);
+    by_area[t] += local.bending[t] / rest.area;
+    local.bending[t] += add_creases(t, angles);
+    const Eigen::Matrix<double, 3, 2> F = c.transpose() * rest.g;
+    const Eigen::Matrix2d momentum =
+        local.membrane[t] / rest.area * Eigen::Matrix2d::Identity() -
+        F.transpose() * F * membrane_stress(paper_, rest, c, Matrix3::Zero());
+    for (int i = 0; i < 3; ++i)
+      local.configurational_force.row(triangles_(t, i)) -=
+          rest.area * rest.g.row(i) * momentum.transpose();
+  }
+  for (int t = 0; t < triangles; ++t)
+    for (int i = 0; i < 3; ++i)
+      local.configurational_force.row(triangles_(t, i)) -=
+          by_area[t] * rest_[t].area * rest_[t].g.row(i);
+  return local;
 }
 
 double ElasticEnergy::gradient(const Points3& x, Points3& gradient) const {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/linear_algebra/block_cholesky.h"
+#include "core/model/local_energies.h"
 #include "core/model/plastic_grid.h"
 #include "core/step1_elastic/energies/bending.h"
 #include "core/step1_elastic/energies/crease_law.h"
@@ -35,6 +36,12 @@ class ElasticEnergy {
   };
   Parts parts(const Points3& x) const { return parts(x, dihedral_angles(x)); }
   Parts parts(const Points3& x, const std::vector<double>& dihedral_angles) const;
+
+  /// The energies of the triangles at x and the configurational forces on the vertices. The plastic
+  /// state, the ridges and the factors on the stiffness are those of the triangles as they are.
+  /// source  [Eshelby 1975] for the membrane, whose energy-momentum tensor is w I - F^T F S; the
+  ///         bending part is the derivative of RestBending
+  LocalEnergies local_energies(const Points3& x) const;
 
   /// [J] Energy at x; gradient |V|x3 [N] is overwritten.
   double gradient(const Points3& x, Points3& gradient) const;
@@ -105,6 +112,17 @@ class ElasticEnergy {
   double add_creases(int t, const Vector3d& angles, Vector3d* moment = nullptr,
                      Matrix3* tangent = nullptr) const;
   CreaseResponse response_of(const CreaseEdge&, double theta) const;
+  /// Area on the pattern of the triangles on both sides of a hinge. [m2]
+  double area_beside(const Hinge& hinge) const {
+    return rest_[hinge.triangles[0]].area + rest_[hinge.triangles[1]].area;
+  }
+  /// True if the hinge is an edge along which the sheet is folded.
+  bool is_folded(int hinge) const;
+  /// Adds the part of the bending of triangle t to the configurational forces that comes from the
+  /// lengths and directions of its edges.
+  /// by_area  |T| [J/m2] receives the derivatives with respect to the areas of triangles
+  void add_configurational_bending(int t, const Vector3d& angles, Points2& force,
+                                   Eigen::VectorXd& by_area) const;
   RestBending rest_of_bending(int t) const;
 
   Paper paper_;

@@ -168,10 +168,10 @@ class Shrinking : public Method {
   FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     return fem(100).make()->first_mesh(pattern, points);
   }
-  bool remesh(Sheet& sheet, const RemeshContext& is) override {
-    if (is.now.frame != 8 && is.now.frame != 11) return false;
+  MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
+    if (is.now.frame != 8 && is.now.frame != 11) return MeshChange::none;
     sheet.pattern *= is.now.frame == 8 ? 0.5 : 2;
-    return true;
+    return MeshChange::local;
   }
 };
 

@@ -50,7 +50,13 @@ TEST(CrumpleTest, EdgesFlipTowardsTheRulingsOfACylinder) {
   EXPECT_EQ(flip_towards_rulings(sheet, curvature, 0.8), 0);  // nothing is left to flip
 }
 
-TEST(CrumpleTest, NoEdgeFlipsOnASheetWithThreeSingularPoints) {
+/// Energies of a sheet that stores nothing.
+LocalEnergies nothing_stored(const Sheet& sheet) {
+  return {Eigen::VectorXd::Zero(sheet.triangles.rows()),
+          Eigen::VectorXd::Zero(sheet.triangles.rows()), Points2::Zero(sheet.pattern.rows(), 2)};
+}
+
+TEST(CrumpleTest, NoFoldedEdgeFlipsOnASheetWithThreeSingularPoints) {
   Sheet smooth = test::hex_sheet(0.1, 0.1, 6, 0.25, 5);
   for (int v = 0; v < smooth.pattern.rows(); ++v)
     smooth.x(v, 2) = 12 * std::pow(smooth.pattern(v, 0) + smooth.pattern(v, 1) - 0.1, 2);
@@ -61,7 +67,10 @@ TEST(CrumpleTest, NoEdgeFlipsOnASheetWithThreeSingularPoints) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, {}, 1, 0);
     int flips = 0;
     for (int frame = 1; frame <= 4; ++frame)
-      flips += crumple.step(sheet, std::vector<char>(sheet.pattern.rows(), 1), {frame}, true).flips;
+      flips += crumple
+                   .step(sheet, std::vector<char>(sheet.pattern.rows(), 1), {frame},
+                         {0.005, true, true}, [&] { return nothing_stored(sheet); })
+                   .flips;
     return flips;
   };
   EXPECT_GT(flips(smooth), 5);
@@ -134,25 +143,28 @@ TEST(CrumpleTest, ConflictShowsWhereFoldsOfBothSignsMeet) {
 
 TEST(CrumpleTest, PersistentConflictBearsASingularPointSoonerWhenSevere) {
   const Sheet sheet = ridge_and_valley();
-  const auto frames_to_birth = [&](const CrumpleOptions& options, double dt = 1 / 24.0) {
+  // the way in a frame [1] of the longer side; the conflict is the same in every frame
+  const auto frames_to_birth = [&](const CrumpleOptions& options, double way, double dt = 0.04) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, options, 1, 0);
     for (int frame = 1; frame <= 80; ++frame) {
-      Sheet now = sheet;  // the conflict is the same in every frame
-      if (crumple.step(now, {}, {frame, dt}, true).births > 0) return frame;
+      Sheet now = sheet;
+      const auto stored = [&] { return nothing_stored(now); };
+      if (crumple.step(now, {}, {frame, dt}, {way, true, true}, stored).births > 0) return frame;
     }
     return 0;
   };
   CrumpleOptions options;
   options.conflict_turn = options.threshold_near_apex = options.fold_threshold_near_apex = 10;
   options.max_triangles = 1000;
-  options.persistence_time = 5 / 24.0;
-  EXPECT_EQ(frames_to_birth(options), 5);
-  EXPECT_EQ(frames_to_birth(options, 1 / 48.0), 10);
-  EXPECT_EQ(frames_to_birth(options, 1 / 12.0), 3);  // in the following frame
+  options.persistence = 0.02;
+  EXPECT_EQ(frames_to_birth(options, 0.004), 5);
+  EXPECT_EQ(frames_to_birth(options, 0.002), 10);
+  EXPECT_EQ(frames_to_birth(options, 0.002, 0.01), 10);  // whatever time it takes
+  EXPECT_EQ(frames_to_birth(options, 0.1), 4);           // a frame counts for half a percent
+  EXPECT_EQ(frames_to_birth(options, 0), 0);             // nothing is born where nothing moves
   options.fold_threshold_near_apex = 0.2;
-  options.persistence_time_severe = 2 / 24.0;
-  EXPECT_EQ(frames_to_birth(options), 2);
-  EXPECT_EQ(frames_to_birth(options, 1 / 120.0), 10);
+  options.persistence_severe = 0.006;
+  EXPECT_EQ(frames_to_birth(options, 0.003), 2);
 }
 
 TEST(CrumpleTest, ThresholdsAreHigherNextToASingularPoint) {

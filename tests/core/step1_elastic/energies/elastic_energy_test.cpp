@@ -43,6 +43,15 @@ PlasticMemory some_memory(const Sheet& sheet) {
   return memory;
 }
 
+std::vector<char> border_of(const Sheet& sheet, const Hinges& hinges) {
+  std::vector<char> border(sheet.pattern.rows(), 0);
+  for (int t = 0; t < sheet.triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i)
+      if (hinges.of_triangle[t][i] < 0)
+        border[sheet.triangles(t, (i + 1) % 3)] = border[sheet.triangles(t, (i + 2) % 3)] = 1;
+  return border;
+}
+
 /// Fraction of the triangles that yield.
 double yielding(const ElasticEnergy& energy, const Sheet& sheet) {
   return (energy.gained(sheet.x).hardening.array() > 0).cast<double>().mean();
@@ -508,6 +517,58 @@ TEST(ElasticEnergyTest, ACreaseThatIsLeftTurnedKeepsItsMoment) {
   Sheet sprung = turned_halves(sheet.crease_edges[0].rest_angle, true);
   energy.gradient(sprung.x, after);
   EXPECT_LT(after.norm(), 1e-9 * during.norm());
+}
+
+/// Grain, a plastic past, ridges and yielding are all in it.
+TEST(ConfigurationalForceTest, IsTheDerivativeOfTheEnergyByThePattern) {
+  const Sheet sheet = crumpled();
+  const auto energy_on = [&](const Points2& pattern) {
+    ElasticEnergy energy(soft_paper(), pattern, sheet.triangles);
+    energy.memory = some_memory(sheet);
+    energy.ridges = {Eigen::VectorXd::Constant(sheet.triangles.rows(), 0.5),
+                     Eigen::VectorXd::Constant(sheet.triangles.rows(), 1.3)};
+    return energy;
+  };
+  const ElasticEnergy energy = energy_on(sheet.pattern);
+  ASSERT_GT(yielding(energy, sheet), 0.3);
+  ASSERT_LT(yielding(energy, sheet), 0.9);
+  const LocalEnergies local = energy.local_energies(sheet.x);
+  EXPECT_NEAR(local.membrane.sum() + local.bending.sum(), energy.energy(sheet.x),
+              1e-12 * energy.energy(sheet.x));
+
+  const std::vector<char> border = border_of(sheet, energy.hinges());
+  constexpr double step = 1e-7;  // [m]
+  const double scale = local.configurational_force.rowwise().norm().maxCoeff();
+  int inner = 0;
+  for (int v = 0; v < sheet.pattern.rows(); ++v) {
+    if (border[v]) continue;
+    ++inner;
+    for (int axis = 0; axis < 2; ++axis) {
+      Points2 ahead = sheet.pattern, behind = sheet.pattern;
+      ahead(v, axis) += step;
+      behind(v, axis) -= step;
+      const double slope =
+          (energy_on(ahead).energy(sheet.x) - energy_on(behind).energy(sheet.x)) / (2 * step);
+      EXPECT_NEAR(local.configurational_force(v, axis), -slope, 1e-5 * scale) << v << " " << axis;
+    }
+  }
+  EXPECT_GT(inner, 20);
+}
+
+/// Through a sheet that is stretched evenly the same momentum flows into each vertex as out of it.
+TEST(ConfigurationalForceTest, VanishesWhereTheSheetIsTheSameAllRound) {
+  Sheet sheet = test::hex_sheet(0.1, 0.07, 5, 0, 3);
+  for (int v = 0; v < sheet.x.rows(); ++v)
+    sheet.x.row(v) << 1.01 * sheet.pattern(v, 0), sheet.pattern(v, 1), 0;
+  ElasticEnergy energy(Paper{}, sheet.pattern, sheet.triangles);
+  const LocalEnergies local = energy.local_energies(sheet.x);
+  const double force_on_border = local.configurational_force.rowwise().norm().maxCoeff();
+  ASSERT_GT(force_on_border, 0);
+  const std::vector<char> border = border_of(sheet, energy.hinges());
+  for (int v = 0; v < sheet.pattern.rows(); ++v)
+    if (!border[v]) {
+      EXPECT_LT(local.configurational_force.row(v).norm(), 1e-9 * force_on_border);
+    }
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "core/methods/adaptive_mesh/edge_operations.h"
+#include "core/geometry/edge_operations.h"
 #include "core/geometry/intersections.h"
 
 #include "core/geometry/measure.h"
@@ -8,6 +8,8 @@
 #include "tests/core/test_meshes.h"
 
 #include <gtest/gtest.h>
+
+#include <algorithm>
 
 namespace paperbake {
 namespace {
@@ -69,6 +71,13 @@ TEST(EdgeOperationsTest, SplitsLeaveTheSurfaceAsItIs) {
   test::expect_sound(sheet, 0.01);
 }
 
+/// |V| 1 for the first vertices.
+std::vector<char> first(int count, const Sheet& sheet) {
+  std::vector<char> kept(sheet.pattern.rows(), 0);
+  std::fill_n(kept.begin(), count, 1);
+  return kept;
+}
+
 TEST(EdgeOperationsTest, SplitsStopAtTheLargestNumberOfTriangles) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4);
   Points3 metric = even(sheet, 0.002, 0.002);
@@ -87,7 +96,8 @@ TEST(EdgeOperationsTest, CollapsesKeepBorderHolesAndFixedVertices) {
   Sheet sheet = test::flat_sheet(mesh.vertices, mesh.triangles);
   Points3 metric = even(sheet, 0.04, 0.04);
   const auto before = sheet.triangles.rows();
-  while (collapse_short_edges(sheet, metric, fixed, 0.8) > 0) flip_to_delaunay(sheet, metric);
+  while (collapse_short_edges(sheet, metric, first(fixed, sheet), 0.8) > 0)
+    flip_to_delaunay(sheet, metric);
   EXPECT_LT(sheet.triangles.rows(), 0.1 * before);
   double sum = 0;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
@@ -107,13 +117,14 @@ TEST(EdgeOperationsTest, WhatWasSplitIsNotCollapsedAndAFittingMeshStays) {
   Points3 metric = even(sheet, 0.008, 0.02);
   refine(sheet, metric);
   for (int pass = 0; pass < 4; ++pass) {
-    while (collapse_short_edges(sheet, metric, 0, 0.8) > 0) flip_to_delaunay(sheet, metric);
+    while (collapse_short_edges(sheet, metric, first(0, sheet), 0.8) > 0)
+      flip_to_delaunay(sheet, metric);
     refine(sheet, metric);
   }
   const Triangles settled = sheet.triangles;
   EXPECT_EQ(split_long_edges(sheet, metric, 100000), 0);
   EXPECT_EQ(flip_to_delaunay(sheet, metric), 0);
-  EXPECT_EQ(collapse_short_edges(sheet, metric, 0, 0.8), 0);
+  EXPECT_EQ(collapse_short_edges(sheet, metric, first(0, sheet), 0.8), 0);
   EXPECT_TRUE(sheet.triangles == settled);
 }
 
@@ -138,7 +149,7 @@ TEST(EdgeOperationsTest, ACollapseDoesNotSweepThroughAnotherLayer) {
   Points3 metric = even(layers, 0.08, 0.08);
   int gone = 0;
   for (int round = 0; round < 6; ++round) {
-    const int now = collapse_short_edges(layers, metric, 0, 0.8);
+    const int now = collapse_short_edges(layers, metric, first(0, layers), 0.8);
     flip_to_delaunay(layers, metric);
     gone += now;
   }
@@ -148,7 +159,7 @@ TEST(EdgeOperationsTest, ACollapseDoesNotSweepThroughAnotherLayer) {
   alone.x = x.topRows(half);
   Points3 lone_metric = even(alone, 0.08, 0.08);
   for (int round = 0; round < 6; ++round) {
-    collapse_short_edges(alone, lone_metric, 0, 0.8);
+    collapse_short_edges(alone, lone_metric, first(0, alone), 0.8);
     flip_to_delaunay(alone, lone_metric);
   }
   // without the other layer more vertices are removed

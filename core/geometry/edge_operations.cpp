@@ -1,9 +1,8 @@
-#include "core/methods/adaptive_mesh/edge_operations.h"
+#include "core/geometry/edge_operations.h"
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/proximity.h"
-#include "core/methods/adaptive_mesh/sizing_field.h"
 #include "core/model/segment2.h"
 
 #include <Eigen/Cholesky>
@@ -17,8 +16,8 @@
 namespace paperbake {
 namespace {
 
-constexpr double max_compression = 0.03, max_fold = 2.2;  // [1], [rad]
-constexpr double clearance = 0.005;                       // [1] of the length of a new edge
+constexpr double max_compression = 0.03, max_new_fold = 2.2;  // [1], [rad]
+constexpr double clearance = 0.005;                           // [1] of the length of a new edge
 
 /// An edge a -> b with the triangle on its left and, inside the sheet, the one on its right.
 struct Edge {
@@ -97,7 +96,7 @@ bool may_flip(const Sheet& sheet, const std::array<int, 4>& v) {
   if (std::min(left, right) < min_share * (left + right) || too_compressed(sheet, v[2], v[3]))
     return false;
   // corner 0 is on the left of 3 -> 2
-  return std::abs(dihedral_angle(sheet.x, Hinge{{v[3], v[2], v[0], v[1]}, {0, 0}})) <= max_fold;
+  return std::abs(dihedral_angle(sheet.x, Hinge{{v[3], v[2], v[0], v[1]}, {0, 0}})) <= max_new_fold;
 }
 
 template <class Matrix>
@@ -111,10 +110,10 @@ void drop_rows(Matrix& m, const std::vector<char>& gone) {
 /// The mesh during a round of collapses: the triangles around each vertex, and what has changed.
 class Collapses {
  public:
-  Collapses(Sheet& sheet, const Points3& metric, int fixed, double longest)
+  Collapses(Sheet& sheet, const Points3& metric, const std::vector<char>& kept, double longest)
       : sheet_(sheet),
         metric_(metric),
-        fixed_(fixed),
+        kept_(kept),
         longest_(longest),
         ring_(sheet.pattern.rows()),
         border_(sheet.pattern.rows(), 0),
@@ -201,7 +200,7 @@ class Collapses {
   }
 
   bool may_go(int from, int to, const Edge& edge) const {
-    if (from < fixed_ || folded_[from] || !untouched(from) || !untouched(to) ||
+    if (kept_[from] || folded_[from] || !untouched(from) || !untouched(to) ||
         !border_stays(from, to, edge))
       return false;
     // the two have no common neighbours except the wings of their edge
@@ -233,7 +232,7 @@ class Collapses {
       if (too_compressed(sheet_, v, b) || too_compressed(sheet_, v, c)) return false;
       const Vector3d n = normal(v, b, c);
       for (const auto& [w, d, e] : kept)
-        if (n.dot(normal(w, d, e)) < std::cos(max_fold)) return false;
+        if (n.dot(normal(w, d, e)) < std::cos(max_new_fold)) return false;
     }
     return std::all_of(kept.begin(), kept.end(), [&](const std::array<int, 3>& k) {
       return has_room(sheet_, {from, k[2], to, k[1]}, ring_[from]);
@@ -260,13 +259,19 @@ class Collapses {
 
   Sheet& sheet_;
   const Points3& metric_;
-  int fixed_;
+  const std::vector<char>& kept_;
   double longest_;
   std::vector<std::vector<int>> ring_;  // triangles of each vertex
   std::vector<char> border_, folded_, touched_, dead_, gone_;
 };
 
 }  // namespace
+
+double metric_length(const Sheet& sheet, const Points3& metric, int a, int b) {
+  const Vector2d d = (sheet.pattern.row(b) - sheet.pattern.row(a)).transpose();
+  const Eigen::RowVector3d m = 0.5 * (metric.row(a) + metric.row(b));
+  return std::sqrt(m[0] * d.x() * d.x() + 2 * m[1] * d.x() * d.y() + m[2] * d.y() * d.y());
+}
 
 Misfit misfit(const Sheet& sheet, const Points3& metric) {
   Misfit m;
@@ -320,7 +325,7 @@ int split_long_edges(Sheet& sheet, Points3& metric, int max_triangles) {
   return static_cast<int>(chosen.size());
 }
 
-int flip_to_delaunay(Sheet& sheet, const Points3& metric) {
+int flip_to_delaunay(Sheet& sheet, const Points3& metric, double max_fold) {
   constexpr int rounds = 6;
   int flips = 0;
   for (int round = 0; round < rounds; ++round) {
@@ -331,8 +336,8 @@ int flip_to_delaunay(Sheet& sheet, const Points3& metric) {
       const auto& v = hinge.vertices;
       if (touched[left] || touched[right] ||
           is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]) ||
-          !wants_to_flip(sheet, metric, v) || !may_flip(sheet, v) ||
-          !has_room(sheet, v, {left, right}))
+          !wants_to_flip(sheet, metric, v) || std::abs(dihedral_angle(sheet.x, hinge)) > max_fold ||
+          !may_flip(sheet, v) || !has_room(sheet, v, {left, right}))
         continue;
       sheet.triangles.row(left) << v[0], v[3], v[2];
       sheet.triangles.row(right) << v[3], v[1], v[2];
@@ -344,8 +349,9 @@ int flip_to_delaunay(Sheet& sheet, const Points3& metric) {
   return flips;
 }
 
-int collapse_short_edges(Sheet& sheet, Points3& metric, int fixed, double longest) {
-  Collapses collapses(sheet, metric, fixed, longest);
+int collapse_short_edges(Sheet& sheet, Points3& metric, const std::vector<char>& kept,
+                         double longest) {
+  Collapses collapses(sheet, metric, kept, longest);
   const int gone = collapses.run();
   if (gone > 0) collapses.clear_away(metric);
   return gone;
