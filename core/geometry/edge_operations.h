@@ -10,8 +10,8 @@ namespace paperbake {
 /// Operations on single edges of a sheet. They work in rounds of edges that share no triangle, so
 /// that their order hardly matters. The mesh remains one of the same pattern: border and holes stay
 /// as they are, and no triangle is turned over. A sheet passes through nothing when its mesh
-/// changes: splits leave the surface as it is, and flips and collapses that would sweep over another
-/// part of the sheet are left out.
+/// changes: splits leave the surface as it is, and flips and collapses that would sweep over
+/// another part of the sheet are left out.
 ///
 /// metric  |V|x3 [1/m2] Mxx, Mxy, Myy of the vertices: an edge d has the right length when
 ///         d^T M d = 1. It changes with the vertices

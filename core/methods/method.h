@@ -75,8 +75,8 @@ class Method {
   virtual MeshChange remesh(Sheet&, const RemeshContext&) { return MeshChange::none; }
 
   /// Into how many parts of equal length the frame is divided in which the handles make this motion
-  /// relative to each other [1, of the longer side]. `remesh` is called before each of them. A sheet
-  /// that is animated together with others takes every frame as a whole.
+  /// relative to each other [1, of the longer side]. `remesh` is called before each of them. A
+  /// sheet that is animated together with others takes every frame as a whole.
   virtual int load_parts(const Sheet&, double /*relative_handle_motion*/) const { return 1; }
 
   /// Called after the elastic step of a frame, on the copy of the sheet that is handed on; the next

@@ -217,8 +217,9 @@ bool has_room(const Pattern& pattern, double edge, const std::vector<CreaseSegme
   return length <= max_length * area(pattern) / edge;
 }
 
-/// The mesh that has every simulated edge and every crease as a row of edges; nothing when some of
-/// them cross so near to others that no triangulation has them all.
+/// The mesh that has every simulated edge as a row of edges, and the creases too, whose ends go to
+/// those of simulated edges nearby; nothing when some of them cross so near to others that no
+/// triangulation has them all.
 std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
                                            const RenderFeatures& features) {
   const double near = 3e-6 * longer_side(pattern);
@@ -256,17 +257,8 @@ std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
   return result;
 }
 
-}  // namespace
-
-RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
-  SimulatedEdges simulated_edges = SimulatedEdges::none;
-  if (!features.edges.empty()) {
-    const bool fits = has_room(pattern, edge, features.edges);
-    if (fits)
-      if (auto mesh = mesh_along_edges(pattern, edge, features)) return std::move(*mesh);
-    // a pattern that is wrong itself has no mesh below either, and that throws
-    simulated_edges = fits ? SimulatedEdges::too_close : SimulatedEdges::too_long;
-  }
+/// The mesh in which creases are rows of points at even distances.
+RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeatures& features) {
   const double exact = 1e-6 * longer_side(pattern);
   Sites sites(merge * edge);
   std::vector<int> site_of_point;
@@ -298,8 +290,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
         required.push_back(sites.points[s]);
       }
   PatternMesh mesh = mesh_pattern(pattern, edge, required, 0, border);
-  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}, {},
-                    simulated_edges};
+  RenderMesh result{std::move(mesh.vertices), std::move(mesh.triangles), {}, {}};
   for (const int site : site_of_point)
     result.point_vertex.push_back(mesh.point_vertex[number[site]]);
   Edges edges(result.pattern, result.triangles);
@@ -318,6 +309,22 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   result.creases.assign(found.begin(), found.end());
   result.prescribed_creases = pattern.prescribed_creases;
   return result;
+}
+
+}  // namespace
+
+RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  SimulatedEdges simulated_edges = SimulatedEdges::none;
+  if (!features.edges.empty()) {
+    const bool fits = has_room(pattern, edge, features.edges);
+    if (fits)
+      if (auto mesh = mesh_along_edges(pattern, edge, features)) return std::move(*mesh);
+    // a pattern that is wrong itself has no mesh below either, and that throws
+    simulated_edges = fits ? SimulatedEdges::too_close : SimulatedEdges::too_long;
+  }
+  RenderMesh mesh = mesh_along_rows(pattern, edge, features);
+  mesh.simulated_edges = simulated_edges;
+  return mesh;
 }
 
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features,

@@ -57,8 +57,9 @@ struct RenderMesh {
 /// by side. Creases beyond a total length of area / (2 edge) [m] are left out, the lightest first.
 ///
 /// Simulated edges, if there are any, become rows of edges exactly, whatever the angles between
-/// them, and creases run along them. They are all left out when their total length exceeds 6 area /
-/// edge [m], or when some cross within a millionth of the sheet; `simulated_edges` says so.
+/// them, and so do the creases that do not lie beside them. They are all left out when their total
+/// length exceeds 6 area / edge [m], or when some cross within a millionth of the sheet;
+/// `simulated_edges` says so.
 /// throws  Error(ErrorCode::scene) when the outline crosses or touches itself
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 

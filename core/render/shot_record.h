@@ -39,9 +39,9 @@ class ShotRecord {
   Sheet sheet(const RecordedFrame&) const;  // without velocities and singular points
 
   /// Points: the handles, in order, the rims of their discs, and all singular points of the shot.
-  /// Creases: edges that were sharply folded for two frames, or for a quarter of the shot where that
-  /// is less; the sharper they were, the less time it takes. The heaviest are those across which a
-  /// render mesh without them would err most.
+  /// Creases: edges that were sharply folded for two frames, or for a quarter of the shot where
+  /// that is less; the sharper they were, the less time it takes. The heaviest are those across
+  /// which a render mesh without them would err most.
   RenderFeatures features(const Shot&) const;
 
   /// A triangle of one of the meshes.

@@ -19,10 +19,10 @@ namespace paperbake {
 struct Conflicts;
 
 /// Step 2 of [Schreck 2015] for one sheet. A sheet is smooth as long as it has fewer than three
-/// singular points. Its mesh is then changed where it is: edge flips make it follow the bending, and
-/// where two bending directions conflict for long enough, a singular point is born at a place drawn
-/// from the law of the paper. In addition new meshes are proposed whose edges are the rulings of the
-/// curved regions. A sheet with more singular points is crumpled (crumpled_mesh.h).
+/// singular points. Its mesh is then changed where it is: edge flips make it follow the bending,
+/// and where two bending directions conflict for long enough, a singular point is born at a place
+/// drawn from the law of the paper. In addition new meshes are proposed whose edges are the rulings
+/// of the curved regions. A sheet with more singular points is crumpled (crumpled_mesh.h).
 class Crumple {
  public:
   /// seed, sheet  the random draws depend on these and on the number of the event alone

@@ -37,9 +37,9 @@ constexpr double flat_fold = 4 * degrees;   // an edge that carries no fold may 
 constexpr double kept_fold = 12 * degrees;  // vertices with such a fold are not merged
 constexpr double near_point = 0.8;          // [1] of the edge length around a singular point
 constexpr double merged_below = 0.8;        // [1] in the metric
-// [1] membrane energy over bending energy, of the whole sheet, and of a ring in itself or in the mean
-// ring. In crumpled sheets the membrane stores up to a third of the energy [Liou 2010], in a ridge
-// a sixth [Lobkovsky 1997]: what stores more is a mesh that cannot fold.
+// [1] membrane energy over bending energy, of the whole sheet, and of a ring in itself or in the
+// mean ring. In a ridge the membrane stores a sixth of the energy [Lobkovsky 1997], in crumpled
+// sheets up to a third: what stores more is a mesh that cannot fold.
 constexpr double locked = 0.5, locked_ring = 0.5;
 constexpr double refinement = 0.9;  // [1] of the lengths of edges there, by full_way
 

@@ -10,8 +10,8 @@ namespace paperbake {
 class Serializer;
 
 /// How long the edges of a crumpled sheet are, by place on its pattern. It does not depend on the
-/// mesh with which the shot began, so that neither does the number of facets. It becomes finer where
-/// a mesh is too stiff to fold as the load asks, and never coarser again.
+/// mesh with which the shot began, so that neither does the number of facets. It becomes finer
+/// where a mesh is too stiff to fold as the load asks, and never coarser again.
 class FacetSizes {
  public:
   explicit FacetSizes(const Pattern&);

@@ -13,7 +13,8 @@ namespace paperbake {
 ///
 /// - p lies in the triangles around the vertex, and none of them becomes thin: its height stays at
 ///   least a quarter of its longest edge, or no smaller a share than the worst of the ring had;
-/// - no edge becomes more than 2 % shorter in space than on the pattern: it would cut across a fold;
+/// - no edge becomes more than 2 % shorter in space than on the pattern, as one that cuts across a
+///   fold would;
 /// - the sheet passes through nothing (tetrahedron_is_empty).
 ///
 /// returns  [1] the part of the way that the vertex went; 0: it stayed

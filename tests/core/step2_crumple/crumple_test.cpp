@@ -57,12 +57,20 @@ LocalEnergies nothing_stored(const Sheet& sheet) {
 }
 
 TEST(CrumpleTest, NoFoldedEdgeFlipsOnASheetWithThreeSingularPoints) {
-  Sheet smooth = test::hex_sheet(0.1, 0.1, 6, 0.25, 5);
+  Sheet smooth = test::hex_sheet(0.1, 0.1, 8, 0.25, 5);
   for (int v = 0; v < smooth.pattern.rows(); ++v)
     smooth.x(v, 2) = 12 * std::pow(smooth.pattern(v, 0) + smooth.pattern(v, 1) - 0.1, 2);
   Sheet broken = smooth;
   for (const double u : {0.03, 0.05, 0.07}) broken.singular.push_back({{u, 0.05}, 1, "test"});
-  const Triangles before = smooth.triangles;
+  const auto folded_edges = [](const Sheet& sheet) {
+    std::set<std::pair<int, int>> edges;
+    for (const Hinge& hinge : find_hinges(sheet.triangles).hinges)
+      if (std::abs(dihedral_angle(sheet.x, hinge)) > 4 * M_PI / 180)
+        edges.insert(std::minmax(hinge.vertices[0], hinge.vertices[1]));
+    return edges;
+  };
+  const auto before = folded_edges(broken);
+  ASSERT_GT(before.size(), 50u);
   const auto flips = [](Sheet& sheet) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, {}, 1, 0);
     int flips = 0;
@@ -74,8 +82,9 @@ TEST(CrumpleTest, NoFoldedEdgeFlipsOnASheetWithThreeSingularPoints) {
     return flips;
   };
   EXPECT_GT(flips(smooth), 5);
-  EXPECT_EQ(flips(broken), 0);
-  EXPECT_EQ(broken.triangles, before);
+  EXPECT_LT(flips(broken), 5);
+  const auto after = folded_edges(broken);
+  EXPECT_TRUE(std::includes(after.begin(), after.end(), before.begin(), before.end()));
 }
 
 TEST(CrumpleTest, FlatSheetKeepsItsNearlyDelaunayMesh) {

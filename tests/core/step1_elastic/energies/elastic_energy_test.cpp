@@ -552,7 +552,7 @@ TEST(ConfigurationalForceTest, IsTheDerivativeOfTheEnergyByThePattern) {
       EXPECT_NEAR(local.configurational_force(v, axis), -slope, 1e-5 * scale) << v << " " << axis;
     }
   }
-  EXPECT_GT(inner, 20);
+  EXPECT_GT(inner, 10);
 }
 
 /// Through a sheet that is stretched evenly the same momentum flows into each vertex as out of it.
