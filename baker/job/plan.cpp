@@ -1,7 +1,6 @@
 #include "baker/job/plan.h"
 
 #include "baker/job/version.h"
-#include "core/animation/expected_creases.h"
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
 #include "core/methods/adaptive.h"
@@ -301,6 +300,24 @@ void check_options(const BakeSettings& settings) {
                   fmt::format("Leave out --mesh simulation, or {}.", format.name));
 }
 
+/// Adds the crease lines of a sheet to the values that were used.
+void record_creases(const SceneSheet& sheet, const std::vector<CreaseLine>& lines,
+                    std::vector<UsedValue>& used) {
+  const std::string table = "sheet." + toml_string(sheet.name);
+  std::set<std::string> drawn;
+  bool expected = false;
+  for (const CreaseLine& line : lines)
+    if (line.expected)
+      expected = true;
+    else
+      drawn.insert(line.origin);
+  if (!drawn.empty())
+    used.push_back({table + ".crease", toml_creases(sheet.pattern.prescribed_creases),
+                    fmt::format("{}", fmt::join(drawn, ", "))});
+  if (expected)
+    used.push_back({table + ".expected_crease", toml_expected(lines), "keys of the handles"});
+}
+
 /// Paper, seed, shot and method of every sheet.
 /// returns  the values that were used, for job.lock.toml
 std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, BakePlan& plan) {
@@ -316,17 +333,13 @@ std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, B
                     to_string(!by_sheet                        ? settings.origin("seed")
                               : sheet.overridden.count("seed") ? Origin::job
                                                                : Origin::scene)});
-    if (!sheet.pattern.prescribed_creases.empty()) {
-      const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
-      used.push_back({"sheet." + toml_string(sheet.name) + ".crease",
-                      toml_creases(sheet.pattern.prescribed_creases),
-                      fmt::format("{}", fmt::join(origins, ", "))});
-    }
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
+    std::vector<ExpectedCrease> expected = expected_creases(sheet, plan.animation.first_frame);
+    plan.crease_lines.push_back(crease_lines(sheet, expected));
+    record_creases(sheet, plan.crease_lines.back(), used);
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
-
-    add_expected_creases(plan.shots.back(), plan.animation.first_frame);
+    add_expected_creases(plan.shots.back(), std::move(expected));
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
   return used;
