@@ -1,7 +1,7 @@
 #include "baker/check/inspect.h"
 
 #include "baker/job/plan.h"
-#include "core/animation/handle_feasibility.h"
+#include "core/animation/blocked_ways.h"
 #include "formats/cache/alembic_reader.h"
 #include "formats/files/certificate.h"
 
@@ -53,8 +53,7 @@ std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
   std::vector<SheetImpossible> all;
   for (const SceneSheet& sheet : scene.sheets)
     for (ImpossiblePair& pair :
-         HandleFeasibility(sheet.pattern, sheet.handles)
-             .impossible_pairs(sheet.handles, scene.first_frame, scene.last_frame))
+         all_impossible_pairs(sheet.pattern, sheet.handles, scene.first_frame, scene.last_frame))
       all.push_back({sheet.name, std::move(pair)});
   return all;
 }
@@ -83,11 +82,13 @@ OrderedJson scene_json(const Scene& scene) {
     sheets.push_back(std::move(j));
   }
   for (const SheetImpossible& i : impossible_pairs(scene))
-    impossible.push_back({{"sheet", i.sheet},
-                          {"handles", {i.pair.a, i.pair.b}},
-                          {"frame", i.pair.frame},
-                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
-                          {"text", describe(i)}});
+    impossible.push_back(
+        {{"sheet", i.sheet},
+         {"handles", {i.pair.a, i.pair.b}},
+         {"frame", i.pair.frame},
+         {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
+         {"around", i.pair.around.empty() ? OrderedJson() : OrderedJson(i.pair.around)},
+         {"text", describe(i)}});
   OrderedJson j{{"file", scene.source},
                 {"fps", scene.fps},
                 {"first_frame", scene.first_frame},

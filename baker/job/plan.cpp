@@ -1,6 +1,7 @@
 #include "baker/job/plan.h"
 
 #include "baker/job/version.h"
+#include "core/animation/blocked_ways.h"
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
 #include "core/methods/adaptive.h"
@@ -259,6 +260,16 @@ bool is_method(const std::string& name) {
 std::string describe(const SheetImpossible& impossible) {
   const ImpossiblePair& p = impossible.pair;
   const double over = p.apart - p.allowed;
+  if (!p.around.empty())
+    return fmt::format(
+        "Handles \"{}\" and \"{}\" of sheet \"{}\" ask for too much in frames {}-{}: between them "
+        "is the part of the sheet that \"{}\" and others hold flat. At frame {} the way round it "
+        "is "
+        "{:.2f} mm long from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) mm of the pattern, the paper "
+        "{:.2f} mm: it is {:.2f} mm short.",
+        p.a, p.b, impossible.sheet, p.first, p.last, p.around, p.frame, 1e3 * p.apart,
+        1e3 * p.from.x(), 1e3 * p.from.y(), 1e3 * p.to.x(), 1e3 * p.to.y(), 1e3 * p.allowed,
+        1e3 * over);
   if (p.allowed < 1e-6)
     return fmt::format(
         "Handles \"{}\" and \"{}\" hold the same point of the sheet \"{}\" and part in frames "
@@ -381,9 +392,8 @@ void hash_inputs(BakePlan& plan) {
 /// throws Error(ErrorCode::scene) with --strict when there are some
 void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
   for (const Shot& shot : plan.shots)
-    for (ImpossiblePair& pair :
-         HandleFeasibility(shot.pattern, shot.handles)
-             .impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
+    for (ImpossiblePair& pair : all_impossible_pairs(
+             shot.pattern, shot.handles, plan.animation.first_frame, plan.animation.last_frame))
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
   if (!settings.strict || plan.impossible.empty()) return;
   const ImpossiblePair& pair = plan.impossible.front().pair;

@@ -192,7 +192,8 @@ Json impossible_handles(const BakePlan& plan) {
                           {"frames", {i.pair.first, i.pair.last}},
                           {"apart_mm", 1e3 * i.pair.apart},
                           {"paper_mm", 1e3 * i.pair.allowed},
-                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)}});
+                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
+                          {"around", i.pair.around.empty() ? Json() : Json(i.pair.around)}});
   return impossible;
 }
 
