@@ -29,7 +29,7 @@ struct TautPart {
   bool is_flat = false;     // the hull is a polygon, and paper fills it
 };
 
-/// Corners of the convex hull, counter-clockwise; of points on a line its two ends [Andrew 1979].
+/// Corners of the convex hull, counter-clockwise; of points on a line its two ends.
 std::vector<Place> convex_hull(std::vector<Place> points) {
   std::sort(points.begin(), points.end(), [](const Place& p, const Place& q) {
     return std::pair(p.pattern.x(), p.pattern.y()) < std::pair(q.pattern.x(), q.pattern.y());
