@@ -138,7 +138,8 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
     for (const auto& file : files_.written())
       hashes[std::filesystem::relative(file, files_.folder()).generic_string()] = file_hash(file);
     const auto error = final_error(failure);
-    return summary_json(context_.plan, certificate_.frames(), certificate_.crease_length,
+    return summary_json(context_.plan, certificate_.frames(),
+                        {certificate_.crease_length, certificate_.frames_of_folding},
                         {outcome.missed, error ? static_cast<int>(error->code) : outcome.exit_code,
                          error ? error->what() : ""},
                         hashes);

@@ -3,6 +3,7 @@
 #include "core/geometry/curvature.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/prescribed_creases.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,6 +45,7 @@ void CertificateRecorder::consume(const AnimatedFrame& frame) {
   for (std::size_t k = known_singular_; k < singular.size(); ++k)
     bake_.certificate.singular.push_back({plan.shots[sheet_].sheet_name, singular[k]});
   known_singular_ = singular.size();
+  record_folds(*frame.sheet, frame.frame);
   if (!plan.frames.contains(frame.frame)) return;
   FrameRecord& line = bake_.certificate.add_line(sheet_, measure(frame));
   count_intersections(*frame.sheet, line);
@@ -64,6 +66,8 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) const {
   statistics.stretch_max = length.largest;
   statistics.angle_defect_max = angle_defect_max(sheet);
   statistics.singular = static_cast<int>(sheet.singular.size());
+  const std::vector<bool> folded = which_are_folded(sheet);
+  statistics.folds = static_cast<int>(std::count(folded.begin(), folded.end(), true));
   statistics.crossings = crossings(sheet);
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
@@ -83,6 +87,13 @@ void CertificateRecorder::count_intersections(const Sheet& sheet, FrameRecord& r
   const int count = bake_.certificate.intersections.add(record.frame, sheet);
   record.statistics.crossings_with_others = count;
   if (count > 0) append_note(record, "passes through another sheet");
+}
+
+void CertificateRecorder::record_folds(const Sheet& sheet, int frame) {
+  std::vector<std::optional<int>>& first = bake_.certificate.frames_of_folding[sheet_];
+  const std::vector<bool> folded = which_are_folded(sheet);
+  for (std::size_t k = 0; k < folded.size(); ++k)
+    if (folded[k] && !first[k]) first[k] = frame;
 }
 
 void CertificateRecorder::record_handles(const AnimatedFrame& frame) {

@@ -20,6 +20,7 @@ class CertificateRecorder {
  private:
   FrameRecord measure(const AnimatedFrame&) const;
   void count_intersections(const Sheet&, FrameRecord&);
+  void record_folds(const Sheet&, int frame);
   void record_handles(const AnimatedFrame&);
 
   const BakeContext& bake_;

@@ -5,6 +5,11 @@
 
 namespace paperbake {
 
+ShotCertificate::ShotCertificate(const BakePlan& plan) : plan_(plan) {
+  for (const Shot& shot : plan.shots)
+    frames_of_folding.emplace_back(shot.pattern.prescribed_creases.size());
+}
+
 FrameRecord& ShotCertificate::add_line(std::size_t sheet, FrameRecord record) {
   line_of_[{sheet, record.frame}] = frames_.size();
   return frames_.emplace_back(std::move(record));

@@ -6,6 +6,7 @@
 
 #include <cstddef>
 #include <map>
+#include <optional>
 #include <utility>
 #include <vector>
 
@@ -15,7 +16,7 @@ namespace paperbake {
 /// singular.csv of all sheets.
 class ShotCertificate {
  public:
-  explicit ShotCertificate(const BakePlan& plan) : plan_(plan) {}
+  explicit ShotCertificate(const BakePlan&);
 
   /// Adds the line of a frame of a sheet. The reference is valid until the next one is added.
   FrameRecord& add_line(std::size_t sheet, FrameRecord);
@@ -27,6 +28,8 @@ class ShotCertificate {
   std::vector<HandleRecord> handles;
   std::vector<SingularRecord> singular;
   double crease_length = 0;  // [m] of the last frames of all sheets
+  // of each sheet and each of its crease lines: the first frame in which it is folded
+  std::vector<std::vector<std::optional<int>>> frames_of_folding;
 
   /// Lines so far; after finalize frame by frame.
   const std::vector<FrameRecord>& frames() const { return frames_; }

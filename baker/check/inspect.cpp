@@ -1,7 +1,7 @@
 #include "baker/check/inspect.h"
 
 #include "baker/job/plan.h"
-#include "core/animation/handle_feasibility.h"
+#include "core/animation/blocked_ways.h"
 #include "formats/cache/alembic_reader.h"
 #include "formats/files/certificate.h"
 
@@ -35,29 +35,25 @@ OrderedJson handle_json(const SceneSheet& sheet, const Handle& handle) {
   return j;
 }
 
-OrderedJson crease_json(const PrescribedCrease& crease, const std::string& origin) {
+OrderedJson crease_json(const CreaseLine& crease, std::size_t number) {
   OrderedJson line = OrderedJson::array();
   for (const Vector2d& p : crease.line) line.push_back({p.x(), p.y()});
-  return {{"line_m", std::move(line)}, {"angle_deg", crease.angle * 180 / M_PI}, {"from", origin}};
+  return {{"id", number},
+          {"line_m", std::move(line)},
+          {"angle_deg", crease.angle * 180 / M_PI},
+          {"expected", crease.expected},
+          {"from", crease.origin}};
 }
 
-std::string crease_text(const PrescribedCrease& crease, const std::string& origin) {
-  const auto point = [](const Vector2d& p) {
-    return fmt::format("({:.2f}, {:.2f})", 1e3 * p.x(), 1e3 * p.y());
-  };
-  const std::string bends =
-      crease.line.size() == 2 ? "" : fmt::format(", {} bend(s)", crease.line.size() - 2);
-  return fmt::format("  crease from {} to {} mm{}, springs back to {:.4g} degrees: {}\n",
-                     point(crease.line.front()), point(crease.line.back()), bends,
-                     crease.angle * 180 / M_PI, origin);
+std::vector<CreaseLine> creases_of(const SceneSheet& sheet, const Scene& scene) {
+  return crease_lines(sheet, expected_creases(sheet, scene.first_frame));
 }
 
 std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
   std::vector<SheetImpossible> all;
   for (const SceneSheet& sheet : scene.sheets)
     for (ImpossiblePair& pair :
-         HandleFeasibility(sheet.pattern, sheet.handles)
-             .impossible_pairs(sheet.handles, scene.first_frame, scene.last_frame))
+         all_impossible_pairs(sheet.pattern, sheet.handles, scene.first_frame, scene.last_frame))
       all.push_back({sheet.name, std::move(pair)});
   return all;
 }
@@ -79,18 +75,20 @@ OrderedJson scene_json(const Scene& scene) {
     if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
     if (sheet.friction) j["paper_friction"] = *sheet.friction;
     if (sheet.seed) j["paper_seed"] = *sheet.seed;
-    for (std::size_t c = 0; c < sheet.pattern.prescribed_creases.size(); ++c)
-      j["creases"].push_back(
-          crease_json(sheet.pattern.prescribed_creases[c], sheet.crease_origin[c]));
+    j["creases"] = OrderedJson::array();
+    for (const CreaseLine& crease : creases_of(sheet, scene))
+      j["creases"].push_back(crease_json(crease, j["creases"].size() + 1));
     j["handles"] = std::move(handles);
     sheets.push_back(std::move(j));
   }
   for (const SheetImpossible& i : impossible_pairs(scene))
-    impossible.push_back({{"sheet", i.sheet},
-                          {"handles", {i.pair.a, i.pair.b}},
-                          {"frame", i.pair.frame},
-                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
-                          {"text", describe(i)}});
+    impossible.push_back(
+        {{"sheet", i.sheet},
+         {"handles", {i.pair.a, i.pair.b}},
+         {"frame", i.pair.frame},
+         {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
+         {"around", i.pair.around.empty() ? OrderedJson() : OrderedJson(i.pair.around)},
+         {"text", describe(i)}});
   OrderedJson j{{"file", scene.source},
                 {"fps", scene.fps},
                 {"first_frame", scene.first_frame},
@@ -115,8 +113,9 @@ std::string scene_text(const Scene& scene) {
         sheet.name, 1e3 * extent(sheet.pattern).x(), 1e3 * extent(sheet.pattern).y(),
         sheet.pattern.outline.size(), sheet.pattern.holes.size(), sheet.start.x.rows(),
         sheet.start.triangles.rows());
-    for (std::size_t c = 0; c < sheet.pattern.prescribed_creases.size(); ++c)
-      text += crease_text(sheet.pattern.prescribed_creases[c], sheet.crease_origin[c]);
+    std::size_t number = 0;
+    for (const CreaseLine& crease : creases_of(sheet, scene))
+      text += "  " + describe(crease, ++number) + "\n";
     for (const Handle& h : sheet.handles) {
       text += fmt::format("  handle \"{}\" at ({:.2f}, {:.2f}) mm, {}", h.name, 1e3 * h.pattern.x(),
                           1e3 * h.pattern.y(),

@@ -1,7 +1,7 @@
 #include "baker/job/plan.h"
 
 #include "baker/job/version.h"
-#include "core/animation/expected_creases.h"
+#include "core/animation/blocked_ways.h"
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
 #include "core/methods/adaptive.h"
@@ -260,6 +260,16 @@ bool is_method(const std::string& name) {
 std::string describe(const SheetImpossible& impossible) {
   const ImpossiblePair& p = impossible.pair;
   const double over = p.apart - p.allowed;
+  if (!p.around.empty())
+    return fmt::format(
+        "Handles \"{}\" and \"{}\" of sheet \"{}\" ask for too much in frames {}-{}: between them "
+        "is the part of the sheet that \"{}\" and others hold flat. At frame {} the way round it "
+        "is "
+        "{:.2f} mm long from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) mm of the pattern, the paper "
+        "{:.2f} mm: it is {:.2f} mm short.",
+        p.a, p.b, impossible.sheet, p.first, p.last, p.around, p.frame, 1e3 * p.apart,
+        1e3 * p.from.x(), 1e3 * p.from.y(), 1e3 * p.to.x(), 1e3 * p.to.y(), 1e3 * p.allowed,
+        1e3 * over);
   if (p.allowed < 1e-6)
     return fmt::format(
         "Handles \"{}\" and \"{}\" hold the same point of the sheet \"{}\" and part in frames "
@@ -301,6 +311,24 @@ void check_options(const BakeSettings& settings) {
                   fmt::format("Leave out --mesh simulation, or {}.", format.name));
 }
 
+/// Adds the crease lines of a sheet to the values that were used.
+void record_creases(const SceneSheet& sheet, const std::vector<CreaseLine>& lines,
+                    std::vector<UsedValue>& used) {
+  const std::string table = "sheet." + toml_string(sheet.name);
+  std::set<std::string> drawn;
+  bool expected = false;
+  for (const CreaseLine& line : lines)
+    if (line.expected)
+      expected = true;
+    else
+      drawn.insert(line.origin);
+  if (!drawn.empty())
+    used.push_back({table + ".crease", toml_creases(sheet.pattern.prescribed_creases),
+                    fmt::format("{}", fmt::join(drawn, ", "))});
+  if (expected)
+    used.push_back({table + ".expected_crease", toml_expected(lines), "keys of the handles"});
+}
+
 /// Paper, seed, shot and method of every sheet.
 /// returns  the values that were used, for job.lock.toml
 std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, BakePlan& plan) {
@@ -316,17 +344,13 @@ std::vector<UsedValue> plan_sheets(const BakeSettings& settings, Scene& scene, B
                     to_string(!by_sheet                        ? settings.origin("seed")
                               : sheet.overridden.count("seed") ? Origin::job
                                                                : Origin::scene)});
-    if (!sheet.pattern.prescribed_creases.empty()) {
-      const std::set<std::string> origins(sheet.crease_origin.begin(), sheet.crease_origin.end());
-      used.push_back({"sheet." + toml_string(sheet.name) + ".crease",
-                      toml_creases(sheet.pattern.prescribed_creases),
-                      fmt::format("{}", fmt::join(origins, ", "))});
-    }
     plan.seeds.push_back(seed);
     plan.presets.push_back(resolved.paper.name);
+    std::vector<ExpectedCrease> expected = expected_creases(sheet, plan.animation.first_frame);
+    plan.crease_lines.push_back(crease_lines(sheet, expected));
+    record_creases(sheet, plan.crease_lines.back(), used);
     plan.shots.push_back(make_shot(std::move(sheet), resolved.paper, scene.colliders));
-
-    add_expected_creases(plan.shots.back(), plan.animation.first_frame);
+    add_expected_creases(plan.shots.back(), std::move(expected));
     plan.methods.push_back(make_method(settings, plan.shots.back(), seed, plan.shots.size() - 1));
   }
   return used;
@@ -368,9 +392,8 @@ void hash_inputs(BakePlan& plan) {
 /// throws Error(ErrorCode::scene) with --strict when there are some
 void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
   for (const Shot& shot : plan.shots)
-    for (ImpossiblePair& pair :
-         HandleFeasibility(shot.pattern, shot.handles)
-             .impossible_pairs(shot.handles, plan.animation.first_frame, plan.animation.last_frame))
+    for (ImpossiblePair& pair : all_impossible_pairs(
+             shot.pattern, shot.handles, plan.animation.first_frame, plan.animation.last_frame))
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
   if (!settings.strict || plan.impossible.empty()) return;
   const ImpossiblePair& pair = plan.impossible.front().pair;

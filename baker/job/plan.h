@@ -1,5 +1,6 @@
 #pragma once
 
+#include "baker/job/crease_lines.h"
 #include "baker/job/settings.h"
 #include "core/animation/animate.h"
 #include "core/animation/handle_feasibility.h"
@@ -40,6 +41,8 @@ struct BakePlan {
   std::vector<Shot> shots;           // one a sheet
   std::vector<unsigned> seeds;       // of each sheet
   std::vector<std::string> presets;  // of each sheet
+  // of each sheet, numbered as its Pattern::prescribed_creases
+  std::vector<std::vector<CreaseLine>> crease_lines;
   // simulated from the scene's first frame to the last one written
   AnimateOptions animation;
   std::string why_inertia;  // or why not

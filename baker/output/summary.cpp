@@ -164,6 +164,25 @@ Json sheets_of(const BakePlan& plan) {
   return sheets;
 }
 
+Json crease_lines(const BakePlan& plan, const SummaryCreases& creases) {
+  Json lines = Json::array();
+  for (std::size_t s = 0; s < plan.shots.size(); ++s)
+    for (std::size_t k = 0; k < plan.crease_lines[s].size(); ++k) {
+      const CreaseLine& crease = plan.crease_lines[s][k];
+      Json line = Json::array();
+      for (const Vector2d& p : crease.line) line.push_back({1e3 * p.x(), 1e3 * p.y()});
+      const std::optional<int>& folded = creases.frames_of_folding[s][k];
+      lines.push_back({{"sheet", plan.shots[s].sheet_name},
+                       {"id", k + 1},
+                       {"line_mm", line},
+                       {"angle_deg", crease.angle * 180 / M_PI},
+                       {"expected", crease.expected},
+                       {"from", crease.origin},
+                       {"folded_in_frame", folded ? Json(*folded) : Json()}});
+    }
+  return lines;
+}
+
 Json impossible_handles(const BakePlan& plan) {
   Json impossible = Json::array();
   for (const SheetImpossible& i : plan.impossible)
@@ -173,7 +192,8 @@ Json impossible_handles(const BakePlan& plan) {
                           {"frames", {i.pair.first, i.pair.last}},
                           {"apart_mm", 1e3 * i.pair.apart},
                           {"paper_mm", 1e3 * i.pair.allowed},
-                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)}});
+                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
+                          {"around", i.pair.around.empty() ? Json() : Json(i.pair.around)}});
   return impossible;
 }
 
@@ -248,7 +268,7 @@ std::string describe_sheet_intersections(const std::vector<FrameRecord>& frames)
 }
 
 std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& frames,
-                         double crease_length, const SummaryEnding& ending,
+                         const SummaryCreases& creases, const SummaryEnding& ending,
                          const std::map<std::string, std::string>& files) {
   Json settings = Json::object();
   for (const UsedValue& value : plan.used) settings[value.key] = value.value;
@@ -261,7 +281,8 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
                {"sheets", sheets_of(plan)}};
   add_statistics(summary, frames);
   summary.update(
-      {{"crease_length_m", crease_length},
+      {{"crease_length_m", creases.length},
+       {"creases", crease_lines(plan, creases)},
        {"jammed_frames", jammed},
        {"impossible_handles", impossible_handles(plan)},
        {"gates_missed", ending.missed_gates},

@@ -4,6 +4,7 @@
 #include "formats/files/certificate.h"
 
 #include <map>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -33,10 +34,16 @@ struct SummaryEnding {
   std::string failure;  // what ended it or could not be written; empty: nothing
 };
 
+/// The creases of a shot.
+struct SummaryCreases {
+  double length;  // [m] in the last frame
+  // of each sheet and each of its crease lines: the first frame in which it is folded
+  std::vector<std::vector<std::optional<int>>> frames_of_folding;
+};
+
 /// cert/summary.json: the certificate over the whole shot.
-/// crease_length  [m] of the last frame
 /// files          of the bake: path relative to its folder, and hash of its bytes
-std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, double crease_length,
+std::string summary_json(const BakePlan&, const std::vector<FrameRecord>&, const SummaryCreases&,
                          const SummaryEnding&, const std::map<std::string, std::string>& files);
 
 }  // namespace paperbake

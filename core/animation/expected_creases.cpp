@@ -33,19 +33,20 @@ struct Pose {
   Vector3d shift;  // [m]
 };
 
+/// Handles that hold a part of the sheet as a rigid plate, or along a straight edge of one.
+struct Clamp {
+  std::vector<int> handles;
+  bool is_plate;  // false: they stand in a row, and what is beside the row may turn about it
+};
+
 /// A straight line on the pattern.
 struct Line {
   Vector2d point, direction;  // [m], of length 1
   std::vector<double> turn;   // [rad] as in FoldingHands
   Vector2d between{0, 0};     // [m]
   double reach = 0;           // [m] distance of the two clamps
+  const Clamp *plate = nullptr, *other = nullptr;
   double side(const Vector2d& p) const { return cross(direction, p - point); }  // [m]
-};
-
-/// Handles that hold a part of the sheet as a rigid plate, or along a straight edge of one.
-struct Clamp {
-  std::vector<int> handles;
-  bool is_plate;  // false: they stand in a row, and what is beside the row may turn about it
 };
 
 class Clamps {
@@ -79,7 +80,8 @@ class Clamps {
       for (PrescribedCrease& part : on_paper(through_handles(line)))
         if (std::none_of(folds.begin(), folds.end(),
                          [&](const ExpectedCrease& known) { return same(known.crease, part); }))
-          folds.push_back({std::move(part), line.turn, line.between});
+          folds.push_back({std::move(part), line.turn, line.between, line.plate->handles,
+                           line.other->handles, !line.other->is_plate});
     return folds;
   }
 
@@ -169,6 +171,8 @@ class Clamps {
       if (side_of(*line, third) == 0) return std::nullopt;
     line->reach = (middle(plate) - middle(other)).norm();
     line->between = 0.5 * (middle(plate) + middle(other));
+    line->plate = &plate;
+    line->other = &other;
     const double sign = side_of(*line, plate) > 0 ? 1 : -1;
     double most = 0;
     line->turn.assign(frames_, std::numeric_limits<double>::quiet_NaN());
@@ -385,9 +389,16 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
   return expected;
 }
 
-void add_expected_creases(Shot& shot, int first_frame) {
+double largest_turn(const ExpectedCrease& crease) {
+  double largest = 0;
+  for (const double turn : crease.turn)
+    if (std::abs(turn) > std::abs(largest)) largest = turn;
+  return largest;
+}
+
+void add_expected_creases(Shot& shot, std::vector<ExpectedCrease> all) {
   std::vector<PrescribedCrease>& creases = shot.pattern.prescribed_creases;
-  for (ExpectedCrease& expected : expected_creases(shot, first_frame)) {
+  for (ExpectedCrease& expected : all) {
     shot.hands.push_back(
         {static_cast<int>(creases.size()), std::move(expected.turn), expected.between});
     creases.push_back(std::move(expected.crease));

@@ -12,7 +12,13 @@ struct ExpectedCrease {
 
   std::vector<double> turn;  // [rad] and a point between the hands, as in FoldingHands
   Vector2d between;          // [m]
+
+  std::vector<int> plate, other;  // the handles on its two sides
+  bool by_row = false;            // the other handles stand in a row
 };
+
+/// [rad] The turn of the hands, with its sign, in the frame in which they turn most.
+double largest_turn(const ExpectedCrease&);
 
 /// The lines along which the handles of a shot are going to fold its sheet. They are known before
 /// the first frame, because all keys are.
@@ -38,8 +44,8 @@ struct ExpectedCrease {
 /// source       this project
 std::vector<ExpectedCrease> expected_creases(const Shot&, int first_frame);
 
-/// Adds the expected creases to the pattern of the shot, and the hands that fold along them.
-void add_expected_creases(Shot&, int first_frame);
+/// Adds expected creases to the pattern of the shot, and the hands that fold along them.
+void add_expected_creases(Shot&, std::vector<ExpectedCrease>);
 
 /// Lets the hands fold the sheet: fingers press a crease along its whole length to the angle
 /// between the hands. Where it crosses another fold that was more shut than open when they began,

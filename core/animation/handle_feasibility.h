@@ -10,14 +10,18 @@
 
 namespace paperbake {
 
-/// Two absolute handles that are asked to be farther apart than the paper between them is long, and
-/// the worst frame of the pair.
+/// Two absolute handles that are asked to be farther apart than the paper between them is long, in
+/// a straight line or round what is in the way, and the worst frame of the pair.
 struct ImpossiblePair {
   std::string a, b;
   int frame;        // in which they are too far apart by most
   int first, last;  // in which they are too far apart at all
-  double apart;     // [m] distance of their keyed positions at that frame
+  double apart;     // [m] at that frame: distance of their keyed positions, or length of the way
   double allowed;   // [m] length of the paper between them
+  // a handle of the flat part of the sheet that is in the way; empty: nothing is
+  std::string around = {};
+  // [m] where the way begins and ends on the pattern, in the parts that the two handles hold
+  Vector2d from = Vector2d::Zero(), to = Vector2d::Zero();
 };
 
 /// How far apart paper lets handles be.

@@ -69,15 +69,23 @@ bool is_folded(const Sheet& sheet, int a, int b) {
   return crease && crease_edge(sheet, *crease, p, q).folded;
 }
 
-std::vector<PrescribedCrease> folded_creases(const Sheet& sheet) {
-  std::vector<PrescribedCrease> folded;
+std::vector<bool> which_are_folded(const Sheet& sheet) {
+  std::vector<bool> folded;
   for (const PrescribedCrease& crease : sheet.prescribed_creases)
-    if (crease.folded || std::any_of(sheet.crease_edges.begin(), sheet.crease_edges.end(),
-                                     [&](const CreaseEdge& edge) {
-                                       return edge.folded && crease_under({crease}, edge.a, edge.b);
-                                     }))
-      folded.push_back(crease);
+    folded.push_back(crease.folded ||
+                     std::any_of(sheet.crease_edges.begin(), sheet.crease_edges.end(),
+                                 [&](const CreaseEdge& edge) {
+                                   return edge.folded && crease_under({crease}, edge.a, edge.b);
+                                 }));
   return folded;
+}
+
+std::vector<PrescribedCrease> folded_creases(const Sheet& sheet) {
+  std::vector<PrescribedCrease> creases;
+  const std::vector<bool> folded = which_are_folded(sheet);
+  for (std::size_t k = 0; k < folded.size(); ++k)
+    if (folded[k]) creases.push_back(sheet.prescribed_creases[k]);
+  return creases;
 }
 
 std::vector<const PrescribedCrease*> crease_of_hinges(const Sheet& sheet, const Hinges& hinges) {

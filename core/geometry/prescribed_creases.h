@@ -28,6 +28,9 @@ CreaseEdge crease_edge(const Sheet&, const PrescribedCrease&, const Vector2d& a,
 /// there.
 bool is_folded(const Sheet&, int a, int b);
 
+/// Whether each prescribed crease of the sheet is folded somewhere.
+std::vector<bool> which_are_folded(const Sheet&);
+
 /// The prescribed creases of the sheet that are folded somewhere.
 std::vector<PrescribedCrease> folded_creases(const Sheet&);
 

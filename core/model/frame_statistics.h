@@ -31,6 +31,7 @@ struct FrameStatistics {
   double angle_defect_max = 0;  // [rad] largest angle defect of a vertex
   double handle_error_max = 0;  // [m] largest distance of a handle from its keyed position
   int singular = 0;             // singular points so far
+  int folds = 0;                // crease lines that are folded so far
   int crossings = 0;            // pairs of its triangles that pass through each other
   // pairs of one of its triangles and one of a sheet before it in the scene that do
   int crossings_with_others = 0;
@@ -191,6 +192,7 @@ constexpr void visit_frame_statistics(Visit&& visit) {
   visit(number(&S::new_singular, "new_singular")
             .summarized_as(ShotValue::sum, "singular")
             .in_wedge_as({"singular", Column::of_shot}));
+  visit(number(&S::folds, "folds").summarized_as(ShotValue::largest));
   visit(number(&S::elastic_ms, "elastic_ms")
             .in(milliseconds)
             .summarized_as(spread)

@@ -27,7 +27,7 @@ struct FoldScene {
   std::size_t frames;
 };
 
-class FoldSceneTest : public test::CommandLine, public testing::WithParamInterface<FoldScene> {
+class FoldCertificateTest : public test::CommandLine {
  protected:
   Ended bake(const std::string& scene, const test::Words& more = {}) const {
     test::Words words{"bake",       samples() + scene + ".glb",
@@ -40,6 +40,8 @@ class FoldSceneTest : public test::CommandLine, public testing::WithParamInterfa
   }
   static std::string samples() { return test::samples + "/"; }
 };
+
+class FoldSceneTest : public FoldCertificateTest, public testing::WithParamInterface<FoldScene> {};
 
 INSTANTIATE_TEST_SUITE_P(Samples, FoldSceneTest,
                          testing::Values(FoldScene{"F1_letter", 96}, FoldScene{"F2_half", 120},
@@ -64,6 +66,47 @@ TEST_P(FoldSceneTest, PaperIsFoldedByItsHandsWithoutStretchOrCrossing) {
     unfinished += !frame["converged"].get<bool>();
   }
   EXPECT_LE(unfinished, 1);
+}
+
+/// The number of folds that the certificate counts in each frame.
+std::vector<int> folds_of_frames(const fs::path& output) {
+  std::vector<int> folds;
+  for (const std::string& line : lines_of(read(output / "cert/frames.jsonl")))
+    folds.push_back(json::parse(line).at("folds"));
+  return folds;
+}
+json summary_of(const fs::path& output) { return json::parse(read(output / "cert/summary.json")); }
+
+TEST_F(FoldCertificateTest, ItSaysWhenEachLineOfALetterFolds) {
+  ASSERT_EQ(bake("F1_letter").code, 0);
+  const json lines = summary_of(output()).at("creases");
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_NEAR(lines[0].at("line_mm").at(0).at(1).get<double>(), 96, 1e-3);
+  EXPECT_NEAR(lines[1].at("line_mm").at(0).at(1).get<double>(), 198, 1e-3);
+  const int low = lines[0].at("folded_in_frame"), high = lines[1].at("folded_in_frame");
+  EXPECT_TRUE(1 < low && low < 12) << "the bottom third moves from frame 1 on: " << low;
+  EXPECT_TRUE(40 < high && high < 52) << "the top third moves from frame 40 on: " << high;
+  const std::vector<int> folds = folds_of_frames(output());
+  ASSERT_EQ(folds.size(), 96u);
+  for (int frame = 1; frame <= 96; ++frame)
+    EXPECT_EQ(folds[frame - 1], (frame >= low) + (frame >= high)) << frame;
+  EXPECT_NE(read(fs::path(output()) / "job.lock.toml").find("\nexpected_crease = [{line = "),
+            std::string::npos);
+}
+
+TEST_F(FoldCertificateTest, ALineThatIsNotFoldedInTheFramesOfTheBakeHasNoFrame) {
+  ASSERT_EQ(bake("F1_letter", {"--frames", "8-30"}).code, 0);
+  const json lines = summary_of(output()).at("creases");
+  ASSERT_EQ(lines.size(), 2u);
+  EXPECT_LT(lines[0].at("folded_in_frame"), 8) << "frames before those written count too";
+  EXPECT_TRUE(lines[1].at("folded_in_frame").is_null());
+}
+
+TEST_F(FoldCertificateTest, ASheetThatNobodyFoldsHasNoLine) {
+  ASSERT_EQ(bake("S1_push", {"--frames", "1-6"}).code, 0);
+  EXPECT_EQ(summary_of(output()).at("creases"), json::array());
+  EXPECT_EQ(folds_of_frames(output()), std::vector<int>(6, 0));
+  EXPECT_EQ(read(fs::path(output()) / "job.lock.toml").find("crease = "), std::string::npos);
 }
 
 using FoldedLetterTest = FoldSceneTest;

@@ -6,8 +6,11 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
+#include <array>
+#include <cmath>
 #include <filesystem>
 #include <string>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -56,6 +59,49 @@ TEST_F(ImpossibleHandlesTest, HandlesThatComeCloserAskNothingImpossible) {
   const Ended ended = run({"bake", drawn_apart(0.9), "-o", output(), "--triangles", "50",
                            "--map-size", "8", "--strict"});
   EXPECT_EQ(ended.code, 0) << ended.err;
+}
+
+/// A4 with four handles on each third, the lower ones on the edge; in the last frame it is folded
+/// at 99 and 198 mm, by 172 and 165 degrees.
+fs::path letter_with_held_edge() {
+  test::GltfFixture scene;
+  scene.mesh("paper", test::grid(1, 1, 0.210, 0.297));
+  const auto fold = [](double length, double degrees, double at, double towards) {
+    const double angle = degrees * M_PI / 180;
+    return std::pair(at + towards * length * std::cos(angle), length * std::sin(angle));
+  };
+  const auto add = [&](const std::string& name, double x, double y) {
+    const auto [end, up] = y < 0.099   ? fold(0.099 - y, 172, 0.099, -1)
+                           : y > 0.198 ? fold(y - 0.198, 165, 0.198, 1)
+                                       : std::pair(y, 0.0);
+    scene.move(scene.node(name, {x, y, 0}), {1, 13}, {{x, y, 0}, {x, end, up}});
+  };
+  const std::array<const char*, 3> names{"handle.bottom.", "handle.middle.", "handle.top."};
+  const double near[] = {0, 0.184, 0.2475}, far[] = {0.066, 0.110, 0.297};
+  for (int third = 0; third < 3; ++third) {
+    add(names[third] + std::string("0"), 0, near[third]);
+    add(names[third] + std::string("1"), 0.210, near[third]);
+    add(names[third] + std::string("2"), 0, far[third]);
+    add(names[third] + std::string("3"), 0.210, far[third]);
+  }
+  return scene.write("letter.gltf");
+}
+
+TEST_F(ImpossibleHandlesTest, ALayerThatIsTooShortToGoRoundAnotherIsToldBeforeTheBake) {
+  const std::string scene = letter_with_held_edge();
+  const Ended inspected = run({"inspect", scene});
+  EXPECT_EQ(inspected.code, 0) << inspected.err;
+  EXPECT_NE(inspected.out.find("impossible: Handles \"handle."), std::string::npos)
+      << inspected.out;
+  EXPECT_NE(inspected.out.find("frame 13 the way round it is 65.83 mm long"), std::string::npos)
+      << inspected.out;
+  EXPECT_NE(inspected.out.find("2.33 mm short"), std::string::npos) << inspected.out;
+  const auto all = nlohmann::json::parse(run({"inspect", scene, "--json"}).out);
+  ASSERT_EQ(all.at("impossible_handles").size(), 1u);
+  EXPECT_EQ(all["impossible_handles"][0].at("around"), "handle.bottom.0");
+  const Ended strict = run({"bake", scene, "-o", output(), "--strict"});
+  EXPECT_EQ(strict.code, 3) << strict.err;
+  EXPECT_NE(strict.err.find("2.33 mm short"), std::string::npos) << strict.err;
 }
 
 }  // namespace

@@ -71,5 +71,64 @@ TEST_F(InspectTest, AnInspectionAsJsonSaysWhatIsInTheScene) {
         << handle;
 }
 
+/// The crease lines of the only sheet, by number.
+nlohmann::json creases(const Ended& inspected) {
+  return nlohmann::json::parse(inspected.out).at("sheets").at(0).at("creases");
+}
+
+TEST_F(InspectTest, TheFoldsOfALetterAreListedBeforeTheBake) {
+  const nlohmann::json lines = creases(run({"inspect", samples + "/F1_letter.glb", "--json"}));
+  ASSERT_EQ(lines.size(), 2u);
+  constexpr double height[] = {0.096, 0.198}, turn[] = {177.5, 165};
+  for (std::size_t k = 0; k < 2; ++k) {
+    EXPECT_EQ(lines[k].at("id"), k + 1);
+    EXPECT_EQ(lines[k].at("expected"), true);
+    EXPECT_NEAR(std::abs(lines[k].at("angle_deg").get<double>()), turn[k], 1e-3);
+    ASSERT_EQ(lines[k].at("line_m").size(), 2u);
+    double ends[2];
+    for (std::size_t end = 0; end < 2; ++end) {
+      ends[end] = lines[k]["line_m"][end][0];
+      EXPECT_NEAR(lines[k]["line_m"][end][1].get<double>(), height[k], 1e-6);
+    }
+    EXPECT_NEAR(std::min(ends[0], ends[1]), 0, 1e-6);
+    EXPECT_NEAR(std::max(ends[0], ends[1]), 0.210, 1e-6);
+    const std::string from = lines[k].at("from");
+    EXPECT_EQ(from.find("clamps"), 0u) << from;
+    EXPECT_NE(from.find(k == 0 ? "handle.bottom.0" : "handle.top.0"), from.npos) << from;
+    EXPECT_NE(from.find("handle.middle.0"), from.npos) << from;
+  }
+  EXPECT_NE(run({"inspect", samples + "/F1_letter.glb"})
+                .out.find("crease 1 from (0.00, 96.00) to (210.00, 96.00) mm, expected"),
+            std::string::npos);
+}
+
+TEST_F(InspectTest, TheFourFoldsOfAFanTurnToBothSides) {
+  const nlohmann::json lines = creases(run({"inspect", samples + "/F4_fan.glb", "--json"}));
+  std::map<int, double> turn;  // by place [mm]
+  for (const auto& line : lines)
+    turn[std::lround(1e3 * line.at("line_m").at(0).at(0).get<double>())] = line.at("angle_deg");
+  ASSERT_EQ(turn.size(), 4u);
+  double sign = 1;
+  for (const int place : {32, 64, 96, 128}) {
+    ASSERT_TRUE(turn.count(place)) << place;
+    EXPECT_NEAR(turn[place], 160 * sign, 1e-3) << place;
+    sign = -sign;
+  }
+}
+
+TEST_F(InspectTest, WhereNothingIsGoingToFoldNoCreaseIsListed) {
+  EXPECT_EQ(creases(run({"inspect", samples + "/S1_push.glb", "--json"})), nlohmann::json::array());
+  EXPECT_EQ(run({"inspect", samples + "/S1_push.glb"}).out.find("crease"), std::string::npos);
+}
+
+TEST_F(InspectTest, ACreaseThatIsDrawnSaysWhatItSpringsBackTo) {
+  const nlohmann::json lines =
+      creases(run({"inspect", PAPERBAKE_SAMPLES "/../tests/data/creases.glb", "--json"}));
+  ASSERT_FALSE(lines.empty());
+  for (const auto& line : lines) EXPECT_EQ(line.at("expected"), false) << line;
+  EXPECT_EQ(lines[0].at("from"), "\"crease.drawn\"");
+  EXPECT_NEAR(lines[0].at("angle_deg").get<double>(), -20, 1e-4);
+}
+
 }  // namespace
 }  // namespace paperbake

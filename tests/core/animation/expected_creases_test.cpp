@@ -260,7 +260,7 @@ TEST(ExpectedCreasesTest, ALineThatTheArtistHasDrawnIsNotFoundTwice) {
   const std::vector<ExpectedCrease> lines = lines_of(shot);
   ASSERT_EQ(lines.size(), 1u);
   EXPECT_TRUE(line_between(lines, {0, high_fold}, {0.210, high_fold}));
-  add_expected_creases(shot, first_frame);
+  add_expected_creases(shot, expected_creases(shot, first_frame));
   ASSERT_EQ(shot.pattern.prescribed_creases.size(), 2u);
   EXPECT_EQ(shot.pattern.prescribed_creases[0].angle, -1.0);
   ASSERT_EQ(shot.hands.size(), 1u);

@@ -58,6 +58,7 @@ TEST(Certificate, AFrameLineHasItsKeysInTheDocumentedOrder) {
                                             "handle_err_max_mm",
                                             "singular",
                                             "new_singular",
+                                            "folds",
                                             "elastic_ms",
                                             "geometry_ms",
                                             "substeps",

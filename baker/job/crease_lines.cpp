@@ -1,0 +1,62 @@
+#include "baker/job/crease_lines.h"
+
+#include "formats/config/job_file.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+/// The first handle on each side stands for all: an artist finds the others beside it.
+std::string origin_of(const ExpectedCrease& crease, const std::vector<Handle>& handles) {
+  const auto name = [&](const std::vector<int>& group) {
+    return fmt::format("\"{}\" and {} more", handles[group.front()].name, group.size() - 1);
+  };
+  return fmt::format(crease.by_row ? "clamp {}, row {}" : "clamps {}, {}", name(crease.plate),
+                     name(crease.other));
+}
+
+}  // namespace
+
+std::vector<ExpectedCrease> expected_creases(const SceneSheet& sheet, int first_frame) {
+  return expected_creases({sheet.name, sheet.pattern, sheet.start, sheet.handles, Paper{}},
+                          first_frame);
+}
+
+std::vector<CreaseLine> crease_lines(const SceneSheet& sheet,
+                                     const std::vector<ExpectedCrease>& expected) {
+  std::vector<CreaseLine> lines;
+  const std::vector<PrescribedCrease>& drawn = sheet.pattern.prescribed_creases;
+  for (std::size_t c = 0; c < drawn.size(); ++c)
+    lines.push_back({drawn[c].line, drawn[c].angle, false, sheet.crease_origin[c]});
+  for (const ExpectedCrease& crease : expected)
+    lines.push_back(
+        {crease.crease.line, largest_turn(crease), true, origin_of(crease, sheet.handles)});
+  return lines;
+}
+
+std::string describe(const CreaseLine& crease, std::size_t number) {
+  const auto point = [](const Vector2d& p) {
+    return fmt::format("({:.2f}, {:.2f})", 1e3 * p.x(), 1e3 * p.y());
+  };
+  const std::string bends =
+      crease.line.size() == 2 ? "" : fmt::format(", {} bend(s)", crease.line.size() - 2);
+  return fmt::format("crease {} from {} to {} mm{}, {} {:.4g} degrees: {}", number,
+                     point(crease.line.front()), point(crease.line.back()), bends,
+                     crease.expected ? "expected: handles turn by" : "springs back to",
+                     crease.angle * 180 / M_PI, crease.origin);
+}
+
+std::string toml_expected(const std::vector<CreaseLine>& lines) {
+  std::vector<CreaseLine> expected;
+  for (const CreaseLine& line : lines)
+    if (line.expected) expected.push_back(line);
+  return toml_list(expected, [](const CreaseLine& c) {
+    return fmt::format("{{line = {}, angle = {}, from = {}}}", toml_list(c.line, toml_point),
+                       toml_number(c.angle * 180 / M_PI), toml_string(c.origin));
+  });
+}
+
+}  // namespace paperbake
