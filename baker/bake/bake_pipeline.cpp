@@ -2,9 +2,11 @@
 
 #include "baker/bake/render_pass.h"
 #include "baker/output/file_hash.h"
+#include "baker/output/gates.h"
 #include "baker/output/stale_files.h"
 #include "baker/output/summary.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/collider_record.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -26,6 +28,15 @@ std::vector<std::string> file_suffixes(const BakePlan& plan) {
     suffixes.push_back(plan.shots.size() > 1 ? "." + name : "");
   }
   return suffixes;
+}
+
+ColliderRecord collider_record(const BakePlan& plan) {
+  ColliderRecord record;
+  record.first_frame = plan.animation.first_frame;
+  for (const Shot& shot : plan.shots)
+    for (const Collider& collider : *shot.colliders)
+      record.of_sheet[shot.sheet_name].push_back(collider.mesh());
+  return record;
 }
 
 }  // namespace
@@ -84,6 +95,8 @@ void BakePipeline::render_group(const std::vector<std::size_t>& sheets) {
           recorders_[s]->crease_attributes(rendered.record_index, pass.pattern(i));
       FrameRecord& line = certificate_.line(s, rendered.frame);
       line.statistics.render = rendered.statistics;
+      line.statistics.handle_error_max = rendered.handle_error;
+      enter(rendered.judgement, line);
       line.content_hash = caches_.add_frame(s, rendered.frame, rendered.mesh);
       context_.progress.rendered(line);
     }
@@ -132,6 +145,8 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
     for (const FrameRecord& record : certificate_.frames()) lines += frame_line(record) + "\n";
     return lines;
   });
+  if (context_.plan.shots.front().colliders)
+    write("cert/colliders.json", [&] { return collider_json(collider_record(context_.plan)); });
   write("cert/handles.csv", [&] { return handles_csv(certificate_.handles); });
   write("cert/summary.json", [&] {
     std::map<std::string, std::string> hashes;

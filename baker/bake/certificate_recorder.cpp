@@ -15,14 +15,6 @@ void append_note(FrameRecord& record, const std::string& note) {
   record.note += (record.note.empty() ? "" : "; ") + note;
 }
 
-/// Notes that the sheet is inside a collider, where that is visible.
-void note_inside(FrameRecord& record) {
-  constexpr double visible = 0.1;  // [mm]
-  const double inside_mm = 1e3 * record.statistics.inside_colliders;
-  if (inside_mm > visible)
-    append_note(record, fmt::format("inside a collider by {:.2f} mm", inside_mm));
-}
-
 HandleRecord::State record_state(HandleFrame::State state) {
   switch (state) {
     case HandleFrame::held:
@@ -36,6 +28,12 @@ HandleRecord::State record_state(HandleFrame::State state) {
 }
 
 }  // namespace
+
+CertificateRecorder::CertificateRecorder(const BakeContext& bake, std::size_t sheet)
+    : bake_(bake), sheet_(sheet), input_hash_(bake.plan.start_hash[sheet]) {
+  const auto& colliders = bake.plan.shots[sheet].colliders;
+  if (colliders) colliders_ = std::make_shared<const JudgedColliders>(*colliders);
+}
 
 void CertificateRecorder::consume(const AnimatedFrame& frame) {
   const BakePlan& plan = bake_.plan;
@@ -73,9 +71,17 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) const {
     if (handle.state == HandleFrame::jammed) r.jammed.push_back({shot.handles[h].name, 1e3 * off});
   }
   r.note = frame.note;
-  note_inside(r);
+  const bool handed_on = !bake_.caches.empty() && bake_.caches.frames_shown().contains(frame.frame);
+  if (colliders_ && !handed_on) judge_inside(sheet, r);
   r.input_hash = input_hash_;
   return r;
+}
+
+/// Where nothing is handed on, the simulated sheet is judged.
+void CertificateRecorder::judge_inside(const Sheet& sheet, FrameRecord& record) const {
+  const double side = longer_side(bake_.plan.shots[sheet_].pattern);
+  const CacheJudge judge(sheet.pattern / side, sheet.triangles, side, colliders_);
+  enter(judge(sheet.x, record.frame - bake_.plan.animation.first_frame), record);
 }
 
 void CertificateRecorder::count_intersections(const Sheet& sheet, FrameRecord& record) {

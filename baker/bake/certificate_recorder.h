@@ -1,8 +1,10 @@
 #pragma once
 
 #include "baker/bake/bake_context.h"
+#include "baker/output/cache_judge.h"
 
 #include <cstddef>
+#include <memory>
 #include <string>
 
 namespace paperbake {
@@ -11,20 +13,22 @@ namespace paperbake {
 /// handles of every frame that is written, singular points of all frames.
 class CertificateRecorder {
  public:
-  CertificateRecorder(const BakeContext& bake, std::size_t sheet)
-      : bake_(bake), sheet_(sheet), input_hash_(bake.plan.start_hash[sheet]) {}
+  CertificateRecorder(const BakeContext& bake, std::size_t sheet);
 
   /// To be called with every simulated frame.
   void consume(const AnimatedFrame&);
 
  private:
   FrameRecord measure(const AnimatedFrame&) const;
+  void judge_inside(const Sheet&, FrameRecord&) const;
   void count_intersections(const Sheet&, FrameRecord&);
   void record_handles(const AnimatedFrame&);
 
   const BakeContext& bake_;
   std::size_t sheet_;
   std::string input_hash_;
+  // for frames that are not handed on; null: there are none
+  std::shared_ptr<const JudgedColliders> colliders_;
   std::size_t known_singular_ = 0;
 };
 

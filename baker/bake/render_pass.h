@@ -1,6 +1,7 @@
 #pragma once
 
 #include "baker/job/settings.h"
+#include "baker/output/cache_judge.h"
 #include "core/model/frame_statistics.h"
 #include "core/model/shot.h"
 #include "core/render/render_surface.h"
@@ -25,6 +26,8 @@ struct RenderedSheet {
   std::size_t record_index = 0;  // of the frame in the record
   CacheFrame mesh;
   RenderStatistics statistics;
+  Judgement judgement;
+  double handle_error = 0;  // [m] largest distance of a held point of the mesh from its key
 };
 
 /// Second stage of a bake: puts the simulated frames of sheets on one mesh for the whole shot,
