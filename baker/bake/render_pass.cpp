@@ -156,7 +156,8 @@ class RenderPass::FrameRenderer {
     const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, points.size());
     for (std::size_t s = 0; s < points.size(); ++s) {
       const double start_ms = cpu_ms();
-      push_out_of_colliders(s, k, simulated[s], rendered.frames[s].x);
+      if (push_out_of_colliders(s, k, simulated[s], rendered.frames[s].x))
+        surfaces_[s].shade(rendered.frames[s]);
       ms[s] += each_ms + cpu_ms() - start_ms;
     }
     if (wanted_.contains(inputs_.front().record->frames()[k].frame))
@@ -165,17 +166,29 @@ class RenderPass::FrameRenderer {
   }
 
   /// The curved surface stands out from its facets: where they rest on a collider, into it.
-  void push_out_of_colliders(std::size_t s, std::size_t k,
+  /// returns  whether x was changed
+  bool push_out_of_colliders(std::size_t s, std::size_t k,
                              const SheetUntangler::Simulated& simulated, Points3& x) const {
     const auto& colliders = inputs_[s].shot->colliders;
-    if (!colliders) return;
+    if (!colliders) return false;
     const auto& frames = inputs_[s].record->frames();
     Points3 on_facets = x;  // vertices of a finer mesh, in the middle of edges, are near enough
     for (std::size_t v = 0; v < simulated.places->size(); ++v)
       on_facets.row(v) =
           interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
-    push_out(*colliders, poses_at(*colliders, frames[k].frame - frames.front().frame), on_facets, 0,
-             x);
+    const Poses poses = poses_at(*colliders, frames[k].frame - frames.front().frame);
+    // lengths that are wrong after this are restored, as far as the sheet stays outside
+    constexpr int max_turns = 8;
+    constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn
+    for (int turn = 0;; ++turn) {
+      const Points3 before = x;
+      const double pushed = push_out(*colliders, poses, on_facets, 0, x);
+      const std::vector<char>& held = surfaces_[s].is_held();
+      for (int v = 0; v < x.rows(); ++v)
+        if (held[v]) x.row(v) = before.row(v);
+      if (pushed < still || turn == max_turns) return turn > 0 || pushed > 0;
+      surfaces_[s].limit_strain(x);
+    }
   }
 
   /// ms  of each sheet

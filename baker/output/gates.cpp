@@ -28,10 +28,10 @@ class Review {
     for (const FrameRecord& f : frames_)
       if (f.frame != worst->frame && value(f) > limit) others.insert(f.frame);
     std::string also;
-    if (others.size() == 1) also = fmt::format(" So is frame {}.", *others.begin());
+    if (others.size() == 1) also = fmt::format(" Frame {} misses this gate, too.", *others.begin());
     if (others.size() > 1)
-      also = fmt::format(" So are {} other frames from {} to {}.", others.size(), *others.begin(),
-                         *others.rbegin());
+      also = fmt::format(" {} more frames from {} to {} miss this gate.", others.size(),
+                         *others.begin(), *others.rbegin());
     missed.push_back(
         fmt::format("Frame {}{}: {}.{}", worst->frame,
                     several_sheets_ ? fmt::format(", sheet \"{}\"", worst->sheet) : std::string(),
