@@ -8,7 +8,6 @@
 #include "formats/files/atomic_file.h"
 #include "formats/files/collider_record.h"
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <functional>
 #include <map>
@@ -16,19 +15,6 @@
 
 namespace paperbake {
 namespace {
-
-/// The part of file names that tells the sheets of a scene apart.
-std::vector<std::string> file_suffixes(const BakePlan& plan) {
-  std::vector<std::string> suffixes;
-  for (const Shot& shot : plan.shots) {
-    std::string name = shot.sheet_name;
-    std::replace_if(
-        name.begin(), name.end(),
-        [](char c) { return c == '/' || c == '.' || c == ':' || c == ' '; }, '_');
-    suffixes.push_back(plan.shots.size() > 1 ? "." + name : "");
-  }
-  return suffixes;
-}
 
 ColliderRecord collider_record(const BakePlan& plan) {
   ColliderRecord record;
@@ -45,8 +31,8 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
                            const std::filesystem::path& folder, Progress& progress)
     : files_(folder),
       certificate_(plan),
-      caches_(settings.formats, {plan, folder, file_suffixes(plan)}, files_),
-      context_{settings, plan, file_suffixes(plan), files_, certificate_, caches_, progress} {
+      caches_(settings.formats, {plan, folder, plan.file_suffixes}, files_),
+      context_{settings, plan, plan.file_suffixes, files_, certificate_, caches_, progress} {
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));
 }

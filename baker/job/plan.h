@@ -40,6 +40,8 @@ struct BakePlan {
   std::vector<Shot> shots;           // one a sheet
   std::vector<unsigned> seeds;       // of each sheet
   std::vector<std::string> presets;  // of each sheet
+  // of each sheet: the part of its files' names that tells it from the others (file_names.h)
+  std::vector<std::string> file_suffixes;
   // simulated from the scene's first frame to the last one written
   AnimateOptions animation;
   std::string why_inertia;  // or why not

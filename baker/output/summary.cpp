@@ -156,6 +156,7 @@ Json sheets_of(const BakePlan& plan) {
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     sheets.push_back({{"name", plan.shots[s].sheet_name},
                       {"preset", plan.presets[s]},
+                      {"files", plan.name + plan.file_suffixes[s]},
                       {"seed", plan.seeds[s]},
                       {"width_m", extent(plan.shots[s].pattern).x()},
                       {"height_m", extent(plan.shots[s].pattern).y()},
