@@ -48,7 +48,7 @@ TEST(CacheJudge, ASheetFoldedThroughItselfCrosses) {
   Sheet sheet = test::hex_sheet(side, side, 30);
   for (int v = 0; v < sheet.x.rows(); ++v)
     if (const double s = sheet.pattern(v, 0); s > 0.1)
-      sheet.x.row(v) << 0.2 - s, sheet.pattern(v, 1), 0.02 * std::sin(60 * (s - 0.1));
+      sheet.x.row(v) << 0.2013 - s, sheet.pattern(v, 1) + 0.0011, 0.02 * std::sin(60 * (s - 0.1));
   EXPECT_GT(judge_of(sheet)(sheet.x, 0).crossings, 20);
 }
 
