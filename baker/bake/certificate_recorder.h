@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <vector>
 
 namespace paperbake {
 
@@ -19,7 +20,8 @@ class CertificateRecorder {
   void consume(const AnimatedFrame&);
 
  private:
-  FrameRecord measure(const AnimatedFrame&) const;
+  FrameRecord measure(const AnimatedFrame&);
+  void note_what_was_not_solved(const AnimatedFrame&, FrameRecord&);
   void judge_inside(const Sheet&, FrameRecord&) const;
   void count_intersections(const Sheet&, FrameRecord&);
   void record_handles(const AnimatedFrame&);
@@ -30,6 +32,8 @@ class CertificateRecorder {
   // for frames that are not handed on; null: there are none
   std::shared_ptr<const JudgedColliders> colliders_;
   std::size_t known_singular_ = 0;
+  std::vector<HandleFrame> handles_before_;  // of the line before
+  Points3 x_before_;
 };
 
 }  // namespace paperbake

@@ -26,8 +26,8 @@ struct Penetration {
 ///
 ///   max_p depth(p) <= max_p min_F l_F(p),   l_F linear with the values at the corners,
 ///
-/// a linear programme with three corners; for a convex solid l_F is the distance from the plane of F
-/// and the bound is attained. The result is exact to 2 um or 1 %, whichever is more.
+/// a linear programme with three corners; for a convex solid l_F is the distance from the plane of
+/// F and the bound is attained. The result is exact to 2 um or 1 %, whichever is more.
 ///
 /// An open part has no inside. There depth is how far the surface reaches behind its front from
 /// where it passes through it; what has come round the border and passes through nowhere is not

@@ -24,7 +24,8 @@ struct RenderStatistics {
 /// report and the table of a wedge are written from there. A new number is a field here and a row
 /// there.
 struct FrameStatistics {
-  // of the simulated mesh after step 3, if not told otherwise, measured by whoever records the frame
+  // of the simulated mesh after step 3, measured by whoever records the frame; the handle error is
+  // measured again on what is handed on
   int triangles = 0;
   double stretch_mean = 0;      // [1] c_m = mean |l-L|/L over its edges
   double stretch_max = 0;       // [1] largest |l-L|/L of an edge
@@ -35,7 +36,7 @@ struct FrameStatistics {
   // pairs of one of its triangles and one of a sheet before it in the scene that do
   int crossings_with_others = 0;
 
-  // of what is handed on; of the simulated mesh where nothing is. handle_error_max is so too
+  // of what is handed on; of the simulated mesh where nothing is
   double inside = 0;  // [m] how deep its deepest point is inside a collider
 
   // told by the simulation
