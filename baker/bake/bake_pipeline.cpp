@@ -1,6 +1,5 @@
 #include "baker/bake/bake_pipeline.h"
 
-#include "baker/bake/render_pass.h"
 #include "baker/output/file_hash.h"
 #include "baker/output/gates.h"
 #include "baker/output/stale_files.h"
@@ -67,13 +66,28 @@ void BakePipeline::render() {
 
 /// sheets  that come near each other
 void BakePipeline::render_group(const std::vector<std::size_t>& sheets) {
+  int rendered = 0;
+  try {
+    render_frames(sheets, RenderPass::Features::all, rendered);
+  } catch (const Error& error) {
+    if (rendered > 0) throw;  // the frames before are kept
+    context_.progress.message(
+        fmt::format("warning: {}: {} It is made without singular points and creases.", error.place,
+                    error.cause));
+    render_frames(sheets, RenderPass::Features::handles, rendered);
+  }
+}
+
+/// rendered  is raised with every frame that is handed on
+void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
+                                 RenderPass::Features features, int& rendered_frames) {
   const BakeSettings& settings = context_.settings;
   const BakePlan& plan = context_.plan;
   std::vector<RenderInput> inputs;
   for (const std::size_t s : sheets) inputs.push_back({&recorders_[s]->record(), &plan.shots[s]});
-  RenderPass pass(std::move(inputs),
-                  {settings.quality, caches_.frames_shown(), plan.animation.fps, settings.threads});
-  while (pass.next())
+  RenderPass pass(std::move(inputs), {settings.quality, caches_.frames_shown(), plan.animation.fps,
+                                      settings.threads, features});
+  for (; pass.next(); ++rendered_frames)
     for (std::size_t i = 0; i < pass.sheets().size(); ++i) {
       RenderedSheet& rendered = pass.sheets()[i];
       const std::size_t s = sheets[i];

@@ -299,7 +299,12 @@ std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
     std::vector<RenderSurface> sheets;
     for (const RenderInput& sheet : inputs) {
       RenderFeatures features = sheet.record->features(*sheet.shot);
-      if (edges == Edges::all) features.edges = sheet.record->edges();
+      if (options.features == Features::handles) {
+        features.points.resize(sheet.shot->handles.size());
+        features.creases.clear();
+      } else if (edges == Edges::all) {
+        features.edges = sheet.record->edges();
+      }
       sheets.push_back(make_render_surface(sheet.shot->pattern, features, sheet.record->edge(),
                                            options.quality));
     }

@@ -38,11 +38,14 @@ struct RenderedSheet {
 /// kept.
 class RenderPass {
  public:
+  // handles: a mesh that has no singular points and no creases, where none can be made with them
+  enum class Features { all, handles };
   struct Options {
     Quality quality;
     FrameSpan frames;  // of the records that are wanted
     double fps;        // [1/s]
     int threads;
+    Features features = Features::all;
   };
   /// sheets  that come near each other, or one; their records begin with the same frame
   RenderPass(std::vector<RenderInput> sheets, const Options&);

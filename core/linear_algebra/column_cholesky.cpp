@@ -6,16 +6,8 @@
 
 namespace paperbake {
 
-// [1] largest share by which a diagonal may grow
-constexpr double most_stiffer = 1e-2;
-
 ColumnCholesky::ColumnCholesky(const Eigen::SparseMatrix<double>& lower) {
-  Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(lower);
-  Eigen::SparseMatrix<double> stiffer = lower;
-  for (double more = 1e-12; solver.info() != Eigen::Success && more < most_stiffer; more *= 100) {
-    for (int i = 0; i < lower.rows(); ++i) stiffer.coeffRef(i, i) = (1 + more) * lower.coeff(i, i);
-    solver.compute(stiffer);
-  }
+  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(lower);
   if (solver.info() != Eigen::Success)
     throw Error(ErrorCode::simulation, "render mesh", "Its matrix is not positive definite.");
   const int n = static_cast<int>(lower.rows());

@@ -14,8 +14,7 @@ namespace paperbake {
 /// it.
 class ColumnCholesky {
  public:
-  /// lower   lower triangle of the matrix. Where rounding makes it indefinite, as beside a needle
-  ///         of a mesh, its diagonal grows by as small a share as it takes, at most 1 %
+  /// lower   lower triangle of the matrix
   /// throws  Error(ErrorCode::simulation) if the matrix is not positive definite
   explicit ColumnCholesky(const Eigen::SparseMatrix<double>& lower);
   /// b        |n|x3

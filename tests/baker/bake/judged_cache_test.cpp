@@ -112,6 +112,21 @@ TEST_F(JudgedCache, WhereNothingIsHandedOnTheSimulatedSheetIsJudgedAndCannotBeVe
   EXPECT_NE(verdict.out.find("has no cache"), std::string::npos) << verdict.out;
 }
 
+// A singular point that is born where the solver failed lies so that no mesh with it can be fitted.
+TEST_F(JudgedCache, ASheetThatNoRenderMeshFitsIsHandedOnAllTheSameAndItsFrozenFramesAreTold) {
+  const Ended ended = bake_violent("H4_jittered", {"--seed", "10"});
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  int standing = 0;
+  for (const auto& frame : frames()) {
+    EXPECT_FALSE(frame["render_triangles"].is_null()) << frame["frame"];
+    standing += frame["note"].get<std::string>().find("stands still") != std::string::npos;
+  }
+  if (most("stretch_max_pct") < 10) GTEST_SKIP() << "the solver does not fail in it any more";
+  EXPECT_GT(standing, 20);
+  EXPECT_NE(ended.err.find("made without singular points and creases"), std::string::npos);
+  expect_verified();
+}
+
 TEST_F(JudgedCache, VerifyMeasuresTheDepthItself) {
   ASSERT_EQ(bake_violent("starts_inside").code, 4);
   const fs::path lines = fs::path(output()) / "cert" / "frames.jsonl";
