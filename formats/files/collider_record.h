@@ -15,10 +15,11 @@ struct ColliderRecord {
   std::map<std::string, std::vector<ColliderMesh>> of_sheet;
 };
 
-/// One JSON object: `first_frame`, `colliders` as a list of {name, vertices (m), triangles, motion},
-/// and `turned`: for each sheet the numbers of the colliders whose triangles run the other way round
-/// for it. A motion has twelve numbers for every frame: the rows of the rotation, each followed by
-/// a coordinate of the translation in metres. All numbers read back as the same doubles.
+/// One JSON object: `first_frame`, `colliders` as a list of {name, vertices (m), triangles,
+/// motion}, and `turned`: for each sheet the numbers of the colliders whose triangles run the other
+/// way round for it. A motion has twelve numbers for every frame: the rows of the rotation, each
+/// followed by a coordinate of the translation in metres. All numbers read back as the same
+/// doubles.
 std::string collider_json(const ColliderRecord&);
 
 /// Reads the text of collider_json. throws Error(ErrorCode::scene) when it is not one
