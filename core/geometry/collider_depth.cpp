@@ -102,7 +102,8 @@ class ColliderDepth::Part {
     }
     find_borders();
     if (closed_) face_outwards();
-    convex_ = closed_ && is_convex(x);
+    // of an open part only a plane bounds the depth, as a ground does
+    planes_bound_ = is_convex(x) && (closed_ || is_flat(x));
     tree_.insert(faces_.cbegin(), faces_.cend());
     tree_.build();
     tree_.accelerate_distance_queries();
@@ -162,6 +163,15 @@ class ColliderDepth::Part {
     return true;
   }
 
+  bool is_flat(const Points3& x) const {
+    const double flat = 1e-7 * box_.diagonal().norm();
+    for (std::size_t k = 0; k < faces_.size(); ++k)
+      if (normals_[k].dot(normals_[0]) <= 0) return false;
+    return std::all_of(around_.begin(), around_.end(), [&](const auto& vertex) {
+      return std::abs(normals_[0].dot(row(x, vertex.first) - origins_[0])) < flat;
+    });
+  }
+
   /// The number of zeros among the barycentric coordinates of a point of a face, and one of them.
   std::pair<int, int> zeros(int face, const Vector3d& p) const {
     const Corners c = corners_of_face(face);
@@ -212,8 +222,8 @@ class ColliderDepth::Part {
 
   /// What bounds the depth of p from above as face F sees it: a convex function of p.
   double bound(int face, const Vector3d& p) const {
-    return convex_ ? normals_[face].dot(origins_[face] - p)
-                   : std::sqrt(CGAL::squared_distance(point(p), faces_[face]));
+    return planes_bound_ ? normals_[face].dot(origins_[face] - p)
+                         : std::sqrt(CGAL::squared_distance(point(p), faces_[face]));
   }
 
   bool meets(const Corners& c) const {
@@ -227,7 +237,7 @@ class ColliderDepth::Part {
   std::vector<std::array<bool, 3>> border_;  // of the edge opposite each corner
   std::map<int, std::vector<int>> around_;   // faces at each vertex
   Eigen::AlignedBox3d box_;
-  bool closed_ = false, convex_ = false;
+  bool closed_ = false, planes_bound_ = false;
   Tree tree_;
 };
 
@@ -274,12 +284,16 @@ class ColliderDepth::Part::Search {
     if (!box.extend(c[1]).extend(c[2]).intersects(part_.box_)) return;
     const double longest =
         std::max({(c[0] - c[1]).norm(), (c[1] - c[2]).norm(), (c[2] - c[0]).norm()});
-    bool some_inside = false;
+    bool some_inside = false, lies_on_one = !part_.closed_;
     for (int i = 0; i < 3; ++i) {
       const Probe& corner = at_vertex(triangles_(t, i));
       if (corner.depth < -longest) return;
       some_inside |= corner.depth > 0;
+      lies_on_one &=
+          std::abs(corner.depth) < exact_to && corner.face == at_vertex(triangles_(t, 0)).face;
     }
+    // what lies on a table top passes through it by rounding alone
+    if (lies_on_one) return;
     if ((part_.closed_ && some_inside) || part_.meets(c)) {
       pierced_.push_back(t);
       add({0,
