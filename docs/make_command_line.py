@@ -42,7 +42,7 @@ EXIT_CODES = """## Exit codes
 | 1 | the simulation failed; frames before the failure are kept in every file |
 | 2 | wrong command line, job file or preset |
 | 3 | the scene cannot be used |
-| 4 | baked, but a [quality gate](output_files.md#gates) was missed; `verify`: files differ |
+| 4 | baked, but a [quality gate](output_files.md#gates) was missed; `verify`: files differ, or there is no cache |
 | 5 | stopped by a signal; the same command resumes |
 | 6 | the output folder is in use by another bake, or is not writable |
 """

@@ -1,12 +1,12 @@
 #include "baker/bake/bake_pipeline.h"
 
-#include "baker/bake/render_pass.h"
 #include "baker/output/file_hash.h"
+#include "baker/output/gates.h"
 #include "baker/output/stale_files.h"
 #include "baker/output/summary.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/collider_record.h"
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <functional>
 #include <map>
@@ -15,17 +15,13 @@
 namespace paperbake {
 namespace {
 
-/// The part of file names that tells the sheets of a scene apart.
-std::vector<std::string> file_suffixes(const BakePlan& plan) {
-  std::vector<std::string> suffixes;
-  for (const Shot& shot : plan.shots) {
-    std::string name = shot.sheet_name;
-    std::replace_if(
-        name.begin(), name.end(),
-        [](char c) { return c == '/' || c == '.' || c == ':' || c == ' '; }, '_');
-    suffixes.push_back(plan.shots.size() > 1 ? "." + name : "");
-  }
-  return suffixes;
+ColliderRecord collider_record(const BakePlan& plan) {
+  ColliderRecord record;
+  record.first_frame = plan.animation.first_frame;
+  for (const Shot& shot : plan.shots)
+    for (const Collider& collider : *shot.colliders)
+      record.of_sheet[shot.sheet_name].push_back(collider.mesh());
+  return record;
 }
 
 }  // namespace
@@ -34,8 +30,8 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
                            const std::filesystem::path& folder, Progress& progress)
     : files_(folder),
       certificate_(plan),
-      caches_(settings.formats, {plan, folder, file_suffixes(plan)}, files_),
-      context_{settings, plan, file_suffixes(plan), files_, certificate_, caches_, progress} {
+      caches_(settings.formats, {plan, folder, plan.file_suffixes}, files_),
+      context_{settings, plan, plan.file_suffixes, files_, certificate_, caches_, progress} {
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));
 }
@@ -70,13 +66,28 @@ void BakePipeline::render() {
 
 /// sheets  that come near each other
 void BakePipeline::render_group(const std::vector<std::size_t>& sheets) {
+  int rendered = 0;
+  try {
+    render_frames(sheets, RenderPass::Features::all, rendered);
+  } catch (const Error& error) {
+    if (rendered > 0) throw;  // the frames before are kept
+    context_.progress.message(
+        fmt::format("warning: {}: {} It is made without singular points and creases.", error.place,
+                    error.cause));
+    render_frames(sheets, RenderPass::Features::handles, rendered);
+  }
+}
+
+/// rendered  is raised with every frame that is handed on
+void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
+                                 RenderPass::Features features, int& rendered_frames) {
   const BakeSettings& settings = context_.settings;
   const BakePlan& plan = context_.plan;
   std::vector<RenderInput> inputs;
   for (const std::size_t s : sheets) inputs.push_back({&recorders_[s]->record(), &plan.shots[s]});
-  RenderPass pass(std::move(inputs),
-                  {settings.quality, caches_.frames_shown(), plan.animation.fps, settings.threads});
-  while (pass.next())
+  RenderPass pass(std::move(inputs), {settings.quality, caches_.frames_shown(), plan.animation.fps,
+                                      settings.threads, features});
+  for (; pass.next(); ++rendered_frames)
     for (std::size_t i = 0; i < pass.sheets().size(); ++i) {
       RenderedSheet& rendered = pass.sheets()[i];
       const std::size_t s = sheets[i];
@@ -84,6 +95,8 @@ void BakePipeline::render_group(const std::vector<std::size_t>& sheets) {
           recorders_[s]->crease_attributes(rendered.record_index, pass.pattern(i));
       FrameRecord& line = certificate_.line(s, rendered.frame);
       line.statistics.render = rendered.statistics;
+      line.statistics.handle_error_max = rendered.handle_error;
+      enter(rendered.judgement, line);
       line.content_hash = caches_.add_frame(s, rendered.frame, rendered.mesh);
       context_.progress.rendered(line);
     }
@@ -132,6 +145,8 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
     for (const FrameRecord& record : certificate_.frames()) lines += frame_line(record) + "\n";
     return lines;
   });
+  if (context_.plan.shots.front().colliders)
+    write("cert/colliders.json", [&] { return collider_json(collider_record(context_.plan)); });
   write("cert/handles.csv", [&] { return handles_csv(certificate_.handles); });
   write("cert/summary.json", [&] {
     std::map<std::string, std::string> hashes;

@@ -2,6 +2,7 @@
 
 #include "baker/bake/bake_context.h"
 #include "baker/bake/bake_outcome.h"
+#include "baker/bake/render_pass.h"
 #include "baker/bake/sheet_recorder.h"
 #include "core/model/error.h"
 
@@ -44,6 +45,7 @@ class BakePipeline {
 
  private:
   void render_group(const std::vector<std::size_t>& sheets);
+  void render_frames(const std::vector<std::size_t>& sheets, RenderPass::Features, int& rendered);
   void write_certificate(const BakeOutcome&, const std::optional<Error>& failure);
   std::optional<Error> final_error(const std::optional<Error>& failure) const;
 

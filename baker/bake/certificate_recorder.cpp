@@ -16,14 +16,6 @@ void append_note(FrameRecord& record, const std::string& note) {
   record.note += (record.note.empty() ? "" : "; ") + note;
 }
 
-/// Notes that the sheet is inside a collider, where that is visible.
-void note_inside(FrameRecord& record) {
-  constexpr double visible = 0.1;  // [mm]
-  const double inside_mm = 1e3 * record.statistics.inside_colliders;
-  if (inside_mm > visible)
-    append_note(record, fmt::format("inside a collider by {:.2f} mm", inside_mm));
-}
-
 HandleRecord::State record_state(HandleFrame::State state) {
   switch (state) {
     case HandleFrame::held:
@@ -37,6 +29,12 @@ HandleRecord::State record_state(HandleFrame::State state) {
 }
 
 }  // namespace
+
+CertificateRecorder::CertificateRecorder(const BakeContext& bake, std::size_t sheet)
+    : bake_(bake), sheet_(sheet), input_hash_(bake.plan.start_hash[sheet]) {
+  const auto& colliders = bake.plan.shots[sheet].colliders;
+  if (colliders) colliders_ = std::make_shared<const JudgedColliders>(*colliders);
+}
 
 void CertificateRecorder::consume(const AnimatedFrame& frame) {
   const BakePlan& plan = bake_.plan;
@@ -52,7 +50,7 @@ void CertificateRecorder::consume(const AnimatedFrame& frame) {
   record_handles(frame);
 }
 
-FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) const {
+FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
   const Shot& shot = bake_.plan.shots[sheet_];
   const LengthDistortion length = length_distortion(sheet);
@@ -77,9 +75,39 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) const {
     if (handle.state == HandleFrame::jammed) r.jammed.push_back({shot.handles[h].name, 1e3 * off});
   }
   r.note = frame.note;
-  note_inside(r);
+  note_what_was_not_solved(frame, r);
+  const bool handed_on = !bake_.caches.empty() && bake_.caches.frames_shown().contains(frame.frame);
+  if (colliders_ && !handed_on) judge_inside(sheet, r);
   r.input_hash = input_hash_;
   return r;
+}
+
+/// A stored energy is a sum of squares. And paper whose handles move does not stand still to the
+/// last bit, unless its step was given up.
+void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
+                                                   FrameRecord& record) {
+  constexpr double least_motion = 1e-5;  // [m] of a handle within a frame
+  if (frame.statistics.energy < 0)
+    append_note(record, fmt::format("the stored energy is below zero, {:.3g} J: the step was not "
+                                    "solved",
+                                    frame.statistics.energy));
+  const auto& before = handles_before_;
+  bool moves = false;
+  for (std::size_t h = 0; h < frame.handles.size() && h < before.size(); ++h)
+    moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
+             (frame.handles[h].keyed - before[h].keyed).norm() > least_motion;
+  if (moves && frame.sheet->x.rows() == x_before_.rows() && frame.sheet->x == x_before_)
+    append_note(record,
+                "the sheet stands still although its handles move: the step was not solved");
+  handles_before_ = frame.handles;
+  x_before_ = frame.sheet->x;
+}
+
+/// Where nothing is handed on, the simulated sheet is judged.
+void CertificateRecorder::judge_inside(const Sheet& sheet, FrameRecord& record) const {
+  const double side = longer_side(bake_.plan.shots[sheet_].pattern);
+  const CacheJudge judge(sheet.pattern / side, sheet.triangles, side, colliders_);
+  enter(judge(sheet.x, record.frame - bake_.plan.animation.first_frame), record);
 }
 
 void CertificateRecorder::count_intersections(const Sheet& sheet, FrameRecord& record) {

@@ -1,9 +1,12 @@
 #pragma once
 
 #include "baker/bake/bake_context.h"
+#include "baker/output/cache_judge.h"
 
 #include <cstddef>
+#include <memory>
 #include <string>
+#include <vector>
 
 namespace paperbake {
 
@@ -11,14 +14,15 @@ namespace paperbake {
 /// handles of every frame that is written, singular points of all frames.
 class CertificateRecorder {
  public:
-  CertificateRecorder(const BakeContext& bake, std::size_t sheet)
-      : bake_(bake), sheet_(sheet), input_hash_(bake.plan.start_hash[sheet]) {}
+  CertificateRecorder(const BakeContext& bake, std::size_t sheet);
 
   /// To be called with every simulated frame.
   void consume(const AnimatedFrame&);
 
  private:
-  FrameRecord measure(const AnimatedFrame&) const;
+  FrameRecord measure(const AnimatedFrame&);
+  void note_what_was_not_solved(const AnimatedFrame&, FrameRecord&);
+  void judge_inside(const Sheet&, FrameRecord&) const;
   void count_intersections(const Sheet&, FrameRecord&);
   void record_folds(const Sheet&, int frame);
   void record_handles(const AnimatedFrame&);
@@ -26,7 +30,11 @@ class CertificateRecorder {
   const BakeContext& bake_;
   std::size_t sheet_;
   std::string input_hash_;
+  // for frames that are not handed on; null: there are none
+  std::shared_ptr<const JudgedColliders> colliders_;
   std::size_t known_singular_ = 0;
+  std::vector<HandleFrame> handles_before_;  // of the line before
+  Points3 x_before_;
 };
 
 }  // namespace paperbake

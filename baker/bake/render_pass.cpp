@@ -1,6 +1,5 @@
 #include "baker/bake/render_pass.h"
 
-#include "baker/output/cache_measure.h"
 #include "core/animation/cpu_clock.h"
 #include "core/geometry/collider.h"
 #include "core/geometry/point_location.h"
@@ -60,7 +59,12 @@ class RenderPass::MeshPointCache {
 /// One frame of every sheet that has it, the first ones: a bake may have ended between two sheets.
 struct RenderPass::FrameOfSheets {
   std::vector<RenderFrame> frames;
-  std::vector<RenderStatistics> statistics;  // of a frame that is wanted
+  struct Verdict {
+    RenderStatistics statistics;
+    Judgement judgement;
+    double handle_error = 0;  // [m]
+  };
+  std::vector<Verdict> verdicts;  // of a frame that is wanted
 };
 
 /// Renders frames of the records, some of them ahead of the one that is asked for, each on a thread
@@ -75,8 +79,14 @@ class RenderPass::FrameRenderer {
         wanted_(wanted),
         threads_(std::max(threads, 1)),
         held_(surfaces.size()) {
-    for (std::size_t s = 0; s < surfaces.size(); ++s)
+    for (std::size_t s = 0; s < surfaces.size(); ++s) {
       points_.emplace_back(*inputs[s].record, surfaces[s]);
+      const Shot& shot = *inputs[s].shot;
+      const double side = longer_side(shot.pattern);
+      judges_.emplace_back(
+          surfaces[s].mesh().pattern / side, surfaces[s].mesh().triangles, side,
+          shot.colliders ? std::make_shared<const JudgedColliders>(*shot.colliders) : nullptr);
+    }
   }
 
   /// The k-th frame of the records; k grows from call to call.
@@ -147,59 +157,75 @@ class RenderPass::FrameRenderer {
     const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, points.size());
     for (std::size_t s = 0; s < points.size(); ++s) {
       const double start_ms = cpu_ms();
-      push_out_of_colliders(s, k, simulated[s], rendered.frames[s].x);
+      if (push_out_of_colliders(s, k, simulated[s], rendered.frames[s].x))
+        surfaces_[s].shade(rendered.frames[s]);
       ms[s] += each_ms + cpu_ms() - start_ms;
     }
     if (wanted_.contains(inputs_.front().record->frames()[k].frame))
-      rendered.statistics = measure(rendered.frames, ms);
+      rendered.verdicts = judge(k, rendered.frames, ms);
     return rendered;
   }
 
   /// The curved surface stands out from its facets: where they rest on a collider, into it.
-  void push_out_of_colliders(std::size_t s, std::size_t k,
+  /// returns  whether x was changed
+  bool push_out_of_colliders(std::size_t s, std::size_t k,
                              const SheetUntangler::Simulated& simulated, Points3& x) const {
     const auto& colliders = inputs_[s].shot->colliders;
-    if (!colliders) return;
+    if (!colliders) return false;
     const auto& frames = inputs_[s].record->frames();
     Points3 on_facets = x;  // vertices of a finer mesh, in the middle of edges, are near enough
     for (std::size_t v = 0; v < simulated.places->size(); ++v)
       on_facets.row(v) =
           interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
-    push_out(*colliders, poses_at(*colliders, frames[k].frame - frames.front().frame), on_facets, 0,
-             x);
+    const Poses poses = poses_at(*colliders, frames[k].frame - frames.front().frame);
+    // lengths that are wrong after this are restored, as far as the sheet stays outside
+    constexpr int max_turns = 8;
+    constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn
+    for (int turn = 0;; ++turn) {
+      const Points3 before = x;
+      const double pushed = push_out(*colliders, poses, on_facets, 0, x);
+      const std::vector<char>& held = surfaces_[s].is_held();
+      for (int v = 0; v < x.rows(); ++v)
+        if (held[v]) x.row(v) = before.row(v);
+      if (pushed < still || turn == max_turns) return turn > 0 || pushed > 0;
+      surfaces_[s].limit_strain(x);
+    }
   }
 
   /// ms  of each sheet
-  std::vector<RenderStatistics> measure(const std::vector<RenderFrame>& frames,
-                                        const std::vector<double>& ms) const {
-    std::vector<RenderStatistics> statistics;
+  std::vector<FrameOfSheets::Verdict> judge(std::size_t k, const std::vector<RenderFrame>& frames,
+                                            const std::vector<double>& ms) const {
+    std::vector<FrameOfSheets::Verdict> verdicts;
     std::vector<Points3> stored_x;
     for (std::size_t s = 0; s < frames.size(); ++s) {
-      const RenderMesh& mesh = surfaces_[s].mesh();
-      const double side = longer_side(inputs_[s].shot->pattern);
-      CacheFrame stored;
-      stored.x = frames[s].x;
-      stored.triangles = mesh.triangles;
-      stored.uv = mesh.pattern / side;
-      const LengthDistortion length = cache_distortion(stored, side);
-      stored_x.push_back(frames[s].x.cast<float>().cast<double>());
-      RenderStatistics& sheet = statistics.emplace_back();
-      sheet.triangles = static_cast<int>(mesh.triangles.rows());
-      sheet.stretch_mean = length.mean;
-      sheet.stretch_max = length.largest;
-      sheet.ms = ms[s];
-      sheet.crossings = surfaces_[s].crossings(stored_x[s]);
-      sheet.kept_apart = frames[s].kept_apart;
+      const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
+      const Points3& x = stored_x.emplace_back(as_stored(frames[s].x));
+      FrameOfSheets::Verdict& verdict = verdicts.emplace_back();
+      verdict.judgement = judges_[s](x, recorded[k].frame - recorded.front().frame);
+      verdict.handle_error = handle_error(s, recorded[k], x);
+      verdict.statistics = statistics_of(verdict.judgement, judges_[s]);
+      verdict.statistics.ms = ms[s];
+      verdict.statistics.kept_apart = frames[s].kept_apart;
     }
     const std::vector<int> with_others = untangler_.crossings(stored_x);
     for (std::size_t s = 0; s < frames.size(); ++s)
-      statistics[s].crossings_with_others = with_others[s];
-    return statistics;
+      verdicts[s].statistics.crossings_with_others = with_others[s];
+    return verdicts;
+  }
+
+  double handle_error(std::size_t s, const RecordedFrame& recorded, const Points3& x) const {
+    double most = 0;
+    for (std::size_t h = 0; h < recorded.held.size(); ++h) {
+      const int vertex = judges_[s].vertex_at(inputs_[s].shot->handles[recorded.held[h]].pattern);
+      most = std::max(most, (x.row(vertex) - recorded.keyed.row(h)).norm());
+    }
+    return most;
   }
 
   const std::vector<RenderInput>& inputs_;
   std::vector<RenderSurface>& surfaces_;
   const SheetUntangler untangler_;
+  std::vector<CacheJudge> judges_;
   const FrameSpan& wanted_;
   const std::size_t threads_;
   std::vector<std::optional<std::vector<int>>> held_;
@@ -285,12 +311,18 @@ std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
   for (int round = 0;; ++round) {
     std::vector<RenderSurface> sheets;
     for (std::size_t s = 0; s < inputs.size(); ++s) {
-      RenderFeatures features = inputs[s].record->features(*inputs[s].shot);
-      features.edges = inputs[s].record->edges(exact[s]);
-      sheets.push_back(make_render_surface(inputs[s].shot->pattern, features,
-                                           inputs[s].record->edge(), options.quality));
+      const Shot& shot = *inputs[s].shot;
+      RenderFeatures features = inputs[s].record->features(shot);
+      if (options.features == Features::handles) {
+        features.points.resize(shot.handles.size());
+        features.creases.clear();
+      } else {
+        features.edges = inputs[s].record->edges(exact[s]);
+      }
+      sheets.push_back(make_render_surface(shot.pattern, features, inputs[s].record->edge(),
+                                           options.quality));
     }
-    if (round == max_rounds) return sheets;
+    if (round == max_rounds || options.features == Features::handles) return sheets;
     FacetsOfSheets wanted = exact;
     const FacetsOfSheets found = intersecting_facets(sheets);
     for (std::size_t s = 0; s < wanted.size(); ++s)
@@ -334,7 +366,9 @@ bool RenderPass::State::next() {
     rendered[s].mesh.x = now->frames[s].x;
     rendered[s].mesh.normal = now->frames[s].normals;
     rendered[s].mesh.crease = now->frames[s].crease;
-    rendered[s].statistics = now->statistics[s];
+    rendered[s].statistics = now->verdicts[s].statistics;
+    rendered[s].judgement = now->verdicts[s].judgement;
+    rendered[s].handle_error = now->verdicts[s].handle_error;
   }
   ++k;
   return true;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "baker/job/settings.h"
+#include "baker/output/cache_judge.h"
 #include "core/model/frame_statistics.h"
 #include "core/model/shot.h"
 #include "core/render/render_surface.h"
@@ -25,6 +26,8 @@ struct RenderedSheet {
   std::size_t record_index = 0;  // of the frame in the record
   CacheFrame mesh;
   RenderStatistics statistics;
+  Judgement judgement;
+  double handle_error = 0;  // [m] largest distance of a held point of the mesh from its key
 };
 
 /// Second stage of a bake: puts the simulated frames of sheets on one mesh for the whole shot,
@@ -35,11 +38,14 @@ struct RenderedSheet {
 /// kept.
 class RenderPass {
  public:
+  // handles: a mesh that has no singular points and no creases, where none can be made with them
+  enum class Features { all, handles };
   struct Options {
     Quality quality;
     FrameSpan frames;  // of the records that are wanted
     double fps;        // [1/s]
     int threads;
+    Features features = Features::all;
   };
   /// sheets  that come near each other, or one; their records begin with the same frame
   RenderPass(std::vector<RenderInput> sheets, const Options&);

@@ -1,10 +1,15 @@
 #include "baker/bake/simulation_cache.h"
 
-#include "baker/output/cache_measure.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
 
 namespace paperbake {
+
+SimulationCache::SimulationCache(const BakeContext& bake, std::size_t sheet)
+    : bake_(bake), sheet_(sheet) {
+  if (const auto& colliders = bake.plan.shots[sheet].colliders)
+    colliders_ = std::make_shared<const JudgedColliders>(*colliders);
+}
 
 void SimulationCache::consume(const AnimatedFrame& frame) {
   flush_deferred(frame.sheet);
@@ -38,13 +43,12 @@ void SimulationCache::flush_deferred(const Sheet* next) {
     deferred_->velocity = fps * (now_.x - resample(before_));
 
   FrameRecord& line = bake_.certificate.line(sheet_, deferred_frame_);
-  const LengthDistortion stored =
-      cache_distortion(*deferred_, longer_side(bake_.plan.shots[sheet_].pattern));
-  RenderStatistics& render = line.statistics.render.emplace();
-  render.triangles = static_cast<int>(deferred_->triangles.rows());
-  render.stretch_mean = stored.mean;
-  render.stretch_max = stored.largest;
-  render.crossings = line.statistics.crossings;
+  const CacheJudge judge(deferred_->uv, deferred_->triangles,
+                         longer_side(bake_.plan.shots[sheet_].pattern), colliders_);
+  const Judgement judgement =
+      judge(deferred_->x, deferred_frame_ - bake_.plan.animation.first_frame);
+  RenderStatistics& render = line.statistics.render.emplace(statistics_of(judgement, judge));
+  enter(judgement, line);
   render.crossings_with_others = line.statistics.crossings_with_others;
   line.content_hash = bake_.caches.add_frame(sheet_, deferred_frame_, *deferred_);
   deferred_.reset();

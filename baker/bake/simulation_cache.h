@@ -1,8 +1,10 @@
 #pragma once
 
 #include "baker/bake/bake_context.h"
+#include "baker/output/cache_judge.h"
 
 #include <cstddef>
+#include <memory>
 #include <optional>
 
 namespace paperbake {
@@ -12,7 +14,7 @@ namespace paperbake {
 /// motion of the sheet, even where its mesh changes.
 class SimulationCache {
  public:
-  SimulationCache(const BakeContext& bake, std::size_t sheet) : bake_(bake), sheet_(sheet) {}
+  SimulationCache(const BakeContext& bake, std::size_t sheet);
 
   /// To be called with every simulated frame, after the certificate has its line.
   void consume(const AnimatedFrame&);
@@ -26,6 +28,7 @@ class SimulationCache {
 
   const BakeContext& bake_;
   std::size_t sheet_;
+  std::shared_ptr<const JudgedColliders> colliders_;
   Sheet before_, now_;  // the frame before the deferred one, and the deferred one
   std::optional<CacheFrame> deferred_;
   int deferred_frame_ = 0;

@@ -1,17 +1,20 @@
 #include "baker/check/verify.h"
 
-#include "baker/output/cache_measure.h"
+#include "baker/output/cache_judge.h"
 #include "baker/output/file_hash.h"
+#include "baker/output/sheet_intersections.h"
 #include "core/model/error.h"
 #include "formats/cache/alembic_reader.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
 #include "formats/files/certificate.h"
+#include "formats/files/collider_record.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
+#include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
@@ -43,6 +46,10 @@ class Verifier {
       compare_hashes(summary.at("files"));
       if (const std::string cache = cache_of(summary); !cache.empty())
         compare_frames(cache, summary);
+      else if (!has_other_cache(summary))
+        differs({}, "cert/summary.json",
+                "The bake has no cache: nothing is handed on that could be verified. Bake with abc "
+                "among its --formats.");
     } catch (const Json::exception& error) {
       differs(
           {}, "cert",
@@ -90,6 +97,16 @@ class Verifier {
     return {};
   }
 
+  /// A cache that only the bake itself has measured; its bytes are those that were written.
+  static bool has_other_cache(const Json& summary) {
+    const Json& files = summary.at("files");
+    return summary.at("failure").is_null() &&
+           std::any_of(files.items().begin(), files.items().end(), [](const auto& file) {
+             const std::string extension = fs::path(file.key()).extension().string();
+             return extension == ".usda" || extension == ".pc2";
+           });
+  }
+
   void compare_frames(const std::string& file, const Json& summary) {
     std::optional<AlembicReader> cache;
     try {
@@ -99,6 +116,7 @@ class Verifier {
       return;
     }
     const HandlesOfFrames handles = read_handles();
+    if (summary.at("files").contains("cert/colliders.json")) read_colliders();
     std::map<std::string, std::size_t> sheet_number;
     std::vector<double> longer_side;
     for (const Json& sheet : summary.at("sheets")) {
@@ -145,33 +163,28 @@ class Verifier {
                      const FrameRecord& record, const HandlesOfFrames& handles) {
     if (stored.x.rows() == 0 || stored.uv.rows() == 0)
       return differs(record.frame, file, "It has no points or no uv: nothing can be measured.");
+    const CacheJudge& judge = judge_of(record.sheet, stored, longer_side);
+    const Judgement judgement = judge(stored.x, record.frame - colliders_.first_frame);
     FrameStatistics found;
-    found.render.emplace();
-    found.render->triangles = static_cast<int>(stored.triangles.rows());
-    const LengthDistortion length = cache_distortion(stored, longer_side);
-    found.render->stretch_mean = length.mean;
-    found.render->stretch_max = length.largest;
+    found.render = statistics_of(judgement, judge);
+    if (frame_ != record.frame) beside_ = {};
+    frame_ = record.frame;
+    found.render->crossings_with_others =
+        beside_.add(record.frame, Sheet{{}, stored.x, {}, stored.triangles, {}});
+    found.inside = judgement.inside;
     if (const auto rows = handles.find({record.frame, record.sheet}); rows != handles.end())
-      found.handle_error_max = compare_handles(file, stored, longer_side, rows->second);
+      found.handle_error_max = compare_handles(file, stored, judge, rows->second);
     compare_statistics(file, record, found);
   }
 
   /// returns  how far the worst handle is from its keyed position [m]
-  double compare_handles(const std::string& file, const CacheFrame& stored, double longer_side,
+  double compare_handles(const std::string& file, const CacheFrame& stored, const CacheJudge& judge,
                          const std::vector<HandleRecord>& handles) {
     double worst = 0;
     for (const HandleRecord& handle : handles) {
       // where a handle that holds nothing is, only the simulation knows exactly
       if (handle.state == HandleRecord::free_state) continue;
-      Eigen::Index vertex = 0;
-      (stored.uv * longer_side)
-          .rowwise()
-          .
-          operator-(handle.pattern.transpose())
-          .rowwise()
-          .squaredNorm()
-          .minCoeff(&vertex);
-      const Vector3d at = stored.x.row(vertex);
+      const Vector3d at = stored.x.row(judge.vertex_at(handle.pattern));
       if (const double off = 1e3 * (at - handle.held).norm(); off > tolerance_mm)
         differs(handle.frame, file,
                 fmt::format("Handle \"{}\" is {:.4g} mm from where handles.csv has it.",
@@ -195,6 +208,27 @@ class Verifier {
     });
   }
 
+  const CacheJudge& judge_of(const std::string& sheet, const CacheFrame& stored,
+                             double longer_side) {
+    std::unique_ptr<CacheJudge>& judge = judges_[sheet];
+    if (!judge || !judge->is_of(stored)) {
+      std::shared_ptr<const JudgedColliders>& colliders = judged_colliders_[sheet];
+      if (const auto own = colliders_.of_sheet.find(sheet);
+          !colliders && own != colliders_.of_sheet.end())
+        colliders = std::make_shared<const JudgedColliders>(own->second);
+      judge = std::make_unique<CacheJudge>(stored.uv, stored.triangles, longer_side, colliders);
+    }
+    return *judge;
+  }
+
+  void read_colliders() {
+    try {
+      colliders_ = parse_collider_json(read("cert/colliders.json"));
+    } catch (const Error& error) {
+      differs({}, "cert/colliders.json", error.cause);
+    }
+  }
+
   HandlesOfFrames read_handles() {
     HandlesOfFrames all;
     try {
@@ -208,6 +242,12 @@ class Verifier {
 
   fs::path folder_;
   Verification result_;
+  ColliderRecord colliders_;
+  // by the names of the sheets
+  std::map<std::string, std::shared_ptr<const JudgedColliders>> judged_colliders_;
+  std::map<std::string, std::unique_ptr<CacheJudge>> judges_;
+  SheetIntersections beside_;  // of the frame that was looked at last
+  int frame_ = 0;
 };
 
 }  // namespace

@@ -20,10 +20,12 @@ struct Verification {
   std::vector<Difference> differences;  // those of single frames first, in their order
 };
 
-/// Makes the certificate's render numbers, handle errors and hashes anew from the files alone, and
-/// compares: lengths to 0.001 %, places to 0.001 mm, hashes exactly. Every file that the bake wrote
-/// is looked at to its last byte. A folder without a whole certificate is a difference, not an
-/// error. throws Error(ErrorCode::command) when there is no such folder
+/// Measures the certificate's render numbers, depths in colliders, handle errors and hashes anew
+/// from the files alone, and compares: lengths to 0.001 %, places and depths to 0.001 mm, crossings
+/// and hashes exactly. Every file that the bake wrote is looked at to its last byte. A folder
+/// without a whole certificate, or without a cache, is a difference, not an error. Of a bake that
+/// has only a .usda or .pc2, bytes are compared. throws Error(ErrorCode::command) when there is no
+/// such folder
 Verification verify(const std::filesystem::path& folder);
 
 /// For people, and as JSON: {agrees, frames, files, first_frame_off, differences: [{frame, file,

@@ -1,5 +1,6 @@
 #include "baker/job/plan.h"
 
+#include "baker/job/file_names.h"
 #include "baker/job/version.h"
 #include "core/animation/blocked_ways.h"
 #include "core/animation/inertia_need.h"
@@ -405,6 +406,14 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
               "as far as paper can.");
 }
 
+void name_files(BakePlan& plan) {
+  std::vector<std::string> names;
+  for (const Shot& shot : plan.shots) names.push_back(shot.sheet_name);
+  plan.file_suffixes = sheet_file_suffixes(names);
+  for (const std::string& sentence : describe_shared_names(names))
+    plan.warnings.push_back(sentence);
+}
+
 }  // namespace
 
 BakePlan plan_bake(const BakeSettings& settings) {
@@ -426,6 +435,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   if (settings.preset)  // an unknown grade is an error even if no sheet uses it
     read_preset(*settings.preset);
   const std::vector<UsedValue> of_sheets = plan_sheets(settings, scene, plan);
+  name_files(plan);
   decide_inertia(settings, scene, plan);
   decide_polish(settings, plan);
   record_used_values(settings, scene, plan);

@@ -1,5 +1,6 @@
 #include "baker/output/sheet_intersections.h"
 
+#include "baker/output/cache_judge.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 
@@ -9,8 +10,9 @@ static Eigen::AlignedBox3d box_of(const Points3& x) {
   return {Vector3d(x.colwise().minCoeff()), Vector3d(x.colwise().maxCoeff())};
 }
 
-int SheetIntersections::add(int frame, const Sheet& sheet) {
+int SheetIntersections::add(int frame, const Sheet& simulated) {
   int count = 0;
+  const Sheet sheet{{}, as_stored(simulated.x), {}, simulated.triangles, {}};
   std::vector<PlacedSheet>& placed = placed_[frame];
   const Eigen::AlignedBox3d here = box_of(sheet.x);
   for (const PlacedSheet& other : placed)

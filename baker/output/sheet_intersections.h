@@ -11,7 +11,8 @@ namespace paperbake {
 /// another, that is to be known.
 class SheetIntersections {
  public:
-  /// Takes a sheet of a frame, after those before it in the scene.
+  /// Takes a sheet of a frame, after those before it in the scene. Its positions are rounded as a
+  /// cache rounds them.
   /// returns  pairs of its triangles and theirs that pass through each other
   int add(int frame, const Sheet&);
 

@@ -7,7 +7,6 @@
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
-#include <functional>
 #include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
@@ -72,7 +71,7 @@ std::string describe_colliders(const BakePlan& plan, const std::vector<FrameReco
   double inside = 0;
   for (const FrameRecord& f : frames) {
     touched += f.statistics.on_colliders > 0;
-    inside = std::max(inside, f.statistics.inside_colliders);
+    inside = std::max(inside, f.statistics.inside);
   }
   return fmt::format("in scene: {}; touched in {} frames, {:.3f} mm inside at most",
                      fmt::join(names, ", "), touched, 1e3 * inside);
@@ -157,6 +156,7 @@ Json sheets_of(const BakePlan& plan) {
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     sheets.push_back({{"name", plan.shots[s].sheet_name},
                       {"preset", plan.presets[s]},
+                      {"files", plan.name + plan.file_suffixes[s]},
                       {"seed", plan.seeds[s]},
                       {"width_m", extent(plan.shots[s].pattern).x()},
                       {"height_m", extent(plan.shots[s].pattern).y()},
@@ -205,57 +205,6 @@ std::string machine_name() {
   while (std::getline(info, line))
     if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
   return "unknown";
-}
-
-std::vector<std::string> missed_gates(const Gates& gates, const std::vector<FrameRecord>& frames,
-                                      const BakePlan& plan) {
-  std::vector<std::string> missed;
-  const auto check = [&](double limit, const std::function<double(const FrameRecord&)>& value,
-                         const char* sentence) {
-    const auto worst = std::max_element(
-        frames.begin(), frames.end(),
-        [&](const FrameRecord& a, const FrameRecord& b) { return value(a) < value(b); });
-    if (worst != frames.end() && value(*worst) > limit)
-      missed.push_back(fmt::format(fmt::runtime(sentence), fmt::arg("frame", worst->frame),
-                                   fmt::arg("value", value(*worst)), fmt::arg("limit", limit)));
-  };
-  check(
-      gates.mean_stretch_pct, [](const FrameRecord& f) { return 100 * f.statistics.stretch_mean; },
-      "Frame {frame}: mean stretch {value:.2f} %, more than {limit:g} %.");
-  check(
-      gates.max_stretch_pct, [](const FrameRecord& f) { return 100 * f.statistics.stretch_max; },
-      "Frame {frame}: an edge is off by {value:.2f} %, more than {limit:g} %.");
-  check(
-      gates.handle_err_mm, [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
-      "Frame {frame}: a handle is off by {value:.2f} mm, more than {limit:g} mm.");
-  check(
-      0, [](const FrameRecord& f) { return double(f.statistics.crossings); },
-      "Frame {frame}: {value:.0f} pairs of triangles pass through each other.");
-  check(
-      0,
-      [](const FrameRecord& f) {
-        return f.statistics.render ? double(f.statistics.render->crossings) : 0;
-      },
-      "Frame {frame}: {value:.0f} pairs of rendered triangles pass through each other.");
-  // sheets that pass through each other as simulated, such as those joined at a border, do so as
-  // rendered too
-  std::set<int> crossed;
-  for (const FrameRecord& f : frames)
-    if (f.statistics.crossings_with_others > 0) crossed.insert(f.frame);
-  check(
-      0,
-      [&](const FrameRecord& f) {
-        return f.statistics.render && !crossed.count(f.frame)
-                   ? double(f.statistics.render->crossings_with_others)
-                   : 0;
-      },
-      "Frame {frame}: {value:.0f} pairs of rendered triangles of two sheets pass through each "
-      "other.");
-  if (!plan.impossible.empty())
-    missed.push_back(
-        fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}",
-                    plan.impossible.size(), describe(plan.impossible.front())));
-  return missed;
 }
 
 std::string describe_sheet_intersections(const std::vector<FrameRecord>& frames) {

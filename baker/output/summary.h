@@ -10,17 +10,6 @@
 
 namespace paperbake {
 
-/// Limits that a bake must keep to end with exit code 0.
-struct Gates {
-  double mean_stretch_pct = 2;  // c_m of any frame
-  double max_stretch_pct = 5;   // any edge of any frame
-  double handle_err_mm = 1;
-};
-
-/// One sentence for each gate that was missed, with its worst frame. Empty: none was.
-std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&,
-                                      const BakePlan&);
-
 /// In which frames a sheet passes through another, as a clause; empty: in none.
 std::string describe_sheet_intersections(const std::vector<FrameRecord>&);
 

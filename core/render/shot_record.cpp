@@ -43,8 +43,11 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   for (std::size_t h = 0; h < frame.handles.size(); ++h)
     if (frame.handles[h].state != HandleFrame::free) record.held.push_back(static_cast<int>(h));
   record.held_at.resize(record.held.size(), 3);
-  for (std::size_t k = 0; k < record.held.size(); ++k)
+  record.keyed.resize(record.held.size(), 3);
+  for (std::size_t k = 0; k < record.held.size(); ++k) {
     record.held_at.row(k) = frame.handles[record.held[k]].at;
+    record.keyed.row(k) = frame.handles[record.held[k]].keyed;
+  }
   frames_.push_back(std::move(record));
   singular_ = sheet.singular;  // the list only grows: paper does not heal
   folds_ = folded_creases(sheet);

@@ -21,6 +21,7 @@ struct RecordedFrame {
   // handles that hold the sheet
   std::vector<int> held;
   Points3 held_at;  // [m] where they hold it
+  Points3 keyed;    // [m] and where they were keyed to
 };
 
 /// Everything that was simulated in a shot of one sheet, and what a mesh for all its frames has to

@@ -80,6 +80,16 @@ std::string frame_line(const FrameRecord& r) {
     else
       place = *value;
   });
+  const auto place = [&](bool exists, const Vector2d& at, const char* field) -> Json {
+    if (!exists) return {};
+    return {finite(1e3 * at.x(), field, r.frame, r.sheet),
+            finite(1e3 * at.y(), field, r.frame, r.sheet)};
+  };
+  const WorstPlaces& worst = r.worst;
+  line["render_stretch_at_mm"] =
+      place(r.statistics.render.has_value(), worst.stretch_at, "render_stretch_at_mm");
+  line["inside_at_mm"] = place(!worst.inside_of.empty(), worst.inside_at, "inside_at_mm");
+  line["inside_of"] = worst.inside_of.empty() ? Json() : Json(worst.inside_of);
   line["jammed"] = Json::array();
   for (const Jam& jam : r.jammed)
     line["jammed"].push_back(
@@ -108,6 +118,15 @@ std::optional<FrameRecord> parse_frame_line(const std::string& text) try {
     else
       *value = place.get<Value>();
   });
+  const auto read_place = [&](const char* field, Vector2d& at) {
+    const auto found = line.find(field);
+    if (found == line.end() || found->is_null()) return;
+    at << 1e-3 * found->at(0).get<double>(), 1e-3 * found->at(1).get<double>();
+  };
+  read_place("render_stretch_at_mm", r.worst.stretch_at);
+  read_place("inside_at_mm", r.worst.inside_at);
+  if (const auto of = line.find("inside_of"); of != line.end() && !of->is_null())
+    r.worst.inside_of = *of;
   for (const Json& jam : line.at("jammed")) r.jammed.push_back({jam.at(0), jam.at(1)});
   r.note = line.at("note");
   r.input_hash = line.at("input_hash");

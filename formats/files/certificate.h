@@ -15,11 +15,19 @@ struct Jam {
   double off_mm;  // [mm] distance from the target
 };
 
+/// Where a frame that was handed on is at its worst, for whoever mends it.
+struct WorstPlaces {
+  Vector2d stretch_at{0, 0};  // [m] middle of the worst edge on the pattern
+  Vector2d inside_at{0, 0};   // [m] the point on the pattern that is deepest in a collider
+  std::string inside_of;      // the name of that collider; empty: none
+};
+
 /// Quality of one frame of one sheet: one line of cert/frames.jsonl.
 struct FrameRecord {
   int frame = 0;
   std::string sheet;
   FrameStatistics statistics;
+  WorstPlaces worst;
   std::vector<Jam> jammed;
   std::string note;
   std::string input_hash;
@@ -49,6 +57,7 @@ struct SingularRecord {
 
 /// One JSON object on one line, without a newline: frame, sheet, the numbers of
 /// visit_frame_statistics in their order and units (null where the frame was not rendered),
+/// `render_stretch_at_mm` and `inside_at_mm` as [u, v] (null where there is none), `inside_of`,
 /// `jammed` as a list of [handle, mm], note and hashes. Bytes of a name that are not UTF-8 become
 /// U+FFFD.
 std::string frame_line(const FrameRecord&);

@@ -2,7 +2,7 @@
 
 #include "baker/check/verify.h"
 #include "baker/job/job_settings.h"
-#include "baker/output/cache_measure.h"
+#include "baker/output/cache_judge.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/file_hash.h"
 #include "core/methods/hybrid.h"
@@ -103,7 +103,7 @@ void read_cache(const std::string& bytes) {
     for (std::size_t s = 0; s < std::min(most, cache.sheets().size()); ++s)
       for (std::size_t i = 0; i < std::min(most, cache.sheets()[s].frames); ++i) {
         const CacheFrame frame = cache.frame(s, i);
-        if (frame.uv.rows() > 0) cache_distortion(frame, 0.1);
+        if (frame.uv.rows() > 0) CacheJudge(frame.uv, frame.triangles, 0.1, nullptr)(frame.x, 0);
         cache.content_hash(s, i);
       }
   });

@@ -1,6 +1,6 @@
 // What a bake leaves in its output folder and says of it. Everything is checked from outside.
 
-#include "baker/output/summary.h"
+#include "baker/output/gates.h"
 #include "tests/baker/program_fixture.h"
 #include "tests/formats/scene/gltf_fixture.h"
 
@@ -136,6 +136,9 @@ TEST_F(BakeTest, EveryFrameHasALineWithAllDocumentedKeysInTheirOrder) {
                                       "touching_others",
                                       "on_colliders",
                                       "inside_mm",
+                                      "render_stretch_at_mm",
+                                      "inside_at_mm",
+                                      "inside_of",
                                       "jammed",
                                       "note",
                                       "input_hash",

@@ -38,6 +38,7 @@ FrameRecord full_record() {
   r.frame = 37;
   r.sheet = "paper_A";
   r.statistics = distinct_statistics();
+  r.worst = {{0.125, 0.0625}, {0.1, 0.2}, "collider \"A\""};
   r.jammed = {{"handle_a", 1.25}, {"handle_b", 2.0 / 3}};
   r.note = "a snap";
   r.input_hash = "00ff";
@@ -77,6 +78,9 @@ TEST(Certificate, AFrameLineHasItsKeysInTheDocumentedOrder) {
                                             "touching_others",
                                             "on_colliders",
                                             "inside_mm",
+                                            "render_stretch_at_mm",
+                                            "inside_at_mm",
+                                            "inside_of",
                                             "jammed",
                                             "note",
                                             "input_hash",
@@ -104,6 +108,9 @@ TEST(Certificate, EveryFieldOfAFrameLineReadsBackAsItWas) {
   ASSERT_EQ(read->jammed.size(), 2u);
   EXPECT_EQ(read->jammed[1].handle, "handle_b");
   EXPECT_EQ(read->jammed[1].off_mm, 2.0 / 3);
+  EXPECT_LT((read->worst.stretch_at - r.worst.stretch_at).norm(), 1e-15);
+  EXPECT_LT((read->worst.inside_at - r.worst.inside_at).norm(), 1e-15);
+  EXPECT_EQ(read->worst.inside_of, "collider \"A\"");
   EXPECT_EQ(read->note, "a snap");
   EXPECT_EQ(read->input_hash, "00ff");
   EXPECT_EQ(read->content_hash, "ff00");
@@ -114,7 +121,7 @@ TEST(Certificate, NumbersAreGivenInTheUnitOfTheirNameWithAllTheirDigits) {
   r.statistics.stretch_mean = (0.1 + 0.2) / 100;
   r.statistics.angle_defect_max = M_PI / 8;
   r.statistics.handle_error_max = 4e-16;
-  r.statistics.inside_colliders = 2.5e-3;
+  r.statistics.inside = 2.5e-3;
   r.statistics.energy = 1.7e-5;
   const auto line = nlohmann::json::parse(frame_line(r));
   EXPECT_EQ(line["stretch_mean_pct"].get<double>(), 100 * r.statistics.stretch_mean);

@@ -1,0 +1,126 @@
+#include "baker/output/cache_judge.h"
+
+#include "baker/output/gates.h"
+#include "core/geometry/intersections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <fmt/format.h>
+
+namespace paperbake {
+namespace {
+
+std::vector<std::array<int, 2>> edges_of(const Triangles& triangles) {
+  std::vector<std::array<int, 2>> edges;
+  edges.reserve(3 * static_cast<std::size_t>(triangles.rows()));
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 0; i < 3; ++i) {
+      const auto [a, b] = std::minmax(triangles(t, i), triangles(t, (i + 1) % 3));
+      edges.push_back({a, b});
+    }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+std::vector<ColliderMesh> meshes_of(const Colliders& colliders) {
+  std::vector<ColliderMesh> meshes;
+  for (const Collider& collider : colliders) meshes.push_back(collider.mesh());
+  return meshes;
+}
+
+}  // namespace
+
+Points3 as_stored(const Points3& x) { return x.cast<float>().cast<double>(); }
+
+JudgedColliders::JudgedColliders(const std::vector<ColliderMesh>& meshes) {
+  for (const ColliderMesh& mesh : meshes) {
+    depths.emplace_back(mesh);
+    names.push_back(mesh.name);
+    motions.push_back(mesh.motion);
+  }
+}
+
+JudgedColliders::JudgedColliders(const Colliders& colliders)
+    : JudgedColliders(meshes_of(colliders)) {}
+
+ColliderPenetration JudgedColliders::deepest(int row, const Points3& x,
+                                             const Triangles& triangles) const {
+  Poses poses;
+  for (const auto& motion : motions)
+    poses.push_back(motion.empty()
+                        ? Eigen::Isometry3d::Identity()
+                        : motion[std::clamp(row, 0, static_cast<int>(motion.size()) - 1)]);
+  return deepest_penetration(depths, poses, x, triangles);
+}
+
+CacheJudge::CacheJudge(const Points2& uv, const Triangles& triangles, double longer_side,
+                       std::shared_ptr<const JudgedColliders> colliders)
+    : uv_(uv),
+      pattern_(longer_side * uv.cast<float>().cast<double>()),
+      triangles_(triangles),
+      edges_(edges_of(triangles)),
+      colliders_(std::move(colliders)) {}
+
+bool CacheJudge::is_of(const CacheFrame& frame) const {
+  return frame.uv.rows() == uv_.rows() && frame.uv == uv_ &&
+         frame.triangles.rows() == triangles_.rows() && frame.triangles == triangles_;
+}
+
+int CacheJudge::vertex_at(const Vector2d& p) const {
+  Eigen::Index vertex = 0;
+  (pattern_.rowwise() - p.transpose()).rowwise().squaredNorm().minCoeff(&vertex);
+  return static_cast<int>(vertex);
+}
+
+LengthDistortion CacheJudge::distortion(const Points3& x) const {
+  LengthDistortion found;
+  double sum = 0;
+  for (const auto& [a, b] : edges_) {
+    const double rest = (pattern_.row(a) - pattern_.row(b)).norm(),
+                 off = std::abs((x.row(a) - x.row(b)).norm() - rest) / rest;
+    sum += off;
+    if (off > found.largest) {
+      found.largest = off;
+      found.where = 0.5 * (pattern_.row(a) + pattern_.row(b));
+    }
+  }
+  found.mean = edges_.empty() ? 0 : sum / static_cast<double>(edges_.size());
+  return found;
+}
+
+Judgement CacheJudge::operator()(const Points3& positions, int row) const {
+  const Sheet stored{pattern_, as_stored(positions), {}, triangles_, {}};
+  Judgement judgement;
+  judgement.length = distortion(stored.x);
+  if (!stored.x.allFinite()) return judgement;  // a cache does not take it
+  judgement.crossings = crossings(stored);
+  if (!colliders_) return judgement;
+  const ColliderPenetration found = colliders_->deepest(row, stored.x, triangles_);
+  if (found.depth <= 0) return judgement;
+  judgement.inside = found.depth;
+  judgement.inside_of = colliders_->names[found.collider];
+  for (int i = 0; i < 3; ++i)
+    judgement.inside_at +=
+        found.weights[i] * pattern_.row(triangles_(found.triangle, i)).transpose();
+  return judgement;
+}
+
+RenderStatistics statistics_of(const Judgement& judgement, const CacheJudge& judge) {
+  RenderStatistics statistics;
+  statistics.triangles = static_cast<int>(judge.triangles().rows());
+  statistics.stretch_mean = judgement.length.mean;
+  statistics.stretch_max = judgement.length.largest;
+  statistics.crossings = judgement.crossings;
+  return statistics;
+}
+
+void enter(const Judgement& judgement, FrameRecord& line) {
+  line.worst = {judgement.length.where, judgement.inside_at, judgement.inside_of};
+  line.statistics.inside = judgement.inside;
+  if (judgement.inside > Gates().inside_mm * 1e-3)
+    line.note += fmt::format("{}inside \"{}\" by {:.2f} mm", line.note.empty() ? "" : "; ",
+                             judgement.inside_of, 1e3 * judgement.inside);
+}
+
+}  // namespace paperbake

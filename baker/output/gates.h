@@ -1,0 +1,27 @@
+#pragma once
+
+#include "baker/job/plan.h"
+#include "formats/files/certificate.h"
+
+#include <string>
+#include <vector>
+
+namespace paperbake {
+
+/// Limits that a bake must keep to end with exit code 0. The simulated mesh is judged by them, and
+/// so is the mesh that is handed on.
+struct Gates {
+  double mean_stretch_pct = 2;  // c_m of any frame
+  double max_stretch_pct = 5;   // any edge of any frame
+  double handle_err_mm = 1;
+  // As thick as copy paper: a sheet that is that deep in a collider has vanished in it with both of
+  // its faces. It is twice the depth that the solver lets pass, and a pixel where A4 fills an image
+  // 3,000 pixels high.
+  double inside_mm = 0.1;
+};
+
+/// One sentence for each gate that was missed, with its worst frame. Empty: none was.
+std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&,
+                                      const BakePlan&);
+
+}  // namespace paperbake

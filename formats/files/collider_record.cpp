@@ -1,0 +1,100 @@
+#include "formats/files/collider_record.h"
+
+#include "core/model/error.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstddef>
+
+namespace paperbake {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json json_of(const ColliderMesh& mesh) {
+  Json vertices = Json::array(), triangles = Json::array(), motion = Json::array();
+  for (int v = 0; v < mesh.x.rows(); ++v)
+    vertices.push_back({mesh.x(v, 0), mesh.x(v, 1), mesh.x(v, 2)});
+  for (int t = 0; t < mesh.triangles.rows(); ++t)
+    triangles.push_back({mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)});
+  for (const Eigen::Isometry3d& pose : mesh.motion) {
+    Json rows = Json::array();
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 4; ++k) rows.push_back(pose.matrix()(i, k));
+    motion.push_back(std::move(rows));
+  }
+  return {{"name", mesh.name},
+          {"vertices", std::move(vertices)},
+          {"triangles", std::move(triangles)},
+          {"motion", std::move(motion)}};
+}
+
+template <class Matrix>
+Matrix matrix_of(const Json& rows) {
+  Matrix m(static_cast<long>(rows.size()), 3);
+  for (std::size_t r = 0; r < rows.size(); ++r)
+    for (std::size_t k = 0; k < 3; ++k)
+      m(static_cast<long>(r), static_cast<long>(k)) = rows[r].at(k).get<typename Matrix::Scalar>();
+  return m;
+}
+
+ColliderMesh mesh_of(const Json& json) {
+  ColliderMesh mesh;
+  mesh.name = json.at("name");
+  mesh.x = matrix_of<Points3>(json.at("vertices"));
+  mesh.triangles = matrix_of<Triangles>(json.at("triangles"));
+  for (const Json& rows : json.at("motion")) {
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    for (int i = 0; i < 3; ++i)
+      for (int k = 0; k < 4; ++k)
+        pose.matrix()(i, k) = rows.at(static_cast<std::size_t>(4 * i + k)).get<double>();
+    mesh.motion.push_back(pose);
+  }
+  const bool exist = mesh.triangles.size() == 0 ||
+                     (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.x.rows());
+  if (!exist || !mesh.x.allFinite())
+    throw Error(ErrorCode::scene, "colliders.json", "A collider has no such vertex.");
+  return mesh;
+}
+
+void turn(Triangles& triangles) { triangles.col(1).swap(triangles.col(2)); }
+
+}  // namespace
+
+std::string collider_json(const ColliderRecord& record) {
+  Json all{{"first_frame", record.first_frame}, {"colliders", Json::array()}};
+  Json turned = Json::object();
+  const std::vector<ColliderMesh>* first = nullptr;
+  for (const auto& [sheet, meshes] : record.of_sheet) {
+    if (!first) {
+      first = &meshes;
+      for (const ColliderMesh& mesh : meshes) all["colliders"].push_back(json_of(mesh));
+    }
+    Json numbers = Json::array();
+    for (std::size_t c = 0; c < meshes.size(); ++c)
+      if (meshes[c].triangles != (*first)[c].triangles) numbers.push_back(c);
+    turned[sheet] = std::move(numbers);
+  }
+  all["turned"] = std::move(turned);
+  return all.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+}
+
+ColliderRecord parse_collider_json(const std::string& text) try {
+  const Json all = Json::parse(text);
+  ColliderRecord record;
+  record.first_frame = all.at("first_frame");
+  std::vector<ColliderMesh> meshes;
+  for (const Json& collider : all.at("colliders")) meshes.push_back(mesh_of(collider));
+  for (const auto& [sheet, numbers] : all.at("turned").items()) {
+    std::vector<ColliderMesh>& own = record.of_sheet[sheet] = meshes;
+    for (const Json& number : numbers) turn(own.at(number.get<std::size_t>()).triangles);
+  }
+  return record;
+} catch (const std::exception& problem) {
+  throw Error(ErrorCode::scene, "colliders.json",
+              std::string("This version of paperbake does not write such a file (") +
+                  problem.what() + ").");
+}
+
+}  // namespace paperbake

@@ -1,0 +1,164 @@
+// Scenes whose caches were wrong while their bakes said 0: what is handed on is what is judged.
+
+#include "tests/baker/program_fixture.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+namespace fs = std::filesystem;
+using test::Ended;
+using test::read;
+using test::Words;
+
+class JudgedCache : public test::CommandLine {
+ protected:
+  Ended bake_violent(const std::string& scene, const Words& more = {},
+                     const char* formats = "abc,cert") const {
+    Words words{"bake",       std::string(PAPERBAKE_DATA) + "/violent/" + scene + ".glb",
+                "-o",         output(),
+                "--quality",  "draft",
+                "--formats",  formats,
+                "--progress", "plain"};
+    words.insert(words.end(), more.begin(), more.end());
+    return run(words);
+  }
+  std::vector<nlohmann::json> frames() const {
+    std::vector<nlohmann::json> all;
+    for (const std::string& line :
+         test::lines_of(read(fs::path(output()) / "cert" / "frames.jsonl")))
+      all.push_back(nlohmann::json::parse(line));
+    return all;
+  }
+  double most(const char* key) const {
+    double largest = 0;
+    for (const auto& frame : frames()) largest = std::max(largest, frame[key].get<double>());
+    return largest;
+  }
+  /// verify finds the same from the files.
+  void expect_verified() const {
+    const Ended verdict = run({"verify", output()});
+    EXPECT_EQ(verdict.code, 0) << verdict.out;
+  }
+};
+
+TEST_F(JudgedCache, APencilInThePaperIsToldWithItsTrueDepthAndPlace) {
+  const Ended ended = bake_violent("pencil8");
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  // the middle of the pencil is 4 mm from its sides
+  EXPECT_GT(most("inside_mm"), 3.5);
+  EXPECT_LT(most("inside_mm"), 4.01);
+  EXPECT_GT(most("render_stretch_max_pct"), 50);
+  for (const char* words : {"an edge of the rendered mesh is off by", "mm of the pattern",
+                            "mm inside the collider \"collider.bat\", more than 0.1 mm"})
+    EXPECT_NE(ended.err.find(words), std::string::npos) << words << "\n" << ended.err;
+  expect_verified();
+}
+
+TEST_F(JudgedCache, APencilThinnerThanATriangleIsSeenAsItGoesThrough) {
+  const Ended ended = bake_violent("pencil4");
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_NEAR(most("inside_mm"), 2, 0.1);
+  expect_verified();
+}
+
+TEST_F(JudgedCache, ABoxThatStandsInTheSheetIsAsDeepAsItsHalfSide) {
+  const Ended ended = bake_violent("starts_inside");
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_NEAR(most("inside_mm"), 25, 0.3);
+  const auto frame = frames().at(0);
+  EXPECT_EQ(frame["inside_of"], "collider.in");
+  EXPECT_NEAR(frame["inside_at_mm"][0], 75, 1);
+  EXPECT_NEAR(frame["inside_at_mm"][1], 75, 1);
+  expect_verified();
+}
+
+TEST_F(JudgedCache, PaperBetweenPlatesThatCrossIsDeepInOneOfThem) {
+  const Ended ended = bake_violent("plates_cross");
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_GT(most("inside_mm"), 9);
+  expect_verified();
+}
+
+// where the sheet was pushed out of the ground, edges were off by 10 %
+TEST_F(JudgedCache, LengthsHoldWhereTheRenderMeshIsPushedOutOfTheGround) {
+  const Ended ended = bake_violent("S5_jittered");
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_LT(most("render_stretch_max_pct"), 5);
+  EXPECT_LT(most("inside_mm"), 0.1);
+  expect_verified();
+}
+
+TEST_F(JudgedCache, ASimulatedMeshThatIsHandedOnIsJudgedLikewise) {
+  const Ended ended = bake_violent("pencil4", {"--mesh", "simulation"});
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_NEAR(most("inside_mm"), 2, 0.1);
+  expect_verified();
+}
+
+TEST_F(JudgedCache, WhereNothingIsHandedOnTheSimulatedSheetIsJudgedAndCannotBeVerified) {
+  const Ended ended = bake_violent("pencil4", {}, "cert");
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  EXPECT_NEAR(most("inside_mm"), 2, 0.1);
+  const Ended verdict = run({"verify", output()});
+  EXPECT_EQ(verdict.code, 4);
+  EXPECT_NE(verdict.out.find("has no cache"), std::string::npos) << verdict.out;
+}
+
+// A singular point that is born where the solver failed lies so that no mesh with it can be fitted.
+TEST_F(JudgedCache, ASheetThatNoRenderMeshFitsIsHandedOnAllTheSameAndItsFrozenFramesAreTold) {
+  const Ended ended = bake_violent("H4_jittered", {"--seed", "10"});
+  EXPECT_EQ(ended.code, 4) << ended.err;
+  int standing = 0;
+  for (const auto& frame : frames()) {
+    EXPECT_FALSE(frame["render_triangles"].is_null()) << frame["frame"];
+    standing += frame["note"].get<std::string>().find("stands still") != std::string::npos;
+  }
+  if (most("stretch_max_pct") < 10) GTEST_SKIP() << "the solver does not fail in it any more";
+  EXPECT_GT(standing, 20);
+  EXPECT_NE(ended.err.find("made without singular points and creases"), std::string::npos);
+  expect_verified();
+}
+
+TEST_F(JudgedCache, VerifyMeasuresTheDepthItself) {
+  ASSERT_EQ(bake_violent("starts_inside").code, 4);
+  const fs::path lines = fs::path(output()) / "cert" / "frames.jsonl";
+  auto frame = frames().at(0);
+  frame["inside_mm"] = 0.05;
+  test::write(lines, frame.dump() + "\n");
+  const Ended verdict = run({"verify", output()});
+  EXPECT_EQ(verdict.code, 4);
+  EXPECT_NE(verdict.out.find("inside_mm: the certificate says 0.05 mm, the cache 2"),
+            std::string::npos)
+      << verdict.out;
+}
+
+TEST_F(JudgedCache, SheetsWhoseNamesGiveTheSameFileNameKeepTheirOwnFiles) {
+  std::string glb = read(test::samples + "/S11_palm.glb");
+  const std::string name = "\"paper.curtain\"";
+  for (std::size_t at; (at = glb.find(name)) != std::string::npos;)
+    glb.replace(at, name.size(), "\"paper_palm\"   ");
+  const fs::path scene = folder / "twins.glb";
+  test::write(scene, glb);
+  const Ended ended = run({"bake", scene.string(), "-o", output(), "--frames", "1-2", "--quality",
+                           "draft", "--map-size", "32", "--formats", "abc,pc2,maps,cert"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  for (const char* file : {"maps/twins.paper_palm.final.exr", "maps/twins.paper_palm_2.final.exr",
+                           "twins.paper_palm.pc2", "twins.paper_palm_2.pc2"})
+    EXPECT_TRUE(fs::exists(fs::path(output()) / file)) << file;
+  EXPECT_NE(ended.err.find("they have \"paper_palm_2\" in their names instead"), std::string::npos)
+      << ended.err;
+  const auto summary = nlohmann::json::parse(read(fs::path(output()) / "cert" / "summary.json"));
+  EXPECT_NE(summary["sheets"][0]["files"], summary["sheets"][1]["files"]);
+  expect_verified();
+}
+
+}  // namespace
+}  // namespace paperbake

@@ -1,0 +1,55 @@
+#include "formats/files/collider_record.h"
+
+#include "core/model/error.h"
+
+#include <gtest/gtest.h>
+
+namespace paperbake {
+namespace {
+
+ColliderRecord two_sheets_over_a_moving_plane() {
+  ColliderMesh plane{"ground \"A\"", Points3(4, 3), Triangles(2, 3), {}};
+  plane.x << -0.5, -0.5, 0.1 / 3, 0.5, -0.5, 0, 0.5, 0.5, 0, -0.5, 0.5, 0;
+  plane.triangles << 0, 1, 2, 0, 2, 3;
+  Eigen::Isometry3d pose(Eigen::AngleAxisd(0.3, Vector3d(1, 2, 3).normalized()));
+  pose.translation() << 1e-17, 1.0 / 7, -3;
+  plane.motion = {Eigen::Isometry3d::Identity(), pose};
+  ColliderRecord record;
+  record.first_frame = 10;
+  record.of_sheet["above"] = {plane, plane};
+  plane.triangles.col(1).swap(plane.triangles.col(2));
+  record.of_sheet["below"] = {record.of_sheet["above"][0], plane};
+  return record;
+}
+
+TEST(ColliderRecord, ReadsBackToTheLastBit) {
+  const ColliderRecord record = two_sheets_over_a_moving_plane();
+  const ColliderRecord read = parse_collider_json(collider_json(record));
+  EXPECT_EQ(read.first_frame, 10);
+  ASSERT_EQ(read.of_sheet.size(), 2u);
+  for (const auto& [sheet, meshes] : record.of_sheet) {
+    const auto& found = read.of_sheet.at(sheet);
+    ASSERT_EQ(found.size(), meshes.size());
+    for (std::size_t c = 0; c < meshes.size(); ++c) {
+      EXPECT_EQ(found[c].name, meshes[c].name);
+      EXPECT_EQ(found[c].x, meshes[c].x);
+      EXPECT_EQ(found[c].triangles, meshes[c].triangles) << sheet << " " << c;
+      ASSERT_EQ(found[c].motion.size(), 2u);
+      EXPECT_EQ(found[c].motion[1].matrix(), meshes[c].motion[1].matrix());
+    }
+  }
+  EXPECT_NE(read.of_sheet.at("above")[1].triangles, read.of_sheet.at("below")[1].triangles);
+}
+
+TEST(ColliderRecord, WhatIsDamagedIsRefused) {
+  const std::string text = collider_json(two_sheets_over_a_moving_plane());
+  EXPECT_THROW(parse_collider_json(""), Error);
+  EXPECT_THROW(parse_collider_json("{}"), Error);
+  EXPECT_THROW(parse_collider_json(text.substr(0, text.size() / 2)), Error);
+  std::string wrong = text;
+  wrong.replace(wrong.find("[0,2,3]"), 7, "[0,2,9]");
+  EXPECT_THROW(parse_collider_json(wrong), Error);
+}
+
+}  // namespace
+}  // namespace paperbake
