@@ -22,6 +22,9 @@ constexpr double flatness = 0.01, max_motion_of_flat_sheet = 2e-3;  // [1] of th
 constexpr int max_halvings_for_buckling = 3;
 // [1] |l - L|/L of an edge, beyond which a step that has not converged is rejected
 constexpr double max_trusted_stretch = 0.5;
+// [1] the same for a step that has converged, if no edge was off by half as much before it: the
+// membrane also has minima with triangles that are turned over, in which paper would be torn
+constexpr double max_sudden_stretch = 0.05;
 
 bool needs_buckling_substeps(const SubstepTarget& f, int halvings) {
   return f.relative_motion > max_motion_of_flat_sheet && halvings < max_halvings_for_buckling &&
@@ -68,6 +71,7 @@ std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
                                   const FrameInterval& frame, const FramePart& part,
                                   std::vector<FrameStepResult>& result) {
   Rejection rejection;
+  const double stretch_before = worst_of(sheets).largest;
   bool converged = false;
   try {
     const std::vector<ElasticReport> reports = step(sheets, frame.dhat, part.length() * frame.dt);
@@ -78,10 +82,10 @@ std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
   } catch (const Error& error) {
     rejection.error = error.cause;
   }
-  if (!converged) rejection.distortion = worst_of(sheets);
-  if (!rejection.error.empty() ||
-      !(converged || rejection.distortion.largest < max_trusted_stretch))
-    return rejection;
+  rejection.distortion = worst_of(sheets);
+  const double trusted =
+      converged ? std::max(max_sudden_stretch, 2 * stretch_before) : max_trusted_stretch;
+  if (!rejection.error.empty() || !(rejection.distortion.largest < trusted)) return rejection;
   for (const SubstepTarget& f : sheets)
     if (f.trajectory) f.trajectory->push_back({part.end, f.sheet.x});
   return std::nullopt;

@@ -44,7 +44,7 @@ struct FrameInterval {
 };
 
 /// Takes sheets through one frame: one sheet by itself, or several in one joint step. A step that
-/// fails is halved, down to 1/256 of a frame. A frame in which a flat sheet is compressed is halved
+/// fails, or tears the sheet, is halved, down to 1/256 of a frame. A frame in which a flat sheet is compressed is halved
 /// down to 1/8, so that the buckling direction does not depend on step size or mesh. Handles that
 /// move farther relative to each other than one step should take are halved before the step is
 /// tried.

@@ -2,9 +2,12 @@
 // runs are hybrid with plasticity and contact, as in a bake.
 
 #include "core/animation/animate.h"
+#include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/vertex_rings.h"
 #include "core/methods/hybrid.h"
+#include "core/step2_crumple/singular_points.h"
 #include "formats/scene/scene_file.h"
 
 #include <gtest/gtest.h>
@@ -23,6 +26,11 @@ struct Crumpled {
   double c_m = 0, edge = 0;       // [1] mean over the frames; worst of all frames
   double lag = 0;                 // [m] largest distance of a handle from its target
   std::map<int, double> plastic;  // [m rad] by frame
+  // of the last frame: inner vertices outside the discs of handles at which three folds or more
+  // meet, and how many of these are singular points; points with fewer than two folds; share of the
+  // fold turn (angle x length) of edges that end at a point
+  int junctions = 0, points_at_junctions = 0, idle = 0;
+  double turn_at_points = 0;
 };
 
 struct Setting {
@@ -31,6 +39,7 @@ struct Setting {
   double thickness = 1;  // [1] of that of copy70
   int base_triangles = 120;
   unsigned seed = 1;
+  double slowness = 1;  // [1] so many times as many frames for the same way of the handles
 };
 
 /// Paper that is `factor` times as thick and heavy, of the same fibres.
@@ -43,14 +52,48 @@ Paper times_as_thick(double factor) {
   return paper;
 }
 
+/// Finds out where the folds of a crumple meet.
+void look_at_folds(const Sheet& sheet, const Shot& shot, Crumpled& c) {
+  constexpr double folded = 15 * M_PI / 180;
+  const Hinges hinges = find_hinges(sheet.triangles);
+  const VertexRings rings(sheet.triangles, hinges, sheet.pattern.rows());
+  const std::vector<char> singular = singular_vertices(sheet);
+  std::vector<int> folds(sheet.pattern.rows(), 0);
+  double all = 0, at_points = 0;
+  for (const Hinge& hinge : hinges.hinges) {
+    const double theta = std::abs(dihedral_angle(sheet.x, hinge));
+    if (theta < folded) continue;
+    const int a = hinge.vertices[0], b = hinge.vertices[1];
+    ++folds[a];
+    ++folds[b];
+    const double turn = theta * (sheet.pattern.row(a) - sheet.pattern.row(b)).norm();
+    all += turn;
+    if (singular[a] || singular[b]) at_points += turn;
+  }
+  c.turn_at_points = at_points / all;
+  const auto in_disc = [&](const Eigen::RowVector2d& p) {
+    for (std::size_t h = 0; h < shot.handles.size(); ++h)
+      if ((shot.handles[h].pattern.transpose() - p).norm() <
+          1.01 * disc_radius(shot.handles, h, shot.pattern))
+        return true;
+    return false;
+  };
+  for (int v = 0; v < sheet.pattern.rows(); ++v) {
+    if (singular[v]) c.idle += folds[v] < 2;
+    if (rings.border[v] || folds[v] < 3 || in_disc(sheet.pattern.row(v))) continue;
+    ++c.junctions;
+    c.points_at_junctions += singular[v];
+  }
+}
+
 Crumpled crumple(const Setting& setting) {
   SceneOptions wanted;
-  wanted.fps = setting.fps;
+  wanted.fps = setting.fps * setting.slowness;
   const Scene scene = read_scene(PAPERBAKE_SAMPLES "/" + setting.scene + ".glb", wanted);
   const SceneSheet& s = scene.sheets.front();
   const Shot shot{s.name, s.pattern, s.start, s.handles, times_as_thick(setting.thickness)};
   AnimateOptions options;
-  options.fps = scene.fps;
+  options.fps = setting.fps;
   options.last_frame = scene.last_frame;
   options.seed = setting.seed;
   options.plasticity = Plasticity::on;
@@ -69,6 +112,7 @@ Crumpled crumple(const Setting& setting) {
               c.first_birth = f.frame / options.fps;
             c.births = static_cast<int>(f.sheet->singular.size());
             c.plastic[f.frame] = f.statistics.plastic;
+            if (f.frame == options.last_frame) look_at_folds(*f.sheet, shot, c);
             return true;
           });
   return c;
@@ -143,6 +187,45 @@ TEST(CrumpleStatisticsTest, ThePlasticTurnDoesNotDependOnTheMesh) {
     EXPECT_GT(*least, 0.1) << frame;
     EXPECT_LT(*most - middle, 0.2 * middle) << frame << ": " << *least << " to " << *most;
   }
+}
+
+/// What should not matter: how long the shot takes, and on which mesh it begins. What should: the
+/// points are where folds meet.
+TEST(CrumpleStatisticsTest, PointsAreWhereFoldsMeetAtAnySpeedAndOnAnyFirstMesh) {
+  constexpr int seeds = 3;
+  std::vector<Crumpled> all;
+  std::vector<double> number;  // mean number of points of each setting
+  const auto add = [&](const Setting& setting) {
+    const std::vector<Crumpled> some = crumples(setting, seeds);
+    number.push_back(mean(some, births));
+    all.insert(all.end(), some.begin(), some.end());
+  };
+  for (const double slowness : {0.25, 1.0, 4.0}) {
+    Setting setting;
+    setting.slowness = slowness;
+    add(setting);
+  }
+  for (const int base : {60, 240}) {
+    Setting setting;
+    setting.base_triangles = base;
+    add(setting);
+  }
+  int junctions = 0, points_at_junctions = 0, idle = 0, points = 0;
+  for (const Crumpled& c : all) {
+    EXPECT_EQ(c.crossed, 0);
+    EXPECT_LT(c.edge, 0.02);
+    EXPECT_GT(c.turn_at_points, 0.6);
+    junctions += c.junctions;
+    points_at_junctions += c.points_at_junctions;
+    idle += c.idle;
+    points += c.births;
+  }
+  // of 0.2.0's predecessor: 0.1 of the junctions, 0.7 of the points idle, 0.1 of the turn
+  EXPECT_GT(points_at_junctions, 0.8 * junctions);
+  EXPECT_LT(idle, 0.06 * points);
+  EXPECT_GT(mean(all, [](const Crumpled& c) { return c.turn_at_points; }), 0.8);
+  const double middle = double(points) / all.size();
+  for (const double n : number) EXPECT_NEAR(n / middle, 1, 0.3) << n << " of " << middle;
 }
 
 }  // namespace
