@@ -110,7 +110,7 @@ CrumpledMesh::CrumpledMesh(const Pattern& pattern, const Paper& paper,
       options_(options),
       seed_(seed),
       sheet_(sheet),
-      sizes_(pattern) {}
+      sizes_(pattern, paper) {}
 
 bool CrumpledMesh::promote_vertex(Sheet& sheet, const Mesh& mesh, int vertex, int frame) {
   const Vector2d place = sheet.pattern.row(vertex);

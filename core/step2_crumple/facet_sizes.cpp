@@ -8,16 +8,18 @@
 namespace paperbake {
 namespace {
 
-constexpr double initial_length = 0.18, least_length = 0.03;  // [1] of the square root of the area
+// [1] widths of the longest ridge that the sheet can have. An edge no longer than such a ridge is
+// wide could not carry it.
+constexpr double initial_length = 6, least_length = 1;
 // [1] of its length: an edge longer than that is divided, and has the right length afterwards
 constexpr double divided_beyond = 1.4;
 
 }  // namespace
 
-FacetSizes::FacetSizes(const Pattern& pattern)
+FacetSizes::FacetSizes(const Pattern& pattern, const Paper& paper)
     : cell_(extent(pattern) / columns),
-      least_(least_length * std::sqrt(area(pattern))),
-      lengths_(columns * columns, initial_length * std::sqrt(area(pattern))) {}
+      least_(least_length * ridge_width(paper, std::sqrt(area(pattern)))),
+      lengths_(columns * columns, initial_length / least_length * least_) {}
 
 double FacetSizes::at(const Vector2d& p) const {
   const auto index = [&](int axis) {

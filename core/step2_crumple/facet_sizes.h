@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/paper.h"
 #include "core/model/pattern.h"
 #include "core/model/sheet.h"
 
@@ -11,10 +12,11 @@ class Serializer;
 
 /// How long the edges of a crumpled sheet are, by place on its pattern. It does not depend on the
 /// mesh with which the shot began, so that neither does the number of facets. It becomes finer
-/// where a mesh is too stiff to fold as the load asks, and never coarser again.
+/// where a mesh is too stiff to fold as the load asks, and never coarser again. Lengths are multiples
+/// of the width of ridges (paper.h): heavier paper has larger facets.
 class FacetSizes {
  public:
-  explicit FacetSizes(const Pattern&);
+  FacetSizes(const Pattern&, const Paper&);
 
   /// Length of an edge at p. [m]
   double at(const Vector2d& p) const;

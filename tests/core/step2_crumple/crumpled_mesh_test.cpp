@@ -145,18 +145,19 @@ TEST(CrumpledMeshTest, EdgesComeToTheLengthOfTheSizeField) {
 }
 
 TEST(FacetSizesTest, ShrinkWhereTheyAreRefinedAndAreReadBackAsTheyWere) {
-  FacetSizes sizes(test::rectangle(side, side));
-  const double before = sizes.at({0.05, 0.05});
-  EXPECT_NEAR(before, 0.18 * side, 1e-12);
+  const Paper paper;
+  FacetSizes sizes(test::rectangle(side, side), paper);
+  const double before = sizes.at({0.05, 0.05}), ridge = ridge_width(paper, side);
+  EXPECT_NEAR(before, 6 * ridge, 1e-12);
   sizes.refine({0.05, 0.05}, 0.01, 0.5);
   EXPECT_NEAR(sizes.at({0.05, 0.05}), 0.5 * before, 1e-12);
   EXPECT_EQ(sizes.at({0.08, 0.05}), before);
   for (int k = 0; k < 20; ++k) sizes.refine({0.05, 0.05}, 0.01, 0.5);
-  EXPECT_NEAR(sizes.at({0.05, 0.05}), 0.03 * side, 1e-12);
+  EXPECT_NEAR(sizes.at({0.05, 0.05}), ridge, 1e-12);
 
   Serializer written;
   sizes.archive(written);
-  FacetSizes read(test::rectangle(side, side));
+  FacetSizes read(test::rectangle(side, side), paper);
   Serializer bytes(written.bytes());
   read.archive(bytes);
   EXPECT_EQ(read.at({0.05, 0.05}), sizes.at({0.05, 0.05}));
