@@ -319,8 +319,8 @@ std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
       } else {
         features.edges = inputs[s].record->edges(exact[s]);
       }
-      sheets.push_back(make_render_surface(shot.pattern, features, inputs[s].record->edge(),
-                                           options.quality));
+      sheets.push_back(
+          make_render_surface(shot.pattern, features, inputs[s].record->edge(), options.quality));
     }
     if (round == max_rounds || options.features == Features::handles) return sheets;
     FacetsOfSheets wanted = exact;

@@ -44,10 +44,10 @@ struct FrameInterval {
 };
 
 /// Takes sheets through one frame: one sheet by itself, or several in one joint step. A step that
-/// fails, or tears the sheet, is halved, down to 1/256 of a frame. A frame in which a flat sheet is compressed is halved
-/// down to 1/8, so that the buckling direction does not depend on step size or mesh. Handles that
-/// move farther relative to each other than one step should take are halved before the step is
-/// tried.
+/// fails, or tears the sheet, is halved, down to 1/256 of a frame. A frame in which a flat sheet is
+/// compressed is halved down to 1/8, so that the buckling direction does not depend on step size or
+/// mesh. Handles that move farther relative to each other than one step should take are halved
+/// before the step is tried.
 /// throws  Error(ErrorCode::simulation) when the energy is not finite
 std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>&, const FrameInterval&);
 

@@ -12,8 +12,8 @@ class Serializer;
 
 /// How long the edges of a crumpled sheet are, by place on its pattern. It does not depend on the
 /// mesh with which the shot began, so that neither does the number of facets. It becomes finer
-/// where a mesh is too stiff to fold as the load asks, and never coarser again. Lengths are multiples
-/// of the width of ridges (paper.h): heavier paper has larger facets.
+/// where a mesh is too stiff to fold as the load asks, and never coarser again. Lengths are
+/// multiples of the width of ridges (paper.h): heavier paper has larger facets.
 class FacetSizes {
  public:
   FacetSizes(const Pattern&, const Paper&);
