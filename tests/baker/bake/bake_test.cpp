@@ -118,6 +118,7 @@ TEST_F(BakeTest, EveryFrameHasALineWithAllDocumentedKeysInTheirOrder) {
                                       "handle_err_max_mm",
                                       "singular",
                                       "new_singular",
+                                      "folds",
                                       "elastic_ms",
                                       "geometry_ms",
                                       "substeps",

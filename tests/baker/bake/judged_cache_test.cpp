@@ -112,18 +112,16 @@ TEST_F(JudgedCache, WhereNothingIsHandedOnTheSimulatedSheetIsJudgedAndCannotBeVe
   EXPECT_NE(verdict.out.find("has no cache"), std::string::npos) << verdict.out;
 }
 
-// A singular point that is born where the solver failed lies so that no mesh with it can be fitted.
-TEST_F(JudgedCache, ASheetThatNoRenderMeshFitsIsHandedOnAllTheSameAndItsFrozenFramesAreTold) {
+// A twist round a hole, with handles moved by a micron. A step of it converged to a torn sheet, after
+// which no mesh could be made, and the frames before were lost.
+TEST_F(JudgedCache, AStepThatWouldTearTheSheetIsTakenInHalvesAndAllFramesAreHandedOn) {
   const Ended ended = bake_violent("H4_jittered", {"--seed", "10"});
-  EXPECT_EQ(ended.code, 4) << ended.err;
-  int standing = 0;
-  for (const auto& frame : frames()) {
+  EXPECT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;  // handles may stay behind
+  EXPECT_EQ(frames().size(), 72u);
+  for (const auto& frame : frames())
     EXPECT_FALSE(frame["render_triangles"].is_null()) << frame["frame"];
-    standing += frame["note"].get<std::string>().find("stands still") != std::string::npos;
-  }
-  if (most("stretch_max_pct") < 10) GTEST_SKIP() << "the solver does not fail in it any more";
-  EXPECT_GT(standing, 20);
-  EXPECT_NE(ended.err.find("made without singular points and creases"), std::string::npos);
+  EXPECT_LT(most("stretch_max_pct"), 2);
+  EXPECT_LT(most("render_stretch_max_pct"), 5);
   expect_verified();
 }
 

@@ -95,5 +95,23 @@ TEST(RenderPassTest, VelocitiesAreCentralDifferencesAlsoBesideFramesThatAreLeftO
   EXPECT_GT(every[3].velocity.rowwise().norm().maxCoeff(), 0.1);
 }
 
+TEST(RenderPassTest, WithoutFeaturesTheMeshHasNoVertexAtASingularPoint) {
+  const Vector2d apex(0.0321, 0.0457);
+  Sheet sheet = folded(0, 0.3);
+  sheet.singular.push_back({apex, 1, "test"});
+  ShotRecord record;
+  AnimatedFrame frame;
+  frame.frame = 1;
+  frame.sheet = &sheet;
+  record.add(frame);
+  const Shot shot = test::blank_shot(test::rectangle(size, size));
+  const auto distance = [&](RenderPass::Features features) {
+    const RenderPass pass({{&record, &shot}}, {Quality::draft, {1, 1, 1}, 24, 1, features});
+    return (pass.pattern(0).rowwise() - apex.transpose()).rowwise().norm().minCoeff();
+  };
+  EXPECT_LT(distance(RenderPass::Features::all), 1e-9);
+  EXPECT_GT(distance(RenderPass::Features::handles), 1e-6);
+}
+
 }  // namespace
 }  // namespace paperbake

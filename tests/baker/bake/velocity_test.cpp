@@ -153,7 +153,8 @@ TEST_F(VelocityTest, TheCrumpleIsHalfAFrameLaterWhereItsVelocitySays) {
   const Figures smooth = compare("S4_crumple", fem, 36),
                 exchanged = compare("S4_crumple", hybrid, 36);
   EXPECT_GE(smooth.own.within(), 32);
-  EXPECT_LE(exchanged.own.median(), 0.15);
+  // vertices slide on the pattern, and at twice the frame rate they slide in other steps
+  EXPECT_LE(exchanged.own.median(), 0.25);
 }
 
 }  // namespace
