@@ -112,8 +112,8 @@ TEST_F(JudgedCache, WhereNothingIsHandedOnTheSimulatedSheetIsJudgedAndCannotBeVe
   EXPECT_NE(verdict.out.find("has no cache"), std::string::npos) << verdict.out;
 }
 
-// A twist round a hole, with handles moved by a micron. A step of it converged to a torn sheet, after
-// which no mesh could be made, and the frames before were lost.
+// A twist round a hole, with handles moved by a micron. A step of it converged to a torn sheet; no
+// mesh could be made of it, and the frames before were lost.
 TEST_F(JudgedCache, AStepThatWouldTearTheSheetIsTakenInHalvesAndAllFramesAreHandedOn) {
   const Ended ended = bake_violent("H4_jittered", {"--seed", "10"});
   EXPECT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;  // handles may stay behind
