@@ -114,7 +114,7 @@ std::vector<Option> scene_and_method() {
       without_default(
           {"triangles", K::whole, 2, 400000}, "1700",
           "Triangles of the simulation mesh: for fem their number, within 10 % (1700 by "
-          "default); for hybrid and adaptive the largest number (250 or twice "
+          "default); for hybrid and adaptive the largest number (1000 or twice "
           "--base-triangles; 3000)",
           to_whole(&BakeSettings::triangles)),
       without_default({"polish", K::whole, 0, 400000}, "0",

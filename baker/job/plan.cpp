@@ -89,7 +89,7 @@ void decide_polish(const BakeSettings& settings, BakePlan& plan) {
 
 int triangles_wanted(const BakeSettings& settings) {
   return settings.triangles.value_or(is_hybrid(settings)
-                                         ? std::max(250, 2 * settings.base_triangles)
+                                         ? std::max(1000, 2 * settings.base_triangles)
                                      : settings.method == "adaptive" ? 3000
                                                                      : 1700);
 }

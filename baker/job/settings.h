@@ -57,7 +57,7 @@ struct BakeSettings {
   std::vector<SetValue> set;          // in order
   std::string method = "hybrid";
   std::optional<unsigned> seed;
-  // fem: its mesh (1,700); hybrid: its cap (250)
+  // fem: its mesh (1,700); hybrid: the largest number (1,000)
   std::optional<int> triangles;
   int base_triangles = 120;  // of the hybrid
   // triangles of the fem that finishes every frame; 0: none

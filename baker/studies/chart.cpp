@@ -46,7 +46,7 @@ BakeSettings settings_for(const ChartSettings& settings, const Size& size) {
     s.polish = size.size;
   } else if (size.method == "hybrid") {
     s.base_triangles = size.size;
-    s.triangles = std::max(250, 2 * size.size);
+    s.triangles = std::max(1000, 2 * size.size);
   } else {
     s.triangles = size.size;
   }

@@ -159,6 +159,7 @@ void SheetSimulation::carry_state(const Sheet& before) {
   SolverState known = elastic_.state();
   const MeshTransfer onto(before.pattern, before.triangles, sheet.pattern);
   for (Points3& x : known.positions) x = onto(x);
+  if (positions_before_.rows() == before.x.rows()) positions_before_ = onto(positions_before_);
   if (known.second) known.second->x = onto(known.second->x);
   known.remeshed = true;
   known.ridges = {};

@@ -34,7 +34,7 @@ struct CrumpleOptions {
   double flip_gain = 0.65;
   double flip_period = 2 / 24.0;  // [s] time between two searches for edges to flip
   int max_points = 1000;          // [1] largest number of singular points on one sheet
-  int max_triangles = 250;        // [1] no point is born on a mesh that would exceed this
+  int max_triangles = 1000;       // [1] the mesh never has more
   RulingOptions rulings;
   SingularPointRules singular_point_rules;  // where singular points must not be born
 };

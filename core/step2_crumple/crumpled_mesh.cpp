@@ -193,7 +193,6 @@ void CrumpledMesh::refine_where_locked(const Sheet& sheet, const Mesh& mesh, con
 }
 
 int CrumpledMesh::fit_sizes(Sheet& sheet, const Mesh& mesh) {
-  constexpr int max_triangles = 1000;
   Points3 metric = sizes_.metric(sheet.pattern);
   std::vector<char> kept = mesh.kept;
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
@@ -211,7 +210,7 @@ int CrumpledMesh::fit_sizes(Sheet& sheet, const Mesh& mesh) {
     sliders_.clear();
     return gone;
   }
-  return split_long_edges(sheet, metric, max_triangles);
+  return split_long_edges(sheet, metric, options_.max_triangles);
 }
 
 CrumpleReport CrumpledMesh::step(Sheet& sheet, const Input& input) {

@@ -44,7 +44,6 @@ void play(const Shot& shot, const AnimateOptions& as_baked, int off, Run& run) {
   if (off & plasticity) options.plasticity = Plasticity::off;
   if (off & contact) options.elastic.contact = SelfContact::off;
   CrumpleOptions crumple;
-  crumple.max_triangles = 250;
   if (off & singular_points) crumple.max_points = 0;
   const PatternSamples samples(shot.pattern);
   const bool first_time = run.frames.empty();

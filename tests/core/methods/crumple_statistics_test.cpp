@@ -98,7 +98,7 @@ Crumpled crumple(const Setting& setting) {
   options.seed = setting.seed;
   options.plasticity = Plasticity::on;
   CrumpleOptions crumples;
-  crumples.max_triangles = std::max(250, 2 * setting.base_triangles);
+  crumples.max_triangles = std::max(1000, 2 * setting.base_triangles);
   Crumpled c;
   animate(shot, hybrid(shot.pattern, shot.paper, setting.base_triangles, crumples, setting.seed, 0),
           options, [&](const AnimatedFrame& f) {

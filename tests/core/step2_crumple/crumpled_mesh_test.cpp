@@ -146,6 +146,27 @@ TEST(CrumpledMeshTest, EdgesComeToTheLengthOfTheSizeField) {
   EXPECT_LT(coarse, 2 * fine);
 }
 
+TEST(CrumpledMeshTest, HasNoMoreTrianglesThanItMay) {
+  Tip tip;  // its facets are larger than those that the paper would have
+  tip.sheet.x.col(2).setZero();
+  CrumpleOptions options;
+  options.max_triangles = static_cast<int>(tip.sheet.triangles.rows()) + 10;
+  const auto settled = [&](const CrumpleOptions& how) {
+    CrumpledMesh crumpled(test::rectangle(side, side), Paper{}, how, 1, 0);
+    Sheet sheet = tip.sheet;
+    for (int step = 1; step <= 10; ++step) {
+      // a membrane that stores much asks for finer facets
+      LocalEnergies stored = stored_in(sheet, {0, 0});
+      stored.membrane.setConstant(1e-4);
+      crumpled.step(sheet, {{}, stored, 0.004, step});
+    }
+    return static_cast<int>(sheet.triangles.rows());
+  };
+  EXPECT_GT(settled({}), options.max_triangles);
+  EXPECT_LE(settled(options), options.max_triangles);
+  EXPECT_GT(settled(options), options.max_triangles - 10);
+}
+
 TEST(FacetSizesTest, ShrinkWhereTheyAreRefinedAndAreReadBackAsTheyWere) {
   const Paper paper;
   FacetSizes sizes(test::rectangle(side, side), paper);
