@@ -6,6 +6,7 @@
 #include "baker/job/options.h"
 #include "baker/job/version.h"
 #include "baker/output/output_folder.h"
+#include "baker/studies/accuracy_search.h"
 #include "baker/studies/chart.h"
 #include "baker/studies/chart_picture.h"
 #include "baker/studies/fit_command.h"
@@ -132,8 +133,8 @@ int run_bake(const BakeArguments& parsed) {
   if (settings.output.empty() && !parsed.write_job && !parsed.dry_run)
     throw Error(ErrorCode::command, "command line", "--output is required: the folder to write to.",
                 "Write -o DIR, or output = \"DIR\" in the job file.");
-  const BakePlan plan = plan_bake(settings);
   if (parsed.write_job) {
+    const BakePlan plan = plan_bake(settings);  // what cannot be baked is not written
     write_atomically(*parsed.write_job, job_text(settings, *parsed.write_job));
     if (settings.output.empty()) {
       fmt::print("{}\n", parsed.write_job->string());
@@ -141,6 +142,9 @@ int run_bake(const BakeArguments& parsed) {
     }
   }
 
+  const BakePlan plan = plan_with_accuracy(settings, [&](const std::string& sentence) {
+    Progress(settings.progress, 0, passes_of(settings)).message(sentence);
+  });
   if (parsed.dry_run) {
     Progress progress(settings.progress, 0, passes_of(settings));
     print_warnings(plan, progress);

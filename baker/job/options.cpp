@@ -125,6 +125,15 @@ std::vector<Option> scene_and_method() {
       with_default({"base_triangles", K::whole, 2, 100000}, "120",
                    "Triangles of the mesh that hybrid starts with",
                    to_whole(&BakeSettings::base_triangles)),
+      without_default({"accuracy", K::number, above_zero}, "0.3",
+                      "Choose the triangles so that nine of ten frames are estimated to be within "
+                      "this many percent of the longer side of where finer meshes would have them. "
+                      "The shot is first simulated on several meshes",
+                      to_number([](auto& s) -> auto& { return s.accuracy; })),
+      without_default({"budget", K::number, above_zero}, "30",
+                      "Choose the finest mesh for which this many seconds of CPU time are enough, "
+                      "for the search and the simulation together",
+                      to_number([](auto& s) -> auto& { return s.budget; })),
   };
 }
 

@@ -204,6 +204,8 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
   used.push_back({"scene.last_frame", std::to_string(scene.last_frame), "scene"});
   note("bake", "method", toml_string(settings.method));
   note("bake", "triangles", std::to_string(triangles_wanted(settings)));
+  if (settings.accuracy) note("bake", "accuracy", toml_number(*settings.accuracy));
+  if (settings.budget) note("bake", "budget", toml_number(*settings.budget));
   if (is_hybrid(settings)) note("bake", "base_triangles", std::to_string(base_wanted(settings)));
   note("bake", "polish", std::to_string(plan.polish.triangles),
        settings.method == hybrid_and_fem ? settings.origin("method") : Origin::fallback);

@@ -1,11 +1,13 @@
 #pragma once
 
+#include "baker/job/accuracy_choice.h"
 #include "baker/job/crease_lines.h"
 #include "baker/job/settings.h"
 #include "core/animation/animate.h"
 #include "core/animation/handle_feasibility.h"
 
 #include <functional>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -56,6 +58,8 @@ struct BakePlan {
   std::string method;
   std::vector<MethodChoice> methods;  // of each sheet
   Polishing polish;
+  std::optional<AccuracyChoice>
+      accuracy;  // how the size of the mesh was chosen; none: it was given
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;  // every value and where it came from, for job.lock.toml

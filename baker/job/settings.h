@@ -60,6 +60,9 @@ struct BakeSettings {
   // fem: its mesh (1,700); hybrid: the largest number (1,000)
   std::optional<int> triangles;
   int base_triangles = 120;  // of the hybrid
+  // [% of the longer side] how exact the frames are to be: the size of the mesh is looked for
+  std::optional<double> accuracy;
+  std::optional<double> budget;  // [s] CPU time of the search and of the simulation
   // triangles of the fem that finishes every frame; 0: none
   std::optional<int> polish;
   std::optional<double> gravity;  // [m/s2]

@@ -183,6 +183,26 @@ Json crease_lines(const BakePlan& plan, const SummaryCreases& creases) {
   return lines;
 }
 
+Json accuracy_choice(const BakePlan& plan) {
+  if (!plan.accuracy) return {};
+  const AccuracyChoice& choice = *plan.accuracy;
+  const auto or_null = [](const auto& value) { return value ? Json(*value) : Json(); };
+  Json tried = Json::array();
+  for (const TriedSize& t : choice.tried)
+    tried.push_back(
+        {{choice.size_option, t.size}, {"error_pct", or_null(t.error_pct)}, {"cpu_s", t.seconds}});
+  return {{"asked_pct", or_null(choice.asked_pct)},
+          {"budget_s", or_null(choice.budget_seconds)},
+          {"method", choice.method},
+          {choice.size_option, choice.size},
+          {"error_pct", choice.frame_error_pct.empty() ? Json() : Json(choice.error_pct)},
+          {"reached", choice.is_reached},
+          {"parts_in_frame", or_null(choice.parts_in_frame)},
+          {"why_parts", choice.why_parts.empty() ? Json() : Json(choice.why_parts)},
+          {"frame_error_pct", choice.frame_error_pct},
+          {"tried", tried}};
+}
+
 Json impossible_handles(const BakePlan& plan) {
   Json impossible = Json::array();
   for (const SheetImpossible& i : plan.impossible)
@@ -232,6 +252,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
   summary.update(
       {{"crease_length_m", creases.length},
        {"creases", crease_lines(plan, creases)},
+       {"accuracy", accuracy_choice(plan)},
        {"jammed_frames", jammed},
        {"impossible_handles", impossible_handles(plan)},
        {"gates_missed", ending.missed_gates},

@@ -6,6 +6,7 @@
 #include "baker/job/version.h"
 #include "baker/output/output_folder.h"
 #include "baker/output/preview.h"
+#include "baker/studies/accuracy_search.h"
 #include "core/model/error.h"
 #include "formats/cache/alembic_reader.h"
 #include "formats/cache/content_hash.h"
@@ -263,11 +264,11 @@ int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& s
                 fmt::format("There are variations 1 to {}.", wedge.count()));
   make_folder(wedge.output / ".state");
   const WaitingLock mine(wedge.state(index, ".lock"));
-  const BakeSettings settings = wedge.settings(index);
+  BakeSettings settings = wedge.settings(index);
   const std::string inputs = inputs_key(settings);
   Json record = empty_record(wedge, index, inputs);
   try {
-    const BakePlan plan = plan_bake(settings);
+    const BakePlan plan = plan_with_accuracy(settings, [](const std::string&) {});
     record["job_hash"] = plan.job_hash;
     record["exit_code"] = bake_with_progress(settings, plan, stop).exit_code;
   } catch (const Error& error) {
