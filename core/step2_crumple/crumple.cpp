@@ -138,9 +138,10 @@ bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
     if (conflicts.exceeds[v] && (sheet.pattern.row(v) - sheet.pattern.row(worst)).norm() <= reach)
       members.push_back(v);
   const auto event = static_cast<std::uint32_t>(sheet.singular.size());
-  const auto p =
-      draw_singular_point(sheet, pattern_, paper_, middle_of_conflict(sheet, conflicts, members),
-                          options_, {seed_, sheet_, event});
+  const auto p = draw_singular_point(
+      sheet, pattern_, paper_,
+      {middle_of_conflict(sheet, conflicts, members), min_spacing(pattern_, paper_, options_)},
+      options_, {seed_, sheet_, event});
   if (!p) return false;
   Sheet grown = sheet;
   const int born = insert_vertex(grown, *p, fixed);

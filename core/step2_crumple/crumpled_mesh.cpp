@@ -22,8 +22,9 @@ constexpr int junction_folds = 3;
 constexpr double junction_way = 0.002;  // [1] for which it must last
 // [1] of the size of its ring, within which a junction is the same as in the step before
 constexpr double junction_reach = 0.3;
-constexpr double apart = 1.2;         // [1] of the ring of a new point: nothing else changes there
-constexpr double facet_share = 0.45;  // [1] of the local edge length: least distance of two points
+constexpr double apart = 1.2;  // [1] of the ring of a new point: nothing else changes there
+// least distance of two points: [1] of the local edge length, and [1] of min_spacing
+constexpr double facet_share = 0.45, closest_share = 0.5;
 
 // A vertex without such a fold has no reason to slide, and one with a sharper one no way to: paper
 // that was folded by so much has broken there, and the fold stays.
@@ -114,13 +115,12 @@ CrumpledMesh::CrumpledMesh(const Pattern& pattern, const Paper& paper,
 
 bool CrumpledMesh::promote_vertex(Sheet& sheet, const Mesh& mesh, int vertex, int frame) {
   const Vector2d place = sheet.pattern.row(vertex);
-  CrumpleOptions closer = options_;
-  closer.spacing =
-      std::max(0.5 * options_.spacing,
-               facet_share * sizes_.at(place) / ridge_width(paper_, std::sqrt(area(pattern_))));
+  // where folds are known to meet, points may be nearer to each other than where one is guessed
+  const double spacing = std::max(closest_share * min_spacing(pattern_, paper_, options_),
+                                  facet_share * sizes_.at(place));
   const auto event = static_cast<std::uint32_t>(sheet.singular.size());
-  const auto p =
-      draw_singular_point(sheet, pattern_, paper_, place, closer, {seed_, sheet_, event});
+  const auto p = draw_singular_point(sheet, pattern_, paper_, {place, spacing}, options_,
+                                     {seed_, sheet_, event});
   if (!p) return false;
   move_vertex(sheet, mesh.rings, vertex, *p);
   const Vector2d born = sheet.pattern.row(vertex);

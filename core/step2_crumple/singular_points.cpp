@@ -150,24 +150,24 @@ double min_spacing(const Pattern& pattern, const Paper& paper, const CrumpleOpti
 }
 
 std::optional<Vector2d> draw_singular_point(const Sheet& sheet, const Pattern& pattern,
-                                            const Paper& paper, const Vector2d& middle,
+                                            const Paper& paper, const SingularPointAim& aim,
                                             const CrumpleOptions& options,
                                             const RandomEvent& birth) {
   constexpr int tries = 20;
-  const double spacing = min_spacing(pattern, paper, options);
   const auto clear = [&](const Vector2d& p) {
     return !options.singular_point_rules.forbids(p) &&
-           std::none_of(sheet.singular.begin(), sheet.singular.end(),
-                        [&](const SingularPoint& s) { return (s.pattern - p).norm() < spacing; });
+           std::none_of(sheet.singular.begin(), sheet.singular.end(), [&](const SingularPoint& s) {
+             return (s.pattern - p).norm() < aim.spacing;
+           });
   };
   const double margin = options.border_share * longer_side(pattern);
   for (std::uint32_t attempt = 0; attempt < tries; ++attempt) {
-    const Vector2d p = middle + paper.apex_scatter * gaussian(birth, attempt);
+    const Vector2d p = aim.middle + paper.apex_scatter * gaussian(birth, attempt);
     if (contains(pattern, p) && (nearest_border_point(pattern, p) - p).norm() >= margin && clear(p))
       return p;
   }
-  if (!clear(middle)) return std::nullopt;
-  return middle;
+  if (!clear(aim.middle)) return std::nullopt;
+  return aim.middle;
 }
 
 namespace {

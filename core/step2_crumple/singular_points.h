@@ -48,15 +48,20 @@ Vector2d middle_of_conflict(const Sheet&, const Conflicts&, const std::vector<in
 /// larger facets, and a large sheet has larger ones than a small sheet. [m]
 double min_spacing(const Pattern&, const Paper&, const CrumpleOptions&);
 
+/// Where a singular point is to be born.
+struct SingularPointAim {
+  Vector2d middle;  // [m] middle_of_conflict()
+  double spacing;   // [m] least distance from other points
+};
+
 /// Draws the place of a new singular point by the law of [Schreck 2015]: from a Gaussian around the
 /// middle of the conflict with the standard deviation of the paper grade, within the sheet, not
 /// where it is forbidden and not too close to the border or to other points. After 20 rejected
 /// draws it is the middle itself.
-/// middle   [m] middle_of_conflict()
 /// birth    its number is that of the birth on this sheet
 /// returns  [m] nothing when even the middle is forbidden or too close to another singular point
 std::optional<Vector2d> draw_singular_point(const Sheet&, const Pattern&, const Paper&,
-                                            const Vector2d& middle, const CrumpleOptions&,
+                                            const SingularPointAim&, const CrumpleOptions&,
                                             const RandomEvent& birth);
 
 /// Makes p a vertex of the mesh: a free inner vertex nearby is moved there on the pattern,

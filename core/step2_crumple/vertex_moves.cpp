@@ -2,6 +2,7 @@
 
 #include "core/geometry/point_location.h"
 #include "core/geometry/proximity.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,8 +12,6 @@ namespace {
 
 constexpr double max_compression = 0.02;  // [1] of the length of an edge
 constexpr double thin = 0.25;             // [1] height of a triangle over its longest edge
-
-double cross(const Vector2d& u, const Vector2d& v) { return u.x() * v.y() - u.y() * v.x(); }
 
 /// The two other corners of a triangle, counter-clockwise after the vertex.
 std::array<int, 2> opposite(const Sheet& sheet, int triangle, int vertex) {

@@ -48,13 +48,15 @@ TEST(SingularPointsTest, DrawsScatterAroundTheMiddleOfTheConflictByThePapersDevi
   Paper paper;
   Vector2d mean(0, 0);
   double variance = 0;
+  const double spacing = min_spacing(pattern, paper, {});
   constexpr int n = 4000;
   std::set<std::pair<double, double>> places;
   for (unsigned seed = 0; seed < n; ++seed) {
-    const auto p = draw_singular_point(sheet, pattern, paper, middle, {}, {seed, 0, 0});
+    const auto p = draw_singular_point(sheet, pattern, paper, {middle, spacing}, {}, {seed, 0, 0});
     ASSERT_TRUE(p);
     // the same arguments give the same point: there is no hidden state
-    EXPECT_TRUE(*p == *draw_singular_point(sheet, pattern, paper, middle, {}, {seed, 0, 0}));
+    EXPECT_TRUE(*p ==
+                *draw_singular_point(sheet, pattern, paper, {middle, spacing}, {}, {seed, 0, 0}));
     places.emplace(p->x(), p->y());
     const Vector2d off = *p - sheet.pattern.row(inner).transpose();
     mean += off / n;
@@ -85,7 +87,8 @@ Draws draw_about(const Vector2d& middle, const Paper& paper) {
   Draws result;
   std::vector<Vector2d> points;
   for (unsigned seed = 0; seed < draws; ++seed)
-    points.push_back(*draw_singular_point(sheet, pattern, paper, aim, {}, {seed, 0, 0}));
+    points.push_back(*draw_singular_point(
+        sheet, pattern, paper, {aim, min_spacing(pattern, paper, {})}, {}, {seed, 0, 0}));
   for (const Vector2d& p : points) result.mean += p / draws;
   for (const Vector2d& p : points) result.deviation += (p - result.mean).cwiseAbs2() / (draws - 1);
   result.deviation = result.deviation.cwiseSqrt();
@@ -179,10 +182,12 @@ TEST(SingularPointsTest, DrawsKeepTheirDistanceFromTheBorderAndOtherPoints) {
   ASSERT_GT(members.size(), 3u);
   const Vector2d middle = middle_of_conflict(sheet, conflicts, members);
   sheet.singular.push_back({Vector2d(0.05, 0.0085), 1, "test"});
+  const double spacing = min_spacing(pattern, Paper{}, options);
   for (unsigned seed = 0; seed < 500; ++seed) {
-    const auto p = draw_singular_point(sheet, pattern, Paper{}, middle, options, {seed, 0, 1});
+    const auto p =
+        draw_singular_point(sheet, pattern, Paper{}, {middle, spacing}, options, {seed, 0, 1});
     if (!p) continue;
-    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), min_spacing(pattern, Paper{}, options));
+    EXPECT_GE((*p - sheet.singular[0].pattern).norm(), spacing);
     EXPECT_GE((nearest_border_point(pattern, *p) - *p).norm(), options.border_share * 0.1 - 1e-12);
   }
 }
