@@ -3,6 +3,7 @@
 #include "core/animation/cpu_clock.h"
 #include "core/geometry/collider.h"
 #include "core/geometry/point_location.h"
+#include "core/geometry/surface_transfer.h"
 #include "core/render/render_surface.h"
 #include "core/render/untangle_sheets.h"
 
@@ -245,6 +246,9 @@ struct RenderPass::State {
       rendered[s].mesh.triangles = surfaces[s].mesh().triangles;
       rendered[s].mesh.normal_of_corner = surfaces[s].normal_of_corner();
       rendered[s].mesh.uv = surfaces[s].mesh().pattern / longer_side(inputs[s].shot->pattern);
+      if (const auto& authored = inputs[s].shot->authored)
+        rendered[s].mesh.surface = std::make_shared<const MeshSurface>(
+            surface_on(*authored, surfaces[s].mesh().pattern, surfaces[s].mesh().triangles));
     }
   }
 
@@ -319,6 +323,8 @@ std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
       } else {
         features.edges = inputs[s].record->edges(exact[s]);
       }
+      if (shot.authored && options.features == Features::all)
+        for (const auto& [a, b] : seams(*shot.authored)) features.seams.push_back({a, b});
       sheets.push_back(
           make_render_surface(shot.pattern, features, inputs[s].record->edge(), options.quality));
     }

@@ -2,6 +2,7 @@
 
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
+#include "core/geometry/surface_transfer.h"
 
 namespace paperbake {
 
@@ -25,6 +26,9 @@ void SimulationCache::defer(const AnimatedFrame& frame) {
   cached.normal = vertex_normals(sheet.x, sheet.triangles);
   cached.triangles = sheet.triangles;
   cached.uv = sheet.pattern / longer_side(bake_.plan.shots[sheet_].pattern);
+  if (const auto& authored = bake_.plan.shots[sheet_].authored)
+    cached.surface =
+        std::make_shared<const MeshSurface>(surface_on(*authored, sheet.pattern, sheet.triangles));
   cached.velocity = sheet.v;  // backward difference, where neighbours cannot be compared
   deferred_frame_ = frame.frame;
 }

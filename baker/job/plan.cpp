@@ -14,8 +14,10 @@
 #include "formats/config/preset_file.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
+#include <limits>
 #include <set>
 
 namespace paperbake {
@@ -152,6 +154,26 @@ std::string start_bytes(const Shot& shot, unsigned seed, const std::string& sett
   return bytes;
 }
 
+/// Bytes of what the caches carry along and the simulation does not look at.
+std::string authored_bytes(const Shot& shot) {
+  std::string bytes;
+  if (!shot.authored) return bytes;
+  for (const AuthoredSurface::UvSet& set : shot.authored->uv_sets)
+    append_bytes(bytes += fmt::format("uv/{}/", set.name), set.uv);
+  for (const std::string& material : shot.authored->materials) bytes += "material/" + material;
+  for (const int material : shot.authored->material_of) bytes += fmt::format("/{}", material);
+  for (const auto& [key, value] : shot.authored->properties) {
+    bytes += fmt::format("/{}/{}/", key, value.index());
+    if (const auto* text = std::get_if<std::string>(&value))
+      bytes += *text;
+    else if (const auto* list = std::get_if<std::vector<double>>(&value))
+      bytes += fmt::format("{}", fmt::join(*list, ","));
+    else
+      bytes += fmt::format("{}", std::get<double>(value));
+  }
+  return bytes;
+}
+
 void decide_frames(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   plan.frames = settings.frames.value_or(FrameSpan{scene.first_frame, scene.last_frame, 1});
   if (plan.frames.last < scene.first_frame)
@@ -251,6 +273,7 @@ Shot make_shot(SceneSheet&& sheet, const Paper& paper, std::vector<ColliderMesh>
             paper,
             std::move(sheet.singular_point_rules)};
   shot.colliders = facing_colliders(std::move(colliders), shot.start.x, shot.handles);
+  shot.authored = std::make_shared<const AuthoredSurface>(std::move(sheet.authored));
   return shot;
 }
 
@@ -389,6 +412,7 @@ void hash_inputs(BakePlan& plan) {
       hash = frame_input_hash(hash, plan.shots, f, plan.animation.first_frame);
     job += hash;
   }
+  for (const Shot& shot : plan.shots) job += authored_bytes(shot);
   plan.job_hash = hex(content_hash(job));
 }
 
@@ -406,6 +430,35 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
               describe(plan.impossible.front()),
               "Bring the handles closer together, or bake without --strict: then they are followed "
               "as far as paper can.");
+}
+
+/// Warns of values that are likely to be meant in another unit, and of releases that come too late.
+void question_values(BakePlan& plan) {
+  constexpr double most_gravity = 100, most_fps = 1000;  // [m/s2] ten times the earth's; [1/s]
+  const double gravity = plan.animation.elastic.forces.gravity, fps = plan.animation.fps;
+  if (std::abs(gravity) > most_gravity)
+    plan.warnings.push_back(
+        fmt::format("Gravity is {:g} m/s2, {:.0f} times that of the earth: was it meant in mm/s2 "
+                    "or cm/s2? The earth's is 9.81.",
+                    gravity, std::abs(gravity) / 9.81));
+  else if (gravity < 0)
+    plan.warnings.push_back(
+        fmt::format("Gravity is {:g} m/s2: it pulls upwards. Downwards is positive.", gravity));
+  if (fps > most_fps)
+    plan.warnings.push_back(
+        fmt::format("There are {:g} frames a second: is that meant? Films have 24.", fps));
+  const Handle* late = nullptr;
+  for (const Shot& shot : plan.shots)
+    for (const Handle& handle : shot.handles)
+      if (handle.release_frame != std::numeric_limits<int>::max() &&
+          handle.release_frame > plan.frames.last && !late)
+        late = &handle;
+  if (late)
+    plan.warnings.push_back(
+        fmt::format("The handle \"{}\" lets go at frame {}, after the last frame that is baked, "
+                    "{}: give --frames {}-{} or more to see it.",
+                    late->name, late->release_frame, plan.frames.last, plan.animation.first_frame,
+                    late->release_frame + 24));
 }
 
 void name_files(BakePlan& plan) {
@@ -427,6 +480,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   check_options(settings);
   BakePlan plan;
   plan.name = settings.name.empty() ? settings.scene.stem().string() : settings.name;
+  plan.root = settings.root;
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;
@@ -438,6 +492,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
     read_preset(*settings.preset);
   const std::vector<UsedValue> of_sheets = plan_sheets(settings, scene, plan);
   name_files(plan);
+  question_values(plan);
   decide_inertia(settings, scene, plan);
   decide_polish(settings, plan);
   record_used_values(settings, scene, plan);

@@ -40,6 +40,7 @@ constexpr int debug_picture_step = 6;
 struct BakePlan {
   // stem of the scene or job file: the names of the output files begin with it
   std::string name;
+  std::string root;                  // BakeSettings::root
   std::vector<Shot> shots;           // one a sheet
   std::vector<unsigned> seeds;       // of each sheet
   std::vector<std::string> presets;  // of each sheet

@@ -52,6 +52,7 @@ struct BakeSettings {
   std::filesystem::path scene, output;
   // begins the names of the output files; empty: the scene's stem
   std::string name;
+  std::string root = "/shot";  // prim of the USD layer below which the sheets are
   SceneOptions reading;
   std::optional<std::string> preset;  // grade or file
   std::vector<SetValue> set;          // in order
@@ -85,6 +86,7 @@ struct BakeSettings {
   int checkpoint_every = 12;  // [frames]
   int threads = 2;
   ProgressMode progress = ProgressMode::automatic;
+  std::optional<std::filesystem::path> log;  // file that gets a copy of what is told
 
   struct GivenOption {
     std::string text;  // canonical (formats/config/job_file.h)

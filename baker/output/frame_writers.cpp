@@ -15,7 +15,8 @@ CacheInfo cache_info(const BakePlan& plan) {
   return {plan.animation.fps,
           plan.frames.first,
           plan.frames.step,
-          {{"paperbake_version", program_version}, {"paperbake_job", plan.job_hash}}};
+          {{"paperbake_version", program_version}, {"paperbake_job", plan.job_hash}},
+          plan.root};
 }
 
 std::vector<std::string> sheet_names(const BakePlan& plan) {

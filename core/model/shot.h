@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/authored_surface.h"
 #include "core/model/handles.h"
 #include "core/model/paper.h"
 #include "core/model/pattern.h"
@@ -36,6 +37,8 @@ struct Shot {
   std::vector<FoldingHands> hands = {};
   // with their fronts turned towards this sheet; null: there are none
   std::shared_ptr<const Colliders> colliders = nullptr;
+  // uv sets and materials that come back with the cache; null: there are none
+  std::shared_ptr<const AuthoredSurface> authored = nullptr;
 };
 
 }  // namespace paperbake

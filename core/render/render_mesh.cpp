@@ -314,6 +314,17 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
 }  // namespace
 
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  if (!features.seams.empty()) {
+    RenderFeatures with_seams = features, without = features;
+    without.seams.clear();
+    with_seams.edges.insert(with_seams.edges.end(), features.seams.begin(), features.seams.end());
+    if (has_room(pattern, edge, with_seams.edges))
+      if (auto mesh = mesh_along_edges(pattern, edge, with_seams)) {
+        if (features.edges.empty()) mesh->simulated_edges = SimulatedEdges::none;
+        return std::move(*mesh);
+      }
+    return mesh_for_render(pattern, edge, without);
+  }
   SimulatedEdges simulated_edges = SimulatedEdges::none;
   if (!features.edges.empty()) {
     const bool fits = has_room(pattern, edge, features.edges);

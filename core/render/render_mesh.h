@@ -23,6 +23,8 @@ struct RenderFeatures {
   std::vector<PrescribedCrease> prescribed_creases = {};
   // edges of simulated meshes: they become rows of edges, to a millionth of the sheet
   std::vector<CreaseSegment> edges = {};
+  // where uv sets or materials of the sheet jump: rows of edges as well, where there is room
+  std::vector<CreaseSegment> seams = {};
 };
 
 /// What became of the simulated edges that a render mesh was to have.
@@ -59,7 +61,8 @@ struct RenderMesh {
 /// Simulated edges, if there are any, become rows of edges exactly, whatever the angles between
 /// them, and so do the creases that do not lie beside them. They are all left out when their total
 /// length exceeds 6 area / edge [m], or when some cross within a millionth of the sheet;
-/// `simulated_edges` says so.
+/// `simulated_edges` says so. Seams become rows of edges like simulated edges, and are left out, all
+/// of them, where these would be.
 /// throws  Error(ErrorCode::scene) when the outline crosses or touches itself
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 

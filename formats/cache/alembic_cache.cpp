@@ -36,7 +36,7 @@ std::vector<Mesh> meshes_named(const std::vector<std::string>& names) {
     std::string label = legal;
     // "a.b" and "a_b" become the same name
     for (int n = 2; !taken.insert(label).second; ++n) label = legal + "_" + std::to_string(n);
-    meshes.push_back({name, label, {}});
+    meshes.push_back({name, label, {}, nullptr});
   }
   return meshes;
 }
@@ -128,11 +128,15 @@ std::string AlembicWriter::add_frame(std::size_t sheet, const CacheFrame& frame)
   refuse_unless_finite(frame.velocity, "velocity", place);
   refuse_unless_finite(frame.normal, "normal", place);
   refuse_unless_finite(frame.uv, "uv", place);
+  if (frame.surface)
+    for (const MeshSurface::UvSet& set : frame.surface->uv_sets)
+      refuse_unless_finite(set.uv, "uv", place);
   refuse_unless_finite(frame.crease, "crease", place);
 
   const std::uint64_t begin = impl_->archive.file.end();
   try {
-    mesh.frames.push_back(alembic::store_frame(impl_->archive, frame));
+    mesh.frames.push_back(alembic::store_frame(impl_->archive, frame, mesh));
+    mesh.surface = frame.surface;
   } catch (const Error&) {
     alembic::truncate(impl_->archive, begin);
     throw;

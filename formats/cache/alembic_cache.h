@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/authored_surface.h"
 #include "core/model/sheet.h"
 
 #include <array>
@@ -19,6 +20,7 @@ struct CacheInfo {
   int frame_step = 1;  // frames from one sample to the next
   // additional archive metadata, such as job hash and version: key, value
   std::vector<std::pair<std::string, std::string>> metadata;
+  std::string root = "/shot";  // path of identifiers: the prim of USD below which the sheets are
 };
 
 /// A number for each vertex of a frame.
@@ -40,12 +42,19 @@ struct CacheFrame {
   Eigen::VectorXd crease;
   std::vector<CacheLayer> layers;  // further attributes; written to USD only
   Triangles triangles;             // |T|x3 counter-clockwise; stored once while it does not change
-  // |V|x2 v up, or empty; stored once while it does not change
+  // |V|x2 v up, or empty: where the vertices lie on the pattern, in shares of its longer side;
+  // stored once while it does not change
   Points2 uv;
+  // uv sets and materials of the artist, or null; their number and names never change, and frames
+  // with the same pointer have the same
+  std::shared_ptr<const MeshSurface> surface;
 };
 
 /// Writes an Alembic (Ogawa) file with an Xform and a PolyMesh for each sheet, frame by frame. The
 /// file is NAME.part until finish() gives it its name; without finish() the destructor deletes it.
+///
+/// The first uv set of the artist is `uv`, the others are named parameters. The pattern is a named
+/// parameter `pattern`, and `uv` where the artist has none. Every material is a face set.
 ///
 /// Sample i has the time (first_frame + i frame_step) / fps in seconds. Numbers are stored as
 /// 32-bit floats. The same calls write the same bytes. A value that has been stored before, for

@@ -24,7 +24,12 @@ constexpr const char* corner_normal_metadata =
     "t";
 constexpr const char* uv_metadata =
     "arrayExtent=1;geoScope=fvr;interpretation=vector;isGeomParam=true;podExtent=2;podName=float32_"
-    "t;sourceName=UVMap";
+    "t";
+constexpr const char* face_set_object =
+    "schema=AbcGeom_FaceSet_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_FaceSet_"
+    "v1:.faceset";
+constexpr const char* face_set_schema =
+    "schema=AbcGeom_FaceSet_v1;schemaBaseType=AbcGeom_GeomBase_v1";
 
 constexpr const char* colour_metadata =
     "arrayExtent=1;geoScope=vtx;interpretation=rgba;isGeomParam=true;podExtent=4;podName=float32_t";
@@ -73,7 +78,26 @@ Box around(const Box& a, const Box& b) {
 
 }  // namespace
 
-MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
+namespace {
+
+/// Stores the uv sets and materials of the artist.
+void store_surface(Archive& archive, const MeshSurface& surface, MeshFrame& samples) {
+  for (const MeshSurface::UvSet& set : surface.uv_sets) {
+    const Floats2 uv = (set.uv.cast<float>().array() + 0.0f).matrix();
+    samples.uv_sets.push_back(
+        {store(archive, raw(uv)), store(archive, raw(clockwise(set.of_corner)))});
+  }
+  for (std::size_t m = 0; m < surface.materials.size(); ++m) {
+    std::vector<std::int32_t> faces;
+    for (std::size_t t = 0; t < surface.material_of.size(); ++t)
+      if (surface.material_of[t] == static_cast<int>(m)) faces.push_back(static_cast<int>(t));
+    samples.face_sets.push_back(store(archive, raw(faces)));
+  }
+}
+
+}  // namespace
+
+MeshFrame store_frame(Archive& archive, const CacheFrame& frame, const Mesh& mesh) {
   const Floats3 points = y_up(frame.x), velocities = y_up(frame.velocity),
                 normals = y_up(frame.normal);
   const Triangles triangles = clockwise(frame.triangles);
@@ -91,10 +115,16 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame) {
   samples.colours = store(archive, raw(colours(frame.crease)));
   samples.indices = store(archive, raw(triangles));
   samples.counts = store(archive, raw(corners_of_faces));
-  samples.uv = store(archive, raw(uv));
+  samples.pattern = store(archive, raw(uv));
   // the uv of a corner is that of its vertex: the indices equal the face indices, which are stored
   // already
-  samples.uv_indices = uv.rows() == 0 ? samples.uv : samples.indices;
+  samples.pattern_indices = uv.rows() == 0 ? samples.pattern : samples.indices;
+  if (!mesh.frames.empty() && mesh.surface == frame.surface) {
+    samples.uv_sets = mesh.frames.back().uv_sets;
+    samples.face_sets = mesh.frames.back().face_sets;
+  } else if (frame.surface) {
+    store_surface(archive, *frame.surface, samples);
+  }
   return samples;
 }
 
@@ -132,7 +162,67 @@ Property box_property(const char* name, std::vector<Sample> samples) {
   return animated(name, box_metadata, PropertyType::scalar, Pod::f64, 6, std::move(samples));
 }
 
-Property geometry(const std::vector<MeshFrame>& frames) {
+/// A text that may stand in metadata and as a name in the archive.
+std::string legal(std::string text) {
+  constexpr std::size_t longest = 60;  // a metadata text has at most 255 bytes
+  for (char& c : text)
+    if (c == ';' || c == '=' || c == '/' || c == '\0') c = '_';
+  return text.size() > longest ? text.substr(0, longest) : text;
+}
+
+/// A uv set: values, and for each corner the index of its value.
+Property uv_property(const std::string& name, const std::string& source, std::vector<Sample> values,
+                     std::vector<Sample> indices) {
+  const std::string metadata = uv_metadata + (";sourceName=" + legal(source));
+  return compound(name, metadata,
+                  {animated(".vals", metadata, PropertyType::array, Pod::f32, 2, std::move(values)),
+                   animated(".indices", "", PropertyType::array, Pod::u32, 1, std::move(indices))});
+}
+
+/// uv set n of the artist.
+Property authored_uv(const Mesh& mesh, std::size_t n, const std::string& property) {
+  std::vector<Sample> values, indices;
+  for (const MeshFrame& frame : mesh.frames) {
+    values.push_back(frame.uv_sets[n][0]);
+    indices.push_back(frame.uv_sets[n][1]);
+  }
+  return uv_property(property, mesh.surface->uv_sets[n].name, std::move(values),
+                     std::move(indices));
+}
+
+/// Adds the uv sets: the artist's first one as `uv`, and the others and the pattern to `named`.
+void add_uv_sets(const Mesh& mesh, std::vector<Property>& members, std::vector<Property>& named) {
+  const std::size_t sets = mesh.surface ? mesh.surface->uv_sets.size() : 0;
+  if (sets > 0) members.push_back(authored_uv(mesh, 0, "uv"));
+  for (std::size_t n = 1; n < sets; ++n)
+    named.push_back(authored_uv(mesh, n, legal(mesh.surface->uv_sets[n].name)));
+  if (!ever_given(mesh.frames, &MeshFrame::pattern)) return;
+  const std::vector<Sample> values = column(mesh.frames, &MeshFrame::pattern),
+                            indices = column(mesh.frames, &MeshFrame::pattern_indices);
+  if (sets == 0) members.push_back(uv_property("uv", "UVMap", values, indices));
+  named.push_back(uv_property("pattern", "pattern", values, indices));
+}
+
+/// The custom properties of the artist's object.
+std::vector<Property> user_properties(Archive& archive, const AuthoredProperties& authored) {
+  std::vector<Property> found;
+  const auto add = [&](const std::string& name, PropertyType type, Pod pod,
+                       std::string_view bytes) {
+    found.push_back(
+        {legal(name), "", type, pod, 1, TimeSampling::identity, {store(archive, bytes)}, {}});
+  };
+  for (const auto& [name, value] : authored)
+    if (const auto* text = std::get_if<std::string>(&value))
+      add(name, PropertyType::scalar, Pod::text, {text->c_str(), text->size() + 1});
+    else if (const auto* list = std::get_if<std::vector<double>>(&value))
+      add(name, PropertyType::array, Pod::f64, raw(*list));
+    else
+      add(name, PropertyType::scalar, Pod::f64, bytes_of(std::get<double>(value)));
+  return found;
+}
+
+Property geometry(Archive& archive, const Mesh& mesh) {
+  const std::vector<MeshFrame>& frames = mesh.frames;
   const auto array = [&](const char* name, const char* meaning, Pod pod, std::uint32_t extent,
                          Sample MeshFrame::*channel) {
     return animated(name, meaning, PropertyType::array, pod, extent, column(frames, channel));
@@ -152,15 +242,35 @@ Property geometry(const std::vector<MeshFrame>& frames) {
                   array(".indices", "", Pod::u32, 1, &MeshFrame::normal_indices)}));
   else if (ever_given(frames, &MeshFrame::normals))
     members.push_back(array("N", normal_metadata, Pod::f32, 3, &MeshFrame::normals));
-  if (ever_given(frames, &MeshFrame::uv))
-    members.push_back(compound("uv", uv_metadata,
-                               {array(".vals", uv_metadata, Pod::f32, 2, &MeshFrame::uv),
-                                array(".indices", "", Pod::u32, 1, &MeshFrame::uv_indices)}));
+  std::vector<Property> named;
   if (ever_given(frames, &MeshFrame::colours))
+    named.push_back(array("crease", colour_metadata, Pod::f32, 4, &MeshFrame::colours));
+  add_uv_sets(mesh, members, named);
+  if (!named.empty()) members.push_back(compound(".arbGeomParams", "", std::move(named)));
+  if (mesh.surface && !mesh.surface->properties.empty())
     members.push_back(
-        compound(".arbGeomParams", "",
-                 {array("crease", colour_metadata, Pod::f32, 4, &MeshFrame::colours)}));
+        compound(".userProperties", "", user_properties(archive, mesh.surface->properties)));
   return compound(".geom", mesh_schema, std::move(members));
+}
+
+/// The faces of each material, below their mesh.
+std::vector<Object> face_sets(const Mesh& mesh) {
+  std::vector<Object> sets;
+  for (std::size_t m = 0; mesh.surface && m < mesh.surface->materials.size(); ++m) {
+    std::vector<Sample> faces;
+    for (const MeshFrame& frame : mesh.frames) faces.push_back(frame.face_sets[m]);
+    std::string name = legal(mesh.surface->materials[m]);
+    while (std::any_of(sets.begin(), sets.end(), [&](const Object& o) { return o.name == name; }))
+      name += "_2";
+    std::vector<Property> members{
+        box_property(".selfBnds", column(mesh.frames, &MeshFrame::bounds)),
+        animated(".faces", "", PropertyType::array, Pod::i32, 1, std::move(faces))};
+    sets.push_back({std::move(name),
+                    face_set_object,
+                    {compound(".faceset", face_set_schema, std::move(members))},
+                    {}});
+  }
+  return sets;
 }
 
 /// The mesh below an Xform that carries the name and transforms nothing, as programs expect it.
@@ -176,7 +286,7 @@ Object sheet_object(Archive& archive, const Mesh& mesh) {
                      {}};
   std::vector<Property> transform{
       box_property(".childBnds", column(mesh.frames, &MeshFrame::bounds)), inherited};
-  Object geom{mesh.label + "Shape", mesh_object, {geometry(mesh.frames)}, {}};
+  Object geom{mesh.label + "Shape", mesh_object, {geometry(archive, mesh)}, face_sets(mesh)};
   return {mesh.label,
           xform_object,
           {compound(".xform", xform_schema, std::move(transform))},

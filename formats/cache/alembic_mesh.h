@@ -6,6 +6,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -23,17 +24,21 @@ struct Box {
 /// The stored samples of one mesh at one frame.
 struct MeshFrame {
   Box box;
-  Sample bounds, points, velocities, normals, normal_indices, indices, counts, uv, uv_indices,
-      colours;
+  Sample bounds, points, velocities, normals, normal_indices, indices, counts, pattern,
+      pattern_indices, colours;
+  std::vector<std::array<Sample, 2>> uv_sets;  // of the surface: values and indices of each
+  std::vector<Sample> face_sets;               // of each material: the faces that have it
 };
 
 struct Mesh {
   std::string name, label;  // as given by the caller, as written to the file
   std::vector<MeshFrame> frames;
+  std::shared_ptr<const MeshSurface> surface;  // of the last frame; names are equal in all
 };
 
-/// Stores the values of a frame in the file: y up, clockwise faces, 32-bit floats.
-MeshFrame store_frame(Archive&, const CacheFrame&);
+/// Stores the values of a frame in the file: y up, clockwise faces, 32-bit floats. With the same
+/// surface as the frame before it, what it has of that is taken from there.
+MeshFrame store_frame(Archive&, const CacheFrame&, const Mesh&);
 
 /// The tree of the archive: an Xform and a PolyMesh for each mesh that has frames; `frames` is the
 /// largest number of frames. Channels that no frame of a mesh has are left out.

@@ -185,10 +185,14 @@ struct AlembicReader::Impl {
     } else {
       mesh.normals = channel(members, "N", Pod::f32, 3);
     }
+    std::vector<PropertyHeader> named;
     if (const PropertyHeader* others = find(members, ".arbGeomParams");
         others && others->type == PropertyType::compound)
-      mesh.colours = channel(properties_of(file, others->block), "crease", Pod::f32, 4);
-    if (const PropertyHeader* uv = find(members, "uv"); uv && uv->type == PropertyType::compound) {
+      named = properties_of(file, others->block);
+    mesh.colours = channel(named, "crease", Pod::f32, 4);
+    const PropertyHeader* pattern = find(named, "pattern");
+    if (const PropertyHeader* uv = pattern ? pattern : find(members, "uv");
+        uv && uv->type == PropertyType::compound) {
       const std::vector<PropertyHeader> pair = properties_of(file, uv->block);
       mesh.uv = channel(pair, ".vals", Pod::f32, 2);
       mesh.uv_indices = channel(pair, ".indices", Pod::u32, 1);

@@ -30,7 +30,8 @@ class AlembicReader {
   const std::vector<Sheet>& sheets() const;
 
   /// Frame i of a sheet as it was given to the writer: z up, counter-clockwise faces. Numbers are
-  /// rounded to 32 bits, creases limited to a right angle.
+  /// rounded to 32 bits, creases limited to a right angle. `uv` is the pattern; uv sets and
+  /// materials of the artist are not read.
   CacheFrame frame(std::size_t sheet, std::size_t i) const;
 
   /// What AlembicWriter::add_frame returned for this frame, computed again from the stored

@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <fmt/format.h>
 #include <iterator>
+#include <map>
 #include <set>
 
 namespace paperbake {
@@ -51,8 +52,10 @@ struct Attribute {
 };
 
 struct UsdSheet {
-  std::string name;
+  std::string name, label;  // as given by the caller, as written to the file
   std::vector<Attribute> attributes;
+  std::vector<Attribute> subsets;              // faces of each material
+  std::shared_ptr<const MeshSurface> surface;  // of the last frame; names are equal in all
   std::size_t frames = 0;
 };
 
@@ -62,6 +65,17 @@ std::string identifier(const std::string& name) {
     legal += (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') ? c : '_';
   if (legal.empty() || (legal[0] >= '0' && legal[0] <= '9')) legal = "_" + legal;
   return legal;
+}
+
+/// The prims of a path, from the outermost.
+std::vector<std::string> parts_of(const std::string& path) {
+  std::vector<std::string> parts;
+  for (std::size_t from = 0; from < path.size();) {
+    const std::size_t slash = std::min(path.find('/', from), path.size());
+    if (slash > from) parts.push_back(path.substr(from, slash - from));
+    from = slash + 1;
+  }
+  return parts;
 }
 
 std::string quoted(const std::string& text) {
@@ -108,6 +122,16 @@ std::string integers(const Triangles& triangles) {
   return text + "]";
 }
 
+/// The faces that have a material.
+std::string faces_of(const MeshSurface& surface, std::size_t material) {
+  std::string text = "[";
+  auto out = std::back_inserter(text);
+  for (std::size_t t = 0; t < surface.material_of.size(); ++t)
+    if (surface.material_of[t] == static_cast<int>(material))
+      fmt::format_to(out, "{}{}", text.size() > 1 ? ", " : "", t);
+  return text + "]";
+}
+
 std::string threes(Eigen::Index count) {
   std::string text = "[";
   for (Eigen::Index t = 0; t < count; ++t) text += t ? ", 3" : "3";
@@ -136,9 +160,104 @@ struct UsdWriter::Impl {
     if (known == sheet.attributes.end()) {
       known = sheet.attributes.insert(known, {declaration, interpolation, value});
     }
-    if (value != known->first) known->varies = true;
+    add_sample(sheet, *known, value);
+  }
+
+  void add_sample(const UsdSheet& sheet, Attribute& attribute, const std::string& value) {
+    if (value != attribute.first) attribute.varies = true;
     const long frame = info.first_frame + info.frame_step * static_cast<long>(sheet.frames);
-    known->samples->write(fmt::format("            {}: {},\n", frame, value));
+    attribute.samples->write(fmt::format("            {}: {},\n", frame, value));
+  }
+
+  /// Adds uv sets and materials of the artist.
+  void add_surface(UsdSheet& sheet, const MeshSurface& surface) {
+    const auto add_uv = [&](const std::string& name, const MeshSurface::UvSet& set) {
+      add(sheet, "texCoord2f[] primvars:" + name, "faceVarying", pairs(set.uv));
+      add(sheet, "int[] primvars:" + name + ":indices", "", integers(set.of_corner));
+    };
+    for (std::size_t n = 0; n < surface.uv_sets.size(); ++n) {
+      const std::string name = identifier(surface.uv_sets[n].name);
+      if (n == 0) add_uv("st", surface.uv_sets[n]);
+      if (name != "st") add_uv(name, surface.uv_sets[n]);
+    }
+    for (std::size_t m = 0; m < surface.materials.size(); ++m) {
+      const std::string faces = faces_of(surface, m);
+      if (m == sheet.subsets.size()) sheet.subsets.push_back({"int[] indices", "", faces});
+      add_sample(sheet, sheet.subsets[m], faces);
+    }
+  }
+
+  /// A material of the artist, which the layer has only the name of.
+  std::string material_path(const std::string& material) const {
+    return "<" + info.root + "/materials/" + identifier(material) + ">";
+  }
+
+  static bool has_one_material(const MeshSurface& surface) {
+    return surface.materials.size() == 1 &&
+           std::find(surface.material_of.begin(), surface.material_of.end(), -1) ==
+               surface.material_of.end();
+  }
+
+  void write_materials() {
+    std::map<std::string, std::string> all;
+    for (const UsdSheet& sheet : sheets)
+      if (sheet.surface)
+        for (const std::string& name : sheet.surface->materials)
+          all.emplace(identifier(name), name);
+    if (all.empty()) return;
+    file.write("    def Scope \"materials\"\n    {\n");
+    for (const auto& [label, name] : all)
+      file.write(fmt::format(
+          "        def Material \"{}\" (\n            displayName = {}\n        )\n        {{\n"
+          "        }}\n",
+          label, paperbake::quoted(name)));
+    file.write("    }\n");
+  }
+
+  void write_properties(const AuthoredProperties& properties) {
+    for (const auto& [key, value] : properties) {
+      const std::string name = "userProperties:" + identifier(key);
+      if (const auto* text = std::get_if<std::string>(&value))
+        file.write(fmt::format("        custom string {} = {}\n", name, paperbake::quoted(*text)));
+      else if (const auto* list = std::get_if<std::vector<double>>(&value))
+        file.write(
+            fmt::format("        custom double[] {} = [{}]\n", name, fmt::join(*list, ", ")));
+      else
+        file.write(fmt::format("        custom double {} = {}\n", name, std::get<double>(value)));
+    }
+  }
+
+  void write_binding(UsdSheet& sheet) {
+    if (!sheet.surface || sheet.surface->materials.empty()) return;
+    const std::vector<std::string>& materials = sheet.surface->materials;
+    if (has_one_material(*sheet.surface))
+      return file.write(
+          fmt::format("        rel material:binding = {}\n", material_path(materials.front())));
+    file.write("        uniform token subsetFamily:materialBind:familyType = \"nonOverlapping\"\n");
+    for (std::size_t m = 0; m < materials.size(); ++m) {
+      file.write(
+          fmt::format("        def GeomSubset \"{}\" (\n            prepend apiSchemas = "
+                      "[\"MaterialBindingAPI\"]\n        )\n        {{\n        uniform "
+                      "token elementType = \"face\"\n        uniform token familyName = "
+                      "\"materialBind\"\n        rel material:binding = {}\n",
+                      identifier(materials[m]), material_path(materials[m])));
+      write(sheet.subsets[m]);
+      file.write("        }\n");
+    }
+  }
+
+  void write_mesh(UsdSheet& sheet) {
+    const bool bound = sheet.surface && !sheet.surface->materials.empty();
+    file.write(fmt::format("    def Mesh \"{}\" (\n        displayName = {}\n{}    )\n    {{\n",
+                           sheet.label, paperbake::quoted(sheet.name),
+                           bound ? "        prepend apiSchemas = [\"MaterialBindingAPI\"]\n" : ""));
+    file.write(
+        "        uniform token subdivisionScheme = \"none\"\n        uniform token orientation = "
+        "\"rightHanded\"\n        uniform bool doubleSided = 1\n");
+    for (Attribute& attribute : sheet.attributes) write(attribute);
+    if (sheet.surface) write_properties(sheet.surface->properties);
+    write_binding(sheet);
+    file.write("    }\n");
   }
 
   void write(Attribute& attribute) {
@@ -166,7 +285,8 @@ UsdWriter::UsdWriter(const std::filesystem::path& path, const CacheInfo& info,
     for (int n = 2; !taken.insert(label).second; ++n)
       label = identifier(name) + "_" + std::to_string(n);
     UsdSheet sheet;
-    sheet.name = label;
+    sheet.name = name;
+    sheet.label = label;
     impl_->sheets.push_back(std::move(sheet));
   }
 }
@@ -192,7 +312,14 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
   if (frame.crease.size() > 0) add("float[] primvars:crease", "vertex", numbers(frame.crease));
   for (const CacheLayer& layer : frame.layers)
     add(("float[] primvars:" + layer.name).c_str(), "vertex", numbers(layer.values));
-  if (frame.uv.rows() > 0) add("texCoord2f[] primvars:st", "vertex", pairs(frame.uv));
+  if (frame.uv.rows() > 0) {
+    const std::string pattern = pairs(frame.uv);
+    add("texCoord2f[] primvars:pattern", "vertex", pattern);
+    if (!frame.surface || frame.surface->uv_sets.empty())
+      add("texCoord2f[] primvars:st", "vertex", pattern);
+  }
+  if (frame.surface && frame.surface != sheet.surface) impl_->add_surface(sheet, *frame.surface);
+  sheet.surface = frame.surface;
   ++sheet.frames;
 }
 
@@ -204,23 +331,22 @@ void UsdWriter::finish() {
   std::string metadata;
   for (const auto& [key, value] : info.metadata)
     metadata += fmt::format("        string {} = {}\n", identifier(key), quoted(value));
+  const std::vector<std::string> prims = parts_of(info.root);
   file.write(fmt::format(
-      "#usda 1.0\n(\n    customLayerData = {{\n{}    }}\n    defaultPrim = \"shot\"\n    "
+      "#usda 1.0\n(\n    customLayerData = {{\n{}    }}\n    defaultPrim = \"{}\"\n    "
       "endTimeCode = {}\n    framesPerSecond = {}\n"
       "    metersPerUnit = 1\n    startTimeCode = {}\n    timeCodesPerSecond = {}\n    upAxis = "
-      "\"Y\"\n)\n\ndef Xform \"shot\"\n{{\n",
-      metadata, info.first_frame + info.frame_step * (frames ? static_cast<long>(frames) - 1 : 0),
-      info.fps, info.first_frame, info.fps));
-  for (UsdSheet& sheet : impl_->sheets) {
-    if (sheet.frames == 0) continue;
-    file.write(fmt::format("    def Mesh \"{}\"\n    {{\n", sheet.name));
-    file.write(
-        "        uniform token subdivisionScheme = \"none\"\n        uniform token orientation = "
-        "\"rightHanded\"\n        uniform bool doubleSided = 1\n");
-    for (Attribute& attribute : sheet.attributes) impl_->write(attribute);
-    file.write("    }\n");
-  }
-  file.write("}\n");
+      "\"Y\"\n)\n",
+      metadata, prims.front(),
+      info.first_frame + info.frame_step * (frames ? static_cast<long>(frames) - 1 : 0), info.fps,
+      info.first_frame, info.fps));
+  for (const std::string& prim : prims)
+    file.write(fmt::format("\ndef Xform \"{}\" (\n    kind = \"{}\"\n)\n{{\n", prim,
+                           &prim == &prims.back() ? "component" : "group"));
+  for (UsdSheet& sheet : impl_->sheets)
+    if (sheet.frames > 0) impl_->write_mesh(sheet);
+  impl_->write_materials();
+  for (std::size_t k = 0; k < prims.size(); ++k) file.write("}\n");
   file.commit();
 }
 

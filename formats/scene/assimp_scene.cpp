@@ -70,12 +70,18 @@ ImportedMesh copy_mesh(const aiMesh& mesh) {
   ImportedMesh copy;
   copy.deformed = mesh.mNumBones > 0 || mesh.mNumAnimMeshes > 0;
   copy.x.resize(mesh.mNumVertices, 3);
-  copy.uv.resize(mesh.HasTextureCoords(0) ? mesh.mNumVertices : 0, 2);
-  for (unsigned i = 0; i < mesh.mNumVertices; ++i) {
-    copy.x.row(i) = vector(mesh.mVertices[i]);
-    if (copy.uv.rows() > 0) copy.uv.row(i) = vector(mesh.mTextureCoords[0][i]).head<2>();
+  for (unsigned i = 0; i < mesh.mNumVertices; ++i) copy.x.row(i) = vector(mesh.mVertices[i]);
+  bool finite = copy.x.allFinite();
+  for (unsigned n = 0; n < AI_MAX_NUMBER_OF_TEXTURECOORDS && mesh.HasTextureCoords(n); ++n) {
+    ImportedUvSet& set = copy.uv_sets.emplace_back();
+    const aiString* name = mesh.GetTextureCoordsName(n);
+    set.name = name && name->length > 0 ? name->C_Str() : fmt::format("UVChannel_{}", n + 1);
+    set.uv.resize(mesh.mNumVertices, 2);
+    for (unsigned i = 0; i < mesh.mNumVertices; ++i)
+      set.uv.row(i) = vector(mesh.mTextureCoords[n][i]).head<2>();
+    finite = finite && set.uv.allFinite();
   }
-  if (!copy.x.allFinite() || !copy.uv.allFinite())
+  if (!finite)
     throw Error(ErrorCode::scene, where(), "A vertex contains a value that is not a number.");
   std::vector<int> corners;
   for (unsigned i = 0; i < mesh.mNumFaces; ++i) {

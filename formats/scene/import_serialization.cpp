@@ -163,10 +163,18 @@ void field(Stream& stream, ImportedNode& n) {
 }
 
 template <class Stream>
+void field(Stream& stream, ImportedUvSet& set) {
+  field(stream, set.name);
+  field(stream, set.uv);
+}
+
+template <class Stream>
 void field(Stream& stream, ImportedMesh& m) {
   field(stream, m.x);
-  field(stream, m.uv);
+  field(stream, m.uv_sets);
   field(stream, m.triangles);
+  field(stream, m.materials);
+  field(stream, m.material_of);
   field(stream, m.creases);
   field(stream, m.deformed);
 }
@@ -247,9 +255,17 @@ void check(const ImportedFile& file) {
       if (!below(mesh, file.meshes.size())) refuse("a node has a mesh that does not exist");
   }
   for (const ImportedMesh& mesh : file.meshes) {
-    if (mesh.uv.rows() != 0 && mesh.uv.rows() != mesh.x.rows())
-      refuse("a mesh does not have one uv for each vertex");
-    if (!mesh.x.allFinite() || !mesh.uv.allFinite()) refuse("a vertex is not a number");
+    for (const ImportedUvSet& set : mesh.uv_sets) {
+      if (set.uv.rows() != mesh.x.rows()) refuse("a mesh does not have one uv for each vertex");
+      if (!set.uv.allFinite()) refuse("a vertex is not a number");
+    }
+    if (!mesh.x.allFinite()) refuse("a vertex is not a number");
+    if (!mesh.material_of.empty() &&
+        mesh.material_of.size() != static_cast<std::size_t>(mesh.triangles.rows()))
+      refuse("a mesh does not have one material for each face");
+    for (const int material : mesh.material_of)
+      if (material != -1 && !below(material, mesh.materials.size()))
+        refuse("a face has a material that does not exist");
     if (mesh.triangles.size() > 0 &&
         (mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.x.rows()))
       refuse("a face has a vertex that does not exist");

@@ -115,29 +115,49 @@ Edges creases_of(const ufbx_mesh& mesh) {
   return Eigen::Map<Edges>(ends.data(), static_cast<Eigen::Index>(ends.size() / 2), 2);
 }
 
+/// Each with one value for each corner of the mesh.
+std::vector<ImportedUvSet> uv_sets_of(const ufbx_mesh& mesh) {
+  std::vector<ImportedUvSet> sets;
+  for (const ufbx_uv_set& set : mesh.uv_sets) {
+    if (!set.vertex_uv.exists) continue;
+    ImportedUvSet& copy = sets.emplace_back();
+    copy.name = text_of(set.name);
+    copy.uv.resize(static_cast<Eigen::Index>(mesh.num_indices), 2);
+    for (Eigen::Index i = 0; i < copy.uv.rows(); ++i) {
+      const ufbx_vec2 at = ufbx_get_vertex_vec2(&set.vertex_uv, i);
+      copy.uv.row(i) = Vector2d(at.x, at.y);
+    }
+  }
+  return sets;
+}
+
 ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   ImportedMesh copy;
   const Eigen::Affine3d to_node = affine(node.geometry_to_node);
   const auto corners = static_cast<Eigen::Index>(mesh.num_indices);
-  const bool uv = mesh.vertex_uv.exists;
   copy.deformed =
       mesh.skin_deformers.count + mesh.blend_deformers.count + mesh.cache_deformers.count > 0;
   copy.x.resize(corners, 3);
-  copy.uv.resize(uv ? corners : 0, 2);
-  for (Eigen::Index i = 0; i < corners; ++i) {
+  for (Eigen::Index i = 0; i < corners; ++i)
     copy.x.row(i) = to_node * vector(ufbx_get_vertex_vec3(&mesh.vertex_position, i));
-    if (!uv) continue;
-    const ufbx_vec2 at = ufbx_get_vertex_vec2(&mesh.vertex_uv, i);
-    copy.uv.row(i) = Vector2d(at.x, at.y);
-  }
-  if (!copy.x.allFinite() || !copy.uv.allFinite()) reject_number(node.name, "A vertex");
+  copy.uv_sets = uv_sets_of(mesh);
+  const bool finite = std::all_of(copy.uv_sets.begin(), copy.uv_sets.end(),
+                                  [](const ImportedUvSet& set) { return set.uv.allFinite(); });
+  if (!copy.x.allFinite() || !finite) reject_number(node.name, "A vertex");
+  for (const ufbx_material* material : node.materials)
+    copy.materials.push_back(material ? text_of(material->name) : std::string());
   std::vector<std::uint32_t> triangles(3 * mesh.max_face_triangles);
   std::vector<int> all;
-  for (const ufbx_face& face : mesh.faces) {
+  for (std::size_t f = 0; f < mesh.faces.count; ++f) {
+    const ufbx_face& face = mesh.faces[f];
     if (face.num_indices < 3) continue;  // points and lines
     const std::size_t count =
         ufbx_triangulate_face(triangles.data(), triangles.size(), &mesh, face);
     all.insert(all.end(), triangles.begin(), triangles.begin() + 3 * count);
+    if (copy.materials.empty()) continue;
+    const std::size_t material = f < mesh.face_material.count ? mesh.face_material[f] : 0;
+    copy.material_of.insert(copy.material_of.end(), count,
+                            material < copy.materials.size() ? static_cast<int>(material) : -1);
   }
   copy.triangles = Eigen::Map<Triangles>(all.data(), static_cast<Eigen::Index>(all.size() / 3), 3);
   copy.creases = creases_of(mesh);

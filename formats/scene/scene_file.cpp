@@ -13,8 +13,10 @@
 #include <fmt/ranges.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cmath>
 #include <set>
+#include <sstream>
 
 namespace paperbake {
 namespace {
@@ -158,6 +160,18 @@ void check_rules(const SingularPointRules& rules, const Pattern& pattern, const 
     }
 }
 
+/// glTF has no names for uv sets: paper_uv_sets of the sheet may have them, one a line.
+void name_uv_sets(const std::optional<std::string>& names, AuthoredSurface& authored) {
+  std::istringstream lines(names.value_or(""));
+  for (AuthoredSurface::UvSet& set : authored.uv_sets)
+    if (std::string name; std::getline(lines, name) && !name.empty()) set.name = name;
+  std::set<std::string> taken{"pattern", "crease"};  // that caches have besides
+  for (AuthoredSurface::UvSet& set : authored.uv_sets) {
+    const std::string given = set.name;
+    for (int n = 2; !taken.insert(set.name).second; ++n) set.name = fmt::format("{}_{}", given, n);
+  }
+}
+
 SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world,
                       const SceneOptions& options, const AppliedOverrides& overrides,
                       std::vector<std::string>& warnings) {
@@ -168,6 +182,10 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
   sheet.name = node.name;
   sheet.pattern = std::move(flat.pattern);
   sheet.start = std::move(flat.start);
+  sheet.authored = std::move(flat.authored);
+  for (const auto& [key, value] : node.properties)
+    if (key.rfind("paper_", 0) != 0) sheet.authored.properties.emplace(key, value);
+  name_uv_sets(text_property(node, "paper_uv_sets"), sheet.authored);
   check_size(scene, node, extent(sheet.pattern), options);
   sheet.preset = text_property(node, "paper_preset");
   sheet.grammage = positive_property(scene.source, node, "paper_gsm");
@@ -210,21 +228,50 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
                                            fmt::join(meshes, ", ")));
 }
 
+bool is_named_sheet(const ImportedNode& node) {
+  return !node.meshes.empty() && name_begins_with(node.name, "paper") &&
+         !flag_property(node, "paper_ignore");
+}
+
+/// Whether the name goes on as a word, such as "Paperclip".
+bool is_longer_word(const std::string& name) {
+  const std::string matched = matched_name(name);
+  return matched.size() > 5 && std::isalpha(static_cast<unsigned char>(matched[5]));
+}
+
+/// The error of a mesh that is taken for a sheet because of its name.
+Error taken_for_sheet(const Error& error) {
+  return Error(error.code, error.place, error.cause,
+               error.remedy +
+                   " Or, if it is no sheet: it is taken for one because its name begins "
+                   "with \"paper\"; rename it, or give it the property paper_ignore.");
+}
+
 std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions& options,
                                     const std::vector<AppliedOverrides>& overrides,
                                     std::vector<std::string>& warnings) {
   const auto world = world_at(scene, scene.first_frame);
   std::vector<SceneSheet> sheets;
+  std::optional<Error> no_sheet;
   std::set<std::string> names;
   for (int i = 0; i < static_cast<int>(scene.file.nodes.size()); ++i) {
     const ImportedNode& node = scene.file.nodes[i];
-    if (node.meshes.empty() || !name_begins_with(node.name, "paper")) continue;
+    if (!is_named_sheet(node)) continue;
     if (!names.insert(node.name).second)
       throw Error(ErrorCode::scene, place_of(scene.source, "sheet", node.name),
                   "Two sheets have this name.",
                   "Give every sheet a name of its own and export again.");
-    sheets.push_back(read_sheet(scene, i, world[i], options, overrides[i], warnings));
+    try {
+      sheets.push_back(read_sheet(scene, i, world[i], options, overrides[i], warnings));
+    } catch (const Error& error) {
+      if (!is_longer_word(node.name)) throw;
+      if (!no_sheet) no_sheet = taken_for_sheet(error);
+      warnings.push_back(
+          fmt::format("\"{}\" is ignored, although its name begins with \"paper\". {}", node.name,
+                      error.cause));
+    }
   }
+  if (sheets.empty() && no_sheet) throw *no_sheet;
   if (sheets.empty()) reject_without_sheet(scene);
   return sheets;
 }
@@ -238,8 +285,7 @@ void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& war
     const auto world =
         world_at(scene, scene.first_frame + (scene.last_frame - scene.first_frame) * look / looks);
     for (int i = 0; i < static_cast<int>(world.size()); ++i)
-      if (!scene.file.nodes[i].meshes.empty() &&
-          name_begins_with(scene.file.nodes[i].name, "paper") && !world[i].isApprox(first[i], 1e-5))
+      if (is_named_sheet(scene.file.nodes[i]) && !world[i].isApprox(first[i], 1e-5))
         moved.insert(i);
   }
   for (const int i : moved)

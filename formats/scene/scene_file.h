@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/collider.h"
+#include "core/model/authored_surface.h"
 #include "core/model/handles.h"
 #include "core/model/pattern.h"
 #include "formats/scene/scene_overrides.h"
@@ -32,6 +33,7 @@ struct SceneSheet {
   Pattern pattern;   // outline and holes of the imported mesh, and the prescribed creases
   // the imported mesh, welded, at the first frame: pattern, x, triangles
   Sheet start;
+  AuthoredSurface authored;     // uv sets and materials of the imported mesh
   std::vector<Handle> handles;  // in order of the file
   // names of the handles that are released because their keyed scale falls below half
   std::set<std::string> scale_releases;

@@ -119,14 +119,22 @@ ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& 
       !accessors[index(attributes, "POSITION", accessors.size())].contains("bufferView"))
     throw Error(ErrorCode::scene, place, "The mesh is compressed (KHR_draco_mesh_compression).",
                 "Export it without compression.");
-  const std::vector<double> x = numbers("POSITION", 3), uv = numbers("TEXCOORD_0", 2);
+  const std::vector<double> x = numbers("POSITION", 3);
   ImportedMesh copy;
   copy.x = Eigen::Map<const Points3>(x.data(), static_cast<Eigen::Index>(x.size() / 3), 3);
-  copy.uv = Eigen::Map<const Points2>(uv.data(), static_cast<Eigen::Index>(uv.size() / 2), 2);
-  if (copy.uv.rows() > 0 && copy.uv.rows() != copy.x.rows())
-    refuse("a mesh does not have one uv for each vertex");
-  copy.uv.col(1) = 1 - copy.uv.col(1).array();  // glTF counts v downwards
-  if (!copy.x.allFinite() || !copy.uv.allFinite())
+  bool finite = copy.x.allFinite();
+  for (int n = 0; attributes.contains(fmt::format("TEXCOORD_{}", n)); ++n) {
+    const std::vector<double> uv = numbers(fmt::format("TEXCOORD_{}", n).c_str(), 2);
+    if (static_cast<Eigen::Index>(uv.size() / 2) != copy.x.rows())
+      refuse("a mesh does not have one uv for each vertex");
+    ImportedUvSet& set = copy.uv_sets.emplace_back();
+    // glTF has no names for them: these are those that Blender gives
+    set.name = n == 0 ? "UVMap" : fmt::format("UVMap.{:03}", n);
+    set.uv = Eigen::Map<const Points2>(uv.data(), static_cast<Eigen::Index>(uv.size() / 2), 2);
+    set.uv.col(1) = 1 - set.uv.col(1).array();  // glTF counts v downwards
+    finite = finite && set.uv.allFinite();
+  }
+  if (!finite)
     throw Error(ErrorCode::scene, place, "A vertex contains a value that is not a number.",
                 export_again);
   const std::vector<int> corners = corners_of(file, primitive, copy.x.rows());
@@ -138,6 +146,11 @@ ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& 
     copy.triangles.row(static_cast<Eigen::Index>(t)) << triangles[t][0], triangles[t][1],
         triangles[t][2];
   copy.deformed = !list(primitive, "targets").empty();
+  if (const Json& materials = list(file.json(), "materials"); primitive.contains("material")) {
+    const std::size_t i = index(primitive, "material", materials.size());
+    copy.materials = {gltf::name(materials, i, "materials")};
+    copy.material_of.assign(triangles.size(), 0);
+  }
   return copy;
 }
 

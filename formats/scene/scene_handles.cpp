@@ -230,7 +230,8 @@ void warn_of_groups(const SceneNodes& scene, const std::vector<HandleNode>& foun
 void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handles,
                        std::vector<std::string>& warnings) {
   const auto still = [](const Handle& handle) {
-    return (handle.keyed.rowwise() - handle.keyed.row(0)).cwiseAbs().maxCoeff() < 1e-9;
+    return handle.release_frame == std::numeric_limits<int>::max() &&  // a fall is a motion
+           (handle.keyed.rowwise() - handle.keyed.row(0)).cwiseAbs().maxCoeff() < 1e-9;
   };
   if (handles.empty() || !std::all_of(handles.begin(), handles.end(), still)) return;
   warnings.push_back(scene.file.takes.empty()

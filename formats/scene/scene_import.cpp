@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cstdint>
 #include <fstream>
+#include <string_view>
 
 namespace paperbake {
 namespace {
@@ -32,6 +33,28 @@ std::string lower_case_extension(const std::filesystem::path& path) {
   return extension;
 }
 
+/// A pointer of Git LFS, and text in a file that should be binary. `file` stays at its beginning.
+void refuse_text(const std::filesystem::path& path, const std::string& extension,
+                 std::istream& file) {
+  char head[64] = {};
+  file.read(head, sizeof head);
+  const std::string_view begin(head, static_cast<std::size_t>(file.gcount()));
+  file.clear();
+  file.seekg(0);
+  if (begin.rfind("version https://git-lfs.github.com/", 0) == 0)
+    reject(path, "This is a pointer of Git LFS, which stands for the file in a repository.",
+           "Fetch the file itself: git lfs pull.");
+  const bool text = std::all_of(begin.begin(), begin.end(), [](unsigned char c) {
+    return (c >= 32 && c != 127) || c == '\t' || c == '\n' || c == '\r';
+  });
+  if (extension != ".glb" || !text) return;
+  if (begin.find_first_not_of(" \t\r\n\xEF\xBB\xBF") != std::string_view::npos &&
+      begin[begin.find_first_not_of(" \t\r\n\xEF\xBB\xBF")] == '{')
+    return;  // glTF with the wrong ending
+  reject(path, begin.empty() ? "The file is empty." : "This is a text, not a GLB file.",
+         "Export the scene from the DCC as .glb.");
+}
+
 /// Reports what can be seen without the importer, in clearer words than it would.
 void check_file(const std::filesystem::path& path) {
   std::error_code error;
@@ -45,6 +68,7 @@ void check_file(const std::filesystem::path& path) {
            "Export the scene from the DCC as .fbx, .gltf or .glb.");
   std::ifstream file(path, std::ios::binary);
   if (!file) reject(path, "The file cannot be opened.", "Check its read permission.");
+  refuse_text(path, extension, file);
   const std::uintmax_t size = std::filesystem::file_size(path, error);
   unsigned char head[12] = {};
   if (extension != ".glb" || !file.read(reinterpret_cast<char*>(head), sizeof head)) return;

@@ -49,11 +49,20 @@ struct ImportedNode {
 /// Edges by the indices of their end vertices.
 using Edges = Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
+/// Texture coordinates of a mesh.
+struct ImportedUvSet {
+  std::string name;
+  Points2 uv;  // |V|x2, v up
+};
+
 /// A mesh in the space of its node.
 struct ImportedMesh {
-  Points3 x;   // |V|x3 in units of the file
-  Points2 uv;  // |V|x2, or empty
+  Points3 x;                           // |V|x3 in units of the file
+  std::vector<ImportedUvSet> uv_sets;  // in order of the file
   Triangles triangles;
+  std::vector<std::string> materials;  // names
+  // |T| of each triangle, in `materials`; -1: none. Empty without materials
+  std::vector<int> material_of;
   // |E|x2 edges that are marked as creases or belong to no face
   Edges creases;
   // it has bones or blend shapes, which are not followed

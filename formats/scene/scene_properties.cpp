@@ -17,11 +17,11 @@ namespace {
 // paper_uv, paper_locked, paper_weight, paper_interp and paper_tangent are accepted but have no
 // effect
 constexpr std::array known_properties = {
-    "paper_grab_frame", "paper_release_frame", "paper_mode",   "paper_radius",  "paper_target",
-    "paper_point",      "paper_stiffness",     "paper_ignore", "paper_preset",  "paper_gsm",
-    "paper_thickness",  "paper_seed",          "paper_fps",    "paper_gravity", "paper_size",
-    "paper_collider",   "paper_friction",      "paper_crease", "paper_uv",      "paper_locked",
-    "paper_weight",     "paper_interp",        "paper_tangent"};
+    "paper_grab_frame", "paper_release_frame", "paper_mode",    "paper_radius",  "paper_target",
+    "paper_point",      "paper_stiffness",     "paper_ignore",  "paper_preset",  "paper_gsm",
+    "paper_thickness",  "paper_seed",          "paper_fps",     "paper_gravity", "paper_size",
+    "paper_collider",   "paper_friction",      "paper_crease",  "paper_uv",      "paper_locked",
+    "paper_weight",     "paper_interp",        "paper_tangent", "paper_uv_sets"};
 
 const PropertyValue* find(const ImportedNode& node, const std::string& key) {
   const auto found = node.properties.find(key);

@@ -29,7 +29,7 @@ WeldedMesh combined_mesh(const ImportedFile& file, int node, const Eigen::Affine
   for (int m : file.nodes[node].meshes) {
     vertices += static_cast<int>(file.meshes[m].x.rows());
     triangles += static_cast<int>(file.meshes[m].triangles.rows());
-    has_uv = has_uv && file.meshes[m].uv.rows() > 0;
+    has_uv = has_uv && !file.meshes[m].uv_sets.empty();
   }
   WeldedMesh all{Points3(vertices, 3), Points2(has_uv ? vertices : 0, 2), Triangles(triangles, 3)};
   int v = 0, t = 0;
@@ -38,7 +38,7 @@ WeldedMesh combined_mesh(const ImportedFile& file, int node, const Eigen::Affine
     const int n = static_cast<int>(mesh.x.rows());
     all.x.middleRows(v, n) =
         (mesh.x * world.linear().transpose()).rowwise() + world.translation().transpose();
-    if (has_uv) all.uv.middleRows(v, n) = mesh.uv;
+    if (has_uv) all.uv.middleRows(v, n) = mesh.uv_sets.front().uv;
     all.triangles.middleRows(t, mesh.triangles.rows()) = mesh.triangles.array() + v;
     v += n;
     t += static_cast<int>(mesh.triangles.rows());
@@ -46,6 +46,45 @@ WeldedMesh combined_mesh(const ImportedFile& file, int node, const Eigen::Affine
   // a reflection reverses the winding; swapping corners keeps the front where the artist sees it
   if (world.linear().determinant() < 0) all.triangles.col(1).swap(all.triangles.col(2));
   return all;
+}
+
+/// The uv sets that all meshes of the node have, and the materials, of the triangles of
+/// combined_mesh.
+AuthoredSurface authored_on(const ImportedFile& file, int node, const WeldedMesh& all) {
+  const std::vector<int>& meshes = file.nodes[node].meshes;
+  std::size_t sets = meshes.empty() ? 0 : file.meshes[meshes.front()].uv_sets.size();
+  for (const int m : meshes) sets = std::min(sets, file.meshes[m].uv_sets.size());
+  AuthoredSurface authored;
+  for (std::size_t n = 0; n < sets; ++n) {
+    Points2 of_vertices(all.x.rows(), 2);
+    int v = 0;
+    for (const int m : meshes) {
+      const Points2& uv = file.meshes[m].uv_sets[n].uv;
+      of_vertices.middleRows(v, uv.rows()) = uv;
+      v += static_cast<int>(uv.rows());
+    }
+    AuthoredSurface::UvSet& set = authored.uv_sets.emplace_back();
+    set.name = file.meshes[meshes.front()].uv_sets[n].name;
+    set.uv.resize(all.triangles.size(), 2);
+    for (Eigen::Index t = 0; t < all.triangles.rows(); ++t)
+      for (int k = 0; k < 3; ++k) set.uv.row(3 * t + k) = of_vertices.row(all.triangles(t, k));
+  }
+  const auto number_of = [&](const std::string& name) {
+    const auto known = std::find(authored.materials.begin(), authored.materials.end(), name);
+    if (known == authored.materials.end()) authored.materials.push_back(name);
+    return static_cast<int>(std::find(authored.materials.begin(), authored.materials.end(), name) -
+                            authored.materials.begin());
+  };
+  for (const int m : meshes) {
+    const ImportedMesh& mesh = file.meshes[m];
+    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t) {
+      const int material = mesh.material_of.empty() ? -1 : mesh.material_of[t];
+      const bool named = material >= 0 && !mesh.materials[material].empty();
+      authored.material_of.push_back(named ? number_of(mesh.materials[material]) : -1);
+    }
+  }
+  if (authored.materials.empty()) authored.material_of.clear();
+  return authored;
 }
 
 double size_of(const Points3& x) {
@@ -347,6 +386,9 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
   sheet.start.v = Points3::Zero(mesh.x.rows(), 3);
   sheet.start.triangles = mesh.triangles;
   sheet.from_uv = from_uv;
+  sheet.authored = authored_on(file, node, all);  // welding keeps the triangles and their order
+  sheet.authored.pattern = sheet.start.pattern;
+  sheet.authored.triangles = sheet.start.triangles;
   return sheet;
 }
 

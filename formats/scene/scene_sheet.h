@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/authored_surface.h"
 #include "core/model/pattern.h"
 #include "core/model/sheet.h"
 #include "formats/scene/scene_nodes.h"
@@ -17,6 +18,7 @@ struct FlatSheet {
   // the welded mesh in the world, with zero velocity; its front is that of the pattern
   Sheet start;
   bool from_uv = false;  // else unrolled
+  AuthoredSurface authored;
 };
 
 /// Outline and holes of a flat mesh, without the border vertices that lie on a straight line within

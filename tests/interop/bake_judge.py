@@ -33,7 +33,7 @@ class Cache:
     positions: list  # |V|x3 [m] of each frame, z up
     corners: list  # vertices of the faces of each frame, in a row
     sizes: list  # corners of each face of each frame
-    corner_uv: numpy.ndarray  # of the first frame
+    corner_uv: numpy.ndarray  # of the uv set "pattern", first frame
     corner_normals: numpy.ndarray  # of the last frame
 
 
@@ -59,7 +59,7 @@ def read_with_alembic(path, fps):
     sampling = schema.getTimeSampling()
     times = [sampling.getSampleTime(i) for i in range(schema.getNumSamples())]
     samples = [schema.getValue(selector(time)) for time in times]
-    uv = schema.getUVsParam().getExpandedValue(selector(times[0])).getVals()
+    uv = AbcGeom.IV2fGeomParam(schema.getArbGeomParams(), "pattern").getExpandedValue(selector(times[0])).getVals()
     return Cache(xform.getName(), times, [numpy.array(z_up(s.getPositions())) for s in samples],
                  [numpy.array(s.getFaceIndices()) for s in samples], [numpy.array(s.getFaceCounts()) for s in samples],
                  numpy.array([(p.x, p.y) for p in uv]), corner_normals(schema, times[-1], samples[-1]))
@@ -84,7 +84,7 @@ def read_with_blender(path, fps):
         cache.corners.append(integers(mesh.loops, "vertex_index"))
         cache.sizes.append(integers(mesh.polygons, "loop_total"))
         if cache.corner_uv is None:
-            cache.corner_uv = floats(mesh.uv_layers.active.uv, "vector", 2)
+            cache.corner_uv = floats(mesh.uv_layers["pattern"].uv, "vector", 2)
         cache.corner_normals = floats(mesh.corner_normals, "vector", 3)
         evaluated.to_mesh_clear()
     return cache

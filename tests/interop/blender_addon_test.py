@@ -35,7 +35,7 @@ def test_zip_installs(judgement):
     paths = [subprocess.run([sys.executable, "-B", str(ADDON / "make_zip.py"), str(FOLDER / name)], capture_output=True, text=True, check=True).stdout.strip()
              for name in ("one", "two")]
     judgement.check(pathlib.Path(paths[0]).read_bytes() == pathlib.Path(paths[1]).read_bytes(), "the zip has other bytes the second time")
-    version = subprocess.run([str(PROGRAM), "--version"], capture_output=True, text=True, check=True).stdout.split()[-1]
+    version = subprocess.run([str(PROGRAM), "--version"], capture_output=True, text=True, check=True).stdout.split()[1]
     judgement.check(pathlib.Path(paths[0]).name == f"paperbake_blender-{version}.zip", f"{paths[0]} is not of version {version}")
     with heard():
         bpy.ops.wm.read_factory_settings()
@@ -229,6 +229,44 @@ def test_centimetres(judgement):
         cache = read_with_alembic(FOLDER / "centimetres" / "paperbake" / "centimetres.abc", FPS)
         judgement.near(found, 100 * cache.positions[-1], "positions", "centimetres")
         judgement.check(8 < numpy.ptp(found[:, 0]) < 11, f"the paper is {numpy.ptp(found[:, 0])} units wide")
+
+
+def test_what_was_made_stays(judgement):
+    """A printed sheet with two materials and its own uv maps: the paper wears them, and a bake after a new print too."""
+    scene, sheet = new_scene("printed")
+    mesh = sheet.data
+    mesh.uv_layers[0].name = "Print"
+    mesh.uv_layers.new(name="Stamp")
+    for name in ("Front page", "Unused"):
+        mesh.materials.append(bpy.data.materials.new(name))
+    for layer, scale in (("Print", 1.0), ("Stamp", 3.0)):
+        for loop, place_ in zip(mesh.loops, mesh.uv_layers[layer].data):
+            corner = mesh.vertices[loop.vertex_index].co
+            place_.uv = scale * (corner.x / SIDES[0] + 0.5), scale * (corner.y / SIDES[1] + 0.5)
+    sheet["title"] = "Daily"
+    mark_and_hold(Judgement(), scene, sheet)
+    result, said = report(bpy.ops.paperbake.bake)
+    if not judgement.check(result == {"FINISHED"}, f"a printed sheet: it says {said}"):
+        return
+    paper = scene.objects["baked.paper.Letter"]
+    layers = {layer.name: floats(layer.uv, "vector", 2) for layer in paper.data.uv_layers}
+    judgement.check(list(layers) == ["Print", "Stamp", "pattern"], f"the paper's uv maps are {list(layers)}")
+    pattern = layers["pattern"] * max(SIDES)
+    judgement.near(layers["Print"], pattern / SIDES, "uvs", "Print", 2e-6)
+    judgement.near(layers["Stamp"], 3 * pattern / SIDES, "uvs", "Stamp", 6e-6)
+    judgement.check(paper.data.uv_layers["Print"].active_render, "another uv map than the sheet's is rendered")
+    judgement.check([slot.material.name for slot in paper.material_slots] == ["Front page"], f"materials are {[s.material and s.material.name for s in paper.material_slots]}")
+    judgement.check(len([m for m in bpy.data.materials if m.name.startswith("Front page")]) == 1, "the material was copied")
+    judgement.check(paper.get("title") == "Daily" and "paper_uv_sets" not in sheet and "paper_preset" not in paper, "custom properties do not come along as they should")
+    creases = bpy.data.materials["baked.paper.Letter"]
+    uses = {node.uv_map for node in creases.node_tree.nodes if node.type == "UVMAP"}
+    judgement.check(uses == {"pattern"}, f"the material of the creases reads the uv maps {uses}")
+    scene.paperbake.quality = "shot"
+    report(bpy.ops.paperbake.bake)
+    paper = scene.objects["baked.paper.Letter"]
+    judgement.check([slot.material.name for slot in paper.material_slots] == ["Front page"] and [layer.name for layer in paper.data.uv_layers] == list(layers),
+                    "the second bake changes materials or uv maps")
+    judgement.count("printed sheets", 1)
 
 
 def expect_error(judgement, what, *fragments):
@@ -428,7 +466,7 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+        for test in (test_bake, test_what_was_made_stays, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))

@@ -50,7 +50,8 @@ def judge_frame(judgement, mesh, frame, code, where):
     if "normal" in frame:
         judgement.near(z_up(mesh.GetNormalsAttr().Get(code)), frame["normal"], "normals", where)
     if "uv" in frame:
-        judgement.near(UsdGeom.PrimvarsAPI(mesh).GetPrimvar("st").Get(code), frame["uv"], "uvs", where)
+        for name in ("st", "pattern"):  # the caches that are judged here have no other uv
+            judgement.near(UsdGeom.PrimvarsAPI(mesh).GetPrimvar(name).Get(code), frame["uv"], "uvs", where)
     faces = numpy.asarray(mesh.GetFaceVertexIndicesAttr().Get(code)).reshape(-1, 3)
     judgement.check(numpy.array_equal(faces, frame["triangles"]), f"{where}: faces are not the counter-clockwise triangles")
     judgement.count("faces", len(faces))

@@ -62,7 +62,11 @@ TEST(ImportSerialization, InvalidContentIsRefused) {
   EXPECT_TRUE(refused([](ImportedFile& f) { f.nodes[1].local(0, 3) = NAN; }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].triangles(0, 0) = 9; }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].x(0, 0) = INFINITY; }));
-  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].uv.conservativeResize(8, 2); }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].uv_sets[0].uv.conservativeResize(8, 2); }));
+  EXPECT_TRUE(refused([](ImportedFile& f) { f.meshes[0].material_of = {0}; }));
+  EXPECT_TRUE(refused([](ImportedFile& f) {
+    f.meshes[0].material_of.assign(f.meshes[0].triangles.rows(), 0);  // there is none
+  }));
   EXPECT_TRUE(refused([](ImportedFile& f) { f.takes[0].motions[3]; }));
   EXPECT_TRUE(
       refused([](ImportedFile& f) { f.takes[0].motions.at(2).translation.keys[1].time = -1; }));

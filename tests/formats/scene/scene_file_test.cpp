@@ -169,5 +169,44 @@ TEST(SceneFile, TracksNeedNoSheet) {
   EXPECT_NEAR((tracks.positions[1].row(1) - Eigen::RowVector3d(1, 0.1, 1)).norm(), 0, 1e-7);
 }
 
+TEST(SceneFile, AMeshWhoseNameGoesOnAsAnotherWordIsIgnoredWhenItIsNoSheet) {
+  test::FlatMesh box = test::grid(1, 1, 0.05, 0.05);  // closed: a front and a back
+  box.uv.clear();
+  box.x[3].z() = 0.01;
+  box.corners = {0, 1, 3, 0, 3, 2, 0, 3, 1, 0, 2, 3};
+  test::HeldSheet with_prop;
+  with_prop.mesh("Paperclip", box);
+  const Scene scene = read_scene(with_prop.write("clip.gltf"));
+  ASSERT_EQ(scene.sheets.size(), 1u);
+  EXPECT_TRUE(test::has_warning(scene, "\"Paperclip\" is ignored"));
+  test::HeldSheet sheet_alone(test::grid(2, 2, 0.1, 0.1), "{}", "{}", 1, "Paperclip");
+  EXPECT_EQ(read_scene(sheet_alone.write("named.gltf")).sheets.size(), 1u) << "it is a sheet";
+  test::HeldSheet prop_alone(box, "{}", "{}", 1, "Paperclip");
+  EXPECT_NE(test::error_of(prop_alone.write("alone.gltf")).find("its name begins with \"paper\""),
+            std::string::npos);
+  test::HeldSheet ignored;
+  ignored.mesh("paper.solid", box, R"({"paper_ignore":true})");
+  EXPECT_EQ(read_scene(ignored.write("ignored.gltf")).sheets.size(), 1u);
+}
+
+TEST(SceneFile, UvSetsAndCustomPropertiesOfTheSheetAreRead) {
+  test::HeldSheet held(test::grid(2, 2, 0.2, 0.1),
+                       R"({"paper_uv_sets":"Print","title":"Daily","edition":3,"paper_gsm":80})");
+  const Scene scene = read_scene(held.write("printed.gltf"));
+  const AuthoredSurface& authored = scene.sheets.at(0).authored;
+  ASSERT_EQ(authored.uv_sets.size(), 1u);
+  EXPECT_EQ(authored.uv_sets[0].name, "Print");
+  ASSERT_EQ(authored.uv_sets[0].uv.rows(), 3 * authored.triangles.rows());
+  for (Eigen::Index t = 0; t < authored.triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k)
+      EXPECT_LT((authored.uv_sets[0].uv.row(3 * t + k) -
+                 authored.pattern.row(authored.triangles(t, k)) / 0.2)
+                    .norm(),
+                1e-6);
+  EXPECT_EQ(authored.properties.size(), 2u);
+  EXPECT_EQ(std::get<std::string>(authored.properties.at("title")), "Daily");
+  EXPECT_EQ(std::get<double>(authored.properties.at("edition")), 3);
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -1,0 +1,178 @@
+#include "core/geometry/surface_transfer.h"
+
+#include "core/geometry/point_location.h"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace paperbake {
+namespace {
+
+// of the largest uv: corners that differ by less are one
+constexpr double same_uv = 1e-6;
+
+double tolerance_of(const Points2& uv) {
+  return same_uv * std::max(1.0, uv.size() > 0 ? uv.cwiseAbs().maxCoeff() : 0.0);
+}
+
+/// The two triangles beside an inner edge, and which of their corners are its ends.
+struct Beside {
+  int triangle[2], at_a[2], at_b[2];
+};
+
+std::vector<Beside> inner_edges(const Triangles& triangles) {
+  std::map<std::pair<int, int>, std::pair<int, int>> left;  // triangle and its corner at the start
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k) left[{triangles(t, k), triangles(t, (k + 1) % 3)}] = {t, k};
+  std::vector<Beside> found;
+  for (const auto& [edge, first] : left) {
+    if (edge.first > edge.second) continue;
+    const auto second = left.find({edge.second, edge.first});
+    if (second == left.end()) continue;
+    const auto [t, k] = first;
+    const auto [u, j] = second->second;
+    found.push_back({{t, u}, {k, (j + 1) % 3}, {(k + 1) % 3, j}});
+  }
+  return found;
+}
+
+/// Whether a uv set has one value on both sides of an edge.
+bool agrees(const AuthoredSurface::UvSet& set, const Beside& e) {
+  const double near = tolerance_of(set.uv);
+  const auto same = [&](const int(&corner)[2]) {
+    return (set.uv.row(3 * e.triangle[0] + corner[0]) - set.uv.row(3 * e.triangle[1] + corner[1]))
+               .norm() <= near;
+  };
+  return same(e.at_a) && same(e.at_b);
+}
+
+/// Where the corners of the triangles of another mesh lie on the authored one. A corner on an edge
+/// of that lies on the side of its own triangle.
+struct CornerPlaces {
+  std::vector<MeshPoint> corners;  // 3|T|
+  std::vector<int> centres;        // |T| authored triangle at the centre
+};
+
+/// Barycentric coordinates of p in a triangle, also outside it.
+Vector3d weights_in(const AuthoredSurface& authored, int triangle, const Vector2d& p) {
+  const auto corner = [&](int k) {
+    return Vector2d(authored.pattern.row(authored.triangles(triangle, k)));
+  };
+  const Vector2d a = corner(1) - corner(0), b = corner(2) - corner(0), d = p - corner(0);
+  const double area = a.x() * b.y() - a.y() * b.x();
+  const double u = (d.x() * b.y() - d.y() * b.x()) / area,
+               v = (a.x() * d.y() - a.y() * d.x()) / area;
+  return {1 - u - v, u, v};
+}
+
+CornerPlaces places_on(const AuthoredSurface& authored, const Points2& pattern,
+                       const Triangles& triangles) {
+  constexpr double inwards = 1e-4;  // of the way to the centre
+  constexpr double on_edge =
+      1e-6;  // of the authored triangle: the point is on its border or inside
+  const PointLocator locator(authored.pattern, authored.triangles);
+  CornerPlaces places;
+  for (int t = 0; t < triangles.rows(); ++t) {
+    Vector2d centre(0, 0);
+    for (int k = 0; k < 3; ++k) centre += pattern.row(triangles(t, k)).transpose() / 3;
+    places.centres.push_back(locator.locate(centre).triangle);
+    for (int k = 0; k < 3; ++k) {
+      const Vector2d p = pattern.row(triangles(t, k));
+      const int beside = locator.locate(p + inwards * (centre - p)).triangle;
+      const Vector3d weights = weights_in(authored, beside, p);
+      places.corners.push_back(weights.minCoeff() > -on_edge ? MeshPoint{beside, weights}
+                                                             : locator.locate(p));
+    }
+  }
+  return places;
+}
+
+MeshSurface::UvSet on_corners(const AuthoredSurface::UvSet& set, const CornerPlaces& places,
+                              const Triangles& triangles) {
+  const double near = tolerance_of(set.uv);
+  MeshSurface::UvSet found{set.name, Points2(), Triangles(triangles.rows(), 3)};
+  std::vector<Vector2d> values;
+  std::map<int, std::vector<int>> of_vertex;  // rows of values
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int k = 0; k < 3; ++k) {
+      const MeshPoint& place = places.corners[3 * static_cast<std::size_t>(t) + k];
+      const Vector2d uv = set.uv.middleRows<3>(3 * place.triangle).transpose() * place.weights;
+      std::vector<int>& known = of_vertex[triangles(t, k)];
+      const auto same = std::find_if(known.begin(), known.end(),
+                                     [&](int row) { return (values[row] - uv).norm() <= near; });
+      if (same == known.end()) {
+        known.push_back(static_cast<int>(values.size()));
+        values.push_back(uv);
+        found.of_corner(t, k) = known.back();
+      } else {
+        found.of_corner(t, k) = *same;
+      }
+    }
+  found.uv.resize(static_cast<Eigen::Index>(values.size()), 2);
+  for (std::size_t i = 0; i < values.size(); ++i)
+    found.uv.row(static_cast<Eigen::Index>(i)) = values[i];
+  return found;
+}
+
+/// Segments of the same mesh, with those joined that go on straight at a vertex of no other one.
+std::vector<std::pair<int, int>> joined(std::vector<std::pair<int, int>> segments,
+                                        const Points2& pattern) {
+  constexpr double straight = 1e-6;  // [rad]
+  std::map<int, std::vector<std::size_t>> at;
+  for (std::size_t s = 0; s < segments.size(); ++s)
+    for (const int v : {segments[s].first, segments[s].second}) at[v].push_back(s);
+  for (auto& [v, meeting] : at) {
+    if (meeting.size() != 2) continue;
+    auto &first = segments[meeting[0]], &second = segments[meeting[1]];
+    const int a = first.first == v ? first.second : first.first,
+              b = second.first == v ? second.second : second.first;
+    const Vector2d in = (pattern.row(v) - pattern.row(a)).normalized(),
+                   out = (pattern.row(b) - pattern.row(v)).normalized();
+    if (in.dot(out) < 0 || std::abs(in.x() * out.y() - in.y() * out.x()) > straight) continue;
+    std::vector<std::size_t>& at_b = at[b];
+    std::replace(at_b.begin(), at_b.end(), meeting[1], meeting[0]);
+    first = {a, b};
+    second = {-1, -1};
+  }
+  segments.erase(std::remove(segments.begin(), segments.end(), std::pair(-1, -1)), segments.end());
+  return segments;
+}
+
+}  // namespace
+
+std::vector<std::pair<Vector2d, Vector2d>> seams(const AuthoredSurface& authored) {
+  std::vector<std::pair<int, int>> edges;
+  for (const Beside& e : inner_edges(authored.triangles)) {
+    const bool one_material =
+        authored.material_of.empty() ||
+        authored.material_of[e.triangle[0]] == authored.material_of[e.triangle[1]];
+    if (one_material &&
+        std::all_of(authored.uv_sets.begin(), authored.uv_sets.end(),
+                    [&](const AuthoredSurface::UvSet& set) { return agrees(set, e); }))
+      continue;
+    edges.emplace_back(authored.triangles(e.triangle[0], e.at_a[0]),
+                       authored.triangles(e.triangle[0], e.at_b[0]));
+  }
+  std::vector<std::pair<Vector2d, Vector2d>> found;
+  for (const auto& [a, b] : joined(std::move(edges), authored.pattern))
+    found.emplace_back(authored.pattern.row(a), authored.pattern.row(b));
+  return found;
+}
+
+MeshSurface surface_on(const AuthoredSurface& authored, const Points2& pattern,
+                       const Triangles& triangles) {
+  MeshSurface found;
+  found.materials = authored.materials;
+  found.properties = authored.properties;
+  if (authored.uv_sets.empty() && authored.material_of.empty()) return found;
+  const CornerPlaces places = places_on(authored, pattern, triangles);
+  for (const AuthoredSurface::UvSet& set : authored.uv_sets)
+    found.uv_sets.push_back(on_corners(set, places, triangles));
+  if (!authored.material_of.empty())
+    for (const int triangle : places.centres)
+      found.material_of.push_back(authored.material_of[triangle]);
+  return found;
+}
+
+}  // namespace paperbake
