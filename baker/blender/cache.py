@@ -1,4 +1,6 @@
-"""Brings a baked cache back: one object a sheet in the collection "Paper", and the sheet itself out of sight."""
+"""Brings a baked cache back: one object a sheet in the collection "Paper", and the sheet itself out of sight.
+
+It wears what the sheet wears: its uv maps and materials, face by face. The uv map `pattern` is that of the crease maps."""
 
 import collections
 import os
@@ -60,12 +62,16 @@ def replaced(old, new):
         modifier = old.modifiers.new(fresh.name, "MESH_SEQUENCE_CACHE")
         old.modifiers.move(len(old.modifiers) - 1, 0)
     stale_mesh, stale_cache = old.data, modifier.cache_file
+    worn = [slot.material for slot in old.material_slots]
     modifier.cache_file, modifier.object_path, modifier.read_data = fresh.cache_file, fresh.object_path, fresh.read_data
     new_mesh = new.data
     bpy.data.objects.remove(new)
-    for slot in stale_mesh.materials:
-        new_mesh.materials.append(slot)  # an object has as many slots as its mesh
+    while len(new_mesh.materials) < len(stale_mesh.materials):
+        new_mesh.materials.append(None)  # an object has as many slots as its mesh
     old.data = new_mesh
+    for slot, material in zip(old.material_slots, worn):
+        if material:  # what the artist gave to the paper stays
+            slot.material = material
     if not stale_mesh.users:
         bpy.data.meshes.remove(stale_mesh)
     remove_unused(stale_cache)
@@ -88,15 +94,40 @@ def placed(scene, thing, cached):
     return thing
 
 
+def as_the_sheet(scene, thing, cached):
+    """The sheet's materials, uv maps and custom properties: those of the cache have the same order, and names that glTF may have changed."""
+    sheet = scene.objects.get(cached.sheet)
+    if not sheet or sheet.type != "MESH":
+        return
+    worn = [slot.material for slot in sheet.material_slots if slot.material]
+    for slot in thing.material_slots:
+        if slot.material and slot.link == "DATA":
+            slot.material = next((own for own in worn if own.name == slot.material.name), slot.material)
+    layers = thing.data.uv_layers
+    for layer, own in zip(layers, sheet.data.uv_layers):
+        if own.active_render:
+            layer.active_render, layers.active = True, layer
+    for name, value in sheet.items():
+        if name not in thing and not name.startswith("paper") and isinstance(value, (bool, int, float, str)):
+            thing[name] = value
+
+
 def dress(scene, thing, cached):
-    """Its material, on the object's slot, so that it stays when the mesh is another one. A material of the artist's stays too."""
+    """The materials of the sheet; where it has none, the one that shows the creases. They are on the object's slots, so that they stay when
+    the mesh is another one, and a material that the artist gives to the paper stays too."""
     own = f"{names.BAKED}.{cached.sheet}"
+    as_the_sheet(scene, thing, cached)
     if not thing.material_slots:
         thing.data.materials.append(None)
+    for slot in thing.material_slots:
+        kept = slot.material
+        slot.link = "OBJECT"
+        slot.material = slot.material or kept
     slot = thing.material_slots[0]
-    slot.link = "OBJECT"
     if slot.material is None or slot.material.name == own:
         slot.material = material.build(scene, own, cached.picture, cached.last, cached.side)
+    elif cached.picture:
+        material.build(scene, own, cached.picture, cached.last, cached.side).use_fake_user = True  # for who wants the creases of the map
 
 
 def hide_sheet(scene, name):

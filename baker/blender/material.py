@@ -8,6 +8,7 @@ FIBRE_SIZE = 4e-4       # [m]
 APPEARS_IN = 0.1        # [s]
 PAPER = (0.83, 0.82, 0.79, 1)
 CLOCK = "seconds to the end"
+PATTERN = "pattern"  # the uv map of the crease maps
 WORN = (0.90, 0.895, 0.88, 1)  # broken fibres scatter more
 
 
@@ -53,6 +54,7 @@ def seconds_to_the_end(graph, column, scene, last):
 def creases_of_map(graph, scene, image, last):
     """(signed height, strength) in [-1, 1], [0, 1]: creases of the picture that have appeared by now."""
     picture = graph.node("ShaderNodeTexImage", 1, image=image, extension="EXTEND")
+    graph.feed(picture.inputs["Vector"], graph.node("ShaderNodeUVMap", 0, uv_map=PATTERN).outputs[0])
     split = graph.node("ShaderNodeSeparateColor", 2)
     graph.feed(split.inputs[0], picture.outputs["Color"])
     older = graph.math(3, "SUBTRACT", split.outputs[1], seconds_to_the_end(graph, 2, scene, last))
@@ -78,7 +80,7 @@ def bump(graph, scene, height, side):
     for name, value in (("Height", signed), ("Strength", 1.0), ("Distance", CREASE_HEIGHT / unit)):
         graph.feed(creases.inputs[name], value)
     fibres = graph.node("ShaderNodeTexNoise", 7)
-    for name, value in (("Vector", graph.node("ShaderNodeUVMap", 6).outputs[0]), ("Scale", side / FIBRE_SIZE), ("Detail", 3.0)):
+    for name, value in (("Vector", graph.node("ShaderNodeUVMap", 6, uv_map=PATTERN).outputs[0]), ("Scale", side / FIBRE_SIZE), ("Detail", 3.0)):
         graph.feed(fibres.inputs[name], value)
     both = graph.node("ShaderNodeBump", 9)
     for name, value in (("Height", fibres.outputs[0]), ("Strength", 1.0), ("Distance", FIBRE_HEIGHT / unit), ("Normal", creases.outputs[0])):
@@ -110,9 +112,13 @@ def refresh(material, scene, last):
     for curve in tree.animation_data.drivers if tree.animation_data else ():
         if curve.data_path == f'nodes["{CLOCK}"].outputs[0].default_value':
             curve.driver.expression = clock_expression(scene, last)
-    for node in tree.nodes:
+    for node in list(tree.nodes):
         if node.type == "TEX_IMAGE" and node.image:
             node.image.reload()
+            if not node.inputs["Vector"].is_linked:  # of a version in which the paper had one uv map only
+                place = tree.nodes.new("ShaderNodeUVMap")
+                place.uv_map, place.location = PATTERN, (node.location.x - 220, node.location.y)
+                tree.links.new(place.outputs[0], node.inputs["Vector"])
 
 
 def build(scene, name, picture, last, side):

@@ -107,7 +107,8 @@ class Process:
         self.cancelled = False
         self.last = None      # the newest line of progress: {"frame", "pass", "done", "frames", "seconds_left", ...}
         self.fraction = 0.0   # [0, 1]
-        self.messages = []    # warnings and missed gates
+        self.messages = []    # warnings and remarks
+        self.gates = []       # missed ones
         self.error = ""       # what it said when it failed
 
     def _read(self):
@@ -120,9 +121,12 @@ class Process:
         except ValueError:
             self.error += line
             return
-        if "message" in said:
+        kind = said.get("type")
+        if kind == "gate":
+            self.gates.append(said["message"])
+        elif "message" in said:
             self.messages.append(said["message"])
-        elif said.get("frames"):
+        elif kind == "frame":
             passes = {"simulated": 0.0, "rendered": 0.5}
             self.last, self.fraction = said, passes.get(said["pass"], 0.0) + 0.5 * said["done"] / said["frames"]
 
@@ -172,8 +176,9 @@ def outcome(code, process, summary, fresh):
         left = "its files end there" if code == STOPPED and fresh else "what was baked before is still there"
         return Outcome("WARNING", f"The bake was cancelled{reached}; {left}.", False)
     if code == GATE_MISSED:
-        missed = summary.get("gates_missed") or [message.removeprefix("gate missed: ") for message in process.messages]
-        return Outcome("WARNING", "Baked, but less well than asked for: " + " ".join(missed), fresh)
+        missed = summary.get("gates_missed") or process.gates
+        # what was warned of beforehand explains what was missed
+        return Outcome("WARNING", " ".join([*process.messages, "Baked, but less well than asked for:", *missed]), fresh)
     if code == 0:
         worst = summary.get("stretch_mean_pct", {}).get("max", 0.0)
         said = f" {' '.join(process.messages)}" if process.messages else ""

@@ -83,17 +83,30 @@ def clock(scene, last):
 
 
 @contextlib.contextmanager
-def frame_rate_on(thing, fps):
-    """glTF has no frame rate: a property of an object carries it."""
-    before = thing.get("paper_fps")
-    thing["paper_fps"] = fps
+def told(thing, **properties):
+    """The properties on the object: they carry what glTF has no place for, as the frame rate and the names of uv maps."""
+    before = {name: thing.get(name) for name in properties}
+    for name, value in properties.items():
+        thing[name] = value
     try:
         yield
     finally:
-        if before is None:
-            del thing["paper_fps"]
-        else:
-            thing["paper_fps"] = before
+        for name, value in before.items():
+            if value is None:
+                del thing[name]
+            else:
+                thing[name] = value
+
+
+@contextlib.contextmanager
+def all_told(scene):
+    """On every sheet the names of its uv maps, and on the first the frame rate."""
+    sheets = names.of_role(scene, names.SHEET)
+    with contextlib.ExitStack() as stack:
+        for sheet in sheets:
+            stack.enter_context(told(sheet, paper_uv_sets="\n".join(layer.name for layer in sheet.data.uv_layers)))
+        stack.enter_context(told(sheets[0], paper_fps=frames_per_second(scene)))
+        yield
 
 
 def frames_per_second(scene):
@@ -117,12 +130,12 @@ def write(scene, path, last):
     if bpy.context.object and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     things = relevant(scene)
-    with shown(scene, things) as collection, clock(scene, last), frame_rate_on(names.of_role(scene, names.SHEET)[0], fps):
+    with shown(scene, things) as collection, clock(scene, last), all_told(scene):
         try:
             bpy.ops.export_scene.gltf(
                 filepath=path, export_format="GLB", collection=collection.name, export_extras=True, export_yup=True,
                 export_current_frame=True,  # the sheet as it is at the first frame
-                export_apply=True, export_normals=False, export_materials="NONE", export_morph=False, export_skins=True,
+                export_apply=True, export_normals=False, export_materials="EXPORT", export_image_format="NONE", export_morph=False, export_skins=True,
                 export_animations=True, export_animation_mode="SCENE", export_anim_scene_split_object=False, export_force_sampling=True,
                 export_frame_range=True, export_frame_step=1, export_anim_slide_to_zero=False, export_optimize_animation_size=False,
                 export_optimize_animation_keep_anim_object=True, export_optimize_animation_keep_anim_armature=True)
