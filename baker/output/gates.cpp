@@ -111,7 +111,71 @@ void review_crossings(const std::vector<FrameRecord>& frames, Review& review) {
       pairs("rendered triangles of two sheets"));
 }
 
+/// The handle that the paper could follow least, if one is known.
+std::string worst_jam(const FrameRecord& f) {
+  const auto worst =
+      std::max_element(f.jammed.begin(), f.jammed.end(),
+                       [](const Jam& a, const Jam& b) { return a.off_mm < b.off_mm; });
+  return worst == f.jammed.end() ? "" : fmt::format(" (\"{}\" is jammed)", worst->handle);
+}
+
+bool contains(const std::string& text, const char* words) {
+  return text.find(words) != std::string::npos;
+}
+
+// What sentences about missed gates have in common, by what they are about.
+constexpr const char *of_lengths[] = {"mean stretch", "an edge"}, *of_handles = "a handle is off",
+                     *of_crossings = "pass through each other",
+                     *of_colliders = "inside the collider",
+                     *of_impossible = "ask for more than paper can reach";
+
 }  // namespace
+
+std::vector<std::string> good_news(const std::vector<FrameRecord>& frames,
+                                   const std::vector<std::string>& missed) {
+  const auto none_about = [&](const char* words) {
+    return std::none_of(missed.begin(), missed.end(),
+                        [&](const std::string& sentence) { return contains(sentence, words); });
+  };
+  double mean = 0, handle = 0;
+  bool colliders = false;
+  for (const FrameRecord& f : frames) {
+    const FrameStatistics& s = f.statistics;
+    mean = std::max(mean, s.render ? s.render->stretch_mean : s.stretch_mean);
+    handle = std::max(handle, s.handle_error_max);
+    colliders = colliders || s.on_colliders > 0;
+  }
+  std::vector<std::string> good;
+  if (frames.empty()) return good;
+  if (none_about(of_lengths[0]) && none_about(of_lengths[1]))
+    good.push_back(
+        fmt::format("The paper keeps its size: lengths are wrong by {:.2g} % on average "
+                    "in the worst frame.",
+                    100 * mean));
+  if (none_about(of_handles))
+    good.push_back(fmt::format("Handles are where they were keyed, to {:.2g} mm.", 1e3 * handle));
+  if (none_about(of_crossings)) good.push_back("No layer passes through another.");
+  if (colliders && none_about(of_colliders)) good.push_back("The paper stays out of colliders.");
+  return good;
+}
+
+std::string advice(const std::string& missed) {
+  if (contains(missed, of_impossible))
+    return "Bring these handles closer to each other, or accept that the paper follows them as far "
+           "as it can.";
+  if (contains(missed, of_colliders))
+    return "Move the collider away from where the paper begins, move it more slowly, or bake with "
+           "more --base-triangles.";
+  if (contains(missed, of_crossings))
+    return "Move the handles more slowly in these frames, or bake with more --base-triangles.";
+  if (contains(missed, of_handles))
+    return "Something is in the way of the paper there, or there is too little of it: move the "
+           "handles less far or more slowly; cert/handles.csv says which.";
+  if (contains(missed, of_lengths[0]) || contains(missed, of_lengths[1]))
+    return "The paper could not follow: move the handles more slowly there. If it is so from the "
+           "first frame on, mark the creases of the folded sheet, or move away what stands in it.";
+  return "";
+}
 
 std::vector<std::string> missed_gates(const Gates& gates, const std::vector<FrameRecord>& frames,
                                       const BakePlan& plan) {
@@ -119,9 +183,9 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
   review_lengths(gates, review);
   review.check(
       gates.handle_err_mm, [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
-      [&](const FrameRecord&, double value) {
-        return fmt::format("a handle is off by {:.2f} mm, more than {:g} mm", value,
-                           gates.handle_err_mm);
+      [&](const FrameRecord& f, double value) {
+        return fmt::format("a handle is off by {:.2f} mm, more than {:g} mm{}", value,
+                           gates.handle_err_mm, worst_jam(f));
       });
   review_crossings(frames, review);
   review.check(

@@ -20,6 +20,14 @@ struct Gates {
   double inside_mm = 0.1;
 };
 
+/// What is good about a bake, in words for an artist: of everything that gates judge and that none
+/// of the sentences about missed ones is about.
+std::vector<std::string> good_news(const std::vector<FrameRecord>&,
+                                   const std::vector<std::string>& missed);
+
+/// What to do about a missed gate, by its sentence; empty where nothing is known.
+std::string advice(const std::string& missed);
+
 /// One sentence for each gate that was missed, with its worst frame. Empty: none was.
 std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&,
                                       const BakePlan&);

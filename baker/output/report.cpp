@@ -2,6 +2,7 @@
 
 #include "baker/job/version.h"
 #include "baker/output/frame_curves.h"
+#include "baker/output/gates.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -108,6 +109,14 @@ Json sheet_json(const Sheet& sheet) {
           {"frames", shown}};
 }
 
+/// Each missed gate with what to do about it.
+Json missed_json(const std::vector<std::string>& missed) {
+  Json all = Json::array();
+  for (const std::string& sentence : missed)
+    all.push_back({{"sentence", sentence}, {"advice", advice(sentence)}});
+  return all;
+}
+
 }  // namespace
 
 Report::Report(const BakePlan& plan, std::size_t frames)
@@ -146,7 +155,8 @@ void Report::add_map(const std::string& caption, const std::string& png) {
 std::string Report::html(const std::vector<FrameRecord>& records,
                          const std::vector<std::string>& missed) const {
   Json data{{"name", plan_.name},
-            {"missed", missed},
+            {"missed", missed_json(missed)},
+            {"good", good_news(records, missed)},
             {"stride", stride_},
             {"seconds_a_frame", plan_.frames.step / plan_.animation.fps}};
   std::vector<int> frames;

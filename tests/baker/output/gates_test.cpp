@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace paperbake {
 namespace {
 
@@ -62,6 +64,41 @@ TEST(Gates, OfSeveralSheetsTheSentenceNamesTheOne) {
   frames[1].statistics.render->stretch_max = 0.1;
   EXPECT_EQ(missed_gates({}, frames, plan).at(0).rfind("Frame 5, sheet \"paper.B\": an edge", 0),
             0u);
+}
+
+TEST(Gates, WhatIsGoodIsToldOfAllThatNoMissedGateIsAbout) {
+  std::vector<FrameRecord> frames{rendered(5)};
+  frames[0].statistics.render->stretch_mean = 3e-4;
+  frames[0].statistics.handle_error_max = 2e-5;
+  const std::vector<std::string> all = good_news(frames, {});
+  ASSERT_EQ(all.size(), 3u);
+  EXPECT_NE(all[0].find("0.03 % on average"), std::string::npos) << all[0];
+  EXPECT_NE(all[1].find("to 0.02 mm"), std::string::npos) << all[1];
+  frames[0].statistics.render->stretch_max = 0.2;
+  const std::vector<std::string> missed = missed_gates({}, frames, {}),
+                                 rest = good_news(frames, missed);
+  ASSERT_EQ(missed.size(), 1u);
+  EXPECT_EQ(rest, std::vector<std::string>(all.begin() + 1, all.end()));
+  EXPECT_NE(advice(missed[0]).find("more slowly"), std::string::npos);
+}
+
+TEST(Gates, EveryMissedGateHasAnAdvice) {
+  FrameRecord bad = rendered(5);
+  bad.statistics.stretch_mean = bad.statistics.stretch_max = bad.statistics.inside = 1;
+  bad.statistics.render->stretch_mean = bad.statistics.render->stretch_max = 1;
+  bad.statistics.handle_error_max = 1;
+  bad.statistics.crossings = bad.statistics.render->crossings = 3;
+  bad.statistics.render->crossings_with_others = 3;
+  bad.jammed = {{"handle.a", 2}, {"handle.b", 9}};
+  BakePlan plan;
+  plan.impossible.resize(1);
+  const std::vector<std::string> missed = missed_gates({}, {bad}, plan);
+  EXPECT_EQ(missed.size(), 10u);
+  for (const std::string& sentence : missed) EXPECT_FALSE(advice(sentence).empty()) << sentence;
+  EXPECT_TRUE(good_news({bad}, missed).empty());
+  EXPECT_TRUE(std::any_of(missed.begin(), missed.end(), [](const std::string& sentence) {
+    return sentence.find("(\"handle.b\" is jammed)") != std::string::npos;
+  }));
 }
 
 }  // namespace

@@ -47,6 +47,8 @@ TEST_F(ReportTest, AReportHoldsEveryFrameItsCurvesAndSettingsAndNeedsNothingElse
   for (const auto& curve : data["curves"])
     for (const auto& line : curve["lines"]) EXPECT_EQ(line["values"].size(), 8u) << line["name"];
   EXPECT_GT(data["settings"].size(), 10u);
+  EXPECT_TRUE(data["missed"].empty());
+  EXPECT_NE(data["good"].at(0).get<std::string>().find("keeps its size"), std::string::npos);
 }
 
 TEST_F(ReportTest, AReportOpensAtTheFrameInWhichThePaperIsFoldedMost) {
