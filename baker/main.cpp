@@ -101,8 +101,8 @@ void apply_command_line(const ParsedOptions& parsed, BakeSettings& settings) {
 
 /// Of `bake` beyond the options of the table.
 struct BakeArguments : ParsedOptions {
-  std::optional<std::filesystem::path> write_job;
-  bool dry_run = false;
+  std::optional<std::filesystem::path> write_job, log;
+  bool dry_run = false, force = false;
 };
 
 /// SCENE and all options of the table, and --set.
@@ -124,18 +124,37 @@ void add_bake(CLI::App& app, BakeArguments& parsed) {
                            "Check everything and print the job, but write nothing");
   parsed.command->add_option("--write-job", parsed.write_job,
                              "Write a job file that says the same, with all that it could say; "
-                             "without -o that is all that is done");
+                             "without -o that is all that is done. Refuses to overwrite a file");
+  parsed.command->add_flag("--force", parsed.force, "Let --write-job overwrite a file");
+  parsed.command->add_option(
+      "--log", parsed.log,
+      "Append every line of progress, every warning and the end to this file, with times (UTC)");
+}
+
+/// throws Error(ErrorCode::command) when the job would overwrite something, such as the scene
+void write_job(const BakeArguments& parsed, const BakeSettings& settings) {
+  std::error_code none;
+  if (!parsed.force && std::filesystem::exists(*parsed.write_job, none))
+    throw Error(ErrorCode::command, parsed.write_job->string(),
+                "There is a file of this name; --write-job would overwrite it.",
+                "Choose another name, or add --force.");
+  if (std::filesystem::equivalent(*parsed.write_job, settings.scene, none))
+    throw Error(ErrorCode::command, parsed.write_job->string(),
+                "This is the scene itself; --write-job would overwrite it.",
+                "Choose another name, such as shot.toml.");
+  write_atomically(*parsed.write_job, job_text(settings, *parsed.write_job));
 }
 
 int run_bake(const BakeArguments& parsed) {
   BakeSettings settings;
   apply_command_line(parsed, settings);
+  settings.log = parsed.log;
   if (settings.output.empty() && !parsed.write_job && !parsed.dry_run)
     throw Error(ErrorCode::command, "command line", "--output is required: the folder to write to.",
                 "Write -o DIR, or output = \"DIR\" in the job file.");
   if (parsed.write_job) {
     const BakePlan plan = plan_bake(settings);  // what cannot be baked is not written
-    write_atomically(*parsed.write_job, job_text(settings, *parsed.write_job));
+    write_job(parsed, settings);
     if (settings.output.empty()) {
       fmt::print("{}\n", parsed.write_job->string());
       return plan.impossible.empty() ? 0 : gate_missed;
@@ -162,6 +181,7 @@ struct WedgeArguments : ParsedOptions {
   int jobs = 1;
   std::optional<int> index;
   std::optional<std::string> submit;
+  std::string slurm;
 };
 
 void add_wedge(CLI::App& app, WedgeArguments& parsed) {
@@ -191,6 +211,9 @@ void add_wedge(CLI::App& app, WedgeArguments& parsed) {
           "slurm: write DIR/wedge.sbatch, an array of jobs with --index, and hand it to sbatch")
       ->excludes(index)
       ->check(CLI::IsMember({"slurm"}));
+  wedge.add_option("--slurm", parsed.slurm,
+                   "Further options of sbatch for --submit slurm, in quotes: \"--mem=2G "
+                   "--time=1:00:00\"");
 }
 
 /// arguments  of the program, as they were given
@@ -209,7 +232,7 @@ int run_wedge(const WedgeArguments& parsed, const std::vector<std::string>& argu
   }
   plan_bake(wedge.settings(1));  // a scene that cannot be used is said so before a folder is made
   if (parsed.submit) {
-    submit_wedge(wedge, arguments);
+    submit_wedge(wedge, arguments, parsed.slurm);
     return 0;
   }
   const WedgeOutcome outcome = bake_wedge(wedge, parsed.jobs, arguments);
@@ -408,10 +431,49 @@ int run_verify(const VerifyArguments& parsed) {
   return verification.differences.empty() ? 0 : gate_missed;
 }
 
+/// The error for a command or option that does not exist, with the nearest one; nothing when all
+/// of them do.
+std::optional<Error> misspelt(const CLI::App& app, const std::vector<std::string>& words) {
+  const auto suggestion = [](const std::string& near) {
+    return near.empty() ? "paperbake --help and paperbake COMMAND --help list what there is."
+                        : fmt::format("Did you mean {}?", near);
+  };
+  const auto named = std::find_if(words.begin(), words.end(),
+                                  [](const std::string& word) { return word.front() != '-'; });
+  if (named == words.end()) return {};
+  const CLI::App* command = nullptr;
+  std::vector<std::string> known;
+  for (const CLI::App* each : app.get_subcommands({})) {
+    known.push_back(each->get_name());
+    if (each->get_name() == *named) command = each;
+  }
+  if (!command)
+    return Error(ErrorCode::command, "command line",
+                 fmt::format("There is no command \"{}\".", *named),
+                 suggestion(nearest_word(*named, known)));
+  known.clear();
+  for (const CLI::Option* option : command->get_options())
+    for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  for (const std::string& word : words) {
+    const std::string name = word.substr(0, word.find_first_of("= "));
+    if (word.rfind("--", 0) == 0 && word.size() > 2 &&
+        std::find(known.begin(), known.end(), name) == known.end())
+      return Error(ErrorCode::command, "command line",
+                   fmt::format("{} has no option {}.", *named, name),
+                   suggestion(nearest_word(name, known)));
+  }
+  return {};
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Bakes paper animation from handles keyed in a DCC.", "paperbake");
-  app.set_version_flag("--version", std::string("paperbake ") + program_version);
+  app.set_version_flag("--version", [] {
+    return fmt::format("paperbake {}\ncommit {}\n{}", program_version, program_commit,
+                       program_libraries);
+  });
   app.require_subcommand(1);
+  // the last one wins: scripts append what they want otherwise
+  app.option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
 
   BakeArguments bake;
   WedgeArguments wedge;
@@ -431,6 +493,8 @@ int run(int argc, char** argv) {
     app.parse(argc, argv);
   } catch (const CLI::ParseError& error) {
     if (error.get_exit_code() == 0) return app.exit(error);  // help and version
+    const std::vector<std::string> words(argv + 1, argv + argc);
+    if (const auto found = misspelt(app, words)) throw *found;
     throw Error(ErrorCode::command, "command line", fmt::format("{}.", error.what()),
                 "paperbake --help and paperbake COMMAND --help list what there is.");
   }

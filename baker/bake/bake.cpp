@@ -52,7 +52,7 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pi
     return pipeline.files().failures.try_write(rest_of_frames, [&] { pipeline.record(frame); });
   });
   const int first = plan.animation.first_frame;
-  if (!resume.damaged.empty()) progress.message("warning: " + resume.damaged);
+  if (!resume.damaged.empty()) progress.warning(resume.damaged);
   if (resume.last_frame >= first)
     progress.message(fmt::format("Frames {}-{} are as an earlier bake simulated them.", first,
                                  resume.last_frame));
@@ -95,7 +95,7 @@ std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan&
   }
   pipeline.files().failures.try_write(rest_of_frames, [&] { queue.finish(); });
   if (!checkpoints.failure().empty())
-    progress.message("warning: what a later bake would go on from could not be kept: " +
+    progress.warning("what a later bake would go on from could not be kept: " +
                      checkpoints.failure());
   return failure;
 }
@@ -128,9 +128,8 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
 }
 
 void print_warnings(const BakePlan& plan, Progress& progress) {
-  for (const std::string& warning : plan.warnings) progress.message("warning: " + warning);
-  for (const SheetImpossible& pair : plan.impossible)
-    progress.message("warning: " + describe(pair));
+  for (const std::string& warning : plan.warnings) progress.warning(warning);
+  for (const SheetImpossible& pair : plan.impossible) progress.warning(describe(pair));
 }
 
 BakeOutcome bake_with_progress(const BakeSettings& settings, const BakePlan& plan,
@@ -139,10 +138,20 @@ BakeOutcome bake_with_progress(const BakeSettings& settings, const BakePlan& pla
   Progress progress(settings.progress,
                     static_cast<int>(plan.shots.size()) * ((f.last - f.first) / f.step + 1),
                     passes_of(settings));
+  if (settings.log) progress.log_to(*settings.log);
+  ProgressStart start{plan.name, plan.job_hash, f, {}, settings.output};
+  for (const Shot& shot : plan.shots) start.sheets.push_back(shot.sheet_name);
+  progress.start(start);
   print_warnings(plan, progress);
-  const BakeOutcome outcome = bake(settings, plan, progress, stop);
-  for (const std::string& sentence : outcome.missed) progress.message("gate missed: " + sentence);
-  return outcome;
+  try {
+    const BakeOutcome outcome = bake(settings, plan, progress, stop);
+    for (const std::string& sentence : outcome.missed) progress.gate_missed(sentence);
+    progress.end({outcome.exit_code, outcome.missed, outcome.files, ""});
+    return outcome;
+  } catch (const Error& error) {
+    progress.end({static_cast<int>(error.code), {}, {}, error.what()});
+    throw;
+  }
 }
 
 }  // namespace paperbake

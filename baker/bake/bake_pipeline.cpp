@@ -71,9 +71,8 @@ void BakePipeline::render_group(const std::vector<std::size_t>& sheets) {
     render_frames(sheets, RenderPass::Features::all, rendered);
   } catch (const Error& error) {
     if (rendered > 0) throw;  // the frames before are kept
-    context_.progress.message(
-        fmt::format("warning: {}: {} It is made without singular points and creases.", error.place,
-                    error.cause));
+    context_.progress.warning(fmt::format("{}: {} It is made without singular points and creases.",
+                                          error.place, error.cause));
     render_frames(sheets, RenderPass::Features::handles, rendered);
   }
 }
@@ -108,7 +107,7 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   certificate_.finalize(caches_.finish({certificate_.lines_of_sheets(), certificate_.handles}));
   files_.move_to_front_after(maps);
   if (const std::string where = describe_sheet_intersections(certificate_.frames()); !where.empty())
-    context_.progress.message("warning: " + where + ".");
+    context_.progress.warning(where + ".");
 
   Gates gates;
   gates.max_stretch_pct = context_.settings.max_stretch_pct;

@@ -26,8 +26,8 @@ std::string spans_text(const std::vector<FrameSpan>& spans) {
 
 std::string bake_key(const BakeSettings& settings, const BakePlan& plan) {
   std::string text =
-      fmt::format("{}\n{}\n{}\n{}\nmaps {}\n", program_key(), plan.job_hash, plan.name,
-                  fmt::join(settings.formats, ","), spans_text(plan.map_frames));
+      fmt::format("{}\n{}\n{}\n{}\n{}\nmaps {}\n", program_key(), plan.job_hash, plan.name,
+                  plan.root, fmt::join(settings.formats, ","), spans_text(plan.map_frames));
   if (settings.debug_pictures)
     text += fmt::format("pictures {} {}\n", fs::absolute(*settings.debug_pictures).string(),
                         spans_text(plan.debug_frames));

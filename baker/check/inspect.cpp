@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <nlohmann/json.hpp>
@@ -58,6 +59,73 @@ std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
   return all;
 }
 
+/// A collider of the scene as the bake will see it.
+struct InspectedCollider {
+  const ColliderMesh* mesh;
+  bool closed;
+  Vector3d size;      // [m] of its box in the first frame
+  std::string sheet;  // the nearest sheet in the first frame
+  double distance;    // [m] from that; negative: the sheet begins inside
+};
+
+/// Points spread evenly over the triangles of a sheet, its vertices among them. [m]
+std::vector<Vector3d> samples_of(const Sheet& sheet) {
+  constexpr double about = 1000;
+  const int parts = std::max(
+      1, static_cast<int>(std::sqrt(2 * about / std::max<double>(1, sheet.triangles.rows()))));
+  std::vector<Vector3d> points;
+  for (Eigen::Index t = 0; t < sheet.triangles.rows(); ++t) {
+    const auto corner = [&](int k) { return Vector3d(sheet.x.row(sheet.triangles(t, k))); };
+    for (int i = 0; i <= parts; ++i)
+      for (int j = 0; i + j <= parts; ++j)
+        points.push_back(corner(0) + (corner(1) - corner(0)) * i / parts +
+                         (corner(2) - corner(0)) * j / parts);
+  }
+  return points;
+}
+
+std::vector<InspectedCollider> inspected_colliders(const Scene& scene) {
+  std::vector<InspectedCollider> all;
+  for (const ColliderMesh& mesh : scene.colliders) {
+    const Collider collider(mesh);
+    InspectedCollider& found = all.emplace_back();
+    found = {&mesh, collider.closed(),
+             (mesh.x.colwise().maxCoeff() - mesh.x.colwise().minCoeff()).transpose(), "",
+             std::numeric_limits<double>::infinity()};
+    constexpr double anywhere = 1e6;  // [m]
+    for (const SceneSheet& sheet : scene.sheets)
+      for (const Vector3d& p : samples_of(sheet.start)) {
+        double distance = collider.nearest(p, anywhere, 1).distance;
+        if (!collider.closed()) distance = std::abs(distance);  // its front turns to the sheet
+        if (distance >= found.distance) continue;
+        found.distance = distance;
+        found.sheet = sheet.name;
+      }
+  }
+  return all;
+}
+
+std::string collider_text(const InspectedCollider& c) {
+  const Vector3d mm = 1e3 * c.size;
+  const std::string where =
+      c.distance < 0
+          ? fmt::format("the sheet \"{}\" reaches {:.2f} mm into it", c.sheet, -1e3 * c.distance)
+          : fmt::format("the sheet \"{}\" is {:.2f} mm away", c.sheet, 1e3 * c.distance);
+  return fmt::format(
+      "collider \"{}\": {:.1f} x {:.1f} x {:.1f} mm, {} triangles, {}; {}; friction {:g}; in the "
+      "first frame {}\n",
+      c.mesh->name, mm.x(), mm.y(), mm.z(), c.mesh->triangles.rows(),
+      c.closed ? "closed, solid inside" : "open, keeps the paper on the side where it begins",
+      c.mesh->motion.empty() ? "stands still" : "moves rigidly", c.mesh->friction, where);
+}
+
+OrderedJson collider_json(const InspectedCollider& c) {
+  return {{"name", c.mesh->name},         {"triangles", c.mesh->triangles.rows()},
+          {"closed", c.closed},           {"moves", !c.mesh->motion.empty()},
+          {"friction", c.mesh->friction}, {"size_m", {c.size.x(), c.size.y(), c.size.z()}},
+          {"nearest_sheet", c.sheet},     {"distance_m", c.distance}};
+}
+
 OrderedJson scene_json(const Scene& scene) {
   OrderedJson sheets = OrderedJson::array(), impossible = OrderedJson::array();
   for (const SceneSheet& sheet : scene.sheets) {
@@ -96,6 +164,9 @@ OrderedJson scene_json(const Scene& scene) {
   if (scene.gravity) j["gravity"] = *scene.gravity;
   j["origin"] = scene.origin;
   j["sheets"] = std::move(sheets);
+  j["colliders"] = OrderedJson::array();
+  for (const InspectedCollider& collider : inspected_colliders(scene))
+    j["colliders"].push_back(collider_json(collider));
   j["impossible_handles"] = std::move(impossible);
   j["warnings"] = scene.warnings;
   return j;
@@ -127,6 +198,8 @@ std::string scene_text(const Scene& scene) {
       text += '\n';
     }
   }
+  for (const InspectedCollider& collider : inspected_colliders(scene))
+    text += collider_text(collider);
   for (const SheetImpossible& i : impossible_pairs(scene))
     text += "impossible: " + describe(i) + "\n";
   for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";

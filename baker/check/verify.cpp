@@ -257,6 +257,10 @@ Verification verify(const fs::path& folder) {
   if (!fs::is_directory(folder, none))
     throw Error(ErrorCode::command, folder.string(), "There is no such folder.",
                 "Name the output folder of a bake.");
+  // a bake that lost its certificate is one that differs from it
+  if (!fs::exists(folder / "cert", none) && !fs::exists(folder / "job.lock.toml", none))
+    throw Error(ErrorCode::command, folder.string(), "There is no bake in this folder.",
+                "Name the output folder of a bake with cert among its --formats.");
   return Verifier(folder).run();
 }
 

@@ -151,7 +151,8 @@ bool is_job(const fs::path& path) { return path.extension() == ".toml"; }
 void load_job(BakeSettings& settings, const fs::path& path) {
   JobFile job = read_job(path, {options().begin(), options().end()});
   const fs::path folder = path.parent_path();
-  settings.name = path.stem().string();
+  const std::string stem = path.stem().string();
+  if (stem != "job" && stem != "job.lock") settings.name = stem;  // these say nothing of the shot
   for (const JobValue& value : job.values) {
     const std::string text = is_path(value.key)      ? (folder / value.text).string()
                              : value.key == "preset" ? preset_from(folder, value.text)

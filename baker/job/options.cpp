@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <fmt/format.h>
+#include <regex>
 #include <set>
 #include <utility>
 
@@ -86,6 +87,26 @@ Option formats_option() {
       [](auto& s, auto& text, auto& place) { s.formats = parse_formats(text, place); });
 }
 
+/// The beginning of file names. throws Error(ErrorCode::command)
+std::string checked_name(const std::string& text, const std::string& place) {
+  if (text.empty() || text.front() == '.' || text.find('/') != std::string::npos)
+    throw Error(ErrorCode::command, place,
+                fmt::format("\"{}\" is no name that files can begin with.", text),
+                "Give a word without slashes that does not begin with a dot, such as shot_v001.");
+  return text;
+}
+
+/// A path of prims with one slash before each. throws Error(ErrorCode::command)
+std::string checked_root(const std::string& text, const std::string& place) {
+  static const std::regex path("/?[A-Za-z_][A-Za-z0-9_]*(/[A-Za-z_][A-Za-z0-9_]*)*/?");
+  if (!std::regex_match(text, path))
+    throw Error(ErrorCode::command, place, fmt::format("\"{}\" is no path of prims.", text),
+                "Names are made of letters, digits and _, and do not begin with a digit: "
+                "/World/letter.");
+  const std::size_t first = text.front() == '/' ? 1 : 0, last = text.back() == '/' ? 1 : 0;
+  return "/" + text.substr(first, text.size() - first - last);
+}
+
 std::vector<Option> scene_and_method() {
   using K = JobKey;
   return {
@@ -94,6 +115,13 @@ std::vector<Option> scene_and_method() {
                       [](auto& s, auto& text, auto&) { s.scene = text; }),
       without_default({"output", K::text}, "out", "Output folder; created if it is missing",
                       [](auto& s, auto& text, auto&) { s.output = text; }),
+      without_default({"name", K::text}, "shot_v001",
+                      "Name that the output files begin with; otherwise that of the scene or job "
+                      "file, without its ending (of the scene, if the job file is called job.toml)",
+                      [](auto& s, auto& text, auto& place) { s.name = checked_name(text, place); }),
+      with_default({"root", K::text}, "/shot",
+                   "Prim of the .usda below which the sheets are, such as /World/letter",
+                   [](auto& s, auto& text, auto& place) { s.root = checked_root(text, place); }),
       without_default({"preset", K::text}, "copy70",
                       "Paper grade (see `paperbake presets`) or a preset file; overrides the paper "
                       "of the scene. Without either it is copy70",

@@ -1,5 +1,12 @@
 #include "baker/output/progress.h"
 
+#include "baker/job/version.h"
+#include "core/model/error.h"
+
+#include <cerrno>
+#include <cstring>
+#include <ctime>
+#include <fmt/chrono.h>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
 #include <unistd.h>
@@ -13,10 +20,41 @@ std::string clock_text(double seconds) {
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
+using Json = nlohmann::ordered_json;
+
+void print_json(const Json& object) {
+  fmt::print(stderr, "{}\n", object.dump(-1, ' ', false, Json::error_handler_t::replace));
+  std::fflush(stderr);
+}
+
+std::string result_of(const ProgressEnd& end) {
+  switch (end.exit_code) {
+    case 0:
+      return "done";
+    case 4:
+      return "gates missed";
+    case 5:
+      return "stopped";
+    default:
+      return "failed";
+  }
+}
+
+/// One line, whatever it had.
+std::string one_line(const std::string& text) {
+  std::string line;
+  for (std::size_t i = 0; i < text.size(); ++i)
+    if (text[i] != '\n')
+      line += text[i];
+    else if (i + 1 < text.size())
+      line += ' ';
+  return line;
+}
+
 }  // namespace
 
 Progress::Progress(ProgressMode mode, int frames, Passes passes)
-    : frames_(frames), passes_(passes), last_(std::chrono::steady_clock::now()) {
+    : frames_(frames), passes_(passes), begun_(std::chrono::steady_clock::now()), last_(begun_) {
   switch (mode) {
     case ProgressMode::automatic:
       style_ = isatty(STDERR_FILENO) ? Style::bar : Style::plain;
@@ -36,12 +74,71 @@ Progress::Progress(ProgressMode mode, int frames, Passes passes)
 Progress::Progress(std::function<void(const ProgressStep&)> on_step,
                    std::function<void(const std::string&)> on_message, int frames, Passes passes)
     : Progress(ProgressMode::none, frames, passes) {
+  style_ = Style::functions;
   on_step_ = std::move(on_step);
   on_message_ = std::move(on_message);
 }
 
 Progress::~Progress() {
   if (bar_open_) fmt::print(stderr, "\n");
+}
+
+void Progress::log_to(const std::filesystem::path& path) {
+  log_.reset(std::fopen(path.c_str(), "a"));
+  if (!log_)
+    throw Error(ErrorCode::folder, path.string(),
+                fmt::format("The log cannot be written: {}.", std::strerror(errno)),
+                "Choose another file with --log.");
+}
+
+/// The log is read while it grows; a disk that is full costs the log alone.
+void Progress::log(const std::string& line) {
+  if (!log_) return;
+  fmt::print(log_.get(), "{:%Y-%m-%dT%H:%M:%SZ} {}\n", fmt::gmtime(std::time(nullptr)),
+             one_line(line));
+  std::fflush(log_.get());
+}
+
+void Progress::start(const ProgressStart& start) {
+  several_sheets_ = start.sheets.size() > 1;
+  log(fmt::format("paperbake {}: {}, frames {}-{}, to {}", program_version, start.name,
+                  start.frames.first, start.frames.last, start.output.string()));
+  if (style_ != Style::json) return;
+  print_json({{"type", "start"},
+              {"version", program_version},
+              {"name", start.name},
+              {"output", start.output.string()},
+              {"first_frame", start.frames.first},
+              {"last_frame", start.frames.last},
+              {"frame_step", start.frames.step},
+              {"frames", frames_},
+              {"passes", passes_ == Passes::simulate ? 1 : 2},
+              {"sheets", start.sheets},
+              {"job_hash", start.job_hash}});
+}
+
+void Progress::end(const ProgressEnd& end) {
+  const double seconds =
+      std::chrono::duration<double>(std::chrono::steady_clock::now() - begun_).count();
+  log(fmt::format("{} after {}, exit code {}{}", result_of(end), clock_text(seconds), end.exit_code,
+                  end.error.empty() ? "" : ": " + end.error));
+  if (style_ == Style::json)
+    return print_json({{"type", "end"},
+                       {"exit_code", end.exit_code},
+                       {"result", result_of(end)},
+                       {"seconds", seconds},
+                       {"gates_missed", end.gates_missed},
+                       {"files",
+                        [&] {
+                          std::vector<std::string> files;
+                          for (const auto& file : end.files) files.push_back(file.string());
+                          return files;
+                        }()},
+                       {"error", end.error.empty() ? Json() : Json(end.error)}});
+  if (style_ != Style::none || end.gates_missed.empty()) return;
+  const std::size_t more = end.gates_missed.size() - 1;
+  fmt::print(stderr, "gate missed: {}{}\n", end.gates_missed.front(),
+             more > 0 ? fmt::format(" ({} more in cert/summary.json)", more) : "");
 }
 
 void Progress::simulated(const FrameRecord& record) {
@@ -70,60 +167,65 @@ double Progress::seconds_left() const {
   return left;
 }
 
+std::string Progress::frame_text(const Pass& pass, const FrameRecord& record,
+                                 double stretch_mean) const {
+  const int points = record.statistics.singular;
+  const std::string of = record.frame == pass.done
+                             ? fmt::format("{} of {}", record.frame, frames_)
+                             : fmt::format("{} ({} of {})", record.frame, pass.done, frames_);
+  return fmt::format("{}{} frame {}, {} left, stretched {:.3f} %, {}",
+                     several_sheets_ ? record.sheet + ": " : "", pass.name, of,
+                     clock_text(seconds_left()), 100 * stretch_mean,
+                     points == 1 ? "1 sharp point" : fmt::format("{} sharp points", points));
+}
+
 void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean, int triangles) {
   ++pass.done;
-  const double stretch_mean_pct = 100 * stretch_mean;
   const auto now = std::chrono::steady_clock::now();
   pass.seconds += std::chrono::duration<double>(now - last_).count();
   last_ = now;
   if (on_step_) on_step_({pass.name, record.sheet, record.frame, pass.done, frames_});
-  const int steps = passes_ == Passes::simulate ? frames_ : 2 * frames_;
+  const std::string text = frame_text(pass, record, stretch_mean);
+  log(text);
   switch (style_) {
     case Style::none:
+    case Style::functions:
       return;
     case Style::bar: {
-      constexpr int width = 30;
-      const int full = width * (simulate_.done + render_.done) / std::max(1, steps);
-      fmt::print(stderr, "\r[{:=<{}}{: <{}}] {} frame {}  {} left  c_m {:.4f} %  {} triangles ", "",
-                 full, "", width - full, pass.name, record.frame, clock_text(seconds_left()),
-                 stretch_mean_pct, triangles);
+      constexpr int width = 20;
+      const int steps = passes_ == Passes::simulate ? frames_ : 2 * frames_,
+                full = width * (simulate_.done + render_.done) / std::max(1, steps);
+      // clear to the end of the line: the text before may have been longer
+      fmt::print(stderr, "\r[{:=<{}}{: <{}}] {}\033[K", "", full, "", width - full, text);
       std::fflush(stderr);
       bar_open_ = true;
       return;
     }
     case Style::plain:
-      fmt::print(
-          stderr,
-          "{} {} frame {} ({}/{})  {} left  c_m {:.4f} %  {} triangles  {} singular points\n",
-          record.sheet, pass.name, record.frame, pass.done, frames_, clock_text(seconds_left()),
-          stretch_mean_pct, triangles, record.statistics.singular);
+      fmt::print(stderr, "{}\n", text);
       return;
     case Style::json:
-      fmt::print(stderr, "{}\n",
-                 nlohmann::ordered_json{{"sheet", record.sheet},
-                                        {"frame", record.frame},
-                                        {"pass", pass.name},
-                                        {"done", pass.done},
-                                        {"frames", frames_},
-                                        {"seconds_left", seconds_left()},
-                                        {"stretch_mean_pct", stretch_mean_pct},
-                                        {"triangles", triangles},
-                                        {"singular", record.statistics.singular}}
-                     .dump(-1, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-      return;
+      return print_json({{"type", "frame"},
+                         {"sheet", record.sheet},
+                         {"frame", record.frame},
+                         {"pass", pass.name},
+                         {"done", pass.done},
+                         {"frames", frames_},
+                         {"seconds_left", seconds_left()},
+                         {"stretch_mean_pct", 100 * stretch_mean},
+                         {"triangles", triangles},
+                         {"singular", record.statistics.singular}});
   }
 }
 
-void Progress::message(const std::string& sentence) {
-  if (on_message_) on_message_(sentence);
-  if (style_ == Style::none) return;
-  if (style_ == Style::json) {
-    fmt::print(stderr, "{}\n", nlohmann::json{{"message", sentence}}.dump());
-    return;
-  }
+void Progress::say(const char* type, const char* prefix, const std::string& sentence) {
+  if (on_message_) on_message_(prefix + sentence);
+  log(prefix + sentence);
+  if (style_ == Style::none || style_ == Style::functions) return;
+  if (style_ == Style::json) return print_json({{"type", type}, {"message", sentence}});
   if (bar_open_) fmt::print(stderr, "\n");
   bar_open_ = false;
-  fmt::print(stderr, "{}\n", sentence);
+  fmt::print(stderr, "{}{}\n", prefix, sentence);
 }
 
 }  // namespace paperbake

@@ -7,6 +7,7 @@
 #include <cstring>
 #include <fmt/format.h>
 #include <spawn.h>
+#include <sstream>
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -20,19 +21,31 @@ std::string quoted(const std::string& word) {
   return text + "'";
 }
 
+/// A line for each option: a word that begins with a dash, and the words behind it.
+std::string option_lines(const std::string& options) {
+  std::string lines;
+  std::istringstream words(options);
+  for (std::string word; words >> word;) {
+    if (word.front() == '-' || lines.empty())
+      lines += (lines.empty() ? "" : "\n") + ("#SBATCH " + word);
+    else
+      lines += " " + word;
+  }
+  return lines.empty() ? "" : lines + "\n";
+}
+
 }  // namespace
 
-std::string slurm_script(const std::vector<std::string>& arguments, int count, int threads,
-                         const std::filesystem::path& logs) {
+std::string slurm_script(const std::vector<std::string>& arguments, const SlurmJobs& jobs) {
   std::string command = quoted(this_program().string());
   for (const std::string& argument : arguments) command += " " + quoted(argument);
   return fmt::format(
       "#!/bin/bash\n#SBATCH --job-name=paperbake\n#SBATCH --array=1-{}\n#SBATCH "
       "--ntasks=1\n#SBATCH --cpus-per-task={}\n#SBATCH --requeue\n"
-      "#SBATCH --output=\"{}/slurm.%a.log\"\ncd {} || exit\nexec {} --index "
+      "#SBATCH --output=\"{}/slurm.%a.log\"\n{}cd {} || exit\nexec {} --index "
       "\"$SLURM_ARRAY_TASK_ID\"\n",
-      count, threads, std::filesystem::absolute(logs).string(),
-      quoted(std::filesystem::current_path().string()), command);
+      jobs.count, jobs.threads, std::filesystem::absolute(jobs.logs).string(),
+      option_lines(jobs.options), quoted(std::filesystem::current_path().string()), command);
 }
 
 void submit_to_slurm(const std::filesystem::path& script) {

@@ -15,10 +15,11 @@ namespace {
 std::vector<std::string> arguments_of_one(const std::vector<std::string>& arguments) {
   std::vector<std::string> kept;
   for (std::size_t k = 0; k < arguments.size(); ++k) {
-    if (arguments[k] == "--jobs" || arguments[k] == "--submit")
-      ++k;
-    else if (arguments[k].rfind("--jobs=", 0) != 0 && arguments[k].rfind("--submit=", 0) != 0)
+    const std::string name = arguments[k].substr(0, arguments[k].find('='));
+    if (name != "--jobs" && name != "--submit" && name != "--slurm")
       kept.push_back(arguments[k]);
+    else if (name == arguments[k])
+      ++k;
   }
   return kept;
 }
@@ -52,11 +53,13 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int max_running,
       "The same command goes on with what is left.");
 }
 
-void submit_wedge(const Wedge& wedge, const std::vector<std::string>& arguments) {
+void submit_wedge(const Wedge& wedge, const std::vector<std::string>& arguments,
+                  const std::string& options) {
   make_folder(wedge.output / ".state");
   const auto script = wedge.output / "wedge.sbatch";
-  write_atomically(script, slurm_script(arguments_of_one(arguments), wedge.count(),
-                                        wedge.common.threads, wedge.output / ".state"));
+  write_atomically(script,
+                   slurm_script(arguments_of_one(arguments), {wedge.count(), wedge.common.threads,
+                                                              wedge.output / ".state", options}));
   submit_to_slurm(script);
 }
 

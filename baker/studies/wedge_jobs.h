@@ -15,7 +15,9 @@ namespace paperbake {
 WedgeOutcome bake_wedge(const Wedge&, int max_running, const std::vector<std::string>& arguments);
 
 /// Leaves that to Slurm: writes DIR/wedge.sbatch and hands it to sbatch.
-/// throws Error(ErrorCode::command): there is no sbatch here, or it refuses; the script stays
-void submit_wedge(const Wedge&, const std::vector<std::string>& arguments);
+/// options  further ones of sbatch
+/// throws   Error(ErrorCode::command): there is no sbatch here, or it refuses; the script stays
+void submit_wedge(const Wedge&, const std::vector<std::string>& arguments,
+                  const std::string& options);
 
 }  // namespace paperbake

@@ -44,8 +44,108 @@ TEST_F(CommandLineTest, HelpAndVersionAreNoErrors) {
                              "--frames", "--strict", "--dry-run"})
     EXPECT_NE(help.out.find(option), std::string::npos) << option;
   EXPECT_EQ(version.code, 0);
-  EXPECT_TRUE(std::regex_match(version.out, std::regex("paperbake [0-9]+\\.[0-9]+\\.[0-9]+\n")))
+  EXPECT_TRUE(
+      std::regex_match(version.out, std::regex("paperbake [0-9]+\\.[0-9]+\\.[0-9]+\n"
+                                               "commit ([0-9a-f]{12}(\\+changes)?|unknown)\n"
+                                               "built with [^\n]*CHOLMOD [0-9][^\n]*\n")))
       << version.out;
+}
+
+TEST_F(CommandLineTest, AMisspeltOptionOrCommandGetsTheNearestName) {
+  const auto suggests = [](const Ended& ended, const std::string& name) {
+    return ended.err.find("Did you mean " + name + "?") != std::string::npos;
+  };
+  const Ended option = bake({"--qualty", "draft"}), command = run({"bakee", "scene.glb"}),
+              joined = bake({"--sede=4"});
+  EXPECT_TRUE(is_error(option, 2, "command line", "bake has no option --qualty"));
+  EXPECT_TRUE(suggests(option, "--quality")) << option.err;
+  EXPECT_TRUE(is_error(command, 2, "command line", "\"bakee\""));
+  EXPECT_TRUE(suggests(command, "bake")) << command.err;
+  EXPECT_TRUE(suggests(joined, "--seed")) << joined.err;
+}
+
+TEST_F(CommandLineTest, OfAnOptionThatIsGivenTwiceTheLastCounts) {
+  const Ended ended = bake({"--seed", "7", "--strict", "--seed", "9", "--strict", "--set",
+                            "thickness=1e-4", "--set", "friction=0.4", "--dry-run"});
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  for (const char* line : {"seed = 9", "thickness = 0.0001", "friction = 0.4", "strict = true"})
+    EXPECT_NE(ended.out.find(line), std::string::npos) << line << "\n" << ended.out;
+}
+
+TEST_F(CommandLineTest, AJobOverwritesAFileOnlyWhenToldAndTheSceneNever) {
+  const fs::path scene = folder / "shot.glb", job = folder / "shot.toml";
+  fs::copy(samples + "/S4_crumple.glb", scene);
+  ASSERT_EQ(run({"bake", scene, "--write-job", job}).code, 0);
+  write(job, "scene = \"shot.glb\"  # mine\n");
+  EXPECT_TRUE(is_error(run({"bake", scene, "--write-job", job}), 2, job, "would overwrite"));
+  EXPECT_EQ(read(job), "scene = \"shot.glb\"  # mine\n");
+  EXPECT_EQ(run({"bake", scene, "--write-job", job, "--force"}).code, 0);
+  EXPECT_EQ(read(job).rfind("# A job", 0), 0u);
+  const std::string bytes = read(scene);
+  EXPECT_TRUE(
+      is_error(run({"bake", scene, "--write-job", scene, "--force"}), 2, scene, "scene itself"));
+  EXPECT_EQ(read(scene), bytes);
+}
+
+TEST_F(CommandLineTest, FilesHaveTheNameThatIsGivenAndAJobOfNoNameThatOfItsScene) {
+  ASSERT_EQ(bake({"--name", "sh010_v003", "--formats", "abc"}).code, 0);
+  EXPECT_TRUE(fs::exists(fs::path(output()) / "sh010_v003.abc"));
+  EXPECT_TRUE(is_error(bake({"--name", "a/b"}), 2, "--name", "a/b"));
+  for (const char* name : {"job.toml", "take2.toml"}) {
+    write(folder / name, "scene = \"" + samples + "/S4_crumple.glb\"\n");
+    ASSERT_EQ(bake({"--formats", "abc"}, folder / name).code, 0);
+  }
+  EXPECT_TRUE(fs::exists(fs::path(output()) / "take2.abc"));
+  EXPECT_FALSE(fs::exists(fs::path(output()) / "job.abc"));
+}
+
+TEST_F(CommandLineTest, TheRootOfTheUsdLayerIsThePathThatIsGiven) {
+  const Ended ended = bake({"--formats", "usd", "--root", "/World/letter"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const std::string layer = read(fs::path(output()) / "S4_crumple.usda");
+  const std::size_t world = layer.find("def Xform \"World\""), letter = layer.find("\"letter\"");
+  EXPECT_LT(world, letter);
+  EXPECT_LT(letter, layer.find("def Mesh \"paper\""));
+  EXPECT_NE(layer.find("defaultPrim = \"World\""), std::string::npos);
+  EXPECT_EQ(layer.find("shot"), std::string::npos);
+  EXPECT_TRUE(is_error(bake({"--root", "/1st take"}), 2, "--root", "1st take"));
+}
+
+TEST_F(CommandLineTest, ValuesThatAreLikelyMeantInAnotherUnitAreQuestioned) {
+  const auto warns = [&](const std::vector<std::string>& words, const std::string& of) {
+    std::vector<std::string> all{"--dry-run", "--progress", "plain"};
+    all.insert(all.end(), words.begin(), words.end());
+    const Ended ended = bake(all);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return ended.err.find(of) != std::string::npos;
+  };
+  EXPECT_TRUE(warns({"--gravity", "9810"}, "Gravity is 9810 m/s2, 1000 times"));
+  EXPECT_TRUE(warns({"--gravity", "-9.81"}, "pulls upwards"));
+  EXPECT_FALSE(warns({"--gravity", "9.81"}, "Gravity"));
+  EXPECT_TRUE(warns({"--fps", "9999"}, "9999 frames a second"));
+  EXPECT_FALSE(warns({"--fps", "120"}, "frames a second"));
+}
+
+TEST_F(CommandLineTest, AReleaseBeyondTheLastFrameIsSaid) {
+  const fs::path job = folder / "late.toml";
+  write(job, "scene = \"" + samples + "/S4_crumple.glb\"\n[handle.\"*\"]\nrelease_frame = 500\n");
+  const auto says = [&](const char* frames) {
+    const Ended ended = run({"bake", job, "-o", output(), "--dry-run", "--frames", frames});
+    return ended.err.find("lets go at frame 500, after the last frame that is baked") !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(says("1-24"));
+  EXPECT_FALSE(says("1-500"));
+}
+
+TEST_F(CommandLineTest, WhatIsNoGlbIsToldByWhatItIs) {
+  const fs::path scene = folder / "shot.glb";
+  write(scene, "version https://git-lfs.github.com/spec/v1\noid sha256:4d7a\nsize 12345\n");
+  EXPECT_TRUE(is_error(bake({}, scene), 3, scene, "pointer of Git LFS"));
+  write(scene, "Dear artist,\nthis is no scene.\n");
+  EXPECT_TRUE(is_error(bake({}, scene), 3, scene, "This is a text"));
+  write(scene, "");
+  EXPECT_TRUE(is_error(bake({}, scene), 3, scene, "empty"));
 }
 
 TEST_F(CommandLineTest, AMissingSceneEndsWithThree) {

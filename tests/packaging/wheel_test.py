@@ -55,7 +55,7 @@ class Wheel(unittest.TestCase):
     def test_the_command_hands_on_what_the_program_says(self):
         for words in ([ENVIRONMENT / "bin" / "paperbake"], [PYTHON, "-m", "paperbake"]):
             said = self.bare_run(*words, "--version")
-            self.assertEqual(said.stdout, f"paperbake {VERSION.split('+')[0]}\n")
+            self.assertEqual(said.stdout.splitlines()[0], f"paperbake {VERSION.split('+')[0]}")
             failed = self.bare_run(*words, "bake", "nowhere.glb", "-o", "none")
             self.assertEqual(failed.returncode, 3)
             self.assertIn("nowhere.glb", failed.stderr)

@@ -71,6 +71,24 @@ TEST_F(InspectTest, AnInspectionAsJsonSaysWhatIsInTheScene) {
         << handle;
 }
 
+TEST_F(InspectTest, CollidersAreListedWithWhatTheyAreAndWhereTheSheetIs) {
+  const Ended ended = run({"inspect", samples + "/F2_half.glb", "--json"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const auto colliders = nlohmann::json::parse(ended.out).at("colliders");
+  ASSERT_GE(colliders.size(), 1u) << ended.out;
+  for (const auto& collider : colliders) {
+    EXPECT_GT(collider.at("triangles"), 0);
+    EXPECT_TRUE(collider.at("closed").is_boolean());
+    EXPECT_EQ(collider.at("nearest_sheet"), "paper");
+    EXPECT_LT(std::abs(double(collider.at("distance_m"))), 1.0);
+  }
+  const std::string text = run({"inspect", samples + "/F2_half.glb"}).out;
+  EXPECT_NE(text.find("collider \"" + colliders[0].at("name").get<std::string>() + "\": "),
+            std::string::npos)
+      << text;
+  EXPECT_EQ(run({"inspect", samples + "/S1_push.glb"}).out.find("collider"), std::string::npos);
+}
+
 /// The crease lines of the only sheet, by number.
 nlohmann::json creases(const Ended& inspected) {
   return nlohmann::json::parse(inspected.out).at("sheets").at(0).at("creases");

@@ -47,6 +47,15 @@ TEST_F(VerifyTest, ABakedFolderAgreesWithItsCertificate) {
   EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
+TEST_F(VerifyTest, AFolderWithoutABakeIsACommandThatIsWrong) {
+  fs::create_directories(folder / "holiday");
+  write(folder / "holiday" / "notes.txt", "sun");
+  EXPECT_TRUE(
+      test::is_error(run({"verify", folder / "holiday"}), 2, folder / "holiday", "no bake"));
+  fs::remove(file("cert/summary.json"));  // but a bake that lost its summary is not as certified
+  EXPECT_EQ(run({"verify", output()}).code, 4);
+}
+
 TEST_F(VerifyTest, OneFlippedBitIsNoticedWhereverItIs) {
   int flips = 0;
   for (const auto& entry : fs::recursive_directory_iterator(output())) {

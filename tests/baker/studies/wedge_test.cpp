@@ -136,6 +136,18 @@ class WedgeTest : public CommandLine {
   }
 };
 
+TEST_F(WedgeTest, EveryOptionForSlurmHasALineOfItsOwn) {
+  wedge({"--vary", "seed=1..2", "--submit", "slurm", "--slurm",
+         "--mem=2G --time=1:00:00 --partition farm"});
+  const std::string script = read(out("wedge.sbatch"));  // whether there is a Slurm here or not
+  for (const char* line :
+       {"\n#SBATCH --mem=2G\n", "\n#SBATCH --time=1:00:00\n", "\n#SBATCH --partition farm\n"})
+    EXPECT_NE(script.find(line), std::string::npos) << line << "\n" << script;
+  const std::string command = script.substr(script.find("\nexec "));
+  EXPECT_EQ(command.find("slurm'"), std::string::npos) << "that is not for a task: " << command;
+  EXPECT_EQ(command.find("--mem"), std::string::npos) << command;
+}
+
 TEST_F(WedgeTest, EachVariationIsTheBakeThatItsWordsAskFor) {
   const Ended ended =
       wedge({"--vary", "seed=1..2", "--vary", "preset=copy70,copy90", "--jobs", "2"});
