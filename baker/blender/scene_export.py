@@ -99,13 +99,13 @@ def told(thing, **properties):
 
 
 @contextlib.contextmanager
-def all_told(scene):
+def all_told(scene, fps):
     """On every sheet the names of its uv maps, and on the first the frame rate."""
     sheets = names.of_role(scene, names.SHEET)
     with contextlib.ExitStack() as stack:
         for sheet in sheets:
             stack.enter_context(told(sheet, paper_uv_sets="\n".join(layer.name for layer in sheet.data.uv_layers)))
-        stack.enter_context(told(sheets[0], paper_fps=frames_per_second(scene)))
+        stack.enter_context(told(sheets[0], paper_fps=fps))
         yield
 
 
@@ -130,7 +130,7 @@ def write(scene, path, last):
     if bpy.context.object and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     things = relevant(scene)
-    with shown(scene, things) as collection, clock(scene, last), all_told(scene):
+    with shown(scene, things) as collection, clock(scene, last), all_told(scene, fps):
         try:
             bpy.ops.export_scene.gltf(
                 filepath=path, export_format="GLB", collection=collection.name, export_extras=True, export_yup=True,
