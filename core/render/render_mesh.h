@@ -61,8 +61,8 @@ struct RenderMesh {
 /// Simulated edges, if there are any, become rows of edges exactly, whatever the angles between
 /// them, and so do the creases that do not lie beside them. They are all left out when their total
 /// length exceeds 6 area / edge [m], or when some cross within a millionth of the sheet;
-/// `simulated_edges` says so. Seams become rows of edges like simulated edges, and are left out, all
-/// of them, where these would be.
+/// `simulated_edges` says so. Seams become rows of edges like simulated edges, and all of them are
+/// left out where these would be.
 /// throws  Error(ErrorCode::scene) when the outline crosses or touches itself
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 

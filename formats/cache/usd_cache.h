@@ -13,9 +13,9 @@ namespace paperbake {
 /// each sheet, y up, metres, time codes = frame numbers, velocities in m/s, primvars:crease in
 /// radians, and a primvar for each CacheLayer. The pattern is primvars:pattern. The uv sets of the
 /// artist are primvars of their names, the first one also primvars:st, which is the pattern where
-/// the artist has none. Materials are bound, to empty ones of the same names in ROOT/materials,
-/// for the whole mesh or by subsets of its faces. A value that is equal in all frames is stored once.
-/// A layer lists the samples of one attribute after another, so those of each attribute are spooled
+/// the artist has none. Materials are bound, to empty ones of the same names in ROOT/materials, for
+/// the whole mesh or by subsets of its faces. A value that is equal in all frames is stored once. A
+/// layer lists the samples of one attribute after another, so those of each attribute are spooled
 /// to a temporary file of their own. The layer is an AtomicFile. The same calls write the same
 /// bytes.
 /// source  the usda format as OpenUSD 26 reads it
