@@ -55,6 +55,7 @@ class BakeJob:
         self._scene, self._settings, self._path = scene.name, settings, path
         self._state, self._process, self._before = EXPORT, None, None
         self._folder = self._stem = None
+        self._remarks = []
         self.outcome, self.loaded = None, []
 
     def fraction(self):
@@ -107,6 +108,7 @@ class BakeJob:
         last = max(scene.frame_end, self._settings.last) if self._settings.own_frames else scene.frame_end
         scene_export.write(scene, os.fspath(path), last)
         self._before = stamp(self._cache()), stamp(self._certificate())
+        self._remarks = scene_export.remarks(scene)
         self._process = program.Process([found, "bake", os.fspath(path), "-o", os.fspath(self._folder), "--progress", "json", *words])
         self._state = BAKE
 
@@ -122,6 +124,7 @@ class BakeJob:
 
     def _load(self):
         loaded, remarks = cache.load(self._in_scene(), self._folder, self._stem, self._summary())
+        remarks = [*self._remarks, *remarks]
         self.loaded = [thing.name for thing in loaded]
         if remarks:
             level = "ERROR" if self.outcome.level == "ERROR" else "WARNING"

@@ -1,6 +1,8 @@
 """Operators that say what an object is to paperbake. They rename it: the name is what the program goes by, in this file and in every
 export made without this add-on; Blender's own links, drivers and constraints follow a name. Unmark gives the old name back."""
 
+import math
+
 import bmesh
 import bpy
 
@@ -35,7 +37,9 @@ class MarkSheet(bpy.types.Operator):
         was = thing.name
         if not rename(self, thing, names.with_prefix(was, names.SHEET)):
             return {"CANCELLED"}
-        self.report({"INFO"}, f"{was} is the sheet {thing.name} now." if was != thing.name else f"{was} is a sheet.")
+        said = f"{was} is the sheet {thing.name} now" if was != thing.name else f"{was} is a sheet"
+        large = names.is_large(context.scene, thing)
+        self.report({"WARNING"} if large else {"INFO"}, f"{said}, {names.size_text(context.scene, thing)}{': is it meant that large?' if large else '.'}")
         return {"FINISHED"}
 
 
@@ -69,6 +73,61 @@ class MarkCollider(bpy.types.Operator):
         for thing in context.selected_objects:
             if thing.type == "MESH":
                 thing["paper_collider"] = True
+        return {"FINISHED"}
+
+
+MOST = 170  # [degrees] a crease of a larger rest angle is none that the program takes
+
+
+def crease_angles(mesh, modelled, angle):
+    """{rest angle in whole degrees: [(place, place)]} of the selected edges of an edit mesh.
+
+    modelled  each has the angle that it is modelled with: positive where the fold points to the side of the normals
+    """
+    found = {}
+    for edge in mesh.edges:
+        if edge.select and len(edge.link_faces) == 2:
+            own = math.degrees(edge.calc_face_angle_signed(0.0)) if modelled else angle
+            found.setdefault(max(-MOST, min(MOST, round(own))), []).append(tuple(v.co.copy() for v in edge.verts))
+    return found
+
+
+def crease_object(sheet, angle, edges):
+    """An object of these edges alone, on the sheet and moving with it. Returns it."""
+    mesh = bpy.data.meshes.new(names.CREASE)
+    mesh.from_pydata([place for edge in edges for place in edge], [(2 * i, 2 * i + 1) for i in range(len(edges))], [])
+    thing = bpy.data.objects.new(f"{names.CREASE}.{angle:+d}", mesh)
+    thing["paper_crease"], thing["paper_target"] = float(angle), sheet.name
+    thing.parent, thing.show_in_front, thing.hide_render = sheet, True, True
+    for collection in sheet.users_collection:
+        collection.objects.link(thing)
+    return thing
+
+
+class MarkCreases(bpy.types.Operator):
+    """The selected edges of the sheet (edit mode) are folds that are there from the start. Each springs back to its rest angle"""
+
+    bl_idname, bl_label, bl_options = "paperbake.mark_creases", "Mark Creases", {"REGISTER", "UNDO"}
+
+    modelled: bpy.props.BoolProperty(name="As Modelled", default=True, description="Each edge has the angle that it has in the mesh")
+    angle: bpy.props.FloatProperty(name="Angle", default=0.0, min=-MOST, max=MOST,
+                                   description="Rest angle of all of them in degrees: 0 is flat, 150 is folded nearly shut. "
+                                               "Positive: the fold points to the side of the normals")
+
+    @classmethod
+    def poll(cls, context):
+        thing = context.object
+        return thing is not None and thing.mode == "EDIT" and names.role(thing) == names.SHEET
+
+    def execute(self, context):
+        sheet = context.object
+        found = crease_angles(bmesh.from_edit_mesh(sheet.data), self.modelled, self.angle)
+        if not found:
+            self.report({"ERROR"}, "No edge between two faces is selected.")
+            return {"CANCELLED"}
+        for angle, edges in sorted(found.items()):
+            crease_object(sheet, angle, edges)
+        self.report({"INFO"}, "Creases of " + ", ".join(f"{angle} degrees ({len(edges)} edges)" for angle, edges in sorted(found.items())))
         return {"FINISHED"}
 
 
@@ -158,4 +217,4 @@ class CopyToHandles(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (MarkSheet, MarkHandles, MarkCollider, Unmark, AddHandles, SetHandle, CopyToHandles)
+CLASSES = (MarkSheet, MarkHandles, MarkCollider, MarkCreases, Unmark, AddHandles, SetHandle, CopyToHandles)

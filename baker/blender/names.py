@@ -2,9 +2,9 @@
 
 import re
 
-SHEET, HANDLE, CLAMP, COLLIDER = "paper", "handle", "clamp", "collider"
+SHEET, HANDLE, CLAMP, COLLIDER, CREASE = "paper", "handle", "clamp", "collider", "crease"
 BAKED = "baked"  # what comes back must not be a sheet itself
-ROLES = (SHEET, HANDLE, CLAMP, COLLIDER)
+ROLES = (SHEET, HANDLE, CLAMP, COLLIDER, CREASE)
 
 
 def matched(name):
@@ -22,6 +22,8 @@ def role(thing):
         return COLLIDER
     if thing.type == "MESH" and begins_with(thing.name, SHEET):
         return SHEET
+    if thing.type == "MESH" and begins_with(thing.name, CREASE):
+        return CREASE
     return next((prefix for prefix in (HANDLE, CLAMP) if begins_with(thing.name, prefix)), None)
 
 
@@ -44,3 +46,21 @@ def without_prefix(name):
 def in_cache(name):
     """A sheet's name in the .abc."""
     return name.replace(".", "_")
+
+
+LARGE = 1.0  # [m] few sheets of paper have a longer side, and Blender's own plane has one of 2 m
+
+
+def sides(scene, thing):
+    """Longer and shorter side of the box of a mesh, without its thinnest direction. [m]"""
+    scale = scene.unit_settings.scale_length
+    return tuple(scale * side for side in sorted(thing.dimensions, reverse=True)[:2])
+
+
+def is_large(scene, thing):
+    return sides(scene, thing)[0] > LARGE
+
+
+def size_text(scene, thing):
+    longer, shorter = sides(scene, thing)
+    return f"{1000 * shorter:.0f} \u00d7 {1000 * longer:.0f} mm"

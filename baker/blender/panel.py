@@ -4,7 +4,7 @@ import textwrap
 
 import bpy
 
-from . import baking, names, properties
+from . import baking, names, properties, scene_export
 
 MESSAGE_WIDTH = 42  # letters a line
 
@@ -22,21 +22,37 @@ class SheetPanel(Panel, bpy.types.Panel):
         column.operator("paperbake.add_handles", icon="EMPTY_AXIS")
         column.operator("paperbake.mark_handles", icon="PINNED")
         column.operator("paperbake.mark_collider", icon="MESH_CUBE")
+        column.operator("paperbake.mark_creases", icon="MOD_BEVEL")
         column.operator("paperbake.unmark", icon="X")
         counts = {role: len(names.of_role(context.scene, role)) for role in names.ROLES}
-        self.layout.label(text=f"{counts[names.SHEET]} sheet(s), {counts[names.HANDLE]} handle(s), {counts[names.COLLIDER]} collider(s)")
+        self.layout.label(text=f"{counts[names.SHEET]} sheet(s), {counts[names.HANDLE]} handle(s), {counts[names.COLLIDER]} collider(s), {counts[names.CREASE]} crease(s)")
         thing = context.object
         role = names.role(thing) if thing else None
         if role == names.SHEET:
             self.draw_sheet(thing)
         elif role == names.HANDLE:
             self.draw_handle(thing)
+        elif role == names.CREASE:
+            box = self.layout.box()
+            box.label(text=thing.name, icon="MOD_BEVEL")
+            if "paper_crease" in thing:
+                box.prop(thing, '["paper_crease"]', text="Rest angle")
+        elif role == names.COLLIDER:
+            self.draw_collider(thing)
 
     def draw_sheet(self, thing):
         box = self.layout.box()
         box.label(text=thing.name, icon="MESH_PLANE")
+        large = names.is_large(bpy.context.scene, thing)
+        box.label(text=names.size_text(bpy.context.scene, thing) + (": paper that large?" if large else ""), icon="ERROR" if large else "NONE")
         box.prop(thing.paperbake, "preset")
         box.prop(thing.paperbake, "seed")
+
+    def draw_collider(self, thing):
+        box = self.layout.box()
+        box.label(text=thing.name, icon="MESH_CUBE")
+        for line in textwrap.wrap(scene_export.not_followed(thing) or "Solid where it is closed; it may be moved, but not deformed.", MESSAGE_WIDTH):
+            box.label(text=line)
 
     def draw_handle(self, thing):
         box = self.layout.box()

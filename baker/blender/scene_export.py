@@ -7,10 +7,12 @@ import struct
 
 import bpy
 
-from . import names
+from . import marking, names
 from .program import Unusable
 
 TEMPORARY = "paperbake export"
+DEFORMING = {"ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "NODES", "SHRINKWRAP", "SIMPLE_DEFORM",
+             "SOFT_BODY", "SURFACE_DEFORM", "WARP", "WAVE"}  # modifiers that may change a shape from frame to frame
 
 
 def has_marked_bones(thing):
@@ -33,6 +35,24 @@ def keyed(thing, path):
     """Whether the object's action animates this property."""
     action = thing.animation_data and thing.animation_data.action
     return bool(action) and any(curve.data_path == path for curve in curves(action))
+
+
+def not_followed(thing):
+    """A sentence about how a collider changes its shape, which no bake follows; empty when it does not."""
+    deforming = [modifier for modifier in thing.modifiers if modifier.show_viewport and modifier.type in DEFORMING]
+    if deforming:
+        return f"{thing.name} is deformed by {deforming[0].name}: it stays as it is in the first frame. Cut it into rigid pieces, each parented to a bone."
+    if thing.data.shape_keys and thing.data.shape_keys.animation_data:
+        return f"{thing.name} has keyed shape keys: it stays as it is in the first frame."
+    return ""
+
+
+def remarks(scene):
+    """Sentences about what the bake does not do as the scene has it."""
+    found = [not_followed(thing) for thing in names.of_role(scene, names.COLLIDER)]
+    found += [f"{thing.name} is {names.size_text(scene, thing)}: is it meant that large?"
+              for thing in names.of_role(scene, names.SHEET) if names.is_large(scene, thing)]
+    return [sentence for sentence in found if sentence]
 
 
 def check(scene):
@@ -99,6 +119,28 @@ def told(thing, **properties):
 
 
 @contextlib.contextmanager
+def edge_creases(scene):
+    """The edges of sheets that are marked as creases (Edge > Edge Crease) as objects of their own, as long as the context lasts: glTF has no
+    place for such marks."""
+    made = []
+    try:
+        for sheet in names.of_role(scene, names.SHEET):
+            marks = sheet.data.attributes.get("crease_edge")
+            marked = [edge for edge, mark in zip(sheet.data.edges, marks.data) if mark.value > 0] if marks else []
+            if marked:
+                places = [sheet.data.vertices[v].co for edge in marked for v in edge.vertices]
+                made.append(marking.crease_object(sheet, round(sheet.get("paper_crease", 0.0)),
+                                                  [tuple(places[i:i + 2]) for i in range(0, len(places), 2)]))
+        bpy.context.view_layer.update()
+        yield
+    finally:
+        for thing in made:
+            mesh = thing.data
+            bpy.data.objects.remove(thing)
+            bpy.data.meshes.remove(mesh)
+
+
+@contextlib.contextmanager
 def all_told(scene, fps):
     """On every sheet the names of its uv maps, and on the first the frame rate."""
     sheets = names.of_role(scene, names.SHEET)
@@ -130,10 +172,10 @@ def write(scene, path, last):
     if bpy.context.object and bpy.context.object.mode != "OBJECT":
         bpy.ops.object.mode_set(mode="OBJECT")
     things = relevant(scene)
-    with shown(scene, things) as collection, clock(scene, last), all_told(scene, fps):
+    with shown(scene, things) as collection, edge_creases(scene), clock(scene, last), all_told(scene, fps):
         try:
             bpy.ops.export_scene.gltf(
-                filepath=path, export_format="GLB", collection=collection.name, export_extras=True, export_yup=True,
+                filepath=path, export_format="GLB", collection=collection.name, export_extras=True, export_yup=True, use_mesh_edges=True,
                 export_current_frame=True,  # the sheet as it is at the first frame
                 export_apply=True, export_normals=False, export_materials="EXPORT", export_image_format="NONE", export_morph=False, export_skins=True,
                 export_animations=True, export_animation_mode="SCENE", export_anim_scene_split_object=False, export_force_sampling=True,

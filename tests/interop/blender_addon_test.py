@@ -8,6 +8,8 @@ Prints one line for each check that failed and exits with 1, or what was compare
 """
 
 import contextlib
+import json
+import math
 import pathlib
 import re
 import subprocess
@@ -18,6 +20,7 @@ import types
 from addon_fixture import (ADDON, FIRST, FOLDER, FPS, LAST, MODULE, PROGRAM, SIDES, Window, empty, heard, holding, key, mark_and_hold, new_scene,
                            panels, part, place, report, select, standing_in, until, use)
 
+import bmesh
 import bpy
 import numpy
 from mathutils import Vector
@@ -269,6 +272,73 @@ def test_what_was_made_stays(judgement):
     judgement.count("printed sheets", 1)
 
 
+def folded_sheet(scene, sheet):
+    """The sheet as a Z: two folds across, of +60 and -60 degrees, in three panels that do not stretch."""
+    mesh = bmesh.new()
+    third, turn, (w, h) = SIDES[1] / 3, math.radians(60), SIDES
+    profile = [(0, 0), (third, 0), (third + third * math.cos(turn), third * math.sin(turn)), (2 * third + third * math.cos(turn), third * math.sin(turn))]
+    rows = [[mesh.verts.new((x - w / 2, y - h / 2, z)) for x in (0, w)] for y, z in profile]
+    for a, b in zip(rows, rows[1:]):
+        mesh.faces.new((a[0], a[1], b[1], b[0]))
+    mesh.to_mesh(sheet.data)
+    mesh.free()
+    return rows
+
+
+def test_creases(judgement):
+    """Folds as modelled are creases of their own angles in what the program sees, and so are edges marked for subdivision."""
+    scene, sheet = new_scene("creases")
+    folded_sheet(scene, sheet)
+    mark_and_hold(Judgement(), scene, sheet)
+    select(sheet)
+    with heard():
+        bpy.ops.object.mode_set(mode="EDIT")
+        bpy.ops.mesh.select_all(action="SELECT")
+        result = bpy.ops.paperbake.mark_creases()
+        bpy.ops.object.mode_set(mode="OBJECT")
+    made = sorted(thing["paper_crease"] for thing in scene.objects if thing.name.startswith("crease"))
+    judgement.check(result == {"FINISHED"} and made == [-60, 60], f"creases of {made} degrees were made")
+    with heard():
+        part("scene_export").write(scene, str(FOLDER / "creases" / "marked.glb"), LAST)
+    inspected = json.loads(subprocess.run([str(PROGRAM), "inspect", str(FOLDER / "creases" / "marked.glb"), "--json"], capture_output=True, text=True, check=True).stdout)
+    found = sorted(round(crease["angle_deg"]) for crease in inspected["sheets"][0]["creases"])
+    judgement.check(found == [-60, 60], f"the program sees creases of {found} degrees")
+    for thing in [thing for thing in scene.objects if thing.name.startswith("crease")]:
+        bpy.data.objects.remove(thing)
+    marks = sheet.data.attributes.new("crease_edge", "FLOAT", "EDGE")
+    for edge, mark in zip(sheet.data.edges, marks.data):
+        mark.value = float(all(abs(sheet.data.vertices[v].co.y + SIDES[1] / 6) < 1e-6 for v in edge.vertices))
+    with heard():
+        part("scene_export").write(scene, str(FOLDER / "creases" / "edges.glb"), LAST)
+    inspected = json.loads(subprocess.run([str(PROGRAM), "inspect", str(FOLDER / "creases" / "edges.glb"), "--json"], capture_output=True, text=True, check=True).stdout)
+    judgement.check(len(inspected["sheets"][0]["creases"]) == 1, f"of marked edges the program sees {inspected['sheets'][0]['creases']}")
+    judgement.check(not [thing.name for thing in bpy.data.objects if thing.name.startswith("crease")], "the export left creases behind")
+    judgement.count("creases", 3)
+
+
+def test_what_is_not_followed_is_told(judgement):
+    """A collider that an armature deforms, and paper of the size of Blender's own plane."""
+    scene = holding("told")
+    with heard():
+        bpy.ops.mesh.primitive_cube_add(size=0.1, location=(3, 0, 0))
+    hand = bpy.context.object
+    hand.name = "collider.hand"
+    rig_ = bpy.data.objects.new("Bones", bpy.data.armatures.new("Bones"))
+    scene.collection.objects.link(rig_)
+    hand.modifiers.new("Bones", "ARMATURE").object = rig_
+    scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 1
+    result, said = report(bpy.ops.paperbake.bake)
+    judgement.check(result == {"FINISHED"} and "collider.hand is deformed by Bones" in said, f"a deformed collider: it says {said!r}")
+    sheet = scene.objects["paper.Letter"]
+    select(sheet)
+    with heard() as said:
+        sheet.scale = (20, 20, 1)
+        bpy.context.view_layer.update()
+        bpy.ops.paperbake.mark_sheet()
+    judgement.check("2000 \u00d7 2800 mm: is it meant that large?" in said[0], f"a sheet of 2.8 m: it says {said[0]!r}")
+    judgement.count("remarks", 2)
+
+
 def expect_error(judgement, what, *fragments):
     result, said = report(bpy.ops.paperbake.bake)
     judgement.check(result == {"CANCELLED"} and all(fragment in said for fragment in fragments), f"{what}: it says {said!r}")
@@ -466,7 +536,7 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_what_was_made_stays, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))
