@@ -312,6 +312,11 @@ RenderPass::State::FacetsOfSheets RenderPass::State::intersecting_facets(
 std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
   constexpr int max_rounds = 4;
   FacetsOfSheets exact(inputs.size());  // whose edges are among those of the render mesh
+  std::vector<std::vector<CreaseSegment>> seam_lines(inputs.size());
+  for (std::size_t s = 0; s < inputs.size(); ++s)
+    if (const auto& authored = inputs[s].shot->authored;
+        authored && options.features == Features::all)
+      for (const auto& [a, b] : seams(*authored)) seam_lines[s].push_back({a, b});
   for (int round = 0;; ++round) {
     std::vector<RenderSurface> sheets;
     for (std::size_t s = 0; s < inputs.size(); ++s) {
@@ -323,8 +328,7 @@ std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
       } else {
         features.edges = inputs[s].record->edges(exact[s]);
       }
-      if (shot.authored && options.features == Features::all)
-        for (const auto& [a, b] : seams(*shot.authored)) features.seams.push_back({a, b});
+      features.seams = seam_lines[s];
       sheets.push_back(
           make_render_surface(shot.pattern, features, inputs[s].record->edge(), options.quality));
     }

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 namespace paperbake {
 namespace {
@@ -70,6 +71,30 @@ TEST(PlanTest, GivesTheSameAdaptiveMeshesEveryTimeItIsSimulated) {
   const std::vector<Seen> once = frames_of(plan);
   ASSERT_NE(once.front().sheet.triangles.rows(), once.back().sheet.triangles.rows());
   expect_same(once, frames_of(plan));
+}
+
+TEST(PlanTest, AnotherPrintOnASheetIsAnotherJobOfTheSameSimulation) {
+  BakeSettings settings;
+  settings.scene = PAPERBAKE_SAMPLES "/S4_crumple.glb";
+  const auto plan = [&](const std::function<void(AuthoredSurface&)>& change) {
+    Scene scene = read_scene(settings.scene, {});
+    change(scene.sheets.at(0).authored);
+    return plan_bake(settings, std::move(scene));
+  };
+  const BakePlan was = plan([](AuthoredSurface&) {}), again = plan([](AuthoredSurface&) {});
+  EXPECT_EQ(was.job_hash, again.job_hash);
+  for (const auto& change : std::vector<std::function<void(AuthoredSurface&)>>{
+           [](AuthoredSurface& a) { a.uv_sets.at(0).uv(0, 0) += 0.25; },
+           [](AuthoredSurface& a) { a.uv_sets.at(0).name = "Print"; },
+           [](AuthoredSurface& a) { a.properties["title"] = std::string("Daily"); },
+           [](AuthoredSurface& a) {
+             a.materials = {"print"};
+             a.material_of.assign(a.triangles.rows(), 0);
+           }}) {
+    const BakePlan other = plan(change);
+    EXPECT_NE(other.job_hash, was.job_hash);
+    EXPECT_EQ(other.simulation_hash, was.simulation_hash) << "what is simulated is used again";
+  }
 }
 
 }  // namespace
