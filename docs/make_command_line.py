@@ -105,7 +105,7 @@ def section(program, command, purpose, of_bake):
     page += table([entry for entry in rows if entry not in shared])
     if len(shared) > 20:
         page += "It also takes a scene or a job file, and the options of `bake` "
-        page += "but `--dry-run` and `--write-job`.\n\n"
+        page += "but `--dry-run`,\n`--write-job`, `--force` and `--log`.\n\n"
     elif shared:
         names = ", ".join(f"`{entry[0].split()[0].split(',')[-1]}`" for entry in shared)
         page += f"It also takes these options of `bake`: {names}.\n\n"
