@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <nlohmann/json.hpp>
+#include <set>
 
 // The parts of the page, as they lie in the source tree and in Debian's libjs-three and
 // libjs-chart.js, with a zero behind each.
@@ -112,8 +113,11 @@ Json sheet_json(const Sheet& sheet) {
 /// Each missed gate with what to do about it.
 Json missed_json(const std::vector<std::string>& missed) {
   Json all = Json::array();
-  for (const std::string& sentence : missed)
-    all.push_back({{"sentence", sentence}, {"advice", advice(sentence)}});
+  std::set<std::string> given;  // the same advice once
+  for (const std::string& sentence : missed) {
+    const std::string todo = advice(sentence);
+    all.push_back({{"sentence", sentence}, {"advice", given.insert(todo).second ? todo : ""}});
+  }
   return all;
 }
 
