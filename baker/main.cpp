@@ -454,10 +454,13 @@ std::optional<Error> misspelt(const CLI::App& app, const std::vector<std::string
   known.clear();
   for (const CLI::Option* option : command->get_options())
     for (const std::string& name : option->get_lnames()) known.push_back("--" + name);
+  bool is_value = false;  // of the option before it, such as --slurm "--mem=2G"
   for (const std::string& word : words) {
     const std::string name = word.substr(0, word.find_first_of("= "));
-    if (word.rfind("--", 0) == 0 && word.size() > 2 &&
-        std::find(known.begin(), known.end(), name) == known.end())
+    const CLI::Option* option = is_value ? nullptr : command->get_option_no_throw(name);
+    const bool is_option = !is_value && word.rfind("--", 0) == 0 && word.size() > 2;
+    is_value = option && name == word && option->get_expected_min() > 0;
+    if (is_option && std::find(known.begin(), known.end(), name) == known.end())
       return Error(ErrorCode::command, "command line",
                    fmt::format("{} has no option {}.", *named, name),
                    suggestion(nearest_word(name, known)));

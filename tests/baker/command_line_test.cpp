@@ -62,6 +62,8 @@ TEST_F(CommandLineTest, AMisspeltOptionOrCommandGetsTheNearestName) {
   EXPECT_TRUE(is_error(command, 2, "command line", "\"bakee\""));
   EXPECT_TRUE(suggests(command, "bake")) << command.err;
   EXPECT_TRUE(suggests(joined, "--seed")) << joined.err;
+  const Ended value = run({"wedge", "--slurm", "--mem=2G", "--jobs", "x"});
+  EXPECT_EQ(value.err.find("--mem"), std::string::npos) << "it is no option: " << value.err;
 }
 
 TEST_F(CommandLineTest, OfAnOptionThatIsGivenTwiceTheLastCounts) {
@@ -113,9 +115,9 @@ TEST_F(CommandLineTest, TheRootOfTheUsdLayerIsThePathThatIsGiven) {
 
 TEST_F(CommandLineTest, ValuesThatAreLikelyMeantInAnotherUnitAreQuestioned) {
   const auto warns = [&](const std::vector<std::string>& words, const std::string& of) {
-    std::vector<std::string> all{"--dry-run", "--progress", "plain"};
+    std::vector<std::string> all{"bake", samples + "/S4_crumple.glb", "--dry-run"};
     all.insert(all.end(), words.begin(), words.end());
-    const Ended ended = bake(all);
+    const Ended ended = run(all);
     EXPECT_EQ(ended.code, 0) << ended.err;
     return ended.err.find(of) != std::string::npos;
   };
@@ -123,7 +125,7 @@ TEST_F(CommandLineTest, ValuesThatAreLikelyMeantInAnotherUnitAreQuestioned) {
   EXPECT_TRUE(warns({"--gravity", "-9.81"}, "pulls upwards"));
   EXPECT_FALSE(warns({"--gravity", "9.81"}, "Gravity"));
   EXPECT_TRUE(warns({"--fps", "9999"}, "9999 frames a second"));
-  EXPECT_FALSE(warns({"--fps", "120"}, "frames a second"));
+  EXPECT_FALSE(warns({"--fps", "120"}, "is that meant?"));
 }
 
 TEST_F(CommandLineTest, AReleaseBeyondTheLastFrameIsSaid) {
