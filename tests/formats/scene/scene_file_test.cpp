@@ -28,9 +28,10 @@ TEST(SceneFile, FilesThatCannotBeReadAreErrors) {
   EXPECT_ERROR("nowhere/fold.glb", "no such file");
   EXPECT_ERROR(testing::TempDir(), "not a file");
   EXPECT_ERROR(temporary("notes.txt", "buy paper"), "not an FBX, glTF or GLB");
-  for (const char* name : {"notes.fbx", "notes.gltf", "notes.glb"})
+  for (const char* name : {"notes.fbx", "notes.gltf"})
     EXPECT_ERROR(temporary(name, "buy paper"), "cannot be read");
-  EXPECT_ERROR(temporary("empty.glb", ""), "cannot be read");
+  EXPECT_ERROR(temporary("notes.glb", "buy paper"), "This is a text");
+  EXPECT_ERROR(temporary("empty.glb", ""), "is empty");
   EXPECT_ERROR(temporary("triangle.fbx", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"), "triangle.fbx");
 }
 
