@@ -182,6 +182,13 @@ std::vector<Option> meshes_and_physics() {
                       "Gravity in m/s2, positive downwards; otherwise paper_gravity of the scene, "
                       "or 0",
                       [](auto& s, auto& text, auto&) { s.gravity = std::stod(text); }),
+      without_default({"air", K::number, 0}, "1.2",
+                      "Density of the air in kg/m3, which slows sheets with inertia; 0: none. "
+                      "Otherwise paper_air of the scene, or 1.2",
+                      [](auto& s, auto& text, auto&) { s.air = std::stod(text); }),
+      without_default({"wind", K::text}, "2,0,0",
+                      "Wind in m/s as x,y,z (z up), besides the winds of the scene",
+                      [](auto& s, auto& text, auto& place) { s.wind = parse_wind(text, place); }),
       with_default({"stop", K::number, above_zero}, "1e-5",
                    "Tolerance of Newton's method: estimated distance from equilibrium in metres",
                    to_number([](auto& s) -> auto& { return s.stop; })),

@@ -1,6 +1,7 @@
 #include "baker/job/plan.h"
 
 #include "baker/job/file_names.h"
+#include "baker/job/frames_to_bake.h"
 #include "baker/job/version.h"
 #include "core/animation/blocked_ways.h"
 #include "core/animation/inertia_need.h"
@@ -64,6 +65,10 @@ void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& 
     }
     dynamic = greatest.needed;
     plan.why_inertia = greatest.why;
+    if (!dynamic && !plan.animation.elastic.air.winds.empty()) {
+      dynamic = true;
+      plan.why_inertia = "wind blows";
+    }
   }
   plan.animation.elastic.inertia = dynamic ? Inertia::dynamic : Inertia::quasi_static;
   if (settings.probe_every > 0 && dynamic)
@@ -174,8 +179,26 @@ std::string authored_bytes(const Shot& shot) {
   return bytes;
 }
 
+/// The air of a scene: 1.2 kg/m3 unless it says otherwise; winds only where there is air.
+Air air_of(const BakeSettings& settings, const Scene& scene) {
+  constexpr double at_sea = 1.2;  // [kg/m3] at 20 degrees
+  Air air{settings.air.value_or(scene.air.value_or(at_sea)), scene.winds, scene.fps};
+  if (settings.wind && *settings.wind != Vector3d::Zero()) {
+    Wind& wind = air.winds.emplace_back();
+    wind.name = "--wind";
+    wind.velocity = settings.wind->transpose();
+  }
+  if (air.density == 0) air.winds.clear();
+  return air;
+}
+
 void decide_frames(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
-  plan.frames = settings.frames.value_or(FrameSpan{scene.first_frame, scene.last_frame, 1});
+  const bool pulled =
+      plan.animation.elastic.forces.gravity != 0 || !plan.animation.elastic.air.winds.empty();
+  const LastFrame last =
+      last_frame_to_bake(scene, pulled ? MovedBy::gravity_or_wind : MovedBy::handles);
+  plan.frames = settings.frames.value_or(FrameSpan{scene.first_frame, last.frame, 1});
+  if (!settings.frames && !last.why.empty()) plan.warnings.push_back(last.why);
   if (plan.frames.last < scene.first_frame)
     throw Error(ErrorCode::command, "--frames",
                 fmt::format("The scene begins at frame {}, the range ends at {}.",
@@ -240,6 +263,15 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
   note("bake", "stop", toml_number(settings.stop));
   note("bake", "gravity", toml_number(plan.animation.elastic.forces.gravity),
        scene.gravity ? Origin::scene : Origin::fallback);
+  const ElasticOptions& elastic = plan.animation.elastic;
+  if (elastic.inertia == Inertia::dynamic && elastic.air.density > 0) {
+    note("bake", "air", toml_number(elastic.air.density),
+         scene.air ? Origin::scene : Origin::fallback);
+    if (settings.wind)
+      note("bake", "wind",
+           toml_string(fmt::format("{},{},{}", settings.wind->x(), settings.wind->y(),
+                                   settings.wind->z())));
+  }
   used.push_back(
       {"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
        settings.dynamics == Dynamics::automatic ? "auto" : to_string(settings.origin("dynamics"))});
@@ -394,6 +426,11 @@ std::vector<std::string> with_all(std::vector<std::string> hashes) {
 /// Hashes of everything that the frames, and that the simulated frames alone, depend on.
 void hash_inputs(BakePlan& plan) {
   std::string job, values = std::string(program_version) + "\n", of_simulation = values;
+  for (const Wind& wind : plan.animation.elastic.air.winds) {
+    values += fmt::format("wind/{}/{}/{}/", wind.name, wind.gust, wind.seed);
+    append_bytes(values, wind.velocity);
+  }
+  of_simulation = values;
   for (const UsedValue& value : plan.used) {
     const std::string line = value.key + " = " + value.value + "\n";
     if (value.key != "scene.file") values += line;
@@ -485,6 +522,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;
   plan.animation.elastic.forces.gravity = settings.gravity.value_or(scene.gravity.value_or(0.0));
+  plan.animation.elastic.air = air_of(settings, scene);
   plan.animation.probe_every = settings.probe_every;
   plan.animation.plasticity = settings.method == "fem" ? Plasticity::off : Plasticity::on;
   decide_frames(settings, scene, plan);

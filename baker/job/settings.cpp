@@ -69,6 +69,23 @@ std::vector<FrameSpan> parse_frame_list(const std::string& text, const std::stri
   return spans;
 }
 
+Vector3d parse_wind(const std::string& text, const std::string& place) {
+  const char *at = text.data(), *end = text.data() + text.size();
+  Vector3d wind;
+  bool good = true;
+  for (int k = 0; k < 3 && good; ++k) {
+    if (k > 0) good = at != end && *at++ == ',';
+    while (good && at != end && *at == ' ') ++at;
+    const auto [next, failed] = std::from_chars(at, end, wind[k]);
+    good = good && failed == std::errc() && std::isfinite(wind[k]);
+    at = next;
+  }
+  if (!good || at != end)
+    throw Error(ErrorCode::command, place, fmt::format("\"{}\" is no wind.", text),
+                "Write its velocity in m/s as x,y,z with z up, for instance 2,0,0.");
+  return wind;
+}
+
 const char* to_string(Origin origin) {
   constexpr const char* words[] = {"default", "preset", "scene", "job", "command line"};
   return words[static_cast<int>(origin)];

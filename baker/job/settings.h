@@ -39,6 +39,9 @@ enum class Resume { automatic, never };
 enum class Origin { fallback, preset, scene, job, command };
 const char* to_string(Origin);  // "default", ..., "command line"
 
+/// "x,y,z". throws Error(ErrorCode::command) at `place`
+Vector3d parse_wind(const std::string& text, const std::string& place);
+
 /// One number of the paper, over preset and scene.
 struct SetValue {
   std::string key;
@@ -67,6 +70,8 @@ struct BakeSettings {
   // triangles of the fem that finishes every frame; 0: none
   std::optional<int> polish;
   std::optional<double> gravity;  // [m/s2]
+  std::optional<double> air;      // [kg/m3]
+  std::optional<Vector3d> wind;   // [m/s] besides those of the scene
   double stop = 1e-5;             // [m]
   Dynamics dynamics = Dynamics::automatic;
   int probe_every = 0;  // [frames] 0: never

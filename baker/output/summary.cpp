@@ -112,6 +112,14 @@ std::string describe_polish(const BakePlan& plan) {
 }
 
 /// What was switched on, and why.
+std::string describe_air(const Air& air) {
+  std::string text = fmt::format("{} kg/m3, felt by sheets with inertia", air.density);
+  for (const Wind& wind : air.winds)
+    text += fmt::format(", wind \"{}\" of {:.3g} m/s", wind.name,
+                        wind.velocity.rowwise().norm().maxCoeff());
+  return text;
+}
+
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   int touching = 0, untangled = 0, births = 0;
   for (const FrameRecord& f : frames) {
@@ -128,6 +136,7 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
       {"dynamics", model(dynamic, plan.why_inertia)},
       {"gravity",
        model(elastic.forces.gravity != 0, fmt::format("{} m/s2", elastic.forces.gravity))},
+      {"air", model(dynamic && elastic.air.density > 0, describe_air(elastic.air))},
       {"plasticity",
        model(yields, yields ? "paper that yields keeps its creases" : "method fem is elastic")},
       {"singular_points",

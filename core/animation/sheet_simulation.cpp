@@ -118,6 +118,7 @@ void SheetSimulation::archive(Serializer& a) {
   method_->archive(a);
   if (!a.reads()) return;
   a.end();
+  input_before_.time = (frame_ - options_.first_frame) / options_.fps;
   const auto rows = sheet.x.rows();
   a.require(frame_ >= options_.first_frame && output_sheet_.x.rows() == rows &&
             (positions_before_.rows() == 0 || positions_before_.rows() == rows));
@@ -133,6 +134,7 @@ void SheetSimulation::archive(Serializer& a) {
 void SheetSimulation::move_world() {
   const int row = frame_ - options_.first_frame;
   input_ = {handles_.held(frame_)};
+  input_.time = row / options_.fps;
   fold_by_hands(started_.sheet, shot_.hands, row);
   if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
 }
@@ -292,6 +294,7 @@ StepInput SheetSimulation::input_of_part(int part) const {
                      [&](const PositionConstraint& other) { return other.vertex == c.vertex; });
     if (before != came_from_.end()) c.target = (1 - share) * before->target + share * c.target;
   }
+  input.time -= (1 - share) / options_.fps;
   input.colliders.from =
       between(input_.colliders.from, input_.colliders.to, double(part - 1) / load_parts_);
   input.colliders.to = between(input_.colliders.from, input_.colliders.to, share);

@@ -107,12 +107,14 @@ std::string reason_of(const Rejection& rejection, const FrameInterval& frame) {
 }
 
 /// What a sheet is to follow in the two halves of a part of the frame.
-std::pair<SubstepTarget, SubstepTarget> halves_of(const SubstepTarget& whole) {
+/// dt  [s] length of each half
+std::pair<SubstepTarget, SubstepTarget> halves_of(const SubstepTarget& whole, double dt) {
   StepInput half = whole.input, other = whole.input;
   for (PositionConstraint& c : half.constraints)
     c.target = 0.5 * (whole.sheet.x.row(c.vertex).transpose() + c.target);
   half.colliders.to = between(whole.input.colliders.from, whole.input.colliders.to);
   other.colliders.from = half.colliders.to;
+  half.time -= dt;
   const auto with = [&](StepInput input) -> SubstepTarget {
     return {whole.elastic, whole.sheet,      std::move(input),       0.5 * whole.relative_motion,
             whole.side,    whole.trajectory, whole.initial_positions};
@@ -161,7 +163,7 @@ std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& shee
   }
   std::vector<SubstepTarget> first, rest;
   for (const SubstepTarget& f : sheets) {
-    auto [half, other] = halves_of(f);
+    auto [half, other] = halves_of(f, 0.5 * part.length() * frame.dt);
     first.push_back(std::move(half));
     rest.push_back(std::move(other));
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/collider.h"
+#include "core/model/air.h"
 #include "core/model/local_energies.h"
 #include "core/model/paper.h"
 #include "core/model/plastic_grid.h"
@@ -28,6 +29,7 @@ struct ElasticOptions {
   double stop = 1e-5;
   int max_iterations = 60;  // [1] an unfinished minimisation continues in the next step
   ExternalForces forces;
+  Air air;  // slows a sheet with inertia, and carries it along (air_drag.h)
   Inertia inertia = Inertia::quasi_static;
   SelfContact contact = SelfContact::automatic;
   // obstacles that the sheet must not pass through; null: there are none
@@ -38,6 +40,7 @@ struct ElasticOptions {
 struct StepInput {
   PositionConstraints constraints;  // at the end of the step
   ColliderMotion colliders = {};
+  double time = 0;  // [s] at the end of the step, since the first frame
 };
 
 /// What a step did, and the energies and contacts of the sheet at its end.
@@ -136,7 +139,10 @@ struct SweptSheet;
 /// Colliders (collider_contact.h), if there are any, are part of W in every step. Handles whose
 /// targets lie behind the surface of a collider slide along it.
 ///
-/// source [Martin 2011]; the velocity is damped by the factor 0.98 per 1/24 s
+/// In air, air_drag.h adds its drag to W. In a vacuum, the velocity is damped by the factor 0.98 per
+/// 1/24 s instead.
+///
+/// source [Martin 2011]
 class Elastic {
  public:
   Elastic(const Paper&, const ElasticOptions&);

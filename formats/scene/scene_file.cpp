@@ -8,6 +8,7 @@
 #include "formats/scene/scene_nodes.h"
 #include "formats/scene/scene_properties.h"
 #include "formats/scene/scene_sheet.h"
+#include "formats/scene/scene_winds.h"
 
 #include <fmt/format.h>
 #include <fmt/ranges.h>
@@ -295,12 +296,13 @@ void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& war
                     scene.file.nodes[i].name, scene.first_frame));
 }
 
-std::optional<double> gravity_of(const SceneNodes& scene,
-                                 std::map<std::string, std::string>& origin) {
+/// The number that is given to any object for the whole scene.
+std::optional<double> number_of_scene(const SceneNodes& scene, const std::string& what,
+                                      std::map<std::string, std::string>& origin) {
   for (const ImportedNode& node : scene.file.nodes)
-    if (const auto gravity = number_property(scene.source, node, "paper_gravity")) {
-      origin["gravity"] = fmt::format("paper_gravity of \"{}\"", node.name);
-      return gravity;
+    if (const auto number = number_property(scene.source, node, "paper_" + what)) {
+      origin[what] = fmt::format("paper_{} of \"{}\"", what, node.name);
+      return number;
     }
   return std::nullopt;
 }
@@ -325,7 +327,12 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
   add_handles(nodes, scene.sheets, scene.warnings);
   for (SceneSheet& sheet : scene.sheets) snap_creases_to_points(sheet);
   scene.colliders = read_colliders(nodes, scene.warnings);
-  scene.gravity = gravity_of(nodes, scene.origin);
+  scene.gravity = number_of_scene(nodes, "gravity", scene.origin);
+  scene.air = number_of_scene(nodes, "air", scene.origin);
+  if (scene.air && *scene.air < 0)
+    throw Error(ErrorCode::scene, scene.source, fmt::format("paper_air is {}.", *scene.air),
+                "It is the density of the air in kg/m3: 1.2, or 0 for none.");
+  scene.winds = read_winds(nodes);
   for (std::size_t i = 0; i < overrides.size(); ++i)
     for (const auto& [key, place] : overrides[i].places) {
       const ImportedNode& node = nodes.file.nodes[i];

@@ -1,7 +1,11 @@
 #pragma once
 
 #include "core/geometry/collider.h"
+<<<<<<< HEAD
 #include "core/model/authored_surface.h"
+=======
+#include "core/model/air.h"
+>>>>>>> fa3b0bc (Air: drag and lift of sheets with inertia, wind with gusts, and frames to bake without keys)
 #include "core/model/handles.h"
 #include "core/model/pattern.h"
 #include "formats/scene/scene_overrides.h"
@@ -65,6 +69,8 @@ struct Scene {
   double fps = 24;                      // [1/s]
   int first_frame = 1, last_frame = 1;
   std::optional<double> gravity;      // [m/s2] paper_gravity, positive downwards
+  std::optional<double> air;          // [kg/m3] paper_air
+  std::vector<Wind> winds;            // in order of the file
   std::vector<std::string> warnings;  // one sentence each
   std::vector<GivenProperty> given;
   // for fps, first_frame, unit, up_axis, ...: where the value comes from

@@ -3,6 +3,7 @@
 #include "core/model/error.h"
 #include "formats/scene/scene_colliders.h"
 #include "formats/scene/scene_properties.h"
+#include "formats/scene/scene_winds.h"
 #include "formats/scene/sheet_point.h"
 
 #include <fmt/format.h>
@@ -10,11 +11,17 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <set>
 
 namespace paperbake {
 namespace {
+
+/// Whether a node moves sheets without handles.
+bool moves_sheets(const ImportedNode& node) {
+  return is_collider(node) || is_wind(node) || node.properties.count("paper_gravity") > 0;
+}
 
 constexpr double on_border = 1e-5;  // of the longer side
 // [diagonals of the sheet] in one frame: more comes from a wrong unit or a wrong key
@@ -79,12 +86,13 @@ std::vector<HandleNode> find_handles(const SceneNodes& scene) {
       if (children[child].empty() && is_tail_leaf(nodes[child].name, nodes[i].name))
         leaves.insert(child);
   }
-  // without handles the sheet may still fall on a collider
-  if (found.empty() && std::none_of(nodes.begin(), nodes.end(), is_collider))
+  // without handles the sheet may still fall, or be blown away
+  if (found.empty() && std::none_of(nodes.begin(), nodes.end(), moves_sheets))
     throw Error(ErrorCode::scene, scene.source,
                 "The scene has no handle: no node's name starts with \"handle\".",
                 "Put an empty or a locator named handle... on the sheet at the first frame, and "
-                "animate it.");
+                "animate it. A sheet that falls or is blown needs none: give any object the "
+                "property paper_gravity, or name an empty wind.");
   return found;
 }
 
@@ -234,6 +242,13 @@ void warn_of_stillness(const SceneNodes& scene, const std::vector<Handle>& handl
            (handle.keyed.rowwise() - handle.keyed.row(0)).cwiseAbs().maxCoeff() < 1e-9;
   };
   if (handles.empty() || !std::all_of(handles.begin(), handles.end(), still)) return;
+  const auto lets_go = [](const Handle& handle) {
+    return handle.release_frame < std::numeric_limits<int>::max();
+  };
+  const auto& nodes = scene.file.nodes;
+  if (std::any_of(handles.begin(), handles.end(), lets_go) ||
+      std::any_of(nodes.begin(), nodes.end(), moves_sheets))
+    return;
   warnings.push_back(scene.file.takes.empty()
                          ? "No handle moves: the file has no animation."
                          : "No handle moves: no animation of the file belongs to one.");

@@ -7,6 +7,7 @@ namespace paperbake {
 double SheetPotential::energy_and_springs(const Points3& x) const {
   double value = elastic.energy(x) + inertia_and_forces(x);
   if (!springs.empty()) value += spring_energy(springs, x);
+  if (air) value += air->energy(x);
   return value;
 }
 
@@ -16,6 +17,7 @@ double SheetPotential::differentiate(const Points3& x, HessianForm form, Points3
   for (int v = 0; v < x.rows(); ++v)
     gradient.row(v) += mass[v] * (inertia * (x.row(v) - xhat.row(v)) + forces.gradient());
   if (!springs.empty()) value += differentiate_springs(springs, x, block_of, gradient, matrix);
+  if (air) value += air->differentiate(x, block_of, gradient, matrix);
   return value;
 }
 

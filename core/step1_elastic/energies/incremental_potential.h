@@ -2,6 +2,7 @@
 
 #include "core/step1_elastic/contact/collider_contact.h"
 #include "core/step1_elastic/contact/self_contact.h"
+#include "core/step1_elastic/energies/air_drag.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
 #include "core/step1_elastic/energies/external_forces.h"
 #include "core/step1_elastic/energies/handle_springs.h"
@@ -13,7 +14,7 @@ namespace paperbake {
 /// The potential that a step of one sheet minimises, without self-contact. The solver eliminates
 /// the constrained vertices.
 ///
-///   W(x) = E(x) + sum_i m_i (inertia/2 |x_i - xhat_i|^2 + phi(x_i)) + handle springs + colliders
+///   W(x) = E(x) + sum_i m_i (inertia/2 |x_i - xhat_i|^2 + phi(x_i)) + handle springs + air + colliders
 ///
 /// phi  potential of the external forces per unit of mass (external_forces.h)
 struct SheetPotential {
@@ -25,6 +26,7 @@ struct SheetPotential {
   PositionConstraints springs;       // constraints that pull (handle_springs.h)
   ColliderContact* colliders;        // null: there are none
   const std::vector<int>& block_of;  // |V| block row in the matrix, -1: constrained
+  const AirDrag* air = nullptr;      // null: there is none
 
   double energy_and_springs(const Points3& x) const;
   double inertia_and_forces(const Points3& x) const {

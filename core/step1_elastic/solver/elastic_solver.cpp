@@ -50,9 +50,9 @@ void Elastic::Impl::advance(BranchDescent& way, const IncrementalPotential& W, i
                             ElasticReport& report) {
   const bool softened_phase = way.phase == BranchDescent::softened_phase;
   const SheetPotential& own = W.sheets.front();
-  const IncrementalPotential gentle{
-      {{*softened, mass, own.xhat, own.inertia, own.forces, own.springs, own.colliders, block_of}},
-      nullptr};
+  const IncrementalPotential gentle{{{*softened, mass, own.xhat, own.inertia, own.forces,
+                                      own.springs, own.colliders, block_of, own.air}},
+                                    nullptr};
   const MembraneStress stress = softened_phase
                                     ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
                                     : softened->stress(way.x, Points3::Zero(way.x.rows(), 3));
@@ -117,13 +117,15 @@ StepProblem Elastic::Impl::problem_of(const Sheet& sheet, const StepInput& input
     colliders->begin(sheet.x, input.colliders, {}, dt);
     colliders->project_outside(constraints);
   }
-  return {constraints, hard_constraints(constraints), input.colliders, dt};
+  return {constraints, hard_constraints(constraints), input.colliders, dt, input.time};
 }
 
-SheetPotential Elastic::Impl::potential(const Sheet& sheet, double dt,
+SheetPotential Elastic::Impl::potential(const Sheet& sheet, const StepProblem& step,
                                         PositionConstraints springs) {
   const bool dynamic = options.inertia == Inertia::dynamic;
-  const double inertia = (dynamic ? 1 : quasi_static_mass) / (dt * dt);
+  const double dt = step.dt, inertia = (dynamic ? 1 : quasi_static_mass) / (dt * dt);
+  air.reset();
+  if (dynamic && options.air.density > 0) air.emplace(options.air, sheet, dt, step.time);
   return {*energy,
           mass,
           dynamic ? Points3(sheet.x + dt * sheet.v) : sheet.x,
@@ -131,7 +133,8 @@ SheetPotential Elastic::Impl::potential(const Sheet& sheet, double dt,
           options.forces,
           std::move(springs),
           colliders ? &*colliders : nullptr,
-          block_of};
+          block_of,
+          air ? &*air : nullptr};
 }
 
 std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const PositionConstraints& hard,
@@ -181,7 +184,7 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
                      feels ? step.hard : PositionConstraints{});
 
   const Points3 before = sheet.x;
-  const IncrementalPotential W{{potential(sheet, step.dt, springs)}, feels};
+  const IncrementalPotential W{{potential(sheet, step, springs)}, feels};
   std::vector<Points3> starts = guesses(before, step.hard, feels != nullptr);
   choose_initial_guess(W, before, starts, sheet.x);
 
@@ -231,8 +234,8 @@ void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before, const StepP
   const std::vector<double> folds = energy->dihedral_angles(sheet.x);
   report.plastic_increment = commit_plastic_state(folds) + commit_creases(sheet, folds);
   report_energies(sheet.x, folds, report);
-  sheet.v = (options.inertia == Inertia::dynamic ? std::pow(velocity_kept, 24 * step.dt) : 1.0) /
-            step.dt * (sheet.x - before);
+  const bool damped = options.inertia == Inertia::dynamic && !(options.air.density > 0);
+  sheet.v = (damped ? std::pow(velocity_kept, 24 * step.dt) : 1.0) / step.dt * (sheet.x - before);
   state.positions.push_front(before);
   if (state.positions.size() > 2) state.positions.pop_back();
 }

@@ -3,6 +3,7 @@
 #include "core/step1_elastic/contact/collider_contact.h"
 #include "core/step1_elastic/contact/self_contact.h"
 #include "core/step1_elastic/elastic.h"
+#include "core/step1_elastic/energies/air_drag.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
 #include "core/step1_elastic/energies/handle_springs.h"
 #include "core/step1_elastic/solver/newton.h"
@@ -22,7 +23,8 @@ struct StepProblem {
   PositionConstraints constraints;  // with targets as far as colliders let the vertices go
   PositionConstraints hard;         // those of them that are hard
   ColliderMotion colliders;
-  double dt;  // [s]
+  double dt;    // [s]
+  double time;  // [s] at its end, since the first frame
 };
 
 /// The solver's data for one sheet, and the parts of a step.
@@ -44,6 +46,7 @@ struct Elastic::Impl {
 
   std::optional<Contact> contact;
   std::optional<ColliderContact> colliders;
+  std::optional<AirDrag> air;  // of the step; none in a vacuum and without inertia
 
   // these belong to the mesh and to the set of constrained vertices
   std::vector<int> held;       // eliminated from the system
@@ -142,7 +145,7 @@ struct Elastic::Impl {
   StepProblem problem_of(const Sheet&, const StepInput&, double dt);
 
   /// Potential of a step of the sheet from where it is. springs  constraints that pull
-  SheetPotential potential(const Sheet&, double dt, PositionConstraints springs);
+  SheetPotential potential(const Sheet&, const StepProblem&, PositionConstraints springs);
   /// Initial guesses for the end of the step. feels: with contact; then handles may lag behind, and
   /// some of the guesses do not make the sheet jump to them.
   std::vector<Points3> guesses(const Points3& before, const PositionConstraints& hard, bool feels);

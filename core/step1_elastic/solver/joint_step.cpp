@@ -140,7 +140,7 @@ IncrementalPotential Elastic::Impl::JointStep::bind(BlockCholesky& matrix, Conta
     s.energy->bind(matrix, s.block_of);
     if (s.colliders)
       s.colliders->begin(sheets_[k].sheet.x, problem.colliders, {}, dt_, problem.hard);
-    W.sheets.push_back(s.potential(sheets_[k].sheet, dt_, problem.constraints));
+    W.sheets.push_back(s.potential(sheets_[k].sheet, problem, problem.constraints));
   }
   return W;
 }
