@@ -178,13 +178,13 @@ class RenderPass::FrameRenderer {
     for (std::size_t v = 0; v < simulated.places->size(); ++v)
       on_facets.row(v) =
           interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
-    const Poses poses = poses_at(*colliders, frames[k].frame - frames.front().frame);
+    const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
     // lengths that are wrong after this are restored, as far as the sheet stays outside
     constexpr int max_turns = 8;
     constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn
     for (int turn = 0;; ++turn) {
       const Points3 before = x;
-      const double pushed = push_out(*colliders, poses, on_facets, 0, x);
+      const double pushed = push_out(shapes, on_facets, 0, x);
       const std::vector<char>& held = surfaces_[s].is_held();
       for (int v = 0; v < x.rows(); ++v)
         if (held[v]) x.row(v) = before.row(v);

@@ -27,6 +27,12 @@ def role(thing):
     return next((prefix for prefix in (HANDLE, CLAMP) if begins_with(thing.name, prefix)), None)
 
 
+def is_wind(thing):
+    """As formats/scene/scene_winds.h says: wind, wind.001, wind_left; windmill only with a speed."""
+    name = matched(thing.name)
+    return thing.type == "EMPTY" and name.startswith("wind") and (not name[4:5].isalpha() or "paper_speed" in thing)
+
+
 def of_role(scene, wanted):
     return [thing for thing in scene.objects if role(thing) == wanted]
 

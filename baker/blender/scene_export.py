@@ -1,5 +1,5 @@
-"""Writes what paperbake needs of a scene as glTF: sheets, handles, clamps, colliders. What carries them stays behind: the exporter
-writes where an object is in the world when its parent is not written."""
+"""Writes what paperbake needs of a scene as glTF: sheets, handles, clamps, winds, colliders and the armatures that deform them. What
+carries them stays behind: the exporter writes where an object is in the world when its parent is not written."""
 
 import contextlib
 import json
@@ -11,7 +11,7 @@ from . import marking, names
 from .program import Unusable
 
 TEMPORARY = "paperbake export"
-DEFORMING = {"ARMATURE", "CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "NODES", "SHRINKWRAP", "SIMPLE_DEFORM",
+DEFORMING = {"CLOTH", "CURVE", "HOOK", "LATTICE", "MESH_CACHE", "MESH_DEFORM", "MESH_SEQUENCE_CACHE", "NODES", "SHRINKWRAP", "SIMPLE_DEFORM",
              "SOFT_BODY", "SURFACE_DEFORM", "WARP", "WAVE"}  # modifiers that may change a shape from frame to frame
 
 
@@ -19,9 +19,20 @@ def has_marked_bones(thing):
     return thing.type == "ARMATURE" and any(names.begins_with(bone.name, names.HANDLE) or "paper_point" in bone for bone in thing.data.bones)
 
 
+def rigs(thing):
+    """The armatures that deform an object."""
+    return [modifier.object for modifier in thing.modifiers if modifier.type == "ARMATURE" and modifier.object]
+
+
 def relevant(scene):
-    """Every marked object, and armatures with marked bones."""
-    return [thing for thing in scene.objects if names.role(thing) or has_marked_bones(thing)]
+    """Every marked object, armatures with marked bones, and those that deform colliders."""
+    deforming = [rig for thing in names.of_role(scene, names.COLLIDER) for rig in rigs(thing)]
+    return [thing for thing in scene.objects if names.role(thing) or names.is_wind(thing) or has_marked_bones(thing) or thing in deforming]
+
+
+def has_shapes(scene):
+    """Whether a collider has shape keys. The exporter writes them only where it applies no modifiers."""
+    return any(thing.data.shape_keys for thing in names.of_role(scene, names.COLLIDER))
 
 
 def curves(action):
@@ -37,19 +48,24 @@ def keyed(thing, path):
     return bool(action) and any(curve.data_path == path for curve in curves(action))
 
 
-def not_followed(thing):
-    """A sentence about how a collider changes its shape, which no bake follows; empty when it does not."""
-    deforming = [modifier for modifier in thing.modifiers if modifier.show_viewport and modifier.type in DEFORMING]
+def not_followed(thing, applied):
+    """A sentence about how a collider changes its shape, which no bake follows; empty when all is followed, as bones and shape keys are.
+    applied: whether the export applies modifiers"""
+    shown_ones = [modifier for modifier in thing.modifiers if modifier.show_viewport]
+    deforming = [modifier for modifier in shown_ones if modifier.type in DEFORMING]
     if deforming:
-        return f"{thing.name} is deformed by {deforming[0].name}: it stays as it is in the first frame. Cut it into rigid pieces, each parented to a bone."
-    if thing.data.shape_keys and thing.data.shape_keys.animation_data:
-        return f"{thing.name} has keyed shape keys: it stays as it is in the first frame."
+        return f"{thing.name} is deformed by {deforming[0].name}: it stays as it is in the first frame. Bake it to shape keys."
+    if any(modifier.type == "ARMATURE" and modifier.use_deform_preserve_volume for modifier in shown_ones):
+        return f"{thing.name}: its armature preserves volume, which is not followed. Switch Preserve Volume off."
+    others = [modifier for modifier in shown_ones if modifier.type != "ARMATURE"]
+    if others and not applied:
+        return f"{thing.name}: its modifier {others[0].name} is left out, because a collider has shape keys. Apply it."
     return ""
 
 
 def remarks(scene):
     """Sentences about what the bake does not do as the scene has it."""
-    found = [not_followed(thing) for thing in names.of_role(scene, names.COLLIDER)]
+    found = [not_followed(thing, not has_shapes(scene)) for thing in names.of_role(scene, names.COLLIDER)]
     found += [f"{thing.name} is {names.size_text(scene, thing)}: is it meant that large?"
               for thing in names.of_role(scene, names.SHEET) if names.is_large(scene, thing)]
     return [sentence for sentence in found if sentence]
@@ -177,7 +193,8 @@ def write(scene, path, last):
             bpy.ops.export_scene.gltf(
                 filepath=path, export_format="GLB", collection=collection.name, export_extras=True, export_yup=True, use_mesh_edges=True,
                 export_current_frame=True,  # the sheet as it is at the first frame
-                export_apply=True, export_normals=False, export_materials="EXPORT", export_image_format="NONE", export_morph=False, export_skins=True,
+                export_apply=not has_shapes(scene), export_normals=False, export_materials="EXPORT", export_image_format="NONE",
+                export_morph=True, export_morph_normal=False, export_skins=True, export_def_bones=False,
                 export_animations=True, export_animation_mode="SCENE", export_anim_scene_split_object=False, export_force_sampling=True,
                 export_frame_range=True, export_frame_step=1, export_anim_slide_to_zero=False, export_optimize_animation_size=False,
                 export_optimize_animation_keep_anim_object=True, export_optimize_animation_keep_anim_armature=True)

@@ -116,12 +116,12 @@ std::string collider_text(const InspectedCollider& c) {
       "first frame {}\n",
       c.mesh->name, mm.x(), mm.y(), mm.z(), c.mesh->triangles.rows(),
       c.closed ? "closed, solid inside" : "open, keeps the paper on the side where it begins",
-      c.mesh->motion.empty() ? "stands still" : "moves rigidly", c.mesh->friction, where);
+      c.mesh->frames.empty() ? "stands still" : "moves", c.mesh->friction, where);
 }
 
 OrderedJson collider_json(const InspectedCollider& c) {
   return {{"name", c.mesh->name},         {"triangles", c.mesh->triangles.rows()},
-          {"closed", c.closed},           {"moves", !c.mesh->motion.empty()},
+          {"closed", c.closed},           {"moves", !c.mesh->frames.empty()},
           {"friction", c.mesh->friction}, {"size_m", {c.size.x(), c.size.y(), c.size.z()}},
           {"nearest_sheet", c.sheet},     {"distance_m", c.distance}};
 }

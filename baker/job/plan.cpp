@@ -350,8 +350,11 @@ std::string frame_input_hash(const std::string& before, const std::vector<Shot>&
       bytes += handle.held(frame) ? 'h' : 'f';
     }
     if (shot.colliders)
-      for (const Eigen::Isometry3d& pose : poses_at(*shot.colliders, frame - first_frame))
-        append_bytes(bytes, pose.matrix());
+      for (const Collider& collider : *shot.colliders)
+        if (const auto& frames = collider.frames(); !frames.empty())
+          append_bytes(
+              bytes,
+              frames[std::clamp(frame - first_frame, 0, static_cast<int>(frames.size()) - 1)]);
   }
   return hex(content_hash(bytes));
 }

@@ -25,7 +25,10 @@ std::vector<std::array<int, 2>> edges_of(const Triangles& triangles) {
 
 std::vector<ColliderMesh> meshes_of(const Colliders& colliders) {
   std::vector<ColliderMesh> meshes;
-  for (const Collider& collider : colliders) meshes.push_back(collider.mesh());
+  for (const Collider& collider : colliders) {
+    meshes.push_back(collider.mesh());
+    meshes.back().frames = collider.frames();
+  }
   return meshes;
 }
 
@@ -33,12 +36,9 @@ std::vector<ColliderMesh> meshes_of(const Colliders& colliders) {
 
 Points3 as_stored(const Points3& x) { return x.cast<float>().cast<double>(); }
 
-JudgedColliders::JudgedColliders(const std::vector<ColliderMesh>& meshes) {
-  for (const ColliderMesh& mesh : meshes) {
-    depths.emplace_back(mesh);
-    names.push_back(mesh.name);
-    motions.push_back(mesh.motion);
-  }
+JudgedColliders::JudgedColliders(const std::vector<ColliderMesh>& all) : meshes(all) {
+  for (const ColliderMesh& mesh : meshes)
+    depths.push_back(mesh.frames.empty() ? std::make_shared<const ColliderDepth>(mesh) : nullptr);
 }
 
 JudgedColliders::JudgedColliders(const Colliders& colliders)
@@ -46,12 +46,15 @@ JudgedColliders::JudgedColliders(const Colliders& colliders)
 
 ColliderPenetration JudgedColliders::deepest(int row, const Points3& x,
                                              const Triangles& triangles) const {
-  Poses poses;
-  for (const auto& motion : motions)
-    poses.push_back(motion.empty()
-                        ? Eigen::Isometry3d::Identity()
-                        : motion[std::clamp(row, 0, static_cast<int>(motion.size()) - 1)]);
-  return deepest_penetration(depths, poses, x, triangles);
+  std::vector<std::shared_ptr<const ColliderDepth>> now = depths;
+  for (std::size_t c = 0; c < now.size(); ++c) {
+    if (now[c]) continue;
+    const auto& frames = meshes[c].frames;
+    ColliderMesh mesh = {meshes[c].name, {}, meshes[c].triangles, {}};
+    mesh.x = frames[std::clamp(row, 0, static_cast<int>(frames.size()) - 1)];
+    now[c] = std::make_shared<const ColliderDepth>(mesh);
+  }
+  return deepest_penetration(now, x, triangles);
 }
 
 CacheJudge::CacheJudge(const Points2& uv, const Triangles& triangles, double longer_side,
@@ -99,7 +102,7 @@ Judgement CacheJudge::operator()(const Points3& positions, int row) const {
   const ColliderPenetration found = colliders_->deepest(row, stored.x, triangles_);
   if (found.depth <= 0) return judgement;
   judgement.inside = found.depth;
-  judgement.inside_of = colliders_->names[found.collider];
+  judgement.inside_of = colliders_->meshes[found.collider].name;
   for (int i = 0; i < 3; ++i)
     judgement.inside_at +=
         found.weights[i] * pattern_.row(triangles_(found.triangle, i)).transpose();

@@ -12,8 +12,8 @@
 
 namespace paperbake {
 
-/// The colliders of a scene as they are judged: prepared for exact depths, with their names and
-/// motions.
+/// The colliders of a scene as they are judged. Those that stand still are prepared for exact
+/// depths once.
 struct JudgedColliders {
   explicit JudgedColliders(const std::vector<ColliderMesh>&);
   explicit JudgedColliders(const Colliders&);
@@ -21,10 +21,8 @@ struct JudgedColliders {
   /// row  frame - first frame of the scene
   ColliderPenetration deepest(int row, const Points3& x, const Triangles&) const;
 
-  std::vector<ColliderDepth> depths;
-  std::vector<std::string> names;
-  // of each, as in ColliderMesh
-  std::vector<std::vector<Eigen::Isometry3d>> motions;
+  std::vector<ColliderMesh> meshes;
+  std::vector<std::shared_ptr<const ColliderDepth>> depths;  // null for those that move
 };
 
 /// What a frame is worth, whoever made it.

@@ -194,13 +194,8 @@ Image Preview::picture(const std::vector<HandleRecord>& handles) const {
   for (const PreviewFrame& shown : shown_) {
     Panel panel{{std::to_string(shown.frame)}, shown.sheets, {}, {}};
     if (colliders_) {
-      const Poses poses = poses_at(*colliders_, shown.frame - first_frame_);
-      for (std::size_t c = 0; c < poses.size(); ++c) {
-        const ColliderMesh& mesh = (*colliders_)[c].mesh();
-        panel.colliders.push_back({(mesh.x * poses[c].linear().transpose()).rowwise() +
-                                       poses[c].translation().transpose(),
-                                   mesh.triangles});
-      }
+      for (const auto& shape : shapes_at(*colliders_, shown.frame - first_frame_))
+        panel.colliders.push_back({shape->mesh().x, shape->mesh().triangles});
     }
     for (const HandleRecord& handle : handles)
       if (handle.frame == shown.frame && handle.state != HandleRecord::free_state)

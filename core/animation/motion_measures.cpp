@@ -20,14 +20,12 @@ Points3 targets_of(const PositionConstraints& constraints) {
 }  // namespace
 
 double max_displacement(const Sheet& sheet, const StepInput& now,
-                        const PositionConstraints& held_before, const Points3& before,
-                        const Colliders* colliders) {
+                        const PositionConstraints& held_before, const Points3& before) {
   const PositionConstraints& held = now.constraints;
   if (vertices_of(held) != vertices_of(held_before)) return std::numeric_limits<double>::infinity();
   double most =
       held.empty() ? 0 : (targets_of(held) - targets_of(held_before)).rowwise().norm().maxCoeff();
-  if (colliders)
-    most = std::max(most, farthest_move(*colliders, now.colliders.from, now.colliders.to));
+  most = std::max(most, farthest_move(now.colliders.from, now.colliders.to));
   if (before.rows() != sheet.x.rows()) return std::numeric_limits<double>::infinity();
   return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
 }

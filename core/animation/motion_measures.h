@@ -10,8 +10,7 @@ namespace paperbake {
 /// this frame, or a vertex made in the last step. Infinite when other vertices are held than
 /// before, or when the mesh has changed. [m]
 double max_displacement(const Sheet& sheet, const StepInput& now,
-                        const PositionConstraints& held_before, const Points3& before,
-                        const Colliders* colliders);
+                        const PositionConstraints& held_before, const Points3& before);
 
 /// Vertices that a handle is about to move farther than the first length [m] while no other held
 /// vertex lies within the second [m] of them on the pattern.

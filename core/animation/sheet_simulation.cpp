@@ -191,8 +191,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   move_world();
   const bool first = frame_ == options_.first_frame;
   singular_before_ = sheet.singular.size();
-  max_motion_ = max_displacement(sheet, input_, input_before_.constraints, positions_before_,
-                                 shot_.colliders.get());
+  max_motion_ = max_displacement(sheet, input_, input_before_.constraints, positions_before_);
   idle_frames_ = max_motion_ < sleep_threshold * side_ ? idle_frames_ + 1 : 0;
   relative_motion_ =
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;

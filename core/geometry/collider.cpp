@@ -2,6 +2,8 @@
 
 #include "core/geometry/proximity.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -47,6 +49,19 @@ double volume(const Points3& x, const Triangles& triangles) {
 }
 
 void turn(Triangles& triangles) { triangles.col(1).swap(triangles.col(2)); }
+
+/// [m] Sides of the box along the principal axes of the points, the shortest first.
+Vector3d sides_of_box(const Points3& x) {
+  const Points3 apart = x.rowwise() - x.colwise().mean().eval();
+  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(apart.transpose() * apart);
+  const Points3 along = apart * axes.eigenvectors();
+  Vector3d sides = (along.colwise().maxCoeff() - along.colwise().minCoeff()).transpose();
+  // a cube has no principal axes of its own: there the box along x, y, z may be smaller
+  const Vector3d straight = (x.colwise().maxCoeff() - x.colwise().minCoeff()).transpose();
+  if (straight.prod() < sides.prod()) sides = straight;
+  std::sort(sides.data(), sides.data() + 3);
+  return sides;
+}
 
 bool is_closed(const MeshEdges& edges) {
   return std::all_of(edges.wings.begin(), edges.wings.end(), [](const auto& e) {
@@ -108,14 +123,26 @@ void Collider::Tree::visit(const Eigen::AlignedBox3d& box,
 }
 
 Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
+  frames_ = std::make_shared<const std::vector<Points3>>(std::move(mesh_.frames));
+  mesh_.frames.clear();
+  prepare();
+}
+
+Collider::Collider(const Collider& other, const Points3& x)
+    : mesh_{other.mesh_.name, x, other.mesh_.triangles, {}, other.mesh_.friction},
+      frames_(other.frames_) {
+  prepare();
+}
+
+void Collider::prepare() {
   Triangles& triangles = mesh_.triangles;
   const Points3& x = mesh_.x;
   closed_ = is_closed(edges_of(triangles));
   if (closed_ && volume(x, triangles) < 0) turn(triangles);
   const MeshEdges edges = edges_of(triangles);
-  const Eigen::AlignedBox3d all(Vector3d(x.colwise().minCoeff().transpose()),
-                                Vector3d(x.colwise().maxCoeff().transpose()));
-  depth_ = closed_ ? std::min(deepest, of_thickness * all.sizes().minCoeff()) : deepest_of_open;
+  const Vector3d sides = sides_of_box(x);
+  thickness_ = closed_ ? sides[0] : sides[1];
+  depth_ = closed_ ? std::min(deepest, of_thickness * thickness_) : deepest_of_open;
   find_normals();
   find_corners(edges, find_sharp_edges(edges));
 }
@@ -259,8 +286,8 @@ std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector
   const double sign = border && std::abs(apart.dot(row(face_normal_, triangles[first]))) < 0.999 * d
                           ? 1
                           : side * (apart.dot(pseudo_normal) < 0 ? -1 : 1);
-  found.push_back(
-      {at, d < coincident ? Vector3d(side * pseudo_normal) : Vector3d(sign / d * apart), sign * d});
+  found.push_back({at, d < coincident ? Vector3d(side * pseudo_normal) : Vector3d(sign / d * apart),
+                   sign * d, triangles[first]});
   for (std::size_t k = 0; k < all.size(); ++k) {
     const double distance = all[k].apart.norm();
     if (distance < coincident ||
@@ -270,7 +297,7 @@ std::vector<SurfacePoint> Collider::nearest(const Vector3d& p, const std::vector
     const bool known = std::any_of(found.begin(), found.end(), [&](const SurfacePoint& s) {
       return s.normal.dot(n) > other_direction;
     });
-    if (!known) found.push_back({all[k].at, n, distance});
+    if (!known) found.push_back({all[k].at, n, distance, triangles[k]});
   }
   return found;
 }
@@ -289,43 +316,76 @@ SurfacePoint Collider::nearest(const Vector3d& p, double within, int side) const
   }
 }
 
-Poses poses_at(const Colliders& colliders, int row) {
-  Poses poses;
+ColliderShapes shapes_at(const Colliders& colliders, int row) {
+  ColliderShapes shapes;
   for (const Collider& c : colliders) {
-    const auto& motion = c.mesh().motion;
-    poses.push_back(motion.empty()
-                        ? Eigen::Isometry3d::Identity()
-                        : motion[std::clamp(row, 0, static_cast<int>(motion.size()) - 1)]);
+    const auto& frames = c.frames();
+    const int frame = std::clamp(row, 0, std::max(0, static_cast<int>(frames.size()) - 1));
+    if (frames.empty() || frames[frame] == c.mesh().x)
+      shapes.emplace_back(std::shared_ptr<void>(), &c);
+    else
+      shapes.push_back(std::make_shared<const Collider>(c, frames[frame]));
   }
-  return poses;
+  return shapes;
 }
 
 ColliderMotion motion_to(const Colliders& colliders, int row) {
-  return {poses_at(colliders, row - 1), poses_at(colliders, row)};
+  ColliderMotion motion{shapes_at(colliders, row - 1), shapes_at(colliders, row)};
+  for (std::size_t c = 0; c < motion.to.size(); ++c)
+    if (motion.from[c]->mesh().x == motion.to[c]->mesh().x) motion.from[c] = motion.to[c];
+  return motion;
 }
 
-Poses between(const Poses& a, const Poses& b, double share) {
-  Poses on_the_way;
-  for (std::size_t c = 0; c < a.size(); ++c) {
-    const Eigen::Quaterniond p(a[c].linear()), q(b[c].linear());
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    pose.linear() = p.slerp(share, q).normalized().toRotationMatrix();
-    pose.translation() = (1 - share) * a[c].translation() + share * b[c].translation();
-    on_the_way.push_back(pose.isApprox(a[c], 1e-15) ? a[c] : pose);
-  }
+ColliderShapes between(const ColliderShapes& a, const ColliderShapes& b, double share) {
+  ColliderShapes on_the_way;
+  for (std::size_t c = 0; c < a.size(); ++c)
+    on_the_way.push_back(
+        a[c] == b[c] ? b[c]
+                     : std::make_shared<const Collider>(
+                           *b[c], Points3((1 - share) * a[c]->mesh().x + share * b[c]->mesh().x)));
   return on_the_way;
 }
 
-double farthest_move(const Colliders& colliders, const Poses& from, const Poses& to) {
+double farthest_move(const Collider& from, const Collider& to) {
+  return &from == &to ? 0
+                      : std::sqrt((to.mesh().x - from.mesh().x).rowwise().squaredNorm().maxCoeff());
+}
+
+double farthest_move(const ColliderShapes& from, const ColliderShapes& to) {
   double most = 0;
-  for (std::size_t c = 0; c < from.size(); ++c) {
-    if (from[c].matrix() == to[c].matrix()) continue;
-    for (int v = 0; v < colliders[c].mesh().x.rows(); ++v) {
-      const Vector3d p = row(colliders[c].mesh().x, v);
-      most = std::max(most, (to[c] * p - from[c] * p).norm());
-    }
-  }
+  for (std::size_t c = 0; c < from.size(); ++c)
+    most = std::max(most, farthest_move(*from[c], *to[c]));
   return most;
+}
+
+namespace {
+
+/// The rotation from x, y, z to a triangle: its first edge, its normal, and across both.
+Eigen::Matrix3d frame_of(const std::array<Vector3d, 3>& corners) {
+  Eigen::Matrix3d frame;
+  frame.col(0) = (corners[1] - corners[0]).normalized();
+  frame.col(1) = (corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized();
+  frame.col(2) = frame.col(0).cross(frame.col(1));
+  return frame;
+}
+
+}  // namespace
+
+Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double clearance,
+                 int side) {
+  if (&from == &to) return p;
+  const SurfacePoint near = from.nearest(p, farthest_move(from, to) + clearance, side);
+  if (near.triangle < 0) return p;
+  std::array<Vector3d, 3> before, after;
+  for (int i = 0; i < 3; ++i) {
+    const int v = from.mesh().triangles(near.triangle, i);
+    before[i] = row(from.mesh().x, v);
+    after[i] = row(to.mesh().x, v);
+  }
+  const ClosestPoints at = vertex_to_triangle({p, before[0], before[1], before[2]});
+  const Vector3d there =
+      -(at.weights[1] * after[0] + at.weights[2] * after[1] + at.weights[3] * after[2]);
+  return there + frame_of(after) * (frame_of(before).transpose() * (p - near.at));
 }
 
 void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
@@ -367,25 +427,24 @@ std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh> mesh
   return std::make_shared<const Colliders>(meshes.begin(), meshes.end());
 }
 
-double push_out(const Colliders& colliders, const Poses& poses, const Points3& known,
-                double clearance, Points3& x) {
+double push_out(const ColliderShapes& colliders, const Points3& known, double clearance,
+                Points3& x) {
   constexpr double to_and_fro = 3;  // [1] passes: a point pushed out may have entered elsewhere
   double deepest_found = 0;
-  for (std::size_t c = 0; c < colliders.size(); ++c) {
-    const Collider& collider = colliders[c];
-    const Eigen::Isometry3d back = poses[c].inverse();
+  for (const auto& shape : colliders) {
+    const Collider& collider = *shape;
     for (int v = 0; v < x.rows(); ++v) {
-      const Vector3d at_home = back * row(known, v);
       const double range = (x.row(v) - known.row(v)).norm() + collider.depth();
       int side = 1;
       if (!collider.closed() &&
-          collider.nearest(at_home, 2 * collider.depth() + range, 1).distance < -collider.depth())
+          collider.nearest(row(known, v), 2 * collider.depth() + range, 1).distance <
+              -collider.depth())
         side = -1;
       for (int k = 0; k < to_and_fro; ++k) {
-        const SurfacePoint near = collider.nearest(back * row(x, v), range + clearance, side);
+        const SurfacePoint near = collider.nearest(row(x, v), range + clearance, side);
         if (!(near.distance < clearance)) break;
         if (k == 0) deepest_found = std::max(deepest_found, -near.distance);
-        x.row(v) += (clearance - near.distance) * (poses[c].linear() * near.normal).transpose();
+        x.row(v) += (clearance - near.distance) * near.normal.transpose();
       }
     }
   }

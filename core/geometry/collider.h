@@ -13,40 +13,50 @@
 
 namespace paperbake {
 
-/// A rigid triangle mesh that the paper must not penetrate, as read from the scene.
+/// A triangle mesh that the paper must not penetrate, as read from the scene.
 struct ColliderMesh {
   std::string name;
   // |V|x3 [m] vertex positions in the first frame; no two vertices coincide
   Points3 x;
   Triangles triangles;  // |T|x3 counter-clockwise seen from the front
-  // element f: rigid motion from the first frame to frame first + f; empty: the mesh stands still
-  std::vector<Eigen::Isometry3d> motion;
+  // element f: |V|x3 [m] vertex positions in frame first + f, between which vertices go straight;
+  // empty: the mesh stands still
+  std::vector<Points3> frames;
   double friction = 0.4;  // [1] Coulomb's coefficient of friction; paper on wood has 0.3-0.5
 };
 
-/// The point of a collider that is closest to a query point, in collider space: the coordinates of
-/// the collider's first frame.
+/// The point of a collider that is closest to a query point.
 struct SurfacePoint {
   Vector3d at;      // [m] the point on the surface
   Vector3d normal;  // unit vector along which the distance grows
   double distance;  // [m] signed distance of the query point, negative behind the front
+  int triangle = -1;
 };
 
 struct MeshEdges;  // collider.cpp: the triangles at each edge of a mesh
 
-/// A rigid obstacle for the paper, prepared for distance queries. All points are given in collider
-/// space. For a closed mesh the inside is forbidden, whatever the orientation of its triangles. For
-/// an open mesh the space behind its front is forbidden, except to points that have come round its
-/// border.
+/// An obstacle for the paper at one time, prepared for distance queries. For a closed mesh the
+/// inside is forbidden, whatever the orientation of its triangles. For an open mesh the space
+/// behind its front is forbidden, except to points that have come round its border.
 class Collider {
  public:
+  /// The collider in the first frame.
   explicit Collider(ColliderMesh);
+  /// The same collider with its vertices elsewhere. x  |V|x3 [m]
+  Collider(const Collider&, const Points3& x);
 
+  /// The mesh; x is where its vertices are. `frames` is empty, see frames().
   const ColliderMesh& mesh() const { return mesh_; }
+  /// ColliderMesh::frames
+  const std::vector<Points3>& frames() const { return *frames_; }
   bool closed() const { return closed_; }
 
   /// Greatest depth behind the front at which a point still counts as pressed in from there. [m]
   double depth() const { return depth_; }
+
+  /// Thickness of a closed mesh, width of an open one: the shortest, or the second shortest, side
+  /// of its box along its principal axes. [m]
+  double thickness() const { return thickness_; }
 
   /// A convex edge or a border edge, and a corner on such edges. A feature of the sheet close to
   /// one of them is inside the collider when the shortest line from the feature to the edge (or
@@ -109,6 +119,7 @@ class Collider {
   };
   OnTriangle on_triangle(const Vector3d& p, int t) const;
 
+  void prepare();
   // parts of the construction, in this order
   void find_normals();
   std::vector<char> find_sharp_edges(const MeshEdges&);  // returns |V| whether one ends there
@@ -116,7 +127,8 @@ class Collider {
 
   ColliderMesh mesh_;
   bool closed_ = false;
-  double depth_ = 0;
+  std::shared_ptr<const std::vector<Points3>> frames_;
+  double depth_ = 0, thickness_ = 0;
   Points3 face_normal_, vertex_normal_;  // |T|x3, |V|x3
   // [triangle][corner]: pseudo-normal of the edge opposite that corner, and whether it is a border
   std::vector<std::array<Vector3d, 3>> edge_normal_;
@@ -128,24 +140,35 @@ class Collider {
 };
 
 using Colliders = std::vector<Collider>;
-// for each collider: the rigid motion from its first frame to its current position
-using Poses = std::vector<Eigen::Isometry3d>;
+// the colliders as they are at one time. A collider that stands still is that of the Colliders,
+// which must outlive this
+using ColliderShapes = std::vector<std::shared_ptr<const Collider>>;
 
-/// Poses of the colliders in one frame; before the first and after the last key they stand still.
+/// The colliders in one frame; before the first and after the last key they stand still.
 /// row  frame - first frame of the scene
-Poses poses_at(const Colliders&, int row);
-/// The poses on the way from one to another: rotations by slerp, translations on a straight line.
+ColliderShapes shapes_at(const Colliders&, int row);
+/// The colliders on the way from one shape to another: vertices go straight.
 /// share  [1] of the way
-Poses between(const Poses&, const Poses&, double share = 0.5);
-/// Poses of the colliders at the beginning and at the end of a step. Empty if there are no
-/// colliders.
+ColliderShapes between(const ColliderShapes&, const ColliderShapes&, double share = 0.5);
+/// The colliders at the beginning and at the end of a step. Empty if there are none. A collider
+/// that does not move is one and the same object in both.
 struct ColliderMotion {
-  Poses from, to;
+  ColliderShapes from, to;
 };
 /// The motion from the row before to this one.
 ColliderMotion motion_to(const Colliders&, int row);
-/// Largest displacement of any point of the colliders. [m]
-double farthest_move(const Colliders&, const Poses& from, const Poses& to);
+/// Largest displacement of any vertex of a collider. [m]
+double farthest_move(const Collider& from, const Collider& to);
+/// The same for all. [m]
+double farthest_move(const ColliderShapes& from, const ColliderShapes& to);
+
+/// Where a point gets to that a moving collider carries along: it keeps its place beside the point
+/// of the surface that is nearest to it, and turns with the triangle there. For a collider that
+/// moves rigidly this is the rigid motion. A point that is farther from the surface than the
+/// surface moves, and another `clearance` [m], stays where it is.
+/// side  as in Collider::nearest
+Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double clearance,
+                 int side);
 
 /// Orients open meshes so that their front is on the side where most of the sheet is at the start.
 /// Where the sheet lies in the surface, the keyed positions of the handles decide, and where these
@@ -164,6 +187,6 @@ std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh>, con
 /// clearance  [m]
 /// x          |V|x3 [m] the points, changed in place
 /// returns    [m] greatest depth of a point that was inside; 0 when none was
-double push_out(const Colliders&, const Poses&, const Points3& known, double clearance, Points3& x);
+double push_out(const ColliderShapes&, const Points3& known, double clearance, Points3& x);
 
 }  // namespace paperbake

@@ -422,15 +422,12 @@ Penetration ColliderDepth::deepest(const Points3& x, const Triangles& triangles)
   return deepest;
 }
 
-ColliderPenetration deepest_penetration(const std::vector<ColliderDepth>& colliders,
-                                        const Poses& poses, const Points3& x,
-                                        const Triangles& triangles) {
+ColliderPenetration deepest_penetration(
+    const std::vector<std::shared_ptr<const ColliderDepth>>& colliders, const Points3& x,
+    const Triangles& triangles) {
   ColliderPenetration deepest;
   for (std::size_t c = 0; c < colliders.size(); ++c) {
-    const Eigen::Isometry3d back = poses[c].inverse();
-    Points3 local(x.rows(), 3);
-    for (int v = 0; v < x.rows(); ++v) local.row(v) = (back * row(x, v)).transpose();
-    const Penetration found = colliders[c].deepest(local, triangles);
+    const Penetration found = colliders[c]->deepest(x, triangles);
     if (found.depth > deepest.depth) {
       static_cast<Penetration&>(deepest) = found;
       deepest.collider = c;

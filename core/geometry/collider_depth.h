@@ -16,7 +16,7 @@ struct Penetration {
   Vector3d weights{0, 0, 0};  // [1] barycentric, in that triangle
 };
 
-/// Measures how deep a surface lies inside a rigid mesh, at any point of its triangles and to any
+/// Measures how deep a surface lies inside a mesh, at any point of its triangles and to any
 /// depth. It judges results, so it shares no code with the contact of step 1: it asks CGAL for
 /// nearest points and intersections, and decides by itself what is inside.
 ///
@@ -39,7 +39,7 @@ class ColliderDepth {
   ~ColliderDepth();
   ColliderDepth(ColliderDepth&&) noexcept;
 
-  /// x  |V|x3 [m] in the space of the first frame of the collider
+  /// x  |V|x3 [m]
   Penetration deepest(const Points3& x, const Triangles&) const;
 
  private:
@@ -47,11 +47,11 @@ class ColliderDepth {
   std::vector<std::unique_ptr<Part>> parts_;
 };
 
-/// The same for all colliders of a scene in one frame.
+/// The same for all colliders of a scene.
 struct ColliderPenetration : Penetration {
   std::size_t collider = 0;
 };
-ColliderPenetration deepest_penetration(const std::vector<ColliderDepth>&, const Poses&,
+ColliderPenetration deepest_penetration(const std::vector<std::shared_ptr<const ColliderDepth>>&,
                                         const Points3& x, const Triangles&);
 
 }  // namespace paperbake

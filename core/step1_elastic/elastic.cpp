@@ -146,10 +146,10 @@ LocalEnergies Elastic::local_energies(const Sheet& sheet) const {
   return impl_->energy->local_energies(sheet.x);
 }
 
-double Elastic::inside(const Sheet& sheet, const Poses& poses) const {
+double Elastic::inside(const Sheet& sheet, const ColliderShapes& shapes) const {
   if (!impl_->colliders) return 0;
   ColliderContact at_rest = *impl_->colliders;  // the step that its own contact is in goes on
-  at_rest.begin(sheet.x, {poses, poses}, {}, 1);
+  at_rest.begin(sheet.x, {shapes, shapes}, {}, 1);
   return at_rest.inside(sheet.x);
 }
 

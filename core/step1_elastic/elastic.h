@@ -139,8 +139,8 @@ struct SweptSheet;
 /// Colliders (collider_contact.h), if there are any, are part of W in every step. Handles whose
 /// targets lie behind the surface of a collider slide along it.
 ///
-/// In air, air_drag.h adds its drag to W. In a vacuum, the velocity is damped by the factor 0.98 per
-/// 1/24 s instead.
+/// In air, air_drag.h adds its drag to W. In a vacuum, the velocity is damped by the factor 0.98
+/// per 1/24 s instead.
 ///
 /// source [Martin 2011]
 class Elastic {
@@ -202,7 +202,7 @@ class Elastic {
 
   /// [m] Depth of the deepest vertex, edge or triangle of a sheet on this mesh inside a collider; 0
   /// if none is inside.
-  double inside(const Sheet&, const Poses&) const;
+  double inside(const Sheet&, const ColliderShapes&) const;
 
   /// A copy of the state, including the plastic grid, and the rollback to such a copy. As long as
   /// the mesh is the same, the steps in between leave no trace.

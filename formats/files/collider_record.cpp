@@ -13,21 +13,17 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 Json json_of(const ColliderMesh& mesh) {
-  Json vertices = Json::array(), triangles = Json::array(), motion = Json::array();
+  Json vertices = Json::array(), triangles = Json::array(), frames = Json::array();
   for (int v = 0; v < mesh.x.rows(); ++v)
     vertices.push_back({mesh.x(v, 0), mesh.x(v, 1), mesh.x(v, 2)});
   for (int t = 0; t < mesh.triangles.rows(); ++t)
     triangles.push_back({mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)});
-  for (const Eigen::Isometry3d& pose : mesh.motion) {
-    Json rows = Json::array();
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 4; ++k) rows.push_back(pose.matrix()(i, k));
-    motion.push_back(std::move(rows));
-  }
+  for (const Points3& x : mesh.frames)
+    frames.push_back(std::vector<double>(x.data(), x.data() + x.size()));
   return {{"name", mesh.name},
           {"vertices", std::move(vertices)},
           {"triangles", std::move(triangles)},
-          {"motion", std::move(motion)}};
+          {"frames", std::move(frames)}};
 }
 
 template <class Matrix>
@@ -44,12 +40,11 @@ ColliderMesh mesh_of(const Json& json) {
   mesh.name = json.at("name");
   mesh.x = matrix_of<Points3>(json.at("vertices"));
   mesh.triangles = matrix_of<Triangles>(json.at("triangles"));
-  for (const Json& rows : json.at("motion")) {
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    for (int i = 0; i < 3; ++i)
-      for (int k = 0; k < 4; ++k)
-        pose.matrix()(i, k) = rows.at(static_cast<std::size_t>(4 * i + k)).get<double>();
-    mesh.motion.push_back(pose);
+  for (const Json& frame : json.at("frames")) {
+    const std::vector<double> numbers = frame.get<std::vector<double>>();
+    if (static_cast<long>(numbers.size()) != mesh.x.size())
+      throw Error(ErrorCode::scene, "colliders.json", "A frame does not have all vertices.");
+    mesh.frames.push_back(Eigen::Map<const Points3>(numbers.data(), mesh.x.rows(), 3));
   }
   const bool exist = mesh.triangles.size() == 0 ||
                      (mesh.triangles.minCoeff() >= 0 && mesh.triangles.maxCoeff() < mesh.x.rows());

@@ -16,9 +16,9 @@ struct ColliderRecord {
 };
 
 /// One JSON object: `first_frame`, `colliders` as a list of {name, vertices (m), triangles,
-/// motion}, and `turned`: for each sheet the numbers of the colliders whose triangles run the other
-/// way round for it. A motion has twelve numbers for every frame: the rows of the rotation, each
-/// followed by a coordinate of the translation in metres. All numbers read back as the same
+/// frames}, and `turned`: for each sheet the numbers of the colliders whose triangles run the other
+/// way round for it. `frames` has a list for every frame: x, y and z of all vertices, one after the
+/// other, in metres; it is empty where the collider stands still. All numbers read back as the same
 /// doubles.
 std::string collider_json(const ColliderRecord&);
 

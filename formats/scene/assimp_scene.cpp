@@ -69,6 +69,7 @@ ImportedMesh copy_mesh(const aiMesh& mesh) {
   const auto where = [&] { return fmt::format("mesh \"{}\"", mesh.mName.C_Str()); };
   ImportedMesh copy;
   copy.deformed = mesh.mNumBones > 0 || mesh.mNumAnimMeshes > 0;
+  if (copy.deformed) copy.not_followed = "The deformation";
   copy.x.resize(mesh.mNumVertices, 3);
   for (unsigned i = 0; i < mesh.mNumVertices; ++i) copy.x.row(i) = vector(mesh.mVertices[i]);
   bool finite = copy.x.allFinite();

@@ -74,7 +74,7 @@ Track<Value> track_of(const std::vector<double>& times, const std::vector<double
 /// The node that a channel moves, and which part of its transform.
 struct Target {
   std::size_t node;
-  std::string path;  // translation, rotation or scale
+  std::string path;  // translation, rotation, scale or weights
 };
 
 /// The target of a channel; nothing when it is not the transform of a node.
@@ -102,8 +102,28 @@ std::optional<Target> target_of(const Json& channel, std::size_t nodes) {
   } else {
     return std::nullopt;  // target of another extension
   }
-  if (path != "translation" && path != "rotation" && path != "scale") return std::nullopt;
+  if (path != "translation" && path != "rotation" && path != "scale" && path != "weights")
+    return std::nullopt;
   return Target{node, path};
+}
+
+/// One track for each blend shape, from the numbers of a sampler, which has the weights of all
+/// shapes at each key.
+std::vector<Track<Vector3d>> shape_tracks(const std::vector<double>& times,
+                                          const std::vector<double>& numbers,
+                                          const std::string& interpolation) {
+  const std::size_t each = interpolation == "CUBICSPLINE" ? 3 : 1;
+  const std::size_t shapes = times.empty() ? 0 : numbers.size() / (each * times.size());
+  if (numbers.size() != shapes * each * times.size())
+    refuse(fmt::format("a sampler has {} times and {} values", times.size(), numbers.size()));
+  std::vector<Track<Vector3d>> tracks;
+  for (std::size_t s = 0; s < shapes; ++s) {
+    std::vector<double> own;
+    for (std::size_t k = 0; k < each * times.size(); ++k)
+      own.insert(own.end(), {numbers[k * shapes + s], 0, 0});
+    tracks.push_back(track_of<Vector3d>(times, own, 3, interpolation));
+  }
+  return tracks;
 }
 
 void read_channel(GltfFile& file, const Json& channel, const Json& samplers, Take& take) {
@@ -112,7 +132,9 @@ void read_channel(GltfFile& file, const Json& channel, const Json& samplers, Tak
   if (!target) return;
   const Json& sampler = samplers[index(channel, "sampler", samplers.size())];
   const std::size_t accessors = list(file.json(), "accessors").size(),
-                    width = target->path == "rotation" ? 4 : 3;
+                    width = target->path == "rotation"  ? 4
+                            : target->path == "weights" ? 1
+                                                        : 3;
   const std::vector<double> times =
       file.numbers(index(sampler, "input", accessors), 1, Integers::normalized);
   const std::vector<double> numbers =
@@ -124,6 +146,10 @@ void read_channel(GltfFile& file, const Json& channel, const Json& samplers, Tak
                 fmt::format("node \"{}\"", gltf::name(nodes, target->node, "nodes")),
                 "A key contains a value that is not a number.", export_again);
   const std::string interpolation = text(sampler, "interpolation", "LINEAR");
+  if (target->path == "weights") {
+    take.shapes[static_cast<int>(target->node)] = shape_tracks(times, numbers, interpolation);
+    return;
+  }
   Motion& motion = take.motions[static_cast<int>(target->node)];
   if (width == 4)
     motion.rotation = track_of<Eigen::Quaterniond>(times, numbers, width, interpolation);

@@ -299,7 +299,9 @@ std::vector<double> GltfFile::numbers(std::size_t accessor_index, std::size_t wi
                                       Integers integers) {
   const Json& accessor = list(json_, "accessors")[accessor_index];
   const std::size_t type = whole(accessor, "componentType");
-  const std::string kind = width == 1 ? "SCALAR" : "VEC" + std::to_string(width);
+  const std::string kind = width == 1    ? "SCALAR"
+                           : width == 16 ? "MAT4"
+                                         : "VEC" + std::to_string(width);
   if (text(accessor, "type", "") != kind)
     refuse(fmt::format("an accessor is not of type {}", kind));
   const bool normalized =

@@ -169,6 +169,14 @@ void field(Stream& stream, ImportedUvSet& set) {
 }
 
 template <class Stream>
+void field(Stream& stream, Skin& s) {
+  field(stream, s.bones);
+  field(stream, s.to_bone);
+  field(stream, s.influences);
+  field(stream, s.weights);
+}
+
+template <class Stream>
 void field(Stream& stream, ImportedMesh& m) {
   field(stream, m.x);
   field(stream, m.uv_sets);
@@ -177,6 +185,10 @@ void field(Stream& stream, ImportedMesh& m) {
   field(stream, m.material_of);
   field(stream, m.creases);
   field(stream, m.deformed);
+  field(stream, m.not_followed);
+  field(stream, m.skin);
+  field(stream, m.targets);
+  field(stream, m.target_weights);
 }
 
 template <class Stream>
@@ -185,6 +197,7 @@ void field(Stream& stream, Take& t) {
   field(stream, t.begin);
   field(stream, t.end);
   field(stream, t.motions);
+  field(stream, t.shapes);
 }
 
 template <class Stream>
@@ -240,6 +253,29 @@ void check_track(const Track<Value>& track) {
   }
 }
 
+void check_deformation(const ImportedMesh& mesh, std::size_t nodes) {
+  const Skin& skin = mesh.skin;
+  if (skin.to_bone.size() != skin.bones.size() || skin.weights.size() != skin.influences.rows() ||
+      !skin.weights.allFinite())
+    refuse("a skin does not have one transform for each bone");
+  for (const int bone : skin.bones)
+    if (bone < 0 || static_cast<std::size_t>(bone) >= nodes)
+      refuse("a skin has a bone that does not exist");
+  for (const Eigen::Affine3d& to_bone : skin.to_bone)
+    if (!to_bone.matrix().allFinite()) refuse("a skin is not a number");
+  for (Eigen::Index i = 0; i < skin.influences.rows(); ++i)
+    if (skin.influences(i, 0) < 0 || skin.influences(i, 0) >= mesh.x.rows() ||
+        skin.influences(i, 1) < 0 ||
+        (!skin.bones.empty() && skin.influences(i, 1) >= static_cast<int>(skin.bones.size())))
+      refuse("a skin moves a vertex that does not exist");
+  if (mesh.target_weights.size() != mesh.targets.size()) refuse("a blend shape has no weight");
+  for (const Points3& target : mesh.targets)
+    if (target.rows() != mesh.x.rows() || !target.allFinite())
+      refuse("a blend shape does not have all vertices");
+  for (const double weight : mesh.target_weights)
+    if (!std::isfinite(weight)) refuse("the weight of a blend shape is not a number");
+}
+
 void check(const ImportedFile& file) {
   const auto below = [](int i, std::size_t count) {
     return i >= 0 && static_cast<std::size_t>(i) < count;
@@ -272,10 +308,15 @@ void check(const ImportedFile& file) {
     if (mesh.creases.size() > 0 &&
         (mesh.creases.minCoeff() < 0 || mesh.creases.maxCoeff() >= mesh.x.rows()))
       refuse("an edge has a vertex that does not exist");
+    check_deformation(mesh, file.nodes.size());
   }
   for (const Take& take : file.takes) {
     if (!std::isfinite(take.begin) || !std::isfinite(take.end))
       refuse("the length of a take is not a number");
+    for (const auto& [node, tracks] : take.shapes) {
+      if (!below(node, file.nodes.size())) refuse("a take moves a node that does not exist");
+      for (const Track<Vector3d>& track : tracks) check_track(track);
+    }
     for (const auto& [node, motion] : take.motions) {
       if (!below(node, file.nodes.size())) refuse("a take moves a node that does not exist");
       check_track(motion.translation);

@@ -1,9 +1,9 @@
 #include "formats/scene/scene_colliders.h"
 
+#include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
 #include "formats/scene/scene_sheet.h"
 
-#include <Eigen/SVD>
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -24,21 +24,18 @@ Triangles with_area(const WeldedMesh& mesh) {
   return mesh.triangles(kept, Eigen::all);
 }
 
-/// The rigid part of a motion. stretched [1] is raised to the largest relative change of length of
-/// the motion, if that is larger.
-Eigen::Isometry3d rigid(const Eigen::Affine3d& motion, double& stretched) {
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(motion.linear(),
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-  pose.linear() = svd.matrixU() * svd.matrixV().transpose();
-  // a reflection has no rigid part
-  if (pose.linear().determinant() < 0) {
-    pose.linear() = Eigen::Matrix3d::Identity();
-    stretched = 1;
-  }
-  pose.translation() = motion.translation();
-  stretched = std::max(stretched, (svd.singularValues().array() - 1).abs().maxCoeff());
-  return pose;
+/// Rounded to 10 nm, so that positions are short as text and unmoved vertices stay the same.
+Points3 rounded(const Points3& x) {
+  constexpr double unit = 1e8;  // [1/m]
+  return (x.array() * unit).round() / unit;
+}
+
+/// A sentence on what of a collider is not followed; empty: all is.
+std::string not_followed(const SceneNodes& scene, const ImportedNode& node) {
+  for (const int m : node.meshes)
+    if (const std::string& what = scene.file.meshes[m].not_followed; !what.empty())
+      return fmt::format("{} of the collider \"{}\" is not followed.", what, node.name);
+  return "";
 }
 
 }  // namespace
@@ -50,51 +47,43 @@ bool is_collider(const ImportedNode& node) {
 
 std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
                                          std::vector<std::string>& warnings) {
-  constexpr double unmoved = 1e-9;    // [m], and [1] for the entries of a rotation
-  constexpr double same_size = 1e-3;  // [1]
+  constexpr double unmoved = 1e-8;  // [m] rounding
   const auto& nodes = scene.file.nodes;
   std::vector<int> found;
-  std::vector<Eigen::Affine3d> from_first_frame;
+  std::vector<std::vector<int>> kept;  // of each collider: WeldedMesh::kept
   std::vector<ColliderMesh> colliders;
   const auto first = world_at(scene, scene.first_frame);
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     if (!is_collider(nodes[i])) continue;
-    const WeldedMesh mesh = welded_mesh(scene.file, i, first[i]);
+    WeldedMesh mesh =
+        welded_mesh(scene.file, i, first[i], vertices_at(scene, i, first, scene.first_frame));
     ColliderMesh collider{nodes[i].name, mesh.x, with_area(mesh), {}};
     collider.friction =
         nonnegative_property(scene.source, nodes[i], "paper_friction").value_or(collider.friction);
-    if (collider.triangles.rows() == 0 || std::abs(first[i].linear().determinant()) < 1e-300) {
+    if (collider.triangles.rows() == 0) {
       warnings.push_back(
           fmt::format("The collider \"{}\" has no faces: it is ignored.", collider.name));
       continue;
     }
-    for (const int m : nodes[i].meshes)
-      if (scene.file.meshes[m].deformed) {
-        warnings.push_back(fmt::format(
-            "Bones and blend shapes of the collider \"{}\" are not followed: it is rigid.",
-            collider.name));
-        break;
-      }
+    if (std::string sentence = not_followed(scene, nodes[i]); !sentence.empty())
+      warnings.push_back(std::move(sentence));
     found.push_back(i);
-    from_first_frame.push_back(first[i].inverse());
+    kept.push_back(std::move(mesh.kept));
     colliders.push_back(std::move(collider));
   }
-  std::vector<double> stretched(found.size(), 0);
   for (int frame = scene.first_frame; frame <= scene.last_frame && !found.empty(); ++frame) {
     const auto world = world_at(scene, frame);
     for (std::size_t c = 0; c < found.size(); ++c)
-      colliders[c].motion.push_back(rigid(world[found[c]] * from_first_frame[c], stretched[c]));
+      colliders[c].frames.push_back(
+          rounded(vertices_at(scene, found[c], world, frame)(kept[c], Eigen::all)));
   }
-  for (std::size_t c = 0; c < found.size(); ++c) {
-    auto& motion = colliders[c].motion;
-    if (stretched[c] > same_size)
-      warnings.push_back(
-          fmt::format("The size of the collider \"{}\" is keyed: it keeps that of the first frame.",
-                      colliders[c].name));
-    if (std::all_of(motion.begin(), motion.end(), [&](const Eigen::Isometry3d& m) {
-          return (m.matrix() - Eigen::Matrix4d::Identity()).cwiseAbs().maxCoeff() < unmoved;
+  for (ColliderMesh& collider : colliders) {
+    if (std::all_of(collider.frames.begin(), collider.frames.end(), [&](const Points3& x) {
+          return (x - collider.frames.front()).cwiseAbs().maxCoeff() <= unmoved;
         }))
-      motion.clear();
+      collider.frames.clear();
+    else
+      collider.x = collider.frames.front();
   }
   return colliders;
 }

@@ -13,9 +13,9 @@ namespace paperbake {
 bool is_collider(const ImportedNode&);
 
 /// Reads the colliders of a scene, in order of the file. A collider has all faces of its node,
-/// welded, in their position at the first frame, the rigid motion of the node from there, and the
-/// friction coefficient paper_friction, else that of paper on wood. Adds warnings of what is not
-/// followed: keyed scale, bones, blend shapes, and meshes without faces.
+/// welded, where node, blend shapes and bones put them in every frame, and the friction coefficient
+/// paper_friction, else that of paper on wood. Adds warnings of what is not followed: caches, and
+/// meshes without faces.
 /// throws Error(ErrorCode::scene) for an invalid property
 std::vector<ColliderMesh> read_colliders(const SceneNodes&, std::vector<std::string>& warnings);
 

@@ -131,6 +131,78 @@ std::vector<ImportedUvSet> uv_sets_of(const ufbx_mesh& mesh) {
   return sets;
 }
 
+/// What of the deformation of a mesh is not followed; empty: all is.
+std::string not_followed(const ufbx_mesh& mesh) {
+  if (mesh.cache_deformers.count > 0) return "The cache";
+  if (mesh.skin_deformers.count > 1) return "The second skin";
+  if (mesh.skin_deformers.count == 1 &&
+      mesh.skin_deformers[0]->skinning_method == UFBX_SKINNING_METHOD_DUAL_QUATERNION)
+    return "Skinning by dual quaternions (preserve volume)";
+  return "";
+}
+
+/// The corners of a mesh that bones move. Its bones are found when all nodes are known.
+void copy_influences(const ufbx_mesh& mesh, ImportedMesh& copy) {
+  if (mesh.skin_deformers.count == 0) return;
+  const ufbx_skin_deformer& skin = *mesh.skin_deformers[0];
+  std::vector<int> pairs;
+  std::vector<double> weights;
+  for (std::size_t corner = 0; corner < mesh.num_indices; ++corner) {
+    const std::uint32_t vertex = mesh.vertex_indices[corner];
+    if (vertex >= skin.vertices.count) continue;
+    const ufbx_skin_vertex& of = skin.vertices[vertex];
+    for (std::uint32_t k = 0; k < of.num_weights; ++k) {
+      const ufbx_skin_weight& by = skin.weights[of.weight_begin + k];
+      if (!(by.weight > 0) || !skin.clusters[by.cluster_index]->bone_node) continue;
+      pairs.push_back(static_cast<int>(corner));
+      pairs.push_back(static_cast<int>(by.cluster_index));
+      weights.push_back(by.weight);
+    }
+  }
+  const auto count = static_cast<Eigen::Index>(weights.size());
+  copy.skin.influences =
+      Eigen::Map<Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>>(pairs.data(), count, 2);
+  copy.skin.weights = Eigen::Map<Eigen::VectorXd>(weights.data(), count);
+}
+
+/// Calls the visitor with every shape of the blend channels of a mesh, in-between shapes included:
+/// the channel, and the number of its keyframe.
+template <class Visit>
+void for_each_shape(const ufbx_mesh& mesh, Visit visit) {
+  for (const ufbx_blend_deformer* deformer : mesh.blend_deformers)
+    for (const ufbx_blend_channel* channel : deformer->channels)
+      for (std::size_t k = 0; k < channel->keyframes.count; ++k) visit(*channel, k);
+}
+
+/// How much of the k-th keyframe of a channel is in the mesh at a weight of the channel: linear
+/// from one keyframe to the next.
+double share_of_shape(const ufbx_blend_channel& channel, std::size_t k, double weight) {
+  const auto at = [&](std::size_t i) { return channel.keyframes[i].target_weight; };
+  const double before = k > 0 ? at(k - 1) : 0;
+  const bool last = k + 1 == channel.keyframes.count;
+  if (at(k) == before) return 0;
+  if (weight <= at(k) || last) {
+    if (k > 0 && weight <= before) return 0;
+    return (weight - before) / (at(k) - before);
+  }
+  return weight >= at(k + 1) ? 0 : (at(k + 1) - weight) / (at(k + 1) - at(k));
+}
+
+void copy_shapes(const ufbx_mesh& mesh, const Eigen::Affine3d& to_node, ImportedMesh& copy) {
+  for_each_shape(mesh, [&](const ufbx_blend_channel& channel, std::size_t k) {
+    const ufbx_blend_shape& shape = *channel.keyframes[k].shape;
+    Points3 of_vertices = Points3::Zero(static_cast<Eigen::Index>(mesh.num_vertices), 3);
+    for (std::size_t i = 0; i < shape.num_offsets; ++i)
+      if (shape.offset_vertices[i] < mesh.num_vertices)
+        of_vertices.row(shape.offset_vertices[i]) +=
+            (to_node.linear() * vector(shape.position_offsets[i])).transpose();
+    Points3& target = copy.targets.emplace_back(copy.x.rows(), 3);
+    for (Eigen::Index corner = 0; corner < copy.x.rows(); ++corner)
+      target.row(corner) = of_vertices.row(mesh.vertex_indices[corner]);
+    copy.target_weights.push_back(share_of_shape(channel, k, channel.weight));
+  });
+}
+
 ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   ImportedMesh copy;
   const Eigen::Affine3d to_node = affine(node.geometry_to_node);
@@ -161,6 +233,9 @@ ImportedMesh copy_mesh(const ufbx_mesh& mesh, const ufbx_node& node) {
   }
   copy.triangles = Eigen::Map<Triangles>(all.data(), static_cast<Eigen::Index>(all.size() / 3), 3);
   copy.creases = creases_of(mesh);
+  copy.not_followed = not_followed(mesh);
+  copy_influences(mesh, copy);
+  copy_shapes(mesh, to_node, copy);
   return copy;
 }
 
@@ -172,9 +247,17 @@ struct FbxConverter {
   std::unordered_map<const ufbx_element*, int> node_index;
   double samples = 0;
   std::set<std::string> thinned;
+  struct MeshOfNode {
+    const ufbx_mesh* mesh;
+    const ufbx_node* node;
+    int copy;  // index of the mesh
+  };
+  std::vector<MeshOfNode> deformed = {};  // meshes with bones or blend shapes
 
   void copy_nodes();
   void copy_node(const ufbx_node& node);
+  void find_bones();
+  void copy_weights(const ufbx_anim_stack& stack, Take& take);
   void copy_take(const ufbx_anim_stack& stack);
   Motion sample(const ufbx_node& node, const ufbx_anim_stack& stack, std::vector<double> key_times);
 };
@@ -212,9 +295,26 @@ void FbxConverter::copy_node(const ufbx_node& node) {
     if (!mesh || !mesh->vertex_position.exists) continue;
     copy.meshes.push_back(static_cast<int>(file.meshes.size()));
     file.meshes.push_back(copy_mesh(*mesh, node));
+    if (file.meshes.back().deformed) deformed.push_back({mesh, &node, copy.meshes.back()});
   }
   node_index.emplace(&node.element, static_cast<int>(file.nodes.size()));
   file.nodes.push_back(std::move(copy));
+}
+
+/// Sets the bones of the meshes that have some. To be called when all nodes have been copied.
+void FbxConverter::find_bones() {
+  for (const MeshOfNode& at : deformed) {
+    if (at.mesh->skin_deformers.count == 0) continue;
+    Skin& skin = file.meshes[at.copy].skin;
+    const Eigen::Affine3d to_node = affine(at.node->geometry_to_node);
+    for (const ufbx_skin_cluster* cluster : at.mesh->skin_deformers[0]->clusters) {
+      const auto bone =
+          cluster->bone_node ? node_index.find(&cluster->bone_node->element) : node_index.end();
+      skin.bones.push_back(bone == node_index.end() ? node_index.at(&at.node->element)
+                                                    : bone->second);
+      skin.to_bone.push_back(affine(cluster->geometry_to_bone) * to_node.inverse());
+    }
+  }
 }
 
 /// Whether a curve looks as if it had a key on every frame once and lost those on straight parts,
@@ -303,6 +403,36 @@ Motion FbxConverter::sample(const ufbx_node& node, const ufbx_anim_stack& stack,
   return motion;
 }
 
+/// Samples the weights of blend shapes at every frame of a take.
+void FbxConverter::copy_weights(const ufbx_anim_stack& stack, Take& take) {
+  for (const MeshOfNode& at : deformed) {
+    std::vector<double> key_times;
+    for (const ufbx_anim_layer* layer : stack.layers)
+      for (const ufbx_anim_prop& p : layer->anim_props)
+        if (const ufbx_blend_channel* channel = ufbx_as_blend_channel(p.element))
+          for (const ufbx_blend_deformer* deformer : at.mesh->blend_deformers)
+            for (const ufbx_blend_channel* own : deformer->channels)
+              if (own == channel) add_key_times(*p.anim_value, key_times);
+    if (key_times.size() < 2) continue;
+    sort_and_merge(key_times);
+    const double first = std::floor(key_times.front() * fps + on_key),
+                 last = std::min(std::ceil(key_times.back() * fps - on_key),
+                                 first + max_sampled_frames);
+    if (!std::isfinite(first) || !std::isfinite(last)) reject_number(at.node->name, "A key");
+    std::vector<Track<Vector3d>>& tracks = take.shapes[node_index.at(&at.node->element)];
+    tracks.clear();
+    for_each_shape(*at.mesh, [&](const ufbx_blend_channel& channel, std::size_t k) {
+      Track<Vector3d>& track = tracks.emplace_back();
+      for (double frame = first; frame <= last; ++frame)
+        track.keys.push_back(
+            {frame / fps,
+             {share_of_shape(channel, k,
+                             ufbx_evaluate_blend_weight(stack.anim, &channel, frame / fps)),
+              0, 0}});
+    });
+  }
+}
+
 void FbxConverter::copy_take(const ufbx_anim_stack& stack) {
   Take take;
   take.name = text_of(stack.name);
@@ -331,6 +461,7 @@ void FbxConverter::copy_take(const ufbx_anim_stack& stack) {
   for (const ufbx_node* node : order)
     if (const auto copy = node_index.find(&node->element); copy != node_index.end())
       take.motions.emplace(copy->second, sample(*node, stack, std::move(keys[node])));
+  copy_weights(stack, take);
   file.takes.push_back(std::move(take));
 }
 
@@ -419,13 +550,14 @@ ImportedFile import_fbx(const std::filesystem::path& path, std::optional<double>
                 fmt::format("The file cannot be read: {}.", text_of(error.description)),
                 export_again);
   }
-  FbxConverter converter{*scene, 24, {}, {}, 0, {}};
+  FbxConverter converter{*scene, 24, {}, {}, 0, {}, {}};
   converter.file.fbx = true;
   converter.file.reader = fmt::format(
       "ufbx {}.{}.{}, which evaluates the file's own curves", ufbx_source_version / 1000000,
       ufbx_source_version / 1000 % 1000, ufbx_source_version % 1000);
   copy_settings(scene->settings, converter.file);
   converter.copy_nodes();
+  converter.find_bones();
   converter.fps = sampling_rate(converter.file, fps);
   for (const ufbx_anim_stack* stack : scene->anim_stacks) converter.copy_take(*stack);
   converter.file.start_lost = has_lost_start(*scene);

@@ -98,12 +98,57 @@ struct GltfConverter {
   ImportedFile result;
   std::map<int, int> node_index;                         // index in the file -> index in result
   std::map<std::size_t, std::vector<int>> mesh_indices;  // mesh in the file -> meshes in result
+  // meshes of result that have bones, and their skin in the file
+  std::vector<std::pair<int, std::size_t>> skinned = {};
 
   void add_nodes(const std::vector<int>& roots);
   void add_node(int i, int parent);
   const std::vector<int>& mesh(std::size_t i);
   ImportedMesh primitive(const Json& primitive, const std::string& place);
+  std::vector<int> own_copy(const std::vector<int>& meshes, const Json& node);
+  void find_bones();
 };
+
+/// The vertices that bones move: all sets of four influences for each vertex.
+void read_influences(GltfFile& file, const Json& attributes, ImportedMesh& mesh) {
+  const std::size_t accessors = list(file.json(), "accessors").size();
+  std::vector<int> pairs;
+  std::vector<double> weights;
+  for (int set = 0;; ++set) {
+    const std::string joints = fmt::format("JOINTS_{}", set), by = fmt::format("WEIGHTS_{}", set);
+    if (!attributes.contains(joints) || !attributes.contains(by)) break;
+    const std::vector<double> bone = file.numbers(index(attributes, joints.c_str(), accessors), 4,
+                                                  Integers::as_flagged),
+                              weight = file.numbers(index(attributes, by.c_str(), accessors), 4,
+                                                    Integers::as_flagged);
+    if (bone.size() != 4 * static_cast<std::size_t>(mesh.x.rows()) || weight.size() != bone.size())
+      refuse("a mesh does not have the bones of each vertex");
+    for (std::size_t i = 0; i < bone.size(); ++i)
+      if (weight[i] > 0) {
+        pairs.push_back(static_cast<int>(i / 4));
+        pairs.push_back(static_cast<int>(bone[i]));
+        weights.push_back(weight[i]);
+      }
+  }
+  const auto count = static_cast<Eigen::Index>(weights.size());
+  mesh.skin.influences =
+      Eigen::Map<Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor>>(pairs.data(), count, 2);
+  mesh.skin.weights = Eigen::Map<Eigen::VectorXd>(weights.data(), count);
+}
+
+void read_targets(GltfFile& file, const Json& primitive, ImportedMesh& mesh) {
+  const std::size_t accessors = list(file.json(), "accessors").size();
+  for (const Json& target : list(primitive, "targets")) {
+    Points3& moves = mesh.targets.emplace_back(Points3::Zero(mesh.x.rows(), 3));
+    mesh.target_weights.push_back(0);
+    if (!target.contains("POSITION")) continue;
+    const std::vector<double> x =
+        file.numbers(index(target, "POSITION", accessors), 3, Integers::as_flagged);
+    if (static_cast<Eigen::Index>(x.size()) != mesh.x.size())
+      refuse("a blend shape does not have all vertices");
+    moves = Eigen::Map<const Points3>(x.data(), mesh.x.rows(), 3);
+  }
+}
 
 ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& place) {
   const Json& accessors = list(file.json(), "accessors");
@@ -151,6 +196,8 @@ ImportedMesh GltfConverter::primitive(const Json& primitive, const std::string& 
     copy.materials = {gltf::name(materials, i, "materials")};
     copy.material_of.assign(triangles.size(), 0);
   }
+  read_targets(file, primitive, copy);
+  read_influences(file, attributes, copy);
   return copy;
 }
 
@@ -162,6 +209,9 @@ const std::vector<int>& GltfConverter::mesh(std::size_t i) {
   for (const Json& p : list(all[i], "primitives")) {
     copied.push_back(static_cast<int>(result.meshes.size()));
     result.meshes.push_back(primitive(p, fmt::format("mesh \"{}\"", gltf::name(all, i, "meshes"))));
+    ImportedMesh& made = result.meshes.back();
+    if (const auto w = gltf::numbers(all[i], "weights", made.targets.size()); !w.empty())
+      made.target_weights = w;
   }
   return copied;
 }
@@ -192,10 +242,54 @@ void GltfConverter::add_node(int i, int parent) {
     const std::size_t m = index(node, "mesh", all.size());
     copy.meshes = mesh(m);
     add_properties(all[m], copy);
-    for (const int copied : copy.meshes) result.meshes[copied].deformed |= node.contains("skin");
+    if (node.contains("skin") || node.contains("weights"))
+      copy.meshes = own_copy(copy.meshes, node);
   }
   node_index.emplace(i, static_cast<int>(result.nodes.size()));
   result.nodes.push_back(std::move(copy));
+}
+
+/// Copies of meshes for a node that has bones, or its own weights of blend shapes.
+std::vector<int> GltfConverter::own_copy(const std::vector<int>& meshes, const Json& node) {
+  std::vector<int> copies;
+  for (const int m : meshes) {
+    copies.push_back(static_cast<int>(result.meshes.size()));
+    result.meshes.push_back(ImportedMesh(result.meshes[m]));
+    ImportedMesh& copy = result.meshes.back();
+    if (const auto w = gltf::numbers(node, "weights", copy.targets.size()); !w.empty())
+      copy.target_weights = w;
+    if (!node.contains("skin")) continue;
+    copy.deformed = true;
+    skinned.emplace_back(copies.back(), index(node, "skin", list(file.json(), "skins").size()));
+  }
+  return copies;
+}
+
+/// Sets the bones of the meshes that have some. To be called when all nodes have been added.
+void GltfConverter::find_bones() {
+  const Json &skins = list(file.json(), "skins"), &accessors = list(file.json(), "accessors");
+  for (const auto& [mesh, s] : skinned) {
+    Skin& skin = result.meshes[mesh].skin;
+    std::vector<double> matrices;
+    if (skins[s].contains("inverseBindMatrices"))
+      matrices = file.numbers(index(skins[s], "inverseBindMatrices", accessors.size()), 16,
+                              Integers::as_flagged);
+    for (const Json& joint : list(skins[s], "joints")) {
+      const auto found =
+          joint.is_number_integer() ? node_index.find(joint.get<int>()) : node_index.end();
+      if (found == node_index.end()) refuse("a skin has a bone that does not exist");
+      Eigen::Affine3d to_bone = Eigen::Affine3d::Identity();
+      const std::size_t at = 16 * skin.bones.size();
+      if (at + 16 <= matrices.size())
+        to_bone.matrix() = Eigen::Map<const Eigen::Matrix4d>(&matrices[at]);
+      to_bone.matrix().row(3) << 0, 0, 0, 1;
+      skin.bones.push_back(found->second);
+      skin.to_bone.push_back(to_bone);
+    }
+    if (skin.influences.rows() > 0 &&
+        skin.influences.col(1).maxCoeff() >= static_cast<int>(skin.bones.size()))
+      refuse("a vertex has a bone that does not exist");
+  }
 }
 
 std::vector<int> node_list(const Json& object, const char* key, std::size_t nodes) {
@@ -263,18 +357,22 @@ void warn_of_extensions(const Json& json, ImportedFile& file) {
 
 ImportedFile import_gltf(const std::filesystem::path& path) try {
   GltfFile file(path);
-  GltfConverter converter{file, list(file.json(), "nodes"), {}, {}, {}};
+  GltfConverter converter{file, list(file.json(), "nodes"), {}, {}, {}, {}};
   converter.result.reader = "the file's samplers";
   converter.result.to_z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;
   converter.result.up_axis = "y up";
   warn_of_extensions(file.json(), converter.result);
   converter.add_nodes(roots_of(file.json()));
+  converter.find_bones();
   for (const Take& take : gltf_takes(file)) {
     Take& moved = converter.result.takes.emplace_back();
     moved.name = take.name;
     for (const auto& [index, motion] : take.motions)
       if (const auto node = converter.node_index.find(index); node != converter.node_index.end())
         moved.motions.emplace(node->second, motion);
+    for (const auto& [index, tracks] : take.shapes)
+      if (const auto node = converter.node_index.find(index); node != converter.node_index.end())
+        moved.shapes.emplace(node->second, tracks);
   }
   return std::move(converter.result);
 } catch (const Json::exception&) {

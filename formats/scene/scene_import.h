@@ -55,6 +55,15 @@ struct ImportedUvSet {
   Points2 uv;  // |V|x2, v up
 };
 
+/// How bones move the vertices of a mesh: sum over its influences of
+/// weight x bone's place x to_bone x vertex, over the sum of the weights.
+struct Skin {
+  std::vector<int> bones;                // nodes
+  std::vector<Eigen::Affine3d> to_bone;  // of each: from the space of the mesh to that of the bone
+  Eigen::Matrix<int, Eigen::Dynamic, 2, Eigen::RowMajor> influences;  // vertex, index into bones
+  Eigen::VectorXd weights;                                            // [1] of each influence
+};
+
 /// A mesh in the space of its node.
 struct ImportedMesh {
   Points3 x;                           // |V|x3 in units of the file
@@ -65,8 +74,13 @@ struct ImportedMesh {
   std::vector<int> material_of;
   // |E|x2 edges that are marked as creases or belong to no face
   Edges creases;
-  // it has bones or blend shapes, which are not followed
+  // it has bones, blend shapes or a cache
   bool deformed = false;
+  // what of that is not followed, in words; empty: all is
+  std::string not_followed = {};
+  Skin skin = {};                           // without bones: there is none
+  std::vector<Points3> targets = {};        // |V|x3 displacements of each blend shape at weight 1
+  std::vector<double> target_weights = {};  // of each, at rest
 };
 
 /// An animation of the scene: a stack (FBX) or animation (glTF).
@@ -74,6 +88,8 @@ struct Take {
   std::string name;
   double begin = 0, end = 0;      // [s] as stated in the file; equal when it is not
   std::map<int, Motion> motions;  // by index of the node
+  // by index of the node: x of each track is the weight of one blend shape of its meshes
+  std::map<int, std::vector<Track<Vector3d>>> shapes = {};
 };
 
 /// The content of a DCC file in its own units and axes, with times in seconds.

@@ -150,6 +150,13 @@ std::vector<const Take*> merge_takes(SceneNodes& scene, const SceneOptions& opti
       if (motion != choice.take->motions.end()) scene.motions[node] = motion->second;
     }
   }
+  scene.shapes.resize(scene.file.nodes.size());
+  for (const Take* take : takes)
+    for (const auto& [node, tracks] : take->shapes)
+      if (scene.shapes[node].empty()) {
+        scene.shapes[node] = tracks;
+        if (std::find(used.begin(), used.end(), take) == used.end()) used.push_back(take);
+      }
   if (!contested.empty())
     scene.warnings.push_back(fmt::format(
         "{} node(s) are moved by several takes, first {}: --take NAME chooses one for all.",
@@ -190,13 +197,20 @@ struct TimeRange {
 
 /// Range of the keys. A track with a single key is not counted: it only says where the node is, and
 /// importers put it at time 0.
-TimeRange key_range(const std::vector<Motion>& motions) {
+TimeRange key_range(const std::vector<Motion>& motions,
+                    const std::vector<std::vector<Track<Vector3d>>>& shapes) {
   TimeRange range;
   for (const Motion& motion : motions)
     if (motion.key_times.size() > 1) {
       range.add(motion.key_times.front());
       range.add(motion.key_times.back());
     }
+  for (const auto& tracks : shapes)
+    for (const Track<Vector3d>& track : tracks)
+      if (track.keys.size() > 1) {
+        range.add(track.keys.front().time);
+        range.add(track.keys.back().time);
+      }
   return range;
 }
 
@@ -335,7 +349,7 @@ void set_still_frames(SceneNodes& scene, const SceneOptions& options) {
 
 void set_frames(SceneNodes& scene, const SceneOptions& options,
                 const std::vector<const Take*>& used) {
-  const TimeRange keys = key_range(scene.motions);
+  const TimeRange keys = key_range(scene.motions, scene.shapes);
   if (keys.empty()) return set_still_frames(scene, options);
   FrameClock clock{clock_rate(scene)};
   clock.shift = std::abs(keys.first) * scene.fps < 1e9
@@ -359,6 +373,8 @@ void set_frames(SceneNodes& scene, const SceneOptions& options,
                 "Export only the sheets and handles, or a shorter range.");
   for (Motion& motion : scene.motions)
     for_each_track(motion, [&](auto& track) { convert_to_frames(track, clock); });
+  for (auto& tracks : scene.shapes)
+    for (Track<Vector3d>& track : tracks) convert_to_frames(track, clock);
   scene.first_clip_frame = static_cast<int>(std::floor(first));
   scene.last_clip_frame = static_cast<int>(std::ceil(last));
   scene.first_frame = static_cast<int>(std::floor(clock.frame(keys.first)));

@@ -18,6 +18,8 @@ struct SceneNodes {
   ImportedFile file;
   // of each node, with times in frames; without any keys the node keeps its local transform
   std::vector<Motion> motions;
+  // of each node, with times in frames: x of each track is the weight of one blend shape
+  std::vector<std::vector<Track<Vector3d>>> shapes;
   double unit = 1;                                // [m] of one unit of the file
   double fps = 24;                                // [1/s]
   int first_frame = 1, last_frame = 1;            // of the keys, or of curves that go on

@@ -124,7 +124,7 @@ WeldedMesh weld(const WeldedMesh& mesh, bool keep_uv) {
       number[v] = static_cast<int>(kept.size());
       kept.push_back(v);
     }
-  WeldedMesh welded{mesh.x(kept, Eigen::all), Points2(), mesh.triangles};
+  WeldedMesh welded{mesh.x(kept, Eigen::all), Points2(), mesh.triangles, kept};
   if (keep_uv) welded.uv = mesh.uv(kept, Eigen::all);
   for (int i = 0; i < welded.triangles.size(); ++i)
     welded.triangles.data()[i] = number[root(welded.triangles.data()[i])];
@@ -392,8 +392,11 @@ FlatSheet flat_sheet(const ImportedFile& file, int node, const Eigen::Affine3d& 
   return sheet;
 }
 
-WeldedMesh welded_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world) {
-  return weld(combined_mesh(file, node, world), false);
+WeldedMesh welded_mesh(const ImportedFile& file, int node, const Eigen::Affine3d& world,
+                       const Points3& x) {
+  WeldedMesh all = combined_mesh(file, node, world);
+  all.x = x;
+  return weld(all, false);
 }
 
 }  // namespace paperbake

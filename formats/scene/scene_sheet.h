@@ -37,6 +37,9 @@ FlatSheet flat_sheet(const ImportedFile&, int node, const Eigen::Affine3d& world
                      const std::string& place);
 
 /// All faces of a node in the world, without uv, with vertices welded within 1e-6 of the size.
-WeldedMesh welded_mesh(const ImportedFile&, int node, const Eigen::Affine3d& world);
+/// world  of the node: a reflection turns its faces
+/// x      |V|x3 [m] the vertices of all its meshes
+WeldedMesh welded_mesh(const ImportedFile&, int node, const Eigen::Affine3d& world,
+                       const Points3& x);
 
 }  // namespace paperbake

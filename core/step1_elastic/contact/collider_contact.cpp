@@ -57,14 +57,17 @@ ColliderContact::ColliderContact(std::shared_ptr<const Colliders> colliders,
   }
 }
 
-Points3 ColliderContact::to_collider_space(std::size_t c, const Points3& y,
-                                           const Poses& poses) const {
-  const Eigen::Isometry3d back = poses[c].inverse();
-  return (y * back.linear().transpose()).rowwise() + back.translation().transpose();
+Points3 ColliderContact::carried_by(std::size_t c, const Points3& x) const {
+  if (motion_.from[c] == motion_.to[c]) return x;
+  Points3 carried(x.rows(), 3);
+  for (int v = 0; v < x.rows(); ++v)
+    carried.row(v) = paperbake::carried(*motion_.from[c], *motion_.to[c], row(x, v), collider_dhat,
+                                        states_[c].side[v]);
+  return carried;
 }
 
 void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) const {
-  const Collider& collider = (*colliders_)[c];
+  const Collider& collider = this->collider(c);
   const Points3& x = states_[c].reference;
   Vector3d low = row(x, feature.vertices[0]), high = low;
   for (int i = 1; i < feature.corners; ++i) {
@@ -81,18 +84,22 @@ void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) cons
 }
 
 /// Rebuilds the lists of the features that have moved.
-void ColliderContact::refresh(std::size_t c, const Points3& local) {
+void ColliderContact::refresh(std::size_t c, const Points3& y) {
   ColliderState& a = states_[c];
-  std::vector<char> stale(local.rows(), 0);
+  if (a.of != &collider(c)) {
+    a.of = &collider(c);
+    a.reference.setConstant(std::numeric_limits<double>::quiet_NaN());
+  }
+  std::vector<char> stale(y.rows(), 0);
   bool any = false;
-  for (int v = 0; v < local.rows(); ++v)
-    if (!((local.row(v) - a.reference.row(v)).squaredNorm() <= tube * tube)) {
+  for (int v = 0; v < y.rows(); ++v)
+    if (!((y.row(v) - a.reference.row(v)).squaredNorm() <= tube * tube)) {
       stale[v] = 1;
       any = true;
     }
   if (!any) return;
-  for (int v = 0; v < local.rows(); ++v)
-    if (stale[v]) a.reference.row(v) = local.row(v);
+  for (int v = 0; v < y.rows(); ++v)
+    if (stale[v]) a.reference.row(v) = y.row(v);
   a.close.clear();
   for (std::size_t k = 0; k < a.features.size(); ++k) {
     SheetFeature& feature = a.features[k];
@@ -107,7 +114,7 @@ void ColliderContact::refresh(std::size_t c, const Points3& local) {
 /// corner.
 ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& collider,
                                                            const SheetFeature& feature, int k,
-                                                           const Points3& local,
+                                                           const Points3& y,
                                                            const std::vector<char>& side) const {
   const Points3& x = collider.mesh().x;
   const auto& v = feature.vertices;
@@ -121,7 +128,7 @@ ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& colli
   if (feature.corners == 2) {
     const Collider::Edge& edge = collider.edges()[k];
     const ClosestPoints near =
-        edge_to_edge({row(local, v[0]), row(local, v[1]), row(x, edge.a), row(x, edge.b)});
+        edge_to_edge({row(y, v[0]), row(y, v[1]), row(x, edge.a), row(x, edge.b)});
     m = {{near.weights[0], near.weights[1], 0},
          -near.weights[2] * row(x, edge.a) - near.weights[3] * row(x, edge.b),
          near.apart,
@@ -139,8 +146,8 @@ ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& colli
                  near.weights[2] != 0 && near.weights[3] != 0;
   } else {
     const Collider::Corner& corner = collider.corners()[k];
-    const ClosestPoints near = vertex_to_triangle(
-        {row(x, corner.vertex), row(local, v[0]), row(local, v[1]), row(local, v[2])});
+    const ClosestPoints near =
+        vertex_to_triangle({row(x, corner.vertex), row(y, v[0]), row(y, v[1]), row(y, v[2])});
     m = {{-near.weights[1], -near.weights[2], -near.weights[3]},
          row(x, corner.vertex),
          -near.apart,
@@ -160,19 +167,19 @@ ColliderContact::FeaturePair ColliderContact::feature_pair(const Collider& colli
 }
 
 template <class Visit>
-void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, const Points3& local,
+void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, const Points3& y,
                                  Visit visit) const {
-  const Collider& collider = (*colliders_)[c];
+  const Collider& collider = this->collider(c);
   const std::vector<char>& side = states_[c].side;
   const auto& v = feature.vertices;
   if (feature.corners == 1) {
-    for (const SurfacePoint& s : collider.nearest(row(local, v[0]), feature.near, side[v[0]]))
+    for (const SurfacePoint& s : collider.nearest(row(y, v[0]), feature.near, side[v[0]]))
       if (s.distance > -collider.depth() - tube)
         visit(ContactPoint{v, {1, 0, 0}, 1, s.at, s.normal, s.distance});
     return;
   }
   for (const int k : feature.near) {
-    const FeaturePair m = feature_pair(collider, feature, k, local, side);
+    const FeaturePair m = feature_pair(collider, feature, k, y, side);
     const double sign = m.where == FeaturePair::inside ? -1 : 1;
     if (m.where == FeaturePair::nearer_to_another || m.distance < 1e-12 ||
         (sign < 0 && m.distance > collider.depth()))
@@ -183,14 +190,14 @@ void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, con
 }
 
 template <class Visit>
-void ColliderContact::for_each_touch(std::size_t c, const Points3& local, Visit visit) const {
+void ColliderContact::for_each_touch(std::size_t c, const Points3& y, Visit visit) const {
   const ColliderState& a = states_[c];
   for (const int k : a.close) {
     const SheetFeature& feature = a.features[k];
     bool held = true;
     for (int i = 0; i < feature.corners; ++i) held &= held_[feature.vertices[i]] != 0;
     if (held) continue;
-    touches_of(c, feature, local, [&](const ContactPoint& touch) {
+    touches_of(c, feature, y, [&](const ContactPoint& touch) {
       ContactPoint felt = touch;
       if (feature.corners == 1) felt.distance += reduction_[feature.vertices[0]];
       if (felt.distance < collider_dhat) visit(felt);
@@ -209,17 +216,15 @@ void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
   std::fill(reduction_.begin(), reduction_.end(), 0.0);
   friction_contacts_.clear();
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Collider& collider = (*colliders_)[c];
-    const Points3 local = to_collider_space(c, x, motion.from);
-    if (!collider.closed())
-      for (int v = 0; v < local.rows(); ++v)
+    const Collider& before = *motion_.from[c];
+    if (!before.closed())
+      for (int v = 0; v < x.rows(); ++v)
         states_[c].side[v] =
-            collider.nearest(row(local, v), 4 * collider.depth(), 1).distance < -collider.depth()
-                ? -1
-                : 1;
-    refresh(c, local);
+            before.nearest(row(x, v), 4 * before.depth(), 1).distance < -before.depth() ? -1 : 1;
+    const Points3 carried = carried_by(c, x);
+    refresh(c, carried);
     reduce_barrier_near_handles(c, pulled);
-    begin_friction(c, local);
+    begin_friction(c, carried);
   }
 }
 
@@ -228,29 +233,28 @@ void ColliderContact::reduce_barrier_near_handles(std::size_t c,
   for (const PositionConstraint& pull : pulled) {
     const int v = pull.vertex;
     const double wanted =
-        (*colliders_)[c]
-            .nearest(motion_.to[c].inverse() * pull.target, collider_dhat, states_[c].side[v])
-            .distance;
+        collider(c).nearest(pull.target, collider_dhat, states_[c].side[v]).distance;
     reduction_[v] = std::max(reduction_[v], collider_dhat - std::clamp(wanted, 0.0, collider_dhat));
   }
 }
 
-void ColliderContact::begin_friction(std::size_t c, const Points3& local) {
-  const double mu = (*colliders_)[c].mesh().friction;
+void ColliderContact::begin_friction(std::size_t c, const Points3& carried) {
+  const double mu = collider(c).mesh().friction;
   if (mu == 0) return;
-  for_each_touch(c, local, [&](const ContactPoint& touch) {
+  for_each_touch(c, carried, [&](const ContactPoint& touch) {
     const double force = mu * -collider_barrier(touch.distance).slope;
-    const Vector3d n = motion_.to[c].linear() * touch.normal;
+    const Vector3d& n = touch.normal;
+    Vector3d way = Vector3d::Zero();
+    for (int i = 0; i < touch.corners; ++i)
+      way += touch.weights[i] * (row(carried, touch.vertices[i]) - row(start_, touch.vertices[i]));
     Eigen::Matrix<double, 3, 2> along;
     along.col(0) = n.unitOrthogonal();
     along.col(1) = n.cross(along.col(0));
-    friction_contacts_.push_back({touch.vertices, touch.weights, touch.corners, along,
-                                  motion_.to[c] * touch.at - motion_.from[c] * touch.at, force});
+    friction_contacts_.push_back({touch.vertices, touch.weights, touch.corners, along, way, force});
   });
 }
 
-/// Moves from p towards `to` as far as the collider allows, then along its surface. All in the
-/// space of the collider.
+/// Moves from p towards `to` as far as the collider allows, then along its surface.
 Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d to, int side) const {
   constexpr int max_turns = 4, max_steps = 100;
   constexpr double near_enough = 2e-6;  // [m]
@@ -284,9 +288,9 @@ Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d t
 /// Where the vertex gets to on its way to a target.
 Vector3d ColliderContact::reachable(int v, Vector3d to) const {
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Vector3d p = motion_.from[c].inverse() * row(start_, v), q = motion_.to[c].inverse() * to;
-    const Vector3d end = slide((*colliders_)[c], p, q, states_[c].side[v]);
-    if (end != q) to = motion_.to[c] * end;
+    const Vector3d p = carried(*motion_.from[c], *motion_.to[c], row(start_, v), collider_dhat,
+                               states_[c].side[v]);
+    to = slide(collider(c), p, to, states_[c].side[v]);
   }
   return to;
 }
@@ -302,17 +306,17 @@ void ColliderContact::project_outside(Points3& to) const {
 
 /// What is left of a share of the motion when no vertex may go deeper into the collider than it
 /// may.
-double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& local,
-                                               const Points3& way, double share) const {
+double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& y, const Points3& way,
+                                               double share) const {
   constexpr double near_enough = 2e-5;  // [m]
-  const Collider& collider = (*colliders_)[c];
-  for (int v = 0; v < local.rows(); ++v) {
+  const Collider& collider = this->collider(c);
+  for (int v = 0; v < y.rows(); ++v) {
     const double length = way.row(v).norm();
     if (length == 0 || held_[v]) continue;
     double floor = -let_in * collider.depth(), gone = 0;
     while (gone < share * length) {
       const SurfacePoint s =
-          collider.nearest(row(local, v) + gone / length * row(way, v),
+          collider.nearest(row(y, v) + gone / length * row(way, v),
                            share * length - gone + collider.depth(), states_[c].side[v]);
       if (gone == 0) floor = std::min(floor, s.distance - 2 * near_enough);
       const double free = s.distance - floor;
@@ -327,14 +331,13 @@ double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& loc
 /// What is left of a share of the motion when an edge or a triangle of the sheet may not pass
 /// through an edge or a corner of the collider.
 double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature& feature,
-                                              const Points3& local, const Points3& way,
+                                              const Points3& y, const Points3& way,
                                               double share) const {
-  const Collider& collider = (*colliders_)[c];
+  const Collider& collider = this->collider(c);
   double fastest = 0;
-  Vector3d low = row(local, feature.vertices[0]), high = low;
+  Vector3d low = row(y, feature.vertices[0]), high = low;
   for (int i = 0; i < feature.corners; ++i) {
-    const Vector3d p = row(local, feature.vertices[i]),
-                   q = p + share * row(way, feature.vertices[i]);
+    const Vector3d p = row(y, feature.vertices[i]), q = p + share * row(way, feature.vertices[i]);
     low = low.cwiseMin(p).cwiseMin(q);
     high = high.cwiseMax(p).cwiseMax(q);
     fastest = std::max(fastest, share * way.row(feature.vertices[i]).norm());
@@ -345,7 +348,7 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
     const bool edges = feature.corners == 2;
     for (int i = 0; i < feature.corners; ++i) {
       const int at = edges ? i : i + 1;
-      x[at] = row(local, feature.vertices[i]);
+      x[at] = row(y, feature.vertices[i]);
       m[at] = share * row(way, feature.vertices[i]);
     }
     const Points3& fixed = collider.mesh().x;
@@ -358,7 +361,7 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
       m[0] = Vector3d::Zero();
     }
     // what is inside already has to be able to come out
-    if (feature_pair(collider, feature, k, local, states_[c].side).where != FeaturePair::outside)
+    if (feature_pair(collider, feature, k, y, states_[c].side).where != FeaturePair::outside)
       return;
     const double free = paperbake::collision_free_step(x, m, edges);
     if (free < 1 && free > 0) share *= free;
@@ -373,12 +376,10 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
 double ColliderContact::collision_free_step(const Points3& y, const Points3& move) {
   double share = 1;
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Points3 local = to_collider_space(c, y, motion_.to),
-                  way = to_collider_space(c, y + move, motion_.to) - local;
-    refresh(c, local);
-    share = free_share_of_vertices(c, local, way, share);
+    refresh(c, y);
+    share = free_share_of_vertices(c, y, move, share);
     for (const SheetFeature& feature : states_[c].features)
-      if (feature.corners > 1) share = free_share_of_feature(c, feature, local, way, share);
+      if (feature.corners > 1) share = free_share_of_feature(c, feature, y, move, share);
   }
   return share;
 }
@@ -386,9 +387,8 @@ double ColliderContact::collision_free_step(const Points3& y, const Points3& mov
 template <class Visit>
 void ColliderContact::for_each_touch(const Points3& y, Visit visit) {
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Points3 local = to_collider_space(c, y, motion_.to);
-    refresh(c, local);
-    for_each_touch(c, local, [&](const ContactPoint& touch) { visit(c, touch); });
+    refresh(c, y);
+    for_each_touch(c, y, [&](const ContactPoint& touch) { visit(c, touch); });
   }
 }
 
@@ -424,9 +424,9 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
         if (both != 0) matrix->add(matrix->slot(block_of[v[i]], block_of[v[j]]), both * second);
       }
   };
-  for_each_touch(y, [&](std::size_t c, const ContactPoint& touch) {
+  for_each_touch(y, [&](std::size_t, const ContactPoint& touch) {
     const ColliderBarrier b = collider_barrier(touch.distance);
-    const Vector3d n = motion_.to[c].linear() * touch.normal, force = b.slope * n;
+    const Vector3d n = touch.normal, force = b.slope * n;
     const Matrix3 second = (b.second * n).lazyProduct(n.transpose());
     sum += b.value;
     add(touch.vertices, touch.weights, touch.corners, force, second);
@@ -452,10 +452,9 @@ int ColliderContact::touching(const Points3& y) {
 double ColliderContact::inside(const Points3& y) {
   double deepest = 0;
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Points3 local = to_collider_space(c, y, motion_.to);
-    refresh(c, local);
+    refresh(c, y);
     for (const int k : states_[c].close)
-      touches_of(c, states_[c].features[k], local,
+      touches_of(c, states_[c].features[k], y,
                  [&](const ContactPoint& t) { deepest = std::max(deepest, -t.distance); });
   }
   return deepest;

@@ -80,7 +80,7 @@ class ColliderContact {
     std::array<int, 3> vertices;
     std::array<double, 3> weights;
     int corners;
-    Vector3d at, normal;  // of the collider, in its own space
+    Vector3d at, normal;  // of the collider
     double distance;
   };
   struct FeaturePair {  // an edge or a triangle, and a convex edge or corner of a collider
@@ -100,32 +100,34 @@ class ColliderContact {
   struct ColliderState {  // the sheet against one collider
     std::vector<SheetFeature> features;
     std::vector<int> close;  // features with something of the collider nearby
-    // |V|x3 [m] in the collider's space: the lists are valid while vertices are this near to it;
-    // NaN: there are none yet
+    // |V|x3 [m] the lists are valid while vertices are this near to it; NaN: there are none yet
     Points3 reference;
+    const Collider* of = nullptr;  // the shape for which the lists were made
     std::vector<char> side;  // |V| -1: the vertex has come round the border of an open collider
   };
 
-  void refresh(std::size_t c, const Points3& local);
+  void refresh(std::size_t c, const Points3& y);
   void find_candidates(std::size_t c, SheetFeature&) const;
-  Points3 to_collider_space(std::size_t c, const Points3& y, const Poses& poses) const;
+  const Collider& collider(std::size_t c) const { return *motion_.to[c]; }  // at the end
+  /// |V|x3 [m] where the vertices would be if the collider had carried them along in this step.
+  Points3 carried_by(std::size_t c, const Points3& x) const;
   template <class Visit>
-  void for_each_touch(std::size_t c, const Points3& local, Visit) const;
+  void for_each_touch(std::size_t c, const Points3& y, Visit) const;
   template <class Visit>
-  void touches_of(std::size_t c, const SheetFeature&, const Points3& local, Visit) const;
-  FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& local,
+  void touches_of(std::size_t c, const SheetFeature&, const Points3& y, Visit) const;
+  FeaturePair feature_pair(const Collider&, const SheetFeature&, int k, const Points3& y,
                            const std::vector<char>& side) const;
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
   Vector3d reachable(int vertex, Vector3d to) const;
-  // parts of collision_free_step(), in the space of a collider
-  double free_share_of_vertices(std::size_t c, const Points3& local, const Points3& way,
+  // parts of collision_free_step()
+  double free_share_of_vertices(std::size_t c, const Points3& y, const Points3& way,
                                 double share) const;
-  double free_share_of_feature(std::size_t c, const SheetFeature&, const Points3& local,
+  double free_share_of_feature(std::size_t c, const SheetFeature&, const Points3& y,
                                const Points3& way, double share) const;
   template <class Visit>
   void for_each_touch(const Points3& y, Visit);  // at the end of the step
   Eigen::Vector2d slip(const FrictionContact&, const Points3& y) const;
-  void begin_friction(std::size_t c, const Points3& local);
+  void begin_friction(std::size_t c, const Points3& carried);
   void reduce_barrier_near_handles(std::size_t c, const PositionConstraints& pulled);
 
   std::shared_ptr<const Colliders> colliders_;

@@ -14,7 +14,8 @@ namespace paperbake {
 /// The potential that a step of one sheet minimises, without self-contact. The solver eliminates
 /// the constrained vertices.
 ///
-///   W(x) = E(x) + sum_i m_i (inertia/2 |x_i - xhat_i|^2 + phi(x_i)) + handle springs + air + colliders
+///   W(x) = E(x) + sum_i m_i (inertia/2 |x_i - xhat_i|^2 + phi(x_i)) + handle springs
+///          + air + colliders
 ///
 /// phi  potential of the external forces per unit of mass (external_forces.h)
 struct SheetPotential {

@@ -226,7 +226,7 @@ void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before, const StepP
                                 ElasticReport& report) {
   constexpr double let_in = 5e-5;  // [m] depth inside a collider that is tolerated
   if (report.inside > let_in) {
-    push_out(*options.colliders, step.colliders.to, Points3(sheet.x), -let_in, sheet.x);
+    push_out(step.colliders.to, Points3(sheet.x), -let_in, sheet.x);
     report.inside = colliders->inside(sheet.x);
   }
   state.remeshed = false;

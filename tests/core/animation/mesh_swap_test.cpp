@@ -112,7 +112,7 @@ struct Hung {
     ground.triangles << 0, 1, 2, 0, 2, 3;
     ElasticOptions options;
     options.colliders = std::make_shared<const Colliders>(1, Collider(ground));
-    standing = {poses_at(*options.colliders, 0), poses_at(*options.colliders, 0)};
+    standing = {shapes_at(*options.colliders, 0), shapes_at(*options.colliders, 0)};
     std::vector<int> borders;
     for (int v = 0; v < sheet.x.rows(); ++v) {
       sheet.x(v, 2) = -1e-4 * std::sin(M_PI * sheet.pattern(v, 0) / 0.1);

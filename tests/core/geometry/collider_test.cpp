@@ -42,7 +42,7 @@ std::shared_ptr<const Colliders> all(const std::vector<ColliderMesh>& meshes) {
 }
 
 StepInput resting(const Colliders& colliders) {
-  return {{}, {poses_at(colliders, 0), poses_at(colliders, 0)}};
+  return {{}, {shapes_at(colliders, 0), shapes_at(colliders, 0)}};
 }
 
 TEST(ColliderTest, BarrierSlopesAreDerivativesAndTheLawContinuesInside) {
@@ -98,7 +98,7 @@ struct Near {
                                            height + rumple(random));
       sheet.x(v, 2) -= 6 * sheet.x.row(v).head<2>().squaredNorm() * 0.05;
     }
-    contact.begin(sheet.x, {poses_at(*colliders, 0), poses_at(*colliders, 0)}, {}, 1 / 24.0);
+    contact.begin(sheet.x, {shapes_at(*colliders, 0), shapes_at(*colliders, 0)}, {}, 1 / 24.0);
   }
 };
 
@@ -129,7 +129,7 @@ TEST(ColliderTest, ContactDoesNotPushAHandThatLiesOnTheCollider) {
   Triangles one(1, 3);
   one << 0, 1, 2;
   ColliderContact contact(colliders, one, 3);
-  const Poses at = poses_at(*colliders, 0);
+  const ColliderShapes at = shapes_at(*colliders, 0);
   const auto push = [&](const PositionConstraints& pulled, double height) {
     contact.begin(x, {at, at}, {}, 1 / 24.0, pulled);
     Points3 y = x, gradient = Points3::Zero(3, 3);
@@ -169,7 +169,7 @@ TEST(ColliderTest, ContactHessianIsExactOnAPlane) {
   Triangles one(1, 3);
   one << 0, 1, 2;
   ColliderContact contact(colliders, one, 3);
-  contact.begin(x, {poses_at(*colliders, 0), poses_at(*colliders, 0)}, {}, 1 / 24.0);
+  contact.begin(x, {shapes_at(*colliders, 0), shapes_at(*colliders, 0)}, {}, 1 / 24.0);
   x.col(0).array() += 1e-6;  // within the static range of the friction mollifier
   x.col(1).array() += 2e-6;
   const std::vector<int> blocks{0, 1, 2};
@@ -237,7 +237,7 @@ TEST(ColliderRestTest, AskingHowDeepAnotherSheetLiesChangesNothing) {
   sunk.x.col(0).array() += 0.03;
   const Elastic& constant = asks;
   for (int k = 0; k < 5; ++k) {
-    EXPECT_NEAR(constant.inside(sunk, poses_at(*colliders, 0)), 5e-4, 1e-12);
+    EXPECT_NEAR(constant.inside(sunk, shapes_at(*colliders, 0)), 5e-4, 1e-12);
     const ElasticReport a = asks.step(asked, resting(*colliders), 1 / 24.0),
                         b = silent.step(untouched, resting(*colliders), 1 / 24.0);
     ASSERT_GT(a.on_colliders, 0);
@@ -330,8 +330,8 @@ TEST(ColliderTest, MovingBoxPushesTheSheetWhichStaysWhereItWasLeft) {
   shot.start.x.col(2).array() += 6e-4;
   ColliderMesh pusher = box({-0.03, 0.01, 1e-4}, {-0.005, 0.04, 0.02});
   for (int f = 0; f < frames; ++f) {
-    pusher.motion.push_back(Eigen::Isometry3d::Identity());
-    pusher.motion.back().translation().x() = 0.03 * std::min(1.0, f / 20.0);
+    pusher.frames.push_back(pusher.x);
+    pusher.frames.back().col(0).array() += 0.03 * std::min(1.0, f / 20.0);
   }
   shot.colliders = all({ground(), pusher});
   AnimateOptions options;
@@ -347,12 +347,81 @@ TEST(ColliderTest, MovingBoxPushesTheSheetWhichStaysWhereItWasLeft) {
   });
 }
 
+TEST(ColliderTest, ARigidMotionCarriesPointsAlong) {
+  const Collider from(box({-0.02, -0.01, 0}, {0.02, 0.01, 0.03}));
+  const Eigen::Isometry3d motion = Eigen::Translation3d(0.01, -0.02, 0.005) *
+                                   Eigen::AngleAxisd(0.4, Vector3d(1, 2, -1).normalized());
+  Points3 x = from.mesh().x;
+  for (int v = 0; v < x.rows(); ++v) x.row(v) = (motion * Vector3d(x.row(v))).transpose();
+  const Collider to(from, x);
+  for (const Vector3d& p : {Vector3d(0.001, 0.002, 0.031), Vector3d(0.022, 0.013, -0.004),
+                            Vector3d(0.01, 0.004, 0.029)})
+    EXPECT_LT((carried(from, to, p, 1e-3, 1) - motion * p).norm(), 1e-9);
+  const Vector3d far(0.2, 0, 0);  // the box moves by less than its distance
+  EXPECT_EQ(carried(from, to, far, 1e-3, 1), far);
+}
+
+/// A sheet of 10 cm held at its corners, at a height [m].
+Shot held_over(double height, int frames, double stiffness) {
+  Shot shot = blank_shot(rectangle(0.1, 0.1));
+  shot.start.x.col(2).array() += height;
+  for (const Vector2d corner :
+       {Vector2d(0, 0), Vector2d(0.1, 0), Vector2d(0, 0.1), Vector2d(0.1, 0.1)}) {
+    shot.handles.push_back(bare_handle("corner", corner, frames));
+    shot.handles.back().keyed.col(2).setConstant(height);
+    shot.handles.back().stiffness = stiffness;
+  }
+  return shot;
+}
+
+TEST(ColliderTest, AColliderThatGrowsLiftsTheSheet) {
+  const int frames = 20;
+  Shot shot = held_over(0.012, frames, 20);
+  ColliderMesh balloon = box({0.03, 0.03, -0.01}, {0.07, 0.07, 0.01});
+  const Points3 x = balloon.x;
+  for (int f = 0; f < frames; ++f) {  // it grows upwards, to a height of 4 cm
+    balloon.frames.push_back(x);
+    for (int v = 0; v < x.rows(); ++v)
+      if (x(v, 2) > 0) balloon.frames.back()(v, 2) += 0.03 * f / (frames - 1);
+  }
+  shot.colliders = all({balloon});
+  AnimateOptions options;
+  options.last_frame = frames;
+  double highest = 0;
+  animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
+    EXPECT_LT(frame.statistics.inside_colliders, 1e-4) << frame.frame;
+    highest = frame.sheet->x.col(2).maxCoeff();
+    return true;
+  });
+  EXPECT_GT(highest, 0.0395);
+  EXPECT_LT(highest, 0.045);
+}
+
+TEST(ColliderTest, ARodThinnerThanTheTrianglesDoesNotPassThrough) {
+  const int frames = 12;
+  Shot shot = held_over(0, frames, 20);
+  ColliderMesh rod = box({0.048, 0.03, 0.003}, {0.052, 0.07, 0.1});  // 4 mm, upright
+  const Points3 x = rod.x;
+  for (int f = 0; f < frames; ++f)  // down at 0.2 m/s
+    rod.frames.push_back(x.rowwise() - Eigen::RowVector3d(0, 0, 0.2 / 24 * std::min(f, 6)));
+  shot.colliders = all({rod});
+  AnimateOptions options;
+  options.last_frame = frames;
+  animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
+    EXPECT_LT(frame.statistics.inside_colliders, 1e-4) << frame.frame;
+    if (frame.frame == frames) {
+      EXPECT_LT(frame.sheet->x.col(2).minCoeff(), -0.0465);
+    }
+    return true;
+  });
+}
+
 TEST(ColliderTest, PushOutMovesOnlyWhatIsInsideTheGround) {
   const auto colliders = all({ground()});
   Points3 facets(2, 3), x(2, 3);
   facets << 0, 0, 1e-4, 0.01, 0, 2e-3;
   x << 0, 0, -1e-3, 0.01, 0, 1e-3;
-  EXPECT_NEAR(push_out(*colliders, poses_at(*colliders, 0), facets, 0, x), 1e-3, 1e-12);
+  EXPECT_NEAR(push_out(shapes_at(*colliders, 0), facets, 0, x), 1e-3, 1e-12);
   EXPECT_NEAR(x(0, 2), 0, 1e-12);
   EXPECT_EQ(x(1, 2), 1e-3);
 }

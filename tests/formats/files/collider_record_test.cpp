@@ -11,9 +11,7 @@ ColliderRecord two_sheets_over_a_moving_plane() {
   ColliderMesh plane{"ground \"A\"", Points3(4, 3), Triangles(2, 3), {}};
   plane.x << -0.5, -0.5, 0.1 / 3, 0.5, -0.5, 0, 0.5, 0.5, 0, -0.5, 0.5, 0;
   plane.triangles << 0, 1, 2, 0, 2, 3;
-  Eigen::Isometry3d pose(Eigen::AngleAxisd(0.3, Vector3d(1, 2, 3).normalized()));
-  pose.translation() << 1e-17, 1.0 / 7, -3;
-  plane.motion = {Eigen::Isometry3d::Identity(), pose};
+  plane.frames = {plane.x, (plane.x / 7).rowwise() + Eigen::RowVector3d(1e-17, 1.0 / 7, -3)};
   ColliderRecord record;
   record.first_frame = 10;
   record.of_sheet["above"] = {plane, plane};
@@ -34,8 +32,8 @@ TEST(ColliderRecord, ReadsBackToTheLastBit) {
       EXPECT_EQ(found[c].name, meshes[c].name);
       EXPECT_EQ(found[c].x, meshes[c].x);
       EXPECT_EQ(found[c].triangles, meshes[c].triangles) << sheet << " " << c;
-      ASSERT_EQ(found[c].motion.size(), 2u);
-      EXPECT_EQ(found[c].motion[1].matrix(), meshes[c].motion[1].matrix());
+      ASSERT_EQ(found[c].frames.size(), 2u);
+      EXPECT_EQ(found[c].frames[1], meshes[c].frames[1]);
     }
   }
   EXPECT_NE(read.of_sheet.at("above")[1].triangles, read.of_sheet.at("below")[1].triangles);

@@ -3,6 +3,10 @@
 
 #include <gtest/gtest.h>
 
+#include <nlohmann/json.hpp>
+
+#include <fstream>
+
 namespace paperbake::test {
 namespace {
 
@@ -18,22 +22,61 @@ TEST(SceneColliders, AreFoundByNameAndByProperty) {
   EXPECT_EQ(scene.colliders[1].name, "floor");
   EXPECT_EQ(scene.colliders[1].friction, 0.4);
   EXPECT_EQ(scene.colliders[1].triangles.rows(), 8);
-  EXPECT_TRUE(scene.colliders[0].motion.empty());
+  EXPECT_TRUE(scene.colliders[0].frames.empty());
 }
 
-TEST(SceneColliders, MoveWithTheirNodesAndKeepTheirSize) {
+TEST(SceneColliders, MoveTurnAndGrowWithTheirNodes) {
   HeldSheet fixture;
   const int table = fixture.mesh("collider", grid(1, 1, 0.5, 0.5));
   fixture.move(table, {1, 5}, {{0, 0, -0.1}, {0.4, 0, -0.1}});
   const int balloon = fixture.mesh("collider.balloon", grid(1, 1, 0.5, 0.5));
   fixture.scale(balloon, {1, 5}, {1, 2});
+  const int mirror = fixture.mesh("collider.mirror", grid(1, 1, 0.5, 0.5));
+  fixture.animate(mirror, "scale", {1 / 24.0, 5 / 24.0}, {1, 1, 1, -1, 3, 1});
   const Scene scene = read_scene(fixture.write("moving.gltf"));
-  ASSERT_EQ(scene.colliders.size(), 2u);
-  ASSERT_EQ(scene.colliders[0].motion.size(), 5u);
-  EXPECT_NEAR(scene.colliders[0].x.col(2).maxCoeff(), -0.1, 1e-6);
-  EXPECT_NEAR((scene.colliders[0].motion[2].translation() - Vector3d(0.2, 0, 0)).norm(), 0, 1e-6);
-  EXPECT_TRUE(scene.colliders[1].motion.empty());
-  EXPECT_TRUE(has_warning(scene, "The size of the collider \"collider.balloon\" is keyed"));
+  ASSERT_EQ(scene.colliders.size(), 3u);
+  const ColliderMesh &moved = scene.colliders[0], &grown = scene.colliders[1],
+                     &mirrored = scene.colliders[2];
+  ASSERT_EQ(moved.frames.size(), 5u);
+  EXPECT_NEAR(moved.x.col(2).maxCoeff(), -0.1, 1e-6);
+  EXPECT_LT((moved.frames[2] - (moved.x.rowwise() + Eigen::RowVector3d(0.2, 0, 0))).norm(), 1e-6);
+  ASSERT_EQ(grown.frames.size(), 5u);
+  EXPECT_LT((grown.frames[2] - 1.5 * grown.x).norm(), 1e-6);  // about the origin of its node
+  ASSERT_EQ(mirrored.frames.size(), 5u);
+  EXPECT_LT((mirrored.frames[4].col(0) + mirrored.x.col(0)).norm(), 1e-6);
+  EXPECT_FALSE(has_warning(scene, "collider"));
+}
+
+/// [m] The largest distance of a vertex that Blender evaluates from the nearest of a collider, over
+/// all frames and colliders. tests/data/deforming_collider.py writes both.
+double off_blender(const std::string& file) {
+  const std::filesystem::path data = PAPERBAKE_DATA;
+  const Scene scene = read_scene(data / file);
+  const auto truth = nlohmann::json::parse(std::ifstream(data / "deforming_collider.json"));
+  EXPECT_EQ(scene.colliders.size(), 2u);
+  EXPECT_FALSE(has_warning(scene, "collider"));
+  double most = 0;
+  for (const ColliderMesh& collider : scene.colliders) {
+    const auto& frames = truth.at(collider.name);
+    EXPECT_EQ(collider.frames.size(), frames.size());
+    for (std::size_t f = 0; f < collider.frames.size(); ++f)
+      for (const auto& p : frames.at(f))
+        most = std::max(most, (collider.frames[f].rowwise() - Eigen::RowVector3d(p[0], p[1], p[2]))
+                                  .rowwise()
+                                  .norm()
+                                  .minCoeff());
+  }
+  return most;
+}
+
+TEST(SceneColliders, AreWhereBlenderPutsThemInEveryFrame) {
+  EXPECT_LT(off_blender("deforming_collider.glb"), 1e-5);
+}
+
+TEST(SceneColliders, AreWhereBlenderPutsThemInEveryFrameOfAnFbx) {
+  const Scene scene = read_scene(std::filesystem::path(PAPERBAKE_DATA) / "deforming_collider.fbx");
+  if (scene.origin.at("curves").find("ufbx") == std::string::npos) GTEST_SKIP() << "needs ufbx";
+  EXPECT_LT(off_blender("deforming_collider.fbx"), 1e-5);
 }
 
 TEST(SceneColliders, ASheetNeedsNoHandleBesideOne) {

@@ -22,17 +22,20 @@ TEST(SceneWinds, AreEmptiesWhoseAxisIsTheirDirection) {
 
 TEST(SceneWinds, TurnAndRiseWithTheirKeys) {
   HeldSheet fixture;
-  const int wind = fixture.node("wind", {0, 0, 0}, R"({"paper_speed":4})");
-  fixture.scale(wind, {1, 5}, {0, 0.5});
+  fixture.scale(fixture.node("wind.rises", {0, 0, 0}, R"({"paper_speed":4})"), {1, 5}, {0, 0.5});
   const float s = std::sqrt(0.5f);
   // a quarter of a turn about x of the file: from +y (up) to +z (towards -y of the world)
-  fixture.animate(wind, "rotation", {1 / 24.0, 5 / 24.0}, {0, 0, 0, 1, s, 0, 0, s});
+  fixture.animate(fixture.node("wind.turns", {0, 0, 0}), "rotation", {1 / 24.0, 5 / 24.0},
+                  {0, 0, 0, 1, s, 0, 0, s});
   const Scene scene = read_scene(fixture.write("keyed_wind.gltf"));
-  ASSERT_EQ(scene.winds.size(), 1u);
-  ASSERT_EQ(scene.winds[0].velocity.rows(), 5);
-  EXPECT_LT(scene.winds[0].velocity.row(0).norm(), 1e-6);
-  EXPECT_NEAR(scene.winds[0].velocity.row(2).norm(), 2, 1e-4);
-  EXPECT_LT((scene.winds[0].velocity.row(4) - Eigen::RowVector3d(0, -4, 0)).norm(), 1e-4);
+  ASSERT_EQ(scene.winds.size(), 2u);
+  const Points3 &rises = scene.winds[0].velocity, &turns = scene.winds[1].velocity;
+  ASSERT_EQ(rises.rows(), 5);
+  EXPECT_LT(rises.row(0).norm(), 1e-6);
+  EXPECT_NEAR(rises.row(2).norm(), 2, 1e-4);
+  EXPECT_LT((rises.row(4) - Eigen::RowVector3d(0, 0, 4)).norm(), 1e-4);
+  EXPECT_LT((turns.row(0) - Eigen::RowVector3d(0, 0, 1)).norm(), 1e-4);
+  EXPECT_LT((turns.row(4) - Eigen::RowVector3d(0, -1, 0)).norm(), 1e-4);
 }
 
 TEST(SceneWinds, ASheetNeedsNoHandleInTheWind) {
