@@ -19,8 +19,11 @@ ColliderRecord collider_record(const BakePlan& plan) {
   ColliderRecord record;
   record.first_frame = plan.animation.first_frame;
   for (const Shot& shot : plan.shots)
-    for (const Collider& collider : *shot.colliders)
-      record.of_sheet[shot.sheet_name].push_back(collider.mesh());
+    for (const Collider& collider : *shot.colliders) {
+      std::vector<ColliderMesh>& meshes = record.of_sheet[shot.sheet_name];
+      meshes.push_back(collider.mesh());
+      meshes.back().frames = collider.frames();
+    }
   return record;
 }
 
