@@ -1,17 +1,16 @@
 #pragma once
 
-#include <Eigen/Core>
-#include <cholmod.h>
+#include "core/linear_algebra/supernodal_factor.h"
 
-#include <memory>
+#include <Eigen/Core>
+
 #include <utility>
 #include <vector>
 
 namespace paperbake {
 
-/// A symmetric sparse matrix of 3x3 blocks and its Cholesky factor (CHOLMOD). The fill-reducing
-/// order is computed once, on the graph of the blocks, and is kept with the symbolic factor for the
-/// life of the object.
+/// A symmetric sparse matrix of 3x3 blocks and its Cholesky factor. The fill-reducing order and the
+/// supernodes are found once, on the graph of the blocks, and are kept for the life of the object.
 class BlockCholesky {
  public:
   /// Where a block is stored. A block above the diagonal is stored transposed, in the place of its
@@ -47,33 +46,21 @@ class BlockCholesky {
   Eigen::MatrixXd dense() const;
 
  private:
-  struct Release {
-    void operator()(cholmod_common* c) const {
-      cholmod_finish(c);
-      delete c;
-    }
-  };
-  std::unique_ptr<cholmod_common, Release> common_;
-  struct Free {
-    cholmod_common* common;
-    void operator()(cholmod_sparse* m) const { cholmod_free_sparse(&m, common); }
-    void operator()(cholmod_factor* l) const { cholmod_free_factor(&l, common); }
-    void operator()(cholmod_dense* d) const { cholmod_free_dense(&d, common); }
-  };
-  std::vector<int> place_;         // place of each block row in the elimination order
+  struct Sorted {};
+  BlockCholesky(int blocks, std::vector<std::pair<int, int>> coupled, Sorted);
+  int place(int i) const { return factor_.place()[i]; }
+
+  SupernodalFactor factor_;
   std::vector<int> column_start_;  // of block columns: where they start in rows_
   std::vector<int> rows_;          // block rows, sorted within a column, row >= column
-  std::unique_ptr<cholmod_sparse, Free> matrix_;
-  std::unique_ptr<cholmod_factor, Free> factor_;
-  std::unique_ptr<cholmod_dense, Free> rhs_, x_, y_, e_;
-  double* values_ = nullptr;
-  Eigen::VectorXd solution_;
+  std::vector<double> values_;
+  Eigen::VectorXd in_order_, solution_;
 };
 
 template <class Block>
 void BlockCholesky::add(Slot slot, const Block& block) {
   if (slot.offset < 0) return;
-  double* v = values_ + slot.offset;
+  double* v = values_.data() + slot.offset;
   if (slot.stride > 0) {
     for (int c = 0; c < 3; ++c, v += slot.stride)
       for (int r = 0; r < 3; ++r) v[r] += block(r, c);
