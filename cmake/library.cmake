@@ -19,6 +19,7 @@ endforeach()
 function(paperbake_library target name)
   add_library(paperbake::${name} ALIAS ${target})
   set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} OUTPUT_NAME paperbake_${name})
+  paperbake_elementary_functions(${target})
   target_compile_features(${target} PUBLIC cxx_std_17)
   target_include_directories(${target} PUBLIC
     $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}> $<BUILD_INTERFACE:${PROJECT_BINARY_DIR}/include>
@@ -40,6 +41,7 @@ if(PAPERBAKE_INSTALL)
     DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/paperbake)
   install(EXPORT paperbakeTargets NAMESPACE paperbake:: COMPONENT library
     DESTINATION ${PAPERBAKE_PACKAGE})
+  set(PAPERBAKE_USES_ISAL ${ISAL_FOUND})
   set(PAPERBAKE_USES_ASSIMP ON)
   if(TARGET ufbx)
     set(PAPERBAKE_USES_ASSIMP OFF)

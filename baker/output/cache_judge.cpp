@@ -1,7 +1,6 @@
 #include "baker/output/cache_judge.h"
 
 #include "baker/output/gates.h"
-#include "core/geometry/intersections.h"
 
 #include <algorithm>
 #include <cmath>
@@ -62,8 +61,11 @@ CacheJudge::CacheJudge(const Points2& uv, const Triangles& triangles, double lon
     : uv_(uv),
       pattern_(longer_side * uv.cast<float>().cast<double>()),
       triangles_(triangles),
-      edges_(edges_of(triangles)),
-      colliders_(std::move(colliders)) {}
+      crossings_(pattern_, triangles),
+      colliders_(std::move(colliders)) {
+  for (const auto& [a, b] : edges_of(triangles))
+    edges_.push_back({a, b, (pattern_.row(a) - pattern_.row(b)).norm()});
+}
 
 bool CacheJudge::is_of(const CacheFrame& frame) const {
   return frame.uv.rows() == uv_.rows() && frame.uv == uv_ &&
@@ -79,9 +81,8 @@ int CacheJudge::vertex_at(const Vector2d& p) const {
 LengthDistortion CacheJudge::distortion(const Points3& x) const {
   LengthDistortion found;
   double sum = 0;
-  for (const auto& [a, b] : edges_) {
-    const double rest = (pattern_.row(a) - pattern_.row(b)).norm(),
-                 off = std::abs((x.row(a) - x.row(b)).norm() - rest) / rest;
+  for (const auto& [a, b, rest] : edges_) {
+    const double off = std::abs((x.row(a) - x.row(b)).norm() - rest) / rest;
     sum += off;
     if (off > found.largest) {
       found.largest = off;
@@ -93,13 +94,13 @@ LengthDistortion CacheJudge::distortion(const Points3& x) const {
 }
 
 Judgement CacheJudge::operator()(const Points3& positions, int row) const {
-  const Sheet stored{pattern_, as_stored(positions), {}, triangles_, {}};
+  const Points3 stored = as_stored(positions);
   Judgement judgement;
-  judgement.length = distortion(stored.x);
-  if (!stored.x.allFinite()) return judgement;  // a cache does not take it
-  judgement.crossings = crossings(stored);
+  judgement.length = distortion(stored);
+  if (!stored.allFinite()) return judgement;  // a cache does not take it
+  judgement.crossings = crossings_(stored);
   if (!colliders_) return judgement;
-  const ColliderPenetration found = colliders_->deepest(row, stored.x, triangles_);
+  const ColliderPenetration found = colliders_->deepest(row, stored, triangles_);
   if (found.depth <= 0) return judgement;
   judgement.inside = found.depth;
   judgement.inside_of = colliders_->meshes[found.collider].name;

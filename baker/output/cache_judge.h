@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/collider_depth.h"
+#include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "formats/cache/alembic_cache.h"
 #include "formats/files/certificate.h"
@@ -61,7 +62,12 @@ class CacheJudge {
   Points2 uv_;
   Points2 pattern_;  // [m]
   Triangles triangles_;
-  std::vector<std::array<int, 2>> edges_;  // each once
+  struct Edge {
+    int a, b;
+    double rest;  // [m]
+  };
+  std::vector<Edge> edges_;  // each once
+  CrossingCounter crossings_;
   std::shared_ptr<const JudgedColliders> colliders_;
 };
 

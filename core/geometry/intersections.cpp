@@ -37,9 +37,9 @@ bool pierces(const Point& p, const Point& q, const std::array<Point, 3>& t) {
   return s0 == s1 && s1 == s2 && s0 != CGAL::COPLANAR;
 }
 
-std::array<Point, 3> corners(const Sheet& sheet, int t) {
-  const auto at = [&](int v) { return Point(sheet.x(v, 0), sheet.x(v, 1), sheet.x(v, 2)); };
-  return {at(sheet.triangles(t, 0)), at(sheet.triangles(t, 1)), at(sheet.triangles(t, 2))};
+std::array<Point, 3> corners(const Points3& x, const Triangles& triangles, int t) {
+  const auto at = [&](int v) { return Point(x(v, 0), x(v, 1), x(v, 2)); };
+  return {at(triangles(t, 0)), at(triangles(t, 1)), at(triangles(t, 2))};
 }
 
 bool cross(const std::array<Point, 3>& p, const std::array<Point, 3>& q) {
@@ -49,56 +49,33 @@ bool cross(const std::array<Point, 3>& p, const std::array<Point, 3>& q) {
   return false;
 }
 
-/// The planes of the triangles of a sheet, to see at once that most pairs do not intersect.
-class Planes {
- public:
-  explicit Planes(const Sheet& sheet) : sheet_(sheet) {
-    normals_.reserve(sheet.triangles.rows());
-    sizes_.reserve(sheet.triangles.rows());
-    for (int t = 0; t < sheet.triangles.rows(); ++t) {
-      const Vector3d u = (at(t, 1) - at(t, 0)).transpose(), w = (at(t, 2) - at(t, 0)).transpose();
-      normals_.push_back(u.cross(w));
-      sizes_.push_back(u.lpNorm<1>() * w.lpNorm<1>());
-    }
-  }
+/// The plane of a triangle, to see at once that most pairs do not intersect.
+struct Plane {
+  Vector3d normal;
+  double offset;
+  double rounding;  // [m3] by how much a height over the plane may be wrong
 
-  /// True when all corners of triangle s but those of triangle t lie strictly on one side of the
-  /// plane of t, by more than rounding could account for: then they have no other point in common.
-  bool beside(int s, int t) const {
-    constexpr double rounding = 1e-14;  // [1] 90 units of it; the sum has less than 20
-    const Eigen::RowVector3d origin = at(t, 0);
-    int above = 0, below = 0;
-    for (int i = 0; i < 3; ++i) {
-      const int v = sheet_.triangles(s, i);
-      if (v == sheet_.triangles(t, 0) || v == sheet_.triangles(t, 1) || v == sheet_.triangles(t, 2))
-        continue;
-      const Eigen::RowVector3d way = sheet_.x.row(v) - origin;
-      const double height = way.dot(normals_[t]), sure = rounding * sizes_[t] * way.lpNorm<1>();
-      if (!(std::abs(height) > sure)) return false;
-      ++(height > 0 ? above : below);
-    }
-    return above == 0 || below == 0;
+  /// farthest  [m] largest coordinate of all points
+  Plane(const Vector3d& a, const Vector3d& b, const Vector3d& c, double farthest)
+      : normal((b - a).cross(c - a)), offset(normal.dot(a)) {
+    constexpr double eps = 1e-14;  // [1] 90 units of rounding; the sum has less than 30
+    rounding = eps * (normal.lpNorm<1>() * farthest +
+                      (b - a).lpNorm<1>() * (c - a).lpNorm<1>() * 3 * farthest);
   }
-
- private:
-  Eigen::RowVector3d at(int t, int i) const { return sheet_.x.row(sheet_.triangles(t, i)); }
-  const Sheet& sheet_;
-  std::vector<Vector3d> normals_;
-  std::vector<double> sizes_;  // |u| |w| of the sides that span each triangle
 };
 
 /// True when triangles s and t of a mesh intersect.
-bool cross(const Sheet& sheet, int s, int t) {
+bool cross(const Points3& x, const Triangles& triangles, int s, int t) {
   int shared = 0, of_s = -1, of_t = -1;  // number of common corners; the last one in s and in t
   for (int i = 0; i < 3; ++i)
     for (int j = 0; j < 3; ++j)
-      if (sheet.triangles(s, i) == sheet.triangles(t, j)) {
+      if (triangles(s, i) == triangles(t, j)) {
         ++shared;
         of_s = i;
         of_t = j;
       }
   if (shared > 1) return false;
-  const auto p = corners(sheet, s), q = corners(sheet, t);
+  const auto p = corners(x, triangles, s), q = corners(x, triangles, t);
   if (shared == 0) return cross(p, q);
   // triangles with a common corner can intersect only by the edges opposite that corner
   return pierces(p[(of_s + 1) % 3], p[(of_s + 2) % 3], q) ||
@@ -108,116 +85,177 @@ bool cross(const Sheet& sheet, int s, int t) {
 std::vector<Box> boxes_of(const Sheet& sheet) {
   std::vector<Box> boxes;
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    const auto p = corners(sheet, t);
+    const auto p = corners(sheet.x, sheet.triangles, t);
     boxes.emplace_back(p[0].bbox() + p[1].bbox() + p[2].bbox(), t);
   }
   return boxes;
 }
 
-/// The boxes of the triangles of a sheet in a grid of cells as large as their mean: on a mesh of
-/// even triangles it finds the pairs that overlap in half the time that CGAL takes.
-class Grid {
- public:
-  explicit Grid(const Sheet& sheet) {
-    Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-    for (int t = 0; t < sheet.triangles.rows(); ++t) {
-      const auto a = sheet.x.row(sheet.triangles(t, 0)), b = sheet.x.row(sheet.triangles(t, 1)),
-                 c = sheet.x.row(sheet.triangles(t, 2));
-      lows_.push_back(a.cwiseMin(b).cwiseMin(c).transpose());
-      highs_.push_back(a.cwiseMax(b).cwiseMax(c).transpose());
-      cell_ += (highs_.back() - lows_.back()).maxCoeff();
-      low = low.cwiseMin(lows_.back());
-      high = high.cwiseMax(highs_.back());
-    }
-    cell_ *= 1.0 / std::max<double>(1, static_cast<double>(lows_.size()));
-    low_ = low;
-    constexpr double most_cells = 1e6;  // along a side
-    fits_ = cell_ > 0 && (high - low).allFinite() && (high - low).maxCoeff() < most_cells * cell_;
-    for (std::size_t t = 0; fits_ && t < lows_.size(); ++t) enter(static_cast<int>(t));
-  }
+constexpr int in_leaf = 8;  // triangles: the boxes of a leaf are compared with one at a time
 
-  /// False: some triangles are so much larger than others that a grid is of no use.
-  bool fits() const { return fits_; }
+using Eight = float __attribute__((vector_size(32)));
+using EightFlags = std::int32_t __attribute__((vector_size(32)));
 
-  /// Calls visit(s, t) for every pair of triangles whose boxes overlap, once.
-  template <class Visit>
-  void visit_pairs(Visit visit) {
-    std::size_t buckets = 1;
-    while (buckets < entries_.size()) buckets *= 2;
-    std::vector<int> start(buckets + 1, 0), order(entries_.size());
-    const auto bucket = [&](const Entry& e) {
-      return (e.cell * 0x9e3779b97f4a7c15u >> 32) & (buckets - 1);
-    };
-    for (const Entry& e : entries_) ++start[bucket(e) + 1];
-    std::partial_sum(start.begin(), start.end(), start.begin());
-    std::vector<int> next(start.begin(), start.end() - 1);
-    for (std::size_t k = 0; k < entries_.size(); ++k)
-      order[next[bucket(entries_[k])]++] = static_cast<int>(k);
-    for (std::size_t b = 0; b < buckets; ++b)
-      for (int i = start[b]; i < start[b + 1]; ++i)
-        for (int j = start[b]; j < i; ++j) {
-          const Entry &p = entries_[order[i]], &q = entries_[order[j]];
-          if (p.cell == q.cell && overlap_first_in(p.cell, p.triangle, q.triangle))
-            visit(p.triangle, q.triangle);
-        }
-  }
+/// The boxes of up to eight triangles, a little larger than they are.
+struct LeafBoxes {
+  Eight low[3], high[3];
+};
 
- private:
-  struct Entry {
-    std::uint64_t cell;  // its three numbers, 21 bits each
-    int triangle;
-  };
-
-  static std::uint64_t key(std::uint64_t x, std::uint64_t y, std::uint64_t z) {
-    return x << 42 | y << 21 | z;
+struct NodeBox {
+  float low[3], high[3];
+  bool overlaps(const NodeBox& other) const {
+    return low[0] <= other.high[0] && other.low[0] <= high[0] && low[1] <= other.high[1] &&
+           other.low[1] <= high[1] && low[2] <= other.high[2] && other.low[2] <= high[2];
   }
-  std::array<std::uint64_t, 3> cell_of(const Vector3d& p) const {
-    const Vector3d at = (p - low_) / cell_;
-    return {std::uint64_t(at.x()), std::uint64_t(at.y()), std::uint64_t(at.z())};
-  }
-  void enter(int t) {
-    constexpr std::size_t most = 24;  // entries for each triangle, on average
-    const auto from = cell_of(lows_[t]), to = cell_of(highs_[t]);
-    double count = 1;
-    for (int k = 0; k < 3; ++k) count *= static_cast<double>(to[k] - from[k] + 1);
-    fits_ = static_cast<double>(entries_.size()) + count < static_cast<double>(most * lows_.size());
-    if (!fits_) return;
-    for (std::uint64_t x = from[0]; x <= to[0]; ++x)
-      for (std::uint64_t y = from[1]; y <= to[1]; ++y)
-        for (std::uint64_t z = from[2]; z <= to[2]; ++z) entries_.push_back({key(x, y, z), t});
-  }
-  /// True where the boxes of both overlap and this is the first cell that has both.
-  bool overlap_first_in(std::uint64_t cell, int s, int t) const {
-    for (int k = 0; k < 3; ++k)
-      if (lows_[s][k] > highs_[t][k] || lows_[t][k] > highs_[s][k]) return false;
-    const auto first = cell_of(lows_[s].cwiseMax(lows_[t]));
-    return cell == key(first[0], first[1], first[2]);
-  }
-
-  std::vector<Vector3d> lows_, highs_;
-  std::vector<Entry> entries_;
-  double cell_ = 0;
-  Vector3d low_;
-  bool fits_ = false;
 };
 
 }  // namespace
 
-int crossings(const Sheet& sheet) {
-  const Planes planes(sheet);
-  int count = 0;
-  const auto look_at = [&](int s, int t) {
-    if (!planes.beside(s, t) && !planes.beside(t, s)) count += cross(sheet, s, t);
-  };
-  if (Grid grid(sheet); grid.fits()) {
-    grid.visit_pairs(look_at);
-    return count;
+CrossingCounter::CrossingCounter(const Points2& pattern, const Triangles& triangles) {
+  const int count = static_cast<int>(triangles.rows());
+  Points2 middles(count, 2);
+  for (int t = 0; t < count; ++t)
+    middles.row(t) = pattern.row(triangles(t, 0)) + pattern.row(triangles(t, 1)) +
+                     pattern.row(triangles(t, 2));
+  order_.resize(count);
+  std::iota(order_.begin(), order_.end(), 0);
+  if (count > 0) build(middles, 0, count);
+  triangles_.resize(count, 3);
+  for (int k = 0; k < count; ++k) triangles_.row(k) = triangles.row(order_[k]);
+}
+
+int CrossingCounter::build(const Points2& middles, int begin, int end) {
+  const int at = static_cast<int>(nodes_.size());
+  nodes_.push_back({begin, end, -1});
+  if (end - begin <= in_leaf) return at;
+  Eigen::RowVector2d low = middles.row(order_[begin]), high = low;
+  for (int k = begin; k < end; ++k) {
+    low = low.cwiseMin(middles.row(order_[k]));
+    high = high.cwiseMax(middles.row(order_[k]));
   }
-  std::vector<Box> boxes = boxes_of(sheet);
-  CGAL::box_self_intersection_d(
-      boxes.begin(), boxes.end(), [&](const Box& a, const Box& b) { look_at(a.info(), b.info()); },
-      scanned);
-  return count;
+  const int axis = high.x() - low.x() >= high.y() - low.y() ? 0 : 1;
+  const int middle = begin + std::max(in_leaf, (end - begin) / 2 / in_leaf * in_leaf);
+  std::nth_element(
+      order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](int a, int b) {
+        return std::make_pair(middles(a, axis), a) < std::make_pair(middles(b, axis), b);
+      });
+  build(middles, begin, middle);
+  const int second = build(middles, middle, end);
+  nodes_[at].second = second;
+  return at;
+}
+
+struct CrossingCounter::Search {
+  const CrossingCounter& tree;
+  const Points3& x;
+  std::vector<Plane> planes;
+  std::vector<LeafBoxes> leaves;  // in order: leaf k has the triangles from 8 k on
+  std::vector<NodeBox> boxes;     // of the nodes
+  int count = 0;
+
+  Search(const CrossingCounter& of, const Points3& at) : tree(of), x(at), boxes(of.nodes_.size()) {
+    const int triangles = static_cast<int>(tree.triangles_.rows());
+    const double farthest = x.size() ? x.cwiseAbs().maxCoeff() : 0;
+    planes.reserve(triangles);
+    for (int t = 0; t < triangles; ++t)
+      planes.emplace_back(corner(t, 0), corner(t, 1), corner(t, 2), farthest);
+    leaves.resize((triangles + in_leaf - 1) / in_leaf);
+    // farther than rounding to 32 bits moves a coordinate
+    const float margin = static_cast<float>(1.2e-7 * farthest);
+    const float nowhere = std::numeric_limits<float>::infinity();
+    for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf)
+      for (int k = 0; k < 3; ++k)
+        for (int lane = 0; lane < in_leaf; ++lane) {
+          const int t = static_cast<int>(leaf) * in_leaf + lane;
+          const bool there = t < triangles;
+          const float a = there ? float(corner(t, 0)[k]) : nowhere,
+                      b = there ? float(corner(t, 1)[k]) : nowhere,
+                      c = there ? float(corner(t, 2)[k]) : nowhere;
+          leaves[leaf].low[k][lane] = std::min({a, b, c}) - margin;
+          leaves[leaf].high[k][lane] = there ? std::max({a, b, c}) + margin : -nowhere;
+        }
+    for (int n = static_cast<int>(boxes.size()) - 1; n >= 0; --n) fill(n);
+    if (!boxes.empty()) within(0);
+  }
+
+  Vector3d corner(int t, int i) const { return x.row(tree.triangles_(t, i)).transpose(); }
+
+  void fill(int n) {
+    const Node& node = tree.nodes_[n];
+    NodeBox& box = boxes[n];
+    for (int k = 0; k < 3; ++k) {
+      if (node.second < 0) {
+        const LeafBoxes& leaf = leaves[node.begin / in_leaf];
+        box.low[k] = leaf.low[k][0];
+        box.high[k] = leaf.high[k][0];
+        for (int lane = 1; lane < in_leaf; ++lane) {
+          box.low[k] = std::min(box.low[k], leaf.low[k][lane]);
+          box.high[k] = std::max(box.high[k], leaf.high[k][lane]);
+        }
+      } else {
+        box.low[k] = std::min(boxes[n + 1].low[k], boxes[node.second].low[k]);
+        box.high[k] = std::max(boxes[n + 1].high[k], boxes[node.second].high[k]);
+      }
+    }
+  }
+
+  void within(int n) {
+    const Node& node = tree.nodes_[n];
+    if (node.second < 0) {
+      for (int t = node.begin; t < node.end; ++t) meet(t, node.begin / in_leaf, t + 1);
+      return;
+    }
+    within(n + 1);
+    within(node.second);
+    between(n + 1, node.second);
+  }
+  void between(int n, int m) {
+    if (!boxes[n].overlaps(boxes[m])) return;
+    const Node &a = tree.nodes_[n], &b = tree.nodes_[m];
+    if (a.second < 0 && b.second < 0) {
+      for (int t = a.begin; t < a.end; ++t) meet(t, b.begin / in_leaf, b.begin);
+    } else if (b.second < 0 || (a.second >= 0 && a.end - a.begin >= b.end - b.begin)) {
+      between(n + 1, m);
+      between(a.second, m);
+    } else {
+      between(n, m + 1);
+      between(n, b.second);
+    }
+  }
+
+  /// Triangle s with those of a leaf from `first` on.
+  void meet(int s, int leaf, int first) {
+    const LeafBoxes &own = leaves[s / in_leaf], &other = leaves[leaf];
+    const int lane = s % in_leaf;
+    EightFlags apart = {};
+    for (int k = 0; k < 3; ++k)
+      apart |= (other.low[k] > own.high[k][lane]) | (other.high[k] < own.low[k][lane]);
+    for (int t = first; t < (leaf + 1) * in_leaf; ++t)
+      if (!apart[t % in_leaf] && !beside(s, t) && !beside(t, s))
+        count += cross(x, tree.triangles_, s, t);
+  }
+
+  /// True when all corners of triangle s but those of triangle t lie strictly on one side of the
+  /// plane of t, by more than rounding could account for: then they have no other point in common.
+  bool beside(int s, int t) const {
+    const auto &of_s = tree.triangles_.row(s), &of_t = tree.triangles_.row(t);
+    const Plane& plane = planes[t];
+    int above = 0, below = 0;
+    for (int i = 0; i < 3; ++i) {
+      const int v = of_s[i];
+      if (v == of_t[0] || v == of_t[1] || v == of_t[2]) continue;
+      const double height = plane.normal.dot(x.row(v)) - plane.offset;
+      if (!(std::abs(height) > plane.rounding)) return false;
+      ++(height > 0 ? above : below);
+    }
+    return above == 0 || below == 0;
+  }
+};
+
+int CrossingCounter::operator()(const Points3& x) const { return Search(*this, x).count; }
+
+int crossings(const Sheet& sheet) {
+  return CrossingCounter(sheet.pattern, sheet.triangles)(sheet.x);
 }
 
 int crossings_between(const Sheet& one, const Sheet& other) {
@@ -226,7 +264,8 @@ int crossings_between(const Sheet& one, const Sheet& other) {
   CGAL::box_intersection_d(
       ones.begin(), ones.end(), others.begin(), others.end(),
       [&](const Box& a, const Box& b) {
-        count += cross(corners(one, a.info()), corners(other, b.info()));
+        count += cross(corners(one.x, one.triangles, a.info()),
+                       corners(other.x, other.triangles, b.info()));
       },
       scanned);
   return count;

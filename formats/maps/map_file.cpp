@@ -1,108 +1,219 @@
 #include "formats/maps/map_file.h"
 
-#include <ImfChannelList.h>
-#include <ImfFloatAttribute.h>
-#include <ImfFrameBuffer.h>
+#include "core/model/error.h"
+#include "formats/files/zlib_stream.h"
+
 #include <ImfFramesPerSecond.h>
-#include <ImfHeader.h>
-#include <ImfIntAttribute.h>
-#include <ImfOutputFile.h>
-#include <ImfStandardAttributes.h>
-#include <ImfStdIO.h>
-#include <ImfStringAttribute.h>
-#include <ImfThreading.h>
-#include <ImfTiledOutputFile.h>
+#include <openexr.h>
 
 #include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <future>
+#include <utility>
 
 namespace paperbake {
 namespace {
 
-constexpr int zip_level = 1;    // level 2 takes 10 % longer and makes the file 1 % smaller
-constexpr int strip_rows = 64;  // a multiple of the 16 rows of a ZIP block
+constexpr int block_rows = 16;  // that are compressed together
+constexpr int strip_rows = 64;  // a multiple of block_rows
 constexpr int tile = 64;        // [texel]
 
+/// The layers in the order of the file, which is that of their names.
 struct Layer {
   const char* name;
-  Imf::PixelType type;
+  exr_pixel_type_t type;  // in the file
   std::size_t offset;
+  enum class InMemory { as_in_file, float32 } in_memory = InMemory::as_in_file;
 };
 constexpr Layer layers[] = {
-    {"R", Imf::HALF, offsetof(MapTexel, r)},
-    {"G", Imf::HALF, offsetof(MapTexel, g)},
-    {"B", Imf::HALF, offsetof(MapTexel, b)},
-    {"A", Imf::HALF, offsetof(MapTexel, a)},
-    {"fold.angle", Imf::FLOAT, offsetof(MapTexel, dihedral_angle)},
-    {"fold.plastic", Imf::FLOAT, offsetof(MapTexel, fold_plastic)},
-    {"fold.peak", Imf::FLOAT, offsetof(MapTexel, fold_peak)},
-    {"age.crease", Imf::FLOAT, offsetof(MapTexel, age_crease)},
-    {"age.apex", Imf::FLOAT, offsetof(MapTexel, age_apex)},
-    {"apex.dist", Imf::FLOAT, offsetof(MapTexel, apex_dist)},
-    {"apex.cone", Imf::FLOAT, offsetof(MapTexel, apex_cone)},
-    {"apex.id", Imf::UINT, offsetof(MapTexel, apex_id)},
-    {"dir.x", Imf::FLOAT, offsetof(MapTexel, dir_x)},
-    {"dir.y", Imf::FLOAT, offsetof(MapTexel, dir_y)},
-    {"strain.min", Imf::FLOAT, offsetof(MapTexel, strain_min)},
-    {"strain.max", Imf::FLOAT, offsetof(MapTexel, strain_max)},
+    {"A", EXR_PIXEL_HALF, offsetof(MapTexel, a)},
+    {"B", EXR_PIXEL_HALF, offsetof(MapTexel, b)},
+    {"G", EXR_PIXEL_HALF, offsetof(MapTexel, g)},
+    {"R", EXR_PIXEL_HALF, offsetof(MapTexel, r)},
+    {"age.apex", EXR_PIXEL_FLOAT, offsetof(MapTexel, age_apex)},
+    {"age.crease", EXR_PIXEL_FLOAT, offsetof(MapTexel, age_crease)},
+    {"apex.cone", EXR_PIXEL_FLOAT, offsetof(MapTexel, apex_cone)},
+    {"apex.dist", EXR_PIXEL_FLOAT, offsetof(MapTexel, apex_dist)},
+    {"apex.id", EXR_PIXEL_UINT, offsetof(MapTexel, apex_id)},
+    {"dir.x", EXR_PIXEL_HALF, offsetof(MapTexel, dir_x), Layer::InMemory::float32},
+    {"dir.y", EXR_PIXEL_HALF, offsetof(MapTexel, dir_y), Layer::InMemory::float32},
+    {"fold.angle", EXR_PIXEL_FLOAT, offsetof(MapTexel, dihedral_angle)},
+    {"fold.peak", EXR_PIXEL_FLOAT, offsetof(MapTexel, fold_peak)},
+    {"fold.plastic", EXR_PIXEL_HALF, offsetof(MapTexel, fold_plastic), Layer::InMemory::float32},
+    {"strain.max", EXR_PIXEL_HALF, offsetof(MapTexel, strain_max), Layer::InMemory::float32},
+    {"strain.min", EXR_PIXEL_HALF, offsetof(MapTexel, strain_min), Layer::InMemory::float32},
 };
 
-Imf::Header header_of(int size, const MapInfo& info, const MapScale& scale) {
-  Imf::Header header(size, size);
-  header.compression() = Imf::ZIP_COMPRESSION;
-  header.zipCompressionLevel() = zip_level;
-  Imf::addFramesPerSecond(header, Imf::guessExactFps(info.fps));
-  header.insert("frame", Imf::IntAttribute(info.frame));
-  header.insert("seed", Imf::IntAttribute(static_cast<int>(info.seed)));
-  header.insert("preset", Imf::StringAttribute(info.preset));
-  header.insert("texelSize", Imf::FloatAttribute(static_cast<float>(scale.texel)));
-  header.insert("foldWidth", Imf::FloatAttribute(static_cast<float>(scale.fold_width)));
-  header.insert("creaseWidth", Imf::FloatAttribute(static_cast<float>(scale.crease_width)));
-  for (const Layer& layer : layers) header.channels().insert(layer.name, Imf::Channel(layer.type));
-  return header;
+constexpr std::size_t bytes_of(const Layer& layer) {
+  return layer.type == EXR_PIXEL_HALF ? sizeof(half) : sizeof(float);
+}
+constexpr std::size_t bytes_of_texel() {
+  std::size_t sum = 0;
+  for (const Layer& layer : layers) sum += bytes_of(layer);
+  return sum;
 }
 
-/// Describes to OpenEXR the texels of an image whose first row in memory is `first_row`.
-Imf::FrameBuffer frame_buffer(const MapTexel* texels, int size, int first_row) {
-  Imf::FrameBuffer buffer;
-  const std::ptrdiff_t row = sizeof(MapTexel) * std::ptrdiff_t(size);
-  for (const Layer& layer : layers) {
-    // OpenEXR only reads it
-    char* base =
-        const_cast<char*>(reinterpret_cast<const char*>(texels)) + layer.offset - first_row * row;
-    buffer.insert(layer.name, Imf::Slice(layer.type, base, sizeof(MapTexel), row));
+/// Some texels of an image in memory.
+struct Window {
+  const MapTexel* first;
+  std::ptrdiff_t row;  // [texels] from one row to the next
+  int width, height;
+};
+
+/// Copies one layer of a row. returns  the end of what was written
+template <class From, class To>
+char* copy_layer(const char* texel, int count, char* to) {
+  for (int i = 0; i < count; ++i, texel += sizeof(MapTexel), to += sizeof(To)) {
+    From value;
+    std::memcpy(&value, texel, sizeof(From));
+    const To stored(value);
+    std::memcpy(to, &stored, sizeof(To));
   }
-  return buffer;
+  return to;
 }
 
-/// Draws some rows, each strip of them on a thread of its own.
-void draw_rows(const DrawRows& draw, const MapRows& rows, MapTexel* texels) {
+/// The texels as OpenEXR orders them: row by row, each layer by layer.
+void gather(const Window& window, std::vector<char>& to) {
+  to.resize(bytes_of_texel() * window.width * window.height);
+  char* at = to.data();
+  for (int j = 0; j < window.height; ++j)
+    for (const Layer& layer : layers) {
+      const char* from = reinterpret_cast<const char*>(window.first + j * window.row) + layer.offset;
+      if (layer.in_memory == Layer::InMemory::float32)
+        at = copy_layer<float, half>(from, window.width, at);
+      else if (layer.type == EXR_PIXEL_HALF)
+        at = copy_layer<std::uint16_t, std::uint16_t>(from, window.width, at);
+      else
+        at = copy_layer<std::uint32_t, std::uint32_t>(from, window.width, at);
+    }
+}
+
+/// The bytes of a chunk with ZIP compression: even bytes before odd ones, each as its difference to
+/// the one before, as a zlib stream; or as they are where that would not be shorter.
+std::string packed(const Window& window) {
+  std::vector<char> raw, halves;
+  gather(window, raw);
+  const std::size_t count = raw.size(), middle = (count + 1) / 2;
+  halves.resize(count);
+  for (std::size_t i = 0; i < count / 2; ++i) {
+    halves[i] = raw[2 * i];
+    halves[middle + i] = raw[2 * i + 1];
+  }
+  if (count % 2) halves[middle - 1] = raw[count - 1];
+  std::vector<char> steps(count);
+  steps[0] = halves[0];
+  for (std::size_t i = 1; i < count; ++i)
+    steps[i] = static_cast<char>(halves[i] - halves[i - 1] + 128);
+  std::string stream = zlib_stream(steps.data(), count);
+  return stream.size() < count ? stream : std::string(raw.data(), count);
+}
+
+/// An OpenEXR file in memory: written to a file, the end of it would be written by a function that
+/// cannot report a full disk.
+class ExrFile {
+ public:
+  ExrFile(int size, MapLayout layout, const MapInfo& info, const MapScale& scale) {
+    exr_context_initializer_t with = EXR_DEFAULT_CONTEXT_INITIALIZER;
+    with.user_data = &bytes_;
+    with.write_fn = write;
+    with.error_handler_fn = [](exr_const_context_t, exr_result_t, const char*) {};
+    check(exr_start_write(&file_, "map", EXR_WRITE_FILE_DIRECTLY, &with));
+    int part = 0;
+    check(exr_add_part(file_, nullptr,
+                       layout == MapLayout::scanline ? EXR_STORAGE_SCANLINE : EXR_STORAGE_TILED,
+                       &part));
+    check(exr_initialize_required_attr_simple(file_, 0, size, size, EXR_COMPRESSION_ZIP));
+    if (layout == MapLayout::tiled_mip)
+      check(exr_set_tile_descriptor(file_, 0, tile, tile, EXR_TILE_MIPMAP_LEVELS,
+                                    EXR_TILE_ROUND_DOWN));
+    for (const Layer& layer : layers)
+      check(exr_add_channel(file_, 0, layer.name, layer.type, EXR_PERCEPTUALLY_LOGARITHMIC, 1, 1));
+    write_attributes(info, scale);
+    check(exr_write_header(file_));
+  }
+  ~ExrFile() {
+    if (file_) exr_finish(&file_);
+  }
+  ExrFile(const ExrFile&) = delete;
+  ExrFile& operator=(const ExrFile&) = delete;
+
+  void add_rows(int first, const std::string& chunk) {
+    check(exr_write_scanline_chunk(file_, 0, first, chunk.data(), chunk.size()));
+  }
+  void add_tile(int x, int y, int level, const std::string& chunk) {
+    check(exr_write_tile_chunk(file_, 0, x, y, level, level, chunk.data(), chunk.size()));
+  }
+  std::string finish() {
+    check(exr_finish(&file_));
+    file_ = nullptr;
+    return std::move(bytes_);
+  }
+
+ private:
+  void write_attributes(const MapInfo& info, const MapScale& scale) {
+    const Imf::Rational fps = Imf::guessExactFps(info.fps);
+    const exr_attr_rational_t rate{fps.n, fps.d};
+    check(exr_attr_set_rational(file_, 0, "framesPerSecond", &rate));
+    check(exr_attr_set_int(file_, 0, "frame", info.frame));
+    check(exr_attr_set_int(file_, 0, "seed", static_cast<int>(info.seed)));
+    check(exr_attr_set_string(file_, 0, "preset", info.preset.c_str()));
+    check(exr_attr_set_float(file_, 0, "texelSize", static_cast<float>(scale.texel)));
+    check(exr_attr_set_float(file_, 0, "foldWidth", static_cast<float>(scale.fold_width)));
+    check(exr_attr_set_float(file_, 0, "creaseWidth", static_cast<float>(scale.crease_width)));
+  }
+  static std::int64_t write(exr_const_context_t, void* bytes, const void* from, std::uint64_t count,
+                            std::uint64_t at, exr_stream_error_func_ptr_t) {
+    std::string& to = *static_cast<std::string*>(bytes);
+    if (to.size() < at + count) to.resize(at + count);
+    std::memcpy(to.data() + at, from, count);
+    return static_cast<std::int64_t>(count);
+  }
+  void check(exr_result_t result) {
+    if (result != EXR_ERR_SUCCESS)
+      throw Error(ErrorCode::folder, "crease map",
+                  std::string("OpenEXR cannot write it: ") +
+                      exr_get_default_error_message(result) + ".");
+  }
+  exr_context_t file_ = nullptr;
+  std::string bytes_;
+};
+
+enum class KeepTexels { batch, all };
+struct MapSize {
+  int size, threads;
+  KeepTexels keep;
+};
+
+/// Calls job(0) ... job(count - 1), each on a thread of its own.
+template <class Job>
+void for_each_at_once(int count, const Job& job) {
   std::vector<std::future<void>> others;
-  for (int first = rows.first; first < rows.last; first += strip_rows) {
-    const MapRows strip{rows.size, first, std::min(first + strip_rows, rows.last)};
-    MapTexel* target = texels + std::size_t(first - rows.first) * rows.size;
-    if (strip.last == rows.last)
-      draw(strip, target);
-    else
-      others.push_back(
-          std::async(std::launch::async, [&draw, strip, target] { draw(strip, target); }));
-  }
+  for (int k = 1; k < count; ++k)
+    others.push_back(std::async(std::launch::async, [&job, k] { job(k); }));
+  if (count > 0) job(0);
   for (auto& other : others) other.get();
 }
 
 /// Draws a map from the top in batches of as many strips as there are threads, and calls
-/// take(rows, texels) for each. keep: `texels` receives the whole map, else only the current batch.
-template <class Take>
-void draw_in_batches(int size, int threads, const DrawRows& draw, std::vector<MapTexel>& texels,
-                     bool keep, const Take& take) {
-  const int batch = strip_rows * std::max(1, threads);
-  texels.resize(std::size_t(size) * (keep ? size : std::min(batch, size)));
-  for (int first = 0; first < size; first += batch) {
-    const MapRows rows{size, first, std::min(first + batch, size)};
-    MapTexel* target = texels.data() + (keep ? std::size_t(first) * size : 0);
-    draw_rows(draw, rows, target);
-    take(rows, target);
+/// strip(k, rows, texels) for each, k < threads, at the same time; then batch().
+/// texels  receives the whole map, or only the current batch
+template <class Strip, class Batch>
+void draw_in_batches(const MapSize& map, const DrawRows& draw, std::vector<MapTexel>& texels,
+                     const Strip& strip, const Batch& batch) {
+  const int threads = std::max(1, map.threads), rows_of_batch = strip_rows * threads;
+  const bool keep = map.keep == KeepTexels::all;
+  texels.resize(std::size_t(map.size) * (keep ? map.size : std::min(rows_of_batch, map.size)));
+  for (int first = 0; first < map.size; first += rows_of_batch) {
+    const int last = std::min(first + rows_of_batch, map.size);
+    for_each_at_once((last - first + strip_rows - 1) / strip_rows, [&](int k) {
+      const int top = first + k * strip_rows;
+      const MapRows rows{map.size, top, std::min(top + strip_rows, last)};
+      MapTexel* target = texels.data() + std::size_t(keep ? top : k * strip_rows) * map.size;
+      draw(rows, target);
+      strip(k, rows, target);
+    });
+    batch();
   }
 }
 
@@ -234,35 +345,63 @@ std::vector<MapTexel> next_level(const std::vector<MapTexel>& texels, int size, 
   return level;
 }
 
+namespace {
+
+void write_rows(ExrFile& file, int size, int threads, const DrawRows& draw) {
+  struct Block {
+    int first;
+    std::string chunk;
+  };
+  std::vector<std::vector<Block>> drawn(std::max(1, threads));
+  std::vector<MapTexel> texels;
+  draw_in_batches(
+      {size, threads, KeepTexels::batch}, draw, texels,
+      [&](int k, const MapRows& rows, const MapTexel* strip) {
+        for (int first = rows.first; first < rows.last; first += block_rows)
+          drawn[k].push_back({first, packed({strip + rows.index(0, first), size, size,
+                                             std::min(block_rows, rows.last - first)})});
+      },
+      [&] {
+        for (std::vector<Block>& blocks : drawn) {
+          for (const Block& block : blocks) file.add_rows(block.first, block.chunk);
+          blocks.clear();
+        }
+      });
+}
+
+void write_tiles(ExrFile& file, int size, int threads, const DrawRows& draw) {
+  std::vector<MapTexel> texels;
+  draw_in_batches({size, threads, KeepTexels::all}, draw, texels,
+                  [](int, const MapRows&, const MapTexel*) {}, [] {});
+  for (int level = 0, side = size;; ++level, side /= 2) {
+    const int count = (side + tile - 1) / tile, batch = std::max(1, threads);
+    for (int top = 0; top < count; top += batch) {
+      std::vector<std::vector<std::string>> chunks(std::min(batch, count - top));
+      for_each_at_once(static_cast<int>(chunks.size()), [&](int k) {
+        const int y = tile * (top + k);
+        for (int x = 0; x < side; x += tile)
+          chunks[k].push_back(packed({texels.data() + std::size_t(y) * side + x, side,
+                                      std::min(tile, side - x), std::min(tile, side - y)}));
+      });
+      for (std::size_t k = 0; k < chunks.size(); ++k)
+        for (std::size_t x = 0; x < chunks[k].size(); ++x)
+          file.add_tile(static_cast<int>(x), top + static_cast<int>(k), level, chunks[k][x]);
+    }
+    if (side == 1) return;
+    texels = next_level(texels, side, threads);
+  }
+}
+
+}  // namespace
+
 std::string encode_map(int size, MapLayout layout, const MapInfo& info, const MapScale& scale,
                        int threads, const DrawRows& draw) {
-  const int helpers = threads > 1 ? threads : 0;
-  if (Imf::globalThreadCount() != helpers) Imf::setGlobalThreadCount(helpers);
-  Imf::Header header = header_of(size, info, scale);
-  // encoded in memory: OpenEXR's file classes write the end of a file in destructors, which cannot
-  // report a full disk
-  Imf::StdOSStream stream;
-  std::vector<MapTexel> texels;
-  if (layout == MapLayout::scanline) {
-    Imf::OutputFile file(stream, header, helpers);
-    draw_in_batches(size, threads, draw, texels, false,
-                    [&](const MapRows& rows, const MapTexel* drawn) {
-                      file.setFrameBuffer(frame_buffer(drawn, size, rows.first));
-                      file.writePixels(rows.last - rows.first);
-                    });
-  } else {
-    header.setTileDescription(
-        Imf::TileDescription(tile, tile, Imf::MIPMAP_LEVELS, Imf::ROUND_DOWN));
-    Imf::TiledOutputFile file(stream, header, helpers);
-    draw_in_batches(size, threads, draw, texels, true, [](const MapRows&, const MapTexel*) {});
-    for (int level = 0, side = size; level < file.numLevels(); ++level) {
-      file.setFrameBuffer(frame_buffer(texels.data(), side, 0));
-      file.writeTiles(0, file.numXTiles(level) - 1, 0, file.numYTiles(level) - 1, level);
-      if (side > 1) texels = next_level(texels, side, threads);
-      side = std::max(1, side / 2);
-    }
-  }
-  return stream.str();
+  ExrFile file(size, layout, info, scale);
+  if (layout == MapLayout::scanline)
+    write_rows(file, size, threads, draw);
+  else
+    write_tiles(file, size, threads, draw);
+  return file.finish();
 }
 
 }  // namespace paperbake

@@ -72,17 +72,17 @@ TEST(MapFile, TheFileHasItsSixteenLayersAndItsHeaderAndNothingElse) {
                                                                {"B", Imf::HALF},
                                                                {"A", Imf::HALF},
                                                                {"fold.angle", Imf::FLOAT},
-                                                               {"fold.plastic", Imf::FLOAT},
+                                                               {"fold.plastic", Imf::HALF},
                                                                {"fold.peak", Imf::FLOAT},
                                                                {"age.crease", Imf::FLOAT},
                                                                {"age.apex", Imf::FLOAT},
                                                                {"apex.dist", Imf::FLOAT},
                                                                {"apex.id", Imf::UINT},
                                                                {"apex.cone", Imf::FLOAT},
-                                                               {"dir.x", Imf::FLOAT},
-                                                               {"dir.y", Imf::FLOAT},
-                                                               {"strain.min", Imf::FLOAT},
-                                                               {"strain.max", Imf::FLOAT}}));
+                                                               {"dir.x", Imf::HALF},
+                                                               {"dir.y", Imf::HALF},
+                                                               {"strain.min", Imf::HALF},
+                                                               {"strain.max", Imf::HALF}}));
     std::vector<std::string> expected{"channels",
                                       "compression",
                                       "creaseWidth",
@@ -99,6 +99,7 @@ TEST(MapFile, TheFileHasItsSixteenLayersAndItsHeaderAndNothingElse) {
                                       "seed",
                                       "texelSize"};
     if (layout == MapLayout::tiled_mip) expected.push_back("tiles");
+    expected.push_back("type");
     EXPECT_EQ(attributes, expected);
     EXPECT_EQ(header.compression(), Imf::ZIP_COMPRESSION);
     EXPECT_EQ(header.typedAttribute<Imf::IntAttribute>("frame").value(), 37);
