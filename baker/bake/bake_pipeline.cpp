@@ -124,7 +124,7 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   all.insert(all.end(), files_.pictures().begin(), files_.pictures().end());
   const StaleFiles stale = files_.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep;
   files_.failures.try_write(".state/written",
-                            [&] { replace_outputs(files_.folder(), all, stale); });
+                            [&] { replace_outputs(files_.folder(), all, stale, keys_); });
   if (const auto error = final_error(failure)) throw *error;
   return outcome;
 }
@@ -153,7 +153,8 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
   write("cert/summary.json", [&] {
     std::map<std::string, std::string> hashes;
     for (const auto& file : files_.written())
-      hashes[std::filesystem::relative(file, files_.folder()).generic_string()] = file_hash(file);
+      hashes[std::filesystem::relative(file, files_.folder()).generic_string()] =
+          keys_[file] = file_hash(file);
     const auto error = final_error(failure);
     return summary_json(context_.plan, certificate_.frames(),
                         {certificate_.crease_length, certificate_.frames_of_folding},

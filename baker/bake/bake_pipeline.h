@@ -7,6 +7,7 @@
 #include "core/model/error.h"
 
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -54,6 +55,7 @@ class BakePipeline {
   CacheWriters caches_;
   BakeContext context_;
   std::vector<std::unique_ptr<SheetRecorder>> recorders_;
+  std::map<std::filesystem::path, std::string> keys_;  // of files that are in the certificate
 };
 
 }  // namespace paperbake

@@ -150,7 +150,7 @@ std::vector<Option> scene_and_method() {
                       "many triangles, keeping the shape that the method found; 0 turns it off. "
                       "Default: 0; 6,000 for hybrid with --quality hero",
                       to_whole(&BakeSettings::polish)),
-      with_default({"base_triangles", K::whole, 2, 100000}, "120",
+      with_default({"base_triangles", K::whole, 2, 20000}, "120",
                    "Triangles of the mesh that hybrid starts with",
                    to_whole(&BakeSettings::base_triangles)),
       without_default({"accuracy", K::number, above_zero}, "0.3",
@@ -210,7 +210,7 @@ std::vector<Option> meshes_and_physics() {
 std::vector<Option> maps_and_gates() {
   using K = JobKey;
   return {
-      with_default({"map_size", K::whole, 1, 16384}, "1024", "Size of the square maps in texels",
+      with_default({"map_size", K::whole, 1, 8192}, "1024", "Size of the square maps in texels",
                    to_whole(&BakeSettings::map_size)),
       word<MapLayout>("map_layout", &BakeSettings::map_layout,
                       {{"scanline", MapLayout::scanline}, {"tiled-mip", MapLayout::tiled_mip}},

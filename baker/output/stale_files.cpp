@@ -35,12 +35,14 @@ bool outputs_unmodified(const fs::path& folder) {
 }
 
 void replace_outputs(const fs::path& folder, const std::vector<fs::path>& written,
-                     StaleFiles stale) {
+                     StaleFiles stale, const std::map<fs::path, std::string>& keys) {
   const fs::path base = fs::absolute(folder).lexically_normal(), list = base / ".state" / "written";
   std::map<std::string, std::string> files;
-  for (const fs::path& path : written)
+  for (const fs::path& path : written) {
+    const auto known = keys.find(path);
     files[fs::absolute(path).lexically_normal().lexically_relative(base).generic_string()] =
-        file_hash(path);
+        known == keys.end() ? file_hash(path) : known->second;
+  }
   for (const auto& [path, key] : read_list(list)) {
     std::error_code none;
     if (files.count(path) || !fs::is_regular_file(base / path, none) ||

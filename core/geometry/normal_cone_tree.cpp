@@ -57,16 +57,21 @@ struct NormalConeTree::Search {
 
   Search(const NormalConeTree& of, const Points3& x, const Points3& y)
       : tree(of), boxes(of.order_.size()), bounds(of.nodes_.size()) {
+    // when nothing moves, both ends are the same
+    const int ends = &x == &y ? 1 : 2;
     std::vector<Vector3d> normals(2 * boxes.size());
     for (std::size_t k = 0; k < boxes.size(); ++k) {
       const auto corners = tree.triangles_.row(tree.order_[k]);
-      for (const int v : {corners[0], corners[1], corners[2]})
-        boxes[k].extend(x.row(v).transpose()).extend(y.row(v).transpose());
-      for (int end = 0; end < 2; ++end) {
+      for (const int v : {corners[0], corners[1], corners[2]}) {
+        boxes[k].extend(x.row(v).transpose());
+        if (ends == 2) boxes[k].extend(y.row(v).transpose());
+      }
+      for (int end = 0; end < ends; ++end) {
         const Points3& at = end ? y : x;
         const Vector3d a = at.row(corners[0]), b = at.row(corners[1]), c = at.row(corners[2]);
         normals[2 * k + end] = (b - a).cross(c - a).normalized();
       }
+      if (ends == 1) normals[2 * k + 1] = normals[2 * k];
     }
     for (int n = static_cast<int>(bounds.size()) - 1; n >= 0; --n) {
       const Node& node = tree.nodes_[n];
@@ -88,6 +93,15 @@ struct NormalConeTree::Search {
       least = std::min(least, normals[k].dot(bound.axis));
     bound.angle = std::acos(std::max(least, -1.0));
     return bound;
+  }
+  /// True when joined(a, b).angle is below half_space.
+  static bool lie_in_half_space(const Bound& a, const Bound& b) {
+    const double larger = std::max(a.angle, b.angle);
+    if (larger >= half_space) return false;
+    // acos(c) <= 1.111 sqrt(2 (1 - c)) for c >= 0; in most cases that will do
+    const double c = a.axis.dot(b.axis);
+    if (c > 0 && larger + 0.5556 * std::sqrt(2 * (1 - std::min(c, 1.0))) < half_space) return true;
+    return larger + 0.5 * angle_of_normals(a.axis, b.axis) < half_space;
   }
   static Bound joined(const Bound& a, const Bound& b) {
     Bound both{a.box.merged(b.box), (a.axis + b.axis).stableNormalized(), any};
@@ -112,7 +126,8 @@ struct NormalConeTree::Search {
   void between(int n, int m) {
     if (!bounds[n].box.intersects(bounds[m].box)) return;
     const Node &a = tree.nodes_[n], &b = tree.nodes_[m];
-    if (a.pattern.intersects(b.pattern) && joined(bounds[n], bounds[m]).angle < half_space) return;
+    if (a.pattern.intersects(b.pattern) && lie_in_half_space(bounds[n], bounds[m]))
+      return;
     if (a.second < 0 && b.second < 0) {
       for (int i = a.begin; i < a.end; ++i)
         for (int j = b.begin; j < b.end; ++j) meet(i, j);

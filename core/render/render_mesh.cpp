@@ -343,7 +343,8 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   // so many fit without features; with features it takes another round or two
   edge = std::max(edge, std::sqrt(area(pattern) / max_triangles / (std::sqrt(3.0) / 4)));
   RenderMesh mesh = mesh_for_render(pattern, edge, features);
-  while (mesh.triangles.rows() > max_triangles) {
+  // with longer edges there are no fewer: what is left are the triangles between the features
+  while (mesh.triangles.rows() > max_triangles && edge < longer_side(pattern)) {
     edge *= 1.02 * std::sqrt(double(mesh.triangles.rows()) / max_triangles);
     mesh = mesh_for_render(pattern, edge, features);
   }

@@ -75,7 +75,7 @@ TEST_F(JobSettingsTest, APresetReplacesWhatThoseBeforeItSayOfThePaper) {
 TEST_F(JobSettingsTest, AMistakeEndsWithTwoAndSaysLineColumnAndWhatIsMeant) {
   EXPECT_TRUE(is_error(dry("map_sise = 8"), 2, place(2, 1), "Did you mean \"map_size\"?"));
   EXPECT_TRUE(
-      is_error(dry("map_size = 0"), 2, place(2, 12), "a whole number from 1 to 16384, not 0"));
+      is_error(dry("map_size = 0"), 2, place(2, 12), "a whole number from 1 to 8192, not 0"));
   EXPECT_TRUE(is_error(dry("map_size = 8.5"), 2, place(2, 12), "a whole number"));
   EXPECT_TRUE(is_error(dry("stop = 0"), 2, place(2, 8), "a number above zero"));
   EXPECT_TRUE(is_error(dry("stop = nan"), 2, place(2, 8), "a number above zero"));
