@@ -153,8 +153,8 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
   write("cert/summary.json", [&] {
     std::map<std::string, std::string> hashes;
     for (const auto& file : files_.written())
-      hashes[std::filesystem::relative(file, files_.folder()).generic_string()] =
-          keys_[file] = file_hash(file);
+      hashes[std::filesystem::relative(file, files_.folder()).generic_string()] = keys_[file] =
+          file_hash(file);
     const auto error = final_error(failure);
     return summary_json(context_.plan, certificate_.frames(),
                         {certificate_.crease_length, certificate_.frames_of_folding},

@@ -34,8 +34,8 @@ bool outputs_unmodified(const fs::path& folder) {
   return !files.empty() && std::all_of(files.begin(), files.end(), whole);
 }
 
-void replace_outputs(const fs::path& folder, const std::vector<fs::path>& written,
-                     StaleFiles stale, const std::map<fs::path, std::string>& keys) {
+void replace_outputs(const fs::path& folder, const std::vector<fs::path>& written, StaleFiles stale,
+                     const std::map<fs::path, std::string>& keys) {
   const fs::path base = fs::absolute(folder).lexically_normal(), list = base / ".state" / "written";
   std::map<std::string, std::string> files;
   for (const fs::path& path : written) {

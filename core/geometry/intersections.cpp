@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <vector>
@@ -115,8 +116,8 @@ CrossingCounter::CrossingCounter(const Points2& pattern, const Triangles& triang
   const int count = static_cast<int>(triangles.rows());
   Points2 middles(count, 2);
   for (int t = 0; t < count; ++t)
-    middles.row(t) = pattern.row(triangles(t, 0)) + pattern.row(triangles(t, 1)) +
-                     pattern.row(triangles(t, 2));
+    middles.row(t) =
+        pattern.row(triangles(t, 0)) + pattern.row(triangles(t, 1)) + pattern.row(triangles(t, 2));
   order_.resize(count);
   std::iota(order_.begin(), order_.end(), 0);
   if (count > 0) build(middles, 0, count);
@@ -230,21 +231,29 @@ struct CrossingCounter::Search {
     EightFlags apart = {};
     for (int k = 0; k < 3; ++k)
       apart |= (other.low[k] > own.high[k][lane]) | (other.high[k] < own.low[k][lane]);
-    for (int t = first; t < (leaf + 1) * in_leaf; ++t)
-      if (!apart[t % in_leaf] && !beside(s, t) && !beside(t, s))
-        count += cross(x, tree.triangles_, s, t);
+    std::uint64_t two_lanes[in_leaf / 2];
+    std::memcpy(two_lanes, &apart, sizeof apart);
+    for (int pair = 0; pair < in_leaf / 2; ++pair) {
+      if (~two_lanes[pair] == 0) continue;
+      for (const int i : {2 * pair, 2 * pair + 1})
+        if (const int t = leaf * in_leaf + i;
+            t >= first && !apart[i] && !beside(s, t) && !beside(t, s))
+          count += cross(x, tree.triangles_, s, t);
+    }
   }
 
   /// True when all corners of triangle s but those of triangle t lie strictly on one side of the
   /// plane of t, by more than rounding could account for: then they have no other point in common.
   bool beside(int s, int t) const {
-    const auto &of_s = tree.triangles_.row(s), &of_t = tree.triangles_.row(t);
+    const int *of_s = tree.triangles_.data() + 3 * s, *of_t = tree.triangles_.data() + 3 * t;
     const Plane& plane = planes[t];
     int above = 0, below = 0;
     for (int i = 0; i < 3; ++i) {
       const int v = of_s[i];
       if (v == of_t[0] || v == of_t[1] || v == of_t[2]) continue;
-      const double height = plane.normal.dot(x.row(v)) - plane.offset;
+      const double* p = x.data() + 3 * std::ptrdiff_t(v);
+      const double height = plane.normal.x() * p[0] + plane.normal.y() * p[1] +
+                            plane.normal.z() * p[2] - plane.offset;
       if (!(std::abs(height) > plane.rounding)) return false;
       ++(height > 0 ? above : below);
     }

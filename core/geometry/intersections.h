@@ -6,9 +6,9 @@
 
 namespace paperbake {
 
-/// Counts the pairs of triangles of a mesh that intersect, for one frame after the other. Touching in
-/// a shared vertex or edge does not count. The count is exact: it does not depend on the solver's own
-/// contact code, nor on what is known of the shape before.
+/// Counts the pairs of triangles of a mesh that intersect, for one frame after the other. Touching
+/// in a shared vertex or edge does not count. The count is exact, and independent of the contact
+/// code of the solver.
 ///
 /// A hierarchy of boxes is made once, by halving the mesh on its pattern again and again; a frame
 /// fills in the boxes and looks at the pairs of triangles whose boxes overlap.

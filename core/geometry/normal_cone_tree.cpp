@@ -126,8 +126,7 @@ struct NormalConeTree::Search {
   void between(int n, int m) {
     if (!bounds[n].box.intersects(bounds[m].box)) return;
     const Node &a = tree.nodes_[n], &b = tree.nodes_[m];
-    if (a.pattern.intersects(b.pattern) && lie_in_half_space(bounds[n], bounds[m]))
-      return;
+    if (a.pattern.intersects(b.pattern) && lie_in_half_space(bounds[n], bounds[m])) return;
     if (a.second < 0 && b.second < 0) {
       for (int i = a.begin; i < a.end; ++i)
         for (int j = b.begin; j < b.end; ++j) meet(i, j);

@@ -114,9 +114,12 @@ void SupernodalFactor::find_supernodes(const int* first_columns, const int* row_
   rows_.assign(rows, rows + row_starts[count]);
   std::size_t values = 0, product = 0;
   for (int k = 0; k < count; ++k) {
-    Supernode node{first_columns[k], first_columns[k + 1] - first_columns[k],
-                   row_starts[k],    row_starts[k + 1] - row_starts[k],
-                   0,                values};
+    Supernode node{first_columns[k],
+                   first_columns[k + 1] - first_columns[k],
+                   row_starts[k],
+                   row_starts[k + 1] - row_starts[k],
+                   0,
+                   values};
     node.stride = padded(3 * node.rows);
     values += std::size_t(node.stride) * 3 * node.columns;
     product = std::max(product, std::size_t(node.stride) * 3 * (node.rows - node.columns));
@@ -152,8 +155,8 @@ int SupernodalFactor::subtract(const Supernode& from, const Supernode& of, int d
   const int height = of.rows - done, width = last - done, stride = padded(3 * height);
   const double* top = values_.data() + of.panel + 3 * done;
   for (int j = 0; j < width; ++j)  // the part above the diagonal is not needed
-    multiply_strip<Sum::fresh>({top + 3 * j, of.stride}, 3 * (height - j),
-                               {top + 3 * j, of.stride}, 3 * of.columns,
+    multiply_strip<Sum::fresh>({top + 3 * j, of.stride}, 3 * (height - j), {top + 3 * j, of.stride},
+                               3 * of.columns,
                                product_.data() + 3 * j * (stride + std::ptrdiff_t(1)), stride);
   for (int j = 0; j < width; ++j)
     for (int c = 0; c < 3; ++c) {
@@ -262,8 +265,8 @@ void SupernodalFactor::solve(Eigen::VectorXd& x) const {
         for (int lane = 0; i < j && lane < j - i && lane < lanes; ++lane) factor[lane] = 0;
         sum += load(values + i) * factor;
       }
-      below[j] = (own - ((sum[0] + sum[1]) + (sum[2] + sum[3]))) *
-                 inverse_diagonal_[3 * node.first + j];
+      below[j] =
+          (own - ((sum[0] + sum[1]) + (sum[2] + sum[3]))) * inverse_diagonal_[3 * node.first + j];
       x[3 * node.first + j] = below[j];
     }
   }

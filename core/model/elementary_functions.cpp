@@ -27,27 +27,16 @@ double polynomial(const double (&c)[n], double z) {
 
 // Taylor series: on the intervals used here the first term left out is below half a unit in the
 // last place.
-constexpr double of_sine[] = {-1.0 / 6,
-                              1.0 / 120,
-                              -1.0 / 5040,
-                              1.0 / 362880,
-                              -1.0 / 39916800,
-                              1.0 / 6227020800,
-                              -1.0 / 1307674368000,
-                              1.0 / 355687428096000};
-constexpr double of_cosine[] = {1.0 / 24,
-                                -1.0 / 720,
-                                1.0 / 40320,
-                                -1.0 / 3628800,
-                                1.0 / 479001600,
-                                -1.0 / 87178291200,
-                                1.0 / 20922789888000,
-                                -1.0 / 6402373705728000};
+constexpr double of_sine[] = {
+    -1.0 / 6,        1.0 / 120,        -1.0 / 5040,          1.0 / 362880,
+    -1.0 / 39916800, 1.0 / 6227020800, -1.0 / 1307674368000, 1.0 / 355687428096000};
+constexpr double of_cosine[] = {
+    1.0 / 24,        -1.0 / 720,         1.0 / 40320,          -1.0 / 3628800,
+    1.0 / 479001600, -1.0 / 87178291200, 1.0 / 20922789888000, -1.0 / 6402373705728000};
 constexpr double of_arc_tangent[] = {-1.0 / 3, 1.0 / 5, -1.0 / 7, 1.0 / 9, -1.0 / 11, 1.0 / 13};
-constexpr double of_exponential[] = {1.0 / 2,        1.0 / 6,         1.0 / 24,      1.0 / 120,
-                                     1.0 / 720,      1.0 / 5040,      1.0 / 40320,   1.0 / 362880,
-                                     1.0 / 3628800,  1.0 / 39916800,  1.0 / 479001600,
-                                     1.0 / 6227020800};
+constexpr double of_exponential[] = {
+    1.0 / 2,     1.0 / 6,      1.0 / 24,      1.0 / 120,      1.0 / 720,       1.0 / 5040,
+    1.0 / 40320, 1.0 / 362880, 1.0 / 3628800, 1.0 / 39916800, 1.0 / 479001600, 1.0 / 6227020800};
 constexpr double of_logarithm[] = {1.0 / 3,  1.0 / 5,  1.0 / 7,  1.0 / 9,  1.0 / 11,
                                    1.0 / 13, 1.0 / 15, 1.0 / 17, 1.0 / 19, 1.0 / 21};
 
@@ -69,10 +58,14 @@ SineCosine sine_and_cosine(double x) {
   const double s = r + (r * z * polynomial(of_sine, z) + low * (1 - 0.5 * z)),
                c = 1 - (0.5 * z - (z * z * polynomial(of_cosine, z) - r * low));
   switch (static_cast<long long>(turns) & 3) {
-    case 0: return {s + 0.0 * x, c};
-    case 1: return {c, -s};
-    case 2: return {-s, -c};
-    default: return {-c, s};
+    case 0:
+      return {s + 0.0 * x, c};
+    case 1:
+      return {c, -s};
+    case 2:
+      return {-s, -c};
+    default:
+      return {-c, s};
   }
 }
 
@@ -82,16 +75,15 @@ struct TwoTerms {
 };
 TwoTerms arc_tangent_of_ratio(double a, double b) {
   // of 0, 1/8 ... 1
-  static constexpr TwoTerms of_eighths[] = {
-      {0, 0},
-      {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
-      {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
-      {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
-      {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
-      {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
-      {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
-      {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
-      {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
+  static constexpr TwoTerms of_eighths[] = {{0, 0},
+                                            {0x1.fd5ba9aac2f6ep-4, -0x1.cd37686760c17p-59},
+                                            {0x1.f5b75f92c80ddp-3, 0x1.8ab6e3cf7afbdp-57},
+                                            {0x1.6f61941e4def1p-2, -0x1.c63aae6f6e918p-56},
+                                            {0x1.dac670561bb4fp-2, 0x1.a2b7f222f65e2p-56},
+                                            {0x1.1e00babdefeb4p-1, -0x1.928df287a668fp-58},
+                                            {0x1.4978fa3269ee1p-1, 0x1.2419a87f2a458p-56},
+                                            {0x1.700a7c5784634p-1, -0x1.8c34d25aadef6p-56},
+                                            {0x1.921fb54442d18p-1, 0x1.1a62633145c07p-55}};
   const double eighths = std::nearbyint(8 * (a / b));
   const TwoTerms& near = of_eighths[static_cast<int>(eighths)];
   const double t = (a - 0.125 * eighths * b) / (b + 0.125 * eighths * a), z = t * t;

@@ -54,8 +54,8 @@ std::string zlib_stream(const char* bytes, std::size_t count) {
 std::string zlib_stream(const char* bytes, std::size_t count) {
   std::string packed(longest(count), '\0');
   uLongf length = packed.size();
-  compress2(reinterpret_cast<Bytef*>(packed.data()), &length,
-            reinterpret_cast<const Bytef*>(bytes), count, 1);
+  compress2(reinterpret_cast<Bytef*>(packed.data()), &length, reinterpret_cast<const Bytef*>(bytes),
+            count, 1);
   packed.resize(length);
   return packed;
 }

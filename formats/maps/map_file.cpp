@@ -79,7 +79,8 @@ void gather(const Window& window, std::vector<char>& to) {
   char* at = to.data();
   for (int j = 0; j < window.height; ++j)
     for (const Layer& layer : layers) {
-      const char* from = reinterpret_cast<const char*>(window.first + j * window.row) + layer.offset;
+      const char* from =
+          reinterpret_cast<const char*>(window.first + j * window.row) + layer.offset;
       if (layer.in_memory == Layer::InMemory::float32)
         at = copy_layer<float, half>(from, window.width, at);
       else if (layer.type == EXR_PIXEL_HALF)
@@ -171,9 +172,9 @@ class ExrFile {
   }
   void check(exr_result_t result) {
     if (result != EXR_ERR_SUCCESS)
-      throw Error(ErrorCode::folder, "crease map",
-                  std::string("OpenEXR cannot write it: ") +
-                      exr_get_default_error_message(result) + ".");
+      throw Error(
+          ErrorCode::folder, "crease map",
+          std::string("OpenEXR cannot write it: ") + exr_get_default_error_message(result) + ".");
   }
   exr_context_t file_ = nullptr;
   std::string bytes_;
@@ -371,8 +372,9 @@ void write_rows(ExrFile& file, int size, int threads, const DrawRows& draw) {
 
 void write_tiles(ExrFile& file, int size, int threads, const DrawRows& draw) {
   std::vector<MapTexel> texels;
-  draw_in_batches({size, threads, KeepTexels::all}, draw, texels,
-                  [](int, const MapRows&, const MapTexel*) {}, [] {});
+  draw_in_batches(
+      {size, threads, KeepTexels::all}, draw, texels, [](int, const MapRows&, const MapTexel*) {},
+      [] {});
   for (int level = 0, side = size;; ++level, side /= 2) {
     const int count = (side + tile - 1) / tile, batch = std::max(1, threads);
     for (int top = 0; top < count; top += batch) {
