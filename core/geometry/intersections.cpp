@@ -264,7 +264,10 @@ struct CrossingCounter::Search {
 int CrossingCounter::operator()(const Points3& x) const { return Search(*this, x).count; }
 
 int crossings(const Sheet& sheet) {
-  return CrossingCounter(sheet.pattern, sheet.triangles)(sheet.x);
+  // any places do to halve the mesh by; triangles without a sheet have no pattern
+  const bool has_pattern = sheet.pattern.rows() == sheet.x.rows();
+  const Points2 places = has_pattern ? sheet.pattern : Points2(sheet.x.leftCols<2>());
+  return CrossingCounter(places, sheet.triangles)(sheet.x);
 }
 
 int crossings_between(const Sheet& one, const Sheet& other) {
