@@ -5,7 +5,8 @@
 //                          [--seconds N] [--json FILE] [--only INDEX] [--rises]
 //
 // The default is 1,000 scripts with seed 1 by every method. Results do not depend on how many
-// scripts run at a time. A script that dies or does not end is reported by its index, with what it
+// scripts run at a time. The exit code is 1 when a script crashed, did not end, became nan or kept
+// silent about a handle that could not be followed. A script that dies or does not end is reported by its index, with what it
 // did until then.
 // feasible      in no frame are two handles farther apart than the paper between them is long
 // c_m above 2   mean length error above 2 % in a frame, of feasible scripts
@@ -363,4 +364,9 @@ int main(int argc, char** argv) {
   nlohmann::ordered_json all = nlohmann::ordered_json::array();
   for (const std::string& method : methods) all.push_back(paperbake::stress::report(method, run));
   if (!json.empty()) std::ofstream(json) << (all.size() == 1 ? all.front() : all).dump(1) << "\n";
+  const auto failed = [](const nlohmann::ordered_json& of_method) {
+    return of_method["nan"] != 0 || of_method["crashed"] != 0 ||
+           of_method["unreported_infeasible"] != 0;
+  };
+  return std::any_of(all.begin(), all.end(), failed) ? 1 : 0;
 }
