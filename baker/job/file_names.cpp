@@ -3,9 +3,17 @@
 #include <algorithm>
 #include <fmt/format.h>
 #include <map>
+#include <string_view>
 
 namespace paperbake {
 namespace {
+
+/// The first bytes of a UTF-8 text, without half a character at the end.
+std::string beginning_of(const std::string& text, std::size_t most) {
+  std::size_t end = std::min(text.size(), most);
+  while (end > 0 && end < text.size() && (text[end] & 0xC0) == 0x80) --end;
+  return text.substr(0, end);
+}
 
 std::string legal_name(std::string name) {
   std::replace_if(
@@ -14,7 +22,8 @@ std::string legal_name(std::string name) {
         return c == '/' || c == '.' || c == ':' || c == ' ' || (c >= 0 && c < ' ') || c == 127;
       },
       '_');
-  return name;
+  constexpr std::size_t most = 80;  // bytes, so that there is room for the name of the shot
+  return beginning_of(name, most);
 }
 
 /// Labels of the sheets, and with each the number of the sheet that has the plain one.
@@ -36,6 +45,15 @@ Labels unique_labels(const std::vector<std::string>& names) {
 }
 
 }  // namespace
+
+std::string legal_shot_name(std::string name, const std::vector<std::string>& suffixes) {
+  constexpr std::size_t most_of_system = 255, ending = std::string_view(".preview.png.part").size();
+  std::size_t suffix = 0;
+  for (const std::string& s : suffixes) suffix = std::max(suffix, s.size());
+  for (char& c : name)
+    if ((c >= 0 && c < ' ') || c == 127) c = '_';
+  return beginning_of(name, most_of_system - ending - suffix);
+}
 
 std::vector<std::string> sheet_file_suffixes(const std::vector<std::string>& names) {
   if (names.size() < 2) return std::vector<std::string>(names.size());

@@ -185,9 +185,9 @@ std::string Report::html(const std::vector<FrameRecord>& records,
     data["maps"].push_back({{"caption", picture.caption}, {"png", base64(picture.png)}});
 
   std::string json = data.dump(-1, ' ', false, Json::error_handler_t::replace);
-  // a name must not end the script
-  for (std::size_t at = 0; (at = json.find("</", at)) != std::string::npos; at += 3)
-    json.replace(at, 2, "<\\/");
+  // no name may end the script, or begin a comment in it that swallows its end
+  for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos; at += 6)
+    json.replace(at, 1, "\\u003c");
   std::string page = paperbake_report_page;
   // from the end, so that no mark inside a part is taken for one
   replace(page, "@CHART@", paperbake_report_chart);

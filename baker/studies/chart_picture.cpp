@@ -34,7 +34,7 @@ std::string escaped(const std::string& text) {
     else if (c == '>')
       safe += "&gt;";
     else
-      safe += c;
+      safe += c >= 0 && c < ' ' ? ' ' : c;  // control characters are not XML
   }
   return safe;
 }

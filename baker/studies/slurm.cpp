@@ -3,6 +3,7 @@
 #include "baker/studies/child_processes.h"
 #include "core/model/error.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fmt/format.h>
@@ -34,6 +35,19 @@ std::string option_lines(const std::string& options) {
   return lines.empty() ? "" : lines + "\n";
 }
 
+/// Where the log of a job goes: a line for Slurm, or, where that has no quotes for what is in the
+/// path, one for the shell.
+std::string log_lines(const std::filesystem::path& logs) {
+  const std::string path = std::filesystem::absolute(logs).string();
+  const bool plain = std::all_of(path.begin(), path.end(), [](unsigned char c) {
+    return c >= ' ' && c != 127 && c != '"' && c != '\\' && c != '%' && c != '$' && c != '`';
+  });
+  if (plain) return fmt::format("#SBATCH --output=\"{}/slurm.%a.log\"\n", path);
+  return fmt::format(
+      "#SBATCH --output=/dev/null\nexec > {}/slurm.\"$SLURM_ARRAY_TASK_ID\".log 2>&1\n",
+      quoted(path));
+}
+
 }  // namespace
 
 std::string slurm_script(const std::vector<std::string>& arguments, const SlurmJobs& jobs) {
@@ -42,10 +56,10 @@ std::string slurm_script(const std::vector<std::string>& arguments, const SlurmJ
   return fmt::format(
       "#!/bin/bash\n#SBATCH --job-name=paperbake\n#SBATCH --array=1-{}\n#SBATCH "
       "--ntasks=1\n#SBATCH --cpus-per-task={}\n#SBATCH --requeue\n"
-      "#SBATCH --output=\"{}/slurm.%a.log\"\n{}cd {} || exit\nexec {} --index "
+      "{}{}cd {} || exit\nexec {} --index "
       "\"$SLURM_ARRAY_TASK_ID\"\n",
-      jobs.count, jobs.threads, std::filesystem::absolute(jobs.logs).string(),
-      option_lines(jobs.options), quoted(std::filesystem::current_path().string()), command);
+      jobs.count, jobs.threads, option_lines(jobs.options), log_lines(jobs.logs),
+      quoted(std::filesystem::current_path().string()), command);
 }
 
 void submit_to_slurm(const std::filesystem::path& script) {

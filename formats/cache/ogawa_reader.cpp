@@ -1,6 +1,7 @@
 #include "formats/cache/ogawa_reader.h"
 
 #include "core/model/error.h"
+#include "formats/files/atomic_file.h"
 
 #include <array>
 #include <utility>
@@ -15,11 +16,11 @@ bool is_data(OgawaBlock block) { return (block & empty_data) != 0; }
 
 }  // namespace
 
-OgawaReader::OgawaReader(std::filesystem::path path)
-    : path_(std::move(path)), file_(path_, std::ios::binary) {
-  std::error_code ignored;
-  if (std::filesystem::is_directory(path_, ignored) || !file_)
-    refuse("There is no such file, or it cannot be read.");
+OgawaReader::OgawaReader(std::filesystem::path path) : path_(std::move(path)) {
+  if (const std::string no_file = kind_of_no_file(path_); !no_file.empty())
+    refuse("This is " + no_file + ", not a file.");
+  file_.open(path_, std::ios::binary);
+  if (!file_) refuse("There is no such file, or it cannot be read.");
   file_.seekg(0, std::ios::end);
   size_ = static_cast<std::uint64_t>(file_.tellg());
   std::array<unsigned char, 8> head{};

@@ -81,7 +81,10 @@ std::vector<std::string> parts_of(const std::string& path) {
 std::string quoted(const std::string& text) {
   std::string result = "\"";
   for (const char c : text)
-    result += c == '"' || c == '\\' ? std::string{'\\', c} : c == '\n' ? "\\n" : std::string(1, c);
+    if (c == '"' || c == '\\')
+      result += {'\\', c};
+    else
+      result += c == '\n' ? "\\n" : c >= 0 && c < ' ' ? " " : std::string(1, c);
   return result + '"';
 }
 

@@ -2,11 +2,11 @@
 
 #include "core/model/error.h"
 #include "formats/config/preset_file.h"
+#include "formats/files/atomic_file.h"
 
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 
 namespace paperbake {
 
@@ -61,18 +61,21 @@ TomlDocument parse_toml(const std::string& file, const std::string& text) {
 }
 
 std::string read_toml_text(const std::filesystem::path& file, const std::string& kind) {
-  constexpr std::size_t max_size = 1 << 20;
-  std::ifstream stream(file, std::ios::binary);
-  std::string text(max_size + 1, '\0');
-  if (stream) stream.read(text.data(), text.size());
-  if (!stream.is_open() || stream.bad())
-    throw Error(ErrorCode::command, file.string(), fmt::format("The {} file cannot be read.", kind),
-                "Check its name and permissions.");
-  text.resize(stream.gcount());
-  if (text.size() > max_size)
+  constexpr std::uintmax_t max_size = 1 << 20;
+  if (const std::string no_file = kind_of_no_file(file); !no_file.empty())
+    throw Error(ErrorCode::command, file.string(),
+                fmt::format("The {} file cannot be read: this is {}.", kind, no_file),
+                "Name a file, not something that is written while it is read.");
+  std::error_code unknown;
+  if (const std::uintmax_t size = std::filesystem::file_size(file, unknown);
+      !unknown && size > max_size)
     throw Error(ErrorCode::command, file.string(),
                 fmt::format("This is not a {} file: it is larger than 1 MB.", kind));
-  return text;
+  const std::optional<std::string> text = read_file(file);
+  if (!text)
+    throw Error(ErrorCode::command, file.string(), fmt::format("The {} file cannot be read.", kind),
+                "Check its name and permissions.");
+  return *text;
 }
 
 }  // namespace paperbake

@@ -6,10 +6,47 @@
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
+#include <mutex>
+#include <set>
 #include <stdio_ext.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace paperbake {
+namespace {
+
+/// The files that are being written, for delete_unfinished_files().
+struct UnfinishedFiles {
+  std::mutex mutex;
+  std::set<std::string> parts;
+};
+
+UnfinishedFiles& unfinished_files() {
+  static auto* const files = new UnfinishedFiles;  // outlives every thread
+  return *files;
+}
+
+void note_unfinished(const std::filesystem::path& part) {
+  UnfinishedFiles& files = unfinished_files();
+  const std::lock_guard lock(files.mutex);
+  files.parts.insert(part.string());
+}
+
+void forget_unfinished(const std::filesystem::path& part) {
+  UnfinishedFiles& files = unfinished_files();
+  const std::lock_guard lock(files.mutex);
+  files.parts.erase(part.string());
+}
+
+/// A file of this name that nobody else had before, open for writing and reading. null: errno says
+/// why not
+std::FILE* create_new(const std::filesystem::path& path) {
+  ::unlink(path.c_str());
+  const int fd = ::open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_NOFOLLOW | O_CLOEXEC, 0666);
+  return fd < 0 ? nullptr : ::fdopen(fd, "wb+");
+}
+
+}  // namespace
 
 AtomicFile::AtomicFile(std::filesystem::path path)
     : path_(std::move(path)), part_(path_), file_(nullptr) {
@@ -19,8 +56,9 @@ AtomicFile::AtomicFile(std::filesystem::path path)
     fail("created");
   }
   part_ += ".part";
-  file_ = std::fopen(part_.c_str(), "wb+");
+  file_ = create_new(part_);
   if (!file_) fail("created");
+  note_unfinished(part_);
 }
 
 AtomicFile::~AtomicFile() {
@@ -28,6 +66,7 @@ AtomicFile::~AtomicFile() {
   std::fclose(file_);
   std::error_code ignored;
   std::filesystem::remove(part_, ignored);
+  forget_unfinished(part_);
 }
 
 void AtomicFile::write(const void* bytes, std::size_t count) {
@@ -53,15 +92,18 @@ void AtomicFile::flush() {
   if (std::fflush(file_) != 0) fail("written");
 }
 
-void AtomicFile::commit() {
+void AtomicFile::commit(Sync sync) {
   if (std::fflush(file_) != 0) fail("written");
   // drops what truncate() left behind; end_ is 0 when a library has written the file by its name
   if (end_ > 0 && ::ftruncate(::fileno(file_), static_cast<off_t>(end_)) != 0) fail("written");
   // opened again by its name: a library may have replaced the file that file_ refers to
-  const int fd = ::open(part_.c_str(), O_RDONLY);
-  if (fd < 0 || ::fsync(fd) != 0) fail("written to disk");
-  ::close(fd);
+  if (sync == Sync::yes) {
+    const int fd = ::open(part_.c_str(), O_RDONLY | O_CLOEXEC);
+    if (fd < 0 || ::fsync(fd) != 0) fail("written to disk");
+    ::close(fd);
+  }
   if (std::rename(part_.c_str(), path_.c_str()) != 0) fail("given its name");
+  forget_unfinished(part_);
   std::fclose(file_);
   file_ = nullptr;
 }
@@ -72,8 +114,31 @@ void AtomicFile::fail(const char* doing) const {
               "Check free space and write permission of the folder, or choose another with -o.");
 }
 
+void delete_unfinished_files() {
+  UnfinishedFiles& files = unfinished_files();
+  const std::lock_guard lock(files.mutex);
+  for (const std::string& part : files.parts) ::unlink(part.c_str());
+}
+
+std::string kind_of_no_file(const std::filesystem::path& path) {
+  struct stat is {};
+  if (::stat(path.c_str(), &is) != 0 || S_ISREG(is.st_mode)) return "";
+  return S_ISFIFO(is.st_mode)                         ? "a FIFO"
+         : S_ISDIR(is.st_mode)                        ? "a folder"
+         : S_ISSOCK(is.st_mode)                       ? "a socket"
+         : S_ISCHR(is.st_mode) || S_ISBLK(is.st_mode) ? "a device"
+                                                      : "no file";
+}
+
 std::optional<std::string> read_file(const std::filesystem::path& path) {
-  std::FILE* file = std::fopen(path.c_str(), "rb");
+  // without O_NONBLOCK, opening a FIFO would wait for its writer
+  const int fd = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_NOCTTY | O_CLOEXEC);
+  struct stat is {};
+  if (fd >= 0 && (::fstat(fd, &is) != 0 || !S_ISREG(is.st_mode))) {
+    ::close(fd);
+    return {};
+  }
+  std::FILE* file = fd < 0 ? nullptr : ::fdopen(fd, "rb");
   if (!file) return {};
   std::string bytes;
   std::size_t end = 0, got;
@@ -81,7 +146,7 @@ std::optional<std::string> read_file(const std::filesystem::path& path) {
     bytes.resize(std::max<std::size_t>(1 << 16, 2 * end));
     end += got = std::fread(bytes.data() + end, 1, bytes.size() - end, file);
   } while (got > 0);
-  const bool failed = std::ferror(file) != 0;  // a folder can be opened, but not read
+  const bool failed = std::ferror(file) != 0;
   std::fclose(file);
   bytes.resize(end);
   return failed ? std::nullopt : std::optional(std::move(bytes));
@@ -91,6 +156,12 @@ void write_atomically(const std::filesystem::path& path, std::string_view text) 
   AtomicFile file(path);
   file.write(text);
   file.commit();
+}
+
+void write_quickly(const std::filesystem::path& path, std::string_view text) {
+  AtomicFile file(path);
+  file.write(text);
+  file.commit(AtomicFile::Sync::no);
 }
 
 }  // namespace paperbake

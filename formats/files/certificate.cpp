@@ -90,6 +90,7 @@ std::string frame_line(const FrameRecord& r) {
       place(r.statistics.render.has_value(), worst.stretch_at, "render_stretch_at_mm");
   line["inside_at_mm"] = place(!worst.inside_of.empty(), worst.inside_at, "inside_at_mm");
   line["inside_of"] = worst.inside_of.empty() ? Json() : Json(worst.inside_of);
+  if (r.twin) line["twin_pct"] = finite(100 * *r.twin, "twin_pct", r.frame, r.sheet);
   line["jammed"] = Json::array();
   for (const Jam& jam : r.jammed)
     line["jammed"].push_back(
@@ -127,6 +128,8 @@ std::optional<FrameRecord> parse_frame_line(const std::string& text) try {
   read_place("inside_at_mm", r.worst.inside_at);
   if (const auto of = line.find("inside_of"); of != line.end() && !of->is_null())
     r.worst.inside_of = *of;
+  if (const auto twin = line.find("twin_pct"); twin != line.end() && twin->is_number())
+    r.twin = 0.01 * twin->get<double>();
   for (const Json& jam : line.at("jammed")) r.jammed.push_back({jam.at(0), jam.at(1)});
   r.note = line.at("note");
   r.input_hash = line.at("input_hash");

@@ -28,6 +28,8 @@ struct FrameRecord {
   std::string sheet;
   FrameStatistics statistics;
   WorstPlaces worst;
+  // [1] RMS distance from the twin of the bake, in shares of the longer side; empty: it has none
+  std::optional<double> twin;
   std::vector<Jam> jammed;
   std::string note;
   std::string input_hash;
@@ -57,7 +59,7 @@ struct SingularRecord {
 
 /// One JSON object on one line, without a newline: frame, sheet, the numbers of
 /// visit_frame_statistics in their order and units (null where the frame was not rendered),
-/// `render_stretch_at_mm` and `inside_at_mm` as [u, v] (null where there is none), `inside_of`,
+/// `render_stretch_at_mm` and `inside_at_mm` as [u, v] (null where there is none), `inside_of`, `twin_pct` where there is a twin,
 /// `jammed` as a list of [handle, mm], note and hashes. Bytes of a name that are not UTF-8 become
 /// U+FFFD.
 std::string frame_line(const FrameRecord&);

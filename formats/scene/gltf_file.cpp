@@ -96,19 +96,49 @@ std::string bytes_of_data(std::string_view uri) {
                                                                         : from_base64(bytes);
 }
 
-std::string bytes_beside(const std::filesystem::path& file, const std::string& uri) {
-  constexpr const char* remedy =
-      "Put it there under that name, or export the scene as one .glb file.";
+/// A name for a sentence: without line ends and other control characters, and not too long.
+std::string printable(std::string name) {
+  constexpr std::size_t most = 200;
+  for (char& c : name)
+    if ((c >= 0 && c < ' ') || c == 127) c = '?';
+  return name.size() > most ? name.substr(0, most) + "..." : name;
+}
+
+/// Does a path lead into the folder of the scene or below it, whatever links are on the way?
+bool is_in_folder_of(const std::filesystem::path& scene, const std::filesystem::path& part) {
+  std::error_code unknown;
+  const auto folder =
+      std::filesystem::canonical(scene.has_parent_path() ? scene.parent_path() : ".", unknown);
+  if (unknown) return false;
+  const auto place = std::filesystem::weakly_canonical(part, unknown);
+  return !unknown &&
+         std::mismatch(folder.begin(), folder.end(), place.begin(), place.end()).first ==
+             folder.end();
+}
+
+std::string bytes_beside(const std::filesystem::path& file, const std::string& uri, Parts parts) {
   if (uri.find("://") != std::string::npos)
     throw Error(ErrorCode::scene, file.string(),
                 fmt::format("A part of the file is elsewhere: \"{}\".", uri),
                 "Export the scene as one .glb file.");
-  for (const std::string& name : {without_escapes(uri), uri})
-    if (auto bytes = read_file(file.parent_path() / name)) return std::move(*bytes);
-  throw Error(
-      ErrorCode::scene, file.string(),
-      fmt::format("A part of the file, \"{}\" beside it, cannot be opened.", without_escapes(uri)),
-      remedy);
+  std::string no_file;
+  for (const std::string& name : {without_escapes(uri), uri}) {
+    const auto part = file.parent_path() / name;
+    if (parts == Parts::of_its_folder && !is_in_folder_of(file, part))
+      throw Error(
+          ErrorCode::scene, file.string(),
+          fmt::format("A part of the file, \"{}\", lies outside its folder.", printable(name)),
+          "If you trust the scene, bake with --allow-outside; or export it as one .glb file.");
+    if (auto bytes = read_file(part)) return std::move(*bytes);
+    if (no_file.empty()) no_file = kind_of_no_file(part);
+  }
+  throw Error(ErrorCode::scene, file.string(),
+              no_file.empty()
+                  ? fmt::format("A part of the file, \"{}\" beside it, cannot be opened.",
+                                printable(without_escapes(uri)))
+                  : fmt::format("A part of the file, \"{}\", is {}, not a file.",
+                                printable(without_escapes(uri)), no_file),
+              "Put it there under that name, or export the scene as one .glb file.");
 }
 
 /// Refuses compressed files.
@@ -202,7 +232,7 @@ std::vector<double> numbers(const Json& object, const char* key, std::size_t cou
 
 }  // namespace gltf
 
-GltfFile::GltfFile(const std::filesystem::path& path) : path_(path) {
+GltfFile::GltfFile(const std::filesystem::path& path, Parts parts) : path_(path), parts_(parts) {
   auto bytes = read_file(path);
   if (!bytes) refuse("it cannot be opened");
   Chunks chunks = chunks_of(std::move(*bytes));
@@ -230,7 +260,7 @@ const std::string& GltfFile::buffer(std::size_t i) {
   if (uri.empty() && i > 0) refuse(fmt::format("its buffer {} has no bytes", i));
   return buffers_[i] = uri.empty()                  ? binary_
                        : uri.rfind("data:", 0) == 0 ? bytes_of_data(uri)
-                                                    : bytes_beside(path_, uri);
+                                                    : bytes_beside(path_, uri, parts_);
 }
 
 /// The elements of an accessor in the bytes of its buffer.

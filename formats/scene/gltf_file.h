@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/model/sheet.h"
+#include "formats/scene/scene_parts.h"
 
 #include <nlohmann/json.hpp>
 
@@ -23,7 +24,7 @@ class GltfFile {
 
   /// throws Error(ErrorCode::scene) at `path` for another version or an unsupported compression;
   /// std::exception that describes the damage of a damaged file
-  explicit GltfFile(const std::filesystem::path& path);
+  GltfFile(const std::filesystem::path& path, Parts);
 
   const Json& json() const { return json_; }
 
@@ -48,6 +49,7 @@ class GltfFile {
                             const Read& read);
 
   std::filesystem::path path_;
+  Parts parts_;
   Json json_;
   std::string binary_;                          // binary chunk of a GLB
   std::map<std::size_t, std::string> buffers_;  // loaded on demand

@@ -1,11 +1,14 @@
 #include "formats/scene/sandbox.h"
 
+#include "formats/scene/confinement.h"
+
 #include <algorithm>
 #include <cerrno>
 #include <csignal>
 #include <cstring>
 #include <fcntl.h>
 #include <fstream>
+#include <sys/prctl.h>
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -54,9 +57,11 @@ std::string read_all(int from) {
 /// tell when it is cut off.
 [[noreturn]] void work_and_end(const std::function<std::string()>& work,
                                const SandboxLimits& limits, int to) {
-  for (const int signal :
-       {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGTERM, SIGINT, SIGXCPU, SIGPIPE})
+  for (const int signal : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGABRT, SIGXCPU, SIGPIPE})
     std::signal(signal, SIG_DFL);
+  // a stop of the program is obeyed by the parent, with which this one ends
+  for (const int signal : {SIGTERM, SIGINT}) std::signal(signal, SIG_IGN);
+  ::prctl(PR_SET_PDEATHSIG, SIGKILL);
   limit(RLIMIT_CORE, 0);
   limit(RLIMIT_CPU, limits.seconds);
   limit(RLIMIT_AS, memory_in_use() + limits.bytes);
@@ -64,6 +69,7 @@ std::string read_all(int from) {
     ::dup2(nowhere, STDOUT_FILENO);
     ::dup2(nowhere, STDERR_FILENO);
   }
+  confine_process(limits.readable);
   try {
     const std::string answer = work();
     const std::uint64_t size = answer.size();

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <cstdint>
+#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace paperbake {
 
@@ -11,6 +13,8 @@ namespace paperbake {
 struct SandboxLimits {
   std::uint64_t bytes = std::uint64_t(2) << 30;  // of memory, in addition to what this process uses
   unsigned seconds = 10;                         // of CPU time
+  // the only folders that it may read, with all below; empty: all of them
+  std::vector<std::filesystem::path> readable = {};
 };
 
 struct SandboxResult {
@@ -24,6 +28,8 @@ struct SandboxResult {
 /// Runs `work` in a child process: when third-party code crashes, allocates without limit or loops
 /// on an unchecked file, only that process ends. What the work prints is discarded; an exception
 /// that leaves it counts as a failure.
+/// It cannot write files, reach a network or start programs (confinement.h), and ends with this
+/// process.
 SandboxResult run_sandboxed(const std::function<std::string()>& work, const SandboxLimits& = {});
 
 }  // namespace paperbake

@@ -345,12 +345,12 @@ Scene scene_of(ImportedFile file, std::string source, const SceneOptions& option
 }
 
 Scene read_scene(const std::filesystem::path& path, const SceneOptions& options) {
-  return scene_of(import_file(path, options.fps), path.filename().string(), options);
+  return scene_of(import_file(path, options.fps, options.parts), path.filename().string(), options);
 }
 
 Tracks read_tracks(const std::filesystem::path& path, const SceneOptions& options) {
   const SceneNodes scene =
-      scene_nodes(import_file(path, options.fps), path.filename().string(), options);
+      scene_nodes(import_file(path, options.fps, options.parts), path.filename().string(), options);
   const int frames = scene.last_clip_frame - scene.first_clip_frame + 1;
   Tracks tracks;
   tracks.first_frame = scene.first_clip_frame;

@@ -355,8 +355,8 @@ void warn_of_extensions(const Json& json, ImportedFile& file) {
 
 }  // namespace
 
-ImportedFile import_gltf(const std::filesystem::path& path) try {
-  GltfFile file(path);
+ImportedFile import_gltf(const std::filesystem::path& path, Parts parts) try {
+  GltfFile file(path, parts);
   GltfConverter converter{file, list(file.json(), "nodes"), {}, {}, {}, {}};
   converter.result.reader = "the file's samplers";
   converter.result.to_z_up << 1, 0, 0, 0, 0, -1, 0, 1, 0;

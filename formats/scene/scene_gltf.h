@@ -8,6 +8,6 @@ namespace paperbake {
 /// (gltf_curves.h).
 /// throws Error(ErrorCode::scene) for a damaged file or one of another format; std::exception that
 /// describes the damage of a damaged file
-ImportedFile import_gltf(const std::filesystem::path&);
+ImportedFile import_gltf(const std::filesystem::path&, Parts);
 
 }  // namespace paperbake

@@ -1,6 +1,7 @@
 #include "formats/scene/scene_import.h"
 
 #include "core/model/error.h"
+#include "formats/files/atomic_file.h"
 #include "formats/scene/import_serialization.h"
 #include "formats/scene/sandbox.h"
 #include "formats/scene/scene_fbx.h"
@@ -18,8 +19,8 @@ namespace {
 
 // Limits of an import, far above its needs: two million triangles in a GLB of 36 MB take 180 MB and
 // 0.2 s.
-constexpr std::uint64_t min_memory = std::uint64_t(1) << 30;     // [bytes]
-constexpr std::uint64_t memory_per_byte = 100;                   // [bytes] per byte of the file
+constexpr std::uint64_t min_memory = std::uint64_t(512) << 20;   // [bytes]
+constexpr std::uint64_t memory_per_byte = 10;                    // [bytes] per byte of the file
 constexpr unsigned min_seconds = 5, bytes_per_second = 1 << 20;  // of CPU time
 
 [[noreturn]] void reject(const std::filesystem::path& path, const std::string& cause,
@@ -55,13 +56,20 @@ void refuse_text(const std::filesystem::path& path, const std::string& extension
          "Export the scene from the DCC as .glb.");
 }
 
+std::filesystem::path folder_of(const std::filesystem::path& file) {
+  return file.has_parent_path() ? file.parent_path() : ".";
+}
+
 /// Reports what can be seen without the importer, in clearer words than it would.
 void check_file(const std::filesystem::path& path) {
   std::error_code error;
   if (!std::filesystem::exists(path, error))
     reject(path, "There is no such file.", "Check the path.");
   if (!std::filesystem::is_regular_file(path, error))
-    reject(path, "This is not a file.", "Name an FBX, glTF or GLB file.");
+    reject(path,
+           fmt::format("This is not a file, but {}.",
+                       kind_of_no_file(path).empty() ? "something else" : kind_of_no_file(path)),
+           "Name an FBX, glTF or GLB file.");
   const std::string extension = lower_case_extension(path);
   if (extension != ".fbx" && extension != ".gltf" && extension != ".glb")
     reject(path, "This is not an FBX, glTF or GLB file.",
@@ -102,8 +110,9 @@ Error foreign_file(const std::filesystem::path& path) {
                "Export the scene from the DCC as .fbx, .gltf or .glb.");
 }
 
-ImportedFile import_in_process(const std::filesystem::path& path, std::optional<double> fps) try {
-  return is_gltf(path) ? import_gltf(path) : import_fbx(path, fps);
+ImportedFile import_in_process(const std::filesystem::path& path, std::optional<double> fps,
+                               Parts parts) try {
+  return is_gltf(path) ? import_gltf(path, parts) : import_fbx(path, fps);
 } catch (const Error& error) {
   if (error.place == path.string()) throw;
   throw Error(error.code, path.filename().string() + ", " + error.place, error.cause, export_again);
@@ -113,20 +122,26 @@ ImportedFile import_in_process(const std::filesystem::path& path, std::optional<
   reject(path, fmt::format("The file cannot be read: {}.", error.what()));
 }
 
-ImportedFile import_file(const std::filesystem::path& path, std::optional<double> fps) {
+ImportedFile import_file(const std::filesystem::path& path, std::optional<double> fps,
+                         Parts parts) {
   check_file(path);
   std::error_code unknown;
   const std::uintmax_t size = std::filesystem::file_size(path, unknown);
   const auto import = [&] {
     try {
-      return serialize({import_in_process(path, fps), "", "", ""});
+      return serialize({import_in_process(path, fps, parts), "", "", ""});
     } catch (const Error& error) {
       return serialize({{}, error.place, error.cause, error.remedy});
     }
   };
-  const SandboxResult sandboxed =
-      run_sandboxed(import, {min_memory + memory_per_byte * size,
-                             min_seconds + static_cast<unsigned>(size / bytes_per_second)});
+  SandboxLimits limits{min_memory + memory_per_byte * size,
+                       min_seconds + static_cast<unsigned>(size / bytes_per_second)};
+  if (parts == Parts::of_its_folder) {
+    limits.readable = {folder_of(path)};
+    if (const auto file = std::filesystem::canonical(path, unknown); !unknown)
+      limits.readable.push_back(folder_of(file));
+  }
+  const SandboxResult sandboxed = run_sandboxed(import, limits);
   if (!sandboxed.bytes)
     reject(path, fmt::format("The file cannot be read: its import {}.", sandboxed.ended));
   try {

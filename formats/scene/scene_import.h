@@ -2,6 +2,7 @@
 
 #include "core/model/error.h"
 #include "core/model/sheet.h"
+#include "formats/scene/scene_parts.h"
 #include "formats/scene/scene_tracks.h"
 
 #include <Eigen/Geometry>
@@ -121,10 +122,12 @@ Error foreign_file(const std::filesystem::path&);
 /// fps     [1/s] rate of the frames at which curves of FBX are sampled, default: that of the file
 /// throws  Error(ErrorCode::scene) for a missing file, one of another format, a damaged file, or
 ///         one whose import crashes or exceeds the limits
-ImportedFile import_file(const std::filesystem::path&, std::optional<double> fps = {});
+ImportedFile import_file(const std::filesystem::path&, std::optional<double> fps = {},
+                         Parts = Parts::of_its_folder);
 
 /// The same within this process, which a malformed file may crash. For the sandboxed process
 /// itself, and for tests.
-ImportedFile import_in_process(const std::filesystem::path&, std::optional<double> fps = {});
+ImportedFile import_in_process(const std::filesystem::path&, std::optional<double> fps = {},
+                               Parts = Parts::of_its_folder);
 
 }  // namespace paperbake

@@ -31,6 +31,20 @@ TEST(FileNames, SheetsWhoseNamesDifferOnlyInWhatFilesMayNotHaveGetNumbers) {
       "they have \"paper_a_b_2\" in their names instead.");
 }
 
+TEST(FileNames, LongNamesAreCutAtACharacterAndStayDifferent) {
+  const std::string umlauts = "paper" + std::string(100, 'x') + "\u00e4";
+  std::string many;
+  for (int k = 0; k < 60; ++k) many += "\u00e4";  // two bytes each
+  const std::vector<std::string> suffixes =
+      sheet_file_suffixes({umlauts, umlauts + "b", "a" + many});
+  EXPECT_EQ(suffixes[0].size(), 81u);
+  EXPECT_EQ(suffixes[1], suffixes[0] + "_2");
+  EXPECT_EQ(suffixes[2], ".a" + many.substr(0, 78)) << "no half of an umlaut";
+  const std::string shot = legal_shot_name(std::string(300, 's') + "\n", suffixes);
+  EXPECT_EQ(shot.size() + suffixes[1].size() + std::string(".preview.png.part").size(), 255u);
+  EXPECT_EQ(legal_shot_name("shot\n#SBATCH \"x\"", {""}), "shot_#SBATCH \"x\"");
+}
+
 TEST(FileNames, SheetsOfDifferentNamesKeepTheirs) {
   EXPECT_EQ(sheet_file_suffixes({"paper.A", "paper.B"}),
             (std::vector<std::string>{".paper_A", ".paper_B"}));

@@ -8,7 +8,9 @@
 
 #include <cstdint>
 #include <cstring>
+#include <filesystem>
 #include <string>
+#include <sys/stat.h>
 #include <vector>
 
 namespace paperbake {
@@ -112,6 +114,34 @@ TEST(GltfFile, BuffersAreFoundByEscapedAndByPlainNames) {
                "\"gone part.bin\" beside it, cannot be opened");
   EXPECT_ERROR(file("net.gltf", triangle(accessor, view + buffer("https://a.org/b.bin", 36) + "]")),
                "elsewhere: \"https://a.org/b.bin\"");
+}
+
+TEST(GltfFile, BuffersOutsideTheFolderOfTheSceneAreReadOnlyWhenAllowed) {
+  namespace fs = std::filesystem;
+  const std::vector<float> numbers{0, 0, 0, 0.5f, 0, 0, 0, 0, -1};
+  const std::string bytes(reinterpret_cast<const char*>(numbers.data()), 36);
+  const fs::path outside = temporary("secret.bin", bytes), folder = test::own_folder() / "scene";
+  fs::create_directories(folder / "below");
+  fs::copy_file(outside, folder / "below/part.bin", fs::copy_options::overwrite_existing);
+  fs::remove(folder / "link.bin");
+  fs::create_symlink(outside, folder / "link.bin");
+  const auto scene = [&](const std::string& uri) {
+    return file("scene/outside.gltf",
+                triangle(R"({"bufferView":0,"componentType":5126,"count":3,"type":"VEC3"})",
+                         R"(,"bufferViews":[{"buffer":0,"byteLength":36}],"buffers":[)" +
+                             buffer(uri, 36) + "]"));
+  };
+  for (const char* uri : {"below/part.bin", "./below/../below/part.bin"})
+    EXPECT_EQ(import_file(scene(uri)).meshes.at(0).x, corners) << uri;
+  for (const std::string uri :
+       {std::string("../secret.bin"), std::string("..%2Fsecret.bin"), outside.string(),
+        std::string("link.bin"), std::string("below/../../secret.bin")}) {
+    EXPECT_ERROR(scene(uri), "lies outside its folder");
+    EXPECT_EQ(import_file(scene(uri), {}, Parts::anywhere).meshes.at(0).x, corners) << uri;
+  }
+  fs::remove(folder / "fifo.bin");
+  ASSERT_EQ(mkfifo((folder / "fifo.bin").c_str(), 0666), 0);
+  EXPECT_ERROR(scene("fifo.bin"), "is a FIFO");
 }
 
 TEST(GltfFile, PropertiesOfSupportedTypesAreRead) {

@@ -2,12 +2,22 @@
 
 #include "formats/scene/sandbox.h"
 
+#include "tests/own_folder.h"
+
 #include <gtest/gtest.h>
 
+#include <cerrno>
 #include <csignal>
 #include <cstdlib>
+#include <fcntl.h>
+#include <filesystem>
+#include <fstream>
+#include <functional>
 #include <stdexcept>
 #include <string>
+#include <sys/socket.h>
+#include <sys/syscall.h>
+#include <unistd.h>
 #include <vector>
 
 namespace paperbake {
@@ -63,6 +73,46 @@ TEST(Sandbox, EndsWorkThatExceedsItsLimits) {
   };
   EXPECT_FALSE(run_sandboxed(greedy(600), {std::uint64_t(300) << 20, 10}).bytes);
   EXPECT_EQ(run_sandboxed(greedy(100), {std::uint64_t(300) << 20, 10}).bytes, "had");
+}
+
+/// What an attempt does in a sandboxed process that may read one folder.
+int error_of_attempt(const std::function<long()>& attempt, const std::filesystem::path& readable) {
+  SandboxLimits limits;
+  limits.readable = {readable};
+  const SandboxResult result = run_sandboxed(
+      [&] {
+        errno = 0;
+        return std::to_string(attempt() < 0 ? errno : 0);
+      },
+      limits);
+  return result.bytes ? std::stoi(*result.bytes) : -1;
+}
+
+TEST(Sandbox, CannotWriteConnectOrStartAnything) {
+  const std::filesystem::path folder = test::own_folder() / "readable";
+  std::filesystem::create_directories(folder);
+  std::ofstream(folder / "part.bin") << "bytes";
+  std::ofstream(test::own_folder() / "beside.bin") << "secret";
+  const std::string inside = folder / "part.bin", outside = test::own_folder() / "beside.bin";
+  const auto of = [&](const std::function<long()>& attempt) {
+    return error_of_attempt(attempt, folder);
+  };
+  EXPECT_EQ(of([&] { return open(inside.c_str(), O_RDONLY); }), 0);
+  EXPECT_EQ(of([&] { return open(inside.c_str(), O_WRONLY); }), EPERM);
+  EXPECT_EQ(of([&] { return open((folder / "new").c_str(), O_RDONLY | O_CREAT, 0666); }), EPERM);
+  EXPECT_EQ(of([&] { return unlink(inside.c_str()); }), EPERM);
+  EXPECT_EQ(of([&] { return rename(inside.c_str(), outside.c_str()); }), EPERM);
+  EXPECT_EQ(of([] { return socket(AF_INET, SOCK_STREAM, 0); }), EPERM);
+  EXPECT_EQ(of([] { return socket(AF_UNIX, SOCK_STREAM, 0); }), EPERM);
+  EXPECT_EQ(of([] { return fork(); }), EPERM);
+  EXPECT_EQ(of([] { return execl("/bin/true", "true", nullptr); }), EPERM);
+  EXPECT_EQ(of([] { return kill(getppid(), 0); }), EPERM);
+  if (syscall(SYS_landlock_create_ruleset, nullptr, 0, 1) > 0)
+    EXPECT_EQ(of([&] { return open(outside.c_str(), O_RDONLY); }), EACCES);
+  EXPECT_EQ(
+      run_sandboxed([&] { return std::to_string(open(outside.c_str(), O_RDONLY) >= 0); }).bytes,
+      "1")
+      << "without a folder everything may be read";
 }
 
 }  // namespace
