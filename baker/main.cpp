@@ -1,4 +1,5 @@
 #include "baker/bake/bake.h"
+#include "baker/bake/stop_signals.h"
 #include "baker/check/error_estimate.h"
 #include "baker/check/inspect.h"
 #include "baker/check/verify.h"
@@ -6,6 +7,7 @@
 #include "baker/job/options.h"
 #include "baker/job/version.h"
 #include "baker/output/output_folder.h"
+#include "baker/output/say.h"
 #include "baker/studies/accuracy_search.h"
 #include "baker/studies/chart.h"
 #include "baker/studies/chart_picture.h"
@@ -19,9 +21,11 @@
 #include <array>
 #include <cmath>
 #include <csignal>
+#include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
 #include <nlohmann/json.hpp>
+#include <unistd.h>
 
 // The command line: words in, exit code out. What the commands do lies behind bake.h, chart.h,
 // inspect.h, verify.h, wedge_jobs.h and fit_command.h.
@@ -31,17 +35,8 @@ namespace {
 
 constexpr int gate_missed = 4;
 
-void print_to_stderr(const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); }
-
-volatile std::sig_atomic_t stop_asked = 0;
-
-/// The first Ctrl-C or SIGTERM asks a bake to end after its frame; the next one ends it at once.
-void let_signals_ask() {
-  struct sigaction action {};
-  action.sa_handler = [](int) { stop_asked = 1; };
-  action.sa_flags = static_cast<int>(SA_RESETHAND) | SA_RESTART;
-  for (const int signal : {SIGINT, SIGTERM}) sigaction(signal, &action, nullptr);
-}
+/// For a bake, which completes what it can when it is asked to stop.
+bool is_stop_asked() { return StopSignals::asked(); }
 
 const CLI::Validator positive(
     [](std::string& text) {
@@ -59,7 +54,8 @@ struct ParsedOptions {
   std::vector<std::string> set;
 };
 
-constexpr std::array reading_options = {"fps", "start_frame", "unit_scale", "take"};
+constexpr std::array reading_options = {"fps", "start_frame", "unit_scale", "take",
+                                        "allow_outside"};
 
 void add_option(ParsedOptions& parsed, const std::string& name, const std::string& flags = {}) {
   const Option& o = option(name);
@@ -170,9 +166,8 @@ int run_bake(const BakeArguments& parsed) {
     fmt::print("{}", lock_text(plan));
     return plan.impossible.empty() ? 0 : gate_missed;
   }
-  let_signals_ask();
-  const BakeOutcome outcome = bake_with_progress(settings, plan, [] { return stop_asked != 0; });
-  for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
+  const BakeOutcome outcome = bake_with_progress(settings, plan, is_stop_asked);
+  for (const auto& file : outcome.files) list_line(file.string());
   return outcome.exit_code;
 }
 
@@ -225,8 +220,7 @@ int run_wedge(const WedgeArguments& parsed, const std::vector<std::string>& argu
                 "Write -o DIR.");
   const Wedge wedge(settings, parse_axes(parsed.vary));
   if (parsed.index) {
-    let_signals_ask();
-    const int code = bake_variation(wedge, *parsed.index, [] { return stop_asked != 0; });
+    const int code = bake_variation(wedge, *parsed.index, is_stop_asked);
     finish_wedge(wedge);
     return code;
   }
@@ -235,8 +229,8 @@ int run_wedge(const WedgeArguments& parsed, const std::vector<std::string>& argu
     submit_wedge(wedge, arguments, parsed.slurm);
     return 0;
   }
-  const WedgeOutcome outcome = bake_wedge(wedge, parsed.jobs, arguments);
-  for (const auto& file : outcome.files) fmt::print("{}\n", file.string());
+  const WedgeOutcome outcome = bake_wedge(wedge, parsed.jobs, arguments, is_stop_asked);
+  for (const auto& file : outcome.files) list_line(file.string());
   return outcome.exit_code;
 }
 
@@ -371,14 +365,14 @@ int run_chart(const ChartArguments& parsed) {
     settings.methods.push_back(name);
   plan_bake(settings.job);  // a scene that cannot be used is said so before a folder is made
   const OutputFolder folder(settings.job.output);
-  const Chart result = chart(settings, print_to_stderr);
-  for (const std::string& remark : result.remarks) fmt::print(stderr, "{}\n", remark);
+  const Chart result = chart(settings, say_line);
+  for (const std::string& remark : result.remarks) say_line(remark);
   const std::pair<const char*, std::string> files[] = {{"chart.csv", chart_csv(result)},
                                                        {"chart.svg", chart_svg(result)},
                                                        {"statistics.csv", statistics_csv(result)}};
   for (const auto& [name, text] : files) {
     write_atomically(folder.path() / name, text);
-    fmt::print("{}\n", (folder.path() / name).string());
+    list_line((folder.path() / name).string());
   }
   return 0;
 }
@@ -502,6 +496,11 @@ int run(int argc, char** argv) {
                 "paperbake --help and paperbake COMMAND --help list what there is.");
   }
 
+  // a wedge waits for its bakes; other commands have nothing to complete
+  const std::chrono::milliseconds patience(app.got_subcommand("bake") || wedge.index ? 850
+                                           : app.got_subcommand("wedge")             ? 950
+                                                                                     : 0);
+  const StopSignals signals(patience);
   if (app.got_subcommand("bake")) return run_bake(bake);
   if (app.got_subcommand("wedge")) return run_wedge(wedge, {argv + 1, argv + argc});
   if (app.got_subcommand("chart")) return run_chart(chart);
@@ -514,20 +513,32 @@ int run(int argc, char** argv) {
 }  // namespace
 }  // namespace paperbake
 
+/// A stream that the caller has closed leads to nowhere: otherwise the next file that is opened
+/// would get its number, and messages would be written into it.
+static void open_standard_streams() {
+  int opened;
+  do opened = ::open("/dev/null", O_RDWR);
+  while (opened >= 0 && opened <= STDERR_FILENO);
+  if (opened >= 0) ::close(opened);
+}
+
 int main(int argc, char** argv) {
+  open_standard_streams();
   // factors come and go by the megabyte: keep their memory instead of asking the kernel for zeroed
   // pages every time
   mallopt(M_MMAP_THRESHOLD, 1 << 28);
   mallopt(M_TRIM_THRESHOLD, 1 << 28);
   // a file that may grow no more is an error like a full disk, not the end
   std::signal(SIGXFSZ, SIG_IGN);
+  // and so is a pipe that nobody reads any more
+  std::signal(SIGPIPE, SIG_IGN);
   try {
     return paperbake::run(argc, argv);
   } catch (const paperbake::Error& error) {
-    fmt::print(stderr, "paperbake: {}\n", error.what());
+    paperbake::say_line(std::string("paperbake: ") + error.what());
     return static_cast<int>(error.code);
   } catch (const std::exception& error) {
-    fmt::print(stderr, "paperbake: {}\n", error.what());
+    paperbake::say_line(std::string("paperbake: ") + error.what());
     return static_cast<int>(paperbake::ErrorCode::simulation);
   }
 }

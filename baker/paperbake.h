@@ -71,7 +71,8 @@ struct BakeProgress {
 struct BakeCallbacks {
   std::function<void(const BakeProgress&)> on_progress;
   std::function<void(const std::string& sentence)> on_message;  // warnings and the like
-  // asked after every simulated frame but the last; true: stop. The second pass is not stopped.
+  // asked after every frame of both passes; true: stop. Frames that are not rendered half a second
+  // later are left out of the files
   std::function<bool()> cancel;
 };
 

@@ -18,18 +18,23 @@ namespace {
 // stands for a file in messages when frames were lost on their way to the files
 const char* const rest_of_frames = "the rest of the frames";
 
-/// Checkpoints hold the state of the simulation, but neither that of polished frames, which depend
-/// on later ones, nor contact with colliders.
+/// Whether the simulation can go on from a checkpoint. Checkpoints hold its state, but neither that
+/// of polished frames, which depend on later ones, nor contact with colliders.
 bool can_resume(const BakePlan& plan) {
   return plan.polish.triangles == 0 &&
          std::none_of(plan.shots.begin(), plan.shots.end(),
                       [](const Shot& shot) { return shot.colliders != nullptr; });
 }
 
+/// Frames of several sheets that are polished come sheet by sheet, and are not kept.
+bool can_keep(const BakePlan& plan) { return plan.polish.triangles == 0 || plan.shots.size() == 1; }
+
 Error stopped(const BakeSettings& settings, const BakePlan& plan, int frame) {
+  const bool complete = frame == plan.animation.last_frame;
   return Error(ErrorCode::stopped, fmt::format("frame {} of {}", frame, plan.animation.last_frame),
-               "The bake was stopped.",
-               !can_resume(plan) ? "A bake with polish or colliders starts from its first frame."
+               complete ? "The bake was stopped while it rendered." : "The bake was stopped.",
+               !can_keep(plan) || (!complete && !can_resume(plan))
+                   ? "A bake with polish or colliders starts from its first frame."
                : settings.resume == Resume::never
                    ? "Without --resume never the same command continues from there."
                    : "The same command continues from there.");
@@ -65,14 +70,15 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pi
 /// returns  what ended the simulation before its last frame
 std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan& plan,
                                    const OutputFolder& folder, BakePipeline& pipeline,
-                                   Progress& progress, const std::function<bool()>& stop) {
-  const bool resumable = can_resume(plan);
+                                   Progress& progress, StopRequest& stop) {
+  const bool resumable = can_resume(plan), kept = can_keep(plan);
   std::vector<AnimateOptions> options = options_of_sheets(plan);
   for (AnimateOptions& of_sheet : options)  // a later bake that resumes may want maps
-    of_sheet.report_plastic_curvature = resumable || pipeline.needs_plastic_curvature();
-  Checkpoints checkpoints(folder.sub(".state"), plan, settings.checkpoint_every);
+    of_sheet.report_plastic_curvature = kept || pipeline.needs_plastic_curvature();
+  Checkpoints checkpoints(folder.sub(".state"), plan, settings.checkpoint_every,
+                          resumable ? Reuse::any_of_them : Reuse::all_or_none);
   int first = plan.animation.first_frame;
-  if (settings.resume == Resume::automatic && resumable)
+  if (settings.resume == Resume::automatic && kept)
     first = load_frames(checkpoints, plan, pipeline, progress, options);
 
   FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { pipeline.record(frame); });
@@ -80,12 +86,12 @@ std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan&
   try {
     if (first <= plan.animation.last_frame)
       simulate(plan, options, settings.threads, [&](const AnimatedFrame& frame) {
-        if (resumable) checkpoints.add(frame);
+        if (kept) checkpoints.add(frame);
         if (!queue.push(frame)) return false;
         // polished frames come sheet by sheet
         const bool is_last_sheet =
             plan.polish.triangles > 0 || frame.sheet_index + 1 == plan.shots.size();
-        if (!is_last_sheet || !stop || frame.frame == plan.animation.last_frame || !stop())
+        if (!is_last_sheet || frame.frame == plan.animation.last_frame || !stop.is_made())
           return true;
         if (resumable) checkpoints.keep(frame.frame);
         throw stopped(settings, plan, frame.frame);
@@ -100,6 +106,22 @@ std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan&
   return failure;
 }
 
+/// Simulates the twin of a bake and enters its distance into the certificate.
+void compare_with_twin(const BakeSettings& settings, const BakePlan& plan, BakePipeline& pipeline,
+                       Progress& progress, StopRequest& stop) {
+  const BakePlan twin = twin_of(plan);
+  try {
+    simulate(twin, options_of_sheets(twin), settings.threads, [&](const AnimatedFrame& frame) {
+      pipeline.record_twin(frame);
+      return !stop.is_made();
+    });
+  } catch (const Error& error) {
+    progress.message(fmt::format("warning: twin: {}: {}", error.place, error.cause));
+  }
+  if (const auto verdict = pipeline.twin(); verdict && !stop.is_made())
+    progress.message(describe(*verdict));
+}
+
 }  // namespace
 
 Passes passes_of(const BakeSettings& settings) {
@@ -109,7 +131,7 @@ Passes passes_of(const BakeSettings& settings) {
 }
 
 BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& progress,
-                 const std::function<bool()>& stop) {
+                 const std::function<bool()>& asks_to_stop) {
   const OutputFolder folder(settings.output);
   const std::string key = bake_key(settings, plan);
   if (settings.resume == Resume::automatic)
@@ -118,10 +140,12 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   invalidate_completed_bake(folder.path());
 
   BakePipeline pipeline(settings, plan, folder.path(), progress);
-  const std::optional<Error> failure =
-      record_frames(settings, plan, folder, pipeline, progress, stop);
+  StopRequest stop(asks_to_stop);
+  std::optional<Error> failure = record_frames(settings, plan, folder, pipeline, progress, stop);
   if (pipeline.is_empty()) throw failure ? *failure : pipeline.files().failures.all().front().error;
-  pipeline.render();
+  if (settings.twin && !failure) compare_with_twin(settings, plan, pipeline, progress, stop);
+  if (!pipeline.render(stop) && !failure)
+    failure = stopped(settings, plan, plan.animation.last_frame);
   const BakeOutcome outcome = pipeline.write(failure);
   record_completed_bake(folder.path(), key, outcome);
   return outcome;

@@ -1,9 +1,12 @@
 #include "baker/bake/bake_pipeline.h"
 
+#include "baker/bake/rendered_frames.h"
+#include "baker/output/checkpoints.h"
 #include "baker/output/file_hash.h"
 #include "baker/output/gates.h"
 #include "baker/output/stale_files.h"
 #include "baker/output/summary.h"
+#include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
 #include "formats/files/collider_record.h"
 
@@ -35,6 +38,7 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
       certificate_(plan),
       caches_(settings.formats, {plan, folder, plan.file_suffixes}, files_),
       context_{settings, plan, plan.file_suffixes, files_, certificate_, caches_, progress} {
+  if (settings.twin) shapes_.emplace(plan);
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));
 }
@@ -45,9 +49,15 @@ bool BakePipeline::needs_plastic_curvature() const {
 
 void BakePipeline::record(const AnimatedFrame& frame) {
   recorders_[frame.sheet_index]->consume(frame);
+  if (shapes_ && context_.plan.frames.contains(frame.frame)) shapes_->add(frame);
 }
 
-void BakePipeline::render() {
+void BakePipeline::record_twin(const AnimatedFrame& frame) {
+  if (const std::optional<double> distance = shapes_->distance(frame))
+    certificate_.line(frame.sheet_index, frame.frame).twin = distance;
+}
+
+bool BakePipeline::render(StopRequest& stop) {
   std::vector<std::size_t> sheets;
   std::vector<const ShotRecord*> records;
   for (std::size_t s = 0; s < recorders_.size(); ++s) {
@@ -62,46 +72,92 @@ void BakePipeline::render() {
     for (const std::size_t s : group)
       names.push_back('"' + context_.plan.shots[s].sheet_name + '"');
     files_.failures.try_write(fmt::format("render mesh of sheet {}", fmt::join(names, ", ")),
-                              [&] { render_group(group); });
+                              [&] { render_group(group, stop); });
   }
+  if (stop.is_time_up()) return false;
   for (const auto& recorder : recorders_) recorder->finish();
+  return true;
 }
 
 /// sheets  that come near each other
-void BakePipeline::render_group(const std::vector<std::size_t>& sheets) {
+void BakePipeline::render_group(const std::vector<std::size_t>& sheets, StopRequest& stop) {
   int rendered = 0;
   try {
-    render_frames(sheets, RenderPass::Features::all, rendered);
+    render_frames(sheets, RenderPass::Features::all, rendered, stop);
   } catch (const Error& error) {
     if (rendered > 0) throw;  // the frames before are kept
     context_.progress.warning(fmt::format("{}: {} It is made without singular points and creases.",
                                           error.place, error.cause));
-    render_frames(sheets, RenderPass::Features::handles, rendered);
+    render_frames(sheets, RenderPass::Features::handles, rendered, stop);
   }
 }
 
 /// rendered  is raised with every frame that is handed on
 void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
-                                 RenderPass::Features features, int& rendered_frames) {
+                                 RenderPass::Features features, int& rendered, StopRequest& stop) {
   const BakeSettings& settings = context_.settings;
   const BakePlan& plan = context_.plan;
+  RenderedFrames kept(files_.folder() / ".state" / rendered_frames_file(sheets.front(), features),
+                      render_key(sheets));
+  FrameSpan left = caches_.frames_shown();
+  if (settings.resume == Resume::automatic) {
+    int taken = 0;
+    while (auto frame = kept.take()) {
+      left.first = frame->front().frame + left.step;
+      hand_on(sheets, *frame);
+      ++taken;
+    }
+    rendered += taken;
+    if (taken > 0)
+      context_.progress.message(
+          fmt::format("{} frames are as an earlier bake rendered them.", taken));
+  }
+  const int last = recorders_[sheets.front()]->record().frames().back().frame;
+  if (left.first > std::min(left.last, last) || stop.is_time_up()) return;
   std::vector<RenderInput> inputs;
   for (const std::size_t s : sheets) inputs.push_back({&recorders_[s]->record(), &plan.shots[s]});
-  RenderPass pass(std::move(inputs), {settings.quality, caches_.frames_shown(), plan.animation.fps,
-                                      settings.threads, features});
-  for (; pass.next(); ++rendered_frames)
+  RenderPass pass(std::move(inputs),
+                  {settings.quality, left, plan.animation.fps, settings.threads, features});
+  for (; !stop.is_time_up() && pass.next(); ++rendered) {
     for (std::size_t i = 0; i < pass.sheets().size(); ++i) {
-      RenderedSheet& rendered = pass.sheets()[i];
-      const std::size_t s = sheets[i];
-      rendered.mesh.layers =
-          recorders_[s]->crease_attributes(rendered.record_index, pass.pattern(i));
-      FrameRecord& line = certificate_.line(s, rendered.frame);
-      line.statistics.render = rendered.statistics;
-      line.statistics.handle_error_max = rendered.handle_error;
-      enter(rendered.judgement, line);
-      line.content_hash = caches_.add_frame(s, rendered.frame, rendered.mesh);
-      context_.progress.rendered(line);
+      RenderedSheet& sheet = pass.sheets()[i];
+      sheet.mesh.layers =
+          recorders_[sheets[i]]->crease_attributes(sheet.record_index, pass.pattern(i));
+      round_to_32_bits(sheet.mesh);
     }
+    kept.add(pass.sheets());
+    hand_on(sheets, pass.sheets());
+  }
+}
+
+/// Gives a rendered frame to the caches, and its quality to the certificate.
+/// sheets  the numbers of those in the frame, and maybe more
+void BakePipeline::hand_on(const std::vector<std::size_t>& sheets,
+                           std::vector<RenderedSheet>& frame) {
+  for (std::size_t i = 0; i < frame.size(); ++i) {
+    FrameRecord& line = certificate_.line(sheets.at(i), frame[i].frame);
+    line.statistics.render = frame[i].statistics;
+    line.statistics.handle_error_max = frame[i].handle_error;
+    enter(frame[i].judgement, line);
+    line.content_hash = caches_.add_frame(sheets[i], frame[i].frame, frame[i].mesh);
+    context_.progress.rendered(line);
+  }
+}
+
+/// What the rendered frames of sheets depend on: everything that was simulated, to the last bit, and
+/// all that says how it is rendered.
+std::string BakePipeline::render_key(const std::vector<std::size_t>& sheets) const {
+  const FrameSpan shown = caches_.frames_shown();
+  std::string key =
+      fmt::format("{} {} {}-{}x{} {}", program_key(), context_.plan.job_hash, shown.first,
+                  shown.last, shown.step, caches_.store_crease_attributes() ? "attributes" : "");
+  for (const std::size_t s : sheets) {
+    key += fmt::format(" {}", s);
+    for (const RecordedFrame& frame : recorders_[s]->record().frames())
+      key += hex(content_hash({reinterpret_cast<const char*>(frame.x.data()),
+                               sizeof(float) * static_cast<std::size_t>(frame.x.size())}));
+  }
+  return hex(content_hash(key));
 }
 
 BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
@@ -126,6 +182,7 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   files_.failures.try_write(".state/written",
                             [&] { replace_outputs(files_.folder(), all, stale, keys_); });
   if (const auto error = final_error(failure)) throw *error;
+  remove_rendered_frames(files_.folder() / ".state");
   return outcome;
 }
 

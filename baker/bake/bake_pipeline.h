@@ -4,12 +4,15 @@
 #include "baker/bake/bake_outcome.h"
 #include "baker/bake/render_pass.h"
 #include "baker/bake/sheet_recorder.h"
+#include "baker/bake/stop_request.h"
+#include "baker/bake/twin.h"
 #include "core/model/error.h"
 
 #include <filesystem>
 #include <map>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace paperbake {
@@ -34,7 +37,12 @@ class BakePipeline {
   bool needs_plastic_curvature() const;
 
   void record(const AnimatedFrame&);
-  void render();
+  /// A frame of the twin, after all frames were recorded; with BakeSettings::twin.
+  void record_twin(const AnimatedFrame&);
+  std::optional<TwinVerdict> twin() const { return twin_verdict(certificate_.frames()); }
+  /// stop  when its time is up, the frames that are not rendered yet are left out
+  /// returns  whether all were rendered
+  bool render(StopRequest& stop);
   /// failure  what ended the simulation
   /// throws   when something failed: that, or the first file that could not be written; with what
   ///          is kept all the same
@@ -45,8 +53,11 @@ class BakePipeline {
   bool is_empty() const { return certificate_.frames().empty(); }
 
  private:
-  void render_group(const std::vector<std::size_t>& sheets);
-  void render_frames(const std::vector<std::size_t>& sheets, RenderPass::Features, int& rendered);
+  void render_group(const std::vector<std::size_t>& sheets, StopRequest&);
+  void render_frames(const std::vector<std::size_t>& sheets, RenderPass::Features, int& rendered,
+                     StopRequest&);
+  void hand_on(const std::vector<std::size_t>& sheets, std::vector<RenderedSheet>&);
+  std::string render_key(const std::vector<std::size_t>& sheets) const;
   void write_certificate(const BakeOutcome&, const std::optional<Error>& failure);
   std::optional<Error> final_error(const std::optional<Error>& failure) const;
 
@@ -56,6 +67,7 @@ class BakePipeline {
   BakeContext context_;
   std::vector<std::unique_ptr<SheetRecorder>> recorders_;
   std::map<std::filesystem::path, std::string> keys_;  // of files that are in the certificate
+  std::optional<SampledShapes> shapes_;  // for the twin
 };
 
 }  // namespace paperbake

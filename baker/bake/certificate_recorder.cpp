@@ -66,7 +66,11 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
   statistics.singular = static_cast<int>(sheet.singular.size());
   const std::vector<bool> folded = which_are_folded(sheet);
   statistics.folds = static_cast<int>(std::count(folded.begin(), folded.end(), true));
-  statistics.crossings = crossings(sheet);
+  const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
+  if (!same(sheet.x, x_before_) || !same(sheet.triangles, triangles_before_))
+    crossings_before_ = crossings(sheet);  // of a sheet that moves
+  triangles_before_ = sheet.triangles;
+  statistics.crossings = crossings_before_;
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
     if (handle.state == HandleFrame::free) continue;

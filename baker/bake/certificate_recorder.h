@@ -34,6 +34,8 @@ class CertificateRecorder {
   std::shared_ptr<const JudgedColliders> colliders_;
   std::size_t known_singular_ = 0;
   std::vector<HandleFrame> handles_before_;  // of the line before
+  Triangles triangles_before_;               // of the last frame that was written
+  int crossings_before_ = 0;
   Points3 x_before_;
 };
 

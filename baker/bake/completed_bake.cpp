@@ -5,7 +5,6 @@
 #include "formats/files/atomic_file.h"
 
 #include <fmt/format.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 
 namespace paperbake {
@@ -28,6 +27,7 @@ std::string bake_key(const BakeSettings& settings, const BakePlan& plan) {
   std::string text =
       fmt::format("{}\n{}\n{}\n{}\n{}\nmaps {}\n", program_key(), plan.job_hash, plan.name,
                   plan.root, fmt::join(settings.formats, ","), spans_text(plan.map_frames));
+  if (settings.twin) text += "twin\n";
   if (settings.debug_pictures)
     text += fmt::format("pictures {} {}\n", fs::absolute(*settings.debug_pictures).string(),
                         spans_text(plan.debug_frames));
@@ -36,8 +36,7 @@ std::string bake_key(const BakeSettings& settings, const BakePlan& plan) {
 
 std::optional<BakeOutcome> find_completed_bake(const fs::path& folder, const std::string& key) {
   try {
-    std::ifstream file(record_path(folder));
-    const Json record = Json::parse(file);
+    const Json record = Json::parse(read_file(record_path(folder)).value_or(""));
     if (record.at("key") != key || !outputs_unmodified(folder)) return {};
     BakeOutcome outcome;
     outcome.exit_code = record.at("exit_code");

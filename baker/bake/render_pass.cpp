@@ -97,6 +97,8 @@ class RenderPass::FrameRenderer {
          next_ < frames_of_any(inputs_) && (pending_.size() < threads_ || next_ == k); ++next_)
       if (is_needed(next_) && !start(next_)) break;
     FrameOfSheets rendered = pending_.front().rendered.get();
+    if (pending_.front().repeated)
+      for (FrameOfSheets::Verdict& verdict : rendered.verdicts) verdict.statistics.ms = 0;
     pending_.pop_front();
     return rendered;
   }
@@ -104,8 +106,30 @@ class RenderPass::FrameRenderer {
  private:
   struct PendingFrame {
     std::size_t k;
-    std::future<FrameOfSheets> rendered;
+    std::shared_future<FrameOfSheets> rendered;
+    bool repeated = false;  // it is the frame before, which rests
   };
+
+  /// The k-th frame is the one before to the last bit, in all that its rendering depends on.
+  bool rests(std::size_t k) const {
+    if (k == 0 || sheets_with_frame(k) != sheets_with_frame(k - 1)) return false;
+    const auto& frames = inputs_.front().record->frames();
+    if (wanted_.contains(frames[k].frame) && !wanted_.contains(frames[k - 1].frame)) return false;
+    for (std::size_t s = 0; s < sheets_with_frame(k); ++s) {
+      const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
+      const RecordedFrame &now = recorded[k], &before = recorded[k - 1];
+      if (now.mesh != before.mesh || now.held != before.held || now.x != before.x ||
+          now.held_at != before.held_at || now.keyed != before.keyed)
+        return false;
+      if (const auto& colliders = inputs_[s].shot->colliders) {
+        const int row = now.frame - recorded.front().frame;
+        const Poses at = poses_at(*colliders, row), from = poses_at(*colliders, row - 1);
+        for (std::size_t c = 0; c < at.size(); ++c)
+          if (at[c].matrix() != from[c].matrix()) return false;
+      }
+    }
+    return true;
+  }
 
   /// How many sheets have a k-th frame: the first ones.
   std::size_t sheets_with_frame(std::size_t k) const {
@@ -125,6 +149,11 @@ class RenderPass::FrameRenderer {
 
   /// False while frames are pending in which other handles hold the sheet.
   bool start(std::size_t k) {
+    if (last_ && last_->k + 1 == k && rests(k)) {
+      last_ = PendingFrame{k, last_->rendered, true};
+      pending_.push_back(*last_);
+      return true;
+    }
     std::vector<MeshPoints> points;
     for (std::size_t s = 0; s < sheets_with_frame(k); ++s) {
       const RecordedFrame& recorded = inputs_[s].record->frames()[k];
@@ -135,8 +164,11 @@ class RenderPass::FrameRenderer {
       }
     }
     for (std::size_t s = 0; s < sheets_with_frame(k); ++s) points.push_back(points_[s].at(k));
-    pending_.push_back({k, std::async(launch_policy(static_cast<int>(threads_)),
-                                      [this, k, points] { return render(k, points); })});
+    last_ =
+        PendingFrame{k, std::async(launch_policy(static_cast<int>(threads_)), [this, k, points] {
+                          return render(k, points);
+                        }).share()};
+    pending_.push_back(*last_);
     return true;
   }
 
@@ -233,6 +265,7 @@ class RenderPass::FrameRenderer {
   std::vector<MeshPointCache> points_;
   std::size_t next_ = 0;              // the first that was not started
   std::deque<PendingFrame> pending_;  // in order
+  std::optional<PendingFrame> last_;  // that was started
 };
 
 struct RenderPass::State {

@@ -13,10 +13,10 @@
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
-#include <fstream>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <stdexcept>
 
 namespace paperbake {
@@ -178,7 +178,7 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
     if (record.state != HandleRecord::free_state)
       sheets[s].held[record.frame].push_back({at->second, record.held});
   }
-  std::ifstream lines(folder / "cert/frames.jsonl");
+  std::istringstream lines(read_file(folder / "cert/frames.jsonl").value_or(""));
   for (std::string line; std::getline(lines, line);) {
     std::optional<FrameRecord> record = parse_frame_line(line);
     if (!record) throw std::runtime_error("a line of cert/frames.jsonl is not one of this version");

@@ -230,6 +230,11 @@ std::vector<Option> maps_and_gates() {
       with_default({"max_stretch", K::number, above_zero}, "5",
                    "Quality gate: largest length error of an edge in percent",
                    to_number([](auto& s) -> auto& { return s.max_stretch_pct; })),
+      with_default(
+          {"twin", K::flag}, "false",
+          "Simulate a second time with handles moved by 0.001 mm, and say from which frame "
+          "on the scene is chaotic",
+          [](auto& s, auto& text, auto&) { s.twin = text == "true"; }),
       with_default({"strict", K::flag}, "false",
                    "Stop if handles ask for more than paper can reach; otherwise they are followed "
                    "as far as possible",
@@ -275,6 +280,11 @@ std::vector<Option> reading() {
       without_default({"unit_scale", K::number, above_zero}, "1",
                       "Length of one unit of the file in metres",
                       to_number([](auto& s) -> auto& { return s.reading.unit_scale; })),
+      with_default({"allow_outside", K::flag}, "false",
+                   "Read buffers of a .gltf that lie outside its folder, too",
+                   [](auto& s, auto& text, auto&) {
+                     s.reading.parts = text == "true" ? Parts::anywhere : Parts::of_its_folder;
+                   }),
       without_default({"take", K::text}, "Take 001",
                       "Name of the only animation to use; otherwise all are merged",
                       [](auto& s, auto& text, auto&) { s.reading.take = text; }),

@@ -512,6 +512,12 @@ void name_files(BakePlan& plan) {
   plan.file_suffixes = sheet_file_suffixes(names);
   for (const std::string& sentence : describe_shared_names(names))
     plan.warnings.push_back(sentence);
+  std::string legal = legal_shot_name(plan.name, plan.file_suffixes);
+  if (legal != plan.name)
+    plan.warnings.push_back(fmt::format(
+        "No file can have the name of this shot: the names of the files begin with \"{}\".",
+        legal));
+  plan.name = std::move(legal);
 }
 
 }  // namespace

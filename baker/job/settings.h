@@ -73,6 +73,7 @@ struct BakeSettings {
   std::optional<double> air;      // [kg/m3]
   std::optional<Vector3d> wind;   // [m/s] besides those of the scene
   double stop = 1e-5;             // [m]
+  bool twin = false;              // simulate a twin, to see where the scene branches
   Dynamics dynamics = Dynamics::automatic;
   int probe_every = 0;  // [frames] 0: never
   std::optional<FrameSpan> frames;

@@ -51,6 +51,16 @@ Checkpoint read_checkpoint(const fs::path& path) {
   return checkpoint;
 }
 
+/// Do two sheets of one mesh move, and have they moved, alike?
+bool same_bytes(const Sheet& now, const Sheet& before) {
+  const auto bytes = [](Sheet sheet) {
+    Serializer a;
+    archive_moving(a, sheet);
+    return a.bytes();
+  };
+  return now.x.rows() == before.x.rows() && now.x == before.x && bytes(now) == bytes(before);
+}
+
 /// All that is handed on of a sheet in a frame. mesh: of the frame before in the same checkpoint;
 /// its own afterwards
 void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
@@ -64,7 +74,12 @@ void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
     archive_mesh(a, now);
   else if (a.reads())
     now = mesh;
-  archive_moving(a, now);
+  bool rests = !a.reads() && as_before && same_bytes(now, mesh);
+  a(rests);
+  if (!rests)
+    archive_moving(a, now);
+  else if (a.reads())
+    now = mesh;
   mesh = now;
 }
 
@@ -75,15 +90,22 @@ const std::string& program_key() {
   return key;
 }
 
-Checkpoints::Checkpoints(fs::path folder, const BakePlan& plan, int every)
+Checkpoints::Checkpoints(fs::path folder, const BakePlan& plan, int every, Reuse reuse)
     : folder_(std::move(folder)),
       plan_(plan),
       sheets_(plan.shots.size()),
       every_(every),
+      reuse_(reuse),
+      start_(plan.simulation_hash),
       first_frame_(plan.animation.first_frame),
       kept_until_(first_frame_ - 1),
-      input_(plan.simulation_hash),
-      states_(sheets_) {}
+      states_(sheets_),
+      kept_at_(std::chrono::steady_clock::now()) {
+  // polished frames depend on those after them
+  if (plan.polish.triangles > 0)
+    start_ += fmt::format(" polished {} {}", plan.polish.triangles, plan.animation.last_frame);
+  input_ = start_;
+}
 
 fs::path Checkpoints::file(int frames) const {
   return folder_ / fmt::format("checkpoint.{:06}", frames);
@@ -107,57 +129,77 @@ std::string Checkpoints::input_of(int frame) const {
 
 Checkpoints::ResumePoint Checkpoints::load(
     const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  if (reuse_ == Reuse::any_of_them) return load_chain(on_frame);
+  ResumePoint all = load_chain([](const AnimatedFrame&) { return true; });
+  kept_until_ = first_frame_ - 1;
+  input_ = start_;
+  if (all.last_frame == plan_.animation.last_frame) return load_chain(on_frame);
+  return {kept_until_, {}, all.damaged};
+}
+
+Checkpoints::ResumePoint Checkpoints::load_chain(
+    const std::function<bool(const AnimatedFrame&)>& on_frame) {
   ResumePoint resume{kept_until_, {}, ""};
-  const int last_wanted = plan_.animation.last_frame;
+  bool goes_on = true;
   for (const fs::path& path : files()) {
     if (path.extension() == ".part") continue;
     const std::string input_before = input_;
     try {
-      Checkpoint checkpoint = read_checkpoint(path);
-      if (checkpoint.program != program_key() || checkpoint.start != plan_.simulation_hash ||
-          checkpoint.first != kept_until_ + 1)
-        break;
-      const std::size_t count = checkpoint.frames.size();
-      Serializer().require(count > 0 && count == sheets_ * (checkpoint.last - kept_until_) &&
-                           checkpoint.states.size() == sheets_);
-      for (int f = checkpoint.first; f <= checkpoint.last; ++f) input_ = input_of(f);
-      if (checkpoint.input != input_) {
-        input_ = input_before;
-        break;
-      }
-      std::vector<std::pair<AnimatedFrame, Sheet>> kept(count);
-      std::vector<Sheet> meshes(sheets_);
-      for (std::size_t k = 0; k < count; ++k) {
-        auto& [frame, sheet] = kept[k];
-        const std::size_t of = k % sheets_;
-        Serializer a(checkpoint.frames[k]);
-        archive_frame(a, frame, sheet, meshes[of]);
-        a.end();
-        a.require(frame.frame == checkpoint.first + static_cast<int>(k / sheets_) &&
-                  frame.sheet_index == of &&
-                  frame.handles.size() == plan_.shots[of].handles.size());
-        a.require(frame.plastic_curvature.rows() == 0 ||
-                  frame.plastic_curvature.rows() == sheet.x.rows());
-        a.require(frame.parts.region.empty() ||
-                  static_cast<long>(frame.parts.region.size()) == sheet.triangles.rows());
-      }
-      kept_until_ = checkpoint.last;
-      resume.states = std::move(checkpoint.states);
-      for (auto& [frame, sheet] : kept) {
-        if (frame.frame > last_wanted) break;
-        frame.sheet = &sheet;
-        resume.last_frame = frame.frame;
-        if (!on_frame(frame)) return resume;
-      }
+      load_one(path, resume, goes_on, on_frame);
     } catch (const std::exception&) {  // of a file that is none, too
       input_ = input_before;
       resume.damaged = fmt::format("{} is damaged: the frames after {} are simulated again.",
                                    path.string(), kept_until_);
-      break;
+      goes_on = false;
     }
-    if (kept_until_ >= last_wanted) break;
+    if (!goes_on || kept_until_ >= plan_.animation.last_frame) break;
   }
   return resume;
+}
+
+/// goes_on  becomes false where no more is to be loaded
+void Checkpoints::load_one(const fs::path& path, ResumePoint& resume, bool& goes_on,
+                           const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  Checkpoint checkpoint = read_checkpoint(path);
+  goes_on = checkpoint.program == program_key() && checkpoint.start == start_ &&
+            checkpoint.first == kept_until_ + 1;
+  if (!goes_on) return;
+  const std::size_t count = checkpoint.frames.size();
+  Serializer().require(count > 0 && count == sheets_ * (checkpoint.last - kept_until_) &&
+                       checkpoint.states.size() == sheets_);
+  const std::string input_before = input_;
+  for (int f = checkpoint.first; f <= checkpoint.last; ++f) input_ = input_of(f);
+  goes_on = checkpoint.input == input_;
+  if (!goes_on) {
+    input_ = input_before;
+    return;
+  }
+  std::vector<std::pair<AnimatedFrame, Sheet>> kept(count);
+  std::vector<Sheet> meshes(sheets_);
+  for (std::size_t k = 0; k < count; ++k) {
+    auto& [frame, sheet] = kept[k];
+    const std::size_t of = k % sheets_;
+    Serializer a(checkpoint.frames[k]);
+    archive_frame(a, frame, sheet, meshes[of]);
+    a.end();
+    a.require(frame.frame == checkpoint.first + static_cast<int>(k / sheets_) &&
+              frame.sheet_index == of && frame.handles.size() == plan_.shots[of].handles.size());
+    a.require(frame.plastic_curvature.rows() == 0 ||
+              frame.plastic_curvature.rows() == sheet.x.rows());
+    a.require(frame.parts.region.empty() ||
+              static_cast<long>(frame.parts.region.size()) == sheet.triangles.rows());
+  }
+  kept_until_ = checkpoint.last;
+  resume.states = std::move(checkpoint.states);
+  std::error_code none;
+  if (path == current()) fs::rename(path, file(kept_until_ - first_frame_ + 1), none);
+  for (auto& [frame, sheet] : kept) {
+    if (frame.frame > plan_.animation.last_frame) break;
+    frame.sheet = &sheet;
+    resume.last_frame = frame.frame;
+    goes_on = on_frame(frame);
+    if (!goes_on) return;
+  }
 }
 
 void Checkpoints::add(const AnimatedFrame& frame) {
@@ -176,26 +218,46 @@ void Checkpoints::add(const AnimatedFrame& frame) {
   states_[frame.sheet_index] = frame.state;
   if (frame.sheet_index + 1 < sheets_) return;
   input_ = input_of(frame.frame);
+  constexpr std::chrono::milliseconds often(20);  // many times what it takes
   if ((frame.frame - first_frame_ + 1) % every_ == 0 || frame.frame == plan_.animation.last_frame)
     keep(frame.frame);
+  else if (std::chrono::steady_clock::now() - kept_at_ > often)
+    keep_current(frame.frame);
+}
+
+/// A checkpoint after this frame, which was added last.
+std::string Checkpoints::bytes_until(int frame, std::vector<std::string> frames) const {
+  Checkpoint checkpoint{program_key(),     start_, input_, kept_until_ + 1, frame,
+                        std::move(frames), {}};
+  for (const auto& state : states_) checkpoint.states.push_back(state ? state() : "");
+  Serializer a;
+  a(checkpoint);
+  return a.bytes() + seal_of(a.bytes());
+}
+
+void Checkpoints::keep_current(int frame) {
+  try {
+    write_quickly(current(), bytes_until(frame, waiting_));
+  } catch (const Error&) {
+    // the next one that is kept for good says why
+  }
+  kept_at_ = std::chrono::steady_clock::now();
 }
 
 void Checkpoints::keep(int frame) {
   if (waiting_.empty()) return;
-  Checkpoint checkpoint{program_key(), plan_.simulation_hash, input_, kept_until_ + 1,
-                        frame,         std::move(waiting_),   {}};
-  for (const auto& state : states_) checkpoint.states.push_back(state());
-  Serializer a;
-  a(checkpoint);
+  const std::string bytes = bytes_until(frame, waiting_);
   try {
-    write_atomically(file(frame - first_frame_ + 1), a.bytes() + seal_of(a.bytes()));
+    write_atomically(file(frame - first_frame_ + 1), bytes);
     kept_until_ = frame;
     failure_.clear();
     waiting_.clear();
+    std::error_code none;
+    fs::remove(current(), none);
   } catch (const Error& error) {
     failure_ = error.cause;
-    waiting_ = std::move(checkpoint.frames);
   }
+  kept_at_ = std::chrono::steady_clock::now();
 }
 
 }  // namespace paperbake

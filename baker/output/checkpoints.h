@@ -2,6 +2,7 @@
 
 #include "baker/job/plan.h"
 
+#include <chrono>
 #include <filesystem>
 #include <functional>
 #include <optional>
@@ -14,14 +15,21 @@ namespace paperbake {
 /// that another compiler has made.
 const std::string& program_key();
 
+/// What of the frames of an earlier bake can be used.
+enum class Reuse {
+  any_of_them,  // up to some frame, from which the simulation goes on
+  all_or_none,  // the simulation cannot go on from a checkpoint, but need not be repeated
+};
+
 /// What a bake keeps for a later one, in `.state/`. checkpoint.N holds the frames of all sheets
 /// since the checkpoint before it and what the frame after the N-th comes from; it appears whole or
-/// not at all. The program, what the simulation depends on and the input of all frames so far stand
+/// not at all. checkpoint.current is one that will soon be replaced: it is written every few
+/// milliseconds, without waiting for the disk, so that a bake that is killed loses nothing. The program, what the simulation depends on and the input of all frames so far stand
 /// at its head: one that does not go on from the one before it is none.
 class Checkpoints {
  public:
   /// every  frames there is one, and after the last
-  Checkpoints(std::filesystem::path folder, const BakePlan&, int every);
+  Checkpoints(std::filesystem::path folder, const BakePlan&, int every, Reuse = Reuse::any_of_them);
 
   struct ResumePoint {
     int last_frame;                   // taken; one less than the first of the shot: none was
@@ -42,6 +50,12 @@ class Checkpoints {
   const std::string& failure() const { return failure_; }
 
  private:
+  ResumePoint load_chain(const std::function<bool(const AnimatedFrame&)>& on_frame);
+  void load_one(const std::filesystem::path&, ResumePoint&, bool& goes_on,
+                const std::function<bool(const AnimatedFrame&)>& on_frame);
+  std::string bytes_until(int frame, std::vector<std::string> frames) const;
+  void keep_current(int frame);
+  std::filesystem::path current() const { return folder_ / "checkpoint.current"; }
   std::filesystem::path file(int frames) const;
   std::vector<std::filesystem::path> files() const;
   std::string input_of(int frame) const;
@@ -50,13 +64,16 @@ class Checkpoints {
   const BakePlan& plan_;
   std::size_t sheets_;
   int every_;
-  int first_frame_, kept_until_;      // kept_until_: last frame in a checkpoint
-  std::string input_;                 // hash of all frames so far
+  Reuse reuse_;
+  std::string start_;             // what the simulation depends on, but for the input of each frame
+  int first_frame_, kept_until_;  // kept_until_: last frame in a checkpoint
+  std::string input_;             // hash of all frames so far
   std::vector<std::string> waiting_;  // frames since, as bytes, and of each frame the sheets
   std::vector<Sheet> meshes_;         // of the last of them
   std::vector<std::function<std::string()>> states_;  // after it
   bool removed_outdated_ = false;                     // older ones are gone
   std::string failure_;
+  std::chrono::steady_clock::time_point kept_at_;  // when something was written
 };
 
 }  // namespace paperbake

@@ -30,7 +30,7 @@ void make_folder(const std::filesystem::path& path, const char* option) {
 OutputFolder::OutputFolder(const std::filesystem::path& path) : path_(path) {
   make_folder(path_);
   const auto lock = sub(".state") / "lock";
-  lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666);
+  lock_ = ::open(lock.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666);
   if (lock_ < 0)
     throw Error(ErrorCode::folder, path_.string(),
                 std::string("The output folder is not writable: ") + std::strerror(errno) + ".",
@@ -45,6 +45,11 @@ OutputFolder::OutputFolder(const std::filesystem::path& path) : path_(path) {
 OutputFolder::~OutputFolder() { ::close(lock_); }
 
 std::filesystem::path OutputFolder::sub(const char* name) const {
+  std::error_code none;
+  if (std::filesystem::is_symlink(path_ / name, none))
+    throw Error(ErrorCode::folder, (path_ / name).string(),
+                "This is a link, and a bake writes into its own folder only.",
+                "Remove the link, or choose another folder with -o.");
   make_folder(path_ / name);
   return path_ / name;
 }

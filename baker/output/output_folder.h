@@ -19,7 +19,7 @@ class OutputFolder {
   OutputFolder(const OutputFolder&) = delete;
   OutputFolder& operator=(const OutputFolder&) = delete;
 
-  /// A folder inside it, made when missing.
+  /// A folder inside it, made when missing. throws Error(ErrorCode::folder) when it is a link
   std::filesystem::path sub(const char* name) const;
   const std::filesystem::path& path() const { return path_; }
 

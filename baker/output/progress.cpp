@@ -1,6 +1,7 @@
 #include "baker/output/progress.h"
 
 #include "baker/job/version.h"
+#include "baker/output/say.h"
 #include "core/model/error.h"
 
 #include <cerrno>
@@ -23,8 +24,7 @@ std::string clock_text(double seconds) {
 using Json = nlohmann::ordered_json;
 
 void print_json(const Json& object) {
-  fmt::print(stderr, "{}\n", object.dump(-1, ' ', false, Json::error_handler_t::replace));
-  std::fflush(stderr);
+  say_line(object.dump(-1, ' ', false, Json::error_handler_t::replace));
 }
 
 std::string result_of(const ProgressEnd& end) {
@@ -80,7 +80,7 @@ Progress::Progress(std::function<void(const ProgressStep&)> on_step,
 }
 
 Progress::~Progress() {
-  if (bar_open_) fmt::print(stderr, "\n");
+  if (bar_open_) paperbake::say("\n");
 }
 
 void Progress::log_to(const std::filesystem::path& path) {
@@ -137,8 +137,8 @@ void Progress::end(const ProgressEnd& end) {
                        {"error", end.error.empty() ? Json() : Json(end.error)}});
   if (style_ != Style::none || end.gates_missed.empty()) return;
   const std::size_t more = end.gates_missed.size() - 1;
-  fmt::print(stderr, "gate missed: {}{}\n", end.gates_missed.front(),
-             more > 0 ? fmt::format(" ({} more in cert/summary.json)", more) : "");
+  say_line(fmt::format("gate missed: {}{}", end.gates_missed.front(),
+                       more > 0 ? fmt::format(" ({} more in cert/summary.json)", more) : ""));
 }
 
 void Progress::simulated(const FrameRecord& record) {
@@ -196,13 +196,12 @@ void Progress::frame(Pass& pass, const FrameRecord& record, double stretch_mean,
       const int steps = passes_ == Passes::simulate ? frames_ : 2 * frames_,
                 full = width * (simulate_.done + render_.done) / std::max(1, steps);
       // clear to the end of the line: the text before may have been longer
-      fmt::print(stderr, "\r[{:=<{}}{: <{}}] {}\033[K", "", full, "", width - full, text);
-      std::fflush(stderr);
+      paperbake::say(fmt::format("\r[{:=<{}}{: <{}}] {}\033[K", "", full, "", width - full, text));
       bar_open_ = true;
       return;
     }
     case Style::plain:
-      fmt::print(stderr, "{}\n", text);
+      say_line(text);
       return;
     case Style::json:
       return print_json({{"type", "frame"},
@@ -223,9 +222,9 @@ void Progress::say(const char* type, const char* prefix, const std::string& sent
   log(prefix + sentence);
   if (style_ == Style::none || style_ == Style::functions) return;
   if (style_ == Style::json) return print_json({{"type", type}, {"message", sentence}});
-  if (bar_open_) fmt::print(stderr, "\n");
+  if (bar_open_) paperbake::say("\n");
   bar_open_ = false;
-  fmt::print(stderr, "{}{}\n", prefix, sentence);
+  say_line(prefix + sentence);
 }
 
 }  // namespace paperbake

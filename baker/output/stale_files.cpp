@@ -4,8 +4,8 @@
 #include "formats/files/atomic_file.h"
 
 #include <algorithm>
-#include <fstream>
 #include <map>
+#include <sstream>
 #include <string>
 
 namespace paperbake {
@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 /// Path, relative to the folder, and key.
 std::map<std::string, std::string> read_list(const fs::path& list) {
   std::map<std::string, std::string> files;
-  std::ifstream stream(list);
+  std::istringstream stream(read_file(list).value_or(""));
   for (std::string key, path; stream >> key && std::getline(stream.ignore(), path);)
     files[path] = key;
   return files;

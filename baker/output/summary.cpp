@@ -2,6 +2,7 @@
 
 #include "baker/job/version.h"
 #include "baker/output/file_hash.h"
+#include "baker/output/twin_verdict.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -212,6 +213,17 @@ Json accuracy_choice(const BakePlan& plan) {
           {"tried", tried}};
 }
 
+/// null: the bake has no twin
+Json twin_json(const std::vector<FrameRecord>& frames) {
+  const std::optional<TwinVerdict> verdict = twin_verdict(frames);
+  if (!verdict) return {};
+  return {{"jitter_m", twin_jitter},
+          {"limit_pct", 100 * twin_limit},
+          {"chaotic_from", verdict->chaotic_from ? Json(*verdict->chaotic_from) : Json()},
+          {"largest_pct", 100 * verdict->largest},
+          {"frame_of_largest", verdict->frame_of_largest}};
+}
+
 Json impossible_handles(const BakePlan& plan) {
   Json impossible = Json::array();
   for (const SheetImpossible& i : plan.impossible)
@@ -264,6 +276,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
        {"accuracy", accuracy_choice(plan)},
        {"jammed_frames", jammed},
        {"impossible_handles", impossible_handles(plan)},
+       {"twin", twin_json(frames)},
        {"gates_missed", ending.missed_gates},
        {"exit_code", ending.exit_code},
        {"failure", ending.failure.empty() ? Json() : Json(ending.failure)},

@@ -15,20 +15,20 @@
 namespace paperbake {
 namespace {
 
-/// The signals that run_processes waits for, blocked while it lives.
+/// The end of a child, which run_processes waits for; its signal is blocked while this lives.
 class BlockedSignals {
  public:
   BlockedSignals() {
     sigemptyset(&set_);
-    for (const int signal : {SIGCHLD, SIGINT, SIGTERM}) sigaddset(&set_, signal);
+    sigaddset(&set_, SIGCHLD);
     sigprocmask(SIG_BLOCK, &set_, &before_);
   }
   ~BlockedSignals() { restore(); }
   void restore() const { sigprocmask(SIG_SETMASK, &before_, nullptr); }
-  int wait() const {
-    int signal = 0;
-    sigwait(&set_, &signal);
-    return signal;
+  /// Waits for a moment.
+  void wait() const {
+    const timespec moment{0, 50'000'000};
+    sigtimedwait(&set_, nullptr, &moment);
   }
 
  private:
@@ -51,7 +51,7 @@ pid_t start(const std::string& program, const ProcessSpec& process, const Blocke
   signals.restore();
   // a bake uses no more, and the others would spin for a while
   setenv("OPENBLAS_NUM_THREADS", "1", 1);
-  const int log = open(process.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0666),
+  const int log = open(process.log.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_NOFOLLOW, 0666),
             nothing = open("/dev/null", O_RDONLY);
   dup2(nothing, STDIN_FILENO);
   dup2(log, STDOUT_FILENO);
@@ -72,7 +72,8 @@ std::filesystem::path this_program() {
 }
 
 bool run_processes(const std::vector<ProcessSpec>& processes, int max_running,
-                   const std::function<void(std::size_t, int)>& ended) {
+                   const std::function<void(std::size_t, int)>& ended,
+                   const std::function<bool()>& stop) {
   const std::string program = this_program();
   const BlockedSignals signals;
   std::map<pid_t, std::size_t> running;
@@ -83,12 +84,11 @@ bool run_processes(const std::vector<ProcessSpec>& processes, int max_running,
          next < processes.size() && static_cast<int>(running.size()) < max_running && !interrupted;
          ++next)
       running[start(program, processes[next], signals)] = next;
-    if (signals.wait() != SIGCHLD) {
+    signals.wait();
+    if (!interrupted && stop()) {
       interrupted = true;
       for (const auto& [pid, number] : running) kill(pid, SIGTERM);
-      continue;
     }
-    // one signal may stand for several ends
     for (auto at = running.begin(); at != running.end();) {
       int status = 0;
       if (waitpid(at->first, &status, WNOHANG) != at->first) {

@@ -17,13 +17,15 @@ struct ProcessSpec {
 std::filesystem::path this_program();
 
 /// Runs this program once with the arguments of each child, at most `max_running` at a time, in
-/// order. A child ends with its parent, however that ends. SIGINT and SIGTERM are passed on to all
-/// that run, and no more is begun.
+/// order. A child ends with its parent, however that ends. When it is asked to stop, those that run
+/// get a SIGTERM, and no more is begun.
 /// ended  called for each that came to its end: its number and its exit code; 128 + the signal
 ///        that ended it
-/// returns  whether a signal interrupted
+/// stop     asked all the time: shall it end?
+/// returns  whether it was stopped
 /// throws Error(ErrorCode::folder) when a child cannot be started
 bool run_processes(const std::vector<ProcessSpec>&, int max_running,
-                   const std::function<void(std::size_t, int)>& ended);
+                   const std::function<void(std::size_t, int)>& ended,
+                   const std::function<bool()>& stop);
 
 }  // namespace paperbake

@@ -2,6 +2,7 @@
 
 #include "core/geometry/random.h"
 #include "core/model/error.h"
+#include "formats/files/atomic_file.h"
 
 #include <boost/math/distributions/chi_squared.hpp>
 #include <boost/math/distributions/students_t.hpp>
@@ -10,8 +11,9 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
-#include <fstream>
 #include <numeric>
+#include <optional>
+#include <sstream>
 
 namespace paperbake {
 namespace {
@@ -60,12 +62,13 @@ double energy_distance(const std::vector<Vector2d>& points, const std::vector<in
 }  // namespace
 
 std::vector<Vector2d> read_scatter(const std::filesystem::path& path) {
-  std::ifstream file(path, std::ios::binary);
+  const std::optional<std::string> bytes = read_file(path);
+  std::istringstream file(bytes.value_or(""));
   const auto fail = [&](int line, const std::string& cause, const std::string& remedy = "") {
     throw Error(ErrorCode::command,
                 line ? fmt::format("{}:{}", path.string(), line) : path.string(), cause, remedy);
   };
-  if (!file)
+  if (!bytes)
     fail(0, "The file of points cannot be read.",
          "Name a .csv file with columns u and v, in metres.");
   std::string text;

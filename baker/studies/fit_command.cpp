@@ -1,5 +1,6 @@
 #include "baker/studies/fit_command.h"
 
+#include "baker/output/say.h"
 #include "baker/studies/first_point_experiment.h"
 #include "baker/studies/fit.h"
 #include "core/model/error.h"
@@ -12,7 +13,7 @@
 namespace paperbake {
 namespace {
 
-void print_to_stderr(const std::string& sentence) { fmt::print(stderr, "{}\n", sentence); }
+void print_to_stderr(const std::string& sentence) { say_line(sentence); }
 
 constexpr unsigned other_sheets = 1000001;  // seeds that --experiment does not come to
 

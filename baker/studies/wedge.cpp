@@ -2,10 +2,12 @@
 
 #include "baker/bake/bake.h"
 #include "baker/check/verify.h"
+#include "baker/job/file_names.h"
 #include "baker/job/options.h"
 #include "baker/job/version.h"
 #include "baker/output/output_folder.h"
 #include "baker/output/preview.h"
+#include "baker/output/say.h"
 #include "baker/studies/accuracy_search.h"
 #include "core/model/error.h"
 #include "formats/cache/alembic_reader.h"
@@ -18,9 +20,9 @@
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <fstream>
 #include <nlohmann/json.hpp>
 #include <optional>
+#include <sstream>
 #include <sys/file.h>
 #include <unistd.h>
 
@@ -36,7 +38,7 @@ constexpr int max_pictures = 64;
 class WaitingLock {
  public:
   explicit WaitingLock(const fs::path& file)
-      : lock_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC, 0666)) {
+      : lock_(::open(file.c_str(), O_RDWR | O_CREAT | O_CLOEXEC | O_NOFOLLOW, 0666)) {
     while (lock_ >= 0 && ::flock(lock_, LOCK_EX) != 0)
       if (errno != EINTR) break;
     if (lock_ < 0)
@@ -102,7 +104,7 @@ Json empty_record(const Wedge& wedge, int index, const std::string& inputs) {
 /// Frames of a certificate that have the number of the last one: one for each sheet.
 std::vector<FrameRecord> last_frames(const fs::path& lines) {
   std::vector<FrameRecord> last;
-  std::ifstream stream(lines);
+  std::istringstream stream(read_file(lines).value_or(""));
   for (std::string line; std::getline(stream, line);)
     if (std::optional<FrameRecord> record = parse_frame_line(line)) {
       if (!last.empty() && last.front().frame != record->frame) last.clear();
@@ -196,7 +198,9 @@ Panel last_frame(const Wedge& wedge, int index, const Json& record) {
   const BakeSettings settings = wedge.settings(index);
   const fs::path folder = wedge.folder(index),
                  cache = folder /
-                         ((settings.name.empty() ? settings.scene.stem().string() : settings.name) +
+                         (legal_shot_name(settings.name.empty() ? settings.scene.stem().string()
+                                                                : settings.name,
+                                          {}) +
                           ".abc");
   if (record["c_m_pct"].is_null() || !fs::is_regular_file(cache)) return panel;
   const AlembicReader reader(cache);
@@ -283,8 +287,7 @@ int bake_variation(const Wedge& wedge, int index, const std::function<bool()>& s
     record["exit_code"] = static_cast<int>(ErrorCode::simulation);
     record["message"] = error.what();
   }
-  if (record["message"] != "")
-    fmt::print(stderr, "paperbake: {}\n", record["message"].get<std::string>());
+  if (record["message"] != "") say_line("paperbake: " + record["message"].get<std::string>());
   take_certificate(record, wedge.folder(index), record["job_hash"]);
   write_record(wedge, index, record);
   return record["exit_code"];

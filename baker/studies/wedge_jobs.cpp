@@ -1,6 +1,7 @@
 #include "baker/studies/wedge_jobs.h"
 
 #include "baker/output/output_folder.h"
+#include "baker/output/say.h"
 #include "baker/studies/child_processes.h"
 #include "baker/studies/slurm.h"
 #include "core/model/error.h"
@@ -27,7 +28,8 @@ std::vector<std::string> arguments_of_one(const std::vector<std::string>& argume
 }  // namespace
 
 WedgeOutcome bake_wedge(const Wedge& wedge, int max_running,
-                        const std::vector<std::string>& arguments) {
+                        const std::vector<std::string>& arguments,
+                        const std::function<bool()>& stop) {
   make_folder(wedge.output / ".state");
   std::vector<ProcessSpec> processes;
   for (int index = 1; index <= wedge.count(); ++index) {
@@ -39,14 +41,14 @@ WedgeOutcome bake_wedge(const Wedge& wedge, int max_running,
     processes.push_back(std::move(process));
   }
   int ended = 0;
-  const bool interrupted = run_processes(processes, max_running, [&](std::size_t number, int code) {
+  const auto note = [&](std::size_t number, int code) {
     const int index = static_cast<int>(number) + 1;
     note_end(wedge, index, code);
     ++ended;
     if (wedge.common.progress != ProgressMode::none)
-      fmt::print(stderr, "{} of {}: {}\n", ended, wedge.count(), describe_variation(wedge, index));
-  });
-  if (!interrupted) return finish_wedge(wedge);
+      say_line(fmt::format("{} of {}: {}", ended, wedge.count(), describe_variation(wedge, index)));
+  };
+  if (!run_processes(processes, max_running, note, stop)) return finish_wedge(wedge);
   throw Error(
       ErrorCode::stopped, wedge.output.string(),
       fmt::format("The bakes were stopped; {} of {} had come to an end.", ended, wedge.count()),

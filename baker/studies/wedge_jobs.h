@@ -2,6 +2,7 @@
 
 #include "baker/studies/wedge.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -11,8 +12,10 @@ namespace paperbake {
 /// starts with --index, and tells of each on stderr.
 /// arguments  of the command line that asked for the wedge
 /// returns  as finish_wedge does
-/// throws Error(ErrorCode::stopped): SIGINT or SIGTERM; the bakes have ended after their frame
-WedgeOutcome bake_wedge(const Wedge&, int max_running, const std::vector<std::string>& arguments);
+/// stop       as that of a bake
+/// throws Error(ErrorCode::stopped): it was stopped, and so were the bakes
+WedgeOutcome bake_wedge(const Wedge&, int max_running, const std::vector<std::string>& arguments,
+                        const std::function<bool()>& stop);
 
 /// Leaves that to Slurm: writes DIR/wedge.sbatch and hands it to sbatch.
 /// options  further ones of sbatch

@@ -39,8 +39,8 @@ def bake(scene: Path, output: Path, **options: Option) -> Generator[Progress, No
     returns   the Summary: `summary = yield from bake(...)`; or call `bake_and_wait`
     raises    Error in the program's own words; TypeError for an option that is not for bake()
 
-    Closing the generator stops the bake after its frame, as Ctrl-C does in a terminal, and waits
-    for that. The frames until then are kept, and the same call goes on from there.
+    Closing the generator stops the bake, as Ctrl-C does in a terminal, which takes at most a second.
+    The frames until then are kept, and the same call goes on from there.
     """
     for name in options:
         if name in NOT_FOR_BAKE:

@@ -50,11 +50,12 @@ class ResumeFixture : public CommandLine {
 
   /// Starts a bake, and when it has told of this many frames it gets the signal, so many
   /// microseconds later. returns its exit code; -1: it was killed
-  int bake_until(int frames, int later, int signal, const Words& all) const {
+  int bake_until(int frames, int later, int signal, const Words& all,
+                 const std::string& told = "simulated frame") const {
     const pid_t child = start(folder, all);
     siginfo_t ended{};
     while (waitid(P_PID, child, &ended, WEXITED | WNOHANG | WNOWAIT) == 0 && ended.si_pid == 0) {
-      if (times(read(folder / "stderr.txt"), "simulated frame") >= frames) {
+      if (times(read(folder / "stderr.txt"), told) >= frames) {
         usleep(later);
         kill(child, signal);
         break;

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <string>
+
+namespace paperbake {
+
+/// Writes a text to standard error. When it is closed, or its reader is gone, or its disk is full,
+/// the text is lost and nothing else happens.
+void say(const std::string& text);
+
+/// The same with the end of the line.
+void say_line(const std::string& sentence);
+
+/// A line on standard output, for lists that are of use but are not what the command was called for.
+/// Lost where it cannot be written.
+void list_line(const std::string& line);
+
+}  // namespace paperbake
