@@ -144,8 +144,8 @@ void BakePipeline::hand_on(const std::vector<std::size_t>& sheets,
   }
 }
 
-/// What the rendered frames of sheets depend on: everything that was simulated, to the last bit, and
-/// all that says how it is rendered.
+/// What the rendered frames of sheets depend on: everything that was simulated, to the last bit,
+/// and all that says how it is rendered.
 std::string BakePipeline::render_key(const std::vector<std::size_t>& sheets) const {
   const FrameSpan shown = caches_.frames_shown();
   std::string key =

@@ -24,8 +24,9 @@ enum class Reuse {
 /// What a bake keeps for a later one, in `.state/`. checkpoint.N holds the frames of all sheets
 /// since the checkpoint before it and what the frame after the N-th comes from; it appears whole or
 /// not at all. checkpoint.current is one that will soon be replaced: it is written every few
-/// milliseconds, without waiting for the disk, so that a bake that is killed loses nothing. The program, what the simulation depends on and the input of all frames so far stand
-/// at its head: one that does not go on from the one before it is none.
+/// milliseconds, without waiting for the disk, so that a bake that is killed loses nothing. The
+/// program, what the simulation depends on and the input of all frames so far stand at its head:
+/// one that does not go on from the one before it is none.
 class Checkpoints {
  public:
   /// every  frames there is one, and after the last

@@ -11,8 +11,8 @@ void say(const std::string& text);
 /// The same with the end of the line.
 void say_line(const std::string& sentence);
 
-/// A line on standard output, for lists that are of use but are not what the command was called for.
-/// Lost where it cannot be written.
+/// A line on standard output, for lists that are of use but are not what the command was called
+/// for. Lost where it cannot be written.
 void list_line(const std::string& line);
 
 }  // namespace paperbake

@@ -51,8 +51,8 @@ class AtomicFile {
 /// once: what is written afterwards is lost.
 void delete_unfinished_files();
 
-/// The bytes of a file; nothing when it cannot be read, or is no file: a folder, a FIFO, a device, a
-/// socket. Never waits for somebody to write it.
+/// The bytes of a file; nothing when it cannot be read, or is no file: a folder, a FIFO, a device,
+/// a socket. Never waits for somebody to write it.
 std::optional<std::string> read_file(const std::filesystem::path&);
 
 /// What a path is that could be waited for or read for ever, for a sentence: "a FIFO", "a device",

@@ -59,9 +59,9 @@ struct SingularRecord {
 
 /// One JSON object on one line, without a newline: frame, sheet, the numbers of
 /// visit_frame_statistics in their order and units (null where the frame was not rendered),
-/// `render_stretch_at_mm` and `inside_at_mm` as [u, v] (null where there is none), `inside_of`, `twin_pct` where there is a twin,
-/// `jammed` as a list of [handle, mm], note and hashes. Bytes of a name that are not UTF-8 become
-/// U+FFFD.
+/// `render_stretch_at_mm` and `inside_at_mm` as [u, v] (null where there is none), `inside_of`,
+/// `twin_pct` where there is a twin, `jammed` as a list of [handle, mm], note and hashes. Bytes of
+/// a name that are not UTF-8 become U+FFFD.
 std::string frame_line(const FrameRecord&);
 
 /// Reads such a line; a number that is missing in it keeps its default.

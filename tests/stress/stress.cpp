@@ -5,9 +5,9 @@
 //                          [--seconds N] [--json FILE] [--only INDEX] [--rises]
 //
 // The default is 1,000 scripts with seed 1 by every method. Results do not depend on how many
-// scripts run at a time. The exit code is 1 when a script crashed, did not end, became nan or kept
-// silent about a handle that could not be followed. A script that dies or does not end is reported by its index, with what it
-// did until then.
+// scripts run at a time. A script that dies or does not end is reported by its index, with what it
+// did until then. The exit code is 1 when a script crashed, did not end, became nan or kept silent
+// about a handle that could not be followed.
 // feasible      in no frame are two handles farther apart than the paper between them is long
 // c_m above 2   mean length error above 2 % in a frame, of feasible scripts
 // unreported    a hard handle that is off by more than 1 % of the sheet (and 0.1 mm) and not
