@@ -123,9 +123,8 @@ class RenderPass::FrameRenderer {
         return false;
       if (const auto& colliders = inputs_[s].shot->colliders) {
         const int row = now.frame - recorded.front().frame;
-        const Poses at = poses_at(*colliders, row), from = poses_at(*colliders, row - 1);
-        for (std::size_t c = 0; c < at.size(); ++c)
-          if (at[c].matrix() != from[c].matrix()) return false;
+        const ColliderMotion motion = motion_to(*colliders, row);
+        if (farthest_move(motion.from, motion.to) > 0) return false;
       }
     }
     return true;

@@ -317,7 +317,7 @@ def test_creases(judgement):
 
 
 def test_what_is_not_followed_is_told(judgement):
-    """A collider that an armature deforms, and paper of the size of Blender's own plane."""
+    """A collider whose armature preserves volume, and paper of the size of Blender's own plane."""
     scene = holding("told")
     with heard():
         bpy.ops.mesh.primitive_cube_add(size=0.1, location=(3, 0, 0))
@@ -325,10 +325,11 @@ def test_what_is_not_followed_is_told(judgement):
     hand.name = "collider.hand"
     rig_ = bpy.data.objects.new("Bones", bpy.data.armatures.new("Bones"))
     scene.collection.objects.link(rig_)
-    hand.modifiers.new("Bones", "ARMATURE").object = rig_
+    bones = hand.modifiers.new("Bones", "ARMATURE")
+    bones.object, bones.use_deform_preserve_volume = rig_, True
     scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 1
     result, said = report(bpy.ops.paperbake.bake)
-    judgement.check(result == {"FINISHED"} and "collider.hand is deformed by Bones" in said, f"a deformed collider: it says {said!r}")
+    judgement.check(result == {"FINISHED"} and "collider.hand: its armature preserves volume" in said, f"a deformed collider: it says {said!r}")
     sheet = scene.objects["paper.Letter"]
     select(sheet)
     with heard() as said:
