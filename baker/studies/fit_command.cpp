@@ -34,11 +34,11 @@ int run_experiment(const FitArguments& arguments) {
                    scatter_csv({}));  // known to be writable before the work begins
   const std::vector<FirstPoint> points = push_sheets(paper, arguments.sheets, 1, print_to_stderr);
   const Scatter scatter = scatter_of(points);
-  fmt::print(stderr,
-             "{} of {} sheets: mean ({:.2f}, {:.2f}) mm, deviation {:.2f} mm; apex_scatter of {}: "
-             "{:.2f} mm\n",
-             points.size(), arguments.sheets, 1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(),
-             1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter);
+  say(fmt::format(
+      "{} of {} sheets: mean ({:.2f}, {:.2f}) mm, deviation {:.2f} mm; apex_scatter of {}: "
+      "{:.2f} mm\n",
+      points.size(), arguments.sheets, 1e3 * scatter.mean.x(), 1e3 * scatter.mean.y(),
+      1e3 * scatter.deviation, paper.name, 1e3 * paper.apex_scatter));
   write_atomically(arguments.output, scatter_csv(points));
   write_png(picture, scatter_picture(paper, points));
   fmt::print("{}\n{}\n", arguments.output.string(), picture.string());
@@ -67,15 +67,15 @@ int run_fit(const FitArguments& arguments) {
        push_sheets(fitted.paper, arguments.sheets, other_sheets, print_to_stderr))
     simulated.push_back(p.pattern);
   const TwoSamples test = compare_samples(measured, simulated);
-  fmt::print(stderr,
-             "{} points: deviation {:.2f} mm [{:.2f}, {:.2f}], likeliest {:.2f}; off the law's "
-             "mean by u {:.2f} mm [{:.2f}, {:.2f}], v {:.2f} mm [{:.2f}, {:.2f}] (95 %)\n"
-             "{} simulated sheets of the fitted grade: energy distance {:.3f} mm, p = {:.3f}{}\n",
-             fit.points, 1e3 * fit.deviation, 1e3 * fit.deviation_within.low,
-             1e3 * fit.deviation_within.high, 1e3 * fit.likeliest, 1e3 * fit.offset.x(),
-             1e3 * fit.offset_u.low, 1e3 * fit.offset_u.high, 1e3 * fit.offset.y(),
-             1e3 * fit.offset_v.low, 1e3 * fit.offset_v.high, simulated.size(), 1e3 * test.energy,
-             test.p, test.p < 0.05 ? ": they do not scatter like the measured ones" : "");
+  say(fmt::format(
+      "{} points: deviation {:.2f} mm [{:.2f}, {:.2f}], likeliest {:.2f}; off the law's "
+      "mean by u {:.2f} mm [{:.2f}, {:.2f}], v {:.2f} mm [{:.2f}, {:.2f}] (95 %)\n"
+      "{} simulated sheets of the fitted grade: energy distance {:.3f} mm, p = {:.3f}{}\n",
+      fit.points, 1e3 * fit.deviation, 1e3 * fit.deviation_within.low,
+      1e3 * fit.deviation_within.high, 1e3 * fit.likeliest, 1e3 * fit.offset.x(),
+      1e3 * fit.offset_u.low, 1e3 * fit.offset_u.high, 1e3 * fit.offset.y(), 1e3 * fit.offset_v.low,
+      1e3 * fit.offset_v.high, simulated.size(), 1e3 * test.energy, test.p,
+      test.p < 0.05 ? ": they do not scatter like the measured ones" : ""));
   write_atomically(arguments.output, preset_text(fitted));
   write_png(picture, fit_picture(fitted, measured, simulated, fit));
   fmt::print("{}\n{}\n", arguments.output.string(), picture.string());

@@ -82,7 +82,7 @@ void ends_well_or_refuses(Call call) {
 }
 
 void takes_of(const std::filesystem::path& path) {
-  GltfFile file(path);
+  GltfFile file(path, Parts::of_its_folder);
   gltf_takes(file);
 }
 

@@ -365,7 +365,7 @@ TEST(ColliderTest, ARigidMotionCarriesPointsAlong) {
 Shot held_over(double height, int frames, double stiffness) {
   Shot shot = blank_shot(rectangle(0.1, 0.1));
   shot.start.x.col(2).array() += height;
-  for (const Vector2d corner :
+  for (const Vector2d& corner :
        {Vector2d(0, 0), Vector2d(0.1, 0), Vector2d(0, 0.1), Vector2d(0.1, 0.1)}) {
     shot.handles.push_back(bare_handle("corner", corner, frames));
     shot.handles.back().keyed.col(2).setConstant(height);
