@@ -4,6 +4,7 @@
 #include "baker/job/options.h"
 #include "baker/job/plan.h"
 #include "baker/output/progress.h"
+#include "baker/studies/accuracy_search.h"
 #include "formats/config/preset_file.h"
 
 #include <algorithm>
@@ -123,8 +124,10 @@ SceneSheet flat_sheet(std::string name, double width, double height) {
 void simulate_scene(const Scene& scene, const BakeJob& job,
                     const std::function<bool(const AnimatedFrame&)>& on_frame) {
   check_scene(scene);
-  const BakeSettings settings = settings_of(scene, job);
-  const BakePlan plan = plan_bake(settings, scene);
+  BakeSettings settings = settings_of(scene, job);
+  const BakePlan plan = plan_with_accuracy(
+      settings, [](const std::string&) {},
+      [&](const BakeSettings& with) { return plan_bake(with, scene); });
   simulate(plan, options_of_sheets(plan), settings.threads, [&](const AnimatedFrame& frame) {
     return !plan.frames.contains(frame.frame) || on_frame(frame);
   });
@@ -135,7 +138,12 @@ BakeResult bake_scene(const Scene& scene, const std::filesystem::path& folder, c
   check_scene(scene);
   BakeSettings settings = settings_of(scene, job);
   settings.output = folder;
-  const BakePlan plan = plan_bake(settings, scene);
+  const BakePlan plan = plan_with_accuracy(
+      settings,
+      [&](const std::string& sentence) {
+        if (callbacks.on_message) callbacks.on_message(sentence);
+      },
+      [&](const BakeSettings& with) { return plan_bake(with, scene); });
   const FrameSpan& span = plan.frames;
   const int frames =
       static_cast<int>(plan.shots.size()) * ((span.last - span.first) / span.step + 1);

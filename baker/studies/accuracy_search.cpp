@@ -58,10 +58,13 @@ void set_size(BakeSettings& settings, const SizeLadder& ladder, int size) {
     settings.base_triangles = size;
 }
 
+using Log = std::function<void(const std::string&)>;
+using Planner = std::function<BakePlan(const BakeSettings&)>;
+
 class AccuracySearch {
  public:
-  AccuracySearch(const BakeSettings& settings, const std::function<void(const std::string&)>& log)
-      : settings_(settings), log_(log), ladder_(ladder_of(settings)) {
+  AccuracySearch(const BakeSettings& settings, const Log& log, const Planner& plan)
+      : settings_(settings), log_(log), plan_(plan), ladder_(ladder_of(settings)) {
     choice_.asked_pct = settings.accuracy;
     choice_.budget_seconds = settings.budget;
     choice_.method = settings.method;
@@ -99,7 +102,7 @@ class AccuracySearch {
     BakeSettings settings = settings_;
     settings.polish = settings_.method == hybrid_and_fem ? settings_.polish : std::optional(0);
     set_size(settings, ladder_, size);
-    const BakePlan plan = plan_bake(settings);
+    const BakePlan plan = plan_(settings);
     log_(fmt::format("looking for the accuracy: {} with {} triangles", settings.method, size));
     SampledRun r{size, {}, std::size_t(-1)};
     std::vector<PatternSamples> samples;
@@ -187,7 +190,8 @@ class AccuracySearch {
   }
 
   const BakeSettings& settings_;
-  const std::function<void(const std::string&)>& log_;
+  const Log& log_;
+  const Planner& plan_;
   SizeLadder ladder_;
   AccuracyChoice choice_;
   std::vector<SampledRun> runs_;
@@ -224,15 +228,21 @@ std::size_t parting_frame(const std::vector<double>& coarser, const std::vector<
   return first;
 }
 
-BakePlan plan_with_accuracy(BakeSettings& settings,
-                            const std::function<void(const std::string&)>& log) {
-  if (!settings.accuracy && !settings.budget) return plan_bake(settings);
-  AccuracyChoice choice = AccuracySearch(settings, log)();
+BakePlan plan_with_accuracy(BakeSettings& settings, const Log& log, const Planner& plan_with) {
+  if (!settings.accuracy && !settings.budget) return plan_with(settings);
+  AccuracyChoice choice = AccuracySearch(settings, log, plan_with)();
   set_size(settings, ladder_of(settings), choice.size);
-  BakePlan plan = plan_bake(settings);
+  BakePlan plan = plan_with(settings);
   log(describe(choice));
   plan.accuracy = std::move(choice);
   return plan;
+}
+
+BakePlan plan_with_accuracy(BakeSettings& settings, const Log& log) {
+  if (!settings.accuracy && !settings.budget) return plan_bake(settings);
+  return plan_with_accuracy(settings, log,
+                            [scene = read_scene(settings.scene, settings.reading)](
+                                const BakeSettings& with) { return plan_bake(with, scene); });
 }
 
 std::string describe(const AccuracyChoice& choice) {

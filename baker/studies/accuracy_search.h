@@ -20,9 +20,12 @@ namespace paperbake {
 /// small differences grow. Frames from the third singular point on do not count, nor do those from
 /// where the results part.
 ///
+/// plan    plans a bake with other settings of the same scene; without it the scene is read
 /// log     receives a sentence on what is being done
 /// throws  as plan_bake does
 BakePlan plan_with_accuracy(BakeSettings&, const std::function<void(const std::string&)>& log);
+BakePlan plan_with_accuracy(BakeSettings&, const std::function<void(const std::string&)>& log,
+                            const std::function<BakePlan(const BakeSettings&)>& plan);
 
 /// Errors of a result, frame by frame, from its distances to the next finer one.
 /// With an error C n^-q of n triangles, the result on 2n triangles is nearer to the truth by the

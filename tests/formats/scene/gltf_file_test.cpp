@@ -133,7 +133,7 @@ TEST(GltfFile, BuffersOutsideTheFolderOfTheSceneAreReadOnlyWhenAllowed) {
   };
   for (const char* uri : {"below/part.bin", "./below/../below/part.bin"})
     EXPECT_EQ(import_file(scene(uri)).meshes.at(0).x, corners) << uri;
-  for (const std::string uri :
+  for (const std::string& uri :
        {std::string("../secret.bin"), std::string("..%2Fsecret.bin"), outside.string(),
         std::string("link.bin"), std::string("below/../../secret.bin")}) {
     EXPECT_ERROR(scene(uri), "lies outside its folder");

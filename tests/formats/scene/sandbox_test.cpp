@@ -107,8 +107,9 @@ TEST(Sandbox, CannotWriteConnectOrStartAnything) {
   EXPECT_EQ(of([] { return fork(); }), EPERM);
   EXPECT_EQ(of([] { return execl("/bin/true", "true", nullptr); }), EPERM);
   EXPECT_EQ(of([] { return kill(getppid(), 0); }), EPERM);
-  if (syscall(SYS_landlock_create_ruleset, nullptr, 0, 1) > 0)
+  if (syscall(SYS_landlock_create_ruleset, nullptr, 0, 1) > 0) {
     EXPECT_EQ(of([&] { return open(outside.c_str(), O_RDONLY); }), EACCES);
+  }
   EXPECT_EQ(
       run_sandboxed([&] { return std::to_string(open(outside.c_str(), O_RDONLY) >= 0); }).bytes,
       "1")
