@@ -100,9 +100,13 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
   RenderedFrames kept(files_.folder() / ".state" / rendered_frames_file(sheets.front(), features),
                       render_key(sheets));
   FrameSpan left = caches_.frames_shown();
+  // of the frames that are taken: one object, which the writers store once
+  std::vector<std::shared_ptr<const MeshSurface>> surfaces;
   if (settings.resume == Resume::automatic) {
     int taken = 0;
     while (auto frame = kept.take()) {
+      surfaces.clear();
+      for (const RenderedSheet& sheet : *frame) surfaces.push_back(sheet.mesh.surface);
       left.first = frame->front().frame + left.step;
       hand_on(sheets, *frame);
       ++taken;
@@ -124,6 +128,7 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
       sheet.mesh.layers =
           recorders_[sheets[i]]->crease_attributes(sheet.record_index, pass.pattern(i));
       round_to_32_bits(sheet.mesh);
+      if (i < surfaces.size()) sheet.mesh.surface = surfaces[i];
     }
     kept.add(pass.sheets());
     hand_on(sheets, pass.sheets());

@@ -67,7 +67,7 @@ class BakePipeline {
   BakeContext context_;
   std::vector<std::unique_ptr<SheetRecorder>> recorders_;
   std::map<std::filesystem::path, std::string> keys_;  // of files that are in the certificate
-  std::optional<SampledShapes> shapes_;  // for the twin
+  std::optional<SampledShapes> shapes_;                // for the twin
 };
 
 }  // namespace paperbake

@@ -24,6 +24,20 @@ static void archive(Serializer& a, Judgement& j) {
 
 static void archive(Serializer& a, CacheLayer& layer) { a(layer.name, layer.values); }
 
+static void archive(Serializer& a, MeshSurface::UvSet& set) { a(set.name, set.uv, set.of_corner); }
+
+/// A custom property of an object; one of the three last has its value.
+struct KeptProperty {
+  std::string name;
+  int kind = 0;  // index of the variant
+  double number = 0;
+  std::string text;
+  std::vector<double> numbers;
+};
+static void archive(Serializer& a, KeptProperty& p) {
+  a(p.name, p.kind, p.number, p.text, p.numbers);
+}
+
 namespace {
 
 constexpr std::uintmax_t min_free = std::uintmax_t(256) << 20;  // [bytes] left to everybody else
@@ -39,6 +53,36 @@ void archive_floats(Serializer& a, Matrix& m) {
   if (a.reads()) m = floats.template cast<double>();
 }
 
+KeptProperty kept(const AuthoredProperties::value_type& property) {
+  KeptProperty p;
+  p.name = property.first;
+  p.kind = static_cast<int>(property.second.index());
+  if (const auto* number = std::get_if<double>(&property.second)) p.number = *number;
+  if (const auto* text = std::get_if<std::string>(&property.second)) p.text = *text;
+  if (const auto* list = std::get_if<std::vector<double>>(&property.second)) p.numbers = *list;
+  return p;
+}
+
+/// What the artist made of a sheet; there need not be anything.
+void archive_surface(Serializer& a, std::shared_ptr<const MeshSurface>& surface) {
+  bool there_is = surface != nullptr;
+  a(there_is);
+  if (!there_is) return;
+  MeshSurface copy = surface ? *surface : MeshSurface{};
+  std::vector<KeptProperty> properties;
+  for (const auto& property : copy.properties) properties.push_back(kept(property));
+  a(copy.uv_sets, copy.materials, copy.material_of, properties);
+  if (!a.reads()) return;
+  for (const KeptProperty& p : properties)
+    if (p.kind == 0)
+      copy.properties[p.name] = p.number;
+    else if (p.kind == 1)
+      copy.properties[p.name] = p.text;
+    else
+      copy.properties[p.name] = p.numbers;
+  surface = std::make_shared<const MeshSurface>(std::move(copy));
+}
+
 /// mesh  what of the frame seldom changes, as it was the last time; its own afterwards
 void archive_sheet(Serializer& a, RenderedSheet& s, CacheFrame& mesh) {
   a(s.frame, s.record_index, s.statistics, s.judgement, s.handle_error);
@@ -49,17 +93,21 @@ void archive_sheet(Serializer& a, RenderedSheet& s, CacheFrame& mesh) {
   a(s.mesh.layers);
   const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
   bool as_before = !a.reads() && same(s.mesh.triangles, mesh.triangles) &&
-                   same(s.mesh.normal_of_corner, mesh.normal_of_corner) && same(s.mesh.uv, mesh.uv);
+                   same(s.mesh.normal_of_corner, mesh.normal_of_corner) &&
+                   same(s.mesh.uv, mesh.uv) && s.mesh.surface == mesh.surface;
   a(as_before);
   if (!as_before) {
     a(s.mesh.triangles, s.mesh.normal_of_corner, s.mesh.uv);
+    archive_surface(a, s.mesh.surface);
     mesh.triangles = s.mesh.triangles;
     mesh.normal_of_corner = s.mesh.normal_of_corner;
     mesh.uv = s.mesh.uv;
+    mesh.surface = s.mesh.surface;
   } else if (a.reads()) {
     s.mesh.triangles = mesh.triangles;
     s.mesh.normal_of_corner = mesh.normal_of_corner;
     s.mesh.uv = mesh.uv;
+    s.mesh.surface = mesh.surface;
   }
   a.require(s.mesh.x.rows() == s.mesh.uv.rows());
 }

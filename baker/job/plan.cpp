@@ -36,11 +36,10 @@ Polishing decided_polishing(const BakeSettings& settings) {
   if (by_method && settings.polish == 0)
     throw Error(ErrorCode::command, "--polish 0", "Frames of hybrid+fem are polished.",
                 "Bake with --method hybrid.");
-  constexpr int fewest = 100;  // with fewer no mesh has room for handles and folds
-  if (const int wanted = settings.polish.value_or(0); wanted > 0 && wanted < fewest)
+  if (const int wanted = settings.polish.value_or(0); wanted > 0 && wanted < min_polish_triangles)
     throw Error(ErrorCode::command, fmt::format("--polish {}", wanted),
                 "A mesh of so few triangles is coarser than what it would refine.",
-                fmt::format("Give at least {}, or 0 for no polish.", fewest));
+                fmt::format("Give at least {}, or 0 for no polish.", min_polish_triangles));
   if (by_method || settings.polish.value_or(0) > 0) {
     if (settings.method == "fem")
       throw Error(ErrorCode::command, option,

@@ -19,6 +19,8 @@ struct SheetImpossible {
   ImpossiblePair pair;
 };
 
+// [triangles] with fewer a mesh has no room for handles and folds
+inline constexpr int min_polish_triangles = 100;
 inline constexpr const char* hybrid_and_fem = "hybrid+fem";  // hybrid, polished
 
 /// Is this a method that --method accepts?

@@ -150,7 +150,9 @@ std::vector<Size> size_ladder(const ChartSettings& settings, int reference, unsi
       // the last: what its sizing field asks for
       for (const int cap : {60, 120, 240, 3000}) sizes.push_back({method, cap, seed});
     if (method == hybrid_and_fem)
-      for (const int part : {1, 4}) sizes.push_back({method, reference / part, seed});
+      for (const int part : {1, 4})
+        if (reference / part >= min_polish_triangles)
+          sizes.push_back({method, reference / part, seed});
     if (method == "fem") {
       for (int n = reference / 8; n >= std::max(60, reference / 32); n /= 2)
         sizes.push_back({method, n, seed});

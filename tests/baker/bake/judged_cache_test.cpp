@@ -52,10 +52,12 @@ class JudgedCache : public test::CommandLine {
 TEST_F(JudgedCache, APencilInThePaperIsToldWithItsTrueDepthAndPlace) {
   const Ended ended = bake_violent("pencil8");
   EXPECT_EQ(ended.code, 4) << ended.err;
-  // the middle of the pencil is 4 mm from its sides
-  EXPECT_GT(most("inside_mm"), 3.5);
-  EXPECT_LT(most("inside_mm"), 4.01);
-  EXPECT_GT(most("render_stretch_max_pct"), 50);
+  // the paper goes along with the pencil, as far as its corners let it; the middle of the pencil,
+  // where paper came to lie before steps were divided by the motion of colliders, is 4 mm from its
+  // sides
+  EXPECT_GT(most("inside_mm"), 0.1);
+  EXPECT_LT(most("inside_mm"), 1.5);
+  EXPECT_GT(most("render_stretch_max_pct"), 5);
   for (const char* words : {"an edge of the rendered mesh is off by", "mm of the pattern",
                             "mm inside the collider \"collider.bat\", more than 0.1 mm"})
     EXPECT_NE(ended.err.find(words), std::string::npos) << words << "\n" << ended.err;
