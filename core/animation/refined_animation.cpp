@@ -43,6 +43,7 @@ class PolishedShot {
   void add(const AnimatedFrame& frame) {
     record_.add(frame);
     CoarseFrame rough{frame, *frame.sheet, {}};
+    rough.frame.state = nullptr;  // of a simulation that has gone on when this frame is handed on
     if (frame.plastic_grid) {
       const bool as_before =
           !frames_.empty() && frames_.back().frame.statistics.plastic == frame.statistics.plastic;

@@ -8,7 +8,8 @@ namespace {
 
 /// Noise of mean 0 and variance 1: waves whose frequencies have no common measure.
 double gust_noise(unsigned seed, double time) {
-  constexpr double slowest = 0.3, ratio = 1.41;  // [Hz], [1]
+  constexpr double slowest = 0.3;  // [1/s]
+  constexpr double ratio = 1.41;   // [1]
   constexpr int waves = 8;
   double sum = 0;
   for (int k = 0; k < waves; ++k) {
