@@ -84,6 +84,10 @@ def _text(value: Word) -> str:
     return os.fspath(value) if isinstance(value, os.PathLike) else str(value)
 
 
+# what a sentence begins with, by the type of its record, as the program says it in words
+_SAID_BEFORE = {"warning": "warning: ", "gate": GATE_MISSED}
+
+
 def _run(command: List[str]) -> Generator[Progress, None, Summary]:
     # Apart from the terminal: a Ctrl-C that interrupts Python reaches the program once, through
     # _stop; twice would kill it. What it lists goes into a file: a pipe that nobody reads while
@@ -102,8 +106,9 @@ def _run(command: List[str]) -> Generator[Progress, None, Summary]:
                 if record is None:
                     said += line
                 elif "message" in record:
-                    messages.append(str(record["message"]))
-                else:
+                    messages.append(_SAID_BEFORE.get(str(record.get("type")), "")
+                                    + str(record["message"]))
+                elif record.get("type") == "frame":
                     yield _progress(record, messages[told:])
                     told = len(messages)
         except BaseException:  # the generator is closed, or Ctrl-C
