@@ -116,7 +116,7 @@ void compare_with_twin(const BakeSettings& settings, const BakePlan& plan, BakeP
       return !stop.is_made();
     });
   } catch (const Error& error) {
-    progress.message(fmt::format("warning: twin: {}: {}", error.place, error.cause));
+    progress.warning(fmt::format("twin: {}: {}", error.place, error.cause));
   }
   if (const auto verdict = pipeline.twin(); verdict && !stop.is_made())
     progress.message(describe(*verdict));

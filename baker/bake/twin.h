@@ -2,7 +2,7 @@
 
 #include "baker/job/plan.h"
 #include "baker/output/twin_verdict.h"
-#include "core/geometry/point_location.h"
+#include "core/geometry/pattern_samples.h"
 
 #include <map>
 #include <optional>
@@ -27,18 +27,13 @@ class SampledShapes {
   void add(const AnimatedFrame&);
   /// RMS distance of the points from where they were added, in shares of the longer side.
   /// Nothing: that frame was not added.
-  std::optional<double> distance(const AnimatedFrame&);
+  std::optional<double> distance(const AnimatedFrame&) const;
 
  private:
   struct SampledSheet {
-    std::vector<Vector2d> points;  // [m] on the pattern
-    double side = 0;               // [m] the longer one
-    Points2 pattern;               // of the mesh that `places` lie on
-    Triangles triangles;
-    std::vector<MeshPoint> places;
+    PatternSamples samples;
+    double side;  // [m] the longer one
   };
-  Points3 sample(const AnimatedFrame&);
-
   std::vector<SampledSheet> sheets_;
   std::map<std::pair<std::size_t, int>, Points3> shapes_;  // of a sheet in a frame
 };

@@ -115,8 +115,8 @@ Json missed_json(const std::vector<std::string>& missed) {
   Json all = Json::array();
   std::set<std::string> given;  // the same advice once
   for (const std::string& sentence : missed) {
-    const std::string todo = advice(sentence);
-    all.push_back({{"sentence", sentence}, {"advice", given.insert(todo).second ? todo : ""}});
+    const std::string remedy = advice(sentence);
+    all.push_back({{"sentence", sentence}, {"advice", given.insert(remedy).second ? remedy : ""}});
   }
   return all;
 }

@@ -13,8 +13,8 @@ namespace {
 
 constexpr double kept_share = 0.9;   // [1] of the frames that must keep the accuracy
 constexpr std::size_t crumpled = 3;  // [1] singular points of a sheet that is crumpled
-constexpr double least_gain =
-    0.75;  // [1] of the error that a mesh of twice as many triangles keeps
+// [1] of the error that a mesh of twice as many triangles keeps, at most
+constexpr double least_gain = 0.75;
 constexpr double size_exponent = 1.3;  // CPU time ~ size^1.3, to tell whether a budget is enough
 
 /// A simulation of all sheets, sampled at places of their patterns.
@@ -33,21 +33,26 @@ double quantile(std::vector<double> values, double share) {
 
 /// The meshes among which an accuracy is looked for.
 struct SizeLadder {
-  std::string option;  // that sets the size
-  std::vector<int> sizes;
-  bool is_given = false;  // the first one, and only its error is asked for
+  std::string option;      // that sets the size
+  std::vector<int> sizes;  // the last one may only measure the one before it
+  int largest;             // that may be chosen
+  bool is_given = false;   // the first one, and only its error is asked for
 };
 
 SizeLadder ladder_of(const BakeSettings& settings) {
   const bool is_hybrid = settings.method == "hybrid" || settings.method == hybrid_and_fem;
-  SizeLadder ladder{is_hybrid ? "base_triangles" : "triangles",
-                    is_hybrid ? std::vector<int>{120, 240, 480, 960, 1920}
-                              : std::vector<int>{250, 500, 1000, 2000, 4000, 8000}};
-  if (settings.given.count(ladder.option)) {
-    const int size = is_hybrid ? settings.base_triangles : *settings.triangles;
-    ladder.sizes = {size, 2 * size};
-    ladder.is_given = true;
-  }
+  SizeLadder ladder;
+  ladder.option = is_hybrid ? "base_triangles" : "triangles";
+  ladder.is_given = settings.given.count(ladder.option) > 0;
+  const int first = ladder.is_given ? (is_hybrid ? settings.base_triangles : *settings.triangles)
+                    : is_hybrid     ? 120
+                                    : 250;
+  ladder.largest = ladder.is_given ? first : is_hybrid ? 960 : 4000;
+  if (is_hybrid && settings.triangles)  // the mesh that is handed on never has more
+    ladder.largest = std::min(ladder.largest, *settings.triangles);
+  for (int size = std::min(first, ladder.largest);
+       ladder.sizes.empty() || ladder.sizes.back() <= ladder.largest; size *= 2)
+    ladder.sizes.push_back(size);
   return ladder;
 }
 
@@ -100,8 +105,11 @@ class AccuracySearch {
 
   void run(int size) {
     BakeSettings settings = settings_;
-    settings.polish = settings_.method == hybrid_and_fem ? settings_.polish : std::optional(0);
+    if (settings.method == hybrid_and_fem) settings.method = "hybrid";
+    settings.polish = 0;  // the error of what is polished is asked for
     set_size(settings, ladder_, size);
+    if (ladder_.option == "base_triangles" && settings.triangles)
+      settings.triangles = std::max(*settings.triangles, 2 * size);  // a limit would hide the error
     const BakePlan plan = plan_(settings);
     log_(fmt::format("looking for the accuracy: {} with {} triangles", settings.method, size));
     SampledRun r{size, {}, std::size_t(-1)};
@@ -115,9 +123,7 @@ class AccuracySearch {
                                 longer_side(plan.shots[f.sheet_index].pattern));
       r.seconds += 1e-3 * (f.statistics.elastic_ms + f.statistics.geometry_ms);
       if (f.sheet->singular.size() >= crumpled) r.crumples_from = std::min(r.crumples_from, index);
-      // polished frames come sheet by sheet
-      const bool is_whole = plan.shots.size() == 1 || f.sheet_index + 1 == plan.shots.size();
-      return !is_whole || index < comparable_;
+      return f.sheet_index + 1 < plan.shots.size() || index < comparable_;
     });
     note_crumple(r);
     runs_.push_back(std::move(r));
@@ -178,7 +184,8 @@ class AccuracySearch {
       chosen = keeps.value_or(finest);
       for (std::size_t run = 0; run <= finest; ++run) choice_.tried[run].error_pct = error_of(run);
       choice_.frame_error_pct = errors_of(chosen);
-      if (settings_.budget && !keeps) {  // there is time for the finest one, too
+      if (settings_.budget && !keeps && runs_.back().size <= ladder_.largest) {
+        // there is time for the finest one, too
         chosen = finest + 1;
         for (double& error : choice_.frame_error_pct) error *= least_gain;
       }

@@ -25,6 +25,12 @@ std::vector<RenderedSheet> frame(int number) {
   sheet.mesh.triangles = (Triangles(2, 3) << 0, 1, 2, 0, 2, 3).finished();
   sheet.mesh.normal_of_corner = (Triangles(2, 3) << 0, 1, 2, 0, 2, 4).finished();
   sheet.mesh.uv = Points2::Random(4, 2);
+  static const auto surface = std::make_shared<const MeshSurface>(MeshSurface{
+      {{"print", Points2::Random(5, 2), (Triangles(2, 3) << 0, 1, 2, 0, 2, 4).finished()}},
+      {"newsprint"},
+      {0, -1},
+      {{"page", 3.0}, {"paper", std::string("Times")}, {"size", std::vector<double>{2, 3}}}});
+  sheet.mesh.surface = surface;
   sheet.statistics.stretch_max = 0.01 * number;
   sheet.judgement.inside_of = "collider.hand";
   sheet.judgement.crossings = number;
@@ -45,6 +51,15 @@ void expect_equal(const std::vector<RenderedSheet>& a, const std::vector<Rendere
     EXPECT_EQ(a[s].mesh.triangles, b[s].mesh.triangles);
     EXPECT_EQ(a[s].mesh.normal_of_corner, b[s].mesh.normal_of_corner);
     EXPECT_EQ(a[s].mesh.uv, b[s].mesh.uv);
+    ASSERT_TRUE(a[s].mesh.surface);
+    const MeshSurface &x = *a[s].mesh.surface, &y = *b[s].mesh.surface;
+    ASSERT_EQ(x.uv_sets.size(), y.uv_sets.size());
+    EXPECT_EQ(x.uv_sets[0].name, y.uv_sets[0].name);
+    EXPECT_EQ(x.uv_sets[0].uv, y.uv_sets[0].uv);
+    EXPECT_EQ(x.uv_sets[0].of_corner, y.uv_sets[0].of_corner);
+    EXPECT_EQ(x.materials, y.materials);
+    EXPECT_EQ(x.material_of, y.material_of);
+    EXPECT_EQ(x.properties, y.properties);
     EXPECT_EQ(a[s].statistics.stretch_max, b[s].statistics.stretch_max);
     EXPECT_EQ(a[s].judgement.inside_of, b[s].judgement.inside_of);
     EXPECT_EQ(a[s].judgement.crossings, b[s].judgement.crossings);

@@ -97,6 +97,14 @@ TEST_F(AccuracyCommandTest, ASizeThatIsGivenStaysAndItsErrorIsEstimated) {
   EXPECT_EQ(chosen["tried"].size(), 2u);
 }
 
+TEST_F(AccuracyCommandTest, ALimitOfTheMeshDoesNotHideItsError) {
+  bake_push({"--accuracy", "0.01", "--triangles", "130"});
+  const Json chosen = accuracy();
+  EXPECT_EQ(chosen["base_triangles"], 120);
+  EXPECT_FALSE(chosen["reached"]);
+  EXPECT_GT(chosen["error_pct"], 0.01);
+}
+
 TEST_F(AccuracyCommandTest, ABudgetThatIsTooSmallForAnySearchTakesTheFirstSize) {
   bake_push({"--budget", "0.001"});
   const Json chosen = accuracy();

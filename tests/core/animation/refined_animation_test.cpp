@@ -34,6 +34,7 @@ MethodChoice coarse(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 
 std::map<int, Frame> polished(const Shot& shot, int last, const PolishOptions& how) {
   std::map<int, Frame> frames;
   animate_polished(shot, coarse(shot), until(last), how, [&](const AnimatedFrame& f) {
+    EXPECT_FALSE(f.state) << "the simulation of this frame has gone on";
     frames[f.frame] = {f, *f.sheet};
     return true;
   });
