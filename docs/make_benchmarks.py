@@ -114,8 +114,8 @@ def hybrid_distance(row):
 
 SPEED = {
     "<scene": scene,
-    "FEM 6,000, ms": "fem_6000_ms",
-    "FEM 1,700, ms": "fem_1700_ms",
+    "FEM 6,000, ms": lambda row: f"{float(row['fem_6000_ms']):.0f}",
+    "FEM 1,700, ms": lambda row: f"{float(row['fem_1700_ms']):.0f}",
     "its distance, %": "fem_1700_rms_pct",
     "hybrid, ms": hybrid_ms,
     "its distance, % ": "rms_pct",
