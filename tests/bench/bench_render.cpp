@@ -12,9 +12,10 @@
 //   far          largest distance of a vertex from the flat simulated triangles, in % of the longer
 //                side
 //   crossings    (BENCH_CROSSINGS=1) pairs of triangles that pass through each other, by frame
-//   Ub           (BENCH_POLISH=1, every 12th frame) bending energy over that of the same frame
-//                brought to its minimum on this mesh with the plastic curvature of that frame; and
-//                by how far this moves it, RMS in % of the longer side
+//   Ub           (BENCH_POLISH=1, every 12th frame before the third singular point: a crumple has
+//                no equilibrium near by) bending energy over that of the same frame brought to its
+//                minimum on this mesh with the plastic curvature of that frame; and by how far this
+//                moves it, RMS in % of the longer side
 // Environment: BENCH_QUALITY="draft shot hero"; BENCH_ELASTIC=1: paper that does not yield
 
 #include "core/animation/animate.h"
@@ -85,6 +86,12 @@ Polished polish(const Sheet& sheet, const std::vector<int>& vertices, const Case
           std::sqrt((polished.x - sheet.x).rowwise().squaredNorm().mean())};
 }
 
+/// What the paper remembers in the frames that can be polished: those before the third singular
+/// point.
+struct SmoothFrames {
+  std::vector<Points3> plastic;  // for each frame, at the vertices of its mesh
+};
+
 /// Facets of frames that intersect others on the render mesh, as the render pass looks for them.
 std::set<ShotRecord::Facet> intersecting_facets(const RenderSurface& render,
                                                 const ShotRecord& record) {
@@ -98,8 +105,8 @@ std::set<ShotRecord::Facet> intersecting_facets(const RenderSurface& render,
   return facets;
 }
 
-void measure(const Shot& shot, const ShotRecord& record, const std::vector<Points3>& plastic,
-             const Case& c, const std::string& name) {
+void measure(const Shot& shot, const ShotRecord& record, const SmoothFrames& smooth, const Case& c,
+             const std::string& name) {
   const Quality quality = name == "draft"  ? Quality::draft
                           : name == "hero" ? Quality::hero
                                            : Quality::shot;
@@ -151,10 +158,11 @@ void measure(const Shot& shot, const ShotRecord& record, const std::vector<Point
     if (std::getenv("BENCH_CROSSINGS"))
       if (const int pairs = crossings(shown); pairs > 0)
         crossed += " " + std::to_string(f.frame) + ":" + std::to_string(pairs);
-    if (std::getenv("BENCH_POLISH") && f.frame % 12 == 0) {
+    const auto index = static_cast<std::size_t>(&f - record.frames().data());
+    if (std::getenv("BENCH_POLISH") && f.frame % 12 == 0 && index < smooth.plastic.size()) {
       std::vector<int> held;
       for (const int h : f.held) held.push_back(render.mesh().point_vertex[h]);
-      const Points3& kept = plastic[&f - record.frames().data()];
+      const Points3& kept = smooth.plastic[index];
       const auto [ratio, moved] = polish(shown, held, c, remembered(shot.pattern, sheet, kept));
       char text[60];
       std::snprintf(text, sizeof text, " %d:%.2f (%.2f %%)", f.frame, ratio, 100 * moved / side);
@@ -182,13 +190,15 @@ void run(const Case& c) {
   options.elastic.forces.gravity = c.gravity;
   options.plasticity = std::getenv("BENCH_ELASTIC") ? Plasticity::off : Plasticity::on;
   ShotRecord record;
-  std::vector<Points3> plastic;  // for each frame, at the vertices of its mesh
+  SmoothFrames smooth;
+  int singular_points = 0;
   double triangles = 0;
   try {
     animate(shot, hybrid(shot.pattern, shot.paper, 120, CrumpleOptions{}, 0, 0), options,
             [&](const AnimatedFrame& f) {
               record.add(f);
-              plastic.push_back(f.plastic_curvature);
+              singular_points += f.statistics.new_singular;
+              if (singular_points < 3) smooth.plastic.push_back(f.plastic_curvature);
               triangles += static_cast<double>(f.sheet->triangles.rows());
               return true;
             });
@@ -200,7 +210,7 @@ void run(const Case& c) {
               record.meshes().size());
   std::istringstream words(std::getenv("BENCH_QUALITY") ? std::getenv("BENCH_QUALITY")
                                                         : "draft shot hero");
-  for (std::string word; words >> word;) measure(shot, record, plastic, c, word);
+  for (std::string word; words >> word;) measure(shot, record, smooth, c, word);
 }
 
 }  // namespace
