@@ -318,6 +318,24 @@ SECTIONS = [
         },
     ),
     (
+        "Noise in the keys",
+        "jitter",
+        "Ten runs of `hybrid` with keys that are moved by up to a micrometre, against the run "
+        "without: mean over the frames of each run, and the worst frame of all. Beside it how far "
+        "all of them are from `fem` of 6,000 triangles.",
+        {
+            "<scene": scene,
+            "moved, %: mean": "apart_mean_pct",
+            "most": "apart_most_pct",
+            "worst frame": "worst_frame_pct",
+            "singular points": lambda row: "{births_least}-{births_most}".format(**row),
+            "from fem, %": "from_fem_pct",
+            "with noise: mean": "from_fem_mean_pct",
+            "least": "from_fem_least_pct",
+            "most ": "from_fem_most_pct",
+        },
+    ),
+    (
         "Error estimate and polish",
         "estimate",
         "`verify --estimate` relaxes every 12th frame on a finite element mesh of 2,400 "

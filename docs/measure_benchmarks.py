@@ -122,6 +122,27 @@ def parse_invariance(text):
     ]
 
 
+def parse_jitter(text):
+    row = re.compile(
+        rf"^(\w+)\s+apart ({NUMBER}) ({NUMBER})  worst frame ({NUMBER})  births ({NUMBER}) "
+        rf"({NUMBER})  from fem ({NUMBER}); ({NUMBER}) ({NUMBER}) ({NUMBER})$",
+        re.M,
+    )
+    names = (
+        "scene",
+        "apart_mean_pct",
+        "apart_most_pct",
+        "worst_frame_pct",
+        "births_least",
+        "births_most",
+        "from_fem_pct",
+        "from_fem_mean_pct",
+        "from_fem_least_pct",
+        "from_fem_most_pct",
+    )
+    return [dict(zip(names, found)) for found in row.findall(text)]
+
+
 def parse_features(text):
     rows = []
     for scene, last, lines in blocks_of_features(text):
@@ -534,6 +555,7 @@ BENCHES = [
     ),
     Bench(["build/paperbake_bench_polish"], {"estimate": parse_estimate}, "300 S2"),
     Bench(["build/paperbake_invariance"], {"invariance": parse_invariance}, "hybrid S2"),
+    Bench(["build/paperbake_bench_jitter"], {"jitter": parse_jitter}, "1 S1"),
     Bench(["build/paperbake_features"], {"features": parse_features}, "1 S2"),
     Bench(["build/paperbake_stress"], {"stress": parse_stress}, "--scripts 3 --method hybrid"),
     Bench(["build/paperbake_bench_fit"], {"fit": parse_fit}, "1 copy70 3"),
