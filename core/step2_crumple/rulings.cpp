@@ -6,7 +6,6 @@
 #include <cmath>
 #include <numeric>
 #include <optional>
-#include <utility>
 
 namespace paperbake {
 namespace {
@@ -47,7 +46,12 @@ class RulingPlacer {
 
   std::vector<Ruling> place() {
     const auto& bending = regions_.bending();
-    for (const int seed : seeds()) {
+    std::vector<int> order(regions_.grid().count());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int i, int j) {
+      return std::abs(bending[i].k1) > std::abs(bending[j].k1);
+    });
+    for (const int seed : order) {
       if (regions_.region_of_sample()[seed] < 0) continue;
       const Vector2d p = regions_.grid().sample_points[seed];
       // gaps of less than 1.6 strips stay open
@@ -58,24 +62,6 @@ class RulingPlacer {
   }
 
  private:
-  /// The sample points, the most curved first; among those that are about equally curved, the one
-  /// that is nearest to the middle of the pattern. Where a sheet bends alike in two places, as a
-  /// symmetric one does, the choice between them is then not left to the last digits.
-  std::vector<int> seeds() const {
-    constexpr double alike = 0.2;  // [1] curvatures in steps of so much
-    const auto& points = regions_.grid().sample_points;
-    Vector2d middle(0, 0);
-    for (const Vector2d& p : points) middle += p / static_cast<double>(points.size());
-    std::vector<std::pair<long, double>> rank;  // falls with the curvature; [m]
-    for (std::size_t i = 0; i < points.size(); ++i)
-      rank.emplace_back(-std::lround(std::log(std::abs(regions_.bending()[i].k1) + 1e-9) / alike),
-                        (points[i] - middle).norm());
-    std::vector<int> order(points.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(), [&](int i, int j) { return rank[i] < rank[j]; });
-    return order;
-  }
-
   double spacing(double k, double least) const {
     return std::clamp(options_.facet_turn / std::max(std::abs(k), 1e-9), least,
                       options_.across_most * h_);

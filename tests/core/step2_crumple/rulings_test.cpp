@@ -1,6 +1,5 @@
 #include "core/step2_crumple/rulings.h"
 
-#include "core/geometry/random.h"
 #include "tests/core/test_cones.h"
 #include "tests/core/test_shots.h"
 
@@ -74,32 +73,6 @@ TEST(RulingsTest, CylinderHasParallelRulingsWithEqualTurns) {
     offsets.push_back(0.5 * (r.a + r.b).dot(Vector2d(c, s)));
   }
   expect_equal_turns(offsets, 1 / R, options.facet_turn);
-}
-
-TEST(RulingsTest, NoiseOfAMicrometreDoesNotMoveTheRulingsOfASymmetricSheet) {
-  // two bumps that are mirror images: nothing but noise makes one the more curved
-  const auto bumps = [](unsigned seed) {
-    Sheet sheet = test::hex_sheet(0.1, 0.1, 20);
-    std::uint64_t draw = 0;
-    for (int v = 0; v < sheet.pattern.rows(); ++v) {
-      const double x = sheet.pattern(v, 0);
-      sheet.x.row(v) << x, sheet.pattern(v, 1), 0.004 * std::cos(4 * M_PI * x / 0.1);
-      if (seed > 0)
-        for (double& axis : sheet.x.row(v)) axis += 1e-6 * uniform(seed, draw++);
-    }
-    return sheet;
-  };
-  const std::vector<Ruling> still = rulings_of(bumps(0));
-  ASSERT_GE(still.size(), 8u);
-  for (unsigned seed = 1; seed <= 10; ++seed) {
-    const std::vector<Ruling> noisy = rulings_of(bumps(seed));
-    for (const Ruling& r : noisy) {
-      double nearest = 1;
-      for (const Ruling& s : still)
-        nearest = std::min(nearest, std::abs(0.5 * (s.a + s.b - r.a - r.b).x()));
-      EXPECT_LT(nearest, 0.001) << "seed " << seed;  // 1 mm of about 7 between two rulings
-    }
-  }
 }
 
 TEST(RulingsTest, ConeHasAFanOfRulingsWithEqualTurns) {
