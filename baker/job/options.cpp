@@ -120,7 +120,7 @@ std::vector<Option> scene_and_method() {
                       "file, without its ending (of the scene, if the job file is called job.toml)",
                       [](auto& s, auto& text, auto& place) { s.name = checked_name(text, place); }),
       with_default({"root", K::text}, "/shot",
-                   "Prim of the .usda below which the sheets are, such as /World/letter",
+                   "Prim of the USD layer below which the sheets are, such as /World/letter",
                    [](auto& s, auto& text, auto& place) { s.root = checked_root(text, place); }),
       without_default({"preset", K::text}, "copy70",
                       "Paper grade (see `paperbake presets`) or a preset file; overrides the paper "
