@@ -178,6 +178,9 @@ std::vector<Option> meshes_and_physics() {
           {{"draft", Quality::draft}, {"shot", Quality::shot}, {"hero", Quality::hero}}, "shot",
           "Edge length of the render mesh, for a sheet of 0.2 m: draft 5 mm, shot 2 mm, hero 1 mm"),
       formats_option(),
+      word<bool>("guides", &BakeSettings::guides, {{"off", false}, {"on", true}}, "off",
+                 "Add the singular points and the folds to .abc and USD, as points and curves with "
+                 "id, frame of birth and angle"),
       without_default({"gravity", K::number}, "0",
                       "Gravity in m/s2, positive downwards; otherwise paper_gravity of the scene, "
                       "or 0",

@@ -14,9 +14,13 @@ using usd::Prim;
 using usd::Property;
 using usd::Token;
 
+constexpr float guide_width = 5e-4f;  // [m] as viewers draw points and curves
+
 struct UsdSheet {
   std::string name, label;  // as given by the caller, as written to the file
+  std::string points_label, folds_label;
   std::vector<Property> attributes;
+  std::vector<Property> points, folds;         // attributes of the guides
   std::vector<Property> subsets;               // faces of each material
   std::shared_ptr<const MeshSurface> surface;  // of the last frame; names are equal in all
   std::size_t frames = 0;
@@ -110,12 +114,12 @@ struct UsdWriter::Impl {
     return property;
   }
 
-  void add(UsdSheet& sheet, const std::string& type, const std::string& name,
-           const std::string& interpolation, const usd::Value& value) {
-    auto known = std::find_if(sheet.attributes.begin(), sheet.attributes.end(),
-                              [&](const Property& a) { return a.name == name; });
-    if (known == sheet.attributes.end())
-      known = sheet.attributes.insert(known, {type, name, interpolation});
+  /// Adds the value that an attribute has in the present frame of the sheet.
+  void add(const UsdSheet& sheet, std::vector<Property>& attributes, const Property& attribute,
+           const usd::Value& value) {
+    auto known = std::find_if(attributes.begin(), attributes.end(),
+                              [&](const Property& a) { return a.name == attribute.name; });
+    if (known == attributes.end()) known = attributes.insert(known, attribute);
     add_sample(sheet, *known, value);
   }
 
@@ -128,8 +132,10 @@ struct UsdWriter::Impl {
   /// Adds uv sets and materials of the artist.
   void add_surface(UsdSheet& sheet, const MeshSurface& surface) {
     const auto add_uv = [&](const std::string& name, const MeshSurface::UvSet& set) {
-      add(sheet, "texCoord2f[]", "primvars:" + name, "faceVarying", pairs(set.uv));
-      add(sheet, "int[]", "primvars:" + name + ":indices", "", integers(set.of_corner));
+      add(sheet, sheet.attributes, {"texCoord2f[]", "primvars:" + name, "faceVarying"},
+          pairs(set.uv));
+      add(sheet, sheet.attributes, {"int[]", "primvars:" + name + ":indices"},
+          integers(set.of_corner));
     };
     for (std::size_t n = 0; n < surface.uv_sets.size(); ++n) {
       const std::string name = identifier(surface.uv_sets[n].name);
@@ -210,6 +216,43 @@ struct UsdWriter::Impl {
     return mesh;
   }
 
+  void add_guides(UsdSheet& sheet, const CacheGuides& guides) {
+    const auto point = [&](const char* type, const char* name, const char* interpolation,
+                           const usd::Value& value) {
+      add(sheet, sheet.points, {type, name, interpolation}, value);
+    };
+    point("float3[]", "extent", "", y_up(corners_of_box(guides.points)));
+    point("point3f[]", "points", "", y_up(guides.points));
+    point("int[]", "primvars:point_id", "vertex", guides.point_id);
+    point("int[]", "primvars:birth", "vertex", guides.point_birth);
+    const auto fold = [&](const char* type, const char* name, const char* interpolation,
+                          const usd::Value& value) {
+      add(sheet, sheet.folds, {type, name, interpolation}, value);
+    };
+    fold("float3[]", "extent", "", y_up(corners_of_box(guides.folds)));
+    fold("point3f[]", "points", "", y_up(guides.folds));
+    fold("int[]", "curveVertexCounts", "", guides.fold_size);
+    fold("int[]", "primvars:fold_id", "uniform", guides.fold_id);
+    fold("int[]", "primvars:birth", "uniform", guides.fold_birth);
+    fold("float[]", "primvars:angle", "vertex", numbers(guides.angle));
+  }
+
+  void append_guides(std::vector<Prim>& prims, const UsdSheet& sheet) {
+    if (sheet.points.empty()) return;
+    Prim points{"Points", sheet.points_label}, folds{"BasisCurves", sheet.folds_label};
+    points.properties = sheet.points;
+    folds.properties = sheet.folds;
+    folds.properties.push_back(uniform("token", "type", Token{"linear"}));
+    folds.properties.push_back(uniform("token", "wrap", Token{"nonperiodic"}));
+    for (Prim* prim : {&points, &folds}) {
+      Property width = constant("float[]", "widths", FloatArray{1, {guide_width}});
+      width.interpolation = "constant";
+      prim->properties.push_back(width);
+      prim->properties.push_back(uniform("token", "purpose", Token{"guide"}));
+      prims.push_back(std::move(*prim));
+    }
+  }
+
   /// The prims of the path `root`, the innermost with these children.
   Prim below_root(std::vector<Prim> children) const {
     const std::vector<std::string> names = parts_of(info.root);
@@ -231,14 +274,20 @@ UsdWriter::UsdWriter(const std::filesystem::path& path, UsdEncoding encoding, co
                      info,
                      {}}) {
   std::set<std::string> taken;
+  const auto own_label = [&](const std::string& name) {
+    std::string label = name;
+    for (int n = 2; !taken.insert(label).second; ++n) label = name + "_" + std::to_string(n);
+    return label;
+  };
   for (const std::string& name : sheet_names) {
-    std::string label = identifier(name);
-    for (int n = 2; !taken.insert(label).second; ++n)
-      label = identifier(name) + "_" + std::to_string(n);
     UsdSheet sheet;
     sheet.name = name;
-    sheet.label = label;
+    sheet.label = own_label(identifier(name));
     impl_->sheets.push_back(std::move(sheet));
+  }
+  for (UsdSheet& sheet : impl_->sheets) {
+    sheet.points_label = own_label(sheet.label + "_points");
+    sheet.folds_label = own_label(sheet.label + "_folds");
   }
 }
 
@@ -248,7 +297,7 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
   UsdSheet& sheet = impl_->sheets.at(number);
   const auto add = [&](const char* type, const std::string& name, const char* interpolation,
                        const usd::Value& value) {
-    impl_->add(sheet, type, name, interpolation, value);
+    impl_->add(sheet, sheet.attributes, {type, name, interpolation}, value);
   };
   add("float3[]", "extent", "", y_up(corners_of_box(frame.x)));
   add("int[]", "faceVertexCounts", "",
@@ -272,6 +321,7 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
   }
   if (frame.surface && frame.surface != sheet.surface) impl_->add_surface(sheet, *frame.surface);
   sheet.surface = frame.surface;
+  if (frame.guides) impl_->add_guides(sheet, *frame.guides);
   ++sheet.frames;
 }
 
@@ -288,6 +338,7 @@ void UsdWriter::finish() {
   std::vector<Prim> prims;
   for (const UsdSheet& sheet : impl_->sheets)
     if (sheet.frames > 0) prims.push_back(impl_->mesh_of(sheet));
+  for (const UsdSheet& sheet : impl_->sheets) impl_->append_guides(prims, sheet);
   impl_->add_materials(prims);
   layer.root = impl_->below_root(std::move(prims));
   impl_->encoder->finish(layer);

@@ -17,9 +17,11 @@ enum class UsdEncoding { text, crate };
 /// for each CacheLayer. The pattern is primvars:pattern. The uv sets of the artist are primvars of
 /// their names, the first one also primvars:st, which is the pattern where the artist has none.
 /// Materials are bound, to empty ones of the same names in ROOT/materials, for the whole mesh or by
-/// subsets of its faces. A value that is equal in all frames is stored once. Values are written as
-/// they come, the text to a temporary file at first; only their places are kept in memory. The
-/// layer is an AtomicFile. The same calls write the same bytes.
+/// subsets of its faces. Guides are Points `SHEET_points` and linear BasisCurves `SHEET_folds` of
+/// purpose "guide", with the primvars point_id or fold_id, birth and, at the points of a curve,
+/// angle. A value that is equal in all frames is stored once. Values are written as they come, the
+/// text to a temporary file at first; only their places are kept in memory. The layer is an
+/// AtomicFile. The same calls write the same bytes.
 class UsdWriter {
  public:
   /// Names become identifiers: characters other than ASCII letters and digits become `_`, and a
