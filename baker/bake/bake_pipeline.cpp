@@ -44,7 +44,8 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
 }
 
 bool BakePipeline::needs_plastic_curvature() const {
-  return context_.settings.formats.count("maps") > 0 || caches_.store_crease_attributes();
+  return context_.settings.formats.count("maps") > 0 || context_.plan.guides ||
+         caches_.store_crease_attributes();
 }
 
 void BakePipeline::record(const AnimatedFrame& frame) {
@@ -144,6 +145,7 @@ void BakePipeline::hand_on(const std::vector<std::size_t>& sheets,
     line.statistics.render = frame[i].statistics;
     line.statistics.handle_error_max = frame[i].handle_error;
     enter(frame[i].judgement, line);
+    frame[i].mesh.guides = recorders_[sheets[i]]->guides(frame[i].frame, frame[i].mesh);
     line.content_hash = caches_.add_frame(sheets[i], frame[i].frame, frame[i].mesh);
     context_.progress.rendered(line);
   }

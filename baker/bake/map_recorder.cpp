@@ -16,7 +16,7 @@ CreaseMapOptions map_options(const BakeSettings& settings, const Shot& shot) {
   options.fold_width = ridge_width(shot.paper, shorter_side(shot.pattern));
   // the fibres of a sharp crease break over a few thicknesses
   options.crease_width = 6 * shot.paper.thickness;
-  options.thresholds.yield_curvature = 2 * shot.paper.yield_strain / shot.paper.thickness;
+  options.thresholds = crease_thresholds(shot.paper);
   return options;
 }
 

@@ -18,6 +18,7 @@ SheetRecorder::SheetRecorder(const BakeContext& bake, std::size_t sheet)
   if (renders_ && bake.caches.store_crease_attributes())
     attributes_.emplace(shot, ridge_width(shot.paper, shorter_side(shot.pattern)),
                         bake.plan.animation.fps);
+  if (renders_ && bake.plan.guides) guides_.emplace(shot);
   if (!bake.caches.empty() && !renders_) simulation_cache_.emplace(bake, sheet);
   if (bake.settings.formats.count("maps")) maps_.emplace(bake, sheet);
 }
@@ -25,6 +26,7 @@ SheetRecorder::SheetRecorder(const BakeContext& bake, std::size_t sheet)
 void SheetRecorder::consume(const AnimatedFrame& frame) {
   if (renders_) record_.add(frame);
   if (attributes_) attributes_->add(frame);
+  if (guides_) guides_->add(frame);
   certificate_.consume(frame);
   if (simulation_cache_) simulation_cache_->consume(frame);
   last_ = *frame.sheet;
@@ -46,6 +48,11 @@ void SheetRecorder::finish() {
 std::vector<CacheLayer> SheetRecorder::crease_attributes(std::size_t k, const Points2& pattern) {
   if (!attributes_) return {};
   return attributes_->at(k, record_, pattern);
+}
+
+std::optional<CacheGuides> SheetRecorder::guides(int frame, const CacheFrame& mesh) {
+  if (!guides_) return {};
+  return guides_->at(frame, mesh);
 }
 
 void SheetRecorder::draw_debug_picture(const AnimatedFrame& frame) {

@@ -4,6 +4,7 @@
 #include "baker/bake/map_recorder.h"
 #include "baker/bake/simulation_cache.h"
 #include "baker/output/crease_attributes.h"
+#include "baker/output/sheet_guides.h"
 #include "core/render/shot_record.h"
 
 #include <cstddef>
@@ -33,6 +34,8 @@ class SheetRecorder {
   /// Crease attributes of the k-th recorded frame at points of the pattern; k may only grow. Empty
   /// if no format stores them.
   std::vector<CacheLayer> crease_attributes(std::size_t k, const Points2& pattern);
+  /// Singular points and folds on a rendered mesh; nothing unless they are asked for.
+  std::optional<CacheGuides> guides(int frame, const CacheFrame& mesh);
 
  private:
   void draw_debug_picture(const AnimatedFrame&);
@@ -43,6 +46,7 @@ class SheetRecorder {
   bool renders_;  // frames are recorded, to be rendered
   ShotRecord record_;
   std::optional<CreaseAttributes> attributes_;
+  std::optional<SheetGuides> guides_;
   std::optional<SimulationCache> simulation_cache_;
   std::optional<MapRecorder> maps_;
   Sheet last_;  // sheet of the last frame

@@ -10,12 +10,14 @@ SimulationCache::SimulationCache(const BakeContext& bake, std::size_t sheet)
     : bake_(bake), sheet_(sheet) {
   if (const auto& colliders = bake.plan.shots[sheet].colliders)
     colliders_ = std::make_shared<const JudgedColliders>(*colliders);
+  if (bake.plan.guides) guides_.emplace(bake.plan.shots[sheet]);
 }
 
 void SimulationCache::consume(const AnimatedFrame& frame) {
   flush_deferred(frame.sheet);
   before_ = std::move(now_);
   now_ = *frame.sheet;
+  if (guides_) guides_->add(frame);
   if (bake_.plan.frames.contains(frame.frame)) defer(frame);
 }
 
@@ -54,6 +56,7 @@ void SimulationCache::flush_deferred(const Sheet* next) {
   RenderStatistics& render = line.statistics.render.emplace(statistics_of(judgement, judge));
   enter(judgement, line);
   render.crossings_with_others = line.statistics.crossings_with_others;
+  if (guides_) deferred_->guides = guides_->at(deferred_frame_, *deferred_);
   line.content_hash = bake_.caches.add_frame(sheet_, deferred_frame_, *deferred_);
   deferred_.reset();
 }

@@ -2,6 +2,7 @@
 
 #include "baker/bake/bake_context.h"
 #include "baker/output/cache_judge.h"
+#include "baker/output/sheet_guides.h"
 
 #include <cstddef>
 #include <memory>
@@ -29,6 +30,7 @@ class SimulationCache {
   const BakeContext& bake_;
   std::size_t sheet_;
   std::shared_ptr<const JudgedColliders> colliders_;
+  std::optional<SheetGuides> guides_;
   Sheet before_, now_;  // the frame before the deferred one, and the deferred one
   std::optional<CacheFrame> deferred_;
   int deferred_frame_ = 0;

@@ -3,8 +3,9 @@ the operator returns when all is done."""
 
 import bpy
 
-from . import properties
-from .job import BakeJob
+from . import cache, properties
+from .job import DRAFT, BakeJob, folder_of
+from .program import Unusable
 
 TICK = 0.1  # [s]
 
@@ -27,10 +28,8 @@ def redraw():
                 area.tag_redraw()
 
 
-class Bake(bpy.types.Operator):
-    """Bake the sheets of this scene, and load what came out in their place"""
-
-    bl_idname, bl_label = "paperbake.bake", "Bake"
+class Runs:
+    """What operators have in common that bake: a timer in the window, or all at once without one."""
 
     @classmethod
     def poll(cls, context):
@@ -84,6 +83,45 @@ class Bake(bpy.types.Operator):
         return job
 
 
+class Bake(Runs, bpy.types.Operator):
+    """Bake the sheets of this scene, and load what came out in their place"""
+
+    bl_idname, bl_label = "paperbake.bake", "Bake"
+
+
+class DraftBake(Runs, bpy.types.Operator):
+    """Bake a coarse draft of these frames, without maps and report, and show it. The bake before stays in its folder"""
+
+    bl_idname, bl_label = "paperbake.draft", "Draft"
+
+    def new_job(self, context):
+        return BakeJob(context.scene, context.scene.paperbake, properties.program_path(), is_draft=True)
+
+
+class DeleteCache(bpy.types.Operator):
+    """Take the baked paper out of the scene, show its sheets again, and delete the files of its bakes. The files cannot be brought back"""
+
+    bl_idname, bl_label, bl_options = "paperbake.delete_cache", "Delete Cache", {"REGISTER", "UNDO"}
+
+    @classmethod
+    def poll(cls, context):
+        return running is None
+
+    def invoke(self, context, event):
+        return context.window_manager.invoke_confirm(self, event)
+
+    def execute(self, context):
+        try:
+            folder = folder_of(context.scene.paperbake)
+        except Unusable as error:
+            self.report({"ERROR"}, str(error))
+            return {"CANCELLED"}
+        removed = cache.remove(context.scene)
+        files = sum(cache.delete_files(place) for place in (folder / DRAFT, folder))
+        self.report({"INFO"}, f"{len(removed)} sheet(s) of baked paper removed, {files} file(s) deleted.")
+        return {"FINISHED"}
+
+
 class CancelBake(bpy.types.Operator):
     """Stop the bake after its frame; its files then end there, and the next bake goes on"""
 
@@ -105,4 +143,4 @@ def abandon():
         running = None
 
 
-CLASSES = (Bake, CancelBake)
+CLASSES = (Bake, DraftBake, DeleteCache, CancelBake)

@@ -3,8 +3,11 @@
 It wears what the sheet wears: its uv maps and materials, face by face. The uv map `pattern` is that of the crease maps."""
 
 import collections
+import contextlib
+import json
 import os
 import pathlib
+import shutil
 
 import bpy
 
@@ -128,6 +131,47 @@ def dress(scene, thing, cached):
         slot.material = material.build(scene, own, cached.picture, cached.last, cached.side)
     elif cached.picture:
         material.build(scene, own, cached.picture, cached.last, cached.side).use_fake_user = True  # for who wants the creases of the map
+
+
+def remove(scene):
+    """Takes baked paper out of the scene and shows the sheets again. Returns the names of what was removed."""
+    removed = []
+    for thing in [thing for thing in scene.objects if thing.name.startswith(f"{names.BAKED}.") and reader(thing)]:
+        sheet = scene.objects.get(thing.name.removeprefix(f"{names.BAKED}."))
+        cached, mesh = reader(thing).cache_file, thing.data
+        removed.append(thing.name)
+        bpy.data.objects.remove(thing)
+        if not mesh.users:
+            bpy.data.meshes.remove(mesh)
+        remove_unused(cached)
+        if sheet:
+            sheet.hide_render = False
+            for layer in scene.view_layers:
+                if sheet.name in layer.objects:
+                    sheet.hide_set(False, view_layer=layer)
+    return removed
+
+
+def delete_files(folder):
+    """Deletes the files that a bake wrote, by its certificate, and what the add-on made beside them; nobody else's. Returns how many."""
+    summary = folder / "cert" / "summary.json"
+    try:
+        told = json.loads(summary.read_text(encoding="utf-8"))
+        listed = [folder / name for name in told["files"]] + [summary] if told["program"] == "paperbake" else []
+    except (OSError, ValueError, KeyError, TypeError):
+        listed = []
+    if not listed:
+        return 0  # no bake is there
+    listed += [path.with_suffix(".glb") for path in listed if path.suffix == ".abc"]  # the scene as it was sent
+    listed += [path.with_name(path.name.replace(".final.exr", ".blender.exr")) for path in listed if path.name.endswith(".final.exr")]
+    inside = [path for path in listed if path.resolve().is_relative_to(folder.resolve()) and path.is_file()]
+    for path in inside:
+        path.unlink()
+    shutil.rmtree(folder / ".state", ignore_errors=True)
+    for place in (folder / "cert", folder / "maps", folder):
+        with contextlib.suppress(OSError):
+            place.rmdir()  # where nothing else is in it
+    return len(inside)
 
 
 def hide_sheet(scene, name):

@@ -7,9 +7,11 @@ import time
 
 import bpy
 
-from . import cache, program, scene_export
+from . import cache, messages, program, scene_export
 
 EXPORT, BAKE, LOAD, DONE = range(4)
+DRAFT = "draft"  # folder of drafts, in that of the bakes
+DRAFT_WORDS = ["--quality", "draft", "--method", "hybrid", "--formats", "abc,cert"]  # given last, they count
 
 
 def folder_of(settings):
@@ -50,8 +52,9 @@ class BakeJob:
     cancel()  ends it at the next step
     """
 
-    def __init__(self, scene, settings, path):
-        """settings: properties.SceneSettings; path: of the program, empty: on PATH"""
+    def __init__(self, scene, settings, path, is_draft=False):
+        """settings: properties.SceneSettings; path: of the program, empty: on PATH; is_draft: coarse and only to be looked at"""
+        self._is_draft = is_draft
         self._scene, self._settings, self._path = scene.name, settings, path
         self._state, self._process, self._before = EXPORT, None, None
         self._folder = self._stem = None
@@ -98,11 +101,15 @@ class BakeJob:
 
     def _end(self, outcome):
         self.outcome, self._state = outcome, DONE
+        messages.write(outcome.told or [outcome.sentence])
 
     def _export(self):
         scene = self._in_scene()
         found, self._folder, self._stem = program.located(self._path), folder_of(self._settings), stem()
         words = options(scene, self._settings)
+        if self._is_draft:  # beside the bake, which stays
+            self._folder = self._folder / DRAFT
+            words += DRAFT_WORDS
         os.makedirs(self._folder, exist_ok=True)
         path = self._folder / f"{self._stem}.glb"
         last = max(scene.frame_end, self._settings.last) if self._settings.own_frames else scene.frame_end
@@ -128,8 +135,9 @@ class BakeJob:
         self.loaded = [thing.name for thing in loaded]
         if remarks:
             level = "ERROR" if self.outcome.level == "ERROR" else "WARNING"
-            self.outcome = program.Outcome(level, " ".join([self.outcome.sentence, *remarks]), True)
+            self.outcome = program.Outcome(level, " ".join([self.outcome.sentence, *remarks]), True, (*self.outcome.told, *remarks))
         self._state = DONE
+        messages.write(self.outcome.told or [self.outcome.sentence])
 
     def _in_scene(self):
         """By name: an undo on the way makes every reference to Blender's data a stray one."""

@@ -131,6 +131,29 @@ class MarkCreases(bpy.types.Operator):
         return {"FINISHED"}
 
 
+class MarkWind(bpy.types.Operator):
+    """The selected empties are winds, which blow along their Z axis everywhere; without one, a wind is added at the 3D cursor"""
+
+    bl_idname, bl_label, bl_options = "paperbake.mark_wind", "Mark Wind", {"REGISTER", "UNDO"}
+
+    def execute(self, context):
+        marked = [thing for thing in context.selected_objects if thing.type == "EMPTY" and names.role(thing) in (None, names.WIND)]
+        if not all(rename(self, thing, names.with_prefix(thing.name, names.WIND)) for thing in marked):
+            return {"CANCELLED"}
+        if not marked:
+            marked = [bpy.data.objects.new(names.WIND, None)]
+            marked[0].location = context.scene.cursor.location
+            context.collection.objects.link(marked[0])
+        for thing in marked:
+            thing.empty_display_type = "SINGLE_ARROW"
+            for key, (_, value) in properties.WIND.items():
+                if key not in thing:
+                    thing[key] = value
+                thing.id_properties_ui(key).update(min=0)
+        self.report({"INFO"}, f"{len(marked)} wind(s): {', '.join(thing.name for thing in marked)}")
+        return {"FINISHED"}
+
+
 class Unmark(bpy.types.Operator):
     """The selected objects are nothing to paperbake any more: their names lose the prefix, their paper_* properties go"""
 
@@ -217,4 +240,4 @@ class CopyToHandles(bpy.types.Operator):
         return {"FINISHED"}
 
 
-CLASSES = (MarkSheet, MarkHandles, MarkCollider, MarkCreases, Unmark, AddHandles, SetHandle, CopyToHandles)
+CLASSES = (MarkSheet, MarkHandles, MarkCollider, MarkCreases, MarkWind, Unmark, AddHandles, SetHandle, CopyToHandles)

@@ -2,9 +2,9 @@
 
 import re
 
-SHEET, HANDLE, CLAMP, COLLIDER, CREASE = "paper", "handle", "clamp", "collider", "crease"
+SHEET, HANDLE, CLAMP, COLLIDER, CREASE, WIND = "paper", "handle", "clamp", "collider", "crease", "wind"
 BAKED = "baked"  # what comes back must not be a sheet itself
-ROLES = (SHEET, HANDLE, CLAMP, COLLIDER, CREASE)
+ROLES = (SHEET, HANDLE, CLAMP, COLLIDER, CREASE, WIND)
 
 
 def matched(name):
@@ -24,13 +24,15 @@ def role(thing):
         return SHEET
     if thing.type == "MESH" and begins_with(thing.name, CREASE):
         return CREASE
+    if is_wind(thing):
+        return WIND
     return next((prefix for prefix in (HANDLE, CLAMP) if begins_with(thing.name, prefix)), None)
 
 
 def is_wind(thing):
     """As formats/scene/scene_winds.h says: wind, wind.001, wind_left; windmill only with a speed."""
     name = matched(thing.name)
-    return thing.type == "EMPTY" and name.startswith("wind") and (not name[4:5].isalpha() or "paper_speed" in thing)
+    return thing.type == "EMPTY" and name.startswith(WIND) and (not name[4:5].isalpha() or "paper_speed" in thing)
 
 
 def of_role(scene, wanted):

@@ -4,9 +4,10 @@ import textwrap
 
 import bpy
 
-from . import baking, names, properties, scene_export
+from . import baking, messages, names, properties, scene_export
 
 MESSAGE_WIDTH = 42  # letters a line
+COLLIDER_TEXT = "Solid where it is closed; its motion, bones and shape keys are followed."
 
 
 class Panel:
@@ -23,9 +24,10 @@ class SheetPanel(Panel, bpy.types.Panel):
         column.operator("paperbake.mark_handles", icon="PINNED")
         column.operator("paperbake.mark_collider", icon="MESH_CUBE")
         column.operator("paperbake.mark_creases", icon="MOD_BEVEL")
+        column.operator("paperbake.mark_wind", icon="FORCE_WIND")
         column.operator("paperbake.unmark", icon="X")
         counts = {role: len(names.of_role(context.scene, role)) for role in names.ROLES}
-        self.layout.label(text=f"{counts[names.SHEET]} sheet(s), {counts[names.HANDLE]} handle(s), {counts[names.COLLIDER]} collider(s), {counts[names.CREASE]} crease(s)")
+        self.layout.label(text=f"{counts[names.SHEET]} sheet(s), {counts[names.HANDLE]} handle(s), {counts[names.COLLIDER]} collider(s), {counts[names.CREASE]} crease(s), {counts[names.WIND]} wind(s)")
         thing = context.object
         role = names.role(thing) if thing else None
         if role == names.SHEET:
@@ -38,7 +40,13 @@ class SheetPanel(Panel, bpy.types.Panel):
             if "paper_crease" in thing:
                 box.prop(thing, '["paper_crease"]', text="Rest angle")
         elif role == names.COLLIDER:
-            self.draw_collider(thing)
+            self.draw_collider(context.scene, thing)
+        elif role == names.WIND:
+            box = self.layout.box()
+            box.label(text=thing.name, icon="FORCE_WIND")
+            for key, (label, _) in properties.WIND.items():
+                if key in thing:
+                    box.prop(thing, f'["{key}"]', text=label)
 
     def draw_sheet(self, thing):
         box = self.layout.box()
@@ -48,10 +56,10 @@ class SheetPanel(Panel, bpy.types.Panel):
         box.prop(thing.paperbake, "preset")
         box.prop(thing.paperbake, "seed")
 
-    def draw_collider(self, thing):
+    def draw_collider(self, scene, thing):
         box = self.layout.box()
         box.label(text=thing.name, icon="MESH_CUBE")
-        for line in textwrap.wrap(scene_export.not_followed(thing) or "Solid where it is closed; it may be moved, but not deformed.", MESSAGE_WIDTH):
+        for line in textwrap.wrap(scene_export.not_followed(thing, not scene_export.has_shapes(scene)) or COLLIDER_TEXT, MESSAGE_WIDTH):
             box.label(text=line)
 
     def draw_handle(self, thing):
@@ -86,6 +94,8 @@ class BakePanel(Panel, bpy.types.Panel):
             layout.operator("paperbake.cancel", icon="CANCEL")
         else:
             layout.operator("paperbake.bake", icon="RENDER_ANIMATION")
+            layout.operator("paperbake.draft", icon="PLAY")
+            layout.operator("paperbake.delete_cache", icon="TRASH")
         self.draw_outcome(layout)
 
     def draw_outcome(self, layout):
@@ -94,6 +104,7 @@ class BakePanel(Panel, bpy.types.Panel):
         outcome, page, box = baking.last.outcome, baking.last.report(), layout.box()
         for i, line in enumerate(textwrap.wrap(outcome.sentence, MESSAGE_WIDTH)):
             box.label(text=line, icon=("NONE" if i else outcome.level if outcome.level != "WARNING" else "ERROR"))
+        box.label(text=f"Text block: {messages.NAME}", icon="TEXT")
         if page:
             box.operator("wm.url_open", text="Report", icon="URL").url = page.as_uri()
 

@@ -5,6 +5,7 @@ import json
 import os
 import pathlib
 import queue
+import re
 import shutil
 import subprocess
 import threading
@@ -16,7 +17,8 @@ KILL_AFTER = 3.0  # [s] without an answer to SIGTERM
 GATE_MISSED, STOPPED = 4, 5
 
 Grade = collections.namedtuple("Grade", "name description")
-Outcome = collections.namedtuple("Outcome", "level sentence loads")  # level: INFO, WARNING or ERROR; loads: there is a cache to look at
+# level: INFO, WARNING or ERROR; loads: there is a cache to look at; told: what the sentence is made of, one by one
+Outcome = collections.namedtuple("Outcome", "level sentence loads told", defaults=((),))
 
 
 class Unusable(Exception):
@@ -165,6 +167,17 @@ def progress_text(process):
     return f"{verb} frame {process.last['frame']} ({process.last['done']} of {process.last['frames']}), {left // 60}:{left % 60:02} left"
 
 
+def named(sentence):
+    """The objects and files that a sentence names, in quotes."""
+    return set(re.findall(r'"([^"]+)"', sentence))
+
+
+def explaining_first(warnings, gates):
+    """The warnings; those first that name what a missed gate names too."""
+    missed = set().union(*(named(gate) for gate in gates))
+    return sorted(warnings, key=lambda warning: not named(warning) & missed)
+
+
 def outcome(code, process, summary, fresh):
     """What an exit code means for the artist.
 
@@ -178,11 +191,12 @@ def outcome(code, process, summary, fresh):
     if code == GATE_MISSED:
         missed = summary.get("gates_missed") or process.gates
         # what was warned of beforehand explains what was missed
-        return Outcome("WARNING", " ".join([*process.messages, "Baked, but less well than asked for:", *missed]), fresh)
+        told = (*explaining_first(process.messages, missed), "Baked, but less well than asked for:", *missed)
+        return Outcome("WARNING", " ".join(told), fresh, told)
     if code == 0:
         worst = summary.get("stretch_mean_pct", {}).get("max", 0.0)
-        said = f" {' '.join(process.messages)}" if process.messages else ""
-        return Outcome("WARNING" if said else "INFO", f"Baked {summary.get('frames', 0)} frames, length error {worst:.2g} %.{said}", fresh)
+        told = (f"Baked {summary.get('frames', 0)} frames, length error {worst:.2g} %.", *process.messages)
+        return Outcome("WARNING" if process.messages else "INFO", " ".join(told), fresh, told)
     if code < 0:
         return Outcome("ERROR", ended_by(code), False)
     return Outcome("ERROR", one_line(process.error) or f"paperbake ended with code {code} and said nothing.", fresh)

@@ -14,6 +14,10 @@ SETTINGS = {  # of handles, optional: property -> (label, what it is without, va
     "paper_radius": ("Radius [m]", "finger, when alone", 0.01),
     "paper_stiffness": ("Spring [N/m]", "hard", 500.0),
 }
+WIND = {  # of winds: property -> (label, value to begin with)
+    "paper_speed": ("Speed [m/s]", 2.0),
+    "paper_gust": ("Gusts [m/s]", 0.0),
+}
 MODES = [("absolute", "Absolute", "The sheet's point goes where the handle is"),
          ("relative", "Relative", "The sheet's point moves as the handle moves from its grab frame on")]
 
@@ -60,7 +64,7 @@ _items = {}  # Blender keeps no reference to the strings of a list that a functi
 def grade_items(self, context):
     """The program's grades, and the one the sheet has when the program does not know it: a preset file, or another version's."""
     try:
-        listed = [(g.name, g.name, g.description) for g in grades_of(program.located(program_path()))]
+        listed = [(g.name, f"{g.name} ({g.description})", g.description) for g in grades_of(program.located(program_path()))]
     except program.Unusable:
         listed = []
     own = self.id_data.get("paper_preset")

@@ -27,7 +27,7 @@ def rigs(thing):
 def relevant(scene):
     """Every marked object, armatures with marked bones, and those that deform colliders."""
     deforming = [rig for thing in names.of_role(scene, names.COLLIDER) for rig in rigs(thing)]
-    return [thing for thing in scene.objects if names.role(thing) or names.is_wind(thing) or has_marked_bones(thing) or thing in deforming]
+    return [thing for thing in scene.objects if names.role(thing) or has_marked_bones(thing) or thing in deforming]
 
 
 def has_shapes(scene):

@@ -103,7 +103,7 @@ class Verifier {
     return summary.at("failure").is_null() &&
            std::any_of(files.items().begin(), files.items().end(), [](const auto& file) {
              const std::string extension = fs::path(file.key()).extension().string();
-             return extension == ".usda" || extension == ".pc2";
+             return extension == ".usda" || extension == ".usdc" || extension == ".pc2";
            });
   }
 

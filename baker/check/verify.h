@@ -24,8 +24,8 @@ struct Verification {
 /// from the files alone, and compares: lengths to 0.001 %, places and depths to 0.001 mm, crossings
 /// and hashes exactly. Every file that the bake wrote is looked at to its last byte. A folder
 /// without a whole certificate, or without a cache, is a difference, not an error. Of a bake that
-/// has only a .usda or .pc2, bytes are compared. throws Error(ErrorCode::command) when there is no
-/// such folder
+/// has only a .usda, .usdc or .pc2, bytes are compared. throws Error(ErrorCode::command) when there
+/// is no such folder
 Verification verify(const std::filesystem::path& folder);
 
 /// For people, and as JSON: {agrees, frames, files, first_frame_off, differences: [{frame, file,

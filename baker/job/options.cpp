@@ -120,7 +120,7 @@ std::vector<Option> scene_and_method() {
                       "file, without its ending (of the scene, if the job file is called job.toml)",
                       [](auto& s, auto& text, auto& place) { s.name = checked_name(text, place); }),
       with_default({"root", K::text}, "/shot",
-                   "Prim of the .usda below which the sheets are, such as /World/letter",
+                   "Prim of the USD layer below which the sheets are, such as /World/letter",
                    [](auto& s, auto& text, auto& place) { s.root = checked_root(text, place); }),
       without_default({"preset", K::text}, "copy70",
                       "Paper grade (see `paperbake presets`) or a preset file; overrides the paper "
@@ -178,6 +178,9 @@ std::vector<Option> meshes_and_physics() {
           {{"draft", Quality::draft}, {"shot", Quality::shot}, {"hero", Quality::hero}}, "shot",
           "Edge length of the render mesh, for a sheet of 0.2 m: draft 5 mm, shot 2 mm, hero 1 mm"),
       formats_option(),
+      word<bool>("guides", &BakeSettings::guides, {{"off", false}, {"on", true}}, "off",
+                 "Add the singular points and the folds to .abc and USD, as points and curves with "
+                 "id, frame of birth and angle"),
       without_default({"gravity", K::number}, "0",
                       "Gravity in m/s2, positive downwards; otherwise paper_gravity of the scene, "
                       "or 0",

@@ -531,6 +531,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   BakePlan plan;
   plan.name = settings.name.empty() ? settings.scene.stem().string() : settings.name;
   plan.root = settings.root;
+  plan.guides = settings.guides;
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;

@@ -43,6 +43,7 @@ struct BakePlan {
   // stem of the scene or job file: the names of the output files begin with it
   std::string name;
   std::string root;                  // BakeSettings::root
+  bool guides = false;               // BakeSettings::guides
   std::vector<Shot> shots;           // one a sheet
   std::vector<unsigned> seeds;       // of each sheet
   std::vector<std::string> presets;  // of each sheet

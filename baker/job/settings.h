@@ -79,6 +79,7 @@ struct BakeSettings {
   std::optional<FrameSpan> frames;
   // one for the whole shot, or as it is simulated
   CacheMesh mesh = CacheMesh::render;
+  bool guides = false;              // singular points and folds in the caches
   Quality quality = Quality::shot;  // of the render mesh
   std::set<std::string> formats = default_formats();
   int map_size = 1024;  // [texels]

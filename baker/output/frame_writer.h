@@ -67,6 +67,8 @@ class FrameWriter {
 std::unique_ptr<FrameWriter> make_alembic_writer(const WriterInput&);
 /// NAME.usda, all sheets.
 std::unique_ptr<FrameWriter> make_usd_writer(const WriterInput&);
+/// NAME.usdc, the same in binary form.
+std::unique_ptr<FrameWriter> make_usdc_writer(const WriterInput&);
 /// NAME[.SHEET].pc2 and NAME[.SHEET].rest.obj, one pair for each sheet.
 std::unique_ptr<FrameWriter> make_pc2_writer(const WriterInput&);
 /// report.html, written when the bake has ended.

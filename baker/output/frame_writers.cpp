@@ -54,9 +54,9 @@ class AlembicFrameWriter : public FrameWriter {
 
 class UsdFrameWriter : public FrameWriter {
  public:
-  explicit UsdFrameWriter(const WriterInput& input)
-      : file_(input.plan.name + ".usda"),
-        writer_(input.folder / file_, cache_info(input.plan), sheet_names(input.plan)) {}
+  UsdFrameWriter(const WriterInput& input, UsdEncoding encoding)
+      : file_(input.plan.name + (encoding == UsdEncoding::text ? ".usda" : ".usdc")),
+        writer_(input.folder / file_, encoding, cache_info(input.plan), sheet_names(input.plan)) {}
 
   std::string file(std::size_t) const override { return file_; }
   bool stores_crease_attributes() const override { return true; }
@@ -170,7 +170,11 @@ std::unique_ptr<FrameWriter> make_alembic_writer(const WriterInput& input) {
 }
 
 std::unique_ptr<FrameWriter> make_usd_writer(const WriterInput& input) {
-  return std::make_unique<UsdFrameWriter>(input);
+  return std::make_unique<UsdFrameWriter>(input, UsdEncoding::text);
+}
+
+std::unique_ptr<FrameWriter> make_usdc_writer(const WriterInput& input) {
+  return std::make_unique<UsdFrameWriter>(input, UsdEncoding::crate);
 }
 
 std::unique_ptr<FrameWriter> make_pc2_writer(const WriterInput& input) {

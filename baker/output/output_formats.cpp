@@ -14,6 +14,7 @@ const std::vector<OutputFormat>& output_formats() {
       {"report", "report.html", "page with animation, curves and maps", true, false,
        make_report_writer},
       {"usd", "NAME.usda", "USD layer of all sheets", false, false, make_usd_writer},
+      {"usdc", "NAME.usdc", "the same in binary form", false, false, make_usdc_writer},
       {"pc2", "NAME.pc2", "point cache of each sheet with its NAME.rest.obj", false, true,
        make_pc2_writer},
       {"preview", "NAME.preview.png", "picture of up to 16 frames", false, false,

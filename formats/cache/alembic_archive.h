@@ -17,7 +17,16 @@
 namespace paperbake::alembic {
 
 enum class PropertyType : std::uint32_t { compound = 0, scalar = 1, array = 2 };
-enum class Pod : std::uint32_t { boolean = 0, u32 = 5, i32 = 6, f32 = 10, f64 = 11, text = 12 };
+enum class Pod : std::uint32_t {
+  boolean = 0,
+  u8 = 1,
+  u32 = 5,
+  i32 = 6,
+  u64 = 7,
+  f32 = 10,
+  f64 = 11,
+  text = 12
+};
 // index of a time sampling of the archive; identity is for values that do not change
 enum class TimeSampling : std::uint32_t { identity = 0, frames = 1 };
 

@@ -31,13 +31,15 @@ std::string legal_name(std::string name) {
 std::vector<Mesh> meshes_named(const std::vector<std::string>& names) {
   std::vector<Mesh> meshes;
   std::set<std::string> taken;
-  for (const std::string& name : names) {
-    const std::string legal = legal_name(name);
+  // "a.b" and "a_b" become the same name
+  const auto own_label = [&](const std::string& legal) {
     std::string label = legal;
-    // "a.b" and "a_b" become the same name
     for (int n = 2; !taken.insert(label).second; ++n) label = legal + "_" + std::to_string(n);
-    meshes.push_back({name, label, {}, nullptr});
-  }
+    return label;
+  };
+  for (const std::string& name : names) meshes.push_back({name, own_label(legal_name(name))});
+  for (Mesh& mesh : meshes)
+    mesh.guide_labels = {own_label(mesh.label + "_points"), own_label(mesh.label + "_folds")};
   return meshes;
 }
 
@@ -105,7 +107,9 @@ struct AlembicWriter::Impl {
   /// Removes the last frame from the file.
   void drop_last() {
     alembic::truncate(archive, added.back().begin);
-    meshes[added.back().sheet].frames.pop_back();
+    Mesh& mesh = meshes[added.back().sheet];
+    mesh.frames.pop_back();
+    mesh.guides.resize(std::min(mesh.guides.size(), mesh.frames.size()));
     added.pop_back();
   }
 };
@@ -137,6 +141,7 @@ std::string AlembicWriter::add_frame(std::size_t sheet, const CacheFrame& frame)
   try {
     mesh.frames.push_back(alembic::store_frame(impl_->archive, frame, mesh));
     mesh.surface = frame.surface;
+    if (frame.guides) mesh.guides.push_back(alembic::store_guides(impl_->archive, *frame.guides));
   } catch (const Error&) {
     alembic::truncate(impl_->archive, begin);
     throw;

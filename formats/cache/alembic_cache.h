@@ -7,6 +7,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -29,6 +30,16 @@ struct CacheLayer {
   Eigen::VectorXd values;  // |V|
 };
 
+/// Singular points and folds of a sheet at one frame, those born so far. They are for artists, who
+/// draw, scatter or cut along them; they are not paper and are not rendered.
+struct CacheGuides {
+  Points3 points;                                   // [m] the singular points, in order of birth
+  std::vector<int> point_id, point_birth;           // from 1, as in singular.csv; frame of birth
+  Points3 folds;                                    // [m] polylines, one after another
+  Eigen::VectorXd angle;                            // [rad] of each of these points, now; signed
+  std::vector<int> fold_size, fold_id, fold_birth;  // of each polyline: points, number, frame
+};
+
 /// One frame of one mesh in world space: z up, metres, counter-clockwise faces. The Alembic writer
 /// converts it to y up and clockwise faces. Vertices and triangles may change from frame to frame.
 struct CacheFrame {
@@ -48,13 +59,16 @@ struct CacheFrame {
   // uv sets and materials of the artist, or null; their number and names never change, and frames
   // with the same pointer have the same
   std::shared_ptr<const MeshSurface> surface;
+  std::optional<CacheGuides> guides;  // all frames have them, or none
 };
 
 /// Writes an Alembic (Ogawa) file with an Xform and a PolyMesh for each sheet, frame by frame. The
 /// file is NAME.part until finish() gives it its name; without finish() the destructor deletes it.
 ///
 /// The first uv set of the artist is `uv`, the others are named parameters. The pattern is a named
-/// parameter `pattern`, and `uv` where the artist has none. Every material is a face set.
+/// parameter `pattern`, and `uv` where the artist has none. Every material is a face set. Guides are
+/// Points `NAME_points` and linear Curves `NAME_folds`, each below an Xform beside that of the
+/// sheet, with the parameters `point_id` or `fold_id`, `birth` and, at the points of a curve, `angle`.
 ///
 /// Sample i has the time (first_frame + i frame_step) / fps in seconds. Numbers are stored as
 /// 32-bit floats. The same calls write the same bytes. A value that has been stored before, for

@@ -6,15 +6,10 @@ namespace paperbake::alembic {
 namespace {
 
 // Metadata of the AbcGeom schemas: readers recognise meshes and their channels only by these texts.
-constexpr const char* xform_object =
-    "schema=AbcGeom_Xform_v3;schemaObjTitle=AbcGeom_Xform_v3:.xform";
-constexpr const char* xform_schema = "schema=AbcGeom_Xform_v3";
 constexpr const char* mesh_object =
     "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_PolyMesh_"
     "v1:.geom";
 constexpr const char* mesh_schema = "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1";
-constexpr const char* box_metadata = "interpretation=box";
-constexpr const char* point_metadata = "geoScope=vtx;interpretation=point";
 constexpr const char* velocity_metadata = "interpretation=vector";
 constexpr const char* normal_metadata =
     "arrayExtent=1;geoScope=vtx;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_"
@@ -35,16 +30,8 @@ constexpr const char* colour_metadata =
     "arrayExtent=1;geoScope=vtx;interpretation=rgba;isGeomParam=true;podExtent=4;podName=float32_t";
 
 using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
-using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 // ---- from a frame to samples
-
-Floats3 y_up(const Points3& rows) {
-  Floats3 turned(rows.rows(), 3);
-  turned << rows.col(0).cast<float>(), rows.col(2).cast<float>(), -rows.col(1).cast<float>();
-  turned.array() += 0.0f;  // -0 becomes 0, so that equal values have equal keys
-  return turned;
-}
 
 /// Grey levels: black where the sheet is flat, white where it is folded by a right angle or more.
 Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colours(const Eigen::VectorXd& crease) {
@@ -56,29 +43,6 @@ Eigen::Matrix<float, Eigen::Dynamic, 4, Eigen::RowMajor> colours(const Eigen::Ve
 
 /// The corners in reverse order: seen from its front, an Alembic face is clockwise.
 Triangles clockwise(const Triangles& triangles) { return triangles.rowwise().reverse(); }
-
-Box box_of(const Floats3& points) {
-  Box box;
-  for (Eigen::Index i = 0; i < points.rows(); ++i)
-    for (int axis = 0; axis < 3; ++axis) {
-      box.sides[axis] = std::min<double>(box.sides[axis], points(i, axis));
-      box.sides[axis + 3] = std::max<double>(box.sides[axis + 3], points(i, axis));
-    }
-  return box;
-}
-
-Box around(const Box& a, const Box& b) {
-  Box box;
-  for (int axis = 0; axis < 3; ++axis) {
-    box.sides[axis] = std::min(a.sides[axis], b.sides[axis]);
-    box.sides[axis + 3] = std::max(a.sides[axis + 3], b.sides[axis + 3]);
-  }
-  return box;
-}
-
-}  // namespace
-
-namespace {
 
 /// Stores the uv sets and materials of the artist.
 void store_surface(Archive& archive, const MeshSurface& surface, MeshFrame& samples) {
@@ -132,20 +96,6 @@ MeshFrame store_frame(Archive& archive, const CacheFrame& frame, const Mesh& mes
 
 namespace {
 
-Property animated(std::string name, std::string metadata, PropertyType type, Pod pod,
-                  std::uint32_t extent, std::vector<Sample> samples) {
-  return {std::move(name),      std::move(metadata), type, pod, extent,
-          TimeSampling::frames, std::move(samples),  {}};
-}
-
-Property compound(std::string name, std::string metadata, std::vector<Property> members) {
-  Property property;
-  property.name = std::move(name);
-  property.metadata = std::move(metadata);
-  property.members = std::move(members);
-  return property;
-}
-
 std::vector<Sample> column(const std::vector<MeshFrame>& frames, Sample MeshFrame::*channel) {
   std::vector<Sample> samples;
   for (const MeshFrame& frame : frames) samples.push_back(frame.*channel);
@@ -156,10 +106,6 @@ std::vector<Sample> column(const std::vector<MeshFrame>& frames, Sample MeshFram
 bool ever_given(const std::vector<MeshFrame>& frames, Sample MeshFrame::*channel) {
   return std::any_of(frames.begin(), frames.end(),
                      [&](const MeshFrame& f) { return (f.*channel).block != empty_data; });
-}
-
-Property box_property(const char* name, std::vector<Sample> samples) {
-  return animated(name, box_metadata, PropertyType::scalar, Pod::f64, 6, std::move(samples));
 }
 
 /// A text that may stand in metadata and as a name in the archive.
@@ -273,24 +219,11 @@ std::vector<Object> face_sets(const Mesh& mesh) {
   return sets;
 }
 
-/// The mesh below an Xform that carries the name and transforms nothing, as programs expect it.
+/// The mesh below an Xform of its name.
 Object sheet_object(Archive& archive, const Mesh& mesh) {
-  const char inherits = 1;
-  Property inherited{".inherits",
-                     "",
-                     PropertyType::scalar,
-                     Pod::boolean,
-                     1,
-                     TimeSampling::identity,
-                     {store(archive, {&inherits, 1})},
-                     {}};
-  std::vector<Property> transform{
-      box_property(".childBnds", column(mesh.frames, &MeshFrame::bounds)), inherited};
-  Object geom{mesh.label + "Shape", mesh_object, {geometry(archive, mesh)}, face_sets(mesh)};
-  return {mesh.label,
-          xform_object,
-          {compound(".xform", xform_schema, std::move(transform))},
-          {std::move(geom)}};
+  return below_xform(
+      archive, mesh.label, column(mesh.frames, &MeshFrame::bounds),
+      {mesh.label + "Shape", mesh_object, {geometry(archive, mesh)}, face_sets(mesh)});
 }
 
 }  // namespace
@@ -308,6 +241,9 @@ Object archive_object(Archive& archive, const std::vector<Mesh>& meshes, std::si
   if (frames > 0) root.properties.push_back(box_property(".childBnds", std::move(bounds)));
   for (const Mesh& mesh : meshes)
     if (!mesh.frames.empty()) root.children.push_back(sheet_object(archive, mesh));
+  for (const Mesh& mesh : meshes)
+    for (Object& guide : guide_objects(archive, mesh.guides, mesh.guide_labels))
+      root.children.push_back(std::move(guide));
   return root;
 }
 

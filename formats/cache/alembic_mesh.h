@@ -2,10 +2,11 @@
 
 #include "formats/cache/alembic_archive.h"
 #include "formats/cache/alembic_cache.h"
+#include "formats/cache/alembic_guides.h"
+#include "formats/cache/alembic_properties.h"
 
 #include <array>
 #include <cstddef>
-#include <limits>
 #include <memory>
 #include <string>
 #include <vector>
@@ -13,13 +14,6 @@
 /// Triangle meshes as the AbcGeom schemas of Alembic define them: the properties of a mesh, their
 /// types and their metadata.
 namespace paperbake::alembic {
-
-/// A bounding box.
-struct Box {
-  static constexpr double huge = std::numeric_limits<double>::max();
-  // [m] min x y z, max x y z, as in the file; initially empty, as readers expect of an empty mesh
-  std::array<double, 6> sides{huge, huge, huge, -huge, -huge, -huge};
-};
 
 /// The stored samples of one mesh at one frame.
 struct MeshFrame {
@@ -32,8 +26,10 @@ struct MeshFrame {
 
 struct Mesh {
   std::string name, label;  // as given by the caller, as written to the file
-  std::vector<MeshFrame> frames;
-  std::shared_ptr<const MeshSurface> surface;  // of the last frame; names are equal in all
+  std::vector<MeshFrame> frames = {};
+  std::shared_ptr<const MeshSurface> surface = {};  // of the last frame; names are equal in all
+  std::vector<GuideFrame> guides = {};              // of each frame, or none
+  GuideLabels guide_labels = {};
 };
 
 /// Stores the values of a frame in the file: y up, clockwise faces, 32-bit floats. With the same

@@ -170,6 +170,7 @@ struct AlembicReader::Impl {
     if (!geometry || geometry->type != PropertyType::compound)
       file.refuse("Sheet \"" + transform.name + "\" is not a mesh.");
     const std::vector<PropertyHeader> members = properties_of(file, geometry->block);
+    if (find(members, ".pointIds") || find(members, "nVertices")) return;  // guides
     Mesh mesh;
     mesh.points = channel(members, "P", Pod::f32, 3);
     mesh.indices = channel(members, ".faceIndices", Pod::i32, 1);

@@ -11,6 +11,7 @@
 namespace paperbake {
 
 /// Reads the caches of AlembicWriter: triangle meshes, each below an Xform that carries its name.
+/// Guides are passed over.
 /// It is not a general Alembic reader: what the writer does not write is refused. Every function
 /// returns or throws for any bytes whatsoever; it throws Error(ErrorCode::scene) with the file and
 /// what is wrong with it.

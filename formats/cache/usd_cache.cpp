@@ -1,60 +1,27 @@
 #include "formats/cache/usd_cache.h"
 
-#include "core/model/error.h"
-#include "formats/files/atomic_file.h"
+#include "formats/cache/usd_layer.h"
 
 #include <algorithm>
-#include <cstdio>
-#include <fmt/format.h>
-#include <iterator>
 #include <map>
 #include <set>
 
 namespace paperbake {
 namespace {
 
-/// Text that is kept in a temporary file until it can be written to the layer.
-class Spool {
- public:
-  Spool() : file_(std::tmpfile()) {
-    if (!file_)
-      throw Error(
-          ErrorCode::folder, "temporary files", "A temporary file cannot be created.",
-          "Check free space and write permission of the folder for temporary files (TMPDIR).");
-  }
-  ~Spool() { std::fclose(file_); }
-  Spool(const Spool&) = delete;
-  Spool& operator=(const Spool&) = delete;
+using usd::FloatArray;
+using usd::Prim;
+using usd::Property;
+using usd::Token;
 
-  void write(std::string_view text) {
-    if (std::fwrite(text.data(), 1, text.size(), file_) != text.size())
-      throw Error(
-          ErrorCode::folder, "temporary files", "A temporary file cannot be written.",
-          "Check free space and write permission of the folder for temporary files (TMPDIR).");
-  }
-  void copy_to(AtomicFile& out) {
-    std::rewind(file_);
-    char buffer[1 << 16];
-    while (const std::size_t count = std::fread(buffer, 1, sizeof buffer, file_))
-      out.write(buffer, count);
-  }
-
- private:
-  std::FILE* file_;
-};
-
-/// An attribute of a mesh over time.
-struct Attribute {
-  std::string declaration, interpolation;  // "point3f[] points"; "vertex" or empty
-  std::string first;                       // value in the first frame
-  bool varies = false;
-  std::unique_ptr<Spool> samples = std::make_unique<Spool>();
-};
+constexpr float guide_width = 5e-4f;  // [m] as viewers draw points and curves
 
 struct UsdSheet {
   std::string name, label;  // as given by the caller, as written to the file
-  std::vector<Attribute> attributes;
-  std::vector<Attribute> subsets;              // faces of each material
+  std::string points_label, folds_label;
+  std::vector<Property> attributes;
+  std::vector<Property> points, folds;         // attributes of the guides
+  std::vector<Property> subsets;               // faces of each material
   std::shared_ptr<const MeshSurface> surface;  // of the last frame; names are equal in all
   std::size_t frames = 0;
 };
@@ -78,67 +45,42 @@ std::vector<std::string> parts_of(const std::string& path) {
   return parts;
 }
 
-std::string quoted(const std::string& text) {
-  std::string result = "\"";
-  for (const char c : text)
-    if (c == '"' || c == '\\')
-      result += {'\\', c};
-    else
-      result += c == '\n' ? "\\n" : c >= 0 && c < ' ' ? " " : std::string(1, c);
-  return result + '"';
-}
+// ---- values; -0 becomes 0, so that equal values are stored once
 
-/// [(x, y, z), ...] with y up; each number has the fewest digits that read back as the same 32-bit
-/// float.
-std::string vectors(const Points3& rows) {
-  std::string text = "[";
-  auto out = std::back_inserter(text);
+FloatArray y_up(const Points3& rows) {
+  FloatArray array{3, {}};
+  array.values.reserve(static_cast<std::size_t>(rows.size()));
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
-    fmt::format_to(out, "{}({}, {}, {})", i ? ", " : "", float(rows(i, 0)) + 0.0f,
-                   float(rows(i, 2)) + 0.0f, float(-rows(i, 1)) + 0.0f);
-  return text + "]";
+    for (const double number : {rows(i, 0), rows(i, 2), -rows(i, 1)})
+      array.values.push_back(static_cast<float>(number) + 0.0f);
+  return array;
 }
 
-std::string pairs(const Points2& rows) {
-  std::string text = "[";
-  auto out = std::back_inserter(text);
+FloatArray pairs(const Points2& rows) {
+  FloatArray array{2, {}};
+  array.values.reserve(static_cast<std::size_t>(rows.size()));
   for (Eigen::Index i = 0; i < rows.rows(); ++i)
-    fmt::format_to(out, "{}({}, {})", i ? ", " : "", float(rows(i, 0)) + 0.0f,
-                   float(rows(i, 1)) + 0.0f);
-  return text + "]";
+    for (const double number : {rows(i, 0), rows(i, 1)})
+      array.values.push_back(static_cast<float>(number) + 0.0f);
+  return array;
 }
 
-std::string numbers(const Eigen::VectorXd& values) {
-  std::string text = "[";
-  auto out = std::back_inserter(text);
-  for (Eigen::Index i = 0; i < values.size(); ++i)
-    fmt::format_to(out, "{}{}", i ? ", " : "", float(values[i]) + 0.0f);
-  return text + "]";
+FloatArray numbers(const Eigen::VectorXd& values) {
+  FloatArray array{1, {}};
+  for (const double value : values) array.values.push_back(static_cast<float>(value) + 0.0f);
+  return array;
 }
 
-std::string integers(const Triangles& triangles) {
-  std::string text = "[";
-  auto out = std::back_inserter(text);
-  for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-    fmt::format_to(out, "{}{}, {}, {}", t ? ", " : "", triangles(t, 0), triangles(t, 1),
-                   triangles(t, 2));
-  return text + "]";
+std::vector<int> integers(const Triangles& triangles) {
+  return {triangles.data(), triangles.data() + triangles.size()};
 }
 
 /// The faces that have a material.
-std::string faces_of(const MeshSurface& surface, std::size_t material) {
-  std::string text = "[";
-  auto out = std::back_inserter(text);
+std::vector<int> faces_of(const MeshSurface& surface, std::size_t material) {
+  std::vector<int> faces;
   for (std::size_t t = 0; t < surface.material_of.size(); ++t)
-    if (surface.material_of[t] == static_cast<int>(material))
-      fmt::format_to(out, "{}{}", text.size() > 1 ? ", " : "", t);
-  return text + "]";
-}
-
-std::string threes(Eigen::Index count) {
-  std::string text = "[";
-  for (Eigen::Index t = 0; t < count; ++t) text += t ? ", 3" : "3";
-  return text + "]";
+    if (surface.material_of[t] == static_cast<int>(material)) faces.push_back(static_cast<int>(t));
+  return faces;
 }
 
 Points3 corners_of_box(const Points3& x) {
@@ -149,34 +91,51 @@ Points3 corners_of_box(const Points3& x) {
   return box;
 }
 
+bool has_one_material(const MeshSurface& surface) {
+  return surface.materials.size() == 1 &&
+         std::find(surface.material_of.begin(), surface.material_of.end(), -1) ==
+             surface.material_of.end();
+}
+
 }  // namespace
 
 struct UsdWriter::Impl {
-  AtomicFile file;
+  std::unique_ptr<usd::Encoder> encoder;
   CacheInfo info;
   std::vector<UsdSheet> sheets;
 
-  void add(UsdSheet& sheet, const std::string& declaration, const std::string& interpolation,
-           std::string value) {
-    auto known = std::find_if(sheet.attributes.begin(), sheet.attributes.end(),
-                              [&](const Attribute& a) { return a.declaration == declaration; });
-    if (known == sheet.attributes.end()) {
-      known = sheet.attributes.insert(known, {declaration, interpolation, value});
-    }
+  Property constant(std::string type, std::string name, const usd::Value& value) {
+    return {std::move(type), std::move(name), {}, false, false, {{0, encoder->store(value)}}};
+  }
+
+  Property uniform(std::string type, std::string name, const usd::Value& value) {
+    Property property = constant(std::move(type), std::move(name), value);
+    property.uniform = true;
+    return property;
+  }
+
+  /// Adds the value that an attribute has in the present frame of the sheet.
+  void add(const UsdSheet& sheet, std::vector<Property>& attributes, const Property& attribute,
+           const usd::Value& value) {
+    auto known = std::find_if(attributes.begin(), attributes.end(),
+                              [&](const Property& a) { return a.name == attribute.name; });
+    if (known == attributes.end()) known = attributes.insert(known, attribute);
     add_sample(sheet, *known, value);
   }
 
-  void add_sample(const UsdSheet& sheet, Attribute& attribute, const std::string& value) {
-    if (value != attribute.first) attribute.varies = true;
-    const long frame = info.first_frame + info.frame_step * static_cast<long>(sheet.frames);
-    attribute.samples->write(fmt::format("            {}: {},\n", frame, value));
+  void add_sample(const UsdSheet& sheet, Property& attribute, const usd::Value& value) {
+    attribute.samples.push_back(
+        {info.first_frame + info.frame_step * static_cast<long>(sheet.frames),
+         encoder->store(value)});
   }
 
   /// Adds uv sets and materials of the artist.
   void add_surface(UsdSheet& sheet, const MeshSurface& surface) {
     const auto add_uv = [&](const std::string& name, const MeshSurface::UvSet& set) {
-      add(sheet, "texCoord2f[] primvars:" + name, "faceVarying", pairs(set.uv));
-      add(sheet, "int[] primvars:" + name + ":indices", "", integers(set.of_corner));
+      add(sheet, sheet.attributes, {"texCoord2f[]", "primvars:" + name, "faceVarying"},
+          pairs(set.uv));
+      add(sheet, sheet.attributes, {"int[]", "primvars:" + name + ":indices"},
+          integers(set.of_corner));
     };
     for (std::size_t n = 0; n < surface.uv_sets.size(); ++n) {
       const std::string name = identifier(surface.uv_sets[n].name);
@@ -184,113 +143,151 @@ struct UsdWriter::Impl {
       if (name != "st") add_uv(name, surface.uv_sets[n]);
     }
     for (std::size_t m = 0; m < surface.materials.size(); ++m) {
-      const std::string faces = faces_of(surface, m);
-      if (m == sheet.subsets.size()) sheet.subsets.push_back({"int[] indices", "", faces});
-      add_sample(sheet, sheet.subsets[m], faces);
+      if (m == sheet.subsets.size()) sheet.subsets.push_back({"int[]", "indices"});
+      add_sample(sheet, sheet.subsets[m], faces_of(surface, m));
     }
   }
 
   /// A material of the artist, which the layer has only the name of.
   std::string material_path(const std::string& material) const {
-    return "<" + info.root + "/materials/" + identifier(material) + ">";
+    return info.root + "/materials/" + identifier(material);
   }
 
-  static bool has_one_material(const MeshSurface& surface) {
-    return surface.materials.size() == 1 &&
-           std::find(surface.material_of.begin(), surface.material_of.end(), -1) ==
-               surface.material_of.end();
+  Property binding(const std::string& material) const {
+    Property relationship;
+    relationship.name = "material:binding";
+    relationship.target = material_path(material);
+    return relationship;
   }
 
-  void write_materials() {
+  void add_materials(std::vector<Prim>& prims) const {
     std::map<std::string, std::string> all;
     for (const UsdSheet& sheet : sheets)
       if (sheet.surface)
         for (const std::string& name : sheet.surface->materials)
           all.emplace(identifier(name), name);
     if (all.empty()) return;
-    file.write("    def Scope \"materials\"\n    {\n");
-    for (const auto& [label, name] : all)
-      file.write(fmt::format(
-          "        def Material \"{}\" (\n            displayName = {}\n        )\n        {{\n"
-          "        }}\n",
-          label, paperbake::quoted(name)));
-    file.write("    }\n");
+    Prim scope{"Scope", "materials"};
+    for (const auto& [label, name] : all) scope.children.push_back({"Material", label, "", name});
+    prims.push_back(std::move(scope));
   }
 
-  void write_properties(const AuthoredProperties& properties) {
+  void add_properties(Prim& mesh, const AuthoredProperties& properties) {
     for (const auto& [key, value] : properties) {
       const std::string name = "userProperties:" + identifier(key);
       if (const auto* text = std::get_if<std::string>(&value))
-        file.write(fmt::format("        custom string {} = {}\n", name, paperbake::quoted(*text)));
+        mesh.properties.push_back(constant("string", name, *text));
       else if (const auto* list = std::get_if<std::vector<double>>(&value))
-        file.write(
-            fmt::format("        custom double[] {} = [{}]\n", name, fmt::join(*list, ", ")));
+        mesh.properties.push_back(constant("double[]", name, *list));
       else
-        file.write(fmt::format("        custom double {} = {}\n", name, std::get<double>(value)));
+        mesh.properties.push_back(constant("double", name, std::get<double>(value)));
+      mesh.properties.back().custom = true;
     }
   }
 
-  void write_binding(UsdSheet& sheet) {
+  void bind_materials(Prim& mesh, const UsdSheet& sheet) {
     if (!sheet.surface || sheet.surface->materials.empty()) return;
     const std::vector<std::string>& materials = sheet.surface->materials;
-    if (has_one_material(*sheet.surface))
-      return file.write(
-          fmt::format("        rel material:binding = {}\n", material_path(materials.front())));
-    file.write("        uniform token subsetFamily:materialBind:familyType = \"nonOverlapping\"\n");
+    mesh.api_schemas = {"MaterialBindingAPI"};
+    if (has_one_material(*sheet.surface)) {
+      mesh.properties.push_back(binding(materials.front()));
+      return;
+    }
+    mesh.properties.push_back(
+        uniform("token", "subsetFamily:materialBind:familyType", Token{"nonOverlapping"}));
     for (std::size_t m = 0; m < materials.size(); ++m) {
-      file.write(
-          fmt::format("        def GeomSubset \"{}\" (\n            prepend apiSchemas = "
-                      "[\"MaterialBindingAPI\"]\n        )\n        {{\n        uniform "
-                      "token elementType = \"face\"\n        uniform token familyName = "
-                      "\"materialBind\"\n        rel material:binding = {}\n",
-                      identifier(materials[m]), material_path(materials[m])));
-      write(sheet.subsets[m]);
-      file.write("        }\n");
+      Prim subset{"GeomSubset", identifier(materials[m])};
+      subset.api_schemas = {"MaterialBindingAPI"};
+      subset.properties = {uniform("token", "elementType", Token{"face"}),
+                           uniform("token", "familyName", Token{"materialBind"}),
+                           binding(materials[m]), sheet.subsets[m]};
+      mesh.children.push_back(std::move(subset));
     }
   }
 
-  void write_mesh(UsdSheet& sheet) {
-    const bool bound = sheet.surface && !sheet.surface->materials.empty();
-    file.write(fmt::format("    def Mesh \"{}\" (\n        displayName = {}\n{}    )\n    {{\n",
-                           sheet.label, paperbake::quoted(sheet.name),
-                           bound ? "        prepend apiSchemas = [\"MaterialBindingAPI\"]\n" : ""));
-    file.write(
-        "        uniform token subdivisionScheme = \"none\"\n        uniform token orientation = "
-        "\"rightHanded\"\n        uniform bool doubleSided = 1\n");
-    for (Attribute& attribute : sheet.attributes) write(attribute);
-    if (sheet.surface) write_properties(sheet.surface->properties);
-    write_binding(sheet);
-    file.write("    }\n");
+  Prim mesh_of(const UsdSheet& sheet) {
+    Prim mesh{"Mesh", sheet.label, "", sheet.name};
+    mesh.properties = {uniform("token", "subdivisionScheme", Token{"none"}),
+                       uniform("token", "orientation", Token{"rightHanded"}),
+                       uniform("bool", "doubleSided", true)};
+    mesh.properties.insert(mesh.properties.end(), sheet.attributes.begin(), sheet.attributes.end());
+    if (sheet.surface) add_properties(mesh, sheet.surface->properties);
+    bind_materials(mesh, sheet);
+    return mesh;
   }
 
-  void write(Attribute& attribute) {
-    const std::string& d = attribute.declaration;
-    const std::string meaning =
-        attribute.interpolation.empty()
-            ? ""
-            : fmt::format(" (\n            interpolation = \"{}\"\n        )",
-                          attribute.interpolation);
-    if (!attribute.varies)
-      return file.write(fmt::format("        {} = {}{}\n", d, attribute.first, meaning));
-    if (!meaning.empty()) file.write(fmt::format("        {}{}\n", d, meaning));
-    file.write(fmt::format("        {}.timeSamples = {{\n", d));
-    attribute.samples->copy_to(file);
-    file.write("        }\n");
+  void add_guides(UsdSheet& sheet, const CacheGuides& guides) {
+    const auto point = [&](const char* type, const char* name, const char* interpolation,
+                           const usd::Value& value) {
+      add(sheet, sheet.points, {type, name, interpolation}, value);
+    };
+    point("float3[]", "extent", "", y_up(corners_of_box(guides.points)));
+    point("point3f[]", "points", "", y_up(guides.points));
+    point("int[]", "primvars:point_id", "vertex", guides.point_id);
+    point("int[]", "primvars:birth", "vertex", guides.point_birth);
+    const auto fold = [&](const char* type, const char* name, const char* interpolation,
+                          const usd::Value& value) {
+      add(sheet, sheet.folds, {type, name, interpolation}, value);
+    };
+    fold("float3[]", "extent", "", y_up(corners_of_box(guides.folds)));
+    fold("point3f[]", "points", "", y_up(guides.folds));
+    fold("int[]", "curveVertexCounts", "", guides.fold_size);
+    fold("int[]", "primvars:fold_id", "uniform", guides.fold_id);
+    fold("int[]", "primvars:birth", "uniform", guides.fold_birth);
+    fold("float[]", "primvars:angle", "vertex", numbers(guides.angle));
+  }
+
+  void append_guides(std::vector<Prim>& prims, const UsdSheet& sheet) {
+    if (sheet.points.empty()) return;
+    Prim points{"Points", sheet.points_label}, folds{"BasisCurves", sheet.folds_label};
+    points.properties = sheet.points;
+    folds.properties = sheet.folds;
+    folds.properties.push_back(uniform("token", "type", Token{"linear"}));
+    folds.properties.push_back(uniform("token", "wrap", Token{"nonperiodic"}));
+    for (Prim* prim : {&points, &folds}) {
+      Property width = constant("float[]", "widths", FloatArray{1, {guide_width}});
+      width.interpolation = "constant";
+      prim->properties.push_back(width);
+      prim->properties.push_back(uniform("token", "purpose", Token{"guide"}));
+      prims.push_back(std::move(*prim));
+    }
+  }
+
+  /// The prims of the path `root`, the innermost with these children.
+  Prim below_root(std::vector<Prim> children) const {
+    const std::vector<std::string> names = parts_of(info.root);
+    Prim prim{"Xform", names.back(), "component"};
+    prim.children = std::move(children);
+    for (auto name = names.rbegin() + 1; name < names.rend(); ++name) {
+      Prim parent{"Xform", *name, "group"};
+      parent.children.push_back(std::move(prim));
+      prim = std::move(parent);
+    }
+    return prim;
   }
 };
 
-UsdWriter::UsdWriter(const std::filesystem::path& path, const CacheInfo& info,
+UsdWriter::UsdWriter(const std::filesystem::path& path, UsdEncoding encoding, const CacheInfo& info,
                      const std::vector<std::string>& sheet_names)
-    : impl_(new Impl{AtomicFile(path), info, {}}) {
+    : impl_(new Impl{encoding == UsdEncoding::text ? usd::make_text_encoder(path)
+                                                   : usd::make_crate_encoder(path),
+                     info,
+                     {}}) {
   std::set<std::string> taken;
+  const auto own_label = [&](const std::string& name) {
+    std::string label = name;
+    for (int n = 2; !taken.insert(label).second; ++n) label = name + "_" + std::to_string(n);
+    return label;
+  };
   for (const std::string& name : sheet_names) {
-    std::string label = identifier(name);
-    for (int n = 2; !taken.insert(label).second; ++n)
-      label = identifier(name) + "_" + std::to_string(n);
     UsdSheet sheet;
     sheet.name = name;
-    sheet.label = label;
+    sheet.label = own_label(identifier(name));
     impl_->sheets.push_back(std::move(sheet));
+  }
+  for (UsdSheet& sheet : impl_->sheets) {
+    sheet.points_label = own_label(sheet.label + "_points");
+    sheet.folds_label = own_label(sheet.label + "_folds");
   }
 }
 
@@ -298,59 +295,53 @@ UsdWriter::~UsdWriter() = default;
 
 void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
   UsdSheet& sheet = impl_->sheets.at(number);
-  const auto add = [&](const char* declaration, const char* interpolation, std::string value) {
-    impl_->add(sheet, declaration, interpolation, std::move(value));
+  const auto add = [&](const char* type, const std::string& name, const char* interpolation,
+                       const usd::Value& value) {
+    impl_->add(sheet, sheet.attributes, {type, name, interpolation}, value);
   };
-  add("float3[] extent", "", vectors(corners_of_box(frame.x)));
-  add("int[] faceVertexCounts", "", threes(frame.triangles.rows()));
-  add("int[] faceVertexIndices", "", integers(frame.triangles));
-  add("point3f[] points", "", vectors(frame.x));
-  if (frame.velocity.rows() > 0) add("vector3f[] velocities", "", vectors(frame.velocity));
+  add("float3[]", "extent", "", y_up(corners_of_box(frame.x)));
+  add("int[]", "faceVertexCounts", "",
+      std::vector<int>(static_cast<std::size_t>(frame.triangles.rows()), 3));
+  add("int[]", "faceVertexIndices", "", integers(frame.triangles));
+  add("point3f[]", "points", "", y_up(frame.x));
+  if (frame.velocity.rows() > 0) add("vector3f[]", "velocities", "", y_up(frame.velocity));
   if (frame.normal_of_corner.rows() > 0) {
-    add("normal3f[] primvars:normals", "faceVarying", vectors(frame.normal));
-    add("int[] primvars:normals:indices", "", integers(frame.normal_of_corner));
+    add("normal3f[]", "primvars:normals", "faceVarying", y_up(frame.normal));
+    add("int[]", "primvars:normals:indices", "", integers(frame.normal_of_corner));
   } else if (frame.normal.rows() > 0) {
-    add("normal3f[] normals", "vertex", vectors(frame.normal));
+    add("normal3f[]", "normals", "vertex", y_up(frame.normal));
   }
-  if (frame.crease.size() > 0) add("float[] primvars:crease", "vertex", numbers(frame.crease));
+  if (frame.crease.size() > 0) add("float[]", "primvars:crease", "vertex", numbers(frame.crease));
   for (const CacheLayer& layer : frame.layers)
-    add(("float[] primvars:" + layer.name).c_str(), "vertex", numbers(layer.values));
+    add("float[]", "primvars:" + layer.name, "vertex", numbers(layer.values));
   if (frame.uv.rows() > 0) {
-    const std::string pattern = pairs(frame.uv);
-    add("texCoord2f[] primvars:pattern", "vertex", pattern);
+    add("texCoord2f[]", "primvars:pattern", "vertex", pairs(frame.uv));
     if (!frame.surface || frame.surface->uv_sets.empty())
-      add("texCoord2f[] primvars:st", "vertex", pattern);
+      add("texCoord2f[]", "primvars:st", "vertex", pairs(frame.uv));
   }
   if (frame.surface && frame.surface != sheet.surface) impl_->add_surface(sheet, *frame.surface);
   sheet.surface = frame.surface;
+  if (frame.guides) impl_->add_guides(sheet, *frame.guides);
   ++sheet.frames;
 }
 
 void UsdWriter::finish() {
-  AtomicFile& file = impl_->file;
   const CacheInfo& info = impl_->info;
+  usd::Layer layer;
   std::size_t frames = 0;
   for (const UsdSheet& sheet : impl_->sheets) frames = std::max(frames, sheet.frames);
-  std::string metadata;
-  for (const auto& [key, value] : info.metadata)
-    metadata += fmt::format("        string {} = {}\n", identifier(key), quoted(value));
-  const std::vector<std::string> prims = parts_of(info.root);
-  file.write(fmt::format(
-      "#usda 1.0\n(\n    customLayerData = {{\n{}    }}\n    defaultPrim = \"{}\"\n    "
-      "endTimeCode = {}\n    framesPerSecond = {}\n"
-      "    metersPerUnit = 1\n    startTimeCode = {}\n    timeCodesPerSecond = {}\n    upAxis = "
-      "\"Y\"\n)\n",
-      metadata, prims.front(),
-      info.first_frame + info.frame_step * (frames ? static_cast<long>(frames) - 1 : 0), info.fps,
-      info.first_frame, info.fps));
-  for (const std::string& prim : prims)
-    file.write(fmt::format("\ndef Xform \"{}\" (\n    kind = \"{}\"\n)\n{{\n", prim,
-                           &prim == &prims.back() ? "component" : "group"));
-  for (UsdSheet& sheet : impl_->sheets)
-    if (sheet.frames > 0) impl_->write_mesh(sheet);
-  impl_->write_materials();
-  for (std::size_t k = 0; k < prims.size(); ++k) file.write("}\n");
-  file.commit();
+  for (const auto& [key, value] : info.metadata) layer.metadata.push_back({identifier(key), value});
+  layer.fps = info.fps;
+  layer.first_frame = info.first_frame;
+  layer.last_frame =
+      info.first_frame + info.frame_step * (frames ? static_cast<long>(frames) - 1 : 0);
+  std::vector<Prim> prims;
+  for (const UsdSheet& sheet : impl_->sheets)
+    if (sheet.frames > 0) prims.push_back(impl_->mesh_of(sheet));
+  for (const UsdSheet& sheet : impl_->sheets) impl_->append_guides(prims, sheet);
+  impl_->add_materials(prims);
+  layer.root = impl_->below_root(std::move(prims));
+  impl_->encoder->finish(layer);
 }
 
 }  // namespace paperbake

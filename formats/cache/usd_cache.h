@@ -9,22 +9,25 @@
 
 namespace paperbake {
 
-/// Writes the frames of AlembicWriter as a USD layer in text form (.usda): a mesh ROOT/SHEET for
-/// each sheet, y up, metres, time codes = frame numbers, velocities in m/s, primvars:crease in
-/// radians, and a primvar for each CacheLayer. The pattern is primvars:pattern. The uv sets of the
-/// artist are primvars of their names, the first one also primvars:st, which is the pattern where
-/// the artist has none. Materials are bound, to empty ones of the same names in ROOT/materials, for
-/// the whole mesh or by subsets of its faces. A value that is equal in all frames is stored once. A
-/// layer lists the samples of one attribute after another, so those of each attribute are spooled
-/// to a temporary file of their own. The layer is an AtomicFile. The same calls write the same
-/// bytes.
-/// source  the usda format as OpenUSD 26 reads it
+/// The two encodings of a USD layer: .usda and .usdc. They hold the same.
+enum class UsdEncoding { text, crate };
+
+/// Writes the frames of AlembicWriter as a USD layer: a mesh ROOT/SHEET for each sheet, y up,
+/// metres, time codes = frame numbers, velocities in m/s, primvars:crease in radians, and a primvar
+/// for each CacheLayer. The pattern is primvars:pattern. The uv sets of the artist are primvars of
+/// their names, the first one also primvars:st, which is the pattern where the artist has none.
+/// Materials are bound, to empty ones of the same names in ROOT/materials, for the whole mesh or by
+/// subsets of its faces. Guides are Points `SHEET_points` and linear BasisCurves `SHEET_folds` of
+/// purpose "guide", with the primvars point_id or fold_id, birth and, at the points of a curve,
+/// angle. A value that is equal in all frames is stored once. Values are written as they come, the
+/// text to a temporary file at first; only their places are kept in memory. The layer is an
+/// AtomicFile. The same calls write the same bytes.
 class UsdWriter {
  public:
   /// Names become identifiers: characters other than ASCII letters and digits become `_`, and a
   /// name that begins with a digit gets one in front. throws Error(ErrorCode::folder) when the file
   /// cannot be created
-  UsdWriter(const std::filesystem::path&, const CacheInfo&,
+  UsdWriter(const std::filesystem::path&, UsdEncoding, const CacheInfo&,
             const std::vector<std::string>& sheet_names);
   ~UsdWriter();
 

@@ -35,6 +35,12 @@ bool overlap(const DetectedCrease& a, const DetectedCrease& b, double same) {
 
 }  // namespace
 
+CreaseThresholds crease_thresholds(const Paper& paper) {
+  CreaseThresholds thresholds;
+  thresholds.yield_curvature = 2 * paper.yield_strain / paper.thickness;
+  return thresholds;
+}
+
 std::vector<DetectedCrease> detect_creases(const Sheet& sheet, const Points3& plastic,
                                            const Pattern& pattern,
                                            const CreaseThresholds& thresholds) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/paper.h"
 #include "core/model/pattern.h"
 #include "core/model/sheet.h"
 
@@ -31,6 +32,9 @@ struct CreaseThresholds {
   // [1/m] 2 eps_y / h of the paper; only used in a simulation without plasticity
   double yield_curvature = 100;
 };
+
+/// The thresholds for a paper.
+CreaseThresholds crease_thresholds(const Paper&);
 
 /// The edges of the mesh that are creases in this frame.
 /// plastic_curvature  |V|x3 [1/m], or empty in a simulation without plasticity

@@ -228,7 +228,7 @@ def panels(context):
     layout = Layout()
     for kind in part("panel").CLASSES:
         panel = types.SimpleNamespace(layout=layout)
-        for name in ("draw_sheet", "draw_handle", "draw_outcome"):
+        for name in ("draw_sheet", "draw_handle", "draw_collider", "draw_outcome"):
             if hasattr(kind, name):
                 setattr(panel, name, types.MethodType(getattr(kind, name), panel))
         kind.draw(panel, context)

@@ -330,6 +330,8 @@ def test_what_is_not_followed_is_told(judgement):
     scene.paperbake.own_frames, scene.paperbake.first, scene.paperbake.last = True, FIRST, FIRST + 1
     result, said = report(bpy.ops.paperbake.bake)
     judgement.check(result == {"FINISHED"} and "collider.hand: its armature preserves volume" in said, f"a deformed collider: it says {said!r}")
+    layout = panels(types.SimpleNamespace(scene=scene, object=hand))
+    judgement.check("collider.hand" in layout.texts and any("preserves" in text for text in layout.texts), f"the panel of a collider says {layout.texts}")
     sheet = scene.objects["paper.Letter"]
     select(sheet)
     with heard() as said:
@@ -338,6 +340,65 @@ def test_what_is_not_followed_is_told(judgement):
         bpy.ops.paperbake.mark_sheet()
     judgement.check("2000 \u00d7 2800 mm: is it meant that large?" in said[0], f"a sheet of 2.8 m: it says {said[0]!r}")
     judgement.count("remarks", 2)
+
+
+def test_winds(judgement):
+    """Marked or added, they blow along their Z axis with the speed of the panel in what the program sees."""
+    scene = holding("winds")
+    arrow = empty("Fan", (0, 0, 1))
+    arrow.rotation_euler = (0, math.radians(90), 0)  # along +x
+    select(arrow)
+    with heard():
+        result = bpy.ops.paperbake.mark_wind()
+    names = part("names")
+    judgement.check(result == {"FINISHED"} and arrow.name == "wind.Fan" and names.role(arrow) == names.WIND, f"the wind is named {arrow.name}")
+    arrow["paper_speed"] = 3.5
+    layout = panels(types.SimpleNamespace(scene=scene, object=arrow))
+    judgement.check('["paper_speed"]' in layout.shown and any("1 wind(s)" in text for text in layout.texts), "no panel shows the wind")
+    with heard():
+        part("scene_export").write(scene, str(FOLDER / "winds" / "wind.glb"), LAST)
+    blown = FOLDER / "winds" / "blown"
+    subprocess.run([str(PROGRAM), "bake", str(FOLDER / "winds" / "wind.glb"), "-o", str(blown), "--frames", f"{FIRST}-{FIRST + 1}", "--formats", "cert"],
+                   capture_output=True, check=False)
+    settings = (blown / "job.lock.toml").read_text(encoding="utf-8")
+    judgement.check("wind blows" in settings, "the program sees no wind")
+    bpy.ops.object.select_all(action="DESELECT")
+    with heard():
+        bpy.ops.paperbake.mark_wind()
+    judgement.check("wind" in scene.objects and scene.objects["wind"].empty_display_type == "SINGLE_ARROW", "no wind was added")
+    select(arrow)
+    with heard():
+        bpy.ops.paperbake.unmark()
+    judgement.check(arrow.name == "Fan" and names.role(arrow) is None, "a wind that was unmarked blows on")
+
+
+def test_draft_messages_and_deletion(judgement):
+    """A draft beside the bake, shown; every sentence in the text block; the cache goes with its files, and nobody else's."""
+    scene = holding("drafted")
+    folder = FOLDER / "drafted" / "paperbake"
+    scene.paperbake.quality = "shot"
+    report(bpy.ops.paperbake.bake)
+    finished = (folder / "drafted.abc").read_bytes()
+    result, said = report(bpy.ops.paperbake.draft)
+    judgement.check(result == {"FINISHED"} and "Baked" in said, f"the draft says {said}")
+    judgement.check((folder / "drafted.abc").read_bytes() == finished, "the draft changes the bake")
+    paper = scene.objects["baked.paper.Letter"]
+    path = bpy.path.abspath(part("cache").reader(paper).cache_file.filepath)
+    judgement.check(pathlib.Path(path) == folder / "draft" / "drafted.abc", f"{path} is shown after a draft")
+    judgement.check(not (folder / "draft" / "maps").exists() and not (folder / "draft" / "report.html").exists(), "a draft has maps or a report")
+    lines = bpy.data.texts["Paperbake"].as_string().splitlines()
+    judgement.check(lines and lines[0].startswith("Baked 10 frames"), f"the text block says {lines}")
+    (folder / "notes.txt").write_text("mine", encoding="utf-8")
+    result, said = report(bpy.ops.paperbake.delete_cache)
+    judgement.check(result == {"FINISHED"} and "1 sheet(s)" in said, f"the deletion says {said}")
+    left = sorted(str(path.relative_to(folder)) for path in folder.rglob("*") if path.is_file())
+    judgement.check(left == ["notes.txt"], f"after the deletion there are {left}")
+    sheet = scene.objects["paper.Letter"]
+    judgement.check("baked.paper.Letter" not in scene.objects and not sheet.hide_render and not sheet.hide_get(), "the sheet is not in sight again")
+    judgement.check(not bpy.data.cache_files, "the cache is still in the file")
+    first = part("program").explaining_first(['the box "b" is open', 'The handle "handle.c" is 100 mm away'], ['Frame 3: the handle "handle.c" is off'])
+    judgement.check(first[0].startswith("The handle"), f"the warning that explains is not the first: {first}")
+    judgement.count("drafts", 1)
 
 
 def expect_error(judgement, what, *fragments):
@@ -537,7 +598,7 @@ def main():
     test_zip_installs(judgement)
     if not judgement.failures:
         use(PROGRAM)
-        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
+        for test in (test_bake, test_what_was_made_stays, test_creases, test_what_is_not_followed_is_told, test_winds, test_draft_messages_and_deletion, test_centimetres, test_two_sheets, test_failures_are_told, test_missed_gate_is_a_warning, test_failed_simulation,
                      test_cancel, test_deaf_program_is_killed, test_window, test_reader_of_maps):
             test(judgement)
     return judgement.conclude(f"Blender {bpy.app.version_string}", ("positions", "held places", "keyed places", "failures", "windows", "texels"))

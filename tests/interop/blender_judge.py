@@ -1,6 +1,6 @@
 """Judges a cache with Blender itself (PyPI: bpy 4.5, CPython 3.11): imports it and looks at every frame.
 
-    blender_judge.py FILE.abc|FILE.usda EXPECTED.json
+    blender_judge.py FILE.abc|FILE.usda|FILE.usdc EXPECTED.json
 
 Prints one line for each check that failed and exits with 1, or what was compared and exits with 0.
 EXPECTED.json is described in alembic_judge.py; metadata, and that "velocity" and "normal" are absent, is judged only there.
@@ -48,7 +48,7 @@ def imported(path):
     verdicts = os.dup(1)
     os.dup2(2, 1)
     try:
-        if str(path).endswith(".usda"):
+        if str(path).endswith((".usda", ".usdc")):
             return "FINISHED" in bpy.ops.wm.usd_import(filepath=os.path.abspath(path))
         return "FINISHED" in bpy.ops.wm.alembic_import(filepath=os.path.abspath(path), as_background_job=False)
     except RuntimeError:

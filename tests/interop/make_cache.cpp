@@ -1,10 +1,10 @@
 // Writes two caches and what foreign readers must find in them, for alembic_judge.py and
 // blender_judge.py:
 //
-//   make_cache FOLDER    ->  constant.abc .usda .json          two sheets: one turning, one that
+//   make_cache FOLDER    ->  constant.abc .usda .usdc .json    two sheets: one turning, one that
 //   jumps once and rests
 //                            constant.pc2 constant.rest.obj    the first of them
-//                            varying.abc .usda .json           one sheet that is cut anew at some
+//                            varying.abc .usda .usdc .json     one sheet that is cut anew at some
 //                            frames
 
 #include "core/model/error.h"
@@ -143,10 +143,13 @@ void write_case(const std::filesystem::path& stem, const CacheInfo& info,
   for (std::size_t f = 0; f < sheets[0].frames.size(); ++f)
     for (std::size_t i = 0; i < sheets.size(); ++i) writer.add_frame(i, sheets[i].frames[f]);
   writer.finish();
-  UsdWriter layer(stem.string() + ".usda", info, names);
-  for (std::size_t f = 0; f < sheets[0].frames.size(); ++f)
-    for (std::size_t i = 0; i < sheets.size(); ++i) layer.add_frame(i, sheets[i].frames[f]);
-  layer.finish();
+  for (const auto& [ending, encoding] :
+       {std::pair(".usda", UsdEncoding::text), std::pair(".usdc", UsdEncoding::crate)}) {
+    UsdWriter layer(stem.string() + ending, encoding, info, names);
+    for (std::size_t f = 0; f < sheets[0].frames.size(); ++f)
+      for (std::size_t i = 0; i < sheets.size(); ++i) layer.add_frame(i, sheets[i].frames[f]);
+    layer.finish();
+  }
 
   std::ofstream expected(stem.string() + ".json");
   expected.precision(17);

@@ -23,7 +23,7 @@ TEST(OutputFormatsTest, TheOptionKnowsEveryFormatOfTheTableAndDescribesIt) {
     EXPECT_EQ(settings.formats, std::set<std::string>{format.name});
     EXPECT_EQ(has_frames(settings.formats), format.make_writer != nullptr);
   }
-  EXPECT_EQ(all, "abc,maps,cert,report,usd,pc2,preview");
+  EXPECT_EQ(all, "abc,maps,cert,report,usd,usdc,pc2,preview");
   BakeSettings settings;
   EXPECT_THROW(apply_option(settings, formats, "abc,gif", "--formats", Origin::command), Error);
 }

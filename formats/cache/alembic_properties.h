@@ -1,0 +1,42 @@
+#pragma once
+
+#include "core/model/sheet.h"
+#include "formats/cache/alembic_archive.h"
+
+#include <array>
+#include <limits>
+#include <string>
+#include <vector>
+
+/// What the schemas of AbcGeom have in common: boxes, positions, properties over time, transforms.
+namespace paperbake::alembic {
+
+// Metadata: readers recognise objects and channels only by these texts.
+inline constexpr const char* point_metadata = "geoScope=vtx;interpretation=point";
+
+using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+
+/// A bounding box.
+struct Box {
+  static constexpr double huge = std::numeric_limits<double>::max();
+  // [m] min x y z, max x y z, as in the file; initially empty, as readers expect of an empty mesh
+  std::array<double, 6> sides{huge, huge, huge, -huge, -huge, -huge};
+};
+
+Box box_of(const Floats3& points);
+Box around(const Box&, const Box&);
+
+/// From z up to y up, in 32 bits; -0 becomes 0, so that equal values have equal keys.
+Floats3 y_up(const Points3& rows);
+
+/// A property with a sample for each frame.
+Property animated(std::string name, std::string metadata, PropertyType, Pod, std::uint32_t extent,
+                  std::vector<Sample>);
+Property compound(std::string name, std::string metadata, std::vector<Property> members);
+Property box_property(const char* name, std::vector<Sample>);
+
+/// A shape below an Xform that carries its name and transforms nothing, as programs expect it.
+/// bounds  of each frame
+Object below_xform(Archive&, const std::string& name, std::vector<Sample> bounds, Object shape);
+
+}  // namespace paperbake::alembic
