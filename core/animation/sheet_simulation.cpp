@@ -181,6 +181,17 @@ void SheetSimulation::remesh(double share) {
     carry_state(before_remesh_->sheet);
   else
     elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
+  if (cuts_into_collider(before_remesh_->sheet)) undo_remesh();
+}
+
+/// Whether the change of mesh has put an edge or a triangle into a collider: it would be stuck
+/// there.
+bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
+  constexpr double deepest = 2e-5;  // [m]
+  if (on_colliders_ == 0) return false;
+  const double depth = elastic_.inside(sheet(), input_.colliders.from);
+  return depth > deepest &&
+         depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
 }
 
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {

@@ -51,10 +51,10 @@ bool is_swept_too_far(const SubstepTarget& f, int halvings) {
   double reach = collider_reach;
   for (const PositionConstraint& c : f.input.constraints)
     reach = std::max(reach, (f.sheet.x.row(c.vertex).transpose() - c.target).norm());
-  const double thin = 2 * mean_edge(f.sheet.pattern, f.sheet.triangles);
+  const double short_of_triangle = 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles);
   for (std::size_t c = 0; c < moving.to.size(); ++c) {
     const Collider &from = *moving.from[c], &to = *moving.to[c];
-    if (to.thickness() > thin || farthest_move(from, to) <= 0.5 * to.depth()) continue;
+    if (farthest_move(from, to) <= std::min(0.5 * to.depth(), short_of_triangle)) continue;
     const Eigen::AlignedBox3d swept = box_of(from.mesh().x).merged(box_of(to.mesh().x));
     for (int t = 0; t < f.sheet.triangles.rows(); ++t) {
       Eigen::AlignedBox3d triangle;
