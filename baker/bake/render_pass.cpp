@@ -6,6 +6,7 @@
 #include "core/geometry/surface_transfer.h"
 #include "core/render/render_surface.h"
 #include "core/render/untangle_sheets.h"
+#include "core/step1_elastic/contact/collider_contact.h"
 
 #include <algorithm>
 #include <deque>
@@ -27,6 +28,14 @@ std::size_t frames_of_any(const std::vector<RenderInput>& sheets) {
 /// Where to start work that may run on a thread of its own.
 std::launch launch_policy(int threads) {
   return threads > 1 ? std::launch::async : std::launch::deferred;
+}
+
+/// Whether a collider reaches into the box round the points.
+bool may_touch(const ColliderShapes& shapes, const Points3& x) {
+  const Vector3d low = x.colwise().minCoeff(), high = x.colwise().maxCoeff();
+  bool any = false;
+  for (const auto& shape : shapes) shape->near_triangles(low, high, 0, [&](int) { any = true; });
+  return any;
 }
 
 }  // namespace
@@ -210,15 +219,22 @@ class RenderPass::FrameRenderer {
       on_facets.row(v) =
           interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
     const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
+    const std::vector<char>& held = surfaces_[s].is_held();
+    // vertices first, then edges and triangles: a corner of the collider stands between vertices
+    std::optional<ColliderContact> contact;
+    if (may_touch(shapes, x)) {
+      contact.emplace(colliders, surfaces_[s].mesh().triangles, static_cast<int>(x.rows()));
+      contact->begin(on_facets, {shapes, shapes}, {}, 1);
+    }
     // lengths that are wrong after this are restored, as far as the sheet stays outside
     constexpr int max_turns = 8;
     constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn
     for (int turn = 0;; ++turn) {
       const Points3 before = x;
-      const double pushed = push_out(shapes, on_facets, 0, x);
-      const std::vector<char>& held = surfaces_[s].is_held();
+      double pushed = push_out(shapes, on_facets, 0, x);
       for (int v = 0; v < x.rows(); ++v)
         if (held[v]) x.row(v) = before.row(v);
+      if (contact) pushed = std::max(pushed, contact->push_out(held, x));
       if (pushed < still || turn == max_turns) return turn > 0 || pushed > 0;
       surfaces_[s].limit_strain(x);
     }

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace paperbake {
 namespace {
@@ -73,6 +74,24 @@ bool is_of_mesh(const PositionConstraints& constraints, const Sheet& sheet) {
   return std::all_of(constraints.begin(), constraints.end(), [&](const PositionConstraint& c) {
     return c.vertex >= 0 && c.vertex < sheet.x.rows();
   });
+}
+
+/// A sentence on handles that give way because a collider takes the paper along; empty: none does.
+std::string note_of_yielding(const std::vector<HandleFrame>& handles, const ColliderMotion& moving,
+                             int on_colliders) {
+  if (on_colliders == 0 || moving.from == moving.to) return "";
+  int yielding = 0;
+  double most = 0;
+  for (const HandleFrame& handle : handles)
+    if (handle.state == HandleFrame::jammed) {
+      ++yielding;
+      most = std::max(most, (handle.at - handle.keyed).norm());
+    }
+  if (yielding == 0) return "";
+  char note[120];
+  std::snprintf(note, sizeof note, "a collider takes the paper along: %d %s, by up to %.1f mm",
+                yielding, yielding == 1 ? "handle gives way" : "handles give way", 1e3 * most);
+  return note;
 }
 
 ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
@@ -181,6 +200,16 @@ void SheetSimulation::remesh(double share) {
     carry_state(before_remesh_->sheet);
   else
     elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
+  if (cuts_into_collider(before_remesh_->sheet)) undo_remesh();
+}
+
+/// Whether the change of mesh has put an edge or a triangle into a collider: it would be stuck
+/// there.
+bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
+  constexpr double deepest = 2e-5;  // [m]
+  if (on_colliders_ == 0) return false;
+  const double depth = elastic_.inside(sheet(), input_.colliders.from);
+  return depth > deepest && depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
 }
 
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
@@ -423,6 +452,9 @@ AnimatedFrame SheetSimulation::report() {
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
   result.handles = handles_.report(output_sheet_.x, frame_);
+  if (const std::string note = note_of_yielding(result.handles, input_.colliders, on_colliders_);
+      !note.empty())
+    result.note += (result.note.empty() ? "" : "; ") + note;
   FrameStatistics& statistics = result.statistics;
   statistics.substeps = step_.substeps;
   statistics.newton_iterations = step_.iterations;

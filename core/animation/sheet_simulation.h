@@ -86,6 +86,7 @@ class SheetSimulation {
   RemeshContext remesh_context(double share) const;
   /// Lets the method change the mesh. before_remesh_ keeps what was there.
   void remesh(double share);
+  bool cuts_into_collider(const Sheet& before) const;
   /// Gives the solver the present mesh, and carries over what it knows from the mesh before it.
   void carry_state(const Sheet& before);
   /// The input of a part of the frame. part: 1 to load_parts_

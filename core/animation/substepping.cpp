@@ -43,18 +43,18 @@ bool exceeds_max_motion(const SubstepTarget& f, int halvings) {
   return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
 }
 
-/// Whether a thin collider moves farther than it may in one step: vertices of the sheet are carried
-/// along by what moves, but a collider that is thinner than triangles are long passes between them.
+/// Whether a collider near the sheet moves farther than it may in one step: what it takes along is
+/// stretched by that against the rest of the sheet.
 bool is_swept_too_far(const SubstepTarget& f, int halvings) {
   const ColliderMotion& moving = f.input.colliders;
   if (halvings >= max_halvings_for_colliders || moving.from == moving.to) return false;
   double reach = collider_reach;
   for (const PositionConstraint& c : f.input.constraints)
     reach = std::max(reach, (f.sheet.x.row(c.vertex).transpose() - c.target).norm());
-  const double thin = 2 * mean_edge(f.sheet.pattern, f.sheet.triangles);
+  const double short_of_triangle = 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles);
   for (std::size_t c = 0; c < moving.to.size(); ++c) {
     const Collider &from = *moving.from[c], &to = *moving.to[c];
-    if (to.thickness() > thin || farthest_move(from, to) <= 0.5 * to.depth()) continue;
+    if (farthest_move(from, to) <= std::min(0.5 * to.depth(), short_of_triangle)) continue;
     const Eigen::AlignedBox3d swept = box_of(from.mesh().x).merged(box_of(to.mesh().x));
     for (int t = 0; t < f.sheet.triangles.rows(); ++t) {
       Eigen::AlignedBox3d triangle;

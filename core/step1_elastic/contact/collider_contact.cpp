@@ -15,14 +15,13 @@ namespace {
 
 constexpr double tube = 1e-3;    // [m] how far vertices may move before the lists are rebuilt
 constexpr double in_cone = 0.1;  // [1] sine by which the way out may lean along a face
-constexpr double let_in = 0.2;   // [1] of depth(): an iteration may go this deep
 
 Vector3d row(const Points3& x, int v) { return x.row(v).transpose(); }
 
 }  // namespace
 
 ColliderBarrier collider_barrier(double d) {
-  constexpr double kappa = 200, reach = collider_dhat, first = 0.2 * reach;
+  constexpr double kappa = 200, reach = collider_dhat, first = 0.005 * reach;
   if (d >= reach) return {0, 0, 0};
   const auto at = [&](double s) -> ColliderBarrier {
     const double in = s - reach, logarithm = std::log(s / reach);
@@ -61,9 +60,44 @@ Points3 ColliderContact::carried_by(std::size_t c, const Points3& x) const {
   if (motion_.from[c] == motion_.to[c]) return x;
   Points3 carried(x.rows(), 3);
   for (int v = 0; v < x.rows(); ++v)
-    carried.row(v) = paperbake::carried(*motion_.from[c], *motion_.to[c], row(x, v), collider_dhat,
-                                        states_[c].side[v]);
+    carried.row(v) = paperbake::carried(*motion_.from[c], *motion_.to[c], row(x, v),
+                                        carried_within(c, v), states_[c].side[v]);
   return carried;
+}
+
+/// Flags the vertices of edges and triangles of the sheet that an edge or a corner of the collider
+/// may meet in this step: they are carried along with it, however far away they are themselves.
+void ColliderContact::find_swept_vertices(std::size_t c) {
+  ColliderState& a = states_[c];
+  a.swept.assign(held_.size(), 0);
+  const Collider &from = *motion_.from[c], &to = *motion_.to[c];
+  if (&from == &to) return;
+  const double reach = farthest_move(from, to) + collider_dhat;
+  const Points3& y = from.mesh().x;
+  for (const SheetFeature& feature : a.features) {
+    if (feature.corners == 1) continue;
+    std::array<Vector3d, 3> p;
+    for (int i = 0; i < feature.corners; ++i) p[i] = row(start_, feature.vertices[i]);
+    Vector3d low = p[0], high = p[0];
+    for (int i = 1; i < feature.corners; ++i) low = low.cwiseMin(p[i]), high = high.cwiseMax(p[i]);
+    bool meets = false;
+    if (feature.corners == 2)
+      from.near_edges(low, high, reach, [&](int k) {
+        const Collider::Edge& edge = from.edges()[k];
+        meets |= edge_to_edge({p[0], p[1], row(y, edge.a), row(y, edge.b)}).distance() < reach;
+      });
+    else
+      from.near_corners(low, high, reach, [&](int k) {
+        const Vector3d corner = row(y, from.corners()[k].vertex);
+        meets |= vertex_to_triangle({corner, p[0], p[1], p[2]}).distance() < reach;
+      });
+    for (int i = 0; meets && i < feature.corners; ++i) a.swept[feature.vertices[i]] = 1;
+  }
+}
+
+double ColliderContact::carried_within(std::size_t c, int v) const {
+  constexpr double anywhere = 1;  // [m]
+  return states_[c].swept[v] ? anywhere : collider_dhat;
 }
 
 void ColliderContact::find_candidates(std::size_t c, SheetFeature& feature) const {
@@ -184,8 +218,8 @@ void ColliderContact::touches_of(std::size_t c, const SheetFeature& feature, con
     if (m.where == FeaturePair::nearer_to_another || m.distance < 1e-12 ||
         (sign < 0 && m.distance > collider.depth()))
       continue;
-    visit(ContactPoint{v, m.weights, feature.corners, m.at, sign / m.distance * m.apart,
-                       sign * m.distance});
+    const Vector3d normal = sign / m.distance * m.apart;
+    visit(ContactPoint{v, m.weights, feature.corners, m.at, normal, sign * m.distance});
   }
 }
 
@@ -221,6 +255,7 @@ void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
       for (int v = 0; v < x.rows(); ++v)
         states_[c].side[v] =
             before.nearest(row(x, v), 4 * before.depth(), 1).distance < -before.depth() ? -1 : 1;
+    find_swept_vertices(c);
     const Points3 carried = carried_by(c, x);
     refresh(c, carried);
     reduce_barrier_near_handles(c, pulled);
@@ -288,8 +323,8 @@ Vector3d ColliderContact::slide(const Collider& collider, Vector3d p, Vector3d t
 /// Where the vertex gets to on its way to a target.
 Vector3d ColliderContact::reachable(int v, Vector3d to) const {
   for (std::size_t c = 0; c < states_.size(); ++c) {
-    const Vector3d p = carried(*motion_.from[c], *motion_.to[c], row(start_, v), collider_dhat,
-                               states_[c].side[v]);
+    const Vector3d p = carried(*motion_.from[c], *motion_.to[c], row(start_, v),
+                               carried_within(c, v), states_[c].side[v]);
     to = slide(collider(c), p, to, states_[c].side[v]);
   }
   return to;
@@ -299,9 +334,29 @@ void ColliderContact::project_outside(PositionConstraints& constraints) const {
   for (PositionConstraint& c : constraints) c.target = reachable(c.vertex, c.target);
 }
 
-void ColliderContact::project_outside(Points3& to) const {
-  for (int v = 0; v < to.rows(); ++v)
-    if (!held_[v]) to.row(v) = reachable(v, row(to, v));
+/// |V|x3 [m] where the colliders take the sheet: each vertex goes with the one that moves it
+/// farthest.
+Points3 ColliderContact::taken_along() const {
+  Points3 taken = start_;
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    const Points3 by_this = carried_by(c, start_);
+    for (int v = 0; v < taken.rows(); ++v)
+      if ((by_this.row(v) - start_.row(v)).squaredNorm() >
+          (taken.row(v) - start_.row(v)).squaredNorm())
+        taken.row(v) = by_this.row(v);
+  }
+  return taken;
+}
+
+void ColliderContact::project_outside(Points3& to) {
+  Points3 from = taken_along(), move = to - from;
+  for (int v = 0; v < to.rows(); ++v) {
+    if (held_[v])
+      from.row(v) = to.row(v), move.row(v).setZero();
+    else
+      move.row(v) = reachable(v, row(to, v)).transpose() - from.row(v);
+  }
+  to = from + collision_free_step(from, move) * move;
 }
 
 /// What is left of a share of the motion when no vertex may go deeper into the collider than it
@@ -313,7 +368,7 @@ double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& y, 
   for (int v = 0; v < y.rows(); ++v) {
     const double length = way.row(v).norm();
     if (length == 0 || held_[v]) continue;
-    double floor = -let_in * collider.depth(), gone = 0;
+    double floor = 0, gone = 0;
     while (gone < share * length) {
       const SurfacePoint s =
           collider.nearest(row(y, v) + gone / length * row(way, v),
@@ -447,6 +502,32 @@ int ColliderContact::touching(const Points3& y) {
   int count = 0;
   for_each_touch(y, [&](std::size_t, const ContactPoint&) { ++count; });
   return count;
+}
+
+double ColliderContact::push_out(const std::vector<char>& held, Points3& y) {
+  double deepest = 0;
+  std::vector<ContactPoint> within;
+  for (std::size_t c = 0; c < states_.size(); ++c) {
+    refresh(c, y);
+    for (const int k : states_[c].close) {
+      within.clear();
+      touches_of(c, states_[c].features[k], y, [&](const ContactPoint& touch) {
+        if (touch.distance < 0) within.push_back(touch);
+      });
+      for (const ContactPoint& touch : within) {
+        deepest = std::max(deepest, -touch.distance);
+        double free = 0;
+        for (int i = 0; i < touch.corners; ++i)
+          if (!held[touch.vertices[i]]) free += touch.weights[i] * touch.weights[i];
+        if (free == 0) continue;
+        for (int i = 0; i < touch.corners; ++i)
+          if (!held[touch.vertices[i]])
+            y.row(touch.vertices[i]) -=
+                touch.weights[i] / free * touch.distance * touch.normal.transpose();
+      }
+    }
+  }
+  return deepest;
 }
 
 double ColliderContact::inside(const Points3& y) {

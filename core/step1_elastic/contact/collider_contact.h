@@ -14,11 +14,12 @@ namespace paperbake {
 ///
 ///   b(d) = -kappa (d - dhat)^2 ln(d/dhat);  0 from dhat on
 ///
-/// From 0.2 dhat down it is continued by its Taylor polynomial of degree 2. So a sheet may begin
+/// From 0.005 dhat down it is continued by its Taylor polynomial of degree 2. So a sheet may begin
 /// inside the collider, as one that was modelled lying on the ground does.
 ///
-/// kappa = 200 N/m, dhat = 0.5 mm: the force is 0.6 N at a distance of 0.1 mm, and 2 N at 0.1 mm
-/// inside
+/// kappa = 200 N/m, dhat = 0.5 mm: the force is 0.6 N at a distance of 0.1 mm, 6 N at 10 um, and
+/// 21 N at 2.5 um, where the polynomial begins; it then grows by 8 N a micrometre. So handles, which
+/// hold the paper with 3 N, give way before the paper is pressed into a collider.
 /// source  [Li 2020], as a function of the distance itself; the polynomial: this project
 struct ColliderBarrier {
   double value;   // [J]
@@ -53,7 +54,7 @@ class ColliderContact {
   void project_outside(PositionConstraints&) const;
   /// The same for a target of every vertex; those of `held` vertices stay.
   /// to  |V|x3 [m]
-  void project_outside(Points3& to) const;
+  void project_outside(Points3& to);
 
   /// Fraction of the move after which no vertex is deeper inside a collider than a fifth of its
   /// depth(), and no edge or corner has passed through.
@@ -66,6 +67,12 @@ class ColliderContact {
   /// block_of  |V| block row of each vertex, -1: constrained
   double differentiate(const Points3& y, const std::vector<int>& block_of, Points3& gradient,
                        BlockCholesky* matrix);
+
+  /// Moves the corners of every vertex, edge and triangle that is inside a collider, each by its
+  /// share of the way out. One pass: what is pushed out may be pushed in elsewhere.
+  /// held     |V| vertices that stay
+  /// returns  [m] depth of the deepest contact point
+  double push_out(const std::vector<char>& held, Points3& y);
 
   int touching(const Points3& y);   // number of active contacts
   double inside(const Points3& y);  // [m] depth of the deepest contact point; 0: none is inside
@@ -103,6 +110,9 @@ class ColliderContact {
     // |V|x3 [m] the lists are valid while vertices are this near to it; NaN: there are none yet
     Points3 reference;
     const Collider* of = nullptr;  // the shape for which the lists were made
+    // |V| whether the vertex is a corner of an edge or a triangle of the sheet that an edge or a
+    // corner of the moving collider may meet in this step
+    std::vector<char> swept;
     std::vector<char> side;  // |V| -1: the vertex has come round the border of an open collider
   };
 
@@ -111,6 +121,9 @@ class ColliderContact {
   const Collider& collider(std::size_t c) const { return *motion_.to[c]; }  // at the end
   /// |V|x3 [m] where the vertices would be if the collider had carried them along in this step.
   Points3 carried_by(std::size_t c, const Points3& x) const;
+  void find_swept_vertices(std::size_t c);
+  double carried_within(std::size_t c, int vertex) const;  // [m] clearance of carried()
+  Points3 taken_along() const;
   template <class Visit>
   void for_each_touch(std::size_t c, const Points3& y, Visit) const;
   template <class Visit>

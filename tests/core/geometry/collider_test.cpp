@@ -71,6 +71,30 @@ TEST(ColliderTest, ClosedMeshKnowsItsInsideForEitherOrientation) {
   EXPECT_FALSE(Collider(ground()).closed());
 }
 
+TEST(ColliderTest, ASheetThatBeginsInAClosedMeshStaysInsideUnlessTheMeshSaysOtherwise) {
+  using Side = ColliderMesh::PaperSide;
+  Points3 inner(3, 3), half(3, 3);
+  inner << 0.4, 0.4, 0.5, 0.6, 0.4, 0.5, 0.5, 0.6, 0.5;
+  half << 0.4, 0.4, 0.5, 0.6, 0.4, 0.5, 0.5, 1.6, 0.5;
+  for (const bool inside_out : {false, true}) {
+    std::vector<ColliderMesh> cage{box({0, 0, 0}, {1, 1, 1}, inside_out)};
+    face_the_sheet(cage, half, Points3(0, 3));
+    EXPECT_EQ(cage[0].paper_side, Side::outside);
+    cage[0].paper_side = Side::automatic;
+    face_the_sheet(cage, inner, Points3(0, 3));
+    EXPECT_EQ(cage[0].paper_side, Side::inside);
+    const Collider hollow(cage[0]);
+    EXPECT_TRUE(hollow.closed());
+    EXPECT_NEAR(hollow.nearest({0.5, 0.5, 0.9}, 2, 1).distance, 0.1, 1e-12);
+    EXPECT_NEAR(hollow.nearest({0.5, 0.5, 1.2}, 2, 1).distance, -0.2, 1e-12);
+    EXPECT_LT(hollow.nearest({0.5, 0.5, 0.9}, 2, 1).normal.z(), -0.99);
+    EXPECT_EQ(Collider(hollow, hollow.mesh().x).mesh().paper_side, Side::inside);
+    cage[0].paper_side = Side::outside;
+    face_the_sheet(cage, inner, Points3(0, 3));
+    EXPECT_EQ(cage[0].paper_side, Side::outside);
+  }
+}
+
 TEST(ColliderTest, OpenMeshFacesTheSheetAndUpwardsWhereTheSheetLiesInIt) {
   for (const double height : {0.01, -0.01, 0.0}) {
     std::vector<ColliderMesh> meshes{ground()};
