@@ -1,5 +1,6 @@
 #include "baker/bake/bake.h"
 #include "baker/bake/stop_signals.h"
+#include "baker/check/compare_reports.h"
 #include "baker/check/error_estimate.h"
 #include "baker/check/inspect.h"
 #include "baker/check/verify.h"
@@ -28,7 +29,7 @@
 #include <unistd.h>
 
 // The command line: words in, exit code out. What the commands do lies behind bake.h, chart.h,
-// inspect.h, verify.h, wedge_jobs.h and fit_command.h.
+// inspect.h, verify.h, compare_reports.h, wedge_jobs.h and fit_command.h.
 
 namespace paperbake {
 namespace {
@@ -425,6 +426,23 @@ int run_verify(const VerifyArguments& parsed) {
   return verification.differences.empty() ? 0 : gate_missed;
 }
 
+struct ReportArguments {
+  std::string a, b, page = "compare.html";
+};
+
+void add_report(CLI::App& app, ReportArguments& parsed) {
+  CLI::App& report = *app.add_subcommand("report", "Compare two bakes side by side in one page");
+  report.add_option("A", parsed.a, "The output folder of a bake with a report")->required();
+  report.add_option("B", parsed.b, "The output folder of another one")->required();
+  report.add_option("-o,--output", parsed.page, "The page to write")->capture_default_str();
+}
+
+int run_report(const ReportArguments& parsed) {
+  write_atomically(parsed.page, comparison_page(parsed.a, parsed.b));
+  fmt::print("{}\n", parsed.page);
+  return 0;
+}
+
 /// The error for a command or option that does not exist, with the nearest one; nothing when all
 /// of them do.
 std::optional<Error> misspelt(const CLI::App& app, const std::vector<std::string>& words) {
@@ -478,6 +496,7 @@ int run(int argc, char** argv) {
   InspectArguments inspect;
   FitArguments fit;
   VerifyArguments verify;
+  ReportArguments report;
   PresetsArguments presets;
   add_bake(app, bake);
   add_wedge(app, wedge);
@@ -485,6 +504,7 @@ int run(int argc, char** argv) {
   add_inspect(app, inspect);
   add_fit(app, fit);
   add_verify(app, verify);
+  add_report(app, report);
   add_presets(app, presets);
   try {
     app.parse(argc, argv);
@@ -507,6 +527,7 @@ int run(int argc, char** argv) {
   if (app.got_subcommand("inspect")) return run_inspect(inspect);
   if (app.got_subcommand("fit")) return run_fit(fit);
   if (app.got_subcommand("verify")) return run_verify(verify);
+  if (app.got_subcommand("report")) return run_report(report);
   return run_presets(presets);
 }
 

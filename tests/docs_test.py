@@ -65,6 +65,7 @@ NOT_RUN = {  # each has to be printed somewhere
     "tests/run -L fast": "runs this test's like",
     "ctest -R docs": "runs this test",
     "ctest --test-dir build -R docs": "runs this test",
+    ".venv/bin/python docs/make_gallery.py": "ten minutes of rendering",
     "python3 docs/measure_benchmarks.py": "an hour; its parsers read what the benches print here",
     "build/paperbake_bench_crumple": "a minute and more on one core, and nothing makes it shorter",
     "cmake --install build --prefix PREFIX": "the test library installs and moves it",

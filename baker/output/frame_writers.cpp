@@ -123,7 +123,10 @@ class ReportFrameWriter : public FrameWriter {
   void add_map(const std::string& caption, const std::string& png) override {
     report_.add_map(caption, png);
   }
-  std::vector<std::size_t> finish(const FinishedFrames&, BakeFiles&) override { return {}; }
+  std::vector<std::size_t> finish(const FinishedFrames& shot, BakeFiles&) override {
+    report_.set_handles(shot.handles);
+    return {};
+  }
   void write_ending(const BakeEnding& ending, BakeFiles& files) override {
     files.write(file(0), [&](const auto& path) {
       write_atomically(path, report_.html(ending.frames, ending.sentences));

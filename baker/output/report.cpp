@@ -3,6 +3,7 @@
 #include "baker/job/version.h"
 #include "baker/output/frame_curves.h"
 #include "baker/output/gates.h"
+#include "core/geometry/collider.h"
 
 #include <algorithm>
 #include <fmt/format.h>
@@ -110,6 +111,57 @@ Json sheet_json(const Sheet& sheet) {
           {"frames", shown}};
 }
 
+/// Of every frame x, y, z [m] and 1 where the paper does not follow, else 0, of each handle that
+/// holds the sheet: where it is keyed.
+Json handles_json(const std::vector<HandleRecord>& handles, const std::vector<int>& frames) {
+  std::map<int, Json> by_frame;
+  for (const HandleRecord& handle : handles) {
+    if (handle.state == HandleRecord::free_state) continue;
+    Json& all = by_frame[handle.frame];
+    for (int axis = 0; axis < 3; ++axis) all.push_back(std::round(1e5 * handle.keyed[axis]) / 1e5);
+    all.push_back(handle.state == HandleRecord::jammed_state ? 1 : 0);
+  }
+  Json of_frames = Json::array();
+  for (const int frame : frames) {
+    const auto found = by_frame.find(frame);
+    of_frames.push_back(found == by_frame.end() ? Json::array() : found->second);
+  }
+  return of_frames;
+}
+
+/// Triangles and positions of each collider, in every frame or, where it stands still, once. Of
+/// large ones that move only every n-th frame is kept, so that the page stays below 12 MB.
+Json colliders_json(const Colliders& colliders, const std::vector<int>& frames, int first_frame) {
+  constexpr double max_bytes = 3e6;
+  const ColliderShapes begin = shapes_at(colliders, frames.front() - first_frame);
+  std::vector<char> moves(begin.size(), 0);
+  for (const int frame : frames) {
+    const ColliderShapes shapes = shapes_at(colliders, frame - first_frame);
+    for (std::size_t c = 0; c < shapes.size(); ++c)
+      moves[c] |= shapes[c]->mesh().x != begin[c]->mesh().x;
+  }
+  double bytes = 0;
+  for (std::size_t c = 0; c < begin.size(); ++c)
+    if (moves[c])
+      bytes += 12.0 * static_cast<double>(begin[c]->mesh().x.rows()) *
+               static_cast<double>(frames.size());
+  const auto stride = static_cast<std::size_t>(std::max(1.0, std::ceil(bytes / max_bytes)));
+  Json all = Json::array();
+  for (const auto& shape : begin)
+    all.push_back(
+        {{"faces", base64_of(Eigen::Matrix<std::uint32_t, Eigen::Dynamic, 3, Eigen::RowMajor>(
+                       shape->mesh().triangles.cast<std::uint32_t>()))},
+         {"x", Json::array()}});
+  for (std::size_t k = 0; k < frames.size(); k += stride) {
+    const ColliderShapes shapes = shapes_at(colliders, frames[k] - first_frame);
+    for (std::size_t c = 0; c < shapes.size(); ++c)
+      if (k == 0 || moves[c])
+        all[c]["x"].push_back(base64_of(Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>(
+            shapes[c]->mesh().x.cast<float>())));
+  }
+  return {{"stride", stride}, {"all", all}};
+}
+
 /// Each missed gate with what to do about it.
 Json missed_json(const std::vector<std::string>& missed) {
   Json all = Json::array();
@@ -180,6 +232,9 @@ std::string Report::html(const std::vector<FrameRecord>& records,
   data["sheets"] = Json::array();
   for (const ShownSheet& sheet : sheets_)
     if (!sheet.frames.empty()) data["sheets"].push_back(sheet_json(sheet));
+  data["handles"] = handles_json(handles_, frames);
+  if (const auto& colliders = plan_.shots.front().colliders; colliders && !frames.empty())
+    data["colliders"] = colliders_json(*colliders, frames, plan_.animation.first_frame);
   data["maps"] = Json::array();
   for (const Picture& picture : maps_)
     data["maps"].push_back({{"caption", picture.caption}, {"png", base64(picture.png)}});

@@ -8,12 +8,14 @@
 #include <cstdint>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace paperbake {
 
 /// report.html: one page that opens from disk in any browser, with everything in it. The animation
-/// in 3D to play, scrub and orbit, curves over time, the maps at the end, the settings. It opens at
+/// in 3D to play, scrub and orbit, with handles and colliders, curves over time, the maps at the
+/// end, the settings. It opens at
 /// the frame in which the paper is folded most: the largest sum, over the inner edges of the
 /// meshes, of length times dihedral angle. Positions are kept in 16 bits (1/65,535 of the room the
 /// sheet takes); a shot of so many vertices that the page would be larger than about 12 MB is shown
@@ -28,6 +30,9 @@ class Report {
 
   /// A picture for the page. png: the bytes of a file
   void add_map(const std::string& caption, const std::string& png);
+
+  /// The handles of all frames.
+  void set_handles(std::vector<HandleRecord> handles) { handles_ = std::move(handles); }
 
   /// records  of all frames and sheets, frame by frame
   std::string html(const std::vector<FrameRecord>& records,
@@ -58,6 +63,7 @@ class Report {
   std::size_t frames_, stride_ = 1;
   std::vector<ShownSheet> sheets_;
   std::vector<Picture> maps_;
+  std::vector<HandleRecord> handles_;
 };
 
 }  // namespace paperbake

@@ -66,9 +66,10 @@ struct CacheFrame {
 /// file is NAME.part until finish() gives it its name; without finish() the destructor deletes it.
 ///
 /// The first uv set of the artist is `uv`, the others are named parameters. The pattern is a named
-/// parameter `pattern`, and `uv` where the artist has none. Every material is a face set. Guides are
-/// Points `NAME_points` and linear Curves `NAME_folds`, each below an Xform beside that of the
-/// sheet, with the parameters `point_id` or `fold_id`, `birth` and, at the points of a curve, `angle`.
+/// parameter `pattern`, and `uv` where the artist has none. Every material is a face set. Guides
+/// are Points `NAME_points` and linear Curves `NAME_folds`, each below an Xform beside that of the
+/// sheet, with the parameters `point_id` or `fold_id`, `birth` and, at the points of a curve,
+/// `angle`.
 ///
 /// Sample i has the time (first_frame + i frame_step) / fps in seconds. Numbers are stored as
 /// 32-bit floats. The same calls write the same bytes. A value that has been stored before, for

@@ -40,13 +40,18 @@ def judge_layers(judgement, text, binary):
     paths = [[], []]
     for layer, found in zip((text, binary), paths):
         layer.Traverse("/", found.append)
-    if not judgement.check(paths[0] == paths[1], f"the paths are {paths[1]}, those of the text {paths[0]}"):
+    other = sorted(set(paths[0]) ^ set(paths[1]))
+    if not judgement.check(not other, f"only one of them has {other}"):
         return
     for path in paths[0]:
-        spec = text.GetObjectAtPath(path)
+        spec, same = text.GetObjectAtPath(path), binary.GetObjectAtPath(path)
         if spec is None:  # a target of a relationship
             continue
-        judge_spec(judgement, spec, binary.GetObjectAtPath(path))
+        judge_spec(judgement, spec, same)
+        if isinstance(spec, Sdf.PrimSpec):
+            for order in ("nameChildren", "properties"):
+                names = [[child.name for child in getattr(prim, order)] for prim in (spec, same)]
+                judgement.check(names[0] == names[1], f"{path}: {order} are {names[1]}, in the text {names[0]}")
         if path.IsPropertyPath():
             judge_samples(judgement, text, binary, path)
 

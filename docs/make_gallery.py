@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+"""Bakes the shots of the gallery, renders a picture of each with Cycles, and writes docs/gallery.md.
+
+    .venv/bin/python docs/make_gallery.py [PROGRAM] [NAME...]     PROGRAM: build/paperbake
+
+Needs Blender as the Python module bpy. Names choose some of the shots; the page lists those that have a picture. A picture
+takes about ten seconds of one core, a bake as long as the benchmarks say.
+"""
+
+import collections
+import os
+import pathlib
+import subprocess
+import sys
+import tempfile
+
+import bpy
+from mathutils import Vector
+
+DOCS = pathlib.Path(os.path.abspath(__file__)).parent
+PICTURES = DOCS / "pictures" / "gallery"
+SIZE, SAMPLES = (480, 360), 16
+
+# options: of bake; frame: the one that is rendered; view: from where, in boxes of the sheet
+Shot = collections.namedtuple("Shot", "name title scene options frame view honest")
+SHOTS = (
+    Shot("letter", "A letter on its way to being folded in three", "F1_letter", "", 70, (-0.6, -1.2, 0.7),
+         "The folds lie where the hands announce them; the law of how far they spring back is assumed."),
+    Shot("half", "Folded in half and pressed by a bar", "F2_half", "", 90, (-0.8, -1.1, 0.6),
+         "A crease remembers its angle alone, not how hard it was pressed."),
+    Shot("fan", "A fan of four pleats", "F4_fan", "", 45, (-0.5, -1.1, 0.9),
+         "Straight pleats only: there are no curved creases."),
+    Shot("corner", "A dog-ear, folded and opened again", "F5_corner", "", 60, (0.7, -1.0, 0.9),
+         "Folds reach from border to border; one that ends inside the sheet is not found."),
+    Shot("page", "A page that is turned over", "S5_roll", "--gravity 9.81", 60, (-0.9, -1.0, 0.7),
+         "Without gravity, a corner that is carried like this can shrink to a hook."),
+    Shot("crumple", "Crumpled and let go", "S4r_release", "", 144, (0.3, -0.7, 1.1),
+         "The large folds are there; the hundreds of small ones of real paper are not."),
+    Shot("note", "A note, crumpled by six fingers", "S0_note", "", 92, (0.4, -0.8, 1.0),
+         "Two fingers hold it to the end, so it does not lie down."),
+    Shot("ball", "Crushed until it jams", "S10_ball", "", 100, (0.5, -0.9, 0.8),
+         "The handles stay centimetres behind their keys, and a few triangles of the rendered mesh pass through each other."),
+    Shot("cone", "A sheet pushed in: a d-cone", "S8_dcone", "", 60, (-0.4, -1.1, 0.8),
+         "After a snap the coarse sheet can have another shape than a fine one has."),
+    Shot("strip", "A strip turned to a Moebius band", "S2_moebius", "", 72, (-0.3, -1.2, 0.8),
+         "Nothing glues its ends; handles hold them."),
+    Shot("palm", "A stiff sheet that takes another along", "S11_palm", "", 40, (-0.9, -1.0, 0.6),
+         "Sheets that push each other are much slower than the same sheets apart."),
+    Shot("pinch", "A loop pressed shut by a box", "F6_pinch", "", 70, (-0.9, -1.0, 0.5),
+         "Nobody announces this fold, so the bend is spread over several rows of triangles."),
+)
+
+
+def command(shot):
+    words = ["build/paperbake", "bake", f"samples/{shot.scene}.glb", "-o", "DIR", *shot.options.split()]
+    return " ".join(words)
+
+
+def bake(program, shot, folder):
+    words = [program, "bake", str(DOCS.parent / "samples" / f"{shot.scene}.glb"), "-o", str(folder), "--frames", f"{shot.frame}",
+             "--formats", "abc,cert", "--progress", "none", "--threads", "1", *shot.options.split()]
+    done = subprocess.run(words, capture_output=True, text=True)
+    if done.returncode not in (0, 4):
+        sys.exit(f"{' '.join(words)} ends with {done.returncode}: {done.stderr.strip()}")
+    return folder / f"{shot.scene}.abc"
+
+
+def paper():
+    """White on both sides, a little light through."""
+    material = bpy.data.materials.new("paper")
+    material.use_nodes = True
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    shader, through, mix = nodes["Principled BSDF"], nodes.new("ShaderNodeBsdfTranslucent"), nodes.new("ShaderNodeMixShader")
+    shader.inputs["Base Color"].default_value = (0.86, 0.85, 0.82, 1)
+    shader.inputs["Roughness"].default_value = 0.9
+    through.inputs["Color"].default_value = (0.86, 0.82, 0.74, 1)
+    mix.inputs["Fac"].default_value = 0.15
+    links.new(shader.outputs[0], mix.inputs[1])
+    links.new(through.outputs[0], mix.inputs[2])
+    links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+    return material
+
+
+def look_from(scene, view, middle, radius):
+    camera = bpy.data.objects.new("camera", bpy.data.cameras.new("camera"))
+    camera.data.lens, camera.data.clip_start = 60, 0.001
+    camera.location = middle + Vector(view).normalized() * 4.2 * radius
+    camera.rotation_euler = (middle - camera.location).to_track_quat("-Z", "Y").to_euler()
+    scene.collection.objects.link(camera)
+    scene.camera = camera
+
+
+def light(scene, middle, radius):
+    lamp = bpy.data.objects.new("window", bpy.data.lights.new("window", "AREA"))
+    lamp.data.energy, lamp.data.size = 115 * radius * radius, 1.2 * radius
+    lamp.location = middle + Vector((-3.0, 0.9, 1.5)) * radius
+    lamp.rotation_euler = (middle - lamp.location).to_track_quat("-Z", "Y").to_euler()
+    scene.collection.objects.link(lamp)
+    scene.world = bpy.data.worlds.new("room")
+    scene.world.use_nodes = True
+    scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.075, 0.085, 0.1, 1)
+
+
+def render(cache, shot):
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    bpy.ops.wm.alembic_import(filepath=str(cache), as_background_job=False)
+    scene.frame_set(shot.frame)
+    graph, points = bpy.context.evaluated_depsgraph_get(), []
+    for thing in [thing for thing in scene.objects if thing.type == "MESH"]:
+        thing.data.materials.clear()
+        thing.data.materials.append(paper())
+        shown = thing.evaluated_get(graph)
+        points += [shown.matrix_world @ vertex.co for vertex in shown.data.vertices]
+    low, high = (Vector(pick(point[axis] for point in points) for axis in range(3)) for pick in (min, max))
+    middle, radius = (low + high) / 2, (high - low).length / 2
+    look_from(scene, shot.view, middle, radius)
+    light(scene, middle, radius)
+    scene.render.engine, scene.cycles.samples, scene.cycles.seed = "CYCLES", SAMPLES, 1
+    scene.cycles.use_denoising, scene.cycles.max_bounces = True, 4
+    scene.view_settings.view_transform = "Standard"
+    scene.render.threads_mode, scene.render.threads = "FIXED", 1
+    scene.render.resolution_x, scene.render.resolution_y = SIZE
+    scene.render.image_settings.color_mode = "RGB"
+    scene.render.filepath = str(PICTURES / f"{shot.name}.png")
+    bpy.ops.render.render(write_still=True)
+
+
+def page():
+    text = "# Gallery\n\n<!-- Written by docs/make_gallery.py. Do not edit. -->\n\n"
+    text += "Every picture is one frame of a sample scene, baked by the command below it and rendered by\n"
+    text += f"Cycles with {SAMPLES} samples: `.venv/bin/python docs/make_gallery.py` makes all of them and this\npage.\n\n"
+    for shot in [shot for shot in SHOTS if (PICTURES / f"{shot.name}.png").exists()]:
+        text += f"## {shot.title}\n\n![{shot.title}](pictures/gallery/{shot.name}.png)\n\n"
+        text += f"```sh\n{command(shot)}\n```\n\nFrame {shot.frame}. {shot.honest}\n\n"
+    return text.rstrip("\n") + "\n"
+
+
+def main():
+    words = sys.argv[1:]
+    names = {shot.name for shot in SHOTS}
+    program = words.pop(0) if words and words[0] not in names else str(DOCS.parent / "build" / "paperbake")
+    unknown = set(words) - names
+    if unknown:
+        sys.exit(f"There is no shot {', '.join(sorted(unknown))}; there are {', '.join(shot.name for shot in SHOTS)}.")
+    PICTURES.mkdir(parents=True, exist_ok=True)
+    for shot in SHOTS:
+        if words and shot.name not in words:
+            continue
+        with tempfile.TemporaryDirectory() as folder:
+            render(bake(program, shot, pathlib.Path(folder)), shot)
+        print(PICTURES / f"{shot.name}.png")
+    (DOCS / "gallery.md").write_text(page(), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()
