@@ -76,10 +76,9 @@ bool is_of_mesh(const PositionConstraints& constraints, const Sheet& sheet) {
   });
 }
 
-/// A sentence on handles that give way because a collider takes the paper along; empty: none does.
-std::string note_of_yielding(const std::vector<HandleFrame>& handles, const ColliderMotion& moving,
-                             int on_colliders) {
-  if (on_colliders == 0 || moving.from == moving.to) return "";
+/// A sentence on handles that give way although the sheet does not touch itself, because a collider
+/// is in its way; empty: none does.
+std::string note_of_yielding(const std::vector<HandleFrame>& handles) {
   int yielding = 0;
   double most = 0;
   for (const HandleFrame& handle : handles)
@@ -89,8 +88,8 @@ std::string note_of_yielding(const std::vector<HandleFrame>& handles, const Coll
     }
   if (yielding == 0) return "";
   char note[120];
-  std::snprintf(note, sizeof note, "a collider takes the paper along: %d %s, by up to %.1f mm",
-                yielding, yielding == 1 ? "handle gives way" : "handles give way", 1e3 * most);
+  std::snprintf(note, sizeof note, "a collider is in the way: %d %s, by up to %.1f mm", yielding,
+                yielding == 1 ? "handle gives way" : "handles give way", 1e3 * most);
   return note;
 }
 
@@ -452,9 +451,9 @@ AnimatedFrame SheetSimulation::report() {
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
   result.handles = handles_.report(output_sheet_.x, frame_);
-  if (const std::string note = note_of_yielding(result.handles, input_.colliders, on_colliders_);
-      !note.empty())
-    result.note += (result.note.empty() ? "" : "; ") + note;
+  if (on_colliders_ > 0 && touching_ == 0)
+    if (const std::string note = note_of_yielding(result.handles); !note.empty())
+      result.note += (result.note.empty() ? "" : "; ") + note;
   FrameStatistics& statistics = result.statistics;
   statistics.substeps = step_.substeps;
   statistics.newton_iterations = step_.iterations;

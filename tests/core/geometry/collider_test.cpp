@@ -1,4 +1,5 @@
 #include "core/animation/animate.h"
+#include "core/geometry/measure.h"
 #include "core/methods/fem.h"
 #include "core/step1_elastic/contact/collider_contact.h"
 #include "tests/core/test_meshes.h"
@@ -436,6 +437,25 @@ TEST(ColliderTest, ARodThinnerThanTheTrianglesDoesNotPassThrough) {
     if (frame.frame == frames) {
       EXPECT_LT(frame.sheet->x.col(2).minCoeff(), -0.0465);
     }
+    return true;
+  });
+}
+
+TEST(ColliderTest, ACageThatShrinksKeepsTheSheetInsideAndWhole) {
+  const int frames = 30;
+  Shot shot = blank_shot(rectangle(0.1, 0.1));
+  shot.start.x.rowwise() -= Eigen::RowVector3d(0.05, 0.05, 0);
+  ColliderMesh cage = box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06});
+  const Points3 x = cage.x;
+  for (int f = 0; f < frames; ++f) cage.frames.push_back(x * (1 - 0.3 * f / (frames - 1)));
+  shot.colliders = facing_colliders({cage}, shot.start.x, {});
+  AnimateOptions options;
+  options.last_frame = frames;
+  animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
+    const double half = 0.06 * (1 - 0.3 * (frame.frame - 1) / (frames - 1));
+    EXPECT_LT(frame.sheet->x.cwiseAbs().maxCoeff(), half + 5e-5) << frame.frame;
+    EXPECT_LT(frame.statistics.inside_colliders, 5e-5) << frame.frame;
+    EXPECT_LT(length_distortion(*frame.sheet).largest, 0.01) << frame.frame;
     return true;
   });
 }
