@@ -19,9 +19,9 @@ namespace paperbake {
 /// which is positive when sigma_min(B) > eps: no two points of R are in the same place. A part with
 /// a fold along its edges can be proved up to 90 degrees.
 ///
-/// R is a rectangle of cells of a grid over the pattern. B is the middle, and eps half the diagonal,
-/// of the box of all F in these cells; boxes of squares of 2, 4 and 8 cells are kept, so that a
-/// rectangle takes few of them.
+/// R is a rectangle of cells of a grid over the pattern. B is the middle, and eps half the
+/// diagonal, of the box of all F in these cells; boxes of squares of 2, 4 and 8 cells are kept, so
+/// that a rectangle takes few of them.
 ///
 /// The way must not leave the sheet: this needs a pattern that is triangulated without overlaps and
 /// whose border is convex. Vertices of a straight border that are rounded to 32 bits make it not

@@ -4,8 +4,7 @@
 
 #include <Eigen/SparseCholesky>
 
-#include <numeric>
-#include <utility>
+#include <optional>
 
 namespace paperbake {
 namespace {
@@ -88,15 +87,17 @@ constexpr Gather gather_of[widest] = {gather<1>, gather<2>, gather<3>, gather<4>
 }  // namespace
 
 ColumnCholesky::ColumnCholesky(const Eigen::SparseMatrix<double>& lower) {
-  const Eigen::SimplicialLLT<Eigen::SparseMatrix<double>> solver(lower);
-  if (solver.info() != Eigen::Success)
+  std::optional<Eigen::SimplicialLLT<Eigen::SparseMatrix<double>>> solver(lower);
+  if (solver->info() != Eigen::Success)
     throw Error(ErrorCode::simulation, "render mesh", "Its matrix is not positive definite.");
   const int n = static_cast<int>(lower.rows());
-  const Factor factor = solver.matrixL();
+  Factor factor = solver->matrixL();
   const std::vector<int> place = postorder(factor);
   place_.resize(n);
-  for (int i = 0; i < n; ++i) place_[i] = place[solver.permutationP().indices()[i]];
-  make_panels(reordered(factor, place));
+  for (int i = 0; i < n; ++i) place_[i] = place[solver->permutationP().indices()[i]];
+  solver.reset();  // it holds the factor, too
+  factor = reordered(factor, place);
+  make_panels(factor);
 }
 
 void ColumnCholesky::make_panels(const Factor& factor) {
