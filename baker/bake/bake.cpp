@@ -81,6 +81,7 @@ std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan&
   if (settings.resume == Resume::automatic && kept)
     first = load_frames(checkpoints, plan, pipeline, progress, options);
 
+  const StageClock::Part part(&pipeline.clock(), Stage::simulate);
   FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { pipeline.record(frame); });
   std::optional<Error> failure;
   try {
@@ -109,6 +110,7 @@ std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan&
 /// Simulates the twin of a bake and enters its distance into the certificate.
 void compare_with_twin(const BakeSettings& settings, const BakePlan& plan, BakePipeline& pipeline,
                        Progress& progress, StopRequest& stop) {
+  const StageClock::Part part(&pipeline.clock(), Stage::simulate);
   const BakePlan twin = twin_of(plan);
   try {
     simulate(twin, options_of_sheets(twin), settings.threads, [&](const AnimatedFrame& frame) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "baker/bake/shot_certificate.h"
+#include "baker/bake/stage_clock.h"
 #include "baker/job/plan.h"
 #include "baker/output/bake_files.h"
 #include "baker/output/cache_writers.h"
@@ -20,6 +21,7 @@ struct BakeContext {
   ShotCertificate& certificate;
   CacheWriters& caches;
   Progress& progress;
+  StageClock* clock = nullptr;  // null: nobody asks for times
 };
 
 }  // namespace paperbake

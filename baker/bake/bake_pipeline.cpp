@@ -37,7 +37,8 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
     : files_(folder),
       certificate_(plan),
       caches_(settings.formats, {plan, folder, plan.file_suffixes}, files_),
-      context_{settings, plan, plan.file_suffixes, files_, certificate_, caches_, progress} {
+      context_{settings,     plan,    plan.file_suffixes, files_,
+               certificate_, caches_, progress,           &clock_} {
   if (settings.twin) shapes_.emplace(plan);
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));
@@ -59,6 +60,7 @@ void BakePipeline::record_twin(const AnimatedFrame& frame) {
 }
 
 bool BakePipeline::render(StopRequest& stop) {
+  const StageClock::Part part(&clock_, Stage::render_frames);
   std::vector<std::size_t> sheets;
   std::vector<const ShotRecord*> records;
   for (std::size_t s = 0; s < recorders_.size(); ++s) {
@@ -121,17 +123,21 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
   if (left.first > std::min(left.last, last) || stop.is_time_up()) return;
   std::vector<RenderInput> inputs;
   for (const std::size_t s : sheets) inputs.push_back({&recorders_[s]->record(), &plan.shots[s]});
-  RenderPass pass(std::move(inputs),
-                  {settings.quality, left, plan.animation.fps, settings.threads, features});
+  RenderPass pass(std::move(inputs), {settings.quality, left, plan.animation.fps, settings.threads,
+                                      features, &clock_});
   for (; !stop.is_time_up() && pass.next(); ++rendered) {
     for (std::size_t i = 0; i < pass.sheets().size(); ++i) {
+      const StageClock::Part of_caches(&clock_, Stage::caches);
       RenderedSheet& sheet = pass.sheets()[i];
       sheet.mesh.layers =
           recorders_[sheets[i]]->crease_attributes(sheet.record_index, pass.pattern(i));
       round_to_32_bits(sheet.mesh);
       if (i < surfaces.size()) sheet.mesh.surface = surfaces[i];
     }
-    kept.add(pass.sheets());
+    {
+      const StageClock::Part keeping(&clock_, Stage::keep);
+      kept.add(pass.sheets());
+    }
     hand_on(sheets, pass.sheets());
   }
 }
@@ -140,6 +146,7 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
 /// sheets  the numbers of those in the frame, and maybe more
 void BakePipeline::hand_on(const std::vector<std::size_t>& sheets,
                            std::vector<RenderedSheet>& frame) {
+  const StageClock::Part part(&clock_, Stage::caches);
   for (std::size_t i = 0; i < frame.size(); ++i) {
     FrameRecord& line = certificate_.line(sheets.at(i), frame[i].frame);
     line.statistics.render = frame[i].statistics;
@@ -168,6 +175,7 @@ std::string BakePipeline::render_key(const std::vector<std::size_t>& sheets) con
 }
 
 BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
+  const StageClock::Part part(&clock_, Stage::certificate);
   const BakePlan& plan = context_.plan;
   const std::size_t maps = files_.written().size();
   certificate_.finalize(caches_.finish({certificate_.lines_of_sheets(), certificate_.handles}));
@@ -223,7 +231,7 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
     return summary_json(context_.plan, certificate_.frames(),
                         {certificate_.crease_length, certificate_.frames_of_folding},
                         {outcome.missed, error ? static_cast<int>(error->code) : outcome.exit_code,
-                         error ? error->what() : ""},
+                         error ? error->what() : "", clock_.seconds()},
                         hashes);
   });
 }

@@ -49,6 +49,7 @@ class BakePipeline {
   BakeOutcome write(const std::optional<Error>& failure);
 
   BakeFiles& files() { return files_; }
+  StageClock& clock() { return clock_; }
   /// No frame was recorded that is to be written.
   bool is_empty() const { return certificate_.frames().empty(); }
 
@@ -61,6 +62,7 @@ class BakePipeline {
   void write_certificate(const BakeOutcome&, const std::optional<Error>& failure);
   std::optional<Error> final_error(const std::optional<Error>& failure) const;
 
+  StageClock clock_;
   BakeFiles files_;
   ShotCertificate certificate_;
   CacheWriters caches_;

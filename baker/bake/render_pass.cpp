@@ -82,12 +82,13 @@ struct RenderPass::FrameOfSheets {
 class RenderPass::FrameRenderer {
  public:
   FrameRenderer(const std::vector<RenderInput>& inputs, std::vector<RenderSurface>& surfaces,
-                const FrameSpan& wanted, int threads)
+                const Options& options)
       : inputs_(inputs),
         surfaces_(surfaces),
         untangler_(surfaces),
-        wanted_(wanted),
-        threads_(std::max(threads, 1)),
+        wanted_(options.frames),
+        threads_(std::max(options.threads, 1)),
+        clock_(options.clock),
         held_(surfaces.size()) {
     for (std::size_t s = 0; s < surfaces.size(); ++s) {
       points_.emplace_back(*inputs[s].record, surfaces[s]);
@@ -96,6 +97,9 @@ class RenderPass::FrameRenderer {
       judges_.emplace_back(
           surfaces[s].mesh().pattern / side, surfaces[s].mesh().triangles, side,
           shot.colliders ? std::make_shared<const JudgedColliders>(*shot.colliders) : nullptr);
+      std::vector<int>& vertices = vertex_of_handle_.emplace_back();
+      for (const Handle& handle : shot.handles)
+        vertices.push_back(judges_.back().vertex_at(handle.pattern));
     }
   }
 
@@ -181,6 +185,7 @@ class RenderPass::FrameRenderer {
   }
 
   FrameOfSheets render(std::size_t k, const std::vector<MeshPoints>& points) const {
+    const StageClock::Part part(clock_, Stage::render_frames);
     FrameOfSheets rendered;
     std::vector<SheetUntangler::Simulated> simulated;
     std::vector<double> ms;
@@ -193,8 +198,10 @@ class RenderPass::FrameRenderer {
       ms.push_back(cpu_ms() - start_ms);
     }
     const double start_ms = cpu_ms();
-    if (rendered.frames.size() == surfaces_.size())
+    if (rendered.frames.size() == surfaces_.size()) {
+      const StageClock::Part keeping_apart(clock_, Stage::keep_apart);
       untangler_.keep_apart(rendered.frames, simulated);
+    }
     const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, points.size());
     for (std::size_t s = 0; s < points.size(); ++s) {
       const double start_ms = cpu_ms();
@@ -211,6 +218,7 @@ class RenderPass::FrameRenderer {
   /// returns  whether x was changed
   bool push_out_of_colliders(std::size_t s, std::size_t k,
                              const SheetUntangler::Simulated& simulated, Points3& x) const {
+    const StageClock::Part part(clock_, Stage::keep_apart);
     const auto& colliders = inputs_[s].shot->colliders;
     if (!colliders) return false;
     const auto& frames = inputs_[s].record->frames();
@@ -243,6 +251,7 @@ class RenderPass::FrameRenderer {
   /// ms  of each sheet
   std::vector<FrameOfSheets::Verdict> judge(std::size_t k, const std::vector<RenderFrame>& frames,
                                             const std::vector<double>& ms) const {
+    const StageClock::Part part(clock_, Stage::judge);
     std::vector<FrameOfSheets::Verdict> verdicts;
     std::vector<Points3> stored_x;
     for (std::size_t s = 0; s < frames.size(); ++s) {
@@ -264,7 +273,7 @@ class RenderPass::FrameRenderer {
   double handle_error(std::size_t s, const RecordedFrame& recorded, const Points3& x) const {
     double most = 0;
     for (std::size_t h = 0; h < recorded.held.size(); ++h) {
-      const int vertex = judges_[s].vertex_at(inputs_[s].shot->handles[recorded.held[h]].pattern);
+      const int vertex = vertex_of_handle_[s][recorded.held[h]];
       most = std::max(most, (x.row(vertex) - recorded.keyed.row(h)).norm());
     }
     return most;
@@ -274,8 +283,10 @@ class RenderPass::FrameRenderer {
   std::vector<RenderSurface>& surfaces_;
   const SheetUntangler untangler_;
   std::vector<CacheJudge> judges_;
+  std::vector<std::vector<int>> vertex_of_handle_;  // of each sheet, on its render mesh
   const FrameSpan& wanted_;
   const std::size_t threads_;
+  StageClock* const clock_;
   std::vector<std::optional<std::vector<int>>> held_;
   std::vector<MeshPointCache> points_;
   std::size_t next_ = 0;              // the first that was not started
@@ -288,7 +299,7 @@ struct RenderPass::State {
       : inputs(std::move(sheets)),
         options(with),
         surfaces(make_surfaces()),
-        renderer(inputs, surfaces, options.frames, options.threads),
+        renderer(inputs, surfaces, options),
         rendered(inputs.size()) {
     for (std::size_t s = 0; s < inputs.size(); ++s) {
       rendered[s].mesh.triangles = surfaces[s].mesh().triangles;
@@ -324,6 +335,7 @@ RenderPass::State::FacetsOfSheets RenderPass::State::intersecting_facets(
   std::vector<MeshPointCache> points;
   for (std::size_t s = 0; s < sheets.size(); ++s) points.emplace_back(*inputs[s].record, sheets[s]);
   const auto of_frame = [&](std::size_t k, const std::vector<MeshPoints>& at) {
+    const StageClock::Part part(options.clock, Stage::render_mesh);
     FacetsOfSheets facets(sheets.size());
     std::vector<SheetUntangler::Simulated> simulated;
     const auto mesh = [&](std::size_t s) { return inputs[s].record->frames()[k].mesh; };
@@ -358,6 +370,7 @@ RenderPass::State::FacetsOfSheets RenderPass::State::intersecting_facets(
 }
 
 std::vector<RenderSurface> RenderPass::State::make_surfaces() const {
+  const StageClock::Part part(options.clock, Stage::render_mesh);
   constexpr int max_rounds = 4;
   FacetsOfSheets exact(inputs.size());  // whose edges are among those of the render mesh
   std::vector<std::vector<CreaseSegment>> seam_lines(inputs.size());

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "baker/bake/stage_clock.h"
 #include "baker/job/settings.h"
 #include "baker/output/cache_judge.h"
 #include "core/model/frame_statistics.h"
@@ -46,6 +47,7 @@ class RenderPass {
     double fps;        // [1/s]
     int threads;
     Features features = Features::all;
+    StageClock* clock = nullptr;  // null: nobody asks for times
   };
   /// sheets  that come near each other, or one; their records begin with the same frame
   RenderPass(std::vector<RenderInput> sheets, const Options&);

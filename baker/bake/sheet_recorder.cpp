@@ -24,13 +24,17 @@ SheetRecorder::SheetRecorder(const BakeContext& bake, std::size_t sheet)
 }
 
 void SheetRecorder::consume(const AnimatedFrame& frame) {
+  const StageClock::Part part(bake_.clock, Stage::record);
   if (renders_) record_.add(frame);
   if (attributes_) attributes_->add(frame);
   if (guides_) guides_->add(frame);
   certificate_.consume(frame);
   if (simulation_cache_) simulation_cache_->consume(frame);
   last_ = *frame.sheet;
-  if (maps_) maps_->consume(frame);
+  if (maps_) {
+    const StageClock::Part of_maps(bake_.clock, Stage::maps);
+    maps_->consume(frame);
+  }
   draw_debug_picture(frame);
   if (bake_.plan.frames.contains(frame.frame))
     bake_.progress.simulated(bake_.certificate.line(sheet_, frame.frame));
@@ -42,6 +46,7 @@ void SheetRecorder::finish_simulation() {
 }
 
 void SheetRecorder::finish() {
+  const StageClock::Part part(bake_.clock, Stage::maps);
   if (maps_) maps_->finish();
 }
 

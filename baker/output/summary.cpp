@@ -281,6 +281,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
        {"exit_code", ending.exit_code},
        {"failure", ending.failure.empty() ? Json() : Json(ending.failure)},
        {"models", models(plan, frames)},
+       {"cpu_s", ending.cpu_s},
        {"warnings", plan.warnings},
        {"settings", settings},
        {"machine", {{"cpu", machine_name()}, {"cores", std::thread::hardware_concurrency()}}},

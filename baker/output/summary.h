@@ -21,6 +21,8 @@ struct SummaryEnding {
   std::vector<std::string> missed_gates;  // sentences
   int exit_code = 0;
   std::string failure;  // what ended it or could not be written; empty: nothing
+  // [s] of the stages, as StageClock has them; what is written after the summary is not in them
+  std::map<std::string, double> cpu_s = {};
 };
 
 /// The creases of a shot.

@@ -12,6 +12,7 @@
 #include <cstring>
 #include <limits>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 // Intersections are counted with the exact predicates of CGAL, so that the count does not depend on
@@ -112,7 +113,8 @@ struct NodeBox {
 
 }  // namespace
 
-CrossingCounter::CrossingCounter(const Points2& pattern, const Triangles& triangles) {
+CrossingCounter::CrossingCounter(const Points2& pattern, const Triangles& triangles)
+    : patches_(pattern, triangles) {
   const int count = static_cast<int>(triangles.rows());
   Points2 middles(count, 2);
   for (int t = 0; t < count; ++t)
@@ -127,7 +129,12 @@ CrossingCounter::CrossingCounter(const Points2& pattern, const Triangles& triang
 
 int CrossingCounter::build(const Points2& middles, int begin, int end) {
   const int at = static_cast<int>(nodes_.size());
-  nodes_.push_back({begin, end, -1});
+  nodes_.push_back({begin, end, -1, {}});
+  if (patches_.can_prove()) {
+    nodes_[at].cells = patches_.of_triangle(order_[begin]);
+    for (int k = begin; k < end; ++k)
+      nodes_[at].cells = nodes_[at].cells.joined(patches_.of_triangle(order_[k]));
+  }
   if (end - begin <= in_leaf) return at;
   Eigen::RowVector2d low = middles.row(order_[begin]), high = low;
   for (int k = begin; k < end; ++k) {
@@ -149,59 +156,94 @@ int CrossingCounter::build(const Points2& middles, int begin, int end) {
 struct CrossingCounter::Search {
   const CrossingCounter& tree;
   const Points3& x;
-  std::vector<Plane> planes;
-  std::vector<LeafBoxes> leaves;  // in order: leaf k has the triangles from 8 k on
-  std::vector<NodeBox> boxes;     // of the nodes
+  const InjectivePatches::OfShape shape;
+  double farthest;  // [m] largest coordinate
+  float margin;     // [m] more than rounding to 32 bits moves a coordinate
+  // of the leaves that were looked into; leaf k has the triangles from 8 k on
+  std::vector<char> is_filled;
+  std::vector<LeafBoxes> leaves;
+  std::vector<std::optional<Plane>> planes;
+  std::vector<NodeBox> boxes;  // of the nodes
   int count = 0;
 
-  Search(const CrossingCounter& of, const Points3& at) : tree(of), x(at), boxes(of.nodes_.size()) {
-    const int triangles = static_cast<int>(tree.triangles_.rows());
-    const double farthest = x.size() ? x.cwiseAbs().maxCoeff() : 0;
-    planes.reserve(triangles);
-    for (int t = 0; t < triangles; ++t)
-      planes.emplace_back(corner(t, 0), corner(t, 1), corner(t, 2), farthest);
+  Search(const CrossingCounter& of, const Points3& at)
+      : tree(of),
+        x(at),
+        shape(of.patches_, at),
+        farthest(x.size() ? x.cwiseAbs().maxCoeff() : 0),
+        margin(static_cast<float>(1.2e-7 * farthest)),
+        boxes(of.nodes_.size()) {
+    if (boxes.empty() || is_apart(tree.nodes_.front().cells)) return;
+    const std::size_t triangles = tree.triangles_.rows();
+    planes.resize(triangles);
     leaves.resize((triangles + in_leaf - 1) / in_leaf);
-    // farther than rounding to 32 bits moves a coordinate
-    const float margin = static_cast<float>(1.2e-7 * farthest);
-    const float nowhere = std::numeric_limits<float>::infinity();
-    for (std::size_t leaf = 0; leaf < leaves.size(); ++leaf)
-      for (int k = 0; k < 3; ++k)
-        for (int lane = 0; lane < in_leaf; ++lane) {
-          const int t = static_cast<int>(leaf) * in_leaf + lane;
-          const bool there = t < triangles;
-          const float a = there ? float(corner(t, 0)[k]) : nowhere,
-                      b = there ? float(corner(t, 1)[k]) : nowhere,
-                      c = there ? float(corner(t, 2)[k]) : nowhere;
-          leaves[leaf].low[k][lane] = std::min({a, b, c}) - margin;
-          leaves[leaf].high[k][lane] = there ? std::max({a, b, c}) + margin : -nowhere;
-        }
-    for (int n = static_cast<int>(boxes.size()) - 1; n >= 0; --n) fill(n);
-    if (!boxes.empty()) within(0);
+    is_filled.assign(leaves.size(), 0);
+    for (int n = static_cast<int>(boxes.size()) - 1; n >= 0; --n) set_box(n);
+    within(0);
   }
 
   Vector3d corner(int t, int i) const { return x.row(tree.triangles_(t, i)).transpose(); }
 
-  void fill(int n) {
+  bool is_apart(const InjectivePatches::Cells& cells) const {
+    return tree.patches_.can_prove() && shape.is_injective(cells);
+  }
+  /// The same for two nodes that are neighbours on the pattern.
+  bool are_apart(const Node& a, const Node& b) const {
+    if (!tree.patches_.can_prove()) return false;
+    const InjectivePatches::Cells both = a.cells.joined(b.cells);
+    return both.count() <= 4 * (a.cells.count() + b.cells.count()) && shape.is_injective(both);
+  }
+
+  void set_box(int n) {
     const Node& node = tree.nodes_[n];
     NodeBox& box = boxes[n];
-    for (int k = 0; k < 3; ++k) {
-      if (node.second < 0) {
-        const LeafBoxes& leaf = leaves[node.begin / in_leaf];
-        box.low[k] = leaf.low[k][0];
-        box.high[k] = leaf.high[k][0];
-        for (int lane = 1; lane < in_leaf; ++lane) {
-          box.low[k] = std::min(box.low[k], leaf.low[k][lane]);
-          box.high[k] = std::max(box.high[k], leaf.high[k][lane]);
-        }
-      } else {
+    if (node.second >= 0) {
+      for (int k = 0; k < 3; ++k) {
         box.low[k] = std::min(boxes[n + 1].low[k], boxes[node.second].low[k]);
         box.high[k] = std::max(boxes[n + 1].high[k], boxes[node.second].high[k]);
       }
+      return;
     }
+    Eigen::Array3d low = corner(node.begin, 0), high = low;
+    for (int t = node.begin; t < node.end; ++t)
+      for (int i = 0; i < 3; ++i) {
+        const double* p = x.data() + 3 * std::ptrdiff_t(tree.triangles_(t, i));
+        low = low.min(Eigen::Map<const Eigen::Array3d>(p));
+        high = high.max(Eigen::Map<const Eigen::Array3d>(p));
+      }
+    for (int k = 0; k < 3; ++k) {
+      box.low[k] = float(low[k]) - margin;
+      box.high[k] = float(high[k]) + margin;
+    }
+  }
+
+  const LeafBoxes& boxes_of_leaf(int leaf) {
+    LeafBoxes& of_leaf = leaves[leaf];
+    if (is_filled[leaf]) return of_leaf;
+    is_filled[leaf] = 1;
+    const float nowhere = std::numeric_limits<float>::infinity();
+    for (int lane = 0; lane < in_leaf; ++lane) {
+      const int t = leaf * in_leaf + lane;
+      const bool there = t < tree.triangles_.rows();
+      for (int k = 0; k < 3; ++k) {
+        const float a = there ? float(corner(t, 0)[k]) : nowhere,
+                    b = there ? float(corner(t, 1)[k]) : nowhere,
+                    c = there ? float(corner(t, 2)[k]) : nowhere;
+        of_leaf.low[k][lane] = std::min({a, b, c}) - margin;
+        of_leaf.high[k][lane] = there ? std::max({a, b, c}) + margin : -nowhere;
+      }
+    }
+    return of_leaf;
+  }
+
+  const Plane& plane_of(int t) {
+    if (!planes[t]) planes[t].emplace(corner(t, 0), corner(t, 1), corner(t, 2), farthest);
+    return *planes[t];
   }
 
   void within(int n) {
     const Node& node = tree.nodes_[n];
+    if (is_apart(node.cells)) return;
     if (node.second < 0) {
       for (int t = node.begin; t < node.end; ++t) meet(t, node.begin / in_leaf, t + 1);
       return;
@@ -211,8 +253,8 @@ struct CrossingCounter::Search {
     between(n + 1, node.second);
   }
   void between(int n, int m) {
-    if (!boxes[n].overlaps(boxes[m])) return;
     const Node &a = tree.nodes_[n], &b = tree.nodes_[m];
+    if (!boxes[n].overlaps(boxes[m]) || are_apart(a, b)) return;
     if (a.second < 0 && b.second < 0) {
       for (int t = a.begin; t < a.end; ++t) meet(t, b.begin / in_leaf, b.begin);
     } else if (b.second < 0 || (a.second >= 0 && a.end - a.begin >= b.end - b.begin)) {
@@ -226,7 +268,7 @@ struct CrossingCounter::Search {
 
   /// Triangle s with those of a leaf from `first` on.
   void meet(int s, int leaf, int first) {
-    const LeafBoxes &own = leaves[s / in_leaf], &other = leaves[leaf];
+    const LeafBoxes &own = boxes_of_leaf(s / in_leaf), &other = boxes_of_leaf(leaf);
     const int lane = s % in_leaf;
     EightFlags apart = {};
     for (int k = 0; k < 3; ++k)
@@ -244,9 +286,9 @@ struct CrossingCounter::Search {
 
   /// True when all corners of triangle s but those of triangle t lie strictly on one side of the
   /// plane of t, by more than rounding could account for: then they have no other point in common.
-  bool beside(int s, int t) const {
+  bool beside(int s, int t) {
     const int *of_s = tree.triangles_.data() + 3 * s, *of_t = tree.triangles_.data() + 3 * t;
-    const Plane& plane = planes[t];
+    const Plane& plane = plane_of(t);
     int above = 0, below = 0;
     for (int i = 0; i < 3; ++i) {
       const int v = of_s[i];

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/injective_patches.h"
 #include "core/model/sheet.h"
 
 #include <vector>
@@ -11,7 +12,8 @@ namespace paperbake {
 /// code of the solver.
 ///
 /// A hierarchy of boxes is made once, by halving the mesh on its pattern again and again; a frame
-/// fills in the boxes and looks at the pairs of triangles whose boxes overlap.
+/// fills in the boxes and looks at the pairs of triangles whose boxes overlap. Parts of the sheet
+/// that are proved not to intersect themselves (injective_patches.h) need no look.
 class CrossingCounter {
  public:
   CrossingCounter(const Points2& pattern, const Triangles&);
@@ -23,11 +25,13 @@ class CrossingCounter {
   struct Node {
     int begin, end;  // triangles
     int second;      // number of the second child; the first is the next node; -1: a leaf
+    InjectivePatches::Cells cells;  // of its triangles
   };
   int build(const Points2& middles, int begin, int end);
   std::vector<int> order_;  // of the triangles, leaf by leaf
   Triangles triangles_;     // in that order
   std::vector<Node> nodes_;
+  InjectivePatches patches_;
 };
 
 /// The same for one frame.

@@ -4,6 +4,7 @@
 
 #include "core/model/sheet.h"
 
+#include <cstddef>
 #include <vector>
 
 namespace paperbake {
@@ -12,6 +13,9 @@ namespace paperbake {
 /// (x, y, z) at once. It is fast because the factor is kept in 32-bit floats and the three columns
 /// go through it together. So the right-hand side should be a residual; the error is about 1e-4 of
 /// it.
+///
+/// Neighbouring columns of the factor whose rows are nearly the same are kept as one dense panel of
+/// up to eight: a value that they all change is then read and written once.
 class ColumnCholesky {
  public:
   /// lower   lower triangle of the matrix
@@ -22,8 +26,17 @@ class ColumnCholesky {
   Points3 solve(const Points3& b) const;
 
  private:
-  std::vector<int> place_;        // of row i in the elimination order
-  std::vector<int> start_, row_;  // columns of the factor below its diagonal
+  struct Panel {
+    int first, columns;
+    int begin, end;      // in row_: the rows below these columns
+    std::size_t values;  // in value_: row by row, of the columns themselves first
+  };
+  void make_panels(const Eigen::SparseMatrix<double>& factor);
+  void add_panel(const Eigen::SparseMatrix<double>& factor, int first, int columns);
+
+  std::vector<int> place_;  // of row i in the elimination order
+  std::vector<Panel> panels_;
+  std::vector<int> row_;
   std::vector<float> value_, inverse_diagonal_;
 };
 

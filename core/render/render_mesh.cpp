@@ -186,18 +186,32 @@ class Edges {
   std::map<std::pair<int, int>, int> left_;  // triangle on the left of each directed edge
 };
 
-/// True if both a and b lie within `near` of one of the lines. [m]
-bool along(const std::vector<CreaseSegment>& lines, const Vector2d& a, const Vector2d& b,
-           double near) {
-  return std::any_of(lines.begin(), lines.end(), [&](const CreaseSegment& line) {
-    const Vector2d d = line.b - line.a;
-    const auto on = [&](const Vector2d& p) {
-      return (p - line.a - std::clamp((p - line.a).dot(d) / d.squaredNorm(), 0.0, 1.0) * d)
-                 .norm() <= near;
-    };
-    return on(a) && on(b);
-  });
-}
+/// Straight lines, to look for those that an edge lies on.
+class Lines {
+ public:
+  /// near  [m] how far from a line a point may be that lies on it
+  Lines(std::vector<CreaseSegment> lines, double near) : lines_(std::move(lines)), near_(near) {
+    for (const CreaseSegment& line : lines_) {
+      Eigen::AlignedBox2d box(line.a);
+      box.extend(line.b);
+      boxes_.emplace_back((box.min().array() - near).matrix(), (box.max().array() + near).matrix());
+    }
+  }
+  /// True if both a and b lie on one of the lines. [m]
+  bool have(const Vector2d& a, const Vector2d& b) const {
+    for (std::size_t k = 0; k < lines_.size(); ++k)
+      if (boxes_[k].contains(a) && boxes_[k].contains(b) &&
+          distance_to_segment(a, lines_[k].a, lines_[k].b) <= near_ &&
+          distance_to_segment(b, lines_[k].a, lines_[k].b) <= near_)
+        return true;
+    return false;
+  }
+
+ private:
+  std::vector<CreaseSegment> lines_;
+  std::vector<Eigen::AlignedBox2d> boxes_;  // a little larger than the lines
+  double near_;
+};
 
 /// Edges on the prescribed creases of the pattern.
 std::set<std::pair<int, int>> folded_edges(const RenderMesh& mesh,
@@ -248,10 +262,11 @@ std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
   result.point_vertex.assign(mesh->point_vertex.begin(),
                              mesh->point_vertex.begin() + features.points.size());
   std::set<std::pair<int, int>> found = folded_edges(result, pattern.prescribed_creases);
+  const Lines lines(std::move(sharp), near);
   for (int t = 0; t < result.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
       if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3);
-          a < b && along(sharp, result.pattern.row(a), result.pattern.row(b), near))
+          a < b && lines.have(result.pattern.row(a), result.pattern.row(b)))
         found.insert({a, b});
   result.creases.assign(found.begin(), found.end());
   return result;

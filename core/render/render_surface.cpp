@@ -27,7 +27,9 @@ RenderSurface::RenderSurface(RenderMesh mesh, const ShapeFitOptions& options, in
       coarse_limit_(coarse_.pattern, coarse_.triangles),
       coarse_normals_(normals_of(coarse_)) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
+  counter_.emplace(this->mesh().pattern, this->mesh().triangles);
   apart_.emplace(this->mesh().pattern, this->mesh().triangles);
+  mean_edge_ = mean_edge(this->mesh().pattern, this->mesh().triangles);
   if (!fine_) return;
   fine_limit_.emplace(fine_->mesh.pattern, fine_->mesh.triangles);
   fine_normals_.emplace(normals_of(fine_->mesh));
@@ -103,13 +105,6 @@ void RenderSurface::shade(RenderFrame& frame) const {
   frame.crease = normals.strength(frame.x);
 }
 
-int RenderSurface::crossings(const Points3& x) const {
-  // the tree leaves out some of the neighbours: it tells where to look, but not how many pairs
-  // there are
-  if (apart_->tree().near(x, x).empty()) return 0;
-  return paperbake::crossings(Sheet{mesh().pattern, x, Points3(), mesh().triangles, {}});
-}
-
 Points3 RenderSurface::linear_positions(const Sheet& sheet,
                                         const std::vector<MeshPoint>& places) const {
   Points3 linear_positions(mesh().pattern.rows(), 3);
@@ -125,7 +120,7 @@ Points3 RenderSurface::linear_positions(const Sheet& sheet,
 std::vector<int> RenderSurface::intersecting_facets(const Sheet& sheet,
                                                     const std::vector<MeshPoint>& places) const {
   // a chord across a fold is no farther from it than half its length
-  const double farthest = 0.5 * mean_edge(mesh().pattern, mesh().triangles);
+  const double farthest = 0.5 * mean_edge_;
   if (!may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest)))
     return {};
   const std::vector<std::pair<int, int>> pairs =
@@ -152,6 +147,7 @@ std::vector<int> RenderSurface::intersecting_facets(const Sheet& sheet,
 /// returns  whether x was changed
 bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
                                const std::vector<MeshPoint>& places) const {
+  if (crossings(x) == 0) return false;
   const Points3 exact = linear_positions(sheet, places);
   const Untangler::Lengths lengths{[this](Points3& at) { limit_strain(at); },
                                    [this](const Points3& at) { return worst_edge(at); }};

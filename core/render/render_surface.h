@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/intersections.h"
 #include "core/geometry/point_location.h"
 #include "core/render/creased_normals.h"
 #include "core/render/render_mesh.h"
@@ -70,7 +71,7 @@ class RenderSurface {
   const std::vector<char>& is_held() const { return is_held_; }
 
   /// Number of pairs of triangles of mesh() that pass through each other. x  |V|x3 [m]
-  int crossings(const Points3& x) const;
+  int crossings(const Points3& x) const { return (*counter_)(x); }
 
  private:
   // cut: the simulated edges cut through triangles of the mesh; own: they are edges of the mesh
@@ -85,9 +86,12 @@ class RenderSurface {
   std::optional<Subdivision> fine_;
   std::optional<StrainLimit> fine_limit_;
   std::optional<CreasedNormals> fine_normals_;
-  std::optional<Untangler> apart_;  // for mesh()
-  std::vector<int> held_;           // vertices, one for each held point
-  std::vector<char> is_held_;       // for the vertices of mesh()
+  // for mesh()
+  std::optional<CrossingCounter> counter_;
+  std::optional<Untangler> apart_;
+  double mean_edge_ = 0;       // [m]
+  std::vector<int> held_;      // vertices, one for each held point
+  std::vector<char> is_held_;  // for the vertices of mesh()
 };
 
 /// Makes the render mesh of a shot. Draft, shot and hero have edges of 5, 2 and 1 mm on a sheet of

@@ -14,17 +14,26 @@ double cotangent(const Vector2d& p, const Vector2d& a, const Vector2d& b) {
   return u.dot(v) / std::abs(u.x() * v.y() - u.y() * v.x());
 }
 
-/// F (F^T F)^(-1/2), by the closed form of the root of a 2x2 matrix C: C^(1/2) = (C + d)/t with d^2
-/// = det C, t^2 = tr C + 2 d.
-Eigen::Matrix<double, 3, 2> nearest_rotation(const Eigen::Matrix<double, 3, 2>& F) {
-  const double a = F.col(0).squaredNorm(), b = F.col(0).dot(F.col(1)), c = F.col(1).squaredNorm();
+// a row of three numbers and one that is idle: one register
+using Row = Eigen::Array4d;
+using Rows = std::vector<Row, Eigen::aligned_allocator<Row>>;
+
+Rows padded(const Points3& x) {
+  Rows rows(x.rows());
+  for (Eigen::Index v = 0; v < x.rows(); ++v) rows[v] << x(v, 0), x(v, 1), x(v, 2), 0;
+  return rows;
+}
+
+/// Replaces the columns f, g of a matrix F by those of F (F^T F)^(-1/2), by the closed form of the
+/// root of a 2x2 matrix C: C^(1/2) = (C + d)/t with d^2 = det C, t^2 = tr C + 2 d.
+void rotate_only(Row& f, Row& g) {
+  const double a = (f * f).sum(), b = (f * g).sum(), c = (g * g).sum();
   const double d = std::sqrt(std::max(a * c - b * b, 1e-12)), t = std::sqrt(a + c + 2 * d);
   // the inverse of the root is t (C + d)^(-1), and det (C + d) = d t^2
   const double scale = 1 / (d * t);
-  Eigen::Matrix<double, 3, 2> R;
-  R.col(0) = scale * ((c + d) * F.col(0) - b * F.col(1));
-  R.col(1) = scale * ((a + d) * F.col(1) - b * F.col(0));
-  return R;
+  const Row before = f;
+  f = scale * ((c + d) * f - b * g);
+  g = scale * ((a + d) * g - b * before);
 }
 
 }  // namespace
@@ -43,16 +52,18 @@ ShapeFit::ShapeFit(const Points2& pattern, const Triangles& triangles,
     for (int i = 0; i < 3; ++i) face.v[i] = triangles(t, i);
     const Vector2d u = at(face.v[1]) - at(face.v[0]), v = at(face.v[2]) - at(face.v[0]);
     areas[t] = 0.5 * (u.x() * v.y() - u.y() * v.x());
+    Vector2d slope[3];
     for (int i = 0; i < 3; ++i) {
       const Vector2d e = at(face.v[(i + 2) % 3]) - at(face.v[(i + 1) % 3]);
-      face.slope.row(i) << -e.y() / (2 * areas[t]), e.x() / (2 * areas[t]);
+      slope[i] = Vector2d(-e.y(), e.x()) / (2 * areas[t]);
       area_[face.v[i]] += areas[t] / 3;
     }
+    face.slope[0] = slope[1];
+    face.slope[1] = slope[2];
     face.weight = options.stretch * ell2 * areas[t];
     for (int i = 0; i < 3; ++i)
       for (int j = 0; j < 3; ++j)
-        stretch.emplace_back(face.v[i], face.v[j],
-                             face.weight * face.slope.row(i).dot(face.slope.row(j)));
+        stretch.emplace_back(face.v[i], face.v[j], face.weight * slope[i].dot(slope[j]));
     faces_.push_back(face);
   }
   for (const Hinge& hinge : hinges_.hinges) {
@@ -111,14 +122,23 @@ void ShapeFit::hold(const std::vector<int>& vertices) {
 }
 
 Points3 ShapeFit::stretch_pull(const Points3& x) const {
-  Points3 r = Points3::Zero(x.rows(), 3);
+  const Rows at = padded(x);
+  Rows pull(at.size(), Row::Zero());
   for (const Face& face : faces_) {
-    Eigen::Matrix<double, 3, 2> F = Eigen::Matrix<double, 3, 2>::Zero();
-    for (int i = 0; i < 3; ++i) F += x.row(face.v[i]).transpose() * face.slope.row(i);
-    const Eigen::Matrix<double, 3, 2> pull = face.weight * (nearest_rotation(F) - F);
-    for (int i = 0; i < 3; ++i)
-      r.row(face.v[i]) += (pull * face.slope.row(i).transpose()).transpose();
+    const Row u = at[face.v[1]] - at[face.v[0]], v = at[face.v[2]] - at[face.v[0]];
+    const auto& s = face.slope;
+    const Row f = u * s[0].x() + v * s[1].x(), g = u * s[0].y() + v * s[1].y();
+    Row to_f = f, to_g = g;
+    rotate_only(to_f, to_g);
+    to_f = face.weight * (to_f - f);
+    to_g = face.weight * (to_g - g);
+    const Row first = to_f * s[0].x() + to_g * s[0].y(), second = to_f * s[1].x() + to_g * s[1].y();
+    pull[face.v[0]] -= first + second;
+    pull[face.v[1]] += first;
+    pull[face.v[2]] += second;
   }
+  Points3 r(x.rows(), 3);
+  for (Eigen::Index v = 0; v < x.rows(); ++v) r.row(v) = pull[v].head<3>().matrix().transpose();
   return r;
 }
 
@@ -136,6 +156,8 @@ Points3 ShapeFit::bend_pull(const Points3& y, const Points3& bend) const {
 }
 
 Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
+  // [1] cosine of an angle that is safely no crease: most hinges need no look at theirs
+  constexpr double smooth = 0.9211;  // cos(0.4) is 0.92106
   Points3 normal(faces_.size(), 3);
   for (std::size_t t = 0; t < faces_.size(); ++t) {
     const Vector3d a = y.row(faces_[t].v[0]), b = y.row(faces_[t].v[1]), c = y.row(faces_[t].v[2]);
@@ -146,7 +168,10 @@ Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
     const auto& v = hinges_.hinges[h].vertices;
     const auto& k = bends_[h].k;
     const auto& t = hinges_.hinges[h].triangles;
-    const double c = bends_[h].sharp ? 1 : crease_share(dihedral_angle(y, hinges_.hinges[h]));
+    const bool is_smooth = normal.row(t[0]).dot(normal.row(t[1])) > smooth;
+    const double c = bends_[h].sharp ? 1
+                     : is_smooth     ? 0
+                                     : crease_share(dihedral_angle(y, hinges_.hinges[h]));
     const Eigen::RowVector3d n = (normal.row(t[0]) + normal.row(t[1])).normalized();
     const double curved =
         0.5 * (curvature.row(v[0]) + curvature.row(v[1])).dot(bends_[h].of_curvature);

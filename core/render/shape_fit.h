@@ -63,8 +63,9 @@ class ShapeFit {
  private:
   struct Face {
     std::array<int, 3> v;
-    // [1/m] gradients of the shape functions: F = sum_i x_i slope_i
-    Eigen::Matrix<double, 3, 2> slope;
+    // [1/m] gradients of the shape functions of the last two corners:
+    // F = (x_1 - x_0) slope_1 + (x_2 - x_0) slope_2
+    Vector2d slope[2];
     double weight;  // ks ell^2 A_t
   };
   struct Bend {

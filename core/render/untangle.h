@@ -60,8 +60,6 @@ class Untangler {
   /// other.
   std::vector<std::pair<int, int>> intersections(const Points3& x) const;
 
-  const NormalConeTree& tree() const { return tree_; }
-
  private:
   struct Push;
   void push(int s, int t, const Points3& x, const FacetAt&, Push&) const;

@@ -47,6 +47,7 @@ std::vector<Points3> SheetUntangler::linear_positions(
 
 std::vector<int> SheetUntangler::crossings(const std::vector<Points3>& x) const {
   std::vector<int> counts(x.size(), 0);
+  if (x.size() < 2) return counts;
   std::vector<Eigen::AlignedBox3d> boxes;
   for (std::size_t s = 0; s < x.size(); ++s) {
     boxes.push_back(box_of(x[s]));
@@ -59,7 +60,7 @@ std::vector<int> SheetUntangler::crossings(const std::vector<Points3>& x) const 
 }
 
 bool SheetUntangler::linear_surfaces_intersect(const std::vector<Simulated>& simulated) const {
-  if (!any(crossings(linear_positions(simulated)))) return false;
+  if (simulated.size() < 2 || !any(crossings(linear_positions(simulated)))) return false;
   for (std::size_t s = 0; s < simulated.size(); ++s)
     for (std::size_t t = 0; t < s; ++t)
       if (crossings_between(simulated[s].sheet, simulated[t].sheet) > 0) return false;

@@ -76,26 +76,19 @@ MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3
   return fields;
 }
 
-void for_each_texel(const MapFields& fields, double side,
-                    const std::vector<std::vector<Vector2d>>& loops, const MapRows& rows,
-                    const std::vector<char>& wanted,
-                    const std::function<void(int, const Fields&)>& texel) {
+std::vector<FieldCorner> field_corners(const MapFields& fields, double side, int size) {
   std::vector<FieldCorner> corner;
   for (int v = 0; v < fields.pattern.rows(); ++v)
-    corner.push_back({to_texels(fields.pattern.row(v), side, rows.size), fields.of_vertex[v]});
+    corner.push_back({to_texels(fields.pattern.row(v), side, size), fields.of_vertex[v]});
+  return corner;
+}
 
-  std::vector<char> open = wanted;
-  for (int t = 0; t < fields.triangles.rows(); ++t)
-    for_each_in_triangle({corner[fields.triangles(t, 0)], corner[fields.triangles(t, 1)],
-                          corner[fields.triangles(t, 2)]},
-                         rows, [&](int i, int row, const Fields& f) {
-                           const int index = rows.index(i, row);
-                           if (!open[index]) return;
-                           open[index] = 0;
-                           texel(index, f);
-                         });
-  if (std::find(open.begin(), open.end(), 1) == open.end()) return;
-
+std::vector<BorderTexel> texels_beside(const MapFields& fields,
+                                       const std::vector<std::vector<Vector2d>>& loops,
+                                       const std::vector<FieldCorner>& corner, const MapRows& rows,
+                                       const std::vector<char>& open) {
+  std::vector<BorderTexel> found;
+  if (std::find(open.begin(), open.end(), 1) == open.end()) return found;
   struct Nearest {
     float distance = std::numeric_limits<float>::max();
     int edge = -1;
@@ -110,12 +103,10 @@ void for_each_texel(const MapFields& fields, double side,
                             if (open[rows.index(i, row)] && distance < n.distance)
                               n = {float(distance), int(e), float(t)};
                           });
-  for (int index = 0; index < rows.count(); ++index) {
-    if (!open[index] || nearest[index].edge < 0) continue;
-    const auto [a, b] = fields.border[nearest[index].edge];
-    texel(index, fields.of_vertex[a] +
-                     double(nearest[index].t) * (fields.of_vertex[b] - fields.of_vertex[a]));
-  }
+  for (int index = 0; index < rows.count(); ++index)
+    if (open[index] && nearest[index].edge >= 0)
+      found.push_back({index, nearest[index].edge, double(nearest[index].t)});
+  return found;
 }
 
 std::vector<char> wanted_texels(const std::vector<std::vector<Vector2d>>& loops,

@@ -2,7 +2,6 @@
 
 #include "formats/maps/map_raster.h"
 
-#include <functional>
 #include <utility>
 #include <vector>
 
@@ -27,6 +26,20 @@ struct MapFields {
 MapFields map_fields(const Sheet&, const Points3& curvature, const Points3& plastic,
                      double fold_width);
 
+/// The vertices in texels, with their fields.
+std::vector<FieldCorner> field_corners(const MapFields&, double side, int size);
+
+/// A texel outside the mesh, and the nearest point of its border: at a fraction t of an edge.
+struct BorderTexel {
+  int index, edge;
+  double t;
+};
+/// Those of the texels marked in `open`, as for_each_texel() needs them.
+std::vector<BorderTexel> texels_beside(const MapFields&,
+                                       const std::vector<std::vector<Vector2d>>& loops,
+                                       const std::vector<FieldCorner>&, const MapRows&,
+                                       const std::vector<char>& open);
+
 /// Calls texel(index, fields) once for every wanted texel of the rows, with the fields at its
 /// centre, interpolated linearly in the triangle there; outside the mesh those of the nearest point
 /// of its border, at any distance.
@@ -34,9 +47,27 @@ MapFields map_fields(const Sheet&, const Points3& curvature, const Points3& plas
 /// loops   [texel] corners of the pattern's outline and holes; a coarse mesh may stay behind them
 /// wanted  one entry for each texel of the rows
 /// texel   index as MapRows::index
-void for_each_texel(const MapFields&, double side, const std::vector<std::vector<Vector2d>>& loops,
-                    const MapRows&, const std::vector<char>& wanted,
-                    const std::function<void(int, const Fields&)>& texel);
+template <class Texel>
+void for_each_texel(const MapFields& fields, double side,
+                    const std::vector<std::vector<Vector2d>>& loops, const MapRows& rows,
+                    const std::vector<char>& wanted, const Texel& texel) {
+  const std::vector<FieldCorner> corner = field_corners(fields, side, rows.size);
+  std::vector<char> open = wanted;
+  for (int t = 0; t < fields.triangles.rows(); ++t)
+    for_each_in_triangle({corner[fields.triangles(t, 0)], corner[fields.triangles(t, 1)],
+                          corner[fields.triangles(t, 2)]},
+                         rows, [&](int i, int row, const Fields& f) {
+                           const int index = rows.index(i, row);
+                           if (!open[index]) return;
+                           open[index] = 0;
+                           texel(index, f);
+                         });
+  for (const BorderTexel& beside : texels_beside(fields, loops, corner, rows, open)) {
+    const auto [a, b] = fields.border[beside.edge];
+    texel(beside.index,
+          Fields(fields.of_vertex[a] + beside.t * (fields.of_vertex[b] - fields.of_vertex[a])));
+  }
+}
 
 /// The texels that a filtered lookup inside the pattern may read: those that overlap the pattern,
 /// and those whose centre is at most map_padding texels from its border.
