@@ -1,6 +1,7 @@
 #include "core/animation/expected_creases.h"
 
 #include "core/geometry/prescribed_creases.h"
+#include "core/geometry/rigid_motion.h"
 #include "core/model/segment2.h"
 
 #include <Eigen/Eigenvalues>
@@ -15,8 +16,6 @@
 namespace paperbake {
 namespace {
 
-using Eigen::Matrix3d;
-
 constexpr double rigid = 2e-3;       // [1] of the longer side: a clamp keeps its distances to this
 constexpr double min_length = 0.05;  // [1] of the longer side, of a clamp
 constexpr double min_width = 0.02;   // [1] of the longer side: a clamp is no line
@@ -27,11 +26,6 @@ constexpr double min_rise = 0.5;     // [1] of the distance of a row from the li
 constexpr double on_line = 5e-3;     // [1] of the longer side: handles this near are on the line
 constexpr double first_turn = 3 * M_PI / 180;
 constexpr double same_line = 0.01;  // [1] of the longer side
-
-struct Pose {
-  Matrix3d turn;
-  Vector3d shift;  // [m]
-};
 
 /// Handles that hold a part of the sheet as a rigid plate, or along a straight edge of one.
 struct Clamp {
@@ -141,24 +135,17 @@ class Clamps {
     return axes.eigenvalues().cwiseMax(0).cwiseSqrt().reverse();
   }
 
-  /// Least squares [Kabsch 1976]; none: not all handles hold.
-  std::optional<Pose> pose(const Clamp& clamp, int row) const {
-    Vector3d from(0, 0, 0), to(0, 0, 0);
-    const double n = static_cast<double>(clamp.handles.size());
-    const auto flat = [&](int h) { return Vector3d(place(h).x(), place(h).y(), 0); };
-    for (const int h : clamp.handles) {
+  /// Of the plate on which the handles of a clamp are; none: not all of them hold.
+  std::optional<RigidMotion> pose(const Clamp& clamp, int row) const {
+    const std::size_t n = clamp.handles.size();
+    Points3 flat(n, 3), now(n, 3);
+    for (std::size_t k = 0; k < n; ++k) {
+      const int h = clamp.handles[k];
       if (!held(h, row)) return std::nullopt;
-      from += flat(h) / n;
-      to += keyed(h, row) / n;
+      flat.row(k) << place(h).x(), place(h).y(), 0;
+      now.row(k) = keyed(h, row);
     }
-    Matrix3d covariance = Matrix3d::Zero();
-    for (const int h : clamp.handles)
-      covariance += (keyed(h, row) - to) * (flat(h) - from).transpose();
-    const Eigen::JacobiSVD<Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
-    Matrix3d proper = Matrix3d::Identity();
-    proper(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
-    const Matrix3d turn = svd.matrixU() * proper * svd.matrixV().transpose();
-    return Pose{turn, to - turn * from};
+    return nearest_rigid_motion(flat, now);
   }
 
   /// The line along which the second clamp turns against the first, a plate.
@@ -190,9 +177,9 @@ class Clamps {
   /// Where two plates agree in the frame of their largest turn.
   std::optional<Line> axis_of_plates(const Clamp& a, const Clamp& b) const {
     double most = 0;
-    std::optional<std::pair<Pose, Pose>> at_most;
+    std::optional<std::pair<RigidMotion, RigidMotion>> at_most;
     for (int row = 0; row < frames_; ++row) {
-      const std::optional<Pose> pa = pose(a, row), pb = pose(b, row);
+      const std::optional<RigidMotion> pa = pose(a, row), pb = pose(b, row);
       if (!pa || !pb) continue;
       const double turn = Eigen::AngleAxisd(pa->turn.transpose() * pb->turn).angle();
       if (turn > most) most = turn, at_most = {*pa, *pb};
@@ -211,7 +198,7 @@ class Clamps {
   }
 
   /// Where a handle is, seen from a plate: its pattern is the plane z = 0. [m]
-  Vector3d seen_from(const Pose& plate, int h, int row) const {
+  Vector3d seen_from(const RigidMotion& plate, int h, int row) const {
     return plate.turn.transpose() * (keyed(h, row) - plate.shift);
   }
 
@@ -226,7 +213,7 @@ class Clamps {
     Eigen::Matrix2d normals = Eigen::Matrix2d::Zero();
     Vector2d sum(0, 0);  // of c n, where n.p = c
     for (int row = 0; row < frames_; ++row) {
-      const std::optional<Pose> from = pose(plate, row);
+      const std::optional<RigidMotion> from = pose(plate, row);
       if (!from || !pose(handles, row)) continue;
       Eigen::Matrix2d normals_now = Eigen::Matrix2d::Zero();
       Vector2d sum_now(0, 0);
@@ -257,10 +244,10 @@ class Clamps {
   /// between them cannot be flat up to the line, because it is bowed.
   std::optional<double> turn_of(const Line& line, const Clamp& plate, const Clamp& other,
                                 int row) const {
-    const std::optional<Pose> left = pose(plate, row);
+    const std::optional<RigidMotion> left = pose(plate, row);
     if (!left) return std::nullopt;
     if (other.is_plate) {
-      const std::optional<Pose> right = pose(other, row);
+      const std::optional<RigidMotion> right = pose(other, row);
       if (!right) return std::nullopt;
       const Vector2d at =
           line.point + line.direction.dot(line.between - line.point) * line.direction;

@@ -66,16 +66,6 @@ bool is_swept_too_far(const SubstepTarget& f, int halvings) {
   return false;
 }
 
-std::vector<ElasticReport> step(const std::vector<SubstepTarget>& sheets,
-                                const Eigen::MatrixXd& dhat, double dt) {
-  if (sheets.size() == 1)
-    return {sheets.front().elastic.step(sheets.front().sheet, sheets.front().input, dt)};
-  std::vector<JointStepSheet> all;
-  for (const SubstepTarget& f : sheets)
-    all.push_back({f.elastic, f.sheet, f.input, f.initial_positions});
-  return Elastic::step_together(all, dhat, dt);
-}
-
 LengthDistortion worst_of(const std::vector<SubstepTarget>& sheets) {
   LengthDistortion worst;
   for (const SubstepTarget& f : sheets)
@@ -89,7 +79,25 @@ struct FramePart {
   int halvings;
   double end;  // [1] of the frame
   double length() const { return std::ldexp(1, -halvings); }
+  /// [1] Of what is left of the frame when the part begins.
+  double share_of_rest() const { return length() / (1 - end + length()); }
 };
+
+std::vector<ElasticReport> step(const std::vector<SubstepTarget>& sheets,
+                                const FrameInterval& frame, const FramePart& part) {
+  const double dt = part.length() * frame.dt;
+  std::vector<StepInput> inputs;
+  for (const SubstepTarget& f : sheets) {
+    inputs.push_back(f.input);
+    inputs.back().pressing = part.share_of_rest();
+  }
+  if (sheets.size() == 1)
+    return {sheets.front().elastic.step(sheets.front().sheet, inputs.front(), dt)};
+  std::vector<JointStepSheet> all;
+  for (std::size_t k = 0; k < sheets.size(); ++k)
+    all.push_back({sheets[k].elastic, sheets[k].sheet, inputs[k], sheets[k].initial_positions});
+  return Elastic::step_together(all, frame.dhat, dt);
+}
 
 /// Why a step was rejected.
 struct Rejection {
@@ -106,7 +114,7 @@ std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
   const double stretch_before = worst_of(sheets).largest;
   bool converged = false;
   try {
-    const std::vector<ElasticReport> reports = step(sheets, frame.dhat, part.length() * frame.dt);
+    const std::vector<ElasticReport> reports = step(sheets, frame, part);
     for (std::size_t k = 0; k < sheets.size(); ++k)
       result[k] = {1, reports[k].iterations, reports[k].converged, reports[k]};
     converged = std::all_of(reports.begin(), reports.end(),
@@ -142,8 +150,7 @@ std::string reason_of(const Rejection& rejection, const FrameInterval& frame) {
 /// dt  [s] length of each half
 std::pair<SubstepTarget, SubstepTarget> halves_of(const SubstepTarget& whole, double dt) {
   StepInput half = whole.input, other = whole.input;
-  for (PositionConstraint& c : half.constraints)
-    c.target = 0.5 * (whole.sheet.x.row(c.vertex).transpose() + c.target);
+  half.constraints = whole.elastic.half_way(whole.sheet, whole.input.constraints);
   half.colliders.to = between(whole.input.colliders.from, whole.input.colliders.to);
   other.colliders.from = half.colliders.to;
   half.time -= dt;

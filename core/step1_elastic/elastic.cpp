@@ -156,7 +156,7 @@ double Elastic::inside(const Sheet& sheet, const ColliderShapes& shapes) const {
 ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Relaxation settling) {
   Impl& s = *impl_;
   const StepProblem problem = s.problem_of(sheet, input, dt);
-  s.load_creases(sheet, Impl::Curl::removed);
+  s.begin_creases(sheet, input, problem);
   const Points3 before = sheet.x;
   constexpr double coarser = 10;  // the next step continues from here
   const bool coarse = settling == Relaxation::coarse;
@@ -272,10 +272,20 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
   return report;
 }
 
+PositionConstraints Elastic::half_way(const Sheet& sheet,
+                                      const PositionConstraints& constraints) const {
+  if (const std::optional<Panels> panels = impl_->panels_now())
+    return panels->half_way(sheet.x, constraints);
+  PositionConstraints half = constraints;
+  for (PositionConstraint& c : half)
+    c.target = 0.5 * (sheet.x.row(c.vertex).transpose() + c.target);
+  return half;
+}
+
 ElasticReport Elastic::step(Sheet& sheet, const StepInput& input, double dt) {
   Impl& s = *impl_;
   const StepProblem problem = s.problem_of(sheet, input, dt);
-  s.load_creases(sheet, Impl::Curl::removed);
+  s.begin_creases(sheet, input, problem);
   const Points3 before = sheet.x;
   ElasticReport report = s.try_without_plasticity(
       sheet,

@@ -41,6 +41,8 @@ struct StepInput {
   PositionConstraints constraints;  // at the end of the step
   ColliderMotion colliders = {};
   double time = 0;  // [s] at the end of the step, since the first frame
+  // [1] share of the way to the angles that hands press creases to, which this step goes
+  double pressing = 1;
 };
 
 /// What a step did, and the energies and contacts of the sheet at its end.
@@ -163,6 +165,10 @@ class Elastic {
   /// more than 0.6 %; the descents on both branches continue in the next step.
   /// throws Error(ErrorCode::simulation) when the energy is not finite
   ElasticReport step(Sheet&, const StepInput&, double dt);
+
+  /// The constraints half way from where the sheet is to their targets; those that hold a panel of a
+  /// folded sheet go there on arcs (panel_motion.h).
+  PositionConstraints half_way(const Sheet&, const PositionConstraints&) const;
 
   /// One step of several sheets that come closer than dhat to each other. It minimises the sum of
   /// their potentials over the vertices of all of them, with one contact between and within the

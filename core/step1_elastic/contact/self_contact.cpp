@@ -127,9 +127,14 @@ double Contact::dhat_of(const std::array<int, 4>& v, bool edges) const {
   }
   if (all_held) return 0;
   const auto [a, b] = sheets_of(v, edges);
-  if (a == b)
-    return dhat_near_constraints(
-        v, edges, std::min(sheets_.dhat(a, a), pattern_share * nearness(p, edges).distance()));
+  if (a == b) {
+    double dhat = std::min(sheets_.dhat(a, a), pattern_share * nearness(p, edges).distance());
+    if (panels_.rows() > 0)
+      dhat =
+          std::min(dhat, std::max(least_between_panels_,
+                                  begun_share * nearness(corners(panels_, v), edges).distance()));
+    return dhat_near_constraints(v, edges, dhat);
+  }
   double dhat = sheets_.dhat(a, b);
   if (sheets_.begun.rows() > 0) {
     const double begun = begun_share * nearness(corners(sheets_.begun, v), edges).distance();

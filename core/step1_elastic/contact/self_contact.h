@@ -78,6 +78,15 @@ class Contact {
   bool is_collision_free_between_sheets(const Points3& from, const Points3& to,
                                         const PositionConstraints& hard);
 
+  /// Lets features of a folded sheet come as near to each other as its panels do where hands hold
+  /// these flat: there dhat is at most 0.9 x that distance, but not less than `least`.
+  /// panels  |V|x3 [m] positions of the vertices in flat panels; empty: none are held
+  /// least   [m] the thickness of the paper
+  void set_panels(Points3 panels, double least) {
+    panels_ = std::move(panels);
+    least_between_panels_ = least;
+  }
+
   /// Begins a step of length dt [s] at x.
   /// hard  pairs of features that these constraints bring together are excluded from contact
   void begin(const Points3& x, const PositionConstraints& hard, double dt);
@@ -153,6 +162,9 @@ class Contact {
   double dhat_;
   // [m] how far vertices may be off the motion of the last update before the list is rebuilt
   double candidate_margin_;
+
+  Points3 panels_;                   // [m] as in set_panels
+  double least_between_panels_ = 0;  // [m]
 
   std::vector<int> constraint_of_;  // |V| index into hard_; -1: free
   PositionConstraints hard_;

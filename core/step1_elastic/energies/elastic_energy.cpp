@@ -46,7 +46,7 @@ ElasticEnergy::ElasticEnergy(const Paper& paper, const Points2& pattern, const T
     const double length = (b - a).norm();
     crease_of_hinge_[h] = static_cast<int>(creases_.size());
     creases_.push_back({static_cast<int>(h), *crease,
-                        CreaseEdge{a, b, crease->angle, crease->folded}, length,
+                        CreaseEdge{a, b, crease->angle, crease->folded}, length, 0,
                         area_beside(hinge) / length});
   }
   for (int t = 0; t < triangles.rows(); ++t) {
@@ -95,9 +95,16 @@ bool ElasticEnergy::is_folded(int hinge) const {
   return crease >= 0 && creases_[crease].edge.folded;
 }
 
-CreaseResponse ElasticEnergy::response_of(const CreaseEdge& edge, double theta) const {
-  return edge.pressed ? press_crease(law_, edge.rest_angle, *edge.pressed, theta)
-                      : turn_crease(law_, edge.rest_angle, theta);
+std::vector<bool> ElasticEnergy::folded_hinges() const {
+  if (creases_.empty()) return {};
+  std::vector<bool> folded(hinges_.hinges.size(), false);
+  for (const CreaseHinge& crease : creases_) folded[crease.hinge] = crease.edge.folded;
+  return folded;
+}
+
+CreaseResponse ElasticEnergy::response_of(const CreaseHinge& crease, double theta) const {
+  return crease.edge.pressed ? press_crease(law_, crease.edge.rest_angle, crease.goal, theta)
+                             : turn_crease(law_, crease.edge.rest_angle, theta);
 }
 
 double ElasticEnergy::add_creases(int t, const Vector3d& angles, Vector3d* moment,
@@ -108,7 +115,7 @@ double ElasticEnergy::add_creases(int t, const Vector3d& angles, Vector3d* momen
     const int h = hinges_.of_triangle[t][i], c = h < 0 ? -1 : crease_of_hinge_[h];
     if (c < 0 || !creases_[c].edge.folded) continue;
     const double half = 0.5 * creases_[c].length;
-    const CreaseResponse response = response_of(creases_[c].edge, angles[i]);
+    const CreaseResponse response = response_of(creases_[c], angles[i]);
     sum += half * response.energy;
     if (moment) (*moment)[i] += half * response.moment;
     if (tangent) (*tangent)(i, i) += half * response.tangent;
@@ -121,6 +128,7 @@ std::vector<int> ElasticEnergy::load_creases(const Sheet& sheet) {
   for (CreaseHinge& hinge : creases_) {
     const bool was_folded = hinge.edge.folded;
     hinge.edge = crease_edge(sheet, hinge.crease, hinge.edge.a, hinge.edge.b);
+    hinge.goal = hinge.edge.pressed.value_or(0);
     if (hinge.edge.folded == was_folded) continue;
     for (const int t : hinges_.hinges[hinge.hinge].triangles) {
       changed.insert(t);
@@ -131,13 +139,22 @@ std::vector<int> ElasticEnergy::load_creases(const Sheet& sheet) {
   return {folded.begin(), folded.end()};
 }
 
+void ElasticEnergy::press(const Points3& x, double share) {
+  if (share == 1) return;
+  for (CreaseHinge& crease : creases_)
+    if (crease.edge.pressed) {
+      const double now = dihedral_angle(x, hinges_.hinges[crease.hinge]);
+      crease.goal = now + share * (*crease.edge.pressed - now);
+    }
+}
+
 std::vector<CreaseEdge> ElasticEnergy::creases_left(const std::vector<double>& theta) const {
   const double first_yield = 2 * paper_.yield_strain / paper_.thickness;
   std::vector<CreaseEdge> left;
   for (const CreaseHinge& hinge : creases_) {
     CreaseEdge edge = hinge.edge;
     edge.folded |= std::abs(theta[hinge.hinge]) > birth_share * first_yield * hinge.width;
-    if (edge.folded) edge.rest_angle = response_of(edge, theta[hinge.hinge]).rest;
+    if (edge.folded) edge.rest_angle = turn_crease(law_, edge.rest_angle, theta[hinge.hinge]).rest;
     left.push_back(edge);
   }
   return left;

@@ -66,10 +66,14 @@ class ElasticEnergy {
   RidgeField ridges;
 
   bool has_creases() const { return !creases_.empty(); }
+  /// For each hinge, whether the sheet is folded along it; empty: there are no creases.
+  std::vector<bool> folded_hinges() const;
 
   /// Reads the state of the creases from the sheet.
   /// returns  the triangles beside edges that are folded now and were not before
   std::vector<int> load_creases(const Sheet&);
+  /// Lets hands press creases only a share of the way from their angles at x to those of the sheet.
+  void press(const Points3& x, double share);
   /// State of the creases if the sheet is left with these dihedral angles. An edge folds where it
   /// bends the paper beyond its first yield.
   std::vector<CreaseEdge> creases_left(const std::vector<double>& dihedral_angles) const;
@@ -91,6 +95,14 @@ class ElasticEnergy {
     std::array<int, 6> vertices;
     std::array<BlockCholesky::Slot, 21> slots;  // upper half, row by row
   };
+  struct CreaseHinge {
+    int hinge;
+    PrescribedCrease crease;
+    CreaseEdge edge;
+    double length;  // [m]
+    double goal;    // [rad] that hands press it to, if they do
+    double width;   // [m] of the paper that its angle is spread over while it is not folded
+  };
   double evaluate(const Points3& x, HessianForm, Points3* gradient, BlockCholesky* matrix,
                   const MembraneStress* stress = nullptr) const;
   struct Element {            // a triangle, for the Hessian
@@ -111,7 +123,7 @@ class ElasticEnergy {
   /// to the other triangle.
   double add_creases(int t, const Vector3d& angles, Vector3d* moment = nullptr,
                      Matrix3* tangent = nullptr) const;
-  CreaseResponse response_of(const CreaseEdge&, double theta) const;
+  CreaseResponse response_of(const CreaseHinge&, double theta) const;
   /// Area on the pattern of the triangles on both sides of a hinge. [m2]
   double area_beside(const Hinge& hinge) const {
     return rest_[hinge.triangles[0]].area + rest_[hinge.triangles[1]].area;
@@ -133,13 +145,6 @@ class ElasticEnergy {
   std::vector<RestTriangle> rest_;
   std::vector<RestBending> bend_;
   std::vector<Stencil> stencils_;
-  struct CreaseHinge {
-    int hinge;
-    PrescribedCrease crease;
-    CreaseEdge edge;
-    double length;  // [m]
-    double width;   // [m] of the paper that its angle is spread over while it is not folded
-  };
   std::vector<CreaseHinge> creases_;
   std::vector<int> crease_of_hinge_;  // index into creases_, -1: none; empty: there are no creases
   CreaseLaw law_;

@@ -111,6 +111,22 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const P
     way.reset();
 }
 
+std::optional<Panels> Elastic::Impl::panels_now() const {
+  const std::vector<bool> folded = energy->folded_hinges();
+  if (folded.empty()) return std::nullopt;
+  return Panels(triangles, energy->hinges(), folded);
+}
+
+void Elastic::Impl::begin_creases(const Sheet& sheet, const StepInput& input,
+                                  const StepProblem& step) {
+  load_creases(sheet, Curl::removed);
+  energy->press(sheet.x, input.pressing);
+  softened->press(sheet.x, input.pressing);
+  panels.reset();
+  if (const std::optional<Panels> parts = panels_now()) panels = parts->moved(sheet.x, step.hard);
+  if (contact) contact->set_panels(panels.value_or(Points3()), paper.thickness);
+}
+
 StepProblem Elastic::Impl::problem_of(const Sheet& sheet, const StepInput& input, double dt) {
   PositionConstraints constraints = input.constraints;
   if (colliders) {
@@ -140,6 +156,7 @@ SheetPotential Elastic::Impl::potential(const Sheet& sheet, const StepProblem& s
 std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const PositionConstraints& hard,
                                             bool feels) {
   std::vector<Points3> all = predictor->guesses(before, state.positions, hard);
+  if (panels) all.insert(all.begin(), *panels);
   if (feels) {
     if (!state.positions.empty()) all.push_back(2 * before - state.positions[0]);
     all.push_back(before);

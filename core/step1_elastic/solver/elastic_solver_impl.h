@@ -7,6 +7,7 @@
 #include "core/step1_elastic/energies/elastic_energy.h"
 #include "core/step1_elastic/energies/handle_springs.h"
 #include "core/step1_elastic/solver/newton.h"
+#include "core/step1_elastic/solver/panel_motion.h"
 #include "core/step1_elastic/solver/predictor.h"
 #include "core/step1_elastic/solver/solver_limits.h"
 
@@ -46,7 +47,8 @@ struct Elastic::Impl {
 
   std::optional<Contact> contact;
   std::optional<ColliderContact> colliders;
-  std::optional<AirDrag> air;  // of the step; none in a vacuum and without inertia
+  std::optional<Points3> panels;  // [m] of the step: where its panels move rigidly (panel_motion.h)
+  std::optional<AirDrag> air;     // of the step; none in a vacuum and without inertia
 
   // these belong to the mesh and to the set of constrained vertices
   std::vector<int> held;       // eliminated from the system
@@ -141,13 +143,19 @@ struct Elastic::Impl {
                              const Points3& start, const PositionConstraints& hard, Points3& x,
                              ElasticReport&);
 
+  /// The panels of the sheet whose creases were read last; none: it has no creases.
+  std::optional<Panels> panels_now() const;
+  /// Reads the creases from the sheet at the beginning of a step, and finds where its panels go.
+  void begin_creases(const Sheet&, const StepInput&, const StepProblem&);
+
   /// The step that begins where the sheet is.
   StepProblem problem_of(const Sheet&, const StepInput&, double dt);
 
   /// Potential of a step of the sheet from where it is. springs  constraints that pull
   SheetPotential potential(const Sheet&, const StepProblem&, PositionConstraints springs);
-  /// Initial guesses for the end of the step. feels: with contact; then handles may lag behind, and
-  /// some of the guesses do not make the sheet jump to them.
+  /// Initial guesses for the end of the step; on a folded sheet the first one has moved its panels.
+  /// feels: with contact; then handles may lag behind, and some of the guesses do not make the
+  /// sheet jump to them.
   std::vector<Points3> guesses(const Points3& before, const PositionConstraints& hard, bool feels);
 
   /// One solution of the step; `feels` is null for a step without self-contact.

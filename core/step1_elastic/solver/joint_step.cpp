@@ -102,7 +102,7 @@ Elastic::Impl::JointStep::JointStep(const std::vector<JointStepSheet>& sheets, d
     problems_.push_back(s.problem_of(sheet, sheets[k].input, dt));
     add_hard(problems_[k].hard, mesh_.first.back(), hard_);
     mesh_.add(s.pattern, s.triangles);
-    s.load_creases(sheet, Curl::removed);
+    s.begin_creases(sheet, sheets[k].input, problems_[k]);
     s.find_ridges_of_step(sheet, vertices_of(problems_[k].constraints));
     s.update_predictor(sheet, vertices_of(problems_[k].hard));
   }

@@ -11,6 +11,11 @@ namespace {
 
 constexpr double sufficient_decrease = 1e-4;
 constexpr int max_halvings = 30;
+// A barrier has kinks where the closest points jump from one feature to another, as they do between
+// parallel edges of layers that lie on each other. At a minimum in a kink no step goes its whole
+// length: what several exact steps in a row ask for has to do.
+constexpr double near_share = 0.25;  // [1] of the tolerance
+constexpr int near_in_a_row = 3;
 constexpr int asked_every = 4;  // [1] iterations between two calls of should_abort
 
 /// One minimisation.
@@ -150,6 +155,7 @@ bool Newton::mixed_newton(MembraneStress stress, Points3& x) {
 void Newton::line_search_newton(Points3& x) {
   covered(x);
   double last = 0, before_last = 0;
+  int near = 0;  // [1] iterations in a row that asked for next to nothing
   report.converged = false;
   HessianForm form = HessianForm::exact;
   report.descended = true;
@@ -160,6 +166,11 @@ void Newton::line_search_newton(Points3& x) {
     if (asked > max_move_) move *= max_move_ / asked;
     const double free = W_.limit_step(x, move);
     const double length = line_search(x, move);
+    near = form == HessianForm::exact && asked < near_share * options_.stop ? near + 1 : 0;
+    if (near == near_in_a_row) {
+      report.converged = true;
+      return;
+    }
     if (length == 0) {
       if (asked < options_.stop || form == HessianForm::projected) {
         report.converged = asked < options_.stop;
@@ -176,7 +187,10 @@ void Newton::line_search_newton(Points3& x) {
     // are too short: there, steps have to shrink twice.
     const bool trusted = !W_.contact || (form == HessianForm::exact && before_last > 0 &&
                                          last < before_last && done < last);
-    if (whole && trusted && (ahead < options_.stop || done < options_.stop)) {
+    // Steps of the projected Hessian that shrink by the same ratio have a sum.
+    const bool shrinks = whole && before_last > 0 && last < before_last && done < last;
+    const bool sum_is_small = shrinks && done * done < options_.stop * (last - done);
+    if (sum_is_small || (whole && trusted && (ahead < options_.stop || done < options_.stop))) {
       report.converged = true;
       return;
     }

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <filesystem>
 #include <string>
+#include <tuple>
 #include <vector>
 
 namespace paperbake {
@@ -66,6 +67,31 @@ TEST_P(FoldSceneTest, PaperIsFoldedByItsHandsWithoutStretchOrCrossing) {
     unfinished += !frame["converged"].get<bool>();
   }
   EXPECT_LE(unfinished, 1);
+}
+
+/// A sheet folded twice, the second fold across the first, on other seeds and meshes.
+class FoldedTwiceTest : public FoldCertificateTest,
+                        public testing::WithParamInterface<std::tuple<int, int>> {};
+
+INSTANTIATE_TEST_SUITE_P(SeedsAndMeshes, FoldedTwiceTest,
+                         testing::Combine(testing::Range(0, 5), testing::Values(90, 120, 200)));
+
+TEST_P(FoldedTwiceTest, FourLayersFollowTheirHandsWithoutStretchOrCrossing) {
+  const auto [seed, triangles] = GetParam();
+  const Ended ended = bake("F3_quarter", {"--seed", std::to_string(seed), "--base-triangles",
+                                          std::to_string(triangles)});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const std::vector<std::string> lines = lines_of(read(fs::path(output()) / "cert/frames.jsonl"));
+  ASSERT_EQ(lines.size(), 108u);
+  for (const std::string& line : lines) {
+    const json frame = json::parse(line);
+    const std::string where = frame["frame"].dump();
+    EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 0.1) << where;
+    EXPECT_LE(frame["stretch_max_pct"].get<double>(), 0.1) << where;
+    for (const char* none : {"crossings", "render_crossings", "singular"})
+      EXPECT_EQ(frame[none], 0) << none << " " << where;
+    EXPECT_EQ(frame["converged"], true) << where;
+  }
 }
 
 /// The number of folds that the certificate counts in each frame.

@@ -151,9 +151,9 @@ TEST(CreaseLawTest, HandsPressACreaseToTheirAngleWhileItsRestAngleYieldsAsWithou
     for (const double pressed : {-1.0, 0.0, 3.0}) {
       const CreaseResponse response = press_crease(law, rest, pressed, theta);
       const double off = theta - pressed;
-      EXPECT_DOUBLE_EQ(response.energy, 0.5 * law.stiffness * off * off);
-      EXPECT_DOUBLE_EQ(response.moment, law.stiffness * off);
-      EXPECT_EQ(response.tangent, law.stiffness);
+      EXPECT_DOUBLE_EQ(response.energy, 0.5 * law.pressing * off * off);
+      EXPECT_DOUBLE_EQ(response.moment, law.pressing * off);
+      EXPECT_EQ(response.tangent, law.pressing);
       EXPECT_DOUBLE_EQ(response.rest, turn_crease(law, rest, theta).rest);
     }
   });

@@ -386,6 +386,25 @@ ElasticEnergy energy_of_creased(const Sheet& sheet, const Paper& paper = soft_pa
   return energy;
 }
 
+TEST(ElasticEnergyTest, HandsThatPressAShareOfTheWayLeaveTheAngleOfTheSheetAlone) {
+  const Sheet sheet = creased();
+  ElasticEnergy energy = energy_of_creased(sheet);
+  const auto bending = [&] { return energy.parts(sheet.x).bending; };
+  const double whole = bending();
+  std::vector<double> of_share;
+  for (const double share : {0.0, 0.5, 1.0}) {
+    energy.load_creases(sheet);
+    energy.press(sheet.x, share);
+    of_share.push_back(bending());
+    for (const CreaseEdge& edge : energy.creases_left(energy.dihedral_angles(sheet.x)))
+      EXPECT_EQ(edge.pressed, crease_edge(sheet, {{edge.a, edge.b}}, edge.a, edge.b).pressed);
+  }
+  EXPECT_EQ(of_share[2], whole);
+  // the energy of pressing is a parabola in the angle that is left
+  EXPECT_NEAR(of_share[1] - of_share[0], 0.25 * (whole - of_share[0]), 1e-12 * whole);
+  EXPECT_GT(whole, 1.01 * of_share[0]);
+}
+
 TEST(ElasticEnergyTest, DerivativesMatchCentralDifferencesWhereCreasesYieldAndArePressed) {
   const Sheet sheet = creased();
   ElasticEnergy energy = energy_of_creased(sheet);

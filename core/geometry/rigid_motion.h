@@ -1,0 +1,20 @@
+#pragma once
+
+#include "core/model/sheet.h"
+
+namespace paperbake {
+
+/// x -> turn x + shift
+struct RigidMotion {
+  Eigen::Matrix3d turn;
+  Vector3d shift;  // [m]
+  Vector3d operator()(const Vector3d& x) const { return turn * x + shift; }
+};
+
+/// The rigid motion that takes points nearest to their targets, by least squares. Where the points
+/// lie in one line, the turn about that line is arbitrary.
+/// points, targets  n x 3 [m]
+/// source           [Kabsch 1976]
+RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets);
+
+}  // namespace paperbake

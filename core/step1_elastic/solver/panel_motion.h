@@ -1,0 +1,38 @@
+#pragma once
+
+#include "core/geometry/hinges.h"
+#include "core/step1_elastic/position_constraints.h"
+
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace paperbake {
+
+/// The panels of a sheet: its parts between the edges along which it is folded. In a fold they move
+/// nearly as rigid plates, while everything that is smooth across the fold bends them.
+class Panels {
+ public:
+  /// folded  for each hinge, whether the sheet is folded along it
+  Panels(const Triangles&, const Hinges&, const std::vector<bool>& folded);
+
+  /// Where the sheet is when its constrained vertices have moved to their targets, and each panel
+  /// has moved rigidly. A panel goes with those of its vertices whose places are known, if these
+  /// are not all in one line: first with constrained vertices, then also with the folds that it
+  /// shares with panels that have moved. What is left goes with a neighbour. A vertex on a fold
+  /// goes to the mean of the places that its panels would take it to.
+  /// x        |V|x3 [m] present positions
+  /// returns  |V|x3 [m]; none: there is one panel only, or constraints hold none of them
+  std::optional<Points3> moved(const Points3& x, const PositionConstraints& hard) const;
+
+  /// The constraints half way to their targets. Those of a panel that they hold go round the axis
+  /// about which it turns: half way along the chord they would be nearer to each other than the
+  /// paper between them is long, and it would buckle. All others go along the chord.
+  PositionConstraints half_way(const Points3& x, PositionConstraints) const;
+
+ private:
+  std::vector<std::vector<int>> vertices_;       // of each panel
+  std::vector<std::pair<int, int>> neighbours_;  // panels on the two sides of folded hinges
+};
+
+}  // namespace paperbake
