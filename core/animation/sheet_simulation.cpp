@@ -190,8 +190,7 @@ bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   constexpr double deepest = 2e-5;  // [m]
   if (on_colliders_ == 0) return false;
   const double depth = elastic_.inside(sheet(), input_.colliders.from);
-  return depth > deepest &&
-         depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
+  return depth > deepest && depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
 }
 
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {

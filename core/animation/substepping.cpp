@@ -43,8 +43,8 @@ bool exceeds_max_motion(const SubstepTarget& f, int halvings) {
   return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
 }
 
-/// Whether a thin collider moves farther than it may in one step: vertices of the sheet are carried
-/// along by what moves, but a collider that is thinner than triangles are long passes between them.
+/// Whether a collider near the sheet moves farther than it may in one step: what it takes along is
+/// stretched by that against the rest of the sheet.
 bool is_swept_too_far(const SubstepTarget& f, int halvings) {
   const ColliderMotion& moving = f.input.colliders;
   if (halvings >= max_halvings_for_colliders || moving.from == moving.to) return false;

@@ -47,8 +47,8 @@ struct FrameInterval {
 /// fails, or tears the sheet, is halved, down to 1/256 of a frame. A frame in which a flat sheet is
 /// compressed is halved down to 1/8, so that the buckling direction does not depend on step size or
 /// mesh. Handles that move farther relative to each other than one step should take are halved
-/// before the step is tried, and so are frames in which a collider that is thinner than two edges
-/// of the mesh moves near a sheet by more than half its Collider::depth(), down to 1/1024.
+/// before the step is tried, and so are frames in which a collider moves near a sheet by more than
+/// half its Collider::depth() or a tenth of an edge of the mesh, down to 1/1024.
 /// throws  Error(ErrorCode::simulation) when the energy is not finite
 std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>&, const FrameInterval&);
 

@@ -140,9 +140,7 @@ void Collider::prepare() {
   closed_ = is_closed(edges_of(triangles));
   if (closed_ && volume(x, triangles) < 0) turn(triangles);
   const MeshEdges edges = edges_of(triangles);
-  const Vector3d sides = sides_of_box(x);
-  thickness_ = closed_ ? sides[0] : sides[1];
-  depth_ = closed_ ? std::min(deepest, of_thickness * thickness_) : deepest_of_open;
+  depth_ = closed_ ? std::min(deepest, of_thickness * sides_of_box(x)[0]) : deepest_of_open;
   find_normals();
   find_corners(edges, find_sharp_edges(edges));
 }

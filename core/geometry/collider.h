@@ -54,10 +54,6 @@ class Collider {
   /// Greatest depth behind the front at which a point still counts as pressed in from there. [m]
   double depth() const { return depth_; }
 
-  /// Thickness of a closed mesh, width of an open one: the shortest, or the second shortest, side
-  /// of its box along its principal axes. [m]
-  double thickness() const { return thickness_; }
-
   /// A convex edge or a border edge, and a corner on such edges. A feature of the sheet close to
   /// one of them is inside the collider when the shortest line from the feature to the edge (or
   /// corner) leads out of all its faces.
@@ -128,7 +124,7 @@ class Collider {
   ColliderMesh mesh_;
   bool closed_ = false;
   std::shared_ptr<const std::vector<Points3>> frames_;
-  double depth_ = 0, thickness_ = 0;
+  double depth_ = 0;
   Points3 face_normal_, vertex_normal_;  // |T|x3, |V|x3
   // [triangle][corner]: pseudo-normal of the edge opposite that corner, and whether it is a border
   std::vector<std::array<Vector3d, 3>> edge_normal_;

@@ -49,26 +49,20 @@ class JudgedCache : public test::CommandLine {
   }
 };
 
-TEST_F(JudgedCache, APencilInThePaperIsToldWithItsTrueDepthAndPlace) {
-  const Ended ended = bake_violent("pencil8");
-  EXPECT_EQ(ended.code, 4) << ended.err;
-  // the paper goes along with the pencil, as far as its corners let it; the middle of the pencil,
-  // where paper came to lie before steps were divided by the motion of colliders, is 4 mm from its
-  // sides
-  EXPECT_GT(most("inside_mm"), 0.1);
-  EXPECT_LT(most("inside_mm"), 1.5);
-  EXPECT_GT(most("render_stretch_max_pct"), 5);
-  for (const char* words : {"an edge of the rendered mesh is off by", "mm of the pattern",
-                            "mm inside the collider \"collider.bat\", more than 0.1 mm"})
-    EXPECT_NE(ended.err.find(words), std::string::npos) << words << "\n" << ended.err;
-  expect_verified();
-}
-
-TEST_F(JudgedCache, APencilThinnerThanATriangleIsSeenAsItGoesThrough) {
-  const Ended ended = bake_violent("pencil4");
-  EXPECT_EQ(ended.code, 4) << ended.err;
-  EXPECT_NEAR(most("inside_mm"), 2, 0.1);
-  expect_verified();
+// Once the paper came to lie 4 mm, 2 mm and 2.6 mm deep in these, with edges off by 113 %. What
+// cannot be met, handles at rest and a collider that goes 40 or 80 mm through the sheet between
+// them, is met by the handles: they give way, and that is told.
+TEST_F(JudgedCache, HandlesGiveWayBeforePaperIsPressedIntoAColliderOrStretched) {
+  for (const char* scene : {"pencil8", "pencil4", "box"}) {
+    const Ended ended = bake_violent(scene);
+    EXPECT_EQ(ended.code, 4) << ended.err;
+    EXPECT_LT(most("inside_mm"), 0.05) << scene;
+    EXPECT_LT(most("stretch_max_pct"), 1) << scene;
+    EXPECT_LT(most("render_stretch_max_pct"), 2.1) << scene;
+    EXPECT_GT(most("handle_err_max_mm"), 30) << scene;
+    EXPECT_NE(ended.err.find("a handle is off by"), std::string::npos) << ended.err;
+    expect_verified();
+  }
 }
 
 TEST_F(JudgedCache, ABoxThatStandsInTheSheetIsAsDeepAsItsHalfSide) {
@@ -99,16 +93,16 @@ TEST_F(JudgedCache, LengthsHoldWhereTheRenderMeshIsPushedOutOfTheGround) {
 }
 
 TEST_F(JudgedCache, ASimulatedMeshThatIsHandedOnIsJudgedLikewise) {
-  const Ended ended = bake_violent("pencil4", {"--mesh", "simulation"});
+  const Ended ended = bake_violent("starts_inside", {"--mesh", "simulation"});
   EXPECT_EQ(ended.code, 4) << ended.err;
-  EXPECT_NEAR(most("inside_mm"), 2, 0.1);
+  EXPECT_NEAR(most("inside_mm"), 25, 0.3);
   expect_verified();
 }
 
 TEST_F(JudgedCache, WhereNothingIsHandedOnTheSimulatedSheetIsJudgedAndCannotBeVerified) {
-  const Ended ended = bake_violent("pencil4", {}, "cert");
+  const Ended ended = bake_violent("starts_inside", {}, "cert");
   EXPECT_EQ(ended.code, 4) << ended.err;
-  EXPECT_NEAR(most("inside_mm"), 2, 0.1);
+  EXPECT_NEAR(most("inside_mm"), 25, 0.3);
   const Ended verdict = run({"verify", output()});
   EXPECT_EQ(verdict.code, 4);
   EXPECT_NE(verdict.out.find("has no cache"), std::string::npos) << verdict.out;
