@@ -6,6 +6,7 @@
 #include "core/animation/blocked_ways.h"
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
+#include "core/geometry/collider_depth.h"
 #include "core/methods/adaptive.h"
 #include "core/methods/fem.h"
 #include "core/methods/hybrid.h"
@@ -476,6 +477,27 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
               "as far as paper can.");
 }
 
+/// Warns of sheets that begin inside a collider. throws Error(ErrorCode::scene) with --strict
+void find_begun_inside(const BakeSettings& settings, BakePlan& plan) {
+  constexpr double deepest = 1e-4;  // [m] as a gate lets pass
+  for (const Shot& shot : plan.shots) {
+    if (!shot.colliders) continue;
+    for (const Collider& collider : *shot.colliders) {
+      const double depth =
+          ColliderDepth(collider.mesh()).deepest(shot.start.x, shot.start.triangles).depth;
+      if (depth <= deepest) continue;
+      const std::string cause =
+          fmt::format("The sheet \"{}\" begins {:.2f} mm deep in the collider \"{}\".",
+                      shot.sheet_name, 1e3 * depth, collider.mesh().name);
+      const char* const remedy =
+          "Move one of them apart in the first frame, or give the collider the property "
+          "paper_collider = \"inside\" or \"outside\", which says where the paper stays.";
+      if (settings.strict) throw Error(ErrorCode::scene, settings.scene.string(), cause, remedy);
+      plan.warnings.push_back(cause + " " + remedy);
+    }
+  }
+}
+
 /// Warns of values that are likely to be meant in another unit, and of releases that come too late.
 void question_values(BakePlan& plan) {
   constexpr double most_gravity = 100, most_fps = 1000;  // [m/s2] ten times the earth's; [1/s]
@@ -544,6 +566,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   const std::vector<UsedValue> of_sheets = plan_sheets(settings, scene, plan);
   name_files(plan);
   question_values(plan);
+  find_begun_inside(settings, plan);
   decide_inertia(settings, scene, plan);
   decide_polish(settings, plan);
   record_used_values(settings, scene, plan);

@@ -50,6 +50,7 @@ ColliderPenetration JudgedColliders::deepest(int row, const Points3& x,
     if (now[c]) continue;
     const auto& frames = meshes[c].frames;
     ColliderMesh mesh = {meshes[c].name, {}, meshes[c].triangles, {}};
+    mesh.paper_side = meshes[c].paper_side;
     mesh.x = frames[std::clamp(row, 0, static_cast<int>(frames.size()) - 1)];
     now[c] = std::make_shared<const ColliderDepth>(mesh);
   }

@@ -13,6 +13,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 namespace paperbake {
 namespace {
@@ -73,6 +74,23 @@ bool is_of_mesh(const PositionConstraints& constraints, const Sheet& sheet) {
   return std::all_of(constraints.begin(), constraints.end(), [&](const PositionConstraint& c) {
     return c.vertex >= 0 && c.vertex < sheet.x.rows();
   });
+}
+
+/// A sentence on handles that give way although the sheet does not touch itself, because a collider
+/// is in its way; empty: none does.
+std::string note_of_yielding(const std::vector<HandleFrame>& handles) {
+  int yielding = 0;
+  double most = 0;
+  for (const HandleFrame& handle : handles)
+    if (handle.state == HandleFrame::jammed) {
+      ++yielding;
+      most = std::max(most, (handle.at - handle.keyed).norm());
+    }
+  if (yielding == 0) return "";
+  char note[120];
+  std::snprintf(note, sizeof note, "a collider is in the way: %d %s, by up to %.1f mm", yielding,
+                yielding == 1 ? "handle gives way" : "handles give way", 1e3 * most);
+  return note;
 }
 
 ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
@@ -433,6 +451,9 @@ AnimatedFrame SheetSimulation::report() {
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
   result.handles = handles_.report(output_sheet_.x, frame_);
+  if (on_colliders_ > 0 && touching_ == 0)
+    if (const std::string note = note_of_yielding(result.handles); !note.empty())
+      result.note += (result.note.empty() ? "" : "; ") + note;
   FrameStatistics& statistics = result.statistics;
   statistics.substeps = step_.substeps;
   statistics.newton_iterations = step_.iterations;

@@ -129,7 +129,8 @@ Collider::Collider(ColliderMesh mesh) : mesh_(std::move(mesh)) {
 }
 
 Collider::Collider(const Collider& other, const Points3& x)
-    : mesh_{other.mesh_.name, x, other.mesh_.triangles, {}, other.mesh_.friction},
+    : mesh_{other.mesh_.name,      x, other.mesh_.triangles, {}, other.mesh_.friction,
+            other.mesh_.paper_side},
       frames_(other.frames_) {
   prepare();
 }
@@ -138,9 +139,11 @@ void Collider::prepare() {
   Triangles& triangles = mesh_.triangles;
   const Points3& x = mesh_.x;
   closed_ = is_closed(edges_of(triangles));
-  if (closed_ && volume(x, triangles) < 0) turn(triangles);
+  const bool holds_paper = mesh_.paper_side == ColliderMesh::PaperSide::inside;
+  if (closed_ && (volume(x, triangles) < 0) != holds_paper) turn(triangles);
   const MeshEdges edges = edges_of(triangles);
-  depth_ = closed_ ? std::min(deepest, of_thickness * sides_of_box(x)[0]) : deepest_of_open;
+  const Vector3d sides = sides_of_box(x);
+  depth_ = closed_ ? std::min(deepest, of_thickness * sides[0]) : deepest_of_open;
   find_normals();
   find_corners(edges, find_sharp_edges(edges));
 }
@@ -386,11 +389,24 @@ Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, do
   return there + frame_of(after) * (frame_of(before).transpose() * (p - near.at));
 }
 
+/// Where the paper stays if it is to stay where it begins.
+static ColliderMesh::PaperSide side_of(const Collider& solid, const Points3& x) {
+  constexpr double anywhere = 1e6;  // [m]
+  for (int v = 0; v < x.rows(); ++v)
+    if (!(solid.nearest(row(x, v), anywhere, 1).distance < 0))
+      return ColliderMesh::PaperSide::outside;
+  return ColliderMesh::PaperSide::inside;
+}
+
 void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
   constexpr double lies_in_it = 1e-5;  // [m] a vertex closer than this has no vote
   for (ColliderMesh& mesh : meshes) {
     const Collider as_it_is(mesh);
-    if (as_it_is.closed()) continue;
+    if (as_it_is.closed()) {
+      using Side = ColliderMesh::PaperSide;
+      if (mesh.paper_side == Side::automatic) mesh.paper_side = side_of(as_it_is, x);
+      continue;
+    }
     const auto votes = [&](const Points3& points) {
       int front = 0;
       for (int v = 0; v < points.rows(); ++v) {

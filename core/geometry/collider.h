@@ -23,6 +23,8 @@ struct ColliderMesh {
   // empty: the mesh stands still
   std::vector<Points3> frames;
   double friction = 0.4;  // [1] Coulomb's coefficient of friction; paper on wood has 0.3-0.5
+  // where the paper stays, of a closed mesh; `automatic` until face_the_sheet has decided
+  enum class PaperSide { automatic, outside, inside } paper_side = PaperSide::automatic;
 };
 
 /// The point of a collider that is closest to a query point.
@@ -36,7 +38,8 @@ struct SurfacePoint {
 struct MeshEdges;  // collider.cpp: the triangles at each edge of a mesh
 
 /// An obstacle for the paper at one time, prepared for distance queries. For a closed mesh the
-/// inside is forbidden, whatever the orientation of its triangles. For an open mesh the space
+/// inside is forbidden, whatever the orientation of its triangles; for one that holds the paper, as
+/// a cage does (PaperSide::inside), what is outside. For an open mesh the space
 /// behind its front is forbidden, except to points that have come round its border.
 class Collider {
  public:
@@ -166,6 +169,8 @@ double farthest_move(const ColliderShapes& from, const ColliderShapes& to);
 Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double clearance,
                  int side);
 
+/// Decides for closed meshes whether the sheet stays outside or inside, where the mesh leaves it
+/// open: inside when all of the sheet begins there.
 /// Orients open meshes so that their front is on the side where most of the sheet is at the start.
 /// Where the sheet lies in the surface, the keyed positions of the handles decide, and where these
 /// do not decide either, the front is turned upwards.

@@ -89,7 +89,9 @@ LinearMaximum maximize_least(const std::vector<Vector3d>& at_corners) {
 /// Faces that hang together.
 class ColliderDepth::Part {
  public:
-  Part(const Points3& x, const std::vector<std::array<int, 3>>& faces) : corners_(faces) {
+  Part(const Points3& x, const std::vector<std::array<int, 3>>& faces,
+       ColliderMesh::PaperSide paper_side)
+      : corners_(faces) {
     for (const auto& f : faces) {
       faces_.emplace_back(point(row(x, f[0])), point(row(x, f[1])), point(row(x, f[2])));
       for (const int v : f) {
@@ -104,6 +106,11 @@ class ColliderDepth::Part {
     if (closed_) face_outwards();
     // of an open part only a plane bounds the depth, as a ground does
     planes_bound_ = is_convex(x) && (closed_ || is_flat(x));
+    if (closed_ && paper_side == ColliderMesh::PaperSide::inside) {
+      hollow_ = true;
+      planes_bound_ = false;
+      for (Vector3d& n : normals_) n = -n;
+    }
     tree_.insert(faces_.cbegin(), faces_.cend());
     tree_.build();
     tree_.accelerate_distance_queries();
@@ -237,7 +244,7 @@ class ColliderDepth::Part {
   std::vector<std::array<bool, 3>> border_;  // of the edge opposite each corner
   std::map<int, std::vector<int>> around_;   // faces at each vertex
   Eigen::AlignedBox3d box_;
-  bool closed_ = false, planes_bound_ = false;
+  bool closed_ = false, hollow_ = false, planes_bound_ = false;
   Tree tree_;
 };
 
@@ -281,7 +288,7 @@ class ColliderDepth::Part::Search {
   void look_at(int t) {
     const Corners c = corners_of(x_, triangles_, t);
     Eigen::AlignedBox3d box(c[0]);
-    if (!box.extend(c[1]).extend(c[2]).intersects(part_.box_)) return;
+    if (!box.extend(c[1]).extend(c[2]).intersects(part_.box_) && !part_.hollow_) return;
     const double longest =
         std::max({(c[0] - c[1]).norm(), (c[1] - c[2]).norm(), (c[2] - c[0]).norm()});
     bool some_inside = false, lies_on_one = !part_.closed_;
@@ -408,7 +415,8 @@ ColliderDepth::ColliderDepth(const ColliderMesh& mesh) {
       faces[number[t]].push_back(
           {mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)});
   }
-  for (const auto& [n, of_part] : faces) parts_.push_back(std::make_unique<Part>(mesh.x, of_part));
+  for (const auto& [n, of_part] : faces)
+    parts_.push_back(std::make_unique<Part>(mesh.x, of_part, mesh.paper_side));
 }
 
 ColliderDepth::~ColliderDepth() = default;

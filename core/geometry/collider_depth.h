@@ -29,6 +29,9 @@ struct Penetration {
 /// a linear programme with three corners; for a convex solid l_F is the distance from the plane of
 /// F and the bound is attained. The result is exact to 2 um or 1 %, whichever is more.
 ///
+/// A closed part that holds the paper (PaperSide::inside) is a solid with a hollow: depth(p) is the
+/// distance of an outer point.
+///
 /// An open part has no inside. There depth is how far the surface reaches behind its front from
 /// where it passes through it; what has come round the border and passes through nowhere is not
 /// inside.

@@ -59,19 +59,23 @@ void turn(Triangles& triangles) { triangles.col(1).swap(triangles.col(2)); }
 
 std::string collider_json(const ColliderRecord& record) {
   Json all{{"first_frame", record.first_frame}, {"colliders", Json::array()}};
-  Json turned = Json::object();
+  Json turned = Json::object(), inside_of = Json::object();
   const std::vector<ColliderMesh>* first = nullptr;
   for (const auto& [sheet, meshes] : record.of_sheet) {
     if (!first) {
       first = &meshes;
       for (const ColliderMesh& mesh : meshes) all["colliders"].push_back(json_of(mesh));
     }
-    Json numbers = Json::array();
-    for (std::size_t c = 0; c < meshes.size(); ++c)
+    Json numbers = Json::array(), holding = Json::array();
+    for (std::size_t c = 0; c < meshes.size(); ++c) {
       if (meshes[c].triangles != (*first)[c].triangles) numbers.push_back(c);
+      if (meshes[c].paper_side == ColliderMesh::PaperSide::inside) holding.push_back(c);
+    }
     turned[sheet] = std::move(numbers);
+    inside_of[sheet] = std::move(holding);
   }
   all["turned"] = std::move(turned);
+  all["inside_of"] = std::move(inside_of);
   return all.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
 }
 
@@ -85,6 +89,10 @@ ColliderRecord parse_collider_json(const std::string& text) try {
     std::vector<ColliderMesh>& own = record.of_sheet[sheet] = meshes;
     for (const Json& number : numbers) turn(own.at(number.get<std::size_t>()).triangles);
   }
+  for (const auto& [sheet, numbers] : all.at("inside_of").items())
+    for (const Json& number : numbers)
+      record.of_sheet.at(sheet).at(number.get<std::size_t>()).paper_side =
+          ColliderMesh::PaperSide::inside;
   return record;
 } catch (const std::exception& problem) {
   throw Error(ErrorCode::scene, "colliders.json",

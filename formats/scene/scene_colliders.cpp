@@ -38,11 +38,22 @@ std::string not_followed(const SceneNodes& scene, const ImportedNode& node) {
   return "";
 }
 
+using PaperSide = ColliderMesh::PaperSide;
+
+/// What the property paper_collider says of the side of the paper.
+PaperSide paper_side_of(const ImportedNode& node) {
+  const std::string said = text_property(node, "paper_collider").value_or("");
+  return said == "inside"    ? PaperSide::inside
+         : said == "outside" ? PaperSide::outside
+                             : PaperSide::automatic;
+}
+
 }  // namespace
 
 bool is_collider(const ImportedNode& node) {
   return !node.meshes.empty() && !name_begins_with(node.name, "paper") &&
-         (flag_property(node, "paper_collider") || name_begins_with(node.name, "collider"));
+         (flag_property(node, "paper_collider") || paper_side_of(node) != PaperSide::automatic ||
+          name_begins_with(node.name, "collider"));
 }
 
 std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
@@ -65,6 +76,12 @@ std::vector<ColliderMesh> read_colliders(const SceneNodes& scene,
           fmt::format("The collider \"{}\" has no faces: it is ignored.", collider.name));
       continue;
     }
+    collider.paper_side = paper_side_of(nodes[i]);
+    if (collider.paper_side == PaperSide::inside && !Collider(collider).closed())
+      warnings.push_back(fmt::format(
+          "The collider \"{}\" is open, and the paper cannot stay inside it: it stays on the side "
+          "where it begins. Close the mesh to hold the paper inside.",
+          collider.name));
     if (std::string sentence = not_followed(scene, nodes[i]); !sentence.empty())
       warnings.push_back(std::move(sentence));
     found.push_back(i);

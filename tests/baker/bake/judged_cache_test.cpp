@@ -61,6 +61,10 @@ TEST_F(JudgedCache, HandlesGiveWayBeforePaperIsPressedIntoAColliderOrStretched) 
     EXPECT_LT(most("render_stretch_max_pct"), 2.1) << scene;
     EXPECT_GT(most("handle_err_max_mm"), 30) << scene;
     EXPECT_NE(ended.err.find("a handle is off by"), std::string::npos) << ended.err;
+    EXPECT_NE(read(fs::path(output()) / "cert" / "frames.jsonl")
+                  .find("a collider is in the way: 4 handles give way, by up to"),
+              std::string::npos)
+        << scene;
     expect_verified();
   }
 }
@@ -74,6 +78,16 @@ TEST_F(JudgedCache, ABoxThatStandsInTheSheetIsAsDeepAsItsHalfSide) {
   EXPECT_NEAR(frame["inside_at_mm"][0], 75, 1);
   EXPECT_NEAR(frame["inside_at_mm"][1], 75, 1);
   expect_verified();
+}
+
+TEST_F(JudgedCache, ASheetThatBeginsInAColliderIsToldBeforeTheBakeAndRefusedByStrict) {
+  const char* const sentence =
+      "The sheet \"paper\" begins 25.00 mm deep in the collider \"collider.in\".";
+  const Ended told = bake_violent("starts_inside");
+  EXPECT_NE(told.err.find(sentence), std::string::npos) << told.err;
+  const Ended refused = bake_violent("starts_inside", {"--strict"});
+  EXPECT_EQ(refused.code, 3) << refused.err;
+  EXPECT_NE(refused.err.find(sentence), std::string::npos) << refused.err;
 }
 
 TEST_F(JudgedCache, PaperBetweenPlatesThatCrossIsDeepInOneOfThem) {

@@ -80,6 +80,8 @@ TEST_F(InspectTest, CollidersAreListedWithWhatTheyAreAndWhereTheSheetIs) {
     EXPECT_GT(collider.at("triangles"), 0);
     EXPECT_TRUE(collider.at("closed").is_boolean());
     EXPECT_EQ(collider.at("nearest_sheet"), "paper");
+    EXPECT_EQ(collider.at("sheets").at(0).at("sheet"), "paper");
+    EXPECT_EQ(collider.at("sheets").at(0).at("side"), collider.at("closed") ? "outside" : "front");
     EXPECT_LT(std::abs(double(collider.at("distance_m"))), 1.0);
   }
   const std::string text = run({"inspect", samples + "/F2_half.glb"}).out;

@@ -1,4 +1,5 @@
 #include "core/animation/animate.h"
+#include "core/geometry/measure.h"
 #include "core/methods/fem.h"
 #include "core/step1_elastic/contact/collider_contact.h"
 #include "tests/core/test_meshes.h"
@@ -69,6 +70,30 @@ TEST(ColliderTest, ClosedMeshKnowsItsInsideForEitherOrientation) {
     EXPECT_NEAR(collider.nearest({0.1, 0.1, 0.1 + 0.002}, 0.1, 1).distance, 0.002, 1e-12);
   }
   EXPECT_FALSE(Collider(ground()).closed());
+}
+
+TEST(ColliderTest, ASheetThatBeginsInAClosedMeshStaysInsideUnlessTheMeshSaysOtherwise) {
+  using Side = ColliderMesh::PaperSide;
+  Points3 inner(3, 3), half(3, 3);
+  inner << 0.4, 0.4, 0.5, 0.6, 0.4, 0.5, 0.5, 0.6, 0.5;
+  half << 0.4, 0.4, 0.5, 0.6, 0.4, 0.5, 0.5, 1.6, 0.5;
+  for (const bool inside_out : {false, true}) {
+    std::vector<ColliderMesh> cage{box({0, 0, 0}, {1, 1, 1}, inside_out)};
+    face_the_sheet(cage, half, Points3(0, 3));
+    EXPECT_EQ(cage[0].paper_side, Side::outside);
+    cage[0].paper_side = Side::automatic;
+    face_the_sheet(cage, inner, Points3(0, 3));
+    EXPECT_EQ(cage[0].paper_side, Side::inside);
+    const Collider hollow(cage[0]);
+    EXPECT_TRUE(hollow.closed());
+    EXPECT_NEAR(hollow.nearest({0.5, 0.5, 0.9}, 2, 1).distance, 0.1, 1e-12);
+    EXPECT_NEAR(hollow.nearest({0.5, 0.5, 1.2}, 2, 1).distance, -0.2, 1e-12);
+    EXPECT_LT(hollow.nearest({0.5, 0.5, 0.9}, 2, 1).normal.z(), -0.99);
+    EXPECT_EQ(Collider(hollow, hollow.mesh().x).mesh().paper_side, Side::inside);
+    cage[0].paper_side = Side::outside;
+    face_the_sheet(cage, inner, Points3(0, 3));
+    EXPECT_EQ(cage[0].paper_side, Side::outside);
+  }
 }
 
 TEST(ColliderTest, OpenMeshFacesTheSheetAndUpwardsWhereTheSheetLiesInIt) {
@@ -412,6 +437,25 @@ TEST(ColliderTest, ARodThinnerThanTheTrianglesDoesNotPassThrough) {
     if (frame.frame == frames) {
       EXPECT_LT(frame.sheet->x.col(2).minCoeff(), -0.0465);
     }
+    return true;
+  });
+}
+
+TEST(ColliderTest, ACageThatShrinksKeepsTheSheetInsideAndWhole) {
+  const int frames = 30;
+  Shot shot = blank_shot(rectangle(0.1, 0.1));
+  shot.start.x.rowwise() -= Eigen::RowVector3d(0.05, 0.05, 0);
+  ColliderMesh cage = box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06});
+  const Points3 x = cage.x;
+  for (int f = 0; f < frames; ++f) cage.frames.push_back(x * (1 - 0.3 * f / (frames - 1)));
+  shot.colliders = facing_colliders({cage}, shot.start.x, {});
+  AnimateOptions options;
+  options.last_frame = frames;
+  animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
+    const double half = 0.06 * (1 - 0.3 * (frame.frame - 1) / (frames - 1));
+    EXPECT_LT(frame.sheet->x.cwiseAbs().maxCoeff(), half + 5e-5) << frame.frame;
+    EXPECT_LT(frame.statistics.inside_colliders, 5e-5) << frame.frame;
+    EXPECT_LT(length_distortion(*frame.sheet).largest, 0.01) << frame.frame;
     return true;
   });
 }

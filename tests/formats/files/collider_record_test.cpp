@@ -17,6 +17,7 @@ ColliderRecord two_sheets_over_a_moving_plane() {
   record.of_sheet["above"] = {plane, plane};
   plane.triangles.col(1).swap(plane.triangles.col(2));
   record.of_sheet["below"] = {record.of_sheet["above"][0], plane};
+  record.of_sheet["below"][1].paper_side = ColliderMesh::PaperSide::inside;
   return record;
 }
 
@@ -32,6 +33,8 @@ TEST(ColliderRecord, ReadsBackToTheLastBit) {
       EXPECT_EQ(found[c].name, meshes[c].name);
       EXPECT_EQ(found[c].x, meshes[c].x);
       EXPECT_EQ(found[c].triangles, meshes[c].triangles) << sheet << " " << c;
+      EXPECT_EQ(found[c].paper_side == ColliderMesh::PaperSide::inside,
+                meshes[c].paper_side == ColliderMesh::PaperSide::inside);
       ASSERT_EQ(found[c].frames.size(), 2u);
       EXPECT_EQ(found[c].frames[1], meshes[c].frames[1]);
     }

@@ -201,6 +201,14 @@ TEST(SceneSamples, LaterScenesAreRead) {
   ASSERT_EQ(palm.sheets.size(), 2u);
   EXPECT_EQ(palm.sheets[0].handles.size(), 2u);
   EXPECT_EQ(palm.sheets[1].handles.size(), 4u);
+  const Scene sphere = read_scene(sample("S12_sphere.glb"));
+  EXPECT_EQ(sphere.last_frame, 127);
+  ASSERT_EQ(sphere.colliders.size(), 1u);
+  const auto radius = [&](int frame) {
+    return sphere.colliders[0].frames.at(frame - 1).rowwise().norm().maxCoeff();
+  };
+  EXPECT_NEAR(radius(1), 0.115, 1e-6);
+  EXPECT_NEAR(radius(84), 0.035, 1e-6);
 }
 
 TEST(SceneSamples, GltfHasNoRate) {
