@@ -16,10 +16,10 @@ struct ColliderRecord {
 };
 
 /// One JSON object: `first_frame`, `colliders` as a list of {name, vertices (m), triangles,
-/// frames}, and `turned`: for each sheet the numbers of the colliders whose triangles run the other
-/// way round for it, and `inside_of`: likewise the closed ones that it stays inside. `frames` has a list for every frame: x, y and z of all vertices, one after the
-/// other, in metres; it is empty where the collider stands still. All numbers read back as the same
-/// doubles.
+/// frames}, `turned`: for each sheet the numbers of the colliders whose triangles run the other way
+/// round for it, and `inside_of`: likewise the closed ones that it stays inside. `frames` has a
+/// list for every frame: x, y and z of all vertices, one after the other, in metres; it is empty
+/// where the collider stands still. All numbers read back as the same doubles.
 std::string collider_json(const ColliderRecord&);
 
 /// Reads the text of collider_json. throws Error(ErrorCode::scene) when it is not one

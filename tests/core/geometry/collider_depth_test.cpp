@@ -63,6 +63,18 @@ Vector3d at(const Penetration& found, const Points3& x, const Triangles& triangl
   return p;
 }
 
+TEST(ColliderDepth, OutsideOfAMeshThatHoldsThePaperEveryPointIsDeep) {
+  ColliderMesh cage = box({0, 0, 0}, {0.1, 0.1, 0.1});
+  cage.paper_side = ColliderMesh::PaperSide::inside;
+  const ColliderDepth hollow(cage);
+  const Alone within({0.02, 0.02, 0.05}, {0.08, 0.02, 0.05}, {0.02, 0.08, 0.05}),
+      through({0.02, 0.02, 0.05}, {0.105, 0.02, 0.05}, {0.02, 0.08, 0.05}),
+      beyond({0.02, 0.02, 0.12}, {0.08, 0.02, 0.12}, {0.02, 0.08, 0.13});
+  EXPECT_EQ(hollow.deepest(within.x, within.triangles).depth, 0);
+  EXPECT_NEAR(hollow.deepest(through.x, through.triangles).depth, 0.005, 1e-4);
+  EXPECT_NEAR(hollow.deepest(beyond.x, beyond.triangles).depth, 0.03, 4e-4);
+}
+
 TEST(ColliderDepth, APencilThroughTheMiddleOfATriangleIsFoundThoughNoVertexIsInIt) {
   const ColliderDepth pencil(box({-0.002, -0.002, -0.05}, {0.002, 0.002, 0.05}));
   const Alone big({-0.02, -0.02, 0.01}, {0.02, -0.02, 0.01}, {0, 0.03, 0.01});
