@@ -24,8 +24,9 @@ struct CreaseLaw {
 ///
 /// source  150 h: prefolded paper, 147 h at 0.129 mm [Pradier 2016], 185 h at 0.27 mm
 ///         [Yasuda 2013], both from the survey of [Filipov 2017]; 10-100 h and more
-///         [Lechenault 2014]; 0.6, 0.03 and 3 degrees: assumed. Copy paper that was folded flat and let go
-///         keeps a turn of 128 degrees with them; by hand, without a nail, 90-130 are usual.
+///         [Lechenault 2014]; 0.6, 0.03 and 3 degrees: assumed. Copy paper that was folded flat
+///         and let go keeps a turn of 128 degrees with them; by hand, without a nail, 90-130 are
+///         usual.
 inline CreaseLaw crease_law(const Paper& paper) {
   const double k = paper.bending_stiffness / (150 * paper.thickness);
   const double first_yield = paper.bending_stiffness * 2 * paper.yield_strain / paper.thickness;

@@ -69,8 +69,8 @@ class KnownPlaces {
   std::vector<bool> is_held_;
 };
 
-/// The motion that does the same as the given one when it is done twice; `motion` turns by less than
-/// 180 degrees.
+/// The motion that does the same as the given one when it is done twice; `motion` turns by less
+/// than 180 degrees.
 RigidMotion half_of(const RigidMotion& motion) {
   Eigen::AngleAxisd about(motion.turn);
   about.angle() *= 0.5;
