@@ -267,7 +267,7 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
     report.iterations += wasted_iterations;
     state.second.reset();
     state.descending = false;
-    state.had_contact = report.touching > 0 || report.yielding > 0;
+    state.had_contact = report.touching > 0;
   }
   return report;
 }

@@ -110,11 +110,10 @@ TEST(SelfContactTest, ACrumpledSheetAtRestStillTouchesItself) {
   EXPECT_GT(touching, 0);
 }
 
-TEST(SelfContactTest, AHandlePressedIntoTheSheetIsJammedUntilItComesBack) {
-  // the left half of a strip is held flat; the right end is carried over it, keyed through it, and
-  // back up at frame 43. Pressed layers open slowly, because collision-free steps between them are
-  // short: the handle holds again from frame 59 on.
-  const int frames = 60;
+/// The left half of a strip is held flat by six handles; two carry the right end over it, then
+/// through it as keyed, and back up from frame 37 to 43.
+/// pressing  [frames] from frame 25 on, in which the end goes down
+Shot pressed_flap(int frames, double pressing) {
   Shot shot = test::blank_shot(test::rectangle(0.2, 0.05));
   for (const double u : {0.0, 0.05, 0.1})
     for (const double v : {0.0, 0.05})
@@ -125,12 +124,22 @@ TEST(SelfContactTest, AHandlePressedIntoTheSheetIsJammedUntilItComesBack) {
     const double inset = v == 0 ? 0.012 : -0.012;
     for (int f = 0; f < frames; ++f) {
       const double a = M_PI * std::min(f, 23) / 23.0;  // around the middle, and a little narrower
-      const double down = f < 24 ? 0 : f < 36 ? (f - 24) / 11.0 : std::max(0.0, (43 - f) / 7.0);
+      const double down = f < 24   ? 0
+                          : f < 36 ? std::min(1.0, (f - 24) / pressing)
+                                   : std::max(0.0, (43 - f) / 7.0);
       end.keyed.row(f) << 0.1 + 0.07 * std::cos(a) + 0.03 * (1 - a / M_PI), v + inset * a / M_PI,
           0.06 * std::sin(a) + 0.02 * a / M_PI - 0.03 * down;
     }
     shot.handles.push_back(end);
   }
+  return shot;
+}
+
+TEST(SelfContactTest, AHandlePressedIntoTheSheetIsJammedUntilItComesBack) {
+  // Pressed layers open slowly, because collision-free steps between them are short: it may take
+  // until frame 59 before the handle holds again.
+  const int frames = 60;
+  const Shot shot = pressed_flap(frames, 10.5);
   AnimateOptions options;
   options.last_frame = frames;
   int jammed_while_pressed = 0;
@@ -150,6 +159,30 @@ TEST(SelfContactTest, AHandlePressedIntoTheSheetIsJammedUntilItComesBack) {
   EXPECT_GT(lag, 1e-3);
   EXPECT_EQ(last.state, HandleFrame::held);
   EXPECT_LT((last.at - last.keyed).norm(), 1e-4);
+}
+
+TEST(SelfContactTest, HandlesThatTheSheetCanFollowAreMetInContactAndExactlyAfterIt) {
+  constexpr double side = 0.2;  // [m]
+  AnimateOptions options;
+  options.last_frame = 60;
+  int jammed = 0, touching = 0, free_again = 0;
+  animate(pressed_flap(60, 11), fem(120), options, [&](const AnimatedFrame& f) {
+    const HandleFrame& end = f.handles.back();
+    const double behind = (end.at - end.keyed).norm();
+    jammed += end.state == HandleFrame::jammed;
+    if (f.statistics.touching > 0 && f.statistics.converged && end.state == HandleFrame::held) {
+      ++touching;
+      EXPECT_LT(behind, 1e-5 * side) << f.frame;
+    }
+    if (f.statistics.contact || jammed == 0) return true;
+    ++free_again;
+    for (const HandleFrame& h : f.handles)
+      EXPECT_LT((h.at - h.keyed).norm(), 1e-6 * side) << f.frame;
+    return true;
+  });
+  EXPECT_GT(jammed, 0);
+  EXPECT_GT(touching, 0);
+  EXPECT_GT(free_again, 10);
 }
 
 }  // namespace
