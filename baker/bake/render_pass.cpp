@@ -6,7 +6,7 @@
 #include "core/geometry/surface_transfer.h"
 #include "core/render/render_surface.h"
 #include "core/render/untangle_sheets.h"
-#include "core/step1_elastic/contact/collider_contact.h"
+#include "core/step1_elastic/elastic.h"
 
 #include <algorithm>
 #include <deque>
@@ -229,11 +229,9 @@ class RenderPass::FrameRenderer {
     const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
     const std::vector<char>& held = surfaces_[s].is_held();
     // vertices first, then edges and triangles: a corner of the collider stands between vertices
-    std::optional<ColliderContact> contact;
-    if (may_touch(shapes, x)) {
-      contact.emplace(colliders, surfaces_[s].mesh().triangles, static_cast<int>(x.rows()));
-      contact->begin(on_facets, {shapes, shapes}, {}, 1);
-    }
+    std::optional<ColliderClearance> clearance;
+    if (may_touch(shapes, x))
+      clearance.emplace(colliders, shapes, surfaces_[s].mesh().triangles, on_facets);
     // lengths that are wrong after this are restored, as far as the sheet stays outside
     constexpr int max_turns = 8;
     constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn
@@ -242,7 +240,7 @@ class RenderPass::FrameRenderer {
       double pushed = push_out(shapes, on_facets, 0, x);
       for (int v = 0; v < x.rows(); ++v)
         if (held[v]) x.row(v) = before.row(v);
-      if (contact) pushed = std::max(pushed, contact->push_out(held, x));
+      if (clearance) pushed = std::max(pushed, clearance->push_out(held, x));
       if (pushed < still || turn == max_turns) return turn > 0 || pushed > 0;
       surfaces_[s].limit_strain(x);
     }

@@ -252,8 +252,10 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
       state.descending &= !report.converged;
     }
   }
-  const auto jams = [&] {  // an unfinished step may be stretched without being jammed
-    return (report.converged && matrix && largest_stretch(sheet) > yield_stretch) ||
+  // an unfinished step may be stretched without being jammed, unless it was before
+  const auto jams = [&] {
+    return ((report.converged || state.gave_way) && matrix &&
+            largest_stretch(sheet) > yield_stretch) ||
            report.inside > yield_depth;
   };
   if (contact_enabled &&
@@ -267,7 +269,11 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
     report.iterations += wasted_iterations;
     state.second.reset();
     state.descending = false;
-    state.had_contact = report.touching > 0;
+    // handles that gave way hold again as soon as nothing is in their way
+    state.had_contact = report.touching > 0 || (report.yielding > 0 && report.on_colliders > 0);
+    state.gave_way = report.yielding > 0;
+  } else {
+    state.gave_way = false;
   }
   return report;
 }
@@ -293,6 +299,20 @@ ElasticReport Elastic::step(Sheet& sheet, const StepInput& input, double dt) {
       [&] { return s.step_with_contact_fallback(sheet, problem); });
   s.finish_step(sheet, before, problem, report);
   return report;
+}
+
+ColliderClearance::ColliderClearance(std::shared_ptr<const Colliders> colliders,
+                                     const ColliderShapes& shapes, const Triangles& triangles,
+                                     const Points3& outside)
+    : contact_(std::make_unique<ColliderContact>(std::move(colliders), triangles,
+                                                 static_cast<int>(outside.rows()))) {
+  contact_->begin(outside, {shapes, shapes}, {}, 1);
+}
+
+ColliderClearance::~ColliderClearance() = default;
+
+double ColliderClearance::push_out(const std::vector<char>& held, Points3& x) {
+  return contact_->push_out(held, x);
 }
 
 }  // namespace paperbake

@@ -18,6 +18,8 @@
 
 namespace paperbake {
 
+class ColliderContact;
+
 enum class Inertia { quasi_static, dynamic };
 // automatic: self-contact is used in the steps in which the sheet comes near itself
 enum class SelfContact { automatic, off };
@@ -91,8 +93,9 @@ struct SolverState {
   std::deque<Points3> positions;
   int steps = 0;         // number of steps so far
   bool remeshed = true;  // the mesh has changed since the last step
-  // the last step ended with active contacts, or with handles that the paper does not follow
+  // the last step ended with active contacts, or with handles that give way to a collider
   bool had_contact = false;
+  bool gave_way = false;  // the last step ended with handles that the paper does not follow
   // index of the step before which no new search for a second branch begins
   int branch_cooldown_until = 0;
   bool descending = false;              // line-search Newton was still on its way down to a minimum
@@ -244,6 +247,26 @@ struct SweptSheet {
   // sheet
   const std::vector<Points3>& places;
   const Points3& begun;  // as in JointStepSheet
+};
+
+/// Pushes a mesh out of colliders without a solver: one that is derived from a simulated mesh and
+/// stands out from it, as the curved surface does from the facets that rest on a collider.
+class ColliderClearance {
+ public:
+  /// shapes   the colliders as they are
+  /// outside  |V|x3 [m] positions outside of them, near those that are to be pushed out
+  ColliderClearance(std::shared_ptr<const Colliders>, const ColliderShapes& shapes,
+                    const Triangles&, const Points3& outside);
+  ~ColliderClearance();
+
+  /// Moves the corners of every vertex, edge and triangle that is inside a collider, each by its
+  /// share of the way out. One pass: what is pushed out may be pushed in elsewhere.
+  /// held     |V| vertices that stay
+  /// returns  [m] depth of the deepest contact point
+  double push_out(const std::vector<char>& held, Points3& x);
+
+ private:
+  std::unique_ptr<ColliderContact> contact_;
 };
 
 }  // namespace paperbake

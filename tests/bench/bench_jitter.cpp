@@ -3,8 +3,8 @@
 //   build/paperbake_bench_jitter [RUNS [SCENE...]]
 //
 // Each scene is simulated by hybrid as it is, and RUNS times (default 10) with keys that are moved
-// by up to a micrometre along each axis. Elastic paper. RMS over 41 x 41 points of the pattern, mean
-// over the frames, in % of the longer side:
+// by up to a micrometre along each axis. Elastic paper. RMS over 41 x 41 points of the pattern,
+// mean over the frames, in % of the longer side:
 //   apart        from the run without noise: mean and largest of the runs
 //   worst frame  the largest of any frame of any run
 //   births       singular points of all runs: least and largest number

@@ -79,7 +79,10 @@ void ColliderContact::find_swept_vertices(std::size_t c) {
     std::array<Vector3d, 3> p;
     for (int i = 0; i < feature.corners; ++i) p[i] = row(start_, feature.vertices[i]);
     Vector3d low = p[0], high = p[0];
-    for (int i = 1; i < feature.corners; ++i) low = low.cwiseMin(p[i]), high = high.cwiseMax(p[i]);
+    for (int i = 1; i < feature.corners; ++i) {
+      low = low.cwiseMin(p[i]);
+      high = high.cwiseMax(p[i]);
+    }
     bool meets = false;
     if (feature.corners == 2)
       from.near_edges(low, high, reach, [&](int k) {
@@ -351,10 +354,12 @@ Points3 ColliderContact::taken_along() const {
 void ColliderContact::project_outside(Points3& to) {
   Points3 from = taken_along(), move = to - from;
   for (int v = 0; v < to.rows(); ++v) {
-    if (held_[v])
-      from.row(v) = to.row(v), move.row(v).setZero();
-    else
+    if (held_[v]) {
+      from.row(v) = to.row(v);
+      move.row(v).setZero();
+    } else {
       move.row(v) = reachable(v, row(to, v)).transpose() - from.row(v);
+    }
   }
   to = from + collision_free_step(from, move) * move;
 }

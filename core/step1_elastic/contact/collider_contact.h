@@ -56,8 +56,8 @@ class ColliderContact {
   /// to  |V|x3 [m]
   void project_outside(Points3& to);
 
-  /// Fraction of the move after which no vertex is deeper inside a collider than a fifth of its
-  /// depth(), and no edge or corner has passed through.
+  /// Fraction of the move after which no vertex is inside a collider, unless it was before, and no
+  /// edge or corner has passed through.
   double collision_free_step(const Points3& y, const Points3& move);
 
   double energy(const Points3& y);  // [J]

@@ -29,18 +29,6 @@ bool yields(const PositionConstraint& c, const Points3& x) {
   return (x.row(c.vertex).transpose() - c.target).norm() * s.stiffness > s.yield_force;
 }
 
-bool move_attachments(const PositionConstraints& asked, const Points3& x, double within,
-                      PositionConstraints& springs) {
-  bool moved = false;
-  for (std::size_t k = 0; k < asked.size(); ++k) {
-    const Vector3d missing = asked[k].target - x.row(asked[k].vertex).transpose();
-    if (!asked[k].is_hard() || missing.norm() <= within || yields(springs[k], x)) continue;
-    springs[k].target += missing;
-    moved = true;
-  }
-  return moved;
-}
-
 double spring_energy(const PositionConstraints& constraints, const Points3& x) {
   double sum = 0;
   for (const PositionConstraint& c : constraints) {

@@ -25,18 +25,6 @@ double spring_energy(const PositionConstraints&, const Points3& x);  // [J]
 double differentiate_springs(const PositionConstraints&, const Points3& x,
                              const std::vector<int>& block_of, Points3& gradient, BlockCholesky&);
 
-/// Augmented Lagrangian: a spring pulls only as far as it is stretched, so a vertex that it holds
-/// stays behind by the force over the stiffness. The spring of a hard constraint that does not
-/// yield and is not met is therefore attached behind the target, by as much as the vertex is in
-/// front of it: where the paper is soft against the spring, the vertex then comes to its target,
-/// and the spring carries the same force.
-/// asked    the same constraints with their own targets
-/// within   [m] a constraint is met if its vertex is no farther from its target
-/// springs  as they were when the sheet came to x; their targets are changed
-/// returns  true if one was changed
-bool move_attachments(const PositionConstraints& asked, const Points3& x, double within,
-                      PositionConstraints& springs);
-
 /// True if the spring of the constraint pulls with more than its yield force.
 bool yields(const PositionConstraint&, const Points3& x);
 

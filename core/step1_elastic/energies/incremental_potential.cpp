@@ -70,19 +70,6 @@ double IncrementalPotential::differentiate(const Points3& x, HessianForm form, P
   return value;
 }
 
-bool IncrementalPotential::move_attachments(const std::vector<PositionConstraints>& asked,
-                                            const Points3& x, double within) {
-  bool moved = false;
-  Eigen::Index first = 0;
-  for (std::size_t k = 0; k < sheets.size(); ++k) {
-    const Eigen::Index rows = sheets[k].mass.size();
-    moved |=
-        paperbake::move_attachments(asked[k], x.middleRows(first, rows), within, sheets[k].springs);
-    first += rows;
-  }
-  return moved;
-}
-
 double IncrementalPotential::limit_step(const Points3& x, Points3& move) const {
   double free = 1, clear = 1;
   if (contact) {

@@ -51,11 +51,6 @@ struct IncrementalPotential {
   double differentiate(const Points3& x, HessianForm, Points3& gradient, BlockCholesky&,
                        const MembraneStress* stress = nullptr) const;
 
-  /// move_attachments (handle_springs.h) of all sheets.
-  /// asked  the constraints of each sheet
-  bool move_attachments(const std::vector<PositionConstraints>& asked, const Points3& x,
-                        double within);
-
   /// Shortens a move so that it is collision-free. returns the fraction that is left
   double limit_step(const Points3& x, Points3& move) const;
 

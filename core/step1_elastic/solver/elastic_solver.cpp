@@ -201,7 +201,7 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
                      feels ? step.hard : PositionConstraints{});
 
   const Points3 before = sheet.x;
-  IncrementalPotential W{{potential(sheet, step, springs)}, feels};
+  const IncrementalPotential W{{potential(sheet, step, springs)}, feels};
   std::vector<Points3> starts = guesses(before, step.hard, feels != nullptr);
   choose_initial_guess(W, before, starts, sheet.x);
 
@@ -210,10 +210,7 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
     MembraneStress stress = energy->stress(before, Points3::Zero(before.rows(), 3));
     // the stress is that of the change of mesh, not of an equilibrium
     if (state.remeshed) std::fill(stress.begin(), stress.end(), Eigen::Matrix2d::Zero());
-    const NewtonReport newton =
-        feels ? minimise_to_targets(W, {W, *matrix, block_of, mean_edge, paper.membrane_stiffness},
-                                    {step.constraints}, how, sheet.x)
-              : minimise(W, how, stress, sheet.x);
+    const NewtonReport newton = minimise(W, how, stress, sheet.x);
     report.iterations = newton.iterations;
     report.converged = newton.converged;
     if (second == BranchSearchMode::when_slow) {
@@ -223,7 +220,7 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
       report.snap_in_progress = state.descending || state.second;
     }
   }
-  report_constraints(sheet.x, feels ? W.sheets.front().springs : PositionConstraints{}, report);
+  report_constraints(sheet.x, feels ? springs : PositionConstraints{}, report);
   if (feels) {
     feels->update_candidates(sheet.x, Points3::Zero(sheet.x.rows(), 3));
     report.contact = true;

@@ -216,20 +216,4 @@ NewtonReport minimise(const NewtonSystem& system, const NewtonOptions& options,
   return newton.report;
 }
 
-NewtonReport minimise_to_targets(IncrementalPotential& W, const NewtonSystem& system,
-                                 const std::vector<PositionConstraints>& asked,
-                                 const NewtonOptions& options, Points3& x) {
-  constexpr double met = 0.1;  // [1] of the distance from the minimum at which Newton stops
-  constexpr int max_rounds = 3, iterations_per_round = 6;
-  NewtonReport report = minimise(system, options, {}, x);
-  NewtonOptions again = options;
-  for (int round = 0;
-       round < max_rounds && report.converged && W.move_attachments(asked, x, met * options.stop);
-       ++round) {
-    again.max_iterations = iterations_per_round;
-    report.iterations += minimise(system, again, {}, x).iterations;
-  }
-  return report;
-}
-
 }  // namespace paperbake

@@ -54,13 +54,4 @@ struct NewtonReport {
 NewtonReport minimise(const NewtonSystem&, const NewtonOptions&, const MembraneStress& stress,
                       Points3& x);
 
-/// Minimises W, of sheets in contact whose handles pull with springs. Where a hard handle that
-/// holds is not at its target, its spring is attached behind the target (handle_springs.h), and W
-/// is minimised again from there.
-/// system   with the same W
-/// asked    the constraints of each sheet
-NewtonReport minimise_to_targets(IncrementalPotential& W, const NewtonSystem&,
-                                 const std::vector<PositionConstraints>& asked,
-                                 const NewtonOptions&, Points3& x);
-
 }  // namespace paperbake

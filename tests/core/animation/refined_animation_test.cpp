@@ -100,7 +100,7 @@ TEST(RefinedAnimationTest, ARelativeHandleHoldsThePolishedSheetWhereItTookHold) 
 }
 
 TEST(RefinedAnimationTest, ASheetThatTouchesItselfIsHandedOnUnpolishedWithANote) {
-  // the ends of the sheet are brought together, and one is pressed against the other by 1 mm
+  // the ends of the sheet are brought together, one is pressed against the other
   Shot shot = test::blank_shot(test::rectangle(0.1, 0.05));
   constexpr int last = 24;
   for (int i = 0; i <= 4; ++i)
@@ -109,7 +109,8 @@ TEST(RefinedAnimationTest, ASheetThatTouchesItselfIsHandedOnUnpolishedWithANote)
       for (int f = 0; f < last; ++f) {
         const double t = f / (last - 1.0);
         if (end > 0)
-          handle.keyed.row(f) << 0.1 - 0.101 * t, 0.0125 * i, 0.02 * std::sin(M_PI * t) + 0.0002 * t;
+          handle.keyed.row(f) << 0.1 - 0.101 * t, 0.0125 * i,
+              0.02 * std::sin(M_PI * t) + 0.0002 * t;
       }
       shot.handles.push_back(handle);
     }

@@ -38,19 +38,6 @@ TEST(HandleSpringsTest, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
   }
 }
 
-TEST(HandleSpringsTest, OnlyHardHandlesThatHoldAndAreNotMetPullFromBehindTheirTargets) {
-  const Points3 x = Points3::Zero(4, 3);
-  const PositionConstraints asked{
-      {0, {2e-5, 0, 0}}, {1, {2e-5, 0, 0}, 50.0}, {2, {1e-7, 0, 0}}, {3, {2e-3, 0, 0}}};
-  PositionConstraints springs = asked;
-  EXPECT_TRUE(move_attachments(asked, x, 1e-6, springs));
-  EXPECT_DOUBLE_EQ(springs[0].target.x(), 4e-5);
-  for (const int met_soft_or_yielding : {1, 2, 3})
-    EXPECT_EQ(springs[met_soft_or_yielding].target, asked[met_soft_or_yielding].target);
-  PositionConstraints met{asked[2]};
-  EXPECT_FALSE(move_attachments({asked[2]}, x, 1e-6, met));
-}
-
 TEST(HandleSpringsTest, ASheetHungOnSoftHandlesSinksUntilTheyCarryItsWeight) {
   Sheet sheet = test::hex_sheet(0.1, 0.1, 4);
   ElasticOptions options;
