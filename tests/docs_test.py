@@ -43,6 +43,8 @@ LONGEST = 600  # [s] of one line
 MEANT = {
     "SCENE": "samples/S1_push.glb",
     "DIR": "baked",
+    "A": "baked",
+    "B": "baked",
     "FILE.abc": "baked/S1_push.abc",
     "NAME": "S1_push",
     "FRAME...": "1",

@@ -22,7 +22,7 @@ std::size_t longest(std::size_t count) { return count + count / 8 + 1024; }
 std::string zlib_stream(const char* bytes, std::size_t count) {
   std::string packed(longest(count), '\0');
   std::vector<std::uint8_t> tables(ISAL_DEF_LVL1_DEFAULT);
-  isal_zstream stream;
+  isal_zstream stream = {};  // the library leaves parts of it as they are
   isal_deflate_init(&stream);
   stream.level = 1;
   stream.level_buf = tables.data();
