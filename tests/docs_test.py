@@ -152,7 +152,7 @@ class Clone:
         (scratch / "build").symlink_to(build)
         self.environment = {**os.environ, "PATH": f"{build}:{os.environ['PATH']}"}
         for line in (
-            "bake samples/S1_push.glb -o baked --formats abc,maps,cert,usd --frames 1-24" + SMALL,
+            "bake samples/S1_push.glb -o baked --formats abc,maps,cert,usd,report --frames 1-24" + SMALL,
             "bake samples/S1_push.glb -o out/job --frames 1-6 --write-job JOB.toml" + SMALL,
             "fit --experiment copy70 --sheets 12 -o POINTS.csv",
         ):
