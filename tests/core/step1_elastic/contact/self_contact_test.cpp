@@ -136,8 +136,8 @@ Shot pressed_flap(int frames, double pressing) {
 }
 
 TEST(SelfContactTest, AHandlePressedIntoTheSheetIsJammedUntilItComesBack) {
-  // Pressed layers open slowly, because collision-free steps between them are short: it may take
-  // until frame 59 before the handle holds again.
+  // Pressed layers open slowly, because collision-free steps between them are short: the handle
+  // comes back by frame 43, and has 17 frames more.
   const int frames = 60;
   const Shot shot = pressed_flap(frames, 10.5);
   AnimateOptions options;
