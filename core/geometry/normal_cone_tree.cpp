@@ -28,8 +28,11 @@ using FourFlags = std::int64_t __attribute__((vector_size(32)));
 struct FourPoint {
   Four at;
 };
-std::vector<FourPoint> in_fours(const Points3& x) {
-  std::vector<FourPoint> points;
+template <class T>
+using Aligned = std::vector<T, Eigen::aligned_allocator<T>>;  // as in injective_patches.h
+
+Aligned<FourPoint> in_fours(const Points3& x) {
+  Aligned<FourPoint> points;
   points.reserve(x.rows());
   for (Eigen::Index v = 0; v < x.rows(); ++v)
     points.push_back(FourPoint{{x(v, 0), x(v, 1), x(v, 2), 0}});
@@ -98,9 +101,9 @@ int NormalConeTree::build(const Points2& middles, const Points2& pattern, int be
 
 struct NormalConeTree::Search {
   const NormalConeTree& tree;
-  int ends = 2;                     // positions that a triangle moves between
-  std::vector<FourBox> boxes = {};  // of the swept triangles, in the tree's order
-  std::vector<Bound> bounds = {};
+  int ends = 2;                 // positions that a triangle moves between
+  Aligned<FourBox> boxes = {};  // of the swept triangles, in the tree's order
+  Aligned<Bound> bounds = {};
   std::vector<std::pair<int, int>> found = {};
 
   Search(const NormalConeTree& of, const Points3& x, const Points3& y)
@@ -109,7 +112,7 @@ struct NormalConeTree::Search {
     ends = &x == &y ? 1 : 2;
     std::vector<Vector3d> normals(ends * boxes.size());
     for (int end = 0; end < ends; ++end) {
-      const std::vector<FourPoint> at = in_fours(end ? y : x);
+      const Aligned<FourPoint> at = in_fours(end ? y : x);
       for (std::size_t k = 0; k < boxes.size(); ++k) {
         const int* v = tree.triangles_.data() + 3 * k;
         const Four &a = at[v[0]].at, &b = at[v[1]].at, &c = at[v[2]].at;
