@@ -69,7 +69,8 @@ SERIES = (
         (512, 2048, 8192),
         lambda n: (2, 1, 4),
         "--formats cert,maps --map-size {}",
-        "two maps of size^2 texels; in memory are one strip of them and the packed file",
+        "two maps of size^2 texels, whose long rows leave the caches of the processor; in memory "
+        "are one strip of texels and the packed file",
     ),
     Series(
         "handles",
