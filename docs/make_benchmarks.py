@@ -280,8 +280,8 @@ SECTIONS = [
         "CPU time and peak memory of bakes in which one thing grows: sheets that are held along "
         "two borders, pushed together and let apart again (`docs/measure_growth.py` makes the "
         "scenes). The exponent p of a row says that time or memory grows with the p-th power of "
-        "the size since the row before. The program itself takes 17 MB. Measured in under two "
-        "minutes by `python3 docs/measure_benchmarks.py growth`.",
+        "the size since the row before. The program itself takes 17 MB. All of it takes a "
+        "minute.",
         {
             "<what grows": "what",
             "size": "size",

@@ -575,7 +575,7 @@ BAKES = {
         "build/paperbake bake samples/NAME.glb -o DIR --method fem --formats cert --threads 1",
     ),
     "bakes": (measure_bakes, "build/paperbake bake samples/NAME.glb -o DIR --threads N"),
-    "growth": (measure_growth, "build/paperbake bake sheets.glb -o DIR --threads 1 OPTIONS"),
+    "growth": (measure_growth, "python3 docs/measure_benchmarks.py growth"),
 }
 
 
