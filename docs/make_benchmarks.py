@@ -275,6 +275,25 @@ SECTIONS = [
         },
     ),
     (
+        "Growth",
+        "growth",
+        "CPU time and peak memory of bakes in which one thing grows: sheets that are held along "
+        "two borders, pushed together and let apart again (`docs/measure_growth.py` makes the "
+        "scenes). The exponent p of a row says that time or memory grows with the p-th power of "
+        "the size since the row before. The program itself takes 17 MB. All of it takes a "
+        "minute.",
+        {
+            "<what grows": "what",
+            "size": "size",
+            "CPU s": "cpu_s",
+            "p": "cpu_exponent",
+            "peak MB": "peak_MB",
+            "p of memory": "memory_exponent",
+            "<why": "why",
+            "<options": lambda row: f"`{row['options']}`",
+        },
+    ),
+    (
         "One Newton step",
         "newton_step",
         "Assembly, factorisation, solve and two energies, and the mean elastic time of frames "

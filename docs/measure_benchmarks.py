@@ -20,6 +20,8 @@ import sys
 import tempfile
 import time
 
+from measure_growth import measure_growth
+
 ROOT = pathlib.Path(os.path.abspath(__file__)).parent.parent
 DATA = ROOT / "docs" / "data"
 NUMBER = r"[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?"
@@ -573,6 +575,7 @@ BAKES = {
         "build/paperbake bake samples/NAME.glb -o DIR --method fem --formats cert --threads 1",
     ),
     "bakes": (measure_bakes, "build/paperbake bake samples/NAME.glb -o DIR --threads N"),
+    "growth": (measure_growth, "python3 docs/measure_benchmarks.py growth"),
 }
 
 

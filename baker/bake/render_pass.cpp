@@ -256,7 +256,10 @@ class RenderPass::FrameRenderer {
       const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
       const Points3& x = stored_x.emplace_back(as_stored(frames[s].x));
       FrameOfSheets::Verdict& verdict = verdicts.emplace_back();
-      verdict.judgement = judges_[s](x, recorded[k].frame - recorded.front().frame);
+      const RenderFrame::Counted& counted = frames[s].counted;
+      verdict.judgement =
+          judges_[s](x, recorded[k].frame - recorded.front().frame,
+                     counted.x == x ? std::optional(counted.crossings) : std::nullopt);
       verdict.handle_error = handle_error(s, recorded[k], x);
       verdict.statistics = statistics_of(verdict.judgement, judges_[s]);
       verdict.statistics.ms = ms[s];

@@ -94,12 +94,13 @@ LengthDistortion CacheJudge::distortion(const Points3& x) const {
   return found;
 }
 
-Judgement CacheJudge::operator()(const Points3& positions, int row) const {
+Judgement CacheJudge::operator()(const Points3& positions, int row,
+                                 std::optional<int> counted) const {
   const Points3 stored = as_stored(positions);
   Judgement judgement;
   judgement.length = distortion(stored);
   if (!stored.allFinite()) return judgement;  // a cache does not take it
-  judgement.crossings = crossings_(stored);
+  judgement.crossings = counted ? *counted : crossings_(stored);
   if (!colliders_) return judgement;
   const ColliderPenetration found = colliders_->deepest(row, stored, triangles_);
   if (found.depth <= 0) return judgement;

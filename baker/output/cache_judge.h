@@ -8,6 +8,7 @@
 
 #include <array>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,7 +38,7 @@ struct Judgement {
 
 /// Judges frames on one mesh, from what a file has of them and nothing else: `bake` asks it about
 /// the frames that it hands on, and `verify` about those that it finds. It shares no code with the
-/// solver or with the render mesh.
+/// solver, and with the render mesh only the CrossingCounter.
 class CacheJudge {
  public:
   /// uv           |V|x2 in shares of the longer side
@@ -46,9 +47,10 @@ class CacheJudge {
   CacheJudge(const Points2& uv, const Triangles&, double longer_side,
              std::shared_ptr<const JudgedColliders> colliders);
 
-  /// x    |V|x3 [m]; rounded to 32 bits here, as the file has it
-  /// row  frame - first frame of the scene
-  Judgement operator()(const Points3& x, int row) const;
+  /// x        |V|x3 [m]; rounded to 32 bits here, as the file has it
+  /// row      frame - first frame of the scene
+  /// counted  the crossings of the rounded x, where a CrossingCounter has counted them before
+  Judgement operator()(const Points3& x, int row, std::optional<int> counted = {}) const;
 
   /// The vertex that is nearest to a point of the pattern. [m]
   int vertex_at(const Vector2d&) const;

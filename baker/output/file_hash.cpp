@@ -4,21 +4,29 @@
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
 
-#include <fcntl.h>
-#include <sys/mman.h>
-#include <sys/stat.h>
-#include <unistd.h>
+#include <cstdio>
+#include <memory>
+#include <vector>
 
 namespace paperbake {
 namespace {
 
 constexpr const char* seal_key = "\"seal\": \"";
 
+Error unreadable(const std::filesystem::path& path) {
+  return Error(ErrorCode::folder, path.string(), "There is no such file, or it cannot be read.");
+}
+
+struct CloseFile {
+  void operator()(std::FILE* file) const { std::fclose(file); }
+};
+using FileHandle = std::unique_ptr<std::FILE, CloseFile>;
+
 }  // namespace
 
 std::string read_output(const std::filesystem::path& path) {
   if (auto text = read_file(path)) return *text;
-  throw Error(ErrorCode::folder, path.string(), "There is no such file, or it cannot be read.");
+  throw unreadable(path);
 }
 
 std::string sealed(std::string text) {
@@ -36,20 +44,17 @@ bool seal_holds(const std::string& text) {
 }
 
 std::string file_hash(const std::filesystem::path& path) {
-  const int file = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-  struct stat status {};
-  if (file < 0 || ::fstat(file, &status) != 0 || !S_ISREG(status.st_mode) || status.st_size == 0) {
-    if (file >= 0) ::close(file);
-    return hex(content_hash(read_output(path)));
-  }
-  // mapped and not copied: caches have hundreds of megabytes
-  const auto count = static_cast<std::size_t>(status.st_size);
-  void* bytes = ::mmap(nullptr, count, PROT_READ, MAP_PRIVATE | MAP_POPULATE, file, 0);
-  ::close(file);
-  if (bytes == MAP_FAILED) return hex(content_hash(read_output(path)));
-  const std::string key = hex(content_hash({static_cast<const char*>(bytes), count}));
-  ::munmap(bytes, count);
-  return key;
+  // in parts, because caches have hundreds of megabytes: read whole or mapped they would be most of
+  // the memory that a bake takes
+  constexpr std::size_t part = std::size_t(1) << 18;
+  const FileHandle file(kind_of_no_file(path).empty() ? std::fopen(path.c_str(), "rbe") : nullptr);
+  if (!file) throw unreadable(path);
+  ContentHasher hasher;
+  std::vector<char> bytes(part);
+  while (const std::size_t count = std::fread(bytes.data(), 1, part, file.get()))
+    hasher.add({bytes.data(), count});
+  if (std::ferror(file.get())) throw unreadable(path);
+  return hex(hasher.key());
 }
 
 }  // namespace paperbake

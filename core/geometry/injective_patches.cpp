@@ -144,7 +144,7 @@ InjectivePatches::OfShape::OfShape(const InjectivePatches& patches, const Points
   if (!patches.can_prove_) return;
   const int columns = patches.columns_, rows = patches.rows_;
   const std::size_t cells = std::size_t(columns) * rows;
-  boxes_.reset(new GradientBox[cells * patches.levels_]);
+  boxes_.reset(BoxAllocator().allocate(cells * patches.levels_));
   std::fill_n(boxes_.get(), cells, nothing());
   for (int t = 0; t < patches.triangles_.rows(); ++t) {
     const int* v = patches.triangles_.data() + 3 * std::ptrdiff_t(t);

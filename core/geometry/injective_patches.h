@@ -52,6 +52,9 @@ class InjectivePatches {
   struct GradientBox {
     Eight low, high;
   };
+  // not operator new: what the C library gives for it, aligned and of this size, cannot be used
+  // again when it is free (glibc before 2.38), and memory grows with every frame
+  using BoxAllocator = Eigen::aligned_allocator<GradientBox>;
   /// What is known of one shape of the sheet.
   class OfShape {
    public:
@@ -64,7 +67,10 @@ class InjectivePatches {
     const InjectivePatches& patches_;
     // at [(level x rows + row) x columns + column]: of the square of 2^level cells from there on to
     // the right and upwards, where it lies on the grid
-    std::unique_ptr<GradientBox[]> boxes_;
+    struct FreeBoxes {
+      void operator()(GradientBox* boxes) const { BoxAllocator().deallocate(boxes, 0); }
+    };
+    std::unique_ptr<GradientBox[], FreeBoxes> boxes_;
   };
 
  private:

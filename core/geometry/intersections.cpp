@@ -161,7 +161,7 @@ struct CrossingCounter::Search {
   float margin;     // [m] more than rounding to 32 bits moves a coordinate
   // of the leaves that were looked into; leaf k has the triangles from 8 k on
   std::vector<char> is_filled;
-  std::vector<LeafBoxes> leaves;
+  std::vector<LeafBoxes, Eigen::aligned_allocator<LeafBoxes>> leaves;
   std::vector<std::optional<Plane>> planes;
   std::vector<NodeBox> boxes;  // of the nodes
   int count = 0;

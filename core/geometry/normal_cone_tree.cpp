@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <limits>
 #include <numeric>
 
 namespace paperbake {
@@ -19,10 +21,53 @@ double angle_with_cosine(double c) {
   return 7e-5 + (c < 0 ? M_PI - angle : angle);
 }
 
+using Four = double __attribute__((vector_size(32)));
+using FourFlags = std::int64_t __attribute__((vector_size(32)));
+
+/// Three numbers, and one that is always zero: one register.
+struct FourPoint {
+  Four at;
+};
+template <class T>
+using Aligned = std::vector<T, Eigen::aligned_allocator<T>>;  // as in injective_patches.h
+
+Aligned<FourPoint> in_fours(const Points3& x) {
+  Aligned<FourPoint> points;
+  points.reserve(x.rows());
+  for (Eigen::Index v = 0; v < x.rows(); ++v)
+    points.push_back(FourPoint{{x(v, 0), x(v, 1), x(v, 2), 0}});
+  return points;
+}
+
+struct FourBox {
+  static constexpr double far = std::numeric_limits<double>::infinity();
+  Four low{far, far, far, far}, high{-far, -far, -far, -far};
+
+  void extend(const Four& p) {
+    low = p < low ? p : low;
+    high = p > high ? p : high;
+  }
+};
+FourBox merged(FourBox a, const FourBox& b) {
+  a.extend(b.low);
+  a.extend(b.high);
+  return a;
+}
+bool intersect(const FourBox& a, const FourBox& b) {
+  const FourFlags meet = (a.low <= b.high) & (b.low <= a.high);
+  return (meet[0] & meet[1] & meet[2] & meet[3]) != 0;
+}
+
+struct Bound {
+  FourBox box;
+  Vector3d axis;
+  double angle;  // [rad] largest angle between a normal and the axis; pi: any direction
+};
+
 }  // namespace
 
 NormalConeTree::NormalConeTree(const Points2& pattern, const Triangles& triangles)
-    : triangles_(triangles), order_(triangles.rows()) {
+    : order_(triangles.rows()), triangles_(triangles) {
   std::iota(order_.begin(), order_.end(), 0);
   Points2 middles(triangles.rows(), 2);
   for (int t = 0; t < triangles.rows(); ++t)
@@ -30,6 +75,7 @@ NormalConeTree::NormalConeTree(const Points2& pattern, const Triangles& triangle
                       pattern.row(triangles(t, 2))) /
                      3;
   if (triangles.rows() > 0) build(middles, pattern, 0, static_cast<int>(triangles.rows()));
+  for (std::size_t k = 0; k < order_.size(); ++k) triangles_.row(k) = triangles.row(order_[k]);
 }
 
 int NormalConeTree::build(const Points2& middles, const Points2& pattern, int begin, int end) {
@@ -55,9 +101,9 @@ int NormalConeTree::build(const Points2& middles, const Points2& pattern, int be
 
 struct NormalConeTree::Search {
   const NormalConeTree& tree;
-  int ends = 2;                                 // positions that a triangle moves between
-  std::vector<Eigen::AlignedBox3d> boxes = {};  // of the swept triangles, in the tree's order
-  std::vector<Bound> bounds = {};
+  int ends = 2;                 // positions that a triangle moves between
+  Aligned<FourBox> boxes = {};  // of the swept triangles, in the tree's order
+  Aligned<Bound> bounds = {};
   std::vector<std::pair<int, int>> found = {};
 
   Search(const NormalConeTree& of, const Points3& x, const Points3& y)
@@ -65,16 +111,17 @@ struct NormalConeTree::Search {
     // when nothing moves, both ends are the same
     ends = &x == &y ? 1 : 2;
     std::vector<Vector3d> normals(ends * boxes.size());
-    for (std::size_t k = 0; k < boxes.size(); ++k) {
-      const auto corners = tree.triangles_.row(tree.order_[k]);
-      for (const int v : {corners[0], corners[1], corners[2]}) {
-        boxes[k].extend(x.row(v).transpose());
-        if (ends == 2) boxes[k].extend(y.row(v).transpose());
-      }
-      for (int end = 0; end < ends; ++end) {
-        const Points3& at = end ? y : x;
-        const Vector3d a = at.row(corners[0]), b = at.row(corners[1]), c = at.row(corners[2]);
-        normals[ends * k + end] = (b - a).cross(c - a).normalized();
+    for (int end = 0; end < ends; ++end) {
+      const Aligned<FourPoint> at = in_fours(end ? y : x);
+      for (std::size_t k = 0; k < boxes.size(); ++k) {
+        const int* v = tree.triangles_.data() + 3 * k;
+        const Four &a = at[v[0]].at, &b = at[v[1]].at, &c = at[v[2]].at;
+        boxes[k].extend(a);
+        boxes[k].extend(b);
+        boxes[k].extend(c);
+        const Four ab = b - a, ac = c - a;
+        normals[ends * k + end] =
+            Vector3d(ab[0], ab[1], ab[2]).cross(Vector3d(ac[0], ac[1], ac[2])).normalized();
       }
     }
     for (int n = static_cast<int>(bounds.size()) - 1; n >= 0; --n) {
@@ -87,7 +134,7 @@ struct NormalConeTree::Search {
 
   Bound leaf(const Node& node, const std::vector<Vector3d>& normals) const {
     Bound bound{{}, Vector3d::Zero(), 0};
-    for (int k = node.begin; k < node.end; ++k) bound.box.extend(boxes[k]);
+    for (int k = node.begin; k < node.end; ++k) bound.box = merged(bound.box, boxes[k]);
     for (int k = ends * node.begin; k < ends * node.end; ++k) bound.axis += normals[k];
     bound.axis.normalize();
     double least = 1;
@@ -103,7 +150,7 @@ struct NormalConeTree::Search {
     return larger + 0.5 * angle_with_cosine(a.axis.dot(b.axis)) < half_space;
   }
   static Bound joined(const Bound& a, const Bound& b) {
-    Bound both{a.box.merged(b.box), (a.axis + b.axis).normalized(), any};
+    Bound both{merged(a.box, b.box), (a.axis + b.axis).normalized(), any};
     if (std::max(a.angle, b.angle) < half_space)
       both.angle =
           std::min(any, std::max(a.angle, b.angle) + 0.5 * angle_with_cosine(a.axis.dot(b.axis)));
@@ -123,7 +170,7 @@ struct NormalConeTree::Search {
       for (int j = i + 1; j < node.end; ++j) meet(i, j);
   }
   void between(int n, int m) {
-    if (!bounds[n].box.intersects(bounds[m].box)) return;
+    if (!intersect(bounds[n].box, bounds[m].box)) return;
     const Node &a = tree.nodes_[n], &b = tree.nodes_[m];
     if (a.pattern.intersects(b.pattern) && lie_in_half_space(bounds[n], bounds[m])) return;
     if (a.second < 0 && b.second < 0) {
@@ -138,12 +185,11 @@ struct NormalConeTree::Search {
     }
   }
   void meet(int i, int j) {
-    if (!boxes[i].intersects(boxes[j])) return;
-    const int s = tree.order_[i], t = tree.order_[j];
+    if (!intersect(boxes[i], boxes[j])) return;
     int shared = 0;
     for (int k = 0; k < 3; ++k)
-      for (int l = 0; l < 3; ++l) shared += tree.triangles_(s, k) == tree.triangles_(t, l);
-    if (shared < 2) found.emplace_back(s, t);
+      for (int l = 0; l < 3; ++l) shared += tree.triangles_(i, k) == tree.triangles_(j, l);
+    if (shared < 2) found.emplace_back(tree.order_[i], tree.order_[j]);
   }
 };
 

@@ -29,16 +29,11 @@ class NormalConeTree {
     int second;      // number of the second child; the first is the next node; -1: a leaf
     Eigen::AlignedBox2d pattern;
   };
-  struct Bound {
-    Eigen::AlignedBox3d box;
-    Vector3d axis;
-    double angle;  // [rad] largest angle between a normal and the axis; pi: any direction
-  };
   struct Search;
   int build(const Points2& middles, const Points2& pattern, int begin, int end);
 
-  Triangles triangles_;
   std::vector<int> order_;
+  Triangles triangles_;      // in that order
   std::vector<Node> nodes_;  // parents before their children
 };
 

@@ -94,7 +94,9 @@ RenderFrame RenderSurface::frame(const Sheet& sheet, const std::vector<MeshPoint
     frame.x = fine_->positions(frame.x, coarse_normals_.normals(frame.x));
     (*fine_limit_)(frame.x, is_held_);
   }
-  frame.kept_apart = keep_apart(frame.x, sheet, places);
+  frame.counted.x = frame.x.cast<float>().cast<double>();
+  frame.counted.crossings = crossings(frame.counted.x);
+  if (frame.counted.crossings > 0) frame.kept_apart = keep_apart(frame.x, sheet, places);
   shade(frame);
   return frame;
 }
@@ -147,7 +149,6 @@ std::vector<int> RenderSurface::intersecting_facets(const Sheet& sheet,
 /// returns  whether x was changed
 bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
                                const std::vector<MeshPoint>& places) const {
-  if (crossings(x) == 0) return false;
   const Points3 exact = linear_positions(sheet, places);
   const Untangler::Lengths lengths{[this](Points3& at) { limit_strain(at); },
                                    [this](const Points3& at) { return worst_edge(at); }};

@@ -23,6 +23,12 @@ struct RenderFrame {
   Eigen::VectorXd crease;  // |V| [rad] how sharply the sheet is folded there
   // layers that passed through each other were separated (untangle.h)
   bool kept_apart = false;
+  // how many pairs of triangles passed through each other at these positions, which are those of a
+  // step on the way to x; often x itself, rounded to 32 bits as a file has it
+  struct Counted {
+    Points3 x;  // |V|x3 [m]
+    int crossings = 0;
+  } counted;
 };
 
 /// Brings simulated frames, whatever their mesh, to one render mesh for the whole shot: onto the

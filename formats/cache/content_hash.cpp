@@ -1,5 +1,6 @@
 #include "formats/cache/content_hash.h"
 
+#include <algorithm>
 #include <cstring>
 
 namespace paperbake {
@@ -48,17 +49,28 @@ void add_halves(Words& h) {
 
 }  // namespace
 
-ContentKey content_hash(std::string_view bytes) {
-  Words h{0, 0};
-  const std::size_t whole = bytes.size() / 16 * 16;
-  for (std::size_t at = 0; at < whole; at += 16) absorb_block(h, words_at(bytes.data() + at));
+void ContentHasher::add(std::string_view bytes) {
+  const std::size_t waiting = count_ % block;
+  const std::size_t first = waiting == 0 ? 0 : std::min(block - waiting, bytes.size());
+  bytes.copy(rest_ + waiting, first);
+  count_ += bytes.size();
+  Words h{low_, high_};
+  if (first > 0 && waiting + first == block) absorb_block(h, words_at(rest_));
+  std::size_t at = first;
+  for (; at + block <= bytes.size(); at += block) absorb_block(h, words_at(bytes.data() + at));
+  low_ = h.low;
+  high_ = h.high;
+  bytes.substr(at).copy(rest_, block);
+}
 
-  char rest[16] = {};  // mixing in a zero word changes nothing, so the padding has no effect
-  bytes.substr(whole).copy(rest, sizeof rest);
+ContentKey ContentHasher::key() const {
+  Words h{low_, high_};
+  char rest[block] = {};  // mixing in a zero word changes nothing, so the padding has no effect
+  std::memcpy(rest, rest_, count_ % block);
   mix_into(h, words_at(rest));
 
-  h.low ^= bytes.size();
-  h.high ^= bytes.size();
+  h.low ^= count_;
+  h.high ^= count_;
   add_halves(h);
   h = {avalanche(h.low), avalanche(h.high)};
   add_halves(h);
@@ -66,6 +78,12 @@ ContentKey content_hash(std::string_view bytes) {
   ContentKey key;
   std::memcpy(key.data(), &h, key.size());
   return key;
+}
+
+ContentKey content_hash(std::string_view bytes) {
+  ContentHasher hasher;
+  hasher.add(bytes);
+  return hasher.key();
 }
 
 std::string hex(const ContentKey& key) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <string_view>
@@ -16,6 +17,19 @@ using ContentKey = std::array<std::uint8_t, 16>;
 ///
 /// source  MurmurHash3 by Austin Appleby, public domain
 ContentKey content_hash(std::string_view bytes);
+
+/// The same of bytes that come in parts, however long these are.
+class ContentHasher {
+ public:
+  void add(std::string_view bytes);
+  /// Of all bytes so far.
+  ContentKey key() const;
+
+ private:
+  static constexpr std::size_t block = 16;
+  std::uint64_t low_ = 0, high_ = 0, count_ = 0;
+  char rest_[block] = {};  // the bytes after the last whole block
+};
 
 /// The hash as 32 lower-case hex digits, first byte first.
 std::string hex(const ContentKey&);

@@ -40,26 +40,30 @@ void FoldPeak::record(const MapFields& fields) {
   });
 }
 
-std::vector<float> FoldPeak::row(int row, int size) const {
+std::vector<float> FoldPeak::peaks(const MapRows& rows) const {
   const int coarse = rows_.size;
-  const GridNeighbours y = grid_neighbours(row, size, coarse);
-  // bilinear: first down the columns of the grid, then along the row
-  std::vector<float> bulge(coarse), hollow(coarse), peaks(size);
-  const auto down = [&](const std::vector<float>& grid, int i) {
-    const float a = grid[y.first * coarse + i], b = grid[y.second * coarse + i];
-    return a + y.weight * (b - a);
-  };
-  for (int i = 0; i < coarse; ++i) {
-    bulge[i] = down(bulge_, i);
-    hollow[i] = down(hollow_, i);
-  }
-  for (int i = 0; i < size; ++i) {
-    const GridNeighbours x = grid_neighbours(i, size, coarse);
-    const auto along = [&](const std::vector<float>& v) {
-      return v[x.first] + x.weight * (v[x.second] - v[x.first]);
+  std::vector<GridNeighbours> columns;
+  for (int i = 0; i < rows.size; ++i) columns.push_back(grid_neighbours(i, rows.size, coarse));
+  std::vector<float> bulge(coarse), hollow(coarse), peaks(rows.count());
+  for (int row = rows.first; row < rows.last; ++row) {
+    // bilinear: first down the columns of the grid, then along the row
+    const GridNeighbours y = grid_neighbours(row, rows.size, coarse);
+    const auto down = [&](const std::vector<float>& grid, int i) {
+      const float a = grid[y.first * coarse + i], b = grid[y.second * coarse + i];
+      return a + y.weight * (b - a);
     };
-    const float up = along(bulge), down = along(hollow);
-    peaks[i] = up >= down ? up : -down;
+    for (int i = 0; i < coarse; ++i) {
+      bulge[i] = down(bulge_, i);
+      hollow[i] = down(hollow_, i);
+    }
+    for (int i = 0; i < rows.size; ++i) {
+      const GridNeighbours& x = columns[i];
+      const auto along = [&](const std::vector<float>& v) {
+        return v[x.first] + x.weight * (v[x.second] - v[x.first]);
+      };
+      const float up = along(bulge), down = along(hollow);
+      peaks[rows.index(i, row)] = up >= down ? up : -down;
+    }
   }
   return peaks;
 }

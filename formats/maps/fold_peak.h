@@ -17,8 +17,8 @@ class FoldPeak {
   /// Takes a frame into account.
   void record(const MapFields&);
 
-  /// The peak for each texel of a row of a map of `size` texels, interpolated on the grid. [rad]
-  std::vector<float> row(int row, int size) const;
+  /// The peak for each texel of these rows of a map, interpolated on the grid. [rad]
+  std::vector<float> peaks(const MapRows&) const;
 
  private:
   double side_;

@@ -82,15 +82,12 @@ void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
 /// Sets fold.peak: interpolated on the grid of FoldPeak, or fold.angle where that is larger now.
 void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
                 MapTexel* texels) {
-  for (int row = rows.first; row < rows.last; ++row) {
-    const std::vector<float> peaks = scene.peak->row(row, rows.size);
-    for (int i = 0; i < rows.size; ++i) {
-      if (!wanted[rows.index(i, row)]) continue;
-      MapTexel& texel = texels[rows.index(i, row)];
-      const float peak = rounded(peaks[i], angle_step);
-      texel.fold_peak =
-          std::abs(peak) > std::abs(texel.dihedral_angle) ? peak : texel.dihedral_angle;
-    }
+  const std::vector<float> peaks = scene.peak->peaks(rows);
+  for (int k = 0; k < rows.count(); ++k) {
+    if (!wanted[k]) continue;
+    MapTexel& texel = texels[k];
+    const float peak = rounded(peaks[k], angle_step);
+    texel.fold_peak = std::abs(peak) > std::abs(texel.dihedral_angle) ? peak : texel.dihedral_angle;
   }
 }
 
@@ -117,6 +114,41 @@ void draw_creases(const MapScene& scene, const MapRows& rows, const std::vector<
   }
 }
 
+/// For the texels of a block, which of the points is nearest, and its squared distance. [texel2]
+struct NearestPoints {
+  double squared[block][block];  // of a row, of a column
+  double nearest[block][block];  // indices; in the type of the distances, to choose both at once
+
+  NearestPoints(const std::vector<Vector2d>& points, const std::vector<int>& near, int left,
+                int top) {
+    for (auto& row : squared) std::fill(std::begin(row), std::end(row), far);
+    for (auto& row : nearest) std::fill(std::begin(row), std::end(row), 0.0);
+    for (const int k : near) {
+      double across[block], down[block];
+      for (int i = 0; i < block; ++i) {
+        const Vector2d way = points[k] - Vector2d(left + i, top + i);
+        across[i] = way.x() * way.x();
+        down[i] = way.y() * way.y();
+      }
+      for (int row = 0; row < block; ++row)
+        for (int i = 0; i < block; ++i) {
+          const double d = across[i] + down[row];
+          const bool nearer = d < squared[row][i];
+          squared[row][i] = nearer ? d : squared[row][i];
+          nearest[row][i] = nearer ? double(k) : nearest[row][i];
+        }
+    }
+  }
+
+ private:
+  static constexpr double far = std::numeric_limits<double>::max();
+};
+
+/// What all texels have whose nearest singular point is this one.
+struct ApexLayers {
+  float cone, age;
+};
+
 void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<char>& wanted,
                  MapTexel* texels) {
   if (scene.apices.empty()) return;
@@ -124,32 +156,28 @@ void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<c
                radius = std::max(min_radius, scene.crease_width / texel_size);
   const float step = distance_step(texel_size);
   std::vector<Vector2d> at;
-  for (const MapApex& apex : scene.apices)
+  std::vector<ApexLayers> of_apex;
+  for (const MapApex& apex : scene.apices) {
     at.push_back(to_texels(apex.pattern, scene.side, rows.size));
+    of_apex.push_back({rounded(apex.turn, angle_step),
+                       static_cast<float>((scene.frame - apex.frame_of_birth) / scene.fps)});
+  }
   for (int top = rows.first; top < rows.last; top += block)
     for (int left = 0; left < rows.size; left += block) {
       const std::vector<int> near = near_points(
           at, Vector2d(left, top) + Vector2d::Constant(0.5 * (block - 1)), block * std::sqrt(0.5));
+      const NearestPoints points(at, near, left, top);
       for (int row = top; row < std::min(top + block, rows.last); ++row)
         for (int i = left; i < std::min(left + block, rows.size); ++i) {
           if (!wanted[rows.index(i, row)]) continue;
-          double squared = std::numeric_limits<double>::max();
-          int nearest = 0;
-          for (const int k : near) {
-            const double d = (at[k] - Vector2d(i, row)).squaredNorm();
-            if (d < squared) {
-              squared = d;
-              nearest = k;
-            }
-          }
-          const MapApex& apex = scene.apices[nearest];
-          const double distance = std::sqrt(squared);
+          const int nearest = static_cast<int>(points.nearest[row - top][i - left]);
+          const double distance = std::sqrt(points.squared[row - top][i - left]);
           MapTexel& texel = texels[rows.index(i, row)];
           texel.g = static_cast<float>(cover(radius, distance));
           texel.apex_dist = rounded(distance * texel_size, step);
           texel.apex_id = nearest + 1;
-          texel.apex_cone = rounded(apex.turn, angle_step);
-          texel.age_apex = static_cast<float>((scene.frame - apex.frame_of_birth) / scene.fps);
+          texel.apex_cone = of_apex[nearest].cone;
+          texel.age_apex = of_apex[nearest].age;
         }
     }
 }

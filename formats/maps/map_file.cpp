@@ -10,6 +10,7 @@
 #include <cstddef>
 #include <cstring>
 #include <future>
+#include <type_traits>
 #include <utility>
 
 namespace paperbake {
@@ -61,53 +62,92 @@ struct Window {
   int width, height;
 };
 
-/// Copies one layer of a row. returns  the end of what was written
+/// Packs chunks with ZIP compression, the texels as OpenEXR orders them: row by row, each layer by
+/// layer; of these bytes the even ones before the odd ones; each as its difference to the one
+/// before; as a zlib stream.
+class ChunkPacker {
+ public:
+  std::string operator()(const Window&);
+
+ private:
+  void gather(const Window&);
+  std::string in_order() const;
+  std::vector<std::uint8_t> halves_;  // the even bytes, then the odd ones
+  std::vector<std::uint8_t> steps_;
+  ZlibPacker zlib_;
+};
+
+constexpr int in_cache = 128;  // texels of a row that are taken apart at once
+
+/// Takes the bytes of one layer of some texels apart.
 template <class From, class To>
-char* copy_layer(const char* texel, int count, char* to) {
-  for (int i = 0; i < count; ++i, texel += sizeof(MapTexel), to += sizeof(To)) {
+void split_layer(const char* texel, int count, std::uint8_t* even, std::uint8_t* odd) {
+  using Bits = std::conditional_t<sizeof(To) == 2, std::uint16_t, std::uint32_t>;
+  Bits stored[in_cache];
+  for (int i = 0; i < count; ++i, texel += sizeof(MapTexel)) {
     From value;
     std::memcpy(&value, texel, sizeof(From));
-    const To stored(value);
-    std::memcpy(to, &stored, sizeof(To));
+    const To converted(value);
+    std::memcpy(&stored[i], &converted, sizeof(To));
   }
-  return to;
-}
-
-/// The texels as OpenEXR orders them: row by row, each layer by layer.
-void gather(const Window& window, std::vector<char>& to) {
-  to.resize(bytes_of_texel() * window.width * window.height);
-  char* at = to.data();
-  for (int j = 0; j < window.height; ++j)
-    for (const Layer& layer : layers) {
-      const char* from =
-          reinterpret_cast<const char*>(window.first + j * window.row) + layer.offset;
-      if (layer.in_memory == Layer::InMemory::float32)
-        at = copy_layer<float, half>(from, window.width, at);
-      else if (layer.type == EXR_PIXEL_HALF)
-        at = copy_layer<std::uint16_t, std::uint16_t>(from, window.width, at);
-      else
-        at = copy_layer<std::uint32_t, std::uint32_t>(from, window.width, at);
+  for (int i = 0; i < count; ++i)
+    if constexpr (sizeof(To) == 2) {
+      even[i] = static_cast<std::uint8_t>(stored[i]);
+      odd[i] = static_cast<std::uint8_t>(stored[i] >> 8);
+    } else {
+      const Bits v = stored[i];
+      const auto evens = static_cast<std::uint16_t>((v & 0xff) | (v >> 8 & 0xff00)),
+                 odds = static_cast<std::uint16_t>((v >> 8 & 0xff) | (v >> 16 & 0xff00));
+      std::memcpy(even + 2 * i, &evens, sizeof evens);
+      std::memcpy(odd + 2 * i, &odds, sizeof odds);
     }
 }
 
-/// The bytes of a chunk with ZIP compression: even bytes before odd ones, each as its difference to
-/// the one before, as a zlib stream; or as they are where that would not be shorter.
-std::string packed(const Window& window) {
-  std::vector<char> raw, halves;
-  gather(window, raw);
-  const std::size_t count = raw.size(), middle = (count + 1) / 2;
-  halves.resize(count);
-  for (std::size_t i = 0; i < count / 2; ++i) {
-    halves[i] = raw[2 * i];
-    halves[middle + i] = raw[2 * i + 1];
+void ChunkPacker::gather(const Window& window) {
+  const std::size_t middle = bytes_of_texel() * window.width * window.height / 2;
+  halves_.resize(2 * middle);
+  for (int j = 0; j < window.height; ++j)
+    for (int begin = 0; begin < window.width; begin += in_cache) {
+      const char* texels = reinterpret_cast<const char*>(window.first + j * window.row + begin);
+      const int count = std::min(in_cache, window.width - begin);
+      std::size_t layer_at = bytes_of_texel() / 2 * window.width * j;
+      for (const Layer& layer : layers) {
+        std::uint8_t* even = halves_.data() + layer_at + bytes_of(layer) / 2 * begin;
+        if (layer.in_memory == Layer::InMemory::float32)
+          split_layer<float, half>(texels + layer.offset, count, even, even + middle);
+        else if (layer.type == EXR_PIXEL_HALF)
+          split_layer<std::uint16_t, std::uint16_t>(texels + layer.offset, count, even,
+                                                    even + middle);
+        else
+          split_layer<std::uint32_t, std::uint32_t>(texels + layer.offset, count, even,
+                                                    even + middle);
+        layer_at += bytes_of(layer) / 2 * window.width;
+      }
+    }
+}
+
+/// The bytes before they were taken apart.
+std::string ChunkPacker::in_order() const {
+  std::string raw(halves_.size(), '\0');
+  for (std::size_t i = 0, middle = raw.size() / 2; i < middle; ++i) {
+    raw[2 * i] = static_cast<char>(halves_[i]);
+    raw[2 * i + 1] = static_cast<char>(halves_[middle + i]);
   }
-  if (count % 2) halves[middle - 1] = raw[count - 1];
-  std::vector<char> steps(count);
-  steps[0] = halves[0];
+  return raw;
+}
+
+std::string ChunkPacker::operator()(const Window& window) {
+  gather(window);
+  const std::size_t count = halves_.size();
+  steps_.resize(count);
+  const std::uint8_t* byte = halves_.data();
+  std::uint8_t* step = steps_.data();
+  step[0] = byte[0];
   for (std::size_t i = 1; i < count; ++i)
-    steps[i] = static_cast<char>(halves[i] - halves[i - 1] + 128);
-  std::string stream = zlib_stream(steps.data(), count);
-  return stream.size() < count ? stream : std::string(raw.data(), count);
+    step[i] = static_cast<std::uint8_t>(byte[i] - byte[i - 1] + 128);
+  const std::string_view stream = zlib_(reinterpret_cast<const char*>(steps_.data()), count);
+  // as the bytes are where a stream would not be shorter
+  return stream.size() < count ? std::string(stream) : in_order();
 }
 
 /// An OpenEXR file in memory: written to a file, the end of it would be written by a function that
@@ -166,8 +206,13 @@ class ExrFile {
   static std::int64_t write(exr_const_context_t, void* bytes, const void* from, std::uint64_t count,
                             std::uint64_t at, exr_stream_error_func_ptr_t) {
     std::string& to = *static_cast<std::string*>(bytes);
-    if (to.size() < at + count) to.resize(at + count);
-    std::memcpy(to.data() + at, from, count);
+    const auto* bytes_to_write = static_cast<const char*>(from);
+    if (at == to.size()) {
+      to.append(bytes_to_write, count);
+    } else {
+      if (to.size() < at + count) to.resize(at + count);
+      std::memcpy(to.data() + at, bytes_to_write, count);
+    }
     return static_cast<std::int64_t>(count);
   }
   void check(exr_result_t result) {
@@ -354,13 +399,14 @@ void write_rows(ExrFile& file, int size, int threads, const DrawRows& draw) {
     std::string chunk;
   };
   std::vector<std::vector<Block>> drawn(std::max(1, threads));
+  std::vector<ChunkPacker> packers(drawn.size());
   std::vector<MapTexel> texels;
   draw_in_batches(
       {size, threads, KeepTexels::batch}, draw, texels,
       [&](int k, const MapRows& rows, const MapTexel* strip) {
         for (int first = rows.first; first < rows.last; first += block_rows)
-          drawn[k].push_back({first, packed({strip + rows.index(0, first), size, size,
-                                             std::min(block_rows, rows.last - first)})});
+          drawn[k].push_back({first, packers[k]({strip + rows.index(0, first), size, size,
+                                                 std::min(block_rows, rows.last - first)})});
       },
       [&] {
         for (std::vector<Block>& blocks : drawn) {
@@ -371,6 +417,7 @@ void write_rows(ExrFile& file, int size, int threads, const DrawRows& draw) {
 }
 
 void write_tiles(ExrFile& file, int size, int threads, const DrawRows& draw) {
+  std::vector<ChunkPacker> packers(std::max(1, threads));
   std::vector<MapTexel> texels;
   draw_in_batches(
       {size, threads, KeepTexels::all}, draw, texels, [](int, const MapRows&, const MapTexel*) {},
@@ -382,8 +429,8 @@ void write_tiles(ExrFile& file, int size, int threads, const DrawRows& draw) {
       for_each_at_once(static_cast<int>(chunks.size()), [&](int k) {
         const int y = tile * (top + k);
         for (int x = 0; x < side; x += tile)
-          chunks[k].push_back(packed({texels.data() + std::size_t(y) * side + x, side,
-                                      std::min(tile, side - x), std::min(tile, side - y)}));
+          chunks[k].push_back(packers[k]({texels.data() + std::size_t(y) * side + x, side,
+                                          std::min(tile, side - x), std::min(tile, side - y)}));
       });
       for (std::size_t k = 0; k < chunks.size(); ++k)
         for (std::size_t x = 0; x < chunks[k].size(); ++x)

@@ -27,5 +27,17 @@ TEST(ContentHash, DependsOnEveryByteOfBlocksAndRest) {
   EXPECT_NE(hex(content_hash(text + '\0')), hex(content_hash(text)));
 }
 
+TEST(ContentHash, IsTheSameOfBytesThatComeInParts) {
+  const std::string text = "0123456789abcdef0123456789abcdef0123456789abcde";
+  for (std::size_t first = 0; first <= text.size(); ++first)
+    for (std::size_t second = first; second <= text.size(); ++second) {
+      ContentHasher hasher;
+      hasher.add(std::string_view(text).substr(0, first));
+      hasher.add(std::string_view(text).substr(first, second - first));
+      hasher.add(std::string_view(text).substr(second));
+      ASSERT_EQ(hex(hasher.key()), hex(content_hash(text))) << first << " " << second;
+    }
+}
+
 }  // namespace
 }  // namespace paperbake

@@ -14,7 +14,7 @@ TEST(FoldPeak, KeepsTheLargestAngleWithItsSignAndNeverLess) {
   for (const double k : {20.0, -90.0, 50.0, 0.0, 100.0}) {
     peak.record(map_fields(sheet, test::tensors(sheet, [k](Vector2d p) { return k * (1 + p.x()); }),
                            {}, 0.002));
-    const std::vector<float> row = peak.row(700, 2048);
+    const std::vector<float> row = peak.peaks({2048, 700, 701});
     for (int i = 0; i < 2048; ++i) ASSERT_GE(std::abs(row[i]), std::abs(last[i]) - 1e-7f) << i;
     last = row;
     if (k == 50) {
