@@ -194,7 +194,8 @@ OrderedJson wind_json(const Wind& wind) {
 }
 
 std::string wind_text(const Wind& wind) {
-  const Eigen::RowVector3d first = wind.velocity.row(0);
+  // rounded to the digits that are printed, so that nothing is -0
+  const Eigen::RowVector3d first = (1e3 * wind.velocity.row(0)).array().round() / 1e3 + 0.0;
   const Eigen::VectorXd speeds = speeds_of(wind);
   std::string text =
       fmt::format("wind \"{}\": ({:.3f}, {:.3f}, {:.3f}) m/s in the first frame, speed {:.3g}",
