@@ -29,6 +29,7 @@ if(UFBX_FOLDER)
   add_library(ufbx OBJECT ${UFBX_FOLDER}/ufbx.c)  # becomes a part of the library "formats"
   target_include_directories(ufbx SYSTEM PUBLIC ${UFBX_FOLDER})
   target_compile_options(ufbx PRIVATE -w)
+  paperbake_not_hot(ufbx)
 else()
   find_package(assimp REQUIRED)
 endif()

@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Bakes the shots of the gallery, renders a picture of each with Cycles, and writes docs/gallery.md.
+"""Bakes the shots of the gallery, renders a picture of each with Cycles, and writes docs/gallery.md. The shots
+are those of docs/gallery.toml.
 
     .venv/bin/python docs/make_gallery.py [PROGRAM] [NAME...]     PROGRAM: build/paperbake
 
@@ -13,6 +14,7 @@ import pathlib
 import subprocess
 import sys
 import tempfile
+import tomllib
 
 import bpy
 from mathutils import Vector
@@ -21,34 +23,8 @@ DOCS = pathlib.Path(os.path.abspath(__file__)).parent
 PICTURES = DOCS / "pictures" / "gallery"
 SIZE, SAMPLES = (480, 360), 16
 
-# options: of bake; frame: the one that is rendered; view: from where, in boxes of the sheet
 Shot = collections.namedtuple("Shot", "name title scene options frame view honest")
-SHOTS = (
-    Shot("letter", "A letter on its way to being folded in three", "F1_letter", "", 70, (-0.6, -1.2, 0.7),
-         "The folds lie where the hands announce them; the law of how far they spring back is assumed."),
-    Shot("half", "Folded in half and pressed by a bar", "F2_half", "", 90, (-0.8, -1.1, 0.6),
-         "A crease remembers its angle alone, not how hard it was pressed."),
-    Shot("fan", "A fan of four pleats", "F4_fan", "", 45, (-0.5, -1.1, 0.9),
-         "Straight pleats only: there are no curved creases."),
-    Shot("corner", "A dog-ear, folded and opened again", "F5_corner", "", 60, (0.7, -1.0, 0.9),
-         "Folds reach from border to border; one that ends inside the sheet is not found."),
-    Shot("page", "A page that is turned over", "S5_roll", "--gravity 9.81", 60, (-0.9, -1.0, 0.7),
-         "Without gravity, a corner that is carried like this can shrink to a hook."),
-    Shot("crumple", "Crumpled and let go", "S4r_release", "", 144, (0.3, -0.7, 1.1),
-         "The large folds are there; the hundreds of small ones of real paper are not."),
-    Shot("note", "A note, crumpled by six fingers", "S0_note", "", 92, (0.4, -0.8, 1.0),
-         "Two fingers hold it to the end, so it does not lie down."),
-    Shot("ball", "Crushed until it jams", "S10_ball", "", 100, (0.5, -0.9, 0.8),
-         "The handles stay centimetres behind their keys, and a few triangles of the rendered mesh pass through each other."),
-    Shot("cone", "A sheet pushed in: a d-cone", "S8_dcone", "", 60, (-0.4, -1.1, 0.8),
-         "After a snap the coarse sheet can have another shape than a fine one has."),
-    Shot("strip", "A strip turned to a Moebius band", "S2_moebius", "", 72, (-0.3, -1.2, 0.8),
-         "Nothing glues its ends; handles hold them."),
-    Shot("palm", "A stiff sheet that takes another along", "S11_palm", "", 40, (-0.9, -1.0, 0.6),
-         "Sheets that push each other are much slower than the same sheets apart."),
-    Shot("pinch", "A loop pressed shut by a box", "F6_pinch", "", 70, (-0.9, -1.0, 0.5),
-         "Nobody announces this fold, so the bend is spread over several rows of triangles."),
-)
+SHOTS = [Shot(**shot) for shot in tomllib.loads((DOCS / "gallery.toml").read_text(encoding="utf-8"))["shot"]]
 
 
 def command(shot):

@@ -179,29 +179,58 @@ OrderedJson collider_json(const InspectedCollider& c) {
           {"sheets", std::move(sheets)}};
 }
 
+/// [m/s] speed of the wind in each frame
+Eigen::VectorXd speeds_of(const Wind& wind) { return wind.velocity.rowwise().norm(); }
+
+OrderedJson wind_json(const Wind& wind) {
+  const Eigen::RowVector3d first = wind.velocity.row(0);
+  const Eigen::VectorXd speeds = speeds_of(wind);
+  return {{"name", wind.name},
+          {"first_velocity_m_per_s", {first.x(), first.y(), first.z()}},
+          {"least_speed_m_per_s", speeds.minCoeff()},
+          {"most_speed_m_per_s", speeds.maxCoeff()},
+          {"gust", wind.gust},
+          {"seed", wind.seed}};
+}
+
+std::string wind_text(const Wind& wind) {
+  // rounded to the digits that are printed, so that nothing is -0
+  const Eigen::RowVector3d first = (1e3 * wind.velocity.row(0)).array().round() / 1e3 + 0.0;
+  const Eigen::VectorXd speeds = speeds_of(wind);
+  std::string text =
+      fmt::format("wind \"{}\": ({:.3f}, {:.3f}, {:.3f}) m/s in the first frame, speed {:.3g}",
+                  wind.name, first.x(), first.y(), first.z(), speeds.minCoeff());
+  if (speeds.maxCoeff() > speeds.minCoeff()) text += fmt::format(" to {:.3g}", speeds.maxCoeff());
+  text += " m/s";
+  if (wind.gust > 0) text += fmt::format("; gusts of {:g} % (seed {})", 100 * wind.gust, wind.seed);
+  return text + "\n";
+}
+
+OrderedJson sheet_json(const SceneSheet& sheet, const Scene& scene) {
+  OrderedJson creases = OrderedJson::array(), handles = OrderedJson::array();
+  for (const CreaseLine& crease : creases_of(sheet, scene))
+    creases.push_back(crease_json(crease, creases.size() + 1));
+  for (const Handle& handle : sheet.handles) handles.push_back(handle_json(sheet, handle));
+  OrderedJson j{{"name", sheet.name},
+                {"width_m", extent(sheet.pattern).x()},
+                {"height_m", extent(sheet.pattern).y()},
+                {"outline_corners", sheet.pattern.outline.size()},
+                {"holes", sheet.pattern.holes.size()},
+                {"vertices", sheet.start.x.rows()},
+                {"triangles", sheet.start.triangles.rows()}};
+  if (sheet.preset) j["paper_preset"] = *sheet.preset;
+  if (sheet.grammage) j["paper_gsm"] = *sheet.grammage;
+  if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
+  if (sheet.friction) j["paper_friction"] = *sheet.friction;
+  if (sheet.seed) j["paper_seed"] = *sheet.seed;
+  j["creases"] = std::move(creases);
+  j["handles"] = std::move(handles);
+  return j;
+}
+
 OrderedJson scene_json(const Scene& scene) {
   OrderedJson sheets = OrderedJson::array(), impossible = OrderedJson::array();
-  for (const SceneSheet& sheet : scene.sheets) {
-    OrderedJson handles = OrderedJson::array();
-    for (const Handle& handle : sheet.handles) handles.push_back(handle_json(sheet, handle));
-    OrderedJson j{{"name", sheet.name},
-                  {"width_m", extent(sheet.pattern).x()},
-                  {"height_m", extent(sheet.pattern).y()},
-                  {"outline_corners", sheet.pattern.outline.size()},
-                  {"holes", sheet.pattern.holes.size()},
-                  {"vertices", sheet.start.x.rows()},
-                  {"triangles", sheet.start.triangles.rows()}};
-    if (sheet.preset) j["paper_preset"] = *sheet.preset;
-    if (sheet.grammage) j["paper_gsm"] = *sheet.grammage;
-    if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
-    if (sheet.friction) j["paper_friction"] = *sheet.friction;
-    if (sheet.seed) j["paper_seed"] = *sheet.seed;
-    j["creases"] = OrderedJson::array();
-    for (const CreaseLine& crease : creases_of(sheet, scene))
-      j["creases"].push_back(crease_json(crease, j["creases"].size() + 1));
-    j["handles"] = std::move(handles);
-    sheets.push_back(std::move(j));
-  }
+  for (const SceneSheet& sheet : scene.sheets) sheets.push_back(sheet_json(sheet, scene));
   for (const SheetImpossible& i : impossible_pairs(scene))
     impossible.push_back(
         {{"sheet", i.sheet},
@@ -220,6 +249,8 @@ OrderedJson scene_json(const Scene& scene) {
   j["colliders"] = OrderedJson::array();
   for (const InspectedCollider& collider : inspected_colliders(scene))
     j["colliders"].push_back(collider_json(collider));
+  j["winds"] = OrderedJson::array();
+  for (const Wind& wind : scene.winds) j["winds"].push_back(wind_json(wind));
   j["impossible_handles"] = std::move(impossible);
   j["warnings"] = scene.warnings;
   return j;
@@ -253,6 +284,7 @@ std::string scene_text(const Scene& scene) {
   }
   for (const InspectedCollider& collider : inspected_colliders(scene))
     text += collider_text(collider);
+  for (const Wind& wind : scene.winds) text += wind_text(wind);
   for (const SheetImpossible& i : impossible_pairs(scene))
     text += "impossible: " + describe(i) + "\n";
   for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";

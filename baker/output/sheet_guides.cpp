@@ -49,8 +49,7 @@ void SheetGuides::add(const AnimatedFrame& frame) {
   laid_ = false;
 }
 
-/// The creases that no sharper one lies along; in the order of the history, the others of no
-/// strength.
+/// All creases of the history, in its order; those that run along a sharper one have strength 0.
 std::vector<DetectedCrease> SheetGuides::sharpest() const {
   std::vector<std::size_t> order(history_.size());
   std::iota(order.begin(), order.end(), std::size_t{0});

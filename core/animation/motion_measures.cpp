@@ -1,7 +1,6 @@
 #include "core/animation/motion_measures.h"
 
-#include <Eigen/LU>
-#include <Eigen/SVD>
+#include "core/geometry/rigid_motion.h"
 
 #include <algorithm>
 #include <cmath>
@@ -60,14 +59,8 @@ double relative_handle_motion(const Sheet& sheet, const PositionConstraints& hel
 
 double rms_deformation(const Points3& before, const Points3& now) {
   if (before.rows() != now.rows() || now.rows() == 0) return 0;
-  const Eigen::RowVector3d from = before.colwise().mean(), to = now.colwise().mean();
-  const Eigen::Matrix3d covariance = (before.rowwise() - from).transpose() * (now.rowwise() - to);
-  const Eigen::JacobiSVD<Eigen::Matrix3d> svd(covariance,
-                                              Eigen::ComputeFullU | Eigen::ComputeFullV);
-  Vector3d signs(1, 1, 1);  // a rotation, and no reflection
-  if ((svd.matrixU() * svd.matrixV().transpose()).determinant() < 0) signs[2] = -1;
-  const Eigen::Matrix3d turn = svd.matrixU() * signs.asDiagonal() * svd.matrixV().transpose();
-  const Points3 carried = ((before.rowwise() - from) * turn).rowwise() + to;
+  const RigidMotion motion = nearest_rigid_motion(before, now);
+  const Points3 carried = (before * motion.turn.transpose()).rowwise() + motion.shift.transpose();
   return std::sqrt((now - carried).rowwise().squaredNorm().mean());
 }
 

@@ -7,21 +7,12 @@
 namespace paperbake::alembic {
 namespace {
 
-constexpr const char* points_object =
-    "schema=AbcGeom_Points_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_Points_"
-    "v1:.geom";
-constexpr const char* points_schema = "schema=AbcGeom_Points_v1;schemaBaseType=AbcGeom_GeomBase_v1";
-constexpr const char* curves_object =
-    "schema=AbcGeom_Curve_v2;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_Curve_v2:"
-    ".geom";
-constexpr const char* curves_schema = "schema=AbcGeom_Curve_v2;schemaBaseType=AbcGeom_GeomBase_v1";
-// one number for each point, or for each curve
-constexpr const char* whole_of_point =
-    "arrayExtent=1;geoScope=vtx;isGeomParam=true;podExtent=1;podName=int32_t";
-constexpr const char* whole_of_curve =
-    "arrayExtent=1;geoScope=uni;isGeomParam=true;podExtent=1;podName=int32_t";
-constexpr const char* number_of_point =
-    "arrayExtent=1;geoScope=vtx;isGeomParam=true;podExtent=1;podName=float32_t";
+constexpr const char* points_schema = "AbcGeom_Points_v1";
+constexpr const char* curves_schema = "AbcGeom_Curve_v2";
+
+std::string whole_number_of(const char* scope) {
+  return parameter_metadata(scope, "", 1, "int32_t");
+}
 
 Sample store_whole(Archive& archive, const std::vector<int>& numbers) {
   return store(archive, raw(std::vector<std::int32_t>(numbers.begin(), numbers.end())));
@@ -37,8 +28,8 @@ std::vector<Sample> column(const std::vector<GuideFrame>& frames, Geometry Guide
 }
 
 Object points_of(const std::vector<GuideFrame>& frames, const std::string& name) {
-  const auto array = [&](const char* property, const char* metadata, Pod pod, std::uint32_t extent,
-                         Sample Geometry::*channel) {
+  const auto array = [&](const char* property, const std::string& metadata, Pod pod,
+                         std::uint32_t extent, Sample Geometry::*channel) {
     return animated(property, metadata, PropertyType::array, pod, extent,
                     column(frames, &GuideFrame::points, channel));
   };
@@ -47,15 +38,17 @@ Object points_of(const std::vector<GuideFrame>& frames, const std::string& name)
       array("P", point_metadata, Pod::f32, 3, &Geometry::positions),
       array(".pointIds", "", Pod::u64, 1, &Geometry::sizes),
       compound(".arbGeomParams", "",
-               {array("point_id", whole_of_point, Pod::i32, 1, &Geometry::id),
-                array("birth", whole_of_point, Pod::i32, 1, &Geometry::birth)})};
-  return {
-      name + "Shape", points_object, {compound(".geom", points_schema, std::move(members))}, {}};
+               {array("point_id", whole_number_of("vtx"), Pod::i32, 1, &Geometry::id),
+                array("birth", whole_number_of("vtx"), Pod::i32, 1, &Geometry::birth)})};
+  return {name + "Shape",
+          object_metadata(points_schema),
+          {compound(".geom", geometry_metadata(points_schema), std::move(members))},
+          {}};
 }
 
 Object folds_of(Archive& archive, const std::vector<GuideFrame>& frames, const std::string& name) {
-  const auto array = [&](const char* property, const char* metadata, Pod pod, std::uint32_t extent,
-                         Sample Geometry::*channel) {
+  const auto array = [&](const char* property, const std::string& metadata, Pod pod,
+                         std::uint32_t extent, Sample Geometry::*channel) {
     return animated(property, metadata, PropertyType::array, pod, extent,
                     column(frames, &GuideFrame::folds, channel));
   };
@@ -67,11 +60,13 @@ Object folds_of(Archive& archive, const std::vector<GuideFrame>& frames, const s
       array("nVertices", "", Pod::i32, 1, &Geometry::sizes),
       animated("curveBasisAndType", "", PropertyType::scalar, Pod::u8, 4, type),
       compound(".arbGeomParams", "",
-               {array("fold_id", whole_of_curve, Pod::i32, 1, &Geometry::id),
-                array("birth", whole_of_curve, Pod::i32, 1, &Geometry::birth),
-                array("angle", number_of_point, Pod::f32, 1, &Geometry::angle)})};
-  return {
-      name + "Shape", curves_object, {compound(".geom", curves_schema, std::move(members))}, {}};
+               {array("fold_id", whole_number_of("uni"), Pod::i32, 1, &Geometry::id),
+                array("birth", whole_number_of("uni"), Pod::i32, 1, &Geometry::birth),
+                array("angle", parameter_metadata("vtx", "", 1), Pod::f32, 1, &Geometry::angle)})};
+  return {name + "Shape",
+          object_metadata(curves_schema),
+          {compound(".geom", geometry_metadata(curves_schema), std::move(members))},
+          {}};
 }
 
 }  // namespace

@@ -1,33 +1,14 @@
 #include "formats/cache/alembic_mesh.h"
 
+#include "formats/cache/material_faces.h"
+
 #include <algorithm>
 
 namespace paperbake::alembic {
 namespace {
 
-// Metadata of the AbcGeom schemas: readers recognise meshes and their channels only by these texts.
-constexpr const char* mesh_object =
-    "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_PolyMesh_"
-    "v1:.geom";
-constexpr const char* mesh_schema = "schema=AbcGeom_PolyMesh_v1;schemaBaseType=AbcGeom_GeomBase_v1";
-constexpr const char* velocity_metadata = "interpretation=vector";
-constexpr const char* normal_metadata =
-    "arrayExtent=1;geoScope=vtx;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_"
-    "t";
-constexpr const char* corner_normal_metadata =
-    "arrayExtent=1;geoScope=fvr;interpretation=normal;isGeomParam=true;podExtent=3;podName=float32_"
-    "t";
-constexpr const char* uv_metadata =
-    "arrayExtent=1;geoScope=fvr;interpretation=vector;isGeomParam=true;podExtent=2;podName=float32_"
-    "t";
-constexpr const char* face_set_object =
-    "schema=AbcGeom_FaceSet_v1;schemaBaseType=AbcGeom_GeomBase_v1;schemaObjTitle=AbcGeom_FaceSet_"
-    "v1:.faceset";
-constexpr const char* face_set_schema =
-    "schema=AbcGeom_FaceSet_v1;schemaBaseType=AbcGeom_GeomBase_v1";
-
-constexpr const char* colour_metadata =
-    "arrayExtent=1;geoScope=vtx;interpretation=rgba;isGeomParam=true;podExtent=4;podName=float32_t";
+constexpr const char* mesh_schema = "AbcGeom_PolyMesh_v1";
+constexpr const char* face_set_schema = "AbcGeom_FaceSet_v1";
 
 using Floats2 = Eigen::Matrix<float, Eigen::Dynamic, 2, Eigen::RowMajor>;
 
@@ -51,12 +32,8 @@ void store_surface(Archive& archive, const MeshSurface& surface, MeshFrame& samp
     samples.uv_sets.push_back(
         {store(archive, raw(uv)), store(archive, raw(clockwise(set.of_corner)))});
   }
-  for (std::size_t m = 0; m < surface.materials.size(); ++m) {
-    std::vector<std::int32_t> faces;
-    for (std::size_t t = 0; t < surface.material_of.size(); ++t)
-      if (surface.material_of[t] == static_cast<int>(m)) faces.push_back(static_cast<int>(t));
-    samples.face_sets.push_back(store(archive, raw(faces)));
-  }
+  for (std::size_t m = 0; m < surface.materials.size(); ++m)
+    samples.face_sets.push_back(store(archive, raw(faces_of(surface, m))));
 }
 
 }  // namespace
@@ -119,7 +96,8 @@ std::string legal(std::string text) {
 /// A uv set: values, and for each corner the index of its value.
 Property uv_property(const std::string& name, const std::string& source, std::vector<Sample> values,
                      std::vector<Sample> indices) {
-  const std::string metadata = uv_metadata + (";sourceName=" + legal(source));
+  const std::string metadata =
+      parameter_metadata("fvr", "vector", 2) + ";sourceName=" + legal(source);
   return compound(name, metadata,
                   {animated(".vals", metadata, PropertyType::array, Pod::f32, 2, std::move(values)),
                    animated(".indices", "", PropertyType::array, Pod::u32, 1, std::move(indices))});
@@ -169,9 +147,9 @@ std::vector<Property> user_properties(Archive& archive, const AuthoredProperties
 
 Property geometry(Archive& archive, const Mesh& mesh) {
   const std::vector<MeshFrame>& frames = mesh.frames;
-  const auto array = [&](const char* name, const char* meaning, Pod pod, std::uint32_t extent,
-                         Sample MeshFrame::*channel) {
-    return animated(name, meaning, PropertyType::array, pod, extent, column(frames, channel));
+  const auto array = [&](const char* name, const std::string& metadata, Pod pod,
+                         std::uint32_t extent, Sample MeshFrame::*channel) {
+    return animated(name, metadata, PropertyType::array, pod, extent, column(frames, channel));
   };
   std::vector<Property> members{
       box_property(".selfBnds", column(frames, &MeshFrame::bounds)),
@@ -180,23 +158,26 @@ Property geometry(Archive& archive, const Mesh& mesh) {
       array(".faceCounts", "", Pod::i32, 1, &MeshFrame::counts),
   };
   if (ever_given(frames, &MeshFrame::velocities))
-    members.push_back(array(".velocities", velocity_metadata, Pod::f32, 3, &MeshFrame::velocities));
-  if (ever_given(frames, &MeshFrame::normal_indices))
     members.push_back(
-        compound("N", corner_normal_metadata,
-                 {array(".vals", corner_normal_metadata, Pod::f32, 3, &MeshFrame::normals),
-                  array(".indices", "", Pod::u32, 1, &MeshFrame::normal_indices)}));
+        array(".velocities", "interpretation=vector", Pod::f32, 3, &MeshFrame::velocities));
+  const std::string corner_normal = parameter_metadata("fvr", "normal", 3);
+  if (ever_given(frames, &MeshFrame::normal_indices))
+    members.push_back(compound("N", corner_normal,
+                               {array(".vals", corner_normal, Pod::f32, 3, &MeshFrame::normals),
+                                array(".indices", "", Pod::u32, 1, &MeshFrame::normal_indices)}));
   else if (ever_given(frames, &MeshFrame::normals))
-    members.push_back(array("N", normal_metadata, Pod::f32, 3, &MeshFrame::normals));
+    members.push_back(
+        array("N", parameter_metadata("vtx", "normal", 3), Pod::f32, 3, &MeshFrame::normals));
   std::vector<Property> named;
   if (ever_given(frames, &MeshFrame::colours))
-    named.push_back(array("crease", colour_metadata, Pod::f32, 4, &MeshFrame::colours));
+    named.push_back(
+        array("crease", parameter_metadata("vtx", "rgba", 4), Pod::f32, 4, &MeshFrame::colours));
   add_uv_sets(mesh, members, named);
   if (!named.empty()) members.push_back(compound(".arbGeomParams", "", std::move(named)));
   if (mesh.surface && !mesh.surface->properties.empty())
     members.push_back(
         compound(".userProperties", "", user_properties(archive, mesh.surface->properties)));
-  return compound(".geom", mesh_schema, std::move(members));
+  return compound(".geom", geometry_metadata(mesh_schema), std::move(members));
 }
 
 /// The faces of each material, below their mesh.
@@ -212,8 +193,8 @@ std::vector<Object> face_sets(const Mesh& mesh) {
         box_property(".selfBnds", column(mesh.frames, &MeshFrame::bounds)),
         animated(".faces", "", PropertyType::array, Pod::i32, 1, std::move(faces))};
     sets.push_back({std::move(name),
-                    face_set_object,
-                    {compound(".faceset", face_set_schema, std::move(members))},
+                    object_metadata(face_set_schema, ".faceset"),
+                    {compound(".faceset", geometry_metadata(face_set_schema), std::move(members))},
                     {}});
   }
   return sets;
@@ -221,9 +202,11 @@ std::vector<Object> face_sets(const Mesh& mesh) {
 
 /// The mesh below an Xform of its name.
 Object sheet_object(Archive& archive, const Mesh& mesh) {
-  return below_xform(
-      archive, mesh.label, column(mesh.frames, &MeshFrame::bounds),
-      {mesh.label + "Shape", mesh_object, {geometry(archive, mesh)}, face_sets(mesh)});
+  return below_xform(archive, mesh.label, column(mesh.frames, &MeshFrame::bounds),
+                     {mesh.label + "Shape",
+                      object_metadata(mesh_schema),
+                      {geometry(archive, mesh)},
+                      face_sets(mesh)});
 }
 
 }  // namespace

@@ -12,6 +12,21 @@ constexpr const char* box_metadata = "interpretation=box";
 
 }  // namespace
 
+std::string geometry_metadata(const std::string& schema) {
+  return "schema=" + schema + ";schemaBaseType=AbcGeom_GeomBase_v1";
+}
+
+std::string object_metadata(const std::string& schema, const std::string& compound) {
+  return geometry_metadata(schema) + ";schemaObjTitle=" + schema + ":" + compound;
+}
+
+std::string parameter_metadata(const std::string& scope, const std::string& interpretation,
+                               int extent, const std::string& number) {
+  return "arrayExtent=1;geoScope=" + scope +
+         (interpretation.empty() ? "" : ";interpretation=" + interpretation) +
+         ";isGeomParam=true;podExtent=" + std::to_string(extent) + ";podName=" + number;
+}
+
 Floats3 y_up(const Points3& rows) {
   Floats3 turned(rows.rows(), 3);
   turned << rows.col(0).cast<float>(), rows.col(2).cast<float>(), -rows.col(1).cast<float>();

@@ -14,6 +14,22 @@ namespace paperbake::alembic {
 // Metadata: readers recognise objects and channels only by these texts.
 inline constexpr const char* point_metadata = "geoScope=vtx;interpretation=point";
 
+/// Of the compound that holds a geometry.
+/// schema  name and version, for example "AbcGeom_PolyMesh_v1"
+std::string geometry_metadata(const std::string& schema);
+
+/// Of the object that the compound belongs to.
+/// compound  name of the compound
+std::string object_metadata(const std::string& schema, const std::string& compound = ".geom");
+
+/// Of an array that belongs to a geometry.
+/// scope           what has one element of it: "vtx" a vertex, "fvr" a corner of a face, "uni" a
+///                 curve
+/// interpretation  what it means to readers, for example "normal"; empty: numbers
+/// extent          numbers per element
+std::string parameter_metadata(const std::string& scope, const std::string& interpretation,
+                               int extent, const std::string& number = "float32_t");
+
 using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
 /// A bounding box.

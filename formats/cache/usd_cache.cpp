@@ -1,5 +1,6 @@
 #include "formats/cache/usd_cache.h"
 
+#include "formats/cache/material_faces.h"
 #include "formats/cache/usd_layer.h"
 
 #include <algorithm>
@@ -75,14 +76,6 @@ std::vector<int> integers(const Triangles& triangles) {
   return {triangles.data(), triangles.data() + triangles.size()};
 }
 
-/// The faces that have a material.
-std::vector<int> faces_of(const MeshSurface& surface, std::size_t material) {
-  std::vector<int> faces;
-  for (std::size_t t = 0; t < surface.material_of.size(); ++t)
-    if (surface.material_of[t] == static_cast<int>(material)) faces.push_back(static_cast<int>(t));
-  return faces;
-}
-
 Points3 corners_of_box(const Points3& x) {
   Points3 box(2, 3);  // y up negates the old y, so its upper bound belongs to the lower corner
   if (x.rows() == 0) return box.setZero();
@@ -121,6 +114,14 @@ struct UsdWriter::Impl {
                               [&](const Property& a) { return a.name == attribute.name; });
     if (known == attributes.end()) known = attributes.insert(known, attribute);
     add_sample(sheet, *known, value);
+  }
+
+  /// The same for one list of attributes of a sheet: (type, name, interpolation, value).
+  auto adder(const UsdSheet& sheet, std::vector<Property>& attributes) {
+    return [this, &sheet, &attributes](const char* type, const std::string& name,
+                                       const char* interpolation, const usd::Value& value) {
+      add(sheet, attributes, {type, name, interpolation}, value);
+    };
   }
 
   void add_sample(const UsdSheet& sheet, Property& attribute, const usd::Value& value) {
@@ -217,18 +218,11 @@ struct UsdWriter::Impl {
   }
 
   void add_guides(UsdSheet& sheet, const CacheGuides& guides) {
-    const auto point = [&](const char* type, const char* name, const char* interpolation,
-                           const usd::Value& value) {
-      add(sheet, sheet.points, {type, name, interpolation}, value);
-    };
+    const auto point = adder(sheet, sheet.points), fold = adder(sheet, sheet.folds);
     point("float3[]", "extent", "", y_up(corners_of_box(guides.points)));
     point("point3f[]", "points", "", y_up(guides.points));
     point("int[]", "primvars:point_id", "vertex", guides.point_id);
     point("int[]", "primvars:birth", "vertex", guides.point_birth);
-    const auto fold = [&](const char* type, const char* name, const char* interpolation,
-                          const usd::Value& value) {
-      add(sheet, sheet.folds, {type, name, interpolation}, value);
-    };
     fold("float3[]", "extent", "", y_up(corners_of_box(guides.folds)));
     fold("point3f[]", "points", "", y_up(guides.folds));
     fold("int[]", "curveVertexCounts", "", guides.fold_size);
@@ -295,10 +289,7 @@ UsdWriter::~UsdWriter() = default;
 
 void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
   UsdSheet& sheet = impl_->sheets.at(number);
-  const auto add = [&](const char* type, const std::string& name, const char* interpolation,
-                       const usd::Value& value) {
-    impl_->add(sheet, sheet.attributes, {type, name, interpolation}, value);
-  };
+  const auto add = impl_->adder(sheet, sheet.attributes);
   add("float3[]", "extent", "", y_up(corners_of_box(frame.x)));
   add("int[]", "faceVertexCounts", "",
       std::vector<int>(static_cast<std::size_t>(frame.triangles.rows()), 3));

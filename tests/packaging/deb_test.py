@@ -94,9 +94,10 @@ class Debian(unittest.TestCase):
 
     def test_2_the_bundle_bakes_where_nothing_is_installed(self):
         with zipfile.ZipFile(ZIP) as archive:
-            archive.extractall(ROOT / "opt" / "addon")
-        (ROOT / "opt/addon/bundled/bin/paperbake").chmod(0o755)
-        self.bakes_the_same("/opt/addon/bundled/bin/paperbake", "bundle")
+            archive.extractall(ROOT / "addon")
+        program = ROOT / "addon" / "bundled" / "bin" / "paperbake"
+        program.chmod(0o755)
+        self.bakes_the_same(f"/{program.relative_to(ROOT)}", "bundle")
 
     def test_3_the_deb_is_installed_and_bakes(self):
         shutil.copyfile(DEB, ROOT / DEB.name)

@@ -1,6 +1,7 @@
 // What paperbake inspect tells of a scene. Everything is checked from outside.
 
 #include "tests/baker/program_fixture.h"
+#include "tests/formats/scene/scene_fixture.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -89,6 +90,32 @@ TEST_F(InspectTest, CollidersAreListedWithWhatTheyAreAndWhereTheSheetIs) {
             std::string::npos)
       << text;
   EXPECT_EQ(run({"inspect", samples + "/S1_push.glb"}).out.find("collider"), std::string::npos);
+}
+
+TEST_F(InspectTest, WindsAreListedWithTheirDirectionAndTheirGusts) {
+  test::HeldSheet scene;
+  scene.node("wind.side", {0, 0, 0}, R"({"paper_axis":"-x","paper_speed":2})");
+  scene.scale(
+      scene.node("wind.rises", {0, 0, 0}, R"({"paper_speed":4,"paper_gust":0.3,"paper_seed":7})"),
+      {1, 5}, {0.25, 0.5});
+  const std::string file = scene.write("winds.gltf");
+  const auto winds = nlohmann::json::parse(run({"inspect", file, "--json"}).out).at("winds");
+  ASSERT_EQ(winds.size(), 2u);
+  EXPECT_EQ(winds[0].at("name"), "wind.side");
+  EXPECT_NEAR(winds[0].at("first_velocity_m_per_s")[0].get<double>(), -2, 1e-6);
+  EXPECT_EQ(winds[0].at("gust"), 0);
+  EXPECT_NEAR(winds[1].at("first_velocity_m_per_s")[2].get<double>(), 2, 1e-6);
+  EXPECT_NEAR(winds[1].at("least_speed_m_per_s").get<double>(), 2, 1e-6);
+  EXPECT_NEAR(winds[1].at("most_speed_m_per_s").get<double>(), 4, 1e-6);
+  EXPECT_EQ(winds[1].at("gust"), 0.3);
+  EXPECT_EQ(winds[1].at("seed"), 7);
+  const std::string text = run({"inspect", file}).out;
+  EXPECT_NE(text.find("wind \"wind.side\": (-2.000, 0.000, 0.000) m/s in the first frame, speed 2 "
+                      "m/s\n"),
+            std::string::npos)
+      << text;
+  EXPECT_NE(text.find("speed 2 to 4 m/s; gusts of 30 % (seed 7)\n"), std::string::npos) << text;
+  EXPECT_EQ(run({"inspect", samples + "/S1_push.glb"}).out.find("wind"), std::string::npos);
 }
 
 /// The crease lines of the only sheet, by number.
