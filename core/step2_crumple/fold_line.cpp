@@ -20,7 +20,12 @@ constexpr double min_turn = 90 * M_PI / 180;  // of the sheet, in three rows of 
 // [1] of the curvature at which paper yields: what the mean over two rows of triangles must reach
 // where single triangles have yielded
 constexpr double least_bend = 0.5;
-constexpr double unresolved = 1;                  // [rad] in a row of triangles
+constexpr double unresolved = 1;  // [rad] in a row of triangles
+// [rad] in a row, where triangles are so large that even a shut fold shows no greater bend
+constexpr double sharp = 2;
+// how many places a fold is tried in, and how far beyond where it may be [rows]
+constexpr int places = 7;
+constexpr double margin = 0.1;
 constexpr double least_plastic = 1 * M_PI / 180;  // turn that stays, in each part of the line
 
 /// A mesh with what has yielded of it.
@@ -177,8 +182,9 @@ std::optional<FoldLine> fold_on(const YieldedMesh& mesh, const Axis& axis, const
   const Profile is = profile_of(mesh, line, axis);
   for (const double turn : is.plastic) line.plastic_turn += turn / is.plastic.size();
   const double bend = least(is.curvature);
-  if (least(is.turn) < min_turn || bend < least_bend * yield_curvature ||
-      bend * mesh.row < unresolved || least(is.plastic) < least_plastic)
+  if (least(is.turn) < min_turn || bend * mesh.row < unresolved ||
+      bend < std::min(least_bend * yield_curvature, sharp / mesh.row) ||
+      least(is.plastic) < least_plastic)
     return std::nullopt;
   return line;
 }
@@ -224,13 +230,15 @@ std::vector<FoldLine> find_fold_lines(const Sheet& sheet, const PlasticMemory& m
     if (!axis) continue;
     const std::optional<FoldLine> line = fold_on(mesh, *axis, pattern, yield_curvature);
     if (!line || is_known(*line)) continue;
-    std::vector<FoldLine> lines{*line};
     Axis middle = *axis;
     centre(mesh, middle);
-    for (const double share : {0.5, 1.0}) {
-      Axis beside = *axis;
-      beside.middle += share * (middle.middle - axis->middle);
-      if (const auto ends = on_paper(pattern, beside))
+    const double way = axis->across.dot(middle.middle - axis->middle), more = margin * mesh.row;
+    const double from = std::min(0.0, way) - more, to = std::max(0.0, way) + more;
+    std::vector<FoldLine> lines;
+    for (int k = 0; k < places; ++k) {
+      Axis there = *axis;
+      there.middle += (from + (to - from) * k / (places - 1)) * axis->across;
+      if (const auto ends = on_paper(pattern, there))
         lines.push_back({ends->first, ends->second, line->plastic_turn, line->band});
     }
     return lines;

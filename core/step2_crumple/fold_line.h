@@ -16,18 +16,19 @@ struct FoldLine {
 };
 
 /// Lines along which the sheet is being folded, although no prescribed crease is there: one fold, in
-/// up to three places that are less than a row of triangles apart, because the mesh says no better
-/// where it is. Empty: there is none.
+/// several places that are less than a row of triangles apart, because the mesh says no better where
+/// it is. Empty: there is none.
 ///
 /// Paper folds where it has yielded from border to border and is bent more sharply than its mesh
 /// can show. A line runs where triangles have yielded, in the direction about which they have
-/// turned, either through the middle of their plastic turn, or where the sheet turns most, or half
-/// way between. It is a fold if
+/// turned, from a tenth of a row before the middle of their plastic turn to a tenth of a row beyond
+/// where the sheet turns most. It is a fold if
 /// - nine tenths of the plastic turn within a row of triangles are about it: a crumple turns about
 ///   several lines;
 /// - in each part of it that is two rows long, paper has yielded, and the sheet turns by 90 degrees
-///   or more, with a mean curvature over two rows of half the yield curvature or more. The rows
-///   spread the bend of the paper, and triangles of a coarse mesh yield one before the other;
+///   or more, with a mean curvature over two rows of half the yield curvature or more, or of 2 rad
+///   in a row, whichever is less. The rows spread the bend of the paper, and triangles of a coarse
+///   mesh yield one before the other;
 /// - the bend is sharper than the mesh can show: 1 rad or more in a row of triangles. Paper that is
 ///   merely curled is bent less than that, and the plate shows it.
 ///
