@@ -130,8 +130,8 @@ void for_each_turn(const YieldedMesh& mesh, const Axis& axis, Visit visit) {
   }
 }
 
-/// Moves the axis to where the sheet turns most: the mean of the turn within a row and a half, which
-/// counts less the farther away it is.
+/// Moves the axis to where the sheet turns most: the mean of the turn within a row and a half,
+/// which counts less the farther away it is.
 void centre(const YieldedMesh& mesh, Axis& axis) {
   for (int again = 0; again < 8; ++again) {
     double sum = 0, moment = 0;

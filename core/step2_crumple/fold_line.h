@@ -15,9 +15,9 @@ struct FoldLine {
   std::vector<int> band;  // triangles that have yielded along it
 };
 
-/// Lines along which the sheet is being folded, although no prescribed crease is there: one fold, in
-/// several places that are less than a row of triangles apart, because the mesh says no better where
-/// it is. Empty: there is none.
+/// Lines along which the sheet is being folded, although no prescribed crease is there: one fold,
+/// in several places that are less than a row of triangles apart, because the mesh says no better
+/// where it is. Empty: there is none.
 ///
 /// Paper folds where it has yielded from border to border and is bent more sharply than its mesh
 /// can show. A line runs where triangles have yielded, in the direction about which they have
