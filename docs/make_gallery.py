@@ -47,7 +47,7 @@ SHOTS = (
     Shot("palm", "A stiff sheet that takes another along", "S11_palm", "", 40, (-0.9, -1.0, 0.6),
          "Sheets that push each other are much slower than the same sheets apart."),
     Shot("pinch", "A loop pressed shut by a box", "F6_pinch", "", 70, (-0.9, -1.0, 0.5),
-         "Nobody announces this fold, so the bend is spread over several rows of triangles."),
+         "Nobody announces this fold; it is found when the box presses the loop."),
 )
 
 
