@@ -228,11 +228,12 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
       hashes[std::filesystem::relative(file, files_.folder()).generic_string()] = keys_[file] =
           file_hash(file);
     const auto error = final_error(failure);
-    return summary_json(context_.plan, certificate_.frames(),
-                        {certificate_.crease_length, certificate_.frames_of_folding},
-                        {outcome.missed, error ? static_cast<int>(error->code) : outcome.exit_code,
-                         error ? error->what() : "", clock_.seconds()},
-                        hashes);
+    return summary_json(
+        context_.plan, certificate_.frames(),
+        {certificate_.crease_length, certificate_.found_creases, certificate_.frames_of_folding},
+        {outcome.missed, error ? static_cast<int>(error->code) : outcome.exit_code,
+         error ? error->what() : "", clock_.seconds()},
+        hashes);
   });
 }
 

@@ -28,6 +28,17 @@ HandleRecord::State record_state(HandleFrame::State state) {
   return HandleRecord::free_state;
 }
 
+/// [rad] To which a crease springs back, averaged over its length.
+double mean_rest_angle(const Sheet& sheet, const PrescribedCrease& crease) {
+  double sum = 0, length = 0;
+  for (const CreaseEdge& edge : sheet.crease_edges)
+    if (crease_under({crease}, edge.a, edge.b)) {
+      sum += (edge.b - edge.a).norm() * edge.rest_angle;
+      length += (edge.b - edge.a).norm();
+    }
+  return length > 0 ? sum / length : crease.angle;
+}
+
 }  // namespace
 
 CertificateRecorder::CertificateRecorder(const BakeContext& bake, std::size_t sheet)
@@ -123,9 +134,18 @@ void CertificateRecorder::count_intersections(const Sheet& sheet, FrameRecord& r
 
 void CertificateRecorder::record_folds(const Sheet& sheet, int frame) {
   std::vector<std::optional<int>>& first = bake_.certificate.frames_of_folding[sheet_];
+  std::vector<CreaseLine>& found = bake_.certificate.found_creases[sheet_];
+  const std::size_t announced = bake_.plan.shots[sheet_].pattern.prescribed_creases.size();
   const std::vector<bool> folded = which_are_folded(sheet);
+  first.resize(std::max(first.size(), folded.size()));
   for (std::size_t k = 0; k < folded.size(); ++k)
     if (folded[k] && !first[k]) first[k] = frame;
+  for (std::size_t k = announced; k < folded.size(); ++k) {
+    const PrescribedCrease& crease = sheet.prescribed_creases[k];
+    if (k - announced == found.size())
+      found.push_back({crease.line, 0, false, "found while the sheet was folded"});
+    found[k - announced].angle = mean_rest_angle(sheet, crease);
+  }
 }
 
 void CertificateRecorder::record_handles(const AnimatedFrame& frame) {

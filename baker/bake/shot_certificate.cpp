@@ -5,7 +5,8 @@
 
 namespace paperbake {
 
-ShotCertificate::ShotCertificate(const BakePlan& plan) : plan_(plan) {
+ShotCertificate::ShotCertificate(const BakePlan& plan)
+    : found_creases(plan.shots.size()), plan_(plan) {
   for (const Shot& shot : plan.shots)
     frames_of_folding.emplace_back(shot.pattern.prescribed_creases.size());
 }

@@ -176,9 +176,11 @@ Json sheets_of(const BakePlan& plan) {
 
 Json crease_lines(const BakePlan& plan, const SummaryCreases& creases) {
   Json lines = Json::array();
-  for (std::size_t s = 0; s < plan.shots.size(); ++s)
-    for (std::size_t k = 0; k < plan.crease_lines[s].size(); ++k) {
-      const CreaseLine& crease = plan.crease_lines[s][k];
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
+    std::vector<CreaseLine> all = plan.crease_lines[s];
+    all.insert(all.end(), creases.found[s].begin(), creases.found[s].end());
+    for (std::size_t k = 0; k < all.size(); ++k) {
+      const CreaseLine& crease = all[k];
       Json line = Json::array();
       for (const Vector2d& p : crease.line) line.push_back({1e3 * p.x(), 1e3 * p.y()});
       const std::optional<int>& folded = creases.frames_of_folding[s][k];
@@ -190,6 +192,7 @@ Json crease_lines(const BakePlan& plan, const SummaryCreases& creases) {
                        {"from", crease.origin},
                        {"folded_in_frame", folded ? Json(*folded) : Json()}});
     }
+  }
   return lines;
 }
 

@@ -22,7 +22,7 @@ std::vector<double> disc_factors(const Sheet& sheet, const Shot& shot) {
   return factors;
 }
 
-InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed, int first_frame) {
+std::vector<Vector2d> required_points(const Shot& shot) {
   std::vector<Vector2d> points;
   for (const Handle& handle : shot.handles) points.push_back(handle.pattern);
   for (std::size_t h = 0; h < shot.handles.size(); ++h)
@@ -31,7 +31,11 @@ InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed,
       points.push_back(p);
   points.insert(points.end(), shot.singular_point_rules.fixed.begin(),
                 shot.singular_point_rules.fixed.end());
+  return points;
+}
 
+InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed, int first_frame) {
+  const std::vector<Vector2d> points = required_points(shot);
   Method::FirstMesh mesh = method.first_mesh(shot.pattern, points);
   InitialSheet started;
   started.handle_vertex.assign(mesh.point_vertex.begin(),

@@ -22,6 +22,11 @@ struct InitialSheet {
 /// method  makes the mesh (Method::first_mesh)
 InitialSheet make_initial_sheet(const Shot&, Method&, unsigned seed, int first_frame = 1);
 
+/// The points of the pattern at which every mesh of the sheet has vertices, besides those of
+/// creases and of singular points that are born later: the handles, in order, the rims of their
+/// discs, then prescribed singular points. [m]
+std::vector<Vector2d> required_points(const Shot&);
+
 /// Factor on the bending stiffness of each triangle, for any mesh of the sheet: 10 inside the discs
 /// of handles, 1 elsewhere. |T|
 std::vector<double> disc_factors(const Sheet&, const Shot&);

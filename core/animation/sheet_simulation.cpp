@@ -2,6 +2,7 @@
 
 #include "core/animation/branch_search.h"
 #include "core/animation/expected_creases.h"
+#include "core/animation/found_fold.h"
 #include "core/animation/initial_sheet.h"
 #include "core/animation/mesh_swap.h"
 #include "core/animation/motion_measures.h"
@@ -130,8 +131,8 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
   SolverState state = elastic_.state();
   a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
-    yielding_, snap_in_progress_, rests_on_contact_, idle_frames_, contact_, touching_,
-    on_colliders_, state, handles_, dhat);
+    yielding_, yielded_, started_.fixed, snap_in_progress_, rests_on_contact_, idle_frames_,
+    contact_, touching_, on_colliders_, state, handles_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
@@ -211,6 +212,29 @@ bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   return depth > deepest && depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
 }
 
+bool SheetSimulation::fold_where_yielded(const AdmissibilityCheck& is_admissible) {
+  constexpr std::size_t crumpled = 3;  // singular points
+  Sheet& sheet = started_.sheet;
+  if (!yielded_ || sheet.singular.size() >= crumpled) return false;
+  const PlasticMemory memory =
+      plastic_grid_->read(plastic_grid_->cover(sheet.pattern, sheet.triangles));
+  const std::vector<FoldLine> lines = find_fold_lines(
+      sheet, memory, shot_.pattern, 2 * shot_.paper.yield_strain / shot_.paper.thickness);
+  if (lines.empty()) return false;
+  const SolverState known = elastic_.state();
+  std::optional<FoundFold> fold = fold_along(
+      lines, {shot_, sheet, elastic_, *plastic_grid_, input_before_, 1 / options_.fps}, *method_);
+  if (!fold) return false;
+  if (!is_admissible(sheet, fold->sheet, fold->moved)) {
+    elastic_.restore(known);
+    return false;
+  }
+  sheet = std::move(fold->sheet);
+  elastic_ = std::move(fold->elastic);
+  started_.fixed = std::move(fold->fixed);
+  return true;
+}
+
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = started_.sheet;
   result_ = {};
@@ -225,7 +249,8 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
   load_parts_ = alone_ && !first ? method_->load_parts(sheet, relative_motion_) : 1;
   const RemeshContext situation = remesh_context(1.0 / load_parts_);
-  if (!first)
+  const bool folded = !first && fold_where_yielded(is_admissible);
+  if (!first && !folded)
     if (auto proposal = method_->propose(sheet, situation)) {
       std::vector<double> stiffening = disc_factors(*proposal, shot_);
       const MeshSwapResult verdict =
@@ -241,7 +266,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   input_before_.colliders.from = input_.colliders.to;
   before_remesh_.reset();
   step_start_.reset();
-  if (!first && result_.statistics.remesh != FrameStatistics::accepted) {
+  if (!first && !folded && result_.statistics.remesh != FrameStatistics::accepted) {
     remesh(1.0 / load_parts_);
     if (before_remesh_ && !is_admissible(before_remesh_->sheet, sheet, 0)) {
       restore(std::move(*before_remesh_));
@@ -409,6 +434,7 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   on_colliders_ = step_.last.on_colliders;
   rests_on_contact_ = step_.last.on_colliders > 0 || touches_others();
   at_minimum_ = step_.converged && !snap_in_progress_;
+  yielded_ = step_.last.plastic_increment > 0;
   yielding_ = step_.last.plastic_increment > 0 &&
               step_.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
   if (step_.last.energy_gain > 1e-3)

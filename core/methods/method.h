@@ -62,6 +62,14 @@ class Method {
   /// Called once, before all others.
   virtual FirstMesh first_mesh(const Pattern&, const std::vector<Vector2d>& points) = 0;
 
+  /// Another mesh like the first one, for a pattern that has one crease more than it had then: the
+  /// sheet is being folded there. The points get the numbers that they have in the first mesh.
+  /// Nothing if the method cannot take a crease up, or no sound mesh has it.
+  virtual std::optional<FirstMesh> mesh_with_creases(
+      const Pattern&, const std::vector<Vector2d>& /*points*/) const {
+    return std::nullopt;
+  }
+
   /// Called before `remesh`. May propose another mesh, with positions carried over from the old
   /// one; vertices that are fixed in the first mesh keep their numbers. The loop relaxes the
   /// proposal with the handles where they were and accepts or rejects it (mesh_swap.h). After an

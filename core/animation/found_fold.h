@@ -1,0 +1,48 @@
+#pragma once
+
+#include "core/methods/method.h"
+#include "core/model/shot.h"
+#include "core/step1_elastic/elastic.h"
+#include "core/step2_crumple/fold_line.h"
+
+#include <optional>
+#include <vector>
+
+namespace paperbake {
+
+/// A sheet whose paper is being folded along a line that is not among the edges of its mesh.
+struct UnfoldedSheet {
+  const Shot& shot;
+  const Sheet& sheet;
+  Elastic& elastic;
+  PlasticGrid& grid;
+  const StepInput& input;  // constraints where the sheet is; the colliders stand still
+  double dt;               // [s] of a frame
+};
+
+/// The same sheet on a mesh that has the line among its edges, folded there.
+struct FoundFold {
+  Sheet sheet;  // the line is the last of its prescribed creases
+  Elastic elastic;
+  std::vector<char> fixed;  // |V| as in InitialSheet
+  double moved = 0;         // [m] largest displacement of a vertex
+  double stored = 0;        // [J]
+  PlasticGrid grid;
+};
+
+/// Folds a sheet along one of several lines, provided that this is what paper does.
+///
+/// A line becomes a crease that springs back to the angle by which the paper beside it has yielded,
+/// and in exchange that plastic curvature leaves the grid. The sheet then takes a step on the new
+/// mesh, with the handles and colliders where they are. The fold is possible if the step ends with
+/// a tenth less stored energy than before or better, with edges that are off by less than 0.5 %,
+/// and with nothing crossing or in a collider that was not before; in contact no vertex may move
+/// farther than a tenth of the longer side. Of the lines that are possible, the one with which the
+/// sheet stores least is taken: there paper folds.
+///
+/// returns  nothing if no fold is possible, or the method has no mesh with the line; the sheet and
+///          the grid are then as they were
+std::optional<FoundFold> fold_along(const std::vector<FoldLine>&, const UnfoldedSheet&,
+                                    const Method&);
+
+}  // namespace paperbake

@@ -1,0 +1,40 @@
+#pragma once
+
+#include "core/model/pattern.h"
+#include "core/model/plastic_grid.h"
+#include "core/model/sheet.h"
+
+#include <vector>
+
+namespace paperbake {
+
+/// A straight line from border to border along which a sheet is being folded.
+struct FoldLine {
+  Vector2d a, b;          // [m] ends on the border
+  double plastic_turn;    // [rad] mean over its length; > 0 bulges towards the normals
+  std::vector<int> band;  // triangles that have yielded along it
+};
+
+/// Lines along which the sheet is being folded, although no prescribed crease is there: one fold,
+/// in several places that are less than a row of triangles apart, because the mesh says no better
+/// where it is. Empty: there is none.
+///
+/// Paper folds where it has yielded from border to border and is bent more sharply than its mesh
+/// can show. A line runs where triangles have yielded, in the direction about which they have
+/// turned, from a tenth of a row before the middle of their plastic turn to a tenth of a row beyond
+/// where the sheet turns most. It is a fold if
+/// - nine tenths of the plastic turn within a row of triangles are about it: a crumple turns about
+///   several lines;
+/// - in each part of it that is two rows long, paper has yielded, and the sheet turns by 90 degrees
+///   or more, with a mean curvature over two rows of half the yield curvature or more, or of 2 rad
+///   in a row, whichever is less. The rows spread the bend of the paper, and triangles of a coarse
+///   mesh yield one before the other;
+/// - the bend is sharper than the mesh can show: 1 rad or more in a row of triangles. Paper that is
+///   merely curled is bent less than that, and the plate shows it.
+///
+/// yield_curvature  [1/m] 2 eps_y/h
+/// source           this project
+std::vector<FoldLine> find_fold_lines(const Sheet&, const PlasticMemory&, const Pattern&,
+                                      double yield_curvature);
+
+}  // namespace paperbake

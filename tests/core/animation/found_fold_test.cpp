@@ -1,0 +1,161 @@
+#include "core/animation/animate.h"
+#include "core/geometry/hinges.h"
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+#include "core/geometry/prescribed_creases.h"
+#include "core/methods/hybrid.h"
+#include "core/step2_crumple/fold_line.h"
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+/// A page of 150 x 210 mm. Two rows of three fingers across it, 40 mm apart, come to 2 mm from each
+/// other: the paper between them is pinched to a ridge, and no clamp says where.
+Shot pinched_page() {
+  constexpr int frames = 60, closed = 48;
+  Shot shot = test::blank_shot(test::rectangle(0.15, 0.21));
+  for (const double side : {-1.0, 1.0})
+    for (const double x : {0.0, 0.075, 0.15}) {
+      Handle finger = test::bare_handle("handle." + std::to_string(shot.handles.size()),
+                                        {x, 0.105 + 0.02 * side}, frames);
+      finger.radius = 0.005;
+      for (int f = 0; f < frames; ++f) {
+        const double t = std::min(1.0, f / (closed - 1.0));
+        finger.keyed(f, 1) -= side * 0.019 * t * t * (3 - 2 * t);
+      }
+      shot.handles.push_back(finger);
+    }
+  return shot;
+}
+
+struct Baked {
+  Sheet last;
+  int frame_of_birth = 0, crossed = 0;
+  double worst_handle = 0, worst_edge = 0;  // [m]; [1]
+};
+
+Baked bake(const Shot& shot, int triangles, unsigned seed) {
+  AnimateOptions options;
+  options.last_frame = static_cast<int>(shot.handles.front().keyed.rows());
+  options.plasticity = Plasticity::on;
+  options.seed = seed;
+  Baked baked;
+  animate(shot, hybrid(shot.pattern, shot.paper, triangles, {}, seed, 0), options,
+          [&](const AnimatedFrame& frame) {
+            baked.last = *frame.sheet;
+            if (baked.frame_of_birth == 0 && !folded_creases(*frame.sheet).empty())
+              baked.frame_of_birth = frame.frame;
+            baked.crossed += crossings(*frame.sheet) > 0;
+            baked.worst_edge = std::max(baked.worst_edge, length_distortion(*frame.sheet).largest);
+            for (const HandleFrame& handle : frame.handles)
+              baked.worst_handle = std::max(baked.worst_handle, (handle.at - handle.keyed).norm());
+            return true;
+          });
+  return baked;
+}
+
+/// [rad] Mean turn of the sheet on its last crease.
+double turn_on_crease(const Sheet& sheet) {
+  double sum = 0, length = 0;
+  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
+    const Vector2d a = sheet.pattern.row(hinge.vertices[0]),
+                   b = sheet.pattern.row(hinge.vertices[1]);
+    if (!crease_under({sheet.prescribed_creases.back()}, a, b)) continue;
+    sum += std::abs(dihedral_angle(sheet.x, hinge)) * (b - a).norm();
+    length += (b - a).norm();
+  }
+  return sum / length;
+}
+
+TEST(FoundFoldTest, APinchedPageFoldsOnALineBetweenTheFingers) {
+  for (const unsigned seed : {0u, 1u}) {
+    const Baked baked = bake(pinched_page(), 120, seed);
+    ASSERT_EQ(baked.last.prescribed_creases.size(), 1u);
+    const std::vector<Vector2d>& line = baked.last.prescribed_creases.front().line;
+    EXPECT_NEAR(line.front().y(), 0.105, 0.006);
+    EXPECT_NEAR(line.back().y(), 0.105, 0.006);
+    EXPECT_NEAR(std::abs(line.front().x() - line.back().x()), 0.15, 1e-4);
+    EXPECT_GT(turn_on_crease(baked.last), 2.5);
+    EXPECT_LT(baked.worst_handle, 4e-3);  // without the line 7 mm
+    EXPECT_LT(baked.worst_edge, 0.01);
+    EXPECT_EQ(baked.crossed, 0);
+    EXPECT_LT(baked.last.singular.size(), 6u);  // without the line 14
+  }
+}
+
+TEST(FoundFoldTest, AnArchThatIsPushedInFoldsNowhere) {
+  EXPECT_TRUE(bake(test::s1_push(), 120, 0).last.prescribed_creases.empty());
+}
+
+/// A strip of 100 x 60 mm, bent about its middle line with this curvature within `width`, on a
+/// mesh of equal squares cut in two; all triangles there have yielded.
+struct Bent {
+  Sheet sheet;
+  PlasticMemory memory;
+};
+Bent bent(double square, double curvature, double width) {
+  const int columns = static_cast<int>(std::lround(0.1 / square)),
+            rows = static_cast<int>(std::lround(0.06 / square));
+  Bent bent;
+  Sheet& sheet = bent.sheet;
+  sheet.pattern.resize((columns + 1) * (rows + 1), 2);
+  sheet.x.resize(sheet.pattern.rows(), 3);
+  for (int i = 0; i < sheet.pattern.rows(); ++i) {
+    const double x = square * (i % (columns + 1)), s = x - 0.05, half = width / 2;
+    const double in = std::clamp(s, -half, half), turn = curvature * in, past = s - in;
+    sheet.pattern.row(i) << x, square * (i / (columns + 1));
+    sheet.x.row(i) << std::sin(turn) / curvature + past * std::cos(turn), sheet.pattern(i, 1),
+        (std::cos(turn) - 1) / curvature - past * std::sin(turn);
+  }
+  sheet.triangles.resize(2 * columns * rows, 3);
+  for (int k = 0; k < columns * rows; ++k) {
+    const int a = k % columns + k / columns * (columns + 1), b = a + columns + 1;
+    sheet.triangles.row(2 * k) << a, a + 1, b + 1;
+    sheet.triangles.row(2 * k + 1) << a, b + 1, b;
+  }
+  bent.memory = PlasticMemory(static_cast<int>(sheet.triangles.rows()));
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    double x = 0;
+    for (int i = 0; i < 3; ++i) x += sheet.pattern(sheet.triangles(t, i), 0) / 3;
+    if (std::abs(x - 0.05) < width / 2) bent.memory.curvature(t, 0) = 0.3 * curvature;
+  }
+  return bent;
+}
+
+TEST(FindFoldLinesTest, ABendThatTheMeshCannotShowIsAFoldAndOneThatItShowsIsNot) {
+  const Pattern pattern = test::rectangle(0.1, 0.06);
+  // 138 degrees in 20 mm, by two rows of squares and by eight
+  const Bent coarse = bent(0.01, 120, 0.02), fine = bent(0.0025, 120, 0.02);
+  const std::vector<FoldLine> found = find_fold_lines(coarse.sheet, coarse.memory, pattern, 100);
+  ASSERT_FALSE(found.empty());
+  for (const FoldLine& line : found) {
+    EXPECT_NEAR(line.a.x(), 0.05, 0.002);
+    EXPECT_NEAR(line.b.x(), 0.05, 0.002);
+    EXPECT_NEAR(std::abs(line.a.y() - line.b.y()), 0.06, 1e-9);
+    EXPECT_GT(line.plastic_turn, 0);
+  }
+  EXPECT_TRUE(find_fold_lines(fine.sheet, fine.memory, pattern, 100).empty());
+}
+
+TEST(FindFoldLinesTest, PaperThatHasNotYieldedAllAlongIsNotFolded) {
+  Bent part = bent(0.01, 120, 0.02);
+  for (int t = 0; t < part.sheet.triangles.rows(); ++t)
+    if (part.sheet.pattern(part.sheet.triangles(t, 0), 1) > 0.025)
+      part.memory.curvature.row(t).setZero();
+  EXPECT_TRUE(find_fold_lines(part.sheet, part.memory, test::rectangle(0.1, 0.06), 100).empty());
+}
+
+TEST(FindFoldLinesTest, AKnownCreaseIsNotFoundAgain) {
+  Bent known = bent(0.01, 120, 0.02);
+  known.sheet.prescribed_creases = {{{{0.05, 0}, {0.05, 0.06}}, 0, false}};
+  EXPECT_TRUE(find_fold_lines(known.sheet, known.memory, test::rectangle(0.1, 0.06), 100).empty());
+}
+
+}  // namespace
+}  // namespace paperbake
