@@ -5,7 +5,6 @@
 #include "core/model/segment2.h"
 
 #include <Eigen/Eigenvalues>
-#include <Eigen/SVD>
 
 #include <algorithm>
 #include <cmath>
@@ -174,6 +173,21 @@ class Clamps {
     return most < min_turn ? std::nullopt : line;
   }
 
+  /// The line on which the equations n.p = c hold, by least squares; none where they hold in one
+  /// point at most.
+  /// normals  sum of n n^T
+  /// sum      sum of c n
+  static std::optional<Line> line_through(const Eigen::Matrix2d& normals, const Vector2d& sum) {
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(normals);
+    const double along = axes.eigenvalues()[1];
+    if (!(along > 0) || axes.eigenvalues()[0] > straight * straight * along) return std::nullopt;
+    const Vector2d normal = axes.eigenvectors().col(1);
+    Line line;
+    line.point = sum.dot(normal) / along * normal;
+    line.direction = {-normal.y(), normal.x()};
+    return line;
+  }
+
   /// Where two plates agree in the frame of their largest turn.
   std::optional<Line> axis_of_plates(const Clamp& a, const Clamp& b) const {
     double most = 0;
@@ -186,14 +200,11 @@ class Clamps {
     }
     if (most < min_turn) return std::nullopt;
     const auto& [pa, pb] = *at_most;
+    // both take a point p of the line to the same place: M p + d = 0
     const Eigen::Matrix<double, 3, 2> M = (pa.turn - pb.turn).leftCols<2>();
     const Vector3d d = pa.shift - pb.shift;
-    const Eigen::JacobiSVD<Eigen::MatrixXd> svd(M, Eigen::ComputeThinU | Eigen::ComputeThinV);
-    const Eigen::VectorXd sigma = svd.singularValues();
-    if (sigma[1] > straight * sigma[0]) return std::nullopt;
-    Line line;
-    line.point = -svd.matrixU().col(0).dot(d) / sigma[0] * svd.matrixV().col(0);
-    line.direction = svd.matrixV().col(1);
+    std::optional<Line> line = line_through(M.transpose() * M, -M.transpose() * d);
+    if (line && line->direction.x() < 0) line->direction *= -1;  // whatever the rounding
     return line;
   }
 
@@ -227,15 +238,9 @@ class Clamps {
       if (normals_now.trace() > most)
         most = normals_now.trace(), normals = normals_now, sum = sum_now;
     }
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(normals);
-    const double along = axes.eigenvalues()[1];
-    if (!(along > 0) || axes.eigenvalues()[0] > straight * straight * along) return std::nullopt;
-    const Vector2d normal = axes.eigenvectors().col(1);
-    Line line;
-    line.point = sum.dot(normal) / along * normal;
-    line.direction = {-normal.y(), normal.x()};
+    std::optional<Line> line = line_through(normals, sum);
     // handles that stay near the plane do not turn: they push the paper together
-    if (highest < min_rise * std::abs(line.side(middle(handles)))) return std::nullopt;
+    if (line && highest < min_rise * std::abs(line->side(middle(handles)))) return std::nullopt;
     return line;
   }
 
