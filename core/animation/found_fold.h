@@ -1,9 +1,9 @@
 #pragma once
 
 #include "core/methods/method.h"
+#include "core/model/fold_line.h"
 #include "core/model/shot.h"
 #include "core/step1_elastic/elastic.h"
-#include "core/step2_crumple/fold_line.h"
 
 #include <optional>
 #include <vector>

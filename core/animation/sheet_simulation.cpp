@@ -213,13 +213,11 @@ bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
 }
 
 bool SheetSimulation::fold_where_yielded(const AdmissibilityCheck& is_admissible) {
-  constexpr std::size_t crumpled = 3;  // singular points
   Sheet& sheet = started_.sheet;
-  if (!yielded_ || sheet.singular.size() >= crumpled) return false;
+  if (!yielded_) return false;
   const PlasticMemory memory =
       plastic_grid_->read(plastic_grid_->cover(sheet.pattern, sheet.triangles));
-  const std::vector<FoldLine> lines = find_fold_lines(
-      sheet, memory, shot_.pattern, 2 * shot_.paper.yield_strain / shot_.paper.thickness);
+  const std::vector<FoldLine> lines = method_->fold_lines(sheet, memory);
   if (lines.empty()) return false;
   const SolverState known = elastic_.state();
   std::optional<FoundFold> fold = fold_along(

@@ -56,6 +56,9 @@ class Hybrid : public Method {
     return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   }
 
+  std::vector<FoldLine> fold_lines(const Sheet& sheet, const PlasticMemory& memory) const override {
+    return crumple_.fold_lines(sheet, memory);
+  }
   std::optional<FirstMesh> mesh_with_creases(const Pattern& pattern,
                                              const std::vector<Vector2d>& points) const override {
     std::optional<PatternMesh> mesh =

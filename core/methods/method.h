@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/fold_line.h"
 #include "core/model/frame.h"
 #include "core/model/local_energies.h"
 #include "core/model/pattern.h"
@@ -62,6 +63,9 @@ class Method {
   /// Called once, before all others.
   virtual FirstMesh first_mesh(const Pattern&, const std::vector<Vector2d>& points) = 0;
 
+  /// Lines along which the sheet is being folded although its mesh has no edges there. Called when
+  /// its paper has yielded in the last step.
+  virtual std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const { return {}; }
   /// Another mesh like the first one, for a pattern that has one crease more than it had then: the
   /// sheet is being folded there. The points get the numbers that they have in the first mesh.
   /// Nothing if the method cannot take a crease up, or no sound mesh has it.

@@ -5,6 +5,7 @@
 #include "core/geometry/mesh_transfer.h"
 #include "core/model/serializer.h"
 #include "core/step2_crumple/edge_flips.h"
+#include "core/step2_crumple/find_fold_lines.h"
 #include "core/step2_crumple/singular_points.h"
 
 #include <algorithm>
@@ -105,6 +106,11 @@ void Crumple::on_proposal_result(bool accepted, const FrameTime& now) {
   when_.on_proposal_result(accepted, now);
   if (!accepted) return;
   rulings_ = proposed_;
+}
+
+std::vector<FoldLine> Crumple::fold_lines(const Sheet& sheet, const PlasticMemory& memory) const {
+  if (is_crumpled(sheet)) return {};
+  return find_fold_lines(sheet, memory, pattern_, 2 * paper_.yield_strain / paper_.thickness);
 }
 
 std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const VertexRings& rings,

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/fold_line.h"
 #include "core/model/paper.h"
 #include "core/model/pattern.h"
 #include "core/model/sheet.h"
@@ -17,6 +18,7 @@
 namespace paperbake {
 
 struct Conflicts;
+struct PlasticMemory;
 
 /// Step 2 of [Schreck 2015] for one sheet. A sheet is smooth as long as it has fewer than three
 /// singular points. Its mesh is then changed where it is: edge flips make it follow the bending,
@@ -61,6 +63,9 @@ class Crumple {
                                bool rests_on_contact, const FrameTime&);
   /// Reports what became of the last proposal.
   void on_proposal_result(bool accepted, const FrameTime&);
+
+  /// Lines along which the sheet is being folded (find_fold_lines.h); none of a crumpled sheet.
+  std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const;
 
   const Regions& regions() const { return regions_; }
   // of the last proposal that was accepted

@@ -4,7 +4,7 @@
 #include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/methods/hybrid.h"
-#include "core/step2_crumple/fold_line.h"
+#include "core/step2_crumple/find_fold_lines.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>

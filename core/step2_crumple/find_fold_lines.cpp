@@ -1,4 +1,4 @@
-#include "core/step2_crumple/fold_line.h"
+#include "core/step2_crumple/find_fold_lines.h"
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/measure.h"

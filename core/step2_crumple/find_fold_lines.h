@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/fold_line.h"
 #include "core/model/pattern.h"
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
@@ -7,13 +8,6 @@
 #include <vector>
 
 namespace paperbake {
-
-/// A straight line from border to border along which a sheet is being folded.
-struct FoldLine {
-  Vector2d a, b;          // [m] ends on the border
-  double plastic_turn;    // [rad] mean over its length; > 0 bulges towards the normals
-  std::vector<int> band;  // triangles that have yielded along it
-};
 
 /// Lines along which the sheet is being folded, although no prescribed crease is there: one fold,
 /// in several places that are less than a row of triangles apart, because the mesh says no better
