@@ -230,8 +230,7 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
       state.second.reset();
       state.descending = false;
     }
-    const int most =
-        lies ? more_iterations_on_colliders * options.max_iterations : max_iterations_of_step();
+    const int most = lies ? options.max_iterations : max_iterations_of_step();
     NewtonOptions how{stop, most, std::min({25, most, 2 * most / 3 + (is_interactive() ? 5 : 0)}),
                       is_interactive() && state.descending ? NewtonOptions::line_search_newton
                                                            : NewtonOptions::both};

@@ -12,13 +12,7 @@ inline constexpr int slow_convergence_iterations = 15;
 // in the next frame.
 inline constexpr int max_contact_iterations_fine = 40, max_contact_iterations_interactive = 100;
 
-// [1] On colliders mixed Newton is given up soon. Line-search Newton does the rest, and may take
-// this many times the iterations of other steps: a sheet that snaps there slides far and almost
-// without force, and where it is on its way is no shape of the paper. (S5 on its ground, 11 start
-// meshes: 11,000 iterations instead of 9,400, and 2 frames unfinished instead of 42; fem of 1,700
-// triangles: 1,114 instead of 1,075, and none instead of 7.)
 inline constexpr int max_mixed_newton_on_colliders = 12;
-inline constexpr int more_iterations_on_colliders = 5;
 
 // [triangles] A mesh of at most this size is animated interactively: a snap-through may go on over
 // several frames.
