@@ -52,9 +52,19 @@ std::optional<FoundFold> with_crease(const FoldLine& line, const UnfoldedSheet& 
   return FoundFold{std::move(sheet), std::move(elastic), std::move(fixed), 0, 0, is.grid};
 }
 
+/// What the fold is compared with.
+struct Before {
+  explicit Before(const UnfoldedSheet& is)
+      : stored(is.elastic.evaluate_energies(is.sheet).energy),
+        inside(is.elastic.inside(is.sheet, is.input.colliders.to)),
+        crossed(crossings(is.sheet)) {}
+  double stored;  // [J]
+  double inside;  // [m] depth in a collider
+  int crossed;    // [1] pairs of triangles
+};
+
 /// Takes the step of the folded sheet, and says whether the fold is possible.
-/// stored  [J] in the sheet before
-bool settles(FoundFold& fold, const UnfoldedSheet& is, double stored) {
+bool settles(FoundFold& fold, const UnfoldedSheet& is, const Before& before) {
   const Sheet carried = fold.sheet;
   ElasticReport after;
   try {
@@ -65,15 +75,13 @@ bool settles(FoundFold& fold, const UnfoldedSheet& is, double stored) {
   fold.sheet.v = carried.v;
   fold.moved = max_row_norm(fold.sheet.x - carried.x);
   fold.stored = fold.elastic.evaluate_energies(fold.sheet).energy;
-  if (!(fold.stored <= kept_energy * stored) ||
+  if (!(fold.stored <= kept_energy * before.stored) ||
       !(length_distortion(fold.sheet).largest <= max_stretch))
     return false;
   if (after.contact && (fold.moved > max_move * longer_side(is.shot.pattern) ||
-                        crossings(fold.sheet) > crossings(is.sheet)))
+                        crossings(fold.sheet) > before.crossed))
     return false;
-  const ColliderShapes& colliders = is.input.colliders.to;
-  return fold.elastic.inside(fold.sheet, colliders) <=
-         std::max(deepest, is.elastic.inside(is.sheet, colliders));
+  return fold.elastic.inside(fold.sheet, is.input.colliders.to) <= std::max(deepest, before.inside);
 }
 
 /// Takes the plastic curvature of triangles out of the grid.
@@ -89,14 +97,14 @@ void remove_curl(PlasticGrid& grid, const Sheet& sheet, const std::vector<int>& 
 
 std::optional<FoundFold> fold_along(const std::vector<FoldLine>& lines, const UnfoldedSheet& is,
                                     const Method& method) {
-  const double stored = is.elastic.evaluate_energies(is.sheet).energy;
+  const Before before(is);
   const SolverState known = is.elastic.state();
   std::optional<FoundFold> best;
   for (const FoldLine& line : lines) {
     remove_curl(is.grid, is.sheet, line.band);
     std::optional<FoundFold> fold = with_crease(line, is, method);
     const Points3 carried = fold ? fold->sheet.x : Points3();
-    if (fold && settles(*fold, is, stored) && (!best || fold->stored < best->stored)) {
+    if (fold && settles(*fold, is, before) && (!best || fold->stored < best->stored)) {
       const MeshTransfer onto(is.sheet.pattern, is.sheet.triangles, fold->sheet.pattern);
       fold->elastic.continue_from(is.elastic, [&](const Points3& x) -> Points3 {
         return onto(x) + fold->sheet.x - carried;

@@ -21,8 +21,6 @@ constexpr double min_turn = 90 * M_PI / 180;  // of the sheet, in three rows of 
 // where single triangles have yielded
 constexpr double least_bend = 0.5;
 constexpr double unresolved = 1;  // [rad] in a row of triangles
-// [rad] in a row, where triangles are so large that even a shut fold shows no greater bend
-constexpr double sharp = 2;
 // how many places a fold is tried in, and how far beyond where it may be [rows]
 constexpr int places = 7;
 constexpr double margin = 0.1;
@@ -183,8 +181,7 @@ std::optional<FoldLine> fold_on(const YieldedMesh& mesh, const Axis& axis, const
   for (const double turn : is.plastic) line.plastic_turn += turn / is.plastic.size();
   const double bend = least(is.curvature);
   if (least(is.turn) < min_turn || bend * mesh.row < unresolved ||
-      bend < std::min(least_bend * yield_curvature, sharp / mesh.row) ||
-      least(is.plastic) < least_plastic)
+      bend < least_bend * yield_curvature || least(is.plastic) < least_plastic)
     return std::nullopt;
   return line;
 }

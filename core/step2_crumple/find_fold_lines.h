@@ -20,9 +20,9 @@ namespace paperbake {
 /// - nine tenths of the plastic turn within a row of triangles are about it: a crumple turns about
 ///   several lines;
 /// - in each part of it that is two rows long, paper has yielded, and the sheet turns by 90 degrees
-///   or more, with a mean curvature over two rows of half the yield curvature or more, or of 2 rad
-///   in a row, whichever is less. The rows spread the bend of the paper, and triangles of a coarse
-///   mesh yield one before the other;
+///   or more, with a mean curvature over two rows of half the yield curvature or more. The rows
+///   spread the bend of the paper, and triangles of a coarse mesh yield one before the other; but a
+///   page that is rolled over yields on a coarse mesh, too, and it has no fold;
 /// - the bend is sharper than the mesh can show: 1 rad or more in a row of triangles. Paper that is
 ///   merely curled is bent less than that, and the plate shows it.
 ///

@@ -143,6 +143,13 @@ TEST(FindFoldLinesTest, ABendThatTheMeshCannotShowIsAFoldAndOneThatItShowsIsNot)
   EXPECT_TRUE(find_fold_lines(fine.sheet, fine.memory, pattern, 100).empty());
 }
 
+TEST(FindFoldLinesTest, PaperThatIsBentLessThanHalfItsYieldCurvatureIsNotFolded) {
+  const Pattern pattern = test::rectangle(0.1, 0.06);
+  const Bent sharp = bent(0.01, 300, 0.01);  // 172 degrees, in one row
+  EXPECT_FALSE(find_fold_lines(sharp.sheet, sharp.memory, pattern, 300).empty());
+  EXPECT_TRUE(find_fold_lines(sharp.sheet, sharp.memory, pattern, 600).empty());
+}
+
 TEST(FindFoldLinesTest, PaperThatHasNotYieldedAllAlongIsNotFolded) {
   Bent part = bent(0.01, 120, 0.02);
   for (int t = 0; t < part.sheet.triangles.rows(); ++t)

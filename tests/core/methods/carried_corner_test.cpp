@@ -4,12 +4,15 @@
 
 #include <gtest/gtest.h>
 
+#include <functional>
+
 namespace paperbake {
 namespace {
 
-/// The corner hooks before it rolls. On meshes too coarse for the hook the paper would break there,
-/// as many as eight times; whether it does, depends on the start mesh (docs/limits.md).
-TEST(CarriedCornerTest, ASheetCarriedByItsCornerRollsAndDoesNotBreak) {
+/// A sheet that lies on the ground is carried over it by one corner, which hooks before it rolls.
+/// base   triangles of the first mesh
+/// visit  called with every frame
+void carry(int base, const std::function<void(const AnimatedFrame&)>& visit) {
   const Scene scene = read_scene(PAPERBAKE_SAMPLES "/S5_roll.glb");
   const SceneSheet& s = scene.sheets.front();
   Shot shot{s.name, s.pattern, s.start, s.handles, Paper{}};
@@ -20,20 +23,42 @@ TEST(CarriedCornerTest, ASheetCarriedByItsCornerRollsAndDoesNotBreak) {
   options.last_frame = 72;
   options.plasticity = Plasticity::on;
   options.elastic.forces.gravity = 9.81;
-  for (const int base : {120}) {
-    double energy = 0;
-    animate(shot, hybrid(shot.pattern, shot.paper, base, {}, 0, 0), options,
-            [&](const AnimatedFrame& frame) {
-              EXPECT_EQ(frame.statistics.new_singular, 0) << base << " " << frame.frame;
-              EXPECT_LT(frame.statistics.inside_colliders, 1e-4) << base << " " << frame.frame;
-              for (const HandleFrame& handle : frame.handles)
-                EXPECT_NE(handle.state, HandleFrame::jammed) << base << " " << frame.frame;
-              energy = frame.statistics.energy;
-              return true;
-            });
-    // fem of 6,000 triangles stores 5.03 mJ and does not yield; a locked fold stored 12 mJ
-    EXPECT_NEAR(energy / 5.03e-3, 1, 0.35) << base;
-  }
+  animate(shot, hybrid(shot.pattern, shot.paper, base, {}, 0, 0), options,
+          [&](const AnimatedFrame& frame) {
+            visit(frame);
+            return true;
+          });
+}
+
+void expect_that_it_rolls_and_does_not_break(int base) {
+  double energy = 0;
+  carry(base, [&](const AnimatedFrame& frame) {
+    EXPECT_EQ(frame.statistics.new_singular, 0) << base << " " << frame.frame;
+    EXPECT_LT(frame.statistics.inside_colliders, 1e-4) << base << " " << frame.frame;
+    for (const HandleFrame& handle : frame.handles)
+      EXPECT_NE(handle.state, HandleFrame::jammed) << base << " " << frame.frame;
+    energy = frame.statistics.energy;
+  });
+  // fem of 6,000 triangles stores 5.03 mJ and does not yield; a locked fold stored 12 mJ
+  EXPECT_NEAR(energy / 5.03e-3, 1, 0.35) << base;
+}
+
+TEST(CarriedCornerTest, ASheetCarriedByItsCornerRollsAndDoesNotBreak) {
+  expect_that_it_rolls_and_does_not_break(120);
+}
+
+/// On meshes that are too coarse for the hook the paper may break there.
+TEST(CarriedCornerTest, ASheetOfFewerTrianglesDoesNotBreakEither) {
+  GTEST_SKIP() << "on 90 triangles two singular points are born in frame 21 (docs/limits.md)";
+  expect_that_it_rolls_and_does_not_break(90);
+}
+
+/// fem does not yield; on few triangles paper does, in a bend that is as sharp as they are large.
+TEST(CarriedCornerTest, ASheetCarriedByItsCornerGetsNoFold) {
+  for (const int base : {75, 120})
+    carry(base, [&](const AnimatedFrame& frame) {
+      EXPECT_TRUE(frame.sheet->prescribed_creases.empty()) << base << " " << frame.frame;
+    });
 }
 
 }  // namespace
