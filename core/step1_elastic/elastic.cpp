@@ -252,11 +252,10 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
       state.descending &= !report.converged;
     }
   }
-  // an unfinished step may be stretched without being jammed, unless it was before
+  // also when the step is unfinished: where hands pull paper taut round a collider, hard handles
+  // may have no end that the iterations reach
   const auto jams = [&] {
-    return ((report.converged || state.gave_way) && matrix &&
-            largest_stretch(sheet) > yield_stretch) ||
-           report.inside > yield_depth;
+    return (matrix && largest_stretch(sheet) > yield_stretch) || report.inside > yield_depth;
   };
   if (contact_enabled &&
       (state.had_contact || jams() || !contact->clear(before, sheet.x, step.hard))) {
@@ -271,9 +270,6 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
     state.descending = false;
     // handles that gave way hold again as soon as nothing is in their way
     state.had_contact = report.touching > 0 || (report.yielding > 0 && report.on_colliders > 0);
-    state.gave_way = report.yielding > 0;
-  } else {
-    state.gave_way = false;
   }
   return report;
 }

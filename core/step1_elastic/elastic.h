@@ -95,7 +95,6 @@ struct SolverState {
   bool remeshed = true;  // the mesh has changed since the last step
   // the last step ended with active contacts, or with handles that give way to a collider
   bool had_contact = false;
-  bool gave_way = false;  // the last step ended with handles that the paper does not follow
   // index of the step before which no new search for a second branch begins
   int branch_cooldown_until = 0;
   bool descending = false;              // line-search Newton was still on its way down to a minimum
