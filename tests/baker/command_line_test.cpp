@@ -113,6 +113,11 @@ TEST_F(CommandLineTest, TheRootOfTheUsdLayerIsThePathThatIsGiven) {
   EXPECT_TRUE(is_error(bake({"--root", "/1st take"}), 2, "--root", "1st take"));
 }
 
+TEST_F(CommandLineTest, LayersOfUsdNeedAFormatOfUsd) {
+  EXPECT_TRUE(is_error(bake({"--usd-layers", "on", "--formats", "abc"}), 2, "--usd-layers",
+                       "writes no USD"));
+}
+
 TEST_F(CommandLineTest, ValuesThatAreLikelyMeantInAnotherUnitAreQuestioned) {
   const auto warns = [&](const std::vector<std::string>& words, const std::string& of) {
     std::vector<std::string> all{"bake", samples + "/S4_crumple.glb", "--dry-run"};
