@@ -16,8 +16,8 @@ enum class UsdEncoding { text, crate };
 /// NAME.asset.usdX defines the sheets: topology, uv sets, subsets, bindings and materials, and of
 /// what moves the values of the first frame. NAME.animation.usdX has nothing but `over`s: points,
 /// extent, velocities and normals in every frame, and what else changes. NAME.usdX, written last,
-/// composes both. Then meshes have the purpose "render", and where frames have a CacheProxy there is
-/// a mesh `SHEET_proxy` of purpose "proxy", their proxyPrim.
+/// composes both. Then meshes have the purpose "render", and where frames have a CacheProxy there
+/// is a mesh `SHEET_proxy` of purpose "proxy", their proxyPrim.
 enum class UsdLayers { one, separate };
 
 /// The path of such a layer. part: "asset" or "animation"
