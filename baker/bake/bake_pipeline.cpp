@@ -153,6 +153,8 @@ void BakePipeline::hand_on(const std::vector<std::size_t>& sheets,
     line.statistics.handle_error_max = frame[i].handle_error;
     enter(frame[i].judgement, line);
     frame[i].mesh.guides = recorders_[sheets[i]]->guides(frame[i].frame, frame[i].mesh);
+    if (context_.plan.usd_layers)
+      frame[i].mesh.proxy = recorders_[sheets[i]]->simulated(frame[i].record_index);
     line.content_hash = caches_.add_frame(sheets[i], frame[i].frame, frame[i].mesh);
     context_.progress.rendered(line);
   }

@@ -29,6 +29,7 @@ std::string bake_key(const BakeSettings& settings, const BakePlan& plan) {
                   plan.root, fmt::join(settings.formats, ","), spans_text(plan.map_frames));
   if (settings.twin) text += "twin\n";
   if (plan.guides) text += "guides\n";
+  if (plan.usd_layers) text += "USD layers\n";
   if (settings.debug_pictures)
     text += fmt::format("pictures {} {}\n", fs::absolute(*settings.debug_pictures).string(),
                         spans_text(plan.debug_frames));

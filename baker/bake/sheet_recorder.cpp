@@ -60,6 +60,11 @@ std::optional<CacheGuides> SheetRecorder::guides(int frame, const CacheFrame& me
   return guides_->at(frame, mesh);
 }
 
+CacheProxy SheetRecorder::simulated(std::size_t k) const {
+  const Sheet sheet = record_.sheet(record_.frames().at(k));
+  return {sheet.x, sheet.triangles};
+}
+
 void SheetRecorder::draw_debug_picture(const AnimatedFrame& frame) {
   const BakePlan& plan = bake_.plan;
   if (!bake_.settings.debug_pictures || frame.frame < plan.frames.first) return;

@@ -36,6 +36,8 @@ class SheetRecorder {
   std::vector<CacheLayer> crease_attributes(std::size_t k, const Points2& pattern);
   /// Singular points and folds on a rendered mesh; nothing unless they are asked for.
   std::optional<CacheGuides> guides(int frame, const CacheFrame& mesh);
+  /// The k-th recorded frame as it was simulated.
+  CacheProxy simulated(std::size_t k) const;
 
  private:
   void draw_debug_picture(const AnimatedFrame&);

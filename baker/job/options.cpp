@@ -181,6 +181,9 @@ std::vector<Option> meshes_and_physics() {
       word<bool>("guides", &BakeSettings::guides, {{"off", false}, {"on", true}}, "off",
                  "Add the singular points and the folds to .abc and USD, as points and curves with "
                  "id, frame of birth and angle"),
+      word<bool>("usd_layers", &BakeSettings::usd_layers, {{"off", false}, {"on", true}}, "off",
+                 "Write USD as three layers: the asset, the animation as overs, and one that "
+                 "composes both; with the simulated mesh as proxy"),
       without_default({"gravity", K::number}, "0",
                       "Gravity in m/s2, positive downwards; otherwise paper_gravity of the scene, "
                       "or 0",

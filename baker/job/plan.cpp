@@ -369,6 +369,9 @@ namespace {
 /// throws Error(ErrorCode::command) when options contradict each other
 void check_options(const BakeSettings& settings) {
   decided_polishing(settings);
+  if (settings.usd_layers && !settings.formats.count("usd") && !settings.formats.count("usdc"))
+    throw Error(ErrorCode::command, "--usd-layers on", "The bake writes no USD.",
+                "Add usdc or usd to --formats, or leave out --usd-layers.");
   if (settings.mesh != CacheMesh::simulation || settings.method == "fem") return;
   for (const OutputFormat& format : output_formats())
     if (format.needs_one_mesh && settings.formats.count(format.name))
@@ -554,6 +557,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
   plan.name = settings.name.empty() ? settings.scene.stem().string() : settings.name;
   plan.root = settings.root;
   plan.guides = settings.guides;
+  plan.usd_layers = settings.usd_layers;
   plan.warnings = scene.warnings;
   plan.animation.fps = scene.fps;
   plan.animation.elastic.stop = settings.stop;

@@ -44,6 +44,7 @@ struct BakePlan {
   std::string name;
   std::string root;                  // BakeSettings::root
   bool guides = false;               // BakeSettings::guides
+  bool usd_layers = false;           // BakeSettings::usd_layers
   std::vector<Shot> shots;           // one a sheet
   std::vector<unsigned> seeds;       // of each sheet
   std::vector<std::string> presets;  // of each sheet

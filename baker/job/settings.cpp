@@ -53,7 +53,11 @@ FrameSpan parse_frames(const std::string& text, const std::string& place) {
   span.last = span.first;
   if (good && take(rest, '-')) good = take_int(rest, span.last);
   if (good && take(rest, 'x')) good = take_int(rest, span.step);
-  if (!good || !rest.empty() || span.last < span.first || span.step < 1)
+  if (good && rest.empty() && span.last < span.first)
+    throw Error(ErrorCode::command, place,
+                fmt::format("The range \"{}\" ends before it begins.", text),
+                fmt::format("Write {}-{}.", span.last, span.first));
+  if (!good || !rest.empty() || span.step < 1)
     throw Error(ErrorCode::command, place, fmt::format("\"{}\" is no range of frames.", text),
                 "Write A-B or A-BxN, for instance 1-96 or 1-96x2.");
   return span;

@@ -80,6 +80,7 @@ struct BakeSettings {
   // one for the whole shot, or as it is simulated
   CacheMesh mesh = CacheMesh::render;
   bool guides = false;              // singular points and folds in the caches
+  bool usd_layers = false;          // asset and animation of USD in layers of their own
   Quality quality = Quality::shot;  // of the render mesh
   std::set<std::string> formats = default_formats();
   int map_size = 1024;  // [texels]

@@ -56,7 +56,9 @@ class UsdFrameWriter : public FrameWriter {
  public:
   UsdFrameWriter(const WriterInput& input, UsdEncoding encoding)
       : file_(input.plan.name + (encoding == UsdEncoding::text ? ".usda" : ".usdc")),
-        writer_(input.folder / file_, encoding, cache_info(input.plan), sheet_names(input.plan)) {}
+        has_layers_(input.plan.usd_layers),
+        writer_(input.folder / file_, encoding, cache_info(input.plan), sheet_names(input.plan),
+                has_layers_ ? UsdLayers::separate : UsdLayers::one) {}
 
   std::string file(std::size_t) const override { return file_; }
   bool stores_crease_attributes() const override { return true; }
@@ -65,12 +67,15 @@ class UsdFrameWriter : public FrameWriter {
     return {};
   }
   std::vector<std::size_t> finish(const FinishedFrames&, BakeFiles& files) override {
-    files.write(file_, [&](const auto&) { writer_.finish(); });
+    if (files.write(file_, [&](const auto&) { writer_.finish(); }) && has_layers_)
+      for (const char* part : {"asset", "animation"})
+        files.add(usd_part_path(file_, part).string());
     return {};
   }
 
  private:
   std::string file_;
+  bool has_layers_;
   UsdWriter writer_;
 };
 

@@ -40,6 +40,12 @@ struct CacheGuides {
   std::vector<int> fold_size, fold_id, fold_birth;  // of each polyline: points, number, frame
 };
 
+/// A coarser mesh of the same frame, for viewports.
+struct CacheProxy {
+  Points3 x;            // |V|x3 [m]
+  Triangles triangles;  // |T|x3 counter-clockwise; may change from frame to frame
+};
+
 /// One frame of one mesh in world space: z up, metres, counter-clockwise faces. The Alembic writer
 /// converts it to y up and clockwise faces. Vertices and triangles may change from frame to frame.
 struct CacheFrame {
@@ -60,6 +66,7 @@ struct CacheFrame {
   // with the same pointer have the same
   std::shared_ptr<const MeshSurface> surface;
   std::optional<CacheGuides> guides;  // all frames have them, or none
+  std::optional<CacheProxy> proxy;    // the same; written to USD in separate layers only
 };
 
 /// Writes an Alembic (Ogawa) file with an Xform and a PolyMesh for each sheet, frame by frame. The

@@ -17,12 +17,20 @@ using usd::Token;
 
 constexpr float guide_width = 5e-4f;  // [m] as viewers draw points and curves
 
+/// An attribute as its frames come.
+struct Attribute {
+  Property property;  // in the only layer, or in that of the asset
+  Property moving;    // in the layer of the animation; without samples it is not there
+  usd::Value first;   // in the first frame, to tell whether it changes
+};
+
 struct UsdSheet {
   std::string name, label;  // as given by the caller, as written to the file
-  std::string points_label, folds_label;
-  std::vector<Property> attributes;
-  std::vector<Property> points, folds;         // attributes of the guides
-  std::vector<Property> subsets;               // faces of each material
+  std::string points_label, folds_label, proxy_label;
+  std::vector<Attribute> attributes;
+  std::vector<Attribute> points, folds;        // of the guides
+  std::vector<Attribute> proxy;                // of the coarser mesh
+  std::vector<Attribute> subsets;              // faces of each material
   std::shared_ptr<const MeshSurface> surface;  // of the last frame; names are equal in all
   std::size_t frames = 0;
 };
@@ -84,6 +92,26 @@ Points3 corners_of_box(const Points3& x) {
   return box;
 }
 
+/// Does an attribute belong to the layer of the animation also where it rests?
+bool is_motion(const std::string& attribute) {
+  static const std::set<std::string> motions{"extent", "normals", "points", "primvars:normals",
+                                             "velocities"};
+  return motions.count(attribute) > 0;
+}
+
+void append_properties(Prim& prim, const std::vector<Attribute>& attributes) {
+  for (const Attribute& attribute : attributes)
+    if (!attribute.property.samples.empty()) prim.properties.push_back(attribute.property);
+}
+
+/// What an animation layer says of a prim of the asset.
+Prim over(const std::string& name, const std::vector<Attribute>& attributes) {
+  Prim prim{"", name};
+  for (const Attribute& attribute : attributes)
+    if (!attribute.moving.samples.empty()) prim.properties.push_back(attribute.moving);
+  return prim;
+}
+
 bool has_one_material(const MeshSurface& surface) {
   return surface.materials.size() == 1 &&
          std::find(surface.material_of.begin(), surface.material_of.end(), -1) ==
@@ -93,7 +121,9 @@ bool has_one_material(const MeshSurface& surface) {
 }  // namespace
 
 struct UsdWriter::Impl {
-  std::unique_ptr<usd::Encoder> encoder;
+  std::unique_ptr<usd::Encoder> encoder;              // of the only layer, or of that of the asset
+  std::unique_ptr<usd::Encoder> animation, composer;  // null: there is one layer
+  std::vector<std::string> sub_layers;                // of the composing one
   CacheInfo info;
   std::vector<UsdSheet> sheets;
 
@@ -108,26 +138,41 @@ struct UsdWriter::Impl {
   }
 
   /// Adds the value that an attribute has in the present frame of the sheet.
-  void add(const UsdSheet& sheet, std::vector<Property>& attributes, const Property& attribute,
+  void add(const UsdSheet& sheet, std::vector<Attribute>& attributes, const Property& attribute,
            const usd::Value& value) {
-    auto known = std::find_if(attributes.begin(), attributes.end(),
-                              [&](const Property& a) { return a.name == attribute.name; });
-    if (known == attributes.end()) known = attributes.insert(known, attribute);
+    auto known = std::find_if(attributes.begin(), attributes.end(), [&](const Attribute& a) {
+      return a.property.name == attribute.name;
+    });
+    if (known == attributes.end()) known = attributes.insert(known, {attribute, attribute, {}});
     add_sample(sheet, *known, value);
   }
 
   /// The same for one list of attributes of a sheet: (type, name, interpolation, value).
-  auto adder(const UsdSheet& sheet, std::vector<Property>& attributes) {
+  auto adder(const UsdSheet& sheet, std::vector<Attribute>& attributes) {
     return [this, &sheet, &attributes](const char* type, const std::string& name,
                                        const char* interpolation, const usd::Value& value) {
       add(sheet, attributes, {type, name, interpolation}, value);
     };
   }
 
-  void add_sample(const UsdSheet& sheet, Property& attribute, const usd::Value& value) {
-    attribute.samples.push_back(
-        {info.first_frame + info.frame_step * static_cast<long>(sheet.frames),
-         encoder->store(value)});
+  long time_code(std::size_t frame) const {
+    return info.first_frame + info.frame_step * static_cast<long>(frame);
+  }
+
+  void add_sample(const UsdSheet& sheet, Attribute& attribute, const usd::Value& value) {
+    if (!animation)
+      return attribute.property.samples.push_back({time_code(sheet.frames), encoder->store(value)});
+    const std::string& name = attribute.property.name;
+    if (sheet.frames == 0) {
+      attribute.first = value;
+      if (name != "velocities")  // an asset does not move
+        attribute.property.samples = {{time_code(0), encoder->store(value)}};
+    }
+    std::vector<usd::TimeSample>& samples = attribute.moving.samples;
+    if (samples.empty() && !is_motion(name) && value == attribute.first) return;
+    while (samples.size() < sheet.frames)
+      samples.push_back({time_code(samples.size()), animation->store(attribute.first)});
+    samples.push_back({time_code(sheet.frames), animation->store(value)});
   }
 
   /// Adds uv sets and materials of the artist.
@@ -144,7 +189,8 @@ struct UsdWriter::Impl {
       if (name != "st") add_uv(name, surface.uv_sets[n]);
     }
     for (std::size_t m = 0; m < surface.materials.size(); ++m) {
-      if (m == sheet.subsets.size()) sheet.subsets.push_back({"int[]", "indices"});
+      const Property indices{"int[]", "indices"};
+      if (m == sheet.subsets.size()) sheet.subsets.push_back({indices, indices, {}});
       add_sample(sheet, sheet.subsets[m], faces_of(surface, m));
     }
   }
@@ -154,11 +200,15 @@ struct UsdWriter::Impl {
     return info.root + "/materials/" + identifier(material);
   }
 
+  static Property relationship(std::string name, std::string target) {
+    Property property;
+    property.name = std::move(name);
+    property.target = std::move(target);
+    return property;
+  }
+
   Property binding(const std::string& material) const {
-    Property relationship;
-    relationship.name = "material:binding";
-    relationship.target = material_path(material);
-    return relationship;
+    return relationship("material:binding", material_path(material));
   }
 
   void add_materials(std::vector<Prim>& prims) const {
@@ -201,7 +251,7 @@ struct UsdWriter::Impl {
       subset.api_schemas = {"MaterialBindingAPI"};
       subset.properties = {uniform("token", "elementType", Token{"face"}),
                            uniform("token", "familyName", Token{"materialBind"}),
-                           binding(materials[m]), sheet.subsets[m]};
+                           binding(materials[m]), sheet.subsets[m].property};
       mesh.children.push_back(std::move(subset));
     }
   }
@@ -211,9 +261,31 @@ struct UsdWriter::Impl {
     mesh.properties = {uniform("token", "subdivisionScheme", Token{"none"}),
                        uniform("token", "orientation", Token{"rightHanded"}),
                        uniform("bool", "doubleSided", true)};
-    mesh.properties.insert(mesh.properties.end(), sheet.attributes.begin(), sheet.attributes.end());
+    if (animation) mesh.properties.push_back(uniform("token", "purpose", Token{"render"}));
+    if (!sheet.proxy.empty())
+      mesh.properties.push_back(relationship("proxyPrim", info.root + "/" + sheet.proxy_label));
+    append_properties(mesh, sheet.attributes);
     if (sheet.surface) add_properties(mesh, sheet.surface->properties);
     bind_materials(mesh, sheet);
+    return mesh;
+  }
+
+  void add_proxy(UsdSheet& sheet, const CacheProxy& proxy) {
+    const auto add_to_proxy = adder(sheet, sheet.proxy);
+    add_to_proxy("float3[]", "extent", "", y_up(corners_of_box(proxy.x)));
+    add_to_proxy("int[]", "faceVertexCounts", "",
+                 std::vector<int>(static_cast<std::size_t>(proxy.triangles.rows()), 3));
+    add_to_proxy("int[]", "faceVertexIndices", "", integers(proxy.triangles));
+    add_to_proxy("point3f[]", "points", "", y_up(proxy.x));
+  }
+
+  Prim proxy_of(const UsdSheet& sheet) {
+    Prim mesh{"Mesh", sheet.proxy_label};
+    mesh.properties = {uniform("token", "subdivisionScheme", Token{"none"}),
+                       uniform("token", "orientation", Token{"rightHanded"}),
+                       uniform("bool", "doubleSided", true),
+                       uniform("token", "purpose", Token{"proxy"})};
+    append_properties(mesh, sheet.proxy);
     return mesh;
   }
 
@@ -234,8 +306,8 @@ struct UsdWriter::Impl {
   void append_guides(std::vector<Prim>& prims, const UsdSheet& sheet) {
     if (sheet.points.empty()) return;
     Prim points{"Points", sheet.points_label}, folds{"BasisCurves", sheet.folds_label};
-    points.properties = sheet.points;
-    folds.properties = sheet.folds;
+    append_properties(points, sheet.points);
+    append_properties(folds, sheet.folds);
     folds.properties.push_back(uniform("token", "type", Token{"linear"}));
     folds.properties.push_back(uniform("token", "wrap", Token{"nonperiodic"}));
     for (Prim* prim : {&points, &folds}) {
@@ -259,14 +331,82 @@ struct UsdWriter::Impl {
     }
     return prim;
   }
+
+  /// The same as overs.
+  Prim over_root(std::vector<Prim> children) const {
+    const std::vector<std::string> names = parts_of(info.root);
+    for (auto name = names.rbegin(); name < names.rend(); ++name) {
+      Prim prim{"", *name};
+      prim.children = std::move(children);
+      children = {std::move(prim)};
+    }
+    return children.front();
+  }
+
+  std::vector<Prim> prims() {
+    std::vector<Prim> all;
+    for (const UsdSheet& sheet : sheets)
+      if (sheet.frames > 0) all.push_back(mesh_of(sheet));
+    for (const UsdSheet& sheet : sheets)
+      if (!sheet.proxy.empty()) all.push_back(proxy_of(sheet));
+    for (const UsdSheet& sheet : sheets) append_guides(all, sheet);
+    add_materials(all);
+    return all;
+  }
+
+  /// The prims of the animation layer.
+  std::vector<Prim> overs() const {
+    std::vector<Prim> all;
+    for (const UsdSheet& sheet : sheets) {
+      if (sheet.frames == 0) continue;
+      all.push_back(over(sheet.label, sheet.attributes));
+      for (std::size_t m = 0; m < sheet.subsets.size(); ++m)
+        if (!sheet.subsets[m].moving.samples.empty())
+          all.back().children.push_back(
+              over(identifier(sheet.surface->materials[m]), {sheet.subsets[m]}));
+      if (!sheet.proxy.empty()) all.push_back(over(sheet.proxy_label, sheet.proxy));
+      if (sheet.points.empty()) continue;
+      all.push_back(over(sheet.points_label, sheet.points));
+      all.push_back(over(sheet.folds_label, sheet.folds));
+    }
+    return all;
+  }
+
+  /// What all layers say of the shot.
+  usd::Layer empty_layer() const {
+    usd::Layer layer;
+    std::size_t frames = 0;
+    for (const UsdSheet& sheet : sheets) frames = std::max(frames, sheet.frames);
+    for (const auto& [key, value] : info.metadata)
+      layer.metadata.push_back({identifier(key), value});
+    layer.fps = info.fps;
+    layer.first_frame = info.first_frame;
+    layer.last_frame = time_code(frames ? frames - 1 : 0);
+    return layer;
+  }
 };
 
+std::filesystem::path usd_part_path(const std::filesystem::path& path, const std::string& part) {
+  const std::filesystem::path extension = path.extension();
+  return std::filesystem::path(path).replace_extension().concat("." + part) += extension;
+}
+
 UsdWriter::UsdWriter(const std::filesystem::path& path, UsdEncoding encoding, const CacheInfo& info,
-                     const std::vector<std::string>& sheet_names)
-    : impl_(new Impl{encoding == UsdEncoding::text ? usd::make_text_encoder(path)
-                                                   : usd::make_crate_encoder(path),
-                     info,
-                     {}}) {
+                     const std::vector<std::string>& sheet_names, UsdLayers layers)
+    : impl_(new Impl) {
+  const auto make_encoder =
+      encoding == UsdEncoding::text ? usd::make_text_encoder : usd::make_crate_encoder;
+  impl_->info = info;
+  if (layers == UsdLayers::separate) {
+    const std::filesystem::path asset = usd_part_path(path, "asset"),
+                                animation = usd_part_path(path, "animation");
+    impl_->encoder = make_encoder(asset);
+    impl_->animation = make_encoder(animation);
+    impl_->composer = make_encoder(path);
+    impl_->sub_layers = {animation.filename().string(), asset.filename().string()};
+  } else {
+    impl_->encoder = make_encoder(path);
+  }
   std::set<std::string> taken;
   const auto own_label = [&](const std::string& name) {
     std::string label = name;
@@ -282,6 +422,7 @@ UsdWriter::UsdWriter(const std::filesystem::path& path, UsdEncoding encoding, co
   for (UsdSheet& sheet : impl_->sheets) {
     sheet.points_label = own_label(sheet.label + "_points");
     sheet.folds_label = own_label(sheet.label + "_folds");
+    sheet.proxy_label = own_label(sheet.label + "_proxy");
   }
 }
 
@@ -313,26 +454,20 @@ void UsdWriter::add_frame(std::size_t number, const CacheFrame& frame) {
   if (frame.surface && frame.surface != sheet.surface) impl_->add_surface(sheet, *frame.surface);
   sheet.surface = frame.surface;
   if (frame.guides) impl_->add_guides(sheet, *frame.guides);
+  if (frame.proxy && impl_->animation) impl_->add_proxy(sheet, *frame.proxy);
   ++sheet.frames;
 }
 
 void UsdWriter::finish() {
-  const CacheInfo& info = impl_->info;
-  usd::Layer layer;
-  std::size_t frames = 0;
-  for (const UsdSheet& sheet : impl_->sheets) frames = std::max(frames, sheet.frames);
-  for (const auto& [key, value] : info.metadata) layer.metadata.push_back({identifier(key), value});
-  layer.fps = info.fps;
-  layer.first_frame = info.first_frame;
-  layer.last_frame =
-      info.first_frame + info.frame_step * (frames ? static_cast<long>(frames) - 1 : 0);
-  std::vector<Prim> prims;
-  for (const UsdSheet& sheet : impl_->sheets)
-    if (sheet.frames > 0) prims.push_back(impl_->mesh_of(sheet));
-  for (const UsdSheet& sheet : impl_->sheets) impl_->append_guides(prims, sheet);
-  impl_->add_materials(prims);
-  layer.root = impl_->below_root(std::move(prims));
+  usd::Layer layer = impl_->empty_layer();
+  layer.root = impl_->below_root(impl_->prims());
   impl_->encoder->finish(layer);
+  if (!impl_->animation) return;
+  layer.root = impl_->over_root(impl_->overs());
+  impl_->animation->finish(layer);
+  layer.root = impl_->over_root({});
+  layer.sub_layers = impl_->sub_layers;
+  impl_->composer->finish(layer);
 }
 
 }  // namespace paperbake

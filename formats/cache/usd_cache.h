@@ -12,6 +12,17 @@ namespace paperbake {
 /// The two encodings of a USD layer: .usda and .usdc. They hold the same.
 enum class UsdEncoding { text, crate };
 
+/// What a UsdWriter makes: one layer that holds everything; or three, as pipelines hand them on.
+/// NAME.asset.usdX defines the sheets: topology, uv sets, subsets, bindings and materials, and of
+/// what moves the values of the first frame. NAME.animation.usdX has nothing but `over`s: points,
+/// extent, velocities and normals in every frame, and what else changes. NAME.usdX, written last,
+/// composes both. Then meshes have the purpose "render", and where frames have a CacheProxy there
+/// is a mesh `SHEET_proxy` of purpose "proxy", their proxyPrim.
+enum class UsdLayers { one, separate };
+
+/// The path of such a layer. part: "asset" or "animation"
+std::filesystem::path usd_part_path(const std::filesystem::path&, const std::string& part);
+
 /// Writes the frames of AlembicWriter as a USD layer: a mesh ROOT/SHEET for each sheet, y up,
 /// metres, time codes = frame numbers, velocities in m/s, primvars:crease in radians, and a primvar
 /// for each CacheLayer. The pattern is primvars:pattern. The uv sets of the artist are primvars of
@@ -28,14 +39,14 @@ class UsdWriter {
   /// name that begins with a digit gets one in front. throws Error(ErrorCode::folder) when the file
   /// cannot be created
   UsdWriter(const std::filesystem::path&, UsdEncoding, const CacheInfo&,
-            const std::vector<std::string>& sheet_names);
+            const std::vector<std::string>& sheet_names, UsdLayers = UsdLayers::one);
   ~UsdWriter();
 
   /// Appends the next frame of a sheet. Values must be finite. throws Error(ErrorCode::folder) when
   /// the disk is full
   void add_frame(std::size_t sheet, const CacheFrame&);
 
-  /// Writes the layer and gives the file its name; must be the last call.
+  /// Writes the layers and gives the files their names; must be the last call.
   void finish();
 
  private:

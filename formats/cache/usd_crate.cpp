@@ -30,6 +30,8 @@ enum Type : std::uint64_t {
   variability_type = 44,
   time_samples_type = 46,
   double_vector_type = 48,
+  layer_offset_vector_type = 49,
+  string_vector_type = 50,
 };
 enum SpecType : std::uint32_t { attribute = 1, prim = 6, pseudo_root = 7, relationship = 8 };
 
@@ -129,6 +131,7 @@ class CrateEncoder : public Encoder {
                                    field("startTimeCode", stored(double(layer.first_frame))),
                                    field("timeCodesPerSecond", stored(layer.fps)),
                                    field("upAxis", stored(Token{"Y"}))};
+    if (!layer.sub_layers.empty()) add_sub_layers(layer.sub_layers, set);
     PathTree tree;
     const std::size_t root = tree.add(top, 0);
     add_spec(top, std::move(set), pseudo_root);
@@ -285,6 +288,16 @@ class CrateEncoder : public Encoder {
     for (const Prim& child : prim.children) number_paths(child, path);
   }
 
+  void add_sub_layers(const std::vector<std::string>& paths, std::vector<std::uint32_t>& set) {
+    std::string texts = raw(std::uint64_t{paths.size()}), offsets = texts;
+    for (const std::string& path : paths) {
+      texts += raw(text("./" + path));
+      offsets += raw(0.0) + raw(1.0);  // time: offset and scale
+    }
+    set.push_back(field("subLayers", once(string_vector_type, texts)));
+    set.push_back(field("subLayerOffsets", once(layer_offset_vector_type, offsets)));
+  }
+
   std::uint32_t field(const char* name, StoredValue value) {
     return fields_(Field{token(name), value});
   }
@@ -296,8 +309,9 @@ class CrateEncoder : public Encoder {
 
   void add(const Prim& item, const std::string& parent, PathTree& tree, bool has_sibling) {
     const std::string path = parent + "/" + item.name;
-    std::vector<std::uint32_t> set{field("specifier", inlined(specifier_type, 0)),
-                                   field("typeName", stored(Token{item.type}))};
+    const bool is_over = item.type.empty();
+    std::vector<std::uint32_t> set{field("specifier", inlined(specifier_type, is_over))};
+    if (!is_over) set.push_back(field("typeName", stored(Token{item.type})));
     if (!item.kind.empty()) set.push_back(field("kind", stored(Token{item.kind})));
     if (!item.display_name.empty()) set.push_back(field("displayName", stored(item.display_name)));
     if (!item.api_schemas.empty()) {

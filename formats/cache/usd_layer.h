@@ -23,6 +23,11 @@ struct FloatArray {
   std::vector<float> values;  // of all elements, one after another
 };
 
+inline bool operator==(const Token& a, const Token& b) { return a.text == b.text; }
+inline bool operator==(const FloatArray& a, const FloatArray& b) {
+  return a.width == b.width && a.values == b.values;
+}
+
 using Value = std::variant<bool, double, std::string, Token, std::vector<double>, std::vector<int>,
                            FloatArray, std::vector<Token>>;
 
@@ -50,7 +55,8 @@ struct Property {
 };
 
 struct Prim {
-  std::string type, name;                     // "Mesh", an identifier
+  // "Mesh", an identifier; without a type it is an `over`, which adds to a prim of another layer
+  std::string type, name;
   std::string kind = {}, display_name = {};   // empty: none
   std::vector<std::string> api_schemas = {};  // "MaterialBindingAPI"
   std::vector<Property> properties = {};
@@ -60,6 +66,7 @@ struct Prim {
 /// Y up, metres.
 struct Layer {
   std::vector<std::pair<std::string, std::string>> metadata;  // identifier, text
+  std::vector<std::string> sub_layers = {};                   // relative paths, the strongest first
   long first_frame = 1, last_frame = 1;
   double fps = 24;
   Prim root;

@@ -104,12 +104,16 @@ class TextEncoder : public Encoder {
     std::string metadata;
     for (const auto& [key, value] : layer.metadata)
       metadata += fmt::format("        string {} = {}\n", key, quoted(value));
+    std::string sub_layers;
+    for (const std::string& path : layer.sub_layers)
+      sub_layers += fmt::format("{}        @./{}@", sub_layers.empty() ? "" : ",\n", path);
+    if (!sub_layers.empty()) sub_layers = fmt::format("    subLayers = [\n{}\n    ]\n", sub_layers);
     file_.write(
         fmt::format("#usda 1.0\n(\n    customLayerData = {{\n{}    }}\n    defaultPrim = {}\n    "
                     "endTimeCode = {}\n    framesPerSecond = {}\n    metersPerUnit = 1\n    "
-                    "startTimeCode = {}\n    timeCodesPerSecond = {}\n    upAxis = \"Y\"\n)\n\n",
+                    "startTimeCode = {}\n{}    timeCodesPerSecond = {}\n    upAxis = \"Y\"\n)\n\n",
                     metadata, quoted(layer.root.name), layer.last_frame, layer.fps,
-                    layer.first_frame, layer.fps));
+                    layer.first_frame, sub_layers, layer.fps));
     write(layer.root, "");
     file_.commit();
   }
@@ -133,7 +137,8 @@ class TextEncoder : public Encoder {
     }
     if (!prim.display_name.empty()) add("displayName = " + quoted(prim.display_name));
     if (!prim.kind.empty()) add("kind = " + quoted(prim.kind));
-    file_.write(fmt::format("{}def {} {}", indent, prim.type, quoted(prim.name)));
+    file_.write(indent + (prim.type.empty() ? "over " : "def " + prim.type + " ") +
+                quoted(prim.name));
     if (!metadata.empty()) file_.write(fmt::format(" (\n{}{})", metadata, indent));
     file_.write(fmt::format("\n{}{{\n", indent));
     for (const Property& property : prim.properties) write(property, indent + "    ");

@@ -111,7 +111,7 @@ void AtomicFile::commit(Sync sync) {
 void AtomicFile::fail(const char* doing) const {
   throw Error(ErrorCode::folder, path_.string(),
               std::string("The file cannot be ") + doing + ": " + std::strerror(errno) + ".",
-              "Check free space and write permission of the folder, or choose another with -o.");
+              "Check free space and write permission of the folder, or choose another folder.");
 }
 
 void delete_unfinished_files() {

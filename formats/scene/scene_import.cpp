@@ -71,6 +71,9 @@ void check_file(const std::filesystem::path& path) {
                        kind_of_no_file(path).empty() ? "something else" : kind_of_no_file(path)),
            "Name an FBX, glTF or GLB file.");
   const std::string extension = lower_case_extension(path);
+  if (extension == ".usda" || extension == ".usdc")
+    reject(path, "This is a USD layer, which is written but not read here.",
+           "Name the .abc of a bake, or a scene as .fbx, .gltf or .glb.");
   if (extension != ".fbx" && extension != ".gltf" && extension != ".glb")
     reject(path, "This is not an FBX, glTF or GLB file.",
            "Export the scene from the DCC as .fbx, .gltf or .glb.");

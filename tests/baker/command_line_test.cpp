@@ -113,6 +113,17 @@ TEST_F(CommandLineTest, TheRootOfTheUsdLayerIsThePathThatIsGiven) {
   EXPECT_TRUE(is_error(bake({"--root", "/1st take"}), 2, "--root", "1st take"));
 }
 
+TEST_F(CommandLineTest, AReversedRangeOfFramesIsTurnedRoundInTheRemedy) {
+  const Ended ended = bake({"--frames", "10-5"});
+  EXPECT_TRUE(is_error(ended, 2, "--frames", "ends before it begins"));
+  EXPECT_NE(ended.err.find("Write 5-10."), std::string::npos) << ended.err;
+}
+
+TEST_F(CommandLineTest, LayersOfUsdNeedAFormatOfUsd) {
+  EXPECT_TRUE(is_error(bake({"--usd-layers", "on", "--formats", "abc"}), 2, "--usd-layers",
+                       "writes no USD"));
+}
+
 TEST_F(CommandLineTest, ValuesThatAreLikelyMeantInAnotherUnitAreQuestioned) {
   const auto warns = [&](const std::vector<std::string>& words, const std::string& of) {
     std::vector<std::string> all{"bake", samples + "/S4_crumple.glb", "--dry-run"};

@@ -59,6 +59,17 @@ TEST_F(StaleFilesTest, ASecondBakeRemovesWhatOnlyTheFirstWroteAndNothingElse) {
   EXPECT_EQ(run({"verify", output()}).code, 0);
 }
 
+TEST_F(StaleFilesTest, ABakeIntoOneUsdLayerRemovesTheLayersOfTheBakeBefore) {
+  bake_as({"--formats", "usdc,cert", "--usd-layers", "on"});
+  ASSERT_TRUE(files().count("S4_crumple.asset.usdc"));
+  ASSERT_TRUE(files().count("S4_crumple.animation.usdc"));
+  EXPECT_EQ(run({"verify", output()}).code, 0);
+  bake_as({"--formats", "usdc,cert"});
+  EXPECT_TRUE(files().count("S4_crumple.usdc"));
+  EXPECT_FALSE(files().count("S4_crumple.asset.usdc"));
+  EXPECT_FALSE(files().count("S4_crumple.animation.usdc"));
+}
+
 TEST_F(StaleFilesTest, ABakeWithoutACertificateLeavesNoOldOne) {
   bake_as({"--formats", "abc,cert"});
   bake_as({"--formats", "abc"});

@@ -28,6 +28,7 @@ TEST(SceneFile, FilesThatCannotBeReadAreErrors) {
   EXPECT_ERROR("nowhere/fold.glb", "no such file");
   EXPECT_ERROR(testing::TempDir(), "not a file");
   EXPECT_ERROR(temporary("notes.txt", "buy paper"), "not an FBX, glTF or GLB");
+  EXPECT_ERROR(temporary("shot.usda", "#usda 1.0"), "USD layer, which is written but not read");
   for (const char* name : {"notes.fbx", "notes.gltf"})
     EXPECT_ERROR(temporary(name, "buy paper"), "cannot be read");
   EXPECT_ERROR(temporary("notes.glb", "buy paper"), "This is a text");
