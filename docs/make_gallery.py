@@ -23,7 +23,7 @@ DOCS = pathlib.Path(os.path.abspath(__file__)).parent
 PICTURES = DOCS / "pictures" / "gallery"
 SIZE, SAMPLES = (480, 360), 16
 
-Shot = collections.namedtuple("Shot", "name title scene options frame view honest")
+Shot = collections.namedtuple("Shot", "name title scene options frame view honest uv", defaults=("",))
 SHOTS = [Shot(**shot) for shot in tomllib.loads((DOCS / "gallery.toml").read_text(encoding="utf-8"))["shot"]]
 
 
@@ -41,8 +41,21 @@ def bake(program, shot, folder):
     return folder / f"{shot.scene}.abc"
 
 
-def paper():
-    """White on both sides, a little light through."""
+def print_on(material, uv):
+    """Columns of grey lines, as of a newspaper, by the uv set of that name."""
+    nodes, links = material.node_tree.nodes, material.node_tree.links
+    where, lines = nodes.new("ShaderNodeUVMap"), nodes.new("ShaderNodeTexBrick")
+    where.uv_map, lines.offset = uv, 0
+    settings = {"Color1": (0.3, 0.3, 0.3, 1), "Color2": (0.42, 0.42, 0.41, 1), "Mortar": (0.84, 0.82, 0.77, 1),
+                "Scale": 1, "Mortar Size": 0.005, "Brick Width": 0.2, "Row Height": 0.018}
+    for name, value in settings.items():
+        lines.inputs[name].default_value = value
+    links.new(where.outputs[0], lines.inputs["Vector"])
+    links.new(lines.outputs["Color"], nodes["Principled BSDF"].inputs["Base Color"])
+
+
+def paper(uv):
+    """White on both sides, a little light through; printed if it has that uv set."""
     material = bpy.data.materials.new("paper")
     material.use_nodes = True
     nodes, links = material.node_tree.nodes, material.node_tree.links
@@ -54,6 +67,8 @@ def paper():
     links.new(shader.outputs[0], mix.inputs[1])
     links.new(through.outputs[0], mix.inputs[2])
     links.new(mix.outputs[0], nodes["Material Output"].inputs["Surface"])
+    if uv:
+        print_on(material, uv)
     return material
 
 
@@ -85,7 +100,7 @@ def render(cache, shot):
     graph, points = bpy.context.evaluated_depsgraph_get(), []
     for thing in [thing for thing in scene.objects if thing.type == "MESH"]:
         thing.data.materials.clear()
-        thing.data.materials.append(paper())
+        thing.data.materials.append(paper(shot.uv))
         shown = thing.evaluated_get(graph)
         points += [shown.matrix_world @ vertex.co for vertex in shown.data.vertices]
     low, high = (Vector(pick(point[axis] for point in points) for axis in range(3)) for pick in (min, max))

@@ -68,6 +68,7 @@ NOT_RUN = {  # each has to be printed somewhere
     "ctest -R docs": "runs this test",
     "ctest --test-dir build -R docs": "runs this test",
     ".venv/bin/python docs/make_gallery.py": "ten minutes of rendering",
+    ".venv/bin/python docs/make_gallery.py grades": "renders; needs Blender",
     "python3 docs/measure_benchmarks.py": "an hour; its parsers read what the benches print here",
     "python3 docs/measure_benchmarks.py growth": "a minute, on an idle machine",
     "build/paperbake_bench_crumple": "a minute and more on one core, and nothing makes it shorter",

@@ -112,7 +112,7 @@ SetValue parse_set(const std::string& text) {
                   "Write for instance --set thickness=90e-6.");
     if (!parameter.accepts(std::stod(*value)))
       throw Error(ErrorCode::command, "--set " + name, out_of_bounds(parameter, std::stod(*value)),
-                  fmt::format("Give the value in {}.", parameter.unit));
+                  unit_remedy(parameter));
     return {name, std::stod(*value), Origin::command};
   }
   const std::string near = nearest_word(name, names);

@@ -10,6 +10,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <sstream>
+#include <string_view>
 
 namespace paperbake {
 
@@ -36,6 +37,8 @@ const std::array<PaperParameter, 11> paper_parameters{{
 }};
 
 namespace {
+
+bool has_unit(const PaperParameter& parameter) { return parameter.unit != std::string_view("1"); }
 
 bool is_file(const std::filesystem::path& path) {
   std::error_code ignored;
@@ -68,8 +71,7 @@ double read_value(const TomlDocument& document, const toml::table& table,
          fmt::format("The value of {} must be a number.", parameter.key));
   const double value = *node.value<double>();
   if (!parameter.accepts(value))
-    fail(document, node.source().begin, out_of_bounds(parameter, value),
-         fmt::format("Give the value in {}.", parameter.unit));
+    fail(document, node.source().begin, out_of_bounds(parameter, value), unit_remedy(parameter));
   return value;
 }
 
@@ -132,8 +134,14 @@ Preset parse_preset(const std::string& file, const std::string& text) {
 }  // namespace
 
 std::string out_of_bounds(const PaperParameter& parameter, double value) {
-  return fmt::format("The {} cannot be {}: paper lies between {} and {} [{}].", parameter.key,
-                     value, parameter.min, parameter.max, parameter.unit);
+  return fmt::format("The {} cannot be {}: paper lies between {} and {}{}.", parameter.key, value,
+                     parameter.min, parameter.max,
+                     has_unit(parameter) ? fmt::format(" [{}]", parameter.unit) : "");
+}
+
+std::string unit_remedy(const PaperParameter& parameter) {
+  return has_unit(parameter) ? fmt::format("Give the value in {}.", parameter.unit)
+                             : "Give a number within these bounds; it has no unit.";
 }
 
 std::string preset_text(const Preset& preset) {

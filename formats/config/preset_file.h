@@ -27,6 +27,8 @@ struct PaperParameter {
 extern const std::array<PaperParameter, 11> paper_parameters;
 /// The error message for a value that is not accepted.
 std::string out_of_bounds(const PaperParameter&, double value);
+/// The remedy for a value out of bounds: names the unit, if the parameter has one.
+std::string unit_remedy(const PaperParameter&);
 
 /// A paper grade with the evidence for its numbers. A preset file is TOML: `name`, optionally
 /// `description` and `by_grammage` (false: a scene that gives only its weight does not get this

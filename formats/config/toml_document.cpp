@@ -51,12 +51,22 @@ void refuse_unknown_keys(const TomlDocument& document, const toml::table& table,
        fmt::format("Known keys: {}.", fmt::join(known, ", ")));
 }
 
+// TOML ends no text at the end of a line: a quote that is left open is met as the line break, which
+// is a control character, or as the end of the file.
+std::string syntax_remedy(std::string_view cause) {
+  const auto says = [&](const char* words) { return cause.find(words) != cause.npos; };
+  if (says("string: ") && (says("control characters") || says("end-of-file")))
+    return "A quote before this place may not be closed.";
+  return "";
+}
+
 TomlDocument parse_toml(const std::string& file, const std::string& text) {
   try {
     return {file, toml::parse(text, file)};
   } catch (const toml::parse_error& error) {
     fail({file, {}}, error.source().begin,
-         fmt::format("This is not TOML: {}.", error.description()));
+         fmt::format("This is not TOML: {}.", error.description()),
+         syntax_remedy(error.description()));
   }
 }
 

@@ -218,6 +218,8 @@ TEST_F(CommandLineTest, AnUnknownKeyOfSetEndsWithTwoAndTheNearestName) {
   EXPECT_TRUE(is_error(bake({"--set", "thickness=thin"}), 2, "--set thickness",
                        "\"thin\" is not a number"));
   EXPECT_TRUE(is_error(bake({"--set", "thickness=-1"}), 2, "--set thickness", "-1"));
+  EXPECT_TRUE(
+      is_error(bake({"--set", "friction=-1"}), 2, "--set friction", "lies between 0 and 10."));
   EXPECT_TRUE(is_error(bake({"--set", "hardening=1"}), 2, "--set hardening", "cannot be 1"));
   EXPECT_TRUE(is_error(bake({"--set", "thickness"}), 2, "--set thickness", "value"));
 }

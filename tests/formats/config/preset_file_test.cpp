@@ -235,6 +235,14 @@ TEST(PresetFile, GramsForKilogramsAreOutOfRange) {
   const Error error = error_of(file.path);
   EXPECT_EQ(error.place, file.place("70.0"));
   EXPECT_EQ(error.cause, "The area_density cannot be 70: paper lies between 0.001 and 10 [kg/m2].");
+  EXPECT_EQ(error.remedy, "Give the value in kg/m2.");
+}
+
+TEST(PresetFile, ANumberWithoutAUnitIsOutOfRangeWithoutAUnit) {
+  const PresetFile file("value = 0.3", "value = -0.1");
+  const Error error = error_of(file.path);
+  EXPECT_EQ(error.cause, "The poisson cannot be -0.1: paper lies between 0 and 0.49.");
+  EXPECT_EQ(error.remedy, "Give a number within these bounds; it has no unit.");
 }
 
 TEST(PresetFile, NotANumberAndInfinityAreOutOfRange) {
@@ -255,6 +263,15 @@ TEST(PresetFile, ASyntaxErrorHasLineAndColumn) {
   const std::string line = file.place("unit = N m");
   EXPECT_EQ(error.place.substr(0, error.place.rfind(':')), line.substr(0, line.rfind(':')));
   EXPECT_EQ(error.cause.rfind("This is not TOML: ", 0), 0u) << error.cause;
+}
+
+TEST(PresetFile, AnOpenQuoteIsSuspectedWhereALineOrTheFileEndsInAText) {
+  for (const char* open : {"unit = \"N m", "unit = 'N m", "unit = \"\"\"N m"}) {
+    const PresetFile file("unit = \"N m\"", open);
+    EXPECT_EQ(error_of(file.path).remedy, "A quote before this place may not be closed.") << open;
+  }
+  const PresetFile escaped("unit = \"N m\"", "unit = \"N\\w\"");
+  EXPECT_EQ(error_of(escaped.path).remedy, "");
 }
 
 TEST(PresetFile, AnEmptyFileMissesItsName) {

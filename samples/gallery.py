@@ -1,0 +1,134 @@
+"""Writes the scenes G1 to G4, which are shots of docs/gallery.md, beside itself, each as .glb.
+
+    python samples/gallery.py [NAME...]          with Blender 4.2 or later as the module bpy
+
+Every sheet is one quad with the uv set `print`. What moves begins and ends at rest and is keyed at
+every frame.
+"""
+import contextlib
+import io
+import math
+import os
+import sys
+
+import bpy
+from mathutils import Vector
+
+FPS = 24
+EARTH = {"paper_fps": FPS, "paper_gravity": 9.81}
+GRADES = ("tissue17", "newsprint45", "copy80", "offset160", "card200", "card300")
+FOLDER = os.path.dirname(os.path.abspath(__file__))
+
+
+def place(name, data, **properties):
+    """A new object of the scene with these custom properties."""
+    thing = bpy.data.objects.new(name, data)
+    bpy.context.collection.objects.link(thing)
+    for key, value in properties.items():
+        thing[key] = value
+    return thing
+
+
+def quad(name, corner, right, up, **properties):
+    """A mesh of one face: its lower left corner and its sides [m]."""
+    mesh, (corner, right, up) = bpy.data.meshes.new(name), map(Vector, (corner, right, up))
+    mesh.from_pydata([corner, corner + right, corner + right + up, corner + up], [], [range(4)])
+    for loop, at in zip(mesh.uv_layers.new(name="print").data, ((0, 0), (1, 0), (1, 1), (0, 1))):
+        loop.uv = at
+    return place(name, mesh, **properties)
+
+
+def sheet(name, grade, corner, right, up):
+    paper = {"paper_preset": grade, "paper_uv_sets": "print", **EARTH}
+    return quad("paper." + name, corner, right, up, **paper)
+
+
+def hold(name, points, target):
+    for i, point in enumerate(points):
+        place(f"handle.{name}.{i}", None, paper_target="paper." + target).location = point
+
+
+def carry(name, path, last, target):
+    """A handle whose place at frames 1 to last is path(frame)."""
+    handle = place(f"handle.{name}", None, paper_target="paper." + target)
+    for frame in range(1, last + 1):
+        handle.location = path(frame)
+        handle.keyframe_insert("location", frame=frame)
+    return last
+
+
+def eased(frame, last):
+    """From 0 at frame 1 to 1 at frame last, at rest at both."""
+    t = min((frame - 1) / (last - 1), 1)
+    return t * t * t * (10 - 15 * t + 6 * t * t)
+
+
+def newspaper():
+    """A double page that hangs from its two upper corners in a gusty wind."""
+    width, height = 0.40, 0.58
+    sheet("newspaper", "newsprint45", (0, 0, 0), (width, 0, 0), (0, 0, height))
+    hold("top", [(x, 0, height) for x in (0, 0.05, width - 0.05, width)], "newspaper")
+    wind = place("wind", None, paper_speed=1.2, paper_gust=0.5, paper_seed=3)
+    wind.rotation_euler = (math.radians(-90), 0, math.radians(25))
+    return 1
+
+
+def poster():
+    """A poster that is pinned to a wall by three corners; the fourth is peeled off."""
+    width, height = 0.297, 0.42
+    sheet("poster", "offset160", (0, 0, 0), (0, -width, 0), (0, 0, height))
+    quad("collider.wall", (0.002, 0.3, -0.3), (0, -0.9, 0), (0, 0, 1.02))
+    hold("pin", [(0, 0, 0), (0, -width, 0), (0, 0, height)], "poster")
+
+    def corner(frame):
+        t = eased(frame, 48)
+        away = 0.12 * t
+        return -0.10 * math.sin(0.55 * math.pi * t), 0.85 * away - width, height - away
+
+    return carry("corner", corner, 60, "poster")
+
+
+def page():
+    """A page of a book that is turned over by its lower corner, above the next page."""
+    width, height = 0.15, 0.21
+    for name, z, left in (("page", 0, 0), ("next", -0.001, 0.002)):
+        sheet(name, "book120", (left, 0, z), (width - left, 0, 0), (0, height, 0))
+        hold("spine." + name, [(left, height * i / 4, z) for i in range(5)], name)
+    quad("collider.book", (-0.2, -0.05, -0.002), (0.4, 0, 0), (0, height + 0.1, 0))
+
+    def corner(frame):
+        turned = math.pi * eased(frame, 60)
+        radius = width * (1 - 0.12 * math.sin(turned))
+        return radius * math.cos(turned), 0.02 * math.sin(turned), 0.95 * radius * math.sin(turned)
+
+    return carry("corner", corner, 72, "page")
+
+
+def grades():
+    """Strips of six grades, 20 x 5 cm, held along the first 2 cm."""
+    for i, grade in enumerate(GRADES):
+        y = 0.075 * i
+        sheet(grade, grade, (0, y, 0), (-0.2, 0, 0), (0, -0.05, 0))
+        rows = [(x, y - across, 0) for x in (0, -0.02) for across in (0, 0.025, 0.05)]
+        hold(grade, rows, grade)
+    return 1
+
+
+SCENES = {"G1_newspaper": newspaper, "G2_poster": poster, "G3_page": page, "G4_grades": grades}
+
+
+def main(names):
+    for name in names or SCENES:
+        bpy.ops.wm.read_factory_settings(use_empty=True)
+        scene = bpy.context.scene
+        scene.render.fps, scene.frame_start = FPS, 1
+        scene.frame_end = SCENES[name]()
+        with contextlib.redirect_stdout(io.StringIO()):  # the exporter talks
+            bpy.ops.export_scene.gltf(
+                filepath=os.path.join(FOLDER, name + ".glb"), export_extras=True,
+                export_normals=False, export_materials="NONE", export_animation_mode="SCENE",
+                export_anim_scene_split_object=False, export_force_sampling=True)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])
