@@ -12,8 +12,8 @@ namespace paperbake {
 /// the time, else by zlib at its first level. Level 1 of ISA-L gives the same bytes on every
 /// processor since 2008 (SSE 4.1).
 ///
-/// Keeps its memory from one stream to the next. A stream should not depend on those before it; that
-/// ISA-L has once packed a block differently is not explained (docs/limits.md, reproducibility).
+/// Keeps its memory from one stream to the next. A stream should not depend on those before it;
+/// that ISA-L has once packed a block differently is not explained (docs/limits.md).
 class ZlibPacker {
  public:
   /// The stream, valid until the next call.

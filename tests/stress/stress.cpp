@@ -198,9 +198,9 @@ struct Child {
   int pipe, index;
 };
 
-// The process is ended when it takes more than `seconds` of processor time from now on; a frame that
-// takes this long is taken for one that does not end. The whole script has no limit, because a slow
-// machine is not a failure.
+// The process is ended when it takes more than `seconds` of processor time from now on; a frame
+// that takes this long is taken for one that does not end. The whole script has no limit, because a
+// slow machine is not a failure.
 void allow_another(rlim_t seconds) {
   rusage used;
   getrusage(RUSAGE_SELF, &used);
