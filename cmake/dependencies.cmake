@@ -10,10 +10,7 @@ find_package(PkgConfig REQUIRED)
 find_package(Threads REQUIRED)
 pkg_check_modules(OPENEXR REQUIRED IMPORTED_TARGET OpenEXR)
 pkg_check_modules(LIBPNG REQUIRED IMPORTED_TARGET libpng)
-pkg_check_modules(ISAL IMPORTED_TARGET libisal)  # packs maps in a fifth of zlib's time
-if(NOT ISAL_FOUND)
-  pkg_check_modules(ZLIB REQUIRED IMPORTED_TARGET zlib)
-endif()
+pkg_check_modules(LIBDEFLATE REQUIRED IMPORTED_TARGET libdeflate)
 
 pkg_check_modules(TOMLPLUSPLUS REQUIRED IMPORTED_TARGET tomlplusplus)
 if(PAPERBAKE_FUZZ)
