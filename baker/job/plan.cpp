@@ -234,6 +234,17 @@ std::string literal(const PropertyValue& value) {
   return fmt::format("{}", std::get<double>(value));
 }
 
+/// The range of frames, and from which of them on handles rest.
+UsedValue used_frames(const BakeSettings& settings, const Scene& scene, const BakePlan& plan) {
+  const FrameSpan& frames = plan.frames;
+  std::string origin = to_string(settings.origin("frames", Origin::scene));
+  if (frames.last > scene.last_frame)
+    origin += fmt::format("; handles rest after frame {}, that of the last key", scene.last_frame);
+  return {"bake.frames",
+          toml_string(fmt::format("{}-{}x{}", frames.first, frames.last, frames.step)),
+          std::move(origin)};
+}
+
 void record_used_values(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   auto& used = plan.used;
   const auto note = [&](const char* table, const char* key, std::string value,
@@ -281,12 +292,7 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
       {"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
        settings.dynamics == Dynamics::automatic ? "auto" : to_string(settings.origin("dynamics"))});
   if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
-  note("bake", "frames",
-       toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
-       Origin::scene);
-  if (plan.frames.last > scene.last_frame)
-    used.back().origin +=
-        fmt::format("; handles rest after frame {}, that of the last key", scene.last_frame);
+  used.push_back(used_frames(settings, scene, plan));
   note("bake", "map_size", std::to_string(settings.map_size));
   note("bake", "map_layout",
        settings.map_layout == MapLayout::scanline ? "\"scanline\"" : "\"tiled-mip\"");

@@ -150,6 +150,7 @@ std::vector<int> merge_short_edges(Points2& pattern, Triangles& triangles,
   edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
   std::vector<int> became(pattern.rows());
   for (int v = 0; v < pattern.rows(); ++v) became[v] = v;
+  if (edges.empty()) return became;
   MergedMesh mesh(pattern, triangles, kept, on_line);
   for (const auto& [length, a, b] : edges) {
     if (became[a] != a || became[b] != b) continue;
