@@ -1,5 +1,6 @@
 #include "baker/bake/certificate_recorder.h"
 
+#include "baker/output/gates.h"
 #include "core/geometry/curvature.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
@@ -112,8 +113,7 @@ void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
     moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
              (frame.handles[h].keyed - before[h].keyed).norm() > least_motion;
   if (moves && frame.sheet->x.rows() == x_before_.rows() && frame.sheet->x == x_before_)
-    append_note(record,
-                "the sheet stands still although its handles move: the step was not solved");
+    append_note(record, note_of_unsolved_step);
   handles_before_ = frame.handles;
   x_before_ = frame.sheet->x;
 }

@@ -18,14 +18,14 @@ HERE = pathlib.Path(__file__).resolve().parent
 sys.path.insert(0, str(HERE.parent.parent / "cmake"))
 from fixed_zip import files_under, write_zip  # noqa: E402
 
-LEFT_OUT = {"make_zip.py"}
+LEFT_OUT = {"make_zip.py", "make_icons.py"}
 MANIFEST = "blender_manifest.toml"
 PLATFORM = "linux-x64"  # Blender's word
 
 
 def own_files():
-    files = (file for kind in ("*.py", "*.toml", "*.md") for file in HERE.glob(kind))
-    return {file.name: file for file in files if file.name not in LEFT_OUT}
+    files = (file for kind in ("*.py", "*.toml", "*.md", "icons/*.png") for file in HERE.glob(kind))
+    return {str(file.relative_to(HERE)): file for file in files if file.name not in LEFT_OUT}
 
 
 def manifest_of_platform(text):

@@ -7,6 +7,7 @@ import bpy
 from . import baking, messages, names, properties, scene_export
 
 MESSAGE_WIDTH = 42  # letters a line
+PICTURE_SCALE = 5  # of an icon: a grade's picture
 COLLIDER_TEXT = "Solid where it is closed; its motion, bones and shape keys are followed."
 
 
@@ -54,6 +55,9 @@ class SheetPanel(Panel, bpy.types.Panel):
         large = names.is_large(bpy.context.scene, thing)
         box.label(text=names.size_text(bpy.context.scene, thing) + (": paper that large?" if large else ""), icon="ERROR" if large else "NONE")
         box.prop(thing.paperbake, "preset")
+        picture = properties.picture_of(thing.paperbake.preset)
+        if picture:
+            box.template_icon(icon_value=picture, scale=PICTURE_SCALE)
         box.prop(thing.paperbake, "seed")
 
     def draw_collider(self, scene, thing):

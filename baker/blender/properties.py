@@ -1,7 +1,10 @@
 """What the artist chooses: of the program, of a bake, of a sheet, of a handle. What is of an object lies in its custom properties
 `paper_*`, which go with it into every export; the rest is of the scene."""
 
+import pathlib
+
 import bpy
+import bpy.utils.previews
 
 from . import program
 
@@ -16,7 +19,7 @@ SETTINGS = {  # of handles, optional: property -> (label, what it is without, va
 }
 WIND = {  # of winds: property -> (label, value to begin with)
     "paper_speed": ("Speed [m/s]", 2.0),
-    "paper_gust": ("Gusts [m/s]", 0.0),
+    "paper_gust": ("Gusts [share of it]", 0.0),
 }
 MODES = [("absolute", "Absolute", "The sheet's point goes where the handle is"),
          ("relative", "Relative", "The sheet's point moves as the handle moves from its grab frame on")]
@@ -58,6 +61,18 @@ def grades_of(path):
     return _grades[path]
 
 
+ICONS = pathlib.Path(__file__).parent / "icons"  # a picture of each grade, which make_icons.py renders
+_pictures = None  # as Blender keeps them, from register to unregister
+
+
+def picture_of(grade):
+    """Number of the icon; 0, which is none, for a grade without a picture."""
+    path = ICONS / f"{grade}.png"
+    if _pictures is None or not path.is_file():
+        return 0
+    return (_pictures[grade] if grade in _pictures else _pictures.load(grade, str(path), "IMAGE")).icon_id
+
+
 _items = {}  # Blender keeps no reference to the strings of a list that a function made
 
 
@@ -70,7 +85,8 @@ def grade_items(self, context):
     own = self.id_data.get("paper_preset")
     if own and own not in [name for name, _, _ in listed]:
         listed.append((own, own, "Not among the grades of this paperbake"))
-    key = tuple([(FROM_PRESET, "Default", "The program's own grade"), *listed])
+    listed.insert(0, (FROM_PRESET, "Default", "The program's own grade"))
+    key = tuple((name, label, told, picture_of(name), number) for number, (name, label, told) in enumerate(listed))
     return _items.setdefault(key, list(key))
 
 
@@ -126,6 +142,8 @@ CLASSES = (Preferences, ObjectSettings, SceneSettings)
 
 
 def register():
+    global _pictures
+    _pictures = bpy.utils.previews.new()
     for kind in CLASSES:
         bpy.utils.register_class(kind)
     bpy.types.Object.paperbake = bpy.props.PointerProperty(type=ObjectSettings)
@@ -133,6 +151,9 @@ def register():
 
 
 def unregister():
+    global _pictures
+    bpy.utils.previews.remove(_pictures)
+    _pictures = None
     del bpy.types.Scene.paperbake, bpy.types.Object.paperbake
     for kind in reversed(CLASSES):
         bpy.utils.unregister_class(kind)

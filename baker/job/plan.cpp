@@ -234,6 +234,17 @@ std::string literal(const PropertyValue& value) {
   return fmt::format("{}", std::get<double>(value));
 }
 
+/// The range of frames, and from which of them on handles rest.
+UsedValue used_frames(const BakeSettings& settings, const Scene& scene, const BakePlan& plan) {
+  const FrameSpan& frames = plan.frames;
+  std::string origin = to_string(settings.origin("frames", Origin::scene));
+  if (frames.last > scene.last_frame)
+    origin += fmt::format("; handles rest after frame {}, that of the last key", scene.last_frame);
+  return {"bake.frames",
+          toml_string(fmt::format("{}-{}x{}", frames.first, frames.last, frames.step)),
+          std::move(origin)};
+}
+
 void record_used_values(const BakeSettings& settings, const Scene& scene, BakePlan& plan) {
   auto& used = plan.used;
   const auto note = [&](const char* table, const char* key, std::string value,
@@ -281,9 +292,7 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
       {"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
        settings.dynamics == Dynamics::automatic ? "auto" : to_string(settings.origin("dynamics"))});
   if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
-  note("bake", "frames",
-       toml_string(fmt::format("{}-{}x{}", plan.frames.first, plan.frames.last, plan.frames.step)),
-       Origin::scene);
+  used.push_back(used_frames(settings, scene, plan));
   note("bake", "map_size", std::to_string(settings.map_size));
   note("bake", "map_layout",
        settings.map_layout == MapLayout::scanline ? "\"scanline\"" : "\"tiled-mip\"");
@@ -501,6 +510,20 @@ void find_begun_inside(const BakeSettings& settings, BakePlan& plan) {
   }
 }
 
+/// Warns of a mesh that is too coarse to bend.
+void question_triangles(const BakeSettings& settings, BakePlan& plan) {
+  constexpr int fewest = 30;
+  const bool hybrid = is_hybrid(settings);
+  const int triangles = hybrid ? base_wanted(settings) : triangles_wanted(settings);
+  if (triangles >= fewest) return;
+  const bool capped = !hybrid || triangles < settings.base_triangles;
+  plan.warnings.push_back(
+      fmt::format("The mesh {} {} triangles, with which a sheet can hardly bend: is that meant? "
+                  "Leave {} out, or give {} or more.",
+                  hybrid ? "begins with" : "has", triangles,
+                  capped ? "--triangles" : "--base-triangles", 2 * fewest));
+}
+
 /// Warns of values that are likely to be meant in another unit, and of releases that come too late.
 void question_values(BakePlan& plan) {
   constexpr double most_gravity = 100, most_fps = 1000;  // [m/s2] ten times the earth's; [1/s]
@@ -570,6 +593,7 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
     read_preset(*settings.preset);
   const std::vector<UsedValue> of_sheets = plan_sheets(settings, scene, plan);
   name_files(plan);
+  question_triangles(settings, plan);
   question_values(plan);
   find_begun_inside(settings, plan);
   decide_inertia(settings, scene, plan);

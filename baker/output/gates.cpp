@@ -111,16 +111,35 @@ void review_crossings(const std::vector<FrameRecord>& frames, Review& review) {
       pairs("rendered triangles of two sheets"));
 }
 
-/// The handle that the paper could follow least, if one is known.
-std::string worst_jam(const FrameRecord& f) {
+bool contains(const std::string& text, const char* words) {
+  return text.find(words) != std::string::npos;
+}
+
+/// The handle that the paper could follow least, if one is known, and why it could not.
+std::string worst_jam(const FrameRecord& f, const std::vector<SheetImpossible>& impossible) {
   const auto worst =
       std::max_element(f.jammed.begin(), f.jammed.end(),
                        [](const Jam& a, const Jam& b) { return a.off_mm < b.off_mm; });
-  return worst == f.jammed.end() ? "" : fmt::format(" (\"{}\" is jammed)", worst->handle);
+  if (worst == f.jammed.end()) return "";
+  const bool out_of_reach =
+      std::any_of(impossible.begin(), impossible.end(), [&](const SheetImpossible& i) {
+        return i.sheet == f.sheet && i.pair.first <= f.frame && f.frame <= i.pair.last &&
+               (i.pair.a == worst->handle || i.pair.b == worst->handle);
+      });
+  return fmt::format(" (\"{}\" is {})", worst->handle,
+                     out_of_reach ? "keyed beyond the reach of the paper" : "jammed");
 }
 
-bool contains(const std::string& text, const char* words) {
-  return text.find(words) != std::string::npos;
+/// A sentence about the frames in which the solver gave up; empty: there are none.
+std::string not_solved(const std::vector<FrameRecord>& frames) {
+  std::set<int> given_up;
+  for (const FrameRecord& f : frames)
+    if (contains(f.note, note_of_unsolved_step)) given_up.insert(f.frame);
+  if (given_up.empty()) return "";
+  return fmt::format(
+      " In {} frames from {} to {} the sheet stands still because the step was not solved: look at "
+      "what it meets there.",
+      given_up.size(), *given_up.begin(), *given_up.rbegin());
 }
 
 // What sentences about missed gates have in common, by what they are about.
@@ -185,8 +204,10 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
       gates.handle_err_mm, [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
       [&](const FrameRecord& f, double value) {
         return fmt::format("a handle is off by {:.2f} mm, more than {:g} mm{}", value,
-                           gates.handle_err_mm, worst_jam(f));
+                           gates.handle_err_mm, worst_jam(f, plan.impossible));
       });
+  if (!review.missed.empty() && contains(review.missed.back(), of_handles))
+    review.missed.back() += not_solved(frames);
   review_crossings(frames, review);
   review.check(
       gates.inside_mm, [](const FrameRecord& f) { return 1e3 * f.statistics.inside; },

@@ -20,6 +20,10 @@ struct Gates {
   double inside_mm = 0.1;
 };
 
+/// In the certificate, of a frame that the solver gave up.
+inline constexpr const char* note_of_unsolved_step =
+    "the sheet stands still although its handles move: the step was not solved";
+
 /// What is good about a bake, in words for an artist: of everything that gates judge and that none
 /// of the sentences about missed ones is about.
 std::vector<std::string> good_news(const std::vector<FrameRecord>&,
@@ -28,7 +32,8 @@ std::vector<std::string> good_news(const std::vector<FrameRecord>&,
 /// What to do about a missed gate, by its sentence; empty where nothing is known.
 std::string advice(const std::string& missed);
 
-/// One sentence for each gate that was missed, with its worst frame. Empty: none was.
+/// One sentence for each gate that was missed, with its worst frame and, for handles, the cause
+/// where it is known. Empty: none was.
 std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&,
                                       const BakePlan&);
 

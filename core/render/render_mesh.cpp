@@ -3,6 +3,7 @@
 #include "core/geometry/pattern_mesh.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/segment2.h"
+#include "core/render/short_edges.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,6 +23,8 @@ constexpr double min_turned = 0.14;
 // [1] total length of simulated edges, at most this x area / edge
 constexpr double max_length = 6;
 constexpr double border = 1e-3;  // [edges] how closely the mesh follows the border
+// [edges] shorter edges, where lines cross beside each other, are merged
+constexpr double shortest = 0.02;
 
 /// A set of points in which neighbours within a radius are found by a grid of cells of that size.
 class Sites {
@@ -326,9 +329,8 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
   return result;
 }
 
-}  // namespace
-
-RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
+/// The mesh along simulated edges and seams where there is one, else the one along rows.
+RenderMesh mesh_with_features(const Pattern& pattern, double edge, const RenderFeatures& features) {
   if (!features.seams.empty()) {
     RenderFeatures with_seams = features, without = features;
     without.seams.clear();
@@ -338,7 +340,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
         if (features.edges.empty()) mesh->simulated_edges = SimulatedEdges::none;
         return std::move(*mesh);
       }
-    return mesh_for_render(pattern, edge, without);
+    return mesh_with_features(pattern, edge, without);
   }
   SimulatedEdges simulated_edges = SimulatedEdges::none;
   if (!features.edges.empty()) {
@@ -350,6 +352,34 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
   }
   RenderMesh mesh = mesh_along_rows(pattern, edge, features);
   mesh.simulated_edges = simulated_edges;
+  return mesh;
+}
+
+/// Merges edges so short that the positions of a cache cannot hold their lengths.
+void merge_short_edges(RenderMesh& mesh, const std::vector<CreaseSegment>& seams, double edge) {
+  std::vector<char> kept(mesh.pattern.rows(), 0);
+  for (const int v : mesh.point_vertex) kept[v] = 1;
+  const Lines lines(seams, 1e-9);
+  const Points2 before = mesh.pattern;
+  const std::vector<int> became = paperbake::merge_short_edges(
+      mesh.pattern, mesh.triangles, kept,
+      [&](int a, int b) {
+        return is_on_crease(mesh.prescribed_creases, before, a, b) ||
+               lines.have(before.row(a), before.row(b));
+      },
+      shortest * edge);
+  for (int& v : mesh.point_vertex) v = became[v];
+  std::set<std::pair<int, int>> creases;
+  for (const auto& [a, b] : mesh.creases)
+    if (became[a] != became[b]) creases.insert(std::minmax(became[a], became[b]));
+  mesh.creases.assign(creases.begin(), creases.end());
+}
+
+}  // namespace
+
+RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
+  RenderMesh mesh = mesh_with_features(pattern, edge, features);
+  merge_short_edges(mesh, features.seams, edge);
   return mesh;
 }
 

@@ -63,6 +63,9 @@ struct RenderMesh {
 /// length exceeds 6 area / edge [m], or when some cross within a millionth of the sheet;
 /// `simulated_edges` says so. Seams become rows of edges like simulated edges, and all of them are
 /// left out where these would be.
+///
+/// Where lines cross beside each other, edges shorter than 0.02 edges are merged, so that lines
+/// have their vertices up to that far beside them.
 /// throws  Error(ErrorCode::scene) when the outline crosses or touches itself
 RenderMesh mesh_for_render(const Pattern&, double edge, const RenderFeatures&);
 

@@ -85,6 +85,22 @@ void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2
                          : "Correct paper_size or the mesh; they must agree within 1 %.");
 }
 
+/// Caches hold positions as numbers of 32 bits, whose distance grows with the distance from the
+/// origin. Warns where it is more than a fortieth of the shortest edges of a render mesh.
+void warn_of_distance(const std::string& name, const Points3& x,
+                      std::vector<std::string>& warnings) {
+  constexpr double coarse = 1e-6;  // [m]
+  const auto farthest = static_cast<float>(x.cwiseAbs().maxCoeff());
+  const double step = std::nextafter(farthest, 2 * farthest) - farthest;
+  if (!(step > coarse)) return;
+  warnings.push_back(
+      fmt::format("The sheet \"{}\" is {:.0f} m away from the origin. Positions in a cache are "
+                  "numbers of 32 bits, which are {:.2g} mm apart there: creases and close layers "
+                  "become rough. Bake the shot within 16 m of the origin, and move the cache back "
+                  "in the scene.",
+                  name, x.rowwise().norm().maxCoeff(), 1e3 * step));
+}
+
 /// Creases of a job file with the points that nearly lie on the border moved onto it: the sheet may
 /// be 0.1000001 m wide where the job says 0.1.
 std::vector<PrescribedCrease> with_ends_on_border(std::vector<PrescribedCrease> creases,
@@ -188,6 +204,7 @@ SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d&
     if (key.rfind("paper_", 0) != 0) sheet.authored.properties.emplace(key, value);
   name_uv_sets(text_property(node, "paper_uv_sets"), sheet.authored);
   check_size(scene, node, extent(sheet.pattern), options);
+  warn_of_distance(sheet.name, sheet.start.x, warnings);
   sheet.preset = text_property(node, "paper_preset");
   sheet.grammage = positive_property(scene.source, node, "paper_gsm");
   sheet.thickness = positive_property(scene.source, node, "paper_thickness");

@@ -60,7 +60,9 @@ std::vector<const Take*> wanted_takes(const SceneNodes& scene, const SceneOption
     throw Error(ErrorCode::scene, scene.source,
                 fmt::format("The file has no take \"{}\".", *options.take),
                 names.empty() ? "It has no animation."
-                              : fmt::format("--take must be one of {}.", fmt::join(names, ", ")));
+                              : fmt::format("--take must be one of {}; without --take all of them "
+                                            "are merged.",
+                                            fmt::join(names, ", ")));
   return takes;
 }
 
@@ -263,6 +265,13 @@ int first_frame_shift(SceneNodes& scene, const SceneOptions& options, double fir
   return 1;
 }
 
+/// The usual frame rate at which all keys lie on whole frames, if there is one.
+std::optional<double> rate_of_keys(const std::vector<Motion>& motions) {
+  for (const double rate : {24., 25., 30., 24 / 1.001, 30 / 1.001, 48., 50., 60., 60 / 1.001, 120.})
+    if (all_keys_on_frames(motions, rate)) return rate;
+  return std::nullopt;
+}
+
 void warn_of_keys_between_frames(SceneNodes& scene, const FrameClock& clock) {
   std::size_t between = 0, all = 0;
   for (const Motion& motion : scene.motions) {
@@ -271,11 +280,16 @@ void warn_of_keys_between_frames(SceneNodes& scene, const FrameClock& clock) {
     for (const double time : motion.key_times)
       between += clock.frame(time) != std::round(clock.frame(time));
   }
-  if (between > 0)
-    scene.warnings.push_back(
-        fmt::format("{} of {} keys lie between whole frames at {:.6g} frames per second: is that "
-                    "the frame rate of the scene (--fps)?",
-                    between, all, scene.fps));
+  if (between == 0) return;
+  std::string sentence =
+      fmt::format("{} of {} keys lie between whole frames at {:.6g} frames per second: ", between,
+                  all, scene.fps);
+  if (const auto rate = rate_of_keys(scene.motions))
+    sentence += fmt::format("at {:.5g} all lie on whole frames, so --fps {:.5g} is probably right.",
+                            *rate, *rate);
+  else
+    sentence += "is that the frame rate of the scene (--fps)?";
+  scene.warnings.push_back(std::move(sentence));
 }
 
 /// Converts the times of a track to frames, and its tangents accordingly.

@@ -139,6 +139,35 @@ TEST_F(CommandLineTest, ValuesThatAreLikelyMeantInAnotherUnitAreQuestioned) {
   EXPECT_FALSE(warns({"--fps", "120"}, "is that meant?"));
 }
 
+TEST_F(CommandLineTest, AMeshThatCanHardlyBendIsAskedAbout) {
+  const auto err = [&](std::vector<std::string> words) {
+    words.insert(words.begin(), {"bake", samples + "/S4_crumple.glb", "-o", output(), "--dry-run"});
+    const Ended ended = run(words);
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    return ended.err;
+  };
+  const auto asks = [&](const std::string& text, const char* remedy) {
+    return text.find("can hardly bend: is that meant? Leave " + std::string(remedy)) !=
+           std::string::npos;
+  };
+  EXPECT_TRUE(asks(err({"--triangles", "5"}), "--triangles out, or give 60 or more."));
+  EXPECT_TRUE(asks(err({"--method", "fem", "--triangles", "5"}), "--triangles"));
+  EXPECT_TRUE(asks(err({"--base-triangles", "12"}), "--base-triangles"));
+  EXPECT_EQ(err({"--triangles", "60"}).find("hardly bend"), std::string::npos);
+}
+
+TEST_F(CommandLineTest, FramesAfterTheLastKeyAreSaidToRest) {
+  const auto plan = [&](const char* frames) {
+    return run({"bake", samples + "/S4_crumple.glb", "-o", output(), "--dry-run", "--frames",
+                frames})
+        .out;
+  };
+  EXPECT_NE(plan("5-200").find("# command line; handles rest after frame 96, that of the last key"),
+            std::string::npos)
+      << plan("5-200");
+  EXPECT_EQ(plan("5-96").find("handles rest"), std::string::npos);
+}
+
 TEST_F(CommandLineTest, AReleaseBeyondTheLastFrameIsSaid) {
   const fs::path job = folder / "late.toml";
   write(job, "scene = \"" + samples + "/S4_crumple.glb\"\n[handle.\"*\"]\nrelease_frame = 500\n");

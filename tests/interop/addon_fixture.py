@@ -200,7 +200,7 @@ class Layout:
     """Stands for a panel's layout: what it is asked to show must be there."""
 
     def __init__(self):
-        self.shown, self.texts = [], []
+        self.shown, self.texts, self.pictures = [], [], []
 
     def prop(self, data, name, **settings):
         data.path_resolve(name)
@@ -214,6 +214,9 @@ class Layout:
     def label(self, text="", icon="NONE"):
         bpy.types.UILayout.bl_rna.functions["label"].parameters["icon"].enum_items[icon]
         self.texts.append(text)
+
+    def template_icon(self, icon_value, scale):
+        self.pictures.append(icon_value)
 
     def progress(self, factor, text):
         self.texts.append(text)

@@ -69,6 +69,28 @@ def test_settings_are_properties(judgement, sheet, handle):
     judgement.count("settings", 6)
 
 
+def test_grades_have_pictures(judgement, scene, sheet):
+    """Blender loads a picture for every grade that the program lists; list and panel show it. Without a window, Blender numbers no icons:
+    numbers of our own stand in."""
+    properties = part("properties")
+    grades = [name for name, *_ in properties.grade_items(sheet.paperbake, None) if name != "default"]
+    loaded = {grade: tuple(picture.image_size) for grade, picture in properties._pictures.items()}
+    judgement.check(len(grades) >= 13 and loaded == {grade: (64, 64) for grade in grades}, f"of the grades {grades} these have pictures: {loaded}")
+    pixels = {grade: tuple(picture.image_pixels_float) for grade, picture in properties._pictures.items()}
+    judgement.check(len(set(pixels.values())) == len(grades), "two grades have the same picture")
+    genuine, properties.picture_of = properties.picture_of, lambda grade: 100 + grades.index(grade) if grade in grades else 0
+    try:
+        items = {item[0]: item[3] for item in properties.grade_items(sheet.paperbake, None)}
+        sheet.paperbake.preset = "kraft90"
+        shown = panels(types.SimpleNamespace(scene=scene, object=sheet)).pictures
+        judgement.check(items["kraft90"] == 100 + grades.index("kraft90") and items["default"] == 0, f"the list has the pictures {items}")
+        judgement.check(sheet["paper_preset"] == "kraft90" and shown == [items["kraft90"]], f"the panel shows the pictures {shown}")
+        sheet.paperbake.preset = "copy90"
+    finally:
+        properties.picture_of = genuine
+    judgement.count("pictures", len(grades))
+
+
 def truth_of(scene, handles):
     """{(frame, handle): where Blender has it}"""
     found = {}
@@ -151,6 +173,7 @@ def test_bake(judgement):
     scene, sheet = new_scene("letter")
     handles = mark_and_hold(judgement, scene, sheet)
     test_settings_are_properties(judgement, sheet, scene.objects["handle.Grip"])
+    test_grades_have_pictures(judgement, scene, sheet)
     truth = truth_of(scene, handles)
     hide(scene, *handles[:3])
     result, said = report(bpy.ops.paperbake.bake)
@@ -355,6 +378,7 @@ def test_winds(judgement):
     arrow["paper_speed"] = 3.5
     layout = panels(types.SimpleNamespace(scene=scene, object=arrow))
     judgement.check('["paper_speed"]' in layout.shown and any("1 wind(s)" in text for text in layout.texts), "no panel shows the wind")
+    judgement.check("share" in part("properties").WIND["paper_gust"][0], "the strength of gusts, a share of the speed, is shown in another unit")
     with heard():
         part("scene_export").write(scene, str(FOLDER / "winds" / "wind.glb"), LAST)
     blown = FOLDER / "winds" / "blown"

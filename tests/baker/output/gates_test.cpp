@@ -82,6 +82,27 @@ TEST(Gates, WhatIsGoodIsToldOfAllThatNoMissedGateIsAbout) {
   EXPECT_NE(advice(missed[0]).find("more slowly"), std::string::npos);
 }
 
+TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
+  BakePlan plan;
+  plan.impossible = {{"paper", {"handle.a", "handle.b", 7, 6, 8, 0.2, 0.1}}};
+  std::vector<FrameRecord> frames{rendered(7), rendered(9), rendered(10)};
+  for (FrameRecord& f : frames) f.jammed = {{"handle.b", 30}};
+  frames[0].statistics.handle_error_max = 0.03;
+  EXPECT_NE(missed_gates({}, frames, plan)
+                .at(0)
+                .find("(\"handle.b\" is keyed beyond the reach of the paper)."),
+            std::string::npos);
+  frames[1].statistics.handle_error_max = 0.04;
+  for (const int k : {1, 2}) frames[k].note = std::string("a snap; ") + note_of_unsolved_step;
+  const std::string sentence = missed_gates({}, frames, plan).at(0);
+  EXPECT_NE(sentence.find("(\"handle.b\" is jammed)"), std::string::npos)
+      << "in that frame it is within reach: " << sentence;
+  EXPECT_NE(sentence.find("In 2 frames from 9 to 10 the sheet stands still because the step was "
+                          "not solved"),
+            std::string::npos)
+      << sentence;
+}
+
 TEST(Gates, EveryMissedGateHasAnAdvice) {
   FrameRecord bad = rendered(5);
   bad.statistics.stretch_mean = bad.statistics.stretch_max = bad.statistics.inside = 1;

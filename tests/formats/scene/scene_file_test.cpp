@@ -154,7 +154,28 @@ TEST(SceneFile, KeysBetweenFramesAreWarnedOf) {
   options.fps = 30;  // frame 5 at 24 is 6.25 at 30
   const Scene scene = read_scene(HeldSheet().write("rate.gltf"), options);
   EXPECT_EQ(scene.last_frame, 7);
-  EXPECT_TRUE(has_warning(scene, "between whole frames"));
+  EXPECT_TRUE(has_warning(scene,
+                          "2 of 2 keys lie between whole frames at 30 frames per second: "
+                          "at 24 all lie on whole frames, so --fps 24 is probably right."));
+}
+
+TEST(SceneFile, ASheetFarFromTheOriginIsWarnedOf) {
+  const auto at = [](double away) {
+    return grid(4, 4, 0.2, 0.2, nullptr,
+                [away](double u, double v) { return Vector3d(away + u, v, 0); });
+  };
+  EXPECT_FALSE(has_warning(read_scene(HeldSheet(at(15)).write("near.gltf")), "origin"));
+  EXPECT_TRUE(has_warning(read_scene(HeldSheet(at(120)).write("far.gltf")),
+                          "The sheet \"paper\" is 120 m away from the origin. Positions in a cache "
+                          "are numbers of 32 bits, which are 0.0076 mm apart there"));
+}
+
+TEST(SceneFile, AnUnknownTakeIsToldWithWhatHappensWithoutOne) {
+  SceneOptions options;
+  options.take = "nosuch";
+  EXPECT_NE(test::error_of(HeldSheet().write("take.gltf"), options)
+                .find("without --take all of them are merged"),
+            std::string::npos);
 }
 
 TEST(SceneFile, TracksNeedNoSheet) {
