@@ -2,9 +2,8 @@
 
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/rigid_motion.h"
+#include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/segment2.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -129,9 +128,8 @@ class Clamps {
     Points2 p(handles.size(), 2);
     for (Eigen::Index k = 0; k < p.rows(); ++k) p.row(k) = place(handles[k]);
     p.rowwise() -= p.colwise().mean().eval();
-    const Eigen::Matrix2d spread = p.transpose() * p;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(spread, Eigen::EigenvaluesOnly);
-    return axes.eigenvalues().cwiseMax(0).cwiseSqrt().reverse();
+    const SymmetricEigen<2> axes = symmetric_eigen(Eigen::Matrix2d(p.transpose() * p));
+    return axes.values.cwiseMax(0).cwiseSqrt().reverse();
   }
 
   /// Of the plate on which the handles of a clamp are; none: not all of them hold.
@@ -178,10 +176,10 @@ class Clamps {
   /// normals  sum of n n^T
   /// sum      sum of c n
   static std::optional<Line> line_through(const Eigen::Matrix2d& normals, const Vector2d& sum) {
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> axes(normals);
-    const double along = axes.eigenvalues()[1];
-    if (!(along > 0) || axes.eigenvalues()[0] > straight * straight * along) return std::nullopt;
-    const Vector2d normal = axes.eigenvectors().col(1);
+    const SymmetricEigen<2> axes = symmetric_eigen(normals);
+    const double along = axes.values[1];
+    if (!(along > 0) || axes.values[0] > straight * straight * along) return std::nullopt;
+    const Vector2d normal = axes.vectors.col(1);
     Line line;
     line.point = sum.dot(normal) / along * normal;
     line.direction = {-normal.y(), normal.x()};

@@ -1,8 +1,7 @@
 #include "core/animation/imperfection.h"
 
+#include "core/geometry/principal_axes.h"
 #include "core/geometry/random.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <cmath>
 
@@ -16,9 +15,7 @@ struct Plane {
 
 Plane plane_of(const Points3& x) {
   const Eigen::RowVector3d centre = x.colwise().mean();
-  const Eigen::Matrix3d scatter = (x.rowwise() - centre).transpose() * (x.rowwise() - centre);
-  const Vector3d normal =
-      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(scatter).eigenvectors().col(0);
+  const Vector3d normal = principal_axes(x).vectors.col(0);
   return {normal, ((x.rowwise() - centre) * normal).cwiseAbs().maxCoeff()};
 }
 

@@ -1,8 +1,7 @@
 #include "core/geometry/collider.h"
 
+#include "core/geometry/principal_axes.h"
 #include "core/geometry/proximity.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -53,8 +52,7 @@ void turn(Triangles& triangles) { triangles.col(1).swap(triangles.col(2)); }
 /// [m] Sides of the box along the principal axes of the points, the shortest first.
 Vector3d sides_of_box(const Points3& x) {
   const Points3 apart = x.rowwise() - x.colwise().mean().eval();
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(apart.transpose() * apart);
-  const Points3 along = apart * axes.eigenvectors();
+  const Points3 along = apart * principal_axes(x).vectors;
   Vector3d sides = (along.colwise().maxCoeff() - along.colwise().minCoeff()).transpose();
   // a cube has no principal axes of its own: there the box along x, y, z may be smaller
   const Vector3d straight = (x.colwise().maxCoeff() - x.colwise().minCoeff()).transpose();

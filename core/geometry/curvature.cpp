@@ -2,8 +2,7 @@
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
-
-#include <Eigen/Eigenvalues>
+#include "core/linear_algebra/symmetric_eigen.h"
 
 #include <algorithm>
 #include <cmath>
@@ -34,14 +33,14 @@ struct Ring {
 };
 Ring judge(const Matrix2d& folds, const Matrix2d& round) {
   constexpr double min_seen = 0.25;
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(round);
+  const SymmetricEigen<2> eigen = symmetric_eigen(round);
   Matrix2d root = Matrix2d::Zero(), blind = Matrix2d::Zero();
   for (int i = 0; i < 2; ++i) {
-    const Vector2d u = solver.eigenvectors().col(i);
-    if (solver.eigenvalues()[i] < min_seen)
+    const Vector2d u = eigen.vectors.col(i);
+    if (eigen.values[i] < min_seen)
       blind += u * u.transpose();
     else
-      root += u * u.transpose() / std::sqrt(solver.eigenvalues()[i]);
+      root += u * u.transpose() / std::sqrt(eigen.values[i]);
   }
   return {root * folds * root, blind};
 }

@@ -1,9 +1,9 @@
 #include "core/geometry/developable_curvature.h"
 
 #include "core/geometry/hinges.h"
+#include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/segment2.h"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <array>
@@ -42,8 +42,7 @@ struct Neighbourhood {
 
   bool knows_all() const {
     constexpr double enough = 0.1;
-    return area > 0 && Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(known, Eigen::EigenvaluesOnly)
-                               .eigenvalues()[0] > enough * area;
+    return area > 0 && symmetric_eigen(known).values[0] > enough * area;
   }
   /// otherwise  [1/m] value assumed for the undetermined components
   Vector3d curvature(const Vector3d& otherwise) const {

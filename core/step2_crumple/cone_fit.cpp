@@ -1,6 +1,6 @@
 #include "core/step2_crumple/cone_fit.h"
 
-#include <Eigen/Eigenvalues>
+#include "core/linear_algebra/symmetric_eigen.h"
 
 #include <cmath>
 
@@ -29,14 +29,13 @@ Cone fit_cone(const std::vector<RulingSample>& samples, double scale,
     const Vector3d q(s.across.x(), s.across.y(), -s.across.dot(s.p - cone.centre) / scale);
     const Vector3d w = s.weight * q;
     for (int c = 0; c < 3; ++c)
-      for (int r = 0; r <= c; ++r) M(c, r) += w[c] * q[r];  // the solver reads the lower triangle
+      for (int r = 0; r <= c; ++r) M(c, r) += w[c] * q[r];  // the lower triangle
   }
   M /= weight;
   M(2, 2) += cylinder_regularization;
-  Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver;
-  solver.compute(M);
-  cone.apex = solver.eigenvectors().col(0);
-  cone.residual = solver.eigenvalues()[0];
+  const SymmetricEigen<3> eigen = symmetric_eigen(M);
+  cone.apex = eigen.vectors.col(0);
+  cone.residual = eigen.values[0];
   return cone;
 }
 

@@ -2,9 +2,8 @@
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/measure.h"
+#include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/segment2.h"
-
-#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -65,10 +64,10 @@ Axis axis_of(const YieldedMesh& mesh, const std::vector<int>& triangles) {
     axis.middle += S.norm() * mesh.middle(t);
   }
   axis.middle /= total;
-  const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> turn(sum);
-  const Vector2d size = turn.eigenvalues().cwiseAbs();
+  const SymmetricEigen<2> turn = symmetric_eigen(sum);
+  const Vector2d size = turn.values.cwiseAbs();
   const int most = size[0] > size[1] ? 0 : 1;
-  axis.across = turn.eigenvectors().col(most);
+  axis.across = turn.vectors.col(most);
   axis.share = size[most] / total;
   return axis;
 }

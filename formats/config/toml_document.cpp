@@ -7,6 +7,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
+#include <string_view>
 
 namespace paperbake {
 
@@ -51,22 +53,53 @@ void refuse_unknown_keys(const TomlDocument& document, const toml::table& table,
        fmt::format("Known keys: {}.", fmt::join(known, ", ")));
 }
 
-// TOML ends no text at the end of a line: a quote that is left open is met as the line break, which
-// is a control character, or as the end of the file.
-std::string syntax_remedy(std::string_view cause) {
-  const auto says = [&](const char* words) { return cause.find(words) != cause.npos; };
-  if (says("string: ") && (says("control characters") || says("end-of-file")))
-    return "A quote before this place may not be closed.";
-  return "";
+/// Position of a byte, as the parser tells positions: columns count the characters of UTF-8.
+toml::source_position position_at(std::string_view toml, std::size_t byte) {
+  const std::string_view before = toml.substr(0, byte),
+                         line = before.substr(before.rfind('\n') + 1);
+  const auto begins_character = [](char c) { return (c & 0xC0) != 0x80; };
+  return {toml::source_index(1 + std::count(before.begin(), before.end(), '\n')),
+          toml::source_index(1 + std::count_if(line.begin(), line.end(), begins_character))};
+}
+
+/// Where a text begins that is not closed: in one quote by the end of its line, in three by the end
+/// of the file. none: all texts are closed
+std::optional<toml::source_position> open_quote(std::string_view toml) {
+  std::size_t begin = 0;
+  std::string_view open;  // the quotes that the text began with; empty: outside of a text
+  for (std::size_t i = 0; i < toml.size();) {
+    const std::string_view rest = toml.substr(i);
+    const char c = rest[0];
+    if (open.empty() && c == '#') {
+      i = std::min(toml.find('\n', i), toml.size());
+    } else if (open.empty()) {
+      begin = i;
+      if (c == '"' || c == '\'')
+        open = rest.substr(0, rest.substr(0, 3) == std::string(3, c) ? 3 : 1);
+      i += std::max<std::size_t>(1, open.size());
+    } else if (rest.substr(0, open.size()) == open) {
+      i += open.size();
+      // quotes at the end of such a text belong to it
+      if (open.size() == 3) i = std::min(toml.find_first_not_of(open, i), toml.size());
+      open = {};
+    } else if (open.size() == 1 && (c == '\n' || c == '\r')) {
+      break;
+    } else {
+      i += c == '\\' && open[0] == '"' ? 2 : 1;
+    }
+  }
+  if (open.empty()) return std::nullopt;
+  return position_at(toml, begin);
 }
 
 TomlDocument parse_toml(const std::string& file, const std::string& text) {
   try {
     return {file, toml::parse(text, file)};
   } catch (const toml::parse_error& error) {
-    fail({file, {}}, error.source().begin,
-         fmt::format("This is not TOML: {}.", error.description()),
-         syntax_remedy(error.description()));
+    const toml::source_position at = error.source().begin;
+    const std::optional<toml::source_position> quote = open_quote(text);
+    fail({file, {}}, at, fmt::format("This is not TOML: {}.", error.description()),
+         quote && precedes(*quote, at) ? "A quote before this place may not be closed." : "");
   }
 }
 

@@ -1,6 +1,7 @@
 #include "core/methods/adaptive_mesh/sizing_field.h"
 
 #include "core/geometry/developable_curvature.h"
+#include "core/linear_algebra/symmetric_eigen.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -49,11 +50,11 @@ double twice_area(const Sheet& sheet, int t) {
 
 /// The metric with its sizes limited to their bounds.
 Matrix2d bounded(const Matrix2d& M, double longest, double shortest, double aspect) {
-  const Eigen::SelfAdjointEigenSolver<Matrix2d> solver(M);
+  const SymmetricEigen<2> eigen = symmetric_eigen(M);
   Vector2d values =
-      solver.eigenvalues().cwiseMax(1 / (longest * longest)).cwiseMin(1 / (shortest * shortest));
+      eigen.values.cwiseMax(1 / (longest * longest)).cwiseMin(1 / (shortest * shortest));
   values = values.cwiseMax(values.maxCoeff() / (aspect * aspect));
-  return solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose();
+  return eigen.vectors * values.asDiagonal() * eigen.vectors.transpose();
 }
 
 /// Limits the growth of sizes: seen from either end of an edge, the field at the other end may be

@@ -266,12 +266,17 @@ TEST(PresetFile, ASyntaxErrorHasLineAndColumn) {
 }
 
 TEST(PresetFile, AnOpenQuoteIsSuspectedWhereALineOrTheFileEndsInAText) {
-  for (const char* open : {"unit = \"N m", "unit = 'N m", "unit = \"\"\"N m"}) {
+  for (const char* open : {"unit = \"N m", "unit = 'N m", "unit = \"\"\"N m", "unit = '''N m",
+                           "unit = \"Nµ\\\"m", "unit = \"N m\r", "unit = '#' # 'unit'\nmark = \"a",
+                           "unit = \"\"\"\"N m\"\"\"\"\nmark = 'a", "unit = [\"N\", \"m]"}) {
     const PresetFile file("unit = \"N m\"", open);
     EXPECT_EQ(error_of(file.path).remedy, "A quote before this place may not be closed.") << open;
   }
-  const PresetFile escaped("unit = \"N m\"", "unit = \"N\\w\"");
-  EXPECT_EQ(error_of(escaped.path).remedy, "");
+  for (const char* other :
+       {"unit = \"N\\w\"", "unit = \"N\x01m\"", "unit =", "unit = [1,", "unit = = \"N m"}) {
+    const PresetFile file("unit = \"N m\"", other);
+    EXPECT_EQ(error_of(file.path).remedy, "") << other;
+  }
 }
 
 TEST(PresetFile, AnEmptyFileMissesItsName) {

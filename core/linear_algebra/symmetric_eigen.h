@@ -1,0 +1,18 @@
+#pragma once
+
+#include <Eigen/Core>
+
+namespace paperbake {
+
+/// Eigenvalues and eigenvectors of a symmetric matrix, M = sum_i values_i v_i v_i^T.
+template <int n>
+struct SymmetricEigen {
+  Eigen::Matrix<double, n, 1> values;   // rising
+  Eigen::Matrix<double, n, n> vectors;  // [1] v_i is column i, of unit length
+};
+
+/// The lower triangle of M is read. Implicit QR steps, to rounding.
+SymmetricEigen<2> symmetric_eigen(const Eigen::Matrix2d& M);
+SymmetricEigen<3> symmetric_eigen(const Eigen::Matrix3d& M);
+
+}  // namespace paperbake
