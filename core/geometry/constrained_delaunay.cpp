@@ -19,9 +19,9 @@ using Cdt = CGAL::Constrained_Delaunay_triangulation_2<
     CGAL::No_constraint_intersection_requiring_constructions_tag>;
 using Edges = std::vector<std::pair<int, int>>;
 
-/// Inserts a point that is probably near the vertex inserted last. The walk to it begins there; only
-/// where it ends on an edge or outside, where the face depends on the way, it begins at infinity:
-/// faces get the same order as if all walks did.
+/// Inserts a point that is probably near the vertex inserted last. The walk to it begins there.
+/// Only where it ends on an edge or outside, where the face depends on the way, does it begin at
+/// infinity: faces get the same order as if all walks did.
 Cdt::Vertex_handle insert_near(Cdt& cdt, const Kernel::Point_2& point, Cdt::Vertex_handle last) {
   if (last != Cdt::Vertex_handle()) {
     Cdt::Locate_type where;

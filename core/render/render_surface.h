@@ -52,8 +52,8 @@ class RenderSurface {
   std::vector<MeshPoint> locate_on(const Points2& pattern, const Triangles&) const;
 
   /// Says which of the points that the mesh was made for are held from now on. Must be called
-  /// before the first frame, and before lengths are limited or crossings counted: what these need is
-  /// made here, because a mesh may be given up before. Expensive when other points are held than
+  /// before the first frame, and before lengths are limited or crossings counted: what these need
+  /// is made here, because a mesh may be given up before. Expensive when other points are held than
   /// before.
   void hold(const std::vector<int>& points);
 
