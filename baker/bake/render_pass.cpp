@@ -19,6 +19,24 @@ namespace {
 
 using MeshPoints = std::shared_future<std::vector<MeshPoint>>;
 
+/// How many sheets have a k-th frame: the first ones.
+std::size_t sheets_with_frame(const std::vector<RenderInput>& sheets, std::size_t k) {
+  std::size_t count = 0;
+  while (count < sheets.size() && k < sheets[count].record->frames().size()) ++count;
+  return count;
+}
+
+/// The k-th frame of all sheets has the shape of the one before.
+bool simulated_alike(const std::vector<RenderInput>& sheets, std::size_t k) {
+  if (k == 0 || sheets_with_frame(sheets, k) != sheets_with_frame(sheets, k - 1)) return false;
+  for (std::size_t s = 0; s < sheets_with_frame(sheets, k); ++s) {
+    const RecordedFrame &now = sheets[s].record->frames()[k],
+                        &before = sheets[s].record->frames()[k - 1];
+    if (now.mesh != before.mesh || now.x != before.x) return false;
+  }
+  return true;
+}
+
 std::size_t frames_of_any(const std::vector<RenderInput>& sheets) {
   std::size_t count = 0;
   for (const RenderInput& sheet : sheets) count = std::max(count, sheet.record->frames().size());
@@ -125,14 +143,13 @@ class RenderPass::FrameRenderer {
 
   /// The k-th frame is the one before to the last bit, in all that its rendering depends on.
   bool rests(std::size_t k) const {
-    if (k == 0 || sheets_with_frame(k) != sheets_with_frame(k - 1)) return false;
+    if (!simulated_alike(inputs_, k)) return false;
     const auto& frames = inputs_.front().record->frames();
     if (wanted_.contains(frames[k].frame) && !wanted_.contains(frames[k - 1].frame)) return false;
-    for (std::size_t s = 0; s < sheets_with_frame(k); ++s) {
+    for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s) {
       const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
       const RecordedFrame &now = recorded[k], &before = recorded[k - 1];
-      if (now.mesh != before.mesh || now.held != before.held || now.x != before.x ||
-          now.held_at != before.held_at || now.keyed != before.keyed)
+      if (now.held != before.held || now.held_at != before.held_at || now.keyed != before.keyed)
         return false;
       if (const auto& colliders = inputs_[s].shot->colliders) {
         const int row = now.frame - recorded.front().frame;
@@ -141,13 +158,6 @@ class RenderPass::FrameRenderer {
       }
     }
     return true;
-  }
-
-  /// How many sheets have a k-th frame: the first ones.
-  std::size_t sheets_with_frame(std::size_t k) const {
-    std::size_t count = 0;
-    while (count < inputs_.size() && k < inputs_[count].record->frames().size()) ++count;
-    return count;
   }
 
   /// The frame is wanted, or one beside it, whose velocity depends on it.
@@ -167,7 +177,7 @@ class RenderPass::FrameRenderer {
       return true;
     }
     std::vector<MeshPoints> points;
-    for (std::size_t s = 0; s < sheets_with_frame(k); ++s) {
+    for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s) {
       const RecordedFrame& recorded = inputs_[s].record->frames()[k];
       if (held_[s] != recorded.held) {
         if (!pending_.empty()) return false;
@@ -175,7 +185,8 @@ class RenderPass::FrameRenderer {
         held_[s] = recorded.held;
       }
     }
-    for (std::size_t s = 0; s < sheets_with_frame(k); ++s) points.push_back(points_[s].at(k));
+    for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s)
+      points.push_back(points_[s].at(k));
     last_ =
         PendingFrame{k, std::async(launch_policy(static_cast<int>(threads_)), [this, k, points] {
                           return render(k, points);
@@ -355,6 +366,7 @@ RenderPass::State::FacetsOfSheets RenderPass::State::intersecting_facets(
   FacetsOfSheets found(sheets.size());
   std::deque<std::future<FacetsOfSheets>> pending;
   for (std::size_t k = 0; k < frames || !pending.empty(); ++k) {
+    if (k < frames && simulated_alike(inputs, k)) continue;
     if (k < frames) {
       std::vector<MeshPoints> at;
       for (std::size_t s = 0; s < sheets.size() && k < inputs[s].record->frames().size(); ++s)

@@ -21,8 +21,7 @@ constexpr Colour background{38, 40, 44}, panel_ground{58, 62, 68}, ink{20, 20, 2
 const Vector3d paper_front(0.92, 0.90, 0.85), paper_back(0.70, 0.76, 0.86), solid(0.16, 0.20, 0.25);
 
 std::uint8_t encoded(double linear) {
-  return static_cast<std::uint8_t>(
-      std::lround(255 * std::pow(std::clamp(linear, 0.0, 1.0), 1 / 2.2)));
+  return static_cast<std::uint8_t>(255 * std::pow(std::clamp(linear, 0.0, 1.0), 1 / 2.2) + 0.5);
 }
 
 /// A key light from the left, a weak one from the sky. normal: unit, at the viewer

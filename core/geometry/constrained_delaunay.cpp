@@ -19,6 +19,19 @@ using Cdt = CGAL::Constrained_Delaunay_triangulation_2<
     CGAL::No_constraint_intersection_requiring_constructions_tag>;
 using Edges = std::vector<std::pair<int, int>>;
 
+/// Inserts a point that is probably near the vertex inserted last. The walk to it begins there.
+/// Only where it ends on an edge or outside, where the face depends on the way, does it begin at
+/// infinity: faces get the same order as if all walks did.
+Cdt::Vertex_handle insert_near(Cdt& cdt, const Kernel::Point_2& point, Cdt::Vertex_handle last) {
+  if (last != Cdt::Vertex_handle()) {
+    Cdt::Locate_type where;
+    int number;
+    const Cdt::Face_handle face = cdt.locate(point, where, number, last->face());
+    if (where == Cdt::FACE) return cdt.insert(point, where, face, number);
+  }
+  return cdt.insert(point);
+}
+
 /// Marks each face with 1 on the paper and 0 outside it: on the way in from infinity, every border
 /// edge that is crossed changes the side. (Testing where the centroid lies is not enough: three
 /// points on one side of a polygon may span a triangle of 1e-23 m2 outside the paper.)
@@ -55,7 +68,8 @@ std::optional<Triangles> constrained_delaunay(const std::vector<Vector2d>& point
   std::vector<Cdt::Vertex_handle> handles(points.size());
   try {
     for (std::size_t i = 0; i < points.size(); ++i) {
-      handles[i] = cdt.insert(Kernel::Point_2(points[i].x(), points[i].y()));
+      handles[i] = insert_near(cdt, Kernel::Point_2(points[i].x(), points[i].y()),
+                               i > 0 ? handles[i - 1] : Cdt::Vertex_handle());
       handles[i]->info() = static_cast<int>(i);
     }
     for (const Edges* edges : {&border, &chords})

@@ -102,7 +102,8 @@ void add_required(const std::vector<Vector2d>& required, double snap, Cloud& clo
 void add_folds(const std::vector<PrescribedCrease>& folds, double edge, double snap, Cloud& cloud) {
   const auto vertex_at = [&](const Vector2d& p) {
     for (std::size_t i = 0; i < cloud.points.size(); ++i)
-      if ((cloud.points[i] - p).norm() <= snap) return static_cast<int>(i);
+      if (std::abs(cloud.points[i].x() - p.x()) <= snap && (cloud.points[i] - p).norm() <= snap)
+        return static_cast<int>(i);
     cloud.points.push_back(p);
     return static_cast<int>(cloud.points.size()) - 1;
   };
@@ -111,8 +112,12 @@ void add_folds(const std::vector<PrescribedCrease>& folds, double edge, double s
     for (std::size_t s = 0; s + 1 < fold.line.size(); ++s) {
       const Vector2d a = fold.line[s], d = fold.line[s + 1] - a;
       std::vector<std::pair<double, int>> stops;  // fraction of the segment, vertex
+      Eigen::AlignedBox2d near(a.cwiseMin(a + d), a.cwiseMax(a + d));
+      near.min().array() -= 2 * snap;
+      near.max().array() += 2 * snap;
       for (std::size_t i = 0; i < cloud.points.size(); ++i)
-        if (distance_to_segment(cloud.points[i], a, a + d) <= snap)
+        if (near.contains(cloud.points[i]) &&
+            distance_to_segment(cloud.points[i], a, a + d) <= snap)
           stops.emplace_back((cloud.points[i] - a).dot(d) / d.squaredNorm(), static_cast<int>(i));
       std::sort(stops.begin(), stops.end());
       int last = stops.front().second;

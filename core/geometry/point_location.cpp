@@ -51,14 +51,16 @@ PointLocator::PointLocator(const Points2& pattern, const Triangles& triangles)
 }
 
 bool PointLocator::inside(int t, const Vector2d& p, Vector3d& weights) const {
+  constexpr double outside = -1e-9;
   const Vector2d a = pattern_.row(triangles_(t, 0)), b = pattern_.row(triangles_(t, 1)),
                  c = pattern_.row(triangles_(t, 2));
   const Vector2d u = b - a, v = c - a, q = p - a;
   const double area = u.x() * v.y() - u.y() * v.x();
   weights[1] = (q.x() * v.y() - q.y() * v.x()) / area;
+  if (weights[1] < outside) return false;
   weights[2] = (u.x() * q.y() - u.y() * q.x()) / area;
   weights[0] = 1 - weights[1] - weights[2];
-  return weights.minCoeff() >= -1e-9;
+  return weights[2] >= outside && weights[0] >= outside;
 }
 
 MeshPoint PointLocator::locate(const Vector2d& p) const {

@@ -42,14 +42,20 @@ std::vector<int> postorder(const Factor& factor) {
   return place;
 }
 
+/// The factor with its columns at these places. The rows of a column are its ancestors in the
+/// elimination tree, whose order a postorder keeps: they stay sorted.
 Factor reordered(const Factor& factor, const std::vector<int>& place) {
-  std::vector<Eigen::Triplet<double>> entries;
-  entries.reserve(factor.nonZeros());
-  for (int j = 0; j < factor.cols(); ++j)
-    for (Factor::InnerIterator it(factor, j); it; ++it)
-      entries.emplace_back(place[it.row()], place[j], it.value());
-  Factor result(factor.rows(), factor.cols());
-  result.setFromTriplets(entries.begin(), entries.end());
+  const int n = static_cast<int>(factor.cols());
+  std::vector<int> column(n);  // at each place
+  for (int j = 0; j < n; ++j) column[place[j]] = j;
+  Factor result(n, n);
+  result.reserve(factor.nonZeros());
+  for (int k = 0; k < n; ++k) {
+    result.startVec(k);
+    for (Factor::InnerIterator it(factor, column[k]); it; ++it)
+      result.insertBackByOuterInner(k, place[it.row()]) = it.value();
+  }
+  result.finalize();
   return result;
 }
 
@@ -91,12 +97,12 @@ ColumnCholesky::ColumnCholesky(const Eigen::SparseMatrix<double>& lower) {
   if (solver->info() != Eigen::Success)
     throw Error(ErrorCode::simulation, "render mesh", "Its matrix is not positive definite.");
   const int n = static_cast<int>(lower.rows());
-  Factor factor = solver->matrixL();
-  const std::vector<int> place = postorder(factor);
+  const Factor& unordered = solver->matrixL().nestedExpression();
+  const std::vector<int> place = postorder(unordered);
   place_.resize(n);
   for (int i = 0; i < n; ++i) place_[i] = place[solver->permutationP().indices()[i]];
+  const Factor factor = reordered(unordered, place);
   solver.reset();  // it holds the factor, too
-  factor = reordered(factor, place);
   make_panels(factor);
 }
 

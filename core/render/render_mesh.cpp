@@ -189,7 +189,7 @@ class Edges {
   std::map<std::pair<int, int>, int> left_;  // triangle on the left of each directed edge
 };
 
-/// Straight lines, to look for those that an edge lies on.
+/// Straight lines, to look for those that a point lies on.
 class Lines {
  public:
   /// near  [m] how far from a line a point may be that lies on it
@@ -200,14 +200,13 @@ class Lines {
       boxes_.emplace_back((box.min().array() - near).matrix(), (box.max().array() + near).matrix());
     }
   }
-  /// True if both a and b lie on one of the lines. [m]
-  bool have(const Vector2d& a, const Vector2d& b) const {
+  /// The numbers of the lines that a point [m] lies on, in order.
+  std::vector<int> at(const Vector2d& p) const {
+    std::vector<int> found;
     for (std::size_t k = 0; k < lines_.size(); ++k)
-      if (boxes_[k].contains(a) && boxes_[k].contains(b) &&
-          distance_to_segment(a, lines_[k].a, lines_[k].b) <= near_ &&
-          distance_to_segment(b, lines_[k].a, lines_[k].b) <= near_)
-        return true;
-    return false;
+      if (boxes_[k].contains(p) && distance_to_segment(p, lines_[k].a, lines_[k].b) <= near_)
+        found.push_back(static_cast<int>(k));
+    return found;
   }
 
  private:
@@ -215,6 +214,11 @@ class Lines {
   std::vector<Eigen::AlignedBox2d> boxes_;  // a little larger than the lines
   double near_;
 };
+
+bool have_common(const std::vector<int>& a, const std::vector<int>& b) {
+  return std::any_of(a.begin(), a.end(),
+                     [&](int k) { return std::find(b.begin(), b.end(), k) != b.end(); });
+}
 
 /// Edges on the prescribed creases of the pattern.
 std::set<std::pair<int, int>> folded_edges(const RenderMesh& mesh,
@@ -266,10 +270,13 @@ std::optional<RenderMesh> mesh_along_edges(const Pattern& pattern, double edge,
                              mesh->point_vertex.begin() + features.points.size());
   std::set<std::pair<int, int>> found = folded_edges(result, pattern.prescribed_creases);
   const Lines lines(std::move(sharp), near);
+  std::vector<std::vector<int>> lines_at;
+  for (int v = 0; v < result.pattern.rows(); ++v)
+    lines_at.push_back(lines.at(result.pattern.row(v)));
   for (int t = 0; t < result.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i)
       if (const int a = result.triangles(t, i), b = result.triangles(t, (i + 1) % 3);
-          a < b && lines.have(result.pattern.row(a), result.pattern.row(b)))
+          a < b && have_common(lines_at[a], lines_at[b]))
         found.insert({a, b});
   result.creases.assign(found.begin(), found.end());
   return result;

@@ -4,6 +4,7 @@
 #include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/render/curved_surface.h"
+#include "core/render/strain_limit.h"
 
 #include <algorithm>
 #include <set>
@@ -20,20 +21,29 @@ CreasedNormals normals_of(const RenderMesh& mesh) {
 
 }  // namespace
 
+struct RenderSurface::ForFrames {
+  ShapeFit shape_fit;
+  StrainLimit coarse_limit;
+  std::optional<StrainLimit> fine_limit;
+  CrossingCounter counter;  // of mesh()
+
+  const StrainLimit& limit() const { return fine_limit ? *fine_limit : coarse_limit; }
+};
+
 RenderSurface::RenderSurface(RenderMesh mesh, const ShapeFitOptions& options, int refine)
     : facets_(mesh.simulated_edges == SimulatedEdges::kept ? Facets::own : Facets::cut),
       coarse_(std::move(mesh)),
-      shape_fit_(coarse_.pattern, coarse_.triangles, options, coarse_.prescribed_creases),
-      coarse_limit_(coarse_.pattern, coarse_.triangles),
+      fit_options_(options),
       coarse_normals_(normals_of(coarse_)) {
   if (refine > 0) fine_ = subdivide(coarse_, coarse_normals_.of_corner());
-  counter_.emplace(this->mesh().pattern, this->mesh().triangles);
   apart_.emplace(this->mesh().pattern, this->mesh().triangles);
   mean_edge_ = mean_edge(this->mesh().pattern, this->mesh().triangles);
-  if (!fine_) return;
-  fine_limit_.emplace(fine_->mesh.pattern, fine_->mesh.triangles);
-  fine_normals_.emplace(normals_of(fine_->mesh));
+  if (fine_) fine_normals_.emplace(normals_of(fine_->mesh));
 }
+
+RenderSurface::RenderSurface(RenderSurface&&) = default;
+RenderSurface& RenderSurface::operator=(RenderSurface&&) = default;
+RenderSurface::~RenderSurface() = default;
 
 std::vector<MeshPoint> RenderSurface::locate_on(const Points2& pattern,
                                                 const Triangles& triangles) const {
@@ -63,12 +73,21 @@ std::vector<MeshPoint> RenderSurface::locate_on(const Points2& pattern,
 }
 
 void RenderSurface::hold(const std::vector<int>& points) {
+  if (!for_frames_) {
+    const RenderMesh& all = mesh();
+    for_frames_.reset(new ForFrames{
+        {coarse_.pattern, coarse_.triangles, fit_options_, coarse_.prescribed_creases},
+        {coarse_.pattern, coarse_.triangles},
+        {},
+        {all.pattern, all.triangles}});
+    if (fine_) for_frames_->fine_limit.emplace(all.pattern, all.triangles);
+  }
   held_.clear();
   for (const int p : points) held_.push_back(coarse_.point_vertex[p]);
   std::vector<int> vertices = held_;
   std::sort(vertices.begin(), vertices.end());
   vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-  shape_fit_.hold(vertices);
+  for_frames_->shape_fit.hold(vertices);
   is_held_.assign(mesh().pattern.rows(), 0);
   for (const int v : vertices) is_held_[v] = 1;
 }
@@ -88,11 +107,11 @@ RenderFrame RenderSurface::frame(const Sheet& sheet, const std::vector<MeshPoint
   for (std::size_t k = 0; k < held_.size(); ++k) y.row(held_[k]) = held_at.row(k);
 
   RenderFrame frame;
-  frame.x = shape_fit_(y, curvature);
-  coarse_limit_(frame.x, is_held_);
+  frame.x = for_frames_->shape_fit(y, curvature);
+  for_frames_->coarse_limit(frame.x, is_held_);
   if (fine_) {
     frame.x = fine_->positions(frame.x, coarse_normals_.normals(frame.x));
-    (*fine_limit_)(frame.x, is_held_);
+    limit_strain(frame.x);
   }
   frame.counted.x = frame.x.cast<float>().cast<double>();
   frame.counted.crossings = crossings(frame.counted.x);
@@ -100,6 +119,12 @@ RenderFrame RenderSurface::frame(const Sheet& sheet, const std::vector<MeshPoint
   shade(frame);
   return frame;
 }
+
+void RenderSurface::limit_strain(Points3& x) const { for_frames_->limit()(x, is_held_); }
+
+double RenderSurface::worst_edge(const Points3& x) const { return for_frames_->limit().worst(x); }
+
+int RenderSurface::crossings(const Points3& x) const { return for_frames_->counter(x); }
 
 void RenderSurface::shade(RenderFrame& frame) const {
   const CreasedNormals& normals = fine_ ? *fine_normals_ : coarse_normals_;

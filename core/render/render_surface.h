@@ -1,14 +1,13 @@
 #pragma once
 
-#include "core/geometry/intersections.h"
 #include "core/geometry/point_location.h"
 #include "core/render/creased_normals.h"
 #include "core/render/render_mesh.h"
 #include "core/render/shape_fit.h"
-#include "core/render/strain_limit.h"
 #include "core/render/subdivision.h"
 #include "core/render/untangle.h"
 
+#include <memory>
 #include <optional>
 #include <vector>
 
@@ -39,6 +38,9 @@ class RenderSurface {
  public:
   /// refine  [1] 1: every triangle is divided into four at the end, 0: none is
   RenderSurface(RenderMesh, const ShapeFitOptions&, int refine);
+  RenderSurface(RenderSurface&&);
+  RenderSurface& operator=(RenderSurface&&);
+  ~RenderSurface();
 
   const RenderMesh& mesh() const { return fine_ ? fine_->mesh : coarse_; }
   const Triangles& normal_of_corner() const {
@@ -50,7 +52,9 @@ class RenderSurface {
   std::vector<MeshPoint> locate_on(const Points2& pattern, const Triangles&) const;
 
   /// Says which of the points that the mesh was made for are held from now on. Must be called
-  /// before the first frame; expensive when other points are held than before.
+  /// before the first frame, and before lengths are limited or crossings counted: what these need
+  /// is made here, because a mesh may be given up before. Expensive when other points are held than
+  /// before.
   void hold(const std::vector<int>& points);
 
   /// places   from locate_on() for the mesh of the sheet
@@ -70,34 +74,31 @@ class RenderSurface {
   /// Computes everything else that a frame has from its positions.
   void shade(RenderFrame&) const;
   /// Brings edge lengths back to the limit.
-  void limit_strain(Points3& x) const { (fine_ ? *fine_limit_ : coarse_limit_)(x, is_held_); }
-  double worst_edge(const Points3& x) const {
-    return (fine_ ? *fine_limit_ : coarse_limit_).worst(x);
-  }
+  void limit_strain(Points3& x) const;
+  double worst_edge(const Points3& x) const;
   const std::vector<char>& is_held() const { return is_held_; }
 
   /// Number of pairs of triangles of mesh() that pass through each other. x  |V|x3 [m]
-  int crossings(const Points3& x) const { return (*counter_)(x); }
+  int crossings(const Points3& x) const;
 
  private:
   // cut: the simulated edges cut through triangles of the mesh; own: they are edges of the mesh
   enum class Facets { cut, own };
   bool keep_apart(Points3& x, const Sheet&, const std::vector<MeshPoint>&) const;
 
+  struct ForFrames;
+
   Facets facets_;
   RenderMesh coarse_;
-  ShapeFit shape_fit_;
-  StrainLimit coarse_limit_;
+  ShapeFitOptions fit_options_;
   CreasedNormals coarse_normals_;
   std::optional<Subdivision> fine_;
-  std::optional<StrainLimit> fine_limit_;
   std::optional<CreasedNormals> fine_normals_;
-  // for mesh()
-  std::optional<CrossingCounter> counter_;
-  std::optional<Untangler> apart_;
-  double mean_edge_ = 0;       // [m]
-  std::vector<int> held_;      // vertices, one for each held point
-  std::vector<char> is_held_;  // for the vertices of mesh()
+  std::optional<Untangler> apart_;         // of mesh()
+  double mean_edge_ = 0;                   // [m] of mesh()
+  std::unique_ptr<ForFrames> for_frames_;  // made by the first hold()
+  std::vector<int> held_;                  // vertices, one for each held point
+  std::vector<char> is_held_;              // for the vertices of mesh()
 };
 
 /// Makes the render mesh of a shot. Draft, shot and hero have edges of 5, 2 and 1 mm on a sheet of

@@ -129,7 +129,7 @@ std::vector<SamplePair> sample_pairs(double reach) {
 
 Colour mix(Colour a, Colour b, double t) {
   const auto one = [&](int from, int to) {
-    return static_cast<std::uint8_t>(std::lround(from + std::clamp(t, 0.0, 1.0) * (to - from)));
+    return static_cast<std::uint8_t>(from + std::clamp(t, 0.0, 1.0) * (to - from) + 0.5);
   };
   return {one(a.red, b.red), one(a.green, b.green), one(a.blue, b.blue)};
 }
@@ -140,6 +140,7 @@ std::string png_bytes(const Image& image) {
   png.format = PNG_FORMAT_RGB;
   png.width = image.width;
   png.height = image.height;
+  png.flags = PNG_IMAGE_FLAG_FAST;
   std::string bytes(PNG_IMAGE_PNG_SIZE_MAX(png), '\0');
   png_alloc_size_t size = bytes.size();
   if (!png_image_write_to_memory(&png, bytes.data(), &size, /*convert_to_8_bit=*/0,
