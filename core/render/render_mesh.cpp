@@ -372,7 +372,7 @@ void merge_short_edges(RenderMesh& mesh, const std::vector<CreaseSegment>& seams
       mesh.pattern, mesh.triangles, kept,
       [&](int a, int b) {
         return is_on_crease(mesh.prescribed_creases, before, a, b) ||
-               lines.have(before.row(a), before.row(b));
+               have_common(lines.at(before.row(a)), lines.at(before.row(b)));
       },
       shortest * edge);
   for (int& v : mesh.point_vertex) v = became[v];
