@@ -212,12 +212,21 @@ bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   return depth > deepest && depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
 }
 
-bool SheetSimulation::fold_where_yielded(const AdmissibilityCheck& is_admissible) {
+std::vector<FoldLine> SheetSimulation::fold_lines() const {
+  if (!plastic_grid_ || !(yielded_ || on_colliders_ > 0)) return {};
+  const auto memory = [&] {
+    return plastic_grid_->read(plastic_grid_->cover(sheet().pattern, sheet().triangles));
+  };
+  std::vector<FoldLine> lines;
+  if (yielded_) lines = method_->fold_lines(sheet(), memory());
+  if (lines.empty() && on_colliders_ > 0)
+    lines = method_->pressed_lines(sheet(), memory, input_before_.colliders.to);
+  return lines;
+}
+
+bool SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = started_.sheet;
-  if (!yielded_) return false;
-  const PlasticMemory memory =
-      plastic_grid_->read(plastic_grid_->cover(sheet.pattern, sheet.triangles));
-  const std::vector<FoldLine> lines = method_->fold_lines(sheet, memory);
+  const std::vector<FoldLine> lines = fold_lines();
   if (lines.empty()) return false;
   const SolverState known = elastic_.state();
   std::optional<FoundFold> fold = fold_along(
@@ -247,7 +256,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
   load_parts_ = alone_ && !first ? method_->load_parts(sheet, relative_motion_) : 1;
   const RemeshContext situation = remesh_context(1.0 / load_parts_);
-  const bool folded = !first && fold_where_yielded(is_admissible);
+  const bool folded = !first && fold_if_bent(is_admissible);
   if (!first && !folded)
     if (auto proposal = method_->propose(sheet, situation)) {
       std::vector<double> stiffening = disc_factors(*proposal, shot_);
