@@ -22,6 +22,9 @@ namespace {
 // [s] longest step with inertia: backward Euler damps motion, the more the longer the step
 constexpr double max_inertial_step = 1 / 96.0;
 constexpr int max_halvings_for_inertia = 8;
+// [1] of what a sheet stored when a fold was last tried: while it stores as much to within this, no
+// fold is tried again, because one has to save a tenth of it
+constexpr double new_energy = 0.1;
 constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
 // [1] of the longer side: below motion_threshold no method changes the mesh, below sleep_threshold
 // nothing is solved either
@@ -131,8 +134,8 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
   SolverState state = elastic_.state();
   a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
-    yielding_, yielded_, started_.fixed, snap_in_progress_, rests_on_contact_, idle_frames_,
-    contact_, touching_, on_colliders_, state, handles_, dhat);
+    yielding_, yielded_, stored_unfolded_, started_.fixed, snap_in_progress_, rests_on_contact_,
+    idle_frames_, contact_, touching_, on_colliders_, state, handles_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
@@ -228,6 +231,9 @@ bool SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = started_.sheet;
   const std::vector<FoldLine> lines = fold_lines();
   if (lines.empty()) return false;
+  const double stored = elastic_.evaluate_energies(sheet).energy;
+  if (std::abs(stored - stored_unfolded_) < new_energy * stored_unfolded_) return false;
+  stored_unfolded_ = stored;
   const SolverState known = elastic_.state();
   std::optional<FoundFold> fold = fold_along(
       lines, {shot_, sheet, elastic_, *plastic_grid_, input_before_, 1 / options_.fps}, *method_);

@@ -123,7 +123,8 @@ class SheetSimulation {
   Points3 positions_before_;  // [m] positions one frame ago
   StepInput input_before_;    // of that frame, with the colliders standing still
   bool at_minimum_ = false, yielding_ = false, snap_in_progress_ = false, rests_on_contact_ = false;
-  bool yielded_ = false;  // the paper, somewhere, in the last step
+  bool yielded_ = false;        // the paper, somewhere, in the last step
+  double stored_unfolded_ = 0;  // [J] when a fold was last tried; 0: never
   int idle_frames_ = 0;
   // contact of the sheet with itself; number of pairs of features that push each other; number of
   // features that colliders push

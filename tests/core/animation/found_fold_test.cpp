@@ -3,6 +3,7 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/methods/fem.h"
 #include "core/methods/hybrid.h"
 #include "core/step2_crumple/find_fold_lines.h"
 #include "tests/core/test_shots.h"
@@ -143,6 +144,43 @@ TEST(FoundFoldTest, APageThatABoxPressesFoldsEvenIfNoTriangleIsSmallEnoughToYiel
 
 TEST(FoundFoldTest, AnArchThatIsPushedInFoldsNowhere) {
   EXPECT_TRUE(bake(test::s1_push(), 120, 0).last.prescribed_creases.empty());
+}
+
+/// Says in every frame in which paper yields that the sheet is being folded, but has no mesh for
+/// it. Counts how often it says so, and how often it is asked for a mesh.
+class Unwilling : public Method {
+ public:
+  struct Counts {
+    int said = 0, asked = 0;
+  };
+  explicit Unwilling(Counts& counts) : counts_(counts), mesh_(fem(120).make()) {}
+  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+    return mesh_->first_mesh(pattern, points);
+  }
+  std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const override {
+    ++counts_.said;
+    return {{{0, 0.105}, {0.15, 0.105}, 0, {}}};
+  }
+  std::optional<FirstMesh> mesh_with_creases(const Pattern&,
+                                             const std::vector<Vector2d>&) const override {
+    ++counts_.asked;
+    return std::nullopt;
+  }
+
+ private:
+  Counts& counts_;
+  std::unique_ptr<Method> mesh_;
+};
+
+TEST(FoundFoldTest, AFoldThatIsRefusedIsTriedAgainOnlyWhenTheEnergyHasChanged) {
+  Unwilling::Counts counts;
+  AnimateOptions options;
+  options.last_frame = 60;
+  options.plasticity = Plasticity::on;
+  animate(pinched_page(), {"unwilling", [&] { return std::make_unique<Unwilling>(counts); }},
+          options, [](const AnimatedFrame&) { return true; });
+  EXPECT_GT(counts.asked, 1);
+  EXPECT_GT(counts.said, counts.asked + 5);
 }
 
 /// A strip of 100 x 60 mm, bent about its middle line with this curvature within `width`, on a
