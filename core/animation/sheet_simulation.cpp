@@ -22,6 +22,9 @@ namespace {
 // [s] longest step with inertia: backward Euler damps motion, the more the longer the step
 constexpr double max_inertial_step = 1 / 96.0;
 constexpr int max_halvings_for_inertia = 8;
+// [1] of what a sheet stored when a fold was last tried: while it stores as much to within this, no
+// fold is tried again, because one has to save a tenth of it
+constexpr double new_energy = 0.1;
 constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
 // [1] of the longer side: below motion_threshold no method changes the mesh, below sleep_threshold
 // nothing is solved either
@@ -131,8 +134,8 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
   SolverState state = elastic_.state();
   a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
-    yielding_, yielded_, started_.fixed, snap_in_progress_, rests_on_contact_, idle_frames_,
-    contact_, touching_, on_colliders_, state, handles_, dhat);
+    yielding_, yielded_, stored_unfolded_, started_.fixed, snap_in_progress_, rests_on_contact_,
+    idle_frames_, contact_, touching_, on_colliders_, state, handles_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
@@ -212,13 +215,25 @@ bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   return depth > deepest && depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
 }
 
-bool SheetSimulation::fold_where_yielded(const AdmissibilityCheck& is_admissible) {
+std::vector<FoldLine> SheetSimulation::fold_lines() const {
+  if (!plastic_grid_ || !(yielded_ || on_colliders_ > 0)) return {};
+  const auto memory = [&] {
+    return plastic_grid_->read(plastic_grid_->cover(sheet().pattern, sheet().triangles));
+  };
+  std::vector<FoldLine> lines;
+  if (yielded_) lines = method_->fold_lines(sheet(), memory());
+  if (lines.empty() && on_colliders_ > 0)
+    lines = method_->pressed_lines(sheet(), memory, input_before_.colliders.to);
+  return lines;
+}
+
+bool SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = started_.sheet;
-  if (!yielded_) return false;
-  const PlasticMemory memory =
-      plastic_grid_->read(plastic_grid_->cover(sheet.pattern, sheet.triangles));
-  const std::vector<FoldLine> lines = method_->fold_lines(sheet, memory);
+  const std::vector<FoldLine> lines = fold_lines();
   if (lines.empty()) return false;
+  const double stored = elastic_.evaluate_energies(sheet).energy;
+  if (std::abs(stored - stored_unfolded_) < new_energy * stored_unfolded_) return false;
+  stored_unfolded_ = stored;
   const SolverState known = elastic_.state();
   std::optional<FoundFold> fold = fold_along(
       lines, {shot_, sheet, elastic_, *plastic_grid_, input_before_, 1 / options_.fps}, *method_);
@@ -247,7 +262,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
   load_parts_ = alone_ && !first ? method_->load_parts(sheet, relative_motion_) : 1;
   const RemeshContext situation = remesh_context(1.0 / load_parts_);
-  const bool folded = !first && fold_where_yielded(is_admissible);
+  const bool folded = !first && fold_if_bent(is_admissible);
   if (!first && !folded)
     if (auto proposal = method_->propose(sheet, situation)) {
       std::vector<double> stiffening = disc_factors(*proposal, shot_);

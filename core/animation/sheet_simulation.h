@@ -84,9 +84,11 @@ class SheetSimulation {
   void restore(Snapshot&&);
   /// What the method is told before part of a frame. share: [1] of the frame
   RemeshContext remesh_context(double share) const;
-  /// Folds the sheet along a line that nobody announced, if its paper has yielded along one.
+  /// Places of a line that nobody announced, along which paper has yielded or must yield.
+  std::vector<FoldLine> fold_lines() const;
+  /// Folds the sheet along a line that nobody announced, if there is one.
   /// returns  whether it did
-  bool fold_where_yielded(const AdmissibilityCheck& is_admissible);
+  bool fold_if_bent(const AdmissibilityCheck& is_admissible);
   /// Lets the method change the mesh. before_remesh_ keeps what was there.
   void remesh(double share);
   bool cuts_into_collider(const Sheet& before) const;
@@ -121,7 +123,8 @@ class SheetSimulation {
   Points3 positions_before_;  // [m] positions one frame ago
   StepInput input_before_;    // of that frame, with the colliders standing still
   bool at_minimum_ = false, yielding_ = false, snap_in_progress_ = false, rests_on_contact_ = false;
-  bool yielded_ = false;  // the paper, somewhere, in the last step
+  bool yielded_ = false;        // the paper, somewhere, in the last step
+  double stored_unfolded_ = 0;  // [J] when a fold was last tried; 0: never
   int idle_frames_ = 0;
   // contact of the sheet with itself; number of pairs of features that push each other; number of
   // features that colliders push

@@ -59,6 +59,11 @@ class Hybrid : public Method {
   std::vector<FoldLine> fold_lines(const Sheet& sheet, const PlasticMemory& memory) const override {
     return crumple_.fold_lines(sheet, memory);
   }
+  std::vector<FoldLine> pressed_lines(const Sheet& sheet,
+                                      const std::function<PlasticMemory()>& memory,
+                                      const ColliderShapes& colliders) const override {
+    return crumple_.pressed_lines(sheet, memory, colliders);
+  }
   std::optional<FirstMesh> mesh_with_creases(const Pattern& pattern,
                                              const std::vector<Vector2d>& points) const override {
     std::optional<PatternMesh> mesh =

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/collider.h"
 #include "core/model/fold_line.h"
 #include "core/model/frame.h"
 #include "core/model/local_energies.h"
@@ -66,6 +67,12 @@ class Method {
   /// Lines along which the sheet is being folded although its mesh has no edges there. Called when
   /// its paper has yielded in the last step.
   virtual std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const { return {}; }
+  /// Lines along which colliders fold the sheet, where they are. Called when some touch it and
+  /// there are no fold_lines. memory: of the triangles, to be asked for when it is needed
+  virtual std::vector<FoldLine> pressed_lines(const Sheet&, const std::function<PlasticMemory()>&,
+                                              const ColliderShapes&) const {
+    return {};
+  }
   /// Another mesh like the first one, for a pattern that has one crease more than it had then: the
   /// sheet is being folded there. The points get the numbers that they have in the first mesh.
   /// Nothing if the method cannot take a crease up, or no sound mesh has it.

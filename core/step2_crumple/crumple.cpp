@@ -113,6 +113,14 @@ std::vector<FoldLine> Crumple::fold_lines(const Sheet& sheet, const PlasticMemor
   return find_fold_lines(sheet, memory, pattern_, 2 * paper_.yield_strain / paper_.thickness);
 }
 
+std::vector<FoldLine> Crumple::pressed_lines(const Sheet& sheet,
+                                             const std::function<PlasticMemory()>& memory,
+                                             const ColliderShapes& colliders) const {
+  if (is_crumpled(sheet)) return {};
+  return find_pressed_lines(sheet, memory, colliders, pattern_,
+                            2 * paper_.yield_strain / paper_.thickness);
+}
+
 std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const VertexRings& rings,
                                         const Conflicts& conflicts, double way) {
   constexpr double reach = 0.6;      // [1] of the size of the ring

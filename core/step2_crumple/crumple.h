@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/geometry/collider.h"
 #include "core/model/fold_line.h"
 #include "core/model/paper.h"
 #include "core/model/pattern.h"
@@ -66,6 +67,8 @@ class Crumple {
 
   /// Lines along which the sheet is being folded (find_fold_lines.h); none of a crumpled sheet.
   std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const;
+  std::vector<FoldLine> pressed_lines(const Sheet&, const std::function<PlasticMemory()>&,
+                                      const ColliderShapes&) const;
 
   const Regions& regions() const { return regions_; }
   // of the last proposal that was accepted

@@ -1,10 +1,12 @@
 #pragma once
 
+#include "core/geometry/collider.h"
 #include "core/model/fold_line.h"
 #include "core/model/pattern.h"
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
 
+#include <functional>
 #include <vector>
 
 namespace paperbake {
@@ -30,5 +32,21 @@ namespace paperbake {
 /// source           this project
 std::vector<FoldLine> find_fold_lines(const Sheet&, const PlasticMemory&, const Pattern&,
                                       double yield_curvature);
+
+/// The same for a sheet that colliders press: its mesh may be too coarse to yield in any bend.
+///
+/// Paper of curvature k that turns by 180 degrees is 2/k wide, so between colliders that are closer
+/// to each other it is curved more somewhere, whatever its mesh shows (find_fold_lines.cpp has the
+/// bound for other turns and slanted gaps). A line is looked for as above, among the edges that lie
+/// between two faces of colliders. It is a fold if it is bent more sharply than the mesh can show,
+/// if each part of it that is two rows long turns by 90 degrees or more there, and if the gap bends
+/// paper to the yield curvature in each. A sheet that hangs free or lies on something has no such
+/// edge: it may bend in a loop that is wider than its mesh.
+///
+/// memory  of the triangles; asked for where there are such edges only, since it takes longer to
+///         read than the rest
+std::vector<FoldLine> find_pressed_lines(const Sheet&, const std::function<PlasticMemory()>& memory,
+                                         const ColliderShapes&, const Pattern&,
+                                         double yield_curvature);
 
 }  // namespace paperbake

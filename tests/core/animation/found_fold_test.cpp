@@ -3,6 +3,7 @@
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/methods/fem.h"
 #include "core/methods/hybrid.h"
 #include "core/step2_crumple/find_fold_lines.h"
 #include "tests/core/test_shots.h"
@@ -40,11 +41,12 @@ struct Baked {
   double worst_handle = 0, worst_edge = 0;  // [m]; [1]
 };
 
-Baked bake(const Shot& shot, int triangles, unsigned seed) {
+Baked bake(const Shot& shot, int triangles, unsigned seed, double gravity = 0) {
   AnimateOptions options;
   options.last_frame = static_cast<int>(shot.handles.front().keyed.rows());
   options.plasticity = Plasticity::on;
   options.seed = seed;
+  options.elastic.forces.gravity = gravity;
   Baked baked;
   animate(shot, hybrid(shot.pattern, shot.paper, triangles, {}, seed, 0), options,
           [&](const AnimatedFrame& frame) {
@@ -89,8 +91,96 @@ TEST(FoundFoldTest, APinchedPageFoldsOnALineBetweenTheFingers) {
   }
 }
 
+/// A page of 420 x 594 mm, whose two far corners are carried over the near ones. A box presses it
+/// to 2.5 mm above a table.
+Shot pressed_page() {
+  constexpr int frames = 76, carried = 44, from = 40, pressed = 72;
+  constexpr double width = 0.42, height = 0.594;
+  const auto eased = [](double t) {
+    t = std::clamp(t, 0.0, 1.0);
+    return t * t * (3 - 2 * t);
+  };
+  Shot shot = test::blank_shot(test::rectangle(width, height));
+  for (const double y : {0.0, height})
+    for (const double x : {0.0, width}) {
+      Handle corner =
+          test::bare_handle("corner." + std::to_string(shot.handles.size()), {x, y}, frames);
+      corner.radius = 0.004;
+      for (int f = 0; f < frames && y > 0; ++f) {
+        const double t = eased(f / (carried - 1.0)), around = M_PI * t;
+        corner.keyed(f, 1) -= (height - 0.008) / 2 * (1 - std::cos(around));
+        corner.keyed(f, 2) += 0.22 * std::sin(around) + 0.002 * t;
+      }
+      shot.handles.push_back(corner);
+    }
+  const auto box = [](const char* name, const Vector3d& low, const Vector3d& high) {
+    ColliderMesh mesh{name, Points3(8, 3), Triangles(12, 3), {}};
+    for (int v = 0; v < 8; ++v)
+      mesh.x.row(v) << (v & 1 ? high : low).x(), (v & 2 ? high : low).y(), (v & 4 ? high : low).z();
+    mesh.triangles << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4,
+        6, 0, 6, 2, 1, 3, 7, 1, 7, 5;
+    return mesh;
+  };
+  const ColliderMesh table = box("table", {-0.03, -0.03, -0.011}, {0.45, 0.624, -0.001});
+  ColliderMesh press = box("press", {-0.01, 0.12, 0.34}, {0.43, 0.34, 0.355});
+  for (int f = 0; f < frames; ++f) {
+    press.frames.push_back(press.x);
+    press.frames.back().col(2).array() -= 0.3375 * eased(double(f + 1 - from) / (pressed - from));
+  }
+  shot.colliders = std::make_shared<const Colliders>(Colliders{Collider(table), Collider(press)});
+  return shot;
+}
+
+TEST(FoundFoldTest, APageThatABoxPressesFoldsEvenIfNoTriangleIsSmallEnoughToYield) {
+  const Baked baked = bake(pressed_page(), 120, 0, 9.81);  // in rows of 70 mm
+  ASSERT_EQ(baked.last.prescribed_creases.size(), 1u);
+  const std::vector<Vector2d>& line = baked.last.prescribed_creases.front().line;
+  EXPECT_NEAR(line.front().y(), 0.297, 0.006);
+  EXPECT_NEAR(line.back().y(), 0.297, 0.006);
+  EXPECT_GT(turn_on_crease(baked.last), 2.5);
+  EXPECT_LT(baked.worst_handle, 4e-3);  // without the line 20 mm
+  EXPECT_EQ(baked.crossed, 0);
+}
+
 TEST(FoundFoldTest, AnArchThatIsPushedInFoldsNowhere) {
   EXPECT_TRUE(bake(test::s1_push(), 120, 0).last.prescribed_creases.empty());
+}
+
+/// Says in every frame in which paper yields that the sheet is being folded, but has no mesh for
+/// it. Counts how often it says so, and how often it is asked for a mesh.
+class Unwilling : public Method {
+ public:
+  struct Counts {
+    int said = 0, asked = 0;
+  };
+  explicit Unwilling(Counts& counts) : counts_(counts), mesh_(fem(120).make()) {}
+  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+    return mesh_->first_mesh(pattern, points);
+  }
+  std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const override {
+    ++counts_.said;
+    return {{{0, 0.105}, {0.15, 0.105}, 0, {}}};
+  }
+  std::optional<FirstMesh> mesh_with_creases(const Pattern&,
+                                             const std::vector<Vector2d>&) const override {
+    ++counts_.asked;
+    return std::nullopt;
+  }
+
+ private:
+  Counts& counts_;
+  std::unique_ptr<Method> mesh_;
+};
+
+TEST(FoundFoldTest, AFoldThatIsRefusedIsTriedAgainOnlyWhenTheEnergyHasChanged) {
+  Unwilling::Counts counts;
+  AnimateOptions options;
+  options.last_frame = 60;
+  options.plasticity = Plasticity::on;
+  animate(pinched_page(), {"unwilling", [&] { return std::make_unique<Unwilling>(counts); }},
+          options, [](const AnimatedFrame&) { return true; });
+  EXPECT_GT(counts.asked, 1);
+  EXPECT_GT(counts.said, counts.asked + 5);
 }
 
 /// A strip of 100 x 60 mm, bent about its middle line with this curvature within `width`, on a
@@ -156,6 +246,62 @@ TEST(FindFoldLinesTest, PaperThatHasNotYieldedAllAlongIsNotFolded) {
     if (part.sheet.pattern(part.sheet.triangles(t, 0), 1) > 0.025)
       part.memory.curvature.row(t).setZero();
   EXPECT_TRUE(find_fold_lines(part.sheet, part.memory, test::rectangle(0.1, 0.06), 100).empty());
+}
+
+/// Two plates that a strip which turns by phi lies between: at right angles to the bisector of its
+/// two sides, `apart` [m] from each other.
+ColliderShapes plates(double apart) {
+  ColliderShapes shapes;
+  for (const double x : {-apart / 2, apart / 2}) {
+    ColliderMesh mesh{"plate", Points3(4, 3), Triangles(2, 3), {}};
+    mesh.x << x, -1, -1, x, 1, -1, x, 1, 1, x, -1, 1;
+    mesh.triangles << 0, 1, 2, 0, 2, 3;
+    if (x > 0) mesh.triangles.col(1).swap(mesh.triangles.col(2));
+    shapes.push_back(std::make_shared<const Collider>(mesh));
+  }
+  return shapes;
+}
+
+/// The same strip, before any of its triangles has yielded.
+Bent sprung(double square, double curvature, double width) {
+  Bent strip = bent(square, curvature, width);
+  strip.memory.curvature.setZero();
+  return strip;
+}
+
+std::vector<FoldLine> pressed(const Bent& strip, const ColliderShapes& colliders,
+                              const Pattern& pattern, double yield_curvature) {
+  return find_pressed_lines(
+      strip.sheet, [&] { return strip.memory; }, colliders, pattern, yield_curvature);
+}
+
+TEST(FindFoldLinesTest, PaperIsFoldedBetweenPlatesThatLeaveNoRoomForABendThatDoesNotYield) {
+  const Pattern pattern = test::rectangle(0.1, 0.06);
+  const Bent strip = sprung(0.01, 250, 0.01);  // 2.5 rad in one row of squares
+  const double needed = 2 * std::sin(1.25) / 0.012;
+  const auto lines = [&](double apart, double yield_curvature) {
+    return pressed(strip, plates(apart), pattern, yield_curvature);
+  };
+  ASSERT_FALSE(lines(0.012, 0.98 * needed).empty());
+  for (const FoldLine& line : lines(0.012, 0.98 * needed)) {
+    EXPECT_NEAR(line.a.x(), 0.05, 0.002);
+    EXPECT_NEAR(line.b.x(), 0.05, 0.002);
+    EXPECT_EQ(line.plastic_turn, 0);
+  }
+  EXPECT_TRUE(lines(0.012, 1.02 * needed).empty());
+  EXPECT_TRUE(pressed(strip, {}, pattern, 0.98 * needed).empty());
+  EXPECT_TRUE(find_fold_lines(strip.sheet, strip.memory, pattern, 0.98 * needed).empty());
+}
+
+TEST(FindFoldLinesTest, ABendThatFitsBetweenPlatesWithoutYieldingIsNoFold) {
+  const Pattern pattern = test::rectangle(0.1, 0.06);
+  for (const double width : {0.01, 0.02})
+    for (double turn = 1.6; turn < 3.1; turn += 0.1) {
+      const Bent strip = sprung(0.01, turn / width, width);
+      const double yield = 1.02 * turn / width, apart = 2 * std::sin(turn / 2) * width / turn;
+      EXPECT_TRUE(pressed(strip, plates(apart), pattern, yield).empty())
+          << turn << " rad in " << width << " m";
+    }
 }
 
 TEST(FindFoldLinesTest, AKnownCreaseIsNotFoundAgain) {
