@@ -29,7 +29,8 @@ const std::vector<std::string> layers{"core", "formats", "baker"};  // from the 
 /// each other.
 const std::vector<std::vector<std::string>> floors{
     {"core/model"},
-    {"core/geometry", "core/linear_algebra", "core/step3_developable"},
+    {"core/linear_algebra"},
+    {"core/geometry", "core/step3_developable"},
     {"core/step1_elastic", "core/step2_crumple", "core/render"},
     {"core/methods"},
     {"core/animation"},
