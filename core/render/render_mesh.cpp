@@ -363,12 +363,13 @@ RenderMesh mesh_with_features(const Pattern& pattern, double edge, const RenderF
 }
 
 /// Merges edges so short that the positions of a cache cannot hold their lengths.
-void merge_short_edges(RenderMesh& mesh, const std::vector<CreaseSegment>& seams, double edge) {
+void merge_beside_crossings(RenderMesh& mesh, const std::vector<CreaseSegment>& seams,
+                            double edge) {
   std::vector<char> kept(mesh.pattern.rows(), 0);
   for (const int v : mesh.point_vertex) kept[v] = 1;
   const Lines lines(seams, 1e-9);
   const Points2 before = mesh.pattern;
-  const std::vector<int> became = paperbake::merge_short_edges(
+  const std::vector<int> became = merge_short_edges(
       mesh.pattern, mesh.triangles, kept,
       [&](int a, int b) {
         return is_on_crease(mesh.prescribed_creases, before, a, b) ||
@@ -386,7 +387,7 @@ void merge_short_edges(RenderMesh& mesh, const std::vector<CreaseSegment>& seams
 
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features) {
   RenderMesh mesh = mesh_with_features(pattern, edge, features);
-  merge_short_edges(mesh, features.seams, edge);
+  merge_beside_crossings(mesh, features.seams, edge);
   return mesh;
 }
 
