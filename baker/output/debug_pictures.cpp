@@ -28,8 +28,6 @@ Colour curvature_colour(double k, double full) {
   return mix(level, k > 0 ? outward : inward, std::sqrt(std::abs(k) / full));
 }
 
-double yield_curvature(const Paper& paper) { return 2 * paper.yield_strain / paper.thickness; }
-
 /// Hues a golden angle apart.
 Colour region_colour(int region) {
   const double turn = 2 * M_PI * 0.381966 * region;

@@ -30,6 +30,12 @@ struct Paper {
   double friction = 0;
 };
 
+/// [1/m] Curvature beyond which paper keeps a part of it: there the strain of its faces is
+/// yield_strain.
+inline double yield_curvature(const Paper& paper) {
+  return 2 * paper.yield_strain / paper.thickness;
+}
+
 /// [m] Width of a ridge of length X between flat facets: 0.4 h^(1/3) X^(2/3).
 /// source  exponents of the stretching ridge [Lobkovsky 1996]; the prefactor is this project's,
 ///         measured on S4

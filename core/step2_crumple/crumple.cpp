@@ -110,15 +110,14 @@ void Crumple::on_proposal_result(bool accepted, const FrameTime& now) {
 
 std::vector<FoldLine> Crumple::fold_lines(const Sheet& sheet, const PlasticMemory& memory) const {
   if (is_crumpled(sheet)) return {};
-  return find_fold_lines(sheet, memory, pattern_, 2 * paper_.yield_strain / paper_.thickness);
+  return find_fold_lines(sheet, memory, pattern_, yield_curvature(paper_));
 }
 
 std::vector<FoldLine> Crumple::pressed_lines(const Sheet& sheet,
                                              const std::function<PlasticMemory()>& memory,
                                              const ColliderShapes& colliders) const {
   if (is_crumpled(sheet)) return {};
-  return find_pressed_lines(sheet, memory, colliders, pattern_,
-                            2 * paper_.yield_strain / paper_.thickness);
+  return find_pressed_lines(sheet, memory, colliders, pattern_, yield_curvature(paper_));
 }
 
 std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const VertexRings& rings,

@@ -149,7 +149,7 @@ void ElasticEnergy::press(const Points3& x, double share) {
 }
 
 std::vector<CreaseEdge> ElasticEnergy::creases_left(const std::vector<double>& theta) const {
-  const double first_yield = 2 * paper_.yield_strain / paper_.thickness;
+  const double first_yield = yield_curvature(paper_);
   std::vector<CreaseEdge> left;
   for (const CreaseHinge& hinge : creases_) {
     CreaseEdge edge = hinge.edge;
