@@ -75,18 +75,9 @@ class Glb:
         return self.add([i for t in triangles for i in t], "I")
 
 
-def write(path):
-    glb = Glb()
-    points, uv, triangles = sheet()
-    paper = {"attributes": {"POSITION": glb.add(points), "TEXCOORD_0": glb.add(uv)}, "indices": glb.indices(triangles)}
-    points, triangles = sphere()
-    ball = {"attributes": {"POSITION": glb.add(points)}, "indices": glb.indices(triangles)}
-    sampler = {"input": glb.add([frame / FPS for frame, _ in MOTION]), "interpolation": "LINEAR",
-               "output": glb.add([(radius,) * 3 for _, radius in MOTION])}
-    nodes = [{"name": "paper", "mesh": 0, "extras": {"paper_size": [SIDE, SIDE], "paper_fps": FPS}},
-             {"name": "collider.sphere", "mesh": 1, "scale": [WIDE] * 3}]
-    scene = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": nodes,
-             "meshes": [{"name": "paper", "primitives": [paper]}, {"name": "sphere", "primitives": [ball]}],
+def write_glb(path, glb, nodes, meshes, sampler):
+    """Writes a scene of a sheet, and of a container as its second node, whose scale is keyed."""
+    scene = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": nodes, "meshes": meshes,
              "animations": [{"name": "shrink", "channels": [{"sampler": 0, "target": {"node": 1, "path": "scale"}}],
                              "samplers": [sampler]}],
              "accessors": glb.accessors, "bufferViews": glb.views, "buffers": [{"byteLength": len(glb.bytes)}]}
@@ -99,4 +90,19 @@ def write(path):
         file.write(struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks)
 
 
-write(os.path.join(os.path.dirname(os.path.abspath(__file__)), "S12_sphere.glb"))
+def write(path):
+    glb = Glb()
+    points, uv, triangles = sheet()
+    paper = {"attributes": {"POSITION": glb.add(points), "TEXCOORD_0": glb.add(uv)}, "indices": glb.indices(triangles)}
+    points, triangles = sphere()
+    ball = {"attributes": {"POSITION": glb.add(points)}, "indices": glb.indices(triangles)}
+    sampler = {"input": glb.add([frame / FPS for frame, _ in MOTION]), "interpolation": "LINEAR",
+               "output": glb.add([(radius,) * 3 for _, radius in MOTION])}
+    nodes = [{"name": "paper", "mesh": 0, "extras": {"paper_size": [SIDE, SIDE], "paper_fps": FPS}},
+             {"name": "collider.sphere", "mesh": 1, "scale": [WIDE] * 3}]
+    write_glb(path, glb, nodes, [{"name": "paper", "primitives": [paper]},
+                                 {"name": "sphere", "primitives": [ball]}], sampler)
+
+
+if __name__ == "__main__":
+    write(os.path.join(os.path.dirname(os.path.abspath(__file__)), "S12_sphere.glb"))
