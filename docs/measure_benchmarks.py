@@ -255,6 +255,42 @@ def parse_crumple_grammage(text):
     ]
 
 
+def parse_facets(text):
+    row = re.compile(
+        rf"^\s+(\w+)\s+f(\d+) height ({NUMBER}): facets ({NUMBER}) law ({NUMBER}), "
+        rf"length ({NUMBER}) law ({NUMBER}), distance ({NUMBER}), points ({NUMBER}), "
+        rf"edge ({NUMBER}) %, crossed (\d+), unfinished (\d+), ({NUMBER}) ms",
+        re.M,
+    )
+    names = (
+        "scene",
+        "frame",
+        "height",
+        "facets",
+        "facets_law",
+        "crease_sides",
+        "crease_sides_law",
+        "distance",
+        "singular_points",
+        "worst_edge_pct",
+        "crossed_frames",
+        "unfinished_frames",
+        "ms",
+    )
+    seeds = re.search(r"facets beside the law, (\d+) seeds", text)[1]
+    return [{**dict(zip(names, found)), "seeds": seeds} for found in row.findall(text)]
+
+
+def parse_facet_loads(text):
+    row = re.compile(
+        rf"^\s+(\w+)\s+f(\d+): facets (\d+), most ({NUMBER}), over 4: (\d+), "
+        rf"of them stiff (\d+), lag ({NUMBER}) mm",
+        re.M,
+    )
+    names = ("scene", "frame", "facets", "largest_load", "over_4", "stiff", "lag_mm")
+    return [dict(zip(names, found)) for found in row.findall(text)]
+
+
 def parse_render(text):
     rows = []
     for scene, frames, simulated, body in scenes_of_render(text):
@@ -547,6 +583,11 @@ BENCHES = [
             "crumple_density": parse_crumple_density,
             "crumple_grammage": parse_crumple_grammage,
         },
+        "1",
+    ),
+    Bench(
+        ["build/paperbake_bench_facets"],
+        {"facets": parse_facets, "facet_loads": parse_facet_loads},
         "1",
     ),
     Bench(

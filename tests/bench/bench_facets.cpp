@@ -1,11 +1,14 @@
-// Table: how many facets a crumple has, and of which sizes, beside the law of [Andrejevic 2021].
+// Tables: how many facets a crumple has, and how long its creases are, beside the law of
+// [Andrejevic 2021]; and what the facets of smooth and crumpled sheets carry.
 //
 //   build/paperbake_bench_facets [SEEDS]        default: 3 seeds
+//
+// Hybrid with plasticity and contact, CPU time of one thread. S13 is the experiment of the law, as
+// far as the sheet follows the lid of its can; S4r has the same compaction by handles.
 
 #include "core/animation/animate.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
-#include "core/methods/fem.h"
 #include "core/methods/hybrid.h"
 #include "core/step1_elastic/energies/elastic_energy.h"
 #include "formats/scene/scene_file.h"
@@ -15,94 +18,129 @@
 #include <cmath>
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
+#include <functional>
+#include <map>
 #include <string>
 #include <vector>
 
 namespace paperbake {
 namespace {
 
-void diagnose(const std::string& file, unsigned seed, int every, int last, bool contact, int base,
-              int map_frame, bool fixed, double stop) {
-  const Scene scene = read_scene(file);
+constexpr double crease = 10 * M_PI / 180;  // [rad] edges that turn by more part two facets
+constexpr double tube_radius = 0.135;       // [1] of the side, in the experiment
+
+/// Simulates a sample up to its last frame that is asked for.
+void run(const std::string& name, unsigned seed, int last,
+         const std::function<void(const AnimatedFrame&, const Paper&)>& look) {
+  const Scene scene = read_scene(std::string(PAPERBAKE_SAMPLES "/") + name + ".glb");
   const SceneSheet& s = scene.sheets.front();
   Shot shot{s.name, s.pattern, s.start, s.handles, Paper{}};
   shot.colliders = facing_colliders(scene.colliders, s.start.x, s.handles);
   AnimateOptions options;
   options.fps = scene.fps;
-  options.last_frame = last ? last : scene.last_frame;
+  options.last_frame = last;
   options.seed = seed;
-  options.elastic.stop = stop;
   options.plasticity = Plasticity::on;
-  if (!contact) options.elastic.contact = SelfContact::off;
-  const double A = area(shot.pattern);
-  double ms = 0, edge = 0;
-  int unconverged = 0;
-  std::printf("%s seed %u\n", file.c_str(), seed);
-  animate(shot, fixed ? fem(base) : hybrid(shot.pattern, shot.paper, base, {}, seed, 0), options,
-          [&](const AnimatedFrame& f) {
-            const Sheet& sheet = *f.sheet;
-            ms += f.statistics.elastic_ms + f.statistics.geometry_ms;
-            edge = std::max(edge, 100 * length_distortion(sheet).largest);
-            unconverged += !f.statistics.converged;
-            if (f.frame % every != 0 && f.frame != options.last_frame) return true;
-            const Hinges hinges = find_hinges(sheet.triangles);
-            const PlasticMemory memory =
-                f.plastic_grid->read(f.plastic_grid->cover(sheet.pattern, sheet.triangles));
-            ElasticEnergy energy(shot.paper, sheet.pattern, sheet.triangles);
-            energy.memory = memory;
-            const std::vector<double> turns = dihedral_angles(sheet.x, hinges.hinges);
-            const Facets plastic = find_facets(sheet, hinges, plastic_turns(sheet, hinges, memory),
-                                               10 * M_PI / 180),
-                         now = find_facets(sheet, hinges, turns, 10 * M_PI / 180);
-            const auto loads = facet_loads(sheet, hinges, now, shot.paper,
-                                           energy.stress(sheet.x, Points3::Zero(sheet.x.rows(), 3)),
-                                           energy.local_energies(sheet.x));
-            double most = 0, most_locked = 0;
-            int over = 0, locked = 0;
-            for (const FacetLoad& l : loads) {
-              most = std::max(most, l.load);
-              over += l.load > 1;
-              locked += l.load > 1 && l.membrane_share > 1 / 3.0;
-              if (l.membrane_share > 1 / 3.0) most_locked = std::max(most_locked, l.load);
-            }
-            double lag = 0;
-            for (const HandleFrame& h : f.handles)
-              if (h.state != HandleFrame::free) lag = std::max(lag, 1e3 * (h.at - h.keyed).norm());
-            const double height = sheet.x.col(2).maxCoeff() - sheet.x.col(2).minCoeff();
-            std::printf(
-                "  f%3d tri %4d pts %3d | plastic N %3zu L %5.2f | now N %3zu L %5.2f | chi %8.2f "
-                "(m>1/3 %8.2f) over %3d locked %3d | memb %.2f E %.2f mJ | lag %.1f edge %.2f h "
-                "%.1f uncv %d cross %d ms %.1f\n",
-                f.frame, int(sheet.triangles.rows()), int(sheet.singular.size()),
-                plastic.area.size(), plastic.crease_length / std::sqrt(A), now.area.size(),
-                now.crease_length / std::sqrt(A), most, most_locked, over, locked,
-                f.statistics.membrane_energy / std::max(1e-12, f.statistics.energy),
-                1e3 * f.statistics.energy, lag, edge, 1e3 * height, unconverged, crossings(sheet),
-                ms / f.frame);
-            std::fflush(stdout);
-            if (f.frame == map_frame) {
-              FILE* out = std::fopen("/tmp/facets_out/map.csv", "w");
-              for (int t = 0; t < sheet.triangles.rows(); ++t) {
-                const FacetLoad& l = loads[now.of_triangle[t]];
-                for (int i = 0; i < 3; ++i)
-                  std::fprintf(out, "%g,%g,", sheet.pattern(sheet.triangles(t, i), 0),
-                               sheet.pattern(sheet.triangles(t, i), 1));
-                std::fprintf(out, "%g,%g,%g,%g,%d\n", l.load, l.membrane_share, l.direction.x(),
-                             l.direction.y(), now.of_triangle[t]);
-              }
-              std::fclose(out);
-            }
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, seed, 0), options,
+          [&](const AnimatedFrame& frame) {
+            look(frame, shot.paper);
             return true;
           });
+}
+
+/// A sample at one frame, over the seeds.
+struct Crumpled {
+  std::vector<double> areas;  // [1] of the sheet, of the facets of all seeds
+  double length = 0;          // [1] of the side, sum over the seeds
+  double points = 0, edge = 0, ms = 0;
+  int crossed = 0, unfinished = 0;  // frames so far
+};
+
+/// heights  [1] of the tube over the side, by frame
+void beside_the_law(const std::string& name, int seeds, const std::map<int, double>& heights) {
+  std::map<int, Crumpled> at;
+  for (int seed = 1; seed <= seeds; ++seed) {
+    Crumpled so_far;
+    int frames = 0;
+    run(name, seed, heights.rbegin()->first, [&](const AnimatedFrame& f, const Paper&) {
+      const Sheet& sheet = *f.sheet;
+      ++frames;
+      so_far.edge = std::max(so_far.edge, 100 * length_distortion(sheet).largest);
+      so_far.crossed += crossings(sheet) > 0;
+      so_far.unfinished += !f.statistics.converged;
+      so_far.ms += f.statistics.elastic_ms + f.statistics.geometry_ms;
+      if (heights.count(f.frame) == 0) return;
+      const Hinges hinges = find_hinges(sheet.triangles);
+      const PlasticMemory memory =
+          f.plastic_grid->read(f.plastic_grid->cover(sheet.pattern, sheet.triangles));
+      const Facets facets =
+          find_facets(sheet, hinges, plastic_turns(sheet, hinges, memory), crease);
+      double area = 0;
+      for (const double a : facets.area) area += a;
+      Crumpled& c = at[f.frame];
+      for (const double a : facets.area) c.areas.push_back(a / area);
+      c.length += facets.crease_length / std::sqrt(area);
+      c.points += double(sheet.singular.size());
+      c.edge = std::max(c.edge, so_far.edge);
+      c.crossed += so_far.crossed;
+      c.unfinished += so_far.unfinished;
+      c.ms += so_far.ms / frames;
+    });
+  }
+  for (const auto& [frame, c] : at) {
+    const FacetLaw law(heights.at(frame), tube_radius);
+    std::printf(
+        "  %-11s f%d height %.2f: facets %.0f law %.0f, length %.1f law %.1f, distance %.2f, "
+        "points %.0f, edge %.2f %%, crossed %d, unfinished %d, %.0f ms\n",
+        name.c_str(), frame, heights.at(frame), double(c.areas.size()) / seeds, law.facets(),
+        c.length / seeds, law.crease_length(), distance_from_law(c.areas, law), c.points / seeds,
+        c.edge, c.crossed, c.unfinished, c.ms / seeds);
+    std::fflush(stdout);
+  }
+}
+
+void loads(const std::string& name, const std::vector<int>& frames) {
+  run(name, 1, frames.back(), [&](const AnimatedFrame& f, const Paper& paper) {
+    if (std::count(frames.begin(), frames.end(), f.frame) == 0) return;
+    const Sheet& sheet = *f.sheet;
+    const Hinges hinges = find_hinges(sheet.triangles);
+    ElasticEnergy energy(paper, sheet.pattern, sheet.triangles);
+    energy.memory = f.plastic_grid->read(f.plastic_grid->cover(sheet.pattern, sheet.triangles));
+    const Facets facets =
+        find_facets(sheet, hinges, dihedral_angles(sheet.x, hinges.hinges), crease);
+    const std::vector<FacetLoad> carried = facet_loads(
+        sheet, hinges, facets, paper, energy.stress(sheet.x, Points3::Zero(sheet.x.rows(), 3)),
+        energy.local_energies(sheet.x));
+    double most = 0, lag = 0;
+    int over = 0, stiff = 0;
+    for (const FacetLoad& facet : carried) {
+      most = std::max(most, facet.load);
+      over += facet.load > 4;
+      stiff += facet.load > 4 && facet.membrane_share > 1 / 3.0;
+    }
+    for (const HandleFrame& h : f.handles)
+      if (h.state != HandleFrame::free) lag = std::max(lag, 1e3 * (h.at - h.keyed).norm());
+    std::printf("  %-11s f%d: facets %d, most %.2f, over 4: %d, of them stiff %d, lag %.1f mm\n",
+                name.c_str(), f.frame, int(carried.size()), most, over, stiff, lag);
+    std::fflush(stdout);
+  });
 }
 
 }  // namespace
 }  // namespace paperbake
 
 int main(int argc, char** argv) {
-  // FILE seed every last contact base map fem
-  const auto n = [&](int i, int d) { return argc > i ? std::atoi(argv[i]) : d; };
-  paperbake::diagnose(argv[1], n(2, 0), n(3, 12), n(4, 0), n(5, 1), n(6, 120), n(7, 0), n(8, 0),
-                      1e-5);
+  using namespace paperbake;
+  const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 3;
+  std::printf("facets beside the law, %d seeds\n", seeds);
+  beside_the_law("S4r_release", seeds, {{48, 0.725}, {96, 0.45}});
+  beside_the_law("S13_tube", seeds, {{25, 1.0}, {29, 0.95}, {33, 0.9}});
+  std::printf("\nloads of facets, seed 1\n");
+  loads("S1_push", {24, 36});
+  loads("S2_moebius", {24, 44});
+  loads("S5_roll", {24, 44});
+  loads("S8_dcone", {24, 44});
+  loads("S4r_release", {24, 48, 60, 72, 84, 96});
+  loads("S10_ball", {25, 50});
+  loads("S13_tube", {25, 27, 29});
 }

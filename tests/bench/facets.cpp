@@ -4,7 +4,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
+#include <set>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -21,7 +24,7 @@ Vector2d edge_of(const Sheet& sheet, const Hinge& hinge) {
 }
 
 /// Regularised lower incomplete gamma function P(s, x).
-/// source  [Press 2007] 6.2: series below s + 1, continued fraction above
+/// source  [Abramowitz 1964] 6.5.29 (series), 6.5.31 (continued fraction)
 double lower_gamma(double s, double x) {
   if (!(x > 0)) return 0;
   const double front = std::exp(-x + s * std::log(x) - std::lgamma(s));
@@ -40,6 +43,35 @@ double lower_gamma(double s, double x) {
     if (std::abs(c * d - 1) < 1e-15) break;
   }
   return 1 - front * fraction;
+}
+
+/// Sums over the triangles of facets.
+struct Carried {
+  Eigen::Matrix2d force = Eigen::Matrix2d::Zero();  // [N m] stress times area
+  double area = 0, membrane = 0, bending = 0;       // [m2] [J] [J]
+  void add(const Carried& other) {
+    force += other.force;
+    area += other.area;
+    membrane += other.membrane;
+    bending += other.bending;
+  }
+};
+
+/// The sums of each facet and of those beside it.
+std::vector<Carried> with_neighbours(const std::vector<Carried>& own, const Hinges& hinges,
+                                     const Facets& facets) {
+  std::set<std::pair<int, int>> neighbours;
+  for (const Hinge& hinge : hinges.hinges) {
+    const int a = facets.of_triangle[hinge.triangles[0]],
+              b = facets.of_triangle[hinge.triangles[1]];
+    if (a != b) neighbours.emplace(std::min(a, b), std::max(a, b));
+  }
+  std::vector<Carried> sums = own;
+  for (const auto& [a, b] : neighbours) {
+    sums[a].add(own[b]);
+    sums[b].add(own[a]);
+  }
+  return sums;
 }
 
 }  // namespace
@@ -101,9 +133,7 @@ double FacetLaw::facets() const { return t * t / (a * (a + 1)); }
 
 double FacetLaw::crease_length() const { return 2.1227 * t / (a + 1); }
 
-double FacetLaw::share_below(double root_of_area) const {
-  return lower_gamma(a, t * root_of_area);
-}
+double FacetLaw::share_below(double root_of_area) const { return lower_gamma(a, t * root_of_area); }
 
 double distance_from_law(std::vector<double> areas, const FacetLaw& law) {
   std::sort(areas.begin(), areas.end());
@@ -119,53 +149,30 @@ double distance_from_law(std::vector<double> areas, const FacetLaw& law) {
 std::vector<FacetLoad> facet_loads(const Sheet& sheet, const Hinges& hinges, const Facets& facets,
                                    const Paper& paper, const std::vector<Eigen::Matrix2d>& stress,
                                    const LocalEnergies& stored) {
-  const std::size_t n = facets.area.size();
-  struct Sum {
-    Eigen::Matrix2d force = Eigen::Matrix2d::Zero();  // [N m] stress times area
-    double area = 0, membrane = 0, bending = 0;
-    void add(const Sum& other) {
-      force += other.force;
-      area += other.area;
-      membrane += other.membrane;
-      bending += other.bending;
-    }
-  };
-  std::vector<Sum> own(n);
+  std::vector<Carried> own(facets.area.size());
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
-    const double A = pattern_area(sheet, t);
-    own[facets.of_triangle[t]].add({A * stress[t], A, stored.membrane[t], stored.bending[t]});
+    const double area = pattern_area(sheet, t);
+    own[facets.of_triangle[t]].add({area * stress[t], area, stored.membrane[t], stored.bending[t]});
   }
-  std::vector<Sum> patch = own;
-  std::vector<std::pair<int, int>> neighbours;
-  for (const Hinge& hinge : hinges.hinges) {
-    const int a = facets.of_triangle[hinge.triangles[0]], b = facets.of_triangle[hinge.triangles[1]];
-    if (a != b) neighbours.emplace_back(std::min(a, b), std::max(a, b));
-  }
-  std::sort(neighbours.begin(), neighbours.end());
-  neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
-  for (const auto& [a, b] : neighbours) {
-    patch[a].add(own[b]);
-    patch[b].add(own[a]);
-  }
-  std::vector<FacetLoad> loads(n);
-  for (std::size_t f = 0; f < n; ++f) {
+  std::vector<FacetLoad> loads;
+  for (const Carried& c : with_neighbours(own, hinges, facets)) {
     const Eigen::SelfAdjointEigenSolver<Eigen::Matrix2d> principal(
-        Eigen::Matrix2d(patch[f].force / patch[f].area));
-    FacetLoad& load = loads[f];
-    load.direction = principal.eigenvectors().col(0);
-    load.load = -principal.eigenvalues()[0] / (4 * M_PI * M_PI * paper.bending_stiffness);
-    load.membrane_share = patch[f].membrane / std::max(1e-12, patch[f].membrane + patch[f].bending);
+        Eigen::Matrix2d(c.force / c.area));
+    const double stored_in_all = c.membrane + c.bending;
+    loads.push_back({-principal.eigenvalues()[0] / (4 * M_PI * M_PI * paper.bending_stiffness),
+                     stored_in_all > 0 ? c.membrane / stored_in_all : 0,
+                     principal.eigenvectors().col(0), 0});
   }
-  std::vector<double> low(n, 1e9), high(n, -1e9);
+  std::vector<double> low(loads.size(), std::numeric_limits<double>::max()), high(low);
   for (int t = 0; t < sheet.triangles.rows(); ++t)
     for (int i = 0; i < 3; ++i) {
       const int f = facets.of_triangle[t];
       const double at = sheet.pattern.row(sheet.triangles(t, i)).dot(loads[f].direction);
       low[f] = std::min(low[f], at);
-      high[f] = std::max(high[f], at);
+      high[f] = std::min(high[f], -at);
     }
-  for (std::size_t f = 0; f < n; ++f) {
-    loads[f].width = high[f] - low[f];
+  for (std::size_t f = 0; f < loads.size(); ++f) {
+    loads[f].width = -high[f] - low[f];
     loads[f].load *= loads[f].width * loads[f].width;
   }
   return loads;

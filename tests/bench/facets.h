@@ -6,6 +6,8 @@
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
 
+#include <Eigen/Core>
+
 #include <vector>
 
 namespace paperbake {
