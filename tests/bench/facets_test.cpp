@@ -65,26 +65,31 @@ TEST(Facets, LawHasTheFacetsAndCreasesOfItsSource) {
   for (const double height : {0.6, 0.3}) {
     const FacetLaw law(height, 0.135);
     double area = 0;
-    constexpr int steps = 20000;
+    constexpr int steps = 40000;
+    constexpr double all = 8;  // [1] no root of an area is larger, but for 1e-9 of them
     for (int i = 0; i < steps; ++i) {
-      const double a = 2.0 * i / steps, b = 2.0 * (i + 1) / steps, middle = 0.5 * (a + b);
+      const double a = all * i / steps, b = all * (i + 1) / steps, middle = 0.5 * (a + b);
       area += middle * middle * (law.share_below(b) - law.share_below(a));
     }
     EXPECT_NEAR(area * law.facets(), 1, 1e-3) << height;
-    EXPECT_NEAR(law.share_below(2), 1, 1e-2);
+    EXPECT_NEAR(law.share_below(all), 1, 1e-9);
   }
   EXPECT_NEAR(FacetLaw(0.6, 0.135).facets(), 34, 0.5);
   EXPECT_NEAR(FacetLaw(0.3, 0.135).crease_length(), 18.3, 0.1);
 }
 
-TEST(Facets, ASampleOfTheLawIsNearItAndEqualFacetsAreNot) {
+TEST(Facets, OneSampleOfTwentyIsFartherFromTheLawThanSaid) {
   const FacetLaw law(0.3, 0.135);
   std::mt19937 random(1);
   std::gamma_distribution<double> gamma(law.a, 1 / law.t);
-  std::vector<double> drawn;
-  for (int i = 0; i < 400; ++i) drawn.push_back(std::pow(gamma(random), 2));
-  EXPECT_LT(distance_from_law(drawn, law), 1.36);
-  EXPECT_GT(distance_from_law(std::vector<double>(400, 1 / law.facets()), law), 5);
+  int far = 0;
+  for (int sample = 0; sample < 400; ++sample) {
+    std::vector<double> drawn;
+    for (int i = 0; i < 200; ++i) drawn.push_back(std::pow(gamma(random), 2));
+    far += distance_from_law(drawn, law) > 1.36;
+  }
+  EXPECT_NEAR(far, 20, 14);  // three deviations
+  EXPECT_GT(distance_from_law(std::vector<double>(200, 1 / law.facets()), law), 5);
 }
 
 /// The load is 1 where a facet carries 4 pi^2 D over its width squared.
