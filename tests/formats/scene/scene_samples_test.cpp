@@ -209,6 +209,14 @@ TEST(SceneSamples, LaterScenesAreRead) {
   };
   EXPECT_NEAR(radius(1), 0.115, 1e-6);
   EXPECT_NEAR(radius(84), 0.035, 1e-6);
+  const Scene tube = read_scene(sample("S13_tube.glb"));
+  ASSERT_EQ(tube.colliders.size(), 1u);
+  const auto height = [&](int frame) {
+    const Points3& x = tube.colliders[0].frames.at(frame - 1);
+    return x.col(2).maxCoeff() - x.col(2).minCoeff();
+  };
+  EXPECT_NEAR(height(25), 0.1, 1e-6);
+  EXPECT_NEAR(height(57), 0.06, 1e-6);
 }
 
 TEST(SceneSamples, GltfHasNoRate) {
