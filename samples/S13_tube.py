@@ -13,6 +13,7 @@ import math
 import os
 import sys
 
+sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
 from S12_sphere import FPS, Glb, write_glb
 

@@ -30,7 +30,8 @@ Facets find_facets(const Sheet&, const Hinges&, const std::vector<double>& turn,
 std::vector<double> plastic_turns(const Sheet&, const Hinges&, const PlasticMemory&);
 
 /// What a crumple in a tube is like by the law of [Andrejevic 2021], which was fitted to sheets of
-/// Mylar that were rolled into a tube and pressed along its axis once. Lengths in sides of the sheet.
+/// Mylar that were rolled into a tube and pressed along its axis once. Lengths are in sides of the
+/// sheet.
 ///
 ///   t = 2/R^2 (1 - D^2) ln(1 + 9.031 R^2/sqrt(2 pi) / (D (1 + D))),   a = sqrt(t/24.04)
 ///
