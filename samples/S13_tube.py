@@ -5,9 +5,8 @@
 The crumple of the experiments of [Gottesman 2018] and [Andrejevic 2021]: a square sheet of 100 mm is
 rolled into a tube with a radius of 13.5 mm, in a rigid cylinder, and pressed along its axis by a
 piston. It begins as a tube that does not yet overlap. The can, a closed mesh without friction whose
-node is scaled, narrows to the radius of the experiment (frames 1-25); then its lid comes down to 20
-mm, a fifth of the side (25-89): 60, 45 and 30 mm are reached at 57, 69 and 81. No handle holds the
-sheet.
+node is scaled, narrows to the radius of the experiment (frames 1-25); then its lid comes down from
+the height of the sheet to 60 mm (25-57). No handle holds the sheet.
 """
 import math
 import os
@@ -19,9 +18,9 @@ from S12_sphere import FPS, Glb, write_glb
 
 SIDE = 0.1  # m
 WIDE, NARROW = 0.0175, 0.0135  # m, radius of the can: around the sheet without overlap; 0.135 sides
-HIGH, LOW = 0.1 + 0.002, 0.02  # m, height of the can
+HIGH, LOW = 0.1 + 0.002, 0.06  # m, height of the can
 SPACE, OVERLAP = 0.0008, 0.0012  # m, from can to paper; how much farther in one border is
-MOTION = ((1, WIDE, HIGH), (25, NARROW, 0.1), (89, NARROW, LOW))  # frame, radius, height
+MOTION = ((1, WIDE, HIGH), (25, NARROW, 0.1), (57, NARROW, LOW))  # frame, radius, height
 AROUND, QUADS = 64, 48  # corners of the can; quads of the sheet around it
 
 
