@@ -269,8 +269,9 @@ SECTIONS = [
         "facet_loads",
         "The load of a facet is the most compressive principal value of its membrane stress, "
         "averaged over it and its neighbours, over 4 π² D/w², under which a plate of its width w "
-        "with clamped ends buckles. A plate that is clamped all round carries up to some four times "
-        "that, so facets over 4 ask for a crease that the mesh does not have. Stiff are those "
+        "with clamped ends buckles. A square plate that is clamped all round carries 2.5 times that, so "
+        "a facet over 4 asks for a crease that the mesh does not have, unless it lies against a "
+        "wall, as those of S13 in frame 25. Stiff are those "
         "of them that store, with their neighbours, more than a third of their energy in the "
         "membrane. Here facets are parted by edges that are folded by more than 10 degrees now.",
         {
