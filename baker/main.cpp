@@ -17,6 +17,7 @@
 #include "core/model/error.h"
 #include "formats/config/preset_file.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/json.h"
 
 #include <CLI/CLI.hpp>
 #include <array>
@@ -25,7 +26,6 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <malloc.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 // The command line: words in, exit code out. What the commands do lies behind bake.h, chart.h,
@@ -299,14 +299,14 @@ int run_presets(const PresetsArguments& parsed) {
     fmt::print("{}", read_preset(*name).text);
     return 0;
   }
-  nlohmann::ordered_json all = nlohmann::ordered_json::array();
+  Json all = Json::array();
   std::vector<std::string> grades = name ? std::vector<std::string>{*name} : preset_names();
   if (!name)  // those of the user stand for those built in of the same name
     for (const std::string& own : user_preset_names())
       if (std::find(grades.begin(), grades.end(), own) == grades.end()) grades.push_back(own);
   for (const std::string& grade : grades) {
     const Preset preset = read_preset(grade);
-    nlohmann::ordered_json entries = nlohmann::ordered_json::object();
+    Json entries = Json::object();
     for (const Preset::Entry& e : preset.entries)
       entries[e.key] = {
           {"value", e.value}, {"unit", e.unit}, {"source", e.source}, {"mark", e.mark}};
@@ -316,7 +316,7 @@ int run_presets(const PresetsArguments& parsed) {
                  1e3 * preset.paper.area_density, 1e6 * preset.paper.thickness,
                  preset.paper.bending_stiffness, preset.file);
   }
-  if (json) fmt::print("{}\n", (name ? all.front() : all).dump(1));
+  if (json) fmt::print("{}\n", json_lines(name ? all.front() : all));
   return 0;
 }
 

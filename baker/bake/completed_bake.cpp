@@ -3,15 +3,14 @@
 #include "baker/output/checkpoints.h"
 #include "baker/output/stale_files.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/json.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 fs::path record_path(const fs::path& folder) { return folder / ".state" / "done"; }
 
@@ -38,7 +37,7 @@ std::string bake_key(const BakeSettings& settings, const BakePlan& plan) {
 
 std::optional<BakeOutcome> find_completed_bake(const fs::path& folder, const std::string& key) {
   try {
-    const Json record = Json::parse(read_file(record_path(folder)).value_or(""));
+    const Json record = parse_json(read_file(record_path(folder)).value_or(""));
     if (record.at("key") != key || !outputs_unmodified(folder)) return {};
     BakeOutcome outcome;
     outcome.exit_code = record.at("exit_code");
@@ -58,7 +57,7 @@ void record_completed_bake(const fs::path& folder, const std::string& key,
     names.push_back(path.lexically_relative(folder).generic_string());
   const Json record{
       {"key", key}, {"exit_code", outcome.exit_code}, {"missed", outcome.missed}, {"files", names}};
-  write_atomically(record_path(folder), record.dump(1, ' ', false, Json::error_handler_t::replace));
+  write_atomically(record_path(folder), json_lines(record));
 }
 
 void invalidate_completed_bake(const fs::path& folder) {

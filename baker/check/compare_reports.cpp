@@ -2,10 +2,10 @@
 
 #include "core/model/error.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/json.h"
 
 #include <array>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <set>
 #include <vector>
 
@@ -13,7 +13,6 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 struct ReportedBake {
   std::string name;  // of its folder, or the path where both folders have one name
@@ -31,7 +30,7 @@ ReportedBake read_bake(const fs::path& folder) {
         "Give the output folder of a bake with --formats cert,report.");
   try {
     return {fs::absolute(folder / ".").parent_path().filename().string(), *page,
-            Json::parse(*summary)};
+            parse_json(*summary)};
   } catch (const Json::exception&) {
     throw Error(ErrorCode::command, folder.string(), "Its cert/summary.json is damaged.",
                 "Bake again.");
@@ -52,7 +51,7 @@ std::string text_of(const Json& summary, const std::string& pointer, const char*
   const Json& value = summary[place];
   if (value.is_string()) return value.get<std::string>();
   if (value.is_number()) return fmt::format("{:.3g}{}", value.get<double>(), unit);
-  return value.dump();
+  return json_line(value);
 }
 
 struct Row {
@@ -92,7 +91,7 @@ std::vector<Row> settings_that_differ(const Json& a, const Json& b) {
     const auto value = [&](const Json& settings) {
       const auto found = settings.find(key);
       if (found == settings.end()) return std::string("\u2013");
-      return found->is_string() ? found->get<std::string>() : found->dump();
+      return found->is_string() ? found->get<std::string>() : json_line(*found);
     };
     if (value(in_a) != value(in_b)) rows.push_back({key, value(in_a), value(in_b)});
   }
@@ -117,7 +116,7 @@ std::string verdict(const ReportedBake& bake) {
     return fmt::format("<p><b>{}</b>: every gate is met.</p>\n", escaped(bake.name));
   std::string text = fmt::format("<p class=\"missed\"><b>{}</b>: not good:", escaped(bake.name));
   for (const Json& sentence : missed)
-    text += " " + escaped(sentence.is_string() ? sentence.get<std::string>() : sentence.dump());
+    text += " " + escaped(sentence.is_string() ? sentence.get<std::string>() : json_line(sentence));
   return text + "</p>\n";
 }
 

@@ -8,13 +8,13 @@
 #include "formats/config/lock_file.h"
 #include "formats/files/atomic_file.h"
 #include "formats/files/certificate.h"
+#include "formats/files/json.h"
 #include "formats/scene/scene_sheet.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <stdexcept>
@@ -23,7 +23,6 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr int every = 12, fine = 2400, probing = 200;  // [frames], [triangles]
 // of each height, in the probe for another branch
@@ -206,7 +205,7 @@ ErrorEstimates estimate_errors(const fs::path& folder) {
   std::string cache_file;
   Json summary;
   try {
-    summary = Json::parse(text_of(folder / "cert/summary.json"));
+    summary = parse_json(text_of(folder / "cert/summary.json"));
     for (const auto& [file, hash] : summary.at("files").items())
       if (fs::path(file).extension() == ".abc") cache_file = file;
   } catch (const Json::exception&) {

@@ -4,28 +4,26 @@
 #include "core/animation/blocked_ways.h"
 #include "formats/cache/alembic_reader.h"
 #include "formats/files/certificate.h"
+#include "formats/files/json.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
-#include <nlohmann/json.hpp>
 
 namespace paperbake {
 namespace {
-
-using OrderedJson = nlohmann::ordered_json;
 
 const char* release_origin(const SceneSheet& sheet, const Handle& handle) {
   return sheet.scale_releases.count(handle.name) ? "keyed scale" : "paper_release_frame";
 }
 
-OrderedJson handle_json(const SceneSheet& sheet, const Handle& handle) {
-  OrderedJson j{{"name", handle.name},
-                {"u_m", handle.pattern.x()},
-                {"v_m", handle.pattern.y()},
-                {"mode", handle.mode == HandleMode::relative ? "relative" : "absolute"}};
+Json handle_json(const SceneSheet& sheet, const Handle& handle) {
+  Json j{{"name", handle.name},
+         {"u_m", handle.pattern.x()},
+         {"v_m", handle.pattern.y()},
+         {"mode", handle.mode == HandleMode::relative ? "relative" : "absolute"}};
   if (handle.grab_frame != std::numeric_limits<int>::min()) j["grab_frame"] = handle.grab_frame;
   if (handle.release_frame != std::numeric_limits<int>::max()) {
     j["release_frame"] = handle.release_frame;
@@ -36,8 +34,8 @@ OrderedJson handle_json(const SceneSheet& sheet, const Handle& handle) {
   return j;
 }
 
-OrderedJson crease_json(const CreaseLine& crease, std::size_t number) {
-  OrderedJson line = OrderedJson::array();
+Json crease_json(const CreaseLine& crease, std::size_t number) {
+  Json line = Json::array();
   for (const Vector2d& p : crease.line) line.push_back({p.x(), p.y()});
   return {{"id", number},
           {"line_m", std::move(line)},
@@ -159,8 +157,8 @@ std::string collider_text(const InspectedCollider& c) {
   return text + "\n";
 }
 
-OrderedJson collider_json(const InspectedCollider& c) {
-  OrderedJson sheets = OrderedJson::array();
+Json collider_json(const InspectedCollider& c) {
+  Json sheets = Json::array();
   for (const InspectedCollider::Beside& b : c.sheets)
     sheets.push_back({{"sheet", b.sheet},
                       {"side", !c.closed ? "front"
@@ -182,7 +180,7 @@ OrderedJson collider_json(const InspectedCollider& c) {
 /// [m/s] speed of the wind in each frame
 Eigen::VectorXd speeds_of(const Wind& wind) { return wind.velocity.rowwise().norm(); }
 
-OrderedJson wind_json(const Wind& wind) {
+Json wind_json(const Wind& wind) {
   const Eigen::RowVector3d first = wind.velocity.row(0);
   const Eigen::VectorXd speeds = speeds_of(wind);
   return {{"name", wind.name},
@@ -206,18 +204,18 @@ std::string wind_text(const Wind& wind) {
   return text + "\n";
 }
 
-OrderedJson sheet_json(const SceneSheet& sheet, const Scene& scene) {
-  OrderedJson creases = OrderedJson::array(), handles = OrderedJson::array();
+Json sheet_json(const SceneSheet& sheet, const Scene& scene) {
+  Json creases = Json::array(), handles = Json::array();
   for (const CreaseLine& crease : creases_of(sheet, scene))
     creases.push_back(crease_json(crease, creases.size() + 1));
   for (const Handle& handle : sheet.handles) handles.push_back(handle_json(sheet, handle));
-  OrderedJson j{{"name", sheet.name},
-                {"width_m", extent(sheet.pattern).x()},
-                {"height_m", extent(sheet.pattern).y()},
-                {"outline_corners", sheet.pattern.outline.size()},
-                {"holes", sheet.pattern.holes.size()},
-                {"vertices", sheet.start.x.rows()},
-                {"triangles", sheet.start.triangles.rows()}};
+  Json j{{"name", sheet.name},
+         {"width_m", extent(sheet.pattern).x()},
+         {"height_m", extent(sheet.pattern).y()},
+         {"outline_corners", sheet.pattern.outline.size()},
+         {"holes", sheet.pattern.holes.size()},
+         {"vertices", sheet.start.x.rows()},
+         {"triangles", sheet.start.triangles.rows()}};
   if (sheet.preset) j["paper_preset"] = *sheet.preset;
   if (sheet.grammage) j["paper_gsm"] = *sheet.grammage;
   if (sheet.thickness) j["paper_thickness"] = *sheet.thickness;
@@ -228,28 +226,27 @@ OrderedJson sheet_json(const SceneSheet& sheet, const Scene& scene) {
   return j;
 }
 
-OrderedJson scene_json(const Scene& scene) {
-  OrderedJson sheets = OrderedJson::array(), impossible = OrderedJson::array();
+Json scene_json(const Scene& scene) {
+  Json sheets = Json::array(), impossible = Json::array();
   for (const SceneSheet& sheet : scene.sheets) sheets.push_back(sheet_json(sheet, scene));
   for (const SheetImpossible& i : impossible_pairs(scene))
-    impossible.push_back(
-        {{"sheet", i.sheet},
-         {"handles", {i.pair.a, i.pair.b}},
-         {"frame", i.pair.frame},
-         {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
-         {"around", i.pair.around.empty() ? OrderedJson() : OrderedJson(i.pair.around)},
-         {"text", describe(i)}});
-  OrderedJson j{{"file", scene.source},
-                {"fps", scene.fps},
-                {"first_frame", scene.first_frame},
-                {"last_frame", scene.last_frame}};
+    impossible.push_back({{"sheet", i.sheet},
+                          {"handles", {i.pair.a, i.pair.b}},
+                          {"frame", i.pair.frame},
+                          {"overshoot_mm", 1e3 * (i.pair.apart - i.pair.allowed)},
+                          {"around", i.pair.around.empty() ? Json() : Json(i.pair.around)},
+                          {"text", describe(i)}});
+  Json j{{"file", scene.source},
+         {"fps", scene.fps},
+         {"first_frame", scene.first_frame},
+         {"last_frame", scene.last_frame}};
   if (scene.gravity) j["gravity"] = *scene.gravity;
   j["origin"] = scene.origin;
   j["sheets"] = std::move(sheets);
-  j["colliders"] = OrderedJson::array();
+  j["colliders"] = Json::array();
   for (const InspectedCollider& collider : inspected_colliders(scene))
     j["colliders"].push_back(collider_json(collider));
-  j["winds"] = OrderedJson::array();
+  j["winds"] = Json::array();
   for (const Wind& wind : scene.winds) j["winds"].push_back(wind_json(wind));
   j["impossible_handles"] = std::move(impossible);
   j["warnings"] = scene.warnings;
@@ -328,7 +325,7 @@ std::string inspect_cache(const std::filesystem::path& path, bool json) {
   const auto bytes = std::filesystem::file_size(path);
   std::string text = fmt::format("{}: {:.2f} MB, {} sheets at {} fps\n", path.filename().string(),
                                  1e-6 * bytes, cache.sheets().size(), info.fps);
-  OrderedJson metadata = OrderedJson::object(), sheets = OrderedJson::array();
+  Json metadata = Json::object(), sheets = Json::array();
   for (const auto& [key, value] : info.metadata) {
     metadata[key] = value;
     text += fmt::format("  {} = {}\n", key, value);
@@ -342,14 +339,14 @@ std::string inspect_cache(const std::filesystem::path& path, bool json) {
          {std::pair(sheet.velocity, "velocities"), std::pair(sheet.normal, "normals"),
           std::pair(sheet.uv, "uv"), std::pair(sheet.crease, "crease strength")})
       if (has) channels.push_back(name);
-    OrderedJson j{{"name", sheet.name},
-                  {"frames", sheet.frames},
-                  {"first_frame", info.first_frame},
-                  {"last_frame", last},
-                  {"constant_topology", sheet.constant_topology},
-                  {"vertices", spread.vertices},
-                  {"triangles", spread.triangles},
-                  {"channels", channels}};
+    Json j{{"name", sheet.name},
+           {"frames", sheet.frames},
+           {"first_frame", info.first_frame},
+           {"last_frame", last},
+           {"constant_topology", sheet.constant_topology},
+           {"vertices", spread.vertices},
+           {"triangles", spread.triangles},
+           {"channels", channels}};
     text += fmt::format("sheet \"{}\": frames {}-{}{}, ", sheet.name, info.first_frame, last,
                         info.frame_step > 1 ? fmt::format(" by {}", info.frame_step) : "");
     text +=
@@ -370,12 +367,12 @@ std::string inspect_cache(const std::filesystem::path& path, bool json) {
     sheets.push_back(std::move(j));
   }
   if (!json) return text;
-  const OrderedJson all{{"file", path.filename().string()},
-                        {"bytes", bytes},
-                        {"fps", info.fps},
-                        {"metadata", metadata},
-                        {"sheets", sheets}};
-  return all.dump(1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+  const Json all{{"file", path.filename().string()},
+                 {"bytes", bytes},
+                 {"fps", info.fps},
+                 {"metadata", metadata},
+                 {"sheets", sheets}};
+  return json_lines(all) + "\n";
 }
 
 std::string inspect_job(const BakeSettings& settings, bool json) {
@@ -387,17 +384,16 @@ std::string inspect_job(const BakeSettings& settings, bool json) {
       text += fmt::format("  {} = {}  # {}\n", value.key, value.value, value.origin);
     return text;
   }
-  OrderedJson j = scene_json(scene);
+  Json j = scene_json(scene);
   for (const UsedValue& value : plan.used)
     j["values"].push_back({{"key", value.key}, {"value", value.value}, {"origin", value.origin}});
-  return j.dump(1, ' ', false, OrderedJson::error_handler_t::replace) + "\n";
+  return json_lines(j) + "\n";
 }
 
 std::string inspect_scene(const std::filesystem::path& path, const SceneOptions& options,
                           bool json) {
   const Scene scene = read_scene(path, options);
-  return json ? scene_json(scene).dump(1, ' ', false, OrderedJson::error_handler_t::replace) + "\n"
-              : scene_text(scene);
+  return json ? json_lines(scene_json(scene)) + "\n" : scene_text(scene);
 }
 
 std::string tracks_csv(const std::filesystem::path& path, const SceneOptions& options) {

@@ -9,13 +9,13 @@
 #include "formats/files/atomic_file.h"
 #include "formats/files/certificate.h"
 #include "formats/files/collider_record.h"
+#include "formats/files/json.h"
 
 #include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <map>
 #include <memory>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 
@@ -23,7 +23,6 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::json;
 
 constexpr double tolerance_mm = 1e-3;  // of a handle
 
@@ -37,11 +36,12 @@ class Verifier {
     if (text.empty()) return std::move(result_);
     if (!seal_holds(text))
       differs({}, "cert/summary.json", "The summary is not as it was written.");
-    const Json summary = Json::parse(text, nullptr, false);
-    if (summary.is_discarded()) {
+    const std::optional<Json> parsed = try_parse_json(text);
+    if (!parsed) {
       differs({}, "cert/summary.json", "The summary is no JSON.");
       return std::move(result_);
     }
+    const Json& summary = *parsed;
     try {
       compare_hashes(summary.at("files"));
       if (const std::string cache = cache_of(summary); !cache.empty())
@@ -282,21 +282,20 @@ std::string verification_text(const fs::path& folder, const Verification& v) {
 
 std::string verification_json(const Verification& v,
                               const std::optional<ErrorEstimates>& estimates) {
-  using Ordered = nlohmann::ordered_json;
-  Ordered differences = Ordered::array();
-  Ordered first;
+  Json differences = Json::array();
+  Json first;
   for (const Difference& d : v.differences) {
-    const Ordered frame = d.frame ? Ordered(*d.frame) : Ordered();
+    const Json frame = d.frame ? Json(*d.frame) : Json();
     if (first.is_null()) first = frame;
     differences.push_back({{"frame", frame}, {"file", d.file}, {"what", d.what}});
   }
-  Ordered all{{"agrees", v.differences.empty()},
-              {"frames", v.frames},
-              {"files", v.files},
-              {"first_frame_off", first},
-              {"differences", differences}};
+  Json all{{"agrees", v.differences.empty()},
+           {"frames", v.frames},
+           {"files", v.files},
+           {"first_frame_off", first},
+           {"differences", differences}};
   if (estimates) {
-    all["estimates"] = Ordered::array();
+    all["estimates"] = Json::array();
     for (const ErrorEstimate& e : estimates->frames)
       all["estimates"].push_back({{"frame", e.frame},
                                   {"sheet", e.sheet},
@@ -306,7 +305,7 @@ std::string verification_json(const Verification& v,
                                   {"uncertain", e.uncertain}});
     all["estimate_ms_per_frame"] = estimates->ms_per_frame;
   }
-  return all.dump(1, ' ', false, Ordered::error_handler_t::replace) + "\n";
+  return json_lines(all) + "\n";
 }
 
 }  // namespace paperbake

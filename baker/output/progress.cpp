@@ -3,13 +3,13 @@
 #include "baker/job/version.h"
 #include "baker/output/say.h"
 #include "core/model/error.h"
+#include "formats/files/json.h"
 
 #include <cerrno>
 #include <cstring>
 #include <ctime>
 #include <fmt/chrono.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <unistd.h>
 
 namespace paperbake {
@@ -21,11 +21,7 @@ std::string clock_text(double seconds) {
                   : fmt::format("{}:{:02}:{:02}", s / 3600, s / 60 % 60, s % 60);
 }
 
-using Json = nlohmann::ordered_json;
-
-void print_json(const Json& object) {
-  say_line(object.dump(-1, ' ', false, Json::error_handler_t::replace));
-}
+void print_json(const Json& object) { say_line(json_line(object)); }
 
 std::string result_of(const ProgressEnd& end) {
   switch (end.exit_code) {

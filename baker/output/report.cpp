@@ -3,30 +3,16 @@
 #include "baker/job/version.h"
 #include "baker/output/frame_curves.h"
 #include "baker/output/gates.h"
+#include "baker/output/report_parts.h"
 #include "core/geometry/collider.h"
+#include "formats/files/json.h"
 
 #include <algorithm>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <set>
-
-// The parts of the page, as they lie in the source tree and in Debian's libjs-three and
-// libjs-chart.js, with a zero behind each.
-#define EMBED(symbol, file)                                 \
-  asm(".pushsection .rodata\n.global " #symbol "\n" #symbol \
-      ":\n"                                                 \
-      ".incbin \"" file "\"\n.byte 0\n.popsection\n");      \
-  extern "C" const char symbol[]
-EMBED(paperbake_report_page, PAPERBAKE_REPORT_PAGE);
-EMBED(paperbake_report_three, PAPERBAKE_REPORT_THREE);
-EMBED(paperbake_report_orbit, PAPERBAKE_REPORT_ORBIT);
-EMBED(paperbake_report_chart, PAPERBAKE_REPORT_CHART);
-#undef EMBED
 
 namespace paperbake {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 std::string base64(std::string_view bytes) {
   constexpr const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -239,7 +225,7 @@ std::string Report::html(const std::vector<FrameRecord>& records,
   for (const Picture& picture : maps_)
     data["maps"].push_back({{"caption", picture.caption}, {"png", base64(picture.png)}});
 
-  std::string json = data.dump(-1, ' ', false, Json::error_handler_t::replace);
+  std::string json = json_line(data);
   // no name may end the script, or begin a comment in it that swallows its end
   for (std::size_t at = 0; (at = json.find('<', at)) != std::string::npos; at += 6)
     json.replace(at, 1, "\\u003c");

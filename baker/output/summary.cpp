@@ -3,12 +3,12 @@
 #include "baker/job/version.h"
 #include "baker/output/file_hash.h"
 #include "baker/output/twin_verdict.h"
+#include "formats/files/json.h"
 
 #include <algorithm>
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 #include <fstream>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <set>
 #include <thread>
@@ -16,8 +16,6 @@
 
 namespace paperbake {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// One number over those frames that have it, in the unit of its field: mean, largest, and the
 /// frame of the largest. null: no frame has it
@@ -289,7 +287,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
        {"settings", settings},
        {"machine", {{"cpu", machine_name()}, {"cores", std::thread::hardware_concurrency()}}},
        {"files", files}});
-  return sealed(summary.dump(1, ' ', false, Json::error_handler_t::replace));
+  return sealed(json_lines(summary));
 }
 
 }  // namespace paperbake

@@ -14,13 +14,13 @@
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
 #include "formats/files/certificate.h"
+#include "formats/files/json.h"
 
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <fcntl.h>
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 #include <optional>
 #include <sstream>
 #include <sys/file.h>
@@ -30,7 +30,6 @@ namespace paperbake {
 namespace {
 
 namespace fs = std::filesystem;
-using Json = nlohmann::ordered_json;
 
 constexpr int max_pictures = 64;
 
@@ -58,12 +57,12 @@ std::string text_of(const fs::path& file) { return read_file(file).value_or("");
 
 /// A JSON object of a file; empty when there is none.
 Json read_object(const fs::path& file) {
-  Json object = Json::parse(text_of(file), nullptr, /*allow_exceptions=*/false);
-  return object.is_object() ? object : Json::object();
+  const std::optional<Json> read = try_parse_json(text_of(file));
+  return read && read->is_object() ? *read : Json::object();
 }
 
 Json literal(const Axis& axis, const std::string& value) {
-  return axis.number ? Json::parse(value, nullptr, false) : Json(value);
+  return axis.number ? parse_json(value) : Json(value);
 }
 
 /// What a variation was asked to be and to write, as far as it is known without reading the scene.
@@ -146,16 +145,14 @@ void take_certificate(Json& record, const fs::path& folder, const std::string& j
   record["crease_length_m"] = of_shot("crease_length_m");
 }
 
-std::string in_lines(const Json& json) {
-  return json.dump(1, ' ', false, Json::error_handler_t::replace) + "\n";
-}
+std::string in_lines(const Json& json) { return json_lines(json) + "\n"; }
 
 void write_record(const Wedge& wedge, int index, const Json& record) {
   write_atomically(wedge.state(index, ".json"), in_lines(record));
 }
 
 std::string cell_text(const Json& value) {
-  return value.is_string() ? value.get<std::string>() : value.dump();
+  return value.is_string() ? value.get<std::string>() : json_line(value);
 }
 
 // ---- the table and the picture
@@ -192,7 +189,7 @@ Panel last_frame(const Wedge& wedge, int index, const Json& record) {
   Panel panel;
   panel.caption.push_back(
       wedge.name(index) +
-      (record["exit_code"] == 0 ? "" : fmt::format("  exit {}", record["exit_code"].dump())));
+      (record["exit_code"] == 0 ? "" : fmt::format("  exit {}", json_line(record["exit_code"]))));
   for (const auto& [key, value] : record["values"].items())
     panel.caption.push_back(fmt::format("{} {}", key, cell_text(value)));
   const BakeSettings settings = wedge.settings(index);
@@ -300,7 +297,7 @@ std::string describe_variation(const Wedge& wedge, int index) {
   for (const auto& [key, value] : values.items())
     line += fmt::format(" {}={}", key, cell_text(value));
   const std::string message = record.value("message", "");
-  return line + fmt::format(": exit code {}", record.value("exit_code", Json()).dump()) +
+  return line + fmt::format(": exit code {}", json_line(record.value("exit_code", Json()))) +
          (message.empty() ? "" : "\n" + message);
 }
 

@@ -1,9 +1,9 @@
 #include "formats/files/certificate.h"
 
 #include "core/model/error.h"
+#include "formats/files/json.h"
 
 #include <fmt/format.h>
-#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <charconv>
@@ -13,8 +13,6 @@
 
 namespace paperbake {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 /// Returns the number if it is finite: NaN and infinity in a certificate are failures of the
 /// simulation. throws Error(ErrorCode::simulation) with frame, sheet and field
@@ -99,11 +97,11 @@ std::string frame_line(const FrameRecord& r) {
   line["input_hash"] = r.input_hash;
   line["content_hash"] = r.content_hash;
   // names come from scene files in any encoding: bytes that are not UTF-8 must not stop the bake
-  return line.dump(-1, ' ', false, Json::error_handler_t::replace);
+  return json_line(line);
 }
 
 std::optional<FrameRecord> parse_frame_line(const std::string& text) try {
-  const Json line = Json::parse(text);
+  const Json line = parse_json(text);
   FrameRecord r;
   r.frame = line.at("frame");
   r.sheet = line.at("sheet");

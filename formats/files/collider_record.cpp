@@ -1,16 +1,13 @@
 #include "formats/files/collider_record.h"
 
 #include "core/model/error.h"
-
-#include <nlohmann/json.hpp>
+#include "formats/files/json.h"
 
 #include <algorithm>
 #include <cstddef>
 
 namespace paperbake {
 namespace {
-
-using Json = nlohmann::ordered_json;
 
 Json json_of(const ColliderMesh& mesh) {
   Json vertices = Json::array(), triangles = Json::array(), frames = Json::array();
@@ -76,11 +73,11 @@ std::string collider_json(const ColliderRecord& record) {
   }
   all["turned"] = std::move(turned);
   all["inside_of"] = std::move(inside_of);
-  return all.dump(-1, ' ', false, Json::error_handler_t::replace) + "\n";
+  return json_line(all) + "\n";
 }
 
 ColliderRecord parse_collider_json(const std::string& text) try {
-  const Json all = Json::parse(text);
+  const Json all = parse_json(text);
   ColliderRecord record;
   record.first_frame = all.at("first_frame");
   std::vector<ColliderMesh> meshes;

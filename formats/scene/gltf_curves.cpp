@@ -1,6 +1,7 @@
 #include "formats/scene/gltf_curves.h"
 
 #include "core/model/error.h"
+#include "formats/files/json.h"
 
 #include <fmt/format.h>
 
@@ -14,7 +15,6 @@
 namespace paperbake {
 namespace {
 
-using Json = nlohmann::json;
 using gltf::index;
 using gltf::list;
 using gltf::refuse;

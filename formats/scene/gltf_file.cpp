@@ -2,6 +2,7 @@
 
 #include "core/model/error.h"
 #include "formats/files/atomic_file.h"
+#include "formats/files/json.h"
 #include "formats/scene/scene_import.h"
 
 #include <fmt/format.h>
@@ -18,7 +19,6 @@
 namespace paperbake {
 namespace {
 
-using Json = nlohmann::json;
 using gltf::index;
 using gltf::list;
 using gltf::refuse;
@@ -237,7 +237,7 @@ GltfFile::GltfFile(const std::filesystem::path& path, Parts parts) : path_(path)
   if (!bytes) refuse("it cannot be opened");
   Chunks chunks = chunks_of(std::move(*bytes));
   try {
-    json_ = Json::parse(chunks.json);
+    json_ = parse_json(chunks.json);
   } catch (const Json::parse_error& error) {
     refuse(fmt::format("its JSON breaks off or is damaged at byte {}", error.byte));
   } catch (const Json::out_of_range&) {

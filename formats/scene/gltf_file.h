@@ -1,9 +1,8 @@
 #pragma once
 
 #include "core/model/sheet.h"
+#include "formats/files/json.h"
 #include "formats/scene/scene_parts.h"
-
-#include <nlohmann/json.hpp>
 
 #include <cstddef>
 #include <filesystem>
@@ -20,8 +19,6 @@ namespace paperbake {
 /// source  glTF 2.0
 class GltfFile {
  public:
-  using Json = nlohmann::json;
-
   /// throws Error(ErrorCode::scene) at `path` for another version or an unsupported compression;
   /// std::exception that describes the damage of a damaged file
   GltfFile(const std::filesystem::path& path, Parts);
@@ -61,23 +58,22 @@ namespace gltf {
 [[noreturn]] void refuse(const std::string& what);
 
 /// The array with this key; an empty one when the object has no such member.
-const nlohmann::json& list(const nlohmann::json& object, const char* key);
+const Json& list(const Json& object, const char* key);
 
 /// The non-negative integer with this key; `fallback` when the object has no such member.
-std::size_t whole(const nlohmann::json& object, const char* key,
-                  std::optional<std::size_t> fallback = {});
+std::size_t whole(const Json& object, const char* key, std::optional<std::size_t> fallback = {});
 
 /// The non-negative integer with this key, which must be below `count`.
-std::size_t index(const nlohmann::json& object, const char* key, std::size_t count);
+std::size_t index(const Json& object, const char* key, std::size_t count);
 
 /// The text with this key; `fallback` when there is no such member or it is not a text.
-std::string text(const nlohmann::json& object, const char* key, const std::string& fallback);
+std::string text(const Json& object, const char* key, const std::string& fallback);
 
 /// The name of entry i of a list, or KEY[i] when it has none: "nodes[3]".
-std::string name(const nlohmann::json& list, std::size_t i, const char* key);
+std::string name(const Json& list, std::size_t i, const char* key);
 
 /// The array of `count` numbers with this key; empty when it has another length or other content.
-std::vector<double> numbers(const nlohmann::json& object, const char* key, std::size_t count);
+std::vector<double> numbers(const Json& object, const char* key, std::size_t count);
 
 }  // namespace gltf
 }  // namespace paperbake

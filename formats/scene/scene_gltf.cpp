@@ -1,6 +1,7 @@
 #include "formats/scene/scene_gltf.h"
 
 #include "core/model/error.h"
+#include "formats/files/json.h"
 #include "formats/scene/gltf_curves.h"
 #include "formats/scene/gltf_file.h"
 #include "formats/scene/scene_properties.h"
@@ -15,7 +16,6 @@
 namespace paperbake {
 namespace {
 
-using Json = nlohmann::json;
 using gltf::index;
 using gltf::list;
 using gltf::refuse;
