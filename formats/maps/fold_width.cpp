@@ -79,10 +79,4 @@ Points3 fold_tensors(const Points3& curvature, const Eigen::VectorXd& width) {
   return folds;
 }
 
-double larger_principal(double xx, double xy, double yy) {
-  const double mean = 0.5 * (xx + yy), half_difference = 0.5 * (xx - yy);
-  const double radius = std::sqrt(half_difference * half_difference + xy * xy);
-  return mean >= 0 ? mean + radius : mean - radius;
-}
-
 }  // namespace paperbake

@@ -4,6 +4,8 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
+
 namespace paperbake {
 
 /// [rad] a fold cannot turn farther than this in either direction: it is shut then
@@ -33,6 +35,10 @@ Eigen::VectorXd fold_widths(const Sheet&, const Points3& curvature, double fold_
 Points3 fold_tensors(const Points3& curvature, const Eigen::VectorXd& width);
 
 /// The eigenvalue of larger magnitude of the symmetric tensor (Sxx, Sxy, Syy).
-double larger_principal(double xx, double xy, double yy);
+inline double larger_principal(double xx, double xy, double yy) {
+  const double mean = 0.5 * (xx + yy), half_difference = 0.5 * (xx - yy);
+  const double radius = std::sqrt(half_difference * half_difference + xy * xy);
+  return mean + std::copysign(radius, mean + 0.0);  // -0 counts as 0
+}
 
 }  // namespace paperbake

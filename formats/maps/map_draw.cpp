@@ -42,41 +42,63 @@ double cover(double radius, double distance) {
   return std::clamp(radius + 0.5 - distance, 0.0, 1.0);
 }
 
+/// max(0, value), from which the compiler makes no branch.
+double positive(double value) { return 0.5 * (value + std::abs(value)); }
+
+double within_unit(double value) { return positive(value) - positive(value - 1); }
+
 /// [%] stretch - 1 for a principal Green strain.
-double percent(double green) { return 100 * (std::sqrt(std::max(0.0, 1 + 2 * green)) - 1); }
+double percent(double green) { return 100 * (std::sqrt(positive(1 + 2 * green)) - 1); }
 
-/// Unit direction along which the sheet bends least, x >= 0. The tensor must not be isotropic.
-Vector2d ruling(double xx, double xy, double yy) {
-  const double half_difference = 0.5 * (xx - yy),
-               radius = std::sqrt(half_difference * half_difference + xy * xy);
-  // the eigenvector of the larger eigenvalue is at angle phi, that of the smaller one across it;
-  // the sheet bends along that of larger magnitude, and the ruling runs across
-  const double sign = xx + yy >= 0 ? -1 : 1, c = sign * half_difference / radius,
-               s = sign * xy / radius;
-  return {std::sqrt(std::max(0.0, 0.5 * (1 + c))),
-          std::copysign(std::sqrt(std::max(0.0, 0.5 * (1 - c))), s)};
-}
-
-/// Sets the layers that depend only on the shape of the sheet at the texel.
-void draw_shape(const MapScene& scene, const Fields& f, MapTexel& texel) {
-  const double k1 = larger_principal(f[0], f[1], f[2]);
-  texel.dihedral_angle = rounded(larger_principal(f[3], f[4], f[5]), angle_step);
-  texel.fold_plastic = rounded(larger_principal(f[6], f[7], f[8]), angle_step);
-  const double k2 = f[0] + f[2] - k1, bent = std::abs(k1) * scene.side;
-  const double coherent =
-      (one_way_range[1] - std::abs(k2 / k1)) / (one_way_range[1] - one_way_range[0]);
-  if (bent > curved_range[0] && std::abs(k1 - k2) > isotropic * std::abs(k1)) {
-    texel.b = static_cast<float>(
-        std::clamp((bent - curved_range[0]) / (curved_range[1] - curved_range[0]), 0.0, 1.0) *
-        std::clamp(coherent, 0.0, 1.0));
-    const Vector2d along = ruling(f[0], f[1], f[2]);
-    texel.dir_x = rounded(along.x(), unit_step);
-    texel.dir_y = rounded(along.y(), unit_step);
+/// Sets the layers that depend only on the shape of the sheet at the texels: for all of them side by
+/// side, without a branch, so that the compiler computes several at once.
+void draw_shape(const MapScene& scene, const TexelRow<12>& row, MapTexel* texels) {
+  float angle[row.longest], plastic[row.longest], bent_one_way[row.longest], dir_x[row.longest],
+      dir_y[row.longest], strain_min[row.longest], strain_max[row.longest];
+  constexpr double tiny = 1e-300;  // keeps from a division by zero where there is no ruling
+  const auto& f = row.fields;
+  for (int i = 0; i < row.texels; ++i) {
+    angle[i] = rounded(larger_principal(f[3][i], f[4][i], f[5][i]), angle_step);
+    plastic[i] = rounded(larger_principal(f[6][i], f[7][i], f[8][i]), angle_step);
   }
-  const double mean = 0.5 * (f[9] + f[11]), half_difference = 0.5 * (f[9] - f[11]);
-  const double radius = std::sqrt(half_difference * half_difference + f[10] * f[10]);
-  texel.strain_min = rounded(percent(mean - radius), strain_step);
-  texel.strain_max = rounded(percent(mean + radius), strain_step);
+  for (int i = 0; i < row.texels; ++i) {
+    const double xx = f[0][i], xy = f[1][i], yy = f[2][i], half_difference = 0.5 * (xx - yy),
+                 radius = std::sqrt(half_difference * half_difference + xy * xy),
+                 k1 = larger_principal(xx, xy, yy), k2 = xx + yy - k1,
+                 bent = std::abs(k1) * scene.side;
+    const float ruled =
+        (bent > curved_range[0]) & (std::abs(k1 - k2) > isotropic * std::abs(k1)) ? 1.0f : 0.0f;
+    const double ratio = std::abs(k2) / (std::abs(k1) + tiny),
+                 coherent = (one_way_range[1] - ratio) / (one_way_range[1] - one_way_range[0]);
+    bent_one_way[i] = ruled * static_cast<float>(within_unit((bent - curved_range[0]) /
+                                                             (curved_range[1] - curved_range[0])) *
+                                                 within_unit(coherent));
+    // the eigenvector of the larger eigenvalue is at angle phi, that of the smaller one across it;
+    // the sheet bends along that of larger magnitude, and the ruling runs across, with x >= 0
+    const double sign = -std::copysign(1.0, xx + yy + 0.0),
+                 c = sign * half_difference / (radius + tiny), s = sign * xy / (radius + tiny);
+    dir_x[i] = ruled * rounded(std::sqrt(positive(0.5 * (1 + c))), unit_step);
+    // + 0 turns -0 into 0
+    dir_y[i] =
+        ruled * rounded(std::copysign(std::sqrt(positive(0.5 * (1 - c))), s), unit_step) + 0.0f;
+  }
+  for (int i = 0; i < row.texels; ++i) {
+    const double mean = 0.5 * (f[9][i] + f[11][i]), half_difference = 0.5 * (f[9][i] - f[11][i]),
+                 radius = std::sqrt(half_difference * half_difference + f[10][i] * f[10][i]);
+    strain_min[i] = rounded(percent(mean - radius), strain_step);
+    strain_max[i] = rounded(percent(mean + radius), strain_step);
+  }
+  for (int i = 0; i < row.texels; ++i) {
+    if (!row.wanted[i]) continue;
+    MapTexel& texel = texels[row.index + i];
+    texel.dihedral_angle = angle[i];
+    texel.fold_plastic = plastic[i];
+    texel.b = bent_one_way[i];
+    texel.dir_x = dir_x[i];
+    texel.dir_y = dir_y[i];
+    texel.strain_min = strain_min[i];
+    texel.strain_max = strain_max[i];
+  }
 }
 
 /// Sets fold.peak: interpolated on the grid of FoldPeak, or fold.angle where that is larger now.
@@ -214,8 +236,8 @@ void draw_map(const MapScene& scene, const MapRows& rows, MapTexel* texels) {
     texels[k] = blank;
     texels[k].a = coverage[k];
   }
-  for_each_texel(scene.fields, scene.side, scene.loops, rows, wanted,
-                 [&](int k, const Fields& f) { draw_shape(scene, f, texels[k]); });
+  for_each_texel_row<0, 12>(scene.fields, scene.side, scene.loops, rows, wanted,
+                            [&](const TexelRow<12>& row) { draw_shape(scene, row, texels); });
   draw_peaks(scene, rows, wanted, texels);
   draw_creases(scene, rows, wanted, texels);
   draw_apices(scene, rows, wanted, texels);

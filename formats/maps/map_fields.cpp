@@ -29,13 +29,13 @@ Eigen::RowVector3d green_strain(const Sheet& sheet, int t, double& area) {
 /// [texel] the largest distance from a corner of the pattern to the border of the mesh: a coarse
 /// mesh cuts the corners of a round outline.
 double max_border_gap(const std::vector<std::vector<Vector2d>>& loops,
-                      const std::vector<FieldCorner>& corner, const MapFields& fields) {
+                      const std::vector<Vector2d>& vertices, const MapFields& fields) {
   double gap = 0;
   for (const auto& loop : loops)
     for (const Vector2d& p : loop) {
       double nearest = std::numeric_limits<double>::max();
       for (const auto& [a, b] : fields.border)
-        nearest = std::min(nearest, distance_to_segment(p, corner[a].at, corner[b].at));
+        nearest = std::min(nearest, distance_to_segment(p, vertices[a], vertices[b]));
       if (!fields.border.empty()) gap = std::max(gap, nearest);
     }
   return gap;
@@ -57,16 +57,17 @@ MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3
     double area;
     const Eigen::RowVector3d strain = green_strain(sheet, t, area);
     for (int k = 0; k < 3; ++k) {
-      fields.of_vertex[sheet.triangles(t, k)].tail<3>() += area * strain.transpose().array();
+      fields.of_vertex[sheet.triangles(t, k)].segment<3>(of_strain) +=
+          area * strain.transpose().array();
       area_around[sheet.triangles(t, k)] += area;
     }
   }
   for (std::size_t v = 0; v < area_around.size(); ++v) {
     Fields& f = fields.of_vertex[v];
-    if (area_around[v] > 0) f.tail<3>() /= area_around[v];
-    f.head<3>() = curvature.row(v).transpose().array();
-    f.segment<3>(3) = fold.row(v).transpose().array();
-    if (plastic.rows() > 0) f.segment<3>(6) = plastic_fold.row(v).transpose().array();
+    if (area_around[v] > 0) f.segment<3>(of_strain) /= area_around[v];
+    f.segment<3>(of_curvature) = curvature.row(v).transpose().array();
+    f.segment<3>(of_fold) = fold.row(v).transpose().array();
+    if (plastic.rows() > 0) f.segment<3>(of_plastic_fold) = plastic_fold.row(v).transpose().array();
   }
   const Hinges hinges = find_hinges(sheet.triangles);
   for (int t = 0; t < sheet.triangles.rows(); ++t)
@@ -76,16 +77,16 @@ MapFields map_fields(const Sheet& sheet, const Points3& curvature, const Points3
   return fields;
 }
 
-std::vector<FieldCorner> field_corners(const MapFields& fields, double side, int size) {
-  std::vector<FieldCorner> corner;
+std::vector<Vector2d> vertices_in_texels(const MapFields& fields, double side, int size) {
+  std::vector<Vector2d> vertices;
   for (int v = 0; v < fields.pattern.rows(); ++v)
-    corner.push_back({to_texels(fields.pattern.row(v), side, size), fields.of_vertex[v]});
-  return corner;
+    vertices.push_back(to_texels(fields.pattern.row(v), side, size));
+  return vertices;
 }
 
 std::vector<BorderTexel> texels_beside(const MapFields& fields,
                                        const std::vector<std::vector<Vector2d>>& loops,
-                                       const std::vector<FieldCorner>& corner, const MapRows& rows,
+                                       const std::vector<Vector2d>& vertices, const MapRows& rows,
                                        const std::vector<char>& open) {
   std::vector<BorderTexel> found;
   if (std::find(open.begin(), open.end(), 1) == open.end()) return found;
@@ -95,9 +96,9 @@ std::vector<BorderTexel> texels_beside(const MapFields& fields,
     float t = 0;
   };
   std::vector<Nearest> nearest(rows.count());
-  const double reach = max_border_gap(loops, corner, fields) + map_padding + 2;
+  const double reach = max_border_gap(loops, vertices, fields) + map_padding + 2;
   for (std::size_t e = 0; e < fields.border.size(); ++e)
-    for_each_near_segment(corner[fields.border[e].first].at, corner[fields.border[e].second].at,
+    for_each_near_segment(vertices[fields.border[e].first], vertices[fields.border[e].second],
                           reach, rows, [&](int i, int row, double distance, double t) {
                             Nearest& n = nearest[rows.index(i, row)];
                             if (open[rows.index(i, row)] && distance < n.distance)

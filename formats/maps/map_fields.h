@@ -7,13 +7,16 @@
 
 namespace paperbake {
 
-/// The quantities of a sheet's shape that a map shows, at the vertices of its mesh.
+/// The quantities of a sheet's shape that a map shows, at one place: four tensors Sxx, Sxy, Syy each,
+/// the curvature [1/m], the fold angle [rad], the plastic fold angle [rad], and Green strain [1].
+using Fields = Eigen::Array<double, 12, 1>;
+inline constexpr int of_curvature = 0, of_fold = 3, of_plastic_fold = 6, of_strain = 9;
+
+/// They at the vertices of its mesh.
 struct MapFields {
   Points2 pattern;  // |V|x2 [m]
   Triangles triangles;
-  // |V| four tensors Sxx, Sxy, Syy each: curvature [1/m], fold angle [rad], plastic fold angle
-  // [rad], Green strain [1]
-  std::vector<Fields> of_vertex;
+  std::vector<Fields> of_vertex;            // |V|
   std::vector<std::pair<int, int>> border;  // ends of the edges with one triangle
 };
 
@@ -26,46 +29,77 @@ struct MapFields {
 MapFields map_fields(const Sheet&, const Points3& curvature, const Points3& plastic,
                      double fold_width);
 
-/// The vertices in texels, with their fields.
-std::vector<FieldCorner> field_corners(const MapFields&, double side, int size);
+/// The vertices. [texel]
+std::vector<Vector2d> vertices_in_texels(const MapFields&, double side, int size);
 
 /// A texel outside the mesh, and the nearest point of its border: at a fraction t of an edge.
 struct BorderTexel {
   int index, edge;
   double t;
 };
-/// Those of the texels marked in `open`, as for_each_texel() needs them.
+/// Those of the texels marked in `open`, as for_each_texel_row() needs them.
+/// vertices  [texel]
 std::vector<BorderTexel> texels_beside(const MapFields&,
                                        const std::vector<std::vector<Vector2d>>& loops,
-                                       const std::vector<FieldCorner>&, const MapRows&,
+                                       const std::vector<Vector2d>& vertices, const MapRows&,
                                        const std::vector<char>& open);
 
-/// Calls texel(index, fields) once for every wanted texel of the rows, with the fields at its
-/// centre, interpolated linearly in the triangle there; outside the mesh those of the nearest point
-/// of its border, at any distance.
+/// Some neighbouring texels of a row, and some of the fields there.
+template <int count>
+struct TexelRow {
+  static constexpr int longest = 64;
+  int index;                      // of the first one, as MapRows::index
+  int texels;                     // how many there are
+  const char* wanted;             // of each; what it is 0 for is not to be drawn
+  double fields[count][longest];  // of each field, of each texel
+};
+
+/// Calls texel_row(TexelRow<count>) so that every wanted texel of the rows is in one of them once
+/// where its `wanted` is 1, with the fields first ... first + count - 1 at its centre, interpolated
+/// linearly in the triangle there; outside the mesh those of the nearest point of its border, at
+/// any distance.
 /// side    [m] longer side of the pattern
 /// loops   [texel] corners of the pattern's outline and holes; a coarse mesh may stay behind them
 /// wanted  one entry for each texel of the rows
-/// texel   index as MapRows::index
-template <class Texel>
-void for_each_texel(const MapFields& fields, double side,
-                    const std::vector<std::vector<Vector2d>>& loops, const MapRows& rows,
-                    const std::vector<char>& wanted, const Texel& texel) {
-  const std::vector<FieldCorner> corner = field_corners(fields, side, rows.size);
+template <int first, int count, class DrawTexelRow>
+void for_each_texel_row(const MapFields& fields, double side,
+                        const std::vector<std::vector<Vector2d>>& loops, const MapRows& rows,
+                        const std::vector<char>& wanted, const DrawTexelRow& texel_row) {
+  const std::vector<Vector2d> vertices = vertices_in_texels(fields, side, rows.size);
+  const auto corner = [&](int v) {
+    return FieldCorner<count>{vertices[v], fields.of_vertex[v].template segment<count>(first)};
+  };
   std::vector<char> open = wanted;
+  TexelRow<count> row;
+  const auto draw_span = [&](const FieldSpan<count>& span) {
+    for (int begin = span.begin; begin < span.end; begin += row.longest) {
+      row.index = rows.index(begin, span.row);
+      row.texels = std::min(span.end - begin, row.longest);
+      row.wanted = open.data() + row.index;
+      for (int k = 0; k < count; ++k) {
+        const double field = span.left.fields[k], slope = span.slope[k], left = span.left.at.x();
+        for (int i = 0, texels = row.texels; i < texels; ++i)
+          row.fields[k][i] = field + (begin + i - left) * slope;
+      }
+      texel_row(row);
+      std::fill_n(open.begin() + row.index, row.texels, char(0));
+    }
+  };
   for (int t = 0; t < fields.triangles.rows(); ++t)
-    for_each_in_triangle({corner[fields.triangles(t, 0)], corner[fields.triangles(t, 1)],
-                          corner[fields.triangles(t, 2)]},
-                         rows, [&](int i, int row, const Fields& f) {
-                           const int index = rows.index(i, row);
-                           if (!open[index]) return;
-                           open[index] = 0;
-                           texel(index, f);
-                         });
-  for (const BorderTexel& beside : texels_beside(fields, loops, corner, rows, open)) {
+    for_each_span({corner(fields.triangles(t, 0)), corner(fields.triangles(t, 1)),
+                   corner(fields.triangles(t, 2))},
+                  rows, draw_span);
+  constexpr char is_wanted = 1;
+  row.texels = 1;
+  row.wanted = &is_wanted;
+  for (const BorderTexel& beside : texels_beside(fields, loops, vertices, rows, open)) {
     const auto [a, b] = fields.border[beside.edge];
-    texel(beside.index,
-          Fields(fields.of_vertex[a] + beside.t * (fields.of_vertex[b] - fields.of_vertex[a])));
+    row.index = beside.index;
+    for (int k = 0; k < count; ++k) {
+      const double at_a = fields.of_vertex[a][first + k];
+      row.fields[k][0] = at_a + beside.t * (fields.of_vertex[b][first + k] - at_a);
+    }
+    texel_row(row);
   }
 }
 

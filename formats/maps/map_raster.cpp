@@ -79,13 +79,6 @@ std::vector<float> area_coverage(const std::vector<std::vector<Vector2d>>& loops
   return coverage;
 }
 
-FieldCorner raster::cut_edge(const FieldCorner& p, const FieldCorner& q, int row) {
-  const bool p_first = p.at.y() < q.at.y();
-  const FieldCorner &a = p_first ? p : q, &b = p_first ? q : p;
-  const double t = (row - a.at.y()) / (b.at.y() - a.at.y());
-  return {a.at + t * (b.at - a.at), a.fields + t * (b.fields - a.fields)};
-}
-
 std::vector<int> near_points(const std::vector<Vector2d>& points, const Vector2d& centre,
                              double reach) {
   double nearest = std::numeric_limits<double>::max();

@@ -28,11 +28,20 @@ struct MapRows {
 /// loops  corners [texel]; on the pattern outlines are counter-clockwise and holes clockwise
 std::vector<float> area_coverage(const std::vector<std::vector<Vector2d>>& loops, const MapRows&);
 
-/// Quantities that are interpolated linearly in a triangle.
-using Fields = Eigen::Array<double, 12, 1>;
+/// A corner of a triangle, and quantities that are interpolated linearly in it.
+template <int count>
 struct FieldCorner {
   Vector2d at;  // [texel]
-  Fields fields;
+  Eigen::Array<double, count, 1> fields;
+};
+
+/// Texels of a row whose centres lie in a triangle: begin <= i < end.
+template <int count>
+struct FieldSpan {
+  int row, begin, end;
+  // of the fields at texel i: left.fields + (i - left.at.x()) slope
+  FieldCorner<count> left;
+  Eigen::Array<double, count, 1> slope;
 };
 
 namespace raster {
@@ -43,31 +52,36 @@ inline int first_at_or_after(double x, int low, int high) {
 
 /// Where an edge meets a row. It is always computed from the upper end of the edge, so that the two
 /// triangles of an edge get exactly the same point.
-FieldCorner cut_edge(const FieldCorner& p, const FieldCorner& q, int row);
+template <int count>
+FieldCorner<count> cut_edge(const FieldCorner<count>& p, const FieldCorner<count>& q, int row) {
+  const bool p_first = p.at.y() < q.at.y();
+  const FieldCorner<count>&a = p_first ? p : q, &b = p_first ? q : p;
+  const double t = (row - a.at.y()) / (b.at.y() - a.at.y());
+  return {a.at + t * (b.at - a.at), a.fields + t * (b.fields - a.fields)};
+}
 
 }  // namespace raster
 
-/// Calls texel(i, row, fields) for every texel whose centre lies in the triangle. Spans are half
+/// Calls span(FieldSpan) for every row of texels whose centres lie in the triangle. Spans are half
 /// open in both directions, so that triangles with a common edge leave no gap and share no texel.
-template <class Texel>
-void for_each_in_triangle(const FieldCorner (&corner)[3], const MapRows& rows, const Texel& texel) {
+template <int count, class Span>
+void for_each_span(const FieldCorner<count> (&corner)[3], const MapRows& rows, const Span& span) {
   const auto [top, bottom] = std::minmax({corner[0].at.y(), corner[1].at.y(), corner[2].at.y()});
   const int end_row = raster::first_at_or_after(bottom, rows.first, rows.last);
   for (int row = raster::first_at_or_after(top, rows.first, rows.last); row < end_row; ++row) {
-    FieldCorner cut[2];
+    FieldCorner<count> cut[2];
     int cuts = 0;
     for (int k = 0; k < 3; ++k) {
-      const FieldCorner &p = corner[k], &q = corner[(k + 1) % 3];
+      const FieldCorner<count>&p = corner[k], &q = corner[(k + 1) % 3];
       if ((p.at.y() <= row) != (q.at.y() <= row) && cuts < 2)
         cut[cuts++] = raster::cut_edge(p, q, row);
     }
     if (cuts < 2) continue;
     if (cut[1].at.x() < cut[0].at.x()) std::swap(cut[0], cut[1]);
     const double left = cut[0].at.x(), right = cut[1].at.x();
-    const int end = raster::first_at_or_after(right, 0, rows.size);
-    const Fields slope = (cut[1].fields - cut[0].fields) / std::max(right - left, 1e-300);
-    for (int i = raster::first_at_or_after(left, 0, rows.size); i < end; ++i)
-      texel(i, row, Fields(cut[0].fields + (i - left) * slope));
+    span(FieldSpan<count>{row, raster::first_at_or_after(left, 0, rows.size),
+                          raster::first_at_or_after(right, 0, rows.size), cut[0],
+                          (cut[1].fields - cut[0].fields) / std::max(right - left, 1e-300)});
   }
 }
 
