@@ -15,7 +15,9 @@ namespace paperbake {
 /// it.
 ///
 /// Neighbouring columns of the factor whose rows are nearly the same are kept as one dense panel of
-/// up to eight: a value that they all change is then read and written once.
+/// up to eight: a value that they all change is then read and written once. The factor is computed
+/// in 64 bits, panel by panel as well, each from those before it [Ng 1993]; the products are written
+/// out here, so that no library chooses their order by the processor.
 class ColumnCholesky {
  public:
   /// lower   lower triangle of the matrix
@@ -31,8 +33,8 @@ class ColumnCholesky {
     int begin, end;      // in row_: the rows below these columns
     std::size_t values;  // in value_: row by row, of the columns themselves first
   };
-  void make_panels(const Eigen::SparseMatrix<double>& factor);
-  void add_panel(const Eigen::SparseMatrix<double>& factor, int first, int columns);
+  void make_panels(const std::vector<std::vector<int>>& rows_below);
+  void factorise(const Eigen::SparseMatrix<double>& lower);
 
   std::vector<int> place_;  // of row i in the elimination order
   std::vector<Panel> panels_;
