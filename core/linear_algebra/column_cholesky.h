@@ -16,8 +16,8 @@ namespace paperbake {
 ///
 /// Neighbouring columns of the factor whose rows are nearly the same are kept as one dense panel of
 /// up to eight: a value that they all change is then read and written once. The factor is computed
-/// in 64 bits, panel by panel as well, each from those before it [Ng 1993]; the products are written
-/// out here, so that no library chooses their order by the processor.
+/// in 64 bits, panel by panel as well, each from those before it [Ng 1993]; the products are
+/// written out here, so that no library chooses their order by the processor.
 class ColumnCholesky {
  public:
   /// lower   lower triangle of the matrix

@@ -50,8 +50,8 @@ double within_unit(double value) { return positive(value) - positive(value - 1);
 /// [%] stretch - 1 for a principal Green strain.
 double percent(double green) { return 100 * (std::sqrt(positive(1 + 2 * green)) - 1); }
 
-/// Sets the layers that depend only on the shape of the sheet at the texels: for all of them side by
-/// side, without a branch, so that the compiler computes several at once.
+/// Sets the layers that depend only on the shape of the sheet at the texels: for all of them side
+/// by side, without a branch, so that the compiler computes several at once.
 void draw_shape(const MapScene& scene, const TexelRow<12>& row, MapTexel* texels) {
   float angle[row.longest], plastic[row.longest], bent_one_way[row.longest], dir_x[row.longest],
       dir_y[row.longest], strain_min[row.longest], strain_max[row.longest];

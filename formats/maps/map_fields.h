@@ -7,12 +7,13 @@
 
 namespace paperbake {
 
-/// The quantities of a sheet's shape that a map shows, at one place: four tensors Sxx, Sxy, Syy each,
-/// the curvature [1/m], the fold angle [rad], the plastic fold angle [rad], and Green strain [1].
+/// The quantities of a sheet's shape that a map shows, at one place: four tensors Sxx, Sxy, Syy
+/// each, the curvature [1/m], the fold angle [rad], the plastic fold angle [rad], and Green strain
+/// [1].
 using Fields = Eigen::Array<double, 12, 1>;
 inline constexpr int of_curvature = 0, of_fold = 3, of_plastic_fold = 6, of_strain = 9;
 
-/// They at the vertices of its mesh.
+/// The same at the vertices of the mesh of a sheet.
 struct MapFields {
   Points2 pattern;  // |V|x2 [m]
   Triangles triangles;
