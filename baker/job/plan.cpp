@@ -76,6 +76,8 @@ void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& 
     }
   }
   plan.animation.elastic.inertia = dynamic ? Inertia::dynamic : Inertia::quasi_static;
+  if (settings.dynamics == Dynamics::automatic && !dynamic)
+    plan.animation.release_inertia = ReleaseInertia::automatic;
   if (settings.probe_every > 0 && dynamic)
     throw Error(
         ErrorCode::command, "--probe",
@@ -280,7 +282,9 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
   note("bake", "gravity", toml_number(plan.animation.elastic.forces.gravity),
        scene.gravity ? Origin::scene : Origin::fallback);
   const ElasticOptions& elastic = plan.animation.elastic;
-  if (elastic.inertia == Inertia::dynamic && elastic.air.density > 0) {
+  const bool always = elastic.inertia == Inertia::dynamic,
+             when_let_go = plan.animation.release_inertia == ReleaseInertia::automatic;
+  if ((always || when_let_go) && elastic.air.density > 0) {
     note("bake", "air", toml_number(elastic.air.density),
          scene.air ? Origin::scene : Origin::fallback);
     if (settings.wind)
@@ -289,7 +293,10 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
                                    settings.wind->z())));
   }
   used.push_back(
-      {"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
+      {"bake.dynamics",
+       always        ? "\"on\""
+       : when_let_go ? "\"auto\""
+                     : "\"off\"",
        settings.dynamics == Dynamics::automatic ? "auto" : to_string(settings.origin("dynamics"))});
   if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
   used.push_back(used_frames(settings, scene, plan));
