@@ -140,7 +140,8 @@ void SheetSimulation::archive(Serializer& a) {
   method_->archive(a);
   if (!a.reads()) return;
   a.end();
-  input_before_.time = (frame_ - options_.first_frame) / options_.fps;
+  const int row = frame_ - options_.first_frame;
+  input_before_.time = row / options_.fps;
   const auto rows = sheet.x.rows();
   a.require(frame_ >= options_.first_frame && output_sheet_.x.rows() == rows &&
             (positions_before_.rows() == 0 || positions_before_.rows() == rows));
@@ -148,6 +149,10 @@ void SheetSimulation::archive(Serializer& a) {
             dhat.size() == number_);
   a.require(std::all_of(started_.handle_vertex.begin(), started_.handle_vertex.end(),
                         [&](int v) { return v < rows; }));
+  if (shot_.colliders) {
+    input_before_.colliders = motion_to(*shot_.colliders, row);
+    input_before_.colliders.from = input_before_.colliders.to;
+  }
   a.require(swing_.rate >= 0 && std::isfinite(swing_.rate) && quiet_ >= 0 &&
             (swing_.rate == 0 || options_.release_inertia == ReleaseInertia::automatic));
   if (swing_.rate > 0) elastic_.set_inertia(Inertia::dynamic);
