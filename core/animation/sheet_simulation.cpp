@@ -398,10 +398,12 @@ Swing SheetSimulation::swing_on_trial() {
     } catch (const Error&) {  // the energy is not finite
       break;
     }
-  const Swing swing = swing_to(sheet, step_start_->sheet.x, vertices_of(input_.constraints),
-                               potential_at_start_ - last.potential, shot_.paper.area_density);
+  Swing swing = swing_to(sheet, step_start_->sheet.x, vertices_of(input_.constraints),
+                         potential_at_start_ - last.potential, shot_.paper.area_density);
   sheet = now.sheet;
   elastic_.restore(now.state);
+  // on the first part of its way a sheet frees its energy faster: it may be a slow swing
+  if (!arrived) swing.rate = std::min(swing.rate, 0.5 * fastest_swing);
   return swing;
 }
 

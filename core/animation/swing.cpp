@@ -36,9 +36,8 @@ Swing swing_to(const Sheet& equilibrium, const Points3& from, const std::vector<
 double quarter_period(const Swing& swing) { return 0.5 * M_PI / swing.rate; }
 
 bool needs_inertia(const Swing& swing, double side) {
-  constexpr double visible = 0.005;            // [1] of the longer side
-  constexpr double fastest = 2 * M_PI * 12.0;  // [rad/s]
-  return swing.amplitude > visible * side && swing.rate > 0 && swing.rate < fastest;
+  constexpr double visible = 0.005;  // [1] of the longer side
+  return swing.amplitude > visible * side && swing.rate > 0 && swing.rate < fastest_swing;
 }
 
 double still(double side) { return 5e-4 * side; }

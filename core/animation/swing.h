@@ -34,6 +34,9 @@ Swing swing_to(const Sheet& equilibrium, const Points3& from, const std::vector<
 /// [s] The time from rest to equilibrium.
 double quarter_period(const Swing&);
 
+/// [rad/s] 12 swings a second.
+inline constexpr double fastest_swing = 2 * 3.14159265358979323846 * 12;
+
 /// Whether a sheet must have inertia while it swings like this. It need not
 ///
 /// - if it moves by less than 0.5 % of its longer side, as far as other errors of a frame go; or
