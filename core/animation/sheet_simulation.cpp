@@ -266,6 +266,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   singular_before_ = sheet.singular.size();
   max_motion_ = max_displacement(sheet, input_, input_before_.constraints, positions_before_);
   idle_frames_ = max_motion_ < sleep_threshold * side_ ? idle_frames_ + 1 : 0;
+  begin_trial();
   relative_motion_ =
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
   load_parts_ = alone_ && !first ? method_->load_parts(sheet, relative_motion_) : 1;
@@ -295,7 +296,6 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
     }
   }
   positions_before_ = sheet.x;
-  begin_trial();
   is_sleeping_ = idle_frames_ >= 2 && !has_inertia();
   is_idle_ = is_sleeping_ || (first && in_place(sheet, input_.constraints, side_));
 }
@@ -354,7 +354,6 @@ void SheetSimulation::undo_remesh() {
 }
 
 void SheetSimulation::begin_step(RecordTrajectory trace) {
-  if (on_trial_) potential_at_start_ = elastic_.evaluate_energies(sheet()).potential;
   if (trace == RecordTrajectory::yes || on_trial_) step_start_ = {sheet(), elastic_.state()};
   if (trace == RecordTrajectory::yes) trajectory_ = {{0, sheet().x}};
 }
@@ -379,9 +378,13 @@ double SheetSimulation::fastest_hand(int frame) const {
 void SheetSimulation::begin_trial() {
   on_trial_ = false;
   if (options_.release_inertia == ReleaseInertia::off || frame_ == options_.first_frame) return;
-  on_trial_ = has_inertia() ? swing_.rate > 0 && quiet_ >= quarter_period(swing_)
-                            : lets_go(came_from_, input_.constraints);
-  if (on_trial_) elastic_.set_inertia(Inertia::quasi_static);
+  if (!has_inertia()) {
+    on_trial_ = lets_go(input_before_.constraints, input_.constraints);
+    if (on_trial_) potential_at_start_ = elastic_.evaluate_energies(sheet()).potential;
+  } else if (swing_.rate > 0 && quiet_ >= quarter_period(swing_)) {
+    on_trial_ = true;
+    elastic_.set_inertia(Inertia::quasi_static);
+  }
 }
 
 /// The swing about the equilibrium that the step on trial leads to. On the way down from an unstable

@@ -99,7 +99,8 @@ class SheetSimulation {
   StepInput input_of_part(int part) const;
   bool has_inertia() const { return elastic_.inertia() == Inertia::dynamic; }
   /// Whether this frame is first tried without inertia: one in which a sheet without it is let go,
-  /// and one in which a sheet that was let go has come to rest.
+  /// and one in which a sheet that was let go has come to rest. To be called before the mesh of the
+  /// frame is changed, which may change what the sheet stores.
   void begin_trial();
   /// Ends the trial.
   /// returns  whether the sheet needs inertia. It has it then, and the step is to be taken again
@@ -158,7 +159,7 @@ class SheetSimulation {
   std::size_t singular_before_ = 0;
   bool is_idle_ = false, is_sleeping_ = false;
   bool on_trial_ = false;          // the step is taken without inertia, to see whether it is needed
-  double potential_at_start_ = 0;  // [J] of the step, on trial
+  double potential_at_start_ = 0;  // [J] of the sheet that is let go, on trial
   std::optional<Snapshot> before_remesh_, step_start_;  // the mesh before; the start of the step
   bool vertices_moved_ = false;  // on the pattern, by the last change of mesh
   std::vector<TrajectoryPoint> trajectory_;
