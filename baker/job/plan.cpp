@@ -86,6 +86,12 @@ void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& 
         "Bake with --dynamics off, or without --probe.");
 }
 
+/// What --dynamics would have to say for the same bake.
+std::string decided_dynamics(const AnimateOptions& animation) {
+  if (animation.elastic.inertia == Inertia::dynamic) return "on";
+  return animation.release_inertia == ReleaseInertia::automatic ? "auto" : "off";
+}
+
 /// throws Error(ErrorCode::command) when polish is asked for and the sheets have inertia
 void decide_polish(const BakeSettings& settings, BakePlan& plan) {
   plan.polish = decided_polishing(settings);
@@ -282,9 +288,8 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
   note("bake", "gravity", toml_number(plan.animation.elastic.forces.gravity),
        scene.gravity ? Origin::scene : Origin::fallback);
   const ElasticOptions& elastic = plan.animation.elastic;
-  const bool always = elastic.inertia == Inertia::dynamic,
-             when_let_go = plan.animation.release_inertia == ReleaseInertia::automatic;
-  if ((always || when_let_go) && elastic.air.density > 0) {
+  const std::string dynamics = decided_dynamics(plan.animation);
+  if (dynamics != "off" && elastic.air.density > 0) {
     note("bake", "air", toml_number(elastic.air.density),
          scene.air ? Origin::scene : Origin::fallback);
     if (settings.wind)
@@ -293,10 +298,7 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
                                    settings.wind->z())));
   }
   used.push_back(
-      {"bake.dynamics",
-       always        ? "\"on\""
-       : when_let_go ? "\"auto\""
-                     : "\"off\"",
+      {"bake.dynamics", toml_string(dynamics),
        settings.dynamics == Dynamics::automatic ? "auto" : to_string(settings.origin("dynamics"))});
   if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
   used.push_back(used_frames(settings, scene, plan));

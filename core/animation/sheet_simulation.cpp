@@ -387,8 +387,8 @@ void SheetSimulation::begin_trial() {
   }
 }
 
-/// The swing about the equilibrium that the step on trial leads to. On the way down from an unstable
-/// shape that takes several steps, which leave no trace.
+/// The swing about the equilibrium that the step on trial leads to. On the way down from an
+/// unstable shape that takes several steps, which leave no trace.
 Swing SheetSimulation::swing_on_trial() {
   constexpr int max_steps = 8;
   Sheet& sheet = started_.sheet;

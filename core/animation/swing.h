@@ -18,9 +18,9 @@ struct Swing {
 ///
 ///   w^2 = 2 W / sum_i m_i |d_i|^2
 ///
-/// d is taken without the nearest rigid motion that the vertices which are still held allow: a sheet
-/// that nothing holds may drift and turn, one that is held by a line may turn about it, and neither
-/// is a swing.
+/// d is taken without the nearest rigid motion that the vertices which are still held allow: a
+/// sheet that nothing holds may drift and turn, one that is held by a line may turn about it, and
+/// neither is a swing.
 ///
 /// equilibrium   the sheet there
 /// from          |V|x3 [m] where it is let go

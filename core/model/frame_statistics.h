@@ -230,7 +230,6 @@ constexpr void visit_frame_statistics(Visit&& visit) {
             .summarized_as(spread)
             .verified_within(0));
   visit(rendered(&R::kept_apart, nullptr));
-
   visit(number(&S::crossings, "crossings").summarized_as(ShotValue::largest));
   visit(number(&S::crossings_with_others, "crossings_with_others"));
   visit(number(&S::touching, "touching"));
