@@ -87,9 +87,11 @@ class Estimator {
     ErrorEstimate e;
     e.frame = now.frame;
     e.sheet = sheet_.name;
-    if (now.statistics.on_colliders > 0) {
+    if (now.statistics.inertia || now.statistics.on_colliders > 0) {
       e.rms_pct = e.energy_loss_pct = NAN;
-      e.uncertain = "the sheet lies on a collider, which is not in the files";
+      e.uncertain = now.statistics.inertia
+                        ? "the sheet moves with inertia, and an estimate is of a sheet at rest"
+                        : "the sheet lies on a collider, which is not in the files";
       return e;
     }
     std::vector<int> held;

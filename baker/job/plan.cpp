@@ -76,12 +76,20 @@ void decide_inertia(const BakeSettings& settings, const Scene& scene, BakePlan& 
     }
   }
   plan.animation.elastic.inertia = dynamic ? Inertia::dynamic : Inertia::quasi_static;
+  if (settings.dynamics == Dynamics::automatic && !dynamic)
+    plan.animation.release_inertia = ReleaseInertia::automatic;
   if (settings.probe_every > 0 && dynamic)
     throw Error(
         ErrorCode::command, "--probe",
         "With inertia a sheet swings between its shapes, so a lower one is not searched for (" +
             plan.why_inertia + ").",
         "Bake with --dynamics off, or without --probe.");
+}
+
+/// What --dynamics would have to say for the same bake.
+std::string decided_dynamics(const AnimateOptions& animation) {
+  if (animation.elastic.inertia == Inertia::dynamic) return "on";
+  return animation.release_inertia == ReleaseInertia::automatic ? "auto" : "off";
 }
 
 /// throws Error(ErrorCode::command) when polish is asked for and the sheets have inertia
@@ -280,7 +288,8 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
   note("bake", "gravity", toml_number(plan.animation.elastic.forces.gravity),
        scene.gravity ? Origin::scene : Origin::fallback);
   const ElasticOptions& elastic = plan.animation.elastic;
-  if (elastic.inertia == Inertia::dynamic && elastic.air.density > 0) {
+  const std::string dynamics = decided_dynamics(plan.animation);
+  if (dynamics != "off" && elastic.air.density > 0) {
     note("bake", "air", toml_number(elastic.air.density),
          scene.air ? Origin::scene : Origin::fallback);
     if (settings.wind)
@@ -289,7 +298,7 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
                                    settings.wind->z())));
   }
   used.push_back(
-      {"bake.dynamics", plan.animation.elastic.inertia == Inertia::dynamic ? "\"on\"" : "\"off\"",
+      {"bake.dynamics", toml_string(dynamics),
        settings.dynamics == Dynamics::automatic ? "auto" : to_string(settings.origin("dynamics"))});
   if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
   used.push_back(used_frames(settings, scene, plan));

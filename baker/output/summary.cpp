@@ -120,8 +120,9 @@ std::string describe_air(const Air& air) {
 }
 
 Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
-  int touching = 0, untangled = 0, births = 0;
+  int touching = 0, untangled = 0, births = 0, with_inertia = 0;
   for (const FrameRecord& f : frames) {
+    with_inertia += f.statistics.inertia;
     touching += f.statistics.touching > 0;
     untangled += f.statistics.render && f.statistics.render->kept_apart;
     births += f.statistics.new_singular;
@@ -130,12 +131,16 @@ Json models(const BakePlan& plan, const std::vector<FrameRecord>& frames) {
   const bool dynamic = elastic.inertia == Inertia::dynamic;
   const std::string& method = plan.methods.front().name;
   const bool yields = plan.animation.plasticity == Plasticity::on, singular = method == "hybrid";
+  const std::string let_go =
+      dynamic || with_inertia == 0
+          ? ""
+          : fmt::format("; in {} frames a sheet that was let go has inertia", with_inertia);
   const auto model = [](bool on, const std::string& why) { return Json{{"on", on}, {"why", why}}; };
   return {
-      {"dynamics", model(dynamic, plan.why_inertia)},
+      {"dynamics", model(dynamic, plan.why_inertia + let_go)},
       {"gravity",
        model(elastic.forces.gravity != 0, fmt::format("{} m/s2", elastic.forces.gravity))},
-      {"air", model(dynamic && elastic.air.density > 0, describe_air(elastic.air))},
+      {"air", model(with_inertia > 0 && elastic.air.density > 0, describe_air(elastic.air))},
       {"plasticity",
        model(yields, yields ? "paper that yields keeps its creases" : "method fem is elastic")},
       {"singular_points",

@@ -15,8 +15,13 @@ namespace paperbake {
 /// where it was bent beyond its yield strain.
 enum class Plasticity { off, on };
 
+/// Whether a sheet without inertia gets it where handles let go of it and it springs, until it has
+/// come to rest (swing.h).
+enum class ReleaseInertia { off, automatic };
+
 struct AnimateOptions {
   ElasticOptions elastic;
+  ReleaseInertia release_inertia = ReleaseInertia::off;
   double fps = 24;  // [1/s]
   int first_frame = 1, last_frame = 1;
   unsigned seed = 0;  // of the geometric imperfection that lets a flat sheet buckle

@@ -16,6 +16,14 @@ Points3 targets_of(const PositionConstraints& constraints) {
   return targets;
 }
 
+/// The constraint of a vertex; null: it is not held.
+const PositionConstraint* constraint_of(int vertex, const PositionConstraints& held) {
+  const auto found = std::find_if(held.begin(), held.end(), [vertex](const PositionConstraint& c) {
+    return c.vertex == vertex;
+  });
+  return found == held.end() ? nullptr : &*found;
+}
+
 }  // namespace
 
 double max_displacement(const Sheet& sheet, const StepInput& now,
@@ -27,6 +35,20 @@ double max_displacement(const Sheet& sheet, const StepInput& now,
   most = std::max(most, farthest_move(now.colliders.from, now.colliders.to));
   if (before.rows() != sheet.x.rows()) return std::numeric_limits<double>::infinity();
   return std::max(most, (sheet.x - before).rowwise().norm().maxCoeff());
+}
+
+double farthest_target_move(const PositionConstraints& before, const PositionConstraints& now) {
+  double most = 0;
+  for (const PositionConstraint& c : now)
+    if (const PositionConstraint* was = constraint_of(c.vertex, before))
+      most = std::max(most, (c.target - was->target).norm());
+  return most;
+}
+
+bool lets_go(const PositionConstraints& before, const PositionConstraints& now) {
+  return std::any_of(before.begin(), before.end(), [&](const PositionConstraint& c) {
+    return constraint_of(c.vertex, now) == nullptr;
+  });
 }
 
 std::vector<int> isolated_moving_handles(const Sheet& sheet, const PositionConstraints& held,
@@ -47,11 +69,8 @@ double relative_handle_motion(const Sheet& sheet, const PositionConstraints& hel
                               const PositionConstraints& held_before) {
   Points3 way(held.size(), 3);
   for (std::size_t k = 0; k < held.size(); ++k) {
-    const auto was =
-        std::find_if(held_before.begin(), held_before.end(),
-                     [&](const PositionConstraint& c) { return c.vertex == held[k].vertex; });
-    const Vector3d from =
-        was == held_before.end() ? Vector3d(sheet.x.row(held[k].vertex)) : was->target;
+    const PositionConstraint* was = constraint_of(held[k].vertex, held_before);
+    const Vector3d from = was ? was->target : Vector3d(sheet.x.row(held[k].vertex));
     way.row(k) = held[k].target - from;
   }
   return way.rows() ? (way.rowwise() - way.colwise().mean().eval()).rowwise().norm().maxCoeff() : 0;

@@ -12,6 +12,12 @@ namespace paperbake {
 double max_displacement(const Sheet& sheet, const StepInput& now,
                         const PositionConstraints& held_before, const Points3& before);
 
+/// Largest displacement between the targets of two frames, of vertices that are held in both. [m]
+double farthest_target_move(const PositionConstraints& before, const PositionConstraints& now);
+
+/// Whether a vertex that was held no longer is.
+bool lets_go(const PositionConstraints& before, const PositionConstraints& now);
+
 /// Vertices that a handle is about to move farther than the first length [m] while no other held
 /// vertex lies within the second [m] of them on the pattern.
 std::vector<int> isolated_moving_handles(const Sheet& sheet, const PositionConstraints& held,

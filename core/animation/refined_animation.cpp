@@ -161,6 +161,10 @@ class PolishedShot {
       result.rejection = "the sheet touches another";
       return result;
     }
+    if (rough.frame.statistics.inertia) {
+      result.rejection = "the sheet moves with inertia";
+      return result;
+    }
     if (rough.frame.statistics.on_colliders > 0) {  // which the fine mesh does not feel
       result.rejection = "the sheet lies on a collider";
       return result;

@@ -121,10 +121,9 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
   if (options.plasticity == Plasticity::on)
     elastic_.set_plastic_grid(&plastic_grid_.emplace(shot.pattern));
   elastic_.set_mesh(started_.sheet, started_.stiffening);
-  if (options.elastic.inertia == Inertia::dynamic)
-    while (std::ldexp(1 / options.fps, -min_halvings_) > 1.001 * max_inertial_step &&
-           min_halvings_ < max_halvings_for_inertia)
-      ++min_halvings_;
+  while (std::ldexp(1 / options.fps, -inertial_halvings_) > 1.001 * max_inertial_step &&
+         inertial_halvings_ < max_halvings_for_inertia)
+    ++inertial_halvings_;
   if (options.resume_state.empty()) return;
   Serializer kept(options.resume_state);
   archive(kept);
@@ -135,12 +134,14 @@ void SheetSimulation::archive(Serializer& a) {
   SolverState state = elastic_.state();
   a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
     yielding_, yielded_, stored_unfolded_, started_.fixed, snap_in_progress_, rests_on_contact_,
-    idle_frames_, contact_, touching_, on_colliders_, state, handles_, dhat);
+    idle_frames_, swing_.amplitude, swing_.rate, quiet_, contact_, touching_, on_colliders_, state,
+    handles_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
   a.end();
-  input_before_.time = (frame_ - options_.first_frame) / options_.fps;
+  const int row = frame_ - options_.first_frame;
+  input_before_.time = row / options_.fps;
   const auto rows = sheet.x.rows();
   a.require(frame_ >= options_.first_frame && output_sheet_.x.rows() == rows &&
             (positions_before_.rows() == 0 || positions_before_.rows() == rows));
@@ -148,6 +149,13 @@ void SheetSimulation::archive(Serializer& a) {
             dhat.size() == number_);
   a.require(std::all_of(started_.handle_vertex.begin(), started_.handle_vertex.end(),
                         [&](int v) { return v < rows; }));
+  if (shot_.colliders) {
+    input_before_.colliders = motion_to(*shot_.colliders, row);
+    input_before_.colliders.from = input_before_.colliders.to;
+  }
+  a.require(swing_.rate >= 0 && std::isfinite(swing_.rate) && quiet_ >= 0 &&
+            (swing_.rate == 0 || options_.release_inertia == ReleaseInertia::automatic));
+  if (swing_.rate > 0) elastic_.set_inertia(Inertia::dynamic);
   elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
   if (plastic_grid_) state.grid = *plastic_grid_;
   elastic_.restore(state);
@@ -258,6 +266,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   singular_before_ = sheet.singular.size();
   max_motion_ = max_displacement(sheet, input_, input_before_.constraints, positions_before_);
   idle_frames_ = max_motion_ < sleep_threshold * side_ ? idle_frames_ + 1 : 0;
+  begin_trial();
   relative_motion_ =
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
   load_parts_ = alone_ && !first ? method_->load_parts(sheet, relative_motion_) : 1;
@@ -287,7 +296,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
     }
   }
   positions_before_ = sheet.x;
-  is_sleeping_ = idle_frames_ >= 2 && options_.elastic.inertia == Inertia::quasi_static;
+  is_sleeping_ = idle_frames_ >= 2 && !has_inertia();
   is_idle_ = is_sleeping_ || (first && in_place(sheet, input_.constraints, side_));
 }
 
@@ -314,7 +323,7 @@ void SheetSimulation::hold_if_infeasible() {
   if (frame_ == options_.first_frame)
     throw Error(ErrorCode::simulation, frame_interval({}).where, step_.failure_reason,
                 "Let the sheet start where its handles are.");
-  result_.note = "it stays as it was: " + step_.failure_reason;
+  add_note("it stays as it was: " + step_.failure_reason);
   skip_step();
   step_.converged = false;
   for (PositionConstraint& c : input_before_.constraints) c.target = sheet().x.row(c.vertex);
@@ -328,7 +337,7 @@ SubstepTarget SheetSimulation::substep_target(RecordTrajectory trace) {
 
 FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
-          1 / options_.fps, min_halvings_, between};
+          1 / options_.fps, has_inertia() ? inertial_halvings_ : 0, between};
 }
 
 bool SheetSimulation::is_locked() const {
@@ -345,9 +354,92 @@ void SheetSimulation::undo_remesh() {
 }
 
 void SheetSimulation::begin_step(RecordTrajectory trace) {
-  if (trace == RecordTrajectory::no) return;
-  step_start_ = {sheet(), elastic_.state()};
-  trajectory_ = {{0, sheet().x}};
+  if (trace == RecordTrajectory::yes || on_trial_) step_start_ = {sheet(), elastic_.state()};
+  if (trace == RecordTrajectory::yes) trajectory_ = {{0, sheet().x}};
+}
+
+void SheetSimulation::roll_back() {
+  if (!step_start_) return;
+  started_.sheet = step_start_->sheet;
+  elastic_.restore(step_start_->state);
+}
+
+double SheetSimulation::fastest_hand(int frame) const {
+  const int row = frame - options_.first_frame;
+  if (row < 1) return 0;
+  double most = farthest_target_move(handles_.held(frame - 1), handles_.held(frame));
+  if (shot_.colliders) {
+    const ColliderMotion moving = motion_to(*shot_.colliders, row);
+    most = std::max(most, farthest_move(moving.from, moving.to));
+  }
+  return most * options_.fps;
+}
+
+void SheetSimulation::begin_trial() {
+  on_trial_ = false;
+  if (options_.release_inertia == ReleaseInertia::off || frame_ == options_.first_frame) return;
+  if (!has_inertia()) {
+    on_trial_ = lets_go(input_before_.constraints, input_.constraints);
+    if (on_trial_) potential_at_start_ = elastic_.evaluate_energies(sheet()).potential;
+  } else if (swing_.rate > 0 && quiet_ >= quarter_period(swing_)) {
+    on_trial_ = true;
+    elastic_.set_inertia(Inertia::quasi_static);
+  }
+}
+
+/// The swing about the equilibrium that the step on trial leads to. On the way down from an
+/// unstable shape that takes several steps, which leave no trace.
+Swing SheetSimulation::swing_on_trial() {
+  constexpr int max_steps = 8;
+  Sheet& sheet = started_.sheet;
+  const Snapshot now{sheet, elastic_.state()};
+  ElasticReport last = step_.last;
+  bool arrived = step_.converged && !last.snap_in_progress;
+  for (int k = 0; k < max_steps && !arrived; ++k) try {
+      last = elastic_.step(sheet, input_before_, 1 / options_.fps);
+      arrived = last.converged && !last.snap_in_progress;
+    } catch (const Error&) {  // the energy is not finite
+      break;
+    }
+  Swing swing = swing_to(sheet, step_start_->sheet.x, vertices_of(input_.constraints),
+                         potential_at_start_ - last.potential, shot_.paper.area_density);
+  sheet = now.sheet;
+  elastic_.restore(now.state);
+  // on the first part of its way a sheet frees its energy faster: it may be a slow swing
+  if (!arrived) swing.rate = std::min(swing.rate, 0.5 * fastest_swing);
+  return swing;
+}
+
+bool SheetSimulation::fails_trial() {
+  if (!on_trial_) return false;
+  on_trial_ = false;
+  const Sheet& start = step_start_->sheet;
+  const bool was_let_go = swing_.rate > 0;
+  if (was_let_go) {
+    const Points3 left = sheet().x - start.x - start.v / options_.fps;
+    if (step_.converged && max_row_norm(left) <= still(side_)) {
+      swing_ = {};
+      add_note("it has come to rest and goes on without inertia");
+      return false;
+    }
+  } else {
+    if (!step_.failure_reason.empty()) return false;
+    const Swing swing = swing_on_trial();
+    if (!needs_inertia(swing, side_)) return false;
+    swing_ = swing;
+    // A sheet at equilibrium is moved by its hands and goes no faster than they do, whatever its
+    // last step was.
+    Points3& v = step_start_->sheet.v;
+    const double fastest = max_row_norm(v), hand = fastest_hand(frame_ - 1);
+    if (fastest > hand) v *= hand / fastest;
+    char note[120];
+    std::snprintf(note, sizeof note, "let go, it springs by %.1f mm: it moves with inertia now",
+                  1e3 * swing.amplitude);
+    add_note(note);
+  }
+  quiet_ = 0;
+  elastic_.set_inertia(Inertia::dynamic);
+  return true;
 }
 
 StepInput SheetSimulation::input_of_part(int part) const {
@@ -378,11 +470,16 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
     }
     step_ = advance_frame({target}, interval).front();
   };
-  take_step();
-  if (is_locked()) {
+  const auto take_unlocked_step = [&] {
+    take_step();
+    if (!is_locked()) return;
     undo_remesh();
     take_step();
-  }
+  };
+  take_unlocked_step();
+  if (!fails_trial()) return;
+  roll_back();
+  take_unlocked_step();
 }
 
 void SheetSimulation::step(RecordTrajectory trace) {
@@ -406,35 +503,35 @@ Points3 SheetSimulation::initial_positions() const {
 
 void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
                                     const Eigen::MatrixXd& dhat, InitialGap initial_positions) {
-  const auto roll_back = [](SheetSimulation& a) {
-    if (!a.step_start_) return;
-    a.started_.sheet = a.step_start_->sheet;
-    a.elastic_.restore(a.step_start_->state);
-  };
   const auto take_step = [&] {
     std::vector<SubstepTarget> followers;
+    FrameInterval interval = all.front()->frame_interval(dhat);
     for (SheetSimulation* a : all) {
       a->is_idle_ = a->is_sleeping_ = false;
       a->begin_step(RecordTrajectory::yes);
       followers.push_back(a->substep_target(RecordTrajectory::yes));
       if (initial_positions == InitialGap::within_dhat)
         followers.back().initial_positions = a->initial_positions();
+      interval.min_halvings = std::max(interval.min_halvings, a->frame_interval({}).min_halvings);
     }
-    const std::vector<FrameStepResult> steps =
-        advance_frame(followers, all.front()->frame_interval(dhat));
+    const std::vector<FrameStepResult> steps = advance_frame(followers, interval);
     for (std::size_t k = 0; k < all.size(); ++k) all[k]->step_ = steps[k];
   };
-  for (SheetSimulation* a : all) roll_back(*a);
-  take_step();
-  const auto is_locked = [](const SheetSimulation* a) { return a->is_locked(); };
-  if (std::any_of(all.begin(), all.end(), is_locked)) {
+  const auto take_unlocked_step = [&] {
+    for (SheetSimulation* a : all) a->roll_back();
+    take_step();
+    const auto is_locked = [](const SheetSimulation* a) { return a->is_locked(); };
+    if (std::none_of(all.begin(), all.end(), is_locked)) return;
     for (SheetSimulation* a : all)
       if (is_locked(a))
         a->undo_remesh();
       else
-        roll_back(*a);
+        a->roll_back();
     take_step();
-  }
+  };
+  take_unlocked_step();
+  if (std::count_if(all.begin(), all.end(), [](SheetSimulation* a) { return a->fails_trial(); }))
+    take_unlocked_step();
   for (SheetSimulation* a : all) a->hold_if_infeasible();
 }
 
@@ -451,10 +548,17 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   yielding_ = step_.last.plastic_increment > 0 &&
               step_.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
   if (step_.last.energy_gain > 1e-3)
-    result_.note = "snap: a second start ended " +
-                   std::to_string(static_cast<int>(std::lround(100 * step_.last.energy_gain))) +
-                   " % lower in energy and was taken";
-  if (options_.probe_every > 0 && !is_sleeping_ && !touches_others() &&
+    add_note("snap: a second start ended " +
+             std::to_string(static_cast<int>(std::lround(100 * step_.last.energy_gain))) +
+             " % lower in energy and was taken");
+  if (swing_.rate > 0) {
+    double fastest = max_row_norm(sheet().v);
+    if (positions_before_.rows() == sheet().x.rows())
+      fastest = std::max(fastest, options_.fps * max_row_norm(sheet().x - positions_before_));
+    const double allowed = still(side_) * swing_.rate + fastest_hand(frame_);
+    quiet_ = fastest <= allowed ? quiet_ + 1 / options_.fps : 0;
+  }
+  if (options_.probe_every > 0 && !is_sleeping_ && !touches_others() && !has_inertia() &&
       (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
     probe(is_admissible);
   handles_.bind_relative_handles(sheet().x, frame_);
@@ -472,8 +576,11 @@ void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
     step_.last.energy = stored.energy;
     step_.last.membrane = stored.membrane;
   }
-  if (const std::string note = note_of(found); !note.empty())
-    result_.note += (result_.note.empty() ? "" : "; ") + note;
+  add_note(note_of(found));
+}
+
+void SheetSimulation::add_note(const std::string& note) {
+  if (!note.empty()) result_.note += (result_.note.empty() ? "" : "; ") + note;
 }
 
 void SheetSimulation::finalize(Output how) {
@@ -494,6 +601,7 @@ AnimatedFrame SheetSimulation::report() {
     if (const std::string note = note_of_yielding(result.handles); !note.empty())
       result.note += (result.note.empty() ? "" : "; ") + note;
   FrameStatistics& statistics = result.statistics;
+  statistics.inertia = has_inertia();
   statistics.substeps = step_.substeps;
   statistics.newton_iterations = step_.iterations;
   statistics.converged = step_.converged;

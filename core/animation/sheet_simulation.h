@@ -3,6 +3,7 @@
 #include "core/animation/handle_constraints.h"
 #include "core/animation/initial_sheet.h"
 #include "core/animation/substepping.h"
+#include "core/animation/swing.h"
 
 #include <functional>
 #include <memory>
@@ -96,6 +97,20 @@ class SheetSimulation {
   void carry_state(const Sheet& before);
   /// The input of a part of the frame. part: 1 to load_parts_
   StepInput input_of_part(int part) const;
+  bool has_inertia() const { return elastic_.inertia() == Inertia::dynamic; }
+  /// Whether this frame is first tried without inertia: one in which a sheet without it is let go,
+  /// and one in which a sheet that was let go has come to rest. To be called before the mesh of the
+  /// frame is changed, which may change what the sheet stores.
+  void begin_trial();
+  /// Ends the trial.
+  /// returns  whether the sheet needs inertia. It has it then, and the step is to be taken again
+  ///          from step_start_.
+  bool fails_trial();
+  Swing swing_on_trial();
+  /// [m/s] of the fastest handle or collider in a frame
+  double fastest_hand(int frame) const;
+  void roll_back();
+  void add_note(const std::string&);
   void hold_if_infeasible();
   bool is_locked() const;
   void begin_step(RecordTrajectory);
@@ -111,11 +126,11 @@ class SheetSimulation {
   std::size_t number_;
   bool alone_;  // no other sheet is animated with it
   double side_;
+  int inertial_halvings_ = 0;  // of a frame with inertia, at least
   InitialSheet started_;
   Elastic elastic_;
   std::optional<PlasticGrid> plastic_grid_;
   HandleConstraints handles_;
-  int min_halvings_ = 0;
 
   // what a frame knows of the frames before it
   int frame_;  // the last frame that was prepared
@@ -126,6 +141,8 @@ class SheetSimulation {
   bool yielded_ = false;        // the paper, somewhere, in the last step
   double stored_unfolded_ = 0;  // [J] when a fold was last tried; 0: never
   int idle_frames_ = 0;
+  Swing swing_;  // since handles let go of the sheet; rate 0: it has no inertia because of that
+  double quiet_ = 0;  // [s] for how long it has swung no more than what is still
   // contact of the sheet with itself; number of pairs of features that push each other; number of
   // features that colliders push
   bool contact_ = false;
@@ -141,6 +158,8 @@ class SheetSimulation {
   int load_parts_ = 1;          // number of parts in which the step is taken
   std::size_t singular_before_ = 0;
   bool is_idle_ = false, is_sleeping_ = false;
+  bool on_trial_ = false;          // the step is taken without inertia, to see whether it is needed
+  double potential_at_start_ = 0;  // [J] of the sheet that is let go, on trial
   std::optional<Snapshot> before_remesh_, step_start_;  // the mesh before; the start of the step
   bool vertices_moved_ = false;  // on the pattern, by the last change of mesh
   std::vector<TrajectoryPoint> trajectory_;

@@ -6,16 +6,37 @@ namespace paperbake {
 
 using Eigen::Matrix3d;
 
-RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets) {
-  const Vector3d from = points.colwise().mean(), to = targets.colwise().mean();
-  Matrix3d covariance = Matrix3d::Zero();
-  for (Eigen::Index k = 0; k < points.rows(); ++k)
-    covariance += (targets.row(k).transpose() - to) * (points.row(k) - from.transpose());
+namespace {
+
+/// The motion that takes the middle `from` to the middle `to` and maximises trace(R covariance^T).
+RigidMotion best_aligned(const Matrix3d& covariance, const Vector3d& from, const Vector3d& to) {
   const Eigen::JacobiSVD<Matrix3d> svd(covariance, Eigen::ComputeFullU | Eigen::ComputeFullV);
   Matrix3d proper = Matrix3d::Identity();
   proper(2, 2) = (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0 ? -1 : 1;
   const Matrix3d turn = svd.matrixU() * proper * svd.matrixV().transpose();
   return {turn, to - turn * from};
+}
+
+}  // namespace
+
+RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets) {
+  const Vector3d from = points.colwise().mean(), to = targets.colwise().mean();
+  Matrix3d covariance = Matrix3d::Zero();
+  for (Eigen::Index k = 0; k < points.rows(); ++k)
+    covariance += (targets.row(k).transpose() - to) * (points.row(k) - from.transpose());
+  return best_aligned(covariance, from, to);
+}
+
+RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets,
+                                 const Eigen::VectorXd& weights) {
+  const double all = weights.sum();
+  const Vector3d from = points.transpose() * weights / all,
+                 to = targets.transpose() * weights / all;
+  Matrix3d covariance = Matrix3d::Zero();
+  for (Eigen::Index k = 0; k < points.rows(); ++k)
+    covariance +=
+        weights[k] * (targets.row(k).transpose() - to) * (points.row(k) - from.transpose());
+  return best_aligned(covariance, from, to);
 }
 
 }  // namespace paperbake

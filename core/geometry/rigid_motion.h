@@ -17,4 +17,8 @@ struct RigidMotion {
 /// source           [Kabsch 1976]
 RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets);
 
+/// The same, each of the n points with its weight, which is not negative.
+RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets,
+                                 const Eigen::VectorXd& weights);
+
 }  // namespace paperbake

@@ -44,6 +44,7 @@ struct FrameStatistics {
   int new_singular = 0;    // singular points born in this frame
   double elastic_ms = 0;   // [ms] CPU time of step 1, over all threads
   double geometry_ms = 0;  // [ms] CPU time of everything else that touches the sheet
+  bool inertia = false;    // the sheet moves with inertia
   int substeps = 1;
   int newton_iterations = 0;
   bool converged = true;
@@ -205,6 +206,7 @@ constexpr void visit_frame_statistics(Visit&& visit) {
             .in(milliseconds)
             .summarized_as(spread)
             .drawn_as({"geometry", 4, Curve::sum}));
+  visit(number(&S::inertia, "inertia"));
   visit(number(&S::substeps, "substeps"));
   visit(number(&S::newton_iterations, "newton_iterations").summarized_as(spread));
   visit(number(&S::converged, "converged").summarized_as(ShotValue::frames_not, "not_converged"));
@@ -228,7 +230,6 @@ constexpr void visit_frame_statistics(Visit&& visit) {
             .summarized_as(spread)
             .verified_within(0));
   visit(rendered(&R::kept_apart, nullptr));
-
   visit(number(&S::crossings, "crossings").summarized_as(ShotValue::largest));
   visit(number(&S::crossings_with_others, "crossings_with_others"));
   visit(number(&S::touching, "touching"));

@@ -129,6 +129,10 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.mean_edge = mean_edge(sheet.pattern, sheet.triangles);
 }
 
+void Elastic::set_inertia(Inertia inertia) { impl_->options.inertia = inertia; }
+
+Inertia Elastic::inertia() const { return impl_->options.inertia; }
+
 void Elastic::set_plastic_grid(PlasticGrid* grid) {
   impl_->grid = grid;
   if (impl_->energy) impl_->load_plastic_state_on_new_mesh();

@@ -154,6 +154,10 @@ class Elastic {
   Elastic(Elastic&&);
   Elastic& operator=(Elastic&&);
 
+  /// Whether steps from now on have inertia; at first, what the options say.
+  void set_inertia(Inertia);
+  Inertia inertia() const;
+
   /// To be called for the first mesh and after every change of the pattern or the connectivity. As
   /// long as the number of vertices stays the same, the past positions that the next initial guess
   /// is made from are kept.

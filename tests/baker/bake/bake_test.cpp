@@ -121,6 +121,7 @@ TEST_F(BakeTest, EveryFrameHasALineWithAllDocumentedKeysInTheirOrder) {
                                       "folds",
                                       "elastic_ms",
                                       "geometry_ms",
+                                      "inertia",
                                       "substeps",
                                       "newton_iterations",
                                       "converged",

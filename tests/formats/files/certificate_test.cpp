@@ -62,6 +62,7 @@ TEST(Certificate, AFrameLineHasItsKeysInTheDocumentedOrder) {
                                             "folds",
                                             "elastic_ms",
                                             "geometry_ms",
+                                            "inertia",
                                             "substeps",
                                             "newton_iterations",
                                             "converged",

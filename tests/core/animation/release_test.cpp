@@ -1,0 +1,233 @@
+// What a sheet does when hands let go of it: whether it springs, and that it comes to rest.
+
+#include "core/animation/swing.h"
+#include "core/geometry/collider.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
+#include "tests/core/animation/together_shots.h"
+#include "tests/core/test_meshes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace paperbake {
+namespace {
+
+using test::Outcome;
+
+constexpr int let_go = 24;
+
+MethodChoice small_hybrid(const Shot& shot, std::size_t sheet) {
+  return hybrid(shot.pattern, shot.paper, 80, {}, 1, static_cast<std::uint32_t>(sheet));
+}
+MethodChoice coarse_fem(const Shot&, std::size_t) { return fem(80); }
+
+/// A strip whose two ends are held by two points each; in frames 1 to 16 the right end comes nearer
+/// by a tenth of its length and up by `lift`, and in frame 24 it is let go.
+Shot bent_strip(double length, int frames, double lift = 0.2) {
+  const Vector3d x(1, 0, 0), y(0, 1, 0);
+  Shot shot = test::placed(length, length / 4, Vector3d::Zero(), x, y);
+  for (const double u : {0.0, 0.1, 0.9, 1.0})
+    for (const double v : {0.0, 0.25}) {
+      const bool right = u > 0.5;
+      test::hold(
+          shot, {u * length, v * length}, frames,
+          [=](int f) -> Vector3d {
+            const double t = std::min(1.0, f / 15.0) * (right ? length : 0);
+            return {-0.1 * t, 0, lift * t};
+          },
+          Vector3d::Zero(), x, y);
+      if (right) shot.handles.back().release_frame = let_go;
+    }
+  return shot;
+}
+
+AnimateOptions until(int last_frame) {
+  AnimateOptions options;
+  options.last_frame = last_frame;
+  options.release_inertia = ReleaseInertia::automatic;
+  options.elastic.air.density = 1.2;
+  return options;
+}
+
+/// How far the corner that was held last goes in each frame. [m]
+std::vector<double> moves(const Outcome& outcome) {
+  const std::vector<AnimatedFrame>& frames = outcome.frames[0];
+  std::vector<double> all{0};
+  for (std::size_t f = 1; f < frames.size(); ++f)
+    all.push_back((frames[f].handles.back().at - frames[f - 1].handles.back().at).norm());
+  return all;
+}
+
+TEST(SwingTest, TheRateOfAClampedStripIsThatOfACantilever) {
+  // Released from a load at its tip: Rayleigh's quotient of that shape, x^2 (3L - x), is
+  // w = sqrt(140/11) sqrt(D/rho)/L^2, 1.5 % above the exact 3.516.
+  constexpr double length = 0.2, height = 0.01;
+  Sheet strip = test::hex_sheet(length, 0.05, 20);
+  Paper paper;
+  paper.poisson = 0;
+  Elastic elastic(paper, {});
+  elastic.set_mesh(strip);
+  PositionConstraints clamped, lifted;
+  for (int v = 0; v < strip.x.rows(); ++v)
+    if (strip.pattern(v, 0) < 0.011)
+      clamped.push_back({v, strip.x.row(v)});
+    else if (strip.pattern(v, 0) > length - 1e-6)
+      lifted.push_back(
+          {v, strip.x.row(v) + Eigen::RowVector3d(-3 * height * height / length / 5, 0, height)});
+  ASSERT_GT(lifted.size(), 2u);
+  lifted.insert(lifted.end(), clamped.begin(), clamped.end());
+  for (int k = 0; k < 3; ++k) elastic.step(strip, {lifted}, 1);
+  const Points3 bent = strip.x;
+  const double before = elastic.evaluate_energies(strip).potential;
+  for (int k = 0; k < 3; ++k) elastic.step(strip, {clamped}, 1);
+  const double freed = before - elastic.evaluate_energies(strip).potential;
+  const Swing swing = swing_to(strip, bent, vertices_of(clamped), freed, paper.area_density);
+  EXPECT_NEAR(swing.amplitude, height, 0.05 * height);
+  double free_length = 0;
+  for (const PositionConstraint& c : clamped)
+    free_length = std::max(free_length, strip.pattern(c.vertex, 0));
+  free_length = length - free_length;
+  const double beam = std::sqrt(140 / 11.0 * paper.bending_stiffness / paper.area_density) /
+                      (free_length * free_length);
+  EXPECT_NEAR(swing.rate / beam, 1, 0.05);
+}
+
+TEST(SwingTest, ARigidMotionIsNoSwing) {
+  const Sheet sheet = test::hex_sheet(0.1, 0.1, 4);
+  Sheet moved = sheet;
+  const Eigen::AngleAxisd turn(0.7, Vector3d(1, 2, 3).normalized());
+  moved.x =
+      (sheet.x * turn.toRotationMatrix().transpose()).rowwise() + Eigen::RowVector3d(0.1, 0.2, 0.3);
+  EXPECT_LT(swing_to(moved, sheet.x, {}, 1, 0.07).amplitude, 1e-12);
+  moved.x = sheet.x;  // about a line that is held
+  std::vector<int> line;
+  for (int v = 0; v < sheet.x.rows(); ++v) {
+    if (sheet.pattern(v, 0) < 1e-9) line.push_back(v);
+    moved.x.row(v) << 0.8 * sheet.x(v, 0), sheet.x(v, 1), 0.6 * sheet.x(v, 0);
+  }
+  ASSERT_GT(line.size(), 1u);
+  EXPECT_LT(swing_to(moved, sheet.x, line, 1, 0.07).amplitude, 1e-4);
+  const int corner = static_cast<int>(sheet.x.rows()) - 1;
+  moved.x.row(corner) += Eigen::RowVector3d(0, 0, 0.01);
+  EXPECT_NEAR(swing_to(moved, sheet.x, line, 1, 0.07).amplitude, 0.01, 0.002);
+}
+
+TEST(ReleaseTest, ABentStripTakesSeveralFrames) {
+  for (const auto method : {coarse_fem, small_hybrid}) {
+    const Shot shot = bent_strip(0.28, 40);
+    AnimateOptions options = until(40), off = options;
+    off.release_inertia = ReleaseInertia::off;
+    const Outcome sprung = test::outcome_of({shot}, method, options),
+                  popped = test::outcome_of({shot}, method, off);
+    const double way = moves(popped)[let_go - 1];
+    ASSERT_GT(way, 0.04) << "it is there within one frame";
+    const std::vector<double> springs = moves(sprung);
+    EXPECT_LT(*std::max_element(springs.begin() + let_go - 1, springs.end()), 0.6 * way);
+    for (int f = 0; f + 1 < let_go; ++f)
+      ASSERT_TRUE(sprung.shapes[0][f].x == popped.shapes[0][f].x) << "before, nothing changes";
+    EXPECT_FALSE(sprung.frames[0][let_go - 2].statistics.inertia);
+    EXPECT_TRUE(sprung.frames[0][let_go - 1].statistics.inertia);
+    EXPECT_NE(sprung.frames[0][let_go - 1].note.find("let go"), std::string::npos);
+  }
+}
+
+TEST(ReleaseTest, ASheetThatWasLetGoComesToRestAndFallsAsleep) {
+  for (const auto method : {coarse_fem, small_hybrid}) {
+    constexpr int frames = 400;
+    const Shot shot = bent_strip(0.16, frames);
+    AnimateOptions options = until(frames), off = options;
+    off.release_inertia = ReleaseInertia::off;
+    const Outcome sprung = test::outcome_of({shot}, method, options),
+                  popped = test::outcome_of({shot}, method, off);
+    const auto& seen = sprung.frames[0];
+    ASSERT_TRUE(seen[let_go - 1].statistics.inertia);
+    int rest = let_go;
+    while (rest < frames && seen[rest].statistics.inertia) ++rest;
+    ASSERT_LT(rest, frames - 12) << "it comes to rest";
+    // what a change of mesh moves, too
+    EXPECT_LT(moves(sprung)[rest], 2e-3 * 0.16) << "which does not move it";
+    EXPECT_EQ(seen.back().statistics.substeps, 0) << "and falls asleep";
+    EXPECT_LT((seen.back().handles.back().at - popped.frames[0].back().handles.back().at).norm(),
+              2e-3 * 0.16)
+        << "where it is without inertia";
+  }
+}
+
+TEST(ReleaseTest, ASmallStiffSheetIsThereWithinAFrame) {
+  // The 45 mm that are let go swing 17 times a second.
+  const Shot shot = bent_strip(0.05, 40);
+  AnimateOptions options = until(40), off = options;
+  off.release_inertia = ReleaseInertia::off;
+  const Outcome with = test::outcome_of({shot}, coarse_fem, options),
+                without = test::outcome_of({shot}, coarse_fem, off);
+  ASSERT_GT(moves(without)[let_go - 1], 0.005);
+  for (int f = 0; f < 40; ++f) {
+    EXPECT_FALSE(with.frames[0][f].statistics.inertia) << f;
+    ASSERT_TRUE(with.shapes[0][f].x == without.shapes[0][f].x) << f;
+  }
+}
+
+TEST(ReleaseTest, TheSameSpringAtEveryFrameRate) {
+  // 0.1 s after it was let go, whatever the length of a frame
+  std::vector<Points3> shapes;
+  for (const int fps : {12, 24, 48, 120}) {
+    const int last = fps / 2 + (fps + 5) / 10 + 1;
+    Shot shot = bent_strip(0.28, last);
+    for (Handle& handle : shot.handles) {
+      for (int f = 0; f < last; ++f) {
+        const double t = std::min(1.0, 3.0 * f / fps);
+        const bool right = handle.pattern.x() > 0.14;
+        handle.keyed.row(f) << handle.pattern.x() - (right ? 0.028 * t : 0), handle.pattern.y(),
+            right ? 0.056 * t : 0;
+      }
+      if (handle.pattern.x() > 0.14) handle.release_frame = fps / 2 + 1;
+    }
+    AnimateOptions options = until(last);
+    options.fps = fps;
+    const Outcome seen = test::outcome_of({shot}, coarse_fem, options);
+    EXPECT_TRUE(seen.frames[0].back().statistics.inertia) << fps;
+    shapes.push_back(seen.shapes[0].back().x);
+  }
+  for (std::size_t k = 1; k < shapes.size(); ++k)
+    EXPECT_LT(max_row_norm(shapes[k] - shapes[0]), 0.1 * 0.28) << k;
+}
+
+TEST(ReleaseTest, ASheetSpringsOntoATableAndGoesOnFromAState) {
+  Shot shot = bent_strip(0.28, 60);
+  ColliderMesh table{"table", Points3(4, 3), Triangles(2, 3), {}};
+  table.x << -1, -1, -0.002, 1, -1, -0.002, 1, 1, -0.002, -1, 1, -0.002;
+  table.triangles << 0, 1, 2, 0, 2, 3;
+  shot.colliders = std::make_shared<Colliders>(Colliders{Collider(table)});
+  AnimateOptions options = until(60);
+  options.elastic.forces.gravity = 1;
+  std::vector<std::string> states;
+  std::vector<Points3> shapes;
+  const MethodChoice method = small_hybrid(shot, 0);
+  bool springs = false, lies = false;
+  const auto keep = [&](const AnimatedFrame& f) {
+    springs |= f.statistics.inertia;
+    lies |= f.statistics.on_colliders > 0;
+    states.push_back(f.state());
+    shapes.push_back(f.sheet->x);
+    return true;
+  };
+  animate(shot, method, options, keep);
+  ASSERT_TRUE(springs);
+  ASSERT_TRUE(lies);
+  const std::vector<Points3> whole = shapes;
+  for (const int from : {let_go - 1, let_go, let_go + 7}) {
+    options.resume_state = states[from - 1];
+    shapes.clear();
+    const std::vector<std::string> kept = states;
+    animate(shot, method, options, keep);
+    states = kept;
+    ASSERT_EQ(shapes.size(), whole.size() - from);
+    for (std::size_t k = 0; k < shapes.size(); ++k)
+      ASSERT_TRUE(shapes[k] == whole[from + k]) << from << " " << k;
+  }
+}
+
+}  // namespace
+}  // namespace paperbake
