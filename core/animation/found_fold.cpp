@@ -134,6 +134,15 @@ bool follow(FoundFold& fold, const UnfoldedSheet& is) {
   return true;
 }
 
+/// Lets a fold that holds the sheet where it is go on as the sheet did.
+void continue_motion(FoundFold& fold, const UnfoldedSheet& is) {
+  const MeshTransfer onto(is.sheet.pattern, is.sheet.triangles, fold.sheet.pattern);
+  const Points3 shift = fold.sheet.x - onto(is.sheet.x);
+  fold.sheet.v = onto(is.sheet.v);
+  fold.elastic.continue_from(is.elastic,
+                             [&](const Points3& x) -> Points3 { return onto(x) + shift; });
+}
+
 /// Whether paper folds in this way.
 bool is_possible(FoundFold& fold, const UnfoldedSheet& is, const Before& before) {
   const MeshTransfer onto(is.sheet.pattern, is.sheet.triangles, fold.sheet.pattern);
@@ -159,6 +168,7 @@ class Trials {
   bool improves(const FoldLine& line) {
     std::optional<FoundFold> fold = with_crease(line, is_, is_.past.front(), method_);
     const bool could = fold && follow(*fold, is_);
+    if (could && is_.past.size() == 1) continue_motion(*fold, is_);
     const bool possible = could && is_possible(*fold, is_, before_);
     is_.elastic.restore(known_);
     if (!could || !(fold->spent < least_)) return false;
