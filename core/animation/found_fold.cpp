@@ -39,16 +39,17 @@ std::vector<int> triangles_along(const FoldLine& line, const Sheet& sheet) {
   return along;
 }
 
-/// Takes the plastic curvature of the triangles along a line out of the grid.
+/// Takes the plastic curvature of triangles along a line out of the grid.
 /// returns  [rad] their mean plastic turn about the line
-double uncurl(PlasticGrid& grid, const Sheet& sheet, const FoldLine& line) {
+double uncurl(PlasticGrid& grid, const Sheet& sheet, const FoldLine& line,
+              const std::vector<int>& triangles) {
   if (grid.is_virgin()) return 0;
   const PlasticGrid::Cover cover = grid.cover(sheet.pattern, sheet.triangles);
   const PlasticMemory memory = grid.read(cover);
   PlasticMemory removed(static_cast<int>(sheet.triangles.rows()));
   const Vector2d along = (line.b - line.a).normalized(), across(-along.y(), along.x());
   double turn = 0;
-  for (const int t : triangles_along(line, sheet)) {
+  for (const int t : triangles) {
     const Eigen::RowVector3d s = memory.curvature.row(t);
     Eigen::Matrix2d S;
     S << s[0], s[1], s[1], s[2];
@@ -71,7 +72,10 @@ std::optional<FoundFold> with_crease(const FoldLine& line, const UnfoldedSheet& 
   if (!mesh) return std::nullopt;
 
   is.grid = then.grid;
-  const double plastic_turn = uncurl(is.grid, then.sheet, line);
+  const bool is_now = is.past.size() == 1;  // the band of the line is of the mesh of that time
+  const double turn_then =
+      uncurl(is.grid, then.sheet, line, is_now ? line.band : triangles_along(line, then.sheet));
+  const double plastic_turn = is_now ? line.plastic_turn : turn_then;
   Sheet sheet;
   const MeshTransfer onto(then.sheet.pattern, then.sheet.triangles, mesh->pattern);
   sheet.x = onto(then.sheet.x);

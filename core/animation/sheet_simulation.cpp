@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -134,8 +135,8 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
   SolverState state = elastic_.state();
   a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
-    yielding_, yielded_, stored_unfolded_, started_.fixed, snap_in_progress_, rests_on_contact_,
-    idle_frames_, contact_, touching_, on_colliders_, state, handles_, dhat);
+    yielding_, yielded_, folded_, stored_unfolded_, started_.fixed, snap_in_progress_,
+    rests_on_contact_, idle_frames_, contact_, touching_, on_colliders_, state, handles_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
@@ -256,6 +257,7 @@ void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   positions_before_ = sheet.x;
   before_remesh_.reset();
   past_.clear();
+  folded_ = true;
 }
 
 bool SheetSimulation::joins(LoadStep& last, const LoadStep& next) const {
@@ -310,7 +312,9 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
   load_parts_ = parts_of_frame();
   const RemeshContext situation = remesh_context(1.0 / load_parts_);
-  if (!first)
+  // a sheet that has just been folded keeps its mesh: it is still coming to rest on it
+  const bool keeps_mesh = first || std::exchange(folded_, false);
+  if (!keeps_mesh)
     if (auto proposal = method_->propose(sheet, situation)) {
       std::vector<double> stiffening = disc_factors(*proposal, shot_);
       const MeshSwapResult verdict =
@@ -326,7 +330,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   input_before_.colliders.from = input_.colliders.to;
   before_remesh_.reset();
   step_start_.reset();
-  if (!first && result_.statistics.remesh != FrameStatistics::accepted) {
+  if (!keeps_mesh && result_.statistics.remesh != FrameStatistics::accepted) {
     remesh(1.0 / load_parts_);
     if (before_remesh_ && !is_admissible(before_remesh_->sheet, sheet, 0)) {
       restore(std::move(*before_remesh_));
@@ -435,7 +439,7 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
 void SheetSimulation::step(RecordTrajectory trace) {
   FrameStepResult before;
   for (int part = 1; part <= load_parts_ && step_.failure_reason.empty(); ++part) {
-    if (part > 1) remesh(1.0 / load_parts_);
+    if (part > 1 && !std::exchange(folded_, false)) remesh(1.0 / load_parts_);
     before = step_;
     remember(part);
     step_part(trace, part);

@@ -133,6 +133,7 @@ class SheetSimulation {
   StepInput input_before_;    // of that frame, with the colliders standing still
   bool at_minimum_ = false, yielding_ = false, snap_in_progress_ = false, rests_on_contact_ = false;
   bool yielded_ = false;        // the paper, somewhere, in the last step
+  bool folded_ = false;         // the sheet, along a line that was found in the last step
   double stored_unfolded_ = 0;  // [J] when a fold was last tried; 0: never
   // the last steps, as far back as a fold that colliders press is begun; empty where no collider
   // is, and of sheets that are animated together
