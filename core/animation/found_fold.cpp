@@ -9,9 +9,7 @@
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
-#include "core/step1_elastic/energies/handle_springs.h"
-#include "core/step1_elastic/energies/membrane.h"
-#include "core/step2_crumple/find_fold_lines.h"
+#include "core/step2_crumple/crumple.h"
 
 #include <algorithm>
 #include <cmath>
@@ -25,6 +23,14 @@ constexpr double kept_energy = 0.9;    // [1] of what is stored, at most
 constexpr double max_stretch = 0.005;  // [1] |l - L|/L of an edge
 constexpr double max_move = 0.1;       // [1] of the longer side, in contact
 constexpr double deepest = 2e-5;       // [m] in a collider
+
+/// [m2] Area of a triangle on the pattern.
+double area_of(const Sheet& sheet, int t) {
+  const Eigen::RowVector3i c = sheet.triangles.row(t);
+  const Vector2d a = sheet.pattern.row(c[0]), b = sheet.pattern.row(c[1]),
+                 d = sheet.pattern.row(c[2]);
+  return 0.5 * cross(b - a, d - a);
+}
 
 /// The triangles of a sheet within a row of a line.
 std::vector<int> triangles_along(const FoldLine& line, const Sheet& sheet) {
@@ -53,7 +59,7 @@ double uncurl(PlasticGrid& grid, const Sheet& sheet, const FoldLine& line,
     const Eigen::RowVector3d s = memory.curvature.row(t);
     Eigen::Matrix2d S;
     S << s[0], s[1], s[1], s[2];
-    turn += rest_triangle(sheet.pattern, sheet.triangles.row(t)).area * across.dot(S * across);
+    turn += area_of(sheet, t) * across.dot(S * across);
     removed.curvature.row(t) = -s;
   }
   grid.write(cover, removed);

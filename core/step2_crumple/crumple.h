@@ -7,6 +7,7 @@
 #include "core/model/sheet.h"
 #include "core/step2_crumple/crumple_options.h"
 #include "core/step2_crumple/crumpled_mesh.h"
+#include "core/step2_crumple/find_fold_lines.h"
 #include "core/step2_crumple/lasting_places.h"
 #include "core/step2_crumple/remesh_schedule.h"
 #include "core/step2_crumple/ruled_mesh.h"
