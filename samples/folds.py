@@ -1,4 +1,4 @@
-"""Writes the fold scenes F1 to F6 beside itself, each as .glb, .fbx and .handles.csv.
+"""Writes the fold scenes F1 to F7 beside itself, each as .glb, .fbx and .handles.csv.
 
     python samples/folds.py [NAME...]          with Blender 4.2 or later as the module bpy
 
@@ -284,7 +284,34 @@ def pinch():
         gravity=9.81)
 
 
-SCENES = (letter, half, quarter, fan, corner, pinch)
+def corners():
+    """An A4 letter folded in half by its two corners, and pressed by a box.
+
+    As in pinch(), nothing says where the fold is to be. It has its place where both halves lie
+    straight between it and their corners: half way between the bottom edge and where the top edge
+    comes to lie, measured round the fold, at y = (297 + 8)/2 = 152.5 mm.
+    """
+    width, height = 210, 297
+    end, above = 8, 2  # [mm] where the carried corners come to lie
+
+    def carried(frame):
+        t = along(frame, ((1, 0), (44, 1)))
+        around, half_way = math.pi * t, (height - end) / 2
+        back = half_way * (1 - math.cos(around))
+        return Matrix.Translation(Vector((0, -back, 110 * math.sin(around) + above * t)) * MM)
+
+    def pressing(frame):
+        return Vector((0, 0, along(frame, ((40, 170), (72, 2.5), (78, 2.5), (94, 170))) * MM))
+
+    return Scene("F7_corners", (0.210, 0.297), 108, (
+        Hand("near", mm((0, 0), (width, 0)), flat),
+        Hand("far", mm((0, height), (width, height)), carried)),
+        (table(0.210, 0.297), Box("collider.press", mm((-10, 60, 0))[0], (0.230, 0.110, 0.015),
+                                  pressing)),
+        gravity=9.81)
+
+
+SCENES = (letter, half, quarter, fan, corner, pinch, corners)
 
 
 # What paper needs to follow

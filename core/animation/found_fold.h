@@ -1,5 +1,7 @@
 #pragma once
 
+#include "core/animation/expected_creases.h"
+#include "core/animation/substepping.h"
 #include "core/methods/method.h"
 #include "core/model/fold_line.h"
 #include "core/model/shot.h"
@@ -10,14 +12,29 @@
 
 namespace paperbake {
 
+/// What a sheet follows in a step.
+struct LoadStep {
+  StepInput input;
+  double dt;               // [s]
+  double relative_motion;  // as in SubstepTarget
+  int row;                 // of the hands: frame - first frame of the scene
+};
+
+/// A step that a sheet has taken, and that it can take again on another mesh.
+struct PastStep {
+  Sheet sheet;       // where the step began
+  PlasticGrid grid;  // the same
+  LoadStep load;
+};
+
 /// A sheet whose paper is being folded along a line that is not among the edges of its mesh.
 struct UnfoldedSheet {
   const Shot& shot;
   const Sheet& sheet;
   Elastic& elastic;
   PlasticGrid& grid;
-  const StepInput& input;  // constraints where the sheet is; the colliders stand still
-  double dt;               // [s] of a frame
+  // the steps that led here, or the one that holds the sheet where it is; not empty
+  const std::vector<PastStep>& past;
 };
 
 /// The same sheet on a mesh that has the line among its edges, folded there.
@@ -25,9 +42,10 @@ struct FoundFold {
   Sheet sheet;  // the line is the last of its prescribed creases
   Elastic elastic;
   std::vector<char> fixed;  // |V| as in InitialSheet
-  double moved = 0;         // [m] largest displacement of a vertex
-  double stored = 0;        // [J]
   PlasticGrid grid;
+  FrameStepResult step = {};  // the last one
+  double moved = 0;           // [m] largest distance of a vertex from the sheet that was not folded
+  double spent = 0;           // [J] stored, and by handles that are held off
 };
 
 /// Folds a sheet along one of several lines, provided that this is what paper does.

@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -133,9 +134,9 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
   SolverState state = elastic_.state();
   a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
-    yielding_, yielded_, stored_unfolded_, started_.fixed, snap_in_progress_, rests_on_contact_,
-    idle_frames_, swing_.amplitude, swing_.rate, quiet_, contact_, touching_, on_colliders_, state,
-    handles_, dhat);
+    yielding_, yielded_, folded_, stored_unfolded_, started_.fixed, snap_in_progress_,
+    rests_on_contact_, idle_frames_, swing_.amplitude, swing_.rate, quiet_, contact_, touching_,
+    on_colliders_, state, handles_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
@@ -235,25 +236,74 @@ std::vector<FoldLine> SheetSimulation::fold_lines() const {
   return lines;
 }
 
-bool SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
+void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = started_.sheet;
   const std::vector<FoldLine> lines = fold_lines();
-  if (lines.empty()) return false;
+  if (lines.empty()) return;
   const double stored = elastic_.evaluate_energies(sheet).energy;
-  if (std::abs(stored - stored_unfolded_) < new_energy * stored_unfolded_) return false;
+  if (std::abs(stored - stored_unfolded_) < new_energy * stored_unfolded_) return;
   stored_unfolded_ = stored;
   const SolverState known = elastic_.state();
+  std::vector<PastStep> here;
+  if (past_.empty())
+    here.push_back({sheet,
+                    *plastic_grid_,
+                    {input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame}});
   std::optional<FoundFold> fold = fold_along(
-      lines, {shot_, sheet, elastic_, *plastic_grid_, input_before_, 1 / options_.fps}, *method_);
-  if (!fold) return false;
+      lines, {shot_, sheet, elastic_, *plastic_grid_, past_.empty() ? here : past_}, *method_);
+  if (!fold) return;
   if (!is_admissible(sheet, fold->sheet, fold->moved)) {
     elastic_.restore(known);
-    return false;
+    return;
   }
   sheet = std::move(fold->sheet);
   elastic_ = std::move(fold->elastic);
   started_.fixed = std::move(fold->fixed);
+  fold->step.substeps += step_.substeps;
+  fold->step.iterations += step_.iterations;
+  step_ = std::move(fold->step);
+  positions_before_ = sheet.x;
+  before_remesh_.reset();
+  past_.clear();
+  folded_ = true;
+}
+
+bool SheetSimulation::joins(LoadStep& last, const LoadStep& next) const {
+  constexpr double longest = 0.15;  // [1] of an edge
+  const double spacing = longest * mean_edge(sheet().pattern, sheet().triangles);
+  const double way = std::max(farthest_move(last.input.colliders.from, next.input.colliders.to),
+                              side_ * (last.relative_motion + next.relative_motion));
+  if (way > spacing || vertices_of(last.input.constraints) != vertices_of(next.input.constraints))
+    return false;
+  const ColliderShapes from = last.input.colliders.from;
+  const double dt = last.dt + next.dt, motion = last.relative_motion + next.relative_motion;
+  last = next;
+  last.input.colliders.from = from;
+  last.dt = dt;
+  last.relative_motion = motion;
   return true;
+}
+
+void SheetSimulation::remember(int part) {
+  constexpr std::size_t most = 8;
+  if (!alone_ || !shot_.colliders || !plastic_grid_ || !method_->finds_folds(sheet())) return;
+  const LoadStep load{load_parts_ > 1 ? input_of_part(part) : input_,
+                      1 / options_.fps / load_parts_, relative_motion_ / load_parts_,
+                      frame_ - options_.first_frame};
+  if (!past_.empty() && joins(past_.back().load, load)) return;
+  if (past_.size() == most) past_.erase(past_.begin());
+  past_.push_back({sheet(), *plastic_grid_, load});
+}
+
+int SheetSimulation::parts_of_frame() const {
+  constexpr int most = 16;
+  if (!alone_ || frame_ == options_.first_frame) return 1;
+  const int parts = method_->load_parts(sheet(), relative_motion_);
+  if (!plastic_grid_ || !method_->finds_folds(sheet())) return parts;
+  // paper yields between faces that are four such ways apart
+  const double way = 0.5 / yield_curvature(shot_.paper),
+               near = motion_near(sheet(), input_.colliders, 4 * way);
+  return std::max(parts, std::clamp(static_cast<int>(std::ceil(near / way)), 1, most));
 }
 
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
@@ -269,10 +319,11 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   begin_trial();
   relative_motion_ =
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
-  load_parts_ = alone_ && !first ? method_->load_parts(sheet, relative_motion_) : 1;
+  load_parts_ = parts_of_frame();
   const RemeshContext situation = remesh_context(1.0 / load_parts_);
-  const bool folded = !first && fold_if_bent(is_admissible);
-  if (!first && !folded)
+  // a sheet that has just been folded keeps its mesh: it is still coming to rest on it
+  const bool keeps_mesh = first || std::exchange(folded_, false);
+  if (!keeps_mesh)
     if (auto proposal = method_->propose(sheet, situation)) {
       std::vector<double> stiffening = disc_factors(*proposal, shot_);
       const MeshSwapResult verdict =
@@ -288,7 +339,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   input_before_.colliders.from = input_.colliders.to;
   before_remesh_.reset();
   step_start_.reset();
-  if (!first && !folded && result_.statistics.remesh != FrameStatistics::accepted) {
+  if (!keeps_mesh && result_.statistics.remesh != FrameStatistics::accepted) {
     remesh(1.0 / load_parts_);
     if (before_remesh_ && !is_admissible(before_remesh_->sheet, sheet, 0)) {
       restore(std::move(*before_remesh_));
@@ -485,14 +536,19 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
 void SheetSimulation::step(RecordTrajectory trace) {
   FrameStepResult before;
   for (int part = 1; part <= load_parts_ && step_.failure_reason.empty(); ++part) {
-    if (part > 1) remesh(1.0 / load_parts_);
+    if (part > 1 && !std::exchange(folded_, false)) remesh(1.0 / load_parts_);
     before = step_;
+    remember(part);
     step_part(trace, part);
     step_.substeps += before.substeps;
     step_.iterations += before.iterations;
     step_.converged &= before.converged;
     at_minimum_ = step_.converged && !step_.last.snap_in_progress;
     step_.last.plastic_increment += before.last.plastic_increment;
+    if (part < load_parts_) {
+      note_contact();
+      fold_if_bent([](const Sheet&, const Sheet&, double) { return true; });
+    }
   }
   hold_if_infeasible();
 }
@@ -535,9 +591,7 @@ void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
   for (SheetSimulation* a : all) a->hold_if_infeasible();
 }
 
-void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
-  constexpr double min_plastic_increment = 0.01;  // [1] of the fold integral, in one frame
-  result_.statistics.new_singular = static_cast<int>(sheet().singular.size() - singular_before_);
+void SheetSimulation::note_contact() {
   snap_in_progress_ = step_.last.snap_in_progress;
   contact_ = step_.last.contact;
   touching_ = step_.last.touching;
@@ -545,6 +599,14 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   rests_on_contact_ = step_.last.on_colliders > 0 || touches_others();
   at_minimum_ = step_.converged && !snap_in_progress_;
   yielded_ = step_.last.plastic_increment > 0;
+}
+
+void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
+  constexpr double min_plastic_increment = 0.01;  // [1] of the fold integral, in one frame
+  result_.statistics.new_singular = static_cast<int>(sheet().singular.size() - singular_before_);
+  note_contact();
+  if (!is_idle_) fold_if_bent(is_admissible);
+  note_contact();
   yielding_ = step_.last.plastic_increment > 0 &&
               step_.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
   if (step_.last.energy_gain > 1e-3)

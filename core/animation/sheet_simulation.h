@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/animation/found_fold.h"
 #include "core/animation/handle_constraints.h"
 #include "core/animation/initial_sheet.h"
 #include "core/animation/substepping.h"
@@ -87,9 +88,15 @@ class SheetSimulation {
   RemeshContext remesh_context(double share) const;
   /// Places of a line that nobody announced, along which paper has yielded or must yield.
   std::vector<FoldLine> fold_lines() const;
-  /// Folds the sheet along a line that nobody announced, if there is one.
-  /// returns  whether it did
-  bool fold_if_bent(const AdmissibilityCheck& is_admissible);
+  /// Folds the sheet along a line that nobody announced, if there is one. To be called after a step
+  /// or a part of one.
+  void fold_if_bent(const AdmissibilityCheck& is_admissible);
+  /// Into how many parts the frame is divided.
+  int parts_of_frame() const;
+  /// Joins a step to the one before it, if both are short.
+  bool joins(LoadStep& last, const LoadStep& next) const;
+  /// Keeps a step that is about to be taken in past_.
+  void remember(int part);
   /// Lets the method change the mesh. before_remesh_ keeps what was there.
   void remesh(double share);
   bool cuts_into_collider(const Sheet& before) const;
@@ -118,6 +125,8 @@ class SheetSimulation {
   SubstepTarget substep_target(RecordTrajectory);
   void step_part(RecordTrajectory, int part);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat) const;
+  /// Keeps what the last step says of contact, yielding and its end.
+  void note_contact();
   void probe(const AdmissibilityCheck& is_admissible);
 
   const Shot& shot_;
@@ -139,7 +148,11 @@ class SheetSimulation {
   StepInput input_before_;    // of that frame, with the colliders standing still
   bool at_minimum_ = false, yielding_ = false, snap_in_progress_ = false, rests_on_contact_ = false;
   bool yielded_ = false;        // the paper, somewhere, in the last step
+  bool folded_ = false;         // the sheet, along a line that was found in the last step
   double stored_unfolded_ = 0;  // [J] when a fold was last tried; 0: never
+  // the last steps, as far back as a fold that colliders press is begun; empty where no collider
+  // is, and of sheets that are animated together
+  std::vector<PastStep> past_;
   int idle_frames_ = 0;
   Swing swing_;  // since handles let go of the sheet; rate 0: it has no inertia because of that
   double quiet_ = 0;  // [s] for how long it has swung no more than what is still

@@ -35,6 +35,18 @@ Eigen::AlignedBox3d box_of(const Points3& x) {
           Vector3d(x.colwise().maxCoeff().transpose())};
 }
 
+/// Whether a collider comes within `reach` [m] of a sheet on its way.
+bool comes_near(const Sheet& sheet, const Collider& from, const Collider& to, double reach) {
+  const Eigen::AlignedBox3d swept = box_of(from.mesh().x).merged(box_of(to.mesh().x));
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    Eigen::AlignedBox3d triangle;
+    for (int i = 0; i < 3; ++i)
+      triangle.extend(Vector3d(sheet.x.row(sheet.triangles(t, i)).transpose()));
+    if (triangle.squaredExteriorDistance(swept) <= reach * reach) return true;
+  }
+  return false;
+}
+
 bool needs_buckling_substeps(const SubstepTarget& f, int halvings) {
   return f.relative_motion > max_motion_of_flat_sheet && halvings < max_halvings_for_buckling &&
          off_plane(f.sheet.x) < flatness * f.side;
@@ -52,17 +64,12 @@ bool is_swept_too_far(const SubstepTarget& f, int halvings) {
   for (const PositionConstraint& c : f.input.constraints)
     reach = std::max(reach, (f.sheet.x.row(c.vertex).transpose() - c.target).norm());
   const double short_of_triangle = 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles);
-  for (std::size_t c = 0; c < moving.to.size(); ++c) {
-    const Collider &from = *moving.from[c], &to = *moving.to[c];
-    if (farthest_move(from, to) <= std::min(0.5 * to.depth(), short_of_triangle)) continue;
-    const Eigen::AlignedBox3d swept = box_of(from.mesh().x).merged(box_of(to.mesh().x));
-    for (int t = 0; t < f.sheet.triangles.rows(); ++t) {
-      Eigen::AlignedBox3d triangle;
-      for (int i = 0; i < 3; ++i)
-        triangle.extend(Vector3d(f.sheet.x.row(f.sheet.triangles(t, i)).transpose()));
-      if (triangle.squaredExteriorDistance(swept) <= reach * reach) return true;
-    }
-  }
+  const auto passes = [&](const Collider& from, const Collider& to) {
+    return farthest_move(from, to) > std::min(0.5 * to.depth(), short_of_triangle) &&
+           comes_near(f.sheet, from, to, reach);
+  };
+  for (std::size_t c = 0; c < moving.to.size(); ++c)
+    if (passes(*moving.from[c], *moving.to[c])) return true;
   return false;
 }
 
@@ -226,6 +233,15 @@ std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& shee
 std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& sheets,
                                            const FrameInterval& frame) {
   return advance_part(sheets, frame, {0, 1});
+}
+
+double motion_near(const Sheet& sheet, const ColliderMotion& moving, double reach) {
+  double longest = 0;
+  for (std::size_t c = 0; c < moving.to.size(); ++c)
+    if (const double way = farthest_move(*moving.from[c], *moving.to[c]);
+        way > longest && comes_near(sheet, *moving.from[c], *moving.to[c], reach))
+      longest = way;
+  return longest;
 }
 
 }  // namespace paperbake

@@ -56,6 +56,7 @@ class Hybrid : public Method {
     return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
   }
 
+  bool finds_folds(const Sheet& sheet) const override { return !crumple_.is_crumpled(sheet); }
   std::vector<FoldLine> fold_lines(const Sheet& sheet, const PlasticMemory& memory) const override {
     return crumple_.fold_lines(sheet, memory);
   }

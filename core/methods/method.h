@@ -64,6 +64,8 @@ class Method {
   /// Called once, before all others.
   virtual FirstMesh first_mesh(const Pattern&, const std::vector<Vector2d>& points) = 0;
 
+  /// Whether lines are looked for along which the sheet is being folded.
+  virtual bool finds_folds(const Sheet&) const { return false; }
   /// Lines along which the sheet is being folded although its mesh has no edges there. Called when
   /// its paper has yielded in the last step.
   virtual std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const { return {}; }

@@ -7,6 +7,7 @@
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
 #include "core/step1_elastic/energies/external_forces.h"
+#include "core/step1_elastic/energies/handle_springs.h"
 #include "core/step1_elastic/energies/ridge_yield.h"
 #include "core/step1_elastic/position_constraints.h"
 

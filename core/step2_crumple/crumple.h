@@ -7,6 +7,7 @@
 #include "core/model/sheet.h"
 #include "core/step2_crumple/crumple_options.h"
 #include "core/step2_crumple/crumpled_mesh.h"
+#include "core/step2_crumple/find_fold_lines.h"
 #include "core/step2_crumple/lasting_places.h"
 #include "core/step2_crumple/remesh_schedule.h"
 #include "core/step2_crumple/ruled_mesh.h"
@@ -65,6 +66,9 @@ class Crumple {
   /// Reports what became of the last proposal.
   void on_proposal_result(bool accepted, const FrameTime&);
 
+  /// Whether the sheet has so many singular points that it is a crumple.
+  bool is_crumpled(const Sheet&) const;
+
   /// Lines along which the sheet is being folded (find_fold_lines.h); none of a crumpled sheet.
   std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const;
   std::vector<FoldLine> pressed_lines(const Sheet&, const std::function<PlasticMemory()>&,
@@ -81,7 +85,6 @@ class Crumple {
   Paper paper_;
   CrumpleOptions options_;
   std::uint32_t seed_, sheet_;
-  bool is_crumpled(const Sheet&) const;
   CrumpleReport step_smooth(Sheet&, const std::vector<char>& fixed, const FrameTime&, double way);
   /// Updates the pending conflicts. A conflict counts once it has persisted.
   /// returns  vertices at which it has, the worst first

@@ -355,4 +355,14 @@ std::vector<FoldLine> find_pressed_lines(const Sheet& sheet,
   return lines_on(mesh, pattern, yield_curvature);
 }
 
+std::optional<FoldLine> parallel_line(const FoldLine& line, double off, const Pattern& pattern) {
+  const Vector2d along = (line.b - line.a).normalized(), across(-along.y(), along.x());
+  Axis axis;
+  axis.across = across;
+  axis.middle = 0.5 * (line.a + line.b) + off * across;
+  const auto ends = on_paper(pattern, axis);
+  if (!ends) return std::nullopt;
+  return FoldLine{ends->first, ends->second, line.plastic_turn, line.band};
+}
+
 }  // namespace paperbake

@@ -7,6 +7,7 @@
 #include "core/model/sheet.h"
 
 #include <functional>
+#include <optional>
 #include <vector>
 
 namespace paperbake {
@@ -48,5 +49,9 @@ std::vector<FoldLine> find_fold_lines(const Sheet&, const PlasticMemory&, const 
 std::vector<FoldLine> find_pressed_lines(const Sheet&, const std::function<PlasticMemory()>& memory,
                                          const ColliderShapes&, const Pattern&,
                                          double yield_curvature);
+
+/// The same fold farther to the left of its line, seen from a to b, from border to border; nothing
+/// if there is no paper. off [m]
+std::optional<FoldLine> parallel_line(const FoldLine&, double off, const Pattern&);
 
 }  // namespace paperbake
