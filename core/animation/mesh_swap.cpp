@@ -1,28 +1,11 @@
 #include "core/animation/mesh_swap.h"
 
-#include "core/geometry/hinges.h"
+#include "core/animation/mesh_coarseness.h"
 #include "core/geometry/mesh_transfer.h"
 
 #include <algorithm>
 
 namespace paperbake {
-namespace {
-
-/// Mean square of the dihedral angles, weighted by the energy that each of them stores. [rad2]
-double facets_of(const Sheet& sheet) {
-  double stored = 0, sum = 0;
-  for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
-    const double fold = dihedral_angle(sheet.x, hinge),
-                 length =
-                     (sheet.pattern.row(hinge.vertices[1]) - sheet.pattern.row(hinge.vertices[0]))
-                         .norm();
-    stored += fold * fold * length;
-    sum += fold * fold * fold * fold * length;
-  }
-  return stored > 0 ? sum / stored : 0;
-}
-
-}  // namespace
 
 MeshSwapResult try_swap_mesh(
     Sheet& sheet, Elastic& elastic, MeshProposal proposed, const StepInput& input, double dt,
@@ -30,9 +13,6 @@ MeshSwapResult try_swap_mesh(
   constexpr double max_rise = 0.05, max_move = 0.01;  // [1] of the energy; of the longer side
   // a mesh that holds its sheet back does so the more, the longer it stays
   constexpr double too_stiff = -0.005, max_move_then = 0.025;
-  // [rad2] facets of 20 degrees: a sheet that lies on them hooks on a few edges, and is held back
-  // too
-  constexpr double too_coarse = 0.12;
   // [1/rad2] share of the energy that a mesh with such facets does not represent
   constexpr double unseen = 0.5;
   constexpr double noise = 1e-6;  // [J] for a sheet that is nearly flat
@@ -52,10 +32,10 @@ MeshSwapResult try_swap_mesh(
   verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(),
                           (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) /
                  side;
-  const double facets = facets_of(sheet);
+  const double facets = mean_square_fold(sheet);
   const bool coarse = settled.on_colliders > 0 && facets > too_coarse,
              off = coarse || verdict.rise <= too_stiff;
-  const double finer = coarse ? std::max(0.0, facets - facets_of(proposal)) : 0;
+  const double finer = coarse ? std::max(0.0, facets - mean_square_fold(proposal)) : 0;
   verdict.accepted = settled.converged && !settled.contact &&
                      rise <= (max_rise + unseen * finer) * stored.energy + noise &&
                      verdict.move <= (off ? max_move_then : max_move) &&

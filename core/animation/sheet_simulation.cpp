@@ -4,6 +4,7 @@
 #include "core/animation/expected_creases.h"
 #include "core/animation/found_fold.h"
 #include "core/animation/initial_sheet.h"
+#include "core/animation/mesh_coarseness.h"
 #include "core/animation/mesh_swap.h"
 #include "core/animation/motion_measures.h"
 #include "core/geometry/hinges.h"
@@ -299,11 +300,18 @@ int SheetSimulation::parts_of_frame() const {
   constexpr int most = 16;
   if (!alone_ || frame_ == options_.first_frame) return 1;
   const int parts = method_->load_parts(sheet(), relative_motion_);
-  if (!plastic_grid_ || !method_->finds_folds(sheet())) return parts;
+  if (!plastic_grid_ || !shot_.colliders || !sheet().prescribed_creases.empty() ||
+      !method_->finds_folds(sheet()))
+    return parts;
   // paper yields between faces that are four such ways apart
   const double way = 0.5 / yield_curvature(shot_.paper),
                near = motion_near(sheet(), input_.colliders, 4 * way);
-  return std::max(parts, std::clamp(static_cast<int>(std::ceil(near / way)), 1, most));
+  // [1] of the longer side: where handles go farther in a frame than they do in one step
+  // (substepping.h), its parts are as long as a severe conflict has to last
+  constexpr double fast = 0.03, slow = 0.0105;
+  const double by_handles = relative_motion_ > fast ? relative_motion_ / slow : 1;
+  const double wanted = std::ceil(std::max(near / way, by_handles));
+  return std::max(parts, std::clamp(static_cast<int>(wanted), 1, most));
 }
 
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
@@ -533,7 +541,47 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
   take_unlocked_step();
 }
 
+bool SheetSimulation::is_held_back_by_mesh() const {
+  return has_inertia() && !step_.converged && step_.failure_reason.empty() &&
+         step_.last.on_colliders > 0 && is_smooth() && mean_square_fold(sheet()) > coarse;
+}
+
+bool SheetSimulation::is_smooth() const {
+  return sheet().singular.empty() && sheet().prescribed_creases.empty();
+}
+
+bool SheetSimulation::refine_mesh(Snapshot&& begun) {
+  std::optional<Method::FirstMesh> finer = method_->finer_mesh();
+  if (!finer) return false;
+  const Sheet before = begun.sheet;
+  restore(std::move(begun));
+  Sheet& sheet = started_.sheet;
+  const MeshTransfer onto(before.pattern, before.triangles, finer->pattern);
+  sheet.x = onto(before.x);
+  sheet.v = onto(before.v);
+  sheet.pattern = std::move(finer->pattern);
+  sheet.triangles = std::move(finer->triangles);
+  started_.fixed.assign(sheet.pattern.rows(), 0);
+  for (const int v : finer->point_vertex) started_.fixed[v] = 1;
+  carry_state(before);
+  before_remesh_.reset();
+  past_.clear();
+  step_ = {};
+  return true;
+}
+
 void SheetSimulation::step(RecordTrajectory trace) {
+  const bool may_refine = alone_ && shot_.colliders && has_inertia() && is_smooth();
+  for (;;) {
+    std::optional<Snapshot> begun;
+    if (may_refine) begun = {sheet(), elastic_.state()};
+    step_in_parts(trace);
+    if (!may_refine || !is_held_back_by_mesh() || !refine_mesh(std::move(*begun))) break;
+  }
+  hold_if_infeasible();
+}
+
+void SheetSimulation::step_in_parts(RecordTrajectory trace) {
   FrameStepResult before;
   for (int part = 1; part <= load_parts_ && step_.failure_reason.empty(); ++part) {
     if (part > 1 && !std::exchange(folded_, false)) remesh(1.0 / load_parts_);
@@ -550,7 +598,6 @@ void SheetSimulation::step(RecordTrajectory trace) {
       fold_if_bent([](const Sheet&, const Sheet&, double) { return true; });
     }
   }
-  hold_if_infeasible();
 }
 
 Points3 SheetSimulation::initial_positions() const {

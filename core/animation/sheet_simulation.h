@@ -123,7 +123,15 @@ class SheetSimulation {
   void begin_step(RecordTrajectory);
   void undo_remesh();
   SubstepTarget substep_target(RecordTrajectory);
+  void step_in_parts(RecordTrajectory);
   void step_part(RecordTrajectory, int part);
+  /// Whether the step failed because the smooth sheet is bent by colliders so sharply that its
+  /// facets hook on each other. Without inertia a step may also fail because the sheet snaps, and
+  /// the next one goes on from there.
+  bool is_held_back_by_mesh() const;
+  bool is_smooth() const;  // without points or lines that the mesh has to keep
+  /// Goes back to the start of the step, on a finer mesh. returns  false if there is none
+  bool refine_mesh(Snapshot&& begun);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat) const;
   /// Keeps what the last step says of contact, yielding and its end.
   void note_contact();

@@ -1,6 +1,7 @@
 #include "core/methods/hybrid.h"
 
 #include "core/geometry/pattern_mesh.h"
+#include "core/model/serializer.h"
 #include "core/step3_developable/developable.h"
 
 #include <algorithm>
@@ -50,10 +51,14 @@ class Hybrid : public Method {
       : lattice_(lattice), crumple_(std::move(crumple)) {}
 
   FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
-    PatternMesh mesh = first_mesh_with(pattern, lattice_, points);
-    const int required = number_points_first(mesh);
-    crumple_.set_base_mesh(mesh.vertices, mesh.triangles, required);
-    return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+    pattern_ = pattern;
+    points_ = points;
+    return base_mesh();
+  }
+  std::optional<FirstMesh> finer_mesh() override {
+    if (doublings_ == max_doublings) return std::nullopt;
+    ++doublings_;
+    return base_mesh();
   }
 
   bool finds_folds(const Sheet& sheet) const override { return !crumple_.is_crumpled(sheet); }
@@ -68,7 +73,7 @@ class Hybrid : public Method {
   std::optional<FirstMesh> mesh_with_creases(const Pattern& pattern,
                                              const std::vector<Vector2d>& points) const override {
     std::optional<PatternMesh> mesh =
-        try_mesh_pattern(pattern, edge_of(pattern, lattice_), points, lattice_.turn);
+        try_mesh_pattern(pattern, edge_of(pattern, lattice_now()), points, lattice_.turn);
     if (!mesh) return std::nullopt;
     number_points_first(*mesh);
     return FirstMesh{std::move(mesh->vertices), std::move(mesh->triangles),
@@ -105,11 +110,33 @@ class Hybrid : public Method {
     return true;
   }
   BentParts parts(const Sheet& sheet) const override { return bent_parts(crumple_, sheet); }
-  void archive(Serializer& a) override { crumple_.archive(a); }
+  void archive(Serializer& a) override {
+    a(doublings_);
+    if (a.reads()) {
+      a.require(0 <= doublings_ && doublings_ <= max_doublings);
+      if (doublings_ > 0) base_mesh();
+    }
+    crumple_.archive(a);
+  }
 
  private:
+  static constexpr int max_doublings = 2;
+
+  FirstLattice lattice_now() const { return {lattice_.triangles << doublings_, lattice_.turn}; }
+
+  /// The mesh from which all others are derived.
+  FirstMesh base_mesh() {
+    PatternMesh mesh = first_mesh_with(pattern_, lattice_now(), points_);
+    const int required = number_points_first(mesh);
+    crumple_.set_base_mesh(mesh.vertices, mesh.triangles, required);
+    return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+  }
+
   FirstLattice lattice_;
+  int doublings_ = 0;  // of the number of triangles of the first lattice
   Crumple crumple_;
+  Pattern pattern_;
+  std::vector<Vector2d> points_;  // [m] that every mesh has as vertices
 };
 
 }  // namespace

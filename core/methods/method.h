@@ -83,6 +83,11 @@ class Method {
     return std::nullopt;
   }
 
+  /// A finer mesh like the first one, with the same points under the same numbers, for a smooth
+  /// sheet that is held back by its mesh. Nothing if the method has none, or none that is finer
+  /// still.
+  virtual std::optional<FirstMesh> finer_mesh() { return std::nullopt; }
+
   /// Called before `remesh`. May propose another mesh, with positions carried over from the old
   /// one; vertices that are fixed in the first mesh keep their numbers. The loop relaxes the
   /// proposal with the handles where they were and accepts or rejects it (mesh_swap.h). After an

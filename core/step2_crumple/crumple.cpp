@@ -218,13 +218,8 @@ CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const 
 
 int Crumple::load_parts(const Sheet& sheet, double way) const {
   constexpr int most = 16;
-  // [1] of the longer side: where handles go farther in a frame of a smooth sheet than they do in
-  // one step (substepping.h), its parts are as long as a severe conflict has to last
-  constexpr double fast = 0.03, slow = 0.0105;
-  const bool smooth = !is_crumpled(sheet);
-  if (smooth && way <= fast) return 1;
-  return std::clamp(static_cast<int>(std::ceil(way / (smooth ? slow : options_.largest_way))), 1,
-                    most);
+  if (!is_crumpled(sheet)) return 1;
+  return std::clamp(static_cast<int>(std::ceil(way / options_.largest_way)), 1, most);
 }
 
 }  // namespace paperbake

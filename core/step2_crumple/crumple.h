@@ -51,7 +51,7 @@ class Crumple {
   /// small steps only.
   int load_parts(const Sheet&, double way) const;
 
-  /// Sets the mesh from which every ruled mesh is derived. To be called once, before `propose`.
+  /// Sets the mesh from which every ruled mesh is derived. To be called before `propose`.
   /// required  number of vertices, from number 0 on, that a ruled mesh must keep as they are
   void set_base_mesh(const Points2& pattern, const Triangles&, int required);
 

@@ -1,0 +1,92 @@
+// Sheets that bend more sharply than their first mesh can follow.
+
+#include "core/geometry/collider.h"
+#include "core/methods/hybrid.h"
+#include "tests/core/animation/together_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+constexpr int frames = 30;
+
+/// A box whose middle goes from `from` to `to` [m] with an eased motion over 48 frames.
+ColliderMesh moving_box(const Vector3d& size, const Vector3d& from, const Vector3d& to) {
+  ColliderMesh box{"box", Points3(8, 3), Triangles(12, 3), {}};
+  for (int k = 0; k < 8; ++k)
+    box.x.row(k) = from.transpose() + 0.5 * Eigen::RowVector3d(k & 1 ? size.x() : -size.x(),
+                                                               k & 2 ? size.y() : -size.y(),
+                                                               k & 4 ? size.z() : -size.z());
+  box.triangles << 0, 2, 3, 0, 3, 1, 4, 5, 7, 4, 7, 6, 0, 1, 5, 0, 5, 4, 2, 6, 7, 2, 7, 3, 0, 4, 6,
+      0, 6, 2, 1, 3, 7, 1, 7, 5;
+  for (int f = 0; f < frames; ++f) {
+    const double t = f / 47.0, share = t * t * t * (10 - 15 * t + 6 * t * t);
+    box.frames.push_back(box.x.rowwise() + share * (to - from).transpose());
+  }
+  return box;
+}
+
+/// A page of 210 x 150 mm lies on a table under gravity. Two walls, each 10 mm from it, push it
+/// together to 112 mm.
+Shot page_between_walls() {
+  Shot shot =
+      test::placed(0.21, 0.15, {-0.105, -0.075, 0.001}, Vector3d(1, 0, 0), Vector3d(0, 1, 0));
+  ColliderMesh table{"table", Points3(4, 3), Triangles(2, 3), {}};
+  table.x << -1, -1, -0.002, 1, -1, -0.002, 1, 1, -0.002, -1, 1, -0.002;
+  table.triangles << 0, 1, 2, 0, 2, 3;
+  const Vector3d size(0.02, 0.2, 0.1), there(0.13, 0, 0.04), here(0.05, 0, 0.04),
+      mirrored(-1, 1, 1);
+  Colliders all{Collider(table)};
+  all.emplace_back(moving_box(size, there, here));
+  all.emplace_back(moving_box(size, mirrored.cwiseProduct(there), mirrored.cwiseProduct(here)));
+  shot.colliders = std::make_shared<const Colliders>(all);
+  return shot;
+}
+
+/// How far the sheet is from a cylinder whose rulings are along y: the largest y of a normal. [1]
+double off_cylinder(const Sheet& sheet) {
+  double most = 0;
+  for (int t = 0; t < sheet.triangles.rows(); ++t) {
+    const Vector3d a = sheet.x.row(sheet.triangles(t, 0)), b = sheet.x.row(sheet.triangles(t, 1)),
+                   c = sheet.x.row(sheet.triangles(t, 2));
+    most = std::max(most, std::abs((b - a).cross(c - a).normalized().y()));
+  }
+  return most;
+}
+
+TEST(CoarseMeshTest, APageBetweenTwoWallsBecomesAnArch) {
+  // On about 120 triangles, without refining, bends hook on the edges while the page buckles: it
+  // gets 30 singular points and more.
+  const Shot shot = page_between_walls();
+  for (const unsigned seed : {0u, 1u, 2u}) {
+    AnimateOptions options;
+    options.last_frame = frames;
+    options.seed = seed;
+    options.elastic.inertia = Inertia::dynamic;
+    options.elastic.forces.gravity = 9.81;
+    options.elastic.air.density = 1.2;
+    Sheet last;
+    std::size_t singular = 0;
+    bool stretched = false;
+    animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, seed), options,
+            [&](const AnimatedFrame& frame) {
+              last = *frame.sheet;
+              singular = std::max(singular, last.singular.size());
+              stretched |= length_distortion(last).largest > 0.005;
+              return true;
+            });
+    EXPECT_GT(last.triangles.rows(), 200) << seed << ": refined";
+    EXPECT_EQ(singular, 0u) << seed;
+    EXPECT_FALSE(stretched) << seed;
+    const double rise = last.x.col(2).maxCoeff() - last.x.col(2).minCoeff();
+    EXPECT_GT(rise, 0.05) << seed;
+    EXPECT_LT(off_cylinder(last), 0.15) << seed << ": an arch bends about one axis";
+  }
+}
+
+}  // namespace
+}  // namespace paperbake
