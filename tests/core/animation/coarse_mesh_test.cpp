@@ -72,7 +72,7 @@ TEST(CoarseMeshTest, APageBetweenTwoWallsBecomesAnArch) {
     Sheet last;
     std::size_t singular = 0;
     bool stretched = false;
-    animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, seed), options,
+    animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, seed, 0), options,
             [&](const AnimatedFrame& frame) {
               last = *frame.sheet;
               singular = std::max(singular, last.singular.size());
