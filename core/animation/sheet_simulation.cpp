@@ -287,7 +287,9 @@ bool SheetSimulation::joins(LoadStep& last, const LoadStep& next) const {
 
 void SheetSimulation::remember(int part) {
   constexpr std::size_t most = 8;
-  if (!alone_ || !shot_.colliders || !plastic_grid_ || !method_->finds_folds(sheet())) return;
+  if (!alone_ || !shot_.colliders || !plastic_grid_ || has_inertia() ||
+      !method_->finds_folds(sheet()))
+    return;
   const LoadStep load{load_parts_ > 1 ? input_of_part(part) : input_,
                       1 / options_.fps / load_parts_, relative_motion_ / load_parts_,
                       frame_ - options_.first_frame};
@@ -303,15 +305,11 @@ int SheetSimulation::parts_of_frame() const {
   if (!plastic_grid_ || !shot_.colliders || !sheet().prescribed_creases.empty() ||
       !method_->finds_folds(sheet()))
     return parts;
-  // paper yields between faces that are four such ways apart
-  const double way = 0.5 / yield_curvature(shot_.paper),
-               near = motion_near(sheet(), input_.colliders, 4 * way);
   // [1] of the longer side: where handles go farther in a frame than they do in one step
   // (substepping.h), its parts are as long as a severe conflict has to last
   constexpr double fast = 0.03, slow = 0.0105;
   const double by_handles = relative_motion_ > fast ? relative_motion_ / slow : 1;
-  const double wanted = std::ceil(std::max(near / way, by_handles));
-  return std::max(parts, std::clamp(static_cast<int>(wanted), 1, most));
+  return std::max(parts, std::clamp(static_cast<int>(std::ceil(by_handles)), 1, most));
 }
 
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
@@ -542,8 +540,8 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
 }
 
 bool SheetSimulation::is_held_back_by_mesh() const {
-  return has_inertia() && !step_.converged && step_.failure_reason.empty() &&
-         step_.last.on_colliders > 0 && is_smooth() && mean_square_fold(sheet()) > coarse;
+  return step_.failure_reason.empty() && step_.last.on_colliders > 0 && is_smooth() &&
+         mean_square_fold(sheet()) > coarse;
 }
 
 bool SheetSimulation::is_smooth() const {

@@ -125,9 +125,7 @@ class SheetSimulation {
   SubstepTarget substep_target(RecordTrajectory);
   void step_in_parts(RecordTrajectory);
   void step_part(RecordTrajectory, int part);
-  /// Whether the step failed because the smooth sheet is bent by colliders so sharply that its
-  /// facets hook on each other. Without inertia a step may also fail because the sheet snaps, and
-  /// the next one goes on from there.
+  /// Whether colliders bend the smooth sheet so sharply that its facets hook on each other.
   bool is_held_back_by_mesh() const;
   bool is_smooth() const;  // without points or lines that the mesh has to keep
   /// Goes back to the start of the step, on a finer mesh. returns  false if there is none

@@ -235,13 +235,4 @@ std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& she
   return advance_part(sheets, frame, {0, 1});
 }
 
-double motion_near(const Sheet& sheet, const ColliderMotion& moving, double reach) {
-  double longest = 0;
-  for (std::size_t c = 0; c < moving.to.size(); ++c)
-    if (const double way = farthest_move(*moving.from[c], *moving.to[c]);
-        way > longest && comes_near(sheet, *moving.from[c], *moving.to[c], reach))
-      longest = way;
-  return longest;
-}
-
 }  // namespace paperbake

@@ -52,7 +52,4 @@ struct FrameInterval {
 /// throws  Error(ErrorCode::simulation) when the energy is not finite
 std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>&, const FrameInterval&);
 
-/// [m] The longest way of a collider that passes within `reach` [m] of a sheet.
-double motion_near(const Sheet&, const ColliderMotion&, double reach);
-
 }  // namespace paperbake

