@@ -243,13 +243,18 @@ std::optional<FoldLine> taut_place(const FoldLine& line, const UnfoldedSheet& is
 }  // namespace
 
 std::optional<FoundFold> fold_along(const std::vector<FoldLine>& lines, const UnfoldedSheet& is,
-                                    const Method& method) {
-  Trials trials(is, method);
-  if (const std::optional<FoldLine> taut = taut_place(lines[lines.size() / 2], is))
+                                    const std::vector<PastStep>& past, const Method& method) {
+  std::optional<FoundFold> best;
+  if (const std::optional<FoldLine> taut = taut_place(lines[lines.size() / 2], is)) {
+    const UnfoldedSheet was{is.shot, is.sheet, is.elastic, is.grid, past};
+    Trials trials(was, method);
     trials.improves(*taut);
-  else
+    best = std::move(trials.best);
+  } else {
+    Trials trials(is, method);
     for (const FoldLine& line : lines) trials.improves(line);
-  std::optional<FoundFold> best = std::move(trials.best);
+    best = std::move(trials.best);
+  }
   if (!best) return std::nullopt;
   is.grid = best->grid;
   best->elastic.set_plastic_grid(&is.grid);

@@ -51,16 +51,20 @@ struct FoundFold {
 /// Folds a sheet along one of several lines, provided that this is what paper does.
 ///
 /// A line becomes a crease that springs back to the angle by which the paper beside it has yielded,
-/// and in exchange that plastic curvature leaves the grid. The sheet then takes a step on the new
-/// mesh, with the handles and colliders where they are. The fold is possible if the step ends with
-/// a tenth less stored energy than before or better, with edges that are off by less than 0.5 %,
-/// and with nothing crossing or in a collider that was not before; in contact no vertex may move
-/// farther than a tenth of the longer side. Of the lines that are possible, the one with which the
-/// sheet stores least is taken: there paper folds.
+/// and in exchange that plastic curvature leaves the grid. Where colliders press the sheet and
+/// handles hold both its sides, they say where the line lies, and the sheet takes the steps of
+/// `past` again, folded; elsewhere each line is tried with the step of `is`, in which handles and
+/// colliders stand still. The fold is possible if a tenth less is spent in the end than without it
+/// (stored energy and the work of handles that are held off), with edges that are off by less than
+/// 0.5 % or than before, and with nothing crossing or in a collider that was not before; in contact
+/// no vertex may move farther than a tenth of the longer side. Of the lines that are possible, the
+/// one with which least is spent is taken: there paper folds.
 ///
+/// is       its `past` is the step that holds the sheet where it is
+/// past     the steps that led here; not empty
 /// returns  nothing if no fold is possible, or the method has no mesh with the line; the sheet and
 ///          the grid are then as they were
-std::optional<FoundFold> fold_along(const std::vector<FoldLine>&, const UnfoldedSheet&,
-                                    const Method&);
+std::optional<FoundFold> fold_along(const std::vector<FoldLine>&, const UnfoldedSheet& is,
+                                    const std::vector<PastStep>& past, const Method&);
 
 }  // namespace paperbake
