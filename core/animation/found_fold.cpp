@@ -78,7 +78,10 @@ std::optional<FoundFold> with_crease(const FoldLine& line, const UnfoldedSheet& 
   if (!mesh) return std::nullopt;
 
   is.grid = then.grid;
-  const bool is_now = is.past.size() == 1;  // the band of the line is of the mesh of that time
+  // the band of the line is of the mesh that the sheet has now
+  const bool is_now = is.past.size() == 1 &&
+                      then.sheet.triangles.rows() == is.sheet.triangles.rows() &&
+                      then.sheet.triangles == is.sheet.triangles;
   const double turn_then =
       uncurl(is.grid, then.sheet, line, is_now ? line.band : triangles_along(line, then.sheet));
   const double plastic_turn = is_now ? line.plastic_turn : turn_then;
