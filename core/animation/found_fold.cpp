@@ -66,6 +66,17 @@ double uncurl(PlasticGrid& grid, const Sheet& sheet, const FoldLine& line,
   return turn / (line.b - line.a).norm();
 }
 
+/// Takes the plastic curvature along a line out of the grid of `is`, which is that of `then`.
+/// returns  [rad] the mean plastic turn about the line
+double uncurl_along(const FoldLine& line, const UnfoldedSheet& is, const PastStep& then) {
+  // the triangles and the turn of the line are of the mesh that the sheet has now
+  if (then.is_now) {
+    uncurl(is.grid, then.sheet, line, line.band);
+    return line.plastic_turn;
+  }
+  return uncurl(is.grid, then.sheet, line, triangles_along(line, then.sheet));
+}
+
 /// The sheet as it was when a step began, on a mesh with one crease more, along which it folds.
 std::optional<FoundFold> with_crease(const FoldLine& line, const UnfoldedSheet& is,
                                      const PastStep& then, const Method& method) {
@@ -78,13 +89,7 @@ std::optional<FoundFold> with_crease(const FoldLine& line, const UnfoldedSheet& 
   if (!mesh) return std::nullopt;
 
   is.grid = then.grid;
-  // the band of the line is of the mesh that the sheet has now
-  const bool is_now = is.past.size() == 1 &&
-                      then.sheet.triangles.rows() == is.sheet.triangles.rows() &&
-                      then.sheet.triangles == is.sheet.triangles;
-  const double turn_then =
-      uncurl(is.grid, then.sheet, line, is_now ? line.band : triangles_along(line, then.sheet));
-  const double plastic_turn = is_now ? line.plastic_turn : turn_then;
+  const double plastic_turn = uncurl_along(line, is, then);
   Sheet sheet;
   const MeshTransfer onto(then.sheet.pattern, then.sheet.triangles, mesh->pattern);
   sheet.x = onto(then.sheet.x);
@@ -114,8 +119,8 @@ double spent_by(const Elastic& elastic, const Sheet& sheet, const StepInput& inp
 /// What the fold is compared with.
 struct Before {
   explicit Before(const UnfoldedSheet& is)
-      : spent(spent_by(is.elastic, is.sheet, is.past.back().load.input)),
-        inside(is.elastic.inside(is.sheet, is.past.back().load.input.colliders.to)),
+      : spent(spent_by(is.elastic, is.sheet, is.now.input)),
+        inside(is.elastic.inside(is.sheet, is.now.input.colliders.to)),
         stretched(length_distortion(is.sheet).largest),
         crossed(crossings(is.sheet)) {}
   double spent;      // [J]
@@ -139,9 +144,9 @@ bool take(FoundFold& fold, const UnfoldedSheet& is, const LoadStep& step) {
   return fold.step.failure_reason.empty();
 }
 
-/// Takes the steps that led to where the sheet is once more.
-bool follow(FoundFold& fold, const UnfoldedSheet& is) {
-  for (const PastStep& step : is.past)
+/// Takes steps that led to where the sheet is once more.
+bool follow(FoundFold& fold, const UnfoldedSheet& is, const std::vector<PastStep>& steps) {
+  for (const PastStep& step : steps)
     if (!take(fold, is, step.load)) return false;
   fold.grid = is.grid;
   return true;
@@ -160,28 +165,29 @@ void continue_motion(FoundFold& fold, const UnfoldedSheet& is) {
 bool is_possible(FoundFold& fold, const UnfoldedSheet& is, const Before& before) {
   const MeshTransfer onto(is.sheet.pattern, is.sheet.triangles, fold.sheet.pattern);
   fold.moved = max_row_norm(fold.sheet.x - onto(is.sheet.x));
-  fold.spent = spent_by(fold.elastic, fold.sheet, is.past.back().load.input);
+  fold.spent = spent_by(fold.elastic, fold.sheet, is.now.input);
   if (!(fold.spent <= kept_energy * before.spent) ||
       !(length_distortion(fold.sheet).largest <= std::max(max_stretch, before.stretched)))
     return false;
   if (fold.step.last.contact && (fold.moved > max_move * longer_side(is.shot.pattern) ||
                                  crossings(fold.sheet) > before.crossed))
     return false;
-  return fold.elastic.inside(fold.sheet, is.past.back().load.input.colliders.to) <=
+  return fold.elastic.inside(fold.sheet, is.now.input.colliders.to) <=
          std::max(deepest, before.inside);
 }
 
 /// Tries places of a fold, and keeps the one with which least is spent.
 class Trials {
  public:
-  Trials(const UnfoldedSheet& is, const Method& method)
-      : is_(is), method_(method), before_(is), known_(is.elastic.state()) {}
+  /// steps  that lead to where the sheet is; not empty
+  Trials(const UnfoldedSheet& is, const std::vector<PastStep>& steps, const Method& method)
+      : is_(is), steps_(steps), method_(method), before_(is), known_(is.elastic.state()) {}
 
   /// returns  whether the place is better than all that were tried before
   bool improves(const FoldLine& line) {
-    std::optional<FoundFold> fold = with_crease(line, is_, is_.past.front(), method_);
-    const bool could = fold && follow(*fold, is_);
-    if (could && is_.past.size() == 1) continue_motion(*fold, is_);
+    std::optional<FoundFold> fold = with_crease(line, is_, steps_.front(), method_);
+    const bool could = fold && follow(*fold, is_, steps_);
+    if (could && steps_.front().is_now) continue_motion(*fold, is_);
     const bool possible = could && is_possible(*fold, is_, before_);
     is_.elastic.restore(known_);
     if (!could || !(fold->spent < least_)) return false;
@@ -194,6 +200,7 @@ class Trials {
 
  private:
   const UnfoldedSheet& is_;
+  const std::vector<PastStep>& steps_;
   const Method& method_;
   const Before before_;
   const SolverState known_;
@@ -211,7 +218,7 @@ class Trials {
 std::optional<FoldLine> taut_place(const FoldLine& line, const UnfoldedSheet& is) {
   const double row = mean_edge(is.sheet.pattern, is.sheet.triangles),
                widest = 4 / yield_curvature(is.shot.paper);
-  const StepInput& now = is.past.back().load.input;
+  const StepInput& now = is.now.input;
   Points2 ends(3, 2);
   ends << line.a.transpose(), line.b.transpose(), (0.5 * (line.a + line.b)).transpose();
   const Points3 at = MeshTransfer(is.sheet.pattern, is.sheet.triangles, ends)(is.sheet.x);
@@ -246,22 +253,18 @@ std::optional<FoldLine> taut_place(const FoldLine& line, const UnfoldedSheet& is
 }  // namespace
 
 std::optional<FoundFold> fold_along(const std::vector<FoldLine>& lines, const UnfoldedSheet& is,
-                                    const std::vector<PastStep>& past, const Method& method) {
-  std::optional<FoundFold> best;
-  if (const std::optional<FoldLine> taut = taut_place(lines[lines.size() / 2], is)) {
-    const UnfoldedSheet was{is.shot, is.sheet, is.elastic, is.grid, past};
-    Trials trials(was, method);
+                                    const Method& method) {
+  const std::vector<PastStep> here{{is.sheet, is.grid, is.now, true}};
+  const std::optional<FoldLine> taut = taut_place(lines[lines.size() / 2], is);
+  Trials trials(is, taut && !is.past.empty() ? is.past : here, method);
+  if (taut)
     trials.improves(*taut);
-    best = std::move(trials.best);
-  } else {
-    Trials trials(is, method);
+  else
     for (const FoldLine& line : lines) trials.improves(line);
-    best = std::move(trials.best);
-  }
-  if (!best) return std::nullopt;
-  is.grid = best->grid;
-  best->elastic.set_plastic_grid(&is.grid);
-  return best;
+  if (!trials.best) return std::nullopt;
+  is.grid = trials.best->grid;
+  trials.best->elastic.set_plastic_grid(&is.grid);
+  return std::move(trials.best);
 }
 
 }  // namespace paperbake
