@@ -15,8 +15,8 @@ namespace paperbake {
 /// if they are of one sheet. On a sheet deformed by noise 3 % of the pairs are missed.
 class NormalConeTree {
  public:
-  /// Triangles without a common vertex, also by way of others, are of different sheets; the patterns
-  /// of these may overlap.
+  /// Triangles that no chain of common vertices connects are of different sheets; the patterns of
+  /// these may overlap.
   NormalConeTree(const Points2& pattern, const Triangles&);
 
   /// Pairs of triangles that may intersect while every vertex is anywhere on the straight line from
