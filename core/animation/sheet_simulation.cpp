@@ -246,8 +246,8 @@ void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   stored_unfolded_ = stored;
   const SolverState known = elastic_.state();
   const LoadStep now{input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame};
-  std::optional<FoundFold> fold =
-      fold_along(lines, {shot_, sheet, elastic_, *plastic_grid_, now, past_}, *method_);
+  std::optional<FoundFold> fold = fold_along(
+      lines, {shot_, sheet, elastic_, *plastic_grid_, options_.first_frame, now, past_}, *method_);
   if (!fold) return;
   if (!is_admissible(sheet, fold->sheet, fold->moved)) {
     elastic_.restore(known);
