@@ -1,6 +1,7 @@
 #include "core/animation/substepping.h"
 
 #include "core/animation/imperfection.h"
+#include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
 #include "core/model/error.h"
 
@@ -29,11 +30,6 @@ constexpr double max_sudden_stretch = 0.05;
 // 1/1024 of a frame: a blade of 3 mm at 10 m/s moves by half a millimetre in it
 constexpr int max_halvings_for_colliders = 10;
 constexpr double collider_reach = 2e-3;  // [m] from the sheet, within which a collider is divided
-
-Eigen::AlignedBox3d box_of(const Points3& x) {
-  return {Vector3d(x.colwise().minCoeff().transpose()),
-          Vector3d(x.colwise().maxCoeff().transpose())};
-}
 
 /// Whether a collider comes within `reach` [m] of a sheet on its way.
 bool comes_near(const Sheet& sheet, const Collider& from, const Collider& to, double reach) {

@@ -1,6 +1,8 @@
 #include "formats/scene/scene_creases.h"
 
+#include "core/geometry/hinges.h"
 #include "core/geometry/point_location.h"
+#include "core/geometry/prescribed_creases.h"
 #include "core/model/error.h"
 #include "formats/scene/scene_colliders.h"
 #include "formats/scene/scene_properties.h"
@@ -244,6 +246,35 @@ std::size_t sheet_under(const SceneNodes& scene, int node, const Eigen::Affine3d
   return std::min_element(off.begin(), off.end()) - off.begin();
 }
 
+/// thing  "mesh", or "object": exporters leave out a mesh of which they have no edges
+Error no_edges(const std::string& place, const char* thing) {
+  return Error(ErrorCode::scene, place,
+               fmt::format("The {} has no edges without faces, which would be the crease.", thing),
+               "Draw the crease as edges without faces, and export with Loose Edges (Blender) on.");
+}
+
+/// Says where a sheet begins folded sharply without a crease.
+void warn_of_unmarked_folds(const SceneSheet& sheet, std::vector<std::string>& warnings) {
+  constexpr double sharp = 50;  // [degrees] a roll that is drawn with eight faces a turn has 45
+  const Sheet& start = sheet.start;
+  double most = sharp;
+  Vector2d where;
+  for (const Hinge& hinge : find_hinges(start.triangles).hinges) {
+    const auto [a, b, left, right] = hinge.vertices;
+    const double turn = std::abs(dihedral_angle(start.x, hinge)) * 180 / M_PI;
+    if (turn <= most || is_on_crease(sheet.pattern.prescribed_creases, start.pattern, a, b))
+      continue;
+    most = turn;
+    where = 0.5 * (start.pattern.row(a) + start.pattern.row(b));
+  }
+  if (most > sharp)
+    warnings.push_back(fmt::format(
+        "The sheet \"{}\" begins folded by {:.0f} degrees at ({:.1f}, {:.1f}) mm, where no crease "
+        "is: it is elastic there, and springs open where nothing holds it. To keep its folds, draw "
+        "them as creases with paper_crease \"modelled\".",
+        sheet.name, most, 1e3 * where.x(), 1e3 * where.y()));
+}
+
 }  // namespace
 
 void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
@@ -252,8 +283,12 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
   const auto world = world_at(scene, scene.first_frame);
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     const ImportedNode& node = nodes[i];
-    if (node.pivot || node.meshes.empty()) continue;
+    if (node.pivot) continue;
     const bool has_angle = node.properties.count("paper_crease") > 0;
+    if (node.meshes.empty()) {
+      if (has_angle) throw no_edges(place_of(scene.source, "crease", node.name), "object");
+      continue;
+    }
     const auto sheet = std::find_if(sheets.begin(), sheets.end(),
                                     [&](const SceneSheet& s) { return s.name == node.name; });
     if (sheet != sheets.end()) {
@@ -267,11 +302,7 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
             node.name));
     } else if (!is_collider(node) && (has_angle || name_begins_with(node.name, "crease"))) {
       if (!has_edges(scene.file, node)) {
-        if (has_angle)
-          throw Error(
-              ErrorCode::scene, place_of(scene.source, "crease", node.name),
-              "The mesh has no edges without faces, which would be the crease.",
-              "Draw the crease as edges without faces, and export with Loose Edges (Blender) on.");
+        if (has_angle) throw no_edges(place_of(scene.source, "crease", node.name), "mesh");
         warnings.push_back(
             fmt::format("The mesh \"{}\" is named like a crease, but has no edges without faces: "
                         "export with Loose Edges (Blender) on.",
@@ -286,6 +317,7 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
             node.name, under.name));
     }
   }
+  for (const SceneSheet& sheet : sheets) warn_of_unmarked_folds(sheet, warnings);
 }
 
 }  // namespace paperbake
