@@ -1,8 +1,8 @@
-"""Writes the scenes G1 to G6, which are shots of docs/gallery.md, beside itself, each as .glb.
+"""Writes the scenes G1 to G7, which are shots of docs/gallery.md, beside itself, each as .glb.
 
     python samples/gallery.py [NAME...]          with Blender 4.2 or later as the module bpy
 
-Every sheet is one quad with the uv set `print`, except for the envelope. What moves begins and ends at rest and is keyed at
+Every sheet is one quad with the uv set `print`, except for those that begin folded. What moves begins and ends at rest and is keyed at
 every frame.
 """
 import contextlib
@@ -170,8 +170,30 @@ def book():
     return 80
 
 
+def pleats():
+    """A card that begins folded to and fro; one end is pushed to the other and drawn out again."""
+    facets, long, width, slope = 6, 0.04, 0.10, math.radians(40)
+    run, rise = long * math.cos(slope), long * math.sin(slope)
+    corners = [(i * run, y, rise * (i % 2)) for i in range(facets + 1) for y in (0, width)]
+    mesh = bpy.data.meshes.new("pleats")
+    mesh.from_pydata(corners, [], [(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1) for i in range(facets)])
+    place("paper.pleats", mesh, paper_preset="offset160", **EARTH)
+    lines = bpy.data.meshes.new("crease")
+    lines.from_pydata(corners[2:-2], [(2 * i, 2 * i + 1) for i in range(facets - 1)], [])
+    place("crease.pleats", lines, paper_crease="modelled")
+    quad("collider.table", (-0.3, -0.3, -0.001), (1, 0, 0), (0, 0.7, 0))
+    rows = (0, width / 2, width)
+    hold("end", [(0, y, 0) for y in rows], "pleats")
+    for i, y in enumerate(rows):
+        def path(frame, y=y):
+            pushed, drawn = eased(frame, 36), eased(max(1, frame - 35), 36)
+            return facets * (run * (1 - 0.5 * pushed) + (0.92 * long - 0.5 * run) * drawn), y, 0
+        carry(f"hand.{i}", path, 72, "pleats")
+    return 84
+
+
 SCENES = {"G1_newspaper": newspaper, "G2_poster": poster, "G3_page": page, "G4_grades": grades,
-          "G5_envelope": envelope, "G6_book": book}
+          "G5_envelope": envelope, "G6_book": book, "G7_pleats": pleats}
 
 
 def main(names):
@@ -184,7 +206,8 @@ def main(names):
             bpy.ops.export_scene.gltf(
                 filepath=os.path.join(FOLDER, name + ".glb"), export_extras=True,
                 export_normals=False, export_materials="NONE", export_animation_mode="SCENE",
-                export_anim_scene_split_object=False, export_force_sampling=True)
+                export_anim_scene_split_object=False, export_force_sampling=True,
+                use_mesh_edges=True)
 
 
 if __name__ == "__main__":
