@@ -17,7 +17,7 @@ namespace paperbake {
 namespace {
 
 constexpr int block_rows = 16;  // that are compressed together
-constexpr int strip_rows = 64;  // a multiple of block_rows
+constexpr int strip_rows = 32;  // a multiple of block_rows
 constexpr int tile = 64;        // [texel]
 
 /// The layers in the order of the file, which is that of their names.
@@ -32,9 +32,9 @@ constexpr Layer layers[] = {
     {"B", EXR_PIXEL_HALF, offsetof(MapTexel, b)},
     {"G", EXR_PIXEL_HALF, offsetof(MapTexel, g)},
     {"R", EXR_PIXEL_HALF, offsetof(MapTexel, r)},
-    {"age.apex", EXR_PIXEL_FLOAT, offsetof(MapTexel, age_apex)},
-    {"age.crease", EXR_PIXEL_FLOAT, offsetof(MapTexel, age_crease)},
-    {"apex.cone", EXR_PIXEL_FLOAT, offsetof(MapTexel, apex_cone)},
+    {"age.apex", EXR_PIXEL_HALF, offsetof(MapTexel, age_apex), Layer::InMemory::float32},
+    {"age.crease", EXR_PIXEL_HALF, offsetof(MapTexel, age_crease), Layer::InMemory::float32},
+    {"apex.cone", EXR_PIXEL_HALF, offsetof(MapTexel, apex_cone), Layer::InMemory::float32},
     {"apex.dist", EXR_PIXEL_FLOAT, offsetof(MapTexel, apex_dist)},
     {"apex.id", EXR_PIXEL_UINT, offsetof(MapTexel, apex_id)},
     {"dir.x", EXR_PIXEL_HALF, offsetof(MapTexel, dir_x), Layer::InMemory::float32},
