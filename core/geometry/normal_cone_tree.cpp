@@ -64,37 +64,82 @@ struct Bound {
   double angle;  // [rad] largest angle between a normal and the axis; pi: any direction
 };
 
+/// |T| For each triangle the number of its sheet, in the order of the sheets' first triangles.
+/// Triangles of one sheet are joined by common vertices.
+std::vector<int> sheet_of_triangles(const Triangles& triangles, Eigen::Index vertices) {
+  std::vector<int> joined(
+      vertices);  // to a vertex of the same sheet with a smaller number, or none
+  std::iota(joined.begin(), joined.end(), 0);
+  const auto first_of = [&](int v) {
+    while (joined[v] != v) v = joined[v] = joined[joined[v]];
+    return v;
+  };
+  for (int t = 0; t < triangles.rows(); ++t)
+    for (int i = 1; i < 3; ++i) {
+      const auto [low, high] = std::minmax({first_of(triangles(t, 0)), first_of(triangles(t, i))});
+      joined[high] = low;
+    }
+  std::vector<int> number(vertices, -1), sheets;
+  int count = 0;
+  for (int t = 0; t < triangles.rows(); ++t) {
+    int& of_sheet = number[first_of(triangles(t, 0))];
+    if (of_sheet < 0) of_sheet = count++;
+    sheets.push_back(of_sheet);
+  }
+  return sheets;
+}
+
 }  // namespace
+
+/// What the halving of a mesh goes by.
+struct NormalConeTree::Halving {
+  const Points2& pattern;   // [m]
+  Points2 middles;          // |T|x2 [m] of the triangles
+  std::vector<int> sheets;  // |T| number of the sheet, from 0 on
+};
 
 NormalConeTree::NormalConeTree(const Points2& pattern, const Triangles& triangles)
     : order_(triangles.rows()), triangles_(triangles) {
+  if (triangles.rows() == 0) return;
   std::iota(order_.begin(), order_.end(), 0);
-  Points2 middles(triangles.rows(), 2);
+  Halving by{pattern, Points2(triangles.rows(), 2), sheet_of_triangles(triangles, pattern.rows())};
   for (int t = 0; t < triangles.rows(); ++t)
-    middles.row(t) = (pattern.row(triangles(t, 0)) + pattern.row(triangles(t, 1)) +
-                      pattern.row(triangles(t, 2))) /
-                     3;
-  if (triangles.rows() > 0) build(middles, pattern, 0, static_cast<int>(triangles.rows()));
+    by.middles.row(t) = (pattern.row(triangles(t, 0)) + pattern.row(triangles(t, 1)) +
+                         pattern.row(triangles(t, 2))) /
+                        3;
+  build(by, 0, static_cast<int>(triangles.rows()));
   for (std::size_t k = 0; k < order_.size(); ++k) triangles_.row(k) = triangles.row(order_[k]);
 }
 
-int NormalConeTree::build(const Points2& middles, const Points2& pattern, int begin, int end) {
+int NormalConeTree::build(const Halving& by, int begin, int end) {
   const int at = static_cast<int>(nodes_.size());
-  nodes_.push_back({begin, end, -1, {}});
   Eigen::AlignedBox2d box, centres;
+  int first_sheet = by.sheets[order_[begin]], last_sheet = first_sheet;
   for (int k = begin; k < end; ++k) {
-    centres.extend(middles.row(order_[k]).transpose());
-    for (int i = 0; i < 3; ++i) box.extend(pattern.row(triangles_(order_[k], i)).transpose());
+    const int t = order_[k];
+    centres.extend(by.middles.row(t).transpose());
+    for (int i = 0; i < 3; ++i) box.extend(by.pattern.row(triangles_(t, i)).transpose());
+    first_sheet = std::min(first_sheet, by.sheets[t]);
+    last_sheet = std::max(last_sheet, by.sheets[t]);
   }
-  nodes_[at].pattern = box;
-  if (end - begin <= max_in_leaf) return at;
-  const int axis = centres.sizes().x() >= centres.sizes().y() ? 0 : 1, middle = (begin + end) / 2;
-  std::nth_element(
-      order_.begin() + begin, order_.begin() + middle, order_.begin() + end, [&](int a, int b) {
-        return std::make_pair(middles(a, axis), a) < std::make_pair(middles(b, axis), b);
-      });
-  build(middles, pattern, begin, middle);
-  const int second = build(middles, pattern, middle, end);
+  const bool of_several = first_sheet < last_sheet;
+  nodes_.push_back({begin, end, -1, of_several ? -1 : first_sheet, box});
+  if (end - begin <= max_in_leaf && !of_several) return at;
+  const auto from = order_.begin() + begin, to = order_.begin() + end;
+  int middle = (begin + end) / 2;
+  if (of_several) {
+    const int below = (first_sheet + last_sheet + 1) / 2;
+    middle = static_cast<int>(
+        std::stable_partition(from, to, [&](int t) { return by.sheets[t] < below; }) -
+        order_.begin());
+  } else {
+    const int axis = centres.sizes().x() >= centres.sizes().y() ? 0 : 1;
+    std::nth_element(from, order_.begin() + middle, to, [&](int a, int b) {
+      return std::make_pair(by.middles(a, axis), a) < std::make_pair(by.middles(b, axis), b);
+    });
+  }
+  build(by, begin, middle);
+  const int second = build(by, middle, end);
   nodes_[at].second = second;
   return at;
 }
@@ -159,7 +204,7 @@ struct NormalConeTree::Search {
 
   void within(int n) {
     const Node& node = tree.nodes_[n];
-    if (bounds[n].angle < half_space) return;
+    if (node.sheet >= 0 && bounds[n].angle < half_space) return;
     if (node.second >= 0) {
       within(n + 1);
       within(node.second);
@@ -172,7 +217,8 @@ struct NormalConeTree::Search {
   void between(int n, int m) {
     if (!intersect(bounds[n].box, bounds[m].box)) return;
     const Node &a = tree.nodes_[n], &b = tree.nodes_[m];
-    if (a.pattern.intersects(b.pattern) && lie_in_half_space(bounds[n], bounds[m])) return;
+    const bool neighbours = a.sheet >= 0 && a.sheet == b.sheet && a.pattern.intersects(b.pattern);
+    if (neighbours && lie_in_half_space(bounds[n], bounds[m])) return;
     if (a.second < 0 && b.second < 0) {
       for (int i = a.begin; i < a.end; ++i)
         for (int j = b.begin; j < b.end; ++j) meet(i, j);

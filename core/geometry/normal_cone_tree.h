@@ -9,12 +9,14 @@
 
 namespace paperbake {
 
-/// A bounding-volume hierarchy with boxes and cones of normals over the mesh of one sheet, made by
-/// halving the mesh on the pattern again and again. It finds what may come into self-contact:
-/// neighbours on the pattern whose normals all lie in one half-space do not [Volino 1994]. On a
-/// sheet deformed by noise 3 % of the pairs are missed.
+/// A bounding-volume hierarchy with boxes and cones of normals over the mesh of one sheet or of
+/// several, made by halving the mesh on the pattern again and again. It finds what may come into
+/// contact: neighbours on the pattern whose normals all lie in one half-space do not [Volino 1994],
+/// if they are of one sheet. On a sheet deformed by noise 3 % of the pairs are missed.
 class NormalConeTree {
  public:
+  /// Triangles that no chain of common vertices connects are of different sheets; the patterns of
+  /// these may overlap.
   NormalConeTree(const Points2& pattern, const Triangles&);
 
   /// Pairs of triangles that may intersect while every vertex is anywhere on the straight line from
@@ -27,10 +29,12 @@ class NormalConeTree {
   struct Node {
     int begin, end;  // range of order_
     int second;      // number of the second child; the first is the next node; -1: a leaf
+    int sheet;       // number of the sheet; -1: several
     Eigen::AlignedBox2d pattern;
   };
   struct Search;
-  int build(const Points2& middles, const Points2& pattern, int begin, int end);
+  struct Halving;
+  int build(const Halving&, int begin, int end);
 
   std::vector<int> order_;
   Triangles triangles_;      // in that order

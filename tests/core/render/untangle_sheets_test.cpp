@@ -83,6 +83,33 @@ TEST(UntangleSheetsTest, ASheetThatBulgesThroughAnotherGoesBackAndBothKeepTheirL
   EXPECT_TRUE(nested.frames[0].kept_apart);
 }
 
+// Normals of two pages that lie on each other are as alike as those of one sheet that cannot meet
+// itself.
+TEST(UntangleSheetsTest, PagesThatLieOnEachOtherAreSeparated) {
+  std::vector<RenderSurface> renders;
+  std::vector<SheetUntangler::Simulated> simulated;
+  std::vector<RenderFrame> frames;
+  std::vector<std::vector<MeshPoint>> places(2);
+  for (int s = 0; s < 2; ++s) {
+    const double width = s == 0 ? 0.1 : 0.0973;  // their render meshes have nothing in common
+    Sheet page = folded(width, 0.05, 0);
+    page.x.leftCols<2>() = page.pattern;
+    page.x.col(2).setConstant(0.2e-3 * s);
+    renders.push_back(
+        make_render_surface(test::rectangle(width, height), {}, 0.05, Quality::draft));
+    renders.back().hold({});
+    places[s] = renders.back().locate_on(page.pattern, page.triangles);
+    frames.push_back(renders.back().frame(page, places[s], Points3(0, 3)));
+    simulated.push_back({std::move(page), &places[s]});
+  }
+  for (int v = 0; v < frames[0].x.rows(); ++v)
+    frames[0].x(v, 2) += 0.5e-3 * std::sin(M_PI * renders[0].mesh().pattern(v, 0) / 0.1);
+  const SheetUntangler together(renders);
+  ASSERT_GT(together.crossings({frames[0].x, frames[1].x})[1], 10);
+  together.keep_apart(frames, simulated);
+  EXPECT_EQ(together.crossings({frames[0].x, frames[1].x}), (std::vector<int>{0, 0}));
+}
+
 TEST(UntangleSheetsTest, SheetsThatDoNotIntersectAreNotMoved) {
   Nested nested(0.02, Nested::Edges::none);
   const std::vector<Points3> before = nested.positions();
