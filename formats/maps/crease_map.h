@@ -26,8 +26,8 @@ struct CreaseMapOptions {
 /// (pattern / longer side), v up. Texel (i, j) of the file, j counted from the top row, has its
 /// centre at u = (i+0.5)/size, v = 1 - (j+0.5)/size.
 ///
-/// The layers (HALF, which has more than three digits, but for apex.id, which is UINT, and apex.dist,
-/// which is FLOAT; "so far" means in any recorded frame up to this one):
+/// The layers (HALF, which has more than three digits, but for apex.id, which is UINT, and
+/// apex.dist, which is FLOAT; "so far" means in any recorded frame up to this one):
 ///
 ///   R            [0, 1] crease strength: the largest dihedral angle so far of the creases that run
 ///                through the texel, over a right angle. Drawn as anti-aliased lines of

@@ -3,6 +3,7 @@
 #include "core/geometry/hinges.h"
 #include "formats/maps/fold_width.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace paperbake {
@@ -45,8 +46,12 @@ float positive(float value) { return 0.5f * (value + std::abs(value)); }
 
 float within_unit(float value) { return positive(value) - positive(value - 1); }
 
-/// [%] stretch - 1 for a principal Green strain.
-float percent(float green) { return 100 * (std::sqrt(positive(1 + 2 * green)) - 1); }
+/// [%] stretch - 1 for a principal Green strain: sqrt(1 + 2 green) - 1, of which small strains lose
+/// no digits.
+float percent(float green) {
+  const float possible = std::max(green, -0.5f);
+  return 200 * possible / (std::sqrt(1 + 2 * possible) + 1);
+}
 
 /// Sets the layers that depend only on the shape of the sheet at the texels: for all of them side
 /// by side, without a branch, so that the compiler computes several at once.
