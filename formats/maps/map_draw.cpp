@@ -169,6 +169,13 @@ struct NearestPoints {
   static constexpr double far = std::numeric_limits<double>::max();
 };
 
+bool any_wanted(const std::vector<char>& wanted, const MapRows& rows, int left, int top) {
+  for (int row = top; row < std::min(top + block, rows.last); ++row)
+    for (int i = left; i < std::min(left + block, rows.size); ++i)
+      if (wanted[rows.index(i, row)]) return true;
+  return false;
+}
+
 /// What all texels have whose nearest singular point is this one.
 struct ApexLayers {
   float cone, age;
@@ -189,6 +196,7 @@ void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<c
   }
   for (int top = rows.first; top < rows.last; top += block)
     for (int left = 0; left < rows.size; left += block) {
+      if (!any_wanted(wanted, rows, left, top)) continue;
       const std::vector<int> near = near_points(
           at, Vector2d(left, top) + Vector2d::Constant(0.5 * (block - 1)), block * std::sqrt(0.5));
       const NearestPoints points(at, near, left, top);
@@ -239,6 +247,7 @@ void draw_map(const MapScene& scene, const MapRows& rows, MapTexel* texels) {
     texels[k] = blank;
     texels[k].a = coverage[k];
   }
+  if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) return;
   for_each_texel_row<0, 12>(scene.fields, scene.side, scene.loops, rows, wanted,
                             [&](const TexelRow<12>& row) { draw_shape(scene, row, texels); });
   draw_peaks(scene, rows, wanted, texels);
