@@ -143,6 +143,25 @@ TEST(MapFile, TheSameInputGivesTheSameBytesAtAnyThreadCount) {
   Imf::setGlobalThreadCount(0);
 }
 
+TEST(MapFile, ChunksAreWhatWasDrawnWhetherTheyAreLikeTheOneBeforeOrNot) {
+  const Folder folder;
+  const auto strength = [](int row) { return row / 16 == 3 || row / 16 == 5 ? 0.5f : 0.25f; };
+  for (const int threads : {1, 2}) {
+    const std::string bytes = encode_map(128, MapLayout::scanline, {}, {}, threads,
+                                         [&](const MapRows& rows, MapTexel* texels) {
+                                           for (int row = rows.first; row < rows.last; ++row)
+                                             for (int i = 0; i < rows.size; ++i) {
+                                               texels[rows.index(i, row)] = MapTexel{};
+                                               texels[rows.index(i, row)].r = strength(row);
+                                             }
+                                         });
+    std::ofstream(folder.path / "map.exr", std::ios::binary) << bytes;
+    const Image image = read_image(folder.path / "map.exr");
+    for (int row = 0; row < 128; ++row)
+      for (int i = 0; i < 128; ++i) ASSERT_EQ(image.at(i, row).r, strength(row)) << row;
+  }
+}
+
 TEST(MapFile, TheLevelsOfATiledMapAreHalvedAndTheFirstIsTheScanlineMap) {
   const Folder folder;
   const Sheet sheet = busy_sheet();
