@@ -74,6 +74,8 @@ struct CreaseMapOptions {
 class CreaseMap {
  public:
   CreaseMap(const Pattern&, const CreaseMapOptions&);
+  /// The map as it is now, whatever the other one records later: to be written meanwhile.
+  CreaseMap(const CreaseMap&);
   ~CreaseMap();
 
   /// Adds a frame to the history of creases and of fold.peak. Must be called for every frame in
