@@ -135,9 +135,9 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
   SolverState state = elastic_.state();
   a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
-    yielding_, yielded_, folded_, stored_unfolded_, started_.fixed, snap_in_progress_,
-    rests_on_contact_, idle_frames_, swing_.amplitude, swing_.rate, quiet_, contact_, touching_,
-    on_colliders_, state, handles_, dhat);
+    yielding_, yielded_, folded_, stored_unfolded_, started_.fixed, started_.has_bends,
+    snap_in_progress_, rests_on_contact_, idle_frames_, swing_.amplitude, swing_.rate, quiet_,
+    contact_, touching_, on_colliders_, state, handles_, dhat);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
@@ -225,8 +225,13 @@ bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   return depth > deepest && depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
 }
 
+/// Not on the mesh of a sheet that begins tightly bent: it is fine enough to show its folds.
+bool SheetSimulation::finds_folds() const {
+  return !started_.has_bends && method_->finds_folds(sheet());
+}
+
 std::vector<FoldLine> SheetSimulation::fold_lines() const {
-  if (!plastic_grid_ || !(yielded_ || on_colliders_ > 0)) return {};
+  if (!finds_folds() || !plastic_grid_ || !(yielded_ || on_colliders_ > 0)) return {};
   const auto memory = [&] {
     return plastic_grid_->read(plastic_grid_->cover(sheet().pattern, sheet().triangles));
   };
@@ -284,9 +289,7 @@ bool SheetSimulation::joins(LoadStep& last, const LoadStep& next) const {
 
 void SheetSimulation::remember(int part) {
   constexpr std::size_t most = 8;
-  if (!alone_ || !shot_.colliders || !plastic_grid_ || has_inertia() ||
-      !method_->finds_folds(sheet()))
-    return;
+  if (!alone_ || !shot_.colliders || !plastic_grid_ || has_inertia() || !finds_folds()) return;
   const LoadStep load{load_parts_ > 1 ? input_of_part(part) : input_,
                       1 / options_.fps / load_parts_, relative_motion_ / load_parts_,
                       frame_ - options_.first_frame};
@@ -299,8 +302,7 @@ int SheetSimulation::parts_of_frame() const {
   constexpr int most = 16;
   if (!alone_ || frame_ == options_.first_frame) return 1;
   const int parts = method_->load_parts(sheet(), relative_motion_);
-  if (!plastic_grid_ || !shot_.colliders || !sheet().prescribed_creases.empty() ||
-      !method_->finds_folds(sheet()))
+  if (!plastic_grid_ || !shot_.colliders || !sheet().prescribed_creases.empty() || !finds_folds())
     return parts;
   // [1] of the longer side: where handles go farther in a frame than they do in one step
   // (substepping.h), its parts are as long as a severe conflict has to last
@@ -336,6 +338,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       result_.statistics.remesh =
           verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
       result_.statistics.remesh_rise = verdict.rise;
+      if (verdict.accepted) started_.has_bends = false;
     }
   came_from_ = input_before_.constraints;
   input_before_ = input_;
@@ -542,7 +545,7 @@ bool SheetSimulation::is_held_back_by_mesh() const {
 }
 
 bool SheetSimulation::is_smooth() const {
-  return sheet().singular.empty() && sheet().prescribed_creases.empty();
+  return !started_.has_bends && sheet().singular.empty() && sheet().prescribed_creases.empty();
 }
 
 bool SheetSimulation::refine_mesh(Snapshot&& begun) {

@@ -86,6 +86,7 @@ class SheetSimulation {
   void restore(Snapshot&&);
   /// What the method is told before part of a frame. share: [1] of the frame
   RemeshContext remesh_context(double share) const;
+  bool finds_folds() const;
   /// Places of a line that nobody announced, along which paper has yielded or must yield.
   std::vector<FoldLine> fold_lines() const;
   /// Folds the sheet along a line that nobody announced, if there is one. To be called after a step

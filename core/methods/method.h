@@ -75,9 +75,10 @@ class Method {
                                               const ColliderShapes&) const {
     return {};
   }
-  /// Another mesh like the first one, for a pattern that has one crease more than it had then: the
-  /// sheet is being folded there. The points get the numbers that they have in the first mesh.
-  /// Nothing if the method cannot take a crease up, or no sound mesh has it.
+  /// Another mesh like the first one, for a pattern that has more creases than it had then: the
+  /// sheet is being folded there, or it begins bent there. The points get the numbers that they
+  /// have in the first mesh. Nothing if the method cannot take creases up, or no sound mesh has
+  /// them.
   virtual std::optional<FirstMesh> mesh_with_creases(
       const Pattern&, const std::vector<Vector2d>& /*points*/) const {
     return std::nullopt;
