@@ -352,9 +352,12 @@ RenderPass::State::FacetsOfSheets RenderPass::State::intersecting_facets(
     std::vector<SheetUntangler::Simulated> simulated;
     const auto mesh = [&](std::size_t s) { return inputs[s].record->frames()[k].mesh; };
     for (std::size_t s = 0; s < at.size(); ++s) {
-      simulated.push_back({inputs[s].record->sheet(inputs[s].record->frames()[k]), &at[s].get()});
-      for (const int t : sheets[s].intersecting_facets(simulated[s].sheet, *simulated[s].places))
-        facets[s].insert({mesh(s), t});
+      // the vertices are located on the simulated mesh only where somebody asks for it
+      const Sheet sheet = inputs[s].record->sheet(inputs[s].record->frames()[k]);
+      if (sheets[s].may_have_intersecting_facets(sheet))
+        for (const int t : sheets[s].intersecting_facets(sheet, at[s].get()))
+          facets[s].insert({mesh(s), t});
+      if (sheets.size() > 1) simulated.push_back({sheet, &at[s].get()});
     }
     if (simulated.size() == sheets.size() && untangler.linear_surfaces_intersect(simulated))
       for (std::size_t s = 0; s < at.size(); ++s)
