@@ -1,6 +1,7 @@
 #include "core/animation/motion_measures.h"
 
 #include "core/geometry/rigid_motion.h"
+#include "core/step1_elastic/contact/collider_contact.h"
 
 #include <algorithm>
 #include <cmath>
@@ -81,6 +82,28 @@ double rms_deformation(const Points3& before, const Points3& now) {
   const RigidMotion motion = nearest_rigid_motion(before, now);
   const Points3 carried = (before * motion.turn.transpose()).rowwise() + motion.shift.transpose();
   return std::sqrt((now - carried).rowwise().squaredNorm().mean());
+}
+
+double squeeze(const Points3& x, const ColliderMotion& moving) {
+  if (moving.from == moving.to) return 0;
+  std::vector<Vector3d> touched, there;
+  for (int v = 0; v < x.rows(); ++v) {
+    const Vector3d p = x.row(v);
+    for (std::size_t c = 0; c < moving.from.size(); ++c) {
+      const Collider& from = *moving.from[c];
+      if (from.nearest(p, collider_dhat, 1).triangle < 0) continue;
+      touched.push_back(p);
+      there.push_back(carried(from, *moving.to[c], p, collider_dhat, 1));
+      break;
+    }
+  }
+  if (touched.size() < 3) return 0;
+  Points3 before(touched.size(), 3), now(touched.size(), 3);
+  for (std::size_t k = 0; k < touched.size(); ++k) {
+    before.row(k) = touched[k];
+    now.row(k) = there[k];
+  }
+  return rms_deformation(before, now);
 }
 
 }  // namespace paperbake

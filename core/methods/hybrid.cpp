@@ -88,16 +88,21 @@ class Hybrid : public Method {
   }
 
   MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
-    if (is.snap_in_progress) return MeshChange::none;
+    if (is.jammed)
+      return crumple_.refine_where_jammed(sheet, is.fixed, is.local_energies()) > 0
+                 ? MeshChange::moved
+                 : MeshChange::none;
+    const bool pressed = is.squeeze > 0 && crumple_.is_crumpled(sheet);
+    if (is.snap_in_progress && !pressed) return MeshChange::none;
     const double way =
-        std::max(is.relative_handle_motion, is.rests_on_contact ? is.deformation : 0);
-    const CrumpleReport report =
-        crumple_.step(sheet, is.fixed, is.now, {way, is.moving, is.at_minimum}, is.local_energies);
+        std::max({is.relative_handle_motion, is.rests_on_contact ? is.deformation : 0, is.squeeze});
+    const CrumpleReport report = crumple_.step(
+        sheet, is.fixed, is.now, {way, is.moving, is.at_minimum, pressed}, is.local_energies);
     if (report.moves + report.resized > 0) return MeshChange::moved;
     return report.mesh_changed() ? MeshChange::local : MeshChange::none;
   }
-  int load_parts(const Sheet& sheet, double relative_handle_motion) const override {
-    return crumple_.load_parts(sheet, relative_handle_motion);
+  int load_parts(const Sheet& sheet, double motion) const override {
+    return crumple_.load_parts(sheet, motion);
   }
 
   bool finish(Sheet& shown, const std::vector<int>& held) const override {
