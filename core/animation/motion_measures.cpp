@@ -1,7 +1,6 @@
 #include "core/animation/motion_measures.h"
 
 #include "core/geometry/rigid_motion.h"
-#include "core/step1_elastic/contact/collider_contact.h"
 
 #include <algorithm>
 #include <cmath>

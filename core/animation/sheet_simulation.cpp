@@ -12,7 +12,6 @@
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
 #include "core/model/error.h"
-#include "core/step1_elastic/solver/solver_limits.h"
 
 #include <algorithm>
 #include <cmath>

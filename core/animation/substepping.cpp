@@ -4,8 +4,6 @@
 #include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
 #include "core/model/error.h"
-#include "core/step1_elastic/contact/collider_contact.h"
-#include "core/step1_elastic/solver/solver_limits.h"
 
 #include <algorithm>
 #include <cmath>
