@@ -1,7 +1,7 @@
 #include "core/animation/found_fold.h"
 
+#include "core/animation/fold_place.h"
 #include "core/animation/initial_sheet.h"
-#include "core/geometry/collider_gap.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
@@ -9,7 +9,6 @@
 #include "core/geometry/prescribed_creases.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
-#include "core/step2_crumple/crumple.h"
 
 #include <algorithm>
 #include <cmath>
@@ -66,9 +65,21 @@ double uncurl(PlasticGrid& grid, const Sheet& sheet, const FoldLine& line,
   return turn / (line.b - line.a).norm();
 }
 
-/// The sheet as it was when a step began, on a mesh with one crease more, along which it folds.
-std::optional<FoundFold> with_crease(const FoldLine& line, const UnfoldedSheet& is,
-                                     const PastStep& then, const Method& method) {
+/// Takes the plastic curvature along a line out of the grid of `is`, which is that of `then`.
+/// returns  [rad] the mean plastic turn about the line
+double uncurl_along(const FoldLine& line, const UnfoldedSheet& is, const PastStep& then) {
+  // the triangles and the turn of the line are of the mesh that the sheet has now
+  if (then.is_now) {
+    uncurl(is.grid, then.sheet, line, line.band);
+    return line.plastic_turn;
+  }
+  return uncurl(is.grid, then.sheet, line, triangles_along(line, then.sheet));
+}
+
+/// The sheet as it was when a step began, on a mesh with one crease more. It is not folded there.
+std::optional<Sheet> with_crease(const FoldLine& line, const UnfoldedSheet& is,
+                                 const PastStep& then, const Method& method,
+                                 std::vector<char>& fixed) {
   Pattern pattern = is.shot.pattern;
   pattern.prescribed_creases = then.sheet.prescribed_creases;
   pattern.prescribed_creases.push_back({{line.a, line.b}, 0, false});
@@ -77,14 +88,6 @@ std::optional<FoundFold> with_crease(const FoldLine& line, const UnfoldedSheet& 
   std::optional<Method::FirstMesh> mesh = method.mesh_with_creases(pattern, points);
   if (!mesh) return std::nullopt;
 
-  is.grid = then.grid;
-  // the band of the line is of the mesh that the sheet has now
-  const bool is_now = is.past.size() == 1 &&
-                      then.sheet.triangles.rows() == is.sheet.triangles.rows() &&
-                      then.sheet.triangles == is.sheet.triangles;
-  const double turn_then =
-      uncurl(is.grid, then.sheet, line, is_now ? line.band : triangles_along(line, then.sheet));
-  const double plastic_turn = is_now ? line.plastic_turn : turn_then;
   Sheet sheet;
   const MeshTransfer onto(then.sheet.pattern, then.sheet.triangles, mesh->pattern);
   sheet.x = onto(then.sheet.x);
@@ -94,16 +97,36 @@ std::optional<FoundFold> with_crease(const FoldLine& line, const UnfoldedSheet& 
   sheet.singular = then.sheet.singular;
   sheet.prescribed_creases = std::move(pattern.prescribed_creases);
   sheet.crease_edges = then.sheet.crease_edges;
+  fixed.assign(sheet.pattern.rows(), 0);
+  for (const int v : mesh->point_vertex) fixed[v] = 1;
+  return sheet;
+}
+
+/// Folds a sheet along its last crease. rest_angle [rad]
+void fold_on_last_crease(Sheet& sheet, double rest_angle) {
   const PrescribedCrease& crease = sheet.prescribed_creases.back();
   for (const Hinge& hinge : find_hinges(sheet.triangles).hinges) {
     const Vector2d a = sheet.pattern.row(hinge.vertices[0]),
                    b = sheet.pattern.row(hinge.vertices[1]);
-    if (crease_under({crease}, a, b)) sheet.crease_edges.push_back({a, b, plastic_turn, true, {}});
+    if (crease_under({crease}, a, b)) sheet.crease_edges.push_back({a, b, rest_angle, true, {}});
   }
-  std::vector<char> fixed(sheet.pattern.rows(), 0);
-  for (const int v : mesh->point_vertex) fixed[v] = 1;
-  Elastic elastic = is.elastic.on_mesh(sheet, disc_factors(sheet, is.shot));
-  return FoundFold{std::move(sheet), std::move(elastic), std::move(fixed), is.grid};
+}
+
+enum class Crease { folded, none };
+
+/// The sheet as it was when a step began, on a mesh that has a line among its edges.
+std::optional<FoundFold> begin(const FoldLine& line, Crease crease, const UnfoldedSheet& is,
+                               const PastStep& then, const Method& method) {
+  std::vector<char> fixed;
+  std::optional<Sheet> sheet = with_crease(line, is, then, method, fixed);
+  if (!sheet) return std::nullopt;
+  is.grid = then.grid;
+  if (crease == Crease::folded)
+    fold_on_last_crease(*sheet, uncurl_along(line, is, then));
+  else
+    sheet->prescribed_creases.pop_back();
+  Elastic elastic = is.elastic.on_mesh(*sheet, disc_factors(*sheet, is.shot));
+  return FoundFold{std::move(*sheet), std::move(elastic), std::move(fixed), is.grid};
 }
 
 /// [J] What the sheet stores, and what its handles spend on being where they cannot be.
@@ -114,8 +137,8 @@ double spent_by(const Elastic& elastic, const Sheet& sheet, const StepInput& inp
 /// What the fold is compared with.
 struct Before {
   explicit Before(const UnfoldedSheet& is)
-      : spent(spent_by(is.elastic, is.sheet, is.past.back().load.input)),
-        inside(is.elastic.inside(is.sheet, is.past.back().load.input.colliders.to)),
+      : spent(spent_by(is.elastic, is.sheet, is.now.input)),
+        inside(is.elastic.inside(is.sheet, is.now.input.colliders.to)),
         stretched(length_distortion(is.sheet).largest),
         crossed(crossings(is.sheet)) {}
   double spent;      // [J]
@@ -139,9 +162,9 @@ bool take(FoundFold& fold, const UnfoldedSheet& is, const LoadStep& step) {
   return fold.step.failure_reason.empty();
 }
 
-/// Takes the steps that led to where the sheet is once more.
-bool follow(FoundFold& fold, const UnfoldedSheet& is) {
-  for (const PastStep& step : is.past)
+/// Takes steps that led to where the sheet is once more.
+bool follow(FoundFold& fold, const UnfoldedSheet& is, const std::vector<PastStep>& steps) {
+  for (const PastStep& step : steps)
     if (!take(fold, is, step.load)) return false;
   fold.grid = is.grid;
   return true;
@@ -160,108 +183,85 @@ void continue_motion(FoundFold& fold, const UnfoldedSheet& is) {
 bool is_possible(FoundFold& fold, const UnfoldedSheet& is, const Before& before) {
   const MeshTransfer onto(is.sheet.pattern, is.sheet.triangles, fold.sheet.pattern);
   fold.moved = max_row_norm(fold.sheet.x - onto(is.sheet.x));
-  fold.spent = spent_by(fold.elastic, fold.sheet, is.past.back().load.input);
+  fold.spent = spent_by(fold.elastic, fold.sheet, is.now.input);
   if (!(fold.spent <= kept_energy * before.spent) ||
       !(length_distortion(fold.sheet).largest <= std::max(max_stretch, before.stretched)))
     return false;
   if (fold.step.last.contact && (fold.moved > max_move * longer_side(is.shot.pattern) ||
                                  crossings(fold.sheet) > before.crossed))
     return false;
-  return fold.elastic.inside(fold.sheet, is.past.back().load.input.colliders.to) <=
+  return fold.elastic.inside(fold.sheet, is.now.input.colliders.to) <=
          std::max(deepest, before.inside);
 }
 
 /// Tries places of a fold, and keeps the one with which least is spent.
 class Trials {
  public:
-  Trials(const UnfoldedSheet& is, const Method& method)
-      : is_(is), method_(method), before_(is), known_(is.elastic.state()) {}
+  /// steps  that lead to where the sheet is; not empty
+  Trials(const UnfoldedSheet& is, const std::vector<PastStep>& steps, const Method& method)
+      : is_(is), steps_(steps), method_(method), before_(is), known_(is.elastic.state()) {}
 
   /// returns  whether the place is better than all that were tried before
   bool improves(const FoldLine& line) {
-    std::optional<FoundFold> fold = with_crease(line, is_, is_.past.front(), method_);
-    const bool could = fold && follow(*fold, is_);
-    if (could && is_.past.size() == 1) continue_motion(*fold, is_);
+    std::optional<FoundFold> fold = begin(line, Crease::folded, is_, steps_.front(), method_);
+    const bool could = fold && follow(*fold, is_, steps_);
+    if (could && steps_.front().is_now) continue_motion(*fold, is_);
     const bool possible = could && is_possible(*fold, is_, before_);
     is_.elastic.restore(known_);
     if (!could || !(fold->spent < least_)) return false;
     least_ = fold->spent;
     best = possible ? std::move(fold) : std::nullopt;
+    best_line_ = line;
     return true;
+  }
+
+  /// Whether the sheet is being folded, too, if it takes the steps unfolded on the mesh of the best
+  /// place. If it is not, its bend was one of its mesh.
+  bool bends_on_other_mesh() const {
+    std::optional<FoundFold> same = begin(best_line_, Crease::none, is_, steps_.front(), method_);
+    bool bends = same && follow(*same, is_, steps_);
+    if (bends) {
+      const auto memory = [&] {
+        return is_.grid.read(is_.grid.cover(same->sheet.pattern, same->sheet.triangles));
+      };
+      bends = !method_.fold_lines(same->sheet, memory()).empty() ||
+              !method_.pressed_lines(same->sheet, memory, is_.now.input.colliders.to).empty();
+    }
+    is_.elastic.restore(known_);
+    return bends;
   }
 
   std::optional<FoundFold> best;  // none: paper does not fold at the best place
 
  private:
   const UnfoldedSheet& is_;
+  const std::vector<PastStep>& steps_;
   const Method& method_;
   const Before before_;
   const SolverState known_;
+  FoldLine best_line_{};
   double least_ = std::numeric_limits<double>::infinity();
 };
-
-/// The place of a fold that colliders press with which both its sides can lie flat and straight
-/// between it and their handles. With the coordinate c across the line on the pattern, and s in
-/// space, along the faces and towards the fold, one side lies at s = u + c and the other, folded
-/// back about c = d, at s = u + 2 d - c; so the means over the handles of the two sides give
-///
-///   d = (s_far - s_near + c_far + c_near)/2
-///
-/// returns  nothing if no collider presses the sheet there, or one side has no handle
-std::optional<FoldLine> taut_place(const FoldLine& line, const UnfoldedSheet& is) {
-  const double row = mean_edge(is.sheet.pattern, is.sheet.triangles),
-               widest = 4 / yield_curvature(is.shot.paper);
-  const StepInput& now = is.past.back().load.input;
-  Points2 ends(3, 2);
-  ends << line.a.transpose(), line.b.transpose(), (0.5 * (line.a + line.b)).transpose();
-  const Points3 at = MeshTransfer(is.sheet.pattern, is.sheet.triangles, ends)(is.sheet.x);
-  const std::optional<ColliderGap> gap = gap_around(now.colliders.to, at.row(2), widest);
-  if (!gap) return std::nullopt;
-  const Vector2d along = (line.b - line.a).normalized(), across(-along.y(), along.x());
-  Vector3d out = gap->normal.cross(Vector3d(at.row(1) - at.row(0))).normalized();
-  double c[2] = {0, 0}, s[2] = {0, 0};
-  int handles[2] = {0, 0};
-  for (const PositionConstraint& handle : now.constraints) {
-    const double off = across.dot(is.sheet.pattern.row(handle.vertex).transpose() - line.a);
-    if (std::abs(off) < row) continue;
-    const int side = off > 0;
-    ++handles[side];
-    c[side] += off;
-    s[side] += out.dot(handle.target - at.row(2).transpose());
-  }
-  if (handles[0] == 0 || handles[1] == 0) return std::nullopt;
-  for (const int side : {0, 1}) {
-    c[side] /= handles[side];
-    s[side] /= handles[side];
-  }
-  if (s[0] > 0) {  // `out` points away from the fold
-    s[0] = -s[0];
-    s[1] = -s[1];
-  }
-  const double d = 0.5 * (s[1] - s[0] + c[1] + c[0]);
-  if (!(std::abs(d) < 1.5 * row)) return std::nullopt;
-  return parallel_line(line, d, is.shot.pattern);
-}
 
 }  // namespace
 
 std::optional<FoundFold> fold_along(const std::vector<FoldLine>& lines, const UnfoldedSheet& is,
-                                    const std::vector<PastStep>& past, const Method& method) {
-  std::optional<FoundFold> best;
-  if (const std::optional<FoldLine> taut = taut_place(lines[lines.size() / 2], is)) {
-    const UnfoldedSheet was{is.shot, is.sheet, is.elastic, is.grid, past};
-    Trials trials(was, method);
+                                    const Method& method) {
+  const FoldLine& middle = lines[lines.size() / 2];
+  const std::vector<PastStep> here{{is.sheet, is.grid, is.now, true}};
+  const std::optional<FoldLine> taut = taut_place(middle, is);
+  Trials trials(is, taut && !is.past.empty() ? is.past : here, method);
+  if (taut) {
     trials.improves(*taut);
-    best = std::move(trials.best);
+  } else if (const std::optional<FoldLine> flat = flat_place(middle, is)) {
+    trials.improves(*flat);
   } else {
-    Trials trials(is, method);
     for (const FoldLine& line : lines) trials.improves(line);
-    best = std::move(trials.best);
   }
-  if (!best) return std::nullopt;
-  is.grid = best->grid;
-  best->elastic.set_plastic_grid(&is.grid);
-  return best;
+  if (!trials.best || !(taut || trials.bends_on_other_mesh())) return std::nullopt;
+  is.grid = trials.best->grid;
+  trials.best->elastic.set_plastic_grid(&is.grid);
+  return std::move(trials.best);
 }
 
 }  // namespace paperbake

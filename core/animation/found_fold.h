@@ -25,6 +25,7 @@ struct PastStep {
   Sheet sheet;       // where the step began
   PlasticGrid grid;  // the same
   LoadStep load;
+  bool is_now = false;  // nothing moves: it holds the sheet where it is
 };
 
 /// A sheet whose paper is being folded along a line that is not among the edges of its mesh.
@@ -33,7 +34,9 @@ struct UnfoldedSheet {
   const Sheet& sheet;
   Elastic& elastic;
   PlasticGrid& grid;
-  // the steps that led here, or the one that holds the sheet where it is; not empty
+  int first_frame;  // of the scene
+  LoadStep now;     // the step that holds the sheet where it is
+  // the steps that led here, each on the mesh that the sheet had then; empty: they are not known
   const std::vector<PastStep>& past;
 };
 
@@ -52,19 +55,21 @@ struct FoundFold {
 ///
 /// A line becomes a crease that springs back to the angle by which the paper beside it has yielded,
 /// and in exchange that plastic curvature leaves the grid. Where colliders press the sheet and
-/// handles hold both its sides, they say where the line lies, and the sheet takes the steps of
-/// `past` again, folded; elsewhere each line is tried with the step of `is`, in which handles and
-/// colliders stand still. The fold is possible if a tenth less is spent in the end than without it
-/// (stored energy and the work of handles that are held off), with edges that are off by less than
-/// 0.5 % or than before, and with nothing crossing or in a collider that was not before; in contact
-/// no vertex may move farther than a tenth of the longer side. Of the lines that are possible, the
-/// one with which least is spent is taken: there paper folds.
+/// handles hold both its sides, they say where the line lies, and the sheet takes the steps that
+/// led there again, folded; elsewhere, and where they are not known, it takes the step that holds
+/// it where it is (fold_place.h). The fold is possible if a tenth less is spent in the end than
+/// without it (stored energy and the work of handles that are held off), with edges that are off by
+/// less than 0.5 % or than before, and with nothing crossing or in a collider that was not before;
+/// in contact no vertex may move farther than a tenth of the longer side. Of the lines that are
+/// possible, the one with which least is spent is taken: there paper folds.
 ///
-/// is       its `past` is the step that holds the sheet where it is
-/// past     the steps that led here; not empty
-/// returns  nothing if no fold is possible, or the method has no mesh with the line; the sheet and
-///          the grid are then as they were
-std::optional<FoundFold> fold_along(const std::vector<FoldLine>&, const UnfoldedSheet& is,
-                                    const std::vector<PastStep>& past, const Method&);
+/// A mesh of few triangles may bend where paper does not, along its own edges. So where colliders
+/// do not say where the line lies, the sheet takes the step on the mesh of the fold once more
+/// without folding: the method must find that it is being folded there, too.
+///
+/// returns  nothing if no fold is possible, if it is one of its mesh, or if the method has no mesh
+///          with the line; the sheet and the grid are then as they were
+std::optional<FoundFold> fold_along(const std::vector<FoldLine>&, const UnfoldedSheet&,
+                                    const Method&);
 
 }  // namespace paperbake

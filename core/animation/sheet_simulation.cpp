@@ -276,10 +276,9 @@ void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   if (std::abs(stored - stored_unfolded_) < new_energy * stored_unfolded_) return;
   stored_unfolded_ = stored;
   const SolverState known = elastic_.state();
-  const std::vector<PastStep> here{
-      {sheet, *plastic_grid_, {input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame}}};
-  std::optional<FoundFold> fold = fold_along(lines, {shot_, sheet, elastic_, *plastic_grid_, here},
-                                             past_.empty() ? here : past_, *method_);
+  const LoadStep now{input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame};
+  std::optional<FoundFold> fold = fold_along(
+      lines, {shot_, sheet, elastic_, *plastic_grid_, options_.first_frame, now, past_}, *method_);
   if (!fold) return;
   if (!is_admissible(sheet, fold->sheet, fold->moved)) {
     elastic_.restore(known);
