@@ -92,6 +92,22 @@ def light(scene, middle, radius):
     scene.world.node_tree.nodes["Background"].inputs["Color"].default_value = (0.075, 0.085, 0.1, 1)
 
 
+def colliders(scene, shot):
+    """The colliders of the scene, in grey, as they are at the frame of the picture."""
+    before = set(scene.objects)
+    bpy.ops.import_scene.gltf(filepath=str(DOCS.parent / "samples" / f"{shot.scene}.glb"))
+    scene.frame_set(shot.frame)
+    grey = bpy.data.materials.new("grey")
+    grey.use_nodes = True
+    grey.node_tree.nodes["Principled BSDF"].inputs["Base Color"].default_value = (0.2, 0.21, 0.22, 1)
+    for thing in set(scene.objects) - before:
+        if thing.type == "MESH" and (thing.name.startswith("collider") or "paper_collider" in thing):
+            thing.data.materials.clear()
+            thing.data.materials.append(grey)
+        else:
+            thing.hide_render = True
+
+
 def render(cache, shot):
     bpy.ops.wm.read_factory_settings(use_empty=True)
     scene = bpy.context.scene
@@ -105,6 +121,7 @@ def render(cache, shot):
         points += [shown.matrix_world @ vertex.co for vertex in shown.data.vertices]
     low, high = (Vector(pick(point[axis] for point in points) for axis in range(3)) for pick in (min, max))
     middle, radius = (low + high) / 2, (high - low).length / 2
+    colliders(scene, shot)
     look_from(scene, shot.view, middle, radius)
     light(scene, middle, radius)
     scene.render.engine, scene.cycles.samples, scene.cycles.seed = "CYCLES", SAMPLES, 1

@@ -1,8 +1,8 @@
-"""Writes the scenes G1 to G4, which are shots of docs/gallery.md, beside itself, each as .glb.
+"""Writes the scenes G1 to G7, which are shots of docs/gallery.md, beside itself, each as .glb.
 
     python samples/gallery.py [NAME...]          with Blender 4.2 or later as the module bpy
 
-Every sheet is one quad with the uv set `print`. What moves begins and ends at rest and is keyed at
+Every sheet is one quad with the uv set `print`, except for those that begin folded. What moves begins and ends at rest and is keyed at
 every frame.
 """
 import contextlib
@@ -114,7 +114,86 @@ def grades():
     return 1
 
 
-SCENES = {"G1_newspaper": newspaper, "G2_poster": poster, "G3_page": page, "G4_grades": grades}
+def strips_of(name, width, curve, **properties):
+    """A sheet of this width [m] along x whose cross section is a list of points (y, z) [m]."""
+    columns, mesh = 20, bpy.data.meshes.new(name)
+    corners = [(width * i / columns, y, z) for y, z in curve for i in range(columns + 1)]
+    faces = [(k, k + 1, k + columns + 2, k + columns + 1)
+             for k in range(len(corners) - columns - 2) if (k + 1) % (columns + 1)]
+    mesh.from_pydata(corners, [], faces)
+    return place(name, mesh, **properties)
+
+
+def envelope():
+    """A letter slides into an envelope: a sheet that begins folded about its lower edge."""
+    width, height, gap, letter_width, letter_height = 0.22, 0.11, 0.004, 0.20, 0.10
+    radius, rows = gap / 2, 12
+    back = [(0, height - height * k / rows) for k in range(rows)]
+    bend = [(radius - radius * math.cos(a), -radius * math.sin(a))
+            for a in (math.pi * k / 6 for k in range(7))]
+    front = [(gap, height * k / rows) for k in range(1, rows + 1)]
+    strips_of("paper.envelope", width, back + bend + front, paper_preset="copy80", **EARTH)
+    hold("back", [(x, 0, height) for x in (0, width / 2, width)], "envelope")
+    sides = [(x, gap, z) for x in (0, width) for z in (0.001, height / 2, height)]
+    hold("front", sides, "envelope")
+    left, top = (width - letter_width) / 2, height + 0.01 + letter_height
+    sheet("letter", "copy80", (left, radius, top - letter_height), (letter_width, 0, 0),
+          (0, 0, letter_height))
+    for i, x in enumerate((0.02, letter_width / 2, letter_width - 0.02)):
+        carry(f"hand.{i}", lambda frame, x=x: (left + x, radius, top - 0.104 * eased(frame, 48)),
+              60, "letter")
+    return 60
+
+
+def book():
+    """Four pages of a book; the upper three are turned over one after the other."""
+    width, height, thickness, slant, wait = 0.15, 0.21, 0.0012, 0.0015, 12
+    for k in range(4):
+        left, z = slant * k, -thickness * k
+        sheet(f"page.{k}", "book120", (left, 0, z), (width, 0, 0), (0, height, 0))
+        hold(f"spine.{k}", [(left, height * i / 4, z) for i in range(5)], f"page.{k}")
+
+    def corner(page):
+        left, z = slant * page, -thickness * page
+
+        def path(frame):
+            turned = 0.98 * math.pi * eased(max(1, frame - wait * page), 40)
+            radius = width * (1 - 0.12 * math.sin(turned))
+            rest = z if turned < math.pi / 2 else -z
+            return (left + radius * math.cos(turned), 0.02 * math.sin(turned),
+                    0.95 * radius * math.sin(turned) + rest)
+        return path
+
+    for k in range(3):
+        carry(f"corner.{k}", corner(k), 80, f"page.{k}")
+    quad("collider.book", (-0.2, -0.05, -0.006), (0.4, 0, 0), (0, height + 0.1, 0))
+    return 80
+
+
+def pleats():
+    """A card that begins folded to and fro; one end is pushed to the other and drawn out again."""
+    facets, long, width, slope = 6, 0.04, 0.10, math.radians(40)
+    run, rise = long * math.cos(slope), long * math.sin(slope)
+    corners = [(i * run, y, rise * (i % 2)) for i in range(facets + 1) for y in (0, width)]
+    mesh = bpy.data.meshes.new("pleats")
+    mesh.from_pydata(corners, [], [(2 * i, 2 * i + 2, 2 * i + 3, 2 * i + 1) for i in range(facets)])
+    place("paper.pleats", mesh, paper_preset="offset160", **EARTH)
+    lines = bpy.data.meshes.new("crease")
+    lines.from_pydata(corners[2:-2], [(2 * i, 2 * i + 1) for i in range(facets - 1)], [])
+    place("crease.pleats", lines, paper_crease="modelled")
+    quad("collider.table", (-0.3, -0.3, -0.001), (1, 0, 0), (0, 0.7, 0))
+    rows = (0, width / 2, width)
+    hold("end", [(0, y, 0) for y in rows], "pleats")
+    for i, y in enumerate(rows):
+        def path(frame, y=y):
+            pushed, drawn = eased(frame, 36), eased(max(1, frame - 35), 36)
+            return facets * (run * (1 - 0.5 * pushed) + (0.92 * long - 0.5 * run) * drawn), y, 0
+        carry(f"hand.{i}", path, 72, "pleats")
+    return 84
+
+
+SCENES = {"G1_newspaper": newspaper, "G2_poster": poster, "G3_page": page, "G4_grades": grades,
+          "G5_envelope": envelope, "G6_book": book, "G7_pleats": pleats}
 
 
 def main(names):
@@ -127,7 +206,8 @@ def main(names):
             bpy.ops.export_scene.gltf(
                 filepath=os.path.join(FOLDER, name + ".glb"), export_extras=True,
                 export_normals=False, export_materials="NONE", export_animation_mode="SCENE",
-                export_anim_scene_split_object=False, export_force_sampling=True)
+                export_anim_scene_split_object=False, export_force_sampling=True,
+                use_mesh_edges=True)
 
 
 if __name__ == "__main__":

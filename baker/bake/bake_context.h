@@ -2,6 +2,7 @@
 
 #include "baker/bake/shot_certificate.h"
 #include "baker/bake/stage_clock.h"
+#include "baker/bake/task_queue.h"
 #include "baker/job/plan.h"
 #include "baker/output/bake_files.h"
 #include "baker/output/cache_writers.h"
@@ -21,6 +22,7 @@ struct BakeContext {
   ShotCertificate& certificate;
   CacheWriters& caches;
   Progress& progress;
+  TaskQueue& tasks;
   StageClock* clock = nullptr;  // null: nobody asks for times
 };
 

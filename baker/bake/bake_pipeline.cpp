@@ -37,8 +37,9 @@ BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
     : files_(folder),
       certificate_(plan),
       caches_(settings.formats, {plan, folder, plan.file_suffixes}, files_),
-      context_{settings,     plan,    plan.file_suffixes, files_,
-               certificate_, caches_, progress,           &clock_} {
+      tasks_(settings.threads),
+      context_{settings, plan,   plan.file_suffixes, files_, certificate_, caches_, progress,
+               tasks_,   &clock_} {
   if (settings.twin) shapes_.emplace(plan);
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));
@@ -65,6 +66,7 @@ bool BakePipeline::render(StopRequest& stop) {
   std::vector<const ShotRecord*> records;
   for (std::size_t s = 0; s < recorders_.size(); ++s) {
     recorders_[s]->finish_simulation();
+    if (!stop.is_time_up()) recorders_[s]->draw_final_map();
     if (recorders_[s]->record().frames().empty()) continue;
     sheets.push_back(s);
     records.push_back(&recorders_[s]->record());
@@ -77,9 +79,8 @@ bool BakePipeline::render(StopRequest& stop) {
     files_.failures.try_write(fmt::format("render mesh of sheet {}", fmt::join(names, ", ")),
                               [&] { render_group(group, stop); });
   }
-  if (stop.is_time_up()) return false;
   for (const auto& recorder : recorders_) recorder->finish();
-  return true;
+  return !stop.is_time_up();
 }
 
 /// sheets  that come near each other

@@ -66,6 +66,7 @@ class BakePipeline {
   BakeFiles files_;
   ShotCertificate certificate_;
   CacheWriters caches_;
+  TaskQueue tasks_;
   BakeContext context_;
   std::vector<std::unique_ptr<SheetRecorder>> recorders_;
   std::map<std::filesystem::path, std::string> keys_;  // of files that are in the certificate

@@ -36,17 +36,42 @@ void MapRecorder::consume(const AnimatedFrame& frame) {
   if (wanted && frame.frame >= plan.frames.first) write_map(fmt::format("{:04}", frame.frame));
 }
 
-void MapRecorder::finish() {
+void MapRecorder::draw_final() {
   if (!last_frame_) return;
   write_map("final");
-  if (bake_.caches.show_maps())
-    bake_.caches.add_map(bake_.plan.shots[sheet_].sheet_name + ": creases and singular points",
-                         png_bytes(map_.picture(info())));
+  if (!bake_.caches.show_maps()) return;
+  picture_.png = std::make_shared<std::string>();
+  picture_.drawn = start([png = picture_.png](const CreaseMap& map, const MapInfo& of) {
+    *png = png_bytes(map.picture(of));
+  });
+}
+
+void MapRecorder::finish() {
+  for (const File& file : files_)
+    bake_.files.write(file.name, [&](const auto&) { file.written.get(); });
+  files_.clear();
+  if (!picture_.png) return;
+  picture_.drawn.get();
+  bake_.caches.add_map(bake_.plan.shots[sheet_].sheet_name + ": creases and singular points",
+                       *picture_.png);
+}
+
+/// Calls draw(map_ as it is now, info()) while the bake goes on.
+std::shared_future<void> MapRecorder::start(const Draw& draw) {
+  return bake_.tasks.start(
+      [clock = bake_.clock, draw, of = info(), map = std::make_shared<const CreaseMap>(map_)] {
+        const StageClock::Part part(clock, Stage::maps);
+        draw(*map, of);
+      });
 }
 
 void MapRecorder::write_map(const std::string& frame) {
-  bake_.files.write(fmt::format("maps/{}{}.{}.exr", bake_.plan.name, bake_.suffixes[sheet_], frame),
-                    [&](const auto& path) { map_.write(path, info()); });
+  const std::string name =
+      fmt::format("maps/{}{}.{}.exr", bake_.plan.name, bake_.suffixes[sheet_], frame);
+  const auto write = [path = bake_.files.folder() / name](const CreaseMap& map, const MapInfo& of) {
+    map.write(path, of);
+  };
+  files_.push_back({name, start(write)});
 }
 
 MapInfo MapRecorder::info() const {

@@ -4,22 +4,31 @@
 #include "formats/maps/crease_map.h"
 
 #include <cstddef>
+#include <filesystem>
+#include <functional>
+#include <future>
+#include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace paperbake {
 
-/// Draws the crease and apex maps of one sheet.
+/// Draws the crease and apex maps of one sheet, with several threads while the bake goes on.
 class MapRecorder {
  public:
   MapRecorder(const BakeContext&, std::size_t sheet);
 
-  /// To be called with every simulated frame; writes the map of a frame of --map-frames.
+  /// To be called with every simulated frame; draws the map of a frame of --map-frames.
   void consume(const AnimatedFrame&);
-  /// After the last frame: writes the final map and hands a picture of it to the caches.
+  /// After the last frame: draws the final map, and a picture of it for the caches.
+  void draw_final();
+  /// Waits for all maps and lists them; hands the picture to the caches.
   void finish();
 
  private:
+  using Draw = std::function<void(const CreaseMap&, const MapInfo&)>;
+  std::shared_future<void> start(const Draw&);
   void write_map(const std::string& frame);
   MapInfo info() const;
 
@@ -27,6 +36,15 @@ class MapRecorder {
   std::size_t sheet_;
   CreaseMap map_;
   std::optional<int> last_frame_;  // none: no frame was simulated yet
+  struct File {
+    std::string name;
+    std::shared_future<void> written;
+  };
+  std::vector<File> files_;
+  struct Picture {
+    std::shared_ptr<std::string> png;  // null: none was asked for
+    std::shared_future<void> drawn;
+  } picture_;
 };
 
 }  // namespace paperbake

@@ -238,6 +238,10 @@ class RenderPass::FrameRenderer {
       on_facets.row(v) =
           interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
     const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
+    // a sheet that is jammed has stayed behind in the collider: pushed out, it would be torn
+    constexpr double left_behind = 1e-4;  // [m]
+    Points3 outside = on_facets;
+    if (push_out(shapes, on_facets, 0, outside) > left_behind) return false;
     const std::vector<char>& held = surfaces_[s].is_held();
     // vertices first, then edges and triangles: a corner of the collider stands between vertices
     std::optional<ColliderClearance> clearance;
@@ -352,9 +356,12 @@ RenderPass::State::FacetsOfSheets RenderPass::State::intersecting_facets(
     std::vector<SheetUntangler::Simulated> simulated;
     const auto mesh = [&](std::size_t s) { return inputs[s].record->frames()[k].mesh; };
     for (std::size_t s = 0; s < at.size(); ++s) {
-      simulated.push_back({inputs[s].record->sheet(inputs[s].record->frames()[k]), &at[s].get()});
-      for (const int t : sheets[s].intersecting_facets(simulated[s].sheet, *simulated[s].places))
-        facets[s].insert({mesh(s), t});
+      // the vertices are located on the simulated mesh only where somebody asks for it
+      const Sheet sheet = inputs[s].record->sheet(inputs[s].record->frames()[k]);
+      if (sheets[s].may_have_intersecting_facets(sheet))
+        for (const int t : sheets[s].intersecting_facets(sheet, at[s].get()))
+          facets[s].insert({mesh(s), t});
+      if (sheets.size() > 1) simulated.push_back({sheet, &at[s].get()});
     }
     if (simulated.size() == sheets.size() && untangler.linear_surfaces_intersect(simulated))
       for (std::size_t s = 0; s < at.size(); ++s)

@@ -45,6 +45,11 @@ void SheetRecorder::finish_simulation() {
   bake_.certificate.crease_length += crease_network(last_).length;
 }
 
+void SheetRecorder::draw_final_map() {
+  const StageClock::Part part(bake_.clock, Stage::maps);
+  if (maps_) maps_->draw_final();
+}
+
 void SheetRecorder::finish() {
   const StageClock::Part part(bake_.clock, Stage::maps);
   if (maps_) maps_->finish();

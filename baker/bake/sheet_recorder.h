@@ -26,7 +26,9 @@ class SheetRecorder {
   void consume(const AnimatedFrame&);
   /// After the last frame: hands on what was deferred.
   void finish_simulation();
-  /// After rendering: writes the final map.
+  /// After that: with several threads it is drawn while the sheet is rendered.
+  void draw_final_map();
+  /// After rendering: waits for the maps.
   void finish();
 
   /// The frames to be rendered; empty if simulated meshes are cached, or nothing is.

@@ -1,5 +1,8 @@
 #include "core/animation/inertia_need.h"
 
+#include "core/geometry/box_of.h"
+#include "core/geometry/collider.h"
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -65,6 +68,30 @@ bool hangs(const Shot& shot, const std::vector<int>& held, const ExternalForces&
   return down.z() * forces.gravity < 0 && down.head<2>().norm() < carried_along * side;
 }
 
+/// Name of the first collider that comes, as it moves, into the place where the start shape hangs,
+/// to within 0.5 % of the longer side; empty if there is none. Places are compared by their boxes.
+std::string striking_collider(const Shot& shot, const std::vector<int>& held, double side) {
+  if (!shot.colliders) return {};
+  const Eigen::AlignedBox3d start = box_of(shot.start.x);
+  const Vector3d around = Vector3d::Constant(carried_along * side);
+  for (const Collider& collider : *shot.colliders) {
+    const std::vector<Points3>& frames = collider.frames();
+    for (std::size_t f = 1; f < frames.size(); ++f) {
+      if (frames[f] == frames[f - 1]) continue;
+      Eigen::AlignedBox3d sheet;  // wherever a handle has carried it
+      for (const int h : held) {
+        const Handle& handle = shot.handles[h];
+        const int row = std::min(static_cast<int>(f), static_cast<int>(handle.keyed.rows()) - 1);
+        sheet.extend(start.translated(keyed_position(handle, row) - keyed_position(handle, 0)));
+      }
+      sheet = {sheet.min() - around, sheet.max() + around};
+      if (sheet.intersects(box_of(frames[f - 1]).extend(box_of(frames[f]))))
+        return collider.mesh().name;
+    }
+  }
+  return {};
+}
+
 /// Sway that the motion of one handle causes while it holds the sheet. [m]
 double sway_of(const Shot& shot, const Handle& handle, const ExternalForces& forces, double fps,
                int first_frame, int last_frame) {
@@ -125,6 +152,11 @@ InertiaNeed need_of_inertia(const Shot& shot, const ExternalForces& forces, doub
     if (held != at_first || !hangs(shot, held, forces, side) || need.sway > carried_along)
       return {true, need.sway,
               text("the sheet is held at a point or on a line from frame %d on: it swings", frame)};
+    if (!hanging)
+      if (const std::string name = striking_collider(shot, held, side); !name.empty())
+        return {
+            true, need.sway,
+            text("the sheet hangs where the collider \"%.100s\" moves: it swings", name.c_str())};
     hanging = true;
   }
   need.needed = need.sway > flung;

@@ -18,8 +18,8 @@ struct InertiaNeed {
 ///
 /// - Under gravity, a sheet that nothing holds falls, and one that is held at a point or on a line
 ///   swings: both need inertia, because without it the sheet would be at rest in quite another
-///   shape. The exception is a sheet that hangs below its handles from the first frame on and has a
-///   sway of no more than 0.5 %.
+///   shape. The exception is a sheet that hangs below its handles from the first frame on, has a
+///   sway of no more than 0.5 %, and is not in the way of a collider that moves.
 /// - Any other sheet, and any sheet without gravity, is where its handles bend it, and lags behind
 ///   them by the sway: the largest deflection of its slowest bending mode, hinged over the free
 ///   length l, with the motion of the handles as its base,

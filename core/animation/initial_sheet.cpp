@@ -1,7 +1,9 @@
 #include "core/animation/initial_sheet.h"
 
 #include "core/animation/imperfection.h"
+#include "core/animation/start_mesh.h"
 #include "core/geometry/point_location.h"
+#include "core/geometry/prescribed_creases.h"
 
 namespace paperbake {
 
@@ -36,8 +38,9 @@ std::vector<Vector2d> required_points(const Shot& shot) {
 
 InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed, int first_frame) {
   const std::vector<Vector2d> points = required_points(shot);
-  Method::FirstMesh mesh = method.first_mesh(shot.pattern, points);
+  auto [mesh, has_bends] = mesh_of_start(shot, method, points);
   InitialSheet started;
+  started.has_bends = has_bends;
   started.handle_vertex.assign(mesh.point_vertex.begin(),
                                mesh.point_vertex.begin() + shot.handles.size());
   Sheet& sheet = started.sheet;
@@ -59,7 +62,11 @@ InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed,
   add_geometric_imperfection(sheet, longer_side(shot.pattern), seed);
 
   started.fixed.assign(sheet.pattern.rows(), 0);
-  for (const int v : mesh.point_vertex) started.fixed[v] = 1;
+  for (std::size_t k = 0; k < mesh.point_vertex.size(); ++k) {
+    const int v = mesh.point_vertex[k];
+    const Vector2d p = sheet.pattern.row(v);
+    if (k < points.size() || crease_under(sheet.prescribed_creases, p, p)) started.fixed[v] = 1;
+  }
   started.stiffening = disc_factors(sheet, shot);
   return started;
 }

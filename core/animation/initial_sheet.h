@@ -7,15 +7,17 @@
 
 namespace paperbake {
 
-/// The first mesh of a shot, in the start shape. A flat start gets a geometric imperfection of
-/// 1e-6 m along its normal, which depends on the seed and not on the mesh. Singular points that the
-/// artist has prescribed are born in the first frame.
+/// The first mesh of a shot (start_mesh.h), in the start shape. A flat start gets a geometric
+/// imperfection of 1e-6 m along its normal, which depends on the seed and not on the mesh. Singular
+/// points that the artist has prescribed are born in the first frame.
 struct InitialSheet {
   Sheet sheet;
   std::vector<int> handle_vertex;  // vertex of each handle
   // |V| vertices that have to stay where they are on the pattern: handles, the rims of their discs,
   // prescribed singular points
   std::vector<char> fixed;
+  // the mesh has rows of edges along bends of the start shape (start_mesh.h)
+  bool has_bends = false;
   // |T| factor on the bending stiffness: 10 inside the discs of handles
   std::vector<double> stiffening;
 };

@@ -83,4 +83,26 @@ double rms_deformation(const Points3& before, const Points3& now) {
   return std::sqrt((now - carried).rowwise().squaredNorm().mean());
 }
 
+double squeeze(const Points3& x, const ColliderMotion& moving) {
+  if (moving.from == moving.to) return 0;
+  std::vector<Vector3d> touched, there;
+  for (int v = 0; v < x.rows(); ++v) {
+    const Vector3d p = x.row(v);
+    for (std::size_t c = 0; c < moving.from.size(); ++c) {
+      const Collider& from = *moving.from[c];
+      if (from.nearest(p, collider_dhat, 1).triangle < 0) continue;
+      touched.push_back(p);
+      there.push_back(carried(from, *moving.to[c], p, collider_dhat, 1));
+      break;
+    }
+  }
+  if (touched.size() < 3) return 0;
+  Points3 before(touched.size(), 3), now(touched.size(), 3);
+  for (std::size_t k = 0; k < touched.size(); ++k) {
+    before.row(k) = touched[k];
+    now.row(k) = there[k];
+  }
+  return rms_deformation(before, now);
+}
+
 }  // namespace paperbake

@@ -31,4 +31,8 @@ double relative_handle_motion(const Sheet& sheet, const PositionConstraints& hel
 /// that is nearest to them. 0 if the numbers of vertices differ. [m]
 double rms_deformation(const Points3& before, const Points3& now);
 
+/// How far colliders squeeze the sheet in this frame: the same of where they carry the vertices
+/// that they touch at its beginning. 0 if there are fewer than three of these. [m]
+double squeeze(const Points3& x, const ColliderMotion&);
+
 }  // namespace paperbake

@@ -52,7 +52,7 @@ Points3 positions_at(const std::vector<TrajectoryPoint>& trajectory, double at) 
   return last.x + (at - last.at) / (next->at - last.at) * (next->x - last.x);
 }
 
-Eigen::AlignedBox3d box_of(const std::vector<TrajectoryPoint>& trajectory) {
+Eigen::AlignedBox3d swept_box(const std::vector<TrajectoryPoint>& trajectory) {
   Eigen::AlignedBox3d box;
   for (const TrajectoryPoint& p : trajectory)
     box.extend(Vector3d(p.x.colwise().minCoeff())).extend(Vector3d(p.x.colwise().maxCoeff()));
@@ -112,10 +112,10 @@ std::vector<SheetIslands::Island> SheetIslands::build_islands() const {
 
 bool SheetIslands::collide(std::size_t a, std::size_t b) const {
   if (dhat_between(a, b) == 0 || (sheets_[a]->is_idle() && sheets_[b]->is_idle())) return false;
-  Eigen::AlignedBox3d box = box_of(sheets_[a]->trajectory());
+  Eigen::AlignedBox3d box = swept_box(sheets_[a]->trajectory());
   box.min().array() -= dhat_between(a, b);
   box.max().array() += dhat_between(a, b);
-  if (!box.intersects(box_of(sheets_[b]->trajectory()))) return false;
+  if (!box.intersects(swept_box(sheets_[b]->trajectory()))) return false;
   std::vector<double> times;
   for (const std::size_t s : {a, b})
     for (const TrajectoryPoint& p : sheets_[s]->trajectory()) times.push_back(p.at);

@@ -135,9 +135,10 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = started_.sheet;
   SolverState state = elastic_.state();
   a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
-    yielding_, yielded_, folded_, stored_unfolded_, started_.fixed, snap_in_progress_,
-    rests_on_contact_, idle_frames_, swing_.amplitude, swing_.rate, quiet_, contact_, touching_,
-    on_colliders_, state, handles_, dhat);
+    yielding_, yielded_, folded_, stored_unfolded_, started_.fixed, started_.has_bends,
+    snap_in_progress_, rests_on_contact_, idle_frames_, swing_.amplitude, swing_.rate, quiet_,
+    contact_, touching_, on_colliders_, state, handles_, dhat);
+  archive_jam(a);
   if (plastic_grid_) a(*plastic_grid_);
   method_->archive(a);
   if (!a.reads()) return;
@@ -163,12 +164,27 @@ void SheetSimulation::archive(Serializer& a) {
   elastic_.restore(state);
 }
 
+void SheetSimulation::archive_jam(Serializer& a) {
+  std::vector<Points3> places;
+  for (const auto& collider : jammed_between_) places.push_back(collider->mesh().x);
+  a(places);
+  if (!a.reads() || places.empty()) return;
+  a.require(shot_.colliders && places.size() == shot_.colliders->size());
+  jammed_between_ = shapes_at(*shot_.colliders, frame_ - options_.first_frame);
+  for (std::size_t c = 0; c < places.size(); ++c) {
+    auto& shape = jammed_between_[c];
+    a.require(places[c].rows() == shape->mesh().x.rows());
+    if (places[c] != shape->mesh().x) shape = std::make_shared<const Collider>(*shape, places[c]);
+  }
+}
+
 void SheetSimulation::move_world() {
   const int row = frame_ - options_.first_frame;
   input_ = {handles_.held(frame_)};
   input_.time = row / options_.fps;
   fold_by_hands(started_.sheet, shot_.hands, row);
   if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
+  if (!jammed_between_.empty()) input_.colliders.from = jammed_between_;
 }
 
 RemeshContext SheetSimulation::remesh_context(double share) const {
@@ -185,6 +201,8 @@ RemeshContext SheetSimulation::remesh_context(double share) const {
           rests_on_contact_,
           share * relative_motion_,
           share * rms_deformation(positions_before_, sheet.x) / side_,
+          share * squeeze_,
+          false,
           [this] { return elastic_.local_energies(started_.sheet); }};
 }
 
@@ -201,19 +219,24 @@ void SheetSimulation::carry_state(const Sheet& before) {
   elastic_.restore(known);
 }
 
-void SheetSimulation::remesh(double share) {
+void SheetSimulation::remesh(double share) { change_mesh(remesh_context(share)); }
+
+bool SheetSimulation::change_mesh(const RemeshContext& is) {
   Sheet& sheet = started_.sheet;
   Sheet unchanged = sheet;
   before_remesh_.reset();
-  const MeshChange change = method_->remesh(sheet, remesh_context(share));
-  if (change == MeshChange::none) return;
+  was_at_minimum_ = at_minimum_;
+  const MeshChange change = method_->remesh(sheet, is);
+  if (change == MeshChange::none) return false;
   before_remesh_ = {std::move(unchanged), elastic_.state()};
   vertices_moved_ = change == MeshChange::moved;
   if (vertices_moved_)
     carry_state(before_remesh_->sheet);
   else
     elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-  if (cuts_into_collider(before_remesh_->sheet)) undo_remesh();
+  if (!cuts_into_collider(before_remesh_->sheet)) return true;
+  undo_remesh();
+  return false;
 }
 
 /// Whether the change of mesh has put an edge or a triangle into a collider: it would be stuck
@@ -221,12 +244,20 @@ void SheetSimulation::remesh(double share) {
 bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   constexpr double deepest = 2e-5;  // [m]
   if (on_colliders_ == 0) return false;
-  const double depth = elastic_.inside(sheet(), input_.colliders.from);
-  return depth > deepest && depth > elastic_.on_mesh(before).inside(before, input_.colliders.from);
+  const ColliderShapes now = followed_ > 0
+                                 ? between(input_.colliders.from, input_.colliders.to, followed_)
+                                 : input_.colliders.from;
+  const double depth = elastic_.inside(sheet(), now);
+  return depth > deepest && depth > elastic_.on_mesh(before).inside(before, now);
+}
+
+/// Not on the mesh of a sheet that begins tightly bent: it is fine enough to show its folds.
+bool SheetSimulation::finds_folds() const {
+  return !started_.has_bends && method_->finds_folds(sheet());
 }
 
 std::vector<FoldLine> SheetSimulation::fold_lines() const {
-  if (!plastic_grid_ || !(yielded_ || on_colliders_ > 0)) return {};
+  if (!finds_folds() || !plastic_grid_ || !(yielded_ || on_colliders_ > 0)) return {};
   const auto memory = [&] {
     return plastic_grid_->read(plastic_grid_->cover(sheet().pattern, sheet().triangles));
   };
@@ -284,7 +315,7 @@ bool SheetSimulation::joins(LoadStep& last, const LoadStep& next) const {
 
 void SheetSimulation::remember(int part) {
   constexpr std::size_t most = 8;
-  if (!alone_ || !shot_.colliders || !plastic_grid_ || !method_->finds_folds(sheet())) return;
+  if (!alone_ || !shot_.colliders || !plastic_grid_ || !finds_folds()) return;
   const LoadStep load{load_parts_ > 1 ? input_of_part(part) : input_,
                       1 / options_.fps / load_parts_, relative_motion_ / load_parts_,
                       frame_ - options_.first_frame, has_inertia() ? inertial_halvings_ : 0};
@@ -296,9 +327,8 @@ void SheetSimulation::remember(int part) {
 int SheetSimulation::parts_of_frame() const {
   constexpr int most = 16;
   if (!alone_ || frame_ == options_.first_frame) return 1;
-  const int parts = method_->load_parts(sheet(), relative_motion_);
-  if (!plastic_grid_ || !shot_.colliders || !sheet().prescribed_creases.empty() ||
-      !method_->finds_folds(sheet()))
+  const int parts = method_->load_parts(sheet(), std::max(relative_motion_, squeeze_));
+  if (!plastic_grid_ || !shot_.colliders || !sheet().prescribed_creases.empty() || !finds_folds())
     return parts;
   // [1] of the longer side: where handles go farther in a frame than they do in one step
   // (substepping.h), its parts are as long as a severe conflict has to last
@@ -320,6 +350,8 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   begin_trial();
   relative_motion_ =
       relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
+  followed_ = 0;
+  squeeze_ = may_jam() && on_colliders_ > 0 ? squeeze(sheet.x, input_.colliders) / side_ : 0;
   load_parts_ = parts_of_frame();
   const RemeshContext situation = remesh_context(1.0 / load_parts_);
   // a sheet that has just been folded keeps its mesh: it is still coming to rest on it
@@ -334,6 +366,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       result_.statistics.remesh =
           verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
       result_.statistics.remesh_rise = verdict.rise;
+      if (verdict.accepted) started_.has_bends = false;
     }
   came_from_ = input_before_.constraints;
   input_before_ = input_;
@@ -384,17 +417,26 @@ void SheetSimulation::hold_if_infeasible() {
 SubstepTarget SheetSimulation::substep_target(RecordTrajectory trace) {
   return {elastic_, started_.sheet,
           input_,   relative_motion_,
-          side_,    trace == RecordTrajectory::yes ? &trajectory_ : nullptr};
+          side_,    trace == RecordTrajectory::yes ? &trajectory_ : nullptr,
+          {},       may_jam()};
+}
+
+bool SheetSimulation::may_jam() const {
+  return alone_ && shot_.colliders && !has_inertia() && input_.constraints.empty();
 }
 
 FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
-          1 / options_.fps, has_inertia() ? inertial_halvings_ : 0, between};
+          1 / options_.fps,
+          has_inertia()              ? inertial_halvings_
+          : !jammed_between_.empty() ? halvings_of_squeeze(input_.colliders)
+                                     : 0,
+          between};
 }
 
 bool SheetSimulation::is_locked() const {
   if (!before_remesh_ || !step_.last.contact || step_.converged) return false;
-  return vertices_moved_ ||
+  return (vertices_moved_ && (was_at_minimum_ || squeeze_ == 0)) ||
          length_distortion(sheet()).largest >
              std::max(jammed_stretch, 4 * length_distortion(before_remesh_->sheet).largest);
 }
@@ -504,8 +546,7 @@ StepInput SheetSimulation::input_of_part(int part) const {
     if (before != came_from_.end()) c.target = (1 - share) * before->target + share * c.target;
   }
   input.time -= (1 - share) / options_.fps;
-  input.colliders.from =
-      between(input_.colliders.from, input_.colliders.to, double(part - 1) / load_parts_);
+  input.colliders.from = between(input_.colliders.from, input_.colliders.to, followed_);
   input.colliders.to = between(input_.colliders.from, input_.colliders.to, share);
   return input;
 }
@@ -515,7 +556,7 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
     begin_step(trace);
     SubstepTarget target = substep_target(trace);
     FrameInterval interval = frame_interval({});
-    if (load_parts_ > 1) {
+    if (load_parts_ > 1 || followed_ > 0) {
       target.input = input_of_part(part);
       target.relative_motion /= load_parts_;
       interval.dt /= load_parts_;
@@ -540,7 +581,7 @@ bool SheetSimulation::is_held_back_by_mesh() const {
 }
 
 bool SheetSimulation::is_smooth() const {
-  return sheet().singular.empty() && sheet().prescribed_creases.empty();
+  return !started_.has_bends && sheet().singular.empty() && sheet().prescribed_creases.empty();
 }
 
 bool SheetSimulation::refine_mesh(Snapshot&& begun) {
@@ -572,21 +613,97 @@ void SheetSimulation::step(RecordTrajectory trace) {
     if (!may_refine || !is_held_back_by_mesh() || !refine_mesh(std::move(*begun))) break;
   }
   hold_if_infeasible();
+  hold_if_jammed();
+}
+
+bool SheetSimulation::refine_jammed_smooth_mesh() {
+  const Snapshot kept{sheet(), elastic_.state()};
+  const std::vector<char> fixed = started_.fixed;
+  const FrameStepResult jammed = step_;
+  const ColliderShapes now = between(input_.colliders.from, input_.colliders.to, followed_);
+  const double depth = elastic_.inside(sheet(), now);
+  if (!refine_mesh(Snapshot(kept))) return false;
+  step_ = jammed;
+  if (crossings(sheet()) == 0 && elastic_.inside(sheet(), now) <= std::max(depth, yield_depth))
+    return true;
+  restore(Snapshot(kept));
+  started_.fixed = fixed;
+  return false;
+}
+
+bool SheetSimulation::refine_where_jammed() {
+  if (is_smooth()) return refine_jammed_smooth_mesh();
+  RemeshContext is = remesh_context(1);
+  is.jammed = true;
+  return change_mesh(is);
+}
+
+bool SheetSimulation::settle() {
+  constexpr double pressed_less = 0.95;  // [1] of the largest stretch of an edge
+  const double before = length_distortion(sheet()).largest;
+  const Snapshot begun{sheet(), elastic_.state()};
+  SubstepTarget target = substep_target(RecordTrajectory::no);
+  ColliderMotion& at = target.input.colliders;
+  at.from = at.to = between(at.from, at.to, followed_);
+  FrameInterval interval = frame_interval({});
+  interval.min_halvings = 0;
+  const FrameStepResult rest = advance_frame({target}, interval).front();
+  const double after = length_distortion(sheet()).largest;
+  if (!rest.failure_reason.empty() || after > before || rest.last.inside > yield_depth) {
+    restore(Snapshot(begun));
+    return false;
+  }
+  step_.substeps += rest.substeps;
+  step_.iterations += rest.iterations;
+  const double yielded = step_.last.plastic_increment;
+  step_.last = rest.last;
+  step_.last.plastic_increment += yielded;
+  return after < pressed_less * before;
+}
+
+void SheetSimulation::hold_if_jammed() {
+  const ColliderShapes where = std::exchange(jammed_between_, {});
+  if (step_.followed == 1 || !step_.failure_reason.empty()) return;
+  const ColliderMotion& moving = input_.colliders;
+  jammed_between_ = between(moving.from, moving.to, followed_);
+  if (followed_ == 0) {
+    jammed_between_ = moving.from;
+    const FrameStepResult tried = step_;
+    skip_step();
+    step_.iterations = tried.iterations;
+    step_.converged = false;
+  }
+  char note[120];
+  std::snprintf(note, sizeof note, "it is jammed: colliders have gone on by %.1f mm without it",
+                1e3 * farthest_move(jammed_between_, moving.to));
+  add_note(note);
 }
 
 void SheetSimulation::step_in_parts(RecordTrajectory trace) {
+  constexpr int most_refinements = 4;
+  int refinements = 0;
+  followed_ = 0;
   FrameStepResult before;
   for (int part = 1; part <= load_parts_ && step_.failure_reason.empty(); ++part) {
-    if (part > 1 && !std::exchange(folded_, false)) remesh(1.0 / load_parts_);
+    const bool again = step_.followed < 1;
+    if (part > 1 && !again && !std::exchange(folded_, false)) remesh(1.0 / load_parts_);
     before = step_;
-    remember(part);
+    if (!again) remember(part);
     step_part(trace, part);
     step_.substeps += before.substeps;
     step_.iterations += before.iterations;
-    step_.converged &= before.converged;
+    step_.converged &= before.converged || again;
     at_minimum_ = step_.converged && !step_.last.snap_in_progress;
     step_.last.plastic_increment += before.last.plastic_increment;
-    if (part < load_parts_) {
+    followed_ += step_.followed * (double(part) / load_parts_ - followed_);
+    if (step_.followed < 1) {
+      const bool finer = refinements++ < most_refinements && refine_where_jammed();
+      const bool stays = !finer && followed_ == 0 && !jammed_between_.empty();
+      if (refinements > most_refinements || stays) return;
+      if (!settle() && !finer) return;
+      --part;
+    } else if (part < load_parts_) {
+      followed_ = double(part) / load_parts_;
       note_contact();
       fold_if_bent([](const Sheet&, const Sheet&, double) { return true; });
     }

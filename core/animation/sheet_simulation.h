@@ -86,6 +86,7 @@ class SheetSimulation {
   void restore(Snapshot&&);
   /// What the method is told before part of a frame. share: [1] of the frame
   RemeshContext remesh_context(double share) const;
+  bool finds_folds() const;
   /// Places of a line that nobody announced, along which paper has yielded or must yield.
   std::vector<FoldLine> fold_lines() const;
   /// Folds the sheet along a line that nobody announced, if there is one. To be called after a step
@@ -99,6 +100,9 @@ class SheetSimulation {
   void remember(int part);
   /// Lets the method change the mesh. before_remesh_ keeps what was there.
   void remesh(double share);
+  /// returns  whether the mesh is another one now
+  bool change_mesh(const RemeshContext&);
+  void archive_jam(Serializer&);
   bool cuts_into_collider(const Sheet& before) const;
   /// Gives the solver the present mesh, and carries over what it knows from the mesh before it.
   void carry_state(const Sheet& before);
@@ -125,6 +129,17 @@ class SheetSimulation {
   SubstepTarget substep_target(RecordTrajectory);
   void step_in_parts(RecordTrajectory);
   void step_part(RecordTrajectory, int part);
+  /// Whether nothing gives way when colliders press the sheet.
+  bool may_jam() const;
+  /// Takes a finer mesh for a sheet that is jammed, if its mesh could not fold.
+  /// returns  false if there is none
+  bool refine_where_jammed();
+  bool refine_jammed_smooth_mesh();
+  /// Lets a sheet that is jammed come to rest where the colliders are now.
+  /// returns  whether it is pressed less afterwards
+  bool settle();
+  /// Leaves a jammed sheet behind where the colliders were when it last followed them.
+  void hold_if_jammed();
   /// Whether colliders bend the smooth sheet so sharply that its facets hook on each other.
   bool is_held_back_by_mesh() const;
   bool is_smooth() const;  // without points or lines that the mesh has to keep
@@ -168,11 +183,17 @@ class SheetSimulation {
   int touching_ = 0, on_colliders_ = 0;
   double inside_ = 0;  // [m] how deep the output sheet lies inside a collider
 
+  // where the colliders were when they jammed the sheet, which has not followed them since; empty:
+  // it has
+  ColliderShapes jammed_between_;
+
   // of the present frame
   StepInput input_;
+  double followed_ = 0;  // [1] of the frame, as far as the sheet has followed its colliders
   // the targets of the frame before, from which the handles come
   PositionConstraints came_from_;
   double relative_motion_ = 0;  // [1] relative motion of the handles, of the longer side
+  double squeeze_ = 0;          // [1] how far colliders squeeze the sheet, of the longer side
   double max_motion_ = 0;       // [m] of a handle, a collider or a vertex (motion_measures.h)
   int load_parts_ = 1;          // number of parts in which the step is taken
   std::size_t singular_before_ = 0;
@@ -180,6 +201,7 @@ class SheetSimulation {
   bool on_trial_ = false;          // the step is taken without inertia, to see whether it is needed
   double potential_at_start_ = 0;  // [J] of the sheet that is let go, on trial
   std::optional<Snapshot> before_remesh_, step_start_;  // the mesh before; the start of the step
+  bool was_at_minimum_ = false;                         // the sheet, before the last change of mesh
   bool vertices_moved_ = false;  // on the pattern, by the last change of mesh
   std::vector<TrajectoryPoint> trajectory_;
   FrameStepResult step_;

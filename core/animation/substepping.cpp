@@ -1,6 +1,7 @@
 #include "core/animation/substepping.h"
 
 #include "core/animation/imperfection.h"
+#include "core/geometry/box_of.h"
 #include "core/geometry/measure.h"
 #include "core/model/error.h"
 
@@ -25,15 +26,14 @@ constexpr double max_trusted_stretch = 0.5;
 // [1] the same for a step that has converged, if no edge was off by half as much before it: the
 // membrane also has minima with triangles that are turned over, in which paper would be torn
 constexpr double max_sudden_stretch = 0.05;
+// [1] the same for any step of a sheet that may jam, if no edge was off by more before it
+constexpr double max_jammed_stretch = 0.02;
 
 // 1/1024 of a frame: a blade of 3 mm at 10 m/s moves by half a millimetre in it
 constexpr int max_halvings_for_colliders = 10;
 constexpr double collider_reach = 2e-3;  // [m] from the sheet, within which a collider is divided
-
-Eigen::AlignedBox3d box_of(const Points3& x) {
-  return {Vector3d(x.colwise().minCoeff().transpose()),
-          Vector3d(x.colwise().maxCoeff().transpose())};
-}
+// [m] of a collider, in one step that does not converge, of a sheet that may jam
+constexpr double max_squeeze = 0.3 * collider_dhat;
 
 /// Whether a collider comes within `reach` [m] of a sheet on its way.
 bool comes_near(const Sheet& sheet, const Collider& from, const Collider& to, double reach) {
@@ -55,22 +55,40 @@ bool exceeds_max_motion(const SubstepTarget& f, int halvings) {
   return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
 }
 
-/// Whether a collider near the sheet moves farther than it may in one step: what it takes along is
-/// stretched by that against the rest of the sheet.
-bool is_swept_too_far(const SubstepTarget& f, int halvings) {
+/// Whether a collider that comes near the sheet in a part of the frame moves farther than `most`
+/// [m].
+bool is_swept_farther(const SubstepTarget& f, int halvings, double most) {
   const ColliderMotion& moving = f.input.colliders;
   if (halvings >= max_halvings_for_colliders || moving.from == moving.to) return false;
   double reach = collider_reach;
   for (const PositionConstraint& c : f.input.constraints)
     reach = std::max(reach, (f.sheet.x.row(c.vertex).transpose() - c.target).norm());
-  const double short_of_triangle = 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles);
   const auto passes = [&](const Collider& from, const Collider& to) {
-    return farthest_move(from, to) > std::min(0.5 * to.depth(), short_of_triangle) &&
+    return farthest_move(from, to) > std::min(0.5 * to.depth(), most) &&
            comes_near(f.sheet, from, to, reach);
   };
   for (std::size_t c = 0; c < moving.to.size(); ++c)
     if (passes(*moving.from[c], *moving.to[c])) return true;
   return false;
+}
+
+/// Whether a collider near the sheet moves farther than it may in one step: what it takes along is
+/// stretched by that against the rest of the sheet.
+bool is_swept_too_far(const SubstepTarget& f, int halvings) {
+  return is_swept_farther(f, halvings, 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles));
+}
+
+/// Whether colliders move on where the sheet is, and nothing gives way if it is in their way.
+bool may_jam(const std::vector<SubstepTarget>& sheets, int halvings) {
+  return sheets.size() == 1 && sheets.front().may_jam &&
+         is_swept_farther(sheets.front(), halvings, 0);
+}
+
+/// Whether a collider moves farther than a squeezed sheet follows it in one step that does not
+/// converge. Where it pushes the sheet against itself, the sheet begins the step inside of it by
+/// what its own layers do not let it give way, and the force there would crush them.
+bool is_squeezed_too_far(const SubstepTarget& f, int halvings) {
+  return is_swept_farther(f, halvings, max_squeeze);
 }
 
 LengthDistortion worst_of(const std::vector<SubstepTarget>& sheets) {
@@ -110,7 +128,13 @@ std::vector<ElasticReport> step(const std::vector<SubstepTarget>& sheets,
 struct Rejection {
   std::string error;  // thrown by the solver; empty: none was
   LengthDistortion distortion;
+  bool jammed = false;
 };
+
+/// Whether a step has left a sheet that may jam in a state in which paper cannot be.
+bool is_crushed(const LengthDistortion& now, double stretch_before, const ElasticReport& step) {
+  return now.largest > std::max(max_jammed_stretch, stretch_before) || step.inside > yield_depth;
+}
 
 /// Takes a part of the frame in one step.
 /// returns  nothing if the step was accepted
@@ -132,7 +156,16 @@ std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
   rejection.distortion = worst_of(sheets);
   const double trusted =
       converged ? std::max(max_sudden_stretch, 2 * stretch_before) : max_trusted_stretch;
-  if (!rejection.error.empty() || !(rejection.distortion.largest < trusted)) return rejection;
+  bool unfinished = false;
+  if (may_jam(sheets, part.halvings)) {
+    const bool far = is_squeezed_too_far(sheets.front(), part.halvings);
+    const bool crushed = !rejection.error.empty() ||
+                         is_crushed(rejection.distortion, stretch_before, result.front().last);
+    rejection.jammed = crushed && !far;
+    unfinished = crushed || (far && !converged);
+  }
+  if (!rejection.error.empty() || !(rejection.distortion.largest < trusted) || unfinished)
+    return rejection;
   for (const SubstepTarget& f : sheets)
     if (f.trajectory) f.trajectory->push_back({part.end, f.sheet.x});
   return std::nullopt;
@@ -162,8 +195,8 @@ std::pair<SubstepTarget, SubstepTarget> halves_of(const SubstepTarget& whole, do
   other.colliders.from = half.colliders.to;
   half.time -= dt;
   const auto with = [&](StepInput input) -> SubstepTarget {
-    return {whole.elastic, whole.sheet,      std::move(input),       0.5 * whole.relative_motion,
-            whole.side,    whole.trajectory, whole.initial_positions};
+    return {whole.elastic, whole.sheet,      std::move(input),        0.5 * whole.relative_motion,
+            whole.side,    whole.trajectory, whole.initial_positions, whole.may_jam};
   };
   return {with(std::move(half)), with(std::move(other))};
 }
@@ -203,6 +236,12 @@ std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& shee
     rejection = try_step(sheets, frame, part, result);
   if (!rejection) return result;
   beginning.restore();
+  if (rejection->jammed) {
+    result.front().substeps = 0;
+    result.front().converged = false;
+    result.front().followed = part.end - part.length();
+    return result;
+  }
   if (part.halvings >= max_halvings && !is_long) {
     const std::string reason = reason_of(*rejection, frame);
     for (FrameStepResult& r : result) r.failure_reason = reason;
@@ -217,9 +256,13 @@ std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& shee
   const int halvings = part.halvings + 1;
   const std::vector<FrameStepResult> half =
       advance_part(first, frame, {halvings, part.end - 0.5 * part.length()});
-  if (!half.front().failure_reason.empty()) return half;
+  const auto is_over = [](const FrameStepResult& r) {
+    return !r.failure_reason.empty() || r.followed < 1;
+  };
+  if (is_over(half.front())) return half;
   std::vector<FrameStepResult> all = advance_part(rest, frame, {halvings, part.end});
   if (!all.front().failure_reason.empty()) beginning.restore();
+  if (all.front().followed <= part.end - 0.5 * part.length()) all.front().last = half.front().last;
   for (std::size_t k = 0; k < sheets.size(); ++k) {
     all[k].substeps += half[k].substeps;
     all[k].iterations += half[k].iterations + result[k].iterations;
@@ -229,6 +272,14 @@ std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& shee
 }
 
 }  // namespace
+
+int halvings_of_squeeze(const ColliderMotion& moving) {
+  const double way = farthest_move(moving.from, moving.to);
+  int halvings = 0;
+  while (std::ldexp(way, -halvings) > max_squeeze && halvings < max_halvings_for_colliders)
+    ++halvings;
+  return halvings;
+}
 
 std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& sheets,
                                            const FrameInterval& frame) {

@@ -15,6 +15,9 @@ struct FrameStepResult {
   // why the sheets cannot follow their handles; they and all that is known of them are then as they
   // were before the step. Empty: they can.
   std::string failure_reason = {};
+  // [1] of the frame: how far the sheet has followed its colliders. 1 unless it is jammed; it is
+  // then as it was at that time, and not converged.
+  double followed = 1;
 };
 
 /// Positions of a sheet at one time of a frame.
@@ -34,6 +37,8 @@ struct SubstepTarget {
   std::vector<TrajectoryPoint>* trajectory;  // receives the trajectory; null: not recorded
   // [m] positions at the start of the shot, as in JointStepSheet
   Points3 initial_positions = {};
+  // nothing but colliders moves the sheet, and no handle that would give way holds it: it may jam
+  bool may_jam = false;
 };
 
 struct FrameInterval {
@@ -43,12 +48,21 @@ struct FrameInterval {
   Eigen::MatrixXd dhat;  // [m] dhat between several sheets (elastic.h)
 };
 
+/// How often a frame is halved until no collider moves farther in a part of it than a squeezed
+/// sheet follows it in one step that does not converge.
+int halvings_of_squeeze(const ColliderMotion&);
+
 /// Takes sheets through one frame: one sheet by itself, or several in one joint step. A step that
 /// fails, or tears the sheet, is halved, down to 1/256 of a frame. A frame in which a flat sheet is
 /// compressed is halved down to 1/8, so that the buckling direction does not depend on step size or
 /// mesh. Handles that move farther relative to each other than one step should take are halved
 /// before the step is tried, and so are frames in which a collider moves near a sheet by more than
 /// half its Collider::depth() or a tenth of an edge of the mesh, down to 1/1024.
+///
+/// A sheet that may jam is squeezed by its colliders in steps that either converge or are no longer
+/// than three tenths of the reach of their barrier. Where such a step stretches an edge by more
+/// than 2 % and by more than before, or leaves the sheet 0.1 mm inside of a collider, it is not
+/// taken: the sheet is jammed, and stays as it was at the end of the last one.
 /// throws  Error(ErrorCode::simulation) when the energy is not finite
 std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>&, const FrameInterval&);
 

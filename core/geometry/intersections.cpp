@@ -256,7 +256,9 @@ struct CrossingCounter::Search {
     const Node &a = tree.nodes_[n], &b = tree.nodes_[m];
     if (!boxes[n].overlaps(boxes[m]) || are_apart(a, b)) return;
     if (a.second < 0 && b.second < 0) {
-      for (int t = a.begin; t < a.end; ++t) meet(t, b.begin / in_leaf, b.begin);
+      const EightFlags apart = lanes_apart(boxes_of_leaf(a.begin / in_leaf), boxes[m]);
+      for (int t = a.begin; t < a.end; ++t)
+        if (!apart[t % in_leaf]) meet(t, b.begin / in_leaf, b.begin);
     } else if (b.second < 0 || (a.second >= 0 && a.end - a.begin >= b.end - b.begin)) {
       between(n + 1, m);
       between(a.second, m);
@@ -264,6 +266,13 @@ struct CrossingCounter::Search {
       between(n, m + 1);
       between(n, b.second);
     }
+  }
+
+  /// Which triangles of a leaf have no part in a box: most of those of two leaves side by side.
+  static EightFlags lanes_apart(const LeafBoxes& leaf, const NodeBox& box) {
+    EightFlags apart = {};
+    for (int k = 0; k < 3; ++k) apart |= (leaf.low[k] > box.high[k]) | (leaf.high[k] < box.low[k]);
+    return apart;
   }
 
   /// Triangle s with those of a leaf from `first` on.

@@ -26,10 +26,19 @@ struct Cloud {
   int fixed = 0;  // number of points, from the first on, that must not move
 };
 
-/// A closed polygon without the vertices that a coarser one does not need: the omitted ones stay
-/// within `tolerance` [m] of it, and no side becomes longer than `longest` [m] by the omission.
-std::vector<Vector2d> coarsen(const std::vector<Vector2d>& polygon, double longest,
-                              double tolerance) {
+/// What a coarser polygon may do without.
+struct Coarseness {
+  double longest;                   // [m] no side becomes longer by an omission
+  double tolerance;                 // [m] the vertices that are omitted stay within this distance
+  std::vector<Vector2d> kept = {};  // [m] vertices that are not omitted
+};
+
+/// A closed polygon without the vertices that a coarser one does not need.
+std::vector<Vector2d> coarsen(const std::vector<Vector2d>& polygon, const Coarseness& to_be) {
+  const auto [longest, tolerance, always] = to_be;
+  const auto is_kept = [&always = always](const Vector2d& p) {
+    return std::find(always.begin(), always.end(), p) != always.end();
+  };
   const std::size_t n = polygon.size();
   std::vector<Vector2d> kept{polygon[0]};
   for (std::size_t from = 0; from < n;) {
@@ -40,7 +49,7 @@ std::vector<Vector2d> coarsen(const std::vector<Vector2d>& polygon, double longe
       if ((b - a).norm() > longest) break;
       bool near = (b - a).norm() > 0;
       for (std::size_t k = from + 1; near && k <= to; ++k)
-        near = distance_to_segment(polygon[k], a, b) <= tolerance;
+        near = distance_to_segment(polygon[k], a, b) <= tolerance && !is_kept(polygon[k]);
       if (!near) break;
       ++to;
     }
@@ -48,6 +57,46 @@ std::vector<Vector2d> coarsen(const std::vector<Vector2d>& polygon, double longe
     from = to;
   }
   return kept.size() < 3 ? polygon : kept;
+}
+
+/// A closed polygon with these points, which lie on it to within `snap` [m], among its vertices.
+std::vector<Vector2d> with_vertices(std::vector<Vector2d> polygon,
+                                    const std::vector<Vector2d>& points, double snap) {
+  for (const Vector2d& p : points)
+    for (std::size_t k = 0; k < polygon.size(); ++k) {
+      const Vector2d &a = polygon[k], &b = polygon[(k + 1) % polygon.size()];
+      if (distance_to_segment(p, a, b) > snap) continue;
+      if ((p - a).norm() <= snap)
+        polygon[k] = p;
+      else if ((p - b).norm() <= snap)
+        polygon[(k + 1) % polygon.size()] = p;
+      else
+        polygon.insert(polygon.begin() + static_cast<long>(k) + 1, p);
+      break;
+    }
+  return polygon;
+}
+
+/// The border polygons as coarsely as edges of this length follow them. The ends of creases on a
+/// curved border stay on it: between one of them and a chord beside it there would be a needle.
+Pattern coarse_border(const Pattern& pattern, double edge, double border, double snap) {
+  const auto coarsened = [&](const std::vector<Vector2d>& ends) {
+    const Coarseness to_be{1.2 * edge, border * edge, ends};
+    Pattern polygons;
+    polygons.outline = coarsen(with_vertices(pattern.outline, ends, snap), to_be);
+    for (const auto& hole : pattern.holes)
+      polygons.holes.push_back(coarsen(with_vertices(hole, ends, snap), to_be));
+    return polygons;
+  };
+  Pattern polygons = coarsened({});
+  std::vector<Vector2d> ends;
+  bool cut_off = false;
+  for (const Vector2d& p : crease_points(pattern.prescribed_creases)) {
+    if ((nearest_border_point(pattern, p) - p).norm() > snap) continue;
+    cut_off = cut_off || (nearest_border_point(polygons, p) - p).norm() > snap;
+    ends.push_back(p);
+  }
+  return cut_off ? coarsened(ends) : polygons;
 }
 
 /// Divides one border polygon into parts of about `edge` [m]; required points that lie on it become
@@ -207,15 +256,17 @@ std::optional<Triangles> triangulate(const Cloud& cloud) {
 
 }  // namespace
 
+double equilateral_edge(const Pattern& pattern, int triangles) {
+  return std::sqrt(area(pattern) / triangles / (std::sqrt(3.0) / 4));
+}
+
 std::optional<PatternMesh> try_mesh_pattern(const Pattern& pattern, double edge,
                                             const std::vector<Vector2d>& points, double turn,
                                             double border) {
   constexpr int smoothing_passes = 6;
   const double snap = 1e-6 * longer_side(pattern);
   Cloud cloud;
-  cloud.polygons.outline = coarsen(pattern.outline, 1.2 * edge, border * edge);
-  for (const auto& hole : pattern.holes)
-    cloud.polygons.holes.push_back(coarsen(hole, 1.2 * edge, border * edge));
+  cloud.polygons = coarse_border(pattern, edge, border, snap);
   // a coarsened border misses the required points on it, or cuts off those close to it: move them
   // onto the polygon
   std::vector<Vector2d> required = points;
@@ -258,7 +309,7 @@ PatternMesh mesh_pattern(const Pattern& pattern, double edge, const std::vector<
 PatternMesh mesh_pattern_with(const Pattern& pattern, int triangles,
                               const std::vector<Vector2d>& points, double turn) {
   if (area(pattern) <= 0) throw crossed_outline();
-  double edge = std::sqrt(area(pattern) / (triangles * std::sqrt(3.0) / 4));
+  double edge = equilateral_edge(pattern, triangles);
   PatternMesh best = mesh_pattern(pattern, edge, points, turn);
   const auto miss = [&](const PatternMesh& m) {
     return std::abs(std::log(double(m.triangles.rows()) / triangles));

@@ -14,6 +14,9 @@ struct PatternMesh {
   std::vector<int> point_vertex;  // vertex of each required point; equal points share one
 };
 
+/// Edge of the equilateral triangles of which so many have the area of the pattern. [m]
+double equilateral_edge(const Pattern&, int triangles);
+
 /// Meshes the pattern with nearly equilateral triangles: rows of a lattice along the longest side
 /// of the outline, the border in equal parts, every required point a vertex; smoothed where
 /// lattice, border and points meet. Prescribed creases become rows of edges; their vertices follow

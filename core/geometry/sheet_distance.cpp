@@ -1,5 +1,6 @@
 #include "core/geometry/sheet_distance.h"
 
+#include "core/geometry/box_of.h"
 #include "core/geometry/proximity.h"
 
 #include <Eigen/Geometry>
@@ -16,10 +17,6 @@ struct Boxed {
   Eigen::AlignedBox3d box;
   int triangle;
 };
-
-Eigen::AlignedBox3d box_of(const Points3& x) {
-  return {Vector3d(x.colwise().minCoeff()), Vector3d(x.colwise().maxCoeff())};
-}
 
 /// Triangles whose boxes reach into `part`, sorted by their lower end along x.
 std::vector<Boxed> boxes_in(const Sheet& sheet, const Eigen::AlignedBox3d& part) {

@@ -188,6 +188,17 @@ ColumnCholesky::ColumnCholesky(const Eigen::SparseMatrix<double>& lower) {
   factorise(matrix);
 }
 
+ColumnCholesky ColumnCholesky::of_matrix_alike(const Eigen::SparseMatrix<double>& lower) const {
+  ColumnCholesky other;
+  other.place_ = place_;
+  other.panels_ = panels_;
+  other.row_ = row_;
+  other.value_.resize(value_.size());
+  other.inverse_diagonal_.resize(inverse_diagonal_.size());
+  other.factorise(reordered(lower, place_));
+  return other;
+}
+
 /// rows_below  the rows of each column of the factor below the diagonal
 void ColumnCholesky::make_panels(const std::vector<std::vector<int>>& rows_below) {
   const int n = static_cast<int>(rows_below.size());

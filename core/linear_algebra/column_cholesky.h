@@ -23,6 +23,10 @@ class ColumnCholesky {
   /// lower   lower triangle of the matrix
   /// throws  Error(ErrorCode::simulation) if the matrix is not positive definite
   explicit ColumnCholesky(const Eigen::SparseMatrix<double>& lower);
+  /// The factor of another matrix, which has no entries but where this one has some: in the same
+  /// order, with the same panels.
+  /// lower, throws  as above
+  ColumnCholesky of_matrix_alike(const Eigen::SparseMatrix<double>& lower) const;
   /// b        |n|x3
   /// returns  |n|x3
   Points3 solve(const Points3& b) const;
@@ -33,6 +37,7 @@ class ColumnCholesky {
     int begin, end;      // in row_: the rows below these columns
     std::size_t values;  // in value_: row by row, of the columns themselves first
   };
+  ColumnCholesky() = default;
   void make_panels(const std::vector<std::vector<int>>& rows_below);
   void factorise(const Eigen::SparseMatrix<double>& lower);
 

@@ -57,11 +57,18 @@ class Adaptive : public Method {
       : side_(side), max_triangles_(max_triangles), options_(options) {}
 
   FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
-    constexpr double mean_edge = 0.8;  // [1] of the longest edge that is not split
-    PatternMesh mesh = mesh_pattern(
-        pattern, mean_edge * options_.largest * std::sqrt(area(pattern)), points, options_.turn);
+    PatternMesh mesh = mesh_pattern(pattern, first_edge(pattern), points, options_.turn);
     number_points_first(mesh);
     return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+  }
+  std::optional<FirstMesh> mesh_with_creases(const Pattern& pattern,
+                                             const std::vector<Vector2d>& points) const override {
+    std::optional<PatternMesh> mesh =
+        try_mesh_pattern(pattern, first_edge(pattern), points, options_.turn);
+    if (!mesh) return std::nullopt;
+    number_points_first(*mesh);
+    return FirstMesh{std::move(mesh->vertices), std::move(mesh->triangles),
+                     std::move(mesh->point_vertex)};
   }
 
   MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
@@ -88,6 +95,11 @@ class Adaptive : public Method {
   void archive(Serializer& a) override { a(unfinished_); }
 
  private:
+  /// [m] Mean edge of a mesh in which none is so long that it would be split.
+  double first_edge(const Pattern& pattern) const {
+    constexpr double mean_edge = 0.8;  // [1] of the longest edge that is not split
+    return mean_edge * options_.largest * std::sqrt(area(pattern));
+  }
   double side_;  // [m] longer side of the pattern
   int max_triangles_;
   SizingOptions options_;

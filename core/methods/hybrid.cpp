@@ -10,11 +10,6 @@
 namespace paperbake {
 namespace {
 
-/// [m] Edge of equilateral triangles of which the pattern has so many.
-double edge_of(const Pattern& pattern, const FirstLattice& lattice) {
-  return std::sqrt(area(pattern) / lattice.triangles / (std::sqrt(3.0) / 4));
-}
-
 /// A mesh of about so many triangles. Where handles stand so close together that they alone take
 /// most of the triangles, there are more: otherwise the cells between the handles would be as large
 /// as the sheet, and a straight edge from clamp to handle would be a taut string. (S8 with 60: 40
@@ -22,8 +17,8 @@ double edge_of(const Pattern& pattern, const FirstLattice& lattice) {
 PatternMesh first_mesh_with(const Pattern& pattern, const FirstLattice& lattice,
                             const std::vector<Vector2d>& points) {
   constexpr double largest_edge = 1.15;  // [1] of the edge of as many equilateral triangles
-  PatternMesh coarsest =
-      mesh_pattern(pattern, largest_edge * edge_of(pattern, lattice), points, lattice.turn);
+  PatternMesh coarsest = mesh_pattern(
+      pattern, largest_edge * equilateral_edge(pattern, lattice.triangles), points, lattice.turn);
   return coarsest.triangles.rows() > lattice.triangles
              ? coarsest
              : mesh_pattern_with(pattern, lattice.triangles, points, lattice.turn);
@@ -72,8 +67,8 @@ class Hybrid : public Method {
   }
   std::optional<FirstMesh> mesh_with_creases(const Pattern& pattern,
                                              const std::vector<Vector2d>& points) const override {
-    std::optional<PatternMesh> mesh =
-        try_mesh_pattern(pattern, edge_of(pattern, lattice_now()), points, lattice_.turn);
+    std::optional<PatternMesh> mesh = try_mesh_pattern(
+        pattern, equilateral_edge(pattern, lattice_now().triangles), points, lattice_.turn);
     if (!mesh) return std::nullopt;
     number_points_first(*mesh);
     return FirstMesh{std::move(mesh->vertices), std::move(mesh->triangles),
@@ -93,16 +88,21 @@ class Hybrid : public Method {
   }
 
   MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
-    if (is.snap_in_progress) return MeshChange::none;
+    if (is.jammed)
+      return crumple_.refine_where_jammed(sheet, is.fixed, is.local_energies()) > 0
+                 ? MeshChange::moved
+                 : MeshChange::none;
+    const bool pressed = is.squeeze > 0 && crumple_.is_crumpled(sheet);
+    if (is.snap_in_progress && !pressed) return MeshChange::none;
     const double way =
-        std::max(is.relative_handle_motion, is.rests_on_contact ? is.deformation : 0);
-    const CrumpleReport report =
-        crumple_.step(sheet, is.fixed, is.now, {way, is.moving, is.at_minimum}, is.local_energies);
+        std::max({is.relative_handle_motion, is.rests_on_contact ? is.deformation : 0, is.squeeze});
+    const CrumpleReport report = crumple_.step(
+        sheet, is.fixed, is.now, {way, is.moving, is.at_minimum, pressed}, is.local_energies);
     if (report.moves + report.resized > 0) return MeshChange::moved;
     return report.mesh_changed() ? MeshChange::local : MeshChange::none;
   }
-  int load_parts(const Sheet& sheet, double relative_handle_motion) const override {
-    return crumple_.load_parts(sheet, relative_handle_motion);
+  int load_parts(const Sheet& sheet, double motion) const override {
+    return crumple_.load_parts(sheet, motion);
   }
 
   bool finish(Sheet& shown, const std::vector<int>& held) const override {

@@ -36,6 +36,9 @@ struct RemeshContext {
   // [1] of the longer side: how far its points went in the last step, apart from a rigid motion;
   // root mean square
   double deformation;
+  // [1] of the longer side: how far colliders are about to squeeze a sheet that no handle holds
+  double squeeze;
+  bool jammed;  // colliders cannot squeeze it any farther, unless a finer mesh lets it fold
   std::function<LocalEnergies()> local_energies;  // of the sheet as it is
 };
 
@@ -75,9 +78,10 @@ class Method {
                                               const ColliderShapes&) const {
     return {};
   }
-  /// Another mesh like the first one, for a pattern that has one crease more than it had then: the
-  /// sheet is being folded there. The points get the numbers that they have in the first mesh.
-  /// Nothing if the method cannot take a crease up, or no sound mesh has it.
+  /// Another mesh like the first one, for a pattern that has more creases than it had then: the
+  /// sheet is being folded there, or it begins bent there. The points get the numbers that they
+  /// have in the first mesh. Nothing if the method cannot take creases up, or no sound mesh has
+  /// them.
   virtual std::optional<FirstMesh> mesh_with_creases(
       const Pattern&, const std::vector<Vector2d>& /*points*/) const {
     return std::nullopt;
@@ -100,10 +104,11 @@ class Method {
   /// left it; so every frame that is handed on is a minimum on its own mesh.
   virtual MeshChange remesh(Sheet&, const RemeshContext&) { return MeshChange::none; }
 
-  /// Into how many parts of equal length the frame is divided in which the handles make this motion
-  /// relative to each other [1, of the longer side]. `remesh` is called before each of them. A
-  /// sheet that is animated together with others takes every frame as a whole.
-  virtual int load_parts(const Sheet&, double /*relative_handle_motion*/) const { return 1; }
+  /// Into how many parts of equal length the frame is divided in which handles make this motion
+  /// relative to each other, or colliders squeeze the sheet by it [1, of the longer side]. `remesh`
+  /// is called before each of them. A sheet that is animated together with others takes every frame
+  /// as a whole.
+  virtual int load_parts(const Sheet&, double /*motion*/) const { return 1; }
 
   /// Called after the elastic step of a frame, on the copy of the sheet that is handed on; the next
   /// frame starts from the equilibrium itself.

@@ -394,7 +394,7 @@ RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeat
 RenderMesh mesh_for_render(const Pattern& pattern, double edge, const RenderFeatures& features,
                            int max_triangles) {
   // so many fit without features; with features it takes another round or two
-  edge = std::max(edge, std::sqrt(area(pattern) / max_triangles / (std::sqrt(3.0) / 4)));
+  edge = std::max(edge, equilateral_edge(pattern, max_triangles));
   RenderMesh mesh = mesh_for_render(pattern, edge, features);
   // with longer edges there are no fewer: what is left are the triangles between the features
   while (mesh.triangles.rows() > max_triangles && edge < longer_side(pattern)) {

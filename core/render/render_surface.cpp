@@ -144,12 +144,14 @@ Points3 RenderSurface::linear_positions(const Sheet& sheet,
   return linear_positions;
 }
 
-std::vector<int> RenderSurface::intersecting_facets(const Sheet& sheet,
-                                                    const std::vector<MeshPoint>& places) const {
+bool RenderSurface::may_have_intersecting_facets(const Sheet& sheet) const {
   // a chord across a fold is no farther from it than half its length
   const double farthest = 0.5 * mean_edge_;
-  if (!may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest)))
-    return {};
+  return may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest));
+}
+
+std::vector<int> RenderSurface::intersecting_facets(const Sheet& sheet,
+                                                    const std::vector<MeshPoint>& places) const {
   const std::vector<std::pair<int, int>> pairs =
       apart_->intersections(linear_positions(sheet, places));
   if (pairs.empty() || paperbake::crossings(sheet) > 0) return {};

@@ -66,6 +66,10 @@ class RenderSurface {
   /// The vertices of mesh() on the flat triangles of the simulated mesh. |V|x3 [m]
   Points3 linear_positions(const Sheet&, const std::vector<MeshPoint>& places) const;
 
+  /// False where the layers of a simulated sheet are so far from each other that
+  /// intersecting_facets() are none, wherever the vertices of mesh() lie on them.
+  bool may_have_intersecting_facets(const Sheet&) const;
+
   /// The triangles of the simulated sheet at which linear_positions(), joined by the triangles of
   /// mesh(), pass through each other although the sheet does not, because its layers are very near
   /// each other. In order.

@@ -106,7 +106,7 @@ void ShapeFit::hold(const std::vector<int>& vertices) {
       free_.push_back(static_cast<int>(v));
     }
   if (free_.empty()) return;
-  const auto factored = [&](const Eigen::SparseMatrix<double>& all) {
+  const auto lower_of_free = [&](const Eigen::SparseMatrix<double>& all) {
     std::vector<Eigen::Triplet<double>> entries;
     entries.reserve(all.nonZeros());
     for (const int v : free_)
@@ -115,10 +115,11 @@ void ShapeFit::hold(const std::vector<int>& vertices) {
           entries.emplace_back(place[it.row()], place[v], it.value());
     Eigen::SparseMatrix<double> lower(free_.size(), free_.size());
     lower.setFromTriplets(entries.begin(), entries.end());
-    return ColumnCholesky(lower);
+    return lower;
   };
-  smooth_factor_.emplace(factored(smooth_));
-  stiff_factor_.emplace(factored(stiff_));
+  // all entries of the smooth matrix are among those of the stiff one
+  stiff_factor_.emplace(lower_of_free(stiff_));
+  smooth_factor_.emplace(stiff_factor_->of_matrix_alike(lower_of_free(smooth_)));
 }
 
 Points3 ShapeFit::stretch_pull(const Points3& x) const {

@@ -1,5 +1,6 @@
 #include "core/render/untangle_sheets.h"
 
+#include "core/geometry/box_of.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 
@@ -7,10 +8,6 @@
 
 namespace paperbake {
 namespace {
-
-Eigen::AlignedBox3d box_of(const Points3& x) {
-  return {Vector3d(x.colwise().minCoeff()), Vector3d(x.colwise().maxCoeff())};
-}
 
 bool any(const std::vector<int>& counts) {
   return std::any_of(counts.begin(), counts.end(), [](int count) { return count > 0; });

@@ -6,6 +6,7 @@
 #include "core/model/paper.h"
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
+#include "core/step1_elastic/contact/collider_distances.h"
 #include "core/step1_elastic/energies/external_forces.h"
 #include "core/step1_elastic/energies/handle_springs.h"
 #include "core/step1_elastic/energies/ridge_yield.h"

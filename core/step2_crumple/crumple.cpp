@@ -200,9 +200,8 @@ CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const 
   if (!is.moving) return {};
   const double way = std::min(options_.largest_way, is.way);
   if (is_crumpled(sheet)) {
-    // away from a minimum the forces on the vertices say nothing about where they would rather be
-    if (!(way > 0) || !is.at_minimum) return {};
-    return crumpled_.step(sheet, {fixed, stored(), way, now.frame});
+    if (!(way > 0) || !(is.at_minimum || is.pressed)) return {};
+    return crumpled_.step(sheet, {fixed, stored(), way, now.frame, is.at_minimum});
   }
   CrumpleReport report = step_smooth(sheet, fixed, now, way);
   // as many points as would be born if the same way was gone in small steps
@@ -214,6 +213,11 @@ CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const 
     report.flips += more.flips;
   }
   return report;
+}
+
+int Crumple::refine_where_jammed(Sheet& sheet, const std::vector<char>& fixed,
+                                 const LocalEnergies& stored) {
+  return is_crumpled(sheet) ? crumpled_.refine_where_jammed(sheet, fixed, stored) : 0;
 }
 
 int Crumple::load_parts(const Sheet& sheet, double way) const {

@@ -40,12 +40,20 @@ class Crumple {
     double way;
     bool moving;      // false: the sheet is at rest
     bool at_minimum;  // the last step reached a minimum
+    // colliders squeeze it, and no handle gives way: it may have to fold once more before it can
+    // reach a minimum
+    bool pressed = false;
   };
   /// Examines the sheet as step 1 left it and changes its mesh for the next step. Fixed vertices
   /// (handles and the rims of their discs) keep their number and their place on the pattern.
   /// stored  the energies of the sheet
   CrumpleReport step(Sheet&, const std::vector<char>& fixed, const FrameTime&, const Deformation&,
                      const std::function<LocalEnergies()>& stored);
+
+  /// Refines the mesh of a sheet that is jammed where it stores more in its membrane than folds
+  /// would cost.
+  /// returns  the number of edges that were divided or removed
+  int refine_where_jammed(Sheet&, const std::vector<char>& fixed, const LocalEnergies& stored);
 
   /// Into how many parts a frame is to be divided. The folds of a crumpled sheet follow the load in
   /// small steps only.

@@ -186,6 +186,10 @@ void CrumpledMesh::refine_where_locked(const Sheet& sheet, const Mesh& mesh, con
   if (!(membrane > locked * bending)) return;
   const double rate = std::min(1.0, membrane / (locked * bending) - 1),
                factor = std::pow(refinement, rate * input.way / full_way);
+  refine_locked_rings(sheet, mesh, factor);
+}
+
+void CrumpledMesh::refine_locked_rings(const Sheet& sheet, const Mesh& mesh, double factor) {
   const double mean_ring = mesh.bending.mean();
   for (int v = 0; v < sheet.pattern.rows(); ++v)
     if (mesh.membrane[v] > locked_ring * std::max(mesh.bending[v], mean_ring))
@@ -217,11 +221,20 @@ CrumpleReport CrumpledMesh::step(Sheet& sheet, const Input& input) {
   CrumpleReport report;
   Mesh mesh(sheet, *this, input);
   report.births = promote(sheet, mesh, input);
-  report.moves = slide(sheet, mesh, input);
+  if (input.at_minimum) report.moves = slide(sheet, mesh, input);
   refine_where_locked(sheet, mesh, input);
   report.flips = flip_to_delaunay(sheet, sizes_.metric(sheet.pattern), flat_fold);
   report.resized = fit_sizes(sheet, mesh);
   return report;
+}
+
+int CrumpledMesh::refine_where_jammed(Sheet& sheet, const std::vector<char>& fixed,
+                                      const LocalEnergies& stored) {
+  constexpr double bisected = 0.7;  // [1] of the lengths of edges: each is divided once
+  if (!(stored.membrane.sum() > locked * stored.bending.sum())) return 0;
+  Mesh mesh(sheet, *this, {fixed, stored, 0, 0});
+  refine_locked_rings(sheet, mesh, bisected);
+  return fit_sizes(sheet, mesh);
 }
 
 static void archive(Serializer& a, CrumpledMesh::Slider& s) { a(s.rate, s.direction); }

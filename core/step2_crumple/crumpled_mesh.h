@@ -35,12 +35,18 @@ class CrumpledMesh {
 
   struct Input {
     const std::vector<char>& fixed;  // 1: the vertex keeps its place on the pattern
-    const LocalEnergies& stored;     // of the sheet, which is in equilibrium
+    const LocalEnergies& stored;     // of the sheet
     double way;                      // [1] of the longer side: how far it was deformed
     int frame;
+    bool at_minimum = true;  // the last step reached a minimum
   };
-  /// Changes the mesh of the sheet, which the last elastic step left in equilibrium.
+  /// Changes the mesh of the sheet as the last elastic step left it. Away from a minimum no vertex
+  /// slides: the forces on the vertices do not say there where they would rather be.
   CrumpleReport step(Sheet&, const Input&);
+
+  /// Refines the mesh of a sheet that is jammed, where it is locked.
+  /// returns  the number of edges that were divided or removed
+  int refine_where_jammed(Sheet&, const std::vector<char>& fixed, const LocalEnergies& stored);
 
   void archive(Serializer&);
 
@@ -56,6 +62,7 @@ class CrumpledMesh {
   bool promote_vertex(Sheet&, const Mesh&, int vertex, int frame);
   int slide(Sheet&, const Mesh&, const Input&);
   void refine_where_locked(const Sheet&, const Mesh&, const Input&);
+  void refine_locked_rings(const Sheet&, const Mesh&, double factor);
   int fit_sizes(Sheet&, const Mesh&);
 
   Pattern pattern_;

@@ -128,8 +128,10 @@ std::vector<SamplePair> sample_pairs(double reach) {
 }  // namespace
 
 Colour mix(Colour a, Colour b, double t) {
+  if (t <= 0) return a;
+  if (t >= 1) return b;
   const auto one = [&](int from, int to) {
-    return static_cast<std::uint8_t>(from + std::clamp(t, 0.0, 1.0) * (to - from) + 0.5);
+    return static_cast<std::uint8_t>(from + t * (to - from) + 0.5);
   };
   return {one(a.red, b.red), one(a.green, b.green), one(a.blue, b.blue)};
 }

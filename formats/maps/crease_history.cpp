@@ -15,6 +15,16 @@ double rise(double value, const double (&soft)[2]) {
   return std::clamp((value - soft[0]) / (soft[1] - soft[0]), 0.0, 1.0);
 }
 
+/// False if the creases are so far from each other that they are neither in the same place nor
+/// overlap: most of them, told without a look at their directions.
+bool may_touch(const DetectedCrease& a, const DetectedCrease& b, double same) {
+  const auto apart = [&](const DetectedCrease& low, const DetectedCrease& high) {
+    return (low.from.cwiseMax(low.to).array() + 2 * same < high.from.cwiseMin(high.to).array())
+        .any();
+  };
+  return !apart(a, b) && !apart(b, a);
+}
+
 bool same_place(const DetectedCrease& a, const DetectedCrease& b, double same) {
   const bool straight = (a.from - b.from).norm() <= same && (a.to - b.to).norm() <= same;
   return straight || ((a.from - b.to).norm() <= same && (a.to - b.from).norm() <= same);
@@ -87,6 +97,7 @@ void merge_creases(std::vector<DetectedCrease>& history, const std::vector<Detec
     crease.frame_of_birth = frame;
     DetectedCrease* old = nullptr;
     for (std::size_t k = 0; k < known; ++k) {
+      if (!may_touch(history[k], crease, same)) continue;
       if (!old && same_place(history[k], crease, same)) old = &history[k];
       if (overlap(history[k], crease, same))
         crease.frame_of_birth = std::min(crease.frame_of_birth, history[k].frame_of_birth);

@@ -43,6 +43,10 @@ CreaseMap::CreaseMap(const Pattern& pattern, const CreaseMapOptions& options) {
   scene.peak = &state_->peak;
 }
 
+CreaseMap::CreaseMap(const CreaseMap& other) : state_(std::make_unique<State>(*other.state_)) {
+  state_->scene.peak = &state_->peak;
+}
+
 CreaseMap::~CreaseMap() = default;
 
 void CreaseMap::record(int frame, const Sheet& sheet, const Points3& curvature,

@@ -26,8 +26,8 @@ struct CreaseMapOptions {
 /// (pattern / longer side), v up. Texel (i, j) of the file, j counted from the top row, has its
 /// centre at u = (i+0.5)/size, v = 1 - (j+0.5)/size.
 ///
-/// The layers (R, G, B, A, fold, dir and strain are HALF, which has more than three digits; apex.id
-/// is UINT, all others FLOAT; "so far" means in any recorded frame up to this one):
+/// The layers (HALF, which has more than three digits, but for apex.id, which is UINT, and
+/// apex.dist, which is FLOAT; "so far" means in any recorded frame up to this one):
 ///
 ///   R            [0, 1] crease strength: the largest dihedral angle so far of the creases that run
 ///                through the texel, over a right angle. Drawn as anti-aliased lines of
@@ -70,10 +70,12 @@ struct CreaseMapOptions {
 /// Texels outside the pattern but at most 4 texels from it are padding for texture lookups at the
 /// border: A is 0, the shape is that of the nearest point of the border. Beyond them every layer is
 /// 0 or has the value for "none" above. Angles are rounded to 2^-12 rad, strains to 2^-12 %,
-/// directions to 2^-10, distances to at most 1/8 texel.
+/// directions to 2^-10, distances to at most 1/8 texel. Layers of shape are computed in 32 bits.
 class CreaseMap {
  public:
   CreaseMap(const Pattern&, const CreaseMapOptions&);
+  /// The map as it is now, whatever the other one records later: to be written meanwhile.
+  CreaseMap(const CreaseMap&);
   ~CreaseMap();
 
   /// Adds a frame to the history of creases and of fold.peak. Must be called for every frame in

@@ -39,10 +39,9 @@ void FoldPeak::record(const MapFields& fields) {
         float bulge[row.longest], hollow[row.longest];
         // without a branch, so that the compiler computes several texels at once
         for (int i = 0, texels = row.texels; i < texels; ++i) {
-          const double k1 = larger_principal(f[0][i], f[1][i], f[2][i]),
-                       k2 = f[0][i] + f[2][i] - k1;
-          bulge[i] = static_cast<float>(std::max(k1, k2));
-          hollow[i] = static_cast<float>(-std::min(k1, k2));
+          const float k1 = larger_principal(f[0][i], f[1][i], f[2][i]), k2 = f[0][i] + f[2][i] - k1;
+          bulge[i] = std::max(k1, k2);
+          hollow[i] = -std::min(k1, k2);
         }
         float *peak = bulge_.data() + row.index, *low = hollow_.data() + row.index;
         for (int i = 0, texels = row.texels; i < texels; ++i) {

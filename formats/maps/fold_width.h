@@ -35,10 +35,11 @@ Eigen::VectorXd fold_widths(const Sheet&, const Points3& curvature, double fold_
 Points3 fold_tensors(const Points3& curvature, const Eigen::VectorXd& width);
 
 /// The eigenvalue of larger magnitude of the symmetric tensor (Sxx, Sxy, Syy).
-inline double larger_principal(double xx, double xy, double yy) {
-  const double mean = 0.5 * (xx + yy), half_difference = 0.5 * (xx - yy);
-  const double radius = std::sqrt(half_difference * half_difference + xy * xy);
-  return mean + std::copysign(radius, mean + 0.0);  // -0 counts as 0
+template <class Real>
+Real larger_principal(Real xx, Real xy, Real yy) {
+  const Real half = Real(0.5), mean = half * (xx + yy), half_difference = half * (xx - yy);
+  const Real radius = std::sqrt(half_difference * half_difference + xy * xy);
+  return mean + std::copysign(radius, mean + Real(0));  // -0 counts as 0
 }
 
 }  // namespace paperbake

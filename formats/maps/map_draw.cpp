@@ -3,6 +3,7 @@
 #include "core/geometry/hinges.h"
 #include "formats/maps/fold_width.h"
 
+#include <algorithm>
 #include <limits>
 
 namespace paperbake {
@@ -15,10 +16,10 @@ constexpr float strain_step = 1.0f / 4096;  // [%]
 constexpr float unit_step = 1.0f / 1024;    // [1] components of a direction
 
 // [rad] |k1| x longer side over which B rises from 0 to 1, as step 2 finds curved regions
-constexpr double curved_range[2] = {0.18, 0.3};
+constexpr float curved_range[2] = {0.18f, 0.3f};
 // [1] |k2 / k1| over which B falls to 0, since the paper bends in both directions
-constexpr double one_way_range[2] = {0.5, 0.7};
-constexpr double isotropic = 0.02;  // [1] |k1 - k2| / |k1| below which a bowl has no ruling
+constexpr float one_way_range[2] = {0.5f, 0.7f};
+constexpr float isotropic = 0.02f;  // [1] |k1 - k2| / |k1| below which a bowl has no ruling
 // [texel] of a line or disc: a thinner one would be lost between the centres of texels
 constexpr double min_radius = 0.75;
 // [texel] how far age.crease reaches beyond R: a filtered lookup where R is drawn must not meet -1
@@ -27,9 +28,7 @@ constexpr double age_margin = 1.5;
 constexpr int block = 16;
 
 /// The nearest multiple of `step`; + 0 turns -0 into 0.
-float rounded(double value, float step) {
-  return std::nearbyint(static_cast<float>(value) / step) * step + 0.0f;
-}
+float rounded(float value, float step) { return std::nearbyint(value / step) * step + 0.0f; }
 
 /// [m] 1/16 to 1/8 texel; a power of two, so that the last bits of a rounded number are zeros.
 float distance_step(double texel_size) {
@@ -43,48 +42,52 @@ double cover(double radius, double distance) {
 }
 
 /// max(0, value), from which the compiler makes no branch.
-double positive(double value) { return 0.5 * (value + std::abs(value)); }
+float positive(float value) { return 0.5f * (value + std::abs(value)); }
 
-double within_unit(double value) { return positive(value) - positive(value - 1); }
+float within_unit(float value) { return positive(value) - positive(value - 1); }
 
-/// [%] stretch - 1 for a principal Green strain.
-double percent(double green) { return 100 * (std::sqrt(positive(1 + 2 * green)) - 1); }
+/// [%] stretch - 1 for a principal Green strain: sqrt(1 + 2 green) - 1, of which small strains lose
+/// no digits.
+float percent(float green) {
+  const float possible = std::max(green, -0.5f);
+  return 200 * possible / (std::sqrt(1 + 2 * possible) + 1);
+}
 
 /// Sets the layers that depend only on the shape of the sheet at the texels: for all of them side
 /// by side, without a branch, so that the compiler computes several at once.
 void draw_shape(const MapScene& scene, const TexelRow<12>& row, MapTexel* texels) {
   float angle[row.longest], plastic[row.longest], bent_one_way[row.longest], dir_x[row.longest],
       dir_y[row.longest], strain_min[row.longest], strain_max[row.longest];
-  constexpr double tiny = 1e-300;  // keeps from a division by zero where there is no ruling
+  constexpr float tiny = 1e-30f;  // keeps from a division by zero where there is no ruling
+  const auto side = static_cast<float>(scene.side);
   const auto& f = row.fields;
   for (int i = 0; i < row.texels; ++i) {
     angle[i] = rounded(larger_principal(f[3][i], f[4][i], f[5][i]), angle_step);
     plastic[i] = rounded(larger_principal(f[6][i], f[7][i], f[8][i]), angle_step);
   }
   for (int i = 0; i < row.texels; ++i) {
-    const double xx = f[0][i], xy = f[1][i], yy = f[2][i], half_difference = 0.5 * (xx - yy),
-                 radius = std::sqrt(half_difference * half_difference + xy * xy),
-                 k1 = larger_principal(xx, xy, yy), k2 = xx + yy - k1,
-                 bent = std::abs(k1) * scene.side;
+    const float xx = f[0][i], xy = f[1][i], yy = f[2][i], half_difference = 0.5f * (xx - yy),
+                radius = std::sqrt(half_difference * half_difference + xy * xy),
+                k1 = larger_principal(xx, xy, yy), k2 = xx + yy - k1, bent = std::abs(k1) * side;
     const float ruled =
         (bent > curved_range[0]) & (std::abs(k1 - k2) > isotropic * std::abs(k1)) ? 1.0f : 0.0f;
-    const double ratio = std::abs(k2) / (std::abs(k1) + tiny),
-                 coherent = (one_way_range[1] - ratio) / (one_way_range[1] - one_way_range[0]);
-    bent_one_way[i] = ruled * static_cast<float>(within_unit((bent - curved_range[0]) /
-                                                             (curved_range[1] - curved_range[0])) *
-                                                 within_unit(coherent));
+    const float ratio = std::abs(k2) / (std::abs(k1) + tiny),
+                coherent = (one_way_range[1] - ratio) / (one_way_range[1] - one_way_range[0]);
+    bent_one_way[i] = ruled *
+                      within_unit((bent - curved_range[0]) / (curved_range[1] - curved_range[0])) *
+                      within_unit(coherent);
     // the eigenvector of the larger eigenvalue is at angle phi, that of the smaller one across it;
     // the sheet bends along that of larger magnitude, and the ruling runs across, with x >= 0
-    const double sign = -std::copysign(1.0, xx + yy + 0.0),
-                 c = sign * half_difference / (radius + tiny), s = sign * xy / (radius + tiny);
-    dir_x[i] = ruled * rounded(std::sqrt(positive(0.5 * (1 + c))), unit_step);
+    const float sign = -std::copysign(1.0f, xx + yy + 0.0f),
+                c = sign * half_difference / (radius + tiny), s = sign * xy / (radius + tiny);
+    dir_x[i] = ruled * rounded(std::sqrt(positive(0.5f * (1 + c))), unit_step);
     // + 0 turns -0 into 0
     dir_y[i] =
-        ruled * rounded(std::copysign(std::sqrt(positive(0.5 * (1 - c))), s), unit_step) + 0.0f;
+        ruled * rounded(std::copysign(std::sqrt(positive(0.5f * (1 - c))), s), unit_step) + 0.0f;
   }
   for (int i = 0; i < row.texels; ++i) {
-    const double mean = 0.5 * (f[9][i] + f[11][i]), half_difference = 0.5 * (f[9][i] - f[11][i]),
-                 radius = std::sqrt(half_difference * half_difference + f[10][i] * f[10][i]);
+    const float mean = 0.5f * (f[9][i] + f[11][i]), half_difference = 0.5f * (f[9][i] - f[11][i]),
+                radius = std::sqrt(half_difference * half_difference + f[10][i] * f[10][i]);
     strain_min[i] = rounded(percent(mean - radius), strain_step);
     strain_max[i] = rounded(percent(mean + radius), strain_step);
   }
@@ -166,6 +169,13 @@ struct NearestPoints {
   static constexpr double far = std::numeric_limits<double>::max();
 };
 
+bool any_wanted(const std::vector<char>& wanted, const MapRows& rows, int left, int top) {
+  for (int row = top; row < std::min(top + block, rows.last); ++row)
+    for (int i = left; i < std::min(left + block, rows.size); ++i)
+      if (wanted[rows.index(i, row)]) return true;
+  return false;
+}
+
 /// What all texels have whose nearest singular point is this one.
 struct ApexLayers {
   float cone, age;
@@ -181,11 +191,12 @@ void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<c
   std::vector<ApexLayers> of_apex;
   for (const MapApex& apex : scene.apices) {
     at.push_back(to_texels(apex.pattern, scene.side, rows.size));
-    of_apex.push_back({rounded(apex.turn, angle_step),
+    of_apex.push_back({rounded(static_cast<float>(apex.turn), angle_step),
                        static_cast<float>((scene.frame - apex.frame_of_birth) / scene.fps)});
   }
   for (int top = rows.first; top < rows.last; top += block)
     for (int left = 0; left < rows.size; left += block) {
+      if (!any_wanted(wanted, rows, left, top)) continue;
       const std::vector<int> near = near_points(
           at, Vector2d(left, top) + Vector2d::Constant(0.5 * (block - 1)), block * std::sqrt(0.5));
       const NearestPoints points(at, near, left, top);
@@ -196,7 +207,7 @@ void draw_apices(const MapScene& scene, const MapRows& rows, const std::vector<c
           const double distance = std::sqrt(points.squared[row - top][i - left]);
           MapTexel& texel = texels[rows.index(i, row)];
           texel.g = static_cast<float>(cover(radius, distance));
-          texel.apex_dist = rounded(distance * texel_size, step);
+          texel.apex_dist = rounded(static_cast<float>(distance * texel_size), step);
           texel.apex_id = nearest + 1;
           texel.apex_cone = of_apex[nearest].cone;
           texel.age_apex = of_apex[nearest].age;
@@ -236,6 +247,7 @@ void draw_map(const MapScene& scene, const MapRows& rows, MapTexel* texels) {
     texels[k] = blank;
     texels[k].a = coverage[k];
   }
+  if (std::find(wanted.begin(), wanted.end(), 1) == wanted.end()) return;
   for_each_texel_row<0, 12>(scene.fields, scene.side, scene.loops, rows, wanted,
                             [&](const TexelRow<12>& row) { draw_shape(scene, row, texels); });
   draw_peaks(scene, rows, wanted, texels);

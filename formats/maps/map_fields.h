@@ -49,10 +49,10 @@ std::vector<BorderTexel> texels_beside(const MapFields&,
 template <int count>
 struct TexelRow {
   static constexpr int longest = 64;
-  int index;                      // of the first one, as MapRows::index
-  int texels;                     // how many there are
-  const char* wanted;             // of each; what it is 0 for is not to be drawn
-  double fields[count][longest];  // of each field, of each texel
+  int index;                     // of the first one, as MapRows::index
+  int texels;                    // how many there are
+  const char* wanted;            // of each; what it is 0 for is not to be drawn
+  float fields[count][longest];  // of each field, of each texel: twice as fast as in 64 bits
 };
 
 /// Calls texel_row(TexelRow<count>) so that every wanted texel of the rows is in one of them once
@@ -78,9 +78,11 @@ void for_each_texel_row(const MapFields& fields, double side,
       row.texels = std::min(span.end - begin, row.longest);
       row.wanted = open.data() + row.index;
       for (int k = 0; k < count; ++k) {
-        const double field = span.left.fields[k], slope = span.slope[k], left = span.left.at.x();
+        const double at_begin = span.left.fields[k] + (begin - span.left.at.x()) * span.slope[k];
+        const auto first_field = static_cast<float>(at_begin),
+                   slope = static_cast<float>(span.slope[k]);
         for (int i = 0, texels = row.texels; i < texels; ++i)
-          row.fields[k][i] = field + (begin + i - left) * slope;
+          row.fields[k][i] = first_field + static_cast<float>(i) * slope;
       }
       texel_row(row);
       std::fill_n(open.begin() + row.index, row.texels, char(0));
@@ -98,7 +100,8 @@ void for_each_texel_row(const MapFields& fields, double side,
     row.index = beside.index;
     for (int k = 0; k < count; ++k) {
       const double at_a = fields.of_vertex[a][first + k];
-      row.fields[k][0] = at_a + beside.t * (fields.of_vertex[b][first + k] - at_a);
+      row.fields[k][0] =
+          static_cast<float>(at_a + beside.t * (fields.of_vertex[b][first + k] - at_a));
     }
     texel_row(row);
   }

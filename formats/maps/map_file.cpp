@@ -17,7 +17,7 @@ namespace paperbake {
 namespace {
 
 constexpr int block_rows = 16;  // that are compressed together
-constexpr int strip_rows = 64;  // a multiple of block_rows
+constexpr int strip_rows = 32;  // a multiple of block_rows
 constexpr int tile = 64;        // [texel]
 
 /// The layers in the order of the file, which is that of their names.
@@ -32,9 +32,9 @@ constexpr Layer layers[] = {
     {"B", EXR_PIXEL_HALF, offsetof(MapTexel, b)},
     {"G", EXR_PIXEL_HALF, offsetof(MapTexel, g)},
     {"R", EXR_PIXEL_HALF, offsetof(MapTexel, r)},
-    {"age.apex", EXR_PIXEL_FLOAT, offsetof(MapTexel, age_apex)},
-    {"age.crease", EXR_PIXEL_FLOAT, offsetof(MapTexel, age_crease)},
-    {"apex.cone", EXR_PIXEL_FLOAT, offsetof(MapTexel, apex_cone)},
+    {"age.apex", EXR_PIXEL_HALF, offsetof(MapTexel, age_apex), Layer::InMemory::float32},
+    {"age.crease", EXR_PIXEL_HALF, offsetof(MapTexel, age_crease), Layer::InMemory::float32},
+    {"apex.cone", EXR_PIXEL_HALF, offsetof(MapTexel, apex_cone), Layer::InMemory::float32},
     {"apex.dist", EXR_PIXEL_FLOAT, offsetof(MapTexel, apex_dist)},
     {"apex.id", EXR_PIXEL_UINT, offsetof(MapTexel, apex_id)},
     {"dir.x", EXR_PIXEL_HALF, offsetof(MapTexel, dir_x), Layer::InMemory::float32},
@@ -73,6 +73,8 @@ class ChunkPacker {
   void gather(const Window&);
   std::string in_order() const;
   std::vector<std::uint8_t> halves_;  // the even bytes, then the odd ones
+  std::vector<std::uint8_t> before_;  // of the chunk before, and what it was packed as
+  std::string packed_;
   std::vector<std::uint8_t> steps_;
   ZlibPacker zlib_;
 };
@@ -137,7 +139,9 @@ std::string ChunkPacker::in_order() const {
 }
 
 std::string ChunkPacker::operator()(const Window& window) {
+  halves_.swap(before_);
   gather(window);
+  if (halves_ == before_) return packed_;  // beside the pattern
   const std::size_t count = halves_.size();
   steps_.resize(count);
   const std::uint8_t* byte = halves_.data();
@@ -147,7 +151,8 @@ std::string ChunkPacker::operator()(const Window& window) {
     step[i] = static_cast<std::uint8_t>(byte[i] - byte[i - 1] + 128);
   const std::string_view stream = zlib_(reinterpret_cast<const char*>(steps_.data()), count);
   // as the bytes are where a stream would not be shorter
-  return stream.size() < count ? std::string(stream) : in_order();
+  packed_ = stream.size() < count ? std::string(stream) : in_order();
+  return packed_;
 }
 
 /// An OpenEXR file in memory: written to a file, the end of it would be written by a function that

@@ -35,7 +35,7 @@ using DrawRows = std::function<void(const MapRows&, MapTexel*)>;
 /// The bytes of an OpenEXR file with the layers that `draw` fills; they do not depend on the number
 /// of threads.
 ///
-/// scanline   drawn and compressed strip by strip: 14 MB of texels at size 2048 with two threads
+/// scanline   drawn and compressed strip by strip: 7 MB of texels at size 2048 with two threads
 /// tiled_mip  all levels are in memory at once: 75 bytes for each texel of the largest level
 ///
 /// threads  1: only that of the caller

@@ -1,5 +1,8 @@
 #include "formats/scene/scene_creases.h"
 
+#include "core/geometry/hinges.h"
+#include "core/geometry/point_location.h"
+#include "core/geometry/prescribed_creases.h"
 #include "core/model/error.h"
 #include "formats/scene/scene_colliders.h"
 #include "formats/scene/scene_properties.h"
@@ -156,6 +159,45 @@ void check_inside(const PrescribedCrease& crease, const SceneSheet& sheet,
             "Split the edge at the border of the sheet and delete the part outside.");
 }
 
+/// The rest angle of the creases that a node defines. [rad]
+/// returns  nothing when each has the angle that it is modelled with
+std::optional<double> rest_angle(const SceneNodes& scene, const ImportedNode& node,
+                                 const std::string& place) {
+  if (text_property(node, "paper_crease") == "modelled") return std::nullopt;
+  const double angle =
+      number_property(scene.source, node, "paper_crease", "a number or \"modelled\"").value_or(0);
+  if (std::abs(angle) > max_angle)
+    throw Error(ErrorCode::scene, place, fmt::format("paper_crease is {:g}.", angle),
+                "It is the rest angle of the crease: from -170 to 170 degrees, or \"modelled\".");
+  return angle * M_PI / 180;
+}
+
+/// The angle by which the start shape is folded along a line of its pattern, at most max_angle;
+/// > 0 bulges towards the normals. The mean over the parts of the line. [rad]
+double modelled_angle(const Sheet& start, const std::vector<Vector2d>& line, double side) {
+  constexpr double beside = 1e-4;  // of the longer side: how far from the line the sides are seen
+  const PointLocator locator(start.pattern, start.triangles);
+  const auto normal_at = [&](const Vector2d& p) {
+    const Eigen::RowVector3i t = start.triangles.row(locator.locate(p).triangle);
+    const Vector3d a = start.x.row(t[0]), b = start.x.row(t[1]), c = start.x.row(t[2]);
+    return Vector3d((b - a).cross(c - a).normalized());
+  };
+  double sum = 0, length = 0;
+  for (std::size_t k = 0; k + 1 < line.size(); ++k) {
+    const Vector2d along = line[k + 1] - line[k], middle = 0.5 * (line[k] + line[k + 1]),
+                   off = beside * side * Vector2d(-along.y(), along.x()).normalized();
+    const Vector3d left = normal_at(middle + off), right = normal_at(middle - off);
+    const auto on_start = [&](const Vector2d& p) {
+      return interpolate(locator.locate(p), start.triangles, start.x);
+    };
+    const Vector3d axis = (on_start(line[k + 1]) - on_start(line[k])).normalized();
+    sum += along.norm() * std::atan2(left.cross(right).dot(axis), left.dot(right));
+    length += along.norm();
+  }
+  const double most = max_angle * M_PI / 180;
+  return length > 0 ? std::clamp(sum / length, -most, most) : 0;
+}
+
 /// Adds the creases that a node defines to a sheet; returns their number.
 /// kind    of the node, for error messages: "sheet" or "crease"
 /// origin  for SceneSheet::crease_origin
@@ -164,10 +206,7 @@ std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affin
   const ImportedNode& n = scene.file.nodes[node];
   const std::string place = place_of(scene.source, kind, n.name);
   EdgeGraph graph = edge_graph(scene.file, n, world, place);
-  const double angle = number_property(scene.source, n, "paper_crease").value_or(0);
-  if (std::abs(angle) > max_angle)
-    throw Error(ErrorCode::scene, place, fmt::format("paper_crease is {:g}.", angle),
-                "It is the rest angle of the crease: from -170 to 170 degrees.");
+  const std::optional<double> angle = rest_angle(scene, n, place);
   const std::vector<Vector2d> points = on_pattern(graph, sheet, place);
   for (auto edge = graph.edges.begin(); edge != graph.edges.end();)
     edge = along_border(sheet.pattern, points[edge->first], points[edge->second])
@@ -178,7 +217,8 @@ std::size_t add_creases_of(const SceneNodes& scene, int node, const Eigen::Affin
   for (const std::vector<int>& chain : chains_of(graph.edges, points.size())) {
     std::vector<Vector2d> line;
     for (const int v : chain) line.push_back(points[v]);
-    PrescribedCrease crease{simplified(line, side), angle * M_PI / 180};
+    PrescribedCrease crease{simplified(line, side)};
+    crease.angle = angle ? *angle : modelled_angle(sheet.start, crease.line, side);
     if (crease.line.size() == 2 && (crease.line[1] - crease.line[0]).norm() < min_length * side)
       continue;
     check_inside(crease, sheet, place);
@@ -206,6 +246,35 @@ std::size_t sheet_under(const SceneNodes& scene, int node, const Eigen::Affine3d
   return std::min_element(off.begin(), off.end()) - off.begin();
 }
 
+/// thing  "mesh", or "object": exporters leave out a mesh of which they have no edges
+Error no_edges(const std::string& place, const char* thing) {
+  return Error(ErrorCode::scene, place,
+               fmt::format("The {} has no edges without faces, which would be the crease.", thing),
+               "Draw the crease as edges without faces, and export with Loose Edges (Blender) on.");
+}
+
+/// Says where a sheet begins folded sharply without a crease.
+void warn_of_unmarked_folds(const SceneSheet& sheet, std::vector<std::string>& warnings) {
+  constexpr double sharp = 50;  // [degrees] a roll that is drawn with eight faces a turn has 45
+  const Sheet& start = sheet.start;
+  double most = sharp;
+  Vector2d where;
+  for (const Hinge& hinge : find_hinges(start.triangles).hinges) {
+    const auto [a, b, left, right] = hinge.vertices;
+    const double turn = std::abs(dihedral_angle(start.x, hinge)) * 180 / M_PI;
+    if (turn <= most || is_on_crease(sheet.pattern.prescribed_creases, start.pattern, a, b))
+      continue;
+    most = turn;
+    where = 0.5 * (start.pattern.row(a) + start.pattern.row(b));
+  }
+  if (most > sharp)
+    warnings.push_back(fmt::format(
+        "The sheet \"{}\" begins folded by {:.0f} degrees at ({:.1f}, {:.1f}) mm, where no crease "
+        "is: it is elastic there, and springs open where nothing holds it. To keep its folds, draw "
+        "them as creases with paper_crease \"modelled\".",
+        sheet.name, most, 1e3 * where.x(), 1e3 * where.y()));
+}
+
 }  // namespace
 
 void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
@@ -214,8 +283,12 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
   const auto world = world_at(scene, scene.first_frame);
   for (int i = 0; i < static_cast<int>(nodes.size()); ++i) {
     const ImportedNode& node = nodes[i];
-    if (node.pivot || node.meshes.empty()) continue;
+    if (node.pivot) continue;
     const bool has_angle = node.properties.count("paper_crease") > 0;
+    if (node.meshes.empty()) {
+      if (has_angle) throw no_edges(place_of(scene.source, "crease", node.name), "object");
+      continue;
+    }
     const auto sheet = std::find_if(sheets.begin(), sheets.end(),
                                     [&](const SceneSheet& s) { return s.name == node.name; });
     if (sheet != sheets.end()) {
@@ -229,11 +302,7 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
             node.name));
     } else if (!is_collider(node) && (has_angle || name_begins_with(node.name, "crease"))) {
       if (!has_edges(scene.file, node)) {
-        if (has_angle)
-          throw Error(
-              ErrorCode::scene, place_of(scene.source, "crease", node.name),
-              "The mesh has no edges without faces, which would be the crease.",
-              "Draw the crease as edges without faces, and export with Loose Edges (Blender) on.");
+        if (has_angle) throw no_edges(place_of(scene.source, "crease", node.name), "mesh");
         warnings.push_back(
             fmt::format("The mesh \"{}\" is named like a crease, but has no edges without faces: "
                         "export with Loose Edges (Blender) on.",
@@ -248,6 +317,7 @@ void add_creases(const SceneNodes& scene, std::vector<SceneSheet>& sheets,
             node.name, under.name));
     }
   }
+  for (const SceneSheet& sheet : sheets) warn_of_unmarked_folds(sheet, warnings);
 }
 
 }  // namespace paperbake

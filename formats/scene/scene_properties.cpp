@@ -98,11 +98,11 @@ std::string place_of(const std::string& source, std::string_view kind, std::stri
 }
 
 std::optional<double> number_property(const std::string& source, const ImportedNode& node,
-                                      const std::string& key) {
+                                      const std::string& key, const char* wanted) {
   const PropertyValue* value = find(node, key);
   if (!value) return std::nullopt;
   const auto number = as_number(*value);
-  if (!number || !std::isfinite(*number)) reject(source, node, key, "a number");
+  if (!number || !std::isfinite(*number)) reject(source, node, key, wanted);
   return number;
 }
 

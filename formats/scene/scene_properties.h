@@ -28,10 +28,11 @@ std::string place_of(const std::string& source, std::string_view kind, std::stri
 /// The value of a custom property; nothing when the node has no such property or its text is empty.
 /// DCCs and formats store the same value in different types: 24, 24.0 and "24" are one number.
 /// source  file name for error messages
+/// wanted  what the value should be, for the error message
 /// throws  Error(ErrorCode::scene) with file, node and key when the value does not have the type or
 ///         range that is asked for
 std::optional<double> number_property(const std::string& source, const ImportedNode&,
-                                      const std::string& key);
+                                      const std::string& key, const char* wanted = "a number");
 std::optional<int> whole_property(const std::string& source, const ImportedNode&,
                                   const std::string& key);
 // > 0

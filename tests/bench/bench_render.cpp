@@ -98,6 +98,7 @@ std::set<ShotRecord::Facet> intersecting_facets(const RenderSurface& render,
   std::set<ShotRecord::Facet> facets;
   for (const RecordedFrame& f : record.frames()) {
     const Sheet sheet = record.sheet(f);
+    if (!render.may_have_intersecting_facets(sheet)) continue;
     for (const int t :
          render.intersecting_facets(sheet, render.locate_on(sheet.pattern, sheet.triangles)))
       facets.insert({f.mesh, t});

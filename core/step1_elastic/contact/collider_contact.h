@@ -2,6 +2,7 @@
 
 #include "core/geometry/collider.h"
 #include "core/linear_algebra/block_cholesky.h"
+#include "core/step1_elastic/contact/collider_distances.h"
 #include "core/step1_elastic/position_constraints.h"
 
 #include <array>
@@ -27,7 +28,6 @@ struct ColliderBarrier {
   double second;  // [N/m]
 };
 ColliderBarrier collider_barrier(double distance);
-inline constexpr double collider_dhat = 5e-4;  // [m] dhat
 
 /// Contact of the mesh of one sheet with colliders: a term of the incremental potential.
 ///

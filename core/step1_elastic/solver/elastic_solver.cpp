@@ -1,5 +1,6 @@
 #include "core/step1_elastic/solver/elastic_solver_impl.h"
 
+#include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/model/error.h"
 
@@ -239,11 +240,36 @@ void Elastic::Impl::report_constraints(const Points3& x, const PositionConstrain
   report.inside = colliders->inside(x);
 }
 
+void Elastic::Impl::go_free_of_collisions(const StepProblem& step, const Points3& to, Points3& x) {
+  const auto crossings_at = [&](const Points3& there) {
+    Sheet sheet;
+    sheet.pattern = pattern;
+    sheet.triangles = triangles;
+    sheet.x = there;
+    return crossings(sheet);
+  };
+  if (!contact || crossings_at(to) <= crossings_at(x)) {
+    x = to;
+    return;
+  }
+  contact->begin(x, step.hard, step.dt);
+  for (int v = 0; v < x.rows(); ++v) {
+    Points3 move = Points3::Zero(x.rows(), 3);
+    move.row(v) = to.row(v) - x.row(v);
+    if (move.row(v).isZero(0)) continue;
+    contact->update_candidates(x, move);
+    x += contact->collision_free_step(x, move) * move;
+    contact->commit_step(x);
+  }
+}
+
 void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before, const StepProblem& step,
                                 ElasticReport& report) {
   constexpr double let_in = 5e-5;  // [m] depth inside a collider that is tolerated
   if (report.inside > let_in) {
-    push_out(step.colliders.to, Points3(sheet.x), -let_in, sheet.x);
+    Points3 out = sheet.x;
+    push_out(step.colliders.to, sheet.x, -let_in, out);
+    go_free_of_collisions(step, out, sheet.x);
     report.inside = colliders->inside(sheet.x);
   }
   state.remeshed = false;

@@ -118,8 +118,9 @@ struct Elastic::Impl {
                             : options.max_iterations;
   }
   int max_contact_iterations() const {
-    const int most =
-        is_interactive() ? max_contact_iterations_interactive : max_contact_iterations_fine;
+    const int most = is_interactive() || (colliders && options.inertia == Inertia::quasi_static)
+                         ? max_contact_iterations_interactive
+                         : max_contact_iterations_fine;
     return std::max(1, most * options.max_iterations / default_iterations);
   }
 
@@ -168,6 +169,10 @@ struct Elastic::Impl {
   /// Writes to the report what colliders and handles do at the end of the step.
   /// may_yield  constraints that give way
   void report_constraints(const Points3& x, const PositionConstraints& may_yield, ElasticReport&);
+
+  /// Moves the vertices from x to other places; where the sheet would pass through itself there,
+  /// one after the other, each as far as nothing of the sheet is in its way.
+  void go_free_of_collisions(const StepProblem&, const Points3& to, Points3& x);
 
   /// Finishes a step that began at `before`: writes the plastic increment and adds the step to the
   /// past.

@@ -40,8 +40,8 @@ inline constexpr int max_attempts = 4;  // in one phase of the descent on the se
 inline constexpr double softening = 100;
 enum class BranchSearchMode { when_slow, none };
 
-// Paper would tear, or slip out of a hand, before it gets here: the handles give way.
-inline constexpr double yield_stretch = 0.01;  // [1] stretch of an edge
-inline constexpr double yield_depth = 1e-4;    // [m] depth inside a collider
+// [1] stretch of an edge; paper would tear, or slip out of a hand, before it gets here: as at
+// yield_depth (collider_distances.h), the handles give way
+inline constexpr double yield_stretch = 0.01;
 
 }  // namespace paperbake

@@ -46,7 +46,8 @@ TEST(SheetRecorderTest, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSh
   ShotCertificate certificate(plan);
   CacheWriters caches(settings.formats, {plan, folder, {""}}, files);
   Progress progress(ProgressMode::none, 6, Passes::simulate);
-  const BakeContext context{settings, plan, {""}, files, certificate, caches, progress};
+  TaskQueue tasks(1);
+  const BakeContext context{settings, plan, {""}, files, certificate, caches, progress, tasks};
   SheetRecorder recorder(context, 0);
   for (int f = 1; f <= 6; ++f) {
     // the same mesh twice, then always another

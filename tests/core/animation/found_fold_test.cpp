@@ -176,6 +176,7 @@ class Unwilling : public Method {
   FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     return mesh_->first_mesh(pattern, points);
   }
+  bool finds_folds(const Sheet&) const override { return true; }
   std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const override {
     ++counts_.said;
     return {{{0, 0.105}, {0.15, 0.105}, 0, {}}};

@@ -103,6 +103,30 @@ TEST(InertiaTest, ASheetHeldByOneEdgeSwingsUnlessItHangsAndIsCarriedSlowly) {
   EXPECT_TRUE(need_in(held_by_an_edge("fast", hanging, steady(12, {0.5, 0, 0})), g).needed);
 }
 
+TEST(InertiaTest, AHangingSheetThatAColliderStrikesSwings) {
+  Shot shot = shot_of(held_by_an_edge("struck", hanging, still(24)));
+  const auto need_with = [&](const Vector3d& begin, const Vector3d& each_frame) {
+    ColliderMesh ball;
+    ball.name = "collider.ball";
+    ball.x.resize(4, 3);
+    ball.x << 0, 0, 0, 0.02, 0, 0, 0, 0.02, 0, 0, 0, 0.02;
+    ball.x.rowwise() += begin.transpose();
+    ball.triangles.resize(4, 3);
+    ball.triangles << 0, 2, 1, 0, 1, 3, 1, 2, 3, 2, 0, 3;
+    if (!each_frame.isZero())
+      for (int f = 0; f < 24; ++f)
+        ball.frames.emplace_back(ball.x.rowwise() + f * each_frame.transpose());
+    shot.colliders = std::make_shared<const Colliders>(Colliders{Collider(ball)});
+    return need_of_inertia(shot, {g}, 24, 0, 23);
+  };
+  const InertiaNeed struck = need_with({-0.1, 0.04, -0.1}, {0.02, 0, 0});
+  EXPECT_TRUE(struck.needed);
+  EXPECT_NE(struck.why.find("collider.ball"), std::string::npos) << struck.why;
+  EXPECT_FALSE(need_with({-0.1, 0.04, -0.1}, {-0.02, 0, 0}).needed) << "it goes away";
+  EXPECT_FALSE(need_with({-0.1, 0.3, -0.1}, {0.02, 0, 0}).needed) << "it goes by";
+  EXPECT_FALSE(need_with({-0.005, 0.04, -0.1}, Vector3d::Zero()).needed) << "it stands still";
+}
+
 TEST(InertiaTest, ASlowPushNeedsNoInertiaAndAWhipDoes) {
   const auto pushed = [](double fast) {
     GltfFixture file;

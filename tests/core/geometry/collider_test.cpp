@@ -1,4 +1,6 @@
 #include "core/animation/animate.h"
+#include "core/animation/motion_measures.h"
+#include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/methods/fem.h"
 #include "core/methods/hybrid.h"
@@ -502,6 +504,22 @@ TEST(ColliderTest, ARodThinnerThanTheTrianglesDoesNotPassThrough) {
   });
 }
 
+/// What squeezes is what deforms: a cage that shrinks does, one that goes elsewhere as it is does
+/// not.
+TEST(ColliderTest, ASheetIsSqueezedByCollidersThatMoveRelativeToEachOther) {
+  const Colliders cage{Collider(box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06}, true))};
+  const ColliderShapes from = shapes_at(cage, 0);
+  Points3 x(4, 3);  // on two opposite sides, within the reach of the barrier
+  x << -0.0598, 0, 0, -0.0598, 0.01, 0, 0.0598, 0, 0, 0.0598, 0.01, 0;
+  const auto moved = [&](const Points3& to) -> ColliderShapes {
+    return {std::make_shared<const Collider>(*from[0], to)};
+  };
+  const Points3& now = from[0]->mesh().x;
+  EXPECT_EQ(squeeze(x, {from, from}), 0);
+  EXPECT_LT(squeeze(x, {from, moved(now.rowwise() + Eigen::RowVector3d(0.01, 0, 0))}), 1e-9);
+  EXPECT_NEAR(squeeze(x, {from, moved(0.9 * now)}), 0.006, 3e-4);
+}
+
 TEST(ColliderTest, ACageThatShrinksKeepsTheSheetInsideAndWhole) {
   const int frames = 30;
   Shot shot = blank_shot(rectangle(0.1, 0.1));
@@ -519,6 +537,33 @@ TEST(ColliderTest, ACageThatShrinksKeepsTheSheetInsideAndWhole) {
     EXPECT_LT(length_distortion(*frame.sheet).largest, 0.01) << frame.frame;
     return true;
   });
+}
+
+/// A cage that shrinks to where the coarse mesh cannot fold any more leaves the sheet behind, whole
+/// and not entangled, says so, and finds it again when it opens.
+TEST(ColliderTest, ACageThatShrinksTooFarLeavesTheSheetBehindWhole) {
+  const int frames = 33;
+  Shot shot = blank_shot(rectangle(0.1, 0.1));
+  shot.start.x.rowwise() -= Eigen::RowVector3d(0.05, 0.05, 0);
+  ColliderMesh cage = box({-0.06, -0.06, -0.06}, {0.06, 0.06, 0.06});
+  const Points3 x = cage.x;
+  const auto size = [](int frame) { return 1 - 0.7 * std::min(frame - 1, 33 - frame) / 16; };
+  for (int f = 1; f <= frames; ++f) cage.frames.push_back(x * size(f));
+  shot.colliders = facing_colliders({cage}, shot.start.x, {});
+  AnimateOptions options;
+  options.last_frame = frames;
+  int jammed = 0;
+  animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
+    EXPECT_LT(length_distortion(*frame.sheet).largest, 0.0201) << frame.frame;
+    EXPECT_EQ(crossings(*frame.sheet), 0) << frame.frame;
+    const bool told = frame.note.find("jammed") != std::string::npos;
+    jammed += told;
+    EXPECT_EQ(told, frame.statistics.inside_colliders > 1e-4) << frame.frame;
+    EXPECT_TRUE(!told || !frame.statistics.converged) << frame.frame;
+    EXPECT_FALSE(told && frame.frame == frames);
+    return true;
+  });
+  EXPECT_GT(jammed, 0);
 }
 
 TEST(ColliderTest, PushOutMovesOnlyWhatIsInsideTheGround) {

@@ -167,6 +167,19 @@ TEST(PatternMeshTest, RequiredPointJustInsideARoundBorderIsPartOfTheMesh) {
   }
 }
 
+// A round border is followed with chords. Beside one, the end of a crease would be the tip of a
+// needle.
+TEST(PatternMeshTest, ACreaseThatEndsOnARoundBorderMakesNoNeedle) {
+  for (const int from : {1, 2, 3, 4, 5}) {
+    Pattern pattern = disc();
+    pattern.prescribed_creases.push_back({{pattern.outline[from], pattern.outline[from + 29]}});
+    const PatternMesh mesh = mesh_pattern(pattern, 0.03, {});
+    expect_sound(mesh, pattern, 1, 0.02);
+    for (int t = 0; t < mesh.triangles.rows(); ++t)
+      EXPECT_GT(smallest_angle(mesh, t), 15) << "crease from " << from << ", triangle " << t;
+  }
+}
+
 TEST(PatternMeshTest, PointsEqualToFilePrecisionShareAVertex) {
   const std::vector<Vector2d> points = {{0.03, 0.04}, {0.03 + 1e-9, 0.04}, {0.03, 0.04}, {0.07, 0},
                                         {0.07, 1e-9}, {0.1, 0.1 - 1e-9},   {0.1, 0.1}};

@@ -46,6 +46,16 @@ TEST(ColumnCholeskyTest, SolvesDenseSystems) {
   for (const int side : {1, 2, 3, 5}) EXPECT_LT(error_of(grid_matrix(side, side, 9)), rounding);
 }
 
+TEST(ColumnCholeskyTest, AMatrixWithFewerEntriesIsFactoredInTheOrderOfAnother) {
+  const Eigen::MatrixXd many = grid_matrix(14, 2, 4), few = grid_matrix(14, 1, 5);
+  const auto lower = [](const Eigen::MatrixXd& all) -> Eigen::SparseMatrix<double> {
+    return Eigen::MatrixXd(all.triangularView<Eigen::Lower>()).sparseView();
+  };
+  const ColumnCholesky factor = ColumnCholesky(lower(many)).of_matrix_alike(lower(few));
+  const Points3 x = Points3::Random(few.rows(), 3);
+  EXPECT_LT((factor.solve(few * x) - x).norm() / x.norm(), rounding);
+}
+
 TEST(ColumnCholeskyTest, SystemsThatAreNotPositiveDefiniteAreRefused) {
   Eigen::MatrixXd matrix = grid_matrix(4, 1, 2);
   matrix(5, 5) = -1;

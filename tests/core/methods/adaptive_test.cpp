@@ -119,7 +119,8 @@ TEST(AdaptiveTest, AMovingShapeIsNotRefinedAndAJumpIsTakenOnFewTriangles) {
                                    double relative_handle_motion) {
     Sheet sheet = arch;
     const RemeshContext is{fixed,      nullptr, {},    {25, 1 / 24.0},         true, false,
-                           at_minimum, false,   false, relative_handle_motion, 0,    {}};
+                           at_minimum, false,   false, relative_handle_motion, 0,    0,
+                           false,      {}};
     adaptive_of(shot, cap, options).make()->remesh(sheet, is);
     return sheet.triangles.rows();
   };
@@ -179,7 +180,8 @@ TEST(AdaptiveTest, AChangeOfMeshMostlyDoesNotRaiseTheEnergy) {
     // before frame 4 it is buckling to a side; after frame 24 it is also pushed from above
     if (frame.frame < 4 || frame.frame > 24) return true;
     const RemeshContext is{
-        fixed, nullptr, {}, {frame.frame, 1 / 24.0}, true, false, true, false, false, 0, 0, {}};
+        fixed, nullptr, {}, {frame.frame, 1 / 24.0}, true, false, true, false, false, 0, 0,
+        0,     false,   {}};
     if (method.make()->remesh(after, is) == MeshChange::none) return true;
     const double was = at_rest(before);
     rises.push_back(at_rest(after) / was - 1);

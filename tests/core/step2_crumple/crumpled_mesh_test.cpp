@@ -167,6 +167,26 @@ TEST(CrumpledMeshTest, HasNoMoreTrianglesThanItMay) {
   EXPECT_GT(settled(options), options.max_triangles - 10);
 }
 
+/// A sheet that is jammed gets finer facets, without any way, where its membrane stores what folds
+/// would not; one whose membrane stores little is jammed for another reason, and keeps its mesh.
+TEST(CrumpledMeshTest, AJammedSheetIsRefinedOnlyWhereItsMeshCannotFold) {
+  const auto added = [](double membrane) {
+    Tip tip;
+    CrumpledMesh crumpled = mesh_of();
+    const auto before = tip.sheet.triangles.rows();
+    for (int time = 0; time < 4; ++time) {
+      LocalEnergies stored = stored_in(tip.sheet, {0, 0});
+      stored.membrane = membrane * stored.bending;
+      const std::vector<char> fixed(tip.sheet.pattern.rows(), 0);
+      crumpled.refine_where_jammed(tip.sheet, fixed, stored);
+    }
+    test::expect_sound(tip.sheet, side * side);
+    return tip.sheet.triangles.rows() - before;
+  };
+  EXPECT_EQ(added(0.3), 0);
+  EXPECT_GT(added(10), 50);
+}
+
 TEST(FacetSizesTest, ShrinkWhereTheyAreRefinedAndAreReadBackAsTheyWere) {
   const Paper paper;
   FacetSizes sizes(test::rectangle(side, side), paper);

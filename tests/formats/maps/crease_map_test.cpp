@@ -343,8 +343,9 @@ TEST(CreaseMap, AgesAreSecondsSinceTheFirstCreaseAndTheBirth) {
       map.record(frame, sheet, vertex_curvature(sheet));
     }
     const Image image = written(map, {20, fps, 0, ""});
-    EXPECT_FLOAT_EQ(image.at(63, 40).age_crease, 12 / fps);
-    EXPECT_FLOAT_EQ(image.at(20, 40).age_apex, 6 / fps);
+    constexpr double of_16_bits = 1.0 / 2048;  // [1]
+    EXPECT_NEAR(image.at(63, 40).age_crease, 12 / fps, of_16_bits * 12 / fps);
+    EXPECT_NEAR(image.at(20, 40).age_apex, 6 / fps, of_16_bits * 6 / fps);
     EXPECT_EQ(image.at(20, 40).age_crease, -1);
     EXPECT_GT(image.at(63, 40).r, 0.3f);
   }

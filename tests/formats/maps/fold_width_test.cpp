@@ -80,9 +80,9 @@ TEST(FoldWidth, NoFoldTurnsBeyondShut) {
 }
 
 TEST(FoldWidth, TheLargerPrincipalValueKeepsItsSign) {
-  EXPECT_DOUBLE_EQ(larger_principal(3, 0, -5), -5);
-  EXPECT_DOUBLE_EQ(larger_principal(2, 2, -1), 3);  // eigenvalues 3, -2
-  EXPECT_DOUBLE_EQ(larger_principal(-2, 2, 1), -3);
+  EXPECT_DOUBLE_EQ(larger_principal(3.0, 0.0, -5.0), -5);
+  EXPECT_DOUBLE_EQ(larger_principal(2.0, 2.0, -1.0), 3);  // eigenvalues 3, -2
+  EXPECT_DOUBLE_EQ(larger_principal(-2.0, 2.0, 1.0), -3);
 }
 
 }  // namespace

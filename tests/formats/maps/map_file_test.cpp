@@ -74,11 +74,11 @@ TEST(MapFile, TheFileHasItsSixteenLayersAndItsHeaderAndNothingElse) {
                                                                {"fold.angle", Imf::HALF},
                                                                {"fold.plastic", Imf::HALF},
                                                                {"fold.peak", Imf::HALF},
-                                                               {"age.crease", Imf::FLOAT},
-                                                               {"age.apex", Imf::FLOAT},
+                                                               {"age.crease", Imf::HALF},
+                                                               {"age.apex", Imf::HALF},
                                                                {"apex.dist", Imf::FLOAT},
                                                                {"apex.id", Imf::UINT},
-                                                               {"apex.cone", Imf::FLOAT},
+                                                               {"apex.cone", Imf::HALF},
                                                                {"dir.x", Imf::HALF},
                                                                {"dir.y", Imf::HALF},
                                                                {"strain.min", Imf::HALF},
@@ -141,6 +141,25 @@ TEST(MapFile, TheSameInputGivesTheSameBytesAtAnyThreadCount) {
     EXPECT_EQ(bytes[0], bytes[2]);
   }
   Imf::setGlobalThreadCount(0);
+}
+
+TEST(MapFile, ChunksAreWhatWasDrawnWhetherTheyAreLikeTheOneBeforeOrNot) {
+  const Folder folder;
+  const auto strength = [](int row) { return row / 16 == 3 || row / 16 == 5 ? 0.5f : 0.25f; };
+  for (const int threads : {1, 2}) {
+    const std::string bytes = encode_map(128, MapLayout::scanline, {}, {}, threads,
+                                         [&](const MapRows& rows, MapTexel* texels) {
+                                           for (int row = rows.first; row < rows.last; ++row)
+                                             for (int i = 0; i < rows.size; ++i) {
+                                               texels[rows.index(i, row)] = MapTexel{};
+                                               texels[rows.index(i, row)].r = strength(row);
+                                             }
+                                         });
+    std::ofstream(folder.path / "map.exr", std::ios::binary) << bytes;
+    const Image image = read_image(folder.path / "map.exr");
+    for (int row = 0; row < 128; ++row)
+      for (int i = 0; i < 128; ++i) ASSERT_EQ(image.at(i, row).r, strength(row)) << row;
+  }
 }
 
 TEST(MapFile, TheLevelsOfATiledMapAreHalvedAndTheFirstIsTheScanlineMap) {

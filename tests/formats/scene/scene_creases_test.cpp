@@ -79,6 +79,28 @@ TEST(SceneCreases, LieOnTheSheetAsItIsAtTheFirstFrame) {
             1e-4);
 }
 
+// A sheet folded in a Z: its first fold points up, to the side of its normals, the second down.
+TEST(SceneCreases, ModelledCreasesHaveTheAnglesOfTheSheetAtTheFirstFrame) {
+  const double turn = 60 * EIGEN_PI / 180, run = 0.05 * std::cos(turn / 2),
+               rise = 0.05 * std::sin(turn / 2);
+  const auto at = [&](double u, double v) {
+    const double parts = u / 0.05;
+    const double height = parts < 1 ? parts : parts < 3 ? 2 - parts : parts - 4;
+    return Vector3d(parts * run, v, height * rise);
+  };
+  HeldSheet held(grid(4, 2, 0.2, 0.1, nullptr, at));
+  EXPECT_TRUE(has_warning(read_scene(held.write("unmarked_folds.gltf")),
+                          "begins folded by 60 degrees at (50.0, "));
+  held.lines("crease", {at(0.05, 0), at(0.05, 0.1), at(0.15, 0), at(0.15, 0.1)}, {1, 0, 2, 3},
+             R"({"paper_crease":"modelled"})");
+  const Scene scene = read_scene(held.write("modelled.gltf"));
+  ASSERT_EQ(creases(scene).size(), 2u);
+  for (const PrescribedCrease& crease : creases(scene))
+    EXPECT_NEAR(crease.angle, crease.line[0].x() < 0.1 ? turn : -turn, 1e-5);
+  EXPECT_FALSE(has_warning(scene, "begins folded")) << "each fold is a crease";
+  EXPECT_FALSE(has_warning(scene, "paper_crease"));
+}
+
 TEST(SceneCreases, TheSheetIsTheNearestOrTheOneNamed) {
   HeldSheet held;
   test::FlatMesh above = grid(2, 2, 0.2, 0.2);
@@ -104,6 +126,8 @@ TEST(SceneCreases, EdgesThatCannotBeCreasesAreErrors) {
                "0.003) m.");
   EXPECT_ERROR(with({{0.2, 0.05, 0}, {0.05, 0.2, 0}}), "leaves the sheet \"paper\"");
   EXPECT_ERROR(with({{0.05, 0, 0}, {0.05, 0.1, 0}}, R"({"paper_crease":200})"), "from -170 to 170");
+  EXPECT_ERROR(with({{0.05, 0, 0}, {0.05, 0.1, 0}}, R"({"paper_crease":"as folded"})"),
+               "The property paper_crease is \"as folded\", not a number or \"modelled\".");
   EXPECT_ERROR(with({{0.05, 0, 0}, {0.05, 0.1, 0}}, R"({"paper_target":"papre"})"),
                "not a sheet of the scene");
   EXPECT_TRUE(has_warning(read_scene(with({{0, 0, 0}, {0.1, 0, 0}})), "lies along the border"));
@@ -111,6 +135,10 @@ TEST(SceneCreases, EdgesThatCannotBeCreasesAreErrors) {
   held.mesh("fold", grid(1, 1, 0.1, 0.1), R"({"paper_crease":0})");
   EXPECT_ERROR(held.write("faces_only.gltf"),
                "crease \"fold\"\n  The mesh has no edges without faces");
+  HeldSheet lost;  // as Blender exports a mesh of edges with Loose Edges off
+  lost.node("crease.lost", {0, 0, 0}, R"({"paper_crease":0})");
+  EXPECT_ERROR(lost.write("no_mesh.gltf"),
+               "crease \"crease.lost\"\n  The object has no edges without faces");
   EXPECT_TRUE(has_warning(
       read_scene(HeldSheet(grid(4, 4, 0.2, 0.2), R"({"paper_crease":20})").write("unmarked.gltf")),
       "no edge within it is marked"));

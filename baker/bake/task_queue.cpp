@@ -1,0 +1,26 @@
+#include "baker/bake/task_queue.h"
+
+#include <utility>
+
+namespace paperbake {
+
+TaskQueue::TaskQueue(int threads)
+    : policy_(threads > 1 ? std::launch::async : std::launch::deferred) {}
+
+std::shared_future<void> TaskQueue::start(std::function<void()> task) {
+  constexpr std::size_t max_waiting = 4;  // a map takes 3 MB until it is drawn
+  for (; started_.size() >= max_waiting; started_.pop_front()) started_.front().wait();
+  std::shared_future<void> before;
+  if (!started_.empty()) before = started_.back();
+  started_.push_back(
+      std::async(policy_, [before = std::move(before), task = std::move(task)]() mutable {
+        if (before.valid()) before.wait();
+        before = {};
+        const std::function<void()> own = std::move(task);
+        own();
+      }).share());
+  if (policy_ == std::launch::deferred) started_.back().wait();
+  return started_.back();
+}
+
+}  // namespace paperbake

@@ -1,0 +1,49 @@
+#include "baker/bake/task_queue.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <memory>
+#include <stdexcept>
+#include <thread>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+class TaskQueueTest : public testing::TestWithParam<int> {};
+INSTANTIATE_TEST_SUITE_P(Threads, TaskQueueTest, testing::Values(1, 2));
+
+TEST_P(TaskQueueTest, TasksAreDoneOneAfterTheOtherAndFreed) {
+  TaskQueue queue(GetParam());
+  std::vector<int> done;
+  const auto held = std::make_shared<int>(0);
+  std::vector<std::shared_future<void>> futures;
+  for (int k = 0; k < 50; ++k)
+    futures.push_back(queue.start([&done, held, k] { done.push_back(k); }));
+  for (auto& future : futures) future.get();
+  for (int k = 0; k < 50; ++k) EXPECT_EQ(done.at(k), k);
+  EXPECT_EQ(held.use_count(), 1);
+}
+
+TEST_P(TaskQueueTest, WhatATaskThrowsItsFutureThrowsAndTheOthersAreDone) {
+  TaskQueue queue(GetParam());
+  bool done = false;
+  auto thrown = queue.start([] { throw std::runtime_error("full"); });
+  queue.start([&] { done = true; }).get();
+  EXPECT_THROW(thrown.get(), std::runtime_error);
+  EXPECT_TRUE(done);
+}
+
+TEST(TaskQueueTest, WithSeveralThreadsTheCallerGoesOnMeanwhile) {
+  TaskQueue queue(2);
+  std::atomic<bool> caller_went_on = false;
+  const auto task = queue.start([&] {
+    while (!caller_went_on) std::this_thread::yield();
+  });
+  caller_went_on = true;
+  task.get();
+}
+
+}  // namespace
+}  // namespace paperbake

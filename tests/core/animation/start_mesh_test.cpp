@@ -1,0 +1,136 @@
+// Sheets that begin rolled or folded.
+
+#include "core/animation/start_mesh.h"
+
+#include "core/animation/initial_sheet.h"
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+#include "core/methods/adaptive.h"
+#include "core/methods/fem.h"
+#include "core/methods/hybrid.h"
+#include "tests/core/test_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <memory>
+#include <string>
+
+namespace paperbake {
+namespace {
+
+constexpr double length = 0.3, width = 0.04;  // [m]
+
+/// A strip as an artist models it: a grid of columns x 4 faces, whose cross section is a curve by
+/// arc length s. [m]
+Shot modelled(int columns, const std::function<Vector2d(double s)>& curve) {
+  constexpr int rows = 4;
+  Shot shot = test::blank_shot(test::rectangle(length, width));
+  Sheet& start = shot.start;
+  start.pattern.resize((columns + 1) * (rows + 1), 2);
+  start.x.resize(start.pattern.rows(), 3);
+  start.triangles.resize(2 * columns * rows, 3);
+  int t = 0;
+  for (int i = 0; i <= columns; ++i)
+    for (int j = 0; j <= rows; ++j) {
+      const int v = i * (rows + 1) + j;
+      const double s = length * i / columns, y = width * j / rows;
+      const Vector2d p = curve(s);
+      start.pattern.row(v) << s, y;
+      start.x.row(v) << p.x(), y, p.y();
+      if (i == columns || j == rows) continue;
+      start.triangles.row(t++) << v, v + rows + 1, v + rows + 2;
+      start.triangles.row(t++) << v, v + rows + 2, v + 1;
+    }
+  return shot;
+}
+
+/// Three and a half turns, 1.2 mm apart, about a hole of 23 mm.
+Shot rolled(int columns = 160) {
+  constexpr double inner = 0.0115, pitch = 0.0012 / (2 * M_PI);
+  return modelled(columns, [](double s) {
+    // the arc length of a spiral with so small a pitch is that of its circles
+    const double turn = (std::sqrt(inner * inner + 2 * pitch * s) - inner) / pitch,
+                 radius = inner + pitch * turn;
+    return Vector2d(radius * std::cos(turn), radius * std::sin(turn));
+  });
+}
+
+/// Two flat halves at 150 degrees.
+Shot folded() {
+  constexpr double slope = 75 * M_PI / 180;
+  return modelled(2, [](double s) {
+    const double from_fold = s - length / 2;
+    return Vector2d(from_fold * std::cos(slope), std::abs(from_fold) * std::sin(slope));
+  });
+}
+
+MethodChoice hybrid_of(const Shot& shot) { return hybrid(shot.pattern, shot.paper, 120, {}, 0, 0); }
+
+TEST(StartMeshTest, BendsOfAGridAreItsColumns) {
+  const std::vector<Bend> bends = bends_of(rolled(60).start);
+  ASSERT_EQ(bends.size(), 59u);  // not at the two ends
+  const double sum = 3.509 * 2 * M_PI * 59 / 60;
+  double turn = 0;
+  for (const Bend& bend : bends) {
+    EXPECT_NEAR((bend.b - bend.a).norm(), width, 1e-12);
+    EXPECT_NEAR(bend.a.x(), bend.b.x(), 1e-12);
+    turn += bend.turn;
+  }
+  EXPECT_NEAR(turn, sum, 0.01 * sum);
+}
+
+class StartMeshOfMethod : public testing::TestWithParam<const char*> {
+ protected:
+  static MethodChoice choice(const Shot& shot) {
+    const std::string name = GetParam();
+    if (name == "fem") return fem(400);
+    if (name == "adaptive") return adaptive(shot.pattern, 3000);
+    return hybrid_of(shot);
+  }
+};
+
+// An edge that a method's own mesh cuts across the roll is a chord of a wide arc.
+TEST_P(StartMeshOfMethod, ARollBeginsWithTheRightLengthsAndDoesNotIntersectItself) {
+  const Shot shot = rolled();
+  const std::unique_ptr<Method> method = choice(shot).make();
+  const Sheet sheet = make_initial_sheet(shot, *method, 1).sheet;
+  EXPECT_LT(length_distortion(sheet).largest, 0.002);
+  EXPECT_EQ(crossings(sheet), 0);
+}
+
+TEST_P(StartMeshOfMethod, AFoldedLeafHasItsFoldAmongTheEdges) {
+  const Shot shot = folded();
+  const std::unique_ptr<Method> method = choice(shot).make();
+  const Sheet sheet = make_initial_sheet(shot, *method, 1).sheet;
+  EXPECT_LT(length_distortion(sheet).largest, 1e-9);
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, StartMeshOfMethod, testing::Values("hybrid", "fem", "adaptive"),
+                         [](const auto& info) { return std::string(info.param); });
+
+TEST(StartMeshTest, ASheetThatTheMethodsOwnMeshCanShowKeepsIt) {
+  // an arch of 0.2 radians: between two columns of the first mesh it turns by a hundredth of that
+  const Shot shot = modelled(60, [](double s) {
+    const double radius = length / 0.2, turn = s / radius;
+    return Vector2d(radius * std::sin(turn), radius * std::cos(turn));
+  });
+  const std::unique_ptr<Method> method = hybrid_of(shot).make(), same = hybrid_of(shot).make();
+  const StartMesh start = mesh_of_start(shot, *method, {});
+  const Method::FirstMesh own = same->first_mesh(shot.pattern, {});
+  EXPECT_FALSE(start.has_bends);
+  EXPECT_EQ(start.mesh.pattern, own.pattern);
+  EXPECT_EQ(start.mesh.triangles, own.triangles);
+}
+
+TEST(StartMeshTest, BendsAreNotFixed) {
+  const Shot shot = rolled();
+  const std::unique_ptr<Method> method = hybrid_of(shot).make();
+  const InitialSheet started = make_initial_sheet(shot, *method, 1);
+  EXPECT_EQ(std::count(started.fixed.begin(), started.fixed.end(), 1), 0);
+}
+
+}  // namespace
+}  // namespace paperbake
