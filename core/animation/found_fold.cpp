@@ -154,7 +154,7 @@ bool take(FoundFold& fold, const UnfoldedSheet& is, const LoadStep& step) {
   try {
     fold.step = advance_frame({{fold.elastic, fold.sheet, step.input, step.relative_motion,
                                 longer_side(is.shot.pattern), nullptr}},
-                              {"", step.dt, 0, {}})
+                              {"", step.dt, step.halvings, {}})
                     .front();
   } catch (const Error&) {  // the energy is not finite
     return false;

@@ -18,6 +18,7 @@ struct LoadStep {
   double dt;               // [s]
   double relative_motion;  // as in SubstepTarget
   int row;                 // of the hands: frame - first frame of the scene
+  int halvings;            // of the step, at least
 };
 
 /// A step that a sheet has taken, and that it can take again on another mesh.

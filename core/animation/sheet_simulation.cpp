@@ -276,7 +276,7 @@ void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   if (std::abs(stored - stored_unfolded_) < new_energy * stored_unfolded_) return;
   stored_unfolded_ = stored;
   const SolverState known = elastic_.state();
-  const LoadStep now{input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame};
+  const LoadStep now{input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame, 0};
   std::optional<FoundFold> fold = fold_along(
       lines, {shot_, sheet, elastic_, *plastic_grid_, options_.first_frame, now, past_}, *method_);
   if (!fold) return;
@@ -301,7 +301,8 @@ bool SheetSimulation::joins(LoadStep& last, const LoadStep& next) const {
   const double spacing = longest * mean_edge(sheet().pattern, sheet().triangles);
   const double way = std::max(farthest_move(last.input.colliders.from, next.input.colliders.to),
                               side_ * (last.relative_motion + next.relative_motion));
-  if (way > spacing || vertices_of(last.input.constraints) != vertices_of(next.input.constraints))
+  if (way > spacing || last.halvings != next.halvings ||
+      vertices_of(last.input.constraints) != vertices_of(next.input.constraints))
     return false;
   const ColliderShapes from = last.input.colliders.from;
   const double dt = last.dt + next.dt, motion = last.relative_motion + next.relative_motion;
@@ -314,10 +315,10 @@ bool SheetSimulation::joins(LoadStep& last, const LoadStep& next) const {
 
 void SheetSimulation::remember(int part) {
   constexpr std::size_t most = 8;
-  if (!alone_ || !shot_.colliders || !plastic_grid_ || has_inertia() || !finds_folds()) return;
+  if (!alone_ || !shot_.colliders || !plastic_grid_ || !finds_folds()) return;
   const LoadStep load{load_parts_ > 1 ? input_of_part(part) : input_,
                       1 / options_.fps / load_parts_, relative_motion_ / load_parts_,
-                      frame_ - options_.first_frame};
+                      frame_ - options_.first_frame, has_inertia() ? inertial_halvings_ : 0};
   if (!past_.empty() && joins(past_.back().load, load)) return;
   if (past_.size() == most) past_.erase(past_.begin());
   past_.push_back({sheet(), *plastic_grid_, load});

@@ -37,7 +37,7 @@ std::optional<Vector2d> moved(const Shot& shot, double left, double right, int r
   PlasticGrid grid(shot.pattern);
   const std::optional<FoldLine> line =
       flat_place({{0, left}, {0.15, right}, 0, {}},
-                 {shot, sheet, elastic, grid, 1, {{}, 1 / 24.0, 0, row}, {}});
+                 {shot, sheet, elastic, grid, 1, {{}, 1 / 24.0, 0, row, 0}, {}});
   if (!line) return std::nullopt;
   const bool turned = line->a.x() > line->b.x();
   return Vector2d(turned ? line->b.y() : line->a.y(), turned ? line->a.y() : line->b.y());
