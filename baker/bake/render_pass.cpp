@@ -4,13 +4,16 @@
 #include "core/geometry/collider.h"
 #include "core/geometry/point_location.h"
 #include "core/geometry/surface_transfer.h"
+#include "core/render/mesh_changes.h"
 #include "core/render/render_surface.h"
 #include "core/render/untangle_sheets.h"
 #include "core/step1_elastic/elastic.h"
 
 #include <algorithm>
+#include <cmath>
 #include <deque>
 #include <future>
+#include <map>
 #include <optional>
 #include <set>
 
@@ -18,6 +21,7 @@ namespace paperbake {
 namespace {
 
 using MeshPoints = std::shared_future<std::vector<MeshPoint>>;
+using Shape = RenderSurface::Shape;
 
 /// How many sheets have a k-th frame: the first ones.
 std::size_t sheets_with_frame(const std::vector<RenderInput>& sheets, std::size_t k) {
@@ -48,6 +52,14 @@ std::launch launch_policy(int threads) {
   return threads > 1 ? std::launch::async : std::launch::deferred;
 }
 
+/// [frames] for how long before and after a change of the simulated mesh what it moves is spread.
+/// Meshes change every few frames: with half of it the sheet still jumps, and twice as much gains
+/// little, but keeps more of the old shape in a shot that is fast.
+int half_of_change(double fps) {
+  constexpr double half = 8 / 24.0;  // [s]
+  return std::max(1, static_cast<int>(std::lround(half * fps)));
+}
+
 /// Whether a collider reaches into the box round the points.
 bool may_touch(const ColliderShapes& shapes, const Points3& x) {
   const Vector3d low = x.colwise().minCoeff(), high = x.colwise().maxCoeff();
@@ -58,30 +70,123 @@ bool may_touch(const ColliderShapes& shapes, const Points3& x) {
 
 }  // namespace
 
-/// Where the vertices of a render mesh lie on the simulated mesh of the frame that was asked for
-/// last.
+/// Where the vertices of a render mesh lie on simulated meshes, those of the last frames that were
+/// asked for.
 class RenderPass::MeshPointCache {
  public:
   MeshPointCache(const ShotRecord& record, const RenderSurface& surface)
       : record_(&record), surface_(&surface) {}
 
-  const MeshPoints& at(std::size_t k) {
+  MeshPoints at(std::size_t k) {
     const int mesh = record_->frames()[k].mesh;
-    if (mesh != mesh_) {
+    MeshPoints& points = points_[mesh];
+    if (!points.valid()) {
       const ShotRecord::Mesh& simulated = record_->meshes()[mesh];
-      points_ = std::async(std::launch::deferred, [surface = surface_, &simulated] {
-                  return surface->locate_on(simulated.pattern, simulated.triangles);
-                }).share();
+      points = std::async(std::launch::deferred, [surface = surface_, &simulated] {
+                 return surface->locate_on(simulated.pattern, simulated.triangles);
+               }).share();
     }
-    mesh_ = mesh;
-    return points_;
+    return points;
+  }
+  /// Meshes of frames before the k-th will not be asked for again.
+  void forget_before(std::size_t k) {
+    points_.erase(points_.begin(), points_.lower_bound(record_->frames()[k].mesh));
   }
 
  private:
   const ShotRecord* record_;
   const RenderSurface* surface_;
-  int mesh_ = -1;
-  MeshPoints points_;
+  std::map<int, MeshPoints> points_;  // of a mesh
+};
+
+/// The shapes of the frames of a sheet on its render mesh. What a change of the simulated mesh
+/// moves is spread over the frames around it (mesh_changes.h).
+class RenderPass::ShapeCache {
+ public:
+  /// half  [frames] as in mesh_changes_near
+  ShapeCache(const ShotRecord& record, const RenderSurface& surface, int half)
+      : record_(&record), surface_(&surface), half_(half), points_(record, surface) {}
+
+  /// What a change of mesh moves, at the time of the last frame on the old mesh.
+  struct Change {
+    Points3 seen_before, seen_after;  // displacement (seen_by_triangles), on the old and new mesh
+    Points3 curvature;                // |V|x3 [1/m]
+  };
+  /// Computes the shape of a frame when it is asked for. A sum of a shape and changes, which are
+  /// shared with other frames.
+  class Sum {
+   public:
+    const std::vector<MeshPoint>& places() const { return points_.get(); }
+    Shape operator()() const {
+      Shape shape = shape_.get();
+      if (changes_.empty()) return shape;
+      Points3 seen = Points3::Zero(3 * triangles_->rows(), 3);
+      for (const auto& [change, share] : changes_) {
+        seen += share * (share > 0 ? change.get().seen_before : change.get().seen_after);
+        shape.curvature += share * change.get().curvature;
+      }
+      shape.x += seen_from_outside(*triangles_, shape.x, seen);
+      return shape;
+    }
+
+   private:
+    friend ShapeCache;
+    MeshPoints points_;
+    std::shared_future<Shape> shape_;
+    std::vector<std::pair<std::shared_future<Change>, double>> changes_;
+    const Triangles* triangles_ = nullptr;
+  };
+
+  /// k  may only grow
+  Sum at(std::size_t k) {
+    const std::size_t first = k - std::min(k, static_cast<std::size_t>(half_));
+    shapes_.erase(shapes_.begin(), shapes_.lower_bound(k));
+    changes_.erase(changes_.begin(), changes_.lower_bound(first));
+    points_.forget_before(first);
+    Sum sum;
+    sum.points_ = points_.at(k);
+    sum.shape_ = shape(k);
+    for (const auto& [frame, share] : mesh_changes_near(*record_, k, half_))
+      sum.changes_.emplace_back(change(frame), share);
+    sum.triangles_ = &surface_->triangles_of_shape();
+    return sum;
+  }
+
+ private:
+  std::shared_future<Shape> shape(std::size_t k) {
+    std::shared_future<Shape>& known = shapes_[k];
+    if (!known.valid())
+      known = std::async(std::launch::deferred, [record = record_, surface = surface_, k,
+                                                 points = points_.at(k)] {
+                return surface->shape(record->sheet(record->frames()[k]), points.get());
+              }).share();
+    return known;
+  }
+
+  /// The change of mesh before frame k.
+  std::shared_future<Change> change(std::size_t k) {
+    std::shared_future<Change>& known = changes_[k];
+    if (known.valid()) return known;
+    return known =
+               std::async(std::launch::deferred, [record = record_, surface = surface_, k,
+                                                  points = points_.at(k), before = shape(k - 1)] {
+                 const Triangles& triangles = surface->triangles_of_shape();
+                 const Shape &old = before.get(),
+                             after =
+                                 surface->shape(record->carried(record->frames()[k]), points.get());
+                 const Points3 displacement = after.x - old.x;
+                 return Change{seen_by_triangles(triangles, old.x, displacement),
+                               seen_by_triangles(triangles, after.x, displacement),
+                               after.curvature - old.curvature};
+               }).share();
+  }
+
+  const ShotRecord* record_;
+  const RenderSurface* surface_;
+  int half_;
+  MeshPointCache points_;
+  std::map<std::size_t, std::shared_future<Shape>> shapes_;
+  std::map<std::size_t, std::shared_future<Change>> changes_;
 };
 
 /// One frame of every sheet that has it, the first ones: a bake may have ended between two sheets.
@@ -109,7 +214,7 @@ class RenderPass::FrameRenderer {
         clock_(options.clock),
         held_(surfaces.size()) {
     for (std::size_t s = 0; s < surfaces.size(); ++s) {
-      points_.emplace_back(*inputs[s].record, surfaces[s]);
+      shapes_.emplace_back(*inputs[s].record, surfaces[s], half_of_change(options.fps));
       const Shot& shot = *inputs[s].shot;
       const double side = longer_side(shot.pattern);
       judges_.emplace_back(
@@ -176,7 +281,7 @@ class RenderPass::FrameRenderer {
       pending_.push_back(*last_);
       return true;
     }
-    std::vector<MeshPoints> points;
+    std::vector<ShapeCache::Sum> shapes;
     for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s) {
       const RecordedFrame& recorded = inputs_[s].record->frames()[k];
       if (held_[s] != recorded.held) {
@@ -186,26 +291,26 @@ class RenderPass::FrameRenderer {
       }
     }
     for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s)
-      points.push_back(points_[s].at(k));
+      shapes.push_back(shapes_[s].at(k));
     last_ =
-        PendingFrame{k, std::async(launch_policy(static_cast<int>(threads_)), [this, k, points] {
-                          return render(k, points);
+        PendingFrame{k, std::async(launch_policy(static_cast<int>(threads_)), [this, k, shapes] {
+                          return render(k, shapes);
                         }).share()};
     pending_.push_back(*last_);
     return true;
   }
 
-  FrameOfSheets render(std::size_t k, const std::vector<MeshPoints>& points) const {
+  FrameOfSheets render(std::size_t k, const std::vector<ShapeCache::Sum>& shapes) const {
     const StageClock::Part part(clock_, Stage::render_frames);
     FrameOfSheets rendered;
     std::vector<SheetUntangler::Simulated> simulated;
     std::vector<double> ms;
-    for (std::size_t s = 0; s < points.size(); ++s) {
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
       const double start_ms = cpu_ms();
       const RecordedFrame& recorded = inputs_[s].record->frames()[k];
-      simulated.push_back({inputs_[s].record->sheet(recorded), &points[s].get()});
-      rendered.frames.push_back(
-          surfaces_[s].frame(simulated[s].sheet, *simulated[s].places, recorded.held_at));
+      simulated.push_back({inputs_[s].record->sheet(recorded), &shapes[s].places()});
+      rendered.frames.push_back(surfaces_[s].frame(simulated[s].sheet, *simulated[s].places,
+                                                   shapes[s](), recorded.held_at));
       ms.push_back(cpu_ms() - start_ms);
     }
     const double start_ms = cpu_ms();
@@ -213,8 +318,8 @@ class RenderPass::FrameRenderer {
       const StageClock::Part keeping_apart(clock_, Stage::keep_apart);
       untangler_.keep_apart(rendered.frames, simulated);
     }
-    const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, points.size());
-    for (std::size_t s = 0; s < points.size(); ++s) {
+    const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, shapes.size());
+    for (std::size_t s = 0; s < shapes.size(); ++s) {
       const double start_ms = cpu_ms();
       if (push_out_of_colliders(s, k, simulated[s], rendered.frames[s].x))
         surfaces_[s].shade(rendered.frames[s]);
@@ -304,7 +409,7 @@ class RenderPass::FrameRenderer {
   const std::size_t threads_;
   StageClock* const clock_;
   std::vector<std::optional<std::vector<int>>> held_;
-  std::vector<MeshPointCache> points_;
+  std::vector<ShapeCache> shapes_;
   std::size_t next_ = 0;              // the first that was not started
   std::deque<PendingFrame> pending_;  // in order
   std::optional<PendingFrame> last_;  // that was started
@@ -378,6 +483,7 @@ RenderPass::State::FacetsOfSheets RenderPass::State::intersecting_facets(
       std::vector<MeshPoints> at;
       for (std::size_t s = 0; s < sheets.size() && k < inputs[s].record->frames().size(); ++s)
         at.push_back(points[s].at(k));
+      for (std::size_t s = 0; s < at.size(); ++s) points[s].forget_before(k);
       pending.push_back(std::async(launch_policy(options.threads),
                                    [&of_frame, k, at] { return of_frame(k, at); }));
       if (pending.size() < threads) continue;

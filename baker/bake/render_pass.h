@@ -65,6 +65,7 @@ class RenderPass {
 
  private:
   class MeshPointCache;
+  class ShapeCache;
   struct FrameOfSheets;
   class FrameRenderer;
   struct State;

@@ -81,6 +81,7 @@ void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
   else if (a.reads())
     now = mesh;
   mesh = now;
+  a(f.carried);
 }
 
 }  // namespace
@@ -186,6 +187,7 @@ void Checkpoints::load_one(const fs::path& path, ResumePoint& resume, bool& goes
               frame.sheet_index == of && frame.handles.size() == plan_.shots[of].handles.size());
     a.require(frame.plastic_curvature.rows() == 0 ||
               frame.plastic_curvature.rows() == sheet.x.rows());
+    a.require(frame.carried.rows() == 0 || frame.carried.rows() == sheet.x.rows());
     a.require(frame.parts.region.empty() ||
               static_cast<long>(frame.parts.region.size()) == sheet.triangles.rows());
   }

@@ -206,6 +206,7 @@ class PolishedShot {
     if (!attempt.polished || !attempt.rejection.empty()) return on_frame(frame);
     const Polished& polished = *attempt.polished;
     frame.sheet = &polished.sheet;
+    frame.carried.resize(0, 3);
     frame.statistics.newton_iterations += polished.iterations;
     frame.statistics.energy = polished.energy;
     frame.statistics.membrane_energy = polished.membrane_energy;

@@ -219,6 +219,35 @@ void SheetSimulation::carry_state(const Sheet& before) {
   elastic_.restore(known);
 }
 
+void SheetSimulation::begin_carrying() {
+  carried_.reset();
+  is_carried_ = false;
+  at_frame_before_ = input_before_;
+  // a sheet that is on its way down moves when it is relaxed, whatever its mesh
+  if (frame_ == options_.first_frame || contact_ || !(at_minimum_ || has_inertia())) return;
+  carried_ = sheet();
+}
+
+void SheetSimulation::carry(const Points3& start) {
+  constexpr double same = 0.03;  // [1] of the longer side: what goes farther is on another branch
+  if (!carried_) return;
+  Sheet carried = sheet();
+  carried.x = start;
+  carried_.reset();
+  // its folds lie elsewhere on another mesh: halfway between both is no shape of paper
+  if (method_->is_crumpled(carried)) return;
+  if (!has_inertia()) {
+    const SolverState known = elastic_.state();
+    const ElasticReport settled =
+        elastic_.relax(carried, at_frame_before_, 1 / options_.fps, Relaxation::full);
+    elastic_.restore(known);
+    if (!settled.converged || settled.contact || max_row_norm(carried.x - start) > same * side_)
+      return;
+  }
+  carried_ = std::move(carried);
+  is_carried_ = true;
+}
+
 void SheetSimulation::remesh(double share) { change_mesh(remesh_context(share)); }
 
 bool SheetSimulation::change_mesh(const RemeshContext& is) {
@@ -284,6 +313,7 @@ void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
     elastic_.restore(known);
     return;
   }
+  carried_.reset();
   sheet = std::move(fold->sheet);
   elastic_ = std::move(fold->elastic);
   started_.fixed = std::move(fold->fixed);
@@ -342,6 +372,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   result_ = {};
   step_ = {};
   result_.frame = ++frame_;
+  begin_carrying();
   move_world();
   const bool first = frame_ == options_.first_frame;
   singular_before_ = sheet.singular.size();
@@ -366,7 +397,10 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       result_.statistics.remesh =
           verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
       result_.statistics.remesh_rise = verdict.rise;
-      if (verdict.accepted) started_.has_bends = false;
+      if (verdict.accepted) {
+        started_.has_bends = false;
+        carry(sheet.x);
+      }
     }
   came_from_ = input_before_.constraints;
   input_before_ = input_;
@@ -379,6 +413,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       restore(std::move(*before_remesh_));
       before_remesh_.reset();
     }
+    if (before_remesh_) carry(sheet.x);
   }
   positions_before_ = sheet.x;
   is_sleeping_ = idle_frames_ >= 2 && !has_inertia();
@@ -386,6 +421,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
 }
 
 void SheetSimulation::restore(Snapshot&& back) {
+  carried_.reset();
   Sheet& sheet = started_.sheet;
   sheet = std::move(back.sheet);
   elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
@@ -815,6 +851,12 @@ AnimatedFrame SheetSimulation::report() {
   result.sheet_index = number_;
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
+  // within the step, the mesh may have changed once more
+  if (is_carried_ && carried_ && carried_->triangles == sheet().triangles &&
+      carried_->pattern == sheet().pattern) {
+    method_->finish(*carried_, vertices_of(at_frame_before_.constraints));
+    result.carried = carried_->x;
+  }
   result.handles = handles_.report(output_sheet_.x, frame_);
   if (on_colliders_ > 0 && touching_ == 0)
     if (const std::string note = note_of_yielding(result.handles); !note.empty())

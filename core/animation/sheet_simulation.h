@@ -98,6 +98,12 @@ class SheetSimulation {
   bool joins(LoadStep& last, const LoadStep& next) const;
   /// Keeps a step that is about to be taken in past_.
   void remember(int part);
+  /// Keeps the sheet as it is at the time of the frame before, to be carried from mesh to mesh.
+  void begin_carrying();
+  /// Carries it to a mesh that the sheet has just been given: without inertia, to equilibrium
+  /// there. Leaves no other trace.
+  /// start  |V|x3 [m] where it is on the new mesh before that
+  void carry(const Points3& start);
   /// Lets the method change the mesh. before_remesh_ keeps what was there.
   void remesh(double share);
   /// returns  whether the mesh is another one now
@@ -203,6 +209,11 @@ class SheetSimulation {
   std::optional<Snapshot> before_remesh_, step_start_;  // the mesh before; the start of the step
   bool was_at_minimum_ = false;                         // the sheet, before the last change of mesh
   bool vertices_moved_ = false;  // on the pattern, by the last change of mesh
+  // the sheet of the frame before on the present mesh, if that is known, and whether it had another
+  // mesh then; input of that frame, with the colliders standing still
+  std::optional<Sheet> carried_;
+  bool is_carried_ = false;
+  StepInput at_frame_before_;
   std::vector<TrajectoryPoint> trajectory_;
   FrameStepResult step_;
   AnimatedFrame result_;

@@ -56,7 +56,8 @@ class Hybrid : public Method {
     return base_mesh();
   }
 
-  bool finds_folds(const Sheet& sheet) const override { return !crumple_.is_crumpled(sheet); }
+  bool is_crumpled(const Sheet& sheet) const override { return crumple_.is_crumpled(sheet); }
+  bool finds_folds(const Sheet& sheet) const override { return !is_crumpled(sheet); }
   std::vector<FoldLine> fold_lines(const Sheet& sheet, const PlasticMemory& memory) const override {
     return crumple_.fold_lines(sheet, memory);
   }

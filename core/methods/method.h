@@ -67,6 +67,8 @@ class Method {
   /// Called once, before all others.
   virtual FirstMesh first_mesh(const Pattern&, const std::vector<Vector2d>& points) = 0;
 
+  /// Whether the sheet is crumpled: more than a sheet that is smooth around a few singular points.
+  virtual bool is_crumpled(const Sheet&) const { return false; }
   /// Whether lines are looked for along which the sheet is being folded.
   virtual bool finds_folds(const Sheet&) const { return false; }
   /// Lines along which the sheet is being folded although its mesh has no edges there. Called when

@@ -41,6 +41,9 @@ struct AnimatedFrame {
   // for
   Points3 plastic_curvature;
   BentParts parts;  // rulings and curved regions, if the method has any
+  // |V|x3 [m] the sheet of the frame before, at the time of that frame, on the mesh of this one;
+  // empty if it is the mesh that it had, or if nothing is known
+  Points3 carried;
   std::string note;
   // Everything that the next frame depends on, as bytes. To be called before on_frame returns, for
   // the last sheet of the frame.

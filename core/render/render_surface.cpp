@@ -92,22 +92,27 @@ void RenderSurface::hold(const std::vector<int>& points) {
   for (const int v : vertices) is_held_[v] = 1;
 }
 
-RenderFrame RenderSurface::frame(const Sheet& sheet, const std::vector<MeshPoint>& places,
-                                 const Points3& held_at) const {
+RenderSurface::Shape RenderSurface::shape(const Sheet& sheet,
+                                          const std::vector<MeshPoint>& places) const {
   std::vector<int> exact;  // simulated vertices at held points
   for (const int v : held_)
     for (int i = 0; i < 3; ++i)
       if (places[v].weights[i] > 1 - 1e-6) exact.push_back(sheet.triangles(places[v].triangle, i));
   const CurvedSurface surface = curve(sheet, exact);
-  Points3 y(coarse_.pattern.rows(), 3), curvature = y;
-  for (int v = 0; v < y.rows(); ++v) {
-    y.row(v) = surface.at(places[v]);
-    curvature.row(v) = interpolate(places[v], sheet.triangles, surface.curvature);
+  Shape shape{Points3(coarse_.pattern.rows(), 3), Points3(coarse_.pattern.rows(), 3)};
+  for (int v = 0; v < coarse_.pattern.rows(); ++v) {
+    shape.x.row(v) = surface.at(places[v]);
+    shape.curvature.row(v) = interpolate(places[v], sheet.triangles, surface.curvature);
   }
-  for (std::size_t k = 0; k < held_.size(); ++k) y.row(held_[k]) = held_at.row(k);
+  return shape;
+}
+
+RenderFrame RenderSurface::frame(const Sheet& sheet, const std::vector<MeshPoint>& places,
+                                 Shape shape, const Points3& held_at) const {
+  for (std::size_t k = 0; k < held_.size(); ++k) shape.x.row(held_[k]) = held_at.row(k);
 
   RenderFrame frame;
-  frame.x = for_frames_->shape_fit(y, curvature);
+  frame.x = for_frames_->shape_fit(shape.x, shape.curvature);
   for_frames_->coarse_limit(frame.x, is_held_);
   if (fine_) {
     frame.x = fine_->positions(frame.x, coarse_normals_.normals(frame.x));

@@ -57,11 +57,24 @@ class RenderSurface {
   /// before.
   void hold(const std::vector<int>& points);
 
-  /// places   from locate_on() for the mesh of the sheet
+  /// The curved surface of a sheet, at the vertices of the mesh before any subdivision.
+  struct Shape {
+    Points3 x;          // |V|x3 [m]
+    Points3 curvature;  // |V|x3 [1/m] Sxx, Sxy, Syy
+  };
+  const Triangles& triangles_of_shape() const { return coarse_.triangles; }
+  /// places  from locate_on() for the mesh of the sheet
+  /// May be called by several threads at the same time, as all that follow.
+  Shape shape(const Sheet&, const std::vector<MeshPoint>& places) const;
+
+  /// shape    of the sheet, or near it
   /// held_at  |held points|x3 [m] where they are, exactly
-  /// May be called by several threads at the same time.
-  RenderFrame frame(const Sheet&, const std::vector<MeshPoint>& places,
+  RenderFrame frame(const Sheet&, const std::vector<MeshPoint>& places, Shape shape,
                     const Points3& held_at) const;
+  RenderFrame frame(const Sheet& sheet, const std::vector<MeshPoint>& places,
+                    const Points3& held_at) const {
+    return frame(sheet, places, shape(sheet, places), held_at);
+  }
 
   /// The vertices of mesh() on the flat triangles of the simulated mesh. |V|x3 [m]
   Points3 linear_positions(const Sheet&, const std::vector<MeshPoint>& places) const;

@@ -40,6 +40,7 @@ void ShotRecord::add(const AnimatedFrame& frame) {
   record.frame = frame.frame;
   record.mesh = static_cast<int>(meshes_.size()) - 1;
   record.x = sheet.x.cast<float>();
+  record.carried = frame.carried.cast<float>();
   for (std::size_t h = 0; h < frame.handles.size(); ++h)
     if (frame.handles[h].state != HandleFrame::free) record.held.push_back(static_cast<int>(h));
   record.held_at.resize(record.held.size(), 3);
@@ -67,6 +68,12 @@ void ShotRecord::add(const AnimatedFrame& frame) {
 Sheet ShotRecord::sheet(const RecordedFrame& frame) const {
   const Mesh& mesh = meshes_[frame.mesh];
   return {mesh.pattern, frame.x.cast<double>(), {}, mesh.triangles, {}, folds_};
+}
+
+Sheet ShotRecord::carried(const RecordedFrame& frame) const {
+  Sheet before = sheet(frame);
+  before.x = frame.carried.cast<double>();
+  return before;
 }
 
 RenderFeatures ShotRecord::features(const Shot& shot) const {

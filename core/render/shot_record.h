@@ -17,7 +17,9 @@ struct RecordedFrame {
   int frame = 0;
   // index in ShotRecord::meshes
   int mesh = 0;
-  Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor> x;  // [m]
+  using Positions = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;
+  Positions x;        // [m]
+  Positions carried;  // [m] AnimatedFrame::carried
   // handles that hold the sheet
   std::vector<int> held;
   Points3 held_at;  // [m] where they hold it
@@ -38,6 +40,7 @@ class ShotRecord {
   const std::vector<RecordedFrame>& frames() const { return frames_; }
   const std::vector<Mesh>& meshes() const { return meshes_; }
   Sheet sheet(const RecordedFrame&) const;  // without velocities and singular points
+  Sheet carried(const RecordedFrame&) const;
 
   /// Points: the handles, in order, the rims of their discs, and all singular points of the shot.
   /// Creases: edges that were sharply folded for two frames, or for a quarter of the shot where

@@ -129,8 +129,8 @@ const Words fem{"--method", "fem", "--triangles", "600"}, hybrid{"--method", "hy
 
 // What is not within 5 % on fem: the first frames, where a flat sheet buckles as the root of time;
 // the frames round 24 of S8, where one motion ends and another begins within a frame; and snaps. On
-// hybrid also every frame with another mesh or a birth (every fourth of S8, most of S4): the sheet
-// moves by a little then that is nobody's motion.
+// hybrid also frames of a crumple, whose folds go elsewhere on another mesh (most of S4). What
+// other meshes move is spread over many frames.
 
 TEST_F(VelocityTest, TheStripIsHalfAFrameLaterWhereItsVelocitySays) {
   for (const Words& method : {fem, hybrid}) {
@@ -146,7 +146,8 @@ TEST_F(VelocityTest, TheConeIsHalfAFrameLaterWhereItsVelocitySays) {
   const Figures smooth = compare("S8_dcone", fem, 44), exchanged = compare("S8_dcone", hybrid, 44);
   EXPECT_GE(smooth.own.within(), 26);
   EXPECT_GE(smooth.alike.within(), 20);
-  EXPECT_LE(exchanged.own.median(), 0.1);
+  EXPECT_LE(exchanged.own.median(), 0.03);
+  EXPECT_GE(exchanged.own.within(), 28);
 }
 
 TEST_F(VelocityTest, TheCrumpleIsHalfAFrameLaterWhereItsVelocitySays) {

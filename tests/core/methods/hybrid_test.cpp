@@ -4,6 +4,7 @@
 #include "core/geometry/curvature.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/mesh_transfer.h"
 #include "core/geometry/random.h"
 #include "core/methods/hybrid.h"
 #include "core/step2_crumple/edge_flips.h"
@@ -47,6 +48,32 @@ TEST(HybridTest, AnArchOfAHundredTrianglesIsNearlyTheElastica) {
   EXPECT_NEAR(sheet.x.col(2).maxCoeff() / 0.019492, 1, 0.015);
   EXPECT_LT(length_distortion(sheet).mean, 1e-4);
   EXPECT_TRUE(sheet.singular.empty());
+}
+
+TEST(HybridTest, ANewMeshComesWithTheSheetOfTheFrameBefore) {
+  const Shot shot = test::s1_push();
+  const Played played = play(shot, hybrid_of(shot), 24);
+  int known = 0;
+  for (std::size_t k = 1; k < played.sheets.size(); ++k) {
+    const Sheet &before = played.sheets[k - 1], &now = played.sheets[k];
+    const Points3& carried = played.frames[k].carried;
+    const bool same_mesh = before.pattern.rows() == now.pattern.rows() &&
+                           before.pattern == now.pattern && before.triangles == now.triangles;
+    if (carried.rows() == 0) continue;
+    EXPECT_FALSE(same_mesh) << k;
+    ++known;
+    ASSERT_EQ(carried.rows(), now.x.rows());
+    const Points3 there =
+        MeshTransfer(before.pattern, before.triangles, now.pattern)(Points3(before.x));
+    const auto farthest = [](const Points3& a, const Points3& b) {
+      return (a - b).rowwise().norm().maxCoeff();
+    };
+    EXPECT_GT(farthest(carried, there), 0) << "it is in equilibrium on the new mesh";
+    EXPECT_LT(farthest(carried, there), 0.03 * 0.1);
+    EXPECT_LT(farthest(carried, there), farthest(now.x, there)) << "hands have not moved yet";
+    EXPECT_LT(length_distortion({now.pattern, carried, {}, now.triangles, {}}).mean, 1e-4);
+  }
+  EXPECT_GE(known, 3);
 }
 
 TEST(HybridTest, FramesReportTheRulingsAndRegionsOfAnArch) {
