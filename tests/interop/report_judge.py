@@ -84,7 +84,8 @@ def main(arguments):
     os.makedirs(folder, exist_ok=True)
     judge_playing(judgement, report, folder)
     views = {}
-    for name, time, fragment in (("opened", 1000, ""), ("first", 8000, "#frame=" + arguments[2]), ("last", 8000, "#frame=" + arguments[3])):
+    # after 1500 ms it plays by itself, from the first frame; a busy machine draws late
+    for name, time, fragment in (("opened", 300, ""), ("first", 8000, "#frame=" + arguments[2]), ("last", 8000, "#frame=" + arguments[3])):
         picture = os.path.join(folder, name + ".png")
         for line in opened(report, picture, time, fragment).splitlines():
             judgement.check("CONSOLE" not in line, f"{name}: {line}")
