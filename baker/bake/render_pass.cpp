@@ -344,9 +344,8 @@ class RenderPass::FrameRenderer {
           interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
     const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
     // a sheet that is jammed has stayed behind in the collider: pushed out, it would be torn
-    constexpr double left_behind = 1e-4;  // [m]
     Points3 outside = on_facets;
-    if (push_out(shapes, on_facets, 0, outside) > left_behind) return false;
+    if (push_out(shapes, on_facets, 0, outside) > yield_depth) return false;
     const std::vector<char>& held = surfaces_[s].is_held();
     // vertices first, then edges and triangles: a corner of the collider stands between vertices
     std::optional<ColliderClearance> clearance;

@@ -55,13 +55,17 @@ std::optional<double> crossing(const Vector2d& a, const Vector2d& b, const Bend&
 class BendChoice {
  public:
   BendChoice(const Shot& shot, const std::vector<Vector2d>& points)
-      : start_(shot.start), locator_(start_.pattern, start_.triangles), pattern_(shot.pattern) {
-    const double near = 2e-3 * longer_side(shot.pattern), same = 1e-6 * longer_side(shot.pattern);
+      : start_(shot.start),
+        locator_(start_.pattern, start_.triangles),
+        points_(points),
+        on_line_(1e-4 * longer_side(shot.pattern)),
+        pattern_(shot.pattern) {
+    const double near = 20 * on_line_;
     // between a point and a bend beside it there would be a needle
     const auto beside_a_point = [&](const Bend& bend) {
       return std::any_of(points.begin(), points.end(), [&](const Vector2d& p) {
         const double off = distance_to_segment(p, bend.a, bend.b);
-        return off > same && off < near;
+        return off > on_line_ && off < near;
       });
     };
     for (const Bend& bend : bends_of(start_))
@@ -80,9 +84,12 @@ class BendChoice {
     Vector2d a, b;
   };
   std::vector<Chord> short_chords(const Method::FirstMesh&) const;
+  std::vector<Vector2d> line_of(const Bend&) const;
 
   const Sheet& start_;
   PointLocator locator_;
+  const std::vector<Vector2d>& points_;
+  double on_line_;           // [m] a bend goes through points that are no farther from it
   Pattern pattern_;          // its creases are followed by the bends that are chosen
   std::vector<Bend> bends_;  // that are not chosen yet
 };
@@ -101,6 +108,19 @@ std::vector<BendChoice::Chord> BendChoice::short_chords(const Method::FirstMesh&
   std::stable_sort(chords.begin(), chords.end(),
                    [](const Chord& a, const Chord& b) { return a.error > b.error; });
   return chords;
+}
+
+/// A bend as the polyline through the points that lie on it, but for rounding in the file.
+std::vector<Vector2d> BendChoice::line_of(const Bend& bend) const {
+  const Vector2d along = bend.b - bend.a;
+  std::vector<Vector2d> line;
+  for (const Vector2d& p : points_)
+    if (distance_to_segment(p, bend.a, bend.b) <= on_line_) line.push_back(p);
+  std::sort(line.begin(), line.end(),
+            [&](const Vector2d& p, const Vector2d& q) { return along.dot(p) < along.dot(q); });
+  if (line.empty() || (line.front() - bend.a).norm() > on_line_) line.insert(line.begin(), bend.a);
+  if ((line.back() - bend.b).norm() > on_line_) line.push_back(bend.b);
+  return line;
 }
 
 /// Of the bends that a short chord crosses, the one that has half of their turn on either side.
@@ -126,8 +146,7 @@ std::optional<Pattern> BendChoice::next(const Method::FirstMesh& mesh) {
       }
   }
   if (chosen.empty()) return std::nullopt;
-  for (const std::size_t k : chosen)
-    pattern_.prescribed_creases.push_back({{bends_[k].a, bends_[k].b}});
+  for (const std::size_t k : chosen) pattern_.prescribed_creases.push_back({line_of(bends_[k])});
   std::size_t k = 0;
   bends_.erase(std::remove_if(bends_.begin(), bends_.end(),
                               [&](const Bend&) { return chosen.count(k++) > 0; }),

@@ -248,7 +248,7 @@ void Elastic::Impl::go_free_of_collisions(const StepProblem& step, const Points3
     sheet.x = there;
     return crossings(sheet);
   };
-  if (!contact || crossings_at(to) <= crossings_at(x)) {
+  if (!contact || to == x || crossings_at(to) <= crossings_at(x)) {
     x = to;
     return;
   }

@@ -125,6 +125,22 @@ TEST(StartMeshTest, ASheetThatTheMethodsOwnMeshCanShowKeepsIt) {
   EXPECT_EQ(start.mesh.triangles, own.triangles);
 }
 
+// Handles that stand on a fold are there only as exactly as a file says.
+TEST(StartMeshTest, AFoldGoesThroughTheHandlesThatStandOnIt) {
+  const Shot shot = folded();
+  const std::unique_ptr<Method> method = hybrid_of(shot).make();
+  const std::vector<Vector2d> points = {
+      {length / 2 + 1e-6, 0}, {length / 2 - 1e-6, width / 2}, {length / 2, width - 1e-3}};
+  const StartMesh start = mesh_of_start(shot, *method, points);
+  ASSERT_TRUE(start.has_bends);
+  int on_fold = 0;
+  for (const auto& p : start.mesh.pattern.rowwise()) on_fold += std::abs(p.x() - length / 2) < 2e-6;
+  EXPECT_GE(on_fold, 4);
+  for (std::size_t k = 0; k < points.size(); ++k)
+    EXPECT_LT((start.mesh.pattern.row(start.mesh.point_vertex[k]) - points[k].transpose()).norm(),
+              1e-9);
+}
+
 TEST(StartMeshTest, BendsAreNotFixed) {
   const Shot shot = rolled();
   const std::unique_ptr<Method> method = hybrid_of(shot).make();
