@@ -90,7 +90,7 @@ void animate_together(const std::vector<AnimatedSheet>& all,
                            begins ? SheetIslands::Start::fresh : SheetIslands::Start::resumed);
 
   for (int frame = sheets.front()->next_frame(); frame <= options.last_frame; ++frame) {
-    const auto is_admissible = [&](std::size_t s) -> SheetSimulation::AdmissibilityCheck {
+    const auto is_admissible = [&](std::size_t s) -> AdmissibilityCheck {
       return [&, s](const Sheet& here, const Sheet& there, double moved) {
         return !between_sheets || between_sheets->is_admissible(s, here, there, moved);
       };

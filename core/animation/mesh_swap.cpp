@@ -7,9 +7,9 @@
 
 namespace paperbake {
 
-MeshSwapResult try_swap_mesh(
-    Sheet& sheet, Elastic& elastic, MeshProposal proposed, const StepInput& input, double dt,
-    const std::function<bool(const Sheet& here, const Sheet& there, double moved)>& is_admissible) {
+MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal proposed,
+                             const StepInput& input, double dt,
+                             const AdmissibilityCheck& is_admissible) {
   constexpr double max_rise = 0.05, max_move = 0.01;  // [1] of the energy; of the longer side
   // a mesh that holds its sheet back does so the more, the longer it stays
   constexpr double too_stiff = -0.005, max_move_then = 0.025;

@@ -6,6 +6,10 @@
 
 namespace paperbake {
 
+/// Asked before a sheet is replaced by one on another mesh or on another branch: may it be?
+/// moved  [m] largest displacement
+using AdmissibilityCheck = std::function<bool(const Sheet& here, const Sheet& there, double moved)>;
+
 struct MeshProposal {
   Sheet sheet;                     // on its new mesh, positions and velocities carried over
   std::vector<double> stiffening;  // as in Elastic::set_mesh, of the new mesh
@@ -38,7 +42,6 @@ struct MeshSwapResult {
 /// is_admissible  called last with (old sheet, new sheet, largest displacement [m]); returns
 ///                whether the swap may be made. Empty: always.
 MeshSwapResult try_swap_mesh(Sheet&, Elastic&, MeshProposal, const StepInput& input, double dt,
-                             const std::function<bool(const Sheet& here, const Sheet& there,
-                                                      double moved)>& is_admissible = {});
+                             const AdmissibilityCheck& is_admissible = {});
 
 }  // namespace paperbake

@@ -2,16 +2,11 @@
 
 #include "core/animation/branch_search.h"
 #include "core/animation/expected_creases.h"
-#include "core/animation/found_fold.h"
-#include "core/animation/initial_sheet.h"
-#include "core/animation/mesh_coarseness.h"
-#include "core/animation/mesh_swap.h"
 #include "core/animation/motion_measures.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
-#include "core/model/error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -24,10 +19,6 @@ namespace {
 // [s] longest step with inertia: backward Euler damps motion, the more the longer the step
 constexpr double max_inertial_step = 1 / 96.0;
 constexpr int max_halvings_for_inertia = 8;
-// [1] of what a sheet stored when a fold was last tried: while it stores as much to within this, no
-// fold is tried again, because one has to save a tenth of it
-constexpr double new_energy = 0.1;
-constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
 // [1] of the longer side: below motion_threshold no method changes the mesh, below sleep_threshold
 // nothing is solved either
 constexpr double motion_threshold = 2e-4, sleep_threshold = 1e-5;
@@ -99,12 +90,6 @@ std::string note_of_yielding(const std::vector<HandleFrame>& handles) {
   return note;
 }
 
-ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
-  ElasticOptions elastic = options.elastic;
-  elastic.colliders = shot.colliders;
-  return elastic;
-}
-
 }  // namespace
 
 SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
@@ -115,14 +100,12 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       options_(options),
       number_(place.number),
       alone_(place.sheets == 1),
-      side_(longer_side(shot.pattern)),
-      started_(make_initial_sheet(shot, *method_, options.seed, options.first_frame)),
-      elastic_(shot.paper, options_of(shot, options)),
-      handles_(shot, started_.handle_vertex, options.first_frame),
+      simulated_(shot, make_initial_sheet(shot, *method_, options.seed, options.first_frame),
+                 options),
+      handles_(shot, simulated_.handle_vertex, options.first_frame),
+      release_(options.fps),
+      folds_(simulated_, *method_, options.first_frame),
       frame_(options.first_frame - 1) {
-  if (options.plasticity == Plasticity::on)
-    elastic_.set_plastic_grid(&plastic_grid_.emplace(shot.pattern));
-  elastic_.set_mesh(started_.sheet, started_.stiffening);
   while (std::ldexp(1 / options.fps, -inertial_halvings_) > 1.001 * max_inertial_step &&
          inertial_halvings_ < max_halvings_for_inertia)
     ++inertial_halvings_;
@@ -132,36 +115,38 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
 }
 
 void SheetSimulation::archive(Serializer& a) {
-  Sheet& sheet = started_.sheet;
-  SolverState state = elastic_.state();
-  a(frame_, sheet, output_sheet_, positions_before_, input_before_.constraints, at_minimum_,
-    yielding_, yielded_, folded_, stored_unfolded_, started_.fixed, started_.has_bends,
-    snap_in_progress_, rests_on_contact_, idle_frames_, swing_.amplitude, swing_.rate, quiet_,
-    contact_, touching_, on_colliders_, state, handles_, dhat);
+  Sheet& sheet = simulated_.sheet;
+  SolverState state = simulated_.elastic.state();
+  a(frame_, sheet, output_sheet_, simulated_.positions_before, input_before_.constraints,
+    at_minimum_, yielding_, yielded_, folded_, simulated_.fixed, simulated_.has_bends,
+    snap_in_progress_, rests_on_contact_, idle_frames_, contact_, touching_, on_colliders_, state,
+    handles_, dhat);
+  folds_.archive(a);
+  release_.archive(a);
   archive_jam(a);
-  if (plastic_grid_) a(*plastic_grid_);
+  if (simulated_.plastic_grid) a(*simulated_.plastic_grid);
   method_->archive(a);
   if (!a.reads()) return;
   a.end();
   const int row = frame_ - options_.first_frame;
   input_before_.time = row / options_.fps;
   const auto rows = sheet.x.rows();
-  a.require(frame_ >= options_.first_frame && output_sheet_.x.rows() == rows &&
-            (positions_before_.rows() == 0 || positions_before_.rows() == rows));
+  a.require(
+      frame_ >= options_.first_frame && output_sheet_.x.rows() == rows &&
+      (simulated_.positions_before.rows() == 0 || simulated_.positions_before.rows() == rows));
   a.require(is_of_mesh(input_before_.constraints, sheet) && is_of_mesh(state, sheet) &&
             dhat.size() == number_);
-  a.require(std::all_of(started_.handle_vertex.begin(), started_.handle_vertex.end(),
+  a.require(std::all_of(simulated_.handle_vertex.begin(), simulated_.handle_vertex.end(),
                         [&](int v) { return v < rows; }));
   if (shot_.colliders) {
     input_before_.colliders = motion_to(*shot_.colliders, row);
     input_before_.colliders.from = input_before_.colliders.to;
   }
-  a.require(swing_.rate >= 0 && std::isfinite(swing_.rate) && quiet_ >= 0 &&
-            (swing_.rate == 0 || options_.release_inertia == ReleaseInertia::automatic));
-  if (swing_.rate > 0) elastic_.set_inertia(Inertia::dynamic);
-  elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-  if (plastic_grid_) state.grid = *plastic_grid_;
-  elastic_.restore(state);
+  a.require(!release_.was_let_go() || options_.release_inertia == ReleaseInertia::automatic);
+  if (release_.was_let_go()) simulated_.elastic.set_inertia(Inertia::dynamic);
+  simulated_.update_solver();
+  if (simulated_.plastic_grid) state.grid = *simulated_.plastic_grid;
+  simulated_.elastic.restore(state);
 }
 
 void SheetSimulation::archive_jam(Serializer& a) {
@@ -182,87 +167,45 @@ void SheetSimulation::move_world() {
   const int row = frame_ - options_.first_frame;
   input_ = {handles_.held(frame_)};
   input_.time = row / options_.fps;
-  fold_by_hands(started_.sheet, shot_.hands, row);
+  fold_by_hands(simulated_.sheet, shot_.hands, row);
   if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
   if (!jammed_between_.empty()) input_.colliders.from = jammed_between_;
 }
 
 RemeshContext SheetSimulation::remesh_context(double share) const {
-  const Sheet& sheet = started_.sheet;
-  return {started_.fixed,
-          plastic_grid_ ? &*plastic_grid_ : nullptr,
-          isolated_moving_handles(sheet, input_.constraints, motion_threshold * side_,
+  const Sheet& sheet = simulated_.sheet;
+  return {simulated_.fixed,
+          simulated_.plastic_grid ? &*simulated_.plastic_grid : nullptr,
+          isolated_moving_handles(sheet, input_.constraints, motion_threshold * simulated_.side,
                                   0.15 * shorter_side(shot_.pattern)),
-          {frame_, 1 / options_.fps, max_motion_ / side_},
-          max_motion_ > motion_threshold * side_,
+          {frame_, 1 / options_.fps, max_motion_ / simulated_.side},
+          max_motion_ > motion_threshold * simulated_.side,
           snap_in_progress_,
           at_minimum_,
           yielding_,
           rests_on_contact_,
           share * relative_motion_,
-          share * rms_deformation(positions_before_, sheet.x) / side_,
+          share * rms_deformation(simulated_.positions_before, sheet.x) / simulated_.side,
           share * squeeze_,
           false,
-          [this] { return elastic_.local_energies(started_.sheet); }};
-}
-
-void SheetSimulation::carry_state(const Sheet& before) {
-  const Sheet& sheet = started_.sheet;
-  SolverState known = elastic_.state();
-  const MeshTransfer onto(before.pattern, before.triangles, sheet.pattern);
-  for (Points3& x : known.positions) x = onto(x);
-  if (positions_before_.rows() == before.x.rows()) positions_before_ = onto(positions_before_);
-  if (known.second) known.second->x = onto(known.second->x);
-  known.remeshed = true;
-  known.ridges = {};
-  elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-  elastic_.restore(known);
-}
-
-void SheetSimulation::begin_carrying() {
-  carried_.reset();
-  is_carried_ = false;
-  at_frame_before_ = input_before_;
-  // a sheet that is on its way down moves when it is relaxed, whatever its mesh
-  if (frame_ == options_.first_frame || contact_ || !(at_minimum_ || has_inertia())) return;
-  carried_ = sheet();
-}
-
-void SheetSimulation::carry(const Points3& start) {
-  constexpr double same = 0.03;  // [1] of the longer side: what goes farther is on another branch
-  if (!carried_) return;
-  Sheet carried = sheet();
-  carried.x = start;
-  carried_.reset();
-  // its folds lie elsewhere on another mesh: halfway between both is no shape of paper
-  if (method_->is_crumpled(carried)) return;
-  if (!has_inertia()) {
-    const SolverState known = elastic_.state();
-    const ElasticReport settled =
-        elastic_.relax(carried, at_frame_before_, 1 / options_.fps, Relaxation::full);
-    elastic_.restore(known);
-    if (!settled.converged || settled.contact || max_row_norm(carried.x - start) > same * side_)
-      return;
-  }
-  carried_ = std::move(carried);
-  is_carried_ = true;
+          [this] { return simulated_.elastic.local_energies(simulated_.sheet); }};
 }
 
 void SheetSimulation::remesh(double share) { change_mesh(remesh_context(share)); }
 
 bool SheetSimulation::change_mesh(const RemeshContext& is) {
-  Sheet& sheet = started_.sheet;
+  Sheet& sheet = simulated_.sheet;
   Sheet unchanged = sheet;
   before_remesh_.reset();
   was_at_minimum_ = at_minimum_;
   const MeshChange change = method_->remesh(sheet, is);
   if (change == MeshChange::none) return false;
-  before_remesh_ = {std::move(unchanged), elastic_.state()};
+  before_remesh_ = {std::move(unchanged), simulated_.elastic.state()};
   vertices_moved_ = change == MeshChange::moved;
   if (vertices_moved_)
-    carry_state(before_remesh_->sheet);
+    simulated_.carry_over(before_remesh_->sheet);
   else
-    elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
+    simulated_.update_solver();
   if (!cuts_into_collider(before_remesh_->sheet)) return true;
   undo_remesh();
   return false;
@@ -276,90 +219,39 @@ bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   const ColliderShapes now = followed_ > 0
                                  ? between(input_.colliders.from, input_.colliders.to, followed_)
                                  : input_.colliders.from;
-  const double depth = elastic_.inside(sheet(), now);
-  return depth > deepest && depth > elastic_.on_mesh(before).inside(before, now);
-}
-
-/// Not on the mesh of a sheet that begins tightly bent: it is fine enough to show its folds.
-bool SheetSimulation::finds_folds() const {
-  return !started_.has_bends && method_->finds_folds(sheet());
-}
-
-std::vector<FoldLine> SheetSimulation::fold_lines() const {
-  if (!finds_folds() || !plastic_grid_ || !(yielded_ || on_colliders_ > 0)) return {};
-  const auto memory = [&] {
-    return plastic_grid_->read(plastic_grid_->cover(sheet().pattern, sheet().triangles));
-  };
-  std::vector<FoldLine> lines;
-  if (yielded_) lines = method_->fold_lines(sheet(), memory());
-  if (lines.empty() && on_colliders_ > 0)
-    lines = method_->pressed_lines(sheet(), memory, input_before_.colliders.to);
-  return lines;
+  const double depth = simulated_.elastic.inside(sheet(), now);
+  return depth > deepest && depth > simulated_.elastic.on_mesh(before).inside(before, now);
 }
 
 void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
-  Sheet& sheet = started_.sheet;
-  const std::vector<FoldLine> lines = fold_lines();
-  if (lines.empty()) return;
-  const double stored = elastic_.evaluate_energies(sheet).energy;
-  if (std::abs(stored - stored_unfolded_) < new_energy * stored_unfolded_) return;
-  stored_unfolded_ = stored;
-  const SolverState known = elastic_.state();
   const LoadStep now{input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame, 0};
-  std::optional<FoundFold> fold = fold_along(
-      lines, {shot_, sheet, elastic_, *plastic_grid_, options_.first_frame, now, past_}, *method_);
+  std::optional<FoundFold> fold = folds_.find(now, {yielded_, on_colliders_ > 0}, is_admissible);
   if (!fold) return;
-  if (!is_admissible(sheet, fold->sheet, fold->moved)) {
-    elastic_.restore(known);
-    return;
-  }
-  carried_.reset();
-  sheet = std::move(fold->sheet);
-  elastic_ = std::move(fold->elastic);
-  started_.fixed = std::move(fold->fixed);
+  carried_.forget();
+  folds_.forget();
+  simulated_.sheet = std::move(fold->sheet);
+  simulated_.elastic = std::move(fold->elastic);
+  simulated_.fixed = std::move(fold->fixed);
+  simulated_.positions_before = sheet().x;
   fold->step.substeps += step_.substeps;
   fold->step.iterations += step_.iterations;
   step_ = std::move(fold->step);
-  positions_before_ = sheet.x;
   before_remesh_.reset();
-  past_.clear();
   folded_ = true;
 }
 
-bool SheetSimulation::joins(LoadStep& last, const LoadStep& next) const {
-  constexpr double longest = 0.15;  // [1] of an edge
-  const double spacing = longest * mean_edge(sheet().pattern, sheet().triangles);
-  const double way = std::max(farthest_move(last.input.colliders.from, next.input.colliders.to),
-                              side_ * (last.relative_motion + next.relative_motion));
-  if (way > spacing || last.halvings != next.halvings ||
-      vertices_of(last.input.constraints) != vertices_of(next.input.constraints))
-    return false;
-  const ColliderShapes from = last.input.colliders.from;
-  const double dt = last.dt + next.dt, motion = last.relative_motion + next.relative_motion;
-  last = next;
-  last.input.colliders.from = from;
-  last.dt = dt;
-  last.relative_motion = motion;
-  return true;
-}
-
 void SheetSimulation::remember(int part) {
-  constexpr std::size_t most = 8;
-  if (!alone_ || !shot_.colliders || !plastic_grid_ || !finds_folds()) return;
-  const LoadStep load{load_parts_ > 1 ? input_of_part(part) : input_,
-                      1 / options_.fps / load_parts_, relative_motion_ / load_parts_,
-                      frame_ - options_.first_frame, has_inertia() ? inertial_halvings_ : 0};
-  if (!past_.empty() && joins(past_.back().load, load)) return;
-  if (past_.size() == most) past_.erase(past_.begin());
-  past_.push_back({sheet(), *plastic_grid_, load});
+  if (!alone_ || !shot_.colliders || !folds_.is_on()) return;
+  folds_.remember({load_parts_ > 1 ? input_of_part(part) : input_, 1 / options_.fps / load_parts_,
+                   relative_motion_ / load_parts_, frame_ - options_.first_frame,
+                   simulated_.has_inertia() ? inertial_halvings_ : 0});
 }
 
 int SheetSimulation::parts_of_frame() const {
   constexpr int most = 16;
   if (!alone_ || frame_ == options_.first_frame) return 1;
   const int parts = method_->load_parts(sheet(), std::max(relative_motion_, squeeze_));
-  if (!plastic_grid_ || !shot_.colliders || !sheet().prescribed_creases.empty() || !finds_folds())
-    return parts;
+  if (!shot_.colliders || !sheet().prescribed_creases.empty() || !folds_.is_on()) return parts;
   // [1] of the longer side: where handles go farther in a frame than they do in one step
   // (substepping.h), its parts are as long as a severe conflict has to last
   constexpr double fast = 0.03, slow = 0.0105;
@@ -367,41 +259,50 @@ int SheetSimulation::parts_of_frame() const {
   return std::max(parts, std::clamp(static_cast<int>(std::ceil(by_handles)), 1, most));
 }
 
+void SheetSimulation::try_proposal(const RemeshContext& situation,
+                                   const AdmissibilityCheck& is_admissible) {
+  Sheet& sheet = simulated_.sheet;
+  std::optional<Sheet> proposal = method_->propose(sheet, situation);
+  if (!proposal) return;
+  std::vector<double> stiffening = disc_factors(*proposal, shot_);
+  const MeshSwapResult verdict =
+      try_swap_mesh(sheet, simulated_.elastic, {std::move(*proposal), std::move(stiffening)},
+                    input_before_, 1 / options_.fps, is_admissible);
+  method_->on_proposal_result(verdict.accepted, situation.now);
+  result_.statistics.remesh =
+      verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
+  result_.statistics.remesh_rise = verdict.rise;
+  if (!verdict.accepted) return;
+  simulated_.has_bends = false;
+  carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
+}
+
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
-  Sheet& sheet = started_.sheet;
+  Sheet& sheet = simulated_.sheet;
   result_ = {};
   step_ = {};
   result_.frame = ++frame_;
-  begin_carrying();
-  move_world();
   const bool first = frame_ == options_.first_frame;
+  carried_.forget();
+  // a sheet that is on its way down moves when it is relaxed, whatever its mesh
+  if (!first && !contact_ && (at_minimum_ || simulated_.has_inertia()))
+    carried_.begin(sheet, input_before_);
+  move_world();
   singular_before_ = sheet.singular.size();
-  max_motion_ = max_displacement(sheet, input_, input_before_.constraints, positions_before_);
-  idle_frames_ = max_motion_ < sleep_threshold * side_ ? idle_frames_ + 1 : 0;
+  max_motion_ =
+      max_displacement(sheet, input_, input_before_.constraints, simulated_.positions_before);
+  idle_frames_ = max_motion_ < sleep_threshold * simulated_.side ? idle_frames_ + 1 : 0;
   begin_trial();
-  relative_motion_ =
-      relative_handle_motion(sheet, input_.constraints, input_before_.constraints) / side_;
+  relative_motion_ = relative_handle_motion(sheet, input_.constraints, input_before_.constraints) /
+                     simulated_.side;
   followed_ = 0;
-  squeeze_ = may_jam() && on_colliders_ > 0 ? squeeze(sheet.x, input_.colliders) / side_ : 0;
+  squeeze_ =
+      may_jam() && on_colliders_ > 0 ? squeeze(sheet.x, input_.colliders) / simulated_.side : 0;
   load_parts_ = parts_of_frame();
   const RemeshContext situation = remesh_context(1.0 / load_parts_);
   // a sheet that has just been folded keeps its mesh: it is still coming to rest on it
   const bool keeps_mesh = first || std::exchange(folded_, false);
-  if (!keeps_mesh)
-    if (auto proposal = method_->propose(sheet, situation)) {
-      std::vector<double> stiffening = disc_factors(*proposal, shot_);
-      const MeshSwapResult verdict =
-          try_swap_mesh(sheet, elastic_, {std::move(*proposal), std::move(stiffening)},
-                        input_before_, 1 / options_.fps, is_admissible);
-      method_->on_proposal_result(verdict.accepted, situation.now);
-      result_.statistics.remesh =
-          verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
-      result_.statistics.remesh_rise = verdict.rise;
-      if (verdict.accepted) {
-        started_.has_bends = false;
-        carry(sheet.x);
-      }
-    }
+  if (!keeps_mesh) try_proposal(situation, is_admissible);
   came_from_ = input_before_.constraints;
   input_before_ = input_;
   input_before_.colliders.from = input_.colliders.to;
@@ -413,85 +314,26 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
       restore(std::move(*before_remesh_));
       before_remesh_.reset();
     }
-    if (before_remesh_) carry(sheet.x);
+    if (before_remesh_) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
   }
-  positions_before_ = sheet.x;
-  is_sleeping_ = idle_frames_ >= 2 && !has_inertia();
-  is_idle_ = is_sleeping_ || (first && in_place(sheet, input_.constraints, side_));
+  simulated_.positions_before = sheet.x;
+  is_sleeping_ = idle_frames_ >= 2 && !simulated_.has_inertia();
+  is_idle_ = is_sleeping_ || (first && in_place(sheet, input_.constraints, simulated_.side));
 }
 
-void SheetSimulation::restore(Snapshot&& back) {
-  carried_.reset();
-  Sheet& sheet = started_.sheet;
-  sheet = std::move(back.sheet);
-  elastic_.set_mesh(sheet, disc_factors(sheet, shot_));
-  elastic_.restore(back.state);
+void SheetSimulation::restore(SimulatedSheet::Snapshot&& back) {
+  carried_.forget();
+  simulated_.restore(std::move(back));
 }
 
 void SheetSimulation::skip_step() {
   step_ = {};
-  step_.last = elastic_.evaluate_energies(sheet());
+  step_.last = simulated_.elastic.evaluate_energies(sheet());
   step_.last.contact = contact_;
   step_.last.touching = touching_;
   step_.last.on_colliders = on_colliders_;
-  started_.sheet.v.setZero();
+  simulated_.sheet.v.setZero();
   trajectory_ = {{0, sheet().x}, {1, sheet().x}};
-}
-
-/// Holds a sheet that cannot follow its handles where it is, until they are where it can.
-void SheetSimulation::hold_if_infeasible() {
-  if (step_.failure_reason.empty()) return;
-  if (frame_ == options_.first_frame)
-    throw Error(ErrorCode::simulation, frame_interval({}).where, step_.failure_reason,
-                "Let the sheet start where its handles are.");
-  add_note("it stays as it was: " + step_.failure_reason);
-  skip_step();
-  step_.converged = false;
-  for (PositionConstraint& c : input_before_.constraints) c.target = sheet().x.row(c.vertex);
-}
-
-SubstepTarget SheetSimulation::substep_target(RecordTrajectory trace) {
-  return {elastic_, started_.sheet,
-          input_,   relative_motion_,
-          side_,    trace == RecordTrajectory::yes ? &trajectory_ : nullptr,
-          {},       may_jam()};
-}
-
-bool SheetSimulation::may_jam() const {
-  return alone_ && shot_.colliders && !has_inertia() && input_.constraints.empty();
-}
-
-FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) const {
-  return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
-          1 / options_.fps,
-          has_inertia()              ? inertial_halvings_
-          : !jammed_between_.empty() ? halvings_of_squeeze(input_.colliders)
-                                     : 0,
-          between};
-}
-
-bool SheetSimulation::is_locked() const {
-  if (!before_remesh_ || !step_.last.contact || step_.converged) return false;
-  return (vertices_moved_ && (was_at_minimum_ || squeeze_ == 0)) ||
-         length_distortion(sheet()).largest >
-             std::max(jammed_stretch, 4 * length_distortion(before_remesh_->sheet).largest);
-}
-
-void SheetSimulation::undo_remesh() {
-  restore(std::move(*before_remesh_));
-  before_remesh_.reset();
-  positions_before_ = sheet().x;
-}
-
-void SheetSimulation::begin_step(RecordTrajectory trace) {
-  if (trace == RecordTrajectory::yes || on_trial_) step_start_ = {sheet(), elastic_.state()};
-  if (trace == RecordTrajectory::yes) trajectory_ = {{0, sheet().x}};
-}
-
-void SheetSimulation::roll_back() {
-  if (!step_start_) return;
-  started_.sheet = step_start_->sheet;
-  elastic_.restore(step_start_->state);
 }
 
 double SheetSimulation::fastest_hand(int frame) const {
@@ -506,282 +348,22 @@ double SheetSimulation::fastest_hand(int frame) const {
 }
 
 void SheetSimulation::begin_trial() {
-  on_trial_ = false;
-  if (options_.release_inertia == ReleaseInertia::off || frame_ == options_.first_frame) return;
-  if (!has_inertia()) {
-    on_trial_ = lets_go(input_before_.constraints, input_.constraints);
-    if (on_trial_) potential_at_start_ = elastic_.evaluate_energies(sheet()).potential;
-  } else if (swing_.rate > 0 && quiet_ >= quarter_period(swing_)) {
-    on_trial_ = true;
-    elastic_.set_inertia(Inertia::quasi_static);
-  }
-}
-
-/// The swing about the equilibrium that the step on trial leads to. On the way down from an
-/// unstable shape that takes several steps, which leave no trace.
-Swing SheetSimulation::swing_on_trial() {
-  constexpr int max_steps = 8;
-  Sheet& sheet = started_.sheet;
-  const Snapshot now{sheet, elastic_.state()};
-  ElasticReport last = step_.last;
-  bool arrived = step_.converged && !last.snap_in_progress;
-  for (int k = 0; k < max_steps && !arrived; ++k) try {
-      last = elastic_.step(sheet, input_before_, 1 / options_.fps);
-      arrived = last.converged && !last.snap_in_progress;
-    } catch (const Error&) {  // the energy is not finite
-      break;
-    }
-  Swing swing = swing_to(sheet, step_start_->sheet.x, vertices_of(input_.constraints),
-                         potential_at_start_ - last.potential, shot_.paper.area_density);
-  sheet = now.sheet;
-  elastic_.restore(now.state);
-  // on the first part of its way a sheet frees its energy faster: it may be a slow swing
-  if (!arrived) swing.rate = std::min(swing.rate, 0.5 * fastest_swing);
-  return swing;
+  if (options_.release_inertia == ReleaseInertia::off || frame_ == options_.first_frame)
+    release_.skip();
+  else
+    release_.begin(simulated_, lets_go(input_before_.constraints, input_.constraints));
 }
 
 bool SheetSimulation::fails_trial() {
-  if (!on_trial_) return false;
-  on_trial_ = false;
-  const Sheet& start = step_start_->sheet;
-  const bool was_let_go = swing_.rate > 0;
-  if (was_let_go) {
-    const Points3 left = sheet().x - start.x - start.v / options_.fps;
-    if (step_.converged && max_row_norm(left) <= still(side_)) {
-      swing_ = {};
-      add_note("it has come to rest and goes on without inertia");
-      return false;
-    }
-  } else {
-    if (!step_.failure_reason.empty()) return false;
-    const Swing swing = swing_on_trial();
-    if (!needs_inertia(swing, side_)) return false;
-    swing_ = swing;
-    // A sheet at equilibrium is moved by its hands and goes no faster than they do, whatever its
-    // last step was.
-    Points3& v = step_start_->sheet.v;
-    const double fastest = max_row_norm(v), hand = fastest_hand(frame_ - 1);
-    if (fastest > hand) v *= hand / fastest;
-    char note[120];
-    std::snprintf(note, sizeof note, "let go, it springs by %.1f mm: it moves with inertia now",
-                  1e3 * swing.amplitude);
-    add_note(note);
-  }
-  quiet_ = 0;
-  elastic_.set_inertia(Inertia::dynamic);
-  return true;
-}
-
-StepInput SheetSimulation::input_of_part(int part) const {
-  StepInput input = input_;
-  const double share = double(part) / load_parts_;
-  for (PositionConstraint& c : input.constraints) {
-    const auto before =
-        std::find_if(came_from_.begin(), came_from_.end(),
-                     [&](const PositionConstraint& other) { return other.vertex == c.vertex; });
-    if (before != came_from_.end()) c.target = (1 - share) * before->target + share * c.target;
-  }
-  input.time -= (1 - share) / options_.fps;
-  input.colliders.from = between(input_.colliders.from, input_.colliders.to, followed_);
-  input.colliders.to = between(input_.colliders.from, input_.colliders.to, share);
-  return input;
-}
-
-void SheetSimulation::step_part(RecordTrajectory trace, int part) {
-  const auto take_step = [&] {
-    begin_step(trace);
-    SubstepTarget target = substep_target(trace);
-    FrameInterval interval = frame_interval({});
-    if (load_parts_ > 1 || followed_ > 0) {
-      target.input = input_of_part(part);
-      target.relative_motion /= load_parts_;
-      interval.dt /= load_parts_;
-    }
-    step_ = advance_frame({target}, interval).front();
-  };
-  const auto take_unlocked_step = [&] {
-    take_step();
-    if (!is_locked()) return;
-    undo_remesh();
-    take_step();
-  };
-  take_unlocked_step();
-  if (!fails_trial()) return;
-  roll_back();
-  take_unlocked_step();
-}
-
-bool SheetSimulation::is_held_back_by_mesh() const {
-  return step_.failure_reason.empty() && step_.last.on_colliders > 0 && is_smooth() &&
-         mean_square_fold(sheet()) > coarse;
-}
-
-bool SheetSimulation::is_smooth() const {
-  return !started_.has_bends && sheet().singular.empty() && sheet().prescribed_creases.empty();
-}
-
-bool SheetSimulation::refine_mesh(Snapshot&& begun) {
-  std::optional<Method::FirstMesh> finer = method_->finer_mesh();
-  if (!finer) return false;
-  const Sheet before = begun.sheet;
-  restore(std::move(begun));
-  Sheet& sheet = started_.sheet;
-  const MeshTransfer onto(before.pattern, before.triangles, finer->pattern);
-  sheet.x = onto(before.x);
-  sheet.v = onto(before.v);
-  sheet.pattern = std::move(finer->pattern);
-  sheet.triangles = std::move(finer->triangles);
-  started_.fixed.assign(sheet.pattern.rows(), 0);
-  for (const int v : finer->point_vertex) started_.fixed[v] = 1;
-  carry_state(before);
-  before_remesh_.reset();
-  past_.clear();
-  step_ = {};
-  return true;
-}
-
-void SheetSimulation::step(RecordTrajectory trace) {
-  const bool may_refine = alone_ && shot_.colliders && has_inertia() && is_smooth();
-  for (;;) {
-    std::optional<Snapshot> begun;
-    if (may_refine) begun = {sheet(), elastic_.state()};
-    step_in_parts(trace);
-    if (!may_refine || !is_held_back_by_mesh() || !refine_mesh(std::move(*begun))) break;
-  }
-  hold_if_infeasible();
-  hold_if_jammed();
-}
-
-bool SheetSimulation::refine_jammed_smooth_mesh() {
-  const Snapshot kept{sheet(), elastic_.state()};
-  const std::vector<char> fixed = started_.fixed;
-  const FrameStepResult jammed = step_;
-  const ColliderShapes now = between(input_.colliders.from, input_.colliders.to, followed_);
-  const double depth = elastic_.inside(sheet(), now);
-  if (!refine_mesh(Snapshot(kept))) return false;
-  step_ = jammed;
-  if (crossings(sheet()) == 0 && elastic_.inside(sheet(), now) <= std::max(depth, yield_depth))
-    return true;
-  restore(Snapshot(kept));
-  started_.fixed = fixed;
-  return false;
-}
-
-bool SheetSimulation::refine_where_jammed() {
-  if (is_smooth()) return refine_jammed_smooth_mesh();
-  RemeshContext is = remesh_context(1);
-  is.jammed = true;
-  return change_mesh(is);
-}
-
-bool SheetSimulation::settle() {
-  constexpr double pressed_less = 0.95;  // [1] of the largest stretch of an edge
-  const double before = length_distortion(sheet()).largest;
-  const Snapshot begun{sheet(), elastic_.state()};
-  SubstepTarget target = substep_target(RecordTrajectory::no);
-  ColliderMotion& at = target.input.colliders;
-  at.from = at.to = between(at.from, at.to, followed_);
-  FrameInterval interval = frame_interval({});
-  interval.min_halvings = 0;
-  const FrameStepResult rest = advance_frame({target}, interval).front();
-  const double after = length_distortion(sheet()).largest;
-  if (!rest.failure_reason.empty() || after > before || rest.last.inside > yield_depth) {
-    restore(Snapshot(begun));
-    return false;
-  }
-  step_.substeps += rest.substeps;
-  step_.iterations += rest.iterations;
-  const double yielded = step_.last.plastic_increment;
-  step_.last = rest.last;
-  step_.last.plastic_increment += yielded;
-  return after < pressed_less * before;
-}
-
-void SheetSimulation::hold_if_jammed() {
-  const ColliderShapes where = std::exchange(jammed_between_, {});
-  if (step_.followed == 1 || !step_.failure_reason.empty()) return;
-  const ColliderMotion& moving = input_.colliders;
-  jammed_between_ = between(moving.from, moving.to, followed_);
-  if (followed_ == 0) {
-    jammed_between_ = moving.from;
-    const FrameStepResult tried = step_;
-    skip_step();
-    step_.iterations = tried.iterations;
-    step_.converged = false;
-  }
-  char note[120];
-  std::snprintf(note, sizeof note, "it is jammed: colliders have gone on by %.1f mm without it",
-                1e3 * farthest_move(jammed_between_, moving.to));
-  add_note(note);
-}
-
-void SheetSimulation::step_in_parts(RecordTrajectory trace) {
-  constexpr int most_refinements = 4;
-  int refinements = 0;
-  followed_ = 0;
-  FrameStepResult before;
-  for (int part = 1; part <= load_parts_ && step_.failure_reason.empty(); ++part) {
-    const bool again = step_.followed < 1;
-    if (part > 1 && !again && !std::exchange(folded_, false)) remesh(1.0 / load_parts_);
-    before = step_;
-    if (!again) remember(part);
-    step_part(trace, part);
-    step_.substeps += before.substeps;
-    step_.iterations += before.iterations;
-    step_.converged &= before.converged || again;
-    at_minimum_ = step_.converged && !step_.last.snap_in_progress;
-    step_.last.plastic_increment += before.last.plastic_increment;
-    followed_ += step_.followed * (double(part) / load_parts_ - followed_);
-    if (step_.followed < 1) {
-      const bool finer = refinements++ < most_refinements && refine_where_jammed();
-      const bool stays = !finer && followed_ == 0 && !jammed_between_.empty();
-      if (refinements > most_refinements || stays) return;
-      if (!settle() && !finer) return;
-      --part;
-    } else if (part < load_parts_) {
-      followed_ = double(part) / load_parts_;
-      note_contact();
-      fold_if_bent([](const Sheet&, const Sheet&, double) { return true; });
-    }
-  }
+  if (!release_.is_on()) return false;
+  const ReleaseTrial::Verdict verdict =
+      release_.end(simulated_, *step_start_, step_, input_before_, fastest_hand(frame_ - 1));
+  add_note(verdict.note);
+  return verdict.needs_inertia;
 }
 
 Points3 SheetSimulation::initial_positions() const {
   return MeshTransfer(shot_.start.pattern, shot_.start.triangles, sheet().pattern)(shot_.start.x);
-}
-
-void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
-                                    const Eigen::MatrixXd& dhat, InitialGap initial_positions) {
-  const auto take_step = [&] {
-    std::vector<SubstepTarget> followers;
-    FrameInterval interval = all.front()->frame_interval(dhat);
-    for (SheetSimulation* a : all) {
-      a->is_idle_ = a->is_sleeping_ = false;
-      a->begin_step(RecordTrajectory::yes);
-      followers.push_back(a->substep_target(RecordTrajectory::yes));
-      if (initial_positions == InitialGap::within_dhat)
-        followers.back().initial_positions = a->initial_positions();
-      interval.min_halvings = std::max(interval.min_halvings, a->frame_interval({}).min_halvings);
-    }
-    const std::vector<FrameStepResult> steps = advance_frame(followers, interval);
-    for (std::size_t k = 0; k < all.size(); ++k) all[k]->step_ = steps[k];
-  };
-  const auto take_unlocked_step = [&] {
-    for (SheetSimulation* a : all) a->roll_back();
-    take_step();
-    const auto is_locked = [](const SheetSimulation* a) { return a->is_locked(); };
-    if (std::none_of(all.begin(), all.end(), is_locked)) return;
-    for (SheetSimulation* a : all)
-      if (is_locked(a))
-        a->undo_remesh();
-      else
-        a->roll_back();
-    take_step();
-  };
-  take_unlocked_step();
-  if (std::count_if(all.begin(), all.end(), [](SheetSimulation* a) { return a->fails_trial(); }))
-    take_unlocked_step();
-  for (SheetSimulation* a : all) a->hold_if_infeasible();
 }
 
 void SheetSimulation::note_contact() {
@@ -806,28 +388,22 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
     add_note("snap: a second start ended " +
              std::to_string(static_cast<int>(std::lround(100 * step_.last.energy_gain))) +
              " % lower in energy and was taken");
-  if (swing_.rate > 0) {
-    double fastest = max_row_norm(sheet().v);
-    if (positions_before_.rows() == sheet().x.rows())
-      fastest = std::max(fastest, options_.fps * max_row_norm(sheet().x - positions_before_));
-    const double allowed = still(side_) * swing_.rate + fastest_hand(frame_);
-    quiet_ = fastest <= allowed ? quiet_ + 1 / options_.fps : 0;
-  }
-  if (options_.probe_every > 0 && !is_sleeping_ && !touches_others() && !has_inertia() &&
+  if (release_.was_let_go()) release_.observe(simulated_, fastest_hand(frame_));
+  if (options_.probe_every > 0 && !is_sleeping_ && !touches_others() && !simulated_.has_inertia() &&
       (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
     probe(is_admissible);
   handles_.bind_relative_handles(sheet().x, frame_);
 }
 
 void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
-  Snapshot as_it_was{sheet(), elastic_.state()};
-  const BranchSearch found = probe_branches(started_.sheet, elastic_, input_before_,
+  SimulatedSheet::Snapshot as_it_was = simulated_.snapshot();
+  const BranchSearch found = probe_branches(simulated_.sheet, simulated_.elastic, input_before_,
                                             {1 / options_.fps, options_.seed, frame_});
   if (found.taken || found.finished) {
     if (!is_admissible(as_it_was.sheet, sheet(),
                        (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff()))
       return restore(std::move(as_it_was));
-    const ElasticReport stored = elastic_.evaluate_energies(sheet());
+    const ElasticReport stored = simulated_.elastic.evaluate_energies(sheet());
     step_.last.energy = stored.energy;
     step_.last.membrane = stored.membrane;
   }
@@ -842,8 +418,8 @@ void SheetSimulation::finalize(Output how) {
   if (is_sleeping_ && frame_ != options_.first_frame) return;
   output_sheet_ = how == Output::simulated_sheet
                       ? sheet()
-                      : finished(*method_, sheet(), input_, elastic_, step_.last);
-  inside_ = elastic_.inside(output_sheet_, input_.colliders.to);
+                      : finished(*method_, sheet(), input_, simulated_.elastic, step_.last);
+  inside_ = simulated_.elastic.inside(output_sheet_, input_.colliders.to);
 }
 
 AnimatedFrame SheetSimulation::report() {
@@ -851,18 +427,13 @@ AnimatedFrame SheetSimulation::report() {
   result.sheet_index = number_;
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
-  // within the step, the mesh may have changed once more
-  if (is_carried_ && carried_ && carried_->triangles == sheet().triangles &&
-      carried_->pattern == sheet().pattern) {
-    method_->finish(*carried_, vertices_of(at_frame_before_.constraints));
-    result.carried = carried_->x;
-  }
+  result.carried = carried_.positions(sheet(), *method_);
   result.handles = handles_.report(output_sheet_.x, frame_);
   if (on_colliders_ > 0 && touching_ == 0)
     if (const std::string note = note_of_yielding(result.handles); !note.empty())
       result.note += (result.note.empty() ? "" : "; ") + note;
   FrameStatistics& statistics = result.statistics;
-  statistics.inertia = has_inertia();
+  statistics.inertia = simulated_.has_inertia();
   statistics.substeps = step_.substeps;
   statistics.newton_iterations = step_.iterations;
   statistics.converged = step_.converged;
@@ -873,11 +444,11 @@ AnimatedFrame SheetSimulation::report() {
   statistics.touching_others = step_.last.touching_others;
   statistics.on_colliders = step_.last.on_colliders;
   statistics.inside_colliders = inside_;
-  statistics.plastic = plastic_grid_ ? plastic_grid_->integral() : 0;
-  result.plastic_grid = plastic_grid_ ? &*plastic_grid_ : nullptr;
-  if (plastic_grid_ && options_.report_plastic_curvature)
+  statistics.plastic = simulated_.plastic_grid ? simulated_.plastic_grid->integral() : 0;
+  result.plastic_grid = simulated_.plastic_grid ? &*simulated_.plastic_grid : nullptr;
+  if (simulated_.plastic_grid && options_.report_plastic_curvature)
     result.plastic_curvature =
-        plastic_grid_->at_vertices(output_sheet_.pattern, output_sheet_.triangles);
+        simulated_.plastic_grid->at_vertices(output_sheet_.pattern, output_sheet_.triangles);
   result.state = [this] {
     Serializer now;
     archive(now);

@@ -1,12 +1,13 @@
 #pragma once
 
-#include "core/animation/found_fold.h"
+#include "core/animation/carried_sheet.h"
+#include "core/animation/fold_search.h"
 #include "core/animation/handle_constraints.h"
-#include "core/animation/initial_sheet.h"
+#include "core/animation/mesh_swap.h"
+#include "core/animation/release_trial.h"
+#include "core/animation/simulated_sheet.h"
 #include "core/animation/substepping.h"
-#include "core/animation/swing.h"
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -17,11 +18,6 @@ namespace paperbake {
 /// happens between sheets is in sheet_islands.h.
 class SheetSimulation {
  public:
-  /// Asked before the sheet is replaced by one on another mesh or on another branch: is the change
-  /// admissible? moved: largest displacement [m]
-  using AdmissibilityCheck =
-      std::function<bool(const Sheet& here, const Sheet& there, double moved)>;
-
   /// A sheet among those that are animated together.
   struct Place {
     std::size_t number, sheets;
@@ -62,68 +58,44 @@ class SheetSimulation {
   /// The frame to be handed on, without its CPU times.
   AnimatedFrame report();
 
-  const Sheet& sheet() const { return started_.sheet; }
+  const Sheet& sheet() const { return simulated_.sheet; }
   /// Positions of its vertices at the start of the shot, on its present mesh. |V|x3 [m]
   Points3 initial_positions() const;
   const Sheet& output_sheet() const { return output_sheet_; }
   const PositionConstraints& constraints() const { return input_.constraints; }
-  const Elastic& elastic() const { return elastic_; }
+  const Elastic& elastic() const { return simulated_.elastic; }
   bool touches_others() const { return step_.last.touching_others > 0; }
 
   std::vector<double> dhat;  // [m] dhat between this sheet and each sheet before it
 
  private:
-  /// The sheet on the mesh that a frame began with, to be restored. A sheet in contact with itself
-  /// may lock after a change of mesh: an edge that was flipped or moved across a fold is too short,
-  /// and the barriers around it keep it from regaining its length.
-  struct Snapshot {
-    Sheet sheet;
-    SolverState state;
-  };
   void archive(Serializer&);
   /// Where handles, hands and colliders are in the present frame.
   void move_world();
-  void restore(Snapshot&&);
+  void restore(SimulatedSheet::Snapshot&&);
   /// What the method is told before part of a frame. share: [1] of the frame
   RemeshContext remesh_context(double share) const;
-  bool finds_folds() const;
-  /// Places of a line that nobody announced, along which paper has yielded or must yield.
-  std::vector<FoldLine> fold_lines() const;
+  /// Lets the method propose another mesh, and takes it if the sheet stays the same on it.
+  void try_proposal(const RemeshContext&, const AdmissibilityCheck& is_admissible);
   /// Folds the sheet along a line that nobody announced, if there is one. To be called after a step
   /// or a part of one.
   void fold_if_bent(const AdmissibilityCheck& is_admissible);
   /// Into how many parts the frame is divided.
   int parts_of_frame() const;
-  /// Joins a step to the one before it, if both are short.
-  bool joins(LoadStep& last, const LoadStep& next) const;
-  /// Keeps a step that is about to be taken in past_.
+  /// Keeps a step that is about to be taken for folds_.
   void remember(int part);
-  /// Keeps the sheet as it is at the time of the frame before, to be carried from mesh to mesh.
-  void begin_carrying();
-  /// Carries it to a mesh that the sheet has just been given: without inertia, to equilibrium
-  /// there. Leaves no other trace.
-  /// start  |V|x3 [m] where it is on the new mesh before that
-  void carry(const Points3& start);
   /// Lets the method change the mesh. before_remesh_ keeps what was there.
   void remesh(double share);
   /// returns  whether the mesh is another one now
   bool change_mesh(const RemeshContext&);
   void archive_jam(Serializer&);
   bool cuts_into_collider(const Sheet& before) const;
-  /// Gives the solver the present mesh, and carries over what it knows from the mesh before it.
-  void carry_state(const Sheet& before);
   /// The input of a part of the frame. part: 1 to load_parts_
   StepInput input_of_part(int part) const;
-  bool has_inertia() const { return elastic_.inertia() == Inertia::dynamic; }
-  /// Whether this frame is first tried without inertia: one in which a sheet without it is let go,
-  /// and one in which a sheet that was let go has come to rest. To be called before the mesh of the
-  /// frame is changed, which may change what the sheet stores.
+  /// Begins a trial of this frame without inertia, if there is reason for one (release_trial.h).
   void begin_trial();
-  /// Ends the trial.
-  /// returns  whether the sheet needs inertia. It has it then, and the step is to be taken again
-  ///          from step_start_.
+  /// Ends it. returns  whether the step is to be taken again, from step_start_
   bool fails_trial();
-  Swing swing_on_trial();
   /// [m/s] of the fastest handle or collider in a frame
   double fastest_hand(int frame) const;
   void roll_back();
@@ -148,9 +120,8 @@ class SheetSimulation {
   void hold_if_jammed();
   /// Whether colliders bend the smooth sheet so sharply that its facets hook on each other.
   bool is_held_back_by_mesh() const;
-  bool is_smooth() const;  // without points or lines that the mesh has to keep
   /// Goes back to the start of the step, on a finer mesh. returns  false if there is none
-  bool refine_mesh(Snapshot&& begun);
+  bool refine_mesh(SimulatedSheet::Snapshot&& begun);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat) const;
   /// Keeps what the last step says of contact, yielding and its end.
   void note_contact();
@@ -160,29 +131,22 @@ class SheetSimulation {
   std::unique_ptr<Method> method_;
   AnimateOptions options_;
   std::size_t number_;
-  bool alone_;  // no other sheet is animated with it
-  double side_;
+  bool alone_;                 // no other sheet is animated with it
   int inertial_halvings_ = 0;  // of a frame with inertia, at least
-  InitialSheet started_;
-  Elastic elastic_;
-  std::optional<PlasticGrid> plastic_grid_;
+  SimulatedSheet simulated_;
   HandleConstraints handles_;
+  ReleaseTrial release_;
+  FoldSearch folds_;
+  CarriedSheet carried_;
 
   // what a frame knows of the frames before it
   int frame_;  // the last frame that was prepared
   Sheet output_sheet_;
-  Points3 positions_before_;  // [m] positions one frame ago
-  StepInput input_before_;    // of that frame, with the colliders standing still
+  StepInput input_before_;  // of the frame before, with the colliders standing still
   bool at_minimum_ = false, yielding_ = false, snap_in_progress_ = false, rests_on_contact_ = false;
-  bool yielded_ = false;        // the paper, somewhere, in the last step
-  bool folded_ = false;         // the sheet, along a line that was found in the last step
-  double stored_unfolded_ = 0;  // [J] when a fold was last tried; 0: never
-  // the last steps, as far back as a fold that colliders press is begun; empty where no collider
-  // is, and of sheets that are animated together
-  std::vector<PastStep> past_;
+  bool yielded_ = false;  // the paper, somewhere, in the last step
+  bool folded_ = false;   // the sheet, along a line that was found in the last step
   int idle_frames_ = 0;
-  Swing swing_;  // since handles let go of the sheet; rate 0: it has no inertia because of that
-  double quiet_ = 0;  // [s] for how long it has swung no more than what is still
   // contact of the sheet with itself; number of pairs of features that push each other; number of
   // features that colliders push
   bool contact_ = false;
@@ -204,16 +168,10 @@ class SheetSimulation {
   int load_parts_ = 1;          // number of parts in which the step is taken
   std::size_t singular_before_ = 0;
   bool is_idle_ = false, is_sleeping_ = false;
-  bool on_trial_ = false;          // the step is taken without inertia, to see whether it is needed
-  double potential_at_start_ = 0;  // [J] of the sheet that is let go, on trial
-  std::optional<Snapshot> before_remesh_, step_start_;  // the mesh before; the start of the step
-  bool was_at_minimum_ = false;                         // the sheet, before the last change of mesh
+  // the mesh before; the start of the step
+  std::optional<SimulatedSheet::Snapshot> before_remesh_, step_start_;
+  bool was_at_minimum_ = false;  // the sheet, before the last change of mesh
   bool vertices_moved_ = false;  // on the pattern, by the last change of mesh
-  // the sheet of the frame before on the present mesh, if that is known, and whether it had another
-  // mesh then; input of that frame, with the colliders standing still
-  std::optional<Sheet> carried_;
-  bool is_carried_ = false;
-  StepInput at_frame_before_;
   std::vector<TrajectoryPoint> trajectory_;
   FrameStepResult step_;
   AnimatedFrame result_;

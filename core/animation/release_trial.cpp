@@ -1,0 +1,94 @@
+#include "core/animation/release_trial.h"
+
+#include "core/geometry/measure.h"
+#include "core/model/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+namespace paperbake {
+
+void ReleaseTrial::begin(SimulatedSheet& simulated, bool let_go) {
+  is_on_ = false;
+  if (!simulated.has_inertia()) {
+    is_on_ = let_go;
+    if (is_on_)
+      potential_at_start_ = simulated.elastic.evaluate_energies(simulated.sheet).potential;
+  } else if (was_let_go() && quiet_ >= quarter_period(swing_)) {
+    is_on_ = true;
+    simulated.elastic.set_inertia(Inertia::quasi_static);
+  }
+}
+
+/// The swing about the equilibrium that the step on trial leads to. On the way down from an
+/// unstable shape that takes several steps, which leave no trace.
+Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snapshot& start,
+                          const FrameStepResult& step, const StepInput& at) const {
+  constexpr int max_steps = 8;
+  Sheet& sheet = simulated.sheet;
+  const SimulatedSheet::Snapshot now = simulated.snapshot();
+  ElasticReport last = step.last;
+  bool arrived = step.converged && !last.snap_in_progress;
+  for (int k = 0; k < max_steps && !arrived; ++k) try {
+      last = simulated.elastic.step(sheet, at, 1 / fps_);
+      arrived = last.converged && !last.snap_in_progress;
+    } catch (const Error&) {  // the energy is not finite
+      break;
+    }
+  Swing swing = swing_to(sheet, start.sheet.x, vertices_of(at.constraints),
+                         potential_at_start_ - last.potential, simulated.shot.paper.area_density);
+  sheet = now.sheet;
+  simulated.elastic.restore(now.state);
+  // on the first part of its way a sheet frees its energy faster: it may be a slow swing
+  if (!arrived) swing.rate = std::min(swing.rate, 0.5 * fastest_swing);
+  return swing;
+}
+
+ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedSheet::Snapshot& start,
+                                        const FrameStepResult& step, const StepInput& at,
+                                        double fastest_hand) {
+  if (!is_on_) return {};
+  is_on_ = false;
+  Verdict verdict;
+  if (was_let_go()) {
+    const Points3 left = simulated.sheet.x - start.sheet.x - start.sheet.v / fps_;
+    if (step.converged && max_row_norm(left) <= still(simulated.side)) {
+      swing_ = {};
+      return {false, "it has come to rest and goes on without inertia"};
+    }
+  } else {
+    if (!step.failure_reason.empty()) return {};
+    const Swing swing = this->swing(simulated, start, step, at);
+    if (!needs_inertia(swing, simulated.side)) return {};
+    swing_ = swing;
+    // A sheet at equilibrium is moved by its hands and goes no faster than they do, whatever its
+    // last step was.
+    Points3& v = start.sheet.v;
+    const double fastest = max_row_norm(v);
+    if (fastest > fastest_hand) v *= fastest_hand / fastest;
+    char note[120];
+    std::snprintf(note, sizeof note, "let go, it springs by %.1f mm: it moves with inertia now",
+                  1e3 * swing.amplitude);
+    verdict.note = note;
+  }
+  quiet_ = 0;
+  simulated.elastic.set_inertia(Inertia::dynamic);
+  verdict.needs_inertia = true;
+  return verdict;
+}
+
+void ReleaseTrial::observe(const SimulatedSheet& simulated, double fastest_hand) {
+  const Points3 &x = simulated.sheet.x, &before = simulated.positions_before;
+  double fastest = max_row_norm(simulated.sheet.v);
+  if (before.rows() == x.rows()) fastest = std::max(fastest, fps_ * max_row_norm(x - before));
+  const double allowed = still(simulated.side) * swing_.rate + fastest_hand;
+  quiet_ = fastest <= allowed ? quiet_ + 1 / fps_ : 0;
+}
+
+void ReleaseTrial::archive(Serializer& a) {
+  a(swing_.amplitude, swing_.rate, quiet_);
+  if (a.reads()) a.require(swing_.rate >= 0 && std::isfinite(swing_.rate) && quiet_ >= 0);
+}
+
+}  // namespace paperbake

@@ -1,0 +1,56 @@
+#pragma once
+
+#include "core/animation/simulated_sheet.h"
+#include "core/animation/substepping.h"
+#include "core/animation/swing.h"
+#include "core/model/serializer.h"
+
+#include <string>
+
+namespace paperbake {
+
+/// Decides when a sheet that is simulated without inertia gets it: from the frame in which handles
+/// let go of it and it springs, until it has come to rest (ReleaseInertia). A frame in which that
+/// may begin or end is first taken without inertia, on trial.
+class ReleaseTrial {
+ public:
+  explicit ReleaseTrial(double fps) : fps_(fps) {}
+
+  /// Begins a trial if there is reason for one. To be called before the mesh of the frame is
+  /// changed, which may change what the sheet stores.
+  /// let_go  a vertex that was held in the frame before no longer is
+  void begin(SimulatedSheet&, bool let_go);
+  void skip() { is_on_ = false; }
+  bool is_on() const { return is_on_; }
+
+  struct Verdict {
+    bool needs_inertia = false;  // the sheet has it now; the step is to be taken again from `start`
+    std::string note;            // for the artist; may be empty
+  };
+  /// Ends the trial after the step of the frame.
+  /// start         where the step began. A sheet that was at equilibrium gets no more velocity
+  ///               there than its hands have.
+  /// at            the input of this frame, with the colliders standing still
+  /// fastest_hand  [m/s] of the fastest handle or collider in the frame before
+  Verdict end(SimulatedSheet&, SimulatedSheet::Snapshot& start, const FrameStepResult&,
+              const StepInput& at, double fastest_hand);
+
+  /// Whether the sheet has inertia because it was let go.
+  bool was_let_go() const { return swing_.rate > 0; }
+  /// Told after every frame of such a sheet how fast its hands were. [m/s]
+  void observe(const SimulatedSheet&, double fastest_hand);
+
+  void archive(Serializer&);
+
+ private:
+  Swing swing(SimulatedSheet&, const SimulatedSheet::Snapshot& start, const FrameStepResult&,
+              const StepInput& at) const;
+
+  double fps_;
+  bool is_on_ = false;
+  double potential_at_start_ = 0;  // [J] of the sheet that is let go, on trial
+  Swing swing_;  // since handles let go of the sheet; rate 0: it has no inertia because of that
+  double quiet_ = 0;  // [s] for how long it has swung no more than what is still
+};
+
+}  // namespace paperbake

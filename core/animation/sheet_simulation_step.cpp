@@ -1,0 +1,279 @@
+// How a SheetSimulation takes the elastic step of a frame: in parts, on a finer mesh, together with
+// other sheets, and what is left to do when it cannot.
+
+#include "core/animation/mesh_coarseness.h"
+#include "core/animation/sheet_simulation.h"
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+#include "core/model/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
+
+}  // namespace
+
+StepInput SheetSimulation::input_of_part(int part) const {
+  StepInput input = input_;
+  const double share = double(part) / load_parts_;
+  for (PositionConstraint& c : input.constraints) {
+    const auto before =
+        std::find_if(came_from_.begin(), came_from_.end(),
+                     [&](const PositionConstraint& other) { return other.vertex == c.vertex; });
+    if (before != came_from_.end()) c.target = (1 - share) * before->target + share * c.target;
+  }
+  input.time -= (1 - share) / options_.fps;
+  input.colliders.from = between(input_.colliders.from, input_.colliders.to, followed_);
+  input.colliders.to = between(input_.colliders.from, input_.colliders.to, share);
+  return input;
+}
+
+/// Holds a sheet that cannot follow its handles where it is, until they are where it can.
+void SheetSimulation::hold_if_infeasible() {
+  if (step_.failure_reason.empty()) return;
+  if (frame_ == options_.first_frame)
+    throw Error(ErrorCode::simulation, frame_interval({}).where, step_.failure_reason,
+                "Let the sheet start where its handles are.");
+  add_note("it stays as it was: " + step_.failure_reason);
+  skip_step();
+  step_.converged = false;
+  for (PositionConstraint& c : input_before_.constraints) c.target = sheet().x.row(c.vertex);
+}
+
+SubstepTarget SheetSimulation::substep_target(RecordTrajectory trace) {
+  return {simulated_.elastic,
+          simulated_.sheet,
+          input_,
+          relative_motion_,
+          simulated_.side,
+          trace == RecordTrajectory::yes ? &trajectory_ : nullptr,
+          {},
+          may_jam()};
+}
+
+bool SheetSimulation::may_jam() const {
+  return alone_ && shot_.colliders && !simulated_.has_inertia() && input_.constraints.empty();
+}
+
+FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) const {
+  return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
+          1 / options_.fps,
+          simulated_.has_inertia()   ? inertial_halvings_
+          : !jammed_between_.empty() ? halvings_of_squeeze(input_.colliders)
+                                     : 0,
+          between};
+}
+
+bool SheetSimulation::is_locked() const {
+  if (!before_remesh_ || !step_.last.contact || step_.converged) return false;
+  return (vertices_moved_ && (was_at_minimum_ || squeeze_ == 0)) ||
+         length_distortion(sheet()).largest >
+             std::max(jammed_stretch, 4 * length_distortion(before_remesh_->sheet).largest);
+}
+
+void SheetSimulation::undo_remesh() {
+  restore(std::move(*before_remesh_));
+  before_remesh_.reset();
+  simulated_.positions_before = sheet().x;
+}
+
+void SheetSimulation::begin_step(RecordTrajectory trace) {
+  if (trace == RecordTrajectory::yes || release_.is_on()) step_start_ = simulated_.snapshot();
+  if (trace == RecordTrajectory::yes) trajectory_ = {{0, sheet().x}};
+}
+
+void SheetSimulation::roll_back() {
+  if (!step_start_) return;
+  simulated_.sheet = step_start_->sheet;
+  simulated_.elastic.restore(step_start_->state);
+}
+
+void SheetSimulation::step_part(RecordTrajectory trace, int part) {
+  const auto take_step = [&] {
+    begin_step(trace);
+    SubstepTarget target = substep_target(trace);
+    FrameInterval interval = frame_interval({});
+    if (load_parts_ > 1 || followed_ > 0) {
+      target.input = input_of_part(part);
+      target.relative_motion /= load_parts_;
+      interval.dt /= load_parts_;
+    }
+    step_ = advance_frame({target}, interval).front();
+  };
+  const auto take_unlocked_step = [&] {
+    take_step();
+    if (!is_locked()) return;
+    undo_remesh();
+    take_step();
+  };
+  take_unlocked_step();
+  if (!fails_trial()) return;
+  roll_back();
+  take_unlocked_step();
+}
+
+bool SheetSimulation::is_held_back_by_mesh() const {
+  return step_.failure_reason.empty() && step_.last.on_colliders > 0 && simulated_.is_smooth() &&
+         mean_square_fold(sheet()) > coarse;
+}
+
+bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& begun) {
+  std::optional<Method::FirstMesh> finer = method_->finer_mesh();
+  if (!finer) return false;
+  restore(std::move(begun));
+  simulated_.put_on(std::move(*finer));
+  before_remesh_.reset();
+  folds_.forget();
+  step_ = {};
+  return true;
+}
+
+void SheetSimulation::step(RecordTrajectory trace) {
+  const bool may_refine =
+      alone_ && shot_.colliders && simulated_.has_inertia() && simulated_.is_smooth();
+  for (;;) {
+    std::optional<SimulatedSheet::Snapshot> begun;
+    if (may_refine) begun = simulated_.snapshot();
+    step_in_parts(trace);
+    if (!may_refine || !is_held_back_by_mesh() || !refine_mesh(std::move(*begun))) break;
+  }
+  hold_if_infeasible();
+  hold_if_jammed();
+}
+
+bool SheetSimulation::refine_jammed_smooth_mesh() {
+  const SimulatedSheet::Snapshot kept = simulated_.snapshot();
+  const std::vector<char> fixed = simulated_.fixed;
+  const FrameStepResult jammed = step_;
+  const ColliderShapes now = between(input_.colliders.from, input_.colliders.to, followed_);
+  const double depth = simulated_.elastic.inside(sheet(), now);
+  if (!refine_mesh(SimulatedSheet::Snapshot(kept))) return false;
+  step_ = jammed;
+  if (crossings(sheet()) == 0 &&
+      simulated_.elastic.inside(sheet(), now) <= std::max(depth, yield_depth))
+    return true;
+  restore(SimulatedSheet::Snapshot(kept));
+  simulated_.fixed = fixed;
+  return false;
+}
+
+bool SheetSimulation::refine_where_jammed() {
+  if (simulated_.is_smooth()) return refine_jammed_smooth_mesh();
+  RemeshContext is = remesh_context(1);
+  is.jammed = true;
+  return change_mesh(is);
+}
+
+bool SheetSimulation::settle() {
+  constexpr double pressed_less = 0.95;  // [1] of the largest stretch of an edge
+  const double before = length_distortion(sheet()).largest;
+  const SimulatedSheet::Snapshot begun = simulated_.snapshot();
+  SubstepTarget target = substep_target(RecordTrajectory::no);
+  ColliderMotion& at = target.input.colliders;
+  at.from = at.to = between(at.from, at.to, followed_);
+  FrameInterval interval = frame_interval({});
+  interval.min_halvings = 0;
+  const FrameStepResult rest = advance_frame({target}, interval).front();
+  const double after = length_distortion(sheet()).largest;
+  if (!rest.failure_reason.empty() || after > before || rest.last.inside > yield_depth) {
+    restore(SimulatedSheet::Snapshot(begun));
+    return false;
+  }
+  step_.substeps += rest.substeps;
+  step_.iterations += rest.iterations;
+  const double yielded = step_.last.plastic_increment;
+  step_.last = rest.last;
+  step_.last.plastic_increment += yielded;
+  return after < pressed_less * before;
+}
+
+void SheetSimulation::hold_if_jammed() {
+  const ColliderShapes where = std::exchange(jammed_between_, {});
+  if (step_.followed == 1 || !step_.failure_reason.empty()) return;
+  const ColliderMotion& moving = input_.colliders;
+  jammed_between_ = between(moving.from, moving.to, followed_);
+  if (followed_ == 0) {
+    jammed_between_ = moving.from;
+    const FrameStepResult tried = step_;
+    skip_step();
+    step_.iterations = tried.iterations;
+    step_.converged = false;
+  }
+  char note[120];
+  std::snprintf(note, sizeof note, "it is jammed: colliders have gone on by %.1f mm without it",
+                1e3 * farthest_move(jammed_between_, moving.to));
+  add_note(note);
+}
+
+void SheetSimulation::step_in_parts(RecordTrajectory trace) {
+  constexpr int most_refinements = 4;
+  int refinements = 0;
+  followed_ = 0;
+  FrameStepResult before;
+  for (int part = 1; part <= load_parts_ && step_.failure_reason.empty(); ++part) {
+    const bool again = step_.followed < 1;
+    if (part > 1 && !again && !std::exchange(folded_, false)) remesh(1.0 / load_parts_);
+    before = step_;
+    if (!again) remember(part);
+    step_part(trace, part);
+    step_.substeps += before.substeps;
+    step_.iterations += before.iterations;
+    step_.converged &= before.converged || again;
+    at_minimum_ = step_.converged && !step_.last.snap_in_progress;
+    step_.last.plastic_increment += before.last.plastic_increment;
+    followed_ += step_.followed * (double(part) / load_parts_ - followed_);
+    if (step_.followed < 1) {
+      const bool finer = refinements++ < most_refinements && refine_where_jammed();
+      const bool stays = !finer && followed_ == 0 && !jammed_between_.empty();
+      if (refinements > most_refinements || stays) return;
+      if (!settle() && !finer) return;
+      --part;
+    } else if (part < load_parts_) {
+      followed_ = double(part) / load_parts_;
+      note_contact();
+      fold_if_bent([](const Sheet&, const Sheet&, double) { return true; });
+    }
+  }
+}
+
+void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
+                                    const Eigen::MatrixXd& dhat, InitialGap initial_positions) {
+  const auto take_step = [&] {
+    std::vector<SubstepTarget> followers;
+    FrameInterval interval = all.front()->frame_interval(dhat);
+    for (SheetSimulation* a : all) {
+      a->is_idle_ = a->is_sleeping_ = false;
+      a->begin_step(RecordTrajectory::yes);
+      followers.push_back(a->substep_target(RecordTrajectory::yes));
+      if (initial_positions == InitialGap::within_dhat)
+        followers.back().initial_positions = a->initial_positions();
+      interval.min_halvings = std::max(interval.min_halvings, a->frame_interval({}).min_halvings);
+    }
+    const std::vector<FrameStepResult> steps = advance_frame(followers, interval);
+    for (std::size_t k = 0; k < all.size(); ++k) all[k]->step_ = steps[k];
+  };
+  const auto take_unlocked_step = [&] {
+    for (SheetSimulation* a : all) a->roll_back();
+    take_step();
+    const auto is_locked = [](const SheetSimulation* a) { return a->is_locked(); };
+    if (std::none_of(all.begin(), all.end(), is_locked)) return;
+    for (SheetSimulation* a : all)
+      if (is_locked(a))
+        a->undo_remesh();
+      else
+        a->roll_back();
+    take_step();
+  };
+  take_unlocked_step();
+  if (std::count_if(all.begin(), all.end(), [](SheetSimulation* a) { return a->fails_trial(); }))
+    take_unlocked_step();
+  for (SheetSimulation* a : all) a->hold_if_infeasible();
+}
+
+}  // namespace paperbake

@@ -1,0 +1,68 @@
+#include "core/animation/simulated_sheet.h"
+
+#include "core/geometry/mesh_transfer.h"
+
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
+  ElasticOptions elastic = options.elastic;
+  elastic.colliders = shot.colliders;
+  return elastic;
+}
+
+}  // namespace
+
+SimulatedSheet::SimulatedSheet(const Shot& shot, InitialSheet&& start,
+                               const AnimateOptions& options)
+    : shot(shot),
+      side(longer_side(shot.pattern)),
+      sheet(std::move(start.sheet)),
+      handle_vertex(std::move(start.handle_vertex)),
+      fixed(std::move(start.fixed)),
+      has_bends(start.has_bends),
+      elastic(shot.paper, options_of(shot, options)) {
+  if (options.plasticity == Plasticity::on)
+    elastic.set_plastic_grid(&plastic_grid.emplace(shot.pattern));
+  elastic.set_mesh(sheet, start.stiffening);
+}
+
+void SimulatedSheet::restore(Snapshot&& back) {
+  sheet = std::move(back.sheet);
+  update_solver();
+  elastic.restore(back.state);
+}
+
+void SimulatedSheet::update_solver() { elastic.set_mesh(sheet, disc_factors(sheet, shot)); }
+
+void SimulatedSheet::carry_over(const Sheet& before) {
+  SolverState known = elastic.state();
+  const MeshTransfer onto(before.pattern, before.triangles, sheet.pattern);
+  for (Points3& x : known.positions) x = onto(x);
+  if (positions_before.rows() == before.x.rows()) positions_before = onto(positions_before);
+  if (known.second) known.second->x = onto(known.second->x);
+  known.remeshed = true;
+  known.ridges = {};
+  update_solver();
+  elastic.restore(known);
+}
+
+void SimulatedSheet::put_on(Method::FirstMesh&& mesh) {
+  const Sheet before = sheet;
+  const MeshTransfer onto(before.pattern, before.triangles, mesh.pattern);
+  sheet.x = onto(before.x);
+  sheet.v = onto(before.v);
+  sheet.pattern = std::move(mesh.pattern);
+  sheet.triangles = std::move(mesh.triangles);
+  fixed.assign(sheet.pattern.rows(), 0);
+  for (const int v : mesh.point_vertex) fixed[v] = 1;
+  carry_over(before);
+}
+
+bool SimulatedSheet::is_smooth() const {
+  return !has_bends && sheet.singular.empty() && sheet.prescribed_creases.empty();
+}
+
+}  // namespace paperbake

@@ -1,0 +1,53 @@
+#pragma once
+
+#include "core/animation/animate.h"
+#include "core/animation/initial_sheet.h"
+
+#include <optional>
+#include <vector>
+
+namespace paperbake {
+
+/// A sheet as it is simulated: on its mesh, with its solver and with what the paper remembers of
+/// how it was bent. Whoever changes the mesh does so through a function of this struct, or calls
+/// one afterwards, so that all parts stay on one mesh.
+struct SimulatedSheet {
+  SimulatedSheet(const Shot&, InitialSheet&&, const AnimateOptions&);
+  SimulatedSheet(const SimulatedSheet&) = delete;  // the solver points to the plastic grid
+  SimulatedSheet& operator=(const SimulatedSheet&) = delete;
+
+  /// The sheet on one of its meshes, to be restored. A sheet in contact with itself may lock after
+  /// a change of mesh: an edge that was flipped or moved across a fold is too short, and the
+  /// barriers around it keep it from regaining its length.
+  struct Snapshot {
+    Sheet sheet;
+    SolverState state;
+  };
+  Snapshot snapshot() const { return {sheet, elastic.state()}; }
+  void restore(Snapshot&&);
+
+  /// Gives the solver the present mesh, which has the vertices of the mesh before it where they
+  /// were, and perhaps others besides.
+  void update_solver();
+  /// Gives the solver the present mesh, on which vertices may have other places on the pattern, and
+  /// carries over what it knows from the mesh before it.
+  void carry_over(const Sheet& before);
+  /// Puts the sheet onto a mesh that a method made, where all points that are fixed are vertices.
+  void put_on(Method::FirstMesh&&);
+
+  bool has_inertia() const { return elastic.inertia() == Inertia::dynamic; }
+  /// Without points or lines that the mesh has to keep.
+  bool is_smooth() const;
+
+  const Shot& shot;
+  const double side;  // [m] longer side of the pattern
+  Sheet sheet;
+  std::vector<int> handle_vertex;  // as in InitialSheet, and the two after it
+  std::vector<char> fixed;
+  bool has_bends;
+  Elastic elastic;
+  std::optional<PlasticGrid> plastic_grid;  // none: paper that always springs back
+  Points3 positions_before;  // |V|x3 [m] positions one frame ago; empty before the first frame
+};
+
+}  // namespace paperbake
