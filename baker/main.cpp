@@ -77,7 +77,7 @@ void add_option(ParsedOptions& parsed, const std::string& name, const std::strin
 void add_set(ParsedOptions& parsed) {
   parsed.command->add_option("--set", parsed.set,
                              "key=value: one number of the paper, over preset and scene; "
-                             "friction=0.4: its layers rub on each other");
+                             "friction=0: its layers slide freely");
 }
 
 /// What was said: first by the job file, when the scene is one, then by the command line.

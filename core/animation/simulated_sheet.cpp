@@ -7,23 +7,24 @@
 namespace paperbake {
 namespace {
 
-ElasticOptions options_of(const Shot& shot, const AnimateOptions& options) {
+ElasticOptions options_of(const Shot& shot, const AnimateOptions& options, std::size_t number) {
   ElasticOptions elastic = options.elastic;
   elastic.colliders = shot.colliders;
+  elastic.sheet_number = static_cast<int>(number);
   return elastic;
 }
 
 }  // namespace
 
 SimulatedSheet::SimulatedSheet(const Shot& shot, InitialSheet&& start,
-                               const AnimateOptions& options)
+                               const AnimateOptions& options, std::size_t number)
     : shot(shot),
       side(longer_side(shot.pattern)),
       sheet(std::move(start.sheet)),
       handle_vertex(std::move(start.handle_vertex)),
       fixed(std::move(start.fixed)),
       has_bends(start.has_bends),
-      elastic(shot.paper, options_of(shot, options)) {
+      elastic(shot.paper, options_of(shot, options, number)) {
   if (options.plasticity == Plasticity::on)
     elastic.set_plastic_grid(&plastic_grid.emplace(shot.pattern));
   elastic.set_mesh(sheet, start.stiffening);
@@ -45,6 +46,7 @@ void SimulatedSheet::carry_over(const Sheet& before) {
   if (known.second) known.second->x = onto(known.second->x);
   known.remeshed = true;
   known.ridges = {};
+  known.friction.clear();
   update_solver();
   elastic.restore(known);
 }

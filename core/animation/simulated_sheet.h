@@ -12,7 +12,8 @@ namespace paperbake {
 /// how it was bent. Whoever changes the mesh does so through a function of this struct, or calls
 /// one afterwards, so that all parts stay on one mesh.
 struct SimulatedSheet {
-  SimulatedSheet(const Shot&, InitialSheet&&, const AnimateOptions&);
+  /// number  of the sheet among those of the shot
+  SimulatedSheet(const Shot&, InitialSheet&&, const AnimateOptions&, std::size_t number);
   SimulatedSheet(const SimulatedSheet&) = delete;  // the solver points to the plastic grid
   SimulatedSheet& operator=(const SimulatedSheet&) = delete;
 

@@ -25,8 +25,7 @@ struct Paper {
   // geometric mean
   double grain_ratio = 1;
   double grain_angle = 0;  // [rad] of the machine direction, from u towards v
-  // mu [1]  Coulomb friction of layer on layer; 0: none. Office paper 0.4-0.65 [estimated], card
-  //         0.30-0.45 [IBM]
+  // mu [1]  Coulomb friction of layer on layer; 0: none. The grades have theirs
   double friction = 0;
 };
 

@@ -111,7 +111,7 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   s.state.remeshed = true;
   s.predictor.reset();
   if (s.options.contact == SelfContact::automatic)
-    s.contact.emplace(sheet.pattern, sheet.triangles, s.paper.friction);
+    s.contact.emplace(sheet.pattern, sheet.triangles, s.paper.friction, s.options.sheet_number);
   if (s.options.colliders)
     s.colliders.emplace(s.options.colliders, sheet.triangles,
                         static_cast<int>(sheet.pattern.rows()));
@@ -153,7 +153,7 @@ LocalEnergies Elastic::local_energies(const Sheet& sheet) const {
 double Elastic::inside(const Sheet& sheet, const ColliderShapes& shapes) const {
   if (!impl_->colliders) return 0;
   ColliderContact at_rest = *impl_->colliders;  // the step that its own contact is in goes on
-  at_rest.begin(sheet.x, {shapes, shapes}, {}, 1);
+  at_rest.begin(sheet.x, {shapes, shapes}, {});
   return at_rest.inside(sheet.x);
 }
 
@@ -306,7 +306,7 @@ ColliderClearance::ColliderClearance(std::shared_ptr<const Colliders> colliders,
                                      const Points3& outside)
     : contact_(std::make_unique<ColliderContact>(std::move(colliders), triangles,
                                                  static_cast<int>(outside.rows()))) {
-  contact_->begin(outside, {shapes, shapes}, {}, 1);
+  contact_->begin(outside, {shapes, shapes}, {});
 }
 
 ColliderClearance::~ColliderClearance() = default;

@@ -7,6 +7,7 @@
 #include "core/model/plastic_grid.h"
 #include "core/model/sheet.h"
 #include "core/step1_elastic/contact/collider_distances.h"
+#include "core/step1_elastic/contact/friction_history.h"
 #include "core/step1_elastic/energies/external_forces.h"
 #include "core/step1_elastic/energies/handle_springs.h"
 #include "core/step1_elastic/energies/ridge_yield.h"
@@ -38,6 +39,7 @@ struct ElasticOptions {
   SelfContact contact = SelfContact::automatic;
   // obstacles that the sheet must not pass through; null: there are none
   std::shared_ptr<const Colliders> colliders = nullptr;
+  int sheet_number = 0;  // among the sheets of the shot, by which contacts remember each other
 };
 
 /// What moves the sheet in a step.
@@ -101,6 +103,7 @@ struct SolverState {
   int branch_cooldown_until = 0;
   bool descending = false;              // line-search Newton was still on its way down to a minimum
   std::optional<BranchDescent> second;  // a descent that is not finished yet
+  FrictionHistory friction;             // of contacts at the end of the last step
   RidgeField ridges;                    // filled in only by state(): the ridges of the last step
   // filled in only by state(): the plastic grid; none: the paper has never yielded
   std::optional<PlasticGrid> grid;

@@ -243,11 +243,10 @@ void ColliderContact::for_each_touch(std::size_t c, const Points3& y, Visit visi
 }
 
 void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
-                            const std::vector<int>& held, double dt,
-                            const PositionConstraints& pulled) {
+                            const std::vector<int>& held, const PositionConstraints& pulled,
+                            const FrictionHistory& history) {
   start_ = x;
   motion_ = motion;
-  epsilon_ = static_speed_bound * dt;
   std::fill(held_.begin(), held_.end(), 0);
   for (const int v : held) held_[v] = 1;
   std::fill(reduction_.begin(), reduction_.end(), 0.0);
@@ -262,7 +261,7 @@ void ColliderContact::begin(const Points3& x, const ColliderMotion& motion,
     const Points3 carried = carried_by(c, x);
     refresh(c, carried);
     reduce_barrier_near_handles(c, pulled);
-    begin_friction(c, carried);
+    begin_friction(c, carried, history);
   }
 }
 
@@ -276,19 +275,24 @@ void ColliderContact::reduce_barrier_near_handles(std::size_t c,
   }
 }
 
-void ColliderContact::begin_friction(std::size_t c, const Points3& carried) {
+void ColliderContact::begin_friction(std::size_t c, const Points3& carried,
+                                     const FrictionHistory& history) {
   const double mu = collider(c).mesh().friction;
   if (mu == 0) return;
+  std::array<int, 3> last{-1, -1, -1};
+  int count = 0;  // of contacts of the same feature of the sheet, as in a concave corner
   for_each_touch(c, carried, [&](const ContactPoint& touch) {
     const double force = mu * -collider_barrier(touch.distance).slope;
-    const Vector3d& n = touch.normal;
     Vector3d way = Vector3d::Zero();
     for (int i = 0; i < touch.corners; ++i)
       way += touch.weights[i] * (row(carried, touch.vertices[i]) - row(start_, touch.vertices[i]));
-    Eigen::Matrix<double, 3, 2> along;
-    along.col(0) = n.unitOrthogonal();
-    along.col(1) = n.cross(along.col(0));
-    friction_contacts_.push_back({touch.vertices, touch.weights, touch.corners, along, way, force});
+    const Eigen::Matrix<double, 3, 2> along = tangents_of(touch.normal);
+    count = touch.vertices == last ? count + 1 : 0;
+    last = touch.vertices;
+    const TouchingFeatures name{{-1, -1 - static_cast<int>(c)}, {last[0], last[1], last[2], count}};
+    const Eigen::Vector2d shear = along.transpose() * history.shear(name);
+    friction_contacts_.push_back(
+        {touch.vertices, touch.weights, touch.corners, along, way, force, name, shear});
   });
 }
 
@@ -452,12 +456,17 @@ void ColliderContact::for_each_touch(const Points3& y, Visit visit) {
   }
 }
 
-/// [m] How far a contact point has slid along the collider since the step began.
-Eigen::Vector2d ColliderContact::slip(const FrictionContact& drag, const Points3& y) const {
+/// [m] The shear of a contact with the sheet at y, if it does not slide.
+Eigen::Vector2d ColliderContact::trial_shear(const FrictionContact& drag, const Points3& y) const {
   Vector3d u = -drag.carried;
   for (int i = 0; i < drag.corners; ++i)
     u += drag.weights[i] * (row(y, drag.vertices[i]) - row(start_, drag.vertices[i]));
-  return drag.along.transpose() * u;
+  return drag.shear + drag.along.transpose() * u;
+}
+
+void ColliderContact::remember(const Points3& y, FrictionHistory& history) const {
+  for (const FrictionContact& drag : friction_contacts_)
+    history.remember(drag.name, drag.along * sheared(trial_shear(drag, y)));
 }
 
 double ColliderContact::energy(const Points3& y) {
@@ -466,7 +475,7 @@ double ColliderContact::energy(const Points3& y) {
     sum += collider_barrier(touch.distance).value;
   });
   for (const FrictionContact& drag : friction_contacts_)
-    sum += drag.force * friction_mollifier(slip(drag, y).norm(), epsilon_).value;
+    sum += drag.force * friction_mollifier(trial_shear(drag, y).norm(), sticking_shear).value;
   return sum;
 }
 
@@ -492,10 +501,10 @@ double ColliderContact::differentiate(const Points3& y, const std::vector<int>& 
     add(touch.vertices, touch.weights, touch.corners, force, second);
   });
   for (const FrictionContact& drag : friction_contacts_) {
-    const Eigen::Vector2d slid = slip(drag, y);
-    const FrictionMollifierInPlane f = friction_mollifier(slid, epsilon_);
+    const Eigen::Vector2d shear = trial_shear(drag, y);
+    const FrictionMollifierInPlane f = friction_mollifier(shear, sticking_shear);
     sum += drag.force * f.value;
-    const Vector3d force = drag.force * f.across * (drag.along * slid);
+    const Vector3d force = drag.force * f.across * (drag.along * shear);
     const Eigen::Matrix<double, 3, 2> half = drag.force * drag.along.lazyProduct(f.second);
     const Matrix3 stiffness = half.lazyProduct(drag.along.transpose());
     add(drag.vertices, drag.weights, drag.corners, force, stiffness);

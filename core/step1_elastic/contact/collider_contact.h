@@ -3,6 +3,7 @@
 #include "core/geometry/collider.h"
 #include "core/linear_algebra/block_cholesky.h"
 #include "core/step1_elastic/contact/collider_distances.h"
+#include "core/step1_elastic/contact/friction_history.h"
 #include "core/step1_elastic/position_constraints.h"
 
 #include <array>
@@ -35,7 +36,8 @@ ColliderBarrier collider_barrier(double distance);
 /// one point in a concave corner, as of a room); between an edge of the sheet and a convex edge of
 /// the collider; and between a triangle of the sheet and a convex corner. Each has a signed
 /// distance and pushes with `collider_barrier`. Friction is Coulomb's, with the forces, directions
-/// and contact points of the beginning of the step [Li 2020]. A vertex that begins the step farther
+/// and contact points of the beginning of the step [Li 2020]; a contact remembers its shear from
+/// step to step (friction_history.h). A vertex that begins the step farther
 /// than depth() behind an open collider has come round its border and belongs there.
 class ColliderContact {
  public:
@@ -46,8 +48,11 @@ class ColliderContact {
   /// pulled  vertices that springs pull to targets. If the target lies closer than dhat to a
   ///         collider, the vertex is not pushed out from there: a hand that rests on a table needs
   ///         no force to stay.
-  void begin(const Points3& x, const ColliderMotion&, const std::vector<int>& held, double dt,
-             const PositionConstraints& pulled = {});
+  /// history what contacts remember of the step before
+  void begin(const Points3& x, const ColliderMotion&, const std::vector<int>& held,
+             const PositionConstraints& pulled = {}, const FrictionHistory& history = {});
+  /// Writes the shear of every contact with friction at the end of the step.
+  void remember(const Points3& y, FrictionHistory&) const;
 
   /// Replaces targets by the points where the vertices get to from the beginning of the step,
   /// carried along by moving colliders, and sliding along their surface where they are in the way.
@@ -103,6 +108,8 @@ class ColliderContact {
     Eigen::Matrix<double, 3, 2> along;
     Vector3d carried;  // [m] motion of the collider at this point in this step
     double force;      // [N] friction coefficient x normal force
+    TouchingFeatures name;
+    Eigen::Vector2d shear;  // [m] at the beginning of the step
   };
   struct ColliderState {  // the sheet against one collider
     std::vector<SheetFeature> features;
@@ -139,8 +146,8 @@ class ColliderContact {
                                const Points3& way, double share) const;
   template <class Visit>
   void for_each_touch(const Points3& y, Visit);  // at the end of the step
-  Eigen::Vector2d slip(const FrictionContact&, const Points3& y) const;
-  void begin_friction(std::size_t c, const Points3& carried);
+  Eigen::Vector2d trial_shear(const FrictionContact&, const Points3& y) const;
+  void begin_friction(std::size_t c, const Points3& carried, const FrictionHistory&);
   void reduce_barrier_near_handles(std::size_t c, const PositionConstraints& pulled);
 
   std::shared_ptr<const Colliders> colliders_;
@@ -150,7 +157,6 @@ class ColliderContact {
   std::vector<double> reduction_;
   Points3 start_;
   ColliderMotion motion_;
-  double epsilon_ = 1e-6;  // [m] contacts that slide less than this stick
   std::vector<FrictionContact> friction_contacts_;
 };
 

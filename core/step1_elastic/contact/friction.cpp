@@ -21,15 +21,20 @@ FrictionMollifierInPlane friction_mollifier(const Eigen::Vector2d& slid, double 
   return {f.value, across, second};
 }
 
+Eigen::Matrix<double, 3, 2> tangents_of(const Vector3d& normal) {
+  Eigen::Matrix<double, 3, 2> tangents;
+  tangents.col(0) = normal.unitOrthogonal();
+  tangents.col(1) = normal.cross(tangents.col(0));
+  return tangents;
+}
+
 std::array<Eigen::Matrix<double, 2, 3>, 4> sliding_map(const std::array<Vector3d, 4>& x, bool edges,
                                                        const ClosestPoints& near) {
   // [1] roughly a squared sine: two nearly parallel sides do not show a rotation about themselves
   constexpr double alike = 0.05;
   const double d = near.distance();
   const Vector3d n = near.apart / d;
-  Eigen::Matrix<double, 3, 2> tangents;
-  tangents.col(0) = n.unitOrthogonal();
-  tangents.col(1) = n.cross(tangents.col(0));
+  const Eigen::Matrix<double, 3, 2> tangents = tangents_of(n);
   std::array<Eigen::Matrix<double, 2, 3>, 4> along;
   for (int i = 0; i < 4; ++i) along[i] = near.weights[i] * tangents.transpose();
 

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <tuple>
 
 namespace paperbake {
 namespace {
@@ -83,17 +84,20 @@ bool separated(const Points3& from, const Points3& to, const int* a, const int* 
 }  // namespace
 
 /// One sheet and itself.
-static SheetPartition alone(const Points2& pattern, const Triangles& triangles, double friction) {
+static SheetPartition alone(const Points2& pattern, const Triangles& triangles, double friction,
+                            int number) {
   double area = 0;
   for (int t = 0; t < triangles.rows(); ++t) area += rest_triangle(pattern, triangles.row(t)).area;
   return {std::vector<int>(pattern.rows(), 0),
           Eigen::MatrixXd::Constant(1, 1, std::min(max_dhat, 0.01 * std::sqrt(area))),
           {},
-          {friction}};
+          {friction},
+          {number},
+          {0}};
 }
 
-Contact::Contact(const Points2& pattern, const Triangles& triangles, double friction)
-    : Contact(pattern, triangles, alone(pattern, triangles, friction)) {
+Contact::Contact(const Points2& pattern, const Triangles& triangles, double friction, int number)
+    : Contact(pattern, triangles, alone(pattern, triangles, friction, number)) {
   separation_bound_.emplace(pattern, triangles);
 }
 
@@ -267,16 +271,29 @@ bool Contact::initially_intersecting(const std::array<int, 4>& v, bool edges) co
   });
 }
 
-void Contact::begin(const Points3& x, const PositionConstraints& hard, double dt) {
+void Contact::begin(const Points3& x, const PositionConstraints& hard,
+                    const FrictionHistory& history) {
   set_constraints(x, hard);
   find_initially_intersecting(x);
   build_candidates(x, Points3::Zero(x.rows(), 3));
-  begin_friction(dt);
+  begin_friction(history);
 }
 
-void Contact::begin_friction(double dt) {
+TouchingFeatures Contact::name_of(const ContactPair& pair, bool& swapped) const {
+  const auto [a, b] = sheets_of(pair.vertices, pair.edges);
+  TouchingFeatures name{{sheets_.number[a], sheets_.number[b]}, pair.vertices};
+  std::array<int, 4>& v = name.vertices;
+  const int cut = pair.edges ? 2 : 1;
+  for (int i = 0; i < 4; ++i) v[i] -= sheets_.first[i < cut ? a : b];
+  std::sort(v.begin(), v.begin() + cut);
+  std::sort(v.begin() + cut, v.end());
+  swapped = pair.edges && std::tie(name.body[1], v[2], v[3]) < std::tie(name.body[0], v[0], v[1]);
+  if (swapped) name = {{name.body[1], name.body[0]}, {v[2], v[3], v[0], v[1]}};
+  return name;
+}
+
+void Contact::begin_friction(const FrictionHistory& history) {
   friction_contacts_.clear();
-  epsilon_ = static_speed_bound * dt;
   const std::vector<double>& mu = sheets_.friction;
   if (std::all_of(mu.begin(), mu.end(), [](double one) { return one == 0; })) return;
   for_each_active(start_, 1, [&](std::size_t k, const ClosestPoints& near, double d) {
@@ -284,16 +301,24 @@ void Contact::begin_friction(double dt) {
     const auto [a, b] = sheets_of(pair.vertices, pair.edges);
     if (pair.dhat < lies_on * std::min(sheets_.dhat(a, a), sheets_.dhat(b, b))) return;
     const double force = std::sqrt(mu[a] * mu[b]) * -barrier(d, pair.dhat).slope;
-    if (force > 0)
-      friction_contacts_.push_back({pair.vertices,
-                                    sliding_map(corners(start_, pair.vertices), pair.edges, near),
-                                    force,
-                                    {}});
+    if (!(force > 0)) return;
+    bool swapped = false;
+    const TouchingFeatures name = name_of(pair, swapped);
+    const Eigen::Matrix<double, 3, 2> to_history = (swapped ? -1 : 1) * tangents_of(near.apart / d);
+    friction_contacts_.push_back(
+        {pair.vertices, sliding_map(corners(start_, pair.vertices), pair.edges, near), force,
+         to_history, name, to_history.transpose() * history.shear(name)});
   });
 }
 
-Eigen::Vector2d Contact::slip(const FrictionContact& drag, const Points3& y) const {
-  Eigen::Vector2d u = Eigen::Vector2d::Zero();
+void Contact::remember(const Points3& y, FrictionHistory& history) const {
+  for (const FrictionContact& drag : friction_contacts_)
+    history.remember(drag.name, drag.to_history * sheared(trial_shear(drag, y)));
+}
+
+/// [m] The shear of a pair with the sheets at y, if it does not slide.
+Eigen::Vector2d Contact::trial_shear(const FrictionContact& drag, const Points3& y) const {
+  Eigen::Vector2d u = drag.shear;
   for (int i = 0; i < 4; ++i)
     u += drag.along[i] * (y.row(drag.vertices[i]) - start_.row(drag.vertices[i])).transpose();
   return u;
@@ -385,7 +410,7 @@ double Contact::energy(const Points3& y) const {
     sum += barrier(d, pairs_[k].dhat).value;
   });
   for (const FrictionContact& drag : friction_contacts_)
-    sum += drag.force * friction_mollifier(slip(drag, y).norm(), epsilon_).value;
+    sum += drag.force * friction_mollifier(trial_shear(drag, y).norm(), sticking_shear).value;
   return sum;
 }
 
@@ -409,11 +434,11 @@ double Contact::differentiate(const Points3& y, Points3& gradient, BlockCholesky
           matrix->add(slots_[k][at], Matrix3(w * nn));
   });
   for (FrictionContact& drag : friction_contacts_) {
-    const Eigen::Vector2d slid = slip(drag, y);
-    const FrictionMollifierInPlane f = friction_mollifier(slid, epsilon_);
+    const Eigen::Vector2d shear = trial_shear(drag, y);
+    const FrictionMollifierInPlane f = friction_mollifier(shear, sticking_shear);
     sum += drag.force * f.value;
     for (int i = 0; i < 4; ++i)
-      gradient.row(drag.vertices[i]) += drag.force * f.across * slid.transpose() * drag.along[i];
+      gradient.row(drag.vertices[i]) += drag.force * f.across * shear.transpose() * drag.along[i];
     if (!matrix) continue;
     if (!drag.placed) {
       drag.slots = slots_of(drag.vertices);

@@ -2,6 +2,7 @@
 
 #include "core/geometry/swept_box_pairs.h"
 #include "core/linear_algebra/block_cholesky.h"
+#include "core/step1_elastic/contact/friction_history.h"
 #include "core/step1_elastic/contact/separation_bound.h"
 #include "core/step1_elastic/position_constraints.h"
 
@@ -30,6 +31,8 @@ struct SheetPartition {
   // |sheets| [1] friction coefficient of each on itself; for two sheets the geometric mean, so zero
   // friction on either gives zero; empty: frictionless
   std::vector<double> friction = {};
+  // |sheets| number of each in the shot and its first vertex in the mesh, for FrictionHistory
+  std::vector<int> number = {0}, first = {0};
 };
 
 /// Contact within one mesh, of one sheet or of several: a barrier (barrier.h) between every pair of
@@ -50,8 +53,9 @@ struct SheetPartition {
 /// The two sides of a cut in the pattern have no distance there: nothing keeps them apart.
 ///
 /// Friction is Coulomb's, for pairs that push each other at the beginning of a step, with the
-/// forces, directions and contact points of that time [Li 2020]. Pairs whose dhat is less than half
-/// of that of their sheets have none. A pair slides by
+/// forces, directions and contact points of that time [Li 2020]; a pair remembers its shear from
+/// step to step (friction_history.h). Pairs whose dhat is less than half of that of their sheets
+/// have no friction. A pair slides by
 ///
 ///   u = T^T (d n' - d n)   with  d n' = sum_i w_i y_i,
 ///
@@ -62,7 +66,8 @@ struct SheetPartition {
 /// and left out.
 class Contact {
  public:
-  Contact(const Points2& pattern, const Triangles&, double friction = 0);
+  /// number  of the sheet in the shot
+  Contact(const Points2& pattern, const Triangles&, double friction = 0, int number = 0);
   Contact(const Points2& pattern, const Triangles&, SheetPartition);
 
   /// [m] dhat of the sheet: 0.5 mm, or 1 % of the side of a square of the same area if that is
@@ -87,9 +92,13 @@ class Contact {
     least_between_panels_ = least;
   }
 
-  /// Begins a step of length dt [s] at x.
-  /// hard  pairs of features that these constraints bring together are excluded from contact
-  void begin(const Points3& x, const PositionConstraints& hard, double dt);
+  /// Begins a step at x.
+  /// hard     pairs of features that these constraints bring together are excluded from contact
+  /// history  what pairs remember of the step before
+  void begin(const Points3& x, const PositionConstraints& hard,
+             const FrictionHistory& history = {});
+  /// Writes the shear of every pair with friction at the end of the step.
+  void remember(const Points3& y, FrictionHistory&) const;
 
   /// Finds every pair that can collide or come closer than dhat on the motion from y to y + move.
   /// To be called before any function below is asked about positions on that motion; it costs
@@ -128,7 +137,11 @@ class Contact {
     // [1] the pair has slid by sum_i along_i (y_i - start_i)
     std::array<Eigen::Matrix<double, 2, 3>, 4> along;
     double force;  // [N] friction coefficient x force of the barrier
-    Slots slots;
+    // from there to space, or to the other side where the name has the features the other way round
+    Eigen::Matrix<double, 3, 2> to_history;
+    TouchingFeatures name;
+    Eigen::Vector2d shear;  // [m] at the beginning of the step
+    Slots slots = {};
     bool placed = false;
   };
 
@@ -137,8 +150,10 @@ class Contact {
   void find_initially_intersecting(const Points3& x);
   bool initially_intersecting(const std::array<int, 4>& vertices, bool edges) const;
   void build_candidates(const Points3& y, const Points3& move);
-  void begin_friction(double dt);
-  Eigen::Vector2d slip(const FrictionContact&, const Points3& y) const;  // [m] since the step began
+  void begin_friction(const FrictionHistory&);
+  /// swapped  receives whether the name has the two edges the other way round
+  TouchingFeatures name_of(const ContactPair&, bool& swapped) const;
+  Eigen::Vector2d trial_shear(const FrictionContact&, const Points3& y) const;
   Slots slots_of(const std::array<int, 4>& vertices) const;
   template <class Visit>
   void for_each_pair(int a, int b, Visit) const;
@@ -177,7 +192,6 @@ class Contact {
   Points3 reference_;              // [m] the list is valid within candidate_margin_ of these
   bool swept_ = false;             // ... and of the motion that begins there
 
-  double epsilon_ = 0;  // [m] pairs that slide less than this stick
   std::vector<FrictionContact> friction_contacts_;
 
   const BlockCholesky* matrix_ = nullptr;

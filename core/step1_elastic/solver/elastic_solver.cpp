@@ -131,7 +131,7 @@ void Elastic::Impl::begin_creases(const Sheet& sheet, const StepInput& input,
 StepProblem Elastic::Impl::problem_of(const Sheet& sheet, const StepInput& input, double dt) {
   PositionConstraints constraints = input.constraints;
   if (colliders) {
-    colliders->begin(sheet.x, input.colliders, {}, dt);
+    colliders->begin(sheet.x, input.colliders, {});
     colliders->project_outside(constraints);
   }
   return {constraints, hard_constraints(constraints), input.colliders, dt, input.time};
@@ -192,14 +192,14 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
   const std::vector<int> hard = vertices_of(step.hard),
                          eliminated = feels ? std::vector<int>{} : hard;
   const PositionConstraints springs = feels ? step.constraints : soft_constraints(step.constraints);
-  if (feels) feels->begin(sheet.x, step.hard, step.dt);
+  if (feels) feels->begin(sheet.x, step.hard, state.friction);
   build_linear_system(
       sheet, eliminated, hard,
       feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
   if (feels && matrix) feels->bind(*matrix, block_of);
   if (colliders)
-    colliders->begin(sheet.x, step.colliders, eliminated, step.dt,
-                     feels ? step.hard : PositionConstraints{});
+    colliders->begin(sheet.x, step.colliders, eliminated, feels ? step.hard : PositionConstraints{},
+                     state.friction);
 
   const Points3 before = sheet.x;
   const IncrementalPotential W{{potential(sheet, step, springs)}, feels};
@@ -222,7 +222,10 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
     }
   }
   report_constraints(sheet.x, feels ? springs : PositionConstraints{}, report);
+  friction_at_end.clear();
+  if (colliders) colliders->remember(sheet.x, friction_at_end);
   if (feels) {
+    feels->remember(sheet.x, friction_at_end);
     feels->update_candidates(sheet.x, Points3::Zero(sheet.x.rows(), 3));
     report.contact = true;
     report.touching = feels->active(sheet.x);
@@ -252,7 +255,7 @@ void Elastic::Impl::go_free_of_collisions(const StepProblem& step, const Points3
     x = to;
     return;
   }
-  contact->begin(x, step.hard, step.dt);
+  contact->begin(x, step.hard);
   for (int v = 0; v < x.rows(); ++v) {
     Points3 move = Points3::Zero(x.rows(), 3);
     move.row(v) = to.row(v) - x.row(v);
@@ -273,6 +276,7 @@ void Elastic::Impl::finish_step(Sheet& sheet, const Points3& before, const StepP
     report.inside = colliders->inside(sheet.x);
   }
   state.remeshed = false;
+  state.friction = std::move(friction_at_end);
   ++state.steps;
   const std::vector<double> folds = energy->dihedral_angles(sheet.x);
   report.plastic_increment = commit_plastic_state(folds) + commit_creases(sheet, folds);

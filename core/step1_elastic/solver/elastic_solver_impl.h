@@ -49,6 +49,7 @@ struct Elastic::Impl {
   std::optional<ColliderContact> colliders;
   std::optional<Points3> panels;  // [m] of the step: where its panels move rigidly (panel_motion.h)
   std::optional<AirDrag> air;     // of the step; none in a vacuum and without inertia
+  FrictionHistory friction_at_end;  // of the step, if it is accepted
 
   // these belong to the mesh and to the set of constrained vertices
   std::vector<int> held;       // eliminated from the system

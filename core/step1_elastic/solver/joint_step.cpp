@@ -81,8 +81,9 @@ class Elastic::Impl::JointStep {
   IncrementalPotential bind(BlockCholesky&, Contact&) const;
   std::vector<Points3> guesses() const;
   NewtonReport minimise(const IncrementalPotential&, BlockCholesky&, Points3& x) const;
+  FrictionHistory history_of_pairs() const;
   void finish(std::size_t k, const Points3& x, const PositionConstraints& springs,
-              ElasticReport&) const;
+              const FrictionHistory& pairs, ElasticReport&) const;
 
   const std::vector<JointStepSheet>& sheets_;
   std::vector<StepProblem> problems_;  // of each sheet
@@ -113,12 +114,17 @@ Elastic::Impl::JointStep::JointStep(const std::vector<JointStepSheet>& sheets, d
 
 Contact Elastic::Impl::JointStep::make_contact(const Eigen::MatrixXd& dhat) const {
   std::vector<double> friction;
-  for (std::size_t k = 0; k < sheets_.size(); ++k) friction.push_back(solver(k).paper.friction);
+  std::vector<int> number;
+  for (std::size_t k = 0; k < sheets_.size(); ++k) {
+    friction.push_back(solver(k).paper.friction);
+    number.push_back(solver(k).options.sheet_number);
+  }
   const Points3 begun =
       sheets_.front().begun.rows()
           ? joined(mesh_, [&](std::size_t k) -> const Points3& { return sheets_[k].begun; })
           : Points3(0, 3);
-  return Contact(mesh_.pattern, mesh_.triangles, {mesh_.of_vertex, dhat, begun, friction});
+  return Contact(mesh_.pattern, mesh_.triangles,
+                 {mesh_.of_vertex, dhat, begun, friction, number, mesh_.first});
 }
 
 BlockCholesky Elastic::Impl::JointStep::make_matrix(const Contact& contact) const {
@@ -139,7 +145,7 @@ IncrementalPotential Elastic::Impl::JointStep::bind(BlockCholesky& matrix, Conta
     s.block_of.assign(block_of_.begin() + mesh_.first[k], block_of_.begin() + mesh_.first[k + 1]);
     s.energy->bind(matrix, s.block_of);
     if (s.colliders)
-      s.colliders->begin(sheets_[k].sheet.x, problem.colliders, {}, dt_, problem.hard);
+      s.colliders->begin(sheets_[k].sheet.x, problem.colliders, {}, problem.hard, s.state.friction);
     W.sheets.push_back(s.potential(sheets_[k].sheet, problem, problem.constraints));
   }
   return W;
@@ -174,14 +180,28 @@ NewtonReport Elastic::Impl::JointStep::minimise(const IncrementalPotential& W,
   return paperbake::minimise({W, matrix, block_of_, mean_edge, stiffness}, how, {}, x);
 }
 
+/// What pairs of features of all sheets remember. Each sheet keeps that of pairs whose first
+/// feature is its own.
+FrictionHistory Elastic::Impl::JointStep::history_of_pairs() const {
+  FrictionHistory history;
+  for (std::size_t k = 0; k < sheets_.size(); ++k)
+    history.take(solver(k).state.friction,
+                 [](const std::array<int, 2>& body) { return body[0] >= 0; });
+  return history;
+}
+
 void Elastic::Impl::JointStep::finish(std::size_t k, const Points3& x,
                                       const PositionConstraints& springs,
-                                      ElasticReport& report) const {
+                                      const FrictionHistory& pairs, ElasticReport& report) const {
   Impl& s = solver(k);
   Sheet& sheet = sheets_[k].sheet;
   const Points3 before = sheet.x;
   sheet.x = x.middleRows(mesh_.first[k], mesh_.rows(k));
   s.report_constraints(sheet.x, springs, report);
+  s.friction_at_end.clear();
+  if (s.colliders) s.colliders->remember(sheet.x, s.friction_at_end);
+  s.friction_at_end.take(
+      pairs, [&](const std::array<int, 2>& body) { return body[0] == s.options.sheet_number; });
   s.state.second.reset();
   s.state.descending = false;
   s.state.had_contact = report.touching > 0 || report.yielding > 0;
@@ -190,7 +210,7 @@ void Elastic::Impl::JointStep::finish(std::size_t k, const Points3& x,
 
 std::vector<ElasticReport> Elastic::Impl::JointStep::solve(const Eigen::MatrixXd& dhat) {
   Contact contact = make_contact(dhat);
-  contact.begin(before_, hard_, dt_);
+  contact.begin(before_, hard_, history_of_pairs());
   BlockCholesky matrix = make_matrix(contact);
   const IncrementalPotential W = bind(matrix, contact);
   std::vector<Points3> starts = guesses();
@@ -200,6 +220,8 @@ std::vector<ElasticReport> Elastic::Impl::JointStep::solve(const Eigen::MatrixXd
 
   contact.update_candidates(x, Points3::Zero(x.rows(), 3));
   const std::vector<Contact::Active> active = contact.active_by_sheet(x);
+  FrictionHistory pairs;
+  contact.remember(x, pairs);
   std::vector<ElasticReport> reports(sheets_.size());
   for (std::size_t k = 0; k < sheets_.size(); ++k) {
     reports[k].iterations = newton.iterations;
@@ -207,7 +229,7 @@ std::vector<ElasticReport> Elastic::Impl::JointStep::solve(const Eigen::MatrixXd
     reports[k].contact = true;
     reports[k].touching = active[k].own;
     reports[k].touching_others = active[k].others;
-    finish(k, x, W.sheets[k].springs, reports[k]);
+    finish(k, x, W.sheets[k].springs, pairs, reports[k]);
   }
   return reports;
 }

@@ -7,7 +7,7 @@ static void archive(Serializer& a, BranchDescent& w) { a(w.x, w.phase, w.attempt
 
 void archive(Serializer& a, SolverState& p) {
   a(p.positions, p.steps, p.remeshed, p.had_contact, p.branch_cooldown_until, p.descending,
-    p.second, p.ridges.share, p.ridges.focus);
+    p.second, p.ridges.share, p.ridges.focus, p.friction);
 }
 
 }  // namespace paperbake

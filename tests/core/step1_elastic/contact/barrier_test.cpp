@@ -56,7 +56,7 @@ Points3 still(const Sheet& sheet) { return Points3::Zero(sheet.x.rows(), 3); }
 
 /// Energy with a new list of pairs.
 double energy_at(Contact& contact, const Points3& x) {
-  contact.begin(x, {}, frame);
+  contact.begin(x, {});
   return contact.energy(x);
 }
 
@@ -120,7 +120,7 @@ TEST(BarrierTest, AVertexThatSlidesFarOverATriangleInATightGapIsHardlyHeldUp) {
 TEST(BarrierTest, GradientMatchesTheEnergyWithManyActivePairs) {
   const Sheet sheet = two_layers(0.4 * dhat_of_layers());
   Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {}, frame);
+  contact.begin(sheet.x, {});
   ASSERT_GT(contact.active(sheet.x), 200);
   Points3 gradient = still(sheet);
   contact.differentiate(sheet.x, gradient, nullptr);
@@ -157,7 +157,7 @@ TEST(BarrierTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
     for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
   BlockCholesky matrix(n, all);
   Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {}, frame);
+  contact.begin(sheet.x, {});
   contact.bind(matrix, block);
   ASSERT_GT(contact.active(sheet.x), 15);
   Points3 gradient = still(sheet), before = still(sheet), after = still(sheet), way = still(sheet);
@@ -182,7 +182,7 @@ TEST(BarrierTest, HessianIsExactWhereNormalsDoNotTurnAndIsNeverIndefinite) {
     for (int j = block[i] = i; j-- > 0;) all.emplace_back(i, j);
   BlockCholesky larger(m, all);
   Contact many(layers.pattern, layers.triangles);
-  many.begin(layers.x, {}, frame);
+  many.begin(layers.x, {});
   many.bind(larger, block);
   Points3 unused = still(layers);
   many.differentiate(layers.x, unused, &larger);
@@ -201,7 +201,7 @@ TEST(BarrierTest, EveryPairCloserThanDhatDuringTheStepIsInTheList) {
     move.row(v) << 1.5 * dhat * normal(random), 1.5 * dhat * normal(random),
         1.5 * dhat * normal(random);
   Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {}, frame);
+  contact.begin(sheet.x, {});
   contact.update_candidates(sheet.x, move);
   std::set<std::pair<std::set<int>, bool>> listed;
   for (const ContactPair& p : contact.pairs())
@@ -238,7 +238,7 @@ TEST(BarrierTest, AFlatOrGentlyRolledSheetIsCollisionFreeAndHasNoActivePair) {
   Contact contact(sheet.pattern, sheet.triangles);
   EXPECT_TRUE(contact.clear(flat, flat, {}));
   EXPECT_TRUE(contact.clear(flat, sheet.x, {}));
-  contact.begin(sheet.x, {}, frame);
+  contact.begin(sheet.x, {});
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
@@ -268,9 +268,9 @@ TEST(BarrierTest, PairsThatHandlesBringTogetherAreExcluded) {
   const PositionConstraints ends{
       {0, sheet.x.row(0)}, {1, sheet.x.row(1)}, {40, sheet.x.row(0)}, {41, sheet.x.row(1)}};
   Contact contact(sheet.pattern, sheet.triangles);
-  contact.begin(sheet.x, {}, frame);
+  contact.begin(sheet.x, {});
   EXPECT_GT(contact.active(sheet.x), 0);
-  contact.begin(sheet.x, ends, frame);
+  contact.begin(sheet.x, ends);
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
 
@@ -283,7 +283,7 @@ TEST(BarrierTest, TheEnergyIsFiniteForASheetThatBeginsTouchingOrCrossingItself) 
       sheet.x(v, 2) = high ? shift * (sheet.pattern(v, 0) - 1.05) : 0;
     }
     Contact contact(sheet.pattern, sheet.triangles);
-    contact.begin(sheet.x, {}, frame);
+    contact.begin(sheet.x, {});
     Points3 gradient = still(sheet);
     EXPECT_TRUE(std::isfinite(contact.differentiate(sheet.x, gradient, nullptr)));
     EXPECT_TRUE(gradient.allFinite());

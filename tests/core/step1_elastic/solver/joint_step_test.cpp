@@ -84,7 +84,7 @@ struct TwoLayers {
 
 TEST(JointStepTest, DerivativesOfThePotentialOfTwoSheetsMatchItsValue) {
   TwoLayers two;
-  two.contact->begin(two.x, {}, dt);
+  two.contact->begin(two.x, {});
   ASSERT_GT(two.contact->active_by_sheet(two.x)[0].others, 100);
   BlockCholesky matrix(static_cast<int>(two.x.rows()), two.coupled);
   two.of_low->bind(matrix, two.blocks_low);
@@ -124,7 +124,7 @@ TEST(JointStepTest, DerivativesOfThePotentialOfTwoSheetsMatchItsValue) {
 
 TEST(JointStepTest, ContactForcesAndTorquesBetweenTwoSheetsCancel) {
   TwoLayers two;
-  two.contact->begin(two.x, {}, dt);
+  two.contact->begin(two.x, {});
   Points3 force = Points3::Zero(two.x.rows(), 3);
   two.contact->differentiate(two.x, force, nullptr);
   const auto n = two.low.x.rows();
