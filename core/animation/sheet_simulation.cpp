@@ -317,8 +317,18 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
     if (before_remesh_) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
   }
   simulated_.positions_before = sheet.x;
-  is_sleeping_ = idle_frames_ >= 2 && !simulated_.has_inertia();
+  is_sleeping_ = comes_to_rest();
   is_idle_ = is_sleeping_ || (first && in_place(sheet, input_.constraints, simulated_.side));
+}
+
+bool SheetSimulation::comes_to_rest() const {
+  constexpr int frames = 2;
+  if (!simulated_.has_inertia()) return idle_frames_ >= frames;
+  // A sheet with inertia is slow, too, where a swing turns back, and where it stands in a balance
+  // that it is about to lose: there nothing but its weight decides.
+  constexpr int frames_with_inertia = 6;
+  return idle_frames_ >= frames_with_inertia && rests_on_contact_ &&
+         options_.elastic.air.winds.empty();
 }
 
 void SheetSimulation::restore(SimulatedSheet::Snapshot&& back) {
@@ -371,7 +381,8 @@ void SheetSimulation::note_contact() {
   contact_ = step_.last.contact;
   touching_ = step_.last.touching;
   on_colliders_ = step_.last.on_colliders;
-  rests_on_contact_ = step_.last.on_colliders > 0 || touches_others();
+  // a sheet that is asleep lies where it fell asleep
+  if (!is_idle_) rests_on_contact_ = step_.last.on_colliders > 0 || touches_others();
   at_minimum_ = step_.converged && !snap_in_progress_;
   yielded_ = step_.last.plastic_increment > 0;
 }

@@ -107,6 +107,9 @@ class SheetSimulation {
   SubstepTarget substep_target(RecordTrajectory);
   void step_in_parts(RecordTrajectory);
   void step_part(RecordTrajectory, int part);
+  /// Whether the sheet has not moved for so long that it need not be solved until something else
+  /// does.
+  bool comes_to_rest() const;
   /// Whether nothing gives way when colliders press the sheet.
   bool may_jam() const;
   /// Takes a finer mesh for a sheet that is jammed, if its mesh could not fold.

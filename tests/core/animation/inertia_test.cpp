@@ -6,6 +6,7 @@
 #include "core/methods/fem.h"
 #include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
+#include "tests/core/animation/together_shots.h"
 #include "tests/formats/scene/gltf_fixture.h"
 
 #include <gtest/gtest.h>
@@ -125,6 +126,59 @@ TEST(InertiaTest, AHangingSheetThatAColliderStrikesSwings) {
   EXPECT_FALSE(need_with({-0.1, 0.04, -0.1}, {-0.02, 0, 0}).needed) << "it goes away";
   EXPECT_FALSE(need_with({-0.1, 0.3, -0.1}, {0.02, 0, 0}).needed) << "it goes by";
   EXPECT_FALSE(need_with({-0.005, 0.04, -0.1}, Vector3d::Zero()).needed) << "it stands still";
+}
+
+/// A table of 2 m at z = 0 that stands still until frame 60, and is then drawn 10 mm to one side
+/// within 12 frames.
+std::shared_ptr<const Colliders> drawn_table(int frames) {
+  ColliderMesh table{"table", Points3(4, 3), Triangles(2, 3), {}};
+  table.x << -1, -1, 0, 1, -1, 0, 1, 1, 0, -1, 1, 0;
+  table.triangles << 0, 1, 2, 0, 2, 3;
+  table.friction = 0.4;
+  for (int f = 0; f < frames; ++f)
+    table.frames.emplace_back(table.x.rowwise() + std::clamp((f - 60) / 12.0, 0.0, 1.0) *
+                                                      Eigen::RowVector3d(0.01, 0, 0));
+  return std::make_shared<const Colliders>(Colliders{Collider(table)});
+}
+
+TEST(InertiaTest, SheetsThatLieOnATableFallAsleepAndAreTakenAlongWhenItMoves) {
+  constexpr int frames = 90;
+  const Vector3d x(1, 0, 0), y(0, 1, 0);
+  std::vector<Shot> shots{test::placed(0.1, 0.1, {0, 0, 0.002}, x, y),
+                          test::placed(0.08, 0.08, {0.01, 0.01, 0.004}, x, y)};
+  for (Shot& shot : shots) {
+    shot.colliders = drawn_table(frames);
+    shot.paper.friction = 0.4;
+  }
+  AnimateOptions options;
+  options.last_frame = frames;
+  options.elastic.forces.gravity = g;
+  options.elastic.inertia = Inertia::dynamic;
+  const test::Outcome seen = test::outcome_of(
+      shots, [](const Shot&, std::size_t) { return fem(60); }, options);
+  for (std::size_t s = 0; s < shots.size(); ++s) {
+    ASSERT_GT(seen.frames[s][3].statistics.substeps, 0);
+    for (int f = 50; f < 60; ++f) EXPECT_EQ(seen.frames[s][f].statistics.substeps, 0) << s << f;
+    EXPECT_GT(seen.frames[s][66].statistics.substeps, 0) << s << ": it is awake again";
+    const Points3 way = seen.shapes[s].back().x - seen.shapes[s][59].x;
+    EXPECT_LT((way.rowwise() - Eigen::RowVector3d(0.01, 0, 0)).rowwise().norm().maxCoeff(), 1e-4)
+        << s << ": it has gone along, without sliding";
+  }
+}
+
+TEST(InertiaTest, ASheetInABalanceOnNothingIsNotAsleep) {
+  // held at its lower edge, it stands upright and falls within two seconds
+  const Scene scene = held_by_an_edge(
+      "upright",
+      [](double u, double v) -> Vector3d {
+        return {1e-4 * u, v, u};
+      },
+      still(72));
+  Shot shot = shot_of(scene);
+  shot.paper.bending_stiffness *= 0.05;
+  const std::vector<Vector3d> path = far_edge(shot, fem(60), Inertia::dynamic, 71);
+  EXPECT_GT(path.front().z(), 0.19);
+  EXPECT_LT(path.back().z(), 0.1);
 }
 
 TEST(InertiaTest, ASlowPushNeedsNoInertiaAndAWhipDoes) {

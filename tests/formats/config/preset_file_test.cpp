@@ -83,7 +83,9 @@ TEST(PresetFile, TheDefaultPaperOfTheCoreIsCopy70) {
   EXPECT_EQ(file.apex_scatter, core.apex_scatter);
   EXPECT_EQ(file.yield_strain, core.yield_strain);
   EXPECT_EQ(file.hardening, core.hardening);
-  EXPECT_EQ(file.friction, core.friction);
+  // layers slide freely in the core unless a grade says how they rub
+  EXPECT_EQ(core.friction, 0);
+  EXPECT_EQ(file.friction, 0.45);
 }
 
 TEST(PresetFile, EveryBuiltInGradeAgreesWithThePlateFormula) {
@@ -136,16 +138,16 @@ TEST(PresetFile, GrainMayBeLeftOutAndIsGivenInDegrees) {
 }
 
 TEST(PresetFile, MayGiveTheFrictionOfThePaper) {
-  const PresetFile rough("[grain_angle]\n",
-                         "[friction]\nvalue = 0.4\nunit = \"1\"\nsource = \"IBM\"\nmark = "
-                         "\"assumed\"\n\n[grain_angle]\n");
-  EXPECT_EQ(read_preset(rough.path).paper.friction, 0.4);
-  EXPECT_EQ(read_preset("copy70").paper.friction, 0);
+  const PresetFile rough("value = 0.45", "value = 0.6");
+  EXPECT_EQ(read_preset(rough.path).paper.friction, 0.6);
+  const std::string grade = read_preset("copy70").text;
+  const PresetFile without(grade.substr(grade.find("[friction]")), "");
+  EXPECT_EQ(read_preset(without.path).paper.friction, 0);
 }
 
 TEST(PresetFile, EntriesKeepTheOrderOfTheFileAndTheirEvidence) {
   const Preset preset = read_preset("copy90");
-  ASSERT_EQ(preset.entries.size(), 10u);
+  ASSERT_EQ(preset.entries.size(), 11u);
   EXPECT_EQ(preset.entries[0].key, "thickness");
   EXPECT_EQ(preset.entries[0].unit, "m");
   EXPECT_EQ(preset.entries[0].mark, "read");
