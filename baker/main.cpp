@@ -6,6 +6,7 @@
 #include "baker/check/verify.h"
 #include "baker/job/job_settings.h"
 #include "baker/job/options.h"
+#include "baker/job/used_values.h"
 #include "baker/job/version.h"
 #include "baker/output/output_folder.h"
 #include "baker/output/say.h"

@@ -1,6 +1,7 @@
 #include "baker/check/inspect.h"
 
 #include "baker/job/plan.h"
+#include "baker/job/plan_warnings.h"
 #include "core/animation/blocked_ways.h"
 #include "formats/cache/alembic_reader.h"
 #include "formats/files/certificate.h"
