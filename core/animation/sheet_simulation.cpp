@@ -1,7 +1,7 @@
 #include "core/animation/sheet_simulation.h"
 
 #include "core/animation/branch_search.h"
-#include "core/animation/expected_creases.h"
+#include "core/animation/folding_hands.h"
 #include "core/animation/motion_measures.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
