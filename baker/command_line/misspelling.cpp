@@ -1,6 +1,7 @@
 #include "baker/command_line/misspelling.h"
 
 #include "baker/job/options.h"
+#include "formats/config/nearest_word.h"
 
 #include <algorithm>
 #include <fmt/format.h>
