@@ -8,6 +8,7 @@
 #include "core/animation/expected_creases.h"
 #include "core/animation/inertia_need.h"
 #include "core/animation/refined_animation.h"
+#include "core/geometry/collider_facing.h"
 #include "core/model/error.h"
 #include "formats/config/preset_file.h"
 
