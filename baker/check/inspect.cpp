@@ -3,7 +3,7 @@
 #include "baker/check/inspect_colliders.h"
 #include "baker/job/plan.h"
 #include "baker/job/plan_warnings.h"
-#include "core/animation/blocked_ways.h"
+#include "core/animation/obstructed_paths.h"
 #include "formats/files/certificate.h"
 #include "formats/files/json.h"
 

@@ -1,7 +1,7 @@
 #include "baker/job/plan_warnings.h"
 
 #include "baker/job/method_choice.h"
-#include "core/animation/blocked_ways.h"
+#include "core/animation/obstructed_paths.h"
 #include "core/geometry/collider_depth.h"
 #include "core/model/error.h"
 
