@@ -115,8 +115,8 @@ class Obstacle {
   }
 
  private:
-  /// [m] Length of the shortest path from a to b that touches the segment p-q: straight when a and b
-  /// are turned about the segment into one plane.
+  /// [m] Length of the shortest path from a to b that touches the segment p-q: straight when a and
+  /// b are turned about the segment into one plane.
   static double path_over(const Vector3d& p, const Vector3d& q, const Vector3d& a,
                           const Vector3d& b) {
     const double length = (q - p).norm();

@@ -1,5 +1,5 @@
-// How a SheetSimulation changes its mesh: as its method does between steps, where the old mesh locks
-// or jams, and where the sheet folds.
+// How a SheetSimulation changes its mesh: as its method does between steps, where the old mesh
+// locks or jams, and where the sheet folds.
 
 #include "core/animation/mesh_coarseness.h"
 #include "core/animation/motion_measures.h"

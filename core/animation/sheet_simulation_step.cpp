@@ -1,5 +1,5 @@
-// How a SheetSimulation takes the elastic step of a frame: in parts, together with other sheets, and
-// what is left to do when it cannot.
+// How a SheetSimulation takes the elastic step of a frame: in parts, together with other sheets,
+// and what is left to do when it cannot.
 
 #include "core/animation/sheet_simulation.h"
 #include "core/geometry/measure.h"

@@ -13,8 +13,8 @@ namespace paperbake {
 /// whose name begins with "paper".
 /// overrides  of each node
 /// throws     Error(ErrorCode::scene): no sheet, two of one name, a size that no sheet has, a mesh
-///            that cannot be laid flat. A mesh whose name goes on as a word, such as "Paperclip", is
-///            left out with a warning if it is no sheet.
+///            that cannot be laid flat. A mesh whose name goes on as a word, such as "Paperclip",
+///            is left out with a warning if it is no sheet.
 std::vector<SceneSheet> read_sheets(const SceneNodes&, const SceneOptions&,
                                     const std::vector<AppliedOverrides>& overrides,
                                     std::vector<std::string>& warnings);
