@@ -5,6 +5,7 @@
 #include "baker/job/plan.h"
 #include "baker/output/progress.h"
 #include "baker/studies/accuracy_search.h"
+#include "formats/config/nearest_word.h"
 #include "formats/config/preset_file.h"
 
 #include <algorithm>
@@ -84,11 +85,8 @@ const Option& option_called(const std::string& name) {
     if (option.name == name) return option;
     names.push_back(option.name);
   }
-  const std::string near = nearest_word(name, names);
-  throw Error(
-      ErrorCode::command, place,
-      "There is no such option." + (near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
-      "docs/command_line.md has all options of bake.");
+  throw Error(ErrorCode::command, place, "There is no such option." + did_you_mean(name, names),
+              "docs/command_line.md has all options of bake.");
 }
 
 BakeSettings settings_of(const Scene& scene, const BakeJob& job) {

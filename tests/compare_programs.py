@@ -48,7 +48,7 @@ BAKES = [
     ("S4_tissue", "S4_crumple.glb", [*QUICK, "--preset", "tissue17", "--frames", "1-60"]),
 ]
 FORMATS = "abc,maps,cert,usd,pc2"
-UNLIKE = ("_ms", "seconds", "machine", "version", "job_hash", "input_hash", "files", "seal", "program")
+UNLIKE = ("_ms", "seconds", "cpu_s", "machine", "version", "job_hash", "input_hash", "files", "seal", "program")
 
 
 def bake(program, scene, options, folder):

@@ -4,6 +4,7 @@
 #include "baker/bake/completed_bake.h"
 #include "baker/bake/frame_queue.h"
 #include "baker/job/output_formats.h"
+#include "baker/job/plan_warnings.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/output_folder.h"
 #include "core/model/error.h"

@@ -1,6 +1,7 @@
 #include "baker/bake/bake_pipeline.h"
 
 #include "baker/bake/rendered_frames.h"
+#include "baker/job/used_values.h"
 #include "baker/output/checkpoints.h"
 #include "baker/output/file_hash.h"
 #include "baker/output/gates.h"

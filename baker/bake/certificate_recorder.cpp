@@ -1,5 +1,6 @@
 #include "baker/bake/certificate_recorder.h"
 
+#include "baker/job/input_hash.h"
 #include "baker/output/gates.h"
 #include "core/geometry/curvature.h"
 #include "core/geometry/intersections.h"

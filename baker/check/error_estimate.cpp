@@ -9,7 +9,7 @@
 #include "formats/files/atomic_file.h"
 #include "formats/files/certificate.h"
 #include "formats/files/json.h"
-#include "formats/scene/scene_sheet.h"
+#include "formats/scene/flat_sheet.h"
 
 #include <algorithm>
 #include <cmath>

@@ -9,7 +9,7 @@ namespace paperbake {
 /// How far a baked frame is from the shape that finer paper would have, found without a reference:
 /// it is brought to the minimum of fem on 2,400 triangles, and what it moves is its error within
 /// the branch that it is on.
-/// source  algorithm E2.2; tests/bench/bench_polish.cpp compares it with true errors
+/// source  this project; tests/bench/bench_polish.cpp compares it with true errors
 struct ErrorEstimate {
   int frame = 0;
   std::string sheet;

@@ -1,13 +1,13 @@
 #include "baker/check/inspect.h"
 
+#include "baker/check/inspect_colliders.h"
 #include "baker/job/plan.h"
-#include "core/animation/blocked_ways.h"
-#include "formats/cache/alembic_reader.h"
+#include "baker/job/plan_warnings.h"
+#include "core/animation/obstructed_paths.h"
 #include "formats/files/certificate.h"
 #include "formats/files/json.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <fmt/format.h>
 #include <limits>
@@ -55,126 +55,6 @@ std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
          all_impossible_pairs(sheet.pattern, sheet.handles, scene.first_frame, scene.last_frame))
       all.push_back({sheet.name, std::move(pair)});
   return all;
-}
-
-/// A collider of the scene as the bake will see it.
-struct InspectedCollider {
-  struct Beside {
-    std::string sheet;
-    bool holds;       // the sheet stays inside the collider
-    double distance;  // [m] least in the first frame; negative: the sheet begins in the collider
-  };
-  const ColliderMesh* mesh;
-  bool closed;
-  const char* motion;
-  Vector3d size;  // [m] of its box in the first frame
-  std::vector<Beside> sheets;
-
-  const Beside& nearest() const {
-    return *std::min_element(sheets.begin(), sheets.end(), [](const Beside& a, const Beside& b) {
-      return a.distance < b.distance;
-    });
-  }
-};
-
-/// Points spread evenly over the triangles of a sheet, its vertices among them. [m]
-std::vector<Vector3d> samples_of(const Sheet& sheet) {
-  constexpr double about = 1000;
-  const int parts = std::max(
-      1, static_cast<int>(std::sqrt(2 * about / std::max<double>(1, sheet.triangles.rows()))));
-  std::vector<Vector3d> points;
-  for (Eigen::Index t = 0; t < sheet.triangles.rows(); ++t) {
-    const auto corner = [&](int k) { return Vector3d(sheet.x.row(sheet.triangles(t, k))); };
-    for (int i = 0; i <= parts; ++i)
-      for (int j = 0; i + j <= parts; ++j)
-        points.push_back(corner(0) + (corner(1) - corner(0)) * i / parts +
-                         (corner(2) - corner(0)) * j / parts);
-  }
-  return points;
-}
-
-/// What the collider does in the shot.
-const char* motion_of(const ColliderMesh& mesh) {
-  constexpr double same_length = 1e-6;  // [m]
-  if (mesh.frames.empty()) return "stands still";
-  for (const Points3& x : mesh.frames)
-    for (Eigen::Index t = 0; t < mesh.triangles.rows(); ++t)
-      for (int i = 0; i < 3; ++i) {
-        const int a = mesh.triangles(t, i), b = mesh.triangles(t, (i + 1) % 3);
-        if (std::abs((x.row(a) - x.row(b)).norm() - (mesh.x.row(a) - mesh.x.row(b)).norm()) >
-            same_length)
-          return "deforms";
-      }
-  return "moves";
-}
-
-InspectedCollider::Beside beside(const ColliderMesh& mesh, const SceneSheet& sheet) {
-  constexpr double anywhere = 1e6;  // [m]
-  std::vector<ColliderMesh> facing{mesh};
-  face_the_sheet(facing, sheet.start.x, Points3(0, 3));
-  const Collider collider(facing.front());
-  InspectedCollider::Beside found{sheet.name,
-                                  facing.front().paper_side == ColliderMesh::PaperSide::inside,
-                                  std::numeric_limits<double>::infinity()};
-  for (const Vector3d& p : samples_of(sheet.start)) {
-    const double distance = collider.nearest(p, anywhere, 1).distance;
-    // the front of an open mesh turns to the sheet
-    found.distance = std::min(found.distance, collider.closed() ? distance : std::abs(distance));
-  }
-  return found;
-}
-
-std::vector<InspectedCollider> inspected_colliders(const Scene& scene) {
-  std::vector<InspectedCollider> all;
-  for (const ColliderMesh& mesh : scene.colliders) {
-    InspectedCollider& found = all.emplace_back(
-        InspectedCollider{&mesh,
-                          Collider(mesh).closed(),
-                          motion_of(mesh),
-                          (mesh.x.colwise().maxCoeff() - mesh.x.colwise().minCoeff()).transpose(),
-                          {}});
-    for (const SceneSheet& sheet : scene.sheets) found.sheets.push_back(beside(mesh, sheet));
-  }
-  return all;
-}
-
-std::string collider_text(const InspectedCollider& c) {
-  const Vector3d mm = 1e3 * c.size;
-  std::string text = fmt::format(
-      "collider \"{}\": {:.1f} x {:.1f} x {:.1f} mm, {} triangles, {}; {}; friction {:g}; in the "
-      "first frame ",
-      c.mesh->name, mm.x(), mm.y(), mm.z(), c.mesh->triangles.rows(),
-      c.closed ? "closed" : "open, keeps the paper on the side where it begins", c.motion,
-      c.mesh->friction);
-  for (const InspectedCollider::Beside& b : c.sheets) {
-    if (&b != &c.sheets.front()) text += ", ";
-    text +=
-        b.distance < 0
-            ? fmt::format("the sheet \"{}\" reaches {:.2f} mm into it", b.sheet, -1e3 * b.distance)
-            : fmt::format("the sheet \"{}\" is {:.2f} mm away", b.sheet, 1e3 * b.distance);
-    if (c.closed) text += b.holds ? " and stays inside" : " and stays outside";
-  }
-  return text + "\n";
-}
-
-Json collider_json(const InspectedCollider& c) {
-  Json sheets = Json::array();
-  for (const InspectedCollider::Beside& b : c.sheets)
-    sheets.push_back({{"sheet", b.sheet},
-                      {"side", !c.closed ? "front"
-                               : b.holds ? "inside"
-                                         : "outside"},
-                      {"distance_m", b.distance}});
-  return {{"name", c.mesh->name},
-          {"triangles", c.mesh->triangles.rows()},
-          {"closed", c.closed},
-          {"moves", !c.mesh->frames.empty()},
-          {"motion", c.motion},
-          {"friction", c.mesh->friction},
-          {"size_m", {c.size.x(), c.size.y(), c.size.z()}},
-          {"nearest_sheet", c.nearest().sheet},
-          {"distance_m", c.nearest().distance},
-          {"sheets", std::move(sheets)}};
 }
 
 /// [m/s] speed of the wind in each frame
@@ -288,92 +168,7 @@ std::string scene_text(const Scene& scene) {
   return text;
 }
 
-/// Of one sheet of a cache, over its frames.
-struct CacheSpread {
-  // least, most
-  std::array<Eigen::Index, 2> vertices{std::numeric_limits<Eigen::Index>::max(), 0},
-      triangles = vertices;
-  // [m]
-  Vector3d low = Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
-  // [m/s]
-  double fastest = 0;
-};
-
-CacheSpread spread_of(const AlembicReader& cache, std::size_t sheet) {
-  CacheSpread s;
-  const auto widen = [](std::array<Eigen::Index, 2>& range, Eigen::Index n) {
-    range = {std::min(range[0], n), std::max(range[1], n)};
-  };
-  for (std::size_t i = 0; i < cache.sheets()[sheet].frames; ++i) {
-    const CacheFrame frame = cache.frame(sheet, i);
-    widen(s.vertices, frame.x.rows());
-    widen(s.triangles, frame.triangles.rows());
-    if (frame.x.rows() == 0) continue;
-    s.low = s.low.cwiseMin(frame.x.colwise().minCoeff().transpose());
-    s.high = s.high.cwiseMax(frame.x.colwise().maxCoeff().transpose());
-    if (frame.velocity.rows() > 0)
-      s.fastest = std::max(s.fastest, frame.velocity.rowwise().norm().maxCoeff());
-  }
-  return s;
-}
-
 }  // namespace
-
-std::string inspect_cache(const std::filesystem::path& path, bool json) {
-  const AlembicReader cache(path);
-  const CacheInfo& info = cache.info();
-  const auto bytes = std::filesystem::file_size(path);
-  std::string text = fmt::format("{}: {:.2f} MB, {} sheets at {} fps\n", path.filename().string(),
-                                 1e-6 * bytes, cache.sheets().size(), info.fps);
-  Json metadata = Json::object(), sheets = Json::array();
-  for (const auto& [key, value] : info.metadata) {
-    metadata[key] = value;
-    text += fmt::format("  {} = {}\n", key, value);
-  }
-  for (std::size_t s = 0; s < cache.sheets().size(); ++s) {
-    const AlembicReader::Sheet& sheet = cache.sheets()[s];
-    const CacheSpread spread = spread_of(cache, s);
-    const int last = info.first_frame + info.frame_step * (static_cast<int>(sheet.frames) - 1);
-    std::vector<std::string> channels;
-    for (const auto& [has, name] :
-         {std::pair(sheet.velocity, "velocities"), std::pair(sheet.normal, "normals"),
-          std::pair(sheet.uv, "uv"), std::pair(sheet.crease, "crease strength")})
-      if (has) channels.push_back(name);
-    Json j{{"name", sheet.name},
-           {"frames", sheet.frames},
-           {"first_frame", info.first_frame},
-           {"last_frame", last},
-           {"constant_topology", sheet.constant_topology},
-           {"vertices", spread.vertices},
-           {"triangles", spread.triangles},
-           {"channels", channels}};
-    text += fmt::format("sheet \"{}\": frames {}-{}{}, ", sheet.name, info.first_frame, last,
-                        info.frame_step > 1 ? fmt::format(" by {}", info.frame_step) : "");
-    text +=
-        sheet.constant_topology
-            ? fmt::format("one mesh of {} vertices, {} triangles", spread.vertices[1],
-                          spread.triangles[1])
-            : fmt::format("changing meshes of {}-{} vertices, {}-{} triangles", spread.vertices[0],
-                          spread.vertices[1], spread.triangles[0], spread.triangles[1]);
-    text += fmt::format("; {}\n", fmt::join(channels, ", "));
-    if (spread.vertices[1] > 0) {
-      const Vector3d size = 1e3 * (spread.high - spread.low);
-      text += fmt::format("  moves within {:.1f} x {:.1f} x {:.1f} mm, at {:.3g} m/s at most\n",
-                          size.x(), size.y(), size.z(), spread.fastest);
-      j["low_m"] = {spread.low.x(), spread.low.y(), spread.low.z()};
-      j["high_m"] = {spread.high.x(), spread.high.y(), spread.high.z()};
-      j["fastest_m_per_s"] = spread.fastest;
-    }
-    sheets.push_back(std::move(j));
-  }
-  if (!json) return text;
-  const Json all{{"file", path.filename().string()},
-                 {"bytes", bytes},
-                 {"fps", info.fps},
-                 {"metadata", metadata},
-                 {"sheets", sheets}};
-  return json_lines(all) + "\n";
-}
 
 std::string inspect_job(const BakeSettings& settings, bool json) {
   const BakePlan plan = plan_bake(settings);

@@ -1,6 +1,6 @@
 #include "baker/job/options.h"
 
-#include "baker/job/plan.h"
+#include "baker/job/method_choice.h"
 #include "core/model/error.h"
 
 #include <algorithm>

@@ -2,6 +2,7 @@
 
 #include "baker/job/accuracy_choice.h"
 #include "baker/job/crease_lines.h"
+#include "baker/job/method_choice.h"
 #include "baker/job/settings.h"
 #include "core/animation/animate.h"
 #include "core/animation/handle_feasibility.h"
@@ -17,21 +18,6 @@ namespace paperbake {
 struct SheetImpossible {
   std::string sheet;
   ImpossiblePair pair;
-};
-
-// [triangles] with fewer a mesh has no room for handles and folds
-inline constexpr int min_polish_triangles = 100;
-inline constexpr const char* hybrid_and_fem = "hybrid+fem";  // hybrid, polished
-
-/// Is this a method that --method accepts?
-bool is_method(const std::string&);
-inline constexpr const char* all_methods = "hybrid, fem, adaptive, hybrid+fem";
-
-/// Whether every frame is refined on a fine finite element mesh
-/// (core/animation/refined_animation.h).
-struct Polishing {
-  int triangles = 0;  // 0: it is not
-  std::string why;
 };
 
 /// Without --map-frames debug pictures are drawn of every 6th frame, of the last one, and of frames
@@ -92,17 +78,5 @@ std::vector<AnimateOptions> options_of_sheets(const BakePlan&);
 /// options  of each sheet
 void simulate(const BakePlan&, const std::vector<AnimateOptions>& options, int threads,
               const std::function<bool(const AnimatedFrame&)>& on_frame);
-
-/// One sentence: names, frames, overshoot.
-std::string describe(const SheetImpossible&);
-
-/// Hash of all inputs up to a frame: the hash of the frame before it, keyed positions of the
-/// handles, which of them hold, and poses of the colliders.
-/// before  the hash of the frame before it
-std::string frame_input_hash(const std::string& before, const std::vector<Shot>&, int frame,
-                             int first_frame);
-
-/// The text of job.lock.toml.
-std::string lock_text(const BakePlan&);
 
 }  // namespace paperbake

@@ -1,6 +1,7 @@
 #include "baker/job/settings.h"
 
 #include "core/model/error.h"
+#include "formats/config/nearest_word.h"
 #include "formats/config/preset_file.h"
 
 #include <charconv>
@@ -115,10 +116,8 @@ SetValue parse_set(const std::string& text) {
                   unit_remedy(parameter));
     return {name, std::stod(*value), Origin::command};
   }
-  const std::string near = nearest_word(name, names);
   throw Error(ErrorCode::command, "--set " + name,
-              fmt::format("Unknown key \"{}\".{}", name,
-                          near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
+              fmt::format("Unknown key \"{}\".{}", name, did_you_mean(name, names)),
               fmt::format("The keys are: {}.", fmt::join(names, ", ")));
 }
 

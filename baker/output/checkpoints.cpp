@@ -1,5 +1,6 @@
 #include "baker/output/checkpoints.h"
 
+#include "baker/job/input_hash.h"
 #include "baker/job/version.h"
 #include "baker/output/file_hash.h"
 #include "core/model/serializer.h"

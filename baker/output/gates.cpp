@@ -1,4 +1,5 @@
 #include "baker/output/gates.h"
+#include "baker/job/plan_warnings.h"
 
 #include <algorithm>
 #include <fmt/format.h>

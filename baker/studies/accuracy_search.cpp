@@ -1,5 +1,6 @@
 #include "baker/studies/accuracy_search.h"
 
+#include "baker/job/method_choice.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/model/error.h"
@@ -40,15 +41,15 @@ struct SizeLadder {
 };
 
 SizeLadder ladder_of(const BakeSettings& settings) {
-  const bool is_hybrid = settings.method == "hybrid" || settings.method == hybrid_and_fem;
+  const bool hybrid = is_hybrid(settings);
   SizeLadder ladder;
-  ladder.option = is_hybrid ? "base_triangles" : "triangles";
+  ladder.option = hybrid ? "base_triangles" : "triangles";
   ladder.is_given = settings.given.count(ladder.option) > 0;
-  const int first = ladder.is_given ? (is_hybrid ? settings.base_triangles : *settings.triangles)
-                    : is_hybrid     ? 120
+  const int first = ladder.is_given ? (hybrid ? settings.base_triangles : *settings.triangles)
+                    : hybrid        ? 120
                                     : 250;
-  ladder.largest = ladder.is_given ? first : is_hybrid ? 960 : 4000;
-  if (is_hybrid && settings.triangles)  // the mesh that is handed on never has more
+  ladder.largest = ladder.is_given ? first : hybrid ? 960 : 4000;
+  if (hybrid && settings.triangles)  // the mesh that is handed on never has more
     ladder.largest = std::min(ladder.largest, *settings.triangles);
   for (int size = std::min(first, ladder.largest);
        ladder.sizes.empty() || ladder.sizes.back() <= ladder.largest; size *= 2)

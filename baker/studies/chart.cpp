@@ -1,5 +1,6 @@
 #include "baker/studies/chart.h"
 
+#include "baker/job/method_choice.h"
 #include "baker/job/plan.h"
 #include "baker/output/summary.h"
 #include "core/geometry/crease_network.h"

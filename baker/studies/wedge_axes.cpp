@@ -2,6 +2,7 @@
 
 #include "baker/job/options.h"
 #include "core/model/error.h"
+#include "formats/config/nearest_word.h"
 #include "formats/config/preset_file.h"
 
 #include <algorithm>
@@ -102,13 +103,10 @@ Axis parse_axis(const std::string& text) {
                 fmt::format("Say it once, with --{}.",
                             axis.key == "debug_pictures" ? "debug-pictures" : axis.key));
   const std::vector<std::string> keys = all_keys();
-  if (std::find(keys.begin(), keys.end(), axis.key) == keys.end()) {
-    const std::string near = nearest_word(axis.key, keys);
+  if (std::find(keys.begin(), keys.end(), axis.key) == keys.end())
     throw Error(ErrorCode::command, place,
-                fmt::format("Unknown key \"{}\".{}", axis.key,
-                            near.empty() ? "" : fmt::format(" Did you mean \"{}\"?", near)),
+                fmt::format("Unknown key \"{}\".{}", axis.key, did_you_mean(axis.key, keys)),
                 fmt::format("The keys are: {}.", fmt::join(keys, ", ")));
-  }
   axis.of_paper = std::none_of(options().begin(), options().end(),
                                [&](const Option& o) { return o.name == axis.key; });
   axis.number = axis.of_paper || option(axis.key).kind == JobKey::number ||

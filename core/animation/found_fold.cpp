@@ -1,6 +1,7 @@
 #include "core/animation/found_fold.h"
 
 #include "core/animation/fold_place.h"
+#include "core/animation/folding_hands.h"
 #include "core/animation/initial_sheet.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/animation/expected_creases.h"
 #include "core/animation/substepping.h"
 #include "core/methods/method.h"
 #include "core/model/fold_line.h"

@@ -16,11 +16,11 @@ struct ImpossiblePair {
   std::string a, b;
   int frame;        // in which they are too far apart by most
   int first, last;  // in which they are too far apart at all
-  double apart;     // [m] at that frame: distance of their keyed positions, or length of the way
+  double apart;     // [m] at that frame: distance of their keyed positions, or length of the path
   double allowed;   // [m] length of the paper between them
   // a handle of the flat part of the sheet that is in the way; empty: nothing is
   std::string around = {};
-  // [m] where the way begins and ends on the pattern, in the parts that the two handles hold
+  // [m] where the path begins and ends on the pattern, in the parts that the two handles hold
   Vector2d from = Vector2d::Zero(), to = Vector2d::Zero();
 };
 

@@ -1,11 +1,10 @@
 #include "core/animation/sheet_simulation.h"
 
 #include "core/animation/branch_search.h"
-#include "core/animation/expected_creases.h"
+#include "core/animation/folding_hands.h"
 #include "core/animation/motion_measures.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/intersections.h"
-#include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
 
 #include <algorithm>
@@ -19,9 +18,8 @@ namespace {
 // [s] longest step with inertia: backward Euler damps motion, the more the longer the step
 constexpr double max_inertial_step = 1 / 96.0;
 constexpr int max_halvings_for_inertia = 8;
-// [1] of the longer side: below motion_threshold no method changes the mesh, below sleep_threshold
-// nothing is solved either
-constexpr double motion_threshold = 2e-4, sleep_threshold = 1e-5;
+// [1] of the longer side: with less motion than this nothing is solved
+constexpr double sleep_threshold = 1e-5;
 
 /// Puts the held vertices of the start shape at their targets and returns true, unless one of them
 /// is farther away than `same`. The first frame then shows the sheet as it was modelled: relaxing
@@ -117,13 +115,12 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
 void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = simulated_.sheet;
   SolverState state = simulated_.elastic.state();
-  a(frame_, sheet, output_sheet_, simulated_.positions_before, input_before_.constraints,
-    at_minimum_, yielding_, yielded_, folded_, simulated_.fixed, simulated_.has_bends,
-    snap_in_progress_, rests_on_contact_, idle_frames_, contact_, touching_, on_colliders_, state,
-    handles_, dhat);
+  a(frame_, sheet, output_sheet_, simulated_.positions_before, input_before_.constraints, outcome_,
+    yielding_, folded_, simulated_.fixed, simulated_.has_bends, idle_frames_, state, handles_,
+    dhat);
   folds_.archive(a);
   release_.archive(a);
-  archive_jam(a);
+  jam_.archive(a, shot_.colliders.get(), frame_ - options_.first_frame);
   if (simulated_.plastic_grid) a(*simulated_.plastic_grid);
   method_->archive(a);
   if (!a.reads()) return;
@@ -149,95 +146,13 @@ void SheetSimulation::archive(Serializer& a) {
   simulated_.elastic.restore(state);
 }
 
-void SheetSimulation::archive_jam(Serializer& a) {
-  std::vector<Points3> places;
-  for (const auto& collider : jammed_between_) places.push_back(collider->mesh().x);
-  a(places);
-  if (!a.reads() || places.empty()) return;
-  a.require(shot_.colliders && places.size() == shot_.colliders->size());
-  jammed_between_ = shapes_at(*shot_.colliders, frame_ - options_.first_frame);
-  for (std::size_t c = 0; c < places.size(); ++c) {
-    auto& shape = jammed_between_[c];
-    a.require(places[c].rows() == shape->mesh().x.rows());
-    if (places[c] != shape->mesh().x) shape = std::make_shared<const Collider>(*shape, places[c]);
-  }
-}
-
 void SheetSimulation::move_world() {
   const int row = frame_ - options_.first_frame;
   input_ = {handles_.held(frame_)};
   input_.time = row / options_.fps;
   fold_by_hands(simulated_.sheet, shot_.hands, row);
   if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
-  if (!jammed_between_.empty()) input_.colliders.from = jammed_between_;
-}
-
-RemeshContext SheetSimulation::remesh_context(double share) const {
-  const Sheet& sheet = simulated_.sheet;
-  return {simulated_.fixed,
-          simulated_.plastic_grid ? &*simulated_.plastic_grid : nullptr,
-          isolated_moving_handles(sheet, input_.constraints, motion_threshold * simulated_.side,
-                                  0.15 * shorter_side(shot_.pattern)),
-          {frame_, 1 / options_.fps, max_motion_ / simulated_.side},
-          max_motion_ > motion_threshold * simulated_.side,
-          snap_in_progress_,
-          at_minimum_,
-          yielding_,
-          rests_on_contact_,
-          share * relative_motion_,
-          share * rms_deformation(simulated_.positions_before, sheet.x) / simulated_.side,
-          share * squeeze_,
-          false,
-          [this] { return simulated_.elastic.local_energies(simulated_.sheet); }};
-}
-
-void SheetSimulation::remesh(double share) { change_mesh(remesh_context(share)); }
-
-bool SheetSimulation::change_mesh(const RemeshContext& is) {
-  Sheet& sheet = simulated_.sheet;
-  Sheet unchanged = sheet;
-  before_remesh_.reset();
-  was_at_minimum_ = at_minimum_;
-  const MeshChange change = method_->remesh(sheet, is);
-  if (change == MeshChange::none) return false;
-  before_remesh_ = {std::move(unchanged), simulated_.elastic.state()};
-  vertices_moved_ = change == MeshChange::moved;
-  if (vertices_moved_)
-    simulated_.carry_over(before_remesh_->sheet);
-  else
-    simulated_.update_solver();
-  if (!cuts_into_collider(before_remesh_->sheet)) return true;
-  undo_remesh();
-  return false;
-}
-
-/// Whether the change of mesh has put an edge or a triangle into a collider: it would be stuck
-/// there.
-bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
-  constexpr double deepest = 2e-5;  // [m]
-  if (on_colliders_ == 0) return false;
-  const ColliderShapes now = followed_ > 0
-                                 ? between(input_.colliders.from, input_.colliders.to, followed_)
-                                 : input_.colliders.from;
-  const double depth = simulated_.elastic.inside(sheet(), now);
-  return depth > deepest && depth > simulated_.elastic.on_mesh(before).inside(before, now);
-}
-
-void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
-  const LoadStep now{input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame, 0};
-  std::optional<FoundFold> fold = folds_.find(now, {yielded_, on_colliders_ > 0}, is_admissible);
-  if (!fold) return;
-  carried_.forget();
-  folds_.forget();
-  simulated_.sheet = std::move(fold->sheet);
-  simulated_.elastic = std::move(fold->elastic);
-  simulated_.fixed = std::move(fold->fixed);
-  simulated_.positions_before = sheet().x;
-  fold->step.substeps += step_.substeps;
-  fold->step.iterations += step_.iterations;
-  step_ = std::move(fold->step);
-  before_remesh_.reset();
-  folded_ = true;
+  jam_.begin_frame(input_.colliders);
 }
 
 void SheetSimulation::remember(int part) {
@@ -259,24 +174,6 @@ int SheetSimulation::parts_of_frame() const {
   return std::max(parts, std::clamp(static_cast<int>(std::ceil(by_handles)), 1, most));
 }
 
-void SheetSimulation::try_proposal(const RemeshContext& situation,
-                                   const AdmissibilityCheck& is_admissible) {
-  Sheet& sheet = simulated_.sheet;
-  std::optional<Sheet> proposal = method_->propose(sheet, situation);
-  if (!proposal) return;
-  std::vector<double> stiffening = disc_factors(*proposal, shot_);
-  const MeshSwapResult verdict =
-      try_swap_mesh(sheet, simulated_.elastic, {std::move(*proposal), std::move(stiffening)},
-                    input_before_, 1 / options_.fps, is_admissible);
-  method_->on_proposal_result(verdict.accepted, situation.now);
-  result_.statistics.remesh =
-      verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
-  result_.statistics.remesh_rise = verdict.rise;
-  if (!verdict.accepted) return;
-  simulated_.has_bends = false;
-  carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
-}
-
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = simulated_.sheet;
   result_ = {};
@@ -285,7 +182,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   const bool first = frame_ == options_.first_frame;
   carried_.forget();
   // a sheet that is on its way down moves when it is relaxed, whatever its mesh
-  if (!first && !contact_ && (at_minimum_ || simulated_.has_inertia()))
+  if (!first && !outcome_.contact && (outcome_.at_minimum || simulated_.has_inertia()))
     carried_.begin(sheet, input_before_);
   move_world();
   singular_before_ = sheet.singular.size();
@@ -296,8 +193,9 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   relative_motion_ = relative_handle_motion(sheet, input_.constraints, input_before_.constraints) /
                      simulated_.side;
   followed_ = 0;
-  squeeze_ =
-      may_jam() && on_colliders_ > 0 ? squeeze(sheet.x, input_.colliders) / simulated_.side : 0;
+  squeeze_ = may_jam() && outcome_.on_colliders > 0
+                 ? squeeze(sheet.x, input_.colliders) / simulated_.side
+                 : 0;
   load_parts_ = parts_of_frame();
   const RemeshContext situation = remesh_context(1.0 / load_parts_);
   // a sheet that has just been folded keeps its mesh: it is still coming to rest on it
@@ -306,15 +204,12 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   came_from_ = input_before_.constraints;
   input_before_ = input_;
   input_before_.colliders.from = input_.colliders.to;
-  before_remesh_.reset();
+  last_remesh_.reset();
   step_start_.reset();
   if (!keeps_mesh && result_.statistics.remesh != FrameStatistics::accepted) {
     remesh(1.0 / load_parts_);
-    if (before_remesh_ && !is_admissible(before_remesh_->sheet, sheet, 0)) {
-      restore(std::move(*before_remesh_));
-      before_remesh_.reset();
-    }
-    if (before_remesh_) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
+    if (last_remesh_ && !is_admissible(last_remesh_->before.sheet, sheet, 0)) undo_remesh();
+    if (last_remesh_) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
   }
   simulated_.positions_before = sheet.x;
   is_sleeping_ = comes_to_rest();
@@ -327,7 +222,7 @@ bool SheetSimulation::comes_to_rest() const {
   // A sheet with inertia is slow, too, where a swing turns back, and where it stands in a balance
   // that it is about to lose: there nothing but its weight decides.
   constexpr int frames_with_inertia = 6;
-  return idle_frames_ >= frames_with_inertia && rests_on_contact_ &&
+  return idle_frames_ >= frames_with_inertia && outcome_.rests_on_contact &&
          options_.elastic.air.winds.empty();
 }
 
@@ -339,9 +234,9 @@ void SheetSimulation::restore(SimulatedSheet::Snapshot&& back) {
 void SheetSimulation::skip_step() {
   step_ = {};
   step_.last = simulated_.elastic.evaluate_energies(sheet());
-  step_.last.contact = contact_;
-  step_.last.touching = touching_;
-  step_.last.on_colliders = on_colliders_;
+  step_.last.contact = outcome_.contact;
+  step_.last.touching = outcome_.touching;
+  step_.last.on_colliders = outcome_.on_colliders;
   simulated_.sheet.v.setZero();
   trajectory_ = {{0, sheet().x}, {1, sheet().x}};
 }
@@ -376,23 +271,24 @@ Points3 SheetSimulation::initial_positions() const {
   return MeshTransfer(shot_.start.pattern, shot_.start.triangles, sheet().pattern)(shot_.start.x);
 }
 
-void SheetSimulation::note_contact() {
-  snap_in_progress_ = step_.last.snap_in_progress;
-  contact_ = step_.last.contact;
-  touching_ = step_.last.touching;
-  on_colliders_ = step_.last.on_colliders;
+void SheetSimulation::note_outcome() {
+  const ElasticReport& last = step_.last;
+  outcome_.at_minimum = step_.converged && !last.snap_in_progress;
+  outcome_.snap_in_progress = last.snap_in_progress;
+  outcome_.contact = last.contact;
   // a sheet that is asleep lies where it fell asleep
-  if (!is_idle_) rests_on_contact_ = step_.last.on_colliders > 0 || touches_others();
-  at_minimum_ = step_.converged && !snap_in_progress_;
-  yielded_ = step_.last.plastic_increment > 0;
+  if (!is_idle_) outcome_.rests_on_contact = last.on_colliders > 0 || touches_others();
+  outcome_.yielded = last.plastic_increment > 0;
+  outcome_.touching = last.touching;
+  outcome_.on_colliders = last.on_colliders;
 }
 
 void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   constexpr double min_plastic_increment = 0.01;  // [1] of the fold integral, in one frame
   result_.statistics.new_singular = static_cast<int>(sheet().singular.size() - singular_before_);
-  note_contact();
+  note_outcome();
   if (!is_idle_) fold_if_bent(is_admissible);
-  note_contact();
+  note_outcome();
   yielding_ = step_.last.plastic_increment > 0 &&
               step_.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
   if (step_.last.energy_gain > 1e-3)
@@ -440,7 +336,7 @@ AnimatedFrame SheetSimulation::report() {
   result.parts = method_->parts(sheet());
   result.carried = carried_.positions(sheet(), *method_);
   result.handles = handles_.report(output_sheet_.x, frame_);
-  if (on_colliders_ > 0 && touching_ == 0)
+  if (outcome_.on_colliders > 0 && outcome_.touching == 0)
     if (const std::string note = note_of_yielding(result.handles); !note.empty())
       result.note += (result.note.empty() ? "" : "; ") + note;
   FrameStatistics& statistics = result.statistics;

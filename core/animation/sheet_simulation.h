@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/animation/carried_sheet.h"
+#include "core/animation/collider_jam.h"
 #include "core/animation/fold_search.h"
 #include "core/animation/handle_constraints.h"
 #include "core/animation/mesh_swap.h"
@@ -69,6 +70,26 @@ class SheetSimulation {
   std::vector<double> dhat;  // [m] dhat between this sheet and each sheet before it
 
  private:
+  /// What a step leaves behind for the next one.
+  struct StepOutcome {
+    bool at_minimum = false;  // it converged, and not into a snap
+    bool snap_in_progress = false;
+    bool contact = false;           // of the sheet with itself
+    bool rests_on_contact = false;  // with a collider or another sheet
+    bool yielded = false;           // the paper, somewhere
+    int touching = 0;               // number of pairs of features of the sheet that push each other
+    int on_colliders = 0;           // number of features that colliders push
+    void archive(Serializer& a) {
+      a(at_minimum, snap_in_progress, contact, rests_on_contact, yielded, touching, on_colliders);
+    }
+  };
+  /// The last change of mesh, as long as it can be undone.
+  struct LastRemesh {
+    SimulatedSheet::Snapshot before;
+    bool was_at_minimum;  // the sheet, before it
+    bool vertices_moved;  // on the pattern
+  };
+
   void archive(Serializer&);
   /// Where handles, hands and colliders are in the present frame.
   void move_world();
@@ -84,11 +105,10 @@ class SheetSimulation {
   int parts_of_frame() const;
   /// Keeps a step that is about to be taken for folds_.
   void remember(int part);
-  /// Lets the method change the mesh. before_remesh_ keeps what was there.
+  /// Lets the method change the mesh. share: [1] of the frame
   void remesh(double share);
-  /// returns  whether the mesh is another one now
+  /// returns  whether the mesh is another one now; last_remesh_ then keeps the one before
   bool change_mesh(const RemeshContext&);
-  void archive_jam(Serializer&);
   bool cuts_into_collider(const Sheet& before) const;
   /// The input of a part of the frame. part: 1 to load_parts_
   StepInput input_of_part(int part) const;
@@ -127,7 +147,7 @@ class SheetSimulation {
   bool refine_mesh(SimulatedSheet::Snapshot&& begun);
   FrameInterval frame_interval(const Eigen::MatrixXd& dhat) const;
   /// Keeps what the last step says of contact, yielding and its end.
-  void note_contact();
+  void note_outcome();
   void probe(const AdmissibilityCheck& is_admissible);
 
   const Shot& shot_;
@@ -146,19 +166,12 @@ class SheetSimulation {
   int frame_;  // the last frame that was prepared
   Sheet output_sheet_;
   StepInput input_before_;  // of the frame before, with the colliders standing still
-  bool at_minimum_ = false, yielding_ = false, snap_in_progress_ = false, rests_on_contact_ = false;
-  bool yielded_ = false;  // the paper, somewhere, in the last step
-  bool folded_ = false;   // the sheet, along a line that was found in the last step
+  StepOutcome outcome_;
+  bool yielding_ = false;  // the paper, by a notable part of its folds, in the last frame
+  bool folded_ = false;    // the sheet, along a line that was found in the last step
   int idle_frames_ = 0;
-  // contact of the sheet with itself; number of pairs of features that push each other; number of
-  // features that colliders push
-  bool contact_ = false;
-  int touching_ = 0, on_colliders_ = 0;
   double inside_ = 0;  // [m] how deep the output sheet lies inside a collider
-
-  // where the colliders were when they jammed the sheet, which has not followed them since; empty:
-  // it has
-  ColliderShapes jammed_between_;
+  ColliderJam jam_;
 
   // of the present frame
   StepInput input_;
@@ -171,10 +184,8 @@ class SheetSimulation {
   int load_parts_ = 1;          // number of parts in which the step is taken
   std::size_t singular_before_ = 0;
   bool is_idle_ = false, is_sleeping_ = false;
-  // the mesh before; the start of the step
-  std::optional<SimulatedSheet::Snapshot> before_remesh_, step_start_;
-  bool was_at_minimum_ = false;  // the sheet, before the last change of mesh
-  bool vertices_moved_ = false;  // on the pattern, by the last change of mesh
+  std::optional<LastRemesh> last_remesh_;               // none that could be undone
+  std::optional<SimulatedSheet::Snapshot> step_start_;  // none that can be gone back to
   std::vector<TrajectoryPoint> trajectory_;
   FrameStepResult step_;
   AnimatedFrame result_;

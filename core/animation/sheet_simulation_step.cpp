@@ -1,23 +1,15 @@
-// How a SheetSimulation takes the elastic step of a frame: in parts, on a finer mesh, together with
-// other sheets, and what is left to do when it cannot.
+// How a SheetSimulation takes the elastic step of a frame: in parts, together with other sheets,
+// and what is left to do when it cannot.
 
-#include "core/animation/mesh_coarseness.h"
 #include "core/animation/sheet_simulation.h"
-#include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/model/error.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace paperbake {
-namespace {
-
-constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
-
-}  // namespace
 
 StepInput SheetSimulation::input_of_part(int part) const {
   StepInput input = input_;
@@ -64,23 +56,10 @@ bool SheetSimulation::may_jam() const {
 FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
           1 / options_.fps,
-          simulated_.has_inertia()   ? inertial_halvings_
-          : !jammed_between_.empty() ? halvings_of_squeeze(input_.colliders)
-                                     : 0,
+          simulated_.has_inertia() ? inertial_halvings_
+          : jam_.is_on()           ? halvings_of_squeeze(input_.colliders)
+                                   : 0,
           between};
-}
-
-bool SheetSimulation::is_locked() const {
-  if (!before_remesh_ || !step_.last.contact || step_.converged) return false;
-  return (vertices_moved_ && (was_at_minimum_ || squeeze_ == 0)) ||
-         length_distortion(sheet()).largest >
-             std::max(jammed_stretch, 4 * length_distortion(before_remesh_->sheet).largest);
-}
-
-void SheetSimulation::undo_remesh() {
-  restore(std::move(*before_remesh_));
-  before_remesh_.reset();
-  simulated_.positions_before = sheet().x;
 }
 
 void SheetSimulation::begin_step(RecordTrajectory trace) {
@@ -118,22 +97,6 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
   take_unlocked_step();
 }
 
-bool SheetSimulation::is_held_back_by_mesh() const {
-  return step_.failure_reason.empty() && step_.last.on_colliders > 0 && simulated_.is_smooth() &&
-         mean_square_fold(sheet()) > coarse;
-}
-
-bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& begun) {
-  std::optional<Method::FirstMesh> finer = method_->finer_mesh();
-  if (!finer) return false;
-  restore(std::move(begun));
-  simulated_.put_on(std::move(*finer));
-  before_remesh_.reset();
-  folds_.forget();
-  step_ = {};
-  return true;
-}
-
 void SheetSimulation::step(RecordTrajectory trace) {
   const bool may_refine =
       alone_ && shot_.colliders && simulated_.has_inertia() && simulated_.is_smooth();
@@ -145,29 +108,6 @@ void SheetSimulation::step(RecordTrajectory trace) {
   }
   hold_if_infeasible();
   hold_if_jammed();
-}
-
-bool SheetSimulation::refine_jammed_smooth_mesh() {
-  const SimulatedSheet::Snapshot kept = simulated_.snapshot();
-  const std::vector<char> fixed = simulated_.fixed;
-  const FrameStepResult jammed = step_;
-  const ColliderShapes now = between(input_.colliders.from, input_.colliders.to, followed_);
-  const double depth = simulated_.elastic.inside(sheet(), now);
-  if (!refine_mesh(SimulatedSheet::Snapshot(kept))) return false;
-  step_ = jammed;
-  if (crossings(sheet()) == 0 &&
-      simulated_.elastic.inside(sheet(), now) <= std::max(depth, yield_depth))
-    return true;
-  restore(SimulatedSheet::Snapshot(kept));
-  simulated_.fixed = fixed;
-  return false;
-}
-
-bool SheetSimulation::refine_where_jammed() {
-  if (simulated_.is_smooth()) return refine_jammed_smooth_mesh();
-  RemeshContext is = remesh_context(1);
-  is.jammed = true;
-  return change_mesh(is);
 }
 
 bool SheetSimulation::settle() {
@@ -194,21 +134,16 @@ bool SheetSimulation::settle() {
 }
 
 void SheetSimulation::hold_if_jammed() {
-  const ColliderShapes where = std::exchange(jammed_between_, {});
+  jam_.release();
   if (step_.followed == 1 || !step_.failure_reason.empty()) return;
-  const ColliderMotion& moving = input_.colliders;
-  jammed_between_ = between(moving.from, moving.to, followed_);
+  jam_.hold(input_.colliders, followed_);
   if (followed_ == 0) {
-    jammed_between_ = moving.from;
     const FrameStepResult tried = step_;
     skip_step();
     step_.iterations = tried.iterations;
     step_.converged = false;
   }
-  char note[120];
-  std::snprintf(note, sizeof note, "it is jammed: colliders have gone on by %.1f mm without it",
-                1e3 * farthest_move(jammed_between_, moving.to));
-  add_note(note);
+  add_note(jam_.note(input_.colliders.to));
 }
 
 void SheetSimulation::step_in_parts(RecordTrajectory trace) {
@@ -225,18 +160,18 @@ void SheetSimulation::step_in_parts(RecordTrajectory trace) {
     step_.substeps += before.substeps;
     step_.iterations += before.iterations;
     step_.converged &= before.converged || again;
-    at_minimum_ = step_.converged && !step_.last.snap_in_progress;
+    outcome_.at_minimum = step_.converged && !step_.last.snap_in_progress;
     step_.last.plastic_increment += before.last.plastic_increment;
     followed_ += step_.followed * (double(part) / load_parts_ - followed_);
     if (step_.followed < 1) {
       const bool finer = refinements++ < most_refinements && refine_where_jammed();
-      const bool stays = !finer && followed_ == 0 && !jammed_between_.empty();
+      const bool stays = !finer && followed_ == 0 && jam_.is_on();
       if (refinements > most_refinements || stays) return;
       if (!settle() && !finer) return;
       --part;
     } else if (part < load_parts_) {
       followed_ = double(part) / load_parts_;
-      note_contact();
+      note_outcome();
       fold_if_bent([](const Sheet&, const Sheet&, double) { return true; });
     }
   }

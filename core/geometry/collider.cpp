@@ -47,8 +47,6 @@ double volume(const Points3& x, const Triangles& triangles) {
   return six / 6;
 }
 
-void turn(Triangles& triangles) { triangles.col(1).swap(triangles.col(2)); }
-
 /// [m] Sides of the box along the principal axes of the points, the shortest first.
 Vector3d sides_of_box(const Points3& x) {
   const Points3 apart = x.rowwise() - x.colwise().mean().eval();
@@ -138,7 +136,7 @@ void Collider::prepare() {
   const Points3& x = mesh_.x;
   closed_ = is_closed(edges_of(triangles));
   const bool holds_paper = mesh_.paper_side == ColliderMesh::PaperSide::inside;
-  if (closed_ && (volume(x, triangles) < 0) != holds_paper) turn(triangles);
+  if (closed_ && (volume(x, triangles) < 0) != holds_paper) triangles.col(1).swap(triangles.col(2));
   const MeshEdges edges = edges_of(triangles);
   const Vector3d sides = sides_of_box(x);
   depth_ = closed_ ? std::min(deepest, of_thickness * sides[0]) : deepest_of_open;
@@ -385,58 +383,6 @@ Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, do
   const Vector3d there =
       -(at.weights[1] * after[0] + at.weights[2] * after[1] + at.weights[3] * after[2]);
   return there + frame_of(after) * (frame_of(before).transpose() * (p - near.at));
-}
-
-/// Where the paper stays if it is to stay where it begins.
-static ColliderMesh::PaperSide side_of(const Collider& solid, const Points3& x) {
-  constexpr double anywhere = 1e6;  // [m]
-  for (int v = 0; v < x.rows(); ++v)
-    if (!(solid.nearest(row(x, v), anywhere, 1).distance < 0))
-      return ColliderMesh::PaperSide::outside;
-  return ColliderMesh::PaperSide::inside;
-}
-
-void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
-  constexpr double lies_in_it = 1e-5;  // [m] a vertex closer than this has no vote
-  for (ColliderMesh& mesh : meshes) {
-    const Collider as_it_is(mesh);
-    if (as_it_is.closed()) {
-      using Side = ColliderMesh::PaperSide;
-      if (mesh.paper_side == Side::automatic) mesh.paper_side = side_of(as_it_is, x);
-      continue;
-    }
-    const auto votes = [&](const Points3& points) {
-      int front = 0;
-      for (int v = 0; v < points.rows(); ++v) {
-        const double d = as_it_is.nearest(row(points, v), 10, 1).distance;
-        const bool beside = d == as_it_is.nearest(row(points, v), 10, -1).distance;
-        if (!beside && std::abs(d) > lies_in_it) front += d > 0 ? 1 : -1;
-      }
-      return front;
-    };
-    int front = votes(x);
-    if (front == 0) front = votes(keyed);
-    if (front == 0)
-      for (int t = 0; t < mesh.triangles.rows(); ++t) {
-        const Vector3d a = row(mesh.x, mesh.triangles(t, 0)), b = row(mesh.x, mesh.triangles(t, 1)),
-                       c = row(mesh.x, mesh.triangles(t, 2));
-        front += (b - a).cross(c - a).z() < 0 ? -1 : 1;
-      }
-    if (front < 0) turn(mesh.triangles);
-  }
-}
-
-std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh> meshes,
-                                                  const Points3& x,
-                                                  const std::vector<Handle>& handles) {
-  if (meshes.empty()) return nullptr;
-  long rows = 0;
-  for (const Handle& handle : handles) rows += handle.keyed.rows();
-  Points3 keyed(rows, 3);
-  for (const Handle& handle : handles)
-    keyed.middleRows(rows -= handle.keyed.rows(), handle.keyed.rows()) = handle.keyed;
-  face_the_sheet(meshes, x, keyed);
-  return std::make_shared<const Colliders>(meshes.begin(), meshes.end());
 }
 
 double push_out(const ColliderShapes& colliders, const Points3& known, double clearance,

@@ -1,6 +1,5 @@
 #pragma once
 
-#include "core/model/handles.h"
 #include "core/model/sheet.h"
 
 #include <Eigen/Geometry>
@@ -168,19 +167,6 @@ double farthest_move(const ColliderShapes& from, const ColliderShapes& to);
 /// side  as in Collider::nearest
 Vector3d carried(const Collider& from, const Collider& to, const Vector3d& p, double clearance,
                  int side);
-
-/// Decides for closed meshes whether the sheet stays outside or inside, where the mesh leaves it
-/// open: inside when all of the sheet begins there.
-/// Orients open meshes so that their front is on the side where most of the sheet is at the start.
-/// Where the sheet lies in the surface, the keyed positions of the handles decide, and where these
-/// do not decide either, the front is turned upwards.
-/// x      |V|x3 [m] vertices of the sheet at the start
-/// keyed  |K|x3 [m] positions to which handles go
-void face_the_sheet(std::vector<ColliderMesh>&, const Points3& x, const Points3& keyed);
-/// The colliders of a scene, oriented by face_the_sheet for a sheet at x with these handles; null
-/// when there are none.
-std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh>, const Points3& x,
-                                                  const std::vector<Handle>&);
 
 /// Moves points of a sheet that are inside a collider, or closer to it than `clearance`, out of it.
 /// known      |V|x3 [m] points near x that are on the allowed side of open meshes: x itself, or the

@@ -1,6 +1,7 @@
 #include "formats/config/job_file.h"
 
 #include "core/model/error.h"
+#include "formats/config/nearest_word.h"
 #include "formats/config/preset_file.h"
 #include "formats/config/toml_document.h"
 

@@ -68,9 +68,4 @@ std::vector<std::string> preset_names();  // of the built-in ones, sorted
 std::filesystem::path user_preset_folder();
 std::vector<std::string> user_preset_names();  // NAME of each NAME.toml there, sorted
 
-/// The word most similar to `word` by edit distance (insert, delete, replace, swap neighbours),
-/// the first of equals. Empty when none is similar enough to be meant: at most a third of the
-/// letters of the longer word may differ, and one always may.
-std::string nearest_word(const std::string& word, const std::vector<std::string>& words);
-
 }  // namespace paperbake

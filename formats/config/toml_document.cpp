@@ -1,7 +1,7 @@
 #include "formats/config/toml_document.h"
 
 #include "core/model/error.h"
-#include "formats/config/preset_file.h"
+#include "formats/config/nearest_word.h"
 #include "formats/files/atomic_file.h"
 
 #include <fmt/format.h>
@@ -19,11 +19,6 @@ std::string place_in(const TomlDocument& document, const toml::source_position& 
 void fail(const TomlDocument& document, const toml::source_position& at, std::string cause,
           std::string remedy) {
   throw Error(ErrorCode::command, place_in(document, at), std::move(cause), std::move(remedy));
-}
-
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& words) {
-  const std::string nearest = nearest_word(word, words);
-  return nearest.empty() ? "" : fmt::format(" Did you mean \"{}\"?", nearest);
 }
 
 toml::source_position position_of(const toml::key& key, const toml::node& node) {

@@ -34,7 +34,4 @@ bool precedes(const toml::source_position&, const toml::source_position&);
 void refuse_unknown_keys(const TomlDocument&, const toml::table&,
                          const std::vector<std::string>& known);
 
-/// ' Did you mean "copy70"?', or an empty text when no word is similar enough.
-std::string did_you_mean(const std::string& word, const std::vector<std::string>& words);
-
 }  // namespace paperbake

@@ -2,7 +2,7 @@
 
 #include "formats/scene/scene_deformation.h"
 #include "formats/scene/scene_properties.h"
-#include "formats/scene/scene_sheet.h"
+#include "formats/scene/welded_mesh.h"
 
 #include <fmt/format.h>
 

@@ -29,6 +29,14 @@ struct Motion {
   std::vector<double> key_times;
 };
 
+/// Visits the three tracks of a motion.
+template <class AnyMotion, class Visit>
+void for_each_track(AnyMotion& motion, Visit visit) {
+  visit(motion.translation);
+  visit(motion.rotation);
+  visit(motion.scale);
+}
+
 struct ImportedNode {
   // full name; for a pivot that of the node to which it belongs
   std::string name;

@@ -1,20 +1,11 @@
 #pragma once
 
-#include "core/model/sheet.h"
+#include "formats/scene/welded_mesh.h"
 
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace paperbake {
-
-/// A mesh without duplicate vertices, in the world at the first frame.
-struct WeldedMesh {
-  Points3 x;                   // |V|x3 [m]
-  Points2 uv;                  // |V|x2 or empty
-  Triangles triangles;         // |T|x3
-  std::vector<int> kept = {};  // |V| the number of each vertex before equal ones were merged
-};
 
 /// The flat shape of the mesh given by its UVs: uv times one length, fitted to all edges. Mirrored
 /// UVs are mirrored back, so that triangles are counter-clockwise. |V|x2 [m]; nothing when the

@@ -1,5 +1,6 @@
 #include "tests/bench/against_fem.h"
 
+#include "core/geometry/collider_facing.h"
 #include "core/geometry/measure.h"
 #include "core/geometry/pattern_samples.h"
 #include "core/methods/fem.h"

@@ -7,6 +7,7 @@
 // far as the sheet follows the lid of its can; S4r has the same compaction by handles.
 
 #include "core/animation/animate.h"
+#include "core/geometry/collider_facing.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/methods/hybrid.h"

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
+#include <future>
 #include <memory>
 #include <stdexcept>
 #include <thread>
@@ -38,11 +40,15 @@ TEST_P(TaskQueueTest, WhatATaskThrowsItsFutureThrowsAndTheOthersAreDone) {
 TEST(TaskQueueTest, WithSeveralThreadsTheCallerGoesOnMeanwhile) {
   TaskQueue queue(2);
   std::atomic<bool> caller_went_on = false;
+  bool has_waited = false;
   const auto task = queue.start([&] {
     while (!caller_went_on) std::this_thread::yield();
+    has_waited = true;
   });
+  EXPECT_NE(task.wait_for(std::chrono::seconds(0)), std::future_status::ready);
   caller_went_on = true;
   task.get();
+  EXPECT_TRUE(has_waited);
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 #include "core/animation/animate.h"
 #include "core/animation/motion_measures.h"
+#include "core/geometry/collider_facing.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
 #include "core/methods/fem.h"

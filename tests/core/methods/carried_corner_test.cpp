@@ -1,4 +1,5 @@
 #include "core/animation/animate.h"
+#include "core/geometry/collider_facing.h"
 #include "core/methods/hybrid.h"
 #include "formats/scene/scene_file.h"
 

@@ -293,16 +293,5 @@ TEST(PresetFile, AFolderIsNotAPreset) {
       std::string::npos);
 }
 
-TEST(PresetFile, NearestWordAcceptsSlipsAndNothingElse) {
-  const std::vector<std::string> words = {"thickness", "poisson", "unit"};
-  EXPECT_EQ(nearest_word("thicknes", words), "thickness");
-  EXPECT_EQ(nearest_word("thinkess", words), "thickness");
-  EXPECT_EQ(nearest_word("posison", words), "poisson");  // a swap counts as one error
-  EXPECT_EQ(nearest_word("unti", words), "unit");
-  EXPECT_EQ(nearest_word("density", words), "");
-  EXPECT_EQ(nearest_word("", words), "");
-  EXPECT_EQ(nearest_word("a", {"b"}), "");
-}
-
 }  // namespace
 }  // namespace paperbake

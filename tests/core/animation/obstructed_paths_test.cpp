@@ -1,4 +1,4 @@
-#include "core/animation/blocked_ways.h"
+#include "core/animation/obstructed_paths.h"
 
 #include "tests/core/test_shots.h"
 
@@ -48,8 +48,8 @@ std::vector<Handle> letter(double free, double bottom = 172 * degrees, double to
   return handles;
 }
 
-TEST(BlockedWaysTest, TheTopOfALetterIsTooShortToGoRoundTheEdgeOfTheBottom) {
-  const std::vector<ImpossiblePair> pairs = blocked_ways(a4, letter(0), 7, 7);
+TEST(ObstructedPathsTest, TheTopOfALetterIsTooShortToGoRoundTheEdgeOfTheBottom) {
+  const std::vector<ImpossiblePair> pairs = obstructed_paths(a4, letter(0), 7, 7);
   ASSERT_EQ(pairs.size(), 1u);
   // from the top's own lower end over the edge to the end of the middle, in the plane across
   const Vector2d edge(0.099 - 0.099 * std::cos(172 * degrees), 0.099 * std::sin(172 * degrees)),
@@ -69,24 +69,24 @@ TEST(BlockedWaysTest, TheTopOfALetterIsTooShortToGoRoundTheEdgeOfTheBottom) {
       << "along the pattern there is paper enough";
 }
 
-TEST(BlockedWaysTest, AFreeEdgeCanGetOutOfTheWay) {
-  EXPECT_TRUE(blocked_ways(a4, letter(0.030), 1, 1).empty());
+TEST(ObstructedPathsTest, AFreeEdgeCanGetOutOfTheWay) {
+  EXPECT_TRUE(obstructed_paths(a4, letter(0.030), 1, 1).empty());
 }
 
-TEST(BlockedWaysTest, ALetterThatIsOnlyHalfFoldedHasItsWayFree) {
-  EXPECT_TRUE(blocked_ways(a4, letter(0, 172 * degrees, 80 * degrees), 1, 1).empty());
+TEST(ObstructedPathsTest, ALetterThatIsOnlyHalfFoldedHasAFreePath) {
+  EXPECT_TRUE(obstructed_paths(a4, letter(0, 172 * degrees, 80 * degrees), 1, 1).empty());
 }
 
-TEST(BlockedWaysTest, AnOuterLayerThatStaysOutsideIsFree) {
-  EXPECT_TRUE(blocked_ways(a4, letter(0, 172 * degrees, -165 * degrees), 1, 1).empty());
+TEST(ObstructedPathsTest, AnOuterLayerThatStaysOutsideIsFree) {
+  EXPECT_TRUE(obstructed_paths(a4, letter(0, 172 * degrees, -165 * degrees), 1, 1).empty());
 }
 
-TEST(BlockedWaysTest, ThePartOnlyCountsWhileAllOfItsHandlesHoldIt) {
+TEST(ObstructedPathsTest, ThePartOnlyCountsWhileAllOfItsHandlesHoldIt) {
   const auto pairs_with = [](const auto& change) {
     std::vector<Handle> handles = letter(0);
     for (Handle& handle : handles)
       if (handle.name.rfind("bottom", 0) == 0) change(handle);
-    return blocked_ways(a4, handles, 1, 3);
+    return obstructed_paths(a4, handles, 1, 3);
   };
   const std::vector<ImpossiblePair> until_2 = pairs_with([](Handle& h) { h.release_frame = 3; });
   ASSERT_EQ(until_2.size(), 1u);
@@ -97,14 +97,14 @@ TEST(BlockedWaysTest, ThePartOnlyCountsWhileAllOfItsHandlesHoldIt) {
   EXPECT_TRUE(pairs_with([](Handle& h) { h.stiffness = 100; }).empty());
 }
 
-TEST(BlockedWaysTest, PaperMayPassThroughAHole) {
+TEST(ObstructedPathsTest, PaperMayPassThroughAHole) {
   Pattern holed = a4;
-  ASSERT_EQ(blocked_ways(holed, letter(0), 1, 1).size(), 1u);
+  ASSERT_EQ(obstructed_paths(holed, letter(0), 1, 1).size(), 1u);
   holed.holes = {{{0.1, 0.03}, {0.1, 0.04}, {0.11, 0.04}, {0.11, 0.03}}};  // in the bottom
-  EXPECT_TRUE(blocked_ways(holed, letter(0), 1, 1).empty());
+  EXPECT_TRUE(obstructed_paths(holed, letter(0), 1, 1).empty());
 }
 
-TEST(BlockedWaysTest, TheWayRoundIsTheShortestOneOverAnySide) {
+TEST(ObstructedPathsTest, ThePathRoundIsTheShortestOneOverAnySide) {
   // a square that is held flat, in any pose, between two points of the border far from it
   const Pattern sheet = rectangle(1, 1);
   const Vector2d from(0.7, 0), to(0.7, 0.02);
@@ -131,7 +131,7 @@ TEST(BlockedWaysTest, TheWayRoundIsTheShortestOneOverAnySide) {
         const Vector3d over = pose * Vector3d(t.x(), t.y(), 0);
         least = std::min(least, (a - over).norm() + (over - b).norm());
       }
-    for (const ImpossiblePair& pair : blocked_ways(sheet, handles, 1, 1)) {
+    for (const ImpossiblePair& pair : obstructed_paths(sheet, handles, 1, 1)) {
       ++blocked;
       EXPECT_NEAR(pair.apart, least, 1e-6) << trial;
       EXPECT_GT(pair.apart, (a - b).norm()) << trial;
@@ -140,7 +140,7 @@ TEST(BlockedWaysTest, TheWayRoundIsTheShortestOneOverAnySide) {
   EXPECT_GT(blocked, 50);
 }
 
-TEST(BlockedWaysTest, PaperThatEndsInThePartIsNotInItsWay) {
+TEST(ObstructedPathsTest, PaperThatEndsInThePartIsNotInItsWay) {
   // the two points lie on both sides of the square on the pattern: the paper goes through it
   const Pattern sheet = rectangle(1, 1);
   std::vector<Handle> handles;
@@ -148,10 +148,10 @@ TEST(BlockedWaysTest, PaperThatEndsInThePartIsNotInItsWay) {
   hold(handles, "point", {{0.5, 0.35}, {0.5, 0.65}}, Isometry3d::Identity());
   handles[4].keyed.row(0) << 0.5, 0.45, 0.2;
   handles[5].keyed.row(0) << 0.5, 0.5, -0.2;
-  EXPECT_TRUE(blocked_ways(sheet, handles, 1, 1).empty());
+  EXPECT_TRUE(obstructed_paths(sheet, handles, 1, 1).empty());
 }
 
-TEST(BlockedWaysTest, TheyFollowThePairsThatAreTooFarApart) {
+TEST(ObstructedPathsTest, TheyFollowThePairsThatAreTooFarApart) {
   std::vector<Handle> handles = letter(0);
   handles[0].keyed(0, 0) -= 0.01;  // one of the middle
   const std::vector<ImpossiblePair> all = all_impossible_pairs(a4, handles, 1, 1);

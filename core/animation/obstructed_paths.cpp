@@ -1,4 +1,4 @@
-#include "core/animation/blocked_ways.h"
+#include "core/animation/obstructed_paths.h"
 
 #include "core/model/segment2.h"
 
@@ -102,23 +102,23 @@ class Obstacle {
   const std::vector<Place>& hull() const { return hull_; }
   double height(const Vector3d& x) const { return normal_.dot(x - from_.x); }  // [m]
 
-  /// [m] Length of the shortest way from a to b round the part; none: the straight one is free.
-  std::optional<double> way_round(const Vector3d& a, const Vector3d& b) const {
+  /// [m] Length of the shortest path from a to b round the part; none: the straight one is free.
+  std::optional<double> path_round(const Vector3d& a, const Vector3d& b) const {
     const double up = height(a), down = height(b);
     if (!(up * down < 0)) return std::nullopt;
     const Vector3d at = a + up / (up - down) * (b - a);
     if (!contains(hull_, from_.pattern + frame_.transpose() * (at - from_.x))) return std::nullopt;
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < hull_.size(); ++i)
-      least = std::min(least, way_over(hull_[i].x, hull_[(i + 1) % hull_.size()].x, a, b));
+      least = std::min(least, path_over(hull_[i].x, hull_[(i + 1) % hull_.size()].x, a, b));
     return least;
   }
 
  private:
-  /// [m] Length of the shortest way from a to b that touches the segment p-q: straight when a and b
-  /// are turned about the segment into one plane.
-  static double way_over(const Vector3d& p, const Vector3d& q, const Vector3d& a,
-                         const Vector3d& b) {
+  /// [m] Length of the shortest path from a to b that touches the segment p-q: straight when a and
+  /// b are turned about the segment into one plane.
+  static double path_over(const Vector3d& p, const Vector3d& q, const Vector3d& a,
+                          const Vector3d& b) {
     const double length = (q - p).norm();
     const Vector3d along = (q - p) / length;
     const double sa = along.dot(a - p), sb = along.dot(b - p);
@@ -136,9 +136,9 @@ class Obstacle {
 
 /// The parts of a sheet that its handles hold taut, frame by frame, and what is in the way between
 /// them.
-class Ways {
+class TautParts {
  public:
-  Ways(const Pattern& pattern, const std::vector<Handle>& handles, int first_frame)
+  TautParts(const Pattern& pattern, const std::vector<Handle>& handles, int first_frame)
       : pattern_(pattern), handles_(handles), first_frame_(first_frame) {
     const auto n = static_cast<Eigen::Index>(handles.size());
     straight_.setZero(n, n);
@@ -238,12 +238,12 @@ class Ways {
     for (const Place& from : places_on_sides(a))
       for (const Place& to : places_on_sides(b)) {
         if (meets(obstacle.hull(), from.pattern, to.pattern)) continue;
-        const std::optional<double> way = obstacle.way_round(from.x, to.x);
+        const std::optional<double> path = obstacle.path_round(from.x, to.x);
         const double paper = (from.pattern - to.pattern).norm();
-        if (!way || *way - (1 + HandleFeasibility::tolerance) * paper < least_short) continue;
+        if (!path || *path - (1 + HandleFeasibility::tolerance) * paper < least_short) continue;
         if (paper_distance(pattern_, from.pattern, to.pattern) > (1 + 1e-9) * paper) continue;
         note({handles_[nearest(a, from)].name, handles_[nearest(b, to)].name, frame, frame, frame,
-              *way, paper, handles_[part.handles.front()].name, from.pattern, to.pattern},
+              *path, paper, handles_[part.handles.front()].name, from.pattern, to.pattern},
              {a.handles.front(), b.handles.front(), part.handles.front()});
       }
   }
@@ -266,17 +266,18 @@ class Ways {
   const Pattern& pattern_;
   const std::vector<Handle>& handles_;
   int first_frame_;
-  Eigen::MatrixXd straight_;  // [m] between two handles; -1: the way along the pattern bends
+  Eigen::MatrixXd straight_;  // [m] between two handles; -1: the path along the pattern bends
   std::map<std::array<int, 3>, ImpossiblePair> found_;  // by the first handles of the three parts
 };
 
 }  // namespace
 
-std::vector<ImpossiblePair> blocked_ways(const Pattern& pattern, const std::vector<Handle>& handles,
-                                         int first_frame, int last_frame) {
-  Ways ways(pattern, handles, first_frame);
-  for (int frame = first_frame; frame <= last_frame; ++frame) ways.check(frame);
-  return ways.worst_first();
+std::vector<ImpossiblePair> obstructed_paths(const Pattern& pattern,
+                                             const std::vector<Handle>& handles, int first_frame,
+                                             int last_frame) {
+  TautParts taut(pattern, handles, first_frame);
+  for (int frame = first_frame; frame <= last_frame; ++frame) taut.check(frame);
+  return taut.worst_first();
 }
 
 std::vector<ImpossiblePair> all_impossible_pairs(const Pattern& pattern,
@@ -285,7 +286,7 @@ std::vector<ImpossiblePair> all_impossible_pairs(const Pattern& pattern,
   std::vector<ImpossiblePair> all =
       HandleFeasibility(pattern, handles).impossible_pairs(handles, first_frame, last_frame);
   const std::vector<ImpossiblePair> blocked =
-      blocked_ways(pattern, handles, first_frame, last_frame);
+      obstructed_paths(pattern, handles, first_frame, last_frame);
   all.insert(all.end(), blocked.begin(), blocked.end());
   return all;
 }

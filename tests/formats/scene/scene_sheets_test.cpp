@@ -23,7 +23,7 @@ bool hole_in_the_middle(int i, int j) { return !(i == 2 && 1 <= j && j <= 2); }
 
 // The orientation does not depend on the order of the faces, and the UVs need not have the
 // proportions of the sheet.
-TEST(SceneSheet, AnUnrolledSheetIsOrientedAsItsUvs) {
+TEST(SceneSheets, AnUnrolledSheetIsOrientedAsItsUvs) {
   for (int turned = 0; turned < 4; ++turned) {
     FlatMesh mesh = grid(3, 3, 0.2, 0.2);
     for (Vector2d& uv : mesh.uv) {
@@ -38,7 +38,7 @@ TEST(SceneSheet, AnUnrolledSheetIsOrientedAsItsUvs) {
   }
 }
 
-TEST(SceneSheet, AClosedMeshIsAnError) {
+TEST(SceneSheets, AClosedMeshIsAnError) {
   FlatMesh box;
   for (int i = 0; i < 8; ++i)
     box.x.push_back(Vector3d(0.1 * (i & 1), 0.1 * (i >> 1 & 1), 0.001 * (i >> 2)));
@@ -48,7 +48,7 @@ TEST(SceneSheet, AClosedMeshIsAnError) {
                "The mesh is closed: a sheet of paper has a border.");
 }
 
-TEST(SceneSheet, HolesOfTheMeshAreHolesOfThePattern) {
+TEST(SceneSheets, HolesOfTheMeshAreHolesOfThePattern) {
   FlatMesh mesh = grid(5, 4, 0.25, 0.2, hole_in_the_middle);
   for (bool with_uv : {true, false}) {
     if (!with_uv) mesh.uv.clear();
@@ -63,7 +63,7 @@ TEST(SceneSheet, HolesOfTheMeshAreHolesOfThePattern) {
   }
 }
 
-TEST(SceneSheet, AnLShapeKeepsItsReentrantCorner) {
+TEST(SceneSheets, AnLShapeKeepsItsReentrantCorner) {
   const Scene scene = read_scene(HeldSheet(grid(4, 4, 0.2, 0.2, [](int i, int j) {
                                    return i < 2 || j < 2;
                                  })).write("ell.gltf"));
@@ -71,7 +71,7 @@ TEST(SceneSheet, AnLShapeKeepsItsReentrantCorner) {
   EXPECT_NEAR(area(scene.sheets[0].pattern), 0.03, 1e-8);
 }
 
-TEST(SceneSheet, ARolledSheetIsUnrolledWithoutUvs) {
+TEST(SceneSheets, ARolledSheetIsUnrolledWithoutUvs) {
   // a quarter turn of radius 0.1 in 40 chords of 2 r sin(pi / 160) each
   const auto roll = [](double u, double v) {
     return Vector3d(0.1 * std::sin(u / 0.1), v, 0.1 * std::cos(u / 0.1));
@@ -86,14 +86,14 @@ TEST(SceneSheet, ARolledSheetIsUnrolledWithoutUvs) {
   EXPECT_EQ(scene.sheets[0].pattern.outline.size(), 4u);
 }
 
-TEST(SceneSheet, UvsThatDisagreeWithEdgeLengthsAreIgnored) {
+TEST(SceneSheets, UvsThatDisagreeWithEdgeLengthsAreIgnored) {
   FlatMesh mesh = grid(4, 4, 0.2, 0.1);
   for (Vector2d& uv : mesh.uv) uv.y() *= 2;  // stretched to a square
   const Scene scene = read_scene(HeldSheet(mesh).write("stretched.gltf"));
   EXPECT_NEAR((extent(scene.sheets.at(0).pattern) - Vector2d(0.2, 0.1)).norm(), 0, 1e-7);
 }
 
-TEST(SceneSheet, MirroredUvsGiveAPatternSeenFromTheFront) {
+TEST(SceneSheets, MirroredUvsGiveAPatternSeenFromTheFront) {
   FlatMesh mesh = grid(4, 2, 0.2, 0.1);
   for (Vector2d& uv : mesh.uv) uv.x() = 1 - uv.x();
   const Scene scene = read_scene(HeldSheet(mesh).write("mirrored.gltf"));
@@ -106,7 +106,7 @@ TEST(SceneSheet, MirroredUvsGiveAPatternSeenFromTheFront) {
   EXPECT_GT(a.x() * b.y() - a.y() * b.x(), 1e-4);
 }
 
-TEST(SceneSheet, ASheetCutInItsUvsStaysCut) {
+TEST(SceneSheets, ASheetCutInItsUvsStaysCut) {
   // a closed tube: its first and last column coincide in space, but not in the UVs
   const auto tube = [](double u, double v) {
     return Vector3d(0.05 * std::cos(u / 0.05), 0.05 * std::sin(u / 0.05), v);
@@ -121,7 +121,7 @@ TEST(SceneSheet, ASheetCutInItsUvsStaysCut) {
   EXPECT_ERROR(HeldSheet(mesh).write("closed_tube.gltf"), "closes on itself");
 }
 
-TEST(SceneSheet, ABowlIsNotDevelopable) {
+TEST(SceneSheets, ABowlIsNotDevelopable) {
   const auto bowl = [](double u, double v) {
     return Vector3d(u, v, 5 * ((u - 0.1) * (u - 0.1) + (v - 0.1) * (v - 0.1)));
   };
@@ -129,7 +129,7 @@ TEST(SceneSheet, ABowlIsNotDevelopable) {
                "worst angle defect");
 }
 
-TEST(SceneSheet, MeshesThatCannotBeSheetsAreErrors) {
+TEST(SceneSheets, MeshesThatCannotBeSheetsAreErrors) {
   FlatMesh two = grid(5, 4, 0.25, 0.2, [](int i, int) { return i != 2; });
   EXPECT_ERROR(HeldSheet(two).write("two.gltf"), "2 pieces");
   FlatMesh fin = grid(2, 2, 0.2, 0.2);
@@ -145,7 +145,7 @@ TEST(SceneSheet, MeshesThatCannotBeSheetsAreErrors) {
   EXPECT_ERROR(HeldSheet(turned).write("turned.gltf"), "disagree about the front");
 }
 
-TEST(SceneSheet, ASceneInCentimetresIsAnErrorWithTheUnitToUse) {
+TEST(SceneSheets, ASceneInCentimetresIsAnErrorWithTheUnitToUse) {
   const FlatMesh mesh = grid(4, 4, 20, 20);
   const std::string text = error_of(HeldSheet(mesh, "{}", "{}", 100).write("cm.gltf"));
   EXPECT_NE(text.find("20 x 20 m"), std::string::npos) << text;
@@ -157,7 +157,7 @@ TEST(SceneSheet, ASceneInCentimetresIsAnErrorWithTheUnitToUse) {
   EXPECT_NEAR(handle(scene, "handle.moved").keyed(4, 0), 0.18, 1e-7);
 }
 
-TEST(SceneSheet, PaperSizeMustAgreeWithTheMesh) {
+TEST(SceneSheets, PaperSizeMustAgreeWithTheMesh) {
   EXPECT_EQ(
       error_of(
           HeldSheet(grid(2, 2, 0.2, 0.1), R"({"paper_size":[0.1,0.2]})").write("turned_size.gltf")),

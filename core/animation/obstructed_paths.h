@@ -6,7 +6,7 @@
 
 namespace paperbake {
 
-/// Pairs of handles that have paper enough for the straight way between them, but not for the way
+/// Pairs of handles that have paper enough for the straight path between them, but not for the path
 /// round a flat part of the sheet that other handles hold between them; the worst first, each with
 /// the worst frame.
 ///
@@ -23,17 +23,17 @@ namespace paperbake {
 /// lower bound: paper that is too short for it cannot be where its handles are, whatever it does.
 /// It says nothing of several parts that are in the way together, and nothing of colliders.
 ///
-/// Ways that are too long by less than 1 mm are left out: handles that are off by so much are
+/// Paths that are too long by less than 1 mm are left out: handles that are off by so much are
 /// accepted.
 ///
 /// first_frame  frame of row 0 of Handle::keyed
 /// last_frame   the last frame that is checked
 /// source       this project
-std::vector<ImpossiblePair> blocked_ways(const Pattern&, const std::vector<Handle>&,
-                                         int first_frame, int last_frame);
+std::vector<ImpossiblePair> obstructed_paths(const Pattern&, const std::vector<Handle>&,
+                                             int first_frame, int last_frame);
 
 /// All pairs of handles that ask for more than paper can reach, along the pattern or round what is
-/// in the way: HandleFeasibility::impossible_pairs, then blocked_ways.
+/// in the way: HandleFeasibility::impossible_pairs, then obstructed_paths.
 std::vector<ImpossiblePair> all_impossible_pairs(const Pattern&, const std::vector<Handle>&,
                                                  int first_frame, int last_frame);
 

@@ -1,5 +1,4 @@
-#include "baker/studies/fit_command.h"
-
+#include "baker/command_line/command.h"
 #include "baker/output/say.h"
 #include "baker/studies/first_point_experiment.h"
 #include "baker/studies/fit.h"
@@ -8,10 +7,41 @@
 #include "formats/files/atomic_file.h"
 #include "formats/files/raster_image.h"
 
+#include <filesystem>
 #include <fmt/format.h>
+#include <memory>
+#include <optional>
 
 namespace paperbake {
 namespace {
+
+struct FitArguments {
+  std::optional<std::filesystem::path> scatter;
+  std::optional<std::string> from, experiment;
+  std::filesystem::path output;
+  int sheets = 20;
+};
+
+CLI::App* add_fit(CLI::App& app, FitArguments& parsed) {
+  CLI::App& fit = *app.add_subcommand("fit",
+                                      "Fit a grade to where the first singular points of measured "
+                                      "sheets lie; or repeat that experiment");
+  CLI::Option* scatter = fit.add_option("SCATTER", parsed.scatter,
+                                        "Measured points: a .csv with columns u and v, in metres");
+  CLI::Option* from = fit.add_option("--from", parsed.from, "The grade to begin with");
+  fit.add_option("--experiment", parsed.experiment,
+                 "Push sheets of this grade until their first singular point")
+      ->excludes(scatter)
+      ->excludes(from);
+  fit.add_option("--sheets", parsed.sheets, "How many are simulated")
+      ->capture_default_str()
+      ->check(CLI::Range(1, 100000));
+  fit.add_option("-o,--output", parsed.output,
+                 "The fitted grade (.toml), or u,v,seed,frame of each sheet (.csv); a picture "
+                 "beside it (.png)")
+      ->required();
+  return &fit;
+}
 
 void print_to_stderr(const std::string& sentence) { say_line(sentence); }
 
@@ -44,8 +74,6 @@ int run_experiment(const FitArguments& arguments) {
   fmt::print("{}\n{}\n", arguments.output.string(), picture.string());
   return 0;
 }
-
-}  // namespace
 
 int run_fit(const FitArguments& arguments) {
   if (arguments.experiment) return run_experiment(arguments);
@@ -80,6 +108,14 @@ int run_fit(const FitArguments& arguments) {
   write_png(picture, fit_picture(fitted, measured, simulated, fit));
   fmt::print("{}\n{}\n", arguments.output.string(), picture.string());
   return 0;
+}
+
+}  // namespace
+
+Command fit_command(CLI::App& app) {
+  const auto parsed = std::make_shared<FitArguments>();
+  CLI::App* const command = add_fit(app, *parsed);
+  return {command, [=] { return run_fit(*parsed); }};
 }
 
 }  // namespace paperbake

@@ -4,7 +4,6 @@
 #include "core/model/pattern.h"
 #include "core/model/sheet.h"
 #include "formats/scene/scene_nodes.h"
-#include "formats/scene/scene_unroll.h"
 
 #include <Eigen/Geometry>
 
@@ -35,11 +34,5 @@ Pattern pattern_of(const Points2& flat, const Triangles&, const std::string& pla
 ///         when laid flat
 FlatSheet flat_sheet(const ImportedFile&, int node, const Eigen::Affine3d& world,
                      const std::string& place);
-
-/// All faces of a node in the world, without uv, with vertices welded within 1e-6 of the size.
-/// world  of the node: a reflection turns its faces
-/// x      |V|x3 [m] the vertices of all its meshes
-WeldedMesh welded_mesh(const ImportedFile&, int node, const Eigen::Affine3d& world,
-                       const Points3& x);
 
 }  // namespace paperbake

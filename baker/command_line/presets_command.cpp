@@ -1,0 +1,61 @@
+#include "baker/command_line/command.h"
+#include "formats/config/preset_file.h"
+#include "formats/files/json.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <memory>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+struct PresetsArguments {
+  std::optional<std::string> name;
+  bool json = false;
+};
+
+CLI::App* add_presets(CLI::App& app, PresetsArguments& parsed) {
+  CLI::App& presets =
+      *app.add_subcommand("presets", "List the paper grades, or print one with its sources");
+  presets.add_option("NAME", parsed.name, "A grade or a preset file");
+  presets.add_flag("--json", parsed.json, "Print JSON");
+  return &presets;
+}
+
+int run_presets(const PresetsArguments& parsed) {
+  const auto& [name, json] = parsed;
+  if (name && !json) {
+    fmt::print("{}", read_preset(*name).text);
+    return 0;
+  }
+  Json all = Json::array();
+  std::vector<std::string> grades = name ? std::vector<std::string>{*name} : preset_names();
+  if (!name)  // those of the user stand for those built in of the same name
+    for (const std::string& own : user_preset_names())
+      if (std::find(grades.begin(), grades.end(), own) == grades.end()) grades.push_back(own);
+  for (const std::string& grade : grades) {
+    const Preset preset = read_preset(grade);
+    Json entries = Json::object();
+    for (const Preset::Entry& e : preset.entries)
+      entries[e.key] = {
+          {"value", e.value}, {"unit", e.unit}, {"source", e.source}, {"mark", e.mark}};
+    all.push_back({{"name", preset.paper.name}, {"file", preset.file}, {"values", entries}});
+    if (!json)
+      fmt::print("{:<12} {:>4g} g/m2  {:>4g} um  D {:<8g} N m  {}\n", grade,
+                 1e3 * preset.paper.area_density, 1e6 * preset.paper.thickness,
+                 preset.paper.bending_stiffness, preset.file);
+  }
+  if (json) fmt::print("{}\n", json_lines(name ? all.front() : all));
+  return 0;
+}
+
+}  // namespace
+
+Command presets_command(CLI::App& app) {
+  const auto parsed = std::make_shared<PresetsArguments>();
+  CLI::App* const command = add_presets(app, *parsed);
+  return {command, [=] { return run_presets(*parsed); }};
+}
+
+}  // namespace paperbake

@@ -1,0 +1,137 @@
+#include "baker/job/input_hash.h"
+
+#include "baker/job/version.h"
+#include "core/geometry/collider.h"
+#include "formats/cache/content_hash.h"
+
+#include <algorithm>
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+#include <iterator>
+
+namespace paperbake {
+namespace {
+
+/// Appends the bytes of numbers, for a hash.
+template <class Matrix>
+void append_bytes(std::string& bytes, const Matrix& values) {
+  bytes.append(reinterpret_cast<const char*>(values.data()),
+               sizeof(typename Matrix::Scalar) * values.size());
+}
+
+std::string start_bytes(const Shot& shot, unsigned seed, const std::string& settings) {
+  std::string bytes = settings + shot.sheet_name + fmt::format("/{}/", seed);
+  for (const Vector2d& p : shot.pattern.outline) append_bytes(bytes, p);
+  for (const auto& hole : shot.pattern.holes)
+    for (const Vector2d& p : hole) append_bytes(bytes, p);
+  append_bytes(bytes, shot.start.pattern);
+  append_bytes(bytes, shot.start.x);
+  append_bytes(bytes, shot.start.triangles);
+  for (const Vector2d& p : shot.singular_point_rules.fixed) append_bytes(bytes += "keep", p);
+  for (const SingularPointRules::Disc& disc : shot.singular_point_rules.forbidden)
+    append_bytes(bytes += fmt::format("forbid/{}/", disc.radius), disc.centre);
+  for (const PrescribedCrease& fold : shot.pattern.prescribed_creases) {
+    bytes += fmt::format("fold/{}/{}/", fold.angle, fold.folded);
+    for (const Vector2d& p : fold.line) append_bytes(bytes, p);
+  }
+  for (const Handle& handle : shot.handles) {
+    bytes += fmt::format("{}/{}/{}/{}/{}/{}/", handle.name, int(handle.mode), handle.grab_frame,
+                         handle.release_frame, handle.radius.value_or(-1), handle.stiffness);
+    append_bytes(bytes, handle.pattern);
+  }
+  if (shot.colliders)
+    for (const Collider& collider : *shot.colliders) {
+      bytes += fmt::format("{}/{}/", collider.mesh().name, collider.mesh().friction);
+      append_bytes(bytes, collider.mesh().x);
+      append_bytes(bytes, collider.mesh().triangles);
+    }
+  return bytes;
+}
+
+/// Bytes of what the caches carry along and the simulation does not look at.
+std::string authored_bytes(const Shot& shot) {
+  std::string bytes;
+  if (!shot.authored) return bytes;
+  for (const AuthoredSurface::UvSet& set : shot.authored->uv_sets)
+    append_bytes(bytes += fmt::format("uv/{}/", set.name), set.uv);
+  for (const std::string& material : shot.authored->materials) bytes += "material/" + material;
+  for (const int material : shot.authored->material_of) bytes += fmt::format("/{}", material);
+  for (const auto& [key, value] : shot.authored->properties) {
+    bytes += fmt::format("/{}/{}/", key, value.index());
+    if (const auto* text = std::get_if<std::string>(&value))
+      bytes += *text;
+    else if (const auto* list = std::get_if<std::vector<double>>(&value))
+      bytes += fmt::format("{}", fmt::join(*list, ","));
+    else
+      bytes += fmt::format("{}", std::get<double>(value));
+  }
+  return bytes;
+}
+
+/// Is this a value that no simulated frame depends on?
+bool is_of_output(const std::string& key) {
+  const char* const keys[] = {"scene.file",      "scene.last_frame", "bake.frames",
+                              "bake.mesh",       "bake.quality",     "bake.map_size",
+                              "bake.map_layout", "bake.max_stretch", "bake.strict"};
+  return std::find(std::begin(keys), std::end(keys), key) != std::end(keys);
+}
+
+/// For several sheets, which may touch, the hash of each with those of all; for one, its own.
+std::vector<std::string> with_all(std::vector<std::string> hashes) {
+  std::string all;
+  for (const std::string& hash : hashes) all += hash;
+  if (hashes.size() > 1)
+    for (std::string& hash : hashes) hash = hex(content_hash(hash + all));
+  return hashes;
+}
+
+}  // namespace
+
+std::string frame_input_hash(const std::string& before, const std::vector<Shot>& shots, int frame,
+                             int first_frame) {
+  std::string bytes = before;
+  for (const Shot& shot : shots) {
+    for (const Handle& handle : shot.handles) {
+      append_bytes(bytes, keyed_position(handle, frame - first_frame));
+      bytes += handle.held(frame) ? 'h' : 'f';
+    }
+    if (shot.colliders)
+      for (const Collider& collider : *shot.colliders)
+        if (const auto& frames = collider.frames(); !frames.empty())
+          append_bytes(
+              bytes,
+              frames[std::clamp(frame - first_frame, 0, static_cast<int>(frames.size()) - 1)]);
+  }
+  return hex(content_hash(bytes));
+}
+
+void hash_inputs(BakePlan& plan) {
+  std::string job, values = std::string(program_version) + "\n", of_simulation = values;
+  for (const Wind& wind : plan.animation.elastic.air.winds) {
+    values += fmt::format("wind/{}/{}/{}/", wind.name, wind.gust, wind.seed);
+    append_bytes(values, wind.velocity);
+  }
+  of_simulation = values;
+  for (const UsedValue& value : plan.used) {
+    const std::string line = value.key + " = " + value.value + "\n";
+    if (value.key != "scene.file") values += line;
+    if (!is_of_output(value.key)) of_simulation += line;
+  }
+  std::vector<std::string> simulated;
+  for (std::size_t s = 0; s < plan.shots.size(); ++s) {
+    plan.start_hash.push_back(hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], values))));
+    simulated.push_back(
+        hex(content_hash(start_bytes(plan.shots[s], plan.seeds[s], of_simulation))));
+  }
+  plan.start_hash = with_all(std::move(plan.start_hash));
+  plan.simulation_hash = with_all(std::move(simulated)).front();
+  for (std::string hash : plan.start_hash) {
+    for (int f = plan.animation.first_frame; f <= plan.animation.last_frame; ++f)
+      hash = frame_input_hash(hash, plan.shots, f, plan.animation.first_frame);
+    job += hash;
+  }
+  for (const Shot& shot : plan.shots) job += authored_bytes(shot);
+  plan.job_hash = hex(content_hash(job));
+}
+
+}  // namespace paperbake

@@ -1,0 +1,116 @@
+#include "baker/job/plan_warnings.h"
+
+#include "baker/job/method_choice.h"
+#include "core/animation/obstructed_paths.h"
+#include "core/geometry/collider_depth.h"
+#include "core/model/error.h"
+
+#include <cmath>
+#include <fmt/format.h>
+#include <limits>
+
+namespace paperbake {
+
+std::string describe(const SheetImpossible& impossible) {
+  const ImpossiblePair& p = impossible.pair;
+  const double over = p.apart - p.allowed;
+  if (!p.around.empty())
+    return fmt::format(
+        "Handles \"{}\" and \"{}\" of sheet \"{}\" ask for too much in frames {}-{}: between them "
+        "is the part of the sheet that \"{}\" and others hold flat. At frame {} the way round it "
+        "is "
+        "{:.2f} mm long from ({:.2f}, {:.2f}) to ({:.2f}, {:.2f}) mm of the pattern, the paper "
+        "{:.2f} mm: it is {:.2f} mm short.",
+        p.a, p.b, impossible.sheet, p.first, p.last, p.around, p.frame, 1e3 * p.apart,
+        1e3 * p.from.x(), 1e3 * p.from.y(), 1e3 * p.to.x(), 1e3 * p.to.y(), 1e3 * p.allowed,
+        1e3 * over);
+  if (p.allowed < 1e-6)
+    return fmt::format(
+        "Handles \"{}\" and \"{}\" hold the same point of the sheet \"{}\" and part in frames "
+        "{}-{}: at frame {} they are {:.2f} mm apart.",
+        p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart);
+  return fmt::format(
+      "Handles \"{}\" and \"{}\" of sheet \"{}\" are too far apart in frames {}-{}: at frame {} "
+      "they are asked to be {:.2f} mm apart, "
+      "the paper between them is {:.2f} mm long: overshoot {:.2f} mm ({:.1f} %).",
+      p.a, p.b, impossible.sheet, p.first, p.last, p.frame, 1e3 * p.apart, 1e3 * p.allowed,
+      1e3 * over, 100 * over / p.allowed);
+}
+
+void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
+  for (const Shot& shot : plan.shots)
+    for (ImpossiblePair& pair : all_impossible_pairs(
+             shot.pattern, shot.handles, plan.animation.first_frame, plan.animation.last_frame))
+      plan.impossible.push_back({shot.sheet_name, std::move(pair)});
+  if (!settings.strict || plan.impossible.empty()) return;
+  const ImpossiblePair& pair = plan.impossible.front().pair;
+  throw Error(ErrorCode::scene,
+              fmt::format("{}, handles \"{}\" and \"{}\", frames {}-{}", settings.scene.string(),
+                          pair.a, pair.b, pair.first, pair.last),
+              describe(plan.impossible.front()),
+              "Bring the handles closer together, or bake without --strict: then they are followed "
+              "as far as paper can.");
+}
+
+void find_begun_inside(const BakeSettings& settings, BakePlan& plan) {
+  constexpr double deepest = 1e-4;  // [m] as a gate lets pass
+  for (const Shot& shot : plan.shots) {
+    if (!shot.colliders) continue;
+    for (const Collider& collider : *shot.colliders) {
+      const double depth =
+          ColliderDepth(collider.mesh()).deepest(shot.start.x, shot.start.triangles).depth;
+      if (depth <= deepest) continue;
+      const std::string cause =
+          fmt::format("The sheet \"{}\" begins {:.2f} mm deep in the collider \"{}\".",
+                      shot.sheet_name, 1e3 * depth, collider.mesh().name);
+      const char* const remedy =
+          "Move one of them apart in the first frame, or give the collider the property "
+          "paper_collider = \"inside\" or \"outside\", which says where the paper stays.";
+      if (settings.strict) throw Error(ErrorCode::scene, settings.scene.string(), cause, remedy);
+      plan.warnings.push_back(cause + " " + remedy);
+    }
+  }
+}
+
+void question_triangles(const BakeSettings& settings, BakePlan& plan) {
+  constexpr int fewest = 30;
+  const bool hybrid = is_hybrid(settings);
+  const int triangles = hybrid ? base_wanted(settings) : triangles_wanted(settings);
+  if (triangles >= fewest) return;
+  const bool capped = !hybrid || triangles < settings.base_triangles;
+  plan.warnings.push_back(
+      fmt::format("The mesh {} {} triangles, with which a sheet can hardly bend: is that meant? "
+                  "Leave {} out, or give {} or more.",
+                  hybrid ? "begins with" : "has", triangles,
+                  capped ? "--triangles" : "--base-triangles", 2 * fewest));
+}
+
+void question_values(BakePlan& plan) {
+  constexpr double most_gravity = 100, most_fps = 1000;  // [m/s2] ten times the earth's; [1/s]
+  const double gravity = plan.animation.elastic.forces.gravity, fps = plan.animation.fps;
+  if (std::abs(gravity) > most_gravity)
+    plan.warnings.push_back(
+        fmt::format("Gravity is {:g} m/s2, {:.0f} times that of the earth: was it meant in mm/s2 "
+                    "or cm/s2? The earth's is 9.81.",
+                    gravity, std::abs(gravity) / 9.81));
+  else if (gravity < 0)
+    plan.warnings.push_back(
+        fmt::format("Gravity is {:g} m/s2: it pulls upwards. Downwards is positive.", gravity));
+  if (fps > most_fps)
+    plan.warnings.push_back(
+        fmt::format("There are {:g} frames a second: is that meant? Films have 24.", fps));
+  const Handle* late = nullptr;
+  for (const Shot& shot : plan.shots)
+    for (const Handle& handle : shot.handles)
+      if (handle.release_frame != std::numeric_limits<int>::max() &&
+          handle.release_frame > plan.frames.last && !late)
+        late = &handle;
+  if (late)
+    plan.warnings.push_back(
+        fmt::format("The handle \"{}\" lets go at frame {}, after the last frame that is baked, "
+                    "{}: give --frames {}-{} or more to see it.",
+                    late->name, late->release_frame, plan.frames.last, plan.animation.first_frame,
+                    late->release_frame + 24));
+}
+
+}  // namespace paperbake

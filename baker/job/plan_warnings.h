@@ -1,0 +1,25 @@
+#pragma once
+
+#include "baker/job/plan.h"
+
+#include <string>
+
+namespace paperbake {
+
+/// Finds the handles of a plan that ask for more than paper can reach: BakePlan::impossible.
+/// throws  Error(ErrorCode::scene) with --strict when there are some
+void find_impossible_handles(const BakeSettings&, BakePlan&);
+
+/// One sentence: names, frames, overshoot.
+std::string describe(const SheetImpossible&);
+
+/// Warns of sheets that begin inside a collider. throws Error(ErrorCode::scene) with --strict
+void find_begun_inside(const BakeSettings&, BakePlan&);
+
+/// Warns of a mesh that is too coarse to bend.
+void question_triangles(const BakeSettings&, BakePlan&);
+
+/// Warns of values that are likely to be meant in another unit, and of releases that come too late.
+void question_values(BakePlan&);
+
+}  // namespace paperbake

@@ -1,0 +1,96 @@
+#include "core/animation/clamps.h"
+
+#include "core/linear_algebra/symmetric_eigen.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace paperbake {
+namespace {
+
+constexpr double rigid = 2e-3;       // [1] of the longer side: a clamp keeps its distances to this
+constexpr double min_length = 0.05;  // [1] of the longer side, of a clamp
+constexpr double min_width = 0.02;   // [1] of the longer side: a plate is no line
+
+}  // namespace
+
+Clamps::Clamps(const Shot& shot, int first_frame)
+    : shot_(shot), first_frame_(first_frame), side_(longer_side(shot.pattern)) {
+  std::vector<int> absolute;
+  for (std::size_t h = 0; h < shot.handles.size(); ++h) {
+    rows_ = std::max(rows_, static_cast<int>(shot.handles[h].keyed.rows()));
+    if (shot.handles[h].mode == HandleMode::absolute) absolute.push_back(static_cast<int>(h));
+  }
+  find(absolute);
+}
+
+bool Clamps::are_rigid(int h, int k) const {
+  const double apart = (place(h) - place(k)).norm();
+  bool together = false;
+  for (int row = 0; row < rows_; ++row) {
+    if (!held(h, row) || !held(k, row)) continue;
+    together = true;
+    if (std::abs((keyed(h, row) - keyed(k, row)).norm() - apart) > rigid * side_) return false;
+  }
+  return together;
+}
+
+/// Each handle with those near it first, as long as all are rigid with each other.
+void Clamps::find(const std::vector<int>& absolute) {
+  const std::size_t n = absolute.size();
+  std::vector<std::vector<char>> rigid_with(n, std::vector<char>(n, 0));
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      rigid_with[i][j] = rigid_with[j][i] = are_rigid(absolute[i], absolute[j]);
+  std::set<std::vector<int>> found;
+  for (std::size_t seed = 0; seed < n; ++seed) {
+    std::vector<std::size_t> order(n);
+    for (std::size_t i = 0; i < n; ++i) order[i] = i;
+    const auto distance = [&](std::size_t i) {
+      return (place(absolute[i]) - place(absolute[seed])).norm();
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](std::size_t i, std::size_t j) { return distance(i) < distance(j); });
+    std::vector<std::size_t> members{seed};
+    for (const std::size_t i : order)
+      if (i != seed && std::all_of(members.begin(), members.end(),
+                                   [&](std::size_t m) { return rigid_with[i][m]; }))
+        members.push_back(i);
+    std::vector<int> handles;
+    for (const std::size_t m : members) handles.push_back(absolute[m]);
+    std::sort(handles.begin(), handles.end());
+    const Vector2d size = extent_of(handles);
+    if (size[0] > min_length * side_ && found.insert(handles).second)
+      clamps_.push_back({handles, handles.size() > 2 && size[1] > min_width * side_});
+  }
+}
+
+/// [m] Root of the summed squares of the distances from the middle, along and across the handles.
+Vector2d Clamps::extent_of(const std::vector<int>& handles) const {
+  Points2 p(handles.size(), 2);
+  for (Eigen::Index k = 0; k < p.rows(); ++k) p.row(k) = place(handles[k]);
+  p.rowwise() -= p.colwise().mean().eval();
+  const SymmetricEigen<2> axes = symmetric_eigen(Eigen::Matrix2d(p.transpose() * p));
+  return axes.values.cwiseMax(0).cwiseSqrt().reverse();
+}
+
+std::optional<RigidMotion> Clamps::pose(const Clamp& clamp, int row) const {
+  const std::size_t n = clamp.handles.size();
+  Points3 flat(n, 3), now(n, 3);
+  for (std::size_t k = 0; k < n; ++k) {
+    const int h = clamp.handles[k];
+    if (!held(h, row)) return std::nullopt;
+    flat.row(k) << place(h).x(), place(h).y(), 0;
+    now.row(k) = keyed(h, row);
+  }
+  return nearest_rigid_motion(flat, now);
+}
+
+Vector2d Clamps::middle(const Clamp& clamp) const {
+  Vector2d sum(0, 0);
+  for (const int h : clamp.handles) sum += place(h);
+  return sum / clamp.handles.size();
+}
+
+}  // namespace paperbake

@@ -1,0 +1,67 @@
+#include "core/animation/folding_hands.h"
+
+#include "core/geometry/hinges.h"
+#include "core/geometry/prescribed_creases.h"
+#include "core/model/segment2.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace paperbake {
+namespace {
+
+constexpr double first_turn = 3 * M_PI / 180;  // from which on a crease is folded
+
+double turn_at(const FoldingHands& hands, int row) {
+  return hands.turn[std::min<std::size_t>(row, hands.turn.size() - 1)];
+}
+
+/// The row in which the hands began the turn that they have in this one.
+int begin_of_turn(const FoldingHands& hands, int row) {
+  while (row > 0 && !(std::abs(turn_at(hands, row)) <= first_turn)) --row;
+  return row;
+}
+
+/// 1, or -1 where the paper at p lay upside down for the hands when they began, beyond folds that
+/// were shut. A fold across it that is shut later carries the crease along and does not change it.
+double facing(const Sheet& sheet, const std::vector<FoldingHands>& all, const FoldingHands& hands,
+              const Vector2d& p, int row) {
+  const int begin = begin_of_turn(hands, row);
+  double sign = 1;
+  for (const FoldingHands& others : all) {
+    if (&others == &hands || !(std::cos(turn_at(others, begin)) < 0)) continue;
+    const std::vector<Vector2d>& line = sheet.prescribed_creases[others.crease].line;
+    const Vector2d along = line.back() - line.front();
+    if (cross(along, p - line.front()) * cross(along, hands.between - line.front()) < 0)
+      sign = -sign;
+  }
+  return sign;
+}
+
+}  // namespace
+
+void fold_by_hands(Sheet& sheet, const std::vector<FoldingHands>& hands, int row) {
+  if (hands.empty() || row < 0) return;
+  const Hinges hinges = find_hinges(sheet.triangles);
+  const std::vector<const PrescribedCrease*> lines = crease_of_hinges(sheet, hinges);
+  std::vector<CreaseEdge> edges;
+  for (std::size_t h = 0; h < lines.size(); ++h) {
+    if (!lines[h]) continue;
+    const auto& v = hinges.hinges[h].vertices;
+    CreaseEdge edge =
+        crease_edge(sheet, *lines[h], sheet.pattern.row(v[0]), sheet.pattern.row(v[1]));
+    edge.pressed.reset();
+    for (const FoldingHands& two : hands) {
+      if (lines[h] != &sheet.prescribed_creases[two.crease]) continue;
+      double turn = turn_at(two, row);
+      if (std::isnan(turn)) continue;
+      turn *= facing(sheet, hands, two, 0.5 * (edge.a + edge.b), row);
+      edge.folded |= std::abs(turn) > first_turn;
+      if (edge.folded) edge.pressed = turn;
+    }
+    edges.push_back(edge);
+  }
+  sheet.crease_edges = std::move(edges);
+}
+
+}  // namespace paperbake

@@ -1,0 +1,161 @@
+// How a SheetSimulation changes its mesh: as its method does between steps, where the old mesh
+// locks or jams, and where the sheet folds.
+
+#include "core/animation/mesh_coarseness.h"
+#include "core/animation/motion_measures.h"
+#include "core/animation/sheet_simulation.h"
+#include "core/geometry/intersections.h"
+#include "core/geometry/measure.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace paperbake {
+namespace {
+
+// [1] of the longer side: with less motion than this no method changes the mesh
+constexpr double motion_threshold = 2e-4;
+constexpr double jammed_stretch = 0.01;  // [1] |l - L|/L of an edge
+
+}  // namespace
+
+RemeshContext SheetSimulation::remesh_context(double share) const {
+  const Sheet& sheet = simulated_.sheet;
+  return {simulated_.fixed,
+          simulated_.plastic_grid ? &*simulated_.plastic_grid : nullptr,
+          isolated_moving_handles(sheet, input_.constraints, motion_threshold * simulated_.side,
+                                  0.15 * shorter_side(shot_.pattern)),
+          {frame_, 1 / options_.fps, max_motion_ / simulated_.side},
+          max_motion_ > motion_threshold * simulated_.side,
+          outcome_.snap_in_progress,
+          outcome_.at_minimum,
+          yielding_,
+          outcome_.rests_on_contact,
+          share * relative_motion_,
+          share * rms_deformation(simulated_.positions_before, sheet.x) / simulated_.side,
+          share * squeeze_,
+          false,
+          [this] { return simulated_.elastic.local_energies(simulated_.sheet); }};
+}
+
+void SheetSimulation::remesh(double share) { change_mesh(remesh_context(share)); }
+
+bool SheetSimulation::change_mesh(const RemeshContext& is) {
+  Sheet& sheet = simulated_.sheet;
+  Sheet unchanged = sheet;
+  last_remesh_.reset();
+  const MeshChange change = method_->remesh(sheet, is);
+  if (change == MeshChange::none) return false;
+  last_remesh_ = {{std::move(unchanged), simulated_.elastic.state()},
+                  outcome_.at_minimum,
+                  change == MeshChange::moved};
+  if (last_remesh_->vertices_moved)
+    simulated_.carry_over(last_remesh_->before.sheet);
+  else
+    simulated_.update_solver();
+  if (!cuts_into_collider(last_remesh_->before.sheet)) return true;
+  undo_remesh();
+  return false;
+}
+
+void SheetSimulation::undo_remesh() {
+  restore(std::move(last_remesh_->before));
+  last_remesh_.reset();
+  simulated_.positions_before = sheet().x;
+}
+
+/// Whether the change of mesh has put an edge or a triangle into a collider: it would be stuck
+/// there.
+bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
+  constexpr double deepest = 2e-5;  // [m]
+  if (outcome_.on_colliders == 0) return false;
+  const ColliderShapes now = followed_ > 0
+                                 ? between(input_.colliders.from, input_.colliders.to, followed_)
+                                 : input_.colliders.from;
+  const double depth = simulated_.elastic.inside(sheet(), now);
+  return depth > deepest && depth > simulated_.elastic.on_mesh(before).inside(before, now);
+}
+
+bool SheetSimulation::is_locked() const {
+  if (!last_remesh_ || !step_.last.contact || step_.converged) return false;
+  return (last_remesh_->vertices_moved && (last_remesh_->was_at_minimum || squeeze_ == 0)) ||
+         length_distortion(sheet()).largest >
+             std::max(jammed_stretch, 4 * length_distortion(last_remesh_->before.sheet).largest);
+}
+
+void SheetSimulation::try_proposal(const RemeshContext& situation,
+                                   const AdmissibilityCheck& is_admissible) {
+  Sheet& sheet = simulated_.sheet;
+  std::optional<Sheet> proposal = method_->propose(sheet, situation);
+  if (!proposal) return;
+  std::vector<double> stiffening = disc_factors(*proposal, shot_);
+  const MeshSwapResult verdict =
+      try_swap_mesh(sheet, simulated_.elastic, {std::move(*proposal), std::move(stiffening)},
+                    input_before_, 1 / options_.fps, is_admissible);
+  method_->on_proposal_result(verdict.accepted, situation.now);
+  result_.statistics.remesh =
+      verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
+  result_.statistics.remesh_rise = verdict.rise;
+  if (!verdict.accepted) return;
+  simulated_.has_bends = false;
+  carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
+}
+
+bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& begun) {
+  std::optional<Method::FirstMesh> finer = method_->finer_mesh();
+  if (!finer) return false;
+  restore(std::move(begun));
+  simulated_.put_on(std::move(*finer));
+  last_remesh_.reset();
+  folds_.forget();
+  step_ = {};
+  return true;
+}
+
+bool SheetSimulation::is_held_back_by_mesh() const {
+  return step_.failure_reason.empty() && step_.last.on_colliders > 0 && simulated_.is_smooth() &&
+         mean_square_fold(sheet()) > coarse;
+}
+
+bool SheetSimulation::refine_where_jammed() {
+  if (simulated_.is_smooth()) return refine_jammed_smooth_mesh();
+  RemeshContext is = remesh_context(1);
+  is.jammed = true;
+  return change_mesh(is);
+}
+
+bool SheetSimulation::refine_jammed_smooth_mesh() {
+  const SimulatedSheet::Snapshot kept = simulated_.snapshot();
+  const std::vector<char> fixed = simulated_.fixed;
+  const FrameStepResult jammed = step_;
+  const ColliderShapes now = between(input_.colliders.from, input_.colliders.to, followed_);
+  const double depth = simulated_.elastic.inside(sheet(), now);
+  if (!refine_mesh(SimulatedSheet::Snapshot(kept))) return false;
+  step_ = jammed;
+  if (crossings(sheet()) == 0 &&
+      simulated_.elastic.inside(sheet(), now) <= std::max(depth, yield_depth))
+    return true;
+  restore(SimulatedSheet::Snapshot(kept));
+  simulated_.fixed = fixed;
+  return false;
+}
+
+void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
+  const LoadStep now{input_before_, 1 / options_.fps, 0, frame_ - options_.first_frame, 0};
+  std::optional<FoundFold> fold =
+      folds_.find(now, {outcome_.yielded, outcome_.on_colliders > 0}, is_admissible);
+  if (!fold) return;
+  carried_.forget();
+  folds_.forget();
+  simulated_.sheet = std::move(fold->sheet);
+  simulated_.elastic = std::move(fold->elastic);
+  simulated_.fixed = std::move(fold->fixed);
+  simulated_.positions_before = sheet().x;
+  fold->step.substeps += step_.substeps;
+  fold->step.iterations += step_.iterations;
+  step_ = std::move(fold->step);
+  last_remesh_.reset();
+  folded_ = true;
+}
+
+}  // namespace paperbake

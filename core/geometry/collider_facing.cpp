@@ -1,0 +1,65 @@
+#include "core/geometry/collider_facing.h"
+
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <memory>
+
+namespace paperbake {
+namespace {
+
+/// Where the paper stays if it is to stay where it begins.
+ColliderMesh::PaperSide side_of(const Collider& solid, const Points3& x) {
+  constexpr double anywhere = 1e6;  // [m]
+  for (int v = 0; v < x.rows(); ++v)
+    if (!(solid.nearest(x.row(v), anywhere, 1).distance < 0))
+      return ColliderMesh::PaperSide::outside;
+  return ColliderMesh::PaperSide::inside;
+}
+
+}  // namespace
+
+void face_the_sheet(std::vector<ColliderMesh>& meshes, const Points3& x, const Points3& keyed) {
+  constexpr double lies_in_it = 1e-5;  // [m] a vertex closer than this has no vote
+  for (ColliderMesh& mesh : meshes) {
+    const Collider as_it_is(mesh);
+    if (as_it_is.closed()) {
+      using Side = ColliderMesh::PaperSide;
+      if (mesh.paper_side == Side::automatic) mesh.paper_side = side_of(as_it_is, x);
+      continue;
+    }
+    const auto votes = [&](const Points3& points) {
+      int front = 0;
+      for (int v = 0; v < points.rows(); ++v) {
+        const double d = as_it_is.nearest(points.row(v), 10, 1).distance;
+        const bool beside = d == as_it_is.nearest(points.row(v), 10, -1).distance;
+        if (!beside && std::abs(d) > lies_in_it) front += d > 0 ? 1 : -1;
+      }
+      return front;
+    };
+    int front = votes(x);
+    if (front == 0) front = votes(keyed);
+    if (front == 0)
+      for (int t = 0; t < mesh.triangles.rows(); ++t) {
+        const Vector3d a = mesh.x.row(mesh.triangles(t, 0)), b = mesh.x.row(mesh.triangles(t, 1)),
+                       c = mesh.x.row(mesh.triangles(t, 2));
+        front += (b - a).cross(c - a).z() < 0 ? -1 : 1;
+      }
+    if (front < 0) mesh.triangles.col(1).swap(mesh.triangles.col(2));
+  }
+}
+
+std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh> meshes,
+                                                  const Points3& x,
+                                                  const std::vector<Handle>& handles) {
+  if (meshes.empty()) return nullptr;
+  long rows = 0;
+  for (const Handle& handle : handles) rows += handle.keyed.rows();
+  Points3 keyed(rows, 3);
+  for (const Handle& handle : handles)
+    keyed.middleRows(rows -= handle.keyed.rows(), handle.keyed.rows()) = handle.keyed;
+  face_the_sheet(meshes, x, keyed);
+  return std::make_shared<const Colliders>(meshes.begin(), meshes.end());
+}
+
+}  // namespace paperbake

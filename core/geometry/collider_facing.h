@@ -1,0 +1,25 @@
+#pragma once
+
+#include "core/geometry/collider.h"
+#include "core/model/handles.h"
+
+#include <memory>
+#include <vector>
+
+namespace paperbake {
+
+/// Decides for closed meshes whether the sheet stays outside or inside, where the mesh leaves it
+/// open: inside when all of the sheet begins there.
+/// Orients open meshes so that their front is on the side where most of the sheet is at the start.
+/// Where the sheet lies in the surface, the keyed positions of the handles decide, and where these
+/// do not decide either, the front is turned upwards.
+/// x      |V|x3 [m] vertices of the sheet at the start
+/// keyed  |K|x3 [m] positions to which handles go
+void face_the_sheet(std::vector<ColliderMesh>&, const Points3& x, const Points3& keyed);
+
+/// The colliders of a scene, oriented by face_the_sheet for a sheet at x with these handles; null
+/// when there are none.
+std::shared_ptr<const Colliders> facing_colliders(std::vector<ColliderMesh>, const Points3& x,
+                                                  const std::vector<Handle>&);
+
+}  // namespace paperbake

@@ -1,0 +1,233 @@
+#include "formats/scene/scene_sheets.h"
+
+#include "core/model/error.h"
+#include "core/model/paper.h"
+#include "formats/scene/flat_sheet.h"
+#include "formats/scene/scene_properties.h"
+#include "formats/scene/sheet_rules.h"
+
+#include <fmt/format.h>
+#include <fmt/ranges.h>
+
+#include <algorithm>
+#include <cctype>
+#include <cmath>
+#include <set>
+#include <sstream>
+
+namespace paperbake {
+namespace {
+
+// [m] limits of the longer side, beyond which the unit of the file must be wrong
+constexpr double max_sheet_side = 5, min_sheet_side = 0.005;
+constexpr double size_agreement = 0.01;  // relative tolerance of paper_size
+
+/// The size in paper_size, with the two sides exchanged where that fits the measured size better;
+/// nothing without that property.
+std::optional<Vector2d> stated_size(const ImportedNode& node, const Vector2d& measured) {
+  const auto list = list_property(node, "paper_size");
+  if (list.size() < 2 || !(list[0] > 0) || !(list[1] > 0)) return std::nullopt;
+  const Vector2d stated(list[0], list[1]), turned(list[1], list[0]);
+  const auto off = [&](const Vector2d& size) {
+    return (measured.cwiseQuotient(size).array().log()).matrix().squaredNorm();
+  };
+  return off(turned) < off(stated) ? turned : stated;
+}
+
+/// The power of ten by which the sheet should be scaled: to the size in paper_size, else to a
+/// plausible one.
+double likely_factor(double longer, const std::optional<Vector2d>& stated) {
+  if (stated) return std::pow(10, std::round(std::log10(stated->maxCoeff() / longer)));
+  // centimetres and millimetres first
+  for (double factor : {0.01, 100.0, 0.001, 1000.0, 0.1, 10.0})
+    if (0.05 <= longer * factor && longer * factor <= 2) return factor;
+  return std::pow(10, std::round(std::log10(0.2 / longer)));
+}
+
+/// "The file is probably in centimetres: bake with --unit-scale 0.01, ..."
+std::string unit_remedy(const SceneNodes& scene, double factor) {
+  const double unit = scene.unit * factor;
+  const auto is = [&](double known) { return std::abs(unit / known - 1) < 1e-6; };
+  const std::string guess = is(0.01)    ? "The file is probably in centimetres"
+                            : is(0.001) ? "The file is probably in millimetres"
+                            : is(1)     ? "The file is probably in metres"
+                                        : "The unit of the file is probably wrong";
+  return fmt::format("{}: bake with --unit-scale {:.6g}, or export {:.6g} times as large.", guess,
+                     unit, factor);
+}
+
+void check_size(const SceneNodes& scene, const ImportedNode& node, const Vector2d& size,
+                const SceneOptions& options) {
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  const double longer = size.maxCoeff();
+  const auto stated = stated_size(node, size);
+  if (!options.unit_scale && (longer > max_sheet_side || longer < min_sheet_side))
+    throw Error(ErrorCode::scene, place,
+                fmt::format("The sheet is {}; a sheet's longer side is between 5 mm and 5 m.",
+                            metres(size)),
+                unit_remedy(scene, likely_factor(longer, stated)));
+  if (!stated || (size.cwiseQuotient(*stated).array() - 1).abs().maxCoeff() <= size_agreement)
+    return;
+  const double ratio = std::log10(stated->maxCoeff() / longer), power = std::round(ratio);
+  const bool wrong_unit = power != 0 && std::abs(ratio - power) < size_agreement;
+  throw Error(ErrorCode::scene, place,
+              fmt::format("The sheet is {}, but its property paper_size says {}.", metres(size),
+                          metres(*stated)),
+              wrong_unit ? unit_remedy(scene, std::pow(10, power))
+                         : "Correct paper_size or the mesh; they must agree within 1 %.");
+}
+
+/// Caches hold positions as numbers of 32 bits, whose distance grows with the distance from the
+/// origin. Warns where it is more than a fortieth of the shortest edges of a render mesh.
+void warn_of_distance(const std::string& name, const Points3& x,
+                      std::vector<std::string>& warnings) {
+  constexpr double coarse = 1e-6;  // [m]
+  const auto farthest = static_cast<float>(x.cwiseAbs().maxCoeff());
+  const double step = std::nextafter(farthest, 2 * farthest) - farthest;
+  if (!(step > coarse)) return;
+  warnings.push_back(
+      fmt::format("The sheet \"{}\" is {:.0f} m away from the origin. Positions in a cache are "
+                  "numbers of 32 bits, which are {:.2g} mm apart there: creases and close layers "
+                  "become rough. Bake the shot within 16 m of the origin, and move the cache back "
+                  "in the scene.",
+                  name, x.rowwise().norm().maxCoeff(), 1e3 * step));
+}
+
+/// glTF has no names for uv sets: paper_uv_sets of the sheet may have them, one a line.
+void name_uv_sets(const std::optional<std::string>& names, AuthoredSurface& authored) {
+  std::istringstream lines(names.value_or(""));
+  for (AuthoredSurface::UvSet& set : authored.uv_sets)
+    if (std::string name; std::getline(lines, name) && !name.empty()) set.name = name;
+  std::set<std::string> taken{"pattern", "crease"};  // that caches have besides
+  for (AuthoredSurface::UvSet& set : authored.uv_sets) {
+    const std::string given = set.name;
+    for (int n = 2; !taken.insert(set.name).second; ++n) set.name = fmt::format("{}_{}", given, n);
+  }
+}
+
+SceneSheet read_sheet(const SceneNodes& scene, int index, const Eigen::Affine3d& world,
+                      const SceneOptions& options, const AppliedOverrides& overrides,
+                      std::vector<std::string>& warnings) {
+  const ImportedNode& node = scene.file.nodes[index];
+  const std::string place = place_of(scene.source, "sheet", node.name);
+  FlatSheet flat = flat_sheet(scene.file, index, world, place);
+  SceneSheet sheet;
+  sheet.name = node.name;
+  sheet.pattern = std::move(flat.pattern);
+  sheet.start = std::move(flat.start);
+  sheet.authored = std::move(flat.authored);
+  for (const auto& [key, value] : node.properties)
+    if (key.rfind("paper_", 0) != 0) sheet.authored.properties.emplace(key, value);
+  name_uv_sets(text_property(node, "paper_uv_sets"), sheet.authored);
+  check_size(scene, node, extent(sheet.pattern), options);
+  warn_of_distance(sheet.name, sheet.start.x, warnings);
+  sheet.preset = text_property(node, "paper_preset");
+  sheet.grammage = positive_property(scene.source, node, "paper_gsm");
+  sheet.thickness = positive_property(scene.source, node, "paper_thickness");
+  sheet.friction = nonnegative_property(scene.source, node, "paper_friction");
+  if (sheet.friction && *sheet.friction > max_friction)
+    throw Error(ErrorCode::scene, place, fmt::format("paper_friction is {}.", *sheet.friction),
+                fmt::format("It must be a number from 0 to {}; paper on paper has about 0.4.",
+                            max_friction));
+  if (const auto seed = whole_property(scene.source, node, "paper_seed")) {
+    if (*seed < 0)
+      throw Error(ErrorCode::scene, place, fmt::format("paper_seed is {}.", *seed),
+                  "It must be a whole number of at least 0.");
+    sheet.seed = static_cast<unsigned>(*seed);
+  }
+  for (const char* key : {"preset", "gsm", "thickness", "friction", "seed"})
+    if (overrides.places.count(std::string("paper_") + key)) sheet.overridden.insert(key);
+  sheet.singular_point_rules = overrides.singular_point_rules;
+  sheet.pattern.prescribed_creases = with_ends_on_border(overrides.creases, sheet.pattern);
+  check_rules(sheet.singular_point_rules, sheet.pattern, overrides.rules_place, node.name);
+  sheet.crease_origin.assign(sheet.pattern.prescribed_creases.size(), "job");
+  for (int m : node.meshes)
+    if (scene.file.meshes[m].deformed) {
+      warnings.push_back(fmt::format(
+          "Bones and blend shapes of the sheet \"{}\" are not followed: it starts undeformed.",
+          node.name));
+      break;
+    }
+  return sheet;
+}
+
+[[noreturn]] void reject_without_sheet(const SceneNodes& scene) {
+  std::vector<std::string> meshes;
+  for (const ImportedNode& node : scene.file.nodes)
+    if (!node.meshes.empty() && meshes.size() < 8) meshes.push_back('"' + node.name + '"');
+  throw Error(ErrorCode::scene, scene.source,
+              "The scene has no sheet: no mesh whose name starts with \"paper\".",
+              meshes.empty() ? "It has no mesh at all: was the sheet exported?"
+                             : fmt::format("Rename the mesh that is the sheet; the meshes are {}.",
+                                           fmt::join(meshes, ", ")));
+}
+
+bool is_named_sheet(const ImportedNode& node) {
+  return !node.meshes.empty() && name_begins_with(node.name, "paper") &&
+         !flag_property(node, "paper_ignore");
+}
+
+/// Whether the name goes on as a word, such as "Paperclip".
+bool is_longer_word(const std::string& name) {
+  const std::string matched = matched_name(name);
+  return matched.size() > 5 && std::isalpha(static_cast<unsigned char>(matched[5]));
+}
+
+/// The error of a mesh that is taken for a sheet because of its name.
+Error taken_for_sheet(const Error& error) {
+  return Error(error.code, error.place, error.cause,
+               error.remedy +
+                   " Or, if it is no sheet: it is taken for one because its name begins "
+                   "with \"paper\"; rename it, or give it the property paper_ignore.");
+}
+
+}  // namespace
+
+std::vector<SceneSheet> read_sheets(const SceneNodes& scene, const SceneOptions& options,
+                                    const std::vector<AppliedOverrides>& overrides,
+                                    std::vector<std::string>& warnings) {
+  const auto world = world_at(scene, scene.first_frame);
+  std::vector<SceneSheet> sheets;
+  std::optional<Error> no_sheet;
+  std::set<std::string> names;
+  for (int i = 0; i < static_cast<int>(scene.file.nodes.size()); ++i) {
+    const ImportedNode& node = scene.file.nodes[i];
+    if (!is_named_sheet(node)) continue;
+    if (!names.insert(node.name).second)
+      throw Error(ErrorCode::scene, place_of(scene.source, "sheet", node.name),
+                  "Two sheets have this name.",
+                  "Give every sheet a name of its own and export again.");
+    try {
+      sheets.push_back(read_sheet(scene, i, world[i], options, overrides[i], warnings));
+    } catch (const Error& error) {
+      if (!is_longer_word(node.name)) throw;
+      if (!no_sheet) no_sheet = taken_for_sheet(error);
+      warnings.push_back(
+          fmt::format("\"{}\" is ignored, although its name begins with \"paper\". {}", node.name,
+                      error.cause));
+    }
+  }
+  if (sheets.empty() && no_sheet) throw *no_sheet;
+  if (sheets.empty()) reject_without_sheet(scene);
+  return sheets;
+}
+
+void warn_of_keyed_sheets(const SceneNodes& scene, std::vector<std::string>& warnings) {
+  constexpr int looks = 16;  // frames that are compared with the first
+  const auto first = world_at(scene, scene.first_frame);
+  std::set<int> moved;
+  for (int look = 1; look <= looks; ++look) {
+    const auto world =
+        world_at(scene, scene.first_frame + (scene.last_frame - scene.first_frame) * look / looks);
+    for (int i = 0; i < static_cast<int>(world.size()); ++i)
+      if (is_named_sheet(scene.file.nodes[i]) && !world[i].isApprox(first[i], 1e-5))
+        moved.insert(i);
+  }
+  for (const int i : moved)
+    warnings.push_back(
+        fmt::format("The sheet \"{}\" is keyed or moves with its parent: it starts where it is at "
+                    "frame {}, then only handles move it.",
+                    scene.file.nodes[i].name, scene.first_frame));
+}
+
+}  // namespace paperbake
