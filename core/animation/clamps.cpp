@@ -36,34 +36,52 @@ bool Clamps::are_rigid(int h, int k) const {
   return together;
 }
 
-/// Each handle with those near it first, as long as all are rigid with each other.
+/// Each handle with those near it first, as long as all are rigid with each other; then the plates
+/// of two handles that are rigid, but in no clamp yet: a handle on a fold belongs to the plates on
+/// both its sides, of which it is nearer to one.
 void Clamps::find(const std::vector<int>& absolute) {
   const std::size_t n = absolute.size();
-  std::vector<std::vector<char>> rigid_with(n, std::vector<char>(n, 0));
+  RigidWith rigid_with(n, std::vector<char>(n, 0));
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j)
       rigid_with[i][j] = rigid_with[j][i] = are_rigid(absolute[i], absolute[j]);
   std::set<std::vector<int>> found;
-  for (std::size_t seed = 0; seed < n; ++seed) {
-    std::vector<std::size_t> order(n);
-    for (std::size_t i = 0; i < n; ++i) order[i] = i;
-    const auto distance = [&](std::size_t i) {
-      return (place(absolute[i]) - place(absolute[seed])).norm();
-    };
-    std::stable_sort(order.begin(), order.end(),
-                     [&](std::size_t i, std::size_t j) { return distance(i) < distance(j); });
-    std::vector<std::size_t> members{seed};
-    for (const std::size_t i : order)
-      if (i != seed && std::all_of(members.begin(), members.end(),
-                                   [&](std::size_t m) { return rigid_with[i][m]; }))
-        members.push_back(i);
+  RigidWith together(n, std::vector<char>(n, 0));
+  const auto add = [&](const std::vector<std::size_t>& members, bool plates_only) {
+    for (const std::size_t i : members)
+      for (const std::size_t j : members) together[i][j] = 1;
     std::vector<int> handles;
     for (const std::size_t m : members) handles.push_back(absolute[m]);
     std::sort(handles.begin(), handles.end());
     const Vector2d size = extent_of(handles);
-    if (size[0] > min_length * side_ && found.insert(handles).second)
-      clamps_.push_back({handles, handles.size() > 2 && size[1] > min_width * side_});
-  }
+    const bool is_plate = handles.size() > 2 && size[1] > min_width * side_;
+    if (size[0] > min_length * side_ && (is_plate || !plates_only) && found.insert(handles).second)
+      clamps_.push_back({handles, is_plate});
+  };
+  for (std::size_t seed = 0; seed < n; ++seed)
+    add(rigid_around({seed}, absolute, rigid_with), false);
+  for (std::size_t i = 0; i < n; ++i)
+    for (std::size_t j = 0; j < i; ++j)
+      if (rigid_with[i][j] && !together[i][j])
+        add(rigid_around({j, i}, absolute, rigid_with), true);
+}
+
+/// These handles and all others that are rigid with them and with each other, those near the first
+/// one first. Handles are numbered as in `absolute`.
+std::vector<std::size_t> Clamps::rigid_around(std::vector<std::size_t> members,
+                                              const std::vector<int>& absolute,
+                                              const RigidWith& rigid_with) const {
+  std::vector<std::size_t> order(absolute.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  const Vector2d middle = place(absolute[members.front()]);
+  const auto distance = [&](std::size_t i) { return (place(absolute[i]) - middle).norm(); };
+  std::stable_sort(order.begin(), order.end(),
+                   [&](std::size_t i, std::size_t j) { return distance(i) < distance(j); });
+  for (const std::size_t i : order)
+    if (std::all_of(members.begin(), members.end(),
+                    [&](std::size_t m) { return i != m && rigid_with[i][m]; }))
+      members.push_back(i);
+  return members;
 }
 
 /// [m] Root of the summed squares of the distances from the middle, along and across the handles.

@@ -39,8 +39,12 @@ class Clamps {
   std::optional<RigidMotion> pose(const Clamp&, int row) const;
 
  private:
+  using RigidWith = std::vector<std::vector<char>>;  // 1: the two handles keep their distance
+
   bool are_rigid(int h, int k) const;
   void find(const std::vector<int>& absolute);
+  std::vector<std::size_t> rigid_around(std::vector<std::size_t> members,
+                                        const std::vector<int>& absolute, const RigidWith&) const;
   Vector2d extent_of(const std::vector<int>& handles) const;
 
   const Shot& shot_;

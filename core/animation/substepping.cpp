@@ -173,15 +173,23 @@ std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
 
 /// The message of a part of the frame that cannot be halved once more.
 /// throws  Error(ErrorCode::simulation) when the solver did
-std::string reason_of(const Rejection& rejection, const FrameInterval& frame) {
+std::string reason_of(const Rejection& rejection, const FrameInterval& frame,
+                      const std::vector<SubstepTarget>& sheets) {
+  const auto any = [&](const auto& leads) {
+    return std::any_of(sheets.begin(), sheets.end(), leads);
+  };
+  const char* leading =
+      any([](const SubstepTarget& f) { return !f.input.constraints.empty(); })    ? "handles"
+      : any([](const SubstepTarget& f) { return !f.input.colliders.to.empty(); }) ? "colliders"
+                                                                                  : "other sheets";
   if (!rejection.error.empty())
     throw Error(ErrorCode::simulation, frame.where, rejection.error,
-                "Move the handles more slowly before this frame.");
+                std::string("Move the ") + leading + " more slowly before this frame.");
   char cause[200];
   std::snprintf(cause, sizeof cause,
-                "The sheet cannot follow the handles: %d halvings of the time step, worst "
+                "The sheet cannot follow the %s: %d halvings of the time step, worst "
                 "stretch %.0f %% at pattern (%.1f cm, %.1f cm).",
-                max_halvings, 100 * rejection.distortion.largest,
+                leading, max_halvings, 100 * rejection.distortion.largest,
                 100 * rejection.distortion.where.x(), 100 * rejection.distortion.where.y());
   return cause;
 }
@@ -243,7 +251,7 @@ std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& shee
     return result;
   }
   if (part.halvings >= max_halvings && !is_long) {
-    const std::string reason = reason_of(*rejection, frame);
+    const std::string reason = reason_of(*rejection, frame, sheets);
     for (FrameStepResult& r : result) r.failure_reason = reason;
     return result;
   }

@@ -99,19 +99,45 @@ std::vector<CreaseSegment> chosen(std::vector<CreaseSegment> creases, double roo
   return taken;
 }
 
-/// The points of one crease in order, without those for which there is no room beside the border.
-std::vector<int> lay(const CreaseSegment& crease, const std::vector<CreaseSegment>& all,
-                     const Pattern& pattern, double edge, Sites& sites) {
-  std::vector<double> stops{0, 1};
-  for (const CreaseSegment& other : all) {
-    const double at = crossing(crease, other);
-    if (at > 0) stops.push_back(at);
+std::vector<CreaseSegment> segments_of(const std::vector<PrescribedCrease>& prescribed) {
+  std::vector<CreaseSegment> segments;
+  for (const PrescribedCrease& crease : prescribed)
+    for (std::size_t k = 0; k + 1 < crease.line.size(); ++k)
+      segments.push_back({crease.line[k], crease.line[k + 1]});
+  return segments;
+}
+
+/// The point of the nearest of these lines, where one is nearer than `reach` [m]; else p itself.
+Vector2d onto_a_line(const Vector2d& p, const std::vector<CreaseSegment>& lines, double reach) {
+  Vector2d onto = p;
+  for (const CreaseSegment& line : lines) {
+    const Vector2d way = line.b - line.a;
+    const double at = std::clamp((p - line.a).dot(way) / way.squaredNorm(), 0.0, 1.0);
+    const Vector2d q = line.a + at * way;
+    if ((q - p).norm() >= reach) continue;
+    reach = (q - p).norm();
+    onto = q;
   }
+  return onto;
+}
+
+/// The points of one crease in order, without those for which there is no room beside the border.
+/// Those beside one of `lines`, which are rows of edges anyway, are moved onto it: a point that
+/// lies a thousandth of an edge beside a row of edges is the corner of a needle.
+std::vector<int> lay(const CreaseSegment& crease, const std::vector<CreaseSegment>& all,
+                     const std::vector<CreaseSegment>& lines, const Pattern& pattern, double edge,
+                     Sites& sites) {
+  std::vector<double> stops{0, 1};
+  for (const auto* others : {&all, &lines})
+    for (const CreaseSegment& other : *others) {
+      const double at = crossing(crease, other);
+      if (at > 0) stops.push_back(at);
+    }
   std::sort(stops.begin(), stops.end());
   const Vector2d d = crease.b - crease.a;
   std::vector<int> row;
   const auto put = [&](double t, bool end) {
-    Vector2d p = crease.a + t * d;
+    Vector2d p = onto_a_line(crease.a + t * d, lines, merge * edge);
     const Vector2d border = nearest_border_point(pattern, p);
     if ((border - p).norm() < (end ? merge : clear) * edge || !contains(pattern, p)) {
       if (!end && sites.nearest(p) < 0) return;
@@ -298,11 +324,13 @@ RenderMesh mesh_along_rows(const Pattern& pattern, double edge, const RenderFeat
   for (const Vector2d& p : pattern.outline) sites.nearest_or_new(p);
   for (const auto& hole : pattern.holes)
     for (const Vector2d& p : hole) sites.nearest_or_new(p);
-  const std::vector<CreaseSegment> creases =
-      chosen(features.creases, 0.5 * area(pattern) / edge, edge, {});
+  for (const Vector2d& p : crease_points(pattern.prescribed_creases)) sites.nearest_or_new(p);
+  const std::vector<CreaseSegment> prescribed = segments_of(pattern.prescribed_creases),
+                                   creases = chosen(features.creases, 0.5 * area(pattern) / edge,
+                                                    edge, prescribed);
   std::vector<std::vector<int>> rows;
   for (const CreaseSegment& crease : creases)
-    rows.push_back(lay(crease, creases, pattern, edge, sites));
+    rows.push_back(lay(crease, creases, prescribed, pattern, edge, sites));
 
   // index of a needed site among the required points; -1: not needed
   std::vector<int> number(sites.points.size(), -1);

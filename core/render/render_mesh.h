@@ -55,8 +55,9 @@ struct RenderMesh {
 /// with other creases. The Delaunay triangulation has most edges between these points of itself;
 /// where one is missing an edge is flipped, down to angles of 8 degrees. Points of a crease that
 /// runs along the border keep 0.15 edges away from it. Points nearer than 0.3 edges to those of
-/// other creases are merged with them, so that there are no needles where creases cross or run side
-/// by side. Creases beyond a total length of area / (2 edge) [m] are left out, the lightest first.
+/// other creases are merged with them, and those that near to a prescribed crease move onto it, so
+/// that there are no needles where creases cross or run side by side. Creases beyond a total length
+/// of area / (2 edge) [m] are left out, the lightest first.
 ///
 /// Simulated edges, if there are any, become rows of edges exactly, whatever the angles between
 /// them, and so do the creases that do not lie beside them. They are all left out when their total

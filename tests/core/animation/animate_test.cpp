@@ -1,6 +1,7 @@
 #include "core/animation/animate.h"
 
 #include "core/animation/initial_sheet.h"
+#include "core/geometry/collider.h"
 #include "core/geometry/measure.h"
 #include "core/methods/fem.h"
 #include "core/model/error.h"
@@ -202,6 +203,28 @@ TEST(AnimateTest, ASheetThatCannotFollowItsHandlesStaysAndReportsIt) {
   }
   EXPECT_TRUE(frames[10].note.empty());
   for (const HandleFrame& h : frames[10].handles) EXPECT_NE(h.state, HandleFrame::jammed);
+}
+
+TEST(AnimateTest, ASheetWithoutHandlesCannotFollowItsCollidersAndSaysSo) {
+  const MethodChoice shrinking{"shrinking", [] { return std::make_unique<Shrinking>(); }};
+  Shot shot = test::s1_push();
+  shot.handles.clear();
+  ColliderMesh table{"table", Points3(3, 3), Triangles(1, 3), {}};
+  table.x << -1, -1, -1, 1, -1, -1, 0, 1, -1;
+  table.triangles << 0, 1, 2;
+  shot.colliders = std::make_shared<const Colliders>(Colliders{Collider(table)});
+  AnimateOptions options;
+  options.last_frame = 9;
+  options.elastic.contact = SelfContact::off;
+  options.elastic.max_iterations = 1;
+  options.elastic.inertia = Inertia::dynamic;
+  std::string notes;
+  animate(shot, shrinking, options, [&](const AnimatedFrame& f) {
+    notes += f.note;
+    return true;
+  });
+  EXPECT_NE(notes.find("The sheet cannot follow the colliders"), std::string::npos) << notes;
+  EXPECT_EQ(notes.find("handles"), std::string::npos) << notes;
 }
 
 TEST(AnimateTest, StopsWhenTheCallbackReturnsFalse) {

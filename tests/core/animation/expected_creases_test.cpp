@@ -178,6 +178,28 @@ TEST(ExpectedCreasesTest, AFanOfFiveStripsGivesFourLinesOfAlternatingSign) {
   }
 }
 
+TEST(ExpectedCreasesTest, HandlesOnTheFoldsOfAnAccordionFoldEachBetweenThePlatesBesideIt) {
+  // the strip in the middle is the widest: the handles on both its sides are nearer to others
+  const std::vector<double> at{0, 0.025, 0.050, 0.076, 0.101, 0.126, 0.151};
+  std::vector<Plate> rows;
+  for (std::size_t k = 0; k < at.size(); ++k)
+    rows.push_back(
+        {{{at[k], 0}, {at[k], 0.05}, {at[k], 0.1}}, [=](double s) {
+           Isometry3d pose = Isometry3d::Identity();
+           for (std::size_t i = 1; i <= k && i + 1 < at.size(); ++i)
+             pose = pose * turned((i % 2 ? 1 : -1) * s * 150 * degrees, {at[i], 0}, {0, 1});
+           return pose;
+         }});
+  const std::vector<ExpectedCrease> lines = lines_of(held(test::rectangle(0.151, 0.1), rows));
+  EXPECT_EQ(lines.size(), 5u);
+  for (std::size_t k = 1; k + 1 < at.size(); ++k) {
+    const ExpectedCrease* line = line_between(lines, {at[k], 0}, {at[k], 0.1});
+    ASSERT_TRUE(line) << k;
+    EXPECT_NEAR(line->turn.back(), (k % 2 ? 1 : -1) * 150 * degrees, 1e-9) << k;
+    EXPECT_NEAR(line->between.x(), 0.25 * (at[k - 1] + 2 * at[k] + at[k + 1]), 1e-9) << k;
+  }
+}
+
 const Pattern page = test::rectangle(0.150, 0.150);
 const std::vector<Vector2d> on_the_page{{0, 0}, {0.150, 0}, {0, 0.150}, {0.090, 0.090}},
     on_the_corner{{0.150, 0.150}, {0.145, 0.085}, {0.085, 0.145}, {0.120, 0.120}};

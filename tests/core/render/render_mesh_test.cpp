@@ -2,6 +2,7 @@
 
 #include "core/geometry/hinges.h"
 #include "core/geometry/point_location.h"
+#include "core/geometry/prescribed_creases.h"
 #include "core/geometry/random.h"
 #include "core/model/error.h"
 #include "core/render/creased_normals.h"
@@ -182,6 +183,35 @@ TEST(RenderMeshTest, ManyCreasesMakeNoNeedles) {
   EXPECT_GT(mesh.creases.size(), 400u);
   EXPECT_GT(min_angle(mesh.pattern, mesh.triangles), 8 * M_PI / 180);
   EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
+}
+
+TEST(RenderMeshTest, CreasesBesideAPrescribedOneMakeNoNeedles) {
+  // a fold that is found while paper bends has sharp edges of the meshes before it on both sides
+  RenderFeatures features;
+  const Vector2d begin(0, 0.02), end(0.1, 0.085);
+  Pattern pattern = test::rectangle(0.1, 0.1);
+  pattern.prescribed_creases = {{{begin, end}}};
+  for (int k = 0; k < 40; ++k) {
+    const double along = uniform(7, 3 * k), turn = 0.3 * (uniform(7, 3 * k + 1) - 0.5),
+                 beside = 2e-3 * (uniform(7, 3 * k + 2) - 0.5);
+    const Vector2d way = 0.015 * (Eigen::Rotation2Dd(turn) * (end - begin).normalized()),
+                   middle = begin + (0.1 + 0.8 * along) * (end - begin) + Vector2d(0, beside);
+    features.creases.push_back({middle - way, middle + way, 1.0 + k});
+  }
+  features.creases.push_back({{0.05, 0.01}, {0.05, 0.09}, 100.0});  // straight across
+  const RenderMesh mesh = mesh_for_render(pattern, 0.002, features);
+  EXPECT_GT(min_angle(mesh.pattern, mesh.triangles), 7 * M_PI / 180);
+  EXPECT_NEAR(area_of(mesh), 0.01, 1e-12);
+  double prescribed = 0, across = 0;
+  for (const auto& [a, b] : mesh.creases) {
+    const double length = (mesh.pattern.row(a) - mesh.pattern.row(b)).norm();
+    if (is_on_crease(mesh.prescribed_creases, mesh.pattern, a, b)) prescribed += length;
+    // a point of it that lies beside the prescribed one has moved onto that, by 0.31 edges at most
+    if (std::abs(mesh.pattern(a, 0) - 0.05) < 7e-4 && std::abs(mesh.pattern(b, 0) - 0.05) < 7e-4)
+      across += length;
+  }
+  EXPECT_NEAR(prescribed, (end - begin).norm(), 1e-6);
+  EXPECT_NEAR(across, 0.08, 1e-3);
 }
 
 TEST(RenderMeshTest, LeavesOutTheLightestCreasesWhenThereAreTooMany) {
