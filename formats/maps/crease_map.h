@@ -26,8 +26,8 @@ struct CreaseMapOptions {
 /// (pattern / longer side), v up. Texel (i, j) of the file, j counted from the top row, has its
 /// centre at u = (i+0.5)/size, v = 1 - (j+0.5)/size.
 ///
-/// The layers (HALF, which has more than three digits, but for apex.id, which is UINT, and
-/// apex.dist, which is FLOAT; "so far" means in any recorded frame up to this one):
+/// The layers (HALF, which has more than three digits, but for apex.id, which is UINT; "so far"
+/// means in any recorded frame up to this one):
 ///
 ///   R            [0, 1] crease strength: the largest dihedral angle so far of the creases that run
 ///                through the texel, over a right angle. Drawn as anti-aliased lines of
@@ -69,8 +69,10 @@ struct CreaseMapOptions {
 ///
 /// Texels outside the pattern but at most 4 texels from it are padding for texture lookups at the
 /// border: A is 0, the shape is that of the nearest point of the border. Beyond them every layer is
-/// 0 or has the value for "none" above. Angles are rounded to 2^-12 rad, strains to 2^-12 %,
-/// directions to 2^-10, distances to at most 1/8 texel. Layers of shape are computed in 32 bits.
+/// 0 or has the value for "none" above. Angles are rounded to multiples of 2^-9 rad, which is the
+/// step of HALF from 2 rad on, strains to 2^-7 %, directions, R, G and B to 2^-8, distances to at
+/// most 1/2 texel or the step of HALF, 2^-11 of the distance. Finer steps show in no picture, and
+/// make files twice as large. Layers of shape are computed in 32 bits.
 class CreaseMap {
  public:
   CreaseMap(const Pattern&, const CreaseMapOptions&);

@@ -6,6 +6,7 @@ namespace paperbake {
 namespace {
 
 constexpr int max_texels = 512;  // on a side of the grid
+constexpr int band_rows = 32;
 
 /// For linear interpolation along one axis: the two texels of the grid around texel i of a finer
 /// grid, and the weight of the second.
@@ -25,31 +26,40 @@ FoldPeak::FoldPeak(const std::vector<std::vector<Vector2d>>& loops, double side,
     : side_(side),
       rows_{std::min(size, max_texels), 0, std::min(size, max_texels)},
       loops_(loops),
-      bulge_(rows_.count(), 0.0f),
-      hollow_(rows_.count(), 0.0f) {
+      bulge_(rows_.count() + TexelRow<3>::longest, 0.0f),
+      hollow_(rows_.count() + TexelRow<3>::longest, 0.0f) {
   for (auto& loop : loops_)
     for (Vector2d& p : loop) p = to_texels(p, side, rows_.size);
-  wanted_ = wanted_texels(loops_, area_coverage(loops_, rows_), rows_);
+  for (int first = 0; first < rows_.size; first += band_rows) {
+    const MapRows band{rows_.size, first, std::min(first + band_rows, rows_.size)};
+    bands_.push_back({band, wanted_texels(loops_, area_coverage(loops_, band), band)});
+  }
 }
 
 void FoldPeak::record(const MapFields& fields) {
-  for_each_texel_row<of_fold, 3>(
-      fields, side_, loops_, rows_, wanted_, [&](const TexelRow<3>& row) {
-        const auto& f = row.fields;
-        float bulge[row.longest], hollow[row.longest];
-        // without a branch, so that the compiler computes several texels at once
-        for (int i = 0, texels = row.texels; i < texels; ++i) {
-          const float k1 = larger_principal(f[0][i], f[1][i], f[2][i]), k2 = f[0][i] + f[2][i] - k1;
-          bulge[i] = std::max(k1, k2);
-          hollow[i] = -std::min(k1, k2);
-        }
-        float *peak = bulge_.data() + row.index, *low = hollow_.data() + row.index;
-        for (int i = 0, texels = row.texels; i < texels; ++i) {
-          const float up = row.wanted[i] ? bulge[i] : 0, down = row.wanted[i] ? hollow[i] : 0;
-          peak[i] = peak[i] < up ? up : peak[i];
-          low[i] = low[i] < down ? down : low[i];
-        }
-      });
+  for (const Band& band : bands_) {
+    // triangles come in any order, for which the processor would wait at every span
+    constexpr int line = 16;  // numbers
+    for (int k = 0; k < band.rows.count(); k += line) {
+      __builtin_prefetch(&bulge_[rows_.index(k, band.rows.first)], 1);
+      __builtin_prefetch(&hollow_[rows_.index(k, band.rows.first)], 1);
+    }
+    const auto take = [&](const TexelRow<3>& row) {
+      const auto& f = row.fields;
+      const int index = rows_.index(0, band.rows.first) + row.index;
+      float *bulge = bulge_.data() + index, *hollow = hollow_.data() + index;
+      // without a branch, so that the compiler computes several texels at once; what lies beyond
+      // the last texel stays as it is
+      for (int i = 0, padded = row.padded(); i < padded; ++i) {
+        const float k1 = larger_principal(f[0][i], f[1][i], f[2][i]), k2 = f[0][i] + f[2][i] - k1,
+                    up = i < row.texels ? std::max(k1, k2) : 0.0f,
+                    down = i < row.texels ? -std::min(k1, k2) : 0.0f;
+        bulge[i] = std::max(bulge[i], up);
+        hollow[i] = std::max(hollow[i], down);
+      }
+    };
+    for_each_texel_row<of_fold, 3>(fields, side_, loops_, band.rows, band.wanted, take);
+  }
 }
 
 std::vector<float> FoldPeak::peaks(const MapRows& rows) const {

@@ -24,12 +24,17 @@ class FoldPeak {
   double side_;
   MapRows rows_;
   std::vector<std::vector<Vector2d>> loops_;  // [texel]
-  std::vector<char> wanted_;
+  struct Band {                               // rows of the grid that stay in the cache together
+    MapRows rows;
+    std::vector<char> wanted;
+  };
+  std::vector<Band> bands_;
   // Both principal values are continuous on a sheet, but the one of larger magnitude is not where
   // its sign changes. So the maximum of each is stored and interpolated, and which of them is the
   // peak is decided for each texel of the map: interpolating the peak itself would give stairs and
   // lines of zeros.
-  std::vector<float> bulge_, hollow_;  // [rad] >= 0, towards the normal and away from it
+  // [rad] >= 0, towards the normal and away from it; with room for a padded row behind the last one
+  std::vector<float> bulge_, hollow_;
 };
 
 }  // namespace paperbake

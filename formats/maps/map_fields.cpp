@@ -95,18 +95,25 @@ std::vector<BorderTexel> texels_beside(const MapFields& fields,
     int edge = -1;
     float t = 0;
   };
-  std::vector<Nearest> nearest(rows.count());
+  constexpr int band_rows = 16;  // whose nearest points stay in the cache
+  std::vector<Nearest> nearest;
   const double reach = max_border_gap(loops, vertices, fields) + map_padding + 2;
-  for (std::size_t e = 0; e < fields.border.size(); ++e)
-    for_each_near_segment(vertices[fields.border[e].first], vertices[fields.border[e].second],
-                          reach, rows, [&](int i, int row, double distance, double t) {
-                            Nearest& n = nearest[rows.index(i, row)];
-                            if (open[rows.index(i, row)] && distance < n.distance)
-                              n = {float(distance), int(e), float(t)};
-                          });
-  for (int index = 0; index < rows.count(); ++index)
-    if (open[index] && nearest[index].edge >= 0)
-      found.push_back({index, nearest[index].edge, double(nearest[index].t)});
+  for (int top = rows.first; top < rows.last; top += band_rows) {
+    const MapRows band{rows.size, top, std::min(top + band_rows, rows.last)};
+    const char* open_here = open.data() + rows.index(0, top);
+    if (std::find(open_here, open_here + band.count(), 1) == open_here + band.count()) continue;
+    nearest.assign(band.count(), {});
+    for (std::size_t e = 0; e < fields.border.size(); ++e)
+      for_each_near_segment(vertices[fields.border[e].first], vertices[fields.border[e].second],
+                            reach, band, [&](int i, int row, double distance, double t) {
+                              Nearest& n = nearest[band.index(i, row)];
+                              if (open_here[band.index(i, row)] && distance < n.distance)
+                                n = {float(distance), int(e), float(t)};
+                            });
+    for (int k = 0; k < band.count(); ++k)
+      if (open_here[k] && nearest[k].edge >= 0)
+        found.push_back({rows.index(0, top) + k, nearest[k].edge, double(nearest[k].t)});
+  }
   return found;
 }
 

@@ -53,6 +53,10 @@ struct TexelRow {
   int texels;                    // how many there are
   const char* wanted;            // of each; what it is 0 for is not to be drawn
   float fields[count][longest];  // of each field, of each texel: twice as fast as in 64 bits
+
+  /// As many texels as fill whole registers: there are numbers for those beyond the last one too,
+  /// which mean nothing. Loops over them have no rest that is done texel by texel.
+  int padded() const { return (texels + 7) / 8 * 8; }
 };
 
 /// Calls texel_row(TexelRow<count>) so that every wanted texel of the rows is in one of them once
@@ -71,17 +75,17 @@ void for_each_texel_row(const MapFields& fields, double side,
     return FieldCorner<count>{vertices[v], fields.of_vertex[v].template segment<count>(first)};
   };
   std::vector<char> open = wanted;
-  TexelRow<count> row;
+  TexelRow<count> row{};
   const auto draw_span = [&](const FieldSpan<count>& span) {
     for (int begin = span.begin; begin < span.end; begin += row.longest) {
       row.index = rows.index(begin, span.row);
       row.texels = std::min(span.end - begin, row.longest);
       row.wanted = open.data() + row.index;
       for (int k = 0; k < count; ++k) {
-        const double at_begin = span.left.fields[k] + (begin - span.left.at.x()) * span.slope[k];
-        const auto first_field = static_cast<float>(at_begin),
-                   slope = static_cast<float>(span.slope[k]);
-        for (int i = 0, texels = row.texels; i < texels; ++i)
+        const auto first_field =
+            static_cast<float>(span.at_begin[k] + (begin - span.begin) * span.slope[k]);
+        const auto slope = static_cast<float>(span.slope[k]);
+        for (int i = 0, texels = row.padded(); i < texels; ++i)
           row.fields[k][i] = first_field + static_cast<float>(i) * slope;
       }
       texel_row(row);

@@ -10,14 +10,13 @@
 #include <cstddef>
 #include <cstring>
 #include <future>
-#include <type_traits>
 #include <utility>
 
 namespace paperbake {
 namespace {
 
 constexpr int block_rows = 16;  // that are compressed together
-constexpr int strip_rows = 32;  // a multiple of block_rows
+constexpr int strip_rows = 16;  // a multiple of block_rows: half a megabyte of texels
 constexpr int tile = 64;        // [texel]
 
 /// The layers in the order of the file, which is that of their names.
@@ -25,25 +24,24 @@ struct Layer {
   const char* name;
   exr_pixel_type_t type;  // in the file
   std::size_t offset;
-  enum class InMemory { as_in_file, float32 } in_memory = InMemory::as_in_file;
 };
 constexpr Layer layers[] = {
     {"A", EXR_PIXEL_HALF, offsetof(MapTexel, a)},
     {"B", EXR_PIXEL_HALF, offsetof(MapTexel, b)},
     {"G", EXR_PIXEL_HALF, offsetof(MapTexel, g)},
     {"R", EXR_PIXEL_HALF, offsetof(MapTexel, r)},
-    {"age.apex", EXR_PIXEL_HALF, offsetof(MapTexel, age_apex), Layer::InMemory::float32},
-    {"age.crease", EXR_PIXEL_HALF, offsetof(MapTexel, age_crease), Layer::InMemory::float32},
-    {"apex.cone", EXR_PIXEL_HALF, offsetof(MapTexel, apex_cone), Layer::InMemory::float32},
-    {"apex.dist", EXR_PIXEL_FLOAT, offsetof(MapTexel, apex_dist)},
+    {"age.apex", EXR_PIXEL_HALF, offsetof(MapTexel, age_apex)},
+    {"age.crease", EXR_PIXEL_HALF, offsetof(MapTexel, age_crease)},
+    {"apex.cone", EXR_PIXEL_HALF, offsetof(MapTexel, apex_cone)},
+    {"apex.dist", EXR_PIXEL_HALF, offsetof(MapTexel, apex_dist)},
     {"apex.id", EXR_PIXEL_UINT, offsetof(MapTexel, apex_id)},
-    {"dir.x", EXR_PIXEL_HALF, offsetof(MapTexel, dir_x), Layer::InMemory::float32},
-    {"dir.y", EXR_PIXEL_HALF, offsetof(MapTexel, dir_y), Layer::InMemory::float32},
-    {"fold.angle", EXR_PIXEL_HALF, offsetof(MapTexel, dihedral_angle), Layer::InMemory::float32},
-    {"fold.peak", EXR_PIXEL_HALF, offsetof(MapTexel, fold_peak), Layer::InMemory::float32},
-    {"fold.plastic", EXR_PIXEL_HALF, offsetof(MapTexel, fold_plastic), Layer::InMemory::float32},
-    {"strain.max", EXR_PIXEL_HALF, offsetof(MapTexel, strain_max), Layer::InMemory::float32},
-    {"strain.min", EXR_PIXEL_HALF, offsetof(MapTexel, strain_min), Layer::InMemory::float32},
+    {"dir.x", EXR_PIXEL_HALF, offsetof(MapTexel, dir_x)},
+    {"dir.y", EXR_PIXEL_HALF, offsetof(MapTexel, dir_y)},
+    {"fold.angle", EXR_PIXEL_HALF, offsetof(MapTexel, dihedral_angle)},
+    {"fold.peak", EXR_PIXEL_HALF, offsetof(MapTexel, fold_peak)},
+    {"fold.plastic", EXR_PIXEL_HALF, offsetof(MapTexel, fold_plastic)},
+    {"strain.max", EXR_PIXEL_HALF, offsetof(MapTexel, strain_max)},
+    {"strain.min", EXR_PIXEL_HALF, offsetof(MapTexel, strain_min)},
 };
 
 constexpr std::size_t bytes_of(const Layer& layer) {
@@ -82,27 +80,23 @@ class ChunkPacker {
 constexpr int in_cache = 128;  // texels of a row that are taken apart at once
 
 /// Takes the bytes of one layer of some texels apart.
-template <class From, class To>
+template <class Bits>
 void split_layer(const char* texel, int count, std::uint8_t* even, std::uint8_t* odd) {
-  using Bits = std::conditional_t<sizeof(To) == 2, std::uint16_t, std::uint32_t>;
   Bits stored[in_cache];
-  for (int i = 0; i < count; ++i, texel += sizeof(MapTexel)) {
-    From value;
-    std::memcpy(&value, texel, sizeof(From));
-    const To converted(value);
-    std::memcpy(&stored[i], &converted, sizeof(To));
-  }
-  for (int i = 0; i < count; ++i)
-    if constexpr (sizeof(To) == 2) {
-      even[i] = static_cast<std::uint8_t>(stored[i]);
-      odd[i] = static_cast<std::uint8_t>(stored[i] >> 8);
+  for (int i = 0; i < count; ++i, texel += sizeof(MapTexel))
+    std::memcpy(&stored[i], texel, sizeof(Bits));
+  for (int i = 0; i < count; ++i) {
+    const Bits v = stored[i];
+    if constexpr (sizeof(Bits) == 2) {
+      even[i] = static_cast<std::uint8_t>(v);
+      odd[i] = static_cast<std::uint8_t>(v >> 8);
     } else {
-      const Bits v = stored[i];
       const auto evens = static_cast<std::uint16_t>((v & 0xff) | (v >> 8 & 0xff00)),
                  odds = static_cast<std::uint16_t>((v >> 8 & 0xff) | (v >> 16 & 0xff00));
       std::memcpy(even + 2 * i, &evens, sizeof evens);
       std::memcpy(odd + 2 * i, &odds, sizeof odds);
     }
+  }
 }
 
 void ChunkPacker::gather(const Window& window) {
@@ -115,14 +109,9 @@ void ChunkPacker::gather(const Window& window) {
       std::size_t layer_at = bytes_of_texel() / 2 * window.width * j;
       for (const Layer& layer : layers) {
         std::uint8_t* even = halves_.data() + layer_at + bytes_of(layer) / 2 * begin;
-        if (layer.in_memory == Layer::InMemory::float32)
-          split_layer<float, half>(texels + layer.offset, count, even, even + middle);
-        else if (layer.type == EXR_PIXEL_HALF)
-          split_layer<std::uint16_t, std::uint16_t>(texels + layer.offset, count, even,
-                                                    even + middle);
-        else
-          split_layer<std::uint32_t, std::uint32_t>(texels + layer.offset, count, even,
-                                                    even + middle);
+        const auto split =
+            layer.type == EXR_PIXEL_HALF ? split_layer<std::uint16_t> : split_layer<std::uint32_t>;
+        split(texels + layer.offset, count, even, even + middle);
         layer_at += bytes_of(layer) / 2 * window.width;
       }
     }
@@ -285,9 +274,9 @@ Footprint footprint(int i, int size, int next) {
   return f;
 }
 
-constexpr float MapTexel::*averaged[] = {&MapTexel::dihedral_angle, &MapTexel::fold_plastic,
-                                         &MapTexel::fold_peak,      &MapTexel::apex_dist,
-                                         &MapTexel::strain_min,     &MapTexel::strain_max};
+constexpr half MapTexel::*averaged[] = {&MapTexel::dihedral_angle, &MapTexel::fold_plastic,
+                                        &MapTexel::fold_peak,      &MapTexel::apex_dist,
+                                        &MapTexel::strain_min,     &MapTexel::strain_max};
 
 MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint& column,
                  const Footprint& row) {
@@ -298,6 +287,7 @@ MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint&
   for (int y = 0; y < row.count; ++y)
     for (int x = 0; x < column.count; ++x) {
       const MapTexel& t = texels[std::size_t(row.first + y) * size + column.first + x];
+      const float dir_x = t.dir_x, dir_y = t.dir_y;
       const double area = row.share[y] * column.share[x], weight = area * t.a;
       all += area;
       if (weight <= 0) continue;
@@ -306,8 +296,8 @@ MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint&
       g += weight * t.g;
       b += weight * t.b;
       for (std::size_t k = 0; k < std::size(averaged); ++k) sum[k] += weight * t.*averaged[k];
-      cos2 += weight * (t.dir_x * t.dir_x - t.dir_y * t.dir_y);
-      sin2 += weight * 2 * t.dir_x * t.dir_y;
+      cos2 += weight * (dir_x * dir_x - dir_y * dir_y);
+      sin2 += weight * 2 * dir_x * dir_y;
       if (t.age_crease >= 0) {
         creased += weight;
         age += weight * t.age_crease;

@@ -16,12 +16,12 @@ namespace paperbake {
 /// All layers of a map at one texel, in the types of the file; crease_map.h describes them.
 struct MapTexel {
   half r{0.0f}, g{0.0f}, b{0.0f}, a{0.0f};
-  float dihedral_angle = 0, fold_plastic = 0, fold_peak = 0;
-  float age_crease = -1, age_apex = -1;
-  float apex_dist = 0, apex_cone = 0;
+  half dihedral_angle{0.0f}, fold_plastic{0.0f}, fold_peak{0.0f};
+  half age_crease{-1.0f}, age_apex{-1.0f};
+  half apex_dist{0.0f}, apex_cone{0.0f};
+  half dir_x{0.0f}, dir_y{0.0f};
+  half strain_min{0.0f}, strain_max{0.0f};
   std::uint32_t apex_id = 0;
-  float dir_x = 0, dir_y = 0;
-  float strain_min = 0, strain_max = 0;
 };
 
 /// Lengths in the header of the file, in addition to MapInfo. [m]
@@ -35,8 +35,8 @@ using DrawRows = std::function<void(const MapRows&, MapTexel*)>;
 /// The bytes of an OpenEXR file with the layers that `draw` fills; they do not depend on the number
 /// of threads.
 ///
-/// scanline   drawn and compressed strip by strip: 7 MB of texels at size 2048 with two threads
-/// tiled_mip  all levels are in memory at once: 75 bytes for each texel of the largest level
+/// scanline   drawn and compressed strip by strip: 2 MB of texels at size 2048 with two threads
+/// tiled_mip  all levels are in memory at once: 48 bytes for each texel of the largest level
 ///
 /// threads  1: only that of the caller
 std::string encode_map(int size, MapLayout, const MapInfo&, const MapScale&, int threads,

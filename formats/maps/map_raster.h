@@ -39,9 +39,8 @@ struct FieldCorner {
 template <int count>
 struct FieldSpan {
   int row, begin, end;
-  // of the fields at texel i: left.fields + (i - left.at.x()) slope
-  FieldCorner<count> left;
-  Eigen::Array<double, count, 1> slope;
+  // of the fields at texel i: at_begin + (i - begin) slope
+  Eigen::Array<double, count, 1> at_begin, slope;
 };
 
 namespace raster {
@@ -52,12 +51,27 @@ inline int first_at_or_after(double x, int low, int high) {
 
 /// Where an edge meets a row. It is always computed from the upper end of the edge, so that the two
 /// triangles of an edge get exactly the same point.
+inline double cut_edge(const Vector2d& p, const Vector2d& q, int row) {
+  const bool p_first = p.y() < q.y();
+  const Vector2d &a = p_first ? p : q, &b = p_first ? q : p;
+  return a.x() + (row - a.y()) / (b.y() - a.y()) * (b.x() - a.x());
+}
+
+/// By how much fields change from texel to texel of a triangle.
 template <int count>
-FieldCorner<count> cut_edge(const FieldCorner<count>& p, const FieldCorner<count>& q, int row) {
-  const bool p_first = p.at.y() < q.at.y();
-  const FieldCorner<count>&a = p_first ? p : q, &b = p_first ? q : p;
-  const double t = (row - a.at.y()) / (b.at.y() - a.at.y());
-  return {a.at + t * (b.at - a.at), a.fields + t * (b.fields - a.fields)};
+struct FieldSlopes {
+  Eigen::Array<double, count, 1> along_row, down;
+};
+
+template <int count>
+FieldSlopes<count> slopes(const FieldCorner<count> (&corner)[3]) {
+  constexpr double none = 1e-9;  // [texel2] a triangle of no area has the fields of one corner
+  const Vector2d u = corner[1].at - corner[0].at, v = corner[2].at - corner[0].at;
+  const double doubled = u.x() * v.y() - u.y() * v.x(),
+               scale = std::abs(doubled) > none ? 1 / doubled : 0;
+  const Eigen::Array<double, count, 1> along_u = scale * (corner[1].fields - corner[0].fields),
+                                       along_v = scale * (corner[2].fields - corner[0].fields);
+  return {v.y() * along_u - u.y() * along_v, u.x() * along_v - v.x() * along_u};
 }
 
 }  // namespace raster
@@ -67,21 +81,26 @@ FieldCorner<count> cut_edge(const FieldCorner<count>& p, const FieldCorner<count
 template <int count, class Span>
 void for_each_span(const FieldCorner<count> (&corner)[3], const MapRows& rows, const Span& span) {
   const auto [top, bottom] = std::minmax({corner[0].at.y(), corner[1].at.y(), corner[2].at.y()});
-  const int end_row = raster::first_at_or_after(bottom, rows.first, rows.last);
-  for (int row = raster::first_at_or_after(top, rows.first, rows.last); row < end_row; ++row) {
-    FieldCorner<count> cut[2];
+  const int first_row = raster::first_at_or_after(top, rows.first, rows.last),
+            end_row = raster::first_at_or_after(bottom, rows.first, rows.last);
+  if (first_row >= end_row) return;
+  const raster::FieldSlopes<count> slopes = raster::slopes(corner);
+  for (int row = first_row; row < end_row; ++row) {
+    double cut[2];
     int cuts = 0;
     for (int k = 0; k < 3; ++k) {
-      const FieldCorner<count>&p = corner[k], &q = corner[(k + 1) % 3];
-      if ((p.at.y() <= row) != (q.at.y() <= row) && cuts < 2)
-        cut[cuts++] = raster::cut_edge(p, q, row);
+      const Vector2d &p = corner[k].at, &q = corner[(k + 1) % 3].at;
+      if ((p.y() <= row) != (q.y() <= row) && cuts < 2) cut[cuts++] = raster::cut_edge(p, q, row);
     }
     if (cuts < 2) continue;
-    if (cut[1].at.x() < cut[0].at.x()) std::swap(cut[0], cut[1]);
-    const double left = cut[0].at.x(), right = cut[1].at.x();
-    span(FieldSpan<count>{row, raster::first_at_or_after(left, 0, rows.size),
-                          raster::first_at_or_after(right, 0, rows.size), cut[0],
-                          (cut[1].fields - cut[0].fields) / std::max(right - left, 1e-300)});
+    const auto [left, right] = std::minmax(cut[0], cut[1]);
+    const int begin = raster::first_at_or_after(left, 0, rows.size),
+              end = raster::first_at_or_after(right, 0, rows.size);
+    if (begin >= end) continue;
+    span(FieldSpan<count>{row, begin, end,
+                          corner[0].fields + (begin - corner[0].at.x()) * slopes.along_row +
+                              (row - corner[0].at.y()) * slopes.down,
+                          slopes.along_row});
   }
 }
 

@@ -17,9 +17,9 @@ import tempfile
 
 from judgement import Judgement
 
-HALF, FLOAT, UINT = (f"{kind}, sampling 1 1" for kind in ("16-bit floating-point", "32-bit floating-point", "32-bit unsigned integer"))
+HALF, UINT = (f"{kind}, sampling 1 1" for kind in ("16-bit floating-point", "32-bit unsigned integer"))
 CHANNELS = {**{name: HALF for name in (*"RGBA", "fold.angle", "fold.peak", "fold.plastic", "dir.x", "dir.y", "strain.min", "strain.max",
-                                     "age.crease", "age.apex", "apex.cone")}, "apex.id": UINT, "apex.dist": FLOAT}
+                                     "age.crease", "age.apex", "apex.cone", "apex.dist")}, "apex.id": UINT}
 OF_EVERY_EXR = {"channels", "compression", "dataWindow", "displayWindow", "lineOrder", "pixelAspectRatio",
                 "screenWindowCenter", "screenWindowWidth", "type"}
 TILED = {"tiles"}

@@ -19,8 +19,8 @@
 /// Sheets with known creases, and the texels of the files of their maps.
 namespace paperbake::test {
 
-inline constexpr double fold_width = 0.002;       // [m]
-inline constexpr double angle_step = 1.0 / 4096;  // [rad] resolution of angles in the file
+inline constexpr double fold_width = 0.002;      // [m]
+inline constexpr double angle_step = 1.0 / 512;  // [rad] resolution of angles in the file
 
 /// A flat rectangle with a grid of nearly square cells of side `edge`.
 inline Sheet flat_sheet(double width, double height, double edge) {

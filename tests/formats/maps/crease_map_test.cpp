@@ -78,7 +78,8 @@ TEST(CreaseMap, TheEigenvalueIsTakenAfterInterpolatingTheTensor) {
   map.record(1, sheet, S);
   const Image image = written(map);
   EXPECT_NEAR(image.at(32, 10).dihedral_angle, 40 * fold_width, angle_step);
-  EXPECT_NEAR(image.at(0, 10).dihedral_angle, 80 * fold_width, 0.01 * 80 * fold_width);
+  EXPECT_NEAR(image.at(0, 10).dihedral_angle, 80 * fold_width,
+              0.01 * 80 * fold_width + angle_step / 2);
 }
 
 TEST(CreaseMap, ThePeakKeepsAnEarlierFoldWithItsSignWhenTheSheetFlattens) {
@@ -143,8 +144,8 @@ TEST(CreaseMap, ApexDistanceIsTheDistanceToTheNearestSingularPoint) {
       double nearest = 1;
       for (const SingularPoint& s : sheet.singular)
         nearest = std::min(nearest, (s.pattern - p).norm());
-      // rounded to at most an eighth of a texel
-      ASSERT_NEAR(image.at(i, j).apex_dist, nearest, 0.1 / 200 / 8);
+      // rounded to steps of at most half a texel
+      ASSERT_NEAR(image.at(i, j).apex_dist, nearest, 0.1 / 200 / 4);
     }
 }
 
@@ -152,7 +153,7 @@ TEST(CreaseMap, WithoutAnApexTheDistanceIsTheDiagonal) {
   CreaseMap map(rectangle(0.04, 0.03), of_size(32));
   const Sheet sheet = flat_sheet(0.04, 0.03, 0.01);
   map.record(1, sheet, vertex_curvature(sheet));
-  for (const MapTexel& texel : written(map).texels) ASSERT_FLOAT_EQ(texel.apex_dist, 0.05f);
+  for (const MapTexel& texel : written(map).texels) ASSERT_EQ(texel.apex_dist, half(0.05f));
 }
 
 TEST(CreaseMap, NoTexelInsideIsLeftOutOnAMeshOfSlivers) {
@@ -227,7 +228,7 @@ TEST(CreaseMap, ANonSquareSheetIsNotStretchedAndPaddedByFourTexels) {
       ASSERT_EQ(image.at(i, j).dihedral_angle, 0);
       ASSERT_EQ(image.at(i, j).fold_peak, 0);
       ASSERT_EQ(image.at(i, j).apex_id, 0u);
-      ASSERT_FLOAT_EQ(image.at(i, j).apex_dist, std::hypot(0.1f, 0.05f));
+      ASSERT_EQ(image.at(i, j).apex_dist, half(std::hypot(0.1f, 0.05f)));
     }
   }
 }
