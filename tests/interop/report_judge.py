@@ -40,7 +40,13 @@ def opened(report, picture, milliseconds, fragment=""):
     command = ["chromium", "--headless", "--no-sandbox", "--use-angle=swiftshader", "--enable-unsafe-swiftshader", "--hide-scrollbars",
                "--enable-logging=stderr", f"--window-size={WIDTH},{HEIGHT}", f"--virtual-time-budget={milliseconds}",
                f"--screenshot={picture}", f"file://{os.path.abspath(report)}{fragment}"]
-    return subprocess.run(command, capture_output=True, text=True, timeout=120, check=False).stderr
+    # Chromium itself hangs now and then while it starts: then it is started once more
+    for seconds in (60, 120):
+        try:
+            return subprocess.run(command, capture_output=True, text=True, timeout=seconds, check=False).stderr
+        except subprocess.TimeoutExpired:
+            if seconds == 120:
+                raise
 
 
 def judge_playing(judgement, report, folder):
