@@ -167,8 +167,8 @@ TEST(InertiaTest, SheetsThatLieOnATableFallAsleepAndAreTakenAlongWhenItMoves) {
 }
 
 TEST(InertiaTest, ASheetInABalanceOnNothingIsNotAsleep) {
-  // Held at its lower edge, it stands upright, and for half a second it moves by less than sheets do
-  // that fall asleep. Then it falls.
+  // Held at its lower edge, it stands upright, and for half a second it moves by less than sheets
+  // do that fall asleep. Then it falls.
   const Scene scene = held_by_an_edge(
       "upright",
       [](double u, double v) -> Vector3d {
