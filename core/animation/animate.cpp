@@ -1,6 +1,7 @@
 #include "core/animation/animate.h"
 
 #include "core/animation/cpu_clock.h"
+#include "core/animation/rehearsal.h"
 #include "core/animation/sheet_islands.h"
 #include "core/animation/sheet_simulation.h"
 #include "core/model/error.h"
@@ -73,10 +74,16 @@ void animate_together(const std::vector<AnimatedSheet>& all,
   const AnimateOptions& options = all.front().options;
   SheetIslands::Sheets sheets;
   std::vector<Times> times(all.size());
+  int doublings = 0;
+  if (all.size() == 1)
+    time_work(times, &Times::elastic, {0}, [&] {
+      doublings = rehearsed_doublings(all.front().shot, all.front().method, options);
+    });
   for (const AnimatedSheet& one : all)
     time_work(times, &Times::geometry, {sheets.size()}, [&] {
       sheets.push_back(std::make_unique<SheetSimulation>(
-          one.shot, one.method, one.options, SheetSimulation::Place{sheets.size(), all.size()}));
+          one.shot, one.method, one.options,
+          SheetSimulation::Place{sheets.size(), all.size(), doublings}));
     });
   for (const auto& sheet : sheets)
     if (sheet->next_frame() != sheets.front()->next_frame())

@@ -88,6 +88,15 @@ std::string note_of_yielding(const std::vector<HandleFrame>& handles) {
   return note;
 }
 
+/// The initial sheet, on a first mesh with so many times more triangles.
+InitialSheet start_on(const Shot& shot, Method& method, const AnimateOptions& options,
+                      int doublings) {
+  InitialSheet start = make_initial_sheet(shot, method, options.seed, options.first_frame);
+  if (doublings == 0) return start;
+  for (int k = 0; k < doublings && method.has_finer_mesh(); ++k) method.finer_mesh();
+  return make_initial_sheet(shot, method, options.seed, options.first_frame);
+}
+
 }  // namespace
 
 SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
@@ -98,8 +107,7 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       options_(options),
       number_(place.number),
       alone_(place.sheets == 1),
-      simulated_(shot, make_initial_sheet(shot, *method_, options.seed, options.first_frame),
-                 options, number_),
+      simulated_(shot, start_on(shot, *method_, options, place.doublings), options, number_),
       handles_(shot, simulated_.handle_vertex, options.first_frame),
       release_(options.fps),
       folds_(simulated_, *method_, options.first_frame),

@@ -22,11 +22,20 @@ class SheetSimulation {
   /// A sheet among those that are animated together.
   struct Place {
     std::size_t number, sheets;
+    int doublings = 0;  // of the triangles of its first mesh (rehearsal.h)
   };
   /// throws  Error(ErrorCode::scene) when options.resume_state is not a state of this shot
   SheetSimulation(const Shot&, const MethodChoice&, const AnimateOptions&, const Place&);
 
   int next_frame() const { return frame_ + 1; }
+
+  /// Whether the sheet would behave in another way on a finer first mesh, and there is one.
+  bool may_start_finer() const;
+  /// Whether the smooth sheet stores as much by stretching as only a crumpled one does: its mesh is
+  /// too coarse for its bends.
+  bool stretches_instead_of_bending() const;
+  /// Relative motion of the handles in the present frame. [1] of the longer side
+  double relative_motion() const { return relative_motion_; }
 
   /// Begins the next frame: where its handles are, and which mesh it is simulated on.
   void prepare(const AdmissibilityCheck& is_admissible);

@@ -51,10 +51,12 @@ class Hybrid : public Method {
     return base_mesh();
   }
   std::optional<FirstMesh> finer_mesh() override {
-    if (doublings_ == max_doublings) return std::nullopt;
+    if (!has_finer_mesh()) return std::nullopt;
     ++doublings_;
     return base_mesh();
   }
+
+  bool has_finer_mesh() const override { return doublings_ < max_doublings; }
 
   bool is_crumpled(const Sheet& sheet) const override { return crumple_.is_crumpled(sheet); }
   bool finds_folds(const Sheet& sheet) const override { return !is_crumpled(sheet); }

@@ -1,0 +1,51 @@
+#include "core/animation/rehearsal.h"
+
+#include "core/animation/sheet_simulation.h"
+#include "core/model/error.h"
+
+#include <algorithm>
+
+namespace paperbake {
+namespace {
+
+constexpr double opening = 0.1;  // [1] of the longer side, that handles move in the rehearsal
+constexpr int most_frames = 64;
+// Frames one after the other that must be locked: a flat sheet that leaves the ground stretches a
+// little in its first frame, when it has hardly any energy yet.
+constexpr int locked_for_certain = 2;
+constexpr int doublings = 2;  // edges half as long
+
+bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
+  const int end = std::min(options.last_frame, options.first_frame + most_frames - 1);
+  const AdmissibilityCheck is_admissible = [](const Sheet&, const Sheet&, double) { return true; };
+  double way = 0;
+  int locked = 0;
+  while (sheet.next_frame() <= end && way < opening && sheet.may_start_finer()) {
+    sheet.prepare(is_admissible);
+    if (sheet.is_idle())
+      sheet.skip_step();
+    else
+      sheet.step(SheetSimulation::RecordTrajectory::no);
+    sheet.finish_step(is_admissible);
+    sheet.finalize(SheetSimulation::Output::simulated_sheet);
+    way += sheet.relative_motion();
+    locked = sheet.stretches_instead_of_bending() ? locked + 1 : 0;
+    if (locked == locked_for_certain) return true;
+  }
+  return false;
+}
+
+}  // namespace
+
+int rehearsed_doublings(const Shot& shot, const MethodChoice& method,
+                        const AnimateOptions& options) {
+  if (!shot.colliders || shot.handles.empty() || !options.resume_state.empty()) return 0;
+  try {
+    SheetSimulation sheet(shot, method, options, {0, 1});
+    return is_held_back(sheet, options) ? doublings : 0;
+  } catch (const Error&) {
+    return 0;  // the shot itself says so, in the frame where it happens
+  }
+}
+
+}  // namespace paperbake

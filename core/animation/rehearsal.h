@@ -1,0 +1,21 @@
+#pragma once
+
+#include "core/animation/animate.h"
+
+namespace paperbake {
+
+/// How often the number of triangles of the first mesh has to be doubled so that the sheet can
+/// bend. A coarse mesh that is bent in two directions stretches instead: it buckles in waves, and
+/// what begins as a smooth roll is crumpled paper a few frames later. The finer mesh has to be
+/// there from the start, because a sheet that has buckled keeps its waves on a finer mesh, too.
+///
+/// The start of the shot is therefore simulated once beforehand, until handles have moved by a
+/// tenth of the sheet, but not for more than 64 frames. Only a sheet without inertia is rehearsed
+/// that has handles and colliders, is alone in its shot, and begins it now: others get a finer mesh
+/// when they need it, or have it already.
+///
+/// returns  0: the first mesh is fine enough, or nothing was rehearsed
+/// source   this project
+int rehearsed_doublings(const Shot&, const MethodChoice&, const AnimateOptions&);
+
+}  // namespace paperbake
