@@ -93,6 +93,7 @@ class Method {
   /// sheet that is held back by its mesh. Nothing if the method has none, or none that is finer
   /// still.
   virtual std::optional<FirstMesh> finer_mesh() { return std::nullopt; }
+  /// Whether finer_mesh() would return a mesh.
   virtual bool has_finer_mesh() const { return false; }
 
   /// Called before `remesh`. May propose another mesh, with positions carried over from the old
