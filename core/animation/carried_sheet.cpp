@@ -35,8 +35,8 @@ void CarriedSheet::carry(SimulatedSheet& simulated, const Method& method, const 
 
 Points3 CarriedSheet::positions(const Sheet& now, const Method& method) const {
   // within the step, the mesh may have changed once more
-  if (!is_carried_ || !sheet_ || sheet_->triangles != now.triangles ||
-      sheet_->pattern != now.pattern)
+  if (!is_carried_ || !sheet_ || !same_entries(sheet_->triangles, now.triangles) ||
+      !same_entries(sheet_->pattern, now.pattern))
     return {};
   Sheet finished = *sheet_;
   method.finish(finished, vertices_of(at_.constraints));

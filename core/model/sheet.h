@@ -14,6 +14,12 @@ using Points2 = Eigen::Matrix<double, Eigen::Dynamic, 2, Eigen::RowMajor>;
 using Points3 = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;
 
+/// Whether two matrices have the same size and the same entries. (Eigen's == wants the same size.)
+template <typename Matrix>
+bool same_entries(const Matrix& a, const Matrix& b) {
+  return a.rows() == b.rows() && a.cols() == b.cols() && a == b;
+}
+
 /// A frame of the animation and its duration.
 struct FrameTime {
   int frame = 1;

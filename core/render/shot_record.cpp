@@ -31,10 +31,8 @@ double shortening(double theta) { return 1 - std::cos(0.5 * theta); }
 
 void ShotRecord::add(const AnimatedFrame& frame) {
   const Sheet& sheet = *frame.sheet;
-  const bool same = !meshes_.empty() && meshes_.back().pattern.rows() == sheet.pattern.rows() &&
-                    meshes_.back().pattern == sheet.pattern &&
-                    meshes_.back().triangles.rows() == sheet.triangles.rows() &&
-                    meshes_.back().triangles == sheet.triangles;
+  const bool same = !meshes_.empty() && same_entries(meshes_.back().pattern, sheet.pattern) &&
+                    same_entries(meshes_.back().triangles, sheet.triangles);
   if (!same) meshes_.push_back({sheet.pattern, sheet.triangles});
   RecordedFrame record;
   record.frame = frame.frame;
