@@ -1,5 +1,6 @@
 #include "core/animation/initial_sheet.h"
 
+#include "core/animation/closing_hands.h"
 #include "core/animation/imperfection.h"
 #include "core/animation/start_mesh.h"
 #include "core/geometry/point_location.h"
@@ -31,6 +32,8 @@ std::vector<Vector2d> required_points(const Shot& shot) {
     for (const Vector2d& p : disc_rim(shot.pattern, shot.handles[h].pattern,
                                       disc_radius(shot.handles, h, shot.pattern)))
       points.push_back(p);
+  const std::vector<Vector2d> between = points_in_closing_hands(shot);
+  points.insert(points.end(), between.begin(), between.end());
   points.insert(points.end(), shot.singular_point_rules.fixed.begin(),
                 shot.singular_point_rules.fixed.end());
   return points;

@@ -50,7 +50,7 @@ SubstepTarget SheetSimulation::substep_target(RecordTrajectory trace) {
 }
 
 bool SheetSimulation::may_jam() const {
-  return alone_ && shot_.colliders && !simulated_.has_inertia() && input_.constraints.empty();
+  return alone_ && shot_.colliders && input_.constraints.empty();
 }
 
 FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) const {

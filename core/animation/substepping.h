@@ -37,7 +37,7 @@ struct SubstepTarget {
   std::vector<TrajectoryPoint>* trajectory;  // receives the trajectory; null: not recorded
   // [m] positions at the start of the shot, as in JointStepSheet
   Points3 initial_positions = {};
-  // nothing but colliders moves the sheet, and no handle that would give way holds it: it may jam
+  // no handle that would give way holds the sheet between its colliders: it may jam
   bool may_jam = false;
 };
 

@@ -1,7 +1,11 @@
 #include "core/animation/collider_jam.h"
 
+#include "core/methods/hybrid.h"
+#include "tests/core/animation/together_shots.h"
+
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <string>
 
 namespace paperbake {
@@ -55,6 +59,37 @@ TEST(ColliderJam, ComesBackFromACheckpoint) {
   EXPECT_NEAR(height(next.from), -0.0025, 1e-15);
   Serializer without_colliders(written.bytes());
   EXPECT_THROW(restored.archive(without_colliders, nullptr, 1), Error);
+}
+
+TEST(ColliderJam, ASheetWithInertiaThatIsPressedThroughATableStaysWhole) {
+  // A finger that is followed through the table stretches it by tens of percent.
+  const int frames = 10;
+  Shot shot = test::placed(0.1, 0.1, {-0.05, -0.05, 0}, Vector3d(1, 0, 0), Vector3d(0, 1, 0));
+  ColliderMesh table{"table", Points3(4, 3), Triangles(2, 3), {}};
+  table.x << -1, -1, -0.0006, 1, -1, -0.0006, 1, 1, -0.0006, -1, 1, -0.0006;
+  table.triangles << 0, 1, 2, 0, 2, 3;
+  ColliderMesh finger{"finger", Points3(4, 3), Triangles(4, 3), {}};
+  finger.x << 0, 0, 0.001, 0.01, 0, 0.04, -0.005, 0.008, 0.04, -0.005, -0.008, 0.04;
+  finger.triangles << 0, 1, 2, 0, 2, 3, 0, 3, 1, 1, 3, 2;
+  for (int f = 0; f < frames; ++f) {
+    finger.frames.push_back(finger.x);
+    finger.frames.back().col(2).array() -= 0.001 * f;
+  }
+  shot.colliders = std::make_shared<const Colliders>(Colliders{Collider(table), Collider(finger)});
+  AnimateOptions options;
+  options.last_frame = frames;
+  options.elastic.inertia = Inertia::dynamic;
+  options.elastic.forces.gravity = 9.81;
+  double worst = 0;
+  std::string last_note;
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options,
+          [&](const AnimatedFrame& frame) {
+            worst = std::max(worst, length_distortion(*frame.sheet).largest);
+            last_note = frame.note;
+            return true;
+          });
+  EXPECT_LT(worst, 0.021);
+  EXPECT_NE(last_note.find("it is jammed"), std::string::npos) << last_note;
 }
 
 }  // namespace
