@@ -107,6 +107,7 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       options_(options),
       number_(place.number),
       alone_(place.sheets == 1),
+      rehearsed_doublings_(place.doublings),
       simulated_(shot, start_on(shot, *method_, options, place.doublings), options, number_),
       handles_(shot, simulated_.handle_vertex, options.first_frame),
       release_(options.fps),
@@ -193,6 +194,9 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   if (!first && !outcome_.contact && (outcome_.at_minimum || simulated_.has_inertia()))
     carried_.begin(sheet, input_before_);
   move_world();
+  if (first && rehearsed_doublings_ > 0)
+    add_note("it begins with " + std::to_string(1 << rehearsed_doublings_) +
+             " times as many triangles: in a rehearsal it stretched instead of bending");
   singular_before_ = sheet.singular.size();
   max_motion_ =
       max_displacement(sheet, input_, input_before_.constraints, simulated_.positions_before);

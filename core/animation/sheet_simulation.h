@@ -164,6 +164,7 @@ class SheetSimulation {
   AnimateOptions options_;
   std::size_t number_;
   bool alone_;                 // no other sheet is animated with it
+  int rehearsed_doublings_;    // of the triangles of its first mesh
   int inertial_halvings_ = 0;  // of a frame with inertia, at least
   SimulatedSheet simulated_;
   HandleConstraints handles_;
