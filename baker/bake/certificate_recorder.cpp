@@ -79,8 +79,7 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
   statistics.singular = static_cast<int>(sheet.singular.size());
   const std::vector<bool> folded = which_are_folded(sheet);
   statistics.folds = static_cast<int>(std::count(folded.begin(), folded.end(), true));
-  const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
-  if (!same(sheet.x, x_before_) || !same(sheet.triangles, triangles_before_))
+  if (!same_entries(sheet.x, x_before_) || !same_entries(sheet.triangles, triangles_before_))
     crossings_before_ = crossings(sheet);  // of a sheet that moves
   triangles_before_ = sheet.triangles;
   statistics.crossings = crossings_before_;
@@ -113,8 +112,7 @@ void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
   for (std::size_t h = 0; h < frame.handles.size() && h < before.size(); ++h)
     moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
              (frame.handles[h].keyed - before[h].keyed).norm() > least_motion;
-  if (moves && frame.sheet->x.rows() == x_before_.rows() && frame.sheet->x == x_before_)
-    append_note(record, note_of_unsolved_step);
+  if (moves && same_entries(frame.sheet->x, x_before_)) append_note(record, note_of_unsolved_step);
   handles_before_ = frame.handles;
   x_before_ = frame.sheet->x;
 }

@@ -91,10 +91,9 @@ void archive_sheet(Serializer& a, RenderedSheet& s, CacheFrame& mesh) {
   archive_floats(a, s.mesh.normal);
   archive_floats(a, s.mesh.crease);
   a(s.mesh.layers);
-  const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
-  bool as_before = !a.reads() && same(s.mesh.triangles, mesh.triangles) &&
-                   same(s.mesh.normal_of_corner, mesh.normal_of_corner) &&
-                   same(s.mesh.uv, mesh.uv) && s.mesh.surface == mesh.surface;
+  bool as_before = !a.reads() && same_entries(s.mesh.triangles, mesh.triangles) &&
+                   same_entries(s.mesh.normal_of_corner, mesh.normal_of_corner) &&
+                   same_entries(s.mesh.uv, mesh.uv) && s.mesh.surface == mesh.surface;
   a(as_before);
   if (!as_before) {
     a(s.mesh.triangles, s.mesh.normal_of_corner, s.mesh.uv);

@@ -64,7 +64,7 @@ void SimulationCache::flush_deferred(const Sheet* next) {
 /// Positions in another frame, whatever its mesh, of the points that are vertices of now_.
 /// |V|x3 [m]
 Points3 SimulationCache::resample(const Sheet& other) const {
-  const bool same = other.pattern.rows() == now_.pattern.rows() && other.pattern == now_.pattern;
+  const bool same = same_entries(other.pattern, now_.pattern);
   return same ? other.x : MeshTransfer(other.pattern, other.triangles, now_.pattern)(other.x);
 }
 

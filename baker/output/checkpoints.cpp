@@ -59,7 +59,7 @@ bool same_bytes(const Sheet& now, const Sheet& before) {
     archive_moving(a, sheet);
     return a.bytes();
   };
-  return now.x.rows() == before.x.rows() && now.x == before.x && bytes(now) == bytes(before);
+  return same_entries(now.x, before.x) && bytes(now) == bytes(before);
 }
 
 /// All that is handed on of a sheet in a frame. mesh: of the frame before in the same checkpoint;
@@ -67,9 +67,8 @@ bool same_bytes(const Sheet& now, const Sheet& before) {
 void archive_frame(Serializer& a, AnimatedFrame& f, Sheet& now, Sheet& mesh) {
   a(f.frame, f.sheet_index, f.handles, f.statistics, f.plastic_curvature, f.parts.rulings,
     f.parts.region, f.note);
-  const auto same = [](const auto& m, const auto& n) { return m.rows() == n.rows() && m == n; };
-  bool as_before =
-      !a.reads() && same(now.pattern, mesh.pattern) && same(now.triangles, mesh.triangles);
+  bool as_before = !a.reads() && same_entries(now.pattern, mesh.pattern) &&
+                   same_entries(now.triangles, mesh.triangles);
   a(as_before);
   if (!as_before)
     archive_mesh(a, now);

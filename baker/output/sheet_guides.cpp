@@ -29,11 +29,6 @@ Points3 face_normals(const CacheFrame& mesh) {
   return normals;
 }
 
-template <class Rows>
-bool same(const Rows& a, const Rows& b) {
-  return a.rows() == b.rows() && a == b;
-}
-
 }  // namespace
 
 SheetGuides::SheetGuides(const Shot& shot)
@@ -70,7 +65,7 @@ std::vector<DetectedCrease> SheetGuides::sharpest() const {
 }
 
 void SheetGuides::lay_on(const CacheFrame& mesh) {
-  if (laid_ && same(mesh.triangles, triangles_) && same(mesh.uv, uv_)) return;
+  if (laid_ && same_entries(mesh.triangles, triangles_) && same_entries(mesh.uv, uv_)) return;
   const Points2 pattern = longer_side(shot_.pattern) * mesh.uv;
   const PointLocator locator(pattern, mesh.triangles);
   const double spacing = mean_edge(pattern, mesh.triangles);
