@@ -3,6 +3,7 @@
 #include "baker/bake/bake_pipeline.h"
 #include "baker/bake/completed_bake.h"
 #include "baker/bake/frame_queue.h"
+#include "baker/bake/takes.h"
 #include "baker/job/output_formats.h"
 #include "baker/job/plan_warnings.h"
 #include "baker/output/checkpoints.h"
@@ -52,9 +53,10 @@ void make_folders(const BakeSettings& settings, const OutputFolder& folder) {
 /// Records the frames that earlier bakes have simulated, and sets the options to resume after them.
 /// returns  the first frame that is to be simulated
 int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pipeline,
-                Progress& progress, std::vector<AnimateOptions>& options) {
+                Progress& progress, Takes& takes, std::vector<AnimateOptions>& options) {
   Checkpoints::ResumePoint resume = checkpoints.load([&](const AnimatedFrame& frame) {
     progress.taken(plan.shots[frame.sheet_index].sheet_name, frame.frame);
+    takes.watch(frame);
     return pipeline.files().failures.try_write(rest_of_frames, [&] { pipeline.record(frame); });
   });
   const int first = plan.animation.first_frame;
@@ -67,11 +69,12 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pi
   return resume.last_frame + 1;
 }
 
-/// First stage: loads or simulates all frames and records them.
+/// First stage: loads or simulates all frames of a take and records them, or those until it fails.
 /// returns  what ended the simulation before its last frame
-std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan& plan,
-                                   const OutputFolder& folder, BakePipeline& pipeline,
-                                   Progress& progress, StopRequest& stop) {
+std::optional<Error> record_frames(const BakeSettings& settings, const OutputFolder& folder,
+                                   BakePipeline& pipeline, Progress& progress, StopRequest& stop,
+                                   Takes& takes) {
+  const BakePlan& plan = takes.plan();
   const bool resumable = can_resume(plan), kept = can_keep(plan);
   std::vector<AnimateOptions> options = options_of_sheets(plan);
   for (AnimateOptions& of_sheet : options)  // a later bake that resumes may want maps
@@ -80,22 +83,25 @@ std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan&
                           resumable ? Reuse::any_of_them : Reuse::all_or_none);
   int first = plan.animation.first_frame;
   if (settings.resume == Resume::automatic && kept)
-    first = load_frames(checkpoints, plan, pipeline, progress, options);
+    first = load_frames(checkpoints, plan, pipeline, progress, takes, options);
 
   const StageClock::Part part(&pipeline.clock(), Stage::simulate);
   FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { pipeline.record(frame); });
   std::optional<Error> failure;
   try {
-    if (first <= plan.animation.last_frame)
+    if (first <= plan.animation.last_frame && !takes.is_failing())
       simulate(plan, options, settings.threads, [&](const AnimatedFrame& frame) {
         if (kept) checkpoints.add(frame);
+        takes.watch(frame);
         if (!queue.push(frame)) return false;
         // polished frames come sheet by sheet
         const bool is_last_sheet =
             plan.polish.triangles > 0 || frame.sheet_index + 1 == plan.shots.size();
-        if (!is_last_sheet || frame.frame == plan.animation.last_frame || !stop.is_made())
-          return true;
+        if (!is_last_sheet) return true;
+        const bool ends = takes.is_failing() || stop.is_made();
+        if (frame.frame == plan.animation.last_frame || !ends) return true;
         if (resumable) checkpoints.keep(frame.frame);
+        if (!stop.is_made()) return false;
         throw stopped(settings, plan, frame.frame);
       });
   } catch (const Error& error) {
@@ -106,6 +112,12 @@ std::optional<Error> record_frames(const BakeSettings& settings, const BakePlan&
     progress.warning("what a later bake would go on from could not be kept: " +
                      checkpoints.failure());
   return failure;
+}
+
+/// returns  false when it was stopped
+bool choose_take(Takes& takes, Progress& progress, StopRequest& stop, StageClock& clock) {
+  const StageClock::Part part(&clock, Stage::takes);
+  return takes.choose(progress, stop);
 }
 
 /// Simulates the twin of a bake and enters its distance into the certificate.
@@ -142,11 +154,28 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   make_folders(settings, folder);
   invalidate_completed_bake(folder.path());
 
-  BakePipeline pipeline(settings, plan, folder.path(), progress);
+  Takes takes(settings, plan, folder.sub(".state") / "take");
   StopRequest stop(asks_to_stop);
-  std::optional<Error> failure = record_frames(settings, plan, folder, pipeline, progress, stop);
+  StageClock clock;
+  std::optional<BakePipeline> recorded;
+  std::optional<Error> failure;
+  const auto record = [&] {
+    recorded.emplace(settings, takes.plan(), folder.path(), progress, clock);
+    failure = record_frames(settings, folder, *recorded, progress, stop, takes);
+  };
+  record();
+  if (takes.is_failing() && !failure) {
+    if (choose_take(takes, progress, stop, clock)) {
+      recorded.reset();  // its files are written anew
+      progress.begin_again();
+      record();
+    } else
+      failure = stopped(settings, plan, takes.failing_frame());
+  }
+  BakePipeline& pipeline = *recorded;
   if (pipeline.is_empty()) throw failure ? *failure : pipeline.files().failures.all().front().error;
-  if (settings.twin && !failure) compare_with_twin(settings, plan, pipeline, progress, stop);
+  if (settings.twin && !failure)
+    compare_with_twin(settings, takes.plan(), pipeline, progress, stop);
   if (!pipeline.render(stop) && !failure)
     failure = stopped(settings, plan, plan.animation.last_frame);
   const BakeOutcome outcome = pipeline.write(failure);

@@ -34,17 +34,20 @@ ColliderRecord collider_record(const BakePlan& plan) {
 }  // namespace
 
 BakePipeline::BakePipeline(const BakeSettings& settings, const BakePlan& plan,
-                           const std::filesystem::path& folder, Progress& progress)
+                           const std::filesystem::path& folder, Progress& progress,
+                           StageClock& clock)
     : files_(folder),
       certificate_(plan),
       caches_(settings.formats, {plan, folder, plan.file_suffixes}, files_),
       tasks_(settings.threads),
-      context_{settings, plan,   plan.file_suffixes, files_, certificate_, caches_, progress,
-               tasks_,   &clock_} {
+      context_{settings, plan,  plan.file_suffixes, files_, certificate_, caches_, progress,
+               tasks_,   &clock} {
   if (settings.twin) shapes_.emplace(plan);
   for (std::size_t s = 0; s < plan.shots.size(); ++s)
     recorders_.push_back(std::make_unique<SheetRecorder>(context_, s));
 }
+
+BakePipeline::~BakePipeline() { tasks_.wait(); }
 
 bool BakePipeline::needs_plastic_curvature() const {
   return context_.settings.formats.count("maps") > 0 || context_.plan.guides ||
@@ -62,7 +65,7 @@ void BakePipeline::record_twin(const AnimatedFrame& frame) {
 }
 
 bool BakePipeline::render(StopRequest& stop) {
-  const StageClock::Part part(&clock_, Stage::render_frames);
+  const StageClock::Part part(context_.clock, Stage::render_frames);
   std::vector<std::size_t> sheets;
   std::vector<const ShotRecord*> records;
   for (std::size_t s = 0; s < recorders_.size(); ++s) {
@@ -126,10 +129,10 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
   std::vector<RenderInput> inputs;
   for (const std::size_t s : sheets) inputs.push_back({&recorders_[s]->record(), &plan.shots[s]});
   RenderPass pass(std::move(inputs), {settings.quality, left, plan.animation.fps, settings.threads,
-                                      features, &clock_});
+                                      features, context_.clock});
   for (; !stop.is_time_up() && pass.next(); ++rendered) {
     for (std::size_t i = 0; i < pass.sheets().size(); ++i) {
-      const StageClock::Part of_caches(&clock_, Stage::caches);
+      const StageClock::Part of_caches(context_.clock, Stage::caches);
       RenderedSheet& sheet = pass.sheets()[i];
       sheet.mesh.layers =
           recorders_[sheets[i]]->crease_attributes(sheet.record_index, pass.pattern(i));
@@ -137,7 +140,7 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
       if (i < surfaces.size()) sheet.mesh.surface = surfaces[i];
     }
     {
-      const StageClock::Part keeping(&clock_, Stage::keep);
+      const StageClock::Part keeping(context_.clock, Stage::keep);
       kept.add(pass.sheets());
     }
     hand_on(sheets, pass.sheets());
@@ -148,7 +151,7 @@ void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
 /// sheets  the numbers of those in the frame, and maybe more
 void BakePipeline::hand_on(const std::vector<std::size_t>& sheets,
                            std::vector<RenderedSheet>& frame) {
-  const StageClock::Part part(&clock_, Stage::caches);
+  const StageClock::Part part(context_.clock, Stage::caches);
   for (std::size_t i = 0; i < frame.size(); ++i) {
     FrameRecord& line = certificate_.line(sheets.at(i), frame[i].frame);
     line.statistics.render = frame[i].statistics;
@@ -179,7 +182,7 @@ std::string BakePipeline::render_key(const std::vector<std::size_t>& sheets) con
 }
 
 BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
-  const StageClock::Part part(&clock_, Stage::certificate);
+  const StageClock::Part part(context_.clock, Stage::certificate);
   const BakePlan& plan = context_.plan;
   const std::size_t maps = files_.written().size();
   certificate_.finalize(caches_.finish({certificate_.lines_of_sheets(), certificate_.handles}));
@@ -236,7 +239,7 @@ void BakePipeline::write_certificate(const BakeOutcome& outcome,
         context_.plan, certificate_.frames(),
         {certificate_.crease_length, certificate_.found_creases, certificate_.frames_of_folding},
         {outcome.missed, error ? static_cast<int>(error->code) : outcome.exit_code,
-         error ? error->what() : "", clock_.seconds()},
+         error ? error->what() : "", clock().seconds()},
         hashes);
   });
 }

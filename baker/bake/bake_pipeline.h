@@ -28,8 +28,9 @@ class BakePipeline {
  public:
   /// folder  the output folder, which is there
   /// throws  Error(ErrorCode::folder) when a file of a cache cannot be created
-  BakePipeline(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder,
-               Progress&);
+  BakePipeline(const BakeSettings&, const BakePlan&, const std::filesystem::path& folder, Progress&,
+               StageClock&);
+  ~BakePipeline();  // maps that are being drawn are completed
   BakePipeline(const BakePipeline&) = delete;
   BakePipeline& operator=(const BakePipeline&) = delete;
 
@@ -49,7 +50,7 @@ class BakePipeline {
   BakeOutcome write(const std::optional<Error>& failure);
 
   BakeFiles& files() { return files_; }
-  StageClock& clock() { return clock_; }
+  StageClock& clock() { return *context_.clock; }
   /// No frame was recorded that is to be written.
   bool is_empty() const { return certificate_.frames().empty(); }
 
@@ -62,7 +63,6 @@ class BakePipeline {
   void write_certificate(const BakeOutcome&, const std::optional<Error>& failure);
   std::optional<Error> final_error(const std::optional<Error>& failure) const;
 
-  StageClock clock_;
   BakeFiles files_;
   ShotCertificate certificate_;
   CacheWriters caches_;

@@ -5,9 +5,9 @@
 namespace paperbake {
 namespace {
 
-constexpr const char* names[stages] = {"plan",        "simulate",      "record",     "maps",
-                                       "render_mesh", "render_frames", "keep_apart", "judge",
-                                       "caches",      "keep",          "certificate"};
+constexpr const char* names[stages] = {"plan",  "simulate",    "takes",         "record",
+                                       "maps",  "render_mesh", "render_frames", "keep_apart",
+                                       "judge", "caches",      "keep",          "certificate"};
 
 thread_local StageClock::Part* innermost = nullptr;
 

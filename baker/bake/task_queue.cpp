@@ -23,4 +23,8 @@ std::shared_future<void> TaskQueue::start(std::function<void()> task) {
   return started_.back();
 }
 
+void TaskQueue::wait() {
+  for (const std::shared_future<void>& task : started_) task.wait();
+}
+
 }  // namespace paperbake

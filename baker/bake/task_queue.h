@@ -15,6 +15,8 @@ class TaskQueue {
   /// Starts a task as soon as those before it are done; waits while too many are on the way. Frees
   /// the task when it is done. What the task throws, the future throws.
   std::shared_future<void> start(std::function<void()> task);
+  /// Waits until all are done.
+  void wait();
 
  private:
   std::launch policy_;

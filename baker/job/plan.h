@@ -4,6 +4,7 @@
 #include "baker/job/crease_lines.h"
 #include "baker/job/method_choice.h"
 #include "baker/job/settings.h"
+#include "baker/job/take_choice.h"
 #include "core/animation/animate.h"
 #include "core/animation/handle_feasibility.h"
 
@@ -51,6 +52,7 @@ struct BakePlan {
   Polishing polish;
   std::optional<AccuracyChoice>
       accuracy;  // how the size of the mesh was chosen; none: it was given
+  std::optional<TakeChoice> take;  // none: the first take is baked, and no other was tried
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;  // every value and where it came from, for job.lock.toml

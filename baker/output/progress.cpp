@@ -149,6 +149,12 @@ void Progress::simulated(const FrameRecord& record) {
 
 void Progress::taken(const std::string& sheet, int last_frame) { taken_[sheet] = last_frame; }
 
+void Progress::begin_again() {
+  simulate_ = {simulate_.name};
+  taken_.clear();
+  last_ = std::chrono::steady_clock::now();
+}
+
 void Progress::rendered(const FrameRecord& record) {
   frame(render_, record, record.statistics.render->stretch_mean,
         record.statistics.render->triangles);

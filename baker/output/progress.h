@@ -64,6 +64,8 @@ class Progress {
   /// Frames of a sheet up to this one are not simulated but taken from an earlier bake: they are
   /// counted, and nothing is told of each.
   void taken(const std::string& sheet, int last_frame);
+  /// What was simulated is not used: the first pass begins again.
+  void begin_again();
   void rendered(const FrameRecord&);
   /// A sentence on a line of its own, whatever the mode (but none).
   void message(const std::string& sentence) { say("message", "", sentence); }

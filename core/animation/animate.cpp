@@ -69,63 +69,87 @@ std::vector<Island> step(SheetIslands::Sheets& sheets, const SheetIslands* betwe
 
 }  // namespace
 
-void animate_together(const std::vector<AnimatedSheet>& all,
-                      const std::function<bool(const AnimatedFrame&)>& on_frame) {
-  const AnimateOptions& options = all.front().options;
+struct Animation::State {
+  explicit State(const std::vector<AnimatedSheet>& sheets) : all(sheets), times(sheets.size()) {}
+
+  const std::vector<AnimatedSheet> all;
+  std::vector<Times> times;  // since the last frame
   SheetIslands::Sheets sheets;
-  std::vector<Times> times(all.size());
+  std::optional<SheetIslands> between_sheets;
+
+  const AnimateOptions& options() const { return all.front().options; }
+  AdmissibilityCheck is_admissible(std::size_t s) const {
+    return [this, s](const Sheet& here, const Sheet& there, double moved) {
+      return !between_sheets || between_sheets->is_admissible(s, here, there, moved);
+    };
+  }
+};
+
+Animation::Animation(const std::vector<AnimatedSheet>& all) : state_(std::make_unique<State>(all)) {
+  State& a = *state_;
   int doublings = 0;
   if (all.size() == 1)
-    time_work(times, &Times::elastic, {0}, [&] {
-      doublings = rehearsed_doublings(all.front().shot, all.front().method, options);
+    time_work(a.times, &Times::elastic, {0}, [&] {
+      doublings = rehearsed_doublings(all.front().shot, all.front().method, a.options());
     });
   for (const AnimatedSheet& one : all)
-    time_work(times, &Times::geometry, {sheets.size()}, [&] {
-      sheets.push_back(std::make_unique<SheetSimulation>(
+    time_work(a.times, &Times::geometry, {a.sheets.size()}, [&] {
+      a.sheets.push_back(std::make_unique<SheetSimulation>(
           one.shot, one.method, one.options,
-          SheetSimulation::Place{sheets.size(), all.size(), doublings}));
+          SheetSimulation::Place{a.sheets.size(), all.size(), doublings}));
     });
-  for (const auto& sheet : sheets)
-    if (sheet->next_frame() != sheets.front()->next_frame())
+  for (const auto& sheet : a.sheets)
+    if (sheet->next_frame() != a.sheets.front()->next_frame())
       throw Error(ErrorCode::scene, "state",
                   "Sheets that are animated together go on from one frame.");
-  const bool begins = options.resume_state.empty();
-  if (!begins) times.assign(all.size(), {});
-  std::optional<SheetIslands> between_sheets;
-  if (all.size() > 1 && options.elastic.contact == SelfContact::automatic)
-    between_sheets.emplace(sheets,
-                           begins ? SheetIslands::Start::fresh : SheetIslands::Start::resumed);
+  const bool begins = a.options().resume_state.empty();
+  if (!begins) a.times.assign(all.size(), {});
+  if (all.size() > 1 && a.options().elastic.contact == SelfContact::automatic)
+    a.between_sheets.emplace(a.sheets,
+                             begins ? SheetIslands::Start::fresh : SheetIslands::Start::resumed);
+}
 
-  for (int frame = sheets.front()->next_frame(); frame <= options.last_frame; ++frame) {
-    const auto is_admissible = [&](std::size_t s) -> AdmissibilityCheck {
-      return [&, s](const Sheet& here, const Sheet& there, double moved) {
-        return !between_sheets || between_sheets->is_admissible(s, here, there, moved);
-      };
-    };
-    for (std::size_t s = 0; s < sheets.size(); ++s)
-      time_work(times, &Times::geometry, {s}, [&] { sheets[s]->prepare(is_admissible(s)); });
-    const std::vector<Island> islands =
-        step(sheets, between_sheets ? &*between_sheets : nullptr, times);
-    for (std::size_t s = 0; s < sheets.size(); ++s)
-      time_work(times, &Times::elastic, {s}, [&] { sheets[s]->finish_step(is_admissible(s)); });
-    for (const Island& island : islands)
-      time_work(times, &Times::geometry, island, [&] {
-        if (island.size() > 1)
-          between_sheets->finalize(island);
-        else
-          sheets[island.front()]->finalize(SheetSimulation::Output::finished_sheet);
-      });
-    if (between_sheets) between_sheets->restore_contact_distances();
-    std::vector<AnimatedFrame> results;
-    for (std::size_t s = 0; s < sheets.size(); ++s) {
-      results.push_back(sheets[s]->report());
-      results.back().statistics.elastic_ms = times[s].elastic;
-      results.back().statistics.geometry_ms = times[s].geometry;
-    }
-    times.assign(all.size(), {});
-    for (const AnimatedFrame& result : results)
-      if (!on_frame(result)) return;
+Animation::~Animation() = default;
+Animation::Animation(Animation&&) noexcept = default;
+
+bool Animation::is_over() const {
+  return state_->sheets.front()->next_frame() > state_->options().last_frame;
+}
+
+std::vector<AnimatedFrame> Animation::next_frame() {
+  SheetIslands::Sheets& sheets = state_->sheets;
+  std::vector<Times>& times = state_->times;
+  const SheetIslands* between = state_->between_sheets ? &*state_->between_sheets : nullptr;
+  for (std::size_t s = 0; s < sheets.size(); ++s)
+    time_work(times, &Times::geometry, {s}, [&] { sheets[s]->prepare(state_->is_admissible(s)); });
+  const std::vector<Island> islands = step(sheets, between, times);
+  for (std::size_t s = 0; s < sheets.size(); ++s)
+    time_work(times, &Times::elastic, {s},
+              [&] { sheets[s]->finish_step(state_->is_admissible(s)); });
+  for (const Island& island : islands)
+    time_work(times, &Times::geometry, island, [&] {
+      if (island.size() > 1)
+        between->finalize(island);
+      else
+        sheets[island.front()]->finalize(SheetSimulation::Output::finished_sheet);
+    });
+  if (between) state_->between_sheets->restore_contact_distances();
+  std::vector<AnimatedFrame> frames;
+  for (std::size_t s = 0; s < sheets.size(); ++s) {
+    frames.push_back(sheets[s]->report());
+    frames.back().statistics.elastic_ms = times[s].elastic;
+    frames.back().statistics.geometry_ms = times[s].geometry;
   }
+  times.assign(sheets.size(), {});
+  return frames;
+}
+
+void animate_together(const std::vector<AnimatedSheet>& all,
+                      const std::function<bool(const AnimatedFrame&)>& on_frame) {
+  Animation animation(all);
+  while (!animation.is_over())
+    for (const AnimatedFrame& frame : animation.next_frame())
+      if (!on_frame(frame)) return;
 }
 
 void animate(const Shot& shot, const MethodChoice& method, const AnimateOptions& options,

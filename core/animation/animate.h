@@ -6,6 +6,7 @@
 #include "core/step1_elastic/elastic.h"
 
 #include <functional>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -75,5 +76,23 @@ struct AnimatedSheet {
 /// source    this project
 void animate_together(const std::vector<AnimatedSheet>&,
                       const std::function<bool(const AnimatedFrame&)>& on_frame);
+
+/// The same, one frame at a time: it can be left standing while something else is simulated.
+class Animation {
+ public:
+  /// The sheets must live as long as this. throws as animate()
+  explicit Animation(const std::vector<AnimatedSheet>&);
+  ~Animation();
+  Animation(Animation&&) noexcept;
+
+  bool is_over() const;
+  /// Simulates the next frame. To be called while it is not over. throws as animate()
+  /// returns  the frame of every sheet; what they point to stays valid until the next call
+  std::vector<AnimatedFrame> next_frame();
+
+ private:
+  struct State;
+  std::unique_ptr<State> state_;
+};
 
 }  // namespace paperbake
