@@ -1,6 +1,6 @@
 #include "core/animation/mesh_swap.h"
 
-#include "core/animation/mesh_coarseness.h"
+#include "core/geometry/mesh_coarseness.h"
 #include "core/geometry/mesh_transfer.h"
 
 #include <algorithm>

@@ -228,7 +228,8 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
   const bool contact_enabled = options.contact == SelfContact::automatic;
   const double stop = options.stop;
   if (!contact_enabled || !state.had_contact) {
-    // a sheet that rests on a collider has no second branch, and needs few mixed Newton iterations
+    // a sheet that rests on a collider has no second branch unless it is locked, and needs few
+    // mixed Newton iterations
     const bool lies = colliders && colliders->touching(before) > 0;
     if (lies) {
       state.second.reset();
@@ -242,7 +243,7 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
       how.should_abort = [&](const Points3& x) { return !contact->clear(before, x, step.hard); };
     if (lies) how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
     report = solve(sheet, step, nullptr, how,
-                   lies ? BranchSearchMode::none : BranchSearchMode::when_slow);
+                   lies ? BranchSearchMode::when_locked : BranchSearchMode::when_slow);
     report.snap_in_progress |= lies && !report.converged;
     const int more = extra_iterations * options.max_iterations / default_iterations;
     if (is_interactive() && !lies && !report.converged && more > 0 &&

@@ -101,6 +101,8 @@ struct SolverState {
   bool had_contact = false;
   // index of the step before which no new search for a second branch begins
   int branch_cooldown_until = 0;
+  // [J] energy with which a locked sheet last searched; 0: it is not locked (solver_limits.h)
+  double locked_energy = 0;
   bool descending = false;              // line-search Newton was still on its way down to a minimum
   std::optional<BranchDescent> second;  // a descent that is not finished yet
   FrictionHistory friction;             // of contacts at the end of the last step
@@ -132,9 +134,10 @@ struct SweptSheet;
 ///   confine it to tiny steps;
 /// - line-search Newton, with the exact Hessian (projected where it is not positive definite) and a
 ///   backtracking line search.
-/// A step that takes many iterations is leaving an unstable shape (a snap-through). It is then
-/// solved a second time, starting with a softened membrane, and the lower of the two minima is
-/// kept.
+/// A step that takes many iterations is leaving an unstable shape (a snap-through), and a smooth
+/// sheet that stores a sixth of its energy by stretching is locked in waves that paper would leave.
+/// Such a step is solved a second time, starting with a softened membrane, and the lower of the two
+/// minima is kept.
 ///
 /// With a plastic grid, E_bending yields within the step (bending.h), and the plastic increment at
 /// its end is written to the grid.

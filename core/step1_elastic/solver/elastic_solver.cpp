@@ -2,6 +2,7 @@
 
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/mesh_coarseness.h"
 #include "core/model/error.h"
 
 #include <cmath>
@@ -71,15 +72,38 @@ void Elastic::Impl::advance(BranchDescent& way, const IncrementalPotential& W, i
   way.attempts = 0;
 }
 
+bool Elastic::Impl::locks(const Sheet& sheet) {
+  if (!sheet.singular.empty() || !sheet.prescribed_creases.empty()) return false;
+  const ElasticEnergy::Parts stored = energy->parts(sheet.x);
+  const double all = stored.membrane + stored.bending;
+  if (all < least_locked_energy || stored.membrane < locked_share / 2 * all)
+    state.locked_energy = 0;
+  if (state.steps < first_step_of_locked || all < least_locked_energy ||
+      stored.membrane < locked_share * all || all < growth_until_search * state.locked_energy)
+    return false;
+  if (mean_square_fold(sheet) > too_coarse) return false;
+  state.locked_energy = all;
+  return true;
+}
+
+BranchSearchReason Elastic::Impl::reason_to_search(const Sheet& sheet, BranchSearchMode mode,
+                                                   const ElasticReport& step) {
+  if (locks(sheet)) return BranchSearchReason::locked;
+  const bool slow =
+      step.iterations > slow_convergence_iterations || (is_interactive() && !step.converged);
+  return slow && mode == BranchSearchMode::when_slow ? BranchSearchReason::slow
+                                                     : BranchSearchReason::none;
+}
+
 void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const Points3& before,
                                           const Points3& start, const PositionConstraints& hard,
-                                          Points3& x, ElasticReport& report) {
+                                          BranchSearchReason why, Points3& x,
+                                          ElasticReport& report) {
   const auto passes = [&](const Points3& to) {
     return options.contact == SelfContact::automatic && !contact->clear(before, to, hard);
   };
   std::optional<BranchDescent>& way = state.second;
-  const bool leaves =
-      report.iterations > slow_convergence_iterations || (is_interactive() && !report.converged);
+  const bool leaves = why != BranchSearchReason::none;
   const bool begun_before = way.has_value();
   const int total = iteration_budget().total * options.max_iterations / default_iterations;
   if (way) {
@@ -87,20 +111,23 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const P
     if (colliders) colliders->project_outside(way->x);
   } else if (!leaves || (report.converged && passes(x)))
     return;  // a shape that collides with itself is not where the sheet will stay
-  else if (state.steps < state.branch_cooldown_until)
+  else if (why == BranchSearchReason::slow && state.steps < state.branch_cooldown_until)
     return;
   else
     way = BranchDescent{start};
+  // a locked sheet is at rest, and its descent must not keep it from being so
+  const bool may_be_unfinished = is_interactive() && why != BranchSearchReason::locked;
   while (way->phase != BranchDescent::finished) {
-    const int left = is_interactive() ? std::min(options.max_iterations, total - report.iterations)
-                                      : options.max_iterations;
+    const int left = may_be_unfinished ? std::min(options.max_iterations, total - report.iterations)
+                                       : options.max_iterations;
     if (left < std::min(options.max_iterations, min_iterations_to_start)) return;
     advance(*way, W, left, report);
   }
   const double here = W(x), there = W(way->x);
   if (!is_interactive() && state.remeshed && there > here - min_relative_gain * std::abs(here))
     state.branch_cooldown_until = state.steps + branch_cooldown_steps;
-  if (there < here && !passes(way->x)) {
+  const double least_gain = why == BranchSearchReason::locked ? locked_gain * std::abs(here) : 0;
+  if (there < here - least_gain && !passes(way->x)) {
     report.energy_gain = (here - there) / std::max(std::abs(here), 1e-300);
     report.converged = way->converged;
     state.descending = false;
@@ -214,10 +241,12 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
     const NewtonReport newton = minimise(W, how, stress, sheet.x);
     report.iterations = newton.iterations;
     report.converged = newton.converged;
-    if (second == BranchSearchMode::when_slow) {
-      state.descending = newton.descended && !newton.converged;
+    if (second != BranchSearchMode::none) {
+      state.descending =
+          second == BranchSearchMode::when_slow && newton.descended && !newton.converged;
       if (!newton.should_abort)
-        descend_second_branch(W, before, starts.front(), step.hard, sheet.x, report);
+        descend_second_branch(W, before, starts.front(), step.hard,
+                              reason_to_search(sheet, second, report), sheet.x, report);
       report.snap_in_progress = state.descending || state.second;
     }
   }

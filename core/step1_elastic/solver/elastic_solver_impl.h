@@ -141,9 +141,14 @@ struct Elastic::Impl {
   /// result is taken if it is lower.
   /// before  where this step began
   /// start   the initial guess from there
+  /// why     it is searched for
   void descend_second_branch(const IncrementalPotential& W, const Points3& before,
-                             const Points3& start, const PositionConstraints& hard, Points3& x,
-                             ElasticReport&);
+                             const Points3& start, const PositionConstraints& hard,
+                             BranchSearchReason why, Points3& x, ElasticReport&);
+  /// Whether there is reason to search for a second branch after a step to this sheet.
+  BranchSearchReason reason_to_search(const Sheet&, BranchSearchMode, const ElasticReport&);
+  /// Whether the sheet has become locked, or has stretched far more since it last searched.
+  bool locks(const Sheet&);
 
   /// The panels of the sheet whose creases were read last; none: it has no creases.
   std::optional<Panels> panels_now() const;

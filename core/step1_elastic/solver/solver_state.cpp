@@ -6,8 +6,8 @@ namespace paperbake {
 static void archive(Serializer& a, BranchDescent& w) { a(w.x, w.phase, w.attempts, w.converged); }
 
 void archive(Serializer& a, SolverState& p) {
-  a(p.positions, p.steps, p.remeshed, p.had_contact, p.branch_cooldown_until, p.descending,
-    p.second, p.ridges.share, p.ridges.focus, p.friction);
+  a(p.positions, p.steps, p.remeshed, p.had_contact, p.branch_cooldown_until, p.locked_energy,
+    p.descending, p.second, p.ridges.share, p.ridges.focus, p.friction);
 }
 
 }  // namespace paperbake

@@ -1,4 +1,4 @@
-#include "core/animation/mesh_coarseness.h"
+#include "core/geometry/mesh_coarseness.h"
 
 #include "core/geometry/hinges.h"
 
