@@ -2,7 +2,7 @@
 // ended when one frame takes more than --seconds of processor time.
 //
 //   build/paperbake_stress [--scripts N] [--seed S] [--method hybrid|fem|adaptive] [--jobs N]
-//                          [--seconds N] [--json FILE] [--only INDEX] [--rises]
+//                          [--seconds N] [--triangles N] [--json FILE] [--only INDEX] [--rises]
 //
 // The default is 1,000 scripts with seed 1 by every method. Results do not depend on how many
 // scripts run at a time. A script that dies or does not end is reported by its index, with what it
@@ -52,6 +52,7 @@ struct Run {
   std::uint32_t seed = 1;
   std::size_t jobs = std::max(1u, std::thread::hardware_concurrency());
   rlim_t seconds = 120;  // of processor time, for each frame
+  int triangles = 3000;  // that adaptive may have
   bool watch_rises = false;
 };
 
@@ -65,9 +66,9 @@ struct MeshSwapResult {
   char error[200] = "";
 };
 
-MethodChoice make_method(const std::string& name, const Script& script) {
+MethodChoice make_method(const std::string& name, const Script& script, int triangles) {
   if (name == "fem") return fem(400);
-  if (name == "adaptive") return adaptive(script.shot.pattern, 3000);
+  if (name == "adaptive") return adaptive(script.shot.pattern, triangles);
   return hybrid(script.shot.pattern, script.shot.paper, 120, CrumpleOptions{}, script.options.seed,
                 0);
 }
@@ -150,7 +151,7 @@ bool goes_unsaid(const Script& script, const AnimatedFrame& f) {
       });
 }
 
-MeshSwapResult play(const Script& script, const std::string& method, bool watch_rises,
+MeshSwapResult play(const Script& script, const std::string& method, const Run& run,
                     const std::function<void(const MeshSwapResult&)>& say) {
   MeshSwapResult v;
   v.feasible = script.impossible.empty();
@@ -158,8 +159,8 @@ MeshSwapResult play(const Script& script, const std::string& method, bool watch_
   if (method == "fem") options.plasticity = Plasticity::off;
   const double side = longer_side(script.shot.pattern);
   try {
-    const MethodChoice plain = make_method(method, script);
-    animate(script.shot, watch_rises ? watched(plain, script, v) : plain, options,
+    const MethodChoice plain = make_method(method, script, run.triangles);
+    animate(script.shot, run.watch_rises ? watched(plain, script, v) : plain, options,
             [&](const AnimatedFrame& f) {
               ++v.frames;
               v.nan |= !f.sheet->x.allFinite() || !std::isfinite(f.statistics.energy);
@@ -225,7 +226,7 @@ Child start(int index, const Run& run, const std::string& method) {
       if (write(ends[1], &v, sizeof v) != sizeof v) _exit(1);
       allow_another(run.seconds);
     };
-    say(play(make_script(index, run.seed), method, run.watch_rises, say));
+    say(play(make_script(index, run.seed), method, run, say));
     _exit(0);
   }
   close(ends[1]);
@@ -296,7 +297,8 @@ void print_row(const std::string& name, const Counts& c, bool watches) {
 }
 
 nlohmann::ordered_json report(const std::string& method, const Run& run) {
-  const auto [scripts, first, seed, jobs, seconds, watches] = run;
+  const int scripts = run.scripts, first = run.first;
+  const std::uint32_t seed = run.seed;
   const std::vector<Outcome> outcomes = run_all(run, method);
   std::printf("%s, seed %u\n  %-28s %5s %8s %6s %5s %7s %7s %9s %11s %10s %8s %6s %11s %9s %6s\n",
               method.c_str(), seed, "", "all", "finished", "threw", "nan", "crashed", "endless",
@@ -350,7 +352,7 @@ int main(int argc, char** argv) {
     if (i + 1 == argc) {
       std::fprintf(stderr,
                    "paperbake_stress [--scripts N] [--seed S] [--method M] [--jobs N] "
-                   "[--seconds N] [--json FILE] [--only I] [--rises]\n");
+                   "[--seconds N] [--triangles N] [--json FILE] [--only I] [--rises]\n");
       return 2;
     }
     const std::string option = argv[i], value = argv[i + 1];
@@ -364,6 +366,8 @@ int main(int argc, char** argv) {
       run.jobs = std::max(1, std::atoi(value.c_str()));
     else if (option == "--seconds")
       run.seconds = std::max(1, std::atoi(value.c_str()));
+    else if (option == "--triangles")
+      run.triangles = std::max(120, std::atoi(value.c_str()));
     else if (option == "--json")
       json = value;
     else if (option == "--only") {
