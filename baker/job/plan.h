@@ -51,7 +51,7 @@ struct BakePlan {
   std::vector<MethodChoice> methods;  // of each sheet
   Polishing polish;
   std::optional<AccuracyChoice>
-      accuracy;  // how the size of the mesh was chosen; none: it was given
+      accuracy;                    // how the size of the mesh was chosen; none: it was given
   std::optional<TakeChoice> take;  // none: the first take is baked, and no other was tried
   std::vector<SheetImpossible> impossible;
   std::vector<std::string> warnings;

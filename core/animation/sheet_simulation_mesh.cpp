@@ -1,11 +1,11 @@
 // How a SheetSimulation changes its mesh: as its method does between steps, where the old mesh
 // locks or jams, and where the sheet folds.
 
-#include "core/geometry/mesh_coarseness.h"
 #include "core/animation/motion_measures.h"
 #include "core/animation/sheet_simulation.h"
 #include "core/geometry/intersections.h"
 #include "core/geometry/measure.h"
+#include "core/geometry/mesh_coarseness.h"
 
 #include <algorithm>
 #include <utility>

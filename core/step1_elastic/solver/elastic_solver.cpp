@@ -76,47 +76,47 @@ bool Elastic::Impl::locks(const Sheet& sheet) {
   if (!sheet.singular.empty() || !sheet.prescribed_creases.empty()) return false;
   const ElasticEnergy::Parts stored = energy->parts(sheet.x);
   const double all = stored.membrane + stored.bending;
-  if (all < least_locked_energy || stored.membrane < locked_share / 2 * all)
-    state.locked_energy = 0;
-  if (state.steps < first_step_of_locked || all < least_locked_energy ||
-      stored.membrane < locked_share * all || all < growth_until_search * state.locked_energy)
+  const bool is_bent = all > least_locked_bend * paper.bending_stiffness;
+  if (!is_bent || stored.membrane < locked_share / 2 * all) state.locked_energy = 0;
+  if (!is_bent || stored.membrane < locked_share * all ||
+      all < growth_until_search * state.locked_energy || mean_square_fold(sheet) > too_coarse)
     return false;
-  if (mean_square_fold(sheet) > too_coarse) return false;
   state.locked_energy = all;
   return true;
 }
 
 BranchSearchReason Elastic::Impl::reason_to_search(const Sheet& sheet, BranchSearchMode mode,
                                                    const ElasticReport& step) {
-  if (locks(sheet)) return BranchSearchReason::locked;
   const bool slow =
       step.iterations > slow_convergence_iterations || (is_interactive() && !step.converged);
-  return slow && mode == BranchSearchMode::when_slow ? BranchSearchReason::slow
-                                                     : BranchSearchReason::none;
+  if (slow && mode == BranchSearchMode::when_slow && state.steps >= state.branch_cooldown_until)
+    return BranchSearchReason::slow;
+  if (step.converged && options.inertia == Inertia::quasi_static && locks(sheet))
+    return BranchSearchReason::locked;
+  return BranchSearchReason::none;
 }
 
-void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const Points3& before,
-                                          const Points3& start, const PositionConstraints& hard,
-                                          BranchSearchReason why, Points3& x,
+void Elastic::Impl::descend_second_branch(const IncrementalPotential& W,
+                                          const SecondBranchSearch& search, Points3& x,
                                           ElasticReport& report) {
   const auto passes = [&](const Points3& to) {
-    return options.contact == SelfContact::automatic && !contact->clear(before, to, hard);
+    return options.contact == SelfContact::automatic &&
+           !contact->clear(search.before, to, search.hard);
   };
   std::optional<BranchDescent>& way = state.second;
-  const bool leaves = why != BranchSearchReason::none;
+  const bool leaves = search.reason != BranchSearchReason::none,
+             is_locked = search.reason == BranchSearchReason::locked;
   const bool begun_before = way.has_value();
   const int total = iteration_budget().total * options.max_iterations / default_iterations;
   if (way) {
-    way->x = predictor->guesses(way->x, {}, hard).front();
+    way->x = predictor->guesses(way->x, {}, search.hard).front();
     if (colliders) colliders->project_outside(way->x);
   } else if (!leaves || (report.converged && passes(x)))
     return;  // a shape that collides with itself is not where the sheet will stay
-  else if (why == BranchSearchReason::slow && state.steps < state.branch_cooldown_until)
-    return;
   else
-    way = BranchDescent{start};
+    way = BranchDescent{search.start};
   // a locked sheet is at rest, and its descent must not keep it from being so
-  const bool may_be_unfinished = is_interactive() && why != BranchSearchReason::locked;
+  const bool may_be_unfinished = is_interactive() && !is_locked;
   while (way->phase != BranchDescent::finished) {
     const int left = may_be_unfinished ? std::min(options.max_iterations, total - report.iterations)
                                        : options.max_iterations;
@@ -126,7 +126,7 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const P
   const double here = W(x), there = W(way->x);
   if (!is_interactive() && state.remeshed && there > here - min_relative_gain * std::abs(here))
     state.branch_cooldown_until = state.steps + branch_cooldown_steps;
-  const double least_gain = why == BranchSearchReason::locked ? locked_gain * std::abs(here) : 0;
+  const double least_gain = is_locked ? locked_gain * std::abs(here) : 0;
   if (there < here - least_gain && !passes(way->x)) {
     report.energy_gain = (here - there) / std::max(std::abs(here), 1e-300);
     report.converged = way->converged;
@@ -134,7 +134,7 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W, const P
     x = std::move(way->x);
     way.reset();
   } else if (begun_before && leaves)
-    way = BranchDescent{start};  // starts again from where the main solution has got to
+    way = BranchDescent{search.start};  // starts again from where the main solution has got to
   else
     way.reset();
 }
@@ -245,8 +245,9 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
       state.descending =
           second == BranchSearchMode::when_slow && newton.descended && !newton.converged;
       if (!newton.should_abort)
-        descend_second_branch(W, before, starts.front(), step.hard,
-                              reason_to_search(sheet, second, report), sheet.x, report);
+        descend_second_branch(
+            W, {before, starts.front(), step.hard, reason_to_search(sheet, second, report)},
+            sheet.x, report);
       report.snap_in_progress = state.descending || state.second;
     }
   }

@@ -28,6 +28,14 @@ struct StepProblem {
   double time;  // [s] at its end, since the first frame
 };
 
+/// What a search for a second branch begins with, after a step.
+struct SecondBranchSearch {
+  const Points3& before;  // |V|x3 [m] where the step began
+  const Points3& start;   // |V|x3 [m] the initial guess from there
+  const PositionConstraints& hard;
+  BranchSearchReason reason;
+};
+
 /// The solver's data for one sheet, and the parts of a step.
 struct Elastic::Impl {
   class JointStep;  // joint_step.cpp
@@ -139,12 +147,8 @@ struct Elastic::Impl {
 
   /// Descends along a second branch from an unstable shape, first with the softened membrane; the
   /// result is taken if it is lower.
-  /// before  where this step began
-  /// start   the initial guess from there
-  /// why     it is searched for
-  void descend_second_branch(const IncrementalPotential& W, const Points3& before,
-                             const Points3& start, const PositionConstraints& hard,
-                             BranchSearchReason why, Points3& x, ElasticReport&);
+  void descend_second_branch(const IncrementalPotential& W, const SecondBranchSearch&, Points3& x,
+                             ElasticReport&);
   /// Whether there is reason to search for a second branch after a step to this sheet.
   BranchSearchReason reason_to_search(const Sheet&, BranchSearchMode, const ElasticReport&);
   /// Whether the sheet has become locked, or has stretched far more since it last searched.

@@ -40,16 +40,16 @@ inline constexpr int max_attempts = 4;  // in one phase of the descent on the se
 inline constexpr double softening = 100;
 
 // A smooth sheet that is locked in waves stretches where paper would bend, and the more its handles
-// move, the more; with coarse facets it may be the mesh that locks it. [1] share of its energy that it stores by stretching: a ridge of crumpled paper has a
+// move, the more. With coarse facets it may be the mesh that locks it.
+// [1] share of its energy that a locked sheet stores by stretching: a ridge of crumpled paper has a
 // sixth [Lobkovsky 1997], and a smooth sheet far less
 inline constexpr double locked_share = 1.0 / 6;
-inline constexpr double least_locked_energy = 1e-6;  // [J] a sheet that is nearly flat stores less
+// [1] of the bending stiffness: a square sheet that is bent by one radian stores half of it
+inline constexpr double least_locked_bend = 0.5;
 // [1] growth of the energy of a locked sheet until it searches again
 inline constexpr double growth_until_search = 2;
 // [1] of the potential, that it then has to gain: what is a little lower is another wave
 inline constexpr double locked_gain = 1.0 / 3;
-// the first steps take the sheet from where it was modelled to rest
-inline constexpr int first_step_of_locked = 3;
 
 // when_slow    after a step that takes many iterations, or of a sheet that is locked
 // when_locked  only in the second case
