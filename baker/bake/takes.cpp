@@ -1,6 +1,5 @@
 #include "baker/bake/takes.h"
 
-#include "baker/job/input_hash.h"
 #include "baker/output/checkpoints.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"

@@ -110,7 +110,6 @@ Animation::Animation(const std::vector<AnimatedSheet>& all) : state_(std::make_u
 }
 
 Animation::~Animation() = default;
-Animation::Animation(Animation&&) noexcept = default;
 
 bool Animation::is_over() const {
   return state_->sheets.front()->next_frame() > state_->options().last_frame;

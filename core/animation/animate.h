@@ -83,7 +83,6 @@ class Animation {
   /// The sheets must live as long as this. throws as animate()
   explicit Animation(const std::vector<AnimatedSheet>&);
   ~Animation();
-  Animation(Animation&&) noexcept;
 
   bool is_over() const;
   /// Simulates the next frame. To be called while it is not over. throws as animate()
