@@ -6,12 +6,12 @@ No handle holds the sheet. The sphere, a mesh of 1,280 triangles whose node is s
 a radius of 115 mm to 35 mm (frames 1-81), rests (to 87) and opens again to 115 mm (87-127). Because
 the whole sheet begins inside the closed mesh, it stays there.
 """
-import json
 import math
 import os
-import struct
 
-SIDE, QUADS, FPS = 0.15, 6, 24  # m, 1, 1/s
+from glb import FPS, Glb
+
+SIDE, QUADS = 0.15, 6  # m, 1
 WIDE, NARROW = 0.115, 0.035  # m
 MOTION = ((1, WIDE), (81, NARROW), (87, NARROW), (127, WIDE))  # frame, radius
 DIVISIONS = 3  # of the triangles of an icosahedron, each into four
@@ -56,52 +56,18 @@ def sheet():
     return points, uv, triangles
 
 
-class Glb:
-    def __init__(self):
-        self.bytes, self.views, self.accessors = b"", [], []
-
-    def add(self, rows, kind="f"):
-        rows = [row if isinstance(row, tuple) else (row,) for row in rows]
-        numbers = [n for row in rows for n in row]
-        self.views.append({"buffer": 0, "byteOffset": len(self.bytes), "byteLength": 4 * len(numbers)})
-        self.bytes += struct.pack("<%d%s" % (len(numbers), kind), *numbers)
-        self.accessors.append({"bufferView": len(self.views) - 1, "count": len(rows),
-                               "componentType": 5126 if kind == "f" else 5125,
-                               "type": {1: "SCALAR", 2: "VEC2", 3: "VEC3"}[len(rows[0])],
-                               "min": [min(c) for c in zip(*rows)], "max": [max(c) for c in zip(*rows)]})
-        return len(self.accessors) - 1
-
-    def indices(self, triangles):
-        return self.add([i for t in triangles for i in t], "I")
-
-
-def write_glb(path, glb, nodes, meshes, sampler):
-    """Writes a scene of a sheet, and of a container as its second node, whose scale is keyed."""
-    scene = {"asset": {"version": "2.0"}, "scene": 0, "scenes": [{"nodes": [0, 1]}], "nodes": nodes, "meshes": meshes,
-             "animations": [{"name": "shrink", "channels": [{"sampler": 0, "target": {"node": 1, "path": "scale"}}],
-                             "samplers": [sampler]}],
-             "accessors": glb.accessors, "bufferViews": glb.views, "buffers": [{"byteLength": len(glb.bytes)}]}
-    text = json.dumps(scene, separators=(",", ":")).encode()
-    chunks = b""
-    for kind, data, fill in ((0x4E4F534A, text, b" "), (0x004E4942, glb.bytes, b"\0")):
-        data += fill * (-len(data) % 4)
-        chunks += struct.pack("<II", len(data), kind) + data
-    with open(path, "wb") as file:
-        file.write(struct.pack("<III", 0x46546C67, 2, 12 + len(chunks)) + chunks)
-
-
 def write(path):
     glb = Glb()
     points, uv, triangles = sheet()
-    paper = {"attributes": {"POSITION": glb.add(points), "TEXCOORD_0": glb.add(uv)}, "indices": glb.indices(triangles)}
+    paper = {"attributes": {"POSITION": glb.add(points), "TEXCOORD_0": glb.add(uv)}, "indices": glb.add([i for t in triangles for i in t], "I")}
     points, triangles = sphere()
-    ball = {"attributes": {"POSITION": glb.add(points)}, "indices": glb.indices(triangles)}
+    ball = {"attributes": {"POSITION": glb.add(points)}, "indices": glb.add([i for t in triangles for i in t], "I")}
     sampler = {"input": glb.add([frame / FPS for frame, _ in MOTION]), "interpolation": "LINEAR",
                "output": glb.add([(radius,) * 3 for _, radius in MOTION])}
     nodes = [{"name": "paper", "mesh": 0, "extras": {"paper_size": [SIDE, SIDE], "paper_fps": FPS}},
              {"name": "collider.sphere", "mesh": 1, "scale": [WIDE] * 3}]
-    write_glb(path, glb, nodes, [{"name": "paper", "primitives": [paper]},
-                                 {"name": "sphere", "primitives": [ball]}], sampler)
+    glb.write(path, nodes, [{"name": "paper", "primitives": [paper]}, {"name": "sphere", "primitives": [ball]}],
+              {"name": "shrink", "channels": [{"sampler": 0, "target": {"node": 1, "path": "scale"}}], "samplers": [sampler]})
 
 
 if __name__ == "__main__":

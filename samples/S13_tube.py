@@ -10,11 +10,8 @@ the height of the sheet to 60 mm (25-57). No handle holds the sheet.
 """
 import math
 import os
-import sys
 
-sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.dirname(os.path.abspath(__file__)))
-from S12_sphere import FPS, Glb, write_glb
+from glb import FPS, Glb
 
 SIDE = 0.1  # m
 WIDE, NARROW = 0.0175, 0.0135  # m, radius of the can: around the sheet without overlap; 0.135 sides
@@ -67,16 +64,16 @@ def write(path):
     glb = Glb()
     points, uv, triangles = tube()
     paper = {"attributes": {"POSITION": glb.add(points), "TEXCOORD_0": glb.add(uv)},
-             "indices": glb.indices(triangles)}
+             "indices": glb.add([i for t in triangles for i in t], "I")}
     points, triangles = can()
-    cylinder = {"attributes": {"POSITION": glb.add(points)}, "indices": glb.indices(triangles)}
+    cylinder = {"attributes": {"POSITION": glb.add(points)}, "indices": glb.add([i for t in triangles for i in t], "I")}
     sampler = {"input": glb.add([frame / FPS for frame, _, _ in MOTION]), "interpolation": "LINEAR",
                "output": glb.add([(radius, height, radius) for _, radius, height in MOTION])}
     nodes = [{"name": "paper", "mesh": 0, "extras": {"paper_size": [SIDE, SIDE], "paper_fps": FPS}},
              {"name": "collider.can", "mesh": 1, "scale": [WIDE, HIGH, WIDE],
               "extras": {"paper_friction": 0.0}}]
-    write_glb(path, glb, nodes, [{"name": "paper", "primitives": [paper]},
-                                 {"name": "can", "primitives": [cylinder]}], sampler)
+    glb.write(path, nodes, [{"name": "paper", "primitives": [paper]}, {"name": "can", "primitives": [cylinder]}],
+              {"name": "shrink", "channels": [{"sampler": 0, "target": {"node": 1, "path": "scale"}}], "samplers": [sampler]})
 
 
 if __name__ == "__main__":

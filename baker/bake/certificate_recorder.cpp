@@ -24,6 +24,8 @@ HandleRecord::State record_state(HandleFrame::State state) {
       return HandleRecord::held_state;
     case HandleFrame::free:
       return HandleRecord::free_state;
+    case HandleFrame::soft:
+      return HandleRecord::soft_state;
     case HandleFrame::jammed:
       return HandleRecord::jammed_state;
   }
@@ -85,10 +87,9 @@ FrameRecord CertificateRecorder::measure(const AnimatedFrame& frame) {
   statistics.crossings = crossings_before_;
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
-    if (handle.state == HandleFrame::free) continue;
-    const double off = (handle.at - handle.keyed).norm();
-    statistics.handle_error_max = std::max(statistics.handle_error_max, off);
-    if (handle.state == HandleFrame::jammed) r.jammed.push_back({shot.handles[h].name, 1e3 * off});
+    statistics.handle_error_max = std::max(statistics.handle_error_max, handle.error());
+    if (handle.state == HandleFrame::jammed)
+      r.jammed.push_back({shot.handles[h].name, 1e3 * handle.error()});
   }
   r.note = frame.note;
   note_what_was_not_solved(frame, r);

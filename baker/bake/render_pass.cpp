@@ -393,6 +393,7 @@ class RenderPass::FrameRenderer {
   double handle_error(std::size_t s, const RecordedFrame& recorded, const Points3& x) const {
     double most = 0;
     for (std::size_t h = 0; h < recorded.held.size(); ++h) {
+      if (inputs_[s].shot->handles[recorded.held[h]].stiffness > 0) continue;  // meant to lag
       const int vertex = vertex_of_handle_[s][recorded.held[h]];
       most = std::max(most, (x.row(vertex) - recorded.keyed.row(h)).norm());
     }

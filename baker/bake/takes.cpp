@@ -1,6 +1,7 @@
 #include "baker/bake/takes.h"
 
 #include "baker/output/checkpoints.h"
+#include "baker/output/gates.h"
 #include "core/model/error.h"
 #include "formats/cache/content_hash.h"
 #include "formats/files/atomic_file.h"
@@ -15,11 +16,15 @@
 namespace paperbake {
 namespace {
 
-constexpr double tolerance_pct = 2;  // of the longer side: what is off by less is no failure
 constexpr double hopeless_pct = 10;  // of the longer side: what is off by more never ends well
 constexpr unsigned seed_step = 1000;
-constexpr std::size_t finer_take = 3;  // the fourth
-constexpr int finer = 4;               // times as many triangles
+constexpr int finer = 4;  // times as many triangles
+
+/// How far a handle may be off before other takes are tried: as far as the bake lets it be. [m]
+constexpr double tolerance = 1e-3 * Gates{}.handle_err_mm;
+
+/// Every second take has a finer first mesh.
+bool is_finer(std::size_t take) { return take % 2 == 1; }
 
 /// By how much the paper between a handle and another one is too short: a handle may be off by so
 /// much whatever the take. [m]
@@ -42,9 +47,9 @@ class Candidate {
   bool is_over() const { return animation_ && animation_->is_over(); }
   /// What takes are compared by: all that are within the tolerance are alike.
   double badness() const {
-    return failed_ ? std::numeric_limits<double>::infinity()
-                   : std::max(take_.off_pct, tolerance_pct);
+    return failed_ ? std::numeric_limits<double>::infinity() : std::max(take_.off, tolerance);
   }
+  bool is_hopeless() const { return failed_ || take_.off_pct >= hopeless_pct; }
 
   /// Simulates the next frame.
   void go_on() {
@@ -80,13 +85,10 @@ void add_frame(TriedTake& take, const AnimatedFrame& frame, const BakePlan& plan
   const double side = longer_side(shot.pattern);
   for (std::size_t h = 0; h < frame.handles.size(); ++h) {
     const HandleFrame& handle = frame.handles[h];
-    if (handle.state == HandleFrame::free) continue;
-    const double off = (handle.at - handle.keyed).norm(),
-                 pct = 100 / side *
-                       (off - unavoidable(plan, frame.sheet_index, shot.handles[h].name));
-    if (pct <= take.off_pct) continue;
+    const double off = handle.error() - unavoidable(plan, frame.sheet_index, shot.handles[h].name);
+    take.off_pct = std::max(take.off_pct, 100 * off / side);
+    if (off <= take.off) continue;
     take.off = off;
-    take.off_pct = pct;
     take.frame = frame.frame;
   }
 }
@@ -106,15 +108,15 @@ void Takes::watch(const AnimatedFrame& frame) {
   if (!watches_ || failing_) return;
   add_frame(seen_, frame, first_);
   seen_.frames = frame.frame - first_.animation.first_frame + 1;
-  failing_ = seen_.off_pct > tolerance_pct;
+  failing_ = seen_.off > tolerance;
 }
 
 TriedTake Takes::describe_take(std::size_t number) const {
-  const bool is_finer = number == finer_take && !settings_.triangles && !settings_.accuracy &&
-                        !settings_.budget && settings_.given.count("base_triangles") == 0;
+  const bool may_be_finer = !settings_.triangles && !settings_.accuracy && !settings_.budget &&
+                            settings_.given.count("base_triangles") == 0;
   TriedTake take;
   take.seed_offset = seed_step * static_cast<unsigned>(number);
-  take.base_triangles = settings_.base_triangles * (is_finer ? finer : 1);
+  take.base_triangles = settings_.base_triangles * (may_be_finer && is_finer(number) ? finer : 1);
   return take;
 }
 
@@ -148,8 +150,7 @@ bool Takes::choose(Progress& progress, StopRequest& stop) {
       return a->badness() < b->badness();
     });
   };
-  for (auto next = best(); !(*next)->is_over() && (*next)->badness() < hopeless_pct;
-       next = best()) {
+  for (auto next = best(); !(*next)->is_over() && !(*next)->is_hopeless(); next = best()) {
     if (stop.is_made()) return false;
     if (next != all.begin() && !(*next)->has_begun())
       progress.message(

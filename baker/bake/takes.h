@@ -13,14 +13,15 @@ namespace paperbake {
 /// Takes of a shot. Flat paper that is compressed may buckle in several ways, its imperfection
 /// decides in which, and from some of them it never comes to where the handles want it. What an
 /// artist would do then is to bake again with another seed, or on a finer mesh. This does it for
-/// them: the first take is baked as it is simulated, and only when a handle is off by more than a
-/// fiftieth of the sheet, others are simulated beside it. The take whose handles have been off
+/// them: the first take is baked as it is simulated, and only when a handle is off by more than the
+/// gate of handles allows, others are simulated beside it. The take whose handles have been off
 /// least so far always goes on (uniform-cost search), until one of them is at the end of the shot:
 /// it is the best of them. When all takes are off by a tenth of the sheet it is not a matter of
 /// luck, and the first one is baked.
 ///
-/// The takes are: the seed of the bake; that seed + 1000; + 2000; and + 3000 on a first mesh of
-/// four times as many triangles, unless a number of triangles was asked for; then + 4000, ...
+/// The takes are: the seed of the bake; that seed + 1000, + 2000, + 3000, ... The second, the
+/// fourth and so on have a first mesh of four times as many triangles, unless a number of triangles
+/// was asked for.
 ///
 /// source  this project
 class Takes {

@@ -189,7 +189,8 @@ class Verifier {
         differs(handle.frame, file,
                 fmt::format("Handle \"{}\" is {:.4g} mm from where handles.csv has it.",
                             handle.handle, off));
-      worst = std::max(worst, (at - handle.keyed).norm());
+      if (handle.state != HandleRecord::soft_state)
+        worst = std::max(worst, (at - handle.keyed).norm());
     }
     return worst;
   }

@@ -209,7 +209,7 @@ std::vector<Option> meshes_and_physics() {
                    to_whole(&BakeSettings::probe_every)),
       with_default({"takes", K::whole, 1, 16}, "4",
                    "How many takes are tried at most when a handle of the first one is off by more "
-                   "than 2 % of the longer side: other seeds, the fourth on 4 times as many "
+                   "than 1 mm: other seeds, every second one on a first mesh of 4 times as many "
                    "triangles. The best is baked (method hybrid)",
                    to_whole(&BakeSettings::takes)),
       without_default(

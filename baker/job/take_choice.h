@@ -9,10 +9,10 @@ namespace paperbake {
 struct TriedTake {
   unsigned seed_offset = 0;  // that is added to the seed of every sheet
   int base_triangles = 0;
-  // as far as it was simulated: how far a handle is off at most, and where
-  double off = 0;      // [m]
-  double off_pct = 0;  // [% of the longer side of its sheet], by which takes are compared
-  int frame = 0;
+  // As far as it was simulated: how far a handle is off at most, without what paper cannot reach.
+  double off = 0;      // [m] by which takes are compared
+  double off_pct = 0;  // [% of the longer side of its sheet]
+  int frame = 0;       // in which it is
   int frames = 0;  // that were simulated
 };
 

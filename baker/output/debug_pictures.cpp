@@ -38,7 +38,14 @@ Colour region_colour(int region) {
 }
 
 Colour handle_colour(HandleFrame::State state) {
-  return state == HandleFrame::held ? held : state == HandleFrame::jammed ? jammed : released;
+  switch (state) {
+    case HandleFrame::free:
+      return released;
+    case HandleFrame::jammed:
+      return jammed;
+    default:
+      return held;
+  }
 }
 
 Vector3d on_pattern(const Vector2d& p) { return {p.x(), p.y(), 0}; }

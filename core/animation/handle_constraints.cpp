@@ -70,10 +70,11 @@ std::vector<HandleFrame> HandleConstraints::report(const Points3& x, int frame) 
     frames[h].keyed = keyed(h, frame);
     frames[h].at = x.row(vertex_[h]);
     if (!is_active(h, frame)) continue;
-    const bool soft = handles_[h].stiffness > 0;  // a soft handle is meant to lag
-    frames[h].state = !soft && (frames[h].at - frames[h].keyed).norm() > exact_
-                          ? HandleFrame::jammed
-                          : HandleFrame::held;
+    frames[h].state = HandleFrame::held;
+    if (handles_[h].stiffness > 0)
+      frames[h].state = HandleFrame::soft;
+    else if (frames[h].error() > exact_)
+      frames[h].state = HandleFrame::jammed;
   }
   return frames;
 }

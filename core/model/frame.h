@@ -21,11 +21,14 @@ struct BentParts {
 
 /// A handle at one frame.
 struct HandleFrame {
-  // jammed: the paper does not follow; a soft handle is never jammed
-  enum State { free, held, jammed } state = free;
+  // soft: a spring pulls, and is meant to lag; jammed: the paper does not follow a hard handle
+  enum State { free, held, soft, jammed } state = free;
   // [m] where the handle is keyed to be; for a relative handle: grab position + motion since then
   Vector3d keyed{0, 0, 0};
   Vector3d at{0, 0, 0};  // [m] where its point of the sheet is
+
+  /// How far it is from its key, where it should be there. [m]
+  double error() const { return state == held || state == jammed ? (at - keyed).norm() : 0; }
 };
 
 /// One simulated frame of a sheet.

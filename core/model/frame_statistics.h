@@ -30,7 +30,7 @@ struct FrameStatistics {
   double stretch_mean = 0;      // [1] c_m = mean |l-L|/L over its edges
   double stretch_max = 0;       // [1] largest |l-L|/L of an edge
   double angle_defect_max = 0;  // [rad] largest angle defect of a vertex
-  double handle_error_max = 0;  // [m] largest distance of a handle from its keyed position
+  double handle_error_max = 0;  // [m] largest HandleFrame::error
   int singular = 0;             // singular points so far
   int folds = 0;                // crease lines that are folded so far
   int crossings = 0;            // pairs of its triangles that pass through each other

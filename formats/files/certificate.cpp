@@ -8,8 +8,10 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <map>
+#include <optional>
 
 namespace paperbake {
 namespace {
@@ -22,16 +24,13 @@ double finite(double value, const char* field, int frame, const std::string& she
               fmt::format("The certificate's {} is not a finite number.", field));
 }
 
-const char* state_name(HandleRecord::State state) {
-  switch (state) {
-    case HandleRecord::held_state:
-      return "held";
-    case HandleRecord::free_state:
-      return "free";
-    case HandleRecord::jammed_state:
-      return "jammed";
-  }
-  return "";
+/// In the order of HandleRecord::State.
+constexpr const char* state_names[] = {"held", "free", "soft", "jammed"};
+
+std::optional<HandleRecord::State> state_of(const std::string& name) {
+  const auto* const found = std::find(std::begin(state_names), std::end(state_names), name);
+  if (found == std::end(state_names)) return std::nullopt;
+  return static_cast<HandleRecord::State>(found - std::begin(state_names));
 }
 
 /// The rows of a CSV text according to RFC 4180: a quoted field may contain commas and line ends.
@@ -155,7 +154,7 @@ std::string handles_csv(const std::vector<HandleRecord>& records) {
                        number(r.keyed.x(), "keyed_x"), number(r.keyed.y(), "keyed_y"),
                        number(r.keyed.z(), "keyed_z"), number(r.held.x(), "held_x"),
                        number(r.held.y(), "held_y"), number(r.held.z(), "held_z"),
-                       state_name(r.state));
+                       state_names[r.state]);
   }
   return csv;
 }
@@ -170,7 +169,8 @@ std::vector<HandleRecord> parse_handles_csv(const std::string& text) {
     bool good = f.size() == 12 && read_number(f[0], n[0]) &&
                 std::abs(n[0]) <= std::numeric_limits<int>::max();
     for (int i = 0; i < 8 && good; ++i) good = read_number(f[3 + i], n[1 + i]);
-    if (!good || (f[11] != "held" && f[11] != "free" && f[11] != "jammed"))
+    const std::optional<HandleRecord::State> state = good ? state_of(f[11]) : std::nullopt;
+    if (!state)
       throw Error(ErrorCode::scene, fmt::format("handles.csv, row {}", k + 1),
                   "This version of paperbake does not write such a row.");
     r.frame = static_cast<int>(n[0]);
@@ -179,9 +179,7 @@ std::vector<HandleRecord> parse_handles_csv(const std::string& text) {
     r.pattern << n[1], n[2];
     r.keyed << n[3], n[4], n[5];
     r.held << n[6], n[7], n[8];
-    r.state = f[11] == "held"   ? HandleRecord::held_state
-              : f[11] == "free" ? HandleRecord::free_state
-                                : HandleRecord::jammed_state;
+    r.state = *state;
     records.push_back(std::move(r));
   }
   return records;

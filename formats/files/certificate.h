@@ -44,7 +44,7 @@ struct HandleRecord {
   Vector2d pattern = Vector2d::Zero();  // [m]
   Vector3d keyed = Vector3d::Zero();    // [m]
   Vector3d held = Vector3d::Zero();     // [m] position of the sheet point that it holds
-  enum State { held_state, free_state, jammed_state } state = held_state;
+  enum State { held_state, free_state, soft_state, jammed_state } state = held_state;
 };
 
 /// One row of singular.csv.
@@ -70,7 +70,7 @@ std::optional<FrameRecord> parse_frame_line(const std::string& line);
 
 /// CSV with the columns
 ///   frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state
-/// with all lengths in metres and one of held, free and jammed as state. Names with commas, quotes
+/// with all lengths in metres and one of held, free, soft and jammed as state. Names with commas, quotes
 /// or line ends are quoted according to RFC 4180; lines end with \n.
 std::string handles_csv(const std::vector<HandleRecord>&);
 

@@ -207,6 +207,26 @@ TEST_F(BakeCommandTest, ABakeTellsInWhichFramesOneSheetPassesThroughAnother) {
         << frame;
 }
 
+TEST_F(BakeCommandTest, ASoftHandleThatLagsMissesNoGateAndIsNoReasonForAnotherTake) {
+  test::GltfFixture scene;
+  scene.mesh("paper", test::grid(2, 2, 0.1, 0.1, nullptr,
+                                 [](double u, double v) { return Vector3d(u, v, 0); }));
+  for (const Vector3d& at : {Vector3d(0, 0, 0), Vector3d(0, 0.1, 0)})
+    scene.node(fmt::format("handle_{}", at.y()), at);
+  const Vector3d from(0.1, 0.05, 0);
+  scene.move(scene.node("handle_soft", from, R"({"paper_stiffness":40})"), {0, 9},
+             {from, Vector3d(from + Vector3d(0.02, 0, 0))});
+  const Ended ended = run({"bake", scene.write("soft.gltf"), "-o", output(), "--formats",
+                           "abc,cert", "--progress", "none"});
+  EXPECT_EQ(ended.code, 0) << ended.err
+                           << "paper is 20 mm too short for it, but a spring gives way";
+  EXPECT_LT(frames_of(output()).back()["handle_err_max_mm"], 0.1) << "of the hard handles";
+  EXPECT_TRUE(Record::parse(read(fs::path(output()) / "cert/summary.json")).at("takes").is_null());
+  for (const std::string& row : lines_of(read(fs::path(output()) / "cert/handles.csv")))
+    EXPECT_EQ(row.find("handle_soft") != std::string::npos, fields_of(row).back() == "soft") << row;
+  EXPECT_EQ(run({"verify", output()}).code, 0) << "from the files alone";
+}
+
 TEST_F(BakeCommandTest, TheHybridBeginsWithNoMoreTrianglesThanItMayHave) {
   const auto bake_with = [&](const Words& more) {
     Words words{"bake",       samples + "/S8_dcone.glb",

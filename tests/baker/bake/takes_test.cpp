@@ -56,6 +56,14 @@ TEST(TriedTake, DoesNotCountAHandleThatHoldsNothing) {
   EXPECT_NEAR(take.off, 0.001, 1e-12);
 }
 
+TEST(TriedTake, DoesNotCountASoftHandleThatLags) {
+  AnimatedFrame frame = frame_with_handles_off(1, 0.001, 0.05);
+  frame.handles[1].state = HandleFrame::soft;
+  TriedTake take;
+  add_frame(take, frame, plan_of_one_sheet());
+  EXPECT_NEAR(take.off, 0.001, 1e-12);
+}
+
 TEST(TriedTake, DoesNotCountWhatPaperCannotBridge) {
   BakePlan plan = plan_of_one_sheet();
   ImpossiblePair pair;
@@ -68,17 +76,18 @@ TEST(TriedTake, DoesNotCountWhatPaperCannotBridge) {
   add_frame(take, frame_with_handles_off(1, 0.029, 0.002), plan);
   EXPECT_NEAR(take.off, 0.002, 1e-12) << "the paper is 30 mm too short for the left one";
   add_frame(take, frame_with_handles_off(2, 0.036, 0.002), plan);
+  EXPECT_NEAR(take.off, 0.006, 1e-12);
   EXPECT_NEAR(take.off_pct, 3, 1e-9);
 }
 
-/// A crumple. With seed 1 a handle is off by 2.6 % of the sheet in frame 76; with seed 1001 not
-/// before frame 80.
+/// A crumple. With seed 0 a handle is off by 1.3 mm in frame 38, with seed 3 by 1.1 mm in frame 45;
+/// on the finer mesh of the second take none is.
 class TakesTest : public test::ResumeFixture {
  protected:
-  Words crumple(const std::string& out, const Words& more) const {
-    Words all{"bake",       test::samples + "/S4r_release.glb",
+  Words crumple(const std::string& out, const Words& more, const char* frames = "1-46") const {
+    Words all{"bake",       test::samples + "/S14_hands.glb",
               "-o",         (folder / out).string(),
-              "--frames",   "1-78",
+              "--frames",   frames,
               "--formats",  "abc,cert",
               "--quality",  "draft",
               "--progress", "plain"};
@@ -97,36 +106,38 @@ class TakesTest : public test::ResumeFixture {
 };
 
 TEST_F(TakesTest, ATakeThatGoesWellIsTheOnlyOne) {
-  const Ended ended = run(crumple("out", {"--seed", "0"}));
-  ASSERT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;
+  const Ended ended = run(crumple("out", {}, "1-36"));
+  ASSERT_EQ(ended.code, 0) << ended.err;
   EXPECT_TRUE(summary("out").at("takes").is_null());
-  EXPECT_EQ(simulated(ended), 78);
+  EXPECT_EQ(simulated(ended), 36);
 }
 
 TEST_F(TakesTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
-  const Ended ended = run(crumple("out", {"--seed", "1"}));
-  ASSERT_TRUE(ended.code == 0 || ended.code == 4) << ended.err;
+  const Ended ended = run(crumple("out", {}));
+  ASSERT_EQ(ended.code, 0) << ended.err;
   const json takes = summary("out").at("takes");
   const std::size_t baked = takes.at("baked");
   EXPECT_GT(baked, 1U);
   ASSERT_GE(takes.at("tried").size(), baked);
-  EXPECT_GT(takes.at("tried")[0].at("off_pct"), 2);
-  EXPECT_LT(takes.at("tried")[baked - 1].at("off_pct"), 2);
-  EXPECT_EQ(takes.at("tried")[baked - 1].at("frames"), 78);
+  EXPECT_GT(takes.at("tried")[0].at("off_mm"), 1);
+  EXPECT_LT(takes.at("tried")[baked - 1].at("off_mm"), 1);
+  EXPECT_EQ(takes.at("tried")[baked - 1].at("frames"), 46);
   EXPECT_NE(ended.err.find("takes: in the first take a handle is off by"), std::string::npos);
 
   const int seed = summary("out").at("sheets")[0].at("seed");
-  run(crumple("direct", {"--seed", std::to_string(seed)}));
-  EXPECT_EQ(shapes("out"), shapes("direct")) << "it is the bake with that seed";
+  const int triangles = takes.at("tried")[baked - 1].at("base_triangles");
+  run(crumple("direct", {"--seed", std::to_string(seed), "--base-triangles",
+                         std::to_string(triangles), "--takes", "1"}));
+  EXPECT_TRUE(shapes("out") == shapes("direct")) << "it is the bake with that seed and mesh";
 }
 
 TEST_F(TakesTest, ABakeThatIsKilledGoesOnWithTheTakeThatWasChosen) {
-  run(crumple("whole", {"--seed", "1"}));
+  run(crumple("whole", {}));
   const int before = times(read(folder / "stderr.txt"), "is tried");
   // while other takes are tried, and while the chosen one is baked
-  EXPECT_EQ(bake_until(1, 0, SIGKILL, crumple("out", {"--seed", "1"}), "is tried"), -1);
-  EXPECT_EQ(bake_until(1, 20000, SIGKILL, crumple("out", {"--seed", "1"}), "takes: in"), -1);
-  const Ended rest = run(crumple("out", {"--seed", "1"}));
+  EXPECT_EQ(bake_until(1, 0, SIGKILL, crumple("out", {}), "is tried"), -1);
+  EXPECT_EQ(bake_until(1, 20000, SIGKILL, crumple("out", {}), "takes: in"), -1);
+  const Ended rest = run(crumple("out", {}));
   EXPECT_GT(before, 0);
   EXPECT_EQ(times(rest.err, "is tried"), 0) << rest.err;
   expect_same("out", "whole");
@@ -134,7 +145,7 @@ TEST_F(TakesTest, ABakeThatIsKilledGoesOnWithTheTakeThatWasChosen) {
 }
 
 TEST_F(TakesTest, ASignalIsHeardWhileOthersAreTried) {
-  EXPECT_EQ(bake_until(1, 0, SIGTERM, crumple("out", {"--seed", "1"}), "is tried"), 5);
+  EXPECT_EQ(bake_until(1, 0, SIGTERM, crumple("out", {}), "is tried"), 5);
   const Ended other = run(crumple("out", {"--seed", "3"}));
   EXPECT_GT(times(other.err, "is tried"), 0) << "there is no decision yet, and this is another job";
 }
