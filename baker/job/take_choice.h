@@ -13,7 +13,7 @@ struct TriedTake {
   double off = 0;      // [m] by which takes are compared
   double off_pct = 0;  // [% of the longer side of its sheet]
   int frame = 0;       // in which it is
-  int frames = 0;  // that were simulated
+  int frames = 0;      // that were simulated
 };
 
 /// Which take of a shot is baked, and which were tried.

@@ -42,8 +42,8 @@ BentParts bent_parts(const Crumple& crumple, const Sheet& sheet) {
 
 class Hybrid : public Method {
  public:
-  Hybrid(const FirstLattice& lattice, Crumple crumple)
-      : lattice_(lattice), crumple_(std::move(crumple)) {}
+  Hybrid(const FirstLattice& lattice, int max_triangles, Crumple crumple)
+      : lattice_(lattice), max_triangles_(max_triangles), crumple_(std::move(crumple)) {}
 
   FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     pattern_ = pattern;
@@ -56,7 +56,9 @@ class Hybrid : public Method {
     return base_mesh();
   }
 
-  bool has_finer_mesh() const override { return doublings_ < max_doublings; }
+  bool has_finer_mesh() const override {
+    return doublings_ < max_doublings && 2 * lattice_now().triangles <= max_triangles_;
+  }
 
   bool is_crumpled(const Sheet& sheet) const override { return crumple_.is_crumpled(sheet); }
   bool finds_folds(const Sheet& sheet) const override { return !is_crumpled(sheet); }
@@ -136,6 +138,7 @@ class Hybrid : public Method {
   }
 
   FirstLattice lattice_;
+  int max_triangles_;
   int doublings_ = 0;  // of the number of triangles of the first lattice
   Crumple crumple_;
   Pattern pattern_;
@@ -147,7 +150,8 @@ class Hybrid : public Method {
 MethodChoice hybrid(const Pattern& pattern, const Paper& paper, const FirstLattice& lattice,
                     const CrumpleOptions& options, std::uint32_t seed, std::uint32_t sheet) {
   return {"hybrid", [=] {
-            return std::make_unique<Hybrid>(lattice, Crumple(pattern, paper, options, seed, sheet));
+            return std::make_unique<Hybrid>(lattice, options.max_triangles,
+                                            Crumple(pattern, paper, options, seed, sheet));
           }};
 }
 

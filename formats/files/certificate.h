@@ -70,8 +70,8 @@ std::optional<FrameRecord> parse_frame_line(const std::string& line);
 
 /// CSV with the columns
 ///   frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state
-/// with all lengths in metres and one of held, free, soft and jammed as state. Names with commas, quotes
-/// or line ends are quoted according to RFC 4180; lines end with \n.
+/// with all lengths in metres and one of held, free, soft and jammed as state. Names with commas,
+/// quotes or line ends are quoted according to RFC 4180; lines end with \n.
 std::string handles_csv(const std::vector<HandleRecord>&);
 
 /// Reads the text of handles_csv. throws Error(ErrorCode::scene) with the row that is damaged
