@@ -39,6 +39,7 @@ BAKES = [
     ("S9", "S9_unload.glb", QUICK),
     ("S10", "S10_ball.glb", QUICK),
     ("S11", "S11_palm.glb", QUICK),
+    ("S14", "S14_hands.glb", QUICK),
     ("S1_fem", "S1_push.glb", [*QUICK, "--method", "fem", "--triangles", "400"]),
     ("S8_adaptive", "S8_dcone.glb", [*QUICK, "--method", "adaptive", "--triangles", "600", "--frames", "1-60"]),
     ("S2_polish", "S2_moebius.glb", [*QUICK, "--polish", "600", "--frames", "1-24"]),

@@ -37,14 +37,10 @@ std::vector<Island> step(SheetIslands::Sheets& sheets, const SheetIslands* betwe
   std::vector<Island> islands;
   const auto step_island = [&](const Island& island) {
     time_work(times, &Times::elastic, island, [&] {
-      if (island.size() == 1) {
-        SheetSimulation& alone = *sheets[island.front()];
-        if (alone.is_idle())
-          alone.skip_step();
-        else
-          alone.step(between_sheets ? SheetSimulation::RecordTrajectory::yes
-                                    : SheetSimulation::RecordTrajectory::no);
-      } else
+      if (island.size() == 1)
+        sheets[island.front()]->step(between_sheets ? SheetSimulation::RecordTrajectory::yes
+                                                    : SheetSimulation::RecordTrajectory::no);
+      else
         between_sheets->step(island);
     });
   };

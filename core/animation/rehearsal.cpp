@@ -22,10 +22,7 @@ bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
   int locked = 0;
   while (sheet.next_frame() <= end && way < opening && sheet.may_start_finer()) {
     sheet.prepare(is_admissible);
-    if (sheet.is_idle())
-      sheet.skip_step();
-    else
-      sheet.step(SheetSimulation::RecordTrajectory::no);
+    sheet.step(SheetSimulation::RecordTrajectory::no);
     sheet.finish_step(is_admissible);
     sheet.finalize(SheetSimulation::Output::simulated_sheet);
     way += sheet.relative_motion();

@@ -42,9 +42,9 @@ class SheetSimulation {
 
   /// True if the frame needs no solve: the sheet is at rest, or it begins as it was modelled.
   bool is_idle() const { return is_idle_; }
-  void skip_step();
 
-  /// The elastic step of this sheet alone. With a recorded trajectory the step can be undone.
+  /// The elastic step of this sheet alone; one that is idle stays where it is. With a recorded
+  /// trajectory the step can be undone.
   enum class RecordTrajectory { yes, no };
   void step(RecordTrajectory);
   /// The elastic step of several sheets that come near each other. Sheets that have already taken
@@ -103,6 +103,8 @@ class SheetSimulation {
   /// Where handles, hands and colliders are in the present frame.
   void move_world();
   void restore(SimulatedSheet::Snapshot&&);
+  /// Leaves the sheet where it is.
+  void skip_step();
   /// What the method is told before part of a frame. share: [1] of the frame
   RemeshContext remesh_context(double share) const;
   /// Lets the method propose another mesh, and takes it if the sheet stays the same on it.

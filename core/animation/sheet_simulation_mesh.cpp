@@ -123,11 +123,8 @@ bool SheetSimulation::may_start_finer() const {
 }
 
 bool SheetSimulation::stretches_instead_of_bending() const {
-  // [1] A ridge between two points of crumpled paper stretches with a fifth of the energy with
-  // which it bends [Lobkovsky 1997]. A smooth sheet, which can be developed, stretches far less.
-  constexpr double ridge = 1.0 / 6;
   return step_.failure_reason.empty() && simulated_.is_smooth() &&
-         step_.last.membrane > ridge * step_.last.energy && mean_square_fold(sheet()) > coarse;
+         step_.last.stretches_instead_of_bending() && mean_square_fold(sheet()) > coarse;
 }
 
 bool SheetSimulation::refine_where_jammed() {

@@ -98,6 +98,7 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
 }
 
 void SheetSimulation::step(RecordTrajectory trace) {
+  if (is_idle_) return skip_step();
   const bool may_refine =
       alone_ && shot_.colliders && simulated_.has_inertia() && simulated_.is_smooth();
   for (;;) {

@@ -1,6 +1,5 @@
 #include "core/geometry/edge_operations.h"
 
-#include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/proximity.h"
 #include "core/model/segment2.h"
@@ -89,11 +88,10 @@ bool wants_to_flip(const Sheet& sheet, const Points3& metric, const std::array<i
   return sine < -margin * a.norm() * b.norm() * c.norm() * d.norm();
 }
 
-bool may_flip(const Sheet& sheet, const std::array<int, 4>& v) {
-  constexpr double min_share = 0.05;  // [1] of the area of both triangles
+bool may_flip(const Sheet& sheet, const std::array<int, 4>& v, double least_share) {
   const double left = twice_area(sheet, v[0], v[3], v[2]),
                right = twice_area(sheet, v[3], v[1], v[2]);
-  if (std::min(left, right) < min_share * (left + right) || too_compressed(sheet, v[2], v[3]))
+  if (std::min(left, right) < least_share * (left + right) || too_compressed(sheet, v[2], v[3]))
     return false;
   // corner 0 is on the left of 3 -> 2
   return std::abs(dihedral_angle(sheet.x, Hinge{{v[3], v[2], v[0], v[1]}, {0, 0}})) <= max_new_fold;
@@ -325,7 +323,7 @@ int split_long_edges(Sheet& sheet, Points3& metric, int max_triangles) {
   return static_cast<int>(chosen.size());
 }
 
-int flip_to_delaunay(Sheet& sheet, const Points3& metric, double max_fold) {
+int flip_edges(Sheet& sheet, double least_share, const std::function<bool(const Hinge&)>& wants) {
   constexpr int rounds = 6;
   int flips = 0;
   for (int round = 0; round < rounds; ++round) {
@@ -335,9 +333,8 @@ int flip_to_delaunay(Sheet& sheet, const Points3& metric, double max_fold) {
       const auto [left, right] = hinge.triangles;
       const auto& v = hinge.vertices;
       if (touched[left] || touched[right] ||
-          is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]) ||
-          !wants_to_flip(sheet, metric, v) || std::abs(dihedral_angle(sheet.x, hinge)) > max_fold ||
-          !may_flip(sheet, v) || !has_room(sheet, v, {left, right}))
+          is_on_crease(sheet.prescribed_creases, sheet.pattern, v[0], v[1]) || !wants(hinge) ||
+          !may_flip(sheet, v, least_share) || !has_room(sheet, v, {left, right}))
         continue;
       sheet.triangles.row(left) << v[0], v[3], v[2];
       sheet.triangles.row(right) << v[3], v[1], v[2];
@@ -347,6 +344,14 @@ int flip_to_delaunay(Sheet& sheet, const Points3& metric, double max_fold) {
     if (flips == before) break;
   }
   return flips;
+}
+
+int flip_to_delaunay(Sheet& sheet, const Points3& metric, double max_fold) {
+  constexpr double least_share = 0.05;
+  return flip_edges(sheet, least_share, [&](const Hinge& hinge) {
+    return wants_to_flip(sheet, metric, hinge.vertices) &&
+           std::abs(dihedral_angle(sheet.x, hinge)) <= max_fold;
+  });
 }
 
 int collapse_short_edges(Sheet& sheet, Points3& metric, const std::vector<char>& kept,

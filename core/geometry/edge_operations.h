@@ -1,8 +1,10 @@
 #pragma once
 
+#include "core/geometry/hinges.h"
 #include "core/model/sheet.h"
 
 #include <cmath>
+#include <functional>
 #include <vector>
 
 namespace paperbake {
@@ -33,10 +35,16 @@ Misfit misfit(const Sheet&, const Points3& metric);
 /// returns  the number of splits
 int split_long_edges(Sheet&, Points3& metric, int max_triangles);
 
+/// Flips edges that want to be flipped, in at most 6 rounds. An edge stays if it is on a prescribed
+/// crease, if one of the new triangles would have less than `least_share` [1] of the area of both, if
+/// the new edge would compress the sheet by more than 3 % or fold it by more than 2.2 rad, or if it
+/// would pass through another part of the sheet or come close to it.
+/// returns  the number of flips
+int flip_edges(Sheet&, double least_share, const std::function<bool(const Hinge&)>& wants);
+
 /// Flips edges until, in the mean metric of the four corners, the two angles opposite an edge add
-/// up to no more than pi, with a margin; at most 6 rounds. An edge stays if flipping it would
-/// compress the sheet by more than 3 % or fold it by more than 2.2 rad, or if the sheet folds there
-/// by more than `max_fold` [rad].
+/// up to no more than pi, with a margin. An edge at which the sheet folds by more than `max_fold`
+/// [rad] stays.
 /// returns  the number of flips
 int flip_to_delaunay(Sheet&, const Points3& metric, double max_fold = M_PI);
 

@@ -51,6 +51,11 @@ struct StepInput {
   double pressing = 1;
 };
 
+/// [1] Share of its energy that a ridge between two points of crumpled paper stores by stretching: it
+/// stretches with a fifth of the energy with which it bends [Lobkovsky 1997]. A smooth sheet, which
+/// can be developed, stretches far less.
+inline constexpr double ridge_share = 1.0 / 6;
+
 /// What a step did, and the energies and contacts of the sheet at its end.
 struct ElasticReport {
   int iterations = 0;  // number of factorisations of the Hessian
@@ -73,6 +78,8 @@ struct ElasticReport {
   int yielding = 0;         // hard handles that the paper does not follow
   int on_colliders = 0;  // vertices, edges and triangles that colliders push at the end of the step
   double inside = 0;     // [m] depth of the deepest point inside a collider
+
+  bool stretches_instead_of_bending() const { return membrane > ridge_share * energy; }
 };
 
 /// How far relax() goes.

@@ -77,8 +77,8 @@ bool Elastic::Impl::locks(const Sheet& sheet) {
   const ElasticEnergy::Parts stored = energy->parts(sheet.x);
   const double all = stored.membrane + stored.bending;
   const bool is_bent = all > least_locked_bend * paper.bending_stiffness;
-  if (!is_bent || stored.membrane < locked_share / 2 * all) state.locked_energy = 0;
-  if (!is_bent || stored.membrane < locked_share * all ||
+  if (!is_bent || stored.membrane < ridge_share / 2 * all) state.locked_energy = 0;
+  if (!is_bent || stored.membrane < ridge_share * all ||
       all < growth_until_search * state.locked_energy || mean_square_fold(sheet) > too_coarse)
     return false;
   state.locked_energy = all;

@@ -41,9 +41,6 @@ inline constexpr double softening = 100;
 
 // A smooth sheet that is locked in waves stretches where paper would bend, and the more its handles
 // move, the more. With coarse facets it may be the mesh that locks it.
-// [1] share of its energy that a locked sheet stores by stretching: a ridge of crumpled paper has a
-// sixth [Lobkovsky 1997], and a smooth sheet far less
-inline constexpr double locked_share = 1.0 / 6;
 // [1] of the bending stiffness: a square sheet that is bent by one radian stores half of it
 inline constexpr double least_locked_bend = 0.5;
 // [1] growth of the energy of a locked sheet until it searches again
