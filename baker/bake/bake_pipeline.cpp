@@ -91,18 +91,18 @@ bool BakePipeline::render(StopRequest& stop) {
 void BakePipeline::render_group(const std::vector<std::size_t>& sheets, StopRequest& stop) {
   int rendered = 0;
   try {
-    render_frames(sheets, RenderPass::Features::all, rendered, stop);
+    render_frames(sheets, MeshFeatures::all, rendered, stop);
   } catch (const Error& error) {
     if (rendered > 0) throw;  // the frames before are kept
     context_.progress.warning(fmt::format("{}: {} It is made without singular points and creases.",
                                           error.place, error.cause));
-    render_frames(sheets, RenderPass::Features::handles, rendered, stop);
+    render_frames(sheets, MeshFeatures::handles, rendered, stop);
   }
 }
 
 /// rendered  is raised with every frame that is handed on
-void BakePipeline::render_frames(const std::vector<std::size_t>& sheets,
-                                 RenderPass::Features features, int& rendered, StopRequest& stop) {
+void BakePipeline::render_frames(const std::vector<std::size_t>& sheets, MeshFeatures features,
+                                 int& rendered, StopRequest& stop) {
   const BakeSettings& settings = context_.settings;
   const BakePlan& plan = context_.plan;
   RenderedFrames kept(files_.folder() / ".state" / rendered_frames_file(sheets.front(), features),

@@ -56,7 +56,7 @@ class BakePipeline {
 
  private:
   void render_group(const std::vector<std::size_t>& sheets, StopRequest&);
-  void render_frames(const std::vector<std::size_t>& sheets, RenderPass::Features, int& rendered,
+  void render_frames(const std::vector<std::size_t>& sheets, MeshFeatures, int& rendered,
                      StopRequest&);
   void hand_on(const std::vector<std::size_t>& sheets, std::vector<RenderedSheet>&);
   std::string render_key(const std::vector<std::size_t>& sheets) const;

@@ -220,9 +220,8 @@ void remove_rendered_frames(const fs::path& state_folder) {
     if (entry.path().filename().string().rfind("rendered.", 0) == 0) fs::remove(entry.path(), none);
 }
 
-std::string rendered_frames_file(std::size_t first, RenderPass::Features features) {
-  return fmt::format("rendered.{}{}", first,
-                     features == RenderPass::Features::all ? "" : ".handles");
+std::string rendered_frames_file(std::size_t first, MeshFeatures features) {
+  return fmt::format("rendered.{}{}", first, features == MeshFeatures::all ? "" : ".handles");
 }
 
 }  // namespace paperbake

@@ -46,6 +46,6 @@ void round_to_32_bits(CacheFrame&);
 void remove_rendered_frames(const std::filesystem::path& state_folder);
 
 /// The name of such a file for a group of sheets. first: index of its first sheet
-std::string rendered_frames_file(std::size_t first, RenderPass::Features);
+std::string rendered_frames_file(std::size_t first, MeshFeatures);
 
 }  // namespace paperbake

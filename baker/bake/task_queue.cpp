@@ -4,8 +4,11 @@
 
 namespace paperbake {
 
-TaskQueue::TaskQueue(int threads)
-    : policy_(threads > 1 ? std::launch::async : std::launch::deferred) {}
+std::launch launch_policy(int threads) {
+  return threads > 1 ? std::launch::async : std::launch::deferred;
+}
+
+TaskQueue::TaskQueue(int threads) : policy_(launch_policy(threads)) {}
 
 std::shared_future<void> TaskQueue::start(std::function<void()> task) {
   constexpr std::size_t max_waiting = 4;  // a map takes 3 MB until it is drawn

@@ -6,6 +6,9 @@
 
 namespace paperbake {
 
+/// Where to start work that may run on a thread of its own.
+std::launch launch_policy(int threads);
+
 /// Does tasks one after the other, on threads of its own, while the bake goes on. With one thread
 /// they are done on the spot.
 class TaskQueue {

@@ -36,9 +36,9 @@ Misfit misfit(const Sheet&, const Points3& metric);
 int split_long_edges(Sheet&, Points3& metric, int max_triangles);
 
 /// Flips edges that want to be flipped, in at most 6 rounds. An edge stays if it is on a prescribed
-/// crease, if one of the new triangles would have less than `least_share` [1] of the area of both, if
-/// the new edge would compress the sheet by more than 3 % or fold it by more than 2.2 rad, or if it
-/// would pass through another part of the sheet or come close to it.
+/// crease, if one of the new triangles would have less than `least_share` [1] of the area of both,
+/// if the new edge would compress the sheet by more than 3 % or fold it by more than 2.2 rad, or if
+/// it would pass through another part of the sheet or come close to it.
 /// returns  the number of flips
 int flip_edges(Sheet&, double least_share, const std::function<bool(const Hinge&)>& wants);
 

@@ -51,9 +51,9 @@ struct StepInput {
   double pressing = 1;
 };
 
-/// [1] Share of its energy that a ridge between two points of crumpled paper stores by stretching: it
-/// stretches with a fifth of the energy with which it bends [Lobkovsky 1997]. A smooth sheet, which
-/// can be developed, stretches far less.
+/// [1] Share of its energy that a ridge between two points of crumpled paper stores by stretching:
+/// it stretches with a fifth of the energy with which it bends [Lobkovsky 1997]. A smooth sheet,
+/// which can be developed, stretches far less.
 inline constexpr double ridge_share = 1.0 / 6;
 
 /// What a step did, and the energies and contacts of the sheet at its end.

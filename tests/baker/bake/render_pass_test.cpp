@@ -40,17 +40,6 @@ ShotRecord record_of(const std::vector<double>& up) {
   return record;
 }
 
-TEST(RenderPassTest, SheetsThatComeNearEachOtherInSomeFrameAreRenderedTogether) {
-  const ShotRecord a = record_of({0, 0, 0}), b = record_of({1, 0.05, 1}),
-                   far = record_of({2, 2, 2}), between = record_of({2, 0.1, 3});
-  using Lists = std::vector<std::vector<std::size_t>>;
-  EXPECT_EQ(groups_near_each_other({&a, &far, &b}), (Lists{{0, 2}, {1}}));
-  EXPECT_EQ(groups_near_each_other({&a, &far}), (Lists{{0}, {1}}));
-  EXPECT_EQ(groups_near_each_other({&far, &a, &b, &between}), (Lists{{0, 1, 2, 3}}))
-      << "by way of those between";
-  EXPECT_TRUE(groups_near_each_other({}).empty());
-}
-
 TEST(RenderPassTest, SheetsOneInTheOtherAreApartAndTheSameForAnyNumberOfThreads) {
   const ShotRecord low = record_of({0, 0, 0, 0, 0, 0}),
                    high = record_of({1e-4, 1e-4, 1e-4, 1e-4, 1e-4, 1e-4});
@@ -105,12 +94,12 @@ TEST(RenderPassTest, WithoutFeaturesTheMeshHasNoVertexAtASingularPoint) {
   frame.sheet = &sheet;
   record.add(frame);
   const Shot shot = test::blank_shot(test::rectangle(size, size));
-  const auto distance = [&](RenderPass::Features features) {
+  const auto distance = [&](MeshFeatures features) {
     const RenderPass pass({{&record, &shot}}, {Quality::draft, {1, 1, 1}, 24, 1, features});
     return (pass.pattern(0).rowwise() - apex.transpose()).rowwise().norm().minCoeff();
   };
-  EXPECT_LT(distance(RenderPass::Features::all), 1e-9);
-  EXPECT_GT(distance(RenderPass::Features::handles), 1e-6);
+  EXPECT_LT(distance(MeshFeatures::all), 1e-9);
+  EXPECT_GT(distance(MeshFeatures::handles), 1e-6);
 }
 
 }  // namespace

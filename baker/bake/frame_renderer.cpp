@@ -1,0 +1,211 @@
+#include "baker/bake/frame_renderer.h"
+
+#include "baker/bake/task_queue.h"
+#include "core/animation/cpu_clock.h"
+#include "core/geometry/collider.h"
+#include "core/geometry/point_location.h"
+#include "core/geometry/surface_transfer.h"
+#include "core/step1_elastic/elastic.h"
+
+#include <algorithm>
+#include <memory>
+
+namespace paperbake {
+namespace {
+
+/// Whether a collider reaches into the box round the points.
+bool may_touch(const ColliderShapes& shapes, const Points3& x) {
+  const Vector3d low = x.colwise().minCoeff(), high = x.colwise().maxCoeff();
+  bool any = false;
+  for (const auto& shape : shapes) shape->near_triangles(low, high, 0, [&](int) { any = true; });
+  return any;
+}
+
+}  // namespace
+
+FrameRenderer::FrameRenderer(const std::vector<RenderInput>& inputs,
+                             std::vector<RenderSurface>& surfaces, const RenderOptions& options)
+    : inputs_(inputs),
+      surfaces_(surfaces),
+      untangler_(surfaces),
+      wanted_(options.frames),
+      threads_(std::max(options.threads, 1)),
+      clock_(options.clock),
+      held_(surfaces.size()) {
+  for (std::size_t s = 0; s < surfaces.size(); ++s) {
+    shapes_.emplace_back(*inputs[s].record, surfaces[s], options.fps);
+    const Shot& shot = *inputs[s].shot;
+    const double side = longer_side(shot.pattern);
+    judges_.emplace_back(
+        surfaces[s].mesh().pattern / side, surfaces[s].mesh().triangles, side,
+        shot.colliders ? std::make_shared<const JudgedColliders>(*shot.colliders) : nullptr);
+    std::vector<int>& vertices = vertex_of_handle_.emplace_back();
+    for (const Handle& handle : shot.handles)
+      vertices.push_back(judges_.back().vertex_at(handle.pattern));
+  }
+}
+
+FrameOfSheets FrameRenderer::operator()(std::size_t k) {
+  while (!pending_.empty() && pending_.front().k < k) pending_.pop_front();  // waits for it
+  for (next_ = std::max(next_, k);
+       next_ < frames_of_any(inputs_) && (pending_.size() < threads_ || next_ == k); ++next_)
+    if (is_needed(next_) && !start(next_)) break;
+  FrameOfSheets rendered = pending_.front().rendered.get();
+  if (pending_.front().repeated)
+    for (FrameOfSheets::Verdict& verdict : rendered.verdicts) verdict.statistics.ms = 0;
+  pending_.pop_front();
+  return rendered;
+}
+
+bool FrameRenderer::rests(std::size_t k) const {
+  if (!simulated_alike(inputs_, k)) return false;
+  const auto& frames = inputs_.front().record->frames();
+  if (wanted_.contains(frames[k].frame) && !wanted_.contains(frames[k - 1].frame)) return false;
+  for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s) {
+    const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
+    const RecordedFrame &now = recorded[k], &before = recorded[k - 1];
+    if (now.held != before.held || now.held_at != before.held_at || now.keyed != before.keyed)
+      return false;
+    if (const auto& colliders = inputs_[s].shot->colliders) {
+      const int row = now.frame - recorded.front().frame;
+      const ColliderMotion motion = motion_to(*colliders, row);
+      if (farthest_move(motion.from, motion.to) > 0) return false;
+    }
+  }
+  return true;
+}
+
+bool FrameRenderer::is_needed(std::size_t k) const {
+  const auto& frames = inputs_.front().record->frames();
+  const auto wanted = [&](std::size_t i) {
+    return i < frames.size() && wanted_.contains(frames[i].frame);
+  };
+  return wanted(k) || wanted(k + 1) || wanted(k - 1);
+}
+
+bool FrameRenderer::start(std::size_t k) {
+  if (last_ && last_->k + 1 == k && rests(k)) {
+    last_ = PendingFrame{k, last_->rendered, true};
+    pending_.push_back(*last_);
+    return true;
+  }
+  std::vector<ShapeCache::Sum> shapes;
+  for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s) {
+    const RecordedFrame& recorded = inputs_[s].record->frames()[k];
+    if (held_[s] != recorded.held) {
+      if (!pending_.empty()) return false;
+      surfaces_[s].hold(recorded.held);  // expensive, but rare: it counts for no frame's time
+      held_[s] = recorded.held;
+    }
+  }
+  for (std::size_t s = 0; s < sheets_with_frame(inputs_, k); ++s)
+    shapes.push_back(shapes_[s].at(k));
+  last_ = PendingFrame{k, std::async(launch_policy(static_cast<int>(threads_)), [this, k, shapes] {
+                            return render(k, shapes);
+                          }).share()};
+  pending_.push_back(*last_);
+  return true;
+}
+
+FrameOfSheets FrameRenderer::render(std::size_t k,
+                                    const std::vector<ShapeCache::Sum>& shapes) const {
+  const StageClock::Part part(clock_, Stage::render_frames);
+  FrameOfSheets rendered;
+  std::vector<SheetUntangler::Simulated> simulated;
+  std::vector<double> ms;
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    const double start_ms = cpu_ms();
+    const RecordedFrame& recorded = inputs_[s].record->frames()[k];
+    simulated.push_back({inputs_[s].record->sheet(recorded), &shapes[s].places()});
+    rendered.frames.push_back(surfaces_[s].frame(simulated[s].sheet, *simulated[s].places,
+                                                 shapes[s](), recorded.held_at));
+    ms.push_back(cpu_ms() - start_ms);
+  }
+  const double start_ms = cpu_ms();
+  if (rendered.frames.size() == surfaces_.size()) {
+    const StageClock::Part keeping_apart(clock_, Stage::keep_apart);
+    untangler_.keep_apart(rendered.frames, simulated);
+  }
+  const double each_ms = (cpu_ms() - start_ms) / std::max<std::size_t>(1, shapes.size());
+  for (std::size_t s = 0; s < shapes.size(); ++s) {
+    const double start_ms = cpu_ms();
+    if (push_out_of_colliders(s, k, simulated[s], rendered.frames[s].x))
+      surfaces_[s].shade(rendered.frames[s]);
+    ms[s] += each_ms + cpu_ms() - start_ms;
+  }
+  if (wanted_.contains(inputs_.front().record->frames()[k].frame))
+    rendered.verdicts = judge(k, rendered.frames, ms);
+  return rendered;
+}
+
+bool FrameRenderer::push_out_of_colliders(std::size_t s, std::size_t k,
+                                          const SheetUntangler::Simulated& simulated,
+                                          Points3& x) const {
+  const StageClock::Part part(clock_, Stage::keep_apart);
+  const auto& colliders = inputs_[s].shot->colliders;
+  if (!colliders) return false;
+  const auto& frames = inputs_[s].record->frames();
+  Points3 on_facets = x;  // vertices of a finer mesh, in the middle of edges, are near enough
+  for (std::size_t v = 0; v < simulated.places->size(); ++v)
+    on_facets.row(v) =
+        interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
+  const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
+  // a sheet that is jammed has stayed behind in the collider: pushed out, it would be torn
+  Points3 outside = on_facets;
+  if (push_out(shapes, on_facets, 0, outside) > yield_depth) return false;
+  const std::vector<char>& held = surfaces_[s].is_held();
+  // vertices first, then edges and triangles: a corner of the collider stands between vertices
+  std::optional<ColliderClearance> clearance;
+  if (may_touch(shapes, x))
+    clearance.emplace(colliders, shapes, surfaces_[s].mesh().triangles, on_facets);
+  // lengths that are wrong after this are restored, as far as the sheet stays outside
+  constexpr int max_turns = 8;
+  constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn
+  for (int turn = 0;; ++turn) {
+    const Points3 before = x;
+    double pushed = push_out(shapes, on_facets, 0, x);
+    for (int v = 0; v < x.rows(); ++v)
+      if (held[v]) x.row(v) = before.row(v);
+    if (clearance) pushed = std::max(pushed, clearance->push_out(held, x));
+    if (pushed < still || turn == max_turns) return turn > 0 || pushed > 0;
+    surfaces_[s].limit_strain(x);
+  }
+}
+
+std::vector<FrameOfSheets::Verdict> FrameRenderer::judge(std::size_t k,
+                                                         const std::vector<RenderFrame>& frames,
+                                                         const std::vector<double>& ms) const {
+  const StageClock::Part part(clock_, Stage::judge);
+  std::vector<FrameOfSheets::Verdict> verdicts;
+  std::vector<Points3> stored_x;
+  for (std::size_t s = 0; s < frames.size(); ++s) {
+    const std::vector<RecordedFrame>& recorded = inputs_[s].record->frames();
+    const Points3& x = stored_x.emplace_back(as_stored(frames[s].x));
+    FrameOfSheets::Verdict& verdict = verdicts.emplace_back();
+    const RenderFrame::Counted& counted = frames[s].counted;
+    verdict.judgement =
+        judges_[s](x, recorded[k].frame - recorded.front().frame,
+                   counted.x == x ? std::optional(counted.crossings) : std::nullopt);
+    verdict.handle_error = handle_error(s, recorded[k], x);
+    verdict.statistics = statistics_of(verdict.judgement, judges_[s]);
+    verdict.statistics.ms = ms[s];
+    verdict.statistics.kept_apart = frames[s].kept_apart;
+  }
+  const std::vector<int> with_others = untangler_.crossings(stored_x);
+  for (std::size_t s = 0; s < frames.size(); ++s)
+    verdicts[s].statistics.crossings_with_others = with_others[s];
+  return verdicts;
+}
+
+double FrameRenderer::handle_error(std::size_t s, const RecordedFrame& recorded,
+                                   const Points3& x) const {
+  double most = 0;
+  for (std::size_t h = 0; h < recorded.held.size(); ++h) {
+    if (inputs_[s].shot->handles[recorded.held[h]].stiffness > 0) continue;  // meant to lag
+    const int vertex = vertex_of_handle_[s][recorded.held[h]];
+    most = std::max(most, (x.row(vertex) - recorded.keyed.row(h)).norm());
+  }
+  return most;
+}
+
+}  // namespace paperbake
