@@ -77,8 +77,11 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
   const BakePlan& plan = takes.plan();
   const bool resumable = can_resume(plan), kept = can_keep(plan);
   std::vector<AnimateOptions> options = options_of_sheets(plan);
-  for (AnimateOptions& of_sheet : options)  // a later bake that resumes may want maps
+  for (AnimateOptions& of_sheet : options) {
+    // a later bake that resumes may want maps
     of_sheet.report_plastic_curvature = kept || pipeline.needs_plastic_curvature();
+    of_sheet.asks_to_stop = [&stop] { return stop.is_made(); };
+  }
   Checkpoints checkpoints(folder.sub(".state"), plan, settings.checkpoint_every,
                           resumable ? Reuse::any_of_them : Reuse::all_or_none);
   int first = plan.animation.first_frame;

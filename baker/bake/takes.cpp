@@ -39,8 +39,11 @@ double unavoidable(const BakePlan& plan, std::size_t sheet, const std::string& h
 /// A take that is being simulated.
 class Candidate {
  public:
-  Candidate(BakePlan plan, TriedTake known)
-      : plan_(std::move(plan)), options_(options_of_sheets(plan_)), take_(known) {}
+  Candidate(BakePlan plan, TriedTake known, StopRequest& stop)
+      : plan_(std::move(plan)), options_(options_of_sheets(plan_)), take_(known) {
+    for (AnimateOptions& of_sheet : options_)
+      of_sheet.asks_to_stop = [&stop] { return stop.is_made(); };
+  }
 
   const TriedTake& take() const { return take_; }
   bool has_begun() const { return animation_.has_value() || failed_; }
@@ -57,8 +60,9 @@ class Candidate {
       if (!animation_) begin();
       for (const AnimatedFrame& frame : animation_->next_frame()) add_frame(take_, frame, plan_);
       take_.frames = std::max(take_.frames, ++simulated_);
-    } catch (const Error&) {
-      failed_ = true;  // the bake itself says so, if no take is better
+    } catch (const Error& error) {
+      // whoever stops it knows; anything else the bake itself says, if no take is better
+      failed_ = error.code != ErrorCode::stopped;
     }
   }
 
@@ -143,7 +147,8 @@ bool Takes::choose(Progress& progress, StopRequest& stop) {
   for (std::size_t k = 0; k < static_cast<std::size_t>(settings_.takes); ++k) {
     BakePlan plan = plan_of(k);
     plan.polish = {};
-    all.push_back(std::make_unique<Candidate>(std::move(plan), k == 0 ? seen_ : describe_take(k)));
+    all.push_back(
+        std::make_unique<Candidate>(std::move(plan), k == 0 ? seen_ : describe_take(k), stop));
   }
   const auto best = [&] {
     return std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {

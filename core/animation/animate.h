@@ -35,6 +35,9 @@ struct AnimateOptions {
   // continues with the frame after that one and gives the same frames as an uninterrupted run.
   // Empty: all frames.
   std::string resume_state;
+  // Asked before every frame of a rehearsal (rehearsal.h), which nobody sees; may be empty. What it
+  // stops throws Error(ErrorCode::stopped).
+  std::function<bool()> asks_to_stop;
 };
 
 /// Simulates one sheet through its shot, frame by frame: handles -> step 1 -> method -> frame.

@@ -4,6 +4,7 @@
 #include "core/model/error.h"
 
 #include <algorithm>
+#include <string>
 
 namespace paperbake {
 namespace {
@@ -21,6 +22,9 @@ bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
   double way = 0;
   int locked = 0;
   while (sheet.next_frame() <= end && way < opening && sheet.may_start_finer()) {
+    if (options.asks_to_stop && options.asks_to_stop())
+      throw Error(ErrorCode::stopped, "before frame " + std::to_string(options.first_frame),
+                  "The simulation was stopped.", "The same command starts it again.");
     sheet.prepare(is_admissible);
     sheet.step(SheetSimulation::RecordTrajectory::no);
     sheet.finish_step(is_admissible);
@@ -40,7 +44,8 @@ int rehearsed_doublings(const Shot& shot, const MethodChoice& method,
   try {
     SheetSimulation sheet(shot, method, options, {0, 1});
     return is_held_back(sheet, options) ? doublings : 0;
-  } catch (const Error&) {
+  } catch (const Error& error) {
+    if (error.code == ErrorCode::stopped) throw;
     return 0;  // the shot itself says so, in the frame where it happens
   }
 }

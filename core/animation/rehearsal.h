@@ -15,6 +15,7 @@ namespace paperbake {
 /// when they need it, or have it already.
 ///
 /// returns  0: the first mesh is fine enough, or nothing was rehearsed
+/// throws   Error(ErrorCode::stopped) when AnimateOptions::asks_to_stop says so
 /// source   this project
 int rehearsed_doublings(const Shot&, const MethodChoice&, const AnimateOptions&);
 

@@ -2,6 +2,7 @@
 
 #include "core/geometry/collider.h"
 #include "core/methods/hybrid.h"
+#include "core/model/error.h"
 #include "tests/core/animation/together_shots.h"
 
 #include <gtest/gtest.h>
@@ -132,6 +133,25 @@ TEST(CoarseMeshTest, APageBetweenTwoWallsBecomesAnArch) {
     EXPECT_GT(rise, 0.05) << seed;
     EXPECT_LT(off_cylinder(last), 0.15) << seed << ": an arch bends about one axis";
   }
+}
+
+TEST(CoarseMeshTest, ARehearsalIsStoppedBetweenTwoOfItsFrames) {
+  const Shot shot = letter_by_two_corners();
+  int asked = 0;
+  AnimateOptions options;
+  options.last_frame = 20;
+  options.elastic.forces.gravity = 9.81;
+  options.asks_to_stop = [&] { return ++asked == 3; };
+  bool shown = false;
+  try {
+    animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options,
+            [&](const AnimatedFrame&) { return shown = true; });
+    ADD_FAILURE() << "it went on";
+  } catch (const Error& error) {
+    EXPECT_EQ(error.code, ErrorCode::stopped);
+  }
+  EXPECT_EQ(asked, 3);
+  EXPECT_FALSE(shown) << "nothing is simulated after it";
 }
 
 TEST(CoarseMeshTest, ALetterThatCornersTurnOverStartsOnAMeshOnWhichItCanBend) {
