@@ -40,6 +40,20 @@ MethodChoice hybrid_of(const Shot& shot, unsigned seed = 0) {
   return hybrid(shot.pattern, shot.paper, 120, {}, seed, 0);
 }
 
+TEST(HybridTest, AFinerFirstMeshHasNoMoreTrianglesThanTheMethodMayHave) {
+  const Pattern square = test::rectangle(0.1, 0.1);
+  CrumpleOptions options;
+  options.max_triangles = 500;
+  const auto method = hybrid(square, Paper{}, 120, options, 0, 0).make();
+  method->first_mesh(square, {});
+  ASSERT_TRUE(method->finer_mesh()) << "240";
+  EXPECT_TRUE(method->finer_mesh()) << "480";
+  const auto finer = hybrid(square, Paper{}, 240, options, 0, 0).make();
+  finer->first_mesh(square, {});
+  ASSERT_TRUE(finer->finer_mesh()) << "480";
+  EXPECT_FALSE(finer->finer_mesh()) << "960";
+}
+
 TEST(HybridTest, AnArchOfAHundredTrianglesIsNearlyTheElastica) {
   const Shot shot = test::s1_push();
   const Played played = play(shot, hybrid_of(shot), 24);
