@@ -188,7 +188,7 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
 
 void print_warnings(const BakePlan& plan, Progress& progress) {
   for (const std::string& warning : plan.warnings) progress.warning(warning);
-  for (const SheetImpossible& pair : plan.impossible) progress.warning(describe(pair));
+  for (const UnreachablePairOfSheet& pair : plan.impossible) progress.warning(describe(pair));
 }
 
 BakeOutcome bake_with_progress(const BakeSettings& settings, const BakePlan& plan,

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "baker/bake/shot_certificate.h"
+#include "baker/bake/bake_certificate.h"
 #include "baker/bake/stage_clock.h"
 #include "baker/bake/task_queue.h"
 #include "baker/job/plan.h"
@@ -19,7 +19,7 @@ struct BakeContext {
   const BakePlan& plan;
   std::vector<std::string> suffixes;  // of file names, one a sheet; empty where there is one sheet
   BakeFiles& files;
-  ShotCertificate& certificate;
+  BakeCertificate& certificate;
   CacheWriters& caches;
   Progress& progress;
   TaskQueue& tasks;

@@ -23,11 +23,8 @@ ColliderRecord collider_record(const BakePlan& plan) {
   ColliderRecord record;
   record.first_frame = plan.animation.first_frame;
   for (const Shot& shot : plan.shots)
-    for (const Collider& collider : *shot.colliders) {
-      std::vector<ColliderMesh>& meshes = record.of_sheet[shot.sheet_name];
-      meshes.push_back(collider.mesh());
-      meshes.back().frames = collider.frames();
-    }
+    for (const Collider& collider : *shot.colliders)
+      record.of_sheet[shot.sheet_name].push_back(collider.mesh_with_frames());
   return record;
 }
 
@@ -193,8 +190,12 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   Gates gates;
   gates.max_stretch_pct = context_.settings.max_stretch_pct;
   BakeOutcome outcome;
-  outcome.missed = missed_gates(gates, certificate_.frames(), plan);
-  outcome.exit_code = outcome.missed.empty() ? 0 : 4;
+  const std::vector<MissedGate> missed = missed_gates(gates, certificate_.frames(), plan);
+  for (const MissedGate& gate : missed) outcome.missed.push_back(gate.sentence);
+  outcome.exit_code = missed.empty() ? 0 : 4;
+  const auto error = final_error(failure);
+  caches_.write_ending(
+      {certificate_.frames(), missed, error ? error->cause + " " + error->remedy : ""});
   write_certificate(outcome, failure);
   outcome.files = files_.written();
 
@@ -203,21 +204,17 @@ BakeOutcome BakePipeline::write(const std::optional<Error>& failure) {
   const StaleFiles stale = files_.failures.all().empty() ? StaleFiles::remove : StaleFiles::keep;
   files_.failures.try_write(".state/written",
                             [&] { replace_outputs(files_.folder(), all, stale, keys_); });
-  if (const auto error = final_error(failure)) throw *error;
+  if (const auto failed = final_error(failure)) throw *failed;
   remove_rendered_frames(files_.folder() / ".state");
   return outcome;
 }
 
-/// Report, certificate and lock file; the summary last, which holds the hashes of all other files.
+/// Certificate and lock file; the summary last, which holds the hashes of all other files.
 void BakePipeline::write_certificate(const BakeOutcome& outcome,
                                      const std::optional<Error>& failure) {
   const auto write = [&](const std::string& file, const std::function<std::string()>& text) {
     files_.write(file, [&](const auto& path) { write_atomically(path, text()); });
   };
-  std::vector<std::string> sentences = outcome.missed;
-  if (const auto error = final_error(failure))
-    sentences.push_back(error->cause + " " + error->remedy);
-  caches_.write_ending({certificate_.frames(), std::move(sentences)});
   write("singular.csv", [&] { return singular_csv(certificate_.singular); });
   write("job.lock.toml", [&] { return lock_text(context_.plan); });
   if (!context_.settings.formats.count("cert")) return;

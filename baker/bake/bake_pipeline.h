@@ -64,7 +64,7 @@ class BakePipeline {
   std::optional<Error> final_error(const std::optional<Error>& failure) const;
 
   BakeFiles files_;
-  ShotCertificate certificate_;
+  BakeCertificate certificate_;
   CacheWriters caches_;
   TaskQueue tasks_;
   BakeContext context_;

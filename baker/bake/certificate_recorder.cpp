@@ -14,10 +14,6 @@
 namespace paperbake {
 namespace {
 
-void append_note(FrameRecord& record, const std::string& note) {
-  record.note += (record.note.empty() ? "" : "; ") + note;
-}
-
 HandleRecord::State record_state(HandleFrame::State state) {
   switch (state) {
     case HandleFrame::held:
@@ -105,15 +101,19 @@ void CertificateRecorder::note_what_was_not_solved(const AnimatedFrame& frame,
                                                    FrameRecord& record) {
   constexpr double least_motion = 1e-5;  // [m] of a handle within a frame
   if (frame.statistics.energy < 0)
-    append_note(record, fmt::format("the stored energy is below zero, {:.3g} J: the step was not "
-                                    "solved",
-                                    frame.statistics.energy));
+    append_note(record.note,
+                fmt::format("the stored energy is below zero, {:.3g} J: the step was not "
+                            "solved",
+                            frame.statistics.energy));
   const auto& before = handles_before_;
   bool moves = false;
   for (std::size_t h = 0; h < frame.handles.size() && h < before.size(); ++h)
     moves |= frame.handles[h].state != HandleFrame::free && before[h].state != HandleFrame::free &&
              (frame.handles[h].keyed - before[h].keyed).norm() > least_motion;
-  if (moves && same_entries(frame.sheet->x, x_before_)) append_note(record, note_of_unsolved_step);
+  record.step_unsolved = moves && same_entries(frame.sheet->x, x_before_);
+  if (record.step_unsolved)
+    append_note(record.note,
+                "the sheet stands still although its handles move: the step was not solved");
   handles_before_ = frame.handles;
   x_before_ = frame.sheet->x;
 }
@@ -129,7 +129,7 @@ void CertificateRecorder::count_intersections(const Sheet& sheet, FrameRecord& r
   if (bake_.plan.shots.size() < 2) return;
   const int count = bake_.certificate.intersections.add(record.frame, sheet);
   record.statistics.crossings_with_others = count;
-  if (count > 0) append_note(record, "passes through another sheet");
+  if (count > 0) append_note(record.note, "passes through another sheet");
 }
 
 void CertificateRecorder::record_folds(const Sheet& sheet, int frame) {

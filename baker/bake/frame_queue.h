@@ -19,8 +19,8 @@ class FrameQueue {
   FrameQueue(int threads, std::function<void(const AnimatedFrame&)> consumer);
   ~FrameQueue();
 
-  /// Copies the frame and its sheet, and leaves memory and state of the paper to animate; waits
-  /// while too many are on the way. returns false once the consumer has thrown.
+  /// Copies the frame and its sheet, but not its plastic_grid and its state, which change with the
+  /// next frame; waits while too many are on the way. returns false once the consumer has thrown.
   bool push(const AnimatedFrame&);
 
   /// Waits until all frames are consumed; throws what the consumer threw.

@@ -16,7 +16,8 @@ struct RenderInput {
   const Shot* shot;
 };
 
-// handles: a mesh that has no singular points and no creases, where none can be made with them
+// What the mesh has vertices at. handles: at handle points alone, where no mesh can be made that has
+// all singular points and creases, too
 enum class MeshFeatures { all, handles };
 
 struct RenderOptions {

@@ -30,7 +30,7 @@ bool is_finer(std::size_t take) { return take % 2 == 1; }
 /// much whatever the take. [m]
 double unavoidable(const BakePlan& plan, std::size_t sheet, const std::string& handle) {
   double most = 0;
-  for (const SheetImpossible& i : plan.impossible)
+  for (const UnreachablePairOfSheet& i : plan.impossible)
     if (i.sheet == plan.shots[sheet].sheet_name && (i.pair.a == handle || i.pair.b == handle))
       most = std::max(most, i.pair.apart - i.pair.allowed);
   return most;
@@ -170,11 +170,11 @@ bool Takes::choose(Progress& progress, StopRequest& stop) {
     if (candidate->take().frames > 0) choice.tried.push_back(candidate->take());
   keep_choice(choice);
   progress.message(describe(choice));
-  bake_take(std::move(choice));
+  adopt(std::move(choice));
   return true;
 }
 
-void Takes::bake_take(TakeChoice choice) {
+void Takes::adopt(TakeChoice choice) {
   plan_ = plan_of(choice.baked);
   plan_.take = std::move(choice);
   watches_ = failing_ = false;
@@ -205,7 +205,7 @@ bool Takes::load_choice() {
     return false;  // there is none, or it is somebody else's
   }
   if (choice.baked >= choice.tried.size()) return false;
-  bake_take(std::move(choice));
+  adopt(std::move(choice));
   return true;
 }
 

@@ -45,7 +45,7 @@ class Takes {
  private:
   BakePlan plan_of(std::size_t take) const;
   TriedTake describe_take(std::size_t take) const;
-  void bake_take(TakeChoice);
+  void adopt(TakeChoice);
   bool load_choice();
   void keep_choice(const TakeChoice&) const;
 

@@ -48,10 +48,10 @@ std::vector<CreaseLine> creases_of(const SceneSheet& sheet, const Scene& scene) 
   return crease_lines(sheet, expected_creases(sheet, scene.first_frame));
 }
 
-std::vector<SheetImpossible> impossible_pairs(const Scene& scene) {
-  std::vector<SheetImpossible> all;
+std::vector<UnreachablePairOfSheet> impossible_pairs(const Scene& scene) {
+  std::vector<UnreachablePairOfSheet> all;
   for (const SceneSheet& sheet : scene.sheets)
-    for (ImpossiblePair& pair :
+    for (UnreachablePair& pair :
          all_impossible_pairs(sheet.pattern, sheet.handles, scene.first_frame, scene.last_frame))
       all.push_back({sheet.name, std::move(pair)});
   return all;
@@ -109,7 +109,7 @@ Json sheet_json(const SceneSheet& sheet, const Scene& scene) {
 Json scene_json(const Scene& scene) {
   Json sheets = Json::array(), impossible = Json::array();
   for (const SceneSheet& sheet : scene.sheets) sheets.push_back(sheet_json(sheet, scene));
-  for (const SheetImpossible& i : impossible_pairs(scene))
+  for (const UnreachablePairOfSheet& i : impossible_pairs(scene))
     impossible.push_back({{"sheet", i.sheet},
                           {"handles", {i.pair.a, i.pair.b}},
                           {"frame", i.pair.frame},
@@ -162,7 +162,7 @@ std::string scene_text(const Scene& scene) {
   for (const InspectedCollider& collider : inspected_colliders(scene))
     text += collider_text(collider);
   for (const Wind& wind : scene.winds) text += wind_text(wind);
-  for (const SheetImpossible& i : impossible_pairs(scene))
+  for (const UnreachablePairOfSheet& i : impossible_pairs(scene))
     text += "impossible: " + describe(i) + "\n";
   for (const std::string& warning : scene.warnings) text += "warning: " + warning + "\n";
   return text;

@@ -203,9 +203,9 @@ BakePlan plan_bake(const BakeSettings& settings, Scene scene) {
     read_preset(*settings.preset);
   const std::vector<UsedValue> of_sheets = plan_sheets(settings, scene, plan);
   name_files(plan);
-  question_triangles(settings, plan);
-  question_values(plan);
-  find_begun_inside(settings, plan);
+  warn_of_coarse_mesh(settings, plan);
+  warn_of_doubtful_values(plan);
+  warn_of_sheets_inside_colliders(settings, plan);
   decide_inertia(settings, scene, plan);
   decide_polish(settings, plan);
   record_used_values(settings, scene, plan);

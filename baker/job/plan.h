@@ -16,9 +16,9 @@
 namespace paperbake {
 
 /// A pair of handles of a sheet that are farther apart than the paper between them is long.
-struct SheetImpossible {
+struct UnreachablePairOfSheet {
   std::string sheet;
-  ImpossiblePair pair;
+  UnreachablePair pair;
 };
 
 /// Without --map-frames debug pictures are drawn of every 6th frame, of the last one, and of frames
@@ -53,7 +53,7 @@ struct BakePlan {
   std::optional<AccuracyChoice>
       accuracy;                    // how the size of the mesh was chosen; none: it was given
   std::optional<TakeChoice> take;  // none: the first take is baked, and no other was tried
-  std::vector<SheetImpossible> impossible;
+  std::vector<UnreachablePairOfSheet> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;  // every value and where it came from, for job.lock.toml
   // of each sheet, together with those it may touch: version, settings, paper, pattern, start

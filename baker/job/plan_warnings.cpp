@@ -11,8 +11,8 @@
 
 namespace paperbake {
 
-std::string describe(const SheetImpossible& impossible) {
-  const ImpossiblePair& p = impossible.pair;
+std::string describe(const UnreachablePairOfSheet& impossible) {
+  const UnreachablePair& p = impossible.pair;
   const double over = p.apart - p.allowed;
   if (!p.around.empty())
     return fmt::format(
@@ -39,11 +39,11 @@ std::string describe(const SheetImpossible& impossible) {
 
 void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
   for (const Shot& shot : plan.shots)
-    for (ImpossiblePair& pair : all_impossible_pairs(
+    for (UnreachablePair& pair : all_impossible_pairs(
              shot.pattern, shot.handles, plan.animation.first_frame, plan.animation.last_frame))
       plan.impossible.push_back({shot.sheet_name, std::move(pair)});
   if (!settings.strict || plan.impossible.empty()) return;
-  const ImpossiblePair& pair = plan.impossible.front().pair;
+  const UnreachablePair& pair = plan.impossible.front().pair;
   throw Error(ErrorCode::scene,
               fmt::format("{}, handles \"{}\" and \"{}\", frames {}-{}", settings.scene.string(),
                           pair.a, pair.b, pair.first, pair.last),
@@ -52,7 +52,7 @@ void find_impossible_handles(const BakeSettings& settings, BakePlan& plan) {
               "as far as paper can.");
 }
 
-void find_begun_inside(const BakeSettings& settings, BakePlan& plan) {
+void warn_of_sheets_inside_colliders(const BakeSettings& settings, BakePlan& plan) {
   constexpr double deepest = 1e-4;  // [m] as a gate lets pass
   for (const Shot& shot : plan.shots) {
     if (!shot.colliders) continue;
@@ -72,7 +72,7 @@ void find_begun_inside(const BakeSettings& settings, BakePlan& plan) {
   }
 }
 
-void question_triangles(const BakeSettings& settings, BakePlan& plan) {
+void warn_of_coarse_mesh(const BakeSettings& settings, BakePlan& plan) {
   constexpr int fewest = 30;
   const bool hybrid = is_hybrid(settings);
   const int triangles = hybrid ? base_wanted(settings) : triangles_wanted(settings);
@@ -85,7 +85,7 @@ void question_triangles(const BakeSettings& settings, BakePlan& plan) {
                   capped ? "--triangles" : "--base-triangles", 2 * fewest));
 }
 
-void question_values(BakePlan& plan) {
+void warn_of_doubtful_values(BakePlan& plan) {
   constexpr double most_gravity = 100, most_fps = 1000;  // [m/s2] ten times the earth's; [1/s]
   const double gravity = plan.animation.elastic.forces.gravity, fps = plan.animation.fps;
   if (std::abs(gravity) > most_gravity)

@@ -11,15 +11,15 @@ namespace paperbake {
 void find_impossible_handles(const BakeSettings&, BakePlan&);
 
 /// One sentence: names, frames, overshoot.
-std::string describe(const SheetImpossible&);
+std::string describe(const UnreachablePairOfSheet&);
 
 /// Warns of sheets that begin inside a collider. throws Error(ErrorCode::scene) with --strict
-void find_begun_inside(const BakeSettings&, BakePlan&);
+void warn_of_sheets_inside_colliders(const BakeSettings&, BakePlan&);
 
 /// Warns of a mesh that is too coarse to bend.
-void question_triangles(const BakeSettings&, BakePlan&);
+void warn_of_coarse_mesh(const BakeSettings&, BakePlan&);
 
 /// Warns of values that are likely to be meant in another unit, and of releases that come too late.
-void question_values(BakePlan&);
+void warn_of_doubtful_values(BakePlan&);
 
 }  // namespace paperbake

@@ -18,7 +18,7 @@
 
 namespace paperbake {
 
-/// Frames a, a + step, ... not beyond b.
+/// Frames first, first + step, ... not beyond last.
 struct FrameSpan {
   int first = 1, last = 1, step = 1;
   bool contains(int frame) const {

@@ -24,10 +24,7 @@ std::vector<std::array<int, 2>> edges_of(const Triangles& triangles) {
 
 std::vector<ColliderMesh> meshes_of(const Colliders& colliders) {
   std::vector<ColliderMesh> meshes;
-  for (const Collider& collider : colliders) {
-    meshes.push_back(collider.mesh());
-    meshes.back().frames = collider.frames();
-  }
+  for (const Collider& collider : colliders) meshes.push_back(collider.mesh_with_frames());
   return meshes;
 }
 
@@ -125,8 +122,8 @@ void enter(const Judgement& judgement, FrameRecord& line) {
   line.worst = {judgement.length.where, judgement.inside_at, judgement.inside_of};
   line.statistics.inside = judgement.inside;
   if (judgement.inside > Gates().inside_mm * 1e-3)
-    line.note += fmt::format("{}inside \"{}\" by {:.2f} mm", line.note.empty() ? "" : "; ",
-                             judgement.inside_of, 1e3 * judgement.inside);
+    append_note(line.note, fmt::format("inside \"{}\" by {:.2f} mm", judgement.inside_of,
+                                       1e3 * judgement.inside));
 }
 
 }  // namespace paperbake

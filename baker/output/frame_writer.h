@@ -2,6 +2,7 @@
 
 #include "baker/job/plan.h"
 #include "baker/output/bake_files.h"
+#include "baker/output/gates.h"
 #include "formats/cache/alembic_cache.h"
 #include "formats/files/certificate.h"
 
@@ -29,7 +30,8 @@ struct FinishedFrames {
 /// How the bake ended.
 struct BakeEnding {
   const std::vector<FrameRecord>& frames;  // frame by frame
-  std::vector<std::string> sentences;      // gates that were missed, what failed
+  const std::vector<MissedGate>& missed;
+  std::string failure;  // a sentence; empty: nothing failed
 };
 
 /// Writes the frames of a bake in one format. A writer that throws gets no further frames of that

@@ -133,9 +133,7 @@ class ReportFrameWriter : public FrameWriter {
     return {};
   }
   void write_ending(const BakeEnding& ending, BakeFiles& files) override {
-    files.write(file(0), [&](const auto& path) {
-      write_atomically(path, report_.html(ending.frames, ending.sentences));
-    });
+    files.write(file(0), [&](const auto& path) { write_atomically(path, report_.html(ending)); });
   }
 
  private:

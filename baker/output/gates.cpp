@@ -20,7 +20,7 @@ class Review {
 
   /// Adds a sentence about the worst frame if its value exceeds the limit, and says in which other
   /// frames it does.
-  void check(double limit, const Value& value, const Sentence& sentence) {
+  void check(Gate gate, double limit, const Value& value, const Sentence& sentence) {
     const auto worst = std::max_element(
         frames_.begin(), frames_.end(),
         [&](const FrameRecord& a, const FrameRecord& b) { return value(a) < value(b); });
@@ -34,12 +34,13 @@ class Review {
       also = fmt::format(" {} more frames from {} to {} miss this gate.", others.size(),
                          *others.begin(), *others.rbegin());
     missed.push_back(
-        fmt::format("Frame {}{}: {}.{}", worst->frame,
-                    several_sheets_ ? fmt::format(", sheet \"{}\"", worst->sheet) : std::string(),
-                    sentence(*worst, value(*worst)), also));
+        {gate,
+         fmt::format("Frame {}{}: {}.{}", worst->frame,
+                     several_sheets_ ? fmt::format(", sheet \"{}\"", worst->sheet) : std::string(),
+                     sentence(*worst, value(*worst)), also)});
   }
 
-  std::vector<std::string> missed;
+  std::vector<MissedGate> missed;
 
  private:
   const std::vector<FrameRecord>& frames_;
@@ -58,22 +59,23 @@ void review_lengths(const Gates& gates, Review& review) {
     };
   };
   review.check(
-      gates.mean_stretch_pct, [](const FrameRecord& f) { return 100 * f.statistics.stretch_mean; },
-      mean(""));
+      Gate::lengths, gates.mean_stretch_pct,
+      [](const FrameRecord& f) { return 100 * f.statistics.stretch_mean; }, mean(""));
   review.check(
-      gates.mean_stretch_pct,
+      Gate::lengths, gates.mean_stretch_pct,
       [](const FrameRecord& f) {
         return f.statistics.render ? 100 * f.statistics.render->stretch_mean : 0;
       },
       mean("of the rendered mesh "));
   review.check(
-      gates.max_stretch_pct, [](const FrameRecord& f) { return 100 * f.statistics.stretch_max; },
+      Gate::lengths, gates.max_stretch_pct,
+      [](const FrameRecord& f) { return 100 * f.statistics.stretch_max; },
       [&](const FrameRecord&, double value) {
         return fmt::format("an edge is off by {:.2f} %, more than {:g} %", value,
                            gates.max_stretch_pct);
       });
   review.check(
-      gates.max_stretch_pct,
+      Gate::lengths, gates.max_stretch_pct,
       [](const FrameRecord& f) {
         return f.statistics.render ? 100 * f.statistics.render->stretch_max : 0;
       },
@@ -90,9 +92,10 @@ void review_crossings(const std::vector<FrameRecord>& frames, Review& review) {
     };
   };
   review.check(
-      0, [](const FrameRecord& f) { return double(f.statistics.crossings); }, pairs("triangles"));
+      Gate::crossings, 0, [](const FrameRecord& f) { return double(f.statistics.crossings); },
+      pairs("triangles"));
   review.check(
-      0,
+      Gate::crossings, 0,
       [](const FrameRecord& f) {
         return f.statistics.render ? double(f.statistics.render->crossings) : 0;
       },
@@ -103,7 +106,7 @@ void review_crossings(const std::vector<FrameRecord>& frames, Review& review) {
   for (const FrameRecord& f : frames)
     if (f.statistics.crossings_with_others > 0) crossed.insert(f.frame);
   review.check(
-      0,
+      Gate::crossings, 0,
       [&](const FrameRecord& f) {
         return f.statistics.render && !crossed.count(f.frame)
                    ? double(f.statistics.render->crossings_with_others)
@@ -112,18 +115,14 @@ void review_crossings(const std::vector<FrameRecord>& frames, Review& review) {
       pairs("rendered triangles of two sheets"));
 }
 
-bool contains(const std::string& text, const char* words) {
-  return text.find(words) != std::string::npos;
-}
-
 /// The handle that the paper could follow least, if one is known, and why it could not.
-std::string worst_jam(const FrameRecord& f, const std::vector<SheetImpossible>& impossible) {
+std::string worst_jam(const FrameRecord& f, const std::vector<UnreachablePairOfSheet>& impossible) {
   const auto worst =
       std::max_element(f.jammed.begin(), f.jammed.end(),
                        [](const Jam& a, const Jam& b) { return a.off_mm < b.off_mm; });
   if (worst == f.jammed.end()) return "";
   const bool out_of_reach =
-      std::any_of(impossible.begin(), impossible.end(), [&](const SheetImpossible& i) {
+      std::any_of(impossible.begin(), impossible.end(), [&](const UnreachablePairOfSheet& i) {
         return i.sheet == f.sheet && i.pair.first <= f.frame && f.frame <= i.pair.last &&
                (i.pair.a == worst->handle || i.pair.b == worst->handle);
       });
@@ -135,7 +134,7 @@ std::string worst_jam(const FrameRecord& f, const std::vector<SheetImpossible>& 
 std::string not_solved(const std::vector<FrameRecord>& frames) {
   std::set<int> given_up;
   for (const FrameRecord& f : frames)
-    if (contains(f.note, note_of_unsolved_step)) given_up.insert(f.frame);
+    if (f.step_unsolved) given_up.insert(f.frame);
   if (given_up.empty()) return "";
   return fmt::format(
       " In {} frames from {} to {} the sheet stands still because the step was not solved: look at "
@@ -143,19 +142,13 @@ std::string not_solved(const std::vector<FrameRecord>& frames) {
       given_up.size(), *given_up.begin(), *given_up.rbegin());
 }
 
-// What sentences about missed gates have in common, by what they are about.
-constexpr const char *of_lengths[] = {"mean stretch", "an edge"}, *of_handles = "a handle is off",
-                     *of_crossings = "pass through each other",
-                     *of_colliders = "inside the collider",
-                     *of_impossible = "ask for more than paper can reach";
-
 }  // namespace
 
 std::vector<std::string> good_news(const std::vector<FrameRecord>& frames,
-                                   const std::vector<std::string>& missed) {
-  const auto none_about = [&](const char* words) {
+                                   const std::vector<MissedGate>& missed) {
+  const auto is_kept = [&](Gate gate) {
     return std::none_of(missed.begin(), missed.end(),
-                        [&](const std::string& sentence) { return contains(sentence, words); });
+                        [&](const MissedGate& m) { return m.gate == gate; });
   };
   double mean = 0, handle = 0;
   bool colliders = false;
@@ -167,51 +160,56 @@ std::vector<std::string> good_news(const std::vector<FrameRecord>& frames,
   }
   std::vector<std::string> good;
   if (frames.empty()) return good;
-  if (none_about(of_lengths[0]) && none_about(of_lengths[1]))
+  if (is_kept(Gate::lengths))
     good.push_back(
         fmt::format("The paper keeps its size: lengths are wrong by {:.2g} % on average "
                     "in the worst frame.",
                     100 * mean));
-  if (none_about(of_handles))
+  if (is_kept(Gate::handles))
     good.push_back(fmt::format("Handles are where they were keyed, to {:.2g} mm.", 1e3 * handle));
-  if (none_about(of_crossings)) good.push_back("No layer passes through another.");
-  if (colliders && none_about(of_colliders)) good.push_back("The paper stays out of colliders.");
+  if (is_kept(Gate::crossings)) good.push_back("No layer passes through another.");
+  if (colliders && is_kept(Gate::colliders)) good.push_back("The paper stays out of colliders.");
   return good;
 }
 
-std::string advice(const std::string& missed) {
-  if (contains(missed, of_impossible))
-    return "Bring these handles closer to each other, or accept that the paper follows them as far "
-           "as it can.";
-  if (contains(missed, of_colliders))
-    return "Move the collider away from where the paper begins, move it more slowly, or bake with "
-           "more --base-triangles.";
-  if (contains(missed, of_crossings))
-    return "Move the handles more slowly in these frames, or bake with more --base-triangles.";
-  if (contains(missed, of_handles))
-    return "Something is in the way of the paper there, or there is too little of it: move the "
-           "handles less far or more slowly; cert/handles.csv says which.";
-  if (contains(missed, of_lengths[0]) || contains(missed, of_lengths[1]))
-    return "The paper could not follow: move the handles more slowly there. If it is so from the "
-           "first frame on, mark the creases of the folded sheet, or move away what stands in it.";
+std::string advice(Gate gate) {
+  switch (gate) {
+    case Gate::lengths:
+      return "The paper could not follow: move the handles more slowly there. If it is so from the "
+             "first frame on, mark the creases of the folded sheet, or move away what stands in "
+             "it.";
+    case Gate::handles:
+      return "Something is in the way of the paper there, or there is too little of it: move the "
+             "handles less far or more slowly; cert/handles.csv says which.";
+    case Gate::crossings:
+      return "Move the handles more slowly in these frames, or bake with more --base-triangles.";
+    case Gate::colliders:
+      return "Move the collider away from where the paper begins, move it more slowly, or bake "
+             "with more --base-triangles.";
+    case Gate::reach:
+      return "Bring these handles closer to each other, or accept that the paper follows them as "
+             "far as it can.";
+  }
   return "";
 }
 
-std::vector<std::string> missed_gates(const Gates& gates, const std::vector<FrameRecord>& frames,
-                                      const BakePlan& plan) {
+std::vector<MissedGate> missed_gates(const Gates& gates, const std::vector<FrameRecord>& frames,
+                                     const BakePlan& plan) {
   Review review(frames, plan.shots.size() > 1);
   review_lengths(gates, review);
   review.check(
-      gates.handle_err_mm, [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
+      Gate::handles, gates.handle_err_mm,
+      [](const FrameRecord& f) { return 1e3 * f.statistics.handle_error_max; },
       [&](const FrameRecord& f, double value) {
         return fmt::format("a handle is off by {:.2f} mm, more than {:g} mm{}", value,
                            gates.handle_err_mm, worst_jam(f, plan.impossible));
       });
-  if (!review.missed.empty() && contains(review.missed.back(), of_handles))
-    review.missed.back() += not_solved(frames);
+  if (!review.missed.empty() && review.missed.back().gate == Gate::handles)
+    review.missed.back().sentence += not_solved(frames);
   review_crossings(frames, review);
   review.check(
-      gates.inside_mm, [](const FrameRecord& f) { return 1e3 * f.statistics.inside; },
+      Gate::colliders, gates.inside_mm,
+      [](const FrameRecord& f) { return 1e3 * f.statistics.inside; },
       [&](const FrameRecord& f, double value) {
         return fmt::format(
             "the sheet is {:.2f} mm inside the collider \"{}\", more than {:g} mm, {}", value,
@@ -219,8 +217,9 @@ std::vector<std::string> missed_gates(const Gates& gates, const std::vector<Fram
       });
   if (!plan.impossible.empty())
     review.missed.push_back(
-        fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}",
-                    plan.impossible.size(), describe(plan.impossible.front())));
+        {Gate::reach,
+         fmt::format("{} pairs of handles ask for more than paper can reach; the worst: {}",
+                     plan.impossible.size(), describe(plan.impossible.front()))});
   return review.missed;
 }
 

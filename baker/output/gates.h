@@ -20,21 +20,24 @@ struct Gates {
   double inside_mm = 0.1;
 };
 
-/// In the certificate, of a frame that the solver gave up.
-inline constexpr const char* note_of_unsolved_step =
-    "the sheet stands still although its handles move: the step was not solved";
+/// What a gate is about.
+enum class Gate { lengths, handles, crossings, colliders, reach };
+
+struct MissedGate {
+  Gate gate;
+  std::string sentence;  // with its worst frame and, for handles, the cause where it is known
+};
+
+/// The gates that were missed. Empty: none was.
+std::vector<MissedGate> missed_gates(const Gates&, const std::vector<FrameRecord>&,
+                                     const BakePlan&);
 
 /// What is good about a bake, in words for an artist: of everything that gates judge and that none
-/// of the sentences about missed ones is about.
+/// of the missed ones is about.
 std::vector<std::string> good_news(const std::vector<FrameRecord>&,
-                                   const std::vector<std::string>& missed);
+                                   const std::vector<MissedGate>& missed);
 
-/// What to do about a missed gate, by its sentence; empty where nothing is known.
-std::string advice(const std::string& missed);
-
-/// One sentence for each gate that was missed, with its worst frame and, for handles, the cause
-/// where it is known. Empty: none was.
-std::vector<std::string> missed_gates(const Gates&, const std::vector<FrameRecord>&,
-                                      const BakePlan&);
+/// What to do about a missed gate.
+std::string advice(Gate);
 
 }  // namespace paperbake

@@ -2,7 +2,6 @@
 
 #include "baker/job/version.h"
 #include "baker/output/frame_curves.h"
-#include "baker/output/gates.h"
 #include "baker/output/report_parts.h"
 #include "core/geometry/collider.h"
 #include "formats/files/json.h"
@@ -148,14 +147,15 @@ Json colliders_json(const Colliders& colliders, const std::vector<int>& frames, 
   return {{"stride", stride}, {"all", all}};
 }
 
-/// Each missed gate with what to do about it.
-Json missed_json(const std::vector<std::string>& missed) {
+/// Each missed gate with what to do about it, and what failed.
+Json missed_json(const BakeEnding& ending) {
   Json all = Json::array();
-  std::set<std::string> given;  // the same advice once
-  for (const std::string& sentence : missed) {
-    const std::string remedy = advice(sentence);
-    all.push_back({{"sentence", sentence}, {"advice", given.insert(remedy).second ? remedy : ""}});
+  std::set<Gate> given;  // the same advice once
+  for (const MissedGate& missed : ending.missed) {
+    const bool is_new = given.insert(missed.gate).second;
+    all.push_back({{"sentence", missed.sentence}, {"advice", is_new ? advice(missed.gate) : ""}});
   }
+  if (!ending.failure.empty()) all.push_back({{"sentence", ending.failure}, {"advice", ""}});
   return all;
 }
 
@@ -194,11 +194,11 @@ void Report::add_map(const std::string& caption, const std::string& png) {
   maps_.push_back({caption, png});
 }
 
-std::string Report::html(const std::vector<FrameRecord>& records,
-                         const std::vector<std::string>& missed) const {
+std::string Report::html(const BakeEnding& ending) const {
+  const std::vector<FrameRecord>& records = ending.frames;
   Json data{{"name", plan_.name},
-            {"missed", missed_json(missed)},
-            {"good", good_news(records, missed)},
+            {"missed", missed_json(ending)},
+            {"good", good_news(records, ending.missed)},
             {"stride", stride_},
             {"seconds_a_frame", plan_.frames.step / plan_.animation.fps}};
   std::vector<int> frames;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "baker/job/plan.h"
+#include "baker/output/frame_writer.h"
 #include "core/geometry/hinges.h"
 #include "formats/cache/alembic_cache.h"
 #include "formats/files/certificate.h"
@@ -34,9 +35,7 @@ class Report {
   /// The handles of all frames.
   void set_handles(std::vector<HandleRecord> handles) { handles_ = std::move(handles); }
 
-  /// records  of all frames and sheets, frame by frame
-  std::string html(const std::vector<FrameRecord>& records,
-                   const std::vector<std::string>& missed) const;
+  std::string html(const BakeEnding&) const;
 
  private:
   using Floats3 = Eigen::Matrix<float, Eigen::Dynamic, 3, Eigen::RowMajor>;

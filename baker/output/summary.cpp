@@ -246,7 +246,7 @@ Json twin_json(const std::vector<FrameRecord>& frames) {
 
 Json impossible_handles(const BakePlan& plan) {
   Json impossible = Json::array();
-  for (const SheetImpossible& i : plan.impossible)
+  for (const UnreachablePairOfSheet& i : plan.impossible)
     impossible.push_back({{"sheet", i.sheet},
                           {"handles", {i.pair.a, i.pair.b}},
                           {"frame", i.pair.frame},

@@ -20,12 +20,12 @@ struct WriteFailure {
 /// simulated goes on to all that still work, and the bake ends with the first of these errors.
 class WriteFailures {
  public:
-  /// Calls write(), unless it failed before for this file. What it throws becomes a loss. returns
-  /// whether it was written
+  /// Calls write(), unless it failed before for this file. What it throws is recorded as the failure
+  /// of this file. returns whether it was written
   bool try_write(const std::string& file, const std::function<void()>& write);
 
-  /// How much of a file that was lost there is after all; a loss for `error` when it was not one
-  /// yet.
+  /// Says how much of a failed file there is all the same. Records `error` as its failure if none
+  /// was recorded.
   void record_partial(const std::string& file, const std::string& how_much, const Error& error);
 
   const std::vector<WriteFailure>& all() const { return all_; }

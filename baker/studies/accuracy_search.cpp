@@ -12,8 +12,7 @@
 namespace paperbake {
 namespace {
 
-constexpr double kept_share = 0.9;   // [1] of the frames that must keep the accuracy
-constexpr std::size_t crumpled = 3;  // [1] singular points of a sheet that is crumpled
+constexpr double kept_share = 0.9;  // [1] of the frames that must keep the accuracy
 // [1] of the error that a mesh of twice as many triangles keeps, at most
 constexpr double least_gain = 0.75;
 constexpr double size_exponent = 1.3;  // CPU time ~ size^1.3, to tell whether a budget is enough
@@ -123,7 +122,7 @@ class AccuracySearch {
       r.shapes[index].push_back(samples[f.sheet_index](*f.sheet).x /
                                 longer_side(plan.shots[f.sheet_index].pattern));
       r.seconds += 1e-3 * (f.statistics.elastic_ms + f.statistics.geometry_ms);
-      if (f.sheet->singular.size() >= crumpled) r.crumples_from = std::min(r.crumples_from, index);
+      if (is_crumpled(*f.sheet)) r.crumples_from = std::min(r.crumples_from, index);
       return f.sheet_index + 1 < plan.shots.size() || index < comparable_;
     });
     note_crumple(r);

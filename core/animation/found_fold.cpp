@@ -68,32 +68,32 @@ double uncurl(PlasticGrid& grid, const Sheet& sheet, const FoldLine& line,
 
 /// Takes the plastic curvature along a line out of the grid of `is`, which is that of `then`.
 /// returns  [rad] the mean plastic turn about the line
-double uncurl_along(const FoldLine& line, const UnfoldedSheet& is, const PastStep& then) {
+double uncurl_along(const FoldLine& line, const UnfoldedSheet& unfolded, const PastStep& then) {
   // the triangles and the turn of the line are of the mesh that the sheet has now
   if (then.is_now) {
-    uncurl(is.grid, then.sheet, line, line.band);
+    uncurl(unfolded.grid, then.sheet, line, line.band);
     return line.plastic_turn;
   }
-  return uncurl(is.grid, then.sheet, line, triangles_along(line, then.sheet));
+  return uncurl(unfolded.grid, then.sheet, line, triangles_along(line, then.sheet));
 }
 
 /// The sheet as it was when a step began, on a mesh with one crease more. It is not folded there.
-std::optional<Sheet> with_crease(const FoldLine& line, const UnfoldedSheet& is,
+std::optional<Sheet> with_crease(const FoldLine& line, const UnfoldedSheet& unfolded,
                                  const PastStep& then, const Method& method,
                                  std::vector<char>& fixed) {
-  Pattern pattern = is.shot.pattern;
+  Pattern pattern = unfolded.shot.pattern;
   pattern.prescribed_creases = then.sheet.prescribed_creases;
   pattern.prescribed_creases.push_back({{line.a, line.b}, 0, false});
-  std::vector<Vector2d> points = required_points(is.shot);
+  std::vector<Vector2d> points = required_points(unfolded.shot);
   for (const SingularPoint& point : then.sheet.singular) points.push_back(point.pattern);
-  std::optional<Method::FirstMesh> mesh = method.mesh_with_creases(pattern, points);
+  std::optional<PatternMesh> mesh = method.mesh_with_creases(pattern, points);
   if (!mesh) return std::nullopt;
 
   Sheet sheet;
-  const MeshTransfer onto(then.sheet.pattern, then.sheet.triangles, mesh->pattern);
+  const MeshTransfer onto(then.sheet.pattern, then.sheet.triangles, mesh->vertices);
   sheet.x = onto(then.sheet.x);
   sheet.v = onto(then.sheet.v);
-  sheet.pattern = std::move(mesh->pattern);
+  sheet.pattern = std::move(mesh->vertices);
   sheet.triangles = std::move(mesh->triangles);
   sheet.singular = then.sheet.singular;
   sheet.prescribed_creases = std::move(pattern.prescribed_creases);
@@ -116,18 +116,18 @@ void fold_on_last_crease(Sheet& sheet, double rest_angle) {
 enum class Crease { folded, none };
 
 /// The sheet as it was when a step began, on a mesh that has a line among its edges.
-std::optional<FoundFold> begin(const FoldLine& line, Crease crease, const UnfoldedSheet& is,
+std::optional<FoundFold> begin(const FoldLine& line, Crease crease, const UnfoldedSheet& unfolded,
                                const PastStep& then, const Method& method) {
   std::vector<char> fixed;
-  std::optional<Sheet> sheet = with_crease(line, is, then, method, fixed);
+  std::optional<Sheet> sheet = with_crease(line, unfolded, then, method, fixed);
   if (!sheet) return std::nullopt;
-  is.grid = then.grid;
+  unfolded.grid = then.grid;
   if (crease == Crease::folded)
-    fold_on_last_crease(*sheet, uncurl_along(line, is, then));
+    fold_on_last_crease(*sheet, uncurl_along(line, unfolded, then));
   else
     sheet->prescribed_creases.pop_back();
-  Elastic elastic = is.elastic.on_mesh(*sheet, disc_factors(*sheet, is.shot));
-  return FoundFold{std::move(*sheet), std::move(elastic), std::move(fixed), is.grid};
+  Elastic elastic = unfolded.elastic.on_mesh(*sheet, disc_factors(*sheet, unfolded.shot));
+  return FoundFold{std::move(*sheet), std::move(elastic), std::move(fixed), unfolded.grid};
 }
 
 /// [J] What the sheet stores, and what its handles spend on being where they cannot be.
@@ -137,11 +137,11 @@ double spent_by(const Elastic& elastic, const Sheet& sheet, const StepInput& inp
 
 /// What the fold is compared with.
 struct Before {
-  explicit Before(const UnfoldedSheet& is)
-      : spent(spent_by(is.elastic, is.sheet, is.now.input)),
-        inside(is.elastic.inside(is.sheet, is.now.input.colliders.to)),
-        stretched(length_distortion(is.sheet).largest),
-        crossed(crossings(is.sheet)) {}
+  explicit Before(const UnfoldedSheet& unfolded)
+      : spent(spent_by(unfolded.elastic, unfolded.sheet, unfolded.now.input)),
+        inside(unfolded.elastic.inside(unfolded.sheet, unfolded.now.input.colliders.to)),
+        stretched(length_distortion(unfolded.sheet).largest),
+        crossed(crossings(unfolded.sheet)) {}
   double spent;      // [J]
   double inside;     // [m] depth in a collider
   double stretched;  // [1] |l - L|/L of the worst edge
@@ -150,11 +150,11 @@ struct Before {
 
 /// Takes a step with the sheet.
 /// returns  whether it could
-bool take(FoundFold& fold, const UnfoldedSheet& is, const LoadStep& step) {
-  fold_by_hands(fold.sheet, is.shot.hands, step.row);
+bool take(FoundFold& fold, const UnfoldedSheet& unfolded, const LoadStep& step) {
+  fold_by_hands(fold.sheet, unfolded.shot.hands, step.row);
   try {
     fold.step = advance_frame({{fold.elastic, fold.sheet, step.input, step.relative_motion,
-                                longer_side(is.shot.pattern), nullptr}},
+                                longer_side(unfolded.shot.pattern), nullptr}},
                               {"", step.dt, step.halvings, {}})
                     .front();
   } catch (const Error&) {  // the energy is not finite
@@ -164,34 +164,34 @@ bool take(FoundFold& fold, const UnfoldedSheet& is, const LoadStep& step) {
 }
 
 /// Takes steps that led to where the sheet is once more.
-bool follow(FoundFold& fold, const UnfoldedSheet& is, const std::vector<PastStep>& steps) {
+bool follow(FoundFold& fold, const UnfoldedSheet& unfolded, const std::vector<PastStep>& steps) {
   for (const PastStep& step : steps)
-    if (!take(fold, is, step.load)) return false;
-  fold.grid = is.grid;
+    if (!take(fold, unfolded, step.load)) return false;
+  fold.grid = unfolded.grid;
   return true;
 }
 
 /// Lets a fold that holds the sheet where it is go on as the sheet did.
-void continue_motion(FoundFold& fold, const UnfoldedSheet& is) {
-  const MeshTransfer onto(is.sheet.pattern, is.sheet.triangles, fold.sheet.pattern);
-  const Points3 shift = fold.sheet.x - onto(is.sheet.x);
-  fold.sheet.v = onto(is.sheet.v);
-  fold.elastic.continue_from(is.elastic,
+void continue_motion(FoundFold& fold, const UnfoldedSheet& unfolded) {
+  const MeshTransfer onto(unfolded.sheet.pattern, unfolded.sheet.triangles, fold.sheet.pattern);
+  const Points3 shift = fold.sheet.x - onto(unfolded.sheet.x);
+  fold.sheet.v = onto(unfolded.sheet.v);
+  fold.elastic.continue_from(unfolded.elastic,
                              [&](const Points3& x) -> Points3 { return onto(x) + shift; });
 }
 
 /// Whether paper folds in this way.
-bool is_possible(FoundFold& fold, const UnfoldedSheet& is, const Before& before) {
-  const MeshTransfer onto(is.sheet.pattern, is.sheet.triangles, fold.sheet.pattern);
-  fold.moved = max_row_norm(fold.sheet.x - onto(is.sheet.x));
-  fold.spent = spent_by(fold.elastic, fold.sheet, is.now.input);
+bool is_possible(FoundFold& fold, const UnfoldedSheet& unfolded, const Before& before) {
+  const MeshTransfer onto(unfolded.sheet.pattern, unfolded.sheet.triangles, fold.sheet.pattern);
+  fold.moved = max_row_norm(fold.sheet.x - onto(unfolded.sheet.x));
+  fold.spent = spent_by(fold.elastic, fold.sheet, unfolded.now.input);
   if (!(fold.spent <= kept_energy * before.spent) ||
       !(length_distortion(fold.sheet).largest <= std::max(max_stretch, before.stretched)))
     return false;
-  if (fold.step.last.contact && (fold.moved > max_move * longer_side(is.shot.pattern) ||
+  if (fold.step.last.contact && (fold.moved > max_move * longer_side(unfolded.shot.pattern) ||
                                  crossings(fold.sheet) > before.crossed))
     return false;
-  return fold.elastic.inside(fold.sheet, is.now.input.colliders.to) <=
+  return fold.elastic.inside(fold.sheet, unfolded.now.input.colliders.to) <=
          std::max(deepest, before.inside);
 }
 
@@ -199,8 +199,12 @@ bool is_possible(FoundFold& fold, const UnfoldedSheet& is, const Before& before)
 class Trials {
  public:
   /// steps  that lead to where the sheet is; not empty
-  Trials(const UnfoldedSheet& is, const std::vector<PastStep>& steps, const Method& method)
-      : is_(is), steps_(steps), method_(method), before_(is), known_(is.elastic.state()) {}
+  Trials(const UnfoldedSheet& unfolded, const std::vector<PastStep>& steps, const Method& method)
+      : is_(unfolded),
+        steps_(steps),
+        method_(method),
+        before_(unfolded),
+        known_(unfolded.elastic.state()) {}
 
   /// returns  whether the place is better than all that were tried before
   bool improves(const FoldLine& line) {
@@ -246,22 +250,22 @@ class Trials {
 
 }  // namespace
 
-std::optional<FoundFold> fold_along(const std::vector<FoldLine>& lines, const UnfoldedSheet& is,
-                                    const Method& method) {
+std::optional<FoundFold> fold_along(const std::vector<FoldLine>& lines,
+                                    const UnfoldedSheet& unfolded, const Method& method) {
   const FoldLine& middle = lines[lines.size() / 2];
-  const std::vector<PastStep> here{{is.sheet, is.grid, is.now, true}};
-  const std::optional<FoldLine> taut = taut_place(middle, is);
-  Trials trials(is, taut && !is.past.empty() ? is.past : here, method);
+  const std::vector<PastStep> here{{unfolded.sheet, unfolded.grid, unfolded.now, true}};
+  const std::optional<FoldLine> taut = taut_place(middle, unfolded);
+  Trials trials(unfolded, taut && !unfolded.past.empty() ? unfolded.past : here, method);
   if (taut) {
     trials.improves(*taut);
-  } else if (const std::optional<FoldLine> flat = flat_place(middle, is)) {
+  } else if (const std::optional<FoldLine> flat = flat_place(middle, unfolded)) {
     trials.improves(*flat);
   } else {
     for (const FoldLine& line : lines) trials.improves(line);
   }
   if (!trials.best || !(taut || trials.bends_on_other_mesh())) return std::nullopt;
-  is.grid = trials.best->grid;
-  trials.best->elastic.set_plastic_grid(&is.grid);
+  unfolded.grid = trials.best->grid;
+  trials.best->elastic.set_plastic_grid(&unfolded.grid);
   return std::move(trials.best);
 }
 

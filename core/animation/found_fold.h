@@ -15,7 +15,7 @@ namespace paperbake {
 struct LoadStep {
   StepInput input;
   double dt;               // [s]
-  double relative_motion;  // as in SubstepTarget
+  double relative_motion;  // as in DrivenSheet
   int row;                 // of the hands: frame - first frame of the scene
   int halvings;            // of the step, at least
 };

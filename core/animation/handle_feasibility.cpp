@@ -13,16 +13,16 @@ HandleFeasibility::HandleFeasibility(const Pattern& pattern, const std::vector<H
       paper_(i, j) = paper_(j, i) = paper_distance(pattern, handles[i].pattern, handles[j].pattern);
 }
 
-std::vector<ImpossiblePair> HandleFeasibility::impossible_pairs(const std::vector<Handle>& handles,
-                                                                int first_frame,
-                                                                int last_frame) const {
-  std::vector<ImpossiblePair> pairs;
+std::vector<UnreachablePair> HandleFeasibility::impossible_pairs(const std::vector<Handle>& handles,
+                                                                 int first_frame,
+                                                                 int last_frame) const {
+  std::vector<UnreachablePair> pairs;
   for (std::size_t i = 0; i < handles.size(); ++i)
     for (std::size_t j = i + 1; j < handles.size(); ++j) {
       const Handle &a = handles[i], &b = handles[j];
       if (a.mode == HandleMode::relative || b.mode == HandleMode::relative) continue;
       if (a.stiffness > 0 || b.stiffness > 0) continue;  // a soft handle gives way
-      ImpossiblePair pair{a.name, b.name, 0, 0, 0, 0, paper_(i, j)};
+      UnreachablePair pair{a.name, b.name, 0, 0, 0, 0, paper_(i, j)};
       double worst = 0;
       for (int frame = first_frame; frame <= last_frame; ++frame) {
         if (!a.held(frame) || !b.held(frame)) continue;
@@ -42,7 +42,7 @@ std::vector<ImpossiblePair> HandleFeasibility::impossible_pairs(const std::vecto
       if (worst > 0) pairs.push_back(pair);
     }
   std::stable_sort(pairs.begin(), pairs.end(),
-                   [](const ImpossiblePair& p, const ImpossiblePair& q) {
+                   [](const UnreachablePair& p, const UnreachablePair& q) {
                      return p.apart - p.allowed > q.apart - q.allowed;
                    });
   return pairs;

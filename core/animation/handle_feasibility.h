@@ -12,7 +12,7 @@ namespace paperbake {
 
 /// Two absolute handles that are asked to be farther apart than the paper between them is long, in
 /// a straight line or round what is in the way, and the worst frame of the pair.
-struct ImpossiblePair {
+struct UnreachablePair {
   std::string a, b;
   int frame;        // in which they are too far apart by most
   int first, last;  // in which they are too far apart at all
@@ -40,8 +40,8 @@ class HandleFeasibility {
   /// tolerance, the worst first.
   /// first_frame  frame of row 0 of Handle::keyed
   /// last_frame   the last frame that is checked
-  std::vector<ImpossiblePair> impossible_pairs(const std::vector<Handle>&, int first_frame,
-                                               int last_frame) const;
+  std::vector<UnreachablePair> impossible_pairs(const std::vector<Handle>&, int first_frame,
+                                                int last_frame) const;
 
   /// Moves the targets of the given handles to the nearest positions, in the least-squares sense,
   /// at which no pair is farther apart than the paper allows.

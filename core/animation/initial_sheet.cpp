@@ -47,7 +47,7 @@ InitialSheet make_initial_sheet(const Shot& shot, Method& method, unsigned seed,
   started.handle_vertex.assign(mesh.point_vertex.begin(),
                                mesh.point_vertex.begin() + shot.handles.size());
   Sheet& sheet = started.sheet;
-  sheet.pattern = std::move(mesh.pattern);
+  sheet.pattern = std::move(mesh.vertices);
   sheet.triangles = std::move(mesh.triangles);
   sheet.x.resize(sheet.pattern.rows(), 3);
   sheet.v = Points3::Zero(sheet.pattern.rows(), 3);

@@ -33,7 +33,7 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
                           (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) /
                  side;
   const double facets = mean_square_fold(sheet);
-  const bool coarse = settled.on_colliders > 0 && facets > too_coarse,
+  const bool coarse = settled.on_colliders > 0 && facets > fold_that_holds,
              off = coarse || verdict.rise <= too_stiff;
   const double finer = coarse ? std::max(0.0, facets - mean_square_fold(proposal)) : 0;
   verdict.accepted = settled.converged && !settled.contact &&
@@ -41,8 +41,8 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
                      verdict.move <= (off ? max_move_then : max_move) &&
                      (!is_admissible || is_admissible(sheet, proposal, verdict.move * side));
   if (!verdict.accepted) return verdict;
-  // The past is moved along with the present: velocities are carried over, and the displacement of
-  // the swap itself does not count as motion.
+  // Past positions are carried over, too, and displaced by what the swap itself moved: so velocities
+  // stay, and the swap does not look like motion.
   trial.continue_from(elastic,
                       [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });
   elastic = std::move(trial);

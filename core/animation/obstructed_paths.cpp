@@ -163,11 +163,11 @@ class TautParts {
     }
   }
 
-  std::vector<ImpossiblePair> worst_first() const {
-    std::vector<ImpossiblePair> pairs;
+  std::vector<UnreachablePair> worst_first() const {
+    std::vector<UnreachablePair> pairs;
     for (const auto& [parts, pair] : found_) pairs.push_back(pair);
     std::stable_sort(pairs.begin(), pairs.end(),
-                     [](const ImpossiblePair& p, const ImpossiblePair& q) {
+                     [](const UnreachablePair& p, const UnreachablePair& q) {
                        return p.apart - p.allowed > q.apart - q.allowed;
                      });
     return pairs;
@@ -255,8 +255,8 @@ class TautParts {
     });
   }
 
-  void note(const ImpossiblePair& now, const std::array<int, 3>& parts) {
-    ImpossiblePair& worst = found_.emplace(parts, now).first->second;
+  void note(const UnreachablePair& now, const std::array<int, 3>& parts) {
+    UnreachablePair& worst = found_.emplace(parts, now).first->second;
     const int first = worst.first;
     if (now.apart - now.allowed > worst.apart - worst.allowed) worst = now;
     worst.first = first;
@@ -267,25 +267,25 @@ class TautParts {
   const std::vector<Handle>& handles_;
   int first_frame_;
   Eigen::MatrixXd straight_;  // [m] between two handles; -1: the path along the pattern bends
-  std::map<std::array<int, 3>, ImpossiblePair> found_;  // by the first handles of the three parts
+  std::map<std::array<int, 3>, UnreachablePair> found_;  // by the first handles of the three parts
 };
 
 }  // namespace
 
-std::vector<ImpossiblePair> obstructed_paths(const Pattern& pattern,
-                                             const std::vector<Handle>& handles, int first_frame,
-                                             int last_frame) {
+std::vector<UnreachablePair> obstructed_paths(const Pattern& pattern,
+                                              const std::vector<Handle>& handles, int first_frame,
+                                              int last_frame) {
   TautParts taut(pattern, handles, first_frame);
   for (int frame = first_frame; frame <= last_frame; ++frame) taut.check(frame);
   return taut.worst_first();
 }
 
-std::vector<ImpossiblePair> all_impossible_pairs(const Pattern& pattern,
-                                                 const std::vector<Handle>& handles,
-                                                 int first_frame, int last_frame) {
-  std::vector<ImpossiblePair> all =
+std::vector<UnreachablePair> all_impossible_pairs(const Pattern& pattern,
+                                                  const std::vector<Handle>& handles,
+                                                  int first_frame, int last_frame) {
+  std::vector<UnreachablePair> all =
       HandleFeasibility(pattern, handles).impossible_pairs(handles, first_frame, last_frame);
-  const std::vector<ImpossiblePair> blocked =
+  const std::vector<UnreachablePair> blocked =
       obstructed_paths(pattern, handles, first_frame, last_frame);
   all.insert(all.end(), blocked.begin(), blocked.end());
   return all;

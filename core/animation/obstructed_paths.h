@@ -29,12 +29,12 @@ namespace paperbake {
 /// first_frame  frame of row 0 of Handle::keyed
 /// last_frame   the last frame that is checked
 /// source       this project
-std::vector<ImpossiblePair> obstructed_paths(const Pattern&, const std::vector<Handle>&,
-                                             int first_frame, int last_frame);
+std::vector<UnreachablePair> obstructed_paths(const Pattern&, const std::vector<Handle>&,
+                                              int first_frame, int last_frame);
 
 /// All pairs of handles that ask for more than paper can reach, along the pattern or round what is
 /// in the way: HandleFeasibility::impossible_pairs, then obstructed_paths.
-std::vector<ImpossiblePair> all_impossible_pairs(const Pattern&, const std::vector<Handle>&,
-                                                 int first_frame, int last_frame);
+std::vector<UnreachablePair> all_impossible_pairs(const Pattern&, const std::vector<Handle>&,
+                                                  int first_frame, int last_frame);
 
 }  // namespace paperbake

@@ -18,7 +18,7 @@ class FixedMesh : public Method {
   FixedMesh(int max_triangles, const RenderFeatures& features)
       : max_triangles_(max_triangles), features_(features) {}
 
-  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+  PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     RenderFeatures all{points, features_.creases};
     all.points.insert(all.points.end(), features_.points.begin(), features_.points.end());
     RenderMesh mesh = mesh_for_render(pattern, 0, all, max_triangles_);

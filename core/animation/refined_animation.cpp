@@ -201,8 +201,7 @@ class PolishedShot {
     frame.sheet = &rough.sheet;
     frame.plastic_grid = rough.plastic_grid.get();
     frame.statistics.elastic_ms += attempt.ms;
-    if (!attempt.rejection.empty())
-      frame.note += (frame.note.empty() ? "" : "; ") + ("not polished: " + attempt.rejection);
+    if (!attempt.rejection.empty()) append_note(frame.note, "not polished: " + attempt.rejection);
     if (!attempt.polished || !attempt.rejection.empty()) return on_frame(frame);
     const Polished& polished = *attempt.polished;
     frame.sheet = &polished.sheet;

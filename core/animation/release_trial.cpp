@@ -47,7 +47,7 @@ Swing ReleaseTrial::swing(SimulatedSheet& simulated, const SimulatedSheet::Snaps
 
 ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedSheet::Snapshot& start,
                                         const FrameStepResult& step, const StepInput& at,
-                                        double fastest_hand) {
+                                        double fastest_drive) {
   if (!is_on_) return {};
   is_on_ = false;
   Verdict verdict;
@@ -66,7 +66,7 @@ ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedShee
     // last step was.
     Points3& v = start.sheet.v;
     const double fastest = max_row_norm(v);
-    if (fastest > fastest_hand) v *= fastest_hand / fastest;
+    if (fastest > fastest_drive) v *= fastest_drive / fastest;
     char note[120];
     std::snprintf(note, sizeof note, "let go, it springs by %.1f mm: it moves with inertia now",
                   1e3 * swing.amplitude);
@@ -78,11 +78,11 @@ ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedShee
   return verdict;
 }
 
-void ReleaseTrial::observe(const SimulatedSheet& simulated, double fastest_hand) {
+void ReleaseTrial::observe(const SimulatedSheet& simulated, double fastest_drive) {
   const Points3 &x = simulated.sheet.x, &before = simulated.positions_before;
   double fastest = max_row_norm(simulated.sheet.v);
   if (before.rows() == x.rows()) fastest = std::max(fastest, fps_ * max_row_norm(x - before));
-  const double allowed = still(simulated.side) * swing_.rate + fastest_hand;
+  const double allowed = still(simulated.side) * swing_.rate + fastest_drive;
   quiet_ = fastest <= allowed ? quiet_ + 1 / fps_ : 0;
 }
 

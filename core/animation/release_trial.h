@@ -28,17 +28,17 @@ class ReleaseTrial {
     std::string note;            // for the artist; may be empty
   };
   /// Ends the trial after the step of the frame.
-  /// start         where the step began. A sheet that was at equilibrium gets no more velocity
-  ///               there than its hands have.
-  /// at            the input of this frame, with the colliders standing still
-  /// fastest_hand  [m/s] of the fastest handle or collider in the frame before
+  /// start          where the step began. A sheet that was at equilibrium gets no more velocity
+  ///                there than fastest_drive.
+  /// at             the input of this frame, with the colliders standing still
+  /// fastest_drive  [m/s] of the fastest handle or collider in the frame before
   Verdict end(SimulatedSheet&, SimulatedSheet::Snapshot& start, const FrameStepResult&,
-              const StepInput& at, double fastest_hand);
+              const StepInput& at, double fastest_drive);
 
   /// Whether the sheet has inertia because it was let go.
   bool was_let_go() const { return swing_.rate > 0; }
-  /// Told after every frame of such a sheet how fast its hands were. [m/s]
-  void observe(const SimulatedSheet&, double fastest_hand);
+  /// To be called after every frame of such a sheet. fastest_drive: in this frame [m/s]
+  void observe(const SimulatedSheet&, double fastest_drive);
 
   void archive(Serializer&);
 

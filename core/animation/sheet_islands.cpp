@@ -19,10 +19,10 @@ constexpr double merged_dhat_ratio = 0.02, joined_dhat_ratio = 0.1;
 // [1] if more of the vertices than this begin closer than that, the two sheets coincide
 constexpr double coincident_fraction = 0.5;
 
-/// Merges islands until `meet` holds for no two sheets of different islands.
-template <class Meet>
+/// Merges islands until `collide` holds for no two sheets of different islands.
+template <class Collide>
 std::vector<SheetIslands::Island> merge_islands(std::vector<SheetIslands::Island> islands,
-                                                Meet collide) {
+                                                Collide collide) {
   const auto any = [&](const SheetIslands::Island& a, const SheetIslands::Island& b) {
     return std::any_of(a.begin(), a.end(), [&](std::size_t i) {
       return std::any_of(b.begin(), b.end(), [&](std::size_t j) { return collide(i, j); });
@@ -131,9 +131,9 @@ bool SheetIslands::collide(std::size_t a, std::size_t b) const {
     initial_a = sheets_[a]->initial_positions();
     initial_b = sheets_[b]->initial_positions();
   }
-  return !Elastic::clear({sheets_[a]->sheet(), sheets_[a]->constraints(), of_a, initial_a},
-                         {sheets_[b]->sheet(), sheets_[b]->constraints(), of_b, initial_b},
-                         dhat_between(a, b));
+  return !Elastic::are_collision_free(
+      {sheets_[a]->sheet(), sheets_[a]->constraints(), of_a, initial_a},
+      {sheets_[b]->sheet(), sheets_[b]->constraints(), of_b, initial_b}, dhat_between(a, b));
 }
 
 std::vector<SheetIslands::Island> SheetIslands::merge_colliding(

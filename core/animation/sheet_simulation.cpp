@@ -25,7 +25,7 @@ constexpr double sleep_threshold = 1e-5;
 /// is farther away than `same`. The first frame then shows the sheet as it was modelled: relaxing
 /// it would lose a slight arch that tells it which way to buckle, and handles that lie a little
 /// below such an arch are no reason to relax it.
-bool in_place(Sheet& sheet, const PositionConstraints& constraints, double side) {
+bool move_to_near_targets(Sheet& sheet, const PositionConstraints& constraints, double side) {
   const double same = 5e-4 * side;  // [m]
   for (const PositionConstraint& c : constraints)
     if ((sheet.x.row(c.vertex) - c.target.transpose()).norm() > same) return false;
@@ -209,10 +209,10 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
                  ? squeeze(sheet.x, input_.colliders) / simulated_.side
                  : 0;
   load_parts_ = parts_of_frame();
-  const RemeshContext situation = remesh_context(1.0 / load_parts_);
+  const RemeshContext context = remesh_context(1.0 / load_parts_);
   // a sheet that has just been folded keeps its mesh: it is still coming to rest on it
   const bool keeps_mesh = first || std::exchange(folded_, false);
-  if (!keeps_mesh) try_proposal(situation, is_admissible);
+  if (!keeps_mesh) try_proposal(context, is_admissible);
   came_from_ = input_before_.constraints;
   input_before_ = input_;
   input_before_.colliders.from = input_.colliders.to;
@@ -225,7 +225,9 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   }
   simulated_.positions_before = sheet.x;
   is_sleeping_ = comes_to_rest();
-  is_idle_ = is_sleeping_ || (first && in_place(sheet, input_.constraints, simulated_.side));
+  is_idle_ = is_sleeping_;
+  if (first && !is_idle_)
+    is_idle_ = move_to_near_targets(sheet, input_.constraints, simulated_.side);
 }
 
 bool SheetSimulation::comes_to_rest() const {
@@ -253,7 +255,7 @@ void SheetSimulation::skip_step() {
   trajectory_ = {{0, sheet().x}, {1, sheet().x}};
 }
 
-double SheetSimulation::fastest_hand(int frame) const {
+double SheetSimulation::fastest_drive(int frame) const {
   const int row = frame - options_.first_frame;
   if (row < 1) return 0;
   double most = farthest_target_move(handles_.held(frame - 1), handles_.held(frame));
@@ -271,10 +273,10 @@ void SheetSimulation::begin_trial() {
     release_.begin(simulated_, lets_go(input_before_.constraints, input_.constraints));
 }
 
-bool SheetSimulation::fails_trial() {
+bool SheetSimulation::end_trial() {
   if (!release_.is_on()) return false;
   const ReleaseTrial::Verdict verdict =
-      release_.end(simulated_, *step_start_, step_, input_before_, fastest_hand(frame_ - 1));
+      release_.end(simulated_, *step_start_, step_, input_before_, fastest_drive(frame_ - 1));
   add_note(verdict.note);
   return verdict.needs_inertia;
 }
@@ -307,7 +309,7 @@ void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
     add_note("snap: a second start ended " +
              std::to_string(static_cast<int>(std::lround(100 * step_.last.energy_gain))) +
              " % lower in energy and was taken");
-  if (release_.was_let_go()) release_.observe(simulated_, fastest_hand(frame_));
+  if (release_.was_let_go()) release_.observe(simulated_, fastest_drive(frame_));
   if (options_.probe_every > 0 && !is_sleeping_ && !touches_others() && !simulated_.has_inertia() &&
       (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
     probe(is_admissible);
@@ -329,9 +331,7 @@ void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
   add_note(note_of(found));
 }
 
-void SheetSimulation::add_note(const std::string& note) {
-  if (!note.empty()) result_.note += (result_.note.empty() ? "" : "; ") + note;
-}
+void SheetSimulation::add_note(const std::string& note) { append_note(result_.note, note); }
 
 void SheetSimulation::finalize(Output how) {
   if (is_sleeping_ && frame_ != options_.first_frame) return;
@@ -349,8 +349,7 @@ AnimatedFrame SheetSimulation::report() {
   result.carried = carried_.positions(sheet(), *method_);
   result.handles = handles_.report(output_sheet_.x, frame_);
   if (outcome_.on_colliders > 0 && outcome_.touching == 0)
-    if (const std::string note = note_of_yielding(result.handles); !note.empty())
-      result.note += (result.note.empty() ? "" : "; ") + note;
+    append_note(result.note, note_of_yielding(result.handles));
   FrameStatistics& statistics = result.statistics;
   statistics.inertia = simulated_.has_inertia();
   statistics.substeps = step_.substeps;

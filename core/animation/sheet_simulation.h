@@ -15,8 +15,9 @@
 
 namespace paperbake {
 
-/// Simulation of one sheet. The member functions are the phases of a frame, in this order. What
-/// happens between sheets is in sheet_islands.h.
+/// Simulates one sheet frame by frame. For each frame call prepare(); then step(), or step_together()
+/// for sheets that come near each other; finish_step(); finalize(); report(). What happens between
+/// sheets is in sheet_islands.h.
 class SheetSimulation {
  public:
   /// A sheet among those that are animated together.
@@ -47,11 +48,11 @@ class SheetSimulation {
   /// trajectory the step can be undone.
   enum class RecordTrajectory { yes, no };
   void step(RecordTrajectory);
+  /// Whether some of several sheets began the shot closer to each other than their full dhat.
+  enum class InitialGap { within_dhat, apart };
   /// The elastic step of several sheets that come near each other. Sheets that have already taken
   /// it alone are first set back to where it began.
-  /// dhat             |sheets|x|sheets| [m] contact distances, as in Elastic::step_together
-  /// within_dhat  some of them began the shot closer to each other than their full dhat
-  enum class InitialGap { within_dhat, apart };
+  /// dhat  |sheets|x|sheets| [m] contact distances, as in Elastic::step_together
   static void step_together(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
                             InitialGap);
   /// Where the sheet was during this frame, from its start on.
@@ -125,17 +126,18 @@ class SheetSimulation {
   StepInput input_of_part(int part) const;
   /// Begins a trial of this frame without inertia, if there is reason for one (release_trial.h).
   void begin_trial();
-  /// Ends it. returns  whether the step is to be taken again, from step_start_
-  bool fails_trial();
+  /// Ends it, with inertia if it has failed. returns  whether the step is to be taken again, from
+  /// step_start_
+  bool end_trial();
   /// [m/s] of the fastest handle or collider in a frame
-  double fastest_hand(int frame) const;
+  double fastest_drive(int frame) const;
   void roll_back();
   void add_note(const std::string&);
   void hold_if_infeasible();
   bool is_locked() const;
   void begin_step(RecordTrajectory);
   void undo_remesh();
-  SubstepTarget substep_target(RecordTrajectory);
+  DrivenSheet driven_sheet(RecordTrajectory);
   void step_in_parts(RecordTrajectory);
   void step_part(RecordTrajectory, int part);
   /// Whether the sheet has not moved for so long that it need not be solved until something else
@@ -156,7 +158,7 @@ class SheetSimulation {
   bool is_held_back_by_mesh() const;
   /// Goes back to the start of the step, on a finer mesh. returns  false if there is none
   bool refine_mesh(SimulatedSheet::Snapshot&& begun);
-  FrameInterval frame_interval(const Eigen::MatrixXd& dhat) const;
+  FrameInterval frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const;
   /// Keeps what the last step says of contact, yielding and its end.
   void note_outcome();
   void probe(const AdmissibilityCheck& is_admissible);

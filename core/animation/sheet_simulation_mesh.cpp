@@ -40,11 +40,11 @@ RemeshContext SheetSimulation::remesh_context(double share) const {
 
 void SheetSimulation::remesh(double share) { change_mesh(remesh_context(share)); }
 
-bool SheetSimulation::change_mesh(const RemeshContext& is) {
+bool SheetSimulation::change_mesh(const RemeshContext& context) {
   Sheet& sheet = simulated_.sheet;
   Sheet unchanged = sheet;
   last_remesh_.reset();
-  const MeshChange change = method_->remesh(sheet, is);
+  const MeshChange change = method_->remesh(sheet, context);
   if (change == MeshChange::none) return false;
   last_remesh_ = {{std::move(unchanged), simulated_.elastic.state()},
                   outcome_.at_minimum,
@@ -83,16 +83,16 @@ bool SheetSimulation::is_locked() const {
              std::max(jammed_stretch, 4 * length_distortion(last_remesh_->before.sheet).largest);
 }
 
-void SheetSimulation::try_proposal(const RemeshContext& situation,
+void SheetSimulation::try_proposal(const RemeshContext& context,
                                    const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = simulated_.sheet;
-  std::optional<Sheet> proposal = method_->propose(sheet, situation);
+  std::optional<Sheet> proposal = method_->propose(sheet, context);
   if (!proposal) return;
   std::vector<double> stiffening = disc_factors(*proposal, shot_);
   const MeshSwapResult verdict =
       try_swap_mesh(sheet, simulated_.elastic, {std::move(*proposal), std::move(stiffening)},
                     input_before_, 1 / options_.fps, is_admissible);
-  method_->on_proposal_result(verdict.accepted, situation.now);
+  method_->on_proposal_result(verdict.accepted, context.now);
   result_.statistics.remesh =
       verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
   result_.statistics.remesh_rise = verdict.rise;
@@ -102,7 +102,7 @@ void SheetSimulation::try_proposal(const RemeshContext& situation,
 }
 
 bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& begun) {
-  std::optional<Method::FirstMesh> finer = method_->finer_mesh();
+  std::optional<PatternMesh> finer = method_->finer_mesh();
   if (!finer) return false;
   restore(std::move(begun));
   simulated_.put_on(std::move(*finer));
@@ -114,7 +114,7 @@ bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& begun) {
 
 bool SheetSimulation::is_held_back_by_mesh() const {
   return step_.failure_reason.empty() && step_.last.on_colliders > 0 && simulated_.is_smooth() &&
-         mean_square_fold(sheet()) > coarse;
+         mean_square_fold(sheet()) > fold_that_hooks;
 }
 
 bool SheetSimulation::may_start_finer() const {
@@ -124,14 +124,14 @@ bool SheetSimulation::may_start_finer() const {
 
 bool SheetSimulation::stretches_instead_of_bending() const {
   return step_.failure_reason.empty() && simulated_.is_smooth() &&
-         step_.last.stretches_instead_of_bending() && mean_square_fold(sheet()) > coarse;
+         step_.last.stretches_instead_of_bending() && mean_square_fold(sheet()) > fold_that_hooks;
 }
 
 bool SheetSimulation::refine_where_jammed() {
   if (simulated_.is_smooth()) return refine_jammed_smooth_mesh();
-  RemeshContext is = remesh_context(1);
-  is.jammed = true;
-  return change_mesh(is);
+  RemeshContext context = remesh_context(1);
+  context.jammed = true;
+  return change_mesh(context);
 }
 
 bool SheetSimulation::refine_jammed_smooth_mesh() {

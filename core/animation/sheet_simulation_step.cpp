@@ -38,7 +38,7 @@ void SheetSimulation::hold_if_infeasible() {
   for (PositionConstraint& c : input_before_.constraints) c.target = sheet().x.row(c.vertex);
 }
 
-SubstepTarget SheetSimulation::substep_target(RecordTrajectory trace) {
+DrivenSheet SheetSimulation::driven_sheet(RecordTrajectory trace) {
   return {simulated_.elastic,
           simulated_.sheet,
           input_,
@@ -53,13 +53,13 @@ bool SheetSimulation::may_jam() const {
   return alone_ && shot_.colliders && input_.constraints.empty();
 }
 
-FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& between) const {
+FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
           1 / options_.fps,
           simulated_.has_inertia() ? inertial_halvings_
           : jam_.is_on()           ? halvings_of_squeeze(input_.colliders)
                                    : 0,
-          between};
+          dhat_of_sheets};
 }
 
 void SheetSimulation::begin_step(RecordTrajectory trace) {
@@ -76,7 +76,7 @@ void SheetSimulation::roll_back() {
 void SheetSimulation::step_part(RecordTrajectory trace, int part) {
   const auto take_step = [&] {
     begin_step(trace);
-    SubstepTarget target = substep_target(trace);
+    DrivenSheet target = driven_sheet(trace);
     FrameInterval interval = frame_interval({});
     if (load_parts_ > 1 || followed_ > 0) {
       target.input = input_of_part(part);
@@ -92,7 +92,7 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
     take_step();
   };
   take_unlocked_step();
-  if (!fails_trial()) return;
+  if (!end_trial()) return;
   roll_back();
   take_unlocked_step();
 }
@@ -115,7 +115,7 @@ bool SheetSimulation::settle() {
   constexpr double pressed_less = 0.95;  // [1] of the largest stretch of an edge
   const double before = length_distortion(sheet()).largest;
   const SimulatedSheet::Snapshot begun = simulated_.snapshot();
-  SubstepTarget target = substep_target(RecordTrajectory::no);
+  DrivenSheet target = driven_sheet(RecordTrajectory::no);
   ColliderMotion& at = target.input.colliders;
   at.from = at.to = between(at.from, at.to, followed_);
   FrameInterval interval = frame_interval({});
@@ -179,15 +179,15 @@ void SheetSimulation::step_in_parts(RecordTrajectory trace) {
 }
 
 void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
-                                    const Eigen::MatrixXd& dhat, InitialGap initial_positions) {
+                                    const Eigen::MatrixXd& dhat, InitialGap gap) {
   const auto take_step = [&] {
-    std::vector<SubstepTarget> followers;
+    std::vector<DrivenSheet> followers;
     FrameInterval interval = all.front()->frame_interval(dhat);
     for (SheetSimulation* a : all) {
       a->is_idle_ = a->is_sleeping_ = false;
       a->begin_step(RecordTrajectory::yes);
-      followers.push_back(a->substep_target(RecordTrajectory::yes));
-      if (initial_positions == InitialGap::within_dhat)
+      followers.push_back(a->driven_sheet(RecordTrajectory::yes));
+      if (gap == InitialGap::within_dhat)
         followers.back().initial_positions = a->initial_positions();
       interval.min_halvings = std::max(interval.min_halvings, a->frame_interval({}).min_halvings);
     }
@@ -207,8 +207,9 @@ void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
     take_step();
   };
   take_unlocked_step();
-  if (std::count_if(all.begin(), all.end(), [](SheetSimulation* a) { return a->fails_trial(); }))
-    take_unlocked_step();
+  bool again = false;
+  for (SheetSimulation* a : all) again |= a->end_trial();
+  if (again) take_unlocked_step();
   for (SheetSimulation* a : all) a->hold_if_infeasible();
 }
 

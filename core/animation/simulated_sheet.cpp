@@ -51,12 +51,12 @@ void SimulatedSheet::carry_over(const Sheet& before) {
   elastic.restore(known);
 }
 
-void SimulatedSheet::put_on(Method::FirstMesh&& mesh) {
+void SimulatedSheet::put_on(PatternMesh&& mesh) {
   const Sheet before = sheet;
-  const MeshTransfer onto(before.pattern, before.triangles, mesh.pattern);
+  const MeshTransfer onto(before.pattern, before.triangles, mesh.vertices);
   sheet.x = onto(before.x);
   sheet.v = onto(before.v);
-  sheet.pattern = std::move(mesh.pattern);
+  sheet.pattern = std::move(mesh.vertices);
   sheet.triangles = std::move(mesh.triangles);
   fixed.assign(sheet.pattern.rows(), 0);
   for (const int v : mesh.point_vertex) fixed[v] = 1;

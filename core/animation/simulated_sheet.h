@@ -34,7 +34,7 @@ struct SimulatedSheet {
   /// carries over what it knows from the mesh before it.
   void carry_over(const Sheet& before);
   /// Puts the sheet onto a mesh that a method made, where all points that are fixed are vertices.
-  void put_on(Method::FirstMesh&&);
+  void put_on(PatternMesh&&);
 
   bool has_inertia() const { return elastic.inertia() == Inertia::dynamic; }
   /// Without points or lines that the mesh has to keep.

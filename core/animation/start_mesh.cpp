@@ -76,14 +76,14 @@ class BendChoice {
 
   /// The pattern with the bends that are chosen, and those that another mesh of it asks for.
   /// Nothing when it asks for none.
-  std::optional<Pattern> next(const Method::FirstMesh& mesh);
+  std::optional<Pattern> next(const PatternMesh& mesh);
 
  private:
   struct Chord {
     double error;  // [1] by which it is too short
     Vector2d a, b;
   };
-  std::vector<Chord> short_chords(const Method::FirstMesh&) const;
+  std::vector<Chord> short_chords(const PatternMesh&) const;
   std::vector<Vector2d> line_of(const Bend&) const;
 
   const Sheet& start_;
@@ -94,16 +94,17 @@ class BendChoice {
   std::vector<Bend> bends_;  // that are not chosen yet
 };
 
-std::vector<BendChoice::Chord> BendChoice::short_chords(const Method::FirstMesh& mesh) const {
-  Points3 x(mesh.pattern.rows(), 3);
+std::vector<BendChoice::Chord> BendChoice::short_chords(const PatternMesh& mesh) const {
+  Points3 x(mesh.vertices.rows(), 3);
   for (int v = 0; v < x.rows(); ++v)
-    x.row(v) = interpolate(locator_.locate(mesh.pattern.row(v)), start_.triangles, start_.x);
+    x.row(v) = interpolate(locator_.locate(mesh.vertices.row(v)), start_.triangles, start_.x);
   std::vector<Chord> chords;
   for (const Hinge& hinge : find_hinges(mesh.triangles).hinges) {
     const auto [i, j, left, right] = hinge.vertices;
-    const double length = (mesh.pattern.row(j) - mesh.pattern.row(i)).norm(),
+    const double length = (mesh.vertices.row(j) - mesh.vertices.row(i)).norm(),
                  error = 1 - (x.row(j) - x.row(i)).norm() / length;
-    if (error > longest_error) chords.push_back({error, mesh.pattern.row(i), mesh.pattern.row(j)});
+    if (error > longest_error)
+      chords.push_back({error, mesh.vertices.row(i), mesh.vertices.row(j)});
   }
   std::stable_sort(chords.begin(), chords.end(),
                    [](const Chord& a, const Chord& b) { return a.error > b.error; });
@@ -124,7 +125,7 @@ std::vector<Vector2d> BendChoice::line_of(const Bend& bend) const {
 }
 
 /// Of the bends that a short chord crosses, the one that has half of their turn on either side.
-std::optional<Pattern> BendChoice::next(const Method::FirstMesh& mesh) {
+std::optional<Pattern> BendChoice::next(const PatternMesh& mesh) {
   std::set<std::size_t> chosen;
   for (const Chord& chord : short_chords(mesh)) {
     std::vector<std::pair<double, std::size_t>> crossed;
@@ -200,7 +201,7 @@ StartMesh mesh_of_start(const Shot& shot, Method& method, const std::vector<Vect
   if (!choice.any()) return start;
   const auto most = more_triangles + start.mesh.triangles.rows();
   while (const std::optional<Pattern> bent = choice.next(start.mesh)) {
-    std::optional<Method::FirstMesh> mesh = method.mesh_with_creases(*bent, points);
+    std::optional<PatternMesh> mesh = method.mesh_with_creases(*bent, points);
     if (!mesh || mesh->triangles.rows() > most) break;
     start = {std::move(*mesh), true};
   }

@@ -19,7 +19,7 @@ std::vector<Bend> bends_of(const Sheet& start);
 
 /// A first mesh, and whether bends are among its rows of edges.
 struct StartMesh {
-  Method::FirstMesh mesh;
+  PatternMesh mesh;
   bool has_bends;
 };
 

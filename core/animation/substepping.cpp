@@ -47,17 +47,17 @@ bool comes_near(const Sheet& sheet, const Collider& from, const Collider& to, do
   return false;
 }
 
-bool needs_buckling_substeps(const SubstepTarget& f, int halvings) {
+bool needs_buckling_substeps(const DrivenSheet& f, int halvings) {
   return f.relative_motion > max_motion_of_flat_sheet && halvings < max_halvings_for_buckling &&
          off_plane(f.sheet.x) < flatness * f.side;
 }
-bool exceeds_max_motion(const SubstepTarget& f, int halvings) {
+bool exceeds_max_motion(const DrivenSheet& f, int halvings) {
   return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
 }
 
 /// Whether a collider that comes near the sheet in a part of the frame moves farther than `most`
 /// [m].
-bool is_swept_farther(const SubstepTarget& f, int halvings, double most) {
+bool is_swept_farther(const DrivenSheet& f, int halvings, double most) {
   const ColliderMotion& moving = f.input.colliders;
   if (halvings >= max_halvings_for_colliders || moving.from == moving.to) return false;
   double reach = collider_reach;
@@ -74,12 +74,12 @@ bool is_swept_farther(const SubstepTarget& f, int halvings, double most) {
 
 /// Whether a collider near the sheet moves farther than it may in one step: what it takes along is
 /// stretched by that against the rest of the sheet.
-bool is_swept_too_far(const SubstepTarget& f, int halvings) {
+bool is_swept_too_far(const DrivenSheet& f, int halvings) {
   return is_swept_farther(f, halvings, 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles));
 }
 
 /// Whether colliders move on where the sheet is, and nothing gives way if it is in their way.
-bool may_jam(const std::vector<SubstepTarget>& sheets, int halvings) {
+bool may_jam(const std::vector<DrivenSheet>& sheets, int halvings) {
   return sheets.size() == 1 && sheets.front().may_jam &&
          is_swept_farther(sheets.front(), halvings, 0);
 }
@@ -87,13 +87,13 @@ bool may_jam(const std::vector<SubstepTarget>& sheets, int halvings) {
 /// Whether a collider moves farther than a squeezed sheet follows it in one step that does not
 /// converge. Where it pushes the sheet against itself, the sheet begins the step inside of it by
 /// what its own layers do not let it give way, and the force there would crush them.
-bool is_squeezed_too_far(const SubstepTarget& f, int halvings) {
+bool is_squeezed_too_far(const DrivenSheet& f, int halvings) {
   return is_swept_farther(f, halvings, max_squeeze);
 }
 
-LengthDistortion worst_of(const std::vector<SubstepTarget>& sheets) {
+LengthDistortion worst_of(const std::vector<DrivenSheet>& sheets) {
   LengthDistortion worst;
-  for (const SubstepTarget& f : sheets)
+  for (const DrivenSheet& f : sheets)
     if (const LengthDistortion d = length_distortion(f.sheet); d.largest >= worst.largest)
       worst = d;
   return worst;
@@ -108,11 +108,11 @@ struct FramePart {
   double share_of_rest() const { return length() / (1 - end + length()); }
 };
 
-std::vector<ElasticReport> step(const std::vector<SubstepTarget>& sheets,
-                                const FrameInterval& frame, const FramePart& part) {
+std::vector<ElasticReport> step(const std::vector<DrivenSheet>& sheets, const FrameInterval& frame,
+                                const FramePart& part) {
   const double dt = part.length() * frame.dt;
   std::vector<StepInput> inputs;
-  for (const SubstepTarget& f : sheets) {
+  for (const DrivenSheet& f : sheets) {
     inputs.push_back(f.input);
     inputs.back().pressing = part.share_of_rest();
   }
@@ -138,7 +138,7 @@ bool is_crushed(const LengthDistortion& now, double stretch_before, const Elasti
 
 /// Takes a part of the frame in one step.
 /// returns  nothing if the step was accepted
-std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
+std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
                                   const FrameInterval& frame, const FramePart& part,
                                   std::vector<FrameStepResult>& result) {
   Rejection rejection;
@@ -166,7 +166,7 @@ std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
   }
   if (!rejection.error.empty() || !(rejection.distortion.largest < trusted) || unfinished)
     return rejection;
-  for (const SubstepTarget& f : sheets)
+  for (const DrivenSheet& f : sheets)
     if (f.trajectory) f.trajectory->push_back({part.end, f.sheet.x});
   return std::nullopt;
 }
@@ -174,14 +174,14 @@ std::optional<Rejection> try_step(const std::vector<SubstepTarget>& sheets,
 /// The message of a part of the frame that cannot be halved once more.
 /// throws  Error(ErrorCode::simulation) when the solver did
 std::string reason_of(const Rejection& rejection, const FrameInterval& frame,
-                      const std::vector<SubstepTarget>& sheets) {
+                      const std::vector<DrivenSheet>& sheets) {
   const auto any = [&](const auto& leads) {
     return std::any_of(sheets.begin(), sheets.end(), leads);
   };
   const char* leading =
-      any([](const SubstepTarget& f) { return !f.input.constraints.empty(); })    ? "handles"
-      : any([](const SubstepTarget& f) { return !f.input.colliders.to.empty(); }) ? "colliders"
-                                                                                  : "other sheets";
+      any([](const DrivenSheet& f) { return !f.input.constraints.empty(); })    ? "handles"
+      : any([](const DrivenSheet& f) { return !f.input.colliders.to.empty(); }) ? "colliders"
+                                                                                : "other sheets";
   if (!rejection.error.empty())
     throw Error(ErrorCode::simulation, frame.where, rejection.error,
                 std::string("Move the ") + leading + " more slowly before this frame.");
@@ -196,13 +196,13 @@ std::string reason_of(const Rejection& rejection, const FrameInterval& frame,
 
 /// What a sheet is to follow in the two halves of a part of the frame.
 /// dt  [s] length of each half
-std::pair<SubstepTarget, SubstepTarget> halves_of(const SubstepTarget& whole, double dt) {
+std::pair<DrivenSheet, DrivenSheet> halves_of(const DrivenSheet& whole, double dt) {
   StepInput half = whole.input, other = whole.input;
   half.constraints = whole.elastic.half_way(whole.sheet, whole.input.constraints);
   half.colliders.to = between(whole.input.colliders.from, whole.input.colliders.to);
   other.colliders.from = half.colliders.to;
   half.time -= dt;
-  const auto with = [&](StepInput input) -> SubstepTarget {
+  const auto with = [&](StepInput input) -> DrivenSheet {
     return {whole.elastic, whole.sheet,      std::move(input),        0.5 * whole.relative_motion,
             whole.side,    whole.trajectory, whole.initial_positions, whole.may_jam};
   };
@@ -212,8 +212,8 @@ std::pair<SubstepTarget, SubstepTarget> halves_of(const SubstepTarget& whole, do
 /// The sheets and all that is known of them at the beginning of a part of the frame.
 class Beginning {
  public:
-  explicit Beginning(const std::vector<SubstepTarget>& sheets) : sheets_(sheets) {
-    for (const SubstepTarget& f : sheets) {
+  explicit Beginning(const std::vector<DrivenSheet>& sheets) : sheets_(sheets) {
+    for (const DrivenSheet& f : sheets) {
       before_.push_back(f.sheet);
       state_.push_back(f.elastic.state());
     }
@@ -226,17 +226,17 @@ class Beginning {
   }
 
  private:
-  const std::vector<SubstepTarget>& sheets_;
+  const std::vector<DrivenSheet>& sheets_;
   std::vector<Sheet> before_;
   std::vector<SolverState> state_;
 };
 
-std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& sheets,
+std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets,
                                           const FrameInterval& frame, const FramePart& part) {
   const Beginning beginning(sheets);
   std::vector<FrameStepResult> result(sheets.size());
   std::optional<Rejection> rejection = Rejection{};
-  const bool is_long = std::any_of(sheets.begin(), sheets.end(), [&](const SubstepTarget& f) {
+  const bool is_long = std::any_of(sheets.begin(), sheets.end(), [&](const DrivenSheet& f) {
     return exceeds_max_motion(f, part.halvings) || needs_buckling_substeps(f, part.halvings) ||
            is_swept_too_far(f, part.halvings);
   });
@@ -255,8 +255,8 @@ std::vector<FrameStepResult> advance_part(const std::vector<SubstepTarget>& shee
     for (FrameStepResult& r : result) r.failure_reason = reason;
     return result;
   }
-  std::vector<SubstepTarget> first, rest;
-  for (const SubstepTarget& f : sheets) {
+  std::vector<DrivenSheet> first, rest;
+  for (const DrivenSheet& f : sheets) {
     auto [half, other] = halves_of(f, 0.5 * part.length() * frame.dt);
     first.push_back(std::move(half));
     rest.push_back(std::move(other));
@@ -289,7 +289,7 @@ int halvings_of_squeeze(const ColliderMotion& moving) {
   return halvings;
 }
 
-std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>& sheets,
+std::vector<FrameStepResult> advance_frame(const std::vector<DrivenSheet>& sheets,
                                            const FrameInterval& frame) {
   return advance_part(sheets, frame, {0, 1});
 }

@@ -27,7 +27,7 @@ struct TrajectoryPoint {
 };
 
 /// A sheet that is to follow its handles through a frame.
-struct SubstepTarget {
+struct DrivenSheet {
   Elastic& elastic;
   Sheet& sheet;
   StepInput input;  // of the whole frame
@@ -64,6 +64,6 @@ int halvings_of_squeeze(const ColliderMotion&);
 /// than 2 % and by more than before, or leaves the sheet 0.1 mm inside of a collider, it is not
 /// taken: the sheet is jammed, and stays as it was at the end of the last one.
 /// throws  Error(ErrorCode::simulation) when the energy is not finite
-std::vector<FrameStepResult> advance_frame(const std::vector<SubstepTarget>&, const FrameInterval&);
+std::vector<FrameStepResult> advance_frame(const std::vector<DrivenSheet>&, const FrameInterval&);
 
 }  // namespace paperbake

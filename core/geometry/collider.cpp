@@ -131,6 +131,12 @@ Collider::Collider(const Collider& other, const Points3& x)
   prepare();
 }
 
+ColliderMesh Collider::mesh_with_frames() const {
+  ColliderMesh mesh = mesh_;
+  mesh.frames = frames();
+  return mesh;
+}
+
 void Collider::prepare() {
   Triangles& triangles = mesh_.triangles;
   const Points3& x = mesh_.x;

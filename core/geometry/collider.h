@@ -51,6 +51,8 @@ class Collider {
   const ColliderMesh& mesh() const { return mesh_; }
   /// ColliderMesh::frames
   const std::vector<Points3>& frames() const { return *frames_; }
+  /// The mesh with its frames.
+  ColliderMesh mesh_with_frames() const;
   bool closed() const { return closed_; }
 
   /// Greatest depth behind the front at which a point still counts as pressed in from there. [m]

@@ -19,8 +19,8 @@ bool is_due(const Sheet& sheet, const Points3& metric) {
   constexpr double far_too_long = 1.25;  // [1] metric length of an edge
   constexpr double many = 0.01;          // [1] of the edges
   constexpr double too_many = 1.3;       // [1] of the triangles that the field asks for
-  const Misfit is = misfit(sheet, metric);
-  return is.longest > far_too_long || is.too_long > many ||
+  const Misfit now = misfit(sheet, metric);
+  return now.longest > far_too_long || now.too_long > many ||
          sheet.triangles.rows() > too_many * triangles_of(sheet, metric);
 }
 
@@ -56,33 +56,33 @@ class Adaptive : public Method {
   Adaptive(double side, int max_triangles, const SizingOptions& options)
       : side_(side), max_triangles_(max_triangles), options_(options) {}
 
-  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+  PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     PatternMesh mesh = mesh_pattern(pattern, first_edge(pattern), points, options_.turn);
     number_points_first(mesh);
-    return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+    return mesh;
   }
-  std::optional<FirstMesh> mesh_with_creases(const Pattern& pattern,
-                                             const std::vector<Vector2d>& points) const override {
+  std::optional<PatternMesh> mesh_with_creases(const Pattern& pattern,
+                                               const std::vector<Vector2d>& points) const override {
     std::optional<PatternMesh> mesh =
         try_mesh_pattern(pattern, first_edge(pattern), points, options_.turn);
-    if (!mesh) return std::nullopt;
-    number_points_first(*mesh);
-    return FirstMesh{std::move(mesh->vertices), std::move(mesh->triangles),
-                     std::move(mesh->point_vertex)};
+    if (mesh) number_points_first(*mesh);
+    return mesh;
   }
 
-  MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
+  MeshChange remesh(Sheet& sheet, const RemeshContext& context) override {
     // A jump is followed in many steps, and the shape after it has little to do with the one that
     // the mesh is fine for now.
     constexpr double jump_threshold = 0.1;  // [1] of the longer side
     constexpr int max_triangles_after_jump = 400;
-    const bool jumps = is.relative_handle_motion > jump_threshold;
+    const bool jumps = context.relative_handle_motion > jump_threshold;
     // nor is a shape on its way to the minimum a reason for more triangles
-    if (!jumps && (!is.at_minimum || !(is.moving || unfinished_))) return MeshChange::none;
-    const Points3 kept = is.plastic_grid
-                             ? is.plastic_grid->at_vertices(sheet.pattern, sheet.triangles)
+    if (!jumps && (!context.at_minimum || !(context.moving || unfinished_)))
+      return MeshChange::none;
+    const Points3 kept = context.plastic_grid
+                             ? context.plastic_grid->at_vertices(sheet.pattern, sheet.triangles)
                              : Points3(0, 3);
-    const int required = static_cast<int>(std::count(is.fixed.begin(), is.fixed.end(), 1));
+    const int required =
+        static_cast<int>(std::count(context.fixed.begin(), context.fixed.end(), 1));
     const Points3 metric = sizing_field(sheet, kept, side_, options_);
     const bool changed =
         jumps ? adapt(sheet, metric, required, std::min(max_triangles_, max_triangles_after_jump),

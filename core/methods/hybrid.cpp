@@ -45,12 +45,12 @@ class Hybrid : public Method {
   Hybrid(const FirstLattice& lattice, int max_triangles, Crumple crumple)
       : lattice_(lattice), max_triangles_(max_triangles), crumple_(std::move(crumple)) {}
 
-  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+  PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     pattern_ = pattern;
     points_ = points;
     return base_mesh();
   }
-  std::optional<FirstMesh> finer_mesh() override {
+  std::optional<PatternMesh> finer_mesh() override {
     if (!has_finer_mesh()) return std::nullopt;
     ++doublings_;
     return base_mesh();
@@ -60,7 +60,7 @@ class Hybrid : public Method {
     return doublings_ < max_doublings && 2 * lattice_now().triangles <= max_triangles_;
   }
 
-  bool is_crumpled(const Sheet& sheet) const override { return crumple_.is_crumpled(sheet); }
+  bool is_crumpled(const Sheet& sheet) const override { return paperbake::is_crumpled(sheet); }
   bool finds_folds(const Sheet& sheet) const override { return !is_crumpled(sheet); }
   std::vector<FoldLine> fold_lines(const Sheet& sheet, const PlasticMemory& memory) const override {
     return crumple_.fold_lines(sheet, memory);
@@ -70,39 +70,40 @@ class Hybrid : public Method {
                                       const ColliderShapes& colliders) const override {
     return crumple_.pressed_lines(sheet, memory, colliders);
   }
-  std::optional<FirstMesh> mesh_with_creases(const Pattern& pattern,
-                                             const std::vector<Vector2d>& points) const override {
+  std::optional<PatternMesh> mesh_with_creases(const Pattern& pattern,
+                                               const std::vector<Vector2d>& points) const override {
     std::optional<PatternMesh> mesh = try_mesh_pattern(
         pattern, equilateral_edge(pattern, lattice_now().triangles), points, lattice_.turn);
-    if (!mesh) return std::nullopt;
-    number_points_first(*mesh);
-    return FirstMesh{std::move(mesh->vertices), std::move(mesh->triangles),
-                     std::move(mesh->point_vertex)};
+    if (mesh) number_points_first(*mesh);
+    return mesh;
   }
 
-  std::optional<Sheet> propose(const Sheet& sheet, const RemeshContext& is) override {
+  std::optional<Sheet> propose(const Sheet& sheet, const RemeshContext& context) override {
     // A sheet that yields keeps its mesh: another mesh folds in other places, and what yields there
     // is not undone.
-    if (!is.moving || !is.at_minimum || is.yielding) return std::nullopt;
+    if (!context.moving || !context.at_minimum || context.yielding) return std::nullopt;
     // edges are where creases need them
     if (!sheet.prescribed_creases.empty()) return std::nullopt;
-    return crumple_.propose(sheet, is.isolated_moving_handles, is.rests_on_contact, is.now);
+    return crumple_.propose(sheet, context.isolated_moving_handles, context.rests_on_contact,
+                            context.now);
   }
   void on_proposal_result(bool accepted, const FrameTime& now) override {
     crumple_.on_proposal_result(accepted, now);
   }
 
-  MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
-    if (is.jammed)
-      return crumple_.refine_where_jammed(sheet, is.fixed, is.local_energies()) > 0
+  MeshChange remesh(Sheet& sheet, const RemeshContext& context) override {
+    if (context.jammed)
+      return crumple_.refine_where_jammed(sheet, context.fixed, context.local_energies()) > 0
                  ? MeshChange::moved
                  : MeshChange::none;
-    const bool pressed = is.squeeze > 0 && crumple_.is_crumpled(sheet);
-    if (is.snap_in_progress && !pressed) return MeshChange::none;
+    const bool pressed = context.squeeze > 0 && is_crumpled(sheet);
+    if (context.snap_in_progress && !pressed) return MeshChange::none;
     const double way =
-        std::max({is.relative_handle_motion, is.rests_on_contact ? is.deformation : 0, is.squeeze});
-    const CrumpleReport report = crumple_.step(
-        sheet, is.fixed, is.now, {way, is.moving, is.at_minimum, pressed}, is.local_energies);
+        std::max({context.relative_handle_motion,
+                  context.rests_on_contact ? context.deformation : 0, context.squeeze});
+    const CrumpleReport report =
+        crumple_.step(sheet, context.fixed, context.now,
+                      {way, context.moving, context.at_minimum, pressed}, context.local_energies);
     if (report.moves + report.resized > 0) return MeshChange::moved;
     return report.mesh_changed() ? MeshChange::local : MeshChange::none;
   }
@@ -130,11 +131,11 @@ class Hybrid : public Method {
   FirstLattice lattice_now() const { return {lattice_.triangles << doublings_, lattice_.turn}; }
 
   /// The mesh from which all others are derived.
-  FirstMesh base_mesh() {
+  PatternMesh base_mesh() {
     PatternMesh mesh = first_mesh_with(pattern_, lattice_now(), points_);
     const int required = number_points_first(mesh);
     crumple_.set_base_mesh(mesh.vertices, mesh.triangles, required);
-    return {std::move(mesh.vertices), std::move(mesh.triangles), std::move(mesh.point_vertex)};
+    return mesh;
   }
 
   FirstLattice lattice_;

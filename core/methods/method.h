@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/collider.h"
+#include "core/geometry/pattern_mesh.h"
 #include "core/model/fold_line.h"
 #include "core/model/frame.h"
 #include "core/model/local_energies.h"
@@ -59,13 +60,8 @@ class Method {
 
   /// Mesh of the pattern in which every given point is a vertex: points[i] is vertex
   /// point_vertex[i].
-  struct FirstMesh {
-    Points2 pattern;
-    Triangles triangles;
-    std::vector<int> point_vertex;
-  };
   /// Called once, before all others.
-  virtual FirstMesh first_mesh(const Pattern&, const std::vector<Vector2d>& points) = 0;
+  virtual PatternMesh first_mesh(const Pattern&, const std::vector<Vector2d>& points) = 0;
 
   /// Whether the sheet is crumpled: more than a sheet that is smooth around a few singular points.
   virtual bool is_crumpled(const Sheet&) const { return false; }
@@ -84,7 +80,7 @@ class Method {
   /// sheet is being folded there, or it begins bent there. The points get the numbers that they
   /// have in the first mesh. Nothing if the method cannot take creases up, or no sound mesh has
   /// them.
-  virtual std::optional<FirstMesh> mesh_with_creases(
+  virtual std::optional<PatternMesh> mesh_with_creases(
       const Pattern&, const std::vector<Vector2d>& /*points*/) const {
     return std::nullopt;
   }
@@ -92,7 +88,7 @@ class Method {
   /// A finer mesh like the first one, with the same points under the same numbers, for a smooth
   /// sheet that is held back by its mesh. Nothing if the method has none, or none that is finer
   /// still.
-  virtual std::optional<FirstMesh> finer_mesh() { return std::nullopt; }
+  virtual std::optional<PatternMesh> finer_mesh() { return std::nullopt; }
   /// Whether finer_mesh() would return a mesh.
   virtual bool has_finer_mesh() const { return false; }
 

@@ -53,4 +53,11 @@ struct AnimatedFrame {
   std::function<std::string()> state;
 };
 
+/// Adds a note to those of a frame, which are separated by semicolons; an empty one is none.
+inline void append_note(std::string& notes, const std::string& note) {
+  if (note.empty()) return;
+  if (!notes.empty()) notes += "; ";
+  notes += note;
+}
+
 }  // namespace paperbake

@@ -19,7 +19,7 @@ namespace paperbake {
 /// Writes state as bytes and reads it back exactly: little-endian, doubles bit for bit. What is
 /// stored of a type is listed once, for both directions:
 ///
-///   void archive(Serializer& a, PendingConflict& s) { a(s.p, s.seconds); }
+///   void archive(Serializer& a, SingularPoint& s) { a(s.pattern, s.frame_of_birth, s.cause); }
 ///
 /// for a struct; for a class a member `archive(Serializer&)`. Reading trusts nothing: whatever the
 /// bytes are, it returns or throws Error(ErrorCode::scene).

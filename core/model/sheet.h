@@ -69,4 +69,10 @@ struct Sheet {
   std::vector<CreaseEdge> crease_edges = {};
 };
 
+/// Whether the sheet is crumpled: one with only one or two singular points is smooth elsewhere.
+inline bool is_crumpled(const Sheet& sheet) {
+  constexpr std::size_t least_points = 3;
+  return sheet.singular.size() >= least_points;
+}
+
 }  // namespace paperbake

@@ -46,7 +46,7 @@ struct ShapeFitOptions {
 /// source  [Bergou 2006] for K; otherwise this project
 class ShapeFit {
  public:
-  /// creases  prescribed ones: their hinges have c = 1, however small their angle
+  /// folds  prescribed creases: their hinges have c = 1, however small their angle
   ShapeFit(const Points2& pattern, const Triangles&, const ShapeFitOptions&,
            const std::vector<PrescribedCrease>& folds = {});
 

@@ -38,7 +38,7 @@ class Untangler {
     bool changed;  // whether x was changed
     bool apart;    // nothing passes through anything any more
   };
-  /// facets    |V|x3 [m] f
+  /// linear_positions  |V|x3 [m] f
   /// facet_at  [m] where a point of the pattern is on the facets; empty: d is 0
   /// x         |V|x3 [m]
   /// held      |V|

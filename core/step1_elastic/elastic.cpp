@@ -102,9 +102,9 @@ void Elastic::set_mesh(const Sheet& sheet, const std::vector<double>& stiffening
   else
     for (std::size_t t = 0; t < stiffening.size(); ++t) factors[t] *= stiffening[t];
   s.energy.emplace(s.paper, sheet.pattern, sheet.triangles, factors, sheet.prescribed_creases);
-  Paper softened_phase = s.paper;
-  softened_phase.membrane_stiffness /= softening;
-  s.softened.emplace(softened_phase, sheet.pattern, sheet.triangles, factors,
+  Paper softened_paper = s.paper;
+  softened_paper.membrane_stiffness /= softening;
+  s.softened.emplace(softened_paper, sheet.pattern, sheet.triangles, factors,
                      sheet.prescribed_creases);
   s.load_creases(sheet, Impl::Curl::stays);
   s.matrix.reset();
@@ -178,7 +178,7 @@ ElasticReport Elastic::relax(Sheet& sheet, const StepInput& input, double dt, Re
   ElasticReport report = s.try_without_plasticity(
       sheet, [](const Sheet&) {},
       [&] { return s.solve(sheet, problem, nullptr, how, BranchSearchMode::none); });
-  report.contact = s.contact && !s.contact->clear(before, sheet.x, problem.hard);
+  report.contact = s.contact && !s.contact->is_collision_free(before, sheet.x, problem.hard);
   s.report_energies(sheet.x, s.energy->dihedral_angles(sheet.x), report);
   return report;
 }
@@ -240,7 +240,9 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
                       is_interactive() && state.descending ? NewtonOptions::line_search_newton
                                                            : NewtonOptions::both};
     if (contact_enabled)
-      how.should_abort = [&](const Points3& x) { return !contact->clear(before, x, step.hard); };
+      how.should_abort = [&](const Points3& x) {
+        return !contact->is_collision_free(before, x, step.hard);
+      };
     if (lies) how.max_mixed_newton = std::min(how.max_mixed_newton, max_mixed_newton_on_colliders);
     report = solve(sheet, step, nullptr, how,
                    lies ? BranchSearchMode::when_locked : BranchSearchMode::when_slow);
@@ -263,7 +265,7 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
     return (matrix && largest_stretch(sheet) > yield_stretch) || report.inside > yield_depth;
   };
   if (contact_enabled &&
-      (state.had_contact || jams() || !contact->clear(before, sheet.x, step.hard))) {
+      (state.had_contact || jams() || !contact->is_collision_free(before, sheet.x, step.hard))) {
     const int wasted_iterations = report.iterations;
     sheet.x = before;
     // close to itself a softened sheet soon collides with its own parts: a second branch finds

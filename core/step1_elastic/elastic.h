@@ -93,7 +93,7 @@ enum class Relaxation { coarse, full };
 /// with a softened membrane, then with the true stiffness of the membrane.
 struct BranchDescent {
   Points3 x;  // |V|x3 [m] where it has got to
-  enum Phase { softened_phase, true_stiffness, finished } phase = softened_phase;
+  enum Phase { softened, true_stiffness, finished } phase = softened;
   int attempts = 0;  // attempts in this phase that did not converge
   bool converged = false;
 };
@@ -205,7 +205,7 @@ class Elastic {
   /// True if the two sheets do not collide along their trajectories, and no pair of features is
   /// closer than dhat at the end of any segment of these: a joint step would then have taken the
   /// sheets to the same places.
-  static bool clear(const SweptSheet& a, const SweptSheet& b, double dhat);
+  static bool are_collision_free(const SweptSheet& a, const SweptSheet& b, double dhat);
 
   /// Moves sheet.x to a nearby minimum with the constrained vertices at their targets, and does
   /// nothing else: no second branch is searched, sheet.v does not change, and no plastic increment

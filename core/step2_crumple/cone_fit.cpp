@@ -2,16 +2,12 @@
 
 #include "core/linear_algebra/symmetric_eigen.h"
 
-#include <cmath>
-
 namespace paperbake {
 
 Vector2d Cone::ruling(const Vector2d& p) const {
   const Vector2d d = apex.head<2>() - apex.z() * (p - centre) / scale;
   return d.norm() > 0 ? Vector2d(d.normalized()) : Vector2d(1, 0);
 }
-
-bool Cone::is_cylinder() const { return 10 * std::abs(apex.z()) < apex.head<2>().norm(); }
 
 Cone fit_cone(const std::vector<RulingSample>& samples, double scale,
               double cylinder_regularization) {
@@ -33,9 +29,7 @@ Cone fit_cone(const std::vector<RulingSample>& samples, double scale,
   }
   M /= weight;
   M(2, 2) += cylinder_regularization;
-  const SymmetricEigen<3> eigen = symmetric_eigen(M);
-  cone.apex = eigen.vectors.col(0);
-  cone.residual = eigen.values[0];
+  cone.apex = symmetric_eigen(M).vectors.col(0);
   return cone;
 }
 

@@ -19,13 +19,8 @@ struct Cone {
   Vector2d centre{0, 0};   // [m] weighted mean of the points of the fit
   double scale = 1;        // [m] size of the window of the fit
   Vector3d apex{1, 0, 0};  // [1] unit vector (x, y, w): the apex lies at centre + scale (x, y)/w
-  // [1] mean squared ruling misfit: sin(angle) x distance to the apex, in homogeneous coordinates
-  double residual = 0;
 
   Vector2d ruling(const Vector2d& p) const;  // unit vector along the line through p
-  bool is_cylinder() const;                  // the apex is farther away than 10 scales
-  // [m] on the pattern
-  Vector2d apex_point() const { return centre + scale * apex.head<2>() / apex.z(); }
 };
 
 /// Fits a cone to rulings: the apex a of length 1 that minimises

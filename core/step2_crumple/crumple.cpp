@@ -46,17 +46,11 @@ static void archive(Serializer& a, Ruling& r) { a(r.a, r.b, r.k, r.region); }
 
 void Crumple::archive(Serializer& a) { a(pending_, crumpled_, regions_, rulings_, when_); }
 
-bool Crumple::is_crumpled(const Sheet& sheet) const {
-  // a sheet with only one or two singular points is smooth elsewhere
-  constexpr std::size_t crumpled = 3;
-  return sheet.singular.size() >= crumpled;
-}
-
 std::optional<Sheet> Crumple::propose(const Sheet& sheet,
                                       const std::vector<int>& isolated_moving_handles,
                                       bool rests_on_contact, const FrameTime& now) {
   RulingOptions options = options_.rulings;
-  if (options.facet_turn <= 0 || required_ < 0 || is_crumpled(sheet)) return std::nullopt;
+  if (options.facet_turn <= 0 || is_crumpled(sheet)) return std::nullopt;
   const Points3 curvature = bending_of(sheet);
   const BendingField field(sheet, curvature);
   regions_.update(field);
@@ -196,16 +190,17 @@ CrumpleReport Crumple::step_smooth(Sheet& sheet, const std::vector<char>& fixed,
 }
 
 CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const FrameTime& now,
-                            const Deformation& is, const std::function<LocalEnergies()>& stored) {
-  if (!is.moving) return {};
-  const double way = std::min(options_.largest_way, is.way);
+                            const Deformation& deformation,
+                            const std::function<LocalEnergies()>& stored) {
+  if (!deformation.moving) return {};
+  const double way = std::min(options_.largest_way, deformation.way);
   if (is_crumpled(sheet)) {
-    if (!(way > 0) || !(is.at_minimum || is.pressed)) return {};
-    return crumpled_.step(sheet, {fixed, stored(), way, now.frame, is.at_minimum});
+    if (!(way > 0) || !(deformation.at_minimum || deformation.pressed)) return {};
+    return crumpled_.step(sheet, {fixed, stored(), way, now.frame, deformation.at_minimum});
   }
   CrumpleReport report = step_smooth(sheet, fixed, now, way);
   // as many points as would be born if the same way was gone in small steps
-  for (double rest = is.way - options_.persistence_severe;
+  for (double rest = deformation.way - options_.persistence_severe;
        rest > 0 && report.births > 0 && !is_crumpled(sheet); rest -= options_.persistence_severe) {
     const CrumpleReport more = step_smooth(sheet, fixed, now, options_.persistence_severe);
     if (more.births == 0) break;

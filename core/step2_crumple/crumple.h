@@ -74,9 +74,6 @@ class Crumple {
   /// Reports what became of the last proposal.
   void on_proposal_result(bool accepted, const FrameTime&);
 
-  /// Whether the sheet has so many singular points that it is a crumple.
-  bool is_crumpled(const Sheet&) const;
-
   /// Lines along which the sheet is being folded (find_fold_lines.h); none of a crumpled sheet.
   std::vector<FoldLine> fold_lines(const Sheet&, const PlasticMemory&) const;
   std::vector<FoldLine> pressed_lines(const Sheet&, const std::function<PlasticMemory()>&,

@@ -271,13 +271,14 @@ std::optional<FoldLine> fold_on(const BentMesh& mesh, const Axis& axis, const Pa
   const auto ends = on_paper(pattern, axis);
   if (!ends || (ends->second - ends->first).norm() < 3 * mesh.row) return std::nullopt;
   FoldLine line{ends->first, ends->second, 0, band_along(mesh, axis)};
-  const Profile is = profile_of(mesh, line, axis);
-  for (const double turn : is.plastic) line.plastic_turn += turn / is.plastic.size();
-  const double bend = least(is.curvature);
-  if (least(is.turn) < min_turn || bend * mesh.row < unresolved) return std::nullopt;
+  const Profile profile = profile_of(mesh, line, axis);
+  for (const double turn : profile.plastic) line.plastic_turn += turn / profile.plastic.size();
+  const double bend = least(profile.curvature);
+  if (least(profile.turn) < min_turn || bend * mesh.row < unresolved) return std::nullopt;
   const bool yields =
-      mesh.gap.empty() ? bend >= least_bend * yield_curvature && least(is.plastic) >= least_plastic
-                       : least(needed_curvature(mesh, line, axis, is.turn)) >= yield_curvature;
+      mesh.gap.empty()
+          ? bend >= least_bend * yield_curvature && least(profile.plastic) >= least_plastic
+          : least(needed_curvature(mesh, line, axis, profile.turn)) >= yield_curvature;
   if (!yields) return std::nullopt;
   return line;
 }

@@ -33,7 +33,7 @@ void Regions::update(const BendingField& field) {
 }
 
 static void archive(Serializer& a, CurvedRegion& r) {
-  a(r.id, r.sign, r.area, r.bend, r.cone.centre, r.cone.scale, r.cone.apex, r.cone.residual);
+  a(r.id, r.sign, r.area, r.bend, r.cone.centre, r.cone.scale, r.cone.apex);
 }
 
 void Regions::archive(Serializer& a) {

@@ -173,11 +173,11 @@ class Builder {
 
   bool on_one_side(const std::pair<int, int>& leg) const {
     return std::any_of(sides_.begin(), sides_.end(), [&](const Side& side) {
-      const auto is = [&](int p) {
+      const auto is_stop = [&](int p) {
         return [p](const std::pair<double, int>& stop) { return stop.second == p; };
       };
-      return std::any_of(side.stops.begin(), side.stops.end(), is(leg.first)) &&
-             std::any_of(side.stops.begin(), side.stops.end(), is(leg.second));
+      return std::any_of(side.stops.begin(), side.stops.end(), is_stop(leg.first)) &&
+             std::any_of(side.stops.begin(), side.stops.end(), is_stop(leg.second));
     });
   }
 

@@ -32,6 +32,7 @@ struct FrameRecord {
   std::optional<double> twin;
   std::vector<Jam> jammed;
   std::string note;
+  bool step_unsolved = false;  // the sheet stands still although its handles move
   std::string input_hash;
   // of its positions in the .abc; empty when the frame is not in it
   std::string content_hash;

@@ -47,7 +47,7 @@ bool overlap(const DetectedCrease& a, const DetectedCrease& b, double same) {
 
 CreaseThresholds crease_thresholds(const Paper& paper) {
   CreaseThresholds thresholds;
-  thresholds.yield_curvature = 2 * paper.yield_strain / paper.thickness;
+  thresholds.yield_curvature = yield_curvature(paper);
   return thresholds;
 }
 

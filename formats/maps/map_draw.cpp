@@ -99,7 +99,7 @@ void draw_shape(const MapScene& scene, const TexelRow<12>& row, MapTexel* texels
   for (int i = 0; i < row.texels; ++i) {
     if (!row.wanted[i]) continue;
     MapTexel& texel = texels[row.index + i];
-    texel.dihedral_angle = angle[i];
+    texel.fold_angle = angle[i];
     texel.fold_plastic = plastic[i];
     texel.b = bent_one_way[i];
     texel.dir_x = dir_x[i];
@@ -116,7 +116,7 @@ void draw_peaks(const MapScene& scene, const MapRows& rows, const std::vector<ch
   for (int k = 0; k < rows.count(); ++k) {
     if (!wanted[k]) continue;
     MapTexel& texel = texels[k];
-    const float peak = rounded(peaks[k], angle_step), now = texel.dihedral_angle;
+    const float peak = rounded(peaks[k], angle_step), now = texel.fold_angle;
     texel.fold_peak = std::abs(peak) > std::abs(now) ? peak : now;
   }
 }

@@ -37,7 +37,7 @@ constexpr Layer layers[] = {
     {"apex.id", EXR_PIXEL_UINT, offsetof(MapTexel, apex_id)},
     {"dir.x", EXR_PIXEL_HALF, offsetof(MapTexel, dir_x)},
     {"dir.y", EXR_PIXEL_HALF, offsetof(MapTexel, dir_y)},
-    {"fold.angle", EXR_PIXEL_HALF, offsetof(MapTexel, dihedral_angle)},
+    {"fold.angle", EXR_PIXEL_HALF, offsetof(MapTexel, fold_angle)},
     {"fold.peak", EXR_PIXEL_HALF, offsetof(MapTexel, fold_peak)},
     {"fold.plastic", EXR_PIXEL_HALF, offsetof(MapTexel, fold_plastic)},
     {"strain.max", EXR_PIXEL_HALF, offsetof(MapTexel, strain_max)},
@@ -274,9 +274,9 @@ Footprint footprint(int i, int size, int next) {
   return f;
 }
 
-constexpr half MapTexel::*averaged[] = {&MapTexel::dihedral_angle, &MapTexel::fold_plastic,
-                                        &MapTexel::fold_peak,      &MapTexel::apex_dist,
-                                        &MapTexel::strain_min,     &MapTexel::strain_max};
+constexpr half MapTexel::*averaged[] = {&MapTexel::fold_angle, &MapTexel::fold_plastic,
+                                        &MapTexel::fold_peak,  &MapTexel::apex_dist,
+                                        &MapTexel::strain_min, &MapTexel::strain_max};
 
 MapTexel mean_of(const std::vector<MapTexel>& texels, int size, const Footprint& column,
                  const Footprint& row) {

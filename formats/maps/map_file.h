@@ -16,7 +16,7 @@ namespace paperbake {
 /// All layers of a map at one texel, in the types of the file; crease_map.h describes them.
 struct MapTexel {
   half r{0.0f}, g{0.0f}, b{0.0f}, a{0.0f};
-  half dihedral_angle{0.0f}, fold_plastic{0.0f}, fold_peak{0.0f};
+  half fold_angle{0.0f}, fold_plastic{0.0f}, fold_peak{0.0f};
   half age_crease{-1.0f}, age_apex{-1.0f};
   half apex_dist{0.0f}, apex_cone{0.0f};
   half dir_x{0.0f}, dir_y{0.0f};

@@ -15,7 +15,7 @@ struct Script {
   Shot shot;
   AnimateOptions options;  // frames, time step, seed
   // pairs of handles that are asked to be farther apart than the paper between them is long
-  std::vector<ImpossiblePair> impossible;
+  std::vector<UnreachablePair> impossible;
 };
 
 /// Kinds of handle motion that no artist should key. They take turns, so that any hundred scripts

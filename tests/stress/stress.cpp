@@ -75,17 +75,18 @@ MethodChoice make_method(const std::string& name, const Script& script, int tria
 
 /// [J] that the sheet stores at rest with all vertices that handles need held where they are;
 /// nothing when it does not come to rest, or touches itself.
-std::optional<double> stored_at_rest(Sheet sheet, const Script& script, const RemeshContext& is) {
+std::optional<double> stored_at_rest(Sheet sheet, const Script& script,
+                                     const RemeshContext& context) {
   PositionConstraints held;
-  for (int v = 0; v < static_cast<int>(is.fixed.size()); ++v)
-    if (is.fixed[v]) held.push_back({v, sheet.x.row(v)});
+  for (int v = 0; v < static_cast<int>(context.fixed.size()); ++v)
+    if (context.fixed[v]) held.push_back({v, sheet.x.row(v)});
   ElasticOptions options;
   options.max_iterations = 200;
   Elastic elastic(script.shot.paper, options);
   std::optional<PlasticGrid> memory;
-  if (is.plastic_grid) elastic.set_plastic_grid(&memory.emplace(*is.plastic_grid));
+  if (context.plastic_grid) elastic.set_plastic_grid(&memory.emplace(*context.plastic_grid));
   elastic.set_mesh(sheet);
-  const ElasticReport report = elastic.relax(sheet, {held}, is.now.dt, Relaxation::full);
+  const ElasticReport report = elastic.relax(sheet, {held}, context.now.dt, Relaxation::full);
   if (!report.converged || report.contact) return std::nullopt;
   return report.energy;
 }
@@ -96,22 +97,22 @@ class Watched : public Method {
   Watched(std::unique_ptr<Method> method, const Script& script, MeshSwapResult& v)
       : method_(std::move(method)), script_(script), v_(v) {}
 
-  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+  PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     return method_->first_mesh(pattern, points);
   }
-  std::optional<Sheet> propose(const Sheet& sheet, const RemeshContext& is) override {
-    return method_->propose(sheet, is);
+  std::optional<Sheet> propose(const Sheet& sheet, const RemeshContext& context) override {
+    return method_->propose(sheet, context);
   }
   void on_proposal_result(bool accepted, const FrameTime& now) override {
     method_->on_proposal_result(accepted, now);
   }
-  MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
+  MeshChange remesh(Sheet& sheet, const RemeshContext& context) override {
     const Sheet before = sheet;
-    const MeshChange change = method_->remesh(sheet, is);
+    const MeshChange change = method_->remesh(sheet, context);
     if (change == MeshChange::none) return change;
     ++v_.remeshed;
-    const std::optional<double> was = stored_at_rest(before, script_, is),
-                                now = was ? stored_at_rest(sheet, script_, is) : was;
+    const std::optional<double> was = stored_at_rest(before, script_, context),
+                                now = was ? stored_at_rest(sheet, script_, context) : was;
     v_.rises += now && *now > 1.01 * *was + 1e-6;
     return change;
   }
@@ -141,7 +142,7 @@ bool goes_unsaid(const Script& script, const AnimatedFrame& f) {
   // [m] more than three handles can share without being noticed
   const double clearly = 0.003 * longer_side(script.shot.pattern);
   return std::any_of(
-      script.impossible.begin(), script.impossible.end(), [&](const ImpossiblePair& pair) {
+      script.impossible.begin(), script.impossible.end(), [&](const UnreachablePair& pair) {
         if (pair.frame != f.frame || pair.apart - pair.allowed < clearly) return false;
         for (std::size_t h = 0; h < f.handles.size(); ++h)
           if (const std::string& name = script.shot.handles[h].name;

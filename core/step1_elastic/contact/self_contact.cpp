@@ -206,7 +206,8 @@ bool Contact::any_pair_collides(int a, int b, const Points3& from, const Points3
   return met;
 }
 
-bool Contact::clear(const Points3& from, const Points3& to, const PositionConstraints& hard) {
+bool Contact::is_collision_free(const Points3& from, const Points3& to,
+                                const PositionConstraints& hard) {
   if (separation_bound_ && separation_bound_->holds_along_step(from, to, pattern_share))
     return true;
   set_constraints(from, hard);

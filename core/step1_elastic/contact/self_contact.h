@@ -59,7 +59,9 @@ struct SheetPartition {
 ///
 ///   u = T^T (d n' - d n)   with  d n' = sum_i w_i y_i,
 ///
-/// less the part of it by which d n only rotates with its features. So there is no sliding in a
+/// where n is its normal at the beginning of the step, T two tangents across n, w_i the weights of
+/// the closest points then, and y_i its corners now, so that d n' is the vector between these points
+/// now; less the part of it by which d n only rotates with its features. So there is no sliding in a
 /// rigid motion, and layers that bend together do not slide because of the distance d that contact
 /// keeps between them. The rotation is found from how far the sides of the triangle, or the two
 /// edges, rise along n; where two edges are nearly parallel, one of its two components is unknown
@@ -78,7 +80,7 @@ class Contact {
   /// dhat at its end: contact would then have changed nothing. The triangles around one vertex are
   /// checked against each other only where one deviates by 60 degrees or more from their mean
   /// normal.
-  bool clear(const Points3& from, const Points3& to, const PositionConstraints& hard);
+  bool is_collision_free(const Points3& from, const Points3& to, const PositionConstraints& hard);
   /// The same for pairs of features of different sheets only.
   bool is_collision_free_between_sheets(const Points3& from, const Points3& to,
                                         const PositionConstraints& hard);

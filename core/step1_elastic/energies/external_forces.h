@@ -4,15 +4,14 @@
 
 namespace paperbake {
 
-/// Forces on a sheet from outside, besides handles, contact and colliders; all that the elastic
-/// solver knows of them. They have a potential phi per unit of mass, which enters the incremental
-/// potential of a step in one sum with inertia (incremental_potential.h):
+/// Forces on a sheet from outside that have a potential phi per unit of mass that does not depend on
+/// time: gravity. It enters the incremental potential of a step in one sum with inertia
+/// (incremental_potential.h):
 ///
 ///   E = sum_i m_i phi(x_i),   phi(x) = g z
 ///
-/// A further force belongs into the functions below and nowhere else. One that follows from the
-/// motion of the sheet, such as wind or drag, is to be taken at the beginning of the step, so that
-/// it has a potential as well.
+/// The air is a term of its own (air_drag.h), because it depends on the velocity and the normal of
+/// each triangle.
 ///
 /// The functions stand in the header because a sum that is split over two calls rounds otherwise.
 struct ExternalForces {

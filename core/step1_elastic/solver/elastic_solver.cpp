@@ -48,38 +48,38 @@ void Elastic::Impl::build_linear_system(const Sheet& sheet, const std::vector<in
   }
 }
 
-void Elastic::Impl::advance(BranchDescent& way, const IncrementalPotential& W, int most,
+void Elastic::Impl::advance(BranchDescent& descent, const IncrementalPotential& W, int most,
                             ElasticReport& report) {
-  const bool softened_phase = way.phase == BranchDescent::softened_phase;
+  const bool is_softened = descent.phase == BranchDescent::softened;
   const SheetPotential& own = W.sheets.front();
   const IncrementalPotential gentle{{{*softened, mass, own.xhat, own.inertia, own.forces,
                                       own.springs, own.colliders, block_of, own.air}},
                                     nullptr};
-  const MembraneStress stress = softened_phase
-                                    ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
-                                    : softened->stress(way.x, Points3::Zero(way.x.rows(), 3));
-  const auto ways = !is_interactive()   ? NewtonOptions::both
-                    : way.attempts == 0 ? NewtonOptions::mixed_newton
-                                        : NewtonOptions::line_search_newton;
-  const NewtonReport newton =
-      minimise(softened_phase ? gentle : W,
-               {options.stop, most, std::min(25, is_interactive() ? most : 2 * most / 3), ways},
-               stress, way.x);
+  const MembraneStress stress =
+      is_softened ? MembraneStress(triangles.rows(), Eigen::Matrix2d::Zero())
+                  : softened->stress(descent.x, Points3::Zero(descent.x.rows(), 3));
+  const auto newton_ways = !is_interactive()       ? NewtonOptions::both
+                           : descent.attempts == 0 ? NewtonOptions::mixed_newton
+                                                   : NewtonOptions::line_search_newton;
+  const NewtonReport newton = minimise(
+      is_softened ? gentle : W,
+      {options.stop, most, std::min(25, is_interactive() ? most : 2 * most / 3), newton_ways},
+      stress, descent.x);
   report.iterations += newton.iterations;
-  way.converged = newton.converged;
-  if (!way.converged && is_interactive() && ++way.attempts < max_attempts) return;
-  way.phase = softened_phase ? BranchDescent::true_stiffness : BranchDescent::finished;
-  way.attempts = 0;
+  descent.converged = newton.converged;
+  if (!descent.converged && is_interactive() && ++descent.attempts < max_attempts) return;
+  descent.phase = is_softened ? BranchDescent::true_stiffness : BranchDescent::finished;
+  descent.attempts = 0;
 }
 
-bool Elastic::Impl::locks(const Sheet& sheet) {
+bool Elastic::Impl::note_locking(const Sheet& sheet) {
   if (!sheet.singular.empty() || !sheet.prescribed_creases.empty()) return false;
   const ElasticEnergy::Parts stored = energy->parts(sheet.x);
   const double all = stored.membrane + stored.bending;
   const bool is_bent = all > least_locked_bend * paper.bending_stiffness;
   if (!is_bent || stored.membrane < ridge_share / 2 * all) state.locked_energy = 0;
   if (!is_bent || stored.membrane < ridge_share * all ||
-      all < growth_until_search * state.locked_energy || mean_square_fold(sheet) > too_coarse)
+      all < growth_until_search * state.locked_energy || mean_square_fold(sheet) > fold_that_holds)
     return false;
   state.locked_energy = all;
   return true;
@@ -91,7 +91,7 @@ BranchSearchReason Elastic::Impl::reason_to_search(const Sheet& sheet, BranchSea
       step.iterations > slow_convergence_iterations || (is_interactive() && !step.converged);
   if (slow && mode == BranchSearchMode::when_slow && state.steps >= state.branch_cooldown_until)
     return BranchSearchReason::slow;
-  if (step.converged && options.inertia == Inertia::quasi_static && locks(sheet))
+  if (step.converged && options.inertia == Inertia::quasi_static && note_locking(sheet))
     return BranchSearchReason::locked;
   return BranchSearchReason::none;
 }
@@ -101,42 +101,42 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W,
                                           ElasticReport& report) {
   const auto passes = [&](const Points3& to) {
     return options.contact == SelfContact::automatic &&
-           !contact->clear(search.before, to, search.hard);
+           !contact->is_collision_free(search.before, to, search.hard);
   };
-  std::optional<BranchDescent>& way = state.second;
+  std::optional<BranchDescent>& descent = state.second;
   const bool leaves = search.reason != BranchSearchReason::none,
              is_locked = search.reason == BranchSearchReason::locked;
-  const bool begun_before = way.has_value();
+  const bool begun_before = descent.has_value();
   const int total = iteration_budget().total * options.max_iterations / default_iterations;
-  if (way) {
-    way->x = predictor->guesses(way->x, {}, search.hard).front();
-    if (colliders) colliders->project_outside(way->x);
+  if (descent) {
+    descent->x = predictor->guesses(descent->x, {}, search.hard).front();
+    if (colliders) colliders->project_outside(descent->x);
   } else if (!leaves || (report.converged && passes(x)))
     return;  // a shape that collides with itself is not where the sheet will stay
   else
-    way = BranchDescent{search.start};
+    descent = BranchDescent{search.start};
   // a locked sheet is at rest, and its descent must not keep it from being so
   const bool may_be_unfinished = is_interactive() && !is_locked;
-  while (way->phase != BranchDescent::finished) {
+  while (descent->phase != BranchDescent::finished) {
     const int left = may_be_unfinished ? std::min(options.max_iterations, total - report.iterations)
                                        : options.max_iterations;
     if (left < std::min(options.max_iterations, min_iterations_to_start)) return;
-    advance(*way, W, left, report);
+    advance(*descent, W, left, report);
   }
-  const double here = W(x), there = W(way->x);
+  const double here = W(x), there = W(descent->x);
   if (!is_interactive() && state.remeshed && there > here - min_relative_gain * std::abs(here))
     state.branch_cooldown_until = state.steps + branch_cooldown_steps;
   const double least_gain = is_locked ? locked_gain * std::abs(here) : 0;
-  if (there < here - least_gain && !passes(way->x)) {
+  if (there < here - least_gain && !passes(descent->x)) {
     report.energy_gain = (here - there) / std::max(std::abs(here), 1e-300);
-    report.converged = way->converged;
+    report.converged = descent->converged;
     state.descending = false;
-    x = std::move(way->x);
-    way.reset();
+    x = std::move(descent->x);
+    descent.reset();
   } else if (begun_before && leaves)
-    way = BranchDescent{search.start};  // starts again from where the main solution has got to
+    descent = BranchDescent{search.start};  // starts again from where the main solution has got to
   else
-    way.reset();
+    descent.reset();
 }
 
 std::optional<Panels> Elastic::Impl::panels_now() const {
@@ -182,10 +182,10 @@ SheetPotential Elastic::Impl::potential(const Sheet& sheet, const StepProblem& s
 }
 
 std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const PositionConstraints& hard,
-                                            bool feels) {
+                                            bool with_contact) {
   std::vector<Points3> all = predictor->guesses(before, state.positions, hard);
   if (panels) all.insert(all.begin(), *panels);
-  if (feels) {
+  if (with_contact) {
     if (!state.positions.empty()) all.push_back(2 * before - state.positions[0]);
     all.push_back(before);
   }
@@ -213,24 +213,25 @@ void choose_initial_guess(const IncrementalPotential& W, const Points3& before,
     throw Error(ErrorCode::simulation, "elastic step", "The energy of the sheet is not finite.");
 }
 
-ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contact* feels,
+ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contact* self_contact,
                                    const NewtonOptions& how, BranchSearchMode second) {
   // with self-contact the hard handles pull as well, and none is eliminated
   const std::vector<int> hard = vertices_of(step.hard),
-                         eliminated = feels ? std::vector<int>{} : hard;
-  const PositionConstraints springs = feels ? step.constraints : soft_constraints(step.constraints);
-  if (feels) feels->begin(sheet.x, step.hard, state.friction);
+                         eliminated = self_contact ? std::vector<int>{} : hard;
+  const PositionConstraints springs =
+      self_contact ? step.constraints : soft_constraints(step.constraints);
+  if (self_contact) self_contact->begin(sheet.x, step.hard, state.friction);
   build_linear_system(
       sheet, eliminated, hard,
-      feels ? feels->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
-  if (feels && matrix) feels->bind(*matrix, block_of);
+      self_contact ? self_contact->coupled_vertices(sheet.x) : std::vector<std::pair<int, int>>{});
+  if (self_contact && matrix) self_contact->bind(*matrix, block_of);
   if (colliders)
-    colliders->begin(sheet.x, step.colliders, eliminated, feels ? step.hard : PositionConstraints{},
-                     state.friction);
+    colliders->begin(sheet.x, step.colliders, eliminated,
+                     self_contact ? step.hard : PositionConstraints{}, state.friction);
 
   const Points3 before = sheet.x;
-  const IncrementalPotential W{{potential(sheet, step, springs)}, feels};
-  std::vector<Points3> starts = guesses(before, step.hard, feels != nullptr);
+  const IncrementalPotential W{{potential(sheet, step, springs)}, self_contact};
+  std::vector<Points3> starts = guesses(before, step.hard, self_contact != nullptr);
   choose_initial_guess(W, before, starts, sheet.x);
 
   ElasticReport report;
@@ -251,14 +252,14 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
       report.snap_in_progress = state.descending || state.second;
     }
   }
-  report_constraints(sheet.x, feels ? springs : PositionConstraints{}, report);
+  report_constraints(sheet.x, self_contact ? springs : PositionConstraints{}, report);
   friction_at_end.clear();
   if (colliders) colliders->remember(sheet.x, friction_at_end);
-  if (feels) {
-    feels->remember(sheet.x, friction_at_end);
-    feels->update_candidates(sheet.x, Points3::Zero(sheet.x.rows(), 3));
+  if (self_contact) {
+    self_contact->remember(sheet.x, friction_at_end);
+    self_contact->update_candidates(sheet.x, Points3::Zero(sheet.x.rows(), 3));
     report.contact = true;
-    report.touching = feels->active(sheet.x);
+    report.touching = self_contact->active(sheet.x);
   }
   return report;
 }

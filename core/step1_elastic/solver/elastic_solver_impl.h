@@ -151,8 +151,9 @@ struct Elastic::Impl {
                              ElasticReport&);
   /// Whether there is reason to search for a second branch after a step to this sheet.
   BranchSearchReason reason_to_search(const Sheet&, BranchSearchMode, const ElasticReport&);
-  /// Whether the sheet has become locked, or has stretched far more since it last searched.
-  bool locks(const Sheet&);
+  /// Keeps how much a locked sheet stores. returns  whether it has become locked, or has stretched far
+  /// more since a branch was last searched
+  bool note_locking(const Sheet&);
 
   /// The panels of the sheet whose creases were read last; none: it has no creases.
   std::optional<Panels> panels_now() const;
@@ -165,12 +166,13 @@ struct Elastic::Impl {
   /// Potential of a step of the sheet from where it is. springs  constraints that pull
   SheetPotential potential(const Sheet&, const StepProblem&, PositionConstraints springs);
   /// Initial guesses for the end of the step; on a folded sheet the first one has moved its panels.
-  /// feels: with contact; then handles may lag behind, and some of the guesses do not make the
+  /// with_contact: then handles may lag behind, and some of the guesses do not make the
   /// sheet jump to them.
-  std::vector<Points3> guesses(const Points3& before, const PositionConstraints& hard, bool feels);
+  std::vector<Points3> guesses(const Points3& before, const PositionConstraints& hard,
+                               bool with_contact);
 
-  /// One solution of the step; `feels` is null for a step without self-contact.
-  ElasticReport solve(Sheet&, const StepProblem&, Contact* feels, const NewtonOptions& how,
+  /// One solution of the step; `self_contact` is null for a step without self-contact.
+  ElasticReport solve(Sheet&, const StepProblem&, Contact* self_contact, const NewtonOptions& how,
                       BranchSearchMode second);
 
   /// Solves without self-contact, and again with it if that turns out to be needed.

@@ -45,7 +45,7 @@ void add_hard(const PositionConstraints& own, int first, PositionConstraints& al
 
 double Elastic::dhat() const { return impl_->contact ? impl_->contact->dhat() : 0; }
 
-bool Elastic::clear(const SweptSheet& a, const SweptSheet& b, double dhat) {
+bool Elastic::are_collision_free(const SweptSheet& a, const SweptSheet& b, double dhat) {
   MergedMesh mesh;
   PositionConstraints hard;
   for (const SweptSheet* way : {&a, &b}) {

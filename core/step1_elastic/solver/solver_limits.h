@@ -26,7 +26,7 @@ inline constexpr IterationBudget initial_steps{70, 30};
 inline constexpr IterationBudget default_steps{42, 36}, with_pending_branch{42, 15};
 // [1] further iterations beyond these, when the result is no shape that paper can have
 inline constexpr int extra_iterations = 40;
-// [1] because an edge is stretched by more than this
+// [1] stretch of an edge beyond which a step gets these extra iterations
 inline constexpr double unfinished_stretch = 0.006;
 // max_iterations of the options that these budgets hold for
 inline constexpr int default_iterations = 60;

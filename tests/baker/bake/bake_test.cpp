@@ -1,6 +1,5 @@
 // What a bake leaves in its output folder and says of it. Everything is checked from outside.
 
-#include "baker/output/gates.h"
 #include "tests/baker/program_fixture.h"
 #include "tests/formats/files/frame_keys.h"
 #include "tests/formats/scene/gltf_fixture.h"
@@ -244,33 +243,6 @@ TEST_F(BakeCommandTest, TheHybridBeginsWithNoMoreTrianglesThanItMayHave) {
   for (const Record& frame : frames_of(output())) EXPECT_GT(frame["triangles"], 250);
   EXPECT_TRUE(is_error(bake_with({"--base-triangles", "300", "--triangles", "200"}), 2,
                        "--base-triangles 300", "no more than 200"));
-}
-
-TEST(GatesTest, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
-  FrameRecord record;
-  record.frame = 7;
-  record.statistics.render.emplace().kept_apart = true;
-  EXPECT_TRUE(missed_gates({}, {record}, {}).empty());
-  record.statistics.render->crossings = 3;
-  EXPECT_EQ(
-      missed_gates({}, {record}, {}),
-      std::vector<std::string>{"Frame 7: 3 pairs of rendered triangles pass through each other."});
-}
-
-TEST(GatesTest, ACrossingOfTheRenderMeshesOfTwoSheetsIsOneThatIsMissed) {
-  FrameRecord record;
-  record.frame = 7;
-  record.statistics.render.emplace().crossings_with_others = 5;
-  EXPECT_EQ(missed_gates({}, {record}, {}),
-            std::vector<std::string>{
-                "Frame 7: 5 pairs of rendered triangles of two sheets pass through each other."});
-  // of the other sheet: as simulated they cross there, too, and that is told elsewhere
-  FrameRecord other = record;
-  other.statistics.render->crossings_with_others = 0;
-  other.statistics.crossings_with_others = 2;
-  EXPECT_TRUE(missed_gates({}, {record, other}, {}).empty());
-  other.frame = 8;
-  EXPECT_EQ(missed_gates({}, {record, other}, {}).size(), 1u);
 }
 
 TEST_F(BakeTest, TheWholeShotHasOneRenderMeshAsFineAsTheQualitySays) {

@@ -43,7 +43,7 @@ TEST(SheetRecorderTest, VelocitiesOfMeshesThatChangeAreCentralDifferencesOfTheSh
   plan.frames = {1, 6, 1};
   const double dt = 1 / plan.animation.fps;
   BakeFiles files(folder);
-  ShotCertificate certificate(plan);
+  BakeCertificate certificate(plan);
   CacheWriters caches(settings.formats, {plan, folder, {""}}, files);
   Progress progress(ProgressMode::none, 6, Passes::simulate);
   TaskQueue tasks(1);

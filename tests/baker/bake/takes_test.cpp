@@ -66,7 +66,7 @@ TEST(TriedTake, DoesNotCountASoftHandleThatLags) {
 
 TEST(TriedTake, DoesNotCountWhatPaperCannotBridge) {
   BakePlan plan = plan_of_one_sheet();
-  ImpossiblePair pair;
+  UnreachablePair pair;
   pair.a = "left";
   pair.b = "elsewhere";
   pair.apart = 0.23;

@@ -17,27 +17,35 @@ FrameRecord rendered(int frame) {
   return record;
 }
 
+std::vector<std::string> sentences(const std::vector<MissedGate>& missed) {
+  std::vector<std::string> all;
+  for (const MissedGate& m : missed) all.push_back(m.sentence);
+  return all;
+}
+
 TEST(Gates, ARenderedEdgeThatIsOffIsNamedWithItsPlaceThoughTheSimulatedOnesAreGood) {
   std::vector<FrameRecord> frames{rendered(81), rendered(82), rendered(83), rendered(84)};
   EXPECT_TRUE(missed_gates({}, frames, {}).empty());
   frames[1].statistics.render->stretch_max = 0.74;
   frames[1].worst.stretch_at << 0.0312, 0.1184;
   EXPECT_EQ(
-      missed_gates({}, frames, {}),
+      sentences(missed_gates({}, frames, {})),
       std::vector<std::string>{"Frame 82: an edge of the rendered mesh is off by 74.00 %, more "
                                "than 5 %, at (31.2, 118.4) mm of the pattern."});
   frames[2].statistics.render->stretch_max = 0.06;
-  EXPECT_NE(missed_gates({}, frames, {}).at(0).find("Frame 83 misses this gate, too."),
+  EXPECT_NE(missed_gates({}, frames, {}).at(0).sentence.find("Frame 83 misses this gate, too."),
             std::string::npos);
   frames[3].statistics.render->stretch_max = 0.06;
-  EXPECT_NE(missed_gates({}, frames, {}).at(0).find("2 more frames from 83 to 84 miss this gate."),
+  EXPECT_NE(missed_gates({}, frames, {})
+                .at(0)
+                .sentence.find("2 more frames from 83 to 84 miss this gate."),
             std::string::npos);
 }
 
 TEST(Gates, TheMeanStretchOfTheRenderedMeshIsOne) {
   std::vector<FrameRecord> frames{rendered(3)};
   frames[0].statistics.render->stretch_mean = 0.021;
-  EXPECT_EQ(missed_gates({}, frames, {}),
+  EXPECT_EQ(sentences(missed_gates({}, frames, {})),
             std::vector<std::string>{
                 "Frame 3: mean stretch of the rendered mesh 2.10 %, more than 2 %."});
 }
@@ -50,10 +58,37 @@ TEST(Gates, ASheetInsideAColliderByMoreThanItsThicknessMissesOne) {
   frames[0].worst.inside_of = "collider.top";
   frames[0].worst.inside_at << 0.075, 0.07;
   EXPECT_EQ(
-      missed_gates({}, frames, {}),
+      sentences(missed_gates({}, frames, {})),
       std::vector<std::string>{"Frame 5: the sheet is 9.56 mm inside the collider "
                                "\"collider.top\", more than 0.1 mm, at (75.0, 70.0) mm of the "
                                "pattern."});
+}
+
+TEST(Gates, ACrossingOfTheRenderMeshIsOneThatIsMissed) {
+  FrameRecord record;
+  record.frame = 7;
+  record.statistics.render.emplace().kept_apart = true;
+  EXPECT_TRUE(missed_gates({}, {record}, {}).empty());
+  record.statistics.render->crossings = 3;
+  EXPECT_EQ(
+      sentences(missed_gates({}, {record}, {})),
+      std::vector<std::string>{"Frame 7: 3 pairs of rendered triangles pass through each other."});
+}
+
+TEST(Gates, ACrossingOfTheRenderMeshesOfTwoSheetsIsOneThatIsMissed) {
+  FrameRecord record;
+  record.frame = 7;
+  record.statistics.render.emplace().crossings_with_others = 5;
+  EXPECT_EQ(sentences(missed_gates({}, {record}, {})),
+            std::vector<std::string>{
+                "Frame 7: 5 pairs of rendered triangles of two sheets pass through each other."});
+  // of the other sheet: as simulated they cross there, too, and that is told elsewhere
+  FrameRecord other = record;
+  other.statistics.render->crossings_with_others = 0;
+  other.statistics.crossings_with_others = 2;
+  EXPECT_TRUE(missed_gates({}, {record, other}, {}).empty());
+  other.frame = 8;
+  EXPECT_EQ(missed_gates({}, {record, other}, {}).size(), 1u);
 }
 
 TEST(Gates, OfSeveralSheetsTheSentenceNamesTheOne) {
@@ -62,8 +97,9 @@ TEST(Gates, OfSeveralSheetsTheSentenceNamesTheOne) {
   std::vector<FrameRecord> frames{rendered(5), rendered(5)};
   frames[1].sheet = "paper.B";
   frames[1].statistics.render->stretch_max = 0.1;
-  EXPECT_EQ(missed_gates({}, frames, plan).at(0).rfind("Frame 5, sheet \"paper.B\": an edge", 0),
-            0u);
+  EXPECT_EQ(
+      missed_gates({}, frames, plan).at(0).sentence.rfind("Frame 5, sheet \"paper.B\": an edge", 0),
+      0u);
 }
 
 TEST(Gates, WhatIsGoodIsToldOfAllThatNoMissedGateIsAbout) {
@@ -75,11 +111,11 @@ TEST(Gates, WhatIsGoodIsToldOfAllThatNoMissedGateIsAbout) {
   EXPECT_NE(all[0].find("0.03 % on average"), std::string::npos) << all[0];
   EXPECT_NE(all[1].find("to 0.02 mm"), std::string::npos) << all[1];
   frames[0].statistics.render->stretch_max = 0.2;
-  const std::vector<std::string> missed = missed_gates({}, frames, {}),
-                                 rest = good_news(frames, missed);
+  const std::vector<MissedGate> missed = missed_gates({}, frames, {});
+  const std::vector<std::string> rest = good_news(frames, missed);
   ASSERT_EQ(missed.size(), 1u);
   EXPECT_EQ(rest, std::vector<std::string>(all.begin() + 1, all.end()));
-  EXPECT_NE(advice(missed[0]).find("more slowly"), std::string::npos);
+  EXPECT_NE(advice(missed[0].gate).find("more slowly"), std::string::npos);
 }
 
 TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
@@ -90,11 +126,11 @@ TEST(Gates, AHandleThatIsOffIsToldWithTheCauseThatIsKnown) {
   frames[0].statistics.handle_error_max = 0.03;
   EXPECT_NE(missed_gates({}, frames, plan)
                 .at(0)
-                .find("(\"handle.b\" is keyed beyond the reach of the paper)."),
+                .sentence.find("(\"handle.b\" is keyed beyond the reach of the paper)."),
             std::string::npos);
   frames[1].statistics.handle_error_max = 0.04;
-  for (const int k : {1, 2}) frames[k].note = std::string("a snap; ") + note_of_unsolved_step;
-  const std::string sentence = missed_gates({}, frames, plan).at(0);
+  for (const int k : {1, 2}) frames[k].step_unsolved = true;
+  const std::string sentence = missed_gates({}, frames, plan).at(0).sentence;
   EXPECT_NE(sentence.find("(\"handle.b\" is jammed)"), std::string::npos)
       << "in that frame it is within reach: " << sentence;
   EXPECT_NE(sentence.find("In 2 frames from 9 to 10 the sheet stands still because the step was "
@@ -113,12 +149,12 @@ TEST(Gates, EveryMissedGateHasAnAdvice) {
   bad.jammed = {{"handle.a", 2}, {"handle.b", 9}};
   BakePlan plan;
   plan.impossible.resize(1);
-  const std::vector<std::string> missed = missed_gates({}, {bad}, plan);
+  const std::vector<MissedGate> missed = missed_gates({}, {bad}, plan);
   EXPECT_EQ(missed.size(), 10u);
-  for (const std::string& sentence : missed) EXPECT_FALSE(advice(sentence).empty()) << sentence;
+  for (const MissedGate& m : missed) EXPECT_FALSE(advice(m.gate).empty()) << m.sentence;
   EXPECT_TRUE(good_news({bad}, missed).empty());
-  EXPECT_TRUE(std::any_of(missed.begin(), missed.end(), [](const std::string& sentence) {
-    return sentence.find("(\"handle.b\" is jammed)") != std::string::npos;
+  EXPECT_TRUE(std::any_of(missed.begin(), missed.end(), [](const MissedGate& m) {
+    return m.sentence.find("(\"handle.b\" is jammed)") != std::string::npos;
   }));
 }
 

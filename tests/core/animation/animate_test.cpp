@@ -166,12 +166,12 @@ TEST(AnimateTest, AFrameThatCannotBeSimulatedEndsTheShotAfterTheGoodOnes) {
 /// A fixed mesh whose pattern is half as large in frames 8 to 10.
 class Shrinking : public Method {
  public:
-  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+  PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     return fem(100).make()->first_mesh(pattern, points);
   }
-  MeshChange remesh(Sheet& sheet, const RemeshContext& is) override {
-    if (is.now.frame != 8 && is.now.frame != 11) return MeshChange::none;
-    sheet.pattern *= is.now.frame == 8 ? 0.5 : 2;
+  MeshChange remesh(Sheet& sheet, const RemeshContext& context) override {
+    if (context.now.frame != 8 && context.now.frame != 11) return MeshChange::none;
+    sheet.pattern *= context.now.frame == 8 ? 0.5 : 2;
     return MeshChange::local;
   }
 };

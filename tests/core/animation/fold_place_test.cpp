@@ -26,13 +26,13 @@ Shot page_of_two_rows(double apart) {
 
 /// [m] Where the two ends of a line across the page come to lie.
 std::optional<Vector2d> moved(const Shot& shot, double left, double right, int row = 0) {
-  const Method::FirstMesh mesh = fem(120).make()->first_mesh(shot.pattern, {});
+  const PatternMesh mesh = fem(120).make()->first_mesh(shot.pattern, {});
   Sheet sheet;
-  sheet.pattern = mesh.pattern;
+  sheet.pattern = mesh.vertices;
   sheet.triangles = mesh.triangles;
-  sheet.x = Points3::Zero(mesh.pattern.rows(), 3);
-  sheet.x.leftCols<2>() = mesh.pattern;
-  sheet.v = Points3::Zero(mesh.pattern.rows(), 3);
+  sheet.x = Points3::Zero(mesh.vertices.rows(), 3);
+  sheet.x.leftCols<2>() = mesh.vertices;
+  sheet.v = Points3::Zero(mesh.vertices.rows(), 3);
   Elastic elastic(shot.paper, {});
   PlasticGrid grid(shot.pattern);
   const std::optional<FoldLine> line =

@@ -184,7 +184,7 @@ class Unwilling : public Method {
     int said = 0, asked = 0;
   };
   explicit Unwilling(Counts& counts) : counts_(counts), mesh_(fem(120).make()) {}
-  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+  PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
     return mesh_->first_mesh(pattern, points);
   }
   bool finds_folds(const Sheet&) const override { return true; }
@@ -192,8 +192,8 @@ class Unwilling : public Method {
     ++counts_.said;
     return {{{0, 0.105}, {0.15, 0.105}, 0, {}}};
   }
-  std::optional<FirstMesh> mesh_with_creases(const Pattern&,
-                                             const std::vector<Vector2d>&) const override {
+  std::optional<PatternMesh> mesh_with_creases(const Pattern&,
+                                               const std::vector<Vector2d>&) const override {
     ++counts_.asked;
     return std::nullopt;
   }
@@ -220,8 +220,8 @@ class Mistaken : public Method {
   Mistaken(const Shot& shot, bool on_first_mesh_only)
       : on_first_mesh_only_(on_first_mesh_only),
         hybrid_(hybrid(shot.pattern, shot.paper, 120, {}, 0, 0).make()) {}
-  FirstMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
-    FirstMesh mesh = hybrid_->first_mesh(pattern, points);
+  PatternMesh first_mesh(const Pattern& pattern, const std::vector<Vector2d>& points) override {
+    PatternMesh mesh = hybrid_->first_mesh(pattern, points);
     first_ = mesh.triangles;
     return mesh;
   }
@@ -231,8 +231,8 @@ class Mistaken : public Method {
     if (!sheet.prescribed_creases.empty() || (on_first_mesh_only_ && !is_first)) return {};
     return {{{0, 0.105}, {0.15, 0.105}, 0, {}}};
   }
-  std::optional<FirstMesh> mesh_with_creases(const Pattern& pattern,
-                                             const std::vector<Vector2d>& points) const override {
+  std::optional<PatternMesh> mesh_with_creases(const Pattern& pattern,
+                                               const std::vector<Vector2d>& points) const override {
     return hybrid_->mesh_with_creases(pattern, points);
   }
 

@@ -27,8 +27,8 @@ std::vector<Handle> pulled_apart(double side, const std::vector<double>& away) {
   return handles;
 }
 
-std::vector<ImpossiblePair> pairs_of(const Pattern& pattern, const std::vector<Handle>& handles,
-                                     int last_frame) {
+std::vector<UnreachablePair> pairs_of(const Pattern& pattern, const std::vector<Handle>& handles,
+                                      int last_frame) {
   return HandleFeasibility(pattern, handles).impossible_pairs(handles, first_frame, last_frame);
 }
 

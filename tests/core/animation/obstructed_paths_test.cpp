@@ -49,7 +49,7 @@ std::vector<Handle> letter(double free, double bottom = 172 * degrees, double to
 }
 
 TEST(ObstructedPathsTest, TheTopOfALetterIsTooShortToGoRoundTheEdgeOfTheBottom) {
-  const std::vector<ImpossiblePair> pairs = obstructed_paths(a4, letter(0), 7, 7);
+  const std::vector<UnreachablePair> pairs = obstructed_paths(a4, letter(0), 7, 7);
   ASSERT_EQ(pairs.size(), 1u);
   // from the top's own lower end over the edge to the end of the middle, in the plane across
   const Vector2d edge(0.099 - 0.099 * std::cos(172 * degrees), 0.099 * std::sin(172 * degrees)),
@@ -88,7 +88,7 @@ TEST(ObstructedPathsTest, ThePartOnlyCountsWhileAllOfItsHandlesHoldIt) {
       if (handle.name.rfind("bottom", 0) == 0) change(handle);
     return obstructed_paths(a4, handles, 1, 3);
   };
-  const std::vector<ImpossiblePair> until_2 = pairs_with([](Handle& h) { h.release_frame = 3; });
+  const std::vector<UnreachablePair> until_2 = pairs_with([](Handle& h) { h.release_frame = 3; });
   ASSERT_EQ(until_2.size(), 1u);
   EXPECT_EQ(until_2[0].first, 1);
   EXPECT_EQ(until_2[0].last, 2);
@@ -131,7 +131,7 @@ TEST(ObstructedPathsTest, ThePathRoundIsTheShortestOneOverAnySide) {
         const Vector3d over = pose * Vector3d(t.x(), t.y(), 0);
         least = std::min(least, (a - over).norm() + (over - b).norm());
       }
-    for (const ImpossiblePair& pair : obstructed_paths(sheet, handles, 1, 1)) {
+    for (const UnreachablePair& pair : obstructed_paths(sheet, handles, 1, 1)) {
       ++blocked;
       EXPECT_NEAR(pair.apart, least, 1e-6) << trial;
       EXPECT_GT(pair.apart, (a - b).norm()) << trial;
@@ -154,7 +154,7 @@ TEST(ObstructedPathsTest, PaperThatEndsInThePartIsNotInItsWay) {
 TEST(ObstructedPathsTest, TheyFollowThePairsThatAreTooFarApart) {
   std::vector<Handle> handles = letter(0);
   handles[0].keyed(0, 0) -= 0.01;  // one of the middle
-  const std::vector<ImpossiblePair> all = all_impossible_pairs(a4, handles, 1, 1);
+  const std::vector<UnreachablePair> all = all_impossible_pairs(a4, handles, 1, 1);
   ASSERT_GT(all.size(), 1u);
   EXPECT_TRUE(all.front().around.empty());
   EXPECT_FALSE(all.back().around.empty());

@@ -119,9 +119,9 @@ TEST(StartMeshTest, ASheetThatTheMethodsOwnMeshCanShowKeepsIt) {
   });
   const std::unique_ptr<Method> method = hybrid_of(shot).make(), same = hybrid_of(shot).make();
   const StartMesh start = mesh_of_start(shot, *method, {});
-  const Method::FirstMesh own = same->first_mesh(shot.pattern, {});
+  const PatternMesh own = same->first_mesh(shot.pattern, {});
   EXPECT_FALSE(start.has_bends);
-  EXPECT_EQ(start.mesh.pattern, own.pattern);
+  EXPECT_EQ(start.mesh.vertices, own.vertices);
   EXPECT_EQ(start.mesh.triangles, own.triangles);
 }
 
@@ -134,10 +134,11 @@ TEST(StartMeshTest, AFoldGoesThroughTheHandlesThatStandOnIt) {
   const StartMesh start = mesh_of_start(shot, *method, points);
   ASSERT_TRUE(start.has_bends);
   int on_fold = 0;
-  for (const auto& p : start.mesh.pattern.rowwise()) on_fold += std::abs(p.x() - length / 2) < 2e-6;
+  for (const auto& p : start.mesh.vertices.rowwise())
+    on_fold += std::abs(p.x() - length / 2) < 2e-6;
   EXPECT_GE(on_fold, 4);
   for (std::size_t k = 0; k < points.size(); ++k)
-    EXPECT_LT((start.mesh.pattern.row(start.mesh.point_vertex[k]) - points[k].transpose()).norm(),
+    EXPECT_LT((start.mesh.vertices.row(start.mesh.point_vertex[k]) - points[k].transpose()).norm(),
               1e-9);
 }
 

@@ -92,7 +92,7 @@ inline Imf::FrameBuffer frame_buffer(Image& image) {
   add("G", t.g);
   add("B", t.b);
   add("A", t.a);
-  add("fold.angle", t.dihedral_angle);
+  add("fold.angle", t.fold_angle);
   add("fold.plastic", t.fold_plastic);
   add("fold.peak", t.fold_peak);
   add("age.crease", t.age_crease);

@@ -35,7 +35,7 @@ TEST(CreaseMap, ACylinderTurnsByTheFoldWidthOverItsRadius) {
     // accuracy that the maps promise
     for (int j = 8; j < 120; ++j)
       for (int i = 8; i < 120; ++i)
-        ASSERT_NEAR(image.at(i, j).dihedral_angle, fold_width / radius,
+        ASSERT_NEAR(image.at(i, j).fold_angle, fold_width / radius,
                     0.03 * fold_width / std::abs(radius));
   }
 }
@@ -48,10 +48,10 @@ TEST(CreaseMap, AFoldNearTheTopOfThePatternIsNearTheTopRows) {
              }));
   const Image image = written(map);
   // v = 0.9 is the line between rows 9 and 10; the fold falls to 0 over one edge = 5 rows
-  EXPECT_NEAR(image.at(50, 9).dihedral_angle, 100 * fold_width * 0.9, 2 * angle_step);
-  EXPECT_NEAR(image.at(50, 10).dihedral_angle, 100 * fold_width * 0.9, 2 * angle_step);
-  EXPECT_EQ(image.at(50, 3).dihedral_angle, 0);
-  EXPECT_EQ(image.at(50, 90).dihedral_angle, 0);
+  EXPECT_NEAR(image.at(50, 9).fold_angle, 100 * fold_width * 0.9, 2 * angle_step);
+  EXPECT_NEAR(image.at(50, 10).fold_angle, 100 * fold_width * 0.9, 2 * angle_step);
+  EXPECT_EQ(image.at(50, 3).fold_angle, 0);
+  EXPECT_EQ(image.at(50, 90).fold_angle, 0);
 }
 
 TEST(CreaseMap, ATexelIsTheInterpolatedTensorAtItsCentre) {
@@ -63,7 +63,7 @@ TEST(CreaseMap, ATexelIsTheInterpolatedTensorAtItsCentre) {
   for (int j = 0; j < 64; ++j)
     for (int i = 0; i < 64; ++i) {
       const double x = 0.1 * (i + 0.5) / 64, y = 0.1 * (1 - (j + 0.5) / 64);
-      ASSERT_NEAR(image.at(i, j).dihedral_angle, (20 + 300 * x + 700 * y) * fold_width, angle_step)
+      ASSERT_NEAR(image.at(i, j).fold_angle, (20 + 300 * x + 700 * y) * fold_width, angle_step)
           << i << ", " << j;
     }
 }
@@ -77,9 +77,8 @@ TEST(CreaseMap, TheEigenvalueIsTakenAfterInterpolatingTheTensor) {
   CreaseMap map(rectangle(0.1, 0.1), of_size(65));  // odd: texel 32 has its centre at u = 1/2
   map.record(1, sheet, S);
   const Image image = written(map);
-  EXPECT_NEAR(image.at(32, 10).dihedral_angle, 40 * fold_width, angle_step);
-  EXPECT_NEAR(image.at(0, 10).dihedral_angle, 80 * fold_width,
-              0.01 * 80 * fold_width + angle_step / 2);
+  EXPECT_NEAR(image.at(32, 10).fold_angle, 40 * fold_width, angle_step);
+  EXPECT_NEAR(image.at(0, 10).fold_angle, 80 * fold_width, 0.01 * 80 * fold_width + angle_step / 2);
 }
 
 TEST(CreaseMap, ThePeakKeepsAnEarlierFoldWithItsSignWhenTheSheetFlattens) {
@@ -93,7 +92,7 @@ TEST(CreaseMap, ThePeakKeepsAnEarlierFoldWithItsSignWhenTheSheetFlattens) {
   map.record(1, fine, tensors(fine, left_hollow(150)));
   map.record(1, coarse, tensors(coarse, left_hollow(-10)));  // now the left bulges a little
   const Image image = written(map);
-  EXPECT_NEAR(image.at(200, 512).dihedral_angle, 10 * fold_width, angle_step);
+  EXPECT_NEAR(image.at(200, 512).fold_angle, 10 * fold_width, angle_step);
   EXPECT_NEAR(image.at(200, 512).fold_peak, -150 * fold_width, 2 * angle_step);
   EXPECT_NEAR(image.at(800, 512).fold_peak, 75 * fold_width, 2 * angle_step);
 }
@@ -107,8 +106,8 @@ TEST(CreaseMap, ThePeakIsNowhereSmallerThanTheAngle) {
   const Image image = written(map);
   int larger = 0;
   for (int t = 0; t < 512 * 512; ++t) {
-    ASSERT_GE(std::abs(image.texels[t].fold_peak), std::abs(image.texels[t].dihedral_angle)) << t;
-    larger += std::abs(image.texels[t].fold_peak) > std::abs(image.texels[t].dihedral_angle) + 0.01;
+    ASSERT_GE(std::abs(image.texels[t].fold_peak), std::abs(image.texels[t].fold_angle)) << t;
+    larger += std::abs(image.texels[t].fold_peak) > std::abs(image.texels[t].fold_angle) + 0.01;
   }
   EXPECT_GT(larger, 512 * 512 / 10);  // where the first frame had the peak
 }
@@ -178,7 +177,7 @@ TEST(CreaseMap, NoTexelInsideIsLeftOutOnAMeshOfSlivers) {
     const Image image = written(map);
     for (int j = 0; j < size; ++j)
       for (int i = 0; i < size; ++i)
-        ASSERT_NEAR(image.at(i, j).dihedral_angle, (50 + 10 * (i + 0.5) / size) * fold_width,
+        ASSERT_NEAR(image.at(i, j).fold_angle, (50 + 10 * (i + 0.5) / size) * fold_width,
                     angle_step)
             << size << ": " << i << ", " << j;
   }
@@ -201,7 +200,7 @@ TEST(CreaseMap, AMeshThatCutsTheCornersOfThePatternLeavesNoHole) {
   const Image image = written(map);
   int covered = 0;
   for (const MapTexel& texel : image.texels)
-    covered += std::abs(texel.dihedral_angle - 70 * fold_width) < angle_step;
+    covered += std::abs(texel.fold_angle - 70 * fold_width) < angle_step;
   // area of the octagon, 2 sqrt(2) r^2, and at most a rim of 4 texels around it
   EXPECT_GE(covered, 2 * std::sqrt(2.0) * 64 * 64);
   EXPECT_LE(covered, 2 * std::sqrt(2.0) * 69 * 69);
@@ -215,17 +214,17 @@ TEST(CreaseMap, ANonSquareSheetIsNotStretchedAndPaddedByFourTexels) {
   const Image image = written(map);
   for (int i = 0; i < 100; ++i) {
     for (int j = 50; j < 100; ++j)
-      ASSERT_NEAR(image.at(i, j).dihedral_angle, (50 + 100 * (1 - (j + 0.5) / 100)) * fold_width,
+      ASSERT_NEAR(image.at(i, j).fold_angle, (50 + 100 * (1 - (j + 0.5) / 100)) * fold_width,
                   angle_step);
     for (int j = 46; j < 50; ++j) {
-      ASSERT_NEAR(image.at(i, j).dihedral_angle, 100 * fold_width,
+      ASSERT_NEAR(image.at(i, j).fold_angle, 100 * fold_width,
                   angle_step);  // the value at the border
       ASSERT_NEAR(image.at(i, j).fold_peak, 100 * fold_width, angle_step);
       ASSERT_EQ(image.at(i, j).a, 0);
       ASSERT_EQ(image.at(i, j).apex_id, 1u);
     }
     for (int j = 0; j < 46; ++j) {
-      ASSERT_EQ(image.at(i, j).dihedral_angle, 0);
+      ASSERT_EQ(image.at(i, j).fold_angle, 0);
       ASSERT_EQ(image.at(i, j).fold_peak, 0);
       ASSERT_EQ(image.at(i, j).apex_id, 0u);
       ASSERT_EQ(image.at(i, j).apex_dist, half(std::hypot(0.1f, 0.05f)));
@@ -241,10 +240,10 @@ TEST(CreaseMap, AHoleOfThePatternIsOutside) {
   CreaseMap map(pattern, of_size(100));
   map.record(1, sheet, tensors(sheet, [](Vector2d) { return 90.0; }));
   const Image image = written(map);
-  EXPECT_EQ(image.at(50, 50).dihedral_angle, 0);
-  EXPECT_EQ(image.at(34, 50).dihedral_angle, 0);      // 5 texels into the hole
-  EXPECT_GT(image.at(33, 50).dihedral_angle, 0.17f);  // 4 texels: padding
-  EXPECT_GT(image.at(29, 50).dihedral_angle, 0.17f);
+  EXPECT_EQ(image.at(50, 50).fold_angle, 0);
+  EXPECT_EQ(image.at(34, 50).fold_angle, 0);      // 5 texels into the hole
+  EXPECT_GT(image.at(33, 50).fold_angle, 0.17f);  // 4 texels: padding
+  EXPECT_GT(image.at(29, 50).fold_angle, 0.17f);
 }
 
 TEST(CreaseMap, ACurvatureThatIsNotANumberIsRefused) {
@@ -286,11 +285,11 @@ TEST(CreaseMap, AFoldIsFoundWithinHalfATexelOfWhereItIs) {
       // one-rings that reach the border see less of the fold
       if (j < size / 4 || j >= 3 * size / 4) continue;
       // fold.angle has the shape of a roof over the fold: the centroid of its upper tenth
-      const double top_angle = image.at(std::lround(fold), j).dihedral_angle;
+      const double top_angle = image.at(std::lround(fold), j).fold_angle;
       ASSERT_GT(top_angle, 0.1) << j;
       ASSERT_NEAR(centre_of_row(image, j, fold - near, fold + near,
                                 [&](const MapTexel& t) {
-                                  return std::max(0.0, t.dihedral_angle - 0.9 * top_angle);
+                                  return std::max(0.0, t.fold_angle - 0.9 * top_angle);
                                 }),
                   fold, 0.5)
           << j;
@@ -376,7 +375,7 @@ TEST(CreaseMap, FoldPlasticIsTheAngleOfThePlasticCurvature) {
              tensors(sheet, [](Vector2d p) { return -40 - 300 * p.x(); }));
   const Image image = written(map);
   EXPECT_NEAR(image.at(10, 20).fold_plastic, -(40 + 30 * 10.5 / 64) * fold_width, angle_step);
-  EXPECT_NEAR(image.at(10, 20).dihedral_angle, 150 * fold_width, angle_step);
+  EXPECT_NEAR(image.at(10, 20).fold_angle, 150 * fold_width, angle_step);
 }
 
 }  // namespace

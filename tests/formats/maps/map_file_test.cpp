@@ -192,7 +192,7 @@ TEST(MapFile, TheLevelsOfATiledMapAreHalvedAndTheFirstIsTheScanlineMap) {
   }
   for (std::size_t t = 0; t < scanline.texels.size(); ++t) {
     ASSERT_EQ(levels[0].texels[t].r, scanline.texels[t].r);
-    ASSERT_EQ(levels[0].texels[t].dihedral_angle, scanline.texels[t].dihedral_angle);
+    ASSERT_EQ(levels[0].texels[t].fold_angle, scanline.texels[t].fold_angle);
     ASSERT_EQ(levels[0].texels[t].apex_id, scanline.texels[t].apex_id);
   }
   const auto mean = [](const Image& image) {
@@ -215,25 +215,25 @@ TEST(MapFile, ALevelIsTheMeanOfTheCoveredTexelsAndIdsAreNotAveraged) {
   std::vector<MapTexel> four(4);
   four[0].a = 1.0f;
   four[0].r = 1.0f;
-  four[0].dihedral_angle = 0.3f;
+  four[0].fold_angle = 0.3f;
   four[0].apex_id = 7;
   four[0].dir_x = 0;
   four[0].dir_y = 1;
   four[1].a = 0.5f;
   four[1].r = 0.0f;
-  four[1].dihedral_angle = 0.6f;
+  four[1].fold_angle = 0.6f;
   four[1].apex_id = 9;
   four[1].dir_x = 0;
   four[1].dir_y = -1;
   four[0].age_crease = 2;
   four[2].r = 1.0f;
-  four[2].dihedral_angle = 99;
+  four[2].fold_angle = 99;
   four[2].apex_id = 11;  // padding: not covered
   const std::vector<MapTexel> one = next_level(four, 2, 1);
   ASSERT_EQ(one.size(), 1u);
   EXPECT_FLOAT_EQ(one[0].a, 0.375f);
   EXPECT_NEAR(one[0].r, 2.0 / 3, 1e-3);
-  EXPECT_NEAR(one[0].dihedral_angle, 0.4, 0.4 / 2048);  // in 16 bits
+  EXPECT_NEAR(one[0].fold_angle, 0.4, 0.4 / 2048);  // in 16 bits
   EXPECT_EQ(one[0].apex_id,
             7u);  // of the texel with most paper, since the one at the centre has none
   EXPECT_EQ(one[0].age_crease, 2);

@@ -186,7 +186,8 @@ TEST(JointStepTest, CollisionFreeUntilASheetPassesThroughTheOtherOrEndsCloseToIt
       goes.push_back(high.x);
       goes.back().col(2).setConstant(z);
     }
-    return Elastic::clear({low, none, stays, nowhere}, {high, none, goes, nowhere}, 2e-3);
+    return Elastic::are_collision_free({low, none, stays, nowhere}, {high, none, goes, nowhere},
+                                       2e-3);
   };
   EXPECT_TRUE(clear({0.01, 0.003}));
   EXPECT_FALSE(clear({0.01, 0.0015}));

@@ -14,9 +14,9 @@ namespace paperbake {
 
 /// The certificate of a bake while its frames come in: the rows of frames.jsonl, handles.csv and
 /// singular.csv of all sheets.
-class ShotCertificate {
+class BakeCertificate {
  public:
-  explicit ShotCertificate(const BakePlan&);
+  explicit BakeCertificate(const BakePlan&);
 
   /// Adds the line of a frame of a sheet. The reference is valid until the next one is added.
   FrameRecord& add_line(std::size_t sheet, FrameRecord);

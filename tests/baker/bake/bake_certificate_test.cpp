@@ -1,4 +1,4 @@
-#include "baker/bake/shot_certificate.h"
+#include "baker/bake/bake_certificate.h"
 
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
@@ -30,7 +30,7 @@ FrameRecord record_of(const BakePlan& plan, std::size_t sheet, int frame) {
 
 TEST(ShotCertificateTest, LinesAreFoundBySheetAndFrameInWhateverOrderTheyCame) {
   const BakePlan plan = two_sheets();
-  ShotCertificate certificate(plan);
+  BakeCertificate certificate(plan);
   for (const std::size_t sheet : {0, 1})  // polished, one sheet comes after the other
     for (const int frame : {1, 2, 3}) certificate.add_line(sheet, record_of(plan, sheet, frame));
   EXPECT_EQ(certificate.line(1, 2).content_hash, "right2");
@@ -40,7 +40,7 @@ TEST(ShotCertificateTest, LinesAreFoundBySheetAndFrameInWhateverOrderTheyCame) {
 
 TEST(ShotCertificateTest, FinishedItIsSortedByFrameAndNamesOnlyFramesThatTheCacheHas) {
   const BakePlan plan = two_sheets();
-  ShotCertificate certificate(plan);
+  BakeCertificate certificate(plan);
   for (const std::size_t sheet : {0, 1})
     for (const int frame : {1, 2, 3}) certificate.add_line(sheet, record_of(plan, sheet, frame));
   certificate.singular = {{"right", {}}, {"left", {}}};

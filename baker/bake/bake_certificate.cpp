@@ -1,32 +1,32 @@
-#include "baker/bake/shot_certificate.h"
+#include "baker/bake/bake_certificate.h"
 
 #include <algorithm>
 #include <string>
 
 namespace paperbake {
 
-ShotCertificate::ShotCertificate(const BakePlan& plan)
+BakeCertificate::BakeCertificate(const BakePlan& plan)
     : found_creases(plan.shots.size()), plan_(plan) {
   for (const Shot& shot : plan.shots)
     frames_of_folding.emplace_back(shot.pattern.prescribed_creases.size());
 }
 
-FrameRecord& ShotCertificate::add_line(std::size_t sheet, FrameRecord record) {
+FrameRecord& BakeCertificate::add_line(std::size_t sheet, FrameRecord record) {
   line_of_[{sheet, record.frame}] = frames_.size();
   return frames_.emplace_back(std::move(record));
 }
 
-FrameRecord& ShotCertificate::line(std::size_t sheet, int frame) {
+FrameRecord& BakeCertificate::line(std::size_t sheet, int frame) {
   return frames_[line_of_.at({sheet, frame})];
 }
 
-std::vector<std::size_t> ShotCertificate::lines_of_sheets() const {
+std::vector<std::size_t> BakeCertificate::lines_of_sheets() const {
   std::vector<std::size_t> lines(plan_.shots.size(), 0);
   for (const auto& [sheet_and_frame, line] : line_of_) ++lines[sheet_and_frame.first];
   return lines;
 }
 
-void ShotCertificate::finalize(const std::vector<std::size_t>& in_cache) {
+void BakeCertificate::finalize(const std::vector<std::size_t>& in_cache) {
   std::vector<std::size_t> seen(in_cache.size(), 0);
   for (const auto& [sheet_and_frame, line] : line_of_)  // frame by frame of each sheet
     if (const std::size_t sheet = sheet_and_frame.first; seen[sheet]++ >= in_cache[sheet])
