@@ -236,8 +236,8 @@ TEST(BarrierTest, AFlatOrGentlyRolledSheetIsCollisionFreeAndHasNoActivePair) {
   const Points3 flat = sheet.x;
   test::roll(sheet, 0.2);  // 1 rad: with more, the straight motion would fold it
   Contact contact(sheet.pattern, sheet.triangles);
-  EXPECT_TRUE(contact.clear(flat, flat, {}));
-  EXPECT_TRUE(contact.clear(flat, sheet.x, {}));
+  EXPECT_TRUE(contact.is_collision_free(flat, flat, {}));
+  EXPECT_TRUE(contact.is_collision_free(flat, sheet.x, {}));
   contact.begin(sheet.x, {});
   EXPECT_EQ(contact.active(sheet.x), 0);
 }
@@ -251,9 +251,9 @@ TEST(BarrierTest, ALayerThatJumpsThroughAnotherOrEndsCloseToItIsNotCollisionFree
       if (sheet.pattern(v, 0) > 0.5) x(v, 2) -= by;
     return x;
   };
-  EXPECT_TRUE(contact.clear(sheet.x, lowered(0.005), {}));
-  EXPECT_FALSE(contact.clear(sheet.x, lowered(0.0195), {}));
-  EXPECT_FALSE(contact.clear(sheet.x, lowered(0.04), {}));
+  EXPECT_TRUE(contact.is_collision_free(sheet.x, lowered(0.005), {}));
+  EXPECT_FALSE(contact.is_collision_free(sheet.x, lowered(0.0195), {}));
+  EXPECT_FALSE(contact.is_collision_free(sheet.x, lowered(0.04), {}));
 }
 
 TEST(BarrierTest, PairsThatHandlesBringTogetherAreExcluded) {
