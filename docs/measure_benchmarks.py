@@ -588,7 +588,7 @@ BENCHES = [
     Bench(
         ["build/paperbake_bench_facets"],
         {"facets": parse_facets, "facet_loads": parse_facet_loads},
-        "1",
+        "1 S4r_release",
     ),
     Bench(
         ["build/paperbake_bench_render"],

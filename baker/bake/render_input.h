@@ -16,8 +16,8 @@ struct RenderInput {
   const Shot* shot;
 };
 
-// What the mesh has vertices at. handles: at handle points alone, where no mesh can be made that has
-// all singular points and creases, too
+// What the mesh has vertices at. handles: at handle points alone, where no mesh can be made that
+// has all singular points and creases, too
 enum class MeshFeatures { all, handles };
 
 struct RenderOptions {

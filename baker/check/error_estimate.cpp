@@ -56,8 +56,8 @@ Sheet as_sheet(const CacheFrame& frame, double side) {
   return sheet;
 }
 
-/// Why the estimate of a frame is uncertain; empty: it is not. Where the stored energy falls by more
-/// than 30 % within a frame, the sheet snaps, and a simulation that snaps one frame later has
+/// Why the estimate of a frame is uncertain; empty: it is not. Where the stored energy falls by
+/// more than 30 % within a frame, the sheet snaps, and a simulation that snaps one frame later has
 /// another shape there.
 std::string doubt(const BakedSheet& sheet, std::size_t at) {
   const auto energy = [&](std::size_t k) { return sheet.frames[k].statistics.energy; };

@@ -20,8 +20,8 @@ struct WriteFailure {
 /// simulated goes on to all that still work, and the bake ends with the first of these errors.
 class WriteFailures {
  public:
-  /// Calls write(), unless it failed before for this file. What it throws is recorded as the failure
-  /// of this file. returns whether it was written
+  /// Calls write(), unless it failed before for this file. What it throws is recorded as the
+  /// failure of this file. returns whether it was written
   bool try_write(const std::string& file, const std::function<void()>& write);
 
   /// Says how much of a failed file there is all the same. Records `error` as its failure if none

@@ -41,8 +41,8 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
                      verdict.move <= (off ? max_move_then : max_move) &&
                      (!is_admissible || is_admissible(sheet, proposal, verdict.move * side));
   if (!verdict.accepted) return verdict;
-  // Past positions are carried over, too, and displaced by what the swap itself moved: so velocities
-  // stay, and the swap does not look like motion.
+  // Past positions are carried over, too, and displaced by what the swap itself moved: so
+  // velocities stay, and the swap does not look like motion.
   trial.continue_from(elastic,
                       [&](const Points3& x) -> Points3 { return onto(x) + proposal.x - carried; });
   elastic = std::move(trial);

@@ -15,9 +15,9 @@
 
 namespace paperbake {
 
-/// Simulates one sheet frame by frame. For each frame call prepare(); then step(), or step_together()
-/// for sheets that come near each other; finish_step(); finalize(); report(). What happens between
-/// sheets is in sheet_islands.h.
+/// Simulates one sheet frame by frame. For each frame call prepare(); then step(), or
+/// step_together() for sheets that come near each other; finish_step(); finalize(); report(). What
+/// happens between sheets is in sheet_islands.h.
 class SheetSimulation {
  public:
   /// A sheet among those that are animated together.

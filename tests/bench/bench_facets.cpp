@@ -1,7 +1,7 @@
 // Tables: how many facets a crumple has, and how long its creases are, beside the law of
 // [Andrejevic 2021]; and what the facets of smooth and crumpled sheets carry.
 //
-//   build/paperbake_bench_facets [SEEDS]        default: 3 seeds
+//   build/paperbake_bench_facets [SEEDS [SCENE]]        default: 3 seeds, all scenes
 //
 // Hybrid with plasticity and contact, CPU time of one thread. S13 is the experiment of the law, as
 // far as the sheet follows the lid of its can; S4r has the same compaction by handles.
@@ -22,6 +22,7 @@
 #include <functional>
 #include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace paperbake {
@@ -133,15 +134,24 @@ void loads(const std::string& name, const std::vector<int>& frames) {
 int main(int argc, char** argv) {
   using namespace paperbake;
   const int seeds = argc > 1 ? std::max(1, std::atoi(argv[1])) : 3;
+  const auto is_wanted = [&](const std::string& scene) { return argc < 3 || scene == argv[2]; };
   std::printf("facets beside the law, %d seeds\n", seeds);
-  beside_the_law("S4r_release", seeds, {{96, 0.45}});
-  beside_the_law("S13_tube", seeds, {{29, 0.95}, {33, 0.9}});
+  const std::pair<const char*, std::map<int, double>> pressed[] = {
+      {"S4r_release", {{96, 0.45}}},
+      {"S13_tube", {{29, 0.95}, {33, 0.9}}},
+  };
+  for (const auto& [scene, heights] : pressed)
+    if (is_wanted(scene)) beside_the_law(scene, seeds, heights);
   std::printf("\nloads of facets, seed 1\n");
-  loads("S1_push", {24, 36});
-  loads("S2_moebius", {24, 44});
-  loads("S5_roll", {24, 44});
-  loads("S8_dcone", {24, 44});
-  loads("S4r_release", {24, 48, 60, 72, 84, 96});
-  loads("S10_ball", {25, 50});
-  loads("S13_tube", {25, 27, 29});
+  const std::pair<const char*, std::vector<int>> loaded[] = {
+      {"S1_push", {24, 36}},
+      {"S2_moebius", {24, 44}},
+      {"S5_roll", {24, 44}},
+      {"S8_dcone", {24, 44}},
+      {"S4r_release", {24, 48, 60, 72, 84, 96}},
+      {"S10_ball", {25, 50}},
+      {"S13_tube", {25, 27, 29}},
+  };
+  for (const auto& [scene, frames] : loaded)
+    if (is_wanted(scene)) loads(scene, frames);
 }

@@ -59,13 +59,13 @@ struct SheetPartition {
 ///
 ///   u = T^T (d n' - d n)   with  d n' = sum_i w_i y_i,
 ///
-/// where n is its normal at the beginning of the step, T two tangents across n, w_i the weights of
-/// the closest points then, and y_i its corners now, so that d n' is the vector between these points
-/// now; less the part of it by which d n only rotates with its features. So there is no sliding in a
-/// rigid motion, and layers that bend together do not slide because of the distance d that contact
-/// keeps between them. The rotation is found from how far the sides of the triangle, or the two
-/// edges, rise along n; where two edges are nearly parallel, one of its two components is unknown
-/// and left out.
+/// where n is its normal at the beginning of the step, T two tangents across n, w_i the weights
+/// of the closest points then, and y_i its corners now, so that d n' is the vector between these
+/// points now; less the part of it by which d n only rotates with its features. So there is no
+/// sliding in a rigid motion, and layers that bend together do not slide because of the distance d
+/// that contact keeps between them. The rotation is found from how far the sides of the triangle,
+/// or the two edges, rise along n; where two edges are nearly parallel, one of its two components
+/// is unknown and left out.
 class Contact {
  public:
   /// number  of the sheet in the shot

@@ -4,8 +4,8 @@
 
 namespace paperbake {
 
-/// Forces on a sheet from outside that have a potential phi per unit of mass that does not depend on
-/// time: gravity. It enters the incremental potential of a step in one sum with inertia
+/// Forces on a sheet from outside that have a potential phi per unit of mass that does not depend
+/// on time: gravity. It enters the incremental potential of a step in one sum with inertia
 /// (incremental_potential.h):
 ///
 ///   E = sum_i m_i phi(x_i),   phi(x) = g z

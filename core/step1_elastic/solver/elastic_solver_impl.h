@@ -151,8 +151,8 @@ struct Elastic::Impl {
                              ElasticReport&);
   /// Whether there is reason to search for a second branch after a step to this sheet.
   BranchSearchReason reason_to_search(const Sheet&, BranchSearchMode, const ElasticReport&);
-  /// Keeps how much a locked sheet stores. returns  whether it has become locked, or has stretched far
-  /// more since a branch was last searched
+  /// Keeps how much a locked sheet stores. returns  whether it has become locked, or has stretched
+  /// far more since a branch was last searched
   bool note_locking(const Sheet&);
 
   /// The panels of the sheet whose creases were read last; none: it has no creases.
