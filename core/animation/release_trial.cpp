@@ -62,7 +62,7 @@ ReleaseTrial::Verdict ReleaseTrial::end(SimulatedSheet& simulated, SimulatedShee
     const Swing swing = this->swing(simulated, start, step, at);
     if (!needs_inertia(swing, simulated.side)) return {};
     swing_ = swing;
-    // A sheet at equilibrium is moved by its hands and goes no faster than they do, whatever its
+    // A sheet at equilibrium is moved by what drives it and goes no faster than that, whatever its
     // last step was.
     Points3& v = start.sheet.v;
     const double fastest = max_row_norm(v);

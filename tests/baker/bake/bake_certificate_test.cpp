@@ -28,7 +28,7 @@ FrameRecord record_of(const BakePlan& plan, std::size_t sheet, int frame) {
   return record;
 }
 
-TEST(ShotCertificateTest, LinesAreFoundBySheetAndFrameInWhateverOrderTheyCame) {
+TEST(BakeCertificateTest, LinesAreFoundBySheetAndFrameInWhateverOrderTheyCame) {
   const BakePlan plan = two_sheets();
   BakeCertificate certificate(plan);
   for (const std::size_t sheet : {0, 1})  // polished, one sheet comes after the other
@@ -38,7 +38,7 @@ TEST(ShotCertificateTest, LinesAreFoundBySheetAndFrameInWhateverOrderTheyCame) {
   EXPECT_EQ(certificate.lines_of_sheets(), (std::vector<std::size_t>{3, 3}));
 }
 
-TEST(ShotCertificateTest, FinishedItIsSortedByFrameAndNamesOnlyFramesThatTheCacheHas) {
+TEST(BakeCertificateTest, FinishedItIsSortedByFrameAndNamesOnlyFramesThatTheCacheHas) {
   const BakePlan plan = two_sheets();
   BakeCertificate certificate(plan);
   for (const std::size_t sheet : {0, 1})
