@@ -10,7 +10,6 @@
 #include "baker/output/output_folder.h"
 #include "core/model/error.h"
 
-#include <algorithm>
 #include <fmt/format.h>
 #include <optional>
 
@@ -20,13 +19,9 @@ namespace {
 // stands for a file in messages when frames were lost on their way to the files
 const char* const rest_of_frames = "the rest of the frames";
 
-/// Whether the simulation can go on from a checkpoint. Checkpoints hold its state, but neither that
-/// of polished frames, which depend on later ones, nor contact with colliders.
-bool can_resume(const BakePlan& plan) {
-  return plan.polish.triangles == 0 &&
-         std::none_of(plan.shots.begin(), plan.shots.end(),
-                      [](const Shot& shot) { return shot.colliders != nullptr; });
-}
+/// Whether the simulation can go on from a checkpoint: not that of polished frames, which depend on
+/// later ones.
+bool can_resume(const BakePlan& plan) { return plan.polish.triangles == 0; }
 
 /// Frames of several sheets that are polished come sheet by sheet, and are not kept.
 bool can_keep(const BakePlan& plan) { return plan.polish.triangles == 0 || plan.shots.size() == 1; }
@@ -36,7 +31,7 @@ Error stopped(const BakeSettings& settings, const BakePlan& plan, int frame) {
   return Error(ErrorCode::stopped, fmt::format("frame {} of {}", frame, plan.animation.last_frame),
                complete ? "The bake was stopped while it rendered." : "The bake was stopped.",
                !can_keep(plan) || (!complete && !can_resume(plan))
-                   ? "A bake with polish or colliders starts from its first frame."
+                   ? "A bake with --polish starts from its first frame."
                : settings.resume == Resume::never
                    ? "Without --resume never the same command continues from there."
                    : "The same command continues from there.");

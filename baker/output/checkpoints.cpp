@@ -25,17 +25,19 @@ static void archive(Serializer& a, FrameStatistics& s) {
 namespace {
 
 struct Checkpoint {
-  // program_key, BakePlan::simulation_hash, hash of the input up to the last frame
+  // program_key, BakePlan::simulation_hash, hash of the input of all frames until keys_until
   std::string program, start, input;
-  int first = 0, last = 0;
+  int first = 0, last = 0, keys_until = 0;
   std::vector<std::string> frames;  // as Checkpoints::waiting_
   std::vector<std::string> states;
 
   void archive(Serializer& a) {
     std::string kind = "paperbake checkpoint";
-    a(kind, program, start, input, first, last, frames, states);
+    a(kind, program, start, input, first, last, keys_until, frames, states);
   }
 };
+
+constexpr int most_frames = 1 << 20;  // of a shot, and of those that it looks ahead to
 
 std::string seal_of(std::string_view bytes) { return hex(content_hash(bytes)); }
 
@@ -100,12 +102,12 @@ Checkpoints::Checkpoints(fs::path folder, const BakePlan& plan, int every, Reuse
       start_(plan.simulation_hash),
       first_frame_(plan.animation.first_frame),
       kept_until_(first_frame_ - 1),
+      keys_until_(first_frame_),
       states_(sheets_),
       kept_at_(std::chrono::steady_clock::now()) {
   // polished frames depend on those after them
   if (plan.polish.triangles > 0)
     start_ += fmt::format(" polished {} {}", plan.polish.triangles, plan.animation.last_frame);
-  input_ = start_;
 }
 
 fs::path Checkpoints::file(int frames) const {
@@ -124,8 +126,11 @@ std::vector<fs::path> Checkpoints::files() const {
   return found;
 }
 
-std::string Checkpoints::input_of(int frame) const {
-  return frame_input_hash(input_, plan_.shots, frame, first_frame_);
+const std::string& Checkpoints::input_until(int frame) {
+  for (int f = first_frame_ + static_cast<int>(inputs_.size()); f <= frame; ++f)
+    inputs_.push_back(frame_input_hash(f == first_frame_ ? start_ : inputs_.back(), plan_.shots, f,
+                                       first_frame_));
+  return inputs_[frame - first_frame_];
 }
 
 Checkpoints::ResumePoint Checkpoints::load(
@@ -133,7 +138,6 @@ Checkpoints::ResumePoint Checkpoints::load(
   if (reuse_ == Reuse::any_of_them) return load_chain(on_frame);
   ResumePoint all = load_chain([](const AnimatedFrame&) { return true; });
   kept_until_ = first_frame_ - 1;
-  input_ = start_;
   if (all.last_frame == plan_.animation.last_frame) return load_chain(on_frame);
   return {kept_until_, {}, all.damaged};
 }
@@ -144,11 +148,9 @@ Checkpoints::ResumePoint Checkpoints::load_chain(
   bool goes_on = true;
   for (const fs::path& path : files()) {
     if (path.extension() == ".part") continue;
-    const std::string input_before = input_;
     try {
       load_one(path, resume, goes_on, on_frame);
     } catch (const std::exception&) {  // of a file that is none, too
-      input_ = input_before;
       resume.damaged = fmt::format("{} is damaged: the frames after {} are simulated again.",
                                    path.string(), kept_until_);
       goes_on = false;
@@ -165,16 +167,14 @@ void Checkpoints::load_one(const fs::path& path, ResumePoint& resume, bool& goes
   goes_on = checkpoint.program == program_key() && checkpoint.start == start_ &&
             checkpoint.first == kept_until_ + 1;
   if (!goes_on) return;
+  Serializer().require(checkpoint.last >= checkpoint.first &&
+                       checkpoint.keys_until >= checkpoint.last &&
+                       checkpoint.keys_until - first_frame_ < most_frames);
   const std::size_t count = checkpoint.frames.size();
   Serializer().require(count > 0 && count == sheets_ * (checkpoint.last - kept_until_) &&
                        checkpoint.states.size() == sheets_);
-  const std::string input_before = input_;
-  for (int f = checkpoint.first; f <= checkpoint.last; ++f) input_ = input_of(f);
-  goes_on = checkpoint.input == input_;
-  if (!goes_on) {
-    input_ = input_before;
-    return;
-  }
+  goes_on = checkpoint.input == input_until(checkpoint.keys_until);
+  if (!goes_on) return;
   std::vector<std::pair<AnimatedFrame, Sheet>> kept(count);
   std::vector<Sheet> meshes(sheets_);
   for (std::size_t k = 0; k < count; ++k) {
@@ -192,6 +192,7 @@ void Checkpoints::load_one(const fs::path& path, ResumePoint& resume, bool& goes
               static_cast<long>(frame.parts.region.size()) == sheet.triangles.rows());
   }
   kept_until_ = checkpoint.last;
+  keys_until_ = checkpoint.keys_until;
   resume.states = std::move(checkpoint.states);
   std::error_code none;
   if (path == current()) fs::rename(path, file(kept_until_ - first_frame_ + 1), none);
@@ -218,19 +219,21 @@ void Checkpoints::add(const AnimatedFrame& frame) {
   archive_frame(a, copy, sheet, meshes_[frame.sheet_index]);
   waiting_.push_back(a.bytes());
   states_[frame.sheet_index] = frame.state;
+  keys_until_ = std::max({keys_until_, frame.frame, frame.keys_until});
   if (frame.sheet_index + 1 < sheets_) return;
-  input_ = input_of(frame.frame);
-  constexpr std::chrono::milliseconds often(20);  // many times what it takes
+  constexpr std::chrono::milliseconds often(20);
+  constexpr int as_long = 20;  // times what it takes to keep them
   if ((frame.frame - first_frame_ + 1) % every_ == 0 || frame.frame == plan_.animation.last_frame)
     keep(frame.frame);
-  else if (std::chrono::steady_clock::now() - kept_at_ > often)
+  else if (std::chrono::steady_clock::now() - kept_at_ >
+           std::max<std::chrono::steady_clock::duration>(often, as_long * keeping_takes_))
     keep_current(frame.frame);
 }
 
 /// A checkpoint after this frame, which was added last.
-std::string Checkpoints::bytes_until(int frame, std::vector<std::string> frames) const {
-  Checkpoint checkpoint{program_key(),     start_, input_, kept_until_ + 1, frame,
-                        std::move(frames), {}};
+std::string Checkpoints::bytes_until(int frame, std::vector<std::string> frames) {
+  Checkpoint checkpoint{program_key(), start_,      input_until(keys_until_), kept_until_ + 1,
+                        frame,         keys_until_, std::move(frames),        {}};
   for (const auto& state : states_) checkpoint.states.push_back(state ? state() : "");
   Serializer a;
   a(checkpoint);
@@ -238,12 +241,14 @@ std::string Checkpoints::bytes_until(int frame, std::vector<std::string> frames)
 }
 
 void Checkpoints::keep_current(int frame) {
+  const auto begin = std::chrono::steady_clock::now();
   try {
     write_quickly(current(), bytes_until(frame, waiting_));
   } catch (const Error&) {
     // the next one that is kept for good says why
   }
   kept_at_ = std::chrono::steady_clock::now();
+  keeping_takes_ = kept_at_ - begin;
 }
 
 void Checkpoints::keep(int frame) {

@@ -23,10 +23,12 @@ enum class Reuse {
 
 /// What a bake keeps for a later one, in `.state/`. checkpoint.N holds the frames of all sheets
 /// since the checkpoint before it and what the frame after the N-th comes from; it appears whole or
-/// not at all. checkpoint.current is one that will soon be replaced: it is written every few
-/// milliseconds, without waiting for the disk, so that a bake that is killed loses nothing. The
-/// program, what the simulation depends on and the input of all frames so far stand at its head:
-/// one that does not go on from the one before it is none.
+/// not at all. checkpoint.current is one that will soon be replaced: it is written every 20
+/// milliseconds, or as often as takes a twentieth of the time, without waiting for the disk, so
+/// that a bake that is killed loses hardly anything. The
+/// program, what the simulation depends on and the input of all frames so far, and of later ones
+/// that they have looked ahead to, stand at its head: one that does not go on from the one before
+/// it is none.
 class Checkpoints {
  public:
   /// every  frames there is one, and after the last
@@ -54,12 +56,12 @@ class Checkpoints {
   ResumePoint load_chain(const std::function<bool(const AnimatedFrame&)>& on_frame);
   void load_one(const std::filesystem::path&, ResumePoint&, bool& goes_on,
                 const std::function<bool(const AnimatedFrame&)>& on_frame);
-  std::string bytes_until(int frame, std::vector<std::string> frames) const;
+  std::string bytes_until(int frame, std::vector<std::string> frames);
   void keep_current(int frame);
   std::filesystem::path current() const { return folder_ / "checkpoint.current"; }
   std::filesystem::path file(int frames) const;
   std::vector<std::filesystem::path> files() const;
-  std::string input_of(int frame) const;
+  const std::string& input_until(int frame);
 
   std::filesystem::path folder_;
   const BakePlan& plan_;
@@ -68,13 +70,15 @@ class Checkpoints {
   Reuse reuse_;
   std::string start_;             // what the simulation depends on, but for the input of each frame
   int first_frame_, kept_until_;  // kept_until_: last frame in a checkpoint
-  std::string input_;             // hash of all frames so far
+  std::vector<std::string> inputs_;   // hash of all frames until the first, the second, ...
+  int keys_until_;                    // AnimatedFrame::keys_until of all frames so far
   std::vector<std::string> waiting_;  // frames since, as bytes, and of each frame the sheets
   std::vector<Sheet> meshes_;         // of the last of them
   std::vector<std::function<std::string()>> states_;  // after it
   bool removed_outdated_ = false;                     // older ones are gone
   std::string failure_;
-  std::chrono::steady_clock::time_point kept_at_;  // when something was written
+  std::chrono::steady_clock::time_point kept_at_;         // when something was written
+  std::chrono::steady_clock::duration keeping_takes_{0};  // checkpoint.current
 };
 
 }  // namespace paperbake

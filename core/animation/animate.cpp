@@ -83,16 +83,15 @@ struct Animation::State {
 
 Animation::Animation(const std::vector<AnimatedSheet>& all) : state_(std::make_unique<State>(all)) {
   State& a = *state_;
-  int doublings = 0;
+  Rehearsal rehearsal{0, a.options().first_frame - 1};
   if (all.size() == 1)
-    time_work(a.times, &Times::elastic, {0}, [&] {
-      doublings = rehearsed_doublings(all.front().shot, all.front().method, a.options());
-    });
+    time_work(a.times, &Times::elastic, {0},
+              [&] { rehearsal = rehearse(all.front().shot, all.front().method, a.options()); });
   for (const AnimatedSheet& one : all)
     time_work(a.times, &Times::geometry, {a.sheets.size()}, [&] {
       a.sheets.push_back(std::make_unique<SheetSimulation>(
           one.shot, one.method, one.options,
-          SheetSimulation::Place{a.sheets.size(), all.size(), doublings}));
+          SheetSimulation::Place{a.sheets.size(), all.size(), rehearsal}));
     });
   for (const auto& sheet : a.sheets)
     if (sheet->next_frame() != a.sheets.front()->next_frame())

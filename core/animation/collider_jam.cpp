@@ -1,8 +1,6 @@
 #include "core/animation/collider_jam.h"
 
 #include <cstdio>
-#include <memory>
-#include <vector>
 
 namespace paperbake {
 
@@ -21,18 +19,11 @@ std::string ColliderJam::note(const ColliderShapes& now) const {
   return note;
 }
 
-void ColliderJam::archive(Serializer& a, const Colliders* colliders, int row) {
-  std::vector<Points3> places;
-  for (const auto& collider : between_) places.push_back(collider->mesh().x);
-  a(places);
-  if (!a.reads() || places.empty()) return;
-  a.require(colliders && places.size() == colliders->size());
-  between_ = shapes_at(*colliders, row);
-  for (std::size_t c = 0; c < places.size(); ++c) {
-    auto& shape = between_[c];
-    a.require(places[c].rows() == shape->mesh().x.rows());
-    if (places[c] != shape->mesh().x) shape = std::make_shared<const Collider>(*shape, places[c]);
-  }
+void ColliderJam::archive(Serializer& a, const Colliders* colliders) {
+  bool on = is_on();
+  a(on);
+  a.require(!on || colliders);
+  if (on) archive_shapes(a, between_, *colliders);
 }
 
 }  // namespace paperbake

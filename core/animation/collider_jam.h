@@ -23,8 +23,7 @@ class ColliderJam {
   std::string note(const ColliderShapes& now) const;
 
   /// colliders  of the shot; null: there are none
-  /// row        frame - first frame of the scene
-  void archive(Serializer&, const Colliders* colliders, int row);
+  void archive(Serializer&, const Colliders* colliders);
 
  private:
   ColliderShapes between_;  // empty: the sheet is not jammed

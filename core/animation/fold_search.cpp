@@ -6,6 +6,20 @@
 #include <cmath>
 
 namespace paperbake {
+namespace {
+
+constexpr std::size_t most_past_steps = 8;
+constexpr int most_halvings = 8;  // of a frame with inertia
+
+void archive_motion(Serializer& a, ColliderMotion& motion, const Colliders& colliders) {
+  archive_shapes(a, motion.from, colliders);
+  archive_shapes(a, motion.to, colliders);
+  // one that does not move is one object
+  for (std::size_t c = 0; a.reads() && c < colliders.size(); ++c)
+    if (motion.from[c]->mesh().x == motion.to[c]->mesh().x) motion.from[c] = motion.to[c];
+}
+
+}  // namespace
 
 FoldSearch::FoldSearch(SimulatedSheet& simulated, const Method& method, int first_frame)
     : simulated_(simulated), method_(method), first_frame_(first_frame) {}
@@ -65,10 +79,28 @@ bool FoldSearch::joins(LoadStep& last, const LoadStep& next) const {
 }
 
 void FoldSearch::remember(const LoadStep& load) {
-  constexpr std::size_t most = 8;
   if (!past_.empty() && joins(past_.back().load, load)) return;
-  if (past_.size() == most) past_.erase(past_.begin());
+  if (past_.size() == most_past_steps) past_.erase(past_.begin());
   past_.push_back({simulated_.sheet, *simulated_.plastic_grid, load});
+}
+
+void FoldSearch::archive(Serializer& a) {
+  a(stored_unfolded_);
+  std::size_t count = past_.size();
+  a(count);
+  const Colliders* colliders = simulated_.shot.colliders.get();
+  a.require(count == 0 || (count <= most_past_steps && simulated_.plastic_grid && colliders));
+  if (count == 0) return past_.clear();
+  if (a.reads()) past_.assign(count, {{}, *simulated_.plastic_grid, {}});
+  for (PastStep& step : past_) {
+    LoadStep& load = step.load;
+    a(step.sheet, step.grid, load.input.constraints, load.input.time, load.dt, load.relative_motion,
+      load.row, load.halvings);
+    archive_motion(a, load.input.colliders, *colliders);
+    a.require(load.dt > 0 && load.row >= 0 && load.halvings >= 0 && load.halvings <= most_halvings);
+    for (const PositionConstraint& c : load.input.constraints)
+      a.require(c.vertex >= 0 && c.vertex < step.sheet.x.rows());
+  }
 }
 
 }  // namespace paperbake

@@ -34,7 +34,11 @@ class FoldSearch {
   std::optional<FoundFold> find(const LoadStep& now, const Signs&,
                                 const AdmissibilityCheck& is_admissible);
 
-  void archive(Serializer& a) { a(stored_unfolded_); }
+  /// Whether keys of frames to come have had a say in where the sheet was folded, or was not.
+  bool has_looked_ahead() const { return stored_unfolded_ > 0; }
+
+  /// To be called after the plastic grid of the sheet has been read.
+  void archive(Serializer&);
 
  private:
   std::vector<FoldLine> lines(const ColliderShapes&, const Signs&) const;

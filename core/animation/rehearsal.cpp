@@ -3,7 +3,6 @@
 #include "core/animation/sheet_simulation.h"
 #include "core/model/error.h"
 
-#include <algorithm>
 #include <string>
 
 namespace paperbake {
@@ -17,7 +16,7 @@ constexpr int locked_for_certain = 2;
 constexpr int doublings = 2;  // edges half as long
 
 bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
-  const int end = std::min(options.last_frame, options.first_frame + most_frames - 1);
+  const int end = options.first_frame + most_frames - 1;
   const AdmissibilityCheck is_admissible = [](const Sheet&, const Sheet&, double) { return true; };
   double way = 0;
   int locked = 0;
@@ -38,16 +37,18 @@ bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
 
 }  // namespace
 
-int rehearsed_doublings(const Shot& shot, const MethodChoice& method,
-                        const AnimateOptions& options) {
-  if (!shot.colliders || shot.handles.empty() || !options.resume_state.empty()) return 0;
+Rehearsal rehearse(const Shot& shot, const MethodChoice& method, const AnimateOptions& options) {
+  Rehearsal found{0, options.first_frame - 1};
+  if (!shot.colliders || shot.handles.empty() || !options.resume_state.empty()) return found;
+  SheetSimulation sheet(shot, method, options, {0, 1, found});
   try {
-    SheetSimulation sheet(shot, method, options, {0, 1});
-    return is_held_back(sheet, options) ? doublings : 0;
+    if (is_held_back(sheet, options)) found.doublings = doublings;
   } catch (const Error& error) {
+    // the shot itself says so, in the frame where it happens
     if (error.code == ErrorCode::stopped) throw;
-    return 0;  // the shot itself says so, in the frame where it happens
   }
+  found.last_frame = sheet.next_frame() - 1;
+  return found;
 }
 
 }  // namespace paperbake

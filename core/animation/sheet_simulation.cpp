@@ -107,8 +107,9 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       options_(options),
       number_(place.number),
       alone_(place.sheets == 1),
-      rehearsed_doublings_(place.doublings),
-      simulated_(shot, start_on(shot, *method_, options, place.doublings), options, number_),
+      rehearsed_doublings_(place.rehearsal.doublings),
+      keys_until_(place.rehearsal.last_frame),
+      simulated_(shot, start_on(shot, *method_, options, rehearsed_doublings_), options, number_),
       handles_(shot, simulated_.handle_vertex, options.first_frame),
       release_(options.fps),
       folds_(simulated_, *method_, options.first_frame),
@@ -125,12 +126,12 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = simulated_.sheet;
   SolverState state = simulated_.elastic.state();
   a(frame_, sheet, output_sheet_, simulated_.positions_before, input_before_.constraints, outcome_,
-    yielding_, folded_, simulated_.fixed, simulated_.has_bends, idle_frames_, state, handles_,
-    dhat);
-  folds_.archive(a);
+    yielding_, folded_, simulated_.fixed, simulated_.has_bends, idle_frames_, state, handles_, dhat,
+    keys_until_);
   release_.archive(a);
-  jam_.archive(a, shot_.colliders.get(), frame_ - options_.first_frame);
+  jam_.archive(a, shot_.colliders.get());
   if (simulated_.plastic_grid) a(*simulated_.plastic_grid);
+  folds_.archive(a);
   method_->archive(a);
   if (!a.reads()) return;
   a.end();
@@ -344,6 +345,11 @@ void SheetSimulation::finalize(Output how) {
 AnimatedFrame SheetSimulation::report() {
   AnimatedFrame result = std::move(result_);
   result.sheet_index = number_;
+  result.keys_until = std::max(frame_, keys_until_);
+  if (folds_.has_looked_ahead())
+    for (const Handle& handle : shot_.handles)
+      result.keys_until = std::max(
+          result.keys_until, options_.first_frame + static_cast<int>(handle.keyed.rows()) - 1);
   result.sheet = &output_sheet_;
   result.parts = method_->parts(sheet());
   result.carried = carried_.positions(sheet(), *method_);

@@ -5,6 +5,7 @@
 #include "core/animation/fold_search.h"
 #include "core/animation/handle_constraints.h"
 #include "core/animation/mesh_swap.h"
+#include "core/animation/rehearsal.h"
 #include "core/animation/release_trial.h"
 #include "core/animation/simulated_sheet.h"
 #include "core/animation/substepping.h"
@@ -23,7 +24,7 @@ class SheetSimulation {
   /// A sheet among those that are animated together.
   struct Place {
     std::size_t number, sheets;
-    int doublings = 0;  // of the triangles of its first mesh (rehearsal.h)
+    Rehearsal rehearsal;
   };
   /// throws  Error(ErrorCode::scene) when options.resume_state is not a state of this shot
   SheetSimulation(const Shot&, const MethodChoice&, const AnimateOptions&, const Place&);
@@ -169,6 +170,7 @@ class SheetSimulation {
   std::size_t number_;
   bool alone_;                 // no other sheet is animated with it
   int rehearsed_doublings_;    // of the triangles of its first mesh
+  int keys_until_;             // the last frame whose keys it has seen, if it has looked ahead
   int inertial_halvings_ = 0;  // of a frame with inertia, at least
   SimulatedSheet simulated_;
   HandleConstraints handles_;

@@ -2,6 +2,7 @@
 
 #include "core/geometry/principal_axes.h"
 #include "core/geometry/proximity.h"
+#include "core/model/serializer.h"
 
 #include <algorithm>
 #include <cmath>
@@ -347,6 +348,22 @@ ColliderShapes between(const ColliderShapes& a, const ColliderShapes& b, double 
                      : std::make_shared<const Collider>(
                            *b[c], Points3((1 - share) * a[c]->mesh().x + share * b[c]->mesh().x)));
   return on_the_way;
+}
+
+void archive_shapes(Serializer& a, ColliderShapes& shapes, const Colliders& colliders) {
+  if (a.reads()) shapes.clear();
+  for (std::size_t c = 0; c < colliders.size(); ++c) {
+    const Collider& first = colliders[c];
+    Points3 x;  // [m] none: those of the first frame
+    if (!a.reads() && shapes[c].get() != &first) x = shapes[c]->mesh().x;
+    a(x);
+    if (!a.reads()) continue;
+    a.require(x.rows() == 0 || (x.rows() == first.mesh().x.rows() && x.allFinite()));
+    if (x.rows() == 0)
+      shapes.emplace_back(std::shared_ptr<void>(), &first);
+    else
+      shapes.push_back(std::make_shared<const Collider>(first, x));
+  }
 }
 
 double farthest_move(const Collider& from, const Collider& to) {

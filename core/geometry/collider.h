@@ -12,6 +12,8 @@
 
 namespace paperbake {
 
+class Serializer;
+
 /// A triangle mesh that the paper must not penetrate, as read from the scene.
 struct ColliderMesh {
   std::string name;
@@ -150,6 +152,9 @@ ColliderShapes shapes_at(const Colliders&, int row);
 /// The colliders on the way from one shape to another: vertices go straight.
 /// share  [1] of the way
 ColliderShapes between(const ColliderShapes&, const ColliderShapes&, double share = 0.5);
+/// Writes where the vertices of the shapes are, or reads it; a collider that is where it was in the
+/// first frame takes no bytes.
+void archive_shapes(Serializer&, ColliderShapes&, const Colliders&);
 /// The colliders at the beginning and at the end of a step. Empty if there are none. A collider
 /// that does not move is one and the same object in both.
 struct ColliderMotion {

@@ -48,6 +48,8 @@ struct AnimatedFrame {
   // empty if it is the mesh that it had, or if nothing is known
   Points3 carried;
   std::string note;
+  // the last frame whose keys it depends on: itself, or a later one where it has looked ahead
+  int keys_until = 0;
   // Everything that the next frame depends on, as bytes. To be called before on_frame returns, for
   // the last sheet of the frame.
   std::function<std::string()> state;

@@ -160,13 +160,29 @@ std::string changed(std::string bytes, const std::string& changes) {
   return bytes;
 }
 
-/// A coarse sheet that was pushed until it bent, and the state from which its next frame is
-/// computed.
+/// A table that rises to a sheet at height zero within 12 frames.
+Collider rising_table() {
+  ColliderMesh mesh;
+  mesh.name = "table";
+  mesh.x.resize(4, 3);
+  mesh.x << -1, -1, -0.0014, 1, -1, -0.0014, 1, 1, -0.0014, -1, 1, -0.0014;
+  mesh.triangles.resize(2, 3);
+  mesh.triangles << 0, 1, 2, 0, 2, 3;
+  for (int frame = 0; frame < 12; ++frame) {
+    mesh.frames.push_back(mesh.x);
+    mesh.frames.back().col(2).array() += 1e-4 * frame;
+  }
+  return Collider(mesh);
+}
+
+/// A coarse sheet that was pushed until it bent, above a table, and the state from which its next
+/// frame is computed.
 struct Pushed {
   Shot shot = test::s1_push();
   AnimateOptions options;
   std::string state;
   Pushed() {
+    shot.colliders = std::make_shared<const Colliders>(Colliders{rising_table()});
     options.last_frame = 12;
     options.plasticity = Plasticity::on;
     animate(shot, method(), options, [&](const AnimatedFrame& frame) {

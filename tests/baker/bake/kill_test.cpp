@@ -32,6 +32,31 @@ TEST_P(KillTest, ABakeThatIsKilledFiftyTimesEndsLikeOneThatNeverWas) {
   expect_same("out", "whole");
 }
 
+/// Where a fold is found that nobody announced, which looks at the steps before and the keys to
+/// come, and a box presses it.
+TEST_F(KillPushTest, ABakeWithCollidersThatIsKilledThirtyTimesEndsLikeOneThatNeverWas) {
+  const auto pinched = [&](const std::string& out) {
+    return Words{"bake",         test::samples + "/F6_pinch.glb",
+                 "-o",           folder / out,
+                 "--frames",     "1-70",
+                 "--map-size",   "32",
+                 "--quality",    "draft",
+                 "--progress",   "plain",
+                 "--checkpoint", "6"};
+  };
+  run(pinched("whole"));
+  std::mt19937 random(1);
+  int killed = 0;
+  for (int attempt = 0; killed < 30 && attempt < 200; ++attempt) {
+    if (attempt % 5 == 0) std::filesystem::remove_all(folder / "out");
+    killed += bake_until(static_cast<int>(random() % 20), static_cast<int>(random() % 200000),
+                         SIGKILL, pinched("out")) == -1;
+  }
+  EXPECT_EQ(killed, 30);
+  run(pinched("out"));
+  expect_same("out", "whole");
+}
+
 TEST_F(KillPushTest, ABakeOfTwoSheetsThatIsKilledThirtyTimesEndsLikeOneThatNeverWas) {
   run(pushed("whole", 2, 0.03, over));
   std::mt19937 random(1);

@@ -27,7 +27,7 @@ class CheckpointsTest : public testing::Test {
   void TearDown() override { fs::remove_all(folder); }
 
   /// Keeps a checkpoint of frames 1 and 2.
-  void keep(const FrameStatistics& first, const FrameStatistics& second) const {
+  void keep(const FrameStatistics& first, const FrameStatistics& second, int keys_until = 0) const {
     Checkpoints checkpoints(folder, plan, 2);
     const Sheet sheet = test::hex_sheet(0.1, 0.1, 4, 0.2, 1);
     for (const int number : {1, 2}) {
@@ -35,6 +35,8 @@ class CheckpointsTest : public testing::Test {
       frame.frame = number;
       frame.sheet = &sheet;
       frame.statistics = number == 1 ? first : second;
+      frame.handles.resize(plan.shots[0].handles.size());
+      frame.keys_until = keys_until;
       frame.state = [] { return std::string("state"); };
       checkpoints.add(frame);
     }
@@ -78,6 +80,22 @@ TEST_F(CheckpointsTest, EveryNumberOfASimulatedFrameIsLoadedAsItWas) {
     EXPECT_EQ(*value, *find_statistic(statistics, field)) << (field.name ? field.name : "unnamed");
     EXPECT_NE(*value, *find_statistic(loaded[1], field)) << (field.name ? field.name : "unnamed");
   });
+}
+
+TEST_F(CheckpointsTest, FramesThatHaveLookedAheadAreUsedWhileTheKeysThatTheySawAreAsTheyWere) {
+  plan.shots[0].handles.resize(1);
+  Points3& keyed = plan.shots[0].handles[0].keyed;
+  keyed.setZero(8, 3);
+  for (const int keys_until : {2, 5}) {
+    keep({}, {}, keys_until);
+    ASSERT_EQ(load().size(), 2u);
+    for (const int moved : {2, 3, 5, 6}) {
+      keyed(moved - 1, 2) = 0.01;
+      EXPECT_EQ(load().size(), moved > keys_until ? 2u : 0u)
+          << "seen until " << keys_until << ", the key of frame " << moved;
+      keyed(moved - 1, 2) = 0;
+    }
+  }
 }
 
 TEST_F(CheckpointsTest, CheckpointsOfAnotherSimulationAreNotUsed) {

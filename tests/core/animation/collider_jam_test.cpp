@@ -49,16 +49,16 @@ TEST(ColliderJam, ComesBackFromACheckpoint) {
   ColliderJam jam, restored;
   jam.hold(motion_to(colliders, 1), 0.25);
   Serializer written;
-  jam.archive(written, &colliders, 1);
+  jam.archive(written, &colliders);
   Serializer read(written.bytes());
-  restored.archive(read, &colliders, 1);
+  restored.archive(read, &colliders);
   read.end();
   ColliderMotion next = motion_to(colliders, 2);
   restored.begin_frame(next);
   ASSERT_TRUE(restored.is_on());
   EXPECT_NEAR(height(next.from), -0.0025, 1e-15);
   Serializer without_colliders(written.bytes());
-  EXPECT_THROW(restored.archive(without_colliders, nullptr, 1), Error);
+  EXPECT_THROW(restored.archive(without_colliders, nullptr), Error);
 }
 
 TEST(ColliderJam, ASheetWithInertiaThatIsPressedThroughATableStaysWhole) {
