@@ -123,13 +123,17 @@ void compare_with_twin(const BakeSettings& settings, const BakePlan& plan, BakeP
                        Progress& progress, StopRequest& stop) {
   const StageClock::Part part(&pipeline.clock(), Stage::simulate);
   const BakePlan twin = twin_of(plan);
+  std::vector<AnimateOptions> options = options_of_sheets(twin);
+  for (AnimateOptions& of_sheet : options)
+    of_sheet.asks_to_stop = [&stop] { return stop.is_made(); };
   try {
-    simulate(twin, options_of_sheets(twin), settings.threads, [&](const AnimatedFrame& frame) {
+    simulate(twin, options, settings.threads, [&](const AnimatedFrame& frame) {
       pipeline.record_twin(frame);
       return !stop.is_made();
     });
   } catch (const Error& error) {
-    progress.warning(fmt::format("twin: {}: {}", error.place, error.cause));
+    if (error.code != ErrorCode::stopped)
+      progress.warning(fmt::format("twin: {}: {}", error.place, error.cause));
   }
   if (const auto verdict = pipeline.twin(); verdict && !stop.is_made())
     progress.message(describe(*verdict));

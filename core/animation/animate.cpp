@@ -33,13 +33,15 @@ void time_work(std::vector<Times>& times, double Times::*what, const Island& she
 /// have collided on the way are merged and take it again together.
 /// returns  the islands in which the step was taken
 std::vector<Island> step(SheetIslands::Sheets& sheets, const SheetIslands* between_sheets,
+                         const std::function<AdmissibilityCheck(std::size_t)>& is_admissible,
                          std::vector<Times>& times) {
   std::vector<Island> islands;
   const auto step_island = [&](const Island& island) {
     time_work(times, &Times::elastic, island, [&] {
       if (island.size() == 1)
         sheets[island.front()]->step(between_sheets ? SheetSimulation::RecordTrajectory::yes
-                                                    : SheetSimulation::RecordTrajectory::no);
+                                                    : SheetSimulation::RecordTrajectory::no,
+                                     is_admissible(island.front()));
       else
         between_sheets->step(island);
     });
@@ -83,16 +85,15 @@ struct Animation::State {
 
 Animation::Animation(const std::vector<AnimatedSheet>& all) : state_(std::make_unique<State>(all)) {
   State& a = *state_;
-  Rehearsal rehearsal{0, a.options().first_frame - 1};
-  if (all.size() == 1)
-    time_work(a.times, &Times::elastic, {0},
-              [&] { rehearsal = rehearse(all.front().shot, all.front().method, a.options()); });
-  for (const AnimatedSheet& one : all)
-    time_work(a.times, &Times::geometry, {a.sheets.size()}, [&] {
-      a.sheets.push_back(std::make_unique<SheetSimulation>(
-          one.shot, one.method, one.options,
-          SheetSimulation::Place{a.sheets.size(), all.size(), rehearsal}));
+  for (const AnimatedSheet& one : all) {
+    SheetSimulation::Place place{a.sheets.size(), {}};
+    time_work(a.times, &Times::elastic, {place.number},
+              [&] { place.rehearsal = rehearse(one.shot, one.method, one.options); });
+    time_work(a.times, &Times::geometry, {place.number}, [&] {
+      a.sheets.push_back(
+          std::make_unique<SheetSimulation>(one.shot, one.method, one.options, place));
     });
+  }
   for (const auto& sheet : a.sheets)
     if (sheet->next_frame() != a.sheets.front()->next_frame())
       throw Error(ErrorCode::scene, "state",
@@ -116,7 +117,8 @@ std::vector<AnimatedFrame> Animation::next_frame() {
   const SheetIslands* between = state_->between_sheets ? &*state_->between_sheets : nullptr;
   for (std::size_t s = 0; s < sheets.size(); ++s)
     time_work(times, &Times::geometry, {s}, [&] { sheets[s]->prepare(state_->is_admissible(s)); });
-  const std::vector<Island> islands = step(sheets, between, times);
+  const std::vector<Island> islands = step(
+      sheets, between, [&](std::size_t s) { return state_->is_admissible(s); }, times);
   for (std::size_t s = 0; s < sheets.size(); ++s)
     time_work(times, &Times::elastic, {s},
               [&] { sheets[s]->finish_step(state_->is_admissible(s)); });

@@ -25,7 +25,7 @@ bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
       throw Error(ErrorCode::stopped, "before frame " + std::to_string(options.first_frame),
                   "The simulation was stopped.", "The same command starts it again.");
     sheet.prepare(is_admissible);
-    sheet.step(SheetSimulation::RecordTrajectory::no);
+    sheet.step(SheetSimulation::RecordTrajectory::no, is_admissible);
     sheet.finish_step(is_admissible);
     sheet.finalize(SheetSimulation::Output::simulated_sheet);
     way += sheet.relative_motion();
@@ -40,7 +40,7 @@ bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
 Rehearsal rehearse(const Shot& shot, const MethodChoice& method, const AnimateOptions& options) {
   Rehearsal found{0, options.first_frame - 1};
   if (!shot.colliders || shot.handles.empty() || !options.resume_state.empty()) return found;
-  SheetSimulation sheet(shot, method, options, {0, 1, found});
+  SheetSimulation sheet(shot, method, options, {0, found});
   try {
     if (is_held_back(sheet, options)) found.doublings = doublings;
   } catch (const Error& error) {

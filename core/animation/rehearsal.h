@@ -8,7 +8,7 @@ namespace paperbake {
 struct Rehearsal {
   int doublings = 0;  // of the number of triangles of the first mesh, so that the sheet can bend
   // the last frame whose keys it has seen; less than the first of the shot: none
-  int last_frame;
+  int last_frame = 0;
 };
 
 /// Finds how often the number of triangles of the first mesh has to be doubled so that the sheet
@@ -19,8 +19,8 @@ struct Rehearsal {
 /// The start of the shot is therefore simulated once beforehand, until handles have moved by a
 /// tenth of the sheet, but not for more than 64 frames; also beyond the last frame that is asked
 /// for, so that a frame does not depend on how many are. Only a sheet without inertia is rehearsed
-/// that has handles and colliders, is alone in its shot, and begins it now: others get a finer mesh
-/// when they need it, or have it already.
+/// that has handles and colliders, and begins its shot now: others get a finer mesh when they need
+/// it, or have it already. Other sheets are not there in a rehearsal.
 ///
 /// returns  no doublings: the first mesh is fine enough, or nothing was rehearsed
 /// throws   Error(ErrorCode::stopped) when AnimateOptions::asks_to_stop says so

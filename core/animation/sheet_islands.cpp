@@ -158,7 +158,11 @@ void SheetIslands::step(const Island& island) const {
     for (Eigen::Index j = 0; j < n; ++j)
       dhat(i, j) = i == j ? all.back()->elastic().dhat() : dhat_between(island[i], island[j]);
   }
-  SheetSimulation::step_together(all, dhat, initial_gap(island));
+  SheetSimulation::step_together(all, dhat, initial_gap(island), [this](std::size_t s) {
+    return [this, s](const Sheet& here, const Sheet& there, double moved) {
+      return is_admissible(s, here, there, moved);
+    };
+  });
 }
 
 void SheetIslands::finalize(const Island& island) const {

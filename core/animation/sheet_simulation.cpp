@@ -106,7 +106,6 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
       method_(method.make()),
       options_(options),
       number_(place.number),
-      alone_(place.sheets == 1),
       rehearsed_doublings_(place.rehearsal.doublings),
       keys_until_(place.rehearsal.last_frame),
       simulated_(shot, start_on(shot, *method_, options, rehearsed_doublings_), options, number_),
@@ -126,8 +125,8 @@ void SheetSimulation::archive(Serializer& a) {
   Sheet& sheet = simulated_.sheet;
   SolverState state = simulated_.elastic.state();
   a(frame_, sheet, output_sheet_, simulated_.positions_before, input_before_.constraints, outcome_,
-    yielding_, folded_, simulated_.fixed, simulated_.has_bends, idle_frames_, state, handles_, dhat,
-    keys_until_);
+    yielding_, folded_, joined_, simulated_.fixed, simulated_.has_bends, idle_frames_, state,
+    handles_, dhat, keys_until_);
   release_.archive(a);
   jam_.archive(a, shot_.colliders.get());
   if (simulated_.plastic_grid) a(*simulated_.plastic_grid);
@@ -166,7 +165,7 @@ void SheetSimulation::move_world() {
 }
 
 void SheetSimulation::remember(int part) {
-  if (!alone_ || !shot_.colliders || !folds_.is_on()) return;
+  if (!shot_.colliders || !folds_.is_on()) return;
   folds_.remember({load_parts_ > 1 ? input_of_part(part) : input_, 1 / options_.fps / load_parts_,
                    relative_motion_ / load_parts_, frame_ - options_.first_frame,
                    simulated_.has_inertia() ? inertial_halvings_ : 0});
@@ -174,9 +173,10 @@ void SheetSimulation::remember(int part) {
 
 int SheetSimulation::parts_of_frame() const {
   constexpr int most = 16;
-  if (!alone_ || frame_ == options_.first_frame) return 1;
+  if (frame_ == options_.first_frame) return 1;
   const int parts = method_->load_parts(sheet(), std::max(relative_motion_, squeeze_));
-  if (!shot_.colliders || !sheet().prescribed_creases.empty() || !folds_.is_on()) return parts;
+  if (joined_ || !shot_.colliders || !sheet().prescribed_creases.empty() || !folds_.is_on())
+    return parts;
   // [1] of the longer side: where handles go farther in a frame than they do in one step
   // (substepping.h), its parts are as long as a severe conflict has to last
   constexpr double fast = 0.03, slow = 0.0105;
@@ -219,9 +219,9 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   input_before_.colliders.from = input_.colliders.to;
   last_remesh_.reset();
   step_start_.reset();
+  frame_start_.reset();
   if (!keeps_mesh && result_.statistics.remesh != FrameStatistics::accepted) {
-    remesh(1.0 / load_parts_);
-    if (last_remesh_ && !is_admissible(last_remesh_->before.sheet, sheet, 0)) undo_remesh();
+    remesh(1.0 / load_parts_, is_admissible);
     if (last_remesh_) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
   }
   simulated_.positions_before = sheet.x;
@@ -253,7 +253,8 @@ void SheetSimulation::skip_step() {
   step_.last.touching = outcome_.touching;
   step_.last.on_colliders = outcome_.on_colliders;
   simulated_.sheet.v.setZero();
-  trajectory_ = {{0, sheet().x}, {1, sheet().x}};
+  trajectory_.begin(sheet());
+  trajectory_.end(sheet());
 }
 
 double SheetSimulation::fastest_drive(int frame) const {

@@ -23,7 +23,7 @@ class SheetSimulation {
  public:
   /// A sheet among those that are animated together.
   struct Place {
-    std::size_t number, sheets;
+    std::size_t number;
     Rehearsal rehearsal;
   };
   /// throws  Error(ErrorCode::scene) when options.resume_state is not a state of this shot
@@ -48,16 +48,18 @@ class SheetSimulation {
   /// The elastic step of this sheet alone; one that is idle stays where it is. With a recorded
   /// trajectory the step can be undone.
   enum class RecordTrajectory { yes, no };
-  void step(RecordTrajectory);
+  void step(RecordTrajectory, const AdmissibilityCheck& is_admissible);
   /// Whether some of several sheets began the shot closer to each other than their full dhat.
   enum class InitialGap { within_dhat, apart };
   /// The elastic step of several sheets that come near each other. Sheets that have already taken
   /// it alone are first set back to where it began.
   /// dhat  |sheets|x|sheets| [m] contact distances, as in Elastic::step_together
+  /// is_admissible  of a sheet, by its number
   static void step_together(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
-                            InitialGap);
+                            InitialGap,
+                            const std::function<AdmissibilityCheck(std::size_t)>& is_admissible);
   /// Where the sheet was during this frame, from its start on.
-  const std::vector<TrajectoryPoint>& trajectory() const { return trajectory_; }
+  const std::vector<TrajectoryPoint>& trajectory() const { return trajectory_.points(); }
 
   /// Ends the step: stores what the next frame has to know of it, and searches for another branch
   /// when a search is due.
@@ -100,6 +102,13 @@ class SheetSimulation {
     bool was_at_minimum;  // the sheet, before it
     bool vertices_moved;  // on the pattern
   };
+  /// What a frame begins with that is taken in more than one step.
+  struct FrameStart {
+    std::string state;  // as in AnimateOptions::resume_state
+    Inertia inertia;
+    ReleaseTrial release;
+    AnimatedFrame result;
+  };
 
   void archive(Serializer&);
   /// Where handles, hands and colliders are in the present frame.
@@ -118,8 +127,9 @@ class SheetSimulation {
   int parts_of_frame() const;
   /// Keeps a step that is about to be taken for folds_.
   void remember(int part);
-  /// Lets the method change the mesh. share: [1] of the frame
-  void remesh(double share);
+  /// Lets the method change the mesh, unless the sheet comes nearer to others by that. share: [1]
+  /// of the frame
+  void remesh(double share, const AdmissibilityCheck& is_admissible);
   /// returns  whether the mesh is another one now; last_remesh_ then keeps the one before
   bool change_mesh(const RemeshContext&);
   bool cuts_into_collider(const Sheet& before) const;
@@ -137,15 +147,26 @@ class SheetSimulation {
   void hold_if_infeasible();
   bool is_locked() const;
   void begin_step(RecordTrajectory);
+  /// Whether the sheet may change its mesh within the frame if it takes it alone.
+  bool may_step_in_parts() const;
+  void keep_frame_start();
+  /// Sets the sheet back to where the frame began, to take it together with others.
+  void undo_step();
   void undo_remesh();
   DrivenSheet driven_sheet(RecordTrajectory);
-  void step_in_parts(RecordTrajectory);
+  DrivenSheet driven_in_part(RecordTrajectory, int part);
+  void step_in_parts(RecordTrajectory, const AdmissibilityCheck& is_admissible);
   void step_part(RecordTrajectory, int part);
+  static void step_part_together(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
+                                 InitialGap, int part);
+  void add_to_step(const FrameStepResult& before);
   /// Whether the sheet has not moved for so long that it need not be solved until something else
   /// does.
   bool comes_to_rest() const;
   /// Whether nothing gives way when colliders press the sheet.
   bool may_jam() const;
+  /// Whether the sheet gets a finer mesh if colliders bend it more sharply than its own one can.
+  bool may_refine() const;
   /// Takes a finer mesh for a sheet that is jammed, if its mesh could not fold.
   /// returns  false if there is none
   bool refine_where_jammed();
@@ -168,7 +189,6 @@ class SheetSimulation {
   std::unique_ptr<Method> method_;
   AnimateOptions options_;
   std::size_t number_;
-  bool alone_;                 // no other sheet is animated with it
   int rehearsed_doublings_;    // of the triangles of its first mesh
   int keys_until_;             // the last frame whose keys it has seen, if it has looked ahead
   int inertial_halvings_ = 0;  // of a frame with inertia, at least
@@ -185,6 +205,7 @@ class SheetSimulation {
   StepOutcome outcome_;
   bool yielding_ = false;  // the paper, by a notable part of its folds, in the last frame
   bool folded_ = false;    // the sheet, along a line that was found in the last step
+  bool joined_ = false;    // the sheet has taken the last step together with others
   int idle_frames_ = 0;
   double inside_ = 0;  // [m] how deep the output sheet lies inside a collider
   ColliderJam jam_;
@@ -202,7 +223,9 @@ class SheetSimulation {
   bool is_idle_ = false, is_sleeping_ = false;
   std::optional<LastRemesh> last_remesh_;               // none that could be undone
   std::optional<SimulatedSheet::Snapshot> step_start_;  // none that can be gone back to
-  std::vector<TrajectoryPoint> trajectory_;
+  std::optional<FrameStart> frame_start_;               // none: step_start_ is where it began
+  Trajectory trajectory_;
+  std::vector<TrajectoryPoint> path_of_step_;  // that is being taken
   FrameStepResult step_;
   AnimatedFrame result_;
 };

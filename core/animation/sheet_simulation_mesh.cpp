@@ -38,7 +38,10 @@ RemeshContext SheetSimulation::remesh_context(double share) const {
           [this] { return simulated_.elastic.local_energies(simulated_.sheet); }};
 }
 
-void SheetSimulation::remesh(double share) { change_mesh(remesh_context(share)); }
+void SheetSimulation::remesh(double share, const AdmissibilityCheck& is_admissible) {
+  if (change_mesh(remesh_context(share)) && !is_admissible(last_remesh_->before.sheet, sheet(), 0))
+    undo_remesh();
+}
 
 bool SheetSimulation::change_mesh(const RemeshContext& context) {
   Sheet& sheet = simulated_.sheet;
@@ -117,8 +120,12 @@ bool SheetSimulation::is_held_back_by_mesh() const {
          mean_square_fold(sheet()) > fold_that_hooks;
 }
 
+bool SheetSimulation::may_refine() const {
+  return shot_.colliders && simulated_.has_inertia() && simulated_.is_smooth();
+}
+
 bool SheetSimulation::may_start_finer() const {
-  return alone_ && shot_.colliders && !simulated_.has_inertia() && simulated_.is_smooth() &&
+  return shot_.colliders && !simulated_.has_inertia() && simulated_.is_smooth() &&
          method_->has_finer_mesh();
 }
 

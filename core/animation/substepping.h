@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/animation/trajectory.h"
 #include "core/step1_elastic/elastic.h"
 
 #include <string>
@@ -18,12 +19,6 @@ struct FrameStepResult {
   // [1] of the frame: how far the sheet has followed its colliders. 1 unless it is jammed; it is
   // then as it was at that time, and not converged.
   double followed = 1;
-};
-
-/// Positions of a sheet at one time of a frame.
-struct TrajectoryPoint {
-  double at;  // [1] 0: start of the frame, 1: its end
-  Points3 x;  // |V|x3 [m]
 };
 
 /// A sheet that is to follow its handles through a frame.

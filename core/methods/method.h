@@ -106,8 +106,7 @@ class Method {
 
   /// Into how many parts of equal length the frame is divided in which handles make this motion
   /// relative to each other, or colliders squeeze the sheet by it [1, of the longer side]. `remesh`
-  /// is called before each of them. A sheet that is animated together with others takes every frame
-  /// as a whole.
+  /// is called before each of them.
   virtual int load_parts(const Sheet&, double /*motion*/) const { return 1; }
 
   /// Called after the elastic step of a frame, on the copy of the sheet that is handed on; the next
