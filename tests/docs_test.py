@@ -57,7 +57,7 @@ NEW = {"JOB.toml", "POINTS.csv", "PICTURES", "STEM"}  # files of the scratch fol
 # added to a line that does not say it itself; of the tables, one small mesh of one scene
 SHORTER = {
     "bake": {"--quality": "draft", "--frames": "1-12", "--map-size": "64"},
-    "wedge": {"--quality": "draft", "--frames": "1-6", "--map-size": "64", "--takes": "1"},
+    "wedge": {"--quality": "draft", "--frames": "1-6", "--map-size": "64", "--attempts": "1"},
     "chart": {"--frames": "1-6", "--reference": "300", "--repeat": "1", "--budget": "30"},
 }
 BEHIND = {bench.command[0]: " ".join(bench.part) for bench in measure_benchmarks.BENCHES}

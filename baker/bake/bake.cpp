@@ -1,9 +1,9 @@
 #include "baker/bake/bake.h"
 
+#include "baker/bake/attempts.h"
 #include "baker/bake/bake_pipeline.h"
 #include "baker/bake/completed_bake.h"
 #include "baker/bake/frame_queue.h"
-#include "baker/bake/takes.h"
 #include "baker/job/output_formats.h"
 #include "baker/job/plan_warnings.h"
 #include "baker/output/checkpoints.h"
@@ -48,10 +48,10 @@ void make_folders(const BakeSettings& settings, const OutputFolder& folder) {
 /// Records the frames that earlier bakes have simulated, and sets the options to resume after them.
 /// returns  the first frame that is to be simulated
 int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pipeline,
-                Progress& progress, Takes& takes, std::vector<AnimateOptions>& options) {
+                Progress& progress, Attempts& attempts, std::vector<AnimateOptions>& options) {
   Checkpoints::ResumePoint resume = checkpoints.load([&](const AnimatedFrame& frame) {
     progress.taken(plan.shots[frame.sheet_index].sheet_name, frame.frame);
-    takes.watch(frame);
+    attempts.watch(frame);
     return pipeline.files().failures.try_write(rest_of_frames, [&] { pipeline.record(frame); });
   });
   const int first = plan.animation.first_frame;
@@ -64,12 +64,13 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pi
   return resume.last_frame + 1;
 }
 
-/// First stage: loads or simulates all frames of a take and records them, or those until it fails.
+/// First stage: loads or simulates all frames of an attempt and records them, or those until it
+/// fails.
 /// returns  what ended the simulation before its last frame
 std::optional<Error> record_frames(const BakeSettings& settings, const OutputFolder& folder,
                                    BakePipeline& pipeline, Progress& progress, StopRequest& stop,
-                                   Takes& takes) {
-  const BakePlan& plan = takes.plan();
+                                   Attempts& attempts) {
+  const BakePlan& plan = attempts.plan();
   const bool resumable = can_resume(plan), kept = can_keep(plan);
   std::vector<AnimateOptions> options = options_of_sheets(plan);
   for (AnimateOptions& of_sheet : options) {
@@ -81,22 +82,22 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
                           resumable ? Reuse::any_of_them : Reuse::all_or_none);
   int first = plan.animation.first_frame;
   if (settings.resume == Resume::automatic && kept)
-    first = load_frames(checkpoints, plan, pipeline, progress, takes, options);
+    first = load_frames(checkpoints, plan, pipeline, progress, attempts, options);
 
   const StageClock::Part part(&pipeline.clock(), Stage::simulate);
   FrameQueue queue(settings.threads, [&](const AnimatedFrame& frame) { pipeline.record(frame); });
   std::optional<Error> failure;
   try {
-    if (first <= plan.animation.last_frame && !takes.is_failing())
+    if (first <= plan.animation.last_frame && !attempts.is_failing())
       simulate(plan, options, settings.threads, [&](const AnimatedFrame& frame) {
         if (kept) checkpoints.add(frame);
-        takes.watch(frame);
+        attempts.watch(frame);
         if (!queue.push(frame)) return false;
         // polished frames come sheet by sheet
         const bool is_last_sheet =
             plan.polish.triangles > 0 || frame.sheet_index + 1 == plan.shots.size();
         if (!is_last_sheet) return true;
-        const bool ends = takes.is_failing() || stop.is_made();
+        const bool ends = attempts.is_failing() || stop.is_made();
         if (frame.frame == plan.animation.last_frame || !ends) return true;
         if (resumable) checkpoints.keep(frame.frame);
         if (!stop.is_made()) return false;
@@ -113,9 +114,9 @@ std::optional<Error> record_frames(const BakeSettings& settings, const OutputFol
 }
 
 /// returns  false when it was stopped
-bool choose_take(Takes& takes, Progress& progress, StopRequest& stop, StageClock& clock) {
-  const StageClock::Part part(&clock, Stage::takes);
-  return takes.choose(progress, stop);
+bool choose_attempt(Attempts& attempts, Progress& progress, StopRequest& stop, StageClock& clock) {
+  const StageClock::Part part(&clock, Stage::attempts);
+  return attempts.choose(progress, stop);
 }
 
 /// Simulates the twin of a bake and enters its distance into the certificate.
@@ -156,28 +157,28 @@ BakeOutcome bake(const BakeSettings& settings, const BakePlan& plan, Progress& p
   make_folders(settings, folder);
   invalidate_completed_bake(folder.path());
 
-  Takes takes(settings, plan, folder.sub(".state") / "take");
+  Attempts attempts(settings, plan, folder.sub(".state") / "attempt");
   StopRequest stop(asks_to_stop);
   StageClock clock;
   std::optional<BakePipeline> recorded;
   std::optional<Error> failure;
   const auto record = [&] {
-    recorded.emplace(settings, takes.plan(), folder.path(), progress, clock);
-    failure = record_frames(settings, folder, *recorded, progress, stop, takes);
+    recorded.emplace(settings, attempts.plan(), folder.path(), progress, clock);
+    failure = record_frames(settings, folder, *recorded, progress, stop, attempts);
   };
   record();
-  if (takes.is_failing() && !failure) {
-    if (choose_take(takes, progress, stop, clock)) {
+  if (attempts.is_failing() && !failure) {
+    if (choose_attempt(attempts, progress, stop, clock)) {
       recorded.reset();  // its files are written anew
       progress.begin_again();
       record();
     } else
-      failure = stopped(settings, plan, takes.failing_frame());
+      failure = stopped(settings, plan, attempts.failing_frame());
   }
   BakePipeline& pipeline = *recorded;
   if (pipeline.is_empty()) throw failure ? *failure : pipeline.files().failures.all().front().error;
   if (settings.twin && !failure)
-    compare_with_twin(settings, takes.plan(), pipeline, progress, stop);
+    compare_with_twin(settings, attempts.plan(), pipeline, progress, stop);
   if (!pipeline.render(stop) && !failure)
     failure = stopped(settings, plan, plan.animation.last_frame);
   const BakeOutcome outcome = pipeline.write(failure);

@@ -145,25 +145,25 @@ bool FrameRenderer::push_out_of_colliders(std::size_t s, std::size_t k,
   const auto& colliders = inputs_[s].shot->colliders;
   if (!colliders) return false;
   const auto& frames = inputs_[s].record->frames();
-  Points3 on_facets = x;  // vertices of a finer mesh, in the middle of edges, are near enough
+  Points3 on_triangles = x;  // vertices of a finer mesh, in the middle of edges, are near enough
   for (std::size_t v = 0; v < simulated.places->size(); ++v)
-    on_facets.row(v) =
+    on_triangles.row(v) =
         interpolate((*simulated.places)[v], simulated.sheet.triangles, simulated.sheet.x);
   const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
   // a sheet that is jammed has stayed behind in the collider: pushed out, it would be torn
-  Points3 outside = on_facets;
-  if (push_out(shapes, on_facets, 0, outside) > yield_depth) return false;
+  Points3 outside = on_triangles;
+  if (push_out(shapes, on_triangles, 0, outside) > yield_depth) return false;
   const std::vector<char>& held = surfaces_[s].is_held();
   // vertices first, then edges and triangles: a corner of the collider stands between vertices
   std::optional<ColliderClearance> clearance;
   if (may_touch(shapes, x))
-    clearance.emplace(colliders, shapes, surfaces_[s].mesh().triangles, on_facets);
+    clearance.emplace(colliders, shapes, surfaces_[s].mesh().triangles, on_triangles);
   // lengths that are wrong after this are restored, as far as the sheet stays outside
   constexpr int max_turns = 8;
   constexpr double still = 1e-6;  // [m] what is pushed by less needs no other turn
   for (int turn = 0;; ++turn) {
     const Points3 before = x;
-    double pushed = push_out(shapes, on_facets, 0, x);
+    double pushed = push_out(shapes, on_triangles, 0, x);
     for (int v = 0; v < x.rows(); ++v)
       if (held[v]) x.row(v) = before.row(v);
     if (clearance) pushed = std::max(pushed, clearance->push_out(held, x));

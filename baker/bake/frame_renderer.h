@@ -49,7 +49,7 @@ class FrameRenderer {
   /// False while frames are pending in which other handles hold the sheet.
   bool start(std::size_t k);
   FrameOfSheets render(std::size_t k, const std::vector<ShapeCache::Sum>& shapes) const;
-  /// The curved surface stands out from its facets: where they rest on a collider, into it.
+  /// The curved surface stands out from its flat triangles: where they rest on a collider, into it.
   /// returns  whether x was changed
   bool push_out_of_colliders(std::size_t s, std::size_t k,
                              const SheetUntangler::Simulated& simulated, Points3& x) const;

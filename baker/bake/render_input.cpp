@@ -31,7 +31,7 @@ std::vector<std::vector<std::size_t>> groups_near_each_other(
   std::vector<std::vector<Eigen::AlignedBox3f>> boxes(records.size());
   for (std::size_t s = 0; s < records.size(); ++s)
     for (const RecordedFrame& frame : records[s]->frames()) {
-      // the curved surface stands out from its facets by less than half an edge
+      // the curved surface stands out from its flat triangles by less than half an edge
       const Eigen::Vector3f margin =
           Eigen::Vector3f::Constant(static_cast<float>(0.5 * records[s]->edge()));
       boxes[s].emplace_back(frame.x.colwise().minCoeff().transpose() - margin,

@@ -12,38 +12,38 @@ namespace paperbake {
 namespace {
 
 // for each sheet, triangles of its simulated meshes
-using FacetsOfSheets = std::vector<std::set<ShotRecord::Facet>>;
+using TrianglesOfSheets = std::vector<std::set<ShotRecord::SimulatedTriangle>>;
 
-/// The facets of all frames that intersect each other, however flat the render meshes are made,
-/// because these cut off the folds of layers that are near each other.
-FacetsOfSheets intersecting_facets(const std::vector<RenderInput>& inputs,
-                                   const RenderOptions& options,
-                                   const std::vector<RenderSurface>& sheets) {
+/// The simulated triangles of all frames that intersect each other, however flat the render meshes
+/// are made, because these cut off the folds of layers that are near each other.
+TrianglesOfSheets intersecting_triangles(const std::vector<RenderInput>& inputs,
+                                         const RenderOptions& options,
+                                         const std::vector<RenderSurface>& sheets) {
   const SheetUntangler untangler(sheets);
   std::vector<MeshPointCache> points;
   for (std::size_t s = 0; s < sheets.size(); ++s) points.emplace_back(*inputs[s].record, sheets[s]);
   const auto of_frame = [&](std::size_t k, const std::vector<MeshPoints>& at) {
     const StageClock::Part part(options.clock, Stage::render_mesh);
-    FacetsOfSheets facets(sheets.size());
+    TrianglesOfSheets triangles(sheets.size());
     std::vector<SheetUntangler::Simulated> simulated;
     const auto mesh = [&](std::size_t s) { return inputs[s].record->frames()[k].mesh; };
     for (std::size_t s = 0; s < at.size(); ++s) {
       // the vertices are located on the simulated mesh only where somebody asks for it
       const Sheet sheet = inputs[s].record->sheet(inputs[s].record->frames()[k]);
-      if (sheets[s].may_have_intersecting_facets(sheet))
-        for (const int t : sheets[s].intersecting_facets(sheet, at[s].get()))
-          facets[s].insert({mesh(s), t});
+      if (sheets[s].may_have_intersecting_triangles(sheet))
+        for (const int t : sheets[s].intersecting_triangles(sheet, at[s].get()))
+          triangles[s].insert({mesh(s), t});
       if (sheets.size() > 1) simulated.push_back({sheet, &at[s].get()});
     }
     if (simulated.size() == sheets.size() && untangler.linear_surfaces_intersect(simulated))
       for (std::size_t s = 0; s < at.size(); ++s)
         for (int t = 0; t < simulated[s].sheet.triangles.rows(); ++t)
-          facets[s].insert({mesh(s), t});
-    return facets;
+          triangles[s].insert({mesh(s), t});
+    return triangles;
   };
   const std::size_t threads = std::max(options.threads, 1), frames = frames_of_any(inputs);
-  FacetsOfSheets found(sheets.size());
-  std::deque<std::future<FacetsOfSheets>> pending;
+  TrianglesOfSheets found(sheets.size());
+  std::deque<std::future<TrianglesOfSheets>> pending;
   for (std::size_t k = 0; k < frames || !pending.empty(); ++k) {
     if (k < frames && simulated_alike(inputs, k)) continue;
     if (k < frames) {
@@ -55,7 +55,7 @@ FacetsOfSheets intersecting_facets(const std::vector<RenderInput>& inputs,
                                    [&of_frame, k, at] { return of_frame(k, at); }));
       if (pending.size() < threads) continue;
     }
-    const FacetsOfSheets more = pending.front().get();
+    const TrianglesOfSheets more = pending.front().get();
     pending.pop_front();
     for (std::size_t s = 0; s < found.size(); ++s) found[s].insert(more[s].begin(), more[s].end());
   }
@@ -68,7 +68,7 @@ std::vector<RenderSurface> make_render_surfaces(const std::vector<RenderInput>& 
                                                 const RenderOptions& options) {
   const StageClock::Part part(options.clock, Stage::render_mesh);
   constexpr int max_rounds = 4;
-  FacetsOfSheets exact(inputs.size());  // whose edges are among those of the render mesh
+  TrianglesOfSheets exact(inputs.size());  // whose edges are among those of the render mesh
   std::vector<std::vector<CreaseSegment>> seam_lines(inputs.size());
   for (std::size_t s = 0; s < inputs.size(); ++s)
     if (const auto& authored = inputs[s].shot->authored;
@@ -90,8 +90,8 @@ std::vector<RenderSurface> make_render_surfaces(const std::vector<RenderInput>& 
           make_render_surface(shot.pattern, features, inputs[s].record->edge(), options.quality));
     }
     if (round == max_rounds || options.features == MeshFeatures::handles) return sheets;
-    FacetsOfSheets wanted = exact;
-    const FacetsOfSheets found = intersecting_facets(inputs, options, sheets);
+    TrianglesOfSheets wanted = exact;
+    const TrianglesOfSheets found = intersecting_triangles(inputs, options, sheets);
     for (std::size_t s = 0; s < wanted.size(); ++s)
       wanted[s].insert(found[s].begin(), found[s].end());
     std::size_t more = 0;

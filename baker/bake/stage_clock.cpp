@@ -5,7 +5,7 @@
 namespace paperbake {
 namespace {
 
-constexpr const char* names[stages] = {"plan",  "simulate",    "takes",         "record",
+constexpr const char* names[stages] = {"plan",  "simulate",    "attempts",      "record",
                                        "maps",  "render_mesh", "render_frames", "keep_apart",
                                        "judge", "caches",      "keep",          "certificate"};
 

@@ -14,8 +14,8 @@ namespace paperbake {
 enum class Stage {
   plan,  // everything before the bake: reading the scene, deciding
   simulate,
-  takes,   // others than the first
-  record,  // lines of the certificate, crease attributes
+  attempts,  // others than the first
+  record,    // lines of the certificate, crease attributes
   maps,
   render_mesh,    // the meshes for the whole shot
   render_frames,  // frames on these meshes

@@ -207,11 +207,12 @@ std::vector<Option> meshes_and_physics() {
                    "Every N frames, search for a shape of lower energy under the same handles, and "
                    "snap to it; 0 turns it off",
                    to_whole(&BakeSettings::probe_every)),
-      with_default({"takes", K::whole, 1, 16}, "4",
-                   "How many takes are tried at most when a handle of the first one is off by more "
-                   "than 1 mm: other seeds, every second one on a first mesh of 4 times as many "
-                   "triangles. The best is baked (method hybrid)",
-                   to_whole(&BakeSettings::takes)),
+      with_default(
+          {"attempts", K::whole, 1, 16}, "4",
+          "How many attempts there are at most when a handle of the first one is off by more "
+          "than 1 mm: other seeds, every second one on a first mesh of 4 times as many "
+          "triangles. The best is baked (method hybrid)",
+          to_whole(&BakeSettings::attempts)),
       without_default(
           {"frames", K::text}, "1-96",
           "Frames to write: A-B, or A-BxN for every N-th. The simulation always starts at the "

@@ -1,10 +1,10 @@
 #pragma once
 
 #include "baker/job/accuracy_choice.h"
+#include "baker/job/attempt_choice.h"
 #include "baker/job/crease_lines.h"
 #include "baker/job/method_choice.h"
 #include "baker/job/settings.h"
-#include "baker/job/take_choice.h"
 #include "core/animation/animate.h"
 #include "core/animation/handle_feasibility.h"
 
@@ -51,8 +51,8 @@ struct BakePlan {
   std::vector<MethodChoice> methods;  // of each sheet
   Polishing polish;
   std::optional<AccuracyChoice>
-      accuracy;                    // how the size of the mesh was chosen; none: it was given
-  std::optional<TakeChoice> take;  // none: the first take is baked, and no other was tried
+      accuracy;                          // how the size of the mesh was chosen; none: it was given
+  std::optional<AttemptChoice> attempt;  // none: the first one is baked, and no other was tried
   std::vector<UnreachablePairOfSheet> impossible;
   std::vector<std::string> warnings;
   std::vector<UsedValue> used;  // every value and where it came from, for job.lock.toml

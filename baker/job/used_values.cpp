@@ -84,7 +84,7 @@ void record_used_values(const BakeSettings& settings, const Scene& scene, BakePl
       {"bake.dynamics", toml_string(dynamics),
        settings.dynamics == Dynamics::automatic ? "auto" : to_string(settings.origin("dynamics"))});
   if (settings.probe_every > 0) note("bake", "probe", std::to_string(settings.probe_every));
-  if (is_hybrid(settings)) note("bake", "takes", std::to_string(settings.takes));
+  if (is_hybrid(settings)) note("bake", "attempts", std::to_string(settings.attempts));
   used.push_back(used_frames(settings, scene, plan));
   note("bake", "map_size", std::to_string(settings.map_size));
   note("bake", "map_layout",

@@ -219,18 +219,18 @@ Json accuracy_choice(const BakePlan& plan) {
           {"tried", tried}};
 }
 
-/// null: no other take than the first was tried
-Json takes_json(const BakePlan& plan) {
-  if (!plan.take) return {};
+/// null: there was one attempt
+Json attempts_json(const BakePlan& plan) {
+  if (!plan.attempt) return {};
   Json tried = Json::array();
-  for (const TriedTake& t : plan.take->tried)
+  for (const Attempt& t : plan.attempt->tried)
     tried.push_back({{"seed_offset", t.seed_offset},
                      {"base_triangles", t.base_triangles},
                      {"frames", t.frames},
                      {"off_mm", 1e3 * t.off},
                      {"off_pct", t.off_pct},
                      {"frame_of_off", t.frame}});
-  return {{"baked", plan.take->baked + 1}, {"tried", tried}};
+  return {{"baked", plan.attempt->baked + 1}, {"tried", tried}};
 }
 
 /// null: the bake has no twin
@@ -294,7 +294,7 @@ std::string summary_json(const BakePlan& plan, const std::vector<FrameRecord>& f
       {{"crease_length_m", creases.length},
        {"creases", crease_lines(plan, creases)},
        {"accuracy", accuracy_choice(plan)},
-       {"takes", takes_json(plan)},
+       {"attempts", attempts_json(plan)},
        {"jammed_frames", jammed},
        {"impossible_handles", impossible_handles(plan)},
        {"twin", twin_json(frames)},

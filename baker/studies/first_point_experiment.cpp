@@ -26,7 +26,7 @@ constexpr double arch = 1e-4;
 constexpr int base_triangles = 210;
 CrumpleOptions unruled() {
   CrumpleOptions options;
-  options.rulings.facet_turn = 0;
+  options.rulings.turn_per_ruling = 0;
   return options;
 }
 

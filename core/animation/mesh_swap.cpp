@@ -13,7 +13,7 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
   constexpr double max_rise = 0.05, max_move = 0.01;  // [1] of the energy; of the longer side
   // a mesh that holds its sheet back does so the more, the longer it stays
   constexpr double too_stiff = -0.005, max_move_then = 0.025;
-  // [1/rad2] share of the energy that a mesh with such facets does not represent
+  // [1/rad2] share of the energy that a mesh of such flat triangles does not represent
   constexpr double unseen = 0.5;
   constexpr double noise = 1e-6;  // [J] for a sheet that is nearly flat
   Sheet& proposal = proposed.sheet;
@@ -32,10 +32,10 @@ MeshSwapResult try_swap_mesh(Sheet& sheet, Elastic& elastic, MeshProposal propos
   verdict.move = std::max((proposal.x - carried).rowwise().norm().maxCoeff(),
                           (back(proposal.x) - sheet.x).rowwise().norm().maxCoeff()) /
                  side;
-  const double facets = mean_square_fold(sheet);
-  const bool coarse = settled.on_colliders > 0 && facets > fold_that_holds,
+  const double fold = mean_square_fold(sheet);
+  const bool coarse = settled.on_colliders > 0 && fold > fold_that_holds,
              off = coarse || verdict.rise <= too_stiff;
-  const double finer = coarse ? std::max(0.0, facets - mean_square_fold(proposal)) : 0;
+  const double finer = coarse ? std::max(0.0, fold - mean_square_fold(proposal)) : 0;
   verdict.accepted = settled.converged && !settled.contact &&
                      rise <= (max_rise + unseen * finer) * stored.energy + noise &&
                      verdict.move <= (off ? max_move_then : max_move) &&

@@ -29,7 +29,7 @@ struct MeshSwapResult {
 /// cases in which 2.5 % are allowed:
 /// - The energy falls by 0.5 % or more. The old mesh is too stiff there, and the longer it stays,
 ///   the farther the sheet has to move.
-/// - The sheet lies on a collider and turns by 20 degrees or more from facet to facet. The
+/// - The sheet lies on a collider and turns by 20 degrees or more from triangle to triangle. The
 ///   potential may then also rise by another share of the stored energy: half of what the mean
 ///   square of the dihedral angles falls [rad2].
 ///

@@ -157,38 +157,38 @@ void SheetSimulation::archive(Serializer& a) {
 
 void SheetSimulation::move_world() {
   const int row = frame_ - options_.first_frame;
-  input_ = {handles_.held(frame_)};
-  input_.time = row / options_.fps;
+  now_.input = {handles_.held(frame_)};
+  now_.input.time = row / options_.fps;
   fold_by_hands(simulated_.sheet, shot_.hands, row);
-  if (shot_.colliders) input_.colliders = motion_to(*shot_.colliders, row);
-  jam_.begin_frame(input_.colliders);
+  if (shot_.colliders) now_.input.colliders = motion_to(*shot_.colliders, row);
+  jam_.begin_frame(now_.input.colliders);
 }
 
 void SheetSimulation::remember(int part) {
   if (!shot_.colliders || !folds_.is_on()) return;
-  folds_.remember({load_parts_ > 1 ? input_of_part(part) : input_, 1 / options_.fps / load_parts_,
-                   relative_motion_ / load_parts_, frame_ - options_.first_frame,
+  folds_.remember({now_.load_parts > 1 ? input_of_part(part) : now_.input,
+                   1 / options_.fps / now_.load_parts, now_.relative_motion / now_.load_parts,
+                   frame_ - options_.first_frame,
                    simulated_.has_inertia() ? inertial_halvings_ : 0});
 }
 
 int SheetSimulation::parts_of_frame() const {
   constexpr int most = 16;
   if (frame_ == options_.first_frame) return 1;
-  const int parts = method_->load_parts(sheet(), std::max(relative_motion_, squeeze_));
+  const int parts = method_->load_parts(sheet(), std::max(now_.relative_motion, now_.squeeze));
   if (joined_ || !shot_.colliders || !sheet().prescribed_creases.empty() || !folds_.is_on())
     return parts;
   // [1] of the longer side: where handles go farther in a frame than they do in one step
   // (substepping.h), its parts are as long as a severe conflict has to last
   constexpr double fast = 0.03, slow = 0.0105;
-  const double by_handles = relative_motion_ > fast ? relative_motion_ / slow : 1;
+  const double by_handles = now_.relative_motion > fast ? now_.relative_motion / slow : 1;
   return std::max(parts, std::clamp(static_cast<int>(std::ceil(by_handles)), 1, most));
 }
 
 void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = simulated_.sheet;
-  result_ = {};
-  step_ = {};
-  result_.frame = ++frame_;
+  now_ = {};
+  now_.result.frame = ++frame_;
   const bool first = frame_ == options_.first_frame;
   carried_.forget();
   // a sheet that is on its way down moves when it is relaxed, whatever its mesh
@@ -198,37 +198,34 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   if (first && rehearsed_doublings_ > 0)
     add_note("it begins with " + std::to_string(1 << rehearsed_doublings_) +
              " times as many triangles: in a rehearsal it stretched instead of bending");
-  singular_before_ = sheet.singular.size();
-  max_motion_ =
-      max_displacement(sheet, input_, input_before_.constraints, simulated_.positions_before);
-  idle_frames_ = max_motion_ < sleep_threshold * simulated_.side ? idle_frames_ + 1 : 0;
+  now_.singular_before = sheet.singular.size();
+  now_.max_motion =
+      max_displacement(sheet, now_.input, input_before_.constraints, simulated_.positions_before);
+  idle_frames_ = now_.max_motion < sleep_threshold * simulated_.side ? idle_frames_ + 1 : 0;
   begin_trial();
-  relative_motion_ = relative_handle_motion(sheet, input_.constraints, input_before_.constraints) /
-                     simulated_.side;
-  followed_ = 0;
-  squeeze_ = may_jam() && outcome_.on_colliders > 0
-                 ? squeeze(sheet.x, input_.colliders) / simulated_.side
-                 : 0;
-  load_parts_ = parts_of_frame();
-  const RemeshContext context = remesh_context(1.0 / load_parts_);
+  now_.relative_motion =
+      relative_handle_motion(sheet, now_.input.constraints, input_before_.constraints) /
+      simulated_.side;
+  now_.squeeze = may_jam() && outcome_.on_colliders > 0
+                     ? squeeze(sheet.x, now_.input.colliders) / simulated_.side
+                     : 0;
+  now_.load_parts = parts_of_frame();
+  const RemeshContext context = remesh_context(1.0 / now_.load_parts);
   // a sheet that has just been folded keeps its mesh: it is still coming to rest on it
   const bool keeps_mesh = first || std::exchange(folded_, false);
   if (!keeps_mesh) try_proposal(context, is_admissible);
-  came_from_ = input_before_.constraints;
-  input_before_ = input_;
-  input_before_.colliders.from = input_.colliders.to;
-  last_remesh_.reset();
-  step_start_.reset();
-  frame_start_.reset();
-  if (!keeps_mesh && result_.statistics.remesh != FrameStatistics::accepted) {
-    remesh(1.0 / load_parts_, is_admissible);
-    if (last_remesh_) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
+  now_.came_from = input_before_.constraints;
+  input_before_ = now_.input;
+  input_before_.colliders.from = now_.input.colliders.to;
+  if (!keeps_mesh && now_.result.statistics.remesh != FrameStatistics::accepted) {
+    remesh(1.0 / now_.load_parts, is_admissible);
+    if (now_.last_remesh) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
   }
   simulated_.positions_before = sheet.x;
-  is_sleeping_ = comes_to_rest();
-  is_idle_ = is_sleeping_;
-  if (first && !is_idle_)
-    is_idle_ = move_to_near_targets(sheet, input_.constraints, simulated_.side);
+  now_.is_sleeping = comes_to_rest();
+  now_.is_idle = now_.is_sleeping;
+  if (first && !now_.is_idle)
+    now_.is_idle = move_to_near_targets(sheet, now_.input.constraints, simulated_.side);
 }
 
 bool SheetSimulation::comes_to_rest() const {
@@ -247,14 +244,14 @@ void SheetSimulation::restore(SimulatedSheet::Snapshot&& back) {
 }
 
 void SheetSimulation::skip_step() {
-  step_ = {};
-  step_.last = simulated_.elastic.evaluate_energies(sheet());
-  step_.last.contact = outcome_.contact;
-  step_.last.touching = outcome_.touching;
-  step_.last.on_colliders = outcome_.on_colliders;
+  now_.step = {};
+  now_.step.last = simulated_.elastic.evaluate_energies(sheet());
+  now_.step.last.contact = outcome_.contact;
+  now_.step.last.touching = outcome_.touching;
+  now_.step.last.on_colliders = outcome_.on_colliders;
   simulated_.sheet.v.setZero();
-  trajectory_.begin(sheet());
-  trajectory_.end(sheet());
+  now_.trajectory.begin(sheet());
+  now_.trajectory.end(sheet());
 }
 
 double SheetSimulation::fastest_drive(int frame) const {
@@ -272,13 +269,13 @@ void SheetSimulation::begin_trial() {
   if (options_.release_inertia == ReleaseInertia::off || frame_ == options_.first_frame)
     release_.skip();
   else
-    release_.begin(simulated_, lets_go(input_before_.constraints, input_.constraints));
+    release_.begin(simulated_, lets_go(input_before_.constraints, now_.input.constraints));
 }
 
 bool SheetSimulation::end_trial() {
   if (!release_.is_on()) return false;
-  const ReleaseTrial::Verdict verdict =
-      release_.end(simulated_, *step_start_, step_, input_before_, fastest_drive(frame_ - 1));
+  const ReleaseTrial::Verdict verdict = release_.end(simulated_, *now_.step_start, now_.step,
+                                                     input_before_, fastest_drive(frame_ - 1));
   add_note(verdict.note);
   return verdict.needs_inertia;
 }
@@ -288,12 +285,12 @@ Points3 SheetSimulation::initial_positions() const {
 }
 
 void SheetSimulation::note_outcome() {
-  const ElasticReport& last = step_.last;
-  outcome_.at_minimum = step_.converged && !last.snap_in_progress;
+  const ElasticReport& last = now_.step.last;
+  outcome_.at_minimum = now_.step.converged && !last.snap_in_progress;
   outcome_.snap_in_progress = last.snap_in_progress;
   outcome_.contact = last.contact;
   // a sheet that is asleep lies where it fell asleep
-  if (!is_idle_) outcome_.rests_on_contact = last.on_colliders > 0 || touches_others();
+  if (!now_.is_idle) outcome_.rests_on_contact = last.on_colliders > 0 || touches_others();
   outcome_.yielded = last.plastic_increment > 0;
   outcome_.touching = last.touching;
   outcome_.on_colliders = last.on_colliders;
@@ -301,19 +298,20 @@ void SheetSimulation::note_outcome() {
 
 void SheetSimulation::finish_step(const AdmissibilityCheck& is_admissible) {
   constexpr double min_plastic_increment = 0.01;  // [1] of the fold integral, in one frame
-  result_.statistics.new_singular = static_cast<int>(sheet().singular.size() - singular_before_);
+  now_.result.statistics.new_singular =
+      static_cast<int>(sheet().singular.size() - now_.singular_before);
   note_outcome();
-  if (!is_idle_) fold_if_bent(is_admissible);
+  if (!now_.is_idle) fold_if_bent(is_admissible);
   note_outcome();
-  yielding_ = step_.last.plastic_increment > 0 &&
-              step_.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
-  if (step_.last.energy_gain > 1e-3)
+  yielding_ = now_.step.last.plastic_increment > 0 &&
+              now_.step.last.plastic_increment > min_plastic_increment * fold_integral(sheet());
+  if (now_.step.last.energy_gain > 1e-3)
     add_note("snap: a second start ended " +
-             std::to_string(static_cast<int>(std::lround(100 * step_.last.energy_gain))) +
+             std::to_string(static_cast<int>(std::lround(100 * now_.step.last.energy_gain))) +
              " % lower in energy and was taken");
   if (release_.was_let_go()) release_.observe(simulated_, fastest_drive(frame_));
-  if (options_.probe_every > 0 && !is_sleeping_ && !touches_others() && !simulated_.has_inertia() &&
-      (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
+  if (options_.probe_every > 0 && !now_.is_sleeping && !touches_others() &&
+      !simulated_.has_inertia() && (frame_ - options_.first_frame + 1) % options_.probe_every == 0)
     probe(is_admissible);
   handles_.bind_relative_handles(sheet().x, frame_);
 }
@@ -327,24 +325,24 @@ void SheetSimulation::probe(const AdmissibilityCheck& is_admissible) {
                        (sheet().x - as_it_was.sheet.x).rowwise().norm().maxCoeff()))
       return restore(std::move(as_it_was));
     const ElasticReport stored = simulated_.elastic.evaluate_energies(sheet());
-    step_.last.energy = stored.energy;
-    step_.last.membrane = stored.membrane;
+    now_.step.last.energy = stored.energy;
+    now_.step.last.membrane = stored.membrane;
   }
   add_note(note_of(found));
 }
 
-void SheetSimulation::add_note(const std::string& note) { append_note(result_.note, note); }
+void SheetSimulation::add_note(const std::string& note) { append_note(now_.result.note, note); }
 
 void SheetSimulation::finalize(Output how) {
-  if (is_sleeping_ && frame_ != options_.first_frame) return;
+  if (now_.is_sleeping && frame_ != options_.first_frame) return;
   output_sheet_ = how == Output::simulated_sheet
                       ? sheet()
-                      : finished(*method_, sheet(), input_, simulated_.elastic, step_.last);
-  inside_ = simulated_.elastic.inside(output_sheet_, input_.colliders.to);
+                      : finished(*method_, sheet(), now_.input, simulated_.elastic, now_.step.last);
+  inside_ = simulated_.elastic.inside(output_sheet_, now_.input.colliders.to);
 }
 
 AnimatedFrame SheetSimulation::report() {
-  AnimatedFrame result = std::move(result_);
+  AnimatedFrame result = std::move(now_.result);
   result.sheet_index = number_;
   result.keys_until = std::max(frame_, keys_until_);
   if (folds_.has_looked_ahead())
@@ -359,15 +357,15 @@ AnimatedFrame SheetSimulation::report() {
     append_note(result.note, note_of_yielding(result.handles));
   FrameStatistics& statistics = result.statistics;
   statistics.inertia = simulated_.has_inertia();
-  statistics.substeps = step_.substeps;
-  statistics.newton_iterations = step_.iterations;
-  statistics.converged = step_.converged;
-  statistics.energy = step_.last.energy;
-  statistics.membrane_energy = step_.last.membrane;
-  statistics.contact = step_.last.contact;
-  statistics.touching = step_.last.touching;
-  statistics.touching_others = step_.last.touching_others;
-  statistics.on_colliders = step_.last.on_colliders;
+  statistics.substeps = now_.step.substeps;
+  statistics.newton_iterations = now_.step.iterations;
+  statistics.converged = now_.step.converged;
+  statistics.energy = now_.step.last.energy;
+  statistics.membrane_energy = now_.step.last.membrane;
+  statistics.contact = now_.step.last.contact;
+  statistics.touching = now_.step.last.touching;
+  statistics.touching_others = now_.step.last.touching_others;
+  statistics.on_colliders = now_.step.last.on_colliders;
   statistics.inside_colliders = inside_;
   statistics.plastic = simulated_.plastic_grid ? simulated_.plastic_grid->integral() : 0;
   result.plastic_grid = simulated_.plastic_grid ? &*simulated_.plastic_grid : nullptr;

@@ -37,13 +37,13 @@ class SheetSimulation {
   /// too coarse for its bends.
   bool stretches_instead_of_bending() const;
   /// Relative motion of the handles in the present frame. [1] of the longer side
-  double relative_motion() const { return relative_motion_; }
+  double relative_motion() const { return now_.relative_motion; }
 
   /// Begins the next frame: where its handles are, and which mesh it is simulated on.
   void prepare(const AdmissibilityCheck& is_admissible);
 
   /// True if the frame needs no solve: the sheet is at rest, or it begins as it was modelled.
-  bool is_idle() const { return is_idle_; }
+  bool is_idle() const { return now_.is_idle; }
 
   /// The elastic step of this sheet alone; one that is idle stays where it is. With a recorded
   /// trajectory the step can be undone.
@@ -59,7 +59,7 @@ class SheetSimulation {
                             InitialGap,
                             const std::function<AdmissibilityCheck(std::size_t)>& is_admissible);
   /// Where the sheet was during this frame, from its start on.
-  const std::vector<TrajectoryPoint>& trajectory() const { return trajectory_.points(); }
+  const std::vector<TrajectoryPoint>& trajectory() const { return now_.trajectory.points(); }
 
   /// Ends the step: stores what the next frame has to know of it, and searches for another branch
   /// when a search is due.
@@ -76,9 +76,9 @@ class SheetSimulation {
   /// Positions of its vertices at the start of the shot, on its present mesh. |V|x3 [m]
   Points3 initial_positions() const;
   const Sheet& output_sheet() const { return output_sheet_; }
-  const PositionConstraints& constraints() const { return input_.constraints; }
+  const PositionConstraints& constraints() const { return now_.input.constraints; }
   const Elastic& elastic() const { return simulated_.elastic; }
-  bool touches_others() const { return step_.last.touching_others > 0; }
+  bool touches_others() const { return now_.step.last.touching_others > 0; }
 
   std::vector<double> dhat;  // [m] dhat between this sheet and each sheet before it
 
@@ -110,6 +110,27 @@ class SheetSimulation {
     AnimatedFrame result;
   };
 
+  /// What is known of the present frame alone.
+  struct PresentFrame {
+    StepInput input;
+    double followed = 0;  // [1] of the frame, as far as the sheet has followed its colliders
+    // the targets of the frame before, from which the handles come
+    PositionConstraints came_from;
+    double relative_motion = 0;  // [1] relative motion of the handles, of the longer side
+    double squeeze = 0;          // [1] how far colliders squeeze the sheet, of the longer side
+    double max_motion = 0;       // [m] of a handle, a collider or a vertex (motion_measures.h)
+    int load_parts = 1;          // number of parts in which the step is taken
+    std::size_t singular_before = 0;
+    bool is_idle = false, is_sleeping = false;
+    std::optional<LastRemesh> last_remesh;               // none that could be undone
+    std::optional<SimulatedSheet::Snapshot> step_start;  // none that can be gone back to
+    std::optional<FrameStart> frame_start;               // none: step_start is where it began
+    Trajectory trajectory;
+    std::vector<TrajectoryPoint> path_of_step;  // that is being taken
+    FrameStepResult step;
+    AnimatedFrame result;
+  };
+
   void archive(Serializer&);
   /// Where handles, hands and colliders are in the present frame.
   void move_world();
@@ -130,15 +151,15 @@ class SheetSimulation {
   /// Lets the method change the mesh, unless the sheet comes nearer to others by that. share: [1]
   /// of the frame
   void remesh(double share, const AdmissibilityCheck& is_admissible);
-  /// returns  whether the mesh is another one now; last_remesh_ then keeps the one before
+  /// returns  whether the mesh is another one now; now_.last_remesh then keeps the one before
   bool change_mesh(const RemeshContext&);
   bool cuts_into_collider(const Sheet& before) const;
-  /// The input of a part of the frame. part: 1 to load_parts_
+  /// The input of a part of the frame. part: 1 to now_.load_parts
   StepInput input_of_part(int part) const;
   /// Begins a trial of this frame without inertia, if there is reason for one (release_trial.h).
   void begin_trial();
   /// Ends it, with inertia if it has failed. returns  whether the step is to be taken again, from
-  /// step_start_
+  /// now_.step_start
   bool end_trial();
   /// [m/s] of the fastest handle or collider in a frame
   double fastest_drive(int frame) const;
@@ -176,7 +197,7 @@ class SheetSimulation {
   bool settle();
   /// Leaves a jammed sheet behind where the colliders were when it last followed them.
   void hold_if_jammed();
-  /// Whether colliders bend the smooth sheet so sharply that its facets hook on each other.
+  /// Whether colliders bend the smooth sheet so sharply that its triangles hook on each other.
   bool is_held_back_by_mesh() const;
   /// Goes back to the start of the step, on a finer mesh. returns  false if there is none
   bool refine_mesh(SimulatedSheet::Snapshot&& begun);
@@ -210,24 +231,7 @@ class SheetSimulation {
   double inside_ = 0;  // [m] how deep the output sheet lies inside a collider
   ColliderJam jam_;
 
-  // of the present frame
-  StepInput input_;
-  double followed_ = 0;  // [1] of the frame, as far as the sheet has followed its colliders
-  // the targets of the frame before, from which the handles come
-  PositionConstraints came_from_;
-  double relative_motion_ = 0;  // [1] relative motion of the handles, of the longer side
-  double squeeze_ = 0;          // [1] how far colliders squeeze the sheet, of the longer side
-  double max_motion_ = 0;       // [m] of a handle, a collider or a vertex (motion_measures.h)
-  int load_parts_ = 1;          // number of parts in which the step is taken
-  std::size_t singular_before_ = 0;
-  bool is_idle_ = false, is_sleeping_ = false;
-  std::optional<LastRemesh> last_remesh_;               // none that could be undone
-  std::optional<SimulatedSheet::Snapshot> step_start_;  // none that can be gone back to
-  std::optional<FrameStart> frame_start_;               // none: step_start_ is where it began
-  Trajectory trajectory_;
-  std::vector<TrajectoryPoint> path_of_step_;  // that is being taken
-  FrameStepResult step_;
-  AnimatedFrame result_;
+  PresentFrame now_;
 };
 
 }  // namespace paperbake

@@ -23,47 +23,48 @@ RemeshContext SheetSimulation::remesh_context(double share) const {
   const Sheet& sheet = simulated_.sheet;
   return {simulated_.fixed,
           simulated_.plastic_grid ? &*simulated_.plastic_grid : nullptr,
-          isolated_moving_handles(sheet, input_.constraints, motion_threshold * simulated_.side,
+          isolated_moving_handles(sheet, now_.input.constraints, motion_threshold * simulated_.side,
                                   0.15 * shorter_side(shot_.pattern)),
-          {frame_, 1 / options_.fps, max_motion_ / simulated_.side},
-          max_motion_ > motion_threshold * simulated_.side,
+          {frame_, 1 / options_.fps, now_.max_motion / simulated_.side},
+          now_.max_motion > motion_threshold * simulated_.side,
           outcome_.snap_in_progress,
           outcome_.at_minimum,
           yielding_,
           outcome_.rests_on_contact,
-          share * relative_motion_,
+          share * now_.relative_motion,
           share * rms_deformation(simulated_.positions_before, sheet.x) / simulated_.side,
-          share * squeeze_,
+          share * now_.squeeze,
           false,
           [this] { return simulated_.elastic.local_energies(simulated_.sheet); }};
 }
 
 void SheetSimulation::remesh(double share, const AdmissibilityCheck& is_admissible) {
-  if (change_mesh(remesh_context(share)) && !is_admissible(last_remesh_->before.sheet, sheet(), 0))
+  if (change_mesh(remesh_context(share)) &&
+      !is_admissible(now_.last_remesh->before.sheet, sheet(), 0))
     undo_remesh();
 }
 
 bool SheetSimulation::change_mesh(const RemeshContext& context) {
   Sheet& sheet = simulated_.sheet;
   Sheet unchanged = sheet;
-  last_remesh_.reset();
+  now_.last_remesh.reset();
   const MeshChange change = method_->remesh(sheet, context);
   if (change == MeshChange::none) return false;
-  last_remesh_ = {{std::move(unchanged), simulated_.elastic.state()},
-                  outcome_.at_minimum,
-                  change == MeshChange::moved};
-  if (last_remesh_->vertices_moved)
-    simulated_.carry_over(last_remesh_->before.sheet);
+  now_.last_remesh = {{std::move(unchanged), simulated_.elastic.state()},
+                      outcome_.at_minimum,
+                      change == MeshChange::moved};
+  if (now_.last_remesh->vertices_moved)
+    simulated_.carry_over(now_.last_remesh->before.sheet);
   else
     simulated_.update_solver();
-  if (!cuts_into_collider(last_remesh_->before.sheet)) return true;
+  if (!cuts_into_collider(now_.last_remesh->before.sheet)) return true;
   undo_remesh();
   return false;
 }
 
 void SheetSimulation::undo_remesh() {
-  restore(std::move(last_remesh_->before));
-  last_remesh_.reset();
+  restore(std::move(now_.last_remesh->before));
+  now_.last_remesh.reset();
   simulated_.positions_before = sheet().x;
 }
 
@@ -72,18 +73,20 @@ void SheetSimulation::undo_remesh() {
 bool SheetSimulation::cuts_into_collider(const Sheet& before) const {
   constexpr double deepest = 2e-5;  // [m]
   if (outcome_.on_colliders == 0) return false;
-  const ColliderShapes now = followed_ > 0
-                                 ? between(input_.colliders.from, input_.colliders.to, followed_)
-                                 : input_.colliders.from;
+  const ColliderShapes now =
+      now_.followed > 0 ? between(now_.input.colliders.from, now_.input.colliders.to, now_.followed)
+                        : now_.input.colliders.from;
   const double depth = simulated_.elastic.inside(sheet(), now);
   return depth > deepest && depth > simulated_.elastic.on_mesh(before).inside(before, now);
 }
 
 bool SheetSimulation::is_locked() const {
-  if (!last_remesh_ || !step_.last.contact || step_.converged) return false;
-  return (last_remesh_->vertices_moved && (last_remesh_->was_at_minimum || squeeze_ == 0)) ||
+  if (!now_.last_remesh || !now_.step.last.contact || now_.step.converged) return false;
+  return (now_.last_remesh->vertices_moved &&
+          (now_.last_remesh->was_at_minimum || now_.squeeze == 0)) ||
          length_distortion(sheet()).largest >
-             std::max(jammed_stretch, 4 * length_distortion(last_remesh_->before.sheet).largest);
+             std::max(jammed_stretch,
+                      4 * length_distortion(now_.last_remesh->before.sheet).largest);
 }
 
 void SheetSimulation::try_proposal(const RemeshContext& context,
@@ -96,9 +99,9 @@ void SheetSimulation::try_proposal(const RemeshContext& context,
       try_swap_mesh(sheet, simulated_.elastic, {std::move(*proposal), std::move(stiffening)},
                     input_before_, 1 / options_.fps, is_admissible);
   method_->on_proposal_result(verdict.accepted, context.now);
-  result_.statistics.remesh =
+  now_.result.statistics.remesh =
       verdict.accepted ? FrameStatistics::accepted : FrameStatistics::rejected;
-  result_.statistics.remesh_rise = verdict.rise;
+  now_.result.statistics.remesh_rise = verdict.rise;
   if (!verdict.accepted) return;
   simulated_.has_bends = false;
   carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
@@ -109,15 +112,15 @@ bool SheetSimulation::refine_mesh(SimulatedSheet::Snapshot&& begun) {
   if (!finer) return false;
   restore(std::move(begun));
   simulated_.put_on(std::move(*finer));
-  last_remesh_.reset();
+  now_.last_remesh.reset();
   folds_.forget();
-  step_ = {};
+  now_.step = {};
   return true;
 }
 
 bool SheetSimulation::is_held_back_by_mesh() const {
-  return step_.failure_reason.empty() && step_.last.on_colliders > 0 && simulated_.is_smooth() &&
-         mean_square_fold(sheet()) > fold_that_hooks;
+  return now_.step.failure_reason.empty() && now_.step.last.on_colliders > 0 &&
+         simulated_.is_smooth() && mean_square_fold(sheet()) > fold_that_hooks;
 }
 
 bool SheetSimulation::may_refine() const {
@@ -130,8 +133,9 @@ bool SheetSimulation::may_start_finer() const {
 }
 
 bool SheetSimulation::stretches_instead_of_bending() const {
-  return step_.failure_reason.empty() && simulated_.is_smooth() &&
-         step_.last.stretches_instead_of_bending() && mean_square_fold(sheet()) > fold_that_hooks;
+  return now_.step.failure_reason.empty() && simulated_.is_smooth() &&
+         now_.step.last.stretches_instead_of_bending() &&
+         mean_square_fold(sheet()) > fold_that_hooks;
 }
 
 bool SheetSimulation::refine_where_jammed() {
@@ -144,11 +148,12 @@ bool SheetSimulation::refine_where_jammed() {
 bool SheetSimulation::refine_jammed_smooth_mesh() {
   const SimulatedSheet::Snapshot kept = simulated_.snapshot();
   const std::vector<char> fixed = simulated_.fixed;
-  const FrameStepResult jammed = step_;
-  const ColliderShapes now = between(input_.colliders.from, input_.colliders.to, followed_);
+  const FrameStepResult jammed = now_.step;
+  const ColliderShapes now =
+      between(now_.input.colliders.from, now_.input.colliders.to, now_.followed);
   const double depth = simulated_.elastic.inside(sheet(), now);
   if (!refine_mesh(SimulatedSheet::Snapshot(kept))) return false;
-  step_ = jammed;
+  now_.step = jammed;
   if (crossings(sheet()) == 0 &&
       simulated_.elastic.inside(sheet(), now) <= std::max(depth, yield_depth))
     return true;
@@ -168,10 +173,10 @@ void SheetSimulation::fold_if_bent(const AdmissibilityCheck& is_admissible) {
   simulated_.elastic = std::move(fold->elastic);
   simulated_.fixed = std::move(fold->fixed);
   simulated_.positions_before = sheet().x;
-  fold->step.substeps += step_.substeps;
-  fold->step.iterations += step_.iterations;
-  step_ = std::move(fold->step);
-  last_remesh_.reset();
+  fold->step.substeps += now_.step.substeps;
+  fold->step.iterations += now_.step.iterations;
+  now_.step = std::move(fold->step);
+  now_.last_remesh.reset();
   folded_ = true;
 }
 

@@ -12,107 +12,108 @@
 namespace paperbake {
 
 StepInput SheetSimulation::input_of_part(int part) const {
-  StepInput input = input_;
-  const double share = double(part) / load_parts_;
+  StepInput input = now_.input;
+  const double share = double(part) / now_.load_parts;
   for (PositionConstraint& c : input.constraints) {
     const auto before =
-        std::find_if(came_from_.begin(), came_from_.end(),
+        std::find_if(now_.came_from.begin(), now_.came_from.end(),
                      [&](const PositionConstraint& other) { return other.vertex == c.vertex; });
-    if (before != came_from_.end()) c.target = (1 - share) * before->target + share * c.target;
+    if (before != now_.came_from.end()) c.target = (1 - share) * before->target + share * c.target;
   }
   input.time -= (1 - share) / options_.fps;
-  input.colliders.from = between(input_.colliders.from, input_.colliders.to, followed_);
-  input.colliders.to = between(input_.colliders.from, input_.colliders.to, share);
+  input.colliders.from = between(now_.input.colliders.from, now_.input.colliders.to, now_.followed);
+  input.colliders.to = between(now_.input.colliders.from, now_.input.colliders.to, share);
   return input;
 }
 
 /// Holds a sheet that cannot follow its handles where it is, until they are where it can.
 void SheetSimulation::hold_if_infeasible() {
-  if (step_.failure_reason.empty()) return;
+  if (now_.step.failure_reason.empty()) return;
   if (frame_ == options_.first_frame)
-    throw Error(ErrorCode::simulation, frame_interval({}).where, step_.failure_reason,
+    throw Error(ErrorCode::simulation, frame_interval({}).where, now_.step.failure_reason,
                 "Let the sheet start where its handles are.");
-  add_note("it stays as it was: " + step_.failure_reason);
+  add_note("it stays as it was: " + now_.step.failure_reason);
   skip_step();
-  step_.converged = false;
+  now_.step.converged = false;
   for (PositionConstraint& c : input_before_.constraints) c.target = sheet().x.row(c.vertex);
 }
 
 DrivenSheet SheetSimulation::driven_sheet(RecordTrajectory trace) {
   return {simulated_.elastic,
           simulated_.sheet,
-          input_,
-          relative_motion_,
+          now_.input,
+          now_.relative_motion,
           simulated_.side,
-          trace == RecordTrajectory::yes ? &path_of_step_ : nullptr,
+          trace == RecordTrajectory::yes ? &now_.path_of_step : nullptr,
           {},
           may_jam()};
 }
 
 DrivenSheet SheetSimulation::driven_in_part(RecordTrajectory trace, int part) {
   DrivenSheet driven = driven_sheet(trace);
-  if (load_parts_ == 1 && followed_ == 0) return driven;
+  if (now_.load_parts == 1 && now_.followed == 0) return driven;
   driven.input = input_of_part(part);
-  driven.relative_motion /= load_parts_;
+  driven.relative_motion /= now_.load_parts;
   return driven;
 }
 
 bool SheetSimulation::may_jam() const {
-  return !joined_ && shot_.colliders && input_.constraints.empty();
+  return !joined_ && shot_.colliders && now_.input.constraints.empty();
 }
 
 FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
           1 / options_.fps,
           simulated_.has_inertia() ? inertial_halvings_
-          : jam_.is_on()           ? halvings_of_squeeze(input_.colliders)
+          : jam_.is_on()           ? halvings_of_squeeze(now_.input.colliders)
                                    : 0,
           dhat_of_sheets};
 }
 
 void SheetSimulation::begin_step(RecordTrajectory trace) {
-  if (trace == RecordTrajectory::yes || release_.is_on()) step_start_ = simulated_.snapshot();
-  path_of_step_.clear();
+  if (trace == RecordTrajectory::yes || release_.is_on()) now_.step_start = simulated_.snapshot();
+  now_.path_of_step.clear();
 }
 
 bool SheetSimulation::may_step_in_parts() const {
-  return load_parts_ > 1 || may_jam() || may_refine();
+  return now_.load_parts > 1 || may_jam() || may_refine();
 }
 
 void SheetSimulation::keep_frame_start() {
-  if (frame_start_) return;
+  if (now_.frame_start) return;
   Serializer begun;
   archive(begun);
-  frame_start_.emplace(FrameStart{begun.bytes(), simulated_.elastic.inertia(), release_, result_});
+  now_.frame_start.emplace(
+      FrameStart{begun.bytes(), simulated_.elastic.inertia(), release_, now_.result});
 }
 
 void SheetSimulation::undo_step() {
-  if (!frame_start_) return roll_back();
+  if (!now_.frame_start) return roll_back();
   carried_.forget();
-  simulated_.elastic.set_inertia(frame_start_->inertia);
-  Serializer begun(frame_start_->state);
+  simulated_.elastic.set_inertia(now_.frame_start->inertia);
+  Serializer begun(now_.frame_start->state);
   archive(begun);
-  release_ = frame_start_->release;
-  result_ = frame_start_->result;
-  step_start_.reset();
-  last_remesh_.reset();
-  step_ = {};
-  followed_ = 0;
+  release_ = now_.frame_start->release;
+  now_.result = now_.frame_start->result;
+  now_.step_start.reset();
+  now_.last_remesh.reset();
+  now_.step = {};
+  now_.followed = 0;
 }
 
 void SheetSimulation::roll_back() {
-  if (!step_start_) return;
-  simulated_.sheet = step_start_->sheet;
-  simulated_.elastic.restore(step_start_->state);
+  if (!now_.step_start) return;
+  simulated_.sheet = now_.step_start->sheet;
+  simulated_.elastic.restore(now_.step_start->state);
 }
 
 void SheetSimulation::step_part(RecordTrajectory trace, int part) {
-  const double begun = followed_ > 0 ? followed_ : double(part - 1) / load_parts_;
+  const double begun = now_.followed > 0 ? now_.followed : double(part - 1) / now_.load_parts;
   const auto take_step = [&] {
     begin_step(trace);
     FrameInterval interval = frame_interval({});
-    interval.dt /= load_parts_;
-    step_ = advance_frame({driven_in_part(trace, part)}, interval).front();
+    interval.dt /= now_.load_parts;
+    now_.step = advance_frame({driven_in_part(trace, part)}, interval).front();
   };
   const auto take_unlocked_step = [&] {
     take_step();
@@ -126,32 +127,32 @@ void SheetSimulation::step_part(RecordTrajectory trace, int part) {
     take_unlocked_step();
   }
   if (trace == RecordTrajectory::yes)
-    trajectory_.append(sheet(), path_of_step_, begun, double(part) / load_parts_);
+    now_.trajectory.append(sheet(), now_.path_of_step, begun, double(part) / now_.load_parts);
 }
 
 void SheetSimulation::step(RecordTrajectory trace, const AdmissibilityCheck& is_admissible) {
   joined_ = false;
-  if (is_idle_) return skip_step();
+  if (now_.is_idle) return skip_step();
   if (trace == RecordTrajectory::yes && may_step_in_parts()) keep_frame_start();
   const bool refines = may_refine();
   for (;;) {
     std::optional<SimulatedSheet::Snapshot> begun;
     if (refines) begun = simulated_.snapshot();
-    trajectory_.begin(sheet());
+    now_.trajectory.begin(sheet());
     step_in_parts(trace, is_admissible);
     if (!refines || !is_held_back_by_mesh() || !refine_mesh(std::move(*begun))) break;
   }
   hold_if_infeasible();
   hold_if_jammed();
-  trajectory_.end(sheet());
+  now_.trajectory.end(sheet());
 }
 
 /// Adds what the parts of the frame before the last one have taken.
 void SheetSimulation::add_to_step(const FrameStepResult& before) {
-  step_.substeps += before.substeps;
-  step_.iterations += before.iterations;
-  step_.converged &= before.converged;
-  step_.last.plastic_increment += before.last.plastic_increment;
+  now_.step.substeps += before.substeps;
+  now_.step.iterations += before.iterations;
+  now_.step.converged &= before.converged;
+  now_.step.last.plastic_increment += before.last.plastic_increment;
 }
 
 bool SheetSimulation::settle() {
@@ -160,7 +161,7 @@ bool SheetSimulation::settle() {
   const SimulatedSheet::Snapshot begun = simulated_.snapshot();
   DrivenSheet target = driven_sheet(RecordTrajectory::no);
   ColliderMotion& at = target.input.colliders;
-  at.from = at.to = between(at.from, at.to, followed_);
+  at.from = at.to = between(at.from, at.to, now_.followed);
   FrameInterval interval = frame_interval({});
   interval.min_halvings = 0;
   const FrameStepResult rest = advance_frame({target}, interval).front();
@@ -169,52 +170,52 @@ bool SheetSimulation::settle() {
     restore(SimulatedSheet::Snapshot(begun));
     return false;
   }
-  step_.substeps += rest.substeps;
-  step_.iterations += rest.iterations;
-  const double yielded = step_.last.plastic_increment;
-  step_.last = rest.last;
-  step_.last.plastic_increment += yielded;
+  now_.step.substeps += rest.substeps;
+  now_.step.iterations += rest.iterations;
+  const double yielded = now_.step.last.plastic_increment;
+  now_.step.last = rest.last;
+  now_.step.last.plastic_increment += yielded;
   return after < pressed_less * before;
 }
 
 void SheetSimulation::hold_if_jammed() {
   jam_.release();
-  if (step_.followed == 1 || !step_.failure_reason.empty()) return;
-  jam_.hold(input_.colliders, followed_);
-  if (followed_ == 0) {
-    const FrameStepResult tried = step_;
+  if (now_.step.followed == 1 || !now_.step.failure_reason.empty()) return;
+  jam_.hold(now_.input.colliders, now_.followed);
+  if (now_.followed == 0) {
+    const FrameStepResult tried = now_.step;
     skip_step();
-    step_.iterations = tried.iterations;
-    step_.converged = false;
+    now_.step.iterations = tried.iterations;
+    now_.step.converged = false;
   }
-  add_note(jam_.note(input_.colliders.to));
+  add_note(jam_.note(now_.input.colliders.to));
 }
 
 void SheetSimulation::step_in_parts(RecordTrajectory trace,
                                     const AdmissibilityCheck& is_admissible) {
   constexpr int most_refinements = 4;
   int refinements = 0;
-  followed_ = 0;
+  now_.followed = 0;
   FrameStepResult before;
-  for (int part = 1; part <= load_parts_ && step_.failure_reason.empty(); ++part) {
-    const bool again = step_.followed < 1;
+  for (int part = 1; part <= now_.load_parts && now_.step.failure_reason.empty(); ++part) {
+    const bool again = now_.step.followed < 1;
     if (part > 1 && !again && !std::exchange(folded_, false))
-      remesh(1.0 / load_parts_, is_admissible);
-    before = step_;
+      remesh(1.0 / now_.load_parts, is_admissible);
+    before = now_.step;
     if (!again) remember(part);
     step_part(trace, part);
     before.converged |= again;
     add_to_step(before);
-    outcome_.at_minimum = step_.converged && !step_.last.snap_in_progress;
-    followed_ += step_.followed * (double(part) / load_parts_ - followed_);
-    if (step_.followed < 1) {
+    outcome_.at_minimum = now_.step.converged && !now_.step.last.snap_in_progress;
+    now_.followed += now_.step.followed * (double(part) / now_.load_parts - now_.followed);
+    if (now_.step.followed < 1) {
       const bool finer = refinements++ < most_refinements && refine_where_jammed();
-      const bool stays = !finer && followed_ == 0 && jam_.is_on();
+      const bool stays = !finer && now_.followed == 0 && jam_.is_on();
       if (refinements > most_refinements || stays) return;
       if (!settle() && !finer) return;
       --part;
-    } else if (part < load_parts_) {
-      followed_ = double(part) / load_parts_;
+    } else if (part < now_.load_parts) {
+      now_.followed = double(part) / now_.load_parts;
       note_outcome();
       fold_if_bent(is_admissible);
     }
@@ -226,7 +227,7 @@ void SheetSimulation::step_part_together(const std::vector<SheetSimulation*>& al
   const auto take_step = [&] {
     std::vector<DrivenSheet> followers;
     FrameInterval interval = all.front()->frame_interval(dhat);
-    interval.dt /= all.front()->load_parts_;
+    interval.dt /= all.front()->now_.load_parts;
     for (SheetSimulation* a : all) {
       a->begin_step(RecordTrajectory::yes);
       followers.push_back(a->driven_in_part(RecordTrajectory::yes, part));
@@ -235,7 +236,7 @@ void SheetSimulation::step_part_together(const std::vector<SheetSimulation*>& al
       interval.min_halvings = std::max(interval.min_halvings, a->frame_interval({}).min_halvings);
     }
     const std::vector<FrameStepResult> steps = advance_frame(followers, interval);
-    for (std::size_t k = 0; k < all.size(); ++k) all[k]->step_ = steps[k];
+    for (std::size_t k = 0; k < all.size(); ++k) all[k]->now_.step = steps[k];
   };
   const auto take_unlocked_step = [&] {
     take_step();
@@ -263,35 +264,35 @@ void SheetSimulation::step_together(
   for (SheetSimulation* a : all) {
     a->undo_step();
     a->joined_ = true;
-    a->is_idle_ = a->is_sleeping_ = false;
-    a->trajectory_.begin(a->sheet());
-    parts = std::max(parts, a->load_parts_);
+    a->now_.is_idle = a->now_.is_sleeping = false;
+    a->now_.trajectory.begin(a->sheet());
+    parts = std::max(parts, a->now_.load_parts);
   }
   for (SheetSimulation* a : all) {
-    a->load_parts_ = parts;
+    a->now_.load_parts = parts;
     if (parts > 1) a->keep_frame_start();
   }
   for (int part = 1; part <= parts; ++part) {
     std::vector<FrameStepResult> before;
     for (SheetSimulation* a : all) {
       if (part > 1) a->remesh(1.0 / parts, is_admissible(a->number_));
-      before.push_back(a->step_);
+      before.push_back(a->now_.step);
     }
     step_part_together(all, dhat, gap, part);
     for (std::size_t k = 0; k < all.size(); ++k) {
       SheetSimulation& a = *all[k];
-      a.trajectory_.append(a.sheet(), a.path_of_step_, double(part - 1) / parts,
-                           double(part) / parts);
+      a.now_.trajectory.append(a.sheet(), a.now_.path_of_step, double(part - 1) / parts,
+                               double(part) / parts);
       if (part > 1) a.add_to_step(before[k]);
-      a.followed_ = double(part) / parts;
-      a.outcome_.at_minimum = a.step_.converged && !a.step_.last.snap_in_progress;
+      a.now_.followed = double(part) / parts;
+      a.outcome_.at_minimum = a.now_.step.converged && !a.now_.step.last.snap_in_progress;
       if (part < parts) a.note_outcome();
     }
-    if (!all.front()->step_.failure_reason.empty()) break;
+    if (!all.front()->now_.step.failure_reason.empty()) break;
   }
   for (SheetSimulation* a : all) {
     a->hold_if_infeasible();
-    a->trajectory_.end(a->sheet());
+    a->now_.trajectory.end(a->sheet());
     a->jam_.release();
     a->folds_.forget();
   }

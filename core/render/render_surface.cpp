@@ -31,7 +31,7 @@ struct RenderSurface::ForFrames {
 };
 
 RenderSurface::RenderSurface(RenderMesh mesh, const ShapeFitOptions& options, int refine)
-    : facets_(mesh.simulated_edges == SimulatedEdges::kept ? Facets::own : Facets::cut),
+    : simulated_edges_(mesh.simulated_edges),
       coarse_(std::move(mesh)),
       fit_options_(options),
       coarse_normals_(normals_of(coarse_)) {
@@ -149,33 +149,33 @@ Points3 RenderSurface::linear_positions(const Sheet& sheet,
   return linear_positions;
 }
 
-bool RenderSurface::may_have_intersecting_facets(const Sheet& sheet) const {
+bool RenderSurface::may_have_intersecting_triangles(const Sheet& sheet) const {
   // a chord across a fold is no farther from it than half its length
   const double farthest = 0.5 * mean_edge_;
   return may_meet_itself(sheet, Eigen::VectorXd::Constant(sheet.triangles.rows(), farthest));
 }
 
-std::vector<int> RenderSurface::intersecting_facets(const Sheet& sheet,
-                                                    const std::vector<MeshPoint>& places) const {
+std::vector<int> RenderSurface::intersecting_triangles(const Sheet& sheet,
+                                                       const std::vector<MeshPoint>& places) const {
   const std::vector<std::pair<int, int>> pairs =
       apart_->intersections(linear_positions(sheet, places));
   if (pairs.empty() || paperbake::crossings(sheet) > 0) return {};
-  std::set<int> facets;
+  std::set<int> triangles;
   const auto add = [&](int vertex) {
     const int in_middle = vertex - static_cast<int>(places.size());
     if (in_middle < 0) {
-      facets.insert(places[vertex].triangle);
+      triangles.insert(places[vertex].triangle);
       return;
     }
-    facets.insert(places[fine_->middles[in_middle].a].triangle);
-    facets.insert(places[fine_->middles[in_middle].b].triangle);
+    triangles.insert(places[fine_->middles[in_middle].a].triangle);
+    triangles.insert(places[fine_->middles[in_middle].b].triangle);
   };
   for (const auto& [a, b] : pairs)
     for (int i = 0; i < 3; ++i) {
       add(mesh().triangles(a, i));
       add(mesh().triangles(b, i));
     }
-  return {facets.begin(), facets.end()};
+  return {triangles.begin(), triangles.end()};
 }
 
 /// returns  whether x was changed
@@ -185,7 +185,7 @@ bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
   const Untangler::Lengths lengths{[this](Points3& at) { limit_strain(at); },
                                    [this](const Points3& at) { return worst_edge(at); }};
   // between simulated edges there are needles, which may turn over where no layers meet
-  if (facets_ == Facets::own)
+  if (simulated_edges_ == SimulatedEdges::kept)
     return apart_->untangle_alternating(x, exact, lengths, is_held_).changed;
   Eigen::VectorXd off = Eigen::VectorXd::Zero(sheet.triangles.rows());
   for (std::size_t v = 0; v < places.size(); ++v)
@@ -196,14 +196,14 @@ bool RenderSurface::keep_apart(Points3& x, const Sheet& sheet,
   Points3 mended = exact;
   limit_strain(mended);
   const PointLocator locator(sheet.pattern, sheet.triangles);
-  const auto facet_at = [&](const Vector2d& p) {
+  const auto flat_at = [&](const Vector2d& p) {
     return interpolate(locator.locate(p), sheet.triangles, sheet.x);
   };
-  Untangler::Outcome outcome = (*apart_)(x, mended, facet_at, is_held_);
+  Untangler::Outcome outcome = (*apart_)(x, mended, flat_at, is_held_);
   const bool changed = outcome.changed;
   for (int turn = 0; outcome.changed && turn < max_turns; ++turn) {
     limit_strain(x);
-    outcome = (*apart_)(x, mended, facet_at, is_held_);
+    outcome = (*apart_)(x, mended, flat_at, is_held_);
   }
   if (!outcome.apart) apart_->untangle_alternating(x, exact, lengths, is_held_);
   return changed;

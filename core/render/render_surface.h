@@ -80,13 +80,13 @@ class RenderSurface {
   Points3 linear_positions(const Sheet&, const std::vector<MeshPoint>& places) const;
 
   /// False where the layers of a simulated sheet are so far from each other that
-  /// intersecting_facets() are none, wherever the vertices of mesh() lie on them.
-  bool may_have_intersecting_facets(const Sheet&) const;
+  /// intersecting_triangles() are none, wherever the vertices of mesh() lie on them.
+  bool may_have_intersecting_triangles(const Sheet&) const;
 
   /// The triangles of the simulated sheet at which linear_positions(), joined by the triangles of
   /// mesh(), pass through each other although the sheet does not, because its layers are very near
   /// each other. In order.
-  std::vector<int> intersecting_facets(const Sheet&, const std::vector<MeshPoint>& places) const;
+  std::vector<int> intersecting_triangles(const Sheet&, const std::vector<MeshPoint>& places) const;
 
   /// Computes everything else that a frame has from its positions.
   void shade(RenderFrame&) const;
@@ -99,13 +99,11 @@ class RenderSurface {
   int crossings(const Points3& x) const;
 
  private:
-  // cut: the simulated edges cut through triangles of the mesh; own: they are edges of the mesh
-  enum class Facets { cut, own };
   bool keep_apart(Points3& x, const Sheet&, const std::vector<MeshPoint>&) const;
 
   struct ForFrames;
 
-  Facets facets_;
+  SimulatedEdges simulated_edges_;
   RenderMesh coarse_;
   ShapeFitOptions fit_options_;
   CreasedNormals coarse_normals_;

@@ -90,10 +90,10 @@ RenderFeatures ShotRecord::features(const Shot& shot) const {
   return features;
 }
 
-std::vector<CreaseSegment> ShotRecord::edges(const std::set<Facet>& facets) const {
+std::vector<CreaseSegment> ShotRecord::edges(const std::set<SimulatedTriangle>& triangles) const {
   std::map<std::array<long, 4>, CreaseSegment> found;
   std::map<int, Hinges> hinges;  // of the meshes
-  for (const auto& [m, triangle] : facets) {
+  for (const auto& [m, triangle] : triangles) {
     const Mesh& mesh = meshes_[m];
     if (!hinges.count(m)) hinges[m] = find_hinges(mesh.triangles);
     for (const int h : hinges[m].of_triangle[triangle]) {

@@ -49,15 +49,15 @@ class ShotRecord {
   RenderFeatures features(const Shot&) const;
 
   /// A triangle of one of the meshes.
-  struct Facet {
+  struct SimulatedTriangle {
     int mesh, triangle;
-    bool operator<(const Facet& other) const {
+    bool operator<(const SimulatedTriangle& other) const {
       return std::tie(mesh, triangle) < std::tie(other.mesh, other.triangle);
     }
   };
   /// The edges of these triangles that lie inside the sheet, each once, in an order that depends on
   /// the edges alone.
-  std::vector<CreaseSegment> edges(const std::set<Facet>&) const;
+  std::vector<CreaseSegment> edges(const std::set<SimulatedTriangle>&) const;
 
   /// Mean edge of the meshes, averaged over the frames. [m]
   double edge() const;

@@ -177,7 +177,7 @@ struct Untangler::Push {
 };
 
 /// Adds the displacements d of all points where the edges of s pass through t.
-void Untangler::push(int s, int t, const Points3& x, const FacetAt& facet_at, Push& push) const {
+void Untangler::push(int s, int t, const Points3& x, const FlatAt& flat_at, Push& push) const {
   const Corners p = corners_of(x, triangles_, s), q = corners_of(x, triangles_, t);
   const Vector3d n = (q[1] - q[0]).cross(q[2] - q[0]);
   for (int i = 0; i < 3; ++i) {
@@ -190,10 +190,10 @@ void Untangler::push(int s, int t, const Points3& x, const FacetAt& facet_at, Pu
       w[k] = n.dot((q[(k + 1) % 3] - at).cross(q[(k + 2) % 3] - at)) / n.squaredNorm();
     Vector2d of_t = Vector2d::Zero();
     for (int k = 0; k < 3; ++k) of_t += w[k] * pattern_.row(triangles_(t, k)).transpose();
-    const Vector3d edge_way = facet_at((1 - u) * pattern_.row(a).transpose() +
-                                       u * pattern_.row(b).transpose()) -
+    const Vector3d edge_way = flat_at((1 - u) * pattern_.row(a).transpose() +
+                                      u * pattern_.row(b).transpose()) -
                               at,
-                   face_way = facet_at(of_t) - at;
+                   face_way = flat_at(of_t) - at;
     const auto add = [&](int v, double weight, const Vector3d& way, double square) {
       push.sum.row(v) += weight * (weight / square * way).transpose();
       push.weight[v] += weight;
@@ -205,7 +205,7 @@ void Untangler::push(int s, int t, const Points3& x, const FacetAt& facet_at, Pu
 }
 
 Untangler::Outcome Untangler::operator()(Points3& x, const Points3& linear_positions,
-                                         const FacetAt& facet_at,
+                                         const FlatAt& flat_at,
                                          const std::vector<char>& held) const {
   const auto candidates = tree_.near(x, linear_positions);
   if (candidates.empty()) return {false, true};
@@ -230,13 +230,13 @@ Untangler::Outcome Untangler::operator()(Points3& x, const Points3& linear_posit
       if (!crossed[k]) continue;
       any = true;
       bool may_rise =
-          !facet_at || (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() >
-                           radius_[triangles_(s, 0)];
-      for (int i = 0; facet_at && i < 3; ++i)
+          !flat_at || (pattern_.row(triangles_(s, 0)) - pattern_.row(triangles_(t, 0))).norm() >
+                          radius_[triangles_(s, 0)];
+      for (int i = 0; flat_at && i < 3; ++i)
         may_rise &= blend[triangles_(s, i)] < 1 && blend[triangles_(t, i)] < 1;
       if (!may_rise) {
-        push(s, t, x, facet_at, now);
-        push(t, s, x, facet_at, now);
+        push(s, t, x, flat_at, now);
+        push(t, s, x, flat_at, now);
         continue;
       }
       for (int i = 0; i < 3; ++i)
@@ -247,7 +247,7 @@ Untangler::Outcome Untangler::operator()(Points3& x, const Points3& linear_posit
           }
     }
     if (!any) return {round > 0, true};
-    if (facet_at ? round == rounds : raised.empty()) return {round > 0, false};
+    if (flat_at ? round == rounds : raised.empty()) return {round > 0, false};
     for (const int v : raised) {
       blend[v] = round < rounds ? std::min(1.0, std::max(blend[v], weight[v]) + more) : 1;
       spread(v, blend[v], seen, weight);

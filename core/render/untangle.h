@@ -11,20 +11,21 @@
 namespace paperbake {
 
 /// Separates parts of a fine curved mesh that pass through each other: they go back towards the
-/// facets, the flat triangles of the simulated mesh, which do not.
+/// flat triangles of the simulated mesh, which do not.
 ///
 ///   x_v = (1 - s_v) x_v + s_v f_v + d_v,   s_v = max_u blend_u k(|u - v| / R),
 ///   k(r) = (1 - r^2)^2,   R = 8 edges
 ///
-/// f      the same vertices on the facets
+/// f      the same vertices on the flat triangles
 /// blend  0 at first; at the corners of triangles that pass through each other it rises by an
 ///        eighth, again and again, until none of them do
-/// d      0, except where a fold runs across the edges of the fine mesh, so that the facets do not
-///        help: for triangles within R of each other, and where blend is 1, the point where an edge
-///        passes through a triangle goes to its two places on the facets
+/// d      0, except where a fold runs across the edges of the fine mesh, so that the flat triangles
+///        do not help: for triangles within R of each other, and where blend is 1, the point where
+///        an edge passes through a triangle goes to its two places on the flat triangles
 ///
-/// Where the vertices on the facets, joined by the triangles of the fine mesh, do not pass through
-/// each other, d is not needed and success is certain, at the latest when blend is 1 everywhere.
+/// Where the vertices on the flat triangles, joined by the triangles of the fine mesh, do not pass
+/// through each other, d is not needed and success is certain, at the latest when blend is 1
+/// everywhere.
 ///
 /// Vertices that are held stay where they are.
 class Untangler {
@@ -39,15 +40,15 @@ class Untangler {
     bool apart;    // nothing passes through anything any more
   };
   /// linear_positions  |V|x3 [m] f
-  /// facet_at  [m] where a point of the pattern is on the facets; empty: d is 0
+  /// flat_at   [m] where a point of the pattern is on the flat triangles; empty: d is 0
   /// x         |V|x3 [m]
   /// held      |V|
   /// May be called by several threads at the same time.
-  using FacetAt = std::function<Vector3d(const Vector2d&)>;
-  Outcome operator()(Points3& x, const Points3& linear_positions, const FacetAt& facet_at,
+  using FlatAt = std::function<Vector3d(const Vector2d&)>;
+  Outcome operator()(Points3& x, const Points3& linear_positions, const FlatAt& flat_at,
                      const std::vector<char>& held) const;
 
-  /// The same without facet_at, alternating with a step that restores lengths. Of the rounds that
+  /// The same without flat_at, alternating with a step that restores lengths. Of the rounds that
   /// succeed the one with the best lengths is kept.
   struct Lengths {
     std::function<void(Points3& x)> restore;
@@ -62,7 +63,7 @@ class Untangler {
 
  private:
   struct Push;
-  void push(int s, int t, const Points3& x, const FacetAt&, Push&) const;
+  void push(int s, int t, const Points3& x, const FlatAt&, Push&) const;
   void spread(int u, double blend, std::vector<char>& seen, std::vector<double>& weight) const;
   void find_neighbours();
 

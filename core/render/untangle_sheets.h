@@ -21,13 +21,14 @@ class SheetUntangler {
     const std::vector<MeshPoint>* places;
   };
 
-  /// Where one of the frames passes through another, everything near goes back towards the facets.
+  /// Where one of the frames passes through another, everything near goes back towards the flat
+  /// triangles.
   /// frames, simulated  one for each sheet
   /// May be called by several threads at the same time.
   void keep_apart(std::vector<RenderFrame>& frames, const std::vector<Simulated>&) const;
 
-  /// True if the facets of the sheets, joined by the triangles of their render meshes, pass through
-  /// each other although the simulated sheets do not.
+  /// True if the flat triangles of the sheets, joined by the triangles of their render meshes, pass
+  /// through each other although the simulated sheets do not.
   bool linear_surfaces_intersect(const std::vector<Simulated>&) const;
 
   /// For each sheet, the number of pairs of one of its triangles and one of a sheet before it that

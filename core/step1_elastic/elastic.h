@@ -268,7 +268,7 @@ struct SweptSheet {
 };
 
 /// Pushes a mesh out of colliders without a solver: one that is derived from a simulated mesh and
-/// stands out from it, as the curved surface does from the facets that rest on a collider.
+/// stands out from it, as the curved surface does from the flat triangles that rest on a collider.
 class ColliderClearance {
  public:
   /// shapes   the colliders as they are

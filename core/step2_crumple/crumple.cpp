@@ -50,11 +50,12 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
                                       const std::vector<int>& isolated_moving_handles,
                                       bool rests_on_contact, const FrameTime& now) {
   RulingOptions options = options_.rulings;
-  if (options.facet_turn <= 0 || is_crumpled(sheet)) return std::nullopt;
+  if (options.turn_per_ruling <= 0 || is_crumpled(sheet)) return std::nullopt;
   const Points3 curvature = bending_of(sheet);
   const BendingField field(sheet, curvature);
   regions_.update(field);
-  if (!when_.due(mesh_fit(sheet, field, regions_), now, options.stale_fold * options.facet_turn))
+  if (!when_.due(mesh_fit(sheet, field, regions_), now,
+                 options.stale_fold * options.turn_per_ruling))
     return std::nullopt;
 
   std::vector<Vector2d> required, singular;
@@ -74,7 +75,7 @@ std::optional<Sheet> Crumple::propose(const Sheet& sheet,
       pulled.keep_out_discs.push_back({p, options.guard * shorter_side(pattern_)});
   }
   std::optional<RuledMesh> mesh;
-  for (int attempt = 0; attempt < 3; ++attempt, options.facet_turn *= 1.35) {
+  for (int attempt = 0; attempt < 3; ++attempt, options.turn_per_ruling *= 1.35) {
     proposed_ = place_rulings(base_.polygons, field, regions_, pulled, base_.h, options);
     if (proposed_.empty()) return std::nullopt;
     mesh = ruled_mesh(base_, required, singular, proposed_, pulled.keep_out_discs, options);

@@ -6,7 +6,7 @@ namespace paperbake {
 /// base mesh, curvatures relative to the size of the sheet.
 struct RulingOptions {
   // [rad] angle by which the sheet turns from one ruling to the next (6 degrees); 0: no rulings
-  double facet_turn = 0.1;
+  double turn_per_ruling = 0.1;
   // [rad] the sheet becomes curved where it would turn by more than this over its longer side
   double curved_above = 0.3;
   double flat_below = 0.6;  // [1] it becomes flat again below this fraction of curved_above
@@ -23,7 +23,8 @@ struct RulingOptions {
   // [1] radius of the disc around an isolated moving handle that rulings do not enter, as a
   // fraction of the shorter side
   double guard = 0.3;
-  double stale_fold = 1.5;  // [1] a fold of more than this times facet_turn asks for a new mesh
+  double stale_fold =
+      1.5;  // [1] a fold of more than this times turn_per_ruling asks for a new mesh
   // [1] largest number of triangles of a ruled mesh, relative to the base mesh
   double max_share = 1.4;
 };

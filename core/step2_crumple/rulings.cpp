@@ -63,7 +63,7 @@ class RulingPlacer {
 
  private:
   double spacing(double k, double least) const {
-    return std::clamp(options_.facet_turn / std::max(std::abs(k), 1e-9), least,
+    return std::clamp(options_.turn_per_ruling / std::max(std::abs(k), 1e-9), least,
                       options_.across_most * h_);
   }
   double min_spacing() const { return options_.across_least * h_; }

@@ -30,10 +30,11 @@ struct PulledPlaces {
   std::vector<Vector2d> loaded_corners;
 };
 
-/// Places rulings all over the curved regions, so that the sheet turns by facet_turn from one to
-/// the next. It starts where the bending is strongest: each ruling is that of the cone fitted there
-/// and extends as far as the sheet bends as the cone says, and the next one follows at facet_turn/k
-/// from its middle. Thus cylinders get parallel rulings, cones get fans, and no two rulings cross.
+/// Places rulings all over the curved regions, so that the sheet turns by turn_per_ruling from one
+/// to the next. It starts where the bending is strongest: each ruling is that of the cone fitted
+/// there and extends as far as the sheet bends as the cone says, and the next one follows at
+/// turn_per_ruling/k from its middle. Thus cylinders get parallel rulings, cones get fans, and no
+/// two rulings cross.
 /// polygons  [m] region that the mesh covers
 /// h         [m] mean edge length of the base mesh
 std::vector<Ruling> place_rulings(const Pattern& polygons, const BendingField&, const Regions&,

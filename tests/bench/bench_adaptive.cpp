@@ -5,7 +5,7 @@
 //
 // Elastic paper, CPU time of one thread. The columns are those of bench_hybrid.cpp. Environment:
 //   BENCH_CACHE=DIR                        keeps the runs of fem there for the next time
-//   BENCH_SET="facet_turn=0.15 aspect=3"   options of the sizing field
+//   BENCH_SET="edge_turn=0.15 aspect=3"   options of the sizing field
 //   BENCH_FRAMES=1                         rms of every frame
 
 #include "core/geometry/pattern_samples.h"
@@ -25,7 +25,7 @@ namespace {
 
 SizingOptions options_set() {
   SizingOptions o;
-  const std::map<std::string, double*> by_name{{"facet_turn", &o.facet_turn},
+  const std::map<std::string, double*> by_name{{"edge_turn", &o.edge_turn},
                                                {"largest", &o.largest},
                                                {"smallest", &o.smallest},
                                                {"aspect", &o.aspect},

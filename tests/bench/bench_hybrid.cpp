@@ -13,7 +13,7 @@
 // Environment:
 //   BENCH_BASES="60 75 90"                     base densities
 //   BENCH_CACHE=DIR                            keeps the runs of fem there for the next time
-//   BENCH_SET="facet_turn=0.2 flip_gain=0.5"   options; facet_turn=0: no ruled meshes
+//   BENCH_SET="turn_per_ruling=0.2 flip_gain=0.5"   options; turn_per_ruling=0: no ruled meshes
 //   BENCH_FRAMES=1                             rms of every frame
 
 #include "core/geometry/pattern_samples.h"
@@ -59,7 +59,7 @@ CrumpleOptions options_set() {
   const std::map<std::string, double*> by_name{
       {"flip_gain", &o.flip_gain},
       {"conflict_turn", &o.conflict_turn},
-      {"facet_turn", &r.facet_turn},
+      {"turn_per_ruling", &r.turn_per_ruling},
       {"curved_above", &r.curved_above},
       {"coherent", &r.coherent},
       {"window", &r.window},

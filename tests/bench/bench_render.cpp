@@ -93,17 +93,17 @@ struct SmoothFrames {
 };
 
 /// Facets of frames that intersect others on the render mesh, as the render pass looks for them.
-std::set<ShotRecord::Facet> intersecting_facets(const RenderSurface& render,
-                                                const ShotRecord& record) {
-  std::set<ShotRecord::Facet> facets;
+std::set<ShotRecord::SimulatedTriangle> intersecting_triangles(const RenderSurface& render,
+                                                               const ShotRecord& record) {
+  std::set<ShotRecord::SimulatedTriangle> triangles;
   for (const RecordedFrame& f : record.frames()) {
     const Sheet sheet = record.sheet(f);
-    if (!render.may_have_intersecting_facets(sheet)) continue;
+    if (!render.may_have_intersecting_triangles(sheet)) continue;
     for (const int t :
-         render.intersecting_facets(sheet, render.locate_on(sheet.pattern, sheet.triangles)))
-      facets.insert({f.mesh, t});
+         render.intersecting_triangles(sheet, render.locate_on(sheet.pattern, sheet.triangles)))
+      triangles.insert({f.mesh, t});
   }
-  return facets;
+  return triangles;
 }
 
 void measure(const Shot& shot, const ShotRecord& record, const SmoothFrames& smooth, const Case& c,
@@ -114,8 +114,8 @@ void measure(const Shot& shot, const ShotRecord& record, const SmoothFrames& smo
   double begun = cpu_ms();
   RenderFeatures features = record.features(shot);
   RenderSurface render = make_render_surface(shot.pattern, features, record.edge(), quality);
-  if (const auto facets = intersecting_facets(render, record); !facets.empty()) {
-    features.edges = record.edges(facets);
+  if (const auto triangles = intersecting_triangles(render, record); !triangles.empty()) {
+    features.edges = record.edges(triangles);
     render = make_render_surface(shot.pattern, features, record.edge(), quality);
   }
   const double mesh_ms = cpu_ms() - begun;

@@ -86,7 +86,7 @@ Points3 sizing_field(const Sheet& sheet, const Points3& kept, double side,
 
   const Points3 curvature = developable_curvature(sheet);
   std::vector<Matrix2d> metric(vertices);
-  const double turn = 1 / (options.facet_turn * options.facet_turn);
+  const double turn = 1 / (options.edge_turn * options.edge_turn);
   for (int v = 0; v < vertices; ++v) {
     Matrix2d M = Matrix2d::Identity() / (longest * longest);
     const Matrix2d S = matrix(curvature.row(v));

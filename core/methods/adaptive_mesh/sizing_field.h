@@ -6,7 +6,7 @@ namespace paperbake {
 
 /// How small triangles should be.
 struct SizingOptions {
-  double facet_turn = 0.25;    // [rad] by which the sheet may turn along an edge
+  double edge_turn = 0.25;     // [rad] by which the sheet may turn along an edge
   double largest = 0.25;       // [1]   longest edge, of the square root of the area
   double smallest = 1 / 64.0;  // [1]   shortest edge, of the longer side: a plastic cell
   double aspect = 6;           // [1]   longest edge over shortest edge at one point
@@ -17,9 +17,9 @@ struct SizingOptions {
 
 /// Sizing field: a metric M on the pattern for each vertex (edge_operations.h).
 ///
-///   M = S^2 / facet_turn^2  v  Sp^2 / facet_turn^2
+///   M = S^2 / edge_turn^2  v  Sp^2 / edge_turn^2
 ///
-/// S   curvature tensor (developable_curvature.h): an edge turns by no more than facet_turn
+/// S   curvature tensor (developable_curvature.h): an edge turns by no more than edge_turn
 /// Sp  plastic curvature: a crease that was flattened keeps its triangles
 /// v   the coarsest metric that is at least as fine as both
 ///

@@ -40,7 +40,7 @@ inline constexpr int max_attempts = 4;  // in one phase of the descent on the se
 inline constexpr double softening = 100;
 
 // A smooth sheet that is locked in waves stretches where paper would bend, and the more its handles
-// move, the more. With coarse facets it may be the mesh that locks it.
+// move, the more. With coarse triangles it may be the mesh that locks it.
 // [1] of the bending stiffness: a square sheet that is bent by one radian stores half of it
 inline constexpr double least_locked_bend = 0.5;
 // [1] growth of the energy of a locked sheet until it searches again

@@ -220,7 +220,8 @@ TEST_F(BakeCommandTest, ASoftHandleThatLagsMissesNoGateAndIsNoReasonForAnotherTa
   EXPECT_EQ(ended.code, 0) << ended.err
                            << "paper is 20 mm too short for it, but a spring gives way";
   EXPECT_LT(frames_of(output()).back()["handle_err_max_mm"], 0.1) << "of the hard handles";
-  EXPECT_TRUE(Record::parse(read(fs::path(output()) / "cert/summary.json")).at("takes").is_null());
+  EXPECT_TRUE(
+      Record::parse(read(fs::path(output()) / "cert/summary.json")).at("attempts").is_null());
   for (const std::string& row : lines_of(read(fs::path(output()) / "cert/handles.csv")))
     EXPECT_EQ(row.find("handle_soft") != std::string::npos, fields_of(row).back() == "soft") << row;
   EXPECT_EQ(run({"verify", output()}).code, 0) << "from the files alone";

@@ -163,9 +163,9 @@ TEST(MeshSwapTest, NothingYieldsWhetherAcceptedOrRejected) {
 
 TEST(MeshSwapTest, AnArchGetsRulingsHoldsItsHandlesAndIsTheSameTwice) {
   const Shot shot = test::s1_push();
-  const auto play = [&](double facet_turn, int& accepted) {
+  const auto play = [&](double turn_per_ruling, int& accepted) {
     CrumpleOptions options;
-    options.rulings.facet_turn = facet_turn;
+    options.rulings.turn_per_ruling = turn_per_ruling;
     AnimateOptions animation;
     animation.last_frame = 24;
     Sheet last;
@@ -212,7 +212,7 @@ TEST(MeshSwapTest, OptionsDecideWhenAMeshIsStaleAndHowLargeItMayGrow) {
     return seen;
   };
   RulingOptions usual;
-  usual.facet_turn = 0.06;  // dihedral angles exceed it several times on the way
+  usual.turn_per_ruling = 0.06;  // dihedral angles exceed it several times on the way
   RulingOptions patient = usual, small = usual;
   patient.stale_fold = 20;
   small.max_share = 0.8;

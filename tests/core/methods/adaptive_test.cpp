@@ -110,7 +110,7 @@ TEST(AdaptiveTest, ASecondAfterAJumpThereAreAsManyTrianglesAsAfterSlowMotion) {
 TEST(AdaptiveTest, AMovingShapeIsNotRefinedAndAJumpIsTakenOnFewTriangles) {
   const Shot shot = test::s1_push();
   SizingOptions fine;
-  fine.facet_turn = 0.05;
+  fine.edge_turn = 0.05;
   Sheet arch = play(shot, adaptive_of(shot, cap, fine), 24).back();
   ASSERT_GT(arch.triangles.rows(), 600);
   const std::vector<char> fixed =
@@ -125,7 +125,7 @@ TEST(AdaptiveTest, AMovingShapeIsNotRefinedAndAJumpIsTakenOnFewTriangles) {
     return sheet.triangles.rows();
   };
   SizingOptions finer = fine;
-  finer.facet_turn = 0.03;
+  finer.edge_turn = 0.03;
   EXPECT_GT(triangles_after(finer, true, 0), 1.2 * arch.triangles.rows());
   EXPECT_EQ(triangles_after(finer, false, 0), arch.triangles.rows());
   EXPECT_LT(triangles_after(finer, false, 0.5), 0.9 * arch.triangles.rows());
@@ -145,7 +145,7 @@ TEST(AdaptiveTest, AtRestTheMeshStaysAndCostsNothing) {
 TEST(AdaptiveTest, TheTriangleLimitCoarsensTheWholeField) {
   const Shot shot = test::s1_push();
   SizingOptions fine;
-  fine.facet_turn = 0.03;
+  fine.edge_turn = 0.03;
   fine.largest = 0.1;
   const Sheet sheet = play(shot, adaptive_of(shot, 400, fine), 20).back();
   EXPECT_LE(sheet.triangles.rows(), 400);

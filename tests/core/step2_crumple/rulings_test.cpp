@@ -39,11 +39,11 @@ void expect_no_crossings(const std::vector<Ruling>& rulings) {
 /// Expects equal turning angles between neighbouring rulings, except at the corners of the sheet,
 /// where a last ruling is fitted in.
 void expect_equal_turns(std::vector<double> sample_points, double turn_per_place,
-                        double facet_turn) {
+                        double turn_per_ruling) {
   std::sort(sample_points.begin(), sample_points.end());
   std::vector<double> turns;
   for (std::size_t i = 0; i + 1 < sample_points.size(); ++i)
-    turns.push_back((sample_points[i + 1] - sample_points[i]) * turn_per_place / facet_turn);
+    turns.push_back((sample_points[i + 1] - sample_points[i]) * turn_per_place / turn_per_ruling);
   std::sort(turns.begin(), turns.end());
   EXPECT_GT(turns.front(), 0.5);
   EXPECT_LT(turns.back(), 1.4);
@@ -72,7 +72,7 @@ TEST(RulingsTest, CylinderHasParallelRulingsWithEqualTurns) {
     EXPECT_NEAR(r.k * R, 1, 0.1);
     offsets.push_back(0.5 * (r.a + r.b).dot(Vector2d(c, s)));
   }
-  expect_equal_turns(offsets, 1 / R, options.facet_turn);
+  expect_equal_turns(offsets, 1 / R, options.turn_per_ruling);
 }
 
 TEST(RulingsTest, ConeHasAFanOfRulingsWithEqualTurns) {
@@ -95,7 +95,7 @@ TEST(RulingsTest, ConeHasAFanOfRulingsWithEqualTurns) {
   // a fan: seen from 60 mm away, the sheet spans at most 1.3 rad
   EXPECT_GT(angles.back() - angles.front(), 0.5);
   // the fold between facets dphi apart is dphi / tan(slope)
-  expect_equal_turns(angles, 1 / std::tan(slope), options.facet_turn);
+  expect_equal_turns(angles, 1 / std::tan(slope), options.turn_per_ruling);
 }
 
 TEST(RulingsTest, OptionsSetTheDistanceBetweenRulings) {
@@ -105,14 +105,14 @@ TEST(RulingsTest, OptionsSetTheDistanceBetweenRulings) {
     return rulings_of(sheet, options).size();
   };
   RulingOptions usual;
-  usual.facet_turn = 0.08;
+  usual.turn_per_ruling = 0.08;
   usual.across_least = 0.2;  // 3 mm; the turning angle alone asks for 4.8
   RulingOptions coarse = usual, near = usual, far = usual;
-  coarse.facet_turn = 2 * usual.facet_turn;
+  coarse.turn_per_ruling = 2 * usual.turn_per_ruling;
   near.across_most = 0.25;  // 3.8 mm
   far.across_least = 0.75;
   far.across_most = 1;
-  far.facet_turn = 0.01;
+  far.turn_per_ruling = 0.01;
   EXPECT_NEAR(double(count(usual)) / count(coarse), 2, 0.3);
   EXPECT_GT(count(near), 1.15 * count(usual));
   EXPECT_LT(count(far), 0.1 / (0.7 * 0.75 * h));

@@ -24,13 +24,13 @@ Sheet cylinder(double radius) {
 
 TEST(SizingFieldTest, OnACylinderSizesAreAFacetAcrossTheRulingsAndLongAlongThem) {
   SizingOptions options;
-  options.facet_turn = 0.2;
+  options.edge_turn = 0.2;
   for (const double radius : {0.05, 0.03}) {
     const Sheet sheet = cylinder(radius);
     const Vector2d sizes = sizes_at(sheet, sizing_field(sheet, {}, side, options), {0.05, 0.05});
     // the curvature of the facets is as accurate as this
-    EXPECT_NEAR(sizes.x() / (options.facet_turn * radius), 1, 0.05) << radius;
-    EXPECT_NEAR(sizes.y() / std::min(0.25 * side, options.aspect * options.facet_turn * radius), 1,
+    EXPECT_NEAR(sizes.x() / (options.edge_turn * radius), 1, 0.05) << radius;
+    EXPECT_NEAR(sizes.y() / std::min(0.25 * side, options.aspect * options.edge_turn * radius), 1,
                 0.05)
         << radius;
   }

@@ -1,6 +1,6 @@
-// Takes of a shot: when others are tried, which is baked, and what a bake that is stopped keeps.
+// Attempts of a shot: when others are tried, which is baked, and what a bake that is stopped keeps.
 
-#include "baker/bake/takes.h"
+#include "baker/bake/attempts.h"
 
 #include "tests/baker/bake/resume_fixture.h"
 
@@ -38,33 +38,33 @@ AnimatedFrame frame_with_handles_off(int number, double left, double right) {
   return frame;
 }
 
-TEST(TriedTake, IsAsBadAsTheHandleThatIsOffMost) {
+TEST(Attempt, IsAsBadAsTheHandleThatIsOffMost) {
   const BakePlan plan = plan_of_one_sheet();
-  TriedTake take;
-  add_frame(take, frame_with_handles_off(1, 0.001, 0.004), plan);
-  add_frame(take, frame_with_handles_off(2, 0.003, 0), plan);
-  EXPECT_NEAR(take.off, 0.004, 1e-12);
-  EXPECT_NEAR(take.off_pct, 2, 1e-9) << "of the longer side, 200 mm";
-  EXPECT_EQ(take.frame, 1);
+  Attempt attempt;
+  add_frame(attempt, frame_with_handles_off(1, 0.001, 0.004), plan);
+  add_frame(attempt, frame_with_handles_off(2, 0.003, 0), plan);
+  EXPECT_NEAR(attempt.off, 0.004, 1e-12);
+  EXPECT_NEAR(attempt.off_pct, 2, 1e-9) << "of the longer side, 200 mm";
+  EXPECT_EQ(attempt.frame, 1);
 }
 
-TEST(TriedTake, DoesNotCountAHandleThatHoldsNothing) {
+TEST(Attempt, DoesNotCountAHandleThatHoldsNothing) {
   AnimatedFrame frame = frame_with_handles_off(1, 0.001, 0.05);
   frame.handles[1].state = HandleFrame::free;
-  TriedTake take;
-  add_frame(take, frame, plan_of_one_sheet());
-  EXPECT_NEAR(take.off, 0.001, 1e-12);
+  Attempt attempt;
+  add_frame(attempt, frame, plan_of_one_sheet());
+  EXPECT_NEAR(attempt.off, 0.001, 1e-12);
 }
 
-TEST(TriedTake, DoesNotCountASoftHandleThatLags) {
+TEST(Attempt, DoesNotCountASoftHandleThatLags) {
   AnimatedFrame frame = frame_with_handles_off(1, 0.001, 0.05);
   frame.handles[1].state = HandleFrame::soft;
-  TriedTake take;
-  add_frame(take, frame, plan_of_one_sheet());
-  EXPECT_NEAR(take.off, 0.001, 1e-12);
+  Attempt attempt;
+  add_frame(attempt, frame, plan_of_one_sheet());
+  EXPECT_NEAR(attempt.off, 0.001, 1e-12);
 }
 
-TEST(TriedTake, DoesNotCountWhatPaperCannotBridge) {
+TEST(Attempt, DoesNotCountWhatPaperCannotBridge) {
   BakePlan plan = plan_of_one_sheet();
   UnreachablePair pair;
   pair.a = "left";
@@ -72,17 +72,17 @@ TEST(TriedTake, DoesNotCountWhatPaperCannotBridge) {
   pair.apart = 0.23;
   pair.allowed = 0.2;
   plan.impossible.push_back({"paper", pair});
-  TriedTake take;
-  add_frame(take, frame_with_handles_off(1, 0.029, 0.002), plan);
-  EXPECT_NEAR(take.off, 0.002, 1e-12) << "the paper is 30 mm too short for the left one";
-  add_frame(take, frame_with_handles_off(2, 0.036, 0.002), plan);
-  EXPECT_NEAR(take.off, 0.006, 1e-12);
-  EXPECT_NEAR(take.off_pct, 3, 1e-9);
+  Attempt attempt;
+  add_frame(attempt, frame_with_handles_off(1, 0.029, 0.002), plan);
+  EXPECT_NEAR(attempt.off, 0.002, 1e-12) << "the paper is 30 mm too short for the left one";
+  add_frame(attempt, frame_with_handles_off(2, 0.036, 0.002), plan);
+  EXPECT_NEAR(attempt.off, 0.006, 1e-12);
+  EXPECT_NEAR(attempt.off_pct, 3, 1e-9);
 }
 
 /// A crumple. With seed 0 a handle is off by 1.3 mm in frame 38, with seed 3 by 1.1 mm in frame 45;
-/// on the finer mesh of the second take none is.
-class TakesTest : public test::ResumeFixture {
+/// on the finer mesh of the second attempt none is.
+class AttemptsTest : public test::ResumeFixture {
  protected:
   Words crumple(const std::string& out, const Words& more, const char* frames = "1-46") const {
     Words all{"bake",       test::samples + "/S14_hands.glb",
@@ -105,46 +105,46 @@ class TakesTest : public test::ResumeFixture {
   }
 };
 
-TEST_F(TakesTest, ATakeThatGoesWellIsTheOnlyOne) {
+TEST_F(AttemptsTest, ATakeThatGoesWellIsTheOnlyOne) {
   const Ended ended = run(crumple("out", {}, "1-36"));
   ASSERT_EQ(ended.code, 0) << ended.err;
-  EXPECT_TRUE(summary("out").at("takes").is_null());
+  EXPECT_TRUE(summary("out").at("attempts").is_null());
   EXPECT_EQ(simulated(ended), 36);
 }
 
-TEST_F(TakesTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
+TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
   const Ended ended = run(crumple("out", {}));
   ASSERT_EQ(ended.code, 0) << ended.err;
-  const json takes = summary("out").at("takes");
-  const std::size_t baked = takes.at("baked");
+  const json attempts = summary("out").at("attempts");
+  const std::size_t baked = attempts.at("baked");
   EXPECT_GT(baked, 1U);
-  ASSERT_GE(takes.at("tried").size(), baked);
-  EXPECT_GT(takes.at("tried")[0].at("off_mm"), 1);
-  EXPECT_LT(takes.at("tried")[baked - 1].at("off_mm"), 1);
-  EXPECT_EQ(takes.at("tried")[baked - 1].at("frames"), 46);
-  EXPECT_NE(ended.err.find("takes: in the first take a handle is off by"), std::string::npos);
+  ASSERT_GE(attempts.at("tried").size(), baked);
+  EXPECT_GT(attempts.at("tried")[0].at("off_mm"), 1);
+  EXPECT_LT(attempts.at("tried")[baked - 1].at("off_mm"), 1);
+  EXPECT_EQ(attempts.at("tried")[baked - 1].at("frames"), 46);
+  EXPECT_NE(ended.err.find("attempts: in the first attempt a handle is off by"), std::string::npos);
 
   const int seed = summary("out").at("sheets")[0].at("seed");
-  const int triangles = takes.at("tried")[baked - 1].at("base_triangles");
+  const int triangles = attempts.at("tried")[baked - 1].at("base_triangles");
   run(crumple("direct", {"--seed", std::to_string(seed), "--base-triangles",
-                         std::to_string(triangles), "--takes", "1"}));
+                         std::to_string(triangles), "--attempts", "1"}));
   EXPECT_TRUE(shapes("out") == shapes("direct")) << "it is the bake with that seed and mesh";
 }
 
-TEST_F(TakesTest, ABakeThatIsKilledGoesOnWithTheTakeThatWasChosen) {
+TEST_F(AttemptsTest, ABakeThatIsKilledGoesOnWithTheTakeThatWasChosen) {
   run(crumple("whole", {}));
   const int before = times(read(folder / "stderr.txt"), "is tried");
-  // while other takes are tried, and while the chosen one is baked
+  // while other attempts are tried, and while the chosen one is baked
   EXPECT_EQ(bake_until(1, 0, SIGKILL, crumple("out", {}), "is tried"), -1);
-  EXPECT_EQ(bake_until(1, 20000, SIGKILL, crumple("out", {}), "takes: in"), -1);
+  EXPECT_EQ(bake_until(1, 20000, SIGKILL, crumple("out", {}), "attempts: in"), -1);
   const Ended rest = run(crumple("out", {}));
   EXPECT_GT(before, 0);
   EXPECT_EQ(times(rest.err, "is tried"), 0) << rest.err;
   expect_same("out", "whole");
-  EXPECT_EQ(summary("out").at("takes"), summary("whole").at("takes"));
+  EXPECT_EQ(summary("out").at("attempts"), summary("whole").at("attempts"));
 }
 
-TEST_F(TakesTest, ASignalIsHeardWhileOthersAreTried) {
+TEST_F(AttemptsTest, ASignalIsHeardWhileOthersAreTried) {
   EXPECT_EQ(bake_until(1, 0, SIGTERM, crumple("out", {}), "is tried"), 5);
   const Ended other = run(crumple("out", {"--seed", "3"}));
   EXPECT_GT(times(other.err, "is tried"), 0) << "there is no decision yet, and this is another job";

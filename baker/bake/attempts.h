@@ -10,31 +10,31 @@
 
 namespace paperbake {
 
-/// Takes of a shot. Flat paper that is compressed may buckle in several ways, its imperfection
+/// Attempts at a shot. Flat paper that is compressed may buckle in several ways, its imperfection
 /// decides in which, and from some of them it never comes to where the handles want it. What an
 /// artist would do then is to bake again with another seed, or on a finer mesh. This does it for
-/// them: the first take is baked as it is simulated, and only when a handle is off by more than the
-/// gate of handles allows, others are simulated beside it. The take whose handles have been off
-/// least so far always goes on (uniform-cost search), until one of them is at the end of the shot:
-/// it is the best of them. When all takes are off by a tenth of the sheet it is not a matter of
-/// luck, and the first one is baked.
+/// them: the first attempt is baked as it is simulated, and only when a handle is off by more than
+/// the gate of handles allows, others are simulated beside it. The attempt whose handles have been
+/// off least so far always goes on (uniform-cost search), until one of them is at the end of the
+/// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
+/// matter of luck, and the first one is baked.
 ///
-/// The takes are: the seed of the bake; that seed + 1000, + 2000, + 3000, ... The second, the
+/// The attempts are: the seed of the bake; that seed + 1000, + 2000, + 3000, ... The second, the
 /// fourth and so on have a first mesh of four times as many triangles, unless a number of triangles
 /// was asked for.
 ///
 /// source  this project
-class Takes {
+class Attempts {
  public:
   /// decision  file that keeps what was chosen, for a bake that is stopped and goes on
-  Takes(const BakeSettings&, const BakePlan&, std::filesystem::path decision);
+  Attempts(const BakeSettings&, const BakePlan&, std::filesystem::path decision);
 
-  /// Of the take that is to be baked.
+  /// Of the attempt that is to be baked.
   const BakePlan& plan() const { return plan_; }
 
   /// Looks at a frame that is recorded.
   void watch(const AnimatedFrame&);
-  /// Whether what was recorded shows that other takes have to be tried.
+  /// Whether what was recorded shows that other attempts have to be tried.
   bool is_failing() const { return failing_; }
   int failing_frame() const { return seen_.frame; }
 
@@ -43,23 +43,23 @@ class Takes {
   bool choose(Progress&, StopRequest&);
 
  private:
-  BakePlan plan_of(std::size_t take) const;
-  TriedTake describe_take(std::size_t take) const;
-  void adopt(TakeChoice);
+  BakePlan plan_of(std::size_t attempt) const;
+  Attempt describe_attempt(std::size_t attempt) const;
+  void adopt(AttemptChoice);
   bool load_choice();
-  void keep_choice(const TakeChoice&) const;
+  void keep_choice(const AttemptChoice&) const;
 
   const BakeSettings& settings_;
   const BakePlan& first_;
   BakePlan plan_;
   std::filesystem::path decision_;
   std::string key_;  // of a decision
-  TriedTake seen_;   // of the first take
+  Attempt seen_;     // of the first attempt
   bool watches_, failing_ = false;
 };
 
-/// Adds a frame of a take to what is known of it: its handles and those of other sheets in it.
+/// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it.
 /// Distances that paper cannot bridge (BakePlan::impossible) do not count.
-void add_frame(TriedTake&, const AnimatedFrame&, const BakePlan&);
+void add_frame(Attempt&, const AnimatedFrame&, const BakePlan&);
 
 }  // namespace paperbake
