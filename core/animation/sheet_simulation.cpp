@@ -119,6 +119,8 @@ SheetSimulation::SheetSimulation(const Shot& shot, const MethodChoice& method,
   if (options.resume_state.empty()) return;
   Serializer kept(options.resume_state);
   archive(kept);
+  // within a frame the mesh may be another one already
+  kept.require(output_sheet_.x.rows() == sheet().x.rows());
 }
 
 void SheetSimulation::archive(Serializer& a) {
@@ -137,9 +139,8 @@ void SheetSimulation::archive(Serializer& a) {
   const int row = frame_ - options_.first_frame;
   input_before_.time = row / options_.fps;
   const auto rows = sheet.x.rows();
-  a.require(
-      frame_ >= options_.first_frame && output_sheet_.x.rows() == rows &&
-      (simulated_.positions_before.rows() == 0 || simulated_.positions_before.rows() == rows));
+  a.require(frame_ >= options_.first_frame && (simulated_.positions_before.rows() == 0 ||
+                                               simulated_.positions_before.rows() == rows));
   a.require(is_of_mesh(input_before_.constraints, sheet) && is_of_mesh(state, sheet) &&
             dhat.size() == number_);
   a.require(std::all_of(simulated_.handle_vertex.begin(), simulated_.handle_vertex.end(),
@@ -169,7 +170,13 @@ void SheetSimulation::remember(int part) {
   folds_.remember({now_.load_parts > 1 ? input_of_part(part) : now_.input,
                    1 / options_.fps / now_.load_parts, now_.relative_motion / now_.load_parts,
                    frame_ - options_.first_frame,
-                   simulated_.has_inertia() ? inertial_halvings_ : 0});
+                   simulated_.has_inertia() ? inertial_halvings() : 0});
+}
+
+int SheetSimulation::inertial_halvings() const {
+  int halvings = inertial_halvings_;
+  for (int parts = now_.load_parts; parts > 1 && halvings > 0; parts /= 2) --halvings;
+  return halvings;
 }
 
 int SheetSimulation::parts_of_frame() const {

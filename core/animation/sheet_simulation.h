@@ -146,6 +146,8 @@ class SheetSimulation {
   void fold_if_bent(const AdmissibilityCheck& is_admissible);
   /// Into how many parts the frame is divided.
   int parts_of_frame() const;
+  /// How often each of these parts is halved, so that no step with inertia is too long.
+  int inertial_halvings() const;
   /// Keeps a step that is about to be taken for folds_.
   void remember(int part);
   /// Lets the method change the mesh, unless the sheet comes nearer to others by that. share: [1]

@@ -84,7 +84,7 @@ TEST_P(SheetsApartTest, EachIsSimulatedAsIfItWereAlone) {
 TEST(SheetsApart, SheetsThatMeetInAFrameThatIsTakenInPartsDoNotPassThroughEachOther) {
   std::vector<Sheet> of_frame;
   int touching = 0, frames_in_parts = 0;
-  const BakePlan near = doubled(plan_of({"S14_hands", 36}), {0, 0, 0.03});
+  const BakePlan near = doubled(plan_of({"S0_note", 44}), {0, 0, 0.03});
   simulate(near, options_of_sheets(near), 1, [&](const AnimatedFrame& frame) {
     touching += frame.statistics.touching_others > 0;
     frames_in_parts += frame.statistics.substeps > 1;
