@@ -8,6 +8,7 @@
 #include "formats/files/json.h"
 
 #include <algorithm>
+#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <memory>
@@ -112,8 +113,22 @@ Attempts::Attempts(const BakeSettings& settings, const BakePlan& plan,
 void Attempts::watch(const AnimatedFrame& frame) {
   if (!watches_ || failing_) return;
   add_frame(seen_, frame, first_);
-  seen_.frames = frame.frame - first_.animation.first_frame + 1;
-  failing_ = seen_.off > tolerance;
+  const int row = frame.frame - first_.animation.first_frame;
+  seen_.frames = row + 1;
+  compressed_ |= change_distances(first_.shots[frame.sheet_index].handles, row);
+  failing_ = compressed_ && seen_.off > tolerance;
+}
+
+bool change_distances(const std::vector<Handle>& handles, int row) {
+  const auto distance = [](const Handle& a, const Handle& b, int at) {
+    return (keyed_position(a, at) - keyed_position(b, at)).norm();
+  };
+  for (std::size_t h = 0; h < handles.size(); ++h)
+    for (std::size_t k = 0; k < h; ++k)
+      if (std::abs(distance(handles[h], handles[k], row) - distance(handles[h], handles[k], 0)) >
+          tolerance)
+        return true;
+  return false;
 }
 
 Attempt Attempts::describe_attempt(std::size_t number) const {

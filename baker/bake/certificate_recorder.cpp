@@ -14,20 +14,6 @@
 namespace paperbake {
 namespace {
 
-HandleRecord::State record_state(HandleFrame::State state) {
-  switch (state) {
-    case HandleFrame::held:
-      return HandleRecord::held_state;
-    case HandleFrame::free:
-      return HandleRecord::free_state;
-    case HandleFrame::soft:
-      return HandleRecord::soft_state;
-    case HandleFrame::jammed:
-      return HandleRecord::jammed_state;
-  }
-  return HandleRecord::free_state;
-}
-
 /// [rad] To which a crease springs back, averaged over its length.
 double mean_rest_angle(const Sheet& sheet, const PrescribedCrease& crease) {
   double sum = 0, length = 0;
@@ -159,7 +145,7 @@ void CertificateRecorder::record_handles(const AnimatedFrame& frame) {
     r.pattern = shot.handles[h].pattern;
     r.keyed = handle.keyed;
     r.held = handle.at;
-    r.state = record_state(handle.state);
+    r.state = handle.state;
     bake_.certificate.handles.push_back(std::move(r));
   }
 }

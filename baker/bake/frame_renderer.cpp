@@ -152,7 +152,7 @@ bool FrameRenderer::push_out_of_colliders(std::size_t s, std::size_t k,
   const ColliderShapes shapes = shapes_at(*colliders, frames[k].frame - frames.front().frame);
   // a sheet that is jammed has stayed behind in the collider: pushed out, it would be torn
   Points3 outside = on_triangles;
-  if (push_out(shapes, on_triangles, 0, outside) > yield_depth) return false;
+  if (push_out(shapes, on_triangles, 0, outside) > give_way_depth) return false;
   const std::vector<char>& held = surfaces_[s].is_held();
   // vertices first, then edges and triangles: a corner of the collider stands between vertices
   std::optional<ColliderClearance> clearance;

@@ -177,7 +177,7 @@ std::vector<BakedSheet> read_sheets(const fs::path& folder, const Json& summary,
       handle.keyed = record.held.transpose();
       sheets[s].shot.handles.push_back(std::move(handle));
     }
-    if (record.state != HandleRecord::free_state)
+    if (record.state != HandleFrame::free)
       sheets[s].held[record.frame].push_back({at->second, record.held});
   }
   std::istringstream lines(read_file(folder / "cert/frames.jsonl").value_or(""));

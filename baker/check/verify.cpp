@@ -183,14 +183,13 @@ class Verifier {
     double worst = 0;
     for (const HandleRecord& handle : handles) {
       // where a handle that holds nothing is, only the simulation knows exactly
-      if (handle.state == HandleRecord::free_state) continue;
+      if (handle.state == HandleFrame::free) continue;
       const Vector3d at = stored.x.row(judge.vertex_at(handle.pattern));
       if (const double off = 1e3 * (at - handle.held).norm(); off > tolerance_mm)
         differs(handle.frame, file,
                 fmt::format("Handle \"{}\" is {:.4g} mm from where handles.csv has it.",
                             handle.handle, off));
-      if (handle.state != HandleRecord::soft_state)
-        worst = std::max(worst, (at - handle.keyed).norm());
+      if (handle.state != HandleFrame::soft) worst = std::max(worst, (at - handle.keyed).norm());
     }
     return worst;
   }

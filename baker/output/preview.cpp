@@ -103,7 +103,7 @@ void draw_colliders(Canvas& canvas, const Camera& camera, const Viewport& pictur
 }
 
 void draw_handle(Canvas& canvas, const Camera& camera, const HandleRecord& handle) {
-  const Colour colour = handle.state == HandleRecord::jammed_state ? jammed : held;
+  const Colour colour = handle.state == HandleFrame::jammed ? jammed : held;
   constexpr double radius = 2.2;
   const double lift = 2 * radius / camera.scale;
   draw_disc(canvas, camera, handle.held, radius + 0.8, ink, lift);
@@ -197,7 +197,7 @@ Image Preview::picture(const std::vector<HandleRecord>& handles) const {
         panel.colliders.push_back({shape->mesh().x, shape->mesh().triangles});
     }
     for (const HandleRecord& handle : handles)
-      if (handle.frame == shown.frame && handle.state != HandleRecord::free_state)
+      if (handle.frame == shown.frame && handle.state != HandleFrame::free)
         panel.handles.push_back(handle);
     panels.push_back(std::move(panel));
   }

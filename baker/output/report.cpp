@@ -101,10 +101,10 @@ Json sheet_json(const Sheet& sheet) {
 Json handles_json(const std::vector<HandleRecord>& handles, const std::vector<int>& frames) {
   std::map<int, Json> by_frame;
   for (const HandleRecord& handle : handles) {
-    if (handle.state == HandleRecord::free_state) continue;
+    if (handle.state == HandleFrame::free) continue;
     Json& all = by_frame[handle.frame];
     for (int axis = 0; axis < 3; ++axis) all.push_back(std::round(1e5 * handle.keyed[axis]) / 1e5);
-    all.push_back(handle.state == HandleRecord::jammed_state ? 1 : 0);
+    all.push_back(handle.state == HandleFrame::jammed ? 1 : 0);
   }
   Json of_frames = Json::array();
   for (const int frame : frames) {

@@ -206,7 +206,7 @@ Panel last_frame(const Wedge& wedge, int index, const Json& record) {
   const std::vector<HandleRecord> handles =
       parse_handles_csv(text_of(folder / "cert" / "handles.csv"));
   for (const HandleRecord& handle : handles)
-    if (handle.frame == handles.back().frame && handle.state != HandleRecord::free_state)
+    if (handle.frame == handles.back().frame && handle.state != HandleFrame::free)
       panel.handles.push_back(handle);
   return panel;
 }

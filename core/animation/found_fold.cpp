@@ -8,6 +8,7 @@
 #include "core/geometry/measure.h"
 #include "core/geometry/mesh_transfer.h"
 #include "core/geometry/prescribed_creases.h"
+#include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/error.h"
 #include "core/model/segment2.h"
 
@@ -23,14 +24,6 @@ constexpr double kept_energy = 0.9;    // [1] of what is stored, at most
 constexpr double max_stretch = 0.005;  // [1] |l - L|/L of an edge
 constexpr double max_move = 0.1;       // [1] of the longer side, in contact
 constexpr double deepest = 2e-5;       // [m] in a collider
-
-/// [m2] Area of a triangle on the pattern.
-double area_of(const Sheet& sheet, int t) {
-  const Eigen::RowVector3i c = sheet.triangles.row(t);
-  const Vector2d a = sheet.pattern.row(c[0]), b = sheet.pattern.row(c[1]),
-                 d = sheet.pattern.row(c[2]);
-  return 0.5 * cross(b - a, d - a);
-}
 
 /// The triangles of a sheet within a row of a line.
 std::vector<int> triangles_along(const FoldLine& line, const Sheet& sheet) {
@@ -57,9 +50,7 @@ double uncurl(PlasticGrid& grid, const Sheet& sheet, const FoldLine& line,
   double turn = 0;
   for (const int t : triangles) {
     const Eigen::RowVector3d s = memory.curvature.row(t);
-    Eigen::Matrix2d S;
-    S << s[0], s[1], s[1], s[2];
-    turn += area_of(sheet, t) * across.dot(S * across);
+    turn += pattern_area(sheet, t) * across.dot(symmetric_matrix(s) * across);
     removed.curvature.row(t) = -s;
   }
   grid.write(cover, removed);

@@ -73,18 +73,18 @@ bool is_of_mesh(const PositionConstraints& constraints, const Sheet& sheet) {
 
 /// A sentence on handles that give way although the sheet does not touch itself, because a collider
 /// is in its way; empty: none does.
-std::string note_of_yielding(const std::vector<HandleFrame>& handles) {
-  int yielding = 0;
+std::string note_of_jammed(const std::vector<HandleFrame>& handles) {
+  int jammed = 0;
   double most = 0;
   for (const HandleFrame& handle : handles)
     if (handle.state == HandleFrame::jammed) {
-      ++yielding;
+      ++jammed;
       most = std::max(most, (handle.at - handle.keyed).norm());
     }
-  if (yielding == 0) return "";
+  if (jammed == 0) return "";
   char note[120];
-  std::snprintf(note, sizeof note, "a collider is in the way: %d %s, by up to %.1f mm", yielding,
-                yielding == 1 ? "handle gives way" : "handles give way", 1e3 * most);
+  std::snprintf(note, sizeof note, "a collider is in the way: %d %s, by up to %.1f mm", jammed,
+                jammed == 1 ? "handle gives way" : "handles give way", 1e3 * most);
   return note;
 }
 
@@ -361,7 +361,7 @@ AnimatedFrame SheetSimulation::report() {
   result.carried = carried_.positions(sheet(), *method_);
   result.handles = handles_.report(output_sheet_.x, frame_);
   if (outcome_.on_colliders > 0 && outcome_.touching == 0)
-    append_note(result.note, note_of_yielding(result.handles));
+    append_note(result.note, note_of_jammed(result.handles));
   FrameStatistics& statistics = result.statistics;
   statistics.inertia = simulated_.has_inertia();
   statistics.substeps = now_.step.substeps;

@@ -155,7 +155,7 @@ bool SheetSimulation::refine_jammed_smooth_mesh() {
   if (!refine_mesh(SimulatedSheet::Snapshot(kept))) return false;
   now_.step = jammed;
   if (crossings(sheet()) == 0 &&
-      simulated_.elastic.inside(sheet(), now) <= std::max(depth, yield_depth))
+      simulated_.elastic.inside(sheet(), now) <= std::max(depth, give_way_depth))
     return true;
   restore(SimulatedSheet::Snapshot(kept));
   simulated_.fixed = fixed;

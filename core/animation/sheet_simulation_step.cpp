@@ -166,7 +166,7 @@ bool SheetSimulation::settle() {
   interval.min_halvings = 0;
   const FrameStepResult rest = advance_frame({target}, interval).front();
   const double after = length_distortion(sheet()).largest;
-  if (!rest.failure_reason.empty() || after > before || rest.last.inside > yield_depth) {
+  if (!rest.failure_reason.empty() || after > before || rest.last.inside > give_way_depth) {
     restore(SimulatedSheet::Snapshot(begun));
     return false;
   }

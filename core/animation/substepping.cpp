@@ -133,7 +133,7 @@ struct Rejection {
 
 /// Whether a step has left a sheet that may jam in a state in which paper cannot be.
 bool is_crushed(const LengthDistortion& now, double stretch_before, const ElasticReport& step) {
-  return now.largest > std::max(max_jammed_stretch, stretch_before) || step.inside > yield_depth;
+  return now.largest > std::max(max_jammed_stretch, stretch_before) || step.inside > give_way_depth;
 }
 
 /// Takes a part of the frame in one step.

@@ -19,12 +19,6 @@ double circumcentre_height(const Vector2d& a, const Vector2d& b, const Vector2d&
 
 using Eigen::Matrix2d;
 
-Matrix2d matrix(const Eigen::RowVector3d& t) {
-  Matrix2d m;
-  m << t[0], t[1], t[1], t[2];
-  return m;
-}
-
 /// The curvature that a one-ring shows. judge() computes it from the sum over its edges and from
 /// the value of that sum for a surface of curvature 1, both divided by the area of the ring.
 struct Ring {
@@ -89,7 +83,8 @@ Points3 vertex_curvature(const Points2& pattern, const Triangles& triangles, con
   std::vector<Ring> rings(pattern.rows(), {Matrix2d::Zero(), Matrix2d::Identity()});
   for (std::size_t v = 0; v < rings.size(); ++v)
     if (area[v] > 0)
-      rings[v] = judge(matrix(folds.row(v)) / area[v], matrix(seen.row(v)) / area[v]);
+      rings[v] =
+          judge(symmetric_matrix(folds.row(v)) / area[v], symmetric_matrix(seen.row(v)) / area[v]);
 
   // in directions to which a ring is blind it takes the curvature of its neighbours
   std::vector<Matrix2d> around(rings.size(), Matrix2d::Zero());

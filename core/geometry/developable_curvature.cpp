@@ -1,6 +1,7 @@
 #include "core/geometry/developable_curvature.h"
 
 #include "core/geometry/hinges.h"
+#include "core/geometry/measure.h"
 #include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/segment2.h"
 
@@ -57,13 +58,10 @@ std::vector<Neighbourhood> neighbourhoods_of(const Sheet& sheet) {
   const auto corner = [&](int t, int i) -> Vector2d {
     return sheet.pattern.row(sheet.triangles(t, i % 3));
   };
-  const auto area = [&](int t) {
-    return 0.5 * cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
-  };
   std::vector<double> bend;  // [1/m2] theta/A of each hinge
   for (const Hinge& hinge : hinges.hinges)
-    bend.push_back(dihedral_angle(sheet.x, hinge) /
-                   (area(hinge.triangles[0]) + area(hinge.triangles[1])));
+    bend.push_back(dihedral_angle(sheet.x, hinge) / (pattern_area(sheet, hinge.triangles[0]) +
+                                                     pattern_area(sheet, hinge.triangles[1])));
 
   std::vector<Neighbourhood> rings(sheet.pattern.rows());
   for (int t = 0; t < sheet.triangles.rows(); ++t) {
@@ -89,10 +87,10 @@ std::vector<Neighbourhood> neighbourhoods_of(const Sheet& sheet) {
     if (told == 2) S += completion(terms[0], terms[1], border);
     for (int i = 0; i < 3; ++i) {
       Neighbourhood& ring = rings[sheet.triangles(t, i)];
-      ring.area += area(t);
-      ring.known += area(t) * known;
-      ring.told += area(t) * known * as_vector(S);
-      ring.guess += area(t) * as_vector(S);
+      ring.area += pattern_area(sheet, t);
+      ring.known += pattern_area(sheet, t) * known;
+      ring.told += pattern_area(sheet, t) * known * as_vector(S);
+      ring.guess += pattern_area(sheet, t) * as_vector(S);
     }
   }
 

@@ -2,6 +2,7 @@
 
 #include "core/geometry/prescribed_creases.h"
 #include "core/geometry/proximity.h"
+#include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/segment2.h"
 
 #include <Eigen/Cholesky>
@@ -78,9 +79,7 @@ bool wants_to_flip(const Sheet& sheet, const Points3& metric, const std::array<i
   constexpr double margin = 0.1;
   const Eigen::RowVector3d m =
       0.25 * (metric.row(v[0]) + metric.row(v[1]) + metric.row(v[2]) + metric.row(v[3]));
-  Eigen::Matrix2d M;
-  M << m[0], m[1], m[1], m[2];
-  const Eigen::LLT<Eigen::Matrix2d> root(M);
+  const Eigen::LLT<Eigen::Matrix2d> root(symmetric_matrix(m));
   const auto p = [&](int k) -> Vector2d { return root.matrixU() * at(sheet, v[k]); };
   const Vector2d a = p(0) - p(2), b = p(1) - p(2), c = p(1) - p(3), d = p(0) - p(3);
   // of the sum of the angles at both wings

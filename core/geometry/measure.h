@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/segment2.h"
 #include "core/model/sheet.h"
 
 #include <cmath>
@@ -19,6 +20,12 @@ double largest_stretch(const Sheet&);
 
 /// Mean edge length on the pattern; an edge counts once for each triangle it belongs to. [m]
 double mean_edge(const Points2& pattern, const Triangles&);
+
+/// Area of triangle t on the pattern. [m2]
+inline double pattern_area(const Sheet& sheet, int t) {
+  const auto corner = [&](int i) -> Vector2d { return sheet.pattern.row(sheet.triangles(t, i)); };
+  return 0.5 * cross(corner(1) - corner(0), corner(2) - corner(0));
+}
 
 /// Largest |2 pi - sum of angles| over the inner vertices that are not singular points: 0 for a
 /// developable surface. [rad]

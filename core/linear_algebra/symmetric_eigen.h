@@ -4,6 +4,13 @@
 
 namespace paperbake {
 
+/// The matrix with the entries xx, xy = yx, and yy.
+inline Eigen::Matrix2d symmetric_matrix(const Eigen::RowVector3d& entries) {
+  Eigen::Matrix2d m;
+  m << entries[0], entries[1], entries[1], entries[2];
+  return m;
+}
+
 /// Eigenvalues and eigenvectors of a symmetric matrix, M = sum_i values_i v_i v_i^T.
 template <int n>
 struct SymmetricEigen {

@@ -262,7 +262,7 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
   // also when the step is unfinished: where hands pull paper taut round a collider, hard handles
   // may have no end that the iterations reach
   const auto jams = [&] {
-    return (matrix && largest_stretch(sheet) > yield_stretch) || report.inside > yield_depth;
+    return (matrix && largest_stretch(sheet) > give_way_stretch) || report.inside > give_way_depth;
   };
   if (contact_enabled &&
       (state.had_contact || jams() || !contact->is_collision_free(before, sheet.x, step.hard))) {
@@ -275,8 +275,7 @@ ElasticReport Elastic::Impl::step_with_contact_fallback(Sheet& sheet, const Step
     report.iterations += wasted_iterations;
     state.second.reset();
     state.descending = false;
-    // handles that gave way hold again as soon as nothing is in their way
-    state.had_contact = report.touching > 0 || (report.yielding > 0 && report.on_colliders > 0);
+    state.had_contact = report.has_contact();
   }
   return report;
 }

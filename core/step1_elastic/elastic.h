@@ -75,11 +75,16 @@ struct ElasticReport {
   // push each other
   int touching = 0;
   int touching_others = 0;  // the same for pairs with one feature on another sheet
-  int yielding = 0;         // hard handles that the paper does not follow
+  int giving_way = 0;       // hard handles that the paper does not follow
   int on_colliders = 0;  // vertices, edges and triangles that colliders push at the end of the step
   double inside = 0;     // [m] depth of the deepest point inside a collider
 
   bool stretches_instead_of_bending() const { return membrane > ridge_share * energy; }
+  /// Active contacts, or handles that give way to what the sheet touches. They hold again as soon
+  /// as nothing is in their way.
+  bool has_contact() const {
+    return touching > 0 || (giving_way > 0 && on_colliders + touching_others > 0);
+  }
 };
 
 /// How far relax() goes.
@@ -104,7 +109,7 @@ struct SolverState {
   std::deque<Points3> positions;
   int steps = 0;         // number of steps so far
   bool remeshed = true;  // the mesh has changed since the last step
-  // the last step ended with active contacts, or with handles that give way to a collider
+  // the last step ended with ElasticReport::has_contact()
   bool had_contact = false;
   // index of the step before which no new search for a second branch begins
   int branch_cooldown_until = 0;

@@ -40,15 +40,10 @@ struct BentMesh {
 
   Vector2d corner(int t, int i) const { return sheet.pattern.row(sheet.triangles(t, i)); }
   Vector2d middle(int t) const { return (corner(t, 0) + corner(t, 1) + corner(t, 2)) / 3; }
-  double area(int t) const {
-    return 0.5 * cross(corner(t, 1) - corner(t, 0), corner(t, 2) - corner(t, 0));
-  }
+  double area(int t) const { return pattern_area(sheet, t); }
   /// [m] Plastic curvature times area.
   Eigen::Matrix2d plastic(int t) const {
-    const Eigen::RowVector3d s = memory.curvature.row(t);
-    Eigen::Matrix2d S;
-    S << s[0], s[1], s[1], s[2];
-    return area(t) * S;
+    return area(t) * symmetric_matrix(memory.curvature.row(t));
   }
   /// Whether the turn of a hinge belongs to a fold.
   bool counts_hinge(std::size_t h) const { return gap.empty() || gap[h]; }

@@ -24,13 +24,13 @@ double finite(double value, const char* field, int frame, const std::string& she
               fmt::format("The certificate's {} is not a finite number.", field));
 }
 
-/// In the order of HandleRecord::State.
-constexpr const char* state_names[] = {"held", "free", "soft", "jammed"};
+/// In the order of HandleFrame::State.
+constexpr const char* state_names[] = {"free", "held", "soft", "jammed"};
 
-std::optional<HandleRecord::State> state_of(const std::string& name) {
+std::optional<HandleFrame::State> state_of(const std::string& name) {
   const auto* const found = std::find(std::begin(state_names), std::end(state_names), name);
   if (found == std::end(state_names)) return std::nullopt;
-  return static_cast<HandleRecord::State>(found - std::begin(state_names));
+  return static_cast<HandleFrame::State>(found - std::begin(state_names));
 }
 
 /// The rows of a CSV text according to RFC 4180: a quoted field may contain commas and line ends.
@@ -169,7 +169,7 @@ std::vector<HandleRecord> parse_handles_csv(const std::string& text) {
     bool good = f.size() == 12 && read_number(f[0], n[0]) &&
                 std::abs(n[0]) <= std::numeric_limits<int>::max();
     for (int i = 0; i < 8 && good; ++i) good = read_number(f[3 + i], n[1 + i]);
-    const std::optional<HandleRecord::State> state = good ? state_of(f[11]) : std::nullopt;
+    const std::optional<HandleFrame::State> state = good ? state_of(f[11]) : std::nullopt;
     if (!state)
       throw Error(ErrorCode::scene, fmt::format("handles.csv, row {}", k + 1),
                   "This version of paperbake does not write such a row.");

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/model/frame.h"
 #include "core/model/frame_statistics.h"
 #include "core/model/sheet.h"
 
@@ -45,7 +46,7 @@ struct HandleRecord {
   Vector2d pattern = Vector2d::Zero();  // [m]
   Vector3d keyed = Vector3d::Zero();    // [m]
   Vector3d held = Vector3d::Zero();     // [m] position of the sheet point that it holds
-  enum State { held_state, free_state, soft_state, jammed_state } state = held_state;
+  HandleFrame::State state = HandleFrame::held;
 };
 
 /// One row of singular.csv.

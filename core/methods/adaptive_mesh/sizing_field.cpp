@@ -16,12 +16,6 @@ namespace {
 
 using Eigen::Matrix2d;
 
-Matrix2d matrix(const Eigen::RowVector3d& m) {
-  Matrix2d M;
-  M << m[0], m[1], m[1], m[2];
-  return M;
-}
-
 /// The matrix with the same eigenvectors and the eigenvalues f.
 template <class Function>
 Matrix2d spectral(const Matrix2d& M, const Function& f) {
@@ -89,10 +83,10 @@ Points3 sizing_field(const Sheet& sheet, const Points3& kept, double side,
   const double turn = 1 / (options.edge_turn * options.edge_turn);
   for (int v = 0; v < vertices; ++v) {
     Matrix2d M = Matrix2d::Identity() / (longest * longest);
-    const Matrix2d S = matrix(curvature.row(v));
+    const Matrix2d S = symmetric_matrix(curvature.row(v));
     M = finer(M, turn * S * S);
     if (kept.rows()) {
-      const Matrix2d Sp = matrix(kept.row(v));
+      const Matrix2d Sp = symmetric_matrix(kept.row(v));
       M = finer(M, turn * Sp * Sp);
     }
     metric[v] = bounded(M, longest, shortest, options.aspect);

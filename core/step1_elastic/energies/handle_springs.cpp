@@ -7,26 +7,26 @@
 namespace paperbake {
 namespace {
 
-constexpr double hard = 3e4;       // [N/m] a tenth of the stiffness of paper itself
-constexpr double yield_force = 3;  // [N] a hand holds paper by this
-constexpr double yielding = 300;   // [N/m]
+constexpr double hard = 3e4;         // [N/m] a tenth of the stiffness of paper itself
+constexpr double hold_force = 3;     // [N] a hand holds paper by this
+constexpr double beyond_hold = 300;  // [N/m]
 
 struct Spring {
-  double stiffness;    // [N/m] k
-  double yield_force;  // [N] F0
+  double stiffness;   // [N/m] k
+  double hold_force;  // [N] F0
 };
 
 // not inlined: a sum of constants would round otherwise than the same sum of variables
 [[gnu::noinline]] Spring spring_of(const PositionConstraint& c) {
-  return c.is_hard() ? Spring{hard, yield_force}
+  return c.is_hard() ? Spring{hard, hold_force}
                      : Spring{c.stiffness, std::numeric_limits<double>::infinity()};
 }
 
 }  // namespace
 
-bool yields(const PositionConstraint& c, const Points3& x) {
+bool gives_way(const PositionConstraint& c, const Points3& x) {
   const Spring s = spring_of(c);
-  return (x.row(c.vertex).transpose() - c.target).norm() * s.stiffness > s.yield_force;
+  return (x.row(c.vertex).transpose() - c.target).norm() * s.stiffness > s.hold_force;
 }
 
 double spring_energy(const PositionConstraints& constraints, const Points3& x) {
@@ -34,10 +34,10 @@ double spring_energy(const PositionConstraints& constraints, const Points3& x) {
   for (const PositionConstraint& c : constraints) {
     const Spring s = spring_of(c);
     const double r = (x.row(c.vertex).transpose() - c.target).norm(),
-                 r0 = s.yield_force / s.stiffness, beyond = r - r0;
+                 r0 = s.hold_force / s.stiffness, beyond = r - r0;
     sum += beyond <= 0 ? 0.5 * s.stiffness * r * r
-                       : 0.5 * s.yield_force * r0 + s.yield_force * beyond +
-                             0.5 * yielding * beyond * beyond;
+                       : 0.5 * s.hold_force * r0 + s.hold_force * beyond +
+                             0.5 * beyond_hold * beyond * beyond;
   }
   return sum;
 }
@@ -48,12 +48,12 @@ double differentiate_springs(const PositionConstraints& constraints, const Point
   for (const PositionConstraint& c : constraints) {
     const Spring s = spring_of(c);
     const Vector3d d = x.row(c.vertex).transpose() - c.target;
-    const double r = d.norm(), beyond = r - s.yield_force / s.stiffness;
+    const double r = d.norm(), beyond = r - s.hold_force / s.stiffness;
     // second derivative across and along the direction to the target
     double across = s.stiffness, along = s.stiffness;
     if (beyond > 0) {
-      across = (s.yield_force + yielding * beyond) / r;
-      along = yielding;
+      across = (s.hold_force + beyond_hold * beyond) / r;
+      along = beyond_hold;
     }
     gradient.row(c.vertex) += across * d.transpose();
     Matrix3 second = across * Matrix3::Identity();

@@ -10,7 +10,7 @@ namespace paperbake {
 /// The springs that pull vertices to their handles: one for each of the given constraints, which
 /// are the soft ones and, on a sheet that touches itself or is jammed, the hard ones too.
 ///
-///   phi(r) = k r^2/2 up to the yield force F0 = k r0
+///   phi(r) = k r^2/2 up to F0 = k r0, the force with which a hand holds the paper
 ///            k r0^2/2 + F0 (r - r0) + k_y (r - r0)^2/2 beyond
 ///
 /// r    [m] distance from the target
@@ -25,7 +25,7 @@ double spring_energy(const PositionConstraints&, const Points3& x);  // [J]
 double differentiate_springs(const PositionConstraints&, const Points3& x,
                              const std::vector<int>& block_of, Points3& gradient, BlockCholesky&);
 
-/// True if the spring of the constraint pulls with more than its yield force.
-bool yields(const PositionConstraint&, const Points3& x);
+/// True if the spring of the constraint pulls with more than F0.
+bool gives_way(const PositionConstraint&, const Points3& x);
 
 }  // namespace paperbake

@@ -1,6 +1,7 @@
 #include "core/step1_elastic/energies/ridge_yield.h"
 
 #include "core/geometry/curvature.h"
+#include "core/geometry/measure.h"
 
 #include <algorithm>
 #include <cmath>
@@ -11,16 +12,6 @@ namespace {
 constexpr double smooth_turn = 6 * M_PI / 180, ridge_turn = 15 * M_PI / 180;
 constexpr double neighbourhood = 0.5;  // [1] of X
 constexpr int min_ends = 4;
-
-double triangle_area(const Sheet& sheet, int t) {
-  const Vector2d u =
-      (sheet.pattern.row(sheet.triangles(t, 1)) - sheet.pattern.row(sheet.triangles(t, 0)))
-          .transpose();
-  const Vector2d v =
-      (sheet.pattern.row(sheet.triangles(t, 2)) - sheet.pattern.row(sheet.triangles(t, 0)))
-          .transpose();
-  return 0.5 * (u.x() * v.y() - u.y() * v.x());
-}
 
 /// s of each vertex alone.
 Eigen::VectorXd sharpness(const Sheet& sheet, const Hinges& hinges, const Points3& curvature,
@@ -56,7 +47,7 @@ RidgeField find_ridges(const Sheet& sheet, const Hinges& hinges, const Paper& pa
       vertex_curvature(sheet.pattern, sheet.triangles, hinges, bending_turns(sheet, hinges));
   std::vector<double> area(triangles);
   double whole = 0;
-  for (int t = 0; t < triangles; ++t) whole += area[t] = triangle_area(sheet, t);
+  for (int t = 0; t < triangles; ++t) whole += area[t] = pattern_area(sheet, t);
   const Eigen::VectorXd s = sharpness(sheet, hinges, curvature, held);
 
   RidgeField ridges{remembered, Eigen::VectorXd::Ones(triangles)};

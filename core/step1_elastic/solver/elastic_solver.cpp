@@ -264,11 +264,11 @@ ElasticReport Elastic::Impl::solve(Sheet& sheet, const StepProblem& step, Contac
   return report;
 }
 
-void Elastic::Impl::report_constraints(const Points3& x, const PositionConstraints& may_yield,
+void Elastic::Impl::report_constraints(const Points3& x, const PositionConstraints& springs,
                                        ElasticReport& report) {
-  report.yielding =
-      static_cast<int>(std::count_if(may_yield.begin(), may_yield.end(),
-                                     [&](const PositionConstraint& c) { return yields(c, x); }));
+  report.giving_way =
+      static_cast<int>(std::count_if(springs.begin(), springs.end(),
+                                     [&](const PositionConstraint& c) { return gives_way(c, x); }));
   if (!colliders) return;
   report.on_colliders = colliders->touching(x);
   report.inside = colliders->inside(x);

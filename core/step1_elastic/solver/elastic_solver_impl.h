@@ -179,8 +179,8 @@ struct Elastic::Impl {
   ElasticReport step_with_contact_fallback(Sheet&, const StepProblem&);
 
   /// Writes to the report what colliders and handles do at the end of the step.
-  /// may_yield  constraints that give way
-  void report_constraints(const Points3& x, const PositionConstraints& may_yield, ElasticReport&);
+  /// springs  constraints that may give way
+  void report_constraints(const Points3& x, const PositionConstraints& springs, ElasticReport&);
 
   /// Moves the vertices from x to other places; where the sheet would pass through itself there,
   /// one after the other, each as far as nothing of the sheet is in its way.

@@ -204,7 +204,7 @@ void Elastic::Impl::JointStep::finish(std::size_t k, const Points3& x,
       pairs, [&](const std::array<int, 2>& body) { return body[0] == s.options.sheet_number; });
   s.state.second.reset();
   s.state.descending = false;
-  s.state.had_contact = report.touching > 0 || report.yielding > 0;
+  s.state.had_contact = report.has_contact();
   s.finish_step(sheet, before, problems_[k], report);
 }
 

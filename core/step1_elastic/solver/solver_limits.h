@@ -54,7 +54,7 @@ enum class BranchSearchMode { when_slow, when_locked, none };
 enum class BranchSearchReason { slow, locked, none };
 
 // [1] stretch of an edge; paper would tear, or slip out of a hand, before it gets here: as at
-// yield_depth (collider_distances.h), the handles give way
-inline constexpr double yield_stretch = 0.01;
+// give_way_depth (collider_distances.h), the handles give way
+inline constexpr double give_way_stretch = 0.01;
 
 }  // namespace paperbake

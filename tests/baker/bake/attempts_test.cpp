@@ -48,6 +48,16 @@ TEST(Attempt, IsAsBadAsTheHandleThatIsOffMost) {
   EXPECT_EQ(attempt.frame, 1);
 }
 
+TEST(Attempt, HandlesThatKeepTheirDistancesCompressNothing) {
+  std::vector<Handle> handles(2);
+  handles[0].keyed = Points3::Zero(3, 3);
+  handles[1].keyed = (Points3(3, 3) << 0.1, 0, 0, 0, 0.1, 0, 0, 0.098, 0).finished();
+  EXPECT_FALSE(change_distances(handles, 0));
+  EXPECT_FALSE(change_distances(handles, 1)) << "they turn as a rigid body";
+  EXPECT_TRUE(change_distances(handles, 2)) << "they have come nearer by 2 mm";
+  EXPECT_TRUE(change_distances(handles, 9)) << "and stay there";
+}
+
 TEST(Attempt, DoesNotCountAHandleThatHoldsNothing) {
   AnimatedFrame frame = frame_with_handles_off(1, 0.001, 0.05);
   frame.handles[1].state = HandleFrame::free;
@@ -105,7 +115,7 @@ class AttemptsTest : public test::ResumeFixture {
   }
 };
 
-TEST_F(AttemptsTest, ATakeThatGoesWellIsTheOnlyOne) {
+TEST_F(AttemptsTest, AnAttemptThatGoesWellIsTheOnlyOne) {
   const Ended ended = run(crumple("out", {}, "1-36"));
   ASSERT_EQ(ended.code, 0) << ended.err;
   EXPECT_TRUE(summary("out").at("attempts").is_null());
@@ -131,7 +141,7 @@ TEST_F(AttemptsTest, WhereTheFirstOneLocksAnotherIsBakedThatDoesNot) {
   EXPECT_TRUE(shapes("out") == shapes("direct")) << "it is the bake with that seed and mesh";
 }
 
-TEST_F(AttemptsTest, ABakeThatIsKilledGoesOnWithTheTakeThatWasChosen) {
+TEST_F(AttemptsTest, ABakeThatIsKilledGoesOnWithTheAttemptThatWasChosen) {
   run(crumple("whole", {}));
   const int before = times(read(folder / "stderr.txt"), "is tried");
   // while other attempts are tried, and while the chosen one is baked

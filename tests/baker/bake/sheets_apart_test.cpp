@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Case {
   const char* name;
   int last;
 };
+void PrintTo(const Case& c, std::ostream* to) { *to << c.name; }
 
 BakePlan plan_of(const Case& c) {
   BakeSettings settings;

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <ostream>
 #include <string>
 #include <vector>
 
@@ -18,6 +19,7 @@ struct Case {
   std::vector<int> resumed_after;
   double gravity = 0;  // [m/s2] 0: that of the scene
 };
+void PrintTo(const Case& c, std::ostream* to) { *to << c.name; }
 
 /// What is handed on of all sheets of a frame, and what the next frame comes from.
 struct Seen {

@@ -97,11 +97,11 @@ TEST(PreviewTest, HandlesAreGreenWhereTheyHoldAndOrangeWhereJammed) {
   Panel held = panel(flat());
   HandleRecord handle;
   handle.held = {0.05, 0.05, 0};
-  handle.state = HandleRecord::held_state;
+  handle.state = HandleFrame::held;
   EXPECT_EQ(count(contact_sheet("", {held}), green), 0);
   held.handles = {handle};
   EXPECT_GT(count(contact_sheet("", {held}), green), 5);
-  held.handles[0].state = HandleRecord::jammed_state;
+  held.handles[0].state = HandleFrame::jammed;
   EXPECT_GT(count(contact_sheet("", {held}), orange), 5);
   const int seen = count(contact_sheet("", {held}), orange);
   held.handles[0].held.z() = -0.05;

@@ -159,9 +159,9 @@ TEST(Certificate, HandleRowsHaveTheExactHeader) {
   r.keyed = {1.0 / 3, -2, 1e-9};
   r.held = {0.3, -0.0, 3};
   HandleRecord free = r, soft = r, jammed = r;
-  free.state = HandleRecord::free_state;
-  soft.state = HandleRecord::soft_state;
-  jammed.state = HandleRecord::jammed_state;
+  free.state = HandleFrame::free;
+  soft.state = HandleFrame::soft;
+  jammed.state = HandleFrame::jammed;
   const std::string numbers = "0.125,0.1,0.3333333333333333,-2,1e-09,0.3,0,3,";
   EXPECT_EQ(handles_csv({r, free, soft, jammed}),
             "frame,sheet,handle,u,v,keyed_x,keyed_y,keyed_z,held_x,held_y,held_z,state\n"
@@ -178,8 +178,8 @@ TEST(Certificate, HandleRowsHaveTheExactHeader) {
                 numbers + "jammed\n");
   const std::vector<HandleRecord> again = parse_handles_csv(handles_csv({r, free, soft, jammed}));
   ASSERT_EQ(again.size(), 4U);
-  EXPECT_EQ(again[2].state, HandleRecord::soft_state);
-  EXPECT_EQ(again[3].state, HandleRecord::jammed_state);
+  EXPECT_EQ(again[2].state, HandleFrame::soft);
+  EXPECT_EQ(again[3].state, HandleFrame::jammed);
 }
 
 TEST(Certificate, NamesWithCommasQuotesAndLineEndsAreQuoted) {

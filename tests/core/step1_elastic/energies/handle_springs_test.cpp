@@ -14,7 +14,7 @@ TEST(HandleSpringsTest, DerivativesMatchTheEnergyBelowAndBeyondTheYieldForce) {
   for (const double way : {4e-6, 2e-3}) {  // [m] the paper follows; the spring gives way
     const PositionConstraints springs{{0, {0.1, 0.2, 0.3}}};
     const Points3 x = (Vector3d(0.1, 0.2, 0.3) + way * Vector3d(2, -1, 2) / 3).transpose();
-    EXPECT_EQ(yields(springs[0], x), way > 1e-3);
+    EXPECT_EQ(gives_way(springs[0], x), way > 1e-3);
     const auto differentiate_at = [&](const Points3& y, Points3& gradient) {
       matrix.set_zero();
       gradient = Points3::Zero(1, 3);
