@@ -8,7 +8,6 @@
 #include "formats/files/json.h"
 
 #include <algorithm>
-#include <cmath>
 #include <fmt/format.h>
 #include <limits>
 #include <memory>
@@ -115,20 +114,14 @@ void Attempts::watch(const AnimatedFrame& frame) {
   add_frame(seen_, frame, first_);
   const int row = frame.frame - first_.animation.first_frame;
   seen_.frames = row + 1;
-  compressed_ |= change_distances(first_.shots[frame.sheet_index].handles, row);
-  failing_ = compressed_ && seen_.off > tolerance;
+  moved_ |= have_moved(first_.shots[frame.sheet_index].handles, row);
+  failing_ = moved_ && seen_.off > tolerance;
 }
 
-bool change_distances(const std::vector<Handle>& handles, int row) {
-  const auto distance = [](const Handle& a, const Handle& b, int at) {
-    return (keyed_position(a, at) - keyed_position(b, at)).norm();
-  };
-  for (std::size_t h = 0; h < handles.size(); ++h)
-    for (std::size_t k = 0; k < h; ++k)
-      if (std::abs(distance(handles[h], handles[k], row) - distance(handles[h], handles[k], 0)) >
-          tolerance)
-        return true;
-  return false;
+bool have_moved(const std::vector<Handle>& handles, int row) {
+  return std::any_of(handles.begin(), handles.end(), [&](const Handle& handle) {
+    return (keyed_position(handle, row) - keyed_position(handle, 0)).norm() > tolerance;
+  });
 }
 
 Attempt Attempts::describe_attempt(std::size_t number) const {

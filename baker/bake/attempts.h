@@ -17,9 +17,8 @@ namespace paperbake {
 /// the gate of handles allows, others are simulated beside it. The attempt whose handles have been
 /// off least so far always goes on (uniform-cost search), until one of them is at the end of the
 /// shot: it is the best of them. When all attempts are off by a tenth of the sheet it is not a
-/// matter of luck, and the first one is baked. Nor is it where the handles keep their distances
-/// from each other: then nothing compresses the paper but colliders, and a handle that gives way to
-/// them does so however the paper buckles.
+/// matter of luck, and the first one is baked. Nor is it where no handle has moved: one that gives
+/// way then does so to a collider, however the paper buckles.
 ///
 /// The attempts are: the seed of the bake; that seed + 1000, + 2000, + 3000, ... The second, the
 /// fourth and so on have a first mesh of four times as many triangles, unless a number of triangles
@@ -58,13 +57,13 @@ class Attempts {
   std::string key_;  // of a decision
   Attempt seen_;     // of the first attempt
   bool watches_, failing_ = false;
-  bool compressed_ = false;  // whether handles may have compressed the paper (change_distances)
+  bool moved_ = false;  // whether a handle has (have_moved)
 };
 
-/// Whether the distance of any two handles of a shot differs from what it was in the first frame,
-/// by more than the gate of handles allows.
+/// Whether any handle is keyed farther from where it was in the first frame than the gate of
+/// handles allows it to be off.
 /// row  frame - first frame of the scene
-bool change_distances(const std::vector<Handle>&, int row);
+bool have_moved(const std::vector<Handle>&, int row);
 
 /// Adds a frame of an attempt to what is known of it: its handles and those of other sheets in it.
 /// Distances that paper cannot bridge (BakePlan::impossible) do not count.

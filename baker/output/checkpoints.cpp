@@ -169,7 +169,7 @@ void Checkpoints::load_one(const fs::path& path, ResumePoint& resume, bool& goes
   if (!goes_on) return;
   Serializer().require(checkpoint.last >= checkpoint.first &&
                        checkpoint.keys_until >= checkpoint.last &&
-                       checkpoint.keys_until - first_frame_ < most_frames);
+                       long(checkpoint.keys_until) - first_frame_ < most_frames);
   const std::size_t count = checkpoint.frames.size();
   Serializer().require(count > 0 && count == sheets_ * (checkpoint.last - kept_until_) &&
                        checkpoint.states.size() == sheets_);

@@ -170,10 +170,10 @@ void SheetSimulation::remember(int part) {
   folds_.remember({now_.load_parts > 1 ? input_of_part(part) : now_.input,
                    1 / options_.fps / now_.load_parts, now_.relative_motion / now_.load_parts,
                    frame_ - options_.first_frame,
-                   simulated_.has_inertia() ? inertial_halvings() : 0});
+                   simulated_.has_inertia() ? halvings_of_part() : 0});
 }
 
-int SheetSimulation::inertial_halvings() const {
+int SheetSimulation::halvings_of_part() const {
   int halvings = inertial_halvings_;
   for (int parts = now_.load_parts; parts > 1 && halvings > 0; parts /= 2) --halvings;
   return halvings;

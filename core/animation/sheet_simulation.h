@@ -147,7 +147,7 @@ class SheetSimulation {
   /// Into how many parts the frame is divided.
   int parts_of_frame() const;
   /// How often each of these parts is halved, so that no step with inertia is too long.
-  int inertial_halvings() const;
+  int halvings_of_part() const;
   /// Keeps a step that is about to be taken for folds_.
   void remember(int part);
   /// Lets the method change the mesh, unless the sheet comes nearer to others by that. share: [1]
@@ -172,6 +172,7 @@ class SheetSimulation {
   void begin_step(RecordTrajectory);
   /// Whether the sheet may change its mesh within the frame if it takes it alone.
   bool may_step_in_parts() const;
+  /// Keeps what undo_step() needs.
   void keep_frame_start();
   /// Sets the sheet back to where the frame began, to take it together with others.
   void undo_step();

@@ -64,7 +64,7 @@ bool SheetSimulation::may_jam() const {
 FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
           1 / options_.fps,
-          simulated_.has_inertia() ? inertial_halvings()
+          simulated_.has_inertia() ? halvings_of_part()
           : jam_.is_on()           ? halvings_of_squeeze(now_.input.colliders)
                                    : 0,
           dhat_of_sheets};

@@ -7,9 +7,9 @@
 namespace paperbake {
 namespace {
 
-constexpr double hard = 3e4;         // [N/m] a tenth of the stiffness of paper itself
-constexpr double hold_force = 3;     // [N] a hand holds paper by this
-constexpr double beyond_hold = 300;  // [N/m]
+constexpr double hard = 3e4;              // [N/m] a tenth of the stiffness of paper itself
+constexpr double hold_force = 3;          // [N] a hand holds paper by this
+constexpr double stiffness_beyond = 300;  // [N/m]
 
 struct Spring {
   double stiffness;   // [N/m] k
@@ -37,7 +37,7 @@ double spring_energy(const PositionConstraints& constraints, const Points3& x) {
                  r0 = s.hold_force / s.stiffness, beyond = r - r0;
     sum += beyond <= 0 ? 0.5 * s.stiffness * r * r
                        : 0.5 * s.hold_force * r0 + s.hold_force * beyond +
-                             0.5 * beyond_hold * beyond * beyond;
+                             0.5 * stiffness_beyond * beyond * beyond;
   }
   return sum;
 }
@@ -52,8 +52,8 @@ double differentiate_springs(const PositionConstraints& constraints, const Point
     // second derivative across and along the direction to the target
     double across = s.stiffness, along = s.stiffness;
     if (beyond > 0) {
-      across = (s.hold_force + beyond_hold * beyond) / r;
-      along = beyond_hold;
+      across = (s.hold_force + stiffness_beyond * beyond) / r;
+      along = stiffness_beyond;
     }
     gradient.row(c.vertex) += across * d.transpose();
     Matrix3 second = across * Matrix3::Identity();
