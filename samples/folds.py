@@ -1,4 +1,4 @@
-"""Writes the fold scenes F1 to F7 beside itself, each as .glb, .fbx and .handles.csv.
+"""Writes the fold scenes F1 to F8 beside itself, each as .glb, .fbx and .handles.csv.
 
     python samples/folds.py [NAME...]          with Blender 4.2 or later as the module bpy
 
@@ -311,7 +311,28 @@ def corners():
         gravity=9.81)
 
 
-SCENES = (letter, half, quarter, fan, corner, pinch, corners)
+def wrap():
+    """A sheet wrapped round a box, two sides first; its corners fold by themselves, like gussets."""
+    sheet, box, room = 300, 120, 2  # [mm] the folds are so far from the edges of the box
+    low, high = (sheet - box) / 2 - room, (sheet + box) / 2 + room
+    middle, near, far = sheet / 2, low + 14, high - 14
+
+    def around(begin, point, axis):
+        return lambda frame: turned(90 * eased(frame, begin, begin + 36), point, axis)
+
+    top = mm((middle, middle), (near, middle), (far, middle), (middle, near), (middle, far))
+    sides = (("right", 6, mm((high, 0))[0], (0, 1, 0), lambda s: (sheet, s)),
+             ("left", 6, mm((low, 0))[0], (0, -1, 0), lambda s: (0, s)),
+             ("back", 18, mm((0, high))[0], (-1, 0, 0), lambda s: (s, sheet)),
+             ("front", 18, mm((0, low))[0], (1, 0, 0), lambda s: (s, 0)))
+    return Scene("F8_wrap", (0.300, 0.300), 66, (
+        Hand("top", top, flat, rectangle(low, low, high, high)),
+        *(Hand(name, mm(*(place(s) for s in (near, middle, far))), around(begin, point, axis))
+          for name, begin, point, axis, place in sides)),
+        (Box("collider.box", (*mm((90, 90))[0], -81 * MM), (0.120, 0.120, 0.080)),), gravity=9.81)
+
+
+SCENES = (letter, half, quarter, fan, corner, pinch, corners, wrap)
 
 
 # What paper needs to follow

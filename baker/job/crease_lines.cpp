@@ -14,8 +14,11 @@ std::string origin_of(const ExpectedCrease& crease, const std::vector<Handle>& h
   const auto name = [&](const std::vector<int>& group) {
     return fmt::format("\"{}\" and {} more", handles[group.front()].name, group.size() - 1);
   };
-  return fmt::format(crease.by_row ? "clamp {}, row {}" : "clamps {}, {}", name(crease.plate),
-                     name(crease.other));
+  using By = ExpectedCrease::By;
+  const char* form = crease.by == By::two_plates      ? "clamps {}, {}"
+                     : crease.by == By::plate_and_row ? "clamp {}, row {}"
+                                                      : "between the folds of {}, {}";
+  return fmt::format(fmt::runtime(form), name(crease.plate), name(crease.other));
 }
 
 }  // namespace
@@ -45,7 +48,7 @@ std::string describe(const CreaseLine& crease, std::size_t number) {
       crease.line.size() == 2 ? "" : fmt::format(", {} bend(s)", crease.line.size() - 2);
   return fmt::format("crease {} from {} to {} mm{}, {} {:.4g} degrees: {}", number,
                      point(crease.line.front()), point(crease.line.back()), bends,
-                     crease.expected ? "expected: handles turn by" : "springs back to",
+                     crease.expected ? "expected: turns by" : "springs back to",
                      crease.angle * 180 / M_PI, crease.origin);
 }
 

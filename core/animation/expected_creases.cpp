@@ -1,6 +1,7 @@
 #include "core/animation/expected_creases.h"
 
 #include "core/animation/fold_axis.h"
+#include "core/animation/gussets.h"
 #include "core/model/segment2.h"
 
 #include <algorithm>
@@ -95,18 +96,26 @@ bool is_same_line(const PrescribedCrease& a, const PrescribedCrease& b, double s
 
 std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) {
   const Clamps clamps(shot, first_frame);
+  using By = ExpectedCrease::By;
   std::vector<ExpectedCrease> expected;
   for (const FoldAxis& axis : axes_of(clamps))
     for (PrescribedCrease& part : on_paper(through_handles(axis, shot), shot))
       if (std::none_of(expected.begin(), expected.end(), [&](const ExpectedCrease& known) {
             return is_same_line(known.crease, part, clamps.side());
           }))
-        expected.push_back({std::move(part), axis.turn, axis.between, axis.plate->handles,
-                            axis.other->handles, !axis.other->is_plate});
+        expected.push_back({std::move(part),
+                            axis.other->is_plate ? By::two_plates : By::plate_and_row,
+                            axis.turn,
+                            axis.between,
+                            {},
+                            axis.plate->handles,
+                            axis.other->handles});
   expected.erase(
       std::remove_if(expected.begin(), expected.end(),
                      [&](const ExpectedCrease& line) { return is_drawn(line, shot.pattern); }),
       expected.end());
+  for (ExpectedCrease& gusset : gussets(shot, expected, first_frame))
+    if (!is_drawn(gusset, shot.pattern)) expected.push_back(std::move(gusset));
   return expected;
 }
 
@@ -119,9 +128,17 @@ double largest_turn(const ExpectedCrease& crease) {
 
 void add_expected_creases(Shot& shot, std::vector<ExpectedCrease> all) {
   std::vector<PrescribedCrease>& creases = shot.pattern.prescribed_creases;
+  const int first = static_cast<int>(creases.size());
   for (ExpectedCrease& expected : all) {
-    shot.hands.push_back(
-        {static_cast<int>(creases.size()), std::move(expected.turn), expected.between});
+    FoldingHands hands{static_cast<int>(creases.size()), std::move(expected.turn),
+                       expected.between};
+    if (expected.by == ExpectedCrease::By::folds_that_cross) {
+      hands.beyond = first + expected.beyond[0].line;
+      for (TurnBeyond& part : expected.beyond)
+        shot.hands.push_back(
+            {first + part.line, std::move(part.turn), part.at, first + part.across});
+    }
+    shot.hands.push_back(std::move(hands));
     creases.push_back(std::move(expected.crease));
   }
 }

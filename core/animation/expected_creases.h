@@ -6,15 +6,30 @@
 
 namespace paperbake {
 
+/// The part of a line beyond its crossing with another one, where paper that no hand holds has to
+/// turn in some other way than between the hands.
+struct TurnBeyond {
+  int line, across;          // indices into the expected creases
+  std::vector<double> turn;  // |F| [rad] not a number where the line goes straight on
+  Vector2d at{0, 0};         // [m] a point of this part
+};
+
 /// A line along which the handles of a shot are going to fold its sheet.
 struct ExpectedCrease {
-  PrescribedCrease crease;  // not folded yet
+  enum class By {
+    two_plates,       // two clamps turn against each other
+    plate_and_row,    // handles in a row turn against a clamp
+    folds_that_cross  // a gusset crease: paper beyond their crossing folds once more (gussets.h)
+  };
 
-  std::vector<double> turn;  // [rad] and a point between the hands, as in FoldingHands
-  Vector2d between;          // [m]
+  PrescribedCrease crease;  // not folded yet
+  By by = By::two_plates;
+
+  std::vector<double> turn;   // [rad] and a point between the hands, as in FoldingHands
+  Vector2d between{0, 0};     // [m]
+  TurnBeyond beyond[2] = {};  // of a gusset crease: of the two lines that cross
 
   std::vector<int> plate, other;  // the handles on its two sides
-  bool by_row = false;            // the other handles stand in a row
 };
 
 /// [rad] The turn of the hands, with its sign, in the frame in which they turn most.
@@ -39,6 +54,8 @@ double largest_turn(const ExpectedCrease&);
 ///
 /// The turn of the hands is known while the flat paper on both sides would meet at the line. Where
 /// it would not, the paper is bowed, and nothing presses the crease.
+///
+/// Where two lines cross that hands fold at once, there is a gusset crease (gussets.h).
 ///
 /// first_frame  frame of row 0 of Handle::keyed
 /// source       this project

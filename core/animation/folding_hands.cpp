@@ -1,8 +1,8 @@
 #include "core/animation/folding_hands.h"
 
+#include "core/animation/gussets.h"
 #include "core/geometry/hinges.h"
 #include "core/geometry/prescribed_creases.h"
-#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,14 +28,48 @@ double facing(const Sheet& sheet, const std::vector<FoldingHands>& all, const Fo
               const Vector2d& p, int row) {
   const int begin = begin_of_turn(hands, row);
   double sign = 1;
-  for (const FoldingHands& others : all) {
-    if (&others == &hands || !(std::cos(turn_at(others, begin)) < 0)) continue;
-    const std::vector<Vector2d>& line = sheet.prescribed_creases[others.crease].line;
-    const Vector2d along = line.back() - line.front();
-    if (cross(along, p - line.front()) * cross(along, hands.between - line.front()) < 0)
+  for (const FoldingHands& others : all)
+    if (&others != &hands && !others.beyond && std::cos(turn_at(others, begin)) < 0 &&
+        separates(sheet.prescribed_creases[others.crease], hands.between, p))
       sign = -sign;
-  }
   return sign;
+}
+
+/// The hands of other creases that bar the way of a crease: it cannot go straight on beyond them.
+std::vector<const FoldingHands*> barring(const Sheet& sheet, const std::vector<FoldingHands>& all,
+                                         const FoldingHands& hands, int row) {
+  const std::vector<Vector2d>& line = sheet.prescribed_creases[hands.crease].line;
+  std::vector<const FoldingHands*> found;
+  for (const FoldingHands& others : all) {
+    const double turn = turn_at(others, row);
+    if (&others != &hands && !others.beyond && !std::isnan(turn) &&
+        !goes_straight_on(turn_at(hands, row), turn) &&
+        separates(sheet.prescribed_creases[others.crease], line.front(), line.back()))
+      found.push_back(&others);
+  }
+  return found;
+}
+
+/// Lets hands press an edge of their crease, or paper turn there because of other hands.
+void press(CreaseEdge& edge, const Sheet& sheet, const std::vector<FoldingHands>& all,
+           const FoldingHands& hands, int row) {
+  double turn = turn_at(hands, row);
+  if (std::isnan(turn)) return;
+  const auto is_beyond = [&, middle = Vector2d(0.5 * (edge.a + edge.b))](int crease) {
+    return separates(sheet.prescribed_creases[crease], hands.between, middle);
+  };
+  if (hands.beyond) {
+    if (is_beyond(*hands.beyond)) return;
+    edge.folded = true;
+  } else {
+    const std::vector<const FoldingHands*> bars = barring(sheet, all, hands, row);
+    edge.folded |= std::abs(turn) > first_turn || !bars.empty();
+    if (std::any_of(bars.begin(), bars.end(),
+                    [&](const FoldingHands* others) { return is_beyond(others->crease); }))
+      return;  // it has to turn some other way there
+    turn *= facing(sheet, all, hands, 0.5 * (edge.a + edge.b), row);
+  }
+  if (edge.folded) edge.pressed = turn;
 }
 
 }  // namespace
@@ -51,14 +85,8 @@ void fold_by_hands(Sheet& sheet, const std::vector<FoldingHands>& hands, int row
     CreaseEdge edge =
         crease_edge(sheet, *lines[h], sheet.pattern.row(v[0]), sheet.pattern.row(v[1]));
     edge.pressed.reset();
-    for (const FoldingHands& two : hands) {
-      if (lines[h] != &sheet.prescribed_creases[two.crease]) continue;
-      double turn = turn_at(two, row);
-      if (std::isnan(turn)) continue;
-      turn *= facing(sheet, hands, two, 0.5 * (edge.a + edge.b), row);
-      edge.folded |= std::abs(turn) > first_turn;
-      if (edge.folded) edge.pressed = turn;
-    }
+    for (const FoldingHands& two : hands)
+      if (lines[h] == &sheet.prescribed_creases[two.crease]) press(edge, sheet, hands, two, row);
     edges.push_back(edge);
   }
   sheet.crease_edges = std::move(edges);

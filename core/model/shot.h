@@ -8,6 +8,7 @@
 #include "core/model/singular_point_rules.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,9 @@ struct FoldingHands {
   // scene; not a number where one of them does not hold
   std::vector<double> turn;
   Vector2d between;  // [m] a point of the pattern between the two hands
+  // paper that no hand holds, but that has to turn with the hands of two other lines: only the part
+  // of the crease that lies on the same side of this crease as `between`
+  std::optional<int> beyond = {};
 };
 
 /// One sheet and everything that is done to it.

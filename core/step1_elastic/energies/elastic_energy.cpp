@@ -102,6 +102,12 @@ std::vector<bool> ElasticEnergy::folded_hinges() const {
   return folded;
 }
 
+std::vector<double> ElasticEnergy::pressed_hinges() const {
+  std::vector<double> pressed(hinges_.hinges.size(), 0.0);
+  for (const CreaseHinge& crease : creases_) pressed[crease.hinge] = crease.goal;
+  return pressed;
+}
+
 CreaseResponse ElasticEnergy::response_of(const CreaseHinge& crease, double theta) const {
   return crease.edge.pressed ? press_crease(law_, crease.edge.rest_angle, crease.goal, theta)
                              : turn_crease(law_, crease.edge.rest_angle, theta);

@@ -68,6 +68,8 @@ class ElasticEnergy {
   bool has_creases() const { return !creases_.empty(); }
   /// For each hinge, whether the sheet is folded along it; empty: there are no creases.
   std::vector<bool> folded_hinges() const;
+  /// [rad] For each hinge, the angle to which hands press it, or 0; not empty.
+  std::vector<double> pressed_hinges() const;
 
   /// Reads the state of the creases from the sheet.
   /// returns  the triangles beside edges that are folded now and were not before

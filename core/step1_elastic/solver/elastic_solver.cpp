@@ -142,7 +142,7 @@ void Elastic::Impl::descend_second_branch(const IncrementalPotential& W,
 std::optional<Panels> Elastic::Impl::panels_now() const {
   const std::vector<bool> folded = energy->folded_hinges();
   if (folded.empty()) return std::nullopt;
-  return Panels(triangles, energy->hinges(), folded);
+  return Panels(pattern, triangles, energy->hinges(), folded);
 }
 
 void Elastic::Impl::begin_creases(const Sheet& sheet, const StepInput& input,
@@ -150,9 +150,16 @@ void Elastic::Impl::begin_creases(const Sheet& sheet, const StepInput& input,
   load_creases(sheet, Curl::removed);
   energy->press(sheet.x, input.pressing);
   softened->press(sheet.x, input.pressing);
-  panels.reset();
-  if (const std::optional<Panels> parts = panels_now()) panels = parts->moved(sheet.x, step.hard);
-  if (contact) contact->set_panels(panels.value_or(Points3()), paper.thickness);
+  panels.clear();
+  if (const std::optional<Panels> parts = panels_now()) {
+    Points3 flat = Points3::Zero(pattern.rows(), 3);
+    flat.leftCols<2>() = pattern;
+    const std::vector<double> pressed = energy->pressed_hinges();
+    for (const Points3* x : {&sheet.x, static_cast<const Points3*>(&flat)})
+      if (std::optional<Points3> moved = parts->moved(*x, step.hard, pressed))
+        panels.push_back(std::move(*moved));
+  }
+  if (contact) contact->set_panels(panels.empty() ? Points3() : panels.front(), paper.thickness);
 }
 
 StepProblem Elastic::Impl::problem_of(const Sheet& sheet, const StepInput& input, double dt) {
@@ -184,7 +191,7 @@ SheetPotential Elastic::Impl::potential(const Sheet& sheet, const StepProblem& s
 std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const PositionConstraints& hard,
                                             bool with_contact) {
   std::vector<Points3> all = predictor->guesses(before, state.positions, hard);
-  if (panels) all.insert(all.begin(), *panels);
+  all.insert(all.begin(), panels.begin(), panels.end());
   if (with_contact) {
     if (!state.positions.empty()) all.push_back(2 * before - state.positions[0]);
     all.push_back(before);

@@ -55,8 +55,9 @@ struct Elastic::Impl {
 
   std::optional<Contact> contact;
   std::optional<ColliderContact> colliders;
-  std::optional<Points3> panels;  // [m] of the step: where its panels move rigidly (panel_motion.h)
-  std::optional<AirDrag> air;     // of the step; none in a vacuum and without inertia
+  // [m] of the step: where its panels move rigidly, as they are and flat (panel_motion.h); or empty
+  std::vector<Points3> panels;
+  std::optional<AirDrag> air;       // of the step; none in a vacuum and without inertia
   FrictionHistory friction_at_end;  // of the step, if it is accepted
 
   // these belong to the mesh and to the set of constrained vertices
@@ -165,8 +166,8 @@ struct Elastic::Impl {
 
   /// Potential of a step of the sheet from where it is. springs  constraints that pull
   SheetPotential potential(const Sheet&, const StepProblem&, PositionConstraints springs);
-  /// Initial guesses for the end of the step; on a folded sheet the first one has moved its panels.
-  /// with_contact: then handles may lag behind, and some of the guesses do not make the
+  /// Initial guesses for the end of the step; on a folded sheet the first ones have moved its
+  /// panels. with_contact: then handles may lag behind, and some of the guesses do not make the
   /// sheet jump to them.
   std::vector<Points3> guesses(const Points3& before, const PositionConstraints& hard,
                                bool with_contact);

@@ -94,6 +94,31 @@ TEST_P(FoldedTwiceTest, FourLayersFollowTheirHandsWithoutStretchOrCrossing) {
   }
 }
 
+/// A sheet wrapped round a box, on other meshes and of other papers.
+class WrappedTest : public FoldCertificateTest,
+                    public testing::WithParamInterface<std::tuple<int, const char*>> {};
+
+INSTANTIATE_TEST_SUITE_P(MeshesAndPapers, WrappedTest,
+                         testing::Combine(testing::Values(60, 120, 240),
+                                          testing::Values("copy70", "tissue17", "card200")));
+
+TEST_P(WrappedTest, ItsCornersFoldLikeGussetsAndItsHandlesAreMet) {
+  const auto [triangles, grade] = GetParam();
+  const Ended ended = bake("F8_wrap", {"--base-triangles", std::to_string(triangles), "--preset",
+                                       grade, "--mesh", "simulation"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const std::vector<std::string> lines = lines_of(read(fs::path(output()) / "cert/frames.jsonl"));
+  ASSERT_EQ(lines.size(), 66u);
+  for (const std::string& line : lines) {
+    const json frame = json::parse(line);
+    const std::string where = frame["frame"].dump();
+    EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 0.3) << where;
+    EXPECT_LE(frame["stretch_max_pct"].get<double>(), 0.3) << where;
+    EXPECT_EQ(frame["crossings"], 0) << where;
+  }
+  EXPECT_EQ(json::parse(lines.back())["folds"], 8) << "four lines and four gussets";
+}
+
 /// The number of folds that the certificate counts in each frame.
 std::vector<int> folds_of_frames(const fs::path& output) {
   std::vector<int> folds;

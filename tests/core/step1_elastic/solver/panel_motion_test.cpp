@@ -40,7 +40,8 @@ struct Folded {
     }
   }
 
-  Panels panels() const { return {sheet.triangles, hinges, folded}; }
+  Panels panels() const { return {sheet.pattern, sheet.triangles, hinges, folded}; }
+  std::vector<double> unpressed() const { return std::vector<double>(folded.size(), 0.0); }
   int vertex(int column, int row) const { return row * (n + 1) + column; }
 };
 
@@ -68,7 +69,7 @@ TEST(PanelMotionTest, PanelsOfAFoldTurnWithTheHandsThatHoldThem) {
   const PositionConstraints hands =
       held_at(after, {fold.vertex(0, 0), fold.vertex(1, 0), fold.vertex(0, 5), fold.vertex(6, 6),
                       fold.vertex(5, 6), fold.vertex(6, 1)});
-  const std::optional<Points3> moved = fold.panels().moved(before, hands);
+  const std::optional<Points3> moved = fold.panels().moved(before, hands, fold.unpressed());
   ASSERT_TRUE(moved);
   EXPECT_LT((*moved - after).cwiseAbs().maxCoeff(), 1e-12);
 }
@@ -85,19 +86,60 @@ TEST(PanelMotionTest, APanelThatNobodyHoldsGoesWithTheFoldsOfItsNeighbours) {
       held_at(after, {fold.vertex(0, 0), fold.vertex(1, 0), fold.vertex(0, 1), fold.vertex(6, 0),
                       fold.vertex(5, 0), fold.vertex(6, 1), fold.vertex(0, 6), fold.vertex(1, 6),
                       fold.vertex(0, 5)});
-  const std::optional<Points3> moved = fold.panels().moved(before, hands);
+  const std::optional<Points3> moved = fold.panels().moved(before, hands, fold.unpressed());
   ASSERT_TRUE(moved);
   EXPECT_LT((*moved - after).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+/// A square of which three quarters are held, and the fourth is folded along its diagonal.
+TEST(PanelMotionTest, TwoPanelsThatTurnAboutFoldsStayTogetherAtTheFoldBetweenThem) {
+  const Points2 pattern =
+      (Points2(9, 2) << 0, 0, 1, 0, 2, 0, 0, 1, 1, 1, 2, 1, 0, 2, 1, 2, 2, 2).finished();
+  const Triangles triangles =
+      (Triangles(8, 3) << 0, 1, 4, 0, 4, 3, 1, 2, 4, 2, 5, 4, 3, 4, 6, 4, 7, 6, 4, 5, 8, 4, 8, 7)
+          .finished();
+  const Hinges hinges = find_hinges(triangles);
+  std::vector<bool> folded;
+  std::size_t diagonal = 0;
+  for (std::size_t h = 0; h < hinges.hinges.size(); ++h) {
+    const auto& v = hinges.hinges[h].vertices;
+    const Vector2d way = pattern.row(v[1]) - pattern.row(v[0]);
+    const bool fourth = v[0] + v[1] == 12;
+    folded.push_back(way.x() == 0 || way.y() == 0 || fourth);
+    if (fourth) diagonal = h;
+  }
+  const Points3 before = test::flat_sheet(pattern, triangles).x;
+  // the quarters turn down by these angles about the lines between them
+  const double a = 0.7, b = 0.4;
+  const Vector3d middle(1, 1, 0);
+  const auto moved_by = [&](int v, double angle, const Vector3d& axis) {
+    return Vector3d(middle + Eigen::AngleAxisd(angle, axis) * (before.row(v).transpose() - middle));
+  };
+  PositionConstraints hands;
+  for (const int v : {0, 1, 3, 4}) hands.push_back({v, before.row(v)});
+  for (const int v : {2, 5}) hands.push_back({v, moved_by(v, a, Vector3d::UnitY())});
+  for (const int v : {6, 7}) hands.push_back({v, moved_by(v, -b, Vector3d::UnitX())});
+  for (const double side : {1.0, -1.0}) {
+    std::vector<double> pressed(hinges.hinges.size(), 0.0);
+    pressed[diagonal] = side;
+    const auto moved = Panels(pattern, triangles, hinges, folded).moved(before, hands, pressed);
+    ASSERT_TRUE(moved);
+    for (const int v : {4, 5, 7})
+      EXPECT_NEAR((moved->row(8) - moved->row(v)).norm(), (before.row(8) - before.row(v)).norm(),
+                  1e-12);
+    EXPECT_GT(side * dihedral_angle(*moved, hinges.hinges[diagonal]), 0.1);
+  }
 }
 
 TEST(PanelMotionTest, NothingIsSaidOfASheetThatIsNotFoldedOrThatNoHandHolds) {
   Folded fold(false);
   const Points3& x = fold.sheet.x;
   const std::vector<int> corner{fold.vertex(0, 0), fold.vertex(1, 0), fold.vertex(0, 1)};
-  EXPECT_TRUE(fold.panels().moved(x, held_at(x, corner)));
-  EXPECT_FALSE(fold.panels().moved(x, held_at(x, {corner[0], corner[1]}))) << "two lie in one line";
+  EXPECT_TRUE(fold.panels().moved(x, held_at(x, corner), fold.unpressed()));
+  EXPECT_FALSE(fold.panels().moved(x, held_at(x, {corner[0], corner[1]}), fold.unpressed()))
+      << "two lie in one line";
   fold.folded.assign(fold.folded.size(), false);
-  EXPECT_FALSE(fold.panels().moved(x, held_at(x, corner)));
+  EXPECT_FALSE(fold.panels().moved(x, held_at(x, corner), fold.unpressed()));
 }
 
 TEST(PanelMotionTest, HalfWayOfATurnIsHalfTheTurnAndNotTheChord) {

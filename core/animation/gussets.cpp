@@ -1,0 +1,264 @@
+#include "core/animation/gussets.h"
+
+#include "core/animation/fold_axis.h"
+#include "core/geometry/rigid_motion.h"
+#include "core/model/segment2.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <optional>
+
+namespace paperbake {
+namespace {
+
+constexpr double nearly_open = 1 * M_PI / 180, nearly_shut = 165 * M_PI / 180;
+constexpr double least_turn = 60 * M_PI / 180;  // of a bisector that is worth a crease
+// up to which paper turns with the hands: where layers come to lie on each other, they need room
+constexpr double most_turn = 170 * M_PI / 180;
+constexpr double shortest = 0.01;  // [1] of the longer side
+constexpr double rounding = 1e-9;  // [1] of a line
+constexpr double nobody = std::numeric_limits<double>::quiet_NaN();
+
+/// The point where two lines cross, and the sector between their parts beyond it: on the other side
+/// of each line than the hands that fold along the other.
+struct Crossing {
+  Vector2d at;     // [m]
+  Vector2d on[2];  // directions of the parts beyond, of length 1
+  double angle() const { return std::acos(std::clamp(on[0].dot(on[1]), -1.0, 1.0)); }  // [rad]
+  Vector2d bisector() const { return (on[0] + on[1]).normalized(); }
+  bool contains(const Vector2d& p) const {
+    const double side = cross(on[0], on[1]);
+    return cross(on[0], p - at) * side > 0 && cross(p - at, on[1]) * side > 0;
+  }
+};
+
+/// The part of the way from a to b at which it meets the line p-q; none: it does not.
+std::optional<double> meeting(const Vector2d& a, const Vector2d& b, const Vector2d& p,
+                              const Vector2d& q) {
+  const Vector2d way = b - a, line = q - p;
+  const double turned = cross(way, line);
+  if (turned == 0) return std::nullopt;
+  const double at = cross(p - a, way) / turned;
+  if (std::abs(at - 0.5) > 0.5 + rounding) return std::nullopt;
+  return cross(p - a, line) / turned;
+}
+
+std::optional<Crossing> crossing_of(const ExpectedCrease& one, const ExpectedCrease& two) {
+  const Vector2d a = one.crease.line.front(), b = one.crease.line.back(),
+                 p = two.crease.line.front(), q = two.crease.line.back();
+  const std::optional<double> share = meeting(a, b, p, q);
+  if (!share || !(*share > 0) || !(*share < 1)) return std::nullopt;
+  const Vector2d at = a + *share * (b - a);
+  return Crossing{at,
+                  {((separates(two.crease, one.between, b) ? b : a) - at).normalized(),
+                   ((separates(one.crease, two.between, q) ? q : p) - at).normalized()}};
+}
+
+/// [rad] The turn of paper at an axis, from the face between `right` and the axis to the face
+/// between the axis and `left`; positive where it bulges upwards. All of length 1.
+double turn_at(const Vector3d& axis, const Vector3d& left, const Vector3d& right) {
+  const Vector3d on_left = axis.cross(left), on_right = right.cross(axis);
+  return std::atan2(on_left.cross(on_right).dot(axis), on_left.dot(on_right));
+}
+
+/// A direction of the plane z = 0, turned about another one: down, if its turn is positive.
+Vector3d turned_down(const Vector3d& direction, const Vector3d& axis, double turn) {
+  const Vector3d along = direction.dot(axis) * axis, across = direction - along;
+  return along + std::cos(turn) * across - std::sin(turn) * across.norm() * Vector3d::UnitZ();
+}
+
+/// Where the straight way from a point of the pattern meets the border or a line; near a corner or
+/// a handle, these. [m]
+Vector2d way_out(const Vector2d& from, const Vector2d& direction, const Shot& shot,
+                 const std::vector<ExpectedCrease>& lines) {
+  const double side = longer_side(shot.pattern);
+  double way = std::numeric_limits<double>::infinity();
+  std::vector<Vector2d> places;
+  const auto meet = [&](const Vector2d& p, const Vector2d& q) {
+    const std::optional<double> at = meeting(from, from + direction, p, q);
+    if (at && *at > shortest * side) way = std::min(way, *at);
+  };
+  const auto meet_polygon = [&](const std::vector<Vector2d>& polygon) {
+    for (std::size_t i = 0; i < polygon.size(); ++i)
+      meet(polygon[i], polygon[(i + 1) % polygon.size()]);
+    places.insert(places.end(), polygon.begin(), polygon.end());
+  };
+  meet_polygon(shot.pattern.outline);
+  for (const std::vector<Vector2d>& hole : shot.pattern.holes) meet_polygon(hole);
+  for (const ExpectedCrease& line : lines) meet(line.crease.line.front(), line.crease.line.back());
+  for (const PrescribedCrease& drawn : shot.pattern.prescribed_creases)
+    for (std::size_t k = 0; k + 1 < drawn.line.size(); ++k) meet(drawn.line[k], drawn.line[k + 1]);
+  for (const Handle& handle : shot.handles) places.push_back(handle.pattern);
+  const Vector2d end = from + way * direction;
+  for (const Vector2d& place : places)
+    if ((place - end).norm() < on_line * side) return place;
+  return end;
+}
+
+/// Two lines that cross, and what hands do there.
+class CornerOfHands {
+ public:
+  CornerOfHands(const Shot& shot, const std::vector<ExpectedCrease>& lines, int one, int two,
+                const Crossing& crossing)
+      : shot_(shot), lines_(lines), one_(one), two_(two), crossing_(crossing) {}
+
+  /// Whether hands hold the fourth sector, too.
+  bool is_held() const {
+    const auto holds = [&](const std::vector<int>& hand) {
+      return std::all_of(hand.begin(), hand.end(), [&](int h) { return is_beyond(h); });
+    };
+    return std::any_of(lines_.begin(), lines_.end(), [&](const ExpectedCrease& line) {
+      return holds(line.plate) || holds(line.other);
+    });
+  }
+
+  /// The gusset crease, without its line; its turns say whether there is any.
+  ExpectedCrease gusset(int first_frame) const {
+    const bool outwards = !leads_inwards(first_frame);
+    ExpectedCrease gusset;
+    gusset.by = ExpectedCrease::By::folds_that_cross;
+    gusset.plate = lines_[one_].other;
+    gusset.other = lines_[two_].other;
+    gusset.turn.assign(rows(), nobody);
+    gusset.beyond[0] = {one_, two_, gusset.turn};
+    gusset.beyond[1] = {two_, one_, gusset.turn};
+    for (int row = 0; row < rows(); ++row) {
+      const std::optional<GussetShape> shape = shape_in(row, outwards);
+      if (!shape) continue;
+      gusset.turn[row] = shape->turn;
+      for (int side = 0; side < 2; ++side) gusset.beyond[side].turn[row] = shape->beyond[side];
+    }
+    return gusset;
+  }
+
+ private:
+  int rows() const {
+    return static_cast<int>(std::min(lines_[one_].turn.size(), lines_[two_].turn.size()));
+  }
+  bool is_beyond(int handle) const { return crossing_.contains(shot_.handles[handle].pattern); }
+
+  std::optional<GussetShape> shape_in(int row, bool outwards) const {
+    const double a = lines_[one_].turn[row], b = lines_[two_].turn[row];
+    if (std::isnan(a + b) || goes_straight_on(a, b)) return std::nullopt;
+    const std::optional<GussetShape> shape = gusset_shape(crossing_.angle(), a, b, outwards);
+    return shape && std::abs(shape->turn) < most_turn ? shape : std::nullopt;
+  }
+
+  /// Whether handles in the fourth sector are nearer to where it goes inwards, in the frame in
+  /// which it is shut most.
+  bool leads_inwards(int first_frame) const {
+    int shut = -1;
+    double most = 0;
+    for (int row = 0; row < rows(); ++row)
+      if (const auto shape = shape_in(row, true); shape && std::abs(shape->turn) > most)
+        most = std::abs(shape->turn), shut = row;
+    if (shut < 0) return false;
+    double off[2] = {0, 0};  // [m2] outwards, and inwards
+    for (std::size_t h = 0; h < shot_.handles.size(); ++h) {
+      const Handle& handle = shot_.handles[h];
+      if (!is_beyond(h) || !handle.held(first_frame + shut)) continue;
+      for (int inwards = 0; inwards < 2; ++inwards)
+        off[inwards] +=
+            (place_beyond(handle.pattern, shut, !inwards) - keyed_position(handle, shut))
+                .squaredNorm();
+    }
+    return off[1] < off[0];
+  }
+
+  /// Where a point of the fourth sector goes. [m]
+  Vector3d place_beyond(const Vector2d& p, int row, bool outwards) const {
+    const GussetShape shape = *shape_in(row, outwards);
+    const Vector2d middle = crossing_.bisector();
+    const int half = cross(middle, p - crossing_.at) * cross(middle, crossing_.on[0]) > 0 ? 0 : 1;
+    Eigen::Matrix2d sides;
+    sides << crossing_.on[half], middle;
+    const Vector2d shares = sides.inverse() * (p - crossing_.at);
+    const Vector3d seen = shares.x() * shape.borders[half] + shares.y() * shape.bisector;
+    // the axes of the shape, on the pattern
+    const Vector2d x = crossing_.on[0], across = crossing_.on[1] - crossing_.on[1].dot(x) * x;
+    const Vector2d at = crossing_.at + seen.x() * x + seen.y() * across.normalized();
+    return first_sector(row)(Vector3d(at.x(), at.y(), seen.z()));
+  }
+
+  /// The motion of the hand between the two lines.
+  RigidMotion first_sector(int row) const {
+    const ExpectedCrease &one = lines_[one_], &two = lines_[two_];
+    const bool shared = one.plate == two.plate || one.plate == two.other;
+    const std::vector<int>& hand = shared ? one.plate : one.other;
+    Points3 from(hand.size(), 3), to(hand.size(), 3);
+    for (std::size_t k = 0; k < hand.size(); ++k) {
+      const Handle& handle = shot_.handles[hand[k]];
+      from.row(k) << handle.pattern.x(), handle.pattern.y(), 0;
+      to.row(k) = keyed_position(handle, row);
+    }
+    return nearest_rigid_motion(from, to);
+  }
+
+  const Shot& shot_;
+  const std::vector<ExpectedCrease>& lines_;
+  int one_, two_;
+  Crossing crossing_;
+};
+
+}  // namespace
+
+bool goes_straight_on(double turn, double turn_of_others) {
+  const auto is_flat = [](double angle) {
+    return std::abs(angle) < nearly_open || std::abs(angle) > nearly_shut;
+  };
+  return is_flat(turn) || is_flat(turn_of_others);
+}
+
+std::optional<GussetShape> gusset_shape(double angle, double turn, double turn_of_others,
+                                        bool outwards) {
+  const Vector3d one = Vector3d::UnitX(), two(std::cos(angle), std::sin(angle), 0);
+  GussetShape shape;
+  const Vector3d right = shape.borders[0] = turned_down(one, two, turn_of_others),
+                 left = shape.borders[1] = turned_down(two, one, turn);
+  const double half = std::acos(std::clamp(right.dot(left), -1.0, 1.0)) / 2;
+  if (!(half < angle / 2 && half > rounding)) return std::nullopt;
+  // the bisector stands off from the plane of its borders, to one side or the other
+  const double off = std::acos(std::clamp(std::cos(angle / 2) / std::cos(half), -1.0, 1.0));
+  const double side = (turn > 0) == outwards ? 1 : -1;
+  shape.bisector = std::cos(off) * (right + left).normalized() +
+                   side * std::sin(off) * right.cross(left).normalized();
+  shape.turn = turn_at(shape.bisector, left, right);
+  shape.beyond[0] = turn_at(right, shape.bisector, -two);
+  shape.beyond[1] = turn_at(left, -one, shape.bisector);
+  return shape;
+}
+
+bool separates(const PrescribedCrease& line, const Vector2d& p, const Vector2d& q) {
+  const Vector2d from = line.line.front(), along = line.line.back() - from;
+  return cross(along, p - from) * cross(along, q - from) < 0;
+}
+
+std::vector<ExpectedCrease> gussets(const Shot& shot, const std::vector<ExpectedCrease>& expected,
+                                    int first_frame) {
+  std::vector<ExpectedCrease> found;
+  for (std::size_t one = 0; one < expected.size(); ++one)
+    for (std::size_t two = 0; two < one; ++two) {
+      const std::optional<Crossing> crossing = crossing_of(expected[one], expected[two]);
+      if (!crossing) continue;
+      const CornerOfHands corner(shot, expected, one, two, *crossing);
+      if (corner.is_held()) continue;
+      ExpectedCrease gusset = corner.gusset(first_frame);
+      if (std::abs(largest_turn(gusset)) < least_turn) continue;
+      std::vector<ExpectedCrease> lines = expected;
+      lines.insert(lines.end(), found.begin(), found.end());
+      const Vector2d end = way_out(crossing->at, crossing->bisector(), shot, lines);
+      const double way = (end - crossing->at).norm();
+      if (!std::isfinite(way)) continue;
+      gusset.crease = {{crossing->at, end}, 0, false};
+      gusset.between = 0.5 * (crossing->at + end);
+      for (int side = 0; side < 2; ++side)
+        gusset.beyond[side].at = crossing->at + 0.5 * way * crossing->on[side];
+      found.push_back(std::move(gusset));
+    }
+  return found;
+}
+
+}  // namespace paperbake
