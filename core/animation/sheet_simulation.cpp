@@ -225,7 +225,7 @@ void SheetSimulation::prepare(const AdmissibilityCheck& is_admissible) {
   input_before_ = now_.input;
   input_before_.colliders.from = now_.input.colliders.to;
   if (!keeps_mesh && now_.result.statistics.remesh != FrameStatistics::accepted) {
-    remesh(1.0 / now_.load_parts, is_admissible);
+    change_mesh(context, is_admissible);
     if (now_.last_remesh) carried_.carry(simulated_, *method_, sheet.x, 1 / options_.fps);
   }
   simulated_.positions_before = sheet.x;

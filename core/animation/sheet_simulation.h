@@ -55,9 +55,9 @@ class SheetSimulation {
   /// it alone are first set back to where it began.
   /// dhat  |sheets|x|sheets| [m] contact distances, as in Elastic::step_together
   /// is_admissible  of a sheet, by its number
+  using AdmissibilityOfSheet = std::function<AdmissibilityCheck(std::size_t)>;
   static void step_together(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
-                            InitialGap,
-                            const std::function<AdmissibilityCheck(std::size_t)>& is_admissible);
+                            InitialGap, const AdmissibilityOfSheet& is_admissible);
   /// Where the sheet was during this frame, from its start on.
   const std::vector<TrajectoryPoint>& trajectory() const { return now_.trajectory.points(); }
 
@@ -150,11 +150,10 @@ class SheetSimulation {
   int halvings_of_part() const;
   /// Keeps a step that is about to be taken for folds_.
   void remember(int part);
-  /// Lets the method change the mesh, unless the sheet comes nearer to others by that. share: [1]
-  /// of the frame
-  void remesh(double share, const AdmissibilityCheck& is_admissible);
+  /// Lets the method change the mesh, unless the sheet comes nearer to others or cuts into a
+  /// collider by that.
   /// returns  whether the mesh is another one now; now_.last_remesh then keeps the one before
-  bool change_mesh(const RemeshContext&);
+  bool change_mesh(const RemeshContext&, const AdmissibilityCheck& is_admissible);
   bool cuts_into_collider(const Sheet& before) const;
   /// The input of a part of the frame. part: 1 to now_.load_parts
   StepInput input_of_part(int part) const;
@@ -184,6 +183,9 @@ class SheetSimulation {
   static void step_part_together(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
                                  InitialGap, int part);
   void add_to_step(const FrameStepResult& before);
+  /// Ends a part of the frame. before: the step of the parts before it, or of the same part before
+  /// it was tried again
+  void end_part(FrameStepResult before, int part);
   /// Whether the sheet has not moved for so long that it need not be solved until something else
   /// does.
   bool comes_to_rest() const;
@@ -193,11 +195,16 @@ class SheetSimulation {
   bool may_refine() const;
   /// Takes a finer mesh for a sheet that is jammed, if its mesh could not fold.
   /// returns  false if there is none
-  bool refine_where_jammed();
-  bool refine_jammed_smooth_mesh();
-  /// Lets a sheet that is jammed come to rest where the colliders are now.
-  /// returns  whether it is pressed less afterwards
-  bool settle();
+  bool refine_where_jammed(const AdmissibilityCheck& is_admissible);
+  bool refine_jammed_smooth_mesh(const AdmissibilityCheck& is_admissible);
+  /// Lets sheets that are jammed come to rest where the colliders are now.
+  /// returns  whether they are pressed less afterwards
+  static bool settle(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat);
+  /// What sheets that are jammed can do: fold on finer meshes, and come to rest.
+  /// refinements  in this frame so far
+  /// returns      whether the rest of the part of the frame is to be tried again
+  static bool give_way_to_jam(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
+                              const AdmissibilityOfSheet& is_admissible, int& refinements);
   /// Leaves a jammed sheet behind where the colliders were when it last followed them.
   void hold_if_jammed();
   /// Whether colliders bend the smooth sheet so sharply that its triangles hook on each other.

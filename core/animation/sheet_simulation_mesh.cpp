@@ -38,13 +38,8 @@ RemeshContext SheetSimulation::remesh_context(double share) const {
           [this] { return simulated_.elastic.local_energies(simulated_.sheet); }};
 }
 
-void SheetSimulation::remesh(double share, const AdmissibilityCheck& is_admissible) {
-  if (change_mesh(remesh_context(share)) &&
-      !is_admissible(now_.last_remesh->before.sheet, sheet(), 0))
-    undo_remesh();
-}
-
-bool SheetSimulation::change_mesh(const RemeshContext& context) {
+bool SheetSimulation::change_mesh(const RemeshContext& context,
+                                  const AdmissibilityCheck& is_admissible) {
   Sheet& sheet = simulated_.sheet;
   Sheet unchanged = sheet;
   now_.last_remesh.reset();
@@ -57,7 +52,9 @@ bool SheetSimulation::change_mesh(const RemeshContext& context) {
     simulated_.carry_over(now_.last_remesh->before.sheet);
   else
     simulated_.update_solver();
-  if (!cuts_into_collider(now_.last_remesh->before.sheet)) return true;
+  if (const Sheet& before = now_.last_remesh->before.sheet;
+      !cuts_into_collider(before) && is_admissible(before, sheet, 0))
+    return true;
   undo_remesh();
   return false;
 }
@@ -138,14 +135,14 @@ bool SheetSimulation::stretches_instead_of_bending() const {
          mean_square_fold(sheet()) > fold_that_hooks;
 }
 
-bool SheetSimulation::refine_where_jammed() {
-  if (simulated_.is_smooth()) return refine_jammed_smooth_mesh();
+bool SheetSimulation::refine_where_jammed(const AdmissibilityCheck& is_admissible) {
+  if (simulated_.is_smooth()) return refine_jammed_smooth_mesh(is_admissible);
   RemeshContext context = remesh_context(1);
   context.jammed = true;
-  return change_mesh(context);
+  return change_mesh(context, is_admissible);
 }
 
-bool SheetSimulation::refine_jammed_smooth_mesh() {
+bool SheetSimulation::refine_jammed_smooth_mesh(const AdmissibilityCheck& is_admissible) {
   const SimulatedSheet::Snapshot kept = simulated_.snapshot();
   const std::vector<char> fixed = simulated_.fixed;
   const FrameStepResult jammed = now_.step;
@@ -154,7 +151,7 @@ bool SheetSimulation::refine_jammed_smooth_mesh() {
   const double depth = simulated_.elastic.inside(sheet(), now);
   if (!refine_mesh(SimulatedSheet::Snapshot(kept))) return false;
   now_.step = jammed;
-  if (crossings(sheet()) == 0 &&
+  if (crossings(sheet()) == 0 && is_admissible(kept.sheet, sheet(), 0) &&
       simulated_.elastic.inside(sheet(), now) <= std::max(depth, give_way_depth))
     return true;
   restore(SimulatedSheet::Snapshot(kept));

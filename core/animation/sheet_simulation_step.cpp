@@ -57,9 +57,7 @@ DrivenSheet SheetSimulation::driven_in_part(RecordTrajectory trace, int part) {
   return driven;
 }
 
-bool SheetSimulation::may_jam() const {
-  return !joined_ && shot_.colliders && now_.input.constraints.empty();
-}
+bool SheetSimulation::may_jam() const { return shot_.colliders && now_.input.constraints.empty(); }
 
 FrameInterval SheetSimulation::frame_interval(const Eigen::MatrixXd& dhat_of_sheets) const {
   return {"frame " + std::to_string(frame_) + " of " + std::to_string(options_.last_frame),
@@ -155,27 +153,44 @@ void SheetSimulation::add_to_step(const FrameStepResult& before) {
   now_.step.last.plastic_increment += before.last.plastic_increment;
 }
 
-bool SheetSimulation::settle() {
+bool SheetSimulation::settle(const std::vector<SheetSimulation*>& all,
+                             const Eigen::MatrixXd& dhat) {
   constexpr double pressed_less = 0.95;  // [1] of the largest stretch of an edge
-  const double before = length_distortion(sheet()).largest;
-  const SimulatedSheet::Snapshot begun = simulated_.snapshot();
-  DrivenSheet target = driven_sheet(RecordTrajectory::no);
-  ColliderMotion& at = target.input.colliders;
-  at.from = at.to = between(at.from, at.to, now_.followed);
-  FrameInterval interval = frame_interval({});
-  interval.min_halvings = 0;
-  const FrameStepResult rest = advance_frame({target}, interval).front();
-  const double after = length_distortion(sheet()).largest;
-  if (!rest.failure_reason.empty() || after > before || rest.last.inside > give_way_depth) {
-    restore(SimulatedSheet::Snapshot(begun));
-    return false;
+  const auto stretch = [&] {
+    double most = 0;
+    for (const SheetSimulation* a : all)
+      most = std::max(most, length_distortion(a->sheet()).largest);
+    return most;
+  };
+  const double before = stretch();
+  std::vector<SimulatedSheet::Snapshot> begun;
+  std::vector<DrivenSheet> targets;
+  for (SheetSimulation* a : all) {
+    begun.push_back(a->simulated_.snapshot());
+    targets.push_back(a->driven_sheet(RecordTrajectory::no));
+    ColliderMotion& at = targets.back().input.colliders;
+    at.from = at.to = between(at.from, at.to, a->now_.followed);
   }
-  now_.step.substeps += rest.substeps;
-  now_.step.iterations += rest.iterations;
-  const double yielded = now_.step.last.plastic_increment;
-  now_.step.last = rest.last;
-  now_.step.last.plastic_increment += yielded;
-  return after < pressed_less * before;
+  FrameInterval interval = all.front()->frame_interval(dhat);
+  interval.min_halvings = 0;
+  const std::vector<FrameStepResult> rest = advance_frame(targets, interval);
+  const double after = stretch();
+  const bool crushed = std::any_of(rest.begin(), rest.end(), [](const FrameStepResult& step) {
+    return !step.failure_reason.empty() || step.last.inside > give_way_depth;
+  });
+  for (std::size_t k = 0; k < all.size(); ++k) {
+    if (crushed || after > before) {
+      all[k]->restore(std::move(begun[k]));
+      continue;
+    }
+    FrameStepResult& step = all[k]->now_.step;
+    step.substeps += rest[k].substeps;
+    step.iterations += rest[k].iterations;
+    const double yielded = step.last.plastic_increment;
+    step.last = rest[k].last;
+    step.last.plastic_increment += yielded;
+  }
+  return !crushed && after < pressed_less * before;
 }
 
 void SheetSimulation::hold_if_jammed() {
@@ -191,28 +206,42 @@ void SheetSimulation::hold_if_jammed() {
   add_note(jam_.note(now_.input.colliders.to));
 }
 
+bool SheetSimulation::give_way_to_jam(const std::vector<SheetSimulation*>& all,
+                                      const Eigen::MatrixXd& dhat,
+                                      const AdmissibilityOfSheet& is_admissible, int& refinements) {
+  constexpr int most_refinements = 4;
+  const bool may_refine = refinements++ < most_refinements;
+  bool finer = false, stays = all.front()->now_.followed == 0;
+  for (SheetSimulation* a : all) {
+    finer |= may_refine && a->refine_where_jammed(is_admissible(a->number_));
+    stays &= a->jam_.is_on();
+  }
+  if (!may_refine || (stays && !finer)) return false;
+  return settle(all, dhat) || finer;
+}
+
+void SheetSimulation::end_part(FrameStepResult before, int part) {
+  before.converged |= before.followed < 1;  // what was tried again
+  add_to_step(before);
+  outcome_.at_minimum = now_.step.converged && !now_.step.last.snap_in_progress;
+  now_.followed += now_.step.followed * (double(part) / now_.load_parts - now_.followed);
+}
+
 void SheetSimulation::step_in_parts(RecordTrajectory trace,
                                     const AdmissibilityCheck& is_admissible) {
-  constexpr int most_refinements = 4;
+  const AdmissibilityOfSheet of_this = [&](std::size_t) { return is_admissible; };
   int refinements = 0;
   now_.followed = 0;
-  FrameStepResult before;
   for (int part = 1; part <= now_.load_parts && now_.step.failure_reason.empty(); ++part) {
     const bool again = now_.step.followed < 1;
     if (part > 1 && !again && !std::exchange(folded_, false))
-      remesh(1.0 / now_.load_parts, is_admissible);
-    before = now_.step;
+      change_mesh(remesh_context(1.0 / now_.load_parts), is_admissible);
+    const FrameStepResult before = now_.step;
     if (!again) remember(part);
     step_part(trace, part);
-    before.converged |= again;
-    add_to_step(before);
-    outcome_.at_minimum = now_.step.converged && !now_.step.last.snap_in_progress;
-    now_.followed += now_.step.followed * (double(part) / now_.load_parts - now_.followed);
+    end_part(before, part);
     if (now_.step.followed < 1) {
-      const bool finer = refinements++ < most_refinements && refine_where_jammed();
-      const bool stays = !finer && now_.followed == 0 && jam_.is_on();
-      if (refinements > most_refinements || stays) return;
-      if (!settle() && !finer) return;
+      if (!give_way_to_jam({this}, {}, of_this, refinements)) return;
       --part;
     } else if (part < now_.load_parts) {
       now_.followed = double(part) / now_.load_parts;
@@ -257,43 +286,53 @@ void SheetSimulation::step_part_together(const std::vector<SheetSimulation*>& al
   take_unlocked_step();
 }
 
-void SheetSimulation::step_together(
-    const std::vector<SheetSimulation*>& all, const Eigen::MatrixXd& dhat, InitialGap gap,
-    const std::function<AdmissibilityCheck(std::size_t)>& is_admissible) {
+void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
+                                    const Eigen::MatrixXd& dhat, InitialGap gap,
+                                    const AdmissibilityOfSheet& is_admissible) {
   int parts = 1;
   for (SheetSimulation* a : all) {
     a->undo_step();
     a->joined_ = true;
     a->now_.is_idle = a->now_.is_sleeping = false;
+    a->now_.step = {};
+    a->now_.followed = 0;
     a->now_.trajectory.begin(a->sheet());
     parts = std::max(parts, a->now_.load_parts);
   }
   for (SheetSimulation* a : all) {
     a->now_.load_parts = parts;
-    if (parts > 1) a->keep_frame_start();
+    if (parts > 1 || a->may_jam()) a->keep_frame_start();
   }
-  for (int part = 1; part <= parts; ++part) {
+  int refinements = 0;
+  for (int part = 1; part <= parts && all.front()->now_.step.failure_reason.empty(); ++part) {
+    const bool again = all.front()->now_.step.followed < 1;
     std::vector<FrameStepResult> before;
     for (SheetSimulation* a : all) {
-      if (part > 1) a->remesh(1.0 / parts, is_admissible(a->number_));
+      if (part > 1 && !again)
+        a->change_mesh(a->remesh_context(1.0 / parts), is_admissible(a->number_));
       before.push_back(a->now_.step);
     }
+    const double begun = again ? all.front()->now_.followed : static_cast<double>(part - 1) / parts;
     step_part_together(all, dhat, gap, part);
     for (std::size_t k = 0; k < all.size(); ++k) {
       SheetSimulation& a = *all[k];
-      a.now_.trajectory.append(a.sheet(), a.now_.path_of_step, double(part - 1) / parts,
-                               double(part) / parts);
-      if (part > 1) a.add_to_step(before[k]);
-      a.now_.followed = double(part) / parts;
-      a.outcome_.at_minimum = a.now_.step.converged && !a.now_.step.last.snap_in_progress;
-      if (part < parts) a.note_outcome();
+      a.now_.trajectory.append(a.sheet(), a.now_.path_of_step, begun, double(part) / parts);
+      a.end_part(before[k], part);
     }
-    if (!all.front()->now_.step.failure_reason.empty()) break;
+    if (all.front()->now_.step.followed < 1) {
+      if (!give_way_to_jam(all, dhat, is_admissible, refinements)) break;
+      --part;
+      continue;
+    }
+    for (SheetSimulation* a : all) {
+      a->now_.followed = static_cast<double>(part) / parts;
+      if (part < parts) a->note_outcome();
+    }
   }
   for (SheetSimulation* a : all) {
     a->hold_if_infeasible();
+    a->hold_if_jammed();
     a->now_.trajectory.end(a->sheet());
-    a->jam_.release();
     a->folds_.forget();
   }
 }

@@ -78,17 +78,21 @@ bool is_swept_too_far(const DrivenSheet& f, int halvings) {
   return is_swept_farther(f, halvings, 0.1 * mean_edge(f.sheet.pattern, f.sheet.triangles));
 }
 
-/// Whether colliders move on where the sheet is, and nothing gives way if it is in their way.
+/// Whether colliders move on where the sheets are, and nothing gives way if these are in their way.
 bool may_jam(const std::vector<DrivenSheet>& sheets, int halvings) {
-  return sheets.size() == 1 && sheets.front().may_jam &&
-         is_swept_farther(sheets.front(), halvings, 0);
+  return std::all_of(sheets.begin(), sheets.end(),
+                     [](const DrivenSheet& f) { return f.may_jam; }) &&
+         std::any_of(sheets.begin(), sheets.end(),
+                     [&](const DrivenSheet& f) { return is_swept_farther(f, halvings, 0); });
 }
 
 /// Whether a collider moves farther than a squeezed sheet follows it in one step that does not
-/// converge. Where it pushes the sheet against itself, the sheet begins the step inside of it by
-/// what its own layers do not let it give way, and the force there would crush them.
-bool is_squeezed_too_far(const DrivenSheet& f, int halvings) {
-  return is_swept_farther(f, halvings, max_squeeze);
+/// converge. Where it pushes layers against each other, they begin the step inside of it by what
+/// they do not let each other give way, and the force there would crush them.
+bool are_squeezed_too_far(const std::vector<DrivenSheet>& sheets, int halvings) {
+  return std::any_of(sheets.begin(), sheets.end(), [&](const DrivenSheet& f) {
+    return is_swept_farther(f, halvings, max_squeeze);
+  });
 }
 
 LengthDistortion worst_of(const std::vector<DrivenSheet>& sheets) {
@@ -131,9 +135,12 @@ struct Rejection {
   bool jammed = false;
 };
 
-/// Whether a step has left a sheet that may jam in a state in which paper cannot be.
-bool is_crushed(const LengthDistortion& now, double stretch_before, const ElasticReport& step) {
-  return now.largest > std::max(max_jammed_stretch, stretch_before) || step.inside > give_way_depth;
+/// Whether a step has left sheets that may jam in a state in which paper cannot be.
+bool are_crushed(const LengthDistortion& now, double stretch_before,
+                 const std::vector<FrameStepResult>& steps) {
+  return now.largest > std::max(max_jammed_stretch, stretch_before) ||
+         std::any_of(steps.begin(), steps.end(),
+                     [](const FrameStepResult& step) { return step.last.inside > give_way_depth; });
 }
 
 /// Takes a part of the frame in one step.
@@ -158,9 +165,9 @@ std::optional<Rejection> try_step(const std::vector<DrivenSheet>& sheets,
       converged ? std::max(max_sudden_stretch, 2 * stretch_before) : max_trusted_stretch;
   bool unfinished = false;
   if (may_jam(sheets, part.halvings)) {
-    const bool far = is_squeezed_too_far(sheets.front(), part.halvings);
-    const bool crushed = !rejection.error.empty() ||
-                         is_crushed(rejection.distortion, stretch_before, result.front().last);
+    const bool far = are_squeezed_too_far(sheets, part.halvings);
+    const bool crushed =
+        !rejection.error.empty() || are_crushed(rejection.distortion, stretch_before, result);
     rejection.jammed = crushed && !far;
     unfinished = crushed || (far && !converged);
   }
@@ -245,9 +252,11 @@ std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets
   if (!rejection) return result;
   beginning.restore();
   if (rejection->jammed) {
-    result.front().substeps = 0;
-    result.front().converged = false;
-    result.front().followed = part.end - part.length();
+    for (FrameStepResult& r : result) {
+      r.substeps = 0;
+      r.converged = false;
+      r.followed = part.end - part.length();
+    }
     return result;
   }
   if (part.halvings >= max_halvings && !is_long) {
@@ -270,8 +279,8 @@ std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets
   if (is_over(half.front())) return half;
   std::vector<FrameStepResult> all = advance_part(rest, frame, {halvings, part.end});
   if (!all.front().failure_reason.empty()) beginning.restore();
-  if (all.front().followed <= part.end - 0.5 * part.length()) all.front().last = half.front().last;
   for (std::size_t k = 0; k < sheets.size(); ++k) {
+    if (all[k].followed <= part.end - 0.5 * part.length()) all[k].last = half[k].last;
     all[k].substeps += half[k].substeps;
     all[k].iterations += half[k].iterations + result[k].iterations;
     all[k].converged &= half[k].converged;

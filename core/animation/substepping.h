@@ -54,10 +54,10 @@ int halvings_of_squeeze(const ColliderMotion&);
 /// before the step is tried, and so are frames in which a collider moves near a sheet by more than
 /// half its Collider::depth() or a tenth of an edge of the mesh, down to 1/1024.
 ///
-/// A sheet that may jam is squeezed by its colliders in steps that either converge or are no longer
-/// than three tenths of the reach of their barrier. Where such a step stretches an edge by more
-/// than 2 % and by more than before, or leaves the sheet 0.1 mm inside of a collider, it is not
-/// taken: the sheet is jammed, and stays as it was at the end of the last one.
+/// Sheets that all may jam are squeezed by their colliders in steps that either converge or are no
+/// longer than three tenths of the reach of their barrier. Where such a step stretches an edge by
+/// more than 2 % and by more than before, or leaves a sheet 0.1 mm inside of a collider, it is not
+/// taken: the sheets are jammed, and stay as they were at the end of the last one.
 /// throws  Error(ErrorCode::simulation) when the energy is not finite
 std::vector<FrameStepResult> advance_frame(const std::vector<DrivenSheet>&, const FrameInterval&);
 
