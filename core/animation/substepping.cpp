@@ -55,6 +55,19 @@ bool exceeds_max_motion(const DrivenSheet& f, int halvings) {
   return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
 }
 
+/// How far a collider moves, at most. Where the handles carry the whole sheet with it, as a hand that
+/// holds it does, that is what counts. [m]
+double move_against(const DrivenSheet& f, const Collider& from, const Collider& to) {
+  constexpr double slack = 1e-4;  // [1] of the longer side
+  const double most = farthest_move(from, to);
+  if (most == 0) return 0;
+  const auto carried = rigid_motion_of(f.sheet.x, f.input.constraints, slack * f.side);
+  if (!carried) return most;
+  const Points3 there =
+      (from.mesh().x * carried->turn.transpose()).rowwise() + carried->shift.transpose();
+  return std::min(most, (to.mesh().x - there).rowwise().norm().maxCoeff());
+}
+
 /// Whether a collider that comes near the sheet in a part of the frame moves farther than `most`
 /// [m].
 bool is_swept_farther(const DrivenSheet& f, int halvings, double most) {
@@ -64,7 +77,7 @@ bool is_swept_farther(const DrivenSheet& f, int halvings, double most) {
   for (const PositionConstraint& c : f.input.constraints)
     reach = std::max(reach, (f.sheet.x.row(c.vertex).transpose() - c.target).norm());
   const auto passes = [&](const Collider& from, const Collider& to) {
-    return farthest_move(from, to) > std::min(0.5 * to.depth(), most) &&
+    return move_against(f, from, to) > std::min(0.5 * to.depth(), most) &&
            comes_near(f.sheet, from, to, reach);
   };
   for (std::size_t c = 0; c < moving.to.size(); ++c)

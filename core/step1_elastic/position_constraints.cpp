@@ -1,5 +1,6 @@
 #include "core/step1_elastic/position_constraints.h"
 
+#include "core/linear_algebra/symmetric_eigen.h"
 #include "core/model/serializer.h"
 
 #include <algorithm>
@@ -26,6 +27,25 @@ std::vector<int> vertices_of(const PositionConstraints& constraints) {
   vertices.reserve(constraints.size());
   for (const PositionConstraint& c : constraints) vertices.push_back(c.vertex);
   return vertices;
+}
+
+std::optional<RigidMotion> rigid_motion_of(const Points3& x, const PositionConstraints& constraints,
+                                           double slack) {
+  constexpr double min_width = 0.02;  // [1] of the extent of points that are not in one line
+  if (constraints.size() < 3) return std::nullopt;
+  Points3 from(constraints.size(), 3), to(constraints.size(), 3);
+  for (std::size_t k = 0; k < constraints.size(); ++k) {
+    if (!constraints[k].is_hard()) return std::nullopt;
+    from.row(k) = x.row(constraints[k].vertex);
+    to.row(k) = constraints[k].target;
+  }
+  const Points3 off = from.rowwise() - from.colwise().mean();
+  const SymmetricEigen<3> axes = symmetric_eigen(Eigen::Matrix3d(off.transpose() * off));
+  if (!(axes.values[1] > min_width * min_width * axes.values[2])) return std::nullopt;
+  const RigidMotion motion = nearest_rigid_motion(from, to);
+  const Points3 moved = (from * motion.turn.transpose()).rowwise() + motion.shift.transpose();
+  if ((moved - to).rowwise().norm().maxCoeff() > slack) return std::nullopt;
+  return motion;
 }
 
 void archive(Serializer& a, PositionConstraint& c) { a(c.vertex, c.target, c.stiffness); }

@@ -1,7 +1,9 @@
 #pragma once
 
+#include "core/geometry/rigid_motion.h"
 #include "core/model/sheet.h"
 
+#include <optional>
 #include <vector>
 
 namespace paperbake {
@@ -27,6 +29,12 @@ PositionConstraints hard_constraints(const PositionConstraints&);
 PositionConstraints soft_constraints(const PositionConstraints&);
 
 std::vector<int> vertices_of(const PositionConstraints&);
+
+/// The motion that takes the held vertices to their targets as one rigid body; none: they are in
+/// one line, a constraint is soft, or a target is more than `slack` [m] off.
+/// x  |V|x3 [m] present positions
+std::optional<RigidMotion> rigid_motion_of(const Points3& x, const PositionConstraints&,
+                                           double slack);
 
 void archive(Serializer&, PositionConstraint&);
 

@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <Eigen/Geometry>
+
 namespace paperbake {
 namespace {
 
@@ -30,6 +32,26 @@ TEST(PositionConstraintsTest, ComeBackAsTheyWereWritten) {
     EXPECT_EQ(read[k].target, three[k].target);
     EXPECT_EQ(read[k].stiffness, three[k].stiffness);
   }
+}
+
+TEST(PositionConstraintsTest, HeldVerticesThatKeepTheirDistancesMoveAsOneBody) {
+  const Points3 x = (Points3(4, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0, 1, 1, 0.5).finished();
+  const Eigen::Isometry3d way =
+      Eigen::Translation3d(1, 2, 3) * Eigen::AngleAxisd(1.1, Vector3d(1, -2, 0.5).normalized());
+  PositionConstraints held;
+  for (const int v : {0, 1, 2}) held.push_back({v, way * Vector3d(x.row(v).transpose())});
+  const auto motion = rigid_motion_of(x, held, 1e-9);
+  ASSERT_TRUE(motion);
+  EXPECT_LT(((*motion)(x.row(3)) - way * Vector3d(x.row(3).transpose())).norm(), 1e-12);
+
+  EXPECT_FALSE(rigid_motion_of(x, {held[0], held[1]}, 1e-9)) << "two are in one line";
+  PositionConstraints soft = held;
+  soft[1].stiffness = 10;
+  EXPECT_FALSE(rigid_motion_of(x, soft, 1e-9));
+  PositionConstraints other = held;
+  other[2].target.x() += 0.1;
+  EXPECT_FALSE(rigid_motion_of(x, other, 0.01));
+  EXPECT_TRUE(rigid_motion_of(x, other, 0.1));
 }
 
 }  // namespace

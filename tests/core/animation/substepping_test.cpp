@@ -1,0 +1,75 @@
+#include "core/animation/animate.h"
+#include "core/geometry/rigid_motion.h"
+#include "core/methods/fem.h"
+#include "tests/core/animation/together_shots.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <memory>
+#include <vector>
+
+namespace paperbake {
+namespace {
+
+constexpr int frames = 8;
+
+/// The way of a hand: it turns, and moves by 20 mm a frame.
+Eigen::Isometry3d carried(int frame) {
+  return Eigen::Translation3d(0.02 * frame, 0, 0.01 * frame) *
+         Eigen::AngleAxisd(0.1 * frame, Vector3d(0.2, 1, 0.3).normalized());
+}
+
+/// A sheet that three handles hold on a tray, half a millimetre above it.
+Shot on_a_tray(bool moves_tray, bool moves_handles) {
+  Shot shot = test::placed(0.1, 0.1, {-0.05, -0.05, 0}, Vector3d(1, 0, 0), Vector3d(0, 1, 0));
+  for (const Vector2d& p : {Vector2d(0.02, 0.02), Vector2d(0.08, 0.02), Vector2d(0.05, 0.08)}) {
+    const Vector3d at(p.x() - 0.05, p.y() - 0.05, 0);
+    test::hold(
+        shot, p, frames,
+        [&](int f) { return Vector3d(moves_handles ? carried(f) * at - at : Vector3d(0, 0, 0)); },
+        {-0.05, -0.05, 0}, Vector3d(1, 0, 0), Vector3d(0, 1, 0));
+  }
+  ColliderMesh tray{"tray", Points3(4, 3), Triangles(2, 3), {}};
+  tray.x << -0.03, -0.03, -0.0005, 0.03, -0.03, -0.0005, 0.03, 0.03, -0.0005, -0.03, 0.03, -0.0005;
+  tray.triangles << 0, 1, 2, 0, 2, 3;
+  for (int f = 0; f < frames; ++f) {
+    tray.frames.push_back(tray.x);
+    if (moves_tray)
+      for (int v = 0; v < 4; ++v)
+        tray.frames.back().row(v) = carried(f) * Vector3d(tray.x.row(v).transpose());
+  }
+  shot.colliders = std::make_shared<const Colliders>(Colliders{Collider(tray)});
+  return shot;
+}
+
+struct Result {
+  int most_substeps = 0;
+  Points3 x;  // [m] at the end
+};
+
+Result simulated(const Shot& shot) {
+  AnimateOptions options;
+  options.last_frame = frames;
+  Result result;
+  animate(shot, fem(60), options, [&](const AnimatedFrame& frame) {
+    result.most_substeps = std::max(result.most_substeps, frame.statistics.substeps);
+    result.x = frame.sheet->x;
+    return true;
+  });
+  return result;
+}
+
+TEST(SubsteppingTest, AFrameIsNotDividedForAColliderThatMovesWithTheHandlesOfTheSheet) {
+  EXPECT_GT(simulated(on_a_tray(true, false)).most_substeps, 1);
+  const Result still = simulated(on_a_tray(false, false)), moved = simulated(on_a_tray(true, true));
+  EXPECT_EQ(moved.most_substeps, 1);
+  // the small mass of a quasi-static step holds the sheet back a little
+  constexpr double lag = 2e-4;  // [m]
+  const RigidMotion back = nearest_rigid_motion(moved.x, still.x);
+  for (Eigen::Index v = 0; v < still.x.rows(); ++v)
+    EXPECT_LT((back(moved.x.row(v)) - still.x.row(v).transpose()).norm(), lag);
+}
+
+}  // namespace
+}  // namespace paperbake
