@@ -55,13 +55,12 @@ bool exceeds_max_motion(const DrivenSheet& f, int halvings) {
   return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
 }
 
-/// How far a collider moves, at most. Where the handles carry the whole sheet with it, as a hand that
-/// holds it does, that is what counts. [m]
+/// How far a collider moves, at most; where the handles carry the whole sheet as one body, how far
+/// it moves against that. [m]
 double move_against(const DrivenSheet& f, const Collider& from, const Collider& to) {
-  constexpr double slack = 1e-4;  // [1] of the longer side
   const double most = farthest_move(from, to);
   if (most == 0) return 0;
-  const auto carried = rigid_motion_of(f.sheet.x, f.input.constraints, slack * f.side);
+  const auto carried = rigid_motion_of(f.sheet.x, f.input.constraints, rounding_of_handles);
   if (!carried) return most;
   const Points3 there =
       (from.mesh().x * carried->turn.transpose()).rowwise() + carried->shift.transpose();

@@ -1,5 +1,6 @@
 #include "core/geometry/rigid_motion.h"
 
+#include <Eigen/Geometry>
 #include <Eigen/SVD>
 
 namespace paperbake {
@@ -18,6 +19,13 @@ RigidMotion best_aligned(const Matrix3d& covariance, const Vector3d& from, const
 }
 
 }  // namespace
+
+RigidMotion half_of(const RigidMotion& motion) {
+  Eigen::AngleAxisd about(motion.turn);
+  about.angle() *= 0.5;
+  const Matrix3d turn = about.toRotationMatrix();
+  return {turn, (turn + Matrix3d::Identity()).inverse() * motion.shift};
+}
 
 RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets) {
   const Vector3d from = points.colwise().mean(), to = targets.colwise().mean();

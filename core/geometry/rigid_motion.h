@@ -11,6 +11,10 @@ struct RigidMotion {
   Vector3d operator()(const Vector3d& x) const { return turn * x + shift; }
 };
 
+/// The motion that does the same as the given one when it is done twice; it turns by less than 180
+/// degrees.
+RigidMotion half_of(const RigidMotion&);
+
 /// The rigid motion that takes points nearest to their targets, by least squares. Where the points
 /// lie in one line, the turn about that line is arbitrary.
 /// points, targets  n x 3 [m]

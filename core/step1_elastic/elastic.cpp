@@ -284,9 +284,13 @@ PositionConstraints Elastic::half_way(const Sheet& sheet,
                                       const PositionConstraints& constraints) const {
   if (const std::optional<Panels> panels = impl_->panels_now())
     return panels->half_way(sheet.x, constraints);
+  const auto carried = rigid_motion_of(sheet.x, constraints, rounding_of_handles);
   PositionConstraints half = constraints;
-  for (PositionConstraint& c : half)
-    c.target = 0.5 * (sheet.x.row(c.vertex).transpose() + c.target);
+  for (PositionConstraint& c : half) {
+    const Vector3d from = sheet.x.row(c.vertex);
+    c.target = carried ? Vector3d(half_of(*carried)(from) + 0.5 * (c.target - (*carried)(from)))
+                       : Vector3d(0.5 * (from + c.target));
+  }
   return half;
 }
 

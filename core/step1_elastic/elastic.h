@@ -192,8 +192,8 @@ class Elastic {
   /// throws Error(ErrorCode::simulation) when the energy is not finite
   ElasticReport step(Sheet&, const StepInput&, double dt);
 
-  /// The constraints half way from where the sheet is to their targets; those that hold a panel of
-  /// a folded sheet go there on arcs (panel_motion.h).
+  /// The constraints half way from where the sheet is to their targets. Those that hold a panel of
+  /// a folded sheet go there on arcs (panel_motion.h), and so do all if they carry it as one body.
   PositionConstraints half_way(const Sheet&, const PositionConstraints&) const;
 
   /// One step of several sheets that come closer than dhat to each other. It minimises the sum of

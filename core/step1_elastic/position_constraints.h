@@ -30,6 +30,9 @@ PositionConstraints soft_constraints(const PositionConstraints&);
 
 std::vector<int> vertices_of(const PositionConstraints&);
 
+// [m] held vertices whose distances change by less keep them
+inline constexpr double rounding_of_handles = 1e-5;
+
 /// The motion that takes the held vertices to their targets as one rigid body; none: they are in
 /// one line, a constraint is soft, or a target is more than `slack` [m] off.
 /// x  |V|x3 [m] present positions

@@ -193,9 +193,9 @@ std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const Positio
   std::vector<Points3> all = predictor->guesses(before, state.positions, hard);
   all.insert(all.begin(), panels.begin(), panels.end());
   // handles that carry the sheet as a whole, when it turns
-  constexpr double rounding = 1e-5;  // [m]
-  if (const auto carried = rigid_motion_of(before, hard, rounding);
-      carried && !carried->turn.isIdentity(rounding))
+  constexpr double slight_turn = 1e-5;  // [rad]
+  if (const auto carried = rigid_motion_of(before, hard, rounding_of_handles);
+      carried && !carried->turn.isIdentity(slight_turn))
     all.push_back((before * carried->turn.transpose()).rowwise() + carried->shift.transpose());
   if (with_contact) {
     if (!state.positions.empty()) all.push_back(2 * before - state.positions[0]);

@@ -3,8 +3,6 @@
 #include "core/geometry/rigid_motion.h"
 #include "core/linear_algebra/symmetric_eigen.h"
 
-#include <Eigen/Geometry>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -85,15 +83,6 @@ class KnownPlaces {
   std::vector<int> count_;
   std::vector<bool> is_held_;
 };
-
-/// The motion that does the same as the given one when it is done twice; `motion` turns by less
-/// than 180 degrees.
-RigidMotion half_of(const RigidMotion& motion) {
-  Eigen::AngleAxisd about(motion.turn);
-  about.angle() *= 0.5;
-  const Eigen::Matrix3d turn = about.toRotationMatrix();
-  return {turn, (turn + Eigen::Matrix3d::Identity()).inverse() * motion.shift};
-}
 
 }  // namespace
 
