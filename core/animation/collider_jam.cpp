@@ -23,6 +23,7 @@ void ColliderJam::archive(Serializer& a, const Colliders* colliders) {
   bool on = is_on();
   a(on);
   a.require(!on || colliders);
+  if (!on) between_.clear();
   if (on) archive_shapes(a, between_, *colliders);
 }
 

@@ -98,11 +98,14 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
   const Clamps clamps(shot, first_frame);
   using By = ExpectedCrease::By;
   std::vector<ExpectedCrease> expected;
+  const auto is_known = [&](const PrescribedCrease& line) {
+    return std::any_of(expected.begin(), expected.end(), [&](const ExpectedCrease& known) {
+      return is_same_line(known.crease, line, clamps.side());
+    });
+  };
   for (const FoldAxis& axis : axes_of(clamps))
     for (PrescribedCrease& part : on_paper(through_handles(axis, shot), shot))
-      if (std::none_of(expected.begin(), expected.end(), [&](const ExpectedCrease& known) {
-            return is_same_line(known.crease, part, clamps.side());
-          }))
+      if (!is_known(part))
         expected.push_back({std::move(part),
                             axis.other->is_plate ? By::two_plates : By::plate_and_row,
                             axis.turn,
@@ -115,7 +118,8 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
                      [&](const ExpectedCrease& line) { return is_drawn(line, shot.pattern); }),
       expected.end());
   for (ExpectedCrease& gusset : gussets(shot, expected, first_frame))
-    if (!is_drawn(gusset, shot.pattern)) expected.push_back(std::move(gusset));
+    if (!is_drawn(gusset, shot.pattern) && !is_known(gusset.crease))
+      expected.push_back(std::move(gusset));
   return expected;
 }
 

@@ -35,16 +35,24 @@ double facing(const Sheet& sheet, const std::vector<FoldingHands>& all, const Fo
   return sign;
 }
 
-/// The hands of other creases that bar the way of a crease: it cannot go straight on beyond them.
-std::vector<const FoldingHands*> barring(const Sheet& sheet, const std::vector<FoldingHands>& all,
+/// The turn in a row, or the last one before it that is known.
+double last_turn(const FoldingHands& hands, int row) {
+  while (row > 0 && std::isnan(turn_at(hands, row))) --row;
+  return turn_at(hands, row);
+}
+
+/// The hands of other creases that bar the way of a crease: it cannot go straight on beyond them,
+/// and paper that no hand holds has to turn there (gussets.h).
+std::vector<const FoldingHands*> barring(const std::vector<FoldingHands>& all,
                                          const FoldingHands& hands, int row) {
-  const std::vector<Vector2d>& line = sheet.prescribed_creases[hands.crease].line;
   std::vector<const FoldingHands*> found;
   for (const FoldingHands& others : all) {
-    const double turn = turn_at(others, row);
-    if (&others != &hands && !others.beyond && !std::isnan(turn) &&
-        !goes_straight_on(turn_at(hands, row), turn) &&
-        separates(sheet.prescribed_creases[others.crease], line.front(), line.back()))
+    const double turn = last_turn(others, row);
+    const bool has_gusset = std::any_of(all.begin(), all.end(), [&](const FoldingHands& part) {
+      return part.crease == hands.crease && part.beyond == others.crease;
+    });
+    if (!others.beyond && has_gusset && !std::isnan(turn) &&
+        !goes_straight_on(turn_at(hands, row), turn))
       found.push_back(&others);
   }
   return found;
@@ -62,7 +70,7 @@ void press(CreaseEdge& edge, const Sheet& sheet, const std::vector<FoldingHands>
     if (is_beyond(*hands.beyond)) return;
     edge.folded = true;
   } else {
-    const std::vector<const FoldingHands*> bars = barring(sheet, all, hands, row);
+    const std::vector<const FoldingHands*> bars = barring(all, hands, row);
     edge.folded |= std::abs(turn) > first_turn || !bars.empty();
     if (std::any_of(bars.begin(), bars.end(),
                     [&](const FoldingHands* others) { return is_beyond(others->crease); }))

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <optional>
+#include <utility>
 
 namespace paperbake {
 namespace {
@@ -79,7 +80,7 @@ Vector2d way_out(const Vector2d& from, const Vector2d& direction, const Shot& sh
   std::vector<Vector2d> places;
   const auto meet = [&](const Vector2d& p, const Vector2d& q) {
     const std::optional<double> at = meeting(from, from + direction, p, q);
-    if (at && *at > shortest * side) way = std::min(way, *at);
+    if (at && *at > rounding * side) way = std::min(way, *at);
   };
   const auto meet_polygon = [&](const std::vector<Vector2d>& polygon) {
     for (std::size_t i = 0; i < polygon.size(); ++i)
@@ -98,12 +99,32 @@ Vector2d way_out(const Vector2d& from, const Vector2d& direction, const Shot& sh
   return end;
 }
 
+/// The hand that two lines have in common, and those on their other sides.
+struct HandsOfCorner {
+  std::vector<int> shared, of_one, of_two;  // handles
+};
+
+std::optional<HandsOfCorner> hands_of(const ExpectedCrease& one, const ExpectedCrease& two) {
+  for (const auto& [shared, of_one] :
+       {std::pair(one.plate, one.other), std::pair(one.other, one.plate)}) {
+    if (shared == two.plate) return HandsOfCorner{shared, of_one, two.other};
+    if (shared == two.other) return HandsOfCorner{shared, of_one, two.plate};
+  }
+  return std::nullopt;
+}
+
 /// Two lines that cross, and what hands do there.
-class CornerOfHands {
+class Corner {
  public:
-  CornerOfHands(const Shot& shot, const std::vector<ExpectedCrease>& lines, int one, int two,
-                const Crossing& crossing)
-      : shot_(shot), lines_(lines), one_(one), two_(two), crossing_(crossing) {}
+  /// one, two  indices of the lines
+  Corner(const Shot& shot, const std::vector<ExpectedCrease>& lines, int one, int two,
+         const Crossing& crossing, HandsOfCorner hands)
+      : shot_(shot),
+        lines_(lines),
+        one_(one),
+        two_(two),
+        crossing_(crossing),
+        hands_(std::move(hands)) {}
 
   /// Whether hands hold the fourth sector, too.
   bool is_held() const {
@@ -120,8 +141,8 @@ class CornerOfHands {
     const bool outwards = !leads_inwards(first_frame);
     ExpectedCrease gusset;
     gusset.by = ExpectedCrease::By::folds_that_cross;
-    gusset.plate = lines_[one_].other;
-    gusset.other = lines_[two_].other;
+    gusset.plate = hands_.of_one;
+    gusset.other = hands_.of_two;
     gusset.turn.assign(rows(), nobody);
     gusset.beyond[0] = {one_, two_, gusset.turn};
     gusset.beyond[1] = {two_, one_, gusset.turn};
@@ -159,7 +180,8 @@ class CornerOfHands {
     double off[2] = {0, 0};  // [m2] outwards, and inwards
     for (std::size_t h = 0; h < shot_.handles.size(); ++h) {
       const Handle& handle = shot_.handles[h];
-      if (!is_beyond(h) || !handle.held(first_frame + shut)) continue;
+      if (handle.mode != HandleMode::absolute || !is_beyond(h) || !handle.held(first_frame + shut))
+        continue;
       for (int inwards = 0; inwards < 2; ++inwards)
         off[inwards] +=
             (place_beyond(handle.pattern, shut, !inwards) - keyed_position(handle, shut))
@@ -185,9 +207,7 @@ class CornerOfHands {
 
   /// The motion of the hand between the two lines.
   RigidMotion first_sector(int row) const {
-    const ExpectedCrease &one = lines_[one_], &two = lines_[two_];
-    const bool shared = one.plate == two.plate || one.plate == two.other;
-    const std::vector<int>& hand = shared ? one.plate : one.other;
+    const std::vector<int>& hand = hands_.shared;
     Points3 from(hand.size(), 3), to(hand.size(), 3);
     for (std::size_t k = 0; k < hand.size(); ++k) {
       const Handle& handle = shot_.handles[hand[k]];
@@ -201,6 +221,7 @@ class CornerOfHands {
   const std::vector<ExpectedCrease>& lines_;
   int one_, two_;
   Crossing crossing_;
+  HandsOfCorner hands_;
 };
 
 }  // namespace
@@ -242,8 +263,9 @@ std::vector<ExpectedCrease> gussets(const Shot& shot, const std::vector<Expected
   for (std::size_t one = 0; one < expected.size(); ++one)
     for (std::size_t two = 0; two < one; ++two) {
       const std::optional<Crossing> crossing = crossing_of(expected[one], expected[two]);
-      if (!crossing) continue;
-      const CornerOfHands corner(shot, expected, one, two, *crossing);
+      const std::optional<HandsOfCorner> hands = hands_of(expected[one], expected[two]);
+      if (!crossing || !hands) continue;
+      const Corner corner(shot, expected, one, two, *crossing, *hands);
       if (corner.is_held()) continue;
       ExpectedCrease gusset = corner.gusset(first_frame);
       if (std::abs(largest_turn(gusset)) < least_turn) continue;
@@ -251,7 +273,7 @@ std::vector<ExpectedCrease> gussets(const Shot& shot, const std::vector<Expected
       lines.insert(lines.end(), found.begin(), found.end());
       const Vector2d end = way_out(crossing->at, crossing->bisector(), shot, lines);
       const double way = (end - crossing->at).norm();
-      if (!std::isfinite(way)) continue;
+      if (!std::isfinite(way) || way < shortest * longer_side(shot.pattern)) continue;
       gusset.crease = {{crossing->at, end}, 0, false};
       gusset.between = 0.5 * (crossing->at + end);
       for (int side = 0; side < 2; ++side)

@@ -13,8 +13,9 @@ namespace paperbake {
 /// crossing are held flat by hands. The fourth one folds once more, and is drawn out like the
 /// gusset of a bag.
 ///
-/// Where the lines enclose the angle g, and hands turn about them by a and b, the borders of the
-/// fourth sector are d apart,
+/// One hand holds the first sector, and folds the sheet along both lines with two others. Where the
+/// lines enclose the angle g, and hands turn about them by a and b, the borders of the fourth
+/// sector are d apart,
 ///
 ///   cos d - cos g = 4 sin^2 g  s_a s_b (c_a c_b - cos g  s_a s_b),
 ///

@@ -199,12 +199,13 @@ class SheetSimulation {
   bool refine_jammed_smooth_mesh(const AdmissibilityCheck& is_admissible);
   /// Lets sheets that are jammed come to rest where the colliders are now.
   /// returns  whether they are pressed less afterwards
-  static bool settle(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat);
+  static bool settle(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat, InitialGap);
   /// What sheets that are jammed can do: fold on finer meshes, and come to rest.
   /// refinements  in this frame so far
   /// returns      whether the rest of the part of the frame is to be tried again
   static bool give_way_to_jam(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
-                              const AdmissibilityOfSheet& is_admissible, int& refinements);
+                              InitialGap, const AdmissibilityOfSheet& is_admissible,
+                              int& refinements);
   /// Leaves a jammed sheet behind where the colliders were when it last followed them.
   void hold_if_jammed();
   /// Whether colliders bend the smooth sheet so sharply that its triangles hook on each other.

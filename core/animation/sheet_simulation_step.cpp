@@ -153,8 +153,8 @@ void SheetSimulation::add_to_step(const FrameStepResult& before) {
   now_.step.last.plastic_increment += before.last.plastic_increment;
 }
 
-bool SheetSimulation::settle(const std::vector<SheetSimulation*>& all,
-                             const Eigen::MatrixXd& dhat) {
+bool SheetSimulation::settle(const std::vector<SheetSimulation*>& all, const Eigen::MatrixXd& dhat,
+                             InitialGap gap) {
   constexpr double pressed_less = 0.95;  // [1] of the largest stretch of an edge
   const auto stretch = [&] {
     double most = 0;
@@ -168,6 +168,7 @@ bool SheetSimulation::settle(const std::vector<SheetSimulation*>& all,
   for (SheetSimulation* a : all) {
     begun.push_back(a->simulated_.snapshot());
     targets.push_back(a->driven_sheet(RecordTrajectory::no));
+    if (gap == InitialGap::within_dhat) targets.back().initial_positions = a->initial_positions();
     ColliderMotion& at = targets.back().input.colliders;
     at.from = at.to = between(at.from, at.to, a->now_.followed);
   }
@@ -183,6 +184,7 @@ bool SheetSimulation::settle(const std::vector<SheetSimulation*>& all,
       all[k]->restore(std::move(begun[k]));
       continue;
     }
+    all[k]->now_.last_remesh.reset();  // the sheet has moved on since then
     FrameStepResult& step = all[k]->now_.step;
     step.substeps += rest[k].substeps;
     step.iterations += rest[k].iterations;
@@ -201,13 +203,14 @@ void SheetSimulation::hold_if_jammed() {
     const FrameStepResult tried = now_.step;
     skip_step();
     now_.step.iterations = tried.iterations;
+    now_.step.last.touching_others = tried.last.touching_others;
     now_.step.converged = false;
   }
   add_note(jam_.note(now_.input.colliders.to));
 }
 
 bool SheetSimulation::give_way_to_jam(const std::vector<SheetSimulation*>& all,
-                                      const Eigen::MatrixXd& dhat,
+                                      const Eigen::MatrixXd& dhat, InitialGap gap,
                                       const AdmissibilityOfSheet& is_admissible, int& refinements) {
   constexpr int most_refinements = 4;
   const bool may_refine = refinements++ < most_refinements;
@@ -217,7 +220,7 @@ bool SheetSimulation::give_way_to_jam(const std::vector<SheetSimulation*>& all,
     stays &= a->jam_.is_on();
   }
   if (!may_refine || (stays && !finer)) return false;
-  return settle(all, dhat) || finer;
+  return settle(all, dhat, gap) || finer;
 }
 
 void SheetSimulation::end_part(FrameStepResult before, int part) {
@@ -241,7 +244,7 @@ void SheetSimulation::step_in_parts(RecordTrajectory trace,
     step_part(trace, part);
     end_part(before, part);
     if (now_.step.followed < 1) {
-      if (!give_way_to_jam({this}, {}, of_this, refinements)) return;
+      if (!give_way_to_jam({this}, {}, InitialGap::apart, of_this, refinements)) return;
       --part;
     } else if (part < now_.load_parts) {
       now_.followed = double(part) / now_.load_parts;
@@ -320,7 +323,7 @@ void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
       a.end_part(before[k], part);
     }
     if (all.front()->now_.step.followed < 1) {
-      if (!give_way_to_jam(all, dhat, is_admissible, refinements)) break;
+      if (!give_way_to_jam(all, dhat, gap, is_admissible, refinements)) break;
       --part;
       continue;
     }

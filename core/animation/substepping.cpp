@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <memory>
 #include <optional>
 #include <utility>
 
@@ -213,12 +214,28 @@ std::string reason_of(const Rejection& rejection, const FrameInterval& frame,
   return cause;
 }
 
+/// The colliders half way. Those that move with the handles go on their arcs.
+ColliderShapes half_way(const DrivenSheet& f) {
+  const ColliderMotion& moving = f.input.colliders;
+  ColliderShapes half = between(moving.from, moving.to);
+  const auto carried = rigid_motion_of(f.sheet.x, f.input.constraints, rounding_of_handles);
+  if (!carried) return half;
+  const RigidMotion arc = half_of(*carried);
+  for (std::size_t c = 0; c < half.size(); ++c) {
+    const Collider &from = *moving.from[c], &to = *moving.to[c];
+    if (&from == &to || move_against(f, from, to) > rounding_of_handles) continue;
+    half[c] = std::make_shared<const Collider>(
+        to, Points3((from.mesh().x * arc.turn.transpose()).rowwise() + arc.shift.transpose()));
+  }
+  return half;
+}
+
 /// What a sheet is to follow in the two halves of a part of the frame.
 /// dt  [s] length of each half
 std::pair<DrivenSheet, DrivenSheet> halves_of(const DrivenSheet& whole, double dt) {
   StepInput half = whole.input, other = whole.input;
   half.constraints = whole.elastic.half_way(whole.sheet, whole.input.constraints);
-  half.colliders.to = between(whole.input.colliders.from, whole.input.colliders.to);
+  half.colliders.to = half_way(whole);
   other.colliders.from = half.colliders.to;
   half.time -= dt;
   const auto with = [&](StepInput input) -> DrivenSheet {

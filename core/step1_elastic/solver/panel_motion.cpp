@@ -2,6 +2,7 @@
 
 #include "core/geometry/rigid_motion.h"
 #include "core/linear_algebra/symmetric_eigen.h"
+#include "core/model/segment2.h"
 
 #include <algorithm>
 #include <array>
@@ -161,9 +162,12 @@ class Panels::Motion {
       const Vector3d at = x_.row(c), s = x_.row(end).transpose() - at;
       const auto way = [&](int v) { return Vector3d(x_.row(v).transpose() - at); };
       const double bulge = pressed != 0 ? pressed : dihedral_angle(x_, hinge);
-      const auto moved =
-          third_way({way(u), way(w), s}, known_.place(u) - known_.place(c),
-                    known_.place(w) - known_.place(c), (bulge < 0 ? -1 : 1) * normal_at(hinge));
+      const auto on_pattern = [&](int v) {
+        return Vector2d((panels_.pattern_.row(v) - panels_.pattern_.row(c)).transpose());
+      };
+      const bool turns_left = cross(on_pattern(u), on_pattern(w)) > 0;
+      const auto moved = third_way({way(u), way(w), s}, known_.place(u) - known_.place(c),
+                                   known_.place(w) - known_.place(c), (bulge < 0) != turns_left);
       if (!moved) continue;
       known_.set(end, known_.place(c) + *moved);
       return true;
@@ -203,20 +207,12 @@ class Panels::Motion {
     return farthest;
   }
 
-  /// Sum of the normals of the two triangles at a hinge.
-  Vector3d normal_at(const Hinge& hinge) const {
-    const auto way = [&](int k) {
-      return Vector3d((x_.row(hinge.vertices[k]) - x_.row(hinge.vertices[0])).transpose());
-    };
-    return way(1).cross(way(2)).normalized() + way(3).cross(way(1)).normalized();
-  }
-
   /// The way s of a rigid corner when its other two ways, u and w, have turned.
   /// before  u, w and s
-  /// side    s then lies on this side of the plane of u and w, if it leaves it
+  /// on_left s lies on the side of u x w, if it leaves the plane of u and w
   /// returns none: u and w are in one line
   static std::optional<Vector3d> third_way(const std::array<Vector3d, 3>& before, const Vector3d& u,
-                                           const Vector3d& w, const Vector3d& side) {
+                                           const Vector3d& w, bool on_left) {
     constexpr double least_angle = 1e-3;  // [rad]
     const Vector3d normal = u.cross(w);
     const double area = normal.norm();
@@ -227,7 +223,7 @@ class Panels::Motion {
         products.inverse() * Vector2d(before[2].dot(before[0]), before[2].dot(before[1]));
     const Vector3d in_plane = shares.x() * u + shares.y() * w;
     const double off = std::sqrt(std::max(0.0, before[2].squaredNorm() - in_plane.squaredNorm()));
-    return in_plane + (normal.dot(side) < 0 ? -off : off) / area * normal;
+    return in_plane + (on_left ? off : -off) / area * normal;
   }
 
   const Panels& panels_;
