@@ -180,6 +180,27 @@ TEST(CoarseMeshTest, ALetterThatCornersTurnOverStartsOnAMeshOnWhichItCanBend) {
   EXPECT_LT(behind, 1e-3);
 }
 
+TEST(CoarseMeshTest, AShotBeginsAlikeHoweverManyOfItsFramesAreAskedFor) {
+  const Shot shot = letter_by_two_corners();
+  const auto second_frame = [&](int last_frame) {
+    AnimateOptions options;
+    options.last_frame = last_frame;
+    options.elastic.forces.gravity = 9.81;
+    Sheet second;
+    animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options,
+            [&](const AnimatedFrame& frame) {
+              if (frame.frame == 2) second = *frame.sheet;
+              return frame.frame < 2;
+            });
+    return second;
+  };
+  // the frames in which it would be seen that the first mesh is too coarse are not asked for
+  const Sheet few = second_frame(2), many = second_frame(20);
+  EXPECT_GT(few.triangles.rows(), 300) << "the rehearsal has looked at them";
+  ASSERT_EQ(few.triangles.rows(), many.triangles.rows());
+  EXPECT_EQ(few.x, many.x);
+}
+
 TEST(CoarseMeshTest, ANoteThatLocksInWavesLeavesThemWhicheverWayItBeganToBuckle) {
   // It lifts from the table in a wave that stores more and more by stretching while the corners go
   // on. There is an arch that stores a fifth of that, but no step that converges at once looks for

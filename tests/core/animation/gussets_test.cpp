@@ -9,6 +9,7 @@
 
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <vector>
 
 namespace paperbake {
@@ -230,6 +231,32 @@ TEST(GussetsTest, BeyondACrossingTheLinesTurnAsPaperMustAndAreNotPressedByTheirH
     EXPECT_GT(along[k], 0);
     EXPECT_GT(beyond[k], 0);
   }
+}
+
+TEST(GussetsTest, BeyondAFoldThatWasLetGoNobodyPressesTheOthersStraightOn) {
+  Shot shot = wrapped(evenly(80 * degrees), late(80 * degrees));
+  add_expected_creases(shot, expected_creases(shot, 1));
+  const auto is_along_x = [&](const FoldingHands& hands) {
+    const std::vector<Vector2d>& line = shot.pattern.prescribed_creases[hands.crease].line;
+    return std::abs(line.front().y() - line.back().y()) < 1e-9;
+  };
+  const int row = frames - 1;
+  for (FoldingHands& hands : shot.hands)
+    if (hands.beyond || is_along_x(hands))
+      hands.turn[row] = std::numeric_limits<double>::quiet_NaN();
+  Sheet sheet = mesh_of_lines();
+  sheet.prescribed_creases = shot.pattern.prescribed_creases;
+  fold_by_hands(sheet, shot.hands, row);
+  int held = 0, free = 0;
+  for (const CreaseEdge& edge : sheet.crease_edges) {
+    if (std::abs(edge.a.x() - edge.b.x()) > 1e-9) continue;
+    const double y = 0.5 * (edge.a.y() + edge.b.y());
+    const bool inside = y > low && y < high;
+    ++(inside ? held : free);
+    EXPECT_EQ(edge.pressed.has_value(), inside) << y;
+  }
+  EXPECT_EQ(held, 2);
+  EXPECT_EQ(free, 4);
 }
 
 }  // namespace
