@@ -17,12 +17,11 @@ constexpr double min_width = 0.02;   // [1] of the longer side: a plate is no li
 
 Clamps::Clamps(const Shot& shot, int first_frame)
     : shot_(shot), first_frame_(first_frame), side_(longer_side(shot.pattern)) {
-  std::vector<int> absolute;
   for (std::size_t h = 0; h < shot.handles.size(); ++h) {
     rows_ = std::max(rows_, static_cast<int>(shot.handles[h].keyed.rows()));
-    if (shot.handles[h].mode == HandleMode::absolute) absolute.push_back(static_cast<int>(h));
+    if (shot.handles[h].mode == HandleMode::absolute) absolute_.push_back(static_cast<int>(h));
   }
-  find(absolute);
+  find();
 }
 
 bool Clamps::are_rigid(int h, int k) const {
@@ -39,42 +38,39 @@ bool Clamps::are_rigid(int h, int k) const {
 /// Each handle with those near it first, as long as all are rigid with each other; then the plates
 /// of two handles that are rigid, but in no clamp yet: a handle on a fold belongs to the plates on
 /// both its sides, of which it is nearer to one.
-void Clamps::find(const std::vector<int>& absolute) {
-  const std::size_t n = absolute.size();
+void Clamps::find() {
+  const std::size_t n = absolute_.size();
   RigidWith rigid_with(n, std::vector<char>(n, 0));
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j)
-      rigid_with[i][j] = rigid_with[j][i] = are_rigid(absolute[i], absolute[j]);
+      rigid_with[i][j] = rigid_with[j][i] = are_rigid(absolute_[i], absolute_[j]);
   std::set<std::vector<int>> found;
   RigidWith together(n, std::vector<char>(n, 0));
   const auto add = [&](const std::vector<std::size_t>& members, bool plates_only) {
     for (const std::size_t i : members)
       for (const std::size_t j : members) together[i][j] = 1;
     std::vector<int> handles;
-    for (const std::size_t m : members) handles.push_back(absolute[m]);
+    for (const std::size_t m : members) handles.push_back(absolute_[m]);
     std::sort(handles.begin(), handles.end());
     const Vector2d size = extent_of(handles);
     const bool is_plate = handles.size() > 2 && size[1] > min_width * side_;
     if (size[0] > min_length * side_ && (is_plate || !plates_only) && found.insert(handles).second)
       clamps_.push_back({handles, is_plate});
   };
-  for (std::size_t seed = 0; seed < n; ++seed)
-    add(rigid_around({seed}, absolute, rigid_with), false);
+  for (std::size_t seed = 0; seed < n; ++seed) add(rigid_around({seed}, rigid_with), false);
   for (std::size_t i = 0; i < n; ++i)
     for (std::size_t j = 0; j < i; ++j)
-      if (rigid_with[i][j] && !together[i][j])
-        add(rigid_around({j, i}, absolute, rigid_with), true);
+      if (rigid_with[i][j] && !together[i][j]) add(rigid_around({j, i}, rigid_with), true);
 }
 
 /// These handles and all others that are rigid with them and with each other, those near the first
-/// one first. Handles are numbered as in `absolute`.
+/// one first. Handles are numbered as in `absolute_`.
 std::vector<std::size_t> Clamps::rigid_around(std::vector<std::size_t> members,
-                                              const std::vector<int>& absolute,
                                               const RigidWith& rigid_with) const {
-  std::vector<std::size_t> order(absolute.size());
+  std::vector<std::size_t> order(absolute_.size());
   for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
-  const Vector2d middle = place(absolute[members.front()]);
-  const auto distance = [&](std::size_t i) { return (place(absolute[i]) - middle).norm(); };
+  const Vector2d middle = place(absolute_[members.front()]);
+  const auto distance = [&](std::size_t i) { return (place(absolute_[i]) - middle).norm(); };
   std::stable_sort(order.begin(), order.end(),
                    [&](std::size_t i, std::size_t j) { return distance(i) < distance(j); });
   for (const std::size_t i : order)

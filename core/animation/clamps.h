@@ -23,6 +23,8 @@ class Clamps {
   Clamps(const Shot&, int first_frame);
 
   const std::vector<Clamp>& all() const { return clamps_; }
+  /// The absolute handles: what the others hold is not known before they take hold.
+  const std::vector<int>& absolute() const { return absolute_; }
   /// Number of rows of the longest keys.
   int rows() const { return rows_; }
   /// [m] Longer side of the pattern.
@@ -42,14 +44,14 @@ class Clamps {
   using RigidWith = std::vector<std::vector<char>>;  // 1: the two handles keep their distance
 
   bool are_rigid(int h, int k) const;
-  void find(const std::vector<int>& absolute);
-  std::vector<std::size_t> rigid_around(std::vector<std::size_t> members,
-                                        const std::vector<int>& absolute, const RigidWith&) const;
+  void find();
+  std::vector<std::size_t> rigid_around(std::vector<std::size_t> members, const RigidWith&) const;
   Vector2d extent_of(const std::vector<int>& handles) const;
 
   const Shot& shot_;
   int first_frame_, rows_ = 0;
   double side_;
+  std::vector<int> absolute_;  // handles
   std::vector<Clamp> clamps_;
 };
 

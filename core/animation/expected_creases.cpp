@@ -117,7 +117,7 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
       std::remove_if(expected.begin(), expected.end(),
                      [&](const ExpectedCrease& line) { return is_drawn(line, shot.pattern); }),
       expected.end());
-  for (ExpectedCrease& gusset : gussets(shot, expected, first_frame))
+  for (ExpectedCrease& gusset : gussets(shot, clamps, expected))
     if (!is_drawn(gusset, shot.pattern) && !is_known(gusset.crease))
       expected.push_back(std::move(gusset));
   return expected;

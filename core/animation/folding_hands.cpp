@@ -47,35 +47,34 @@ std::vector<const FoldingHands*> barring(const std::vector<FoldingHands>& all,
                                          const FoldingHands& hands, int row) {
   std::vector<const FoldingHands*> found;
   for (const FoldingHands& others : all) {
-    const double turn = last_turn(others, row);
     const bool has_gusset = std::any_of(all.begin(), all.end(), [&](const FoldingHands& part) {
       return part.crease == hands.crease && part.beyond == others.crease;
     });
-    if (!others.beyond && has_gusset && !std::isnan(turn) &&
-        !goes_straight_on(turn_at(hands, row), turn))
-      found.push_back(&others);
+    if (others.beyond || !has_gusset) continue;
+    const double turn = last_turn(others, row);
+    if (!std::isnan(turn) && !goes_straight_on(turn_at(hands, row), turn)) found.push_back(&others);
   }
   return found;
 }
 
 /// Lets hands press an edge of their crease, or paper turn there because of other hands.
+/// bars  the hands that bar the way of the crease
 void press(CreaseEdge& edge, const Sheet& sheet, const std::vector<FoldingHands>& all,
-           const FoldingHands& hands, int row) {
-  double turn = turn_at(hands, row);
-  if (std::isnan(turn)) return;
-  const auto is_beyond = [&, middle = Vector2d(0.5 * (edge.a + edge.b))](int crease) {
+           const FoldingHands& hands, const std::vector<const FoldingHands*>& bars, int row) {
+  const Vector2d middle = 0.5 * (edge.a + edge.b);
+  const auto is_beyond = [&](int crease) {
     return separates(sheet.prescribed_creases[crease], hands.between, middle);
   };
+  double turn = turn_at(hands, row);
   if (hands.beyond) {
     if (is_beyond(*hands.beyond)) return;
     edge.folded = true;
   } else {
-    const std::vector<const FoldingHands*> bars = barring(all, hands, row);
     edge.folded |= std::abs(turn) > first_turn || !bars.empty();
     if (std::any_of(bars.begin(), bars.end(),
                     [&](const FoldingHands* others) { return is_beyond(others->crease); }))
       return;  // it has to turn some other way there
-    turn *= facing(sheet, all, hands, 0.5 * (edge.a + edge.b), row);
+    turn *= facing(sheet, all, hands, middle, row);
   }
   if (edge.folded) edge.pressed = turn;
 }
@@ -87,15 +86,21 @@ void fold_by_hands(Sheet& sheet, const std::vector<FoldingHands>& hands, int row
   const Hinges hinges = find_hinges(sheet.triangles);
   const std::vector<const PrescribedCrease*> lines = crease_of_hinges(sheet, hinges);
   std::vector<CreaseEdge> edges;
+  std::vector<int> hinge_of_edge;
   for (std::size_t h = 0; h < lines.size(); ++h) {
     if (!lines[h]) continue;
     const auto& v = hinges.hinges[h].vertices;
-    CreaseEdge edge =
-        crease_edge(sheet, *lines[h], sheet.pattern.row(v[0]), sheet.pattern.row(v[1]));
-    edge.pressed.reset();
-    for (const FoldingHands& two : hands)
-      if (lines[h] == &sheet.prescribed_creases[two.crease]) press(edge, sheet, hands, two, row);
-    edges.push_back(edge);
+    edges.push_back(
+        crease_edge(sheet, *lines[h], sheet.pattern.row(v[0]), sheet.pattern.row(v[1])));
+    edges.back().pressed.reset();
+    hinge_of_edge.push_back(static_cast<int>(h));
+  }
+  for (const FoldingHands& two : hands) {
+    if (std::isnan(turn_at(two, row))) continue;
+    const std::vector<const FoldingHands*> bars = barring(hands, two, row);
+    for (std::size_t e = 0; e < edges.size(); ++e)
+      if (lines[hinge_of_edge[e]] == &sheet.prescribed_creases[two.crease])
+        press(edges[e], sheet, hands, two, bars, row);
   }
   sheet.crease_edges = std::move(edges);
 }

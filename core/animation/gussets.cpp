@@ -1,7 +1,7 @@
 #include "core/animation/gussets.h"
 
 #include "core/animation/fold_axis.h"
-#include "core/geometry/rigid_motion.h"
+#include "core/geometry/hinges.h"
 #include "core/model/segment2.h"
 
 #include <Eigen/Geometry>
@@ -58,11 +58,12 @@ std::optional<Crossing> crossing_of(const ExpectedCrease& one, const ExpectedCre
                    ((separates(one.crease, two.between, q) ? q : p) - at).normalized()}};
 }
 
-/// [rad] The turn of paper at an axis, from the face between `right` and the axis to the face
-/// between the axis and `left`; positive where it bulges upwards. All of length 1.
-double turn_at(const Vector3d& axis, const Vector3d& left, const Vector3d& right) {
-  const Vector3d on_left = axis.cross(left), on_right = right.cross(axis);
-  return std::atan2(on_left.cross(on_right).dot(axis), on_left.dot(on_right));
+/// [rad] The turn of paper at the edge from the origin along an axis, between the faces to `left`
+/// and to `right` of it.
+double turn_about(const Vector3d& axis, const Vector3d& left, const Vector3d& right) {
+  Points3 x(4, 3);
+  x << 0, 0, 0, axis.transpose(), left.transpose(), right.transpose();
+  return dihedral_angle(x, {{0, 1, 2, 3}, {0, 1}});
 }
 
 /// A direction of the plane z = 0, turned about another one: down, if its turn is positive.
@@ -117,28 +118,26 @@ std::optional<HandsOfCorner> hands_of(const ExpectedCrease& one, const ExpectedC
 class Corner {
  public:
   /// one, two  indices of the lines
-  Corner(const Shot& shot, const std::vector<ExpectedCrease>& lines, int one, int two,
+  Corner(const Clamps& clamps, const std::vector<ExpectedCrease>& lines, int one, int two,
          const Crossing& crossing, HandsOfCorner hands)
-      : shot_(shot),
+      : clamps_(clamps),
         lines_(lines),
         one_(one),
         two_(two),
         crossing_(crossing),
         hands_(std::move(hands)) {}
 
-  /// Whether hands hold the fourth sector, too.
+  /// Whether a hand holds the fourth sector, too.
   bool is_held() const {
-    const auto holds = [&](const std::vector<int>& hand) {
-      return std::all_of(hand.begin(), hand.end(), [&](int h) { return is_beyond(h); });
-    };
-    return std::any_of(lines_.begin(), lines_.end(), [&](const ExpectedCrease& line) {
-      return holds(line.plate) || holds(line.other);
+    return std::any_of(clamps_.all().begin(), clamps_.all().end(), [&](const Clamp& hand) {
+      return std::all_of(hand.handles.begin(), hand.handles.end(),
+                         [&](int h) { return is_beyond(h); });
     });
   }
 
   /// The gusset crease, without its line; its turns say whether there is any.
-  ExpectedCrease gusset(int first_frame) const {
-    const bool outwards = !leads_inwards(first_frame);
+  ExpectedCrease gusset() const {
+    const bool outwards = !leads_inwards();
     ExpectedCrease gusset;
     gusset.by = ExpectedCrease::By::folds_that_cross;
     gusset.plate = hands_.of_one;
@@ -159,7 +158,7 @@ class Corner {
   int rows() const {
     return static_cast<int>(std::min(lines_[one_].turn.size(), lines_[two_].turn.size()));
   }
-  bool is_beyond(int handle) const { return crossing_.contains(shot_.handles[handle].pattern); }
+  bool is_beyond(int handle) const { return crossing_.contains(clamps_.place(handle)); }
 
   std::optional<GussetShape> shape_in(int row, bool outwards) const {
     const double a = lines_[one_].turn[row], b = lines_[two_].turn[row];
@@ -170,7 +169,7 @@ class Corner {
 
   /// Whether handles in the fourth sector are nearer to where it goes inwards, in the frame in
   /// which it is shut most.
-  bool leads_inwards(int first_frame) const {
+  bool leads_inwards() const {
     int shut = -1;
     double most = 0;
     for (int row = 0; row < rows(); ++row)
@@ -178,20 +177,16 @@ class Corner {
         most = std::abs(shape->turn), shut = row;
     if (shut < 0) return false;
     double off[2] = {0, 0};  // [m2] outwards, and inwards
-    for (std::size_t h = 0; h < shot_.handles.size(); ++h) {
-      const Handle& handle = shot_.handles[h];
-      if (handle.mode != HandleMode::absolute || !is_beyond(h) || !handle.held(first_frame + shut))
-        continue;
-      for (int inwards = 0; inwards < 2; ++inwards)
-        off[inwards] +=
-            (place_beyond(handle.pattern, shut, !inwards) - keyed_position(handle, shut))
-                .squaredNorm();
-    }
+    for (const int h : clamps_.absolute())
+      if (is_beyond(h) && clamps_.held(h, shut))
+        for (int inwards = 0; inwards < 2; ++inwards)
+          off[inwards] += (place_beyond(h, shut, !inwards) - clamps_.keyed(h, shut)).squaredNorm();
     return off[1] < off[0];
   }
 
-  /// Where a point of the fourth sector goes. [m]
-  Vector3d place_beyond(const Vector2d& p, int row, bool outwards) const {
+  /// Where the paper at a handle in the fourth sector goes. [m]
+  Vector3d place_beyond(int handle, int row, bool outwards) const {
+    const Vector2d p = clamps_.place(handle);
     const GussetShape shape = *shape_in(row, outwards);
     const Vector2d middle = crossing_.bisector();
     const int half = cross(middle, p - crossing_.at) * cross(middle, crossing_.on[0]) > 0 ? 0 : 1;
@@ -202,22 +197,10 @@ class Corner {
     // the axes of the shape, on the pattern
     const Vector2d x = crossing_.on[0], across = crossing_.on[1] - crossing_.on[1].dot(x) * x;
     const Vector2d at = crossing_.at + seen.x() * x + seen.y() * across.normalized();
-    return first_sector(row)(Vector3d(at.x(), at.y(), seen.z()));
+    return (*clamps_.pose({hands_.shared, true}, row))(Vector3d(at.x(), at.y(), seen.z()));
   }
 
-  /// The motion of the hand between the two lines.
-  RigidMotion first_sector(int row) const {
-    const std::vector<int>& hand = hands_.shared;
-    Points3 from(hand.size(), 3), to(hand.size(), 3);
-    for (std::size_t k = 0; k < hand.size(); ++k) {
-      const Handle& handle = shot_.handles[hand[k]];
-      from.row(k) << handle.pattern.x(), handle.pattern.y(), 0;
-      to.row(k) = keyed_position(handle, row);
-    }
-    return nearest_rigid_motion(from, to);
-  }
-
-  const Shot& shot_;
+  const Clamps& clamps_;
   const std::vector<ExpectedCrease>& lines_;
   int one_, two_;
   Crossing crossing_;
@@ -246,9 +229,9 @@ std::optional<GussetShape> gusset_shape(double angle, double turn, double turn_o
   const double side = (turn > 0) == outwards ? 1 : -1;
   shape.bisector = std::cos(off) * (right + left).normalized() +
                    side * std::sin(off) * right.cross(left).normalized();
-  shape.turn = turn_at(shape.bisector, left, right);
-  shape.beyond[0] = turn_at(right, shape.bisector, -two);
-  shape.beyond[1] = turn_at(left, -one, shape.bisector);
+  shape.turn = turn_about(shape.bisector, left, right);
+  shape.beyond[0] = turn_about(right, shape.bisector, -two);
+  shape.beyond[1] = turn_about(left, -one, shape.bisector);
   return shape;
 }
 
@@ -257,30 +240,28 @@ bool separates(const PrescribedCrease& line, const Vector2d& p, const Vector2d& 
   return cross(along, p - from) * cross(along, q - from) < 0;
 }
 
-std::vector<ExpectedCrease> gussets(const Shot& shot, const std::vector<ExpectedCrease>& expected,
-                                    int first_frame) {
-  std::vector<ExpectedCrease> found;
+std::vector<ExpectedCrease> gussets(const Shot& shot, const Clamps& clamps,
+                                    const std::vector<ExpectedCrease>& expected) {
+  std::vector<ExpectedCrease> all = expected;
   for (std::size_t one = 0; one < expected.size(); ++one)
     for (std::size_t two = 0; two < one; ++two) {
       const std::optional<Crossing> crossing = crossing_of(expected[one], expected[two]);
       const std::optional<HandsOfCorner> hands = hands_of(expected[one], expected[two]);
       if (!crossing || !hands) continue;
-      const Corner corner(shot, expected, one, two, *crossing, *hands);
+      const Corner corner(clamps, expected, one, two, *crossing, *hands);
       if (corner.is_held()) continue;
-      ExpectedCrease gusset = corner.gusset(first_frame);
+      ExpectedCrease gusset = corner.gusset();
       if (std::abs(largest_turn(gusset)) < least_turn) continue;
-      std::vector<ExpectedCrease> lines = expected;
-      lines.insert(lines.end(), found.begin(), found.end());
-      const Vector2d end = way_out(crossing->at, crossing->bisector(), shot, lines);
+      const Vector2d end = way_out(crossing->at, crossing->bisector(), shot, all);
       const double way = (end - crossing->at).norm();
-      if (!std::isfinite(way) || way < shortest * longer_side(shot.pattern)) continue;
+      if (!std::isfinite(way) || way < shortest * clamps.side()) continue;
       gusset.crease = {{crossing->at, end}, 0, false};
       gusset.between = 0.5 * (crossing->at + end);
       for (int side = 0; side < 2; ++side)
         gusset.beyond[side].at = crossing->at + 0.5 * way * crossing->on[side];
-      found.push_back(std::move(gusset));
+      all.push_back(std::move(gusset));
     }
-  return found;
+  return {all.begin() + static_cast<std::ptrdiff_t>(expected.size()), all.end()};
 }
 
 }  // namespace paperbake

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "core/animation/clamps.h"
 #include "core/animation/expected_creases.h"
 
 #include <optional>
@@ -25,13 +26,12 @@ namespace paperbake {
 /// the two lines beyond the crossing. The bisector bulges to the same side as the two lines,
 /// outwards, unless handles in the sector lead it inwards.
 ///
-/// expected     lines between hands, with their turns
-/// first_frame  frame of row 0 of Handle::keyed
-/// returns      the gusset crease of each crossing that needs one; it ends at the border, or at the
-///              next line
-/// source       this project; spherical trigonometry
-std::vector<ExpectedCrease> gussets(const Shot&, const std::vector<ExpectedCrease>& expected,
-                                    int first_frame);
+/// expected  lines between hands, with their turns
+/// returns   the gusset crease of each crossing that needs one; it ends at the border, or at the
+///           next line
+/// source    this project; spherical trigonometry
+std::vector<ExpectedCrease> gussets(const Shot&, const Clamps&,
+                                    const std::vector<ExpectedCrease>& expected);
 
 /// Whether a fold can go straight on beyond a line about which other hands turn the paper: one of
 /// the two folds has to be nearly open or nearly shut.

@@ -51,11 +51,10 @@ class SheetSimulation {
   void step(RecordTrajectory, const AdmissibilityCheck& is_admissible);
   /// Whether some of several sheets began the shot closer to each other than their full dhat.
   enum class InitialGap { within_dhat, apart };
+  using AdmissibilityOfSheet = std::function<AdmissibilityCheck(std::size_t)>;  // by its number
   /// The elastic step of several sheets that come near each other. Sheets that have already taken
   /// it alone are first set back to where it began.
   /// dhat  |sheets|x|sheets| [m] contact distances, as in Elastic::step_together
-  /// is_admissible  of a sheet, by its number
-  using AdmissibilityOfSheet = std::function<AdmissibilityCheck(std::size_t)>;
   static void step_together(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
                             InitialGap, const AdmissibilityOfSheet& is_admissible);
   /// Where the sheet was during this frame, from its start on.

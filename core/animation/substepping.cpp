@@ -56,16 +56,19 @@ bool exceeds_max_motion(const DrivenSheet& f, int halvings) {
   return f.relative_motion > max_motion && halvings < max_halvings_for_motion;
 }
 
-/// How far a collider moves, at most; where the handles carry the whole sheet as one body, how far
-/// it moves against that. [m]
-double move_against(const DrivenSheet& f, const Collider& from, const Collider& to) {
+/// The motion of the handles; none: they do not carry the whole sheet as one body.
+std::optional<RigidMotion> carrying_motion(const DrivenSheet& f) {
+  return rigid_motion_of(f.sheet.x, f.input.constraints, rounding_of_handles);
+}
+
+/// How far a collider moves, at most: by itself, or against handles that carry the sheet, if that
+/// is less. [m]
+double move_against(const std::optional<RigidMotion>& carrying, const Collider& from,
+                    const Collider& to) {
   const double most = farthest_move(from, to);
-  if (most == 0) return 0;
-  const auto carried = rigid_motion_of(f.sheet.x, f.input.constraints, rounding_of_handles);
-  if (!carried) return most;
-  const Points3 there =
-      (from.mesh().x * carried->turn.transpose()).rowwise() + carried->shift.transpose();
-  return std::min(most, (to.mesh().x - there).rowwise().norm().maxCoeff());
+  if (most == 0 || !carrying) return most;
+  return std::min(most,
+                  (to.mesh().x - moved(*carrying, from.mesh().x)).rowwise().norm().maxCoeff());
 }
 
 /// Whether a collider that comes near the sheet in a part of the frame moves farther than `most`
@@ -73,11 +76,12 @@ double move_against(const DrivenSheet& f, const Collider& from, const Collider& 
 bool is_swept_farther(const DrivenSheet& f, int halvings, double most) {
   const ColliderMotion& moving = f.input.colliders;
   if (halvings >= max_halvings_for_colliders || moving.from == moving.to) return false;
+  const std::optional<RigidMotion> carrying = carrying_motion(f);
   double reach = collider_reach;
   for (const PositionConstraint& c : f.input.constraints)
     reach = std::max(reach, (f.sheet.x.row(c.vertex).transpose() - c.target).norm());
   const auto passes = [&](const Collider& from, const Collider& to) {
-    return move_against(f, from, to) > std::min(0.5 * to.depth(), most) &&
+    return move_against(carrying, from, to) > std::min(0.5 * to.depth(), most) &&
            comes_near(f.sheet, from, to, reach);
   };
   for (std::size_t c = 0; c < moving.to.size(); ++c)
@@ -218,14 +222,12 @@ std::string reason_of(const Rejection& rejection, const FrameInterval& frame,
 ColliderShapes half_way(const DrivenSheet& f) {
   const ColliderMotion& moving = f.input.colliders;
   ColliderShapes half = between(moving.from, moving.to);
-  const auto carried = rigid_motion_of(f.sheet.x, f.input.constraints, rounding_of_handles);
-  if (!carried) return half;
-  const RigidMotion arc = half_of(*carried);
+  const std::optional<RigidMotion> carrying = carrying_motion(f);
+  if (!carrying) return half;
   for (std::size_t c = 0; c < half.size(); ++c) {
     const Collider &from = *moving.from[c], &to = *moving.to[c];
-    if (&from == &to || move_against(f, from, to) > rounding_of_handles) continue;
-    half[c] = std::make_shared<const Collider>(
-        to, Points3((from.mesh().x * arc.turn.transpose()).rowwise() + arc.shift.transpose()));
+    if (&from != &to && move_against(carrying, from, to) <= rounding_of_handles)
+      half[c] = std::make_shared<const Collider>(to, moved(half_of(*carrying), from.mesh().x));
   }
   return half;
 }

@@ -27,6 +27,14 @@ RigidMotion half_of(const RigidMotion& motion) {
   return {turn, (turn + Matrix3d::Identity()).inverse() * motion.shift};
 }
 
+Vector3d half_way(const RigidMotion& motion, const Vector3d& from, const Vector3d& target) {
+  return half_of(motion)(from) + 0.5 * (target - motion(from));
+}
+
+Points3 moved(const RigidMotion& motion, const Points3& points) {
+  return (points * motion.turn.transpose()).rowwise() + motion.shift.transpose();
+}
+
 RigidMotion nearest_rigid_motion(const Points3& points, const Points3& targets) {
   const Vector3d from = points.colwise().mean(), to = targets.colwise().mean();
   Matrix3d covariance = Matrix3d::Zero();

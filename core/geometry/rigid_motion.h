@@ -15,6 +15,13 @@ struct RigidMotion {
 /// degrees.
 RigidMotion half_of(const RigidMotion&);
 
+/// Half way to a target: on the arc of a motion that goes near it, and straight for what is left.
+/// [m]
+Vector3d half_way(const RigidMotion&, const Vector3d& from, const Vector3d& target);
+
+/// The places to which a motion takes points. n x 3 [m]
+Points3 moved(const RigidMotion&, const Points3&);
+
 /// The rigid motion that takes points nearest to their targets, by least squares. Where the points
 /// lie in one line, the turn about that line is arbitrary.
 /// points, targets  n x 3 [m]

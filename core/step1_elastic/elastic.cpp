@@ -288,8 +288,8 @@ PositionConstraints Elastic::half_way(const Sheet& sheet,
   PositionConstraints half = constraints;
   for (PositionConstraint& c : half) {
     const Vector3d from = sheet.x.row(c.vertex);
-    c.target = carried ? Vector3d(half_of(*carried)(from) + 0.5 * (c.target - (*carried)(from)))
-                       : Vector3d(0.5 * (from + c.target));
+    c.target =
+        carried ? paperbake::half_way(*carried, from, c.target) : Vector3d(0.5 * (from + c.target));
   }
   return half;
 }

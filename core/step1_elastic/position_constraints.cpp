@@ -1,6 +1,6 @@
 #include "core/step1_elastic/position_constraints.h"
 
-#include "core/linear_algebra/symmetric_eigen.h"
+#include "core/geometry/principal_axes.h"
 #include "core/model/serializer.h"
 
 #include <algorithm>
@@ -39,12 +39,10 @@ std::optional<RigidMotion> rigid_motion_of(const Points3& x, const PositionConst
     from.row(k) = x.row(constraints[k].vertex);
     to.row(k) = constraints[k].target;
   }
-  const Points3 off = from.rowwise() - from.colwise().mean();
-  const SymmetricEigen<3> axes = symmetric_eigen(Eigen::Matrix3d(off.transpose() * off));
+  const SymmetricEigen<3> axes = principal_axes(from);
   if (!(axes.values[1] > min_width * min_width * axes.values[2])) return std::nullopt;
   const RigidMotion motion = nearest_rigid_motion(from, to);
-  const Points3 moved = (from * motion.turn.transpose()).rowwise() + motion.shift.transpose();
-  if ((moved - to).rowwise().norm().maxCoeff() > slack) return std::nullopt;
+  if ((moved(motion, from) - to).rowwise().norm().maxCoeff() > slack) return std::nullopt;
   return motion;
 }
 

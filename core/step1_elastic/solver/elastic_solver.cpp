@@ -196,7 +196,7 @@ std::vector<Points3> Elastic::Impl::guesses(const Points3& before, const Positio
   constexpr double slight_turn = 1e-5;  // [rad]
   if (const auto carried = rigid_motion_of(before, hard, rounding_of_handles);
       carried && !carried->turn.isIdentity(slight_turn))
-    all.push_back((before * carried->turn.transpose()).rowwise() + carried->shift.transpose());
+    all.push_back(moved(*carried, before));
   if (with_contact) {
     if (!state.positions.empty()) all.push_back(2 * before - state.positions[0]);
     all.push_back(before);

@@ -254,8 +254,8 @@ PositionConstraints Panels::half_way(const Points3& x, PositionConstraints const
   for (PositionConstraint& c : constraints) {
     const Vector3d from = x.row(c.vertex);
     const std::optional<RigidMotion>& motion = motion_of[c.vertex];
-    c.target = motion ? Vector3d(half_of(*motion)(from) + 0.5 * (c.target - (*motion)(from)))
-                      : Vector3d(0.5 * (from + c.target));
+    c.target =
+        motion ? paperbake::half_way(*motion, from, c.target) : Vector3d(0.5 * (from + c.target));
   }
   return constraints;
 }

@@ -39,6 +39,19 @@ class FoldCertificateTest : public test::CommandLine {
     words.insert(words.end(), more.begin(), more.end());
     return run(words);
   }
+  /// What the certificate says of each frame.
+  std::vector<json> frames() const {
+    std::vector<json> all;
+    for (const std::string& line : lines_of(read(fs::path(output()) / "cert/frames.jsonl")))
+      all.push_back(json::parse(line));
+    return all;
+  }
+  /// The number of folds that it counts in each frame.
+  std::vector<int> folds_of_frames() const {
+    std::vector<int> folds;
+    for (const json& frame : frames()) folds.push_back(frame.at("folds"));
+    return folds;
+  }
   static std::string samples() { return test::samples + "/"; }
 };
 
@@ -52,11 +65,10 @@ INSTANTIATE_TEST_SUITE_P(Samples, FoldSceneTest,
 TEST_P(FoldSceneTest, PaperIsFoldedByItsHandsWithoutStretchOrCrossing) {
   const Ended ended = bake(GetParam().name);
   ASSERT_EQ(ended.code, 0) << ended.err;
-  const std::vector<std::string> lines = lines_of(read(fs::path(output()) / "cert/frames.jsonl"));
-  ASSERT_EQ(lines.size(), GetParam().frames);
+  const std::vector<json> all = frames();
+  ASSERT_EQ(all.size(), GetParam().frames);
   int unfinished = 0;
-  for (const std::string& line : lines) {
-    const json frame = json::parse(line);
+  for (const json& frame : all) {
     const std::string where = frame["frame"].dump();
     EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 1) << where;
     for (const char* stretch : {"stretch_max_pct", "render_stretch_max_pct"})
@@ -81,10 +93,9 @@ TEST_P(FoldedTwiceTest, FourLayersFollowTheirHandsWithoutStretchOrCrossing) {
   const Ended ended = bake("F3_quarter", {"--seed", std::to_string(seed), "--base-triangles",
                                           std::to_string(triangles)});
   ASSERT_EQ(ended.code, 0) << ended.err;
-  const std::vector<std::string> lines = lines_of(read(fs::path(output()) / "cert/frames.jsonl"));
-  ASSERT_EQ(lines.size(), 108u);
-  for (const std::string& line : lines) {
-    const json frame = json::parse(line);
+  const std::vector<json> all = frames();
+  ASSERT_EQ(all.size(), 108u);
+  for (const json& frame : all) {
     const std::string where = frame["frame"].dump();
     EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 0.1) << where;
     EXPECT_LE(frame["stretch_max_pct"].get<double>(), 0.1) << where;
@@ -107,25 +118,17 @@ TEST_P(WrappedTest, ItsCornersFoldLikeGussetsAndItsHandlesAreMet) {
   const Ended ended = bake("F8_wrap", {"--base-triangles", std::to_string(triangles), "--preset",
                                        grade, "--mesh", "simulation"});
   ASSERT_EQ(ended.code, 0) << ended.err;
-  const std::vector<std::string> lines = lines_of(read(fs::path(output()) / "cert/frames.jsonl"));
-  ASSERT_EQ(lines.size(), 66u);
-  for (const std::string& line : lines) {
-    const json frame = json::parse(line);
+  const std::vector<json> all = frames();
+  ASSERT_EQ(all.size(), 66u);
+  for (const json& frame : all) {
     const std::string where = frame["frame"].dump();
     EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 0.3) << where;
     EXPECT_LE(frame["stretch_max_pct"].get<double>(), 0.3) << where;
     EXPECT_EQ(frame["crossings"], 0) << where;
   }
-  EXPECT_EQ(json::parse(lines.back())["folds"], 8) << "four lines and four gussets";
+  EXPECT_EQ(all.back()["folds"], 8) << "four lines and four gussets";
 }
 
-/// The number of folds that the certificate counts in each frame.
-std::vector<int> folds_of_frames(const fs::path& output) {
-  std::vector<int> folds;
-  for (const std::string& line : lines_of(read(output / "cert/frames.jsonl")))
-    folds.push_back(json::parse(line).at("folds"));
-  return folds;
-}
 json summary_of(const fs::path& output) { return json::parse(read(output / "cert/summary.json")); }
 
 TEST_F(FoldCertificateTest, ItSaysWhenEachLineOfALetterFolds) {
@@ -137,7 +140,7 @@ TEST_F(FoldCertificateTest, ItSaysWhenEachLineOfALetterFolds) {
   const int low = lines[0].at("folded_in_frame"), high = lines[1].at("folded_in_frame");
   EXPECT_TRUE(1 < low && low < 12) << "the bottom third moves from frame 1 on: " << low;
   EXPECT_TRUE(40 < high && high < 52) << "the top third moves from frame 40 on: " << high;
-  const std::vector<int> folds = folds_of_frames(output());
+  const std::vector<int> folds = folds_of_frames();
   ASSERT_EQ(folds.size(), 96u);
   for (int frame = 1; frame <= 96; ++frame)
     EXPECT_EQ(folds[frame - 1], (frame >= low) + (frame >= high)) << frame;
@@ -156,7 +159,7 @@ TEST_F(FoldCertificateTest, ALineThatIsNotFoldedInTheFramesOfTheBakeHasNoFrame) 
 TEST_F(FoldCertificateTest, ASheetThatNobodyFoldsHasNoLine) {
   ASSERT_EQ(bake("S1_push", {"--frames", "1-6"}).code, 0);
   EXPECT_EQ(summary_of(output()).at("creases"), json::array());
-  EXPECT_EQ(folds_of_frames(output()), std::vector<int>(6, 0));
+  EXPECT_EQ(folds_of_frames(), std::vector<int>(6, 0));
   EXPECT_EQ(read(fs::path(output()) / "job.lock.toml").find("crease = "), std::string::npos);
 }
 
