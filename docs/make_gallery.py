@@ -5,7 +5,7 @@ are those of docs/gallery.toml.
     .venv/bin/python docs/make_gallery.py [PROGRAM] [NAME...]     PROGRAM: build/paperbake
 
 Needs Blender as the Python module bpy. Names choose some of the shots; the page lists those that have a picture. A picture
-takes about ten seconds of one core, a bake as long as the benchmarks say.
+takes some seconds of one core, a bake as long as the benchmarks say.
 """
 
 import collections
