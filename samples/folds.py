@@ -1,4 +1,4 @@
-"""Writes the fold scenes F1 to F8 beside itself, each as .glb, .fbx and .handles.csv.
+"""Writes the fold scenes F1 to F9 beside itself, each as .glb, .fbx and .handles.csv.
 
     python samples/folds.py [NAME...]          with Blender 4.2 or later as the module bpy
 
@@ -74,6 +74,8 @@ class Scene:
     hands: Tuple[Hand, ...]
     boxes: Tuple[Box, ...] = ()
     gravity: float = 0.0  # m/s2
+    # [m] ends of the creases that are drawn on the flat sheet
+    creases: Tuple[Tuple[Tuple[float, float], Tuple[float, float]], ...] = ()
 
 
 # Motions
@@ -332,7 +334,31 @@ def wrap():
         (Box("collider.box", (*mm((90, 90))[0], -81 * MM), (0.120, 0.120, 0.080)),), gravity=9.81)
 
 
-SCENES = (letter, half, quarter, fan, corner, pinch, corners, wrap)
+def road_map():
+    """A map with two creases drawn across each other, folded to a quarter of its size and unfolded.
+
+    Hands hold three of its quarters. The fourth follows between the layers: its crease folds the
+    other way round, because the paper there lies upside down.
+    """
+    width, height = 300, 200
+
+    def first(frame):
+        turn = along(frame, ((1, 0), (22, 177.5), (74, 177.5), (95, 0)))
+        return turned(turn, mm((width / 2, 0))[0], (0, -1, 0))
+
+    def second(frame):
+        turn = along(frame, ((24, 0), (46, 150), (50, 150), (72, 0)))
+        return turned(turn, mm((0, height / 2))[0], (1, 0, 0))
+
+    return Scene("F9_map", (0.300, 0.200), 96, (
+        Hand("lower", mm((10, 10), (120, 10), (10, 80)), flat, rectangle(0, 0, 150, 100)),
+        Hand("right", mm((290, 10), (180, 10), (290, 80)), first, rectangle(150, 0, 300, 100)),
+        Hand("upper", mm((10, 190), (120, 190), (10, 160)), second)),
+        (table(0.300, 0.200),), gravity=9.81,
+        creases=(mm((width / 2, 0), (width / 2, height)), mm((0, height / 2), (width, height / 2))))
+
+
+SCENES = (letter, half, quarter, fan, corner, pinch, corners, wrap, road_map)
 
 
 # What paper needs to follow
@@ -406,7 +432,7 @@ def check(scene, positions):
     """Asserts at every frame: hands are rigid; no two handles are farther apart than the paper
     between them is long; stacked handles and flaps leave room for layers; boxes are outside."""
     frames = range(1, scene.last + 1)
-    assert any(hand.pose(1) != hand.pose(scene.last) for hand in scene.hands)
+    assert any(hand.pose(1) != hand.pose(f) for hand in scene.hands for f in frames)
     apart, rigid = map(max, zip(*(worst_stretch(scene, positions[f], f) for f in frames)))
     layers = min(least_layer_gap(scene, positions[f], f) for f in frames if f > 1)
     boxes = min(least_box_gap(scene, positions[f], f) for f in frames)
@@ -458,6 +484,15 @@ def add_sheet(scene):
         sheet["paper_gravity"] = scene.gravity
 
 
+def add_creases(lines):
+    corners = [sheet_point(*p) for line in lines for p in line]
+    mesh = bpy.data.meshes.new("crease.lines")
+    mesh.from_pydata(corners, [(2 * k, 2 * k + 1) for k in range(len(lines))], [])
+    crease = bpy.data.objects.new("crease.lines", mesh)
+    bpy.context.scene.collection.objects.link(crease)
+    crease["paper_crease"] = 0.0
+
+
 def add_box(box, frames):
     faces = [(0, 1, 3, 2), (4, 6, 7, 5), (0, 4, 5, 1), (2, 3, 7, 6), (0, 2, 6, 4), (1, 5, 7, 3)]
     corners = list(itertools.product(*((-s / 2, s / 2) for s in box.size)))
@@ -481,6 +516,8 @@ def build(scene):
     clip.render.fps, clip.frame_start, clip.frame_end = FPS, 1, scene.last
     frames = range(1, scene.last + 1)
     add_sheet(scene)
+    if scene.creases:
+        add_creases(scene.creases)
     for box in scene.boxes:
         add_box(box, frames)
     for hand in scene.hands:
@@ -517,8 +554,9 @@ def write_positions(scene, positions):
 def write_gltf(path):
     bpy.ops.export_scene.gltf(
         filepath=path, export_format="GLB", export_extras=True, export_yup=True,
-        export_normals=False, export_materials="NONE", export_animation_mode="SCENE",
-        export_anim_scene_split_object=False, export_force_sampling=True, export_frame_range=True)
+        use_mesh_edges=True, export_normals=False, export_materials="NONE",
+        export_animation_mode="SCENE", export_anim_scene_split_object=False,
+        export_force_sampling=True, export_frame_range=True)
 
 
 @contextlib.contextmanager
@@ -544,8 +582,9 @@ def repeatable_fbx():
 def write_fbx(path):
     with repeatable_fbx():
         bpy.ops.export_scene.fbx(
-            filepath=path, use_custom_props=True, bake_anim=True, bake_anim_use_nla_strips=False,
-            bake_anim_use_all_actions=False, bake_anim_simplify_factor=0.0)
+            filepath=path, use_custom_props=True, use_mesh_edges=True, bake_anim=True,
+            bake_anim_use_nla_strips=False, bake_anim_use_all_actions=False,
+            bake_anim_simplify_factor=0.0)
 
 
 def write(scene):

@@ -8,6 +8,7 @@
 #include "formats/files/json.h"
 
 #include <algorithm>
+#include <chrono>
 #include <fmt/format.h>
 #include <limits>
 #include <memory>
@@ -54,6 +55,13 @@ class Candidate {
   }
   bool is_hopeless() const { return failed_ || attempt_.off_pct >= hopeless_pct; }
 
+  /// A sentence for people on how far it is.
+  std::string describe_state(std::ptrdiff_t number, std::size_t of) const {
+    return fmt::format("attempt {} of {}: frame {} of {}, a handle is off by {:.1f} mm so far",
+                       number, of, plan_.animation.first_frame + simulated_ - 1,
+                       plan_.animation.last_frame, 1e3 * attempt_.off);
+  }
+
   /// Simulates the next frame.
   void go_on() {
     try {
@@ -80,6 +88,21 @@ class Candidate {
   std::optional<Animation> animation_;
   int simulated_ = 0;  // frames
   bool failed_ = false;
+};
+
+/// Says when people have waited long enough for a sign of life.
+class FrequentMessage {
+ public:
+  bool is_due() {
+    using namespace std::chrono;
+    const auto now = steady_clock::now();
+    if (now - last_ < seconds(5)) return false;
+    last_ = now;
+    return true;
+  }
+
+ private:
+  std::chrono::steady_clock::time_point last_ = std::chrono::steady_clock::now();
 };
 
 }  // namespace
@@ -160,6 +183,7 @@ bool Attempts::choose(Progress& progress, StopRequest& stop) {
     all.push_back(
         std::make_unique<Candidate>(std::move(plan), k == 0 ? seen_ : describe_attempt(k), stop));
   }
+  FrequentMessage frequent;
   const auto best = [&] {
     return std::min_element(all.begin(), all.end(), [](const auto& a, const auto& b) {
       return a->badness() < b->badness();
@@ -173,14 +197,18 @@ bool Attempts::choose(Progress& progress, StopRequest& stop) {
                       "is off by {:.1f} mm",
                       next - all.begin() + 1, all.size(), 1e3 * (*(next - 1))->attempt().off));
     (*next)->go_on();
+    if (frequent.is_due())
+      progress.message((*next)->describe_state(next - all.begin() + 1, all.size()));
   }
   AttemptChoice choice;
-  choice.baked = (*best())->is_over() ? static_cast<std::size_t>(best() - all.begin()) : 0;
+  choice.hopeless = !(*best())->is_over();
+  choice.baked = choice.hopeless ? 0 : static_cast<std::size_t>(best() - all.begin());
   for (const auto& candidate : all)
     if (candidate->attempt().frames > 0) choice.tried.push_back(candidate->attempt());
   keep_choice(choice);
   progress.message(describe(choice));
   adopt(std::move(choice));
+  has_chosen_ = true;
   return true;
 }
 
@@ -193,8 +221,10 @@ void Attempts::adopt(AttemptChoice choice) {
 void Attempts::keep_choice(const AttemptChoice& choice) const {
   Json tried = Json::array();
   for (const Attempt& t : choice.tried) tried.push_back({t.off, t.off_pct, t.frame, t.frames});
-  write_atomically(decision_,
-                   json_line({{"key", key_}, {"baked", choice.baked}, {"tried", tried}}));
+  write_atomically(decision_, json_line({{"key", key_},
+                                         {"baked", choice.baked},
+                                         {"hopeless", choice.hopeless},
+                                         {"tried", tried}}));
 }
 
 bool Attempts::load_choice() {
@@ -203,6 +233,7 @@ bool Attempts::load_choice() {
     const Json kept = parse_json(read_file(decision_).value_or(""));
     if (kept.at("key") != key_) return false;
     choice.baked = kept.at("baked");
+    choice.hopeless = kept.at("hopeless");
     for (const Json& of_attempt : kept.at("tried")) {
       Attempt attempt = describe_attempt(choice.tried.size());
       attempt.off = of_attempt.at(0);
@@ -225,6 +256,11 @@ std::string describe(const AttemptChoice& choice) {
       fmt::format("attempts: in the first attempt a handle is off by {:.1f} mm in frame {}",
                   1e3 * first.off, first.frame);
   const auto others = choice.tried.size() - 1;
+  if (choice.hopeless)
+    return text + fmt::format(
+                      "; it is baked, because in all {} attempts a handle is off by {:g} % "
+                      "of the sheet or more before the end, and they were given up",
+                      choice.tried.size(), hopeless_pct);
   if (choice.baked == 0)
     return text + fmt::format("; it is baked, because {} {} not better", others,
                               others == 1 ? "other is" : "others are");

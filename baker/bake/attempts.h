@@ -39,6 +39,9 @@ class Attempts {
   bool is_failing() const { return failing_; }
   int failing_frame() const { return seen_.frame; }
 
+  /// Whether this bake has chosen, so that frames which it takes are its own.
+  bool has_chosen() const { return has_chosen_; }
+
   /// Tries others, and chooses among them all.
   /// returns  false when it was stopped
   bool choose(Progress&, StopRequest&);
@@ -56,7 +59,7 @@ class Attempts {
   std::filesystem::path decision_;
   std::string key_;  // of a decision
   Attempt seen_;     // of the first attempt
-  bool watches_, failing_ = false;
+  bool watches_, failing_ = false, has_chosen_ = false;
   bool moved_ = false;  // whether a handle has (have_moved)
 };
 

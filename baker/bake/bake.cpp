@@ -56,7 +56,7 @@ int load_frames(Checkpoints& checkpoints, const BakePlan& plan, BakePipeline& pi
   });
   const int first = plan.animation.first_frame;
   if (!resume.damaged.empty()) progress.warning(resume.damaged);
-  if (resume.last_frame >= first)
+  if (resume.last_frame >= first && !attempts.has_chosen())
     progress.message(fmt::format("Frames {}-{} are as an earlier bake simulated them.", first,
                                  resume.last_frame));
   for (std::size_t s = 0; s < resume.states.size(); ++s)

@@ -19,6 +19,8 @@ struct Attempt {
 /// Which attempt of a shot is baked, and which were tried.
 struct AttemptChoice {
   std::size_t baked = 0;  // index into tried
+  // all were off by a tenth of the sheet or more before the end of the shot, or failed
+  bool hopeless = false;
   std::vector<Attempt> tried;
 };
 

@@ -1,7 +1,9 @@
 #include "baker/job/crease_lines.h"
 
+#include "core/geometry/prescribed_creases.h"
 #include "formats/config/job_file.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fmt/format.h>
 #include <utility>
@@ -32,11 +34,19 @@ std::vector<CreaseLine> crease_lines(const SceneSheet& sheet,
                                      const std::vector<ExpectedCrease>& expected) {
   std::vector<CreaseLine> lines;
   const std::vector<PrescribedCrease>& drawn = sheet.pattern.prescribed_creases;
-  for (std::size_t c = 0; c < drawn.size(); ++c)
-    lines.push_back({drawn[c].line, drawn[c].angle, false, sheet.crease_origin[c]});
+  for (std::size_t c = 0; c < drawn.size(); ++c) {
+    std::string origin = sheet.crease_origin[c];
+    for (const ExpectedCrease& crease : expected)
+      if (std::any_of(crease.drawn.begin(), crease.drawn.end(), [&](const Segment2& part) {
+            return crease_under({drawn[c]}, part.a, part.b) != nullptr;
+          }))
+        origin += "; folded by " + origin_of(crease, sheet.handles);
+    lines.push_back({drawn[c].line, drawn[c].angle, false, origin});
+  }
   for (const ExpectedCrease& crease : expected)
-    lines.push_back(
-        {crease.crease.line, largest_turn(crease), true, origin_of(crease, sheet.handles)});
+    for (const Segment2& part : crease.missing)
+      lines.push_back(
+          {{part.a, part.b}, largest_turn(crease), true, origin_of(crease, sheet.handles)});
   return lines;
 }
 

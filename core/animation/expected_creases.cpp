@@ -29,23 +29,40 @@ std::vector<FoldAxis> axes_of(const Clamps& clamps) {
   return axes;
 }
 
-/// Whether the artist has drawn a crease through the middle of this one.
-bool is_drawn(const ExpectedCrease& line, const Pattern& pattern) {
+/// The straight parts of drawn creases that run along a line, each in its direction, in order.
+std::vector<Segment2> drawn_along(const Segment2& line, const Pattern& pattern) {
+  constexpr double same_direction = 0.99;  // [1] cosine
   const double near = same_line * longer_side(pattern);
-  const Vector2d middle = 0.5 * (line.crease.line[0] + line.crease.line[1]);
+  const Vector2d direction = (line.b - line.a).normalized();
+  const auto is_near = [&](const Vector2d& p) {
+    return std::abs(cross(direction, p - line.a)) < near;
+  };
+  std::vector<Segment2> parts;
   for (const PrescribedCrease& drawn : pattern.prescribed_creases)
-    for (std::size_t k = 0; k + 1 < drawn.line.size(); ++k)
-      if (distance_to_segment(middle, drawn.line[k], drawn.line[k + 1]) < near) return true;
-  return false;
+    for (std::size_t k = 0; k + 1 < drawn.line.size(); ++k) {
+      Segment2 part{drawn.line[k], drawn.line[k + 1]};
+      const Vector2d along = part.b - part.a;
+      if (direction.dot(along) < 0) std::swap(part.a, part.b);
+      if (is_near(part.a) && is_near(part.b) &&
+          std::abs(direction.dot(along)) > same_direction * along.norm())
+        parts.push_back(part);
+    }
+  std::sort(parts.begin(), parts.end(), [&](const Segment2& a, const Segment2& b) {
+    return direction.dot(a.a) < direction.dot(b.a);
+  });
+  return parts;
 }
 
-/// The line through the two handles on it that are farthest from each other, or through the only
-/// one.
-FoldAxis through_handles(FoldAxis line, const Shot& shot) {
+/// The line through what is drawn along it; if nothing is, through the two handles on it that are
+/// farthest from each other, or through the only one.
+FoldAxis through_known_points(FoldAxis line, const Shot& shot) {
   const double side = longer_side(shot.pattern);
   std::vector<Vector2d> on;
-  for (const Handle& handle : shot.handles)
-    if (std::abs(line.side(handle.pattern)) < on_line * side) on.push_back(handle.pattern);
+  for (const Segment2& part : drawn_along({line.point, line.point + line.direction}, shot.pattern))
+    on.insert(on.end(), {part.a, part.b});
+  if (on.empty())
+    for (const Handle& handle : shot.handles)
+      if (std::abs(line.side(handle.pattern)) < on_line * side) on.push_back(handle.pattern);
   if (on.empty()) return line;
   const auto [first, last] =
       std::minmax_element(on.begin(), on.end(), [&](const Vector2d& p, const Vector2d& q) {
@@ -58,7 +75,7 @@ FoldAxis through_handles(FoldAxis line, const Shot& shot) {
 }
 
 /// The parts of the line that lie on the sheet.
-std::vector<PrescribedCrease> on_paper(const FoldAxis& line, const Shot& shot) {
+std::vector<Segment2> on_paper(const FoldAxis& line, const Shot& shot) {
   const double side = longer_side(shot.pattern);
   std::vector<double> cuts;
   const auto cut = [&](const std::vector<Vector2d>& polygon) {
@@ -78,18 +95,35 @@ std::vector<PrescribedCrease> on_paper(const FoldAxis& line, const Shot& shot) {
       if ((handle.pattern - p).norm() < on_line * side) return handle.pattern;
     return p;
   };
-  std::vector<PrescribedCrease> parts;
+  std::vector<Segment2> parts;
   for (std::size_t k = 0; k + 1 < cuts.size(); k += 2)
-    if (cuts[k + 1] - cuts[k] > same_line * side)
-      parts.push_back({{at(cuts[k]), at(cuts[k + 1])}, 0, false});
+    if (cuts[k + 1] - cuts[k] > same_line * side) parts.push_back({at(cuts[k]), at(cuts[k + 1])});
   return parts;
 }
 
-bool is_same_line(const PrescribedCrease& a, const PrescribedCrease& b, double side) {
-  const auto near = [&](const Vector2d& p, const PrescribedCrease& c) {
-    return distance_to_segment(p, c.line.front(), c.line.back()) < same_line * side;
+/// Finds what the artist has drawn along a line, and what is missing between.
+void look_for_drawn(ExpectedCrease& crease, const Pattern& pattern) {
+  const double near = same_line * longer_side(pattern);
+  const Vector2d from = crease.line.a, to = crease.line.b;
+  const Vector2d direction = (to - from).normalized();
+  Vector2d end = from;  // of what there is
+  const auto look_until = [&](const Vector2d& p) {
+    if (direction.dot(p - end) > near) crease.missing.push_back({end, p});
   };
-  return near(a.line.front(), b) && near(a.line.back(), b);
+  for (const Segment2& part : drawn_along(crease.line, pattern)) {
+    if (direction.dot(part.b - from) < near || direction.dot(to - part.a) < near) continue;
+    crease.drawn.push_back(part);
+    look_until(part.a);
+    if (direction.dot(part.b - end) > 0) end = part.b;
+  }
+  look_until(to);
+}
+
+bool is_same_line(const Segment2& a, const Segment2& b, double side) {
+  const auto near = [&](const Vector2d& p) {
+    return distance_to_segment(p, b.a, b.b) < same_line * side;
+  };
+  return near(a.a) && near(a.b);
 }
 
 }  // namespace
@@ -98,28 +132,26 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
   const Clamps clamps(shot, first_frame);
   using By = ExpectedCrease::By;
   std::vector<ExpectedCrease> expected;
-  const auto is_known = [&](const PrescribedCrease& line) {
+  const auto is_known = [&](const Segment2& line) {
     return std::any_of(expected.begin(), expected.end(), [&](const ExpectedCrease& known) {
-      return is_same_line(known.crease, line, clamps.side());
+      return is_same_line(known.line, line, clamps.side());
     });
   };
   for (const FoldAxis& axis : axes_of(clamps))
-    for (PrescribedCrease& part : on_paper(through_handles(axis, shot), shot))
+    for (const Segment2& part : on_paper(through_known_points(axis, shot), shot))
       if (!is_known(part))
-        expected.push_back({std::move(part),
+        expected.push_back({part,
+                            {},
+                            {},
                             axis.other->is_plate ? By::two_plates : By::plate_and_row,
                             axis.turn,
                             axis.between,
                             {},
                             axis.plate->handles,
                             axis.other->handles});
-  expected.erase(
-      std::remove_if(expected.begin(), expected.end(),
-                     [&](const ExpectedCrease& line) { return is_drawn(line, shot.pattern); }),
-      expected.end());
   for (ExpectedCrease& gusset : gussets(shot, clamps, expected))
-    if (!is_drawn(gusset, shot.pattern) && !is_known(gusset.crease))
-      expected.push_back(std::move(gusset));
+    if (!is_known(gusset.line)) expected.push_back(std::move(gusset));
+  for (ExpectedCrease& crease : expected) look_for_drawn(crease, shot.pattern);
   return expected;
 }
 
@@ -131,19 +163,26 @@ double largest_turn(const ExpectedCrease& crease) {
 }
 
 void add_expected_creases(Shot& shot, std::vector<ExpectedCrease> all) {
-  std::vector<PrescribedCrease>& creases = shot.pattern.prescribed_creases;
-  const int first = static_cast<int>(creases.size());
+  const int first = static_cast<int>(shot.hands.size());
   for (ExpectedCrease& expected : all) {
-    FoldingHands hands{static_cast<int>(creases.size()), std::move(expected.turn),
+    for (const Segment2& part : expected.missing)
+      shot.pattern.prescribed_creases.push_back({{part.a, part.b}, 0, false});
+    FoldingHands hands{expected.line, std::move(expected.drawn), std::move(expected.turn),
                        expected.between};
-    if (expected.by == ExpectedCrease::By::folds_that_cross) {
-      hands.beyond = first + expected.beyond[0].line;
-      for (TurnBeyond& part : expected.beyond)
-        shot.hands.push_back(
-            {first + part.line, std::move(part.turn), part.at, first + part.across});
-    }
+    hands.parts.insert(hands.parts.end(), expected.missing.begin(), expected.missing.end());
+    if (expected.by == ExpectedCrease::By::folds_that_cross)
+      hands.beyond = {static_cast<int>(shot.hands.size()), first + expected.beyond[0].line};
     shot.hands.push_back(std::move(hands));
-    creases.push_back(std::move(expected.crease));
+  }
+  for (ExpectedCrease& gusset : all) {
+    if (gusset.by != ExpectedCrease::By::folds_that_cross) continue;
+    for (TurnBeyond& part : gusset.beyond) {
+      FoldingHands paper = shot.hands[first + part.line];
+      paper.turn = std::move(part.turn);
+      paper.between = part.at;
+      paper.beyond = {first + part.line, first + part.across};
+      shot.hands.push_back(std::move(paper));
+    }
   }
 }
 

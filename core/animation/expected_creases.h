@@ -22,7 +22,10 @@ struct ExpectedCrease {
     folds_that_cross  // a gusset crease: paper beyond their crossing folds once more (gussets.h)
   };
 
-  PrescribedCrease crease;  // not folded yet
+  Segment2 line;  // [m] from border to border
+  // [m] straight parts of creases that the artist has drawn along it, and the parts of it where
+  // there is none: the sheet gets a crease there, which is not folded yet
+  std::vector<Segment2> drawn, missing;
   By by = By::two_plates;
 
   std::vector<double> turn;   // [rad] and a point between the hands, as in FoldingHands
@@ -57,11 +60,15 @@ double largest_turn(const ExpectedCrease&);
 ///
 /// Where two lines cross that hands fold at once, there is a gusset crease (gussets.h).
 ///
+/// Creases that the artist has drawn along a line, to within 1 % of the longer side, are what hands
+/// fold there.
+///
 /// first_frame  frame of row 0 of Handle::keyed
 /// source       this project
 std::vector<ExpectedCrease> expected_creases(const Shot&, int first_frame);
 
-/// Adds expected creases to the pattern of the shot, and the hands that fold along them.
+/// Adds the missing parts of expected creases to the pattern of the shot, and the hands that fold
+/// along them.
 void add_expected_creases(Shot&, std::vector<ExpectedCrease>);
 
 }  // namespace paperbake

@@ -64,9 +64,9 @@ std::optional<FoundFold> FoldSearch::find(const LoadStep& now, const Signs& sign
 bool FoldSearch::joins(LoadStep& last, const LoadStep& next) const {
   constexpr double longest = 0.15;  // [1] of an edge
   const double spacing = longest * mean_edge(simulated_.sheet.pattern, simulated_.sheet.triangles);
-  const double way = std::max(farthest_move(last.input.colliders.from, next.input.colliders.to),
-                              simulated_.side * (last.relative_motion + next.relative_motion));
-  if (way > spacing || last.halvings != next.halvings ||
+  const double travel = std::max(farthest_move(last.input.colliders.from, next.input.colliders.to),
+                                 simulated_.side * (last.relative_motion + next.relative_motion));
+  if (travel > spacing || last.halvings != next.halvings ||
       vertices_of(last.input.constraints) != vertices_of(next.input.constraints))
     return false;
   const ColliderShapes from = last.input.colliders.from;

@@ -24,13 +24,13 @@ int begin_of_turn(const FoldingHands& hands, int row) {
 
 /// 1, or -1 where the paper at p lay upside down for the hands when they began, beyond folds that
 /// were shut. A fold across it that is shut later carries the crease along and does not change it.
-double facing(const Sheet& sheet, const std::vector<FoldingHands>& all, const FoldingHands& hands,
-              const Vector2d& p, int row) {
+double facing(const std::vector<FoldingHands>& all, const FoldingHands& hands, const Vector2d& p,
+              int row) {
   const int begin = begin_of_turn(hands, row);
   double sign = 1;
   for (const FoldingHands& others : all)
     if (&others != &hands && !others.beyond && std::cos(turn_at(others, begin)) < 0 &&
-        separates(sheet.prescribed_creases[others.crease], hands.between, p))
+        separates(others.line, hands.between, p))
       sign = -sign;
   return sign;
 }
@@ -41,14 +41,15 @@ double last_turn(const FoldingHands& hands, int row) {
   return turn_at(hands, row);
 }
 
-/// The hands of other creases that bar the way of a crease: it cannot go straight on beyond them,
-/// and paper that no hand holds has to turn there (gussets.h).
+/// The hands of other lines that bar the way of a line: it cannot go straight on beyond them, and
+/// paper that no hand holds has to turn there (gussets.h).
 std::vector<const FoldingHands*> barring(const std::vector<FoldingHands>& all,
                                          const FoldingHands& hands, int row) {
   std::vector<const FoldingHands*> found;
   for (const FoldingHands& others : all) {
     const bool has_gusset = std::any_of(all.begin(), all.end(), [&](const FoldingHands& part) {
-      return part.crease == hands.crease && part.beyond == others.crease;
+      return part.beyond && &all[part.beyond->own] == &hands &&
+             &all[part.beyond->others] == &others;
     });
     if (others.beyond || !has_gusset) continue;
     const double turn = last_turn(others, row);
@@ -57,24 +58,24 @@ std::vector<const FoldingHands*> barring(const std::vector<FoldingHands>& all,
   return found;
 }
 
-/// Lets hands press an edge of their crease, or paper turn there because of other hands.
-/// bars  the hands that bar the way of the crease
-void press(CreaseEdge& edge, const Sheet& sheet, const std::vector<FoldingHands>& all,
-           const FoldingHands& hands, const std::vector<const FoldingHands*>& bars, int row) {
+/// Lets hands press an edge of their line, or paper turn there because of other hands.
+/// bars  the hands that bar the way of the line
+void press(CreaseEdge& edge, const std::vector<FoldingHands>& all, const FoldingHands& hands,
+           const std::vector<const FoldingHands*>& bars, int row) {
   const Vector2d middle = 0.5 * (edge.a + edge.b);
-  const auto is_beyond = [&](int crease) {
-    return separates(sheet.prescribed_creases[crease], hands.between, middle);
+  const auto is_beyond = [&](const FoldingHands& others) {
+    return separates(others.line, hands.between, middle);
   };
   double turn = turn_at(hands, row);
   if (hands.beyond) {
-    if (is_beyond(*hands.beyond)) return;
+    if (is_beyond(all[hands.beyond->others])) return;
     edge.folded = true;
   } else {
     edge.folded |= std::abs(turn) > first_turn || !bars.empty();
     if (std::any_of(bars.begin(), bars.end(),
-                    [&](const FoldingHands* others) { return is_beyond(others->crease); }))
+                    [&](const FoldingHands* others) { return is_beyond(*others); }))
       return;  // it has to turn some other way there
-    turn *= facing(sheet, all, hands, middle, row);
+    turn *= facing(all, hands, middle, row);
   }
   if (edge.folded) edge.pressed = turn;
 }
@@ -86,21 +87,21 @@ void fold_by_hands(Sheet& sheet, const std::vector<FoldingHands>& hands, int row
   const Hinges hinges = find_hinges(sheet.triangles);
   const std::vector<const PrescribedCrease*> lines = crease_of_hinges(sheet, hinges);
   std::vector<CreaseEdge> edges;
-  std::vector<int> hinge_of_edge;
   for (std::size_t h = 0; h < lines.size(); ++h) {
     if (!lines[h]) continue;
     const auto& v = hinges.hinges[h].vertices;
     edges.push_back(
         crease_edge(sheet, *lines[h], sheet.pattern.row(v[0]), sheet.pattern.row(v[1])));
     edges.back().pressed.reset();
-    hinge_of_edge.push_back(static_cast<int>(h));
   }
   for (const FoldingHands& two : hands) {
     if (std::isnan(turn_at(two, row))) continue;
     const std::vector<const FoldingHands*> bars = barring(hands, two, row);
-    for (std::size_t e = 0; e < edges.size(); ++e)
-      if (lines[hinge_of_edge[e]] == &sheet.prescribed_creases[two.crease])
-        press(edges[e], sheet, hands, two, bars, row);
+    for (CreaseEdge& edge : edges)
+      if (std::any_of(two.parts.begin(), two.parts.end(), [&](const Segment2& part) {
+            return is_part({edge.a, edge.b}, part);
+          }))
+        press(edge, hands, two, bars, row);
   }
   sheet.crease_edges = std::move(edges);
 }

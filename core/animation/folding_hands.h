@@ -6,7 +6,7 @@
 
 namespace paperbake {
 
-/// Lets the hands fold the sheet: fingers press a crease along its whole length to the angle
+/// Lets the hands fold the sheet: fingers press the creases on a line along its whole length to the angle
 /// between the hands. Where it crosses another fold that was more shut than open when they began,
 /// it turns the other way beyond it: the paper lies upside down there. From an angle of 3 degrees
 /// on the crease is folded. What the paper makes of it is for the next elastic step to find.

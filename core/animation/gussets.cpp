@@ -21,6 +21,7 @@ constexpr double least_turn = 60 * M_PI / 180;  // of a bisector that is worth a
 constexpr double most_turn = 170 * M_PI / 180;
 constexpr double shortest = 0.01;  // [1] of the longer side
 constexpr double rounding = 1e-9;  // [1] of a line
+constexpr double parallel = 0.02;  // [1] sine of an angle
 constexpr double nobody = std::numeric_limits<double>::quiet_NaN();
 
 /// The point where two lines cross, and the sector between their parts beyond it: on the other side
@@ -36,26 +37,27 @@ struct Crossing {
   }
 };
 
-/// The part of the way from a to b at which it meets the line p-q; none: it does not.
+/// The part of the way from a to b at which it meets the line p-q; none: it does not, or runs along
+/// it.
 std::optional<double> meeting(const Vector2d& a, const Vector2d& b, const Vector2d& p,
                               const Vector2d& q) {
-  const Vector2d way = b - a, line = q - p;
-  const double turned = cross(way, line);
-  if (turned == 0) return std::nullopt;
-  const double at = cross(p - a, way) / turned;
+  const Vector2d along = b - a, line = q - p;
+  const double turned = cross(along, line);
+  if (std::abs(turned) <= parallel * along.norm() * line.norm()) return std::nullopt;
+  const double at = cross(p - a, along) / turned;
   if (std::abs(at - 0.5) > 0.5 + rounding) return std::nullopt;
   return cross(p - a, line) / turned;
 }
 
 std::optional<Crossing> crossing_of(const ExpectedCrease& one, const ExpectedCrease& two) {
-  const Vector2d a = one.crease.line.front(), b = one.crease.line.back(),
-                 p = two.crease.line.front(), q = two.crease.line.back();
+  const auto& [a, b] = one.line;
+  const auto& [p, q] = two.line;
   const std::optional<double> share = meeting(a, b, p, q);
   if (!share || !(*share > 0) || !(*share < 1)) return std::nullopt;
   const Vector2d at = a + *share * (b - a);
   return Crossing{at,
-                  {((separates(two.crease, one.between, b) ? b : a) - at).normalized(),
-                   ((separates(one.crease, two.between, q) ? q : p) - at).normalized()}};
+                  {((separates(two.line, one.between, b) ? b : a) - at).normalized(),
+                   ((separates(one.line, two.between, q) ? q : p) - at).normalized()}};
 }
 
 /// [rad] The turn of paper at the edge from the origin along an axis, between the faces to `left`
@@ -77,11 +79,12 @@ Vector3d turned_down(const Vector3d& direction, const Vector3d& axis, double tur
 Vector2d way_out(const Vector2d& from, const Vector2d& direction, const Shot& shot,
                  const std::vector<ExpectedCrease>& lines) {
   const double side = longer_side(shot.pattern);
-  double way = std::numeric_limits<double>::infinity();
+  double length = std::numeric_limits<double>::infinity();
   std::vector<Vector2d> places;
   const auto meet = [&](const Vector2d& p, const Vector2d& q) {
     const std::optional<double> at = meeting(from, from + direction, p, q);
-    if (at && *at > rounding * side) way = std::min(way, *at);
+    // what is nearer is drawn along the lines that cross
+    if (at && *at > shortest * side) length = std::min(length, *at);
   };
   const auto meet_polygon = [&](const std::vector<Vector2d>& polygon) {
     for (std::size_t i = 0; i < polygon.size(); ++i)
@@ -90,11 +93,11 @@ Vector2d way_out(const Vector2d& from, const Vector2d& direction, const Shot& sh
   };
   meet_polygon(shot.pattern.outline);
   for (const std::vector<Vector2d>& hole : shot.pattern.holes) meet_polygon(hole);
-  for (const ExpectedCrease& line : lines) meet(line.crease.line.front(), line.crease.line.back());
+  for (const ExpectedCrease& line : lines) meet(line.line.a, line.line.b);
   for (const PrescribedCrease& drawn : shot.pattern.prescribed_creases)
     for (std::size_t k = 0; k + 1 < drawn.line.size(); ++k) meet(drawn.line[k], drawn.line[k + 1]);
   for (const Handle& handle : shot.handles) places.push_back(handle.pattern);
-  const Vector2d end = from + way * direction;
+  const Vector2d end = from + length * direction;
   for (const Vector2d& place : places)
     if ((place - end).norm() < on_line * side) return place;
   return end;
@@ -235,11 +238,6 @@ std::optional<GussetShape> gusset_shape(double angle, double turn, double turn_o
   return shape;
 }
 
-bool separates(const PrescribedCrease& line, const Vector2d& p, const Vector2d& q) {
-  const Vector2d from = line.line.front(), along = line.line.back() - from;
-  return cross(along, p - from) * cross(along, q - from) < 0;
-}
-
 std::vector<ExpectedCrease> gussets(const Shot& shot, const Clamps& clamps,
                                     const std::vector<ExpectedCrease>& expected) {
   std::vector<ExpectedCrease> all = expected;
@@ -253,12 +251,12 @@ std::vector<ExpectedCrease> gussets(const Shot& shot, const Clamps& clamps,
       ExpectedCrease gusset = corner.gusset();
       if (std::abs(largest_turn(gusset)) < least_turn) continue;
       const Vector2d end = way_out(crossing->at, crossing->bisector(), shot, all);
-      const double way = (end - crossing->at).norm();
-      if (!std::isfinite(way) || way < shortest * clamps.side()) continue;
-      gusset.crease = {{crossing->at, end}, 0, false};
+      const double length = (end - crossing->at).norm();
+      if (!std::isfinite(length)) continue;
+      gusset.line = {crossing->at, end};
       gusset.between = 0.5 * (crossing->at + end);
       for (int side = 0; side < 2; ++side)
-        gusset.beyond[side].at = crossing->at + 0.5 * way * crossing->on[side];
+        gusset.beyond[side].at = crossing->at + 0.5 * length * crossing->on[side];
       all.push_back(std::move(gusset));
     }
   return {all.begin() + static_cast<std::ptrdiff_t>(expected.size()), all.end()};

@@ -54,7 +54,4 @@ struct GussetShape {
 std::optional<GussetShape> gusset_shape(double angle, double turn, double turn_of_others,
                                         bool outwards);
 
-/// Whether a line of the pattern runs between these two points.
-bool separates(const PrescribedCrease& line, const Vector2d& p, const Vector2d& q);
-
 }  // namespace paperbake

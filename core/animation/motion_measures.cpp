@@ -1,5 +1,6 @@
 #include "core/animation/motion_measures.h"
 
+#include "core/geometry/measure.h"
 #include "core/geometry/rigid_motion.h"
 
 #include <algorithm>
@@ -67,13 +68,17 @@ std::vector<int> isolated_moving_handles(const Sheet& sheet, const PositionConst
 
 double relative_handle_motion(const Sheet& sheet, const PositionConstraints& held,
                               const PositionConstraints& held_before) {
-  Points3 way(held.size(), 3);
+  if (held.empty()) return 0;
+  Points3 from(held.size(), 3), to(held.size(), 3);
   for (std::size_t k = 0; k < held.size(); ++k) {
     const PositionConstraint* was = constraint_of(held[k].vertex, held_before);
-    const Vector3d from = was ? was->target : Vector3d(sheet.x.row(held[k].vertex));
-    way.row(k) = held[k].target - from;
+    from.row(k) = was ? was->target : Vector3d(sheet.x.row(held[k].vertex));
+    to.row(k) = held[k].target;
   }
-  return way.rows() ? (way.rowwise() - way.colwise().mean().eval()).rowwise().norm().maxCoeff() : 0;
+  if (max_row_norm(moved(nearest_rigid_motion(from, to), from) - to) <= rounding_of_handles)
+    return 0;
+  const Points3 moves = to - from;
+  return (moves.rowwise() - moves.colwise().mean().eval()).rowwise().norm().maxCoeff();
 }
 
 double rms_deformation(const Points3& before, const Points3& now) {

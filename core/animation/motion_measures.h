@@ -23,7 +23,8 @@ bool lets_go(const PositionConstraints& before, const PositionConstraints& now);
 std::vector<int> isolated_moving_handles(const Sheet& sheet, const PositionConstraints& held,
                                          double min_move, double apart);
 
-/// Largest displacement of a held vertex since the frame before, relative to the mean of all. [m]
+/// Largest displacement of a held vertex since the frame before, relative to the mean of all; 0
+/// where all have moved as one rigid body. [m]
 double relative_handle_motion(const Sheet& sheet, const PositionConstraints& held,
                               const PositionConstraints& held_before);
 

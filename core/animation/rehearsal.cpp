@@ -18,9 +18,9 @@ constexpr int doublings = 2;  // edges half as long
 bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
   const int end = options.first_frame + most_frames - 1;
   const AdmissibilityCheck is_admissible = [](const Sheet&, const Sheet&, double) { return true; };
-  double way = 0;
+  double travel = 0;
   int locked = 0;
-  while (sheet.next_frame() <= end && way < opening && sheet.may_start_finer()) {
+  while (sheet.next_frame() <= end && travel < opening && sheet.may_start_finer()) {
     if (options.asks_to_stop && options.asks_to_stop())
       throw Error(ErrorCode::stopped, "before frame " + std::to_string(options.first_frame),
                   "The simulation was stopped.", "The same command starts it again.");
@@ -28,7 +28,7 @@ bool is_held_back(SheetSimulation& sheet, const AnimateOptions& options) {
     sheet.step(SheetSimulation::RecordTrajectory::no, is_admissible);
     sheet.finish_step(is_admissible);
     sheet.finalize(SheetSimulation::Output::simulated_sheet);
-    way += sheet.relative_motion();
+    travel += sheet.relative_motion();
     locked = sheet.stretches_instead_of_bending() ? locked + 1 : 0;
     if (locked == locked_for_certain) return true;
   }

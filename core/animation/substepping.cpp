@@ -322,9 +322,9 @@ std::vector<FrameStepResult> advance_part(const std::vector<DrivenSheet>& sheets
 }  // namespace
 
 int halvings_of_squeeze(const ColliderMotion& moving) {
-  const double way = farthest_move(moving.from, moving.to);
+  const double travel = farthest_move(moving.from, moving.to);
   int halvings = 0;
-  while (std::ldexp(way, -halvings) > max_squeeze && halvings < max_halvings_for_colliders)
+  while (std::ldexp(travel, -halvings) > max_squeeze && halvings < max_halvings_for_colliders)
     ++halvings;
   return halvings;
 }

@@ -15,7 +15,7 @@ Swing swing_to(const Sheet& equilibrium, const Points3& from, const std::vector<
   Eigen::VectorXd weights = Eigen::VectorXd::Ones(from.rows());
   for (const int v : held) weights[v] = much * static_cast<double>(from.rows());
   const RigidMotion motion = nearest_rigid_motion(from, equilibrium.x, weights);
-  const Points3 way =
+  const Points3 move =
       equilibrium.x -
       ((from * motion.turn.transpose()).rowwise() + motion.shift.transpose()).eval();
   double action = 0;  // [kg m2]
@@ -25,10 +25,10 @@ Swing swing_to(const Sheet& equilibrium, const Points3& from, const std::vector<
     for (int i = 0; i < 2; ++i)
       sides.row(i) = equilibrium.pattern.row(corners[i + 1]) - equilibrium.pattern.row(corners[0]);
     const double share = area_density * std::abs(sides.determinant()) / 6;  // [kg] of a corner
-    for (int i = 0; i < 3; ++i) action += share * way.row(corners[i]).squaredNorm();
+    for (int i = 0; i < 3; ++i) action += share * move.row(corners[i]).squaredNorm();
   }
   Swing swing;
-  swing.amplitude = max_row_norm(way);
+  swing.amplitude = max_row_norm(move);
   if (freed > 0 && action > 0) swing.rate = std::sqrt(2 * freed / action);
   return swing;
 }

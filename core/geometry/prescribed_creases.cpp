@@ -8,25 +8,22 @@
 namespace paperbake {
 namespace {
 
-/// True when p lies on the segment a-b within the tolerance `near` [m].
-bool lies_on(const Vector2d& p, const Vector2d& a, const Vector2d& b, double near) {
-  const Vector2d d = b - a, w = p - a;
-  const double length = d.norm();
-  return std::abs(cross(d, w)) <= near * length && w.dot(d) >= -near * length &&
-         w.dot(d) <= (length + near) * length;
-}
+constexpr double rounding = 1e-6;  // [1] of the length of an edge
 
 }  // namespace
 
 const PrescribedCrease* crease_under(const std::vector<PrescribedCrease>& folds, const Vector2d& a,
                                      const Vector2d& b) {
-  const double near = 1e-6 * (b - a).norm();
   for (const PrescribedCrease& fold : folds)
     for (std::size_t k = 0; k + 1 < fold.line.size(); ++k)
-      if (lies_on(a, fold.line[k], fold.line[k + 1], near) &&
-          lies_on(b, fold.line[k], fold.line[k + 1], near))
-        return &fold;
+      if (is_part({a, b}, {fold.line[k], fold.line[k + 1]})) return &fold;
   return nullptr;
+}
+
+bool is_part(const Segment2& edge, const Segment2& line) {
+  const double near = rounding * (edge.b - edge.a).norm();
+  return distance_to_segment(edge.a, line.a, line.b) <= near &&
+         distance_to_segment(edge.b, line.a, line.b) <= near;
 }
 
 bool is_on_crease(const std::vector<PrescribedCrease>& folds, const Points2& pattern, int a,
@@ -37,7 +34,7 @@ bool is_on_crease(const std::vector<PrescribedCrease>& folds, const Points2& pat
 CreaseEdge crease_edge(const Sheet& sheet, const PrescribedCrease& crease, const Vector2d& a,
                        const Vector2d& b) {
   const Vector2d d = b - a;
-  const double length = d.norm(), near = 1e-6 * length;
+  const double length = d.norm(), near = rounding * length;
   CreaseEdge edge{a, b, crease.angle, crease.folded, {}};
   double known = 0, sum = 0;  // [1] share of the edge, and the rest angle over it
   bool folded = false;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "core/geometry/hinges.h"
+#include "core/model/segment2.h"
 #include "core/model/sheet.h"
 
 #include <vector>
@@ -10,6 +11,9 @@ namespace paperbake {
 /// The prescribed crease on which the segment a-b lies; null: none.
 const PrescribedCrease* crease_under(const std::vector<PrescribedCrease>&, const Vector2d& a,
                                      const Vector2d& b);
+
+/// Whether a mesh edge is a part of a straight line, to within rounding.
+bool is_part(const Segment2& edge, const Segment2& line);
 
 /// For each hinge of the sheet's mesh, the prescribed crease on which it lies; null: none. Empty
 /// when the sheet has no prescribed creases.

@@ -98,12 +98,12 @@ class Hybrid : public Method {
                  : MeshChange::none;
     const bool pressed = context.squeeze > 0 && is_crumpled(sheet);
     if (context.snap_in_progress && !pressed) return MeshChange::none;
-    const double way =
+    const double travel =
         std::max({context.relative_handle_motion,
                   context.rests_on_contact ? context.deformation : 0, context.squeeze});
-    const CrumpleReport report =
-        crumple_.step(sheet, context.fixed, context.now,
-                      {way, context.moving, context.at_minimum, pressed}, context.local_energies);
+    const CrumpleReport report = crumple_.step(
+        sheet, context.fixed, context.now, {travel, context.moving, context.at_minimum, pressed},
+        context.local_energies);
     if (report.moves + report.resized > 0) return MeshChange::moved;
     return report.mesh_changed() ? MeshChange::local : MeshChange::none;
   }

@@ -86,25 +86,25 @@ std::vector<Vector2d> reentrant_corners(const Pattern& pattern) {
 /// A* on the visibility graph of `points`, from points[0] to points[1]. Lines of sight are tested
 /// only when they are needed.
 double min_path(const Pattern& pattern, const std::vector<Vector2d>& points) {
-  struct Way {
+  struct Route {
     double at_least, so_far;
     std::size_t point, from;
-    bool operator>(const Way& other) const { return at_least > other.at_least; }
+    bool operator>(const Route& other) const { return at_least > other.at_least; }
   };
   const auto left = [&](std::size_t i) { return (points[i] - points[1]).norm(); };
   std::vector<bool> done(points.size(), false);
-  std::priority_queue<Way, std::vector<Way>, std::greater<Way>> ways;
-  ways.push({left(0), 0, 0, 0});
-  while (!ways.empty()) {
-    const Way way = ways.top();
-    ways.pop();
-    if (done[way.point] || !sees(pattern, points[way.from], points[way.point])) continue;
-    if (way.point == 1) return way.so_far;
-    done[way.point] = true;
+  std::priority_queue<Route, std::vector<Route>, std::greater<Route>> routes;
+  routes.push({left(0), 0, 0, 0});
+  while (!routes.empty()) {
+    const Route route = routes.top();
+    routes.pop();
+    if (done[route.point] || !sees(pattern, points[route.from], points[route.point])) continue;
+    if (route.point == 1) return route.so_far;
+    done[route.point] = true;
     for (std::size_t next = 1; next < points.size(); ++next) {
       if (done[next]) continue;
-      const double so_far = way.so_far + (points[next] - points[way.point]).norm();
-      ways.push({so_far + left(next), so_far, next, way.point});
+      const double so_far = route.so_far + (points[next] - points[route.point]).norm();
+      routes.push({so_far + left(next), so_far, next, route.point});
     }
   }
   // only if the pattern is not in one piece: the straight line is the only safe answer

@@ -17,4 +17,15 @@ inline double distance_to_segment(const Vector2d& p, const Vector2d& a, const Ve
   return (p - a - t * along).norm();
 }
 
+/// A straight line between two points of a pattern. [m]
+struct Segment2 {
+  Vector2d a, b;
+};
+
+/// Whether the line of a segment runs between these two points.
+inline bool separates(const Segment2& line, const Vector2d& p, const Vector2d& q) {
+  const Vector2d along = line.b - line.a;
+  return cross(along, p - line.a) * cross(along, q - line.a) < 0;
+}
+
 }  // namespace paperbake

@@ -4,6 +4,7 @@
 #include "core/model/handles.h"
 #include "core/model/paper.h"
 #include "core/model/pattern.h"
+#include "core/model/segment2.h"
 #include "core/model/sheet.h"
 #include "core/model/singular_point_rules.h"
 
@@ -17,17 +18,21 @@ namespace paperbake {
 class Collider;  // core/geometry/collider.h
 using Colliders = std::vector<Collider>;
 
-/// Handles that hold the paper on both sides of a prescribed crease like two hands, and so fold it.
+/// Handles that hold the paper on both sides of a line like two hands, and so fold it there.
 struct FoldingHands {
-  int crease;  // index into Pattern::prescribed_creases
+  Segment2 line;                // [m] from border to border
+  std::vector<Segment2> parts;  // [m] the straight parts of prescribed creases that run along it
 
   // |F| [rad] dihedral angle between the two hands: element f is of frame first_frame + f of the
   // scene; not a number where one of them does not hold
   std::vector<double> turn;
   Vector2d between;  // [m] a point of the pattern between the two hands
-  // paper that no hand holds, but that has to turn with the hands of two other lines: only the part
-  // of the crease that lies on the same side of this crease as `between`
-  std::optional<int> beyond = {};
+  // paper that no hand holds, but that has to turn with these hands and others where their lines
+  // cross: only the part of the line that lies on the same side of the other line as `between`
+  struct Beyond {
+    int own, others;  // indices into Shot::hands
+  };
+  std::optional<Beyond> beyond = {};
 };
 
 /// One sheet and everything that is done to it.

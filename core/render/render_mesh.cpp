@@ -111,9 +111,9 @@ std::vector<CreaseSegment> segments_of(const std::vector<PrescribedCrease>& pres
 Vector2d onto_a_line(const Vector2d& p, const std::vector<CreaseSegment>& lines, double reach) {
   Vector2d onto = p;
   for (const CreaseSegment& line : lines) {
-    const Vector2d way = line.b - line.a;
-    const double at = std::clamp((p - line.a).dot(way) / way.squaredNorm(), 0.0, 1.0);
-    const Vector2d q = line.a + at * way;
+    const Vector2d along = line.b - line.a;
+    const double at = std::clamp((p - line.a).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    const Vector2d q = line.a + at * along;
     if ((q - p).norm() >= reach) continue;
     reach = (q - p).norm();
     onto = q;
@@ -185,11 +185,11 @@ class Edges {
   /// A vertex between a and b, which are not neighbours, nearer to their segment than `off`; -1:
   /// none.
   int between(int a, int b, double off) const {
-    const Vector2d way = (pattern_.row(b) - pattern_.row(a)).normalized();
+    const Vector2d along = (pattern_.row(b) - pattern_.row(a)).normalized();
     for (auto it = left_.lower_bound({a, -1}); it != left_.end() && it->first.first == a; ++it) {
       const int v = it->first.second;
       const Vector2d p = pattern_.row(v) - pattern_.row(a);
-      if (has(v, b) && std::abs(p.x() * way.y() - p.y() * way.x()) < off) return v;
+      if (has(v, b) && std::abs(p.x() * along.y() - p.y() * along.x()) < off) return v;
     }
     return -1;
   }

@@ -187,8 +187,8 @@ Points3 ShapeFit::bend(const Points3& y, const Points3& curvature) const {
 void ShapeFit::move(Points3& x, const Points3& pull, const ColumnCholesky& factor) const {
   Points3 right(free_.size(), 3);
   for (std::size_t k = 0; k < free_.size(); ++k) right.row(k) = pull.row(free_[k]);
-  const Points3 way = factor.solve(right);
-  for (std::size_t k = 0; k < free_.size(); ++k) x.row(free_[k]) += way.row(k);
+  const Points3 correction = factor.solve(right);
+  for (std::size_t k = 0; k < free_.size(); ++k) x.row(free_[k]) += correction.row(k);
 }
 
 Points3 ShapeFit::operator()(const Points3& y, const Points3& curvature) const {

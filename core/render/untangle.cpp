@@ -139,13 +139,13 @@ Untangler::Untangler(const std::vector<const RenderMesh*>& meshes)
 
 void Untangler::find_neighbours() {
   start_.assign(pattern_.rows() + 1, 0);
-  std::vector<std::pair<int, int>> ways;
+  std::vector<std::pair<int, int>> sides;
   for (int t = 0; t < triangles_.rows(); ++t)
     for (int i = 0; i < 3; ++i)
-      for (const int k : {1, 2}) ways.emplace_back(triangles_(t, i), triangles_(t, (i + k) % 3));
-  std::sort(ways.begin(), ways.end());
-  ways.erase(std::unique(ways.begin(), ways.end()), ways.end());
-  for (const auto& [a, b] : ways) {
+      for (const int k : {1, 2}) sides.emplace_back(triangles_(t, i), triangles_(t, (i + k) % 3));
+  std::sort(sides.begin(), sides.end());
+  sides.erase(std::unique(sides.begin(), sides.end()), sides.end());
+  for (const auto& [a, b] : sides) {
     ++start_[a + 1];
     beside_.push_back(b);
   }
@@ -190,17 +190,17 @@ void Untangler::push(int s, int t, const Points3& x, const FlatAt& flat_at, Push
       w[k] = n.dot((q[(k + 1) % 3] - at).cross(q[(k + 2) % 3] - at)) / n.squaredNorm();
     Vector2d of_t = Vector2d::Zero();
     for (int k = 0; k < 3; ++k) of_t += w[k] * pattern_.row(triangles_(t, k)).transpose();
-    const Vector3d edge_way = flat_at((1 - u) * pattern_.row(a).transpose() +
-                                      u * pattern_.row(b).transpose()) -
-                              at,
-                   face_way = flat_at(of_t) - at;
-    const auto add = [&](int v, double weight, const Vector3d& way, double square) {
-      push.sum.row(v) += weight * (weight / square * way).transpose();
+    const Vector3d edge_move = flat_at((1 - u) * pattern_.row(a).transpose() +
+                                       u * pattern_.row(b).transpose()) -
+                               at,
+                   face_move = flat_at(of_t) - at;
+    const auto add = [&](int v, double weight, const Vector3d& move, double square) {
+      push.sum.row(v) += weight * (weight / square * move).transpose();
       push.weight[v] += weight;
     };
-    add(a, 1 - u, edge_way, (1 - u) * (1 - u) + u * u);
-    add(b, u, edge_way, (1 - u) * (1 - u) + u * u);
-    for (int k = 0; k < 3; ++k) add(triangles_(t, k), w[k], face_way, w.squaredNorm());
+    add(a, 1 - u, edge_move, (1 - u) * (1 - u) + u * u);
+    add(b, u, edge_move, (1 - u) * (1 - u) + u * u);
+    for (int k = 0; k < 3; ++k) add(triangles_(t, k), w[k], face_move, w.squaredNorm());
   }
 }
 

@@ -116,9 +116,9 @@ std::vector<FoldLine> Crumple::pressed_lines(const Sheet& sheet,
 }
 
 std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const VertexRings& rings,
-                                        const Conflicts& conflicts, double way) {
+                                        const Conflicts& conflicts, double travel) {
   constexpr double reach = 0.6;      // [1] of the size of the ring
-  constexpr double rounding = 1e-3;  // [1] of the way: ways that differ by less are equal
+  constexpr double rounding = 1e-3;  // [1] of the travel: travels that differ by less are equal
   std::vector<int> found, due;
   std::vector<LastingPlaces::Seen> seen;
   for (int v = 0; v < sheet.pattern.rows(); ++v) {
@@ -126,9 +126,9 @@ std::vector<int> Crumple::due_for_birth(const Sheet& sheet, const VertexRings& r
     found.push_back(v);
     seen.push_back({sheet.pattern.row(v), reach * ring_size(sheet, rings, v)});
   }
-  const std::vector<double> lasted = pending_.see(seen, way);
+  const std::vector<double> lasted = pending_.see(seen, travel);
   for (std::size_t k = 0; k < found.size(); ++k)
-    if (lasted[k] + rounding * way >=
+    if (lasted[k] + rounding * travel >=
         (conflicts.severe[found[k]] ? options_.persistence_severe : options_.persistence))
       due.push_back(found[k]);
   std::stable_sort(due.begin(), due.end(),
@@ -165,12 +165,12 @@ bool Crumple::give_birth(Sheet& sheet, int worst, const Conflicts& conflicts,
 }
 
 CrumpleReport Crumple::step_smooth(Sheet& sheet, const std::vector<char>& fixed,
-                                   const FrameTime& now, double way) {
+                                   const FrameTime& now, double travel) {
   CrumpleReport report;
   const Hinges hinges = find_hinges(sheet.triangles);
   const Conflicts conflicts = find_conflicts(sheet, vertex_curvature(sheet), fixed, options_);
   const std::vector<int> due = due_for_birth(
-      sheet, VertexRings(sheet.triangles, hinges, sheet.pattern.rows()), conflicts, way);
+      sheet, VertexRings(sheet.triangles, hinges, sheet.pattern.rows()), conflicts, travel);
   if (static_cast<int>(sheet.singular.size()) < options_.max_points &&
       sheet.triangles.rows() + 2 <= options_.max_triangles)
     // the first conflict that has room for a singular point
@@ -194,14 +194,14 @@ CrumpleReport Crumple::step(Sheet& sheet, const std::vector<char>& fixed, const 
                             const Deformation& deformation,
                             const std::function<LocalEnergies()>& stored) {
   if (!deformation.moving) return {};
-  const double way = std::min(options_.largest_way, deformation.way);
+  const double travel = std::min(options_.largest_travel, deformation.travel);
   if (is_crumpled(sheet)) {
-    if (!(way > 0) || !(deformation.at_minimum || deformation.pressed)) return {};
-    return crumpled_.step(sheet, {fixed, stored(), way, now.frame, deformation.at_minimum});
+    if (!(travel > 0) || !(deformation.at_minimum || deformation.pressed)) return {};
+    return crumpled_.step(sheet, {fixed, stored(), travel, now.frame, deformation.at_minimum});
   }
-  CrumpleReport report = step_smooth(sheet, fixed, now, way);
-  // as many points as would be born if the same way was gone in small steps
-  for (double rest = deformation.way - options_.persistence_severe;
+  CrumpleReport report = step_smooth(sheet, fixed, now, travel);
+  // as many points as would be born if the same travel was made in small steps
+  for (double rest = deformation.travel - options_.persistence_severe;
        rest > 0 && report.births > 0 && !is_crumpled(sheet); rest -= options_.persistence_severe) {
     const CrumpleReport more = step_smooth(sheet, fixed, now, options_.persistence_severe);
     if (more.births == 0) break;
@@ -216,10 +216,10 @@ int Crumple::refine_where_jammed(Sheet& sheet, const std::vector<char>& fixed,
   return is_crumpled(sheet) ? crumpled_.refine_where_jammed(sheet, fixed, stored) : 0;
 }
 
-int Crumple::load_parts(const Sheet& sheet, double way) const {
+int Crumple::load_parts(const Sheet& sheet, double travel) const {
   constexpr int most = 16;
   if (!is_crumpled(sheet)) return 1;
-  return std::clamp(static_cast<int>(std::ceil(way / options_.largest_way)), 1, most);
+  return std::clamp(static_cast<int>(std::ceil(travel / options_.largest_travel)), 1, most);
 }
 
 }  // namespace paperbake

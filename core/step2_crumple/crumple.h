@@ -37,7 +37,7 @@ class Crumple {
   struct Deformation {
     // [1] of the longer side: the largest distance that a handle goes relative to the others, or of
     // a sheet that lies on something or swings, the distance that its points went
-    double way;
+    double travel;
     bool moving;      // false: the sheet is at rest
     bool at_minimum;  // the last step reached a minimum
     // colliders squeeze it, and no handle gives way: it may have to fold once more before it can
@@ -57,7 +57,7 @@ class Crumple {
 
   /// Into how many parts a frame is to be divided. The folds of a crumpled sheet follow the load in
   /// small steps only.
-  int load_parts(const Sheet&, double way) const;
+  int load_parts(const Sheet&, double travel) const;
 
   /// Sets the mesh from which every ruled mesh is derived. To be called before `propose`.
   /// required  number of vertices, from number 0 on, that a ruled mesh must keep as they are
@@ -90,10 +90,11 @@ class Crumple {
   Paper paper_;
   CrumpleOptions options_;
   std::uint32_t seed_, sheet_;
-  CrumpleReport step_smooth(Sheet&, const std::vector<char>& fixed, const FrameTime&, double way);
+  CrumpleReport step_smooth(Sheet&, const std::vector<char>& fixed, const FrameTime&,
+                            double travel);
   /// Updates the pending conflicts. A conflict counts once it has persisted.
   /// returns  vertices at which it has, the worst first
-  std::vector<int> due_for_birth(const Sheet&, const VertexRings&, const Conflicts&, double way);
+  std::vector<int> due_for_birth(const Sheet&, const VertexRings&, const Conflicts&, double travel);
   /// Makes a singular point where the conflict around a vertex is, if there is room for one.
   bool give_birth(Sheet&, int worst, const Conflicts&, const std::vector<char>& fixed, int frame);
 

@@ -19,13 +19,13 @@ struct CrumpleOptions {
   // (20 degrees)
   double threshold_near_apex = 0.35;
   double fold_threshold_near_apex = 0.4;  // [rad] the same for the folds (23 degrees)
-  // [1] of the longer side: the way by which the sheet is deformed while a conflict lasts, before a
-  // singular point is born; it is then no accident of the mesh
+  // [1] of the longer side: the travel for which a conflict lasts before a singular point is born;
+  // it is then no accident of the mesh
   double persistence = 0.08;
   // [1] the same for a severe conflict, which exceeds even the thresholds next to a singular point
   double persistence_severe = 0.0105;
   // [1] the most of it that one step counts for: a conflict is seen at least twice
-  double largest_way = 0.005;
+  double largest_travel = 0.005;
   // [1] least distance of singular points, in widths of the longest ridge that the sheet can have
   double spacing = 2;
   // [1] least distance of a singular point from the border, as a fraction of the longer side

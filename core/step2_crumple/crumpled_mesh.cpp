@@ -29,8 +29,8 @@ constexpr double facet_share = 0.45, closest_share = 0.5;
 // A vertex without such a fold has no reason to slide, and one with a sharper one no way to: paper
 // that was folded by so much has broken there, and the fold stays.
 constexpr double sliding_fold = 8 * degrees, lasting_fold = 90 * degrees;
-// [1] of its longest edge: how far a vertex slides while the sheet is deformed by full_way
-constexpr double stride = 0.2, full_way = 0.004;
+// [1] of its longest edge: how far a vertex slides while the sheet is deformed by full_travel
+constexpr double stride = 0.2, full_travel = 0.004;
 constexpr double steep = 3;  // [1] a force of E/3h and more moves a vertex by a full stride
 constexpr double least_rate = 0.05, slower = 0.5, faster = 1.3;
 
@@ -42,7 +42,7 @@ constexpr double merged_below = 0.8;        // [1] in the metric
 // mean ring. In a ridge the membrane stores a sixth of the energy [Lobkovsky 1997], in crumpled
 // sheets up to a third: what stores more is a mesh that cannot fold.
 constexpr double locked = 0.5, locked_ring = 0.5;
-constexpr double refinement = 0.9;  // [1] of the lengths of edges there, by full_way
+constexpr double refinement = 0.9;  // [1] of the lengths of edges there, by full_travel
 
 }  // namespace
 
@@ -138,7 +138,7 @@ int CrumpledMesh::promote(Sheet& sheet, Mesh& mesh, const Input& input) {
       junctions.push_back(v);
       seen.push_back({sheet.pattern.row(v), junction_reach * ring_size(sheet, mesh.rings, v)});
     }
-  const std::vector<double> lasted = junctions_.see(seen, input.way);
+  const std::vector<double> lasted = junctions_.see(seen, input.travel);
   std::vector<int> order(junctions.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),
@@ -174,7 +174,7 @@ int CrumpledMesh::slide(Sheet& sheet, const Mesh& mesh, const Input& input) {
                              least_rate, 1.0);
     slider.direction = direction;
     const double h = ring_size(sheet, mesh.rings, v);
-    const double length = stride * h * slider.rate * input.way / full_way *
+    const double length = stride * h * slider.rate * input.travel / full_travel *
                           std::min(1.0, steep * f * h / mesh.bending[v]);
     moved += move_vertex(sheet, mesh.rings, v, place + length * direction) > 0;
   }
@@ -185,7 +185,7 @@ void CrumpledMesh::refine_where_locked(const Sheet& sheet, const Mesh& mesh, con
   const double membrane = input.stored.membrane.sum(), bending = input.stored.bending.sum();
   if (!(membrane > locked * bending)) return;
   const double rate = std::min(1.0, membrane / (locked * bending) - 1),
-               factor = std::pow(refinement, rate * input.way / full_way);
+               factor = std::pow(refinement, rate * input.travel / full_travel);
   refine_locked_rings(sheet, mesh, factor);
 }
 

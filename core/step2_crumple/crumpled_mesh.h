@@ -15,8 +15,8 @@
 namespace paperbake {
 
 /// The mesh of a sheet that is crumpled: it has three singular points or more, and its folds run
-/// along edges. Nothing here counts frames or seconds. What changes, changes with the way by which
-/// the sheet is deformed, so that a shot gives the same crumple at any speed.
+/// along edges. Nothing here counts frames or seconds. What changes, changes with the travel of what
+/// deforms the sheet (Crumple::Deformation), so that a shot gives the same crumple at any speed.
 ///
 /// - The inner vertices at which folds end slide on the pattern down their configurational forces,
 ///   to where the sheet stores least. So folds lie where the load puts them, not where the first
@@ -36,7 +36,7 @@ class CrumpledMesh {
   struct Input {
     const std::vector<char>& fixed;  // 1: the vertex keeps its place on the pattern
     const LocalEnergies& stored;     // of the sheet
-    double way;                      // [1] of the longer side: how far it was deformed
+    double travel;                   // [1] of Crumple::Deformation
     int frame;
     bool at_minimum = true;  // the last step reached a minimum
   };

@@ -21,6 +21,9 @@ constexpr double min_turn = 90 * M_PI / 180;  // of the sheet, in three rows of 
 // where single triangles have yielded
 constexpr double least_bend = 0.5;
 constexpr double unresolved = 1;  // [rad] in a row of triangles
+// [1] of the turn in three rows, at least, that the sheet turns by in six: paper beside a fold is
+// nearly flat, or turns back
+constexpr double most_beside = 0.3;
 // how many places a fold is tried in, and how far beyond where it may be [rows]
 constexpr int places = 7;
 constexpr double margin = 0.1;
@@ -146,25 +149,43 @@ struct Profile {
 };
 
 /// Calls visit(point on the pattern [m], distance from the axis [rows], with its sign, turn about
-/// the axis [m rad], number of the hinge) for points of the edges within a row and a half of the
-/// axis.
+/// the axis [m rad], number of the hinge) for points of the edges within `reach` rows of the axis.
 template <class Visit>
-void for_each_turn(const BentMesh& mesh, const Axis& axis, Visit visit) {
+void for_each_turn_within(double reach, const BentMesh& mesh, const Axis& axis, Visit visit) {
   constexpr int samples = 5;  // of an edge
   for (std::size_t h = 0; h < mesh.hinges.hinges.size(); ++h) {
-    if (!mesh.counts_hinge(h)) continue;
     const Hinge& hinge = mesh.hinges.hinges[h];
     const Vector2d p = mesh.sheet.pattern.row(hinge.vertices[0]),
                    d = mesh.sheet.pattern.row(hinge.vertices[1]).transpose() - p;
-    if (std::min(axis.distance(p), axis.distance(p + d)) > 2.5 * mesh.row) continue;
+    if (std::min(axis.distance(p), axis.distance(p + d)) > (reach + 1) * mesh.row) continue;
     const double turn =
         dihedral_angle(mesh.sheet.x, hinge) * std::pow(d.dot(axis.along()), 2) / d.norm() / samples;
     for (int i = 0; i < samples; ++i) {
       const Vector2d at = p + (i + 0.5) / samples * d;
       const double rows = axis.across.dot(at - axis.middle) / mesh.row;
-      if (std::abs(rows) <= 1.5) visit(at, rows, turn, h);
+      if (std::abs(rows) <= reach) visit(at, rows, turn, h);
     }
   }
+}
+
+/// The same within a row and a half, for the edges that belong to a fold.
+template <class Visit>
+void for_each_turn(const BentMesh& mesh, const Axis& axis, Visit visit) {
+  for_each_turn_within(1.5, mesh, axis,
+                       [&](const Vector2d& at, double rows, double turn, std::size_t h) {
+                         if (mesh.counts_hinge(h)) visit(at, rows, turn, h);
+                       });
+}
+
+/// Whether the sheet turns within three rows of triangles, and hardly in those beside them. A roll
+/// or a loop that its mesh can show turns on and on.
+bool is_localised(const BentMesh& mesh, const Axis& axis) {
+  double near = 0, all = 0;
+  for_each_turn_within(3, mesh, axis, [&](const Vector2d&, double rows, double turn, std::size_t) {
+    all += turn;
+    if (std::abs(rows) <= 1.5) near += turn;
+  });
+  return std::abs(all) <= (1 + most_beside) * std::abs(near);
 }
 
 /// Moves the axis to where the sheet turns most: the mean of the turn within a row and a half,
@@ -230,17 +251,17 @@ double needed_curvature(const PressedPart& part, double turn) {
 std::vector<double> needed_curvature(const BentMesh& mesh, const FoldLine& line, const Axis& axis,
                                      const std::vector<double>& turns) {
   const int count = static_cast<int>(turns.size());
-  const Vector2d way = line.b - line.a;
+  const Vector2d along = line.b - line.a;
   std::vector<PressedPart> parts(count);
   for_each_turn(mesh, axis, [&](const Vector2d& at, double, double turn, std::size_t h) {
-    const double share = (at - line.a).dot(way) / way.squaredNorm();
+    const double share = (at - line.a).dot(along) / along.squaredNorm();
     PressedPart& part = parts[std::clamp(static_cast<int>(share * count), 0, count - 1)];
     const Hinge& hinge = mesh.hinges.hinges[h];
     const Points3& x = mesh.sheet.x;
     const Vector3d edge = x.row(hinge.vertices[1]) - x.row(hinge.vertices[0]);
     const Vector2d d =
         mesh.sheet.pattern.row(hinge.vertices[1]) - mesh.sheet.pattern.row(hinge.vertices[0]);
-    part.axis += turn * (d.dot(way) < 0 ? -edge : edge).normalized();
+    part.axis += turn * (d.dot(along) < 0 ? -edge : edge).normalized();
     for (const int t : hinge.triangles) {
       const Eigen::RowVector3i v = mesh.sheet.triangles.row(t);
       const Vector3d a = x.row(v[0]), b = x.row(v[1]), c = x.row(v[2]);
@@ -274,7 +295,7 @@ std::optional<FoldLine> fold_on(const BentMesh& mesh, const Axis& axis, const Pa
       mesh.gap.empty()
           ? bend >= least_bend * yield_curvature && least(profile.plastic) >= least_plastic
           : least(needed_curvature(mesh, line, axis, profile.turn)) >= yield_curvature;
-  if (!yields) return std::nullopt;
+  if (!yields || !is_localised(mesh, axis)) return std::nullopt;
   return line;
 }
 
@@ -319,8 +340,8 @@ std::vector<FoldLine> lines_on(const BentMesh& mesh, const Pattern& pattern,
     if (!line || is_known(*line)) continue;
     Axis middle = *axis;
     centre(mesh, middle);
-    const double way = axis->across.dot(middle.middle - axis->middle), more = margin * mesh.row;
-    const double from = std::min(0.0, way) - more, to = std::max(0.0, way) + more;
+    const double ahead = axis->across.dot(middle.middle - axis->middle), more = margin * mesh.row;
+    const double from = std::min(0.0, ahead) - more, to = std::max(0.0, ahead) + more;
     std::vector<FoldLine> lines;
     for (int k = 0; k < places; ++k) {
       Axis there = *axis;

@@ -6,18 +6,18 @@
 
 namespace paperbake {
 
-std::vector<double> LastingPlaces::see(const std::vector<Seen>& now, double way) {
+std::vector<double> LastingPlaces::see(const std::vector<Seen>& now, double travel) {
   std::vector<Place> places;
-  std::vector<double> ways;
+  std::vector<double> lasted_for;
   for (const Seen& s : now) {
-    double lasted = way;
+    double lasted = travel;
     for (const Place& old : seen_)
-      if ((old.p - s.p).norm() < s.reach) lasted = std::max(lasted, old.way + way);
+      if ((old.p - s.p).norm() < s.reach) lasted = std::max(lasted, old.travel + travel);
     places.push_back({s.p, lasted});
-    ways.push_back(lasted);
+    lasted_for.push_back(lasted);
   }
   seen_ = std::move(places);
-  return ways;
+  return lasted_for;
 }
 
 std::vector<Vector2d> LastingPlaces::places() const {
@@ -28,10 +28,10 @@ std::vector<Vector2d> LastingPlaces::places() const {
 
 void LastingPlaces::archive(Serializer& a) {
   std::vector<std::pair<Vector2d, double>> places;
-  for (const Place& place : seen_) places.emplace_back(place.p, place.way);
+  for (const Place& place : seen_) places.emplace_back(place.p, place.travel);
   a(places);
   seen_.clear();
-  for (const auto& [p, way] : places) seen_.push_back({p, way});
+  for (const auto& [p, travel] : places) seen_.push_back({p, travel});
 }
 
 }  // namespace paperbake

@@ -17,9 +17,9 @@ class LastingPlaces {
     double reach;  // [m] within which something seen before was the same
   };
   /// Tells what is seen now; what is not seen any more is forgotten.
-  /// way      [1] by which the sheet has been deformed since the last call, of the longer side
-  /// returns  [1] the way for which each has been seen, this one included
-  std::vector<double> see(const std::vector<Seen>&, double way);
+  /// travel       [1] by which the sheet has been deformed since the last call, of the longer side
+  /// returns  [1] the travel for which each has been seen, this one included
+  std::vector<double> see(const std::vector<Seen>&, double travel);
 
   /// What was seen last. [m] on the pattern
   std::vector<Vector2d> places() const;
@@ -29,7 +29,7 @@ class LastingPlaces {
  private:
   struct Place {
     Vector2d p;
-    double way;
+    double travel;
   };
   std::vector<Place> seen_;
 };

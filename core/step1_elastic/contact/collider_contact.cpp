@@ -283,16 +283,16 @@ void ColliderContact::begin_friction(std::size_t c, const Points3& carried,
   int count = 0;  // of contacts of the same feature of the sheet, as in a concave corner
   for_each_touch(c, carried, [&](const ContactPoint& touch) {
     const double force = mu * -collider_barrier(touch.distance).slope;
-    Vector3d way = Vector3d::Zero();
+    Vector3d slip = Vector3d::Zero();
     for (int i = 0; i < touch.corners; ++i)
-      way += touch.weights[i] * (row(carried, touch.vertices[i]) - row(start_, touch.vertices[i]));
+      slip += touch.weights[i] * (row(carried, touch.vertices[i]) - row(start_, touch.vertices[i]));
     const Eigen::Matrix<double, 3, 2> along = tangents_of(touch.normal);
     count = touch.vertices == last ? count + 1 : 0;
     last = touch.vertices;
     const TouchingFeatures name{{-1, -1 - static_cast<int>(c)}, {last[0], last[1], last[2], count}};
     const Eigen::Vector2d shear = along.transpose() * history.shear(name);
     friction_contacts_.push_back(
-        {touch.vertices, touch.weights, touch.corners, along, way, force, name, shear});
+        {touch.vertices, touch.weights, touch.corners, along, slip, force, name, shear});
   });
 }
 
@@ -370,17 +370,17 @@ void ColliderContact::project_outside(Points3& to) {
 
 /// What is left of a share of the motion when no vertex may go deeper into the collider than it
 /// may.
-double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& y, const Points3& way,
-                                               double share) const {
+double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& y,
+                                               const Points3& motion, double share) const {
   constexpr double near_enough = 2e-5;  // [m]
   const Collider& collider = this->collider(c);
   for (int v = 0; v < y.rows(); ++v) {
-    const double length = way.row(v).norm();
+    const double length = motion.row(v).norm();
     if (length == 0 || held_[v]) continue;
     double floor = 0, gone = 0;
     while (gone < share * length) {
       const SurfacePoint s =
-          collider.nearest(row(y, v) + gone / length * row(way, v),
+          collider.nearest(row(y, v) + gone / length * row(motion, v),
                            share * length - gone + collider.depth(), states_[c].side[v]);
       if (gone == 0) floor = std::min(floor, s.distance - 2 * near_enough);
       const double free = s.distance - floor;
@@ -395,16 +395,17 @@ double ColliderContact::free_share_of_vertices(std::size_t c, const Points3& y, 
 /// What is left of a share of the motion when an edge or a triangle of the sheet may not pass
 /// through an edge or a corner of the collider.
 double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature& feature,
-                                              const Points3& y, const Points3& way,
+                                              const Points3& y, const Points3& motion,
                                               double share) const {
   const Collider& collider = this->collider(c);
   double fastest = 0;
   Vector3d low = row(y, feature.vertices[0]), high = low;
   for (int i = 0; i < feature.corners; ++i) {
-    const Vector3d p = row(y, feature.vertices[i]), q = p + share * row(way, feature.vertices[i]);
+    const Vector3d p = row(y, feature.vertices[i]),
+                   q = p + share * row(motion, feature.vertices[i]);
     low = low.cwiseMin(p).cwiseMin(q);
     high = high.cwiseMax(p).cwiseMax(q);
-    fastest = std::max(fastest, share * way.row(feature.vertices[i]).norm());
+    fastest = std::max(fastest, share * motion.row(feature.vertices[i]).norm());
   }
   if (feature.near.empty() && fastest < tube) return share;
   const auto meet = [&](int k) {
@@ -413,7 +414,7 @@ double ColliderContact::free_share_of_feature(std::size_t c, const SheetFeature&
     for (int i = 0; i < feature.corners; ++i) {
       const int at = edges ? i : i + 1;
       x[at] = row(y, feature.vertices[i]);
-      m[at] = share * row(way, feature.vertices[i]);
+      m[at] = share * row(motion, feature.vertices[i]);
     }
     const Points3& fixed = collider.mesh().x;
     if (edges) {

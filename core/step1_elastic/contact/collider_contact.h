@@ -140,10 +140,10 @@ class ColliderContact {
   Vector3d slide(const Collider&, Vector3d from, Vector3d to, int side) const;
   Vector3d reachable(int vertex, Vector3d to) const;
   // parts of collision_free_step()
-  double free_share_of_vertices(std::size_t c, const Points3& y, const Points3& way,
+  double free_share_of_vertices(std::size_t c, const Points3& y, const Points3& motion,
                                 double share) const;
   double free_share_of_feature(std::size_t c, const SheetFeature&, const Points3& y,
-                               const Points3& way, double share) const;
+                               const Points3& motion, double share) const;
   template <class Visit>
   void for_each_touch(const Points3& y, Visit);  // at the end of the step
   Eigen::Vector2d trial_shear(const FrictionContact&, const Points3& y) const;

@@ -12,12 +12,12 @@ FrictionMollifier friction_mollifier(double y, double epsilon) {
   return {epsilon * (-s * s * s / 3 + s * s + 1.0 / 3), s * (2 - s), 2 * (1 - s) / epsilon};
 }
 
-FrictionMollifierInPlane friction_mollifier(const Eigen::Vector2d& slid, double epsilon) {
-  const double way = slid.norm(), least = 1e-6 * epsilon;
-  const FrictionMollifier f = friction_mollifier(way, epsilon);
-  const double across = way > least ? f.slope / way : 2 / epsilon;
+FrictionMollifierInPlane friction_mollifier(const Eigen::Vector2d& slip, double epsilon) {
+  const double length = slip.norm(), least = 1e-6 * epsilon;
+  const FrictionMollifier f = friction_mollifier(length, epsilon);
+  const double across = length > least ? f.slope / length : 2 / epsilon;
   Eigen::Matrix2d second = across * Eigen::Matrix2d::Identity();
-  if (way > least) second += (f.second - across) / (way * way) * slid * slid.transpose();
+  if (length > least) second += (f.second - across) / (length * length) * slip * slip.transpose();
   return {f.value, across, second};
 }
 

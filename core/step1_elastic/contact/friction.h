@@ -17,7 +17,7 @@ struct FrictionMollifier {
   double slope;   // [1]
   double second;  // [1/m]
 };
-FrictionMollifier friction_mollifier(double way, double epsilon);
+FrictionMollifier friction_mollifier(double slip, double epsilon);
 
 /// The same for a displacement in a plane. The gradient is across * displacement; the Hessian is
 /// never indefinite.
@@ -26,7 +26,7 @@ struct FrictionMollifierInPlane {
   double across;           // [1/m] slope / |displacement|
   Eigen::Matrix2d second;  // [1/m]
 };
-FrictionMollifierInPlane friction_mollifier(const Eigen::Vector2d& way, double epsilon);
+FrictionMollifierInPlane friction_mollifier(const Eigen::Vector2d& slip, double epsilon);
 
 /// Two orthogonal directions across a unit normal.
 Eigen::Matrix<double, 3, 2> tangents_of(const Vector3d& normal);

@@ -91,7 +91,7 @@ AirDrag::AirDrag(const Air& air, const Sheet& sheet, double dt, double time) {
   }
 }
 
-Vector3d AirDrag::way(const Panel& p, const Points3& x) const {
+Vector3d AirDrag::through_air(const Panel& p, const Points3& x) const {
   return (x.row(p.vertices[0]) + x.row(p.vertices[1]) + x.row(p.vertices[2])).transpose() / 3 -
          p.from;
 }
@@ -99,7 +99,7 @@ Vector3d AirDrag::way(const Panel& p, const Points3& x) const {
 double AirDrag::energy(const Points3& x) const {
   double sum = 0;
   for (const Panel& p : panels_) {
-    const Vector3d u = way(p, x);
+    const Vector3d u = through_air(p, x);
     sum += 0.5 * u.dot(p.per_step * u);
   }
   return sum;
@@ -108,7 +108,7 @@ double AirDrag::energy(const Points3& x) const {
 double AirDrag::differentiate(const Points3& x, const std::vector<int>& block_of, Points3& gradient,
                               BlockCholesky& matrix) const {
   for (const Panel& p : panels_) {
-    const Vector3d force = p.per_step * way(p, x) / 3;
+    const Vector3d force = p.per_step * through_air(p, x) / 3;
     const Eigen::Matrix3d second = p.per_step / 9;
     for (int i = 0; i < 3; ++i) {
       gradient.row(p.vertices[i]) += force.transpose();

@@ -49,7 +49,7 @@ class AirDrag {
     Vector3d from;             // [m] where its centre would be at the end if it moved with the air
     Eigen::Matrix3d per_step;  // K/dt [N/m]
   };
-  Vector3d way(const Panel&, const Points3& x) const;
+  Vector3d through_air(const Panel&, const Points3& x) const;
   std::vector<Panel> panels_;
 };
 

@@ -48,9 +48,9 @@ double Elastic::dhat() const { return impl_->contact ? impl_->contact->dhat() : 
 bool Elastic::are_collision_free(const SweptSheet& a, const SweptSheet& b, double dhat) {
   MergedMesh mesh;
   PositionConstraints hard;
-  for (const SweptSheet* way : {&a, &b}) {
-    add_hard(way->constraints, mesh.first.back(), hard);
-    mesh.add(way->sheet.pattern, way->sheet.triangles);
+  for (const SweptSheet* swept : {&a, &b}) {
+    add_hard(swept->constraints, mesh.first.back(), hard);
+    mesh.add(swept->sheet.pattern, swept->sheet.triangles);
   }
   const Points3 begun =
       a.begun.rows()

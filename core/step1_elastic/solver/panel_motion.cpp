@@ -147,7 +147,7 @@ class Panels::Motion {
   ///
   ///   s.u, s.w and |s| stay,
   ///
-  /// where s, u and w are the ways from c to the far end and along the two folds. There are two
+  /// where s, u and w are the arms from c to the far end and along the two folds. There are two
   /// such places, on the two sides of the plane of u and w.
   /// pressed  [rad]
   /// returns  whether it did
@@ -160,13 +160,13 @@ class Panels::Motion {
       const int u = farthest_known(fold.left, c), w = farthest_known(fold.right, c);
       if (u < 0 || w < 0) continue;
       const Vector3d at = x_.row(c), s = x_.row(end).transpose() - at;
-      const auto way = [&](int v) { return Vector3d(x_.row(v).transpose() - at); };
+      const auto arm = [&](int v) { return Vector3d(x_.row(v).transpose() - at); };
       const double bulge = pressed != 0 ? pressed : dihedral_angle(x_, hinge);
       const auto on_pattern = [&](int v) {
         return Vector2d((panels_.pattern_.row(v) - panels_.pattern_.row(c)).transpose());
       };
       const bool turns_left = cross(on_pattern(u), on_pattern(w)) > 0;
-      const auto moved = third_way({way(u), way(w), s}, known_.place(u) - known_.place(c),
+      const auto moved = third_arm({arm(u), arm(w), s}, known_.place(u) - known_.place(c),
                                    known_.place(w) - known_.place(c), (bulge < 0) != turns_left);
       if (!moved) continue;
       known_.set(end, known_.place(c) + *moved);
@@ -207,11 +207,11 @@ class Panels::Motion {
     return farthest;
   }
 
-  /// The way s of a rigid corner when its other two ways, u and w, have turned.
+  /// The arm s of a rigid corner when its other two arms, u and w, have turned.
   /// before  u, w and s
   /// on_left s lies on the side of u x w, if it leaves the plane of u and w
   /// returns none: u and w are in one line
-  static std::optional<Vector3d> third_way(const std::array<Vector3d, 3>& before, const Vector3d& u,
+  static std::optional<Vector3d> third_arm(const std::array<Vector3d, 3>& before, const Vector3d& u,
                                            const Vector3d& w, bool on_left) {
     constexpr double least_angle = 1e-3;  // [rad]
     const Vector3d normal = u.cross(w);

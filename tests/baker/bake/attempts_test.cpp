@@ -90,6 +90,15 @@ TEST(Attempt, DoesNotCountWhatPaperCannotBridge) {
   EXPECT_NEAR(attempt.off_pct, 3, 1e-9);
 }
 
+TEST(Attempt, ThatIsBakedBecauseAllWereGivenUpIsNotCalledTheBest) {
+  AttemptChoice choice;
+  choice.tried = {{0, 120, 0.037, 12.3, 35, 40}, {1000, 480, 0.031, 10.1, 30, 31}};
+  EXPECT_NE(describe(choice).find("1 other is not better"), std::string::npos);
+  choice.hopeless = true;
+  EXPECT_EQ(describe(choice).find("not better"), std::string::npos);
+  EXPECT_NE(describe(choice).find("10 % of the sheet"), std::string::npos);
+}
+
 /// A crumple. With seed 0 a handle is off by 1.3 mm in frame 38, with seed 3 by 1.1 mm in frame 45;
 /// on the finer mesh of the second attempt none is.
 class AttemptsTest : public test::ResumeFixture {

@@ -129,6 +129,25 @@ TEST_P(WrappedTest, ItsCornersFoldLikeGussetsAndItsHandlesAreMet) {
   EXPECT_EQ(all.back()["folds"], 8) << "four lines and four gussets";
 }
 
+/// A map that is folded along two creases that are drawn across each other, on other meshes.
+class DrawnCreasesTest : public FoldCertificateTest, public testing::WithParamInterface<int> {};
+
+INSTANTIATE_TEST_SUITE_P(Meshes, DrawnCreasesTest, testing::Values(60, 120, 240));
+
+TEST_P(DrawnCreasesTest, HandsFoldAlongThemAndTheQuarterThatNobodyHoldsFollows) {
+  const Ended ended = bake("F9_map", {"--base-triangles", std::to_string(GetParam()), "--mesh",
+                                      "simulation", "--attempts", "1"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const std::vector<json> all = frames();
+  ASSERT_EQ(all.size(), 96u);
+  for (const json& frame : all) {
+    const std::string where = frame["frame"].dump();
+    EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 0.3) << where;
+    EXPECT_LE(frame["stretch_max_pct"].get<double>(), 0.3) << where;
+    for (const char* none : {"crossings", "singular"}) EXPECT_EQ(frame[none], 0) << none << where;
+  }
+}
+
 json summary_of(const fs::path& output) { return json::parse(read(output / "cert/summary.json")); }
 
 TEST_F(FoldCertificateTest, ItSaysWhenEachLineOfALetterFolds) {

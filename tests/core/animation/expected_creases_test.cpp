@@ -65,8 +65,7 @@ const ExpectedCrease* line_between(const std::vector<ExpectedCrease>& lines, con
                                    const Vector2d& b, double near = 1e-9) {
   const ExpectedCrease* found = nullptr;
   for (const ExpectedCrease& line : lines) {
-    EXPECT_EQ(line.crease.line.size(), 2u);
-    const Vector2d p = line.crease.line.front(), q = line.crease.line.back();
+    const auto& [p, q] = line.line;
     if (((p - a).norm() > near || (q - b).norm() > near) &&
         ((p - b).norm() > near || (q - a).norm() > near))
       continue;
@@ -119,8 +118,10 @@ TEST(ExpectedCreasesTest, ThreeClampsOfALetterGiveItsTwoLinesAndTurns) {
                          *high = line_between(lines, {0, high_fold}, {0.210, high_fold});
     ASSERT_TRUE(low && high);
     for (const ExpectedCrease* line : {low, high}) {
-      EXPECT_FALSE(line->crease.folded);
-      EXPECT_EQ(line->crease.angle, 0);
+      EXPECT_TRUE(line->drawn.empty());
+      ASSERT_EQ(line->missing.size(), 1u);
+      EXPECT_EQ(line->missing[0].a, line->line.a);
+      EXPECT_EQ(line->missing[0].b, line->line.b);
       ASSERT_EQ(line->turn.size(), std::size_t(frames));
     }
     EXPECT_NEAR(low->turn.back(), -177.5 * degrees, 1e-9) << "up: it bulges away from the normals";
@@ -229,8 +230,7 @@ TEST(ExpectedCreasesTest, AWholeSceneThatIsTurnedAndMovedHasTheSameLines) {
     ASSERT_GT(here.size(), 0u);
     ASSERT_EQ(here.size(), there.size());
     for (const ExpectedCrease& line : here) {
-      const ExpectedCrease* same =
-          line_between(there, line.crease.line.front(), line.crease.line.back());
+      const ExpectedCrease* same = line_between(there, line.line.a, line.line.b);
       ASSERT_TRUE(same);
       for (int f = 0; f < frames; ++f) EXPECT_NEAR(same->turn[f], line.turn[f], 1e-9);
     }
@@ -253,7 +253,7 @@ TEST(ExpectedCreasesTest, AHandleThatIsNearlyOnTheLineBecomesAPointOfIt) {
     return lines_of(held(a4, plates));
   };
   const auto distance = [](const ExpectedCrease& line, const Vector2d& p) {
-    return distance_to_segment(p, line.crease.line.front(), line.crease.line.back());
+    return distance_to_segment(p, line.line.a, line.line.b);
   };
   const Vector2d inside(0.1, low_fold + 1e-4), at_border(0.210, low_fold - 1e-4),
       far(0.1, low_fold + 5e-3);
@@ -269,24 +269,63 @@ TEST(ExpectedCreasesTest, AHandleThatIsNearlyOnTheLineBecomesAPointOfIt) {
   const std::vector<ExpectedCrease> ends = with({at_border});
   int exact = 0;
   for (const ExpectedCrease& line : ends)
-    for (const Vector2d& p : line.crease.line) exact += p == at_border;
+    for (const Vector2d& p : {line.line.a, line.line.b}) exact += p == at_border;
   EXPECT_EQ(exact, 1);
   EXPECT_TRUE(line_between(with({far}), {0, low_fold}, {0.210, low_fold}));
 }
 
-TEST(ExpectedCreasesTest, ALineThatTheArtistHasDrawnIsNotFoundTwice) {
+TEST(ExpectedCreasesTest, WhatTheArtistHasDrawnAlongALineIsWhatHandsFold) {
   Shot shot = held(a4, letter());
-  shot.pattern.prescribed_creases = {{{{0, 0.0992}, {0.210, 0.0988}}, -1.0}};
+  const Vector2d left(0, 0.0992), right(0.210, 0.0988);
+  shot.pattern.prescribed_creases = {{{left, right}, -1.0}};
   const std::vector<ExpectedCrease> lines = lines_of(shot);
-  ASSERT_EQ(lines.size(), 1u);
-  EXPECT_TRUE(line_between(lines, {0, high_fold}, {0.210, high_fold}));
-  add_expected_creases(shot, expected_creases(shot, first_frame));
-  ASSERT_EQ(shot.pattern.prescribed_creases.size(), 2u);
+  ASSERT_EQ(lines.size(), 2u);
+  const ExpectedCrease *drawn = line_between(lines, left, right),
+                       *other = line_between(lines, {0, high_fold}, {0.210, high_fold});
+  ASSERT_TRUE(drawn && other);
+  EXPECT_TRUE(drawn->missing.empty());
+  ASSERT_EQ(drawn->drawn.size(), 1u);
+  add_expected_creases(shot, lines);
+  ASSERT_EQ(shot.pattern.prescribed_creases.size(), 2u) << "none is added where one is drawn";
   EXPECT_EQ(shot.pattern.prescribed_creases[0].angle, -1.0);
-  ASSERT_EQ(shot.hands.size(), 1u);
-  EXPECT_EQ(shot.hands[0].crease, 1);
-  EXPECT_EQ(shot.hands[0].turn, lines[0].turn);
-  EXPECT_TRUE(lines_of(shot).empty()) << "what was added is known, too";
+  ASSERT_EQ(shot.hands.size(), 2u);
+  for (const FoldingHands& hands : shot.hands) {
+    const bool of_drawn = (hands.line.a - hands.line.b).norm() > 0.210 + 1e-9;
+    EXPECT_EQ(hands.turn, (of_drawn ? drawn : other)->turn);
+    ASSERT_EQ(hands.parts.size(), 1u);
+    EXPECT_EQ(hands.parts[0].a.y() < 0.1, of_drawn);
+  }
+}
+
+TEST(ExpectedCreasesTest, WhereTheArtistHasDrawnOnlyPartsOfALineTheOthersAreAdded) {
+  Shot shot = held(a4, letter());
+  const Vector2d inside(0.04, low_fold), end(0.09, low_fold), corner(0.12, low_fold),
+      aside(0.12, 0.15), border(0.210, low_fold);
+  // in both directions; the second one turns off the line at a corner
+  shot.pattern.prescribed_creases = {{{end, inside}}, {{border, corner, aside}}};
+  const std::vector<ExpectedCrease> lines = lines_of(shot);
+  const ExpectedCrease* line = line_between(lines, {0, low_fold}, border);
+  ASSERT_TRUE(line);
+  ASSERT_EQ(line->drawn.size(), 2u);
+  ASSERT_EQ(line->missing.size(), 2u);
+  double length = 0;
+  for (const std::vector<Segment2>& parts : {line->drawn, line->missing})
+    for (const Segment2& part : parts) {
+      EXPECT_NEAR(part.a.y(), low_fold, 1e-9);
+      EXPECT_NEAR(part.b.y(), low_fold, 1e-9);
+      length += (part.b - part.a).norm();
+    }
+  EXPECT_NEAR(length, 0.210, 1e-9) << "no gap and no overlap";
+}
+
+TEST(ExpectedCreasesTest, ACreaseThatIsDrawnAcrossALineDoesNotReplaceIt) {
+  Shot shot = held(a4, letter());
+  shot.pattern.prescribed_creases = {{{{0.105, 0}, {0.105, 0.297}}}};
+  const std::vector<ExpectedCrease> lines = lines_of(shot);
+  const ExpectedCrease* line = line_between(lines, {0, low_fold}, {0.210, low_fold});
+  ASSERT_TRUE(line);
+  EXPECT_TRUE(line->drawn.empty());
+  EXPECT_EQ(line->missing.size(), 1u);
 }
 
 TEST(ExpectedCreasesTest, HandlesThatOnlyMoveAlongFoldNothing) {

@@ -14,6 +14,9 @@ constexpr double degrees = M_PI / 180;
 constexpr double side = 0.1;  // [m] of the sheet
 constexpr double nobody = std::numeric_limits<double>::quiet_NaN();
 
+constexpr double middle = side / 2;
+const Segment2 upright{{middle, 0}, {middle, side}}, level{{0, middle}, {side, middle}};
+
 /// A square of 4 x 4 cells with a crease along x = side/2 and one along y = side/2.
 Sheet crossed_sheet() {
   Points2 p(25, 2);
@@ -27,7 +30,6 @@ Sheet crossed_sheet() {
       t.row(k++) << a, a + 6, a + 5;
     }
   Sheet sheet = test::flat_sheet(p, t);
-  const double middle = side / 2;
   sheet.prescribed_creases = {{{{middle, 0}, {middle, side}}, 0, false},
                               {{{0, middle}, {side, middle}}, 0, false}};
   return sheet;
@@ -44,7 +46,7 @@ void for_edges(const Sheet& sheet, const Test& test) {
 TEST(FoldingHandsTest, HandsPressTheirWholeCreaseToTheAngleBetweenThem) {
   Sheet sheet = crossed_sheet();
   const std::vector<FoldingHands> hands{
-      {0, {0.0, 2 * degrees, -1.5, nobody, 0.01}, {side / 2, 0.01}}};
+      {upright, {upright}, {0.0, 2 * degrees, -1.5, nobody, 0.01}, {side / 2, 0.01}}};
   for (int row = 0; row < 7; ++row) {
     fold_by_hands(sheet, hands, row);
     for_edges(sheet, [&](int crease, const Vector2d&, const CreaseEdge& edge) {
@@ -58,6 +60,20 @@ TEST(FoldingHandsTest, HandsPressTheirWholeCreaseToTheAngleBetweenThem) {
   }
 }
 
+TEST(FoldingHandsTest, OnlyThePartsOfADrawnCreaseThatRunAlongTheLineArePressed) {
+  Sheet sheet = crossed_sheet();
+  const Vector2d centre(middle, middle);
+  sheet.prescribed_creases = {{{{middle, 0}, centre, {side, middle}}}, {{{0, middle}, centre}}};
+  const Segment2 part{{middle, 0}, centre};
+  fold_by_hands(sheet, {{upright, {part}, {-1.0}, {middle, 0.01}}}, 0);
+  int pressed = 0;
+  for (const CreaseEdge& edge : sheet.crease_edges) {
+    EXPECT_EQ(edge.pressed.has_value(), edge.a.x() == middle && edge.b.x() == middle);
+    pressed += edge.pressed.has_value();
+  }
+  EXPECT_EQ(pressed, 2);
+}
+
 TEST(FoldingHandsTest, WithoutHandsNothingIsPressed) {
   Sheet sheet = crossed_sheet();
   fold_by_hands(sheet, {}, 3);
@@ -66,8 +82,8 @@ TEST(FoldingHandsTest, WithoutHandsNothingIsPressed) {
 
 /// The sheet is folded along x = side/2, shut; then across, with a hand on the left half.
 const std::vector<FoldingHands> one_after_the_other{
-    {0, {0, -1.0, -3.1, -3.1, -3.1, -3.1}, {side / 2, 0.01}},
-    {1, {0, 0, 0, -1.0, -2.0, -3.1}, {0.01, side / 2}}};
+    {upright, {upright}, {0, -1.0, -3.1, -3.1, -3.1, -3.1}, {side / 2, 0.01}},
+    {level, {level}, {0, 0, 0, -1.0, -2.0, -3.1}, {0.01, side / 2}}};
 
 TEST(FoldingHandsTest, ASecondFoldTurnsTheOtherWayBeyondAFirstOneThatIsShut) {
   Sheet sheet = crossed_sheet();
@@ -99,8 +115,8 @@ TEST(FoldingHandsTest, AFirstFoldKeepsItsSignWhileASecondOneShutsAcrossIt) {
 
 TEST(FoldingHandsTest, AFoldAcrossOneThatHasBeenOpenedAgainTurnsOneWay) {
   Sheet sheet = crossed_sheet();
-  const std::vector<FoldingHands> hands{{0, {0, -3.1, 0, 0, 0}, {side / 2, 0.01}},
-                                        {1, {0, 0, 0, -1.0, -3.1}, {0.01, side / 2}}};
+  const std::vector<FoldingHands> hands{{upright, {upright}, {0, -3.1, 0, 0, 0}, {side / 2, 0.01}},
+                                        {level, {level}, {0, 0, 0, -1.0, -3.1}, {0.01, side / 2}}};
   for (int row = 3; row < 5; ++row) {
     fold_by_hands(sheet, hands, row);
     for_edges(sheet, [&](int crease, const Vector2d&, const CreaseEdge& edge) {
@@ -115,7 +131,7 @@ TEST(FoldingHandsTest, AFoldAcrossOneThatHasBeenOpenedAgainTurnsOneWay) {
 TEST(FoldingHandsTest, WhatThePaperHasKeptSurvivesTheHands) {
   Sheet sheet = crossed_sheet();
   sheet.crease_edges = {{{side / 2, 0}, {side / 2, side}, -2.0, true, -3.0}};
-  fold_by_hands(sheet, {{0, {nobody}, {side / 2, 0.01}}}, 0);
+  fold_by_hands(sheet, {{upright, {upright}, {nobody}, {side / 2, 0.01}}}, 0);
   for_edges(sheet, [&](int crease, const Vector2d&, const CreaseEdge& edge) {
     EXPECT_EQ(edge.folded, crease == 0);
     EXPECT_EQ(edge.rest_angle, crease == 0 ? -2.0 : 0.0);

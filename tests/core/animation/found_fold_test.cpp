@@ -351,6 +351,16 @@ std::vector<FoldLine> pressed(const Bent& strip, const ColliderShapes& colliders
       strip.sheet, [&] { return strip.memory; }, colliders, pattern, yield_curvature);
 }
 
+TEST(FindFoldLinesTest, ARollThatTurnsByMoreThanOneRadianARowIsNoFold) {
+  const Pattern pattern = test::rectangle(0.1, 0.06);
+  // the same bend as that of the fold above, but in six rows of squares instead of two
+  const Bent roll = bent(0.01, 120, 0.06), fold = bent(0.01, 120, 0.02);
+  EXPECT_TRUE(find_fold_lines(roll.sheet, roll.memory, pattern, 100).empty());
+  EXPECT_FALSE(find_fold_lines(fold.sheet, fold.memory, pattern, 100).empty());
+  EXPECT_TRUE(pressed(roll, plates(0.015), pattern, 100).empty());
+  EXPECT_FALSE(pressed(fold, plates(0.015), pattern, 100).empty());
+}
+
 TEST(FindFoldLinesTest, PaperIsFoldedBetweenPlatesThatLeaveNoRoomForABendThatDoesNotYield) {
   const Pattern pattern = test::rectangle(0.1, 0.06);
   const Bent strip = sprung(0.01, 250, 0.01);  // 2.5 rad in one row of squares

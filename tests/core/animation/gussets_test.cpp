@@ -132,10 +132,10 @@ TEST(GussetsTest, ASheetThatIsWrappedRoundABoxHasOneAtEachCorner) {
   for (int k = 0; k < 4; ++k) {
     int here = 0;
     for (const ExpectedCrease& gusset : found) {
-      if ((gusset.crease.line[0] - crossings[k]).norm() > 1e-6) continue;
+      if ((gusset.line.a - crossings[k]).norm() > 1e-6) continue;
       ++here;
-      EXPECT_EQ(gusset.crease.line[1], corners[k]);
-      EXPECT_FALSE(gusset.crease.folded);
+      EXPECT_EQ(gusset.line.b, corners[k]);
+      EXPECT_EQ(gusset.missing.size(), 1u);
       for (int f = 0; f < frames; ++f) {
         // the second sides have not begun; or layers come to lie on each other
         const bool turns = f > frames / 2 && f < frames - 1;
@@ -175,7 +175,7 @@ TEST(GussetsTest, HandlesInACornerSayToWhichSideItGoes) {
     shot.handles.push_back(tip);
     int here = 0;
     for (const ExpectedCrease& gusset : gussets_of(shot)) {
-      if (gusset.crease.line[1] != corners[2]) {
+      if (gusset.line.b != corners[2]) {
         EXPECT_GT(largest_turn(gusset), 0) << "the others go outwards";
         continue;
       }
@@ -251,8 +251,7 @@ TEST(GussetsTest, BeyondAFoldThatWasLetGoNobodyPressesTheOthersStraightOn) {
   Shot shot = wrapped(evenly(80 * degrees), late(80 * degrees));
   add_expected_creases(shot, expected_creases(shot, 1));
   const auto is_along_x = [&](const FoldingHands& hands) {
-    const std::vector<Vector2d>& line = shot.pattern.prescribed_creases[hands.crease].line;
-    return std::abs(line.front().y() - line.back().y()) < 1e-9;
+    return std::abs(hands.line.a.y() - hands.line.b.y()) < 1e-9;
   };
   const int row = frames - 1;
   for (FoldingHands& hands : shot.hands)

@@ -152,13 +152,13 @@ TEST(CrumpleTest, ConflictShowsWhereFoldsOfBothSignsMeet) {
 
 TEST(CrumpleTest, PersistentConflictBearsASingularPointSoonerWhenSevere) {
   const Sheet sheet = ridge_and_valley();
-  // the way in a frame [1] of the longer side; the conflict is the same in every frame
-  const auto frames_to_birth = [&](const CrumpleOptions& options, double way, double dt = 0.04) {
+  // the travel in a frame [1] of the longer side; the conflict is the same in every frame
+  const auto frames_to_birth = [&](const CrumpleOptions& options, double travel, double dt = 0.04) {
     Crumple crumple(test::rectangle(0.1, 0.1), Paper{}, options, 1, 0);
     for (int frame = 1; frame <= 80; ++frame) {
       Sheet now = sheet;
       const auto stored = [&] { return nothing_stored(now); };
-      if (crumple.step(now, {}, {frame, dt}, {way, true, true}, stored).births > 0) return frame;
+      if (crumple.step(now, {}, {frame, dt}, {travel, true, true}, stored).births > 0) return frame;
     }
     return 0;
   };

@@ -52,26 +52,26 @@ CrumpledMesh mesh_of() { return {test::rectangle(side, side), Paper{}, CrumpleOp
 
 TEST(CrumpledMeshTest, AVertexWhereFoldsMeetBecomesAPointAfterTheSameWayInAnyNumberOfSteps) {
   const std::vector<char> fixed;
-  const auto way_to_birth = [&](double way) {
+  const auto travel_to_birth = [&](double travel) {
     CrumpledMesh crumpled = mesh_of();
     Tip tip;
     for (int step = 1; step <= 100; ++step) {
       Sheet now = tip.sheet;
       const LocalEnergies stored = stored_in(now, {0, 0});
-      if (crumpled.step(now, {fixed, stored, way, step}).births > 0) {
+      if (crumpled.step(now, {fixed, stored, travel, step}).births > 0) {
         // the sharpest comes first: the tip
         const Vector2d p = now.singular[tip.sheet.singular.size()].pattern;
         EXPECT_LT((now.pattern.rowwise() - p.transpose()).rowwise().norm().minCoeff(), 1e-12);
         EXPECT_LT((p - Vector2d(tip.sheet.pattern.row(tip.vertex))).norm(), 0.02);
-        return step * way;
+        return step * travel;
       }
     }
     return 0.0;
   };
-  const double way = way_to_birth(0.0005);
-  EXPECT_GT(way, 0);
-  EXPECT_NEAR(way_to_birth(0.00025), way, 0.0003);
-  EXPECT_NEAR(way_to_birth(0.001), way, 0.001);
+  const double travel = travel_to_birth(0.0005);
+  EXPECT_GT(travel, 0);
+  EXPECT_NEAR(travel_to_birth(0.00025), travel, 0.0003);
+  EXPECT_NEAR(travel_to_birth(0.001), travel, 0.001);
 }
 
 TEST(CrumpledMeshTest, ASheetWithoutFoldsBearsNothing) {
@@ -167,8 +167,9 @@ TEST(CrumpledMeshTest, HasNoMoreTrianglesThanItMay) {
   EXPECT_GT(settled(options), options.max_triangles - 10);
 }
 
-/// A sheet that is jammed gets finer facets, without any way, where its membrane stores what folds
-/// would not; one whose membrane stores little is jammed for another reason, and keeps its mesh.
+/// A sheet that is jammed gets finer facets, without any travel, where its membrane stores what
+/// folds would not; one whose membrane stores little is jammed for another reason, and keeps its
+/// mesh.
 TEST(CrumpledMeshTest, AJammedSheetIsRefinedOnlyWhereItsMeshCannotFold) {
   const auto added = [](double membrane) {
     Tip tip;
