@@ -15,8 +15,9 @@
 namespace paperbake {
 
 /// The mesh of a sheet that is crumpled: it has three singular points or more, and its folds run
-/// along edges. Nothing here counts frames or seconds. What changes, changes with the travel of what
-/// deforms the sheet (Crumple::Deformation), so that a shot gives the same crumple at any speed.
+/// along edges. Nothing here counts frames or seconds. What changes, changes with the travel of
+/// what deforms the sheet (Crumple::Deformation), so that a shot gives the same crumple at any
+/// speed.
 ///
 /// - The inner vertices at which folds end slide on the pattern down their configurational forces,
 ///   to where the sheet stores least. So folds lie where the load puts them, not where the first
