@@ -1,6 +1,5 @@
 #include "baker/job/crease_lines.h"
 
-#include "core/geometry/prescribed_creases.h"
 #include "formats/config/job_file.h"
 
 #include <algorithm>
@@ -33,13 +32,11 @@ std::vector<ExpectedCrease> expected_creases(const SceneSheet& sheet, int first_
 std::vector<CreaseLine> crease_lines(const SceneSheet& sheet,
                                      const std::vector<ExpectedCrease>& expected) {
   std::vector<CreaseLine> lines;
-  const std::vector<PrescribedCrease>& drawn = sheet.pattern.prescribed_creases;
+  const std::vector<PrescribedCrease> drawn = drawn_creases(sheet.pattern, expected);
   for (std::size_t c = 0; c < drawn.size(); ++c) {
     std::string origin = sheet.crease_origin[c];
     for (const ExpectedCrease& crease : expected)
-      if (std::any_of(crease.drawn.begin(), crease.drawn.end(), [&](const Segment2& part) {
-            return crease_under({drawn[c]}, part.a, part.b) != nullptr;
-          }))
+      if (std::count(crease.creases.begin(), crease.creases.end(), static_cast<int>(c)) > 0)
         origin += "; folded by " + origin_of(crease, sheet.handles);
     lines.push_back({drawn[c].line, drawn[c].angle, false, origin});
   }

@@ -29,40 +29,37 @@ std::vector<FoldAxis> axes_of(const Clamps& clamps) {
   return axes;
 }
 
-/// The straight parts of drawn creases that run along a line, each in its direction, in order.
-std::vector<Segment2> drawn_along(const Segment2& line, const Pattern& pattern) {
-  constexpr double same_direction = 0.99;  // [1] cosine
-  const double near = same_line * longer_side(pattern);
-  const Vector2d direction = (line.b - line.a).normalized();
-  const auto is_near = [&](const Vector2d& p) {
-    return std::abs(cross(direction, p - line.a)) < near;
-  };
-  std::vector<Segment2> parts;
-  for (const PrescribedCrease& drawn : pattern.prescribed_creases)
-    for (std::size_t k = 0; k + 1 < drawn.line.size(); ++k) {
-      Segment2 part{drawn.line[k], drawn.line[k + 1]};
-      const Vector2d along = part.b - part.a;
-      if (direction.dot(along) < 0) std::swap(part.a, part.b);
-      if (is_near(part.a) && is_near(part.b) &&
-          std::abs(direction.dot(along)) > same_direction * along.norm())
-        parts.push_back(part);
-    }
-  std::sort(parts.begin(), parts.end(), [&](const Segment2& a, const Segment2& b) {
-    return direction.dot(a.a) < direction.dot(b.a);
-  });
-  return parts;
+/// Where a corner of a crease goes that is drawn within `near` [m] of a line: onto the line, or to
+/// one of its ends. Nothing: it is not as near.
+std::optional<Vector2d> place_on(const Segment2& line, const Vector2d& p, double near) {
+  const double length = (line.b - line.a).norm();
+  const Vector2d direction = (line.b - line.a) / length;
+  const double along = direction.dot(p - line.a);
+  if (std::abs(cross(direction, p - line.a)) > near || along < -near || along > length + near)
+    return std::nullopt;
+  if (along < near) return line.a;
+  return along > length - near ? line.b : Vector2d(line.a + along * direction);
 }
 
-/// The line through what is drawn along it; if nothing is, through the two handles on it that are
-/// farthest from each other, or through the only one.
-FoldAxis through_known_points(FoldAxis line, const Shot& shot) {
+/// The part of a line along which a segment is drawn, to within `near` [m], in the direction of the
+/// line; nothing: it runs elsewhere.
+std::optional<Segment2> part_along(const Segment2& line, const Segment2& drawn, double near) {
+  constexpr double same_direction = 0.99;  // [1] cosine
+  const Vector2d along = drawn.b - drawn.a, direction = (line.b - line.a).normalized();
+  const std::optional<Vector2d> a = place_on(line, drawn.a, near),
+                                b = place_on(line, drawn.b, near);
+  if (!a || !b || *a == *b || std::abs(direction.dot(along)) < same_direction * along.norm())
+    return std::nullopt;
+  return direction.dot(along) > 0 ? Segment2{*a, *b} : Segment2{*b, *a};
+}
+
+/// The line through the two handles on it that are farthest from each other, or through the only
+/// one.
+FoldAxis through_handles(FoldAxis line, const Shot& shot) {
   const double side = longer_side(shot.pattern);
   std::vector<Vector2d> on;
-  for (const Segment2& part : drawn_along({line.point, line.point + line.direction}, shot.pattern))
-    on.insert(on.end(), {part.a, part.b});
-  if (on.empty())
-    for (const Handle& handle : shot.handles)
-      if (std::abs(line.side(handle.pattern)) < on_line * side) on.push_back(handle.pattern);
+  for (const Handle& handle : shot.handles)
+    if (std::abs(line.side(handle.pattern)) < on_line * side) on.push_back(handle.pattern);
   if (on.empty()) return line;
   const auto [first, last] =
       std::minmax_element(on.begin(), on.end(), [&](const Vector2d& p, const Vector2d& q) {
@@ -104,19 +101,27 @@ std::vector<Segment2> on_paper(const FoldAxis& line, const Shot& shot) {
 /// Finds what the artist has drawn along a line, and what is missing between.
 void look_for_drawn(ExpectedCrease& crease, const Pattern& pattern) {
   const double near = same_line * longer_side(pattern);
-  const Vector2d from = crease.line.a, to = crease.line.b;
-  const Vector2d direction = (to - from).normalized();
-  Vector2d end = from;  // of what there is
-  const auto look_until = [&](const Vector2d& p) {
-    if (direction.dot(p - end) > near) crease.missing.push_back({end, p});
-  };
-  for (const Segment2& part : drawn_along(crease.line, pattern)) {
-    if (direction.dot(part.b - from) < near || direction.dot(to - part.a) < near) continue;
-    crease.drawn.push_back(part);
-    look_until(part.a);
-    if (direction.dot(part.b - end) > 0) end = part.b;
+  for (std::size_t c = 0; c < pattern.prescribed_creases.size(); ++c) {
+    const std::vector<Vector2d>& drawn = pattern.prescribed_creases[c].line;
+    const std::size_t before = crease.drawn.size();
+    for (std::size_t k = 0; k + 1 < drawn.size(); ++k)
+      if (const auto part = part_along(crease.line, {drawn[k], drawn[k + 1]}, near))
+        crease.drawn.push_back(*part);
+    if (crease.drawn.size() > before) crease.creases.push_back(static_cast<int>(c));
   }
-  look_until(to);
+  const Vector2d direction = (crease.line.b - crease.line.a).normalized();
+  const auto at = [&](const Vector2d& p) { return direction.dot(p - crease.line.a); };
+  std::sort(crease.drawn.begin(), crease.drawn.end(),
+            [&](const Segment2& a, const Segment2& b) { return at(a.a) < at(b.a); });
+  Vector2d end = crease.line.a;  // of what there is
+  const auto look_until = [&](const Vector2d& p) {
+    if (at(p) - at(end) > near) crease.missing.push_back({end, p});
+  };
+  for (const Segment2& part : crease.drawn) {
+    look_until(part.a);
+    if (at(part.b) > at(end)) end = part.b;
+  }
+  look_until(crease.line.b);
 }
 
 bool is_same_line(const Segment2& a, const Segment2& b, double side) {
@@ -138,9 +143,10 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
     });
   };
   for (const FoldAxis& axis : axes_of(clamps))
-    for (const Segment2& part : on_paper(through_known_points(axis, shot), shot))
+    for (const Segment2& part : on_paper(through_handles(axis, shot), shot))
       if (!is_known(part))
         expected.push_back({part,
+                            {},
                             {},
                             {},
                             axis.other->is_plate ? By::two_plates : By::plate_and_row,
@@ -162,8 +168,35 @@ double largest_turn(const ExpectedCrease& crease) {
   return largest;
 }
 
+std::vector<PrescribedCrease> drawn_creases(const Pattern& pattern,
+                                            const std::vector<ExpectedCrease>& expected) {
+  constexpr double same_place = 1e-4;  // [1] of the longer side
+  const double side = longer_side(pattern), near = same_line * side;
+  std::vector<PrescribedCrease> creases = pattern.prescribed_creases;
+  for (const ExpectedCrease& fold : expected) {
+    std::vector<Segment2> along;
+    for (const int c : fold.creases)
+      for (std::size_t k = 0; k + 1 < creases[c].line.size(); ++k)
+        if (const Segment2 drawn{creases[c].line[k], creases[c].line[k + 1]};
+            part_along(fold.line, drawn, near))
+          along.push_back(drawn);
+    const auto moved = [&](const Vector2d& p) {
+      return std::any_of(along.begin(), along.end(), [&](const Segment2& drawn) {
+        return distance_to_segment(p, drawn.a, drawn.b) < same_place * side;
+      });
+    };
+    for (PrescribedCrease& crease : creases)
+      for (Vector2d& p : crease.line)
+        if (moved(p)) p = place_on(fold.line, p, near).value_or(p);
+  }
+  for (PrescribedCrease& crease : creases)
+    crease.line.erase(std::unique(crease.line.begin(), crease.line.end()), crease.line.end());
+  return creases;
+}
+
 void add_expected_creases(Shot& shot, std::vector<ExpectedCrease> all) {
   const int first = static_cast<int>(shot.hands.size());
+  shot.pattern.prescribed_creases = drawn_creases(shot.pattern, all);
   for (ExpectedCrease& expected : all) {
     for (const Segment2& part : expected.missing)
       shot.pattern.prescribed_creases.push_back({{part.a, part.b}, 0, false});

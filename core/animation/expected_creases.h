@@ -23,9 +23,10 @@ struct ExpectedCrease {
   };
 
   Segment2 line;  // [m] from border to border
-  // [m] straight parts of creases that the artist has drawn along it, and the parts of it where
-  // there is none: the sheet gets a crease there, which is not folded yet
+  // [m] its parts along which the artist has drawn creases, and those where there is none: the
+  // sheet gets a crease there, which is not folded yet
   std::vector<Segment2> drawn, missing;
+  std::vector<int> creases;  // those that are drawn: indices into Pattern::prescribed_creases
   By by = By::two_plates;
 
   std::vector<double> turn;   // [rad] and a point between the hands, as in FoldingHands
@@ -61,14 +62,19 @@ double largest_turn(const ExpectedCrease&);
 /// Where two lines cross that hands fold at once, there is a gusset crease (gussets.h).
 ///
 /// Creases that the artist has drawn along a line, to within 1 % of the longer side, are what hands
-/// fold there.
+/// fold there. They are moved onto the line (drawn_creases): a fold beside it would ask for paper
+/// that is not there.
 ///
 /// first_frame  frame of row 0 of Handle::keyed
 /// source       this project
 std::vector<ExpectedCrease> expected_creases(const Shot&, int first_frame);
 
-/// Adds the missing parts of expected creases to the pattern of the shot, and the hands that fold
-/// along them.
+/// The creases that the artist has drawn. Those along which hands fold the sheet are moved onto
+/// their lines, and with them the corners of others that lie on them.
+std::vector<PrescribedCrease> drawn_creases(const Pattern&, const std::vector<ExpectedCrease>&);
+
+/// Moves the drawn creases of the shot onto the lines along which hands fold them, adds the missing
+/// parts of these lines to its pattern, and the hands that fold along them to the shot.
 void add_expected_creases(Shot&, std::vector<ExpectedCrease>);
 
 }  // namespace paperbake

@@ -83,7 +83,7 @@ Vector2d way_out(const Vector2d& from, const Vector2d& direction, const Shot& sh
   std::vector<Vector2d> places;
   const auto meet = [&](const Vector2d& p, const Vector2d& q) {
     const std::optional<double> at = meeting(from, from + direction, p, q);
-    // what is nearer is drawn along the lines that cross
+    // what is nearer may be drawn along the lines that cross
     if (at && *at > shortest * side) length = std::min(length, *at);
   };
   const auto meet_polygon = [&](const std::vector<Vector2d>& polygon) {

@@ -274,26 +274,35 @@ TEST(ExpectedCreasesTest, AHandleThatIsNearlyOnTheLineBecomesAPointOfIt) {
   EXPECT_TRUE(line_between(with({far}), {0, low_fold}, {0.210, low_fold}));
 }
 
-TEST(ExpectedCreasesTest, WhatTheArtistHasDrawnAlongALineIsWhatHandsFold) {
+TEST(ExpectedCreasesTest, WhatTheArtistHasDrawnAlongALineIsMovedOntoItAndFoldedByHands) {
   Shot shot = held(a4, letter());
-  const Vector2d left(0, 0.0992), right(0.210, 0.0988);
-  shot.pattern.prescribed_creases = {{{left, right}, -1.0}};
+  // 0.5 to 1 mm beside the line; a crease that ends there; and one that crosses it
+  shot.pattern.prescribed_creases = {{{{0, 0.0998}, {0.1, 0.0985}, {0.210, 0.0995}}, -1.0},
+                                     {{{0.05, 0.09915}, {0.09, 0.15}}},
+                                     {{{0.15, 0.02}, {0.15, 0.12}}}};
+  const std::vector<PrescribedCrease> before = shot.pattern.prescribed_creases;
   const std::vector<ExpectedCrease> lines = lines_of(shot);
   ASSERT_EQ(lines.size(), 2u);
-  const ExpectedCrease *drawn = line_between(lines, left, right),
+  const ExpectedCrease *drawn = line_between(lines, {0, low_fold}, {0.210, low_fold}),
                        *other = line_between(lines, {0, high_fold}, {0.210, high_fold});
   ASSERT_TRUE(drawn && other);
   EXPECT_TRUE(drawn->missing.empty());
-  ASSERT_EQ(drawn->drawn.size(), 1u);
+  EXPECT_EQ(drawn->creases, std::vector<int>{0});
+  EXPECT_EQ(drawn->drawn.size(), 2u);
   add_expected_creases(shot, lines);
-  ASSERT_EQ(shot.pattern.prescribed_creases.size(), 2u) << "none is added where one is drawn";
-  EXPECT_EQ(shot.pattern.prescribed_creases[0].angle, -1.0);
+  const std::vector<PrescribedCrease>& now = shot.pattern.prescribed_creases;
+  ASSERT_EQ(now.size(), 4u) << "none is added where one is drawn";
+  EXPECT_EQ(now[0].angle, -1.0);
+  for (std::size_t k = 0; k < before[0].line.size(); ++k)
+    EXPECT_LT((now[0].line[k] - Vector2d(before[0].line[k].x(), low_fold)).norm(), 1e-9);
+  EXPECT_LT((now[1].line[0] - Vector2d(0.05, low_fold)).norm(), 1e-9);
+  EXPECT_EQ(now[1].line[1], before[1].line[1]);
+  EXPECT_EQ(now[2].line, before[2].line);
   ASSERT_EQ(shot.hands.size(), 2u);
   for (const FoldingHands& hands : shot.hands) {
-    const bool of_drawn = (hands.line.a - hands.line.b).norm() > 0.210 + 1e-9;
+    const bool of_drawn = hands.line.a.y() < 0.1;
     EXPECT_EQ(hands.turn, (of_drawn ? drawn : other)->turn);
-    ASSERT_EQ(hands.parts.size(), 1u);
-    EXPECT_EQ(hands.parts[0].a.y() < 0.1, of_drawn);
+    EXPECT_EQ(hands.parts.size(), of_drawn ? 2u : 1u);
   }
 }
 
