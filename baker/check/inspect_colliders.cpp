@@ -1,6 +1,7 @@
 #include "baker/check/inspect_colliders.h"
 
 #include "core/geometry/collider_facing.h"
+#include "core/geometry/sheet_distance.h"
 
 #include <cmath>
 #include <fmt/format.h>
@@ -53,6 +54,12 @@ InspectedCollider::Beside beside(const ColliderMesh& mesh, const SceneSheet& she
     const double distance = collider.nearest(p, anywhere, 1).distance;
     // the front of an open mesh turns to the sheet
     found.distance = std::min(found.distance, collider.closed() ? distance : std::abs(distance));
+  }
+  if (found.distance > 0) {  // between the points it may be nearer
+    Sheet surface;
+    surface.x = mesh.x;
+    surface.triangles = mesh.triangles;
+    found.distance = distance_between(sheet.start, surface, found.distance);
   }
   return found;
 }

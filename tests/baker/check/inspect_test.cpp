@@ -1,6 +1,8 @@
 // What paperbake inspect tells of a scene. Everything is checked from outside.
 
+#include "baker/check/inspect_colliders.h"
 #include "tests/baker/program_fixture.h"
+#include "tests/core/test_meshes.h"
 #include "tests/formats/scene/scene_fixture.h"
 
 #include <gtest/gtest.h>
@@ -175,6 +177,22 @@ TEST_F(InspectTest, ACreaseThatIsDrawnSaysWhatItSpringsBackTo) {
   for (const auto& line : lines) EXPECT_EQ(line.at("expected"), false) << line;
   EXPECT_EQ(lines[0].at("from"), "\"crease.drawn\"");
   EXPECT_NEAR(lines[0].at("angle_deg").get<double>(), -20, 1e-4);
+}
+
+TEST(InspectedCollidersTest, TheDistanceIsThatOfTheNearestPointsAlsoBetweenVertices) {
+  Scene scene;
+  Points2 corners(4, 2);
+  corners << 0, 0, 0.1, 0, 0.1, 0.1, 0, 0.1;
+  Triangles halves(2, 3);
+  halves << 0, 1, 2, 0, 2, 3;
+  scene.sheets.emplace_back();
+  scene.sheets[0].start = test::flat_sheet(corners, halves);
+  // the edge of a roof, 2 mm above the sheet and across it
+  ColliderMesh roof{"roof", Points3(4, 3), Triangles(2, 3), {}};
+  roof.x << -0.05, 0.0437, 0.002, 0.15, 0.0519, 0.002, 0.05, 0.02, 0.04, 0.05, 0.07, 0.04;
+  roof.triangles << 0, 1, 3, 1, 0, 2;
+  scene.colliders = {roof};
+  EXPECT_NEAR(inspected_colliders(scene)[0].nearest().distance, 0.002, 1e-9);
 }
 
 }  // namespace
