@@ -12,6 +12,12 @@ constexpr double apart = 0.2;    // [1] of the distance of two handles, from oth
 
 double distance(const Handle& a, const Handle& b) { return (a.pattern - b.pattern).norm(); }
 
+/// Whether the straight line between two handles lies on the paper.
+bool see_each_other(const Pattern& pattern, const Handle& a, const Handle& b) {
+  constexpr double rounding = 1e-9;  // [1]
+  return paper_distance(pattern, a.pattern, b.pattern) <= (1 + rounding) * distance(a, b);
+}
+
 /// Whether two handles are keyed nearer to each other than they are on the pattern.
 bool come_nearer(const Handle& a, const Handle& b) {
   if (a.mode != HandleMode::absolute || b.mode != HandleMode::absolute) return false;
@@ -33,7 +39,8 @@ std::vector<Vector2d> points_in_closing_hands(const Shot& shot) {
   for (std::size_t h = 0; h < n; ++h)
     for (std::size_t k = 0; k < h; ++k)
       if (const double length = distance(all[h], all[k]); 0 < length && length < far)
-        closes[h][k] = closes[k][h] = come_nearer(all[h], all[k]);
+        closes[h][k] = closes[k][h] =
+            come_nearer(all[h], all[k]) && see_each_other(shot.pattern, all[h], all[k]);
   for (std::size_t h = 0; h < n; ++h)
     for (std::size_t k = 0; k < h; ++k)
       for (std::size_t m = 0; closes[h][k] && m < n; ++m)

@@ -71,31 +71,109 @@ FoldAxis through_handles(FoldAxis line, const Shot& shot) {
   return line;
 }
 
-/// The parts of the line that lie on the sheet.
+/// The parts of the line that have paper on both sides: those along the border have not.
 std::vector<Segment2> on_paper(const FoldAxis& line, const Shot& shot) {
-  const double side = longer_side(shot.pattern);
+  const double side = longer_side(shot.pattern), on_border = 1e-4 * side;
   std::vector<double> cuts;
   const auto cut = [&](const std::vector<Vector2d>& polygon) {
     for (std::size_t i = 0; i < polygon.size(); ++i) {
       const Vector2d p = polygon[i], q = polygon[(i + 1) % polygon.size()];
       const double sp = line.side(p), sq = line.side(q);
-      if ((sp > 0) == (sq > 0)) continue;
-      cuts.push_back(line.direction.dot(p + sp / (sp - sq) * (q - p) - line.point));
+      if (std::abs(sp) <= on_border)
+        cuts.push_back(line.direction.dot(p - line.point));
+      else if (std::abs(sq) > on_border && (sp > 0) != (sq > 0))
+        cuts.push_back(line.direction.dot(p + sp / (sp - sq) * (q - p) - line.point));
     }
   };
   cut(shot.pattern.outline);
   for (const auto& hole : shot.pattern.holes) cut(hole);
   std::sort(cuts.begin(), cuts.end());
-  const auto at = [&](double s) -> Vector2d {
-    const Vector2d p = line.point + s * line.direction;
+  const auto place = [&](double s) -> Vector2d { return line.point + s * line.direction; };
+  const auto at = [&](double s) {
     for (const Handle& handle : shot.handles)  // an end beside a handle is the handle
-      if ((handle.pattern - p).norm() < on_line * side) return handle.pattern;
-    return p;
+      if ((handle.pattern - place(s)).norm() < on_line * side) return handle.pattern;
+    return place(s);
+  };
+  const Vector2d across = 2 * on_border * Vector2d(-line.direction.y(), line.direction.x());
+  const auto is_paper = [&](double from, double to) {
+    const Vector2d middle = place(0.5 * (from + to));
+    return contains(shot.pattern, middle + across) && contains(shot.pattern, middle - across);
   };
   std::vector<Segment2> parts;
-  for (std::size_t k = 0; k + 1 < cuts.size(); k += 2)
-    if (cuts[k + 1] - cuts[k] > same_line * side) parts.push_back({at(cuts[k]), at(cuts[k + 1])});
+  for (std::size_t k = 0; k + 1 < cuts.size(); ++k) {
+    const double from = cuts[k];
+    while (k + 1 < cuts.size() && is_paper(cuts[k], cuts[k + 1])) ++k;
+    if (cuts[k] - from > same_line * side) parts.push_back({at(from), at(cuts[k])});
+  }
   return parts;
+}
+
+/// A pattern that is cut in two along a segment, from one point of its outline to another.
+class CutPattern {
+ public:
+  CutPattern(const Pattern& pattern, const Segment2& cut)
+      : cut_(cut), near_(on_line * longer_side(pattern)) {
+    const std::size_t from = edge_at(pattern, cut.a), to = edge_at(pattern, cut.b),
+                      n = pattern.outline.size();
+    if (from == n || to == n || from == to) return;
+    part_.outline = {cut.a};
+    for (std::size_t i = (from + 1) % n; i != (to + 1) % n; i = (i + 1) % n)
+      part_.outline.push_back(pattern.outline[i]);
+    part_.outline.push_back(cut.b);
+    const Vector2d off = cut.b - cut.a;
+    left_ = contains(part_, 0.5 * (cut.a + cut.b) + 1e-3 * Vector2d(-off.y(), off.x())) ? 1 : -1;
+  }
+
+  /// How two sets of points are separated: by the cut itself, or by the line through it.
+  enum class By { cut, line };
+
+  /// 1 or -1: the side on which all these points are; 0: they are on both. A cut that ends at a hole
+  /// separates as its line does.
+  int side_of(const std::vector<Vector2d>& points, By by) const {
+    bool left = false, right = false;
+    for (const Vector2d& p : points)
+      if (distance_to_segment(p, cut_.a, cut_.b) > near_) (is_left(p, by) ? left : right) = true;
+    return left == right ? 0 : left ? 1 : -1;
+  }
+
+ private:
+  /// The edge of the outline on which a point lies; the number of edges if on none.
+  static std::size_t edge_at(const Pattern& pattern, const Vector2d& p) {
+    const double near = 2e-3 * longer_side(pattern);
+    const std::vector<Vector2d>& all = pattern.outline;
+    std::size_t best = all.size();
+    double least = near;
+    for (std::size_t i = 0; i < all.size(); ++i)
+      if (const double off = distance_to_segment(p, all[i], all[(i + 1) % all.size()]); off < least)
+        best = i, least = off;
+    return best;
+  }
+  bool is_left(const Vector2d& p, By by) const {
+    if (by == By::line || part_.outline.empty()) return cross(cut_.b - cut_.a, p - cut_.a) > 0;
+    return contains(part_, p, near_) == (left_ > 0);
+  }
+
+  Segment2 cut_;
+  double near_;  // [m] points this near to the cut are on neither side
+  Pattern part_{};
+  int left_ = 1;  // whether that part is on the left of the cut
+};
+
+/// Whether a part of the line of an axis separates the two clamps, and no other clamp is on both
+/// sides. The line separates flaps beside each other that fold together.
+bool is_between(const Segment2& part, const FoldAxis& axis, const Clamps& clamps,
+                const Pattern& pattern, CutPattern::By by) {
+  using By = CutPattern::By;
+  const CutPattern cut(pattern, part);
+  const auto side_of = [&](const Clamp& clamp, By how) {
+    std::vector<Vector2d> points;
+    for (const int h : clamp.handles) points.push_back(clamps.place(h));
+    return cut.side_of(points, how);
+  };
+  return side_of(*axis.plate, by) * side_of(*axis.other, by) < 0 &&
+         std::none_of(clamps.all().begin(), clamps.all().end(), [&](const Clamp& clamp) {
+           return side_of(clamp, By::cut) == 0 && side_of(clamp, By::line) == 0;
+         });
 }
 
 /// Finds what the artist has drawn along a line, and what is missing between.
@@ -142,19 +220,21 @@ std::vector<ExpectedCrease> expected_creases(const Shot& shot, int first_frame) 
       return is_same_line(known.line, line, clamps.side());
     });
   };
-  for (const FoldAxis& axis : axes_of(clamps))
-    for (const Segment2& part : on_paper(through_handles(axis, shot), shot))
-      if (!is_known(part))
-        expected.push_back({part,
-                            {},
-                            {},
-                            {},
-                            axis.other->is_plate ? By::two_plates : By::plate_and_row,
-                            axis.turn,
-                            axis.between,
-                            {},
-                            axis.plate->handles,
-                            axis.other->handles});
+  const std::vector<FoldAxis> axes = axes_of(clamps);
+  for (const auto by_what : {CutPattern::By::cut, CutPattern::By::line})
+    for (const FoldAxis& axis : axes)
+      for (const Segment2& part : on_paper(through_handles(axis, shot), shot))
+        if (!is_known(part) && is_between(part, axis, clamps, shot.pattern, by_what))
+          expected.push_back({part,
+                              {},
+                              {},
+                              {},
+                              axis.other->is_plate ? By::two_plates : By::plate_and_row,
+                              axis.turn,
+                              axis.between,
+                              {},
+                              axis.plate->handles,
+                              axis.other->handles});
   for (ExpectedCrease& gusset : gussets(shot, clamps, expected))
     if (!is_known(gusset.line)) expected.push_back(std::move(gusset));
   for (ExpectedCrease& crease : expected) look_for_drawn(crease, shot.pattern);

@@ -27,14 +27,15 @@ class FoldAxisSearch {
     if (!plate.is_plate) return std::nullopt;
     std::optional<FoldAxis> line =
         other.is_plate ? axis_of_plates(plate, other) : axis_of_row(plate, other);
-    if (!line || side_of(*line, plate) * side_of(*line, other) >= 0) return std::nullopt;
-    for (const Clamp& third : clamps_.all())
-      if (side_of(*line, third) == 0) return std::nullopt;
+    if (!line) return std::nullopt;
+    // flaps beside a fold, which do not turn, hold the plate on its other side, too
+    const int beyond = side_of(*line, other);
+    if (beyond == 0 || side_of(*line, plate) == beyond) return std::nullopt;
     line->reach = (clamps_.middle(plate) - clamps_.middle(other)).norm();
     line->between = 0.5 * (clamps_.middle(plate) + clamps_.middle(other));
     line->plate = &plate;
     line->other = &other;
-    const double sign = side_of(*line, plate) > 0 ? 1 : -1;
+    const double sign = -beyond;
     double most = 0;
     line->turn.assign(clamps_.rows(), std::numeric_limits<double>::quiet_NaN());
     double last = 0;
@@ -153,7 +154,7 @@ class FoldAxisSearch {
         return std::nullopt;
       arm += Vector2d(out, q.z());
     }
-    return (side_of(line, plate) > 0 ? -1 : 1) * std::atan2(arm.y(), arm.x());
+    return side_of(line, other) * std::atan2(arm.y(), arm.x());
   }
 
   /// [m] By how much two clamps may miss each other at the line and still fold the paper there. A

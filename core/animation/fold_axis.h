@@ -23,8 +23,8 @@ struct FoldAxis {
 inline constexpr double on_line = 5e-3;
 
 /// The axis about which a clamp turns against a plate by at least 60 degrees; none if there is
-/// none, if the two are not on different sides of it, or if another clamp is on both. The formulas
-/// are in expected_creases.h.
+/// none, or if the clamp is on both sides of it, or on the same one as the plate. The formulas are
+/// in expected_creases.h.
 std::optional<FoldAxis> fold_axis(const Clamps&, const Clamp& plate, const Clamp& other);
 
 }  // namespace paperbake

@@ -316,7 +316,7 @@ SurfacePoint Collider::nearest(const Vector3d& p, double within, int side) const
     if (const auto found = nearest(p, triangles, side);
         !found.empty() && std::abs(found.front().distance) <= reach)
       return found.front();
-    if (reach >= within) return best;
+    if (!(reach < within)) return best;
   }
 }
 

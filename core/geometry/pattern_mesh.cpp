@@ -316,9 +316,9 @@ PatternMesh mesh_pattern_with(const Pattern& pattern, int triangles,
   };
   for (int k = 0; k < 6 && miss(best) > 0.02; ++k) {
     edge *= std::sqrt(double(best.triangles.rows()) / triangles);
-    PatternMesh mesh = mesh_pattern(pattern, edge, points, turn);
-    if (miss(mesh) >= miss(best)) break;
-    best = std::move(mesh);
+    std::optional<PatternMesh> mesh = try_mesh_pattern(pattern, edge, points, turn);
+    if (!mesh || miss(*mesh) >= miss(best)) break;
+    best = std::move(*mesh);
   }
   return best;
 }

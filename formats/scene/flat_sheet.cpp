@@ -1,6 +1,7 @@
 #include "formats/scene/flat_sheet.h"
 
 #include "core/model/error.h"
+#include "core/model/segment2.h"
 #include "formats/scene/scene_unroll.h"
 #include "formats/scene/welded_mesh.h"
 
@@ -118,9 +119,13 @@ std::vector<Vector2d> corners_of(const Loop& loop, const Points2& flat, double s
 
 double signed_area(const std::vector<Vector2d>& loop) { return area(Pattern{loop, {}}); }
 
+/// Whether two edges cross, and do not merely touch or lie in one line.
 bool cross_each_other(const Vector2d& a, const Vector2d& b, const Vector2d& c, const Vector2d& d) {
-  const auto side = [](const Vector2d& p, const Vector2d& q, const Vector2d& r) {
-    return (q - p).x() * (r - p).y() - (q - p).y() * (r - p).x();
+  const double rounding = 1e-7 * std::max((b - a).norm(), (d - c).norm());
+  // 1, -1 or 0: on which side of the line p-q the point r is
+  const auto side = [&](const Vector2d& p, const Vector2d& q, const Vector2d& r) {
+    const double off = cross(q - p, r - p) / (q - p).norm();
+    return off > rounding ? 1 : off < -rounding ? -1 : 0;
   };
   return side(a, b, c) * side(a, b, d) < 0 && side(c, d, a) * side(c, d, b) < 0;
 }

@@ -29,6 +29,8 @@ Predictor::Predictor(const Points2& pattern, const Triangles& triangles, std::ve
   coupling_.resize(free, static_cast<int>(held_.size()));
   coupling_.setFromTriplets(border.begin(), border.end());
   laplacian_.compute(matrix);
+  // a part of the mesh that nothing holds: only what is held moves
+  if (laplacian_.info() != Eigen::Success) coupling_.resize(0, 0);
 }
 
 void Predictor::spread(const PositionConstraints& hard, Points3& guess) const {

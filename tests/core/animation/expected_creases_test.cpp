@@ -1,11 +1,15 @@
 #include "core/animation/expected_creases.h"
 
+#include "core/animation/animate.h"
+#include "core/geometry/measure.h"
+#include "core/methods/hybrid.h"
 #include "core/model/segment2.h"
 #include "tests/core/test_meshes.h"
 #include "tests/core/test_shots.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <random>
@@ -335,6 +339,97 @@ TEST(ExpectedCreasesTest, ACreaseThatIsDrawnAcrossALineDoesNotReplaceIt) {
   ASSERT_TRUE(line);
   EXPECT_TRUE(line->drawn.empty());
   EXPECT_EQ(line->missing.size(), 1u);
+}
+
+/// A body with two flaps beside each other, and the three hands that hold it.
+Shot two_flaps(const Poses& left, const Poses& right) {
+  const Pattern pattern{{{0, 0},
+                         {0.12, 0},
+                         {0.12, 0.1},
+                         {0.061, 0.1},
+                         {0.061, 0.06},
+                         {0.059, 0.06},
+                         {0.059, 0.1},
+                         {0, 0.1}},
+                        {}};
+  return held(pattern, {{{{0.01, 0.01}, {0.11, 0.01}, {0.06, 0.05}}, still},
+                        {{{0.01, 0.07}, {0.05, 0.07}, {0.03, 0.09}}, left},
+                        {{{0.07, 0.07}, {0.11, 0.07}, {0.09, 0.09}}, right}});
+}
+
+TEST(ExpectedCreasesTest, EachOfTwoFlapsOnOneLineIsFoldedByItsOwnHand) {
+  const auto turn = [](double angle) { return turning(angle, {0, 0.06}, {1, 0}); };
+  for (const double other : {-90 * degrees, 80 * degrees, 120 * degrees}) {
+    const std::vector<ExpectedCrease> lines = lines_of(two_flaps(turn(80 * degrees), turn(other)));
+    ASSERT_EQ(lines.size(), 2u) << other;
+    const ExpectedCrease *left = line_between(lines, {0, 0.06}, {0.059, 0.06}),
+                         *right = line_between(lines, {0.061, 0.06}, {0.12, 0.06});
+    ASSERT_TRUE(left && right);
+    EXPECT_NEAR(std::abs(left->turn.back()), 80 * degrees, 1e-6);
+    EXPECT_NEAR(std::abs(right->turn.back()), std::abs(other), 1e-6);
+    EXPECT_EQ(left->turn.back() * right->turn.back() > 0, other > 0);
+  }
+}
+
+TEST(ExpectedCreasesTest, AFlapThatStaysFlatDoesNotKeepTheOneBesideItFromFolding) {
+  const std::vector<ExpectedCrease> lines =
+      lines_of(two_flaps(turning(90 * degrees, {0, 0.06}, {1, 0}), still));
+  ASSERT_EQ(lines.size(), 1u);
+  ASSERT_TRUE(line_between(lines, {0, 0.06}, {0.059, 0.06}));
+  EXPECT_NEAR(std::abs(lines[0].turn.back()), 90 * degrees, 1e-6);
+}
+
+/// A tray with a square bottom and four walls of half its height, which are folded up at once.
+Shot tray(double a) {
+  const double h = a / 2, n = 0.1 * a, f = 0.9 * a, m = a / 2, o = 0.4 * a, up = 88 * degrees;
+  const Pattern pattern{{{0, -h},
+                         {a, -h},
+                         {a, 0},
+                         {a + h, 0},
+                         {a + h, a},
+                         {a, a},
+                         {a, a + h},
+                         {0, a + h},
+                         {0, a},
+                         {-h, a},
+                         {-h, 0},
+                         {0, 0}},
+                        {}};
+  return held(pattern, {{{{n, n}, {f, n}, {m, f}}, still},
+                        {{{n, -n}, {f, -n}, {m, -o}}, turning(up, {0, 0}, {-1, 0})},
+                        {{{n, a + n}, {f, a + n}, {m, a + o}}, turning(up, {0, a}, {1, 0})},
+                        {{{-n, n}, {-n, f}, {-o, m}}, turning(up, {0, 0}, {0, 1})},
+                        {{{a + n, n}, {a + n, f}, {a + o, m}}, turning(up, {a, 0}, {0, -1})}});
+}
+
+TEST(ExpectedCreasesTest, ALineGoesNoFartherAlongTheBorder) {
+  // each line goes on along the borders of two other walls; rounding is another for each size
+  for (const double a : {0.03, 0.055, 0.06, 0.08, 0.11}) {
+    const std::vector<ExpectedCrease> lines = lines_of(tray(a));
+    EXPECT_EQ(lines.size(), 4u) << a;
+    for (const auto& [p, q] : std::vector<std::pair<Vector2d, Vector2d>>{
+             {{0, 0}, {a, 0}}, {{a, 0}, {a, a}}, {{a, a}, {0, a}}, {{0, a}, {0, 0}}})
+      EXPECT_TRUE(line_between(lines, p, q, 1e-6)) << a;
+  }
+}
+
+TEST(ExpectedCreasesTest, ATrayIsFoldedUpByItsHands) {
+  Shot shot = tray(0.08);
+  add_expected_creases(shot, lines_of(shot));
+  AnimateOptions options;
+  options.first_frame = first_frame;
+  options.last_frame = first_frame + frames - 1;
+  options.plasticity = Plasticity::on;
+  double handles = 0, edges = 0;  // [m]; [1]
+  animate(shot, hybrid(shot.pattern, shot.paper, 120, {}, 0, 0), options,
+          [&](const AnimatedFrame& frame) {
+            edges = std::max(edges, length_distortion(*frame.sheet).largest);
+            for (const HandleFrame& handle : frame.handles)
+              handles = std::max(handles, handle.error());
+            return true;
+          });
+  EXPECT_LT(handles, 1e-4);
+  EXPECT_LT(edges, 3e-3);
 }
 
 TEST(ExpectedCreasesTest, HandlesThatOnlyMoveAlongFoldNothing) {

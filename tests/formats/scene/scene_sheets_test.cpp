@@ -71,6 +71,22 @@ TEST(SceneSheets, AnLShapeKeepsItsReentrantCorner) {
   EXPECT_NEAR(area(scene.sheets[0].pattern), 0.03, 1e-8);
 }
 
+/// Borders of a tray that lie in one line, apart from each other: rounding puts them to any side.
+TEST(SceneSheets, ATrayDoesNotOverlapItself) {
+  for (int k = 0; k < 100; ++k) {
+    const double a = 0.03 + 0.001 * k, h = a / 2;
+    FlatMesh tray;
+    tray.x = {{0, 0, 0},     {a, 0, 0},     {a, a, 0},     {0, a, 0},     {0, -h, 0}, {a, -h, 0},
+              {a + h, 0, 0}, {a + h, a, 0}, {a, a + h, 0}, {0, a + h, 0}, {-h, a, 0}, {-h, 0, 0}};
+    tray.corners = {0, 1, 2, 0, 2, 3, 4, 5, 1, 4,  1, 0, 1,  6, 7,
+                    1, 7, 2, 3, 2, 8, 3, 8, 9, 11, 0, 3, 11, 3, 10};
+    const Eigen::AngleAxisd turn(0.1 * k, Vector3d::UnitZ());
+    for (Vector3d& p : tray.x) p = turn * p;
+    const Scene scene = read_scene(HeldSheet(tray).write("tray.gltf"));
+    EXPECT_EQ(scene.sheets.at(0).pattern.outline.size(), 12u) << k;
+  }
+}
+
 TEST(SceneSheets, ARolledSheetIsUnrolledWithoutUvs) {
   // a quarter turn of radius 0.1 in 40 chords of 2 r sin(pi / 160) each
   const auto roll = [](double u, double v) {
