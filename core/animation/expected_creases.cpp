@@ -127,8 +127,8 @@ class CutPattern {
   /// How two sets of points are separated: by the cut itself, or by the line through it.
   enum class By { cut, line };
 
-  /// 1 or -1: the side on which all these points are; 0: they are on both. A cut that ends at a hole
-  /// separates as its line does.
+  /// 1 or -1: the side on which all these points are; 0: they are on both. A cut that ends at a
+  /// hole separates as its line does.
   int side_of(const std::vector<Vector2d>& points, By by) const {
     bool left = false, right = false;
     for (const Vector2d& p : points)

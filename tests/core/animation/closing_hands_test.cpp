@@ -46,14 +46,8 @@ TEST(ClosingHandsTest, AFistHasPointsBetweenAllItsFingertips) {
 TEST(ClosingHandsTest, ThereAreNoneWhereThereIsNoPaperBetweenTheFingertips) {
   Shot shot = fist(0.5);
   const double wide = 0.001;  // of a slit through the middle of the fist, from the border
-  shot.pattern.outline = {{0, 0},
-                          {0.1 - wide, 0},
-                          {0.1 - wide, 0.1},
-                          {0.1 + wide, 0.1},
-                          {0.1 + wide, 0},
-                          {0.2, 0},
-                          {0.2, 0.15},
-                          {0, 0.15}};
+  shot.pattern.outline = {{0, 0},          {0.1 - wide, 0}, {0.1 - wide, 0.1}, {0.1 + wide, 0.1},
+                          {0.1 + wide, 0}, {0.2, 0},        {0.2, 0.15},       {0, 0.15}};
   const std::vector<Vector2d> points = points_in_closing_hands(shot);
   EXPECT_LT(points.size(), points_in_closing_hands(fist(0.5)).size());
   for (const Vector2d& p : points) EXPECT_TRUE(contains(shot.pattern, p)) << p.transpose();
