@@ -37,7 +37,8 @@ std::vector<CreaseLine> crease_lines(const SceneSheet& sheet,
     std::string origin = sheet.crease_origin[c];
     for (const ExpectedCrease& crease : expected)
       if (std::count(crease.creases.begin(), crease.creases.end(), static_cast<int>(c)) > 0)
-        origin += "; folded by " + origin_of(crease, sheet.handles);
+        origin += fmt::format("; turned by {:.4g} degrees by {}", largest_turn(crease) * 180 / M_PI,
+                              origin_of(crease, sheet.handles));
     lines.push_back({drawn[c].line, drawn[c].angle, false, origin});
   }
   for (const ExpectedCrease& crease : expected)
