@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace paperbake {
 
@@ -30,22 +31,42 @@ StrainLimit::StrainLimit(const Points2& pattern, const Triangles& triangles,
   }
 }
 
-void StrainLimit::operator()(Points3& x, const std::vector<char>& held) const {
-  const double longest = 1 + options_.limit, shortest = 1 - options_.limit;
-  const auto beyond = [&](int e) {
-    const double square = (x.row(edges_[e].a) - x.row(edges_[e].b)).squaredNorm(),
-                 rest = edges_[e].rest * edges_[e].rest;
-    return square > rest * longest * longest || square < rest * shortest * shortest;
-  };
-  std::vector<int> now, next;
-  std::vector<char> queued(edges_.size(), 0);
+bool StrainLimit::is_beyond(double limit, std::size_t edge, const Points3& x) const {
+  const auto& [a, b, length] = edges_[edge];
+  const double square = (x.row(a) - x.row(b)).squaredNorm(), rest = length * length;
+  return square > rest * (1 + limit) * (1 + limit) || square < rest * (1 - limit) * (1 - limit);
+}
+
+std::vector<int> StrainLimit::beyond(double limit, const Points3& x) const {
+  std::vector<int> edges;
   for (std::size_t e = 0; e < edges_.size(); ++e)
-    if (beyond(static_cast<int>(e))) now.push_back(static_cast<int>(e));
+    if (is_beyond(limit, e, x)) edges.push_back(static_cast<int>(e));
+  return edges;
+}
+
+void StrainLimit::operator()(Points3& x, const std::vector<char>& held) const {
+  limit_to(options_.limit, beyond(options_.limit, x), x, held);
+  for (const double aim : options_.aims) {
+    std::vector<int> edges = beyond(aim, x);
+    if (static_cast<double>(edges.size()) > options_.few * static_cast<double>(edges_.size()))
+      return;
+    const Points3 before = x;
+    if (!limit_to(aim, std::move(edges), x, held) &&
+        worst(x) > std::max(options_.limit, worst(before)))
+      x = before;
+  }
+}
+
+bool StrainLimit::limit_to(double limit, std::vector<int> now, Points3& x,
+                           const std::vector<char>& held) const {
+  const double longest = 1 + limit, shortest = 1 - limit;
+  std::vector<int> next;
+  std::vector<char> queued(edges_.size(), 0);
   for (int sweep = 0; sweep < options_.sweeps && !now.empty(); ++sweep) {
     next.clear();
     for (const int e : now) {
       queued[e] = 0;
-      if (!beyond(e)) continue;
+      if (!is_beyond(limit, e, x)) continue;
       const auto [a, b, rest] = edges_[e];
       const double share_a = held[a]   ? 0.0
                              : held[b] ? 1.0
@@ -69,6 +90,7 @@ void StrainLimit::operator()(Points3& x, const std::vector<char>& held) const {
     std::sort(next.begin(), next.end());
     now.swap(next);
   }
+  return now.empty();
 }
 
 double StrainLimit::worst(const Points3& x) const {

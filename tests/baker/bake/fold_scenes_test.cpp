@@ -99,6 +99,7 @@ TEST_P(FoldedTwiceTest, FourLayersFollowTheirHandsWithoutStretchOrCrossing) {
     const std::string where = frame["frame"].dump();
     EXPECT_LE(frame["handle_err_max_mm"].get<double>(), 0.1) << where;
     EXPECT_LE(frame["stretch_max_pct"].get<double>(), 0.1) << where;
+    EXPECT_LE(frame["render_stretch_max_pct"].get<double>(), 0.6) << where;
     for (const char* none : {"crossings", "render_crossings", "singular"})
       EXPECT_EQ(frame[none], 0) << none << " " << where;
     EXPECT_EQ(frame["converged"], true) << where;
