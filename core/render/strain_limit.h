@@ -9,8 +9,8 @@ namespace paperbake {
 
 struct StrainLimitOptions {
   double limit = 0.02;  // [1] largest |l - L|/L allowed
-  // [1] the same, one after the other, as long as only a few edges are beyond it, at most this share
-  // of all: where folds cross, but not in a crumple, where it would take many sweeps
+  // [1] the same, one after the other, as long as only a few edges are beyond it, at most this
+  // share of all: where folds cross, but not in a crumple, where it would take many sweeps
   std::array<double, 2> aims{0.005, 0.003};
   double few = 0.01;
   // [1] at most, over the edges beyond the limit; in a crumple 10 leave an error of 6 %, 30 of
