@@ -50,6 +50,7 @@ void StrainLimit::operator()(Points3& x, const std::vector<char>& held) const {
     std::vector<int> edges = beyond(aim, x);
     if (static_cast<double>(edges.size()) > options_.few * static_cast<double>(edges_.size()))
       return;
+    if (edges.empty()) continue;
     const Points3 before = x;
     if (!limit_to(aim, std::move(edges), x, held) &&
         worst(x) > std::max(options_.limit, worst(before)))
