@@ -21,8 +21,8 @@ constexpr double min_turn = 90 * M_PI / 180;  // of the sheet, in three rows of 
 // where single triangles have yielded
 constexpr double least_bend = 0.5;
 constexpr double unresolved = 1;  // [rad] in a row of triangles
-// [1] of what the sheet turns by in the three rows at a fold: the most that it goes on to turn by in
-// the rows beside them. Paper beside a fold is nearly flat, or turns back.
+// [1] of what the sheet turns by in the three rows at a fold: the most that it goes on to turn by
+// in the rows beside them. Paper beside a fold is nearly flat, or turns back.
 constexpr double most_beside = 0.3;
 // how many places a fold is tried in, and how far beyond where it may be [rows]
 constexpr int places = 7;
