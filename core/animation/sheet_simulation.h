@@ -82,6 +82,8 @@ class SheetSimulation {
   std::vector<double> dhat;  // [m] dhat between this sheet and each sheet before it
 
  private:
+  class IslandStep;  // island_step.h
+
   /// What a step leaves behind for the next one.
   struct StepOutcome {
     bool at_minimum = false;  // it converged, and not into a snap
@@ -175,12 +177,10 @@ class SheetSimulation {
   /// Sets the sheet back to where the frame began, to take it together with others.
   void undo_step();
   void undo_remesh();
+  /// Ends the step of a sheet that could not follow, too.
+  void end_step();
   DrivenSheet driven_sheet(RecordTrajectory);
   DrivenSheet driven_in_part(RecordTrajectory, int part);
-  void step_in_parts(RecordTrajectory, const AdmissibilityCheck& is_admissible);
-  void step_part(RecordTrajectory, int part);
-  static void step_part_together(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
-                                 InitialGap, int part);
   void add_to_step(const FrameStepResult& before);
   /// Ends a part of the frame. before: the step of the parts before it, or of the same part before
   /// it was tried again
@@ -196,15 +196,6 @@ class SheetSimulation {
   /// returns  false if there is none
   bool refine_where_jammed(const AdmissibilityCheck& is_admissible);
   bool refine_jammed_smooth_mesh(const AdmissibilityCheck& is_admissible);
-  /// Lets sheets that are jammed come to rest where the colliders are now.
-  /// returns  whether they are pressed less afterwards
-  static bool settle(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat, InitialGap);
-  /// What sheets that are jammed can do: fold on finer meshes, and come to rest.
-  /// refinements  in this frame so far
-  /// returns      whether the rest of the part of the frame is to be tried again
-  static bool give_way_to_jam(const std::vector<SheetSimulation*>&, const Eigen::MatrixXd& dhat,
-                              InitialGap, const AdmissibilityOfSheet& is_admissible,
-                              int& refinements);
   /// Leaves a jammed sheet behind where the colliders were when it last followed them.
   void hold_if_jammed();
   /// Whether colliders bend the smooth sheet so sharply that its triangles hook on each other.

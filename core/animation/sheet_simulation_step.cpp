@@ -1,8 +1,7 @@
-// How a SheetSimulation takes the elastic step of a frame: in parts, together with other sheets,
-// and what is left to do when it cannot.
+// What a SheetSimulation does for the elastic step of a frame: what drives it, how it goes back to
+// where the step began, and where it is held when it cannot follow. The order is in island_step.h.
 
-#include "core/animation/sheet_simulation.h"
-#include "core/geometry/measure.h"
+#include "core/animation/island_step.h"
 #include "core/model/error.h"
 
 #include <algorithm>
@@ -105,41 +104,22 @@ void SheetSimulation::roll_back() {
   simulated_.elastic.restore(now_.step_start->state);
 }
 
-void SheetSimulation::step_part(RecordTrajectory trace, int part) {
-  const double begun = now_.followed > 0 ? now_.followed : double(part - 1) / now_.load_parts;
-  const auto take_step = [&] {
-    begin_step(trace);
-    FrameInterval interval = frame_interval({});
-    interval.dt /= now_.load_parts;
-    now_.step = advance_frame({driven_in_part(trace, part)}, interval).front();
-  };
-  const auto take_unlocked_step = [&] {
-    take_step();
-    if (!is_locked()) return;
-    undo_remesh();
-    take_step();
-  };
-  take_unlocked_step();
-  if (end_trial()) {
-    roll_back();
-    take_unlocked_step();
-  }
-  if (trace == RecordTrajectory::yes)
-    now_.trajectory.append(sheet(), now_.path_of_step, begun, double(part) / now_.load_parts);
-}
-
 void SheetSimulation::step(RecordTrajectory trace, const AdmissibilityCheck& is_admissible) {
   joined_ = false;
   if (now_.is_idle) return skip_step();
   if (trace == RecordTrajectory::yes && may_step_in_parts()) keep_frame_start();
+  const AdmissibilityOfSheet of_this = [&](std::size_t) { return is_admissible; };
   const bool refines = may_refine();
   for (;;) {
     std::optional<SimulatedSheet::Snapshot> begun;
     if (refines) begun = simulated_.snapshot();
-    now_.trajectory.begin(sheet());
-    step_in_parts(trace, is_admissible);
+    IslandStep({this}, {{}, InitialGap::apart, of_this, trace}).take();
     if (!refines || !is_held_back_by_mesh() || !refine_mesh(std::move(*begun))) break;
   }
+  end_step();
+}
+
+void SheetSimulation::end_step() {
   hold_if_infeasible();
   hold_if_jammed();
   now_.trajectory.end(sheet());
@@ -151,48 +131,6 @@ void SheetSimulation::add_to_step(const FrameStepResult& before) {
   now_.step.iterations += before.iterations;
   now_.step.converged &= before.converged;
   now_.step.last.plastic_increment += before.last.plastic_increment;
-}
-
-bool SheetSimulation::settle(const std::vector<SheetSimulation*>& all, const Eigen::MatrixXd& dhat,
-                             InitialGap gap) {
-  constexpr double pressed_less = 0.95;  // [1] of the largest stretch of an edge
-  const auto stretch = [&] {
-    double most = 0;
-    for (const SheetSimulation* a : all)
-      most = std::max(most, length_distortion(a->sheet()).largest);
-    return most;
-  };
-  const double before = stretch();
-  std::vector<SimulatedSheet::Snapshot> begun;
-  std::vector<DrivenSheet> targets;
-  for (SheetSimulation* a : all) {
-    begun.push_back(a->simulated_.snapshot());
-    targets.push_back(a->driven_sheet(RecordTrajectory::no));
-    if (gap == InitialGap::within_dhat) targets.back().initial_positions = a->initial_positions();
-    ColliderMotion& at = targets.back().input.colliders;
-    at.from = at.to = between(at.from, at.to, a->now_.followed);
-  }
-  FrameInterval interval = all.front()->frame_interval(dhat);
-  interval.min_halvings = 0;
-  const std::vector<FrameStepResult> rest = advance_frame(targets, interval);
-  const double after = stretch();
-  const bool crushed = std::any_of(rest.begin(), rest.end(), [](const FrameStepResult& step) {
-    return !step.failure_reason.empty() || step.last.inside > give_way_depth;
-  });
-  for (std::size_t k = 0; k < all.size(); ++k) {
-    if (crushed || after > before) {
-      all[k]->restore(std::move(begun[k]));
-      continue;
-    }
-    all[k]->now_.last_remesh.reset();  // the sheet has moved on since then
-    FrameStepResult& step = all[k]->now_.step;
-    step.substeps += rest[k].substeps;
-    step.iterations += rest[k].iterations;
-    const double yielded = step.last.plastic_increment;
-    step.last = rest[k].last;
-    step.last.plastic_increment += yielded;
-  }
-  return !crushed && after < pressed_less * before;
 }
 
 void SheetSimulation::hold_if_jammed() {
@@ -209,84 +147,11 @@ void SheetSimulation::hold_if_jammed() {
   add_note(jam_.note(now_.input.colliders.to));
 }
 
-bool SheetSimulation::give_way_to_jam(const std::vector<SheetSimulation*>& all,
-                                      const Eigen::MatrixXd& dhat, InitialGap gap,
-                                      const AdmissibilityOfSheet& is_admissible, int& refinements) {
-  constexpr int most_refinements = 4;
-  const bool may_refine = refinements++ < most_refinements;
-  bool finer = false, stays = all.front()->now_.followed == 0;
-  for (SheetSimulation* a : all) {
-    finer |= may_refine && a->refine_where_jammed(is_admissible(a->number_));
-    stays &= a->jam_.is_on();
-  }
-  if (!may_refine || (stays && !finer)) return false;
-  return settle(all, dhat, gap) || finer;
-}
-
 void SheetSimulation::end_part(FrameStepResult before, int part) {
   before.converged |= before.followed < 1;  // what was tried again
   add_to_step(before);
   outcome_.at_minimum = now_.step.converged && !now_.step.last.snap_in_progress;
   now_.followed += now_.step.followed * (double(part) / now_.load_parts - now_.followed);
-}
-
-void SheetSimulation::step_in_parts(RecordTrajectory trace,
-                                    const AdmissibilityCheck& is_admissible) {
-  const AdmissibilityOfSheet of_this = [&](std::size_t) { return is_admissible; };
-  int refinements = 0;
-  now_.followed = 0;
-  for (int part = 1; part <= now_.load_parts && now_.step.failure_reason.empty(); ++part) {
-    const bool again = now_.step.followed < 1;
-    if (part > 1 && !again && !std::exchange(folded_, false))
-      change_mesh(remesh_context(1.0 / now_.load_parts), is_admissible);
-    const FrameStepResult before = now_.step;
-    if (!again) remember(part);
-    step_part(trace, part);
-    end_part(before, part);
-    if (now_.step.followed < 1) {
-      if (!give_way_to_jam({this}, {}, InitialGap::apart, of_this, refinements)) return;
-      --part;
-    } else if (part < now_.load_parts) {
-      now_.followed = double(part) / now_.load_parts;
-      note_outcome();
-      fold_if_bent(is_admissible);
-    }
-  }
-}
-
-void SheetSimulation::step_part_together(const std::vector<SheetSimulation*>& all,
-                                         const Eigen::MatrixXd& dhat, InitialGap gap, int part) {
-  const auto take_step = [&] {
-    std::vector<DrivenSheet> followers;
-    FrameInterval interval = all.front()->frame_interval(dhat);
-    interval.dt /= all.front()->now_.load_parts;
-    for (SheetSimulation* a : all) {
-      a->begin_step(RecordTrajectory::yes);
-      followers.push_back(a->driven_in_part(RecordTrajectory::yes, part));
-      if (gap == InitialGap::within_dhat)
-        followers.back().initial_positions = a->initial_positions();
-      interval.min_halvings = std::max(interval.min_halvings, a->frame_interval({}).min_halvings);
-    }
-    const std::vector<FrameStepResult> steps = advance_frame(followers, interval);
-    for (std::size_t k = 0; k < all.size(); ++k) all[k]->now_.step = steps[k];
-  };
-  const auto take_unlocked_step = [&] {
-    take_step();
-    const auto is_locked = [](const SheetSimulation* a) { return a->is_locked(); };
-    if (std::none_of(all.begin(), all.end(), is_locked)) return;
-    for (SheetSimulation* a : all)
-      if (is_locked(a))
-        a->undo_remesh();
-      else
-        a->roll_back();
-    take_step();
-  };
-  take_unlocked_step();
-  bool again = false;
-  for (SheetSimulation* a : all) again |= a->end_trial();
-  if (!again) return;
-  for (SheetSimulation* a : all) a->roll_back();
-  take_unlocked_step();
 }
 
 void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
@@ -298,44 +163,15 @@ void SheetSimulation::step_together(const std::vector<SheetSimulation*>& all,
     a->joined_ = true;
     a->now_.is_idle = a->now_.is_sleeping = false;
     a->now_.step = {};
-    a->now_.followed = 0;
-    a->now_.trajectory.begin(a->sheet());
     parts = std::max(parts, a->now_.load_parts);
   }
   for (SheetSimulation* a : all) {
     a->now_.load_parts = parts;
     if (parts > 1 || a->may_jam()) a->keep_frame_start();
   }
-  int refinements = 0;
-  for (int part = 1; part <= parts && all.front()->now_.step.failure_reason.empty(); ++part) {
-    const bool again = all.front()->now_.step.followed < 1;
-    std::vector<FrameStepResult> before;
-    for (SheetSimulation* a : all) {
-      if (part > 1 && !again)
-        a->change_mesh(a->remesh_context(1.0 / parts), is_admissible(a->number_));
-      before.push_back(a->now_.step);
-    }
-    const double begun = again ? all.front()->now_.followed : static_cast<double>(part - 1) / parts;
-    step_part_together(all, dhat, gap, part);
-    for (std::size_t k = 0; k < all.size(); ++k) {
-      SheetSimulation& a = *all[k];
-      a.now_.trajectory.append(a.sheet(), a.now_.path_of_step, begun, double(part) / parts);
-      a.end_part(before[k], part);
-    }
-    if (all.front()->now_.step.followed < 1) {
-      if (!give_way_to_jam(all, dhat, gap, is_admissible, refinements)) break;
-      --part;
-      continue;
-    }
-    for (SheetSimulation* a : all) {
-      a->now_.followed = static_cast<double>(part) / parts;
-      if (part < parts) a->note_outcome();
-    }
-  }
+  IslandStep(all, {dhat, gap, is_admissible, RecordTrajectory::yes}).take();
   for (SheetSimulation* a : all) {
-    a->hold_if_infeasible();
-    a->hold_if_jammed();
-    a->now_.trajectory.end(a->sheet());
+    a->end_step();
     a->folds_.forget();
   }
 }
